@@ -53,11 +53,11 @@ pub(crate) const FAULTS: &[Fault] = faults! {
     "an edge belongs to neither of its triangles", 4, "crates/core/src/kernels/triangle/exact.rs":
         "any(Ordering::Less) && any(Ordering::Greater)"
             => "any(Ordering::Equal) || any(Ordering::Less) && any(Ordering::Greater)";
-    "what lies beyond the end of a ray is hit", 40, "crates/core/src/kernels/triangle/exact.rs":
+    "what lies beyond the end of a ray is hit", 48, "crates/core/src/kernels/triangle/exact.rs":
         "t.is_within([ray.t_min, ray.t_max])" => "t.is_within([ray.t_min, f32::INFINITY])";
-    "a negative t is before every range", 40, "crates/core/src/math/exact.rs":
+    "a negative t is before every range", 48, "crates/core/src/math/exact.rs":
         "end.clamp(f32::MIN, f32::MAX)" => "end.clamp(0.0, f32::MAX)";
-    "what rounding takes for the inside is certain", 3, "crates/core/src/kernels/triangle/filter.rs":
+    "what rounding takes for the inside is certain", 49, "crates/core/src/kernels/triangle/filter.rs":
         "least.simd_gt(edge) | most.simd_lt(-edge)"
             => "least.simd_gt(all(0.0)) | most.simd_lt(all(0.0))";
     "edge functions of a leaf have no error", 1, "crates/core/src/kernels/triangle/filter.rs":
@@ -72,21 +72,23 @@ pub(crate) const FAULTS: &[Fault] = faults! {
         "candidates & !certain" => "0";
     "hits that may come first are too far", 38, "crates/core/src/kernels/triangle/filter.rs":
         "low.simd_gt(reach)" => "high.simd_gt(reach)";
-    "a zero in double precision is outside", 4, "crates/core/src/kernels/triangle/settle.rs":
+    "a zero in double precision is outside", 48, "crates/core/src/kernels/triangle/settle.rs":
         "value.lt(-error)" => "!value.gt(error)";
     "t in double precision has the digits of single", 3, "crates/core/src/kernels/triangle/settle.rs":
         "height * part" => "(height * part).times(1.0 + 1e-7)";
-    "sides in a tile have no error", 8, "crates/core/src/accel/packet/frame/triangles.rs":
+    "sides in a tile have no error", 49, "crates/core/src/accel/packet/frame/triangles.rs":
         "1.01 * U" => "0.0 * U";
-    "t in a tile has no error", 8, "crates/core/src/accel/packet/frame/triangles.rs":
-        "480.0 * U" => "0.0 * U";
+    "t in a tile has no error", 49, "crates/core/src/accel/packet/frame/triangles.rs":
+        "18.0 * U * ratio" => "0.0 * U * ratio";
+    "normals in a tile have no error", 49, "crates/core/src/accel/packet/frame/triangles.rs":
+        "14.0 * U" => "0.0 * U";
     "what a tile leaves open is a miss", 8, "crates/core/src/accel/packet/frame/triangles.rs":
         "maybe & !inside" => "0";
     "all rays of a tile start in its middle", 8, "crates/core/src/accel/packet/frame/triangles.rs":
         "dot(simd, &prepared.normal, triangle, &o)" => "f32x16::splat(simd, 0.0)";
-    "hits that may come first are too far for a tile", 8, "crates/core/src/accel/packet/leaves.rs":
+    "hits that may come first are too far for a tile", 49, "crates/core/src/accel/packet/leaves.rs":
         "low.simd_gt(best[1])" => "high.simd_gt(best[0])";
-    "what ended a tile ends the next", 7, "crates/core/src/accel/packet.rs":
+    "what ended a tile ends the next", 49, "crates/core/src/accel/packet.rs":
         "self.ends_as_before(simd, tile)" => "Q::ANY && self.ending.is_some()";
     "triangles without area have one", 18, "crates/core/src/kernels/triangle/area.rs":
         "collinear(0, 1) && collinear(1, 2) && collinear(2, 0)" => "false";

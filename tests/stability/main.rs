@@ -110,4 +110,6 @@ cases! {
     45 hc45_cut_outs hc45_cut_outs_full;
     46 hc46_vertex_colors hc46_vertex_colors_full;
     47 hc47_wide_quads hc47_wide_quads_full;
+    48 hc48_integer_ends hc48_integer_ends_full;
+    49 hc49_edges_of_slivers hc49_edges_of_slivers_full;
 }

@@ -143,6 +143,9 @@ pub const CASES: &[Case] = &[
     Case::new(46, "vertex colours from 1e-3 to 1e12", "interpolated, also at vertices and edges", colors::interpolated),
     Case::new(47, "flat quads 20 to 1e10 wide, turned, seen from just above", "no ray that passes the diagonal is lost",
         planes::floors_from_just_above),
+    Case::new(48, "rays with integer ends, which are where they meet triangles", "exact hits", trees::at_ends),
+    Case::new(49, "edges and vertices of slivers, of sheets a few ulp apart and of wide planes",
+        "the hits of the reference", agreement::aimed),
 ];
 
 /// The case with that number.

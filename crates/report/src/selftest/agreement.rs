@@ -5,6 +5,7 @@ use rayon::prelude::*;
 
 use super::case::{Effort, Outcome};
 use super::examine::{Extent, rays};
+use super::trees::add_triangle;
 use super::ways::{Numbers, blocks, in_order, with_every_kernel};
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::accel::geometry::{Geometry, Primitive};
@@ -26,13 +27,18 @@ const AGREEING: u32 = 103;
 /// Asks every kernel at every instruction level, in full with several trees, for the hits of rays
 /// aimed at edges, vertices and points of primitives, from outside and from other primitives. In
 /// exact precision they must be those of the reference to the last bit.
-pub fn agreement(mut accel: Accel, effort: &Effort) -> Outcome {
+pub fn agreement(accel: Accel, effort: &Effort) -> Outcome {
+    let presets = effort.either(&[][..], &[Preset::Fastest, Preset::Slow]);
+    agree(accel, effort, rays(effort, RAYS).div_ceil(TOGETHER), presets)
+}
+
+/// As [`agreement`], with this number of packets, and with the tree of `accel` and those of `presets`.
+fn agree(mut accel: Accel, effort: &Effort, packets: usize, presets: &[Preset]) -> Outcome {
     if accel.geometry().is_empty() {
         return Outcome::default();
     }
     accel.kernel = KernelChoice::Reference;
     let extent = Extent::of(accel.geometry());
-    let packets = rays(effort, RAYS).div_ceil(TOGETHER);
     let asked: Vec<_> = blocks(packets, PACKETS_OF_A_THREAD)
         .map(|block| {
             let aimed = |n| packet(accel.geometry(), &extent, Numbers::new(effort, AGREEING, n));
@@ -42,11 +48,44 @@ pub fn agreement(mut accel: Accel, effort: &Effort) -> Outcome {
         })
         .collect();
     let mut outcome = compare(&mut accel, &asked);
-    for preset in effort.either(&[][..], &[Preset::Fastest, Preset::Slow]) {
+    for preset in presets {
         accel.rebuild(*preset);
         outcome.add(compare(&mut accel, &asked).with_context(|| preset.name().to_owned()));
     }
     outcome
+}
+
+/// Packets of case 49, in full.
+const PACKETS: usize = 32_000;
+
+/// Case 49. Slivers, sheets a few ulp apart and wide planes, with rays aimed at their edges and
+/// vertices.
+pub(super) fn aimed(effort: &Effort) -> Outcome {
+    let mut numbers = Numbers::new(effort, 49, usize::MAX);
+    let mut geometry = Geometry::default();
+    let point = |numbers: &mut Numbers| (numbers.direction() * numbers.one()).as_vec3();
+    for _ in 0..64 {
+        let (a, along) = (point(&mut numbers), numbers.direction());
+        let aside = numbers.direction() * numbers.magnitude(1e-9, 1e-3);
+        let middle = a.as_dvec3() + along * numbers.one() + aside;
+        add_triangle(&mut geometry, [a, (a.as_dvec3() + along).as_vec3(), middle.as_vec3()]);
+    }
+    for _ in 0..64 {
+        let corners = [(); 3].map(|()| point(&mut numbers));
+        let step = numbers.direction().as_vec3() * (f32::EPSILON * numbers.below(4) as f32);
+        add_triangle(&mut geometry, corners);
+        let [a, b, c] = corners.map(|corner| corner + step);
+        add_triangle(&mut geometry, [b, c, a]);
+    }
+    for _ in 0..8 {
+        let half = numbers.magnitude(1.0, 1e6) as f32;
+        let y = point(&mut numbers).y;
+        let [a, b, c, d] = [[-half, y, -half], [half, y, -half], [half, y, half], [-half, y, half]];
+        add_triangle(&mut geometry, [a, b, c].map(Vec3::from));
+        add_triangle(&mut geometry, [a, c, d].map(Vec3::from));
+    }
+    let accel = effort.accel(geometry, Preset::Fastest);
+    agree(accel, effort, effort.of(PACKETS), &[Preset::Slow])
 }
 
 /// The answers to both queries.

@@ -114,6 +114,28 @@ pub(super) fn boxes(effort: &Effort) -> Outcome {
     outcome
 }
 
+/// Case 48. Corners, origins and targets are small integers, so that many rays pass through edges and
+/// corners, and end or begin exactly at what they meet.
+pub(super) fn at_ends(effort: &Effort) -> Outcome {
+    let whole = |numbers: &mut Numbers| Vec3::from([(); 3].map(|()| numbers.below(9) as f32 - 4.0));
+    let mut geometry = Geometry::default();
+    let mut numbers = Numbers::new(effort, 48, usize::MAX);
+    for _ in 0..24 {
+        add_triangle(&mut geometry, [(); 3].map(|()| whole(&mut numbers)));
+    }
+    let rays: Vec<Ray> = inputs(effort, 48, 0..effort.of(1_000_000))
+        .map(|mut numbers| {
+            let (origin, target) = (whole(&mut numbers), whole(&mut numbers));
+            let (t_min, t_max) = ([0.0, -1.0, 0.25][numbers.below(3)], numbers.below(2) + 1);
+            Ray { t_min, t_max: t_max as f32 / 2.0, ..Ray::new(origin, target - origin) }
+        })
+        .filter(Ray::is_valid)
+        .collect();
+    let expected = expected_of(&geometry, &rays);
+    let presets = [Preset::Fastest, Preset::Slow];
+    compare(effort, &geometry, &rays, &presets, |i, hit| wrong(hit, expected[i]))
+}
+
 /// Case 20. Corners and rays are integers, so the ray is exactly in the plane: it meets nothing.
 pub(super) fn in_the_plane(effort: &Effort) -> Outcome {
     let mut outcome = Outcome::default();

@@ -27,14 +27,15 @@ impl Triangles {
         Self((0..geometry.triangles.len()).map(corners).collect())
     }
 
-    /// The hit of `ray`, which has integer coordinates too and no ends: at the smallest t, rounded,
-    /// the lowest number.
+    /// The hit of `ray`, which has integer coordinates too: at the smallest t within its range,
+    /// rounded, the lowest number. The ends of the range are quarters, or infinite.
     pub(super) fn met_by(&self, ray: &Ray) -> Hit {
         let (origin, direction) = (whole(ray.origin), whole(ray.direction));
         let mut first = Hit::MISS;
         for (primitive, triangle) in (0..).zip(&self.0) {
             let corners = triangle.map(|corner| corner - origin);
-            if let Some(t) = meeting(corners, direction).filter(|&t| t < first.t) {
+            let range = [ray.t_min, ray.t_max].map(f64::from);
+            if let Some(t) = meeting(corners, direction, range).filter(|&t| t < first.t) {
                 first = Hit { t, primitive };
             }
         }
@@ -43,16 +44,19 @@ impl Triangles {
 }
 
 /// The t at which a ray in this `direction` meets the closed triangle with these `corners`, relative
-/// to its origin.
-fn meeting([a, b, c]: [I64Vec3; 3], direction: I64Vec3) -> Option<f32> {
+/// to its origin, strictly within the range.
+fn meeting([a, b, c]: [I64Vec3; 3], direction: I64Vec3, [t_min, t_max]: [f64; 2]) -> Option<f32> {
     let sides = [(b, c), (c, a), (a, b)].map(|(p, q)| direction.dot(p.cross(q)));
     let whole: i64 = sides.iter().sum();
     let is_outside = sides.iter().any(|s| *s < 0) && sides.iter().any(|s| *s > 0);
     if is_outside || whole == 0 {
         return None;
     }
-    let t = a.dot(b.cross(c)) as f64 / whole as f64;
-    (t > 0.0).then_some(t as f32)
+    let (height, whole) = (a.dot(b.cross(c)) as f64, whole as f64);
+    // Products with quarters are exact, a quotient is not.
+    let (low, high) = (t_min * whole.abs(), t_max * whole.abs());
+    let height = height * whole.signum();
+    (height > low && height < high).then_some((height / whole.abs()) as f32)
 }
 
 /// The error of a `hit`, if any.

@@ -21,11 +21,15 @@
 //!
 //! E = u (Q D (12 D + 36 M) + R M (28 D + 22 M) + 60 R O M + D O (16 R + 48 Q)).
 //!
-//! Let s be such that edges extend by at most 2 s in x and y, and s in z. The normal is off by 24 u s (M + D + s) in x and y, and by 64 u s (M + D + s) in z. With h the
-//! exact hit, the computed t differs from the exact one by the error of n times a - h, which is as
-//! small as an edge; by n times the errors of a, o and t d; and by roundings; all over |n . d|.
-//! The sum is below 480 u s^2 (M + D + O) r / |n . d|, where r is the ratio of R to the smallest |z|
-//! of a direction. Underflow adds less than the least normal number, times the size of the factors:
+//! Edges are sheared after their difference, so that their errors do not depend on where they are:
+//! with W = max(|x|, |y|) + |z| of an edge, its x and y are off by 3 u W, its z by u W. The normal n
+//! is the cross product of the two shorter edges e and f, so that its x and y are off by 6 u W_e W_f,
+//! and its z by 12 u W_e W_f. With h the exact hit, n . (a - h), which is zero for the exact normal,
+//! is off by 12 u W_e W_f W_g, g being the longest edge, which a - h does not exceed. The errors of a,
+//! of o and of t d, and the roundings of both scalar products and of the quotient, add at most 16 u
+//! |n| (M + D + O) r, where |n| is the sum of magnitudes and r the ratio of R to the smallest |z| of a
+//! direction. The sum of both over |n . d| bounds the error of t; 14 and 18 in their place cover the
+//! roundings of the bound. Underflow adds less than the least normal number, times the size of the factors:
 //! tiles whose rays are very long or short, or start far away, are left to other kernels.
 
 mod triangles;
