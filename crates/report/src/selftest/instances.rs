@@ -13,9 +13,10 @@ use wavecrest_core::accel::instance::Instance;
 use wavecrest_core::kernels::slab::Aabb;
 use wavecrest_core::math::ray::Ray;
 
-/// Scenes of row 44, and instances in each.
+/// Scenes of row 44, places of instances in each, and instances at a place.
 const SCENES: usize = 20;
-const INSTANCES: u32 = 12;
+const PLACES: u32 = 6;
+const COPIES: u32 = 2;
 
 /// A ray from inside that hits something later than this, relative to its target, has left its
 /// instance.
@@ -46,14 +47,14 @@ fn turned(effort: &Effort) -> Outcome {
         .sum()
 }
 
-/// Instances of a mesh of about this `size` that do not touch each other, from next to the origin
-/// to far away.
+/// Instances of a mesh of about this `size`, from next to the origin to far away: of those at a place
+/// the first is hit, and others do not touch each other.
 fn instances_of(closed: &Closed, numbers: &mut Numbers, size: f64) -> Geometry {
     let prototype = closed.geometry.clone();
     let bounds = prototype.positions.iter().map(|&p| Aabb { low: p, high: p });
     let bounds = bounds.fold(Aabb::EMPTY, Aabb::union);
     let triangles = prototype.triangles.len() as u32;
-    let show = |number: u32| {
+    let place = |number: u32| {
         // By up to 4 along each axis: they stay within 8 sizes of their places, which are 20 apart.
         let stretched = DVec3::from([(); 3].map(|()| numbers.magnitude(0.25, 4.0)));
         let angle = std::f64::consts::TAU * numbers.one();
@@ -61,10 +62,13 @@ fn instances_of(closed: &Closed, numbers: &mut Numbers, size: f64) -> Geometry {
         let mirrored = DVec3::new(numbers.sign(), 1.0, 1.0);
         let matrix = turned * DMat3::from_diagonal(stretched * mirrored);
         let far = DVec3::X * (20.0 * f64::from(number)) + DVec3::Y * numbers.magnitude(1.0, 1e4);
-        let to_world = DAffine3 { matrix3: matrix, translation: far * size };
-        Instance::new(0, number * triangles, to_world, &bounds)
+        DAffine3 { matrix3: matrix, translation: far * size }
     };
-    let instances = (0..INSTANCES).map(show).collect();
+    let places: Vec<DAffine3> = (0..PLACES).map(place).collect();
+    let placed = (0..).zip(places.repeat(COPIES as usize));
+    let instances = placed
+        .map(|(number, place)| Instance::new(0, number * triangles, place, &bounds))
+        .collect();
     Geometry { prototypes: vec![prototype], instances, ..Geometry::default() }
 }
 

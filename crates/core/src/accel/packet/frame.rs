@@ -115,9 +115,8 @@ impl<S: Lanes> Spans<S> {
 
     #[inline(always)]
     fn add(&mut self, vectors: &[f32x16<S>; 3]) {
-        for k in 0..3 {
-            self.0[k] = self.0[k].min(vectors[k]);
-            self.1[k] = self.1[k].max(vectors[k]);
+        for ((low, high), &v) in self.0.iter_mut().zip(&mut self.1).zip(vectors) {
+            (*low, *high) = (low.min(v), high.max(v));
         }
     }
 
@@ -157,8 +156,8 @@ impl Frame {
         for g in 0..GROUPS {
             let d = self.sheared(simd, direction, g, [0.0; 3]);
             nearest = nearest.min(d[2].abs());
-            for k in 0..3 {
-                self.direction[k][g] = d[k].into();
+            for (column, &d) in self.direction.iter_mut().zip(&d) {
+                column[g] = d.into();
             }
             directions.add(&d);
         }
