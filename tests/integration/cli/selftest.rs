@@ -84,6 +84,9 @@ fn a_mesh_of_the_users_own_is_tried() {
     assert!(exact["leaks"]["tried"].as_u64() > Some(100_000), "{exact}");
     let failed = [&exact["leaks"]["failed"], &exact["self_hits"]["failed"]];
     assert_eq!(failed, [&Value::from(0); 2]);
+    let agreement = &exact["agreement"];
+    assert!(agreement["tried"].as_u64() > Some(100_000), "{exact}");
+    assert_eq!((&agreement["failed"], &fast["agreement"]), (&Value::from(0), &Value::Null));
 }
 
 #[test]
@@ -102,7 +105,9 @@ fn a_scene_without_triangles_says_what_is_not_tested() {
     assert_eq!(lines[0], "no triangles to test for leaks and self-hits");
     let others =
         "  2 quads, spheres and triangles of instances: not tested for leaks and self-hits";
-    assert_eq!((lines[1].as_str(), &lines[2..]), (others, &samples[..]));
+    assert_eq!((lines[1].as_str(), &lines[2..4]), (others, &samples[..]));
+    let differing = " answers at edges and vertices differ from the reference's";
+    assert!(lines[4].starts_with("      0 of ") && lines[4].ends_with(differing), "{lines:?}");
     let empty = repository("scenes/hard/empty.json");
     let lines = tried(&empty.display().to_string());
     assert_eq!(lines[0], "no triangles to test for leaks and self-hits");
@@ -160,6 +165,6 @@ fn a_case_that_there_is_not_is_an_error() {
     let message = "there is no such case, found 99; \
          name one of 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17, 18, 19, 20, 21, 22, \
          23, 24, 25, 26, 27, 28, 29, 30, 31, 32, 33, 34, 35, 36, 37, 38, 39, 40, 41, \
-         42, 43, 44, 45, 46, 47";
+         42, 43, 44, 45, 46, 47, 48, 49";
     run_wrongly(folder().path(), &["selftest", "--case", "99"], message);
 }
