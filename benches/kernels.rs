@@ -115,8 +115,7 @@ fn sphere_surface(bencher: Bencher<'_, '_>) {
 
 #[divan::bench]
 fn slab_interval(bencher: Bencher<'_, '_>) {
-    let prepare =
-        |(ray, corners): (Ray, [Vec3; 2])| (SlabRay::new(&ray), Aabb::around(corners).padded());
+    let prepare = |(ray, corners): (Ray, [Vec3; 2])| (SlabRay::new(&ray), Aabb::around(corners));
     let inputs: Vec<_> = rays_and_corners().into_iter().map(prepare).collect();
     each(bencher, &inputs, |(ray, bounds)| ray.interval(bounds));
 }

@@ -22,24 +22,26 @@ macro_rules! faults {
 /// All faults.
 pub(crate) const FAULTS: &[Fault] = faults! {
     "rays begin at an epsilon", 10, "crates/core/src/accel/compiled.rs":
-        "PreparedRay::of::<P>(self.ray)"
-            => "PreparedRay::of::<P>(&Ray { t_min: self.ray.t_min.max(1e-4), ..*self.ray })";
+        "PreparedRay::new(self.ray)"
+            => "PreparedRay::new(&Ray { t_min: self.ray.t_min.max(1e-4), ..*self.ray })";
 
     "reciprocals are clamped", 1, "crates/core/src/kernels/slab.rs":
         "direction.recip()"
             => "direction.recip().clamp(Vec3A::splat(-1.0 / f32::EPSILON), Vec3A::splat(1.0 / f32::EPSILON))";
     "the sign of a zero is lost", 5, "crates/core/src/kernels/slab.rs":
         "negative.into()" => "direction.cmplt(Vec3A::ZERO).into()";
-    "boxes are not padded", 2, "crates/core/src/kernels/slab.rs":
-        "PADDING * max(max_abs(self.low), max_abs(self.high))" => "0.0";
-    "origins are not moved for boxes", 43, "crates/core/src/kernels/slab.rs":
-        "max(factor * PADDING * origin.abs().max_element(), f32::MIN_POSITIVE)" => "f32::MIN_POSITIVE";
+    "boxes are left before their roundings", 2, "crates/core/src/kernels/slab.rs":
+        "WIDENING: f32 = 1.0 + 8.0 * UNIT_ROUNDOFF" => "WIDENING: f32 = 1.0";
+    "boxes of negative t are left before their roundings", 48, "crates/core/src/kernels/slab.rs":
+        "16.0 * UNIT_ROUNDOFF * (-t_min)" => "0.0 * (-t_min)";
+    "origins in the plane of a box are beside it", 5, "crates/core/src/kernels/slab.rs":
+        "origin.abs() * f32::EPSILON + f32::MIN_POSITIVE" => "Vec3A::ZERO";
     "near planes of boxes are taken for far ones", 3, "crates/core/src/accel/node.rs":
         "planes[usize::from(ray.negative[k])]" => "planes[0]";
     "the second of two children is lost", 3, "crates/core/src/accel/node.rs":
         "(Some(child_of(node, at, first)), height + 1)" => "(Some(child_of(node, at, first)), height)";
     "boxes just before a hit are skipped", 3, "crates/core/src/accel/single.rs":
-        "distance(entry) > best.high" => "distance(entry) > best.high * 0.99";
+        "distance(entry) > ray.slab.reach(best.high)" => "distance(entry) > best.high";
     "rays of a tile change places", 3, "crates/core/src/accel/packet/tile.rs":
         "index & 0b100011 | (index & 0b001100) << 1 | (index & 0b010000) >> 2" => "index";
 

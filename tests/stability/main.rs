@@ -29,13 +29,11 @@ fn run(number: u32, count: Count) {
 
 /// What fast arithmetic is known to lose: were it to lose nothing, the cases would see nothing.
 #[test]
-fn fast_arithmetic_leaks_at_edges_and_vertices() {
-    for number in [1, 2] {
-        let case = case(number).expect("it is among those below");
-        let (precision, count) = (Precision::Fast, Count::Quick);
-        let effort = Effort { precision, seed: SEED, count };
-        assert!(case.run(&effort).failed > 1000, "{}", case.name);
-    }
+fn fast_arithmetic_leaks_at_edges() {
+    let case = case(1).expect("it is among those below");
+    let (precision, count) = (Precision::Fast, Count::Quick);
+    let effort = Effort { precision, seed: SEED, count };
+    assert!(case.run(&effort).failed > 1000, "{}", case.name);
 }
 
 /// Two tests for each case.

@@ -85,6 +85,9 @@ pub struct Traversal {
     flight: Flight,
     packets: Packets,
     walks: Walks,
+    /// Whether an upper bound may take the place of the t of closest hits on triangles and quads,
+    /// which is computed last, and not needed for shading.
+    pub without_t: bool,
     /// Tests made so far.
     pub tests: TestCounts,
     /// Rays so far, by kernel.

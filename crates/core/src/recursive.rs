@@ -19,6 +19,7 @@ use crate::kernels::shade::{self, ShadingPoint, ShadowRequest};
 use crate::math::random::Stream;
 use crate::math::ray::Ray;
 use crate::math::vector::Line;
+use crate::plan::Effect;
 use crate::plan::schedule::Schedule;
 use crate::prepared::{Interaction, LookUps, MirrorPoint, PreparedScene};
 use crate::tile::{TraceSettings, Tracer, Unit, add_sample};
@@ -53,6 +54,7 @@ impl<P: Arithmetic> Tracer for Recursive<P> {
 
     fn render(&mut self, scene: &PreparedScene, unit: &Unit, sums: &mut [[f64; 3]]) {
         let start = Instant::now();
+        self.traversal.without_t = !scene.plan.has(Effect::RayDifferentials);
         let width = scene.camera.size()[0];
         for (index, sum) in sums.iter_mut().enumerate() {
             let (x, y) = unit.tile.pixel(index as u32);

@@ -23,6 +23,7 @@ use std::time::Instant;
 use crate::accel::Traversal;
 use crate::counters::Counters;
 use crate::kernels::precision::Arithmetic;
+use crate::plan::Effect;
 use crate::plan::schedule::Schedule;
 use crate::prepared::PreparedScene;
 use crate::tile::{TraceSettings, Tracer, Unit};
@@ -76,6 +77,7 @@ impl<P: Arithmetic> Tracer for Wavefront<P> {
     }
 
     fn render(&mut self, scene: &PreparedScene, unit: &Unit, sums: &mut [[f64; 3]]) {
+        self.traversal.without_t = !scene.plan.has(Effect::RayDifferentials);
         self.render_watched(scene, unit, sums, |_, _| {});
     }
 

@@ -96,6 +96,15 @@ impl Best {
         arena.number_of(Ref::from_bits(self.leaf), self.entry as usize)
     }
 
+    /// The hit with its exact t, or if the search is without, an upper bound.
+    #[inline]
+    pub(super) fn answer(&self, searched: Searched<'_>, ray: &Ray) -> Hit {
+        if searched.without_t && !self.is_none() {
+            return Hit { t: self.high, primitive: self.number(searched.tree.arena.view()) };
+        }
+        self.finished(searched, ray)
+    }
+
     /// The hit with its exact t.
     #[inline]
     pub(super) fn finished(&self, searched: Searched<'_>, ray: &Ray) -> Hit {
@@ -139,7 +148,7 @@ impl Unfinished {
     #[inline(always)]
     pub(super) fn add(
         &mut self,
-        arena: View<'_>,
+        Searched { tree, without_t, .. }: Searched<'_>,
         best: &Best,
         ray: &Ray,
         number: usize,
@@ -147,9 +156,10 @@ impl Unfinished {
         if best.is_none() {
             return Some(Hit::MISS);
         }
+        let arena = tree.arena.view();
         let primitive = best.number(arena);
-        if best.has_t() {
-            return Some(Hit { t: best.low, primitive });
+        if best.has_t() || without_t {
+            return Some(Hit { t: best.high, primitive });
         }
         let lane = self.count % 8;
         let entry = best.entry as usize;

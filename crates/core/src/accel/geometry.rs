@@ -11,7 +11,7 @@ use rayon::prelude::*;
 use super::TestCounts;
 use super::cutouts::Cutouts;
 use super::instance::{Instance, Instanced};
-use crate::kernels::precision::{Arithmetic, Exact, Precision};
+use crate::kernels::precision::{Arithmetic, Precision};
 use crate::kernels::slab::{Aabb, SlabRay};
 use crate::kernels::triangle::{self, ShearedSpace};
 use crate::kernels::{quad, sphere};
@@ -35,7 +35,7 @@ pub struct Geometry {
     pub lights: Vec<Range<u32>>,
     /// Primitives with holes.
     pub cutouts: Cutouts,
-    /// Precision of the tests, and so the padding of boxes.
+    /// Precision of the tests.
     pub precision: Precision,
     /// Meshes shown by instances, each in its own space, with triangles only.
     pub prototypes: Vec<Geometry>,
@@ -80,16 +80,10 @@ pub struct PreparedRay {
 }
 
 impl PreparedRay {
-    /// Prepares `ray`, which must be valid, for exact tests.
-    #[inline(always)]
-    pub fn new(ray: &Ray) -> Self {
-        Self::of::<Exact>(ray)
-    }
-
     /// Prepares `ray`, which must be valid.
     #[inline(always)]
-    pub fn of<P: Arithmetic>(ray: &Ray) -> Self {
-        Self { ray: *ray, slab: SlabRay::of::<P>(ray), space: ShearedSpace::new(ray) }
+    pub fn new(ray: &Ray) -> Self {
+        Self { ray: *ray, slab: SlabRay::new(ray), space: ShearedSpace::new(ray) }
     }
 }
 
@@ -205,22 +199,16 @@ impl Geometry {
         self.positions[vertex as usize]
     }
 
-    /// The padded box that contains every hit on the primitive; unpadded in fast precision. Not for
-    /// primitives of instances, whose boxes contain a whole prototype.
+    /// The box of the primitive, which contains its exact hits. Not for primitives of instances, whose
+    /// boxes contain a whole prototype.
     #[inline]
     pub fn bounds(&self, number: u32) -> Aabb {
-        self.padded(match self.primitive(number) {
+        match self.primitive(number) {
             Primitive::Triangle(i) => Aabb::around(self.triangle(i)),
             Primitive::Quad(i) => Aabb::around(self.quad(i)),
             Primitive::Sphere(i) => sphere_bounds(self.spheres[i]),
             Primitive::Instanced(_) => Aabb::EMPTY,
-        })
-    }
-
-    /// A box grown by the error of the tests; unchanged in fast precision.
-    #[inline(always)]
-    pub(super) fn padded(&self, bounds: Aabb) -> Aabb {
-        if self.precision == Precision::Fast { bounds } else { bounds.padded() }
+        }
     }
 
     /// Whether the primitive is a triangle without area.
@@ -254,11 +242,6 @@ impl Geometry {
         }
         let after = self.lights.partition_point(|range| range.start <= number);
         after > 0 && self.lights[after - 1].contains(&number)
-    }
-
-    /// As [`Self::padded`], for a part of a primitive whose own box is `whole`.
-    pub(super) fn padded_as_part(&self, part: Aabb, whole: &Aabb) -> Aabb {
-        if self.precision == Precision::Fast { part } else { part.padded_as_part(whole) }
     }
 
     /// The t at which the ray hits the primitive: the least within its range, rounded once.
@@ -328,5 +311,7 @@ impl Geometry {
 }
 
 fn sphere_bounds((center, radius): (Vec3, f32)) -> Aabb {
-    Aabb { low: center - radius, high: center + radius }
+    let low = (center - radius).to_array().map(f32::next_down);
+    let high = (center + radius).to_array().map(f32::next_up);
+    Aabb { low: low.into(), high: high.into() }
 }

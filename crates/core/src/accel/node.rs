@@ -5,24 +5,30 @@ use fearless_simd::{f32x8, mask32x8, u32x8};
 
 use super::arena::{Node, Ref, base, child_of};
 use super::query::Query;
-use crate::kernels::slab::SlabRay;
+use crate::kernels::slab::{SlabRay, WIDENING};
 use crate::math::simd::{LANES, Lanes, entry};
 
-/// The entry distances of the children's boxes, and the children met between `t_min` and `reach`.
+/// The entry distances of the children's boxes, and the children met between `t_min` and
+/// `t_max`.
 #[inline(always)]
 pub(super) fn children<S: Lanes>(
     simd: S,
     node: &Node,
     ray: &SlabRay,
-    t_min: f32,
-    reach: f32,
+    [t_min, t_max]: [f32; 2],
 ) -> (f32x8<S>, mask32x8<S>) {
     let [x0, x1] = axis(simd, &node.planes[0], ray, 0);
     let [y0, y1] = axis(simd, &node.planes[1], ray, 1);
     let [z0, z1] = axis(simd, &node.planes[2], ray, 2);
     let near = x0.max(y0).max(z0.max(f32x8::splat(simd, t_min)));
-    let far = x1.min(y1).min(z1.min(f32x8::splat(simd, reach)));
-    (near, near.simd_le(far))
+    let far = x1.min(y1).min(z1.min(f32x8::splat(simd, t_max)));
+    (near, near.simd_le(widened(simd, far, ray.slack)))
+}
+
+/// Far t, grown by the error of the test: see [`crate::kernels::slab`].
+#[inline(always)]
+pub(super) fn widened<S: Lanes, F: SimdFloat<S, Element = f32>>(simd: S, far: F, slack: f32) -> F {
+    far.mul_add(F::splat(simd, WIDENING), F::splat(simd, slack))
 }
 
 /// The t of the ray at the children's entry and exit planes on an axis.
@@ -45,11 +51,11 @@ pub(super) fn enter<S: Lanes, Q: Query>(
     node: &Node,
     at: Ref,
     ray: &SlabRay,
-    [t_min, reach]: [f32; 2],
+    range: [f32; 2],
     stack: &mut [u64],
     height: usize,
 ) -> (Option<Ref>, usize) {
-    let (near, mask) = children(simd, node, ray, t_min, reach);
+    let (near, mask) = children(simd, node, ray, range);
     let mask = mask.to_bitmask() as u8;
     let others = mask & mask.wrapping_sub(1);
     if mask == 0 {

@@ -203,7 +203,7 @@ impl<Q: Query, P: Arithmetic> Batch<'_, Q, P> {
                     continue;
                 }
                 self.settle(simd, tile);
-                tile.answer::<S, Q>(simd, self.searched.tree.arena.view(), answers);
+                tile.answer::<S, Q>(simd, self.searched, answers);
                 if self.begin(simd, tile, answers) {
                     k += 1;
                 } else {
@@ -227,7 +227,7 @@ impl<Q: Query, P: Arithmetic> Batch<'_, Q, P> {
                     self.next = end;
                     let ahead = end + (AHEAD - 1) * TILE;
                     self.rays.prefetch(ahead..(ahead + TILE).min(self.rays.count()));
-                    if !tile.load::<S, P>(simd, &self.rays, start..end) {
+                    if !tile.load(simd, &self.rays, start..end) {
                         // These start at the root, like the rest.
                         answers[start..end].fill(Q::NONE);
                         self.unfit += end - start;
@@ -243,7 +243,7 @@ impl<Q: Query, P: Arithmetic> Batch<'_, Q, P> {
                     if self.ends_as_before(simd, tile) {
                         answers[start..end].fill(Q::ANY_ANSWER);
                     } else if tile.beam.meets(&self.root.bounds) {
-                        tile.prepare::<S, P>(simd);
+                        tile.prepare(simd);
                         tile.clear();
                         let root = entry(f32::NEG_INFINITY, self.root.place.bits());
                         tile.push(true, Visit { entry: root, rays: tile.all() });
@@ -277,7 +277,7 @@ impl<Q: Query, P: Arithmetic> Batch<'_, Q, P> {
         let arena = self.searched.tree.arena.view();
         while let Some(Visit { entry, rays }) = tile.pop() {
             let rays = rays & !tile.done;
-            if rays == 0 || distance(entry) > tile.beam.reach[1] {
+            if rays == 0 || distance(entry) > tile.beam.farthest() {
                 continue;
             }
             let at = place(entry);
@@ -335,7 +335,7 @@ impl<Q: Query, P: Arithmetic> Batch<'_, Q, P> {
             simd,
             #[inline(always)]
             || {
-                let ray = PreparedRay::of::<P>(&tile.ray(i));
+                let ray = PreparedRay::new(&tile.ray(i));
                 let before = tile.best(i);
                 self.stack[0] = place;
                 let (searched, stack) = (self.searched, (&mut *self.stack, 1));

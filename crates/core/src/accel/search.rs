@@ -4,7 +4,7 @@ use std::marker::PhantomData;
 
 use super::query::{Closest, Occluded, Query};
 use super::rays::Rays;
-use super::tree::Searched;
+use super::tree::{Searched, Tree};
 use super::{Accel, Hit, KernelChoice, Traversal, brute, compiled};
 use crate::kernels::precision::Arithmetic;
 use crate::math::ray::Ray;
@@ -74,7 +74,7 @@ impl<P: Arithmetic> Search<'_, P> {
         let Some(tree) = tree else {
             return Q::answer(brute::hit::<Q, P>(geometry, ray, &mut traversal.tests));
         };
-        let searched = Searched { tree, geometry };
+        let searched = self.own(tree, traversal);
         let best = self.in_tree::<Q>(searched, ray, traversal);
         if geometry.instances.is_empty() || Q::ANY && !best.is_miss() {
             return Q::answer(best);
@@ -89,7 +89,7 @@ impl<P: Arithmetic> Search<'_, P> {
             self.each::<Q>(rays, answers, traversal);
             return;
         };
-        self.all_in_tree::<Q>(Searched { tree, geometry }, rays, answers, traversal);
+        self.all_in_tree::<Q>(self.own(tree, traversal), rays, answers, traversal);
         if !geometry.instances.is_empty() {
             self.all_among_instances::<Q>(rays, answers, traversal);
         }
@@ -150,7 +150,16 @@ impl<P: Arithmetic> Search<'_, P> {
 
     fn prototype(&self, number: usize) -> Searched<'_> {
         let Accel { blas, geometry, .. } = self.accel;
-        Searched { tree: &blas[number], geometry: &geometry.prototypes[number] }
+        let geometry = &geometry.prototypes[number];
+        Searched { tree: &blas[number], geometry, without_t: false }
+    }
+
+    /// The scene's own primitives. Among instances, hits are compared by t.
+    #[inline(always)]
+    fn own<'b>(&'b self, tree: &'b Tree, traversal: &Traversal) -> Searched<'b> {
+        let geometry = &self.accel.geometry;
+        let without_t = traversal.without_t && geometry.instances.is_empty();
+        Searched { tree, geometry, without_t }
     }
 
     /// The hit in a tree for query `Q`.

@@ -26,7 +26,7 @@ pub(super) fn trace<S: Lanes, Q: Query, P: Arithmetic>(
         height -= 1;
         let entry = stack[height];
         // In any-hit queries the limit is fixed, and everything on the stack is within it.
-        if !Q::ANY && distance(entry) > best.high {
+        if !Q::ANY && distance(entry) > ray.slab.reach(best.high) {
             continue;
         }
         let mut next = Some(place(entry));

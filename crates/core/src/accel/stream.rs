@@ -64,7 +64,10 @@ impl Slot {
     /// any hit suffices. Returns the new top.
     #[inline(always)]
     fn closer<Q: Query>(&self, stacks: &mut [u64], bottom: usize, top: usize) -> usize {
-        if Q::ANY { bottom + 1 } else { clear(stacks, bottom, top, self.best.high) }
+        if Q::ANY {
+            return bottom + 1;
+        }
+        clear(stacks, bottom, top, self.ray.slab.reach(self.best.high))
     }
 }
 
@@ -154,7 +157,7 @@ impl<Q: Query, P: Arithmetic> Source<Q, P> for FromRoot<'_> {
                 answers[number] = Q::NONE;
                 continue;
             }
-            slot.ray = PreparedRay::of::<P>(&ray);
+            slot.ray = PreparedRay::new(&ray);
             if !self.root.is_met(&slot.ray) {
                 answers[number] = Q::NONE;
                 continue;
@@ -261,7 +264,7 @@ impl<Q: Query, P: Arithmetic, R: Source<Q, P>> Rounds<'_, Q, P, R> {
             let at = step.place();
             let Slot { ray, best, .. } = &self.slots[step.slot()];
             let node = self.arena.node(at);
-            let (near, mask) = node::children(simd, node, &ray.slab, ray.ray.t_min, best.high);
+            let (near, mask) = node::children(simd, node, &ray.slab, [ray.ray.t_min, best.high]);
             *children = Children(simd.entries(near, node::places(simd, node, at)));
             *met = mask.to_bitmask() as u8;
         }
@@ -313,7 +316,7 @@ impl<Q: Query, P: Arithmetic, R: Source<Q, P>> Rounds<'_, Q, P, R> {
             let Slot { ray, best, number, .. } = &mut self.slots[index];
             if at.bits() == BOTTOM {
                 let number = *number as usize;
-                if let Some(hit) = self.unfinished.add(self.arena, best, &ray.ray, number) {
+                if let Some(hit) = self.unfinished.add(self.searched, best, &ray.ray, number) {
                     self.answers[number] = Q::answer(hit);
                 } else if self.unfinished.is_full() {
                     self.finish(simd);

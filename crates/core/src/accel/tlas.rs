@@ -140,7 +140,7 @@ impl Walk {
         while self.height > 0 {
             self.height -= 1;
             let Entry { near, node } = stack[self.height as usize];
-            if near > self.reach() {
+            if near > self.slab.reach(self.reach()) {
                 continue;
             }
             let node = tlas.nodes[node as usize];
@@ -169,7 +169,7 @@ impl Walk {
     fn push(&mut self, tlas: &Tlas, node: u32, stack: &mut [Entry]) {
         let interval = self.slab.interval(&tlas.nodes[node as usize].bounds);
         let near = max(interval.near, self.ray.t_min);
-        if near <= min(interval.far, self.reach()) {
+        if near <= min(interval.far, self.slab.reach(self.reach())) {
             stack[self.height as usize] = Entry { near, node };
             self.height += 1;
         }

@@ -21,6 +21,8 @@ pub struct Tree {
 pub(super) struct Searched<'a> {
     pub(super) tree: &'a Tree,
     pub(super) geometry: &'a Geometry,
+    /// See [`Traversal::without_t`](super::Traversal::without_t).
+    pub(super) without_t: bool,
 }
 
 /// The start of traversal.

@@ -5,7 +5,7 @@
 //!   of equal t, the lowest number. Filters in single precision with error bounds decide most hits,
 //!   and origins are moved off surfaces by a bound on their error.
 //! - [`Fast`] takes these filters as they are: single precision without error bounds, as in most
-//!   renderers, with unpadded boxes, and origins moved by a fixed length.
+//!   renderers, and origins moved by a fixed length.
 //! - [`Reference`] is no precision to choose but the reference for the hits of [`Exact`]: each pair
 //!   of ray and triangle in exact arithmetic, without filters ([`KernelChoice::Reference`]).
 //!

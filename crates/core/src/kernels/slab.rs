@@ -1,38 +1,40 @@
 //! Boxes, and the ray-box test that never loses a hit.
 //!
 //! The test is the slab test of Kay and Kajiya (1986). Ize (*Robust BVH Ray Traversal*, 2013) makes
-//! it conservative by widening the far t. Here the error bound is split instead: the part that
-//! depends on the box is added to the box when it is made ([`Aabb::padded`]), and the part that
-//! depends on the ray is added to its origin ([`SlabRay::new`]). The inner loop then pays nothing
-//! for it.
+//! it conservative by widening the far t. Hits are exact, so they lie in the box of their primitive
+//! as it is, and only the roundings of the test itself count.
 //!
 //! # The bound
 //!
-//! With u the unit roundoff, v a vertex in the box and o the origin, a slab's t, as a length along
-//! its axis, is off by at most 4 u (|v| + |o|), in maximum norms, and hits are exact. [`PADDING`]
-//! times (|v| + |o|) is four times as much.
+//! With u the unit roundoff, the t of a plane is rounded three times: a difference, a reciprocal and
+//! a product. So it is off by at most 3.01 u |t|, and less than the least normal number where it
+//! underflows; the same holds for the largest near t and the smallest far t. Of a ray that meets a
+//! hit at t in the box, the near t is at most t + 3.01 u |t|, the far t at least t - 3.01 u |t|. So
+//! a far t grows by [`WIDENING`], 8 u of itself, which covers its own rounding too, and by
+//! [`SlabRay::slack`]: 16 u times the magnitude of the least t in the range, if that is negative,
+//! and the least normal number.
 //!
-//! The ends of a part of a primitive are computed points: its box is padded by twice the bound of the
-//! whole ([`Aabb::padded_as_part`]), however small its own coordinates are.
+//! A ray that runs along a plane of the box meets it on both sides: where a component of the
+//! direction is zero, the origin is moved by an ulp, forth for near planes and back for far ones.
 //!
 //! # Why culling by distance loses nothing
 //!
 //! A hit's t is the primitive's own; boxes do not change it. A box's t matters in one place only: a
 //! box is skipped if the ray enters it after the closest hit so far, or after an upper bound of its
-//! t. No box with a closer or equally close hit is skipped. The ray's point at the exact t of such a
-//! hit lies in the box, and the padding exceeds the rounding error of the slab's t, so the computed
-//! near t is no greater than the exact t, nor, as rounding is monotone, than the exact t rounded. The
-//! same holds for any box around that one, whatever the shape of the tree, and for the ends of a
-//! ray's range.
+//! t. That bound is widened like a far t ([`SlabRay::reach`]), which covers the one rounding of the t of
+//! hits, so no box with a closer or equally close hit is skipped. The same holds for any box around
+//! that one, whatever the shape of the tree, and for the ends of a ray's range.
 
 use glam::{Vec3, Vec3A};
 
-use super::precision::{Arithmetic, Exact};
 use crate::math::float::{UNIT_ROUNDOFF, max, max_abs, min};
 use crate::math::ray::Ray;
 use crate::math::real::Real;
 
-/// The error bound of the module documentation, as a factor of the coordinates.
+/// The factor by which a far t grows: see the module documentation.
+pub const WIDENING: f32 = 1.0 + 8.0 * UNIT_ROUNDOFF;
+
+/// The error bound of computed points, as a factor of their coordinates: 16 roundings.
 pub const PADDING: f32 = 16.0 * UNIT_ROUNDOFF;
 
 /// An axis-aligned box.
@@ -68,20 +70,11 @@ impl Aabb {
         Self { low: self.low.min(other.low), high: self.high.max(other.high) }
     }
 
-    /// The box, grown by the part of the error bound that depends on its coordinates.
+    /// The box, grown by [`PADDING`] times the largest coordinate of `whole`.
     #[inline]
     #[must_use]
-    pub fn padded(self) -> Self {
-        let pad = PADDING * max(max_abs(self.low), max_abs(self.high));
-        Self { low: self.low - pad, high: self.high + pad }
-    }
-
-    /// The box of a part of a primitive whose own box is `whole`, grown by twice the error bound of
-    /// that primitive, since the ends of the part are computed points.
-    #[inline]
-    #[must_use]
-    pub fn padded_as_part(self, whole: &Self) -> Self {
-        let pad = 2.0 * PADDING * max(max_abs(whole.low), max_abs(whole.high));
+    pub fn padded(self, whole: &Self) -> Self {
+        let pad = PADDING * max(max_abs(whole.low), max_abs(whole.high));
         Self { low: self.low - pad, high: self.high + pad }
     }
 
@@ -104,43 +97,48 @@ pub struct Interval {
 #[derive(Clone, Copy, Debug)]
 pub struct SlabRay {
     /// Reciprocal of the direction. Infinite, with the sign of the zero, for zero components; 1 or
-    /// -1 for other components whose reciprocal would be infinite.
+    /// -1 for other components whose reciprocal is no normal number.
     pub reciprocal: Vec3A,
-    /// The origin moved along the direction, for entry planes.
+    /// The origin for entry planes: see the module documentation.
     pub near_origin: Vec3A,
-    /// The origin moved back, for exit planes.
+    /// The origin for exit planes.
     pub far_origin: Vec3A,
     /// For each axis, whether the ray runs towards smaller coordinates.
     pub negative: [bool; 3],
+    /// By what a far t grows, besides [`WIDENING`].
+    pub slack: f32,
+}
+
+/// See [`SlabRay::slack`], for a ray whose range begins at `t_min`.
+#[inline(always)]
+pub fn slack(t_min: f32) -> f32 {
+    16.0 * UNIT_ROUNDOFF * (-t_min).clamp(0.0, f32::MAX) + f32::MIN_POSITIVE
 }
 
 impl SlabRay {
-    /// Prepares `ray` for padded boxes.
+    /// Prepares `ray`.
     #[inline(always)]
     pub fn new(ray: &Ray) -> Self {
-        Self::of::<Exact>(ray)
+        Self::widened(ray, 0.0)
     }
 
-    /// Prepares `ray`; for unpadded boxes in fast precision.
-    #[inline(always)]
-    pub fn of<P: Arithmetic>(ray: &Ray) -> Self {
-        if P::IS_FAST {
-            return Self::unpadded(ray);
-        }
-        Self::widened(ray, 1.0)
-    }
-
-    /// Prepares `ray` for boxes whose content may be off by `factor` times the error of primitives.
+    /// Prepares `ray` for boxes whose content may be off by `factor` times [`PADDING`] times the
+    /// largest coordinate of the origin.
     #[inline(always)]
     pub fn widened(ray: &Ray, factor: f32) -> Self {
         let (origin, direction) = (Vec3A::from(ray.origin), Vec3A::from(ray.direction));
         let reciprocal = direction.recip();
         let negative = reciprocal.cmplt(Vec3A::ZERO);
-        let pad = max(factor * PADDING * origin.abs().max_element(), f32::MIN_POSITIVE);
-        let shift = Vec3A::select(negative, Vec3A::splat(-pad), Vec3A::splat(pad));
-        // If the reciprocal of a nonzero component overflows single precision, the crossing of a
-        // plane is unknown: all boxes count as met along that axis.
-        let unknown = reciprocal.abs().cmpeq(Vec3A::INFINITY) & direction.cmpne(Vec3A::ZERO);
+        let is_zero = direction.cmpeq(Vec3A::ZERO);
+        let ulp = origin.abs() * f32::EPSILON + f32::MIN_POSITIVE;
+        let pad = Vec3A::splat(factor * PADDING * origin.abs().max_element());
+        let pad = Vec3A::select(is_zero, pad.max(ulp), pad);
+        let shift = Vec3A::select(negative, -pad, pad);
+        // If the reciprocal of a nonzero component is no normal number, the crossing of a plane is
+        // unknown: all boxes count as met along that axis.
+        let size = reciprocal.abs();
+        let unknown =
+            (size.cmpeq(Vec3A::INFINITY) & !is_zero) | size.cmplt(Vec3A::splat(f32::MIN_POSITIVE));
         let sign = Vec3A::select(negative, Vec3A::NEG_ONE, Vec3A::ONE);
         let before = sign * f32::MAX;
         Self {
@@ -148,22 +146,21 @@ impl SlabRay {
             near_origin: Vec3A::select(unknown, before, origin + shift),
             far_origin: Vec3A::select(unknown, -before, origin - shift),
             negative: negative.into(),
+            slack: slack(ray.t_min),
         }
     }
 
-    /// The plain slab test, without error bounds.
+    /// The distance beyond which boxes hold no hit at `t` or before.
     #[inline(always)]
-    fn unpadded(ray: &Ray) -> Self {
-        let (origin, reciprocal) = (Vec3A::from(ray.origin), Vec3A::from(ray.direction).recip());
-        let negative = reciprocal.cmplt(Vec3A::ZERO).into();
-        Self { reciprocal, near_origin: origin, far_origin: origin, negative }
+    pub fn reach(&self, t: f32) -> f32 {
+        t * WIDENING + self.slack
     }
 
     /// A range of t that contains all t at which the ray is in `bounds`.
     ///
     /// For a zero component, every nonzero difference becomes an infinite t of the right sign. A
-    /// zero difference becomes a NaN with unspecified results: the ray then runs exactly in a face
-    /// of the padded box, where there is no hit.
+    /// zero difference becomes a NaN with unspecified results: the ray then runs just outside the
+    /// box.
     #[inline(always)]
     pub fn interval(&self, bounds: &Aabb) -> Interval {
         let axis = |k: usize| {
@@ -172,11 +169,11 @@ impl SlabRay {
             self.crossings(k, first, last)
         };
         let ([x0, x1], [y0, y1], [z0, z1]) = (axis(0), axis(1), axis(2));
-        Interval { near: max(x0, max(y0, z0)), far: min(x1, min(y1, z1)) }
+        Interval { near: max(x0, max(y0, z0)), far: self.reach(min(x1, min(y1, z1))) }
     }
 
     /// The t at which the ray crosses its entry and exit planes on axis `k`, of one box or of
-    /// several.
+    /// several, rounded.
     #[inline(always)]
     pub fn crossings<F: Real<Element = f32>>(&self, k: usize, first: F, last: F) -> [F; 2] {
         let near = first - first.same(self.near_origin[k]);
@@ -194,7 +191,7 @@ mod tests {
     }
 
     fn hits(ray: Ray, bounds: Aabb) -> bool {
-        let i = SlabRay::new(&ray).interval(&bounds.padded());
+        let i = SlabRay::new(&ray).interval(&bounds);
         i.near <= i.far && i.far >= ray.t_min && i.near <= ray.t_max
     }
 
@@ -225,7 +222,7 @@ mod tests {
 
     #[test]
     fn hc06_tiny_direction_components_do_not_cut_the_box() {
-        for exponent in [-45, -38, -20, -6] {
+        for exponent in [-45, -38, -20, -7] {
             let tiny = 10.0_f64.powi(exponent) as f32;
             for sign in [1.0, -1.0] {
                 let ray = Ray::new(Vec3::new(0.005, 0.005, -1e4), Vec3::new(sign * tiny, 0.0, 1.0));
@@ -243,8 +240,8 @@ mod tests {
 
     #[test]
     fn an_interval_contains_that_of_every_box_within() {
-        let inner = Aabb { low: Vec3::splat(0.3), high: Vec3::splat(0.31) }.padded();
-        let outer = unit_box().padded();
+        let inner = Aabb { low: Vec3::splat(0.3), high: Vec3::splat(0.31) };
+        let outer = unit_box();
         assert!(outer.contains(&inner));
         for i in 0..1000 {
             let f = i as f32;

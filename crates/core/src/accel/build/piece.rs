@@ -178,7 +178,7 @@ impl Piece {
                     let corners = quad::halves(&geometry.quads[i]);
                     for (half, corners) in quad::halves(&geometry.quad(i)).into_iter().zip(corners)
                     {
-                        self.add(number, corners, geometry.padded(Aabb::around(half)));
+                        self.add(number, corners, Aabb::around(half));
                     }
                 }
                 _ => self.add(number, [0; 3], geometry.bounds(number)),
@@ -190,7 +190,7 @@ impl Piece {
         for (single, bounds) in self.members.singles.iter().zip(&mut self.boxes) {
             if single.number < triangles {
                 let corners = single.corners.map(|v| geometry.positions[v as usize]);
-                *bounds = to_obvhs(geometry.padded(Aabb::around(corners)));
+                *bounds = to_obvhs(Aabb::around(corners));
             }
         }
         if plan.weld {
@@ -258,7 +258,8 @@ impl Piece {
         split_aabbs_preset(&mut parts, &mut part_owners, &triangles, average, largest);
         for (part, &owner) in parts.iter_mut().zip(&part_owners) {
             let whole = from_obvhs(&self.boxes[owner as usize]);
-            *part = to_obvhs(geometry.padded_as_part(from_obvhs(part), &whole));
+            // The ends of a part are computed.
+            *part = to_obvhs(from_obvhs(part).padded(&whole));
         }
         self.boxes[..end].copy_from_slice(&parts[..end]);
         self.boxes.extend_from_slice(&parts[end..]);

@@ -208,9 +208,9 @@ fn places(geometry: &Geometry, number: u32) -> i32 {
 /// Whether the box of a leaf holds the primitive, or a half of it.
 fn holds(bounds: &Aabb, geometry: &Geometry, number: u32) -> bool {
     match geometry.primitive(number) {
-        Primitive::Quad(i) => quad::halves(&geometry.quad(i))
-            .iter()
-            .any(|&half| bounds.contains(&Aabb::around(half).padded())),
+        Primitive::Quad(i) => {
+            quad::halves(&geometry.quad(i)).iter().any(|&half| bounds.contains(&Aabb::around(half)))
+        }
         _ => bounds.contains(&geometry.bounds(number)),
     }
 }

@@ -5,9 +5,9 @@ use fearless_simd::{f32x8, f32x16, mask32x8, mask32x16};
 
 use super::tile::{Column, load};
 use crate::accel::arena::Node;
+use crate::accel::node::widened;
 use crate::accel::rays::RayLanes;
-use crate::kernels::precision::Arithmetic;
-use crate::kernels::slab::{Aabb, PADDING};
+use crate::kernels::slab::{Aabb, WIDENING, slack};
 use crate::math::float::{max, min};
 use crate::math::simd::{LANES, Lanes};
 
@@ -55,7 +55,7 @@ impl<S: Lanes> Extents<S> {
 
     /// Bounds on the rays, if they are valid and have one sign along each axis.
     #[inline(always)]
-    pub(super) fn beam<P: Arithmetic>(&self) -> Option<Beam> {
+    pub(super) fn beam(&self) -> Option<Beam> {
         let low = fold::<S, false>(&self.low);
         let high = fold::<S, true>(&self.high);
         let [ox, oy, oz, x, y, z, t_min, t_max] = pairs(low, high);
@@ -68,12 +68,8 @@ impl<S: Lanes> Extents<S> {
         if farthest > LARGEST || !(1.0 / LARGEST..=LARGEST).contains(&longest) {
             return None;
         }
-        let pad = if P::IS_FAST { 0.0 } else { max(PADDING * farthest, f32::MIN_POSITIVE) };
         let negative = [x[1] < 0.0, y[1] < 0.0, z[1] < 0.0];
         let has_one_origin = ox[0] == ox[1] && oy[0] == oy[1] && oz[0] == oz[1];
-        let (nx, fx) = origins(ox, pad, negative[0]);
-        let (ny, fy) = origins(oy, pad, negative[1]);
-        let (nz, fz) = origins(oz, pad, negative[2]);
         Some(Beam {
             negative,
             has_one_origin,
@@ -82,8 +78,12 @@ impl<S: Lanes> Extents<S> {
                 [1.0 / y[1], 1.0 / y[0]],
                 [1.0 / z[1], 1.0 / z[0]],
             ],
-            near_origin: [nx, ny, nz],
-            far_origin: [fx, fy, fz],
+            origin: [
+                by_entry(ox, negative[0]),
+                by_entry(oy, negative[1]),
+                by_entry(oz, negative[2]),
+            ],
+            slack: slack(t_min[0]),
             t_min,
             reach: t_max,
         })
@@ -120,19 +120,10 @@ fn both<S: Lanes, const GREATEST: bool>(a: f32x16<S>, b: f32x16<S>) -> f32x16<S>
     if GREATEST { low.max(high) } else { low.min(high) }
 }
 
-/// The origins with the earliest and latest entry, and the latest and earliest exit, given the
-/// extent of the origins and their largest shift: exact if there is one origin.
+/// The origins with the earliest and the latest entry.
 #[inline(always)]
-fn origins([low, high]: [f32; 2], pad: f32, negative: bool) -> ([f32; 2], [f32; 2]) {
-    if low == high {
-        let (up, down) = ([low + pad; 2], [low - pad; 2]);
-        return if negative { (down, up) } else { (up, down) };
-    }
-    if negative {
-        ([low - pad, high], [high + pad, low])
-    } else {
-        ([high + pad, low], [low - pad, high])
-    }
+fn by_entry([low, high]: [f32; 2], negative: bool) -> [f32; 2] {
+    if negative { [low, high] } else { [high, low] }
 }
 
 #[inline(always)]
@@ -148,10 +139,10 @@ pub(super) struct Beam {
     pub(super) has_one_origin: bool,
     /// Smallest and largest.
     pub(super) reciprocal: [[f32; 2]; 3],
-    /// The origins with the earliest and the latest entry.
-    pub(super) near_origin: [[f32; 2]; 3],
-    /// The origins with the latest and the earliest exit.
-    pub(super) far_origin: [[f32; 2]; 3],
+    /// The origins with the earliest and the latest entry, and exit.
+    pub(super) origin: [[f32; 2]; 3],
+    /// See [`SlabRay::slack`](crate::kernels::slab::SlabRay::slack).
+    pub(super) slack: f32,
     /// Smallest and largest.
     pub(super) t_min: [f32; 2],
     /// Smallest and largest.
@@ -180,8 +171,8 @@ impl Beam {
         negative: [false; 3],
         has_one_origin: false,
         reciprocal: [[0.0; 2]; 3],
-        near_origin: [[0.0; 2]; 3],
-        far_origin: [[0.0; 2]; 3],
+        origin: [[0.0; 2]; 3],
+        slack: 0.0,
         t_min: [0.0; 2],
         reach: [0.0; 2],
     };
@@ -205,7 +196,7 @@ impl Beam {
         let far = x.far[0].min(y.far[0]).min(z.far[0].min(f32x8::splat(simd, self.reach[1])));
         let last = x.near[1].max(y.near[1]).max(z.near[1].max(f32x8::splat(simd, self.t_min[1])));
         let first = x.far[1].min(y.far[1]).min(z.far[1].min(f32x8::splat(simd, self.reach[0])));
-        let some = near.simd_le(far);
+        let some = near.simd_le(widened(simd, far, self.slack));
         Met { near, some, all: last.simd_le(first) & some }
     }
 
@@ -219,12 +210,18 @@ impl Beam {
             } else {
                 (bounds.low[k], bounds.high[k])
             };
-            let (first, last) = (first - self.near_origin[k][0], last - self.far_origin[k][0]);
+            let (first, last) = (first - self.origin[k][0], last - self.origin[k][1]);
             let [low, high] = self.reciprocal[k];
             near = max(near, min(first * low, first * high));
             far = min(far, max(last * low, last * high));
         }
-        near <= far
+        near <= far * WIDENING + self.slack
+    }
+
+    /// The distance beyond which boxes hold no hit that comes first.
+    #[inline(always)]
+    pub(super) fn farthest(&self) -> f32 {
+        self.reach[1] * WIDENING + self.slack
     }
 
     /// The t of the rays at the children's planes on an axis.
@@ -238,14 +235,14 @@ impl Beam {
         let first: f32x8<S> = planes[usize::from(self.negative[k])].simd_into(simd);
         let last: f32x8<S> = planes[usize::from(!self.negative[k])].simd_into(simd);
         let [low, high] = self.reciprocal[k];
-        let (a, z) = (first - self.near_origin[k][0], last - self.far_origin[k][0]);
+        let (a, z) = (first - self.origin[k][0], last - self.origin[k][1]);
         let (a_low, a_high, z_low, z_high) = (a * low, a * high, z * low, z * high);
         // Which of the two is earlier depends on the side of the plane on which rays start.
         let (near, far) = (a_low.min(a_high), z_low.max(z_high));
         if ONE {
             return Crossing { near: [near, a_low.max(a_high)], far: [far, z_low.min(z_high)] };
         }
-        let (b, y) = (first - self.near_origin[k][1], last - self.far_origin[k][1]);
+        let (b, y) = (first - self.origin[k][1], last - self.origin[k][0]);
         Crossing { near: [near, (b * low).max(b * high)], far: [far, (y * low).min(y * high)] }
     }
 }

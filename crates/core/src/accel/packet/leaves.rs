@@ -169,7 +169,7 @@ impl<Q: Query, P: Arithmetic> Batch<'_, Q, P> {
             simd,
             #[inline(always)]
             || {
-                let Searched { tree, geometry } = *searched;
+                let Searched { tree, geometry, .. } = *searched;
                 for (entry, &number) in tree.arena.view().list(place).iter().enumerate() {
                     if Q::ANY && geometry.is_light(number) {
                         continue;

@@ -7,7 +7,7 @@ use super::Visit;
 use super::beam::Met;
 use super::tile::{Column, GROUPS, Tile, WIDTH, load};
 use crate::accel::arena::{Node, Ref, View, child_of};
-use crate::accel::node::distance;
+use crate::accel::node::{distance, widened};
 use crate::accel::query::Query;
 use crate::math::simd::{LANES, Lanes, entry};
 
@@ -71,15 +71,15 @@ fn rays_in<S: Lanes, const ONE: bool>(
         let rx = load(simd, &tile.reciprocal[0], g);
         let ry = load(simd, &tile.reciprocal[1], g);
         let rz = load(simd, &tile.reciprocal[2], g);
-        let x0 = beyond::<S, ONE>(simd, x_first, tile.beam.near_origin[0], &tile.near_origin[0], g);
-        let y0 = beyond::<S, ONE>(simd, y_first, tile.beam.near_origin[1], &tile.near_origin[1], g);
-        let z0 = beyond::<S, ONE>(simd, z_first, tile.beam.near_origin[2], &tile.near_origin[2], g);
-        let x1 = beyond::<S, ONE>(simd, x_last, tile.beam.far_origin[0], &tile.far_origin[0], g);
-        let y1 = beyond::<S, ONE>(simd, y_last, tile.beam.far_origin[1], &tile.far_origin[1], g);
-        let z1 = beyond::<S, ONE>(simd, z_last, tile.beam.far_origin[2], &tile.far_origin[2], g);
+        let x0 = beyond::<S, ONE>(simd, x_first, tile.beam.origin[0], &tile.origin[0], g);
+        let y0 = beyond::<S, ONE>(simd, y_first, tile.beam.origin[1], &tile.origin[1], g);
+        let z0 = beyond::<S, ONE>(simd, z_first, tile.beam.origin[2], &tile.origin[2], g);
+        let x1 = beyond::<S, ONE>(simd, x_last, tile.beam.origin[0], &tile.origin[0], g);
+        let y1 = beyond::<S, ONE>(simd, y_last, tile.beam.origin[1], &tile.origin[1], g);
+        let z1 = beyond::<S, ONE>(simd, z_last, tile.beam.origin[2], &tile.origin[2], g);
         let near = (x0 * rx).max(y0 * ry).max((z0 * rz).max(load(simd, &tile.t_min, g)));
         let far = (x1 * rx).min(y1 * ry).min((z1 * rz).min(load(simd, &tile.high, g)));
-        met |= near.simd_le(far).to_bitmask() << (g * WIDTH);
+        met |= near.simd_le(widened(simd, far, tile.beam.slack)).to_bitmask() << (g * WIDTH);
     }
     met & rays
 }

@@ -38,7 +38,7 @@ impl<Q: Query, P: Arithmetic> Source<Q, P> for Remaining<'_> {
                 answers[number] = Q::NONE;
                 continue;
             }
-            slot.ray = PreparedRay::of::<P>(&ray);
+            slot.ray = PreparedRay::new(&ray);
             let Some(best) = Q::resume(answers[number], &ray) else { continue };
             let mut entries = 0;
             let mut place = self.last[number].0;

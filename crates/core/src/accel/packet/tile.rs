@@ -12,12 +12,11 @@ use super::leaves::Open;
 use super::{TILE, Visit};
 use crate::accel::arena::{Ref, View};
 use crate::accel::best::{Best, exact_t};
+use crate::accel::node::widened;
 use crate::accel::query::Query;
 use crate::accel::rays::{BLOCK_EDGE, Rays};
 use crate::accel::tree::Searched;
 use crate::accel::{Hit, NO_PRIMITIVE};
-use crate::kernels::precision::Arithmetic;
-use crate::kernels::slab::PADDING;
 use crate::kernels::triangle::{ShearedSpace, settle};
 use crate::math::ray::Ray;
 use crate::math::real::{Mask, Single};
@@ -42,8 +41,6 @@ pub(super) struct Tile {
     pub(super) t_min: Column,
     pub(super) t_max: Column,
     pub(super) reciprocal: [Column; 3],
-    pub(super) near_origin: [Column; 3],
-    pub(super) far_origin: [Column; 3],
     /// The best hits: see [`Best`].
     pub(super) low: Column,
     pub(super) high: Column,
@@ -93,8 +90,6 @@ impl Default for Tile {
             t_min: column,
             t_max: column,
             reciprocal: [column; 3],
-            near_origin: [column; 3],
-            far_origin: [column; 3],
             low: column,
             high: column,
             leaf: [[0; WIDTH]; GROUPS],
@@ -118,12 +113,7 @@ impl Tile {
     /// Loads the rays of `range`, at least one. Returns whether they are fit for a packet: all
     /// valid, with one sign along each axis.
     #[inline(always)]
-    pub(super) fn load<S: Lanes, P: Arithmetic>(
-        &mut self,
-        simd: S,
-        rays: &Rays<'_>,
-        range: Range<usize>,
-    ) -> bool {
+    pub(super) fn load<S: Lanes>(&mut self, simd: S, rays: &Rays<'_>, range: Range<usize>) -> bool {
         let mut extents = Extents::new(simd);
         for g in 0..GROUPS {
             let first = range.start + number_of(g * WIDTH);
@@ -151,7 +141,7 @@ impl Tile {
         self.done = 0;
         self.height = 0;
         (self.start, self.count) = (range.start, range.len());
-        let Some(beam) = extents.beam::<P>() else { return false };
+        let Some(beam) = extents.beam() else { return false };
         self.beam = beam;
         true
     }
@@ -183,7 +173,8 @@ impl Tile {
     pub(super) fn reaching<S: Lanes>(&self, simd: S, distance: f32) -> u64 {
         let mut rays = 0;
         for g in 0..GROUPS {
-            let reaching = load(simd, &self.high, g).simd_ge(f32x16::splat(simd, distance));
+            let high = widened(simd, load(simd, &self.high, g), self.beam.slack);
+            let reaching = high.simd_ge(f32x16::splat(simd, distance));
             rays |= reaching.to_bitmask() << (g * WIDTH);
         }
         rays
@@ -239,9 +230,10 @@ impl Tile {
     pub(super) fn answer<S: Lanes, Q: Query>(
         &self,
         simd: S,
-        arena: View<'_>,
+        Searched { tree, without_t, .. }: Searched<'_>,
         answers: &mut [Q::Answer],
     ) {
+        let arena = tree.arena.view();
         let answers = &mut answers[self.start..self.start + self.count];
         if Q::ANY {
             for (number, answer) in answers.iter_mut().enumerate() {
@@ -251,7 +243,11 @@ impl Tile {
             return;
         }
         for first in (0..TILE).step_by(LANES) {
-            let t = self.finished(simd, arena, first);
+            let t = if without_t {
+                half(simd, &self.high, first / WIDTH % GROUPS, first % WIDTH).into()
+            } else {
+                self.finished(simd, arena, first)
+            };
             for (lane, &t) in t.iter().enumerate() {
                 let i = first + lane;
                 if let Some(answer) = answers.get_mut(number_of(i)) {
@@ -306,27 +302,12 @@ impl Tile {
         t
     }
 
-    /// Computes the values that follow from origins, directions and ranges, as
-    /// [`crate::kernels::slab::SlabRay::new`] does for one ray.
+    /// Computes the reciprocals of directions.
     #[inline(always)]
-    pub(super) fn prepare<S: Lanes, P: Arithmetic>(&mut self, simd: S) {
-        let negative = self.beam.negative;
-        for g in 0..GROUPS {
-            let x = load(simd, &self.origin[0], g);
-            let y = load(simd, &self.origin[1], g);
-            let z = load(simd, &self.origin[2], g);
-            let pad = if P::IS_FAST {
-                f32x16::splat(simd, 0.0)
-            } else {
-                (x.abs().max(y.abs().max(z.abs())) * PADDING).max(f32::MIN_POSITIVE)
-            };
-            let axes = [x, y, z];
-            for k in 0..3 {
-                let one = f32x16::splat(simd, 1.0);
-                self.reciprocal[k][g] = (one / load(simd, &self.direction[k], g)).into();
-                let shift = if negative[k] { -pad } else { pad };
-                self.near_origin[k][g] = (axes[k] + shift).into();
-                self.far_origin[k][g] = (axes[k] - shift).into();
+    pub(super) fn prepare<S: Lanes>(&mut self, simd: S) {
+        for (reciprocals, directions) in self.reciprocal.iter_mut().zip(&self.direction) {
+            for (g, reciprocal) in reciprocals.iter_mut().enumerate() {
+                *reciprocal = (f32x16::splat(simd, 1.0) / load(simd, directions, g)).into();
             }
         }
     }

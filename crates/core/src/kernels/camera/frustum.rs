@@ -90,7 +90,7 @@ mod tests {
             let [e, f, g, h] = numbers(n + 100_000);
             let corner = ray.origin + ray.direction * (e * e * 100.0);
             let size = Vec3::new(f - 0.5, g - 0.5, h - 0.5) * (1.0 + far as f32 * 1e-3);
-            let bounds = Aabb::around([corner, corner + size]).padded();
+            let bounds = Aabb::around([corner, corner + size]);
             let interval = SlabRay::new(&ray).interval(&bounds);
             if interval.near <= interval.far && interval.far >= 0.0 {
                 met += 1;
