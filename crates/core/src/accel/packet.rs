@@ -203,7 +203,8 @@ impl<Q: Query, P: Arithmetic> Batch<'_, Q, P> {
                     continue;
                 }
                 self.settle(simd, tile);
-                tile.answer::<S, Q>(simd, self.searched.tree.arena.view(), answers);
+                let arena = self.searched.tree.arena.view();
+                tile.answer::<S, Q>(simd, arena, answers, self.tests);
                 if self.begin(simd, tile, answers) {
                     k += 1;
                 } else {

@@ -315,8 +315,11 @@ impl<Q: Query, P: Arithmetic, R: Source<Q, P>> Rounds<'_, Q, P, R> {
                 let number = *number as usize;
                 if let Some(hit) = self.unfinished.add(self.arena, best, &ray.ray, number) {
                     self.answers[number] = Q::answer(hit);
-                } else if self.unfinished.is_full() {
-                    self.finish(simd);
+                } else {
+                    self.tests.finished += 1;
+                    if self.unfinished.is_full() {
+                        self.finish(simd);
+                    }
                 }
                 self.begin(index);
                 continue;
