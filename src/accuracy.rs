@@ -9,7 +9,7 @@ use super::common::{Threads, above_zero, print, progress_bar, tell, whole};
 use wavecrest_base::error::Result;
 use wavecrest_report::accuracy::answer::ERRORS;
 use wavecrest_report::accuracy::pilot::Pilot;
-use wavecrest_report::accuracy::store::{Circumstances, Header, Record, Store};
+use wavecrest_report::accuracy::store::{Circumstances, Header, Record, StepRecord, Store};
 use wavecrest_report::accuracy::sweep::{Options, Progress, run as sweep};
 use wavecrest_report::accuracy::{Findings, page};
 use wavecrest_report::regression::Regression;
@@ -158,7 +158,7 @@ fn run_sweep(args: &AccuracyArgs, folder: &Path) -> Result<bool> {
     Ok(findings.scenes.iter().flat_map(|s| &s.neutral).all(|n| n.equal && n.error_change == 0.0))
 }
 
-/// The slopes, in words.
+/// The slopes and the steps to exact hits, in words.
 fn text(findings: &Findings) -> String {
     use std::fmt::Write as _;
     let mut text = String::new();
@@ -173,6 +173,12 @@ fn text(findings: &Findings) -> String {
                     family.counted, series.name, slope.value, slope.low, slope.high
                 );
             }
+        }
+        if let Some(found) = scene.steps.as_ref().filter(|found| found.has_any()) {
+            let step = |s: &StepRecord| format!("{} {:.1}", s.step, found.nanoseconds(s));
+            let steps: Vec<String> = found.steps.iter().map(step).collect();
+            let words = found.sentence(scene).replace('`', "");
+            let _ = writeln!(text, "  exact hits, ns a ray: {}. {words}", steps.join(", "));
         }
         let wrong = scene.neutral.iter().filter(|n| !n.equal || n.error_change != 0.0).count();
         let all = scene.neutral.len();

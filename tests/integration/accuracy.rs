@@ -5,11 +5,11 @@ use std::path::Path;
 
 use serde_json::{Value, json};
 use wavecrest_core::accel::build::Preset;
+use wavecrest_core::accel::steps::Step;
 use wavecrest_core::math::sampling::{Points, Sampling};
 use wavecrest_core::prepared::{PreparedScene, Samples};
 use wavecrest_core::render::RenderOptions;
 use wavecrest_image::compare::compare;
-use wavecrest_report::accuracy::Findings;
 use wavecrest_report::accuracy::answer::ERRORS;
 use wavecrest_report::accuracy::findings::FamilyFindings;
 use wavecrest_report::accuracy::pilot::Pilot;
@@ -17,6 +17,7 @@ use wavecrest_report::accuracy::setting::{Facts, Setting, Structure};
 use wavecrest_report::accuracy::store::{FILE, Header, Record, SpreadRecord, Store};
 use wavecrest_report::accuracy::subject::Subject;
 use wavecrest_report::accuracy::sweep::{Options, Progress, run};
+use wavecrest_report::accuracy::{Findings, page};
 use wavecrest_scene::systems::overrides::{Layer, Overrides};
 
 use crate::support::{
@@ -307,4 +308,47 @@ fn a_requested_error_is_reached() {
             assert!(is_close, "{name}: {asked} asked, {reached} reached, {choice}");
         }
     }
+}
+
+/// The price list has the counts of a render, and the page shows it.
+#[test]
+fn exactness_has_a_price_list() {
+    let (folder, file) = (folder(), repository("scenes/TriMesh.json"));
+    let options = Options { longest: 16, seeds: 2, most: 1, least: 4 };
+    let mut store = Store::open(folder.path(), &Header::new(&options)).expect("a folder");
+    let mut swept = run(&[file], &options, &mut store, &Silent).expect("a sweep");
+    let found = Findings::new(&options, &store, &swept, &ERRORS);
+    let prices = found.scenes[0].steps.as_ref().expect("prices");
+    let rendered = swept[0].subject.render(&Setting::default(), &RenderOptions::default());
+    let counters = rendered.expect("a film").counters;
+    assert_eq!(prices.rays, counters.primary_rays + counters.secondary_rays + counters.shadow_rays);
+    assert_eq!(prices.steps.len(), Step::ALL.len());
+    for (price, step) in prices.steps.iter().zip(Step::ALL) {
+        let expected = (step.name(), step.count(&counters.tests));
+        assert_eq!((&*price.step, price.count), expected);
+        assert!(price.nanoseconds > 0.0, "{price:?}");
+    }
+    // Points come from planes alone where no texture asks for differentials of rays.
+    assert!(prices.steps[0].count > 0 && prices.steps[3].count == 0, "{prices:?}");
+    // Exact arithmetic is the dearest by far, and the filter without bounds is the cheapest.
+    let [filter, settle, exact, t] = [0, 1, 2, 3].map(|i| prices.steps[i].nanoseconds);
+    assert!(exact > 2.0 * settle && exact > 2.0 * t && exact > 2.0 * filter, "{prices:?}");
+    assert!(prices.fast_filter > 0.0, "{prices:?}");
+    page::write(&found, &mut swept, folder.path(), false).expect("a page");
+    let html = std::fs::read_to_string(folder.path().join("report.html")).expect("a page");
+    for step in &prices.steps {
+        let each = format!("{:.1}", step.nanoseconds);
+        assert!(html.contains(&step.step) && html.contains(&each), "{step:?}");
+    }
+    let words = prices.sentence(&found.scenes[0]);
+    assert!(html.contains(words.split('`').next().expect("a part")), "{words}");
+    // Where there are spheres alone, none is taken.
+    let folder = self::folder();
+    let file = folder.path().join("ball.json");
+    let ball = sphere([0.0; 3], 1.0, matte(0.8, [0.9, 0.4, 0.2]));
+    let light = point_light(20.0, [3.0, 2.0, 4.0], [1.0; 3]);
+    let ball = scene(0, &pinhole([16, 12], 45.0, 6.0), &[light], &[ball]);
+    std::fs::write(&file, ball.to_string()).expect("a file");
+    let found = findings(&options, &file, folder.path());
+    assert!(!found.scenes[0].steps.as_ref().expect("prices").has_any());
 }

@@ -28,6 +28,7 @@ mod query;
 mod rays;
 mod search;
 mod single;
+pub mod steps;
 mod stream;
 mod tlas;
 pub mod tree;

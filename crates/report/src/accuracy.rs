@@ -21,6 +21,7 @@ pub mod prices;
 pub mod reference;
 pub mod setting;
 pub mod spread;
+pub mod steps;
 pub mod store;
 pub mod subject;
 pub mod sweep;

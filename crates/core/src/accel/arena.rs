@@ -196,6 +196,13 @@ impl<'a> View<'a> {
         }
     }
 
+    /// The number of triangles of a patch or a soup.
+    #[inline]
+    pub(super) fn count(self, leaf: Ref) -> usize {
+        (if leaf.kind() == Kind::Soup { self.soup(leaf).count } else { self.patch(leaf).count })
+            as usize
+    }
+
     /// The corners of a triangle of a patch or a soup.
     // Written out: `map` would copy whole rows.
     #[inline(always)]

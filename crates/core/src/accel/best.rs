@@ -148,7 +148,7 @@ impl Unfinished {
     #[inline(always)]
     pub(super) fn add(
         &mut self,
-        Searched { tree, without_t, .. }: Searched<'_>,
+        arena: View<'_>,
         best: &Best,
         ray: &Ray,
         number: usize,
@@ -156,10 +156,9 @@ impl Unfinished {
         if best.is_none() {
             return Some(Hit::MISS);
         }
-        let arena = tree.arena.view();
         let primitive = best.number(arena);
-        if best.has_t() || without_t {
-            return Some(Hit { t: best.high, primitive });
+        if best.has_t() {
+            return Some(Hit { t: best.low, primitive });
         }
         let lane = self.count % 8;
         let entry = best.entry as usize;
@@ -178,6 +177,18 @@ impl Unfinished {
         self.count >= 8
     }
 
+    /// The lines of the rays, and the corners of their triangles.
+    #[inline(always)]
+    pub(super) fn load<F: Single<Row = [f32; 8]>>(
+        &self,
+        token: F::Token,
+    ) -> (Line<F>, [Vector<F>; 3]) {
+        let ([origin, direction], [a, b, c]) = (&self.rays, &self.corners);
+        let line =
+            Line { origin: Vector::load(token, origin), direction: Vector::load(token, direction) };
+        (line, [Vector::load(token, a), Vector::load(token, b), Vector::load(token, c)])
+    }
+
     /// Finds the t of all rays, passes each with its number to `answer`, and removes them.
     #[inline(always)]
     pub(super) fn finish<F: Single<Row = [f32; 8]>>(
@@ -185,12 +196,7 @@ impl Unfinished {
         token: F::Token,
         mut answer: impl FnMut(usize, Hit),
     ) {
-        let [origin, direction] = &self.rays;
-        let line =
-            Line { origin: Vector::load(token, origin), direction: Vector::load(token, direction) };
-        let [a, b, c] = &self.corners;
-        let corners: [Vector<F>; 3] =
-            [Vector::load(token, a), Vector::load(token, b), Vector::load(token, c)];
+        let (line, corners) = self.load::<F>(token);
         let (t, is_known) = settle::t_of(&line, &corners);
         let is_known = is_known.bits();
         for lane in 0..self.count.min(8) {

@@ -1,6 +1,6 @@
 //! Tree searches, compiled for each instruction level.
 //!
-//! These functions are the only place where kernels are compiled, once for each level, so they are
+//! These functions are the only place where searches are compiled, once for each level, so they are
 //! never inlined. A call costs less than a node visit. The single-ray kernel exists for every
 //! level; batch kernels exist for levels with vectors of eight numbers, which justify the code
 //! size. At other levels each ray is searched alone.
@@ -70,6 +70,7 @@ impl<Q: Query, P: Arithmetic> Kernel for One<'_, Q, P> {
         let best = Best::none(ray.ray.t_max);
         let stack = (stack.as_mut_slice(), height);
         let best = single::trace::<S, Q, P>(simd, self.searched, ray, best, stack, tests);
+        tests.finished += u64::from(!best.has_t() && !self.searched.without_t);
         best.answer(self.searched, self.ray)
     }
 }

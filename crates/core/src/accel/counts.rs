@@ -21,6 +21,8 @@ pub struct TestCounts {
     pub settled: u64,
     /// Triangles that double precision left open too, decided in exact arithmetic.
     pub exact: u64,
+    /// Hits whose t was found when their ray was done.
+    pub finished: u64,
 }
 
 impl TestCounts {
@@ -42,6 +44,7 @@ impl TestCounts {
             instances: f(self.instances, other.instances),
             settled: f(self.settled, other.settled),
             exact: f(self.exact, other.exact),
+            finished: f(self.finished, other.finished),
         }
     }
 }

@@ -203,7 +203,7 @@ impl<Q: Query, P: Arithmetic> Batch<'_, Q, P> {
                     continue;
                 }
                 self.settle(simd, tile);
-                tile.answer::<S, Q>(simd, self.searched, answers);
+                tile.answer::<S, Q>(simd, self.searched, answers, self.tests);
                 if self.begin(simd, tile, answers) {
                     k += 1;
                 } else {

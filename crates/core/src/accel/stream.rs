@@ -316,10 +316,18 @@ impl<Q: Query, P: Arithmetic, R: Source<Q, P>> Rounds<'_, Q, P, R> {
             let Slot { ray, best, number, .. } = &mut self.slots[index];
             if at.bits() == BOTTOM {
                 let number = *number as usize;
-                if let Some(hit) = self.unfinished.add(self.searched, best, &ray.ray, number) {
+                let hit = if self.searched.without_t {
+                    Some(best.answer(self.searched, &ray.ray))
+                } else {
+                    self.unfinished.add(self.arena, best, &ray.ray, number)
+                };
+                if let Some(hit) = hit {
                     self.answers[number] = Q::answer(hit);
-                } else if self.unfinished.is_full() {
-                    self.finish(simd);
+                } else {
+                    self.tests.finished += 1;
+                    if self.unfinished.is_full() {
+                        self.finish(simd);
+                    }
                 }
                 self.begin(index);
                 continue;

@@ -152,7 +152,7 @@ fn half_area(bounds: &Aabb) -> f64 {
 }
 
 /// The box of a node's child.
-fn child_box(node: &Node, lane: usize) -> Aabb {
+pub(super) fn child_box(node: &Node, lane: usize) -> Aabb {
     let plane = |side: usize| [0, 1, 2].map(|axis: usize| node.planes[axis][side][lane]);
     Aabb { low: plane(0).into(), high: plane(1).into() }
 }

@@ -21,7 +21,8 @@
 //! | `presets`, `crossings` | | see [`presets`] |
 //! | `spread`, `calibration` | | see [`SpreadRecord`] and [`CalibrationRecord`] |
 //! | `neutral` | | choices that must not change the image: the change of the error, and whether the bits are equal |
-//! | `trials` | | for each precision: rays aimed at edges and leaks, rays that leave a surface and self-hits, nanoseconds a ray, errors of t, points and normals in ulp ([`HitErrors`](crate::selftest::errors::HitErrors)) |
+//! | `trials` | | for each precision: rays aimed at edges and leaks, rays that leave a surface and self-hits, errors of t, points and normals in ulp ([`HitErrors`](crate::selftest::errors::HitErrors)) |
+//! | `steps` | | what exact hits cost: `rays` of a render, `steps` with their counts there and nanoseconds each, and the nanoseconds of a pair in the filter of `fast`; see [`steps`](super::steps) |
 
 use serde::Serialize;
 
@@ -33,7 +34,7 @@ use super::presets::{self, PresetFindings};
 use super::setting::{Family, Line, Target};
 use super::store::{
     CalibrationRecord, NeutralRecord, PointRecord, PreparedRecord, Record, ReferenceRecord,
-    SceneRecord, SpreadRecord, TrialRecord, all,
+    SceneRecord, SpreadRecord, StepsRecord, TrialRecord, all,
 };
 use super::subject::Stages;
 use super::sweep::Swept;
@@ -60,6 +61,7 @@ pub struct SceneFindings {
     pub calibration: Vec<CalibrationRecord>,
     pub neutral: Vec<NeutralRecord>,
     pub trials: Vec<TrialRecord>,
+    pub steps: Option<StepsRecord>,
 }
 
 /// One variation of a scene.
@@ -143,6 +145,7 @@ impl SceneFindings {
                 .collect(),
             neutral: all(records).filter(|n: &&NeutralRecord| n.scene == name).cloned().collect(),
             trials: all(records).filter(|t: &&TrialRecord| t.scene == name).cloned().collect(),
+            steps: all(records).find(|s: &&StepsRecord| s.scene == name).cloned(),
         };
         found.families = swept.families.iter().map(|f| found.family(f, &name, records)).collect();
         found.crossings = presets::crossings(&found.presets);

@@ -125,6 +125,7 @@ fn section(scene: &SceneFindings, swept: &mut Swept, folder: &Path) -> Result<Se
     blocks.push(Block::Heading("Cost and accuracy of each precision".to_owned()));
     blocks.extend(yields::sentence(scene));
     blocks.extend(tables::precision(scene));
+    blocks.extend(tables::steps(scene));
     for (name, chart) in yields::charts(scene) {
         write_chart(&chart, &folder.join(format!("{}-{name}", scene.scene.scene)))?;
         blocks.push(Block::Chart(chart));

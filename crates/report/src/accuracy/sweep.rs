@@ -15,7 +15,7 @@ use super::store::{
     all,
 };
 use super::subject::Subject;
-use super::{calibration, layers, neutral, presets, spread};
+use super::{calibration, layers, neutral, presets, spread, steps};
 use crate::selftest::examine::trial;
 use crate::selftest::{Count, Effort};
 use crate::yardstick::yardstick;
@@ -103,6 +103,7 @@ fn scene(
     calibration::run(&mut subject, &references, store, progress)?;
     neutral::run(&mut subject, references.get(Target::Scene.name()), store, progress)?;
     trials(&mut subject, store, progress)?;
+    steps::run(&mut subject, store, progress)?;
     Ok(Swept { subject, families, references })
 }
 
@@ -337,7 +338,6 @@ fn trials(subject: &mut Subject, store: &mut Store, progress: &dyn Progress) -> 
             precision: precision.name().to_owned(),
             leaks: [found.leaks.tried, found.leaks.failed],
             self_hits: [found.self_hits.tried, found.self_hits.failed],
-            nanoseconds: found.nanoseconds,
             errors: Some(Box::new(found.errors)),
         }))?;
         progress.step();

@@ -3,13 +3,14 @@
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
-use super::case::{Effort, Outcome};
+use super::case::{Count, Effort, Outcome};
 use super::examine::{Extent, rays};
 use super::trees::add_triangle;
 use super::ways::{Numbers, blocks, in_order, with_every_kernel};
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::accel::geometry::{Geometry, Primitive};
 use wavecrest_core::accel::{Accel, Hit, KernelChoice};
+use wavecrest_core::kernels::precision::Precision;
 use wavecrest_core::math::ray::Ray;
 
 /// The number of rays: quick, and in full.
@@ -147,6 +148,22 @@ fn packet(geometry: &Geometry, extent: &Extent, mut numbers: Numbers) -> [Ray; T
             }
         };
         Ray { t_max, ..Ray::new(from, target - from) }
+    })
+}
+
+/// The part of a ray that leaves a primitive before it can meet anything.
+const START: f32 = 1.0 / 1024.0;
+
+/// Rays from points of primitives to points around them all.
+pub(crate) fn leaving(geometry: &Geometry, count: usize) -> impl Iterator<Item = Ray> {
+    let effort = Effort { precision: Precision::Exact, seed: 1, count: Count::Quick };
+    let extent = Extent::of(geometry);
+    let count = if geometry.is_empty() { 0 } else { count };
+    (0..count).map(move |n| {
+        let mut numbers = Numbers::new(&effort, AGREEING, n);
+        let corners = some_corners(geometry, &mut numbers);
+        let from = numbers.within(corners).as_vec3();
+        Ray { t_min: START, ..Ray::new(from, extent.around(&mut numbers) - from) }
     })
 }
 

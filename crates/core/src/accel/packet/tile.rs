@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use fearless_simd::prelude::*;
-use fearless_simd::{f32x8, f32x16, u32x8};
+use fearless_simd::{f32x8, f32x16, mask32x16, u32x8, u32x16};
 use glam::Vec3;
 
 use super::beam::{Beam, Extents};
@@ -16,7 +16,7 @@ use crate::accel::node::widened;
 use crate::accel::query::Query;
 use crate::accel::rays::{BLOCK_EDGE, Rays};
 use crate::accel::tree::Searched;
-use crate::accel::{Hit, NO_PRIMITIVE};
+use crate::accel::{Hit, NO_PRIMITIVE, TestCounts};
 use crate::kernels::triangle::{ShearedSpace, settle};
 use crate::math::ray::Ray;
 use crate::math::real::{Mask, Single};
@@ -232,6 +232,7 @@ impl Tile {
         simd: S,
         Searched { tree, without_t, .. }: Searched<'_>,
         answers: &mut [Q::Answer],
+        tests: &mut TestCounts,
     ) {
         let arena = tree.arena.view();
         let answers = &mut answers[self.start..self.start + self.count];
@@ -243,11 +244,12 @@ impl Tile {
             return;
         }
         for first in (0..TILE).step_by(LANES) {
-            let t = if without_t {
-                half(simd, &self.high, first / WIDTH % GROUPS, first % WIDTH).into()
+            let (t, finished) = if without_t {
+                (half(simd, &self.high, first / WIDTH % GROUPS, first % WIDTH).into(), 0)
             } else {
                 self.finished(simd, arena, first)
             };
+            tests.finished += u64::from(finished.count_ones());
             for (lane, &t) in t.iter().enumerate() {
                 let i = first + lane;
                 if let Some(answer) = answers.get_mut(number_of(i)) {
@@ -258,14 +260,14 @@ impl Tile {
         }
     }
 
-    /// The t of the hits of eight rays from the `first`th on.
+    /// The t of the hits of eight rays from the `first`th on, and those that lacked it, a bit each.
     #[inline(always)]
-    fn finished<S: Lanes>(&self, simd: S, arena: View<'_>, first: usize) -> [f32; LANES] {
+    fn finished<S: Lanes>(&self, simd: S, arena: View<'_>, first: usize) -> ([f32; LANES], u32) {
         let (g, l) = (first / WIDTH % GROUPS, first % WIDTH);
         let t = half(simd, &self.low, g, l);
-        let mut open = t.simd_ne(half(simd, &self.high, g, l)).bits();
+        let open = t.simd_ne(half(simd, &self.high, g, l)).bits();
         if open == 0 {
-            return t.into();
+            return (t.into(), 0);
         }
         // Neighbours often share a triangle.
         let leaves = u32x8::from_slice(simd, &self.leaf[g][l..l + LANES]);
@@ -291,15 +293,14 @@ impl Tile {
         let line = Line { origin, direction };
         let (found, is_known) = settle::t_of::<f32x8<S>>(&line, &corners);
         let mut t: [f32; LANES] = <f32x8<S> as Single>::mask(simd, open).select(found, t).into();
-        open &= !is_known.bits();
-        while open != 0 {
-            let lane = open.trailing_zeros() as usize % LANES;
-            open &= open - 1;
-            let [a, b, c] = &corners;
-            let corners = [a.lane(lane), b.lane(lane), c.lane(lane)];
+        let mut unknown = open & !is_known.bits();
+        while unknown != 0 {
+            let lane = unknown.trailing_zeros() as usize % LANES;
+            unknown &= unknown - 1;
+            let corners = corners.map(|corner| corner.lane(lane));
             t[lane] = exact_t(&self.ray(first + lane), &corners);
         }
-        t
+        (t, open)
     }
 
     /// Computes the reciprocals of directions.
@@ -356,7 +357,6 @@ impl Tile {
         (leaf, entry): (Ref, usize),
         [low, high]: [f32x16<S>; 2],
     ) {
-        use fearless_simd::{mask32x16, u32x16};
         let g = g % GROUPS;
         let mask = mask32x16::from_bitmask(simd, u64::from(rays));
         let leaves: u32x16<S> = self.leaf[g].simd_into(simd);

@@ -3,6 +3,7 @@
 use crate::accuracy::findings::{FamilyFindings, PointFindings, SceneFindings, SeriesFindings};
 use crate::accuracy::fit::Interval;
 use crate::accuracy::setting::Target;
+use crate::accuracy::store::StepRecord;
 use crate::effects::{Cost, Price, PriceList};
 use crate::page::{Block, Cell, Details, Table};
 use crate::plot::number::figure;
@@ -208,12 +209,11 @@ pub(super) fn precision(scene: &SceneFindings) -> Vec<Block> {
             digits(p.rmse.value),
             trial.map_or_else(missing, |t| share(t.leaks)),
             trial.map_or_else(missing, |t| share(t.self_hits)),
-            trial.map_or_else(missing, |t| Cell::decimals(t.nanoseconds, 0)),
         ]
     };
     let caption = "Leaks: rays aimed at an edge that pass between its two triangles. Self-hits: rays that leave a \
                    triangle and hit it again (acne)";
-    let header = "precision|>time / fast|>RMSE|>leaks|>self-hits|>ns per ray";
+    let header = "precision|>time / fast|>RMSE|>leaks|>self-hits";
     let mut table = Table::new(caption, header, points.iter().map(row).collect());
     if scene.trials.is_empty() {
         // There are no trials without triangles.
@@ -223,6 +223,30 @@ pub(super) fn precision(scene: &SceneFindings) -> Vec<Block> {
         table.rows.iter_mut().for_each(|row| row.truncate(3));
     }
     vec![Block::Table(table)]
+}
+
+/// What each step to an exact hit costs, and all of them beside the whole.
+pub(super) fn steps(scene: &SceneFindings) -> Vec<Block> {
+    let Some(found) = &scene.steps else { return Vec::new() };
+    if !found.has_any() {
+        let words =
+            "The scene has no triangles and no quads: exact hits take none of the steps of theirs.";
+        return vec![Block::paragraph(words)];
+    }
+    let row = |step: &StepRecord| {
+        vec![
+            Cell::text(step.step.clone()),
+            digits(found.times(step)),
+            Cell::decimals(step.nanoseconds, 1),
+            Cell::decimals(found.nanoseconds(step), 2),
+        ]
+    };
+    let caption = "What exact hits on triangles cost: how often each step is taken for a ray of the scene, and its \
+                   time in one thread. Pairs of a ray and a triangle are filtered eight at a time, one ray at a leaf; \
+                   packets share more";
+    let header = "step|>times a ray|>ns each|>ns a ray";
+    let table = Table::new(caption, header, found.steps.iter().map(row).collect());
+    vec![Block::Table(table), Block::paragraph(found.sentence(scene))]
 }
 
 /// Choices that must not change the image.

@@ -211,12 +211,34 @@ pub struct TrialRecord {
     pub leaks: [u64; 2],
     /// Rays that leave a triangle, and the number that hit it again.
     pub self_hits: [u64; 2],
-    /// Nanoseconds for each of these rays.
-    pub nanoseconds: f64,
     /// Errors of hits against the exact ones; `None` in records of versions that did not measure
     /// them.
     #[serde(default)]
     pub errors: Option<Box<HitErrors>>,
+}
+
+/// The steps to the exact hits of a scene: see [`steps`](crate::accuracy::steps).
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct StepsRecord {
+    /// The scene's name.
+    pub scene: String,
+    /// Rays of every kind in a render.
+    pub rays: u64,
+    /// The steps in their order.
+    pub steps: Vec<StepRecord>,
+    /// Nanoseconds of the filter of `fast`, which has no bounds, for a pair.
+    pub fast_filter: f64,
+}
+
+/// A step to an exact hit.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct StepRecord {
+    /// Its name.
+    pub step: String,
+    /// How often the rays of the render took it.
+    pub count: u64,
+    /// Nanoseconds each time.
+    pub nanoseconds: f64,
 }
 
 /// The kinds of records: a line of the file is one of them.
@@ -290,6 +312,7 @@ records! {
     Point(PointRecord),
     Neutral(NeutralRecord),
     Trial(TrialRecord),
+    Steps(StepsRecord),
     Preset(PresetRecord),
     Layers(LayersRecord),
     Spread(SpreadRecord),

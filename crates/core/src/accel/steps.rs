@@ -1,0 +1,268 @@
+//! Each step to an exact hit by itself, at the leaves that rays visit and with the kernels of the
+//! traversal, so that its time can be measured.
+
+use std::hint::black_box;
+use std::marker::PhantomData;
+
+use fearless_simd::{Level, f32x8};
+
+use super::arena::{Kind, Ref, View, child_of};
+use super::best::{Best, Unfinished};
+use super::geometry::{PreparedRay, Primitive};
+use super::tree::{Tree, child_box};
+use super::{Accel, TestCounts, leaf};
+use crate::kernels::precision::{Arithmetic, Precision};
+use crate::kernels::triangle::{self, exact, settle};
+use crate::math::float::{max, min};
+use crate::math::ray::Ray;
+use crate::math::real::Single;
+use crate::math::simd::{Kernel, LANES, Lanes, dispatch};
+use crate::with_precision;
+
+wavecrest_base::choices! {
+    /// A step to an exact hit.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    pub enum Step {
+        /// A pair of a ray and a triangle of a leaf in single precision.
+        Filter = "filter",
+        /// An open pair in double precision, eight at a time.
+        Settle = "settled in double precision",
+        /// A pair that is open still.
+        Exact = "exact arithmetic",
+        /// The t of a closest hit, eight at a time.
+        T = "t of hits",
+    }
+}
+
+impl Step {
+    /// How often it was taken.
+    pub fn count(self, tests: &TestCounts) -> u64 {
+        match self {
+            Self::Filter => tests.triangles + tests.quads,
+            Self::Settle => tests.settled,
+            Self::Exact => tests.exact,
+            Self::T => tests.finished,
+        }
+    }
+}
+
+/// A ray at a leaf.
+#[derive(Clone, Copy, Debug)]
+struct Visit<'a> {
+    arena: View<'a>,
+    ray: PreparedRay,
+    leaf: Ref,
+    /// The t of the ray's closest hit, or the end of its range.
+    reach: f32,
+}
+
+/// Rays at the leaves that they visit, and their closest hits among them.
+#[derive(Debug)]
+pub struct Steps<'a> {
+    level: Level,
+    visits: Vec<Visit<'a>>,
+    /// Visits, each with an entry of the leaf.
+    hits: Vec<(Visit<'a>, usize)>,
+}
+
+impl<'a> Steps<'a> {
+    /// Those of `rays` in `accel`. A ray that hits an instance counts in the tree of its prototype,
+    /// others in that of the scene.
+    pub fn new(accel: &'a Accel, rays: &[Ray]) -> Self {
+        let mut steps = Self { level: accel.level, visits: Vec::new(), hits: Vec::new() };
+        let mut traversal = accel.traversal();
+        for ray in rays {
+            let hit = accel.closest(ray, &mut traversal);
+            let reach = min(hit.t, ray.t_max);
+            let mut at = (accel.tree(), *ray, hit.primitive);
+            if !hit.is_miss()
+                && let Primitive::Instanced(place) = accel.geometry.primitive(hit.primitive)
+            {
+                let instance = accel.geometry.instance(place).0;
+                let blas = accel.blas.get(instance.prototype());
+                at = (blas, instance.carried(ray), place.triangle);
+            }
+            if let (Some(tree), ray, number) = at
+                && ray.is_valid()
+            {
+                steps.add(tree, PreparedRay::new(&ray), number, reach);
+            }
+        }
+        steps
+    }
+
+    /// Adds the leaves of triangles whose boxes the ray enters within `reach`.
+    fn add(&mut self, tree: &'a Tree, ray: PreparedRay, number: u32, reach: f32) {
+        let arena = tree.arena.view();
+        let mut waiting: Vec<Ref> = tree.root.iter().map(|root| root.place).collect();
+        while let Some(place) = waiting.pop() {
+            match place.kind() {
+                Kind::Node => {
+                    let node = arena.node(place);
+                    let is_met = |lane: &usize| {
+                        let interval = ray.slab.interval(&child_box(node, *lane));
+                        max(interval.near, ray.ray.t_min) <= min(interval.far, reach)
+                    };
+                    let met = (0..node.count as usize).filter(is_met);
+                    waiting.extend(met.map(|lane| child_of(node, place, lane)));
+                }
+                Kind::List => {}
+                Kind::Patch | Kind::Soup => {
+                    let visit = Visit { arena, ray, leaf: place, reach };
+                    self.visits.push(visit);
+                    let is_hit = |&entry: &usize| {
+                        arena.number_of(place, entry) == number
+                            && triangle::meet(&ray.ray, &arena.triangle(place, entry)).is_some()
+                    };
+                    let hit = (0..arena.count(place)).find(is_hit);
+                    self.hits.extend(hit.map(|entry| (visit, entry)));
+                }
+            }
+        }
+    }
+
+    /// The number of times that [`Self::run`] takes a step.
+    pub fn count(&self, step: Step) -> u64 {
+        match step {
+            Step::Filter => {
+                self.visits.iter().map(|visit| visit.arena.count(visit.leaf) as u64).sum()
+            }
+            _ => self.hits.len() as u64,
+        }
+    }
+
+    /// Takes a step for every ray: the filter, in this precision, at the leaves, others for the hits.
+    /// Returns a sum of bits, so that nothing is optimised away.
+    // Not generic: other crates are optimised less.
+    #[inline(never)]
+    pub fn run(&self, step: Step, precision: Precision) -> u64 {
+        with_precision!(precision, P =>
+            dispatch(self.level, Run { steps: self, step, precision: PhantomData::<P> }))
+    }
+}
+
+/// See [`Steps::run`].
+struct Run<'a, P> {
+    steps: &'a Steps<'a>,
+    step: Step,
+    precision: PhantomData<P>,
+}
+
+impl<P: Arithmetic> Kernel for Run<'_, P> {
+    type Output = u64;
+
+    #[inline(always)]
+    fn run<S: Lanes>(self, simd: S) -> u64 {
+        let Self { steps: Steps { visits, hits, .. }, step, .. } = self;
+        let (mut sum, mut tests) = (0, TestCounts::default());
+        match step {
+            Step::Filter => {
+                for Visit { arena, ray, leaf, reach } in visits {
+                    let ray = (&ray.ray, &ray.space);
+                    let found = leaf::test::<S, P>(simd, *arena, ray, *leaf, *reach, &mut tests);
+                    sum += u64::from(black_box(&found).certain);
+                }
+            }
+            Step::Settle => {
+                for pairs in hits.chunks(LANES) {
+                    let (line, corners) = gathered(pairs).load::<f32x8<S>>(simd);
+                    let all = <f32x8<S> as Single>::splat(simd, f32::MAX);
+                    let range = [-all, all];
+                    sum += u64::from(black_box(settle::settle(&line, &corners, range)).hit);
+                }
+            }
+            Step::Exact => {
+                for (Visit { arena, ray, leaf, .. }, entry) in hits {
+                    let t = exact::meet(&ray.ray, &arena.triangle(*leaf, *entry));
+                    sum += u64::from(t.unwrap_or_default().to_bits());
+                }
+            }
+            Step::T => {
+                for pairs in hits.chunks(LANES) {
+                    gathered(pairs).finish::<f32x8<S>>(
+                        simd,
+                        #[inline(always)]
+                        |_, hit| sum += u64::from(hit.t.to_bits()),
+                    );
+                }
+            }
+        }
+        sum
+    }
+}
+
+/// Up to eight pairs in lanes.
+#[inline(always)]
+fn gathered(pairs: &[(Visit<'_>, usize)]) -> Unfinished {
+    let mut gathered = Unfinished::default();
+    for (lane, (Visit { arena, ray, leaf, .. }, entry)) in pairs.iter().enumerate() {
+        let best = Best::in_leaf(*leaf, *entry, [0.0, f32::MAX]);
+        gathered.add(*arena, &best, &ray.ray, lane);
+    }
+    gathered
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::{Numbers, cloud};
+    use super::super::{Hit, KernelChoice};
+    use super::*;
+    use crate::accel::build::Preset;
+
+    /// Rays through a cloud of triangles, and the triangles that they hit.
+    fn traced(precision: Precision) -> (Accel, Vec<Ray>, Vec<Hit>) {
+        let mut numbers = Numbers(0);
+        let mut geometry = cloud(&mut numbers, 1.0);
+        geometry.set_precision(precision);
+        let mut accel = Accel::new(geometry, Preset::Fast);
+        let ray = |numbers: &mut Numbers| {
+            let from = numbers.vector() * 2.0;
+            Ray::new(from, numbers.vector() - from)
+        };
+        let rays: Vec<Ray> = (0..500).map(|_| ray(&mut numbers)).collect();
+        accel.kernel = KernelChoice::Single;
+        let mut hits = vec![Hit::MISS; rays.len()];
+        accel.closest_of(&rays[..], &mut hits, &mut accel.traversal());
+        let triangles = accel.geometry().triangles.len();
+        hits.retain(|hit| (hit.primitive as usize) < triangles);
+        assert!(hits.len() > 100, "{}", hits.len());
+        (accel, rays, hits)
+    }
+
+    #[test]
+    fn every_step_is_that_of_the_traversal() {
+        let (accel, rays, hits) = traced(Precision::Exact);
+        let steps = Steps::new(&accel, &rays);
+        let run = |step| steps.run(step, Precision::Exact);
+        for step in [Step::Settle, Step::Exact, Step::T] {
+            assert_eq!(steps.count(step), hits.len() as u64);
+        }
+        let t = hits.iter().map(|hit| u64::from(hit.t.to_bits())).sum::<u64>();
+        assert_eq!((run(Step::T), run(Step::Exact)), (t, t));
+        assert!(steps.count(Step::Filter) > steps.count(Step::T));
+        // Every hit is certain in one lane of a leaf, at least, and nearly all are so in double
+        // precision.
+        assert!(run(Step::Filter) >= hits.len() as u64);
+        assert!(run(Step::Settle) > 0);
+    }
+
+    #[test]
+    fn every_kernel_counts_hits_whose_t_it_finds() {
+        for precision in Precision::ALL {
+            let (mut accel, rays, hits) = traced(precision);
+            for kernel in KernelChoice::FOR_RENDERS {
+                accel.kernel = kernel;
+                let (mut traversal, mut all) = (accel.traversal(), vec![Hit::MISS; rays.len()]);
+                accel.closest_of(&rays[..], &mut all, &mut traversal);
+                let TestCounts { finished, settled, .. } = traversal.tests;
+                // The t of open pairs is known once they are settled.
+                let least = hits.len() as u64 - settled.min(hits.len() as u64);
+                let expected = match precision {
+                    Precision::Fast => 0..=0,
+                    Precision::Exact => least..=hits.len() as u64,
+                };
+                assert!(expected.contains(&finished), "{kernel:?}: {finished} of {expected:?}");
+            }
+        }
+    }
+}

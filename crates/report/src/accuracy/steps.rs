@@ -1,0 +1,131 @@
+//! What exactness costs in time: how often each step to an exact hit is taken, and its price.
+//!
+//! Counts are those of a render. Prices are measured one step at a time, in one thread, for rays of
+//! the camera and others that leave primitives, at the leaves that these visit.
+
+use std::hint::black_box;
+use std::time::Instant;
+
+use super::findings::SceneFindings;
+use super::setting::{Setting, Structure};
+use super::store::{Record, StepRecord, StepsRecord, Store, all};
+use super::subject::Subject;
+use super::sweep::Progress;
+use crate::selftest::agreement::leaving;
+use wavecrest_base::error::Result;
+use wavecrest_core::accel::steps::{Step, Steps};
+use wavecrest_core::kernels::precision::Precision;
+use wavecrest_core::math::random::Stream;
+use wavecrest_core::math::ray::Ray;
+use wavecrest_core::prepared::PreparedScene;
+use wavecrest_core::render::RenderOptions;
+
+/// Rays of the camera, and as many that leave primitives.
+const RAYS: u32 = 1 << 11;
+
+/// Largest number of rounds, and the seconds after which no further round starts.
+const ROUNDS: usize = 32;
+const SHORT: f64 = 0.5;
+
+/// Counts and prices the steps of the scene, unless done already.
+///
+/// # Errors
+/// If the scene can no longer be rendered, or the record cannot be written.
+pub fn run(subject: &mut Subject, store: &mut Store, progress: &dyn Progress) -> Result<()> {
+    let scene = subject.name();
+    if all(&store.records).any(|s: &StepsRecord| s.scene == scene) {
+        return Ok(());
+    }
+    progress.stage(&format!("{scene}: steps to exact hits"), 1);
+    let c = subject.render(&Setting::default(), &RenderOptions::default())?.counters;
+    let rays = c.primary_rays + c.secondary_rays + c.shadow_rays;
+    let mut prices = prices(&subject.prepare(&Structure::default())?.scene);
+    let fast_filter = prices.pop().unwrap_or_default();
+    let step = |(step, nanoseconds): (Step, f64)| StepRecord {
+        step: step.name().to_owned(),
+        count: step.count(&c.tests),
+        nanoseconds,
+    };
+    let steps = Step::ALL.into_iter().zip(prices).map(step).collect();
+    store.add(Record::Steps(StepsRecord { scene, rays, steps, fast_filter }))?;
+    progress.step();
+    Ok(())
+}
+
+impl StepsRecord {
+    /// How often a ray takes the step, on average.
+    pub fn times(&self, step: &StepRecord) -> f64 {
+        step.count as f64 / self.rays.max(1) as f64
+    }
+
+    /// Nanoseconds that a ray spends in the step, on average.
+    pub fn nanoseconds(&self, step: &StepRecord) -> f64 {
+        self.times(step) * step.nanoseconds
+    }
+
+    /// Whether a ray takes any step: none does without triangles and quads.
+    pub fn has_any(&self) -> bool {
+        self.steps.iter().any(|step| step.count > 0)
+    }
+
+    /// The steps beside the whole, in words.
+    pub fn sentence(&self, scene: &SceneFindings) -> String {
+        let traced = |precision: Precision| {
+            let stages = scene.stages.iter().find(|s| s.precision == precision.name());
+            let passes = stages.iter().flat_map(|stages| &stages.passes);
+            let traced = passes.filter(|pass| TRACING.contains(&&*pass.0)).map(|pass| pass.1);
+            traced.sum::<f64>() * 1e9 / self.rays.max(1) as f64
+        };
+        format!(
+            "These steps take {:.1} ns a ray, of {:.1} ns in which a ray is traced; `fast` traces it in {:.1} ns, with a \
+             filter of {:.1} ns a pair.",
+            self.steps.iter().map(|step| self.nanoseconds(step)).sum::<f64>(),
+            traced(Precision::Exact),
+            traced(Precision::Fast),
+            self.fast_filter
+        )
+    }
+}
+
+/// The passes that trace rays.
+const TRACING: [&str; 2] = ["intersect", "shadow"];
+
+/// The least nanoseconds of each step, then of the filter in fast precision; 0 for steps that no ray
+/// takes. Other programs can only add to a time.
+fn prices(scene: &PreparedScene) -> Vec<f64> {
+    let rays: Vec<Ray> = rays(scene).collect();
+    let steps = Steps::new(&scene.accel, &rays);
+    let exact = Step::ALL.map(|step| (step, Precision::Exact));
+    let all = exact.into_iter().chain([(Step::Filter, Precision::Fast)]);
+    let mut least: Vec<_> = all.map(|taken| (taken, f64::INFINITY)).collect();
+    let start = Instant::now();
+    for round in 0..ROUNDS {
+        if round > 0 && start.elapsed().as_secs_f64() > SHORT {
+            break;
+        }
+        for ((step, precision), least) in &mut least {
+            *least = least.min(each(steps.count(*step), || steps.run(*step, *precision)));
+        }
+    }
+    least.into_iter().map(|(_, least)| least).collect()
+}
+
+/// Nanoseconds for each of the `count` times that `run` takes a step.
+fn each(count: u64, run: impl Fn() -> u64) -> f64 {
+    let start = Instant::now();
+    black_box(run());
+    let seconds = start.elapsed().as_secs_f64();
+    if count > 0 { seconds * 1e9 / count as f64 } else { 0.0 }
+}
+
+/// Rays through pixels all over the image, and rays that leave primitives.
+fn rays(scene: &PreparedScene) -> impl Iterator<Item = Ray> {
+    let [width, height] = scene.camera.size();
+    let pixels = u64::from(width) * u64::from(height);
+    let of_camera = move |i: u32| {
+        let pixel = (u64::from(i) * pixels / u64::from(RAYS)) as u32;
+        let stream = Stream { seed: 0, pixel, sample: 0, bounce: 0 };
+        scene.camera.ray(pixel % width, pixel / width, &stream)
+    };
+    (0..RAYS).map(of_camera).chain(leaving(scene.accel.geometry(), RAYS as usize))
+}
