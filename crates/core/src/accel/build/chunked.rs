@@ -10,11 +10,12 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use super::join;
 use super::order::Chunks;
-use super::piece::{Piece, Plan, UpperNodes};
+use super::piece::{Piece, Plan};
 use crate::accel::arena::{self, Arena, Kind, NODE_UNITS, Unit};
 use crate::accel::geometry::{Geometry, Primitive};
 use crate::accel::tree::{Root, Tree};
 use crate::accel::units::Units;
+use crate::accel::wide::Part;
 use crate::math::simd::LANES;
 
 /// A chunk to build.
@@ -54,13 +55,13 @@ pub(super) fn build(plan: &Plan, chunks: Chunks, parts: usize, room: usize) -> O
             build_chunk(plan, parts, &mut piece, task, &assembly);
         }
     });
-    let Assembly { used, upper_nodes, late, .. } =
+    let Assembly { used, parts, late, .. } =
         assembly.into_inner().unwrap_or_else(PoisonError::into_inner);
     if !late.is_empty() {
         units = lengthened(units, ahead, used, late);
     }
     let (top, _) = units.as_mut_slice().split_at_mut(ahead);
-    let (start, bounds) = join::join(plan.geometry, &upper_nodes, top)?;
+    let (start, bounds) = join::join(plan.geometry, &parts, top)?;
     units.keep(start..used);
     let place = arena::root_of(Kind::Node);
     let (arena, census) = Arena::new(units, numbers, place)?;
@@ -148,11 +149,11 @@ fn build_chunk(
     piece.output.numbers.clear();
     piece.output.first_number = task.first;
     piece.build(plan, &task.numbers[..task.count]);
-    let upper = piece.emit_upper(plan, parts);
+    let parts = piece.emit_parts(plan, parts);
     // Only triangles have their numbers there: the rest stays unchanged.
     let leaves = &piece.output.numbers;
     task.numbers[..leaves.len()].copy_from_slice(leaves);
-    place(assembly, task.chunk, &mut piece.output.units, upper);
+    place(assembly, task.chunk, &mut piece.output.units, parts);
 }
 
 /// The places of chunks in the arena.
@@ -166,9 +167,9 @@ struct Assembly<'a> {
     /// The chunks for which no room was left, in order.
     late: Vec<Vec<Unit>>,
     /// Chunks that were finished before their turn.
-    early: BTreeMap<usize, (Vec<Unit>, UpperNodes)>,
+    early: BTreeMap<usize, (Vec<Unit>, Vec<Part>)>,
     /// The tops of the placed chunks.
-    upper_nodes: Vec<UpperNodes>,
+    parts: Vec<Part>,
 }
 
 impl<'a> Assembly<'a> {
@@ -177,10 +178,10 @@ impl<'a> Assembly<'a> {
     fn claim(
         &mut self,
         units: Vec<Unit>,
-        mut upper: UpperNodes,
+        mut parts: Vec<Part>,
     ) -> Option<(&'a mut [Unit], Vec<Unit>)> {
-        upper.parts.iter_mut().for_each(|part| part.unit += self.used);
-        self.upper_nodes.push(upper);
+        parts.iter_mut().for_each(|part| part.unit += self.used);
+        self.parts.append(&mut parts);
         self.used += units.len();
         self.next += 1;
         match std::mem::take(&mut self.rest).split_at_mut_checked(units.len()) {
@@ -197,19 +198,19 @@ impl<'a> Assembly<'a> {
 }
 
 /// Copies a chunk to its place, with the chunks that waited for it; or keeps it waiting.
-fn place(assembly: &Mutex<Assembly>, chunk: usize, units: &mut Vec<Unit>, upper: UpperNodes) {
+fn place(assembly: &Mutex<Assembly>, chunk: usize, units: &mut Vec<Unit>, parts: Vec<Part>) {
     let own = std::mem::take(units);
     let mut waited = Vec::new();
     let claimed = {
         let mut assembly = lock(assembly);
         if chunk != assembly.next {
-            assembly.early.insert(chunk, (own, upper));
+            assembly.early.insert(chunk, (own, parts));
             return;
         }
-        let claimed = assembly.claim(own, upper);
+        let claimed = assembly.claim(own, parts);
         let mut next = assembly.next;
-        while let Some((units, upper)) = assembly.early.remove(&next) {
-            waited.extend(assembly.claim(units, upper));
+        while let Some((units, parts)) = assembly.early.remove(&next) {
+            waited.extend(assembly.claim(units, parts));
             next = assembly.next;
         }
         claimed

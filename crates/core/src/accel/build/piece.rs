@@ -5,7 +5,6 @@ use std::ops::Range;
 use glam::Vec3A;
 use obvhs::BvhBuildParams;
 use obvhs::bvh2::Bvh2;
-use obvhs::bvh2::node::Bvh2Node;
 use obvhs::bvh2::reinsertion::ReinsertionOptimizer;
 use obvhs::ploc::PlocBuilder;
 use obvhs::splits::split_aabbs_preset;
@@ -47,14 +46,6 @@ pub(super) struct Piece {
     converter: Converter,
     cut: Vec<u32>,
     pub(super) output: Output,
-}
-
-/// The top of a piece that is cut into parts.
-#[derive(Clone, Debug, Default)]
-pub(super) struct UpperNodes {
-    /// Binary nodes, the root first; the leaves' indices are those of parts.
-    pub(super) nodes: Vec<Bvh2Node>,
-    pub(super) parts: Vec<Part>,
 }
 
 /// The primitives of each owner.
@@ -275,26 +266,12 @@ impl Piece {
     /// Parts are nodes and leaves as in the whole piece, so that a tree with other nodes above them
     /// has about the same below. The largest boxes are opened first, so that a large triangle does
     /// not share a box with small ones.
-    pub(super) fn emit_upper(&mut self, plan: &Plan, parts: usize) -> UpperNodes {
+    pub(super) fn emit_parts(&mut self, plan: &Plan, parts: usize) -> Vec<Part> {
         self.cut_off(parts);
-        let nodes = vec![Bvh2Node::default()];
-        let mut upper = UpperNodes { nodes, parts: Vec::new() };
-        let mut waiting = vec![(0, 0)];
-        while let Some((place, copy)) = waiting.pop() {
-            let node = self.bvh.nodes[place as usize];
-            if self.cut.binary_search(&place).is_ok() {
-                upper.nodes[copy] = Bvh2Node::new(*node.aabb(), 1, upper.parts.len() as u32);
-                let part = self.emit(plan, place);
-                upper.parts.push(part);
-            } else {
-                let pair = upper.nodes.len();
-                upper.nodes[copy] = Bvh2Node::new(*node.aabb(), 0, pair as u32);
-                upper.nodes.extend([Bvh2Node::default(); 2]);
-                waiting.push((node.first_index + 1, pair + 1));
-                waiting.push((node.first_index, pair));
-            }
-        }
-        upper
+        let places = std::mem::take(&mut self.cut);
+        let parts = places.iter().map(|&place| self.emit(plan, place)).collect();
+        self.cut = places;
+        parts
     }
 
     /// Writes the places of about `parts` parts to `cut`, in rising order.
@@ -341,6 +318,6 @@ pub(super) fn to_obvhs(b: Aabb) -> obvhs::aabb::Aabb {
     obvhs::aabb::Aabb::new(b.low.into(), b.high.into())
 }
 
-fn from_obvhs(b: &obvhs::aabb::Aabb) -> Aabb {
+pub(super) fn from_obvhs(b: &obvhs::aabb::Aabb) -> Aabb {
     Aabb { low: b.min.into(), high: b.max.into() }
 }
