@@ -41,7 +41,7 @@ use rayon::prelude::*;
 use crate::kernels::precision::Arithmetic;
 use crate::math::ray::Ray;
 use crate::with_precision;
-use build::{Preset, Survey};
+use build::Preset;
 use geometry::Geometry;
 use instances::Walks;
 use packet::Packets;
@@ -135,8 +135,9 @@ impl Accel {
         if preset == Preset::Brute {
             return;
         }
-        self.tree = Some(build_tree(geometry, preset));
-        self.blas = build_blas(&geometry.prototypes, preset);
+        self.tree = Some(build::build(geometry, preset));
+        let prototypes = geometry.prototypes.par_iter();
+        self.blas = prototypes.map(|prototype| build::build(prototype, preset)).collect();
         self.tlas = Tlas::new(&geometry.instances, |prototype| self.blas[prototype].upper_boxes());
     }
 
@@ -153,10 +154,11 @@ impl Accel {
 
     /// The number of triangles without area that no ray can hit. Those of a prototype count once.
     pub fn left_out(&self) -> u64 {
-        let prototypes = self.geometry.prototypes.iter().enumerate();
-        let of_prototypes: u64 =
-            prototypes.map(|(i, own)| own.left_out(self.blas.get(i).map(|tree| tree.kept))).sum();
-        self.geometry.left_out(self.tree.as_ref().map(|tree| tree.kept)) + of_prototypes
+        if self.tree.is_some() {
+            return self.trees().map(|tree| tree.left_out).sum();
+        }
+        let prototypes = &self.geometry.prototypes;
+        std::iter::once(&self.geometry).chain(prototypes).map(Geometry::left_out).sum()
     }
 
     /// Scratch memory for one thread: traversal then allocates nothing.
@@ -216,24 +218,6 @@ impl Accel {
     pub fn tree_bytes(&self) -> u64 {
         self.trees().map(Tree::bytes).sum::<u64>() + self.tlas.bytes()
     }
-}
-
-/// The tree over the primitives that `geometry` holds itself.
-fn build_tree(geometry: &Geometry, preset: Preset) -> Tree {
-    build::build(geometry, Survey::of(geometry), preset)
-}
-
-/// A tree for each prototype: large ones in turn, each on all threads, small ones in parallel.
-fn build_blas(prototypes: &[Geometry], preset: Preset) -> Vec<Tree> {
-    let is_large = |prototype: &Geometry| prototype.own() > preset.chunk();
-    let mut trees: Vec<Option<Tree>> = prototypes
-        .par_iter()
-        .map(|prototype| (!is_large(prototype)).then(|| build_tree(prototype, preset)))
-        .collect();
-    for (prototype, tree) in prototypes.iter().zip(&mut trees) {
-        tree.get_or_insert_with(|| build_tree(prototype, preset));
-    }
-    trees.into_iter().map(Option::unwrap_or_default).collect()
 }
 
 #[cfg(test)]

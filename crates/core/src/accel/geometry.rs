@@ -234,16 +234,10 @@ impl Geometry {
         }
     }
 
-    /// The number of triangles that no ray can hit, without those of prototypes; `kept` is the
-    /// number of primitives in the tree, if there is one.
-    pub(super) fn left_out(&self, kept: Option<u64>) -> u64 {
-        match kept {
-            Some(kept) => self.own() as u64 - kept,
-            None => {
-                let numbers = (0..self.own() as u32).into_par_iter();
-                numbers.filter(|&number| self.is_degenerate(number)).count() as u64
-            }
-        }
+    /// The number of triangles without area, but for those of prototypes.
+    pub(super) fn left_out(&self) -> u64 {
+        let numbers = (0..self.triangles.len() as u32).into_par_iter();
+        numbers.filter(|&number| self.is_degenerate(number)).count() as u64
     }
 
     /// Whether the primitive is a light's shape.
@@ -254,11 +248,6 @@ impl Geometry {
         }
         let after = self.lights.partition_point(|range| range.start <= number);
         after > 0 && self.lights[after - 1].contains(&number)
-    }
-
-    /// As [`Self::padded`], for a part of a primitive whose own box is `whole`.
-    pub(super) fn padded_as_part(&self, part: Aabb, whole: &Aabb) -> Aabb {
-        if self.precision == Precision::Fast { part } else { part.padded_as_part(whole) }
     }
 
     /// The t at which the ray hits the primitive: the least within its range, rounded once.
@@ -327,6 +316,7 @@ impl Geometry {
     }
 }
 
-fn sphere_bounds((center, radius): (Vec3, f32)) -> Aabb {
+/// The box around a sphere.
+pub(super) fn sphere_bounds((center, radius): (Vec3, f32)) -> Aabb {
     Aabb { low: center - radius, high: center + radius }
 }

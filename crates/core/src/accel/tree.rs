@@ -12,8 +12,8 @@ pub struct Tree {
     pub(super) arena: Arena,
     pub(super) root: Option<Root>,
     pub(super) census: Census,
-    /// Number of primitives in the tree.
-    pub(super) kept: u64,
+    /// Number of triangles without area, which are not in it.
+    pub(super) left_out: u64,
 }
 
 /// The geometry and tree of a search.

@@ -5,8 +5,8 @@ use obvhs::BvhBuildParams;
 use obvhs::bvh2::reinsertion::ReinsertionOptimizer;
 use obvhs::ploc::{PlocBuilder, PlocSearchDistance};
 
-use super::piece::{from_obvhs, to_obvhs, view};
-use crate::accel::arena::Unit;
+use super::piece::{from_obvhs, to_obvhs};
+use crate::accel::arena::{Kind, Unit};
 use crate::accel::geometry::Geometry;
 use crate::accel::wide::{Converter, Output, Owner, Part};
 use crate::kernels::slab::Aabb;
@@ -14,9 +14,13 @@ use crate::kernels::slab::Aabb;
 /// The share of the nodes above the parts that is reinserted at a time: more gained nothing.
 const REINSERTED: f32 = 0.2;
 
-/// Writes the nodes that join the chunks' parts to the end of `top`. Returns their start and the
-/// box around all.
-pub(super) fn join(geometry: &Geometry, parts: &[Part], top: &mut [Unit]) -> Option<(usize, Aabb)> {
+/// Writes the nodes that join the chunks' parts to the end of `top`. Returns their start, and the
+/// kind of the first with its box.
+pub(super) fn join(
+    geometry: &Geometry,
+    parts: &[Part],
+    top: &mut [Unit],
+) -> Option<(usize, Kind, Aabb)> {
     let boxes: Vec<_> = parts.iter().map(|part| to_obvhs(part.bounds)).collect();
     let mut bvh = PlocBuilder::new().build(
         PlocSearchDistance::Low,
@@ -27,9 +31,9 @@ pub(super) fn join(geometry: &Geometry, parts: &[Part], top: &mut [Unit]) -> Opt
     );
     ReinsertionOptimizer::default().run(&mut bvh, REINSERTED, None);
     let mut converter = Converter::default();
-    converter.evaluate(view(&bvh), |owner| Owner::Part(parts[owner as usize]));
+    converter.evaluate(&bvh, |owner| Owner::Part(parts[owner as usize]));
     // The start of the nodes follows from their number: they are written twice.
-    let mut start = 0;
+    let (mut start, mut kind) = (0, Kind::Node);
     let mut output = Output::default();
     for _ in 0..2 {
         output.units.clear();
@@ -37,9 +41,9 @@ pub(super) fn join(geometry: &Geometry, parts: &[Part], top: &mut [Unit]) -> Opt
             let part = parts[owner as usize];
             Owner::Part(Part { unit: part.unit - start, ..part })
         };
-        converter.emit(geometry, view(&bvh), moved, 0, &mut output);
+        kind = converter.emit(geometry, &bvh, moved, 0, &mut output);
         start = top.len().checked_sub(output.units.len())?;
     }
     top[start..].copy_from_slice(&output.units);
-    Some((start, from_obvhs(bvh.nodes.first()?.aabb())))
+    Some((start, kind, from_obvhs(bvh.nodes.first()?.aabb())))
 }

@@ -5,7 +5,7 @@
 use glam::Vec3A;
 use obvhs::aabb::Aabb;
 
-use super::piece::{Members, is_in_lanes};
+use super::piece::Members;
 use crate::accel::wide::{Shared, as_patch};
 use crate::math::simd::LANES;
 
@@ -31,7 +31,8 @@ pub(super) struct Finder {
 /// A leaf, and the range of its primitives' numbers.
 #[derive(Clone, Copy)]
 pub(super) struct Leaf {
-    pub(super) shared: Shared,
+    /// The vertices of triangles; other primitives are alone.
+    pub(super) shared: Option<Shared>,
     pub(super) first: u32,
     pub(super) count: u32,
 }
@@ -39,48 +40,50 @@ pub(super) struct Leaf {
 impl Finder {
     /// Replaces the `boxes` of single primitives, which come first, by those of their leaves.
     pub(super) fn find(&mut self, members: &mut Members, boxes: &mut Vec<Aabb>) {
-        let Members { singles, flat, cutouts, numbers, leaves, .. } = members;
+        let Members { singles, numbers, leaves, .. } = members;
         let (own, heaps) = boxes.split_at(singles.len());
         sort(own, &mut self.keys, &mut self.spare);
         numbers.clear();
-        leaves.clear();
         self.leaves.clear();
         for &key in &self.keys {
             let index = key as u32 as usize;
             let (single, bounds) = (&singles[index], own[index]);
             if let (Some(leaf), Some(around)) = (leaves.last_mut(), self.leaves.last_mut())
-                && [single.number, numbers[leaf.first as usize]]
-                    .into_iter()
-                    .all(|number| is_in_lanes(number, *flat, cutouts))
-                && let Some((shared, union)) = joined(leaf, around, single.corners, &bounds)
+                && let (Some(shared), Some(corners)) = (&mut leaf.shared, single.corners)
+                && let Some((joint, union)) = joined(shared, leaf.count, around, corners, &bounds)
             {
-                *leaf = Leaf { shared, count: leaf.count + 1, ..*leaf };
-                *around = union;
+                (*shared, *around) = (joint, union);
+                leaf.count += 1;
             } else {
-                let mut shared = Shared::default();
-                // Other kinds are alone, and their shared vertices do not matter.
-                shared.add(0, single.corners);
+                let shared = single.corners.map(Shared::of);
                 leaves.push(Leaf { shared, first: numbers.len() as u32, count: 1 });
                 self.leaves.push(bounds);
             }
             numbers.push(single.number);
         }
+        singles.clear();
         self.leaves.extend_from_slice(heaps);
         std::mem::swap(boxes, &mut self.leaves);
     }
 }
 
-/// The leaf with another triangle, if it has room and costs less than two leaves.
+/// The leaf of `count` triangles with another, if it has room and costs less than two leaves.
 #[inline]
-fn joined(leaf: &Leaf, around: &Aabb, corners: [u32; 3], bounds: &Aabb) -> Option<(Shared, Aabb)> {
-    let count = leaf.count as usize;
+fn joined(
+    shared: &Shared,
+    count: u32,
+    around: &Aabb,
+    corners: [u32; 3],
+    bounds: &Aabb,
+) -> Option<(Shared, Aabb)> {
+    let count = count as usize;
     let union = around.union(bounds);
     let (left, right) = (around.half_area(), bounds.half_area());
     let apart = left * as_patch(count) + right * as_patch(1);
     if count == LANES || union.half_area() * as_patch(count + 1) > apart + SLACK * left.min(right) {
         return None;
     }
-    let mut shared = leaf.shared;
+    let mut shared = *shared;
     shared.add(count, corners).then_some((shared, union))
 }
 
