@@ -3,12 +3,14 @@
 //! Primitives are numbered: triangles first, then quads, then spheres, each kind in the order of
 //! the scene file, then those of instances. The number alone gives the kind.
 
+mod holes;
+
 use std::ops::Range;
 
 use glam::Vec3;
 use rayon::prelude::*;
 
-use super::TestCounts;
+use super::counts::TestCounts;
 use super::cutouts::Cutouts;
 use super::instance::{Instance, Instanced};
 use crate::kernels::precision::{Arithmetic, Exact, Precision};

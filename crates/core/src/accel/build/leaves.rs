@@ -4,6 +4,7 @@
 
 use glam::Vec3A;
 use obvhs::aabb::Aabb;
+use obvhs::ploc::morton::morton_encode_u32;
 
 use super::piece::Members;
 use crate::accel::wide::{Shared, as_patch};
@@ -96,8 +97,9 @@ fn sort(boxes: &[Aabb], keys: &mut Vec<u64>, spare: &mut Vec<u64>) {
     keys.clear();
     keys.extend(boxes.iter().enumerate().map(|(index, b)| {
         // If all are at one place, 0 x inf is NaN, and counts as 0.
-        let [x, y, z] = ((center(b) - low) * scale).to_array().map(spread);
-        (x | y << 1 | z << 2) << 32 | index as u64
+        let at = ((center(b) - low) * scale).to_array();
+        let [x, y, z] = at.map(|x| (x as u16).min((1 << BITS) - 1));
+        u64::from(morton_encode_u32(x, y, z)) << 32 | index as u64
     }));
     sort_keys(keys, spare);
 }
@@ -121,15 +123,6 @@ fn sort_keys(keys: &mut Vec<u64>, spare: &mut Vec<u64>) {
     }
 }
 
-/// The integer part, with each bit followed by two zeros.
-fn spread(x: f32) -> u64 {
-    let x = (x as u64).min((1 << BITS) - 1);
-    let x = (x | x << 16) & 0x0300_00FF;
-    let x = (x | x << 8) & 0x0300_F00F;
-    let x = (x | x << 4) & 0x030C_30C3;
-    (x | x << 2) & 0x0924_9249
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -143,13 +136,5 @@ mod tests {
         assert!(expected.windows(2).any(|pair| pair[0] >> 32 == pair[1] >> 32));
         sort_keys(&mut keys, &mut Vec::new());
         assert_eq!(keys, expected);
-    }
-
-    #[test]
-    fn bits_are_spread() {
-        assert_eq!(
-            [0.0, 1.0, 2.0, 1023.0, 5000.0, f32::NAN].map(spread),
-            [0, 1, 8, 0x0924_9249, 0x0924_9249, 0]
-        );
     }
 }

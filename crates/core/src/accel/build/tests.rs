@@ -189,7 +189,7 @@ fn triangles_that_repeat_positions_share_leaves() {
         repeated.triangles.push([first, first + 1, first + 2]);
     }
     for cut in [CUTS[1], CUTS[2], cut(usize::MAX, 1, 0)] {
-        let census = |geometry| build_cut(geometry, Preset::Fast, cut).census();
+        let census = |geometry| build_cut(geometry, Preset::Fast, cut).census;
         assert_eq!(census(&repeated), census(&shared), "{cut:?}");
         let accel = cut_accel(&repeated, Preset::Fast, cut);
         assert!(answers_of(&accel) == answers(&shared, Preset::Brute));
