@@ -23,12 +23,12 @@ const PIXELS: u64 = 16 * 12;
 fn counters(scene: &PreparedScene) -> Counters {
     let [wavefront, recursive] =
         TRACERS.map(|tracer| render_on(1, scene, &RenderOptions { tracer, ..options() }).counters);
-    let tests = wavefront.tests + recursive.tests;
     for c in [wavefront, recursive] {
         assert_eq!(c.kernels.closest.rays(), c.primary_rays + c.secondary_rays);
         assert_eq!(c.kernels.shadow.rays(), c.shadow_rays);
     }
-    let mut kernels = wavefront.kernels;
+    let Counters { mut tests, mut kernels, .. } = wavefront;
+    tests += recursive.tests;
     kernels += recursive.kernels;
     let [wavefront, recursive] = [wavefront, recursive].map(|c| Counters { tests, kernels, ..c });
     assert_eq!(wavefront, recursive, "the tracers do not do the same work");

@@ -19,6 +19,7 @@ mod compiled;
 mod counts;
 pub mod cutouts;
 pub mod geometry;
+mod hit;
 pub mod instance;
 mod instances;
 mod leaf;
@@ -42,7 +43,7 @@ use rayon::prelude::*;
 use crate::kernels::precision::Arithmetic;
 use crate::math::ray::Ray;
 use crate::with_precision;
-use build::{Preset, Survey};
+use build::Preset;
 use geometry::Geometry;
 use instances::Walks;
 use packet::Packets;
@@ -50,34 +51,11 @@ use stream::Flight;
 use tlas::Tlas;
 use tree::Tree;
 
-pub use choice::{KernelChoice, KernelCounts, Kernels};
-pub use counts::TestCounts;
+pub use choice::KernelChoice;
+pub use counts::{KernelCounts, Kernels, TestCounts};
+pub use hit::{Hit, NO_PRIMITIVE};
 pub use rays::{RayColumns, Rays};
 pub use search::Search;
-
-/// The primitive number of a miss.
-pub const NO_PRIMITIVE: u32 = u32::MAX;
-
-/// The answer to a closest-hit query.
-#[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
-#[repr(C)]
-pub struct Hit {
-    /// Distance along the ray, in lengths of its direction; infinite for a miss.
-    pub t: f32,
-    /// The primitive, at equal t the one with the lowest number. [`NO_PRIMITIVE`] for a miss.
-    pub primitive: u32,
-}
-
-impl Hit {
-    /// No hit.
-    pub const MISS: Self = Self { t: f32::INFINITY, primitive: NO_PRIMITIVE };
-
-    /// Whether this is a miss.
-    #[inline]
-    pub fn is_miss(&self) -> bool {
-        self.primitive == NO_PRIMITIVE
-    }
-}
 
 /// Scratch memory of a thread: stacks that fit the tree, and counters.
 #[derive(Clone, Debug, Default)]
@@ -139,8 +117,9 @@ impl Accel {
         if preset == Preset::Brute {
             return;
         }
-        self.tree = Some(build_tree(geometry, preset));
-        self.blas = build_blas(&geometry.prototypes, preset);
+        self.tree = Some(build::build(geometry, preset));
+        let prototypes = geometry.prototypes.par_iter();
+        self.blas = prototypes.map(|prototype| build::build(prototype, preset)).collect();
         self.tlas = Tlas::new(&geometry.instances, |prototype| self.blas[prototype].upper_boxes());
     }
 
@@ -157,10 +136,11 @@ impl Accel {
 
     /// The number of triangles without area that no ray can hit. Those of a prototype count once.
     pub fn left_out(&self) -> u64 {
-        let prototypes = self.geometry.prototypes.iter().enumerate();
-        let of_prototypes: u64 =
-            prototypes.map(|(i, own)| own.left_out(self.blas.get(i).map(|tree| tree.kept))).sum();
-        self.geometry.left_out(self.tree.as_ref().map(|tree| tree.kept)) + of_prototypes
+        if self.tree.is_some() {
+            return self.trees().map(|tree| tree.left_out).sum();
+        }
+        let prototypes = &self.geometry.prototypes;
+        std::iter::once(&self.geometry).chain(prototypes).map(Geometry::left_out).sum()
     }
 
     /// Scratch memory for one thread: traversal then allocates nothing.
@@ -220,24 +200,6 @@ impl Accel {
     pub fn tree_bytes(&self) -> u64 {
         self.trees().map(Tree::bytes).sum::<u64>() + self.tlas.bytes()
     }
-}
-
-/// The tree over the primitives that `geometry` holds itself.
-fn build_tree(geometry: &Geometry, preset: Preset) -> Tree {
-    build::build(geometry, Survey::of(geometry), preset)
-}
-
-/// A tree for each prototype: large ones in turn, each on all threads, small ones in parallel.
-fn build_blas(prototypes: &[Geometry], preset: Preset) -> Vec<Tree> {
-    let is_large = |prototype: &Geometry| prototype.own() > preset.chunk();
-    let mut trees: Vec<Option<Tree>> = prototypes
-        .par_iter()
-        .map(|prototype| (!is_large(prototype)).then(|| build_tree(prototype, preset)))
-        .collect();
-    for (prototype, tree) in prototypes.iter().zip(&mut trees) {
-        tree.get_or_insert_with(|| build_tree(prototype, preset));
-    }
-    trees.into_iter().map(Option::unwrap_or_default).collect()
 }
 
 #[cfg(test)]

@@ -37,7 +37,6 @@ use serde_json::{Map, Value};
 
 use crate::estimate::Estimated;
 use wavecrest_core::accel::build::Preset;
-use wavecrest_core::accel::tree::Tree;
 use wavecrest_core::accel::{Accel, KernelChoice, KernelCounts};
 use wavecrest_core::counters::Counters;
 use wavecrest_core::kernels::precision::Precision;
@@ -220,7 +219,7 @@ pub struct Bvh {
 impl Bvh {
     /// The size of `accel`, built with `preset`.
     pub fn of(accel: &Accel, preset: Preset) -> Self {
-        let census = || accel.trees().map(Tree::census);
+        let census = || accel.trees().map(|tree| tree.census);
         Self {
             preset,
             nodes: census().map(|census| census.nodes as usize).sum(),

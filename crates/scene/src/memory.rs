@@ -5,7 +5,7 @@ use crate::survey::{Survey, SurveyedMesh};
 use crate::systems::{Extracted, textures};
 use wavecrest_base::error::Result;
 use wavecrest_base::memory::reserve;
-use wavecrest_core::accel::build::Preset;
+use wavecrest_core::accel::build::{CHUNK, Preset};
 use wavecrest_core::prepared::{PreparedScene, largest};
 use wavecrest_core::render::batch_size;
 use wavecrest_core::wavefront::batch::Batch;
@@ -36,11 +36,11 @@ pub struct Estimate {
 }
 
 /// Peak bytes of building a tree over this number of primitives, including the tree, on the threads
-/// of the current pool: measured on meshes of 1, 4 and 18 million triangles. A tree in chunks takes
-/// hardly more than itself and each thread's memory for a chunk; a tree in one piece is held with
+/// of the current pool: measured on meshes of 1, 4 and 18 million triangles. A tree in several
+/// chunks takes hardly more than itself and each thread's memory for a chunk; one chunk is held with
 /// boxes, hierarchy and costs at once.
 fn build_bytes(preset: Preset, primitives: u64) -> u64 {
-    let chunk = preset.chunk() as u64;
+    let chunk = CHUNK as u64;
     match preset {
         Preset::Brute => 0,
         _ if primitives > chunk => {

@@ -1,33 +1,29 @@
 //! Builds the tree: obvhs makes binary hierarchies (PLOC of Meister and Bittner 2018, with
 //! reinsertion), which are then converted to our wide nodes.
 //!
-//! After a pass over every primitive ([`survey`]) large scenes are cut into chunks ([`order`]). All
-//! threads build chunks, each while it is in a core's cache ([`piece`]), place them in one arena
-//! ([`chunked`]) and join them by a small hierarchy above ([`join`]). The quickest build finds
-//! leaves before the hierarchy ([`leaves`]).
+//! Large scenes are cut into chunks ([`order`]). All threads build chunks, each while it is in a
+//! core's cache ([`piece`]), place them in one arena ([`chunked`]) and join them by a small hierarchy
+//! above ([`join`]). The quickest build finds leaves before the hierarchy ([`leaves`]).
 //!
-//! obvhs sees padded boxes and decides only the topology; [`Geometry::hit`] decides hits.
+//! obvhs sees boxes and decides only the topology; [`Geometry::hit`] decides hits.
 
 mod chunked;
+mod entries;
 mod join;
 mod leaves;
 mod order;
 mod piece;
-mod survey;
 mod weld;
 
 use obvhs::BvhBuildParams;
 
-use super::arena::{self, Arena};
 use super::geometry::Geometry;
-use super::tree::{Root, Tree};
-use super::units::Units;
-use piece::{Piece, Plan};
-pub use survey::Survey;
+use super::tree::Tree;
+use piece::Plan;
 
-/// Largest number of primitives in a chunk. Measured: with 32 Ki and 64 Ki a build took a sixth
+/// Largest number of triangles in a chunk; halves of quads count as such. Measured: with 32 Ki and 64 Ki a build took a sixth
 /// longer, and rays visited at most 2 per cent fewer nodes.
-const CHUNK: usize = 1 << 14;
+pub const CHUNK: usize = 1 << 14;
 
 /// Approximate number of parts of a chunk that are joined: 48 and 400 made trees as good, 16 worse
 /// ones.
@@ -63,7 +59,7 @@ wavecrest_base::choices! {
         Fast = "fast",
         /// More of both; rays are rarely faster.
         Medium = "medium",
-        /// Splits large triangles first.
+        /// More again.
         Slow = "slow",
         /// Reinserts every node.
         VerySlow = "very-slow",
@@ -97,19 +93,6 @@ impl Preset {
         }
     }
 
-    /// Number of primitives in a chunk; larger scenes are cut. Presets that split large triangles
-    /// or reinsert everything work on the whole scene and have no such number.
-    pub fn chunk(self) -> usize {
-        self.cut().chunk
-    }
-
-    fn cut(self) -> Cut {
-        match self {
-            Self::Slow | Self::VerySlow => Cut { chunk: usize::MAX, parts: 1, room: ROOM },
-            _ => Cut { chunk: CHUNK, parts: PARTS, room: ROOM },
-        }
-    }
-
     /// The rounds of reinsertion: the share of nodes in each, relative to the first. `None` stands
     /// for obvhs's own sixteen. With these six a build took a twentieth less time, for as good a
     /// tree.
@@ -132,55 +115,33 @@ impl Preset {
 /// Chunk and part sizes of a build.
 #[derive(Clone, Copy, Debug)]
 struct Cut {
-    /// Largest number of primitives in a chunk.
+    /// Largest number of entries in a chunk.
     chunk: usize,
     /// Largest number of parts that each of several chunks is cut into.
     parts: usize,
-    /// Bytes to reserve for each primitive, twice as many if few vertices are shared.
+    /// Bytes to reserve for each entry, twice as many if few vertices are shared.
     room: usize,
 }
 
-/// Builds the tree over every primitive of the `survey` that can be hit: all except triangles
-/// without area.
-pub fn build(geometry: &Geometry, survey: Survey, preset: Preset) -> Tree {
-    build_cut(geometry, survey, preset, preset.cut())
+/// Builds the tree over every primitive that can be hit: all except triangles without area.
+pub fn build(geometry: &Geometry, preset: Preset) -> Tree {
+    build_cut(geometry, preset, Cut { chunk: CHUNK, parts: PARTS, room: ROOM })
 }
 
-fn build_cut(geometry: &Geometry, survey: Survey, preset: Preset, cut: Cut) -> Tree {
-    let parameters = preset.parameters();
-    let kept = survey.kept;
-    let chunks = order::chunks(geometry, &survey, kept, cut.chunk);
+fn build_cut(geometry: &Geometry, preset: Preset, cut: Cut) -> Tree {
+    let extents = order::extents(geometry);
+    let chunks = order::chunks(geometry, &extents, cut.chunk);
+    let left_out = (geometry.entries() - chunks.entries.len()) as u64;
     let plan = Plan {
         geometry,
-        extents: survey.extents,
+        extents,
         leaves_first: preset == Preset::Fastest,
-        parameters: &parameters,
+        parameters: preset.parameters(),
         rounds: preset.rounds(),
-        once: chunks.lengths.len() == 1,
         weld: geometry.positions.len() > WELD_ABOVE * geometry.triangles.len() / 4,
     };
-    drop(survey);
-    let tree = match chunks.lengths.len() {
-        0 => None,
-        1 => build_whole(&plan, &chunks.numbers),
-        _ => chunked::build(&plan, chunks, cut.parts, if plan.weld { 2 } else { 1 } * cut.room),
-    };
-    Tree { kept: kept as u64, ..tree.unwrap_or_default() }
-}
-
-/// Builds the tree in one piece.
-fn build_whole(plan: &Plan, numbers: &[u32]) -> Option<Tree> {
-    let mut piece = Piece::default();
-    piece.build(plan, numbers);
-    let part = piece.emit_whole(plan);
-    let output = std::mem::take(&mut piece.output);
-    drop(piece);
-    let mut units = Units::zeroed(output.units.len());
-    units.as_mut_slice().copy_from_slice(&output.units);
-    drop(output.units);
-    let place = arena::root_of(part.kind);
-    let (arena, census) = Arena::new(units, output.numbers, place)?;
-    Some(Tree { arena, root: Some(Root { place, bounds: part.bounds }), census, ..Tree::default() })
+    let tree = chunked::build(&plan, chunks, cut).unwrap_or_default();
+    Tree { left_out, ..tree }
 }
 
 #[cfg(test)]

@@ -18,12 +18,7 @@ use super::tree::Searched;
 use super::{Counts, Hit, KernelChoice, Traversal, packet, single};
 use crate::kernels::precision::Arithmetic;
 use crate::math::ray::Ray;
-use crate::math::simd::{Kernel, Lanes, dispatch, dispatch_wide, is_wide};
-
-/// Whether the level has batch kernels.
-pub(super) fn has_batches(level: Level) -> bool {
-    is_wide(level)
-}
+use crate::math::simd::{Kernel, Lanes, dispatch, dispatch_wide};
 
 /// The hit on `ray` for query `Q`.
 #[inline(never)]

@@ -3,12 +3,14 @@
 //! Primitives are numbered: triangles first, then quads, then spheres, each kind in the order of
 //! the scene file, then those of instances. The number alone gives the kind.
 
+mod holes;
+
 use std::ops::Range;
 
 use glam::Vec3;
 use rayon::prelude::*;
 
-use super::TestCounts;
+use super::counts::TestCounts;
 use super::cutouts::Cutouts;
 use super::instance::{Instance, Instanced};
 use crate::kernels::precision::{Arithmetic, Precision};
@@ -222,16 +224,10 @@ impl Geometry {
         }
     }
 
-    /// The number of triangles that no ray can hit, without those of prototypes; `kept` is the
-    /// number of primitives in the tree, if there is one.
-    pub(super) fn left_out(&self, kept: Option<u64>) -> u64 {
-        match kept {
-            Some(kept) => self.own() as u64 - kept,
-            None => {
-                let numbers = (0..self.own() as u32).into_par_iter();
-                numbers.filter(|&number| self.is_degenerate(number)).count() as u64
-            }
-        }
+    /// The number of triangles without area, but for those of prototypes.
+    pub(super) fn left_out(&self) -> u64 {
+        let numbers = (0..self.triangles.len() as u32).into_par_iter();
+        numbers.filter(|&number| self.is_degenerate(number)).count() as u64
     }
 
     /// Whether the primitive is a light's shape.
@@ -310,7 +306,8 @@ impl Geometry {
     }
 }
 
-fn sphere_bounds((center, radius): (Vec3, f32)) -> Aabb {
+/// The box around a sphere, whose ends are computed.
+pub(super) fn sphere_bounds((center, radius): (Vec3, f32)) -> Aabb {
     let low = (center - radius).to_array().map(f32::next_down);
     let high = (center + radius).to_array().map(f32::next_up);
     Aabb { low: low.into(), high: high.into() }

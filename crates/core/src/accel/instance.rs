@@ -147,10 +147,7 @@ impl Instance {
         let mut world = Aabb::EMPTY;
         let mut size = 0.0;
         for bounds in boxes {
-            let bounds = self.carried_box(bounds);
-            world = world.union(bounds);
-        }
-        for bounds in boxes {
+            world = world.union(self.carried_box(bounds));
             size = f64::max(size, f64::from(max_abs(bounds.low).max(max_abs(bounds.high))));
         }
         let far = norm(&self.to_prototype) * self.to_world.translation.abs().max_element();

@@ -10,7 +10,7 @@
 //! replaces that one only if it is closer, or equally close with a lower number.
 
 use super::instance::Instance;
-use super::query::{Answers, Query};
+use super::query::Query;
 use super::rays::Rays;
 use super::search::Search;
 use super::tlas::{Entry, Walk};
@@ -37,8 +37,6 @@ pub(super) struct Walks {
     visits: Vec<(u32, u32)>,
     /// The rays of one instance, in the space of its prototype.
     carried: Vec<Ray>,
-    /// Their hits there.
-    answers: Answers,
 }
 
 impl<P: Arithmetic> Search<'_, P> {
@@ -75,11 +73,12 @@ impl<P: Arithmetic> Search<'_, P> {
         traversal: &mut Traversal,
     ) {
         let mut memory = std::mem::take(&mut traversal.walks);
+        let mut found = Vec::new();
         for start in (0..rays.count()).step_by(WALKERS) {
             let end = rays.count().min(start + WALKERS);
             self.begin::<Q>(rays, start..end, answers, &mut memory);
             while self.name_visits::<Q>(&mut memory) {
-                self.visit::<Q>(&mut memory, traversal);
+                self.visit::<Q>(&mut memory, &mut found, traversal);
             }
             for (number, walk) in &memory.walks {
                 answers[*number as usize] = Q::answer(walk.best);
@@ -129,9 +128,14 @@ impl<P: Arithmetic> Search<'_, P> {
         !visits.is_empty()
     }
 
-    /// Makes the visits of a round, instance by instance.
-    fn visit<Q: Query>(&self, memory: &mut Walks, traversal: &mut Traversal) {
-        let Walks { walks, visits, carried, answers, .. } = memory;
+    /// Makes the visits of a round, instance by instance; `answers` is memory for those of one.
+    fn visit<Q: Query>(
+        &self,
+        memory: &mut Walks,
+        answers: &mut Vec<Q::Answer>,
+        traversal: &mut Traversal,
+    ) {
+        let Walks { walks, visits, carried, .. } = memory;
         traversal.tests.instances += visits.len() as u64;
         for group in visits.chunk_by(|a, b| a.0 == b.0) {
             let instance = &self.accel.geometry.instances[group[0].0 as usize];
@@ -146,7 +150,6 @@ impl<P: Arithmetic> Search<'_, P> {
                 }
                 continue;
             }
-            let answers = Q::of(answers);
             answers.resize(carried.len(), Q::NONE);
             self.all_in_prototype::<Q>(prototype, carried, answers, traversal);
             for (&(_, place), &answer) in group.iter().zip(answers.iter()) {

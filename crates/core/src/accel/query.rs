@@ -39,16 +39,6 @@ pub(super) trait Query {
 
     /// The counters for its rays.
     fn counts(kernels: &mut Kernels) -> &mut KernelCounts;
-
-    /// Memory for its answers.
-    fn of(answers: &mut Answers) -> &mut Vec<Self::Answer>;
-}
-
-/// Memory for answers of any kind.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Answers {
-    hits: Vec<Hit>,
-    occluded: Vec<bool>,
 }
 
 /// The primitive that is hit first.
@@ -74,10 +64,6 @@ impl Query for Closest {
     fn counts(kernels: &mut Kernels) -> &mut KernelCounts {
         &mut kernels.closest
     }
-
-    fn of(answers: &mut Answers) -> &mut Vec<Hit> {
-        &mut answers.hits
-    }
 }
 
 /// Whether anything except a light's shape is hit.
@@ -102,10 +88,6 @@ impl Query for Occluded {
     #[inline(always)]
     fn counts(kernels: &mut Kernels) -> &mut KernelCounts {
         &mut kernels.shadow
-    }
-
-    fn of(answers: &mut Answers) -> &mut Vec<bool> {
-        &mut answers.occluded
     }
 }
 

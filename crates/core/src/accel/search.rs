@@ -8,6 +8,7 @@ use super::tree::{Searched, Tree};
 use super::{Accel, Hit, KernelChoice, Traversal, brute, compiled};
 use crate::kernels::precision::Arithmetic;
 use crate::math::ray::Ray;
+use crate::math::simd::is_wide;
 
 /// The searches of an [`Accel`] whose geometry has precision `P`.
 #[derive(Clone, Copy, Debug)]
@@ -118,7 +119,7 @@ impl<P: Arithmetic> Search<'_, P> {
         let Accel { kernel, level, .. } = self.accel;
         !P::IS_REFERENCE
             && !matches!(kernel, KernelChoice::Single | KernelChoice::Reference)
-            && compiled::has_batches(*level)
+            && is_wide(*level)
     }
 
     /// The hit of a ray in the tree of a prototype, by the prototype's own numbers.

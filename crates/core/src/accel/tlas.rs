@@ -1,17 +1,14 @@
 //! The top-level tree over instances, and how rays walk through it.
 //!
-//! A binary tree, divided from the top by the surface-area heuristic over bins (Wald, *On fast
-//! Construction of SAH-based Bounding Volume Hierarchies*, 2007). There are few instances compared
-//! with their triangles, so the tree is simple, and its depth is bounded for any scene.
+//! A binary tree, divided from the top by the surface-area heuristic at the cheapest of all places
+//! along an axis. There are few instances compared with their triangles, so the tree is simple, and
+//! its depth is bounded for any scene.
 
-use super::Hit;
+use super::hit::Hit;
 use super::instance::Instance;
 use crate::kernels::slab::{Aabb, SlabRay};
 use crate::math::float::{max, min};
 use crate::math::ray::Ray;
-
-/// Bins along an axis.
-const BINS: usize = 16;
 
 /// Below this depth, halves have equally many instances: a stack needs this and 32 entries.
 const DEEPEST: usize = 64;
@@ -176,8 +173,8 @@ impl Walk {
     }
 }
 
-/// Moves the items of the left half before those of the right. Returns their number: neither all
-/// nor none.
+/// Sorts the items by their centres along the longest axis and returns the number of the left half,
+/// which has the least cost by the surface-area heuristic: neither all nor none.
 fn divide(items: &mut [Item], depth: usize) -> usize {
     let (low, high) =
         items.iter().fold(([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]), |(low, high), item| {
@@ -186,65 +183,29 @@ fn divide(items: &mut [Item], depth: usize) -> usize {
         });
     let extent = |k: usize| high[k] - low[k];
     let axis = (1..3).fold(0, |best, k| if extent(k) > extent(best) { k } else { best });
-    let half = items.len() / 2;
-    if depth < DEEPEST && extent(axis) > 0.0 {
-        let bin = |item: &Item| {
-            let part = (item.middle(axis) - low[axis]) / extent(axis);
-            ((part * BINS as f32) as usize).min(BINS - 1)
-        };
-        let border = cheapest(items, bin);
-        let left = partition(items, |item| bin(item) < border);
-        if left > 0 && left < items.len() {
-            return left;
-        }
-    }
-    // Equally many on either side: of equal centres, the lower numbers come first.
+    // Of equal centres, the lower numbers come first.
     let key = |item: &Item| (item.middle(axis), item.instance);
-    items.select_nth_unstable_by(half, |a, b| {
+    items.sort_unstable_by(|a, b| {
         let ((a, i), (b, j)) = (key(a), key(b));
         a.total_cmp(&b).then(i.cmp(&j))
     });
-    half
-}
-
-/// The first bin of the right half, by the surface-area heuristic.
-fn cheapest(items: &[Item], bin: impl Fn(&Item) -> usize) -> usize {
-    let mut bins = [(Aabb::EMPTY, 0.0_f32); BINS];
-    for item in items {
-        let (bounds, count) = &mut bins[bin(item)];
-        *bounds = bounds.union(item.bounds);
-        *count += 1.0;
+    if depth >= DEEPEST || extent(axis) <= 0.0 {
+        return items.len() / 2;
     }
-    let mut costs = [0.0; BINS];
-    let mut sweep = |order: &mut dyn Iterator<Item = usize>, after: usize| {
-        let (mut bounds, mut count) = (Aabb::EMPTY, 0.0);
-        for k in order {
-            bounds = bounds.union(bins[k].0);
-            count += bins[k].1;
-            // The border is before bin k + after.
-            if let Some(cost) = costs.get_mut(k + after).filter(|_| count > 0.0) {
-                *cost += half_area(&bounds) * count;
-            }
-        }
+    let costs = |items: &mut dyn Iterator<Item = &Item>| -> Vec<f32> {
+        let mut bounds = Aabb::EMPTY;
+        let grown = items.zip(1_u32..).map(|(item, count)| {
+            bounds = bounds.union(item.bounds);
+            half_area(&bounds) * count as f32
+        });
+        grown.collect()
     };
-    sweep(&mut (0..BINS), 1);
-    sweep(&mut (0..BINS).rev(), 0);
-    (2..BINS).fold(1, |best, k| if costs[k] < costs[best] { k } else { best })
+    let (left, right) = (costs(&mut items.iter()), costs(&mut items.iter().rev()));
+    let cost = |count: usize| left[count - 1] + right[items.len() - count - 1];
+    (2..items.len()).fold(1, |best, k| if cost(k) < cost(best) { k } else { best })
 }
 
 fn half_area(bounds: &Aabb) -> f32 {
     let size = bounds.high - bounds.low;
     size.x * size.y + size.y * size.z + size.z * size.x
-}
-
-/// Moves the items for which `first` is true before the others. Returns their number.
-fn partition(items: &mut [Item], first: impl Fn(&Item) -> bool) -> usize {
-    let mut count = 0;
-    for i in 0..items.len() {
-        if first(&items[i]) {
-            items.swap(i, count);
-            count += 1;
-        }
-    }
-    count
 }

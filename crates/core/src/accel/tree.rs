@@ -11,9 +11,10 @@ use crate::math::simd::LANES;
 pub struct Tree {
     pub(super) arena: Arena,
     pub(super) root: Option<Root>,
-    pub(super) census: Census,
-    /// Number of primitives in the tree.
-    pub(super) kept: u64,
+    /// The contents of the tree.
+    pub census: Census,
+    /// Number of triangles without area, which are not in it.
+    pub(super) left_out: u64,
 }
 
 /// The geometry and tree of a search.
@@ -50,16 +51,6 @@ impl Tree {
         self.root
     }
 
-    /// The contents of the tree.
-    pub fn census(&self) -> Census {
-        self.census
-    }
-
-    /// The arena.
-    pub fn arena(&self) -> &Arena {
-        &self.arena
-    }
-
     /// Bytes held.
     pub fn bytes(&self) -> u64 {
         self.arena.bytes()
@@ -77,55 +68,53 @@ impl Tree {
         (0..node.count as usize).map(|lane| child_box(node, lane)).collect()
     }
 
+    /// Calls `visit` for each node and leaf with its box, clipped by the boxes of all nodes above.
+    fn walk(&self, mut visit: impl FnMut(Ref, &Aabb)) {
+        let arena = self.arena.view();
+        let mut waiting: Vec<_> = self.root.iter().map(|root| (root.place, root.bounds)).collect();
+        while let Some((place, bounds)) = waiting.pop() {
+            visit(place, &bounds);
+            if place.kind() != Kind::Node {
+                continue;
+            }
+            let node = arena.node(place);
+            waiting.extend((0..node.count as usize).map(|lane| {
+                let own = child_box(node, lane);
+                let clipped =
+                    Aabb { low: own.low.max(bounds.low), high: own.high.min(bounds.high) };
+                (child_of(node, place, lane), clipped)
+            }));
+        }
+    }
+
     /// Calls `visit` for each leaf with its box, clipped by the boxes of all nodes above it, and
     /// its primitives.
     pub fn for_each_leaf(&self, mut visit: impl FnMut(&Aabb, &[u32])) {
-        let Some(root) = self.root else { return };
         let arena = self.arena.view();
-        let mut waiting = vec![(root.place, root.bounds)];
-        while let Some((place, bounds)) = waiting.pop() {
-            match place.kind() {
-                Kind::Node => {
-                    let node = arena.node(place);
-                    for lane in 0..node.count as usize {
-                        let own = child_box(node, lane);
-                        let child =
-                            Aabb { low: own.low.max(bounds.low), high: own.high.min(bounds.high) };
-                        waiting.push((child_of(node, place, lane), child));
-                    }
-                }
-                Kind::Patch => {
-                    let leaf = arena.patch(place);
-                    visit(&bounds, arena.numbers(leaf.first, leaf.count));
-                }
-                Kind::Soup => {
-                    let leaf = arena.soup(place);
-                    visit(&bounds, arena.numbers(leaf.first, leaf.count));
-                }
-                Kind::List => visit(&bounds, arena.list(place)),
+        self.walk(|place, bounds| match place.kind() {
+            Kind::Node => {}
+            Kind::Patch => {
+                let leaf = arena.patch(place);
+                visit(bounds, arena.numbers(leaf.first, leaf.count));
             }
-        }
+            Kind::Soup => {
+                let leaf = arena.soup(place);
+                visit(bounds, arena.numbers(leaf.first, leaf.count));
+            }
+            Kind::List => visit(bounds, arena.list(place)),
+        });
     }
 
     /// The number of nodes and leaves that the surface-area heuristic expects for a ray that
     /// crosses the whole scene's box without a hit.
     pub fn expected_visits(&self) -> Visits {
         let mut visits = Visits::default();
-        let Some(root) = self.root else { return visits };
-        let whole = half_area(&root.bounds);
-        let arena = self.arena.view();
-        let mut waiting = vec![(root.place, whole)];
-        while let Some((place, area)) = waiting.pop() {
-            let share = if whole > 0.0 { area / whole } else { 1.0 };
-            if place.kind() != Kind::Node {
-                visits.leaves += share;
-                continue;
-            }
-            visits.nodes += share;
-            let node = arena.node(place);
-            let child = |lane| (child_of(node, place, lane), half_area(&child_box(node, lane)));
-            waiting.extend((0..node.count as usize).map(child));
-        }
+        let whole = self.root.map_or(0.0, |root| half_area(&root.bounds));
+        self.walk(|place, bounds| {
+            let share = if whole > 0.0 { half_area(bounds) / whole } else { 1.0 };
+            let is_node = place.kind() == Kind::Node;
+            *(if is_node { &mut visits.nodes } else { &mut visits.leaves }) += share;
+        });
         visits
     }
 

@@ -13,7 +13,7 @@
 mod emit;
 mod shared;
 
-use obvhs::bvh2::node::Bvh2Node;
+use obvhs::bvh2::Bvh2;
 
 use super::arena::{Kind, Unit};
 use crate::kernels::slab::Aabb;
@@ -63,14 +63,6 @@ pub(super) struct Part {
     pub(super) unit: usize,
     /// Its cost, in visits of a node times half areas.
     pub(super) cost: f32,
-}
-
-/// A binary hierarchy: the root is the first node.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Hierarchy<'a> {
-    pub(super) nodes: &'a [Bvh2Node],
-    /// The owners that the leaves' indices refer to.
-    pub(super) owners: &'a [u32],
 }
 
 /// The cheapest division of a subtree.
@@ -126,7 +118,7 @@ pub(super) struct Converter {
 
 impl Converter {
     /// Decides the division of every node.
-    pub(super) fn evaluate<'a>(&mut self, tree: Hierarchy, owner: impl Fn(u32) -> Owner<'a>) {
+    pub(super) fn evaluate<'a>(&mut self, tree: &Bvh2, owner: impl Fn(u32) -> Owner<'a>) {
         self.put_in_order(tree);
         if self.best.len() < tree.nodes.len() {
             self.best.resize(tree.nodes.len(), Best { cost: [0.0; SLOTS], leaf: true });
@@ -136,7 +128,8 @@ impl Converter {
             let node = &tree.nodes[place as usize];
             let area = node.aabb().half_area();
             if node.is_leaf() {
-                let (content, cost) = alone(owner(tree.owners[node.first_index as usize]), area);
+                let (content, cost) =
+                    alone(owner(tree.primitive_indices[node.first_index as usize]), area);
                 self.contents.push(content);
                 self.best[place as usize] = Best { cost: [cost; SLOTS], leaf: true };
                 continue;
@@ -164,7 +157,7 @@ impl Converter {
     }
 
     /// Lists the nodes depth first: after reinsertion the builder's own order is arbitrary.
-    fn put_in_order(&mut self, tree: Hierarchy) {
+    fn put_in_order(&mut self, tree: &Bvh2) {
         self.order.clear();
         self.waiting.clear();
         self.waiting.push(0);

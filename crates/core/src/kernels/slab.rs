@@ -27,7 +27,7 @@
 
 use glam::{Vec3, Vec3A};
 
-use crate::math::float::{UNIT_ROUNDOFF, max, max_abs, min};
+use crate::math::float::{UNIT_ROUNDOFF, max, min};
 use crate::math::ray::Ray;
 use crate::math::real::Real;
 
@@ -68,14 +68,6 @@ impl Aabb {
     #[must_use]
     pub fn union(self, other: Self) -> Self {
         Self { low: self.low.min(other.low), high: self.high.max(other.high) }
-    }
-
-    /// The box, grown by [`PADDING`] times the largest coordinate of `whole`.
-    #[inline]
-    #[must_use]
-    pub fn padded(self, whole: &Self) -> Self {
-        let pad = PADDING * max(max_abs(whole.low), max_abs(whole.high));
-        Self { low: self.low - pad, high: self.high + pad }
     }
 
     /// Whether `other` lies inside.

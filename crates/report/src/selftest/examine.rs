@@ -113,7 +113,7 @@ pub fn bvh(accel: &Accel, preset: Preset, effort: &Effort) -> Option<Bvh> {
         let inside = |p: &&Vec3| bounds.low.cmple(**p).all() && bounds.high.cmpge(**p).all();
         around += points.iter().filter(inside).count() as u64;
     });
-    let census = tree.census();
+    let census = tree.census;
     let overlap = around as f64 / POINTS as f64;
     Some(Bvh { preset, nodes: census.nodes, depth: census.depth, overlap })
 }

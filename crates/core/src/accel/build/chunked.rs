@@ -3,67 +3,67 @@
 //!
 //! A chunk's parts are copied into the arena as soon as all chunks before it have their places. So
 //! the tree is the same for any number of threads and is in memory only once. A tree with unusually
-//! many bytes for each primitive is the exception: at the end it moves to a larger arena.
+//! many bytes for each entry is the exception: at the end it moves to a larger arena.
 
 use std::collections::BTreeMap;
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::{Mutex, PoisonError};
 
-use super::join;
+use rayon::prelude::*;
+
+use super::Cut;
+use super::join::join;
 use super::order::Chunks;
-use super::piece::{Piece, Plan, UpperNodes};
-use crate::accel::arena::{self, Arena, Kind, NODE_UNITS, Unit};
-use crate::accel::geometry::{Geometry, Primitive};
+use super::piece::{Piece, Plan};
+use crate::accel::arena::{self, Arena, NODE_UNITS, Unit};
 use crate::accel::tree::{Root, Tree};
 use crate::accel::units::Units;
+use crate::accel::wide::Part;
 use crate::math::simd::LANES;
 
-/// A chunk to build.
-struct Task<'a> {
-    chunk: usize,
-    /// The chunk's range of the tree's numbers, its start, and the number of primitives listed in
-    /// it.
-    numbers: &'a mut [u32],
-    first: u32,
-    count: usize,
-}
-
-/// Builds the tree over two or more chunks, each cut into about `parts` parts. Reserves `room` bytes
-/// for each primitive; a tree that needs more moves to a larger arena at the end.
-pub(super) fn build(plan: &Plan, chunks: Chunks, parts: usize, room: usize) -> Option<Tree> {
-    let (mut numbers, lengths) = with_room_for_halves(plan.geometry, chunks);
+/// Builds the tree; there is none over nothing. A tree that needs more room than `cut` gives
+/// moves to a larger arena at the end.
+pub(super) fn build(plan: &Plan, chunks: Chunks, cut: Cut) -> Option<Tree> {
+    let Chunks { mut entries, lengths } = chunks;
+    if lengths.is_empty() {
+        return None;
+    }
+    let parts = if lengths.len() == 1 { 1 } else { cut.parts };
     // The nodes that join the parts come first: fewer than there are parts, plus those that
     // opening the last node may have added.
     let ahead = NODE_UNITS * (parts + LANES) * lengths.len();
     // Unwritten pages take address space but no memory.
-    let mut units = Units::zeroed(ahead + (numbers.len() * room).div_ceil(size_of::<Unit>()));
+    let room = entries.len() * cut.room * if plan.weld { 2 } else { 1 };
+    let mut units = Units::zeroed(ahead + room.div_ceil(size_of::<Unit>()));
     let (_, rest) = units.as_mut_slice().split_at_mut(ahead);
-    let mut ranges = Vec::with_capacity(lengths.len());
-    let mut left = numbers.as_mut_slice();
-    let mut first = 0;
-    for &Length { count, room } in &lengths {
-        let (numbers, after) = std::mem::take(&mut left).split_at_mut(room);
-        ranges.push(Task { chunk: ranges.len(), first, numbers, count });
-        left = after;
-        first += room as u32;
-    }
-    let tasks = Mutex::new(ranges.into_iter());
     let assembly = Mutex::new(Assembly { rest, used: ahead, ..Assembly::default() });
-    in_separate_pools(lengths.len(), || {
-        let mut piece = Piece::default();
-        while let Some(task) = next(&tasks) {
-            build_chunk(plan, parts, &mut piece, task, &assembly);
-        }
+    let mut left = entries.as_mut_slice();
+    let mut start = 0;
+    let in_turn = lengths.iter().enumerate().map(|(chunk, &length)| {
+        let (own, after) = std::mem::take(&mut left).split_at_mut(length);
+        (left, start) = (after, start + length);
+        (chunk, start - length, own)
     });
-    let Assembly { used, upper_nodes, late, .. } =
+    in_turn.par_bridge().for_each_init(Piece::default, |piece, (chunk, first, entries)| {
+        piece.output.units.clear();
+        piece.output.numbers.clear();
+        piece.output.first_number = first as u32;
+        piece.build(plan, entries);
+        let parts = piece.emit(plan, parts);
+        // The leaves' numbers take the place of the entries.
+        let leaves = &piece.output.numbers;
+        entries[..leaves.len()].copy_from_slice(leaves);
+        place(&assembly, chunk, &mut piece.output.units, parts);
+    });
+    let Assembly { used, parts, late, .. } =
         assembly.into_inner().unwrap_or_else(PoisonError::into_inner);
     if !late.is_empty() {
         units = lengthened(units, ahead, used, late);
     }
     let (top, _) = units.as_mut_slice().split_at_mut(ahead);
-    let (start, bounds) = join::join(plan.geometry, &upper_nodes, top)?;
+    let (start, kind, bounds) = join(plan.geometry, &parts, top)?;
     units.keep(start..used);
-    let place = arena::root_of(Kind::Node);
-    let (arena, census) = Arena::new(units, numbers, place)?;
+    let place = arena::root_of(kind);
+    let (arena, census) = Arena::new(units, entries, place)?;
     Some(Tree { arena, root: Some(Root { place, bounds }), census, ..Tree::default() })
 }
 
@@ -82,79 +82,6 @@ fn lengthened(units: Units, ahead: usize, used: usize, late: Vec<Vec<Unit>>) -> 
     longer
 }
 
-/// Number of primitives in a chunk, and of numbers that its leaves may need.
-struct Length {
-    count: usize,
-    room: usize,
-}
-
-/// The numbers, with room in each chunk to repeat those of quads: leaves hold the halves
-/// separately.
-fn with_room_for_halves(geometry: &Geometry, chunks: Chunks) -> (Vec<u32>, Vec<Length>) {
-    let Chunks { numbers, lengths } = chunks;
-    if geometry.quads.is_empty() {
-        let lengths = lengths.into_iter().map(|count| Length { count, room: count });
-        return (numbers, lengths.collect());
-    }
-    let mut wider = Vec::with_capacity(numbers.len() + geometry.quads.len());
-    let mut rest = numbers.as_slice();
-    let widen = |count| {
-        let (own, after) = rest.split_at(count);
-        rest = after;
-        let is_quad = |&number: &u32| matches!(geometry.primitive(number), Primitive::Quad(_));
-        let quads = own.iter().filter(|number| is_quad(number)).count();
-        wider.extend_from_slice(own);
-        wider.resize(wider.len() + quads, 0);
-        Length { count, room: count + quads }
-    };
-    let lengths = lengths.into_iter().map(widen).collect();
-    (wider, lengths)
-}
-
-/// Runs `work` once on each thread of the current pool, at most `most` times, in pools of one
-/// thread. obvhs runs parallel work itself; a thread that waits for it would otherwise start
-/// another chunk, with its own memory.
-fn in_separate_pools(most: usize, work: impl Fn() + Sync) {
-    let threads = rayon::current_num_threads().min(most);
-    let pool = || rayon::ThreadPoolBuilder::new().num_threads(1).build().ok();
-    let pools: Vec<_> = (0..threads).filter_map(|_| pool()).collect();
-    if pools.is_empty() {
-        return work();
-    }
-    rayon::scope(|scope| {
-        for pool in &pools {
-            scope.spawn(|_| pool.install(&work));
-        }
-    });
-}
-
-fn next<'a>(tasks: &Mutex<impl Iterator<Item = Task<'a>>>) -> Option<Task<'a>> {
-    lock(tasks).next()
-}
-
-/// No thread panics while it holds a lock, and the content would still be sound if one did.
-fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
-    mutex.lock().unwrap_or_else(PoisonError::into_inner)
-}
-
-fn build_chunk(
-    plan: &Plan,
-    parts: usize,
-    piece: &mut Piece,
-    task: Task,
-    assembly: &Mutex<Assembly>,
-) {
-    piece.output.units.clear();
-    piece.output.numbers.clear();
-    piece.output.first_number = task.first;
-    piece.build(plan, &task.numbers[..task.count]);
-    let upper = piece.emit_upper(plan, parts);
-    // Only triangles have their numbers there: the rest stays unchanged.
-    let leaves = &piece.output.numbers;
-    task.numbers[..leaves.len()].copy_from_slice(leaves);
-    place(assembly, task.chunk, &mut piece.output.units, upper);
-}
-
 /// The places of chunks in the arena.
 #[derive(Default)]
 struct Assembly<'a> {
@@ -166,60 +93,35 @@ struct Assembly<'a> {
     /// The chunks for which no room was left, in order.
     late: Vec<Vec<Unit>>,
     /// Chunks that were finished before their turn.
-    early: BTreeMap<usize, (Vec<Unit>, UpperNodes)>,
-    /// The tops of the placed chunks.
-    upper_nodes: Vec<UpperNodes>,
-}
-
-impl<'a> Assembly<'a> {
-    /// Reserves room for the next chunk: returns the units and their destination, or keeps the units
-    /// in `late` if no room is left.
-    fn claim(
-        &mut self,
-        units: Vec<Unit>,
-        mut upper: UpperNodes,
-    ) -> Option<(&'a mut [Unit], Vec<Unit>)> {
-        upper.parts.iter_mut().for_each(|part| part.unit += self.used);
-        self.upper_nodes.push(upper);
-        self.used += units.len();
-        self.next += 1;
-        match std::mem::take(&mut self.rest).split_at_mut_checked(units.len()) {
-            Some((room, rest)) => {
-                self.rest = rest;
-                Some((room, units))
-            }
-            None => {
-                self.late.push(units);
-                None
-            }
-        }
-    }
+    early: BTreeMap<usize, (Vec<Unit>, Vec<Part>)>,
+    /// The parts of the placed chunks.
+    parts: Vec<Part>,
 }
 
 /// Copies a chunk to its place, with the chunks that waited for it; or keeps it waiting.
-fn place(assembly: &Mutex<Assembly>, chunk: usize, units: &mut Vec<Unit>, upper: UpperNodes) {
-    let own = std::mem::take(units);
-    let mut waited = Vec::new();
-    let claimed = {
-        let mut assembly = lock(assembly);
-        if chunk != assembly.next {
-            assembly.early.insert(chunk, (own, upper));
-            return;
+fn place(assembly: &Mutex<Assembly>, chunk: usize, units: &mut Vec<Unit>, parts: Vec<Part>) {
+    let mut placed = Vec::new();
+    {
+        // No thread panics while it holds the lock.
+        let assembly = &mut *assembly.lock().unwrap_or_else(PoisonError::into_inner);
+        assembly.early.insert(chunk, (std::mem::take(units), parts));
+        while let Some((units, parts)) = assembly.early.remove(&assembly.next) {
+            let moved = |part: Part| Part { unit: part.unit + assembly.used, ..part };
+            assembly.parts.extend(parts.into_iter().map(moved));
+            assembly.used += units.len();
+            assembly.next += 1;
+            match std::mem::take(&mut assembly.rest).split_at_mut_checked(units.len()) {
+                Some((room, rest)) => {
+                    assembly.rest = rest;
+                    placed.push((room, units));
+                }
+                None => assembly.late.push(units),
+            }
         }
-        let claimed = assembly.claim(own, upper);
-        let mut next = assembly.next;
-        while let Some((units, upper)) = assembly.early.remove(&next) {
-            waited.extend(assembly.claim(units, upper));
-            next = assembly.next;
-        }
-        claimed
-    };
-    if let Some((room, own)) = claimed {
-        room.copy_from_slice(&own);
-        // Kept for the next chunk.
-        *units = own;
     }
-    for (room, units) in waited {
-        room.copy_from_slice(&units);
+    for (room, from) in placed {
+        room.copy_from_slice(&from);
+        // Kept for the next chunk.
+        *units = from;
     }
 }

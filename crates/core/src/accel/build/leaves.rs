@@ -4,8 +4,9 @@
 
 use glam::Vec3A;
 use obvhs::aabb::Aabb;
+use obvhs::ploc::morton::morton_encode_u32;
 
-use super::piece::{Members, is_in_lanes};
+use super::piece::Members;
 use crate::accel::wide::{Shared, as_patch};
 use crate::math::simd::LANES;
 
@@ -31,7 +32,8 @@ pub(super) struct Finder {
 /// A leaf, and the range of its primitives' numbers.
 #[derive(Clone, Copy)]
 pub(super) struct Leaf {
-    pub(super) shared: Shared,
+    /// The vertices of triangles; other primitives are alone.
+    pub(super) shared: Option<Shared>,
     pub(super) first: u32,
     pub(super) count: u32,
 }
@@ -39,48 +41,50 @@ pub(super) struct Leaf {
 impl Finder {
     /// Replaces the `boxes` of single primitives, which come first, by those of their leaves.
     pub(super) fn find(&mut self, members: &mut Members, boxes: &mut Vec<Aabb>) {
-        let Members { singles, flat, cutouts, numbers, leaves, .. } = members;
+        let Members { singles, numbers, leaves, .. } = members;
         let (own, heaps) = boxes.split_at(singles.len());
         sort(own, &mut self.keys, &mut self.spare);
         numbers.clear();
-        leaves.clear();
         self.leaves.clear();
         for &key in &self.keys {
             let index = key as u32 as usize;
             let (single, bounds) = (&singles[index], own[index]);
             if let (Some(leaf), Some(around)) = (leaves.last_mut(), self.leaves.last_mut())
-                && [single.number, numbers[leaf.first as usize]]
-                    .into_iter()
-                    .all(|number| is_in_lanes(number, *flat, cutouts))
-                && let Some((shared, union)) = joined(leaf, around, single.corners, &bounds)
+                && let (Some(shared), Some(corners)) = (&mut leaf.shared, single.corners)
+                && let Some((joint, union)) = joined(shared, leaf.count, around, corners, &bounds)
             {
-                *leaf = Leaf { shared, count: leaf.count + 1, ..*leaf };
-                *around = union;
+                (*shared, *around) = (joint, union);
+                leaf.count += 1;
             } else {
-                let mut shared = Shared::default();
-                // Other kinds are alone, and their shared vertices do not matter.
-                shared.add(0, single.corners);
+                let shared = single.corners.map(Shared::of);
                 leaves.push(Leaf { shared, first: numbers.len() as u32, count: 1 });
                 self.leaves.push(bounds);
             }
             numbers.push(single.number);
         }
+        singles.clear();
         self.leaves.extend_from_slice(heaps);
         std::mem::swap(boxes, &mut self.leaves);
     }
 }
 
-/// The leaf with another triangle, if it has room and costs less than two leaves.
+/// The leaf of `count` triangles with another, if it has room and costs less than two leaves.
 #[inline]
-fn joined(leaf: &Leaf, around: &Aabb, corners: [u32; 3], bounds: &Aabb) -> Option<(Shared, Aabb)> {
-    let count = leaf.count as usize;
+fn joined(
+    shared: &Shared,
+    count: u32,
+    around: &Aabb,
+    corners: [u32; 3],
+    bounds: &Aabb,
+) -> Option<(Shared, Aabb)> {
+    let count = count as usize;
     let union = around.union(bounds);
     let (left, right) = (around.half_area(), bounds.half_area());
     let apart = left * as_patch(count) + right * as_patch(1);
     if count == LANES || union.half_area() * as_patch(count + 1) > apart + SLACK * left.min(right) {
         return None;
     }
-    let mut shared = leaf.shared;
+    let mut shared = *shared;
     shared.add(count, corners).then_some((shared, union))
 }
 
@@ -93,8 +97,9 @@ fn sort(boxes: &[Aabb], keys: &mut Vec<u64>, spare: &mut Vec<u64>) {
     keys.clear();
     keys.extend(boxes.iter().enumerate().map(|(index, b)| {
         // If all are at one place, 0 x inf is NaN, and counts as 0.
-        let [x, y, z] = ((center(b) - low) * scale).to_array().map(spread);
-        (x | y << 1 | z << 2) << 32 | index as u64
+        let at = ((center(b) - low) * scale).to_array();
+        let [x, y, z] = at.map(|x| (x as u16).min((1 << BITS) - 1));
+        u64::from(morton_encode_u32(x, y, z)) << 32 | index as u64
     }));
     sort_keys(keys, spare);
 }
@@ -118,15 +123,6 @@ fn sort_keys(keys: &mut Vec<u64>, spare: &mut Vec<u64>) {
     }
 }
 
-/// The integer part, with each bit followed by two zeros.
-fn spread(x: f32) -> u64 {
-    let x = (x as u64).min((1 << BITS) - 1);
-    let x = (x | x << 16) & 0x0300_00FF;
-    let x = (x | x << 8) & 0x0300_F00F;
-    let x = (x | x << 4) & 0x030C_30C3;
-    (x | x << 2) & 0x0924_9249
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -140,13 +136,5 @@ mod tests {
         assert!(expected.windows(2).any(|pair| pair[0] >> 32 == pair[1] >> 32));
         sort_keys(&mut keys, &mut Vec::new());
         assert_eq!(keys, expected);
-    }
-
-    #[test]
-    fn bits_are_spread() {
-        assert_eq!(
-            [0.0, 1.0, 2.0, 1023.0, 5000.0, f32::NAN].map(spread),
-            [0, 1, 8, 0x0924_9249, 0x0924_9249, 0]
-        );
     }
 }

@@ -1,152 +1,161 @@
-//! A spatial order of the primitives, cut into chunks.
+//! A spatial order of what leaves hold, cut into chunks.
 //!
-//! Primitives are counted and sorted by the cell of a coarse grid that contains their centre
-//! ([`super::survey`]); cells follow Morton's curve. A cell with too many primitives is ordered by
-//! a finer grid of its own, so that the scene may be very uneven.
+//! A pass over every entry, in the scene's order, finds triangles without area, and the cell of a
+//! coarse grid that contains the centre of each other entry. Cells follow Morton's curve. A cell with
+//! too many entries is ordered by a finer grid of its own, so that the scene may be very uneven.
 
 use std::ops::Range;
 use std::sync::atomic::{AtomicU32, Ordering};
 
+use glam::Vec3;
+use obvhs::ploc::morton::morton_encode_u32;
 use rayon::prelude::*;
 
-use super::survey::{CELLS, Grid, Survey, around, block, is_kept, middle};
-use crate::accel::geometry::Geometry;
+use crate::accel::geometry::{Geometry, sphere_bounds};
 use crate::kernels::slab::Aabb;
+use crate::kernels::triangle::is_degenerate;
 
-/// How often cells are refined before their members are taken in the given order.
-const MOST_LEVELS: usize = 12;
+/// Bits of the grid for each axis: counters of its cells then stay in the second-level cache.
+const BITS: u32 = 5;
 
-/// Primitives in order.
-#[derive(Debug, Default)]
+/// Cells of the grid.
+const CELLS: usize = 1 << (3 * BITS);
+
+/// The cell of triangles without area.
+const NOWHERE: u16 = u16::MAX;
+
+/// Number of blocks of entries for each thread, so that threads finish together, and the smallest
+/// block that is worth its own counters. They affect only time.
+const BLOCKS_A_THREAD: usize = 4;
+const MOST_BLOCKS: usize = 64;
+const LEAST_BLOCK: usize = 1 << 14;
+
+/// Entries in order.
+#[derive(Default)]
 pub(super) struct Chunks {
-    pub(super) numbers: Vec<u32>,
-    /// Number of primitives in each chunk; their sum is the number of all, and no chunk is empty.
+    pub(super) entries: Vec<u32>,
+    /// Number of entries in each chunk; their sum is the number of all, and no chunk is empty.
     pub(super) lengths: Vec<usize>,
 }
 
-/// Orders the `count` primitives that can be hit, and cuts them into chunks of at most `most`.
-pub(super) fn chunks(geometry: &Geometry, survey: &Survey, count: usize, most: usize) -> Chunks {
-    if count > most {
-        return arrange(geometry, &Members::All, &survey.cells, most, 0);
+/// A box around everything that `geometry` holds itself.
+pub(super) fn extents(geometry: &Geometry) -> Aabb {
+    let spheres = geometry.spheres.par_iter().map(|&sphere| sphere_bounds(sphere));
+    around(geometry.positions.par_iter().copied().map(point)).union(around(spheres))
+}
+
+/// Orders the entries that can be hit, all but triangles without area, and cuts them into chunks of
+/// at most `most`.
+pub(super) fn chunks(geometry: &Geometry, extents: &Aabb, most: usize) -> Chunks {
+    let mut entries: Vec<u32> = (0..geometry.entries() as u32).collect();
+    if entries.len() > most {
+        return arrange(geometry, &entries, extents, most);
     }
-    let numbers = survey.cells.iter().zip(0..).filter(|&(&cell, _)| is_kept(cell));
-    let lengths = if count == 0 { Vec::new() } else { vec![count] };
-    Chunks { numbers: numbers.map(|(_, number)| number).collect(), lengths }
+    entries.retain(|&entry| is_met(geometry, entry));
+    let lengths = if entries.is_empty() { Vec::new() } else { vec![entries.len()] };
+    Chunks { entries, lengths }
 }
 
-/// The primitives to order.
-enum Members<'a> {
-    /// Every primitive that can be hit.
-    All,
-    /// These.
-    These(&'a [u32]),
+#[inline(always)]
+fn is_met(geometry: &Geometry, entry: u32) -> bool {
+    let index = entry as usize;
+    index >= geometry.triangles.len() || !is_degenerate(&geometry.triangle(index))
 }
 
-impl Members<'_> {
-    fn number(&self, index: usize) -> u32 {
-        match self {
-            Self::All => index as u32,
-            Self::These(numbers) => numbers[index],
+/// Sorts by the cells of a grid in `bounds`, and cuts.
+fn arrange(geometry: &Geometry, members: &[u32], bounds: &Aabb, most: usize) -> Chunks {
+    let scale = (1 << BITS) as f32 / (bounds.high - bounds.low).max_element();
+    let cell = |&entry: &u32| {
+        if !is_met(geometry, entry) {
+            return NOWHERE;
         }
-    }
-}
-
-/// Sorts by cell and cuts.
-fn arrange(
-    geometry: &Geometry,
-    members: &Members,
-    cells: &[u16],
-    most: usize,
-    level: usize,
-) -> Chunks {
-    let block = block(cells.len());
-    let count = |cells: &[u16]| {
-        let mut counts = vec![0; CELLS];
-        cells.iter().filter(|&&cell| is_kept(cell)).for_each(|&cell| counts[cell as usize] += 1);
-        counts
+        // Centres outside count as at the border. In a grid of size zero, 0 x inf is NaN, and
+        // counts as 0.
+        let at = (middle(geometry, entry) - bounds.low) * scale;
+        let [x, y, z] = at.to_array().map(|x| (x as u16).min((1 << BITS) - 1));
+        morton_encode_u32(x, y, z) as u16
     };
-    let mut counts: Vec<Vec<u32>> = cells.par_chunks(block).map(count).collect();
-    let starts = to_starts(&mut counts);
-    let places: Vec<AtomicU32> = (0..starts[CELLS]).map(|_| AtomicU32::new(0)).collect();
-    // Every place is written once: the atomics are only for the compiler, which cannot know
-    // this.
-    cells.par_chunks(block).zip(&mut counts).enumerate().for_each(|(b, (cells, next))| {
-        for (i, &cell) in cells.iter().enumerate().filter(|&(_, &cell)| is_kept(cell)) {
-            let place = &mut next[cell as usize];
-            places[*place as usize].store(members.number(b * block + i), Ordering::Relaxed);
-            *place += 1;
-        }
-    });
-    drop(counts);
-    let numbers = places.into_iter().map(AtomicU32::into_inner).collect();
-    refine(geometry, numbers, &starts, most, level)
-}
-
-/// Turns each block's counts into its start in each cell. Returns the starts of the cells and the
-/// end of all.
-fn to_starts(counts: &mut [Vec<u32>]) -> Vec<u32> {
+    let blocks = (BLOCKS_A_THREAD * rayon::current_num_threads()).min(MOST_BLOCKS);
+    let block = members.len().div_ceil(blocks).max(LEAST_BLOCK);
+    let count = |members: &[u32]| {
+        let cells: Vec<u16> = members.iter().map(cell).collect();
+        let mut counts = vec![0_u32; CELLS];
+        let kept = cells.iter().filter(|&&cell| cell != NOWHERE);
+        kept.for_each(|&cell| counts[cell as usize] += 1);
+        (cells, counts)
+    };
+    let mut blocks: Vec<_> = members.par_chunks(block).map(count).collect();
+    // Counts become the start of each block in each cell.
     let mut sum = 0;
     let mut starts = Vec::with_capacity(CELLS + 1);
     for cell in 0..CELLS {
-        starts.push(sum);
-        for block in &mut *counts {
-            sum += std::mem::replace(&mut block[cell], sum);
+        starts.push(sum as usize);
+        for (_, counts) in &mut blocks {
+            sum += std::mem::replace(&mut counts[cell], sum);
         }
     }
-    starts.push(sum);
-    starts
-}
-
-/// Cuts sorted numbers into chunks, and orders cells with too many primitives.
-fn refine(
-    geometry: &Geometry,
-    mut numbers: Vec<u32>,
-    starts: &[u32],
-    most: usize,
-    level: usize,
-) -> Chunks {
+    starts.push(sum as usize);
+    let places: Vec<AtomicU32> = (0..sum).map(|_| AtomicU32::new(0)).collect();
+    // Every place is written once: the atomics are only for the compiler, which cannot know this.
+    members.par_chunks(block).zip(&mut blocks).for_each(|(members, (cells, next))| {
+        for (&entry, &cell) in members.iter().zip(&*cells).filter(|&(_, &cell)| cell != NOWHERE) {
+            let place = &mut next[cell as usize];
+            places[*place as usize].store(entry, Ordering::Relaxed);
+            *place += 1;
+        }
+    });
+    drop(blocks);
+    let mut entries: Vec<u32> = places.into_iter().map(AtomicU32::into_inner).collect();
     let mut runs = Vec::new();
-    cut(starts, 0..CELLS, most, &mut runs);
+    cut(&starts, 0..CELLS, most, &mut runs);
     let mut lengths: Vec<usize> = Vec::new();
     for run in runs {
-        if run.len() <= most {
+        let own = &mut entries[run];
+        if own.len() <= most {
             // Short runs share a chunk.
             match lengths.last_mut() {
-                Some(last) if *last + run.len() <= most => *last += run.len(),
-                _ => lengths.push(run.len()),
+                Some(last) if *last + own.len() <= most => *last += own.len(),
+                _ => lengths.push(own.len()),
             }
             continue;
         }
-        let full = &mut numbers[run];
-        let bounds = around(full.par_iter().map(|&number| {
-            let low = middle(geometry, number);
-            Aabb { low, high: low }
-        }));
-        if level < MOST_LEVELS && bounds.low != bounds.high {
-            let grid = Grid::new(&bounds);
-            let cells: Vec<u16> =
-                full.par_iter().map(|&number| grid.cell(geometry, number)).collect();
-            let finer = arrange(geometry, &Members::These(full), &cells, most, level + 1);
-            full.copy_from_slice(&finer.numbers);
-            lengths.extend(finer.lengths);
-        } else {
-            lengths.extend(full.chunks(most).map(<[u32]>::len));
+        let bounds = around(own.par_iter().map(|&entry| point(middle(geometry, entry))));
+        if bounds.low == bounds.high {
+            lengths.extend(own.chunks(most).map(<[u32]>::len));
+            continue;
         }
+        // The ends of the longest axis are in different cells, so this comes to an end.
+        let finer = arrange(geometry, own, &bounds, most);
+        own.copy_from_slice(&finer.entries);
+        lengths.extend(finer.lengths);
     }
-    Chunks { numbers, lengths }
+    Chunks { entries, lengths }
 }
 
 /// Halves the range of cells until each part has at most `most` or is one cell.
-fn cut(starts: &[u32], cells: Range<usize>, most: usize, runs: &mut Vec<Range<usize>>) {
-    let run = starts[cells.start] as usize..starts[cells.end] as usize;
-    if run.is_empty() {
-        return;
-    }
+fn cut(starts: &[usize], cells: Range<usize>, most: usize, runs: &mut Vec<Range<usize>>) {
+    let run = starts[cells.start]..starts[cells.end];
     if run.len() <= most || cells.len() == 1 {
-        runs.push(run);
+        runs.extend((!run.is_empty()).then_some(run));
         return;
     }
     let middle = cells.start.midpoint(cells.end);
     cut(starts, cells.start..middle, most, runs);
     cut(starts, middle..cells.end, most, runs);
+}
+
+/// A box around all.
+fn around(boxes: impl ParallelIterator<Item = Aabb>) -> Aabb {
+    boxes.fold(|| Aabb::EMPTY, Aabb::union).reduce(|| Aabb::EMPTY, Aabb::union)
+}
+
+fn point(low: Vec3) -> Aabb {
+    Aabb { low, high: low }
+}
+
+/// The centre of the entry's box.
+#[inline(always)]
+fn middle(geometry: &Geometry, entry: u32) -> Vec3 {
+    let bounds = geometry.box_of(entry);
+    (bounds.low + bounds.high) * 0.5
 }

@@ -2,11 +2,14 @@ use glam::{DAffine3, DQuat, DVec3};
 
 use super::*;
 use crate::accel::build::Preset;
+use crate::accel::geometry::Geometry;
 use crate::accel::instance::Instance;
 use crate::accel::tests::{Numbers, add_triangle, cloud, compare};
 use crate::accel::{Accel, Hit};
 use crate::kernels::slab::Aabb;
 use crate::kernels::texture::{Image, PlanarMap, Texels};
+use crate::math::ray::Ray;
+use glam::Vec3;
 
 /// An image of 8 by 8 texels of this alpha.
 fn image(alpha: impl Fn(u32) -> u8) -> Arc<LazyImage> {

@@ -1,8 +1,9 @@
 //! Writes the nodes and leaves chosen by [`Converter::evaluate`].
 
 use bytemuck::Zeroable;
+use obvhs::bvh2::Bvh2;
 
-use super::{Converter, Hierarchy, Output, Owner, SLOTS, Shared};
+use super::{Converter, Output, Owner, SLOTS, Shared};
 use crate::accel::arena::{Kind, NODE_UNITS, Node, Patch, Soup, Unit, list_units, relative};
 use crate::accel::geometry::Geometry;
 use crate::math::simd::LANES;
@@ -12,7 +13,7 @@ impl Converter {
     pub(in crate::accel) fn emit<'a>(
         &self,
         geometry: &Geometry,
-        tree: Hierarchy,
+        tree: &Bvh2,
         owner: impl Fn(u32) -> Owner<'a>,
         root: u32,
         output: &mut Output,
@@ -28,7 +29,7 @@ impl Converter {
 
 impl Converter {
     /// The children of the wide node at `place`, the largest last: any-hit queries visit it first.
-    pub(in crate::accel) fn children(&self, tree: Hierarchy, place: u32) -> Children {
+    pub(in crate::accel) fn children(&self, tree: &Bvh2, place: u32) -> Children {
         let mut children = Children::default();
         self.share(tree, place, LANES, &mut children);
         // The bits of positive floats have the order of their values.
@@ -44,7 +45,7 @@ impl Converter {
 
     /// Divides `slots` between both sides of a binary node in the cheapest way, and appends the
     /// resulting children.
-    fn share(&self, tree: Hierarchy, place: u32, slots: usize, children: &mut Children) {
+    fn share(&self, tree: &Bvh2, place: u32, slots: usize, children: &mut Children) {
         let left = tree.nodes[place as usize].first_index;
         let (l, r) = (&self.best[left as usize].cost, &self.best[left as usize + 1].cost);
         let cost = |k: usize| l[k - 1] + r[slots - k - 1];
@@ -56,7 +57,7 @@ impl Converter {
     }
 
     /// Appends the children that the subtree at `place` becomes in `slots`.
-    fn gather(&self, tree: Hierarchy, place: u32, slots: usize, children: &mut Children) {
+    fn gather(&self, tree: &Bvh2, place: u32, slots: usize, children: &mut Children) {
         let cost = &self.best[place as usize].cost;
         let mut slots = slots;
         while slots > 1 && cost[slots - 1] >= cost[slots - 2] {
@@ -75,7 +76,7 @@ impl Converter {
 struct Emitter<'a, F> {
     geometry: &'a Geometry,
     converter: &'a Converter,
-    tree: Hierarchy<'a>,
+    tree: &'a Bvh2,
     owner: F,
     output: &'a mut Output,
 }
@@ -164,7 +165,7 @@ impl<'b, F: Fn(u32) -> Owner<'b>> Emitter<'_, F> {
                 height += 2;
                 continue;
             }
-            match (self.owner)(self.tree.owners[node.first_index as usize]) {
+            match (self.owner)(self.tree.primitive_indices[node.first_index as usize]) {
                 Owner::Triangle(number, corners) => {
                     triangles.numbers[triangles.count] = number;
                     triangles.corners[triangles.count] = corners;

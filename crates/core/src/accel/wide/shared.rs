@@ -16,6 +16,13 @@ pub(in crate::accel) struct Shared {
 }
 
 impl Shared {
+    /// One triangle.
+    pub(in crate::accel) fn of(triangle: [u32; 3]) -> Self {
+        let mut shared = Self::default();
+        shared.add(0, triangle);
+        shared
+    }
+
     /// Adds the triangle in `lane`. If its vertices do not fit, the content becomes unspecified.
     #[inline(always)]
     pub(in crate::accel) fn add(&mut self, lane: usize, triangle: [u32; 3]) -> bool {

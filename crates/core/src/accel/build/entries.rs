@@ -1,0 +1,40 @@
+//! The entries of leaves: triangles, both halves of each quad, and spheres, in this order.
+
+use crate::accel::geometry::{Geometry, sphere_bounds};
+use crate::kernels::quad;
+use crate::kernels::slab::Aabb;
+
+impl Geometry {
+    /// Number of entries.
+    pub(super) fn entries(&self) -> usize {
+        self.own() + self.quads.len()
+    }
+
+    /// The number of the entry's primitive.
+    pub(super) fn number_of(&self, entry: u32) -> u32 {
+        let behind = (entry as usize).saturating_sub(self.triangles.len());
+        entry - behind.div_ceil(2).min(self.quads.len()) as u32
+    }
+
+    /// The vertices of a triangle, or of a half of a quad.
+    #[inline(always)]
+    pub(super) fn corners_of(&self, entry: u32) -> Option<[u32; 3]> {
+        let index = entry as usize;
+        if let Some(corners) = self.triangles.get(index) {
+            return Some(*corners);
+        }
+        let half = index - self.triangles.len();
+        self.quads.get(half / 2).map(|quad| quad::halves(quad)[half % 2])
+    }
+
+    /// The smallest box around the entry.
+    #[inline(always)]
+    pub(super) fn box_of(&self, entry: u32) -> Aabb {
+        match self.corners_of(entry) {
+            Some(corners) => Aabb::around(corners.map(|v| self.positions[v as usize])),
+            None => {
+                sphere_bounds(self.spheres[entry as usize + self.spheres.len() - self.entries()])
+            }
+        }
+    }
+}
