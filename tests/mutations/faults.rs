@@ -30,12 +30,12 @@ pub(crate) const FAULTS: &[Fault] = faults! {
             => "direction.recip().clamp(Vec3A::splat(-1.0 / f32::EPSILON), Vec3A::splat(1.0 / f32::EPSILON))";
     "the sign of a zero is lost", 5, "crates/core/src/kernels/slab.rs":
         "negative.into()" => "direction.cmplt(Vec3A::ZERO).into()";
-    "boxes are left before their roundings", 2, "crates/core/src/kernels/slab.rs":
-        "WIDENING: f32 = 1.0 + 8.0 * UNIT_ROUNDOFF" => "WIDENING: f32 = 1.0";
+    "boxes are left before their roundings", 2, "crates/core/src/accel/node.rs":
+        "F::splat(simd, WIDENING)" => "F::splat(simd, 1.0)";
     "boxes of negative t are left before their roundings", 48, "crates/core/src/kernels/slab.rs":
         "16.0 * UNIT_ROUNDOFF * (-t_min)" => "0.0 * (-t_min)";
-    "origins in the plane of a box are beside it", 5, "crates/core/src/kernels/slab.rs":
-        "origin.abs() * f32::EPSILON + f32::MIN_POSITIVE" => "Vec3A::ZERO";
+    "crossings without a reciprocal are known", 6, "crates/core/src/kernels/slab.rs":
+        "Vec3A::select(unknown, -before, origin - shift)" => "(origin - shift)";
     "near planes of boxes are taken for far ones", 3, "crates/core/src/accel/node.rs":
         "planes[usize::from(ray.negative[k])]" => "planes[0]";
     "the second of two children is lost", 3, "crates/core/src/accel/node.rs":

@@ -111,36 +111,42 @@ fn as_brute_force(effort: &Effort, geometry: &Geometry, rays: &[Ray]) -> Outcome
 /// The side of a plate of [`between_numbers`].
 const SIDE: f32 = 16.0;
 
-/// Plates with edges between two numbers of single precision, to which a shear by integers of up to
-/// 2^24 moves them. A ray from the origin meets each at most 8 from that edge. In the space of the
-/// plate its origin and its direction are small integers: it meets the plate there, at the same t.
+/// Plates that are met because a ray is rounded in their space.
+///
+/// A shear takes the origin of a ray to where numbers of single precision are 16 apart. So a ray
+/// that passes the plate by up to 6 in the world meets it in its own space, at the same t, for its
+/// direction there is of small integers.
 fn between_numbers(effort: &Effort) -> Outcome {
-    let corner = |x: f32, z: f32| Vec3::new(x * SIDE, 0.0, z * SIDE);
+    let corner = |x: f32, z: f32| Vec3::new(x, 0.0, z * SIDE);
     let plate = Geometry {
-        positions: vec![corner(-1.0, -0.5), corner(0.0, -0.5), corner(0.0, 0.5), corner(-1.0, 0.5)],
+        positions: vec![
+            corner(-SIDE, -0.5),
+            corner(1.0, -0.5),
+            corner(1.0, 0.5),
+            corner(-SIDE, 0.5),
+        ],
         triangles: vec![[0, 1, 2], [0, 2, 3]],
         ..Geometry::default()
     };
     let bounds = Aabb { low: plate.positions[0], high: plate.positions[2] };
-    let (mut rays, mut heights, mut instances) = (Vec::new(), Vec::new(), Vec::new());
+    let shear = DMat3::from_cols(DVec3::X, DVec3::ONE.with_z(0.0), DVec3::Z);
+    let (mut rays, mut distances, mut instances) = (Vec::new(), Vec::new(), Vec::new());
     for (number, mut numbers) in (0_u32..).zip(inputs(effort, 44, 0..effort.either(64, 512))) {
-        // Odd, and another for each plate: its ray passes the others by more than their side.
-        let slope = f64::from((1 << 23) + 2 * (1000 * number + numbers.below(1000) as u32) + 1);
-        let height = (1024 + numbers.below(7168)) as f64;
-        let inside = 1.0 + numbers.below(8) as f64;
+        let distance = f64::from((1 << 27) + 16 * numbers.below(1 << 20) as u32);
+        let beside = 2.0 + numbers.below(6) as f64;
+        // The rays of other plates are farther away than their side.
+        let along = f64::from(number) * f64::from(2.0 * SIDE);
         let axes = axes(&mut numbers);
-        let shear = DMat3::from_cols(DVec3::X, DVec3::new(slope, 1.0, 0.0), DVec3::Z);
-        let place = axes * DVec3::new(slope * height + inside, height, 0.0);
+        let place = axes * DVec3::new(-beside, distance, along);
         let to_world = DAffine3 { matrix3: axes * shear, translation: place };
         instances.push(Instance::new(0, 2 * number, to_world, &bounds));
-        let direction = axes * DVec3::new(slope, 1.0, 0.0);
-        rays.push(Ray::new(Vec3::ZERO, direction.as_vec3()));
-        heights.push(height as f32);
+        rays.push(Ray::new((axes * (along * DVec3::Z)).as_vec3(), (axes * DVec3::Y).as_vec3()));
+        distances.push(distance as f32);
     }
     let geometry = Geometry { prototypes: vec![plate], instances, ..Geometry::default() };
     every_way(effort.accel(geometry, Preset::VeryFast), &rays, |i, _, hit| {
-        let expected = Hit { t: heights[i], primitive: 2 * i as u32 };
-        (hit != expected).then(|| format!("{hit:?} and not {expected:?}"))
+        let is_met = hit.t == distances[i] && hit.primitive / 2 == i as u32;
+        (!is_met).then(|| format!("{hit:?} and not at {}", distances[i]))
     })
 }
 
