@@ -8,7 +8,7 @@ use divan::counter::ItemsCount;
 
 use wavecrest_core::accel::Accel;
 use wavecrest_core::accel::build::Preset;
-use wavecrest_core::accel::geometry::Geometry;
+use wavecrest_core::geometry::Geometry;
 use wavecrest_scene::generate::{Model, Recipe, mesh};
 
 fn geometry(model: Model) -> Geometry {

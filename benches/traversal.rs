@@ -14,8 +14,8 @@ use divan::{Bencher, black_box};
 use glam::Vec3;
 
 use wavecrest_core::accel::build::Preset;
-use wavecrest_core::accel::geometry::Geometry;
 use wavecrest_core::accel::{Accel, Hit, KernelChoice, Traversal};
+use wavecrest_core::geometry::Geometry;
 use wavecrest_core::math::random::Stream;
 use wavecrest_core::math::ray::Ray;
 use wavecrest_core::math::simd::Level;

@@ -9,7 +9,7 @@ use super::asked::Asked;
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_core::accel::Accel;
 use wavecrest_core::accel::build::Preset;
-use wavecrest_core::accel::geometry::Geometry;
+use wavecrest_core::geometry::Geometry;
 use wavecrest_core::kernels::precision::Precision;
 use wavecrest_core::render::{RenderOptions, TracerKind, render};
 use wavecrest_report::selftest::Outcome;

@@ -5,7 +5,8 @@ use std::time::Instant;
 
 use rayon::prelude::*;
 
-use wavecrest_core::accel::{Accel, Hit, Kernels, TestCounts, Traversal};
+use wavecrest_core::accel::{Accel, Hit, Traversal};
+use wavecrest_core::counters::{Kernels, TestCounts};
 use wavecrest_core::math::ray::Ray;
 use wavecrest_core::render::TracerKind;
 use wavecrest_report::ray_file::RayFile;

@@ -5,7 +5,7 @@ use std::path::Path;
 use glam::Vec3;
 use wavecrest_core::accel::KernelChoice;
 use wavecrest_core::accel::build::Preset;
-use wavecrest_core::accel::geometry::Geometry;
+use wavecrest_core::geometry::Geometry;
 use wavecrest_core::math::float::MAX_COORDINATE;
 use wavecrest_core::math::ray::Ray;
 use wavecrest_scene::mesh::{MeshData, validate};

@@ -4,9 +4,9 @@
 use glam::{DAffine3, DMat3, DVec3, Vec3};
 use serde_json::{Value, json};
 use wavecrest_core::accel::build::Preset;
-use wavecrest_core::accel::geometry::Geometry;
-use wavecrest_core::accel::instance::Instance;
 use wavecrest_core::accel::{Accel, Hit, KernelChoice};
+use wavecrest_core::geometry::Geometry;
+use wavecrest_core::geometry::instance::Instance;
 use wavecrest_core::kernels::precision::{Exact, Precision};
 use wavecrest_core::kernels::slab::Aabb;
 use wavecrest_core::kernels::surface::triangle_at;
@@ -185,7 +185,7 @@ fn no_ray_meets_the_surface_that_it_leaves() {
             let hit = accel.closest(&ray, &mut traversal);
             assert!(!hit.is_miss(), "transform {index}, ray {k}");
             let (instance, of_prototype) = match accel.geometry().primitive(hit.primitive) {
-                wavecrest_core::accel::geometry::Primitive::Instanced(shown) => {
+                wavecrest_core::geometry::Primitive::Instanced(shown) => {
                     let corners = prototype.triangle(shown.triangle as usize);
                     (&accel.geometry().instances[0], corners)
                 }

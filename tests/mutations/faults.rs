@@ -103,16 +103,16 @@ pub(crate) const FAULTS: &[Fault] = faults! {
         "Real::select(is_first, roots.near, roots.far)" => "roots.near";
     "a quad has its other diagonal", 34, "crates/core/src/kernels/quad.rs":
         "[[a, b, c], [a, c, d]]" => "[[a, b, d], [b, c, d]]";
-    "rays of instances have another unit of t", 44, "crates/core/src/accel/instance.rs":
+    "rays of instances have another unit of t", 44, "crates/core/src/geometry/instance.rs":
         "self.to_prototype.transform_vector3(ray.direction.as_dvec3()).as_vec3()"
             => "self.to_prototype.transform_vector3(ray.direction.as_dvec3()).normalize().as_vec3()";
-    "boxes of instances are not padded", 44, "crates/core/src/accel/instance.rs":
+    "boxes of instances are not padded", 44, "crates/core/src/geometry/instance.rs":
         "Aabb { low: world.low - pad, high: world.high + pad }" => "world";
     "an equal hit of an instance is too far", 44, "crates/core/src/accel/instances.rs":
         "self.best.t.next_up()" => "self.best.t";
     "a leaf is smaller than its triangles", 1, "crates/core/src/accel/arena/layout.rs":
         "max(along(0), max(along(1), along(2))).next_up()" => "0.0";
-    "alpha at its threshold is a hole", 45, "crates/core/src/accel/cutouts.rs":
+    "alpha at its threshold is a hole", 45, "crates/core/src/geometry/cutouts.rs":
         "image.look_up(uv, self.filter, self.wrap).x < self.threshold"
             => "image.look_up(uv, self.filter, self.wrap).x <= self.threshold";
 

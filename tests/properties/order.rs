@@ -1,8 +1,8 @@
 use glam::Vec3;
 use proptest::prelude::*;
 use wavecrest_core::accel::build::Preset;
-use wavecrest_core::accel::geometry::Geometry;
 use wavecrest_core::accel::{Accel, Hit, KernelChoice};
+use wavecrest_core::geometry::Geometry;
 use wavecrest_core::math::ray::Ray;
 
 use crate::inputs::{moderate, vector};

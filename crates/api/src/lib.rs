@@ -159,10 +159,11 @@ pub use wavecrest_image::flip::{DEFAULT_PIXELS_PER_DEGREE, Flip, flip};
 
 // Rays against a prepared scene, or against your own primitives.
 pub use wavecrest_core::accel::build::Preset;
-pub use wavecrest_core::accel::geometry::{Geometry, Primitive};
 pub use wavecrest_core::accel::{
-    Accel, Hit, KernelChoice, NO_PRIMITIVE, RayColumns, Rays, TestCounts, Traversal,
+    Accel, Hit, KernelChoice, NO_PRIMITIVE, RayColumns, Rays, Traversal,
 };
+pub use wavecrest_core::counters::TestCounts;
+pub use wavecrest_core::geometry::{Geometry, Primitive};
 pub use wavecrest_core::kernels::precision::Precision;
 pub use wavecrest_core::math::ray::Ray;
 pub use wavecrest_core::math::simd::Level;

@@ -1,13 +1,13 @@
 //! The acceleration structure: finds hits.
 //!
-//! [`geometry::Geometry`] holds the primitives and defines a hit; [`build`] converts obvhs's binary
+//! [`Geometry`] holds the primitives and defines a hit; [`build`] converts obvhs's binary
 //! trees to the nodes and leaves of an [`arena`]. [`single`] traverses it for one ray, [`stream`]
 //! for many rays in flight, [`packet`] for tiles of coherent rays. [`brute`] tests every primitive
 //! and is the reference. All of them return the same answers to the last bit, at any instruction
 //! level: [`crate::kernels::slab`] says why.
 //!
 //! A mesh shown in several places is stored once, as a prototype with its own tree; each copy is an
-//! [`instance`], which rays visit after the scene's own primitives.
+//! [instance](crate::geometry::instance), which rays visit after the scene's own primitives.
 
 pub mod arena;
 mod best;
@@ -16,11 +16,7 @@ pub mod build;
 mod choice;
 mod coincident;
 mod compiled;
-mod counts;
-pub mod cutouts;
-pub mod geometry;
 mod hit;
-pub mod instance;
 mod instances;
 mod leaf;
 mod node;
@@ -40,11 +36,12 @@ use std::marker::PhantomData;
 
 use rayon::prelude::*;
 
+use crate::counters::{KernelCounts, Kernels, TestCounts};
+use crate::geometry::Geometry;
 use crate::kernels::precision::Arithmetic;
 use crate::math::ray::Ray;
 use crate::with_precision;
 use build::Preset;
-use geometry::Geometry;
 use instances::Walks;
 use packet::Packets;
 use stream::Flight;
@@ -52,7 +49,6 @@ use tlas::Tlas;
 use tree::Tree;
 
 pub use choice::KernelChoice;
-pub use counts::{KernelCounts, Kernels, TestCounts};
 pub use hit::{Hit, NO_PRIMITIVE};
 pub use rays::{RayColumns, Rays};
 pub use search::Search;

@@ -1,12 +1,13 @@
 //! The tracing core of wavecrest: from dense arrays of primitives to the pixels of a film.
 //!
-//! [`accel`] finds hits, [`kernels`] compute with one value or eight at a time, and the two
-//! tracers, [`wavefront`] and [`recursive`], call these kernels in their own schedules. [`render`]
-//! distributes an image over threads. Nothing here reads a file.
+//! [`geometry`] defines hits, [`accel`] finds them, [`kernels`] compute with one value or eight at a
+//! time, and the two tracers, [`wavefront`] and [`recursive`], call these kernels in their own
+//! schedules. [`render`] distributes an image over threads. Nothing here reads a file.
 
 pub mod accel;
 pub mod counters;
 pub mod film;
+pub mod geometry;
 pub mod kernels;
 pub mod math;
 pub mod plan;

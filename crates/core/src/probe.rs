@@ -7,9 +7,10 @@ mod record;
 
 use glam::Vec3;
 
-use crate::accel::geometry::{Geometry, Primitive};
-use crate::accel::{Accel, Hit, TestCounts, Traversal};
+use crate::accel::{Accel, Hit, Traversal};
 use crate::counters::Sample;
+use crate::counters::TestCounts;
+use crate::geometry::{Geometry, Primitive};
 use crate::kernels::light::LightPoint;
 use crate::kernels::precision::{Arithmetic, Precision};
 use crate::kernels::shade::{ShadingPoint, ShadowRequest};

@@ -10,7 +10,8 @@ use std::time::Instant;
 
 use glam::Vec3;
 
-use crate::accel::{Hit, TestCounts, Traversal};
+use crate::accel::{Hit, Traversal};
+use crate::counters::TestCounts;
 use crate::counters::{Counters, Sample};
 use crate::kernels::differential::Differential;
 use crate::kernels::light::{Light, LightPoint};

@@ -37,8 +37,9 @@ use serde_json::{Map, Value};
 
 use crate::estimate::Estimated;
 use wavecrest_core::accel::build::Preset;
-use wavecrest_core::accel::{Accel, KernelChoice, KernelCounts};
+use wavecrest_core::accel::{Accel, KernelChoice};
 use wavecrest_core::counters::Counters;
+use wavecrest_core::counters::KernelCounts;
 use wavecrest_core::kernels::precision::Precision;
 use wavecrest_core::math::simd::Level;
 use wavecrest_core::plan::Plan;

@@ -48,7 +48,7 @@ use wavecrest_base::error::{Error, ErrorKind, Result, Warning, Warnings};
 use wavecrest_base::memory::Stage;
 use wavecrest_core::accel::Accel;
 use wavecrest_core::accel::build::Preset;
-use wavecrest_core::accel::geometry::Geometry;
+use wavecrest_core::geometry::Geometry;
 use wavecrest_core::kernels::blinn_phong::Material;
 use wavecrest_core::kernels::hemisphere::Hemisphere;
 use wavecrest_core::kernels::precision::Precision;

@@ -221,21 +221,6 @@ impl<'a> View<'a> {
         [vertex(*a), vertex(*b), vertex(*c)]
     }
 
-    /// Writes the corners of a triangle of a patch or a soup to a lane of rows, an axis each.
-    #[inline(always)]
-    pub(super) fn corners_in_lane(
-        self,
-        leaf: Ref,
-        entry: usize,
-        rows: &mut [[[f32; LANES]; 3]; 3],
-        lane: usize,
-    ) {
-        for (corner, rows) in self.triangle(leaf, entry).iter().zip(rows) {
-            let [x, y, z] = rows;
-            (x[lane % LANES], y[lane % LANES], z[lane % LANES]) = (corner.x, corner.y, corner.z);
-        }
-    }
-
     /// The numbers of `count` primitives, from `first` on.
     pub(super) fn numbers(self, first: u32, count: u32) -> &'a [u32] {
         &self.numbers[first as usize..][..count as usize]

@@ -5,12 +5,15 @@
 //! that do not overlap tell which comes first; of others, the exact t are compared, then the
 //! numbers.
 
+use glam::Vec3;
+
 use super::arena::{Ref, View};
 use super::tree::Searched;
 use super::{Hit, NO_PRIMITIVE};
 use crate::kernels::triangle::{exact, settle};
 use crate::math::ray::Ray;
 use crate::math::real::{Mask, Single};
+use crate::math::simd::LANES;
 use crate::math::vector::{Line, Vector};
 
 /// The closest hit of a ray so far, or none.
@@ -118,7 +121,7 @@ impl Best {
         }
         let corners = arena.triangle(Ref::from_bits(self.leaf), self.entry as usize);
         let (t, is_known) = settle::t_of(&Line::from(ray), &corners.map(Vector::from));
-        let t = if is_known { t } else { exact::plane(ray, &corners).unwrap_or(self.high) };
+        let t = if is_known { t } else { exact_t(ray, &corners) };
         Hit { t, primitive }
     }
 }
@@ -130,16 +133,57 @@ impl Hit {
     }
 }
 
+/// Up to eight pairs of a ray and a triangle of a leaf, in lanes.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Pairs {
+    /// Origins and directions, an axis a row.
+    lines: [[[f32; LANES]; 3]; 2],
+    /// Corners, an axis a row.
+    corners: [[[f32; LANES]; 3]; 3],
+}
+
+impl Pairs {
+    #[inline(always)]
+    pub(super) fn set(
+        &mut self,
+        lane: usize,
+        ray: &Ray,
+        arena: View<'_>,
+        (leaf, entry): (Ref, usize),
+    ) {
+        let lane = lane % LANES;
+        let [origins, directions] = &mut self.lines;
+        put(origins, lane, ray.origin);
+        put(directions, lane, ray.direction);
+        for (rows, &corner) in self.corners.iter_mut().zip(&arena.triangle(leaf, entry)) {
+            put(rows, lane, corner);
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn load<F: Single<Row = [f32; LANES]>>(
+        &self,
+        token: F::Token,
+    ) -> (Line<F>, [Vector<F>; 3]) {
+        let ([origin, direction], [a, b, c]) = (&self.lines, &self.corners);
+        let line =
+            Line { origin: Vector::load(token, origin), direction: Vector::load(token, direction) };
+        (line, [Vector::load(token, a), Vector::load(token, b), Vector::load(token, c)])
+    }
+}
+
+#[inline(always)]
+fn put([x, y, z]: &mut [[f32; LANES]; 3], lane: usize, v: Vec3) {
+    (x[lane], y[lane], z[lane]) = (v.x, v.y, v.z);
+}
+
 /// Rays whose hits are all on triangles of leaves, but for their t: up to eight.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Unfinished {
-    /// Origins and directions, an axis a row.
-    rays: [[[f32; 8]; 3]; 2],
-    /// Corners, an axis a row.
-    corners: [[[f32; 8]; 3]; 3],
-    primitives: [u32; 8],
+    pairs: Pairs,
+    primitives: [u32; LANES],
     /// The numbers of the rays.
-    numbers: [u32; 8],
+    numbers: [u32; LANES],
     count: usize,
 }
 
@@ -160,13 +204,8 @@ impl Unfinished {
         if best.has_t() {
             return Some(Hit { t: best.low, primitive });
         }
-        let lane = self.count % 8;
-        let entry = best.entry as usize;
-        arena.corners_in_lane(Ref::from_bits(best.leaf), entry, &mut self.corners, lane);
-        for axis in 0..3 {
-            self.rays[0][axis][lane] = ray.origin[axis];
-            self.rays[1][axis][lane] = ray.direction[axis];
-        }
+        let lane = self.count % LANES;
+        self.pairs.set(lane, ray, arena, (Ref::from_bits(best.leaf), best.entry as usize));
         (self.primitives[lane], self.numbers[lane]) = (primitive, number as u32);
         self.count += 1;
         None
@@ -174,32 +213,20 @@ impl Unfinished {
 
     #[inline(always)]
     pub(super) fn is_full(&self) -> bool {
-        self.count >= 8
-    }
-
-    /// The lines of the rays, and the corners of their triangles.
-    #[inline(always)]
-    pub(super) fn load<F: Single<Row = [f32; 8]>>(
-        &self,
-        token: F::Token,
-    ) -> (Line<F>, [Vector<F>; 3]) {
-        let ([origin, direction], [a, b, c]) = (&self.rays, &self.corners);
-        let line =
-            Line { origin: Vector::load(token, origin), direction: Vector::load(token, direction) };
-        (line, [Vector::load(token, a), Vector::load(token, b), Vector::load(token, c)])
+        self.count >= LANES
     }
 
     /// Finds the t of all rays, passes each with its number to `answer`, and removes them.
     #[inline(always)]
-    pub(super) fn finish<F: Single<Row = [f32; 8]>>(
+    pub(super) fn finish<F: Single<Row = [f32; LANES]>>(
         &mut self,
         token: F::Token,
         mut answer: impl FnMut(usize, Hit),
     ) {
-        let (line, corners) = self.load::<F>(token);
+        let (line, corners) = self.pairs.load::<F>(token);
         let (t, is_known) = settle::t_of(&line, &corners);
         let is_known = is_known.bits();
-        for lane in 0..self.count.min(8) {
+        for lane in 0..self.count.min(LANES) {
             let mut t = t.lane(lane);
             if is_known >> lane & 1 == 0 {
                 let ray = Ray::new(line.origin.lane(lane), line.direction.lane(lane));
@@ -213,6 +240,6 @@ impl Unfinished {
 
 #[cold]
 #[inline(never)]
-pub(super) fn exact_t(ray: &Ray, corners: &[glam::Vec3; 3]) -> f32 {
+pub(super) fn exact_t(ray: &Ray, corners: &[Vec3; 3]) -> f32 {
     exact::plane(ray, corners).unwrap_or(f32::INFINITY)
 }

@@ -1,8 +1,9 @@
 //! Brute force over all primitives: the reference for the tree.
 
-use super::geometry::Geometry;
+use super::Hit;
 use super::query::Query;
-use super::{Hit, TestCounts};
+use crate::counters::TestCounts;
+use crate::geometry::Geometry;
 use crate::kernels::precision::Arithmetic;
 use crate::math::ray::Ray;
 

@@ -17,8 +17,8 @@ mod weld;
 
 use obvhs::BvhBuildParams;
 
-use super::geometry::Geometry;
 use super::tree::Tree;
+use crate::geometry::Geometry;
 use piece::Plan;
 
 /// Largest number of triangles in a chunk; halves of quads count as such. Measured: with 32 Ki and 64 Ki a build took a sixth

@@ -10,12 +10,12 @@ use std::marker::PhantomData;
 use fearless_simd::Level;
 
 use super::best::Best;
-use super::geometry::PreparedRay;
 use super::packet::Memory;
 use super::query::Query;
 use super::rays::Rays;
 use super::tree::Searched;
 use super::{Counts, Hit, KernelChoice, Traversal, packet, single};
+use crate::geometry::PreparedRay;
 use crate::kernels::precision::Arithmetic;
 use crate::math::ray::Ray;
 use crate::math::simd::{Kernel, Lanes, dispatch, dispatch_wide};

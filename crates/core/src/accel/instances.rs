@@ -5,16 +5,16 @@
 //! rays of an instance are transformed into the space of its prototype and go through that tree
 //! together. So packets and rays in flight work there too, for any number of instances.
 //!
-//! The answer is that of [`Geometry::hit`](super::geometry::Geometry::hit) and does not depend on
+//! The answer is that of [`Geometry::hit`](crate::geometry::Geometry::hit) and does not depend on
 //! the order of visits: a ray is searched in a prototype up to its closest hit so far, and a new hit
 //! replaces that one only if it is closer, or equally close with a lower number.
 
-use super::instance::Instance;
 use super::query::Query;
 use super::rays::Rays;
 use super::search::Search;
 use super::tlas::{Entry, Walk};
 use super::{Hit, Traversal};
+use crate::geometry::instance::Instance;
 use crate::kernels::precision::Arithmetic;
 use crate::math::float::min;
 use crate::math::ray::Ray;

@@ -1,13 +1,16 @@
 //! Leaves: one ray against up to eight triangles at a time, or against the primitives of a list.
 
-use super::TestCounts;
+use fearless_simd::f32x8;
+use fearless_simd::prelude::*;
+
 use super::arena::{Kind, Ref, View};
 use super::best::Best;
-use super::geometry::PreparedRay;
 use super::query::{ANY_HIT, Query};
 use super::tree::Searched;
+use crate::counters::TestCounts;
+use crate::geometry::PreparedRay;
 use crate::kernels::precision::Arithmetic;
-use crate::kernels::triangle::filter::{self, Range};
+use crate::kernels::triangle::filter::{self, ORDERS, Range};
 use crate::kernels::triangle::settle::Verdict;
 use crate::kernels::triangle::{self, LaneHits, ShearedSpace, exact};
 use crate::math::ray::Ray;
@@ -111,11 +114,11 @@ pub(super) fn take<S: Lanes, Q: Query, P: Arithmetic>(
     }
     if hits.open != 0 {
         let arena = searched.tree.arena.view();
-        if P::IS_REFERENCE || hits.open.count_ones() <= FEW {
-            settle_few(arena, ray, place, &mut hits, tests);
-        } else {
-            settle(simd, arena, ray, place, &mut hits, tests);
+        tests.settled += u64::from(hits.open.count_ones());
+        if !P::IS_REFERENCE && hits.open.count_ones() > FEW {
+            settle(simd, arena, ray, place, &mut hits);
         }
+        settle_each(arena, ray, place, &mut hits, tests);
         if Q::ANY && searched.without_lights(place, hits.certain) != 0 {
             *best = Best::of(ANY_HIT);
             return true;
@@ -139,8 +142,13 @@ const FEW: u32 = 2;
 
 /// Decides the open triangles one by one.
 #[inline(never)]
-fn settle_few(arena: View<'_>, ray: &Ray, place: Ref, hits: &mut LaneHits, tests: &mut TestCounts) {
-    tests.settled += u64::from(hits.open.count_ones());
+fn settle_each(
+    arena: View<'_>,
+    ray: &Ray,
+    place: Ref,
+    hits: &mut LaneHits,
+    tests: &mut TestCounts,
+) {
     while hits.open != 0 {
         let lane = hits.open.trailing_zeros() as usize % 8;
         hits.open &= hits.open - 1;
@@ -160,62 +168,47 @@ fn settle_few(arena: View<'_>, ray: &Ray, place: Ref, hits: &mut LaneHits, tests
     }
 }
 
-/// Decides all open triangles at once.
+/// Decides the open triangles at once, as far as double precision can.
 #[inline(always)]
-fn settle<S: Lanes>(
-    simd: S,
-    arena: View<'_>,
-    ray: &Ray,
-    place: Ref,
-    hits: &mut LaneHits,
-    tests: &mut TestCounts,
-) {
+fn settle<S: Lanes>(simd: S, arena: View<'_>, ray: &Ray, place: Ref, hits: &mut LaneHits) {
     outlined(
         simd,
         #[inline(always)]
         || {
-            tests.settled += u64::from(hits.open.count_ones());
-            let corners = if place.kind() == Kind::Soup {
-                let [a, b, c] = &arena.soup(place).corners;
-                [Vector::load(simd, a), Vector::load(simd, b), Vector::load(simd, c)]
-            } else {
-                let leaf = arena.patch(place);
-                let [a, b, c] = filter::lanes_of(simd, leaf.corners);
-                let [x, y, z] = &leaf.positions;
-                let v = Vector::load(simd, &[*x, *y, *z]);
-                [
-                    Vector::new(simd.permute(v.x, a), simd.permute(v.y, a), simd.permute(v.z, a)),
-                    Vector::new(simd.permute(v.x, b), simd.permute(v.y, b), simd.permute(v.z, b)),
-                    Vector::new(simd.permute(v.x, c), simd.permute(v.y, c), simd.permute(v.z, c)),
-                ]
-            };
+            let [[ax, ay, az], [bx, by, bz], [cx, cy, cz]] = corners(simd, arena, place, ORDERS[2]);
+            let corners =
+                [Vector::new(ax, ay, az), Vector::new(bx, by, bz), Vector::new(cx, cy, cz)];
             hits.settle(simd, ray, &corners);
-            if hits.open != 0 {
-                decide_exactly(arena, ray, place, hits, tests);
-            }
         },
     );
 }
 
-/// Decides what double precision leaves open.
-#[cold]
-#[inline(never)]
-fn decide_exactly(
+/// The corners of all triangles of the leaf, whose axes come in this `order`.
+#[inline(always)]
+pub(super) fn corners<S: Lanes>(
+    simd: S,
     arena: View<'_>,
-    ray: &Ray,
     place: Ref,
-    hits: &mut LaneHits,
-    tests: &mut TestCounts,
-) {
-    tests.exact += u64::from(hits.open.count_ones());
-    while hits.open != 0 {
-        let lane = hits.open.trailing_zeros() as usize % 8;
-        hits.open &= hits.open - 1;
-        if let Some(t) = exact::meet(ray, &arena.triangle(place, lane)) {
-            (hits.low[lane], hits.high[lane]) = (t, t);
-            hits.certain |= 1 << lane;
-        }
+    [x, y, z]: [usize; 3],
+) -> [[f32x8<S>; 3]; 3] {
+    if place.kind() == Kind::Soup {
+        let [a, b, c] = &arena.soup(place).corners;
+        return [
+            [a[x].simd_into(simd), a[y].simd_into(simd), a[z].simd_into(simd)],
+            [b[x].simd_into(simd), b[y].simd_into(simd), b[z].simd_into(simd)],
+            [c[x].simd_into(simd), c[y].simd_into(simd), c[z].simd_into(simd)],
+        ];
     }
+    let leaf = arena.patch(place);
+    let [a, b, c] = filter::lanes_of(simd, leaf.corners);
+    let x: f32x8<S> = leaf.positions[x].simd_into(simd);
+    let y: f32x8<S> = leaf.positions[y].simd_into(simd);
+    let z: f32x8<S> = leaf.positions[z].simd_into(simd);
+    [
+        [simd.permute(x, a), simd.permute(y, a), simd.permute(z, a)],
+        [simd.permute(x, b), simd.permute(y, b), simd.permute(z, b)],
+        [simd.permute(x, c), simd.permute(y, c), simd.permute(z, c)],
+    ]
 }
 
 impl Searched<'_> {

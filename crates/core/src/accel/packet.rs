@@ -22,13 +22,14 @@ mod tile;
 use std::marker::PhantomData;
 
 use super::arena::{Kind, Ref};
-use super::geometry::PreparedRay;
 use super::node::{distance, place};
 use super::query::Query;
 use super::rays::Rays;
 use super::stream::{self, Flight, FromRoot, MOST_HANDED};
 use super::tree::{Root, Searched, Tree};
-use super::{Counts, KernelChoice, TestCounts, single};
+use super::{Counts, KernelChoice, single};
+use crate::counters::TestCounts;
+use crate::geometry::PreparedRay;
 use crate::kernels::precision::Arithmetic;
 use crate::math::simd::{Lanes, entry, outlined};
 use remaining::{Handed, Remaining};

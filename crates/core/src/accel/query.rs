@@ -1,7 +1,8 @@
 //! The queries: closest hit and any hit.
 
+use super::Hit;
 use super::best::Best;
-use super::{Hit, KernelCounts, Kernels};
+use crate::counters::{KernelCounts, Kernels};
 use crate::math::ray::Ray;
 
 /// A query for a ray.

@@ -2,11 +2,12 @@
 
 use super::arena::Kind;
 use super::best::Best;
-use super::geometry::PreparedRay;
+use super::leaf;
 use super::node::{self, distance, place};
 use super::query::Query;
 use super::tree::{Searched, Tree};
-use super::{TestCounts, leaf};
+use crate::counters::TestCounts;
+use crate::geometry::PreparedRay;
 use crate::kernels::precision::Arithmetic;
 use crate::math::simd::{Lanes, entry};
 

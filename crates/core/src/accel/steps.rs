@@ -7,10 +7,11 @@ use std::marker::PhantomData;
 use fearless_simd::{Level, f32x8};
 
 use super::arena::{Kind, Ref, View, child_of};
-use super::best::{Best, Unfinished};
-use super::geometry::{PreparedRay, Primitive};
+use super::best::{Best, Pairs, Unfinished};
 use super::tree::{Tree, child_box};
-use super::{Accel, TestCounts, leaf};
+use super::{Accel, leaf};
+use crate::counters::TestCounts;
+use crate::geometry::{PreparedRay, Primitive};
 use crate::kernels::precision::{Arithmetic, Precision};
 use crate::kernels::triangle::{self, exact, settle};
 use crate::math::float::{max, min};
@@ -165,7 +166,12 @@ impl<P: Arithmetic> Kernel for Run<'_, P> {
             }
             Step::Settle => {
                 for pairs in hits.chunks(LANES) {
-                    let (line, corners) = gathered(pairs).load::<f32x8<S>>(simd);
+                    let mut gathered = Pairs::default();
+                    for (lane, (Visit { arena, ray, leaf, .. }, entry)) in pairs.iter().enumerate()
+                    {
+                        gathered.set(lane, &ray.ray, *arena, (*leaf, *entry));
+                    }
+                    let (line, corners) = gathered.load::<f32x8<S>>(simd);
                     let all = <f32x8<S> as Single>::splat(simd, f32::MAX);
                     let range = [-all, all];
                     sum += u64::from(black_box(settle::settle(&line, &corners, range)).hit);
@@ -179,7 +185,13 @@ impl<P: Arithmetic> Kernel for Run<'_, P> {
             }
             Step::T => {
                 for pairs in hits.chunks(LANES) {
-                    gathered(pairs).finish::<f32x8<S>>(
+                    let mut gathered = Unfinished::default();
+                    for (lane, (Visit { arena, ray, leaf, .. }, entry)) in pairs.iter().enumerate()
+                    {
+                        let best = Best::in_leaf(*leaf, *entry, [0.0, f32::MAX]);
+                        gathered.add(*arena, &best, &ray.ray, lane);
+                    }
+                    gathered.finish::<f32x8<S>>(
                         simd,
                         #[inline(always)]
                         |_, hit| sum += u64::from(hit.t.to_bits()),
@@ -189,17 +201,6 @@ impl<P: Arithmetic> Kernel for Run<'_, P> {
         }
         sum
     }
-}
-
-/// Up to eight pairs in lanes.
-#[inline(always)]
-fn gathered(pairs: &[(Visit<'_>, usize)]) -> Unfinished {
-    let mut gathered = Unfinished::default();
-    for (lane, (Visit { arena, ray, leaf, .. }, entry)) in pairs.iter().enumerate() {
-        let best = Best::in_leaf(*leaf, *entry, [0.0, f32::MAX]);
-        gathered.add(*arena, &best, &ray.ray, lane);
-    }
-    gathered
 }
 
 #[cfg(test)]

@@ -18,12 +18,13 @@ use glam::Vec3;
 
 use super::arena::{Kind, View};
 use super::best::{Best, Unfinished};
-use super::geometry::PreparedRay;
 use super::node::{self, distance, place};
 use super::query::Query;
 use super::rays::Rays;
 use super::tree::{Root, Searched};
-use super::{Counts, TestCounts, leaf};
+use super::{Counts, leaf};
+use crate::counters::TestCounts;
+use crate::geometry::PreparedRay;
 use crate::kernels::precision::Arithmetic;
 use crate::kernels::triangle::LaneHits;
 use crate::math::ray::Ray;

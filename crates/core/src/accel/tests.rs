@@ -1,5 +1,7 @@
 //! Attempts to make some kernel, with some instructions, answer otherwise than brute force.
 
+mod cutouts;
+
 use glam::Vec3;
 
 use super::*;

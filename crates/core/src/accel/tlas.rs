@@ -5,7 +5,7 @@
 //! its depth is bounded for any scene.
 
 use super::hit::Hit;
-use super::instance::Instance;
+use crate::geometry::instance::Instance;
 use crate::kernels::slab::{Aabb, SlabRay};
 use crate::math::float::{max, min};
 use crate::math::ray::Ray;

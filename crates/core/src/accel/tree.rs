@@ -1,12 +1,12 @@
 //! The tree: an arena and its root.
 
 use super::arena::{Arena, Census, Kind, Node, Ref, child_of};
-use super::geometry::{Geometry, PreparedRay};
+use crate::geometry::{Geometry, PreparedRay};
 use crate::kernels::slab::Aabb;
 use crate::math::float::{max, min};
 use crate::math::simd::LANES;
 
-/// A bounding volume hierarchy over the primitives of a [`super::geometry::Geometry`].
+/// A bounding volume hierarchy over the primitives of a [`crate::geometry::Geometry`].
 #[derive(Debug, Default)]
 pub struct Tree {
     pub(super) arena: Arena,

@@ -98,12 +98,7 @@ pub fn dispatch<K: Kernel>(level: fearless_simd::Level, kernel: K) -> K::Output 
         fearless_simd::Level::Sse4_2(simd) => run(simd, kernel),
         #[cfg(all(any(target_arch = "x86", target_arch = "x86_64"), not(fuzzing)))]
         fearless_simd::Level::Sse2(simd) => run(simd, kernel),
-        #[cfg(not(any(
-            target_arch = "x86",
-            target_arch = "x86_64",
-            target_arch = "aarch64",
-            all(target_arch = "wasm32", target_feature = "simd128"),
-        )))]
+        #[cfg(not(any(target_arch = "x86", target_arch = "x86_64", target_arch = "aarch64",)))]
         fearless_simd::Level::Fallback(simd) => run(simd, kernel),
         _ => unreachable!("the target has no other level"),
     }
@@ -118,8 +113,6 @@ pub fn is_wide(level: fearless_simd::Level) -> bool {
         fearless_simd::Level::Avx512(_) | fearless_simd::Level::Avx2(_) => true,
         #[cfg(target_arch = "aarch64")]
         fearless_simd::Level::Neon(_) => true,
-        #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
-        fearless_simd::Level::WasmSimd128(_) => true,
         _ => false,
     }
 }
@@ -142,8 +135,6 @@ pub fn dispatch_wide<K: Kernel>(level: fearless_simd::Level, kernel: K) -> K::Ou
         fearless_simd::Level::Avx2(simd) => run(simd, kernel),
         #[cfg(target_arch = "aarch64")]
         fearless_simd::Level::Neon(simd) => run(simd, kernel),
-        #[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
-        fearless_simd::Level::WasmSimd128(simd) => run(simd, kernel),
         _ => unreachable!("the kernel is not compiled for this level"),
     }
 }
@@ -292,15 +283,7 @@ mod x86;
 #[cfg(target_arch = "aarch64")]
 impl Lanes for fearless_simd::Neon {}
 
-#[cfg(all(target_arch = "wasm32", target_feature = "simd128"))]
-impl Lanes for fearless_simd::WasmSimd128 {}
-
-#[cfg(not(any(
-    target_arch = "x86",
-    target_arch = "x86_64",
-    target_arch = "aarch64",
-    all(target_arch = "wasm32", target_feature = "simd128"),
-)))]
+#[cfg(not(any(target_arch = "x86", target_arch = "x86_64", target_arch = "aarch64",)))]
 impl Lanes for fearless_simd::Fallback {}
 
 #[cfg(test)]

@@ -4,7 +4,7 @@ use glam::{Vec2, Vec3, Vec4};
 
 use super::{Appearance, CornerValues, LookUps, MeshAttributes, Shape, Texture, UvMap};
 use crate::accel::Hit;
-use crate::accel::geometry::{Geometry, Primitive};
+use crate::geometry::{Geometry, Primitive};
 use crate::kernels::differential::Differential;
 use crate::kernels::surface::Surface;
 use crate::kernels::texture::{self, Filter};

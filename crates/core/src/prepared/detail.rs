@@ -8,7 +8,7 @@ use glam::Vec3;
 use super::interaction::{Face, Group, lanes};
 use super::{Appearance, LookUps, NormalMap, PreparedScene, Shape, Texture};
 use crate::accel::Hit;
-use crate::accel::geometry::Geometry;
+use crate::geometry::Geometry;
 use crate::kernels::differential::Differential;
 use crate::kernels::metal;
 use crate::kernels::shade::ShadingPoint;

@@ -5,7 +5,7 @@ use std::fmt::{self, Write as _};
 use xxhash_rust::xxh3::Xxh3;
 
 use super::PreparedScene;
-use crate::accel::cutouts::Cutout;
+use crate::geometry::cutouts::Cutout;
 use crate::kernels::texture::{Image, Texels};
 
 /// Hashes everything written to it.

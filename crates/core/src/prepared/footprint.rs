@@ -6,7 +6,7 @@ use glam::{Vec2, Vec3};
 
 use super::{Appearance, LookUps, PreparedScene, Shape, Texture, UvMap};
 use crate::accel::Hit;
-use crate::accel::geometry::{Geometry, Primitive};
+use crate::geometry::{Geometry, Primitive};
 use crate::kernels::differential::{Differential, turn_between, uv_change};
 use crate::kernels::shade::{self, ShadingPoint};
 use crate::kernels::surface::Surface;

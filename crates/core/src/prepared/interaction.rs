@@ -7,7 +7,7 @@ use glam::Vec3;
 
 use super::{Appearance, LookUps, PreparedScene, Shape};
 use crate::accel::Hit;
-use crate::accel::geometry::{Geometry, Kind, Primitive};
+use crate::geometry::{Geometry, Kind, Primitive};
 use crate::kernels::blinn_phong::{Material, Reflection};
 use crate::kernels::differential::Differential;
 use crate::kernels::precision::Arithmetic;

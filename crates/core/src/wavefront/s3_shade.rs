@@ -10,9 +10,9 @@ use std::marker::PhantomData;
 use glam::Vec3;
 
 use super::batch::{Batch, Vectors};
-use crate::accel::geometry::Kind;
 use crate::accel::{Hit, NO_PRIMITIVE};
 use crate::counters::Counters;
+use crate::geometry::Kind;
 use crate::kernels::differential::Differential;
 use crate::kernels::precision::Arithmetic;
 use crate::kernels::shade::{ShadingPoint, mirror_request};

@@ -8,7 +8,7 @@ use glam::Vec3;
 
 use crate::camera_rays::Gather;
 use wavecrest_core::accel::Hit;
-use wavecrest_core::accel::geometry::Primitive;
+use wavecrest_core::geometry::Primitive;
 use wavecrest_core::kernels::precision::Arithmetic;
 use wavecrest_core::math::ray::Ray;
 use wavecrest_core::prepared::PreparedScene;

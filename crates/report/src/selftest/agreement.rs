@@ -8,8 +8,8 @@ use super::examine::{Extent, rays};
 use super::trees::add_triangle;
 use super::ways::{Numbers, blocks, in_order, with_every_kernel};
 use wavecrest_core::accel::build::Preset;
-use wavecrest_core::accel::geometry::{Geometry, Primitive};
 use wavecrest_core::accel::{Accel, Hit, KernelChoice};
+use wavecrest_core::geometry::{Geometry, Primitive};
 use wavecrest_core::kernels::precision::Precision;
 use wavecrest_core::math::ray::Ray;
 

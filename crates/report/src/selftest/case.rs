@@ -5,7 +5,7 @@ use std::iter::Sum;
 use wavecrest_base::error::Result;
 use wavecrest_core::accel::Accel;
 use wavecrest_core::accel::build::Preset;
-use wavecrest_core::accel::geometry::Geometry;
+use wavecrest_core::geometry::Geometry;
 use wavecrest_core::kernels::precision::Precision;
 
 /// The number of tests.

@@ -3,7 +3,7 @@
 use glam::{DVec3, Vec3};
 
 use super::ways::Numbers;
-use wavecrest_core::accel::geometry::Geometry;
+use wavecrest_core::geometry::Geometry;
 
 /// A closed mesh around a point from which all of it is visible.
 pub(super) struct Closed {

@@ -6,7 +6,7 @@ use super::case::{Effort, Outcome};
 use super::ways::{Numbers, every_way, inputs};
 use wavecrest_core::accel::Hit;
 use wavecrest_core::accel::build::Preset;
-use wavecrest_core::accel::geometry::Geometry;
+use wavecrest_core::geometry::Geometry;
 use wavecrest_core::math::ray::Ray;
 
 /// A grid of `n` by `n` by `n` cubes with sides of half the distance between them, each of twelve

@@ -6,7 +6,7 @@ use super::case::{Effort, Outcome};
 use super::convex::{Mesh, globe};
 use super::ways::{Numbers, every_way, inputs};
 use wavecrest_core::accel::build::Preset;
-use wavecrest_core::accel::geometry::Geometry;
+use wavecrest_core::geometry::Geometry;
 use wavecrest_core::math::ray::Ray;
 
 /// The radius of the globe, and the grid of its vertices.

@@ -8,8 +8,8 @@ use super::trees::by_brute_force;
 use super::ways::{Numbers, every_way, inputs};
 use wavecrest_core::accel::Hit;
 use wavecrest_core::accel::build::Preset;
-use wavecrest_core::accel::geometry::Geometry;
-use wavecrest_core::accel::instance::Instance;
+use wavecrest_core::geometry::Geometry;
+use wavecrest_core::geometry::instance::Instance;
 use wavecrest_core::kernels::slab::Aabb;
 use wavecrest_core::math::ray::Ray;
 

@@ -11,7 +11,7 @@ use super::scenes::{self, Eye, PRESETS, camera_rays};
 use super::trees::{add_triangle, by_brute_force};
 use super::ways::{Numbers, every_way, inputs};
 use wavecrest_core::accel::build::Preset;
-use wavecrest_core::accel::geometry::Geometry;
+use wavecrest_core::geometry::Geometry;
 use wavecrest_core::math::ray::Ray;
 
 /// Case 18.

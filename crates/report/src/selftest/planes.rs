@@ -7,8 +7,8 @@ use super::closed::globe;
 use super::trees::add_triangle;
 use super::ways::{Numbers, Tests, every_way, inputs};
 use wavecrest_core::accel::build::Preset;
-use wavecrest_core::accel::geometry::Geometry;
 use wavecrest_core::accel::{Accel, Hit};
+use wavecrest_core::geometry::Geometry;
 use wavecrest_core::math::float::offset_origin;
 use wavecrest_core::math::ray::Ray;
 

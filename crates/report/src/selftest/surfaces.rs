@@ -9,7 +9,7 @@ use super::planes::rotation;
 use super::scenes::{self, Eye, every_image, pixels};
 use super::ways::{Numbers, Tests, every_way, in_order, inputs};
 use wavecrest_core::accel::build::Preset;
-use wavecrest_core::accel::geometry::Geometry;
+use wavecrest_core::geometry::Geometry;
 use wavecrest_core::kernels::shade::SHADOW_END;
 use wavecrest_core::kernels::surface::Surface;
 use wavecrest_core::kernels::triangle::is_degenerate;

@@ -10,7 +10,7 @@ use super::ways::{Numbers, every_way, inputs};
 use super::whole::{Triangles, wrong};
 use wavecrest_core::accel::Hit;
 use wavecrest_core::accel::build::Preset;
-use wavecrest_core::accel::geometry::Geometry;
+use wavecrest_core::geometry::Geometry;
 use wavecrest_core::math::ray::Ray;
 
 /// The hits of brute force.

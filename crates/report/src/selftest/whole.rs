@@ -6,7 +6,7 @@
 use glam::{I64Vec3, Vec3};
 
 use wavecrest_core::accel::Hit;
-use wavecrest_core::accel::geometry::Geometry;
+use wavecrest_core::geometry::Geometry;
 use wavecrest_core::math::ray::Ray;
 
 /// Limit of coordinates and components of directions: determinants are then below 2^53.

@@ -3,7 +3,7 @@
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
-use wavecrest_core::accel::geometry::Geometry;
+use wavecrest_core::geometry::Geometry;
 use wavecrest_core::kernels::slab::Aabb;
 
 /// The smallest box around points; [`Aabb::EMPTY`] without points.
@@ -38,7 +38,7 @@ pub fn of(geometry: &Geometry) -> Option<[DVec3; 2]> {
 #[cfg(test)]
 mod tests {
     use glam::DAffine3;
-    use wavecrest_core::accel::instance::Instance;
+    use wavecrest_core::geometry::instance::Instance;
 
     use super::*;
 

@@ -13,8 +13,8 @@ use super::textures::{Head, decoding, name, placing};
 use crate::components::{CutOut, TextureSource};
 use crate::query::json_path;
 use wavecrest_base::error::Result;
-use wavecrest_core::accel::cutouts::{Cutout, Cutouts, MeshUvs};
-use wavecrest_core::accel::geometry::{Geometry, Primitive};
+use wavecrest_core::geometry::cutouts::{Cutout, Cutouts, MeshUvs};
+use wavecrest_core::geometry::{Geometry, Primitive};
 use wavecrest_core::kernels::texture::{Image, LazyImage, Texels, UvMap};
 use wavecrest_core::plan::{Effect, Plan};
 

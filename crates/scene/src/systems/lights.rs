@@ -12,7 +12,7 @@ use crate::components::{AreaLight, DirectionalLight, Order, PointLight, Settings
 use crate::corners::direction;
 use crate::query::json_path;
 use wavecrest_base::error::{Error, ErrorKind, Result};
-use wavecrest_core::accel::geometry::{Geometry, Primitive};
+use wavecrest_core::geometry::{Geometry, Primitive};
 use wavecrest_core::kernels::camera;
 use wavecrest_core::kernels::light::{Cone, Distant, Emitter, Falloff, Light, Triangles};
 use wavecrest_core::kernels::quad;

@@ -7,7 +7,7 @@
 
 use glam::{DVec3, Vec3};
 
-use wavecrest_core::accel::geometry::{Geometry, Primitive};
+use wavecrest_core::geometry::{Geometry, Primitive};
 use wavecrest_core::kernels::blinn_phong::Material;
 use wavecrest_core::kernels::camera::Camera;
 use wavecrest_core::kernels::light::{Emitter, Light};

@@ -10,7 +10,7 @@ use rayon::prelude::*;
 use super::bounds::around;
 use super::geometry::{Output, ShapeOutput};
 use super::reach::Extent;
-use wavecrest_core::accel::geometry::{Geometry, Primitive};
+use wavecrest_core::geometry::{Geometry, Primitive};
 use wavecrest_core::kernels::camera::Camera;
 use wavecrest_core::kernels::precision::Precision;
 use wavecrest_core::kernels::slab::Aabb;

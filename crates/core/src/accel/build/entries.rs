@@ -1,6 +1,6 @@
 //! The entries of leaves: triangles, both halves of each quad, and spheres, in this order.
 
-use crate::accel::geometry::{Geometry, sphere_bounds};
+use crate::geometry::{Geometry, sphere_bounds};
 use crate::kernels::quad;
 use crate::kernels::slab::Aabb;
 

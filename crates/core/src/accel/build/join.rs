@@ -7,8 +7,8 @@ use obvhs::ploc::{PlocBuilder, PlocSearchDistance};
 
 use super::piece::{from_obvhs, to_obvhs};
 use crate::accel::arena::{Kind, Unit};
-use crate::accel::geometry::Geometry;
 use crate::accel::wide::{Converter, Output, Owner, Part};
+use crate::geometry::Geometry;
 use crate::kernels::slab::Aabb;
 
 /// The share of the nodes above the parts that is reinserted at a time: more gained nothing.

@@ -11,7 +11,7 @@ use glam::Vec3;
 use obvhs::ploc::morton::morton_encode_u32;
 use rayon::prelude::*;
 
-use crate::accel::geometry::{Geometry, sphere_bounds};
+use crate::geometry::{Geometry, sphere_bounds};
 use crate::kernels::slab::Aabb;
 use crate::kernels::triangle::is_degenerate;
 

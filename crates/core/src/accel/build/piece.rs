@@ -8,8 +8,8 @@ use obvhs::ploc::PlocBuilder;
 use super::leaves::{Finder, Leaf};
 use super::weld::Welder;
 use crate::accel::coincident;
-use crate::accel::geometry::Geometry;
 use crate::accel::wide::{Converter, Output, Owner, Part};
+use crate::geometry::Geometry;
 use crate::kernels::slab::Aabb;
 
 /// The scene, and how to build its pieces.

@@ -1,8 +1,8 @@
 //! The tree against brute force, and the hard cases of building.
 
 use super::*;
-use crate::accel::geometry::Primitive;
 use crate::accel::{Accel, Hit};
+use crate::geometry::Primitive;
 use crate::kernels::quad;
 use crate::kernels::slab::Aabb;
 use crate::math::random::Stream;

@@ -5,8 +5,9 @@ use std::f32::consts::{PI, TAU};
 use glam::Vec3;
 
 use crate::accel::build::Preset;
-use crate::accel::geometry::Geometry;
-use crate::accel::{Accel, Hit, KernelChoice, KernelCounts, Kernels, Traversal};
+use crate::accel::{Accel, Hit, KernelChoice, Traversal};
+use crate::counters::{KernelCounts, Kernels};
+use crate::geometry::Geometry;
 use crate::kernels::precision::Precision;
 use crate::math::random::Stream;
 use crate::math::ray::Ray;

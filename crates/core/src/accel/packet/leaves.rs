@@ -6,19 +6,18 @@ use fearless_simd::prelude::*;
 use super::frame::Met;
 use super::tile::{GROUPS, Tile, WIDTH, load};
 use super::{Batch, TILE};
-use crate::accel::TestCounts;
 use crate::accel::arena::{Kind, Ref};
-use crate::accel::best::Best;
-use crate::accel::geometry::Primitive;
+use crate::accel::best::{Best, Pairs};
 use crate::accel::leaf;
 use crate::accel::query::Query;
 use crate::accel::tree::Searched;
+use crate::counters::TestCounts;
+use crate::geometry::Primitive;
 use crate::kernels::precision::Arithmetic;
 use crate::kernels::triangle::exact;
 use crate::kernels::triangle::settle::{self, Settled};
 use crate::math::real::{Mask, Real, Single};
 use crate::math::simd::{LANES, Lanes, outlined};
-use crate::math::vector::{Line, Vector};
 
 /// Up to this many rays are tested one by one, each with eight triangles.
 const ALONE: u32 = 6;
@@ -267,26 +266,15 @@ fn settle_pairs<S: Lanes, Q: Query>(
     let pairs = &pairs[..count.min(LANES)];
     tests.settled += pairs.len() as u64;
     let arena = searched.tree.arena.view();
-    let (mut line, mut range) = ([[[0.0; LANES]; 3]; 2], [[0.0; LANES]; 2]);
-    let mut corners = [[[0.0; LANES]; 3]; 3];
-    for (lane, pair) in pairs.iter().enumerate().take(LANES) {
-        let (ray, triangle) = (tile.ray(pair.ray), arena.triangle(pair.leaf, pair.entry));
-        for axis in 0..3 {
-            line[0][axis][lane] = ray.origin[axis];
-            line[1][axis][lane] = ray.direction[axis];
-            for (corner, v) in triangle.iter().enumerate() {
-                corners[corner][axis][lane] = v[axis];
-            }
-        }
+    let (mut gathered, mut range) = (Pairs::default(), [[0.0; LANES]; 2]);
+    for (lane, &Pair { ray, leaf, entry }) in pairs.iter().enumerate().take(LANES) {
+        let ray = tile.ray(ray);
+        gathered.set(lane, &ray, arena, (leaf, entry));
         (range[0][lane], range[1][lane]) = (ray.t_min, ray.t_max);
     }
-    let [origin, direction] = &line;
-    let line =
-        Line { origin: Vector::load(simd, origin), direction: Vector::load(simd, direction) };
+    let (line, corners) = gathered.load::<f32x8<S>>(simd);
     let [t_min, t_max] = &range;
     let range = [<f32x8<S> as Single>::load(simd, t_min), <f32x8<S> as Single>::load(simd, t_max)];
-    let [a, b, c] = &corners;
-    let corners = [Vector::load(simd, a), Vector::load(simd, b), Vector::load(simd, c)];
     let Settled { t, hit, miss } = settle::settle(&line, &corners, range);
     for (lane, &Pair { ray, leaf, entry }) in pairs.iter().enumerate().take(LANES) {
         let t = if hit >> lane & 1 == 1 {

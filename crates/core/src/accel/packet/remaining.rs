@@ -1,10 +1,10 @@
 //! The rays that packets leave to the kernel in flight.
 
-use crate::accel::geometry::PreparedRay;
 use crate::accel::node::distance;
 use crate::accel::query::Query;
 use crate::accel::rays::Rays;
 use crate::accel::stream::{FromRoot, Slot, Source};
+use crate::geometry::PreparedRay;
 use crate::kernels::precision::Arithmetic;
 
 /// A place handed over with a ray, and the one before.

@@ -3,8 +3,8 @@
 use glam::Vec3;
 
 use crate::accel::build::Preset;
-use crate::accel::geometry::Geometry;
 use crate::accel::{Accel, Hit};
+use crate::geometry::Geometry;
 use crate::math::random::Stream;
 use crate::math::ray::Ray;
 use crate::math::simd::Level;

@@ -5,7 +5,7 @@ use obvhs::bvh2::Bvh2;
 
 use super::{Converter, Output, Owner, SLOTS, Shared};
 use crate::accel::arena::{Kind, NODE_UNITS, Node, Patch, Soup, Unit, list_units, relative};
-use crate::accel::geometry::Geometry;
+use crate::geometry::Geometry;
 use crate::math::simd::LANES;
 
 impl Converter {

@@ -22,7 +22,7 @@ impl Camera {
 
     /// Whether any ray of the image may meet the content of the box; false only if none can. Rays
     /// may be off by `widening` times the error at a primitive's box
-    /// ([`Instance::widening`](crate::accel::instance::Instance::widening)).
+    /// ([`Instance::widening`](crate::geometry::instance::Instance::widening)).
     pub fn may_see(&self, bounds: &Aabb, widening: f32) -> bool {
         let (origin, radius) = self.pupil();
         let (low, high) = (bounds.low.as_dvec3(), bounds.high.as_dvec3());

@@ -3,7 +3,7 @@
 //! The data of hits is spread over memory. It is fetched for a block of hits, loop by loop, so that
 //! many loads are in flight at a time, before any computation.
 
-use crate::accel::geometry::Geometry;
+use crate::geometry::Geometry;
 use crate::math::ray::Ray;
 use crate::math::real::Single;
 use crate::math::simd::LANES;

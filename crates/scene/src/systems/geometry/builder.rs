@@ -14,7 +14,7 @@ use crate::components::{Mesh, Quad, Sphere, Triangle};
 use crate::corners;
 use crate::mesh::Attribute;
 use wavecrest_base::error::{Error, ErrorKind, Result};
-use wavecrest_core::accel::geometry::Geometry;
+use wavecrest_core::geometry::Geometry;
 use wavecrest_core::kernels::texture::PlanarMap;
 use wavecrest_core::prepared::{CornerValues, MeshAttributes, Shape, UvMap};
 

@@ -16,8 +16,8 @@ use crate::components::Mesh;
 use crate::mesh::MeshData;
 use crate::systems::{bounds, frame};
 use wavecrest_base::error::{Error, ErrorKind, Result};
-use wavecrest_core::accel::geometry::Geometry;
-use wavecrest_core::accel::instance::Instance;
+use wavecrest_core::geometry::Geometry;
+use wavecrest_core::geometry::instance::Instance;
 use wavecrest_core::kernels::slab::Aabb;
 use wavecrest_core::prepared::{CornerValues, MeshAttributes, Shape, UvMap};
 

@@ -2,7 +2,7 @@
 
 use hecs::Entity;
 
-use wavecrest_core::accel::geometry::Geometry;
+use wavecrest_core::geometry::Geometry;
 use wavecrest_core::plan::schedule::{Schedule, Step};
 use wavecrest_core::prepared::{Detail, MeshAttributes, Shape, UvMap};
 

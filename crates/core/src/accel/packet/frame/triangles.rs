@@ -4,10 +4,10 @@ use fearless_simd::prelude::*;
 use fearless_simd::{f32x8, f32x16, mask32x8};
 
 use super::{Frame, Sizes, cross, three};
-use crate::accel::arena::{Kind, Ref, View};
+use crate::accel::arena::{Ref, View};
+use crate::accel::leaf;
 use crate::accel::packet::tile::GROUPS;
 use crate::kernels::precision::Arithmetic;
-use crate::kernels::triangle::filter::lanes_of;
 use crate::math::float::UNIT_ROUNDOFF;
 use crate::math::real::Mask;
 use crate::math::simd::{LANES, Lanes};
@@ -38,13 +38,6 @@ pub(in crate::accel::packet) struct Met<S: Lanes> {
 }
 
 impl Frame {
-    /// Vertices with the axes of the frame; each row of `positions` is an axis.
-    #[inline(always)]
-    fn turned<S: Lanes>(&self, simd: S, positions: &[[f32; LANES]; 3]) -> [f32x8<S>; 3] {
-        let [x, y, z] = self.order;
-        [positions[x].simd_into(simd), positions[y].simd_into(simd), positions[z].simd_into(simd)]
-    }
-
     /// The vectors in the frame, whose axes they have.
     #[inline(always)]
     fn shear<S: Lanes>(&self, simd: S, [x, y, z]: [f32x8<S>; 3]) -> [f32x8<S>; 3] {
@@ -68,20 +61,7 @@ impl Frame {
         place: Ref,
         used: u32,
     ) -> Prepared {
-        if place.kind() == Kind::Soup {
-            let leaf = arena.soup(place);
-            let [a, b, c] = &leaf.corners;
-            let corners = [self.turned(simd, a), self.turned(simd, b), self.turned(simd, c)];
-            return self.prepare_corners::<S, P>(simd, &corners, used);
-        }
-        let leaf = arena.patch(place);
-        let v = self.turned(simd, &leaf.positions);
-        let [a, b, c] = lanes_of(simd, leaf.corners);
-        let corners = [
-            [simd.permute(v[0], a), simd.permute(v[1], a), simd.permute(v[2], a)],
-            [simd.permute(v[0], b), simd.permute(v[1], b), simd.permute(v[2], b)],
-            [simd.permute(v[0], c), simd.permute(v[1], c), simd.permute(v[2], c)],
-        ];
+        let corners = leaf::corners(simd, arena, place, self.order);
         self.prepare_corners::<S, P>(simd, &corners, used)
     }
 

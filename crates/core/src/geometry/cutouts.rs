@@ -74,7 +74,7 @@ impl Cutouts {
 
     /// Whether the primitive has a cut-out.
     #[inline(always)]
-    pub(super) fn contains(&self, number: u32) -> bool {
+    pub(crate) fn contains(&self, number: u32) -> bool {
         !self.is_empty() && self.of(number).is_some()
     }
 }
@@ -88,6 +88,3 @@ impl Cutout {
         image.look_up(uv, self.filter, self.wrap).x < self.threshold
     }
 }
-
-#[cfg(test)]
-mod tests;

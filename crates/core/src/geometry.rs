@@ -3,16 +3,16 @@
 //! Primitives are numbered: triangles first, then quads, then spheres, each kind in the order of
 //! the scene file, then those of instances. The number alone gives the kind.
 
+pub mod cutouts;
 mod holes;
+pub mod instance;
 
 use std::ops::Range;
 
 use glam::Vec3;
 use rayon::prelude::*;
 
-use super::counts::TestCounts;
-use super::cutouts::Cutouts;
-use super::instance::{Instance, Instanced};
+use crate::counters::TestCounts;
 use crate::kernels::precision::{Arithmetic, Precision};
 use crate::kernels::slab::{Aabb, SlabRay};
 use crate::kernels::triangle::{self, ShearedSpace};
@@ -20,6 +20,8 @@ use crate::kernels::{quad, sphere};
 use crate::math::float::min;
 use crate::math::ray::Ray;
 use crate::math::vector::Line;
+use cutouts::Cutouts;
+use instance::{Instance, Instanced};
 
 /// The primitives of a scene, in world space. Coordinates and radii are finite, and no larger than
 /// [`MAX_COORDINATE`](crate::math::float::MAX_COORDINATE).
@@ -225,7 +227,7 @@ impl Geometry {
     }
 
     /// The number of triangles without area, but for those of prototypes.
-    pub(super) fn left_out(&self) -> u64 {
+    pub(crate) fn left_out(&self) -> u64 {
         let numbers = (0..self.triangles.len() as u32).into_par_iter();
         numbers.filter(|&number| self.is_degenerate(number)).count() as u64
     }
@@ -242,7 +244,7 @@ impl Geometry {
 
     /// The t at which the ray hits the primitive: the least within its range, rounded once.
     #[inline(always)]
-    pub(super) fn hit<P: Arithmetic>(
+    pub(crate) fn hit<P: Arithmetic>(
         &self,
         number: u32,
         ray: &Ray,
@@ -307,7 +309,7 @@ impl Geometry {
 }
 
 /// The box around a sphere, whose ends are computed.
-pub(super) fn sphere_bounds((center, radius): (Vec3, f32)) -> Aabb {
+pub(crate) fn sphere_bounds((center, radius): (Vec3, f32)) -> Aabb {
     let low = (center - radius).to_array().map(f32::next_down);
     let high = (center + radius).to_array().map(f32::next_up);
     Aabb { low: low.into(), high: high.into() }

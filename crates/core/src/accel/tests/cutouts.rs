@@ -1,15 +1,19 @@
-use glam::{DAffine3, DQuat, DVec3};
+//! Cut-outs, by every kernel.
 
-use super::*;
+use std::ops::Range;
+use std::sync::Arc;
+
+use glam::{DAffine3, DQuat, DVec3, Vec3};
+
+use super::{Numbers, add_triangle, cloud, compare};
 use crate::accel::build::Preset;
-use crate::accel::geometry::Geometry;
-use crate::accel::instance::Instance;
-use crate::accel::tests::{Numbers, add_triangle, cloud, compare};
 use crate::accel::{Accel, Hit};
+use crate::geometry::Geometry;
+use crate::geometry::cutouts::{Cutout, Cutouts};
+use crate::geometry::instance::Instance;
 use crate::kernels::slab::Aabb;
-use crate::kernels::texture::{Image, PlanarMap, Texels};
+use crate::kernels::texture::{Filter, Image, LazyImage, PlanarMap, Texels, UvMap, Wrap};
 use crate::math::ray::Ray;
-use glam::Vec3;
 
 /// An image of 8 by 8 texels of this alpha.
 fn image(alpha: impl Fn(u32) -> u8) -> Arc<LazyImage> {

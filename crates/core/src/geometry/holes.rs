@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use super::{Geometry, Primitive};
-use crate::accel::counts::TestCounts;
+use crate::counters::TestCounts;
 use crate::kernels::precision::Arithmetic;
 use crate::kernels::surface;
 use crate::kernels::texture::{self, UvMap};
@@ -14,7 +14,7 @@ use crate::math::vector::{Line, Vector};
 impl Geometry {
     /// Whether the ray, which meets the primitive at t, passes through a hole.
     #[inline(always)]
-    pub(in crate::accel) fn is_cut_out<P: Arithmetic>(
+    pub(super) fn is_cut_out<P: Arithmetic>(
         &self,
         number: u32,
         ray: &Ray,
