@@ -10,9 +10,10 @@ use glam::Vec3;
 use super::arena::{Ref, View};
 use super::tree::Searched;
 use super::{Hit, NO_PRIMITIVE};
+use crate::counters::TestCounts;
 use crate::kernels::triangle::{exact, settle};
 use crate::math::ray::Ray;
-use crate::math::real::{Mask, Single};
+use crate::math::real::Single;
 use crate::math::simd::LANES;
 use crate::math::vector::{Line, Vector};
 
@@ -84,7 +85,8 @@ impl Best {
             *self = new;
             return true;
         }
-        let [old, new] = [&*self, &new].map(|hit| hit.finished(searched, ray));
+        let arena = searched.tree.arena.view();
+        let [old, new] = [&*self, &new].map(|hit| hit.finished(arena, ray));
         // Whichever it is, its t is known from now on.
         *self = Self::of(if new.precedes(&old) { new } else { old });
         *self != before
@@ -101,20 +103,26 @@ impl Best {
 
     /// The hit with its exact t, or if the search is without, an upper bound.
     #[inline]
-    pub(super) fn answer(&self, searched: Searched<'_>, ray: &Ray) -> Hit {
-        if searched.without_t && !self.is_none() {
-            return Hit { t: self.high, primitive: self.number(searched.tree.arena.view()) };
+    pub(super) fn answer(
+        &self,
+        Searched { tree, without_t, .. }: Searched<'_>,
+        ray: &Ray,
+        tests: &mut TestCounts,
+    ) -> Hit {
+        let arena = tree.arena.view();
+        if without_t && !self.is_none() {
+            return Hit { t: self.high, primitive: self.number(arena) };
         }
-        self.finished(searched, ray)
+        tests.finished += u64::from(!self.has_t());
+        self.finished(arena, ray)
     }
 
     /// The hit with its exact t.
     #[inline]
-    pub(super) fn finished(&self, searched: Searched<'_>, ray: &Ray) -> Hit {
+    pub(super) fn finished(&self, arena: View<'_>, ray: &Ray) -> Hit {
         if self.is_none() {
             return Hit::MISS;
         }
-        let arena = searched.tree.arena.view();
         let primitive = self.number(arena);
         if self.has_t() {
             return Hit { t: self.low, primitive };
@@ -175,67 +183,6 @@ impl Pairs {
 #[inline(always)]
 fn put([x, y, z]: &mut [[f32; LANES]; 3], lane: usize, v: Vec3) {
     (x[lane], y[lane], z[lane]) = (v.x, v.y, v.z);
-}
-
-/// Rays whose hits are all on triangles of leaves, but for their t: up to eight.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Unfinished {
-    pairs: Pairs,
-    primitives: [u32; LANES],
-    /// The numbers of the rays.
-    numbers: [u32; LANES],
-    count: usize,
-}
-
-impl Unfinished {
-    /// Adds a ray's best hit, unless it is known: then returns it. There must be room.
-    #[inline(always)]
-    pub(super) fn add(
-        &mut self,
-        arena: View<'_>,
-        best: &Best,
-        ray: &Ray,
-        number: usize,
-    ) -> Option<Hit> {
-        if best.is_none() {
-            return Some(Hit::MISS);
-        }
-        let primitive = best.number(arena);
-        if best.has_t() {
-            return Some(Hit { t: best.low, primitive });
-        }
-        let lane = self.count % LANES;
-        self.pairs.set(lane, ray, arena, (Ref::from_bits(best.leaf), best.entry as usize));
-        (self.primitives[lane], self.numbers[lane]) = (primitive, number as u32);
-        self.count += 1;
-        None
-    }
-
-    #[inline(always)]
-    pub(super) fn is_full(&self) -> bool {
-        self.count >= LANES
-    }
-
-    /// Finds the t of all rays, passes each with its number to `answer`, and removes them.
-    #[inline(always)]
-    pub(super) fn finish<F: Single<Row = [f32; LANES]>>(
-        &mut self,
-        token: F::Token,
-        mut answer: impl FnMut(usize, Hit),
-    ) {
-        let (line, corners) = self.pairs.load::<F>(token);
-        let (t, is_known) = settle::t_of(&line, &corners);
-        let is_known = is_known.bits();
-        for lane in 0..self.count.min(LANES) {
-            let mut t = t.lane(lane);
-            if is_known >> lane & 1 == 0 {
-                let ray = Ray::new(line.origin.lane(lane), line.direction.lane(lane));
-                t = exact_t(&ray, &corners.map(|corner| corner.lane(lane)));
-            }
-            answer(self.numbers[lane] as usize, Hit { t, primitive: self.primitives[lane] });
-        }
-        self.count = 0;
-    }
 }
 
 #[cold]

@@ -65,8 +65,7 @@ impl<Q: Query, P: Arithmetic> Kernel for One<'_, Q, P> {
         let best = Best::none(ray.ray.t_max);
         let stack = (stack.as_mut_slice(), height);
         let best = single::trace::<S, Q, P>(simd, self.searched, ray, best, stack, tests);
-        tests.finished += u64::from(!best.has_t() && !self.searched.without_t);
-        best.answer(self.searched, self.ray)
+        best.answer(self.searched, self.ray, tests)
     }
 }
 

@@ -7,7 +7,7 @@ use std::marker::PhantomData;
 use fearless_simd::{Level, f32x8};
 
 use super::arena::{Kind, Ref, View, child_of};
-use super::best::{Best, Pairs, Unfinished};
+use super::best::{Best, Pairs};
 use super::tree::{Tree, child_box};
 use super::{Accel, leaf};
 use crate::counters::TestCounts;
@@ -30,7 +30,7 @@ wavecrest_base::choices! {
         Settle = "settled in double precision",
         /// A pair that is open still.
         Exact = "exact arithmetic",
-        /// The t of a closest hit, eight at a time.
+        /// The t of a closest hit.
         T = "t of hits",
     }
 }
@@ -184,18 +184,9 @@ impl<P: Arithmetic> Kernel for Run<'_, P> {
                 }
             }
             Step::T => {
-                for pairs in hits.chunks(LANES) {
-                    let mut gathered = Unfinished::default();
-                    for (lane, (Visit { arena, ray, leaf, .. }, entry)) in pairs.iter().enumerate()
-                    {
-                        let best = Best::in_leaf(*leaf, *entry, [0.0, f32::MAX]);
-                        gathered.add(*arena, &best, &ray.ray, lane);
-                    }
-                    gathered.finish::<f32x8<S>>(
-                        simd,
-                        #[inline(always)]
-                        |_, hit| sum += u64::from(hit.t.to_bits()),
-                    );
+                for (Visit { arena, ray, leaf, .. }, entry) in hits {
+                    let best = Best::in_leaf(*leaf, *entry, [0.0, f32::MAX]);
+                    sum += u64::from(best.finished(*arena, &ray.ray).t.to_bits());
                 }
             }
         }

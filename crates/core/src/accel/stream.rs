@@ -12,12 +12,11 @@ mod next;
 
 use std::marker::PhantomData;
 
-use fearless_simd::f32x8;
 use fearless_simd::prelude::*;
 use glam::Vec3;
 
 use super::arena::{Kind, View};
-use super::best::{Best, Unfinished};
+use super::best::Best;
 use super::node::{self, distance, place};
 use super::query::Query;
 use super::rays::Rays;
@@ -183,7 +182,7 @@ pub(super) fn trace<S: Lanes, Q: Query, P: Arithmetic>(
 ) {
     let Counts { tests, kernel } = counts;
     let Flight { slots, stacks, tops, stride } = flight;
-    let (mut next, mut unfinished) = (Next::NONE, Unfinished::default());
+    let mut next = Next::NONE;
     // Only references and no array, so that everything stays in registers.
     let mut rounds = Rounds::<Q, P, _> {
         searched,
@@ -196,7 +195,6 @@ pub(super) fn trace<S: Lanes, Q: Query, P: Arithmetic>(
         stride: *stride,
         tests,
         next: &mut next,
-        unfinished: &mut unfinished,
         precision: PhantomData,
     };
     let mut met = Met { children: [Children::default(); FLIGHT], masks: [0; FLIGHT] };
@@ -215,7 +213,6 @@ pub(super) fn trace<S: Lanes, Q: Query, P: Arithmetic>(
         rounds.visit_others(simd, Kind::Soup);
         rounds.visit_others(simd, Kind::List);
     }
-    rounds.finish(simd);
 }
 
 /// Rays in flight, round by round. Lists of steps are read from the front while later steps are
@@ -232,7 +229,6 @@ struct Rounds<'a, Q: Query, P, R> {
     stride: usize,
     tests: &'a mut TestCounts,
     next: &'a mut Next,
-    unfinished: &'a mut Unfinished,
     precision: PhantomData<P>,
 }
 
@@ -316,20 +312,8 @@ impl<Q: Query, P: Arithmetic, R: Source<Q, P>> Rounds<'_, Q, P, R> {
             let (index, at) = (step.slot(), step.place());
             let Slot { ray, best, number, .. } = &mut self.slots[index];
             if at.bits() == BOTTOM {
-                let number = *number as usize;
-                let hit = if self.searched.without_t {
-                    Some(best.answer(self.searched, &ray.ray))
-                } else {
-                    self.unfinished.add(self.arena, best, &ray.ray, number)
-                };
-                if let Some(hit) = hit {
-                    self.answers[number] = Q::answer(hit);
-                } else {
-                    self.tests.finished += 1;
-                    if self.unfinished.is_full() {
-                        self.finish(simd);
-                    }
-                }
+                let hit = best.answer(self.searched, &ray.ray, self.tests);
+                self.answers[*number as usize] = Q::answer(hit);
                 self.begin(index);
                 continue;
             }
@@ -337,17 +321,6 @@ impl<Q: Query, P: Arithmetic, R: Source<Q, P>> Rounds<'_, Q, P, R> {
             let is_closer = leaf::visit::<S, Q, P>(simd, searched, ray, at, best, tests);
             self.go_on(index, is_closer);
         }
-    }
-
-    /// Finds the t of rays whose hits lack it.
-    #[inline(always)]
-    fn finish<S: Lanes>(&mut self, simd: S) {
-        let answers = &mut *self.answers;
-        self.unfinished.finish::<f32x8<S>>(
-            simd,
-            #[inline(always)]
-            |number, hit| answers[number] = Q::answer(hit),
-        );
     }
 
     /// Continues a ray after a leaf, in which it may have found a closer hit.
