@@ -310,6 +310,7 @@ impl<Q: Query, P: Arithmetic> Batch<'_, Q, P> {
     /// Hands `rays` over, to continue from `place`.
     #[inline(always)]
     fn hand_over<S: Lanes>(&mut self, simd: S, tile: &mut Tile, place: u64, rays: u64) {
+        tile.is_left = true;
         let mut rest = rays;
         while rest != 0 {
             let i = rest.trailing_zeros() as usize & (TILE - 1);

@@ -75,6 +75,14 @@ pub(super) fn compare(name: &str, geometry: &Geometry, rays: &[Ray]) -> usize {
             let mut traversal = accel.traversal();
             let mut many = vec![Hit::MISS; rays.len()];
             let mut any = vec![false; rays.len()];
+            traversal.without_t = true;
+            accel.closest_of(rays, &mut many, &mut traversal);
+            let primitives: Vec<u32> = many.iter().map(|hit| hit.primitive).collect();
+            assert!(
+                primitives.iter().eq(hits.iter().map(|hit| &hit.primitive)),
+                "{name} {level:?}"
+            );
+            traversal.without_t = false;
             accel.closest_of(rays, &mut many, &mut traversal);
             accel.occluded_of(rays, &mut any, &mut traversal);
             for (i, ray) in rays.iter().enumerate() {

@@ -92,15 +92,22 @@ pub(super) fn aimed(effort: &Effort) -> Outcome {
 /// The answers to both queries.
 struct Answers {
     closest: Vec<Hit>,
+    /// As `closest`, without t.
+    primitives: Vec<u32>,
     occluded: Vec<bool>,
 }
 
 impl Answers {
     fn of(accel: &Accel, rays: &[Ray]) -> Self {
         let (mut closest, mut occluded) = (vec![Hit::MISS; rays.len()], vec![false; rays.len()]);
-        accel.closest_of(rays, &mut closest, &mut accel.traversal());
-        accel.occluded_of(rays, &mut occluded, &mut accel.traversal());
-        Self { closest, occluded }
+        let mut traversal = accel.traversal();
+        traversal.without_t = true;
+        accel.closest_of(rays, &mut closest, &mut traversal);
+        let primitives = closest.iter().map(|hit| hit.primitive).collect();
+        traversal.without_t = false;
+        accel.closest_of(rays, &mut closest, &mut traversal);
+        accel.occluded_of(rays, &mut occluded, &mut traversal);
+        Self { closest, primitives, occluded }
     }
 }
 
@@ -112,6 +119,7 @@ fn compare(accel: &mut Accel, asked: &[(Vec<Ray>, Answers)]) -> Outcome {
             for (i, ray) in rays.iter().enumerate() {
                 let [hit, reference] = [&found, expected].map(|answers| answers.closest[i]);
                 let right = hit.primitive == reference.primitive
+                    && found.primitives[i] == reference.primitive
                     && hit.t.to_bits() == reference.t.to_bits()
                     && found.occluded[i] == expected.occluded[i];
                 outcome.check(right, || format!("{ray}: {hit:?} and not {reference:?}"));

@@ -40,12 +40,12 @@ impl<Q: Query, P: Arithmetic> Source<Q, P> for Remaining<'_> {
             }
             slot.ray = PreparedRay::new(&ray);
             let Some(best) = Q::resume(answers[number], &ray) else { continue };
-            let mut entries = 0;
+            let (mut entries, reach) = (0, slot.ray.slab.reach(best.high));
             let mut place = self.last[number].0;
             // From the farthest to the nearest, which comes last.
             while let Some(handed) = self.handed.get(place as usize) {
                 stack[entries] = handed.entry;
-                entries += usize::from(distance(handed.entry) <= best.high);
+                entries += usize::from(distance(handed.entry) <= reach);
                 place = handed.before;
             }
             if entries > 0 {

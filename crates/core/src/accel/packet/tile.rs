@@ -61,6 +61,8 @@ pub(super) struct Tile {
     pub(super) count: usize,
     /// Rays that are done.
     pub(super) done: u64,
+    /// Whether rays continue elsewhere, which takes their t.
+    pub(super) is_left: bool,
     /// Places still to visit, the next one last, and their number.
     pub(super) visits: Vec<Visit>,
     height: usize,
@@ -104,6 +106,7 @@ impl Default for Tile {
             start: 0,
             count: 0,
             done: 0,
+            is_left: false,
             visits: Vec::new(),
             height: 0,
         }
@@ -140,6 +143,7 @@ impl Tile {
         self.has_frame = false;
         self.has_space = 0;
         self.done = 0;
+        self.is_left = false;
         self.height = 0;
         (self.start, self.count) = (range.start, range.len());
         let Some(beam) = extents.beam() else { return false };
@@ -245,7 +249,7 @@ impl Tile {
             return;
         }
         for first in (0..TILE).step_by(LANES) {
-            let (t, finished) = if without_t {
+            let (t, finished) = if without_t && !self.is_left {
                 (half(simd, &self.high, first / WIDTH % GROUPS, first % WIDTH).into(), 0)
             } else {
                 self.finished(simd, arena, first)
