@@ -100,6 +100,25 @@ pub(super) fn compare(name: &str, geometry: &Geometry, rays: &[Ray]) -> usize {
     hits.iter().filter(|hit| !hit.is_miss()).count()
 }
 
+/// The bound on the t of a large triangle is beyond the small ones behind it, for whose nodes single
+/// rays leave the tile: they are no closer.
+#[test]
+fn rays_that_leave_a_tile_keep_their_hits() {
+    let mut geometry = Geometry::default();
+    let at = |x: f32, y: f32, z: f32| Vec3::new(x, y, z);
+    add_triangle(&mut geometry, [at(-1e3, -1e3, 1.0), at(3e3, -1e3, 1.0), at(-1e3, 3e3, 1.0)]);
+    let targets = (0_u8..64).map(|i| at(f32::from(i % 8) + 0.5, f32::from(i / 8) + 0.5, 1.0));
+    let rays: Vec<Ray> = targets.map(|target| Ray::new(Vec3::ZERO, target)).collect();
+    for ray in &rays {
+        for cell in 0_u8..=255 {
+            let [x, y] = [cell % 16, cell / 16].map(|k| (f32::from(k) - 8.3) / 64.0);
+            let corners = [at(x, y, 0.0), at(x + 0.03, y, 0.0), at(x, y + 0.03, 0.0)];
+            add_triangle(&mut geometry, corners.map(|corner| ray.direction * 1.0001 + corner));
+        }
+    }
+    assert_eq!(compare("small behind large", &geometry, &rays), rays.len());
+}
+
 #[test]
 fn hc03_directions_of_any_length_are_answered_as_by_brute_force() {
     let mut numbers = Numbers(0);
