@@ -5,7 +5,7 @@
 //! divide and compare like single values, and no operation is fused.
 
 use fearless_simd::prelude::*;
-use fearless_simd::{Simd, f32x8, f32x16, f64x8, u32x8};
+use fearless_simd::{Simd, f32x8, f64x8, u32x8};
 use serde::Serialize;
 
 use super::real::Single;
@@ -234,27 +234,6 @@ pub trait Lanes: Simd {
             sorted[place] = new;
             count += 1;
         }
-    }
-
-    /// The positions of the first sixteen set bits of `mask`, or of all if it has fewer.
-    #[inline(always)]
-    fn positions(self, mask: u64) -> [u32; 16] {
-        let (mut positions, mut rest) = ([0; 16], mask);
-        for position in &mut positions {
-            *position = rest.trailing_zeros() % 64;
-            rest &= rest.wrapping_sub(1);
-        }
-        positions
-    }
-
-    /// Lane i of the result is `column[positions[i]]`; positions below 64.
-    #[inline(always)]
-    fn pick(self, column: &[[f32; 16]; 4], positions: [u32; 16]) -> f32x16<Self> {
-        let mut picked = [0.0; 16];
-        for (picked, position) in picked.iter_mut().zip(positions) {
-            *picked = column.as_flattened()[position as usize % 64];
-        }
-        picked.simd_into(self)
     }
 
     /// As [`Lanes::far_to_near`], in the given order.

@@ -2,9 +2,7 @@
 
 use super::{LANES, Lanes};
 use fearless_simd::prelude::*;
-use fearless_simd::{
-    Avx2, Avx512, Sse2, Sse4_2, f32x8, f32x16, f64x8, u32x8, u32x16, u64x4, u64x8,
-};
+use fearless_simd::{Avx2, Avx512, Sse2, Sse4_2, f32x8, f64x8, u32x8, u64x4, u64x8};
 #[cfg(target_arch = "x86")]
 use std::arch::x86::*;
 #[cfg(target_arch = "x86_64")]
@@ -110,42 +108,6 @@ fearless_simd::kernel!(
     }
 );
 
-fearless_simd::kernel!(
-    #[inline(always)]
-    fn positions_avx512(level: Avx512, mask: u64) -> u32x16<Avx512> {
-        let all = _mm512_set_epi64(
-            0x3F3E_3D3C_3B3A_3938,
-            0x3736_3534_3332_3130,
-            0x2F2E_2D2C_2B2A_2928,
-            0x2726_2524_2322_2120,
-            0x1F1E_1D1C_1B1A_1918,
-            0x1716_1514_1312_1110,
-            0x0F0E_0D0C_0B0A_0908,
-            0x0706_0504_0302_0100,
-        );
-        let positions = _mm512_maskz_compress_epi8(mask, all);
-        _mm512_cvtepu8_epi32(_mm512_castsi512_si128(positions)).simd_into(level)
-    }
-);
-
-fearless_simd::kernel!(
-    #[inline(always)]
-    fn pick_avx512(
-        level: Avx512,
-        a: f32x16<Avx512>,
-        b: f32x16<Avx512>,
-        c: f32x16<Avx512>,
-        d: f32x16<Avx512>,
-        positions: u32x16<Avx512>,
-    ) -> f32x16<Avx512> {
-        let positions = positions.into();
-        let low = _mm512_permutex2var_ps(a.into(), positions, b.into());
-        let high = _mm512_permutex2var_ps(c.into(), positions, d.into());
-        let is_high = _mm512_test_epi32_mask(positions, _mm512_set1_epi32(32));
-        _mm512_mask_blend_ps(is_high, low, high).simd_into(level)
-    }
-);
-
 impl Lanes for Avx512 {
     #[inline(always)]
     fn widen(self, values: f32x8<Self>) -> f64x8<Self> {
@@ -155,19 +117,6 @@ impl Lanes for Avx512 {
     #[inline(always)]
     fn narrow(self, values: f64x8<Self>) -> f32x8<Self> {
         narrow_avx512(self, values)
-    }
-
-    #[inline(always)]
-    fn positions(self, mask: u64) -> [u32; 16] {
-        positions_avx512(self, mask).into()
-    }
-
-    #[inline(always)]
-    fn pick(self, column: &[[f32; 16]; 4], positions: [u32; 16]) -> f32x16<Self> {
-        let [a, b, c, d] = *column;
-        let (a, b) = (a.simd_into(self), b.simd_into(self));
-        let (c, d) = (c.simd_into(self), d.simd_into(self));
-        pick_avx512(self, a, b, c, d, positions.simd_into(self))
     }
 
     #[inline(always)]
