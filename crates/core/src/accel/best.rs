@@ -102,7 +102,8 @@ impl Best {
     }
 
     /// The hit with its exact t, or if the search is without, an upper bound.
-    #[inline]
+    // Always inlined, for the instructions of the caller's level.
+    #[inline(always)]
     pub(super) fn answer(
         &self,
         Searched { tree, without_t, .. }: Searched<'_>,
@@ -118,7 +119,7 @@ impl Best {
     }
 
     /// The hit with its exact t.
-    #[inline]
+    #[inline(always)]
     pub(super) fn finished(&self, arena: View<'_>, ray: &Ray) -> Hit {
         if self.is_none() {
             return Hit::MISS;

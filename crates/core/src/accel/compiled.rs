@@ -61,7 +61,7 @@ impl<Q: Query, P: Arithmetic> Kernel for One<'_, Q, P> {
     fn run<S: Lanes>(self, simd: S) -> Hit {
         let Traversal { stack, tests, .. } = self.traversal;
         let ray = &PreparedRay::new(self.ray);
-        let height = single::start(self.searched.tree, ray, stack);
+        let height = single::start(self.searched.tree, stack);
         let best = Best::none(ray.ray.t_max);
         let stack = (stack.as_mut_slice(), height);
         let best = single::trace::<S, Q, P>(simd, self.searched, ray, best, stack, tests);

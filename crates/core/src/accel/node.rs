@@ -17,9 +17,9 @@ pub(super) fn children<S: Lanes>(
     ray: &SlabRay,
     [t_min, t_max]: [f32; 2],
 ) -> (f32x8<S>, mask32x8<S>) {
-    let [x0, x1] = axis(simd, &node.planes[0], ray, 0);
-    let [y0, y1] = axis(simd, &node.planes[1], ray, 1);
-    let [z0, z1] = axis(simd, &node.planes[2], ray, 2);
+    let [x0, x1] = axis(simd, node, ray, 0);
+    let [y0, y1] = axis(simd, node, ray, 1);
+    let [z0, z1] = axis(simd, node, ray, 2);
     let near = x0.max(y0).max(z0.max(f32x8::splat(simd, t_min)));
     let far = x1.min(y1).min(z1.min(f32x8::splat(simd, t_max)));
     (near, near.simd_le(widened(simd, far, ray.slack)))
@@ -33,10 +33,11 @@ pub(super) fn widened<S: Lanes, F: SimdFloat<S, Element = f32>>(simd: S, far: F,
 
 /// The t of the ray at the children's entry and exit planes on an axis.
 #[inline(always)]
-fn axis<S: Lanes>(simd: S, planes: &[[f32; LANES]; 2], ray: &SlabRay, k: usize) -> [f32x8<S>; 2] {
-    let first: f32x8<S> = planes[usize::from(ray.negative[k])].simd_into(simd);
-    let last: f32x8<S> = planes[usize::from(!ray.negative[k])].simd_into(simd);
-    ray.crossings(k, first, last)
+fn axis<S: Lanes>(simd: S, node: &Node, ray: &SlabRay, k: usize) -> [f32x8<S>; 2] {
+    // Of all rows, so that no index is out of bounds.
+    let rows: &[[f32; LANES]; 8] = bytemuck::cast_ref(node);
+    let entry = ray.entry[k] as usize % rows.len();
+    ray.crossings(k, rows[entry].simd_into(simd), rows[entry ^ 1].simd_into(simd))
 }
 
 /// Enters the nearest child that the ray meets, or for any-hit queries the largest. Pushes the

@@ -1,6 +1,7 @@
 //! Traversal by packets: tiles of rays with nearly the same direction.
 //!
-//! A tile of [`TILE`] rays goes through the tree together. At a node one interval test over the
+//! A tile of up to [`TILE`] rays, whose directions have one sign along each axis, goes through the
+//! tree together; a block of rays with several signs becomes several tiles. At a node one interval test over the
 //! rays' origins and directions covers all eight children at once (Boulos, Wald and Shirley,
 //! *Geometric and Arithmetic Culling Methods for Entire Ray Packets*, 2006). Children that the
 //! whole tile misses cost nothing more, nor do those that it certainly meets as a whole. Other
@@ -33,7 +34,7 @@ use crate::geometry::PreparedRay;
 use crate::kernels::precision::Arithmetic;
 use crate::math::simd::{Lanes, entry, outlined};
 use remaining::{Handed, Remaining};
-use tile::{Tile, number_of};
+use tile::{Tile, number_of, numbers};
 
 /// Tiles traversed in turn, step by step, so that one computes while another waits.
 const TILES_ON_THEIR_WAY: usize = 4;
@@ -112,7 +113,8 @@ pub(super) fn trace<S: Lanes, Q: Query, P: Arithmetic>(
         choice,
         root,
         next: 0,
-        unfit: 0,
+        block: 0,
+        left: 0,
         judged: Judged::default(),
         ending: None,
         handed,
@@ -123,10 +125,10 @@ pub(super) fn trace<S: Lanes, Q: Query, P: Arithmetic>(
         query: PhantomData,
     };
     batch.trace(simd, tiles, answers);
-    let Batch { next, unfit, judged, .. } = batch;
-    counts.kernel.packet += (next - unfit) as u64;
-    counts.kernel.handed_over += (queue.len() - unfit) as u64;
-    counts.kernel.stream += (rays.count() - next + unfit) as u64;
+    let Batch { next, judged, .. } = batch;
+    counts.kernel.packet += judged.fit;
+    counts.kernel.handed_over += queue.len() as u64 - judged.unfit;
+    counts.kernel.stream += rays.count() as u64 - judged.fit;
     counts.kernel.packet_nodes += judged.visits;
     counts.kernel.packet_rays += judged.rays;
     if !queue.is_empty() || next < rays.count() {
@@ -155,13 +157,17 @@ impl Packets {
 struct Judged {
     tiles: usize,
     visits: u64,
+    /// The sum of the rays at each visit.
     rays: u64,
+    /// Rays of tiles, and rays that are unfit for packets.
+    fit: u64,
+    unfit: u64,
 }
 
 impl Judged {
     #[inline(always)]
     fn is_coherent(&self) -> bool {
-        self.tiles < TRIAL || self.rays >= COHERENT * self.visits
+        self.tiles < TRIAL || self.rays >= COHERENT * self.visits && self.unfit <= self.fit
     }
 }
 
@@ -171,10 +177,11 @@ struct Batch<'a, Q, P> {
     rays: Rays<'a>,
     choice: KernelChoice,
     root: Root,
-    /// The first ray not yet in a tile.
+    /// The first ray of the next block.
     next: usize,
-    /// Rays of tiles unfit for packets.
-    unfit: usize,
+    /// The first ray of this block, and the rays that no tile has taken yet, a bit each.
+    block: usize,
+    left: u64,
     judged: Judged,
     /// The leaf that ended the last tile, for any-hit queries.
     ending: Option<Ref>,
@@ -222,35 +229,26 @@ impl<Q: Query, P: Arithmetic> Batch<'_, Q, P> {
             simd,
             #[inline(always)]
             || {
-                while self.choice.packs(self.rays.count() - self.next, self.judged.is_coherent()) {
-                    let start = self.next;
-                    let end = self.rays.count().min(start + TILE);
-                    self.next = end;
-                    let ahead = end + (AHEAD - 1) * TILE;
-                    self.rays.prefetch(ahead..(ahead + TILE).min(self.rays.count()));
-                    if !tile.load(simd, &self.rays, start..end) {
-                        // These start at the root, like the rest.
-                        answers[start..end].fill(Q::NONE);
-                        self.unfit += end - start;
-                        let root = entry(f32::NEG_INFINITY, self.root.place.bits());
-                        for number in start..end {
-                            self.last[number] = (self.handed.len() as u32, 1);
-                            self.handed.push(Handed { entry: root, before: FIRST });
-                            self.queue.push(number as u32);
-                        }
+                while self.left != 0 || self.next_block() {
+                    let (rays, is_fit) = tile.load(simd, &self.rays, self.block, self.left);
+                    self.left &= !rays;
+                    self.judged.tiles += 1;
+                    if !is_fit {
+                        self.leave(rays);
+                        tile.fill(rays, answers, Q::NONE);
                         continue;
                     }
-                    self.judged.tiles += 1;
+                    self.judged.fit += u64::from(rays.count_ones());
                     if self.ends_as_before(simd, tile) {
-                        answers[start..end].fill(Q::ANY_ANSWER);
+                        tile.fill(rays, answers, Q::ANY_ANSWER);
                     } else if tile.beam.meets(&self.root.bounds) {
                         tile.prepare(simd);
                         tile.clear();
                         let root = entry(f32::NEG_INFINITY, self.root.place.bits());
-                        tile.push(true, Visit { entry: root, rays: tile.all() });
+                        tile.push(true, Visit { entry: root, rays });
                         return true;
                     } else {
-                        answers[start..end].fill(Q::NONE);
+                        tile.fill(rays, answers, Q::NONE);
                     }
                 }
                 false
@@ -258,18 +256,43 @@ impl<Q: Query, P: Arithmetic> Batch<'_, Q, P> {
         )
     }
 
+    /// Goes on to the next block of rays, if packets are to take it.
+    #[inline(always)]
+    fn next_block(&mut self) -> bool {
+        let count = self.rays.count() - self.next;
+        if !self.choice.packs(count, self.judged.is_coherent()) {
+            return false;
+        }
+        (self.block, self.left) = (self.next, tile::first(count));
+        self.next += count.min(TILE);
+        let ahead = self.next + (AHEAD - 1) * TILE;
+        self.rays.prefetch(ahead..(ahead + TILE).min(self.rays.count()));
+        true
+    }
+
+    /// Leaves rays of the block that are unfit for packets to the other kernel, from the root.
+    #[inline(always)]
+    fn leave(&mut self, rays: u64) {
+        self.judged.unfit += u64::from(rays.count_ones());
+        let root = entry(f32::NEG_INFINITY, self.root.place.bits());
+        for number in numbers(self.block, rays) {
+            self.last[number] = (self.handed.len() as u32, 1);
+            self.handed.push(Handed { entry: root, before: FIRST });
+            self.queue.push(number as u32);
+        }
+    }
+
     /// Whether all rays of the tile are done at the leaf that ended the last tile.
     #[inline(always)]
     fn ends_as_before<S: Lanes>(&mut self, simd: S, tile: &mut Tile) -> bool {
         let Some(place) = self.ending.filter(|_| Q::ANY) else { return false };
-        let all = tile.all();
         tile.clear();
-        self.visit_leaf(simd, tile, place, all);
+        self.visit_leaf(simd, tile, place, tile.rays);
         self.settle(simd, tile);
-        if tile.done & all != all {
+        if !tile.is_done() {
             self.ending = None;
         }
-        tile.done & all == all
+        tile.is_done()
     }
 
     /// Takes a tile through leaves and one node. Returns whether anything may be left.
@@ -313,9 +336,9 @@ impl<Q: Query, P: Arithmetic> Batch<'_, Q, P> {
         tile.is_left = true;
         let mut rest = rays;
         while rest != 0 {
-            let i = rest.trailing_zeros() as usize & (TILE - 1);
+            let i = rest.trailing_zeros() as usize % TILE;
             rest &= rest - 1;
-            let number = tile.start + number_of(i);
+            let number = tile.block + number_of(i);
             let (before, count) = self.last[number];
             if count as usize == MOST_HANDED {
                 // Beyond that number the ray continues at once.

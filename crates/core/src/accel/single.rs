@@ -45,10 +45,10 @@ pub(super) fn trace<S: Lanes, Q: Query, P: Arithmetic>(
     best
 }
 
-/// Pushes the root on an empty stack if the ray meets it. Returns the height.
+/// Pushes the root on an empty stack. Returns the height.
 #[inline(always)]
-pub(super) fn start(tree: &Tree, ray: &PreparedRay, stack: &mut [u64]) -> usize {
-    let Some(root) = tree.root().filter(|root| root.is_met(ray)) else { return 0 };
+pub(super) fn start(tree: &Tree, stack: &mut [u64]) -> usize {
+    let Some(root) = tree.root() else { return 0 };
     stack[0] = entry(f32::NEG_INFINITY, root.place.bits());
     1
 }

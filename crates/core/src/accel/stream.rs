@@ -158,10 +158,6 @@ impl<Q: Query, P: Arithmetic> Source<Q, P> for FromRoot<'_> {
                 continue;
             }
             slot.ray = PreparedRay::new(&ray);
-            if !self.root.is_met(&slot.ray) {
-                answers[number] = Q::NONE;
-                continue;
-            }
             stack[0] = entry(f32::NEG_INFINITY, self.root.place.bits());
             slot.begin(number, Best::none(ray.t_max));
             return Some(1);

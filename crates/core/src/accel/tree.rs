@@ -1,9 +1,8 @@
 //! The tree: an arena and its root.
 
 use super::arena::{Arena, Census, Kind, Node, Ref, child_of};
-use crate::geometry::{Geometry, PreparedRay};
+use crate::geometry::Geometry;
 use crate::kernels::slab::Aabb;
-use crate::math::float::{max, min};
 use crate::math::simd::LANES;
 
 /// A bounding volume hierarchy over the primitives of a [`crate::geometry::Geometry`].
@@ -33,16 +32,6 @@ pub struct Root {
     pub place: Ref,
     /// Its box.
     pub bounds: Aabb,
-}
-
-impl Root {
-    /// Whether the ray meets the box within its range.
-    #[inline(always)]
-    pub(super) fn is_met(&self, ray: &PreparedRay) -> bool {
-        let interval = ray.slab.interval(&self.bounds);
-        let near = max(interval.near, ray.ray.t_min);
-        near <= min(interval.far, ray.ray.t_max)
-    }
 }
 
 impl Tree {

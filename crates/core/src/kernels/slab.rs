@@ -95,8 +95,9 @@ pub struct SlabRay {
     pub near_origin: Vec3A,
     /// The origin for exit planes.
     pub far_origin: Vec3A,
-    /// For each axis, whether the ray runs towards smaller coordinates.
-    pub negative: [bool; 3],
+    /// The entry plane of each axis among the six of a box, the low and the high one of each axis:
+    /// the high one if the ray runs towards smaller coordinates.
+    pub entry: [u32; 3],
     /// By what a far t grows, besides [`WIDENING`].
     pub slack: f32,
 }
@@ -137,7 +138,7 @@ impl SlabRay {
             reciprocal: Vec3A::select(unknown, sign, reciprocal),
             near_origin: Vec3A::select(unknown, before, origin + shift),
             far_origin: Vec3A::select(unknown, -before, origin - shift),
-            negative: negative.into(),
+            entry: [0, 1, 2].map(|k: usize| 2 * k as u32 + u32::from(negative.test(k))),
             slack: slack(ray.t_min),
         }
     }
@@ -157,7 +158,7 @@ impl SlabRay {
     pub fn interval(&self, bounds: &Aabb) -> Interval {
         let axis = |k: usize| {
             let (low, high) = (bounds.low[k], bounds.high[k]);
-            let [first, last] = if self.negative[k] { [high, low] } else { [low, high] };
+            let [first, last] = if self.entry[k] & 1 == 1 { [high, low] } else { [low, high] };
             self.crossings(k, first, last)
         };
         let ([x0, x1], [y0, y1], [z0, z1]) = (axis(0), axis(1), axis(2));

@@ -3,7 +3,7 @@
 use fearless_simd::prelude::*;
 use fearless_simd::{f32x8, f32x16, mask32x8, mask32x16};
 
-use super::tile::{Column, load};
+use super::tile::{Column, GROUPS, WIDTH, load};
 use crate::accel::arena::Node;
 use crate::accel::node::widened;
 use crate::accel::rays::RayLanes;
@@ -254,12 +254,15 @@ struct Crossing<S: Lanes> {
     far: [f32x8<S>; 2],
 }
 
-/// The smallest and largest.
+/// The smallest and largest, of the `rays` of a tile.
 #[inline(always)]
-pub(super) fn extent<S: Lanes>(simd: S, column: &Column) -> [f32; 2] {
-    let (a, b) = (load(simd, column, 0), load(simd, column, 1));
-    let (c, d) = (load(simd, column, 2), load(simd, column, 3));
-    let low = a.min(b).min(c.min(d));
-    let high = a.max(b).max(c.max(d));
+pub(super) fn extent<S: Lanes>(simd: S, column: &Column, rays: u64) -> [f32; 2] {
+    let mut low = f32x16::splat(simd, f32::INFINITY);
+    let mut high = f32x16::splat(simd, f32::NEG_INFINITY);
+    for g in 0..GROUPS {
+        let own = mask32x16::from_bitmask(simd, rays >> (g * WIDTH) & 0xFFFF);
+        let values = load(simd, column, g);
+        (low, high) = (own.select(low.min(values), low), own.select(high.max(values), high));
+    }
     [low.reduce_min(), high.reduce_max()]
 }

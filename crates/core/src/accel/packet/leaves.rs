@@ -250,7 +250,7 @@ impl Tile {
     /// Updates the beam after closer hits.
     #[inline(always)]
     pub(super) fn tighten<S: Lanes>(&mut self, simd: S) {
-        self.beam.reach = super::beam::extent(simd, &self.high);
+        self.beam.reach = super::beam::extent(simd, &self.high, self.rays);
     }
 }
 

@@ -7,7 +7,7 @@ use crate::accel::{Accel, Hit};
 use crate::geometry::Geometry;
 use crate::math::random::Stream;
 use crate::math::ray::Ray;
-use crate::math::simd::Level;
+use crate::math::simd::{Level, is_wide};
 
 fn random(index: u32, dimension: u32) -> [f32; 4] {
     Stream { seed: 23, pixel: index, sample: 0, bounce: 0 }.uniform(dimension)
@@ -70,6 +70,30 @@ fn rays(eye: Vec3, edge: u32) -> Vec<Ray> {
             ray
         })
         .collect()
+}
+
+#[test]
+fn rays_of_one_sign_along_each_axis_share_a_tile() {
+    let accel = Accel::new(scene(12), Preset::Fast);
+    if !is_wide(accel.level) {
+        return;
+    }
+    let mut traversal = accel.traversal();
+    // Of two blocks, one has its rays in two directions, the other in one but for a few rays.
+    let side = |i: usize| if i < 64 { i % 8 < 3 } else { i == 70 };
+    let rays: Vec<_> = (0..128)
+        .map(|i| {
+            let x = if side(i) { -0.1 } else { 0.1 };
+            Ray::new(Vec3::new(0.0, 0.0, 4.0), Vec3::new(x, 0.1 + i as f32 / 1e3, -1.0))
+        })
+        .collect();
+    let mut hits = vec![Hit::MISS; rays.len()];
+    accel.closest_of(rays.as_slice(), &mut hits, &mut traversal);
+    assert_eq!(traversal.kernels.closest.packet, 127);
+    assert_eq!(traversal.kernels.closest.stream, 1);
+    for (ray, hit) in rays.iter().zip(&hits) {
+        assert_eq!(accel.closest(ray, &mut traversal), *hit);
+    }
 }
 
 #[test]

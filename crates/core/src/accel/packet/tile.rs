@@ -1,7 +1,5 @@
 //! The rays of a tile, in columns.
 
-use std::ops::Range;
-
 use fearless_simd::prelude::*;
 use fearless_simd::{f32x8, f32x16, mask32x16, u32x8, u32x16};
 use glam::Vec3;
@@ -14,7 +12,7 @@ use crate::accel::arena::{Ref, View};
 use crate::accel::best::{Best, exact_t};
 use crate::accel::node::widened;
 use crate::accel::query::Query;
-use crate::accel::rays::{BLOCK_EDGE, Rays};
+use crate::accel::rays::{BLOCK_EDGE, RayLanes, Rays};
 use crate::accel::tree::Searched;
 use crate::accel::{Hit, NO_PRIMITIVE};
 use crate::counters::TestCounts;
@@ -29,6 +27,9 @@ pub(super) const WIDTH: usize = 16;
 
 /// Groups of [`WIDTH`] rays in a tile.
 pub(super) const GROUPS: usize = TILE / WIDTH;
+
+/// A tile has at least this many rays: fewer share too little.
+const FEWEST: u32 = 20;
 
 /// A number for each ray of a tile.
 pub(super) type Column = [[f32; WIDTH]; GROUPS];
@@ -55,10 +56,10 @@ pub(super) struct Tile {
     has_space: u64,
     pub(super) beam: Beam,
     pub(super) open: Open,
-    /// The number of its first ray.
-    pub(super) start: usize,
-    /// How many rays it has.
-    pub(super) count: usize,
+    /// The number of the first ray of its block.
+    pub(super) block: usize,
+    /// The rays of the block that it has, a bit each. The others' columns repeat one of them.
+    pub(super) rays: u64,
     /// Rays that are done.
     pub(super) done: u64,
     /// Whether rays continue elsewhere, which takes their t.
@@ -84,6 +85,22 @@ pub(super) fn number_of(index: usize) -> usize {
     index & 0b100011 | (index & 0b001100) << 1 | (index & 0b010000) >> 2
 }
 
+/// The first `count` rays of a block, or all, a bit each.
+#[inline(always)]
+pub(super) fn first(count: usize) -> u64 {
+    (count..TILE).fold(u64::MAX, |rays, number| rays & !(1 << index_of(number)))
+}
+
+/// The numbers of `rays`, a bit each, of the block that starts at `block`.
+#[inline(always)]
+pub(super) fn numbers(block: usize, mut rays: u64) -> impl Iterator<Item = usize> {
+    std::iter::from_fn(move || {
+        let i = rays.trailing_zeros() as usize;
+        rays &= rays.wrapping_sub(1);
+        (i < TILE).then(|| block + number_of(i))
+    })
+}
+
 impl Default for Tile {
     fn default() -> Self {
         let column = [[0.0; WIDTH]; GROUPS];
@@ -103,8 +120,8 @@ impl Default for Tile {
             has_space: 0,
             beam: Beam::EMPTY,
             open: Open::NONE,
-            start: 0,
-            count: 0,
+            block: 0,
+            rays: 0,
             done: 0,
             is_left: false,
             visits: Vec::new(),
@@ -114,41 +131,100 @@ impl Default for Tile {
 }
 
 impl Tile {
-    /// Loads the rays of `range`, at least one. Returns whether they are fit for a packet: all
-    /// valid, with one sign along each axis.
+    /// Loads rays of the block that starts at `block`, of which some are `left`, a bit each: all, or
+    /// those with the signs of the first. Returns them, and whether they are fit for a packet: many,
+    /// all valid, with one sign along each axis.
     #[inline(always)]
-    pub(super) fn load<S: Lanes>(&mut self, simd: S, rays: &Rays<'_>, range: Range<usize>) -> bool {
+    pub(super) fn load<S: Lanes>(
+        &mut self,
+        simd: S,
+        rays: &Rays<'_>,
+        block: usize,
+        left: u64,
+    ) -> (u64, bool) {
+        let count = rays.count() - block;
         let mut extents = Extents::new(simd);
         for g in 0..GROUPS {
-            let first = range.start + number_of(g * WIDTH);
-            let block = if range.len() == TILE {
+            let first = block + number_of(g * WIDTH);
+            let lanes = if count >= TILE {
                 rays.block(simd, first, TILE_EDGE)
             } else {
                 // Unused lanes repeat the last ray.
-                let mut block = [rays.ray(range.end - 1); WIDTH];
-                for (i, ray) in block.iter_mut().enumerate() {
-                    let number = range.start + number_of(g * WIDTH + i);
-                    *ray = rays.ray(number.min(range.end - 1));
+                let mut lanes = [rays.ray(block + count - 1); WIDTH];
+                for (i, ray) in lanes.iter_mut().enumerate() {
+                    *ray = rays.ray(block + number_of(g * WIDTH + i).min(count - 1));
                 }
-                Rays::Rows(&block).block(simd, 0, BLOCK_EDGE)
+                Rays::Rows(&lanes).block(simd, 0, BLOCK_EDGE)
             };
-            for k in 0..3 {
-                self.origin[k][g] = block.origin[k].into();
-                self.direction[k][g] = block.direction[k].into();
-            }
-            self.t_min[g] = block.t_min.into();
-            self.t_max[g] = block.t_max.into();
-            extents.add(&block);
+            self.set(g, &lanes);
+            extents.add(&lanes);
         }
         self.has_frame = false;
         self.has_space = 0;
         self.done = 0;
         self.is_left = false;
         self.height = 0;
-        (self.start, self.count) = (range.start, range.len());
-        let Some(beam) = extents.beam() else { return false };
-        self.beam = beam;
-        true
+        self.block = block;
+        self.rays = left;
+        let mut beam = if left == first(count) { extents.beam() } else { None };
+        if beam.is_none() {
+            self.rays = self.alike(simd, left);
+            if self.rays.count_ones() < FEWEST {
+                return (self.rays, false);
+            }
+            beam = self.repeat(simd);
+        }
+        self.beam = beam.unwrap_or(Beam::EMPTY);
+        (self.rays, beam.is_some())
+    }
+
+    #[inline(always)]
+    fn set<S: Lanes>(&mut self, g: usize, lanes: &RayLanes<S>) {
+        for k in 0..3 {
+            self.origin[k][g] = lanes.origin[k].into();
+            self.direction[k][g] = lanes.direction[k].into();
+        }
+        self.t_min[g] = lanes.t_min.into();
+        self.t_max[g] = lanes.t_max.into();
+    }
+
+    /// Those of `rays` whose directions have the signs of the first one's.
+    #[inline(always)]
+    fn alike<S: Lanes>(&self, simd: S, rays: u64) -> u64 {
+        let mut alike = rays;
+        for column in &self.direction {
+            let mut negative = 0;
+            for g in 0..GROUPS {
+                negative |= load(simd, column, g).simd_lt(0.0).to_bitmask() << (g * WIDTH);
+            }
+            let is_first_negative = negative >> (rays.trailing_zeros() % 64) & 1 == 1;
+            alike &= if is_first_negative { negative } else { !negative };
+        }
+        alike
+    }
+
+    /// Puts the first of its rays in the place of those that it has not. Returns the beam of its rays.
+    #[inline(always)]
+    fn repeat<S: Lanes>(&mut self, simd: S) -> Option<Beam> {
+        let ray = self.ray(self.rays.trailing_zeros() as usize % TILE);
+        let mut extents = Extents::new(simd);
+        for g in 0..GROUPS {
+            let own = mask32x16::from_bitmask(simd, self.rays >> (g * WIDTH) & 0xFFFF);
+            let pick = |column: &Column, other: f32| {
+                own.select(load(simd, column, g), f32x16::splat(simd, other))
+            };
+            let ([ox, oy, oz], [dx, dy, dz]) = (&self.origin, &self.direction);
+            let (o, d) = (ray.origin, ray.direction);
+            let lanes = RayLanes {
+                origin: [pick(ox, o.x), pick(oy, o.y), pick(oz, o.z)],
+                direction: [pick(dx, d.x), pick(dy, d.y), pick(dz, d.z)],
+                t_min: pick(&self.t_min, ray.t_min),
+                t_max: pick(&self.t_max, ray.t_max),
+            };
+            self.set(g, &lanes);
+            extents.add(&lanes);
+        }
+        extents.beam()
     }
 
     /// Clears earlier rays' hits. Not where rays are loaded: many tiles meet nothing.
@@ -185,21 +261,10 @@ impl Tile {
         rays
     }
 
-    /// All its rays, as bits.
-    #[inline(always)]
-    pub(super) fn all(&self) -> u64 {
-        let mut all = u64::MAX;
-        for number in self.count..TILE {
-            all &= !(1 << index_of(number));
-        }
-        all
-    }
-
     /// Whether all rays are done.
     #[inline(always)]
     pub(super) fn is_done(&self) -> bool {
-        let all = self.all();
-        self.done & all == all
+        self.done & self.rays == self.rays
     }
 
     /// The best hit of the `i`th ray.
@@ -230,6 +295,16 @@ impl Tile {
         }
     }
 
+    /// Writes one answer for `rays` of its block, a bit each.
+    #[inline(always)]
+    pub(super) fn fill<A: Copy>(&self, rays: u64, answers: &mut [A], answer: A) {
+        if rays == u64::MAX {
+            answers[self.block..self.block + TILE].fill(answer);
+            return;
+        }
+        numbers(self.block, rays).for_each(|number| answers[number] = answer);
+    }
+
     /// Writes the answers of its rays.
     #[inline(always)]
     pub(super) fn answer<S: Lanes, Q: Query>(
@@ -240,12 +315,9 @@ impl Tile {
         tests: &mut TestCounts,
     ) {
         let arena = tree.arena.view();
-        let answers = &mut answers[self.start..self.start + self.count];
         if Q::ANY {
-            for (number, answer) in answers.iter_mut().enumerate() {
-                let is_done = self.done >> index_of(number) & 1 == 1;
-                *answer = if is_done { Q::ANY_ANSWER } else { Q::NONE };
-            }
+            self.fill(self.rays & self.done, answers, Q::ANY_ANSWER);
+            self.fill(self.rays & !self.done, answers, Q::NONE);
             return;
         }
         for first in (0..TILE).step_by(LANES) {
@@ -257,9 +329,10 @@ impl Tile {
             tests.finished += u64::from(finished.count_ones());
             for (lane, &t) in t.iter().enumerate() {
                 let i = first + lane;
-                if let Some(answer) = answers.get_mut(number_of(i)) {
+                if self.rays >> i & 1 == 1 {
                     let hit = Hit { t, primitive: self.best(i).number(arena) };
-                    *answer = Q::answer(if hit.is_miss() { Hit::MISS } else { hit });
+                    let answer = if hit.is_miss() { Hit::MISS } else { hit };
+                    answers[self.block + number_of(i)] = Q::answer(answer);
                 }
             }
         }
