@@ -1,20 +1,21 @@
 //! Traversal by packets: tiles of rays with nearly the same direction.
 //!
 //! A tile of up to [`TILE`] rays, whose directions have one sign along each axis, goes through the
-//! tree together; a block of rays with several signs becomes several tiles. At a node one interval test over the
-//! rays' origins and directions covers all eight children at once (Boulos, Wald and Shirley,
-//! *Geometric and Arithmetic Culling Methods for Entire Ray Packets*, 2006). Children that the
-//! whole tile misses cost nothing more, nor do those that it certainly meets as a whole. Other
-//! children are tested for each ray, sixteen rays at a time. Leaves are tested in the same way
-//! ([`frame`]), or ray by ray if few rays meet them. When few rays of a tile visit a node, they are
-//! handed over to the kernel of rays in flight ([`super::stream`]), with the place to continue
-//! from. If tiles share little on average, the rest of the batch goes there at once.
+//! tree together ([`load`]). At a node one interval test over the rays' origins and directions
+//! covers all eight children at once (Boulos, Wald and Shirley, *Geometric and Arithmetic Culling
+//! Methods for Entire Ray Packets*, 2006). Children that the whole tile misses cost nothing more,
+//! nor do those that it certainly meets as a whole. Other children are tested for each ray, sixteen
+//! rays at a time. Leaves are tested in the same way ([`frame`]), or ray by ray if few rays meet
+//! them. When few rays of a tile visit a node, they are handed over to the kernel of rays in flight
+//! ([`super::stream`]), with the place to continue from. If tiles share little on average, or most
+//! rays are in no tile, the rest of the batch goes there at once.
 //!
 //! Any-hit queries first try the leaf that ended the last tile: shadow rays often end at one wall.
 
 mod beam;
 mod frame;
 mod leaves;
+mod load;
 mod nodes;
 mod remaining;
 mod spheres;
