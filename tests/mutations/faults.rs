@@ -37,13 +37,13 @@ pub(crate) const FAULTS: &[Fault] = faults! {
     "crossings without a reciprocal are known", 6, "crates/core/src/kernels/slab.rs":
         "Vec3A::select(unknown, -before, origin - shift)" => "(origin - shift)";
     "near planes of boxes are taken for far ones", 3, "crates/core/src/accel/node.rs":
-        "rows[entry].simd_into(simd)" => "rows[2 * k].simd_into(simd)";
+        "ray.entry[k] as usize % rows.len()" => "2 * k";
     "the second of two children is lost", 3, "crates/core/src/accel/node.rs":
         "(Some(child_of(node, at, first)), height + 1)" => "(Some(child_of(node, at, first)), height)";
     "boxes just before a hit are skipped", 3, "crates/core/src/accel/single.rs":
         "distance(entry) > ray.slab.reach(best.high)" => "distance(entry) > best.high";
     "a tile answers for rays that it has not", 49, "crates/core/src/accel/packet/tile.rs":
-        "if self.rays >> i & 1 == 1" => "if i < TILE";
+        "self.rays >> i & 1 == 1" => "i < TILE";
     "rays of a tile change places", 3, "crates/core/src/accel/packet/tile.rs":
         "index & 0b100011 | (index & 0b001100) << 1 | (index & 0b010000) >> 2" => "index";
 

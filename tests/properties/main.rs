@@ -45,5 +45,14 @@ fn config() -> Config {
     };
     let asked = std::env::var_os("PROPTEST_CASES").is_some();
     let cases = if asked { default.cases } else { 2000 };
-    Config { rng_seed, cases, failure_persistence: None, ..default }
+    // Of a million cases, more are rejected than by default may be.
+    let rejects = u32::MAX;
+    Config {
+        rng_seed,
+        cases,
+        failure_persistence: None,
+        max_local_rejects: rejects,
+        max_global_rejects: rejects,
+        ..default
+    }
 }
