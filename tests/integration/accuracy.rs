@@ -11,7 +11,7 @@ use wavecrest_core::prepared::{PreparedScene, Samples};
 use wavecrest_core::render::RenderOptions;
 use wavecrest_image::compare::compare;
 use wavecrest_report::accuracy::answer::ERRORS;
-use wavecrest_report::accuracy::findings::FamilyFindings;
+use wavecrest_report::accuracy::findings::{FamilyFindings, PointFindings, SeriesFindings};
 use wavecrest_report::accuracy::pilot::Pilot;
 use wavecrest_report::accuracy::setting::{Facts, Setting, Structure};
 use wavecrest_report::accuracy::store::{FILE, Header, Record, SpreadRecord, Store};
@@ -80,8 +80,25 @@ fn errors_fall_as_theory_has_it() {
     for asked in &found.scenes[0].calibration {
         assert!(asked.made <= 1.25 * asked.asked, "{asked:?}");
     }
+    answers_are_the_fastest_settings(&found);
     for choice in &found.scenes[0].neutral {
         assert!(choice.equal && choice.error_change == 0.0, "{choice:?}");
+    }
+}
+
+/// Each row of an answer is a measured setting that reaches its error, and none that does is faster.
+fn answers_are_the_fastest_settings(found: &Findings) {
+    let measured =
+        || family(found, "lights").series.iter().flat_map(|s| s.points.iter().map(move |p| (s, p)));
+    for at in &found.scenes[0].answer.errors {
+        let reached = measured().filter(|(_, p)| p.rmse.value <= at.error);
+        let fastest = reached.map(|(_, p)| p.seconds.median).min_by(f64::total_cmp);
+        assert!(fastest.is_some() && at.tracing == fastest, "{at:?}");
+        let is_own = |(series, p): &(&SeriesFindings, &PointFindings)| {
+            at.sampler.as_ref() == Some(&series.name) && at.points == Some(p.x as u64)
+        };
+        let (_, own) = measured().find(is_own).expect("a measured setting");
+        assert_eq!(Some(own.seconds.median), at.tracing, "{at:?}");
     }
 }
 

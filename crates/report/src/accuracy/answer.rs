@@ -5,9 +5,9 @@
 //! |---|---|---|
 //! | `counted` | | what is varied for a smaller error, as by `--advise` and `--target-error` |
 //! | `errors[].error` | | root mean squared error |
-//! | `.sampler`, `.points` | | the quickest sampler and its number of points, the next square; `null` if no setting reached the error |
-//! | `.seconds`, `.tracing` | seconds | loading, building and tracing; tracing only |
-//! | `.times_as_fast` | | speedup of tracing over random points, with its interval; `null` without either |
+//! | `.sampler`, `.points` | | the fastest of all measured settings whose error is at most this one: its sampler and its number of points; `null` if none is |
+//! | `.seconds`, `.tracing` | seconds | its time: loading, building and tracing; tracing only |
+//! | `.times_as_fast` | | speedup of tracing over the fastest measured setting with random points, with its interval; `null` without either |
 //! | `.at_least` | | whether random points did not reach the error: the speedup is then relative to their longest render, and a lower bound |
 //! | `precisions[].name`, `.ratio` | | tracing time relative to `fast`, at the scene's own samples |
 //! | `precisions[].worst_t` | ulp | the largest error of t on the scene's triangles (absent without triangles) |
@@ -136,61 +136,26 @@ impl PointFindings {
 }
 
 impl SeriesFindings {
-    /// The number of points and seconds of tracing for an error, interpolated linearly in
-    /// logarithms between two settings, over `seeds`, or over all if `None`.
-    pub fn reach(&self, error: f64, seeds: Option<&[usize]>) -> Option<[f64; 2]> {
-        let values = |p: &PointFindings| match seeds {
-            Some(seeds) => [p.x, p.error(seeds), p.time(seeds)],
-            None => [p.x, p.rmse.value, p.seconds.median],
-        };
-        let mut previous: Option<[f64; 3]> = None;
-        for point in &self.points {
-            let found = values(point);
-            if found[1] <= error {
-                let Some(before) = previous else { return Some([found[0], found[2]]) };
-                let share = libm::log(before[1] / error) / libm::log(before[1] / found[1]);
-                let between = |axis: usize| {
-                    before[axis] * libm::exp(share * libm::log(found[axis] / before[axis]))
-                };
-                return Some([between(0), between(2)]);
-            }
-            previous = Some(found);
-        }
-        None
+    /// The fastest of the measured settings whose error is at most `error`.
+    pub fn reach(&self, error: f64) -> Option<&PointFindings> {
+        let reaching = self.points.iter().filter(|point| point.rmse.value <= error);
+        reaching.min_by(|a, b| a.seconds.median.total_cmp(&b.seconds.median))
     }
 }
 
 fn at_error(family: &FamilyFindings, error: f64, before: f64) -> AtError {
-    let reached = |series: &&SeriesFindings| series.reach(error, None).is_some();
-    let time = |series: &SeriesFindings| series.reach(error, None).map_or(f64::INFINITY, |r| r[1]);
-    let best = family.series.iter().filter(reached).min_by(|a, b| time(a).total_cmp(&time(b)));
-    let mut answer = AtError {
-        error,
-        sampler: best.map(|series| series.name.clone()),
-        points: None,
-        seconds: None,
-        tracing: None,
-        times_as_fast: None,
-        at_least: false,
-    };
-    let Some((series, [points, tracing])) = best.and_then(|s| Some((s, s.reach(error, None)?)))
-    else {
-        return answer;
-    };
-    // Grids are square.
-    let side = (points.sqrt() - f64::EPSILON * points).ceil();
-    answer.points = Some((side * side) as u64);
-    (answer.tracing, answer.seconds) = (Some(tracing), Some(before + tracing));
+    let reached = family.series.iter().filter_map(|s| Some((s, s.reach(error)?)));
+    let best = reached.min_by(|a, b| a.1.seconds.median.total_cmp(&b.1.seconds.median));
     let random = family.series.iter().find(|series| series.name == Sampling::Random.name());
-    if let Some(random) = random {
-        answer.at_least = random.reach(error, None).is_none();
-        let rounds = |s: &SeriesFindings| s.points.iter().map(|p| p.times.len()).min();
-        let rounds = rounds(series).min(rounds(random)).unwrap_or(0);
-        answer.times_as_fast = bootstrap(rounds, |seeds| {
-            let slow = random.reach(error, Some(seeds)).map(|reached| reached[1]);
-            let slow = slow.or_else(|| random.points.last().map(|p| p.time(seeds)))?;
-            Some(slow / series.reach(error, Some(seeds))?[1])
-        });
+    let rival = random.and_then(|random| random.reach(error).or(random.points.last()));
+    let tracing = best.map(|(_, point)| point.seconds.median);
+    AtError {
+        error,
+        sampler: best.map(|(series, _)| series.name.clone()),
+        points: best.map(|(_, point)| point.x as u64),
+        seconds: tracing.map(|tracing| before + tracing),
+        tracing,
+        times_as_fast: best.zip(rival).and_then(|((_, point), rival)| ratio(rival, point)),
+        at_least: best.is_some() && random.is_some_and(|random| random.reach(error).is_none()),
     }
-    answer
 }

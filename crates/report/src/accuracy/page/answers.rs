@@ -23,8 +23,8 @@ pub(super) fn lead(findings: &Findings) -> String {
 pub(super) fn blocks(findings: &Findings) -> Vec<Block> {
     let answers = || findings.scenes.iter().map(|scene| (scene, &scene.answer));
     let rows = answers().flat_map(|(scene, a)| a.errors.iter().map(move |e| row(scene, a, e)));
-    let caption = "The fastest way to reach each error (RMSE of linear values): the sampler, its points, the time of \
-                   loading, building and tracing, and the speedup of tracing over random points";
+    let caption = "The fastest measured setting that reaches each error (RMSE of linear values): the sampler, its points, \
+                   its time of loading, building and tracing, and the speedup of tracing over random points";
     let header = "scene|>error|sampler|>points|>total time|>speedup over random";
     vec![Block::Table(Table::new(caption, header, rows.collect())), costs(findings)]
 }

@@ -91,7 +91,7 @@ fn slopes(family: &FamilyFindings) -> Option<Table> {
     (!rows.is_empty()).then(|| Table::new(caption, header, rows))
 }
 
-/// The times in which samplers reach some errors, interpolated between settings.
+/// The times of the fastest settings that reach some errors.
 fn time_to_error(family: &FamilyFindings) -> Option<Table> {
     let errors = common_errors(family)?;
     let first = family.series.first()?;
@@ -112,8 +112,10 @@ fn time_to_error(family: &FamilyFindings) -> Option<Table> {
     };
     let errors = errors.iter().map(|error| format!("|>RMSE {error:.2e}"));
     let header = "sampler".to_owned() + &errors.collect::<String>();
-    let caption =
-        format!("Tracing time in ms to reach an error, and the speedup over {}", first.name);
+    let caption = format!(
+        "Tracing time in ms of the fastest setting that reaches an error, and the speedup over {}",
+        first.name
+    );
     Some(Table::new(caption, &header, family.series.iter().map(row).collect()))
 }
 
@@ -153,10 +155,10 @@ fn efficiency(family: &FamilyFindings) -> Option<Table> {
     sloped.then(|| Table::new(caption, header, family.series.iter().map(row).collect()))
 }
 
-/// The time in which a sampler reaches `error`.
+/// The time of a sampler's fastest setting that reaches `error`.
 fn time_at(series: &SeriesFindings, error: f64) -> Option<f64> {
     // Rounding must not lose the ends.
-    series.reach(error * (1.0 + f64::EPSILON * 8.0), None).map(|[_, seconds]| seconds)
+    series.reach(error * (1.0 + f64::EPSILON * 8.0)).map(|point| point.seconds.median)
 }
 
 /// A number of points in words.
