@@ -1,6 +1,5 @@
 //! `accuracy`: sweeps and reports error against time.
 
-use std::cell::RefCell;
 use std::path::{Path, PathBuf};
 
 use indicatif::ProgressBar;
@@ -8,16 +7,16 @@ use indicatif::ProgressBar;
 use super::common::{Threads, above_zero, print, progress_bar, tell, whole};
 use wavecrest_base::error::Result;
 use wavecrest_report::accuracy::answer::ERRORS;
-use wavecrest_report::accuracy::pilot::Pilot;
+use wavecrest_report::accuracy::pilot;
 use wavecrest_report::accuracy::store::{Circumstances, Header, Record, StepRecord, Store};
-use wavecrest_report::accuracy::sweep::{Options, Progress, run as sweep};
+use wavecrest_report::accuracy::sweep::{self, Options, Progress};
 use wavecrest_report::accuracy::{Findings, page};
 use wavecrest_report::regression::Regression;
 use wavecrest_scene::load::{LoadOptions, load};
 use wavecrest_scene::systems::extract;
 
 /// The template of the progress bar.
-const PROGRESS: &str = "{msg} {wide_bar} {pos}/{len}, {eta} left";
+const PROGRESS: &str = "{msg} {wide_bar} {percent}%, {eta} left";
 
 /// Measure error against time for every sampler, sample count and precision.
 ///
@@ -47,17 +46,20 @@ pub(crate) struct AccuracyArgs {
     /// Errors whose cost to report, comma-separated
     #[arg(long, value_name = "ERRORS", value_parser = above_zero, value_delimiter = ',', default_values_t = ERRORS)]
     pub(crate) errors: Vec<f64>,
-    /// Renders of each setting, with different seeds
-    #[arg(long, value_name = "N", default_value_t = 16, value_parser = whole(2..=4096_u32))]
-    pub(crate) seeds: u32,
-    /// Greatest number of points on a light, on the lens or in a pixel
-    #[arg(long, value_name = "N", default_value_t = 2025, value_parser = whole(1..=65536_u32))]
-    pub(crate) most: u32,
-    /// Least number of points of each kind in a reference render
-    #[arg(long, value_name = "N", default_value_t = 5041, value_parser = whole(1..=1_u32 << 20))]
-    pub(crate) reference: u32,
-    /// Do not measure what each effect costs
+    /// Renders of each setting, with different seeds [default: 8, or 16 with --full]
+    #[arg(long, value_name = "N", value_parser = whole(2..=4096_u32))]
+    pub(crate) seeds: Option<u32>,
+    /// Greatest number of points on a light, on the lens or in a pixel [default: 256, or 2025 with --full]
+    #[arg(long, value_name = "N", value_parser = whole(1..=65536_u32))]
+    pub(crate) most: Option<u32>,
+    /// Least number of points of each kind in a reference render [default: 1024, or 5041 with --full]
+    #[arg(long, value_name = "N", value_parser = whole(1..=1_u32 << 20))]
+    pub(crate) reference: Option<u32>,
+    /// More points, seeds and a better reference: for results to keep
     #[arg(long)]
+    pub(crate) full: bool,
+    /// Accepted for older commands: `bench --effects` measures what each effect costs
+    #[arg(long, hide = true)]
     pub(crate) no_effects: bool,
     /// Threads
     #[command(flatten)]
@@ -68,27 +70,23 @@ pub(crate) struct AccuracyArgs {
 }
 
 /// Shows a sweep's progress as a bar.
-struct Shown {
-    bar: RefCell<ProgressBar>,
-    quiet: bool,
-}
+struct Shown(ProgressBar);
 
 impl Progress for Shown {
-    fn stage(&self, name: &str, steps: u64) {
-        self.bar.borrow().finish_and_clear();
-        let bar = progress_bar(self.quiet, PROGRESS);
-        bar.set_length(steps);
-        bar.set_message(name.to_owned());
-        self.bar.replace(bar);
+    fn start(&self, work: u64) {
+        self.0.set_length(work);
     }
 
-    fn step(&self) {
-        self.bar.borrow().inc(1);
+    fn stage(&self, name: &str) {
+        self.0.set_message(name.to_owned());
+    }
+
+    fn step(&self, work: u64) {
+        self.0.inc(work);
     }
 }
 
-/// Runs the sweep or comparison. Returns whether the choices that must not change an image did not,
-/// or for a comparison whether nothing became worse.
+/// Runs the sweep or comparison. Returns whether nothing became worse in a comparison.
 ///
 /// # Errors
 /// If a scene cannot be rendered, the folder has the results of another sweep, or results cannot be
@@ -99,8 +97,9 @@ pub(crate) fn run(args: &AccuracyArgs) -> Result<bool> {
     }
     args.threads.run(|| match (&args.output, args.target_error) {
         (Some(folder), _) => run_sweep(args, folder),
-        (None, error) => advise(args, error.unwrap_or_default()).map(|()| true),
-    })
+        (None, error) => advise(args, error.unwrap_or_default()),
+    })?;
+    Ok(true)
 }
 
 /// Compares two runs, and returns whether nothing became worse.
@@ -124,38 +123,43 @@ fn advise(args: &AccuracyArgs, error: f64) -> Result<()> {
         let preset = extracted.preset();
         let mut scene = extracted.build(preset);
         let original = scene.original();
-        let pilot = Pilot::run(&mut scene, &original, 0)?;
-        let best = pilot.for_error(error).map(|choice| choice.points.sampling);
+        let advice = pilot::advise(&mut scene, &original, error, 0)?;
+        let best = advice.iter().min_by(|a, b| a.seconds().total_cmp(&b.seconds()));
+        let best = best.map(|advice| advice.choice);
         let mut text = format!("{}\n", file.display());
-        for curve in &pilot.curves {
-            let mark = if best == Some(curve.sampling) { '*' } else { ' ' };
-            text += &format!("{mark} {}\n", curve.for_error(error));
+        for advice in &advice {
+            let mark = if best == Some(advice.choice) { '*' } else { ' ' };
+            text += &format!("{mark} {advice}\n");
         }
         print(&text)?;
     }
     Ok(())
 }
 
-fn run_sweep(args: &AccuracyArgs, folder: &Path) -> Result<bool> {
+/// The extent of a sweep by default, and with `--full`: seeds, points, and points of a reference.
+const EXTENTS: [[u32; 3]; 2] = [[8, 256, 1024], [16, 2025, 5041]];
+
+fn run_sweep(args: &AccuracyArgs, folder: &Path) -> Result<()> {
+    let [seeds, most, reference] = EXTENTS[usize::from(args.full)];
     let options = Options {
         longest: args.side_pixels,
-        seeds: args.seeds,
-        most: args.most,
-        least: args.reference,
+        seeds: args.seeds.unwrap_or(seeds),
+        most: args.most.unwrap_or(most),
+        least: args.reference.unwrap_or(reference),
     };
     let mut store = Store::open(folder, &Header::new(&options))?;
     store.add(Record::Circumstances(Circumstances::here()))?;
-    let shown = Shown { bar: RefCell::new(ProgressBar::hidden()), quiet: args.quiet };
-    let mut swept = sweep(&args.scenes, &options, &mut store, &shown)?;
-    shown.bar.borrow().finish_and_clear();
+    let shown = Shown(progress_bar(args.quiet, PROGRESS));
+    let mut swept = sweep::run(&args.scenes, &options, &mut store, &shown)?;
+    shown.0.finish_and_clear();
     let findings = Findings::new(&options, &store, &swept, &args.errors);
     findings.write(folder)?;
-    page::write(&findings, &mut swept, folder, !args.no_effects)?;
+    page::write(&findings, &mut swept, folder)?;
     if !args.quiet {
         print(&text(&findings))?;
         print(&format!("{}\n", folder.join("report.html").display()))?;
     }
-    Ok(findings.scenes.iter().flat_map(|s| &s.neutral).all(|n| n.equal && n.error_change == 0.0))
+    Ok(())
 }
 
 /// The slopes and the steps to exact hits, in words.
@@ -163,7 +167,7 @@ fn text(findings: &Findings) -> String {
     use std::fmt::Write as _;
     let mut text = String::new();
     for scene in &findings.scenes {
-        let _ = writeln!(text, "{}", scene.scene.scene);
+        let _ = writeln!(text, "{}: {}", scene.scene.scene, scene.answer.sentence());
         for family in &scene.families {
             for series in &family.series {
                 let Some(slope) = series.slope else { continue };
@@ -180,14 +184,6 @@ fn text(findings: &Findings) -> String {
             let words = found.sentence(scene).replace('`', "");
             let _ = writeln!(text, "  exact hits, ns a ray: {}. {words}", steps.join(", "));
         }
-        let wrong = scene.neutral.iter().filter(|n| !n.equal || n.error_change != 0.0).count();
-        let all = scene.neutral.len();
-        let _ = writeln!(
-            text,
-            "  {} of {all} settings leave the image the same, as they must, bit for \
-                                bit",
-            all - wrong
-        );
     }
     text
 }

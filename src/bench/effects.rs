@@ -5,17 +5,18 @@ use std::path::Path;
 use super::args::BenchArgs;
 use super::bar_of;
 use crate::common::{Extent, SearchOptions, print, tell, to_json, with_bar, write_text};
-use wavecrest_base::error::Result;
+use wavecrest_base::error::{Error, Result};
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::render::render;
-use wavecrest_report::accuracy::prices::folder;
 use wavecrest_report::effects::scenes::{Variant, variants};
 use wavecrest_report::effects::{Entry, Setting, measure, text};
 use wavecrest_scene::load::{LoadOptions, load_str};
 
 /// Measures every effect, prints the results, and returns whether all images were right.
 pub(super) fn run(args: &BenchArgs) -> Result<bool> {
-    let folder = folder()?;
+    let folder = tempfile::tempdir().map_err(|e| {
+        Error::io("cannot create a folder for the texture", std::env::temp_dir(), e)
+    })?;
     let variants = variants(folder.path())?.into_iter();
     let entries: Vec<Entry> =
         variants.map(|variant| prepare(args, variant, folder.path())).collect::<Result<_>>()?;

@@ -9,21 +9,15 @@ use super::show::Seen;
 use crate::common::{tell, warn};
 use wavecrest_base::error::{Error, ErrorKind, Result, Warning};
 use wavecrest_core::accel::build::Preset;
-use wavecrest_core::math::sampling::Points;
 use wavecrest_core::prepared::{Original, PreparedScene};
 use wavecrest_core::render::Rendered;
 use wavecrest_report::accuracy::pilot::budget::{Budget, Pace, Task, in_time};
+use wavecrest_report::accuracy::pilot::target::{Reached, reach};
 use wavecrest_report::accuracy::pilot::{
-    Choice, MOST_SIDE, Pilot, error, is_sampled, measured_share,
+    Choice, MOST_SIDE, Measured, Pilot, error, is_sampled, leaves_out_aliasing, measured_share,
 };
 use wavecrest_report::plot::number::figure;
 use wavecrest_report::statistics::Goal;
-
-/// Largest number of renders for one target error.
-const MAX_RENDERS: u32 = 3;
-
-/// Accepted ratio of the error to the target.
-const ACCEPTED: f64 = 1.1;
 
 /// A render with its preset and its choice of samples.
 pub(super) struct Traced {
@@ -82,31 +76,25 @@ impl Aimed<'_> {
     ) -> Result<Option<Traced>> {
         let args = self.args;
         let pilot = Pilot::run(scene, &self.original, args.seed)?;
-        let Some(mut choice) = pilot.for_error(asked) else { return Ok(None) };
-        let mut renders = 0;
-        loop {
-            renders += 1;
+        let reached = reach(&pilot, asked, |choice| {
             scene.resample(&self.original, &choice.samples());
             preset = choose_tree(args, scene, preset);
-            let (rendered, resumed) = self.trace(scene, &choice, None)?;
-            if !rendered.finished {
-                return Ok(Some(Traced { rendered, preset, goal: None, resumed }));
-            }
-            let found = self.measure(scene, &rendered)?;
-            let missed = found.filter(|found| *found > asked * ACCEPTED);
-            let next = missed.and_then(|found| finer(&choice, found / asked));
-            match next.filter(|_| renders < MAX_RENDERS) {
-                Some(next) => choice = next,
-                None => {
-                    if missed.is_some() {
-                        let error = unreached(asked, &choice).in_file(&args.scene);
-                        warn(&[Warning::from_error(&error)]);
-                    }
-                    let goal = Some(goal(format!("error {asked}"), &choice, found, renders));
-                    return Ok(Some(Traced { rendered, preset, goal, resumed }));
-                }
-            }
+            let traced = self.trace(scene, choice, None)?;
+            let is_whole = traced.0.finished;
+            let found = if is_whole { self.measure(scene, &traced.0)? } else { None };
+            Ok((traced, found))
+        })?;
+        let Some(Reached { choice, rendered: (rendered, resumed), found, renders }) = reached
+        else {
+            return Ok(None);
+        };
+        if found.is_some_and(|found| found.error > asked) {
+            let error = unreached(asked, &choice).in_file(&args.scene);
+            warn(&[Warning::from_error(&error)]);
         }
+        let goal = goal(format!("error {asked}"), &choice, found, renders);
+        let goal = rendered.finished.then_some(goal);
+        Ok(Some(Traced { rendered, preset, goal, resumed }))
     }
 
     /// Renders within `budget`. `None` without a choice.
@@ -163,20 +151,24 @@ impl Aimed<'_> {
     }
 
     /// The measured error, if there is one.
-    fn measure(&self, scene: &PreparedScene, rendered: &Rendered) -> Result<Option<f64>> {
+    fn measure(&self, scene: &PreparedScene, rendered: &Rendered) -> Result<Option<Measured>> {
         let found = match is_sampled(scene) {
             true => Some(error(scene, Some(&rendered.film), self.args.seed)?),
             false => None,
         };
-        say(self.args, self.seen, &measured(found));
+        say(self.args, self.seen, &measured(found, leaves_out_aliasing(scene)));
         Ok(found)
     }
 }
 
-/// The measured error in words.
-fn measured(error: Option<f64>) -> String {
+/// The measured error in words, and whether it leaves out what one ray a pixel misses at edges.
+fn measured(error: Option<Measured>, without_aliasing: bool) -> String {
     match error {
-        Some(error) => format!("measured error: {}", figure(error)),
+        Some(Measured { error, .. }) if without_aliasing => format!(
+            "measured error: {}, without the aliasing of one ray through the centre of each pixel",
+            figure(error)
+        ),
+        Some(Measured { error, .. }) => format!("measured error: {}", figure(error)),
         None => {
             "error not measured: one ray through the centre of each pixel, without random samples"
                 .to_owned()
@@ -208,18 +200,6 @@ fn choose_tree(args: &RenderArgs, scene: &mut PreparedScene, preset: Preset) -> 
     best
 }
 
-/// More points after an error `excess` times the target, as for independent points: this suffices
-/// for any sampler. `None` if there are as many as possible.
-fn finer(choice: &Choice, excess: f64) -> Option<Choice> {
-    let now = choice.points.side;
-    let side = ((f64::from(now) * excess).ceil() as u32).clamp(now, MOST_SIDE);
-    let points = Points { side: side.max(MOST_SIDE.min(now + 1)), ..choice.points };
-    let more = f64::from(points.count()) / f64::from(choice.points.count());
-    let error = choice.error / more.sqrt();
-    let seconds = choice.seconds * more;
-    (points.side > now).then_some(Choice { points, error, seconds, ..*choice })
-}
-
 fn unreached(asked: f64, choice: &Choice) -> Error {
     let message = format!("the target error {asked} was not reached");
     let remedy = match choice.points.side {
@@ -229,32 +209,13 @@ fn unreached(asked: f64, choice: &Choice) -> Error {
     Error::new(ErrorKind::Usage, message).remedy(remedy)
 }
 
-fn goal(asked: String, choice: &Choice, found: Option<f64>, renders: u32) -> Goal {
+fn goal(asked: String, choice: &Choice, found: Option<Measured>, renders: u32) -> Goal {
     Goal {
         asked,
         samples: choice.to_string(),
         expected_error: choice.error,
         expected_seconds: choice.seconds,
-        found_error: found,
+        found_error: found.map(|found| found.error),
         renders,
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use wavecrest_core::math::sampling::Sampling;
-    use wavecrest_report::accuracy::pilot::Axis;
-
-    #[test]
-    fn a_target_out_of_reach_ends_at_the_most_points() {
-        let points = |side| Points { sampling: Sampling::Sobol, side };
-        let choice =
-            |side| Choice { axis: Axis::Pixel, points: points(side), error: 0.5, seconds: 2.0 };
-        let next = finer(&choice(4), 1.5).unwrap();
-        assert_eq!((next.points.side, next.seconds), (6, 4.5));
-        assert_eq!(finer(&choice(4), 1.0001).unwrap().points.side, 5);
-        assert_eq!(finer(&choice(4), 1e30).unwrap().points.side, MOST_SIDE);
-        assert!(finer(&choice(MOST_SIDE), 1e30).is_none());
     }
 }

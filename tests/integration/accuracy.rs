@@ -12,9 +12,10 @@ use wavecrest_core::render::RenderOptions;
 use wavecrest_image::compare::compare;
 use wavecrest_report::accuracy::answer::ERRORS;
 use wavecrest_report::accuracy::findings::{FamilyFindings, PointFindings, SeriesFindings};
-use wavecrest_report::accuracy::pilot::Pilot;
+use wavecrest_report::accuracy::pilot::target::reach;
+use wavecrest_report::accuracy::pilot::{Pilot, error};
 use wavecrest_report::accuracy::setting::{Facts, Setting, Structure};
-use wavecrest_report::accuracy::store::{FILE, Header, Record, SpreadRecord, Store};
+use wavecrest_report::accuracy::store::{FILE, Header, Record, Store};
 use wavecrest_report::accuracy::subject::Subject;
 use wavecrest_report::accuracy::sweep::{Options, Progress, run};
 use wavecrest_report::accuracy::{Findings, page};
@@ -29,8 +30,9 @@ use crate::support::{
 struct Silent;
 
 impl Progress for Silent {
-    fn stage(&self, _: &str, _: u64) {}
-    fn step(&self) {}
+    fn start(&self, _: u64) {}
+    fn stage(&self, _: &str) {}
+    fn step(&self, _: u64) {}
 }
 
 const OPTIONS: Options = Options { longest: 40, seeds: 4, most: 121, least: 2025 };
@@ -63,27 +65,7 @@ fn errors_fall_as_theory_has_it() {
     for point in lights.series.iter().flat_map(|series| &series.points) {
         assert!(point.bias.abs() <= point.rmse.value / 4.0, "{}: {}", point.key, point.bias);
     }
-    // What is off beyond chance is little, and the intervals of values hold as often as they say.
-    let covered = |those: &[SpreadRecord]| {
-        let sum = |of: fn(&SpreadRecord) -> u64| those.iter().map(of).sum::<u64>() as f64;
-        sum(|spread| spread.covered) / sum(|spread| spread.intervals)
-    };
-    let spreads = &found.scenes[0].spread;
-    assert!((0.93..=0.97).contains(&covered(spreads)), "{spreads:?}");
-    for spread in spreads {
-        // Pixels share their edges, and so what chance does to them.
-        let share = covered(std::slice::from_ref(spread));
-        assert!(spread.intervals >= 1000 && (0.92..=0.98).contains(&share), "{spread:?}");
-        assert!(spread.bias < spread.expected, "{spread:?}");
-    }
-    assert_eq!(found.scenes[0].spread.len(), 6);
-    for asked in &found.scenes[0].calibration {
-        assert!(asked.made <= 1.25 * asked.asked, "{asked:?}");
-    }
     answers_are_the_fastest_settings(&found);
-    for choice in &found.scenes[0].neutral {
-        assert!(choice.equal && choice.error_change == 0.0, "{choice:?}");
-    }
 }
 
 /// Each row of an answer is a measured setting that reaches its error, and none that does is faster.
@@ -281,10 +263,23 @@ fn resampling_gives_what_the_file_would() {
     }
 }
 
-/// Ten scenes: what the pilot chooses has no more than 1.25 times the error that was asked for, against
-/// references that it knows nothing of.
+/// Renders of ten scenes end at or below the error that was asked for in at least 95 of 100 runs, against
+/// references that they know nothing of.
 #[test]
 fn a_requested_error_is_reached() {
+    errors_are_reached(0.02, 2);
+}
+
+/// The same with more runs and smaller errors, for minutes.
+#[test]
+#[ignore = "for minutes"]
+fn requested_errors_are_reached() {
+    for asked in [0.03, 0.006] {
+        errors_are_reached(asked, 10);
+    }
+}
+
+fn errors_are_reached(asked: f64, seeds: u64) {
     let small = |name: &str| extract_small(&repository(name), 64, u64::MAX).build(Preset::Fast);
     let mut smooth = pinhole([64, 48], 45.0, 6.0);
     smooth["antialias"] = 2.into();
@@ -308,23 +303,34 @@ fn a_requested_error_is_reached() {
         ("mirrors", small("scenes/lightbounce.json")),
         ("a texture", small("scenes/spheretexture.json")),
     ];
+    let (mut runs, mut missed) = (0, Vec::new());
     for (name, mut scene) in scenes {
         let original = scene.original();
-        let pilot = Pilot::run(&mut scene, &original, 0).expect("a pilot");
-        let reference = pilot.for_error(0.001).expect("samples");
+        let pilot = Pilot::run(&mut scene, &original, 99).expect("a pilot");
+        let reference = pilot.for_error(asked / 12.0).expect("samples");
         scene.resample(&original, &reference.samples());
         let reference = render_on(2, &scene, &RenderOptions { seed: 99, ..options() }).film;
-        for asked in [0.02, 0.006] {
-            let choice = pilot.for_error(asked).expect("samples");
-            scene.resample(&original, &choice.samples());
-            let film = image_of(&scene, 0);
-            let reached = compare(&film, &reference).expect("a comparison").rmse;
-            assert!(reached <= 1.25 * asked, "{name}: {asked} asked, {reached} reached, {choice}");
-            // Nor is much more done than is asked for, but where one point does already.
-            let is_close = reached >= asked / 4.0 || choice.points.side <= 2;
-            assert!(is_close, "{name}: {asked} asked, {reached} reached, {choice}");
+        for seed in 0..seeds {
+            let pilot = Pilot::run(&mut scene, &original, seed).expect("a pilot");
+            let reached = reach(&pilot, asked, |choice| {
+                scene.resample(&original, &choice.samples());
+                let film = image_of(&scene, seed);
+                let found = error(&scene, Some(&film), seed)?;
+                Ok((film, Some(found)))
+            });
+            let reached = reached.expect("renders").expect("samples");
+            let made = compare(&reached.rendered, &reference).expect("a comparison").rmse;
+            runs += 1;
+            if made > asked {
+                missed.push(format!("{name}, seed {seed}: {made}, {}", reached.choice));
+            }
+            // Nor is much more done than is asked for, but where a few points do already.
+            let is_close = made >= asked / 4.0 || reached.choice.points.side <= 2;
+            assert!(is_close, "{name}, seed {seed}: {made}, {}", reached.choice);
         }
     }
+    eprintln!("{} of {runs} runs end above the error of {asked}: {missed:#?}", missed.len());
+    assert!(missed.len() * 20 <= runs, "more than one of twenty: {missed:#?}");
 }
 
 /// The price list has the counts of a render, and the page shows it.
@@ -351,7 +357,7 @@ fn exactness_has_a_price_list() {
     let [filter, settle, exact, t] = [0, 1, 2, 3].map(|i| prices.steps[i].nanoseconds);
     assert!(exact > 2.0 * settle && exact > 2.0 * t && exact > 2.0 * filter, "{prices:?}");
     assert!(prices.fast_filter > 0.0, "{prices:?}");
-    page::write(&found, &mut swept, folder.path(), false).expect("a page");
+    page::write(&found, &mut swept, folder.path()).expect("a page");
     let html = std::fs::read_to_string(folder.path().join("report.html")).expect("a page");
     for step in &prices.steps {
         let each = format!("{:.1}", step.nanoseconds);

@@ -1,26 +1,20 @@
-//! Error against time: a sweep over everything that affects the error of an image, and over
-//! everything that must not, with a report that can be published.
+//! Error against time: a sweep over everything that affects the error of an image, with a report
+//! that can be published.
 //!
 //! [`setting`] defines the variations; [`sweep`] renders them, with many seeds in random order, and
 //! writes each record to a [`store`] at once; errors are measured against a
-//! [reference](mod@reference) with a known error of its own; [`neutral`] tests choices that must
-//! not change anything. [`findings`] summarises the records with intervals ([`fit`]), and [`page`]
-//! shows them.
+//! [reference](mod@reference) with a known error of its own. [`findings`] summarises the records
+//! with intervals ([`fit`]), and [`page`] shows them.
 
 pub mod answer;
-pub mod calibration;
 pub mod crops;
 pub mod findings;
 pub mod fit;
 pub mod layers;
-pub mod neutral;
 pub mod page;
 pub mod pilot;
-pub mod presets;
-pub mod prices;
 pub mod reference;
 pub mod setting;
-pub mod spread;
 pub mod steps;
 pub mod store;
 pub mod subject;

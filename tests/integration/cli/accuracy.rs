@@ -26,23 +26,19 @@ fn a_sweep_writes_a_page_and_the_same_figures_in_other_forms() {
     assert_eq!(text(&output.stderr), "");
     assert_eq!(output.status.code(), Some(0));
     let said = text(&output.stdout);
-    assert!(
-        said.starts_with("ball\n")
-            && said.contains("settings leave the image the same, as they must"),
-        "{said}"
-    );
+    assert!(said.starts_with("ball: Soft shadows at "), "{said}");
     let read =
         |name: &str| std::fs::read_to_string(folder.path().join("out").join(name)).expect(name);
     let page = read("report.html");
     for heading in [
+        "Soft shadows at ",
+        "What each time buys",
         "Points on area lights",
         "Rays in a pixel",
-        "Precision",
-        "Settings that must not change the image",
+        "Cost and accuracy of each precision",
     ] {
         assert!(page.contains(heading), "{heading}");
     }
-    assert!(!page.contains("Cost of each effect"));
     let found: Value = serde_json::from_str(&read("accuracy.json")).expect("JSON");
     let points = &found["scenes"][0]["families"][0]["series"][0]["points"];
     assert_eq!(points.as_array().map(Vec::len), Some(3));
@@ -72,17 +68,8 @@ fn a_sweep_writes_a_page_and_the_same_figures_in_other_forms() {
         };
         assert!(shadow(0) == 0.0 && shadow(1) > 0.0, "{layer}");
     }
-    let icicle: Value = serde_json::from_str(&read("ball-layers.json")).expect("JSON");
-    let sum = |parts: &Value| -> f64 {
-        let seconds = |part: &Value| part["seconds"].as_f64().expect("seconds");
-        parts.as_array().expect("parts").iter().map(seconds).sum()
-    };
-    for precision in icicle["parts"].as_array().expect("parts") {
-        let seconds = precision["seconds"].as_f64().expect("seconds");
-        assert!((sum(&precision["parts"]) / seconds - 1.0).abs() < 1e-9, "{precision}");
-    }
     assert!(page.contains("ball: time by precision, effect and pass"));
-    assert!(read("ball-layers.csv").starts_with("precision,effect,pass,seconds\r\nfast,load,,"));
+    assert!(read("ball-layers.csv").starts_with("bar,stage,seconds\r\n\"fast, before\",load,"));
     // With other options the folder has another sweep.
     let output = run(folder.path(), &["accuracy", "ball.json", "-o", "out", "--most", "4", "-q"]);
     assert_eq!(output.status.code(), Some(2));
@@ -103,7 +90,7 @@ fn a_render_for_an_error_prints_its_choice_and_the_measured_error() {
     let statistics = std::fs::read_to_string(folder.path().join("s.json")).expect("statistics");
     let goal = serde_json::from_str::<Value>(&statistics).expect("JSON")["goal"].clone();
     let found = goal["found_error"].as_f64().expect("a number");
-    assert!(found <= 0.0125, "{goal}");
+    assert!(found <= 0.01, "{goal}");
     let output = run(folder.path(), &["ball.json", "out.exr", "--time-budget", "0.5", "-q"]);
     assert_eq!((text(&output.stderr), output.status.code()), ("", Some(0)));
 }

@@ -3,7 +3,7 @@
 //!
 //! | key of `answer` | unit | meaning |
 //! |---|---|---|
-//! | `counted` | | what is varied for a smaller error, as by `--advise` and `--target-error` |
+//! | `family`, `counted` | | what is varied for a smaller error, as by `--advise` and `--target-error` |
 //! | `errors[].error` | | root mean squared error |
 //! | `.sampler`, `.points` | | the fastest of all measured settings whose error is at most this one: its sampler and its number of points; `null` if none is |
 //! | `.seconds`, `.tracing` | seconds | its time: loading, building and tracing; tracing only |
@@ -19,6 +19,7 @@ use serde::Serialize;
 use super::findings::{FamilyFindings, PointFindings, SceneFindings, SeriesFindings};
 use super::fit::{Interval, bootstrap, of};
 use super::setting::Setting;
+use crate::plot::number::{figure, seconds};
 use crate::summary::median;
 use wavecrest_core::kernels::precision::Precision;
 use wavecrest_core::math::sampling::Sampling;
@@ -30,6 +31,7 @@ pub const ERRORS: [f64; 3] = [0.02, 0.01, 0.005];
 #[derive(Clone, Debug, Default, Serialize)]
 #[allow(missing_docs, reason = "the table above says it once, for the JSON and for the fields")]
 pub struct Answer {
+    pub family: &'static str,
     pub counted: &'static str,
     pub errors: Vec<AtError>,
     pub precisions: Vec<Price>,
@@ -66,7 +68,7 @@ impl Answer {
     pub fn of(scene: &SceneFindings, family: &str, errors: &[f64]) -> Self {
         let mut answer = Self::default();
         if let Some(family) = scene.families.iter().find(|found| found.name == family) {
-            answer.counted = family.counted;
+            (answer.family, answer.counted) = (family.name, family.counted);
             let before = scene.seconds_before();
             answer.errors = errors.iter().map(|error| at_error(family, *error, before)).collect();
         }
@@ -99,6 +101,38 @@ impl Answer {
             answer.share = most.map_or(0.0, |(_, seconds)| seconds / all.max(f64::MIN_POSITIVE));
         }
         answer
+    }
+}
+
+impl Answer {
+    /// The cost of the error in the middle of those that were asked for, or of the smallest that was
+    /// reached, in a sentence.
+    pub fn sentence(&self) -> String {
+        let middle = self.errors.get(self.errors.len() / 2).filter(|at| at.sampler.is_some());
+        let reached = || self.errors.iter().filter(|at| at.sampler.is_some());
+        let at = middle.or_else(|| reached().min_by(|a, b| a.error.total_cmp(&b.error)));
+        let Some((at, sampler)) = at.and_then(|at| Some((at, at.sampler.as_ref()?))) else {
+            return "No measured setting reaches any of the errors.".to_owned();
+        };
+        let effect = match self.family {
+            "lights" => "Soft shadows",
+            "lens" => "Depth of field",
+            _ => "Antialiasing",
+        };
+        let (error, points) = (figure(at.error * 100.0), figure(at.points.unwrap_or(0) as f64));
+        let time = seconds(at.tracing.unwrap_or(0.0));
+        let rival = match at.times_as_fast {
+            _ if sampler == Sampling::Random.name() => "no other sampler is faster".to_owned(),
+            Some(ratio) if at.at_least => {
+                format!("random ones do not reach it in {:.1} times as long", ratio.value)
+            }
+            Some(ratio) => format!("random ones take {:.1} times as long", ratio.value),
+            None => "random ones were not measured".to_owned(),
+        };
+        format!(
+            "{effect} at {error} % error: {points} {sampler} {}, {time}; {rival}.",
+            self.counted
+        )
     }
 }
 
@@ -141,11 +175,24 @@ impl SeriesFindings {
         let reaching = self.points.iter().filter(|point| point.rmse.value <= error);
         reaching.min_by(|a, b| a.seconds.median.total_cmp(&b.seconds.median))
     }
+
+    /// The measured setting with the most points in at most `seconds`, or the one with the fewest.
+    pub fn within(&self, seconds: f64) -> Option<&PointFindings> {
+        let in_time = |point: &&PointFindings| point.seconds.median <= seconds;
+        self.points.iter().rfind(in_time).or(self.points.first())
+    }
+}
+
+impl FamilyFindings {
+    /// The fastest of all measured settings whose error is at most `error`.
+    pub fn fastest(&self, error: f64) -> Option<(&SeriesFindings, &PointFindings)> {
+        let reached = self.series.iter().filter_map(|s| Some((s, s.reach(error)?)));
+        reached.min_by(|a, b| a.1.seconds.median.total_cmp(&b.1.seconds.median))
+    }
 }
 
 fn at_error(family: &FamilyFindings, error: f64, before: f64) -> AtError {
-    let reached = family.series.iter().filter_map(|s| Some((s, s.reach(error)?)));
-    let best = reached.min_by(|a, b| a.1.seconds.median.total_cmp(&b.1.seconds.median));
+    let best = family.fastest(error);
     let random = family.series.iter().find(|series| series.name == Sampling::Random.name());
     let rival = random.and_then(|random| random.reach(error).or(random.points.last()));
     let tracing = best.map(|(_, point)| point.seconds.median);

@@ -1,57 +1,42 @@
-//! Crops in equal time and at equal error: the same part of the image by each sampler.
+//! Crops: what each time buys, in the part of the image where it shows most.
 
+use super::answer::Answer;
 use super::findings::{FamilyFindings, PointFindings, SeriesFindings};
 use super::reference::Reference;
 use super::setting::Family;
 use super::subject::Subject;
 use wavecrest_base::error::Result;
 use wavecrest_core::film::Film;
+use wavecrest_core::math::sampling::Sampling;
 use wavecrest_core::render::RenderOptions;
-use wavecrest_image::error_map::{MapKind, error_map};
 
-/// A part of the image by one sampler.
+/// A part of the image by one setting.
 #[derive(Clone, Debug)]
 pub struct Crop {
     /// The sampler.
     pub name: String,
-    /// The setting that fits the time or error.
+    /// The setting.
     pub point: PointFindings,
     /// The part of the image.
     pub film: Film,
-    /// Its signed error, in false colours.
-    pub map: Film,
-    /// The whole image.
-    pub whole: Film,
 }
 
-/// The quantity that is equal for all samplers.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Equal {
-    /// Time: each sampler has the most points that fit.
-    Time,
-    /// Error: each sampler has the fewest points that reach it.
-    Error,
-}
-
-/// Crops of a family's samplers.
+/// The same part of the image in several times.
 #[derive(Clone, Debug)]
 pub struct Crops {
-    /// The crop of the reference.
+    /// The settings of an answer, the fastest first.
+    pub answers: Vec<Crop>,
+    /// Random points in at most the same time, or as few as were measured; none beside an answer
+    /// that is random.
+    pub random: Vec<Crop>,
+    /// The reference.
     pub reference: Film,
-    /// The crop of each sampler.
-    pub crops: Vec<Crop>,
-    /// The error at the ends of the false colours.
-    pub ends: f64,
 }
 
-/// The time or error is that of the first sampler with about this many points.
-const POINTS: f64 = 64.0;
+/// Largest width and height of the crop in pixels: small enough for its pixels to be seen.
+const SIZE: [u32; 2] = [28, 21];
 
-/// Largest width and height of the crop in pixels.
-const SIZE: [u32; 2] = [64, 48];
-
-/// The family's samplers in equal time or at equal error. `None` for a family without several
-/// samplers.
+/// Crops of the settings of `answer`, which are of this family. `None` if it has none.
 ///
 /// # Errors
 /// If the scene can no longer be rendered.
@@ -59,73 +44,38 @@ pub fn crops(
     subject: &mut Subject,
     family: &Family,
     found: &FamilyFindings,
+    answer: &Answer,
     reference: &Reference,
-    equal: Equal,
 ) -> Result<Option<Crops>> {
-    let Some(first) = found.series.first().filter(|_| found.series.len() > 1) else {
-        return Ok(None);
-    };
-    let distance = |p: &&PointFindings| (libm::log(p.x.max(1.0) / POINTS)).abs();
-    let Some(budget) = first.points.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)))
-    else {
-        return Ok(None);
-    };
-    let mut films = Vec::new();
-    for (line, series) in family.series.iter().zip(&found.series) {
-        let Some(point) = within(series, budget, equal) else { continue };
-        let Some((.., setting)) = line.points.iter().find(|p| p.2.key() == point.key) else {
-            continue;
-        };
-        let film = subject.render(setting, &RenderOptions::default())?.film;
-        films.push((series.name.clone(), point.clone(), film));
+    let mut settings: Vec<(&SeriesFindings, &PointFindings)> = Vec::new();
+    for at in &answer.errors {
+        let reached = found.fastest(at.error);
+        settings.extend(reached.filter(|(_, p)| settings.iter().all(|(_, q)| p.key != q.key)));
     }
-    let Some((.., whole)) = films.first() else { return Ok(None) };
-    let window = worst(whole, &reference.film);
-    let part = reference.film.part(window)?;
-    let films = films.into_iter().map(|(name, point, whole)| {
-        let film = whole.part(window)?;
-        Ok((name, point, whole, film))
+    settings.sort_by(|a, b| a.1.seconds.median.total_cmp(&b.1.seconds.median));
+    let random = found.series.iter().find(|series| series.name == Sampling::Random.name());
+    let rivals = settings.iter().filter_map(|(series, point)| {
+        let random = random.filter(|random| random.name != series.name)?;
+        Some((random, random.within(point.seconds.median)?))
     });
-    let films = films.collect::<Result<Vec<_>>>()?;
-    let ends = large(films.iter().map(|(.., film)| film), &part);
-    let gain = if ends > 0.0 { (1.0 / ends) as f32 } else { 1.0 };
-    let crops = films.into_iter().map(|(name, point, whole, film)| {
-        let map = error_map(&film, &part, MapKind::Signed, gain)?;
-        Ok(Crop { name, point, film, map, whole })
-    });
-    let crops = crops.collect::<Result<Vec<_>>>()?;
-    Ok(Some(Crops { reference: part, crops, ends }))
-}
-
-/// The setting of a sampler with as much time as another, with a small allowance for its spread, or
-/// with no larger error.
-fn within<'a>(
-    series: &'a SeriesFindings,
-    budget: &PointFindings,
-    equal: Equal,
-) -> Option<&'a PointFindings> {
-    let points = &series.points;
-    match equal {
-        Equal::Time => {
-            let in_time = |p: &&PointFindings| p.seconds.median <= budget.seconds.high;
-            points.iter().rfind(in_time).or(points.first())
-        }
-        Equal::Error => {
-            let near = |p: &&PointFindings| p.rmse.value <= budget.rmse.high;
-            points.iter().find(near).or(points.last())
-        }
-    }
-}
-
-/// A mean of a pixel's three errors that one pixel of a hundred exceeds.
-pub fn large<'a>(films: impl Iterator<Item = &'a Film>, reference: &Film) -> f64 {
-    let error = |(a, b): (&[f32; 3], &[f32; 3])| {
-        a.iter().zip(b).map(|(a, b)| f64::from(a - b)).sum::<f64>().abs() / 3.0
+    let rivals: Vec<_> = rivals.collect();
+    let mut whole = |(series, point): &(&SeriesFindings, &PointFindings)| {
+        let mut all = family.series.iter().flat_map(|line| &line.points);
+        let setting = all.find(|(.., setting)| setting.key() == point.key);
+        let setting = setting.map(|(.., setting)| *setting).unwrap_or_default();
+        let film = subject.render(&setting, &RenderOptions::default())?.film;
+        Ok(Crop { name: series.name.clone(), point: (*point).clone(), film })
     };
-    let errors = films.flat_map(|film| film.pixels().iter().zip(reference.pixels()));
-    let mut errors: Vec<f64> = errors.map(error).collect();
-    errors.sort_by(f64::total_cmp);
-    errors.get(errors.len() * 99 / 100).copied().unwrap_or(0.0)
+    let answers = settings.iter().map(&mut whole).collect::<Result<Vec<Crop>>>()?;
+    let random = rivals.iter().map(&mut whole).collect::<Result<Vec<Crop>>>()?;
+    let Some(first) = random.first().or(answers.first()) else { return Ok(None) };
+    let window = worst(&first.film, &reference.film);
+    let part = |crop: Crop| Ok(Crop { film: crop.film.part(window)?, ..crop });
+    Ok(Some(Crops {
+        answers: answers.into_iter().map(part).collect::<Result<_>>()?,
+        random: random.into_iter().map(part).collect::<Result<_>>()?,
+        reference: reference.film.part(window)?,
+    }))
 }
 
 /// The window, `[x, y, width, height]`, with the largest squared error.

@@ -12,15 +12,10 @@
 //! | `.points[].rmse` | | root of the mean squared error over all seeds, with its interval |
 //! | `.points[].mse`, `.relative_mse`, `.psnr`, `.flip`, `.bias` | | means over seeds; see [`wavecrest_image::compare`] |
 //! | `.points[].flip_95` | | the FLIP value that one pixel of twenty exceeds |
-//! | `.points[].efficiency`, `.efficiency_in_all` | 1/s | 1 / (MSE x time) for tracing, and for loading, building and tracing, with intervals |
 //! | `.points[].rays` | rays | of every kind, mean over seeds |
 //! | `.points[].above_noise` | | whether the error is at least three standard errors of the reference |
-//! | `.points[].front` | | whether no other point above the noise in the family is both faster and more accurate |
 //! | `stages` | seconds | for each precision: loading, building, and each pass at the scene's own samples, summed over threads: medians |
 //! | `layers` | | time by precision, effect and pass: see [`layers`] |
-//! | `presets`, `crossings` | | see [`presets`] |
-//! | `spread`, `calibration` | | see [`SpreadRecord`] and [`CalibrationRecord`] |
-//! | `neutral` | | choices that must not change the image: the change of the error, and whether the bits are equal |
 //! | `trials` | | for each precision: rays aimed at edges and leaks, rays that leave a surface and self-hits, errors of t, points and normals in ulp ([`HitErrors`](crate::selftest::errors::HitErrors)) |
 //! | `steps` | | what exact hits cost: `rays` of a render, `steps` with their counts there and nanoseconds each, and the nanoseconds of a pair in the filter of `fast`; see [`steps`](super::steps) |
 
@@ -30,11 +25,10 @@ use super::answer::Answer;
 use super::fit::{self, Interval};
 use super::layers::{self, LayersFindings};
 use super::pilot::Axis;
-use super::presets::{self, PresetFindings};
 use super::setting::{Family, Line, Target};
 use super::store::{
-    CalibrationRecord, NeutralRecord, PointRecord, PreparedRecord, Record, ReferenceRecord,
-    SceneRecord, SpreadRecord, StepsRecord, TrialRecord, all,
+    PointRecord, PreparedRecord, Record, ReferenceRecord, SceneRecord, StepsRecord, TrialRecord,
+    all,
 };
 use super::subject::Stages;
 use super::sweep::Swept;
@@ -55,11 +49,6 @@ pub struct SceneFindings {
     pub families: Vec<FamilyFindings>,
     pub stages: Vec<StageFindings>,
     pub layers: Vec<LayersFindings>,
-    pub presets: Vec<PresetFindings>,
-    pub crossings: Vec<(f64, String)>,
-    pub spread: Vec<SpreadRecord>,
-    pub calibration: Vec<CalibrationRecord>,
-    pub neutral: Vec<NeutralRecord>,
     pub trials: Vec<TrialRecord>,
     pub steps: Option<StepsRecord>,
 }
@@ -99,11 +88,8 @@ pub struct PointFindings {
     pub flip: f64,
     pub flip_95: f64,
     pub bias: f64,
-    pub efficiency: Option<Interval>,
-    pub efficiency_in_all: Option<Interval>,
     pub rays: f64,
     pub above_noise: bool,
-    pub front: bool,
     /// The squared error of each seed.
     #[serde(skip)]
     pub each: Vec<f64>,
@@ -136,19 +122,10 @@ impl SceneFindings {
             families: Vec::new(),
             stages: stages(swept, &name, records),
             layers: layers::of(&name, records),
-            presets: presets::of(&name, records),
-            crossings: Vec::new(),
-            spread: all(records).filter(|s: &&SpreadRecord| s.scene == name).cloned().collect(),
-            calibration: all(records)
-                .filter(|c: &&CalibrationRecord| c.scene == name)
-                .cloned()
-                .collect(),
-            neutral: all(records).filter(|n: &&NeutralRecord| n.scene == name).cloned().collect(),
             trials: all(records).filter(|t: &&TrialRecord| t.scene == name).cloned().collect(),
             steps: all(records).find(|s: &&StepsRecord| s.scene == name).cloned(),
         };
         found.families = swept.families.iter().map(|f| found.family(f, &name, records)).collect();
-        found.crossings = presets::crossings(&found.presets);
         let axis = Axis::of(&swept.subject.facts());
         found.answer = Answer::of(&found, axis.family(), errors);
         Some(found)
@@ -165,9 +142,7 @@ impl SceneFindings {
         let line = |line: &Line| {
             let points = line.points.iter().filter_map(|(x, label, setting)| {
                 let records = of_setting(scene, family.target, &setting.key(), records);
-                let mut point = PointFindings::of(*x, label, &setting.key(), &records, floor)?;
-                point.efficiency_in_all = point.efficiency_after(self.seconds_before());
-                Some(point)
+                PointFindings::of(*x, label, &setting.key(), &records, floor)
             });
             SeriesFindings { name: line.name.clone(), slope: None, points: points.collect() }
         };
@@ -175,7 +150,6 @@ impl SceneFindings {
         for line in series.iter_mut().filter(|_| family.has_slope) {
             line.slope = line.fit();
         }
-        mark_front(&mut series);
         let Family { name, title, counted, target, .. } = *family;
         FamilyFindings { name, title, counted, target, series }
     }
@@ -211,7 +185,7 @@ impl PointFindings {
         let seconds = MedianInterval::of(&times)?;
         let rmse = fit::rmse(&each);
         let mse = mean(|r| r.error.mse);
-        let mut found = Self {
+        Some(Self {
             x,
             label: label.to_owned(),
             key: key.to_owned(),
@@ -222,35 +196,12 @@ impl PointFindings {
             psnr: (mse > 0.0).then(|| psnr(mse)),
             flip: mean(|r| r.error.flip),
             flip_95: mean(|r| r.error.flip_95),
-            efficiency: None,
-            efficiency_in_all: None,
             bias: mean(|r| r.error.bias),
             rays: mean(|r| r.rays as f64),
             above_noise: rmse.value >= floor,
-            front: false,
             each,
             times,
-        };
-        found.efficiency = found.efficiency_after(0.0);
-        Some(found)
-    }
-
-    /// The efficiency if this many seconds pass before the first ray.
-    fn efficiency_after(&self, before: f64) -> Option<Interval> {
-        let of = |seeds: &[usize]| {
-            let error = self.error(seeds);
-            Some(1.0 / (error * error * (before + self.time(seeds)))).filter(|e| e.is_finite())
-        };
-        fit::bootstrap(self.times.len(), of)
-    }
-}
-
-fn mark_front(series: &mut [SeriesFindings]) {
-    let mut points: Vec<&mut PointFindings> =
-        series.iter_mut().flat_map(|line| &mut line.points).filter(|p| p.above_noise).collect();
-    let places: Vec<(f64, f64)> = points.iter().map(|p| (p.seconds.median, p.rmse.value)).collect();
-    for (point, front) in points.iter_mut().zip(fit::front(&places)) {
-        point.front = front;
+        })
     }
 }
 

@@ -1,4 +1,4 @@
-//! Means, slopes and Pareto fronts, each with its interval.
+//! Means and slopes, each with its interval.
 //!
 //! Intervals are percentiles of the bootstrap (Efron, *Bootstrap Methods: Another Look at the
 //! Jackknife*, 1979): seeds are resampled with replacement, whole renders at a time, since the
@@ -154,12 +154,6 @@ pub fn slope(points: &[(f64, Vec<f64>)]) -> Option<Interval> {
     Some(percentiles(found, resampled, seeds))
 }
 
-/// The Pareto front: points that no other beats; less is better in both coordinates.
-pub fn front(points: &[(f64, f64)]) -> Vec<bool> {
-    let beats = |a: (f64, f64), b: (f64, f64)| a.0 <= b.0 && a.1 <= b.1 && a != b;
-    points.iter().map(|&p| !points.iter().any(|&other| beats(other, p))).collect()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -210,13 +204,6 @@ mod tests {
             let found = student(0.05, freedom);
             assert!((found - expected).abs() < 0.02 * expected, "{found}");
         }
-    }
-
-    #[test]
-    fn the_front_is_what_nothing_beats() {
-        let points = [(1.0, 5.0), (2.0, 6.0), (3.0, 2.0), (3.0, 3.0), (4.0, 2.0), (5.0, 1.0)];
-        assert_eq!(front(&points), [true, false, true, false, false, true]);
-        assert_eq!(front(&[(1.0, 1.0), (1.0, 1.0)]), [true, true]);
     }
 
     #[test]

@@ -28,7 +28,7 @@ const CAMERA_RAYS: &str = "camera rays";
 
 /// Largest number of renders of each, and the seconds after which no further round starts.
 const ROUNDS: usize = 8;
-const SHORT: f64 = 10.0;
+const SHORT: f64 = 5.0;
 
 /// The layers in one precision.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -53,7 +53,7 @@ pub struct PartFindings {
 /// If the scene can no longer be rendered, or a record cannot be written.
 pub fn run(subject: &mut Subject, store: &mut Store, progress: &dyn Progress) -> Result<()> {
     let scene = subject.name();
-    progress.stage(&format!("{scene}: time by effect"), Precision::ALL.len() as u64);
+    progress.stage(&format!("{scene}: time by effect"));
     for precision in Precision::ALL {
         let name = precision.name();
         let is_it = |l: &LayersRecord| l.scene == scene && l.precision == name;
@@ -62,7 +62,6 @@ pub fn run(subject: &mut Subject, store: &mut Store, progress: &dyn Progress) ->
             let (scene, precision) = (scene.clone(), name.to_owned());
             store.add(Record::Layers(LayersRecord { scene, precision, steps }))?;
         }
-        progress.step();
     }
     Ok(())
 }

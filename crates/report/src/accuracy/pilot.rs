@@ -1,12 +1,18 @@
 //! Chooses samples for an error or a time, from a short pilot.
 //!
-//! No reference is needed: every sampler here is unbiased, so half of the mean squared difference
-//! of two independent renders is the mean squared error of one. The pilot measures it in windows
-//! all over the image, for a few numbers of points, and extrapolates linearly in logarithms. The
-//! time of a render is a constant plus a time for each point; both are measured on the whole image
-//! with few points. A pilot with little time measures fewer samplers and fewer numbers of points.
+//! No reference is needed: every sampler here is unbiased, so the variance of independent renders
+//! is the mean squared error of one. The pilot measures it in windows all over the image, for a few
+//! numbers of points, and extrapolates linearly in logarithms. The time of a render is a constant
+//! plus a time for each point; both are measured on the whole image with few points. A pilot with
+//! little time measures fewer samplers and fewer numbers of points.
+//!
+//! One ray through the centre of each pixel is no sample of its area: renders agree in what they
+//! miss, so they do not show it. Where rays in a pixel are varied, a choice for an error therefore
+//! has at least four; where points on lights or the lens are, the measured error is that of these
+//! points, and does not include what such a ray misses at edges.
 
 pub mod budget;
+pub mod target;
 
 use std::fmt;
 use std::time::Instant;
@@ -129,6 +135,11 @@ impl Axis {
         }
     }
 
+    /// The smallest grid whose error renders show.
+    fn least_side(self) -> u32 {
+        if self == Self::Pixel { 2 } else { 1 }
+    }
+
     /// A number of its points.
     fn counted(self, points: Points) -> String {
         let (thing, place) = match self {
@@ -185,7 +196,7 @@ impl Curve {
 
     /// The fewest points for `error`; the largest number if none suffices.
     pub fn for_error(&self, error: f64) -> Choice {
-        let choices = (1..=MOST_SIDE).map(|side| self.choice(side));
+        let choices = (self.axis.least_side()..=MOST_SIDE).map(|side| self.choice(side));
         choices.into_iter().find(|c| c.error * MARGIN <= error).unwrap_or(self.choice(MOST_SIDE))
     }
 
@@ -256,6 +267,65 @@ impl Pilot {
     }
 }
 
+/// The cost of an error with one sampler.
+#[derive(Clone, Copy, Debug)]
+pub struct Advice {
+    /// The choice, as the pilot expects it.
+    pub choice: Choice,
+    /// Seconds of tracing the image, and its error; `None` if the choice takes too long to try.
+    pub measured: Option<(f64, Measured)>,
+}
+
+/// Choices that take longer than this in seconds are not tried.
+const TRIED: f64 = 5.0;
+
+/// What `error` costs with each sampler: the choices of a pilot, tried on the whole image. The scene
+/// is restored.
+///
+/// # Errors
+/// As [`Pilot::run`].
+pub fn advise(
+    scene: &mut PreparedScene,
+    original: &Original,
+    error: f64,
+    seed: u64,
+) -> Result<Vec<Advice>> {
+    let pilot = Pilot::run(scene, original, seed)?;
+    let mut advice = Vec::new();
+    for curve in &pilot.curves {
+        let choice = curve.for_error(error);
+        let mut measured = None;
+        if choice.seconds <= TRIED {
+            scene.resample(original, &choice.samples());
+            let options = RenderOptions { seed, ..RenderOptions::default() };
+            let rendered = render(scene, &options, &())?;
+            let again = render(scene, &options, &())?.seconds;
+            let error = self::error(scene, Some(&rendered.film), seed)?;
+            measured = Some((rendered.seconds.min(again), error));
+        }
+        advice.push(Advice { choice, measured });
+    }
+    scene.resample(original, &Samples::default());
+    Ok(advice)
+}
+
+impl Advice {
+    /// Seconds of tracing: measured, or expected of a choice that was not tried.
+    pub fn seconds(&self) -> f64 {
+        self.measured.map_or(self.choice.seconds, |(seconds, _)| seconds)
+    }
+}
+
+impl fmt::Display for Advice {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Some((seconds, found)) = self.measured else {
+            return write!(f, "{} (not tried)", self.choice);
+        };
+        let points = self.choice.axis.counted(self.choice.points);
+        write!(f, "{points}: error {}, {seconds:.3} s of tracing", figure(found.error))
+    }
+}
+
 fn curve(
     scene: &mut PreparedScene,
     original: &Original,
@@ -277,11 +347,10 @@ fn curve(
     for side in SIDES {
         let count = resample(scene, side);
         let share = measured_share(scene.camera.size());
-        // Two renders of the windows.
-        if !fits(2.0 * share * (seconds[0] + seconds[1] * count)) {
+        if !fits(OTHERS as f64 * share * (seconds[0] + seconds[1] * count)) {
             break;
         }
-        errors.push((count, error(scene, None, seed)?));
+        errors.push((count, error(scene, None, seed)?.error));
     }
     Ok(Curve { sampling, axis, errors, seconds })
 }
@@ -320,9 +389,15 @@ fn pilot_seed(seed: u64, number: u64) -> u64 {
     seed ^ (0x5EED << 40) ^ (number << 32)
 }
 
-/// Whether `scene` has random samples, so that [`error`] can measure their error.
+/// Whether renders of `scene` show the error of its samples: with one ray through the centre of
+/// each pixel and nothing else left to chance, they are all equal.
 pub fn is_sampled(scene: &PreparedScene) -> bool {
     Facts::of(scene).is_sampled(Target::Scene)
+}
+
+/// Whether the error of `scene` leaves out what one ray through the centre of each pixel misses.
+pub fn leaves_out_aliasing(scene: &PreparedScene) -> bool {
+    scene.camera.antialias() == 1
 }
 
 /// The share of an image of this size that is in windows.
@@ -331,40 +406,61 @@ pub fn measured_share(size: [u32; 2]) -> f64 {
     pixels as f64 / size.map(f64::from).iter().product::<f64>()
 }
 
-/// The error of `scene` with its current samples, in windows: between two own renders, or between
-/// `film`, the whole image, and one render. Without random samples all renders are equal, and say
+/// An error measured in windows: root mean squared error of linear values.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Measured {
+    /// The estimate.
+    pub error: f64,
+    /// The error that the image has at most, with [`CONFIDENCE`]: from the differences between
+    /// windows.
+    pub at_most: f64,
+}
+
+/// The confidence of [`Measured::at_most`], as standard errors of a normal distribution: 0.975.
+const CONFIDENCE: f64 = 1.96;
+
+/// Renders of each window beside the image that is measured.
+const OTHERS: u64 = 2;
+
+/// The error of `scene` with its current samples, in windows, from the variance of some renders and
+/// of `film`, the whole image, if there is one. Without random samples all are equal, and say
 /// nothing of the error: see [`is_sampled`].
 ///
 /// # Errors
 /// If there is no memory for a window.
-pub fn error(scene: &PreparedScene, film: Option<&Film>, seed: u64) -> Result<f64> {
+pub fn error(scene: &PreparedScene, film: Option<&Film>, seed: u64) -> Result<Measured> {
     let mut rng = Rng::new(pilot_seed(seed, u64::from(film.is_some())));
     // A window is one tile: all threads have work only if there are several windows at once.
     let tiles = windows(scene.camera.size(), &mut rng);
     let found = tiles.into_par_iter().map(|tile| {
-        let of = |number| {
+        let window = [tile.x, tile.y, tile.width, tile.height];
+        let mut films: Vec<Film> =
+            film.map(|film| film.part(window)).into_iter().collect::<Result<_>>()?;
+        for number in 1..=OTHERS {
             let seed = pilot_seed(seed, number);
             let options = RenderOptions { seed, crop: Some(tile), ..RenderOptions::default() };
-            render(scene, &options, &()).map(|rendered| rendered.film)
-        };
-        let other = match film {
-            Some(film) => film.part([tile.x, tile.y, tile.width, tile.height])?,
-            None => of(2)?,
-        };
-        Ok(squares(&of(1)?, &other))
+            films.push(render(scene, &options, &())?.film);
+        }
+        Ok(variance(&films))
     });
-    let found: Vec<(f64, usize)> = found.collect::<Result<_>>()?;
-    let (squares, values) = found.iter().fold((0.0, 0), |(s, v), (t, w)| (s + t, v + w));
-    Ok((squares / 2.0 / values.max(1) as f64).sqrt())
+    let found: Vec<f64> = found.collect::<Result<_>>()?;
+    let n = found.len() as f64;
+    let mean = found.iter().sum::<f64>() / n;
+    let squares: f64 = found.iter().map(|each| (each - mean) * (each - mean)).sum();
+    let deviation = (squares / (n - 1.0).max(1.0) / n).sqrt();
+    Ok(Measured { error: mean.sqrt(), at_most: (mean + CONFIDENCE * deviation).sqrt() })
 }
 
-/// The sum of the squared differences of two images, and their number.
-fn squares(one: &Film, other: &Film) -> (f64, usize) {
-    let values = one.pixels().as_flattened().iter().zip(other.pixels().as_flattened());
-    let difference = |(a, b): (&f32, &f32)| f64::from(*a) - f64::from(*b);
-    let squares: Vec<f64> =
-        values.map(difference).map(|difference| difference * difference).collect();
-    (squares.iter().sum(), squares.len())
+/// The variance of a value between images of one size: the mean over all their values.
+fn variance(films: &[Film]) -> f64 {
+    let n = films.len() as f64;
+    let values = films.first().map_or(0, |film| film.pixels().len() * 3);
+    let of = |index: usize| {
+        let each = || films.iter().map(move |film| f64::from(film.pixels().as_flattened()[index]));
+        let mean = each().sum::<f64>() / n;
+        each().map(|value| (value - mean) * (value - mean)).sum::<f64>() / (n - 1.0)
+    };
+    (0..values).map(of).sum::<f64>() / values.max(1) as f64
 }
 
 /// A window in each part of the image, all of one size; the whole image if it is small.

@@ -25,15 +25,13 @@ const LEAST_REPLICATES: u32 = 4;
 const MOST_REPLICATES: u32 = 32;
 
 /// Their first seed, which no other render uses.
-pub(super) const FIRST_SEED: u64 = 1 << 63;
+const FIRST_SEED: u64 = 1 << 63;
 
 /// A reference picture.
 #[derive(Clone, Debug)]
 pub struct Reference {
     /// The mean.
     pub film: Film,
-    /// The standard error of each of its values.
-    pub error: Film,
     /// Points of each kind in each pixel, all renders together.
     pub samples: u64,
     /// The number of renders.
@@ -52,18 +50,18 @@ impl Reference {
 }
 
 /// Sums over renders.
-pub(super) struct Sums {
+struct Sums {
     sum: Vec<[f64; 3]>,
     squares: Vec<[f64; 3]>,
     count: u32,
 }
 
 impl Sums {
-    pub(super) fn new(pixels: usize) -> Self {
+    fn new(pixels: usize) -> Self {
         Self { sum: vec![[0.0; 3]; pixels], squares: vec![[0.0; 3]; pixels], count: 0 }
     }
 
-    pub(super) fn add(&mut self, film: &Film) {
+    fn add(&mut self, film: &Film) {
         self.count += 1;
         let rows = self.sum.iter_mut().zip(&mut self.squares).zip(film.pixels());
         for ((sum, squares), pixel) in rows {
@@ -75,7 +73,7 @@ impl Sums {
     }
 
     /// Mean and variance of each value, pixel by pixel.
-    pub(super) fn moments(&self) -> impl Iterator<Item = ([f64; 3], [f64; 3])> {
+    fn moments(&self) -> impl Iterator<Item = ([f64; 3], [f64; 3])> {
         let n = f64::from(self.count);
         self.sum.iter().zip(&self.squares).map(move |(sum, squares)| {
             let variance = |channel: usize| {
@@ -86,13 +84,10 @@ impl Sums {
         })
     }
 
-    /// The mean, and the standard error of each of its values.
-    fn films(&self, [width, height]: [u32; 2]) -> Result<(Film, Film)> {
-        let n = f64::from(self.count);
+    /// The mean.
+    fn film(&self, [width, height]: [u32; 2]) -> Result<Film> {
         let mean = self.moments().map(|(mean, _)| mean.map(|v| v as f32)).collect();
-        let error = self.moments().map(|(_, variance)| variance.map(|v| (v / n).sqrt() as f32));
-        let error = Film::from_pixels(width, height, error.collect())?;
-        Ok((Film::from_pixels(width, height, mean)?, error))
+        Film::from_pixels(width, height, mean)
     }
 
     /// See [`Reference::standard_error`].
@@ -127,8 +122,16 @@ fn setting(subject: &Subject, target: Target, least: u32) -> (Setting, u32) {
     (Setting { samples, ..Setting::default() }, count)
 }
 
+/// The least work of a reference, in points of each pixel: see [`Setting::work`].
+pub fn least_work(least: u32) -> u64 {
+    REFERENCE_COST * u64::from(LEAST_REPLICATES) * u64::from(least)
+}
+
+/// How many times as long as the usual kernel the reference kernel takes, roughly.
+const REFERENCE_COST: u64 = 3;
+
 /// Renders the reference of `target`, with at least `least` points of each kind, until errors of
-/// `smallest` are above its noise. `progress` is called after each render.
+/// `smallest` are above its noise.
 ///
 /// # Errors
 /// If the scene can no longer be rendered.
@@ -137,7 +140,6 @@ pub fn make(
     target: Target,
     least: u32,
     smallest: impl Fn(&mut Subject, &Film) -> Result<f64>,
-    progress: &dyn Fn(),
 ) -> Result<Reference> {
     let (setting, count) = setting(subject, target, least);
     let is_sampled = subject.facts().is_sampled(target);
@@ -150,16 +152,15 @@ pub fn make(
         let rendered = subject.render_with(KernelChoice::Reference, &setting, &options)?;
         seconds += rendered.seconds;
         sums.add(&rendered.film);
-        progress();
         let enough = if is_sampled { LEAST_REPLICATES } else { 1 };
         if sums.count < enough {
             continue;
         }
         let standard_error = if is_sampled { sums.standard_error() } else { 0.0 };
         let samples = u64::from(sums.count) * u64::from(count);
-        let (film, error) = sums.films([width, height])?;
+        let film = sums.film([width, height])?;
         let replicates = sums.count;
-        let made = Reference { film, error, samples, replicates, standard_error, seconds };
+        let made = Reference { film, samples, replicates, standard_error, seconds };
         let done = standard_error == 0.0
             || replicates >= MOST_REPLICATES
             || made.believes(smallest(subject, &made.film)?);

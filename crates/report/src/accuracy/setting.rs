@@ -33,6 +33,14 @@ impl Setting {
         Self { samples: Samples { lights: one, lens: one, pixel: one }, ..self }
     }
 
+    /// A rough measure of a render's work: points in each pixel.
+    pub fn work(&self) -> u64 {
+        let Samples { lights, lens, pixel } = self.samples;
+        let points = [lights, lens, pixel].into_iter().flatten().map(|p| u64::from(p.count()));
+        // The camera ray, and what is shaded at its hit.
+        2 + points.product::<u64>()
+    }
+
     /// A short unique description: the key of its records.
     pub fn key(&self) -> String {
         let mut key = self.structure.precision.name().to_owned();

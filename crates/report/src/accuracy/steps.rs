@@ -36,7 +36,7 @@ pub fn run(subject: &mut Subject, store: &mut Store, progress: &dyn Progress) ->
     if all(&store.records).any(|s: &StepsRecord| s.scene == scene) {
         return Ok(());
     }
-    progress.stage(&format!("{scene}: steps to exact hits"), 1);
+    progress.stage(&format!("{scene}: steps to exact hits"));
     let c = subject.render(&Setting::default(), &RenderOptions::default())?.counters;
     let rays = c.primary_rays + c.secondary_rays + c.shadow_rays;
     let mut prices = prices(&subject.prepare(&Structure::default())?.scene);
@@ -48,7 +48,6 @@ pub fn run(subject: &mut Subject, store: &mut Store, progress: &dyn Progress) ->
     };
     let steps = Step::ALL.into_iter().zip(prices).map(step).collect();
     store.add(Record::Steps(StepsRecord { scene, rays, steps, fast_filter }))?;
-    progress.step();
     Ok(())
 }
 

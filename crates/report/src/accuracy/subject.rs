@@ -85,6 +85,11 @@ impl Subject {
         self.size
     }
 
+    /// The number of pixels of its images.
+    pub fn pixels(&self) -> u64 {
+        self.size.map(u64::from).iter().product()
+    }
+
     /// The properties that can be varied.
     pub fn facts(&self) -> Facts {
         self.facts

@@ -15,7 +15,7 @@ use super::store::{
     all,
 };
 use super::subject::Subject;
-use super::{calibration, layers, neutral, presets, spread, steps};
+use super::{layers, steps};
 use crate::selftest::examine::trial;
 use crate::selftest::{Count, Effort};
 use crate::yardstick::yardstick;
@@ -28,12 +28,15 @@ use wavecrest_image::flip::{DEFAULT_PIXELS_PER_DEGREE, flip};
 use wavecrest_image::read::read;
 use wavecrest_image::write::{Transfer, write};
 
-/// Receives the progress of a sweep.
+/// Receives the progress of a sweep. Work is counted in points of pixels: a rough measure, by which
+/// the time to go is estimated.
 pub trait Progress {
-    /// The next stage starts, with this number of steps.
-    fn stage(&self, name: &str, steps: u64);
-    /// One of its steps is done.
-    fn step(&self);
+    /// The sweep starts, with this much work.
+    fn start(&self, work: u64);
+    /// The next stage starts.
+    fn stage(&self, name: &str);
+    /// Some of the work is done.
+    fn step(&self, work: u64);
 }
 
 /// The extent of a sweep.
@@ -70,19 +73,31 @@ pub fn run(
     store: &mut Store,
     progress: &dyn Progress,
 ) -> Result<Vec<Swept>> {
-    files.iter().map(|file| scene(file, options, store, progress)).collect()
+    let open = |file: &PathBuf| Subject::open(file, options.longest);
+    let subjects = files.iter().map(open).collect::<Result<Vec<Subject>>>()?;
+    progress.start(subjects.iter().map(|subject| work(subject, options)).sum());
+    subjects.into_iter().map(|subject| scene(subject, options, store, progress)).collect()
+}
+
+/// The work of a scene's sweep.
+fn work(subject: &Subject, options: &Options) -> u64 {
+    let families = families(&subject.facts(), options.most);
+    let targets = Target::ALL.into_iter().filter(|t| families.iter().any(|f| f.target == *t));
+    let references = targets.map(|_| reference::least_work(options.least)).sum::<u64>();
+    let settings = settings(&families);
+    let points: u64 = settings.iter().map(|(.., setting)| setting.work()).sum();
+    subject.pixels() * (references + u64::from(options.seeds) * points)
 }
 
 fn scene(
-    file: &std::path::Path,
+    mut subject: Subject,
     options: &Options,
     store: &mut Store,
     progress: &dyn Progress,
 ) -> Result<Swept> {
-    let mut subject = Subject::open(file, options.longest)?;
     store.admit(SceneRecord {
         scene: subject.name(),
-        file: file.to_owned(),
+        file: subject.file().to_owned(),
         fingerprint: format!("{:032x}", subject.fingerprint()),
         size: subject.size(),
         primitives: subject.primitives(),
@@ -94,14 +109,11 @@ fn scene(
         if !approached.is_empty() {
             let found = reference(&mut subject, target, &approached, options, store, progress)?;
             references.insert(target.name(), found);
+            progress.step(subject.pixels() * reference::least_work(options.least));
         }
     }
     points(&mut subject, &families, &references, options, store, progress)?;
-    presets::run(&mut subject, store, progress)?;
     layers::run(&mut subject, store, progress)?;
-    spread::run(&mut subject, &families, &references, store, progress)?;
-    calibration::run(&mut subject, &references, store, progress)?;
-    neutral::run(&mut subject, references.get(Target::Scene.name()), store, progress)?;
     trials(&mut subject, store, progress)?;
     steps::run(&mut subject, store, progress)?;
     Ok(Swept { subject, families, references })
@@ -120,7 +132,7 @@ fn reference(
     if let Some(known) = known_reference(store, &name, target)? {
         return Ok(known);
     }
-    progress.stage(&format!("{name}: reference ({})", target.name()), 0);
+    progress.stage(&format!("{name}: reference ({})", target.name()));
     let nearest = nearest(families);
     let smallest = |subject: &mut Subject, film: &Film| {
         let mut smallest = f64::INFINITY;
@@ -130,10 +142,9 @@ fn reference(
         }
         Ok(smallest)
     };
-    let made = reference::make(subject, target, options.least, smallest, &|| progress.step())?;
+    let made = reference::make(subject, target, options.least, smallest)?;
     let file = format!("{name}-{}.exr", target.name());
     write(&made.film, &store.folder().join(&file), Transfer::Linear)?;
-    write(&made.error, &store.folder().join(error_of(&file)), Transfer::Linear)?;
     store.add(Record::Reference(ReferenceRecord {
         scene: name,
         target,
@@ -151,14 +162,8 @@ fn known_reference(store: &Store, scene: &str, target: Target) -> Result<Option<
     let is_it = |known: &&ReferenceRecord| known.scene == scene && known.target == target;
     let Some(known) = all(&store.records).find(is_it) else { return Ok(None) };
     let film = read(&store.folder().join(&known.file))?;
-    let error = read(&store.folder().join(error_of(&known.file)))?;
     let &ReferenceRecord { samples, replicates, standard_error, seconds, .. } = known;
-    Ok(Some(Reference { film, error, samples, replicates, standard_error, seconds }))
-}
-
-/// The file of a reference's standard errors, beside the reference.
-fn error_of(file: &str) -> String {
-    format!("{}-error.exr", file.trim_end_matches(".exr"))
+    Ok(Some(Reference { film, samples, replicates, standard_error, seconds }))
 }
 
 /// The settings nearest to a reference: the last of each converging line.
@@ -171,6 +176,17 @@ fn nearest(families: &[&Family]) -> Vec<Setting> {
         .collect()
 }
 
+/// Each setting of the families once, with its target and its key.
+fn settings(families: &[Family]) -> Vec<(Target, String, Setting)> {
+    let lines = families.iter().flat_map(|f| f.series.iter().map(move |line| (f.target, line)));
+    let mut all: Vec<(Target, String, Setting)> = lines
+        .flat_map(|(target, line)| line.points.iter().map(move |(.., s)| (target, s.key(), *s)))
+        .collect();
+    all.sort_by(|a, b| (a.0.name(), &a.1).cmp(&(b.0.name(), &b.1)));
+    all.dedup_by(|a, b| (a.0, &a.1) == (b.0, &b.1));
+    all
+}
+
 /// Renders every setting with every seed.
 fn points(
     subject: &mut Subject,
@@ -181,15 +197,9 @@ fn points(
     progress: &dyn Progress,
 ) -> Result<()> {
     let name = subject.name();
-    let mut all: Vec<(Target, String, Setting)> = families
-        .iter()
-        .flat_map(|family| family.series.iter().map(move |line| (family.target, line)))
-        .flat_map(|(target, line)| line.points.iter().map(move |(.., s)| (target, s.key(), *s)))
-        .collect();
-    all.sort_by(|a, b| (a.0.name(), &a.1).cmp(&(b.0.name(), &b.1)));
-    all.dedup_by(|a, b| (a.0, &a.1) == (b.0, &b.1));
+    let mut all = settings(families);
     note_preparation(subject, all.iter().map(|(.., setting)| setting), store)?;
-    progress.stage(&name, all.len() as u64 * u64::from(options.seeds));
+    progress.stage(&name);
     for seed in 0..u64::from(options.seeds) {
         Rng::new(seed).shuffle(&mut all);
         for (target, key, setting) in &all {
@@ -204,7 +214,7 @@ fn points(
                 let record = point(&name, *target, key, seed, &rendered, error);
                 store.add(Record::Point(PointRecord { yardstick, ..record }))?;
             }
-            progress.step();
+            progress.step(subject.pixels() * setting.work());
         }
     }
     Ok(())
@@ -325,7 +335,7 @@ pub fn errors(film: &Film, reference: &Film) -> Result<Errors> {
 fn trials(subject: &mut Subject, store: &mut Store, progress: &dyn Progress) -> Result<()> {
     let name = subject.name();
     let done = all(&store.records).filter(|t: &&TrialRecord| t.scene == name).count();
-    progress.stage(&format!("{name}: leaks and self-hits"), Precision::ALL.len() as u64);
+    progress.stage(&format!("{name}: leaks and self-hits"));
     for precision in Precision::ALL.into_iter().skip(done) {
         let structure = Structure { precision, ..Structure::default() };
         let accel = &subject.prepare(&structure)?.scene.accel;
@@ -340,7 +350,6 @@ fn trials(subject: &mut Subject, store: &mut Store, progress: &dyn Progress) -> 
             self_hits: [found.self_hits.tried, found.self_hits.failed],
             errors: Some(Box::new(found.errors)),
         }))?;
-        progress.step();
     }
     Ok(())
 }

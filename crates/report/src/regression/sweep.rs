@@ -16,8 +16,8 @@ use super::{Change, Estimate, Found, Regression, Side, Verdict, log_ratio, typic
 use crate::accuracy::reference::FLOOR;
 use crate::accuracy::setting::{Target, converges, series_of, words_of};
 use crate::accuracy::store::{
-    Circumstances, Header, NeutralRecord, PointRecord, PreparedRecord, Record, ReferenceRecord,
-    SceneRecord, TrialRecord, all, read,
+    Circumstances, Header, PointRecord, PreparedRecord, Record, ReferenceRecord, SceneRecord,
+    TrialRecord, all, read,
 };
 use crate::summary::median;
 use wavecrest_base::error::Result;
@@ -313,32 +313,11 @@ fn preparation(scene: &str, sides: &[Sweep<'_>; 2]) -> Vec<Found> {
 
 /// Deterministic values that changed.
 fn changes(scene: &str, sides: &[Sweep<'_>; 2]) -> Result<Vec<Change>> {
-    let mut changes = neutral(scene, sides);
-    changes.extend(trials(scene, sides));
+    let mut changes = trials(scene, sides);
     for target in Target::ALL {
         changes.extend(references(scene, target, sides)?);
     }
     Ok(changes)
-}
-
-/// Choices that must not change an image, but do on one side.
-fn neutral(scene: &str, sides: &[Sweep<'_>; 2]) -> Vec<Change> {
-    let [before, after] =
-        sides.each_ref().map(|s| all::<NeutralRecord>(&s.records).filter(|n| n.scene == scene));
-    let after: Vec<&NeutralRecord> = after.collect();
-    let differs = |before: &NeutralRecord| {
-        let is_it = |n: &&&NeutralRecord| n.knob == before.knob && n.value == before.value;
-        let after = after.iter().find(is_it)?;
-        let words = |n: &NeutralRecord| if n.equal { "identical" } else { "different" };
-        (after.equal != before.equal).then(|| Change {
-            scene: scene.to_owned(),
-            what: format!("{} {}", before.knob, before.value),
-            before: words(before).to_owned(),
-            after: words(after).to_owned(),
-            verdict: if before.equal { Verdict::Worse } else { Verdict::Better },
-        })
-    };
-    before.filter_map(differs).collect()
 }
 
 /// Rays that leak or hit their own triangle again.

@@ -1,16 +1,12 @@
 //! Findings as tables.
 
+use crate::accuracy::answer::Answer;
 use crate::accuracy::findings::{FamilyFindings, PointFindings, SceneFindings, SeriesFindings};
-use crate::accuracy::fit::Interval;
 use crate::accuracy::setting::Target;
 use crate::accuracy::store::StepRecord;
-use crate::effects::{Cost, Price, PriceList};
 use crate::page::{Block, Cell, Details, Table};
-use crate::plot::number::figure;
-
-/// Number of errors whose time is reported, from the largest that all samplers reach to the
-/// smallest.
-const ERRORS: usize = 4;
+use crate::plot::number::{figure, seconds};
+use crate::selftest::errors::{Distribution, HitErrors, ulps};
 
 /// The description of a reference.
 fn target(target: Target) -> &'static str {
@@ -55,18 +51,20 @@ fn milliseconds(seconds: f64) -> Cell {
     Cell::number(seconds, format!("{:.2}", seconds * 1e3))
 }
 
-/// The tables of a family.
-pub(super) fn of(family: &FamilyFindings) -> Vec<Block> {
+/// The tables of a family, for the errors of the answer.
+pub(super) fn of(family: &FamilyFindings, answer: &Answer) -> Vec<Block> {
     let mut blocks = Vec::new();
     blocks.extend(slopes(family).map(Block::Table));
-    blocks.extend(time_to_error(family).map(Block::Table));
-    blocks.extend(efficiency(family).map(Block::Table));
     let points = Block::Table(points(family));
-    blocks.push(if family.series.len() > 1 {
-        Block::Details(Details { summary: "Every setting".to_owned(), blocks: vec![points] })
-    } else {
-        points
-    });
+    if family.series.len() == 1 {
+        blocks.push(points);
+        return blocks;
+    }
+    blocks.push(Block::Table(time_to_error(family, answer)));
+    blocks.push(Block::Details(Details {
+        summary: "Every setting".to_owned(),
+        blocks: vec![points],
+    }));
     blocks
 }
 
@@ -91,74 +89,28 @@ fn slopes(family: &FamilyFindings) -> Option<Table> {
     (!rows.is_empty()).then(|| Table::new(caption, header, rows))
 }
 
-/// The times of the fastest settings that reach some errors.
-fn time_to_error(family: &FamilyFindings) -> Option<Table> {
-    let errors = common_errors(family)?;
-    let first = family.series.first()?;
-    let row = |series: &SeriesFindings| {
-        let mut cells = vec![Cell::text(series.name.clone())];
-        for &error in &errors {
-            let time = time_at(series, error);
-            let ratio = time.zip(time_at(first, error)).map(|(time, first)| first / time);
-            cells.push(match (time, ratio) {
-                (Some(time), Some(ratio)) => {
-                    Cell::number(time, format!("{:.2} ({ratio:.2} x)", time * 1e3))
-                }
-                (Some(time), None) => milliseconds(time),
-                _ => Cell::text("not reached"),
-            });
-        }
-        cells
+/// The fastest setting of each sampler that reaches each error.
+fn time_to_error(family: &FamilyFindings, answer: &Answer) -> Table {
+    let first = family.series.first();
+    let cell = |series: &SeriesFindings, error: f64| {
+        let Some(point) = series.reach(error) else { return Cell::text("not reached") };
+        let time = point.seconds.median;
+        let text = format!("{}, {}", seconds(time), points_of(&point.label));
+        let rival = first.filter(|first| first.name != series.name).and_then(|f| f.reach(error));
+        let ratio = rival.map(|rival| format!(" ({:.2} x)", rival.seconds.median / time));
+        Cell::number(time, text + &ratio.unwrap_or_default())
     };
-    let errors = errors.iter().map(|error| format!("|>RMSE {error:.2e}"));
+    let row = |series: &SeriesFindings| {
+        let cells = answer.errors.iter().map(|at| cell(series, at.error));
+        std::iter::once(Cell::text(series.name.clone())).chain(cells).collect()
+    };
+    let errors = answer.errors.iter().map(|at| format!("|>error {} %", figure(at.error * 100.0)));
     let header = "sampler".to_owned() + &errors.collect::<String>();
     let caption = format!(
-        "Tracing time in ms of the fastest setting that reaches an error, and the speedup over {}",
-        first.name
+        "Tracing time of each sampler's fastest setting that reaches an error, and how many times as fast as {} it is",
+        first.map_or("", |first| &first.name)
     );
-    Some(Table::new(caption, &header, family.series.iter().map(row).collect()))
-}
-
-/// Errors that the first sampler reaches, in equal ratios.
-fn common_errors(family: &FamilyFindings) -> Option<Vec<f64>> {
-    let points = &family.series.first().filter(|series| series.slope.is_some())?.points;
-    let errors: Vec<f64> = points.iter().filter(|p| p.above_noise).map(|p| p.rmse.value).collect();
-    let (&most, &least) = (errors.first()?, errors.last()?);
-    if errors.len() < 3 || least >= most {
-        return None;
-    }
-    let ratio = libm::log(least / most) / ERRORS as f64;
-    Some((1..=ERRORS).map(|i| most * libm::exp(ratio * i as f64)).collect())
-}
-
-/// The most efficient setting of each sampler.
-fn efficiency(family: &FamilyFindings) -> Option<Table> {
-    let best = |series: &SeriesFindings, of: fn(&PointFindings) -> Option<Interval>| {
-        let all = series.points.iter().filter(|p| p.above_noise);
-        let best =
-            all.filter_map(|p| Some((of(p)?, p))).max_by(|a, b| a.0.value.total_cmp(&b.0.value));
-        best.map_or([Cell::text("none"), Cell::text("")], |(e, p)| {
-            let text = format!("{:.2e} ({:.2e} to {:.2e})", e.value, e.low, e.high);
-            [Cell::number(e.value, text), Cell::number(p.x, points_of(&p.label))]
-        })
-    };
-    let row = |series: &SeriesFindings| {
-        let cells = [best(series, |p| p.efficiency), best(series, |p| p.efficiency_in_all)];
-        std::iter::once(Cell::text(series.name.clone()))
-            .chain(cells.into_iter().flatten())
-            .collect()
-    };
-    let sloped = family.series.iter().any(|series| series.slope.is_some());
-    let caption = "The best efficiency of each sampler, 1 / (MSE x time) in 1/s, and the setting that reaches it: for \
-                   tracing only, and with loading and building";
-    let header = "sampler|>tracing only|>at|>total|>at";
-    sloped.then(|| Table::new(caption, header, family.series.iter().map(row).collect()))
-}
-
-/// The time of a sampler's fastest setting that reaches `error`.
-fn time_at(series: &SeriesFindings, error: f64) -> Option<f64> {
-    // Rounding must not lose the ends.
-    series.reach(error * (1.0 + f64::EPSILON * 8.0)).map(|point| point.seconds.median)
+    Table::new(caption, &header, family.series.iter().map(row).collect())
 }
 
 /// A number of points in words.
@@ -167,7 +119,8 @@ pub(super) fn points_of(count: &str) -> String {
 }
 
 fn points(family: &FamilyFindings) -> Table {
-    let header = "setting|>time, ms|>RMSE|>95% interval|>relative MSE|>PSNR, dB|>FLIP|>bias|above noise|Pareto front";
+    let header =
+        "setting|>time, ms|>RMSE|>95% interval|>relative MSE|>PSNR, dB|>FLIP|>bias|above noise";
     let mark = |yes: bool| Cell::text(if yes { "yes" } else { "no" });
     let row = |series: &SeriesFindings, p: &PointFindings| {
         let name = if family.series.len() > 1 {
@@ -185,7 +138,6 @@ fn points(family: &FamilyFindings) -> Table {
             digits(p.flip),
             digits(p.bias),
             mark(p.above_noise),
-            mark(p.front),
         ]
     };
     let rows = family.series.iter().flat_map(|s| s.points.iter().map(move |p| row(s, p))).collect();
@@ -204,6 +156,10 @@ pub(super) fn precision(scene: &SceneFindings) -> Vec<Block> {
     let row = |p: &PointFindings| {
         let trial = scene.trials.iter().find(|trial| trial.precision == p.label);
         let missing = || Cell::text("none");
+        let errors = trial.and_then(|trial| trial.errors.as_deref());
+        let worst = |of: fn(&HitErrors) -> &Distribution| {
+            errors.map_or_else(missing, |e| Cell::number(of(e).worst, ulps(of(e).worst)))
+        };
         let ratio = p.seconds.median / fast;
         vec![
             Cell::text(p.label.clone()),
@@ -211,11 +167,14 @@ pub(super) fn precision(scene: &SceneFindings) -> Vec<Block> {
             digits(p.rmse.value),
             trial.map_or_else(missing, |t| share(t.leaks)),
             trial.map_or_else(missing, |t| share(t.self_hits)),
+            worst(|errors| &errors.t),
+            worst(|errors| &errors.point),
+            worst(|errors| &errors.normal),
         ]
     };
     let caption = "Leaks: rays aimed at an edge that pass between its two triangles. Self-hits: rays that leave a \
-                   triangle and hit it again (acne)";
-    let header = "precision|>time / fast|>RMSE|>leaks|>self-hits";
+                   triangle and hit it again (acne). Then the largest errors of hits";
+    let header = "precision|>time / fast|>RMSE|>leaks|>self-hits|>t|>point|>normal";
     let mut table = Table::new(caption, header, points.iter().map(row).collect());
     if scene.trials.is_empty() {
         // There are no trials without triangles.
@@ -249,71 +208,4 @@ pub(super) fn steps(scene: &SceneFindings) -> Vec<Block> {
     let header = "step|>times a ray|>ns each|>ns a ray";
     let table = Table::new(caption, header, found.steps.iter().map(row).collect());
     vec![Block::Table(table), Block::paragraph(found.sentence(scene))]
-}
-
-/// Choices that must not change the image.
-pub(super) fn neutral(scene: &SceneFindings) -> Vec<Block> {
-    let row = |n: &crate::accuracy::store::NeutralRecord| {
-        vec![
-            Cell::text(n.knob.clone()),
-            Cell::text(n.value.clone()),
-            digits(n.error_change),
-            Cell::text(if n.equal { "bit for bit" } else { "NO" }),
-            milliseconds(n.seconds),
-        ]
-    };
-    let wrong = scene.neutral.iter().filter(|n| !n.equal || n.error_change != 0.0).count();
-    let verdict = match wrong {
-        0 => format!("All {} settings give the same image, bit for bit.", scene.neutral.len()),
-        n => format!("{n} of {} settings change the image.", scene.neutral.len()),
-    };
-    let rows = scene.neutral.iter().map(row).collect();
-    let table = Table::new("", "setting|value|>change of error|same image|>time, ms", rows);
-    if wrong > 0 {
-        return vec![Block::Warning(verdict), Block::Table(table)];
-    }
-    let summary = "Each setting".to_owned();
-    let details = Details { summary, blocks: vec![Block::Table(table)] };
-    vec![Block::paragraph(verdict), Block::Details(details)]
-}
-
-/// The cost of each effect with both tracers.
-pub(super) fn prices(list: &PriceList) -> Vec<Block> {
-    let table = |caption: &str, reached: bool| {
-        let header = "effect|added to|>wavefront, ratio|>ns per ray|>recursive, ratio|>ns per ray|>bytes per path";
-        let rows = list.effects.iter().filter(|p| p.reached == reached).map(price_row).collect();
-        Block::Table(Table::new(caption, header, rows))
-    };
-    let lead = format!(
-        "Each effect is added on its own to a small scene of {} x {} pixels. The ratio is the time with the effect \
-         over the time without it, round by round, in {} rounds. Bytes are those of the buffers of the wavefront \
-         tracer.",
-        list.image.width, list.image.height, list.rounds
-    );
-    vec![
-        Block::paragraph(lead),
-        table("Effects in view", true),
-        table("Effects that nothing in view shows: same image, same work", false),
-    ]
-}
-
-fn price_row(p: &Price) -> Vec<Cell> {
-    let per_ray = |cost: &Cost| {
-        Cell::number(cost.seconds_per_mray, format!("{:.1}", cost.seconds_per_mray * 1e3))
-    };
-    vec![
-        Cell::text(p.effect),
-        Cell::text(p.added_to.unwrap_or("nothing")),
-        price_cell(&p.wavefront),
-        per_ray(&p.wavefront),
-        price_cell(&p.recursive),
-        per_ray(&p.recursive),
-        Cell::number(p.bytes_per_path as f64, p.bytes_per_path.to_string()),
-    ]
-}
-
-fn price_cell(cost: &Cost) -> Cell {
-    let Some(ratio) = &cost.price else { return Cell::text("1") };
-    let of = ratio.interval;
-    Cell::number(of.median, format!("{:.3} ({:.3} to {:.3})", of.median, of.low, of.high))
 }

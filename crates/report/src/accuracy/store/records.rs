@@ -116,36 +116,6 @@ pub struct Errors {
     pub flip_95: f64,
 }
 
-/// A test of a choice that must not change the image.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct NeutralRecord {
-    /// The scene's name.
-    pub scene: String,
-    /// The changed option.
-    pub knob: String,
-    /// Its value.
-    pub value: String,
-    /// Seconds from the first ray to the last.
-    pub seconds: f64,
-    /// The root mean squared error against the reference, minus that of the default choice.
-    pub error_change: f64,
-    /// Whether the image has the same bits as with the default choice.
-    pub equal: bool,
-}
-
-/// A build and render of the scene with a preset.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct PresetRecord {
-    /// The scene's name.
-    pub scene: String,
-    /// The preset.
-    pub preset: String,
-    /// Seconds of building.
-    pub build: f64,
-    /// Seconds from the first ray to the last.
-    pub seconds: f64,
-}
-
 /// The last removed layer, and the seconds in each pass without it and those before it.
 pub type Step = (Option<String>, Vec<(String, f64)>);
 
@@ -159,45 +129,6 @@ pub struct LayersRecord {
     pub precision: String,
     /// The layers in the order of removal, after the whole scene.
     pub steps: Vec<Step>,
-}
-
-/// Repeated renders of a setting: see [`spread`](crate::accuracy::spread).
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct SpreadRecord {
-    /// The scene's name.
-    pub scene: String,
-    /// The target that it is compared with.
-    pub target: Target,
-    /// The setting.
-    pub key: String,
-    /// The number of renders.
-    pub renders: u32,
-    /// The variance of a value in one render: a mean over all values.
-    pub variance: f64,
-    /// The root mean square of the error of the mean of the renders, minus the part that chance
-    /// explains.
-    pub bias: f64,
-    /// The part that chance explains: root mean square.
-    pub expected: f64,
-    /// Values with an interval, and the number of these that contain the reference.
-    pub intervals: u64,
-    /// See `intervals`.
-    pub covered: u64,
-}
-
-/// A test of a requested error: see [`calibration`](crate::accuracy::calibration).
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct CalibrationRecord {
-    /// The scene's name.
-    pub scene: String,
-    /// The seed.
-    pub seed: u64,
-    /// The requested error.
-    pub asked: f64,
-    /// The error that the pilot expected.
-    pub expected: f64,
-    /// The actual error against the reference.
-    pub made: f64,
 }
 
 /// A test of a precision on a scene's triangles.
@@ -249,7 +180,10 @@ macro_rules! records {
         #[serde(tag = "record", rename_all = "kebab-case")]
         #[allow(missing_docs, reason = "each says what it is")]
         pub enum Record {
-            $($name($kind)),+
+            $($name($kind),)+
+            /// A kind that only older versions wrote.
+            #[serde(other)]
+            Other,
         }
 
         $(impl Recorded for $kind {
@@ -273,9 +207,9 @@ impl Record {
     /// What names a precision, alone or as the first word of a key.
     fn precision_mut(&mut self) -> Option<&mut String> {
         match self {
-            Self::Prepared(PreparedRecord { key, .. })
-            | Self::Point(PointRecord { key, .. })
-            | Self::Spread(SpreadRecord { key, .. }) => Some(key),
+            Self::Prepared(PreparedRecord { key, .. }) | Self::Point(PointRecord { key, .. }) => {
+                Some(key)
+            }
             Self::Trial(TrialRecord { precision, .. })
             | Self::Layers(LayersRecord { precision, .. }) => Some(precision),
             _ => None,
@@ -310,11 +244,7 @@ records! {
     Prepared(PreparedRecord),
     Reference(ReferenceRecord),
     Point(PointRecord),
-    Neutral(NeutralRecord),
     Trial(TrialRecord),
     Steps(StepsRecord),
-    Preset(PresetRecord),
     Layers(LayersRecord),
-    Spread(SpreadRecord),
-    Calibration(CalibrationRecord),
 }
