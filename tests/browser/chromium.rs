@@ -230,12 +230,6 @@ impl Browser {
         [0, 1].map(|index| found[index].as_f64().unwrap_or_else(|| panic!("no {selector}")))
     }
 
-    /// A picture of what the window shows, written to a file as well.
-    pub(crate) fn view(&mut self, file: &Path) -> image::RgbImage {
-        let taken = self.call("Page.captureScreenshot", json!({"format": "png"}));
-        kept(&taken, file)
-    }
-
     /// A picture of the whole page, written to a file as well.
     pub(crate) fn picture(&mut self, file: &Path) -> image::RgbImage {
         let size = self.call("Page.getLayoutMetrics", json!({}))["cssContentSize"].clone();

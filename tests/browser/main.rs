@@ -18,9 +18,7 @@ use std::process::Command;
 use chromium::Browser;
 use serde_json::json;
 use tempfile::TempDir;
-use wavecrest_report::page::{
-    Block, Cell, Column, Compare, Details, Fact, Page, Picture, Section, Table,
-};
+use wavecrest_report::page::{Block, Cell, Column, Details, Fact, Page, Picture, Section, Table};
 use wavecrest_report::plot::{
     Axis, Bar, Chart, Course, Draw, Guide, Point, Scale, Segment, Series, StackedBars,
 };
@@ -80,12 +78,6 @@ fn page() -> Page {
         columns: vec![Column::words("name"), Column::numbers("value")],
         rows: rows.into_iter().map(row).collect(),
     };
-    let compare = Compare {
-        left: picture("red", [200, 0, 0]),
-        right: picture("blue", [0, 0, 200]),
-        caption: "Words at two pictures.".to_owned(),
-    };
-    let green = picture("green", [0, 160, 0]);
     Page {
         title: "A page of everything".to_owned(),
         lead: "Words that lead in.".to_owned(),
@@ -95,7 +87,13 @@ fn page() -> Page {
                 "Charts",
                 vec![Block::Chart(chart), Block::Bars(bars), Block::Table(table)],
             ),
-            Section::new("Pictures", vec![Block::Compare(compare), Block::Pictures(vec![green])]),
+            Section::new(
+                "Pictures",
+                vec![Block::Pictures(vec![
+                    picture("red", [200, 0, 0]),
+                    picture("blue", [0, 0, 200]),
+                ])],
+            ),
             Section::new(
                 "The rest",
                 vec![
@@ -202,25 +200,17 @@ fn the_answer_of_a_sweep_is_on_the_first_screen() {
         };
         let value = "dataset.value * 1";
         assert_eq!(cell(2, value).as_f64(), error["error"].as_f64());
-        assert_eq!(cell(3, "textContent"), error["sampler"]);
-        assert_eq!(cell(4, value).as_f64(), error["points"].as_f64());
-        assert_eq!(cell(5, value), error["seconds"]);
-        assert_eq!(cell(6, value), error["times_as_fast"]["value"]);
+        assert_eq!(cell(3, value), error["tracing"]);
+        let setting =
+            format!("{} {} points", error["points"], error["sampler"].as_str().expect("a sampler"));
+        assert_eq!(cell(4, "textContent"), setting);
+        assert_eq!(cell(5, value), error["times_as_fast"]["value"]);
+        assert_eq!(cell(6, value), error["seconds"]);
         let bottom = cell(1, "getBoundingClientRect().bottom").as_f64();
         assert!(bottom.is_some_and(|bottom| bottom < 800.0), "row {row} ends at {bottom:?}");
     }
     let hidden = "[...document.images].filter(i => !i.checkVisibility()).length";
     assert_eq!(browser.evaluate(hidden), 0);
-    // All pictures of a row are seen from near at once.
-    let [x, y] = browser.middle(".zooms .frame");
-    for kind in ["mousePressed", "mouseReleased"] {
-        browser.mouse(kind, [x, y]);
-    }
-    let widths = "[...document.querySelectorAll('.zooms.near img')].map(i => \
-                  i.getBoundingClientRect().width / i.parentElement.getBoundingClientRect().width)";
-    let widths = browser.evaluate(widths);
-    let widths = widths.as_array().expect("widths");
-    assert!(widths.len() == 4 && widths.iter().all(|w| *w == 4.0), "{widths:?}");
     for (scheme, width, name) in
         [("light", 1280, "sweep"), ("dark", 1280, "sweep-dark"), ("light", 400, "sweep-narrow")]
     {
@@ -268,36 +258,6 @@ fn values_are_shown_under_the_pointer_and_the_keyboard() {
 }
 
 #[test]
-fn the_divide_between_two_pictures_moves() {
-    let Some((_folder, mut browser)) = opened("the divide", 1100) else { return };
-    // Red on the left of the divide, blue on the right.
-    let colours = |browser: &mut Browser, name: &str| {
-        let [x, y] = browser.middle(".pair");
-        let picture = browser.view(&pictures().join(name));
-        [x - 100.0, x + 100.0].map(|x| picture.get_pixel(x as u32, y as u32).0)
-    };
-    let (red, blue) = ([200, 0, 0], [0, 0, 200]);
-    assert_eq!(colours(&mut browser, "divide-middle.png"), [red, blue]);
-
-    let [x, y] = browser.middle(".pair");
-    browser.mouse("mousePressed", [x, y]);
-    browser.mouse("mouseMoved", [x + 150.0, y]);
-    browser.mouse("mouseReleased", [x + 150.0, y]);
-    assert_eq!(colours(&mut browser, "divide-right.png"), [red, red]);
-    let [x, y] = browser.middle(".pair");
-    browser.mouse("mouseMoved", [x - 200.0, y]);
-    assert_eq!(colours(&mut browser, "divide-right.png"), [red, red], "it was let go");
-
-    browser.evaluate("document.querySelector('.divide').focus()");
-    browser.press("Home", 36);
-    assert_eq!(browser.evaluate("document.querySelector('.divide').value"), "0");
-    assert_eq!(colours(&mut browser, "divide-left.png"), [blue, blue]);
-    let told = browser.evaluate("document.querySelector('.divide').ariaValueText");
-    assert_eq!(told, "0% red");
-    assert_eq!(browser.complaints, Vec::<String>::new());
-}
-
-#[test]
 fn rows_are_sorted_by_a_column() {
     let Some((_folder, mut browser)) = opened("sorted rows", 1100) else { return };
     let names = "[...document.querySelectorAll('section > .table tbody th')].map(c => c.textContent).join('')";
@@ -328,7 +288,6 @@ fn without_javascript_everything_is_there() {
         "Words that answer.",
         "Words in a caption.",
         "Words over a table.",
-        "Words at two pictures.",
         "Words in a paragraph.",
         "Words that warn.",
         "Words that are known.",
@@ -339,12 +298,14 @@ fn without_javascript_everything_is_there() {
     ] {
         assert!(text.contains(words), "{words}\n{text}");
     }
-    assert_eq!(browser.evaluate("document.querySelectorAll('.theme, .divide, .tip').length"), 0);
+    assert_eq!(browser.evaluate("document.querySelectorAll('.theme, .tip').length"), 0);
     // Values are in titles, which the browser itself shows.
     let title = browser.evaluate("document.querySelector('.mark title').textContent");
     assert_eq!(title, "stratified\nsamples: 1\nerror: 0.5 (0.4 to 0.7)");
     // Both pictures are seen, side by side.
-    for (selector, rgb) in [(".left img", [200, 0, 0]), (".right img", [0, 0, 200])] {
+    for (selector, rgb) in
+        [(".picture:first-child img", [200, 0, 0]), (".picture:last-child img", [0, 0, 200])]
+    {
         let [x, y] = on_page(&mut browser, selector);
         assert_eq!(picture.get_pixel(x, y).0, rgb, "{selector}");
     }
@@ -396,13 +357,15 @@ fn on_paper_all_is_dark_on_white_and_open() {
     browser.call("Emulation.setEmulatedMedia", json!({"media": "print", "features": dark}));
     let picture = browser.picture(&pictures().join("paper.png"));
     assert_eq!(picture.get_pixel(2, 2).0, [255; 3]);
-    let hidden = "[...document.querySelectorAll('.theme, .divide, .figures, .narrow')]\
+    let hidden = "[...document.querySelectorAll('.theme, .figures, .narrow')]\
                   .every(e => getComputedStyle(e).display === 'none')";
     assert_eq!(browser.evaluate(hidden), true);
     let height = "document.querySelector('details.aside p').getBoundingClientRect().height";
     assert!(browser.evaluate(height).as_f64().is_some_and(|height| height > 0.0), "it is open");
     // Both pictures are seen, side by side.
-    for (selector, rgb) in [(".left img", [200, 0, 0]), (".right img", [0, 0, 200])] {
+    for (selector, rgb) in
+        [(".picture:first-child img", [200, 0, 0]), (".picture:last-child img", [0, 0, 200])]
+    {
         let [x, y] = on_page(&mut browser, selector);
         assert_eq!(picture.get_pixel(x, y).0, rgb, "{selector}");
     }

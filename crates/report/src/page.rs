@@ -2,9 +2,8 @@
 //!
 //! A [`Page`] is data: sections of [`Block`]s in reading order. All text is plain and is escaped;
 //! words between backticks become code. The page loads nothing from any network, and its policy
-//! forbids it. It is complete without JavaScript. With it, charts show values at their points,
-//! images can be compared with a slider, tables can be sorted, and light or dark can be chosen
-//! independently of the system.
+//! forbids it. It is complete without JavaScript. With it, charts show values at their points, tables
+//! can be sorted, and light or dark can be chosen independently of the system.
 
 mod blocks;
 mod document;
@@ -15,7 +14,7 @@ mod tests;
 mod writer;
 
 use super::plot::number::figure;
-use super::plot::{Chart, Icicle, StackedBars};
+use super::plot::{Chart, StackedBars};
 
 /// The whole report.
 #[derive(Clone, Debug, Default)]
@@ -52,12 +51,8 @@ pub enum Block {
     Chart(Chart),
     /// Bars with the same.
     Bars(StackedBars),
-    /// An icicle with the same.
-    Icicle(Icicle),
     /// A table.
     Table(Table),
-    /// Two images of one thing under a slider; side by side without JavaScript.
-    Compare(Compare),
     /// Images in a row, each with its caption.
     Pictures(Vec<Picture>),
     /// Code or a command, unchanged.
@@ -109,17 +104,6 @@ pub struct Cell {
     pub value: Option<f64>,
 }
 
-/// Two images of one thing.
-#[derive(Clone, Debug, Default)]
-pub struct Compare {
-    /// Left of the slider.
-    pub left: Picture,
-    /// Right of the slider, of the same size.
-    pub right: Picture,
-    /// The caption.
-    pub caption: String,
-}
-
 /// An embedded image.
 #[derive(Clone, Debug, Default)]
 pub struct Picture {
@@ -127,7 +111,7 @@ pub struct Picture {
     pub png: Vec<u8>,
     /// The alternative text.
     pub alt: String,
-    /// The caption; in a [`Compare`], the short name of its side.
+    /// The caption.
     pub caption: String,
     /// Whether to show single pixels when enlarged.
     pub pixels: bool,

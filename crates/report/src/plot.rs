@@ -1,8 +1,8 @@
 //! Charts as data, written as SVG, PNG, CSV and JSON.
 //!
-//! A [`Chart`] shows series over two axes; [`StackedBars`] and an [`Icicle`] show where time went.
-//! They contain no drawing instructions. All are laid out as a list of shapes, written as SVG by
-//! one writer and as PNG pixels by another, so that both show the same. Text widths come from a
+//! A [`Chart`] shows series over two axes; [`StackedBars`] show where time went. They contain no
+//! drawing instructions. Both are laid out as a list of shapes, written as SVG by one writer and as
+//! PNG pixels by another, so that both show the same. Text widths come from a
 //! built-in font: nothing depends on the system, and the bytes are the same on every machine.
 //!
 //! Colours are those of Okabe and Ito (*Color Universal Design*, 2008), which people with colour
@@ -17,7 +17,6 @@ mod field;
 pub(crate) mod figure;
 mod font;
 mod guides;
-mod icicle;
 pub mod label;
 mod legend;
 mod marker;
@@ -97,9 +96,6 @@ pub enum Draw {
     Points,
     /// Markers with whiskers, joined by a line.
     Line,
-    /// A Pareto front as a staircase below the other series, from left to right; less is better on
-    /// both axes. Its points belong to other series.
-    Front,
 }
 
 /// One measurement.
@@ -172,30 +168,6 @@ pub struct Segment {
     pub seconds: f64,
 }
 
-/// Time by level: below each part are its subdivisions, with widths proportional to their time.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
-pub struct Icicle {
-    /// The title, in a few words.
-    pub title: String,
-    /// The kind of the parts of each level, from the top down, such as "pass".
-    pub levels: Vec<String>,
-    /// The parts of the first level, from left to right.
-    pub parts: Vec<Part>,
-    /// How to read it; shown beside the drawing, not in it.
-    pub caption: String,
-}
-
-/// A part of the time.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
-pub struct Part {
-    /// Its name. Undivided parts with the same name have the same colour.
-    pub name: String,
-    /// Its time in seconds, 0 or more: the sum of its parts, if it is divided.
-    pub seconds: f64,
-    /// Its subdivisions, from left to right.
-    pub parts: Vec<Part>,
-}
-
 impl Axis {
     /// An axis of this scale.
     pub fn new(label: impl Into<String>, unit: impl Into<String>, scale: Scale) -> Self {
@@ -248,30 +220,5 @@ impl Bar {
     /// The segments to draw: times that are finite and not negative.
     fn drawn(&self) -> impl Iterator<Item = &Segment> {
         self.segments.iter().filter(|s| s.seconds.is_finite() && s.seconds >= 0.0)
-    }
-}
-
-impl Part {
-    /// A part that is not divided.
-    pub fn new(name: impl Into<String>, seconds: f64) -> Self {
-        Self { name: name.into(), seconds, parts: Vec::new() }
-    }
-
-    /// A part that is divided into `parts`.
-    pub fn of(name: impl Into<String>, parts: Vec<Self>) -> Self {
-        Self { name: name.into(), seconds: parts.iter().map(Self::time).sum(), parts }
-    }
-
-    /// The time to draw: 0 if it is negative or not finite.
-    fn time(&self) -> f64 {
-        if self.seconds.is_finite() { self.seconds.max(0.0) } else { 0.0 }
-    }
-
-    /// The parts that are not divided, from left to right.
-    fn leaves(&self) -> Vec<&Self> {
-        if self.parts.is_empty() {
-            return vec![self];
-        }
-        self.parts.iter().flat_map(Self::leaves).collect()
     }
 }

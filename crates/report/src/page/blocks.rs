@@ -17,9 +17,7 @@ fn one(writer: &mut Writer, block: &Block) -> Result<()> {
         Block::Warning(text) => warning(writer, text),
         Block::Chart(chart) => figures::drawing(writer, chart)?,
         Block::Bars(bars) => figures::drawing(writer, bars)?,
-        Block::Icicle(icicle) => figures::drawing(writer, icicle)?,
         Block::Table(table) => tables::table(writer, table),
-        Block::Compare(pair) => figures::compare(writer, pair),
         Block::Pictures(pictures) => figures::pictures(writer, pictures),
         Block::Code(text) => {
             let text = escape(text.trim_end());

@@ -5,7 +5,7 @@ use base64::engine::general_purpose::STANDARD;
 
 use super::tables::table;
 use super::writer::{Writer, inline};
-use super::{Align, Cell, Column, Compare, Picture, Table};
+use super::{Align, Cell, Column, Picture, Table};
 use crate::markup::escape;
 use crate::plot::figure::Figure;
 use crate::plot::number::figure;
@@ -13,7 +13,7 @@ use wavecrest_base::error::{Error, ErrorKind, Result};
 
 /// A chart with its caption, its notes, and its figures as a table and as downloads.
 pub(super) fn drawing(writer: &mut Writer, figure: &impl Figure) -> Result<()> {
-    begin(writer, "drawing", figure.title(), figure.caption());
+    begin(writer, figure.title(), figure.caption());
     writer.add(&figure.elements());
     for note in figure.notes() {
         writer.element("p class=\"note\"", &note);
@@ -34,13 +34,13 @@ pub(super) fn drawing(writer: &mut Writer, figure: &impl Figure) -> Result<()> {
 }
 
 /// The start of a numbered figure.
-fn begin(writer: &mut Writer, class: &str, title: &str, caption: &str) {
+fn begin(writer: &mut Writer, title: &str, caption: &str) {
     writer.figures += 1;
     let (number, title, caption) = (writer.figures, inline(title), inline(caption));
     let space = if title.is_empty() || caption.is_empty() { "" } else { " " };
     let title = if title.is_empty() { title } else { format!(" <span>{title}</span>") };
     writer.add(&format!(
-        "<figure class=\"{class}\" id=\"figure-{number}\">\n\
+        "<figure class=\"drawing\" id=\"figure-{number}\">\n\
          <figcaption><b>Figure {number}</b>{title}{space}{caption}</figcaption>\n"
     ));
 }
@@ -77,18 +77,6 @@ fn file_name(title: &str) -> String {
     if name.is_empty() { "figures".to_owned() } else { name }
 }
 
-/// Two images of one thing.
-pub(super) fn compare(writer: &mut Writer, pair: &Compare) {
-    begin(writer, "compare", "", &pair.caption);
-    writer.add("<div class=\"pair\">\n");
-    for (class, side) in [("left", &pair.left), ("right", &pair.right)] {
-        writer.add(&format!("<div class=\"side {class}\">\n{}\n", image(side)));
-        writer.element("p", &side.caption);
-        writer.add("</div>\n");
-    }
-    writer.add("</div>\n</figure>\n");
-}
-
 /// Images in a row.
 pub(super) fn pictures(writer: &mut Writer, pictures: &[Picture]) {
     writer.add("<div class=\"pictures\">\n");
@@ -103,11 +91,9 @@ pub(super) fn pictures(writer: &mut Writer, pictures: &[Picture]) {
 fn image(picture: &Picture) -> String {
     let (data, alt) = (STANDARD.encode(&picture.png), escape(&picture.alt));
     let class = if picture.pixels { " class=\"pixels\"" } else { "" };
-    // The frame clips a zoomed image.
     let size = size(&picture.png);
     let size = size.map(|[w, h]| format!(" width=\"{w}\" height=\"{h}\"")).unwrap_or_default();
-    let image = format!("<img{class}{size} alt=\"{alt}\" src=\"data:image/png;base64,{data}\">");
-    format!("<div class=\"frame\">{image}</div>")
+    format!("<img{class}{size} alt=\"{alt}\" src=\"data:image/png;base64,{data}\">")
 }
 
 /// Width and height of a PNG, from its first chunk.

@@ -27,10 +27,7 @@ pub(super) fn draw(chart: &Chart, frame: Frame) -> Drawing {
     };
     field.draw(&mut drawing, height, guides::room(chart, field.turned));
     guides::draw(&mut drawing, chart, &field);
-    // A front consists of points of other series and must not hide them.
-    let (fronts, others): (Vec<usize>, Vec<usize>) =
-        (0..chart.series.len()).partition(|index| chart.series[*index].draw == Draw::Front);
-    for index in fronts.into_iter().chain(others) {
+    for index in 0..chart.series.len() {
         draw_series(&mut drawing, chart, index, &field);
     }
     drawing
@@ -43,7 +40,6 @@ fn entries(chart: &Chart) -> impl Iterator<Item = (usize, &str, Sample)> {
         let sample = match series.draw {
             Draw::Points => Sample::Marker,
             Draw::Line => Sample::Line,
-            Draw::Front => Sample::Stroke,
         };
         (index, series.name.as_str(), sample)
     })
@@ -63,14 +59,10 @@ fn field(chart: &Chart) -> Field<'_> {
 fn draw_series(drawing: &mut Drawing, chart: &Chart, index: usize, field: &Field<'_>) {
     let series = &chart.series[index];
     let places: Vec<Option<At>> = series.points.iter().map(|p| field.at(p.x, p.y)).collect();
-    for run in runs(&places).filter(|run| run.len() > 1) {
-        match series.draw {
-            Draw::Points => {}
-            Draw::Line => stroke(drawing, run, index),
-            Draw::Front => stroke(drawing, stairs(&run), index),
-        }
+    for run in runs(&places).filter(|run| series.draw == Draw::Line && run.len() > 1) {
+        stroke(drawing, run, index);
     }
-    for (point, at) in series.points.iter().zip(&places).filter(|_| series.draw != Draw::Front) {
+    for (point, at) in series.points.iter().zip(&places) {
         let &Some(at) = at else { continue };
         drawing.shapes.push(Shape::Begin(mark(chart, series, point, at)));
         whisker(drawing, point, at, field, index);
@@ -82,12 +74,6 @@ fn draw_series(drawing: &mut Drawing, chart: &Chart, index: usize, field: &Field
 /// The runs of points joined by a line: points without a position separate them.
 fn runs(places: &[Option<At>]) -> impl Iterator<Item = Vec<At>> {
     places.split(Option::is_none).map(|run| run.iter().flatten().copied().collect())
-}
-
-/// The staircase through the points of a front: dominated points are above it or on it.
-fn stairs(front: &[At]) -> Vec<At> {
-    let corners = front.windows(2).flat_map(|pair| [pair[0], [pair[1][0], pair[0][1]]]);
-    corners.chain(front.last().copied()).collect()
 }
 
 /// A line between the ends of a point's interval, if it has one, with a cap at each.
@@ -133,14 +119,6 @@ pub(super) fn name_or_value(axis: &Axis, value: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn stairs_pass_below_what_is_beaten() {
-        let expected = [[1.0, 5.0], [2.0, 5.0], [2.0, 3.0], [4.0, 3.0], [4.0, 1.0]];
-        assert_eq!(stairs(&[[1.0, 5.0], [2.0, 3.0], [4.0, 1.0]]), expected);
-        assert_eq!(stairs(&[[1.0, 2.0]]), [[1.0, 2.0]]);
-        assert!(stairs(&[]).is_empty());
-    }
 
     #[test]
     fn lines_end_where_a_point_has_no_place() {

@@ -5,10 +5,7 @@ use std::path::Path;
 use super::drawing::{Drawing, Frame};
 use super::number::exact;
 use super::place::position;
-use super::{
-    Bar, Chart, Icicle, Part, Point, Scale, Segment, StackedBars, bars, chart, guides, icicle,
-    raster, svg,
-};
+use super::{Bar, Chart, Point, Scale, Segment, StackedBars, bars, chart, guides, raster, svg};
 use wavecrest_base::error::Result;
 use wavecrest_base::replace::replace_file;
 
@@ -154,49 +151,5 @@ impl Figure for StackedBars {
 
     fn draw(&self, frame: Frame) -> Drawing {
         bars::draw(self, frame)
-    }
-}
-
-impl Figure for Icicle {
-    fn title(&self) -> &str {
-        &self.title
-    }
-
-    fn caption(&self) -> &str {
-        &self.caption
-    }
-
-    /// Notes on times that are negative or not finite.
-    fn notes(&self) -> Vec<String> {
-        let leaves = self.parts.iter().flat_map(Part::leaves);
-        let missing = leaves.filter(|part| !(0.0..f64::INFINITY).contains(&part.seconds)).count();
-        left_out(missing, "time", "it is below 0 or not finite").into_iter().collect()
-    }
-
-    /// A row for each undivided part; the levels below it are empty.
-    fn rows(&self) -> Vec<Vec<String>> {
-        let header = self.levels.iter().cloned().chain(["seconds".to_owned()]).collect();
-        let mut rows = vec![header];
-        icicle_rows(&self.parts, &[], self.levels.len(), &mut rows);
-        rows
-    }
-
-    fn draw(&self, frame: Frame) -> Drawing {
-        icicle::draw(self, frame)
-    }
-}
-
-/// Adds the rows of `parts`, whose parents are named in `above`.
-fn icicle_rows(parts: &[Part], above: &[&str], levels: usize, rows: &mut Vec<Vec<String>>) {
-    for part in parts {
-        let names: Vec<&str> = above.iter().copied().chain([part.name.as_str()]).collect();
-        if part.parts.is_empty() {
-            let mut row: Vec<String> = names.into_iter().map(str::to_owned).collect();
-            row.resize(levels, String::new());
-            row.push(exact(part.seconds));
-            rows.push(row);
-        } else {
-            icicle_rows(&part.parts, &names, levels, rows);
-        }
     }
 }

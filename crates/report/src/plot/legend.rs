@@ -24,8 +24,6 @@ pub(super) enum Sample {
     Marker,
     /// Its marker on its line.
     Line,
-    /// Only its line.
-    Stroke,
     /// The colour of a stage of bars.
     Square,
 }
@@ -41,9 +39,7 @@ pub(super) fn draw<'a>(
         return;
     }
     for (index, name, sample) in entries {
-        let wide =
-            if matches!(sample, Sample::Line | Sample::Stroke) { WITH_LINE } else { WITHOUT_LINE }
-                + GAP;
+        let wide = if sample == Sample::Line { WITH_LINE } else { WITHOUT_LINE } + GAP;
         let name = font::shortened(name, LABEL, width - wide);
         let end = x + wide + font::width(&name, LABEL);
         if x > 0.0 && end > width {
@@ -63,11 +59,8 @@ fn draw_sample(drawing: &mut Drawing, [left, right, y]: [f64; 3], index: usize, 
         drawing.shapes.push(Shape::Area { points, paint: Paint::Series(index) });
         return;
     }
-    if sample != Sample::Marker {
+    if sample == Sample::Line {
         stroke(drawing, vec![[left, y], [right, y]], index);
-    }
-    if sample == Sample::Stroke {
-        return;
     }
     marker(drawing, [(left + right) / 2.0, y], index);
 }

@@ -2,7 +2,6 @@
 
 use super::drawing::{Frame, Shape};
 use super::figure::Figure;
-use super::paint::Paint;
 use super::*;
 
 /// Two series with intervals, on two logarithmic axes.
@@ -156,7 +155,7 @@ fn odd() -> Vec<Chart> {
             title: "odd".to_owned(),
             x: Axis::new("x", "m", x),
             y: Axis::new("y", "s", y),
-            series: [Draw::Points, Draw::Line, Draw::Front].map(each).to_vec(),
+            series: [Draw::Points, Draw::Line].map(each).to_vec(),
             guides: vec![
                 Guide { name: "y".to_owned(), course: Course::AtY(1.0) },
                 Guide {
@@ -264,18 +263,6 @@ fn hash(bytes: &[u8]) -> u64 {
     bytes.iter().fold(0xcbf2_9ce4_8422_2325, |hash, byte| {
         (hash ^ u64::from(*byte)).wrapping_mul(0x100_0000_01b3)
     })
-}
-
-#[test]
-fn a_front_lies_below_the_points_that_it_is_made_of() {
-    let mut chart = chart();
-    chart.series[1].draw = Draw::Front;
-    let shapes = chart.drawing(Frame::WIDE).shapes;
-    let is_line = |shape: &Shape, of: usize| matches!(shape, Shape::Line { points, paint, .. } if *paint == Paint::Series(of) && points.len() > 5);
-    let front = shapes.iter().position(|shape| is_line(shape, 1)).expect("stairs");
-    let first = shapes.iter().position(|shape| matches!(shape, Shape::Begin(_))).expect("a mark");
-    assert!(front < first);
-    assert_eq!(titles(&chart.svg()).len(), chart.series[0].points.len());
 }
 
 /// Whatever the lines are, no name is on another, nor on a level line.
