@@ -167,7 +167,8 @@ fn text(findings: &Findings) -> String {
     use std::fmt::Write as _;
     let mut text = String::new();
     for scene in &findings.scenes {
-        let _ = writeln!(text, "{}: {}", scene.scene.scene, scene.answer.sentence());
+        let said = format!("{}: {} {}", scene.scene.scene, scene.answer.sentence(), scene.busy());
+        let _ = writeln!(text, "{}", said.trim_end());
         for family in &scene.families {
             for series in &family.series {
                 let Some(slope) = series.slope else { continue };

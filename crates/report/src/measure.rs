@@ -12,6 +12,8 @@
 
 use std::time::Instant;
 
+use serde::{Deserialize, Serialize};
+
 use crate::summary::ENOUGH;
 use wavecrest_base::error::Result;
 
@@ -27,7 +29,7 @@ pub struct Schedule {
 }
 
 /// The duration of some work.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Timing {
     /// Seconds of wall-clock time.
     pub seconds: f64,

@@ -3,6 +3,8 @@
 //! | key of a scene | unit | meaning |
 //! |---|---|---|
 //! | `scene`, `file`, `fingerprint`, `size`, `primitives` | | the scene and the size of its images in pixels |
+//! | `rounds`, `busy` | | rounds of all settings, one for each seed, and how many were busy: the program got clearly less of the processors than in the best one |
+//! | `left_out` | | whether times leave out the busy rounds: enough others remain |
 //! | `answer` | | see [`answer`](super::answer) |
 //! | `references` | | the references of errors: samples of each kind in a pixel, renders, standard error (root mean square), seconds |
 //! | `families` | | the variations: `name`, `title`, what is `counted`, the `target`, and `series`: |
@@ -19,6 +21,8 @@
 //! | `trials` | | for each precision: rays aimed at edges and leaks, rays that leave a surface and self-hits, errors of t, points and normals in ulp ([`HitErrors`](crate::selftest::errors::HitErrors)) |
 //! | `steps` | | what exact hits cost: `rays` of a render, `steps` with their counts there and nanoseconds each, and the nanoseconds of a pair in the filter of `fast`; see [`steps`](super::steps) |
 
+use std::collections::{BTreeMap, BTreeSet};
+
 use serde::Serialize;
 
 use super::answer::Answer;
@@ -32,7 +36,8 @@ use super::store::{
 };
 use super::subject::Stages;
 use super::sweep::Swept;
-use crate::summary::{MedianInterval, median};
+use crate::measure::{Timing, quiet};
+use crate::summary::{ENOUGH, MedianInterval, median};
 use wavecrest_image::compare::psnr;
 
 /// Slopes are fitted from this number of points on: one or two points are not stratified.
@@ -44,6 +49,9 @@ pub const SLOPE_FROM: f64 = 4.0;
 pub struct SceneFindings {
     #[serde(flatten)]
     pub scene: SceneRecord,
+    pub rounds: usize,
+    pub busy: usize,
+    pub left_out: bool,
     pub answer: Answer,
     pub references: Vec<ReferenceRecord>,
     pub families: Vec<FamilyFindings>,
@@ -109,10 +117,29 @@ pub struct StageFindings {
 }
 
 impl SceneFindings {
+    /// Busy rounds in a sentence; empty without any.
+    pub fn busy(&self) -> String {
+        let &Self { rounds, busy, left_out, .. } = self;
+        match left_out {
+            _ if busy == 0 => String::new(),
+            true => format!(
+                "Times leave out {busy} of {rounds} rounds, in which other programs took the processors."
+            ),
+            false => format!(
+                "In {busy} of {rounds} rounds other programs took the processors: times are not to be relied on."
+            ),
+        }
+    }
+
     /// Summarises the `records` of `swept`.
     pub fn of(swept: &Swept, records: &[Record], errors: &[f64]) -> Option<Self> {
         let name = swept.subject.name();
+        let (rounds, busy) = busy_rounds(&name, records);
+        let left_out = rounds - busy.len() >= ENOUGH.min(rounds);
         let mut found = Self {
+            rounds,
+            busy: busy.len(),
+            left_out,
             scene: all(records).find(|scene: &&SceneRecord| scene.scene == name)?.clone(),
             answer: Answer::default(),
             references: all(records)
@@ -125,7 +152,9 @@ impl SceneFindings {
             trials: all(records).filter(|t: &&TrialRecord| t.scene == name).cloned().collect(),
             steps: all(records).find(|s: &&StepsRecord| s.scene == name).cloned(),
         };
-        found.families = swept.families.iter().map(|f| found.family(f, &name, records)).collect();
+        let left = if left_out { busy } else { BTreeSet::new() };
+        found.families =
+            swept.families.iter().map(|f| found.family(f, &name, records, &left)).collect();
         let axis = Axis::of(&swept.subject.facts());
         found.answer = Answer::of(&found, axis.family(), errors);
         Some(found)
@@ -137,12 +166,18 @@ impl SceneFindings {
         of.map_or(0.0, |reference| reference.standard_error)
     }
 
-    fn family(&self, family: &Family, scene: &str, records: &[Record]) -> FamilyFindings {
+    fn family(
+        &self,
+        family: &Family,
+        scene: &str,
+        records: &[Record],
+        busy: &BTreeSet<u64>,
+    ) -> FamilyFindings {
         let floor = super::reference::FLOOR * self.standard_error(family.target);
         let line = |line: &Line| {
             let points = line.points.iter().filter_map(|(x, label, setting)| {
                 let records = of_setting(scene, family.target, &setting.key(), records);
-                PointFindings::of(*x, label, &setting.key(), &records, floor)
+                PointFindings::of((*x, label, &setting.key()), &records, floor, busy)
             });
             SeriesFindings { name: line.name.clone(), slope: None, points: points.collect() }
         };
@@ -153,6 +188,18 @@ impl SceneFindings {
         let Family { name, title, counted, target, .. } = *family;
         FamilyFindings { name, title, counted, target, series }
     }
+}
+
+/// The number of rounds of a scene, and the seeds of those that were busy.
+pub(super) fn busy_rounds(scene: &str, records: &[Record]) -> (usize, BTreeSet<u64>) {
+    let mut rounds: BTreeMap<u64, Vec<Timing>> = BTreeMap::new();
+    for point in all::<PointRecord>(records).filter(|point| point.scene == scene) {
+        rounds.entry(point.seed).or_default().extend(point.timing);
+    }
+    let sums: Vec<Timing> = rounds.values().map(|all| all.iter().copied().sum()).collect();
+    let quiet = quiet(&sums);
+    let busy = rounds.keys().zip(&quiet).filter(|(_, quiet)| !**quiet).map(|(seed, _)| *seed);
+    (rounds.len(), busy.collect())
 }
 
 /// The renders of a setting.
@@ -176,12 +223,20 @@ impl SeriesFindings {
 }
 
 impl PointFindings {
-    fn of(x: f64, label: &str, key: &str, records: &[&PointRecord], floor: f64) -> Option<Self> {
+    /// The findings of a setting: its count, label and key; times are those of rounds that were not
+    /// busy.
+    fn of(
+        (x, label, key): (f64, &str, &str),
+        records: &[&PointRecord],
+        floor: f64,
+        busy: &BTreeSet<u64>,
+    ) -> Option<Self> {
         let all =
             |of: fn(&PointRecord) -> f64| -> Vec<f64> { records.iter().map(|r| of(r)).collect() };
         let mean = |of: fn(&PointRecord) -> f64| all(of).iter().sum::<f64>() / records.len() as f64;
         let each = all(|r| r.error.mse);
-        let times = all(|r| r.seconds);
+        let quiet = records.iter().filter(|record| !busy.contains(&record.seed));
+        let times: Vec<f64> = quiet.map(|record| record.seconds).collect();
         let seconds = MedianInterval::of(&times)?;
         let rmse = fit::rmse(&each);
         let mse = mean(|r| r.error.mse);
@@ -230,4 +285,34 @@ fn stages(swept: &Swept, scene: &str, records: &[Record]) -> Vec<StageFindings> 
     };
     let points = family.series.iter().flat_map(|line| &line.points);
     points.filter_map(|(.., setting)| of(setting)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::accuracy::store::Errors;
+
+    #[test]
+    fn a_round_with_less_of_the_processors_is_busy() {
+        let point = |(seed, processor)| {
+            let error = Errors { mse: 0.1, relative_mse: 0.1, bias: 0.0, flip: 0.0, flip_95: 0.0 };
+            Record::Point(PointRecord {
+                scene: "a".to_owned(),
+                target: Target::Scene,
+                key: "exact".to_owned(),
+                seed,
+                seconds: 0.5,
+                yardstick: 0.0,
+                timing: Some(Timing { seconds: 0.5, processor: Some(processor) }),
+                passes: Vec::new(),
+                rays: 1,
+                error,
+            })
+        };
+        // Two settings in each round, of which another program disturbs the second of seed 2.
+        let times = [(0, 1.0), (0, 0.9), (1, 0.99), (1, 0.89), (2, 1.0), (2, 0.5)];
+        let records: Vec<Record> = times.into_iter().map(point).collect();
+        assert_eq!(busy_rounds("a", &records), (3, BTreeSet::from([2])));
+        assert_eq!(busy_rounds("b", &records), (0, BTreeSet::new()));
+    }
 }

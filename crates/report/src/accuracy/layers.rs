@@ -82,7 +82,7 @@ fn steps(subject: &mut Subject, precision: Precision) -> Result<Vec<Step>> {
             let overrides = Overrides { without, ..Overrides::default() };
             let structure = Structure { precision, overrides };
             let setting = Setting { structure, ..Setting::default() };
-            let rendered = timed(subject, &setting, &RenderOptions::default())?;
+            let (rendered, _) = timed(subject, &setting, &RenderOptions::default())?;
             keep_least(passes, &rendered.pass_seconds);
         }
     }

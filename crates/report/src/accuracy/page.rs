@@ -117,9 +117,10 @@ fn command(arguments: &[String]) -> String {
 fn section(scene: &SceneFindings, folder: &Path) -> Result<Section> {
     let [width, height] = scene.scene.size;
     let mut blocks = vec![Block::paragraph(format!(
-        "{width} x {height} pixels, {} primitives. {}",
+        "{width} x {height} pixels, {} primitives. {} {}",
         scene.scene.primitives,
-        tables::references(scene)
+        tables::references(scene),
+        scene.busy()
     ))];
     let answered = format!("{}-time", scene.answer.family);
     for family in scene.families.iter().filter(|family| family.name != "precision") {

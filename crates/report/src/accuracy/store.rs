@@ -163,6 +163,7 @@ impl Store {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::measure::Timing;
 
     fn header() -> Header {
         Header { version: "1".into(), longest: 8, most: 4, least: 16 }
@@ -177,6 +178,7 @@ mod tests {
             seed,
             seconds: 0.1,
             yardstick: 0.001,
+            timing: Some(Timing { seconds: 0.1, processor: Some(0.2) }),
             passes: vec![("shade".into(), 0.05)],
             rays: 7,
             error,

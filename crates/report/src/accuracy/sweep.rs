@@ -7,6 +7,7 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::time::Instant;
 
+use super::findings::busy_rounds;
 use super::fit::Rng;
 use super::reference::{self, Reference};
 use super::setting::{Family, Setting, Structure, Target, families};
@@ -16,6 +17,7 @@ use super::store::{
 };
 use super::subject::Subject;
 use super::{layers, steps};
+use crate::measure::Timing;
 use crate::selftest::examine::trial;
 use crate::selftest::{Count, Effort};
 use crate::yardstick::yardstick;
@@ -187,6 +189,9 @@ fn settings(families: &[Family]) -> Vec<(Target, String, Setting)> {
     all
 }
 
+/// Largest number of rounds, busy or not, as a multiple of those that are to be kept.
+const MOST_ROUNDS: usize = 2;
+
 /// Renders every setting with every seed.
 fn points(
     subject: &mut Subject,
@@ -200,7 +205,14 @@ fn points(
     let mut all = settings(families);
     note_preparation(subject, all.iter().map(|(.., setting)| setting), store)?;
     progress.stage(&name);
-    for seed in 0..u64::from(options.seeds) {
+    let seeds = options.seeds as usize;
+    for seed in 0.. {
+        // Busy rounds are measured again, with other seeds.
+        let (rounds, busy) = busy_rounds(&name, &store.records);
+        let done = seed as usize;
+        if done >= MOST_ROUNDS * seeds || done >= seeds && rounds - busy.len() >= seeds {
+            break;
+        }
         Rng::new(seed).shuffle(&mut all);
         for (target, key, setting) in &all {
             if !store.has(&name, *target, key, seed)
@@ -209,10 +221,11 @@ fn points(
                 warm_up(subject, &setting.structure)?;
                 let yardstick = yardstick();
                 let options = RenderOptions { seed, ..RenderOptions::default() };
-                let rendered = timed(subject, setting, &options)?;
+                let (rendered, timing) = timed(subject, setting, &options)?;
                 let error = errors(&rendered.film, &reference.film)?;
                 let record = point(&name, *target, key, seed, &rendered, error);
-                store.add(Record::Point(PointRecord { yardstick, ..record }))?;
+                let timing = Some(timing);
+                store.add(Record::Point(PointRecord { yardstick, timing, ..record }))?;
             }
             progress.step(subject.pixels() * setting.work());
         }
@@ -225,7 +238,7 @@ const LEAST_TIMED: f64 = 0.01;
 const REPETITIONS: usize = 10;
 
 /// A render with the time of its fastest repetition: other programs can only add to a time, and
-/// they add much to a millisecond.
+/// they add much to a millisecond. The timing is that of all repetitions.
 ///
 /// # Errors
 /// As [`Subject::render`].
@@ -233,20 +246,23 @@ pub(super) fn timed(
     subject: &mut Subject,
     setting: &Setting,
     options: &RenderOptions,
-) -> Result<Rendered> {
-    let mut quickest = subject.render(setting, options)?;
-    let mut spent = quickest.seconds;
-    for _ in 1..REPETITIONS {
-        if spent >= LEAST_TIMED {
-            break;
+) -> Result<(Rendered, Timing)> {
+    let (quickest, timing) = Timing::of(|| {
+        let mut quickest = subject.render(setting, options)?;
+        let mut spent = quickest.seconds;
+        for _ in 1..REPETITIONS {
+            if spent >= LEAST_TIMED {
+                break;
+            }
+            let again = subject.render(setting, options)?;
+            spent += again.seconds;
+            if again.seconds < quickest.seconds {
+                quickest = again;
+            }
         }
-        let again = subject.render(setting, options)?;
-        spent += again.seconds;
-        if again.seconds < quickest.seconds {
-            quickest = again;
-        }
-    }
-    Ok(quickest)
+        Ok(quickest)
+    });
+    Ok((quickest?, timing))
 }
 
 fn point(
@@ -266,6 +282,7 @@ fn point(
         seed,
         seconds: rendered.seconds,
         yardstick: 0.0,
+        timing: None,
         passes,
         rays: c.primary_rays + c.secondary_rays + c.shadow_rays,
         error,

@@ -16,7 +16,7 @@ fn target(target: Target) -> &'static str {
     }
 }
 
-/// The references of the scene's errors, in a sentence.
+/// The references of the scene's errors, in sentences.
 pub(super) fn references(scene: &SceneFindings) -> String {
     let of = |r: &crate::accuracy::store::ReferenceRecord| {
         if r.standard_error == 0.0 {

@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::accuracy::setting::Target;
 use crate::accuracy::subject::Stages;
+use crate::measure::Timing;
 use crate::selftest::errors::HitErrors;
 use wavecrest_core::accel::KernelChoice;
 use wavecrest_core::kernels::precision::Precision;
@@ -91,6 +92,10 @@ pub struct PointRecord {
     /// sweeps have none.
     #[serde(default)]
     pub yardstick: f64,
+    /// Wall-clock and processor time of all repetitions, of which the fastest counts; older sweeps
+    /// have none.
+    #[serde(default)]
+    pub timing: Option<Timing>,
     /// Seconds in each pass, summed over threads.
     pub passes: Vec<(String, f64)>,
     /// Rays of every kind.
