@@ -123,7 +123,7 @@ fn advise(args: &AccuracyArgs, error: f64) -> Result<()> {
         let preset = extracted.preset();
         let mut scene = extracted.build(preset);
         let original = scene.original();
-        let advice = pilot::advise(&mut scene, &original, error, 0)?;
+        let advice = pilot::advice::advise(&mut scene, &original, error, 0)?;
         let best = advice.iter().min_by(|a, b| a.seconds().total_cmp(&b.seconds()));
         let best = best.map(|advice| advice.choice);
         let mut text = format!("{}\n", file.display());

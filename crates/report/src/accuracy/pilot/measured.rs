@@ -1,0 +1,118 @@
+//! The error of an image, measured without a reference: in windows all over it, from the variance of
+//! independent renders.
+
+use rayon::prelude::*;
+
+use crate::accuracy::fit::Rng;
+use crate::accuracy::setting::{Facts, Target};
+use wavecrest_base::error::Result;
+use wavecrest_core::film::Film;
+use wavecrest_core::prepared::PreparedScene;
+use wavecrest_core::render::{RenderOptions, render};
+use wavecrest_core::tile::Tile;
+
+/// Side of a window, in pixels.
+const WINDOW: u32 = 8;
+
+/// Windows along each side of the image: one at a random place in each cell of a grid.
+const WINDOWS: u32 = 12;
+
+/// Seeds of pilots, apart from those of renders.
+pub(super) fn pilot_seed(seed: u64, number: u64) -> u64 {
+    seed ^ (0x5EED << 40) ^ (number << 32)
+}
+
+/// Whether renders of `scene` show the error of its samples: with one ray through the centre of
+/// each pixel and nothing else left to chance, they are all equal.
+pub fn is_sampled(scene: &PreparedScene) -> bool {
+    Facts::of(scene).is_sampled(Target::Scene)
+}
+
+/// Whether the error of `scene` leaves out what one ray through the centre of each pixel misses.
+pub fn leaves_out_aliasing(scene: &PreparedScene) -> bool {
+    scene.camera.antialias() == 1
+}
+
+/// The share of an image of this size that is in windows.
+pub fn measured_share(size: [u32; 2]) -> f64 {
+    let pixels: usize = windows(size, &mut Rng::new(0)).iter().map(Tile::len).sum();
+    pixels as f64 / size.map(f64::from).iter().product::<f64>()
+}
+
+/// An error measured in windows: root mean squared error of linear values.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Measured {
+    /// The estimate.
+    pub error: f64,
+    /// The error that the image has at most, with [`CONFIDENCE`]: from the differences between
+    /// windows.
+    pub at_most: f64,
+}
+
+/// The confidence of [`Measured::at_most`], as standard errors of a normal distribution: 0.975.
+const CONFIDENCE: f64 = 1.96;
+
+/// Renders of each window beside the image that is measured.
+pub(super) const OTHERS: u64 = 2;
+
+/// The error of `scene` with its current samples, in windows, from the variance of some renders and
+/// of `film`, the whole image, if there is one. Without random samples all are equal, and say
+/// nothing of the error: see [`is_sampled`].
+///
+/// # Errors
+/// If there is no memory for a window.
+pub fn error(scene: &PreparedScene, film: Option<&Film>, seed: u64) -> Result<Measured> {
+    let mut rng = Rng::new(pilot_seed(seed, u64::from(film.is_some())));
+    // A window is one tile: all threads have work only if there are several windows at once.
+    let tiles = windows(scene.camera.size(), &mut rng);
+    let found = tiles.into_par_iter().map(|tile| {
+        let window = [tile.x, tile.y, tile.width, tile.height];
+        let mut films: Vec<Film> =
+            film.map(|film| film.part(window)).into_iter().collect::<Result<_>>()?;
+        for number in 1..=OTHERS {
+            let seed = pilot_seed(seed, number);
+            let options = RenderOptions { seed, crop: Some(tile), ..RenderOptions::default() };
+            films.push(render(scene, &options, &())?.film);
+        }
+        Ok(variance(&films))
+    });
+    let found: Vec<f64> = found.collect::<Result<_>>()?;
+    let n = found.len() as f64;
+    let mean = found.iter().sum::<f64>() / n;
+    let squares: f64 = found.iter().map(|each| (each - mean) * (each - mean)).sum();
+    let deviation = (squares / (n - 1.0).max(1.0) / n).sqrt();
+    Ok(Measured { error: mean.sqrt(), at_most: (mean + CONFIDENCE * deviation).sqrt() })
+}
+
+/// The variance of a value between images of one size: the mean over all their values.
+fn variance(films: &[Film]) -> f64 {
+    let n = films.len() as f64;
+    let values = films.first().map_or(0, |film| film.pixels().len() * 3);
+    let of = |index: usize| {
+        let each = || films.iter().map(move |film| f64::from(film.pixels().as_flattened()[index]));
+        let mean = each().sum::<f64>() / n;
+        each().map(|value| (value - mean) * (value - mean)).sum::<f64>() / (n - 1.0)
+    };
+    (0..values).map(of).sum::<f64>() / values.max(1) as f64
+}
+
+/// A window in each part of the image, all of one size; the whole image if it is small.
+fn windows([width, height]: [u32; 2], rng: &mut Rng) -> Vec<Tile> {
+    let parts = |side: u32| (side / WINDOW).clamp(1, WINDOWS);
+    let (columns, rows) = (parts(width), parts(height));
+    let mut place = |part: u32, parts: u32, side: u32| {
+        let bound = |part: u32| (u64::from(side) * u64::from(part) / u64::from(parts)) as u32;
+        let (start, end) = (bound(part), bound(part + 1));
+        let length = WINDOW.min(end - start);
+        (start + rng.below((end - start - length) as usize + 1) as u32, length)
+    };
+    let mut tiles = Vec::new();
+    for row in 0..rows {
+        for column in 0..columns {
+            let (x, width) = place(column, columns, width);
+            let (y, height) = place(row, rows, height);
+            tiles.push(Tile { x, y, width, height });
+        }
+    }
+    tiles
+}
