@@ -7,6 +7,7 @@ pub mod estimate;
 pub mod expected;
 pub mod files;
 mod markup;
+pub mod measure;
 pub mod page;
 pub mod plot;
 pub mod ray_file;

@@ -1,0 +1,214 @@
+//! The loop that times variants of one thing side by side.
+//!
+//! A round runs every variant once, so that slow phases of the machine affect all of them alike.
+//! The first to run changes from round to round, so that none always finds the caches and the clock
+//! as the same other left them.
+//!
+//! Each run has its processor time, of all threads of the process, beside its wall-clock time.
+//! While other programs use the processors, the process gets less of their time in a second: a round
+//! in which it got clearly less than in the best round is *busy*. Shares of whole rounds are
+//! compared, as several threads may have to wait for one another even on an idle machine, alike in
+//! every round. Busy rounds are left out and measured again; how many is part of the result.
+
+use std::time::Instant;
+
+use crate::summary::ENOUGH;
+use wavecrest_base::error::Result;
+
+/// Number and duration of timed rounds.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Schedule {
+    /// Untimed rounds at the start, at least 1.
+    pub warmup: usize,
+    /// Largest number of timed rounds, without busy ones.
+    pub most: usize,
+    /// Total seconds of each variant, unless `most` is reached before.
+    pub seconds: f64,
+}
+
+/// The duration of some work.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Timing {
+    /// Seconds of wall-clock time.
+    pub seconds: f64,
+    /// Seconds of processor time of all threads of the process; `None` on systems that do not tell.
+    pub processor: Option<f64>,
+}
+
+/// The run that is due.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Turn {
+    /// The variant, by its number.
+    pub variant: usize,
+    /// The round, counted from 0 and from the first untimed one.
+    pub round: usize,
+    /// Whether it counts.
+    pub is_timed: bool,
+}
+
+/// The timed runs of all variants.
+#[derive(Clone, Debug)]
+pub struct Measured<T> {
+    /// The runs of each variant, round by round.
+    pub variants: Vec<Vec<(Timing, T)>>,
+    /// Rounds that were left out because the machine was busy.
+    pub left_out: usize,
+    /// Rounds that were busy too, but are not left out: there were too few others.
+    pub busy: usize,
+}
+
+/// A round that got less than this share of the processor time of the best round, for each second,
+/// is busy: on an idle machine, rounds differ by 1 to 2 per cent.
+const LEAST_SHARE: f64 = 0.95;
+
+/// Shorter rounds in seconds are never busy: waking the threads takes a considerable part of them.
+const SHORT: f64 = 0.02;
+
+/// Largest number of rounds, busy or not, as a multiple of those that are to be kept.
+const TRIES: usize = 2;
+
+/// Runs all of `variants` in turn as in `schedule`. `run` returns the duration of its run, with
+/// whatever else is to be kept of it, or `None` to end the measurement without a result. `progress`
+/// receives the rounds timed and the expected total.
+///
+/// # Errors
+/// Those of `run`.
+pub fn measure<T>(
+    variants: usize,
+    schedule: &Schedule,
+    mut run: impl FnMut(Turn) -> Result<Option<(Timing, T)>>,
+    progress: &mut dyn FnMut(u64, u64),
+) -> Result<Option<Measured<T>>> {
+    let mut rounds: Vec<Vec<(Timing, T)>> = Vec::new();
+    let mut round = 0;
+    loop {
+        let is_timed = round >= schedule.warmup.max(1);
+        let mut runs: Vec<Option<(Timing, T)>> = (0..variants).map(|_| None).collect();
+        for turn in 0..variants {
+            let variant = (turn + round) % variants;
+            let found = run(Turn { variant, round, is_timed })?;
+            if found.is_none() {
+                return Ok(None);
+            }
+            runs[variant] = found;
+        }
+        if is_timed {
+            rounds.push(runs.into_iter().flatten().collect());
+        }
+        let is_quiet = quiet(&rounds.iter().map(whole).collect::<Vec<_>>());
+        let done = is_quiet.iter().filter(|quiet| **quiet).count();
+        let planned = schedule.planned(done, shortest(variants, &rounds, &is_quiet));
+        progress(done as u64, planned as u64);
+        if done >= planned || rounds.len() >= TRIES * planned || variants == 0 {
+            return Ok(Some(Measured::of(variants, rounds, &is_quiet, planned)));
+        }
+        round += 1;
+    }
+}
+
+/// The duration of all runs of a round.
+fn whole<T>(runs: &Vec<(Timing, T)>) -> Timing {
+    runs.iter().map(|(timing, _)| *timing).sum()
+}
+
+/// Seconds of the quiet runs of the fastest variant.
+fn shortest<T>(variants: usize, rounds: &[Vec<(Timing, T)>], is_quiet: &[bool]) -> f64 {
+    let kept = || rounds.iter().zip(is_quiet).filter(|(_, quiet)| **quiet);
+    let sum = |variant: usize| kept().map(|(runs, _)| runs[variant].0.seconds).sum::<f64>();
+    (0..variants).map(sum).reduce(f64::min).unwrap_or_default()
+}
+
+/// Which of some rounds of the same work are not busy.
+pub fn quiet(rounds: &[Timing]) -> Vec<bool> {
+    let share = |round: &Timing| round.processors().filter(|_| round.seconds >= SHORT);
+    let best = rounds.iter().filter_map(share).fold(0.0, f64::max);
+    rounds
+        .iter()
+        .map(|round| share(round).is_none_or(|share| share >= LEAST_SHARE * best))
+        .collect()
+}
+
+impl Schedule {
+    /// The estimated total number of rounds after `done` of them, in which the fastest variant took
+    /// `shortest` seconds: enough for an interval, and for the requested seconds.
+    fn planned(&self, done: usize, shortest: f64) -> usize {
+        let wanted = match done {
+            0 => 1,
+            _ if shortest >= self.seconds => done,
+            _ => (self.seconds / shortest * done as f64).ceil().max(done as f64 + 1.0) as usize,
+        };
+        wanted.max(ENOUGH).min(self.most.max(1))
+    }
+}
+
+impl Timing {
+    /// Does `work`, and measures it.
+    pub fn of<R>(work: impl FnOnce() -> R) -> (R, Self) {
+        let (start, before) = (Instant::now(), processor_seconds());
+        let result = work();
+        let seconds = start.elapsed().as_secs_f64();
+        let processor = before.zip(processor_seconds()).map(|(before, after)| after - before);
+        (result, Self { seconds, processor })
+    }
+
+    /// The number of processors that worked for the process on average.
+    pub fn processors(&self) -> Option<f64> {
+        Some(self.processor? / self.seconds).filter(|processors| processors.is_finite())
+    }
+}
+
+impl std::iter::Sum for Timing {
+    fn sum<I: Iterator<Item = Self>>(all: I) -> Self {
+        let none = Self { seconds: 0.0, processor: Some(0.0) };
+        all.fold(none, |sum, one| Self {
+            seconds: sum.seconds + one.seconds,
+            processor: sum.processor.zip(one.processor).map(|(a, b)| a + b),
+        })
+    }
+}
+
+impl<T> Measured<T> {
+    /// The quiet rounds, and if they are fewer than `planned`, those of the others that got most
+    /// processor time.
+    fn of(
+        variants: usize,
+        rounds: Vec<Vec<(Timing, T)>>,
+        is_quiet: &[bool],
+        planned: usize,
+    ) -> Self {
+        let all = rounds.len();
+        let mut busy: Vec<usize> = (0..all).filter(|round| !is_quiet[*round]).collect();
+        let share = |round: &usize| whole(&rounds[*round]).processors().unwrap_or_default();
+        busy.sort_by(|a, b| share(b).total_cmp(&share(a)));
+        busy.truncate(planned.saturating_sub(all - busy.len()));
+        let mut kept: Vec<Vec<(Timing, T)>> = (0..variants).map(|_| Vec::new()).collect();
+        for (round, runs) in rounds.into_iter().enumerate() {
+            if is_quiet[round] || busy.contains(&round) {
+                kept.iter_mut().zip(runs).for_each(|(kept, run)| kept.push(run));
+            }
+        }
+        let left_out = all - kept.first().map_or(0, Vec::len);
+        Self { variants: kept, left_out, busy: busy.len() }
+    }
+
+    /// The number of rounds.
+    pub fn rounds(&self) -> usize {
+        self.variants.first().map_or(0, Vec::len)
+    }
+}
+
+/// Processor time of all threads of this process so far.
+#[cfg(unix)]
+fn processor_seconds() -> Option<f64> {
+    use rustix::time::{ClockId, clock_gettime};
+    let time = clock_gettime(ClockId::ProcessCPUTime);
+    Some(time.tv_sec as f64 + time.tv_nsec as f64 * 1e-9)
+}
+
+#[cfg(not(unix))]
+fn processor_seconds() -> Option<f64> {
+    None
+}
+
+#[cfg(test)]
+mod tests;
