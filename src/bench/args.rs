@@ -74,7 +74,8 @@ impl BenchArgs {
 
     /// The render options with `tracer`.
     pub(super) fn options(&self, tracer: TracerKind) -> RenderOptions {
-        RenderOptions { tracer, crop: None, seed: self.seed, batch: self.batch as usize }
+        let (seed, batch) = (self.seed, self.batch as usize);
+        RenderOptions { tracer, seed, batch, ..Default::default() }
     }
 }
 

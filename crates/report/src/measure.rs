@@ -95,7 +95,7 @@ pub fn measure<T>(
         if is_timed {
             rounds.push(runs.into_iter().flatten().collect());
         }
-        let is_quiet = quiet(&rounds.iter().map(whole).collect::<Vec<_>>());
+        let is_quiet = quiet(&rounds.iter().map(|runs| whole(runs)).collect::<Vec<_>>());
         let done = is_quiet.iter().filter(|quiet| **quiet).count();
         let planned = schedule.planned(done, shortest(variants, &rounds, &is_quiet));
         progress(done as u64, planned as u64);
@@ -107,7 +107,7 @@ pub fn measure<T>(
 }
 
 /// The duration of all runs of a round.
-fn whole<T>(runs: &Vec<(Timing, T)>) -> Timing {
+fn whole<T>(runs: &[(Timing, T)]) -> Timing {
     runs.iter().map(|(timing, _)| *timing).sum()
 }
 

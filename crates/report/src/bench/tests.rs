@@ -49,7 +49,7 @@ fn report(pairs: usize, mut seconds: impl FnMut(TracerKind, usize) -> f64) -> Sc
     let scene = prepared();
     let mut runs = [0, 0];
     let trace = |tracer| -> Result<Rendered> {
-        let options = RenderOptions { tracer, batch: 64, seed: 3, crop: None };
+        let options = RenderOptions { tracer, batch: 64, seed: 3, ..Default::default() };
         let run = &mut runs[usize::from(tracer == TracerKind::Recursive)];
         *run += 1;
         Ok(Rendered { seconds: seconds(tracer, *run), ..render(&scene, &options, &())? })
@@ -117,7 +117,7 @@ fn the_json_has_the_documented_keys() {
         keys(&wavefront["seconds"]),
         ["median", "min", "max", "first_quartile", "third_quartile", "mad", "each"]
     );
-    assert_eq!(keys(&wavefront["passes"]), wavecrest_core::wavefront::TIMED);
+    assert_eq!(keys(&wavefront["passes"]), wavecrest_core::tile::TIMED);
     assert_eq!(keys(&scene["recursive"]["passes"]), ["recursive"]);
     let ratio = &scene["ratio"];
     assert_eq!(keys(ratio), ["median", "low", "high", "confidence", "pairs", "method"]);
