@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
-use crate::bench::measure::Schedule;
 use crate::effects::scenes::{Variant, variants};
 use crate::effects::{Entry, PriceList, Setting, measure};
+use crate::measure::Schedule;
 use wavecrest_base::error::{Error, Result};
 use wavecrest_core::accel::KernelChoice;
 use wavecrest_core::accel::build::Preset;
