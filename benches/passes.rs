@@ -89,7 +89,7 @@ fn time(
     let prepared = prepare(name);
     assert!(prepared.is_ok(), "{name}: {prepared:?}");
     let Ok(scene) = prepared else { return };
-    let settings = TraceSettings { seed: 0, batch: DEFAULT_BATCH };
+    let settings = TraceSettings { seed: 0, batch: DEFAULT_BATCH, time_passes: false };
     let mut wavefront = Passes::new(&scene, &settings);
     let passes = [generate_all, Passes::intersect, |w: &mut Passes, s: &PreparedScene| {
         w.shade(s, 0);
@@ -130,7 +130,8 @@ fn s5_resolve(bencher: Bencher<'_, '_>, name: &str) {
     let prepared = prepare(name);
     assert!(prepared.is_ok(), "{name}: {prepared:?}");
     let Ok(scene) = prepared else { return };
-    let mut wavefront = Passes::new(&scene, &TraceSettings { seed: 0, batch: DEFAULT_BATCH });
+    let mut wavefront =
+        Passes::new(&scene, &TraceSettings { seed: 0, batch: DEFAULT_BATCH, time_passes: false });
     generate_all(&mut wavefront, &scene);
     bencher.counter(ItemsCount::new(TILE.len())).bench_local(|| wavefront.resolve(&mut sums));
 }

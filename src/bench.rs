@@ -1,5 +1,5 @@
-//! `bench`: times both tracers, after checking that their images are equal, and variants of the
-//! wavefront.
+//! `bench`: times both tracers and the steps between them, after checking that all images are
+//! equal.
 
 mod args;
 mod effects;
@@ -12,14 +12,11 @@ pub(crate) use args::BenchArgs;
 use super::common::{Extent, SearchOptions, print, tell, to_json, warn, with_bar, write_text};
 use wavecrest_base::error::Result;
 use wavecrest_base::replace::{check_differs, check_replaceable};
-use wavecrest_core::plan::Plan;
-use wavecrest_core::plan::schedule::{PASSES, unplanned};
 use wavecrest_core::prepared::PreparedScene;
-use wavecrest_core::render::{RenderOptions, Rendered, TracerKind, render};
-use wavecrest_report::bench::compare::{Axis, Comparison, Variant, compare};
-use wavecrest_report::bench::measure::{Measured, Runs, measure};
-use wavecrest_report::bench::page::page;
-use wavecrest_report::bench::{BenchReport, Preparation, SceneBench, Setting, hardware, text};
+use wavecrest_report::bench::page::{machine, overview, page, scene, write_figures};
+use wavecrest_report::bench::{BenchReport, Preparation, SceneBench, Setting};
+use wavecrest_report::page::Block;
+use wavecrest_report::text::text;
 use wavecrest_scene::load::load;
 use wavecrest_scene::memory;
 use wavecrest_scene::systems;
@@ -60,11 +57,11 @@ fn run_here(args: &BenchArgs) -> Result<bool> {
     let command = std::env::args_os().skip(1).map(|a| a.to_string_lossy().into_owned());
     let mut report = BenchReport::new(command.collect());
     if !args.json {
-        print(&text::machine(&report.machine))?;
+        print(&text(&[Block::Facts(machine(&report.machine))]))?;
     }
     let outcome = args.scenes.iter().try_for_each(|path| {
         let scene = bench(args, path)?;
-        tell_scene(args, &scene)?;
+        tell_scene(args, &report, &scene)?;
         report.scenes.push(scene);
         // After every scene, so that nothing is lost if the next one fails.
         export(args, &report)
@@ -72,23 +69,22 @@ fn run_here(args: &BenchArgs) -> Result<bool> {
     if args.json {
         print(&to_json(&report)?)?;
     } else if report.scenes.len() > 1 {
-        print(&format!("\n{}", text::summary(&report.scenes)))?;
+        print(&text(&overview(&report.scenes)))?;
     }
     outcome.map(|()| report.equal())
 }
 
-/// Prepares a scene once and runs both tracers on it.
+/// Prepares a scene once, and measures it.
 fn bench(args: &BenchArgs, path: &Path) -> Result<SceneBench> {
     let (mut scene, setting) = prepare(args, path)?;
-    let measured = measure_scene(args, &scene)?;
-    let mut report = SceneBench::new(setting, &scene, &measured, memory::peak());
-    if report.equal {
-        for &axis in &args.compare {
-            report.comparisons.push(compare_scene(args, &mut scene, axis)?);
-        }
-    }
-    Ok(report)
+    // The bar moves only between rounds: nothing else runs while they are timed.
+    with_bar(args.scene_options.quiet, ROUNDS, |progress| {
+        SceneBench::measure(&mut scene, setting, &args.plan(), progress)
+    })
 }
+
+/// The bar of rounds.
+const ROUNDS: &str = "{wide_bar} {pos} of {len} rounds, {eta} left";
 
 fn prepare(args: &BenchArgs, path: &Path) -> Result<(PreparedScene, Setting)> {
     let start = Instant::now();
@@ -117,70 +113,25 @@ fn prepare(args: &BenchArgs, path: &Path) -> Result<(PreparedScene, Setting)> {
     Ok((scene, setting))
 }
 
-fn measure_scene(args: &BenchArgs, scene: &PreparedScene) -> Result<Measured> {
-    // The bar moves only between pairs: nothing else runs while the tracers are timed.
-    let trace = |tracer| render(scene, &args.options(tracer), &());
-    let mut measured = with_bar(args.scene_options.quiet, &bar_of("pairs"), |progress| {
-        measure(&args.schedule(), trace, progress)
-    })?;
-    if measured.difference.is_none() && hardware::missing().is_none() {
-        count(&mut measured.wavefront, || trace(TracerKind::Wavefront))?;
-        count(&mut measured.recursive, || trace(TracerKind::Recursive))?;
-    }
-    Ok(measured)
-}
-
-/// The template of a bar that counts these items.
-fn bar_of(what: &str) -> String {
-    format!("{{wide_bar}} {{pos}} of {{len}} {what}, {{eta}} left")
-}
-
-/// Counts hardware events in a separate run, so that counting does not slow timed runs.
-fn count(runs: &mut Runs, run: impl FnOnce() -> Result<Rendered>) -> Result<()> {
-    let (rendered, counted) = hardware::count(run);
-    rendered?;
-    runs.hardware = counted.ok();
-    Ok(())
-}
-
-fn compare_scene(args: &BenchArgs, scene: &mut PreparedScene, axis: Axis) -> Result<Comparison> {
-    let SearchOptions { simd, kernel } = args.search;
-    let usual = Variant { kernel, simd, batch: args.batch as usize, planned: true };
-    let planned = scene.plan.clone();
-    let unplanned = Plan::of(planned.decisions().to_vec(), &unplanned(&PASSES));
-    let trace = |variant: &Variant| {
-        SearchOptions { simd: variant.simd, kernel: variant.kernel }.apply(&mut scene.accel);
-        scene.plan.clone_from(if variant.planned { &planned } else { &unplanned });
-        let options = RenderOptions { batch: variant.batch, ..args.options(TracerKind::Wavefront) };
-        render(scene, &options, &())
-    };
-    let compared = with_bar(args.scene_options.quiet, &bar_of("rounds"), |progress| {
-        compare(axis, &axis.variants(usual), &args.schedule(), trace, progress)
-    });
-    args.search.apply(&mut scene.accel);
-    scene.plan = planned;
-    compared
-}
-
-fn tell_scene(args: &BenchArgs, scene: &SceneBench) -> Result<()> {
+fn tell_scene(args: &BenchArgs, report: &BenchReport, found: &SceneBench) -> Result<()> {
+    let name = &found.setting.scene;
     if !args.json {
-        print(&format!("\n{}", text::scene(scene)))?;
+        print(&format!("\n{name}\n{}", text(&scene(found, &report.machine))))?;
     }
-    if let Some(difference) = &scene.difference {
-        // Even if quiet: a wrong image must not go unnoticed.
-        tell(&format!("error: {}: {}", scene.scene, text::verdict(difference)));
+    // Even if quiet: a wrong image must not go unnoticed.
+    for different in found.comparisons.iter().filter_map(|compared| compared.difference.as_ref()) {
+        let words = different.difference.words(&different.label, &different.first);
+        tell(&format!("error: {name}: {words}"));
     }
-    for compared in scene.comparisons.iter().filter(|compared| compared.difference.is_some()) {
-        tell(&format!("error: {}: {}", scene.scene, text::comparison(compared).trim()));
-    }
-    let name = &scene.scene;
-    scene.warnings.iter().for_each(|warning| tell(&format!("warning: {name}: {warning}")));
+    found.warnings.iter().for_each(|warning| tell(&format!("warning: {name}: {warning}")));
     Ok(())
 }
 
 fn export(args: &BenchArgs, report: &BenchReport) -> Result<()> {
-    if let Some(file) = &args.page {
-        page(report).write(file)?;
+    if args.page.is_some() || args.charts.is_some() {
+        let page = page(report);
+        args.page.iter().try_for_each(|file| page.write(file))?;
+        args.charts.iter().try_for_each(|folder| write_figures(&page, folder))?;
     }
     let Some(file) = &args.output else { return Ok(()) };
     let json = to_json(report)?;
@@ -211,7 +162,7 @@ mod tests {
         assert_eq!(written["machine"]["threads"], 2);
         assert_eq!(written["scenes"].as_array().unwrap().len(), 2);
         assert_eq!(written["scenes"][1]["equal"], true);
-        assert_eq!(written["scenes"][1]["ratio"]["pairs"], 6);
+        assert_eq!(written["scenes"][1]["comparisons"][0]["rounds"], 6);
         assert_eq!(written["scenes"][1]["rays"]["primary"], 64);
 
         let page = folder.path().join("page.html");

@@ -8,7 +8,7 @@ pub(crate) const CODES: [(u8, &str); 5] = [
     (0, "success; diff: the images are equal, or within the limits"),
     (
         1,
-        "the check failed; diff: the images differ by more than the limits; bench, probe: the tracers differ; selftest: \
+        "the check failed; diff: the images differ by more than the limits; bench, probe: images or tracers differ; selftest: \
          a case fails; accuracy --compare: something became worse",
     ),
     (ERROR, "error, printed to standard error"),

@@ -6,12 +6,13 @@ use crate::choice::choice;
 use crate::common::{SceneOptions, SearchOptions, whole};
 use wavecrest_core::render::{RenderOptions, TracerKind};
 use wavecrest_core::wavefront::DEFAULT_BATCH;
-use wavecrest_report::bench::compare::Axis;
-use wavecrest_report::bench::measure::Schedule;
+use wavecrest_report::bench::Plan;
+use wavecrest_report::bench::variant::{Axis, BATCHES};
+use wavecrest_report::measure::Schedule;
 
-/// Time both tracers on each scene, after checking that their images are identical.
+/// Time both tracers and the steps between them on each scene, after checking that all images are identical.
 ///
-/// The exit code is 1 if the images differ. With `--effects`, measure instead what each effect costs, on
+/// The exit code is 1 if images differ. With `--effects`, measure instead what each effect costs, on
 /// built-in scenes that add one effect at a time.
 #[derive(Clone, Debug, clap::Args)]
 pub(crate) struct BenchArgs {
@@ -21,21 +22,25 @@ pub(crate) struct BenchArgs {
     /// Measure what each effect costs in time and memory
     #[arg(long, conflicts_with_all = ["scenes", "compare"])]
     pub(crate) effects: bool,
-    /// Greatest number of timed pairs of runs; fewer if --min-time is reached, but at least 6
+    /// Greatest number of timed rounds; fewer if --min-time is reached, but at least 6
     #[arg(long, value_name = "N", default_value_t = 50,
           value_parser = whole(1..=10_000_u16))]
     pub(crate) repeats: u16,
-    /// Untimed pairs of runs at the start
+    /// Untimed rounds at the start
     #[arg(long, value_name = "N", default_value_t = 1,
           value_parser = whole(1..=10_000_u16))]
     pub(crate) warmup: u16,
-    /// Least total time of each tracer, up to --repeats pairs of runs
+    /// Least total time of the runs of each variant, up to --repeats rounds
     #[arg(long, value_name = "SECONDS", default_value = "1", value_parser = seconds)]
     pub(crate) min_time: f64,
-    /// Also compare the wavefront tracer across kernels, instruction sets or batch sizes, or with every pass
-    /// forced on (plan); comma-separated
+    /// Also compare the wavefront tracer across kernels, the steps to it across instruction sets, batch sizes,
+    /// both tracers across threads, or with every pass forced on (plan); comma-separated
     #[arg(long, value_name = "WHAT", value_parser = choice::<Axis>(), value_delimiter = ',')]
     pub(crate) compare: Vec<Axis>,
+    /// Compare these batch sizes, such as 16,64,1024,65536
+    #[arg(long, value_name = "PATHS", value_parser = whole(1..=1_u32 << 20), value_delimiter = ',',
+          conflicts_with = "effects")]
+    pub(crate) batches: Vec<u32>,
     /// Print JSON
     #[arg(long)]
     pub(crate) json: bool,
@@ -45,6 +50,9 @@ pub(crate) struct BenchArgs {
     /// Write an HTML page with charts, updated after every scene
     #[arg(long, value_name = "FILE")]
     pub(crate) page: Option<PathBuf>,
+    /// Write each chart of the page to this folder, as SVG, PNG and CSV
+    #[arg(long, value_name = "FOLDER", conflicts_with = "effects")]
+    pub(crate) charts: Option<PathBuf>,
     /// Paths in a batch of the wavefront tracer
     #[arg(long, value_name = "PATHS", default_value_t = DEFAULT_BATCH as u32,
           value_parser = whole(1..=1_u32 << 20))]
@@ -66,15 +74,27 @@ impl BenchArgs {
         self.output.iter().chain(&self.page).map(PathBuf::as_path)
     }
 
-    /// Number and duration of timed runs.
+    /// Number and duration of timed rounds.
     pub(super) fn schedule(&self) -> Schedule {
         let (warmup, most) = (usize::from(self.warmup), usize::from(self.repeats));
         Schedule { warmup, most, seconds: self.min_time }
     }
 
+    /// What to compare.
+    pub(super) fn plan(&self) -> Plan {
+        let mut axes = self.compare.clone();
+        let named: Vec<usize> = self.batches.iter().map(|paths| *paths as usize).collect();
+        if !named.is_empty() && !axes.contains(&Axis::Batches) {
+            axes.push(Axis::Batches);
+        }
+        let batches = if named.is_empty() { BATCHES.to_vec() } else { named };
+        Plan { axes, batches, schedule: self.schedule() }
+    }
+
     /// The render options with `tracer`.
     pub(super) fn options(&self, tracer: TracerKind) -> RenderOptions {
-        RenderOptions { tracer, crop: None, seed: self.seed, batch: self.batch as usize }
+        let (seed, batch) = (self.seed, self.batch as usize);
+        RenderOptions { tracer, seed, batch, ..Default::default() }
     }
 }
 
@@ -98,8 +118,12 @@ pub(super) mod tests {
     fn scenes_and_options_are_read() {
         let args = parse("a.json b.json --repeats 3 --min-time 0.5 -o out.json -q").unwrap();
         assert_eq!(args.compare, []);
+        assert_eq!((args.plan().axes, args.plan().batches), (Vec::new(), BATCHES.to_vec()));
         let compared = parse("a --compare kernels,batches --compare levels").unwrap().compare;
         assert_eq!(compared, [Axis::Kernels, Axis::Batches, Axis::Levels]);
+        let plan = parse("a --compare threads --batches 16,65536").unwrap().plan();
+        assert_eq!(plan.axes, [Axis::Threads, Axis::Batches]);
+        assert_eq!(plan.batches, [16, 65536]);
         assert_eq!(args.scenes, ["a.json", "b.json"].map(PathBuf::from));
         assert_eq!(args.schedule(), Schedule { warmup: 1, most: 3, seconds: 0.5 });
         for bad in [
@@ -109,6 +133,8 @@ pub(super) mod tests {
             "a --min-time=-1",
             "a --min-time nan",
             "a --compare trees",
+            "a --batches 0",
+            "a --batches 2097152",
         ] {
             assert!(parse(bad).is_err(), "{bad}");
         }

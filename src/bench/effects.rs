@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
+use super::ROUNDS;
 use super::args::BenchArgs;
-use super::bar_of;
 use crate::common::{Extent, SearchOptions, print, tell, to_json, with_bar, write_text};
 use wavecrest_base::error::{Error, Result};
 use wavecrest_core::accel::build::Preset;
@@ -24,7 +24,7 @@ pub(super) fn run(args: &BenchArgs) -> Result<bool> {
     let precision = args.scene_options.precision;
     let setting = Setting { simd, kernel, precision, batch: args.batch as usize };
     let trace = |scene: &_, tracer| render(scene, &args.options(tracer), &());
-    let list = with_bar(args.scene_options.quiet, &bar_of("rounds"), |progress| {
+    let list = with_bar(args.scene_options.quiet, ROUNDS, |progress| {
         measure(&entries, setting, &args.schedule(), trace, progress)
     })?;
     if let Some(differs) = &list.difference {

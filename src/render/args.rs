@@ -98,7 +98,8 @@ impl RenderArgs {
     /// The render options.
     pub(super) fn options(&self) -> RenderOptions {
         let batch = self.batch as usize;
-        RenderOptions { tracer: self.tracer, crop: self.crop, seed: self.seed, batch }
+        let Self { tracer, crop, seed, .. } = *self;
+        RenderOptions { tracer, crop, seed, batch, ..Default::default() }
     }
 
     /// The extent of the image to render.

@@ -56,7 +56,7 @@ fn sample(scene: &PreparedScene, sample: Sample, seed: u64) -> Path {
     let width = scene.camera.size()[0];
     let pixel = [sample.pixel % width, sample.pixel / width];
     with_precision!(scene.accel.geometry().precision, P => {
-        let settings = TraceSettings { seed, batch: 1 };
+        let settings = TraceSettings { seed, batch: 1, time_passes: false };
         let mut tracer = Recursive::<P>::new(scene, &settings);
         follow(scene, &mut tracer, pixel, sample.sample, seed).0
     })
@@ -64,7 +64,7 @@ fn sample(scene: &PreparedScene, sample: Sample, seed: u64) -> Path {
 
 /// Records every sample of a pixel, in both tracers.
 fn record<P: Arithmetic>(scene: &PreparedScene, pixel: [u32; 2], seed: u64) -> PixelRecord {
-    let settings = TraceSettings { seed, batch: DEFAULT_BATCH };
+    let settings = TraceSettings { seed, batch: DEFAULT_BATCH, time_passes: false };
     let mut tracer = Recursive::<P>::new(scene, &settings);
     let samples = 0..scene.camera.rays_per_pixel();
     let (paths, steps): (Vec<_>, Vec<_>) =

@@ -23,7 +23,7 @@ use crate::math::vector::Line;
 use crate::plan::Effect;
 use crate::plan::schedule::Schedule;
 use crate::prepared::{Interaction, LookUps, MirrorPoint, PreparedScene};
-use crate::tile::{TraceSettings, Tracer, Unit, add_sample};
+use crate::tile::{TIMED, TraceSettings, Tracer, Unit, add_sample};
 
 /// The tracer.
 #[derive(Debug)]
@@ -36,6 +36,8 @@ pub struct Recursive<P> {
     look_ups: LookUps,
     counters: Counters,
     seconds: f64,
+    /// Seconds by pass, if they are timed.
+    passes: Option<[f64; TIMED.len()]>,
     precision: PhantomData<P>,
 }
 
@@ -49,6 +51,7 @@ impl<P: Arithmetic> Tracer for Recursive<P> {
             look_ups: LookUps::default(),
             counters: Counters::default(),
             seconds: 0.0,
+            passes: settings.time_passes.then(Default::default),
             precision: PhantomData,
         }
     }
@@ -56,14 +59,12 @@ impl<P: Arithmetic> Tracer for Recursive<P> {
     fn render(&mut self, scene: &PreparedScene, unit: &Unit, sums: &mut [[f64; 3]]) {
         let start = Instant::now();
         self.traversal.without_t = !scene.plan.has(Effect::RayDifferentials);
-        let width = scene.camera.size()[0];
-        for (index, sum) in sums.iter_mut().enumerate() {
-            let (x, y) = unit.tile.pixel(index as u32);
-            for sample in unit.samples.clone() {
-                let stream = Stream { seed: self.seed, pixel: y * width + x, sample, bounce: 0 };
-                let radiance = self.path(scene, [x, y], stream, &mut ());
-                let sample = Sample { pixel: stream.pixel, sample };
-                add_sample(sum, radiance.to_array(), sample, &mut self.counters);
+        match self.passes {
+            None => self.paths(scene, unit, sums, &mut ()),
+            Some(seconds) => {
+                let mut clock = Clock { seconds, last: start };
+                self.paths(scene, unit, sums, &mut clock);
+                self.passes = Some(clock.seconds);
             }
         }
         self.seconds += start.elapsed().as_secs_f64();
@@ -81,12 +82,18 @@ impl<P: Arithmetic> Tracer for Recursive<P> {
     }
 
     fn pass_seconds(&self) -> Vec<(&'static str, f64)> {
-        vec![("recursive", self.seconds)]
+        match self.passes {
+            None => vec![("recursive", self.seconds)],
+            Some(passes) => TIMED.into_iter().zip(passes).collect(),
+        }
     }
 }
 
-/// Receives the steps of a path, for a record. A render has no observer.
+/// Receives the steps of a path, for a record or a clock. A usual render has no observer.
 pub trait Observer {
+    /// A camera ray was made.
+    fn camera(&mut self) {}
+
     /// A ray was traced to this hit, with this work.
     fn ray(&mut self, _: &Ray, _: &Hit, _: TestCounts) {}
 
@@ -105,9 +112,61 @@ pub trait Observer {
 
     /// The bounce is over: the radiance gathered so far, and why the path ends if it does.
     fn done(&mut self, _: Vec3, _: Option<End>) {}
+
+    /// The radiance of the path was added to its pixel's sum.
+    fn added(&mut self) {}
 }
 
 impl Observer for () {}
+
+/// Times the steps of paths, each as the pass of the wavefront that does the same. It looks at the
+/// clock several times a ray, which takes a considerable part of the time.
+struct Clock {
+    seconds: [f64; TIMED.len()],
+    /// When the last step ended.
+    last: Instant,
+}
+
+impl Clock {
+    /// Adds the time since the last step to the `index`th of [`TIMED`].
+    #[inline]
+    fn lap(&mut self, index: usize) {
+        let now = Instant::now();
+        self.seconds[index] += (now - self.last).as_secs_f64();
+        self.last = now;
+    }
+}
+
+impl Observer for Clock {
+    fn camera(&mut self) {
+        self.lap(0);
+    }
+
+    fn ray(&mut self, _: &Ray, _: &Hit, _: TestCounts) {
+        self.lap(1);
+    }
+
+    fn surface(&mut self, _: &ShadingPoint<f32>, _: Vec3) {
+        self.lap(2);
+    }
+
+    fn light(
+        &mut self,
+        _: [usize; 2],
+        _: &LightPoint<f32>,
+        _: Option<(&ShadowRequest<f32>, bool)>,
+    ) {
+        self.lap(3);
+    }
+
+    fn done(&mut self, _: Vec3, _: Option<End>) {
+        self.lap(2);
+    }
+
+    fn added(&mut self) {
+        self.lap(4);
+    }
+}
 
 /// Why a path ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
@@ -124,6 +183,27 @@ pub enum End {
 }
 
 impl<P: Arithmetic> Recursive<P> {
+    /// Adds all paths of the unit to their pixels' `sums`.
+    fn paths(
+        &mut self,
+        scene: &PreparedScene,
+        unit: &Unit,
+        sums: &mut [[f64; 3]],
+        observer: &mut impl Observer,
+    ) {
+        let width = scene.camera.size()[0];
+        for (index, sum) in sums.iter_mut().enumerate() {
+            let (x, y) = unit.tile.pixel(index as u32);
+            for sample in unit.samples.clone() {
+                let stream = Stream { seed: self.seed, pixel: y * width + x, sample, bounce: 0 };
+                let radiance = self.path(scene, [x, y], stream, observer);
+                let sample = Sample { pixel: stream.pixel, sample };
+                add_sample(sum, radiance.to_array(), sample, &mut self.counters);
+                observer.added();
+            }
+        }
+    }
+
     /// The radiance along the camera ray of `stream`, through the pixel (`x`, `y`).
     pub fn path(
         &mut self,
@@ -135,6 +215,7 @@ impl<P: Arithmetic> Recursive<P> {
         let mut ray = scene.camera.ray(x, y, &stream);
         self.counters.primary_rays += 1;
         self.counters.lens_samples += u64::from(scene.camera.has_lens());
+        observer.camera();
         let shadows = self.schedule.has_shadows();
         let bounces = if self.schedule.has_mirrors() { scene.bounces } else { 0 };
         let mut throughput = Vec3::ONE;

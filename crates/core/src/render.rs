@@ -43,14 +43,18 @@ pub struct RenderOptions {
     pub crop: Option<Tile>,
     /// Seed of the random numbers.
     pub seed: u64,
-    /// Largest number of paths in a batch of the wavefront; a batch is never larger than a tile of
-    /// 64 x 64 pixels.
+    /// Largest number of paths in a batch of the wavefront; a batch is never larger than the image,
+    /// or than a tile of 1024 x 1024 pixels.
     pub batch: usize,
+    /// Whether the recursive tracer times its passes, which slows it down. The wavefront always
+    /// does, at no cost.
+    pub time_passes: bool,
 }
 
 impl Default for RenderOptions {
     fn default() -> Self {
-        Self { tracer: TracerKind::default(), crop: None, seed: 0, batch: DEFAULT_BATCH }
+        let tracer = TracerKind::default();
+        Self { tracer, crop: None, seed: 0, batch: DEFAULT_BATCH, time_passes: false }
     }
 }
 
@@ -142,12 +146,18 @@ pub fn window(scene: &PreparedScene, crop: Option<Tile>) -> Result<Tile> {
         .remedy(format!("the image is {width} x {height}; give x,y,width,height")))
 }
 
+/// Range of the side of a tile in pixels.
+const EDGES: [u32; 2] = [8, 1024];
+
 /// The side of a tile in pixels: large enough to fill a batch, small enough to distribute an image
-/// over threads.
+/// over threads. A tile that holds the whole image is as large as tiles get.
 pub fn tile_edge(scene: &PreparedScene, batch: usize) -> u32 {
     let pixels = batch as u64 / u64::from(scene.camera.rays_per_pixel());
-    let edge = pixels.isqrt().next_multiple_of(8);
-    edge.clamp(8, 64) as u32
+    let edge = pixels.isqrt().next_multiple_of(u64::from(EDGES[0])).min(u64::from(EDGES[1])) as u32;
+    let [width, height] = scene.camera.size();
+    // Checkpoints have tiles of the default batch, whatever the size of the image.
+    let whole = width.max(height).next_multiple_of(EDGES[0]).max(DEFAULT_BATCH.isqrt() as u32);
+    edge.min(whole).max(EDGES[0])
 }
 
 /// The capacity of a batch for which up to `batch` paths are requested: at most the samples of a

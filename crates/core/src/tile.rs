@@ -5,6 +5,9 @@ use std::ops::Range;
 use crate::counters::{Counters, Sample};
 use crate::prepared::PreparedScene;
 
+/// The passes that are timed, in order, by their names in statistics.
+pub const TIMED: [&str; 5] = ["generate", "intersect", "shade", "shadow", "resolve"];
+
 /// A rectangle of pixels of the image.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Tile {
@@ -64,6 +67,8 @@ pub struct TraceSettings {
     pub seed: u64,
     /// Capacity of a wavefront's batch in paths.
     pub batch: usize,
+    /// Whether the recursive tracer times its passes.
+    pub time_passes: bool,
 }
 
 /// A schedule of the kernels. Every tracer returns the same sums, bit for bit.
@@ -83,7 +88,8 @@ pub trait Tracer: Send {
     /// The work done so far.
     fn counters(&self) -> Counters;
 
-    /// Seconds so far in each pass, by the pass's name.
+    /// Seconds so far in each pass, by the pass's name ([`TIMED`]); or in all, by the name of the
+    /// tracer.
     fn pass_seconds(&self) -> Vec<(&'static str, f64)>;
 }
 

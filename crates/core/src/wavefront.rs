@@ -26,14 +26,11 @@ use crate::kernels::precision::Arithmetic;
 use crate::plan::Effect;
 use crate::plan::schedule::Schedule;
 use crate::prepared::PreparedScene;
-use crate::tile::{TraceSettings, Tracer, Unit};
+use crate::tile::{TIMED, TraceSettings, Tracer, Unit};
 use batch::Batch;
 
 /// The default number of paths in a batch.
 pub const DEFAULT_BATCH: usize = 1024;
-
-/// The timed passes in order, by their names in statistics.
-pub const TIMED: [&str; 5] = ["generate", "intersect", "shade", "shadow", "resolve"];
 
 /// The tracer.
 #[derive(Debug)]

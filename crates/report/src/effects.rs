@@ -1,17 +1,17 @@
 //! The cost of each effect: a price list, measured on this machine.
 //!
-//! [`scenes`] makes a small scene, and variants of it that each add one effect. All variants run in
-//! turn, with both tracers, round by round, so that slow phases of the machine affect all of them
-//! alike. The price of an effect is the ratio of its scene's time to that of the scene that it was
-//! added to, round by round. Images are checked: both tracers give the same, in every round, and an
-//! effect that nothing shows leaves the image and the work unchanged.
+//! [`scenes`] makes a small scene, and variants of it that each add one effect. All run with both
+//! tracers in the [rounds](crate::measure) of one measurement. The price of an effect is the ratio
+//! of its scene's time to that of the scene that it was added to, round by round. Images are
+//! checked: both tracers give the same, in every round, and an effect that nothing shows leaves the
+//! image and the work unchanged.
 //!
 //! | key | unit | meaning |
 //! |---|---|---|
 //! | `version`, `machine` | | as in [`super::bench`] |
 //! | `image.width`, `.height` | pixels | the size of all images |
 //! | `simd`, `kernel`, `precision`, `batch` | | the settings |
-//! | `rounds` | | timed rounds, each of one run of every scene with each tracer |
+//! | `rounds`, `left_out`, `busy` | | timed rounds, each of one run of every scene with each tracer; others as in [`super::bench`] |
 //! | `difference` | | the difference that ended the measurement, or `null`: the effect, the tracer, and the difference of its image or its work |
 //! | `effects` | | one entry for each scene, empty if images differ: |
 //! | `.effect`, `.added_to` | | the effect, and the scene that it was added to (`null` for the first scenes) |
@@ -28,8 +28,8 @@ mod list;
 pub mod scenes;
 mod text;
 
-use crate::bench::Machine;
-use crate::bench::measure::{Difference, Schedule, difference, order, seconds_of};
+use crate::bench::equal::Difference;
+use crate::measure::{Schedule, Timing, Turn};
 use scenes::Variant;
 use wavecrest_base::error::Result;
 use wavecrest_core::prepared::PreparedScene;
@@ -48,16 +48,10 @@ pub struct Entry {
     pub scene: PreparedScene,
 }
 
-/// The results of an entry: its first render, and the seconds of each timed run.
-struct Runs {
-    first: Option<Rendered>,
-    seconds: [Vec<f64>; TRACERS.len()],
-}
-
 const TRACERS: [TracerKind; 2] = [TracerKind::Wavefront, TracerKind::Recursive];
 
-/// Runs `trace` on all `entries` in turn as in `schedule`, with rounds instead of pairs. `progress`
-/// receives the rounds timed and the expected total.
+/// Runs `trace` on all `entries` with both tracers as in `schedule`. `progress` receives the rounds
+/// timed and the expected total.
 ///
 /// # Errors
 /// Those of `trace`.
@@ -68,90 +62,59 @@ pub fn measure(
     mut trace: impl FnMut(&PreparedScene, TracerKind) -> Result<Rendered>,
     progress: &mut dyn FnMut(u64, u64),
 ) -> Result<PriceList> {
-    let new = || Runs { first: None, seconds: Default::default() };
-    let mut runs: Vec<Runs> = entries.iter().map(|_| new()).collect();
-    for round in 0.. {
-        for turn in 0..entries.len() {
-            let index = (turn + round) % entries.len();
-            for tracer in order(round) {
-                let run = trace(&entries[index].scene, tracer)?;
-                if let Some(difference) = runs[index].add(tracer, run, round >= schedule.warmup) {
-                    return Ok(differs(entries, setting, index, difference));
-                }
-            }
+    let mut firsts: Vec<Rendered> = Vec::new();
+    let mut list = PriceList::of(entries, setting);
+    let run = |Turn { variant, .. }: Turn| {
+        let (index, tracer) = (variant / TRACERS.len(), TRACERS[variant % TRACERS.len()]);
+        let Entry { variant, scene } = &entries[index];
+        let (rendered, timing) = Timing::of(|| trace(scene, tracer));
+        let rendered = rendered?;
+        // A ratio of times must be finite.
+        let timing = Timing { seconds: rendered.seconds.max(f64::MIN_POSITIVE), ..timing };
+        // The first round is in the order of the entries, a base before what is added to it.
+        if firsts.len() == index {
+            firsts.push(rendered.clone());
         }
-        if let Some((index, difference)) = unreached_differs(entries, &runs) {
-            return Ok(differs(entries, setting, index, difference));
-        }
-        let done = runs.first().map_or(0, |runs| runs.seconds[0].len());
-        let sums = runs.iter().flat_map(|runs| &runs.seconds).map(|seconds| seconds.iter().sum());
-        let planned = schedule.planned(done, sums.reduce(f64::min).unwrap_or_default());
-        progress(done as u64, planned as u64);
-        if done >= planned || entries.is_empty() {
-            break;
-        }
-    }
-    let prices = (0..entries.len()).filter_map(|index| price(entries, &runs, index)).collect();
-    let rounds = runs.first().map_or(0, |runs| runs.seconds[0].len());
-    Ok(list(entries, setting, rounds, prices))
+        // What nothing shows must look like the scene without it.
+        let expected = if variant.reached { index } else { variant.added_to.unwrap_or(index) };
+        let difference = Difference::of(&firsts[expected], &rendered);
+        list.difference = difference.map(|difference| {
+            let effect = variant.name;
+            EffectDifference { effect, tracer, difference }
+        });
+        Ok(list.difference.is_none().then_some((timing, ())))
+    };
+    let measured = crate::measure::measure(TRACERS.len() * entries.len(), schedule, run, progress)?;
+    let Some(measured) = measured else { return Ok(list) };
+    (list.rounds, list.left_out, list.busy) = (measured.rounds(), measured.left_out, measured.busy);
+    let each = |runs: &Vec<(Timing, ())>| runs.iter().map(|(timing, ())| timing.seconds).collect();
+    let seconds: Vec<Vec<f64>> = measured.variants.iter().map(each).collect();
+    list.effects = firsts
+        .iter()
+        .enumerate()
+        .filter_map(|(index, first)| price(entries, &seconds, index, first))
+        .collect();
+    Ok(list)
 }
 
-impl Runs {
-    /// Adds a run, and returns its difference from the first.
-    fn add(&mut self, tracer: TracerKind, run: Rendered, timed: bool) -> Option<Difference> {
-        if timed {
-            self.seconds[tracer as usize].push(seconds_of(&run));
-        }
-        match &self.first {
-            Some(first) => difference(tracer, first, &run),
-            None => {
-                self.first = Some(run);
-                None
-            }
-        }
-    }
-}
-
-/// The first effect that nothing shows and that nevertheless changes the image or the work.
-fn unreached_differs(entries: &[Entry], runs: &[Runs]) -> Option<(usize, Difference)> {
-    entries.iter().enumerate().filter(|(_, entry)| !entry.variant.reached).find_map(|(index, e)| {
-        let base = runs[e.variant.added_to?].first.as_ref()?;
-        let run = runs[index].first.as_ref()?;
-        Some((index, difference(TracerKind::Wavefront, base, run)?))
-    })
-}
-
-fn differs(entries: &[Entry], setting: Setting, index: usize, difference: Difference) -> PriceList {
-    let effect = entries[index].variant.name;
-    let difference = Some(EffectDifference { effect, difference });
-    PriceList { difference, ..list(entries, setting, 0, Vec::new()) }
-}
-
-fn list(entries: &[Entry], setting: Setting, rounds: usize, effects: Vec<Price>) -> PriceList {
-    let [width, height] = entries.first().map_or([0; 2], |entry| entry.scene.camera.size());
-    let (version, machine) = (env!("CARGO_PKG_VERSION"), Machine::this());
-    let image = Size { width, height };
-    PriceList { version, machine, image, setting, rounds, difference: None, effects }
-}
-
-fn price(entries: &[Entry], runs: &[Runs], index: usize) -> Option<Price> {
+fn price(entries: &[Entry], seconds: &[Vec<f64>], index: usize, first: &Rendered) -> Option<Price> {
     let Entry { variant, scene } = &entries[index];
-    let counters = &runs[index].first.as_ref()?.counters;
-    let [wavefront, recursive] = TRACERS.map(|tracer| {
-        let seconds = |index: usize| runs[index].seconds[tracer as usize].as_slice();
-        Cost::new(seconds(index), variant.added_to.map(seconds), scene, counters)
-    });
+    let cost = |tracer: usize| {
+        let place = |entry: usize| entry * TRACERS.len() + tracer;
+        let base = variant.added_to.map(place);
+        Cost::new(seconds, (place(index), base), scene, &first.counters)
+    };
     let present = scene.plan.decisions().iter().filter(|decision| decision.present);
     Some(Price {
         effect: variant.name,
         added_to: variant.added_to.map(|base| entries[base].variant.name),
         reached: variant.reached,
         simulated: present.map(|decision| decision.effect.name()).collect(),
-        rays: counters.into(),
-        samples: counters.into(),
+        rays: (&first.counters).into(),
+        samples: (&first.counters).into(),
         bytes_per_path: Batch::bytes_per_path(scene).iter().map(|(_, bytes)| bytes).sum(),
-        wavefront: wavefront?,
-        recursive: recursive?,
+        wavefront: cost(0)?,
+        recursive: cost(1)?,
     })
 }
 

@@ -94,7 +94,7 @@ fn trace(
     samples: u32,
 ) -> (Counters, f64) {
     let batch = batch_size(scene, options.batch);
-    let settings = TraceSettings { seed: options.seed, batch };
+    let settings = TraceSettings { seed: options.seed, batch, time_passes: false };
     let one = |tile: &Tile| {
         let mut tracer = work::tracer(scene, options.tracer, &settings);
         let start = Instant::now();

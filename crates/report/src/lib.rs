@@ -15,4 +15,5 @@ pub mod regression;
 pub mod selftest;
 pub mod statistics;
 pub mod summary;
+pub mod text;
 pub mod yardstick;

@@ -1,8 +1,8 @@
 //! The loop that times variants of one thing side by side.
 //!
 //! A round runs every variant once, so that slow phases of the machine affect all of them alike.
-//! The first to run changes from round to round, so that none always finds the caches and the clock
-//! as the same other left them.
+//! The first to run and the direction change from round to round, so that none always finds the
+//! caches and the clock as the same other left them.
 //!
 //! Each run has its processor time, of all threads of the process, beside its wall-clock time.
 //! While other programs use the processors, the process gets less of their time in a second: a round
@@ -87,7 +87,8 @@ pub fn measure<T>(
         let is_timed = round >= schedule.warmup.max(1);
         let mut runs: Vec<Option<(Timing, T)>> = (0..variants).map(|_| None).collect();
         for turn in 0..variants {
-            let variant = (turn + round) % variants;
+            let step = if round.is_multiple_of(2) { turn } else { variants - turn };
+            let variant = (round + step) % variants;
             let found = run(Turn { variant, round, is_timed })?;
             if found.is_none() {
                 return Ok(None);
@@ -97,7 +98,7 @@ pub fn measure<T>(
         if is_timed {
             rounds.push(runs.into_iter().flatten().collect());
         }
-        let is_quiet = quiet(&rounds.iter().map(whole).collect::<Vec<_>>());
+        let is_quiet = quiet(&rounds.iter().map(|runs| whole(runs)).collect::<Vec<_>>());
         let done = is_quiet.iter().filter(|quiet| **quiet).count();
         let planned = schedule.planned(done, shortest(variants, &rounds, &is_quiet));
         progress(done as u64, planned as u64);
@@ -109,7 +110,7 @@ pub fn measure<T>(
 }
 
 /// The duration of all runs of a round.
-fn whole<T>(runs: &Vec<(Timing, T)>) -> Timing {
+fn whole<T>(runs: &[(Timing, T)]) -> Timing {
     runs.iter().map(|(timing, _)| *timing).sum()
 }
 

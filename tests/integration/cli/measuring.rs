@@ -36,14 +36,28 @@ fn bench_times_both_tracers_on_equal_images() {
     let scenes = found["scenes"].as_array().expect("scenes");
     assert_eq!(scenes.len(), 2);
     for scene in scenes {
-        assert_eq!((&scene["equal"], &scene["difference"]), (&json!(true), &Value::Null));
+        assert_eq!(scene["equal"], true);
         assert_eq!(scene["rays"]["primary"], 16 * 12);
+        let ladder = &scene["comparisons"][0];
+        assert_eq!((&ladder["of"], &ladder["rounds"]), (&json!("ladder"), &json!(2)));
+        let variants = ladder["variants"].as_array().expect("variants");
+        let (first, last) = (&variants[0], &variants[variants.len() - 1]);
+        assert_eq!(
+            (&first["tracer"], &first["ratio"]["median"]),
+            (&json!("recursive"), &json!(1.0))
+        );
         // Rays that go through the tree together are tested together, so that `tests` may differ.
-        for tracer in ["wavefront", "recursive"] {
-            assert!(scene[tracer]["tests"]["nodes"].as_u64() > Some(0), "{tracer}");
-            let seconds = scene[tracer]["seconds"]["median"].as_f64().expect("seconds");
-            assert!(seconds > 0.0, "{tracer}");
+        let mut product = 1.0;
+        for variant in variants {
+            assert!(variant["tests"]["nodes"].as_u64() > Some(0), "{variant}");
+            assert!(variant["seconds"]["median"].as_f64() > Some(0.0), "{variant}");
+            product *= variant["gain"]["median"].as_f64().unwrap_or(1.0);
         }
+        // The steps lead from the recursive tracer to the wavefront.
+        let whole = variants[variants.len() - 2]["ratio"]["median"].as_f64().expect("a ratio");
+        assert!((product / whole - 1.0).abs() < 1e-12, "{product} {whole}");
+        assert_eq!((&last["time_passes"], &last["tracer"]), (&json!(true), &json!("recursive")));
+        assert!(last["passes"]["intersect"]["seconds"].as_f64() > Some(0.0), "{last}");
     }
     let text = std::fs::read_to_string(folder.path().join("bench.json")).expect("a report");
     let written: Value = serde_json::from_str(&text).expect("JSON");
@@ -78,22 +92,28 @@ fn bench_prices_effects() {
 }
 
 #[test]
-fn bench_compares_kernels_levels_and_batches() {
+fn bench_compares_kernels_levels_batches_and_threads() {
     let folder = folder();
     write_scene(folder.path());
-    let options = ["--repeats", "2", "--min-time", "0", "--kernel", "stream"];
-    let what = ["bench", "s.json", "--compare", "kernels,levels,batches"];
-    let found = json_of(folder.path(), &[&what[..], &options, &["--json"]].concat());
+    let options = ["--repeats", "2", "--min-time", "0", "--kernel", "stream", "--threads", "2"];
+    let what =
+        ["bench", "s.json", "--compare", "kernels,levels,threads,plan", "--batches", "16,65536"];
+    let files = ["--page", "p.html", "--charts", "charts"];
+    let found = json_of(folder.path(), &[&what[..], &options, &files, &["--json"]].concat());
     let scene = &found["scenes"][0];
     assert_eq!((&scene["equal"], &scene["kernel"]), (&json!(true), &json!("stream")));
     let comparisons = scene["comparisons"].as_array().expect("comparisons");
     let of: Vec<_> = comparisons.iter().map(|compared| &compared["of"]).collect();
-    assert_eq!(of, ["kernels", "levels", "batches"]);
+    assert_eq!(of, ["ladder", "kernels", "levels", "threads", "plan", "batches"]);
     for compared in comparisons {
         assert_eq!((&compared["rounds"], &compared["difference"]), (&json!(2), &Value::Null));
         let variants = compared["variants"].as_array().expect("variants");
-        assert_eq!(variants[0]["kernel"], "stream", "the usual choice comes first");
         assert_eq!(variants[0]["ratio"]["median"], 1.0);
+        let usual = |v: &&Value| {
+            let (kernel, batch) = (v["kernel"] == "stream", v["batch"] == 1024);
+            v["tracer"] == "wavefront" && kernel && batch && v["threads"] == 2
+        };
+        assert!(variants.iter().any(|variant| usual(&variant)), "{compared}");
         for variant in variants {
             let rays: u64 = ["closest", "shadow"]
                 .iter()
@@ -104,10 +124,18 @@ fn bench_compares_kernels_levels_and_batches() {
             assert_eq!(rays, all.into_iter().flatten().sum::<u64>(), "{variant}");
         }
     }
+    let column = |compared: &Value, key: &str| -> Vec<Value> {
+        compared["variants"].as_array().expect("variants").iter().map(|v| v[key].clone()).collect()
+    };
+    assert_eq!(column(&comparisons[3], "threads"), [1, 1, 2, 2]);
+    assert_eq!(column(&comparisons[5], "label"), ["recursive", "16", "1024", "65536"]);
+    for name in ["s-wavefront-by-batch-size.svg", "s-both-tracers-by-threads-time-by-pass.csv"] {
+        assert!(folder.path().join("charts").join(name).is_file(), "{name}");
+    }
     let mut command = wavecrest(folder.path());
     let output = command.args([&what[..], &options].concat()).output().expect("it runs");
     let text = String::from_utf8_lossy(&output.stdout);
-    for words in ["the wavefront by kernels", "by levels", "by batches", "by kernel (stream, "] {
+    for words in ["The wavefront is ", "order ", "Wavefront by kernel", "bytes a path"] {
         assert!(text.contains(words), "{words}\n{text}");
     }
 }

@@ -89,7 +89,9 @@ pub fn run(
         return Err(refused(flaw));
     }
     let start = Instant::now();
-    let settings = TraceSettings { seed: options.seed, batch: batch_size(scene, options.batch) };
+    let RenderOptions { seed, time_passes, .. } = *options;
+    let batch = batch_size(scene, options.batch);
+    let settings = TraceSettings { seed, batch, time_passes };
     // One worker for each thread, made before the first ray.
     let threads = rayon::current_num_threads();
     let worker = || Mutex::new(Worker::new(tracer(scene, options.tracer, &settings), job));

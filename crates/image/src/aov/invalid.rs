@@ -31,7 +31,7 @@ impl Search<'_> {
         let Self { scene, window, seed, count, mask } = self;
         let left = AtomicU64::new(count);
         // One path at a time: the recursive tracer ignores the batch.
-        let settings = TraceSettings { seed, batch: 1 };
+        let settings = TraceSettings { seed, batch: 1, time_passes: false };
         let rows = mask.par_chunks_mut(window.width as usize).enumerate();
         rows.for_each(|(row, mask)| {
             let mut tracer = tracer(scene, TracerKind::Recursive, &settings);

@@ -3,7 +3,7 @@
 //! The kinds of warnings are those of hyperfine (Peter, *hyperfine*, 2018-): runs too short, a slow
 //! first run, outliers. Each names the observation and the option that helps.
 
-use super::tracer::{Ratio, TracerBench};
+use super::compare::{Comparison, VariantBench};
 use crate::summary::{CONFIDENCE, ENOUGH};
 
 /// A run shorter than this in seconds mostly starts threads and allocates buffers.
@@ -17,70 +17,49 @@ const SLOW_DEVIATIONS: f64 = 14.826;
 /// slow.
 const SLOW_SHARE: f64 = 0.1;
 
-/// The warnings about a measurement: about samples that were not finite, the wavefront, the
-/// recursive tracer, and their ratio.
-pub fn warnings(
-    invalid: u64,
-    tracers: [Option<&TracerBench>; 2],
-    ratio: Option<&Ratio>,
-) -> Vec<String> {
-    let mut warnings: Vec<Option<String>> = Vec::new();
-    if cfg!(debug_assertions) {
-        let why = "this is a debug build: build with --release";
-        warnings.push(Some(why.to_owned()));
+/// The warnings about a comparison.
+pub fn warnings(found: &Comparison) -> Vec<String> {
+    let mut warnings = Vec::new();
+    let mut warn = |is_so: bool, text: String| warnings.extend(is_so.then_some(text));
+    warn(cfg!(debug_assertions), "this is a debug build: build with --release".to_owned());
+    let invalid = found.counters.invalid;
+    warn(invalid > 0, format!("{invalid} samples were not finite: run check on the scene"));
+    let most = |value: fn(&VariantBench) -> f64| {
+        found.variants.iter().max_by(|a, b| value(a).total_cmp(&value(b)))
+    };
+    if let Some(v) = most(|v| -v.seconds.median) {
+        let (label, median) = (&v.label, v.seconds.median);
+        let what = "much of it startup: render a larger image with --width and --height";
+        warn(median < SHORT, format!("a run ({label}) takes {:.2} ms, {what}", median * 1e3));
     }
-    if invalid > 0 {
-        let why = format!("{invalid} samples were not finite: run check on the scene");
-        warnings.push(Some(why));
+    let first =
+        |v: &VariantBench| v.seconds.each.first().map_or(0.0, |first| first / v.seconds.median);
+    if let Some(v) = most(|v| v.seconds.each.first().map_or(0.0, |first| first / v.seconds.median))
+    {
+        let above = (first(v) - 1.0) * v.seconds.median;
+        let is_slow = above > SLOW_DEVIATIONS * v.seconds.mad && first(v) > 1.0 + SLOW_SHARE;
+        let (label, times) = (&v.label, first(v));
+        let what = "warm up for longer with --warmup";
+        warn(is_slow, format!("the first run ({label}) took {times:.2} times the median: {what}"));
     }
-    for (name, tracer) in ["wavefront", "recursive tracer"].into_iter().zip(tracers) {
-        let Some(tracer) = tracer else { continue };
-        warnings.extend([short(name, tracer), slow_start(name, tracer), wide(name, tracer)]);
+    if let Some(v) = most(|v| v.seconds.spread()) {
+        let (label, spread) = (&v.label, 100.0 * v.seconds.spread());
+        let what = "close other programs, or run for longer with --min-time";
+        let text = format!("times ({label}) vary, their quartiles by {spread:.0} % of the median");
+        warn(v.seconds.spread() > WIDE, format!("{text}: {what}"));
     }
-    warnings.push(ratio.and_then(few));
-    warnings.into_iter().flatten().collect()
-}
-
-fn short(name: &str, tracer: &TracerBench) -> Option<String> {
-    let median = tracer.seconds.median;
-    (median < SHORT).then(|| {
+    let (rounds, s) = (found.rounds, if found.rounds == 1 { "" } else { "s" });
+    let percent = 100.0 * CONFIDENCE;
+    warn(
+        (1..ENOUGH).contains(&rounds),
         format!(
-            "a run of the {name} takes {:.2} ms, much of it startup: render a larger image with --width and --height",
-            median * 1e3
-        )
-    })
-}
-
-fn slow_start(name: &str, tracer: &TracerBench) -> Option<String> {
-    let s = &tracer.seconds;
-    let first = *s.each.first()?;
-    let above = first - s.median;
-    (above > SLOW_DEVIATIONS * s.mad && above > SLOW_SHARE * s.median).then(|| {
-        format!(
-            "the first run of the {name} took {:.2} times the median: \
-             warm up for longer with --warmup",
-            first / s.median
-        )
-    })
-}
-
-fn wide(name: &str, tracer: &TracerBench) -> Option<String> {
-    let spread = tracer.seconds.spread();
-    (spread > WIDE).then(|| {
-        format!(
-            "times of the {name} vary, their quartiles by {:.0} % of the median: close other programs, or run for \
-             longer with --min-time",
-            100.0 * spread
-        )
-    })
-}
-
-fn few(ratio: &Ratio) -> Option<String> {
-    (ratio.pairs < ENOUGH).then(|| {
-        let (pairs, percent) = (ratio.pairs, 100.0 * CONFIDENCE);
-        let s = if pairs == 1 { "" } else { "s" };
-        format!(
-            "{pairs} pair{s} of runs cannot give {percent:.0} % confidence: run {ENOUGH} or more with --repeats"
-        )
-    })
+            "{rounds} round{s} cannot give {percent:.0} % confidence: run {ENOUGH} or more with --repeats"
+        ),
+    );
+    let busy = found.busy;
+    warn(
+        busy > 0,
+        format!("other programs used the processors in {busy} of {rounds} rounds: close them"),
+    );
+    warnings
 }

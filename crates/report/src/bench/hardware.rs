@@ -3,35 +3,10 @@
 //! Linux provides these counters, unless its settings forbid it or it runs in a virtual machine
 //! without them. If there are no counts, the report says why.
 
-use serde::Serialize;
-
-/// Counts of all threads in one run; `None` if the machine does not count the event.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
-pub struct HardwareCounts {
-    /// Cycles of the processor's clock.
-    pub cycles: Option<u64>,
-    /// Instructions completed.
-    pub instructions: Option<u64>,
-    /// Accesses to the last level of the caches.
-    pub cache_references: Option<u64>,
-    /// Those that had to go to memory.
-    pub cache_misses: Option<u64>,
-    /// Branches that were predicted wrongly.
-    pub branch_misses: Option<u64>,
-}
-
-impl HardwareCounts {
-    /// Each count with its name.
-    pub fn each(&self) -> [(&'static str, Option<u64>); 5] {
-        [
-            ("cycles", self.cycles),
-            ("instructions", self.instructions),
-            ("cache references", self.cache_references),
-            ("cache misses", self.cache_misses),
-            ("branch misses", self.branch_misses),
-        ]
-    }
-}
+/// Counts of all threads in one run, by event: cycles of the clock, instructions completed, accesses
+/// to the last level of the caches and those that had to go to memory, and branches predicted
+/// wrongly. `null` if the machine does not count the event.
+pub type HardwareCounts = serde_json::Map<String, serde_json::Value>;
 
 /// Does `work` and returns the counts of all threads of the current pool, or why they are unknown.
 pub fn count<R>(work: impl FnOnce() -> R) -> (R, Result<HardwareCounts, String>) {
@@ -55,17 +30,16 @@ mod system {
     /// The counters of one event, one for each thread.
     type OfThreads = Vec<Counter>;
 
-    /// The events in the order of [`HardwareCounts::each`].
-    const EVENTS: [Hardware; 5] = [
-        Hardware::CPU_CYCLES,
-        Hardware::INSTRUCTIONS,
-        Hardware::CACHE_REFERENCES,
-        Hardware::CACHE_MISSES,
-        Hardware::BRANCH_MISSES,
+    const EVENTS: [(&str, Hardware); 5] = [
+        ("cycles", Hardware::CPU_CYCLES),
+        ("instructions", Hardware::INSTRUCTIONS),
+        ("cache_references", Hardware::CACHE_REFERENCES),
+        ("cache_misses", Hardware::CACHE_MISSES),
+        ("branch_misses", Hardware::BRANCH_MISSES),
     ];
 
     pub(super) fn count<R>(work: impl FnOnce() -> R) -> (R, Result<HardwareCounts, String>) {
-        let mut counters = EVENTS.map(open);
+        let mut counters = EVENTS.map(|(_, event)| open(event));
         let started = counters.each_mut().map(|each| switch(each, Counter::enable));
         let result = work();
         let stopped = counters.each_mut().map(|each| switch(each, Counter::disable));
@@ -73,16 +47,11 @@ mod system {
         let all = started.into_iter().chain(stopped).all(|is_done| is_done);
         let why_not = counters.into_iter().find_map(Result::err);
         let counted = match counts {
-            [None, None, None, None, None] => Err(why(why_not)),
+            _ if counts.iter().all(Option::is_none) => Err(why(why_not)),
             _ if !all => Err(why(None)),
-            [cycles, instructions, cache_references, cache_misses, branch_misses] => {
-                Ok(HardwareCounts {
-                    cycles,
-                    instructions,
-                    cache_references,
-                    cache_misses,
-                    branch_misses,
-                })
+            _ => {
+                let named = EVENTS.iter().zip(counts);
+                Ok(named.map(|((name, _), count)| ((*name).to_owned(), count.into())).collect())
             }
         };
         (result, counted)
@@ -154,7 +123,7 @@ mod tests {
         assert_eq!(sum, 499_500);
         match counted {
             Ok(counts) => {
-                assert!(counts.each().iter().any(|(_, count)| count.is_some()));
+                assert!(counts.values().any(|count| count.is_u64()));
                 assert_eq!(missing(), None);
             }
             Err(why) => assert!(!why.is_empty() && missing().is_some()),

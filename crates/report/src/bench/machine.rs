@@ -1,5 +1,7 @@
 //! The machine of a benchmark.
 
+use std::path::Path;
+
 use serde::Serialize;
 
 use super::hardware;
@@ -12,7 +14,19 @@ pub struct Machine {
     pub cores: usize,
     pub threads: usize,
     pub os: String,
+    /// The caches of data, from the nearest to the farthest; none if the system does not tell.
+    pub caches: Vec<Cache>,
     pub hardware_missing: Option<String>,
+}
+
+/// A cache of data.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[allow(missing_docs, reason = "see crate::bench")]
+pub struct Cache {
+    pub level: u32,
+    pub bytes: u64,
+    /// Logical processors that share it.
+    pub shared_by: usize,
 }
 
 impl Machine {
@@ -23,8 +37,18 @@ impl Machine {
             cores: std::thread::available_parallelism().map_or(1, usize::from),
             threads: rayon::current_num_threads(),
             os: format!("{} {}", std::env::consts::OS, std::env::consts::ARCH),
+            caches: caches(Path::new("/sys/devices/system/cpu/cpu0/cache")),
             hardware_missing: hardware::missing(),
         }
+    }
+
+    /// The nearest cache that holds `bytes` of each of `threads`, by name; `None` if no cache is
+    /// known.
+    pub fn holds(&self, bytes: u64, threads: usize) -> Option<String> {
+        let fits = |cache: &&Cache| bytes * threads.min(cache.shared_by) as u64 <= cache.bytes;
+        self.caches.first()?;
+        let cache = self.caches.iter().find(fits);
+        Some(cache.map_or_else(|| "memory".to_owned(), |cache| format!("L{}", cache.level)))
     }
 }
 
@@ -33,4 +57,28 @@ pub(super) fn processor(cpuinfo: &str) -> Option<String> {
     let line = cpuinfo.lines().find_map(|line| line.strip_prefix("model name"))?;
     let name = line.split_once(':')?.1.trim();
     (!name.is_empty()).then(|| name.to_owned())
+}
+
+/// The caches of data that Linux lists in `folder`.
+pub(super) fn caches(folder: &Path) -> Vec<Cache> {
+    let cache = |index: u32| {
+        let of = |name| std::fs::read_to_string(folder.join(format!("index{index}/{name}"))).ok();
+        let kibibytes = of("size")?.trim().strip_suffix('K')?.parse::<u64>().ok()?;
+        let cache = Cache {
+            level: of("level")?.trim().parse().ok()?,
+            bytes: kibibytes << 10,
+            shared_by: processors_in(of("shared_cpu_list")?.trim())?,
+        };
+        Some((of("type")?.trim() != "Instruction").then_some(cache))
+    };
+    (0..).map_while(cache).flatten().collect()
+}
+
+/// The number of processors in a list such as "0-3,8".
+fn processors_in(list: &str) -> Option<usize> {
+    let count = |range: &str| {
+        let (first, last) = range.split_once('-').unwrap_or((range, range));
+        last.parse::<usize>().ok()?.checked_sub(first.parse().ok()?).map(|more| more + 1)
+    };
+    list.split(',').map(count).sum()
 }

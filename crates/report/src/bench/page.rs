@@ -1,171 +1,220 @@
-//! A benchmark as a page: the results, then each scene, then the method.
+//! A benchmark as a page: the results, then each scene, then the method. A terminal shows the same
+//! blocks as [text](crate::text).
 
-mod compared;
-mod parts;
-mod scene;
+mod comparison;
+mod files;
 
-use self::parts::{Both, interval, ratio_cell, ratio_chart, speed};
+use super::compare::VariantBench;
 use super::machine::Machine;
+use super::ratio::{METHOD, Ratio};
 use super::report::{BenchReport, SceneBench};
-use super::tracer::{METHOD, Ratio};
-use super::words::plural;
 use crate::page::{Block, Cell, Fact, Page, Section, Table};
 use crate::plot::number::figure;
-use crate::plot::{Axis, Chart, Point, Scale, Series};
+use crate::plot::{Axis, Scale, Series};
+use comparison::{comparison, point, ratio, speeds};
+
+pub use files::write_figures;
 
 /// The page of a report.
 pub fn page(report: &BenchReport) -> Page {
     let mut sections = Vec::new();
-    sections.extend(overview(&report.scenes));
-    sections.extend(report.scenes.iter().map(scene::section));
-    sections.push(measured(report));
+    if report.scenes.iter().any(|scene| scene.tracers().is_some()) {
+        sections.push(Section::new("Speed", overview(&report.scenes)));
+    }
+    for scene in &report.scenes {
+        let title = format!("`{}`", scene.setting.scene);
+        sections.push(Section::new(title, self::scene(scene, &report.machine)));
+    }
+    let words: Vec<String> = report.command.iter().map(|word| quoted(word)).collect();
+    let mut facts = machine(&report.machine);
+    facts.push(Fact::new("wavecrest", report.version));
+    let command = Block::Code(format!("wavecrest {}", words.join(" ")));
+    sections.push(Section::new("How it was measured", vec![Block::Facts(facts), command]));
     let title = "Wavefront against recursive".to_owned();
     Page { title, lead: lead(&report.scenes), sections, ..Page::default() }
 }
 
 /// The results in a few sentences.
 fn lead(scenes: &[SceneBench]) -> String {
-    let ratios: Vec<&Ratio> = scenes.iter().filter_map(|scene| scene.ratio.as_ref()).collect();
-    let mut sentences = Vec::new();
-    match ratios[..] {
-        [] => {}
-        [only] => sentences.push(speed(only)),
+    let ratios: Vec<f64> = scenes.iter().filter_map(speed).map(|r| r.interval.median).collect();
+    let mut sentences: Vec<String> = match (&ratios[..], scenes) {
+        ([], []) => vec!["Nothing was measured.".to_owned()],
+        ([], _) => Vec::new(),
+        ([_], [scene]) => answer(scene).into_iter().collect(),
         _ => {
-            let faster = |is_so: fn(&Ratio) -> bool| ratios.iter().filter(|r| is_so(r)).count();
-            let wavefront = faster(|r| r.verdict() == "the wavefront is faster");
-            let recursive = faster(|r| r.verdict() == "the recursive tracer is faster");
-            let medians = ratios.iter().map(|ratio| ratio.interval.median);
-            let least = medians.clone().fold(f64::INFINITY, f64::min);
-            let most = medians.fold(0.0, f64::max);
-            sentences.push(format!(
-                "Of {}, the wavefront is faster in {wavefront} and the recursive tracer in {recursive}; in {} the \
-                 difference is within noise. The wavefront is {least:.3} to {most:.3} times as fast as the recursive \
-                 tracer.",
-                plural(ratios.len(), "scene"),
-                ratios.len() - wavefront - recursive,
-            ));
+            let least = ratios.iter().copied().fold(f64::INFINITY, f64::min);
+            let most = ratios.iter().copied().fold(0.0, f64::max);
+            vec![format!(
+                "In {} scenes, the wavefront is {least:.3} to {most:.3} times as fast as the recursive tracer.",
+                ratios.len()
+            )]
         }
-    }
+    };
     let different = scenes.iter().filter(|scene| !scene.equal).count();
-    sentences.push(match different {
-        0 if scenes.is_empty() => "Nothing was measured.".to_owned(),
-        0 => "All images are bit-identical.".to_owned(),
-        _ => {
-            format!(
-                "The tracers disagree in {}: no times are given there.",
-                plural(different, "scene")
-            )
-        }
-    });
+    match different {
+        0 if scenes.is_empty() => {}
+        0 => sentences.push("All images are bit-identical.".to_owned()),
+        1 => sentences.push("Images differ in 1 scene.".to_owned()),
+        _ => sentences.push(format!("Images differ in {different} scenes.")),
+    }
     sentences.join(" ")
 }
 
+/// The speed of the wavefront over that of the recursive tracer.
+fn speed(scene: &SceneBench) -> Option<&Ratio> {
+    scene.tracers().map(|[_, wavefront]| &wavefront.ratio)
+}
+
+/// The speed of the wavefront, and the gain of each step to it, in a sentence.
+fn answer(scene: &SceneBench) -> Option<String> {
+    let ratio = speed(scene)?;
+    let i = &ratio.interval;
+    let steps = gains(&scene.ladder()?.variants);
+    let steps = if steps.is_empty() { String::new() } else { format!(": {steps}") };
+    let verdict = match ratio.verdict("wavefront", "recursive tracer") {
+        known if known.ends_with("is faster") => String::new(),
+        open => format!(" Of the two, {open}."),
+    };
+    Some(format!(
+        "The wavefront is {:.2} times as fast as the recursive tracer ({:.3} to {:.3} with {:.1}\u{a0}% confidence, {} \
+         rounds){steps}.{verdict}",
+        i.median,
+        i.low,
+        i.high,
+        100.0 * i.confidence,
+        ratio.pairs
+    ))
+}
+
+/// The gain of each step, such as "order 1.08, flight 1.31, packets 1.31". Their product is the
+/// ratio of the last variant.
+pub(super) fn gains(variants: &[VariantBench]) -> String {
+    let gains = variants.iter().filter_map(|v| v.gain.as_ref());
+    let words: Vec<String> =
+        gains.map(|gain| format!("{} {:.2}", gain.of, gain.ratio.interval.median)).collect();
+    words.join(", ")
+}
+
 /// All scenes side by side.
-fn overview(scenes: &[SceneBench]) -> Option<Section> {
-    let measured: Vec<Both<'_>> = scenes.iter().filter_map(Both::of).collect();
-    if measured.is_empty() {
-        return None;
-    }
-    let blocks = vec![
-        Block::paragraph(
-            "The tracers run in turns, so that slow phases of the machine affect both alike. The ratio is that of the \
-             two times in each pair of runs.",
-        ),
-        Block::Chart(ratios(&measured)),
-        Block::Table(table(&measured)),
-        Block::Chart(rates(&measured)),
-    ];
-    Some(Section::new("Speed", blocks))
-}
-
-fn ratios(measured: &[Both<'_>]) -> Chart {
-    let points = measured.iter().enumerate().map(|(row, both)| {
-        let i = &both.ratio.interval;
-        let label = format!("{}; {}", interval(both.ratio), both.ratio.verdict());
-        Point::new(row as f64, i.median).within(i.low, i.high).labelled(label)
-    });
-    let names = measured.iter().map(|both| both.scene.scene.clone()).collect();
-    ratio_chart(
-        "Speed of the wavefront over that of the recursive tracer",
-        &format!(
-            "Points are medians over pairs of runs, whiskers their confidence intervals ({METHOD}). Right of the \
-             line the wavefront is faster."
-        ),
-        Axis::new("scene", "", Scale::Names(names)),
-        points.collect(),
-    )
-}
-
-/// Rays of each kind per second.
-fn rates(measured: &[Both<'_>]) -> Chart {
-    let (mut names, mut wavefront, mut recursive) = (Vec::new(), Vec::new(), Vec::new());
-    for both in measured {
-        let rays = &both.scene.rays;
-        let (w, r) = (&both.wavefront.rays_s, &both.recursive.rays_s);
-        let kinds = [
-            ("primary", rays.primary, w.primary, r.primary),
-            ("secondary", rays.secondary, w.secondary, r.secondary),
-            ("shadow", rays.shadow, w.shadow, r.shadow),
-        ];
-        for (kind, count, w, r) in kinds.into_iter().filter(|(_, count, ..)| *count > 0) {
-            let row = names.len() as f64;
-            let label = format!("{} rays in a run", figure(count as f64));
-            wavefront.push(Point::new(row, w / 1e6).labelled(label.clone()));
-            recursive.push(Point::new(row, r / 1e6).labelled(label));
-            names.push(match measured {
-                [_] => kind.to_owned(),
-                _ => format!("{}, {kind}", both.scene.scene),
-            });
-        }
-    }
-    Chart {
-        title: "Rays by kind".to_owned(),
-        x: Axis::new("rays", "", Scale::Names(names)),
-        y: Axis::new("million rays a second", "", Scale::FromZero),
-        series: vec![Series::of("wavefront", wavefront), Series::of("recursive", recursive)],
-        guides: Vec::new(),
-        caption:
-            "Rays of each kind, divided by the median time of a whole run with rays of all kinds."
-                .to_owned(),
-    }
-}
-
-fn table(measured: &[Both<'_>]) -> Table {
-    let row = |both: &Both<'_>| {
-        let Both { scene, wavefront, recursive, ratio } = both;
+pub fn overview(scenes: &[SceneBench]) -> Vec<Block> {
+    let measured = || scenes.iter().filter_map(|scene| Some((scene, scene.tracers()?)));
+    let points =
+        measured().enumerate().map(|(row, (_, [_, wavefront]))| point(row as f64, wavefront));
+    let names = measured().map(|(scene, _)| scene.setting.scene.clone()).collect();
+    let row = |(scene, [recursive, wavefront]): (&SceneBench, [&VariantBench; 2])| {
         vec![
-            Cell::text(format!("`{}`", scene.scene)),
+            Cell::text(format!("`{}`", scene.setting.scene)),
             Cell::count(scene.triangles as u64),
             Cell::count(scene.rays.all()),
             Cell::decimals(wavefront.mrays_s, 3),
             Cell::decimals(recursive.mrays_s, 3),
-            ratio_cell(ratio),
+            ratio(&wavefront.ratio),
+            Cell::text(scene.ladder().map(|ladder| gains(&ladder.variants)).unwrap_or_default()),
         ]
     };
-    let caption = "Millions of rays of all kinds a second, by the median time, and the ratio of the speeds with its \
-                   interval.";
-    let header = "scene|>triangles|>rays|>wavefront|>recursive|>ratio";
-    Table::new(caption, header, measured.iter().map(row).collect())
+    let caption = format!(
+        "Millions of rays of all kinds a second, by the median time; the ratio of the speeds, which is the median over \
+         rounds of runs, with its confidence interval ({METHOD}); and the gain of each step to the wavefront."
+    );
+    let header = "scene|>triangles|>rays|>wavefront|>recursive|>ratio|steps";
+    vec![
+        Block::Chart(speeds(
+            "Speed of the wavefront over that of the recursive tracer",
+            "Medians over rounds of runs, with their confidence intervals. Right of the line the wavefront is faster.",
+            Axis::new("scene", "", Scale::Names(names)),
+            Series::of("", points.collect()),
+        )),
+        Block::Table(Table::new(caption, header, measured().map(row).collect())),
+    ]
 }
 
-/// The machine, the program and the command.
-fn measured(report: &BenchReport) -> Section {
-    let Machine { processor, cores, threads, os, hardware_missing } = &report.machine;
+/// One scene.
+pub fn scene(scene: &SceneBench, machine: &Machine) -> Vec<Block> {
+    let mut blocks: Vec<Block> = answer(scene).into_iter().map(Block::Paragraph).collect();
+    blocks.extend(scene.warnings.iter().cloned().map(Block::Warning));
+    blocks.push(Block::Facts(facts(scene, machine)));
+    for found in &scene.comparisons {
+        blocks.extend(comparison(found, &scene.rays, machine));
+    }
+    blocks
+}
+
+fn facts(scene: &SceneBench, machine: &Machine) -> Vec<Fact> {
+    let (image, rays, setting) = (&scene.image, &scene.rays, &scene.setting);
+    let [primary, secondary, shadow] =
+        [rays.primary, rays.secondary, rays.shadow].map(|count| figure(count as f64));
+    let samples = plural(image.samples_per_pixel as usize, "camera ray");
+    let kinds = [
+        (scene.triangles, "triangle"),
+        (scene.quads, "quad"),
+        (scene.spheres, "sphere"),
+        (scene.lights, "light"),
+    ];
+    let kinds = kinds.iter().filter(|(count, _)| *count > 0).map(|(n, name)| plural(*n, name));
+    let (load, build, preset) = (setting.time.load, setting.time.build, setting.preset.name());
+    let batch = scene.bytes_per_path * setting.batch;
+    let caches = machine.caches.iter().map(|c| format!("L{} {}", c.level, kibibytes(c.bytes)));
+    let caches = caches.collect::<Vec<_>>().join(", ");
+    let mut facts = vec![
+        Fact::new("image", format!("{} × {} pixels, {samples} each", image.width, image.height)),
+        Fact::new("scene", kinds.collect::<Vec<_>>().join(", ")),
+        Fact::new(
+            "rays a run",
+            format!("{primary} primary, {secondary} secondary, {shadow} shadow"),
+        ),
+        Fact::new(
+            "prepared",
+            format!("loaded in {load:.3} s, BVH ({preset}) built in {build:.3} s"),
+        ),
+        Fact::new(
+            "ray state",
+            format!(
+                "{} bytes a path, {} a batch of {}{}{caches}",
+                scene.bytes_per_path,
+                kibibytes(batch as u64),
+                setting.batch,
+                if caches.is_empty() { "" } else { "; caches: " }
+            ),
+        ),
+        Fact::new(
+            "settings",
+            format!(
+                "kernel {}, {}, {} precision, seed {}",
+                setting.kernel.name(),
+                setting.simd.name(),
+                setting.precision.name(),
+                setting.seed
+            ),
+        ),
+    ];
+    if let Some(peak) = scene.memory.peak {
+        let peak = format!("{:.1} MB, whole process so far", peak as f64 / 1e6);
+        facts.push(Fact::new("peak memory", peak));
+    }
+    facts
+}
+
+fn kibibytes(bytes: u64) -> String {
+    format!("{} KiB", figure((bytes as f64 / 1024.0).round()))
+}
+
+/// A number with a noun.
+fn plural(count: usize, name: &str) -> String {
+    if count == 1 { format!("1 {name}") } else { format!("{} {name}s", figure(count as f64)) }
+}
+
+/// The machine.
+pub fn machine(machine: &Machine) -> Vec<Fact> {
+    let Machine { processor, cores, threads, os, hardware_missing, .. } = machine;
     let mut facts = vec![
         Fact::new("processor", processor.as_deref().unwrap_or("unknown")),
-        Fact::new("cores", cores.to_string()),
-        Fact::new("threads", threads.to_string()),
+        Fact::new("cores, threads", format!("{cores}, {threads}")),
         Fact::new("system", os),
-        Fact::new("wavecrest", report.version),
     ];
     let why =
         hardware_missing.iter().map(|why| Fact::new("hardware counters", format!("none: {why}")));
     facts.extend(why);
-    let words: Vec<String> = report.command.iter().map(|word| quoted(word)).collect();
-    Section::new(
-        "How it was measured",
-        vec![Block::Facts(facts), Block::Code(format!("wavecrest {}", words.join(" ")))],
-    )
+    facts
 }
 
 /// A word of a command, quoted for a shell if necessary.

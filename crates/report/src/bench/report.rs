@@ -3,17 +3,22 @@
 use serde::Serialize;
 
 use super::advice;
-use super::compare::Comparison;
+use super::compare::{Comparison, VariantBench, compare};
 use super::machine::Machine;
-use super::measure::{Difference, Measured};
-use super::tracer::{Ratio, TracerBench};
+use super::run::Runner;
+use super::variant::{Axis, Variant};
+use crate::measure::Schedule;
 use crate::statistics::{ImageSize, Memory, Rays};
+use wavecrest_base::error::Result;
 use wavecrest_core::accel::KernelChoice;
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::accel::tree::{Tree, Visits};
 use wavecrest_core::kernels::precision::Precision;
 use wavecrest_core::math::simd::Level;
 use wavecrest_core::prepared::{Dropped, PreparedScene};
+use wavecrest_core::render::TracerKind;
+use wavecrest_core::wavefront::batch::Batch;
+use wavecrest_scene::memory;
 
 /// See [`crate::bench`]: fields have the names of the JSON.
 #[derive(Clone, Debug, Serialize)]
@@ -30,29 +35,20 @@ pub struct BenchReport {
 #[derive(Clone, Debug, Serialize)]
 #[allow(missing_docs, reason = "see crate::bench")]
 pub struct SceneBench {
-    pub scene: String,
-    pub seed: u64,
-    pub batch: usize,
-    pub simd: Level,
-    pub kernel: KernelChoice,
-    pub precision: Precision,
+    #[serde(flatten)]
+    pub setting: Setting,
     pub image: ImageSize,
     pub triangles: usize,
     pub quads: usize,
     pub spheres: usize,
     pub lights: usize,
     pub dropped: Dropped,
-    pub preset: Preset,
     pub expected_visits: Visits,
-    pub time: Preparation,
+    pub bytes_per_path: usize,
     pub memory: Memory,
     pub equal: bool,
-    pub difference: Option<Difference>,
     pub rays: Rays,
     pub invalid: u64,
-    pub wavefront: Option<TracerBench>,
-    pub recursive: Option<TracerBench>,
-    pub ratio: Option<Ratio>,
     pub comparisons: Vec<Comparison>,
     pub warnings: Vec<String>,
 }
@@ -66,26 +62,31 @@ pub struct Preparation {
 }
 
 /// The settings: everything known before the first ray.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize)]
+#[allow(missing_docs, reason = "see crate::bench")]
 pub struct Setting {
-    /// The scene's file.
     pub scene: String,
-    /// The seed of the random numbers.
     pub seed: u64,
-    /// Paths in a batch of the wavefront.
     pub batch: usize,
-    /// Instruction sets.
     pub simd: Level,
-    /// The kernel of the wavefront's rays.
     pub kernel: KernelChoice,
-    /// The precision of hits.
     pub precision: Precision,
-    /// The BVH preset.
     pub preset: Preset,
-    /// The time of the preparation.
     pub time: Preparation,
     /// Estimated memory in bytes.
+    #[serde(skip)]
     pub predicted: u64,
+}
+
+/// What to compare, and how often.
+#[derive(Clone, Debug)]
+pub struct Plan {
+    /// The lists. The ladder is always the first.
+    pub axes: Vec<Axis>,
+    /// Batch sizes to compare.
+    pub batches: Vec<usize>,
+    /// Number and duration of rounds.
+    pub schedule: Schedule,
 }
 
 impl BenchReport {
@@ -95,59 +96,94 @@ impl BenchReport {
         Self { version: env!("CARGO_PKG_VERSION"), command, commit, machine, scenes: Vec::new() }
     }
 
-    /// Whether the tracers and all variants agree in every scene.
+    /// Whether all images are equal.
     pub fn equal(&self) -> bool {
-        let agrees = |compared: &Comparison| compared.difference.is_none();
-        self.scenes.iter().all(|scene| scene.equal && scene.comparisons.iter().all(agrees))
+        self.scenes.iter().all(|scene| scene.equal)
     }
 }
 
 impl SceneBench {
-    /// The report of a `measured` `scene`. `peak` is the measured memory in bytes.
-    pub fn new(
+    /// Measures a `scene` on the threads of the current pool. `progress` receives the rounds timed
+    /// and their expected total, list by list. A different image ends it.
+    ///
+    /// # Errors
+    /// If the scene cannot be rendered, or threads cannot be started.
+    pub fn measure(
+        scene: &mut PreparedScene,
         setting: Setting,
-        scene: &PreparedScene,
-        measured: &Measured,
-        peak: Option<u64>,
-    ) -> Self {
-        let equal = measured.difference.is_none();
-        let tracer = |runs| if equal { TracerBench::new(runs, &measured.counters) } else { None };
+        plan: &Plan,
+        progress: &mut dyn FnMut(u64, u64),
+    ) -> Result<Self> {
+        let usual = Variant {
+            tracer: TracerKind::Wavefront,
+            time_passes: false,
+            kernel: setting.kernel,
+            simd: setting.simd,
+            batch: setting.batch,
+            threads: rayon::current_num_threads(),
+            planned: true,
+        };
+        let mut report = Self::unmeasured(scene, setting);
+        let mut runner = Runner::new(scene, report.setting.seed);
+        let others = plan.axes.iter().copied().filter(|axis| *axis != Axis::Ladder);
+        for axis in std::iter::once(Axis::Ladder).chain(others) {
+            let choices = axis.choices(usual, &plan.batches);
+            let trace = |variant: &Variant, counted| runner.run(variant, counted);
+            report.add(compare(axis, &choices, &plan.schedule, trace, progress)?);
+            if !report.equal {
+                break;
+            }
+        }
+        report.memory.peak = memory::peak();
+        Ok(report)
+    }
+
+    /// The report before the first comparison.
+    pub(super) fn unmeasured(scene: &PreparedScene, setting: Setting) -> Self {
         let [width, height] = scene.camera.size();
         let geometry = scene.accel.geometry();
-        let mut report = Self {
-            scene: setting.scene,
-            seed: setting.seed,
-            batch: setting.batch,
-            simd: setting.simd,
-            kernel: setting.kernel,
-            precision: setting.precision,
+        Self {
             image: ImageSize { width, height, samples_per_pixel: scene.camera.rays_per_pixel() },
             triangles: geometry.triangles.len(),
             quads: geometry.quads.len(),
             spheres: geometry.spheres.len(),
             lights: scene.lights.len(),
             dropped: scene.dropped,
-            preset: setting.preset,
             expected_visits: scene.accel.tree().map(Tree::expected_visits).unwrap_or_default(),
-            time: setting.time,
-            memory: Memory { predicted: setting.predicted, peak },
-            equal,
-            difference: measured.difference.clone(),
-            rays: (&measured.counters).into(),
-            invalid: measured.counters.invalid,
-            wavefront: tracer(&measured.wavefront),
-            recursive: tracer(&measured.recursive),
-            ratio: if equal { ratio(measured) } else { None },
+            bytes_per_path: Batch::bytes_per_path(scene).iter().map(|(_, bytes)| bytes).sum(),
+            memory: Memory { predicted: setting.predicted, peak: None },
+            setting,
+            equal: true,
+            rays: Rays { primary: 0, secondary: 0, shadow: 0 },
+            invalid: 0,
             comparisons: Vec::new(),
             warnings: Vec::new(),
-        };
-        let tracers = [&report.wavefront, &report.recursive].map(Option::as_ref);
-        report.warnings = advice::warnings(report.invalid, tracers, report.ratio.as_ref());
-        report
+        }
     }
-}
 
-/// The recursive tracer's seconds over the wavefront's, pair by pair; `None` if there is no pair.
-fn ratio(measured: &Measured) -> Option<Ratio> {
-    Ratio::of(&measured.recursive.seconds, &measured.wavefront.seconds)
+    /// Adds a comparison.
+    pub(super) fn add(&mut self, found: Comparison) {
+        if self.comparisons.is_empty() {
+            (self.rays, self.invalid) = ((&found.counters).into(), found.counters.invalid);
+        }
+        for warning in advice::warnings(&found) {
+            if !self.warnings.contains(&warning) {
+                self.warnings.push(warning);
+            }
+        }
+        self.equal &= found.difference.is_none();
+        self.comparisons.push(found);
+    }
+
+    /// The ladder, if its images are equal.
+    pub fn ladder(&self) -> Option<&Comparison> {
+        self.comparisons.first().filter(|ladder| !ladder.variants.is_empty())
+    }
+
+    /// The two tracers: the recursive one, and the wavefront, whose ratio is the answer.
+    pub fn tracers(&self) -> Option<[&VariantBench; 2]> {
+        let variants = &self.ladder()?.variants;
+        let wavefront = variants.iter().rfind(|v| v.variant.tracer == TracerKind::Wavefront)?;
+        Some([variants.first()?, wavefront])
+    }
 }

@@ -1,31 +1,34 @@
-//! The report's form, its text and its warnings.
+//! The lists of variants, the report's form, its text, its page and its warnings.
 
 use std::path::Path;
 
-use serde_json::Value;
+use serde_json::{Value, json};
 
-use super::compare::{Axis, Variant, compare};
-use super::hardware::HardwareCounts;
-use super::measure::{Schedule, measure};
-use super::page::page;
+use super::compare::{Comparison, compare};
+use super::equal::Difference;
+use super::machine::{caches, processor};
+use super::page::{gains, overview, page, scene, write_figures};
+use super::variant::{Axis, BATCHES, Choice, Variant};
 use super::*;
-use crate::bench::machine::processor;
+use crate::measure::{Schedule, Timing};
 use crate::page::{Block, Page, Section};
 use crate::plot::{Chart, StackedBars};
+use crate::text::text;
 use wavecrest_base::error::Result;
 use wavecrest_core::accel::KernelChoice;
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::kernels::precision::Precision;
-use wavecrest_core::math::simd::Level;
+use wavecrest_core::math::simd::{Level, is_wide};
 use wavecrest_core::prepared::PreparedScene;
-use wavecrest_core::render::{RenderOptions, Rendered, TracerKind, render};
+use wavecrest_core::render::{RenderOptions, TracerKind};
+use wavecrest_core::tile::TIMED;
 use wavecrest_scene::load::load_str;
 use wavecrest_scene::systems;
 
 /// A red ball under a point light.
 const SCENE: &str = include_str!("tests/ball.json");
 
-pub(super) fn prepared() -> PreparedScene {
+fn prepared() -> PreparedScene {
     let mut loaded = load_str(SCENE, Path::new("ball.json"), &Default::default()).unwrap();
     systems::extract(&mut loaded.world, Default::default()).unwrap().build(Preset::Fast)
 }
@@ -44,43 +47,157 @@ fn setting(name: &str) -> Setting {
     }
 }
 
-/// A report whose runs take the `seconds` given, tracer after tracer as they run.
-fn report(pairs: usize, mut seconds: impl FnMut(TracerKind, usize) -> f64) -> SceneBench {
-    let scene = prepared();
-    let mut runs = [0, 0];
-    let trace = |tracer| -> Result<Rendered> {
-        let options = RenderOptions { tracer, batch: 64, seed: 3, crop: None };
-        let run = &mut runs[usize::from(tracer == TracerKind::Recursive)];
-        *run += 1;
-        Ok(Rendered { seconds: seconds(tracer, *run), ..render(&scene, &options, &())? })
-    };
-    let schedule = Schedule { warmup: 1, most: pairs, seconds: 0.0 };
-    let measured = measure(&schedule, trace, &mut |_, _| {}).unwrap();
-    SceneBench::new(setting("ball.json"), &scene, &measured, Some(2000))
+fn usual() -> Variant {
+    Variant {
+        tracer: TracerKind::Wavefront,
+        time_passes: false,
+        kernel: KernelChoice::Auto,
+        simd: Level::best(),
+        batch: 1024,
+        threads: 4,
+        planned: true,
+    }
 }
 
-/// The wavefront takes 0.1 s and the recursive tracer 0.125 s.
-fn steady() -> SceneBench {
-    report(6, |tracer, _| if tracer == TracerKind::Wavefront { 0.1 } else { 0.125 })
+fn schedule(most: usize) -> Schedule {
+    Schedule { warmup: 1, most, seconds: 0.0 }
 }
 
-/// A report of tracers that disagree.
-fn different() -> SceneBench {
-    let scene = prepared();
-    let trace = |tracer| {
-        let mut run = render(&scene, &RenderOptions { tracer, ..Default::default() }, &())?;
-        if tracer == TracerKind::Recursive {
-            run.film.pixel_mut(5, 2).unwrap()[1] = 0.5;
-        }
+/// What is compared, with the `seconds` given, by variant and run, both by their number; `spoil`
+/// changes a run of the variant with this number.
+fn compared(
+    of: Axis,
+    rounds: usize,
+    seconds: impl Fn(usize, usize) -> f64,
+    spoil: impl Fn(usize, &mut Run),
+) -> Comparison {
+    let (scene, choices) = (prepared(), of.choices(usual(), &BATCHES));
+    let mut runs = vec![0; choices.len()];
+    let trace = |variant: &Variant, _| -> Result<Run> {
+        let number = choices.iter().position(|choice| choice.variant == *variant).unwrap();
+        let (tracer, batch) = (variant.tracer, variant.batch);
+        let options = RenderOptions { tracer, batch, seed: 3, ..Default::default() };
+        let mut run = Run::of(&scene, &options, false)?;
+        run.timing = Timing { seconds: seconds(number, runs[number]), processor: None };
+        runs[number] += 1;
+        spoil(number, &mut run);
         Ok(run)
     };
-    let schedule = Schedule { warmup: 1, most: 6, seconds: 0.0 };
-    let measured = measure(&schedule, trace, &mut |_, _| {}).unwrap();
-    SceneBench::new(setting("b.json"), &scene, &measured, None)
+    compare(of, &choices, &schedule(rounds), trace, &mut |_, _| {}).unwrap()
+}
+
+/// A report with this ladder.
+fn report(name: &str, ladder: Comparison) -> SceneBench {
+    let mut report = SceneBench::unmeasured(&prepared(), setting(name));
+    report.add(ladder);
+    report
+}
+
+/// Each step takes 0.8 of the time of the one before.
+fn steady() -> SceneBench {
+    let seconds = |variant: usize, _| 0.125 * 0.8_f64.powi(variant as i32);
+    report("ball.json", compared(Axis::Ladder, 6, seconds, |_, _| {}))
+}
+
+/// A report in which the first step changes a pixel.
+fn different() -> SceneBench {
+    let spoil = |variant: usize, run: &mut Run| {
+        if variant == 1 {
+            run.rendered.film.pixel_mut(5, 2).unwrap()[1] = 0.5;
+        }
+    };
+    report("b.json", compared(Axis::Ladder, 6, |_, _| 0.1, spoil))
 }
 
 fn keys(value: &Value) -> Vec<&str> {
     value.as_object().unwrap().keys().map(String::as_str).collect()
+}
+
+fn labels(choices: &[Choice]) -> Vec<&str> {
+    choices.iter().map(|choice| choice.label.as_str()).collect()
+}
+
+#[test]
+fn the_ladder_goes_from_the_recursive_tracer_to_the_usual_kernel() {
+    let of = |kernel| Axis::Ladder.choices(Variant { kernel, ..usual() }, &[]);
+    let ladder = of(KernelChoice::Auto);
+    assert!(ladder.iter().all(|choice| choice.over == 0));
+    assert_eq!(ladder[0].variant, Variant { tracer: TracerKind::Recursive, ..usual() });
+    let last = ladder.last().unwrap();
+    assert!(last.variant.time_passes && last.variant.tracer == TracerKind::Recursive);
+    let steps = || ladder[1..ladder.len() - 1].iter();
+    assert!(steps().enumerate().all(|(from, choice)| choice.step.unwrap().from == from));
+    if usual().simd.token().is_some_and(is_wide) {
+        let names = ["recursive", "wavefront, single rays", "wavefront, in flight"];
+        assert_eq!(labels(&ladder)[..3], names);
+        assert_eq!(labels(&ladder)[3..], ["wavefront, packets", "recursive, timed"]);
+        let gains: Vec<&str> = steps().map(|choice| choice.step.unwrap().gain).collect();
+        assert_eq!(gains, ["order", "flight", "packets"]);
+        assert_eq!(steps().next_back().unwrap().variant, usual());
+        let packet = of(KernelChoice::Packet);
+        assert_eq!(packet[3].variant.kernel, KernelChoice::Packet);
+        assert_eq!(of(KernelChoice::Stream).len(), 4);
+    }
+    assert_eq!(of(KernelChoice::Single).len(), 3);
+    let reference = of(KernelChoice::Reference);
+    assert!(reference.iter().all(|choice| choice.variant.kernel == KernelChoice::Reference));
+}
+
+#[test]
+fn lists_have_each_variant_once_and_say_what_it_is_compared_with() {
+    for of in Axis::ALL {
+        let choices = of.choices(usual(), &BATCHES);
+        for (number, choice) in choices.iter().enumerate() {
+            let before = &choices[..number];
+            assert!(before.iter().all(|other| other.variant != choice.variant), "{choice:?}");
+            assert!(before.iter().all(|other| other.label != choice.label), "{choice:?}");
+            assert!(choice.over <= number && choice.step.is_none_or(|step| step.from < number));
+        }
+        assert!(choices.iter().any(|choice| choice.variant == usual()), "{of:?}");
+    }
+    let levels = Axis::Levels.choices(usual(), &[]);
+    for choice in &levels {
+        let over = &levels[choice.over].variant;
+        assert_eq!((over.tracer, over.simd), (TracerKind::Recursive, choice.variant.simd));
+    }
+    assert_eq!(
+        labels(&Axis::Batches.choices(usual(), &[1 << 20, 16])),
+        ["recursive", "16", "1024", "1048576"]
+    );
+    let threads = Axis::Threads.choices(Variant { threads: 6, ..usual() }, &[]);
+    assert_eq!(
+        threads.iter().map(|c| c.variant.threads).collect::<Vec<_>>(),
+        [1, 1, 2, 2, 4, 4, 6, 6]
+    );
+    assert_eq!(Axis::Kernels.choices(usual(), &[]).len(), KernelChoice::FOR_RENDERS.len());
+    let plan = Axis::Plan.choices(usual(), &[]);
+    assert_eq!(plan.iter().map(|c| c.variant.planned).collect::<Vec<_>>(), [true, false]);
+}
+
+/// Times of several variants, each with its own noise.
+#[test]
+fn gains_multiply_to_the_ratio_of_the_last_variant() {
+    let noise =
+        |variant: usize, run: usize| 1.0 + ((7 * run + 5 * variant * run) % 11) as f64 / 50.0;
+    let seconds = |variant: usize, run: usize| noise(variant, run) / (1.0 + variant as f64);
+    for of in [Axis::Ladder, Axis::Levels] {
+        let found = compared(of, 9, seconds, |_, _| {});
+        let mut product = 1.0;
+        for each in &found.variants {
+            let Some(gain) = &each.gain else {
+                product = 1.0;
+                continue;
+            };
+            product *= gain.ratio.interval.median;
+            let ratio = each.ratio.interval.median;
+            assert!((product / ratio - 1.0).abs() < 1e-12, "{product} {ratio}");
+            let i = &gain.ratio.interval;
+            assert!(i.low <= i.median && i.median <= i.high);
+        }
+        assert!(
+            found.variants.iter().any(|each| each.ratio.interval.low < each.ratio.interval.high)
+        );
+    }
 }
 
 #[test]
@@ -90,120 +207,170 @@ fn the_json_has_the_documented_keys() {
     assert!(report.equal());
     let json = serde_json::to_value(&report).unwrap();
     assert_eq!(keys(&json), ["version", "command", "commit", "machine", "scenes"]);
-    assert_eq!(keys(&json["machine"]), ["processor", "cores", "threads", "os", "hardware_missing"]);
+    assert_eq!(
+        keys(&json["machine"]),
+        ["processor", "cores", "threads", "os", "caches", "hardware_missing"]
+    );
     let scene = &json["scenes"][0];
     assert_eq!(
         keys(scene).join(" "),
-        "scene seed batch simd kernel precision image triangles quads spheres lights dropped preset expected_visits time \
-         memory equal difference rays invalid wavefront recursive ratio comparisons warnings"
+        "scene seed batch simd kernel precision preset time image triangles quads spheres lights dropped \
+         expected_visits bytes_per_path memory equal rays invalid comparisons warnings"
     );
-    assert_eq!((scene["equal"].clone(), scene["difference"].clone()), (true.into(), Value::Null));
-    let wavefront = &scene["wavefront"];
+    let ladder = &scene["comparisons"][0];
+    assert_eq!(keys(ladder), ["of", "rounds", "left_out", "busy", "variants", "difference"]);
+    assert_eq!((&ladder["of"], &ladder["difference"]), (&json!("ladder"), &Value::Null));
+    let recursive = &ladder["variants"][0];
     assert_eq!(
-        keys(wavefront),
-        [
-            "seconds",
-            "yardstick",
-            "mrays_s",
-            "rays_s",
-            "passes",
-            "tests",
-            "tests_per_ray",
-            "kernels",
-            "hardware"
-        ]
+        keys(recursive).join(" "),
+        "label tracer time_passes kernel simd batch threads planned over ratio gain seconds processors \
+         processor_seconds yardstick mrays_s rays_s passes batch_bytes tests tests_per_ray kernels hardware"
     );
+    assert_eq!(keys(&recursive["passes"]), ["recursive"]);
+    let wavefront = &ladder["variants"][1];
     assert_eq!(
         keys(&wavefront["seconds"]),
         ["median", "min", "max", "first_quartile", "third_quartile", "mad", "each"]
     );
-    assert_eq!(keys(&wavefront["passes"]), wavecrest_core::wavefront::TIMED);
-    assert_eq!(keys(&scene["recursive"]["passes"]), ["recursive"]);
-    let ratio = &scene["ratio"];
-    assert_eq!(keys(ratio), ["median", "low", "high", "confidence", "pairs", "method"]);
+    assert_eq!(keys(&wavefront["passes"]), TIMED);
+    let ratio = ["median", "low", "high", "confidence", "pairs", "method"];
+    assert_eq!(keys(&wavefront["ratio"]), ratio);
+    assert_eq!(keys(&wavefront["gain"]), [&["of", "from"], &ratio[..]].concat());
 }
 
+/// The scene is rendered as every variant says, on pools of their own.
 #[test]
-fn rates_are_work_over_the_median() {
-    let scene = steady();
-    let (wavefront, recursive) = (scene.wavefront.unwrap(), scene.recursive.unwrap());
-    assert_eq!((scene.rays.primary, scene.rays.secondary), (24 * 16, 0));
-    assert!(scene.rays.shadow > 0);
-    assert_eq!(wavefront.rays_s.primary, 24.0 * 16.0 / 0.1);
-    assert_eq!(recursive.mrays_s, scene.rays.all() as f64 / 0.125 / 1e6);
+fn all_variants_of_all_lists_give_one_image() {
+    let plan = Plan { axes: Axis::ALL.to_vec(), batches: vec![7, 65536], schedule: schedule(1) };
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(3).build().unwrap();
+    let mut scene = prepared();
+    let measure =
+        || SceneBench::measure(&mut scene, setting("ball.json"), &plan, &mut |_, _| {}).unwrap();
+    let found = pool.install(measure);
+    assert!(found.equal && found.comparisons.len() == Axis::ALL.len(), "{found:?}");
+    let [recursive, wavefront] = found.tracers().unwrap();
+    let primary = found.rays.primary as f64;
+    assert_eq!(primary, 24.0 * 16.0);
+    assert_eq!(recursive.rays_s.primary, primary / recursive.seconds.median);
+    assert_eq!(wavefront.mrays_s, found.rays.all() as f64 / wavefront.seconds.median / 1e6);
     assert_eq!(wavefront.tests_per_ray.nodes, 0.0, "one sphere needs no inner node");
-    assert!(wavefront.tests_per_ray.primitives > 0.0);
-    let ratio = scene.ratio.unwrap();
-    assert_eq!((ratio.interval.low, ratio.interval.high, ratio.pairs), (1.25, 1.25, 6));
-    assert_eq!(ratio.verdict(), "the wavefront is faster");
-    let shares = wavefront.passes.values().map(|pass| pass["share"].as_f64().unwrap());
+    assert!(wavefront.tests_per_ray.primitives > 0.0 && wavefront.batch_bytes > 0);
+    let timed = found.comparisons[0].variants.last().unwrap();
+    assert_eq!(timed.pass_seconds().map(|(name, _)| name).collect::<Vec<_>>(), TIMED);
+    let sum: f64 = timed.pass_seconds().map(|(_, seconds)| seconds).sum();
+    assert!(sum > 0.0 && sum <= 3.0 * timed.seconds.max, "{sum} {:?}", timed.seconds);
+    let shares = timed.passes.values().map(|pass| pass["share"].as_f64().unwrap());
     assert!((shares.sum::<f64>() - 1.0).abs() < 1e-9);
 }
 
 #[test]
-fn tracers_that_disagree_have_no_times() {
-    let scene = different();
-    let text = text::scene(&scene);
-    assert!(text.contains("THE IMAGES DIFFER"), "{text}");
-    assert!(text.contains("a Recursive run") && text.contains("column 5, row 2"), "{text}");
-    assert!(text.contains("0.5") && text.contains("3f000000"), "{text}");
-    let json = serde_json::to_value(&scene).unwrap();
-    assert_eq!(json["equal"], false);
-    assert_eq!(json["difference"]["what"], "pixel");
-    assert_eq!(json["difference"]["tracer"], "recursive");
-    assert_eq!(json["difference"]["x"], 5);
-    for key in ["wavefront", "recursive", "ratio"] {
-        assert!(json[key].is_null(), "{key}");
+fn images_that_differ_have_no_times() {
+    let found = different();
+    let shown = text(&scene(&found, &Machine::this()));
+    for part in ["THE IMAGES DIFFER, first at column 5, row 2", "has 0.", "3f000000"] {
+        assert!(shown.contains(part), "{part}\n{shown}");
     }
-    let mut report = BenchReport::new(Vec::new());
-    report.scenes = vec![steady(), scene];
-    assert!(!report.equal());
-    assert!(text::summary(&report.scenes).contains("THE TRACERS DISAGREE"));
+    let json = serde_json::to_value(&found).unwrap();
+    assert_eq!(json["equal"], false);
+    let ladder = &json["comparisons"][0];
+    assert_eq!((&ladder["rounds"], &ladder["variants"]), (&json!(0), &json!([])));
+    assert_eq!(ladder["difference"]["what"], "pixel");
+    assert_eq!(
+        (&ladder["difference"]["x"], &ladder["difference"]["first"]),
+        (&json!(5), &json!("recursive"))
+    );
+    assert!(found.tracers().is_none());
 }
 
 #[test]
-fn the_text_has_work_beside_time() {
-    let text = text::scene(&steady());
+fn work_that_differs_ends_a_comparison_unless_all_passes_run() {
+    let spoil = |variant: usize, run: &mut Run| {
+        run.rendered.counters.tests.nodes = variant as u64;
+        run.rendered.counters.footprints = variant as u64;
+    };
+    let found = compared(Axis::Kernels, 2, |_, _| 0.1, spoil).difference.unwrap();
+    assert_eq!(found.label, "packet");
+    let difference = Difference::Work { count: "footprints", expected: 0, found: 1 };
+    assert_eq!(found.difference, difference);
+    assert_eq!(compared(Axis::Plan, 2, |_, _| 0.1, spoil).difference, None);
+    let spoil = |variant: usize, run: &mut Run| {
+        run.rendered.film.pixel_mut(4, 5).unwrap()[0] = variant as f32;
+    };
+    assert!(compared(Axis::Plan, 2, |_, _| 0.1, spoil).difference.is_some());
+}
+
+#[test]
+fn the_text_has_the_answer_first_and_work_beside_time() {
+    let found = steady();
+    let shown = text(&scene(&found, &Machine::this()));
+    let ladder = found.ladder().unwrap();
+    let ratio = ladder.variants.iter().rfind(|v| v.gain.is_some()).unwrap().ratio;
+    let start = format!("  The wavefront is {:.2} times as fast", ratio.interval.median);
+    assert!(shown.starts_with(&start), "{shown}");
+    assert!(shown.contains("order 1.25") && gains(&ladder.variants).starts_with("order 1.25"));
     for part in [
-        "24 x 16 pixels, 1 camera ray per pixel\n",
+        "24 × 16 pixels, 1 camera ray each\n",
         "1 sphere, 1 light\n",
         "loaded in 0.500 s, BVH (fast) built in 0.250 s",
-        "6 pairs of runs, all images bit-identical",
-        "  median                       100.000     125.000  ms\n",
-        "Mrays/s",
+        "6 rounds, all images",
+        "  recursive  ",
+        "125.000",
         "intersect",
-        "1.250 (1.250 to 1.250 with 96.9 % confidence, 6 pairs of runs); the wavefront is faster",
+        "order 1.250",
+        "1.250 (1.250 to 1.250)",
+        "times as long",
     ] {
-        assert!(text.contains(part), "{part}\n{text}");
+        assert!(shown.contains(part), "{part}\n{shown}");
     }
-    assert!(!text.contains("secondary rays"), "no row for what the scene has not:\n{text}");
-    assert!(text.lines().all(|line| line.len() <= 100), "{text}");
+    assert!(!shown.contains("secondary  "), "no column for what the scene has not:\n{shown}");
+    assert!(shown.lines().all(|line| line.chars().count() <= 100), "{shown}");
 }
 
 #[test]
 fn warnings_say_what_to_do() {
-    let said = |report: &SceneBench, words: &str| {
-        report.warnings.iter().filter(|warning| warning.contains(words)).count()
+    let told = |rounds, seconds: fn(usize, usize) -> f64, words: &str| {
+        let found = report("a", compared(Axis::Ladder, rounds, seconds, |_, _| {}));
+        found.warnings.iter().any(|warning| warning.contains(words))
     };
-    let quiet = steady();
     for words in ["--warmup", "close other programs", "--repeats", "--width"] {
-        assert_eq!(said(&quiet, words), 0, "{words}");
+        assert!(!told(6, |_, _| 0.1, words), "{words}");
     }
-    // The first timed run is each tracer's second.
-    let slow = report(8, |_, run| if run == 2 { 0.3 } else { 0.1 });
-    assert_eq!(said(&slow, "took 3.00 times the median"), 2);
-    let wide = report(8, |_, run| 0.1 + 0.01 * run as f64);
-    assert_eq!((said(&wide, "close other programs"), said(&wide, "--warmup")), (2, 0));
-    assert_eq!(said(&report(2, |_, _| 0.1), "2 pairs of runs cannot give 95 % confidence"), 1);
-    assert_eq!(said(&report(6, |_, _| 0.001), "takes 1.00 ms"), 2);
+    // The first timed run is each variant's second.
+    assert!(told(8, |_, run| if run == 1 { 0.3 } else { 0.1 }, "took 3.00 times the median"));
+    let wide = |_, run| 0.1 + 0.01 * run as f64;
+    assert!(told(8, wide, "close other programs") && !told(8, wide, "--warmup"));
+    assert!(told(2, |_, _| 0.1, "2 rounds cannot give 95 % confidence"));
+    assert!(told(6, |_, _| 0.001, "takes 1.00 ms"));
 }
 
 #[test]
-fn the_processor_is_found_where_it_is_named() {
+fn the_machine_is_read_from_the_files_of_the_system() {
     let text = "processor\t: 0\nmodel name\t: Some CPU @ 2 GHz\nmodel name\t: other\n";
     assert_eq!(processor(text).as_deref(), Some("Some CPU @ 2 GHz"));
     assert_eq!(processor("model name\t:\n"), None);
     assert_eq!(processor("CPU part : 0xd40\n"), None);
+    let folder = tempfile::tempdir().unwrap();
+    let kinds = [
+        ("1", "Data", "48K", "0"),
+        ("1", "Instruction", "32K", "0"),
+        ("3", "Unified", "32768K", "0-3,8"),
+    ];
+    for (number, (level, kind, size, list)) in kinds.into_iter().enumerate() {
+        let index = folder.path().join(format!("index{number}"));
+        std::fs::create_dir(&index).unwrap();
+        for (name, value) in
+            [("level", level), ("type", kind), ("size", size), ("shared_cpu_list", list)]
+        {
+            std::fs::write(index.join(name), format!("{value}\n")).unwrap();
+        }
+    }
+    let caches = caches(folder.path());
+    let of = |level, kibibytes: u64, shared_by| Cache { level, bytes: kibibytes << 10, shared_by };
+    assert_eq!(caches, [of(1, 48, 1), of(3, 32768, 5)]);
+    let machine = Machine { caches, ..Machine::this() };
+    let held = |kibibytes: u64, threads| machine.holds(kibibytes << 10, threads).unwrap();
+    assert_eq!([held(48, 4), held(49, 1), held(30000, 2)], ["L1", "L3", "memory"]);
+    assert_eq!(Machine { caches: Vec::new(), ..machine }.holds(1, 1), None);
 }
 
 /// The report of these scenes.
@@ -231,43 +398,29 @@ fn bars(section: &Section) -> Vec<&StackedBars> {
 }
 
 #[test]
-fn the_page_begins_with_the_ratio() {
-    let page = page(&report_of(vec![steady()]));
-    assert_eq!(
-        page.lead,
-        "The wavefront is 1.250 times as fast as the recursive tracer (1.250 to 1.250 with 96.9\u{a0}% \
-         confidence, 6 pairs of runs): the wavefront is faster. All images are bit-identical."
-    );
-}
-
-#[test]
 fn the_page_has_the_figures_of_the_report() {
-    let report = report_of(vec![steady()]);
-    let scene = &report.scenes[0];
-    let (wavefront, recursive) =
-        (scene.wavefront.as_ref().unwrap(), scene.recursive.as_ref().unwrap());
+    let mut measured = steady();
+    let batches = |variant: usize, _| [1.0, 2.0, 1.0, 0.5, 0.5, 0.5][variant];
+    measured.add(compared(Axis::Batches, 6, batches, |_, _| {}));
+    let report = report_of(vec![measured]);
+    let [_, wavefront] = report.scenes[0].tracers().unwrap();
     let page = page(&report);
-    let [ratio, rates] = charts(section(&page, "Speed"))[..] else { panic!("two charts") };
-    let point = &ratio.series[0].points[0];
-    let interval = scene.ratio.unwrap().interval;
+    assert!(page.lead.ends_with("All images are bit-identical."), "{}", page.lead);
+    let speed = charts(section(&page, "Speed"))[0];
+    let (point, interval) = (&speed.series[0].points[0], wavefront.ratio.interval);
     assert_eq!(
         (point.y, point.low, point.high),
         (interval.median, Some(interval.low), Some(interval.high))
     );
-    let drawn: Vec<f64> = rates.series.iter().flat_map(|s| s.points.iter().map(|p| p.y)).collect();
-    let rate = |tracer: &TracerBench| [tracer.rays_s.primary / 1e6, tracer.rays_s.shadow / 1e6];
-    assert_eq!(drawn, [rate(wavefront), rate(recursive)].concat(), "no row for rays that are none");
-
     let own = section(&page, "`ball.json`");
+    let [ladder, sizes] = charts(own)[..] else { panic!("two charts") };
+    let ratios: Vec<f64> = ladder.series[0].points.iter().map(|point| point.y).collect();
+    assert!(ratios.is_sorted() && ratios.last() == Some(&interval.median), "{ratios:?}");
+    let places: Vec<[f64; 2]> = sizes.series[0].points.iter().map(|p| [p.x, p.y]).collect();
+    assert_eq!(places, [[16.0, 0.5], [64.0, 1.0], [256.0, 2.0], [1024.0, 2.0], [4096.0, 2.0]]);
     let passes = bars(own)[0];
-    let stages: Vec<_> = passes.bars[0].segments.iter().map(|s| s.stage.as_str()).collect();
-    assert_eq!(stages, ["generate", "intersect", "shade", "shadow", "resolve"]);
-    let seconds = wavefront.passes["intersect"]["seconds"].as_f64().unwrap();
-    assert_eq!(passes.bars[0].segments[1].seconds, seconds);
-    let runs = charts(own)[0];
-    assert_eq!(runs.y.unit, "ms");
-    let each: Vec<f64> = runs.series[1].points.iter().map(|point| point.y).collect();
-    assert_eq!(each, [125.0; 6]);
+    let first: Vec<_> = passes.bars[0].segments.iter().map(|s| s.stage.as_str()).collect();
+    assert_eq!(first, TIMED);
     let html = page.html().unwrap();
     for words in [
         "<td class=\"right\" data-value=\"125\">125.000</td>",
@@ -275,58 +428,44 @@ fn the_page_has_the_figures_of_the_report() {
     ] {
         assert!(html.contains(words), "{words}");
     }
+    let folder = tempfile::tempdir().unwrap();
+    write_figures(&page, folder.path()).unwrap();
+    for name in [
+        "speed-speed-of-the-wavefront-over-that-of-the-recursive-tracer.csv",
+        "ball-wavefront-by-batch-size.svg",
+        "ball-wavefront-by-batch-size-time-by-pass.png",
+    ] {
+        assert!(folder.path().join(name).is_file(), "{name}");
+    }
 }
 
 #[test]
-fn the_page_tells_of_several_scenes_and_of_those_that_disagree() {
-    let slow = report(6, |tracer, _| if tracer == TracerKind::Wavefront { 0.2 } else { 0.1 });
-    let slow = SceneBench { scene: "slow.json".to_owned(), ..slow };
-    let page = page(&report_of(vec![steady(), slow, different()]));
-    assert_eq!(
-        page.lead,
-        "Of 2 scenes, the wavefront is faster in 1 and the recursive tracer in 1; in 0 the \
-         difference is within noise. The wavefront is 0.500 to 1.250 times as fast as the recursive tracer. The \
-         tracers disagree in 1 scene: no times are given there."
-    );
-    assert_eq!(charts(section(&page, "Speed"))[0].series[0].points.len(), 2);
-    let wrong = section(&page, "`b.json`");
+fn the_page_tells_of_several_scenes_and_of_those_that_differ() {
+    let slow = report("slow.json", compared(Axis::Ladder, 6, |v, _| 0.1 + v as f64, |_, _| {}));
+    let scenes = vec![steady(), slow, different()];
+    let found = page(&report_of(scenes.clone()));
+    assert!(found.lead.starts_with("In 2 scenes, the wavefront is 0."), "{}", found.lead);
+    assert!(found.lead.ends_with("Images differ in 1 scene."), "{}", found.lead);
+    assert_eq!(charts(section(&found, "Speed"))[0].series[0].points.len(), 2);
+    let wrong = section(&found, "`b.json`");
     assert!(charts(wrong).is_empty() && bars(wrong).is_empty());
-    let html = page.html().unwrap();
-    assert!(html.contains("THE IMAGES DIFFER"));
-    let nothing = super::page::page(&report_of(vec![different()]));
+    assert!(found.html().unwrap().contains("THE IMAGES DIFFER"));
+    let shown = text(&overview(&scenes));
+    assert!(shown.contains("slow.json") && !shown.contains("b.json"), "{shown}");
+    let nothing = page(&report_of(vec![different()]));
     assert!(nothing.sections.iter().all(|section| section.title != "Speed"));
-    assert_eq!(super::page::page(&report_of(Vec::new())).lead, "Nothing was measured.");
+    assert_eq!(page(&report_of(Vec::new())).lead, "Nothing was measured.");
 }
 
-/// Each choice takes a quarter longer than the one before.
 #[test]
-fn the_page_has_comparisons_and_what_the_processor_counted() {
-    let mut scene = steady();
-    let usual =
-        Variant { kernel: KernelChoice::Auto, simd: Level::best(), batch: 1024, planned: true };
-    let variants = Axis::Kernels.variants(usual);
-    let prepared = prepared();
-    let trace = |variant: &Variant| -> Result<Rendered> {
-        let place = variants.iter().position(|v| v == variant).unwrap();
-        let run = render(&prepared, &RenderOptions::default(), &())?;
-        Ok(Rendered { seconds: 0.1 * 1.25_f64.powi(place as i32), ..run })
-    };
-    let schedule = Schedule { warmup: 1, most: 6, seconds: 0.0 };
-    let mut found = compare(Axis::Kernels, &variants, &schedule, trace, &mut |_, _| {}).unwrap();
-    let rays = scene.rays.all();
-    let counts = HardwareCounts { cycles: Some(7 * rays), ..HardwareCounts::default() };
-    found.variants.iter_mut().for_each(|each| each.bench.hardware = Some(counts));
-    scene.wavefront.as_mut().unwrap().hardware = Some(counts);
-    scene.recursive.as_mut().unwrap().hardware = Some(counts);
-    scene.comparisons.push(found);
-    let page = page(&report_of(vec![scene]));
-    let own = section(&page, "`ball.json`");
-    let compared = charts(own)[1];
-    let medians: Vec<f64> = compared.series[0].points.iter().map(|point| point.y).collect();
-    assert_eq!(medians.len(), variants.len());
-    assert!(medians[0] == 1.0 && medians.is_sorted_by(|a, b| a > b), "{medians:?}");
-    assert_eq!(bars(own)[1].bars.len(), variants.len());
-    let html = page.html().unwrap();
-    assert!(html.contains("cycles per ray</th><td class=\"right\" data-value=\"7\">7.000</td>"));
-    assert_eq!(html.matches("data-value=\"7\">7.000").count(), 2 + variants.len());
+fn what_the_processor_counted_is_shown_for_each_ray() {
+    let mut found = steady();
+    let rays = found.rays.all();
+    let counts = json!({"cycles": 7 * rays, "cache_misses": null});
+    for variant in &mut found.comparisons[0].variants {
+        variant.hardware = counts.as_object().cloned();
+    }
+    let html = page(&report_of(vec![found])).html().unwrap();
+    assert!(html.contains(">cache misses</th>"));
+    assert!(html.contains("data-value=\"7\">7.000</td>"));
 }

@@ -2,7 +2,8 @@
 
 use serde::Serialize;
 
-use crate::bench::measure::Difference;
+use super::Entry;
+use crate::bench::equal::Difference;
 use crate::bench::{Machine, Ratio};
 use crate::statistics::{Rays, Samples};
 use crate::summary::Summary;
@@ -11,6 +12,7 @@ use wavecrest_core::counters::Counters;
 use wavecrest_core::kernels::precision::Precision;
 use wavecrest_core::math::simd::Level;
 use wavecrest_core::prepared::PreparedScene;
+use wavecrest_core::render::TracerKind;
 
 /// See [`crate::effects`]: fields have the names of the JSON.
 #[derive(Clone, Debug, Serialize)]
@@ -22,6 +24,8 @@ pub struct PriceList {
     #[serde(flatten)]
     pub setting: Setting,
     pub rounds: usize,
+    pub left_out: usize,
+    pub busy: usize,
     pub difference: Option<EffectDifference>,
     pub effects: Vec<Price>,
 }
@@ -74,24 +78,45 @@ pub struct Cost {
 pub struct EffectDifference {
     /// The effect whose scene differs.
     pub effect: &'static str,
+    /// The tracer of the run that differs.
+    pub tracer: TracerKind,
     /// The difference.
     pub difference: Difference,
 }
 
+impl PriceList {
+    /// A list without prices, by this program on this machine.
+    pub(super) fn of(entries: &[Entry], setting: Setting) -> Self {
+        let [width, height] = entries.first().map_or([0; 2], |entry| entry.scene.camera.size());
+        Self {
+            version: env!("CARGO_PKG_VERSION"),
+            machine: Machine::this(),
+            image: Size { width, height },
+            setting,
+            rounds: 0,
+            left_out: 0,
+            busy: 0,
+            difference: None,
+            effects: Vec::new(),
+        }
+    }
+}
+
 impl Cost {
+    /// The cost of a variant, given the seconds of all, and the variant that it is added to.
     pub(super) fn new(
-        seconds: &[f64],
-        base: Option<&[f64]>,
+        seconds: &[Vec<f64>],
+        (index, base): (usize, Option<usize>),
         scene: &PreparedScene,
         counters: &Counters,
     ) -> Option<Self> {
         let pixels: u64 = scene.camera.size().map(u64::from).iter().product();
-        let summary = Summary::of(seconds)?;
+        let summary = Summary::of(&seconds[index])?;
         let per_million = |count: u64| summary.median / count.max(1) as f64 * 1e6;
         Some(Self {
             seconds_per_mpixel: per_million(pixels),
             seconds_per_mray: per_million(Rays::from(counters).all()),
-            price: base.and_then(|base| Ratio::of(seconds, base)),
+            price: base.and_then(|base| Ratio::of(seconds, index, base)),
             seconds: summary,
         })
     }

@@ -23,31 +23,19 @@ struct Scene {
     image: Value,
     equal: bool,
     rays: Value,
-    wavefront: Option<Timed>,
-    recursive: Option<Timed>,
     comparisons: Vec<Comparison>,
 }
 
 #[derive(Deserialize)]
 struct Comparison {
-    variants: Vec<Variant>,
-}
-
-#[derive(Deserialize)]
-struct Variant {
-    kernel: String,
-    simd: String,
-    batch: u64,
-    planned: bool,
-    #[serde(flatten)]
-    timed: Timed,
+    of: String,
+    variants: Vec<Timed>,
 }
 
 #[derive(Deserialize)]
 struct Timed {
+    label: String,
     seconds: Seconds,
-    /// Older reports have none.
-    #[serde(default)]
     yardstick: f64,
 }
 
@@ -115,17 +103,9 @@ fn side(path: &Path, report: &Report) -> Side {
 /// All timings of a scene, by name.
 fn timed(scene: &Scene) -> Vec<(String, &Timed)> {
     let mut all = Vec::new();
-    for (name, timed) in [("wavefront", &scene.wavefront), ("recursive", &scene.recursive)] {
-        all.extend(timed.iter().map(|timed| (name.to_owned(), timed)));
-    }
-    for Variant { kernel, simd, batch, planned, timed } in
-        scene.comparisons.iter().flat_map(|compared| &compared.variants)
-    {
-        let plan = if *planned { "" } else { ", with all passes" };
-        let name = format!("wavefront, {kernel} kernel, {simd}, batches of {batch}{plan}");
-        if !all.iter().any(|(known, _)| *known == name) {
-            all.push((name, timed));
-        }
+    for Comparison { of, variants } in &scene.comparisons {
+        let of = if of == "ladder" { String::new() } else { format!("{of}: ") };
+        all.extend(variants.iter().map(|timed| (format!("{of}{}", timed.label), timed)));
     }
     all
 }
@@ -161,7 +141,7 @@ fn equality(before: &Scene, after: &Scene) -> Option<Change> {
     let words = |scene: &Scene| if scene.equal { "equal" } else { "different" }.to_owned();
     (before.equal != after.equal).then(|| Change {
         scene: before.scene.clone(),
-        what: "the images of both tracers".to_owned(),
+        what: "the images of all variants".to_owned(),
         before: words(before),
         after: words(after),
         verdict: if before.equal { Verdict::Worse } else { Verdict::Better },

@@ -249,12 +249,16 @@ fn chances_are_corrected_for_their_number() {
 /// A report of `bench` with so many runs of each tracer.
 fn report(run: u64, slower: f64, equal: bool) -> String {
     let mut machine = Noise(Rng::new(run));
-    let mut each = |factor: f64| (0..30).map(|_| factor * machine.time()).collect::<Vec<_>>();
-    let timed = |each: Vec<f64>| serde_json::json!({"seconds": {"each": each}});
+    let mut timed = |label: &str, factor: f64| {
+        let each: Vec<f64> = (0..30).map(|_| factor * machine.time()).collect();
+        serde_json::json!({"label": label, "yardstick": 0.0, "seconds": {"each": each}})
+    };
     serde_json::json!({
         "version": "1", "machine": {"cores": 2}, "scenes": [{
             "scene": "a.json", "image": {"width": 4}, "equal": equal, "rays": {"primary": 4},
-            "wavefront": timed(each(0.5 * slower)), "recursive": timed(each(1.0)), "comparisons": [],
+            "comparisons": [{"of": "ladder", "variants": [
+                timed("wavefront", 0.5 * slower), timed("recursive", 1.0),
+            ]}],
         }]
     })
     .to_string()

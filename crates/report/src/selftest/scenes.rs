@@ -79,8 +79,8 @@ impl Way {
 pub(super) fn render(effort: &Effort, scene: &PreparedScene, way: Way) -> Result<Rendered> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(way.threads).build();
     let pool = pool.map_err(|error| Error::new(ErrorKind::Usage, "no threads").because(error))?;
-    let options =
-        RenderOptions { tracer: way.tracer, seed: effort.seed, batch: way.batch, crop: None };
+    let Way { tracer, batch, .. } = way;
+    let options = RenderOptions { tracer, seed: effort.seed, batch, ..Default::default() };
     pool.install(|| render::render(scene, &options, &()))
 }
 

@@ -1,0 +1,199 @@
+//! The blocks of one comparison.
+
+use super::{kibibytes, plural};
+use crate::bench::compare::{Comparison, VariantBench};
+use crate::bench::machine::Machine;
+use crate::bench::ratio::Ratio;
+use crate::bench::variant::Axis as Compared;
+use crate::page::{Block, Cell, Column, Table};
+use crate::plot::number::time_unit;
+use crate::plot::{Axis, Bar, Chart, Draw, Guide, Point, Scale, Segment, Series, StackedBars};
+use crate::statistics::Rays;
+use wavecrest_core::render::TracerKind;
+
+/// A comparison: heading, and what its speeds are relative to.
+fn words(of: Compared) -> [&'static str; 2] {
+    match of {
+        Compared::Ladder => ["From the recursive tracer to the wavefront", "the recursive tracer"],
+        Compared::Kernels => ["Wavefront by kernel", "the default"],
+        Compared::Levels => {
+            ["Steps by instruction set", "the recursive tracer with the same instructions"]
+        }
+        Compared::Batches => ["Wavefront by batch size", "the recursive tracer"],
+        Compared::Threads => ["Both tracers by threads", "the recursive tracer on as many threads"],
+        Compared::Plan => ["Wavefront with all passes", "the plan, which skips what is not needed"],
+    }
+}
+
+/// The results of a list.
+pub(super) fn comparison(found: &Comparison, rays: &Rays, machine: &Machine) -> Vec<Block> {
+    let [title, over] = words(found.of);
+    let mut blocks = vec![Block::Heading(title.to_owned())];
+    if let Some(different) = &found.difference {
+        let text = different.difference.words(&different.label, &different.first);
+        blocks.push(Block::Warning(text));
+        return blocks;
+    }
+    let note = format!(
+        "{}{}, all images bit-identical.",
+        plural(found.rounds, "round"),
+        match found.left_out {
+            0 => String::new(),
+            n => format!(", and {n} left out because other programs used the processors"),
+        }
+    );
+    let caption = format!("Speed over that of {over}. {note}");
+    let (axis, points) = speeds_of(found);
+    let chart = speeds(title, &caption, axis, points);
+    blocks.extend([Block::Chart(chart), Block::Table(times(found, over, &note)), passes(found)]);
+    blocks.push(Block::Table(work(found, rays, machine)));
+    blocks.extend(hardware(found, rays).map(Block::Table));
+    blocks
+}
+
+/// The speed of each variant but those that others are compared with, and those with a clock.
+fn speeds_of(found: &Comparison) -> (Axis, Series) {
+    let shown = found.variants.iter().filter(|v| v.over != v.label && !v.variant.time_passes);
+    let shown: Vec<&VariantBench> = shown.collect();
+    if found.of == Compared::Batches {
+        let axis = Axis::new("paths in a batch", "", Scale::Log);
+        let points = shown.iter().map(|v| point(v.variant.batch as f64, v)).collect();
+        return (axis, Series { draw: Draw::Line, ..Series::of("", points) });
+    }
+    let names = shown.iter().map(|v| v.label.clone()).collect();
+    let points = shown.iter().enumerate().map(|(row, v)| point(row as f64, v)).collect();
+    (Axis::new("", "", Scale::Names(names)), Series::of("", points))
+}
+
+pub(super) fn point(x: f64, v: &VariantBench) -> Point {
+    let i = &v.ratio.interval;
+    let label = format!("{:.1} % confidence, {} rounds", 100.0 * i.confidence, v.ratio.pairs);
+    Point::new(x, i.median).within(i.low, i.high).labelled(label)
+}
+
+/// Ratios of speeds, and a line at equal speed.
+pub(super) fn speeds(title: &str, caption: &str, x: Axis, series: Series) -> Chart {
+    Chart {
+        title: title.to_owned(),
+        x,
+        y: Axis::new("times as fast", "", Scale::Linear),
+        series: vec![series],
+        guides: vec![Guide::at("equally fast", 1.0)],
+        caption: caption.to_owned(),
+    }
+}
+
+/// Times, and ratios of speeds.
+fn times(found: &Comparison, over: &str, note: &str) -> Table {
+    let longest = found.variants.iter().map(|v| v.seconds.median).fold(0.0, f64::max);
+    let (scale, second) = time_unit(longest);
+    let caption = format!(
+        "Median times, the spread of their quartiles, the processors that worked on average, and the speed over that \
+         of {over}, with its interval. {note}"
+    );
+    let has_gains = found.variants.iter().any(|v| v.gain.is_some());
+    let names = [&format!("median, {second}"), "spread", "CPUs", "Mrays/s", "speed", "step"];
+    table(found, &caption, &names[..if has_gains { 6 } else { 5 }], |v| {
+        let (median, spread) = (scale * v.seconds.median, 100.0 * v.seconds.spread());
+        let gain = v.gain.as_ref().map(|gain| {
+            let median = gain.ratio.interval.median;
+            Cell::number(median, format!("{} {median:.3}", gain.of))
+        });
+        vec![
+            Cell::decimals(median, 3),
+            Cell::number(spread, format!("{spread:.1} %")),
+            optional(v.processors, 2),
+            Cell::decimals(v.mrays_s, 3),
+            ratio(&v.ratio),
+            gain.unwrap_or_default(),
+        ]
+    })
+}
+
+/// Time by pass. A recursive tracer without a clock has no passes.
+fn passes(found: &Comparison) -> Block {
+    let is_timed =
+        |v: &&VariantBench| v.variant.time_passes || v.variant.tracer == TracerKind::Wavefront;
+    let bar = |v: &VariantBench| {
+        let segment = |(stage, seconds): (&str, f64)| Segment { stage: stage.to_owned(), seconds };
+        Bar { name: v.label.clone(), segments: v.pass_seconds().map(segment).collect() }
+    };
+    let cost = found.variants.iter().find(|v| v.variant.time_passes).map(|v| {
+        let times = 1.0 / v.ratio.interval.median;
+        format!(
+            " The passes of the recursive tracer were timed in runs of their own: looking at the clock for each step of \
+             each ray makes them take {times:.2} times as long."
+        )
+    });
+    let caption = format!("Medians of the runs, summed over threads.{}", cost.unwrap_or_default());
+    let bars = found.variants.iter().filter(is_timed).map(bar).collect();
+    Block::Bars(StackedBars { title: "Time by pass".to_owned(), bars, caption })
+}
+
+/// Tests and rays per second, rays that are traced together, and the memory of a batch.
+fn work(found: &Comparison, rays: &Rays, machine: &Machine) -> Table {
+    let caption = "Nodes visited and primitives tested for a ray; millions of rays of each kind in a second of the whole \
+                   run; closest-hit rays that are traced together, of a packet at a node and in flight; \
+                   and the ray state of a batch, with the nearest cache that holds it for all threads.";
+    let kinds = [("primary", rays.primary), ("secondary", rays.secondary), ("shadow", rays.shadow)];
+    let kinds: Vec<&str> = kinds.iter().filter(|(_, n)| *n > 0).map(|(name, _)| *name).collect();
+    let names = [&["nodes", "prims"][..], &kinds, &["a node", "flight", "batch", "in"]].concat();
+    table(found, caption, &names, |v| {
+        let closest = &v.kernels.closest;
+        let rate = |kind: &&str| match *kind {
+            "primary" => v.rays_s.primary,
+            "secondary" => v.rays_s.secondary,
+            _ => v.rays_s.shadow,
+        };
+        let tests = [v.tests_per_ray.nodes, v.tests_per_ray.primitives];
+        let mut cells = tests.map(|tests| Cell::decimals(tests, 2)).to_vec();
+        cells.extend(kinds.iter().map(|kind| Cell::decimals(rate(kind) / 1e6, 3)));
+        cells.extend([closest.rays_a_node, closest.rays_a_round].map(|rays| optional(rays, 1)));
+        let state = v.batch_bytes;
+        let held = machine.holds(state, v.variant.threads).filter(|_| state > 0);
+        cells.push(if state > 0 { bytes(state) } else { Cell::default() });
+        cells.push(Cell::text(held.unwrap_or_default()));
+        cells
+    })
+}
+
+/// Hardware counters for each ray, if available.
+fn hardware(found: &Comparison, rays: &Rays) -> Option<Table> {
+    let names: Vec<String> = found.variants.first()?.hardware.as_ref()?.keys().cloned().collect();
+    let rays = rays.all().max(1) as f64;
+    let words: Vec<String> = names.iter().map(|name| name.replace('_', " ")).collect();
+    let words: Vec<&str> = words.iter().map(String::as_str).collect();
+    Some(table(found, "Hardware counters, for each ray.", &words, |v| {
+        let count = |name: &String| v.hardware.as_ref()?.get(name)?.as_f64();
+        names.iter().map(|name| optional(count(name).map(|count| count / rays), 3)).collect()
+    }))
+}
+
+/// A table with a row for each variant; cells beyond the columns are left out.
+fn table(
+    found: &Comparison,
+    caption: &str,
+    names: &[&str],
+    cells: impl Fn(&VariantBench) -> Vec<Cell>,
+) -> Table {
+    let row = |v: &VariantBench| {
+        let cells = cells(v).into_iter().take(names.len());
+        std::iter::once(Cell::text(v.label.clone())).chain(cells).collect()
+    };
+    let columns = names.iter().map(|name| Column::numbers(*name));
+    let columns = std::iter::once(Column::words("")).chain(columns).collect();
+    let rows = found.variants.iter().map(row).collect();
+    Table { caption: caption.to_owned(), columns, rows }
+}
+
+pub(super) fn ratio(ratio: &Ratio) -> Cell {
+    Cell::number(ratio.interval.median, ratio.words())
+}
+
+fn optional(value: Option<f64>, decimals: usize) -> Cell {
+    value.map_or_else(|| Cell::text("–"), |value| Cell::decimals(value, decimals))
+}
+
+fn bytes(bytes: u64) -> Cell {
+    Cell::number(bytes as f64, kibibytes(bytes))
+}

@@ -1,0 +1,56 @@
+//! Ratios of speeds.
+
+use serde::Serialize;
+
+use crate::summary::{CONFIDENCE, MedianInterval};
+
+/// The speed of one variant over that of another.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct Ratio {
+    /// Median and interval.
+    #[serde(flatten)]
+    pub interval: MedianInterval,
+    /// Number of rounds.
+    pub pairs: usize,
+    /// See [`METHOD`].
+    pub method: &'static str,
+}
+
+/// The method of the ratio's interval.
+pub const METHOD: &str = "order statistics of paired ratios (Thompson 1936)";
+
+impl Ratio {
+    /// The speed of the variant `of` over that of `over`: the `seconds` of `over` in each round
+    /// over those of the other; `None` without rounds.
+    ///
+    /// Medians of ratios do not multiply. So that they do, the ratio of any two variants is that of
+    /// their speeds relative to the first one. It rarely is outside of its own interval, which is
+    /// then extended to it.
+    pub(crate) fn of(seconds: &[Vec<f64>], over: usize, of: usize) -> Option<Self> {
+        let pairs = |over: usize, of: usize| {
+            let each = seconds[over].iter().zip(&seconds[of]);
+            MedianInterval::of(&each.map(|(over, of)| over / of).collect::<Vec<_>>())
+        };
+        let median = pairs(0, of)?.median / pairs(0, over)?.median;
+        let i = pairs(over, of)?;
+        let (low, high) = (i.low.min(median), i.high.max(median));
+        let interval = MedianInterval { median, low, high, ..i };
+        Some(Self { interval, pairs: seconds[of].len(), method: METHOD })
+    }
+
+    /// Which of `faster` and `slower` is faster, if the interval tells.
+    pub fn verdict(&self, faster: &str, slower: &str) -> String {
+        match self.interval {
+            i if i.confidence < CONFIDENCE => "too few rounds to say which is faster".to_owned(),
+            i if i.low > 1.0 => format!("the {faster} is faster"),
+            i if i.high < 1.0 => format!("the {slower} is faster"),
+            _ => "the difference is within the noise".to_owned(),
+        }
+    }
+
+    /// Median and interval.
+    pub fn words(&self) -> String {
+        let i = &self.interval;
+        format!("{:.3} ({:.3} to {:.3})", i.median, i.low, i.high)
+    }
+}

@@ -1,0 +1,96 @@
+//! Renders a scene as a variant says.
+
+use std::collections::BTreeMap;
+
+use rayon::{ThreadPool, ThreadPoolBuilder};
+
+use super::hardware::{self, HardwareCounts};
+use super::variant::Variant;
+use crate::measure::Timing;
+use crate::yardstick::yardstick;
+use wavecrest_base::error::{Error, ErrorKind, Result};
+use wavecrest_core::plan::Plan;
+use wavecrest_core::plan::schedule::{PASSES, unplanned};
+use wavecrest_core::prepared::PreparedScene;
+use wavecrest_core::render::{RenderOptions, Rendered, render};
+
+/// One run.
+#[derive(Clone, Debug)]
+pub struct Run {
+    /// Its duration.
+    pub timing: Timing,
+    /// Seconds of a [yardstick] after it.
+    pub yardstick: f64,
+    /// Its image and its work.
+    pub rendered: Rendered,
+    /// What the processor counted, if asked and available.
+    pub hardware: Option<HardwareCounts>,
+}
+
+/// The clock's resolution in seconds, used as the smallest time, so that ratios of times are
+/// finite.
+const CLOCK_STEP: f64 = 1e-9;
+
+impl Run {
+    /// Renders `scene` on the threads of the current pool; `counted` with hardware counters, which
+    /// slow it down.
+    ///
+    /// # Errors
+    /// Those of [`render`].
+    pub fn of(scene: &PreparedScene, options: &RenderOptions, counted: bool) -> Result<Self> {
+        let work = || Timing::of(|| render(scene, options, &()));
+        let ((rendered, timing), hardware) = match counted {
+            true => {
+                let (result, counts) = hardware::count(work);
+                (result, counts.ok())
+            }
+            false => (work(), None),
+        };
+        let rendered = rendered?;
+        let timing = Timing { seconds: rendered.seconds.max(CLOCK_STEP), ..timing };
+        Ok(Self { timing, yardstick: yardstick(), rendered, hardware })
+    }
+}
+
+/// A scene to render in many ways.
+pub(super) struct Runner<'a> {
+    scene: &'a mut PreparedScene,
+    seed: u64,
+    planned: Plan,
+    pools: BTreeMap<usize, ThreadPool>,
+}
+
+impl<'a> Runner<'a> {
+    pub(super) fn new(scene: &'a mut PreparedScene, seed: u64) -> Self {
+        let planned = scene.plan.clone();
+        Self { scene, seed, planned, pools: BTreeMap::new() }
+    }
+
+    /// One run of `variant`.
+    pub(super) fn run(&mut self, variant: &Variant, counted: bool) -> Result<Run> {
+        let &Variant { tracer, time_passes, kernel, simd, batch, threads, planned } = variant;
+        self.scene.accel.kernel = kernel;
+        if let Some(level) = simd.token() {
+            self.scene.accel.level = level;
+        }
+        self.scene.plan = match planned {
+            true => self.planned.clone(),
+            false => Plan::of(self.planned.decisions().to_vec(), &unplanned(&PASSES)),
+        };
+        let options = RenderOptions { tracer, time_passes, batch, seed: self.seed, crop: None };
+        let scene = &*self.scene;
+        if threads == rayon::current_num_threads() {
+            return Run::of(scene, &options, counted);
+        }
+        let pool = match self.pools.remove(&threads) {
+            Some(pool) => pool,
+            None => ThreadPoolBuilder::new().num_threads(threads).build().map_err(|e| {
+                Error::new(ErrorKind::Usage, format!("cannot start threads: {e}"))
+                    .remedy("raise the limits of the process (ulimit -u, -v)")
+            })?,
+        };
+        let run = pool.install(|| Run::of(scene, &options, counted));
+        self.pools.insert(threads, pool);
+        run
+    }
+}

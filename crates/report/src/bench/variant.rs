@@ -1,0 +1,191 @@
+//! What is compared: lists of variants of a render, all with the same image.
+
+use serde::Serialize;
+
+use wavecrest_core::accel::KernelChoice;
+use wavecrest_core::math::simd::{Level, is_wide};
+use wavecrest_core::render::TracerKind;
+
+/// A way to render an image.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+pub struct Variant {
+    /// The tracer.
+    pub tracer: TracerKind,
+    /// Whether the recursive tracer times its passes, which slows it down.
+    pub time_passes: bool,
+    /// The kernel for batches of rays; the recursive tracer always traces single rays.
+    pub kernel: KernelChoice,
+    /// Instruction sets.
+    pub simd: Level,
+    /// Paths in a batch.
+    pub batch: usize,
+    /// Threads.
+    pub threads: usize,
+    /// Whether passes, columns and code that the scene does not need are skipped.
+    pub planned: bool,
+}
+
+/// A variant in a list.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Choice {
+    /// Its name among the others.
+    pub label: String,
+    /// The variant.
+    pub variant: Variant,
+    /// The number of the variant that its speed is compared with.
+    pub over: usize,
+    /// The step that leads to it, if the list goes on step by step.
+    pub step: Option<Step>,
+}
+
+/// A step from one variant to another.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Step {
+    /// The variant before, by its number.
+    pub from: usize,
+    /// What is new.
+    pub gain: &'static str,
+}
+
+wavecrest_base::choices! {
+    /// The property that differs between the variants of a list.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+    #[serde(rename_all = "kebab-case")]
+    pub enum Axis {
+        /// From the recursive tracer to the wavefront in steps.
+        Ladder = "ladder",
+        /// Traversal kernels.
+        Kernels = "kernels",
+        /// The ladder with each instruction set.
+        Levels = "levels",
+        /// Batch sizes.
+        Batches = "batches",
+        /// Both tracers on 1, 2, 4 ... threads, up to all.
+        Threads = "threads",
+        /// Unneeded passes left out, or all forced on.
+        Plan = "plan",
+    }
+}
+
+/// Batch sizes to compare if none are named.
+pub const BATCHES: [usize; 5] = [16, 64, 256, 1024, 4096];
+
+/// The steps from the order of the recursive tracer to the wavefront: the kernel, its name on the
+/// ladder, and what is new.
+const STEPS: [(KernelChoice, &str, &str); 3] = [
+    (KernelChoice::Single, "single rays", "order"),
+    (KernelChoice::Stream, "in flight", "flight"),
+    (KernelChoice::Auto, "packets", "packets"),
+];
+
+impl Axis {
+    /// The variants that differ from the `usual` one in this property, and those that they are
+    /// compared with. `batches` are the batch sizes to compare.
+    pub fn choices(self, usual: Variant, batches: &[usize]) -> Vec<Choice> {
+        let mut list = List::default();
+        match self {
+            Self::Ladder => list.ladder(usual, ""),
+            Self::Kernels => {
+                let kernels = KernelChoice::FOR_RENDERS.map(|kernel| Variant { kernel, ..usual });
+                list.against(usual, kernels, |variant| variant.kernel.name().to_owned());
+            }
+            Self::Levels => {
+                for simd in Level::available() {
+                    list.ladder(Variant { simd, ..usual }, &format!("{}, ", simd.name()));
+                }
+            }
+            Self::Batches => {
+                let batches = batches.iter().map(|&batch| Variant { batch, ..usual });
+                let mut sizes: Vec<Variant> = batches.chain([usual]).collect();
+                sizes.sort_by_key(|variant| variant.batch);
+                list.against(recursive(usual), sizes, |variant| match variant.tracer {
+                    TracerKind::Recursive => "recursive".to_owned(),
+                    TracerKind::Wavefront => variant.batch.to_string(),
+                });
+            }
+            Self::Threads => {
+                let powers = std::iter::successors(Some(1), |threads| Some(threads * 2));
+                let fewer = powers.take_while(|threads| *threads < usual.threads);
+                fewer
+                    .chain([usual.threads])
+                    .for_each(|n| list.both(Variant { threads: n, ..usual }));
+            }
+            Self::Plan => {
+                let all = Variant { planned: !usual.planned, ..usual };
+                let name =
+                    |v: &Variant| if v.planned { "planned" } else { "all passes" }.to_owned();
+                list.against(usual, [all], name);
+            }
+        }
+        list.0
+    }
+}
+
+/// The recursive tracer under the same conditions.
+fn recursive(usual: Variant) -> Variant {
+    Variant { tracer: TracerKind::Recursive, ..usual }
+}
+
+#[derive(Default)]
+struct List(Vec<Choice>);
+
+impl List {
+    fn add(&mut self, label: String, variant: Variant, over: usize, step: Option<Step>) {
+        self.0.push(Choice { label, variant, over, step });
+    }
+
+    /// The recursive tracer, then the wavefront with one kernel after another, up to the usual one;
+    /// and the recursive tracer again, with a clock.
+    fn ladder(&mut self, usual: Variant, prefix: &str) {
+        let over = self.0.len();
+        let recursive = recursive(usual);
+        self.add(format!("{prefix}recursive"), recursive, over, None);
+        for (kernel, name, gain) in steps(usual) {
+            let step = Some(Step { from: self.0.len() - 1, gain });
+            let label = format!("{prefix}wavefront, {name}");
+            self.add(label, Variant { kernel, ..usual }, over, step);
+        }
+        let timed = Variant { time_passes: true, ..recursive };
+        self.add(format!("{prefix}recursive, timed"), timed, over, None);
+    }
+
+    /// Both tracers under these conditions, with the step from one thread.
+    fn both(&mut self, usual: Variant) {
+        let over = self.0.len();
+        let threads = if usual.threads == 1 { "thread" } else { "threads" };
+        for (from, name, variant) in [(0, "recursive", recursive(usual)), (1, "wavefront", usual)] {
+            let step = (over > 0).then_some(Step { from, gain: "threads" });
+            self.add(format!("{name}, {} {threads}", usual.threads), variant, over, step);
+        }
+    }
+
+    /// A variant, and others that are compared with it.
+    fn against(
+        &mut self,
+        first: Variant,
+        others: impl IntoIterator<Item = Variant>,
+        label: impl Fn(&Variant) -> String,
+    ) {
+        self.add(label(&first), first, 0, None);
+        for other in others {
+            if self.0.iter().all(|choice| choice.variant != other) {
+                self.add(label(&other), other, 0, None);
+            }
+        }
+    }
+}
+
+/// The steps of a ladder that ends with the usual kernel. Narrow instruction sets have single rays
+/// only.
+fn steps(usual: Variant) -> Vec<(KernelChoice, &'static str, &'static str)> {
+    let wide = usual.simd.token().is_some_and(is_wide);
+    match usual.kernel {
+        KernelChoice::Reference => vec![(KernelChoice::Reference, "reference", "order")],
+        KernelChoice::Stream if wide => STEPS[..2].to_vec(),
+        kernel @ (KernelChoice::Auto | KernelChoice::Packet) if wide => {
+            let [single, stream, (_, name, gain)] = STEPS;
+            vec![single, stream, (kernel, name, gain)]
+        }
+        _ => STEPS[..1].to_vec(),
+    }
+}
