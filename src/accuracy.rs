@@ -8,10 +8,11 @@ use super::common::{Threads, above_zero, print, progress_bar, tell, whole};
 use wavecrest_base::error::Result;
 use wavecrest_report::accuracy::answer::ERRORS;
 use wavecrest_report::accuracy::pilot;
-use wavecrest_report::accuracy::store::{Circumstances, Header, Record, StepRecord, Store};
+use wavecrest_report::accuracy::store::{Circumstances, Header, Record, Store};
 use wavecrest_report::accuracy::sweep::{self, Options, Progress};
 use wavecrest_report::accuracy::{Findings, page};
 use wavecrest_report::regression::Regression;
+use wavecrest_report::text::text;
 use wavecrest_scene::load::{LoadOptions, load};
 use wavecrest_scene::systems::extract;
 
@@ -156,35 +157,8 @@ fn run_sweep(args: &AccuracyArgs, folder: &Path) -> Result<()> {
     findings.write(folder)?;
     page::write(&findings, &mut swept, folder)?;
     if !args.quiet {
-        print(&text(&findings))?;
+        print(&text(&page::summary(&findings)))?;
         print(&format!("{}\n", folder.join("report.html").display()))?;
     }
     Ok(())
-}
-
-/// The slopes and the steps to exact hits, in words.
-fn text(findings: &Findings) -> String {
-    use std::fmt::Write as _;
-    let mut text = String::new();
-    for scene in &findings.scenes {
-        let said = format!("{}: {} {}", scene.scene.scene, scene.answer.sentence(), scene.busy());
-        let _ = writeln!(text, "{}", said.trim_end());
-        for family in &scene.families {
-            for series in &family.series {
-                let Some(slope) = series.slope else { continue };
-                let _ = writeln!(
-                    text,
-                    "  {:<24}{:<10}MSE changes with the power {:.3} ({:.3} to {:.3})",
-                    family.counted, series.name, slope.value, slope.low, slope.high
-                );
-            }
-        }
-        if let Some(found) = scene.steps.as_ref().filter(|found| found.has_any()) {
-            let step = |s: &StepRecord| format!("{} {:.1}", s.step, found.nanoseconds(s));
-            let steps: Vec<String> = found.steps.iter().map(step).collect();
-            let words = found.sentence(scene).replace('`', "");
-            let _ = writeln!(text, "  exact hits, ns a ray: {}. {words}", steps.join(", "));
-        }
-    }
-    text
 }

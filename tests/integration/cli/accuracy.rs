@@ -26,7 +26,7 @@ fn a_sweep_writes_a_page_and_the_same_figures_in_other_forms() {
     assert_eq!(text(&output.stderr), "");
     assert_eq!(output.status.code(), Some(0));
     let said = text(&output.stdout);
-    assert!(said.starts_with("ball: Soft shadows at "), "{said}");
+    assert!(said.starts_with("  ball: Soft shadows at "), "{said}");
     let read =
         |name: &str| std::fs::read_to_string(folder.path().join("out").join(name)).expect(name);
     let page = read("report.html");

@@ -38,6 +38,18 @@ pub fn write(findings: &Findings, swept: &mut [Swept], results: &Path) -> Result
     Page { title, lead, first, sections }.write(&results.join("report.html"))
 }
 
+/// The answers, and for each scene the slopes and the price list of exact hits: for a terminal.
+pub fn summary(findings: &Findings) -> Vec<Block> {
+    let mut blocks = answers::blocks(findings);
+    for scene in &findings.scenes {
+        blocks.push(Block::Heading(scene.scene.scene.clone()));
+        blocks.extend(scene.families.iter().filter_map(tables::slopes).map(Block::Table));
+        blocks.extend(tables::steps(scene));
+        blocks.extend(Some(scene.busy()).filter(|words| !words.is_empty()).map(Block::Paragraph));
+    }
+    blocks
+}
+
 /// What each time buys: the chart of the answer's samplers, and crops.
 fn bought(scene: &SceneFindings, swept: &mut Swept) -> Result<Vec<Block>> {
     let Swept { subject, families, references } = swept;

@@ -68,7 +68,7 @@ pub(super) fn of(family: &FamilyFindings, answer: &Answer) -> Vec<Block> {
     blocks
 }
 
-fn slopes(family: &FamilyFindings) -> Option<Table> {
+pub(super) fn slopes(family: &FamilyFindings) -> Option<Table> {
     let row = |series: &SeriesFindings| {
         let slope = series.slope?;
         let interval = |low: f64, high: f64| Cell::text(format!("{low:.3} to {high:.3}"));
