@@ -12,8 +12,8 @@ use crate::tile::{Tile, Unit};
 /// Where the background of a scene is seen alone.
 pub(super) struct Backdrop<'a> {
     camera: &'a Camera,
-    /// See [`Accel::outline`](crate::accel::Accel::outline); `None` if it is seen alone nowhere, for all
-    /// that is known.
+    /// See [`Accel::outline`](crate::accel::Accel::outline); `None` if it is seen alone nowhere, for
+    /// all that is known.
     boxes: Option<Vec<(Aabb, f32)>>,
     color: Vec3,
 }
@@ -36,8 +36,8 @@ impl<'a> Backdrop<'a> {
         self.boxes.as_ref().is_some_and(|boxes| !boxes.iter().any(sees))
     }
 
-    /// Adds the samples of a unit that it fills. The sum of so many equal numbers of single precision
-    /// is exact, and the product with their number is the same.
+    /// Adds the samples of a unit that it fills. The sum of so many equal numbers of single
+    /// precision is exact, and the product with their number is the same.
     pub(super) fn add(&self, unit: &Unit, sums: &mut [[f64; 3]]) {
         let color = self.color.to_array().map(|c| f64::from(c) * unit.samples.len() as f64);
         for sum in sums {

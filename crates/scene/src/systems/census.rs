@@ -4,27 +4,25 @@
 //! reached are skipped, and so are those that add nothing: a mirror of which only the back is seen,
 //! the texture of a surface that shows no colour, a light behind every surface ([`reach`]).
 
-use std::collections::BTreeSet;
-
 use glam::Vec3;
 use hecs::World;
 
+mod kinds;
+mod pixels;
 mod shows;
 
 use super::geometry::{self, ShapeOutput};
 use super::lights::Found;
 use super::reach::{Faces, Reached};
-use super::{camera, details, reach};
-use crate::components::{CutOut, Settings, TextureRef, ThinLens, View};
+use super::{details, reach};
+use crate::components::{CutOut, Settings, TextureRef};
 pub use shows::Shows;
 use wavecrest_base::error::Result;
-use wavecrest_core::geometry::Primitive;
 use wavecrest_core::kernels::blinn_phong::Material;
 use wavecrest_core::kernels::hemisphere::Hemisphere;
 use wavecrest_core::kernels::light::Emitter;
 use wavecrest_core::kernels::precision::Precision;
 use wavecrest_core::plan::{Decision, Effect};
-use wavecrest_core::prepared::Shape;
 
 /// The inputs of the census: the world, and the output of earlier systems.
 #[derive(Clone, Copy)]
@@ -64,7 +62,7 @@ pub struct Findings {
     pub holes: Vec<bool>,
 }
 
-/// Decides every effect. `has_holes` tells of the shapes of which it is asked whether their cut-outs
+/// Decides every effect. `has_holes` tells of the shapes that it is asked for whether their cut-outs
 /// remove anything.
 ///
 /// # Errors
@@ -183,62 +181,11 @@ impl<'a> Facts<'a> {
         }
     }
 
-    /// The shapes of a kind that rays may meet, or may not.
-    fn of_kind(&self, is: fn(Primitive) -> bool, met: bool) -> impl Iterator<Item = &Shape> {
-        let geometry = &self.census.extracted.geometry;
-        let is_one = move |shape: &&Shape| {
-            shape.primitives.clone().next().is_some_and(|first| is(geometry.primitive(first)))
-        };
-        let shapes = self.census.extracted.shapes.iter().zip(&self.met);
-        let those = shapes.filter(move |(_, is_met)| **is_met == met);
-        those.map(|(output, _)| &output.shape).filter(is_one)
-    }
-
-    /// The number of primitives of a kind that rays may meet, or the reason for none.
-    fn kind(&self, is: fn(Primitive) -> bool, thing: &str, none: &str) -> (bool, String) {
-        let number = |met| self.of_kind(is, met).map(|shape| shape.primitives.len()).sum::<usize>();
-        match (number(true), number(false)) {
-            (0, 0) => (false, none.to_owned()),
-            (0, unmet) => (false, format!("{}, not in view", count(unmet, thing, none).1)),
-            (met, _) => count(met, thing, none),
-        }
-    }
-
-    fn triangles(&self) -> (bool, String) {
-        let is_own = |primitive| matches!(primitive, Primitive::Triangle(_));
-        let is_shown = |primitive| matches!(primitive, Primitive::Instanced(_));
-        let own = self.kind(is_own, "triangle", "no shape is a triangle or a mesh");
-        let geometry = &self.census.extracted.geometry;
-        let instances: Vec<&Shape> = self.of_kind(is_shown, true).collect();
-        if instances.is_empty() {
-            let unseen = self.kind(is_shown, "triangle", "");
-            return if own.0 || unseen.1.is_empty() { own } else { unseen };
-        }
-        let prototype = |shape: &&Shape| match geometry.primitive(shape.primitives.start) {
-            Primitive::Instanced(instanced) => Some(geometry.instance(instanced).0.prototype()),
-            _ => None,
-        };
-        let prototypes: BTreeSet<usize> = instances.iter().filter_map(prototype).collect();
-        let held: usize =
-            prototypes.iter().map(|&number| geometry.prototypes[number].triangles.len()).sum();
-        let instanced: usize = instances.iter().map(|shape| shape.primitives.len()).sum();
-        let (_, meshes) = count(prototypes.len(), "mesh", "");
-        let (_, instances) = count(instances.len(), "instance", "");
-        let number = |shape: &Shape| shape.primitives.len();
-        let own = match self.of_kind(is_own, true).map(number).sum::<usize>() {
-            0 => String::new(),
-            own => format!("{own}, and "),
-        };
-        (true, format!("{own}{instanced} in {instances} of {meshes}; {held} are stored"))
-    }
-
     fn decide(&self, effect: Effect) -> Decision {
-        let is_quad = |primitive| matches!(primitive, Primitive::Quad(_));
-        let is_sphere = |primitive| matches!(primitive, Primitive::Sphere(_));
         let (present, reason) = match effect {
             Effect::Triangles => self.triangles(),
-            Effect::Quads => self.kind(is_quad, "quad", "no shape is a plane"),
-            Effect::Spheres => self.kind(is_sphere, "sphere", "no shape is a sphere"),
+            Effect::Quads => self.quads(),
+            Effect::Spheres => self.spheres(),
             Effect::SmoothShading => self.smooth_shading(),
             Effect::VertexColors => self.vertex_colors(),
             Effect::Textures => self.textures(),
@@ -410,39 +357,7 @@ impl<'a> Facts<'a> {
             bounces => (true, format!("{reason}, nbounces {bounces}")),
         }
     }
-
-    /// Whether any shape is in view, also a light's.
-    fn sees_any(&self) -> bool {
-        self.census.in_view.iter().any(Option::is_some)
-    }
-
-    fn depth_of_field(&self) -> (bool, String) {
-        match self.census.world.query::<&ThinLens>().iter().next() {
-            Some(_) if !self.sees_any() => (false, NOTHING.to_owned()),
-            None => (false, "the camera is a pinhole".to_owned()),
-            Some(lens) if camera::radius(lens) == 0.0 => (false, "the aperture is 0".to_owned()),
-            Some(lens) => (
-                true,
-                format!(
-                    "aperture {}, {} x {} points",
-                    lens.aperture, lens.samples_x, lens.samples_y
-                ),
-            ),
-        }
-    }
-
-    fn antialiasing(&self) -> (bool, String) {
-        let n = self.census.world.query::<&View>().iter().next().map_or(1, |view| view.antialias);
-        match n {
-            1 => (false, "antialias is 1".to_owned()),
-            _ if !self.sees_any() => (false, NOTHING.to_owned()),
-            n => (true, format!("{n} x {n} rays per pixel")),
-        }
-    }
 }
-
-/// The reason for a lens and antialiasing to be left out: every ray sees the background.
-const NOTHING: &str = "no shape is in view";
 
 /// Whether rays can meet a surface of the shape: not of a light's, and not without area.
 fn is_solid(ShapeOutput { shape, .. }: &ShapeOutput, census: Census<'_>) -> bool {

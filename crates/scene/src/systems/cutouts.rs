@@ -21,8 +21,8 @@ use wavecrest_core::geometry::{Geometry, Primitive};
 use wavecrest_core::kernels::texture::{Image, LazyImage, Texels, UvMap};
 use wavecrest_core::math::float::UNIT_ROUNDOFF;
 
-/// For each of `shapes` whether it is one of those `asked` and its cut-out removes anything. `images`
-/// get the images.
+/// For each of `shapes` whether it is one of those `asked` and its cut-out removes anything. Their
+/// images are added to `images`.
 pub fn look(
     world: &World,
     shapes: &[ShapeOutput],
@@ -171,8 +171,8 @@ impl<'a> Images<'a> {
     /// Whether any look-up may give less alpha than the threshold.
     fn has_holes(&self, found: &CutOut) -> bool {
         let Some(Mask { range: [lowest, highest], .. }) = self.of(found) else { return false };
-        // Between equal texels alpha is theirs. Between others three weighted means, with fewer than
-        // 4 roundings each, may give less than the lowest.
+        // Between equal texels alpha is theirs. Between others three weighted means, with fewer
+        // than 4 roundings each, may give less than the lowest.
         let rounding = if lowest == highest { 0.0 } else { 12.0 * UNIT_ROUNDOFF };
         lowest - rounding < found.threshold as f32
     }

@@ -114,8 +114,8 @@ pub(super) fn is_faced(
     geometry: &Geometry,
     tests: &mut u64,
 ) -> bool {
-    // Fast precision has no error bounds, so nothing is certain. Whatever has no cone is on one side
-    // or the other.
+    // Fast precision has no error bounds, so nothing is certain. Whatever has no cone is on one
+    // side or the other.
     let is_certain =
         geometry.precision == Precision::Fast || faces.front && faces.back && light.cone.is_none();
     if is_certain || !faces.any() {
@@ -233,9 +233,9 @@ impl Extent {
     /// Whether its cone certainly contains nothing within `radius` of the hull of the `corners`,
     /// which face along `normal`: a plane through its tip is between them.
     ///
-    /// The cone is behind a plane if the plane's normal is at least a right angle plus the cone's half
-    /// angle off its axis. Directions to the hull and normals of its face are tried, each turned
-    /// away from the axis as far as it has to be.
+    /// The cone is behind a plane if the plane's normal is at least a right angle plus the cone's
+    /// half angle off its axis. Directions to the hull and normals of its face are tried, each
+    /// turned away from the axis as far as it has to be.
     fn misses(&self, corners: &[Vec3], radius: f64, normal: DVec3) -> bool {
         let Some(cone) = &self.cone else { return false };
         let (axis, [sine, cosine]) = cone.shape();

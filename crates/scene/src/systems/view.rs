@@ -1,4 +1,5 @@
-//! Which shapes are visible in any frame of the camera, directly or in mirrors, and from which side.
+//! Which shapes are visible in any frame of the camera, directly or in mirrors, and from which
+//! side.
 //!
 //! A shape is out of view if no camera ray can meet it and no mirror in view could show it: it is
 //! outside the frustum of every frame, or a sphere lies around it or around the camera. Its box
