@@ -42,9 +42,10 @@ impl MetadataOptions {
     /// Whether an image in this file gets metadata.
     pub(super) fn is_stored_in(&self, file: &Path) -> bool {
         match (self.kind(), Format::from_path(file)) {
-            (MetadataKind::None, _) | (_, Ok(Format::Pfm) | Err(_)) => false,
-            (_, Ok(Format::Png | Format::Exr)) => true,
+            (MetadataKind::None, _) | (_, Ok(Format::Pfm)) => false,
             (_, Ok(Format::Ppm)) => self.extras().comments,
+            // Animations too.
+            (_, Ok(Format::Png | Format::Exr) | Err(_)) => true,
         }
     }
 
