@@ -13,7 +13,7 @@ mod shows;
 
 use super::geometry::{self, ShapeOutput};
 use super::lights::Found;
-use super::reach::{Faces, Reached};
+use super::reach::Faces;
 use super::{details, reach};
 use crate::components::{CutOut, Settings, TextureRef};
 pub use shows::Shows;
@@ -136,16 +136,24 @@ impl<'a> Facts<'a> {
         let reached_of = |surfaces: &[reach::Surface<'_>]| {
             reach::run(&lights, surfaces, &census.extracted.geometry)
         };
-        let surfaces: Vec<_> =
-            numbers(&visible).into_iter().map(|i| surface(i, faces[i])).collect();
-        let Reached { lights: shown, surfaces: lit } = reached_of(&surfaces);
-        let everything: Vec<_> = (numbers(&solid).into_iter())
-            .map(|i| surface(i, Faces::lit(&shapes[i].shape)))
-            .collect();
-        let Reached { lights: reached, surfaces: lit_anywhere } = reached_of(&everything);
+        let surfaces_of = |those: &[bool], faces: &[Faces]| -> Vec<reach::Surface<'_>> {
+            numbers(those).into_iter().map(|i| surface(i, faces[i])).collect()
+        };
+        let surfaces = surfaces_of(&visible, &faces);
+        let seen = reached_of(&surfaces);
+        let lit: Vec<Faces> = shapes.iter().map(|shape| Faces::lit(&shape.shape)).collect();
+        let anywhere = match visible == solid && faces == lit {
+            true => seen.clone(),
+            false => reached_of(&surfaces_of(&solid, &lit)),
+        };
         let mut is_reached = vec![false; shapes.len()];
-        numbers(&solid).into_iter().zip(lit_anywhere).for_each(|(i, lit)| is_reached[i] = lit);
-        numbers(&visible).into_iter().zip(lit).for_each(|(i, lit)| is_reached[i] = lit);
+        for (those, found) in [(&solid, &anywhere), (&visible, &seen)] {
+            numbers(those)
+                .into_iter()
+                .zip(&found.surfaces)
+                .for_each(|(i, lit)| is_reached[i] = *lit);
+        }
+        let (shown, reached) = (seen.lights, anywhere.lights);
         let is_lit = shown.contains(&true);
         let has_ambient = census.has_ambient || census.hemisphere.is_some_and(|h| !h.is_black());
         // Diffuse colour is visible in ambient light, for any kd, and where it reflects light.
