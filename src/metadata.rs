@@ -1,11 +1,13 @@
 //! Metadata of image files, as requested by the arguments.
 
 use std::ffi::OsString;
+use std::path::Path;
 
 use clap::ValueEnum;
 
 use wavecrest_image::farm::Identity;
 use wavecrest_image::metadata::{Entry, Extras, Provenance};
+use wavecrest_image::write::Format;
 
 /// Options on what is said.
 #[derive(Clone, Copy, Debug, clap::Args)]
@@ -35,6 +37,16 @@ pub(crate) enum MetadataKind {
 impl MetadataOptions {
     fn kind(&self) -> MetadataKind {
         if self.no_metadata { MetadataKind::None } else { self.metadata }
+    }
+
+    /// Whether an image in this file gets metadata.
+    pub(super) fn is_stored_in(&self, file: &Path) -> bool {
+        match (self.kind(), Format::from_path(file)) {
+            (MetadataKind::None, _) | (_, Ok(Format::Pfm)) => false,
+            (_, Ok(Format::Ppm)) => self.extras().comments,
+            // Animations too.
+            (_, Ok(Format::Png | Format::Exr) | Err(_)) => true,
+        }
     }
 
     /// The metadata of an image with this identity, as far as requested.

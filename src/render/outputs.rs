@@ -195,13 +195,17 @@ impl<'a> Outputs<'a> {
         aov::layers(scene, &aov::Request { layers, crop, seed, invalid })
     }
 
-    /// The metadata of the image, as far as requested.
+    /// The metadata of the image, as far as requested and as any file can store it.
     ///
     /// # Errors
     /// If the crop is not within the image.
     pub(super) fn entries(&self, scene: &PreparedScene) -> Result<Vec<Entry>> {
+        let metadata = &self.args.outputs.metadata;
+        if !self.paths.iter().any(|path| metadata.is_stored_in(path)) {
+            return Ok(Vec::new());
+        }
         let identity = Identity::of(scene, &self.args.options())?;
-        Ok(self.args.outputs.metadata.entries(&identity))
+        Ok(metadata.entries(&identity))
     }
 }
 

@@ -11,6 +11,7 @@ use wavecrest_core::accel::Accel;
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::geometry::Geometry;
 use wavecrest_core::kernels::precision::Precision;
+use wavecrest_core::plan::schedule::{PASSES, unplanned};
 use wavecrest_core::render::{RenderOptions, TracerKind, render};
 use wavecrest_report::selftest::Outcome;
 use wavecrest_report::selftest::agreement::agreement;
@@ -179,8 +180,10 @@ fn of_scene(file: &Path, precision: Precision, seed: u64) -> Result<Ready> {
     let options =
         LoadOptions { width: Some(IMAGE_SIDE), height: Some(IMAGE_SIDE), ..LoadOptions::default() };
     let mut loaded = load(file, &options)?;
-    let extracted =
-        systems::extract(&mut loaded.world, Options { precision, ..Options::default() })?;
+    // Its rays come from anywhere, and not from the camera alone.
+    let passes = unplanned(&PASSES);
+    let options = Options { precision, passes: &passes, ..Options::default() };
+    let extracted = systems::extract(&mut loaded.world, options)?;
     let preset = extracted.preset();
     let scene = extracted.build(preset);
     let mut invalid = 0;

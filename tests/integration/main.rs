@@ -58,6 +58,9 @@ mod far;
 // What is out of view is neither read nor stored nor simulated, and changes no bit.
 mod view;
 
+// What cannot be seen costs nothing, by counts, bytes and opened files.
+mod unseen;
+
 // The modules import each other in one direction alone, and files stay short.
 mod architecture;
 

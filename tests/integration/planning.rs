@@ -12,7 +12,7 @@ use wavecrest_core::film::Film;
 use wavecrest_core::plan::schedule::{Needs, PASSES, Pass, unplanned};
 use wavecrest_core::plan::{Effect, Plan};
 use wavecrest_core::prepared::PreparedScene;
-use wavecrest_core::render::{RenderOptions, Rendered, TracerKind, render};
+use wavecrest_core::render::{RenderOptions, Rendered, TracerKind, camera_rays, render};
 use wavecrest_core::wavefront::batch::Batch;
 use wavecrest_image::write::{Transfer, write};
 use wavecrest_report::effects::scenes::{Variant, variants};
@@ -171,8 +171,10 @@ impl Set {
         let kinds = [Effect::Triangles, Effect::Quads, Effect::Spheres];
         let surfaces = kinds.into_iter().any(|kind| self.has(kind));
         match effect {
-            Effect::Spheres => self.has(effect) || !surfaces && self.has(Effect::AreaLights),
-            Effect::Textures
+            // The shape of the light is not in view, and lights nothing.
+            Effect::DepthOfField
+            | Effect::Antialiasing
+            | Effect::Textures
             | Effect::CutOuts
             | Effect::Emission
             | Effect::MaterialTextures
@@ -241,7 +243,10 @@ fn check_work(what: &str, scene: &PreparedScene, rendered: &Rendered) {
     let c = &rendered.counters;
     let estimated = Estimated::of(scene, rendered.film.pixels().len() as u64);
     let (rays, samples) = (estimated.rays, estimated.samples);
-    assert_eq!((c.primary_rays, c.lens_samples), (rays.primary, samples.lens), "{what}");
+    let cast = camera_rays(scene, &RenderOptions { batch: 29, ..options() }).expect("an image");
+    let drawn = if scene.camera.has_lens() { cast } else { 0 };
+    assert_eq!((c.primary_rays, c.lens_samples), (cast, drawn), "{what}");
+    assert!(cast <= rays.primary && drawn <= samples.lens, "{what}");
     let schedule = scene.plan.schedule();
     let draws_lights = scene.lights.iter().any(|light| light.is_sampled());
     for (counted, most, called_for) in [

@@ -38,7 +38,8 @@ use rayon::prelude::*;
 
 use crate::counters::{KernelCounts, Kernels, TestCounts};
 use crate::geometry::Geometry;
-use crate::kernels::precision::Arithmetic;
+use crate::kernels::precision::{Arithmetic, Precision};
+use crate::kernels::slab::Aabb;
 use crate::math::ray::Ray;
 use crate::with_precision;
 use build::Preset;
@@ -190,6 +191,14 @@ impl Accel {
     /// The tree over the scene's own primitives, if there is one, and those of prototypes.
     pub fn trees(&self) -> impl Iterator<Item = &Tree> {
         self.tree.iter().chain(&self.blas)
+    }
+
+    /// Boxes that together contain every hit, some dozens at most, each with the factor by which the
+    /// errors of rays are larger there than elsewhere; `None` if nothing is certain of them.
+    pub fn outline(&self) -> Option<Vec<(Aabb, f32)>> {
+        let tree = self.tree.as_ref().filter(|_| self.geometry.precision != Precision::Fast)?;
+        let own = tree.outline().into_iter().map(|bounds| (bounds, 1.0));
+        Some(own.chain(self.tlas.outline()).collect())
     }
 
     /// Bytes held by all trees.

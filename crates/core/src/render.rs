@@ -3,6 +3,7 @@
 //! [`units`] defines tiles and sample blocks, [`work`] has the loop and chooses the tracer, and
 //! [`Canvas`] collects finished tiles. Partial and resumed renders use the same three.
 
+mod backdrop;
 mod canvas;
 pub mod units;
 mod watch;
@@ -144,6 +145,13 @@ pub fn window(scene: &PreparedScene, crop: Option<Tile>) -> Result<Tile> {
     Err(Error::new(ErrorKind::Usage, "the crop must lie within the image")
         .value(format!("{x},{y},{w},{h}"))
         .remedy(format!("the image is {width} x {height}; give x,y,width,height")))
+}
+
+/// Number of camera rays of a render of all of `scene`: none is traced in tiles that show nothing but
+/// the background.
+pub fn camera_rays(scene: &PreparedScene, options: &RenderOptions) -> Result<u64> {
+    let grid = Grid::new(window(scene, options.crop)?, tile_edge(scene, options.batch));
+    Ok(backdrop::camera_rays(scene, grid))
 }
 
 /// Range of the side of a tile in pixels.

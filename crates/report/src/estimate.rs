@@ -9,14 +9,14 @@ use wavecrest_core::prepared::PreparedScene;
 /// Upper bounds on the counts of a render; they are 0 only for work that cannot occur.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct Estimated {
-    /// Rays by kind. Camera rays are exact.
+    /// Rays by kind.
     pub rays: Rays,
-    /// Samples by kind. Those on the lens are exact.
+    /// Samples by kind.
     pub samples: Samples,
 }
 
 impl Estimated {
-    /// The bounds for a render of this number of `pixels` of `scene`: every camera ray meets
+    /// The bounds for a render of this number of `pixels` of `scene`: every camera ray is traced and meets
     /// mirrors up to the largest number of bounces, every hit samples all lights, and every hit is
     /// on the shape whose textures read the most texels.
     pub fn of(scene: &PreparedScene, pixels: u64) -> Self {

@@ -10,7 +10,7 @@ use wavecrest_base::error::Result;
 use wavecrest_core::counters::Counters;
 use wavecrest_core::prepared::PreparedScene;
 use wavecrest_core::render::units::Blocks;
-use wavecrest_core::render::{RenderOptions, batch_size, work};
+use wavecrest_core::render::{RenderOptions, batch_size, camera_rays, work};
 use wavecrest_core::tile::{Tile, TraceSettings, Unit};
 
 /// The pilot's tiles: their number in each row and column, and their largest side in pixels.
@@ -57,9 +57,9 @@ impl Expected {
         trace(scene, options, &tiles, samples);
         scene.appearance.check()?;
         let (counters, seconds) = trace(scene, options, &tiles, samples);
-        let primary =
-            u64::from(width) * u64::from(height) * u64::from(scene.camera.rays_per_pixel());
-        let scale = primary as f64 / counters.primary_rays as f64;
+        let paths = u64::from(width) * u64::from(height) * u64::from(scene.camera.rays_per_pixel());
+        let scale = paths as f64 / counters.primary_rays as f64;
+        let primary = camera_rays(scene, options)?;
         let all = |count: u64| (count as f64 * scale).round() as u64;
         let (rays, found) = (Rays::from(&counters), Samples::from(&counters));
         Ok(Self {

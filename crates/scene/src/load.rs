@@ -70,7 +70,7 @@ pub struct LoadedScene {
     pub warnings: Vec<Warning>,
     /// Choices for values that the file lacks: a camera, lights.
     pub notes: Vec<Warning>,
-    /// The files read, without the scene file and textures.
+    /// The files read, without the scene file and textures; and those of shapes that are not shown.
     pub files: Vec<PathBuf>,
     /// The transfer curve of 8-bit images, unless one is requested.
     pub encoding: Encoding,

@@ -3,14 +3,14 @@
 //! Components of entities are used here too where they have the same meaning, so that there is one
 //! definition.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use glam::DAffine3;
 
 use super::components::{
     AreaLight, CameraPath, CutOut, DirectionalLight, Encoding, Facing, Maps, Material, Materials,
-    Mesh, Name, PointLight, Quad, Settings, Shading, Sides, Sphere, Spot, TextureRef, ThinLens,
-    Transform, Triangle, VertexColors, View,
+    Mesh, Name, PointLight, Quad, Settings, Shading, Sides, Sphere, Spot, TextureRef,
+    TextureSource, ThinLens, Transform, Triangle, VertexColors, View,
 };
 
 /// A whole scene, from a file of any format.
@@ -111,6 +111,21 @@ impl Shape {
     ) -> Self {
         let (path, maps) = (self.path.clone(), self.maps.clone());
         Self { path, name, geometry, material, texture, maps, cutout, ..*self }
+    }
+
+    /// The files that it names.
+    pub(crate) fn files(&self) -> impl Iterator<Item = &Path> {
+        let mesh = match &self.geometry {
+            Geometry::MeshFile(file) => Some(file),
+            _ => None,
+        };
+        let textures = self.textures().map(|(_, texture)| &texture.source);
+        let images = textures.chain(self.cutout.iter().map(|cutout| &cutout.source));
+        let images = images.filter_map(|source| match source {
+            TextureSource::File(file) => Some(file),
+            TextureSource::Embedded { .. } => None,
+        });
+        mesh.into_iter().chain(images).map(PathBuf::as_path)
     }
 
     /// All its textures, with their keys.

@@ -83,7 +83,7 @@ pub(super) fn of(scene: SceneFile, text: u64, notes: &Notes<'_>) -> Result<Surve
     };
     let mut uses: Vec<u64> = scene.shapes.iter().map(|shape| u64::from(!shape.hidden)).collect();
     scene.instances.iter().for_each(|instance| uses[instance.shape] += 1);
-    for (shape, uses) in scene.shapes.iter().zip(uses) {
+    for (shape, uses) in scene.shapes.iter().zip(uses).filter(|(_, uses)| *uses > 0) {
         survey.add(shape, uses, notes)?;
     }
     for light in &scene.lights {

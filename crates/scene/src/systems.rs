@@ -6,7 +6,7 @@
 //! | [`geometry`] | shapes, transforms | positions, triangles, quads, spheres, mesh attributes |
 //! | [`materials`] | materials | one row of numbers for each shape |
 //! | [`lights`] | lights and their shapes | emitters with sampling data |
-//! | [`view`] | shapes, the camera in all frames | which shapes are visible |
+//! | [`view`] | shapes, the camera in all frames | which shapes are visible, and from which side |
 //! | [`census`] | all of these | the plan: which effects the scene needs |
 //! | [`textures`] | visible texture references | images to decode, each once |
 //! | [`details`] | visible materials and maps | properties of shapes other than colour |
@@ -15,7 +15,7 @@
 //! | [`wavecrest_core::accel`] | the geometry | the tree |
 //!
 //! What the plan skips goes no further than the census: lights that reach nothing in view, textures
-//! and normals that nothing shows.
+//! and normals that nothing shows, shapes that no ray can meet.
 //!
 //! Only this module and [`crate`] know the world; later stages never query it.
 
@@ -52,7 +52,7 @@ use wavecrest_core::geometry::Geometry;
 use wavecrest_core::kernels::blinn_phong::Material;
 use wavecrest_core::kernels::hemisphere::Hemisphere;
 use wavecrest_core::kernels::precision::Precision;
-use wavecrest_core::plan::schedule::{PASSES, Pass};
+use wavecrest_core::plan::schedule::{PASSES, Pass, Step};
 use wavecrest_core::plan::{Effect, Plan};
 use wavecrest_core::prepared::{Appearance, Dropped, PreparedScene};
 
@@ -71,7 +71,7 @@ pub struct Options<'a> {
     pub precision: Precision,
     /// The table of the plan: [`PASSES`], or the result of
     /// [`unplanned`](wavecrest_core::plan::schedule::unplanned), which skips nothing: neither
-    /// passes and columns nor lights, textures and normals that nothing shows.
+    /// passes and columns nor lights, textures, normals and shapes that nothing shows.
     pub passes: &'a [Pass],
     /// Whether a mesh with several instances is copied for each instead of stored once.
     pub flat: bool,
@@ -102,7 +102,8 @@ pub fn extract(world: &mut World, options: Options<'_>) -> Result<Extracted> {
     let possible = materials::possible(world, &extracted.shapes, &materials);
     let shows_others = |shape: usize| settings.bounces > 0 && possible[shape].kr > 0.0;
     let in_view = view::run(&camera::places(world, origin)?, &extracted, shows_others);
-    let found = census::run(census::Census {
+    let world = &*world;
+    let census = census::Census {
         world,
         settings: &settings,
         extracted: &extracted,
@@ -111,15 +112,21 @@ pub fn extract(world: &mut World, options: Options<'_>) -> Result<Extracted> {
         has_ambient: ambient > 0.0,
         hemisphere: hemisphere.as_ref(),
         in_view: &in_view,
-    });
+    };
+    let mut masks = cutouts::Images::of_scene(&file);
+    let found =
+        census::run(census, |asked| cutouts::look(world, &extracted.shapes, asked, &mut masks))?;
     let plan = Plan::of(found.decisions.clone(), passes);
     let schedule = plan.schedule();
     let lights = lights::keep(world, &settings, schedule, lights, &found)?;
+    if !schedule.is_needless(Step::Shadow) {
+        extracted.drop_unmet(&found.met);
+    }
     let mut images = Images::default();
     textures::run(world, schedule, &found.shows, &mut images, &mut extracted.shapes);
     let details = details::run(world, schedule, &found.shows, &mut images, &mut extracted.shapes);
     let images = images.prepare(&file)?;
-    let cutouts = cutouts::run(world, &file, &plan, &mut extracted)?;
+    let cutouts = cutouts::run(world, &found.holes, &masks, &mut extracted);
     extracted.drop_unused(schedule, &in_view, &details);
     let (camera, path) = camera::run(world, origin, schedule)?;
     let (geometry, appearance) = appearance(world, extracted, materials);

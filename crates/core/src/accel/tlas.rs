@@ -75,6 +75,22 @@ impl Tlas {
         tlas
     }
 
+    /// Boxes that together contain all instances, with the widening of rays.
+    pub(super) fn outline(&self) -> impl Iterator<Item = (Aabb, f32)> + use<> {
+        /// Number of boxes from which on none is divided.
+        const ENOUGH: usize = 32;
+        let mut open: Vec<Node> = self.nodes.first().copied().into_iter().collect();
+        while open.len() < ENOUGH
+            && let Some(place) = open.iter().position(|node| !node.is_leaf)
+        {
+            // From the front: level by level.
+            let first = open.remove(place).index as usize;
+            open.extend_from_slice(&self.nodes[first..first + 2]);
+        }
+        let widening = self.widening;
+        open.into_iter().map(move |node| (node.bounds, widening))
+    }
+
     /// Bytes held.
     pub(super) fn bytes(&self) -> u64 {
         size_of_val(self.nodes.as_slice()) as u64

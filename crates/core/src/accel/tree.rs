@@ -57,6 +57,22 @@ impl Tree {
         (0..node.count as usize).map(|lane| child_box(node, lane)).collect()
     }
 
+    /// The boxes of two levels of nodes below the root: together they contain every hit.
+    pub(super) fn outline(&self) -> Vec<Aabb> {
+        let Some(root) = self.root else { return Vec::new() };
+        let arena = self.arena.view();
+        let children = |(place, bounds): (Ref, Aabb)| -> Vec<(Ref, Aabb)> {
+            if place.kind() != Kind::Node {
+                return vec![(place, bounds)];
+            }
+            let node = arena.node(place);
+            let lanes = 0..node.count as usize;
+            lanes.map(|lane| (child_of(node, place, lane), child_box(node, lane))).collect()
+        };
+        let below = children((root.place, root.bounds)).into_iter().flat_map(children);
+        below.map(|(_, bounds)| bounds).collect()
+    }
+
     /// Calls `visit` for each node and leaf with its box, clipped by the boxes of all nodes above.
     fn walk(&self, mut visit: impl FnMut(Ref, &Aabb)) {
         let arena = self.arena.view();

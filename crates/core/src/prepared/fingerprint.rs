@@ -6,7 +6,6 @@ use xxhash_rust::xxh3::Xxh3;
 
 use super::PreparedScene;
 use crate::geometry::cutouts::Cutout;
-use crate::kernels::texture::{Image, Texels};
 
 /// Hashes everything written to it.
 struct Hasher(Xxh3);
@@ -28,19 +27,7 @@ impl Hasher {
             self.list(&mesh.uvs.values);
             self.list(mesh.uvs.indices.as_deref().unwrap_or(&[]));
         }
-        image.look_up().into_iter().for_each(|image| self.image(image));
-    }
-
-    fn image(&mut self, image: &Image) {
-        let _ = write!(self, "{:?}", [image.width, image.height, image.coarsest()]);
-        match &image.texels {
-            Texels::Bytes(texels) => self.list(texels),
-            Texels::Levels(texels, values) => {
-                self.list(texels);
-                self.list(values.as_slice());
-            }
-            Texels::Floats(texels) => self.list(texels),
-        }
+        self.list(&[image.fingerprint()]);
     }
 }
 
@@ -63,7 +50,7 @@ impl fmt::Write for Hasher {
 pub struct Fingerprints {
     /// Primitives of all kinds, and the attributes of meshes.
     pub geometry: u128,
-    /// The images.
+    /// The files of the images.
     pub textures: u128,
     /// The camera, and the position of the origin.
     pub camera: u128,
@@ -85,7 +72,8 @@ impl PreparedScene {
     /// A hash (XXH3) of all inputs of the image: primitives, attributes, textures, materials,
     /// lights, camera. Scenes that differ in any of these have different hashes, except with a
     /// probability of 2^-64; the order of keys in the file and its folder do not count. It gives no
-    /// protection against deliberate collisions. All images are decoded for it.
+    /// protection against deliberate collisions. The files of all images are read for it, and none is
+    /// decoded.
     pub fn fingerprint(&self) -> u128 {
         self.fingerprints().all()
     }
@@ -155,9 +143,7 @@ impl PreparedScene {
 
     fn textures_fingerprint(&self) -> u128 {
         hashed(|hasher| {
-            for image in self.appearance.images.iter().filter_map(|image| image.look_up()) {
-                hasher.image(image);
-            }
+            self.appearance.images.iter().for_each(|image| hasher.list(&[image.fingerprint()]));
         })
     }
 

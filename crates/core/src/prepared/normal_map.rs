@@ -24,7 +24,7 @@ pub struct NormalMap {
 
 impl NormalMap {
     /// Turns the shading normal of `point` by the texel, in the tangent frame there. The normal is
-    /// unchanged if there are no tangents, as where texture coordinates span no area, or if the
+    /// unchanged at a strength of 0, if there are no tangents, as where texture coordinates span no area, or if the
     /// result would have no direction.
     pub(super) fn turn(
         &self,
@@ -33,6 +33,9 @@ impl NormalMap {
         place: Place<'_>,
         point: &mut ShadingPoint<f32>,
     ) {
+        if self.strength == 0.0 {
+            return;
+        }
         let sided = Vec3::from(point.shading_normal);
         // The texture belongs to the front, and so do the tangents.
         let is_back = dot(appearance.front_normal(place), sided) < 0.0;

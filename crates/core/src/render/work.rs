@@ -6,6 +6,7 @@ use std::time::Instant;
 
 use rayon::prelude::*;
 
+use super::backdrop::Backdrop;
 use super::units::{Blocks, Grid};
 use super::{RenderOptions, TracerKind, Watch, batch_size};
 use crate::counters::Counters;
@@ -89,6 +90,7 @@ pub fn run(
         return Err(refused(flaw));
     }
     let start = Instant::now();
+    let backdrop = Backdrop::of(scene);
     let RenderOptions { seed, time_passes, .. } = *options;
     let batch = batch_size(scene, options.batch);
     let settings = TraceSettings { seed, batch, time_passes };
@@ -102,7 +104,7 @@ pub fn run(
         }
         let index = rayon::current_thread_index().unwrap_or(0) % threads;
         let mut worker = workers[index].lock().unwrap_or_else(PoisonError::into_inner);
-        worker.render(scene, job, &(job.task)(number), watch, keep);
+        worker.render((scene, &backdrop), job, &(job.task)(number), watch, keep);
     });
     scene.appearance.check()?;
     Ok(gather(workers, start, scene.accel.geometry().precision))
@@ -125,7 +127,7 @@ impl Worker {
 
     fn render(
         &mut self,
-        scene: &PreparedScene,
+        (scene, backdrop): (&PreparedScene, &Backdrop<'_>),
         job: &Job<'_>,
         task: &Task,
         watch: &dyn Watch,
@@ -142,6 +144,12 @@ impl Worker {
             None => task.blocks.start,
         };
         let invalid = tracer.counters().invalid;
+        let is_backdrop = backdrop.fills(&tile);
+        let render = |tracer: &mut dyn Tracer, unit: &Unit, sums: &mut [[f64; 3]]| match is_backdrop
+        {
+            true => backdrop.add(unit, sums),
+            false => tracer.render(scene, unit, sums),
+        };
         for number in task.blocks.clone() {
             // The loop over tasks has checked before the first block.
             if number > task.blocks.start && watch.cancelled() {
@@ -150,11 +158,11 @@ impl Worker {
             let unit = Unit { tile, samples: job.blocks.range(number) };
             if number == first {
                 sums.fill([0.0; 3]);
-                tracer.render(scene, &unit, sums);
+                render(&mut **tracer, &unit, sums);
             } else {
                 let block = &mut block[..tile.len()];
                 block.fill([0.0; 3]);
-                tracer.render(scene, &unit, block);
+                render(&mut **tracer, &unit, block);
                 add(sums, block);
             }
             let invalid = tracer.counters().invalid - invalid;

@@ -72,6 +72,13 @@ pub struct MetalMap {
     pub roughness: f64,
 }
 
+impl MetalMap {
+    /// Whether all texels give the same material.
+    pub(crate) fn is_constant(&self) -> bool {
+        [self.metallic, self.roughness].iter().all(|&factor| factor as f32 == 0.0)
+    }
+}
+
 /// A texture with a strength.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StrengthMap {
@@ -79,6 +86,13 @@ pub struct StrengthMap {
     pub texture: TextureRef,
     /// 0 for no effect, 1 for the full effect.
     pub strength: f64,
+}
+
+impl StrengthMap {
+    /// Whether the texture changes anything.
+    pub(crate) fn has_effect(&self) -> bool {
+        self.strength as f32 != 0.0
+    }
 }
 
 pub use wavecrest_core::kernels::texture::{Filter, Wrap};

@@ -43,8 +43,13 @@ impl<R: Fn(&Path) -> Result<LoadedMesh>> Spawner<'_, R> {
         }
         let mut order = (0..).map(Order);
         let mut shapes = Vec::with_capacity(scene.shapes.len());
-        self.warn_of_unseen(&scene.shapes, &scene.instances);
-        for shape in scene.shapes {
+        let unseen = self.unseen(&scene.shapes, &scene.instances);
+        for (shape, is_unseen) in scene.shapes.into_iter().zip(unseen) {
+            if is_unseen {
+                shape.files().for_each(|file| notes.reads(file));
+                shapes.push(Vec::new());
+                continue;
+            }
             match notes.part(|| self.shape(&mut order, shape)) {
                 Ok(parts) => shapes.push(parts),
                 Err(error) => sound = Err(error),
@@ -59,16 +64,17 @@ impl<R: Fn(&Path) -> Result<LoadedMesh>> Spawner<'_, R> {
         Ok(self.world)
     }
 
-    /// Warns of a hidden shape without an instance.
-    fn warn_of_unseen(&self, shapes: &[Shape], instances: &[Instance]) {
+    /// Which of the shapes are hidden and have no instance: they are not read. Warns of them.
+    fn unseen(&self, shapes: &[Shape], instances: &[Instance]) -> Vec<bool> {
         let mut has_instance = vec![false; shapes.len()];
         instances.iter().for_each(|instance| has_instance[instance.shape] = true);
-        for (shape, _) in
-            shapes.iter().zip(has_instance).filter(|(shape, has)| shape.hidden && !has)
-        {
+        let unseen: Vec<bool> =
+            shapes.iter().zip(has_instance).map(|(shape, has)| shape.hidden && !has).collect();
+        for (shape, _) in shapes.iter().zip(&unseen).filter(|(_, unseen)| **unseen) {
             let error = self.error(&shape.path, "the shape is hidden and has no instance");
             self.notes.warn(&error.remedy("add an instance, or remove \"hidden\""));
         }
+        unseen
     }
 
     /// Creates an instance of the shape entity `of`.

@@ -2,7 +2,7 @@
 //! an error.
 
 use super::camera::frames_of;
-use super::reach::{Extent, faces};
+use super::reach::{Extent, Faces, is_faced};
 use wavecrest_base::error::{Error, ErrorKind};
 use wavecrest_core::math::random::Stream;
 use wavecrest_core::prepared::PreparedScene;
@@ -39,7 +39,8 @@ fn from_behind(scene: &PreparedScene) -> Vec<bool> {
         .map(|(shape, material)| {
             let shows_light = material.kd > 0.0 || material.ks > 0.0 || material.kr > 0.0;
             let is_candidate = shape.emission.is_none() && shows_light && !pupils.is_empty();
-            is_candidate && !pupils.iter().any(|pupil| faces(shape, pupil, geometry, &mut tests))
+            let mut faces = |pupil| is_faced(shape, Faces::lit(shape), pupil, geometry, &mut tests);
+            is_candidate && !pupils.iter().any(faces)
         })
         .collect()
 }

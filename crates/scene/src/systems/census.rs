@@ -1,19 +1,23 @@
 //! The census: which effects the scene needs, and why others are skipped.
 //!
 //! An effect is needed if something in view ([`super::view`]) shows it. Effects that cannot be
-//! reached are skipped, and so are those that add nothing: a mirror in a scene without light, the
-//! texture of a surface that shows no colour, a light behind every surface ([`reach`]).
+//! reached are skipped, and so are those that add nothing: a mirror of which only the back is seen,
+//! the texture of a surface that shows no colour, a light behind every surface ([`reach`]).
 
 use glam::Vec3;
 use hecs::World;
 
+mod kinds;
+mod pixels;
 mod shows;
 
 use super::geometry::{self, ShapeOutput};
 use super::lights::Found;
-use super::{camera, details, reach};
-use crate::components::{CutOut, Settings, TextureRef, ThinLens, View};
+use super::reach::Faces;
+use super::{details, reach};
+use crate::components::{CutOut, Settings, TextureRef};
 pub use shows::Shows;
+use wavecrest_base::error::Result;
 use wavecrest_core::kernels::blinn_phong::Material;
 use wavecrest_core::kernels::hemisphere::Hemisphere;
 use wavecrest_core::kernels::light::Emitter;
@@ -37,8 +41,8 @@ pub struct Census<'a> {
     pub has_ambient: bool,
     /// The hemispheric light.
     pub hemisphere: Option<&'a Hemisphere>,
-    /// For each shape, whether it is in view.
-    pub in_view: &'a [bool],
+    /// For each shape in view, its visible sides that lights can reach.
+    pub in_view: &'a [Option<Faces>],
 }
 
 /// The results of the census.
@@ -52,16 +56,35 @@ pub struct Findings {
     pub reached: Vec<bool>,
     /// For each shape, which properties of its material are visible.
     pub shows: Vec<Shows>,
+    /// For each shape, whether rays may meet it: camera rays, or those to lights.
+    pub met: Vec<bool>,
+    /// For each shape, whether it has holes that rays may meet.
+    pub holes: Vec<bool>,
 }
 
-/// Decides every effect.
-pub fn run(census: Census<'_>) -> Findings {
-    let facts = Facts::new(census);
+/// Decides every effect. `has_holes` tells of the shapes that it is asked for whether their cut-outs
+/// remove anything.
+///
+/// # Errors
+/// If an image cannot be decoded.
+pub fn run(
+    census: Census<'_>,
+    has_holes: impl FnOnce(&[bool]) -> Result<Vec<bool>>,
+) -> Result<Findings> {
+    let mut facts = Facts::new(census);
+    let cut = |i: usize| {
+        facts.solid[i] && facts.met[i] && {
+            let shape = census.extracted.shapes[i].entity;
+            census.world.get::<&CutOut>(shape).is_ok()
+        }
+    };
+    let asked: Vec<bool> = (0..facts.solid.len()).map(cut).collect();
+    facts.holes = if asked.contains(&true) { has_holes(&asked)? } else { asked };
     let decisions = Effect::ALL.into_iter().map(|effect| facts.decide(effect)).collect();
-    let Facts { visible, shown, reached, shows, .. } = facts;
+    let Facts { visible, shown, reached, shows, met, holes, .. } = facts;
     let seen = |(seen, shows): (&bool, Shows)| if *seen { shows } else { Shows::default() };
     let shows = visible.iter().zip(shows).map(seen).collect();
-    Findings { decisions, shown, reached, shows }
+    Ok(Findings { decisions, shown, reached, shows, met, holes })
 }
 
 /// The facts behind the decisions.
@@ -77,6 +100,9 @@ struct Facts<'a> {
     shows_color: Vec<bool>,
     /// For each shape, which properties of its material are visible where the shape is.
     shows: Vec<Shows>,
+    /// As in [`Findings`].
+    met: Vec<bool>,
+    holes: Vec<bool>,
     /// Whether there is ambient light, and whether any surface in view shows it.
     has_ambient: bool,
     shows_ambient: bool,
@@ -88,38 +114,57 @@ impl<'a> Facts<'a> {
     fn new(census: Census<'a>) -> Self {
         let shapes = &census.extracted.shapes;
         let solid: Vec<bool> = shapes.iter().map(|shape| is_solid(shape, census)).collect();
-        let visible: Vec<bool> = solid.iter().zip(census.in_view).map(|(s, v)| *s && *v).collect();
+        let visible: Vec<bool> = solid
+            .iter()
+            .zip(census.in_view)
+            .map(|(solid, seen)| *solid && seen.is_some())
+            .collect();
+        // Where the shape is not in view, what would be seen of it.
+        let faces: Vec<Faces> = (shapes.iter().zip(census.in_view))
+            .map(|(shape, seen)| seen.unwrap_or(Faces::lit(&shape.shape)))
+            .collect();
         let wears = |i: usize| census.world.get::<&TextureRef>(shapes[i].entity).is_ok();
-        let surfaces_of = |those: &[bool]| -> Vec<reach::Surface<'_>> {
-            let surface = |i: usize| reach::Surface {
-                shape: &shapes[i].shape,
-                material: &census.materials[i],
-                textured: wears(i),
-            };
-            (0..shapes.len()).filter(|&i| those[i]).map(surface).collect()
+        let surface = |i: usize, faces: Faces| reach::Surface {
+            shape: &shapes[i].shape,
+            material: &census.materials[i],
+            textured: wears(i),
+            faces,
         };
         let lights: Vec<_> = census.lights.iter().map(|found| &found.light).collect();
+        let numbers =
+            |those: &[bool]| -> Vec<usize> { (0..shapes.len()).filter(|&i| those[i]).collect() };
         let reached_of = |surfaces: &[reach::Surface<'_>]| {
             reach::run(&lights, surfaces, &census.extracted.geometry)
         };
-        let surfaces = surfaces_of(&visible);
-        let shown = reached_of(&surfaces);
-        let reached =
-            if visible == solid { shown.clone() } else { reached_of(&surfaces_of(&solid)) };
+        let surfaces_of = |those: &[bool], faces: &[Faces]| -> Vec<reach::Surface<'_>> {
+            numbers(those).into_iter().map(|i| surface(i, faces[i])).collect()
+        };
+        let surfaces = surfaces_of(&visible, &faces);
+        let seen = reached_of(&surfaces);
+        let lit: Vec<Faces> = shapes.iter().map(|shape| Faces::lit(&shape.shape)).collect();
+        let anywhere = match visible == solid && faces == lit {
+            true => seen.clone(),
+            false => reached_of(&surfaces_of(&solid, &lit)),
+        };
+        let mut is_reached = vec![false; shapes.len()];
+        for (those, found) in [(&solid, &anywhere), (&visible, &seen)] {
+            numbers(those)
+                .into_iter()
+                .zip(&found.surfaces)
+                .for_each(|(i, lit)| is_reached[i] = *lit);
+        }
+        let (shown, reached) = (seen.lights, anywhere.lights);
         let is_lit = shown.contains(&true);
         let has_ambient = census.has_ambient || census.hemisphere.is_some_and(|h| !h.is_black());
-        let is_reached = |i: usize| {
-            let reached = if visible[i] { &shown } else { &reached };
-            reached.contains(&true)
-        };
         // Diffuse colour is visible in ambient light, for any kd, and where it reflects light.
-        let shows_color = |i: usize| has_ambient || is_reached(i) && census.materials[i].kd > 0.0;
+        let shows_color = |i: usize| has_ambient || is_reached[i] && census.materials[i].kd > 0.0;
         let shows_color: Vec<bool> = (0..shapes.len()).map(shows_color).collect();
         let shows_of = |i: usize| match solid[i] {
-            true => Shows::of(census, i, is_reached(i), has_ambient),
+            true => Shows::of(census, i, (is_reached[i], faces[i]), has_ambient),
             false => Shows::default(),
         };
         let shows: Vec<Shows> = (0..shapes.len()).map(shows_of).collect();
+        let met = census.in_view.iter().map(|seen| is_lit || seen.is_some()).collect();
         let is_black = |surface: &reach::Surface<'_>| {
             !surface.textured && surface.material.color == Vec3::ZERO
         };
@@ -136,34 +181,19 @@ impl<'a> Facts<'a> {
             reached,
             shows_color,
             shows,
+            met,
+            holes: Vec::new(),
             shines,
             has_ambient,
             shows_ambient,
         }
     }
 
-    fn triangles(&self) -> (bool, String) {
-        let geometry = &self.census.extracted.geometry;
-        let own = geometry.triangles.len();
-        if geometry.instances.is_empty() {
-            return count(own, "triangle", "no shape is a triangle or a mesh");
-        }
-        let held: usize =
-            geometry.prototypes.iter().map(|prototype| prototype.triangles.len()).sum();
-        let instanced = geometry.len() - geometry.own();
-        let (_, meshes) = count(geometry.prototypes.len(), "mesh", "");
-        let (_, instances) = count(geometry.instances.len(), "instance", "");
-        let own = if own > 0 { format!("{own}, and ") } else { String::new() };
-        let reason = format!("{own}{instanced} in {instances} of {meshes}; {held} are stored");
-        (instanced > 0 || !own.is_empty(), reason)
-    }
-
     fn decide(&self, effect: Effect) -> Decision {
-        let geometry = &self.census.extracted.geometry;
         let (present, reason) = match effect {
             Effect::Triangles => self.triangles(),
-            Effect::Quads => count(geometry.quads.len(), "quad", "no shape is a plane"),
-            Effect::Spheres => count(geometry.spheres.len(), "sphere", "no shape is a sphere"),
+            Effect::Quads => self.quads(),
+            Effect::Spheres => self.spheres(),
             Effect::SmoothShading => self.smooth_shading(),
             Effect::VertexColors => self.vertex_colors(),
             Effect::Textures => self.textures(),
@@ -247,9 +277,13 @@ impl<'a> Facts<'a> {
     fn cut_outs(&self) -> (bool, String) {
         let shapes = &self.census.extracted.shapes;
         let is = |i: usize| self.census.world.get::<&CutOut>(shapes[i].entity).is_ok();
-        let (found, reason) = self.surfaces(is, "shape with cut-outs", "no shape has cut-outs");
-        let is_anywhere = (0..self.solid.len()).any(|i| self.solid[i] && is(i));
-        match found || !self.is_lit() || !is_anywhere {
+        let is_cut = |i: usize| is(i) && (self.holes[i] || !self.met[i]);
+        let none = match (0..shapes.len()).any(|i| self.met[i] && self.solid[i] && is(i)) {
+            true => "no image of a cut-out has a transparent texel",
+            false => "no shape has cut-outs",
+        };
+        let (found, reason) = self.surfaces(is_cut, "shape with cut-outs", none);
+        match found || !self.holes.contains(&true) {
             true => (found, reason),
             // Shadow rays may meet it.
             false => (true, format!("{reason}, but in the way of light")),
@@ -317,35 +351,18 @@ impl<'a> Facts<'a> {
     }
 
     fn mirrors(&self) -> (bool, String) {
-        let is_mirror = |i: usize| self.census.materials[i].kr > 0.0;
-        let (found, reason) = self.surfaces(is_mirror, "mirror", "no material has kr above 0");
+        let reflects = |i: usize| self.census.materials[i].kr > 0.0;
+        let none = match (0..self.solid.len()).any(|i| self.solid[i] && reflects(i)) {
+            true => "mirrors are seen from behind only",
+            false => "no material has kr above 0",
+        };
+        let is_mirror = |i: usize| reflects(i) && self.census.in_view[i].is_none_or(Faces::any);
+        let (found, reason) = self.surfaces(is_mirror, "mirror", none);
         match self.census.settings.bounces {
             _ if !found => (false, reason),
             0 => (false, "nbounces is 0".to_owned()),
             _ if !self.shines => (false, "mirrors show nothing but black".to_owned()),
             bounces => (true, format!("{reason}, nbounces {bounces}")),
-        }
-    }
-
-    fn depth_of_field(&self) -> (bool, String) {
-        match self.census.world.query::<&ThinLens>().iter().next() {
-            None => (false, "the camera is a pinhole".to_owned()),
-            Some(lens) if camera::radius(lens) == 0.0 => (false, "the aperture is 0".to_owned()),
-            Some(lens) => (
-                true,
-                format!(
-                    "aperture {}, {} x {} points",
-                    lens.aperture, lens.samples_x, lens.samples_y
-                ),
-            ),
-        }
-    }
-
-    fn antialiasing(&self) -> (bool, String) {
-        let n = self.census.world.query::<&View>().iter().next().map_or(1, |view| view.antialias);
-        match n {
-            1 => (false, "antialias is 1".to_owned()),
-            n => (true, format!("{n} x {n} rays per pixel")),
         }
     }
 }

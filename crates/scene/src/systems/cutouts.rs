@@ -1,5 +1,7 @@
-//! Cut-outs: connects shapes with the images whose alpha gives their holes, each decoded once, by
-//! the first ray that meets it.
+//! Cut-outs: connects shapes with the images whose alpha gives their holes, each decoded once.
+//!
+//! They are decoded before the first ray, and only those of shapes that rays may meet: an image
+//! without a transparent texel cuts nothing out, and its shapes are like any others.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -7,35 +9,60 @@ use std::sync::Arc;
 use glam::Mat3;
 use hecs::World;
 use image::DynamicImage;
+use rayon::prelude::*;
 
 use super::geometry::{Output, ShapeOutput};
-use super::textures::{Head, decoding, name, placing};
+use super::textures::{Head, decoding, name, placing, source as content};
 use crate::components::{CutOut, TextureSource};
 use crate::query::json_path;
 use wavecrest_base::error::Result;
 use wavecrest_core::geometry::cutouts::{Cutout, Cutouts, MeshUvs};
 use wavecrest_core::geometry::{Geometry, Primitive};
 use wavecrest_core::kernels::texture::{Image, LazyImage, Texels, UvMap};
-use wavecrest_core::plan::{Effect, Plan};
+use wavecrest_core::math::float::UNIT_ROUNDOFF;
 
-/// Adds the cut-outs to the geometry, if the plan has any, and returns their images. `file` is the
-/// scene's, for messages.
+/// For each of `shapes` whether it is one of those `asked` and its cut-out removes anything. Their
+/// images are added to `images`.
+pub fn look(
+    world: &World,
+    shapes: &[ShapeOutput],
+    asked: &[bool],
+    images: &mut Images<'_>,
+) -> Result<Vec<bool>> {
+    let found: Vec<Option<CutOut>> = (shapes.iter().zip(asked))
+        .map(|(shape, asked)| asked.then(|| cutout_of(world, shape)).flatten())
+        .collect();
+    for (shape, found) in shapes.iter().zip(&found) {
+        found.iter().try_for_each(|found| images.add(found, &json_path(world, shape.entity)))?;
+    }
+    images.decode()?;
+    let has_holes = |found: &Option<CutOut>| found.as_ref().is_some_and(|f| images.has_holes(f));
+    Ok(found.iter().map(has_holes).collect())
+}
+
+/// The cut-out of a shape that does not belong to a light.
+fn cutout_of(world: &World, shape: &ShapeOutput) -> Option<CutOut> {
+    let found = world.get::<&CutOut>(shape.entity).ok()?;
+    shape.shape.emission.is_none().then(|| (*found).clone())
+}
+
+/// Adds the cut-outs of the shapes that have `holes` to the geometry, and returns their images.
 pub fn run(
     world: &World,
-    file: &Path,
-    plan: &Plan,
+    holes: &[bool],
+    images: &Images<'_>,
     extracted: &mut Output,
-) -> Result<Vec<Arc<LazyImage>>> {
-    if !plan.has(Effect::CutOuts) {
-        return Ok(Vec::new());
-    }
-    let mut images = Images { file, known: Vec::new() };
+) -> Vec<Arc<LazyImage>> {
     let (mut own, mut of_prototypes) =
         (Vec::new(), vec![None; extracted.geometry.prototypes.len()]);
-    for shape in extracted.shapes.iter().filter(|shape| shape.shape.emission.is_none()) {
-        let Ok(found) = world.get::<&CutOut>(shape.entity) else { continue };
-        let place = json_path(world, shape.entity);
-        let Some(image) = images.of(&found, &place)? else { continue };
+    let mut used: Vec<Arc<LazyImage>> = Vec::new();
+    for (shape, _) in extracted.shapes.iter().zip(holes).filter(|(_, holes)| **holes) {
+        let Some(found) = cutout_of(world, shape) else { continue };
+        let Some(Mask { image, .. }) = images.of(&found) else { continue };
+        if !used.iter().any(|known| Arc::ptr_eq(known, image)) {
+            used.push(Arc::clone(image));
+        }
+        let image = Arc::clone(image);
         let cutout = cutout(shape, &found, image, extracted);
         match prototype(&extracted.geometry, shape) {
             None => own.push(cutout),
@@ -49,7 +76,7 @@ pub fn run(
     for (prototype, cutout) in extracted.geometry.prototypes.iter_mut().zip(of_prototypes) {
         prototype.cutouts = Cutouts::new(cutout.into_iter().collect());
     }
-    Ok(images.known.into_iter().filter_map(|(_, image)| image).collect())
+    used
 }
 
 fn cutout(shape: &ShapeOutput, found: &CutOut, image: Arc<LazyImage>, from: &Output) -> Cutout {
@@ -85,30 +112,79 @@ fn prototype(geometry: &Geometry, shape: &ShapeOutput) -> Option<(usize, u32)> {
 /// The key of an image: its source, and whether brightness stands for alpha.
 type Key = (TextureSource, bool);
 
-/// The images looked up so far.
-struct Images<'a> {
+/// The images of cut-outs.
+pub struct Images<'a> {
+    /// The scene's file, for messages.
     file: &'a Path,
     /// `None` for images without alpha.
-    known: Vec<(Key, Option<Arc<LazyImage>>)>,
+    known: Vec<(Key, Option<Mask>)>,
 }
 
-impl Images<'_> {
-    /// The image of a cut-out, after checking the header of its file; `None` if it has no alpha.
-    fn of(&mut self, found: &CutOut, place: &str) -> Result<Option<Arc<LazyImage>>> {
+/// An image with alpha.
+struct Mask {
+    image: Arc<LazyImage>,
+    /// The lowest and the highest alpha of its texels, from 0 to 1, once it is decoded.
+    range: [f32; 2],
+}
+
+impl<'a> Images<'a> {
+    /// No images, of the scene in `file`.
+    pub fn of_scene(file: &'a Path) -> Self {
+        Self { file, known: Vec::new() }
+    }
+
+    /// Adds the image of a cut-out, after checking the header of its file.
+    fn add(&mut self, found: &CutOut, place: &str) -> Result<()> {
         let key = (found.source.clone(), found.is_mask);
-        if let Some((_, image)) = self.known.iter().find(|(known, _)| *known == key) {
-            return Ok(image.clone());
+        if self.known.iter().any(|(known, _)| *known == key) {
+            return Ok(());
         }
         let head = Head::of(&found.source).map_err(|error| error.in_file(self.file).at(place))?;
-        let image = (head.has_alpha || found.is_mask).then(|| {
+        let mask = (head.has_alpha || found.is_mask).then(|| {
             let (source, file, place) =
                 (found.source.clone(), self.file.to_owned(), place.to_owned());
             let decode = move || decode(&source, file, place);
-            Arc::new(LazyImage::new(name(&found.source), head.mask_bytes(), decode))
+            let image = LazyImage::new(name(&found.source), head.mask_bytes(), decode);
+            let image = image.made_of(content(&found.source));
+            Mask { image: Arc::new(image), range: [0.0; 2] }
         });
-        self.known.push((key, image.clone()));
-        Ok(image)
+        self.known.push((key, mask));
+        Ok(())
     }
+
+    /// Decodes all images, and finds their lowest and highest alpha.
+    fn decode(&mut self) -> Result<()> {
+        let masks: Vec<&mut Mask> = self.known.iter_mut().filter_map(|(_, m)| m.as_mut()).collect();
+        let ranges = masks.into_par_iter().map(|mask| {
+            mask.range = range(mask.image.get()?);
+            Ok(())
+        });
+        // The first error in the order of the file.
+        ranges.collect::<Vec<Result<()>>>().into_iter().collect()
+    }
+
+    fn of(&self, found: &CutOut) -> Option<&Mask> {
+        let is_it = |(source, is_mask): &Key| *source == found.source && *is_mask == found.is_mask;
+        self.known.iter().find(|(key, _)| is_it(key))?.1.as_ref()
+    }
+
+    /// Whether any look-up may give less alpha than the threshold.
+    fn has_holes(&self, found: &CutOut) -> bool {
+        let Some(Mask { range: [lowest, highest], .. }) = self.of(found) else { return false };
+        // Between equal texels alpha is theirs. Between others three weighted means, with fewer
+        // than 4 roundings each, may give less than the lowest.
+        let rounding = if lowest == highest { 0.0 } else { 12.0 * UNIT_ROUNDOFF };
+        lowest - rounding < found.threshold as f32
+    }
+}
+
+/// The lowest and the highest value in an image of bytes, from 0 to 1.
+fn range(image: &Image) -> [f32; 2] {
+    let Texels::Bytes(texels) = &image.texels else { return [0.0, 1.0] };
+    let values = texels.iter().map(|texel| texel[0]);
+    let (lowest, highest) = (values.clone().min().unwrap_or(0), values.max().unwrap_or(u8::MAX));
+    // As in look-ups.
+    [lowest, highest].map(|value| f32::from(value) / 255.0)
 }
 
 /// The alpha of an image in each channel, or its brightness if it has none.

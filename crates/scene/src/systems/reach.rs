@@ -1,20 +1,20 @@
-//! Whether a light adds more than its ambient part to a surface.
+//! Which lights add more than their ambient part, and to which surfaces.
 //!
-//! A light is skipped only if every hit on every surface certainly rejects it: because the material
-//! reflects none of its colour, or because it is behind a surface that is lit from the front only.
-//! The light's whole extent counts, as its box, and so do the rounding errors of the shading step.
-//! In doubt a light reaches.
+//! A light is skipped only if every visible hit on every surface certainly rejects it: because the
+//! material reflects none of its colour, because it is behind the visible side of the surface, or
+//! because its cone misses the surface. The light's whole extent counts, as its box, and so do the
+//! rounding errors of the shading step. In doubt a light reaches.
 
 use glam::{DVec3, Vec3};
 
 use wavecrest_core::geometry::{Geometry, Primitive};
 use wavecrest_core::kernels::blinn_phong::Material;
 use wavecrest_core::kernels::camera::Camera;
-use wavecrest_core::kernels::light::{Emitter, Light};
+use wavecrest_core::kernels::light::{Cone, Emitter, Light};
 use wavecrest_core::kernels::precision::Precision;
 use wavecrest_core::kernels::slab::Aabb;
 use wavecrest_core::kernels::{quad, triangle};
-use wavecrest_core::math::float::UNIT_ROUNDOFF;
+use wavecrest_core::math::float::{UNIT_ROUNDOFF, normalize_f64};
 use wavecrest_core::prepared::Shape;
 
 /// How far behind a plane a light must be for all hits to find it there, relative to its distance
@@ -25,9 +25,33 @@ use wavecrest_core::prepared::Shape;
 /// product add fewer than 8 roundings of the distance. This is sixteen times their sum.
 const BEHIND: f64 = 256.0 * UNIT_ROUNDOFF as f64;
 
-/// Largest number of primitives tested for all lights together. Beyond them, lights count as
-/// reaching: nearly all do, and show it at one of the first.
+/// Largest number of primitives tested for all lights together, and of pairs of a light and a
+/// surface. Beyond them, lights count as reaching: nearly all do, and show it at one of the first.
 const MOST_TESTS: u64 = 1 << 22;
+
+/// Sides of a surface.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Faces {
+    /// The front.
+    pub front: bool,
+    /// The back.
+    pub back: bool,
+}
+
+impl Faces {
+    pub(super) const FRONT: Self = Self { front: true, back: false };
+    pub(super) const BACK: Self = Self { front: false, back: true };
+
+    /// The sides of the shape that lights can reach.
+    pub(super) fn lit(shape: &Shape) -> Self {
+        Self { front: true, back: shape.two_sided }
+    }
+
+    /// Whether there is any.
+    pub fn any(self) -> bool {
+        self.front || self.back
+    }
+}
 
 /// A surface that does not belong to a light.
 #[derive(Clone, Copy, Debug)]
@@ -38,17 +62,37 @@ pub struct Surface<'a> {
     pub material: &'a Material,
     /// Whether it may have a texture, of any colour.
     pub textured: bool,
+    /// Its visible sides that lights can reach.
+    pub faces: Faces,
 }
 
-/// Whether each of `lights` reaches any of `surfaces`.
-pub fn run(lights: &[&Light], surfaces: &[Surface<'_>], geometry: &Geometry) -> Vec<bool> {
-    let mut tests = 0;
-    let reaches = |light: &&Light| {
-        let extent = Extent::of(&light.emitter);
-        let mut reflecting = surfaces.iter().filter(|surface| reflects(surface, light));
-        reflecting.any(|surface| faces(surface.shape, &extent, geometry, &mut tests))
+/// What [`run`] finds.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Reached {
+    /// For each light, whether it reaches any surface.
+    pub lights: Vec<bool>,
+    /// For each surface, whether any light reaches it.
+    pub surfaces: Vec<bool>,
+}
+
+/// Which of `lights` reach any of `surfaces`, and which of these they reach.
+pub fn run(lights: &[&Light], surfaces: &[Surface<'_>], geometry: &Geometry) -> Reached {
+    let extents: Vec<Extent> = lights.iter().map(|light| Extent::of(&light.emitter)).collect();
+    let (mut tests, mut pairs) = (0, 0);
+    let mut reaches = |light: usize, surface: &Surface<'_>| {
+        reflects(surface, lights[light])
+            && is_faced(surface.shape, surface.faces, &extents[light], geometry, &mut tests)
     };
-    lights.iter().map(reaches).collect()
+    let mut of_light = |light: usize| surfaces.iter().any(|surface| reaches(light, surface));
+    let reaching: Vec<bool> = (0..lights.len()).map(&mut of_light).collect();
+    let useful: Vec<usize> = (0..lights.len()).filter(|&light| reaching[light]).collect();
+    let of_surface = |surface: &Surface<'_>| {
+        useful.iter().any(|&light| {
+            pairs += 1;
+            pairs > MOST_TESTS || reaches(light, surface)
+        })
+    };
+    Reached { surfaces: surfaces.iter().map(of_surface).collect(), lights: reaching }
 }
 
 /// Whether any of the light's colour is reflected: as in the shading step, a product of zero adds
@@ -62,33 +106,50 @@ fn reflects(surface: &Surface<'_>, light: &Light) -> bool {
         || shines.any() && (ks > 0.0 || kd > 0.0 && (surface.textured || colored.any()))
 }
 
-/// Whether any point of the light may be in front of any point of the shape.
-pub(super) fn faces(shape: &Shape, light: &Extent, geometry: &Geometry, tests: &mut u64) -> bool {
-    // Fast precision has no error bounds, so nothing is certain.
-    if shape.two_sided || geometry.precision == Precision::Fast {
-        return true;
+/// Whether any point of the light may be in front of any point of the shape, on one of these sides.
+pub(super) fn is_faced(
+    shape: &Shape,
+    faces: Faces,
+    light: &Extent,
+    geometry: &Geometry,
+    tests: &mut u64,
+) -> bool {
+    // Fast precision has no error bounds, so nothing is certain. Whatever has no cone is on one
+    // side or the other.
+    let is_certain =
+        geometry.precision == Precision::Fast || faces.front && faces.back && light.cone.is_none();
+    if is_certain || !faces.any() {
+        return faces.any();
     }
     shape.primitives.clone().any(|number| {
         *tests += 1;
-        *tests > MOST_TESTS || !is_behind(shape, light, geometry, number)
+        *tests > MOST_TESTS || may_face(shape, faces, light, geometry, number)
     })
 }
 
-/// Whether all of the light is certainly behind all of the primitive.
-fn is_behind(shape: &Shape, light: &Extent, geometry: &Geometry, number: u32) -> bool {
-    let behind = |corners: &[Vec3; 3]| {
+/// Whether any of the light may be on one of these sides of the primitive, unless its cone misses
+/// it.
+fn may_face(shape: &Shape, faces: Faces, light: &Extent, geometry: &Geometry, number: u32) -> bool {
+    let may_face = |corners: &[Vec3; 3]| {
         let normal = triangle::normal(corners);
-        light.is_behind(if shape.flipped { -normal } else { normal }, corners)
+        let front = if shape.flipped { -normal } else { normal };
+        let of_side = |is_asked, normal| is_asked && !light.is_behind(normal, corners);
+        (of_side(faces.front, front) || of_side(faces.back, -front))
+            && !light.misses(corners, 0.0, front)
     };
     match geometry.primitive(number) {
         // In doubt: its points have one more rounding.
-        Primitive::Instanced(_) => geometry.is_degenerate(number),
+        Primitive::Instanced(_) => !geometry.is_degenerate(number),
         // Triangles without area are not hit.
-        Primitive::Triangle(i) => geometry.is_degenerate(number) || behind(&geometry.triangle(i)),
-        Primitive::Quad(i) => quad::halves(&geometry.quad(i)).iter().all(behind),
+        Primitive::Triangle(i) => {
+            !geometry.is_degenerate(number) && may_face(&geometry.triangle(i))
+        }
+        Primitive::Quad(i) => quad::halves(&geometry.quad(i)).iter().any(may_face),
         Primitive::Sphere(i) => {
             let (center, radius) = geometry.spheres[i];
-            light.is_within(center, radius)
+            // Its far inside faces all that is around it.
+            (faces.back || !light.is_within(center, radius))
+                && !light.misses(&[center], radius.into(), DVec3::ZERO)
         }
     }
 }
@@ -101,6 +162,8 @@ pub(super) struct Extent {
     /// For a distant light, the sine of its angular radius.
     radius: f64,
     is_distant: bool,
+    /// The cone of a spot light.
+    cone: Option<Cone>,
 }
 
 impl Extent {
@@ -110,15 +173,17 @@ impl Extent {
             half: DVec3::ZERO,
             radius: f64::from(radius),
             is_distant: false,
+            cone: None,
         };
         match emitter {
-            // The dark part outside a cone counts as reached.
-            Emitter::Point(position) | Emitter::Spot(position, _) => point(*position, 0.0),
+            Emitter::Point(position) => point(*position, 0.0),
+            Emitter::Spot(position, cone) => Self { cone: Some(*cone), ..point(*position, 0.0) },
             Emitter::Distant(distant) => Self {
                 center: distant.towards(),
                 half: DVec3::ZERO,
                 radius: distant.spread(),
                 is_distant: true,
+                cone: None,
             },
             Emitter::Sphere { center, radius } => point(*center, *radius),
             Emitter::Triangles(triangles) => {
@@ -131,14 +196,14 @@ impl Extent {
     /// The origins of a camera's rays.
     pub(super) fn of_pupil(camera: &Camera) -> Self {
         let (center, radius) = camera.pupil();
-        Self { center, half: DVec3::ZERO, radius, is_distant: false }
+        Self { center, half: DVec3::ZERO, radius, is_distant: false, cone: None }
     }
 
     /// A box.
     pub(super) fn of_box(bounds: &Aabb) -> Self {
         let (low, high) = (bounds.low.as_dvec3(), bounds.high.as_dvec3());
         let (center, half) = ((low + high) / 2.0, (high - low) / 2.0);
-        Self { center, half, radius: 0.0, is_distant: false }
+        Self { center, half, radius: 0.0, is_distant: false, cone: None }
     }
 
     /// Bound on the coordinates of its points.
@@ -163,6 +228,34 @@ impl Extent {
             let size = self.size().max(corner.abs().max_element());
             height < -BEHIND * (size + self.farthest(corner))
         })
+    }
+
+    /// Whether its cone certainly contains nothing within `radius` of the hull of the `corners`,
+    /// which face along `normal`: a plane through its tip is between them.
+    ///
+    /// The cone is behind a plane if the plane's normal is at least a right angle plus the cone's
+    /// half angle off its axis. Directions to the hull and normals of its face are tried, each
+    /// turned away from the axis as far as it has to be.
+    fn misses(&self, corners: &[Vec3], radius: f64, normal: DVec3) -> bool {
+        let Some(cone) = &self.cone else { return false };
+        let (axis, [sine, cosine]) = cone.shape();
+        let points = || corners.iter().map(|corner| corner.as_dvec3());
+        let is_between = |normal: DVec3| {
+            let away = -normal.dot(axis);
+            let beside = normalize_f64(normal + axis * away);
+            let turned = if away >= sine { normal } else { beside * cosine - axis * sine };
+            // What is along the axis has no direction beside it.
+            let is_beside = beside.dot(axis).abs() <= UNIT_ROUNDOFF.into();
+            (away >= sine || is_beside)
+                && points().all(|point| {
+                    let size = self.size().max(point.abs().max_element()) + radius;
+                    let margin = BEHIND * (size + self.farthest(point) + radius);
+                    turned.dot(point - self.center) - radius > margin
+                })
+        };
+        let middle = points().sum::<DVec3>() / corners.len() as f64;
+        let towards = points().chain([middle]).map(|point| normalize_f64(point - self.center));
+        towards.chain([-axis, normal, -normal]).any(is_between)
     }
 
     /// Whether all of it is certainly inside a sphere, behind every point of its outside.

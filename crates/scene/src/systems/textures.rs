@@ -104,6 +104,9 @@ fn lazy(texture: TextureRef, file: PathBuf, place: String) -> Result<LazyImage> 
     let head = Head::of(&texture.source).map_err(|e| e.in_file(&file).at(&place))?;
     let bytes = head.bytes(texture.filter);
     let name = name(&texture.source);
+    let source = source(&texture.source);
+    let (encoding, tint, filter) = (texture.encoding, texture.tint, texture.filter);
+    let made_of = move || [source(), format!("{encoding:?}{tint:?}{filter:?}").into()].concat();
     let decode = move || {
         let mut image = decode(&texture).map_err(|e| e.in_file(file).at(place))?;
         if texture.filter == Filter::Trilinear {
@@ -111,7 +114,16 @@ fn lazy(texture: TextureRef, file: PathBuf, place: String) -> Result<LazyImage> 
         }
         Ok(image)
     };
-    Ok(LazyImage::new(name, bytes, decode))
+    Ok(LazyImage::new(name, bytes, decode).made_of(made_of))
+}
+
+/// Reads the file content of an image, for fingerprints: nothing if that fails.
+pub(super) fn source(source: &TextureSource) -> impl FnOnce() -> Vec<u8> + Send + use<> {
+    let source = source.clone();
+    move || match source {
+        TextureSource::File(path) => std::fs::read(path).unwrap_or_default(),
+        TextureSource::Embedded { bytes, .. } => bytes.to_vec(),
+    }
 }
 
 /// Bytes of a texture, and additional bytes while it is decoded, from the header of its file; 0 if

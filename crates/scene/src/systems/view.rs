@@ -1,15 +1,16 @@
-//! Which shapes are visible in any frame of the camera, directly or in mirrors.
+//! Which shapes are visible in any frame of the camera, directly or in mirrors, and from which
+//! side.
 //!
 //! A shape is out of view if no camera ray can meet it and no mirror in view could show it: it is
 //! outside the frustum of every frame, or a sphere lies around it or around the camera. Its box
-//! counts, with all rounding errors. In doubt a shape is in view.
+//! counts, with all rounding errors. In doubt a shape is in view, from both sides.
 
 use glam::Vec3;
 use rayon::prelude::*;
 
 use super::bounds::around;
 use super::geometry::{Output, ShapeOutput};
-use super::reach::Extent;
+use super::reach::{Extent, Faces, is_faced};
 use wavecrest_core::geometry::{Geometry, Primitive};
 use wavecrest_core::kernels::camera::Camera;
 use wavecrest_core::kernels::precision::Precision;
@@ -22,26 +23,48 @@ const MOST_TESTS: usize = 1 << 22;
 /// Number of a shape's primitives that are tested before its box: they decide for most shapes.
 const FIRST: usize = 64;
 
-/// For each shape, whether it is in view of `cameras`, one for each frame, or none if there are too
-/// many. A shape `is_mirror` if it shows others.
-pub fn run(cameras: &[Camera], output: &Output, is_mirror: impl Fn(usize) -> bool) -> Vec<bool> {
+/// For each shape in view of `cameras` its visible sides that lights can reach; `None` for others.
+/// There is a camera for each frame, or none if there are too many. A shape `is_mirror` if its lit
+/// sides show others.
+pub fn run(
+    cameras: &[Camera],
+    output: &Output,
+    is_mirror: impl Fn(usize) -> bool,
+) -> Vec<Option<Faces>> {
     let Output { geometry, shapes, .. } = output;
-    let all = vec![true; shapes.len()];
+    let all = || shapes.iter().map(|output| Some(Faces::lit(&output.shape))).collect();
     let tests = shapes.len().saturating_mul(cameras.len() + geometry.spheres.len());
     // Fast precision has no error bounds, so nothing is certain.
     if cameras.is_empty() || tests > MOST_TESTS || geometry.precision == Precision::Fast {
-        return all;
+        return all();
     }
-    let walls = Walls::of(cameras, geometry);
+    let pupils: Vec<Extent> = cameras.iter().map(Extent::of_pupil).collect();
+    let walls = Walls::of(&pupils, geometry);
     let sees = |bounds: &Aabb, widening| {
         cameras.iter().any(|camera| camera.may_see(bounds, widening)) && !walls.hide(bounds)
     };
     let prototypes: Vec<Aabb> =
         geometry.prototypes.iter().map(|prototype| around(&prototype.positions)).collect();
-    let is_in_view = |output: &ShapeOutput| is_in_view(&output.shape, geometry, &prototypes, sees);
-    let in_view: Vec<bool> = shapes.iter().map(is_in_view).collect();
-    let shows_others = (0..shapes.len()).any(|shape| in_view[shape] && is_mirror(shape));
-    if shows_others { all } else { in_view }
+    let mut tests = 0;
+    let mut of = |output: &ShapeOutput| {
+        let is_seen = is_in_view(&output.shape, geometry, &prototypes, sees);
+        is_seen.then(|| visible_faces(&output.shape, &pupils, geometry, &mut tests))
+    };
+    let in_view: Vec<Option<Faces>> = shapes.iter().map(&mut of).collect();
+    let shows = |shape: usize| in_view[shape].is_some_and(Faces::any) && is_mirror(shape);
+    if (0..shapes.len()).any(shows) { all() } else { in_view }
+}
+
+/// The sides of the shape that lights can reach and that face a pupil.
+fn visible_faces(shape: &Shape, pupils: &[Extent], geometry: &Geometry, tests: &mut u64) -> Faces {
+    let lit = Faces::lit(shape);
+    // Large meshes that both sides are lit of mostly show both.
+    if shape.two_sided && shape.primitives.len() > FIRST {
+        return lit;
+    }
+    let mut sees =
+        |faces| pupils.iter().any(|pupil| is_faced(shape, faces, pupil, geometry, tests));
+    Faces { front: sees(Faces::FRONT), back: lit.back && sees(Faces::BACK) }
 }
 
 /// Whether any part of the shape is visible; `sees` tests a box.
@@ -76,8 +99,7 @@ struct Walls {
 }
 
 impl Walls {
-    fn of(cameras: &[Camera], geometry: &Geometry) -> Self {
-        let pupils: Vec<Extent> = cameras.iter().map(Extent::of_pupil).collect();
+    fn of(pupils: &[Extent], geometry: &Geometry) -> Self {
         let those = |are: fn(&Extent, Vec3, f32) -> bool| {
             let all = |&&(center, radius): &&(Vec3, f32)| {
                 pupils.iter().all(|pupil| are(pupil, center, radius))

@@ -1,5 +1,7 @@
 //! Culling by the camera's frustum, widened by the lens and by rounding.
 
+use std::ops::Range;
+
 use glam::DVec3;
 
 use super::Camera;
@@ -24,6 +26,17 @@ impl Camera {
     /// may be off by `widening` times the error at a primitive's box
     /// ([`Instance::widening`](crate::geometry::instance::Instance::widening)).
     pub fn may_see(&self, bounds: &Aabb, widening: f32) -> bool {
+        let [width, height] = self.size();
+        self.may_see_in([0..width, 0..height], bounds, widening)
+    }
+
+    /// As [`Camera::may_see`], for the rays of the pixels in these columns and rows.
+    pub fn may_see_in(
+        &self,
+        [columns, rows]: [Range<u32>; 2],
+        bounds: &Aabb,
+        widening: f32,
+    ) -> bool {
         let (origin, radius) = self.pupil();
         let (low, high) = (bounds.low.as_dvec3(), bounds.high.as_dvec3());
         let (to_middle, half) = ((low + high) / 2.0 - origin, (high - low) / 2.0);
@@ -38,12 +51,20 @@ impl Camera {
             let reach = normal.dot(to_middle) + normal.abs().dot(half) + offset;
             reach < -margin * normal.length()
         };
-        let sides = [(self.right, self.half[0]), (self.up, self.half[1])];
+        let [width, height] = self.size().map(f64::from);
+        // From -1 to 1 across the image, and twice the error of such a place: in single precision it is
+        // off by fewer than 4 roundings.
+        let place = |pixel: u32, side: f64| f64::from(pixel) * 2.0 / side - 1.0;
+        let slack = 8.0 * f64::from(UNIT_ROUNDOFF);
+        let [left, right] = [columns.start, columns.end].map(|x| place(x, width));
+        let [low, high] = [rows.end, rows.start].map(|y| -place(y, height));
+        let sides =
+            [(self.right, self.half[0], [left, right]), (self.up, self.half[1], [low, high])];
         !is_outside(forward, 0.0)
-            && !sides.into_iter().any(|(axis, half)| {
-                let slope = forward * (half.as_dvec3().length() + spread);
-                let axis = axis.as_dvec3();
-                is_outside(slope + axis, radius) || is_outside(slope - axis, radius)
+            && !sides.into_iter().any(|(axis, half, [low, high])| {
+                let (axis, half) = (axis.as_dvec3(), half.as_dvec3().length());
+                let slope = |end: f64| forward * ((end + slack) * half + spread);
+                is_outside(slope(-low) + axis, radius) || is_outside(slope(high) - axis, radius)
             })
     }
 }
@@ -95,6 +116,8 @@ mod tests {
             if interval.near <= interval.far && interval.far >= 0.0 {
                 met += 1;
                 assert!(camera.may_see(&bounds, 1.0), "{n}: {bounds:?} {ray:?}");
+                let pixel = [n % 32, n / 32 % 20].map(|first| first..first + 1);
+                assert!(camera.may_see_in(pixel, &bounds, 1.0), "{n}: {bounds:?} {ray:?}");
             }
         }
         assert!(met > 15_000, "{met}");
@@ -114,6 +137,10 @@ mod tests {
             assert!(!sees(radius, Vec3::new(-1.5, 5.0, -5.0)), "above");
             assert!(!sees(radius, Vec3::new(-1.5, -7.0, -5.0)), "below");
         }
+        let ahead = Aabb::around([Vec3::new(-1.6, -1.1, -5.0), Vec3::new(-1.4, -0.9, -5.0)]);
+        let middle =
+            |columns| camera(DVec3::ZERO, 40.0, 0.0, 2.0).may_see_in([columns, 0..20], &ahead, 1.0);
+        assert!(middle(15..17) && !middle(0..14) && !middle(18..32));
         // Half the width of the image is 0.58 of the depth: beside that, the lens alone sees it.
         let beside = Vec3::new(-1.5 + 3.6, -1.0, -5.0);
         assert!(!sees(0.0, beside) && sees(0.6, beside));

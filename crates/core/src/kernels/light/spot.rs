@@ -28,6 +28,11 @@ impl Cone {
         Self { axis, edge, rise: inner - edge }
     }
 
+    /// Its unit axis, and the sine and the cosine of its outer half angle.
+    pub fn shape(&self) -> (DVec3, [f64; 2]) {
+        (self.axis, [(1.0 - self.edge * self.edge).max(0.0).sqrt(), self.edge])
+    }
+
     /// The share of the light that arrives if `towards`, of any length, points to the light.
     #[inline(always)]
     pub fn at<F: Single>(&self, towards: Vector<F>) -> F {

@@ -2,16 +2,22 @@
 
 use std::sync::LazyLock;
 
+use xxhash_rust::xxh3::xxh3_128;
+
 use super::Image;
 use wavecrest_base::error::Result;
 
 /// Decodes an image.
 type Decode = Box<dyn FnOnce() -> Result<Image> + Send>;
 
+/// Hashes what an image is decoded from.
+type Hash = Box<dyn FnOnce() -> u128 + Send>;
+
 /// An image that is decoded once, by the first thread that asks for a texel; others wait for it.
 #[derive(Debug)]
 pub struct LazyImage {
     image: LazyLock<Result<Image>, Decode>,
+    fingerprint: LazyLock<u128, Hash>,
     name: String,
     expected: u64,
     decoding: u64,
@@ -25,7 +31,22 @@ impl LazyImage {
         [expected, decoding]: [u64; 2],
         decode: impl FnOnce() -> Result<Image> + Send + 'static,
     ) -> Self {
-        Self { image: LazyLock::new(Box::new(decode)), name, expected, decoding }
+        let fingerprint: Hash = Box::new(|| 0);
+        let (image, fingerprint) = (LazyLock::new(Box::new(decode) as Decode), fingerprint);
+        Self { image, fingerprint: LazyLock::new(fingerprint), name, expected, decoding }
+    }
+
+    /// The image with a fingerprint: the hash of what `source` returns, the content of its file and
+    /// whatever else the texels depend on.
+    #[must_use]
+    pub fn made_of(self, source: impl FnOnce() -> Vec<u8> + Send + 'static) -> Self {
+        let hash: Hash = Box::new(move || xxh3_128(&source()));
+        Self { fingerprint: LazyLock::new(hash), ..self }
+    }
+
+    /// A hash that distinguishes images, for which none is decoded.
+    pub fn fingerprint(&self) -> u128 {
+        *self.fingerprint
     }
 
     /// The image, decoded now if it has not been.

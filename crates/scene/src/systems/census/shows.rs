@@ -2,8 +2,8 @@
 
 use glam::{DVec3, Vec3};
 
-use super::{Census, details};
-use crate::components::{Filter, Maps, Material, TextureRef};
+use super::{Census, Faces, details};
+use crate::components::{Filter, Maps, Material, StrengthMap, TextureRef};
 
 /// Which properties of a shape's material are visible.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -23,30 +23,40 @@ pub struct Shows {
 }
 
 impl Shows {
-    /// The visible properties of the `i`th shape, a surface. `is_lit` if more than ambient light may
-    /// reach it; `has_ambient` if there is ambient light.
-    pub(super) fn of(census: Census<'_>, i: usize, is_lit: bool, has_ambient: bool) -> Self {
-        let (world, entity) = (census.world, census.extracted.shapes[i].entity);
+    /// The visible properties of the `i`th shape, a surface of which these `faces` are visible and
+    /// can be lit. `is_lit` if more than ambient light may reach them; `has_ambient` if there is
+    /// ambient light.
+    pub(super) fn of(
+        census: Census<'_>,
+        i: usize,
+        (is_lit, faces): (bool, Faces),
+        has_ambient: bool,
+    ) -> Self {
+        let (world, output) = (census.world, &census.extracted.shapes[i]);
+        let entity = output.entity;
         let wears = world.get::<&TextureRef>(entity).is_ok();
         // The bounds on its material in any texel.
         let may = &census.materials[i];
-        let mirrors = may.kr > 0.0 && census.settings.bounces > 0;
+        let mirrors = may.kr > 0.0 && census.settings.bounces > 0 && faces.any();
         let maps = world.get::<&Maps>(entity).ok();
         let metal = maps.as_ref().and_then(|maps| maps.metal.as_ref());
+        let varied = metal.filter(|map| !map.is_constant());
         let occlusion = maps.as_ref().and_then(|maps| maps.occlusion.as_ref());
-        let by_normal = census.hemisphere.is_some_and(|light| !light.is_black());
+        let normal = maps.as_ref().and_then(|maps| maps.normal.as_ref());
+        let is_colored = wears || may.color != Vec3::ZERO;
+        let by_normal = is_colored && census.hemisphere.is_some_and(|light| !light.is_black());
         let color = world.get::<&Material>(entity).map_or(DVec3::ONE, |m| m.specular_color);
-        let is_tinted = color != DVec3::ONE || metal.is_some_and(|map| map.metallic > 0.0);
+        let is_tinted = metal.map_or(color != DVec3::ONE, |map| map.metallic > 0.0);
         Self {
             // Diffuse colour is visible in ambient light, for any kd, and where it reflects light;
             // it also tints what metals mirror.
-            texture: wears && (has_ambient || is_lit && may.kd > 0.0 || mirrors && metal.is_some()),
+            texture: wears
+                && (has_ambient || is_lit && may.kd > 0.0 || mirrors && varied.is_some()),
             emission: details::emission(world, entity) != Vec3::ZERO,
-            metal: metal.is_some() && (is_lit || mirrors),
-            occlusion: occlusion.is_some_and(|map| map.strength != 0.0) && has_ambient,
+            metal: varied.is_some() && (is_lit || mirrors),
+            occlusion: occlusion.is_some_and(StrengthMap::has_effect) && has_ambient && is_colored,
             tint: is_tinted && (is_lit && may.ks > 0.0 || mirrors),
-            normal: maps.as_ref().is_some_and(|maps| maps.normal.is_some())
-                && (is_lit || mirrors || by_normal),
+            normal: normal.is_some_and(StrengthMap::has_effect) && (is_lit || mirrors || by_normal),
         }
     }
 

@@ -8,7 +8,7 @@ use hecs::{Entity, World};
 use super::common::{Common, check_count, check_point, check_radius};
 use super::meshes::{Room, append, transform_mesh};
 use super::occurrences::{Occurrence, Occurrences};
-use super::output::{Output, ShapeOutput};
+use super::output::{Output, ShapeOutput, lights};
 use super::tangents::tangents;
 use crate::components::{Mesh, Quad, Sphere, Triangle};
 use crate::corners;
@@ -55,6 +55,7 @@ impl Builder {
             entity,
             shape: common.shape(start..start + 1, flipped),
             uv_map: Some(UvMap::Planar(PlanarMap::new(p0, p2 - p0, p1 - p0))),
+            positions: first..first + 3,
         });
         Ok(())
     }
@@ -93,7 +94,8 @@ impl Builder {
                 tangents,
             });
         }
-        self.shapes.push(ShapeOutput { entity, shape, uv_map: Some(UvMap::Mesh) });
+        let positions = before..self.geometry.positions.len() as u32;
+        self.shapes.push(ShapeOutput { entity, shape, uv_map: Some(UvMap::Mesh), positions });
         Ok(())
     }
 
@@ -112,6 +114,7 @@ impl Builder {
             entity: occurrence.entity,
             shape: common.shape(number..number + 1, flipped),
             uv_map: Some(UvMap::Planar(PlanarMap::new(p0, p3 - p0, p1 - p0))),
+            positions: first..first + 4,
         });
         Ok(())
     }
@@ -147,6 +150,7 @@ impl Builder {
                 to_own.y_axis.as_vec3(),
                 to_own.z_axis.as_vec3(),
             ))),
+            positions: 0..0,
         });
         Ok(())
     }
@@ -165,8 +169,7 @@ impl Builder {
 
     pub(super) fn finish(mut self) -> Output {
         self.shapes.sort_by_key(|s| s.shape.primitives.start);
-        let lights = self.shapes.iter().filter(|s| s.shape.emission.is_some());
-        self.geometry.lights = lights.map(|s| s.shape.primitives.clone()).collect();
+        self.geometry.lights = lights(&self.shapes);
         let Self { geometry, shapes, meshes, .. } = self;
         Output { geometry, shapes, meshes }
     }

@@ -4,7 +4,9 @@ use glam::{DAffine3, DVec3, Vec3};
 use hecs::World;
 
 use super::occurrences::Occurrence;
-use crate::components::{AreaLight, CutOut, Facing, Maps, Shading, Sides, TextureRef, Transform};
+use crate::components::{
+    AreaLight, CutOut, Facing, Maps, Shading, Sides, StrengthMap, TextureRef, Transform,
+};
 use crate::query::json_path;
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_core::math::float::MAX_COORDINATE;
@@ -47,7 +49,9 @@ impl Common {
                     || world.get::<&Maps>(entity).is_ok()
                     || world.get::<&CutOut>(entity).is_ok()),
             normal_mapped: is_shape
-                && world.get::<&Maps>(entity).is_ok_and(|maps| maps.normal.is_some()),
+                && world
+                    .get::<&Maps>(entity)
+                    .is_ok_and(|maps| maps.normal.as_ref().is_some_and(StrengthMap::has_effect)),
             emission: light.map(|l| l.color.as_vec3()),
             place: json_path(world, entity),
         }

@@ -154,7 +154,8 @@ impl Builder {
             to_world,
             &prototype.bounds,
         ));
-        self.shapes.push(ShapeOutput { entity, shape, uv_map: Some(UvMap::Mesh) });
+        let (uv_map, positions) = (Some(UvMap::Mesh), 0..0);
+        self.shapes.push(ShapeOutput { entity, shape, uv_map, positions });
         Ok(())
     }
 }

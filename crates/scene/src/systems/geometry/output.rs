@@ -1,10 +1,15 @@
 //! The output of the geometry system.
 
-use hecs::Entity;
+use std::ops::Range;
 
-use wavecrest_core::geometry::Geometry;
+use hecs::Entity;
+use rayon::prelude::*;
+
+use wavecrest_core::geometry::{Geometry, Primitive};
 use wavecrest_core::plan::schedule::{Schedule, Step};
 use wavecrest_core::prepared::{Detail, MeshAttributes, Shape, UvMap};
+
+use crate::systems::reach::Faces;
 
 /// A shape with its entity.
 #[derive(Debug)]
@@ -15,6 +20,8 @@ pub struct ShapeOutput {
     pub shape: Shape,
     /// The map from its points to texture coordinates, for a texture.
     pub uv_map: Option<UvMap>,
+    /// Its own positions, in the order of shapes.
+    pub positions: Range<u32>,
 }
 
 /// The output of this system.
@@ -29,13 +36,72 @@ pub struct Output {
 }
 
 impl Output {
+    /// Drops the primitives of shapes that no ray can meet. Their shapes stay, without any, so that
+    /// the others keep their numbers.
+    pub(in crate::systems) fn drop_unmet(&mut self, met: &[bool]) {
+        if !met.contains(&false) {
+            return;
+        }
+        let Self { geometry, shapes, meshes } = self;
+        let mut kept = Geometry::default();
+        let (mut positions, mut triangles, mut next) = (0, 0, 0);
+        for (ShapeOutput { shape, positions: own, .. }, met) in shapes.iter_mut().zip(met) {
+            let range = shape.primitives.clone();
+            let Some(first) = range.clone().next().filter(|_| *met) else {
+                (shape.primitives, shape.mesh, *own) = (next..next, None, 0..0);
+                continue;
+            };
+            let count = range.len();
+            // Spheres and instances have no positions.
+            let before = positions;
+            let by = own.start.saturating_sub(before);
+            geometry.positions.copy_within(own.start as usize..own.end as usize, before as usize);
+            positions += own.len() as u32;
+            *own = before..positions;
+            match geometry.primitive(first) {
+                // In place: they may be many.
+                Primitive::Triangle(i) => {
+                    geometry.triangles.copy_within(i..i + count, triangles);
+                    let moved = geometry.triangles[triangles..][..count].par_iter_mut();
+                    moved.for_each(|corners| *corners = corners.map(|vertex| vertex - by));
+                    if let Some(mesh) = shape.mesh.and_then(|i| meshes.get_mut(i as usize)) {
+                        (mesh.first_triangle, mesh.first_position) = (next, before);
+                    }
+                    triangles += count;
+                }
+                Primitive::Quad(i) => {
+                    kept.quads.push(geometry.quads[i].map(|vertex| vertex - by));
+                }
+                Primitive::Sphere(i) => kept.spheres.push(geometry.spheres[i]),
+                Primitive::Instanced(instanced) => {
+                    kept.instances.push(geometry.instance(instanced).0.numbered_from(next));
+                }
+            }
+            shape.primitives = next..next + count as u32;
+            next = shape.primitives.end;
+        }
+        geometry.positions.truncate(positions as usize);
+        geometry.triangles.truncate(triangles);
+        geometry.positions.shrink_to_fit();
+        geometry.triangles.shrink_to_fit();
+        (geometry.quads, geometry.spheres) = (kept.quads, kept.spheres);
+        geometry.instances = kept.instances;
+        geometry.lights = lights(shapes);
+        let is_shown = |number| geometry.instances.iter().any(|of| of.prototype() == number);
+        let unused = (0..geometry.prototypes.len()).filter(|&number| !is_shown(number));
+        for number in unused.collect::<Vec<_>>() {
+            let precision = geometry.precision;
+            geometry.prototypes[number] = Geometry { precision, ..Geometry::default() };
+        }
+    }
+
     /// Drops data that no pass of the schedule reads: normals and colours of meshes that are not in
     /// view, unless the schedule requires them, and texture coordinates and tangents that neither
     /// textures nor `details` use.
     pub(in crate::systems) fn drop_unused(
         &mut self,
         schedule: Schedule,
-        in_view: &[bool],
+        in_view: &[Option<Faces>],
         details: &[Detail],
     ) {
         // Whether the step's data of a shape is needed.
@@ -43,8 +109,8 @@ impl Output {
             |step, in_view: bool| schedule.runs(step) && (in_view || schedule.is_needless(step));
         let mut used = vec![[false; 4]; self.meshes.len()];
         for (ShapeOutput { shape, .. }, in_view) in self.shapes.iter_mut().zip(in_view) {
-            shape.smooth &= shows(Step::Normals, *in_view);
-            shape.colored &= shows(Step::Colors, *in_view);
+            shape.smooth &= shows(Step::Normals, in_view.is_some());
+            shape.colored &= shows(Step::Colors, in_view.is_some());
             if let Some([smooth, textured, colored, turned]) =
                 shape.mesh.and_then(|i| used.get_mut(i as usize))
             {
@@ -63,4 +129,11 @@ impl Output {
             mesh.tangents = mesh.tangents.take().filter(|_| turned);
         }
     }
+}
+
+/// The primitives of lights' shapes.
+pub(super) fn lights(shapes: &[ShapeOutput]) -> Vec<Range<u32>> {
+    let lights = shapes.iter().filter(|output| output.shape.emission.is_some());
+    let ranges = lights.map(|output| output.shape.primitives.clone());
+    ranges.filter(|range| !range.is_empty()).collect()
 }

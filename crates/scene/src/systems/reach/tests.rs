@@ -30,8 +30,10 @@ fn of_triangle(corners: [Vec3; 3]) -> Geometry {
 }
 
 fn reaches(light: &Light, shape: &Shape, material: &Material, geometry: &Geometry) -> bool {
-    let surface = Surface { shape, material, textured: false };
-    run(&[light], &[surface], geometry)[0]
+    let surface = Surface { shape, material, textured: false, faces: Faces::lit(shape) };
+    let found = run(&[light], &[surface], geometry);
+    assert_eq!(found.lights, found.surfaces);
+    found.lights[0]
 }
 
 fn random(index: u32, dimension: u32) -> Vec3 {
@@ -119,6 +121,64 @@ fn surfaces_for_which_a_light_is_left_out_never_sample_it() {
 }
 
 #[test]
+fn surfaces_for_which_a_cone_is_left_out_are_in_its_dark() {
+    let (mut left_out, mut asked) = (0, 0);
+    for index in 0..20_000 {
+        let size = libm::exp2f(40.0 * random(index, 1).x);
+        let offset = random(index, 2) * size * libm::exp2f(20.0 * random(index, 3).x);
+        let center = offset + random(index, 4) * size;
+        let radius = size * (0.51 + random(index, 5).x);
+        let is_sphere = index % 3 == 0;
+        let corners = [10, 11, 12].map(|d| offset + random(index, d) * size);
+        let spheres = if is_sphere { vec![(center, radius)] } else { Vec::new() };
+        let geometry = if is_sphere {
+            Geometry { spheres, ..Geometry::default() }
+        } else {
+            of_triangle(corners)
+        };
+        if geometry.is_degenerate(0) {
+            continue;
+        }
+        let outer = 90.0 * f64::from(random(index, 6).x + 0.5);
+        // Half of the axes are nearly at the edge of what is there.
+        let place = offset + random(index, 7) * size * 3.0;
+        let towards = if is_sphere { center } else { corners[0] } - place;
+        let across = normalize(towards.cross(random(index, 8)));
+        let (sine, cosine) = libm::sincos(outer.to_radians());
+        let near = random(index, 9) * libm::exp2f(-20.0 * (random(index, 9).y + 0.5));
+        let axis = normalize(towards).as_dvec3() * cosine + across.as_dvec3() * sine;
+        let axis = if index % 2 == 0 { axis + near.as_dvec3() } else { random(index, 9).into() };
+        let cone = Cone::new(normalize_f64(axis), outer / 2.0, outer);
+        let light = light(Emitter::Spot(place, cone));
+        let shape = shape(true, false);
+        let out = !reaches(&light, &shape, &WHITE, &geometry);
+        left_out += u32::from(out);
+        for turn in 0..8 {
+            let weights = random(index, 30 + turn).abs() * 2.0;
+            let weights = weights / (weights.x + weights.y + weights.z);
+            let there = normalize(random(index, 50 + turn));
+            let target = match is_sphere {
+                true => center + there * radius,
+                false => corners[0] * weights.x + corners[1] * weights.y + corners[2] * weights.z,
+            };
+            let origin = target + (there + random(index, 40 + turn)) * size;
+            let ray = Ray::new(origin, normalize(target - origin));
+            if !ray.is_valid() {
+                continue;
+            }
+            let at = match is_sphere {
+                true => sphere_at(&ray, center, radius),
+                false => triangle_at(&ray, &corners),
+            };
+            let asks = asks(&light, at, false, &ray, index);
+            asked += u32::from(asks);
+            assert!(!(out && asks), "{index}: {light:?} {corners:?} {center} {radius}");
+        }
+    }
+    assert!(left_out > 4000 && asked > 5_000, "{left_out} left out, asked {asked} times");
+}
+
+#[test]
 fn a_light_within_a_sphere_reaches_none_of_its_outside() {
     let (mut left_out, mut asked) = (0, 0);
     for index in 0..20_000 {
@@ -182,6 +242,8 @@ fn a_light_is_kept_only_for_what_reflects_its_colour() {
     let black = Light { power: Vec3::ZERO, ..red.clone() };
     assert!(!reaches(&black, &shape(true, false), &WHITE, &facing_z()));
     let green = Material { ks: 0.0, color: Vec3::Y, ..WHITE };
-    let surface = Surface { shape: &shape(false, false), material: &green, textured: true };
-    assert_eq!(run(&[&red], &[surface], &facing_z()), [true], "a texture may be of any colour");
+    let (shape, faces) = (&shape(false, false), Faces::FRONT);
+    let surface = Surface { shape, material: &green, textured: true, faces };
+    let found = run(&[&red], &[surface], &facing_z()).lights;
+    assert_eq!(found, [true], "a texture may be of any colour");
 }

@@ -1,0 +1,68 @@
+//! Kinds of primitives: those that rays may meet count.
+
+use std::collections::BTreeSet;
+
+use super::{Facts, count};
+use wavecrest_core::geometry::Primitive;
+use wavecrest_core::prepared::Shape;
+
+impl Facts<'_> {
+    /// The shapes of a kind that rays may meet, or may not.
+    fn of_kind(&self, is: fn(Primitive) -> bool, met: bool) -> impl Iterator<Item = &Shape> {
+        let geometry = &self.census.extracted.geometry;
+        let is_one = move |shape: &&Shape| {
+            shape.primitives.clone().next().is_some_and(|first| is(geometry.primitive(first)))
+        };
+        let shapes = self.census.extracted.shapes.iter().zip(&self.met);
+        let those = shapes.filter(move |(_, is_met)| **is_met == met);
+        those.map(|(output, _)| &output.shape).filter(is_one)
+    }
+
+    /// The number of primitives of a kind that rays may meet, or the reason for none.
+    fn kind(&self, is: fn(Primitive) -> bool, thing: &str, none: &str) -> (bool, String) {
+        let number = |met| self.of_kind(is, met).map(|shape| shape.primitives.len()).sum::<usize>();
+        match (number(true), number(false)) {
+            (0, 0) => (false, none.to_owned()),
+            (0, unmet) => (false, format!("{}, not in view", count(unmet, thing, none).1)),
+            (met, _) => count(met, thing, none),
+        }
+    }
+
+    pub(super) fn triangles(&self) -> (bool, String) {
+        let is_own = |primitive| matches!(primitive, Primitive::Triangle(_));
+        let is_shown = |primitive| matches!(primitive, Primitive::Instanced(_));
+        let own = self.kind(is_own, "triangle", "no shape is a triangle or a mesh");
+        let geometry = &self.census.extracted.geometry;
+        let instances: Vec<&Shape> = self.of_kind(is_shown, true).collect();
+        if instances.is_empty() {
+            let unseen = self.kind(is_shown, "triangle", "");
+            return if own.0 || unseen.1.is_empty() { own } else { unseen };
+        }
+        let prototype = |shape: &&Shape| match geometry.primitive(shape.primitives.start) {
+            Primitive::Instanced(instanced) => Some(geometry.instance(instanced).0.prototype()),
+            _ => None,
+        };
+        let prototypes: BTreeSet<usize> = instances.iter().filter_map(prototype).collect();
+        let held: usize =
+            prototypes.iter().map(|&number| geometry.prototypes[number].triangles.len()).sum();
+        let instanced: usize = instances.iter().map(|shape| shape.primitives.len()).sum();
+        let (_, meshes) = count(prototypes.len(), "mesh", "");
+        let (_, instances) = count(instances.len(), "instance", "");
+        let number = |shape: &Shape| shape.primitives.len();
+        let own = match self.of_kind(is_own, true).map(number).sum::<usize>() {
+            0 => String::new(),
+            own => format!("{own}, and "),
+        };
+        (true, format!("{own}{instanced} in {instances} of {meshes}; {held} are stored"))
+    }
+
+    pub(super) fn quads(&self) -> (bool, String) {
+        let is_quad = |primitive| matches!(primitive, Primitive::Quad(_));
+        self.kind(is_quad, "quad", "no shape is a plane")
+    }
+
+    pub(super) fn spheres(&self) -> (bool, String) {
+        let is_sphere = |primitive| matches!(primitive, Primitive::Sphere(_));
+        self.kind(is_sphere, "sphere", "no shape is a sphere")
+    }
+}

@@ -1,0 +1,39 @@
+//! Several rays for a pixel: by a lens, and by antialiasing.
+
+use super::Facts;
+use crate::components::{ThinLens, View};
+use crate::systems::camera;
+
+/// The reason for a lens and antialiasing to be left out: every ray sees the background.
+const NOTHING: &str = "no shape is in view";
+
+impl Facts<'_> {
+    /// Whether any shape is in view, also a light's.
+    fn sees_any(&self) -> bool {
+        self.census.in_view.iter().any(Option::is_some)
+    }
+
+    pub(super) fn depth_of_field(&self) -> (bool, String) {
+        match self.census.world.query::<&ThinLens>().iter().next() {
+            Some(_) if !self.sees_any() => (false, NOTHING.to_owned()),
+            None => (false, "the camera is a pinhole".to_owned()),
+            Some(lens) if camera::radius(lens) == 0.0 => (false, "the aperture is 0".to_owned()),
+            Some(lens) => (
+                true,
+                format!(
+                    "aperture {}, {} x {} points",
+                    lens.aperture, lens.samples_x, lens.samples_y
+                ),
+            ),
+        }
+    }
+
+    pub(super) fn antialiasing(&self) -> (bool, String) {
+        let n = self.census.world.query::<&View>().iter().next().map_or(1, |view| view.antialias);
+        match n {
+            1 => (false, "antialias is 1".to_owned()),
+            _ if !self.sees_any() => (false, NOTHING.to_owned()),
+            n => (true, format!("{n} x {n} rays per pixel")),
+        }
+    }
+}

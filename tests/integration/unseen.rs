@@ -1,0 +1,456 @@
+//! What cannot be seen costs nothing: the scene with it has the image, the counts, the bytes and the passes
+//! of the scene without, and its files are not opened.
+
+use std::path::Path;
+
+use image::{Rgba, RgbaImage};
+use serde_json::{Value, json};
+use wavecrest_core::counters::Counters;
+use wavecrest_core::plan::Effect;
+use wavecrest_core::plan::schedule::{PASSES, unplanned};
+use wavecrest_core::prepared::PreparedScene;
+use wavecrest_core::render::{RenderOptions, Rendered};
+use wavecrest_core::wavefront::batch::Batch;
+use wavecrest_scene::load::{LoadOptions, load, load_str};
+use wavecrest_scene::systems::{self, Options};
+
+use wavecrest_core::accel::build::Preset;
+
+use crate::support::{
+    TRACERS, folder, matte, options, pinhole, point_light, render_on, scene, sphere, wall,
+    wavecrest, with,
+};
+
+/// What is added to a scene, and the scene with and without.
+struct Row {
+    name: &'static str,
+    with: Value,
+    without: Value,
+    /// An effect that it leads to a look at, and why the plan has none.
+    effect: Effect,
+    reason: &'static str,
+}
+
+/// A camera above a floor, which looks down on it.
+fn camera() -> Value {
+    with(pinhole([32, 24], 40.0, 5.0), "location", json!([0, 2, 5]))
+}
+
+fn floor() -> Value {
+    json!({"type": "plane", "material": matte(0.8, [0.5; 3]), "normal": [0, 1, 0],
+           "points": [[-9, -1, 9], [-9, -1, -9], [9, -1, -9], [9, -1, 9]]})
+}
+
+fn lamp(y: f64) -> Value {
+    point_light(50.0, [1.0, y, 1.0], [1.0; 3])
+}
+
+fn ball() -> Value {
+    sphere([0.0, 0.0, 0.0], 0.8, with(matte(0.8, [0.5; 3]), "ks", 0.5))
+}
+
+/// `shape` with a map in a file that is no image.
+fn mapped(shape: Value, key: &str, more: &Value) -> Value {
+    let mut map = json!({"file": "broken.png"});
+    map.as_object_mut().expect("an object").extend(more.as_object().cloned().expect("one"));
+    with(shape, key, map)
+}
+
+/// The scene of a floor, a ball and a lamp, with `change` made to its shapes.
+fn changed(change: impl Fn(&mut [Value])) -> Value {
+    let mut shapes = [floor(), ball()];
+    change(&mut shapes);
+    scene(2, &camera(), &[lamp(3.0)], &shapes)
+}
+
+fn rows() -> Vec<Row> {
+    let plain = || changed(|_| {});
+    let row = |name, with, without, effect, reason| Row { name, with, without, effect, reason };
+    let none = json!({"strength": 0});
+    let no_map = "no material map is visible";
+    let no_normals = "no normal map is visible";
+    let black = |shapes: &mut [Value]| shapes[1]["material"] = matte(0.0, [0.5; 3]);
+    let turned = |shapes: &mut [Value]| shapes[0]["normal"] = json!([0, -1, 0]);
+    let below = with(lamp(-3.0), "intensity", 50);
+    let from_below = |floor: Value| {
+        // A light above, and the camera below: it sees the side that nothing lights.
+        let camera = with(camera(), "location", json!([0, -4, 5]));
+        let floor = with(floor, "sides", "both");
+        scene(0, &camera, &[lamp(3.0)], &[floor])
+    };
+    let metal = |of: Value| {
+        let mut metal = matte(1.0, [0.5; 3]);
+        // What a metal map of these factors gives in every texel.
+        (metal["ks"], metal["specularexponent"]) = (json!(1), json!(10_000));
+        metal["specularcolor"] = json!([1, 1, 1]);
+        with(of, "material", metal)
+    };
+    let spot = |direction: [i32; 3]| {
+        json!({"type": "spotlight", "intensity": 50, "position": [0, 3, 0], "color": [1, 1, 1],
+               "direction": direction, "inner": 10, "outer": 30})
+    };
+    let lit_by = |lights: &[Value]| {
+        let mut scene = scene(0, &camera(), lights, &[floor(), ball()]);
+        // One ambient light for all of them.
+        scene["scene"]["ambient"] = (0.125 / lights.len() as f64).into();
+        scene
+    };
+    let textured =
+        with(sphere([0.0, 2.0, 10.0], 1.0, matte(0.8, [0.5; 3])), "texture", "broken.png");
+    let back = |kr: f64, more: &[Value]| {
+        let floor = with(floor(), "normal", json!([0, -1, 0]));
+        let floor = with(floor, "material", with(matte(0.8, [0.5; 3]), "kr", kr));
+        scene(3, &camera(), &[lamp(3.0)], &[&[floor, ball()], more].concat())
+    };
+    vec![
+        row(
+            "a normal map of strength 0",
+            changed(|shapes| shapes[1] = mapped(ball(), "normalmap", &none)),
+            plain(),
+            Effect::NormalMaps,
+            no_normals,
+        ),
+        row(
+            "an occlusion map of strength 0",
+            changed(|shapes| shapes[1] = mapped(ball(), "occlusionmap", &none)),
+            plain(),
+            Effect::MaterialTextures,
+            no_map,
+        ),
+        row(
+            "a metal map of factors 0",
+            changed(|shapes| {
+                let factors = json!({"metallic": 0, "roughness": 0});
+                shapes[1] = mapped(ball(), "metalmap", &factors);
+            }),
+            changed(|shapes| shapes[1] = metal(ball())),
+            Effect::MaterialTextures,
+            no_map,
+        ),
+        row(
+            "a normal map on what no light changes",
+            changed(|shapes| {
+                shapes[1] = mapped(ball(), "normalmap", &json!({}));
+                black(shapes);
+            }),
+            changed(black),
+            Effect::NormalMaps,
+            no_normals,
+        ),
+        row(
+            "a normal map on a back",
+            changed(|shapes| {
+                shapes[0] = mapped(floor(), "normalmap", &json!({}));
+                turned(shapes);
+            }),
+            changed(turned),
+            Effect::NormalMaps,
+            no_normals,
+        ),
+        row(
+            "a normal map on a side that nothing lights",
+            from_below(mapped(floor(), "normalmap", &json!({}))),
+            from_below(floor()),
+            Effect::NormalMaps,
+            no_normals,
+        ),
+        row(
+            "a mirror on a back, and a texture that it would show",
+            back(0.5, &[textured]),
+            back(0.0, &[sphere([0.0, 2.0, 10.0], 1.0, matte(0.8, [0.5; 3]))]),
+            Effect::Mirrors,
+            "mirrors are seen from behind only",
+        ),
+        row(
+            "an alpha texture without a transparent texel",
+            changed(|shapes| shapes[1] = with(ball(), "alpha", "opaque.png")),
+            plain(),
+            Effect::CutOuts,
+            "no image of a cut-out has a transparent texel",
+        ),
+        row(
+            "a hidden mesh without an instance",
+            {
+                let mesh = json!({"type": "trimesh", "file": "broken.ply", "hidden": true,
+                                  "texture": "broken.png", "material": matte(0.5, [0.5; 3])});
+                scene(2, &camera(), &[lamp(3.0)], &[floor(), ball(), mesh])
+            },
+            plain(),
+            Effect::Triangles,
+            "no shape is a triangle or a mesh",
+        ),
+        row(
+            "a spot light on the sky",
+            lit_by(&[lamp(3.0), spot([0, 1, 0])]),
+            lit_by(&[lamp(3.0)]),
+            Effect::SpotLights,
+            "no spot light shines on the front of a surface",
+        ),
+        row(
+            "a light on the side that is not seen",
+            {
+                let lights = [lamp(3.0), below];
+                let mut both = scene(0, &camera(), &lights, &[with(floor(), "sides", "both")]);
+                both["scene"]["ambient"] = 0.0625.into();
+                both
+            },
+            {
+                let floor = with(floor(), "sides", "both");
+                with_ambient(scene(0, &camera(), &[lamp(3.0)], &[floor]), 0.125)
+            },
+            Effect::SpotLights,
+            "there is no spot light",
+        ),
+    ]
+}
+
+fn with_ambient(mut scene: Value, ambient: f64) -> Value {
+    scene["scene"]["ambient"] = ambient.into();
+    scene
+}
+
+/// A folder with files that are neither images nor meshes, and with an opaque image.
+fn files() -> tempfile::TempDir {
+    let folder = folder();
+    for name in ["broken.png", "broken.ply"] {
+        std::fs::write(folder.path().join(name), "nothing").expect("a file");
+    }
+    let texel = |x, y| Rgba([50 * x as u8, 50 * y as u8, 99, 255]);
+    RgbaImage::from_fn(4, 4, texel).save(folder.path().join("opaque.png")).expect("an image");
+    folder
+}
+
+fn prepared(json: &Value, folder: &Path) -> PreparedScene {
+    let loaded = load_str(&json.to_string(), &folder.join("s.json"), &LoadOptions::default());
+    let mut world = loaded.unwrap_or_else(|error| panic!("{error}")).world;
+    let extracted = systems::extract(&mut world, Options::default());
+    extracted.unwrap_or_else(|error| panic!("{error}")).build(Preset::Fast)
+}
+
+/// The scene as it is prepared if nothing is left out.
+fn complete(json: &Value, folder: &Path) -> PreparedScene {
+    let loaded = load_str(&json.to_string(), &folder.join("s.json"), &LoadOptions::default());
+    let mut world = loaded.unwrap_or_else(|error| panic!("{error}")).world;
+    let passes = unplanned(&PASSES);
+    let extracted = systems::extract(&mut world, Options { passes: &passes, ..Options::default() });
+    extracted.unwrap_or_else(|error| panic!("{error}")).build(Preset::Fast)
+}
+
+fn both(scene: &PreparedScene) -> [Rendered; 2] {
+    TRACERS.map(|tracer| render_on(1, scene, &RenderOptions { tracer, ..options() }))
+}
+
+fn reason(scene: &PreparedScene, effect: Effect) -> (bool, &str) {
+    let found = scene.plan.decisions().iter().find(|d| d.effect == effect).expect("a decision");
+    (found.present, &found.reason)
+}
+
+#[test]
+fn what_nobody_sees_costs_nothing() {
+    let folder = files();
+    for Row { name, with, without, effect, reason: why } in rows() {
+        let [found, expected] = [&with, &without].map(|json| prepared(json, folder.path()));
+        assert_eq!(reason(&found, effect), (false, why), "{name}");
+        assert_eq!(found.plan.schedule(), expected.plan.schedule(), "{name}");
+        assert_eq!(Batch::bytes_per_path(&found), Batch::bytes_per_path(&expected), "{name}");
+        assert_eq!(found.bytes(), expected.bytes(), "{name}");
+        for (found, expected) in both(&found).iter().zip(&both(&expected)) {
+            assert!(found.film.same_bits(&expected.film), "{name}");
+            assert_eq!(found.counters, expected.counters, "{name}");
+            assert_eq!(found.columns, expected.columns, "{name}");
+        }
+    }
+}
+
+/// With images that can be read, leaving nothing out gives the same images.
+#[test]
+fn what_is_left_out_adds_nothing_where_it_is_not() {
+    let folder = files();
+    let image = folder.path().join("opaque.png");
+    std::fs::copy(image, folder.path().join("broken.png")).expect("a copy");
+    for Row { name, with, .. } in rows() {
+        let [planned, all] =
+            [prepared(&with, folder.path()), complete(&with, folder.path())].map(|s| both(&s));
+        for rendered in planned.iter().chain(&all) {
+            assert!(rendered.film.same_bits(&planned[0].film), "{name}");
+        }
+    }
+}
+
+/// A mesh behind the eye is read, for its place, and not kept where no ray goes there.
+#[test]
+fn shapes_that_no_ray_can_meet_are_not_kept() {
+    let folder = files();
+    let mesh = json!({
+        "type": "trimesh", "name": "m", "indices": [[0, 1, 2], [0, 2, 3]], "shading": "smooth",
+        "points": [[-2, 0, 9], [-2, 4, 9], [2, 4, 9], [2, 0, 9]], "texture": "opaque.png",
+        "uvs": [[0, 0], [0, 1], [1, 1], [1, 0]], "normals": [[0, 0, 1], [0, 0, 1], [0, 0, 1], [0, 0, 1]],
+        "material": matte(0.8, [0.5; 3])});
+    let seen = json!({
+        "type": "trimesh", "indices": [[0, 1, 2]], "uvs": [[0, 0], [0, 1], [1, 1]],
+        "points": [[-1, 0, 0], [0, 1, 0], [1, 0, 0]], "texture": "opaque.png",
+        "material": matte(0.8, [0.5; 3])});
+    let quad = |z| wall(1.0, z, matte(0.8, [0.5; 3]));
+    let around = |before: &[Value], after: &[Value], intensity: f64| {
+        let shapes = [before, &[seen.clone(), quad(-1.0), ball(), floor()], after].concat();
+        let lamp = with(lamp(3.0), "intensity", intensity);
+        scene(0, &camera(), &[lamp], &shapes)
+    };
+    let unseen = [mesh.clone(), quad(9.0), sphere([0.0, 2.0, 10.0], 1.0, matte(0.8, [0.5; 3]))];
+    let expected = prepared(&around(&[], &[], 0.0), folder.path());
+    let images = both(&expected);
+    for (before, after) in [(&unseen[..], &[][..]), (&[], &unseen), (&unseen[..1], &unseen[1..])] {
+        let json = around(before, after, 0.0);
+        let found = prepared(&json, folder.path());
+        assert_eq!(found.bytes(), expected.bytes());
+        assert_eq!(found.accel.geometry().len(), expected.accel.geometry().len());
+        assert_eq!(found.appearance.shapes.len(), expected.appearance.shapes.len() + 3);
+        for (found, expected) in both(&found).iter().zip(&images) {
+            assert!(found.film.same_bits(&expected.film));
+            assert_eq!(found.counters, expected.counters);
+        }
+        // Shadow rays may meet them.
+        let lit = prepared(&around(before, after, 50.0), folder.path());
+        assert_eq!(lit.accel.geometry().len(), expected.accel.geometry().len() + 4);
+    }
+    // In instances, of which one or none is in view.
+    let shown = |places: &[[f64; 3]]| {
+        let mut json = around(&[with(mesh.clone(), "hidden", true)], &[], 0.0);
+        let instance = |by: &[f64; 3]| json!({"shape": "m", "transform": {"translate": by}});
+        json["scene"]["instances"] = places.iter().map(instance).collect::<Value>();
+        prepared(&json, folder.path())
+    };
+    let [none, one] = [shown(&[[0.0; 3], [0.0, 1.0, 0.0]]), shown(&[[0.0; 3], [0.0, 0.0, -12.0]])];
+    assert_eq!(none.accel.geometry().held(), expected.accel.geometry().held());
+    assert_eq!(one.accel.geometry().instances.len(), 1);
+    assert!(!one.accel.geometry().prototypes[0].triangles.is_empty());
+    let alone = prepared(&around(&[], &[], 0.0), folder.path());
+    assert!(both(&none)[0].film.same_bits(&both(&alone)[0].film));
+    let only = json!({"nbounces": 0, "camera": camera(), "scene": {
+        "backgroundcolor": [0, 0, 0], "lightsources": [], "shapes": [mesh]}});
+    let only = prepared(&only, folder.path());
+    assert_eq!(reason(&only, Effect::Triangles), (false, "2 triangles, not in view"));
+    assert_eq!((only.accel.tree_bytes(), only.accel.geometry().len()), (0, 0));
+}
+
+/// A lens and antialiasing cast no ray where no shape can be.
+#[test]
+fn pixels_without_shapes_cost_nothing() {
+    let folder = files();
+    let size = [64, 48];
+    let of = |more: &Value, shapes: &[Value]| {
+        let mut camera = pinhole(size, 40.0, 6.0);
+        camera.as_object_mut().expect("an object").extend(more.as_object().cloned().expect("one"));
+        prepared(&scene(0, &camera, &[lamp(3.0)], shapes), folder.path())
+    };
+    let lens = json!({"type": "thinlens", "aperture": 0.2, "focal": 6, "nsamplesx": 4,
+                      "nsamplesy": 4});
+    let small = |x: f64| sphere([x, 0.0, 0.0], 0.3, matte(0.8, [0.5; 3]));
+    for (more, effect) in
+        [(&lens, Effect::DepthOfField), (&json!({"antialias": 4}), Effect::Antialiasing)]
+    {
+        let all = u64::from(size[0] * size[1] * 16);
+        let empty = of(more, &[]);
+        assert_eq!(reason(&empty, effect), (false, "no shape is in view"));
+        for rendered in both(&empty) {
+            assert_eq!(rendered.counters, Counters::default());
+            assert!(rendered.film.pixels().iter().all(|pixel| *pixel == [0.125, 0.25, 0.5]));
+        }
+        // Two balls: the image is that of a render that casts every ray.
+        let scene = of(more, &[small(-1.2), small(0.7)]);
+        let mut every = of(more, &[small(-1.2), small(0.7)]);
+        every.accel.rebuild(Preset::Brute);
+        for (found, every) in both(&scene).iter().zip(&both(&every)) {
+            assert!(found.film.same_bits(&every.film));
+            assert_eq!(every.counters.primary_rays, all);
+            let cast = found.counters.primary_rays;
+            assert!(cast > 0 && cast < all / 4, "{cast} of {all}");
+            let drawn = if effect == Effect::DepthOfField { cast } else { 0 };
+            assert_eq!(found.counters.lens_samples, drawn);
+            assert_eq!(found.counters.shadow_rays, every.counters.shadow_rays);
+        }
+    }
+}
+
+/// The command decodes no texture that no ray looks up, whatever it writes, and does not read it for
+/// files without metadata.
+#[test]
+fn a_texture_that_no_ray_meets_is_not_decoded() {
+    let folder = files();
+    // Its head is right, and its body is not.
+    let bytes = std::fs::read(folder.path().join("opaque.png")).expect("a file");
+    std::fs::write(folder.path().join("half.png"), &bytes[..bytes.len() / 2]).expect("a file");
+    for (name, place, radius) in [
+        ("under the floor", [0.0, -3.0, 0.0], 1.0),
+        ("smaller than a pixel", [0.011, 0.3, 0.0], 1e-6),
+    ] {
+        let hidden = sphere(place, radius, matte(0.8, [0.5; 3]));
+        let json =
+            scene(0, &camera(), &[lamp(3.0)], &[floor(), with(hidden, "texture", "half.png")]);
+        std::fs::write(folder.path().join("s.json"), json.to_string()).expect("a file");
+        for image in ["o.ppm", "o.png", "o.exr"] {
+            let mut render = wavecrest(folder.path());
+            render.args(["-q", "s.json", image, "--stats", "stats.json"]).assert().success();
+            let stats = std::fs::read(folder.path().join("stats.json")).expect("a file");
+            let stats: Value = serde_json::from_slice(&stats).expect("JSON");
+            let found = (&stats["textures"]["decoded"], &stats["textures"]["bytes"]);
+            assert_eq!(found, (&json!(0), &json!(0)), "{name}, {image}");
+        }
+    }
+}
+
+/// As they come from other programs: strengths of 0 in glTF, and opaque masks in glTF and MTL files.
+#[test]
+fn files_of_other_formats_pay_for_nothing_either() {
+    let folder = files();
+    let at = |name: &str| folder.path().join(name);
+    let obj = "mtllib m.mtl\nv -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n\
+               usemtl leaf\nf 1/1 2/2 3/3 4/4\n";
+    std::fs::write(at("m.obj"), obj).expect("a file");
+    std::fs::write(at("m.mtl"), "newmtl leaf\nKd 1 1 1\nmap_d opaque.png\n").expect("a file");
+    let floats = |all: &[f32]| all.iter().flat_map(|x| x.to_le_bytes()).collect::<Vec<u8>>();
+    let positions = floats(&[-1.0, -1.0, 0.0, 1.0, -1.0, 0.0, 1.0, 1.0, 0.0, -1.0, 1.0, 0.0]);
+    let uvs = floats(&[0.0, 1.0, 1.0, 1.0, 1.0, 0.0, 0.0, 0.0]);
+    std::fs::write(at("m.bin"), [&positions[..], &uvs, &[0, 1, 2, 0, 2, 3]].concat())
+        .expect("a file");
+    let gltf = json!({
+        "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0, "TEXCOORD_0": 1},
+                                    "indices": 2, "material": 0}]}],
+        "accessors": [
+            {"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3"},
+            {"bufferView": 1, "componentType": 5126, "count": 4, "type": "VEC2"},
+            {"bufferView": 2, "componentType": 5121, "count": 6, "type": "SCALAR"}
+        ],
+        "bufferViews": [
+            {"buffer": 0, "byteLength": 48},
+            {"buffer": 0, "byteOffset": 48, "byteLength": 32},
+            {"buffer": 0, "byteOffset": 80, "byteLength": 6}
+        ],
+        "buffers": [{"byteLength": 86, "uri": "m.bin"}],
+        "images": [{"uri": "opaque.png"}, {"uri": "broken.png"}],
+        "textures": [{"source": 0}, {"source": 1}],
+        "materials": [{
+            "alphaMode": "MASK", "doubleSided": true,
+            "pbrMetallicRoughness": {"baseColorTexture": {"index": 0}, "metallicFactor": 0,
+                                     "roughnessFactor": 0, "metallicRoughnessTexture": {"index": 1}},
+            "normalTexture": {"index": 1, "scale": 0}, "occlusionTexture": {"index": 1, "strength": 0}
+        }],
+    });
+    std::fs::write(at("m.gltf"), gltf.to_string()).expect("a file");
+    for name in ["m.gltf", "m.obj"] {
+        let options = LoadOptions { width: Some(20), height: Some(16), ..LoadOptions::default() };
+        let mut loaded = load(&at(name), &options).unwrap_or_else(|error| panic!("{error}"));
+        let extracted = systems::extract(&mut loaded.world, Options::default());
+        let scene = extracted.unwrap_or_else(|error| panic!("{error}")).build(Preset::Fast);
+        let why = "no image of a cut-out has a transparent texel";
+        assert_eq!(reason(&scene, Effect::CutOuts), (false, why), "{name}");
+        assert!(scene.accel.geometry().cutouts.is_empty() && scene.appearance.cutouts.is_empty());
+        for effect in [Effect::NormalMaps, Effect::MaterialTextures] {
+            assert!(!scene.plan.has(effect), "{name}: {}", effect.name());
+        }
+        let used = scene.appearance.images.iter().map(|image| image.name());
+        assert!(used.clone().all(|image| !image.contains("broken")), "{name}");
+        assert_eq!(both(&scene)[0].counters.tests.cutouts, 0, "{name}");
+    }
+}
