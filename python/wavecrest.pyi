@@ -21,7 +21,7 @@ def render(
     lights: Literal["studio", "headlight", "none"] | None = None,
     background: tuple[float, float, float] | None = None,
     crease: float | None = None,
-    seed: int = 0,
+    seed: int | None = None,
     precision: Literal["fast", "exact"] | None = None,
     threads: int | None = None,
 ) -> NDArray[float32]: ...

@@ -35,9 +35,8 @@ impl Source {
             let json = scene.py().import("json")?.call_method1("dumps", (scene,))?;
             return Ok(Self::Json(json.extract()?));
         }
-        let wrong =
-            |_| PyTypeError::new_err("scene must be a path, a dict, or vertices with faces");
-        scene.extract().map(Self::File).map_err(wrong)
+        needed("scene", "a path, a dict, or vertices with faces", scene, |path| path.extract())
+            .map(Self::File)
     }
 }
 
@@ -111,9 +110,47 @@ pub(crate) fn film(image: &Bound<'_, PyAny>) -> PyResult<api::Film> {
     api::Film::from_pixels(side(1), side(0), pixels).map_err(|e| exception(&e))
 }
 
+/// An optional argument: its name, and its value.
+pub(crate) type Argument<'a, 'py> = (&'static str, Option<&'a Bound<'py, PyAny>>);
+
+/// The value of an argument as `read` converts it; `what` describes it.
+pub(crate) fn given<'py, T>(
+    (key, value): Argument<'_, 'py>,
+    what: &str,
+    read: impl FnOnce(&Bound<'py, PyAny>) -> PyResult<T>,
+) -> PyResult<Option<T>> {
+    value.map(|value| needed(key, what, value, read)).transpose()
+}
+
+/// As [`given`], for an argument that is not optional.
+pub(crate) fn needed<'py, T>(
+    key: &str,
+    what: &str,
+    value: &Bound<'py, PyAny>,
+    read: impl FnOnce(&Bound<'py, PyAny>) -> PyResult<T>,
+) -> PyResult<T> {
+    read(value).map_err(|error| {
+        let found: String = value.repr().map_or_else(|_| "?".into(), |text| text.to_string());
+        let found: String = found.chars().take(LONGEST_VALUE).collect();
+        let message = format!("{key}: must be {what}, found {found}");
+        match error.is_instance_of::<PyTypeError>(value.py()) {
+            true => PyTypeError::new_err(message),
+            false => Error::new_err(message),
+        }
+    })
+}
+
+/// Messages quote no more characters of a value.
+const LONGEST_VALUE: usize = 80;
+
+/// A text.
+pub(crate) fn text(argument: Argument<'_, '_>) -> PyResult<Option<String>> {
+    given(argument, "a text", |value| value.extract())
+}
+
 /// The value with that name.
-pub(crate) fn named<T: Choice>(key: &str, name: Option<String>) -> PyResult<Option<T>> {
-    let Some(name) = name else { return Ok(None) };
+pub(crate) fn named<T: Choice>(argument: Argument<'_, '_>) -> PyResult<Option<T>> {
+    let (key, Some(name)) = (argument.0, text(argument)?) else { return Ok(None) };
     let names = || T::VALUES.iter().map(|value| value.name()).collect::<Vec<_>>().join(", ");
     let wrong = || Error::new_err(format!("{key}: must be one of {}, found {name:?}", names()));
     T::by_name(&name).map(Some).ok_or_else(wrong)
@@ -124,23 +161,26 @@ pub(crate) fn parsed<T: FromStr<Err = String>>(
     key: &str,
     text: Option<String>,
 ) -> PyResult<Option<T>> {
-    let wrong = |remedy| Error::new_err(format!("{key}: {remedy}"));
-    text.map(|text| text.parse()).transpose().map_err(wrong)
+    let Some(text) = text else { return Ok(None) };
+    let wrong = |remedy| Error::new_err(format!("{key}: {remedy}, found {text:?}"));
+    text.parse().map(Some).map_err(wrong)
 }
 
 /// The lighting of a file without lights.
 pub(crate) fn lighting(
-    lights: Option<String>,
-    background: Option<[f64; 3]>,
-    crease: Option<f64>,
+    lights: Argument<'_, '_>,
+    background: Argument<'_, '_>,
+    crease: Argument<'_, '_>,
 ) -> PyResult<api::Lighting> {
     let usual = api::Lighting::USUAL;
+    let crease = given(crease, "a number of degrees", |value| value.extract())?;
     let crease_degrees = crease.unwrap_or(usual.crease_degrees);
     if !(0.0..=180.0).contains(&crease_degrees) {
         let message = format!("crease: must be from 0 to 180 degrees, found {crease_degrees}");
         return Err(Error::new_err(message));
     }
-    let background = background.map(DVec3::from);
+    let read = |value: &Bound<'_, PyAny>| value.extract::<[f64; 3]>();
+    let background = given(background, "three numbers", read)?.map(DVec3::from);
     if let Some(color) =
         background.filter(|color| !(color.is_finite() && color.min_element() >= 0.0))
     {
@@ -148,8 +188,8 @@ pub(crate) fn lighting(
         return Err(Error::new_err(message));
     }
     Ok(api::Lighting {
-        replaces: lights.is_some(),
-        rig: named("lights", lights)?.unwrap_or(usual.rig),
+        replaces: lights.1.is_some(),
+        rig: named(lights)?.unwrap_or(usual.rig),
         background: background.map(api::Background::Color),
         crease_degrees,
     })

@@ -40,42 +40,56 @@ fn exception(error: &api::Error) -> PyErr {
 /// >>> wavecrest.save("mesh.png", image)
 #[pyfunction]
 #[pyo3(signature = (scene, faces=None, *, width=None, height=None, camera=None, view=None, up=None, fov=None,
-                    lights=None, background=None, crease=None, seed=0, precision=None, threads=None))]
+                    lights=None, background=None, crease=None, seed=None, precision=None, threads=None))]
 #[allow(clippy::too_many_arguments, reason = "they are keywords in Python")]
 fn render<'py>(
     py: Python<'py>,
     scene: Bound<'py, PyAny>,
     faces: Option<Bound<'py, PyAny>>,
-    width: Option<u32>,
-    height: Option<u32>,
-    camera: Option<String>,
-    view: Option<String>,
-    up: Option<String>,
-    fov: Option<f64>,
-    lights: Option<String>,
-    background: Option<[f64; 3]>,
-    crease: Option<f64>,
-    seed: u64,
-    precision: Option<String>,
-    threads: Option<u16>,
+    width: Option<Bound<'py, PyAny>>,
+    height: Option<Bound<'py, PyAny>>,
+    camera: Option<Bound<'py, PyAny>>,
+    view: Option<Bound<'py, PyAny>>,
+    up: Option<Bound<'py, PyAny>>,
+    fov: Option<Bound<'py, PyAny>>,
+    lights: Option<Bound<'py, PyAny>>,
+    background: Option<Bound<'py, PyAny>>,
+    crease: Option<Bound<'py, PyAny>>,
+    seed: Option<Bound<'py, PyAny>>,
+    precision: Option<Bound<'py, PyAny>>,
+    threads: Option<Bound<'py, PyAny>>,
 ) -> PyResult<Bound<'py, PyArray3<f32>>> {
+    let side = |key, value| {
+        input::given((key, value), "a whole number of pixels", |value| value.extract())
+    };
+    let fov =
+        input::given(("fov", fov.as_ref()), "a number of degrees", |value| value.extract::<f64>())?;
+    let seed =
+        input::given(("seed", seed.as_ref()), "a whole number from 0 to 2^64 - 1", |value| {
+            value.extract()
+        })?;
     let framing = api::Framing {
-        side: input::parsed("view", view)?,
-        up: input::named("up", up)?,
+        side: input::parsed("view", input::text(("view", view.as_ref()))?)?,
+        up: input::named(("up", up.as_ref()))?,
         fov: input::parsed("fov", fov.map(|degrees| degrees.to_string()))?,
         ..api::Framing::USUAL
     };
     let options = api::LoadOptions {
-        width,
-        height,
-        camera,
+        width: side("width", width.as_ref())?,
+        height: side("height", height.as_ref())?,
+        camera: input::text(("camera", camera.as_ref()))?,
         framing,
-        lighting: input::lighting(lights, background, crease)?,
+        lighting: input::lighting(
+            ("lights", lights.as_ref()),
+            ("background", background.as_ref()),
+            ("crease", crease.as_ref()),
+        )?,
         ..api::LoadOptions::default()
     };
-    let precision = input::named("precision", precision)?.unwrap_or_default();
+    let precision = input::named(("precision", precision.as_ref()))?.unwrap_or_default();
     let source = input::Source::new(&scene, faces.as_ref())?;
-    let job = work::Job { source, options, precision, seed };
+    let job = work::Job { source, options, precision, seed: seed.unwrap_or_default() };
+    let threads = work::threads(("threads", threads.as_ref()))?;
     let work::Done { film, warnings } = work::run(py, job, threads)?;
     let category = py.get_type::<PyUserWarning>();
     for warning in warnings {
@@ -93,8 +107,13 @@ fn render<'py>(
 /// Raises wavecrest.Error if the file cannot be written.
 #[pyfunction]
 #[pyo3(signature = (path, image, *, transfer=None))]
-fn save(path: PathBuf, image: Bound<'_, PyAny>, transfer: Option<String>) -> PyResult<()> {
-    let transfer = input::named("transfer", transfer)?.unwrap_or(api::Transfer::Srgb);
+fn save(
+    path: Bound<'_, PyAny>,
+    image: Bound<'_, PyAny>,
+    transfer: Option<Bound<'_, PyAny>>,
+) -> PyResult<()> {
+    let path: PathBuf = input::needed("path", "a path", &path, |path| path.extract())?;
+    let transfer = input::named(("transfer", transfer.as_ref()))?.unwrap_or(api::Transfer::Srgb);
     let film = input::film(&image)?;
     image.py().detach(|| api::write_image(&film, &path, transfer)).map_err(|e| exception(&e))
 }

@@ -14,7 +14,7 @@ use pyo3::prelude::*;
 use wavecrest_api as api;
 use wavecrest_api::memory::{Asked, Estimate, Images, estimate, estimate_extracted};
 
-use super::input::Source;
+use super::input::{self, Argument, Source};
 use super::{Error, exception};
 
 /// The interval of checks for interrupts.
@@ -84,12 +84,18 @@ impl Job {
     }
 }
 
+/// The number of threads.
+pub(crate) fn threads(argument: Argument<'_, '_>) -> PyResult<Option<u16>> {
+    let what = format!("a whole number from 1 to {MOST_THREADS}");
+    input::given(argument, &what, |value| {
+        let threads = value.extract()?;
+        let is_right = (1..=MOST_THREADS).contains(&threads);
+        is_right.then_some(threads).ok_or_else(|| Error::new_err(""))
+    })
+}
+
 /// Does the job on this number of threads, one for each core if `None`.
 pub(crate) fn run(py: Python<'_>, job: Job, threads: Option<u16>) -> PyResult<Done> {
-    if let Some(threads) = threads.filter(|threads| !(1..=MOST_THREADS).contains(threads)) {
-        let message = format!("threads: must be from 1 to {MOST_THREADS}, found {threads}");
-        return Err(Error::new_err(message));
-    }
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.map_or(0, usize::from)).build();
     let cannot_start = |error| Error::new_err(format!("cannot start the threads: {error}"));
     let pool = pool.map_err(|error| cannot_start(error.to_string()))?;

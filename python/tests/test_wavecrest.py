@@ -117,8 +117,20 @@ class Wavecrest(unittest.TestCase):
         self.assert_refused("threads", SCENE, threads=0)
         with self.assertRaisesRegex(TypeError, "faces: .*float64"):
             wavecrest.render(VERTICES, np.array(FACES) + 0.5)
-        with self.assertRaises(TypeError):
+        for key, value in [("width", -1), ("height", 2**40), ("seed", -1), ("threads", -2), ("threads", 5000)]:
+            self.assert_refused(f"{key}: must be a whole number", SCENE, **{key: value})
+        self.assert_refused("found -1", SCENE, width=-1)
+        self.assert_refused("found 'sideways'", VERTICES, FACES, view="sideways")
+        self.assert_refused("background: must be three numbers, found (1, 2)", VERTICES, FACES, background=(1, 2))
+        wrong_types = {"width": "wide", "camera": 3, "view": 3, "up": 1, "fov": "wide", "lights": 2,
+                       "background": 7, "crease": "sharp", "seed": 0.5, "precision": 1, "threads": "many"}
+        for key, value in wrong_types.items():
+            with self.assertRaisesRegex(TypeError, f"{key}: must be .*, found {value!r}"):
+                wavecrest.render(VERTICES, FACES, **{key: value})
+        with self.assertRaisesRegex(TypeError, "scene: must be a path, a dict, or vertices with faces, found 7"):
             wavecrest.render(7)
+        with self.assertRaisesRegex(TypeError, "path: must be a path, found 7"):
+            wavecrest.save(7, np.zeros((1, 1, 3)))
 
     @unittest.skipUnless(sys.platform == "linux", "limits and their measure are those of Linux")
     def test_refused_memory_is_an_exception(self):

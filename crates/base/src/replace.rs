@@ -19,7 +19,7 @@ pub type Sink<'a> = BufWriter<&'a File>;
 /// Writes the file at `path` with the content from `fill`, or leaves an existing file unchanged.
 ///
 /// A new file gets the usual permissions; one that replaces another keeps its permissions. If the
-/// path is a symbolic link, its target is replaced and the link stays.
+/// path is a symbolic link, its target is created or replaced and the link stays.
 ///
 /// # Errors
 /// If `fill` fails, the folder is missing or not writable, the disk is full, or the target is a
@@ -61,12 +61,37 @@ pub fn check_differs(file: &Path, other: &Path, what: &str) -> Result<()> {
 
 /// The path with all links followed; of a file that does not exist yet, those of its folder.
 fn real(path: &Path) -> PathBuf {
-    let beside = || {
-        let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty());
-        Some(folder.unwrap_or(Path::new(".")).canonicalize().ok()?.join(path.file_name()?))
-    };
-    path.canonicalize().ok().or_else(beside).unwrap_or_else(|| path.to_owned())
+    let path = followed(path).unwrap_or_else(|_| path.to_owned());
+    let beside = || Some(folder_of(&path).canonicalize().ok()?.join(path.file_name()?));
+    beside().unwrap_or_else(|| path.clone())
 }
+
+/// The folder that holds a path.
+fn folder_of(path: &Path) -> PathBuf {
+    match path.parent() {
+        Some(parent) if parent.as_os_str().is_empty() => PathBuf::from("."),
+        Some(parent) => parent.to_path_buf(),
+        None => path.to_path_buf(),
+    }
+}
+
+/// The path with its symbolic links followed, the last of which may lead to a file that does not
+/// exist yet.
+fn followed(given: &Path) -> Result<PathBuf> {
+    let mut path = given.to_path_buf();
+    for _ in 0..=MOST_LINKS {
+        if let Ok(real) = path.canonicalize() {
+            return Ok(real);
+        }
+        let Ok(target) = path.read_link() else { return Ok(path) };
+        path = folder_of(&path).join(target);
+    }
+    let error = Error::new(ErrorKind::Io, "cannot write the file: its symbolic links form a loop");
+    Err(error.in_file(given).remedy("remove the link or name another file"))
+}
+
+/// Largest number of links in a row, as on Linux.
+const MOST_LINKS: usize = 40;
 
 /// An error of the operating system while writing `path`, with a remedy.
 pub fn write_error(path: &Path, error: std::io::Error) -> Error {
@@ -124,13 +149,8 @@ struct Target<'a> {
 
 impl<'a> Target<'a> {
     fn new(given: &'a Path) -> Result<Self> {
-        // A file that does not exist yet, or a dangling link, keeps its own path.
-        let path = given.canonicalize().unwrap_or_else(|_| given.to_path_buf());
-        let folder = match path.parent() {
-            Some(parent) if parent.as_os_str().is_empty() => PathBuf::from("."),
-            Some(parent) => parent.to_path_buf(),
-            None => path.clone(),
-        };
+        let path = followed(given)?;
+        let folder = folder_of(&path);
         let existing = path.metadata().ok();
         check_kind(given, existing.as_ref())?;
         check_folder(given, &folder)?;
@@ -229,157 +249,4 @@ fn check_folder(given: &Path, folder: &Path) -> Result<()> {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn put(path: &Path, text: &str) -> Result<()> {
-        replace_file(path, |sink| {
-            sink.write_all(text.as_bytes()).map_err(|error| write_error(path, error))
-        })
-    }
-
-    fn names(folder: &Path) -> Vec<String> {
-        let mut names: Vec<_> = std::fs::read_dir(folder)
-            .unwrap()
-            .map(|entry| entry.unwrap().file_name().into_string().unwrap())
-            .collect();
-        names.sort();
-        names
-    }
-
-    #[test]
-    fn a_file_is_made_and_replaced() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("a.txt");
-        put(&path, "first and longer").unwrap();
-        put(&path, "second").unwrap();
-        assert_eq!(std::fs::read_to_string(&path).unwrap(), "second");
-        assert_eq!(names(folder.path()), ["a.txt"]);
-    }
-
-    #[test]
-    fn a_failure_leaves_the_old_file_and_no_other() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("a.txt");
-        put(&path, "old").unwrap();
-        let error = replace_file(&path, |sink| {
-            sink.write_all(&[7; 100_000]).map_err(|error| write_error(&path, error))?;
-            Err(Error::new(ErrorKind::Io, "the power went"))
-        });
-        let text = error.unwrap_err().to_string();
-        assert_eq!(text, format!("{}: the power went", path.display()));
-        assert_eq!(std::fs::read_to_string(&path).unwrap(), "old");
-        assert_eq!(names(folder.path()), ["a.txt"]);
-    }
-
-    #[test]
-    fn a_check_leaves_nothing_behind() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("a.txt");
-        check_replaceable(&path).unwrap();
-        assert!(names(folder.path()).is_empty());
-        put(&path, "old").unwrap();
-        check_replaceable(&path).unwrap();
-        assert_eq!(names(folder.path()), ["a.txt"]);
-    }
-
-    #[test]
-    fn each_wrong_target_has_its_message() {
-        let folder = tempfile::tempdir().unwrap();
-        let at = |name: &str| folder.path().join(name);
-        std::fs::write(at("file"), "").unwrap();
-        let root = folder.path().display();
-        let cases = [
-            (
-                "",
-                format!("{root}/: cannot write the file: this is a folder; name a file inside it"),
-            ),
-            (
-                "no/a.ppm",
-                format!(
-                    "{root}/no/a.ppm: cannot write the file: there is no folder {root}/no; \
-                     create it first or name one that exists"
-                ),
-            ),
-            (
-                "file/a.ppm",
-                format!(
-                    "{root}/file/a.ppm: cannot write the file: {root}/file is not a folder; \
-                     name a folder that exists"
-                ),
-            ),
-            (
-                "new.ppm/",
-                format!(
-                    "{root}/new.ppm/: cannot write the file: this is the name of a folder; \
-                     name a file inside it"
-                ),
-            ),
-        ];
-        for (name, text) in cases {
-            assert_eq!(check_replaceable(&at(name)).unwrap_err().to_string(), text);
-            assert_eq!(put(&at(name), "x").unwrap_err().to_string(), text);
-        }
-    }
-
-    #[test]
-    fn a_read_only_file_is_not_replaced() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("a.txt");
-        put(&path, "old").unwrap();
-        let mut permissions = path.metadata().unwrap().permissions();
-        permissions.set_readonly(true);
-        std::fs::set_permissions(&path, permissions).unwrap();
-        let text = format!(
-            "{}: cannot write the file: the existing file is read-only; \
-             make it writable or name another file",
-            path.display()
-        );
-        assert_eq!(put(&path, "new").unwrap_err().to_string(), text);
-        assert_eq!(std::fs::read_to_string(&path).unwrap(), "old");
-    }
-
-    #[test]
-    fn the_system_s_causes_have_their_remedies() {
-        let text = |kind: IoKind| write_error(Path::new("a"), kind.into()).to_string();
-        assert!(text(IoKind::StorageFull).ends_with("; free some space or write to another disk"));
-        assert!(text(IoKind::PermissionDenied).ends_with("; use a folder that you can write"));
-        assert!(text(IoKind::Other).ends_with("; try another folder"));
-    }
-
-    #[test]
-    #[cfg(target_os = "linux")]
-    fn a_folder_that_takes_no_files_is_named_without_the_temporary_file() {
-        // Not even the superuser can make a file there.
-        let error = check_replaceable(Path::new("/proc/a.ppm")).unwrap_err().to_string();
-        assert!(error.starts_with("/proc/a.ppm: cannot write the file: "), "{error}");
-        assert!(!error.contains(".part"), "{error}");
-    }
-
-    #[test]
-    #[cfg(unix)]
-    fn permissions_are_those_of_any_new_file_or_of_the_file_replaced() {
-        use std::os::unix::fs::PermissionsExt;
-        let folder = tempfile::tempdir().unwrap();
-        let (path, plain) = (folder.path().join("a.txt"), folder.path().join("b.txt"));
-        let mode = |path: &Path| path.metadata().unwrap().permissions().mode() & 0o777;
-        std::fs::write(&plain, "").unwrap();
-        put(&path, "").unwrap();
-        assert_eq!(mode(&path), mode(&plain));
-        std::fs::set_permissions(&path, std::fs::Permissions::from_mode(0o640)).unwrap();
-        put(&path, "new").unwrap();
-        assert_eq!(mode(&path), 0o640);
-    }
-
-    #[test]
-    #[cfg(unix)]
-    fn a_symbolic_link_stays_a_link() {
-        let folder = tempfile::tempdir().unwrap();
-        let (path, link) = (folder.path().join("a.txt"), folder.path().join("link"));
-        put(&path, "old").unwrap();
-        std::os::unix::fs::symlink(&path, &link).unwrap();
-        put(&link, "new").unwrap();
-        assert!(link.symlink_metadata().unwrap().is_symlink());
-        assert_eq!(std::fs::read_to_string(&path).unwrap(), "new");
-    }
-}
+mod tests;

@@ -1,18 +1,24 @@
 //! OpenEXR: colours, further channels and attributes, as 32-bit values in one part.
 //!
 //! The crate `exr` writes it. It stores custom attributes in a table without order, so they are
-//! sorted by name afterwards: the bytes of a file depend only on its content.
+//! sorted by name afterwards: the bytes of a file depend only on its content. Values are taken from
+//! the film and its channels line by line, without a copy.
 
 use std::io::Cursor;
 
+use exr::block::lines::LineRefMut;
+use exr::image::write::samples::{SamplesWriter, WritableSamples};
+use exr::math::RoundingMode;
+use exr::meta::attribute::LevelMode;
+use exr::meta::header::Header;
 use exr::prelude::{
-    AnyChannel, AnyChannels, AttributeValue, Encoding, FlatSamples, Image, Layer, LayerAttributes,
+    AnyChannel, AnyChannels, AttributeValue, Encoding, Image, Layer, LayerAttributes, SampleType,
     SmallVec, Text, WritableImage as _,
 };
 use image::error::{EncodingError, ImageFormatHint};
 use image::{ImageError, ImageFormat};
 
-use super::metadata::{Channel, Entry, Extras, Values, full_name};
+use super::metadata::{Entry, Extras, Values, full_name};
 use wavecrest_core::film::Film;
 
 /// The entry with a standard name in the format.
@@ -21,15 +27,18 @@ const SOFTWARE: &str = "software";
 /// `film` and its extras, as the bytes of a file.
 pub(super) fn encode(film: &Film, extras: &Extras<'_>) -> Result<Vec<u8>, ImageError> {
     let size = (film.width() as usize, film.height() as usize);
-    let color = |i: usize| film.pixels().iter().map(|pixel| pixel[i]).collect();
+    let of = |source| Samples { source, width: size.0 };
+    let color = |i: usize| of(Source::Color(film.pixels(), i));
     let colors = [("R", 0), ("G", 1), ("B", 2)];
-    let colors = colors.map(|(name, i)| AnyChannel::new(name, FlatSamples::F32(color(i))));
-    let mut channels: SmallVec<[AnyChannel<FlatSamples>; 4]> = colors.into_iter().collect();
+    let colors = colors.map(|(name, i)| AnyChannel::new(name, color(i)));
+    let mut channels: SmallVec<[AnyChannel<Samples<'_>>; 4]> = colors.into_iter().collect();
     for channel in extras.channels {
         if channel.values.len() != film.pixels().len() {
             return Err(failed(format!("{} has another size", channel.name)));
         }
-        channels.push(with_samples(channel));
+        let samples = of(Source::Channel(&channel.values));
+        let own = AnyChannel::new(text(&channel.name), samples);
+        channels.push(AnyChannel { quantize_linearly: false, ..own });
     }
     let attributes = attributes(extras.entries);
     let layer = Layer::new(size, attributes, Encoding::default(), AnyChannels::sort(channels));
@@ -46,14 +55,51 @@ fn failed(cause: impl Into<Box<dyn std::error::Error + Send + Sync>>) -> ImageEr
     ImageError::Encoding(EncodingError::new(ImageFormatHint::Exact(ImageFormat::OpenExr), cause))
 }
 
-fn with_samples(channel: &Channel) -> AnyChannel<FlatSamples> {
-    let samples = match &channel.values {
-        Values::Floats(values) => FlatSamples::F32(values.clone()),
-        Values::Integers(values) => FlatSamples::U32(values.clone()),
-    };
-    let mut channel = AnyChannel::new(text(&channel.name), samples);
-    channel.quantize_linearly = false;
-    channel
+/// The values of a channel, in an image of this width.
+#[derive(Clone, Copy)]
+struct Samples<'a> {
+    source: Source<'a>,
+    width: usize,
+}
+
+#[derive(Clone, Copy)]
+enum Source<'a> {
+    /// One of the three colours of each pixel.
+    Color(&'a [[f32; 3]], usize),
+    Channel(&'a Values),
+}
+
+impl<'a> WritableSamples<'_> for Samples<'a> {
+    fn sample_type(&self) -> SampleType {
+        match self.source {
+            Source::Color(..) | Source::Channel(Values::Floats(_)) => SampleType::F32,
+            Source::Channel(Values::Integers(_)) => SampleType::U32,
+        }
+    }
+
+    fn infer_level_modes(&self) -> (LevelMode, RoundingMode) {
+        (LevelMode::Singular, RoundingMode::Down)
+    }
+
+    type Writer = Samples<'a>;
+
+    fn create_samples_writer(&self, _: &Header) -> Self {
+        *self
+    }
+}
+
+impl SamplesWriter for Samples<'_> {
+    fn extract_line(&self, line: LineRefMut<'_>) {
+        let at = line.location.position;
+        let start = at.y() * self.width + at.x();
+        let range = start..start + line.location.sample_count;
+        let written = match self.source {
+            Source::Color(pixels, color) => line.write_samples(|i| pixels[start + i][color]),
+            Source::Channel(Values::Floats(all)) => line.write_samples_from_slice(&all[range]),
+            Source::Channel(Values::Integers(all)) => line.write_samples_from_slice(&all[range]),
+        };
+        debug_assert!(written.is_ok(), "a line has room for its samples");
+    }
 }
 
 /// Text of the format, which is bytes: UTF-8.

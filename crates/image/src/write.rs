@@ -97,8 +97,8 @@ pub fn bytes_to_write(format: Format, pixels: u64, values: u64) -> u64 {
         Format::Png if values == 0 => 2 * rgb,
         // The levels, with alpha if it is among the channels, and their stream.
         Format::Png => 2 * rgba,
-        // The channels, each in one piece, and the file.
-        Format::Exr => 2 * (size_of::<[f32; 3]>() as u64 + values * size_of::<f32>() as u64),
+        // The file.
+        Format::Exr => size_of::<[f32; 3]>() as u64 + values * size_of::<f32>() as u64,
     };
     pixels.saturating_mul(each)
 }

@@ -61,6 +61,27 @@ impl Folder {
     }
 }
 
+/// What a path that was written on another system or machine means here: its parts joined with `/`,
+/// and if it is absolute on any system, its last part alone.
+pub(crate) fn translated(path: &str) -> String {
+    let slashed = path.replace('\\', "/");
+    match is_absolute(&slashed) {
+        true => last_part(&slashed).to_owned(),
+        false => slashed,
+    }
+}
+
+/// The last part of a path with slashes.
+pub(crate) fn last_part(slashed: &str) -> &str {
+    slashed.rsplit('/').next().unwrap_or_default()
+}
+
+/// Whether a path with slashes begins at a root or at a drive.
+fn is_absolute(slashed: &str) -> bool {
+    let drive = slashed.split_once(':').map_or("", |(drive, _)| drive);
+    slashed.starts_with('/') || drive.len() == 1 && drive.as_bytes()[0].is_ascii_alphabetic()
+}
+
 /// Whether a path stays below its start at every step.
 fn stays_within<'a>(mut steps: impl Iterator<Item = Component<'a>>) -> bool {
     let mut depth = 0_usize;
@@ -109,6 +130,22 @@ mod tests {
             assert!(open.find(&at("a"), name).is_ok(), "{name}");
         }
         assert_eq!(open.find(&at("a"), "../none"), Err(Denied::Missing));
+    }
+
+    #[test]
+    fn paths_of_other_machines_are_translated() {
+        for (path, here) in [
+            ("C:/Users/me/out.jpg", "out.jpg"),
+            ("c:\\Users\\me\\out.jpg", "out.jpg"),
+            ("\\\\server\\share\\out.jpg", "out.jpg"),
+            ("/home/me/out.jpg", "out.jpg"),
+            ("images\\out.jpg", "images/out.jpg"),
+            ("images/out.jpg", "images/out.jpg"),
+            ("out:1.jpg", "out:1.jpg"),
+            ("/", ""),
+        ] {
+            assert_eq!(translated(path), here, "{path}");
+        }
     }
 
     #[cfg(unix)]

@@ -27,7 +27,7 @@ pub struct Estimate {
     pub batches: u64,
     /// Additional memory of images while they are decoded.
     pub decoding: u64,
-    /// Additional memory while the image is written, when there are no batches any more: layers, and files as a whole.
+    /// Additional memory while the image is written: layers, and files as a whole.
     pub writing: u64,
     /// The program itself.
     pub program: u64,
@@ -60,15 +60,17 @@ const fn tree_bytes(preset: Preset) -> u64 {
     }
 }
 
-/// Measured bytes of the program with an empty scene.
-const PROGRAM_BYTES: u64 = 10 << 20;
+/// Measured bytes of the program with an empty scene, and of each of its threads.
+fn program_bytes() -> u64 {
+    (13 << 20) + (rayon::current_num_threads() as u64) * (64 << 10)
+}
 
 impl Estimate {
     /// The peak over reading, building and tracing.
     pub fn total(&self) -> u64 {
         let lasting = self.geometry + self.appearance + self.program;
-        let traced = self.writing.max(self.batches + self.decoding);
-        let tracing = self.tree + self.film + traced;
+        // The system's allocator may keep what the batches of many threads held.
+        let tracing = self.tree + self.film + self.batches + self.decoding.max(self.writing);
         (lasting + self.build.max(tracing)).max(self.loading)
     }
 
@@ -129,7 +131,7 @@ pub fn estimate_extracted(
         batches: Batch::estimated_bytes(scene, batch_size(scene, batch)) * threads,
         decoding: scene.appearance.decoding_bytes(threads as usize),
         writing: 0,
-        program: PROGRAM_BYTES,
+        program: program_bytes(),
         loading: peak().unwrap_or(0),
     }
 }
@@ -194,7 +196,7 @@ impl Meshes {
 pub fn estimate(survey: &Survey, asked: Asked<'_>) -> Estimate {
     let meshes = Meshes::of(&survey.meshes, asked.flat);
     let mut found = Estimate {
-        program: PROGRAM_BYTES,
+        program: program_bytes(),
         geometry: meshes.geometry.saturating_add(survey.instances * INSTANCE_BYTES),
         appearance: meshes.appearance,
         ..Estimate::default()

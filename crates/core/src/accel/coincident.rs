@@ -1,14 +1,25 @@
 //! Finds heaps: many large boxes around one point, such as concentric spheres or layers of the same
 //! shape.
 //!
-//! No hierarchy helps there, and a bottom-up builder does worst of all: it merges one pair a round,
-//! with quadratic time and a tree as deep as the heap is large. A heap therefore enters the tree as
-//! one box, and its members are tested one by one.
+//! A bottom-up builder does badly there: it merges one pair a round, with quadratic time and a tree
+//! as deep as the heap is large. A heap therefore enters the hierarchy as one box, which afterwards
+//! becomes a balanced tree ([`Heaps::open`]): its leaves are full, so that triangles are tested eight
+//! at a time.
+//!
+//! Of triangles with the same corners only the first enters the tree. A ray meets all of them at
+//! the same t, where the lowest number wins.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
+use std::ops::Range;
 
 use glam::Vec3A;
 use obvhs::aabb::Aabb;
+use obvhs::bvh2::Bvh2;
+use obvhs::bvh2::node::Bvh2Node;
+
+use super::build::Single;
+use crate::geometry::Geometry;
+use crate::math::simd::LANES;
 
 /// A heap has more members than this.
 const LEAST: usize = 64;
@@ -22,8 +33,110 @@ const LARGE: f32 = 16.0;
 /// Largest number of counters of the first pass.
 const MOST_COUNTERS: usize = 1 << 16;
 
+/// The heaps of a piece.
+#[derive(Default)]
+pub(super) struct Heaps {
+    /// The members of all heaps, with their boxes.
+    pub(super) members: Vec<(Single, Aabb)>,
+    /// The members of each heap.
+    ranges: Vec<Range<usize>>,
+}
+
+impl Heaps {
+    /// Moves the members of heaps here from the lists of primitives and of their boxes, and appends
+    /// the box of each heap. `whole` is the scene's box.
+    pub(super) fn gather(
+        &mut self,
+        geometry: &Geometry,
+        whole: &Aabb,
+        (singles, boxes): (&mut Vec<Single>, &mut Vec<Aabb>),
+    ) {
+        self.members.clear();
+        self.ranges.clear();
+        let found = heaps(boxes, whole);
+        if found.is_empty() {
+            return;
+        }
+        let mut is_alone = vec![true; boxes.len()];
+        for heap in &found {
+            heap.iter().for_each(|&i| is_alone[i as usize] = false);
+            let first = self.members.len();
+            let members = heap.iter().map(|&i| (singles[i as usize], boxes[i as usize])).collect();
+            self.members.extend(ordered(geometry, members));
+            self.ranges.push(first..self.members.len());
+        }
+        let mut flags = is_alone.iter();
+        singles.retain(|_| flags.next() == Some(&true));
+        let mut flags = is_alone.iter();
+        boxes.retain(|_| flags.next() == Some(&true));
+        boxes.extend(self.ranges.iter().map(|range| self.around(range)));
+    }
+
+    /// Replaces each heap in the hierarchy by a balanced tree over its members. The numbers of heaps
+    /// as owners begin at `first`, and so do afterwards those of the members.
+    pub(super) fn open(&self, bvh: &mut Bvh2, first: usize) {
+        if self.ranges.is_empty() {
+            return;
+        }
+        for place in 0..bvh.nodes.len() {
+            let node = &bvh.nodes[place];
+            let owner = bvh.primitive_indices.get(node.first_index as usize);
+            let heap = owner.and_then(|&owner| (owner as usize).checked_sub(first));
+            if let Some(heap) = heap.filter(|_| node.is_leaf()) {
+                self.grow(bvh, place, self.ranges[heap].clone(), first);
+            }
+        }
+    }
+
+    /// Makes the node at `place` the root of a balanced tree.
+    fn grow(&self, bvh: &mut Bvh2, place: usize, members: Range<usize>, first: usize) {
+        let mut waiting = vec![(place, members)];
+        while let Some((place, members)) = waiting.pop() {
+            let Range { start, end } = members;
+            if members.len() == 1 {
+                bvh.nodes[place].first_index = bvh.primitive_indices.len() as u32;
+                bvh.primitive_indices.push((first + start) as u32);
+                continue;
+            }
+            let half = members.len().div_ceil(2);
+            // Full leaves, but for the last.
+            let half = if members.len() > LANES { half.next_multiple_of(LANES) } else { half };
+            let children = bvh.nodes.len();
+            for (child, part) in [start..start + half, start + half..end].into_iter().enumerate() {
+                bvh.nodes.push(Bvh2Node::new(self.around(&part), 1, 0));
+                waiting.push((children + child, part));
+            }
+            bvh.nodes[place].make_inner(children as u32);
+        }
+    }
+
+    /// The box of some members.
+    fn around(&self, members: &Range<usize>) -> Aabb {
+        let boxes = self.members[members.clone()].iter().map(|(_, own)| own);
+        boxes.fold(Aabb::INVALID, |all, own| all.union(own))
+    }
+}
+
+/// The members of a heap by size, without copies. Around one another, the outer ones hide the
+/// inner.
+fn ordered(geometry: &Geometry, mut members: Vec<(Single, Aabb)>) -> Vec<(Single, Aabb)> {
+    members.sort_unstable_by_key(|(single, _)| single.number);
+    let mut known = HashSet::new();
+    members.retain(|(single, _)| {
+        let Some(corners) = single.corners else { return true };
+        // Zeros of both signs are one place.
+        let bits = |v: u32| (geometry.positions[v as usize] + 0.0).to_array().map(f32::to_bits);
+        let mut corners = corners.map(bits);
+        corners.sort_unstable();
+        // Shadow rays pass the triangles of lights.
+        known.insert((corners, geometry.is_light(single.number)))
+    });
+    members.sort_by(|(_, a), (_, b)| a.half_area().total_cmp(&b.half_area()));
+    members
+}
+
 /// The heaps among `boxes`, as lists of indices in rising order. `whole` is the scene's box.
-pub(super) fn heaps(boxes: &[Aabb], whole: &Aabb) -> Vec<Vec<u32>> {
+fn heaps(boxes: &[Aabb], whole: &Aabb) -> Vec<Vec<u32>> {
     if boxes.len() <= LEAST {
         return Vec::new();
     }
@@ -65,6 +178,10 @@ fn hash(cell: [i32; 3]) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::accel::tests::{Numbers, add_triangle, compare};
+    use crate::accel::{Accel, Preset};
+    use crate::math::ray::Ray;
+    use glam::Vec3;
 
     fn cube(center: Vec3A, half: f32) -> Aabb {
         Aabb::new(center - half, center + half)
@@ -89,5 +206,72 @@ mod tests {
         let mut boxes = vec![cube(Vec3A::ZERO, 1e7)];
         boxes.extend((0..10_000).map(|i| cube(Vec3A::new(i as f32 * 1e-4, 0.0, 0.0), 1e-4)));
         assert!(heaps(&boxes).is_empty());
+    }
+
+    /// Copies of a triangle whose corners are off by up to `error`, each turned otherwise.
+    fn stack(numbers: &mut Numbers, copies: usize, error: f32) -> Geometry {
+        let corners = [Vec3::new(-1.0, -1.0, 0.0), Vec3::X, Vec3::new(0.0, 1.0, 0.3)];
+        let mut geometry = Geometry::default();
+        for copy in 0..copies {
+            let mut turned = corners.map(|corner| corner + numbers.vector() * error);
+            turned.rotate_left(copy % 3);
+            add_triangle(&mut geometry, turned);
+        }
+        geometry
+    }
+
+    /// Rays through or beside a stack, some of which end near it.
+    fn rays(numbers: &mut Numbers) -> Vec<Ray> {
+        let ray = |i: usize| {
+            let (from, to) = (numbers.vector() * 3.0, numbers.vector() * 0.6);
+            let ray = Ray::new(from, to * Vec3::new(1.0, 1.0, 0.3) - from);
+            Ray { t_max: if i % 4 == 0 { 1.0 } else { ray.t_max }, ..ray }
+        };
+        (0..300).map(ray).collect()
+    }
+
+    fn listed(geometry: &Geometry, preset: Preset) -> usize {
+        let accel = Accel::new(geometry.clone(), preset);
+        let mut count = 0;
+        let tree = accel.tree.as_ref().expect("it has one");
+        tree.for_each_leaf(|_, numbers| count += numbers.len());
+        count
+    }
+
+    #[test]
+    fn hc22_of_copies_the_first_is_met_and_the_others_cost_nothing() {
+        let mut numbers = Numbers(70_000);
+        let mut geometry = stack(&mut numbers, 1000, 0.0);
+        for preset in [Preset::Fastest, Preset::VeryFast] {
+            assert_eq!(listed(&geometry, preset), 1, "{preset:?}");
+        }
+        assert!(compare("copies", &geometry, &rays(&mut numbers)) > 50);
+        // Shadow rays pass lights: the first copy that is none counts for them.
+        geometry.lights = vec![0..300, 500..1000];
+        assert_eq!(listed(&geometry, Preset::VeryFast), 2);
+        assert!(compare("lights", &geometry, &rays(&mut numbers)) > 50);
+    }
+
+    #[test]
+    fn hc22_nearly_equal_triangles_are_answered_as_by_brute_force() {
+        let mut numbers = Numbers(80_000);
+        for error in [1e-7, 1e-6, 1e-4] {
+            let geometry = stack(&mut numbers, 300, error);
+            assert!(compare(&format!("{error}"), &geometry, &rays(&mut numbers)) > 50);
+        }
+    }
+
+    /// The outermost hides the others, so that the tree saves nearly all tests.
+    #[test]
+    fn hc22_around_one_another_most_are_not_tested() {
+        let spheres: Vec<_> = (0..1000).map(|i| (Vec3::ZERO, 1.0 + i as f32 * 1e-3)).collect();
+        let geometry = Geometry { spheres, ..Geometry::default() };
+        for preset in [Preset::Fastest, Preset::VeryFast] {
+            let accel = Accel::new(geometry.clone(), preset);
+            let mut traversal = accel.traversal();
+            let hit = accel.closest(&Ray::new(Vec3::Z * 9.0, Vec3::NEG_Z), &mut traversal);
+            assert_eq!(hit.primitive, 999);
+            assert!(traversal.tests.spheres < 100, "{preset:?}: {:?}", traversal.tests);
+        }
     }
 }

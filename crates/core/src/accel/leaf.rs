@@ -112,6 +112,9 @@ pub(super) fn take<S: Lanes, Q: Query, P: Arithmetic>(
         *best = Best::of(ANY_HIT);
         return true;
     }
+    if !Q::ANY && hits.certain.count_ones() > FEW {
+        open_overlapping(best.high, &mut hits);
+    }
     if hits.open != 0 {
         let arena = searched.tree.arena.view();
         tests.settled += u64::from(hits.open.count_ones());
@@ -139,6 +142,27 @@ pub(super) fn take<S: Lanes, Q: Query, P: Arithmetic>(
 
 /// Up to this many open triangles are settled one by one.
 const FEW: u32 = 2;
+
+/// Of hits whose intervals of t overlap, opens those with unknown t, and drops those behind: the t
+/// of all are then found at once, instead of for each comparison. Nearly equal triangles at one place
+/// depend on it.
+#[inline(never)]
+fn open_overlapping(reach: f32, hits: &mut LaneHits) {
+    let certain = |hits: &LaneHits, lane: usize| hits.certain >> lane & 1 == 1;
+    let ends = (0..8).filter(|&lane| certain(hits, lane)).map(|lane| hits.high[lane]);
+    let reach = ends.fold(reach, f32::min);
+    for lane in 0..8 {
+        if hits.low[lane] > reach {
+            hits.certain &= !(1 << lane);
+        }
+    }
+    if hits.certain.count_ones() > FEW {
+        let is_open = |&lane: &usize| certain(hits, lane) && hits.low[lane] < hits.high[lane];
+        let open = (0..8).filter(is_open).fold(0, |open, lane| open | 1 << lane);
+        hits.certain &= !open;
+        hits.open |= open;
+    }
+}
 
 /// Decides the open triangles one by one.
 #[inline(never)]

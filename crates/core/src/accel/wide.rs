@@ -33,7 +33,7 @@ mod cost {
     pub(super) const LISTED: f32 = 1.0;
 }
 
-/// The largest list that is not a heap.
+/// The largest list.
 const MOST_LISTED: u8 = 4;
 
 /// The largest number of slots for a subtree within a node.
@@ -48,8 +48,6 @@ pub(super) enum Owner<'a> {
     Patch(&'a Shared, &'a [u32]),
     /// A primitive of another kind.
     Other(u32),
-    /// Many primitives around one point: a list, at any cost.
-    Heap(&'a [u32]),
     /// A part of the tree that is already in the arena.
     Part(Part),
 }
@@ -92,7 +90,7 @@ const TOO_MANY: u8 = LANES as u8 + 1;
 
 const TRIANGLES: u8 = 1;
 const OTHERS: u8 = 2;
-/// Heaps and parts, which cannot share a leaf.
+/// Patches and parts, which cannot share a leaf.
 const ALONE: u8 = 4;
 
 /// The output of a converter.
@@ -183,7 +181,6 @@ fn alone(owner: Owner, area: f32) -> (Content, f32) {
         }
         Owner::Patch(_, numbers) => (other(ALONE), area * as_patch(numbers.len())),
         Owner::Other(_) => (other(OTHERS), area * cost::LISTED),
-        Owner::Heap(numbers) => (other(ALONE), area * cost::LISTED * numbers.len() as f32),
         Owner::Part(part) => (other(ALONE), part.cost),
     }
 }

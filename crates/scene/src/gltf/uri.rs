@@ -1,15 +1,15 @@
 //! What a URI of a glTF file leads to: bytes within the file itself, or a file beside it.
 //!
 //! A name is relative to the glTF file, and may have characters written as `%20`. It must refer to
-//! a file beside the glTF file or below, unless the user allows others. A scheme such as `http:` is
-//! never followed.
+//! a file beside the glTF file or below, unless the user allows others; of a path of another machine
+//! that is its last part. A scheme such as `http:` is never followed.
 
 use std::path::PathBuf;
 
 use base64::Engine as _;
 use base64::engine::general_purpose::{STANDARD, STANDARD_NO_PAD};
 
-use crate::folder::Denied;
+use crate::folder::{Denied, translated};
 use crate::reader::Cursor;
 use wavecrest_base::error::Result;
 
@@ -36,8 +36,13 @@ pub(super) fn target(cursor: &Cursor<'_>) -> Result<Target> {
     }
     let folder = cursor.notes().folder();
     let find = |name: &str| folder.find(folder.path(), name);
+    let of_another_machine = |denied| {
+        let path = find(&translated(&name)).map_err(|_| denied)?;
+        cursor.warn("there is no such file here", &format!("{} is used", path.display()));
+        Ok(path)
+    };
     // Some exporters do not escape %.
-    match find(&name).or_else(|denied| find(uri).map_err(|_| denied)) {
+    match find(&name).or_else(|denied| find(uri).or_else(|_| of_another_machine(denied))) {
         Ok(path) => Ok(Target::File(path)),
         // Reading it reports the error.
         Err(Denied::Missing) => Ok(Target::File(folder.path().join(name))),
@@ -51,7 +56,7 @@ pub(super) fn target(cursor: &Cursor<'_>) -> Result<Target> {
 /// Whether a URI begins with a scheme. A single letter is a drive.
 fn scheme(uri: &str) -> bool {
     let Some((scheme, _)) = uri.split_once(':') else { return false };
-    !scheme.is_empty() && scheme.chars().all(|c| c.is_ascii_alphanumeric() || "+-.".contains(c))
+    scheme.len() > 1 && scheme.chars().all(|c| c.is_ascii_alphanumeric() || "+-.".contains(c))
 }
 
 /// The bytes of a data URI, given the part after `data:`.

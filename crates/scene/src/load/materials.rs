@@ -8,7 +8,7 @@ use std::io::Read as _;
 use std::path::{Path, PathBuf};
 
 use crate::components::{Mesh, Name};
-use crate::folder::{Denied, Folder};
+use crate::folder::{Denied, Folder, last_part};
 use crate::mesh::{MeshData, NamedMaterials};
 use crate::mtl::{Library, Look, Mtl, surface};
 use crate::reader::Notes;
@@ -204,10 +204,10 @@ impl Reader<'_> {
     /// exist: the last part of a name is enough if that file is beside the OBJ file.
     fn find(&self, from: &Path, name: &str) -> Result<PathBuf, Denied> {
         let slashed = name.replace('\\', "/");
-        let last = slashed.rsplit('/').next().unwrap_or_default();
+        let beside = self.folder.path();
         self.folder.find(from, name).or_else(|denied| {
             let others =
-                [self.folder.find(from, &slashed), self.folder.find(self.folder.path(), last)];
+                [self.folder.find(from, &slashed), self.folder.find(beside, last_part(&slashed))];
             others.into_iter().flatten().next().ok_or(denied)
         })
     }

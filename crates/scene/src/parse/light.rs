@@ -107,9 +107,9 @@ const SKY_KEYS: &[Key] = keys! {
 
 const AREA_KEYS: &[Key] = keys! {
     /// Distribution of the points on the light: random, one in each cell of a grid, or Sobol.
-    "sampling": word::<Sampling>(), Required;
+    "sampling": word::<Sampling>(), Says("jittered");
     /// Points on the light; with jittered sampling, along each side of the grid.
-    "samples": Integer(1, MOST_SAMPLES), Required;
+    "samples": Integer(1, MOST_SAMPLES), Is(4.0);
     /// The shape that emits the light; it needs no material.
     "shape": Definition("lit-shape"), Required;
 };
@@ -205,15 +205,38 @@ fn area_light(object: &Object<'_>) -> Result<Light> {
     // The report's format has this key, but the shape gives the position.
     object.get("position").map(|cursor| cursor.point()).transpose()?;
     let sampling = object.word("sampling");
+    let samples = samples(object, sampling)?;
+    note_samples(object, sampling, samples);
     let light = AreaLight {
         intensity: object.number("intensity"),
         color: object.color("color"),
         falloff: object.word("falloff"),
         sampling,
-        samples: samples(object, sampling)?,
+        samples,
     };
     let shape = Box::new(light_shape(&object.need("shape", "a shape, an object { ... }")?)?);
     Ok(Light::Area { path: object.cursor().path(), light, shape })
+}
+
+/// Says how many points an area light takes if that is left open: they decide time and noise.
+fn note_samples(object: &Object<'_>, sampling: Sampling, samples: u32) {
+    let is_absent = |key: &&str| !object.has(key);
+    let absent: Vec<String> = ["sampling", "samples"]
+        .iter()
+        .filter(|key| is_absent(key))
+        .map(|key| format!("{key:?}"))
+        .collect();
+    if absent.is_empty() {
+        return;
+    }
+    let points = match sampling {
+        Sampling::Jittered => format!("{samples} x {samples}"),
+        _ => samples.to_string(),
+    };
+    let cursor = object.cursor();
+    let message = format!("has no {}", absent.join(" and "));
+    let remedy = format!("{points} {} points on it are used", sampling.name());
+    cursor.notes().note(&cursor.path(), &message, &remedy);
 }
 
 /// The `samples` of a light: the total, or along each side of a grid.

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 use glam::DVec3;
 
 use crate::components::{CutOut, Maps, MetalMap, Placing, StrengthMap, TextureRef, TextureSource};
+use crate::folder::translated;
 use crate::reader::{Cursor, Key, Kind, Object, Range, keys};
 use wavecrest_base::error::{ErrorKind, Result};
 
@@ -139,11 +140,19 @@ pub(super) fn maps(object: &Object<'_>) -> Result<Maps> {
     })
 }
 
-/// The path of an existing file, joined to the scene file's folder; `what` describes it.
+/// The path of an existing file, joined to the scene file's folder; `what` describes it. Instead of
+/// a file of another machine, the one of the same name beside the scene is taken.
 pub(super) fn existing_file(cursor: &Cursor<'_>, what: &str) -> Result<PathBuf> {
-    let path = cursor.notes().resolve(cursor.text(what)?);
+    let notes = cursor.notes();
+    let text = cursor.text(what)?;
+    let path = notes.resolve(text);
     if path.is_file() {
         return Ok(path);
+    }
+    let here = notes.resolve(&translated(text));
+    if here.is_file() {
+        cursor.warn("there is no such file here", &format!("{} is used", here.display()));
+        return Ok(here);
     }
     let there = if path.is_dir() { "a folder, not a file," } else { "no file" };
     let message = format!("there is {there} at {}", path.display());

@@ -100,8 +100,8 @@ const fn ignored(name: &'static str) -> Key {
 const PLACE_KEYS: &[Key] = keys! {
     /// Transform from its own space to the world.
     "transform": Definition("transform");
-    /// The sides that lights illuminate; by default both for spheres and mesh files, and the front for
-    /// others.
+    /// The sides that lights illuminate; by default both for spheres and for meshes without
+    /// `normal`, and the front for others.
     "sides": word::<Sides>();
     /// Whether a mesh is shaded with its triangles' normals or with its own.
     "shading": word::<Shading>(), Says("flat");
@@ -201,10 +201,10 @@ fn read(object: &Object<'_>) -> Result<Shape> {
         ShapeKind::Triangle => triangle(object)?,
         ShapeKind::Trimesh => (mesh::mesh(object)?, None),
     };
-    let default_sides = match geometry {
-        Geometry::Sphere(_) | Geometry::MeshFile(_) => Sides::Both,
-        _ => Sides::Front,
-    };
+    // A mesh without a statement about its fronts has two.
+    let has_fronts = kind != ShapeKind::Trimesh || object.has("normal");
+    let default_sides =
+        if kind == ShapeKind::Sphere || !has_fronts { Sides::Both } else { Sides::Front };
     let (vertex_colors, materials) = match geometry {
         Geometry::MeshFile(_) => (object.word("vertexcolors"), object.word("materials")),
         _ => Default::default(),

@@ -63,6 +63,11 @@ impl<'a> Object<'a> {
         Some(Cursor::new(value, Place::Key(self.cursor.place(), key), self.cursor.notes()))
     }
 
+    /// Whether a key of this kind is set.
+    pub(crate) fn has(&self, key: &str) -> bool {
+        self.key(key).is_some() && self.map.contains_key(key)
+    }
+
     /// The value of a required `key`; `what` describes it.
     pub(crate) fn need(&self, key: &'static str, what: &str) -> Result<Cursor<'_>> {
         self.need_one_of(&[key], what)

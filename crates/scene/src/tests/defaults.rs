@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use glam::{DAffine3, DVec3, dvec3};
 use serde_json::json;
 
-use super::{accepted, at, complete, load, only, set, with, without};
+use super::{accepted, at, complete, load, only, set, warnings, with, without};
 use crate::components::{
     Ambient, AreaLight, Encoding, Facing, Falloff, Filter, FovAxis, JsonPath, Material, Mesh, Name,
     Order, Pinhole, PointLight, Quad, Sampling, Settings, Shading, Sides, Sphere, TextureRef,
@@ -175,6 +175,28 @@ fn lights() {
     assert_eq!(light.falloff, Falloff::InverseSquare);
 }
 
+/// Both keys are in the report's examples, but not in all of its files.
+#[test]
+fn area_lights_without_samples_take_some_and_say_so() {
+    let of = |absent: &[&str]| {
+        let mut scene = complete();
+        let light = scene["scene"]["lightsources"][1].as_object_mut().unwrap();
+        light["samples"] = json!(7);
+        absent.iter().for_each(|key| drop(light.remove(*key)));
+        let light: AreaLight = at(&load(&scene).unwrap(), "scene.lightsources[1]").unwrap();
+        (light.sampling, light.samples, warnings(&scene))
+    };
+    let told =
+        |what: &str| vec![format!("scene.lightsources[1]: has no {what} points on it are used")];
+    let all = told("\"sampling\" and \"samples\"; 4 x 4 jittered");
+    assert_eq!(of(&["sampling", "samples"]), (Sampling::Jittered, 4, all));
+    let told_sampling = told("\"sampling\"; 7 x 7 jittered");
+    assert_eq!(of(&["sampling"]), (Sampling::Jittered, 7, told_sampling));
+    let mut random = without("scene.lightsources[1].samples");
+    random["scene"]["lightsources"][1]["sampling"] = json!("random");
+    assert_eq!(warnings(&random), told("\"samples\"; 4 random"));
+}
+
 #[test]
 fn area_lights_take_every_shape() {
     let path = "scene.lightsources[1].shape";
@@ -238,7 +260,10 @@ fn shape_defaults() {
     let sides: Vec<Option<Sides>> =
         (0..6).map(|i| at(&scene, &format!("scene.shapes[{i}]"))).collect();
     let (front, both) = (Some(Sides::Front), Some(Sides::Both));
-    assert_eq!(sides, [both, front, front, front, front, both]);
+    assert_eq!(sides, [both, front, front, front, both, both]);
+    // A strip without fronts of its own has none.
+    let strip = load(&without("scene.shapes[3].normal")).unwrap();
+    assert_eq!(at(&strip, "scene.shapes[3]"), both);
     assert_eq!(at(&scene, "scene.shapes[1]"), Some(Shading::Flat));
     let scene = load(&without("scene.shapes[0].material.kr")).unwrap();
     assert_eq!(at::<Material>(&scene, "scene.shapes[0]").unwrap().kr, 0.0);

@@ -109,6 +109,40 @@ fn paths_start_from_the_scene_files_folder() {
     assert_eq!(found, Some(mesh.clone()));
 }
 
+#[test]
+fn files_of_another_machine_are_found_beside_the_scene() {
+    let (folder, path) = in_folder("s.json", b"");
+    let here = |name: &str| folder.path().join(name);
+    fs::create_dir(here("images")).unwrap();
+    for name in ["out.jpg", "bunny.ply", "images/wood.png"] {
+        fs::write(here(name), b"").unwrap();
+    }
+    let scene = set(complete(), "scene.shapes[0].texture", json!("C:/Users/me/out.jpg"));
+    let scene = set(scene, "scene.shapes[1].texture", json!("images\\wood.png"));
+    let scene = set(scene, "scene.shapes[5].file", json!("/home/me/none/bunny.ply"));
+    let loaded =
+        load_with(&scene.to_string(), &path, &LoadOptions::default(), one_triangle).unwrap();
+    let warnings: Vec<String> = loaded.warnings.iter().map(ToString::to_string).collect();
+    let told = |place: &str, value: &str, name: &str| {
+        let [scene, used] = [&path, &here(name)].map(|path| path.display().to_string());
+        format!(
+            "{scene}: scene.{place}: there is no such file here, found {value:?}; {used} is used"
+        )
+    };
+    assert_eq!(
+        warnings,
+        [
+            told("shapes[0].texture", "C:/Users/me/out.jpg", "out.jpg"),
+            told("shapes[1].texture", "images\\wood.png", "images/wood.png"),
+            told("shapes[5].file", "/home/me/none/bunny.ply", "bunny.ply"),
+        ]
+    );
+    let missing = set(complete(), "scene.shapes[0].texture", json!("C:/Users/me/none.jpg"));
+    let error = load_with(&missing.to_string(), &path, &LoadOptions::default(), one_triangle);
+    let error = error.err().unwrap().to_string();
+    assert!(error.contains("C:/Users/me/none.jpg"), "{error}");
+}
+
 fn with_reader(reader: impl Fn(&Path) -> Result<LoadedMesh>) -> Result<LoadedScene> {
     let json = complete().to_string();
     load_with(&json, Path::new("s.json"), &LoadOptions::default(), reader)

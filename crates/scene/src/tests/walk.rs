@@ -55,8 +55,6 @@ fn each_required_key_is_missed_by_its_path() {
         "scene.lightsources[1].type",
         "scene.lightsources[1].intensity",
         "scene.lightsources[1].color",
-        "scene.lightsources[1].sampling",
-        "scene.lightsources[1].samples",
         "scene.lightsources[1].shape",
         "scene.lightsources[1].shape.type",
         "scene.lightsources[1].shape.points",

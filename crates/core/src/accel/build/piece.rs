@@ -7,7 +7,7 @@ use obvhs::ploc::PlocBuilder;
 
 use super::leaves::{Finder, Leaf};
 use super::weld::Welder;
-use crate::accel::coincident;
+use crate::accel::coincident::Heaps;
 use crate::accel::wide::{Converter, Output, Owner, Part};
 use crate::geometry::Geometry;
 use crate::kernels::slab::Aabb;
@@ -40,11 +40,12 @@ pub(super) struct Piece {
     pub(super) output: Output,
 }
 
-/// The primitives of each owner: of leaves if they are found first, else of singles, then of heaps.
+/// The primitives of each owner: of leaves if they are found first, else of singles, then members of
+/// heaps.
 #[derive(Default)]
 pub(super) struct Members {
     pub(super) singles: Vec<Single>,
-    heaps: Vec<Vec<u32>>,
+    heaps: Heaps,
     pub(super) leaves: Vec<Leaf>,
     /// The numbers of the primitives in leaves.
     pub(super) numbers: Vec<u32>,
@@ -52,13 +53,19 @@ pub(super) struct Members {
 
 /// A primitive alone, or a half of a quad.
 #[derive(Clone, Copy)]
-pub(super) struct Single {
-    pub(super) number: u32,
+pub(in crate::accel) struct Single {
+    pub(in crate::accel) number: u32,
     /// The vertices, if it is tested in lanes: neither a sphere nor a cut-out.
-    pub(super) corners: Option<[u32; 3]>,
+    pub(in crate::accel) corners: Option<[u32; 3]>,
 }
 
 impl Members {
+    /// The number of owners outside of heaps: either list is empty.
+    #[inline(always)]
+    fn alone(&self) -> usize {
+        self.leaves.len() + self.singles.len()
+    }
+
     /// The owner with that number.
     #[inline(always)]
     fn owner(&self, owner: u32) -> Owner<'_> {
@@ -70,10 +77,11 @@ impl Members {
                 None => Owner::Other(numbers[0]),
             };
         }
-        match self.singles.get(owner) {
-            Some(Single { number, corners: Some(corners) }) => Owner::Triangle(*number, *corners),
-            Some(single) => Owner::Other(single.number),
-            None => Owner::Heap(&self.heaps[owner - self.leaves.len() - self.singles.len()]),
+        let single = self.singles.get(owner);
+        let single = single.unwrap_or_else(|| &self.heaps.members[owner - self.alone()].0);
+        match single.corners {
+            Some(corners) => Owner::Triangle(single.number, corners),
+            None => Owner::Other(single.number),
         }
     }
 }
@@ -82,7 +90,8 @@ impl Piece {
     /// Builds the hierarchy over these entries, at least one, and decides its conversion.
     pub(super) fn build(&mut self, plan: &Plan, entries: &[u32]) {
         self.gather(plan, entries);
-        self.gather_heaps(&plan.extents);
+        let Members { singles, heaps, .. } = &mut self.members;
+        heaps.gather(plan.geometry, &to_obvhs(plan.extents), (singles, &mut self.boxes));
         if plan.leaves_first {
             self.finder.find(&mut self.members, &mut self.boxes);
         }
@@ -101,6 +110,7 @@ impl Piece {
         );
         let ratio = parameters.reinsertion_batch_ratio;
         self.optimizer.run(&mut self.bvh, ratio, rounds.clone());
+        self.members.heaps.open(&mut self.bvh, self.members.alone());
         self.converter.evaluate(&self.bvh, |owner| self.members.owner(owner));
     }
 
@@ -128,29 +138,6 @@ impl Piece {
             let triangles = singles.iter_mut().filter_map(|single| single.corners.as_mut());
             self.welder.weld(&geometry.positions, triangles, entries.len());
         }
-    }
-
-    /// Removes the members of heaps from both lists and appends the box of each heap.
-    fn gather_heaps(&mut self, extents: &Aabb) {
-        let (boxes, Members { singles, heaps, .. }) = (&mut self.boxes, &mut self.members);
-        let found = coincident::heaps(boxes, &to_obvhs(*extents));
-        let number = |&i: &u32| singles[i as usize].number;
-        *heaps = found.iter().map(|heap| heap.iter().map(number).collect()).collect();
-        if found.is_empty() {
-            return;
-        }
-        let mut is_alone = vec![true; boxes.len()];
-        found.iter().flatten().for_each(|&i| is_alone[i as usize] = false);
-        let union = |heap: &Vec<u32>| {
-            let all = |u: obvhs::aabb::Aabb, &i: &u32| u.union(&boxes[i as usize]);
-            heap.iter().fold(obvhs::aabb::Aabb::INVALID, all)
-        };
-        let unions: Vec<_> = found.iter().map(union).collect();
-        let mut flags = is_alone.iter();
-        singles.retain(|_| flags.next() == Some(&true));
-        let mut flags = is_alone.iter();
-        boxes.retain(|_| flags.next() == Some(&true));
-        boxes.extend(unions);
     }
 
     /// Cuts the piece into about `parts` parts and writes each to `output`.

@@ -179,10 +179,6 @@ impl<'b, F: Fn(u32) -> Owner<'b>> Emitter<'_, F> {
                     others[other_count] = number;
                     other_count += 1;
                 }
-                Owner::Heap(numbers) => {
-                    self.list(numbers);
-                    return (start, Kind::List);
-                }
                 Owner::Part(part) => return (part.unit, part.kind),
             }
         }
