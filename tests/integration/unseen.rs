@@ -100,7 +100,7 @@ fn rows() -> Vec<Row> {
     let back = |kr: f64, more: &[Value]| {
         let floor = with(floor(), "normal", json!([0, -1, 0]));
         let floor = with(floor, "material", with(matte(0.8, [0.5; 3]), "kr", kr));
-        scene(3, &camera(), &[lamp(3.0)], &[&[floor, ball()], more].concat())
+        scene(3, &camera(), &[lamp(3.0)], &[&[floor, ball()][..], more].concat())
     };
     vec![
         row(
@@ -292,14 +292,16 @@ fn shapes_that_no_ray_can_meet_are_not_kept() {
         "material": matte(0.8, [0.5; 3])});
     let quad = |z| wall(1.0, z, matte(0.8, [0.5; 3]));
     let around = |before: &[Value], after: &[Value], intensity: f64| {
-        let shapes = [before, &[seen.clone(), quad(-1.0), ball(), floor()], after].concat();
+        let shapes = [before, &[seen.clone(), quad(-1.0), ball(), floor()][..], after].concat();
         let lamp = with(lamp(3.0), "intensity", intensity);
         scene(0, &camera(), &[lamp], &shapes)
     };
     let unseen = [mesh.clone(), quad(9.0), sphere([0.0, 2.0, 10.0], 1.0, matte(0.8, [0.5; 3]))];
     let expected = prepared(&around(&[], &[], 0.0), folder.path());
     let images = both(&expected);
-    for (before, after) in [(&unseen[..], &[][..]), (&[], &unseen), (&unseen[..1], &unseen[1..])] {
+    for (before, after) in
+        [(&unseen[..], &[][..]), (&[][..], &unseen[..]), (&unseen[..1], &unseen[1..])]
+    {
         let json = around(before, after, 0.0);
         let found = prepared(&json, folder.path());
         assert_eq!(found.bytes(), expected.bytes());
