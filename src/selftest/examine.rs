@@ -40,9 +40,6 @@ struct Tried {
     /// The hits of every kernel, compared with those of the reference; `None` for fast precision.
     #[serde(skip_serializing_if = "Option::is_none")]
     agreement: Option<Outcome>,
-    /// Time for a ray relative to fast precision.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    times_fast: Option<f64>,
     /// Samples of a small image that are not finite, in either tracer; `None` for a mesh.
     #[serde(skip_serializing_if = "Option::is_none")]
     invalid: Option<u64>,
@@ -68,26 +65,32 @@ impl Examined {
                 preset.name()
             );
         }
-        let has_triangles = self.shape.triangles > 0;
-        self.trials.iter().for_each(|tried| text += &tried.text(has_triangles));
+        self.trials.iter().for_each(|tried| text += &tried.text());
         text
     }
 
-    /// The shape in words, and what of it is not tested.
+    /// The shapes in words.
     fn described(&self) -> String {
-        let Shape { triangles, others, dropped, slivers, longest, borders, crowded } = &self.shape;
-        let mut text = if *triangles == 0 {
-            "no triangles to test for leaks and self-hits\n".to_owned()
-        } else {
-            format!(
-                "{triangles} triangles, {dropped} degenerate ones left out; {slivers} slivers, aspect ratios up to \
-                 {longest:.0};\n  {borders} boundary edges, {crowded} edges of more than two triangles\n"
-            )
-        };
-        if *others > 0 {
+        let Shape { triangles, quads, spheres, instanced, .. } = self.shape;
+        let Shape { dropped, slivers, longest, borders, crowded, .. } = self.shape;
+        let counts = [
+            (triangles, "triangles"),
+            (quads, "quads"),
+            (spheres, "spheres"),
+            (instanced, "triangles of instances"),
+        ];
+        let there = counts.iter().filter(|(count, _)| *count > 0);
+        let there: Vec<String> = there.map(|(count, name)| format!("{count} {name}")).collect();
+        let mut text = there.join(", ");
+        if text.is_empty() {
+            text += "no shapes, so no rays to test";
+        }
+        text.push('\n');
+        if triangles + quads > 0 {
             let _ = writeln!(
                 text,
-                "  {others} quads, spheres and triangles of instances: not tested for leaks and self-hits"
+                "  {dropped} degenerate triangles left out; {slivers} slivers, aspect ratios up to {longest:.0};\n  \
+                 {borders} boundary edges, {crowded} edges of more than two triangles"
             );
         }
         text
@@ -95,29 +98,33 @@ impl Examined {
 }
 
 impl Tried {
-    /// In words; without triangles, only the samples.
-    fn text(&self, has_triangles: bool) -> String {
-        let Self { precision, trial, agreement, times_fast, invalid } = self;
-        let Trial { leaks, self_hits, nanoseconds, errors } = trial;
-        let name = precision.name();
-        let invalid = invalid.map(|n| format!("{n} samples are not finite"));
-        let agreement = agreement.as_ref().filter(|outcome| outcome.tried > 0);
-        let differing = agreement.map_or(String::new(), |Outcome { tried, failed, .. }| {
-            format!("      {failed} of {tried} answers at edges and vertices differ from the reference's\n")
-        });
-        if !has_triangles {
-            let invalid = invalid.map_or(String::new(), |text| format!("    {name:<7}{text}\n"));
-            return invalid + &differing;
+    /// In words.
+    fn text(&self) -> String {
+        let Self { precision, trial, agreement, invalid } = self;
+        let Trial { leaks, self_hits, errors } = trial;
+        let mut text = format!("    {:<7}", precision.name());
+        if self_hits.tried > 0 {
+            let _ = write!(
+                text,
+                "{} of {} rays leak, {} of {} hit their own shape",
+                leaks.failed, leaks.tried, self_hits.failed, self_hits.tried,
+            );
         }
-        let ratio = times_fast.map_or(String::new(), |t| format!("  {t:>5.2} x fast"));
-        let invalid = invalid.map_or(String::new(), |invalid| format!(", {invalid}"));
-        let mut text = format!(
-            "    {name:<7}{} of {} rays leak, {} of {} hit their own triangle{invalid} \
-             {nanoseconds:>8.1} ns each{ratio}\n",
-            leaks.failed, leaks.tried, self_hits.failed, self_hits.tried,
-        );
-        let _ = writeln!(text, "      {}", errors.words());
-        text += &differing;
+        let separator = if self_hits.tried > 0 { ", " } else { "" };
+        if let Some(invalid) = invalid {
+            let _ = write!(text, "{separator}{invalid} samples are not finite");
+        }
+        text.push('\n');
+        if errors.t.total() > 0 {
+            let _ = writeln!(text, "      {}", errors.words());
+        }
+        let agreement = agreement.as_ref().filter(|outcome| outcome.tried > 0);
+        if let Some(Outcome { tried, failed, .. }) = agreement {
+            let _ = writeln!(
+                text,
+                "      {failed} of {tried} answers at edges and vertices differ from the reference's"
+            );
+        }
         // Failures of fast precision are expected.
         let first = agreement.and_then(|outcome| outcome.first.as_ref());
         let told = [leaks.first.as_ref(), self_hits.first.as_ref(), first].into_iter().flatten();
@@ -147,13 +154,8 @@ pub(super) fn run(file: &Path, asked: &Asked) -> Result<Examined> {
             bvh: bvh(&accel, preset, &effort),
             trials: Vec::new(),
         });
-        let first = examined.trials.first().map(|tried| (tried.precision, tried.trial.nanoseconds));
-        let (fastest, nanoseconds) = first.unwrap_or((precision, trial.nanoseconds));
-        // Nothing is timed without triangles.
-        let is_timed = fastest == Precision::Fast && nanoseconds > 0.0;
-        let times_fast = is_timed.then(|| trial.nanoseconds / nanoseconds);
         let agreement = (precision == Precision::Exact).then(|| agreement(accel, &effort));
-        examined.trials.push(Tried { precision, trial, agreement, times_fast, invalid });
+        examined.trials.push(Tried { precision, trial, agreement, invalid });
     }
     examined.ok_or_else(|| Error::new(ErrorKind::Usage, "no precision is named"))
 }
