@@ -14,7 +14,7 @@ use wavecrest_core::kernels::precision::Precision;
 use wavecrest_core::render::{RenderOptions, TracerKind, render};
 use wavecrest_report::selftest::Outcome;
 use wavecrest_report::selftest::agreement::agreement;
-use wavecrest_report::selftest::examine::{Bvh, Shape, Trial, bvh, shape, trial};
+use wavecrest_report::selftest::examine::{Shape, Trial, shape, trial};
 use wavecrest_scene::load::{LoadOptions, load};
 use wavecrest_scene::mesh;
 use wavecrest_scene::systems::{self, Options};
@@ -27,7 +27,6 @@ const IMAGE_SIDE: u32 = 128;
 pub(super) struct Examined {
     file: String,
     shape: Shape,
-    bvh: Option<Bvh>,
     trials: Vec<Tried>,
 }
 
@@ -58,13 +57,6 @@ impl Examined {
     /// In words.
     pub(super) fn text(&self) -> String {
         let mut text = format!("{}: {}", self.file, self.described());
-        if let Some(Bvh { preset, nodes, depth, overlap }) = &self.bvh {
-            let _ = writeln!(
-                text,
-                "  BVH {}: {nodes} nodes, depth {depth}, {overlap:.2} leaves per point of the surface",
-                preset.name()
-            );
-        }
         self.trials.iter().for_each(|tried| text += &tried.text());
         text
     }
@@ -146,12 +138,11 @@ pub(super) fn run(file: &Path, asked: &Asked) -> Result<Examined> {
         } else {
             of_scene(file, precision, asked.seed)?
         };
-        let Ready { accel, preset, invalid } = ready;
+        let Ready { accel, invalid } = ready;
         let trial = trial(&accel, &effort);
         let examined = examined.get_or_insert_with(|| Examined {
             file: file.display().to_string(),
             shape: shape(accel.geometry(), &accel),
-            bvh: bvh(&accel, preset, &effort),
             trials: Vec::new(),
         });
         let agreement = (precision == Precision::Exact).then(|| agreement(accel, &effort));
@@ -163,8 +154,6 @@ pub(super) fn run(file: &Path, asked: &Asked) -> Result<Examined> {
 /// The prepared input.
 struct Ready {
     accel: Accel,
-    /// The preset of its tree.
-    preset: Preset,
     /// Number of samples that are not finite; `None` for a mesh.
     invalid: Option<u64>,
 }
@@ -173,8 +162,7 @@ fn of_mesh(file: &Path, precision: Precision) -> Result<Ready> {
     let data = mesh::load(file)?.mesh;
     let (positions, triangles) = (data.positions, data.triangles);
     let geometry = Geometry { positions, triangles, precision, ..Geometry::default() };
-    let preset = Preset::VeryFast;
-    Ok(Ready { accel: Accel::new(geometry, preset), preset, invalid: None })
+    Ok(Ready { accel: Accel::new(geometry, Preset::VeryFast), invalid: None })
 }
 
 fn of_scene(file: &Path, precision: Precision, seed: u64) -> Result<Ready> {
@@ -190,5 +178,5 @@ fn of_scene(file: &Path, precision: Precision, seed: u64) -> Result<Ready> {
         let options = RenderOptions { tracer, seed, ..RenderOptions::default() };
         invalid += render(&scene, &options, &())?.counters.invalid;
     }
-    Ok(Ready { accel: scene.accel, preset, invalid: Some(invalid) })
+    Ok(Ready { accel: scene.accel, invalid: Some(invalid) })
 }

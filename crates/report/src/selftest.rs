@@ -21,6 +21,7 @@ mod lights;
 mod numbers;
 mod parts;
 mod placed;
+mod prelude;
 mod refused;
 mod scenes;
 mod shapes;
@@ -73,14 +74,14 @@ pub const CASES: &[Case] = &[
     Case::new(2, "rays through vertices of 3 to 64 triangles", "no ray leaves a closed mesh",
         &[Rays(edges::CLOSED, 10_000_000, edges::vertices)]),
     Case::new(3, "rays on the faces of the BVH's boxes", "exact hits, with every preset at three scales",
-        &[Rays(boxes::SCALES.len(), 3_000_000, boxes::faces)]),
+        &[Rays(boxes::SCALES.len(), 1_000_000, boxes::faces)]),
     Case::new(4, "rays along an axis that start in the plane of a face", "every ray hits the surface ahead",
         &[Rays(1, 1_000_000, boxes::along_axes)]),
     Case::new(5, "directions with 0 and -0", "exact hits", &[Rays(1, 1_000_000, boxes::signed_zeros)]),
     Case::new(6, "directions with a component of 1e-45 to 1e-6", "no box of 1 cm is missed, up to t = 1e6",
         &[Rays(1, 1_000_000, boxes::tiny_components)]),
     Case::new(7, "scenes moved by up to 2^17", "the same primitives but at edges, and no lit pixel is dark",
-        &[Rays(placed::MOVES[0], 1_000_000, placed::moved), Images(placed::MOVES, placed::without_acne)]),
+        &[Rays(12, 1_000_000, placed::moved), Images(placed::MOVES, placed::without_acne)]),
     Case::new(8, "scenes scaled by 2^-20 to 2^20, or with permuted axes", "the same image, bit for bit",
         &[Images(placed::SCALES, placed::scaled)]),
     Case::new(9, "rays that leave a surface", "no ray hits it again", &[Values(1_000_000, surfaces::leaving)]),
@@ -105,10 +106,10 @@ pub const CASES: &[Case] = &[
         "no hit more than 8 ulp outside the triangle's box", &[Rays(100, 1_000_000, flat::slivers)]),
     Case::new(20, "rays in a triangle's plane", "no hit", &[Rays(100, 1_000_000, boxes::in_the_plane)]),
     Case::new(21, "duplicate triangles, in any order", "the closest hit, and of equal ones the first",
-        &[Rays(4, 4_000_000, boxes::duplicates)]),
+        &[Rays(4, 1_000_000, boxes::duplicates)]),
     Case::new(22, "up to a million triangles around one point", "exact hits, with at most twice as many tests",
         &[Rays(3, 9_600, boxes::one_centroid), Own(boxes::tests_of_one_centroid)]),
-    Case::new(23, "500 nested triangles", "exact hits", &[Rays(1, 100_000, boxes::nested)]),
+    Case::new(23, "500 nested triangles", "exact hits", &[Rays(1, 50_000, boxes::nested)]),
     Case::new(24, "scenes with at most one shape and one light",
         "background where there is no shape, black where there is no light", &[Images([3, 100], views::next_to_nothing)]),
     Case::new(25, "broken meshes, and random bytes", "rendered, or refused with file and place", &[Own(refused::meshes)]),
@@ -167,11 +168,11 @@ pub const CASES: &[Case] = &[
         &[Rays(8, 1_000_000, edges::scans)]),
     Case::new(52, "trilinear footprints of any size, and at grazing angles", "the level of the longer side; the mean where it exceeds the image",
         &[Values(1_000_000, textures::footprints), Images([8, 200], textures::grazing)]),
-    Case::new(53, "texels that are NaN or infinite", "counted and black where they are needed, and nowhere else",
+    Case::new(53, "texels that are NaN or infinite", "0 in those channels, and as they are in all others",
         &[Images([4, 100], textures::no_numbers)]),
     Case::new(54, "lenses cut by walls and spheres", "each point of the lens sees its side",
         &[Images([6, 200], views::cut_lens)]),
-    Case::new(55, "sums over a million samples of a lens, or points of a light", "within 1e-6 of the exact sum",
+    Case::new(55, "sums over a million rays of a lens, and 65 536 points of a light", "within 1e-6 and 0.4 % of the exact sum",
         &[Images([1, 10], sums::a_million)]),
     Case::new(56, "estimates by every sampler over 48 seeds", "no bias, and no correlation, beyond 6 standard errors",
         &[Own(sums::samplers)]),

@@ -1,18 +1,15 @@
 //! Every kernel against the reference, on a user's own scene: rays aimed at edges and vertices.
 
-use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
-use super::case::{Count, Effort, Outcome};
+use super::case::Count;
 use super::examine::{Extent, rays};
-use super::numbers::Numbers;
+use super::prelude::*;
 use super::shapes::{add_sheet, add_triangle, corners};
 use super::ways::{blocks, in_order, with_every_kernel};
-use wavecrest_core::accel::build::Preset;
-use wavecrest_core::accel::{Accel, Hit, KernelChoice};
-use wavecrest_core::geometry::{Geometry, Primitive};
+use wavecrest_core::accel::KernelChoice;
+use wavecrest_core::geometry::Primitive;
 use wavecrest_core::kernels::precision::Precision;
-use wavecrest_core::math::ray::Ray;
 
 /// The number of rays: quick, and in full.
 const RAYS: [usize; 2] = [1 << 16, 1 << 20];

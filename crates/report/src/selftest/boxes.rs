@@ -1,17 +1,9 @@
 //! Rays at the faces of boxes, along axes, and through triangles that a tree cannot tell apart. The
 //! coordinates are integers, in which hits are computed.
 
-use glam::{DVec3, Vec3};
-
-use super::case::{Effort, Outcome};
-use super::numbers::Numbers;
-use super::parts::{Expected, World};
+use super::prelude::*;
 use super::shapes::{add_cube, add_triangle, cubes, of_triangles};
 use super::whole::Triangles;
-use wavecrest_core::accel::Hit;
-use wavecrest_core::accel::build::Preset;
-use wavecrest_core::geometry::Geometry;
-use wavecrest_core::math::ray::Ray;
 
 /// Rays at integer coordinates, with the hits computed in integers; everything is scaled then.
 fn in_integers(
@@ -218,47 +210,17 @@ const LARGER: f64 = 1.1;
 
 /// Case 23: nested triangles. The one of size s is across x = s, from -s to s.
 pub(super) fn nested(_: &mut Numbers) -> World {
-    let size = |i: usize| (1e-10 * libm::pow(LARGER, i as f64)) as f32;
-    let sizes: Vec<f64> = (0..NESTED).map(|i| f64::from(size(i))).collect();
-    let corners = |s: f32| [[-s, -s], [s, -s], [0.0, s]].map(|[y, z]| Vec3::new(s, y, z));
-    let geometry = of_triangles((0..NESTED).map(|i| corners(size(i))));
-    let expected = Expected::such(move |ray, hit| Some(is_of_nested(&sizes, ray, hit)));
+    let triangle = |i: usize| {
+        let s = (1e-10 * libm::pow(LARGER, i as f64)) as f32;
+        [[-s, -s], [s, -s], [0.0, s]].map(|[y, z]| Vec3::new(s, y, z))
+    };
     let presets = &[Preset::Fastest, Preset::VeryFast, Preset::Medium];
-    World::new(geometry, presets, move |numbers| {
+    World::like_brute_force(of_triangles((0..NESTED).map(triangle)), presets, |numbers| {
         let far = numbers.magnitude(1e-10, 1e11);
         let target = numbers.direction() * numbers.magnitude(1e-10, 1e10);
         let origin = [DVec3::X, numbers.direction()][numbers.below(2)] * far;
-        let ray = Ray::new(origin.as_vec3(), (target - origin).as_vec3());
-        Some((ray, expected.clone()))
+        Some(Ray::new(origin.as_vec3(), (target - origin).as_vec3()))
     })
-    .like_brute_force()
-}
-
-/// Whether a hit on triangles of these sizes follows from the crossings of the ray with their planes.
-fn is_of_nested(sizes: &[f64], ray: &Ray, hit: Hit) -> bool {
-    /// Within this distance of an edge, relative to the size and the distance, rounding decides.
-    const BESIDE: f64 = 1e-5;
-    let (origin, direction) = (ray.origin.as_dvec3(), ray.direction.as_dvec3());
-    // The t at which the ray crosses the plane of a size, and its distance inside the triangle
-    // there.
-    let crossing = |size: f64| {
-        let t = (size - origin.x) / direction.x;
-        let [_, y, z] = (origin + direction * t).to_array();
-        let beside = BESIDE * (size + origin.abs().max_element());
-        let within = (size - 2.0 * y.abs() - z).min(z + size);
-        (t, within / beside)
-    };
-    let certain = sizes.iter().zip(0..).filter_map(|(&size, number)| {
-        let (t, within) = crossing(size);
-        (t > 0.0 && within > 1.0).then_some((t, number))
-    });
-    let first = certain.min_by(|a, b| a.0.total_cmp(&b.0));
-    let (t, first) = first.unwrap_or((f64::INFINITY, u32::MAX));
-    if hit.primitive == first {
-        return hit.is_miss() || (f64::from(hit.t) / t - 1.0).abs() <= BESIDE;
-    }
-    let beside = sizes.get(hit.primitive as usize).map(|&size| crossing(size));
-    beside.is_some_and(|(_, within)| within > -1.0) && f64::from(hit.t) <= t * (1.0 + BESIDE)
 }
 
 /// Case 26: rays that are not finite, or have no direction.

@@ -1,15 +1,9 @@
 //! Rays at shared edges and vertices. Random rays find no leaks, as these have no width.
 
-use glam::{DVec3, Vec3};
-
-use super::numbers::Numbers;
-use super::parts::{Expected, World};
+use super::prelude::*;
 use super::shapes::{Closed, convex, height};
-use wavecrest_core::accel::build::Preset;
-use wavecrest_core::geometry::Geometry;
-use wavecrest_core::math::ray::Ray;
 
-const TREES: &[Preset] = &[Preset::VeryFast, Preset::Medium, Preset::Brute];
+const TREES: &[Preset] = &[Preset::VeryFast, Preset::Brute];
 
 /// Rings and segments, and the variation of radii.
 const GLOBES: [([u32; 2], f64); 5] =
@@ -78,8 +72,15 @@ const RADIUS: f64 = 64.0;
 /// surrounding faces are all visible.
 pub(super) fn from_afar(_: &mut Numbers) -> World {
     let mesh = convex(6, RADIUS, 1.0 / 64.0);
+    let all = 0..mesh.triangles.len();
+    // For each face, those around the ends of its first edge.
+    let touches =
+        |[a, b, _]: [Vec3; 3], other| mesh.triangle(other).iter().any(|v| [a, b].contains(v));
+    let around = |face| all.clone().filter(|&other| touches(mesh.triangle(face), other)).collect();
+    let around: Vec<Vec<usize>> = all.clone().map(around).collect();
     World::new(mesh.clone(), &[Preset::VeryFast, Preset::Medium], move |numbers| {
-        let corners = mesh.triangle(numbers.below(mesh.triangles.len()));
+        let face = numbers.below(mesh.triangles.len());
+        let corners = mesh.triangle(face);
         let [a, b, _] = corners.map(|v| v.as_dvec3());
         let s = [0.0, numbers.one(), numbers.magnitude(1e-7, 1.0)][numbers.below(3)];
         let target = a + (b - a) * s;
@@ -87,16 +88,11 @@ pub(super) fn from_afar(_: &mut Numbers) -> World {
         // Towards the camera, on the side of the edge.
         let towards = (target.normalize() + numbers.ball(1.0)).normalize();
         let origin = (towards * (away * RADIUS)).as_vec3();
-        let is_around = |face: &usize| {
-            let others = mesh.triangle(*face);
-            others.contains(&corners[0]) || others.contains(&corners[1])
-        };
-        let is_steep = |face| height(&mesh, face, origin.as_dvec3()) > 0.2 * away * RADIUS;
+        let is_steep = |&face: &usize| height(&mesh, face, origin.as_dvec3()) > 0.2 * away * RADIUS;
         let ray = Ray::new(origin, (target - origin.as_dvec3()).as_vec3());
         // A chord at that angle is at least 0.4 radii long: this t is before the centre.
         let expected = Expected::until(1.0 + 0.2 / away);
-        let mut around = (0..mesh.triangles.len()).filter(is_around);
-        around.all(is_steep).then_some((ray, expected))
+        around[face].iter().all(is_steep).then_some((ray, expected))
     })
 }
 

@@ -5,19 +5,15 @@
 
 use std::iter::Sum;
 
-use glam::Vec3;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use super::case::Effort;
-use super::numbers::Numbers;
-use super::ways::{Tests, blocks};
+use super::prelude::*;
+use super::ways::blocks;
 use crate::plot::number::figure;
-use wavecrest_core::accel::{Accel, Hit};
 use wavecrest_core::kernels::triangle::exact;
 use wavecrest_core::math::exact::Comparable;
 use wavecrest_core::math::float::{max_abs, normalize};
-use wavecrest_core::math::ray::Ray;
 
 /// Bins of the histogram: up to half an ulp, the error of rounding the exact value once, then up to
 /// each power of two, and all larger errors.

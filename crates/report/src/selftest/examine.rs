@@ -1,36 +1,30 @@
 //! The hard cases on a user's own scene, of any shapes: leaks through edges and spheres, self-hits,
 //! and the quality of its triangles.
 
-use glam::{DAffine3, DVec3, Vec3};
+use glam::DAffine3;
 use rayon::prelude::*;
 use serde::Serialize;
 
 use super::agreement::some_corners;
-use super::case::{Count, Effort, Outcome};
+use super::case::Count;
 use super::errors::{self, HitErrors};
-use super::numbers::Numbers;
+use super::prelude::*;
 use super::topology::Topology;
-use super::ways::{RAYS_OF_A_TASK, Tests, blocks, in_order};
-use wavecrest_core::accel::build::Preset;
-use wavecrest_core::accel::{Accel, Hit, Traversal};
-use wavecrest_core::geometry::{Geometry, Primitive};
+use super::ways::{RAYS_OF_A_TASK, blocks, in_order};
+use wavecrest_core::accel::Traversal;
+use wavecrest_core::geometry::Primitive;
 use wavecrest_core::kernels::quad::halves;
 use wavecrest_core::kernels::slab::Aabb;
 use wavecrest_core::kernels::surface::{Surface, quad_half};
 use wavecrest_core::math::float::{normalize, offset_origin};
-use wavecrest_core::math::ray::Ray;
 
 /// Rays of each kind, in full.
 const RAYS: usize = 10_000_000;
-
-/// Points at which leaves are counted.
-const POINTS: usize = 256;
 
 /// A triangle with at least this ratio of length to height is a sliver.
 const SLIVER: f64 = 1000.0;
 
 /// The streams of random numbers, in place of a case's number and a part's place.
-const POINTS_STREAM: [u32; 2] = [100, 0];
 const LEAKING: [u32; 2] = [100, 1];
 const LEAVING: [u32; 2] = [100, 2];
 
@@ -55,19 +49,6 @@ pub struct Shape {
     pub borders: u64,
     /// Edges of more than two.
     pub crowded: u64,
-}
-
-/// A tree over a geometry.
-#[derive(Clone, Debug, Serialize)]
-pub struct Bvh {
-    /// Its preset.
-    pub preset: Preset,
-    /// Its inner nodes.
-    pub nodes: u64,
-    /// Inner nodes above the deepest leaf.
-    pub depth: usize,
-    /// The average number of leaves around a point of the surface: 1 without overlap.
-    pub overlap: f64,
 }
 
 /// The outcome in one precision.
@@ -107,28 +88,6 @@ pub fn shape(geometry: &Geometry, accel: &Accel) -> Shape {
         borders,
         crowded,
     }
-}
-
-/// Describes the tree over the primitives outside of instances; `None` if there is none.
-pub fn bvh(accel: &Accel, preset: Preset, effort: &Effort) -> Option<Bvh> {
-    let (tree, geometry) = (accel.tree()?, accel.geometry());
-    if geometry.own() == 0 {
-        return None;
-    }
-    let point = |n| {
-        let mut numbers = Numbers::new(effort, POINTS_STREAM, n);
-        let number = numbers.below(geometry.own()) as u32;
-        let corners = some_corners(geometry, number, &mut numbers);
-        numbers.within(corners).as_vec3()
-    };
-    let points: Vec<Vec3> = (0..POINTS).map(point).collect();
-    let mut around = 0_u64;
-    tree.for_each_leaf(|bounds, _| {
-        let inside = |p: &&Vec3| bounds.low.cmple(**p).all() && bounds.high.cmpge(**p).all();
-        around += points.iter().filter(inside).count() as u64;
-    });
-    let (census, overlap) = (tree.census, around as f64 / POINTS as f64);
-    Some(Bvh { preset, nodes: census.nodes, depth: census.depth, overlap })
 }
 
 /// The number of rays: one of two values, or a hundredth of the smaller; 0 without primitives.

@@ -1,16 +1,8 @@
 //! Triangles and quads that are degenerate, thin, coplanar, wide, or not flat.
 
-use glam::{DVec3, Vec3};
-
-use super::numbers::Numbers;
-use super::parts::{Expected, World};
-use super::scenes::{self, Eye};
+use super::prelude::*;
 use super::shapes::{CUBE_SIDES, convex, of_triangles};
-use super::ways::Tests;
-use wavecrest_core::accel::build::Preset;
-use wavecrest_core::geometry::Geometry;
 use wavecrest_core::math::float::offset_origin;
-use wavecrest_core::math::ray::Ray;
 
 const TREES: &[Preset] = &[Preset::Brute, Preset::VeryFast, Preset::Slow];
 

@@ -3,16 +3,12 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use glam::{DAffine3, DQuat, DVec3, Vec2};
+use glam::{DAffine3, DQuat, Vec2};
 
-use super::numbers::Numbers;
-use super::parts::{Expected, World};
-use wavecrest_core::accel::build::Preset;
-use wavecrest_core::geometry::Geometry;
+use super::prelude::*;
 use wavecrest_core::geometry::cutouts::{Cutout, Cutouts, MeshUvs};
 use wavecrest_core::kernels::corners::CornerValues;
 use wavecrest_core::kernels::texture::{Filter, Image, LazyImage, PlanarMap, Texels, UvMap, Wrap};
-use wavecrest_core::math::ray::Ray;
 
 /// Texels along each side of the sheet, whose side has this length.
 const TEXELS: usize = 8;

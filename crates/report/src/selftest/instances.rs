@@ -1,16 +1,12 @@
 //! Instances of meshes: rotated, stretched, mirrored, sheared, and far away.
 
-use glam::{DAffine3, DMat3, DVec3, Vec3};
+use glam::{DAffine3, DMat3};
 
 use super::edges::BEYOND;
-use super::numbers::Numbers;
-use super::parts::{Expected, World};
+use super::prelude::*;
 use super::shapes::{Closed, add_sheet, corners};
-use wavecrest_core::accel::build::Preset;
-use wavecrest_core::geometry::Geometry;
 use wavecrest_core::geometry::instance::Instance;
 use wavecrest_core::kernels::slab::Aabb;
-use wavecrest_core::math::ray::Ray;
 
 /// Places of instances in a world, and instances at a place.
 const PLACES: u32 = 6;
@@ -72,15 +68,13 @@ pub(super) fn never_left(numbers: &mut Numbers) -> World {
 /// Case 44: boxes lose no hits at the extreme points, from anywhere.
 pub(super) fn from_afar(numbers: &mut Numbers) -> World {
     let (geometry, closed) = closed(numbers);
-    let open = Expected::such(|_, _| None);
-    World::new(geometry.clone(), &[Preset::VeryFast], move |numbers| {
+    World::like_brute_force(geometry.clone(), &[Preset::VeryFast], move |numbers| {
         let (_, target) = on_edge(numbers, &geometry, &closed);
         let elsewhere = &geometry.instances[numbers.below(geometry.instances.len())];
         let from = elsewhere.to_world().translation + numbers.direction() * target.length();
         let origin = from.as_vec3();
-        Some((Ray::new(origin, (target - origin.as_dvec3()).as_vec3()), open.clone()))
+        Some(Ray::new(origin, (target - origin.as_dvec3()).as_vec3()))
     })
-    .like_brute_force()
 }
 
 /// Half the length of a plate of [`between_numbers`], and the number of plates.

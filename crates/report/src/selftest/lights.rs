@@ -1,14 +1,7 @@
 //! Lights at extreme positions, and reflection at extreme angles and exponents.
 
-use glam::{DVec3, Vec3};
-use serde_json::{Value, json};
-
-use super::case::Outcome;
-use super::numbers::Numbers;
-use super::parts::{Picture, Refusal};
-use super::scenes::{self, Eye};
+use super::prelude::*;
 use super::surfaces::on_triangle;
-use super::ways::Tests;
 use wavecrest_core::kernels::blinn_phong::{Material, reflect};
 use wavecrest_core::kernels::light::{Emitter, Falloff, Light, Triangles};
 use wavecrest_core::kernels::shade::{ShadingPoint, ShadowRequest, shadow_request};

@@ -19,7 +19,7 @@ use super::scenes::{self, Prepared};
 use super::ways::{RAYS_OF_A_TASK, blocks, hits_of, in_order, with_every_kernel};
 use wavecrest_base::error::{ErrorKind, Result};
 use wavecrest_core::accel::build::Preset;
-use wavecrest_core::accel::{Accel, Hit};
+use wavecrest_core::accel::{Accel, Hit, KernelChoice};
 use wavecrest_core::geometry::Geometry;
 use wavecrest_core::math::ray::Ray;
 
@@ -195,9 +195,14 @@ impl World {
         }
     }
 
-    /// The same, where every tree must have the hits of brute force.
-    pub(super) fn like_brute_force(self) -> Self {
-        Self { like_brute_force: true, ..self }
+    /// Where every kernel and tree must have the hits of the reference by brute force.
+    pub(super) fn like_brute_force(
+        geometry: Geometry,
+        presets: &'static [Preset],
+        ray: impl Fn(&mut Numbers) -> Option<Ray> + Send + Sync + 'static,
+    ) -> Self {
+        let aim = move |numbers: &mut Numbers| Some((ray(numbers)?, Expected::Nothing));
+        Self { like_brute_force: true, ..Self::new(geometry, presets, aim) }
     }
 
     fn traced(&self, effort: &Effort, mut aimed: Vec<(Ray, Expected)>) -> Outcome {
@@ -207,9 +212,9 @@ impl World {
         }
         if self.like_brute_force {
             let rays: Vec<Ray> = aimed.iter().map(|(ray, _)| *ray).collect();
-            let hits = hits_of(&effort.accel(self.geometry.clone(), Preset::Brute), &rays);
-            for ((ray, expected), hit) in aimed.iter_mut().zip(hits) {
-                judge(&mut outcome, ray, expected, hit);
+            let mut accel = effort.accel(self.geometry.clone(), Preset::Brute);
+            accel.kernel = KernelChoice::Reference;
+            for ((_, expected), hit) in aimed.iter_mut().zip(hits_of(&accel, &rays)) {
                 *expected = Expected::exactly(hit);
             }
         }
@@ -237,18 +242,14 @@ fn ask(accel: &Accel, rays: &[Ray], expected: &[Expected]) -> Outcome {
     accel.occluded_of(rays, &mut blocked, &mut traversal);
     let mut outcome = Outcome::default();
     for (i, (ray, &hit)) in rays.iter().zip(&hits).enumerate() {
-        judge(&mut outcome, ray, &expected[i], hit);
+        if let Some(is_right) = expected[i].judge(ray, hit) {
+            outcome.check(is_right, || format!("{ray}: {hit:?} and not {:?}", expected[i]));
+        }
         outcome.check(blocked[i] != hit.is_miss(), || {
             format!("{ray}: {hit:?}, but as a shadow ray {}", blocked[i])
         });
     }
     outcome
-}
-
-fn judge(outcome: &mut Outcome, ray: &Ray, expected: &Expected, hit: Hit) {
-    if let Some(is_right) = expected.judge(ray, hit) {
-        outcome.check(is_right, || format!("{ray}: {hit:?} and not {expected:?}"));
-    }
 }
 
 /// Whether the pixel in this column and row is right; `None` if that is open.
@@ -262,8 +263,6 @@ pub(super) struct Picture {
     pub(super) shows: Shows,
     /// The scene that has the same image, by brute force.
     pub(super) like: Option<Value>,
-    /// The number of samples that are not finite.
-    pub(super) invalid: u64,
     /// The number of lights that are at a surface; `None` if that is open.
     pub(super) at_surface: Option<u64>,
 }
@@ -275,7 +274,7 @@ impl Picture {
         shows: impl Fn(u32, u32, [f32; 3]) -> Option<bool> + Send + Sync + 'static,
     ) -> Self {
         let (shows, presets): (Shows, _) = (Box::new(shows), &[Preset::VeryFast]);
-        Self { scene, presets, shows, like: None, invalid: 0, at_surface: None }
+        Self { scene, presets, shows, like: None, at_surface: None }
     }
 
     /// The image is, bit for bit, that of the scene `like`.

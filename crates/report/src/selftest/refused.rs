@@ -3,15 +3,8 @@
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 
-use glam::DVec3;
-use serde_json::{Value, json};
-
-use super::case::{Effort, Outcome};
-use super::numbers::Numbers;
-use super::parts::{Picture, Refusal};
-use super::scenes::{self, Eye};
+use super::prelude::*;
 use wavecrest_base::error::{ErrorKind, Result};
-use wavecrest_core::accel::build::Preset;
 
 /// A camera that looks at the origin.
 fn eye() -> Eye {
@@ -74,18 +67,19 @@ pub(super) fn meshes(effort: &Effort) -> Outcome {
     };
     let mut outcome = Outcome::default();
     for n in 0..effort.either(100, 1000) {
-        for (place, format) in (0..).zip([Format::Obj, Format::Ply, Format::BinaryPly]) {
-            let extension = if format == Format::Obj { "obj" } else { "ply" };
+        for (place, extension) in (0..).zip(["obj", "ply"]) {
             let path = folder.path().join(format!("m.{extension}"));
             let mut numbers = Numbers::new(effort, [25, place], n);
-            let faulty = Faulty::new(&mut numbers);
-            let bytes = faulty.bytes(format);
-            outcome.add(one_mesh(effort, &path, &bytes, Some(&faulty.place(format))));
-            // The same file with some bits flipped: it may be anything.
+            let mut mesh = Mesh::new(&mut numbers);
+            let fault = mesh.spoil(&mut numbers, extension);
+            let bytes = mesh.bytes(extension);
+            outcome.add(one_mesh(effort, &path, &bytes, Some(&fault)));
+            // The same file with some bits flipped, and some random values: it may be anything.
             let turned = turn_bits(&mut numbers, bytes);
             outcome.add(one_mesh(effort, &path, &turned, None));
-            let wild = Faulty::wild(&mut numbers).bytes(format);
-            outcome.add(one_mesh(effort, &path, &wild, None));
+            let mut wild = Mesh::new(&mut numbers);
+            wild.scatter(&mut numbers);
+            outcome.add(one_mesh(effort, &path, &wild.bytes(extension), None));
         }
     }
     outcome
@@ -138,115 +132,73 @@ fn turn_bits(numbers: &mut Numbers, mut bytes: Vec<u8>) -> Vec<u8> {
     bytes
 }
 
-#[derive(Clone, Copy, PartialEq)]
-enum Format {
-    Obj,
-    Ply,
-    BinaryPly,
-}
-
-/// The fault of a mesh.
-#[derive(Clone, Copy)]
-enum Fault {
-    Vertex(usize),
-    Triangle(usize),
-}
-
-/// A faulty mesh.
-struct Faulty {
+/// A mesh and what can be wrong with it.
+struct Mesh {
     positions: Vec<[f32; 3]>,
     triangles: Vec<[u32; 3]>,
-    fault: Option<Fault>,
 }
 
-impl Faulty {
-    /// With one fault: a vertex that is not finite, or an index out of range.
+impl Mesh {
     fn new(numbers: &mut Numbers) -> Self {
         let vertices = 3 + numbers.below(30);
-        let mut coordinate = || numbers.about(1.0) as f32;
-        let mut positions: Vec<[f32; 3]> =
-            (0..vertices).map(|_| [(); 3].map(|()| coordinate())).collect();
-        let mut corner = || numbers.below(vertices) as u32;
-        let mut triangles: Vec<[u32; 3]> =
-            (0..=vertices).map(|_| [(); 3].map(|()| corner())).collect();
-        let which = numbers.below(3);
-        let fault = if numbers.once_in(2) {
+        let mut position = || [(); 3].map(|()| numbers.about(1.0) as f32);
+        let positions = (0..vertices).map(|_| position()).collect();
+        let mut triangle = || [(); 3].map(|()| numbers.below(vertices) as u32);
+        let triangles = (0..=vertices).map(|_| triangle()).collect();
+        Self { positions, triangles }
+    }
+
+    /// Adds a fault, a vertex that is not finite or an index out of range, and returns the place that
+    /// an error must name.
+    fn spoil(&mut self, numbers: &mut Numbers, extension: &str) -> String {
+        let (vertices, which) = (self.positions.len(), numbers.below(3));
+        let (name, at, line) = if numbers.once_in(2) {
             let at = numbers.below(vertices);
             let wrong = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, 1e13, f32::MIN];
-            positions[at][which] = numbers.among(wrong);
-            Fault::Vertex(at)
+            self.positions[at][which] = numbers.among(wrong);
+            ("vertex", at, 1 + at)
         } else {
-            let at = numbers.below(triangles.len());
-            triangles[at][which] = vertices as u32 - 1 + numbers.magnitude(1.0, 1e9) as u32;
-            Fault::Triangle(at)
+            let at = numbers.below(self.triangles.len());
+            let beyond = numbers.magnitude(1.0, 1e9) as u32;
+            self.triangles[at][which] = vertices as u32 - 1 + beyond;
+            ("face", at, 1 + vertices + at)
         };
-        Self { positions, triangles, fault: Some(fault) }
+        if extension == "obj" { format!("line {line}") } else { format!("{name} {at}") }
     }
 
-    /// Mostly random bits.
-    fn wild(numbers: &mut Numbers) -> Self {
-        let vertices = 3 + numbers.below(8);
-        // Otherwise hardly any would be a mesh.
+    /// Replaces values by random bits: half of the time none that would be refused.
+    fn scatter(&mut self, numbers: &mut Numbers) {
         let is_tame = numbers.once_in(2);
-        let mut coordinate = || {
-            let value = f32::from_bits(numbers.bits());
-            if value.abs() < 1e12 || !is_tame { value } else { 0.25 }
-        };
-        let positions = (0..vertices).map(|_| [(); 3].map(|()| coordinate())).collect();
-        let mut corner = || {
-            if numbers.once_in(200) { numbers.bits() } else { numbers.below(vertices) as u32 }
-        };
-        let triangles = (0..2 * vertices).map(|_| [(); 3].map(|()| corner())).collect();
-        Self { positions, triangles, fault: None }
-    }
-
-    /// The place that an error must name.
-    fn place(&self, format: Format) -> String {
-        let is_obj = format == Format::Obj;
-        match self.fault {
-            None => String::new(),
-            Some(Fault::Vertex(vertex)) if is_obj => format!("line {}", 1 + vertex),
-            Some(Fault::Triangle(triangle)) if is_obj => {
-                format!("line {}", 1 + self.positions.len() + triangle)
-            }
-            Some(Fault::Vertex(vertex)) => format!("vertex {vertex}"),
-            Some(Fault::Triangle(triangle)) => format!("face {triangle}"),
+        for value in self.positions.iter_mut().flatten() {
+            let bits = f32::from_bits(numbers.bits());
+            *value = if bits.abs() < 1e12 || !is_tame { bits } else { *value };
         }
+        let corners = self.triangles.iter_mut().flatten();
+        corners.filter(|_| numbers.once_in(200)).for_each(|corner| *corner = !*corner);
     }
 
-    /// The file.
-    fn bytes(&self, format: Format) -> Vec<u8> {
-        let name = match format {
-            Format::Obj => return self.lines("v ", "f ", 1),
-            Format::Ply => "ascii",
-            Format::BinaryPly => "binary_little_endian",
-        };
+    /// The file: OBJ, or binary PLY.
+    fn bytes(&self, extension: &str) -> Vec<u8> {
+        if extension == "obj" {
+            let vertices = self.positions.iter().map(|[x, y, z]| format!("v {x} {y} {z}\n"));
+            let faces = self.triangles.iter().map(|corners| {
+                let [a, b, c] = corners.map(|v| u64::from(v) + 1);
+                format!("f {a} {b} {c}\n")
+            });
+            return vertices.chain(faces).collect::<String>().into_bytes();
+        }
         let (vertices, faces) = (self.positions.len(), self.triangles.len());
-        let mut bytes = format!(
-            "ply\nformat {name} 1.0\nelement vertex {vertices}\nproperty float x\n\
+        let header = format!(
+            "ply\nformat binary_little_endian 1.0\nelement vertex {vertices}\nproperty float x\n\
              property float y\nproperty float z\nelement face {faces}\n\
              property list uchar uint vertex_indices\nend_header\n"
-        )
-        .into_bytes();
-        if format == Format::Ply {
-            bytes.extend(self.lines("", "3 ", 0));
-            return bytes;
-        }
+        );
+        let mut bytes = header.into_bytes();
         bytes.extend(self.positions.iter().flatten().flat_map(|x| x.to_le_bytes()));
         for corners in &self.triangles {
             bytes.push(3);
             bytes.extend(corners.iter().flat_map(|v| v.to_le_bytes()));
         }
         bytes
-    }
-
-    /// A line for each vertex and each triangle, with corners counted from `first`.
-    fn lines(&self, vertex: &str, face: &str, first: u64) -> Vec<u8> {
-        let vertices = self.positions.iter().map(|[x, y, z]| format!("{vertex}{x} {y} {z}\n"));
-        let faces = self.triangles.iter().map(|corners| {
-            let [a, b, c] = corners.map(|v| u64::from(v) + first);
-            format!("{face}{a} {b} {c}\n")
-        });
-        vertices.chain(faces).collect::<String>().into_bytes()
     }
 }

@@ -1,12 +1,6 @@
 //! Spheres that are far away, huge, grazed, or around the ray's origin.
 
-use glam::{DVec3, Vec3};
-
-use super::numbers::Numbers;
-use super::parts::{Expected, World};
-use wavecrest_core::accel::build::Preset;
-use wavecrest_core::geometry::Geometry;
-use wavecrest_core::math::ray::Ray;
+use super::prelude::*;
 
 /// A sphere, as the tests have it.
 #[derive(Clone, Copy)]

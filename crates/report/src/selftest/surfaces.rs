@@ -1,21 +1,11 @@
 //! Rays that start or end on a surface.
 
-use glam::{DVec3, Vec3};
-use serde_json::json;
-
-use super::case::Outcome;
-use super::numbers::Numbers;
-use super::parts::{Expected, Picture, World};
-use super::scenes::{self, Eye};
+use super::prelude::*;
 use super::shapes::{add_sheet, corners};
-use super::ways::Tests;
-use wavecrest_core::accel::build::Preset;
-use wavecrest_core::geometry::Geometry;
 use wavecrest_core::kernels::shade::SHADOW_END;
 use wavecrest_core::kernels::surface::Surface;
 use wavecrest_core::kernels::triangle::is_degenerate;
 use wavecrest_core::math::float::{normalize, offset_end, offset_origin};
-use wavecrest_core::math::ray::Ray;
 
 /// Rays from each surface of case 9.
 const FROM_EACH: u32 = 100;

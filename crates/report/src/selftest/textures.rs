@@ -1,14 +1,10 @@
 //! Look-ups at the edges of images and far outside, at grazing angles, and of texels that are no
 //! numbers; normal maps, and vertex colours.
 
-use glam::{DVec3, Vec2, Vec3};
-use serde_json::{Value, json};
+use glam::Vec2;
 use tempfile::TempDir;
 
-use super::case::Outcome;
-use super::numbers::Numbers;
-use super::parts::Picture;
-use super::scenes::{self, Eye};
+use super::prelude::*;
 use wavecrest_core::film::Film;
 use wavecrest_core::kernels::texture::{Filter, Image, Texels, Wrap, sphere_uv};
 use wavecrest_image::write::{Transfer, write};
@@ -192,12 +188,16 @@ pub(super) fn turned_normals(numbers: &mut Numbers) -> Vec<Picture> {
         Some((f64::from(pixel) - right).abs() < 1e-5)
     });
     let (shape, file) = mapped(mirror);
-    let mut below = floor(1e4, scenes::white());
-    below["transform"] = json!({"translate": [0, -1, 0]});
-    below["material"]["emission"] = json!([1, 0, 0]);
-    let mut scene = scenes::scene(&eye, &[], &[shape, below]);
+    // Red below, green all around.
+    let glowing = |mut shape: Value, color: [f64; 3]| {
+        shape["material"]["emission"] = json!(color);
+        shape
+    };
+    let below = scenes::square([-DVec3::Y, DVec3::X * 1e4, DVec3::Z * 1e4], scenes::white());
+    let below = glowing(below, [1.0, 0.0, 0.0]);
+    let around = glowing(scenes::sphere(DVec3::ZERO, 1e3, scenes::white()), [0.0, 1.0, 0.0]);
+    let mut scene = scenes::scene(&eye, &[], &[shape, below, around]);
     scene["nbounces"] = json!(1);
-    scene["scene"]["backgroundcolor"] = json!([0, 1, 0]);
     let mirrored = Picture::new(scene, move |_, _, pixel| {
         let _kept = &file;
         Some(pixel == [0.0, KR as f32, 0.0])
@@ -274,21 +274,16 @@ pub(super) fn grazing(numbers: &mut Numbers) -> Vec<Picture> {
     vec![Picture::new(shown(&eye, shape), shows)]
 }
 
-/// Case 53: texels that are NaN or infinite. Samples that need one are counted and black, all others
-/// are as if it were not there.
+/// Case 53: channels that are NaN or infinite count as 0, and nothing else changes.
 pub(super) fn no_numbers(numbers: &mut Numbers) -> Vec<Picture> {
     const SIDE: usize = 8;
     const HALF: f64 = 2.0;
     let bad = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY];
-    let texels: Vec<[f32; 3]> = (0..SIDE * SIDE)
-        .map(|_| {
-            let mut texel = [(); 3].map(|()| numbers.one() as f32);
-            if numbers.once_in(6) {
-                texel[numbers.below(3)] = numbers.among(bad);
-            }
-            texel
-        })
-        .collect();
+    let mut channel = || {
+        let any = numbers.one() as f32;
+        if numbers.once_in(8) { numbers.among(bad) } else { any }
+    };
+    let texels: Vec<[f32; 3]> = (0..SIDE * SIDE).map(|_| [(); 3].map(|()| channel())).collect();
     // The centre of no pixel is near the edge of a texel, or of the floor.
     let eye = Eye::above(50.0, 24);
     let picture = |filter: &str| {
@@ -298,36 +293,27 @@ pub(super) fn no_numbers(numbers: &mut Numbers) -> Vec<Picture> {
         shape["filter"] = json!(filter);
         shape["wrap"] = json!("clamp");
         let (texels, is_nearest) = (texels.clone(), filter == "nearest");
-        // The colour of a pixel, which may be no number; `None` beside the floor.
-        let color = move |x: u32, y: u32| -> Option<DVec3> {
-            let place = eye.on_floor(eye.direction(x, y)) / HALF;
-            let [u, v] = [place.z, -place.x].map(|x| (0.5 * x + 0.5) * SIDE as f64);
-            let parts = |at: f64| {
-                let first = (at - 0.5).floor();
-                let between = at - 0.5 - first;
-                [(first, 1.0 - between), (first + 1.0, between)]
-            };
-            let nearest = |at: f64| [(at.floor(), 1.0), (at.floor(), 0.0)];
-            let [columns, rows] = [u, v].map(|at| if is_nearest { nearest(at) } else { parts(at) });
-            let mut sum = DVec3::ZERO;
-            for ((row, p), (column, q)) in
-                rows.into_iter().flat_map(|row| columns.map(|c| (row, c)))
-            {
-                let [row, column] = [row, column].map(|i| i.clamp(0.0, SIDE as f64 - 1.0) as usize);
-                let texel = Vec3::from(texels[row * SIDE + column]).as_dvec3();
-                sum += texel * (p * q);
-            }
-            (place.abs().max_element() < 1.0).then_some(sum)
-        };
-        let pixels = (0..24 * 24).filter_map(|i| color(i % 24, i / 24));
-        let invalid = pixels.filter(|color| !color.is_finite()).count() as u64;
-        let shows = move |x, y, pixel: [f32; 3]| {
+        let shows = move |x: u32, y: u32, pixel: [f32; 3]| {
             let _kept = &file;
-            let right = color(x, y)?;
-            let right = if right.is_finite() { right } else { DVec3::ZERO };
-            Some((Vec3::from(pixel).as_dvec3() - right).abs().max_element() < 1e-5)
+            let place = eye.on_floor(eye.direction(x, y)) / HALF;
+            // Two columns and two rows with their weights.
+            let [columns, rows] = [place.z, -place.x].map(|x| {
+                let at = (0.5 * x + 0.5) * SIDE as f64 - 0.5;
+                let between = if is_nearest { at.round() - at.floor() } else { at - at.floor() };
+                [(at.floor(), 1.0 - between), (at.floor() + 1.0, between)]
+            });
+            let mut right = DVec3::ZERO;
+            for (row, p) in rows {
+                for (column, q) in columns {
+                    let [i, j] = [row, column].map(|i| i.clamp(0.0, SIDE as f64 - 1.0) as usize);
+                    let texel = texels[i * SIDE + j].map(|x| if x.is_finite() { x } else { 0.0 });
+                    right += Vec3::from(texel).as_dvec3() * (p * q);
+                }
+            }
+            let off = (Vec3::from(pixel).as_dvec3() - right).abs().max_element();
+            (place.abs().max_element() < 1.0).then_some(off < 1e-5)
         };
-        Picture { invalid, ..Picture::new(shown(&eye, shape), shows) }
+        Picture::new(shown(&eye, shape), shows)
     };
     ["nearest", "bilinear"].map(picture).into()
 }

@@ -2,16 +2,9 @@
 
 use std::sync::Arc;
 
-use glam::DVec3;
-use serde_json::{Value, json};
-
-use super::case::Outcome;
-use super::numbers::Numbers;
-use super::parts::{Picture, Refusal};
-use super::scenes::{self, BACKGROUND, Eye};
-use wavecrest_core::accel::build::Preset;
+use super::prelude::*;
+use super::scenes::BACKGROUND;
 use wavecrest_core::math::random::Stream;
-use wavecrest_core::math::ray::Ray;
 
 /// Case 24: no shape, or one of each kind, with a light and without.
 pub(super) fn next_to_nothing(numbers: &mut Numbers) -> Vec<Picture> {
