@@ -22,8 +22,8 @@ use wavecrest_scene::load::{LoadOptions, survey};
 
 /// Test cases that break ray tracers, on every kernel and instruction set of this machine.
 ///
-/// The exit code is 1 if a case fails in exact precision. Failures of fast precision are expected, and
-/// printed.
+/// The exit code is 1 if a case fails in exact precision. Failures of fast precision are expected,
+/// and printed.
 #[derive(Clone, Debug, clap::Args)]
 pub(crate) struct SelftestArgs {
     /// Also test this scene or mesh for leaks, self-intersections and samples that are not finite

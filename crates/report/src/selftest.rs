@@ -2,10 +2,10 @@
 //!
 //! Each [`Case`] has a stated bound, and runs in one precision with every kernel, the reference
 //! among them, and all instruction levels of the processor. All cases pass in exact precision; some
-//! fail in fast. A case is data: [`parts`](Part) that make inputs with the answers that follow from
-//! their construction, run by a few runners. The inputs follow from a seed, so that a failure can be
-//! repeated. Expected results are computed in integers or in double precision, or follow from the
-//! construction of the input, and share no code with the tested kernels. Faults planted in the
+//! fail in fast. A case is data: parts that make inputs with the answers that follow from
+//! their construction, run by a few runners. The inputs follow from a seed, so that a failure can
+//! be repeated. Expected results are computed in integers or in double precision, or follow from
+//! the construction of the input, and share no code with the tested kernels. Faults planted in the
 //! sources prove that cases can fail (`tests/mutations`).
 
 pub mod agreement;

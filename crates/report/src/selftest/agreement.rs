@@ -32,7 +32,8 @@ pub fn agreement(accel: Accel, effort: &Effort) -> Outcome {
     agree(accel, effort, packets, presets)
 }
 
-/// As [`agreement`], with this number of packets, and with the tree of `accel` and those of `presets`.
+/// As [`agreement`], with this number of packets, and with the tree of `accel` and those of
+/// `presets`.
 fn agree(mut accel: Accel, effort: &Effort, packets: usize, presets: &[Preset]) -> Outcome {
     accel.kernel = KernelChoice::Reference;
     let extent = Extent::of(accel.geometry());

@@ -129,8 +129,8 @@ pub(super) fn tiny_components(_: &mut Numbers) -> World {
     })
 }
 
-/// Case 48. Corners, origins and targets are small integers, so that many rays pass through edges and
-/// corners, and end or begin exactly at what they meet.
+/// Case 48. Corners, origins and targets are small integers, so that many rays pass through edges
+/// and corners, and end or begin exactly at what they meet.
 pub(super) fn at_ends(numbers: &mut Numbers) -> World {
     let triangles = [(); 24].map(|()| [(); 3].map(|()| whole_point(numbers, 4)));
     let presets = &[Preset::Brute, Preset::Fastest, Preset::Slow];

@@ -101,8 +101,8 @@ pub(super) fn from_afar(_: &mut Numbers) -> World {
 const POINTS: u32 = 48;
 const BETWEEN: f64 = 1.0 / 64.0;
 
-/// The greatest distance of a hit from the point that was scanned, relative to its distance from the
-/// scanner: triangles at jumps are seen at angles down to a few thousandths.
+/// The greatest distance of a hit from the point that was scanned, relative to its distance from
+/// the scanner: triangles at jumps are seen at angles down to a few thousandths.
 const OFF: f64 = 0.1;
 
 /// Case 51. A depth image as a mesh, seen from where it was taken: every vertex and every edge is

@@ -191,8 +191,8 @@ impl<'a> Meshes<'a> {
         Self { geometry, own: Topology::new(geometry), prototypes }
     }
 
-    /// A ray from around the geometry at an edge or into a sphere, with the numbers of the primitives
-    /// there.
+    /// A ray from around the geometry at an edge or into a sphere, with the numbers of the
+    /// primitives there.
     fn aimed(&self, extent: &Extent, numbers: &mut Numbers) -> Option<(Ray, [u32; 2])> {
         let from = extent.around(numbers);
         let number = numbers.below(self.geometry.len()) as u32;
@@ -234,8 +234,8 @@ impl<'a> Meshes<'a> {
     }
 }
 
-/// A ray from `from` that meets the edge from `a` to `b` at `part` of it, if the triangles' `others`
-/// are on both sides of it as seen from there.
+/// A ray from `from` that meets the edge from `a` to `b` at `part` of it, if the triangles'
+/// `others` are on both sides of it as seen from there.
 fn edge_ray(from: Vec3, [a, b]: [DVec3; 2], others: [DVec3; 2], part: f64) -> Option<Ray> {
     let o = from.as_dvec3();
     let target = (a + (b - a) * part).as_vec3();

@@ -6,8 +6,8 @@ use wavecrest_core::math::float::offset_origin;
 
 const TREES: &[Preset] = &[Preset::Brute, Preset::VeryFast, Preset::Slow];
 
-/// Case 18: a closed mesh in which faces on one side of an edge have a vertex exactly in its middle,
-/// and a degenerate triangle lies along it: there is no gap, and no ray from inside leaves.
+/// Case 18: a closed mesh in which faces on one side of an edge have a vertex exactly in its
+/// middle, and a degenerate triangle lies along it: there is no gap, and no ray from inside leaves.
 pub(super) fn sealed(_: &mut Numbers) -> World {
     // On a grid, so that the middle of an edge is exactly on it.
     let faces = convex(4, 1000.0, 1.0 / 16.0);
@@ -140,8 +140,8 @@ pub(super) fn floors(numbers: &mut Numbers) -> World {
     })
 }
 
-/// Case 38. Copies have their corners in every order. Other triangles are coplanar with them, across
-/// an axis.
+/// Case 38. Copies have their corners in every order. Other triangles are coplanar with them,
+/// across an axis.
 pub(super) fn copies(numbers: &mut Numbers) -> World {
     let k = numbers.below(3);
     let (size, height) = (numbers.magnitude(1e-3, 1e3), numbers.one() as f32);

@@ -23,8 +23,8 @@ fn instances(prototype: Geometry, places: impl IntoIterator<Item = DAffine3>) ->
     Geometry { prototypes: vec![prototype], instances, ..Geometry::default() }
 }
 
-/// Instances of a closed mesh, from next to the origin to far away: of those at a place the first is
-/// hit, and others do not touch each other.
+/// Instances of a closed mesh, from next to the origin to far away: of those at a place the first
+/// is hit, and others do not touch each other.
 fn closed(numbers: &mut Numbers) -> (Geometry, Closed) {
     let size = numbers.magnitude(1e-2, 1e2);
     let closed = Closed::new(numbers, [5, 8], 0.3, (DVec3::splat(size), Vec3::ZERO));

@@ -219,7 +219,8 @@ pub(super) fn behind_a_sheet(numbers: &mut Numbers) -> Vec<Picture> {
     let (sin, cos) = libm::sincos(std::f64::consts::TAU * numbers.one());
     let aside = DVec3::new(cos, 0.0, sin);
     let place = aside * numbers.magnitude(2.0, 20.0);
-    // At least 63 degrees, so that a light is before the normals at up to 26 degrees behind the sheet.
+    // At least 63 degrees, so that a light is before the normals at up to 26 degrees behind the
+    // sheet.
     let normal = (aside * numbers.magnitude(2.0, 4.0) + DVec3::Y).normalize().to_array();
     let corners = super::shapes::corners(Vec3::ZERO, Vec3::Z, Vec3::X);
     let mut sheet = scenes::mesh(&corners, &[[0, 1, 2], [0, 2, 3]], scenes::white());
@@ -329,8 +330,8 @@ pub(super) fn at_the_origin(numbers: &mut Numbers) -> Vec<Picture> {
     [0.0, 0.1].map(picture).into()
 }
 
-/// Case 41: parallel light in the plane of the floor adds nothing, and half of the light from half of
-/// the sky is above the floor.
+/// Case 41: parallel light in the plane of the floor adds nothing, and half of the light from half
+/// of the sky is above the floor.
 pub(super) fn along_the_floor(numbers: &mut Numbers) -> Vec<Picture> {
     let angle: f64 = [0.0, 1e-6, 0.53, 180.0][numbers.index];
     let light = json!({"type": "directionallight", "intensity": 1, "color": [1, 1, 1],

@@ -1,9 +1,9 @@
 //! The parts of a case, as data, and what runs them.
 //!
-//! A part makes inputs from random numbers, each with the answer that follows from its construction:
-//! a world of primitives with rays and what they must meet; a scene and what its pixels must show; a
-//! scene that must be refused; or a value of a kernel. The runners ask every kernel, instruction
-//! level, preset and tracer, and count what is wrong.
+//! A part makes inputs from random numbers, each with the answer that follows from its
+//! construction: a world of primitives with rays and what they must meet; a scene and what its
+//! pixels must show; a scene that must be refused; or a value of a kernel. The runners ask every
+//! kernel, instruction level, preset and tracer, and count what is wrong.
 
 use std::fmt;
 use std::ops::Range;

@@ -1,4 +1,5 @@
-//! Moved, scaled and turned scenes, which must look the same, and degenerate triangles among others.
+//! Moved, scaled and turned scenes, which must look the same, and degenerate triangles among
+//! others.
 
 use super::prelude::*;
 use super::scenes::{PRESETS, camera_rays};
@@ -164,8 +165,8 @@ fn everything(effort: &Effort) -> Value {
     })
 }
 
-/// The scene with its axes permuted by `turn`, where 1 is x to y to z to x, and lengths times `unit`:
-/// lights that fall off with the distance or its square grow with it.
+/// The scene with its axes permuted by `turn`, where 1 is x to y to z to x, and lengths times
+/// `unit`: lights that fall off with the distance or its square grow with it.
 fn in_axes(key: &str, value: &Value, [unit, turn]: [f64; 2]) -> Value {
     let of = |key: &str, value: &Value| in_axes(key, value, [unit, turn]);
     let times = |factor: f64| json!(value.as_f64().unwrap_or(f64::NAN) * factor);
@@ -198,7 +199,8 @@ fn in_axes(key: &str, value: &Value, [unit, turn]: [f64; 2]) -> Value {
     }
 }
 
-/// Powers of two by which scenes of case 8 are scaled, the largest first, after two that are turned.
+/// Powers of two by which scenes of case 8 are scaled, the largest first, after two that are
+/// turned.
 pub(super) const SCALES: [usize; 2] = [4, 45];
 
 /// Case 8. Turned scenes have nothing round: spherical lights have an axis of their own.

@@ -1,4 +1,5 @@
-//! Invalid lengths and meshes: each is refused with an error that names it, and none causes a panic.
+//! Invalid lengths and meshes: each is refused with an error that names it, and none causes a
+//! panic.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
@@ -11,8 +12,8 @@ fn eye() -> Eye {
     Eye::at(DVec3::Z * 5.0, 40.0, [8, 8])
 }
 
-/// The scene with an invalid length in place of "PUT HERE": 0, negative, missing, not finite, or not a
-/// number.
+/// The scene with an invalid length in place of "PUT HERE": 0, negative, missing, not finite, or
+/// not a number.
 fn with_no_length(numbers: &mut Numbers, scene: &Value, path: &str, may_be_zero: bool) -> Refusal {
     let negative = (-numbers.magnitude(1e-30, 1e12)).to_string();
     let values = ["0.0", "-0.0", "-1", "-1e-30", "null", "\"one\"", "1e13", &negative];
@@ -148,8 +149,8 @@ impl Mesh {
         Self { positions, triangles }
     }
 
-    /// Adds a fault, a vertex that is not finite or an index out of range, and returns the place that
-    /// an error must name.
+    /// Adds a fault, a vertex that is not finite or an index out of range, and returns the place
+    /// that an error must name.
     fn spoil(&mut self, numbers: &mut Numbers, extension: &str) -> String {
         let (vertices, which) = (self.positions.len(), numbers.below(3));
         let (name, at, line) = if numbers.once_in(2) {

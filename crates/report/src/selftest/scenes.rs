@@ -108,8 +108,8 @@ pub(super) fn every_way_to_render(
     outcome
 }
 
-/// Checks an image: its pixels are finite, show what they must, and are those of `like`, if there is
-/// one. Only pixels that are known count as tested.
+/// Checks an image: its pixels are finite, show what they must, and are those of `like`, if there
+/// is one. Only pixels that are known count as tested.
 pub(super) fn judged(rendered: &Rendered, picture: &Picture, like: Option<&Film>) -> Outcome {
     let Rendered { film, counters, .. } = rendered;
     let mut outcome = Outcome::default();

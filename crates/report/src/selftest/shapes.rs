@@ -52,7 +52,8 @@ pub(super) fn cubes(n: u32, distance: f32) -> Geometry {
     geometry
 }
 
-/// A closed mesh around a point from which all of it is visible: a ray from the inside cannot leave.
+/// A closed mesh around a point from which all of it is visible: a ray from the inside cannot
+/// leave.
 #[derive(Clone)]
 pub(super) struct Closed {
     pub(super) geometry: Geometry,
@@ -117,8 +118,8 @@ impl Closed {
     }
 }
 
-/// A convex mesh: an octahedron with each face divided into `n` by `n`, and vertices at a distance of
-/// about `radius` from 0, all of them multiples of `step`. Triangles are counter-clockwise from
+/// A convex mesh: an octahedron with each face divided into `n` by `n`, and vertices at a distance
+/// of about `radius` from 0, all of them multiples of `step`. Triangles are counter-clockwise from
 /// outside; points in front of one of them are outside.
 pub(super) fn convex(n: i32, radius: f64, step: f64) -> Geometry {
     let mut mesh = Geometry::default();
@@ -156,8 +157,8 @@ pub(super) fn height(mesh: &Geometry, triangle: usize, point: DVec3) -> f64 {
     (b - a).cross(c - a).normalize().dot(point - a)
 }
 
-/// The triangle of a convex mesh whose front a ray from outside meets. `None` also if the ray passes
-/// so near to an edge that the neighbour may be hit.
+/// The triangle of a convex mesh whose front a ray from outside meets. `None` also if the ray
+/// passes so near to an edge that the neighbour may be hit.
 pub(super) fn seen(mesh: &Geometry, origin: DVec3, direction: DVec3) -> Option<usize> {
     (0..mesh.triangles.len()).find(|&triangle| {
         let [a, b, c] = mesh.triangle(triangle).map(|v| v.as_dvec3() - origin);

@@ -76,8 +76,8 @@ fn ulp(size: f64) -> f64 {
     f64::from(size.next_up()) - f64::from(size)
 }
 
-/// The ray, if it passes clear of the edge of the sphere after rounding, with margin for the rounding
-/// of double precision.
+/// The ray, if it passes clear of the edge of the sphere after rounding, with margin for the
+/// rounding of double precision.
 fn clear(
     sphere: &Sphere,
     ray: Ray,

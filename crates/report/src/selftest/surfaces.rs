@@ -146,8 +146,8 @@ pub(super) fn towards_a_triangle(numbers: &mut Numbers) -> Outcome {
     })
 }
 
-/// Case 11: a floor under a ceiling of four triangles. A light at the vertex that they share, or one
-/// of the triangles as a light, is on the ceiling and lights all of the floor.
+/// Case 11: a floor under a ceiling of four triangles. A light at the vertex that they share, or
+/// one of the triangles as a light, is on the ceiling and lights all of the floor.
 pub(super) fn under_a_ceiling(numbers: &mut Numbers) -> Vec<Picture> {
     let (turned, size) = (numbers.rotation(), numbers.magnitude(1e-3, 1e3));
     let moved = numbers.direction() * (size * numbers.among([0.0, 10.0, 100.0]));

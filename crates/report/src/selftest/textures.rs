@@ -234,8 +234,8 @@ pub(super) fn footprints(numbers: &mut Numbers) -> Outcome {
 /// Texels of the images below along a side.
 const TEXELS: u32 = 16;
 
-/// Case 52: a floor seen at grazing angles. Where the footprint of a pixel is larger than the image,
-/// which is repeated, the pixel shows the mean of all texels.
+/// Case 52: a floor seen at grazing angles. Where the footprint of a pixel is larger than the
+/// image, which is repeated, the pixel shows the mean of all texels.
 pub(super) fn grazing(numbers: &mut Numbers) -> Vec<Picture> {
     const HALF: f64 = 1000.0;
     /// The largest error of a mean: texels of coarse levels share an exponent.
@@ -323,8 +323,8 @@ const TRIANGLES: usize = 12;
 
 /// Case 46: a fan in the plane y = 0 around the origin, seen by the centre pixel.
 pub(super) fn vertex_colors(numbers: &mut Numbers) -> Vec<Picture> {
-    /// Largest error of interpolation, relative to the largest colour of the triangle: the point and
-    /// the weights have single precision.
+    /// Largest error of interpolation, relative to the largest colour of the triangle: the point
+    /// and the weights have single precision.
     const LARGEST_ERROR: f64 = 1e-5;
     let eye = Eye::above(60.0, numbers.effort.either(25, 65));
     let around = |i: usize| {

@@ -168,9 +168,9 @@ pub(super) fn closed_lens(numbers: &mut Numbers) -> Vec<Picture> {
 const LENS_POINTS: u32 = 8;
 const LENS_RADIUS: f64 = 1.0;
 
-/// Case 54: a wall along the view axis, a wall across it in the plane of the lens, or a sphere, through
-/// the middle of the lens. Black is seen by those rays of the lens that meet it, which start on both
-/// sides of it, and white by all others.
+/// Case 54: a wall along the view axis, a wall across it in the plane of the lens, or a sphere,
+/// through the middle of the lens. Black is seen by those rays of the lens that meet it, which
+/// start on both sides of it, and white by all others.
 pub(super) fn cut_lens(numbers: &mut Numbers) -> Vec<Picture> {
     let eye = Eye { location: DVec3::ZERO, look: DVec3::Z, ..Eye::at(DVec3::ZERO, 40.0, [15, 11]) };
     let radius = 0.3 + 0.5 * numbers.one();

@@ -68,8 +68,9 @@ pub(super) fn in_order(outcomes: impl ParallelIterator<Item = Outcome>) -> Outco
     outcomes.collect::<Vec<_>>().into_iter().sum()
 }
 
-/// The tests of one primitive, and their surface points, in a precision. In exact precision hits are
-/// those of exact arithmetic: if the tests in use find others, t is a NaN, which keeps no bound.
+/// The tests of one primitive, and their surface points, in a precision. In exact precision hits
+/// are those of exact arithmetic: if the tests in use find others, t is a NaN, which keeps no
+/// bound.
 #[derive(Clone, Copy)]
 pub(super) struct Tests(Precision);
 

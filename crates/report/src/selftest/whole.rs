@@ -43,8 +43,8 @@ impl Triangles {
     }
 }
 
-/// The t at which a ray in this `direction` meets the closed triangle with these `corners`, relative
-/// to its origin, strictly within the range.
+/// The t at which a ray in this `direction` meets the closed triangle with these `corners`,
+/// relative to its origin, strictly within the range.
 fn meeting([a, b, c]: [I64Vec3; 3], direction: I64Vec3, [t_min, t_max]: [f64; 2]) -> Option<f32> {
     let sides = [(b, c), (c, a), (a, b)].map(|(p, q)| direction.dot(p.cross(q)));
     let whole: i64 = sides.iter().sum();
