@@ -201,9 +201,10 @@ impl<'a> Meshes<'a> {
                 let (center, radius) = self.geometry.spheres[i];
                 let inside = numbers.direction() * (0.99 * f64::from(radius));
                 let target = (center.as_dvec3() + inside).as_vec3();
-                // The ray must come from outside.
-                let is_outside = center.distance(from) > 1.01 * radius;
-                return is_outside.then(|| (Ray::new(from, target - from), [number; 2]));
+                // The ray must come from outside, and the target stay inside if it is rounded.
+                let size = center.abs().max(from.abs()).max_element();
+                let is_right = center.distance(from) > 1.01 * radius && radius > 1e-4 * size;
+                return is_right.then(|| (Ray::new(from, target - from), [number; 2]));
             }
             Primitive::Triangle(_) | Primitive::Quad(_) => {
                 (self.geometry, &self.own, 0, DAffine3::IDENTITY)

@@ -133,7 +133,10 @@ fn everything(effort: &Effort) -> Value {
         ball.positions.iter().map(|p| (p.as_dvec3() * 0.8 + DVec3::new(-1.5, 0.4, 0.3)).to_array());
     let points: Vec<[f64; 3]> = points.collect();
     let [width, height] = effort.either([40, 30], [100, 75]);
-    let shiny = |color: [f64; 3], kr: f64| json!({"ks": 0.4, "kd": 0.7, "specularexponent": 30.5, "diffusecolor": color, "kr": kr});
+    let shiny = |color: [f64; 3], kr: f64| {
+        json!({"ks": 0.4, "kd": 0.7, "kr": kr, "specularexponent": 30.5,
+               "diffusecolor": color})
+    };
     json!({
         "nbounces": 4,
         "camera": {"type": "thinlens", "width": width, "height": height, "fov": 50,
