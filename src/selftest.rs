@@ -2,7 +2,6 @@
 
 mod asked;
 mod examine;
-mod ratios;
 mod table;
 mod yields;
 
@@ -13,7 +12,6 @@ use serde::Serialize;
 
 use self::asked::Asked;
 use self::examine::Examined;
-use self::ratios::Ratio;
 use self::yields::Yield;
 use super::common::{Threads, print, progress_bar, to_json, whole};
 use crate::choice::choice;
@@ -24,8 +22,8 @@ use wavecrest_scene::load::{LoadOptions, survey};
 
 /// Test cases that break ray tracers, on every kernel and instruction set of this machine.
 ///
-/// The exit code is 1 if a case fails in exact precision. Failures of fast precision are expected, and
-/// printed.
+/// The exit code is 1 if a case fails in exact precision. Failures of fast precision are expected,
+/// and printed.
 #[derive(Clone, Debug, clap::Args)]
 pub(crate) struct SelftestArgs {
     /// Also test this scene or mesh for leaks, self-intersections and samples that are not finite
@@ -60,9 +58,6 @@ struct Trial {
     holds: bool,
     #[serde(flatten)]
     outcome: Outcome,
-    /// Time for an answer relative to fast precision, in separate rounds.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    times_fast: Option<Ratio>,
 }
 
 /// A case with its outcomes.
@@ -102,15 +97,13 @@ pub(crate) fn run(args: &SelftestArgs) -> Result<bool> {
     if precisions.is_empty() {
         precisions.extend(Precision::ALL);
     }
-    let bar = progress_bar(args.quiet, "{wide_bar} {pos}/{len} {msg}");
-    bar.set_length(cases.len() as u64);
+    let bar = progress_bar(args.quiet, "{wide_bar} {pos}/{len} {msg}, {eta} left");
+    bar.set_length((cases.len() * precisions.len()) as u64);
     let asked = Asked { seed: args.seed, count, precisions };
     let (rows, errors, scene) = args.threads.run(|| {
         let rows = cases.iter().map(|case| {
             bar.set_message(case.name);
-            let row = row(case, &asked);
-            bar.inc(1);
-            row
+            row(case, &asked, || bar.inc(1))
         });
         let rows = rows.collect::<Vec<_>>();
         bar.set_message("errors of hits");
@@ -151,14 +144,15 @@ fn named(numbers: &[u32]) -> Result<Vec<&'static Case>> {
     numbers.iter().map(find).collect()
 }
 
-fn row(case: &Case, asked: &Asked) -> Row {
+/// The case in each precision; `step` is called after each.
+fn row(case: &Case, asked: &Asked, step: impl Fn()) -> Row {
     let start = Instant::now();
-    let ratios = ratios::of(case, asked);
-    let trial = |(effort, times_fast): (Effort, _)| {
+    let trial = |effort: Effort| {
         let outcome = case.run(&effort);
-        Trial { precision: effort.precision, holds: outcome.holds(), outcome, times_fast }
+        step();
+        Trial { precision: effort.precision, holds: outcome.holds(), outcome }
     };
-    let trials = asked.efforts().zip(ratios).map(trial).collect();
+    let trials = asked.efforts().map(trial).collect();
     let Case { number, name, bound, .. } = *case;
     Row { case: number, name, bound, trials, seconds: start.elapsed().as_secs_f64() }
 }

@@ -12,14 +12,9 @@ pub(super) struct Asked {
 
 impl Asked {
     /// The efforts, one for each precision.
-    pub(super) fn efforts(&self) -> impl DoubleEndedIterator<Item = Effort> {
-        self.efforts_of(self.count)
-    }
-
-    /// The same, with this number of tests.
-    pub(super) fn efforts_of(&self, count: Count) -> impl DoubleEndedIterator<Item = Effort> {
-        let Self { seed, precisions, .. } = self;
-        let effort = move |&precision: &Precision| Effort { precision, seed: *seed, count };
+    pub(super) fn efforts(&self) -> impl Iterator<Item = Effort> {
+        let Self { seed, count, precisions } = self;
+        let effort = move |&precision: &Precision| Effort { precision, seed: *seed, count: *count };
         precisions.iter().map(effort)
     }
 }

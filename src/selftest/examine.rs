@@ -15,7 +15,7 @@ use wavecrest_core::plan::schedule::{PASSES, unplanned};
 use wavecrest_core::render::{RenderOptions, TracerKind, render};
 use wavecrest_report::selftest::Outcome;
 use wavecrest_report::selftest::agreement::agreement;
-use wavecrest_report::selftest::examine::{Bvh, Shape, Trial, bvh, shape, trial};
+use wavecrest_report::selftest::examine::{Shape, Trial, shape, trial};
 use wavecrest_scene::load::{LoadOptions, load};
 use wavecrest_scene::mesh;
 use wavecrest_scene::systems::{self, Options};
@@ -28,7 +28,6 @@ const IMAGE_SIDE: u32 = 128;
 pub(super) struct Examined {
     file: String,
     shape: Shape,
-    bvh: Option<Bvh>,
     trials: Vec<Tried>,
 }
 
@@ -41,9 +40,6 @@ struct Tried {
     /// The hits of every kernel, compared with those of the reference; `None` for fast precision.
     #[serde(skip_serializing_if = "Option::is_none")]
     agreement: Option<Outcome>,
-    /// Time for a ray relative to fast precision.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    times_fast: Option<f64>,
     /// Samples of a small image that are not finite, in either tracer; `None` for a mesh.
     #[serde(skip_serializing_if = "Option::is_none")]
     invalid: Option<u64>,
@@ -62,33 +58,32 @@ impl Examined {
     /// In words.
     pub(super) fn text(&self) -> String {
         let mut text = format!("{}: {}", self.file, self.described());
-        if let Some(Bvh { preset, nodes, depth, overlap }) = &self.bvh {
-            let _ = writeln!(
-                text,
-                "  BVH {}: {nodes} nodes, depth {depth}, {overlap:.2} leaves per point of the surface",
-                preset.name()
-            );
-        }
-        let has_triangles = self.shape.triangles > 0;
-        self.trials.iter().for_each(|tried| text += &tried.text(has_triangles));
+        self.trials.iter().for_each(|tried| text += &tried.text());
         text
     }
 
-    /// The shape in words, and what of it is not tested.
+    /// The shapes in words.
     fn described(&self) -> String {
-        let Shape { triangles, others, dropped, slivers, longest, borders, crowded } = &self.shape;
-        let mut text = if *triangles == 0 {
-            "no triangles to test for leaks and self-hits\n".to_owned()
-        } else {
-            format!(
-                "{triangles} triangles, {dropped} degenerate ones left out; {slivers} slivers, aspect ratios up to \
-                 {longest:.0};\n  {borders} boundary edges, {crowded} edges of more than two triangles\n"
-            )
-        };
-        if *others > 0 {
+        let Shape { triangles, quads, spheres, instanced, .. } = self.shape;
+        let Shape { dropped, slivers, longest, borders, crowded, .. } = self.shape;
+        let counts = [
+            (triangles, "triangles"),
+            (quads, "quads"),
+            (spheres, "spheres"),
+            (instanced, "triangles of instances"),
+        ];
+        let there = counts.iter().filter(|(count, _)| *count > 0);
+        let there: Vec<String> = there.map(|(count, name)| format!("{count} {name}")).collect();
+        let mut text = there.join(", ");
+        if text.is_empty() {
+            text += "no shapes, so no rays to test";
+        }
+        text.push('\n');
+        if triangles + quads > 0 {
             let _ = writeln!(
                 text,
-                "  {others} quads, spheres and triangles of instances: not tested for leaks and self-hits"
+                "  {dropped} degenerate triangles left out; {slivers} slivers, aspect ratios up to {longest:.0};\n  \
+                 {borders} boundary edges, {crowded} edges of more than two triangles"
             );
         }
         text
@@ -96,29 +91,33 @@ impl Examined {
 }
 
 impl Tried {
-    /// In words; without triangles, only the samples.
-    fn text(&self, has_triangles: bool) -> String {
-        let Self { precision, trial, agreement, times_fast, invalid } = self;
-        let Trial { leaks, self_hits, nanoseconds, errors } = trial;
-        let name = precision.name();
-        let invalid = invalid.map(|n| format!("{n} samples are not finite"));
-        let agreement = agreement.as_ref().filter(|outcome| outcome.tried > 0);
-        let differing = agreement.map_or(String::new(), |Outcome { tried, failed, .. }| {
-            format!("      {failed} of {tried} answers at edges and vertices differ from the reference's\n")
-        });
-        if !has_triangles {
-            let invalid = invalid.map_or(String::new(), |text| format!("    {name:<7}{text}\n"));
-            return invalid + &differing;
+    /// In words.
+    fn text(&self) -> String {
+        let Self { precision, trial, agreement, invalid } = self;
+        let Trial { leaks, self_hits, errors } = trial;
+        let mut text = format!("    {:<7}", precision.name());
+        if self_hits.tried > 0 {
+            let _ = write!(
+                text,
+                "{} of {} rays leak, {} of {} hit their own shape",
+                leaks.failed, leaks.tried, self_hits.failed, self_hits.tried,
+            );
         }
-        let ratio = times_fast.map_or(String::new(), |t| format!("  {t:>5.2} x fast"));
-        let invalid = invalid.map_or(String::new(), |invalid| format!(", {invalid}"));
-        let mut text = format!(
-            "    {name:<7}{} of {} rays leak, {} of {} hit their own triangle{invalid} \
-             {nanoseconds:>8.1} ns each{ratio}\n",
-            leaks.failed, leaks.tried, self_hits.failed, self_hits.tried,
-        );
-        let _ = writeln!(text, "      {}", errors.words());
-        text += &differing;
+        let separator = if self_hits.tried > 0 { ", " } else { "" };
+        if let Some(invalid) = invalid {
+            let _ = write!(text, "{separator}{invalid} samples are not finite");
+        }
+        text.push('\n');
+        if errors.t.total() > 0 {
+            let _ = writeln!(text, "      {}", errors.words());
+        }
+        let agreement = agreement.as_ref().filter(|outcome| outcome.tried > 0);
+        if let Some(Outcome { tried, failed, .. }) = agreement {
+            let _ = writeln!(
+                text,
+                "      {failed} of {tried} answers at edges and vertices differ from the reference's"
+            );
+        }
         // Failures of fast precision are expected.
         let first = agreement.and_then(|outcome| outcome.first.as_ref());
         let told = [leaks.first.as_ref(), self_hits.first.as_ref(), first].into_iter().flatten();
@@ -140,21 +139,15 @@ pub(super) fn run(file: &Path, asked: &Asked) -> Result<Examined> {
         } else {
             of_scene(file, precision, asked.seed)?
         };
-        let Ready { accel, preset, invalid } = ready;
+        let Ready { accel, invalid } = ready;
         let trial = trial(&accel, &effort);
         let examined = examined.get_or_insert_with(|| Examined {
             file: file.display().to_string(),
             shape: shape(accel.geometry(), &accel),
-            bvh: bvh(&accel, preset, &effort),
             trials: Vec::new(),
         });
-        let first = examined.trials.first().map(|tried| (tried.precision, tried.trial.nanoseconds));
-        let (fastest, nanoseconds) = first.unwrap_or((precision, trial.nanoseconds));
-        // Nothing is timed without triangles.
-        let is_timed = fastest == Precision::Fast && nanoseconds > 0.0;
-        let times_fast = is_timed.then(|| trial.nanoseconds / nanoseconds);
         let agreement = (precision == Precision::Exact).then(|| agreement(accel, &effort));
-        examined.trials.push(Tried { precision, trial, agreement, times_fast, invalid });
+        examined.trials.push(Tried { precision, trial, agreement, invalid });
     }
     examined.ok_or_else(|| Error::new(ErrorKind::Usage, "no precision is named"))
 }
@@ -162,8 +155,6 @@ pub(super) fn run(file: &Path, asked: &Asked) -> Result<Examined> {
 /// The prepared input.
 struct Ready {
     accel: Accel,
-    /// The preset of its tree.
-    preset: Preset,
     /// Number of samples that are not finite; `None` for a mesh.
     invalid: Option<u64>,
 }
@@ -172,8 +163,7 @@ fn of_mesh(file: &Path, precision: Precision) -> Result<Ready> {
     let data = mesh::load(file)?.mesh;
     let (positions, triangles) = (data.positions, data.triangles);
     let geometry = Geometry { positions, triangles, precision, ..Geometry::default() };
-    let preset = Preset::VeryFast;
-    Ok(Ready { accel: Accel::new(geometry, preset), preset, invalid: None })
+    Ok(Ready { accel: Accel::new(geometry, Preset::VeryFast), invalid: None })
 }
 
 fn of_scene(file: &Path, precision: Precision, seed: u64) -> Result<Ready> {
@@ -191,5 +181,5 @@ fn of_scene(file: &Path, precision: Precision, seed: u64) -> Result<Ready> {
         let options = RenderOptions { tracer, seed, ..RenderOptions::default() };
         invalid += render(&scene, &options, &())?.counters.invalid;
     }
-    Ok(Ready { accel: scene.accel, preset, invalid: Some(invalid) })
+    Ok(Ready { accel: scene.accel, invalid: Some(invalid) })
 }

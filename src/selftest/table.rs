@@ -36,34 +36,17 @@ fn verdict(rows: &[Row], precisions: &[Precision]) -> String {
 /// A row for each case.
 fn table(rows: &[Row], precisions: &[Precision]) -> String {
     let widest = rows.iter().map(|row| row.name.len()).max().unwrap_or(0);
-    let timed: Vec<Precision> =
-        precisions.iter().copied().filter(|&precision| precision != Precision::Fast).collect();
-    let has_times = rows.iter().flat_map(|row| &row.trials).any(|trial| trial.times_fast.is_some());
     let mut text = format!("\ncase  {:<widest$}", "input");
     precisions.iter().for_each(|precision| text += &format!("  {:>9}", precision.name()));
-    if has_times {
-        timed.iter().for_each(|precision| {
-            text += &format!("  {:>13}", format!("{} / fast", precision.name()))
-        });
-    }
     text.push('\n');
     for row in rows {
         let _ = write!(text, "{:>4}  {:<widest$}", row.case, row.name);
         row.trials.iter().for_each(|trial| text += &format!("  {:>9}", answers(trial)));
-        for trial in
-            row.trials.iter().filter(|trial| has_times && trial.precision != Precision::Fast)
-        {
-            let ratio = trial.times_fast.map_or("-".to_owned(), |ratio| ratio.text());
-            let _ = write!(text, "  {ratio:>13}");
-        }
         text.truncate(text.trim_end().len());
         text.push('\n');
     }
     if text.contains('%') {
         text += "%: share of wrong answers\n";
-    }
-    if has_times {
-        text += "/ fast: time relative to fast, the median of alternating rounds; a large \u{b1} means a busy machine\n";
     }
     text
 }

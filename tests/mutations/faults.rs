@@ -139,4 +139,18 @@ pub(crate) const FAULTS: &[Fault] = faults! {
         "spot.is_some_and(|spot| spot.outer_degrees == 0.0)" => "false";
     "far scenes are not moved to the camera", 42, "crates/scene/src/systems/frame.rs":
         "if far { nearest(view.location, distance) } else { DVec3::ZERO }" => "DVec3::ZERO";
+
+    "mirrors show what is below them", 50, "crates/core/src/kernels/shade.rs":
+        "smooth.dot(normal).gt(view.x.zero())" => "smooth.dot(smooth).gt(view.x.zero())";
+    "infinite footprints have a level", 52, "crates/core/src/kernels/texture.rs":
+        "(x.is_finite() && y.is_finite())" => "true";
+    "texels that are no numbers are kept", 53, "crates/scene/src/systems/textures.rs":
+        "if x.is_finite() { x } else { 0.0 }" => "x";
+    "all rays of a lens start in its middle", 54, "crates/core/src/kernels/camera.rs":
+        "self.origin + offset" => "self.origin";
+    "samples are added up in single precision", 55, "crates/core/src/tile.rs":
+        "f64::from(value)" => "f64::from(*sum as f32 + value) - *sum";
+    "all pixels have the same random numbers", 56, "crates/core/src/math/random.rs":
+        "[self.pixel, self.sample, self.bounce, dimension]"
+            => "[0, self.sample, self.bounce, dimension]";
 };

@@ -110,4 +110,11 @@ cases! {
     47 hc47_wide_quads hc47_wide_quads_full;
     48 hc48_integer_ends hc48_integer_ends_full;
     49 hc49_edges_of_slivers hc49_edges_of_slivers_full;
+    50 hc50_turned_normals hc50_turned_normals_full;
+    51 hc51_depth_images hc51_depth_images_full;
+    52 hc52_footprints hc52_footprints_full;
+    53 hc53_no_numbers hc53_no_numbers_full;
+    54 hc54_cut_lenses hc54_cut_lenses_full;
+    55 hc55_a_million_samples hc55_a_million_samples_full;
+    56 hc56_samplers hc56_samplers_full;
 }

@@ -1,17 +1,15 @@
 //! Every kernel against the reference, on a user's own scene: rays aimed at edges and vertices.
 
-use glam::{DVec3, Vec3};
 use rayon::prelude::*;
 
-use super::case::{Count, Effort, Outcome};
+use super::case::Count;
 use super::examine::{Extent, rays};
-use super::trees::add_triangle;
-use super::ways::{Numbers, blocks, in_order, with_every_kernel};
-use wavecrest_core::accel::build::Preset;
-use wavecrest_core::accel::{Accel, Hit, KernelChoice};
-use wavecrest_core::geometry::{Geometry, Primitive};
+use super::prelude::*;
+use super::shapes::{add_sheet, add_triangle, corners};
+use super::ways::{blocks, in_order, with_every_kernel};
+use wavecrest_core::accel::KernelChoice;
+use wavecrest_core::geometry::Primitive;
 use wavecrest_core::kernels::precision::Precision;
-use wavecrest_core::math::ray::Ray;
 
 /// The number of rays: quick, and in full.
 const RAYS: [usize; 2] = [1 << 16, 1 << 20];
@@ -22,22 +20,21 @@ const TOGETHER: usize = 64;
 /// Packets for each task.
 const PACKETS_OF_A_THREAD: usize = 64;
 
-/// The stream of random numbers, in place of a case's number.
-const AGREEING: u32 = 103;
+/// The stream of random numbers, in place of a case's number and a part's place.
+const AGREEING: [u32; 2] = [103, 0];
 
 /// Asks every kernel at every instruction level, in full with several trees, for the hits of rays
 /// aimed at edges, vertices and points of primitives, from outside and from other primitives. In
 /// exact precision they must be those of the reference to the last bit.
 pub fn agreement(accel: Accel, effort: &Effort) -> Outcome {
     let presets = effort.either(&[][..], &[Preset::Fastest, Preset::Slow]);
-    agree(accel, effort, rays(effort, RAYS).div_ceil(TOGETHER), presets)
+    let packets = rays(accel.geometry(), effort, RAYS).div_ceil(TOGETHER);
+    agree(accel, effort, packets, presets)
 }
 
-/// As [`agreement`], with this number of packets, and with the tree of `accel` and those of `presets`.
+/// As [`agreement`], with this number of packets, and with the tree of `accel` and those of
+/// `presets`.
 fn agree(mut accel: Accel, effort: &Effort, packets: usize, presets: &[Preset]) -> Outcome {
-    if accel.geometry().is_empty() {
-        return Outcome::default();
-    }
     accel.kernel = KernelChoice::Reference;
     let extent = Extent::of(accel.geometry());
     let asked: Vec<_> = blocks(packets, PACKETS_OF_A_THREAD)
@@ -62,17 +59,16 @@ const PACKETS: usize = 32_000;
 /// Case 49. Slivers, sheets a few ulp apart and wide planes, with rays aimed at their edges and
 /// vertices.
 pub(super) fn aimed(effort: &Effort) -> Outcome {
-    let mut numbers = Numbers::new(effort, 49, usize::MAX);
+    let mut numbers = Numbers::new(effort, [49, 0], 0);
     let mut geometry = Geometry::default();
-    let point = |numbers: &mut Numbers| (numbers.direction() * numbers.one()).as_vec3();
     for _ in 0..64 {
-        let (a, along) = (point(&mut numbers), numbers.direction());
+        let (a, along) = (numbers.ball(1.0).as_vec3(), numbers.direction());
         let aside = numbers.direction() * numbers.magnitude(1e-9, 1e-3);
         let middle = a.as_dvec3() + along * numbers.one() + aside;
         add_triangle(&mut geometry, [a, (a.as_dvec3() + along).as_vec3(), middle.as_vec3()]);
     }
     for _ in 0..64 {
-        let corners = [(); 3].map(|()| point(&mut numbers));
+        let corners = numbers.triangle(1.0);
         let step = numbers.direction().as_vec3() * (f32::EPSILON * numbers.below(4) as f32);
         add_triangle(&mut geometry, corners);
         let [a, b, c] = corners.map(|corner| corner + step);
@@ -80,10 +76,8 @@ pub(super) fn aimed(effort: &Effort) -> Outcome {
     }
     for _ in 0..8 {
         let half = numbers.magnitude(1.0, 1e6) as f32;
-        let y = point(&mut numbers).y;
-        let [a, b, c, d] = [[-half, y, -half], [half, y, -half], [half, y, half], [-half, y, half]];
-        add_triangle(&mut geometry, [a, b, c].map(Vec3::from));
-        add_triangle(&mut geometry, [a, c, d].map(Vec3::from));
+        let center = Vec3::Y * numbers.about(1.0) as f32;
+        add_sheet(&mut geometry, corners(center, Vec3::X * half, Vec3::Z * half));
     }
     let accel = effort.accel(geometry, Preset::Fastest);
     agree(accel, effort, effort.of(PACKETS), &[Preset::Slow])
@@ -135,10 +129,10 @@ fn packet(geometry: &Geometry, extent: &Extent, mut numbers: Numbers) -> [Ray; T
     let from = if numbers.below(3) > 0 {
         extent.around(&mut numbers)
     } else {
-        let corners = some_corners(geometry, &mut numbers);
+        let corners = any_corners(geometry, &mut numbers);
         numbers.within(corners).as_vec3()
     };
-    let [a, b, c] = some_corners(geometry, &mut numbers);
+    let [a, b, c] = any_corners(geometry, &mut numbers);
     let (aim, t_max) = (numbers.below(4), [1.0, f32::INFINITY][numbers.below(2)]);
     std::array::from_fn(|i| {
         let target = match aim {
@@ -151,7 +145,7 @@ fn packet(geometry: &Geometry, extent: &Extent, mut numbers: Numbers) -> [Ray; T
             }
             2 => numbers.within([a, b, c]).as_vec3(),
             _ => {
-                let [a, b, _] = some_corners(geometry, &mut numbers);
+                let [a, b, _] = any_corners(geometry, &mut numbers);
                 a.lerp(b, numbers.one() as f32)
             }
         };
@@ -169,15 +163,20 @@ pub(crate) fn leaving(geometry: &Geometry, count: usize) -> impl Iterator<Item =
     let count = if geometry.is_empty() { 0 } else { count };
     (0..count).map(move |n| {
         let mut numbers = Numbers::new(&effort, AGREEING, n);
-        let corners = some_corners(geometry, &mut numbers);
+        let corners = any_corners(geometry, &mut numbers);
         let from = numbers.within(corners).as_vec3();
         Ray { t_min: START, ..Ray::new(from, extent.around(&mut numbers) - from) }
     })
 }
 
-/// The corners of a primitive. For spheres, points on the surface.
-fn some_corners(geometry: &Geometry, numbers: &mut Numbers) -> [Vec3; 3] {
+/// The corners of any primitive.
+fn any_corners(geometry: &Geometry, numbers: &mut Numbers) -> [Vec3; 3] {
     let number = numbers.below(geometry.len()) as u32;
+    some_corners(geometry, number, numbers)
+}
+
+/// The corners of a primitive. For spheres, points on the surface.
+pub(super) fn some_corners(geometry: &Geometry, number: u32, numbers: &mut Numbers) -> [Vec3; 3] {
     match geometry.primitive(number) {
         Primitive::Quad(i) => {
             let [a, b, c, d] = geometry.quad(i);

@@ -11,7 +11,7 @@ use wavecrest_core::kernels::precision::Precision;
 /// The number of tests.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Count {
-    /// Few enough to be timed several times.
+    /// Few enough for each of many scenes.
     Brief,
     /// Few enough for every test run.
     Quick,
@@ -48,10 +48,7 @@ impl Effort {
 
     /// One of two values, by the number of tests.
     pub(super) fn either<T>(&self, quick: T, full: T) -> T {
-        match self.count {
-            Count::Brief | Count::Quick => quick,
-            Count::Full => full,
-        }
+        if self.count == Count::Full { full } else { quick }
     }
 }
 
@@ -64,42 +61,28 @@ pub struct Outcome {
     pub failed: u64,
     /// A description of the first of these.
     pub first: Option<String>,
-    /// Number of timed answers.
-    pub timed: u64,
-    /// Seconds of these, summed over threads.
-    pub seconds: f64,
 }
 
 impl Outcome {
-    /// Nanoseconds for each answer; `None` if nothing was timed.
-    pub fn nanoseconds(&self) -> Option<f64> {
-        (self.timed > 0).then(|| self.seconds * 1e9 / self.timed as f64)
-    }
-
     /// Whether anything was tested, and the bound held.
     pub fn holds(&self) -> bool {
         self.tried > 0 && self.failed == 0
     }
 
-    /// The outcome of one test; `failure` describes the error, if any.
-    pub(super) fn one(failure: Option<String>) -> Self {
+    /// The outcome of one test; `failure` describes the error unless it is `right`.
+    pub(super) fn of(right: bool, failure: impl FnOnce() -> String) -> Self {
         let mut outcome = Self::default();
-        outcome.count(failure);
+        outcome.check(right, failure);
         outcome
-    }
-
-    /// Counts a test; `failure` describes the error, if any.
-    pub(super) fn count(&mut self, failure: Option<String>) {
-        self.tried += 1;
-        if let Some(failure) = failure {
-            self.failed += 1;
-            self.first.get_or_insert(failure);
-        }
     }
 
     /// Counts a test; `failure` describes the error unless it is `right`.
     pub(super) fn check(&mut self, right: bool, failure: impl FnOnce() -> String) {
-        self.count((!right).then(failure));
+        self.tried += 1;
+        if !right {
+            self.failed += 1;
+            self.first.get_or_insert_with(failure);
+        }
     }
 
     /// Adds `context` before the description of the first failure.
@@ -107,23 +90,11 @@ impl Outcome {
         Self { first: self.first.map(|first| format!("{}, {first}", context())), ..self }
     }
 
-    /// Drops its failures if they are at most this share of the tests.
-    pub(super) fn allowing(self, share: f64) -> Self {
-        if self.failed as f64 > share * self.tried as f64 {
-            return self;
-        }
-        Self { failed: 0, first: None, ..self }
-    }
-
     /// Adds another outcome.
     pub(super) fn add(&mut self, other: Self) {
         self.tried += other.tried;
         self.failed += other.failed;
-        self.timed += other.timed;
-        self.seconds += other.seconds;
-        if self.first.is_none() {
-            self.first = other.first;
-        }
+        self.first = self.first.take().or(other.first);
     }
 }
 
@@ -139,6 +110,6 @@ impl Sum for Outcome {
 /// A test that could not run counts as one failure.
 impl From<Result<Self>> for Outcome {
     fn from(result: Result<Self>) -> Self {
-        result.unwrap_or_else(|error| Self::one(Some(error.to_string())))
+        result.unwrap_or_else(|error| Self::of(false, || error.to_string()))
     }
 }

@@ -5,18 +5,15 @@
 
 use std::iter::Sum;
 
-use glam::Vec3;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use super::case::Effort;
-use super::ways::{Numbers, Tests, blocks};
+use super::prelude::*;
+use super::ways::blocks;
 use crate::plot::number::figure;
-use wavecrest_core::accel::{Accel, Hit};
 use wavecrest_core::kernels::triangle::exact;
 use wavecrest_core::math::exact::Comparable;
 use wavecrest_core::math::float::{max_abs, normalize};
-use wavecrest_core::math::ray::Ray;
 
 /// Bins of the histogram: up to half an ulp, the error of rounding the exact value once, then up to
 /// each power of two, and all larger errors.
@@ -198,18 +195,19 @@ pub const SITUATIONS: &[Situation] = &[
 /// Rays of a situation, in full.
 const RAYS: usize = 1_000_000;
 
-/// The stream of random numbers, in place of a case's number.
-const MEASURED: u32 = 110;
+/// The streams of random numbers, in place of a case's number and a part's place.
+const SITUATED: [u32; 2] = [110, 0];
+const OF_MESH: [u32; 2] = [110, 1];
 
 impl Situation {
     /// The errors in a precision.
     pub fn errors(&self, effort: &Effort) -> HitErrors {
-        let tests = Tests::of(effort);
+        let tests = Tests::from(effort);
         let blocks = blocks(effort.of(RAYS), 1 << 10);
         let errors = blocks.map(|block| {
             let mut errors = HitErrors::default();
             for i in block {
-                let mut numbers = Numbers::new(effort, MEASURED, i);
+                let mut numbers = Numbers::new(effort, SITUATED, i);
                 let (ray, corners) = self.make(&mut numbers);
                 errors.count(tests, &ray, &corners, tests.triangle(&ray, &corners));
             }
@@ -245,9 +243,9 @@ pub(super) fn of_mesh(
     make: impl Fn(&mut Numbers) -> Ray + Sync,
 ) -> HitErrors {
     let geometry = accel.geometry();
-    let tests = Tests::in_accel(accel);
+    let tests = Tests::from(accel);
     let errors = blocks(rays, 1 << 12).map(|block| {
-        let made = block.map(|i| make(&mut Numbers::new(effort, MEASURED + 1, i)));
+        let made = block.map(|i| make(&mut Numbers::new(effort, OF_MESH, i)));
         let rays: Vec<Ray> = made.collect();
         let mut hits = vec![Hit::MISS; rays.len()];
         accel.closest_of(&rays[..], &mut hits, &mut accel.traversal());

@@ -1,81 +1,71 @@
-//! The hard cases on a user's own mesh: leaks through its edges, self-hits, and the quality of its
-//! triangles.
+//! The hard cases on a user's own scene, of any shapes: leaks through edges and spheres, self-hits,
+//! and the quality of its triangles.
 
-use std::time::Instant;
-
-use glam::{DVec3, Vec3};
+use glam::DAffine3;
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::case::{Count, Effort, Outcome};
+use super::agreement::some_corners;
+use super::case::Count;
 use super::errors::{self, HitErrors};
-use super::topology::{Edge, Topology};
-use super::ways::{Numbers, Tests, blocks, in_order, inputs};
-use wavecrest_core::accel::build::Preset;
-use wavecrest_core::accel::{Accel, Hit, Traversal};
-use wavecrest_core::geometry::{Geometry, Primitive};
+use super::prelude::*;
+use super::topology::Topology;
+use super::ways::{RAYS_OF_A_TASK, blocks, in_order};
+use wavecrest_core::accel::Traversal;
+use wavecrest_core::geometry::Primitive;
+use wavecrest_core::kernels::quad::halves;
 use wavecrest_core::kernels::slab::Aabb;
+use wavecrest_core::kernels::surface::{Surface, quad_half};
 use wavecrest_core::math::float::{normalize, offset_origin};
-use wavecrest_core::math::ray::Ray;
 
 /// Rays of each kind, in full.
 const RAYS: usize = 10_000_000;
 
-/// Points at which leaves are counted.
-const POINTS: usize = 256;
-
 /// A triangle with at least this ratio of length to height is a sliver.
 const SLIVER: f64 = 1000.0;
 
-/// Properties of a mesh, independent of the precision.
+/// The streams of random numbers, in place of a case's number and a part's place.
+const LEAKING: [u32; 2] = [100, 1];
+const LEAVING: [u32; 2] = [100, 2];
+
+/// Properties of a geometry, independent of the precision.
 #[derive(Clone, Debug, Serialize)]
 pub struct Shape {
     /// Triangles, including degenerate ones.
     pub triangles: usize,
-    /// Quads, spheres and triangles of instances, which are not tested.
-    pub others: usize,
+    /// Quads.
+    pub quads: usize,
+    /// Spheres.
+    pub spheres: usize,
+    /// Triangles of instances, once for each.
+    pub instanced: usize,
     /// Degenerate triangles, which are dropped.
     pub dropped: u64,
     /// Triangles at least 1000 times as long as high.
     pub slivers: u64,
     /// The greatest ratio of length to height.
     pub longest: f64,
-    /// Edges of only one triangle: the border of the mesh.
+    /// Edges of only one triangle or half of a quad: the border of the mesh.
     pub borders: u64,
-    /// Edges of more than two triangles.
+    /// Edges of more than two.
     pub crowded: u64,
 }
 
-/// A tree over a mesh.
-#[derive(Clone, Debug, Serialize)]
-pub struct Bvh {
-    /// Its preset.
-    pub preset: Preset,
-    /// Its inner nodes.
-    pub nodes: u64,
-    /// Inner nodes above the deepest leaf.
-    pub depth: usize,
-    /// The average number of leaves around a point of the surface: 1 without overlap.
-    pub overlap: f64,
-}
-
-/// The outcome for a mesh in one precision.
+/// The outcome in one precision.
 #[derive(Clone, Debug, Serialize)]
 pub struct Trial {
-    /// Rays at edges between two triangles on opposite sides as seen by the ray: a ray that passes
-    /// between them has leaked.
+    /// Rays at edges between two triangles on opposite sides as seen by the ray, where a ray that
+    /// passes between them has leaked, and rays into spheres.
     pub leaks: Outcome,
-    /// Rays that leave a triangle: a ray that hits it again is a self-hit.
+    /// Rays that leave a primitive: a ray that hits it again is a self-hit.
     pub self_hits: Outcome,
-    /// Nanoseconds for each of these rays; 0 without rays.
-    pub nanoseconds: f64,
-    /// The errors of hits on its triangles.
+    /// The errors of hits on triangles.
     pub errors: HitErrors,
 }
 
-/// Describes a mesh.
+/// Describes a geometry.
 pub fn shape(geometry: &Geometry, accel: &Accel) -> Shape {
-    let topology = Topology::new(geometry);
+    let Topology { borders, crowded, .. } = Topology::new(geometry);
     let ratios = (0..geometry.triangles.len()).into_par_iter().map(|i| {
         let [a, b, c] = geometry.triangle(i).map(|v| v.as_dvec3());
         let longest =
@@ -89,74 +79,56 @@ pub fn shape(geometry: &Geometry, accel: &Accel) -> Shape {
         ratios.map(of).reduce(|| (0, 0.0), |a, b| (a.0 + b.0, f64::max(a.1, b.1)));
     Shape {
         triangles: geometry.triangles.len(),
-        others: geometry.len() - geometry.triangles.len(),
+        quads: geometry.quads.len(),
+        spheres: geometry.spheres.len(),
+        instanced: geometry.len() - geometry.own(),
         dropped: accel.left_out(),
         slivers,
         longest,
-        borders: topology.borders,
-        crowded: topology.crowded,
+        borders,
+        crowded,
     }
 }
 
-/// Describes the tree over a mesh.
-pub fn bvh(accel: &Accel, preset: Preset, effort: &Effort) -> Option<Bvh> {
-    let tree = accel.tree()?;
-    let geometry = accel.geometry();
-    if geometry.triangles.is_empty() {
-        return None;
-    }
-    let points: Vec<Vec3> = inputs(effort, EXAMINED, 0..POINTS)
-        .map(|mut numbers| point_on(geometry, &mut numbers).as_vec3())
-        .collect();
-    let mut around = 0_u64;
-    tree.for_each_leaf(|bounds, _| {
-        let inside = |p: &&Vec3| bounds.low.cmple(**p).all() && bounds.high.cmpge(**p).all();
-        around += points.iter().filter(inside).count() as u64;
-    });
-    let census = tree.census;
-    let overlap = around as f64 / POINTS as f64;
-    Some(Bvh { preset, nodes: census.nodes, depth: census.depth, overlap })
-}
-
-/// The number of rays: one of two values, or a hundredth of the smaller.
-pub(super) fn rays(effort: &Effort, [quick, full]: [usize; 2]) -> usize {
+/// The number of rays: one of two values, or a hundredth of the smaller; 0 without primitives.
+pub(super) fn rays(geometry: &Geometry, effort: &Effort, [quick, full]: [usize; 2]) -> usize {
     match effort.count {
+        _ if geometry.is_empty() => 0,
         Count::Brief => quick / 100,
         Count::Quick => quick,
         Count::Full => full,
     }
 }
 
-/// The stream of random numbers, in place of a case's number.
-const EXAMINED: u32 = 100;
-
-/// A point of a triangle.
-fn point_on(geometry: &Geometry, numbers: &mut Numbers) -> DVec3 {
-    let number = numbers.below(geometry.triangles.len());
-    numbers.within(geometry.triangle(number))
-}
-
-/// Tests the mesh of `accel`, in its precision. Without triangles, there are no rays.
+/// Tests the primitives of `accel`, in its precision.
 pub fn trial(accel: &Accel, effort: &Effort) -> Trial {
     let geometry = accel.geometry();
-    let topology = Topology::new(geometry);
     let extent = Extent::of(geometry);
-    let leaks = leaking(accel, &topology, &extent, effort);
-    let self_hits = leaving(accel, &extent, effort);
-    let asked = (leaks.tried + self_hits.tried).max(1);
-    let nanoseconds = (leaks.seconds + self_hits.seconds) * 1e9 / asked as f64;
-    let [leaks, self_hits] = [leaks, self_hits].map(|all| Outcome { seconds: 0.0, ..all });
-    let rays =
-        if geometry.triangles.is_empty() { 0 } else { rays(effort, [RAYS / 100, RAYS / 10]) };
-    let errors = errors::of_mesh(accel, effort, rays, |numbers| {
-        let target = point_on(geometry, numbers);
-        let from = extent.around(numbers);
-        Ray::new(from, normalize(target.as_vec3() - from))
-    });
-    Trial { leaks, self_hits, nanoseconds, errors }
+    let meshes = Meshes::of(geometry);
+    let leaks = ask(
+        accel,
+        effort,
+        |n, _| meshes.aimed(&extent, &mut Numbers::new(effort, LEAKING, n)),
+        |ray, own, hit| {
+            // A face seen nearly edge on is hit far behind its edge.
+            let passes = !own.contains(&hit.primitive) && (hit.is_miss() || hit.t > BEYOND);
+            (!passes, move || format!("{ray} passes between or through {own:?}: {hit:?}"))
+        },
+    );
+    let self_hits = ask(
+        accel,
+        effort,
+        |n, traversal| left(accel, &extent, &mut Numbers::new(effort, LEAVING, n), traversal),
+        |ray, [own, _], hit| {
+            (hit.primitive != own, move || format!("{ray} meets {own} again at {}", hit.t))
+        },
+    );
+    let rays = rays(geometry, effort, [RAYS / 100, RAYS / 10]);
+    let errors = errors::of_mesh(accel, effort, rays, |numbers| at_any(geometry, &extent, numbers));
+    Trial { leaks, self_hits, errors }
 }
 
-/// The centre of a mesh's box, and half of its diagonal.
+/// The centre of a geometry's box, and half of its diagonal.
 pub(super) struct Extent {
     middle: DVec3,
     half: f64,
@@ -164,61 +136,108 @@ pub(super) struct Extent {
 
 impl Extent {
     pub(super) fn of(geometry: &Geometry) -> Self {
-        // Without padding: the same rays are traced in every precision.
-        let all = (0..geometry.triangles.len()).map(|i| Aabb::around(geometry.triangle(i)));
-        let Some(all) = all.reduce(|a, b| a.union(b)) else {
-            return Self { middle: DVec3::ZERO, half: 1.0 };
+        let around = |geometry: &Geometry| {
+            let own = (0..geometry.own() as u32).map(|number| geometry.bounds(number));
+            own.fold(Aabb::EMPTY, Aabb::union)
         };
+        let of_prototypes: Vec<Aabb> = geometry.prototypes.iter().map(around).collect();
+        let corners = geometry.instances.iter().flat_map(|instance| {
+            let Aabb { low, high } = of_prototypes[instance.prototype()];
+            let corner = move |i: u32| {
+                Vec3::from([0, 1, 2].map(|k| if i >> k & 1 == 0 { low[k] } else { high[k] }))
+            };
+            (0..8).map(move |i| instance.point(corner(i)))
+        });
+        let all = corners.fold(around(geometry), |all, p| all.union(Aabb { low: p, high: p }));
+        if geometry.is_empty() {
+            return Self { middle: DVec3::ZERO, half: 1.0 };
+        }
         let (low, high) = (all.low.as_dvec3(), all.high.as_dvec3());
         Self { middle: (low + high) / 2.0, half: (high - low).length() / 2.0 }
     }
 
-    /// A random point around the mesh.
+    /// A random point around the geometry.
     pub(super) fn around(&self, numbers: &mut Numbers) -> Vec3 {
         let direction = numbers.direction();
         (self.middle + direction * (self.half * (0.1 + 2.0 * numbers.one()))).as_vec3()
     }
 }
 
-/// Rays for each task.
-const RAYS_OF_A_THREAD: usize = 1 << 12;
-
-/// Rays at edges, from random points around the mesh.
-fn leaking(accel: &Accel, topology: &Topology, extent: &Extent, effort: &Effort) -> Outcome {
-    if topology.len() == 0 {
-        return Outcome::default();
-    }
-    ask(
-        accel,
-        effort,
-        |n, _| {
-            let mut numbers = Numbers::new(effort, EXAMINED + 1, n);
-            let edge = topology.edge(numbers.below(topology.len()))?;
-            let from = extent.around(&mut numbers);
-            let part = 0.1 + 0.8 * numbers.one();
-            let ray = edge_ray(accel.geometry(), &edge, from, part)?;
-            Some((ray, edge.triangles))
-        },
-        |ray, triangles, hit| {
-            // A face seen nearly edge on is hit far behind its edge.
-            let is_own = triangles.contains(&hit.primitive);
-            let passes = !is_own && (hit.is_miss() || hit.t > BEYOND);
-            passes.then(|| format!("{ray} passes between two triangles: {hit:?}"))
-        },
-    )
+/// A ray at a point of a primitive, from a random point around them all.
+fn at_any(geometry: &Geometry, extent: &Extent, numbers: &mut Numbers) -> Ray {
+    let number = numbers.below(geometry.len()) as u32;
+    let corners = some_corners(geometry, number, numbers);
+    let (target, from) = (numbers.within(corners).as_vec3(), extent.around(numbers));
+    Ray::new(from, normalize(target - from))
 }
 
-/// A ray that hits something after this part of its way to an edge has passed the edge.
+/// A ray that hits something after this part of its way to a target has passed the target.
 const BEYOND: f32 = 1.0 + 1.0 / 1024.0;
 
 /// Smallest distance in ulp of the triangles' other edges from the ray, as seen by the ray:
 /// rounding then puts it through one of the two triangles.
 const LEAST_DISTANCE: f64 = 32.0;
 
-/// A ray from `from` that meets the edge at `part` of it, if its triangles are on both sides of it
-/// as seen from there.
-fn edge_ray(geometry: &Geometry, edge: &Edge, from: Vec3, part: f64) -> Option<Ray> {
-    let [a, b] = edge.ends.map(|v| geometry.positions[v as usize].as_dvec3());
+/// A geometry with the edges of its own faces, and of those of each prototype.
+struct Meshes<'a> {
+    geometry: &'a Geometry,
+    own: Topology,
+    prototypes: Vec<Topology>,
+}
+
+impl<'a> Meshes<'a> {
+    fn of(geometry: &'a Geometry) -> Self {
+        let prototypes = geometry.prototypes.iter().map(Topology::new).collect();
+        Self { geometry, own: Topology::new(geometry), prototypes }
+    }
+
+    /// A ray from around the geometry at an edge or into a sphere, with the numbers of the
+    /// primitives there.
+    fn aimed(&self, extent: &Extent, numbers: &mut Numbers) -> Option<(Ray, [u32; 2])> {
+        let from = extent.around(numbers);
+        let number = numbers.below(self.geometry.len()) as u32;
+        let (mesh, topology, first, place) = match self.geometry.primitive(number) {
+            Primitive::Sphere(i) => {
+                let (center, radius) = self.geometry.spheres[i];
+                let inside = numbers.direction() * (0.99 * f64::from(radius));
+                let target = (center.as_dvec3() + inside).as_vec3();
+                // The ray must come from outside, and the target stay inside if it is rounded.
+                let size = center.abs().max(from.abs()).max_element();
+                let is_right = center.distance(from) > 1.01 * radius && radius > 1e-4 * size;
+                return is_right.then(|| (Ray::new(from, target - from), [number; 2]));
+            }
+            Primitive::Triangle(_) | Primitive::Quad(_) => {
+                (self.geometry, &self.own, 0, DAffine3::IDENTITY)
+            }
+            Primitive::Instanced(instanced) => {
+                let (instance, prototype) = self.geometry.instance(instanced);
+                let topology = &self.prototypes[instance.prototype()];
+                (prototype, topology, instance.first(), *instance.to_world())
+            }
+        };
+        if topology.len() == 0 {
+            return None;
+        }
+        let (ends, faces) = topology.edge(numbers.below(topology.len()))?;
+        let own = faces.map(|(_, primitive)| first + primitive);
+        // A ray may pass through holes.
+        let has_holes =
+            |n| self.geometry.cutouts.iter().any(|cutout| cutout.primitives.contains(n));
+        if own.iter().any(has_holes) {
+            return None;
+        }
+        let point =
+            |vertex: u32| place.transform_point3(mesh.positions[vertex as usize].as_dvec3());
+        let part = 0.1 + 0.8 * numbers.one();
+        let ray =
+            edge_ray(from, ends.map(point), faces.map(|(opposite, _)| point(opposite)), part)?;
+        Some((ray, own))
+    }
+}
+
+/// A ray from `from` that meets the edge from `a` to `b` at `part` of it, if the triangles'
+/// `others` are on both sides of it as seen from there.
+fn edge_ray(from: Vec3, [a, b]: [DVec3; 2], others: [DVec3; 2], part: f64) -> Option<Ray> {
     let o = from.as_dvec3();
     let target = (a + (b - a) * part).as_vec3();
     let d = (target.as_dvec3() - o).normalize();
@@ -228,65 +247,77 @@ fn edge_ray(geometry: &Geometry, edge: &Edge, from: Vec3, part: f64) -> Option<R
         (side / (b - a).cross(d).length()).abs()
     };
     let ulp = f64::from(f32::EPSILON) * target.as_dvec3().abs().max(o.abs()).max_element();
-    let plane = (a - o).cross(b - o);
-    let sides = edge.triangles.map(|triangle| {
-        let corners = geometry.triangle(triangle as usize).map(|v| v.as_dvec3());
-        let c = corners.into_iter().find(|&c| c != a && c != b)?;
-        let is_wide = distance(a, c).min(distance(b, c)) > LEAST_DISTANCE * ulp;
-        is_wide.then(|| plane.dot(c - o))
-    });
-    let [Some(one), Some(other)] = sides else { return None };
-    (one * other < 0.0).then(|| Ray::new(from, target - from))
+    let is_wide = |&c: &DVec3| distance(a, c).min(distance(b, c)) > LEAST_DISTANCE * ulp;
+    let [one, other] = others.map(|c| (a - o).cross(b - o).dot(c - o));
+    (others.iter().all(is_wide) && one * other < 0.0).then(|| Ray::new(from, target - from))
 }
 
-/// Rays that leave triangles in all directions, on the side on which these were hit.
-fn leaving(accel: &Accel, extent: &Extent, effort: &Effort) -> Outcome {
-    let geometry = accel.geometry();
-    if geometry.triangles.is_empty() {
-        return Outcome::default();
-    }
-    ask(
-        accel,
-        effort,
-        |n, traversal| {
-            let mut numbers = Numbers::new(effort, EXAMINED + 2, n);
-            let target = point_on(geometry, &mut numbers);
-            let from = extent.around(&mut numbers);
-            let ray = Ray::new(from, normalize(target.as_vec3() - from));
-            let hit = Some(accel.closest(&ray, traversal)).filter(|hit| !hit.is_miss())?;
-            let Primitive::Triangle(i) = geometry.primitive(hit.primitive) else { return None };
-            let surface = Tests::in_accel(accel).surface(&ray, hit.t, &geometry.triangle(i));
-            let [point, error, normal] = surface.vectors();
-            let normal = if normal.dot(ray.direction) > 0.0 { -normal } else { normal };
-            let direction = normalize(numbers.direction().as_vec3() + normal);
-            let origin = offset_origin(point, error, normal, direction);
-            let leaves = direction.dot(normal) > 1e-3;
-            leaves.then(|| (Ray::new(origin, direction), [hit.primitive; 2]))
-        },
-        |ray, [own, _], hit| {
-            (hit.primitive == own).then(|| format!("{ray} meets triangle {own} again at {}", hit.t))
-        },
-    )
+/// A ray that leaves a primitive on the side on which it was hit, with its number.
+fn left(
+    accel: &Accel,
+    extent: &Extent,
+    numbers: &mut Numbers,
+    traversal: &mut Traversal,
+) -> Option<(Ray, [u32; 2])> {
+    let ray = at_any(accel.geometry(), extent, numbers);
+    let hit = Some(accel.closest(&ray, traversal)).filter(|hit| !hit.is_miss())?;
+    let surface = surface_at(accel, &ray, hit)?;
+    let [point, error, normal] = surface.vectors();
+    let normal = if normal.dot(ray.direction) > 0.0 { -normal } else { normal };
+    let direction = normalize(numbers.direction().as_vec3() + normal);
+    let origin = offset_origin(point, error, normal, direction);
+    (direction.dot(normal) > 1e-3).then(|| (Ray::new(origin, direction), [hit.primitive; 2]))
+}
+
+/// The greatest angle between the halves of a quad that counts as flat.
+const FLAT: f64 = 1e-4;
+
+/// The surface point of a hit; `None` inside of spheres and on quads that are not flat, which a ray
+/// can leave and meet again.
+fn surface_at(accel: &Accel, ray: &Ray, hit: Hit) -> Option<Surface<f32>> {
+    let (tests, geometry) = (Tests::from(accel), accel.geometry());
+    Some(match geometry.primitive(hit.primitive) {
+        Primitive::Triangle(i) => tests.surface(ray, hit.t, &geometry.triangle(i)),
+        Primitive::Quad(i) => {
+            let quad = geometry.quad(i);
+            let [p, q] = halves(&quad).map(|half| {
+                let [a, b, c] = half.map(|v| v.as_dvec3());
+                (b - a).cross(c - a).normalize()
+            });
+            let half = quad_half(ray, &quad);
+            (p.distance(q) < FLAT).then(|| tests.surface(ray, hit.t, &half))?
+        }
+        Primitive::Sphere(i) => {
+            let (center, radius) = geometry.spheres[i];
+            let is_outside = center.distance(ray.origin) > radius;
+            is_outside.then(|| tests.sphere_surface(ray, hit.t, (center, radius)))?
+        }
+        Primitive::Instanced(instanced) => {
+            let (instance, prototype) = geometry.instance(instanced);
+            let corners = prototype.triangle(instanced.triangle as usize);
+            instance.surface(&tests.surface(&instance.carried(ray), hit.t, &corners))
+        }
+    })
 }
 
 /// Traces the rays of `make`, each with two accompanying numbers, and judges the answers.
-fn ask(
+fn ask<F: FnOnce() -> String>(
     accel: &Accel,
     effort: &Effort,
     make: impl Fn(usize, &mut Traversal) -> Option<(Ray, [u32; 2])> + Sync,
-    judge: impl Fn(&Ray, [u32; 2], Hit) -> Option<String> + Sync,
+    judge: impl Fn(Ray, [u32; 2], Hit) -> (bool, F) + Sync,
 ) -> Outcome {
-    let count = rays(effort, [RAYS / 25, RAYS]);
-    in_order(blocks(count, RAYS_OF_A_THREAD).map(|block| {
+    let count = rays(accel.geometry(), effort, [RAYS / 25, RAYS]);
+    in_order(blocks(count, 4 * RAYS_OF_A_TASK).map(|block| {
         let mut traversal = accel.traversal();
         let made = block.filter_map(|n| make(n, &mut traversal));
         let (rays, numbers): (Vec<Ray>, Vec<[u32; 2]>) = made.unzip();
         let mut hits = vec![Hit::MISS; rays.len()];
-        let start = Instant::now();
         accel.closest_of(&rays[..], &mut hits, &mut traversal);
-        let mut outcome = Outcome { seconds: start.elapsed().as_secs_f64(), ..Outcome::default() };
-        for ((ray, &number), &hit) in rays.iter().zip(&numbers).zip(&hits) {
-            outcome.count(judge(ray, number, hit));
+        let mut outcome = Outcome::default();
+        for ((&ray, &number), &hit) in rays.iter().zip(&numbers).zip(&hits) {
+            let (is_right, failure) = judge(ray, number, hit);
+            outcome.check(is_right, failure);
         }
         outcome
     }))

@@ -1,5 +1,4 @@
-//! Scenes made in code, and their images with every tracer, batch size, preset and instruction
-//! level.
+//! Scenes made in code, and their images with every tracer, batch size and instruction level.
 
 use std::path::Path;
 
@@ -7,6 +6,7 @@ use glam::{DVec3, Vec3};
 use serde_json::{Value, json};
 
 use super::case::{Effort, Outcome};
+use super::parts::Picture;
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::film::Film;
@@ -19,7 +19,7 @@ use wavecrest_scene::load::{LoadOptions, load_str};
 use wavecrest_scene::systems;
 
 /// Presets that build in different ways.
-pub(super) const PRESETS: [Preset; 3] = [Preset::Fastest, Preset::Medium, Preset::Slow];
+pub(super) const PRESETS: &[Preset] = &[Preset::Fastest, Preset::Medium, Preset::Slow];
 
 /// A prepared scene with its warnings.
 pub(super) struct Prepared {
@@ -58,7 +58,7 @@ pub(super) fn prepare(effort: &Effort, scene: &Value, preset: Preset) -> Result<
 
 /// A way to render, which must not change the image.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Way {
+struct Way {
     tracer: TracerKind,
     threads: usize,
     batch: usize,
@@ -75,8 +75,7 @@ impl Way {
     ];
 }
 
-/// Renders the `scene`.
-pub(super) fn render(effort: &Effort, scene: &PreparedScene, way: Way) -> Result<Rendered> {
+fn render(effort: &Effort, scene: &PreparedScene, way: Way) -> Result<Rendered> {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(way.threads).build();
     let pool = pool.map_err(|error| Error::new(ErrorKind::Usage, "no threads").because(error))?;
     let Way { tracer, batch, .. } = way;
@@ -90,80 +89,47 @@ pub(super) fn image(effort: &Effort, scene: &Value, preset: Preset) -> Result<Fi
     Ok(render(effort, &prepared.scene, Way::ALL[0])?.film)
 }
 
-/// Checks the image of `scene` with `judge`: built with each preset, and rendered in every way at
-/// all instruction levels. Every pixel must be finite as well.
-pub(super) fn every_image(
-    effort: &Effort,
-    scene: &Value,
-    presets: &[Preset],
-    judge: impl Fn(&Rendered) -> Outcome,
-) -> Outcome {
-    let image = |&preset: &Preset| match prepare(effort, scene, preset) {
-        Ok(prepared) => every_way_to_render(effort, prepared.scene, &judge)
-            .with_context(|| preset.name().to_owned()),
-        Err(error) => Outcome::one(Some(format!("the scene is refused: {error}"))),
-    };
-    presets.iter().map(image).sum()
-}
-
-/// As [`every_image`], where `expected` must have the same image by brute force.
-pub(super) fn same_images(
-    effort: &Effort,
-    scene: &Value,
-    presets: &[Preset],
-    expected: &Value,
-) -> Outcome {
-    let judge = |expected| every_image(effort, scene, presets, |r| same(&r.film, &expected));
-    image(effort, expected, Preset::Brute).map(judge).into()
-}
-
-/// As [`every_image`], for a prepared scene.
+/// Renders a scene in every way at all instruction levels, and checks each image.
 pub(super) fn every_way_to_render(
     effort: &Effort,
     mut scene: PreparedScene,
-    judge: &impl Fn(&Rendered) -> Outcome,
+    judge: &dyn Fn(&Rendered) -> Outcome,
 ) -> Outcome {
     let mut outcome = Outcome::default();
     for level in Level::available() {
         let Some(token) = level.token() else { continue };
         scene.accel.level = token;
         for way in Way::ALL {
+            let judged = render(effort, &scene, way).map(|rendered| judge(&rendered));
             let context = || format!("{} {way:?}", level.name());
-            match render(effort, &scene, way) {
-                Ok(rendered) => {
-                    let mut one = pixels(&rendered.film, |_, _, pixel| {
-                        let is_number = pixel.iter().all(|value| value.is_finite());
-                        (!is_number).then(|| "no number".to_owned())
-                    });
-                    let invalid = rendered.counters.invalid;
-                    one.check(invalid == 0, || format!("{invalid} samples are no numbers"));
-                    one.add(judge(&rendered));
-                    outcome.add(one.with_context(context));
-                }
-                Err(error) => outcome.count(Some(format!("{}: {error}", context()))),
-            }
+            outcome.add(Outcome::from(judged).with_context(context));
         }
     }
     outcome
 }
 
-/// Checks every pixel. `judge` describes the error of the pixel in this column and row, if any.
-pub(super) fn pixels(film: &Film, judge: impl Fn(u32, u32, [f32; 3]) -> Option<String>) -> Outcome {
-    let judged = (0_u32..).zip(film.pixels()).map(|(index, &pixel)| {
+/// Checks an image: its pixels are finite, show what they must, and are those of `like`, if there
+/// is one. Only pixels that are known count as tested.
+pub(super) fn judged(rendered: &Rendered, picture: &Picture, like: Option<&Film>) -> Outcome {
+    let Rendered { film, counters, .. } = rendered;
+    let mut outcome = Outcome::default();
+    for (index, &pixel) in (0_u32..).zip(film.pixels()) {
         let (x, y) = (index % film.width(), index / film.width());
-        let context = |failure| format!("pixel ({x}, {y}) is {pixel:?}: {failure}");
-        Outcome::one(judge(x, y, pixel).map(context))
-    });
-    judged.sum()
-}
-
-/// Compares every pixel with that of `expected`, to the last bit.
-pub(super) fn same(film: &Film, expected: &Film) -> Outcome {
-    pixels(film, |x, y, pixel| {
-        let right = expected.pixel(x, y)?;
-        let is_same = pixel.map(f32::to_bits) == right.map(f32::to_bits);
-        (!is_same).then(|| format!("not {right:?}"))
-    })
+        let like = like.and_then(|like| like.pixel(x, y));
+        let known = (picture.shows)(x, y, pixel);
+        let is_same = like.is_none_or(|like| like.map(f32::to_bits) == pixel.map(f32::to_bits));
+        let is_right = pixel.iter().all(|value| value.is_finite()) && is_same;
+        if known.is_some() || like.is_some() || !is_right {
+            outcome.check(is_right && known != Some(false), || {
+                let other = like.map_or(String::new(), |like| format!(" and not {like:?}"));
+                format!("pixel ({x}, {y}) is {pixel:?}{other}")
+            });
+        }
+    }
+    let counts = [counters.invalid, counters.lights_at_surface];
+    let is_right = counts[0] == 0 && picture.at_surface.is_none_or(|count| counts[1] == count);
+    outcome.check(is_right, || format!("{counts:?} invalid samples and lights at a surface"));
+    outcome
 }
 
 /// A pinhole camera, with the directions of its rays in double precision.
@@ -183,7 +149,13 @@ impl Eye {
         Self { location, look: DVec3::ZERO, up: DVec3::Y, fov, size }
     }
 
-    pub(super) fn json(&self) -> Value {
+    /// A camera above the origin, which its centre pixel sees if `side` is odd; rows of pixels are
+    /// then on the axes.
+    pub(super) fn above(fov: f64, side: u32) -> Self {
+        Self { up: DVec3::Z, ..Self::at(DVec3::Y * 5.0, fov, [side; 2]) }
+    }
+
+    fn json(&self) -> Value {
         json!({
             "type": "pinhole", "width": self.size[0], "height": self.size[1], "fov": self.fov,
             "location": self.location.to_array(), "look": self.look.to_array(),
@@ -191,22 +163,25 @@ impl Eye {
         })
     }
 
-    /// Columns and rows.
-    pub(super) fn pixels(&self) -> impl Iterator<Item = (u32, u32)> {
-        let [width, height] = self.size;
-        (0..width * height).map(move |i| (i % width, i / width))
-    }
-
     /// The direction through the centre of a pixel, of unit length.
     pub(super) fn direction(&self, x: u32, y: u32) -> DVec3 {
+        self.through(f64::from(x) + 0.5, f64::from(y) + 0.5)
+    }
+
+    /// The direction through a point of the image in pixels, of unit length.
+    pub(super) fn through(&self, x: f64, y: f64) -> DVec3 {
         let [width, height] = self.size.map(f64::from);
         let forward = (self.look - self.location).normalize();
         let right = forward.cross(self.up).normalize();
         let up = right.cross(forward);
         let edge = 2.0 * libm::tan(self.fov.to_radians() / 2.0) / width.min(height);
-        let across = (f64::from(x) + 0.5 - width / 2.0) * edge;
-        let upward = (height / 2.0 - f64::from(y) - 0.5) * edge;
+        let (across, upward) = ((x - width / 2.0) * edge, (height / 2.0 - y) * edge);
         (forward + right * across + up * upward).normalize()
+    }
+
+    /// Where a direction meets the plane y = 0.
+    pub(super) fn on_floor(&self, direction: DVec3) -> DVec3 {
+        self.location - direction * (self.location.y / direction.y)
     }
 }
 
@@ -221,11 +196,11 @@ pub(super) fn camera_rays(scene: &PreparedScene) -> Vec<Ray> {
 /// The default background: no surface has this colour.
 pub(super) const BACKGROUND: [f64; 3] = [0.125, 0.25, 0.5];
 
-/// A scene with these parts, without ambient light: unlit points are black.
-pub(super) fn scene(bounces: u32, camera: &Value, lights: &[Value], shapes: &[Value]) -> Value {
+/// A scene with these parts, without bounces and ambient light: unlit points are black.
+pub(super) fn scene(eye: &Eye, lights: &[Value], shapes: &[Value]) -> Value {
     json!({
-        "nbounces": bounces,
-        "camera": camera,
+        "nbounces": 0,
+        "camera": eye.json(),
         "scene": {"backgroundcolor": BACKGROUND, "ambient": 0, "lightsources": lights,
                   "shapes": shapes}
     })
@@ -242,6 +217,11 @@ pub(super) fn matte(color: [f64; 3]) -> Value {
     json!({"ks": 0, "kd": 0.8, "specularexponent": 1, "diffusecolor": color})
 }
 
+/// A white one.
+pub(super) fn white() -> Value {
+    matte([1.0; 3])
+}
+
 /// A sphere.
 pub(super) fn sphere(center: DVec3, radius: f64, material: Value) -> Value {
     json!({"type": "sphere", "center": center.to_array(), "radius": radius, "material": material})
@@ -251,6 +231,16 @@ pub(super) fn sphere(center: DVec3, radius: f64, material: Value) -> Value {
 pub(super) fn plane(points: [DVec3; 4], material: Value) -> Value {
     json!({"type": "plane", "points": points.map(|p| p.to_array()), "sides": "both",
            "material": material})
+}
+
+/// The parallelogram with this centre and these half sides.
+pub(super) fn square([center, u, v]: [DVec3; 3], material: Value) -> Value {
+    plane([center - u - v, center - u + v, center + u + v, center + u - v], material)
+}
+
+/// A white part of the plane y = 0, up to `half` along both axes.
+pub(super) fn floor(half: f64) -> Value {
+    square([DVec3::ZERO, DVec3::X * half, DVec3::Z * half], white())
 }
 
 /// A mesh, lit from both sides.

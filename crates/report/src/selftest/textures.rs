@@ -1,16 +1,19 @@
-//! Texture look-ups at the edges of images and far outside.
+//! Look-ups at the edges of images and far outside, at grazing angles, and of texels that are no
+//! numbers; normal maps, and vertex colours.
 
-use glam::{DVec3, Vec2, Vec3};
+use glam::Vec2;
+use tempfile::TempDir;
 
-use super::case::{Effort, Outcome};
-use super::ways::{Numbers, in_blocks};
+use super::prelude::*;
+use wavecrest_core::film::Film;
 use wavecrest_core::kernels::texture::{Filter, Image, Texels, Wrap, sphere_uv};
+use wavecrest_image::write::{Transfer, write};
 
 /// Neighbouring texels, including the first and the last, differ by at most a step.
 const STEP: f32 = 1.0 / 64.0;
 
 /// An image whose values rise and fall along x (red) and along y (green), a step a texel.
-fn waves(width: u32, height: u32, is_bytes: bool) -> Image {
+fn waves([width, height]: [u32; 2], is_bytes: bool) -> Image {
     let wave = |i: u32, count: u32| i.min(count - i);
     let each = (0..width * height).map(|i| [wave(i % width, width), wave(i / width, height)]);
     let texels = if is_bytes {
@@ -22,17 +25,26 @@ fn waves(width: u32, height: u32, is_bytes: bool) -> Image {
     Image::new(width, height, texels)
 }
 
+fn step(image: &Image) -> f32 {
+    if matches!(image.texels, Texels::Floats(_)) { STEP } else { 1.0 / 255.0 }
+}
+
+fn some_waves(numbers: &mut Numbers) -> Image {
+    let size = numbers.among([[1, 1], [2, 2], [3, 5], [7, 1], [64, 48], [1, 100]]);
+    waves(size, numbers.once_in(2))
+}
+
 /// A coordinate: an edge, next to one, far outside, or with random bits.
 fn coordinate(numbers: &mut Numbers) -> f32 {
-    let whole = |numbers: &mut Numbers| numbers.sign() * numbers.magnitude(1.0, 1e6).round();
+    let whole = numbers.sign() * numbers.magnitude(1.0, 1e6).round();
     match numbers.below(8) {
-        0 => [0.0, -0.0, 1.0, 0.5][numbers.below(4)],
-        1 => [-f32::EPSILON, -1e-30, f32::from_bits(1), 1.0_f32.next_down()][numbers.below(4)],
-        2 => whole(numbers) as f32,
-        3 => (whole(numbers) as f32).next_up(),
-        4 => (whole(numbers) as f32).next_down(),
-        5 => (whole(numbers) + numbers.one()) as f32,
-        6 => f32::from_bits((numbers.one() * 4_294_967_296.0) as u32),
+        0 => numbers.among([0.0, -0.0, 1.0, 0.5]),
+        1 => numbers.among([-f32::EPSILON, -1e-30, f32::from_bits(1), 1.0_f32.next_down()]),
+        2 => whole as f32,
+        3 => (whole as f32).next_up(),
+        4 => (whole as f32).next_down(),
+        5 => (whole + numbers.one()) as f32,
+        6 => f32::from_bits(numbers.bits()),
         _ => numbers.one() as f32,
     }
 }
@@ -54,55 +66,29 @@ fn value(coordinate: f32, count: u32, filter: Filter, wrap: Wrap) -> f64 {
         };
         i.min(i64::from(count) - i) as f64
     };
-    match filter {
-        Filter::Nearest => texel(at.floor() as i64),
-        Filter::Bilinear | Filter::Trilinear => {
-            let first = (at - 0.5).floor();
-            let between = at - 0.5 - first;
-            let first = first as i64;
-            texel(first) * (1.0 - between) + texel(first + 1) * between
-        }
+    if filter == Filter::Nearest {
+        return texel(at.floor() as i64);
     }
+    let first = (at - 0.5).floor();
+    let between = at - 0.5 - first;
+    texel(first as i64) * (1.0 - between) + texel(first as i64 + 1) * between
 }
 
-/// Case 30.
-pub(super) fn look_ups(effort: &Effort) -> Outcome {
-    let images: Vec<Image> = [[1, 1], [2, 2], [3, 5], [7, 1], [64, 48], [1, 100]]
-        .into_iter()
-        .flat_map(|[w, h]| [waves(w, h, false), waves(w, h, true)])
-        .collect();
-    in_blocks(effort.of(10_000_000), |n| {
-        let mut numbers = Numbers::new(effort, 30, n);
-        let image = &images[numbers.below(images.len())];
-        let filter = [Filter::Nearest, Filter::Bilinear][numbers.below(2)];
-        let wrap = [Wrap::Repeat, Wrap::Clamp, Wrap::Mirror][numbers.below(3)];
-        Outcome::one(if numbers.below(4) == 0 {
-            across_a_seam(&mut numbers, image, filter)
-        } else {
-            look_up(&mut numbers, image, filter, wrap)
-        })
-    })
-}
-
-fn step(image: &Image) -> f32 {
-    match image.texels {
-        Texels::Bytes(_) | Texels::Levels(..) => 1.0 / 255.0,
-        Texels::Floats(_) => STEP,
-    }
-}
-
-/// The error of a look-up, which must be within a texel of the exact one.
-fn look_up(numbers: &mut Numbers, image: &Image, filter: Filter, wrap: Wrap) -> Option<String> {
+/// Case 30: a look-up is within a texel of the exact one.
+pub(super) fn look_ups(numbers: &mut Numbers) -> Outcome {
+    let image = some_waves(numbers);
+    let filter = numbers.among([Filter::Nearest, Filter::Bilinear]);
+    let wrap = numbers.among([Wrap::Repeat, Wrap::Clamp, Wrap::Mirror]);
     let uv = Vec2::new(coordinate(numbers), coordinate(numbers));
-    let found = image.look_up(uv, filter, wrap) / step(image);
+    let found = image.look_up(uv, filter, wrap) / step(&image);
     // Rows start at the top, where v is 1.
-    let down = 1.0 - uv.y;
-    let right = [value(uv.x, image.width, filter, wrap), value(down, image.height, filter, wrap)];
+    let (right, down) = (value(uv.x, image.width, filter, wrap), 1.0 - uv.y);
+    let right = [right, value(down, image.height, filter, wrap)];
     let is_right = right.iter().zip(found.to_array()).all(|(right, found)| {
         // At 1 the image ends and restarts: the texel on either side is right.
         (right - f64::from(found)).abs() <= 1.001
     });
-    (!is_right).then(|| {
+    Outcome::of(is_right, || {
         let (width, height) = (image.width, image.height);
         format!(
             "{uv} of {width} x {height}, {filter:?}, {wrap:?}: {found} and not {right:?} texels"
@@ -110,9 +96,10 @@ fn look_up(numbers: &mut Numbers, image: &Image, filter: Filter, wrap: Wrap) -> 
     })
 }
 
-/// The error of two neighbouring look-ups on both sides of the seam of an image, or of a sphere's
-/// map.
-fn across_a_seam(numbers: &mut Numbers, image: &Image, filter: Filter) -> Option<String> {
+/// Case 30: two neighbouring look-ups on both sides of the seam of an image, or of a sphere's map.
+pub(super) fn across_seams(numbers: &mut Numbers) -> Outcome {
+    let image = some_waves(numbers);
+    let filter = numbers.among([Filter::Nearest, Filter::Bilinear]);
     let [p, q] = match numbers.below(3) {
         // Where the image repeats, a number and the adjacent one.
         0 => {
@@ -122,23 +109,256 @@ fn across_a_seam(numbers: &mut Numbers, image: &Image, filter: Filter) -> Option
         }
         // Behind the sphere, on both sides of the seam.
         1 => {
-            let (height, aside) = (numbers.one() * 1.8 - 0.9, numbers.magnitude(1e-30, 1e-7));
+            let (height, aside) = (numbers.about(0.9), numbers.magnitude(1e-30, 1e-7));
             let back = -(1.0 - height * height).sqrt();
             [-aside, aside].map(|x| sphere_uv(DVec3::new(x, height, back).as_vec3()))
         }
         // At the poles every u is the same place: only v counts.
         _ => {
-            let pole = [1.0, -1.0][numbers.below(2)];
-            let mut near = || {
+            let pole = numbers.among([1.0, -1.0]);
+            [(); 2].map(|()| {
                 let x = numbers.magnitude(1e-40, 1e-9) as f32;
-                let v = sphere_uv(Vec3::new(x, pole, -x)).y;
-                Vec2::new(0.25, v)
-            };
-            [near(), near()]
+                Vec2::new(0.25, sphere_uv(Vec3::new(x, pole, -x)).y)
+            })
         }
     };
-    let [a, b] = [p, q].map(|uv| image.look_up(uv, filter, Wrap::Repeat) / step(image));
+    let [a, b] = [p, q].map(|uv| image.look_up(uv, filter, Wrap::Repeat) / step(&image));
     // A thousandth of a texel for the rounding of the coordinates.
     let is_right = (a - b).abs().max_element() <= 1.001;
-    (!is_right).then(|| format!("{p} and {q}, {filter:?}: {a} and {b} texels"))
+    Outcome::of(is_right, || format!("{p} and {q}, {filter:?}: {a} and {b} texels"))
+}
+
+/// An image file with these texels, in linear floats, in a folder that is removed with it.
+struct File {
+    path: String,
+    _folder: Option<TempDir>,
+}
+
+impl File {
+    fn new(side: u32, texels: Vec<[f32; 3]>) -> Self {
+        // Without a file the scene is refused, which is a failure.
+        let folder = tempfile::tempdir().ok();
+        let path = folder.as_ref().map(|folder| folder.path().join("texels.exr"));
+        let written = path.filter(|path| {
+            let film = Film::from_pixels(side, side, texels);
+            film.and_then(|film| write(&film, path, Transfer::Linear)).is_ok()
+        });
+        let path = written.map_or("none.exr".to_owned(), |path| path.display().to_string());
+        Self { path, _folder: folder }
+    }
+}
+
+/// A shape that shows only its colour, without shading.
+fn shown(eye: &Eye, shape: Value) -> Value {
+    // No power, but an ambient part.
+    let light = scenes::point_light(0.0, DVec3::Y, "none");
+    let mut scene = scenes::scene(eye, &[light], &[shape]);
+    scene["scene"]["ambient"] = json!(1);
+    scene
+}
+
+/// A part of the plane y = 0 that is seen from its front: u grows along z and v along x.
+fn floor(half: f64, material: Value) -> Value {
+    scenes::square([DVec3::ZERO, DVec3::Z * half, DVec3::X * half], material)
+}
+
+/// Case 50: a normal map that turns normals anywhere, also below the surface. Light from above is
+/// reflected as by a surface with that normal, light from below not at all, and a mirror shows what
+/// is above it.
+pub(super) fn turned_normals(numbers: &mut Numbers) -> Vec<Picture> {
+    const KR: f64 = 0.5;
+    let (normal, to_light) = (numbers.direction(), numbers.direction());
+    let eye = Eye { look: numbers.ball(2.0).with_y(0.0), ..Eye::above(30.0, 9) };
+    // Along z, along x, and up.
+    let texel = [normal.z, normal.x, normal.y].map(|x| (0.5 * x + 0.5) as f32);
+    let mirror = json!({"ks": 0, "kd": 0, "specularexponent": 1, "diffusecolor": [1, 1, 1],
+                        "kr": KR});
+    let mapped = |material| {
+        let (mut shape, file) = (floor(100.0, material), File::new(1, vec![texel]));
+        shape["normalmap"] = json!({"file": file.path});
+        (shape, file)
+    };
+    let (shape, file) = mapped(scenes::white());
+    let light = json!({"type": "directionallight", "intensity": 1, "color": [1, 1, 1],
+                       "direction": (-to_light).to_array()});
+    let reflected = 0.8 * normal.dot(to_light).max(0.0);
+    let right = if to_light.y > 0.0 { reflected } else { 0.0 };
+    let lit = Picture::new(scenes::scene(&eye, &[light], &[shape]), move |_, _, [pixel, ..]| {
+        let _kept = &file;
+        Some((f64::from(pixel) - right).abs() < 1e-5)
+    });
+    let (shape, file) = mapped(mirror);
+    // Red below, green all around.
+    let glowing = |mut shape: Value, color: [f64; 3]| {
+        shape["material"]["emission"] = json!(color);
+        shape
+    };
+    let below = scenes::square([-DVec3::Y, DVec3::X * 1e4, DVec3::Z * 1e4], scenes::white());
+    let below = glowing(below, [1.0, 0.0, 0.0]);
+    let around = glowing(scenes::sphere(DVec3::ZERO, 1e3, scenes::white()), [0.0, 1.0, 0.0]);
+    let mut scene = scenes::scene(&eye, &[], &[shape, below, around]);
+    scene["nbounces"] = json!(1);
+    let mirrored = Picture::new(scene, move |_, _, pixel| {
+        let _kept = &file;
+        Some(pixel == [0.0, KR as f32, 0.0])
+    });
+    vec![lit, mirrored]
+}
+
+/// Case 52: the level of detail of a footprint of any size, and the colour there.
+pub(super) fn footprints(numbers: &mut Numbers) -> Outcome {
+    let mut image = some_waves(numbers);
+    image.build_pyramid();
+    let extreme = [0.0, f32::INFINITY, f32::NAN, f32::MAX, f32::MIN_POSITIVE];
+    let mut part = || {
+        let any = (numbers.sign() * numbers.magnitude(1e-38, 1e38)) as f32;
+        if numbers.once_in(8) { numbers.among(extreme) } else { any }
+    };
+    let sides = [(); 2].map(|()| Vec2::new(part(), part()));
+    let size = [image.width, image.height].map(f64::from);
+    let length = |side: Vec2| (f64::from(side.x) * size[0]).hypot(f64::from(side.y) * size[1]);
+    let [a, b] = sides.map(length);
+    let coarsest = f64::from(image.coarsest());
+    let is_finite = sides.iter().all(|side| side.is_finite());
+    let right = if is_finite { libm::log2(a.max(b)).clamp(0.0, coarsest) } else { coarsest };
+    let level = image.level(&sides);
+    let uv = Vec2::new(coordinate(numbers), coordinate(numbers));
+    let (color, _) = image.look_up_at(uv, level, Wrap::Repeat);
+    let most = step(&image) * image.width.max(image.height) as f32;
+    let is_right = (f64::from(level) - right).abs() <= 1e-5
+        && color.min_element() >= 0.0
+        && color.max_element() <= most;
+    Outcome::of(is_right, || format!("level {level} and not {right} of {sides:?}: {color}"))
+}
+
+/// Texels of the images below along a side.
+const TEXELS: u32 = 16;
+
+/// Case 52: a floor seen at grazing angles. Where the footprint of a pixel is larger than the
+/// image, which is repeated, the pixel shows the mean of all texels.
+pub(super) fn grazing(numbers: &mut Numbers) -> Vec<Picture> {
+    const HALF: f64 = 1000.0;
+    /// The largest error of a mean: texels of coarse levels share an exponent.
+    const OFF: f32 = 0.01;
+    let count = TEXELS * TEXELS;
+    let texels: Vec<[f32; 3]> = (0..count).map(|_| [numbers.below(2) as f32; 3]).collect();
+    let mean = texels.iter().map(|texel| texel[0]).sum::<f32>() / count as f32;
+    let location = DVec3::Y * numbers.magnitude(1e-2, 10.0);
+    let turn = numbers.direction().with_y(0.0).normalize();
+    let look = location + turn - DVec3::Y * numbers.magnitude(1e-3, 0.1);
+    let eye = Eye { location, look, up: DVec3::Y, fov: 5.0, size: [16, 48] };
+    let file = File::new(TEXELS, texels);
+    let mut shape = floor(HALF, scenes::white());
+    let repeats = numbers.magnitude(100.0, 10_000.0);
+    shape["texture"] = json!(file.path);
+    shape["filter"] = json!("trilinear");
+    shape["uvtransform"] = json!([[repeats, 0, 0], [0, repeats, 0]]);
+    let shows = move |x: u32, y: u32, [pixel, ..]: [f32; 3]| {
+        let _kept = &file;
+        let place = |dx: f64, dy: f64| {
+            let (x, y) = (f64::from(x) + 0.5 + dx, f64::from(y) + 0.5 + dy);
+            let direction = eye.through(x, y);
+            let place = eye.on_floor(direction);
+            (direction.y < 0.0 && place.abs().max_element() < 0.99 * HALF).then_some(place)
+        };
+        place(0.0, 0.0)?;
+        // In texels for each pixel; derivatives in double precision.
+        const STEP: f64 = 1e-4;
+        let scale = repeats * f64::from(TEXELS) / (2.0 * HALF * 2.0 * STEP);
+        let across = (place(STEP, 0.0)? - place(-STEP, 0.0)?).length() * scale;
+        let along = (place(0.0, STEP)? - place(0.0, -STEP)?).length() * scale;
+        let is_whole = across.max(along) > 1.01 * f64::from(TEXELS);
+        let off = if is_whole { OFF } else { 1.0 };
+        Some((pixel - mean).abs() <= off && (0.0..=1.0 + OFF).contains(&pixel))
+    };
+    vec![Picture::new(shown(&eye, shape), shows)]
+}
+
+/// Case 53: channels that are NaN or infinite count as 0, and nothing else changes.
+pub(super) fn no_numbers(numbers: &mut Numbers) -> Vec<Picture> {
+    const SIDE: usize = 8;
+    const HALF: f64 = 2.0;
+    let bad = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY];
+    let mut channel = || {
+        let any = numbers.one() as f32;
+        if numbers.once_in(8) { numbers.among(bad) } else { any }
+    };
+    let texels: Vec<[f32; 3]> = (0..SIDE * SIDE).map(|_| [(); 3].map(|()| channel())).collect();
+    // The centre of no pixel is near the edge of a texel, or of the floor.
+    let eye = Eye::above(50.0, 24);
+    let picture = |filter: &str| {
+        let file = File::new(SIDE as u32, texels.clone());
+        let mut shape = floor(HALF, scenes::white());
+        shape["texture"] = json!(file.path);
+        shape["filter"] = json!(filter);
+        shape["wrap"] = json!("clamp");
+        let (texels, is_nearest) = (texels.clone(), filter == "nearest");
+        let shows = move |x: u32, y: u32, pixel: [f32; 3]| {
+            let _kept = &file;
+            let place = eye.on_floor(eye.direction(x, y)) / HALF;
+            // Two columns and two rows with their weights.
+            let [columns, rows] = [place.z, -place.x].map(|x| {
+                let at = (0.5 * x + 0.5) * SIDE as f64 - 0.5;
+                let between = if is_nearest { at.round() - at.floor() } else { at - at.floor() };
+                [(at.floor(), 1.0 - between), (at.floor() + 1.0, between)]
+            });
+            let mut right = DVec3::ZERO;
+            for (row, p) in rows {
+                for (column, q) in columns {
+                    let [i, j] = [row, column].map(|i| i.clamp(0.0, SIDE as f64 - 1.0) as usize);
+                    let texel = texels[i * SIDE + j].map(|x| if x.is_finite() { x } else { 0.0 });
+                    right += Vec3::from(texel).as_dvec3() * (p * q);
+                }
+            }
+            let off = (Vec3::from(pixel).as_dvec3() - right).abs().max_element();
+            (place.abs().max_element() < 1.0).then_some(off < 1e-5)
+        };
+        Picture::new(shown(&eye, shape), shows)
+    };
+    ["nearest", "bilinear"].map(picture).into()
+}
+
+/// Triangles of the fan of case 46.
+const TRIANGLES: usize = 12;
+
+/// Case 46: a fan in the plane y = 0 around the origin, seen by the centre pixel.
+pub(super) fn vertex_colors(numbers: &mut Numbers) -> Vec<Picture> {
+    /// Largest error of interpolation, relative to the largest colour of the triangle: the point
+    /// and the weights have single precision.
+    const LARGEST_ERROR: f64 = 1e-5;
+    let eye = Eye::above(60.0, numbers.effort.either(25, 65));
+    let around = |i: usize| {
+        let (sin, cos) = libm::sincos(std::f64::consts::TAU * i as f64 / TRIANGLES as f64);
+        // Exact in the file and in single precision.
+        DVec3::new(2.0 * sin, 0.0, 2.0 * cos).as_vec3()
+    };
+    let points: Vec<Vec3> = std::iter::once(Vec3::ZERO).chain((0..TRIANGLES).map(around)).collect();
+    let colors: Vec<f32> = points
+        .iter()
+        .map(|_| {
+            let most = numbers.among([1.0, 1e12]);
+            numbers.magnitude(1e-3, most) as f32
+        })
+        .collect();
+    let corners = |i: usize| [0, 1 + i, 1 + (i + 1) % TRIANGLES];
+    let fan: Vec<[u32; 3]> = (0..TRIANGLES).map(|i| corners(i).map(|v| v as u32)).collect();
+    let mut mesh = scenes::mesh(&points, &fan, scenes::white());
+    mesh["colors"] = json!(colors.iter().map(|&c| [c; 3]).collect::<Vec<_>>());
+    let shows = move |x, y, [pixel, ..]: [f32; 3]| {
+        let hit = eye.on_floor(eye.direction(x, y));
+        // On an edge any of its triangles is right.
+        let known = (0..TRIANGLES).filter_map(|i| {
+            let [a, b, c] = corners(i).map(|corner| points[corner].as_dvec3());
+            let area = |p: DVec3, q: DVec3, r: DVec3| (q - p).cross(r - p).y;
+            let weights = [area(hit, b, c), area(a, hit, c), area(a, b, hit)];
+            let weights = weights.map(|weight| weight / area(a, b, c));
+            let of_corners = corners(i).map(|corner| f64::from(colors[corner]));
+            let mixed = weights.iter().zip(of_corners).map(|(w, c)| w * c).sum::<f64>();
+            let off = LARGEST_ERROR * of_corners.into_iter().fold(0.0, f64::max);
+            let is_right = (f64::from(pixel) - mixed).abs() <= off;
+            weights.iter().all(|weight| *weight > -1e-6).then_some(is_right)
+        });
+        known.reduce(|a, b| a || b)
+    };
+    vec![Picture::new(shown(&eye, mesh), shows)]
 }

@@ -1,25 +1,23 @@
-//! The triangles at each edge of a mesh: where a ray must not pass between them.
+//! The faces at each edge of a mesh: where a ray must not pass between them.
 
 use glam::Vec3;
 use rayon::prelude::*;
 
 use wavecrest_core::geometry::Geometry;
+use wavecrest_core::kernels::quad::halves;
+use wavecrest_core::kernels::triangle::is_degenerate;
 
-/// An edge that two triangles share.
-pub(super) struct Edge {
-    /// Its ends, as the first vertex at each position.
-    pub(super) ends: [u32; 2],
-    pub(super) triangles: [u32; 2],
-}
+/// A triangle at an edge: the vertex opposite to the edge, and the primitive's number.
+pub(super) type Face = (u32, u32);
 
-/// An edge of a triangle: the numbers of its ends, the lower first, and the triangle.
-type Side = ([u32; 2], u32);
+/// An edge of a face: the numbers of its ends, the lower first.
+type Side = ([u32; 2], Face);
 
-/// The edges of a mesh's triangles, without degenerate ones.
+/// The edges of a mesh's triangles and of the halves of its quads, without degenerate ones.
 pub(super) struct Topology {
     /// Sorted by the numbers of their ends.
     sides: Vec<Side>,
-    /// Edges of only one triangle: the border of the mesh.
+    /// Edges of only one face: the border of the mesh.
     pub(super) borders: u64,
     /// Edges of more than two.
     pub(super) crowded: u64,
@@ -28,18 +26,24 @@ pub(super) struct Topology {
 impl Topology {
     pub(super) fn new(geometry: &Geometry) -> Self {
         let number = weld(&geometry.positions);
-        let mut sides: Vec<Side> = (0..geometry.triangles.len() as u32)
+        let triangles = (0..).zip(&geometry.triangles).map(|(i, &corners)| (i, corners));
+        let first = geometry.triangles.len() as u32;
+        let quads = (first..).zip(&geometry.quads);
+        let all = triangles.chain(quads.flat_map(|(i, quad)| halves(quad).map(|half| (i, half))));
+        let all: Vec<(u32, [u32; 3])> = all.collect();
+        let mut sides: Vec<Side> = all
             .into_par_iter()
-            .filter(|&triangle| !geometry.is_degenerate(triangle))
-            .flat_map_iter(|triangle| {
-                let [a, b, c] = geometry.triangles[triangle as usize].map(|v| number[v as usize]);
-                [[a, b], [b, c], [c, a]].map(|[a, b]| ([a.min(b), a.max(b)], triangle))
+            .filter(|(_, face)| !is_degenerate(&face.map(|v| geometry.positions[v as usize])))
+            .flat_map_iter(|(primitive, face)| {
+                let [a, b, c] = face.map(|v| number[v as usize]);
+                [[a, b, c], [b, c, a], [c, a, b]]
+                    .map(|[a, b, c]| ([a.min(b), a.max(b)], (c, primitive)))
             })
             .collect();
         sides.par_sort_unstable();
         let groups = sides.chunk_by(|a, b| a.0 == b.0).map(<[Side]>::len);
-        let (borders, crowded) = groups.fold((0, 0), |(borders, crowded), triangles| {
-            (borders + u64::from(triangles == 1), crowded + u64::from(triangles > 2))
+        let (borders, crowded) = groups.fold((0, 0), |(borders, crowded), faces| {
+            (borders + u64::from(faces == 1), crowded + u64::from(faces > 2))
         });
         Self { sides, borders, crowded }
     }
@@ -49,13 +53,13 @@ impl Topology {
         self.sides.len()
     }
 
-    /// The edge at an index; `None` if it does not have two triangles.
-    pub(super) fn edge(&self, place: usize) -> Option<Edge> {
+    /// The ends of the edge at an index, as the first vertex at each position, and the faces there;
+    /// `None` if there are not two.
+    pub(super) fn edge(&self, place: usize) -> Option<([u32; 2], [Face; 2])> {
         let (ends, _) = self.sides[place];
         let first = self.sides.partition_point(|side| side.0 < ends);
         let count = self.sides[first..].iter().take_while(|side| side.0 == ends).count();
-        let triangles = || [self.sides[first].1, self.sides[first + 1].1];
-        (count == 2).then(|| Edge { ends, triangles: triangles() })
+        (count == 2).then(|| (ends, [self.sides[first].1, self.sides[first + 1].1]))
     }
 }
 

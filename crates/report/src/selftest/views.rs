@@ -1,94 +1,58 @@
 //! Cameras with extreme parameters, and almost empty scenes.
 
-use glam::DVec3;
-use serde_json::{Value, json};
+use std::sync::Arc;
 
-use super::case::{Effort, Outcome};
-use super::refused;
-use super::scenes::{self, BACKGROUND, Eye, every_image, pixels};
-use super::ways::{Numbers, inputs};
-use wavecrest_core::accel::build::Preset;
-use wavecrest_core::kernels::camera::Camera;
+use super::prelude::*;
+use super::scenes::BACKGROUND;
 use wavecrest_core::math::random::Stream;
 
-/// Every preset, including brute force.
-const PRESETS: &[Preset] = &Preset::ALL;
-
-fn color(numbers: &mut Numbers) -> [f64; 3] {
-    [(); 3].map(|()| numbers.one())
-}
-
-/// Case 24.
-pub(super) fn next_to_nothing(effort: &Effort) -> Outcome {
-    let mut outcome = Outcome::default();
-    let mut shown = 0_u64;
-    for mut numbers in inputs(effort, 24, 0..effort.either(3, 100)) {
-        let turn = numbers.direction();
-        let size = [1 + numbers.below(24) as u32, 1 + numbers.below(24) as u32];
-        let eye = Eye::at(turn * 4.0, 50.0, size);
-        let background = color(&mut numbers);
-        let right = background.map(|c| c as f32);
-        let lights = [scenes::point_light(50.0, numbers.direction() * 9.0, "linear")];
-        for (name, shapes) in alone(&mut numbers) {
-            let is_seen = |&(x, y): &(u32, u32)| {
-                sees(&shapes, eye.location, eye.direction(x, y)) == Some(true)
-            };
-            shown += eye.pixels().filter(is_seen).count() as u64;
-            for lights in [&lights[..], &[]] {
-                let bounces = [0, 5][numbers.below(2)];
-                let mut scene = scenes::scene(bounces, &eye.json(), lights, &shapes);
-                scene["scene"]["backgroundcolor"] = json!(background);
-                let images = every_image(effort, &scene, PRESETS, |rendered| {
-                    pixels(&rendered.film, |x, y, pixel| {
-                        let direction = eye.direction(x, y);
-                        let seen = sees(&shapes, eye.location, direction);
-                        let failure = match seen {
-                            Some(false) => pixel != right,
-                            Some(true) => pixel == right || lights.is_empty() && pixel != [0.0; 3],
-                            None => false,
-                        };
-                        failure.then(|| format!("{seen:?} of background {right:?}"))
-                    })
-                });
-                outcome.add(images.with_context(|| format!("{name}, {} lights", lights.len())));
-            }
-        }
-    }
-    outcome.check(shown > 0, || "no shape is to be seen".to_owned());
-    outcome
-}
-
-/// No shape, and one of each kind.
-fn alone(numbers: &mut Numbers) -> Vec<(&'static str, Vec<Value>)> {
-    let mut corner = || numbers.direction() * 1.2;
-    let [a, b, c] = [(); 3].map(|()| corner());
+/// Case 24: no shape, or one of each kind, with a light and without.
+pub(super) fn next_to_nothing(numbers: &mut Numbers) -> Vec<Picture> {
+    let eye =
+        Eye::at(numbers.direction() * 4.0, 50.0, [(); 2].map(|()| 1 + numbers.below(24) as u32));
+    let background = [(); 3].map(|()| numbers.one());
+    let light = scenes::point_light(50.0, numbers.direction() * 9.0, "linear");
+    let [a, b, c] = [(); 3].map(|()| numbers.direction() * 1.2);
     let mut shiny = scenes::matte([0.9, 0.8, 0.7]);
     shiny["kr"] = json!(0.5);
     let triangle = json!({"type": "triangle", "sides": "both", "material": shiny,
                           "points": [a.to_array(), b.to_array(), c.to_array()]});
-    let mesh = scenes::mesh(&[a, b, c].map(|p| p.as_vec3()), &[[0, 1, 2]], shiny.clone());
-    let sphere = scenes::sphere(a * 0.5, 0.7, shiny.clone());
-    let plane = scenes::plane([a, b, c, a + c - b], shiny);
-    vec![
-        ("nothing", vec![]),
-        ("a triangle", vec![triangle]),
-        ("a mesh", vec![mesh]),
-        ("a sphere", vec![sphere]),
-        ("a plane", vec![plane]),
-    ]
+    let shapes = [
+        None,
+        Some(triangle),
+        Some(scenes::mesh(&[a, b, c].map(|p| p.as_vec3()), &[[0, 1, 2]], shiny.clone())),
+        Some(scenes::sphere(a * 0.5, 0.7, shiny.clone())),
+        Some(scenes::plane([a, b, c, a + c - b], shiny)),
+    ];
+    let all = shapes.into_iter().flat_map(|shape| [false, true].map(|lit| (shape.clone(), lit)));
+    let picture = |(shape, is_lit): (Option<Value>, bool)| {
+        let lights = if is_lit { std::slice::from_ref(&light) } else { &[] };
+        let mut scene = scenes::scene(&eye, lights, shape.as_slice());
+        scene["nbounces"] = json!([0, 5][numbers.below(2)]);
+        scene["scene"]["backgroundcolor"] = json!(background);
+        let right = background.map(|c| c as f32);
+        let shows = move |x, y, pixel: [f32; 3]| {
+            let is_seen = sees(shape.as_ref(), eye.location, eye.direction(x, y))?;
+            Some(if is_seen {
+                pixel != right && (is_lit || pixel == [0.0; 3])
+            } else {
+                pixel == right
+            })
+        };
+        Picture { presets: &Preset::ALL, ..Picture::new(scene, shows) }
+    };
+    all.map(picture).collect()
 }
 
-/// Whether the ray meets the only shape, in double precision; `None` beside its edge.
-fn sees(shapes: &[Value], origin: DVec3, direction: DVec3) -> Option<bool> {
+/// Whether the ray meets the shape, in double precision; `None` beside its edge.
+fn sees(shape: Option<&Value>, origin: DVec3, direction: DVec3) -> Option<bool> {
     const EDGE: f64 = 1e-4;
-    let Some(shape) = shapes.first() else { return Some(false) };
+    let Some(shape) = shape else { return Some(false) };
     let vector = |value: &Value| {
-        let at = |i: usize| value[i].as_f64().unwrap_or(f64::NAN);
-        DVec3::new(at(0), at(1), at(2)) - origin
+        DVec3::from([0, 1, 2].map(|i| value[i].as_f64().unwrap_or(f64::NAN))) - origin
     };
     if let Some(radius) = shape["radius"].as_f64() {
-        let center = vector(&shape["center"]);
-        let beside = center.cross(direction).length() - radius;
+        let beside = vector(&shape["center"]).cross(direction).length() - radius;
         return (beside.abs() > EDGE).then_some(beside < 0.0);
     }
     let points: Vec<DVec3> = shape["points"].as_array()?.iter().map(vector).collect();
@@ -103,154 +67,168 @@ fn sees(shapes: &[Value], origin: DVec3, direction: DVec3) -> Option<bool> {
     (!is_doubtful).then_some(is_inside)
 }
 
+/// The largest error of a unit vector's length, and of a right angle's cosine: 4 ulp of 1.
+const LARGEST_ERROR: f64 = 4.0 * f32::EPSILON as f64;
+
 /// Case 27.
-pub(super) fn upright(effort: &Effort) -> Outcome {
-    let mut outcome = Outcome::default();
-    for mut numbers in inputs(effort, 27, 0..effort.of(100_000)) {
-        let location = numbers.direction() * numbers.magnitude(1e-3, 1e6);
-        let along = match numbers.below(2) {
-            0 => DVec3::AXES[numbers.below(3)] * numbers.sign(),
-            _ => numbers.direction(),
-        };
-        let view = along * numbers.magnitude(1e-3, 1e6);
-        let look = location + view;
-        // The rounded sum in the file, not the intended value.
-        let view = look - location;
-        let off = [0.0, 1e-7, 1e-5, 1.0][numbers.below(4)];
-        let aside = view.normalize().cross(numbers.direction()).normalize();
-        let up = (view.normalize() + aside * off) * numbers.sign() * numbers.magnitude(1e-3, 1e3);
-        let eye = Eye { location, look, up, fov: 40.0, size: [4, 3] };
-        let context = || format!("location {location}, look {look}, up {up}");
-        let scene = scenes::scene(0, &eye.json(), &[], &[]);
-        match scenes::prepare(effort, &scene, Preset::VeryFast) {
-            Err(error) => outcome.count(Some(format!("{}: {error}", context()))),
-            Ok(prepared) => {
-                let is_warned = prepared.warns("camera.up");
-                let is_right = is_warned == (off < 1e-6);
-                outcome.check(is_right, || format!("{}: warned {is_warned}", context()));
-                let basis = prepared.scene.camera.basis().map(|v| v.as_dvec3());
-                let failure = not_orthonormal(basis);
-                outcome.count(failure.map(|failure| format!("{}: {failure}", context())));
-            }
-        }
-        // And a camera that looks at its own position.
-        let scene = scenes::scene(0, &Eye { look: location, ..eye }.json(), &[], &[]);
-        let refusal = scenes::prepare(effort, &scene, Preset::VeryFast);
-        outcome.add(refused::names(refusal, "camera.look").with_context(context));
-    }
-    outcome
-}
-
-/// The error of unit vectors that should be orthogonal, within 4 ulp of 1.
-fn not_orthonormal(basis: [DVec3; 3]) -> Option<String> {
-    const LARGEST_ERROR: f64 = 4.0 * f32::EPSILON as f64;
-    for (i, a) in basis.iter().enumerate() {
-        for (j, b) in basis.iter().enumerate() {
-            let error = a.dot(*b) - f64::from(u8::from(i == j));
-            let is_within = error.abs() <= LARGEST_ERROR;
-            if !is_within {
-                return Some(format!("{basis:?}: vectors {i} and {j} are off by {error:e}"));
-            }
-        }
-    }
-    None
-}
-
-/// Case 28.
-pub(super) fn angles(effort: &Effort) -> Outcome {
-    let mut outcome = Outcome::default();
-    for mut numbers in inputs(effort, 28, 0..effort.of(10_000)) {
-        let fov = match numbers.below(3) {
-            0 => [0.001, 179.0][numbers.below(2)],
-            _ => numbers.magnitude(0.001, 179.0).clamp(0.001, 179.0),
-        };
-        let long = [1, 2, 7, 100, 65_536][numbers.below(5)];
-        let size = if numbers.below(2) == 0 { [1, long] } else { [long, 1] };
-        let axis = ["x", "y", "smaller", "larger"][numbers.below(4)];
-        let look = numbers.direction();
-        let eye = Eye { location: DVec3::ZERO, look, up: numbers.direction(), fov, size };
-        let mut camera = eye.json();
-        camera["fovaxis"] = json!(axis);
-        if numbers.below(2) == 0 {
-            camera["antialias"] = json!(2);
-        }
-        let scene = scenes::scene(0, &camera, &[], &[]);
-        let context = || format!("{fov} degrees along {axis}, {size:?}, towards {look}");
-        match scenes::prepare(effort, &scene, Preset::VeryFast) {
-            Err(error) => outcome.count(Some(format!("{}: {error}", context()))),
-            Ok(prepared) => {
-                outcome.add(rays_of(&prepared.scene.camera, &mut numbers, effort.seed, context));
-            }
-        }
-    }
-    for size in [[1, 33], [33, 1], [1, 1]] {
-        for fov in [0.001, 1.0, 90.0, 179.0] {
-            outcome.add(thin_image(effort, size, fov));
-        }
-    }
-    outcome.add(refused_angles(effort));
-    outcome
-}
-
-/// Invalid angles of view.
-fn refused_angles(effort: &Effort) -> Outcome {
-    let refused = [0.0, -1.0, 0.000_999, 179.001, 180.0, 1e9].map(|fov| {
-        let eye = Eye { look: DVec3::X, ..Eye::at(DVec3::ZERO, fov, [3, 3]) };
-        let scene = scenes::scene(0, &eye.json(), &[], &[]);
-        let refusal = scenes::prepare(effort, &scene, Preset::VeryFast);
-        refused::names(refusal, "camera.fov").with_context(|| format!("{fov} degrees"))
+pub(super) fn upright(numbers: &mut Numbers) -> Outcome {
+    let location = numbers.direction() * numbers.magnitude(1e-3, 1e6);
+    let axis = DVec3::AXES[numbers.below(3)] * numbers.sign();
+    let along = [axis, numbers.direction()][numbers.below(2)];
+    let look = location + along * numbers.magnitude(1e-3, 1e6);
+    // The rounded sum in the file, not the intended value.
+    let view = look - location;
+    let off = numbers.among([0.0, 1e-7, 1e-5, 1.0]);
+    let aside = view.normalize().cross(numbers.direction()).normalize();
+    let up = (view.normalize() + aside * off) * numbers.sign() * numbers.magnitude(1e-3, 1e3);
+    let eye = Eye { location, look, up, fov: 40.0, size: [4, 3] };
+    let scene = scenes::scene(&eye, &[], &[]);
+    let prepared = scenes::prepare(&numbers.effort, &scene, Preset::VeryFast).map(|prepared| {
+        let is_warned = prepared.warns("camera.up");
+        let basis = prepared.scene.camera.basis().map(|v| v.as_dvec3());
+        let pairs = (0..9).map(|i| (basis[i / 3].dot(basis[i % 3]), i / 3 == i % 3));
+        let error =
+            |(product, is_same): (f64, bool)| (product - f64::from(u8::from(is_same))).abs();
+        let error = pairs.map(error).fold(0.0, f64::max);
+        let is_right = is_warned == (off < 1e-6) && error <= LARGEST_ERROR;
+        Outcome::of(is_right, || format!("warned: {is_warned}, the axes are off by {error:e}"))
     });
-    refused.into_iter().sum()
+    let mut outcome = Outcome::from(prepared);
+    // And a camera that looks at its own position.
+    let scene = scenes::scene(&Eye { look: location, ..eye }, &[], &[]);
+    outcome.add(Refusal::at(&scene, "camera.look").tried(&numbers.effort));
+    outcome.with_context(|| format!("location {location}, look {look}, up {up}"))
 }
 
-/// Whether rays of some pixels have directions of length 1 within 4 ulp.
-fn rays_of(
-    camera: &Camera,
-    numbers: &mut Numbers,
-    seed: u64,
-    context: impl Fn() -> String,
-) -> Outcome {
-    let mut outcome = Outcome::default();
-    let [width, height] = camera.size().map(|side| side as usize);
-    for _ in 0..100 {
-        let (x, y) = (numbers.below(width), numbers.below(height));
-        let stream = Stream { seed, pixel: 0, sample: 0, bounce: 0 };
-        let ray = camera.ray(x as u32, y as u32, &stream);
-        let error = (ray.direction.as_dvec3().length() - 1.0).abs();
-        let is_right = ray.is_valid() && error < 4.0 * f64::from(f32::EPSILON);
-        outcome.check(is_right, || format!("{}: pixel ({x}, {y}) has the ray {ray}", context()));
-    }
-    outcome
+/// Case 28: rays of some pixels.
+pub(super) fn angles(numbers: &mut Numbers) -> Outcome {
+    let any = numbers.magnitude(0.001, 179.0).clamp(0.001, 179.0);
+    let fov = numbers.among([0.001, 179.0, any, any]);
+    let mut size = [1, numbers.among([1, 2, 7, 100, 65_536])];
+    size.rotate_left(numbers.below(2));
+    let (look, up) = (numbers.direction(), numbers.direction());
+    let eye = Eye { location: DVec3::ZERO, look, up, fov, size };
+    let mut scene = scenes::scene(&eye, &[], &[]);
+    scene["camera"]["fovaxis"] = json!(numbers.among(["x", "y", "smaller", "larger"]));
+    scene["camera"]["antialias"] = json!(numbers.among([1, 2]));
+    let context = || scene["camera"].to_string();
+    let prepared = scenes::prepare(&numbers.effort, &scene, Preset::VeryFast).map(|prepared| {
+        let one = |_| {
+            let [x, y] = size.map(|side| numbers.below(side as usize) as u32);
+            let stream = Stream { seed: numbers.effort.seed, pixel: 0, sample: 0, bounce: 0 };
+            let ray = prepared.scene.camera.ray(x, y, &stream);
+            let error = (ray.direction.as_dvec3().length() - 1.0).abs();
+            let is_right = ray.is_valid() && error < LARGEST_ERROR;
+            Outcome::of(is_right, || format!("pixel ({x}, {y}) has the ray {ray}"))
+        };
+        (0..100).map(one).sum()
+    });
+    Outcome::from(prepared).with_context(context)
 }
 
-/// An image one pixel wide or high, the same to the last bit in every way of rendering.
-fn thin_image(effort: &Effort, size: [u32; 2], fov: f64) -> Outcome {
-    let eye = Eye::at(DVec3::new(0.0, 0.0, 4.0), fov, size);
-    let shapes = [scenes::sphere(DVec3::ZERO, 1.5, scenes::matte([1.0; 3]))];
+/// Images of case 28.
+pub(super) const THIN: usize = 12;
+
+/// Case 28: an image one pixel wide or high, the same to the last bit in every way of rendering.
+pub(super) fn thin_images(numbers: &mut Numbers) -> Vec<Picture> {
+    let size = [[1, 33], [33, 1], [1, 1]][numbers.index % 3];
+    let fov = [0.001, 1.0, 90.0, 179.0][numbers.index / 3];
+    let eye = Eye::at(DVec3::Z * 4.0, fov, size);
+    let shape = scenes::sphere(DVec3::ZERO, 1.5, scenes::white());
     let light = scenes::point_light(50.0, DVec3::new(3.0, 4.0, 5.0), "linear");
-    let scene = scenes::scene(0, &eye.json(), &[light], &shapes);
-    let images = scenes::same_images(effort, &scene, &[Preset::VeryFast], &scene);
-    images.with_context(|| format!("{size:?} at {fov} degrees"))
+    let scene = scenes::scene(&eye, &[light], &[shape]);
+    vec![Picture::new(scene, |_, _, _| None).like_itself()]
 }
 
-/// Case 29.
-pub(super) fn lenses(effort: &Effort) -> Outcome {
-    let mut outcome = refused::lenses(effort);
-    for mut numbers in inputs(effort, 29 + 32, 0..effort.either(4, 100)) {
-        let eye = Eye::at(numbers.direction() * 5.0, 45.0, [20, 15]);
-        let shapes = [
-            scenes::sphere(DVec3::ZERO, 1.0, scenes::matte([0.9, 0.5, 0.1])),
-            scenes::sphere(DVec3::new(1.5, 0.2, 0.3), 0.7, scenes::matte(BACKGROUND)),
-        ];
-        let light = scenes::point_light(50.0, numbers.direction() * 8.0, "linear");
-        let mut camera = eye.json();
-        camera["antialias"] = json!(1 + numbers.below(3));
-        let pinhole = scenes::scene(0, &camera, std::slice::from_ref(&light), &shapes);
-        camera["type"] = json!("thinlens");
-        camera["aperture"] = json!(0);
-        camera["focal"] = json!(numbers.magnitude(1e-6, 1e9));
-        let closed = scenes::scene(0, &camera, &[light], &shapes);
-        outcome.add(scenes::same_images(effort, &closed, &[Preset::VeryFast], &pinhole));
-    }
-    outcome
+/// Case 28: invalid angles of view.
+pub(super) fn refused_angles(numbers: &mut Numbers) -> Refusal {
+    let fov = [0.0, -1.0, 0.000_999, 179.001, 180.0, 1e9][numbers.index % 6];
+    let eye = Eye { look: DVec3::X, ..Eye::at(DVec3::ZERO, fov, [3, 3]) };
+    Refusal::at(&scenes::scene(&eye, &[], &[]), "camera.fov")
+}
+
+/// Case 29: a lens with aperture 0.
+pub(super) fn closed_lens(numbers: &mut Numbers) -> Vec<Picture> {
+    let eye = Eye::at(numbers.direction() * 5.0, 45.0, [20, 15]);
+    let shapes = [
+        scenes::sphere(DVec3::ZERO, 1.0, scenes::matte([0.9, 0.5, 0.1])),
+        scenes::sphere(DVec3::new(1.5, 0.2, 0.3), 0.7, scenes::matte(BACKGROUND)),
+    ];
+    let light = scenes::point_light(50.0, numbers.direction() * 8.0, "linear");
+    let mut pinhole = scenes::scene(&eye, &[light], &shapes);
+    pinhole["camera"]["antialias"] = json!(1 + numbers.below(3));
+    let mut closed = pinhole.clone();
+    closed["camera"]["type"] = json!("thinlens");
+    closed["camera"]["aperture"] = json!(0);
+    closed["camera"]["focal"] = json!(numbers.magnitude(1e-6, 1e9));
+    vec![Picture::same(closed, &pinhole)]
+}
+
+/// Points of the lens of case 54 along each side of their grid, and its radius.
+const LENS_POINTS: u32 = 8;
+const LENS_RADIUS: f64 = 1.0;
+
+/// Case 54: a wall along the view axis, a wall across it in the plane of the lens, or a sphere,
+/// through the middle of the lens. Black is seen by those rays of the lens that meet it, which
+/// start on both sides of it, and white by all others.
+pub(super) fn cut_lens(numbers: &mut Numbers) -> Vec<Picture> {
+    let eye = Eye { location: DVec3::ZERO, look: DVec3::Z, ..Eye::at(DVec3::ZERO, 40.0, [15, 11]) };
+    let radius = 0.3 + 0.5 * numbers.one();
+    let black = scenes::matte([0.0; 3]);
+    // No lens point is exactly on the slanted wall; the last shape is met far from the lens.
+    let (aside, half) = (DVec3::new(1.0, numbers.about(1.0), 0.0).normalize(), 50.0);
+    let wall = [DVec3::ZERO, aside * half, DVec3::Z * half];
+    let across = [DVec3::Z * 0.1, DVec3::X * radius, DVec3::Y * radius];
+    let kind = numbers.index % 3;
+    let shape = match kind {
+        0 => scenes::square(wall, black),
+        1 => scenes::square(across, black),
+        _ => scenes::sphere(DVec3::ZERO, radius, black),
+    };
+    let mut scene = scenes::scene(&eye, &[], &[shape]);
+    let camera = &mut scene["camera"];
+    camera["type"] = json!("thinlens");
+    camera["aperture"] = json!(2.0 * LENS_RADIUS);
+    camera["focal"] = json!(numbers.magnitude(0.5, 20.0));
+    camera["sampling"] = json!(numbers.among(["random", "jittered", "sobol"]));
+    camera["nsamplesx"] = json!(LENS_POINTS);
+    camera["nsamplesy"] = json!(LENS_POINTS);
+    scene["scene"]["backgroundcolor"] = json!([1, 1, 1]);
+    // Whether a ray passes the shape; `None` near its edge.
+    let passes = move |ray: &Ray| -> Option<bool> {
+        let (o, d) = (ray.origin.as_dvec3(), ray.direction.as_dvec3());
+        let off = match kind {
+            0 => {
+                let normal = aside.cross(DVec3::Z);
+                let place = o - d * (o.dot(normal) / d.dot(normal));
+                let inside = (half - place.z.abs()).min(half - place.dot(aside).abs());
+                let before = -o.dot(normal) / d.dot(normal);
+                inside.min(before)
+            }
+            1 => {
+                let place = o + d * ((0.1 - o.z) / d.z);
+                radius - place.x.abs().max(place.y.abs())
+            }
+            // From inside a sphere every ray meets it.
+            _ if o.length() < radius => radius - o.length(),
+            _ if o.dot(d) >= 0.0 => radius - o.length(),
+            _ => radius - o.cross(d).length(),
+        };
+        (off.abs() > 1e-5).then_some(off < 0.0)
+    };
+    let effort = numbers.effort;
+    let camera = scenes::prepare(&effort, &scene, Preset::VeryFast).map(|p| p.scene.camera);
+    let camera = Arc::new(camera);
+    let shows = move |x, y, [pixel, ..]: [f32; 3]| {
+        let camera = camera.as_ref().as_ref().ok()?;
+        let rays = LENS_POINTS * LENS_POINTS;
+        let passing = (0..rays).map(|sample| {
+            let pixel = y * camera.size()[0] + x;
+            passes(&camera.ray(x, y, &Stream { seed: effort.seed, pixel, sample, bounce: 0 }))
+        });
+        let passing: Vec<bool> = passing.collect::<Option<_>>()?;
+        let share = passing.iter().filter(|passes| **passes).count() as f32 / rays as f32;
+        Some(pixel == share)
+    };
+    vec![Picture::new(scene, shows)]
 }

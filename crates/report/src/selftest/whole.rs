@@ -43,8 +43,8 @@ impl Triangles {
     }
 }
 
-/// The t at which a ray in this `direction` meets the closed triangle with these `corners`, relative
-/// to its origin, strictly within the range.
+/// The t at which a ray in this `direction` meets the closed triangle with these `corners`,
+/// relative to its origin, strictly within the range.
 fn meeting([a, b, c]: [I64Vec3; 3], direction: I64Vec3, [t_min, t_max]: [f64; 2]) -> Option<f32> {
     let sides = [(b, c), (c, a), (a, b)].map(|(p, q)| direction.dot(p.cross(q)));
     let whole: i64 = sides.iter().sum();
@@ -59,23 +59,15 @@ fn meeting([a, b, c]: [I64Vec3; 3], direction: I64Vec3, [t_min, t_max]: [f64; 2]
     (height > low && height < high).then_some((height / whole.abs()) as f32)
 }
 
-/// The error of a `hit`, if any.
-pub(super) fn wrong(hit: Hit, expected: Hit) -> Option<String> {
-    (hit != expected).then(|| format!("{hit:?} and not {expected:?}"))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::selftest::trees::add_triangle;
+    use crate::selftest::shapes::of_triangles;
 
     #[test]
     fn the_first_at_the_least_t_is_expected() {
-        let mut geometry = Geometry::default();
-        for z in [4.0, 3.0, 3.0, -3.0] {
-            let corners = [[-9.0, -9.0, z], [9.0, -9.0, z], [0.0, 9.0, z]];
-            add_triangle(&mut geometry, corners.map(Vec3::from));
-        }
+        let triangle = |z| [[-9.0, -9.0, z], [9.0, -9.0, z], [0.0, 9.0, z]].map(Vec3::from);
+        let geometry = of_triangles([4.0, 3.0, 3.0, -3.0].map(triangle));
         let triangles = Triangles::of(&geometry);
         let met = |x: f32, y: f32| triangles.met_by(&Ray::new(Vec3::new(x, y, 0.0), Vec3::Z * 2.0));
         assert_eq!(met(0.0, 0.0), Hit { t: 1.5, primitive: 1 });

@@ -1,0 +1,248 @@
+//! Rays at the faces of boxes, along axes, and through triangles that a tree cannot tell apart. The
+//! coordinates are integers, in which hits are computed.
+
+use super::prelude::*;
+use super::shapes::{add_cube, add_triangle, cubes, of_triangles};
+use super::whole::Triangles;
+
+/// Rays at integer coordinates, with the hits computed in integers; everything is scaled then.
+fn in_integers(
+    geometry: Geometry,
+    presets: &'static [Preset],
+    scale: f32,
+    ray: impl Fn(&mut Numbers) -> Ray + Send + Sync + 'static,
+) -> World {
+    let whole = Triangles::of(&geometry);
+    let positions = geometry.positions.iter().map(|&p| p * scale).collect();
+    World::new(Geometry { positions, ..geometry }, presets, move |numbers| {
+        let ray = ray(numbers);
+        let scaled = Ray { origin: ray.origin * scale, direction: ray.direction * scale, ..ray };
+        ray.is_valid().then(|| (scaled, Expected::exactly(whole.met_by(&ray))))
+    })
+}
+
+/// The unit of a grid on which corners and rays lie.
+const UNIT: f32 = 4096.0;
+
+/// A random integer coordinate from -1 to 1 in units, or a multiple of a quarter unit: on faces and
+/// edges.
+fn coordinate(numbers: &mut Numbers) -> f32 {
+    if numbers.once_in(2) {
+        (numbers.below(9) as f32 / 4.0 - 1.0) * UNIT
+    } else {
+        (numbers.about(1.0) as f32 * UNIT).round()
+    }
+}
+
+fn point(numbers: &mut Numbers) -> Vec3 {
+    Vec3::from([(); 3].map(|()| coordinate(numbers)))
+}
+
+/// An integer coordinate from -`most` to `most`.
+fn whole(numbers: &mut Numbers, most: usize) -> f32 {
+    numbers.below(2 * most + 1) as f32 - most as f32
+}
+
+fn whole_point(numbers: &mut Numbers, most: usize) -> Vec3 {
+    Vec3::from([(); 3].map(|()| whole(numbers, most)))
+}
+
+/// Cubes around the origin, on whose faces many rays start and end.
+fn cubes_of_units() -> Geometry {
+    let mut geometry = cubes(3, 0.75 * UNIT);
+    geometry.positions.iter_mut().for_each(|p| *p -= UNIT);
+    geometry
+}
+
+/// The scales of case 3.
+pub(super) const SCALES: [f32; 3] = [1.0 / UNIT, 1_048_576.0 / UNIT, 1.0 / (UNIT * 1_048_576.0)];
+
+/// Case 3.
+pub(super) fn faces(numbers: &mut Numbers) -> World {
+    let mut geometry = cubes_of_units();
+    for _ in 0..200 {
+        let center = point(numbers);
+        let size = numbers.magnitude(1e-3, 1.0) as f32;
+        let corners = [(); 3].map(|()| center + (point(numbers) * size).round());
+        add_triangle(&mut geometry, corners);
+    }
+    in_integers(geometry, &Preset::ALL[1..], SCALES[numbers.index], |numbers| {
+        let (origin, target) = (point(numbers) * 2.0, point(numbers));
+        Ray::new(origin, target - origin)
+    })
+}
+
+/// Case 4. Rays along each axis, in both directions, with zeros of both signs, in the planes of
+/// faces, along edges, and from planes.
+pub(super) fn along_axes(_: &mut Numbers) -> World {
+    World::new(cubes(4, 2.0), &[Preset::VeryFast], |numbers| {
+        let (k, sign) = (numbers.below(3), numbers.sign() as f32);
+        // Across the ray, within the cubes of a row: on a face's plane, on an edge or inside.
+        let mut origin = Vec3::ZERO;
+        for other in [(k + 1) % 3, (k + 2) % 3] {
+            let within = [0.0, 0.5, 1.0, numbers.one() as f32][numbers.below(4)];
+            origin[other] = 2.0 * numbers.below(4) as f32 + within;
+        }
+        // Along the ray: before all cubes, or on the plane of a face with others behind it.
+        let steps = 2.0 * numbers.below(3) as f32;
+        let before = numbers.among([0.0, 4.0]);
+        origin[k] = if sign > 0.0 { steps - before } else { 7.0 - steps + before };
+        let mut direction = Vec3::splat(numbers.among([0.0, -0.0]));
+        direction[k] = sign;
+        Some((Ray::new(origin, direction), Expected::ANYTHING))
+    })
+}
+
+/// Case 5. One or two components are zeros of either sign, which are equal in integers.
+pub(super) fn signed_zeros(_: &mut Numbers) -> World {
+    in_integers(cubes_of_units(), &[Preset::VeryFast], 1.0, |numbers| {
+        let (origin, mut direction) = (point(numbers) * 2.0, point(numbers));
+        let k = numbers.below(3);
+        direction[k] = numbers.among([0.0, -0.0]);
+        if numbers.once_in(2) {
+            direction[(k + 1) % 3] = numbers.among([0.0, -0.0]);
+        }
+        Ray::new(origin, direction)
+    })
+}
+
+/// Case 6. Nearly axis-parallel rays at small cubes from far away.
+pub(super) fn tiny_components(_: &mut Numbers) -> World {
+    const SIDE: f32 = 0.01;
+    let mut geometry = Geometry::default();
+    Vec3::AXES.into_iter().for_each(|axis| add_cube(&mut geometry, axis * 100.0, SIDE));
+    World::new(geometry, &[Preset::VeryFast], |numbers| {
+        let k = numbers.below(3);
+        let t = numbers.magnitude(1.0, 1e6);
+        let tiny = numbers.magnitude(1e-45, 1e-6);
+        let mut direction = Vec3::AXES[k];
+        let mut target = (Vec3::AXES[k] * 100.0).as_dvec3();
+        for other in [(k + 1) % 3, (k + 2) % 3] {
+            direction[other] = numbers.about(tiny) as f32;
+            target[other] += f64::from(SIDE) * (0.1 + 0.8 * numbers.one());
+        }
+        // The origin from which the ray reaches the target in double precision. Rounding moves it
+        // across the ray by far less than a tenth of the cube.
+        let mut origin = target - direction.as_dvec3() * t;
+        origin[k] = origin[k].round();
+        Some((Ray::new(origin.as_vec3(), direction), Expected::ANYTHING))
+    })
+}
+
+/// Case 48. Corners, origins and targets are small integers, so that many rays pass through edges
+/// and corners, and end or begin exactly at what they meet.
+pub(super) fn at_ends(numbers: &mut Numbers) -> World {
+    let triangles = [(); 24].map(|()| [(); 3].map(|()| whole_point(numbers, 4)));
+    let presets = &[Preset::Brute, Preset::Fastest, Preset::Slow];
+    in_integers(of_triangles(triangles), presets, 1.0, |numbers| {
+        let (origin, target) = (whole_point(numbers, 4), whole_point(numbers, 4));
+        let (t_min, t_max) = (numbers.among([0.0, -1.0, 0.25]), numbers.among([0.5, 1.0]));
+        Ray { t_min, t_max, ..Ray::new(origin, target - origin) }
+    })
+}
+
+/// Case 20. The ray is exactly in the plane: it meets nothing.
+pub(super) fn in_the_plane(numbers: &mut Numbers) -> World {
+    let corner = whole_point(numbers, 50);
+    let [a, b] = [(); 2].map(|()| whole_point(numbers, 20));
+    let geometry = of_triangles([[corner, corner + a, corner + b]]);
+    World::new(geometry, &[Preset::VeryFast], move |numbers| {
+        let mut along = || a * whole(numbers, 10) + b * whole(numbers, 10);
+        Some((Ray::new(corner + along(), along()), Expected::Nothing))
+    })
+}
+
+/// Case 21: every triangle several times, in any order.
+pub(super) fn duplicates(numbers: &mut Numbers) -> World {
+    let base = cubes_of_units();
+    let mut triangles: Vec<[u32; 3]> = base.triangles.iter().flat_map(|&t| [t; 5]).collect();
+    for i in (1..triangles.len()).rev() {
+        triangles.swap(i, numbers.below(i + 1));
+    }
+    let presets = &[Preset::Brute, Preset::Fastest, Preset::Medium];
+    in_integers(Geometry { triangles, ..base }, presets, 1.0, |numbers| {
+        let origin = point(numbers) * 3.0;
+        Ray::new(origin, point(numbers) - origin)
+    })
+}
+
+/// Triangles around one point, of all sizes: in full a million in the last of three worlds.
+fn around_one_point(numbers: &mut Numbers) -> Geometry {
+    let largest = numbers.effort.of(1_000_000);
+    let count = [100, largest / 10, largest][numbers.index];
+    of_triangles((0..count).map(|_| {
+        let [a, b] = [(); 2].map(|()| numbers.direction().as_vec3());
+        let size = numbers.magnitude(64.0, 6400.0) as f32;
+        // The middle of the box is the origin.
+        let a = (a * size).round();
+        [a, -a, (b * (0.1 * size)).round()]
+    }))
+}
+
+fn towards_that_point(numbers: &mut Numbers) -> Ray {
+    let origin = (numbers.direction().as_vec3() * 12_800.0).round();
+    Ray::new(origin, (numbers.direction().as_vec3() * 640.0).round() - origin)
+}
+
+/// Case 22.
+pub(super) fn one_centroid(numbers: &mut Numbers) -> World {
+    let presets = &[Preset::Brute, Preset::VeryFast];
+    in_integers(around_one_point(numbers), presets, 1.0, towards_that_point)
+}
+
+/// Case 22: at most twice as many tests as triangles.
+pub(super) fn tests_of_one_centroid(effort: &Effort) -> Outcome {
+    let of_world = |n| {
+        let mut numbers = Numbers::new(effort, [22, 0], n);
+        let accel = effort.accel(around_one_point(&mut numbers), Preset::VeryFast);
+        let count = accel.geometry().triangles.len() as u64;
+        let mut traversal = accel.traversal();
+        accel.closest(&towards_that_point(&mut numbers), &mut traversal);
+        let tested = traversal.tests.triangles;
+        Outcome::of(tested <= 2 * count, || format!("{tested} tests of {count} triangles"))
+    };
+    (0..3).map(of_world).sum()
+}
+
+/// Number of triangles in case 23, and the ratio of consecutive sizes.
+const NESTED: usize = 500;
+const LARGER: f64 = 1.1;
+
+/// Case 23: nested triangles. The one of size s is across x = s, from -s to s.
+pub(super) fn nested(_: &mut Numbers) -> World {
+    let triangle = |i: usize| {
+        let s = (1e-10 * libm::pow(LARGER, i as f64)) as f32;
+        [[-s, -s], [s, -s], [0.0, s]].map(|[y, z]| Vec3::new(s, y, z))
+    };
+    let presets = &[Preset::Fastest, Preset::VeryFast, Preset::Medium];
+    World::like_brute_force(of_triangles((0..NESTED).map(triangle)), presets, |numbers| {
+        let far = numbers.magnitude(1e-10, 1e11);
+        let target = numbers.direction() * numbers.magnitude(1e-10, 1e10);
+        let origin = [DVec3::X, numbers.direction()][numbers.below(2)] * far;
+        Some(Ray::new(origin.as_vec3(), (target - origin).as_vec3()))
+    })
+}
+
+/// Case 26: rays that are not finite, or have no direction.
+pub(super) fn invalid(effort: &Effort) -> Outcome {
+    let accel = effort.accel(cubes(3, 2.0), Preset::VeryFast);
+    let ask = |n| {
+        let mut numbers = Numbers::new(effort, [26, 0], n);
+        let mut ray = Ray::new(Vec3::splat(-1.0), Vec3::ONE);
+        let wrong = numbers.among([f32::NAN, f32::INFINITY, f32::NEG_INFINITY]);
+        let which = numbers.below(3);
+        match numbers.below(4) {
+            0 => ray.origin[which] = wrong,
+            1 => ray.direction[which] = wrong,
+            2 => ray.direction = Vec3::ZERO,
+            _ => ray.t_min = f32::NAN,
+        }
+        let mut traversal = accel.traversal();
+        let hit = accel.closest(&ray, &mut traversal);
+        let any = accel.occluded(&ray, &mut traversal);
+        let visits = traversal.tests.nodes;
+        let is_right = hit.is_miss() && !any && visits == 0;
+        Outcome::of(is_right, || format!("{ray}: {hit:?}, {any}, {visits} nodes"))
+    };
+    (0..effort.of(100_000)).map(ask).sum()
+}
