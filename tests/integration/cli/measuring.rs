@@ -42,7 +42,10 @@ fn bench_times_both_tracers_on_equal_images() {
         assert_eq!((&ladder["of"], &ladder["rounds"]), (&json!("ladder"), &json!(2)));
         let variants = ladder["variants"].as_array().expect("variants");
         let (first, last) = (&variants[0], &variants[variants.len() - 1]);
-        assert_eq!((&first["tracer"], &first["ratio"]["median"]), (&json!("recursive"), &json!(1.0)));
+        assert_eq!(
+            (&first["tracer"], &first["ratio"]["median"]),
+            (&json!("recursive"), &json!(1.0))
+        );
         // Rays that go through the tree together are tested together, so that `tests` may differ.
         let mut product = 1.0;
         for variant in variants {
@@ -93,7 +96,8 @@ fn bench_compares_kernels_levels_batches_and_threads() {
     let folder = folder();
     write_scene(folder.path());
     let options = ["--repeats", "2", "--min-time", "0", "--kernel", "stream", "--threads", "2"];
-    let what = ["bench", "s.json", "--compare", "kernels,levels,threads,plan", "--batches", "16,65536"];
+    let what =
+        ["bench", "s.json", "--compare", "kernels,levels,threads,plan", "--batches", "16,65536"];
     let files = ["--page", "p.html", "--charts", "charts"];
     let found = json_of(folder.path(), &[&what[..], &options, &files, &["--json"]].concat());
     let scene = &found["scenes"][0];
