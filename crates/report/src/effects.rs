@@ -37,7 +37,7 @@ use wavecrest_core::render::{Rendered, TracerKind};
 use wavecrest_core::wavefront::batch::Batch;
 
 pub use list::{Cost, EffectDifference, Price, PriceList, Setting, Size};
-pub use text::text;
+pub use text::{blocks, text};
 
 /// A prepared scene of the list.
 #[derive(Debug)]

@@ -48,7 +48,7 @@ pub fn write(
         let json = to_json(&prices).map_err(|e| e.in_file(results))?;
         write_text(&results.join("effects.json"), &json)?;
         first.extend(answers::dearest(&prices));
-        sections.push(Section::new("Cost of each effect", tables::prices(&prices)));
+        sections.push(Section::new("Cost of each effect", crate::effects::blocks(&prices)));
     }
     sections.push(Section::new("Errors of hits in hard cases", yields::by_situation()));
     sections.extend(trust::section(findings));

@@ -4,7 +4,6 @@ use crate::accuracy::findings::{FamilyFindings, PointFindings, SceneFindings, Se
 use crate::accuracy::fit::Interval;
 use crate::accuracy::setting::Target;
 use crate::accuracy::store::StepRecord;
-use crate::effects::{Cost, Price, PriceList};
 use crate::page::{Block, Cell, Details, Table};
 use crate::plot::number::figure;
 
@@ -275,45 +274,4 @@ pub(super) fn neutral(scene: &SceneFindings) -> Vec<Block> {
     let summary = "Each setting".to_owned();
     let details = Details { summary, blocks: vec![Block::Table(table)] };
     vec![Block::paragraph(verdict), Block::Details(details)]
-}
-
-/// The cost of each effect with both tracers.
-pub(super) fn prices(list: &PriceList) -> Vec<Block> {
-    let table = |caption: &str, reached: bool| {
-        let header = "effect|added to|>wavefront, ratio|>ns per ray|>recursive, ratio|>ns per ray|>bytes per path";
-        let rows = list.effects.iter().filter(|p| p.reached == reached).map(price_row).collect();
-        Block::Table(Table::new(caption, header, rows))
-    };
-    let lead = format!(
-        "Each effect is added on its own to a small scene of {} x {} pixels. The ratio is the time with the effect \
-         over the time without it, round by round, in {} rounds. Bytes are those of the buffers of the wavefront \
-         tracer.",
-        list.image.width, list.image.height, list.rounds
-    );
-    vec![
-        Block::paragraph(lead),
-        table("Effects in view", true),
-        table("Effects that nothing in view shows: same image, same work", false),
-    ]
-}
-
-fn price_row(p: &Price) -> Vec<Cell> {
-    let per_ray = |cost: &Cost| {
-        Cell::number(cost.seconds_per_mray, format!("{:.1}", cost.seconds_per_mray * 1e3))
-    };
-    vec![
-        Cell::text(p.effect),
-        Cell::text(p.added_to.unwrap_or("nothing")),
-        price_cell(&p.wavefront),
-        per_ray(&p.wavefront),
-        price_cell(&p.recursive),
-        per_ray(&p.recursive),
-        Cell::number(p.bytes_per_path as f64, p.bytes_per_path.to_string()),
-    ]
-}
-
-fn price_cell(cost: &Cost) -> Cell {
-    let Some(ratio) = &cost.price else { return Cell::text("1") };
-    let of = ratio.interval;
-    Cell::number(of.median, format!("{:.3} ({:.3} to {:.3})", of.median, of.low, of.high))
 }
