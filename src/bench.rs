@@ -116,7 +116,10 @@ fn prepare(args: &BenchArgs, path: &Path) -> Result<(PreparedScene, Setting)> {
 fn tell_scene(args: &BenchArgs, report: &BenchReport, found: &SceneBench) -> Result<()> {
     let name = &found.setting.scene;
     if !args.json {
-        print(&format!("\n{name}\n{}", text(&scene(found, &report.machine))))?;
+        // Warnings go to standard error.
+        let mut blocks = scene(found, &report.machine);
+        blocks.retain(|block| !matches!(block, Block::Warning(_)));
+        print(&format!("\n{name}\n{}", text(&blocks)))?;
     }
     // Even if quiet: a wrong image must not go unnoticed.
     for different in found.comparisons.iter().filter_map(|compared| compared.difference.as_ref()) {

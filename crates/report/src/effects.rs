@@ -37,7 +37,7 @@ use wavecrest_core::render::{Rendered, TracerKind};
 use wavecrest_core::wavefront::batch::Batch;
 
 pub use list::{Cost, EffectDifference, Price, PriceList, Setting, Size};
-pub use text::text;
+pub use text::{blocks, text};
 
 /// A prepared scene of the list.
 #[derive(Debug)]
@@ -69,8 +69,7 @@ pub fn measure(
         let Entry { variant, scene } = &entries[index];
         let (rendered, timing) = Timing::of(|| trace(scene, tracer));
         let rendered = rendered?;
-        // A ratio of times must be finite.
-        let timing = Timing { seconds: rendered.seconds.max(f64::MIN_POSITIVE), ..timing };
+        let timing = timing.lasting(rendered.seconds);
         // The first round is in the order of the entries, a base before what is added to it.
         if firsts.len() == index {
             firsts.push(rendered.clone());

@@ -217,12 +217,32 @@ impl Regression {
 }
 
 impl Found {
+    fn new(scene: &str, what: String, of: &'static str, estimate: Estimate) -> Self {
+        let scene = scene.to_owned();
+        Self { scene, what, of, overall: false, estimate, curves: Vec::new() }
+    }
+
     fn chance(&self) -> f64 {
         self.estimate.chance(if self.overall { TOLERANCE / 2.0 } else { TOLERANCE })
     }
 }
 
+impl Change {
+    /// A value of a scene that differs: these words on either side, and whether it is worse.
+    fn new(scene: &str, what: String, [before, after]: [String; 2], worse: bool) -> Self {
+        let verdict = if worse { Verdict::Worse } else { Verdict::Better };
+        Self { scene: scene.to_owned(), what, before, after, verdict }
+    }
+}
+
 impl Estimate {
+    /// The estimate of a ratio of typical times, one for each round.
+    fn of_times(before: &[f64], after: &[f64]) -> Option<Self> {
+        Self::of(before.len().min(after.len()), |rounds| {
+            log_ratio(typical(before, rounds), typical(after, rounds))
+        })
+    }
+
     /// The estimate of a statistic of `rounds` rounds, given by their indices; `None` for fewer
     /// than [`LEAST_ROUNDS`].
     fn of(rounds: usize, statistic: impl Fn(&[usize]) -> f64) -> Option<Self> {

@@ -17,6 +17,10 @@ const SLOW_DEVIATIONS: f64 = 14.826;
 /// slow.
 const SLOW_SHARE: f64 = 0.1;
 
+/// Runs that get less than this share of the processors that their threads could use are disturbed,
+/// or have too little work to share.
+const LEAST_SHARE: f64 = 0.75;
+
 /// The warnings about a comparison.
 pub fn warnings(found: &Comparison) -> Vec<String> {
     let mut warnings = Vec::new();
@@ -61,5 +65,15 @@ pub fn warnings(found: &Comparison) -> Vec<String> {
         busy > 0,
         format!("other programs used the processors in {busy} of {rounds} rounds: close them"),
     );
+    let share = |v: &VariantBench| Some(v.processors? / v.variant.threads as f64);
+    if let Some(best) = found.variants.iter().filter_map(share).reduce(f64::max) {
+        let percent = 100.0 * best;
+        warn(
+            best < LEAST_SHARE,
+            format!(
+                "the threads got {percent:.0} % of the processors: close other programs, or render a larger image"
+            ),
+        );
+    }
     warnings
 }

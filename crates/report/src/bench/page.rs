@@ -153,7 +153,7 @@ fn facts(scene: &SceneBench, machine: &Machine) -> Vec<Fact> {
     let kinds = kinds.iter().filter(|(count, _)| *count > 0).map(|(n, name)| plural(*n, name));
     let (load, build, preset) = (setting.time.load, setting.time.build, setting.preset.name());
     let batch = scene.bytes_per_path * setting.batch;
-    let caches = machine.caches.iter().map(|c| format!("L{} {}", c.level, kibibytes(c.bytes)));
+    let caches = machine.caches.iter().map(|c| format!("L{} {}", c.level, size(c.bytes)));
     let caches = caches.collect::<Vec<_>>().join(", ");
     let mut facts = vec![
         Fact::new("image", format!("{} × {} pixels, {samples} each", image.width, image.height)),
@@ -171,7 +171,7 @@ fn facts(scene: &SceneBench, machine: &Machine) -> Vec<Fact> {
             format!(
                 "{} bytes a path, {} a batch of {}{}{caches}",
                 scene.bytes_per_path,
-                kibibytes(batch as u64),
+                size(batch as u64),
                 setting.batch,
                 if caches.is_empty() { "" } else { "; caches: " }
             ),
@@ -194,8 +194,14 @@ fn facts(scene: &SceneBench, machine: &Machine) -> Vec<Fact> {
     facts
 }
 
-fn kibibytes(bytes: u64) -> String {
-    format!("{} KiB", figure((bytes as f64 / 1024.0).round()))
+/// A number of bytes in units of 1024.
+fn size(bytes: u64) -> String {
+    let kibibytes = bytes as f64 / 1024.0;
+    let tenths = |value: f64| figure((10.0 * value).round() / 10.0);
+    match kibibytes {
+        ..1024.0 => format!("{} KiB", tenths(kibibytes)),
+        _ => format!("{} MiB", tenths(kibibytes / 1024.0)),
+    }
 }
 
 /// A number with a noun.

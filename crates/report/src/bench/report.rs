@@ -166,8 +166,10 @@ impl SceneBench {
         if self.comparisons.is_empty() {
             (self.rays, self.invalid) = ((&found.counters).into(), found.counters.invalid);
         }
+        // One for each remedy is enough.
         for warning in advice::warnings(&found) {
-            if !self.warnings.contains(&warning) {
+            let remedy = |words: &str| words.rsplit(": ").next().map(str::to_owned);
+            if self.warnings.iter().all(|known| remedy(known) != remedy(&warning)) {
                 self.warnings.push(warning);
             }
         }

@@ -27,10 +27,6 @@ pub struct Run {
     pub hardware: Option<HardwareCounts>,
 }
 
-/// The clock's resolution in seconds, used as the smallest time, so that ratios of times are
-/// finite.
-const CLOCK_STEP: f64 = 1e-9;
-
 impl Run {
     /// Renders `scene` on the threads of the current pool; `counted` with hardware counters, which
     /// slow it down.
@@ -47,7 +43,7 @@ impl Run {
             false => (work(), None),
         };
         let rendered = rendered?;
-        let timing = Timing { seconds: rendered.seconds.max(CLOCK_STEP), ..timing };
+        let timing = timing.lasting(rendered.seconds);
         Ok(Self { timing, yardstick: yardstick(), rendered, hardware })
     }
 }

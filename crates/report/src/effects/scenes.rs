@@ -1,7 +1,7 @@
 //! The scenes of the price list: base scenes, and variants that each add one effect.
 //!
 //! They show a field of hills in front of a wall, all of triangles, in a view that each effect
-//! changes widely.
+//! changes widely. A variant is a [patch](patched) of the scene that it is added to.
 
 use std::path::Path;
 
@@ -38,6 +38,11 @@ const BELOW: [f64; 3] = [0.0, -6.0, -3.0];
 const TEXELS: u32 = 64;
 const SQUARE: u32 = 8;
 
+/// The first scenes, by their number.
+const DARK: usize = 0;
+const AMBIENT: usize = 1;
+const LIT: usize = 2;
+
 /// The scenes. Their texture is written to `folder`.
 ///
 /// # Errors
@@ -46,136 +51,124 @@ pub fn variants(folder: &Path) -> Result<Vec<Variant>> {
     let picture = folder.join("checkers.png");
     write(&checkers()?, &picture, Transfer::Linear)?;
     let picture = picture.display().to_string();
-    let mut list = List::default();
-    let dark = list.first("no light", base());
-    let ambient = list.first("ambient light", with_lights(base(), [lamp(0.0, ABOVE)]));
-    let lit = list.add("a point light", ambient, |scene| {
-        *scene = with_lights(base(), [lamp(60.0, ABOVE)]);
-    });
-    add_reached(&mut list, ambient, lit, &picture);
-    add_unreached(&mut list, dark, lit, &picture);
-    Ok(list.variants)
+    let dim = patched(&base(), &lights([lamp(0.0, ABOVE)]));
+    let mut variants = vec![
+        Variant { name: "no light", added_to: None, reached: true, scene: base() },
+        Variant { name: "ambient light", added_to: None, reached: true, scene: dim },
+    ];
+    for (patches, reached) in [(reached(&picture), true), (unreached(&picture), false)] {
+        for (name, added_to, patch) in patches {
+            let scene = patched(&variants[added_to].scene, &patch);
+            variants.push(Variant { name, added_to: Some(added_to), reached, scene });
+        }
+    }
+    Ok(variants)
 }
 
+/// An effect, the scene that it is added to, and the patch.
+type Row = (&'static str, usize, Value);
+
 /// Visible effects.
-fn add_reached(list: &mut List, ambient: usize, lit: usize, picture: &str) {
-    list.add("a spot light", ambient, |scene| {
-        *scene = with_lights(base(), [spot(60.0, [-3.0, -4.0, -2.0])]);
-    });
-    list.add("a directional light", ambient, |scene| {
-        *scene = with_lights(base(), [sun([-3.0, -4.0, -2.0], 0.0)]);
-    });
-    list.add("a sun of 5 degrees, 16 points", ambient, |scene| {
-        *scene = with_lights(base(), [sun([-3.0, -4.0, -2.0], 5.0)]);
-    });
-    list.add("an area light, 4 x 4", ambient, |scene| {
-        *scene = with_lights(base(), [panel()]);
-    });
-    list.add("a hemisphere light", lit, |scene| {
-        let sky = json!({"sky": [0.2, 0.3, 0.4], "ground": [0.15, 0.1, 0.05]});
-        scene["scene"]["ambient"] = sky;
-    });
-    list.add("a second point light", lit, |scene| {
-        *scene = with_lights(base(), [lamp(60.0, ABOVE), lamp(60.0, LEFT)]);
-    });
-    list.add("smooth shading", lit, smooth);
-    list.add("vertex colours", lit, colored);
-    list.add("mirrors, 1 bounce", lit, |scene| mirrors(scene, 0.5, 1));
-    list.add("mirrors, 4 bounces", lit, |scene| mirrors(scene, 0.5, 4));
-    list.add("a texture, nearest", lit, |scene| textured(scene, picture, "nearest"));
-    list.add("a texture, bilinear", lit, |scene| textured(scene, picture, "bilinear"));
-    list.add("a texture, trilinear", lit, |scene| textured(scene, picture, "trilinear"));
-    list.add("emission", lit, |scene| glow(shapes(scene)));
-    list.add("an emission map", lit, |scene| {
-        glow(shapes(scene));
-        mapped(scene, "emissionmap", picture);
-    });
-    list.add("cut-outs", lit, |scene| cut_out(scene, picture, 0.5));
-    list.add("tinted highlights", lit, tint);
-    list.add("a normal map", lit, |scene| mapped(scene, "normalmap", picture));
-    list.add("a metal map", lit, |scene| mapped(scene, "metalmap", picture));
-    list.add("an occlusion map", lit, |scene| mapped(scene, "occlusionmap", picture));
-    list.add("antialiasing, 2 x 2", lit, |scene| scene["camera"]["antialias"] = 2.into());
-    list.add("depth of field, 2 x 2", lit, |scene| lens(scene, 0.2, 2));
-    list.add("quads", lit, |scene| add_shapes(scene, (-2..=2).map(quad)));
-    list.add("spheres", lit, |scene| add_shapes(scene, (-2..=2).map(sphere)));
-    list.add("instances, 4", lit, instanced);
+fn reached(picture: &str) -> Vec<Row> {
+    let sky = json!({"sky": [0.2, 0.3, 0.4], "ground": [0.15, 0.1, 0.05]});
+    let glowing_map = each(json!({"material": glow(), "emissionmap": {"file": picture}}));
+    vec![
+        ("a point light", AMBIENT, lights([lamp(60.0, ABOVE)])),
+        ("a spot light", AMBIENT, lights([spot(60.0, [-3.0, -4.0, -2.0])])),
+        ("a directional light", AMBIENT, lights([sun([-3.0, -4.0, -2.0], 0.0)])),
+        ("a sun of 5 degrees, 16 points", AMBIENT, lights([sun([-3.0, -4.0, -2.0], 5.0)])),
+        ("an area light, 4 x 4", AMBIENT, lights([panel()])),
+        ("a hemisphere light", LIT, json!({"scene": {"ambient": sky}})),
+        ("a second point light", LIT, lights([lamp(60.0, ABOVE), lamp(60.0, LEFT)])),
+        ("smooth shading", LIT, smooth()),
+        ("vertex colours", LIT, colored()),
+        ("mirrors, 1 bounce", LIT, mirrors(0.5, 1)),
+        ("mirrors, 4 bounces", LIT, mirrors(0.5, 4)),
+        ("a texture, nearest", LIT, textured(picture, "nearest")),
+        ("a texture, bilinear", LIT, textured(picture, "bilinear")),
+        ("a texture, trilinear", LIT, textured(picture, "trilinear")),
+        ("emission", LIT, each(json!({"material": glow()}))),
+        ("an emission map", LIT, glowing_map),
+        ("cut-outs", LIT, each(json!({"alpha": picture, "alphacutoff": 0.5}))),
+        ("tinted highlights", LIT, each(json!({"material": tint()}))),
+        ("a normal map", LIT, each(json!({"normalmap": {"file": picture}}))),
+        ("a metal map", LIT, each(json!({"metalmap": {"file": picture}}))),
+        ("an occlusion map", LIT, each(json!({"occlusionmap": {"file": picture}}))),
+        ("antialiasing, 2 x 2", LIT, json!({"camera": {"antialias": 2}})),
+        ("depth of field, 2 x 2", LIT, lens(0.2, 2)),
+        ("quads", LIT, more((-2..=2).map(quad))),
+        ("spheres", LIT, more((-2..=2).map(sphere))),
+        ("instances, 4", LIT, instanced()),
+    ]
 }
 
 /// Effects that nothing shows: the same image, the same work.
-fn add_unreached(list: &mut List, dark: usize, lit: usize, picture: &str) {
-    list.without("a mirror without bounces", lit, |scene| mirrors(scene, 0.5, 0));
-    list.without("bounces without a mirror", lit, |scene| mirrors(scene, 0.0, 8));
-    list.without("a lens of aperture 0", lit, |scene| lens(scene, 0.0, 4));
-    list.without("a light without power", lit, |scene| {
-        *scene = with_lights(base(), [lamp(60.0, ABOVE), lamp(0.0, LEFT)]);
-    });
-    list.without("a light behind everything", lit, |scene| {
-        *scene = with_lights(base(), [lamp(60.0, BELOW), lamp(60.0, ABOVE)]);
-    });
-    list.without("a directional light from below", lit, |scene| {
-        *scene = with_lights(base(), [lamp(60.0, ABOVE), sun([0.0, 4.0, 1.0], 0.0)]);
-    });
-    list.without("a spot light of 0 degrees", lit, |scene| {
-        let mut shut = spot(60.0, [-3.0, -4.0, -2.0]);
-        shut["outer"] = 0.into();
-        shut["inner"] = 0.into();
-        *scene = with_lights(base(), [lamp(60.0, ABOVE), shut]);
-    });
-    list.without("a textured triangle without area", lit, |scene| {
+fn unreached(picture: &str) -> Vec<Row> {
+    let mut shut = spot(60.0, [-3.0, -4.0, -2.0]);
+    (shut["outer"], shut["inner"]) = (0.into(), 0.into());
+    let flat = |key: &str, value: Value| {
         let points = [[0, 0, 0], [1, 1, 1], [2, 2, 2]];
-        let triangle = json!({"type": "triangle", "points": points, "texture": picture,
-                              "material": material([0.5; 3])});
-        add_shapes(scene, [triangle]);
-    });
-    list.without("emission of a triangle without area", lit, |scene| {
-        let points = [[0, 0, 0], [1, 1, 1], [2, 2, 2]];
-        let mut triangle =
+        let triangle =
             json!({"type": "triangle", "points": points, "material": material([0.5; 3])});
-        glow([&mut triangle]);
-        add_shapes(scene, [triangle]);
-    });
-    list.without("cut-outs at an alpha of 0", lit, |scene| cut_out(scene, picture, 0.0));
-    list.without("maps without light", dark, |scene| {
-        for key in ["normalmap", "metalmap", "occlusionmap"] {
-            mapped(scene, key, picture);
-        }
-        tint(scene);
-    });
-    list.without("a texture without light", dark, |scene| textured(scene, picture, "bilinear"));
-    list.without("mirrors without light", dark, |scene| mirrors(scene, 0.5, 4));
-    list.without("smooth shading without light", dark, smooth);
-    list.without("vertex colours without light", dark, colored);
+        more([patched(&triangle, &json!({key: value}))])
+    };
+    let map = json!({"file": picture});
+    let maps =
+        each(json!({"normalmap": map, "metalmap": map, "occlusionmap": map, "material": tint()}));
+    vec![
+        ("a mirror without bounces", LIT, mirrors(0.5, 0)),
+        ("bounces without a mirror", LIT, mirrors(0.0, 8)),
+        ("a lens of aperture 0", LIT, lens(0.0, 4)),
+        ("a light without power", LIT, lights([lamp(60.0, ABOVE), lamp(0.0, LEFT)])),
+        ("a light behind everything", LIT, lights([lamp(60.0, BELOW), lamp(60.0, ABOVE)])),
+        (
+            "a directional light from below",
+            LIT,
+            lights([lamp(60.0, ABOVE), sun([0.0, 4.0, 1.0], 0.0)]),
+        ),
+        ("a spot light of 0 degrees", LIT, lights([lamp(60.0, ABOVE), shut])),
+        ("a textured triangle without area", LIT, flat("texture", picture.into())),
+        ("emission of a triangle without area", LIT, flat("material", glow())),
+        ("cut-outs at an alpha of 0", LIT, each(json!({"alpha": picture, "alphacutoff": 0.0}))),
+        ("maps without light", DARK, maps),
+        ("a texture without light", DARK, textured(picture, "bilinear")),
+        ("mirrors without light", DARK, mirrors(0.5, 4)),
+        ("smooth shading without light", DARK, smooth()),
+        ("vertex colours without light", DARK, colored()),
+    ]
 }
 
-#[derive(Default)]
-struct List {
-    variants: Vec<Variant>,
+/// The scene with a patch: objects are merged, other values replaced. A patch of the shapes is for
+/// each of them if it is an object; if it is a list, for one after the other, and what is left over
+/// is added.
+fn patched(scene: &Value, patch: &Value) -> Value {
+    let Value::Object(changes) = patch else { return patch.clone() };
+    let mut scene = if scene.is_object() { scene.clone() } else { json!({}) };
+    for (key, change) in changes {
+        let old = scene[key].take();
+        scene[key] = match (old, change) {
+            (Value::Array(old), Value::Object(_)) => {
+                old.iter().map(|one| patched(one, change)).collect()
+            }
+            (Value::Array(mut old), Value::Array(new)) if key == "shapes" => {
+                old.resize(old.len().max(new.len()), json!({}));
+                let mut new = new.iter();
+                old.iter().map(|one| new.next().map_or(one.clone(), |n| patched(one, n))).collect()
+            }
+            (old, change) => patched(&old, change),
+        };
+    }
+    scene
 }
 
-impl List {
-    /// Appends a base scene. Returns its index.
-    fn first(&mut self, name: &'static str, scene: Value) -> usize {
-        self.push(Variant { name, added_to: None, reached: true, scene })
-    }
+/// A patch of every shape.
+fn each(patch: Value) -> Value {
+    json!({"scene": {"shapes": patch}})
+}
 
-    /// Appends a changed copy of the scene at `base`.
-    fn add(&mut self, name: &'static str, base: usize, change: impl FnOnce(&mut Value)) -> usize {
-        let mut scene = self.variants[base].scene.clone();
-        change(&mut scene);
-        self.push(Variant { name, added_to: Some(base), reached: true, scene })
-    }
-
-    /// As [`List::add`], with an invisible change.
-    fn without(&mut self, name: &'static str, base: usize, change: impl FnOnce(&mut Value)) {
-        let place = self.add(name, base, change);
-        self.variants[place].reached = false;
-    }
-
-    fn push(&mut self, variant: Variant) -> usize {
-        self.variants.push(variant);
-        self.variants.len() - 1
-    }
+/// A patch that adds shapes to the field and the wall.
+fn more(shapes: impl IntoIterator<Item = Value>) -> Value {
+    each([json!({}), json!({})].into_iter().chain(shapes).collect())
 }
 
 fn base() -> Value {
@@ -228,23 +221,11 @@ fn wall() -> Value {
            "uvs": [[0, 0], [0, 1], [1, 1], [1, 0]], "material": material([0.4, 0.5, 0.7])})
 }
 
-fn shapes(scene: &mut Value) -> impl Iterator<Item = &mut Value> {
-    scene["scene"]["shapes"].as_array_mut().into_iter().flatten()
-}
-
-fn add_shapes(scene: &mut Value, new: impl IntoIterator<Item = Value>) {
-    if let Some(shapes) = scene["scene"]["shapes"].as_array_mut() {
-        shapes.extend(new);
-    }
-}
-
-/// The scene with these lights, which share one ambient light: it looks the same for any number.
-fn with_lights<const N: usize>(mut scene: Value, lights: [Value; N]) -> Value {
+/// These lights, which share one ambient light: it looks the same for any number.
+fn lights<const N: usize>(lights: [Value; N]) -> Value {
     /// A power of two, so that its shares add up without rounding.
     const AMBIENT: f64 = 0.125;
-    scene["scene"]["ambient"] = (AMBIENT / N as f64).into();
-    scene["scene"]["lightsources"] = lights.to_vec().into();
-    scene
+    json!({"scene": {"ambient": AMBIENT / N as f64, "lightsources": lights.to_vec()}})
 }
 
 fn lamp(intensity: f64, position: [f64; 3]) -> Value {
@@ -274,78 +255,47 @@ fn panel() -> Value {
            "samples": 4, "shape": {"type": "plane", "points": points}})
 }
 
-fn smooth(scene: &mut Value) {
-    for shape in shapes(scene).filter(|shape| shape["normals"].is_array()) {
-        shape["shading"] = "smooth".into();
-    }
+/// Only the field has normals.
+fn smooth() -> Value {
+    each(json!([{"shading": "smooth"}]))
 }
 
 /// Gives each point a colour by its position.
-fn colored(scene: &mut Value) {
-    for shape in shapes(scene) {
-        let color = |uv: &Value| json!([uv[0], uv[1], 0.5]);
-        let colors = shape["uvs"].as_array().map(|uvs| uvs.iter().map(color).collect::<Value>());
-        shape["colors"] = colors.unwrap_or_default();
-    }
+fn colored() -> Value {
+    let color = |uv: &Value| json!([uv[0], uv[1], 0.5]);
+    let colors = |shape: Value| {
+        let uvs = shape["uvs"].as_array().into_iter().flatten();
+        json!({"colors": uvs.map(color).collect::<Value>()})
+    };
+    each([field(), wall()].map(colors).to_vec().into())
 }
 
-fn mirrors(scene: &mut Value, kr: f64, bounces: u32) {
-    scene["nbounces"] = bounces.into();
-    for shape in shapes(scene) {
-        shape["material"]["kr"] = kr.into();
-    }
+fn mirrors(kr: f64, bounces: u32) -> Value {
+    json!({"nbounces": bounces, "scene": {"shapes": {"material": {"kr": kr}}}})
 }
 
-fn textured(scene: &mut Value, picture: &str, filter: &str) {
-    for shape in shapes(scene) {
-        shape["texture"] = picture.into();
-        shape["filter"] = filter.into();
-    }
+fn textured(picture: &str, filter: &str) -> Value {
+    each(json!({"texture": picture, "filter": filter}))
 }
 
-fn glow<'a>(shapes: impl IntoIterator<Item = &'a mut Value>) {
-    for shape in shapes {
-        shape["material"]["emission"] = json!([0.2, 0.1, 0.05]);
-    }
+fn glow() -> Value {
+    json!({"emission": [0.2, 0.1, 0.05]})
 }
 
-/// The darker squares are holes.
-fn cut_out(scene: &mut Value, picture: &str, threshold: f64) {
-    for shape in shapes(scene) {
-        shape["alpha"] = picture.into();
-        shape["alphacutoff"] = threshold.into();
-    }
+fn tint() -> Value {
+    json!({"specularcolor": [1.0, 0.7, 0.3]})
 }
 
 /// The field as four instances, each a quarter of its size.
-fn instanced(scene: &mut Value) {
-    for field in shapes(scene).filter(|shape| shape["normals"].is_array()) {
-        field["name"] = "field".into();
-        field["hidden"] = true.into();
-    }
+fn instanced() -> Value {
     let quarter = |(x, z): (i32, i32)| json!({"shape": "field", "transform": {"scale": 0.5, "translate": [x, 0, z]}});
-    scene["scene"]["instances"] = [(-1, -1), (-1, 1), (1, -1), (1, 1)].map(quarter).to_vec().into();
+    let instances = [(-1, -1), (-1, 1), (1, -1), (1, 1)].map(quarter).to_vec();
+    json!({"scene": {"shapes": [{"name": "field", "hidden": true}], "instances": instances}})
 }
 
-fn tint(scene: &mut Value) {
-    for shape in shapes(scene) {
-        shape["material"]["specularcolor"] = json!([1.0, 0.7, 0.3]);
-    }
-}
-
-fn mapped(scene: &mut Value, key: &str, picture: &str) {
-    for shape in shapes(scene) {
-        shape[key] = json!({"file": picture});
-    }
-}
-
-fn lens(scene: &mut Value, aperture: f64, samples: u32) {
-    let camera = &mut scene["camera"];
-    camera["type"] = "thinlens".into();
-    camera["aperture"] = aperture.into();
-    camera["focal"] = 3.5.into();
-    camera["nsamplesx"] = samples.into();
-    camera["nsamplesy"] = samples.into();
+fn lens(aperture: f64, samples: u32) -> Value {
+    json!({"camera": {"type": "thinlens", "aperture": aperture, "focal": 3.5,
+                      "nsamplesx": samples, "nsamplesy": samples}})
 }
 
 /// The `i`th quad of an upright row above the field.

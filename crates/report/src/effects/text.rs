@@ -1,57 +1,57 @@
-//! The price list as text.
+//! The price list as blocks of a page, and as text.
 
-use super::list::{Cost, PriceList};
+use super::list::{Cost, Price, PriceList};
 use crate::bench::page::machine;
-use crate::page::{Block, Cell, Fact, Table};
+use crate::page::{Block, Cell, Table};
 
-/// A line for each effect: its work, and its time and price with each tracer.
+/// The list for a terminal, with the machine.
 pub fn text(list: &PriceList) -> String {
-    let mut facts = machine(&list.machine);
-    let image = &list.image;
-    let rounds =
-        format!("{}, {} others left out as the machine was busy", list.rounds, list.left_out);
-    facts.push(Fact::new("image", format!("{} x {} pixels", image.width, image.height)));
-    facts.push(Fact::new("rounds", rounds));
-    let mut blocks = vec![Block::Facts(facts)];
-    if let Some(differs) = &list.difference {
-        let name = format!("{} ({:?})", differs.effect, differs.tracer);
-        blocks.push(Block::Warning(differs.difference.words(&name, "the first render")));
-        return crate::text::text(&blocks);
-    }
-    for (reached, caption) in [
-        (
-            true,
-            "Effects: rays a pixel, bytes of ray state a path, and for each tracer the time of a million rays and the \
-                price, as a ratio with its interval.",
-        ),
-        (false, "Effects that nothing in view shows."),
-    ] {
-        blocks.push(Block::Table(table(list, reached, caption)));
+    let mut blocks = vec![Block::Facts(machine(&list.machine))];
+    match &list.difference {
+        None => blocks.extend(self::blocks(list)),
+        Some(differs) => {
+            let name = format!("{} ({:?})", differs.effect, differs.tracer);
+            blocks.push(Block::Warning(differs.difference.words(&name, "the first render")));
+        }
     }
     crate::text::text(&blocks)
 }
 
-fn table(list: &PriceList, reached: bool, caption: &str) -> Table {
-    let pixels = f64::from(list.image.width) * f64::from(list.image.height);
-    let mut group = None;
-    let mut rows = Vec::new();
-    for price in list.effects.iter().filter(|price| price.reached == reached) {
-        if price.added_to != group {
-            group = price.added_to;
-            rows.push(vec![Cell::text(format!("added to {}:", group.unwrap_or_default()))]);
-        }
-        let rays = Cell::decimals(price.rays.all() as f64 / pixels, 2);
-        let bytes = Cell::count(price.bytes_per_path as u64);
-        let costs = [&price.wavefront, &price.recursive].map(cells).concat();
-        rows.push([vec![Cell::text(price.effect), rays, bytes], costs].concat());
-    }
-    let header = "|>rays|>bytes|>wavefront, s|>price|>recursive, s|>price";
-    Table::new(caption, header, rows)
+/// The cost of each effect with both tracers.
+pub fn blocks(list: &PriceList) -> Vec<Block> {
+    let table = |caption: &str, reached: bool| {
+        let header = "effect|added to|>wavefront|>ns a ray|>recursive|>ns a ray|>bytes a path";
+        let rows = list.effects.iter().filter(|p| p.reached == reached).map(row).collect();
+        Block::Table(Table::new(caption, header, rows))
+    };
+    let left_out = match list.left_out {
+        0 => String::new(),
+        n => format!(", without {n} in which other programs used the processors"),
+    };
+    let lead = format!(
+        "Each effect is added on its own to a small scene of {} x {} pixels. The ratio is the time with the effect \
+         over the time without it, round by round, in {} rounds{left_out}. Bytes are those of the columns of the \
+         wavefront tracer.",
+        list.image.width, list.image.height, list.rounds
+    );
+    vec![
+        Block::paragraph(lead),
+        table("Effects in view: ratios of times", true),
+        table("Effects that nothing in view shows: same image, same work", false),
+    ]
 }
 
+fn row(p: &Price) -> Vec<Cell> {
+    let costs = [&p.wavefront, &p.recursive].map(cells).concat();
+    let names = vec![Cell::text(p.effect), Cell::text(p.added_to.unwrap_or("nothing"))];
+    [names, costs, vec![Cell::count(p.bytes_per_path as u64)]].concat()
+}
+
+/// The ratio, and the time of a ray.
 fn cells(cost: &Cost) -> Vec<Cell> {
-    let price = cost
-        .price
-        .map_or_else(Cell::default, |price| Cell::number(price.interval.median, price.words()));
-    vec![Cell::decimals(cost.seconds_per_mray, 4), price]
+    let ratio = cost.price.as_ref().map_or_else(
+        || Cell::text("1"),
+        |price| Cell::number(price.interval.median, price.words()),
+    );
+    vec![ratio, Cell::decimals(cost.seconds_per_mray * 1e3, 1)]
 }

@@ -5,7 +5,7 @@ use std::path::Path;
 use serde::Deserialize;
 use serde_json::Value;
 
-use super::{Change, Estimate, Found, Regression, Side, Verdict, log_ratio, typical};
+use super::{Change, Estimate, Found, Regression, Side};
 use wavecrest_base::error::{Error, ErrorKind, Result};
 
 /// The parts of a report in use: see [`crate::bench`].
@@ -112,38 +112,20 @@ fn timed(scene: &Scene) -> Vec<(String, &Timed)> {
 
 /// On one machine the unit is a [yardstick](crate::yardstick) measured at the same time.
 fn times(before: &Scene, after: &Scene, same_machine: bool) -> Vec<Found> {
-    let after = timed(after);
+    let others = timed(after);
     let one = |(what, before): (String, &Timed)| {
-        let (_, after) = after.iter().find(|(name, _)| *name == what)?;
+        let (_, after) = others.iter().find(|(name, _)| *name == what)?;
         let in_yardsticks = same_machine && before.yardstick.min(after.yardstick) > 0.0;
         let [before, after] = [before, *after].map(|timed| timed.times(in_yardsticks));
-        let rounds = before.len().min(after.len());
-        let estimate = Estimate::of(rounds, |rounds| {
-            log_ratio(typical(&before, rounds), typical(&after, rounds))
-        })?;
-        Some((what, estimate))
+        Some((what, Estimate::of_times(&before, &after)?))
     };
     let found = timed(before).into_iter().filter_map(one);
-    found
-        .map(|(what, estimate)| Found {
-            scene: before.scene.clone(),
-            what,
-            of: "time",
-            overall: false,
-            estimate,
-            curves: Vec::new(),
-        })
-        .collect()
+    found.map(|(what, estimate)| Found::new(&before.scene, what, "time", estimate)).collect()
 }
 
-/// Whether the tracers still agree.
+/// Whether the images are still equal.
 fn equality(before: &Scene, after: &Scene) -> Option<Change> {
-    let words = |scene: &Scene| if scene.equal { "equal" } else { "different" }.to_owned();
-    (before.equal != after.equal).then(|| Change {
-        scene: before.scene.clone(),
-        what: "the images of all variants".to_owned(),
-        before: words(before),
-        after: words(after),
-        verdict: if before.equal { Verdict::Worse } else { Verdict::Better },
-    })
+    let words = [before, after].map(|s| if s.equal { "equal" } else { "different" }.to_owned());
+    let what = "the images of all variants".to_owned();
+    (before.equal != after.equal).then(|| Change::new(&before.scene, what, words, before.equal))
 }

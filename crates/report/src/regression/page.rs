@@ -64,15 +64,14 @@ impl Regression {
     /// The page: changes first, then all comparisons.
     pub fn page(&self) -> Page {
         let mut sections = vec![Section::new("All comparisons", self.all())];
-        let curves = |changed: bool| -> Vec<Block> {
-            let is_so =
-                |r: &&Ratio| !r.curves.is_empty() && changed != (r.verdict == Verdict::Same);
-            self.ratios.iter().filter(is_so).map(|ratio| Block::Chart(curve(ratio))).collect()
-        };
-        let (mut blocks, unchanged) = (curves(true), curves(false));
+        let curves = self.ratios.iter().filter(|ratio| !ratio.curves.is_empty());
+        let (changed, unchanged): (Vec<&Ratio>, Vec<&Ratio>) =
+            curves.partition(|ratio| ratio.verdict != Verdict::Same);
+        let charts = |ratios: Vec<&Ratio>| ratios.into_iter().map(curve).collect::<Vec<Block>>();
+        let mut blocks = charts(changed);
         if !unchanged.is_empty() {
-            let summary = "Unchanged".to_owned();
-            blocks.push(Block::Details(Details { summary, blocks: unchanged }));
+            let (summary, blocks_of) = ("Unchanged".to_owned(), charts(unchanged));
+            blocks.push(Block::Details(Details { summary, blocks: blocks_of }));
         }
         if !blocks.is_empty() {
             sections.push(Section::new("Error against time", blocks));
@@ -100,20 +99,10 @@ impl Regression {
         blocks
     }
 
-    /// Every ratio, in a chart for each scene if there are many.
+    /// Every ratio, in a chart for each scene.
     fn all(&self) -> Vec<Block> {
-        let mut blocks = Vec::new();
-        if self.ratios.len() <= MOST_ROWS {
-            blocks.push(Block::Chart(forest("After over before", self.ratios.iter().collect())));
-        } else {
-            let mut scenes: Vec<&str> = self.ratios.iter().map(|ratio| &*ratio.scene).collect();
-            scenes.dedup();
-            for scene in scenes {
-                let ratios = self.ratios.iter().filter(|ratio| ratio.scene == scene).collect();
-                let title = format!("{scene}: after over before");
-                blocks.push(Block::Chart(forest(&title, ratios)));
-            }
-        }
+        let scenes = self.ratios.chunk_by(|a, b| a.scene == b.scene);
+        let mut blocks: Vec<Block> = scenes.map(|ratios| Block::Chart(forest(ratios))).collect();
         let caption =
             "All ratios, after over before, with p-values corrected for the number of comparisons";
         let every = Block::Table(table(caption, self.ratios.iter().collect()));
@@ -123,18 +112,11 @@ impl Regression {
     }
 }
 
-/// Largest number of ratios in a chart.
-const MOST_ROWS: usize = 24;
-
-/// Ratios, a row each, without those that are certainly 1.
-fn forest(title: &str, ratios: Vec<&Ratio>) -> Chart {
-    let all = ratios.len();
-    let ratios: Vec<&Ratio> = ratios.into_iter().filter(|r| r.low < 1.0 || r.high > 1.0).collect();
-    let several = ratios.iter().any(|ratio| ratio.scene != ratios[0].scene);
-    let name = |r: &&Ratio| {
-        let scene = if several { format!("{}: ", r.scene) } else { String::new() };
-        format!("{scene}{}, {}", r.what, r.of)
-    };
+/// The ratios of a scene, a row each, without those that are certainly 1.
+fn forest(ratios: &[Ratio]) -> Chart {
+    let (title, all) = (format!("{}: after over before", ratios[0].scene), ratios.len());
+    let ratios: Vec<&Ratio> = ratios.iter().filter(|r| r.low < 1.0 || r.high > 1.0).collect();
+    let name = |r: &&Ratio| format!("{}, {}", r.what, r.of);
     let series = |verdict: Verdict| {
         let rows = ratios.iter().enumerate().filter(|(_, ratio)| ratio.verdict == verdict);
         let point =
@@ -147,7 +129,7 @@ fn forest(title: &str, ratios: Vec<&Ratio>) -> Chart {
         n => format!(" {n} ratios are exactly 1 and not shown."),
     };
     Chart {
-        title: title.to_owned(),
+        title,
         x: Axis::new("", "", Scale::Names(ratios.iter().map(name).collect())),
         y: Axis::new("ratio", "", Scale::Linear),
         series: [Verdict::Same, Verdict::Worse, Verdict::Better].map(series).to_vec(),
@@ -182,20 +164,20 @@ fn change(c: &Change) -> Vec<Cell> {
 }
 
 /// Error against time on both sides.
-fn curve(ratio: &Ratio) -> Chart {
+fn curve(ratio: &Ratio) -> Block {
     let series = |(name, points): (&str, &Vec<[f64; 2]>)| Series {
         name: name.to_owned(),
         draw: Draw::Line,
         points: points.iter().map(|[x, y]| Point::new(*x, *y)).collect(),
     };
-    Chart {
+    Block::Chart(Chart {
         title: format!("{}: {}", ratio.scene, ratio.what),
         x: Axis::new("time", "s", Scale::Log),
         y: Axis::new("RMSE", "", Scale::Log),
         series: ["before", "after"].into_iter().zip(&ratio.curves).map(series).collect(),
         guides: Vec::new(),
         caption: format!("Time at equal error, after over before: {:.3}.", ratio.ratio),
-    }
+    })
 }
 
 fn side(side: &Side) -> Block {

@@ -12,12 +12,12 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 use super::unit::{Unit, busy, units};
-use super::{Change, Estimate, Found, Regression, Side, Verdict, log_ratio, typical};
+use super::{Change, Estimate, Found, Regression, Side, log_ratio, typical};
 use crate::accuracy::reference::FLOOR;
 use crate::accuracy::setting::{Target, converges, series_of, words_of};
 use crate::accuracy::store::{
-    Circumstances, Header, PointRecord, PreparedRecord, Record, ReferenceRecord, SceneRecord,
-    TrialRecord, all, read,
+    Circumstances, Header, PointRecord, PreparedRecord, Record, Recorded, ReferenceRecord,
+    SceneRecord, TrialRecord, all, read,
 };
 use crate::summary::median;
 use wavecrest_base::error::Result;
@@ -127,18 +127,11 @@ fn points(scene: &str, sides: &[Sweep<'_>; 2], found: &mut Vec<Found>, warnings:
         let falls = falls && timed.len() > 1;
         let power = if falls { Some(power(&timed)) } else { None };
         let curves = if falls { curves(&pairs) } else { Vec::new() };
-        let mut add = |of, estimate: Option<Estimate>| {
-            let (scene, what, curves) = (scene.to_owned(), what.clone(), curves.clone());
-            let overall = false;
-            found.extend(estimate.map(|e| Found { scene, what, of, overall, estimate: e, curves }));
-        };
-        match power {
-            Some(_) => {
-                add("time at equal error", time(&[(&timed, power)]));
-            }
-            None => add("time", time(&[(&timed, None)])),
+        let of = if power.is_some() { "time at equal error" } else { "time" };
+        for (of, estimate) in [(of, time(&[(&timed, power)])), ("error", error(&all))] {
+            let new = |estimate| Found::new(scene, what.clone(), of, estimate);
+            found.extend(estimate.map(|e| Found { curves: curves.clone(), ..new(e) }));
         }
-        add("error", error(&all));
         everything.push((timed, power));
     }
     if quiet && short > 0 {
@@ -167,9 +160,9 @@ fn about_busy_rounds(scene: &str, busy: Option<&BTreeSet<u64>>) -> Option<String
 /// All series of a scene as one.
 fn together(scene: &str, series: &[(Vec<Pair>, Option<f64>)]) -> Option<Found> {
     let series: Vec<_> = series.iter().map(|(pairs, power)| (&**pairs, *power)).collect();
-    let (scene, what, curves) = (scene.to_owned(), "all settings".to_owned(), Vec::new());
-    let of = "time at equal error";
-    time(&series).map(|estimate| Found { scene, what, of, overall: true, estimate, curves })
+    let new =
+        |estimate| Found::new(scene, "all settings".to_owned(), "time at equal error", estimate);
+    time(&series).map(|estimate| Found { overall: true, ..new(estimate) })
 }
 
 fn series<'a>(scene: &str, records: &'a [Record]) -> Series<'a> {
@@ -297,55 +290,50 @@ fn preparation(scene: &str, sides: &[Sweep<'_>; 2]) -> Vec<Found> {
     let [before, after] = &times;
     let one = |(key, before): (&&str, &Vec<f64>)| {
         let after = after.get(key)?;
-        if median(before).max(median(after)) < LEAST_PREPARATION {
-            return None;
-        }
-        let rounds = before.len().min(after.len());
-        let estimate = Estimate::of(rounds, |rounds| {
-            log_ratio(typical(before, rounds), typical(after, rounds))
-        })?;
-        let what = words_of(key, Target::Scene);
-        let (scene, curves) = (scene.to_owned(), Vec::new());
-        Some(Found { scene, what, of: "loading time", overall: false, estimate, curves })
+        let takes_time = median(before).max(median(after)) >= LEAST_PREPARATION;
+        let estimate = Estimate::of_times(before, after).filter(|_| takes_time)?;
+        Some(Found::new(scene, words_of(key, Target::Scene), "loading time", estimate))
     };
     before.iter().filter_map(one).collect()
 }
 
 /// Deterministic values that changed.
 fn changes(scene: &str, sides: &[Sweep<'_>; 2]) -> Result<Vec<Change>> {
-    let mut changes = trials(scene, sides);
+    let mut changes = Vec::new();
+    // Rays that leak or hit their own triangle again.
+    let same = |a: &TrialRecord, b: &TrialRecord| {
+        (&*a.scene, &a.scene, &a.precision) == (scene, &b.scene, &b.precision)
+    };
+    let share = |[tried, failed]: [u64; 2]| failed as f64 / tried.max(1) as f64;
+    for sides in both(sides, same) {
+        for (what, counts) in [
+            ("leaks", sides.map(|trial| trial.leaks)),
+            ("self-hits", sides.map(|trial| trial.self_hits)),
+        ] {
+            let [before, after] = counts.map(share);
+            if before != after {
+                let words = counts.map(|[tried, failed]| format!("{failed} of {tried}"));
+                let what = format!("{what}, {}", sides[0].precision);
+                changes.push(Change::new(scene, what, words, after > before));
+            }
+        }
+    }
     for target in Target::ALL {
         changes.extend(references(scene, target, sides)?);
     }
     Ok(changes)
 }
 
-/// Rays that leak or hit their own triangle again.
-fn trials(scene: &str, sides: &[Sweep<'_>; 2]) -> Vec<Change> {
-    let [before, after] = sides
-        .each_ref()
-        .map(|s| all::<TrialRecord>(&s.records).filter(|t| t.scene == scene).collect::<Vec<_>>());
-    let mut changes = Vec::new();
-    for one in before {
-        let Some(other) = after.iter().find(|t| t.precision == one.precision) else { continue };
-        for (what, before, after) in
-            [("leaks", one.leaks, other.leaks), ("self-hits", one.self_hits, other.self_hits)]
-        {
-            let share = |[tried, failed]: [u64; 2]| failed as f64 / tried.max(1) as f64;
-            let words = |[tried, failed]: [u64; 2]| format!("{failed} of {tried}");
-            if share(before) != share(after) {
-                let worse = share(after) > share(before);
-                changes.push(Change {
-                    scene: scene.to_owned(),
-                    what: format!("{what}, {}", one.precision),
-                    before: words(before),
-                    after: words(after),
-                    verdict: if worse { Verdict::Worse } else { Verdict::Better },
-                });
-            }
-        }
-    }
-    changes
+/// The records of one kind that are the same on both sides but for their results.
+fn both<'a, R: Recorded>(
+    sides: &'a [Sweep<'_>; 2],
+    same: impl Fn(&R, &R) -> bool,
+) -> Vec<[&'a R; 2]> {
+    let pair = |before: &'a R| {
+        let after = all::<R>(&sides[1].records).find(|after| same(before, after))?;
+        Some([before, after])
+    };
+    all::<R>(&sides[0].records).filter_map(pair).collect()
 }
 
 /// References that differ by more than their standard errors allow.
@@ -357,14 +345,11 @@ fn references(scene: &str, target: Target, sides: &[Sweep<'_>; 2]) -> Result<Opt
         .map(|(side, reference)| read_film(&side.folder.join(&reference.file)));
     let distance = compare_films(&one?, &other?)?.rmse;
     let expected = libm::hypot(before.standard_error, after.standard_error);
-    Ok((distance > FLOOR * expected && distance > 0.0).then(|| Change {
-        scene: scene.to_owned(),
-        what: format!("the reference for the {}", target.name()),
-        before: format!("a standard error of {:.1e}", before.standard_error),
-        after: format!(
-            "{distance:.1e} from it, with a standard error of {:.1e}",
-            after.standard_error
-        ),
-        verdict: Verdict::Worse,
-    }))
+    let words = [
+        format!("a standard error of {:.1e}", before.standard_error),
+        format!("{distance:.1e} from it, with a standard error of {:.1e}", after.standard_error),
+    ];
+    let what = format!("the reference for the {}", target.name());
+    let differs = distance > FLOOR * expected && distance > 0.0;
+    Ok(differs.then(|| Change::new(scene, what, words, true)))
 }

@@ -1,6 +1,6 @@
 //! The blocks of one comparison.
 
-use super::{kibibytes, plural};
+use super::{plural, size};
 use crate::bench::compare::{Comparison, VariantBench};
 use crate::bench::machine::Machine;
 use crate::bench::ratio::Ratio;
@@ -132,9 +132,14 @@ fn passes(found: &Comparison) -> Block {
 
 /// Tests and rays per second, rays that are traced together, and the memory of a batch.
 fn work(found: &Comparison, rays: &Rays, machine: &Machine) -> Table {
-    let caption = "Nodes visited and primitives tested for a ray; millions of rays of each kind in a second of the whole \
-                   run; closest-hit rays that are traced together, of a packet at a node and in flight; \
-                   and the ray state of a batch, with the nearest cache that holds it for all threads.";
+    let caption = match found.of {
+        Compared::Ladder => {
+            "Nodes visited and primitives tested for a ray; millions of rays of each kind in a second of the whole run; \
+             closest-hit rays that are traced together, of a packet at a node and in flight; and the ray state of a \
+             batch, with the nearest cache that holds it for all threads."
+        }
+        _ => "Work, rates and ray state, as above.",
+    };
     let kinds = [("primary", rays.primary), ("secondary", rays.secondary), ("shadow", rays.shadow)];
     let kinds: Vec<&str> = kinds.iter().filter(|(_, n)| *n > 0).map(|(name, _)| *name).collect();
     let names = [&["nodes", "prims"][..], &kinds, &["a node", "flight", "batch", "in"]].concat();
@@ -151,7 +156,7 @@ fn work(found: &Comparison, rays: &Rays, machine: &Machine) -> Table {
         cells.extend([closest.rays_a_node, closest.rays_a_round].map(|rays| optional(rays, 1)));
         let state = v.batch_bytes;
         let held = machine.holds(state, v.variant.threads).filter(|_| state > 0);
-        cells.push(if state > 0 { bytes(state) } else { Cell::default() });
+        cells.push(Cell::number(state as f64, if state > 0 { size(state) } else { String::new() }));
         cells.push(Cell::text(held.unwrap_or_default()));
         cells
     })
@@ -192,8 +197,4 @@ pub(super) fn ratio(ratio: &Ratio) -> Cell {
 
 fn optional(value: Option<f64>, decimals: usize) -> Cell {
     value.map_or_else(|| Cell::text("–"), |value| Cell::decimals(value, decimals))
-}
-
-fn bytes(bytes: u64) -> Cell {
-    Cell::number(bytes as f64, kibibytes(bytes))
 }
