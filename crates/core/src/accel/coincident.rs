@@ -225,7 +225,7 @@ mod tests {
         let ray = |i: usize| {
             let (from, to) = (numbers.vector() * 3.0, numbers.vector() * 0.6);
             let ray = Ray::new(from, to * Vec3::new(1.0, 1.0, 0.3) - from);
-            Ray { t_max: if i % 4 == 0 { 1.0 } else { ray.t_max }, ..ray }
+            Ray { t_max: if i.is_multiple_of(4) { 1.0 } else { ray.t_max }, ..ray }
         };
         (0..300).map(ray).collect()
     }
