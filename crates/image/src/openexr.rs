@@ -154,6 +154,7 @@ fn end_of_attribute(bytes: &[u8], at: usize) -> Option<usize> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::metadata::Channel;
     use image::codecs::openexr::OpenExrEncoder;
     use image::{ExtendedColorType, ImageEncoder};
 
