@@ -44,7 +44,7 @@ fn a_shape_seen_only_from_behind_is_a_warning_with_name_and_remedy() {
     // A mesh that turns one of its sides to the eye is not told, and one that turns none is.
     let mesh = |second: [u32; 3]| {
         json!({"type": "trimesh", "points": [[-1, -1, 0], [-1, 1, 0], [1, 1, 0], [1, -1, 0]],
-               "indices": [[0, 2, 1], second], "material": matte(0.8, [0.5; 3])})
+               "indices": [[0, 2, 1], second], "material": matte(0.8, [0.5; 3]), "sides": "front"})
     };
     assert_eq!(told(&[mesh([0, 3, 2])], 0).len(), 1);
     assert_eq!(told(&[mesh([0, 2, 3])], 0), [""; 0]);

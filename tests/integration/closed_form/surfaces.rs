@@ -133,7 +133,8 @@ fn flat_shapes(corners: [[f64; 3]; 3]) -> [Value; 3] {
     [
         json!({"type": "triangle", "points": [a, b, c], "material": white()}),
         json!({"type": "plane", "points": [a, b, c, d], "material": white()}),
-        json!({"type": "trimesh", "size": 3, "points": [a, b, c], "material": white()}),
+        json!({"type": "trimesh", "size": 3, "points": [a, b, c], "material": white(),
+               "sides": "front"}),
     ]
 }
 
@@ -236,11 +237,14 @@ fn triangles_lit(film: &Film) -> [bool; 4] {
 }
 
 #[test]
-fn a_strip_without_normal_faces_one_side() {
-    assert_eq!(triangles_lit(&lit(strip())), [true; 4]);
-    let from_behind = with(strip(), "transform", json!({"rotate": [0, 180, 0]}));
-    let film = lit(from_behind);
-    assert_eq!(triangles_lit(&film), [false; 4]);
+fn a_strip_without_normal_is_lit_on_both_sides_or_faces_one() {
+    let lit_before_and_behind = |strip: Value| {
+        let turned = with(strip.clone(), "transform", json!({"rotate": [0, 180, 0]}));
+        [strip, turned].map(|strip| triangles_lit(&lit(strip)))
+    };
+    assert_eq!(lit_before_and_behind(strip()), [[true; 4]; 2]);
+    let one_sided = with(strip(), "sides", "front");
+    assert_eq!(lit_before_and_behind(one_sided), [[true; 4], [false; 4]]);
 }
 
 #[test]
@@ -255,7 +259,10 @@ fn a_strip_with_normal_keeps_its_winding_but_where_it_is_flipped() {
 #[test]
 fn indices_name_the_corners_clockwise_from_the_front() {
     let points = json!([[-1, -1, 0], [-1, 1, 0], [1, 1, 0], [1, -1, 0]]);
-    let mesh = |indices: Value| json!({"type": "trimesh", "points": points, "indices": indices, "material": white()});
+    let mesh = |indices: Value| {
+        json!({"type": "trimesh", "points": points, "indices": indices, "material": white(),
+               "sides": "front"})
+    };
     let film = lit(mesh(json!([[0, 1, 2], [0, 3, 2]])));
     assert!(pixel(&film, 7, 7)[0] > 0.1, "clockwise: lit");
     assert_near(pixel(&film, 13, 13), [0.08; 3], 1e-6, "counter-clockwise: ambient");
