@@ -308,7 +308,7 @@ fn ask<F: FnOnce() -> String>(
     judge: impl Fn(Ray, [u32; 2], Hit) -> (bool, F) + Sync,
 ) -> Outcome {
     let count = rays(accel.geometry(), effort, [RAYS / 25, RAYS]);
-    in_order(blocks(count, 4 * RAYS_OF_A_TASK).map(|block| {
+    in_order(blocks(count, 16 * RAYS_OF_A_TASK).map(|block| {
         let mut traversal = accel.traversal();
         let made = block.filter_map(|n| make(n, &mut traversal));
         let (rays, numbers): (Vec<Ray>, Vec<[u32; 2]>) = made.unzip();
