@@ -191,6 +191,11 @@ impl<'a> Meshes<'a> {
         Self { geometry, own: Topology::new(geometry), prototypes }
     }
 
+    /// Whether a ray may pass through the primitive.
+    fn has_holes(&self, primitive: u32) -> bool {
+        self.geometry.cutouts.iter().any(|cutout| cutout.primitives.contains(&primitive))
+    }
+
     /// A ray from around the geometry at an edge or into a sphere, with the numbers of the
     /// primitives there.
     fn aimed(&self, extent: &Extent, numbers: &mut Numbers) -> Option<(Ray, [u32; 2])> {
@@ -203,7 +208,9 @@ impl<'a> Meshes<'a> {
                 let target = (center.as_dvec3() + inside).as_vec3();
                 // The ray must come from outside, and the target stay inside if it is rounded.
                 let size = center.abs().max(from.abs()).max_element();
-                let is_right = center.distance(from) > 1.01 * radius && radius > 1e-4 * size;
+                let is_right = radius > 1e-4 * size
+                    && is_outside(from, (center, 1.01 * radius))
+                    && !self.has_holes(number);
                 return is_right.then(|| (Ray::new(from, target - from), [number; 2]));
             }
             Primitive::Triangle(_) | Primitive::Quad(_) => {
@@ -220,10 +227,7 @@ impl<'a> Meshes<'a> {
         }
         let (ends, faces) = topology.edge(numbers.below(topology.len()))?;
         let own = faces.map(|(_, primitive)| first + primitive);
-        // A ray may pass through holes.
-        let has_holes =
-            |n| self.geometry.cutouts.iter().any(|cutout| cutout.primitives.contains(n));
-        if own.iter().any(has_holes) {
+        if own.iter().any(|&primitive| self.has_holes(primitive)) {
             return None;
         }
         let point =
@@ -269,6 +273,10 @@ fn left(
     (direction.dot(normal) > 1e-3).then(|| (Ray::new(origin, direction), [hit.primitive; 2]))
 }
 
+fn is_outside(point: Vec3, (center, radius): (Vec3, f32)) -> bool {
+    point.as_dvec3().distance(center.as_dvec3()) > f64::from(radius)
+}
+
 /// The greatest angle between the halves of a quad that counts as flat.
 const FLAT: f64 = 1e-4;
 
@@ -289,8 +297,8 @@ fn surface_at(accel: &Accel, ray: &Ray, hit: Hit) -> Option<Surface<f32>> {
         }
         Primitive::Sphere(i) => {
             let (center, radius) = geometry.spheres[i];
-            let is_outside = center.distance(ray.origin) > radius;
-            is_outside.then(|| tests.sphere_surface(ray, hit.t, (center, radius)))?
+            is_outside(ray.origin, (center, radius))
+                .then(|| tests.sphere_surface(ray, hit.t, (center, radius)))?
         }
         Primitive::Instanced(instanced) => {
             let (instance, prototype) = geometry.instance(instanced);
@@ -308,7 +316,7 @@ fn ask<F: FnOnce() -> String>(
     judge: impl Fn(Ray, [u32; 2], Hit) -> (bool, F) + Sync,
 ) -> Outcome {
     let count = rays(accel.geometry(), effort, [RAYS / 25, RAYS]);
-    in_order(blocks(count, 4 * RAYS_OF_A_TASK).map(|block| {
+    in_order(blocks(count, 16 * RAYS_OF_A_TASK).map(|block| {
         let mut traversal = accel.traversal();
         let made = block.filter_map(|n| make(n, &mut traversal));
         let (rays, numbers): (Vec<Ray>, Vec<[u32; 2]>) = made.unzip();

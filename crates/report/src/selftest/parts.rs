@@ -81,6 +81,9 @@ impl Part {
 /// The most scenes of a list of those that must be refused.
 const LISTED: usize = 32;
 
+/// Whether the hit of a ray is right; `None` if that is open.
+type Judge = dyn Fn(&Ray, Hit) -> Option<bool> + Send + Sync;
+
 /// What a ray must meet.
 #[derive(Clone)]
 pub(super) enum Expected {
@@ -90,8 +93,8 @@ pub(super) enum Expected {
         of: Range<u32>,
         t: [f64; 2],
     },
-    /// Whether the hit of the ray is right; `None` if that is open.
-    Such(Arc<dyn Fn(&Ray, Hit) -> Option<bool> + Send + Sync>),
+    /// Whatever this says.
+    Such(Arc<Judge>),
 }
 
 impl Expected {

@@ -16,8 +16,8 @@ use wavecrest_core::math::simd::Level;
 use wavecrest_core::math::vector::{Line, Vector};
 use wavecrest_core::with_precision;
 
-/// Rays for each task: many packets.
-pub(super) const RAYS_OF_A_TASK: usize = 1 << 10;
+/// Rays for each task: several packets.
+pub(super) const RAYS_OF_A_TASK: usize = 1 << 8;
 
 /// Checks `accel` with every kernel and at all instruction levels. The reference is asked once, as
 /// exact arithmetic is the same at every level; in fast precision it is the single kernel.
