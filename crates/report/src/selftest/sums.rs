@@ -88,7 +88,7 @@ pub(super) fn a_million(numbers: &mut Numbers) -> Vec<Picture> {
     let eye = Eye { size: [1, 1], ..Eye::above(1.0, 1) };
     let (strength, mut floor) = (0.1 + numbers.one(), scenes::floor(100.0));
     let (scene, right, off) = if numbers.index.is_multiple_of(2) {
-        floor["material"]["emission"] = json!([strength; 3]);
+        floor["material"]["emission"] = json!(vec![strength; 3]);
         let mut scene = scenes::scene(&eye, &[], &[floor]);
         let camera = &mut scene["camera"];
         camera["type"] = json!("thinlens");
