@@ -84,7 +84,11 @@ impl Axis {
     pub fn choices(self, usual: Variant, batches: &[usize]) -> Vec<Choice> {
         let mut list = List::default();
         match self {
-            Self::Ladder => list.ladder(usual, ""),
+            Self::Ladder => {
+                list.ladder(usual, "");
+                let timed = Variant { time_passes: true, ..recursive(usual) };
+                list.add("recursive, timed".to_owned(), timed, 0, None);
+            }
             Self::Kernels => {
                 let kernels = KernelChoice::FOR_RENDERS.map(|kernel| Variant { kernel, ..usual });
                 list.against(usual, kernels, |variant| variant.kernel.name().to_owned());
@@ -134,19 +138,15 @@ impl List {
         self.0.push(Choice { label, variant, over, step });
     }
 
-    /// The recursive tracer, then the wavefront with one kernel after another, up to the usual one;
-    /// and the recursive tracer again, with a clock.
+    /// The recursive tracer, then the wavefront with one kernel after another, up to the usual one.
     fn ladder(&mut self, usual: Variant, prefix: &str) {
         let over = self.0.len();
-        let recursive = recursive(usual);
-        self.add(format!("{prefix}recursive"), recursive, over, None);
+        self.add(format!("{prefix}recursive"), recursive(usual), over, None);
         for (kernel, name, gain) in steps(usual) {
             let step = Some(Step { from: self.0.len() - 1, gain });
             let label = format!("{prefix}wavefront, {name}");
             self.add(label, Variant { kernel, ..usual }, over, step);
         }
-        let timed = Variant { time_passes: true, ..recursive };
-        self.add(format!("{prefix}recursive, timed"), timed, over, None);
     }
 
     /// Both tracers under these conditions, with the step from one thread.
