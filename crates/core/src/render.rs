@@ -147,8 +147,11 @@ pub fn window(scene: &PreparedScene, crop: Option<Tile>) -> Result<Tile> {
         .remedy(format!("the image is {width} x {height}; give x,y,width,height")))
 }
 
-/// Number of camera rays of a render of all of `scene`: none is traced in tiles that show nothing but
-/// the background.
+/// Number of camera rays of a render of `scene`: none is traced in tiles that show nothing but the
+/// background.
+///
+/// # Errors
+/// If the crop is not within the image.
 pub fn camera_rays(scene: &PreparedScene, options: &RenderOptions) -> Result<u64> {
     let grid = Grid::new(window(scene, options.crop)?, tile_edge(scene, options.batch));
     Ok(backdrop::camera_rays(scene, grid))
