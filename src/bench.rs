@@ -154,7 +154,10 @@ mod tests {
             "nbounces": 0,
             "camera": {"type": "pinhole", "width": 8, "height": 8, "fov": 60,
                        "location": [0, 0, 5], "look": [0, 0, 0]},
-            "scene": {"backgroundcolor": [0.5, 0, 0], "lightsources": [], "shapes": []}
+            "scene": {"backgroundcolor": [0.5, 0, 0], "lightsources": [], "shapes": [
+                {"type": "sphere", "center": [0, 0, 0], "radius": 1,
+                 "material": {"ks": 0, "kd": 0.8, "specularexponent": 1, "diffusecolor": [1, 1, 1]}}
+            ]}
         }"#;
         std::fs::write(&scene, json).unwrap();
         let (s, o) = (scene.display(), output.display());
