@@ -193,7 +193,14 @@ impl<'a> Meshes<'a> {
 
     /// Whether a ray may pass through the primitive.
     fn has_holes(&self, primitive: u32) -> bool {
-        self.geometry.cutouts.iter().any(|cutout| cutout.primitives.contains(&primitive))
+        let (geometry, number) = match self.geometry.primitive(primitive) {
+            Primitive::Instanced(instanced) => {
+                let (instance, prototype) = self.geometry.instance(instanced);
+                (prototype, primitive - instance.first())
+            }
+            _ => (self.geometry, primitive),
+        };
+        geometry.cutouts.iter().any(|cutout| cutout.primitives.contains(&number))
     }
 
     /// A ray from around the geometry at an edge or into a sphere, with the numbers of the
