@@ -211,14 +211,14 @@ fn field() -> Value {
         })
         .collect();
     json!({"type": "trimesh", "points": points, "indices": indices, "normals": normals,
-           "uvs": corners, "material": material([0.8, 0.6, 0.3])})
+           "sides": "front", "uvs": corners, "material": material([0.8, 0.6, 0.3])})
 }
 
 /// An upright wall behind the field, facing the camera.
 fn wall() -> Value {
     let points = [[-2.0, -0.2, -2.0], [-2.0, 1.5, -2.0], [2.0, 1.5, -2.0], [2.0, -0.2, -2.0]];
     json!({"type": "trimesh", "points": points, "indices": [[0, 1, 2], [0, 2, 3]],
-           "uvs": [[0, 0], [0, 1], [1, 1], [1, 0]], "material": material([0.4, 0.5, 0.7])})
+           "sides": "front", "uvs": [[0, 0], [0, 1], [1, 1], [1, 0]], "material": material([0.4, 0.5, 0.7])})
 }
 
 /// These lights, which share one ambient light: it looks the same for any number.

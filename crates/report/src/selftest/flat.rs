@@ -87,7 +87,7 @@ pub(super) fn crooked_quads(numbers: &mut Numbers) -> World {
     let shapes = sides.map(|points| scenes::plane(points, scenes::white()));
     let eye = Eye { look: DVec3::X, ..Eye::at(DVec3::ZERO, 60.0, [4, 4]) };
     let scene = scenes::scene(&eye, &[], &shapes);
-    let prepared = scenes::prepare(&numbers.effort, &scene, Preset::VeryFast);
+    let prepared = scenes::prepare_whole(&numbers.effort, &scene, Preset::VeryFast);
     World::of_scene(prepared, TREES, |prepared| {
         let others = sides.len() - 1;
         let said = format!("shapes[0].points and {others} others: the four points are not in one");

@@ -57,7 +57,7 @@ fn faces(
     kept: impl Fn(usize) -> u32,
 ) -> World {
     let (mesh, still) = (globe(), eye(&numbers.effort, DVec3::ZERO));
-    let prepared = scenes::prepare(&numbers.effort, scene, Preset::VeryFast);
+    let prepared = scenes::prepare_whole(&numbers.effort, scene, Preset::VeryFast);
     World::of_scene(prepared, presets, |prepared| {
         let width = still.size[0] as usize;
         let aimed = camera_rays(&prepared.scene).into_iter().enumerate().filter_map(|(i, ray)| {

@@ -13,6 +13,7 @@ use wavecrest_core::film::Film;
 use wavecrest_core::math::random::Stream;
 use wavecrest_core::math::ray::Ray;
 use wavecrest_core::math::simd::Level;
+use wavecrest_core::plan::schedule::{PASSES, Pass, unplanned};
 use wavecrest_core::prepared::PreparedScene;
 use wavecrest_core::render::{self, RenderOptions, Rendered, TracerKind};
 use wavecrest_scene::load::{LoadOptions, load_str};
@@ -41,8 +42,18 @@ pub(super) fn prepare_text(
     file: &Path,
     preset: Preset,
 ) -> Result<Prepared> {
+    prepare_by(&PASSES, effort, json, file, preset)
+}
+
+fn prepare_by(
+    passes: &[Pass],
+    effort: &Effort,
+    json: &str,
+    file: &Path,
+    preset: Preset,
+) -> Result<Prepared> {
     let mut loaded = load_str(json, file, &LoadOptions::default())?;
-    let options = systems::Options { precision: effort.precision, ..Default::default() };
+    let options = systems::Options { precision: effort.precision, passes, ..Default::default() };
     let extracted = systems::extract(&mut loaded.world, options)?;
     let file = extracted.file().to_owned();
     let scene = extracted.build(preset);
@@ -54,6 +65,11 @@ pub(super) fn prepare_text(
 /// The prepared `scene`.
 pub(super) fn prepare(effort: &Effort, scene: &Value, preset: Preset) -> Result<Prepared> {
     prepare_text(effort, &scene.to_string(), Path::new("scene.json"), preset)
+}
+
+/// The prepared `scene` with all of its shapes: for rays from anywhere, and not from its camera alone.
+pub(super) fn prepare_whole(effort: &Effort, scene: &Value, preset: Preset) -> Result<Prepared> {
+    prepare_by(&unplanned(&PASSES), effort, &scene.to_string(), Path::new("scene.json"), preset)
 }
 
 /// A way to render, which must not change the image.
