@@ -267,7 +267,7 @@ fn resampling_gives_what_the_file_would() {
 /// references that they know nothing of.
 #[test]
 fn a_requested_error_is_reached() {
-    errors_are_reached(0.02, 2);
+    errors_are_reached(0.02, 1);
 }
 
 /// The same with more runs and smaller errors, for minutes.

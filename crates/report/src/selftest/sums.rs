@@ -79,11 +79,11 @@ fn radiance(origin: DVec3, direction: DVec3, bounces: u32, kr: f64) -> DVec3 {
     sum
 }
 
-/// Case 55: a million rays of a lens, whose sum is in double precision, and the points of a light,
-/// whose sum at a hit is in single precision.
+/// Case 55: rays of a lens, in full a million, whose sum is in double precision, and the points of a
+/// light, whose sum at a hit is in single precision.
 pub(super) fn a_million(numbers: &mut Numbers) -> Vec<Picture> {
-    const RAYS: u32 = 1 << 10;
     const POINTS: u32 = 1 << 8;
+    let rays: u32 = numbers.effort.either(1 << 9, 1 << 10);
     // The floor fills the image.
     let eye = Eye { size: [1, 1], ..Eye::above(1.0, 1) };
     let (strength, mut floor) = (0.1 + numbers.one(), scenes::floor(100.0));
@@ -94,8 +94,8 @@ pub(super) fn a_million(numbers: &mut Numbers) -> Vec<Picture> {
         camera["type"] = json!("thinlens");
         camera["aperture"] = json!(0.1);
         camera["focal"] = json!(5);
-        camera["nsamplesx"] = json!(RAYS);
-        camera["nsamplesy"] = json!(RAYS);
+        camera["nsamplesx"] = json!(rays);
+        camera["nsamplesy"] = json!(rays);
         (scene, strength, 1e-6)
     } else {
         // Every direction to the light is nearly straight up.
