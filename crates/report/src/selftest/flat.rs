@@ -140,8 +140,8 @@ pub(super) fn floors(numbers: &mut Numbers) -> World {
     })
 }
 
-/// Case 38. Copies have their corners in every order. Other triangles are coplanar with them,
-/// across an axis.
+/// Case 38. Copies have their corners in every order, and others like them are a little larger: a
+/// tree keeps those, and one copy. Further triangles are coplanar with them, across an axis.
 pub(super) fn copies(numbers: &mut Numbers) -> World {
     let k = numbers.below(3);
     let (size, height) = (numbers.magnitude(1e-3, 1e3), numbers.one() as f32);
@@ -156,6 +156,15 @@ pub(super) fn copies(numbers: &mut Numbers) -> World {
     let [a, b, c] = first;
     let mut all = vec![[a, b, c], [c, a, b], [b, a, c], [b, c, a], [c, b, a], [a, c, b]];
     all.extend([(); 5].map(|()| triangle()));
+    let middle = (a + b + c) / 3.0;
+    all.extend([(); 5].map(|()| {
+        let larger = 1.0 + 0.1 * numbers.one() as f32;
+        first.map(|corner| {
+            let mut at = middle + (corner - middle) * larger;
+            at[k] = height;
+            at
+        })
+    }));
     World::new(of_triangles(all), &[Preset::VeryFast], move |numbers| {
         // Clear of the edges.
         let target = numbers.within(first).lerp((a + b + c).as_dvec3() / 3.0, 0.01);
