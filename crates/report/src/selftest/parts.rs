@@ -268,6 +268,8 @@ pub(super) struct Picture {
     pub(super) like: Option<Value>,
     /// The number of lights that are at a surface; `None` if that is open.
     pub(super) at_surface: Option<u64>,
+    /// Whether to keep what nobody sees.
+    pub(super) whole: bool,
 }
 
 impl Picture {
@@ -277,7 +279,7 @@ impl Picture {
         shows: impl Fn(u32, u32, [f32; 3]) -> Option<bool> + Send + Sync + 'static,
     ) -> Self {
         let (shows, presets): (Shows, _) = (Box::new(shows), &[Preset::VeryFast]);
-        Self { scene, presets, shows, like: None, at_surface: None }
+        Self { scene, presets, shows, like: None, at_surface: None, whole: false }
     }
 
     /// The image is, bit for bit, that of the scene `like`.
@@ -295,7 +297,8 @@ impl Picture {
         let all = self.like.as_ref().map(image).transpose().map(|like| {
             let judge = |rendered: &_| scenes::judged(rendered, self, like.as_ref());
             let of = |&preset: &Preset| {
-                let outcome = scenes::prepare(effort, &self.scene, preset)
+                let prepare = if self.whole { scenes::prepare_whole } else { scenes::prepare };
+                let outcome = prepare(effort, &self.scene, preset)
                     .map(|prepared| scenes::every_way_to_render(effort, prepared.scene, &judge));
                 Outcome::from(outcome).with_context(|| preset.name().to_owned())
             };

@@ -222,11 +222,17 @@ pub(super) fn cut_lens(numbers: &mut Numbers) -> Vec<Picture> {
     let shows = move |x, y, [pixel, ..]: [f32; 3]| {
         let camera = camera.as_ref().as_ref().ok()?;
         let rays = LENS_POINTS * LENS_POINTS;
-        let passing = (0..rays).map(|sample| {
+        let ray = |sample| {
             let pixel = y * camera.size()[0] + x;
-            passes(&camera.ray(x, y, &Stream { seed: effort.seed, pixel, sample, bounce: 0 }))
-        });
-        let passing: Vec<bool> = passing.collect::<Option<_>>()?;
+            camera.ray(x, y, &Stream { seed: effort.seed, pixel, sample, bounce: 0 })
+        };
+        let rays_of_pixel: Vec<Ray> = (0..rays).map(ray).collect();
+        // They start all over the lens, whose middle is the origin.
+        let from_middle = |ray: &Ray| f64::from(ray.origin.length()) / LENS_RADIUS;
+        if rays_of_pixel.iter().map(from_middle).fold(0.0, f64::max) < 0.5 {
+            return Some(false);
+        }
+        let passing: Vec<bool> = rays_of_pixel.iter().map(passes).collect::<Option<_>>()?;
         let share = passing.iter().filter(|passes| **passes).count() as f32 / rays as f32;
         Some(pixel == share)
     };
