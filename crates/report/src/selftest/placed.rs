@@ -290,7 +290,7 @@ pub(super) fn faces_among_others(numbers: &mut Numbers) -> World {
     faces(numbers, &scene, &[Preset::VeryFast], move |face| kept[face])
 }
 
-/// Case 18: they are counted, and the count is told.
+/// Case 18: they are counted, and a warning has the number.
 pub(super) fn counted(effort: &Effort) -> Outcome {
     let count = without_area(effort);
     let (mixed, _) = mixed(&mut Numbers::new(effort, [18, 0], 0), count);
