@@ -68,7 +68,7 @@ pub(crate) const FAULTS: &[Fault] = faults! {
         "22.0 * U * (aside * (aside + depth)) + UNDERFLOW" => "0.0 * aside * depth";
     "edge functions of a triangle have no error", 1, "crates/core/src/kernels/triangle/filter.rs":
         "all(22.0 * U)" => "all(0.0 * U)";
-    "the error of edge functions does not move t", 38, "crates/core/src/kernels/triangle/filter.rs":
+    "the error of edge functions does not move t", 47, "crates/core/src/kernels/triangle/filter.rs":
         "(far - near) * 3.1" => "(far - near) * 0.0";
     "t along a ray has no roundings", 38, "crates/core/src/kernels/triangle/filter.rs":
         "depth * (12.0 * U)" => "depth * (0.0 * U)";
