@@ -157,5 +157,5 @@ targets! {
     stl 20_000 { let seeds = seeds("stl"); move |numbers| mutate::file(&seeds, numbers) };
     mtl 20_000 { let seeds = seeds("mtl"); move |numbers| mutate::file(&seeds, numbers) };
     gltf 3000 { let seeds = seeds("gltf"); move |numbers| mutate::json(&seeds, numbers) };
-    accel 500 mutate::bytes;
+    accel 200 mutate::bytes;
 }

@@ -16,7 +16,7 @@ use wavecrest_scene::write::write;
 
 use crate::support::{
     TRACERS, assert_near, folder, image_of, matte, options, pinhole, pixel, point_light, render_on,
-    scene, sphere, wall, with,
+    scene, sphere, textured_square, wall, with,
 };
 
 /// A folder with an image whose left half is there, green, and whose right half is not.
@@ -175,37 +175,7 @@ fn a_cut_out_that_removes_nothing_is_ignored() {
 fn files_of_other_formats_are_cut_out() {
     let folder = with_image();
     let at = |name: &str| folder.path().join(name);
-    let obj = "mtllib m.mtl\nv -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n\
-               usemtl leaf\nf 1/1 2/2 3/3 4/4\n";
-    std::fs::write(at("m.obj"), obj).expect("a file");
-    std::fs::write(at("m.mtl"), "newmtl leaf\nKd 1 1 1\nmap_d half.png\n").expect("a file");
-    let positions: Vec<u8> = [-1.0_f32, -1.0, 0.0, 1.0, -1.0, 0.0, 1.0, 1.0, 0.0, -1.0, 1.0, 0.0]
-        .iter()
-        .flat_map(|x| x.to_le_bytes())
-        .collect();
-    let uvs: Vec<u8> =
-        [0.0_f32, 1.0, 1.0, 1.0, 1.0, 0.0, 0.0, 0.0].iter().flat_map(|x| x.to_le_bytes()).collect();
-    let indices = [0_u8, 1, 2, 0, 2, 3];
-    std::fs::write(at("m.bin"), [&positions[..], &uvs, &indices].concat()).expect("a file");
-    let gltf = |material: Value| {
-        json!({
-            "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
-            "meshes": [{"primitives": [{"attributes": {"POSITION": 0, "TEXCOORD_0": 1},
-                                        "indices": 2, "material": 0}]}],
-            "accessors": [
-                {"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3"},
-                {"bufferView": 1, "componentType": 5126, "count": 4, "type": "VEC2"},
-                {"bufferView": 2, "componentType": 5121, "count": 6, "type": "SCALAR"}
-            ],
-            "bufferViews": [
-                {"buffer": 0, "byteLength": 48},
-                {"buffer": 0, "byteOffset": 48, "byteLength": 32},
-                {"buffer": 0, "byteOffset": 80, "byteLength": 6}
-            ],
-            "buffers": [{"byteLength": 86, "uri": "m.bin"}],
-            "images": [{"uri": "half.png"}], "textures": [{"source": 0}], "materials": [material],
-        })
-    };
+    let gltf = textured_square(folder.path(), &["half.png"]);
     let model = |alpha: f64| json!({"baseColorTexture": {"index": 0}, "metallicFactor": 0, "baseColorFactor": [1, 1, 1, alpha]});
     for (name, mode, alpha) in [
         ("mask", "MASK", 1.0),
@@ -215,7 +185,8 @@ fn files_of_other_formats_are_cut_out() {
     ] {
         let material =
             json!({"alphaMode": mode, "pbrMetallicRoughness": model(alpha), "doubleSided": true});
-        std::fs::write(at(&format!("{name}.gltf")), gltf(material).to_string()).expect("a file");
+        let gltf = with(gltf.clone(), "materials", json!([material]));
+        std::fs::write(at(&format!("{name}.gltf")), gltf.to_string()).expect("a file");
     }
     let options = LoadOptions { width: Some(20), height: Some(16), ..LoadOptions::default() };
     let background = Some(Background::Color([0.0; 3].into()));

@@ -67,7 +67,7 @@ fn a_mesh_is_held_once_and_looks_as_its_copies_do() {
 
 #[test]
 fn the_image_is_the_same_whatever_searches() {
-    let scene = stones(96);
+    let scene = stones(64);
     let with = |preset| prepared(&scene, Precision::Exact, false, preset);
     let mut ready = with(Preset::Fast);
     let expected = render_on(1, &ready, &options()).film;

@@ -456,18 +456,21 @@ fn cost(scene: &PreparedScene, rendered: &Rendered) -> [u64; 8] {
 fn a_row_that_runs_without_need_costs_something_and_shows_nothing() {
     let folder = folder();
     let list = price_list(folder.path());
+    let rendered_by = |passes: &[Pass], scene: &Value| {
+        let scene = prepare_by(passes, scene);
+        render_alone(&scene).map(|rendered| (cost(&scene, &rendered), rendered.film))
+    };
+    let planned: Vec<_> = list.iter().map(|variant| rendered_by(&PASSES, &variant.scene)).collect();
     for pass in PASSES.into_iter().filter(|pass| pass.needs != Needs::Nothing) {
         // With those that serve the same effects, so that no queue is left without a reader.
         let passes = table(|other| other.needs == pass.needs, |_| Needs::Nothing);
         let mut dearer = 0;
-        for variant in &list {
-            let [scene, planned] = [&passes[..], &PASSES].map(|p| prepare_by(p, &variant.scene));
-            let [rendered, right] = [&scene, &planned].map(render_alone);
-            for (rendered, right) in rendered.iter().zip(&right) {
+        for (variant, planned) in list.iter().zip(&planned) {
+            let found = rendered_by(&passes, &variant.scene);
+            for ((cost, film), (usual, right)) in found.iter().zip(planned) {
                 let what = format!("{}, {}", pass.name, variant.name);
-                assert!(rendered.film.same_bits(&right.film), "{what}");
-                let (cost, usual) = (cost(&scene, rendered), cost(&planned, right));
-                assert!(cost.iter().zip(&usual).all(|(cost, usual)| cost >= usual), "{what}");
+                assert!(film.same_bits(right), "{what}");
+                assert!(cost.iter().zip(usual).all(|(cost, usual)| cost >= usual), "{what}");
                 dearer += usize::from(cost != usual);
             }
         }

@@ -203,3 +203,38 @@ pub(crate) fn blessing() -> bool {
     static BLESSING: OnceLock<bool> = OnceLock::new();
     *BLESSING.get_or_init(|| std::env::var_os("WAVECREST_BLESS").is_some_and(|value| value == "1"))
 }
+
+/// Writes a square with texture coordinates for glTF (`m.bin`), and as `m.obj` with a material whose mask is
+/// `images[0]`. Returns a glTF file of the square with these images, a texture each, and no material.
+pub(crate) fn textured_square(folder: &Path, images: &[&str]) -> Value {
+    let at = |name: &str| folder.join(name);
+    let obj = "mtllib m.mtl\nv -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n\
+               usemtl leaf\nf 1/1 2/2 3/3 4/4\n";
+    std::fs::write(at("m.obj"), obj).expect("a file");
+    let mtl = format!("newmtl leaf\nKd 1 1 1\nmap_d {}\n", images[0]);
+    std::fs::write(at("m.mtl"), mtl).expect("a file");
+    let floats = |all: &[f32]| all.iter().flat_map(|x| x.to_le_bytes()).collect::<Vec<u8>>();
+    let positions = floats(&[-1.0, -1.0, 0.0, 1.0, -1.0, 0.0, 1.0, 1.0, 0.0, -1.0, 1.0, 0.0]);
+    let uvs = floats(&[0.0, 1.0, 1.0, 1.0, 1.0, 0.0, 0.0, 0.0]);
+    std::fs::write(at("m.bin"), [&positions[..], &uvs, &[0, 1, 2, 0, 2, 3]].concat())
+        .expect("a file");
+    let textures: Vec<Value> = (0..images.len()).map(|source| json!({"source": source})).collect();
+    let images: Vec<Value> = images.iter().map(|uri| json!({"uri": uri})).collect();
+    json!({
+        "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0, "TEXCOORD_0": 1},
+                                    "indices": 2, "material": 0}]}],
+        "accessors": [
+            {"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3"},
+            {"bufferView": 1, "componentType": 5126, "count": 4, "type": "VEC2"},
+            {"bufferView": 2, "componentType": 5121, "count": 6, "type": "SCALAR"}
+        ],
+        "bufferViews": [
+            {"buffer": 0, "byteLength": 48},
+            {"buffer": 0, "byteOffset": 48, "byteLength": 32},
+            {"buffer": 0, "byteOffset": 80, "byteLength": 6}
+        ],
+        "buffers": [{"byteLength": 86, "uri": "m.bin"}],
+        "images": images, "textures": textures,
+    })
+}

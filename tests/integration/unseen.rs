@@ -17,8 +17,8 @@ use wavecrest_scene::systems::{self, Options};
 use wavecrest_core::accel::build::Preset;
 
 use crate::support::{
-    TRACERS, folder, matte, options, pinhole, point_light, render_on, scene, sphere, wall,
-    wavecrest, with,
+    TRACERS, folder, matte, options, pinhole, point_light, render_on, scene, sphere,
+    textured_square, wall, wavecrest, with,
 };
 
 /// What is added to a scene, and the scene with and without.
@@ -408,39 +408,13 @@ fn a_texture_that_no_ray_meets_is_not_decoded() {
 fn files_of_other_formats_pay_for_nothing_either() {
     let folder = files();
     let at = |name: &str| folder.path().join(name);
-    let obj = "mtllib m.mtl\nv -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\n\
-               usemtl leaf\nf 1/1 2/2 3/3 4/4\n";
-    std::fs::write(at("m.obj"), obj).expect("a file");
-    std::fs::write(at("m.mtl"), "newmtl leaf\nKd 1 1 1\nmap_d opaque.png\n").expect("a file");
-    let floats = |all: &[f32]| all.iter().flat_map(|x| x.to_le_bytes()).collect::<Vec<u8>>();
-    let positions = floats(&[-1.0, -1.0, 0.0, 1.0, -1.0, 0.0, 1.0, 1.0, 0.0, -1.0, 1.0, 0.0]);
-    let uvs = floats(&[0.0, 1.0, 1.0, 1.0, 1.0, 0.0, 0.0, 0.0]);
-    std::fs::write(at("m.bin"), [&positions[..], &uvs, &[0, 1, 2, 0, 2, 3]].concat())
-        .expect("a file");
-    let gltf = json!({
-        "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
-        "meshes": [{"primitives": [{"attributes": {"POSITION": 0, "TEXCOORD_0": 1},
-                                    "indices": 2, "material": 0}]}],
-        "accessors": [
-            {"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3"},
-            {"bufferView": 1, "componentType": 5126, "count": 4, "type": "VEC2"},
-            {"bufferView": 2, "componentType": 5121, "count": 6, "type": "SCALAR"}
-        ],
-        "bufferViews": [
-            {"buffer": 0, "byteLength": 48},
-            {"buffer": 0, "byteOffset": 48, "byteLength": 32},
-            {"buffer": 0, "byteOffset": 80, "byteLength": 6}
-        ],
-        "buffers": [{"byteLength": 86, "uri": "m.bin"}],
-        "images": [{"uri": "opaque.png"}, {"uri": "broken.png"}],
-        "textures": [{"source": 0}, {"source": 1}],
-        "materials": [{
-            "alphaMode": "MASK", "doubleSided": true,
-            "pbrMetallicRoughness": {"baseColorTexture": {"index": 0}, "metallicFactor": 0,
-                                     "roughnessFactor": 0, "metallicRoughnessTexture": {"index": 1}},
-            "normalTexture": {"index": 1, "scale": 0}, "occlusionTexture": {"index": 1, "strength": 0}
-        }],
-    });
+    let mut gltf = textured_square(folder.path(), &["opaque.png", "broken.png"]);
+    gltf["materials"] = json!([{
+        "alphaMode": "MASK", "doubleSided": true,
+        "pbrMetallicRoughness": {"baseColorTexture": {"index": 0}, "metallicFactor": 0,
+                                 "roughnessFactor": 0, "metallicRoughnessTexture": {"index": 1}},
+        "normalTexture": {"index": 1, "scale": 0}, "occlusionTexture": {"index": 1, "strength": 0}
+    }]);
     std::fs::write(at("m.gltf"), gltf.to_string()).expect("a file");
     for name in ["m.gltf", "m.obj"] {
         let options = LoadOptions { width: Some(20), height: Some(16), ..LoadOptions::default() };

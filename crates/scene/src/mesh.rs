@@ -15,6 +15,7 @@ mod colors;
 pub(crate) mod crease;
 mod data;
 mod faults;
+mod join;
 mod number;
 mod obj;
 mod origin;

@@ -288,7 +288,8 @@ fn placed<'a>(primitives: &'a [Primitive], corners: &'a [Vec<Vec3>]) -> Vec<stag
             [] => (&mesh.positions[..], &mesh.triangles[..]),
             corners => (corners, &[][..]),
         };
-        let place = |one: &Use| staging::Placed { points, triangles, world: one.world };
+        let placed = staging::Placed::new(points, triangles, DAffine3::IDENTITY);
+        let place = |one: &Use| staging::Placed { world: one.world, ..placed };
         all.extend(primitive.uses.iter().map(place));
     }
     all

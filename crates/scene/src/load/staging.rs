@@ -13,6 +13,8 @@ mod orbit;
 mod room;
 mod upward;
 
+use std::sync::atomic::{AtomicU64, Ordering};
+
 use glam::{DAffine3, DVec3, Vec3};
 use rayon::prelude::*;
 
@@ -33,12 +35,18 @@ pub(crate) struct Sphere {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Placed<'a> {
     pub(crate) points: &'a [Vec3],
-    /// Points that no triangle uses are invisible. Without triangles all points count.
     pub(crate) triangles: &'a [[u32; 3]],
     pub(crate) world: DAffine3,
+    /// Whether all points are visible: those that no triangle uses are not. Without triangles all
+    /// count.
+    pub(crate) shows_all: bool,
 }
 
-impl Placed<'_> {
+impl<'a> Placed<'a> {
+    pub(crate) fn new(points: &'a [Vec3], triangles: &'a [[u32; 3]], world: DAffine3) -> Self {
+        Self { points, triangles, world, shows_all: uses_all(points.len(), triangles) }
+    }
+
     /// Reduces the results of `of` for each visible point by `merge`, in any order.
     fn reduce<T: Copy + Send + Sync>(
         &self,
@@ -47,13 +55,30 @@ impl Placed<'_> {
         merge: impl Fn(T, T) -> T + Sync + Send,
     ) -> T {
         let point = |p: &Vec3| of(self.world.transform_point3(p.as_dvec3()));
-        if self.triangles.is_empty() {
+        if self.shows_all {
             return self.points.par_iter().map(point).reduce(|| none, &merge);
         }
         let corner = |i: u32| point(&self.points[i as usize]);
         let triangle = |&[a, b, c]: &[u32; 3]| merge(merge(corner(a), corner(b)), corner(c));
         self.triangles.par_iter().map(triangle).reduce(|| none, &merge)
     }
+}
+
+/// Whether each of `points` is a corner of a triangle, or there are no triangles.
+fn uses_all(points: usize, triangles: &[[u32; 3]]) -> bool {
+    if triangles.is_empty() {
+        return true;
+    }
+    let used: Vec<AtomicU64> = (0..points.div_ceil(64)).map(|_| AtomicU64::new(0)).collect();
+    triangles.as_flattened().par_iter().for_each(|&point| {
+        let (word, bit) = (&used[point as usize / 64], 1 << (point % 64));
+        // A read is cheaper, and most corners are not the first at their point.
+        if word.load(Ordering::Relaxed) & bit == 0 {
+            word.fetch_or(bit, Ordering::Relaxed);
+        }
+    });
+    let count = |word: AtomicU64| word.into_inner().count_ones() as usize;
+    used.into_iter().map(count).sum::<usize>() == points
 }
 
 /// The box around all points; its ends are infinite if there are none.
@@ -99,7 +124,7 @@ mod tests {
     #[test]
     fn the_sphere_is_about_all_points_where_they_are() {
         let points = [Vec3::ZERO, Vec3::X * 2.0, Vec3::Y, Vec3::Z];
-        let placed = |world| Placed { points: &points, triangles: &[], world };
+        let placed = |world| Placed::new(&points, &[], world);
         let moved = placed(DAffine3::from_translation(DVec3::X * 10.0));
         let sphere = bounds(&[placed(DAffine3::IDENTITY), moved]);
         assert_eq!(sphere.center, DVec3::new(6.0, 0.5, 0.5));
@@ -107,7 +132,7 @@ mod tests {
         assert_eq!(bounds(&[]), Sphere { center: DVec3::ZERO, radius: 1.0 });
         assert_eq!(corners(&points).len(), 8);
         // A point that no triangle uses is invisible.
-        let seen = Placed { triangles: &[[0, 2, 3]], ..placed(DAffine3::IDENTITY) };
+        let seen = Placed::new(&points, &[[0, 2, 3]], DAffine3::IDENTITY);
         assert_eq!(bounds(&[seen]).center, DVec3::new(0.0, 0.5, 0.5));
     }
 }

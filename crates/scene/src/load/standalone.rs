@@ -49,7 +49,7 @@ pub(super) fn scene(
         mesh.normals = Some(crease::normals(&mesh.positions, &mesh.triangles, crease));
     }
     let world = glam::DAffine3::from_translation(mesh.origin);
-    let all = [Placed { points: &mesh.positions, triangles: &mesh.triangles, world }];
+    let all = [Placed::new(&mesh.positions, &mesh.triangles, world)];
     let bounds = staging::bounds(&all);
     let staging::Framed { view, path: moves, up, lamp, told: framed } =
         staging::framed(&all, &bounds, usual_up(path), options)?;

@@ -1,7 +1,7 @@
 //! STL: triangles in sequence, each with its three corners, as binary numbers or as text.
 //!
 //! A corner shared by several triangles is repeated for each: corners with equal positions are
-//! merged ([`join`]), so that the mesh has the neighbours of the surface. The normals of the file
+//! merged ([`super::join`]), so that the mesh has the neighbours of the surface. The normals of the file
 //! are ignored: the order of the corners gives them.
 //!
 //! Both forms may begin with `solid`. A file is binary if its length fits its count of triangles,
@@ -9,10 +9,10 @@
 
 mod ascii;
 mod binary;
-mod join;
 
 use super::data::{MeshData, Read};
 use super::faults::{self, no_triangles, read_failure};
+use super::join;
 use super::place::ReadAt;
 use super::survey::Survey;
 use super::validate::{bad_position, is_good_position};

@@ -105,7 +105,7 @@ mod tests {
             Vec3::new(1.0, 5.0, 0.0),
             Vec3::new(0.0, -3.0, 1.0),
         ];
-        let placed = [Placed { points: &points, triangles: &[], world: DAffine3::IDENTITY }];
+        let placed = [Placed::new(&points, &[], DAffine3::IDENTITY)];
         for tangents in [[0.4, 0.3], [3.0, 0.3], [0.1, 2.0]] {
             let eye = place(&placed, &DMat3::IDENTITY, tangents, 1e-3).unwrap();
             let found = reached(&points, eye, tangents);
@@ -120,7 +120,7 @@ mod tests {
 
     #[test]
     fn a_point_is_seen_from_a_little_away_and_nothing_from_nowhere() {
-        let placed = [Placed { points: &[Vec3::X], triangles: &[], world: DAffine3::IDENTITY }];
+        let placed = [Placed::new(&[Vec3::X], &[], DAffine3::IDENTITY)];
         let eye = place(&placed, &DMat3::IDENTITY, [0.4, 0.3], 0.5).unwrap();
         assert_eq!(eye, DVec3::new(1.0, 0.0, 0.5));
         assert_eq!(place(&[], &DMat3::IDENTITY, [0.4, 0.3], 0.5), None);

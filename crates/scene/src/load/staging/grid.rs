@@ -5,6 +5,7 @@
 //! through the centre of each column are found triangle by triangle, so that no tree is needed and
 //! every triangle is read once.
 
+use std::ops::Range;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use glam::DVec3;
@@ -84,18 +85,27 @@ impl Grid {
 
     /// Adds a triangle of the unit cube; returns the number of rays tested.
     fn add(&mut self, corners: &[DVec3; 3]) -> u64 {
-        (0..3).map(|axis| self.add_along(axis, corners)).sum()
+        let cells = corners.map(|p| p * COLUMNS as f64 - 0.5);
+        // None for most triangles of a large mesh: they are between the rays.
+        let rays = [0, 1, 2].map(|axis| rays_within(cells.map(|p| p[axis])));
+        let mut tests = 0;
+        for axis in 0..3 {
+            let [next, last] = [(axis + 1) % 3, (axis + 2) % 3];
+            if let (Some(columns), Some(rows)) = (&rays[next], &rays[last]) {
+                let uv = [next, last].map(|i| cells.map(|p| p[i]));
+                tests += self.add_along(axis, corners, uv, [columns.clone(), rows.clone()]);
+            }
+        }
+        tests
     }
 
-    fn add_along(&mut self, axis: usize, corners: &[DVec3; 3]) -> u64 {
-        let cells = COLUMNS as f64;
-        let [u, v] = [(axis + 1) % 3, (axis + 2) % 3].map(|i| corners.map(|p| p[i] * cells - 0.5));
-        let range = |x: [f64; 3]| {
-            let low = x[0].min(x[1]).min(x[2]).ceil().max(0.0);
-            let high = x[0].max(x[1]).max(x[2]).floor().min(cells - 1.0);
-            (low <= high).then(|| low as usize..high as usize + 1)
-        };
-        let (Some(columns), Some(rows)) = (range(u), range(v)) else { return 0 };
+    fn add_along(
+        &mut self,
+        axis: usize,
+        corners: &[DVec3; 3],
+        [u, v]: [[f64; 3]; 2],
+        [columns, rows]: [Range<usize>; 2],
+    ) -> u64 {
         let edge = |i: usize, j: usize, x: f64, y: f64| {
             (u[j] - u[i]) * (y - v[i]) - (v[j] - v[i]) * (x - u[i])
         };
@@ -124,6 +134,16 @@ impl Grid {
         }
         self
     }
+}
+
+/// The rays at whole numbers between the least and the greatest of `x`. By conversions: rounding
+/// takes a call where the processor is not known to have an instruction.
+fn rays_within(x: [f64; 3]) -> Option<Range<usize>> {
+    let (least, greatest) = (x[0].min(x[1]).min(x[2]), x[0].max(x[1]).max(x[2]));
+    let low = least.max(0.0) as usize;
+    let low = low + usize::from((low as f64) < least);
+    let high = (greatest >= 0.0).then(|| (greatest as usize).min(COLUMNS - 1) + 1)?;
+    (low < high).then_some(low..high)
 }
 
 impl Column {
@@ -157,7 +177,7 @@ mod tests {
             .collect();
         // The lower and the upper side, facing outward.
         let triangles = [[0, 3, 1], [0, 2, 3], [4, 5, 7], [4, 7, 6]];
-        let placed = Placed { points: &points, triangles: &triangles, world: DAffine3::IDENTITY };
+        let placed = Placed::new(&points, &triangles, DAffine3::IDENTITY);
         let grid = Grid::of(&[placed], DVec3::ZERO, DVec3::ONE).unwrap();
         let is = |met: Met, at: f64, faces_high| {
             (met.at - at).abs() < 1e-12 && met.faces_high == faces_high

@@ -116,7 +116,7 @@ mod tests {
             Vec3::new(0.0, -1.0, -1.0),
             Vec3::new(0.2, 2.0, 1.0),
         ];
-        let all = [Placed { points: &points, triangles: &[], world: DAffine3::IDENTITY }];
+        let all = [Placed::new(&points, &[], DAffine3::IDENTITY)];
         for (up, side) in
             [(Up::Y, "front"), (Up::Z, "30,20"), (Up::NegativeX, "-100,-60"), (Up::Y, "top")]
         {

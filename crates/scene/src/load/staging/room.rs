@@ -223,7 +223,7 @@ mod tests {
         if inward {
             triangles.iter_mut().for_each(|triangle| triangle.swap(1, 2));
         }
-        let placed = Placed { points: &points, triangles: &triangles, world: DAffine3::IDENTITY };
+        let placed = Placed::new(&points, &triangles, DAffine3::IDENTITY);
         let (low, high) = (Vec3::ZERO.as_dvec3(), points[7].as_dvec3());
         find(&Grid::of(&[placed], low, high).unwrap(), low, high, Up::Y)
     }
@@ -263,7 +263,7 @@ mod tests {
                     .extend(corners.map(|[a, b, c]| if inward { [a, c, b] } else { [a, b, c] }));
             }
         }
-        let placed = Placed { points: &points, triangles: &triangles, world: DAffine3::IDENTITY };
+        let placed = Placed::new(&points, &triangles, DAffine3::IDENTITY);
         let high = glam::DVec3::splat(f64::from(boxes[0].0));
         find(&Grid::of(&[placed], -high, high).unwrap(), -high, high, Up::Y)
     }

@@ -131,7 +131,7 @@ mod tests {
     use glam::{DAffine3, Vec3};
 
     fn guessed(points: &[Vec3], triangles: &[[u32; 3]], usual: Up) -> (Up, bool) {
-        let placed = Placed { points, triangles, world: DAffine3::IDENTITY };
+        let placed = Placed::new(points, triangles, DAffine3::IDENTITY);
         let merge = |a: (Vec3, Vec3), p: &Vec3| (a.0.min(*p), a.1.max(*p));
         let (low, high) = points.iter().fold((points[0], points[0]), merge);
         let (low, high) = (low.as_dvec3(), high.as_dvec3());

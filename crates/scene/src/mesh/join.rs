@@ -28,7 +28,7 @@ pub(super) fn join(triangles: Vec<[Vec3; 3]>) -> (Vec<Vec3>, Vec<[u32; 3]>) {
 }
 
 /// For each corner, the first at its position.
-fn first_of_each(corners: &[Vec3]) -> Vec<AtomicU32> {
+pub(super) fn first_of_each(corners: &[Vec3]) -> Vec<AtomicU32> {
     let number = |key: u64| key as u32;
     let place = |key: u64| bits(corners[number(key) as usize]);
     let mut keys: Vec<u64> = corners
@@ -49,8 +49,9 @@ fn first_of_each(corners: &[Vec3]) -> Vec<AtomicU32> {
     first
 }
 
+/// Zeros of both signs are the same position.
 fn bits(p: Vec3) -> [u32; 3] {
-    p.to_array().map(f32::to_bits)
+    (p + Vec3::ZERO).to_array().map(f32::to_bits)
 }
 
 /// Well mixed bits of a position: a multiplication carries them upward, a shift downward.
