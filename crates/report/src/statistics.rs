@@ -159,6 +159,13 @@ pub struct PrimitiveTests {
     pub spheres: u64,
 }
 
+impl PrimitiveTests {
+    /// Tests of every kind.
+    pub fn all(&self) -> u64 {
+        self.triangles + self.quads + self.spheres
+    }
+}
+
 /// Rays by kernel, in both classes.
 #[derive(Clone, Copy, Debug, Serialize)]
 #[allow(missing_docs, reason = "see the module documentation")]

@@ -211,16 +211,12 @@ fn plural(count: usize, name: &str) -> String {
 
 /// The machine.
 pub fn machine(machine: &Machine) -> Vec<Fact> {
-    let Machine { processor, cores, threads, os, hardware_missing, .. } = machine;
-    let mut facts = vec![
+    let Machine { processor, cores, threads, os, .. } = machine;
+    vec![
         Fact::new("processor", processor.as_deref().unwrap_or("unknown")),
         Fact::new("cores, threads", format!("{cores}, {threads}")),
         Fact::new("system", os),
-    ];
-    let why =
-        hardware_missing.iter().map(|why| Fact::new("hardware counters", format!("none: {why}")));
-    facts.extend(why);
-    facts
+    ]
 }
 
 /// A word of a command, quoted for a shell if necessary.

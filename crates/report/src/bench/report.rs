@@ -128,7 +128,7 @@ impl SceneBench {
         let others = plan.axes.iter().copied().filter(|axis| *axis != Axis::Ladder);
         for axis in std::iter::once(Axis::Ladder).chain(others) {
             let choices = axis.choices(usual, &plan.batches);
-            let trace = |variant: &Variant, counted| runner.run(variant, counted);
+            let trace = |variant: &Variant| runner.run(variant);
             report.add(compare(axis, &choices, &plan.schedule, trace, progress)?);
             if !report.equal {
                 break;

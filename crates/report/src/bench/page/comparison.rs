@@ -47,7 +47,6 @@ pub(super) fn comparison(found: &Comparison, rays: &Rays, machine: &Machine) -> 
     let chart = speeds(title, &caption, axis, points);
     blocks.extend([Block::Chart(chart), Block::Table(times(found, over, &note)), passes(found)]);
     blocks.push(Block::Table(work(found, rays, machine)));
-    blocks.extend(hardware(found, rays).map(Block::Table));
     blocks
 }
 
@@ -141,18 +140,16 @@ fn work(found: &Comparison, rays: &Rays, machine: &Machine) -> Table {
         _ => "Work, rates and ray state, as above.",
     };
     let kinds = [("primary", rays.primary), ("secondary", rays.secondary), ("shadow", rays.shadow)];
-    let kinds: Vec<&str> = kinds.iter().filter(|(_, n)| *n > 0).map(|(name, _)| *name).collect();
-    let names = [&["nodes", "prims"][..], &kinds, &["a node", "flight", "batch", "in"]].concat();
+    let kinds: Vec<(&str, u64)> = kinds.into_iter().filter(|(_, rays)| *rays > 0).collect();
+    let named: Vec<&str> = kinds.iter().map(|(name, _)| *name).collect();
+    let names = [&["nodes", "prims"][..], &named, &["a node", "flight", "batch", "in"]].concat();
     table(found, caption, &names, |v| {
         let closest = &v.kernels.closest;
-        let rate = |kind: &&str| match *kind {
-            "primary" => v.rays_s.primary,
-            "secondary" => v.rays_s.secondary,
-            _ => v.rays_s.shadow,
-        };
-        let tests = [v.tests_per_ray.nodes, v.tests_per_ray.primitives];
+        let per_ray = |tests: u64| tests as f64 / rays.all().max(1) as f64;
+        let tests = [v.tests.nodes, v.tests.primitives.all()].map(per_ray);
         let mut cells = tests.map(|tests| Cell::decimals(tests, 2)).to_vec();
-        cells.extend(kinds.iter().map(|kind| Cell::decimals(rate(kind) / 1e6, 3)));
+        let rate = |rays: u64| rays as f64 / v.seconds.median / 1e6;
+        cells.extend(kinds.iter().map(|(_, rays)| Cell::decimals(rate(*rays), 3)));
         cells.extend([closest.rays_a_node, closest.rays_a_round].map(|rays| optional(rays, 1)));
         let state = v.batch_bytes;
         let held = machine.holds(state, v.variant.threads).filter(|_| state > 0);
@@ -160,18 +157,6 @@ fn work(found: &Comparison, rays: &Rays, machine: &Machine) -> Table {
         cells.push(Cell::text(held.unwrap_or_default()));
         cells
     })
-}
-
-/// Hardware counters for each ray, if available.
-fn hardware(found: &Comparison, rays: &Rays) -> Option<Table> {
-    let names: Vec<String> = found.variants.first()?.hardware.as_ref()?.keys().cloned().collect();
-    let rays = rays.all().max(1) as f64;
-    let words: Vec<String> = names.iter().map(|name| name.replace('_', " ")).collect();
-    let words: Vec<&str> = words.iter().map(String::as_str).collect();
-    Some(table(found, "Hardware counters, for each ray.", &words, |v| {
-        let count = |name: &String| v.hardware.as_ref()?.get(name)?.as_f64();
-        names.iter().map(|name| optional(count(name).map(|count| count / rays), 3)).collect()
-    }))
 }
 
 /// A table with a row for each variant; cells beyond the columns are left out.
