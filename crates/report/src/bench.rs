@@ -35,7 +35,7 @@
 //! | `..label` | | its name in the list |
 //! | `..tracer`, `.time_passes`, `.kernel`, `.simd`, `.batch`, `.threads`, `.planned` | | the variant: see [`variant::Variant`] |
 //! | `..over` | | the variant that its speed is compared with |
-//! | `..ratio.median`, `.low`, `.high`, `.confidence`, `.pairs`, `.method` | | its speed over that of the other: seconds of the other over its own, round by round |
+//! | `..ratio.median`, `.low`, `.high`, `.confidence`, `.pairs` | | its speed over that of the other: seconds of the other over its own, round by round |
 //! | `..gain` | | the step that leads to it: what is new (`of`), the variant before (`from`), and the ratio of the speeds; the gains of a ladder multiply to the ratio of the last variant |
 //! | `..seconds.median`, `.min`, `.max`, `.first_quartile`, `.third_quartile`, `.mad`, `.each` | seconds | wall-clock time of a run; `each` round by round |
 //! | `..processor_seconds` | seconds | processor time of each run, of all threads (`null` if unknown) |
@@ -60,6 +60,6 @@ mod tests;
 pub mod variant;
 
 pub use machine::{Cache, Machine};
-pub use ratio::{METHOD, Ratio};
+pub use ratio::Ratio;
 pub use report::{BenchReport, Plan, Preparation, SceneBench, Setting};
 pub use run::Run;

@@ -29,7 +29,7 @@ pub mod scenes;
 mod text;
 
 use crate::bench::equal::Difference;
-use crate::measure::{Schedule, Timing, Turn};
+use crate::measure::{Schedule, Timing};
 use scenes::Variant;
 use wavecrest_base::error::Result;
 use wavecrest_core::prepared::PreparedScene;
@@ -64,7 +64,7 @@ pub fn measure(
 ) -> Result<PriceList> {
     let mut firsts: Vec<Rendered> = Vec::new();
     let mut list = PriceList::of(entries, setting);
-    let run = |Turn { variant, .. }: Turn| {
+    let run = |variant: usize| {
         let (index, tracer) = (variant / TRACERS.len(), TRACERS[variant % TRACERS.len()]);
         let Entry { variant, scene } = &entries[index];
         let (rendered, timing) = Timing::of(|| trace(scene, tracer));

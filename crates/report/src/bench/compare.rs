@@ -10,7 +10,7 @@ use super::equal::Difference;
 use super::ratio::Ratio;
 use super::run::Run;
 use super::variant::{Axis, Choice, Step, Variant};
-use crate::measure::{Measured, Schedule, Timing, Turn, measure};
+use crate::measure::{Measured, Schedule, Timing, measure};
 use crate::statistics::{KernelUse, Rays, Tests, pass_map};
 use crate::summary::{Summary, median};
 use wavecrest_base::error::Result;
@@ -67,7 +67,7 @@ pub struct Gain {
 #[allow(missing_docs, reason = "see crate::bench")]
 pub struct VariantDifference {
     pub label: String,
-    pub first: String,
+    pub over: String,
     #[serde(flatten)]
     pub difference: Difference,
 }
@@ -91,16 +91,15 @@ pub fn compare(
     progress: &mut dyn FnMut(u64, u64),
 ) -> Result<Comparison> {
     let (mut first, mut difference) = (None, None);
-    let run = |turn: Turn| {
-        let choice = &choices[turn.variant];
+    let run = |variant: usize| {
+        let choice = &choices[variant];
         let Run { timing, rendered } = trace(&choice.variant)?;
         let first = first.get_or_insert_with(|| rendered.clone());
         // Without the plan there is more work, for the same image.
-        let is_image = |found: &Difference| matches!(found, Difference::Pixel { .. });
-        let counts = |found: &Difference| of != Axis::Plan || is_image(found);
+        let counts = |found: &Difference| of != Axis::Plan || found.is_image;
         if let Some(found) = Difference::of(first, &rendered).filter(counts) {
-            let (label, first) = (choice.label.clone(), choices[0].label.clone());
-            difference = Some(VariantDifference { label, first, difference: found });
+            let (label, over) = (choice.label.clone(), choices[0].label.clone());
+            difference = Some(VariantDifference { label, over, difference: found });
             return Ok(None);
         }
         let (passes, columns) = (rendered.pass_seconds, rendered.columns);

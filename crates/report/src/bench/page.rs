@@ -2,18 +2,18 @@
 //! blocks as [text](crate::text).
 
 mod comparison;
-mod files;
+
+use std::path::Path;
 
 use super::compare::VariantBench;
 use super::machine::Machine;
-use super::ratio::{METHOD, Ratio};
+use super::ratio::Ratio;
 use super::report::{BenchReport, SceneBench};
-use crate::page::{Block, Cell, Fact, Page, Section, Table};
+use crate::page::{Block, Cell, Fact, Page, Section, Table, file_name};
 use crate::plot::number::figure;
 use crate::plot::{Axis, Scale, Series};
 use comparison::{comparison, point, ratio, speeds};
-
-pub use files::write_figures;
+use wavecrest_base::error::{Error, Result};
 
 /// The page of a report.
 pub fn page(report: &BenchReport) -> Page {
@@ -32,6 +32,25 @@ pub fn page(report: &BenchReport) -> Page {
     sections.push(Section::new("How it was measured", vec![Block::Facts(facts), command]));
     let title = "Wavefront against recursive".to_owned();
     Page { title, lead: lead(&report.scenes), sections, ..Page::default() }
+}
+
+/// Writes every chart of the `page` to `folder`, which is made. Names begin with that of the scene.
+///
+/// # Errors
+/// If a file cannot be written.
+pub fn write_figures(page: &Page, folder: &Path) -> Result<()> {
+    std::fs::create_dir_all(folder)
+        .map_err(|e| Error::io("cannot create the folder", folder, e))?;
+    for section in &page.sections {
+        let scene = Path::new(section.title.trim_matches('`')).file_stem().unwrap_or_default();
+        for block in &section.blocks {
+            if let Block::Chart(chart) = block {
+                let name = format!("{} {}", scene.to_string_lossy(), chart.title);
+                chart.write(folder, &file_name(&name))?;
+            }
+        }
+    }
+    Ok(())
 }
 
 /// The results in a few sentences.
@@ -112,10 +131,9 @@ pub fn overview(scenes: &[SceneBench]) -> Vec<Block> {
             Cell::text(scene.ladder().map(|ladder| gains(&ladder.variants)).unwrap_or_default()),
         ]
     };
-    let caption = format!(
-        "Millions of rays of all kinds a second, by the median time; the ratio of the speeds, which is the median over \
-         rounds of runs, with its confidence interval ({METHOD}); and the gain of each step to the wavefront."
-    );
+    let caption = "Millions of rays of all kinds a second, by the median time; the ratio of the speeds, which is the \
+                   median over rounds of runs, with its confidence interval (order statistics of paired ratios, \
+                   Thompson 1936); and the gain of each step to the wavefront.";
     let header = "scene|>triangles|>rays|>wavefront|>recursive|>ratio|steps";
     vec![
         Block::Chart(speeds(

@@ -12,12 +12,7 @@ pub struct Ratio {
     pub interval: MedianInterval,
     /// Number of rounds.
     pub pairs: usize,
-    /// See [`METHOD`].
-    pub method: &'static str,
 }
-
-/// The method of the ratio's interval.
-pub const METHOD: &str = "order statistics of paired ratios (Thompson 1936)";
 
 impl Ratio {
     /// The speed of the variant `of` over that of `over`: the `seconds` of `over` in each round
@@ -35,7 +30,7 @@ impl Ratio {
         let i = pairs(over, of)?;
         let (low, high) = (i.low.min(median), i.high.max(median));
         let interval = MedianInterval { median, low, high, ..i };
-        Some(Self { interval, pairs: seconds[of].len(), method: METHOD })
+        Some(Self { interval, pairs: seconds[of].len() })
     }
 
     /// Which of `faster` and `slower` is faster, if the interval tells.

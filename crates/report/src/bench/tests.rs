@@ -12,7 +12,7 @@ use super::variant::{Axis, BATCHES, Choice, Variant};
 use super::*;
 use crate::measure::{Schedule, Timing};
 use crate::page::{Block, Page, Section};
-use crate::plot::{Chart, StackedBars};
+use crate::plot::Chart;
 use crate::text::text;
 use wavecrest_base::error::Result;
 use wavecrest_core::accel::KernelChoice;
@@ -230,7 +230,7 @@ fn the_json_has_the_documented_keys() {
         ["median", "min", "max", "first_quartile", "third_quartile", "mad", "each"]
     );
     assert_eq!(keys(&wavefront["passes"]), TIMED);
-    let ratio = ["median", "low", "high", "confidence", "pairs", "method"];
+    let ratio = ["median", "low", "high", "confidence", "pairs"];
     assert_eq!(keys(&wavefront["ratio"]), ratio);
     assert_eq!(keys(&wavefront["gain"]), [&["of", "from"], &ratio[..]].concat());
 }
@@ -269,11 +269,9 @@ fn images_that_differ_have_no_times() {
     assert_eq!(json["equal"], false);
     let ladder = &json["comparisons"][0];
     assert_eq!((&ladder["rounds"], &ladder["variants"]), (&json!(0), &json!([])));
-    assert_eq!(ladder["difference"]["what"], "pixel");
-    assert_eq!(
-        (&ladder["difference"]["x"], &ladder["difference"]["first"]),
-        (&json!(5), &json!("recursive"))
-    );
+    let difference = &ladder["difference"];
+    assert_eq!(difference["first"], "column 5, row 2");
+    assert_eq!((&difference["is_image"], &difference["over"]), (&json!(true), &json!("recursive")));
     assert!(found.tracers().is_none());
 }
 
@@ -285,7 +283,8 @@ fn work_that_differs_ends_a_comparison_unless_all_passes_run() {
     };
     let found = compared(Axis::Kernels, 2, |_, _| 0.1, spoil).difference.unwrap();
     assert_eq!(found.label, "packet");
-    let difference = Difference::Work { count: "footprints", expected: 0, found: 1 };
+    let [first, expected, found_there] = ["footprints", "0", "1"].map(str::to_owned);
+    let difference = Difference { is_image: false, first, expected, found: found_there };
     assert_eq!(found.difference, difference);
     assert_eq!(compared(Axis::Plan, 2, |_, _| 0.1, spoil).difference, None);
     let spoil = |variant: usize, run: &mut Run| {
@@ -378,18 +377,13 @@ fn section<'a>(page: &'a Page, title: &str) -> &'a Section {
     found.unwrap_or_else(|| panic!("no section {title}"))
 }
 
-fn charts(section: &Section) -> Vec<&Chart> {
-    let blocks = section.blocks.iter();
-    blocks
-        .filter_map(|block| if let Block::Chart(found) = block { Some(found) } else { None })
-        .collect()
-}
-
-fn bars(section: &Section) -> Vec<&StackedBars> {
-    let blocks = section.blocks.iter();
-    blocks
-        .filter_map(|block| if let Block::Bars(found) = block { Some(found) } else { None })
-        .collect()
+/// The charts of a section, those with bars or those without.
+fn charts(section: &Section, bars: bool) -> Vec<&Chart> {
+    let charts = section.blocks.iter().filter_map(|block| match block {
+        Block::Chart(found) => Some(found),
+        _ => None,
+    });
+    charts.filter(|chart| chart.has_bars() == bars).collect()
 }
 
 #[test]
@@ -401,22 +395,22 @@ fn the_page_has_the_figures_of_the_report() {
     let [_, wavefront] = report.scenes[0].tracers().unwrap();
     let page = page(&report);
     assert!(page.lead.ends_with("All images are bit-identical."), "{}", page.lead);
-    let speed = charts(section(&page, "Speed"))[0];
+    let speed = charts(section(&page, "Speed"), false)[0];
     let (point, interval) = (&speed.series[0].points[0], wavefront.ratio.interval);
     assert_eq!(
         (point.y, point.low, point.high),
         (interval.median, Some(interval.low), Some(interval.high))
     );
     let own = section(&page, "`ball.json`");
-    let [ladder, sizes] = charts(own)[..] else { panic!("two charts") };
+    let [ladder, sizes] = charts(own, false)[..] else { panic!("two charts") };
     let ratios: Vec<f64> = ladder.series[0].points.iter().map(|point| point.y).collect();
     assert!(ratios.is_sorted() && ratios.last() == Some(&interval.median), "{ratios:?}");
     let places: Vec<[f64; 2]> = sizes.series[0].points.iter().map(|p| [p.x, p.y]).collect();
     assert_eq!(places, [[16.0, 0.5], [64.0, 1.0], [256.0, 2.0], [1024.0, 2.0], [4096.0, 2.0]]);
-    let passes = bars(own)[0];
-    let first: Vec<_> = passes.bars[0].segments.iter().map(|s| s.stage.as_str()).collect();
-    assert_eq!(first, TIMED);
-    let html = page.html().unwrap();
+    let passes = charts(own, true)[0];
+    let stages: Vec<_> = passes.series.iter().map(|s| s.name.as_str()).collect();
+    assert!(stages.starts_with(&TIMED), "{stages:?}");
+    let html = page.html();
     for words in [
         "<td class=\"right\" data-value=\"125\">125.000</td>",
         "wavecrest bench &#39;a scene.json&#39;",
@@ -428,7 +422,7 @@ fn the_page_has_the_figures_of_the_report() {
     for name in [
         "speed-speed-of-the-wavefront-over-that-of-the-recursive-tracer.csv",
         "ball-wavefront-by-batch-size.svg",
-        "ball-wavefront-by-batch-size-time-by-pass.png",
+        "ball-wavefront-by-batch-size-time-by-pass.csv",
     ] {
         assert!(folder.path().join(name).is_file(), "{name}");
     }
@@ -441,10 +435,10 @@ fn the_page_tells_of_several_scenes_and_of_those_that_differ() {
     let found = page(&report_of(scenes.clone()));
     assert!(found.lead.starts_with("In 2 scenes, the wavefront is 0."), "{}", found.lead);
     assert!(found.lead.ends_with("Images differ in 1 scene."), "{}", found.lead);
-    assert_eq!(charts(section(&found, "Speed"))[0].series[0].points.len(), 2);
+    assert_eq!(charts(section(&found, "Speed"), false)[0].series[0].points.len(), 2);
     let wrong = section(&found, "`b.json`");
-    assert!(charts(wrong).is_empty() && bars(wrong).is_empty());
-    assert!(found.html().unwrap().contains("THE IMAGES DIFFER"));
+    assert!(charts(wrong, false).is_empty() && charts(wrong, true).is_empty());
+    assert!(found.html().contains("THE IMAGES DIFFER"));
     let shown = text(&overview(&scenes));
     assert!(shown.contains("slow.json") && !shown.contains("b.json"), "{shown}");
     let nothing = page(&report_of(vec![different()]));

@@ -3,20 +3,18 @@
 use super::writer::{Writer, inline};
 use super::{Block, Details, Fact, figures, tables};
 use crate::markup::escape;
-use wavecrest_base::error::Result;
 
 /// Writes all of `blocks`.
-pub(super) fn all(writer: &mut Writer, blocks: &[Block]) -> Result<()> {
-    blocks.iter().try_for_each(|block| one(writer, block))
+pub(super) fn all(writer: &mut Writer, blocks: &[Block]) {
+    blocks.iter().for_each(|block| one(writer, block));
 }
 
-fn one(writer: &mut Writer, block: &Block) -> Result<()> {
+fn one(writer: &mut Writer, block: &Block) {
     match block {
         Block::Heading(text) => writer.element("h3", text),
         Block::Paragraph(text) => writer.element("p", text),
         Block::Warning(text) => warning(writer, text),
-        Block::Chart(chart) => figures::drawing(writer, chart)?,
-        Block::Bars(bars) => figures::drawing(writer, bars)?,
+        Block::Chart(chart) => figures::chart(writer, chart),
         Block::Table(table) => tables::table(writer, table),
         Block::Pictures(pictures) => figures::pictures(writer, pictures),
         Block::Code(text) => {
@@ -24,9 +22,8 @@ fn one(writer: &mut Writer, block: &Block) -> Result<()> {
             writer.add(&format!("<pre tabindex=\"0\"><code>{text}</code></pre>\n"));
         }
         Block::Facts(facts) => self::facts(writer, facts),
-        Block::Details(details) => self::details(writer, details)?,
+        Block::Details(details) => self::details(writer, details),
     }
-    Ok(())
 }
 
 fn warning(writer: &mut Writer, text: &str) {
@@ -44,10 +41,9 @@ fn facts(writer: &mut Writer, facts: &[Fact]) {
     writer.add("</dl>\n");
 }
 
-fn details(writer: &mut Writer, details: &Details) -> Result<()> {
+fn details(writer: &mut Writer, details: &Details) {
     let summary = inline(&details.summary);
     writer.add(&format!("<details class=\"aside\">\n<summary>{summary}</summary>\n<div>\n"));
-    all(writer, &details.blocks)?;
+    all(writer, &details.blocks);
     writer.add("</div>\n</details>\n");
-    Ok(())
 }

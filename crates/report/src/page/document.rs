@@ -20,39 +20,32 @@ const POLICY: &str = include_str!("policy.txt");
 
 impl Page {
     /// The page as HTML.
-    ///
-    /// # Errors
-    /// If the figures of a chart cannot be written as JSON.
-    pub fn html(&self) -> Result<String> {
-        html(self)
+    pub fn html(&self) -> String {
+        let mut writer = Writer::default();
+        head(&mut writer, self);
+        let names = names(self.sections.iter().map(|section| section.title.as_str()));
+        writer.add("<main id=\"content\">\n");
+        blocks::all(&mut writer, &self.first);
+        contents(&mut writer, self, &names);
+        for (section, name) in self.sections.iter().zip(&names) {
+            let title = inline(&section.title);
+            writer.add(&format!("<section id=\"{name}\" aria-labelledby=\"{name}-title\">\n"));
+            writer.add(&format!("<h2 id=\"{name}-title\"><a href=\"#{name}\">{title}</a></h2>\n"));
+            blocks::all(&mut writer, &section.blocks);
+            writer.add("</section>\n");
+        }
+        writer.add("</main>\n");
+        writer.add(&format!("<script>\n{SCRIPT}</script>\n</body>\n</html>\n"));
+        writer.text
     }
 
     /// Writes the page to a file, atomically.
     ///
     /// # Errors
-    /// As [`Page::html`], and if the file cannot be written.
+    /// If the file cannot be written.
     pub fn write(&self, path: &Path) -> Result<()> {
-        write_text(path, &self.html()?)
+        write_text(path, &self.html())
     }
-}
-
-fn html(page: &Page) -> Result<String> {
-    let mut writer = Writer::default();
-    head(&mut writer, page);
-    let names = names(page.sections.iter().map(|section| section.title.as_str()));
-    writer.add("<main id=\"content\">\n");
-    blocks::all(&mut writer, &page.first)?;
-    contents(&mut writer, page, &names);
-    for (section, name) in page.sections.iter().zip(&names) {
-        let title = inline(&section.title);
-        writer.add(&format!("<section id=\"{name}\" aria-labelledby=\"{name}-title\">\n"));
-        writer.add(&format!("<h2 id=\"{name}-title\"><a href=\"#{name}\">{title}</a></h2>\n"));
-        blocks::all(&mut writer, &section.blocks)?;
-        writer.add("</section>\n");
-    }
-    writer.add("</main>\n");
-    writer.add(&format!("<script>\n{SCRIPT}</script>\n</body>\n</html>\n"));
-    Ok(writer.text)
 }
 
 fn head(writer: &mut Writer, page: &Page) {

@@ -1,7 +1,7 @@
 //! Tables, as HTML.
 
 use super::writer::{Writer, inline};
-use super::{Align, Cell, Column, Table};
+use super::{Cell, Column, Table};
 
 /// Tables with at least this many columns extend into the margins of the page.
 const WIDE: usize = 6;
@@ -57,9 +57,5 @@ fn cell(writer: &mut Writer, cell: &Cell, column: Option<&Column>, names_row: bo
 }
 
 fn class(column: Option<&Column>) -> &'static str {
-    match column.map(|column| column.align) {
-        None | Some(Align::Left) => "",
-        Some(Align::Right) => " class=\"right\"",
-        Some(Align::Center) => " class=\"center\"",
-    }
+    if column.is_some_and(|column| column.is_number) { " class=\"right\"" } else { "" }
 }

@@ -7,7 +7,7 @@ use crate::bench::ratio::Ratio;
 use crate::bench::variant::Axis as Compared;
 use crate::page::{Block, Cell, Column, Table};
 use crate::plot::number::time_unit;
-use crate::plot::{Axis, Bar, Chart, Draw, Guide, Point, Scale, Segment, Series, StackedBars};
+use crate::plot::{Axis, Chart, Draw, Guide, Point, Scale, Series};
 use crate::statistics::Rays;
 use wavecrest_core::render::TracerKind;
 
@@ -30,7 +30,7 @@ pub(super) fn comparison(found: &Comparison, rays: &Rays, machine: &Machine) -> 
     let [title, over] = words(found.of);
     let mut blocks = vec![Block::Heading(title.to_owned())];
     if let Some(different) = &found.difference {
-        let text = different.difference.words(&different.label, &different.first);
+        let text = different.difference.words(&different.label, &different.over);
         blocks.push(Block::Warning(text));
         return blocks;
     }
@@ -45,7 +45,11 @@ pub(super) fn comparison(found: &Comparison, rays: &Rays, machine: &Machine) -> 
     let caption = format!("Speed over that of {over}. {note}");
     let (axis, points) = speeds_of(found);
     let chart = speeds(title, &caption, axis, points);
-    blocks.extend([Block::Chart(chart), Block::Table(times(found, over, &note)), passes(found)]);
+    blocks.extend([
+        Block::Chart(chart),
+        Block::Table(times(found, over, &note)),
+        passes(found, title),
+    ]);
     blocks.push(Block::Table(work(found, rays, machine)));
     blocks
 }
@@ -110,12 +114,12 @@ fn times(found: &Comparison, over: &str, note: &str) -> Table {
 }
 
 /// Time by pass. A recursive tracer without a clock has no passes.
-fn passes(found: &Comparison) -> Block {
+fn passes(found: &Comparison, title: &str) -> Block {
     let is_timed =
         |v: &&VariantBench| v.variant.time_passes || v.variant.tracer == TracerKind::Wavefront;
     let bar = |v: &VariantBench| {
-        let segment = |(stage, seconds): (&str, f64)| Segment { stage: stage.to_owned(), seconds };
-        Bar { name: v.label.clone(), segments: v.pass_seconds().map(segment).collect() }
+        let stages = v.pass_seconds().map(|(stage, seconds)| (stage.to_owned(), seconds));
+        (v.label.clone(), stages.collect())
     };
     let cost = found.variants.iter().find(|v| v.variant.time_passes).map(|v| {
         let times = 1.0 / v.ratio.interval.median;
@@ -125,8 +129,8 @@ fn passes(found: &Comparison) -> Block {
         )
     });
     let caption = format!("Medians of the runs, summed over threads.{}", cost.unwrap_or_default());
-    let bars = found.variants.iter().filter(is_timed).map(bar).collect();
-    Block::Bars(StackedBars { title: "Time by pass".to_owned(), bars, caption })
+    let bars: Vec<_> = found.variants.iter().filter(is_timed).map(bar).collect();
+    Block::Chart(Chart::bars(format!("{title}: time by pass"), caption, &bars))
 }
 
 /// Tests and rays per second, rays that are traced together, and the memory of a batch.
