@@ -9,7 +9,7 @@ use serde_json::{Map, Value};
 use super::equal::Difference;
 use super::ratio::Ratio;
 use super::run::Run;
-use super::variant::{Axis, Choice, Step, Variant};
+use super::variant::{Axis, Choice, Variant};
 use crate::measure::{Measured, Schedule, Timing, measure};
 use crate::statistics::{KernelUse, Rays, Tests, pass_map};
 use crate::summary::{Summary, median};
@@ -124,9 +124,9 @@ fn variants(choices: &[Choice], measured: &[Vec<(Timing, Kept)>]) -> Vec<Variant
     let seconds: Vec<Vec<f64>> = measured.iter().map(seconds).collect();
     let one = |(index, runs): (usize, &Vec<(Timing, Kept)>)| {
         let Choice { label, variant, over, step } = &choices[index];
-        let gain = step.and_then(|Step { from, gain }| {
+        let gain = step.and_then(|(from, of)| {
             let ratio = Ratio::of(&seconds, from, index)?;
-            Some(Gain { of: gain, from: choices[from].label.clone(), ratio })
+            Some(Gain { of, from: choices[from].label.clone(), ratio })
         });
         let (_, last) = runs.last()?;
         let summary = Summary::of(&seconds[index])?;

@@ -12,6 +12,7 @@ use super::report::{BenchReport, SceneBench};
 use crate::page::{Block, Cell, Fact, Page, Section, Table, file_name};
 use crate::plot::number::figure;
 use crate::plot::{Axis, Scale, Series};
+use crate::summary::CONFIDENCE;
 use comparison::{comparison, point, ratio, speeds};
 use wavecrest_base::error::{Error, Result};
 
@@ -90,13 +91,14 @@ fn answer(scene: &SceneBench) -> Option<String> {
     let i = &ratio.interval;
     let steps = gains(&scene.ladder()?.variants);
     let steps = if steps.is_empty() { String::new() } else { format!(": {steps}") };
-    let verdict = match ratio.verdict("wavefront", "recursive tracer") {
-        known if known.ends_with("is faster") => String::new(),
-        open => format!(" Of the two, {open}."),
+    let doubt = match i {
+        _ if i.confidence < CONFIDENCE => " There were too few rounds to say which is faster.",
+        _ if i.low <= 1.0 && 1.0 <= i.high => " The difference is within the noise.",
+        _ => "",
     };
     Some(format!(
         "The wavefront is {:.2} times as fast as the recursive tracer ({:.3} to {:.3} with {:.1}\u{a0}% confidence, {} \
-         rounds){steps}.{verdict}",
+         rounds){steps}.{doubt}",
         i.median,
         i.low,
         i.high,
@@ -170,46 +172,29 @@ fn facts(scene: &SceneBench, machine: &Machine) -> Vec<Fact> {
     ];
     let kinds = kinds.iter().filter(|(count, _)| *count > 0).map(|(n, name)| plural(*n, name));
     let (load, build, preset) = (setting.time.load, setting.time.build, setting.preset.name());
-    let batch = scene.bytes_per_path * setting.batch;
+    let [path, batch] = [scene.bytes_per_path, setting.batch].map(|count| count as u64);
     let caches = machine.caches.iter().map(|c| format!("L{} {}", c.level, size(c.bytes)));
     let caches = caches.collect::<Vec<_>>().join(", ");
-    let mut facts = vec![
-        Fact::new("image", format!("{} × {} pixels, {samples} each", image.width, image.height)),
-        Fact::new("scene", kinds.collect::<Vec<_>>().join(", ")),
-        Fact::new(
-            "rays a run",
-            format!("{primary} primary, {secondary} secondary, {shadow} shadow"),
-        ),
-        Fact::new(
-            "prepared",
-            format!("loaded in {load:.3} s, BVH ({preset}) built in {build:.3} s"),
-        ),
-        Fact::new(
+    let caches = if caches.is_empty() { caches } else { format!("; caches: {caches}") };
+    let kernel = format!("kernel {}, {}", setting.kernel.name(), setting.simd.name());
+    let peak =
+        scene.memory.peak.map(|peak| format!("{:.1} MB, whole process so far", peak as f64 / 1e6));
+    let facts = [
+        ("image", format!("{} × {} pixels, {samples} each", image.width, image.height)),
+        ("scene", kinds.collect::<Vec<_>>().join(", ")),
+        ("rays a run", format!("{primary} primary, {secondary} secondary, {shadow} shadow")),
+        ("prepared", format!("loaded in {load:.3} s, BVH ({preset}) built in {build:.3} s")),
+        (
             "ray state",
-            format!(
-                "{} bytes a path, {} a batch of {}{}{caches}",
-                scene.bytes_per_path,
-                size(batch as u64),
-                setting.batch,
-                if caches.is_empty() { "" } else { "; caches: " }
-            ),
+            format!("{path} bytes a path, {} a batch of {}{caches}", size(path * batch), batch),
         ),
-        Fact::new(
+        (
             "settings",
-            format!(
-                "kernel {}, {}, {} precision, seed {}",
-                setting.kernel.name(),
-                setting.simd.name(),
-                setting.precision.name(),
-                setting.seed
-            ),
+            format!("{kernel}, {} precision, seed {}", setting.precision.name(), setting.seed),
         ),
+        ("peak memory", peak.unwrap_or_else(|| "unknown".to_owned())),
     ];
-    if let Some(peak) = scene.memory.peak {
-        let peak = format!("{:.1} MB, whole process so far", peak as f64 / 1e6);
-        facts.push(Fact::new("peak memory", peak));
-    }
-    facts
+    facts.map(|(name, value)| Fact::new(name, value)).to_vec()
 }
 
 /// A number of bytes in units of 1024.

@@ -126,12 +126,12 @@ fn the_ladder_goes_from_the_recursive_tracer_to_the_usual_kernel() {
     let last = ladder.last().unwrap();
     assert!(last.variant.time_passes && last.variant.tracer == TracerKind::Recursive);
     let steps = || ladder[1..ladder.len() - 1].iter();
-    assert!(steps().enumerate().all(|(from, choice)| choice.step.unwrap().from == from));
+    assert!(steps().enumerate().all(|(from, choice)| choice.step.unwrap().0 == from));
     if usual().simd.token().is_some_and(is_wide) {
         let names = ["recursive", "wavefront, single rays", "wavefront, in flight"];
         assert_eq!(labels(&ladder)[..3], names);
         assert_eq!(labels(&ladder)[3..], ["wavefront, packets", "recursive, timed"]);
-        let gains: Vec<&str> = steps().map(|choice| choice.step.unwrap().gain).collect();
+        let gains: Vec<&str> = steps().map(|choice| choice.step.unwrap().1).collect();
         assert_eq!(gains, ["order", "flight", "packets"]);
         assert_eq!(steps().next_back().unwrap().variant, usual());
         let packet = of(KernelChoice::Packet);
@@ -151,7 +151,7 @@ fn lists_have_each_variant_once_and_say_what_it_is_compared_with() {
             let before = &choices[..number];
             assert!(before.iter().all(|other| other.variant != choice.variant), "{choice:?}");
             assert!(before.iter().all(|other| other.label != choice.label), "{choice:?}");
-            assert!(choice.over <= number && choice.step.is_none_or(|step| step.from < number));
+            assert!(choice.over <= number && choice.step.is_none_or(|(from, _)| from < number));
         }
         assert!(choices.iter().any(|choice| choice.variant == usual()), "{of:?}");
     }

@@ -65,16 +65,5 @@ pub(super) fn pictures(writer: &mut Writer, pictures: &[Picture]) {
 
 fn image(picture: &Picture) -> String {
     let (data, alt) = (STANDARD.encode(&picture.png), escape(&picture.alt));
-    let size = size(&picture.png);
-    let size = size.map(|[w, h]| format!(" width=\"{w}\" height=\"{h}\"")).unwrap_or_default();
-    format!("<img class=\"pixels\"{size} alt=\"{alt}\" src=\"data:image/png;base64,{data}\">")
-}
-
-/// Width and height of a PNG, from its first chunk.
-fn size(png: &[u8]) -> Option<[u32; 2]> {
-    let number = |at: usize| {
-        let bytes = png.get(at..at + 4)?;
-        Some(u32::from_be_bytes(bytes.try_into().ok()?))
-    };
-    (png.get(12..16)? == b"IHDR").then_some([number(16)?, number(20)?])
+    format!("<img class=\"pixels\" alt=\"{alt}\" src=\"data:image/png;base64,{data}\">")
 }

@@ -105,7 +105,7 @@ fn the_parts_have_names_that_lead_to_them() {
     let mut page = page("Some words");
     page.sections.push(Section::new("Some words", Vec::new()));
     let html = page.html();
-    for id in ["s-some-words", "s-some-words-2"] {
+    for id in ["section-1", "section-2"] {
         assert_eq!(html.matches(&format!("id=\"{id}\"")).count(), 1);
         assert_eq!(html.matches(&format!("href=\"#{id}\"")).count(), 2, "contents and heading");
     }
@@ -118,16 +118,9 @@ fn the_parts_have_names_that_lead_to_them() {
 }
 
 #[test]
-fn pictures_have_their_size_and_words() {
-    let html = page("words").html();
-    let tag = "<img class=\"pixels\" width=\"2\" height=\"1\" alt=\"words\" src=\"data:image/png";
-    assert_eq!(html.matches(tag).count(), 2);
-    let broken = Picture { png: vec![1, 2, 3], ..picture("words") };
-    let page = Page {
-        sections: vec![Section::new("", vec![Block::Pictures(vec![broken])])],
-        ..Page::default()
-    };
-    assert!(page.html().contains("<img class=\"pixels\" alt=\"words\" src="));
+fn pictures_have_their_words() {
+    let tag = "<img class=\"pixels\" alt=\"words\" src=\"data:image/png";
+    assert_eq!(page("words").html().matches(tag).count(), 2);
 }
 
 /// The figures that can be saved are those of the chart.

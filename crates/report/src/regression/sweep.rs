@@ -17,8 +17,8 @@ use crate::accuracy::fit::slope;
 use crate::accuracy::reference::FLOOR;
 use crate::accuracy::setting::{Target, converges, series_of, words_of};
 use crate::accuracy::store::{
-    Circumstances, Header, PointRecord, PreparedRecord, Record, Recorded, ReferenceRecord,
-    SceneRecord, TrialRecord, all, read,
+    Circumstances, Header, PointRecord, PreparedRecord, Record, ReferenceRecord, SceneRecord,
+    TrialRecord, all, read,
 };
 use crate::summary::median;
 use wavecrest_base::error::Result;
@@ -98,8 +98,11 @@ fn side(sweep: &Sweep<'_>) -> Side {
 
 /// Compares every series of a scene, and all of them together.
 fn points(scene: &str, sides: &[Sweep<'_>; 2], found: &mut Vec<Found>, warnings: &mut Vec<String>) {
-    let in_yardsticks = side(&sides[0]).machine == side(&sides[1]).machine;
-    let units = sides.each_ref().map(|side| units(scene, &side.records, in_yardsticks));
+    let mut units = sides.each_ref().map(|side| units(scene, &side.records));
+    let on_one_machine = side(&sides[0]).machine == side(&sides[1]).machine;
+    if !on_one_machine || units.iter().any(BTreeMap::is_empty) {
+        units = Default::default();
+    }
     let [busy, others] = sides.each_ref().map(|side| busy_rounds(scene, &side.records).1);
     let busy = &busy | &others;
     if !busy.is_empty() {
@@ -141,11 +144,11 @@ fn points(scene: &str, sides: &[Sweep<'_>; 2], found: &mut Vec<Found>, warnings:
     found.extend(together(scene, "all settings".to_owned(), "time at equal error", &everything));
 }
 
-/// The unit of time in the round of each seed: the median of its yardsticks. There are none, so
-/// that times are in seconds, if the machines differ or the sweep has no yardsticks.
-fn units(scene: &str, records: &[Record], in_yardsticks: bool) -> BTreeMap<u64, f64> {
+/// The unit of time in the round of each seed: the median of its yardsticks. Old sweeps have none:
+/// then times are in seconds.
+fn units(scene: &str, records: &[Record]) -> BTreeMap<u64, f64> {
     let mut rounds: BTreeMap<u64, Vec<f64>> = BTreeMap::new();
-    let has_unit = |p: &&PointRecord| in_yardsticks && p.scene == scene && p.yardstick > 0.0;
+    let has_unit = |p: &&PointRecord| p.scene == scene && p.yardstick > 0.0;
     for point in all::<PointRecord>(records).filter(has_unit) {
         rounds.entry(point.seed).or_default().push(point.yardstick);
     }
@@ -235,20 +238,19 @@ fn preparation(scene: &str, sides: &[Sweep<'_>; 2]) -> Vec<Found> {
 fn changes(scene: &str, sides: &[Sweep<'_>; 2]) -> Result<Vec<Change>> {
     let mut changes = Vec::new();
     // Rays that leak or hit their own triangle again.
-    let same = |a: &TrialRecord, b: &TrialRecord| {
-        (&*a.scene, &a.scene, &a.precision) == (scene, &b.scene, &b.precision)
-    };
     let share = |[tried, failed]: [u64; 2]| failed as f64 / tried.max(1) as f64;
-    for sides in both(sides, same) {
-        for (what, counts) in [
-            ("leaks", sides.map(|trial| trial.leaks)),
-            ("self-hits", sides.map(|trial| trial.self_hits)),
-        ] {
-            let [before, after] = counts.map(share);
-            if before != after {
+    let [before, after] = sides.each_ref().map(|side| {
+        all(&side.records).filter(|t: &&TrialRecord| t.scene == scene).collect::<Vec<_>>()
+    });
+    for before in before {
+        let Some(after) = after.iter().find(|t| t.precision == before.precision) else { continue };
+        let pairs = [[before.leaks, after.leaks], [before.self_hits, after.self_hits]];
+        for (what, counts) in ["leaks", "self-hits"].into_iter().zip(pairs) {
+            let [old, new] = counts.map(share);
+            if old != new {
                 let words = counts.map(|[tried, failed]| format!("{failed} of {tried}"));
-                let what = format!("{what}, {}", sides[0].precision);
-                changes.push(Change::new(scene, what, words, after > before));
+                let what = format!("{what}, {}", before.precision);
+                changes.push(Change::new(scene, what, words, new > old));
             }
         }
     }
@@ -256,18 +258,6 @@ fn changes(scene: &str, sides: &[Sweep<'_>; 2]) -> Result<Vec<Change>> {
         changes.extend(references(scene, target, sides)?);
     }
     Ok(changes)
-}
-
-/// The records of one kind that are the same on both sides but for their results.
-fn both<'a, R: Recorded>(
-    sides: &'a [Sweep<'_>; 2],
-    same: impl Fn(&R, &R) -> bool,
-) -> Vec<[&'a R; 2]> {
-    let pair = |before: &'a R| {
-        let after = all::<R>(&sides[1].records).find(|after| same(before, after))?;
-        Some([before, after])
-    };
-    all::<R>(&sides[0].records).filter_map(pair).collect()
 }
 
 /// References that differ by more than their standard errors allow.
