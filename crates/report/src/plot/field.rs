@@ -8,7 +8,8 @@ use super::{Axis, Scale};
 
 /// Smallest distance between labels down an axis.
 const APART_DOWN: f64 = 36.0;
-/// Smallest distance between labels along an axis.
+/// Smallest room of a label along an axis, and smallest distance between labels.
+const LEAST_ALONG: f64 = 40.0;
 const APART_ALONG: f64 = 14.0;
 /// Distance from a label to its axis.
 const GAP: f64 = 8.0;
@@ -79,12 +80,7 @@ fn heading(axis: &Axis) -> Option<String> {
 /// long for it: then each name is above its row.
 fn mark_down(place: &mut Place<'_>, height: f64, width: f64) -> (f64, bool) {
     place.pixels = [height, 0.0];
-    for most in (2..=(height / APART_DOWN).max(2.0) as usize).rev() {
-        place.mark(most);
-        if are_apart(place, |_| LABEL / 2.0, GAP) {
-            break;
-        }
-    }
+    mark(place, height / APART_DOWN, |_| (LABEL + GAP) / 2.0);
     if widest(place) <= LARGEST_PART_FOR_NAMES * width {
         return (widest(place) + 2.0 * GAP, false);
     }
@@ -94,24 +90,24 @@ fn mark_down(place: &mut Place<'_>, height: f64, width: f64) -> (f64, bool) {
     (GAP, true)
 }
 
-/// Marks the axis at the bottom with separate labels, and returns how far the last may extend.
+/// Marks the axis at the bottom, and returns how far the last label may extend.
 fn mark_along(place: &mut Place<'_>, width: f64) -> f64 {
     place.pixels = [0.0, width];
-    for most in (2..=(width / 40.0) as usize).rev() {
-        place.mark(most);
-        if are_apart(place, |tick| font::width(&tick.label, LABEL) / 2.0, APART_ALONG) {
-            break;
-        }
-    }
+    mark(place, width / LEAST_ALONG, |tick| (font::width(&tick.label, LABEL) + APART_ALONG) / 2.0);
     (widest(place) / 2.0).max(GAP)
 }
 
-/// Whether no label is too near the next: logarithmic axes have uneven distances.
-fn are_apart(place: &Place<'_>, half: impl Fn(&Tick) -> f64, apart: f64) -> bool {
-    place.labelled().zip(place.labelled().skip(1)).all(|(a, b)| {
-        let distance = (place.pixel_of(b.at) - place.pixel_of(a.at)).abs();
-        distance >= half(a) + half(b) + apart
-    })
+/// Marks an axis with as many labels as are apart, given half the room of each: logarithmic axes
+/// have uneven distances.
+fn mark(place: &mut Place<'_>, most: f64, half: impl Fn(&Tick) -> f64) {
+    for most in (2..=most.max(2.0) as usize).rev() {
+        place.mark(most);
+        let mut pairs = place.labelled().zip(place.labelled().skip(1));
+        let distance = |a: &Tick, b: &Tick| (place.pixel_of(b.at) - place.pixel_of(a.at)).abs();
+        if pairs.all(|(a, b)| distance(a, b) >= half(a) + half(b)) {
+            break;
+        }
+    }
 }
 
 /// The width of the widest label.

@@ -66,8 +66,8 @@ fn csv_and_svg_have_the_same_figures() {
     let titles = titles(&svg);
     assert_eq!(titles.len(), rows.len());
     for (index, (row, title)) in rows.iter().zip(titles).enumerate() {
-        for column in 1..5 {
-            let value: f64 = row[column].parse().unwrap();
+        for value in &row[1..5] {
+            let value: f64 = value.parse().unwrap();
             assert!(title.contains(&number::figure(value)), "{title}: {value}");
         }
         assert!(title.starts_with(row[0]) && title.contains(&format!("run &lt;{}&gt;", index % 6)));
