@@ -20,8 +20,7 @@
 //! | `preset` | | the BVH preset |
 //! | `time.load`, `.build` | seconds | reading and preparing, and building the tree, once |
 //! | `image.width`, `.height`, `.samples_per_pixel` | pixels, rays | the image |
-//! | `triangles`, `quads`, `spheres`, `lights`, `dropped.degenerate` | | the contents of the scene, and dropped triangles |
-//! | `expected_visits.nodes`, `.leaves` | per ray | visits of an unobstructed ray expected by the surface-area heuristic |
+//! | `triangles`, `quads`, `spheres`, `lights` | | the contents of the scene |
 //! | `bytes_per_path` | bytes | in the columns of the wavefront |
 //! | `memory.predicted`, `.peak` | bytes | estimate for a render; peak of the process so far, including earlier scenes (`null` if unknown) |
 //! | `equal` | | whether every image was the same to the last bit, and all work except tests |

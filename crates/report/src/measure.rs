@@ -62,8 +62,8 @@ const CLOCK_STEP: f64 = 1e-9;
 const TRIES: usize = 2;
 
 /// Runs all of `variants` in turn as in `schedule`. `run` receives the number of a variant and
-/// returns the duration of its run, with whatever else is to be kept of it, or `None` to end the measurement without a result. `progress`
-/// receives the rounds timed and the expected total.
+/// returns the duration of its run, with whatever else is to be kept of it, or `None` to end the
+/// measurement without a result. `progress` receives the rounds timed and the expected total.
 ///
 /// # Errors
 /// Those of `run`.

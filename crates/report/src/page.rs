@@ -7,13 +7,10 @@
 
 mod blocks;
 mod document;
-mod figures;
-mod tables;
 #[cfg(test)]
 mod tests;
-mod writer;
 
-pub(crate) use figures::file_name;
+pub(crate) use blocks::file_name;
 
 use super::plot::Chart;
 use super::plot::number::figure;

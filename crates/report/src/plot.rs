@@ -142,7 +142,7 @@ impl Chart {
         let names = bars.iter().map(|(name, _)| name.clone()).collect();
         Self {
             title: title.into(),
-            x: Axis::new("", "", Scale::Names(names)),
+            x: Axis::new("bar", "", Scale::Names(names)),
             y: Axis::new("time", unit, Scale::Linear),
             series,
             guides: Vec::new(),

@@ -211,8 +211,8 @@ fn the_json_has_the_documented_keys() {
     let scene = &json["scenes"][0];
     assert_eq!(
         keys(scene).join(" "),
-        "scene seed batch simd kernel precision preset time image triangles quads spheres lights dropped \
-         expected_visits bytes_per_path memory equal rays invalid comparisons warnings"
+        "scene seed batch simd kernel precision preset time image triangles quads spheres lights \
+         bytes_per_path memory equal rays invalid comparisons warnings"
     );
     let ladder = &scene["comparisons"][0];
     assert_eq!(keys(ladder), ["of", "rounds", "left_out", "busy", "variants", "difference"]);

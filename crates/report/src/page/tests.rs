@@ -113,8 +113,6 @@ fn the_parts_have_names_that_lead_to_them() {
         html.split(" id=\"").skip(1).filter_map(|rest| rest.split('"').next()).collect();
     let distinct: std::collections::BTreeSet<_> = ids.iter().collect();
     assert_eq!(ids.len(), distinct.len(), "{ids:?}");
-    assert!(html.contains("<b>Figure 2</b>") && html.contains("<b>Table 1</b>"));
-    assert!(!html.contains("<b>Table 2</b>"), "tables of values have no number");
 }
 
 #[test]

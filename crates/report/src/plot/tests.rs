@@ -78,7 +78,7 @@ fn csv_and_svg_have_the_same_figures() {
 fn bars_tell_each_segment() {
     let bars = bars();
     let svg = bars.svg();
-    let csv = "series,,time (s),low,high,label\r\nload,a,0.5,0,0.5,25% of the bar\r\n\
+    let csv = "series,bar,time (s),low,high,label\r\nload,a,0.5,0,0.5,25% of the bar\r\n\
                trace,a,1.5,0.5,2,75% of the bar\r\ntrace,b,0.25,0,0.25,100% of the bar\r\n";
     assert_eq!(bars.csv(), csv);
     assert_eq!(attributes(&svg, "data-y"), ["0.5", "1.5", "0.25"]);
