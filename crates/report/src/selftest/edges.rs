@@ -1,9 +1,7 @@
 //! Rays at shared edges and vertices. Random rays find no leaks, as these have no width.
 
 use super::prelude::*;
-use super::shapes::{Closed, convex, height};
-
-const TREES: &[Preset] = &[Preset::VeryFast, Preset::Brute];
+use super::shapes::{Closed, height};
 
 /// Rings and segments, and the variation of radii.
 const GLOBES: [([u32; 2], f64); 5] =
@@ -26,30 +24,23 @@ pub(super) const BEYOND: f64 = 1.1;
 
 /// Case 1.
 pub(super) fn edges(numbers: &mut Numbers) -> World {
-    from_inside(numbers, |numbers, a, b| {
-        // Some just beside a vertex.
-        let one = numbers.one();
-        let s = if numbers.once_in(4) { numbers.magnitude(1e-7, 1.0) } else { one };
-        (a + (b - a) * s).as_vec3()
-    })
+    from_inside(numbers, Numbers::on_edge)
 }
 
 /// Case 2.
 pub(super) fn vertices(numbers: &mut Numbers) -> World {
-    from_inside(numbers, |_, a, _| a.as_vec3())
+    from_inside(numbers, |numbers, corners| numbers.among(corners).as_dvec3())
 }
 
-fn from_inside(numbers: &mut Numbers, target: fn(&mut Numbers, DVec3, DVec3) -> Vec3) -> World {
+fn from_inside(numbers: &mut Numbers, target: fn(&mut Numbers, [Vec3; 3]) -> DVec3) -> World {
     let (size, bumps) = GLOBES[numbers.index % GLOBES.len()];
     let (scale, offset) = PLACES[numbers.index / GLOBES.len()];
     let closed = Closed::new(numbers, size, bumps, (DVec3::splat(scale), offset));
-    World::new(closed.geometry.clone(), TREES, move |numbers| {
+    World::new(closed.geometry.clone(), move |numbers| {
         let origin = closed.inside(numbers);
         let corners = closed.geometry.triangle(numbers.below(closed.geometry.triangles.len()));
-        let k = numbers.below(3);
-        let [a, b] = [corners[k], corners[(k + 1) % 3]].map(|v| v.as_dvec3());
-        let ray = Ray::new(origin, target(numbers, a, b) - origin);
-        Some((ray, Expected::until(BEYOND)))
+        let target = target(numbers, corners).as_vec3();
+        Some((Ray::new(origin, target - origin), Expected::until(BEYOND)))
     })
 }
 
@@ -58,7 +49,7 @@ pub(super) fn needles(numbers: &mut Numbers) -> World {
     let thin = [1e-4, 1e-6][numbers.index % 2];
     let scale = DVec3::new(thin, 1.0, 1.0 / thin);
     let closed = Closed::new(numbers, [16, 24], 0.0, (scale, Vec3::ZERO));
-    World::new(closed.geometry.clone(), &[Preset::VeryFast], move |numbers| {
+    World::new(closed.geometry.clone(), move |numbers| {
         let origin = closed.inside(numbers);
         let target = (numbers.direction() * scale).as_vec3();
         Some((Ray::new(origin, target - origin), Expected::ANYTHING))
@@ -78,7 +69,7 @@ pub(super) fn from_afar(_: &mut Numbers) -> World {
         |[a, b, _]: [Vec3; 3], other| mesh.triangle(other).iter().any(|v| [a, b].contains(v));
     let around = |face| all.clone().filter(|&other| touches(mesh.triangle(face), other)).collect();
     let around: Vec<Vec<usize>> = all.clone().map(around).collect();
-    World::new(mesh.clone(), &[Preset::VeryFast, Preset::Medium], move |numbers| {
+    World::new(mesh.clone(), move |numbers| {
         let face = numbers.below(mesh.triangles.len());
         let corners = mesh.triangle(face);
         let [a, b, _] = corners.map(|v| v.as_dvec3());
@@ -124,7 +115,7 @@ pub(super) fn scans(numbers: &mut Numbers) -> World {
         [[a, a + 1, a + POINTS + 1], [a, a + POINTS + 1, a + POINTS]]
     });
     let geometry = Geometry { positions, triangles: cells.collect(), ..Geometry::default() };
-    World::new(geometry.clone(), TREES, move |numbers| {
+    World::new(geometry.clone(), move |numbers| {
         let inner = |numbers: &mut Numbers| 1 + numbers.below(POINTS as usize - 3) as u32;
         let first = inner(numbers) + inner(numbers) * POINTS;
         let [a, b] = [first, first + numbers.among([1, POINTS, POINTS + 1])]

@@ -5,15 +5,15 @@
 
 use std::iter::Sum;
 
-use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
+use super::examine::surface_at;
 use super::prelude::*;
-use super::ways::blocks;
 use crate::plot::number::figure;
-use wavecrest_core::kernels::triangle::exact;
+use wavecrest_core::kernels::precision::Precision;
+use wavecrest_core::kernels::triangle::{self, exact, filter};
 use wavecrest_core::math::exact::Comparable;
-use wavecrest_core::math::float::{max_abs, normalize};
+use wavecrest_core::math::float::max_abs;
 
 /// Bins of the histogram: up to half an ulp, the error of rounding the exact value once, then up to
 /// each power of two, and all larger errors.
@@ -91,28 +91,27 @@ impl HitErrors {
         format!("largest errors: t {t}, points {point}, normals {normal}")
     }
 
-    /// Compares the result of `tests` in a precision for a ray and a triangle: a hit at `t`, or
-    /// none.
-    fn count(&mut self, tests: Tests, ray: &Ray, corners: &[Vec3; 3], t: Option<f32>) {
-        let exactly = exact::meeting(ray, corners);
+    /// Those of one ray and a triangle, which it meets at `t`, or not.
+    pub(super) fn of(geometry: &Geometry, ray: &Ray, primitive: u32, t: Option<f32>) -> Self {
+        let mut errors = Self::default();
+        let corners = geometry.triangle(primitive as usize);
+        let exactly = exact::meeting(ray, &corners);
         let exactly = exactly.filter(|t| t.is_within([ray.t_min, ray.t_max]));
-        let (t, exact_t) = match (t, exactly.map(|t| t.approximate())) {
-            (Some(t), Some(exact)) => (t, exact),
-            (t, exact) => {
-                self.lost += u64::from(exact.is_some());
-                self.extra += u64::from(t.is_some());
-                return;
-            }
+        let (Some(t), Some(exact_t)) = (t, exactly.as_ref().map(|t| t.approximate())) else {
+            (errors.lost, errors.extra) = (exactly.is_some().into(), t.is_some().into());
+            return errors;
         };
-        self.t.count((f64::from(t) - exact_t).abs() / ulp(exact_t));
-        let [point, _, normal] = tests.surface(ray, t, corners).vectors();
+        errors.t.count((f64::from(t) - exact_t).abs() / ulp(exact_t));
+        let surface = surface_at(geometry, ray, Hit { t, primitive });
+        let [point, _, normal] = surface.map_or([Vec3::NAN; 3], |surface| surface.vectors());
         let size = corners.iter().map(|&v| max_abs(v)).fold(0.0, f32::max);
         let [a, b, c] = corners.map(|v| v.as_dvec3());
         let exact_normal = (b - a).cross(c - a).normalize();
         let height = (point.as_dvec3() - a).dot(exact_normal).abs();
-        self.point.count(height / ulp(f64::from(size)));
+        errors.point.count(height / ulp(f64::from(size)));
         let unit = ulp(exact_normal.abs().max_element());
-        self.normal.count((normal.as_dvec3() - exact_normal).abs().max_element() / unit);
+        errors.normal.count((normal.as_dvec3() - exact_normal).abs().max_element() / unit);
+        errors
     }
 }
 
@@ -140,7 +139,7 @@ pub fn ulps(ulp: f64) -> String {
 }
 
 /// The distance between single-precision numbers near `value`.
-fn ulp(value: f64) -> f64 {
+pub(super) fn ulp(value: f64) -> f64 {
     let value = (value.abs() as f32).clamp(f32::MIN_POSITIVE, f32::MAX / 2.0);
     f64::from(value.next_up()) - f64::from(value)
 }
@@ -167,51 +166,49 @@ struct Placed {
 
 const PLAIN: Placed = Placed { height: 1.0, sine: 0.7, distance: 2.0, away: 0.0 };
 
+const fn situation(name: &'static str, place: fn(&mut Numbers) -> Placed) -> Situation {
+    Situation { name, place }
+}
+
 /// All situations.
 pub const SITUATIONS: &[Situation] = &[
-    Situation { name: "ordinary triangles", place: |_| PLAIN },
-    Situation {
-        name: "grazing angles, down to 1e-6",
-        place: |n| Placed { sine: n.magnitude(1e-6, 0.1), ..PLAIN },
-    },
-    Situation {
-        name: "far from the origin, up to 1e5 times the size",
-        place: |n| Placed { away: n.magnitude(1e2, 1e5), ..PLAIN },
-    },
-    Situation {
-        name: "slivers, aspect ratio up to 100 000",
-        place: |n| Placed { height: n.magnitude(1e-5, 0.1), ..PLAIN },
-    },
-    Situation {
-        name: "large triangles, up to 1e5 times the distance",
-        place: |n| Placed { distance: n.magnitude(1e-5, 0.1), ..PLAIN },
-    },
-    Situation {
-        name: "small triangles, down to 1e-5 of the distance",
-        place: |n| Placed { distance: n.magnitude(1e2, 1e5), ..PLAIN },
-    },
+    situation("ordinary triangles", |_| PLAIN),
+    situation("grazing angles, down to 1e-6", |n| Placed { sine: n.magnitude(1e-6, 0.1), ..PLAIN }),
+    situation("far from the origin, up to 1e5 times the size", |n| Placed {
+        away: n.magnitude(1e2, 1e5),
+        ..PLAIN
+    }),
+    situation("slivers, aspect ratio up to 100 000", |n| Placed {
+        height: n.magnitude(1e-5, 0.1),
+        ..PLAIN
+    }),
+    situation("large triangles, up to 1e5 times the distance", |n| Placed {
+        distance: n.magnitude(1e-5, 0.1),
+        ..PLAIN
+    }),
+    situation("small triangles, down to 1e-5 of the distance", |n| Placed {
+        distance: n.magnitude(1e2, 1e5),
+        ..PLAIN
+    }),
 ];
 
 /// Rays of a situation, in full.
 const RAYS: usize = 1_000_000;
 
-/// The streams of random numbers, in place of a case's number and a part's place.
+/// The stream of random numbers, in place of a case's number and a part's place.
 const SITUATED: [u32; 2] = [110, 0];
-const OF_MESH: [u32; 2] = [110, 1];
 
 impl Situation {
     /// The errors in a precision.
     pub fn errors(&self, effort: &Effort) -> HitErrors {
-        let tests = Tests::from(effort);
-        let blocks = blocks(effort.of(RAYS), 1 << 10);
-        let errors = blocks.map(|block| {
-            let mut errors = HitErrors::default();
-            for i in block {
-                let mut numbers = Numbers::new(effort, SITUATED, i);
-                let (ray, corners) = self.make(&mut numbers);
-                errors.count(tests, &ray, &corners, tests.triangle(&ray, &corners));
-            }
-            errors
+        let errors = (0..effort.of(RAYS)).into_par_iter().map(|i| {
+            let (ray, corners) = self.make(&mut Numbers::new(effort, SITUATED, i));
+            let t = match effort.precision {
+                Precision::Fast => filter::fast(&ray, &corners),
+                Precision::Exact => triangle::meet(&ray, &corners),
+            };
+            let geometry = Geometry { precision: effort.precision, ..of_triangles([corners]) };
+            HitErrors::of(&geometry, &ray, 0, t)
         });
         errors.sum()
     }
@@ -234,39 +231,10 @@ impl Situation {
     }
 }
 
-/// The errors on the triangles of `accel`, in its precision, for rays from `from` to a point of one
-/// of them. Nearer triangles may be hit instead; rays that leak through all are `lost`.
-pub(super) fn of_mesh(
-    accel: &Accel,
-    effort: &Effort,
-    rays: usize,
-    make: impl Fn(&mut Numbers) -> Ray + Sync,
-) -> HitErrors {
-    let geometry = accel.geometry();
-    let tests = Tests::from(accel);
-    let errors = blocks(rays, 1 << 12).map(|block| {
-        let made = block.map(|i| make(&mut Numbers::new(effort, OF_MESH, i)));
-        let rays: Vec<Ray> = made.collect();
-        let mut hits = vec![Hit::MISS; rays.len()];
-        accel.closest_of(&rays[..], &mut hits, &mut accel.traversal());
-        let mut errors = HitErrors::default();
-        for (ray, hit) in rays.iter().zip(&hits) {
-            // Rays without a hit are counted in the test of edges.
-            if (hit.primitive as usize) < geometry.triangles.len() {
-                let corners = geometry.triangle(hit.primitive as usize);
-                errors.count(tests, ray, &corners, Some(hit.t));
-            }
-        }
-        errors
-    });
-    errors.sum()
-}
-
 #[cfg(test)]
 mod tests {
     use super::super::case::Count;
     use super::*;
-    use wavecrest_core::kernels::precision::Precision;
 
     fn errors(precision: Precision) -> Vec<HitErrors> {
         let effort = Effort { precision, seed: 3, count: Count::Quick };

@@ -1,22 +1,25 @@
 //! The hard cases on a user's own scene, of any shapes: leaks through edges and spheres, self-hits,
 //! and the quality of its triangles.
 
+use std::iter::Sum;
+
 use glam::DAffine3;
-use rayon::prelude::*;
 use serde::Serialize;
 
-use super::agreement::some_corners;
+use super::agreement::any_corners;
 use super::case::Count;
-use super::errors::{self, HitErrors};
+use super::errors::HitErrors;
 use super::prelude::*;
 use super::topology::Topology;
 use super::ways::{RAYS_OF_A_TASK, blocks, in_order};
 use wavecrest_core::accel::Traversal;
 use wavecrest_core::geometry::Primitive;
+use wavecrest_core::kernels::precision::Arithmetic;
 use wavecrest_core::kernels::quad::halves;
 use wavecrest_core::kernels::slab::Aabb;
-use wavecrest_core::kernels::surface::{Surface, quad_half};
-use wavecrest_core::math::float::{normalize, offset_origin};
+use wavecrest_core::kernels::surface::{self, Surface, quad_half};
+use wavecrest_core::math::vector::{Line, Vector};
+use wavecrest_core::with_precision;
 
 /// Rays of each kind, in full.
 const RAYS: usize = 10_000_000;
@@ -27,6 +30,7 @@ const SLIVER: f64 = 1000.0;
 /// The streams of random numbers, in place of a case's number and a part's place.
 const LEAKING: [u32; 2] = [100, 1];
 const LEAVING: [u32; 2] = [100, 2];
+const HITTING: [u32; 2] = [110, 1];
 
 /// Properties of a geometry, independent of the precision.
 #[derive(Clone, Debug, Serialize)]
@@ -105,26 +109,36 @@ pub fn trial(accel: &Accel, effort: &Effort) -> Trial {
     let geometry = accel.geometry();
     let extent = Extent::of(geometry);
     let meshes = Meshes::of(geometry);
+    let count = rays(geometry, effort, [RAYS / 25, RAYS]);
     let leaks = ask(
         accel,
-        effort,
+        count,
         |n, _| meshes.aimed(&extent, &mut Numbers::new(effort, LEAKING, n)),
         |ray, own, hit| {
             // A face seen nearly edge on is hit far behind its edge.
             let passes = !own.contains(&hit.primitive) && (hit.is_miss() || hit.t > BEYOND);
-            (!passes, move || format!("{ray} passes between or through {own:?}: {hit:?}"))
+            Outcome::of(!passes, || format!("{ray} passes between or through {own:?}: {hit:?}"))
         },
     );
+    let leaving = |n| Numbers::new(effort, LEAVING, n);
     let self_hits = ask(
         accel,
-        effort,
-        |n, traversal| left(accel, &extent, &mut Numbers::new(effort, LEAVING, n), traversal),
-        |ray, [own, _], hit| {
-            (hit.primitive != own, move || format!("{ray} meets {own} again at {}", hit.t))
+        count,
+        |n, traversal| left(accel, &extent, &mut leaving(n), traversal, LOWEST),
+        |ray, own, hit| {
+            Outcome::of(hit.primitive != own, || format!("{ray} meets {own} again at {}", hit.t))
         },
     );
-    let rays = rays(geometry, effort, [RAYS / 100, RAYS / 10]);
-    let errors = errors::of_mesh(accel, effort, rays, |numbers| at_any(geometry, &extent, numbers));
+    let errors = ask(
+        accel,
+        rays(geometry, effort, [RAYS / 100, RAYS / 10]),
+        |n, _| Some((at_any(geometry, &extent, &mut Numbers::new(effort, HITTING, n)), ())),
+        |ray, (), hit| {
+            let is_on_triangle = (hit.primitive as usize) < geometry.triangles.len();
+            let errors = || HitErrors::of(geometry, &ray, hit.primitive, Some(hit.t));
+            is_on_triangle.then(errors).unwrap_or_default()
+        },
+    );
     Trial { leaks, self_hits, errors }
 }
 
@@ -141,17 +155,9 @@ impl Extent {
             own.fold(Aabb::EMPTY, Aabb::union)
         };
         let of_prototypes: Vec<Aabb> = geometry.prototypes.iter().map(around).collect();
-        let corners = geometry.instances.iter().flat_map(|instance| {
-            let Aabb { low, high } = of_prototypes[instance.prototype()];
-            let corner = move |i: u32| {
-                Vec3::from([0, 1, 2].map(|k| if i >> k & 1 == 0 { low[k] } else { high[k] }))
-            };
-            (0..8).map(move |i| instance.point(corner(i)))
-        });
-        let all = corners.fold(around(geometry), |all, p| all.union(Aabb { low: p, high: p }));
-        if geometry.is_empty() {
-            return Self { middle: DVec3::ZERO, half: 1.0 };
-        }
+        let instances = geometry.instances.iter();
+        let instances = instances.map(|one| one.bounds(&[of_prototypes[one.prototype()]]));
+        let all = instances.fold(around(geometry), Aabb::union);
         let (low, high) = (all.low.as_dvec3(), all.high.as_dvec3());
         Self { middle: (low + high) / 2.0, half: (high - low).length() / 2.0 }
     }
@@ -165,8 +171,7 @@ impl Extent {
 
 /// A ray at a point of a primitive, from a random point around them all.
 fn at_any(geometry: &Geometry, extent: &Extent, numbers: &mut Numbers) -> Ray {
-    let number = numbers.below(geometry.len()) as u32;
-    let corners = some_corners(geometry, number, numbers);
+    let corners = any_corners(geometry, numbers);
     let (target, from) = (numbers.within(corners).as_vec3(), extent.around(numbers));
     Ray::new(from, normalize(target - from))
 }
@@ -191,58 +196,47 @@ impl<'a> Meshes<'a> {
         Self { geometry, own: Topology::new(geometry), prototypes }
     }
 
-    /// Whether a ray may pass through the primitive.
-    fn has_holes(&self, primitive: u32) -> bool {
-        let (geometry, number) = match self.geometry.primitive(primitive) {
-            Primitive::Instanced(instanced) => {
-                let (instance, prototype) = self.geometry.instance(instanced);
-                (prototype, primitive - instance.first())
-            }
-            _ => (self.geometry, primitive),
+    /// Where a primitive is: its mesh, the edges there, the number of the mesh's first primitive, and
+    /// the mesh's place in the world.
+    fn at(&self, primitive: Primitive) -> (&Geometry, &Topology, u32, DAffine3) {
+        let Primitive::Instanced(instanced) = primitive else {
+            return (self.geometry, &self.own, 0, DAffine3::IDENTITY);
         };
-        geometry.cutouts.iter().any(|cutout| cutout.primitives.contains(&number))
+        let (instance, prototype) = self.geometry.instance(instanced);
+        let topology = &self.prototypes[instance.prototype()];
+        (prototype, topology, instance.first(), *instance.to_world())
     }
 
     /// A ray from around the geometry at an edge or into a sphere, with the numbers of the
-    /// primitives there.
+    /// primitives there, which have no holes.
     fn aimed(&self, extent: &Extent, numbers: &mut Numbers) -> Option<(Ray, [u32; 2])> {
         let from = extent.around(numbers);
         let number = numbers.below(self.geometry.len()) as u32;
-        let (mesh, topology, first, place) = match self.geometry.primitive(number) {
-            Primitive::Sphere(i) => {
-                let (center, radius) = self.geometry.spheres[i];
-                let inside = numbers.direction() * (0.99 * f64::from(radius));
-                let target = (center.as_dvec3() + inside).as_vec3();
-                // The ray must come from outside, and the target stay inside if it is rounded.
-                let size = center.abs().max(from.abs()).max_element();
-                let is_right = radius > 1e-4 * size
-                    && is_outside(from, (center, 1.01 * radius))
-                    && !self.has_holes(number);
-                return is_right.then(|| (Ray::new(from, target - from), [number; 2]));
-            }
-            Primitive::Triangle(_) | Primitive::Quad(_) => {
-                (self.geometry, &self.own, 0, DAffine3::IDENTITY)
-            }
-            Primitive::Instanced(instanced) => {
-                let (instance, prototype) = self.geometry.instance(instanced);
-                let topology = &self.prototypes[instance.prototype()];
-                (prototype, topology, instance.first(), *instance.to_world())
-            }
-        };
+        let primitive = self.geometry.primitive(number);
+        let (mesh, topology, first, place) = self.at(primitive);
+        let has_holes =
+            |own: &u32| mesh.cutouts.iter().any(|cutout| cutout.primitives.contains(own));
+        if let Primitive::Sphere(i) = primitive {
+            let (center, radius) = mesh.spheres[i];
+            let inside = numbers.direction() * (0.99 * f64::from(radius));
+            let target = (center.as_dvec3() + inside).as_vec3();
+            // The ray must come from outside, and the target stay inside if it is rounded.
+            let size = center.abs().max(from.abs()).max_element();
+            let is_right = radius > 1e-4 * size && is_outside(from, (center, 1.01 * radius));
+            return (is_right && !has_holes(&number))
+                .then(|| (Ray::new(from, target - from), [number; 2]));
+        }
         if topology.len() == 0 {
             return None;
         }
         let (ends, faces) = topology.edge(numbers.below(topology.len()))?;
-        let own = faces.map(|(_, primitive)| first + primitive);
-        if own.iter().any(|&primitive| self.has_holes(primitive)) {
-            return None;
-        }
+        let own = faces.map(|(_, primitive)| primitive);
         let point =
             |vertex: u32| place.transform_point3(mesh.positions[vertex as usize].as_dvec3());
+        let opposite = faces.map(|(opposite, _)| point(opposite));
         let part = 0.1 + 0.8 * numbers.one();
-        let ray =
-            edge_ray(from, ends.map(point), faces.map(|(opposite, _)| point(opposite)), part)?;
-        Some((ray, own))
+        let ray = edge_ray(from, ends.map(point), opposite, part)?;
+        (!own.iter().any(has_holes)).then(|| (ray, own.map(|primitive| first + primitive)))
     }
 }
 
@@ -263,21 +257,36 @@ fn edge_ray(from: Vec3, [a, b]: [DVec3; 2], others: [DVec3; 2], part: f64) -> Op
     (others.iter().all(is_wide) && one * other < 0.0).then(|| Ray::new(from, target - from))
 }
 
-/// A ray that leaves a primitive on the side on which it was hit, with its number.
-fn left(
+/// The cosine of the lowest rays that leave a surface: quads are not quite flat.
+const LOWEST: f64 = 2e-3;
+
+/// A ray that leaves a primitive on the side on which it was hit, with its number. Half of the rays
+/// graze it, at an angle with the cosine `lowest`.
+pub(super) fn left(
     accel: &Accel,
     extent: &Extent,
     numbers: &mut Numbers,
     traversal: &mut Traversal,
-) -> Option<(Ray, [u32; 2])> {
+    lowest: f64,
+) -> Option<(Ray, u32)> {
     let ray = at_any(accel.geometry(), extent, numbers);
-    let hit = Some(accel.closest(&ray, traversal)).filter(|hit| !hit.is_miss())?;
-    let surface = surface_at(accel, &ray, hit)?;
-    let [point, error, normal] = surface.vectors();
-    let normal = if normal.dot(ray.direction) > 0.0 { -normal } else { normal };
-    let direction = normalize(numbers.direction().as_vec3() + normal);
-    let origin = offset_origin(point, error, normal, direction);
-    (direction.dot(normal) > 1e-3).then(|| (Ray::new(origin, direction), [hit.primitive; 2]))
+    let (primitive, [point, error, normal]) = met(accel, &ray, traversal)?;
+    let outward = if normal.dot(ray.direction) > 0.0 { -normal } else { normal }.as_dvec3();
+    let any = numbers.direction();
+    let along = any - outward * any.dot(outward);
+    let direction =
+        if numbers.once_in(2) { any + outward } else { along.normalize() + outward * lowest };
+    let direction = normalize(direction.as_vec3());
+    let ray = Ray::new(offset_origin(point, error, normal, direction), direction);
+    let is_outward = direction.as_dvec3().dot(outward) > 0.5 * lowest;
+    (is_outward && ray.is_valid()).then_some((ray, primitive))
+}
+
+/// The primitive that a ray meets, and the point, its error and the normal there; see
+/// [`surface_at`].
+pub(super) fn met(accel: &Accel, ray: &Ray, traversal: &mut Traversal) -> Option<(u32, [Vec3; 3])> {
+    let hit = Some(accel.closest(ray, traversal)).filter(|hit| !hit.is_miss())?;
+    Some((hit.primitive, surface_at(accel.geometry(), ray, hit)?.vectors()))
 }
 
 fn is_outside(point: Vec3, (center, radius): (Vec3, f32)) -> bool {
@@ -289,51 +298,52 @@ const FLAT: f64 = 1e-4;
 
 /// The surface point of a hit; `None` inside of spheres and on quads that are not flat, which a ray
 /// can leave and meet again.
-fn surface_at(accel: &Accel, ray: &Ray, hit: Hit) -> Option<Surface<f32>> {
-    let (tests, geometry) = (Tests::from(accel), accel.geometry());
+pub(super) fn surface_at(geometry: &Geometry, ray: &Ray, hit: Hit) -> Option<Surface<f32>> {
+    with_precision!(geometry.precision, P => surface_in::<P>(geometry, ray, hit))
+}
+
+fn surface_in<P: Arithmetic>(geometry: &Geometry, ray: &Ray, hit: Hit) -> Option<Surface<f32>> {
+    let of_triangle = |ray: &Ray, corners: [Vec3; 3]| {
+        surface::triangle_at::<f32, P>(&Line::from(ray), hit.t, &corners.map(Vector::from))
+    };
     Some(match geometry.primitive(hit.primitive) {
-        Primitive::Triangle(i) => tests.surface(ray, hit.t, &geometry.triangle(i)),
+        Primitive::Triangle(i) => of_triangle(ray, geometry.triangle(i)),
         Primitive::Quad(i) => {
             let quad = geometry.quad(i);
             let [p, q] = halves(&quad).map(|half| {
                 let [a, b, c] = half.map(|v| v.as_dvec3());
                 (b - a).cross(c - a).normalize()
             });
-            let half = quad_half(ray, &quad);
-            (p.distance(q) < FLAT).then(|| tests.surface(ray, hit.t, &half))?
+            (p.distance(q) < FLAT).then(|| of_triangle(ray, quad_half(ray, &quad)))?
         }
         Primitive::Sphere(i) => {
             let (center, radius) = geometry.spheres[i];
+            let line = Line::from(ray);
             is_outside(ray.origin, (center, radius))
-                .then(|| tests.sphere_surface(ray, hit.t, (center, radius)))?
+                .then(|| surface::sphere_at::<f32, P>(&line, hit.t, center.into(), radius))?
         }
         Primitive::Instanced(instanced) => {
             let (instance, prototype) = geometry.instance(instanced);
             let corners = prototype.triangle(instanced.triangle as usize);
-            instance.surface(&tests.surface(&instance.carried(ray), hit.t, &corners))
+            instance.surface(&of_triangle(&instance.carried(ray), corners))
         }
     })
 }
 
-/// Traces the rays of `make`, each with two accompanying numbers, and judges the answers.
-fn ask<F: FnOnce() -> String>(
+/// Traces the rays of `make`, each with what `judge` needs, and judges the answers.
+fn ask<T: Copy, R: Send + Sum>(
     accel: &Accel,
-    effort: &Effort,
-    make: impl Fn(usize, &mut Traversal) -> Option<(Ray, [u32; 2])> + Sync,
-    judge: impl Fn(Ray, [u32; 2], Hit) -> (bool, F) + Sync,
-) -> Outcome {
-    let count = rays(accel.geometry(), effort, [RAYS / 25, RAYS]);
+    count: usize,
+    make: impl Fn(usize, &mut Traversal) -> Option<(Ray, T)> + Sync,
+    judge: impl Fn(Ray, T, Hit) -> R + Sync,
+) -> R {
     in_order(blocks(count, 16 * RAYS_OF_A_TASK).map(|block| {
         let mut traversal = accel.traversal();
         let made = block.filter_map(|n| make(n, &mut traversal));
-        let (rays, numbers): (Vec<Ray>, Vec<[u32; 2]>) = made.unzip();
+        let (rays, about): (Vec<Ray>, Vec<T>) = made.unzip();
         let mut hits = vec![Hit::MISS; rays.len()];
         accel.closest_of(&rays[..], &mut hits, &mut traversal);
-        let mut outcome = Outcome::default();
-        for ((&ray, &number), &hit) in rays.iter().zip(&numbers).zip(&hits) {
-            let (is_right, failure) = judge(ray, number, hit);
-            outcome.check(is_right, failure);
-        }
-        outcome
+        let answers = rays.into_iter().zip(about).zip(hits);
+        answers.map(|((ray, about), hit)| judge(ray, about, hit)).sum::<R>()
     }))
 }

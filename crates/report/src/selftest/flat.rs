@@ -1,10 +1,8 @@
 //! Triangles and quads that are degenerate, thin, coplanar, wide, or not flat.
 
+use super::examine::met;
 use super::prelude::*;
-use super::shapes::{CUBE_SIDES, convex, of_triangles};
-use wavecrest_core::math::float::offset_origin;
-
-const TREES: &[Preset] = &[Preset::Brute, Preset::VeryFast, Preset::Slow];
+use super::shapes::CUBE_SIDES;
 
 /// Case 18: a closed mesh in which faces on one side of an edge have a vertex exactly in its
 /// middle, and a degenerate triangle lies along it: there is no gap, and no ray from inside leaves.
@@ -16,7 +14,7 @@ pub(super) fn sealed(_: &mut Numbers) -> World {
         let middle = (a + b) * 0.5;
         [[a, middle, c], [middle, b, c], [a, b, middle]]
     });
-    World::new(of_triangles(split), TREES, move |numbers| {
+    World::new(of_triangles(split), move |numbers| {
         let [a, b, _] = faces.triangle(numbers.below(faces.triangles.len()));
         let origin = numbers.ball(500.0).as_vec3();
         let target = a.as_dvec3().lerp(b.as_dvec3(), numbers.one());
@@ -40,7 +38,7 @@ pub(super) fn slivers(numbers: &mut Numbers) -> World {
         let of_hit = || ulp_outside(all.triangle(hit.primitive as usize), ray, hit.t);
         (!hit.is_miss()).then(|| of_hit() <= LARGEST_DISTANCE)
     });
-    World::new(geometry.clone(), TREES, move |numbers| {
+    World::new(geometry.clone(), move |numbers| {
         let corners = geometry.triangle(numbers.below(geometry.triangles.len()));
         Some((edge_on(numbers, corners, unit), expected.clone()))
     })
@@ -52,9 +50,8 @@ fn ulp_outside(corners: [Vec3; 3], ray: &Ray, t: f32) -> f64 {
     let (low, high) = (a.min(b).min(c), a.max(b).max(c));
     let (origin, direction) = (ray.origin.as_dvec3(), ray.direction.as_dvec3());
     let point = origin + direction * f64::from(t);
-    let largest = origin.abs().max(low.abs()).max(high.abs()).max_element() as f32;
-    let ulp = f64::from(largest.next_up() - largest);
-    (low - point).max(point - high).max_element() / ulp
+    let largest = origin.abs().max(low.abs()).max(high.abs()).max_element();
+    (low - point).max(point - high).max_element() / ulp(largest)
 }
 
 /// A ray at a point of a triangle, nearly in its plane.
@@ -87,8 +84,8 @@ pub(super) fn crooked_quads(numbers: &mut Numbers) -> World {
     let shapes = sides.map(|points| scenes::plane(points, scenes::white()));
     let eye = Eye { look: DVec3::X, ..Eye::at(DVec3::ZERO, 60.0, [4, 4]) };
     let scene = scenes::scene(&eye, &[], &shapes);
-    let prepared = scenes::prepare_whole(&numbers.effort, &scene, Preset::VeryFast);
-    World::of_scene(prepared, TREES, |prepared| {
+    let prepared = scenes::prepare_whole(&numbers.effort, &scene);
+    World::of_scene(prepared, |prepared| {
         let others = sides.len() - 1;
         let said = format!("shapes[0].points and {others} others: the four points are not in one");
         let is_warned = prepared.warns(&said);
@@ -115,26 +112,23 @@ pub(super) fn floors(numbers: &mut Numbers) -> World {
         move |x: f64, y: f64, z: f64| (turned * DVec3::new(x, y, z) * width + moved).as_vec3();
     let corners =
         [(-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)].map(|(x, y)| place(x, y, 0.0));
-    let mut geometry = Geometry { positions: corners.to_vec(), ..Geometry::default() };
-    if numbers.index.is_multiple_of(2) {
-        geometry.triangles.extend([[0, 1, 2], [0, 2, 3]]);
+    let geometry = Geometry { positions: corners.to_vec(), ..Geometry::default() };
+    let geometry = if numbers.index.is_multiple_of(2) {
+        Geometry { triangles: vec![[0, 1, 2], [0, 2, 3]], ..geometry }
     } else {
-        geometry.quads.push([0, 1, 2, 3]);
-    }
+        Geometry { quads: vec![[0, 1, 2, 3]], ..geometry }
+    };
+    let accel = numbers.effort.accel(geometry.clone(), Preset::VeryFast);
     let [x, y] = [(); 2].map(|()| numbers.about(0.5));
     let light = place(x, y, numbers.magnitude(1e-5, 1e-2));
     let near = numbers.magnitude(1e-2, 1.0);
-    World::new(geometry, &[Preset::VeryFast], move |numbers| {
-        let tests = Tests::from(&numbers.effort);
+    World::new(geometry, move |numbers| {
         let [u, v] = [(); 2].map(|()| numbers.about(near));
         // Points near the light, and near the diagonal.
         let (u, v) = (x + u, if numbers.once_in(2) { x + u + v * 1e-3 } else { y + v });
         let eye = place(u, v, 1.0);
         let down = Ray::new(eye, place(u, v, 0.0) - eye);
-        let halves = [[0, 1, 2], [0, 2, 3]].map(|half| half.map(|v: usize| corners[v]));
-        let met = halves.iter().find_map(|half| Some((tests.triangle(&down, half)?, half)));
-        let (t, half) = met?;
-        let [point, error, normal] = tests.surface(&down, t, half).vectors();
+        let (_, [point, error, normal]) = met(&accel, &down, &mut accel.traversal())?;
         let origin = offset_origin(point, error, normal, light - point);
         Some((Ray { t_max: 1.0, ..Ray::new(origin, light - origin) }, Expected::Nothing))
     })
@@ -165,7 +159,7 @@ pub(super) fn copies(numbers: &mut Numbers) -> World {
             at
         })
     }));
-    World::new(of_triangles(all), &[Preset::VeryFast], move |numbers| {
+    World::new(of_triangles(all), move |numbers| {
         // Clear of the edges.
         let target = numbers.within(first).lerp((a + b + c).as_dvec3() / 3.0, 0.01);
         let away = numbers.direction() * numbers.magnitude(0.01, 100.0) * size;
@@ -174,35 +168,6 @@ pub(super) fn copies(numbers: &mut Numbers) -> World {
         // A ray almost in the plane may meet it beyond the triangle, after its target is rounded.
         let is_steep = ray.direction[k].abs() > 1e-3 * ray.direction.length();
         is_steep.then(|| (ray, Expected::of(0..1)))
-    })
-}
-
-/// Case 40: ranges of t that begin before the origin.
-pub(super) fn before_the_origin(numbers: &mut Numbers) -> World {
-    let corners = [(); 3].map(|()| numbers.direction().as_vec3());
-    World::new(of_triangles([corners]), &[Preset::VeryFast], move |numbers| {
-        let t = -numbers.magnitude(1e-2, 1e2);
-        let (target, direction) = (numbers.within(corners), numbers.direction());
-        let origin = (target - direction * t).as_vec3();
-        let normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]).as_dvec3();
-        let inward = [0, 1, 2].map(|i: usize| {
-            let side = (corners[(i + 1) % 3] - corners[i]).as_dvec3();
-            let from_edge = target - corners[i].as_dvec3();
-            side.cross(from_edge).dot(normal) / (normal.length() * side.length())
-        });
-        // Certain to be hit: clear of the edges, and not grazing.
-        let is_clear = inward.into_iter().fold(f64::INFINITY, f64::min) >= 1e-2
-            && direction.dot(normal).abs() >= 0.1 * normal.length();
-        let ([t_min, t_max], is_within) = numbers.among([
-            ([1.1 * t, f64::INFINITY], true),
-            ([1.1 * t, 0.9 * t], true),
-            ([0.9 * t, 1e9], false),
-            ([1.2 * t, 1.1 * t], false),
-        ]);
-        let ray = Ray::new(origin, direction.as_vec3());
-        let ray = Ray { t_min: t_min as f32, t_max: t_max as f32, ..ray };
-        let near = Expected::near(t, 1e-3 * t.abs());
-        is_clear.then_some((ray, if is_within { near } else { Expected::Nothing }))
     })
 }
 
@@ -235,7 +200,7 @@ pub(super) fn from_just_above(numbers: &mut Numbers) -> World {
     let geometry =
         Geometry { positions: corners.to_vec(), quads: vec![[0, 1, 2, 3]], ..Geometry::default() };
     let height = half * numbers.magnitude(1e-9, 1e-4);
-    World::new(geometry, &[Preset::VeryFast], move |numbers| {
+    World::new(geometry, move |numbers| {
         let mut within = |size: f64| u * numbers.about(size) + v * numbers.about(size);
         let (foot, anywhere) = (within(10.0 * height), within(1.0));
         let along = if numbers.once_in(4) { anywhere } else { diagonal * numbers.sign() };

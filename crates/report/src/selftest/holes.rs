@@ -71,7 +71,7 @@ pub(super) fn cut_out(numbers: &mut Numbers) -> World {
     let cutout = Cutout { primitives, threshold, image, filter, wrap, map, placing, mesh };
     geometry.cutouts = Cutouts::new(vec![cutout]);
     let copy = [before, behind].into_iter().find(|copy| !copy.is_empty());
-    World::new(geometry, &[Preset::Brute, Preset::Fastest, Preset::Medium], move |numbers| {
+    World::new(geometry, move |numbers| {
         // At a texel, or at the shared edge of the sheet's triangles.
         let [x, y] = [(); 2].map(|()| side * numbers.one());
         let y = if numbers.once_in(3) { x } else { y };

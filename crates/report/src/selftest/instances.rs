@@ -4,7 +4,7 @@ use glam::{DAffine3, DMat3};
 
 use super::edges::BEYOND;
 use super::prelude::*;
-use super::shapes::{Closed, add_sheet, corners};
+use super::shapes::Closed;
 use wavecrest_core::geometry::instance::Instance;
 use wavecrest_core::kernels::slab::Aabb;
 
@@ -14,8 +14,8 @@ const COPIES: usize = 2;
 
 /// Instances of `prototype` at these places.
 fn instances(prototype: Geometry, places: impl IntoIterator<Item = DAffine3>) -> Geometry {
-    let bounds = prototype.positions.iter().map(|&p| Aabb { low: p, high: p });
-    let bounds = bounds.fold(Aabb::EMPTY, Aabb::union);
+    let points = prototype.positions.iter().map(|&p| Aabb::around([p]));
+    let bounds = points.fold(Aabb::EMPTY, Aabb::union);
     let triangles = prototype.triangles.len() as u32;
     let placed = (0_u32..).zip(places);
     let instances = placed.map(|(n, place)| Instance::new(0, n * triangles, place, &bounds));
@@ -48,16 +48,13 @@ fn on_edge<'a>(
 ) -> (&'a Instance, DVec3) {
     let instance = &geometry.instances[numbers.below(geometry.instances.len())];
     let corners = closed.geometry.triangle(numbers.below(closed.geometry.triangles.len()));
-    let [a, b, _] = corners.map(|corner| corner.as_dvec3());
-    let s = [0.0, numbers.one()][numbers.below(2)];
-    (instance, instance.to_world().transform_point3(a.lerp(b, s)))
+    (instance, instance.to_world().transform_point3(numbers.on_edge(corners)))
 }
 
 /// Case 44: rays from inside at points of edges.
 pub(super) fn never_left(numbers: &mut Numbers) -> World {
     let (geometry, closed) = closed(numbers);
-    let presets = &[Preset::Brute, Preset::VeryFast, Preset::Medium];
-    World::new(geometry.clone(), presets, move |numbers| {
+    World::new(geometry.clone(), move |numbers| {
         let (instance, target) = on_edge(numbers, &geometry, &closed);
         let origin = instance.point(closed.inside(numbers));
         let ray = Ray::new(origin, (target - origin.as_dvec3()).as_vec3());
@@ -68,12 +65,12 @@ pub(super) fn never_left(numbers: &mut Numbers) -> World {
 /// Case 44: boxes lose no hits at the extreme points, from anywhere.
 pub(super) fn from_afar(numbers: &mut Numbers) -> World {
     let (geometry, closed) = closed(numbers);
-    World::like_brute_force(geometry.clone(), &[Preset::VeryFast], move |numbers| {
+    World::like_brute_force(geometry.clone(), move |numbers| {
         let (_, target) = on_edge(numbers, &geometry, &closed);
         let elsewhere = &geometry.instances[numbers.below(geometry.instances.len())];
         let from = elsewhere.to_world().translation + numbers.direction() * target.length();
         let origin = from.as_vec3();
-        Some(Ray::new(origin, (target - origin.as_dvec3()).as_vec3()))
+        Ray::new(origin, (target - origin.as_dvec3()).as_vec3())
     })
 }
 
@@ -109,7 +106,7 @@ pub(super) fn between_numbers(numbers: &mut Numbers) -> World {
             DAffine3 { matrix3: axes * shear, translation }
         })
         .collect();
-    World::new(instances(plate, places), &[Preset::VeryFast], move |numbers| {
+    World::new(instances(plate, places), move |numbers| {
         Some(aimed[numbers.index % aimed.len()].clone())
     })
 }

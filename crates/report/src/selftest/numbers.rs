@@ -71,6 +71,13 @@ impl Numbers {
         a + (b - a) * u + (c - a) * v
     }
 
+    /// On an edge of a triangle: at a corner, just beside one, or anywhere.
+    pub(super) fn on_edge(&mut self, [a, b, c]: [Vec3; 3]) -> DVec3 {
+        let [p, q] = self.among([[a, b], [b, c], [c, a]]).map(|v| v.as_dvec3());
+        let part = [0.0, self.one(), self.magnitude(1e-7, 1.0)][self.below(3)];
+        p + (q - p) * part
+    }
+
     /// Uniform on the unit sphere.
     pub(super) fn direction(&mut self) -> DVec3 {
         let (z, turn) = (self.about(1.0), std::f64::consts::TAU * self.one());

@@ -2,48 +2,36 @@
 //!
 //! A part makes inputs from random numbers, each with the answer that follows from its
 //! construction: a world of primitives with rays and what they must meet; a scene and what its
-//! pixels must show; a scene that must be refused; or a value of a kernel. The runners ask every
-//! kernel, instruction level, preset and tracer, and count what is wrong.
+//! pixels must show; or what becomes of a value, or of a scene that must be refused. The runners ask
+//! every kernel, instruction level, preset and tracer, and count what is wrong.
 
 use std::fmt;
 use std::ops::Range;
-use std::path::Path;
 use std::sync::Arc;
 
-use rayon::prelude::*;
-use serde_json::Value;
-
-use super::case::{Effort, Outcome};
-use super::numbers::Numbers;
+use super::agreement::agree;
+use super::prelude::*;
 use super::scenes::{self, Prepared};
-use super::ways::{RAYS_OF_A_TASK, blocks, hits_of, in_order, with_every_kernel};
-use wavecrest_base::error::{ErrorKind, Result};
-use wavecrest_core::accel::build::Preset;
-use wavecrest_core::accel::{Accel, Hit, KernelChoice};
-use wavecrest_core::geometry::Geometry;
-use wavecrest_core::math::ray::Ray;
+use super::ways::{RAYS_OF_A_TASK, blocks, in_order, with_every_kernel};
 
 /// A part of a case.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Part {
     /// Worlds, and the number of rays in all of them together, in full.
     Rays(usize, usize, fn(&mut Numbers) -> World),
-    /// The number of inputs in full, and what a kernel answers to each.
-    Values(usize, fn(&mut Numbers) -> Outcome),
     /// The numbers of inputs, quick and in full, and the images of each.
     Images([usize; 2], fn(&mut Numbers) -> Vec<Picture>),
-    /// The number of inputs in full, and a scene of each that must be refused.
-    Refused(usize, fn(&mut Numbers) -> Refusal),
-    /// What is none of these.
-    Own(fn(&Effort) -> Outcome),
+    /// The same, and what becomes of each.
+    Values([usize; 2], fn(&mut Numbers) -> Outcome),
 }
 
 impl Part {
     /// Runs part number `part` of the case with that number.
     pub(super) fn run(self, effort: &Effort, case: u32, part: u32) -> Outcome {
         let numbers = |place: u32, n| Numbers::new(effort, [case, part << 16 | place], n);
-        let each = |count, ask: &(dyn Fn(&mut Numbers) -> Outcome + Sync)| {
-            in_order(blocks(count, RAYS_OF_A_TASK).map(|block| {
+        let each = |[quick, full]: [usize; 2], ask: &(dyn Fn(&mut Numbers) -> Outcome + Sync)| {
+            let count = effort.either(quick, full);
+            in_order(blocks(count, count.div_ceil(TASKS)).map(|block| {
                 let one = |n| ask(&mut numbers(0, n)).with_context(|| format!("input {n}"));
                 block.map(one).sum()
             }))
@@ -51,35 +39,41 @@ impl Part {
         match self {
             Self::Rays(worlds, rays, make) => {
                 let of_world = |n: usize| {
-                    let world = make(&mut numbers(0, n));
-                    let rays = (0..effort.of(rays) / worlds).into_par_iter();
-                    let aimed = rays.filter_map(|i| (world.aim)(&mut numbers(1 + n as u32, i)));
-                    let outcome = world.traced(effort, aimed.collect());
-                    outcome.with_context(|| format!("world {n}"))
+                    let (world, preset) = (make(&mut numbers(0, n)), preset_of(n));
+                    let slower = if preset == Preset::Brute { 10 } else { 1 };
+                    let rays = (0..effort.of(rays) / worlds / slower).into_par_iter();
+                    let traced = world.aim.map(|aim| {
+                        let aimed = rays.filter_map(|i| aim(&mut numbers(1 + n as u32, i)));
+                        let (rays, expected): (Vec<_>, Vec<_>) = aimed.unzip();
+                        if world.like_brute_force {
+                            let accel = effort.accel(world.geometry, Preset::Brute);
+                            return agree(accel, &rays, &[preset]);
+                        }
+                        let mut accel = effort.accel(world.geometry, preset);
+                        with_every_kernel(&mut accel, |accel| ask_all(accel, &rays, &expected))
+                    });
+                    let context = || format!("world {n}, {}", preset.name());
+                    Outcome::from(traced).with_context(context)
                 };
                 in_order((0..worlds).into_par_iter().map(of_world))
             }
-            Self::Values(count, value) => each(effort.of(count), &value),
-            Self::Images([quick, full], pictures) => {
-                let of_input = |n| {
-                    let all = pictures(&mut numbers(0, n));
-                    let shown = all.iter().map(|picture| picture.shown(effort));
-                    shown.sum::<Outcome>().with_context(|| format!("input {n}"))
-                };
-                in_order((0..effort.either(quick, full)).into_par_iter().map(of_input))
-            }
-            Self::Refused(count, refusal) => {
-                // At least once around the list of a part that has one.
-                let count = effort.of(count).max(count.min(LISTED));
-                each(count, &|numbers| refusal(numbers).tried(effort))
-            }
-            Self::Own(run) => run(effort),
+            Self::Images(count, pictures) => each(count, &|numbers| {
+                let pictures = (numbers.index..).zip(pictures(numbers));
+                pictures.map(|(n, picture)| picture.shown(effort, preset_of(n))).sum()
+            }),
+            Self::Values(count, value) => each(count, &value),
         }
     }
 }
 
-/// The most scenes of a list of those that must be refused.
-const LISTED: usize = 32;
+/// The tree of the `n`th world: each in turn, starting with the next in every round, so that worlds
+/// of each kind have all. Brute force, which is slow, gets a tenth of the rays.
+fn preset_of(n: usize) -> Preset {
+    Preset::ALL[(n + n / Preset::ALL.len()) % Preset::ALL.len()]
+}
+
+/// The most tasks for the inputs of a part.
+const TASKS: usize = 1 << 10;
 
 /// Whether the hit of a ray is right; `None` if that is open.
 type Judge = dyn Fn(&Ray, Hit) -> Option<bool> + Send + Sync;
@@ -159,82 +153,45 @@ type Aim = Box<dyn Fn(&mut Numbers) -> Option<(Ray, Expected)> + Send + Sync>;
 /// Primitives, and rays at them.
 pub(super) struct World {
     geometry: Geometry,
-    presets: &'static [Preset],
-    /// Whether the hits of every tree must also be those of brute force.
+    /// Whether the hits must be those of the reference by brute force.
     like_brute_force: bool,
-    aim: Aim,
-    /// Why there is no world.
-    failure: Option<String>,
+    /// Or why there is no world.
+    aim: Result<Aim>,
 }
 
 impl World {
-    /// With a tree of each of these presets. Brute force, which is slow, gets a tenth of the rays.
+    /// Rays with what they must meet.
     pub(super) fn new(
         geometry: Geometry,
-        presets: &'static [Preset],
         aim: impl Fn(&mut Numbers) -> Option<(Ray, Expected)> + Send + Sync + 'static,
     ) -> Self {
-        Self { geometry, presets, like_brute_force: false, aim: Box::new(aim), failure: None }
+        Self { geometry, like_brute_force: false, aim: Ok(Box::new(aim)) }
     }
 
     /// The world of a scene, with the rays that `aim` makes for it.
-    pub(super) fn of_scene<A>(
-        prepared: Result<Prepared>,
-        presets: &'static [Preset],
-        aim: impl FnOnce(&Prepared) -> A,
-    ) -> Self
+    pub(super) fn of_scene<A>(prepared: Result<Prepared>, aim: impl FnOnce(&Prepared) -> A) -> Self
     where
         A: Fn(&mut Numbers) -> Option<(Ray, Expected)> + Send + Sync + 'static,
     {
         match prepared {
-            Ok(prepared) => {
-                let aim = aim(&prepared);
-                Self::new(prepared.scene.accel.geometry().clone(), presets, aim)
-            }
-            Err(error) => {
-                let none = Self::new(Geometry::default(), &[], |_| None);
-                Self { failure: Some(error.to_string()), ..none }
-            }
+            Ok(prepared) => Self::new(prepared.scene.accel.geometry().clone(), aim(&prepared)),
+            Err(error) => Self { aim: Err(error), ..Self::new(Geometry::default(), |_| None) },
         }
     }
 
     /// Where every kernel and tree must have the hits of the reference by brute force.
     pub(super) fn like_brute_force(
         geometry: Geometry,
-        presets: &'static [Preset],
-        ray: impl Fn(&mut Numbers) -> Option<Ray> + Send + Sync + 'static,
+        ray: impl Fn(&mut Numbers) -> Ray + Send + Sync + 'static,
     ) -> Self {
-        let aim = move |numbers: &mut Numbers| Some((ray(numbers)?, Expected::Nothing));
-        Self { like_brute_force: true, ..Self::new(geometry, presets, aim) }
+        let aim = move |numbers: &mut Numbers| Some((ray(numbers), Expected::ANYTHING));
+        Self { like_brute_force: true, ..Self::new(geometry, aim) }
     }
+}
 
-    fn traced(&self, effort: &Effort, mut aimed: Vec<(Ray, Expected)>) -> Outcome {
-        let mut outcome = Outcome::default();
-        if let Some(failure) = &self.failure {
-            outcome.check(false, || failure.clone());
-        }
-        if self.like_brute_force {
-            let rays: Vec<Ray> = aimed.iter().map(|(ray, _)| *ray).collect();
-            let mut accel = effort.accel(self.geometry.clone(), Preset::Brute);
-            accel.kernel = KernelChoice::Reference;
-            for ((_, expected), hit) in aimed.iter_mut().zip(hits_of(&accel, &rays)) {
-                *expected = Expected::exactly(hit);
-            }
-        }
-        for &preset in self.presets {
-            let mut accel = effort.accel(self.geometry.clone(), preset);
-            let step = if preset == Preset::Brute { 10 } else { 1 };
-            let asked = aimed.iter().step_by(step).cloned();
-            let (rays, expected): (Vec<_>, Vec<_>) = asked.unzip();
-            let ask = |accel: &Accel| {
-                let all = rays.par_chunks(RAYS_OF_A_TASK).zip(expected.par_chunks(RAYS_OF_A_TASK));
-                in_order(all.map(|(rays, expected)| ask(accel, rays, expected)))
-            };
-            let asked = with_every_kernel(&mut accel, ask);
-            outcome.add(asked.with_context(|| preset.name().to_owned()));
-        }
-        outcome
-    }
+fn ask_all(accel: &Accel, rays: &[Ray], expected: &[Expected]) -> Outcome {
+    let all = rays.par_chunks(RAYS_OF_A_TASK).zip(expected.par_chunks(RAYS_OF_A_TASK));
+    in_order(all.map(|(rays, expected)| ask(accel, rays, expected)))
 }
 
 /// Checks the closest hits of these rays, and that what is hit blocks shadow rays.
@@ -261,8 +218,6 @@ type Shows = Box<dyn Fn(u32, u32, [f32; 3]) -> Option<bool> + Send + Sync>;
 /// A scene, and what its image must show.
 pub(super) struct Picture {
     pub(super) scene: Value,
-    /// For each of these the scene is built and rendered anew.
-    pub(super) presets: &'static [Preset],
     pub(super) shows: Shows,
     /// The scene that has the same image, by brute force.
     pub(super) like: Option<Value>,
@@ -278,8 +233,7 @@ impl Picture {
         scene: Value,
         shows: impl Fn(u32, u32, [f32; 3]) -> Option<bool> + Send + Sync + 'static,
     ) -> Self {
-        let (shows, presets): (Shows, _) = (Box::new(shows), &[Preset::VeryFast]);
-        Self { scene, presets, shows, like: None, at_surface: None, whole: false }
+        Self { scene, shows: Box::new(shows), like: None, at_surface: None, whole: false }
     }
 
     /// The image is, bit for bit, that of the scene `like`.
@@ -292,49 +246,23 @@ impl Picture {
         Self { like: Some(self.scene.clone()), ..self }
     }
 
-    fn shown(&self, effort: &Effort) -> Outcome {
-        let image = |like: &Value| scenes::image(effort, like, Preset::Brute);
-        let all = self.like.as_ref().map(image).transpose().map(|like| {
+    fn shown(&self, effort: &Effort, preset: Preset) -> Outcome {
+        let rendered = || {
+            let like = self.like.as_ref().map(|like| scenes::by_brute_force(effort, like));
+            let like = like.transpose()?;
+            let prepare = if self.whole { scenes::prepare_whole } else { scenes::prepare };
+            let mut scene = prepare(effort, &self.scene)?.scene;
+            scene.accel.rebuild(preset);
             let judge = |rendered: &_| scenes::judged(rendered, self, like.as_ref());
-            let of = |&preset: &Preset| {
-                let prepare = if self.whole { scenes::prepare_whole } else { scenes::prepare };
-                let outcome = prepare(effort, &self.scene, preset)
-                    .map(|prepared| scenes::every_way_to_render(effort, prepared.scene, &judge));
-                Outcome::from(outcome).with_context(|| preset.name().to_owned())
-            };
-            self.presets.iter().map(of).sum()
-        });
-        Outcome::from(all).with_context(|| {
+            Ok(scenes::every_way_to_render(effort, scene, &judge))
+        };
+        Outcome::from(rendered()).with_context(|| {
             let text = self.scene.to_string();
-            if text.len() > MOST_OF_A_SCENE { "a scene".to_owned() } else { text }
+            let text = if text.len() > MOST_OF_A_SCENE { "a scene".to_owned() } else { text };
+            format!("{}, {text}", preset.name())
         })
     }
 }
 
 /// Bytes of the largest scene that is printed if it fails.
 const MOST_OF_A_SCENE: usize = 2048;
-
-/// The text of a scene that must be refused, with an error of this kind that contains these words.
-pub(super) struct Refusal {
-    pub(super) text: String,
-    pub(super) kind: ErrorKind,
-    pub(super) named: String,
-}
-
-impl Refusal {
-    /// A scene that is read, but refused at this path.
-    pub(super) fn at(scene: &Value, path: &str) -> Self {
-        Self { text: scene.to_string(), kind: ErrorKind::Scene, named: path.to_owned() }
-    }
-
-    pub(super) fn tried(&self, effort: &Effort) -> Outcome {
-        let file = Path::new("scene.json");
-        let prepared = scenes::prepare_text(effort, &self.text, file, Preset::VeryFast);
-        let said = prepared.err().map(|error| (error.kind(), error.to_string()));
-        let is_right = said
-            .as_ref()
-            .is_some_and(|(kind, said)| *kind == self.kind && said.contains(&self.named));
-        let Self { text, named, .. } = self;
-        Outcome::of(is_right, || format!("{said:?} does not name {named} of {text}"))
-    }
-}

@@ -5,7 +5,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 
 use super::prelude::*;
-use wavecrest_base::error::{ErrorKind, Result};
+use wavecrest_base::error::{Error, ErrorKind};
 
 /// A camera that looks at the origin.
 fn eye() -> Eye {
@@ -14,7 +14,7 @@ fn eye() -> Eye {
 
 /// The scene with an invalid length in place of "PUT HERE": 0, negative, missing, not finite, or
 /// not a number.
-fn with_no_length(numbers: &mut Numbers, scene: &Value, path: &str, may_be_zero: bool) -> Refusal {
+fn with_no_length(numbers: &mut Numbers, scene: &Value, path: &str, may_be_zero: bool) -> Outcome {
     let negative = (-numbers.magnitude(1e-30, 1e12)).to_string();
     let values = ["0.0", "-0.0", "-1", "-1e-30", "null", "\"one\"", "1e13", &negative];
     // JSON has no such numbers.
@@ -26,11 +26,11 @@ fn with_no_length(numbers: &mut Numbers, scene: &Value, path: &str, may_be_zero:
         None => (&no_values[which - values.len()], ErrorKind::Syntax, "line 1 column"),
     };
     let text = scene.to_string().replace("\"PUT HERE\"", value);
-    Refusal { text, kind, named: named.to_owned() }
+    scenes::refused(&text, kind, named)
 }
 
 /// Case 17.
-pub(super) fn radii(numbers: &mut Numbers) -> Refusal {
+pub(super) fn radii(numbers: &mut Numbers) -> Outcome {
     let wrong = numbers.below(3);
     let mut shapes = [(); 3].map(|()| scenes::sphere(DVec3::ZERO, 1.0, scenes::white()));
     // Too small or too large after transform and rounding.
@@ -43,45 +43,38 @@ pub(super) fn radii(numbers: &mut Numbers) -> Refusal {
     let scene = scenes::scene(&eye(), &[], &shapes);
     let path = format!("scene.shapes[{wrong}]");
     if is_scaled {
-        return Refusal::at(&scene, &path);
+        return scenes::refused_at(&scene, &path);
     }
     with_no_length(numbers, &scene, &format!("{path}.radius"), false)
 }
 
 /// Case 29: invalid lenses.
-pub(super) fn lenses(numbers: &mut Numbers) -> Refusal {
+pub(super) fn lenses(numbers: &mut Numbers) -> Outcome {
     let (key, may_be_zero) = numbers.among([("focal", false), ("aperture", true)]);
-    let mut scene = scenes::scene(&eye(), &[], &[]);
-    let camera = &mut scene["camera"];
-    camera["type"] = json!("thinlens");
-    camera["focal"] = json!(5);
-    camera["aperture"] = json!(0.1);
-    camera[key] = json!("PUT HERE");
+    let lens = json!({"camera": {"type": "thinlens", "focal": 5, "aperture": 0.1}});
+    let mut scene = scenes::with(scenes::scene(&eye(), &[], &[]), lens);
+    scene["camera"][key] = json!("PUT HERE");
     with_no_length(numbers, &scene, &format!("camera.{key}"), may_be_zero)
 }
 
-/// Case 25.
-pub(super) fn meshes(effort: &Effort) -> Outcome {
+/// Case 25: meshes with one fault, the same with some bits flipped, which may be anything, and
+/// meshes with random values.
+pub(super) fn meshes(numbers: &mut Numbers) -> Outcome {
     let folder = match tempfile::tempdir() {
         Ok(folder) => folder,
         Err(error) => return Outcome::of(false, || format!("no folder for meshes: {error}")),
     };
     let mut outcome = Outcome::default();
-    for n in 0..effort.either(100, 1000) {
-        for (place, extension) in (0..).zip(["obj", "ply"]) {
-            let path = folder.path().join(format!("m.{extension}"));
-            let mut numbers = Numbers::new(effort, [25, place], n);
-            let mut mesh = Mesh::new(&mut numbers);
-            let fault = mesh.spoil(&mut numbers, extension);
-            let bytes = mesh.bytes(extension);
-            outcome.add(one_mesh(effort, &path, &bytes, Some(&fault)));
-            // The same file with some bits flipped, and some random values: it may be anything.
-            let turned = turn_bits(&mut numbers, bytes);
-            outcome.add(one_mesh(effort, &path, &turned, None));
-            let mut wild = Mesh::new(&mut numbers);
-            wild.scatter(&mut numbers);
-            outcome.add(one_mesh(effort, &path, &wild.bytes(extension), None));
-        }
+    for extension in ["obj", "ply"] {
+        let path = folder.path().join(format!("m.{extension}"));
+        let [mut mesh, mut wild] = [(); 2].map(|()| Mesh::new(numbers));
+        let fault = mesh.spoil(numbers, extension);
+        wild.scatter(numbers);
+        let bytes = mesh.bytes(extension);
+        let turned = turn_bits(numbers, bytes.clone());
+        let files = [(bytes, Some(fault.as_str())), (turned, None), (wild.bytes(extension), None)];
+        let all = files.map(|(bytes, fault)| one_mesh(&numbers.effort, &path, &bytes, fault));
+        outcome.add(all.into_iter().sum());
     }
     outcome
 }
@@ -90,12 +83,9 @@ pub(super) fn meshes(effort: &Effort) -> Outcome {
 /// and `fault`, if any.
 fn one_mesh(effort: &Effort, path: &Path, bytes: &[u8], fault: Option<&str>) -> Outcome {
     // A panic is the failure to detect: it is reported, and the test continues.
-    let loaded = std::fs::write(path, bytes)
-        .map(|()| catch_unwind(AssertUnwindSafe(|| load_and_render(effort, path))));
-    let outcome = match loaded {
-        Err(error) => Outcome::of(false, || format!("it cannot be written: {error}")),
-        Ok(Err(_)) => Outcome::of(false, || "a panic".to_owned()),
-        Ok(Ok(Err(error))) => {
+    let outcome = match catch_unwind(AssertUnwindSafe(|| load_and_render(effort, path, bytes))) {
+        Err(_) => Outcome::of(false, || "a panic".to_owned()),
+        Ok(Err(error)) => {
             let (text, file) = (error.to_string(), path.display().to_string());
             // The whole number, not the start of another.
             let names =
@@ -103,21 +93,21 @@ fn one_mesh(effort: &Effort, path: &Path, bytes: &[u8], fault: Option<&str>) -> 
             let is_right = fault.is_none_or(names) && text.contains(&file);
             Outcome::of(is_right, || format!("{text} does not name {fault:?}"))
         }
-        Ok(Ok(Ok(rendered))) => {
-            let mut outcome = Outcome::of(fault.is_none(), || format!("{fault:?} passes"));
-            outcome.add(rendered);
-            outcome
+        Ok(Ok(rendered)) => {
+            let passed = Outcome::of(fault.is_none(), || format!("{fault:?} passes"));
+            [passed, rendered].into_iter().sum()
         }
     };
     outcome.with_context(|| String::from_utf8_lossy(bytes).escape_debug().take(400).collect())
 }
 
-fn load_and_render(effort: &Effort, path: &Path) -> Result<Outcome> {
+fn load_and_render(effort: &Effort, path: &Path, bytes: &[u8]) -> Result<Outcome> {
+    std::fs::write(path, bytes).map_err(|error| Error::io("cannot write the mesh", path, error))?;
     let shape = json!({"type": "trimesh", "file": path.display().to_string(),
                        "material": scenes::white()});
     let light = scenes::point_light(10.0, DVec3::new(1.0, 2.0, 4.0), "linear");
     let picture = Picture::new(scenes::scene(&eye(), &[light], &[shape]), |_, _, _| None);
-    let prepared = scenes::prepare(effort, &picture.scene, Preset::VeryFast)?;
+    let prepared = scenes::prepare(effort, &picture.scene)?;
     let judge = |rendered: &_| scenes::judged(rendered, &picture, None);
     Ok(scenes::every_way_to_render(effort, prepared.scene, &judge))
 }

@@ -2,25 +2,15 @@
 
 use std::path::Path;
 
-use glam::{DVec3, Vec3};
-use serde_json::{Value, json};
-
-use super::case::{Effort, Outcome};
-use super::parts::Picture;
-use wavecrest_base::error::{Error, ErrorKind, Result};
-use wavecrest_core::accel::build::Preset;
+use super::prelude::*;
+use wavecrest_base::error::{Error, ErrorKind};
 use wavecrest_core::film::Film;
-use wavecrest_core::math::random::Stream;
-use wavecrest_core::math::ray::Ray;
 use wavecrest_core::math::simd::Level;
-use wavecrest_core::plan::schedule::{PASSES, Pass, unplanned};
+use wavecrest_core::plan::schedule::{PASSES, unplanned};
 use wavecrest_core::prepared::PreparedScene;
 use wavecrest_core::render::{self, RenderOptions, Rendered, TracerKind};
 use wavecrest_scene::load::{LoadOptions, load_str};
 use wavecrest_scene::systems;
-
-/// Presets that build in different ways.
-pub(super) const PRESETS: &[Preset] = &[Preset::Fastest, Preset::Medium, Preset::Slow];
 
 /// A prepared scene with its warnings.
 pub(super) struct Prepared {
@@ -35,74 +25,68 @@ impl Prepared {
     }
 }
 
-/// The scene of `json`, with paths relative to the folder of `file`.
-pub(super) fn prepare_text(
-    effort: &Effort,
-    json: &str,
-    file: &Path,
-    preset: Preset,
-) -> Result<Prepared> {
-    prepare_by(&PASSES, effort, json, file, preset)
-}
-
-fn prepare_by(
-    passes: &[Pass],
-    effort: &Effort,
-    json: &str,
-    file: &Path,
-    preset: Preset,
-) -> Result<Prepared> {
-    let mut loaded = load_str(json, file, &LoadOptions::default())?;
-    let options = systems::Options { precision: effort.precision, passes, ..Default::default() };
+fn prepare_by(options: systems::Options<'_>, json: &str) -> Result<Prepared> {
+    let mut loaded = load_str(json, Path::new("scene.json"), &LoadOptions::default())?;
     let extracted = systems::extract(&mut loaded.world, options)?;
     let file = extracted.file().to_owned();
-    let scene = extracted.build(preset);
+    let scene = extracted.build(Preset::VeryFast);
     let more = systems::warnings(&scene, &file);
     let warnings = loaded.warnings.iter().chain(&more).map(ToString::to_string).collect();
     Ok(Prepared { scene, warnings })
 }
 
 /// The prepared `scene`.
-pub(super) fn prepare(effort: &Effort, scene: &Value, preset: Preset) -> Result<Prepared> {
-    prepare_text(effort, &scene.to_string(), Path::new("scene.json"), preset)
+pub(super) fn prepare(effort: &Effort, scene: &Value) -> Result<Prepared> {
+    let options = systems::Options { precision: effort.precision, ..Default::default() };
+    prepare_by(options, &scene.to_string())
 }
 
 /// The prepared `scene` with all of its shapes: for rays from anywhere, and not from its camera alone.
-pub(super) fn prepare_whole(effort: &Effort, scene: &Value, preset: Preset) -> Result<Prepared> {
-    prepare_by(&unplanned(&PASSES), effort, &scene.to_string(), Path::new("scene.json"), preset)
+pub(super) fn prepare_whole(effort: &Effort, scene: &Value) -> Result<Prepared> {
+    let passes = unplanned(&PASSES);
+    let precision = effort.precision;
+    let options = systems::Options { precision, passes: &passes, ..Default::default() };
+    prepare_by(options, &scene.to_string())
 }
 
-/// A way to render, which must not change the image.
-#[derive(Clone, Copy, Debug)]
-struct Way {
-    tracer: TracerKind,
-    threads: usize,
-    batch: usize,
+/// Whether a scene is refused with an error of this kind that contains these words.
+pub(super) fn refused(text: &str, kind: ErrorKind, named: &str) -> Outcome {
+    let error = prepare_by(systems::Options::default(), text).err();
+    let said = error.as_ref().map(ToString::to_string).unwrap_or_default();
+    let is_right = error.is_some_and(|error| error.kind() == kind) && said.contains(named);
+    Outcome::of(is_right, || format!("{said:?} does not name {named} of {text}"))
 }
 
-impl Way {
-    /// Both tracers, on one thread and on several, in batches of the default size and in small ones
-    /// that are not a multiple of a vector.
-    const ALL: [Self; 4] = [
-        Self { tracer: TracerKind::Wavefront, threads: 1, batch: 1024 },
-        Self { tracer: TracerKind::Wavefront, threads: 3, batch: 13 },
-        Self { tracer: TracerKind::Recursive, threads: 1, batch: 1024 },
-        Self { tracer: TracerKind::Recursive, threads: 2, batch: 1024 },
-    ];
+/// Whether a scene is read, but refused at this path.
+pub(super) fn refused_at(scene: &Value, path: &str) -> Outcome {
+    refused(&scene.to_string(), ErrorKind::Scene, path)
 }
 
-fn render(effort: &Effort, scene: &PreparedScene, way: Way) -> Result<Rendered> {
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(way.threads).build();
+/// Ways to render, which must not change the image: both tracers, on one thread and on several, in
+/// batches of the default size and in small ones that are not a multiple of a vector.
+const WAYS: [(TracerKind, usize, usize); 4] = [
+    (TracerKind::Wavefront, 1, 1024),
+    (TracerKind::Wavefront, 3, 13),
+    (TracerKind::Recursive, 1, 1024),
+    (TracerKind::Recursive, 2, 1024),
+];
+
+fn render(
+    effort: &Effort,
+    scene: &PreparedScene,
+    (tracer, threads, batch): (TracerKind, usize, usize),
+) -> Result<Rendered> {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
     let pool = pool.map_err(|error| Error::new(ErrorKind::Usage, "no threads").because(error))?;
-    let Way { tracer, batch, .. } = way;
     let options = RenderOptions { tracer, seed: effort.seed, batch, ..Default::default() };
     pool.install(|| render::render(scene, &options, &()))
 }
 
-/// An image of the `scene` for comparison.
-pub(super) fn image(effort: &Effort, scene: &Value, preset: Preset) -> Result<Film> {
-    let prepared = prepare(effort, scene, preset)?;
-    Ok(render(effort, &prepared.scene, Way::ALL[0])?.film)
+/// The image of `scene` by brute force.
+pub(super) fn by_brute_force(effort: &Effort, scene: &Value) -> Result<Film> {
+    let mut scene = prepare(effort, scene)?.scene;
+    scene.accel.rebuild(Preset::Brute);
+    Ok(render(effort, &scene, WAYS[0])?.film)
 }
 
 /// Renders a scene in every way at all instruction levels, and checks each image.
@@ -115,7 +99,7 @@ pub(super) fn every_way_to_render(
     for level in Level::available() {
         let Some(token) = level.token() else { continue };
         scene.accel.level = token;
-        for way in Way::ALL {
+        for way in WAYS {
             let judged = render(effort, &scene, way).map(|rendered| judge(&rendered));
             let context = || format!("{} {way:?}", level.name());
             outcome.add(Outcome::from(judged).with_context(context));
@@ -201,14 +185,6 @@ impl Eye {
     }
 }
 
-/// The camera's ray through the centre of each pixel.
-pub(super) fn camera_rays(scene: &PreparedScene) -> Vec<Ray> {
-    let [width, height] = scene.camera.size();
-    let pixels = (0..width * height).map(|i| (i % width, i / width));
-    let stream = Stream { seed: 0, pixel: 0, sample: 0, bounce: 0 };
-    pixels.map(|(x, y)| scene.camera.ray(x, y, &stream)).collect()
-}
-
 /// The default background: no surface has this colour.
 pub(super) const BACKGROUND: [f64; 3] = [0.125, 0.25, 0.5];
 
@@ -220,6 +196,15 @@ pub(super) fn scene(eye: &Eye, lights: &[Value], shapes: &[Value]) -> Value {
         "scene": {"backgroundcolor": BACKGROUND, "ambient": 0, "lightsources": lights,
                   "shapes": shapes}
     })
+}
+
+/// `value` with the values of `changes` in place of its own, in nested objects too.
+pub(super) fn with(mut value: Value, changes: Value) -> Value {
+    let Value::Object(changes) = changes else { return changes };
+    for (key, change) in changes {
+        value[&key] = with(value[&key].take(), change);
+    }
+    value
 }
 
 /// A white point light.
@@ -254,9 +239,10 @@ pub(super) fn square([center, u, v]: [DVec3; 3], material: Value) -> Value {
     plane([center - u - v, center - u + v, center + u + v, center + u - v], material)
 }
 
-/// A white part of the plane y = 0, up to `half` along both axes.
-pub(super) fn floor(half: f64) -> Value {
-    square([DVec3::ZERO, DVec3::X * half, DVec3::Z * half], white())
+/// A part of the plane y = 0, up to `half` along both axes, seen from its front: u grows along z and v
+/// along x.
+pub(super) fn floor(half: f64, material: Value) -> Value {
+    square([DVec3::ZERO, DVec3::Z * half, DVec3::X * half], material)
 }
 
 /// A mesh, lit from both sides.

@@ -1,9 +1,6 @@
 //! Constructions whose hits are known: closed and convex meshes, cubes and sheets.
 
-use glam::{DVec3, Vec3};
-
-use super::numbers::Numbers;
-use wavecrest_core::geometry::Geometry;
+use super::prelude::*;
 
 /// A geometry of triangles with these corners.
 pub(super) fn of_triangles(all: impl IntoIterator<Item = [Vec3; 3]>) -> Geometry {

@@ -4,7 +4,6 @@
 use glam::Vec2;
 
 use super::prelude::*;
-use wavecrest_core::math::random::Stream;
 use wavecrest_core::math::sampling::Sampling;
 
 /// The z coordinates of the two mirrors of case 35, and what is between them.
@@ -38,22 +37,19 @@ pub(super) fn facing_mirrors(numbers: &mut Numbers) -> Vec<Picture> {
     let bounces = BOUNCES[numbers.index];
     let picture = |kr: f64| {
         let walls = [0, 1].map(|i| {
-            let material = json!({"ks": 0, "kd": KD, "specularexponent": 1,
-                                  "diffusecolor": COLORS[i], "kr": kr});
+            let mirror = scenes::with(scenes::matte(COLORS[i]), json!({"kd": KD, "kr": kr}));
             let center = DVec3::Z * PLACES[i];
-            scenes::square([center, DVec3::X * 1e4, DVec3::Y * 1e4], material)
+            scenes::square([center, DVec3::X * 1e4, DVec3::Y * 1e4], mirror)
         });
         let lights = [scenes::point_light(INTENSITY, LIGHT, "linear")];
-        let mut scene = scenes::scene(&eye, &lights, &walls);
-        scene["nbounces"] = json!(bounces);
-        scene["scene"]["ambient"] = json!(AMBIENT);
+        let more = json!({"nbounces": bounces, "scene": {"ambient": AMBIENT}});
+        let scene = scenes::with(scenes::scene(&eye, &lights, &walls), more);
         let shows = move |x, y, pixel: [f32; 3]| {
             let right = radiance(eye.location, eye.direction(x, y), bounces, kr);
             let is_near = |i: usize| (f64::from(pixel[i]) / right[i] - 1.0).abs() <= LARGEST_ERROR;
             Some((0..3).all(is_near))
         };
-        let presets = &[Preset::Brute, Preset::VeryFast];
-        Picture { presets, ..Picture::new(scene, shows) }.like_itself()
+        Picture::new(scene, shows).like_itself()
     };
     [0.5, 0.99, 1.0].map(picture).into()
 }
@@ -86,17 +82,13 @@ pub(super) fn a_million(numbers: &mut Numbers) -> Vec<Picture> {
     let rays: u32 = numbers.effort.either(1 << 9, 1 << 10);
     // The floor fills the image.
     let eye = Eye { size: [1, 1], ..Eye::above(1.0, 1) };
-    let (strength, mut floor) = (0.1 + numbers.one(), scenes::floor(100.0));
+    let (strength, floor) = (0.1 + numbers.one(), scenes::floor(100.0, scenes::white()));
     let (scene, right, off) = if numbers.index.is_multiple_of(2) {
-        floor["material"]["emission"] = json!(vec![strength; 3]);
-        let mut scene = scenes::scene(&eye, &[], &[floor]);
-        let camera = &mut scene["camera"];
-        camera["type"] = json!("thinlens");
-        camera["aperture"] = json!(0.1);
-        camera["focal"] = json!(5);
-        camera["nsamplesx"] = json!(rays);
-        camera["nsamplesy"] = json!(rays);
-        (scene, strength, 1e-6)
+        let glow = json!({"material": {"emission": vec![strength; 3]}});
+        let lens = json!({"camera": {"type": "thinlens", "aperture": 0.1, "focal": 5,
+                                     "nsamplesx": rays, "nsamplesy": rays}});
+        let scene = scenes::scene(&eye, &[], &[scenes::with(floor, glow)]);
+        (scenes::with(scene, lens), strength, 1e-6)
     } else {
         // Every direction to the light is nearly straight up.
         let light = json!({"type": "directionallight", "intensity": strength, "color": [1, 1, 1],
@@ -132,12 +124,12 @@ const INTEGRANDS: [Integrand; 5] = [
 
 /// Case 56: estimates by each sampler, over seeds and pixels. Their mean is the integral, and
 /// estimates of neighbouring pixels, dimensions and seeds do not depend on each other.
-pub(super) fn samplers(effort: &Effort) -> Outcome {
+pub(super) fn samplers(numbers: &mut Numbers) -> Outcome {
     let mut outcome = Outcome::default();
     for sampling in Sampling::ALL {
         for (number, (of, mean)) in INTEGRANDS.into_iter().enumerate() {
             let error = |seed: u64, pixel: u32, dimension: u32| {
-                let seed = effort.seed.wrapping_add(seed);
+                let seed = numbers.effort.seed.wrapping_add(seed);
                 let stream = Stream { seed, pixel, sample: 0, bounce: 0 };
                 estimate(sampling, stream, dimension, of) - mean
             };

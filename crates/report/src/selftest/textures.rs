@@ -2,36 +2,29 @@
 //! numbers; normal maps, and vertex colours.
 
 use glam::Vec2;
-use tempfile::TempDir;
+use tempfile::TempPath;
 
 use super::prelude::*;
 use wavecrest_core::film::Film;
-use wavecrest_core::kernels::texture::{Filter, Image, Texels, Wrap, sphere_uv};
+use wavecrest_core::kernels::texture::{Filter, Image, Texels, Wrap};
 use wavecrest_image::write::{Transfer, write};
 
 /// Neighbouring texels, including the first and the last, differ by at most a step.
 const STEP: f32 = 1.0 / 64.0;
 
-/// An image whose values rise and fall along x (red) and along y (green), a step a texel.
-fn waves([width, height]: [u32; 2], is_bytes: bool) -> Image {
+/// An image whose values rise and fall along x (red) and along y (green), a step a texel, and the
+/// step.
+fn some_waves(numbers: &mut Numbers) -> (Image, f32) {
+    let [width, height] = numbers.among([[1, 1], [2, 2], [3, 5], [7, 1], [64, 48], [1, 100]]);
     let wave = |i: u32, count: u32| i.min(count - i);
     let each = (0..width * height).map(|i| [wave(i % width, width), wave(i / width, height)]);
-    let texels = if is_bytes {
-        // A step is one of 255.
-        Texels::Bytes(each.map(|[x, y]| [x as u8, y as u8, 0, 0]).collect())
+    let (texels, step) = if numbers.once_in(2) {
+        (Texels::Bytes(each.map(|[x, y]| [x as u8, y as u8, 0, 0]).collect()), 1.0 / 255.0)
     } else {
-        Texels::Floats(each.map(|[x, y]| [x as f32 * STEP, y as f32 * STEP, 0.0]).collect())
+        let texel = |[x, y]: [u32; 2]| [x as f32 * STEP, y as f32 * STEP, 0.0];
+        (Texels::Floats(each.map(texel).collect()), STEP)
     };
-    Image::new(width, height, texels)
-}
-
-fn step(image: &Image) -> f32 {
-    if matches!(image.texels, Texels::Floats(_)) { STEP } else { 1.0 / 255.0 }
-}
-
-fn some_waves(numbers: &mut Numbers) -> Image {
-    let size = numbers.among([[1, 1], [2, 2], [3, 5], [7, 1], [64, 48], [1, 100]]);
-    waves(size, numbers.once_in(2))
+    (Image::new(width, height, texels), step)
 }
 
 /// A coordinate: an edge, next to one, far outside, or with random bits.
@@ -49,38 +42,42 @@ fn coordinate(numbers: &mut Numbers) -> f32 {
     }
 }
 
-/// The value along one axis of `count` texels, in double precision, in which a coordinate's
-/// fraction is exact: of the nearest texel, or of the two around it.
+/// The texels of `count` along one axis around a place, which is 0 at the start of the image and 1 at
+/// its end, with their weights.
+fn around(place: f64, count: u32, filter: Filter, wrap: Wrap) -> [(usize, f64); 2] {
+    let (at, count) = (place * f64::from(count), i64::from(count));
+    let texel = |i: f64| match wrap {
+        Wrap::Repeat => (i as i64).rem_euclid(count) as usize,
+        Wrap::Clamp | Wrap::Mirror => (i as i64).clamp(0, count - 1) as usize,
+    };
+    if filter == Filter::Nearest {
+        return [(texel(at.floor()), 1.0), (0, 0.0)];
+    }
+    let first = (at - 0.5).floor();
+    let between = at - 0.5 - first;
+    [(texel(first), 1.0 - between), (texel(first + 1.0), between)]
+}
+
+/// The value of a wave along one axis of `count` texels, in double precision, in which a
+/// coordinate's fraction is exact.
 fn value(coordinate: f32, count: u32, filter: Filter, wrap: Wrap) -> f64 {
     let exact = if coordinate.is_finite() { f64::from(coordinate) } else { 0.0 };
-    let fraction = match wrap {
+    let place = match wrap {
         Wrap::Repeat => exact - exact.floor(),
         Wrap::Clamp => exact.clamp(0.0, 1.0),
         Wrap::Mirror => 1.0 - (exact.rem_euclid(2.0) - 1.0).abs(),
     };
-    let at = fraction * f64::from(count);
-    let texel = |i: i64| {
-        let i = match wrap {
-            Wrap::Repeat => i.rem_euclid(i64::from(count)),
-            Wrap::Clamp | Wrap::Mirror => i.clamp(0, i64::from(count) - 1),
-        };
-        i.min(i64::from(count) - i) as f64
-    };
-    if filter == Filter::Nearest {
-        return texel(at.floor() as i64);
-    }
-    let first = (at - 0.5).floor();
-    let between = at - 0.5 - first;
-    texel(first as i64) * (1.0 - between) + texel(first as i64 + 1) * between
+    let texels = around(place, count, filter, wrap);
+    texels.map(|(i, weight)| weight * i.min(count as usize - i) as f64).iter().sum()
 }
 
 /// Case 30: a look-up is within a texel of the exact one.
 pub(super) fn look_ups(numbers: &mut Numbers) -> Outcome {
-    let image = some_waves(numbers);
+    let (image, step) = some_waves(numbers);
     let filter = numbers.among([Filter::Nearest, Filter::Bilinear]);
     let wrap = numbers.among([Wrap::Repeat, Wrap::Clamp, Wrap::Mirror]);
     let uv = Vec2::new(coordinate(numbers), coordinate(numbers));
-    let found = image.look_up(uv, filter, wrap) / step(&image);
+    let found = image.look_up(uv, filter, wrap) / step;
     // Rows start at the top, where v is 1.
     let (right, down) = (value(uv.x, image.width, filter, wrap), 1.0 - uv.y);
     let right = [right, value(down, image.height, filter, wrap)];
@@ -96,70 +93,24 @@ pub(super) fn look_ups(numbers: &mut Numbers) -> Outcome {
     })
 }
 
-/// Case 30: two neighbouring look-ups on both sides of the seam of an image, or of a sphere's map.
-pub(super) fn across_seams(numbers: &mut Numbers) -> Outcome {
-    let image = some_waves(numbers);
-    let filter = numbers.among([Filter::Nearest, Filter::Bilinear]);
-    let [p, q] = match numbers.below(3) {
-        // Where the image repeats, a number and the adjacent one.
-        0 => {
-            let u = numbers.magnitude(1.0, 1e3).round() as f32;
-            let v = numbers.one() as f32;
-            [Vec2::new(u.next_down(), v), Vec2::new(u, v)]
-        }
-        // Behind the sphere, on both sides of the seam.
-        1 => {
-            let (height, aside) = (numbers.about(0.9), numbers.magnitude(1e-30, 1e-7));
-            let back = -(1.0 - height * height).sqrt();
-            [-aside, aside].map(|x| sphere_uv(DVec3::new(x, height, back).as_vec3()))
-        }
-        // At the poles every u is the same place: only v counts.
-        _ => {
-            let pole = numbers.among([1.0, -1.0]);
-            [(); 2].map(|()| {
-                let x = numbers.magnitude(1e-40, 1e-9) as f32;
-                Vec2::new(0.25, sphere_uv(Vec3::new(x, pole, -x)).y)
-            })
-        }
+/// The path of an image file with these texels, in linear floats, and the file, which is removed when
+/// it is dropped.
+fn file(side: u32, texels: Vec<[f32; 3]>) -> (String, Option<TempPath>) {
+    let written = || {
+        let file = tempfile::Builder::new().suffix(".exr").tempfile().ok()?.into_temp_path();
+        let film = Film::from_pixels(side, side, texels).ok()?;
+        write(&film, &file, Transfer::Linear).ok().map(|_| file)
     };
-    let [a, b] = [p, q].map(|uv| image.look_up(uv, filter, Wrap::Repeat) / step(&image));
-    // A thousandth of a texel for the rounding of the coordinates.
-    let is_right = (a - b).abs().max_element() <= 1.001;
-    Outcome::of(is_right, || format!("{p} and {q}, {filter:?}: {a} and {b} texels"))
-}
-
-/// An image file with these texels, in linear floats, in a folder that is removed with it.
-struct File {
-    path: String,
-    _folder: Option<TempDir>,
-}
-
-impl File {
-    fn new(side: u32, texels: Vec<[f32; 3]>) -> Self {
-        // Without a file the scene is refused, which is a failure.
-        let folder = tempfile::tempdir().ok();
-        let path = folder.as_ref().map(|folder| folder.path().join("texels.exr"));
-        let written = path.filter(|path| {
-            let film = Film::from_pixels(side, side, texels);
-            film.and_then(|film| write(&film, path, Transfer::Linear)).is_ok()
-        });
-        let path = written.map_or("none.exr".to_owned(), |path| path.display().to_string());
-        Self { path, _folder: folder }
-    }
+    let file = written();
+    // Without a file the scene is refused, which is a failure.
+    (file.as_ref().map_or("none.exr".to_owned(), |file| file.display().to_string()), file)
 }
 
 /// A shape that shows only its colour, without shading.
 fn shown(eye: &Eye, shape: Value) -> Value {
     // No power, but an ambient part.
     let light = scenes::point_light(0.0, DVec3::Y, "none");
-    let mut scene = scenes::scene(eye, &[light], &[shape]);
-    scene["scene"]["ambient"] = json!(1);
-    scene
-}
-
-/// A part of the plane y = 0 that is seen from its front: u grows along z and v along x.
-fn floor(half: f64, material: Value) -> Value {
-    scenes::square([DVec3::ZERO, DVec3::Z * half, DVec3::X * half], material)
+    scenes::with(scenes::scene(eye, &[light], &[shape]), json!({"scene": {"ambient": 1}}))
 }
 
 /// Case 50: a normal map that turns normals anywhere, also below the surface. Light from above is
@@ -171,12 +122,11 @@ pub(super) fn turned_normals(numbers: &mut Numbers) -> Vec<Picture> {
     let eye = Eye { look: numbers.ball(2.0).with_y(0.0), ..Eye::above(30.0, 9) };
     // Along z, along x, and up.
     let texel = [normal.z, normal.x, normal.y].map(|x| (0.5 * x + 0.5) as f32);
-    let mirror = json!({"ks": 0, "kd": 0, "specularexponent": 1, "diffusecolor": [1, 1, 1],
-                        "kr": KR});
+    let mirror = scenes::with(scenes::white(), json!({"kd": 0, "kr": KR}));
     let mapped = |material| {
-        let (mut shape, file) = (floor(100.0, material), File::new(1, vec![texel]));
-        shape["normalmap"] = json!({"file": file.path});
-        (shape, file)
+        let (path, file) = file(1, vec![texel]);
+        let map = json!({"normalmap": {"file": path}});
+        (scenes::with(scenes::floor(100.0, material), map), file)
     };
     let (shape, file) = mapped(scenes::white());
     let light = json!({"type": "directionallight", "intensity": 1, "color": [1, 1, 1],
@@ -189,15 +139,12 @@ pub(super) fn turned_normals(numbers: &mut Numbers) -> Vec<Picture> {
     });
     let (shape, file) = mapped(mirror);
     // Red below, green all around.
-    let glowing = |mut shape: Value, color: [f64; 3]| {
-        shape["material"]["emission"] = json!(color);
-        shape
-    };
-    let below = scenes::square([-DVec3::Y, DVec3::X * 1e4, DVec3::Z * 1e4], scenes::white());
-    let below = glowing(below, [1.0, 0.0, 0.0]);
-    let around = glowing(scenes::sphere(DVec3::ZERO, 1e3, scenes::white()), [0.0, 1.0, 0.0]);
-    let mut scene = scenes::scene(&eye, &[], &[shape, below, around]);
-    scene["nbounces"] = json!(1);
+    let glowing = |color| scenes::with(scenes::white(), json!({"emission": color}));
+    let below = [-DVec3::Y, DVec3::X * 1e4, DVec3::Z * 1e4];
+    let below = scenes::square(below, glowing([1.0, 0.0, 0.0]));
+    let around = scenes::sphere(DVec3::ZERO, 1e3, glowing([0.0, 1.0, 0.0]));
+    let scene = scenes::scene(&eye, &[], &[shape, below, around]);
+    let scene = scenes::with(scene, json!({"nbounces": 1}));
     let mirrored = Picture::new(scene, move |_, _, pixel| {
         let _kept = &file;
         Some(pixel == [0.0, KR as f32, 0.0])
@@ -207,7 +154,7 @@ pub(super) fn turned_normals(numbers: &mut Numbers) -> Vec<Picture> {
 
 /// Case 52: the level of detail of a footprint of any size, and the colour there.
 pub(super) fn footprints(numbers: &mut Numbers) -> Outcome {
-    let mut image = some_waves(numbers);
+    let (mut image, step) = some_waves(numbers);
     image.build_pyramid();
     let extreme = [0.0, f32::INFINITY, f32::NAN, f32::MAX, f32::MIN_POSITIVE];
     let mut part = || {
@@ -224,7 +171,7 @@ pub(super) fn footprints(numbers: &mut Numbers) -> Outcome {
     let level = image.level(&sides);
     let uv = Vec2::new(coordinate(numbers), coordinate(numbers));
     let (color, _) = image.look_up_at(uv, level, Wrap::Repeat);
-    let most = step(&image) * image.width.max(image.height) as f32;
+    let most = step * image.width.max(image.height) as f32;
     let is_right = (f64::from(level) - right).abs() <= 1e-5
         && color.min_element() >= 0.0
         && color.max_element() <= most;
@@ -247,12 +194,11 @@ pub(super) fn grazing(numbers: &mut Numbers) -> Vec<Picture> {
     let turn = numbers.direction().with_y(0.0).normalize();
     let look = location + turn - DVec3::Y * numbers.magnitude(1e-3, 0.1);
     let eye = Eye { location, look, up: DVec3::Y, fov: 5.0, size: [16, 48] };
-    let file = File::new(TEXELS, texels);
-    let mut shape = floor(HALF, scenes::white());
+    let (path, file) = file(TEXELS, texels);
     let repeats = numbers.magnitude(100.0, 10_000.0);
-    shape["texture"] = json!(file.path);
-    shape["filter"] = json!("trilinear");
-    shape["uvtransform"] = json!([[repeats, 0, 0], [0, repeats, 0]]);
+    let texture = json!({"texture": path, "filter": "trilinear",
+                         "uvtransform": [[repeats, 0, 0], [0, repeats, 0]]});
+    let shape = scenes::with(scenes::floor(HALF, scenes::white()), texture);
     let shows = move |x: u32, y: u32, [pixel, ..]: [f32; 3]| {
         let _kept = &file;
         let place = |dx: f64, dy: f64| {
@@ -276,7 +222,7 @@ pub(super) fn grazing(numbers: &mut Numbers) -> Vec<Picture> {
 
 /// Case 53: channels that are NaN or infinite count as 0, and nothing else changes.
 pub(super) fn no_numbers(numbers: &mut Numbers) -> Vec<Picture> {
-    const SIDE: usize = 8;
+    const SIDE: u32 = 8;
     const HALF: f64 = 2.0;
     let bad = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY];
     let mut channel = || {
@@ -286,27 +232,21 @@ pub(super) fn no_numbers(numbers: &mut Numbers) -> Vec<Picture> {
     let texels: Vec<[f32; 3]> = (0..SIDE * SIDE).map(|_| [(); 3].map(|()| channel())).collect();
     // The centre of no pixel is near the edge of a texel, or of the floor.
     let eye = Eye::above(50.0, 24);
-    let picture = |filter: &str| {
-        let file = File::new(SIDE as u32, texels.clone());
-        let mut shape = floor(HALF, scenes::white());
-        shape["texture"] = json!(file.path);
-        shape["filter"] = json!(filter);
-        shape["wrap"] = json!("clamp");
-        let (texels, is_nearest) = (texels.clone(), filter == "nearest");
+    let picture = |(name, filter): (&str, Filter)| {
+        let (path, file) = file(SIDE, texels.clone());
+        let texture = json!({"texture": path, "filter": name, "wrap": "clamp"});
+        let shape = scenes::with(scenes::floor(HALF, scenes::white()), texture);
+        let texels = texels.clone();
         let shows = move |x: u32, y: u32, pixel: [f32; 3]| {
             let _kept = &file;
             let place = eye.on_floor(eye.direction(x, y)) / HALF;
-            // Two columns and two rows with their weights.
-            let [columns, rows] = [place.z, -place.x].map(|x| {
-                let at = (0.5 * x + 0.5) * SIDE as f64 - 0.5;
-                let between = if is_nearest { at.round() - at.floor() } else { at - at.floor() };
-                [(at.floor(), 1.0 - between), (at.floor() + 1.0, between)]
-            });
+            let [columns, rows] =
+                [place.z, -place.x].map(|x| around(0.5 * x + 0.5, SIDE, filter, Wrap::Clamp));
             let mut right = DVec3::ZERO;
             for (row, p) in rows {
                 for (column, q) in columns {
-                    let [i, j] = [row, column].map(|i| i.clamp(0.0, SIDE as f64 - 1.0) as usize);
-                    let texel = texels[i * SIDE + j].map(|x| if x.is_finite() { x } else { 0.0 });
+                    let texel = texels[row * SIDE as usize + column];
+                    let texel = texel.map(|x| if x.is_finite() { x } else { 0.0 });
                     right += Vec3::from(texel).as_dvec3() * (p * q);
                 }
             }
@@ -315,7 +255,7 @@ pub(super) fn no_numbers(numbers: &mut Numbers) -> Vec<Picture> {
         };
         Picture::new(shown(&eye, shape), shows)
     };
-    ["nearest", "bilinear"].map(picture).into()
+    [("nearest", Filter::Nearest), ("bilinear", Filter::Bilinear)].map(picture).into()
 }
 
 /// Triangles of the fan of case 46.

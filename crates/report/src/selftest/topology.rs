@@ -1,9 +1,6 @@
 //! The faces at each edge of a mesh: where a ray must not pass between them.
 
-use glam::Vec3;
-use rayon::prelude::*;
-
-use wavecrest_core::geometry::Geometry;
+use super::prelude::*;
 use wavecrest_core::kernels::quad::halves;
 use wavecrest_core::kernels::triangle::is_degenerate;
 

@@ -1,70 +1,42 @@
 //! Cameras with extreme parameters, and almost empty scenes.
 
-use std::sync::Arc;
-
 use super::prelude::*;
 use super::scenes::BACKGROUND;
-use wavecrest_core::math::random::Stream;
 
-/// Case 24: no shape, or one of each kind, with a light and without.
+/// Case 24: no shape, or one of each kind around the middle of the image, with a light and without.
 pub(super) fn next_to_nothing(numbers: &mut Numbers) -> Vec<Picture> {
-    let eye =
-        Eye::at(numbers.direction() * 4.0, 50.0, [(); 2].map(|()| 1 + numbers.below(24) as u32));
+    let [a, b, c] = [(); 3].map(|()| numbers.direction() * 1.2);
+    let center = (a + b + c) / 3.0;
+    let size = [(); 2].map(|()| 1 + 2 * numbers.below(12) as u32);
+    let eye = Eye { look: center, ..Eye::at(numbers.direction() * 4.0, 50.0, size) };
     let background = [(); 3].map(|()| numbers.one());
     let light = scenes::point_light(50.0, numbers.direction() * 9.0, "linear");
-    let [a, b, c] = [(); 3].map(|()| numbers.direction() * 1.2);
-    let mut shiny = scenes::matte([0.9, 0.8, 0.7]);
-    shiny["kr"] = json!(0.5);
+    let shiny = scenes::with(scenes::matte([0.9, 0.8, 0.7]), json!({"kr": 0.5}));
     let triangle = json!({"type": "triangle", "sides": "both", "material": shiny,
                           "points": [a.to_array(), b.to_array(), c.to_array()]});
     let shapes = [
         None,
         Some(triangle),
         Some(scenes::mesh(&[a, b, c].map(|p| p.as_vec3()), &[[0, 1, 2]], shiny.clone())),
-        Some(scenes::sphere(a * 0.5, 0.7, shiny.clone())),
+        Some(scenes::sphere(center, 0.7, shiny.clone())),
         Some(scenes::plane([a, b, c, a + c - b], shiny)),
     ];
-    let all = shapes.into_iter().flat_map(|shape| [false, true].map(|lit| (shape.clone(), lit)));
-    let picture = |(shape, is_lit): (Option<Value>, bool)| {
+    let all = shapes.iter().flat_map(|shape| [false, true].map(|is_lit| (shape, is_lit)));
+    let picture = |(shape, is_lit): (&Option<Value>, bool)| {
         let lights = if is_lit { std::slice::from_ref(&light) } else { &[] };
-        let mut scene = scenes::scene(&eye, lights, shape.as_slice());
-        scene["nbounces"] = json!([0, 5][numbers.below(2)]);
-        scene["scene"]["backgroundcolor"] = json!(background);
-        let right = background.map(|c| c as f32);
+        let more = json!({"nbounces": numbers.among([0, 5]),
+                          "scene": {"backgroundcolor": background}});
+        let scene = scenes::with(scenes::scene(&eye, lights, shape.as_slice()), more);
+        let (background, is_there) = (background.map(|c| c as f32), shape.is_some());
         let shows = move |x, y, pixel: [f32; 3]| {
-            let is_seen = sees(shape.as_ref(), eye.location, eye.direction(x, y))?;
-            Some(if is_seen {
-                pixel != right && (is_lit || pixel == [0.0; 3])
-            } else {
-                pixel == right
-            })
+            let is_background = pixel == background;
+            let may_be_shape = is_there && !is_background && (is_lit || pixel == [0.0; 3]);
+            let is_middle = [x, y] == size.map(|side| side / 2);
+            Some(may_be_shape || is_background && !(is_there && is_middle))
         };
-        Picture { presets: &Preset::ALL, ..Picture::new(scene, shows) }
+        Picture::new(scene, shows).like_itself()
     };
     all.map(picture).collect()
-}
-
-/// Whether the ray meets the shape, in double precision; `None` beside its edge.
-fn sees(shape: Option<&Value>, origin: DVec3, direction: DVec3) -> Option<bool> {
-    const EDGE: f64 = 1e-4;
-    let Some(shape) = shape else { return Some(false) };
-    let vector = |value: &Value| {
-        DVec3::from([0, 1, 2].map(|i| value[i].as_f64().unwrap_or(f64::NAN))) - origin
-    };
-    if let Some(radius) = shape["radius"].as_f64() {
-        let beside = vector(&shape["center"]).cross(direction).length() - radius;
-        return (beside.abs() > EDGE).then_some(beside < 0.0);
-    }
-    let points: Vec<DVec3> = shape["points"].as_array()?.iter().map(vector).collect();
-    // The ray passes every edge on the same side.
-    let sides = (0..points.len()).map(|i| {
-        let (p, q) = (points[i], points[(i + 1) % points.len()]);
-        p.cross(q).dot(direction) / (q - p).length()
-    });
-    let sides: Vec<f64> = sides.collect();
-    let is_doubtful = sides.iter().any(|s| s.abs() < EDGE);
-    let is_inside = sides.iter().all(|s| *s > 0.0) || sides.iter().all(|s| *s < 0.0);
-    (!is_doubtful).then_some(is_inside)
 }
 
 /// The largest error of a unit vector's length, and of a right angle's cosine: 4 ulp of 1.
@@ -83,7 +55,7 @@ pub(super) fn upright(numbers: &mut Numbers) -> Outcome {
     let up = (view.normalize() + aside * off) * numbers.sign() * numbers.magnitude(1e-3, 1e3);
     let eye = Eye { location, look, up, fov: 40.0, size: [4, 3] };
     let scene = scenes::scene(&eye, &[], &[]);
-    let prepared = scenes::prepare(&numbers.effort, &scene, Preset::VeryFast).map(|prepared| {
+    let prepared = scenes::prepare(&numbers.effort, &scene).map(|prepared| {
         let is_warned = prepared.warns("camera.up");
         let basis = prepared.scene.camera.basis().map(|v| v.as_dvec3());
         let pairs = (0..9).map(|i| (basis[i / 3].dot(basis[i % 3]), i / 3 == i % 3));
@@ -96,7 +68,7 @@ pub(super) fn upright(numbers: &mut Numbers) -> Outcome {
     let mut outcome = Outcome::from(prepared);
     // And a camera that looks at its own position.
     let scene = scenes::scene(&Eye { look: location, ..eye }, &[], &[]);
-    outcome.add(Refusal::at(&scene, "camera.look").tried(&numbers.effort));
+    outcome.add(scenes::refused_at(&scene, "camera.look"));
     outcome.with_context(|| format!("location {location}, look {look}, up {up}"))
 }
 
@@ -108,11 +80,11 @@ pub(super) fn angles(numbers: &mut Numbers) -> Outcome {
     size.rotate_left(numbers.below(2));
     let (look, up) = (numbers.direction(), numbers.direction());
     let eye = Eye { location: DVec3::ZERO, look, up, fov, size };
-    let mut scene = scenes::scene(&eye, &[], &[]);
-    scene["camera"]["fovaxis"] = json!(numbers.among(["x", "y", "smaller", "larger"]));
-    scene["camera"]["antialias"] = json!(numbers.among([1, 2]));
+    let axis = numbers.among(["x", "y", "smaller", "larger"]);
+    let more = json!({"camera": {"fovaxis": axis, "antialias": numbers.among([1, 2])}});
+    let scene = scenes::with(scenes::scene(&eye, &[], &[]), more);
     let context = || scene["camera"].to_string();
-    let prepared = scenes::prepare(&numbers.effort, &scene, Preset::VeryFast).map(|prepared| {
+    let prepared = scenes::prepare(&numbers.effort, &scene).map(|prepared| {
         let one = |_| {
             let [x, y] = size.map(|side| numbers.below(side as usize) as u32);
             let stream = Stream { seed: numbers.effort.seed, pixel: 0, sample: 0, bounce: 0 };
@@ -126,9 +98,6 @@ pub(super) fn angles(numbers: &mut Numbers) -> Outcome {
     Outcome::from(prepared).with_context(context)
 }
 
-/// Images of case 28.
-pub(super) const THIN: usize = 12;
-
 /// Case 28: an image one pixel wide or high, the same to the last bit in every way of rendering.
 pub(super) fn thin_images(numbers: &mut Numbers) -> Vec<Picture> {
     let size = [[1, 33], [33, 1], [1, 1]][numbers.index % 3];
@@ -141,10 +110,10 @@ pub(super) fn thin_images(numbers: &mut Numbers) -> Vec<Picture> {
 }
 
 /// Case 28: invalid angles of view.
-pub(super) fn refused_angles(numbers: &mut Numbers) -> Refusal {
+pub(super) fn refused_angles(numbers: &mut Numbers) -> Outcome {
     let fov = [0.0, -1.0, 0.000_999, 179.001, 180.0, 1e9][numbers.index % 6];
     let eye = Eye { look: DVec3::X, ..Eye::at(DVec3::ZERO, fov, [3, 3]) };
-    Refusal::at(&scenes::scene(&eye, &[], &[]), "camera.fov")
+    scenes::refused_at(&scenes::scene(&eye, &[], &[]), "camera.fov")
 }
 
 /// Case 29: a lens with aperture 0.
@@ -155,13 +124,11 @@ pub(super) fn closed_lens(numbers: &mut Numbers) -> Vec<Picture> {
         scenes::sphere(DVec3::new(1.5, 0.2, 0.3), 0.7, scenes::matte(BACKGROUND)),
     ];
     let light = scenes::point_light(50.0, numbers.direction() * 8.0, "linear");
-    let mut pinhole = scenes::scene(&eye, &[light], &shapes);
-    pinhole["camera"]["antialias"] = json!(1 + numbers.below(3));
-    let mut closed = pinhole.clone();
-    closed["camera"]["type"] = json!("thinlens");
-    closed["camera"]["aperture"] = json!(0);
-    closed["camera"]["focal"] = json!(numbers.magnitude(1e-6, 1e9));
-    vec![Picture::same(closed, &pinhole)]
+    let antialias = json!({"camera": {"antialias": 1 + numbers.below(3)}});
+    let pinhole = scenes::with(scenes::scene(&eye, &[light], &shapes), antialias);
+    let lens = json!({"camera": {"type": "thinlens", "aperture": 0,
+                                 "focal": numbers.magnitude(1e-6, 1e9)}});
+    vec![Picture::same(scenes::with(pinhole.clone(), lens), &pinhole)]
 }
 
 /// Points of the lens of case 54 along each side of their grid, and its radius.
@@ -185,25 +152,22 @@ pub(super) fn cut_lens(numbers: &mut Numbers) -> Vec<Picture> {
         1 => scenes::square(across, black),
         _ => scenes::sphere(DVec3::ZERO, radius, black),
     };
-    let mut scene = scenes::scene(&eye, &[], &[shape]);
-    let camera = &mut scene["camera"];
-    camera["type"] = json!("thinlens");
-    camera["aperture"] = json!(2.0 * LENS_RADIUS);
-    camera["focal"] = json!(numbers.magnitude(0.5, 20.0));
-    camera["sampling"] = json!(numbers.among(["random", "jittered", "sobol"]));
-    camera["nsamplesx"] = json!(LENS_POINTS);
-    camera["nsamplesy"] = json!(LENS_POINTS);
-    scene["scene"]["backgroundcolor"] = json!([1, 1, 1]);
+    let (focal, sampling) =
+        (numbers.magnitude(0.5, 20.0), numbers.among(["random", "jittered", "sobol"]));
+    let more = json!({"camera": {"type": "thinlens", "aperture": 2.0 * LENS_RADIUS,
+                                 "focal": focal, "sampling": sampling,
+                                 "nsamplesx": LENS_POINTS, "nsamplesy": LENS_POINTS},
+                      "scene": {"backgroundcolor": [1, 1, 1]}});
+    let scene = scenes::with(scenes::scene(&eye, &[], &[shape]), more);
     // Whether a ray passes the shape; `None` near its edge.
     let passes = move |ray: &Ray| -> Option<bool> {
         let (o, d) = (ray.origin.as_dvec3(), ray.direction.as_dvec3());
         let off = match kind {
             0 => {
                 let normal = aside.cross(DVec3::Z);
-                let place = o - d * (o.dot(normal) / d.dot(normal));
-                let inside = (half - place.z.abs()).min(half - place.dot(aside).abs());
-                let before = -o.dot(normal) / d.dot(normal);
-                inside.min(before)
+                let t = -o.dot(normal) / d.dot(normal);
+                let place = o + d * t;
+                t.min(half - place.z.abs()).min(half - place.dot(aside).abs())
             }
             1 => {
                 let place = o + d * ((0.1 - o.z) / d.z);
@@ -217,24 +181,19 @@ pub(super) fn cut_lens(numbers: &mut Numbers) -> Vec<Picture> {
         (off.abs() > 1e-5).then_some(off < 0.0)
     };
     let effort = numbers.effort;
-    let camera = scenes::prepare(&effort, &scene, Preset::VeryFast).map(|p| p.scene.camera);
-    let camera = Arc::new(camera);
+    let camera = scenes::prepare(&effort, &scene).map(|p| p.scene.camera);
     let shows = move |x, y, [pixel, ..]: [f32; 3]| {
-        let camera = camera.as_ref().as_ref().ok()?;
-        let rays = LENS_POINTS * LENS_POINTS;
+        let camera = camera.as_ref().ok()?;
         let ray = |sample| {
             let pixel = y * camera.size()[0] + x;
             camera.ray(x, y, &Stream { seed: effort.seed, pixel, sample, bounce: 0 })
         };
-        let rays_of_pixel: Vec<Ray> = (0..rays).map(ray).collect();
+        let rays: Vec<Ray> = (0..LENS_POINTS * LENS_POINTS).map(ray).collect();
         // They start all over the lens, whose middle is the origin.
-        let from_middle = |ray: &Ray| f64::from(ray.origin.length()) / LENS_RADIUS;
-        if rays_of_pixel.iter().map(from_middle).fold(0.0, f64::max) < 0.5 {
-            return Some(false);
-        }
-        let passing: Vec<bool> = rays_of_pixel.iter().map(passes).collect::<Option<_>>()?;
-        let share = passing.iter().filter(|passes| **passes).count() as f32 / rays as f32;
-        Some(pixel == share)
+        let is_wide = rays.iter().any(|ray| f64::from(ray.origin.length()) > 0.5 * LENS_RADIUS);
+        let passing: Vec<bool> = rays.iter().map(passes).collect::<Option<_>>()?;
+        let share = passing.iter().filter(|passes| **passes).count() as f32 / rays.len() as f32;
+        Some(is_wide && pixel == share)
     };
     vec![Picture::new(scene, shows)]
 }

@@ -3,11 +3,9 @@
 //! The side of an edge on which a ray passes is the sign of a determinant, and t the quotient of
 //! two: fractions whose parts fit 64 bits if all coordinates are below [`LARGEST`].
 
-use glam::{I64Vec3, Vec3};
+use glam::I64Vec3;
 
-use wavecrest_core::accel::Hit;
-use wavecrest_core::geometry::Geometry;
-use wavecrest_core::math::ray::Ray;
+use super::prelude::*;
 
 /// Limit of coordinates and components of directions: determinants are then below 2^53.
 const LARGEST: f32 = 32_768.0;
