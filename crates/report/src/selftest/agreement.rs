@@ -69,7 +69,7 @@ pub(super) fn aimed(numbers: &mut Numbers) -> World {
         add_sheet(&mut geometry, corners(center, Vec3::X * half, Vec3::Z * half));
     }
     let extent = Extent::of(&geometry);
-    World::like_brute_force(geometry.clone(), move |numbers| {
+    World::like(Preset::Fastest, geometry.clone(), move |numbers| {
         aim(&geometry, &extent, numbers.clone())
     })
 }

@@ -217,7 +217,7 @@ pub(super) fn nested(_: &mut Numbers) -> World {
         let s = (1e-10 * libm::pow(LARGER, i as f64)) as f32;
         [[-s, -s], [s, -s], [0.0, s]].map(|[y, z]| Vec3::new(s, y, z))
     };
-    World::like_brute_force(of_triangles((0..NESTED).map(triangle)), |numbers| {
+    World::like(Preset::Brute, of_triangles((0..NESTED).map(triangle)), |numbers| {
         let far = numbers.magnitude(1e-10, 1e11);
         let target = numbers.direction() * numbers.magnitude(1e-10, 1e10);
         let origin = [DVec3::X, numbers.direction()][numbers.below(2)] * far;

@@ -71,18 +71,12 @@ impl Outcome {
 
     /// The outcome of one test; `failure` describes the error unless it is `right`.
     pub(super) fn of(right: bool, failure: impl FnOnce() -> String) -> Self {
-        let mut outcome = Self::default();
-        outcome.check(right, failure);
-        outcome
+        Self { tried: 1, failed: (!right).into(), first: (!right).then(failure) }
     }
 
     /// Counts a test; `failure` describes the error unless it is `right`.
     pub(super) fn check(&mut self, right: bool, failure: impl FnOnce() -> String) {
-        self.tried += 1;
-        if !right {
-            self.failed += 1;
-            self.first.get_or_insert_with(failure);
-        }
+        self.add(Self::of(right, failure));
     }
 
     /// Adds `context` before the description of the first failure.

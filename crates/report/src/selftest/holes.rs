@@ -16,23 +16,14 @@ const TEXELS: usize = 8;
 /// Within this distance of the border of a texel, in texels, rounding decides.
 const BESIDE: f64 = 1e-3;
 
-/// The primitives of the sheet.
-#[derive(Clone, Copy, PartialEq)]
-enum Kind {
-    /// Two triangles, with projected coordinates.
-    Triangles,
-    /// Two triangles, with coordinates at their corners.
-    Mesh,
-    Quad,
-}
-
 /// Worlds of case 45: for each kind without a copy of the sheet in the same place, which has no
 /// holes, and with one before or behind it by number; eight times.
 pub(super) const WORLDS: usize = 8 * 9;
 
 /// Case 45: a sheet in front of a wall.
 pub(super) fn cut_out(numbers: &mut Numbers) -> World {
-    let kind = [Kind::Triangles, Kind::Mesh, Kind::Quad][numbers.index % 3];
+    // Two triangles with projected coordinates, or with coordinates at their corners, or a quad.
+    let [is_mesh, is_quad] = [1, 2].map(|kind| numbers.index % 3 == kind);
     let [is_before, is_behind] = [1, 2].map(|copy| numbers.index / 3 % 3 == copy);
     let turned = DQuat::from_rotation_arc(DVec3::Z, numbers.direction());
     let scale = DVec3::splat(numbers.magnitude(1e-3, 1e3));
@@ -51,10 +42,10 @@ pub(super) fn cut_out(numbers: &mut Numbers) -> World {
         start..geometry.triangles.len() as u32
     };
     let before = add(0, is_before);
-    let mut sheet = add(0, kind != Kind::Quad);
+    let mut sheet = add(0, !is_quad);
     let behind = add(0, is_behind);
     let wall = add(4, true);
-    if kind == Kind::Quad {
+    if is_quad {
         geometry.quads.push([0, 1, 2, 3]);
         sheet = wall.end..wall.end + 1;
     }
@@ -62,7 +53,7 @@ pub(super) fn cut_out(numbers: &mut Numbers) -> World {
     let values = vec![Vec2::ZERO, Vec2::X, Vec2::ONE, Vec2::Y];
     let uvs = Arc::new(CornerValues { values, indices: None });
     let mesh = MeshUvs { first_triangle: sheet.start, first_position: 0, uvs };
-    let mesh = (kind == Kind::Mesh).then_some(mesh);
+    let mesh = is_mesh.then_some(mesh);
     let planar = UvMap::Planar(PlanarMap::new(origin, u - origin, v - origin));
     let map = if mesh.is_some() { UvMap::Mesh } else { planar };
     let (image, threshold, solid) = alphas(numbers);

@@ -65,7 +65,7 @@ pub(super) fn never_left(numbers: &mut Numbers) -> World {
 /// Case 44: boxes lose no hits at the extreme points, from anywhere.
 pub(super) fn from_afar(numbers: &mut Numbers) -> World {
     let (geometry, closed) = closed(numbers);
-    World::like_brute_force(geometry.clone(), move |numbers| {
+    World::like(Preset::Brute, geometry.clone(), move |numbers| {
         let (_, target) = on_edge(numbers, &geometry, &closed);
         let elsewhere = &geometry.instances[numbers.below(geometry.instances.len())];
         let from = elsewhere.to_world().translation + numbers.direction() * target.length();

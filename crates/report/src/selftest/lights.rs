@@ -130,7 +130,7 @@ pub(super) fn shiny_ball(numbers: &mut Numbers) -> Vec<Picture> {
 }
 
 /// Half angles of the cones of case 41 in degrees, where the inner one is either 0 or the same.
-const OUTER: [f64; 6] = [0.0, 1e-6, 1e-3, 30.0, 45.0, 90.0];
+const OUTER: [f64; 7] = [0.0, 1e-6, 1e-3, 0.1, 30.0, 45.0, 90.0];
 
 /// The floor, in this light.
 fn lit_floor(numbers: &Numbers, light: Value) -> (Eye, Value) {

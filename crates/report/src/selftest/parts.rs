@@ -5,9 +5,7 @@
 //! pixels must show; or what becomes of a value, or of a scene that must be refused. The runners ask
 //! every kernel, instruction level, preset and tracer, and count what is wrong.
 
-use std::fmt;
 use std::ops::Range;
-use std::sync::Arc;
 
 use super::agreement::agree;
 use super::prelude::*;
@@ -45,9 +43,8 @@ impl Part {
                     let traced = world.aim.map(|aim| {
                         let aimed = rays.filter_map(|i| aim(&mut numbers(1 + n as u32, i)));
                         let (rays, expected): (Vec<_>, Vec<_>) = aimed.unzip();
-                        if world.like_brute_force {
-                            let accel = effort.accel(world.geometry, Preset::Brute);
-                            return agree(accel, &rays, &[preset]);
+                        if let Some(like) = world.like {
+                            return agree(effort.accel(world.geometry, like), &rays, &[preset]);
                         }
                         let mut accel = effort.accel(world.geometry, preset);
                         with_every_kernel(&mut accel, |accel| ask_all(accel, &rays, &expected))
@@ -75,11 +72,8 @@ fn preset_of(n: usize) -> Preset {
 /// The most tasks for the inputs of a part.
 const TASKS: usize = 1 << 10;
 
-/// Whether the hit of a ray is right; `None` if that is open.
-type Judge = dyn Fn(&Ray, Hit) -> Option<bool> + Send + Sync;
-
 /// What a ray must meet.
-#[derive(Clone)]
+#[derive(Clone, Debug)]
 pub(super) enum Expected {
     Nothing,
     /// One of these primitives, at a t in this range.
@@ -87,8 +81,10 @@ pub(super) enum Expected {
         of: Range<u32>,
         t: [f64; 2],
     },
-    /// Whatever this says.
-    Such(Arc<Judge>),
+    /// Nothing, or anything at a t in this range.
+    OrNothing {
+        t: [f64; 2],
+    },
 }
 
 impl Expected {
@@ -120,29 +116,12 @@ impl Expected {
         Self::Hit { of: hit.primitive..hit.primitive + 1, t: [t; 2] }
     }
 
-    /// Whatever `judge` says.
-    pub(super) fn such(judge: impl Fn(&Ray, Hit) -> Option<bool> + Send + Sync + 'static) -> Self {
-        Self::Such(Arc::new(judge))
-    }
-
-    fn judge(&self, ray: &Ray, hit: Hit) -> Option<bool> {
+    fn is_met(&self, hit: Hit) -> bool {
+        let is_within = |[low, high]: &[f64; 2]| (*low..=*high).contains(&f64::from(hit.t));
         match self {
-            Self::Nothing => Some(hit.is_miss()),
-            Self::Hit { of, t: [low, high] } => {
-                let t = f64::from(hit.t);
-                Some(of.contains(&hit.primitive) && t >= *low && t <= *high)
-            }
-            Self::Such(judge) => judge(ray, hit),
-        }
-    }
-}
-
-impl fmt::Debug for Expected {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Nothing => write!(f, "nothing"),
-            Self::Hit { of, t } => write!(f, "one of {of:?} at {t:?}"),
-            Self::Such(_) => write!(f, "what the construction says"),
+            Self::Nothing => hit.is_miss(),
+            Self::Hit { of, t } => of.contains(&hit.primitive) && is_within(t),
+            Self::OrNothing { t } => hit.is_miss() || is_within(t),
         }
     }
 }
@@ -153,8 +132,8 @@ type Aim = Box<dyn Fn(&mut Numbers) -> Option<(Ray, Expected)> + Send + Sync>;
 /// Primitives, and rays at them.
 pub(super) struct World {
     geometry: Geometry,
-    /// Whether the hits must be those of the reference by brute force.
-    like_brute_force: bool,
+    /// The tree with which the reference finds the hits that all must have.
+    like: Option<Preset>,
     /// Or why there is no world.
     aim: Result<Aim>,
 }
@@ -165,7 +144,7 @@ impl World {
         geometry: Geometry,
         aim: impl Fn(&mut Numbers) -> Option<(Ray, Expected)> + Send + Sync + 'static,
     ) -> Self {
-        Self { geometry, like_brute_force: false, aim: Ok(Box::new(aim)) }
+        Self { geometry, like: None, aim: Ok(Box::new(aim)) }
     }
 
     /// The world of a scene, with the rays that `aim` makes for it.
@@ -179,13 +158,14 @@ impl World {
         }
     }
 
-    /// Where every kernel and tree must have the hits of the reference by brute force.
-    pub(super) fn like_brute_force(
+    /// Where every kernel and tree must have the hits of the reference with a tree of `like`.
+    pub(super) fn like(
+        like: Preset,
         geometry: Geometry,
         ray: impl Fn(&mut Numbers) -> Ray + Send + Sync + 'static,
     ) -> Self {
         let aim = move |numbers: &mut Numbers| Some((ray(numbers), Expected::ANYTHING));
-        Self { like_brute_force: true, ..Self::new(geometry, aim) }
+        Self { like: Some(like), ..Self::new(geometry, aim) }
     }
 }
 
@@ -202,9 +182,8 @@ fn ask(accel: &Accel, rays: &[Ray], expected: &[Expected]) -> Outcome {
     accel.occluded_of(rays, &mut blocked, &mut traversal);
     let mut outcome = Outcome::default();
     for (i, (ray, &hit)) in rays.iter().zip(&hits).enumerate() {
-        if let Some(is_right) = expected[i].judge(ray, hit) {
-            outcome.check(is_right, || format!("{ray}: {hit:?} and not {:?}", expected[i]));
-        }
+        outcome
+            .check(expected[i].is_met(hit), || format!("{ray}: {hit:?} and not {:?}", expected[i]));
         outcome.check(blocked[i] != hit.is_miss(), || {
             format!("{ray}: {hit:?}, but as a shadow ray {}", blocked[i])
         });

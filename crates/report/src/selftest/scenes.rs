@@ -165,11 +165,7 @@ impl Eye {
 
     /// The direction through the centre of a pixel, of unit length.
     pub(super) fn direction(&self, x: u32, y: u32) -> DVec3 {
-        self.through(f64::from(x) + 0.5, f64::from(y) + 0.5)
-    }
-
-    /// The direction through a point of the image in pixels, of unit length.
-    pub(super) fn through(&self, x: f64, y: f64) -> DVec3 {
+        let (x, y) = (f64::from(x) + 0.5, f64::from(y) + 0.5);
         let [width, height] = self.size.map(f64::from);
         let forward = (self.look - self.location).normalize();
         let right = forward.cross(self.up).normalize();
