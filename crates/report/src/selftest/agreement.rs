@@ -3,7 +3,7 @@
 use super::case::Count;
 use super::examine::{Extent, rays};
 use super::prelude::*;
-use super::ways::{RAYS_OF_A_TASK, in_order, with_every_kernel};
+use super::ways::{in_order, with_every_kernel};
 use wavecrest_core::accel::KernelChoice;
 use wavecrest_core::geometry::Primitive;
 use wavecrest_core::kernels::precision::Precision;
@@ -14,6 +14,9 @@ const RAYS: [usize; 2] = [1 << 16, 1 << 20];
 
 /// Rays that are aimed together: a packet.
 const TOGETHER: usize = 64;
+
+/// Rays that are asked together: many packets, of which one must not spoil the next.
+const RAYS_OF_A_CALL: usize = 64 * TOGETHER;
 
 /// The streams of random numbers of rays and of packets, in place of a case's number and a part's
 /// place.
@@ -27,7 +30,8 @@ pub fn agreement(accel: Accel, effort: &Effort) -> Outcome {
     let presets = effort.either(&[][..], &[Preset::Fastest, Preset::Slow]);
     let extent = Extent::of(accel.geometry());
     let rays = (0..rays(accel.geometry(), effort, RAYS)).into_par_iter();
-    let aimed = rays.map(|n| aim(accel.geometry(), &extent, Numbers::new(effort, AGREEING, n)));
+    let numbers = |n| Numbers::new(effort, AGREEING, n);
+    let aimed = rays.map(|n| aim(accel.geometry(), &extent, numbers(n), TOGETHER_AIMED));
     let aimed: Vec<Ray> = aimed.collect();
     agree(accel, &aimed, presets)
 }
@@ -36,7 +40,7 @@ pub fn agreement(accel: Accel, effort: &Effort) -> Outcome {
 /// answers with the tree of `accel`.
 pub(super) fn agree(mut accel: Accel, rays: &[Ray], presets: &[Preset]) -> Outcome {
     accel.kernel = KernelChoice::Reference;
-    let expected = rays.par_chunks(RAYS_OF_A_TASK).map(|rays| (rays, answers(&accel, rays)));
+    let expected = rays.par_chunks(RAYS_OF_A_CALL).map(|rays| (rays, answers(&accel, rays)));
     let expected: Vec<_> = expected.collect();
     let mut outcome = compare(&mut accel, &expected);
     for preset in presets {
@@ -68,9 +72,9 @@ pub(super) fn aimed(numbers: &mut Numbers) -> World {
         let center = Vec3::Y * numbers.about(1.0) as f32;
         add_sheet(&mut geometry, corners(center, Vec3::X * half, Vec3::Z * half));
     }
-    let extent = Extent::of(&geometry);
+    let (extent, packets) = (Extent::of(&geometry), [49, numbers.bits()]);
     World::like(Preset::Fastest, geometry.clone(), move |numbers| {
-        aim(&geometry, &extent, numbers.clone())
+        aim(&geometry, &extent, numbers.clone(), packets)
     })
 }
 
@@ -104,10 +108,11 @@ fn compare(accel: &mut Accel, asked: &[(&[Ray], Vec<Answer>)]) -> Outcome {
 }
 
 /// A ray of a packet from one point at one primitive: along an edge, around a vertex or inside; or
-/// from there at edges of primitives everywhere. Some end where they are aimed.
-fn aim(geometry: &Geometry, extent: &Extent, mut numbers: Numbers) -> Ray {
+/// from there at edges of primitives everywhere. Some end where they are aimed. `packets` is the
+/// stream of random numbers of what they share.
+fn aim(geometry: &Geometry, extent: &Extent, mut numbers: Numbers, packets: [u32; 2]) -> Ray {
     let place = numbers.index % TOGETHER;
-    let mut shared = Numbers::new(&numbers.effort, TOGETHER_AIMED, numbers.index / TOGETHER);
+    let mut shared = Numbers::new(&numbers.effort, packets, numbers.index / TOGETHER);
     let from = if shared.below(3) > 0 {
         extent.around(&mut shared)
     } else {

@@ -1,5 +1,6 @@
 //! Lights at extreme positions, and reflection at extreme angles and exponents.
 
+use super::examine::met;
 use super::prelude::*;
 
 const FALLOFFS: [&str; 3] = ["linear", "inverse-square", "none"];
@@ -62,8 +63,16 @@ pub(super) fn before_a_wall(numbers: &mut Numbers) -> Vec<Picture> {
     let place = DVec3::Z * (1.5 * unit);
     let wall = scenes::square([place, DVec3::X * unit, DVec3::Y * unit], scenes::white());
     let step = ulp(1.5 * unit);
-    // No error is less than half a step.
-    let nearest = height.abs().max(0.5) * step;
+    let bare = scenes::scene(&eye, &[], std::slice::from_ref(&wall));
+    let least = scenes::prepare_whole(&numbers.effort, &bare).ok().and_then(|prepared| {
+        let (camera, accel) = (&prepared.scene.camera, &prepared.scene.accel);
+        let stream = Stream { seed: 0, pixel: 0, sample: 0, bounce: 0 };
+        let ray = camera.ray(side / 2, side / 2, &stream);
+        let (_, [_, error, _]) = met(accel, &ray, &mut accel.traversal())?;
+        Some(f64::from(error.max_element()))
+    });
+    // Without a point on the wall no pixel is right.
+    let nearest = least.map_or(f64::INFINITY, |least| least.max(height.abs() * step));
     let parts = [1.0 / nearest, 1.0 / (nearest * nearest), 4.0 * std::f64::consts::PI];
     let picture = |(falloff, part): (_, f64)| {
         let light = scenes::point_light(10.0, place + DVec3::Z * (step * height), falloff);
@@ -145,7 +154,10 @@ pub(super) fn cones(numbers: &mut Numbers) -> Vec<Picture> {
     const DOUBTFUL: f64 = 1e-6;
     let outer = OUTER[numbers.index % OUTER.len()];
     let edge = if outer == 90.0 { 0.0 } else { libm::cos(outer.to_radians()) };
-    let aslant = DVec3::from([(); 3].map(|()| 1.0 + numbers.below(1000) as f64));
+    // Few axes are as they were after all roundings.
+    let count = if outer == 0.0 { 24 } else { 1 };
+    let mut aslant = || DVec3::from([(); 3].map(|()| 1.0 + numbers.below(1000) as f64));
+    let aslant: Vec<DVec3> = (0..count).map(|_| aslant()).collect();
     let picture = |from: DVec3, inner: f64| {
         let spot = json!({"type": "spotlight", "intensity": 10, "color": [1, 1, 1],
                           "position": from.to_array(), "direction": (-from).to_array(),
@@ -159,8 +171,8 @@ pub(super) fn cones(numbers: &mut Numbers) -> Vec<Picture> {
         };
         Picture::new(scene, shows)
     };
-    [DVec3::Y * 2.0, aslant]
-        .into_iter()
+    std::iter::once(DVec3::Y * 2.0)
+        .chain(aslant)
         .flat_map(|from| [0.0, outer].map(|inner| picture(from, inner)))
         .collect()
 }
