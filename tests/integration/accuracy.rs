@@ -11,10 +11,10 @@ use wavecrest_core::prepared::{PreparedScene, Samples};
 use wavecrest_core::render::RenderOptions;
 use wavecrest_image::compare::compare;
 use wavecrest_report::accuracy::answer::ERRORS;
-use wavecrest_report::accuracy::findings::{FamilyFindings, PointFindings, SeriesFindings};
+use wavecrest_report::accuracy::findings::Point;
 use wavecrest_report::accuracy::pilot::target::reach;
 use wavecrest_report::accuracy::pilot::{Pilot, error};
-use wavecrest_report::accuracy::setting::{Facts, Setting, Structure};
+use wavecrest_report::accuracy::setting::{Facts, Family, Series, Setting, Structure};
 use wavecrest_report::accuracy::store::{FILE, Header, Record, Store};
 use wavecrest_report::accuracy::subject::Subject;
 use wavecrest_report::accuracy::sweep::{Options, Progress, run};
@@ -43,8 +43,8 @@ fn findings(options: &Options, file: &Path, folder: &Path) -> Findings {
     Findings::new(options, &store, &swept, &ERRORS)
 }
 
-fn family<'a>(findings: &'a Findings, name: &str) -> &'a FamilyFindings {
-    findings.scenes[0].families.iter().find(|f| f.name == name).expect("a family")
+fn family<'a>(findings: &'a Findings, name: &str) -> &'a Family<Point> {
+    findings.scenes[0].family(name).expect("a family")
 }
 
 /// Independent points: the variance of their mean. Stratified points lose most of it but at edges, of which
@@ -76,7 +76,7 @@ fn answers_are_the_fastest_settings(found: &Findings) {
         let reached = measured().filter(|(_, p)| p.rmse.value <= at.error);
         let fastest = reached.map(|(_, p)| p.seconds.median).min_by(f64::total_cmp);
         assert!(fastest.is_some() && at.tracing == fastest, "{at:?}");
-        let is_own = |(series, p): &(&SeriesFindings, &PointFindings)| {
+        let is_own = |(series, p): &(&Series<Point>, &Point)| {
             at.sampler.as_ref() == Some(&series.name) && at.points == Some(p.x as u64)
         };
         let (_, own) = measured().find(is_own).expect("a measured setting");
@@ -203,7 +203,7 @@ fn a_layer_that_is_taken_away_leaves_the_others() {
     let all = scene(1, &camera, &lights, &[ball, wall(5.0, -1.5, matte(0.8, [0.3, 0.5, 0.9]))]);
     std::fs::write(&file, all.to_string()).expect("a file");
     let mut subject = Subject::open(&file, 40).expect("a scene");
-    let pixels = subject.size().map(u64::from).iter().product::<u64>();
+    let pixels = subject.pixels();
     let mut shadows = u64::MAX;
     for without in std::iter::once(None).chain(Layer::ALL.map(Some)) {
         let overrides = Overrides { without, ..Overrides::default() };
@@ -214,8 +214,7 @@ fn a_layer_that_is_taken_away_leaves_the_others() {
             assert_eq!(facts.has(layer), Some(layer) > without, "{layer} without {without:?}");
         }
         let setting = Setting { structure, ..Setting::default() };
-        let counters =
-            subject.render(&setting, &RenderOptions::default()).expect("a film").counters;
+        let counters = subject.render(&setting, 0).expect("a film").counters;
         let rays = match without {
             Some(Layer::Antialiasing) => 1,
             Some(Layer::Lens) => 4,
@@ -341,7 +340,7 @@ fn exactness_has_a_price_list() {
     let mut swept = run(&[file], &options, &mut store, &Silent).expect("a sweep");
     let found = Findings::new(&options, &store, &swept, &ERRORS);
     let prices = found.scenes[0].steps.as_ref().expect("prices");
-    let rendered = swept[0].subject.render(&Setting::default(), &RenderOptions::default());
+    let rendered = swept[0].subject.render(&Setting::default(), 0);
     let counters = rendered.expect("a film").counters;
     assert_eq!(prices.rays, counters.primary_rays + counters.secondary_rays + counters.shadow_rays);
     assert_eq!(prices.steps.len(), Step::ALL.len());

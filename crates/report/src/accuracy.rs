@@ -71,15 +71,10 @@ impl Findings {
             header: Header::new(options),
             seeds: options.seeds,
             circumstances: all(&store.records).cloned().collect(),
-            scenes: swept
-                .iter()
-                .filter_map(|s| SceneFindings::of(s, &store.records, errors))
-                .collect(),
+            scenes: swept.iter().map(|s| SceneFindings::of(s, &store.records, errors)).collect(),
         }
     }
-}
 
-impl Findings {
     /// Writes them as `accuracy.json` into `folder`.
     ///
     /// # Errors

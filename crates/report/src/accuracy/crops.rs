@@ -1,14 +1,11 @@
 //! Crops: what each time buys, in the part of the image where it shows most.
 
 use super::answer::Answer;
-use super::findings::{FamilyFindings, PointFindings, SeriesFindings};
-use super::reference::Reference;
-use super::setting::Family;
+use super::findings::Point;
+use super::setting::{Family, Series};
 use super::subject::Subject;
 use wavecrest_base::error::Result;
 use wavecrest_core::film::Film;
-use wavecrest_core::math::sampling::Sampling;
-use wavecrest_core::render::RenderOptions;
 
 /// A part of the image by one setting.
 #[derive(Clone, Debug)]
@@ -16,7 +13,7 @@ pub struct Crop {
     /// The sampler.
     pub name: String,
     /// The setting.
-    pub point: PointFindings,
+    pub point: Point,
     /// The part of the image.
     pub film: Film,
 }
@@ -42,39 +39,34 @@ const SIZE: [u32; 2] = [28, 21];
 /// If the scene can no longer be rendered.
 pub fn crops(
     subject: &mut Subject,
-    family: &Family,
-    found: &FamilyFindings,
+    family: &Family<Point>,
     answer: &Answer,
-    reference: &Reference,
+    reference: &Film,
 ) -> Result<Option<Crops>> {
-    let mut settings: Vec<(&SeriesFindings, &PointFindings)> = Vec::new();
+    let mut settings: Vec<(&Series<Point>, &Point)> = Vec::new();
     for at in &answer.errors {
-        let reached = found.fastest(at.error);
+        let reached = family.fastest(at.error);
         settings.extend(reached.filter(|(_, p)| settings.iter().all(|(_, q)| p.key != q.key)));
     }
     settings.sort_by(|a, b| a.1.seconds.median.total_cmp(&b.1.seconds.median));
-    let random = found.series.iter().find(|series| series.name == Sampling::Random.name());
     let rivals = settings.iter().filter_map(|(series, point)| {
-        let random = random.filter(|random| random.name != series.name)?;
+        let random = family.random().filter(|random| random.name != series.name)?;
         Some((random, random.within(point.seconds.median)?))
     });
     let rivals: Vec<_> = rivals.collect();
-    let mut whole = |(series, point): &(&SeriesFindings, &PointFindings)| {
-        let mut all = family.series.iter().flat_map(|line| &line.points);
-        let setting = all.find(|(.., setting)| setting.key() == point.key);
-        let setting = setting.map(|(.., setting)| *setting).unwrap_or_default();
-        let film = subject.render(&setting, &RenderOptions::default())?.film;
+    let mut whole = |(series, point): &(&Series<Point>, &Point)| {
+        let film = subject.render(&point.setting, 0)?.film;
         Ok(Crop { name: series.name.clone(), point: (*point).clone(), film })
     };
     let answers = settings.iter().map(&mut whole).collect::<Result<Vec<Crop>>>()?;
     let random = rivals.iter().map(&mut whole).collect::<Result<Vec<Crop>>>()?;
     let Some(first) = random.first().or(answers.first()) else { return Ok(None) };
-    let window = worst(&first.film, &reference.film);
+    let window = worst(&first.film, reference);
     let part = |crop: Crop| Ok(Crop { film: crop.film.part(window)?, ..crop });
     Ok(Some(Crops {
         answers: answers.into_iter().map(part).collect::<Result<_>>()?,
         random: random.into_iter().map(part).collect::<Result<_>>()?,
-        reference: reference.film.part(window)?,
+        reference: reference.part(window)?,
     }))
 }
 

@@ -10,6 +10,8 @@
 //! | `parts[].effect` | | first `camera rays`, one through the centre of each pixel; then each effect added to those before it |
 //! | `.passes` | seconds | its time in each pass, summed over threads |
 
+#![allow(missing_docs, reason = "the table above says it once, for the JSON and for the fields")]
+
 use std::time::Instant;
 
 use serde::Serialize;
@@ -20,7 +22,6 @@ use super::subject::Subject;
 use super::sweep::{Progress, timed};
 use wavecrest_base::error::Result;
 use wavecrest_core::kernels::precision::Precision;
-use wavecrest_core::render::RenderOptions;
 use wavecrest_scene::systems::overrides::{Layer, Overrides};
 
 /// The rest when all layers are removed.
@@ -32,7 +33,6 @@ const SHORT: f64 = 5.0;
 
 /// The layers in one precision.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-#[allow(missing_docs, reason = "see the module documentation")]
 pub struct LayersFindings {
     pub precision: String,
     pub parts: Vec<PartFindings>,
@@ -40,7 +40,6 @@ pub struct LayersFindings {
 
 /// A layer's time.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-#[allow(missing_docs, reason = "see the module documentation")]
 pub struct PartFindings {
     pub effect: String,
     pub passes: Vec<(String, f64)>,
@@ -52,7 +51,7 @@ pub struct PartFindings {
 /// # Errors
 /// If the scene can no longer be rendered, or a record cannot be written.
 pub fn run(subject: &mut Subject, store: &mut Store, progress: &dyn Progress) -> Result<()> {
-    let scene = subject.name();
+    let scene = subject.record.scene.clone();
     progress.stage(&format!("{scene}: time by effect"));
     for precision in Precision::ALL {
         let name = precision.name();
@@ -68,7 +67,7 @@ pub fn run(subject: &mut Subject, store: &mut Store, progress: &dyn Progress) ->
 
 /// The least time of several renders in each pass, as other programs can only add to a time.
 fn steps(subject: &mut Subject, precision: Precision) -> Result<Vec<Step>> {
-    let facts = subject.facts();
+    let facts = subject.facts;
     let present = Layer::ALL.into_iter().filter(|layer| facts.has(*layer)).map(Some);
     let without: Vec<Option<Layer>> = std::iter::once(None).chain(present).collect();
     let mut steps: Vec<_> =
@@ -82,7 +81,7 @@ fn steps(subject: &mut Subject, precision: Precision) -> Result<Vec<Step>> {
             let overrides = Overrides { without, ..Overrides::default() };
             let structure = Structure { precision, overrides };
             let setting = Setting { structure, ..Setting::default() };
-            let (rendered, _) = timed(subject, &setting, &RenderOptions::default())?;
+            let (rendered, _) = timed(subject, &setting, 0)?;
             keep_least(passes, &rendered.pass_seconds);
         }
     }

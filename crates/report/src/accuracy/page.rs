@@ -10,6 +10,7 @@ use super::Findings;
 use super::crops::{Crop, Crops, crops};
 use super::findings::SceneFindings;
 use super::sweep::Swept;
+use crate::bench::page::command;
 use crate::files::{to_json, write_text};
 use crate::page::{Block, Fact, Page, Picture, Section};
 use crate::plot::figure::Figure;
@@ -32,7 +33,6 @@ pub fn write(findings: &Findings, swept: &mut [Swept], results: &Path) -> Result
         first.extend(bought(scene, swept)?);
         sections.push(section(scene, results)?);
     }
-    first.push(answers::costs(findings));
     sections.push(about(findings));
     let (title, lead) = ("What accuracy costs in time".to_owned(), answers::lead(findings));
     Page { title, lead, first, sections }.write(&results.join("report.html"))
@@ -51,19 +51,13 @@ pub fn summary(findings: &Findings) -> Vec<Block> {
 }
 
 /// What each time buys: the chart of the answer's samplers, and crops.
-fn bought(scene: &SceneFindings, swept: &mut Swept) -> Result<Vec<Block>> {
-    let Swept { subject, families, references } = swept;
-    let name = scene.answer.family;
-    let (Some(found), Some(family)) = (
-        scene.families.iter().find(|found| found.name == name),
-        families.iter().find(|family| family.name == name),
-    ) else {
-        return Ok(Vec::new());
-    };
-    let mut blocks = vec![Block::Chart(charts::against_time(found, scene))];
-    if let Some(reference) = references.get(found.target.name())
-        && let Some(crops) = crops(subject, family, found, &scene.answer, reference)?
-    {
+fn bought(
+    scene: &SceneFindings,
+    Swept { subject, references, .. }: &mut Swept,
+) -> Result<Vec<Block>> {
+    let Some(family) = scene.family(scene.answer.family) else { return Ok(Vec::new()) };
+    let mut blocks = vec![Block::Chart(charts::against_time(family, scene))];
+    if let Some(crops) = crops(subject, family, &scene.answer, &references[&family.target])? {
         blocks.extend(rows(&crops)?);
     }
     Ok(blocks)
@@ -111,19 +105,9 @@ fn about(findings: &Findings) -> Section {
             Fact::new("wavecrest", findings.header.version.clone()),
             Fact::new("Commit", circumstances.commit.clone().unwrap_or_else(|| "unknown".into())),
         ]));
-        blocks.push(Block::Code(command(&circumstances.command)));
+        blocks.push(Block::Code(command(circumstances.command.get(1..).unwrap_or_default())));
     }
     Section::new("How it was measured", blocks)
-}
-
-/// The arguments as typed, with only the name of the program.
-fn command(arguments: &[String]) -> String {
-    let mut words = vec!["wavecrest".to_owned()];
-    for argument in arguments.iter().skip(1) {
-        let is_plain = argument.chars().all(|c| c.is_ascii_alphanumeric() || "-_./,=:".contains(c));
-        words.push(if is_plain { argument.clone() } else { format!("'{argument}'") });
-    }
-    words.join(" ")
 }
 
 fn section(scene: &SceneFindings, folder: &Path) -> Result<Section> {

@@ -12,13 +12,13 @@ use super::store::{Record, StepRecord, StepsRecord, Store, all};
 use super::subject::Subject;
 use super::sweep::Progress;
 use crate::selftest::agreement::leaving;
+use crate::statistics::Rays;
 use wavecrest_base::error::Result;
 use wavecrest_core::accel::steps::{Step, Steps};
 use wavecrest_core::kernels::precision::Precision;
 use wavecrest_core::math::random::Stream;
 use wavecrest_core::math::ray::Ray;
 use wavecrest_core::prepared::PreparedScene;
-use wavecrest_core::render::RenderOptions;
 
 /// Rays of the camera, and as many that leave primitives.
 const RAYS: u32 = 1 << 11;
@@ -32,13 +32,13 @@ const SHORT: f64 = 0.5;
 /// # Errors
 /// If the scene can no longer be rendered, or the record cannot be written.
 pub fn run(subject: &mut Subject, store: &mut Store, progress: &dyn Progress) -> Result<()> {
-    let scene = subject.name();
+    let scene = subject.record.scene.clone();
     if all(&store.records).any(|s: &StepsRecord| s.scene == scene) {
         return Ok(());
     }
     progress.stage(&format!("{scene}: steps to exact hits"));
-    let c = subject.render(&Setting::default(), &RenderOptions::default())?.counters;
-    let rays = c.primary_rays + c.secondary_rays + c.shadow_rays;
+    let c = subject.render(&Setting::default(), 0)?.counters;
+    let rays = Rays::from(&c).all();
     let mut prices = prices(&subject.prepare(&Structure::default())?.scene);
     let fast_filter = prices.pop().unwrap_or_default();
     let step = |(step, nanoseconds): (Step, f64)| StepRecord {

@@ -129,7 +129,7 @@ fn point(key: String, seed: u64, seconds: f64, yardstick: f64, mse: f64) -> Reco
         timing: None,
         passes: Vec::new(),
         rays: 7,
-        error: Errors { mse, relative_mse: mse, bias: 0.0, flip: 0.0, flip_95: 0.0 },
+        error: Errors { mse, relative_mse: mse, bias: 0.0, flip: 0.0 },
     })
 }
 

@@ -1,14 +1,15 @@
 //! Findings as charts.
 
-use crate::accuracy::findings::{FamilyFindings, PointFindings, SceneFindings, SeriesFindings};
+use crate::accuracy::findings::{self, SceneFindings};
 use crate::accuracy::layers::{LayersFindings, PartFindings};
+use crate::accuracy::setting::{self, Family};
 use crate::accuracy::subject::Stages;
 use crate::plot::{
     Axis, Bar, Chart, Course, Draw, Guide, Point, Scale, Segment, Series, StackedBars,
 };
 
 /// The charts of a family, each with its file name.
-pub(super) fn of(family: &FamilyFindings, scene: &SceneFindings) -> Vec<(String, Chart)> {
+pub(super) fn of(family: &Family<findings::Point>, scene: &SceneFindings) -> Vec<(String, Chart)> {
     let name = family.name;
     match name {
         "bounces" => vec![(name.to_owned(), bounces(family))],
@@ -23,14 +24,14 @@ fn log(label: &str, unit: &str) -> Axis {
     Axis::new(label, unit, Scale::Log)
 }
 
-fn point(p: &PointFindings, x: f64) -> Point {
+fn point(p: &findings::Point, x: f64) -> Point {
     let noise = if p.above_noise { "" } else { ", below the noise of the reference" };
     let points = super::tables::points_of(&p.label);
     let label = format!("{points}, {:.3} ms{noise}", p.seconds.median * 1e3);
     Point { x, y: p.rmse.value, low: Some(p.rmse.low), high: Some(p.rmse.high), label }
 }
 
-fn line(series: &SeriesFindings, x: fn(&PointFindings) -> f64) -> Series {
+fn line(series: &setting::Series<findings::Point>, x: fn(&findings::Point) -> f64) -> Series {
     let points = series.points.iter().map(|p| point(p, x(p))).collect();
     Series { name: series.name.clone(), draw: Draw::Line, points }
 }
@@ -45,7 +46,7 @@ const ODD: &str = "Grids with an odd number of columns do slightly worse: a quad
                    with half of the columns, and the middle column lies in both. ";
 
 /// The error against the count, with theoretical slopes.
-fn against_samples(family: &FamilyFindings, scene: &SceneFindings) -> Chart {
+fn against_samples(family: &Family<findings::Point>, scene: &SceneFindings) -> Chart {
     let mut guides = Vec::new();
     let first = family.series.first().and_then(|line| line.points.first());
     if let Some(first) = first.filter(|_| family.series.iter().any(|line| line.slope.is_some())) {
@@ -54,7 +55,7 @@ fn against_samples(family: &FamilyFindings, scene: &SceneFindings) -> Chart {
             guides.push(Guide { name: name.to_owned(), course: Course::Power { slope, through } });
         }
     }
-    let floor = crate::accuracy::reference::FLOOR * scene.standard_error(family.target);
+    let floor = scene.floor(family.target);
     if floor > 0.0 {
         guides.push(Guide::at("noise", floor));
     }
@@ -73,7 +74,7 @@ fn against_samples(family: &FamilyFindings, scene: &SceneFindings) -> Chart {
 }
 
 /// The error against time.
-pub(super) fn against_time(family: &FamilyFindings, scene: &SceneFindings) -> Chart {
+pub(super) fn against_time(family: &Family<findings::Point>, scene: &SceneFindings) -> Chart {
     Chart {
         title: format!("{}: error against time, {}", scene.scene.scene, family.title.to_lowercase()),
         x: log("time", "s"),
@@ -84,7 +85,7 @@ pub(super) fn against_time(family: &FamilyFindings, scene: &SceneFindings) -> Ch
     }
 }
 
-fn bounces(family: &FamilyFindings) -> Chart {
+fn bounces(family: &Family<findings::Point>) -> Chart {
     Chart {
         title: "Error against the number of mirror bounces".to_owned(),
         x: Axis::new(family.counted, "", Scale::Linear),

@@ -1,8 +1,8 @@
 //! Findings as tables.
 
 use crate::accuracy::answer::Answer;
-use crate::accuracy::findings::{FamilyFindings, PointFindings, SceneFindings, SeriesFindings};
-use crate::accuracy::setting::Target;
+use crate::accuracy::findings::{Point, SceneFindings};
+use crate::accuracy::setting::{Family, Series, Target};
 use crate::accuracy::store::StepRecord;
 use crate::page::{Block, Cell, Details, Table};
 use crate::plot::number::{figure, seconds};
@@ -52,7 +52,7 @@ fn milliseconds(seconds: f64) -> Cell {
 }
 
 /// The tables of a family, for the errors of the answer.
-pub(super) fn of(family: &FamilyFindings, answer: &Answer) -> Vec<Block> {
+pub(super) fn of(family: &Family<Point>, answer: &Answer) -> Vec<Block> {
     let mut blocks = Vec::new();
     blocks.extend(slopes(family).map(Block::Table));
     let points = Block::Table(points(family));
@@ -68,8 +68,8 @@ pub(super) fn of(family: &FamilyFindings, answer: &Answer) -> Vec<Block> {
     blocks
 }
 
-pub(super) fn slopes(family: &FamilyFindings) -> Option<Table> {
-    let row = |series: &SeriesFindings| {
+pub(super) fn slopes(family: &Family<Point>) -> Option<Table> {
+    let row = |series: &Series<Point>| {
         let slope = series.slope?;
         let interval = |low: f64, high: f64| Cell::text(format!("{low:.3} to {high:.3}"));
         Some(vec![
@@ -90,9 +90,9 @@ pub(super) fn slopes(family: &FamilyFindings) -> Option<Table> {
 }
 
 /// The fastest setting of each sampler that reaches each error.
-fn time_to_error(family: &FamilyFindings, answer: &Answer) -> Table {
+fn time_to_error(family: &Family<Point>, answer: &Answer) -> Table {
     let first = family.series.first();
-    let cell = |series: &SeriesFindings, error: f64| {
+    let cell = |series: &Series<Point>, error: f64| {
         let Some(point) = series.reach(error) else { return Cell::text("not reached") };
         let time = point.seconds.median;
         let text = format!("{}, {}", seconds(time), points_of(&point.label));
@@ -100,7 +100,7 @@ fn time_to_error(family: &FamilyFindings, answer: &Answer) -> Table {
         let ratio = rival.map(|rival| format!(" ({:.2} x)", rival.seconds.median / time));
         Cell::number(time, text + &ratio.unwrap_or_default())
     };
-    let row = |series: &SeriesFindings| {
+    let row = |series: &Series<Point>| {
         let cells = answer.errors.iter().map(|at| cell(series, at.error));
         std::iter::once(Cell::text(series.name.clone())).chain(cells).collect()
     };
@@ -118,11 +118,11 @@ pub(super) fn points_of(count: &str) -> String {
     if count == "1" { "1 point".to_owned() } else { format!("{count} points") }
 }
 
-fn points(family: &FamilyFindings) -> Table {
+fn points(family: &Family<Point>) -> Table {
     let header =
         "setting|>time, ms|>RMSE|>95% interval|>relative MSE|>PSNR, dB|>FLIP|>bias|above noise";
     let mark = |yes: bool| Cell::text(if yes { "yes" } else { "no" });
-    let row = |series: &SeriesFindings, p: &PointFindings| {
+    let row = |series: &Series<Point>, p: &Point| {
         let name = if family.series.len() > 1 {
             format!("{} {}", series.name, p.label)
         } else {
@@ -146,14 +146,14 @@ fn points(family: &FamilyFindings) -> Table {
 
 /// Time and error of each precision, with leaks and self-hits.
 pub(super) fn precision(scene: &SceneFindings) -> Vec<Block> {
-    let family = scene.families.iter().find(|family| family.name == "precision");
+    let family = scene.family("precision");
     let Some(points) = family.and_then(|f| f.series.first()).map(|series| &series.points) else {
         return Vec::new();
     };
     let fast = points.first().map_or(1.0, |p| p.seconds.median);
     let share =
         |[tried, failed]: [u64; 2]| Cell::number(failed as f64, format!("{failed} of {tried}"));
-    let row = |p: &PointFindings| {
+    let row = |p: &Point| {
         let trial = scene.trials.iter().find(|trial| trial.precision == p.label);
         let missing = || Cell::text("none");
         let errors = trial.and_then(|trial| trial.errors.as_deref());

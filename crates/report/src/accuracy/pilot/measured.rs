@@ -85,7 +85,7 @@ pub fn error(scene: &PreparedScene, film: Option<&Film>, seed: u64) -> Result<Me
 }
 
 /// The variance of a value between images of one size: the mean over all their values.
-fn variance(films: &[Film]) -> f64 {
+pub(in crate::accuracy) fn variance(films: &[Film]) -> f64 {
     let n = films.len() as f64;
     let values = films.first().map_or(0, |film| film.pixels().len() * 3);
     let of = |index: usize| {
