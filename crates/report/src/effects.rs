@@ -21,7 +21,7 @@
 //! | `.bytes_per_path` | bytes | in the columns of the wavefront |
 //! | `.wavefront`, `.recursive` | | the cost with this tracer: |
 //! | `.seconds` | seconds | of a run, as in [`super::bench`] |
-//! | `.seconds_per_mpixel`, `.seconds_per_mray` | seconds | the median for 10^6 pixels, and for 10^6 rays of any kind |
+//! | `.seconds_per_mray` | seconds | the median for 10^6 rays of any kind |
 //! | `.price` | | seconds over those of the scene that it was added to: median and interval, as in [`super::bench`]; `null` for the first scenes |
 
 mod list;
@@ -78,7 +78,7 @@ pub fn measure(
         let expected = if variant.reached { index } else { variant.added_to.unwrap_or(index) };
         let difference = Difference::of(&firsts[expected], &rendered);
         list.difference = difference.map(|difference| {
-            let effect = variant.name;
+            let effect = variant.name.clone();
             EffectDifference { effect, tracer, difference }
         });
         Ok(list.difference.is_none().then_some((timing, ())))
@@ -101,12 +101,12 @@ fn price(entries: &[Entry], seconds: &[Vec<f64>], index: usize, first: &Rendered
     let cost = |tracer: usize| {
         let place = |entry: usize| entry * TRACERS.len() + tracer;
         let base = variant.added_to.map(place);
-        Cost::new(seconds, (place(index), base), scene, &first.counters)
+        Cost::new(seconds, (place(index), base), &first.counters)
     };
     let present = scene.plan.decisions().iter().filter(|decision| decision.present);
     Some(Price {
-        effect: variant.name,
-        added_to: variant.added_to.map(|base| entries[base].variant.name),
+        effect: variant.name.clone(),
+        added_to: variant.added_to.map(|base| entries[base].variant.name.clone()),
         reached: variant.reached,
         simulated: present.map(|decision| decision.effect.name()).collect(),
         rays: (&first.counters).into(),
