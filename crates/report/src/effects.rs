@@ -29,7 +29,10 @@ pub mod scenes;
 mod text;
 
 use crate::bench::equal::Difference;
+use crate::bench::{Machine, Ratio};
 use crate::measure::{Schedule, Timing, Turn};
+use crate::statistics::Rays;
+use crate::summary::Summary;
 use scenes::Variant;
 use wavecrest_base::error::Result;
 use wavecrest_core::prepared::PreparedScene;
@@ -63,7 +66,18 @@ pub fn measure(
     progress: &mut dyn FnMut(u64, u64),
 ) -> Result<PriceList> {
     let mut firsts: Vec<Rendered> = Vec::new();
-    let mut list = PriceList::of(entries, setting);
+    let [width, height] = entries.first().map_or([0; 2], |entry| entry.scene.camera.size());
+    let mut list = PriceList {
+        version: env!("CARGO_PKG_VERSION"),
+        machine: Machine::this(),
+        image: Size { width, height },
+        setting,
+        rounds: 0,
+        left_out: 0,
+        busy: 0,
+        difference: None,
+        effects: Vec::new(),
+    };
     let run = |Turn { variant, .. }: Turn| {
         let (index, tracer) = (variant / TRACERS.len(), TRACERS[variant % TRACERS.len()]);
         let Entry { variant, scene } = &entries[index];
@@ -98,10 +112,16 @@ pub fn measure(
 
 fn price(entries: &[Entry], seconds: &[Vec<f64>], index: usize, first: &Rendered) -> Option<Price> {
     let Entry { variant, scene } = &entries[index];
+    let rays = Rays::from(&first.counters);
     let cost = |tracer: usize| {
         let place = |entry: usize| entry * TRACERS.len() + tracer;
-        let base = variant.added_to.map(place);
-        Cost::new(seconds, (place(index), base), &first.counters)
+        let ratio = |base| Ratio::of(seconds, place(index), place(base));
+        let summary = Summary::of(&seconds[place(index)])?;
+        Some(Cost {
+            seconds_per_mray: summary.median / rays.all().max(1) as f64 * 1e6,
+            price: variant.added_to.and_then(ratio),
+            seconds: summary,
+        })
     };
     let present = scene.plan.decisions().iter().filter(|decision| decision.present);
     Some(Price {
@@ -109,7 +129,7 @@ fn price(entries: &[Entry], seconds: &[Vec<f64>], index: usize, first: &Rendered
         added_to: variant.added_to.map(|base| entries[base].variant.name.clone()),
         reached: variant.reached,
         simulated: present.map(|decision| decision.effect.name()).collect(),
-        rays: (&first.counters).into(),
+        rays,
         samples: (&first.counters).into(),
         bytes_per_path: Batch::bytes_per_path(scene).iter().map(|(_, bytes)| bytes).sum(),
         wavefront: cost(0)?,

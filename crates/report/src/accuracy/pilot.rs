@@ -243,15 +243,10 @@ impl Pilot {
 
     /// The choice that reaches `error` in the least time.
     pub fn for_error(&self, error: f64) -> Option<Choice> {
-        let choices = self.curves.iter().map(|curve| curve.for_error(error));
-        let reaches = |c: &Choice| c.error <= error;
-        choices.min_by(|a, b| {
-            reaches(b).cmp(&reaches(a)).then(if reaches(a) {
-                a.seconds.total_cmp(&b.seconds)
-            } else {
-                a.error.total_cmp(&b.error)
-            })
-        })
+        let choices = || self.curves.iter().map(|curve| curve.for_error(error));
+        let reaching = choices().filter(|choice| choice.error <= error);
+        let fastest = reaching.min_by(|a, b| a.seconds.total_cmp(&b.seconds));
+        fastest.or_else(|| choices().min_by(|a, b| a.error.total_cmp(&b.error)))
     }
 
     /// The choice with the least error in `seconds`.

@@ -4,13 +4,11 @@
 
 use serde::Serialize;
 
-use super::Entry;
 use crate::bench::equal::Difference;
 use crate::bench::{Machine, Ratio};
 use crate::statistics::{Rays, Samples};
 use crate::summary::Summary;
 use wavecrest_core::accel::KernelChoice;
-use wavecrest_core::counters::Counters;
 use wavecrest_core::kernels::precision::Precision;
 use wavecrest_core::math::simd::Level;
 use wavecrest_core::render::TracerKind;
@@ -77,39 +75,4 @@ pub struct EffectDifference {
     pub tracer: TracerKind,
     /// The difference.
     pub difference: Difference,
-}
-
-impl PriceList {
-    /// A list without prices, by this program on this machine.
-    pub(super) fn of(entries: &[Entry], setting: Setting) -> Self {
-        let [width, height] = entries.first().map_or([0; 2], |entry| entry.scene.camera.size());
-        Self {
-            version: env!("CARGO_PKG_VERSION"),
-            machine: Machine::this(),
-            image: Size { width, height },
-            setting,
-            rounds: 0,
-            left_out: 0,
-            busy: 0,
-            difference: None,
-            effects: Vec::new(),
-        }
-    }
-}
-
-impl Cost {
-    /// The cost of a variant, given the seconds of all, and the variant that it is added to.
-    pub(super) fn new(
-        seconds: &[Vec<f64>],
-        (index, base): (usize, Option<usize>),
-        counters: &Counters,
-    ) -> Option<Self> {
-        let summary = Summary::of(&seconds[index])?;
-        let rays = Rays::from(counters).all().max(1);
-        Some(Self {
-            seconds_per_mray: summary.median / rays as f64 * 1e6,
-            price: base.and_then(|base| Ratio::of(seconds, index, base)),
-            seconds: summary,
-        })
-    }
 }
