@@ -12,14 +12,12 @@
 
 #![allow(missing_docs, reason = "the table above says it once, for the JSON and for the fields")]
 
-use std::time::Instant;
-
 use serde::Serialize;
 
 use super::setting::{Setting, Structure};
 use super::store::{LayersRecord, Record, Step, Store, all};
 use super::subject::Subject;
-use super::sweep::{Progress, timed};
+use super::sweep::{Progress, rounds, timed};
 use wavecrest_base::error::Result;
 use wavecrest_core::kernels::precision::Precision;
 use wavecrest_scene::systems::overrides::{Layer, Overrides};
@@ -72,11 +70,7 @@ fn steps(subject: &mut Subject, precision: Precision) -> Result<Vec<Step>> {
     let without: Vec<Option<Layer>> = std::iter::once(None).chain(present).collect();
     let mut steps: Vec<_> =
         without.iter().map(|layer| (layer.map(|l| l.name().to_owned()), Vec::new())).collect();
-    let start = Instant::now();
-    for round in 0..ROUNDS {
-        if round > 0 && start.elapsed().as_secs_f64() > SHORT {
-            break;
-        }
+    for _ in rounds(ROUNDS, SHORT) {
         for (&without, (_, passes)) in without.iter().zip(&mut steps) {
             let overrides = Overrides { without, ..Overrides::default() };
             let structure = Structure { precision, overrides };

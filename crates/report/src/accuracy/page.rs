@@ -2,22 +2,19 @@
 
 mod answers;
 mod charts;
+mod crops;
 mod tables;
 
 use std::path::Path;
 
 use super::Findings;
-use super::crops::{Crop, Crops, crops};
 use super::findings::SceneFindings;
 use super::sweep::Swept;
 use crate::bench::page::command;
 use crate::files::{to_json, write_text};
-use crate::page::{Block, Fact, Page, Picture, Section};
+use crate::page::{Block, Fact, Page, Section};
 use crate::plot::figure::Figure;
-use crate::plot::number::{figure, seconds};
 use wavecrest_base::error::Result;
-use wavecrest_core::film::Film;
-use wavecrest_image::write::{Transfer, png};
 
 /// The width of charts as PNG, in pixels.
 const CHART_WIDTH: u32 = 1200;
@@ -57,27 +54,7 @@ fn bought(
 ) -> Result<Vec<Block>> {
     let Some(family) = scene.family(scene.answer.family) else { return Ok(Vec::new()) };
     let mut blocks = vec![Block::Chart(charts::against_time(family, scene))];
-    if let Some(crops) = crops(subject, family, &scene.answer, &references[&family.target])? {
-        blocks.extend(rows(&crops)?);
-    }
-    Ok(blocks)
-}
-
-/// The crops of the answers, with the reference, above those of random points.
-fn rows(Crops { answers, random, reference }: &Crops) -> Result<Vec<Block>> {
-    let row = |crops: &[Crop]| {
-        let crops = crops.iter().map(|crop| picture(&crop.film, words(crop)));
-        let reference = std::iter::once_with(|| picture(reference, "reference".to_owned()));
-        crops.chain(reference).collect::<Result<Vec<_>>>()
-    };
-    let mut blocks = vec![
-        Block::paragraph("What each time buys, where random points have their largest error:"),
-        Block::Pictures(row(answers)?),
-    ];
-    if !random.is_empty() {
-        blocks.push(Block::paragraph("Random points in at most the same time:"));
-        blocks.push(Block::Pictures(row(random)?));
-    }
+    blocks.extend(crops::rows(subject, family, &scene.answer, &references[&family.target])?);
     Ok(blocks)
 }
 
@@ -147,14 +124,4 @@ fn write_chart(chart: &impl Figure, stem: &Path) -> Result<()> {
     write_text(&with("csv"), &chart.csv())?;
     write_text(&with("json"), &to_json(chart).map_err(|e| e.in_file(stem))?)?;
     chart.png(&with("png"), CHART_WIDTH)
-}
-
-fn words(Crop { name, point, .. }: &Crop) -> String {
-    let (points, error) = (tables::points_of(&point.label), figure(point.rmse.value * 100.0));
-    format!("{}: {name}, {points}, error {error} %", seconds(point.seconds.median))
-}
-
-fn picture(film: &Film, caption: String) -> Result<Picture> {
-    let alt = format!("Rendered image: {caption}");
-    Ok(Picture { png: png(film, Transfer::Linear)?, alt, caption, pixels: true })
 }

@@ -6,16 +6,15 @@
 //! standard errors is noise of the reference; renders are added until the reference is accurate
 //! enough for the comparisons, or until there are [`MOST_REPLICATES`].
 
+use super::pilot::Axis;
 use super::pilot::measured::variance;
-use super::setting::{Setting, Target, converges};
+use super::setting::{Facts, Setting, Target, converges};
 use super::store::{Record, ReferenceRecord, Store, all};
-use super::subject::Subject;
 use super::sweep::Swept;
 use wavecrest_base::error::Result;
 use wavecrest_core::accel::KernelChoice;
 use wavecrest_core::film::Film;
 use wavecrest_core::math::sampling::{Points, Sampling};
-use wavecrest_core::prepared::Samples;
 use wavecrest_image::compare::compare;
 use wavecrest_image::read::read;
 use wavecrest_image::write::{Transfer, write};
@@ -48,7 +47,7 @@ pub fn reference(swept: &mut Swept, target: Target, least: u32, store: &mut Stor
     let last = approached.flat_map(|family| &family.series).filter_map(|s| s.points.last());
     let nearest = last.filter(|(.., setting)| converges(&setting.key()));
     let nearest: Vec<Setting> = nearest.map(|(.., setting)| *setting).collect();
-    let (setting, count) = setting(subject, target, least);
+    let (setting, count) = setting(&subject.facts, target, least);
     let is_sampled = subject.facts.is_sampled(target);
     let mut films: Vec<Film> = Vec::new();
     let mut seconds = 0.0;
@@ -102,27 +101,14 @@ fn mean(films: &[Film]) -> Result<Film> {
 
 /// The setting of the reference of `target`, and the number of points of each kind in the scene: at
 /// least `least` for each sampled kind.
-fn setting(subject: &Subject, target: Target, least: u32) -> (Setting, u32) {
-    let facts = subject.facts;
-    let mut samples = Samples::default();
-    let mut count = 1;
-    if facts.is_sampled(target) {
-        let many = Points { sampling: Sampling::Sobol, side: least.isqrt() };
-        let many = if many.count() < least { Points { side: many.side + 1, ..many } } else { many };
-        count = many.count();
-        let one = Some(Points { side: 1, ..many });
-        let many = Some(many);
-        // With many rays in a pixel, each has one point of the sequence on each light and on the
-        // lens.
-        samples = if target == Target::Pixel || facts.antialias > 1 {
-            Samples { pixel: many, lens: one, lights: one }
-        } else if facts.has_lens {
-            Samples { pixel: None, lens: many, lights: one }
-        } else {
-            Samples { pixel: None, lens: None, lights: many }
-        };
+fn setting(facts: &Facts, target: Target, least: u32) -> (Setting, u32) {
+    if !facts.is_sampled(target) {
+        return (Setting::default(), 1);
     }
-    (Setting { samples, ..Setting::default() }, count)
+    let side = (1..).find(|side| side * side >= least).unwrap_or(1);
+    let points = Points { sampling: Sampling::Sobol, side };
+    let axis = if target == Target::Pixel { Axis::Pixel } else { Axis::of(facts) };
+    (Setting { samples: axis.samples(points), ..Setting::default() }, points.count())
 }
 
 /// The least work of a reference, in points of each pixel: see [`Setting::work`].

@@ -31,12 +31,6 @@ pub struct Setting {
 }
 
 impl Setting {
-    /// The same with one point of each kind: the fastest render of its structure.
-    pub fn least(self) -> Self {
-        let one = Some(Points { sampling: Sampling::Random, side: 1 });
-        Self { samples: Samples { lights: one, lens: one, pixel: one }, ..self }
-    }
-
     /// A rough measure of a render's work: points in each pixel.
     pub fn work(&self) -> u64 {
         let Samples { lights, lens, pixel } = self.samples;

@@ -10,7 +10,7 @@ use super::findings::SceneFindings;
 use super::setting::{Setting, Structure};
 use super::store::{Record, StepRecord, StepsRecord, Store, all};
 use super::subject::Subject;
-use super::sweep::Progress;
+use super::sweep::{Progress, rounds};
 use crate::selftest::agreement::leaving;
 use crate::statistics::Rays;
 use wavecrest_base::error::Result;
@@ -97,11 +97,7 @@ fn prices(scene: &PreparedScene) -> Vec<f64> {
     let exact = Step::ALL.map(|step| (step, Precision::Exact));
     let all = exact.into_iter().chain([(Step::Filter, Precision::Fast)]);
     let mut least: Vec<_> = all.map(|taken| (taken, f64::INFINITY)).collect();
-    let start = Instant::now();
-    for round in 0..ROUNDS {
-        if round > 0 && start.elapsed().as_secs_f64() > SHORT {
-            break;
-        }
+    for _ in rounds(ROUNDS, SHORT) {
         for ((step, precision), least) in &mut least {
             *least = least.min(each(steps.count(*step), || steps.run(*step, *precision)));
         }

@@ -71,11 +71,6 @@ impl Subject {
         self.record.size.map(u64::from).iter().product()
     }
 
-    /// Whether a structure is prepared and in memory.
-    pub fn is_prepared(&self, structure: &Structure) -> bool {
-        self.prepared.contains_key(structure)
-    }
-
     /// The scene in `structure`, prepared if necessary.
     ///
     /// # Errors

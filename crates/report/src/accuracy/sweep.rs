@@ -10,7 +10,7 @@ use std::time::Instant;
 use super::findings::busy_rounds;
 use super::fit::Rng;
 use super::setting::{Family, Point, Setting, Structure, Target, families};
-use super::store::{Errors, PointRecord, PreparedRecord, Record, Store, TrialRecord, all};
+use super::store::{Errors, Header, PointRecord, PreparedRecord, Record, Store, TrialRecord, all};
 use super::subject::Subject;
 use super::{layers, reference, steps};
 use crate::measure::Timing;
@@ -36,19 +36,6 @@ pub trait Progress {
     fn step(&self, work: u64);
 }
 
-/// The extent of a sweep.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Options {
-    /// Largest length of the longer side of images in pixels.
-    pub longest: u32,
-    /// Number of renders of each setting, each with its own seed.
-    pub seeds: u32,
-    /// Largest number of points of a kind.
-    pub most: u32,
-    /// Smallest number of points of a render of the reference.
-    pub least: u32,
-}
-
 /// A scene with its references, for the report.
 #[derive(Debug)]
 pub struct Swept {
@@ -60,38 +47,40 @@ pub struct Swept {
     pub references: BTreeMap<Target, Film>,
 }
 
-/// Sweeps the scenes of `files` in turn; results in `store` are not repeated.
+/// Sweeps the scenes of `files` in turn, with this many renders of each setting, each with its own
+/// seed; results in `store` are not repeated.
 ///
 /// # Errors
 /// If a scene cannot be rendered, or a record or a reference cannot be written.
 pub fn run(
     files: &[PathBuf],
-    options: &Options,
+    seeds: u32,
     store: &mut Store,
     progress: &dyn Progress,
 ) -> Result<Vec<Swept>> {
+    let Header { longest, most, least, .. } = store.header;
     let open = |file: &PathBuf| {
-        let subject = Subject::open(file, options.longest)?;
-        let families = families(&subject.facts, options.most);
+        let subject = Subject::open(file, longest)?;
+        let families = families(&subject.facts, most);
         Ok(Swept { subject, families, references: BTreeMap::new() })
     };
     let mut all = files.iter().map(open).collect::<Result<Vec<Swept>>>()?;
-    let of_reference = reference::least_work(options.least);
+    let of_reference = reference::least_work(least);
     let work = |swept: &Swept| {
         let points: u64 = settings(&swept.families).iter().map(|(_, setting)| setting.work()).sum();
         let references = Target::ALL.len() as u64 * of_reference;
-        swept.subject.pixels() * (references + u64::from(options.seeds) * points)
+        swept.subject.pixels() * (references + u64::from(seeds) * points)
     };
     progress.start(all.iter().map(work).sum());
     for swept in &mut all {
         store.admit(swept.subject.record.clone())?;
         for target in Target::ALL {
             progress.stage(&format!("{}: reference ({target})", swept.subject.record.scene));
-            let film = reference::reference(swept, target, options.least, store)?;
+            let film = reference::reference(swept, target, least, store)?;
             swept.references.insert(target, film);
             progress.step(swept.subject.pixels() * of_reference);
         }
-        points(swept, options.seeds as usize, store, progress)?;
+        points(swept, seeds as usize, store, progress)?;
         layers::run(&mut swept.subject, store, progress)?;
         trials(&mut swept.subject, store, progress)?;
         steps::run(&mut swept.subject, store, progress)?;
@@ -129,7 +118,8 @@ fn points(
         Rng::new(seed).shuffle(&mut all);
         for ((target, key), setting) in &all {
             if !store.has(&scene, *target, key, seed) {
-                warm_up(subject, &setting.structure)?;
+                // No timed render should wait for its tree.
+                subject.prepare(&setting.structure)?;
                 let yardstick = yardstick();
                 let (rendered, timing) = timed(subject, setting, seed)?;
                 let passes = rendered.pass_seconds.iter();
@@ -152,6 +142,12 @@ fn points(
     Ok(())
 }
 
+/// The numbers of up to `most` rounds, of which none but the first starts after so many `seconds`.
+pub(super) fn rounds(most: usize, seconds: f64) -> impl Iterator<Item = usize> {
+    let start = Instant::now();
+    (0..most).take_while(move |round| *round == 0 || start.elapsed().as_secs_f64() <= seconds)
+}
+
 /// Renders that take less than this in seconds together are repeated, up to a limit.
 const LEAST_TIMED: f64 = 0.01;
 const REPETITIONS: usize = 10;
@@ -167,14 +163,10 @@ pub(super) fn timed(
     seed: u64,
 ) -> Result<(Rendered, Timing)> {
     let (quickest, timing) = Timing::of(|| {
+        let repetitions = rounds(REPETITIONS, LEAST_TIMED).skip(1);
         let mut quickest = subject.render(setting, seed)?;
-        let mut spent = quickest.seconds;
-        for _ in 1..REPETITIONS {
-            if spent >= LEAST_TIMED {
-                break;
-            }
+        for _ in repetitions {
             let again = subject.render(setting, seed)?;
-            spent += again.seconds;
             if again.seconds < quickest.seconds {
                 quickest = again;
             }
@@ -184,20 +176,10 @@ pub(super) fn timed(
     Ok((quickest?, timing))
 }
 
-/// Prepares a structure if necessary, and traces some rays, so that the first timed render finds
-/// the memory like the others.
-fn warm_up(subject: &mut Subject, structure: &Structure) -> Result<()> {
-    if !subject.is_prepared(structure) {
-        let setting = Setting { structure: *structure, ..Setting::default() };
-        subject.render(&setting.least(), 0)?;
-    }
-    Ok(())
-}
-
 /// Number of preparations of a structure for the median of its time, and the seconds after which no
 /// further one starts.
 const PREPARED: usize = 7;
-const SHORT: f64 = 3.0;
+const SHORT: f64 = 4.0;
 
 /// Records the preparation time of each structure of `settings`, unless done already.
 fn note_preparation<'a>(
@@ -211,17 +193,13 @@ fn note_preparation<'a>(
         if all(&store.records).any(|p: &PreparedRecord| p.scene == scene && p.key == key) {
             continue;
         }
-        let mut note = |time| {
+        for round in rounds(PREPARED, SHORT) {
+            let time = match round {
+                0 => subject.prepare(&setting.structure)?.time,
+                _ => subject.build(&setting.structure)?.time,
+            };
             let (scene, key) = (scene.clone(), key.clone());
-            store.add(Record::Prepared(PreparedRecord { scene, key, time }))
-        };
-        note(subject.prepare(&setting.structure)?.time)?;
-        let start = Instant::now();
-        for _ in 1..PREPARED {
-            if start.elapsed().as_secs_f64() > SHORT {
-                break;
-            }
-            note(subject.build(&setting.structure)?.time)?;
+            store.add(Record::Prepared(PreparedRecord { scene, key, time }))?;
         }
     }
     Ok(())

@@ -1,102 +1,88 @@
 //! Crops: what each time buys, in the part of the image where it shows most.
 
-use super::answer::Answer;
-use super::findings::Point;
-use super::setting::{Family, Series};
-use super::subject::Subject;
+use super::tables::points_of;
+use crate::accuracy::answer::Answer;
+use crate::accuracy::findings::Point;
+use crate::accuracy::setting::{Family, Series};
+use crate::accuracy::subject::Subject;
+use crate::page::{Block, Picture};
+use crate::plot::number::{figure, seconds};
 use wavecrest_base::error::Result;
 use wavecrest_core::film::Film;
-
-/// A part of the image by one setting.
-#[derive(Clone, Debug)]
-pub struct Crop {
-    /// The sampler.
-    pub name: String,
-    /// The setting.
-    pub point: Point,
-    /// The part of the image.
-    pub film: Film,
-}
-
-/// The same part of the image in several times.
-#[derive(Clone, Debug)]
-pub struct Crops {
-    /// The settings of an answer, the fastest first.
-    pub answers: Vec<Crop>,
-    /// Random points in at most the same time, or as few as were measured; none beside an answer
-    /// that is random.
-    pub random: Vec<Crop>,
-    /// The reference.
-    pub reference: Film,
-}
+use wavecrest_image::compare::compare;
+use wavecrest_image::write::{Transfer, png};
 
 /// Largest width and height of the crop in pixels: small enough for its pixels to be seen.
 const SIZE: [u32; 2] = [28, 21];
 
-/// Crops of the settings of `answer`, which are of this family. `None` if it has none.
+/// The words above each row.
+const ABOVE: [&str; 2] = [
+    "What each time buys, where random points have their largest error:",
+    "Random points in at most the same time:",
+];
+
+/// A row with the settings of `answer`, which are of this family, the fastest first; and one with
+/// random points in at most the same time, or as few as were measured, beside each answer that is
+/// not random. Both end with the reference.
 ///
 /// # Errors
 /// If the scene can no longer be rendered.
-pub fn crops(
+pub(super) fn rows(
     subject: &mut Subject,
     family: &Family<Point>,
     answer: &Answer,
     reference: &Film,
-) -> Result<Option<Crops>> {
-    let mut settings: Vec<(&Series<Point>, &Point)> = Vec::new();
+) -> Result<Vec<Block>> {
+    let mut answers: Vec<(&Series<Point>, &Point)> = Vec::new();
     for at in &answer.errors {
         let reached = family.fastest(at.error);
-        settings.extend(reached.filter(|(_, p)| settings.iter().all(|(_, q)| p.key != q.key)));
+        answers.extend(reached.filter(|(_, p)| answers.iter().all(|(_, q)| p.key != q.key)));
     }
-    settings.sort_by(|a, b| a.1.seconds.median.total_cmp(&b.1.seconds.median));
-    let rivals = settings.iter().filter_map(|(series, point)| {
+    answers.sort_by(|a, b| a.1.seconds.median.total_cmp(&b.1.seconds.median));
+    let random = answers.iter().filter_map(|(series, point)| {
         let random = family.random().filter(|random| random.name != series.name)?;
         Some((random, random.within(point.seconds.median)?))
     });
-    let rivals: Vec<_> = rivals.collect();
+    let random: Vec<_> = random.collect();
     let mut whole = |(series, point): &(&Series<Point>, &Point)| {
-        let film = subject.render(&point.setting, 0)?.film;
-        Ok(Crop { name: series.name.clone(), point: (*point).clone(), film })
+        let (time, points) = (seconds(point.seconds.median), points_of(&point.label));
+        let error = figure(point.rmse.value * 100.0);
+        let caption = format!("{time}: {}, {points}, error {error} %", series.name);
+        Ok((caption, subject.render(&point.setting, 0)?.film))
     };
-    let answers = settings.iter().map(&mut whole).collect::<Result<Vec<Crop>>>()?;
-    let random = rivals.iter().map(&mut whole).collect::<Result<Vec<Crop>>>()?;
-    let Some(first) = random.first().or(answers.first()) else { return Ok(None) };
-    let window = worst(&first.film, reference);
-    let part = |crop: Crop| Ok(Crop { film: crop.film.part(window)?, ..crop });
-    Ok(Some(Crops {
-        answers: answers.into_iter().map(part).collect::<Result<_>>()?,
-        random: random.into_iter().map(part).collect::<Result<_>>()?,
-        reference: reference.part(window)?,
-    }))
+    let answers = answers.iter().map(&mut whole).collect::<Result<Vec<_>>>()?;
+    let random = random.iter().map(&mut whole).collect::<Result<Vec<_>>>()?;
+    let Some((_, first)) = random.first().or(answers.first()) else { return Ok(Vec::new()) };
+    let window = worst(first, reference)?;
+    let picture = |caption: &str, film: &Film| {
+        let alt = format!("Rendered image: {caption}");
+        let png = png(&film.part(window)?, Transfer::Linear)?;
+        Ok(Picture { png, alt, caption: caption.to_owned(), pixels: true })
+    };
+    let mut blocks = Vec::new();
+    for (words, row) in ABOVE.into_iter().zip([answers, random]).filter(|(_, row)| !row.is_empty())
+    {
+        let crops = row.iter().map(|(caption, film)| picture(caption, film));
+        let crops = crops.chain([picture("reference", reference)]);
+        blocks.push(Block::paragraph(words));
+        blocks.push(Block::Pictures(crops.collect::<Result<_>>()?));
+    }
+    Ok(blocks)
 }
 
 /// The window, `[x, y, width, height]`, with the largest squared error.
-fn worst(film: &Film, reference: &Film) -> [u32; 4] {
-    let size = [film.width().min(SIZE[0]), film.height().min(SIZE[1])];
+fn worst(film: &Film, reference: &Film) -> Result<[u32; 4]> {
+    let [width, height] = [film.width().min(SIZE[0]), film.height().min(SIZE[1])];
     let step = |n: u32| (n / 4).max(1) as usize;
-    let mut best = ([0, 0, size[0], size[1]], -1.0);
-    for y in (0..=film.height() - size[1]).step_by(step(size[1])) {
-        for x in (0..=film.width() - size[0]).step_by(step(size[0])) {
-            let window = [x, y, size[0], size[1]];
-            let error = squared(film, reference, window);
-            if error > best.1 {
-                best = (window, error);
+    let mut worst = ([0, 0, width, height], -1.0);
+    for y in (0..=film.height() - height).step_by(step(height)) {
+        for x in (0..=film.width() - width).step_by(step(width)) {
+            let window = [x, y, width, height];
+            let error = compare(&film.part(window)?, &reference.part(window)?)?.mse;
+            if error > worst.1 {
+                worst = (window, error);
             }
         }
     }
-    best.0
-}
-
-fn squared(film: &Film, reference: &Film, [x, y, width, height]: [u32; 4]) -> f64 {
-    let mut sum = 0.0;
-    for (row, other) in film.rows().zip(reference.rows()).skip(y as usize).take(height as usize) {
-        let columns = x as usize..(x + width) as usize;
-        for (a, b) in row[columns.clone()].iter().zip(&other[columns]) {
-            for (a, b) in a.iter().zip(b) {
-                let difference = f64::from(a - b);
-                sum += difference * difference;
-            }
-        }
-    }
-    sum
+    Ok(worst.0)
 }

@@ -3,35 +3,27 @@
 use crate::accuracy::answer::Answer;
 use crate::accuracy::findings::{Point, SceneFindings};
 use crate::accuracy::setting::{Family, Series, Target};
-use crate::accuracy::store::StepRecord;
+use crate::accuracy::store::{ReferenceRecord, StepRecord};
 use crate::page::{Block, Cell, Details, Table};
 use crate::plot::number::{figure, seconds};
 use crate::selftest::errors::{Distribution, HitErrors, ulps};
 
-/// The description of a reference.
-fn target(target: Target) -> &'static str {
-    match target {
-        Target::Scene => "the scene",
-        Target::Pixel => "whole pixels",
-    }
-}
-
 /// The references of the scene's errors, in sentences.
 pub(super) fn references(scene: &SceneFindings) -> String {
-    let of = |r: &crate::accuracy::store::ReferenceRecord| {
+    let of = |r: &ReferenceRecord| {
+        let target = match r.target {
+            Target::Scene => "the scene",
+            Target::Pixel => "whole pixels",
+        };
         if r.standard_error == 0.0 {
-            return format!(
-                "The reference for {} is exact, as nothing is sampled.",
-                target(r.target)
-            );
+            return format!("The reference for {target} is exact, as nothing is sampled.");
         }
         format!(
-            "The reference for {} is the mean of {} renders, with {} points of each kind per pixel in total; its \
-             standard error is {:.2e}.",
-            target(r.target),
+            "The reference for {target} is the mean of {} renders, with {} points of each kind per pixel in total; its \
+             standard error is {}.",
             r.replicates,
             figure(r.samples as f64),
-            r.standard_error
+            figure(r.standard_error)
         )
     };
     scene.references.iter().map(of).collect::<Vec<_>>().join(" ")
@@ -39,16 +31,7 @@ pub(super) fn references(scene: &SceneFindings) -> String {
 
 /// A number rounded to its significant digits.
 fn digits(value: f64) -> Cell {
-    let text = match value.abs() {
-        0.0 => "0".to_owned(),
-        v if (1e-2..1e4).contains(&v) => format!("{value:.4}"),
-        _ => format!("{value:.3e}"),
-    };
-    Cell::number(value, text)
-}
-
-fn milliseconds(seconds: f64) -> Cell {
-    Cell::number(seconds, format!("{:.2}", seconds * 1e3))
+    Cell::number(value, figure(value))
 }
 
 /// The tables of a family, for the errors of the answer.
@@ -121,7 +104,6 @@ pub(super) fn points_of(count: &str) -> String {
 fn points(family: &Family<Point>) -> Table {
     let header =
         "setting|>time, ms|>RMSE|>95% interval|>relative MSE|>PSNR, dB|>FLIP|>bias|above noise";
-    let mark = |yes: bool| Cell::text(if yes { "yes" } else { "no" });
     let row = |series: &Series<Point>, p: &Point| {
         let name = if family.series.len() > 1 {
             format!("{} {}", series.name, p.label)
@@ -130,14 +112,14 @@ fn points(family: &Family<Point>) -> Table {
         };
         vec![
             Cell::text(name),
-            milliseconds(p.seconds.median),
+            Cell::decimals(p.seconds.median * 1e3, 2),
             digits(p.rmse.value),
-            Cell::text(format!("{:.2e} to {:.2e}", p.rmse.low, p.rmse.high)),
+            Cell::text(format!("{} to {}", figure(p.rmse.low), figure(p.rmse.high))),
             digits(p.relative_mse),
             p.psnr.map_or(Cell::text("identical"), |v| Cell::decimals(v, 2)),
             digits(p.flip),
             digits(p.bias),
-            mark(p.above_noise),
+            Cell::text(if p.above_noise { "yes" } else { "no" }),
         ]
     };
     let rows = family.series.iter().flat_map(|s| s.points.iter().map(move |p| row(s, p))).collect();
