@@ -149,7 +149,7 @@ fn run_sweep(args: &AccuracyArgs, folder: &Path) -> Result<()> {
         most: args.most.unwrap_or(most),
         least: args.reference.unwrap_or(reference),
     };
-    let mut store = Store::open(folder, header)?;
+    let mut store = Store::open(folder, &header)?;
     store.add(Record::Circumstances(Circumstances::here()))?;
     let shown = Shown(progress_bar(args.quiet, PROGRESS));
     let mut swept = sweep::run(&args.scenes, seeds, &mut store, &shown)?;

@@ -40,7 +40,7 @@ fn header(longest: u32, most: u32, least: u32) -> Header {
 }
 
 fn findings(header: &Header, seeds: u32, file: &Path, folder: &Path) -> Findings {
-    let mut store = Store::open(folder, header.clone()).expect("a folder");
+    let mut store = Store::open(folder, header).expect("a folder");
     let swept = run(&[file.to_owned()], seeds, &mut store, &Silent).expect("a sweep");
     Findings::new(seeds, &store, &swept, &ERRORS)
 }
@@ -342,7 +342,7 @@ fn errors_are_reached(asked: f64, seeds: u64) {
 fn exactness_has_a_price_list() {
     let (folder, file) = (folder(), repository("scenes/TriMesh.json"));
     let header = header(16, 1, 4);
-    let mut store = Store::open(folder.path(), header.clone()).expect("a folder");
+    let mut store = Store::open(folder.path(), &header).expect("a folder");
     let mut swept = run(&[file], 2, &mut store, &Silent).expect("a sweep");
     let found = Findings::new(2, &store, &swept, &ERRORS);
     let prices = found.scenes[0].steps.as_ref().expect("prices");

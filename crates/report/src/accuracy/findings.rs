@@ -15,7 +15,6 @@
 //! | `.points[].mse`, `.relative_mse`, `.psnr`, `.flip`, `.bias` | | means over seeds; see [`wavecrest_image::compare`] |
 //! | `.points[].rays` | rays | of every kind, mean over seeds |
 //! | `.points[].above_noise` | | whether the error is at least three standard errors of the reference |
-//! | `stages` | seconds | for each precision: loading, building, and each pass at the scene's own samples, summed over threads: medians |
 //! | `layers` | | time by precision, effect and pass: see [`layers`] |
 //! | `trials` | | for each precision: rays aimed at edges and leaks, rays that leave a surface and self-hits, errors of t, points and normals in ulp ([`HitErrors`](crate::selftest::errors::HitErrors)) |
 //! | `steps` | | what exact hits cost: `rays` of a render, `steps` with their counts there and nanoseconds each, and the nanoseconds of a pair in the filter of `fast`; see [`steps`](super::steps) |
@@ -31,15 +30,13 @@ use super::fit::{self, Interval};
 use super::layers::{self, LayersFindings};
 use super::pilot::Axis;
 use super::reference::FLOOR;
-use super::setting::{self, Family, Series, Setting, Structure, Target, converges};
+use super::setting::{self, Family, Series, Setting, Target, converges};
 use super::store::{
-    PointRecord, PreparedRecord, Record, ReferenceRecord, SceneRecord, StepsRecord, TrialRecord,
-    all,
+    PointRecord, Record, ReferenceRecord, SceneRecord, StepsRecord, TrialRecord, all,
 };
-use super::subject::Stages;
 use super::sweep::Swept;
 use crate::measure::{Timing, quiet};
-use crate::summary::{ENOUGH, MedianInterval, median};
+use crate::summary::{ENOUGH, MedianInterval};
 use wavecrest_core::kernels::precision::Precision;
 use wavecrest_image::compare::psnr;
 
@@ -57,7 +54,6 @@ pub struct SceneFindings {
     pub answer: Answer,
     pub references: Vec<ReferenceRecord>,
     pub families: Vec<Family<Point>>,
-    pub stages: Vec<StageFindings>,
     pub layers: Vec<LayersFindings>,
     pub trials: Vec<TrialRecord>,
     pub steps: Option<StepsRecord>,
@@ -86,15 +82,6 @@ pub struct Point {
     /// The seconds of each seed.
     #[serde(skip)]
     pub times: Vec<f64>,
-}
-
-/// The time of a render by stage.
-#[derive(Clone, Debug, Serialize)]
-pub struct StageFindings {
-    pub precision: String,
-    #[serde(flatten)]
-    pub before: Stages,
-    pub passes: Vec<(String, f64)>,
 }
 
 impl SceneFindings {
@@ -129,15 +116,16 @@ impl SceneFindings {
                 .cloned()
                 .collect(),
             families: Vec::new(),
-            stages: Precision::ALL.into_iter().filter_map(|p| stages(p, name, records)).collect(),
             layers: layers::of(name, records),
             trials: all(records).filter(|t: &&TrialRecord| t.scene == name).cloned().collect(),
             steps: all(records).find(|s: &&StepsRecord| s.scene == name).cloned(),
         };
         let left = if left_out { busy } else { BTreeSet::new() };
         found.families = families.iter().map(|f| found.summary(f, records, &left)).collect();
-        let varied = found.family(Axis::of(&subject.facts).family());
-        let answer = varied.map(|f| Answer::of(f, found.seconds_before(), errors));
+        let varied = found.family(Axis::of(&subject.facts).name());
+        let before = found.layers(Precision::default()).map(|layers| layers.before);
+        let before = before.map_or(0.0, |before| before.load + before.build);
+        let answer = varied.map(|f| Answer::of(f, before, errors));
         found.answer = answer.unwrap_or_default();
         found
     }
@@ -148,10 +136,9 @@ impl SceneFindings {
         of.map_or(0.0, |reference| FLOOR * reference.standard_error)
     }
 
-    /// Seconds of loading and building.
-    fn seconds_before(&self) -> f64 {
-        let usual = self.stages.iter().find(|s| s.precision == Precision::default().name());
-        usual.map_or(0.0, |stage| stage.before.load + stage.before.build)
+    /// The layers in this precision.
+    pub fn layers(&self, precision: Precision) -> Option<&LayersFindings> {
+        self.layers.iter().find(|layers| layers.precision == precision.name())
     }
 
     /// The family of this name.
@@ -242,25 +229,6 @@ impl Point {
             times,
         })
     }
-}
-
-/// The stages of the renders with the scene's own samples.
-fn stages(precision: Precision, scene: &str, records: &[Record]) -> Option<StageFindings> {
-    let structure = Structure { precision, ..Structure::default() };
-    let key = Setting { structure, ..Setting::default() }.key();
-    let prepared = all(records).filter(|p: &&PreparedRecord| p.scene == scene && p.key == key);
-    let before: Vec<Stages> = prepared.map(|p| p.time).collect();
-    let each = |of: fn(&Stages) -> f64| median(&before.iter().map(of).collect::<Vec<_>>());
-    let renders = of_setting(scene, Target::Scene, &key, records);
-    let pass = |(index, (name, _)): (usize, &(String, f64))| {
-        let each = renders.iter().filter_map(|render| Some(render.passes.get(index)?.1));
-        (name.clone(), median(&each.collect::<Vec<_>>()))
-    };
-    Some(StageFindings {
-        precision: precision.name().to_owned(),
-        before: Stages { load: each(|s| s.load), build: each(|s| s.build) },
-        passes: renders.first()?.passes.iter().enumerate().map(pass).collect(),
-    })
 }
 
 #[cfg(test)]

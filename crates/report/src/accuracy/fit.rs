@@ -113,21 +113,17 @@ fn mean(seeds: &[usize], values: &[f64]) -> f64 {
 ///
 /// `points` are counts with a value for each seed, whose mean is used. `None` for fewer than three
 /// points, or if one is not above 0.
-pub fn slope(points: &[(f64, &[f64])]) -> Option<Interval> {
-    let seeds = points.iter().map(|(_, values)| values.len()).min().filter(|_| points.len() > 2)?;
-    bootstrap(seeds, |seeds| {
-        let logs = points.iter().map(|(x, values)| [*x, mean(seeds, values)].map(libm::log));
-        Some(line(&logs.collect::<Vec<_>>())).filter(|slope| slope.is_finite())
+pub fn slope<V: AsRef<[f64]>>(points: &[(f64, V)]) -> Option<Interval> {
+    let least = points.iter().map(|(_, values)| values.as_ref().len()).min();
+    bootstrap(least.filter(|_| points.len() > 2)?, |seeds| {
+        let logs = points.iter().map(|(x, values)| [*x, mean(seeds, values.as_ref())]);
+        let logs: Vec<[f64; 2]> = logs.map(|log| log.map(libm::log)).collect();
+        let n = logs.len() as f64;
+        let [mx, my] = [0, 1].map(|axis| logs.iter().map(|log| log[axis]).sum::<f64>() / n);
+        let xy: f64 = logs.iter().map(|[x, y]| (x - mx) * (y - my)).sum();
+        let xx: f64 = logs.iter().map(|[x, _]| (x - mx) * (x - mx)).sum();
+        Some(xy / xx).filter(|slope| slope.is_finite())
     })
-}
-
-/// The slope of the line through some points, by least squares.
-pub fn line(points: &[[f64; 2]]) -> f64 {
-    let middle = |axis: usize| points.iter().map(|p| p[axis]).sum::<f64>() / points.len() as f64;
-    let [mx, my] = [0, 1].map(middle);
-    let sum =
-        |of: fn([f64; 2]) -> f64| points.iter().map(|[x, y]| of([x - mx, y - my])).sum::<f64>();
-    sum(|[x, y]| x * y) / sum(|[x, _]| x * x)
 }
 
 #[cfg(test)]
@@ -146,21 +142,17 @@ mod tests {
             .to_vec()
     }
 
-    fn slope_of(points: &[(f64, Vec<f64>)]) -> Option<Interval> {
-        slope(&points.iter().map(|(x, values)| (*x, &**values)).collect::<Vec<_>>())
-    }
-
     #[test]
     fn slopes_are_found_within_their_intervals() {
         for power in [-1.0, -1.5, -2.0] {
-            let exact = slope_of(&falling(power, 0.0)).unwrap();
+            let exact = slope(&falling(power, 0.0)).unwrap();
             assert!((exact.value - power).abs() < 1e-12 && exact.high - exact.low < 1e-12);
-            let noisy = slope_of(&falling(power, 0.5)).unwrap();
+            let noisy = slope(&falling(power, 0.5)).unwrap();
             assert!(noisy.low < power && power < noisy.high, "{noisy:?}");
             assert!(noisy.high - noisy.low < 0.1, "{noisy:?}");
         }
-        assert_eq!(slope_of(&falling(-1.0, 0.0)[..2]), None);
-        assert_eq!(slope_of(&[(1.0, vec![0.0]), (2.0, vec![1.0]), (3.0, vec![1.0])]), None);
+        assert_eq!(slope(&falling(-1.0, 0.0)[..2]), None);
+        assert_eq!(slope(&[(1.0, vec![0.0]), (2.0, vec![1.0]), (3.0, vec![1.0])]), None);
     }
 
     /// Of many experiments with a known mean, the share whose interval holds it is near the confidence.

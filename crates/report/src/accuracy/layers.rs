@@ -7,6 +7,7 @@
 //! | key of `layers[]` | unit | meaning |
 //! |---|---|---|
 //! | `precision` | | the precision of hits |
+//! | `load`, `build` | seconds | reading the scene and building its tree: medians |
 //! | `parts[].effect` | | first `camera rays`, one through the centre of each pixel; then each effect added to those before it |
 //! | `.passes` | seconds | its time in each pass, summed over threads |
 
@@ -15,9 +16,10 @@
 use serde::Serialize;
 
 use super::setting::{Setting, Structure};
-use super::store::{LayersRecord, Record, Step, Store, all};
-use super::subject::Subject;
+use super::store::{LayersRecord, PreparedRecord, Record, Step, Store, all};
+use super::subject::{Stages, Subject};
 use super::sweep::{Progress, rounds, timed};
+use crate::summary::median;
 use wavecrest_base::error::Result;
 use wavecrest_core::kernels::precision::Precision;
 use wavecrest_scene::systems::overrides::{Layer, Overrides};
@@ -33,6 +35,8 @@ const SHORT: f64 = 5.0;
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct LayersFindings {
     pub precision: String,
+    #[serde(flatten)]
+    pub before: Stages,
     pub parts: Vec<PartFindings>,
 }
 
@@ -94,8 +98,15 @@ fn keep_least(passes: &mut Vec<(String, f64)>, found: &[(&'static str, f64)]) {
 
 /// The precisions of a scene, in the order of rendering.
 pub fn of(scene: &str, records: &[Record]) -> Vec<LayersFindings> {
-    let of_scene = all(records).filter(|l: &&LayersRecord| l.scene == scene);
-    of_scene.map(|l| LayersFindings { precision: l.precision.clone(), parts: parts(l) }).collect()
+    let found = |l: &LayersRecord| {
+        // The key of a structure without overrides is its precision.
+        let is_it = |p: &&PreparedRecord| p.scene == scene && p.key == l.precision;
+        let before: Vec<Stages> = all(records).filter(is_it).map(|p| p.time).collect();
+        let each = |of: fn(&Stages) -> f64| median(&before.iter().map(of).collect::<Vec<_>>());
+        let before = Stages { load: each(|s| s.load), build: each(|s| s.build) };
+        LayersFindings { precision: l.precision.clone(), before, parts: parts(l) }
+    };
+    all(records).filter(|l: &&LayersRecord| l.scene == scene).map(found).collect()
 }
 
 /// The time that each layer saves. A step that takes longer than the one before does so by noise,

@@ -1,7 +1,5 @@
 //! The settings of a sweep, and the families that they form.
 
-use std::fmt::Write as _;
-
 use serde::Serialize;
 
 use super::fit::Interval;
@@ -41,21 +39,20 @@ impl Setting {
 
     /// A short unique description: the key of its records.
     pub fn key(&self) -> String {
-        let mut key = self.structure.precision.name().to_owned();
-        let mut add = |name: &str, value: String| {
-            // Writing to a string cannot fail.
-            let _ = write!(key, " {name}={value}");
-        };
         let points = |p: Points| format!("{}:{}", p.sampling.name(), p.side);
         let Samples { lights, lens, pixel } = self.samples;
-        for (name, value) in [("lights", lights), ("lens", lens), ("pixel", pixel)] {
-            value.into_iter().for_each(|value| add(name, points(value)));
-        }
         let Overrides { bounces, filter, without } = self.structure.overrides;
-        bounces.into_iter().for_each(|n| add("bounces", n.to_string()));
-        filter.into_iter().for_each(|filter| add("filter", filter.name().to_owned()));
-        without.into_iter().for_each(|layer| add("without", layer.name().replace(' ', "-")));
-        key
+        let values = [
+            ("lights", lights.map(points)),
+            ("lens", lens.map(points)),
+            ("pixel", pixel.map(points)),
+            ("bounces", bounces.map(|n| n.to_string())),
+            ("filter", filter.map(|filter| filter.name().to_owned())),
+            ("without", without.map(|layer| layer.name().replace(' ', "-"))),
+        ];
+        let words = values.into_iter().filter_map(|(name, value)| Some((name, value?)));
+        let key = self.structure.precision.name().to_owned();
+        words.fold(key, |key, (name, value)| format!("{key} {name}={value}"))
     }
 }
 

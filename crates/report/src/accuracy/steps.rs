@@ -70,8 +70,8 @@ impl StepsRecord {
     /// The steps beside the whole, in words.
     pub fn sentence(&self, scene: &SceneFindings) -> String {
         let traced = |precision: Precision| {
-            let stages = scene.stages.iter().find(|s| s.precision == precision.name());
-            let passes = stages.iter().flat_map(|stages| &stages.passes);
+            let parts = scene.layers(precision).into_iter().flat_map(|layers| &layers.parts);
+            let passes = parts.flat_map(|part| &part.passes);
             let traced = passes.filter(|pass| TRACING.contains(&&*pass.0)).map(|pass| pass.1);
             traced.sum::<f64>() * 1e9 / self.rays.max(1) as f64
         };

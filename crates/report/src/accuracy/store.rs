@@ -86,7 +86,7 @@ impl Store {
     ///
     /// # Errors
     /// If the folder has the records of a sweep with another `header`, or cannot be written.
-    pub fn open(folder: &Path, header: Header) -> Result<Self> {
+    pub fn open(folder: &Path, header: &Header) -> Result<Self> {
         std::fs::create_dir_all(folder)
             .map_err(|e| Error::io("cannot create the folder", folder, e))?;
         let path = folder.join(FILE);
@@ -97,10 +97,10 @@ impl Store {
         file.read_to_string(&mut text).map_err(failed)?;
         let (records, whole) = records(&text, &path)?;
         file.set_len(whole as u64).map_err(failed)?;
-        let mut store = Self { folder: folder.to_owned(), header, records, file };
+        let mut store = Self { folder: folder.to_owned(), header: header.clone(), records, file };
         match store.records.first() {
-            None => store.add(Record::Header(store.header.clone()))?,
-            Some(Record::Header(found)) if *found == store.header => {}
+            None => store.add(Record::Header(header.clone()))?,
+            Some(Record::Header(found)) if found == header => {}
             Some(_) => {
                 let message = "the folder has the results of another sweep";
                 let error = Error::new(ErrorKind::Usage, message).in_file(&path);
@@ -177,14 +177,14 @@ mod tests {
     #[test]
     fn records_are_found_again_and_a_cut_line_is_not() {
         let folder = tempfile::tempdir().unwrap();
-        let mut store = Store::open(folder.path(), header()).unwrap();
+        let mut store = Store::open(folder.path(), &header()).unwrap();
         store.add(point(1)).unwrap();
         store.add(point(2)).unwrap();
         drop(store);
         let path = folder.path().join(FILE);
         let text = std::fs::read_to_string(&path).unwrap();
         std::fs::write(&path, &text[..text.len() - 5]).unwrap();
-        let mut store = Store::open(folder.path(), header()).unwrap();
+        let mut store = Store::open(folder.path(), &header()).unwrap();
         assert!(store.has("a", Target::Scene, "exact", 1));
         assert!(!store.has("a", Target::Scene, "exact", 2));
         assert!(!store.has("a", Target::Pixel, "exact", 1));
@@ -206,12 +206,12 @@ mod tests {
         };
         let old = [keyed("robust lights=sobol:2"), layers("fast"), layers("exact")];
         let new = [keyed("exact lights=sobol:2"), layers("fast"), layers("reference")];
-        let mut store = Store::open(folder.path(), header()).unwrap();
+        let mut store = Store::open(folder.path(), &header()).unwrap();
         old.into_iter().for_each(|record| store.add(record).unwrap());
         assert_eq!(read(folder.path()).unwrap().1, new);
         // Without the old name, `exact` is what it says.
         let folder = tempfile::tempdir().unwrap();
-        let mut store = Store::open(folder.path(), header()).unwrap();
+        let mut store = Store::open(folder.path(), &header()).unwrap();
         store.add(layers("exact")).unwrap();
         assert_eq!(read(folder.path()).unwrap().1, [layers("exact")]);
     }
@@ -219,7 +219,7 @@ mod tests {
     #[test]
     fn another_sweep_or_scene_is_refused() {
         let folder = tempfile::tempdir().unwrap();
-        let mut store = Store::open(folder.path(), header()).unwrap();
+        let mut store = Store::open(folder.path(), &header()).unwrap();
         let scene = |fingerprint: &str| SceneRecord {
             scene: "a".into(),
             file: "a.json".into(),
@@ -237,7 +237,7 @@ mod tests {
         assert_eq!(store.records.len(), 2);
         drop(store);
         let other = Header { most: 9, ..header() };
-        let error = Store::open(folder.path(), other).unwrap_err().to_string();
+        let error = Store::open(folder.path(), &other).unwrap_err().to_string();
         assert!(error.contains("results of another sweep"), "{error}");
     }
 }

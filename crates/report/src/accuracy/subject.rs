@@ -147,13 +147,7 @@ impl Subject {
 }
 
 /// The size with the same proportions and a longer side of at most `longest`.
-fn within([width, height]: [u32; 2], longest: u32) -> [u32; 2] {
-    let side = width.max(height);
-    if side <= longest {
-        return [width, height];
-    }
-    [width, height].map(|n| {
-        let scaled = u64::from(n) * u64::from(longest) / u64::from(side);
-        scaled.max(1) as u32
-    })
+fn within(size: [u32; 2], longest: u32) -> [u32; 2] {
+    let side = size.into_iter().fold(longest, u32::max);
+    size.map(|n| (u64::from(n) * u64::from(longest) / u64::from(side)).max(1) as u32)
 }

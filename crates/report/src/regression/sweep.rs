@@ -13,7 +13,6 @@ use std::path::Path;
 
 use super::unit::{Unit, busy, units};
 use super::{Change, Estimate, Found, Regression, Side, log_ratio, typical};
-use crate::accuracy::fit::line;
 use crate::accuracy::reference::FLOOR;
 use crate::accuracy::setting::{Target, converges, series_of, words_of};
 use crate::accuracy::store::{
@@ -256,7 +255,11 @@ fn power(pairs: &[Pair]) -> f64 {
         .iter()
         .map(|[before, _]| [median(&before.seconds), mean(&before.squares)].map(libm::log))
         .collect();
-    let power = line(&logs);
+    let middle = [0, 1].map(|axis| mean(&logs.iter().map(|log| log[axis]).collect::<Vec<_>>()));
+    let sum = |axis: usize| -> f64 {
+        logs.iter().map(|log| (log[0] - middle[0]) * (log[axis] - middle[axis])).sum()
+    };
+    let power = sum(1) / sum(0);
     if power.is_finite() { power.clamp(POWERS[0], POWERS[1]) } else { -1.0 }
 }
 

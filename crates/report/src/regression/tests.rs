@@ -65,7 +65,7 @@ const USUAL: Program = Program {
 
 fn sweep(folder: &Path, program: Program) {
     let header = Header { version: "1".into(), longest: 8, most: 256, least: 16 };
-    let mut store = Store::open(folder, header).unwrap();
+    let mut store = Store::open(folder, &header).unwrap();
     let name = "a".to_owned();
     let file = "a.json".into();
     let scene =

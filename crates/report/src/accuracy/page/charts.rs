@@ -105,12 +105,9 @@ pub(super) fn time(scene: &SceneFindings) -> StackedBars {
         segments: part.passes.iter().map(|(pass, seconds)| segment(pass, *seconds)).collect(),
     };
     let mut bars = Vec::new();
-    for LayersFindings { precision, parts } in &scene.layers {
-        if let Some(stage) = scene.stages.iter().find(|s| s.precision == *precision) {
-            let Stages { load, build } = stage.before;
-            let segments = vec![segment("load", load), segment("build", build)];
-            bars.push(Bar { name: format!("{precision}, before"), segments });
-        }
+    for LayersFindings { precision, before: Stages { load, build }, parts } in &scene.layers {
+        let segments = vec![segment("load", *load), segment("build", *build)];
+        bars.push(Bar { name: format!("{precision}, before"), segments });
         bars.extend(parts.iter().map(|part| effect(precision, part)));
     }
     StackedBars {

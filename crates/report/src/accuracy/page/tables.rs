@@ -137,7 +137,7 @@ pub(super) fn precision(scene: &SceneFindings) -> Vec<Block> {
         |[tried, failed]: [u64; 2]| Cell::number(failed as f64, format!("{failed} of {tried}"));
     let row = |p: &Point| {
         let trial = scene.trials.iter().find(|trial| trial.precision == p.label);
-        let missing = || Cell::text("none");
+        let missing = || Cell::text("no triangles");
         let errors = trial.and_then(|trial| trial.errors.as_deref());
         let worst = |of: fn(&HitErrors) -> &Distribution| {
             errors.map_or_else(missing, |e| Cell::number(of(e).worst, ulps(of(e).worst)))
@@ -157,15 +157,7 @@ pub(super) fn precision(scene: &SceneFindings) -> Vec<Block> {
     let caption = "Leaks: rays aimed at an edge that pass between its two triangles. Self-hits: rays that leave a \
                    triangle and hit it again (acne). Then the largest errors of hits";
     let header = "precision|>time / fast|>RMSE|>leaks|>self-hits|>t|>point|>normal";
-    let mut table = Table::new(caption, header, points.iter().map(row).collect());
-    if scene.trials.is_empty() {
-        // There are no trials without triangles.
-        table.caption =
-            "The scene has no triangles: no ray can leak, or hit its own triangle".to_owned();
-        table.columns.truncate(3);
-        table.rows.iter_mut().for_each(|row| row.truncate(3));
-    }
-    vec![Block::Table(table)]
+    vec![Block::Table(Table::new(caption, header, points.iter().map(row).collect()))]
 }
 
 /// What each step to an exact hit costs, and all of them beside the whole.
