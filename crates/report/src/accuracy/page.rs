@@ -105,7 +105,7 @@ fn section(scene: &SceneFindings, folder: &Path) -> Result<Section> {
                 blocks.push(Block::Chart(chart));
             }
         }
-        blocks.extend(tables::of(family, &scene.answer));
+        blocks.extend(tables::of(family));
     }
     blocks.push(Block::Heading("Where the time goes".to_owned()));
     let time = charts::time(scene);

@@ -1,11 +1,10 @@
 //! Findings as tables.
 
-use crate::accuracy::answer::Answer;
 use crate::accuracy::findings::{Point, SceneFindings};
 use crate::accuracy::setting::{Family, Series, Target};
 use crate::accuracy::store::{ReferenceRecord, StepRecord};
 use crate::page::{Block, Cell, Details, Table};
-use crate::plot::number::{figure, seconds};
+use crate::plot::number::figure;
 use crate::selftest::errors::{Distribution, HitErrors, ulps};
 
 /// The references of the scene's errors, in sentences.
@@ -34,20 +33,14 @@ fn digits(value: f64) -> Cell {
     Cell::number(value, figure(value))
 }
 
-/// The tables of a family, for the errors of the answer.
-pub(super) fn of(family: &Family<Point>, answer: &Answer) -> Vec<Block> {
-    let mut blocks = Vec::new();
-    blocks.extend(slopes(family).map(Block::Table));
+/// The tables of a family.
+pub(super) fn of(family: &Family<Point>) -> Vec<Block> {
+    let mut blocks: Vec<Block> = slopes(family).map(Block::Table).into_iter().collect();
     let points = Block::Table(points(family));
-    if family.series.len() == 1 {
-        blocks.push(points);
-        return blocks;
-    }
-    blocks.push(Block::Table(time_to_error(family, answer)));
-    blocks.push(Block::Details(Details {
-        summary: "Every setting".to_owned(),
-        blocks: vec![points],
-    }));
+    blocks.push(match family.series.len() {
+        1 => points,
+        _ => Block::Details(Details { summary: "Every setting".to_owned(), blocks: vec![points] }),
+    });
     blocks
 }
 
@@ -70,30 +63,6 @@ pub(super) fn slopes(family: &Family<Point>) -> Option<Table> {
     );
     let header = "sampler|>slope of MSE|>interval|>slope of RMSE|>interval";
     (!rows.is_empty()).then(|| Table::new(caption, header, rows))
-}
-
-/// The fastest setting of each sampler that reaches each error.
-fn time_to_error(family: &Family<Point>, answer: &Answer) -> Table {
-    let first = family.series.first();
-    let cell = |series: &Series<Point>, error: f64| {
-        let Some(point) = series.reach(error) else { return Cell::text("not reached") };
-        let time = point.seconds.median;
-        let text = format!("{}, {}", seconds(time), points_of(&point.label));
-        let rival = first.filter(|first| first.name != series.name).and_then(|f| f.reach(error));
-        let ratio = rival.map(|rival| format!(" ({:.2} x)", rival.seconds.median / time));
-        Cell::number(time, text + &ratio.unwrap_or_default())
-    };
-    let row = |series: &Series<Point>| {
-        let cells = answer.errors.iter().map(|at| cell(series, at.error));
-        std::iter::once(Cell::text(series.name.clone())).chain(cells).collect()
-    };
-    let errors = answer.errors.iter().map(|at| format!("|>error {} %", figure(at.error * 100.0)));
-    let header = "sampler".to_owned() + &errors.collect::<String>();
-    let caption = format!(
-        "Tracing time of each sampler's fastest setting that reaches an error, and how many times as fast as {} it is",
-        first.map_or("", |first| &first.name)
-    );
-    Table::new(caption, &header, family.series.iter().map(row).collect())
 }
 
 /// A number of points in words.
