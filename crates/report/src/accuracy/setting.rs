@@ -213,55 +213,69 @@ const MOST_BOUNCES: u32 = 16;
 
 /// The families of a scene with these `facts`, with up to `most` points of a kind.
 pub fn families(facts: &Facts, most: u32) -> Vec<Family<Point>> {
-    let counted = |points: Points, setting: Setting| {
-        (f64::from(points.count()), points.count().to_string(), setting)
-    };
-    let sampled = |samples: fn(Points) -> Samples| -> Vec<Series<Point>> {
-        let point =
-            |points| counted(points, Setting { samples: samples(points), ..Setting::default() });
-        let line = |sampling: Sampling| {
-            let sides = SIDES.into_iter().filter(|side| side * side <= most);
-            series(sampling.name(), sides.map(|side| point(Points { sampling, side })))
-        };
-        Sampling::ALL.map(line).to_vec()
-    };
-    let with = |overrides: Overrides| Setting {
-        structure: Structure { overrides, ..Structure::default() },
-        ..Setting::default()
-    };
-    let step = facts.bounces.div_ceil(MOST_BOUNCES).max(1);
-    let fewer = (0..facts.bounces).step_by(step as usize);
-    let bounces = fewer.chain([facts.bounces]).map(|n| {
-        let setting = with(Overrides { bounces: Some(n), ..Overrides::default() });
-        (f64::from(n), n.to_string(), setting)
-    });
-    let precisions = (0..).zip(Precision::ALL).map(|(i, precision)| {
-        let structure = Structure { precision, ..Structure::default() };
-        (f64::from(i), precision.name().to_owned(), Setting { structure, ..Setting::default() })
-    });
-    let filters = Filter::ALL.map(|filter| {
-        let overrides = Overrides { filter: Some(filter), ..Overrides::default() };
-        let point = |side| {
-            let points = Points { sampling: Sampling::Jittered, side };
-            let samples = Samples { pixel: Some(points), ..Samples::default() };
-            counted(points, Setting { samples, ..with(overrides) })
-        };
-        series(filter.name(), FILTER_SIDES.map(point))
-    });
     let lights = |points| Samples { lights: Some(points), ..Samples::default() };
     let lens = |points| Samples { lens: Some(points), ..Samples::default() };
     let all = [
-        facts.has_area_lights.then(|| sampled(lights)),
-        facts.has_lens.then(|| sampled(lens)),
-        Some(sampled(|points| Axis::Pixel.samples(points))),
-        (facts.bounces > 0).then(|| vec![series("bounces", bounces)]),
-        Some(vec![series("precision", precisions)]),
-        facts.has_textures.then(|| filters.to_vec()),
+        facts.has_area_lights.then(|| sampled(most, lights)),
+        facts.has_lens.then(|| sampled(most, lens)),
+        Some(sampled(most, |points| Axis::Pixel.samples(points))),
+        (facts.bounces > 0).then(|| bounces(facts.bounces)),
+        Some(precisions()),
+        facts.has_textures.then(filters),
     ];
     let family = |((name, title, counted, target), series): (_, Option<_>)| {
         Some(Family { name, title, counted, target, series: series? })
     };
     FAMILIES.into_iter().zip(all).filter_map(family).collect()
+}
+
+/// A series for each sampler, with up to `most` of the points from which `samples` are made.
+fn sampled(most: u32, samples: fn(Points) -> Samples) -> Vec<Series<Point>> {
+    let line = |sampling: Sampling| {
+        let sides = SIDES.into_iter().filter(|side| side * side <= most);
+        let point = |side| {
+            let points = Points { sampling, side };
+            counted(points, Setting { samples: samples(points), ..Setting::default() })
+        };
+        series(sampling.name(), sides.map(point))
+    };
+    Sampling::ALL.map(line).to_vec()
+}
+
+fn bounces(all: u32) -> Vec<Series<Point>> {
+    let counts = (0..all).step_by(all.div_ceil(MOST_BOUNCES) as usize).chain([all]);
+    let point = |n: u32| {
+        let overrides = Overrides { bounces: Some(n), ..Overrides::default() };
+        let structure = Structure { overrides, ..Structure::default() };
+        (f64::from(n), n.to_string(), Setting { structure, ..Setting::default() })
+    };
+    vec![series("bounces", counts.map(point))]
+}
+
+fn precisions() -> Vec<Series<Point>> {
+    let point = |(i, precision): (u32, Precision)| {
+        let structure = Structure { precision, ..Structure::default() };
+        (f64::from(i), precision.name().to_owned(), Setting { structure, ..Setting::default() })
+    };
+    vec![series("precision", (0..).zip(Precision::ALL).map(point))]
+}
+
+fn filters() -> Vec<Series<Point>> {
+    let line = |filter: Filter| {
+        let overrides = Overrides { filter: Some(filter), ..Overrides::default() };
+        let structure = Structure { overrides, ..Structure::default() };
+        let point = |side| {
+            let points = Points { sampling: Sampling::Jittered, side };
+            let samples = Samples { pixel: Some(points), ..Samples::default() };
+            counted(points, Setting { structure, samples })
+        };
+        series(filter.name(), FILTER_SIDES.map(point))
+    };
+    Filter::ALL.map(line).to_vec()
+}
+
+fn counted(points: Points, setting: Setting) -> Point {
+    (f64::from(points.count()), points.count().to_string(), setting)
 }
 
 fn series(name: &str, points: impl IntoIterator<Item = Point>) -> Series<Point> {
