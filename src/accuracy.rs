@@ -30,8 +30,8 @@ pub(crate) struct AccuracyArgs {
     /// Folder for results and report
     #[arg(short, long, value_name = "FOLDER", required_unless_present_any = ["advise", "compare"])]
     pub(crate) output: Option<PathBuf>,
-    /// Compare two sweeps (folders) or two files of `bench --output`; the exit code is 1 if anything became slower or
-    /// less accurate. With --output, also write a page and JSON
+    /// Compare the sweeps in two folders; the exit code is 1 if anything became slower or less accurate. With --output,
+    /// also write a page and JSON
     #[arg(long, num_args = 2, value_names = ["BEFORE", "AFTER"], conflicts_with_all = ["scenes", "advise"])]
     pub(crate) compare: Vec<PathBuf>,
     /// Only estimate, from a short pilot render, how many points each sampler needs for --target-error and which is

@@ -50,7 +50,7 @@ pub(crate) struct BenchArgs {
     /// Write an HTML page with charts, updated after every scene
     #[arg(long, value_name = "FILE")]
     pub(crate) page: Option<PathBuf>,
-    /// Write each chart of the page to this folder, as SVG, PNG and CSV
+    /// Write each chart of the page to this folder, as SVG and CSV
     #[arg(long, value_name = "FOLDER", conflicts_with = "effects")]
     pub(crate) charts: Option<PathBuf>,
     /// Paths in a batch of the wavefront tracer

@@ -19,9 +19,7 @@ use chromium::Browser;
 use serde_json::json;
 use tempfile::TempDir;
 use wavecrest_report::page::{Block, Cell, Column, Details, Fact, Page, Picture, Section, Table};
-use wavecrest_report::plot::{
-    Axis, Bar, Chart, Course, Draw, Guide, Point, Scale, Segment, Series, StackedBars,
-};
+use wavecrest_report::plot::{Axis, Chart, Draw, Guide, Point, Scale, Series};
 
 /// Where screenshots are left.
 fn pictures() -> PathBuf {
@@ -36,7 +34,7 @@ fn picture(name: &str, rgb: [u8; 3]) -> Picture {
     let mut png = std::io::Cursor::new(Vec::new());
     image.write_to(&mut png, image::ImageFormat::Png).expect("a picture");
     let (alt, caption) = (format!("all {name}"), name.to_owned());
-    Picture { png: png.into_inner(), alt, caption, pixels: false }
+    Picture { png: png.into_inner(), alt, caption }
 }
 
 /// A page with every block. Its words are told apart by their numbers.
@@ -54,21 +52,11 @@ fn page() -> Page {
             draw: Draw::Line,
             points: (0..6).map(error).collect(),
         }],
-        guides: vec![Guide {
-            name: "−1/2".to_owned(),
-            course: Course::Power { slope: -0.5, through: [1.0, 0.6] },
-        }],
+        guides: vec![Guide::power("−1/2", -0.5, [1.0, 0.6], [1024.0, 0.01])],
         caption: "Words in a caption.".to_owned(),
     };
-    let segment = |stage: &str, seconds| Segment { stage: stage.to_owned(), seconds };
-    let bars = StackedBars {
-        title: "Time by stage".to_owned(),
-        bars: vec![Bar {
-            name: "one".to_owned(),
-            segments: vec![segment("load", 0.25), segment("trace", 0.75)],
-        }],
-        caption: String::new(),
-    };
+    let stages = [("load", 0.25), ("trace", 0.75)].map(|(stage, time)| (stage.to_owned(), time));
+    let bars = Chart::bars("Time by stage", "", &[("one".to_owned(), stages.to_vec())]);
     let rows = [("b", 2.0), ("a", 10.0), ("c", 1.0)];
     let row = |(name, value): (&str, f64)| {
         vec![Cell::text(name), Cell::number(value, format!("{value}"))]
@@ -85,7 +73,7 @@ fn page() -> Page {
         sections: vec![
             Section::new(
                 "Charts",
-                vec![Block::Chart(chart), Block::Bars(bars), Block::Table(table)],
+                vec![Block::Chart(chart), Block::Chart(bars), Block::Table(table)],
             ),
             Section::new(
                 "Pictures",

@@ -126,7 +126,7 @@ fn a_sweep_resumes_where_it_stopped() {
     assert!(matches!(records[0], Record::Header(_)));
 }
 
-/// The command compares what sweeps and `bench` write, and its exit code is the answer.
+/// The command compares what sweeps write, and its exit code is the answer.
 #[test]
 fn a_wrong_sampler_fails_the_comparison_of_two_sweeps() {
     let (folder, file) = (folder(), repository("scenes/testareajitter.json"));
@@ -160,7 +160,7 @@ fn a_wrong_sampler_fails_the_comparison_of_two_sweeps() {
     let wrong: Vec<String> = kept.map(str::to_owned).chain(swapped).collect();
     std::fs::write(&path, wrong.join("\n") + "\n").expect("records");
     let text = compare(1, &["-o", "page"]);
-    let worse: Vec<&str> = text.lines().filter(|line| line.starts_with("worse")).collect();
+    let worse: Vec<&str> = text.lines().filter(|line| line.starts_with("  worse")).collect();
     assert!(worse.iter().any(|line| line.contains("sobol points on lights")), "{text}");
     assert!(!worse.iter().any(|line| line.contains("jittered")), "{text}");
     let json = std::fs::read_to_string(folder.path().join("page/compare.json")).expect("JSON");

@@ -4,8 +4,7 @@
 //! in rounds, their images checked: the ladder from the recursive tracer to the wavefront, and on
 //! request kernels, instruction sets, batches, threads or the plan. [`crate::summary`] defines
 //! medians, intervals and spreads; [`advice`] names problems of a measurement and their remedies;
-//! [`page`] shows the results, and [`crate::text`] the same on a terminal. [`hardware`] reads the
-//! counters of the processor.
+//! [`page`] shows the results, and [`crate::text`] the same on a terminal.
 //!
 //! | key | unit | meaning |
 //! |---|---|---|
@@ -13,7 +12,6 @@
 //! | `commit` | | of the checkout that contains the program, with a `+` if its files are modified (`null` outside a checkout) |
 //! | `machine.processor`, `.cores`, `.threads`, `.os` | | its model (`null` if unknown), the cores available to the program, and the threads in use |
 //! | `machine.caches[].level`, `.bytes`, `.shared_by` | bytes | the caches of data, and the processors that share one |
-//! | `machine.hardware_missing` | | why the processor has no counters here, `null` if it has |
 //! | `scenes` | | one entry for each scene, in the order of the command line: |
 //!
 //! | key of a scene | unit | meaning |
@@ -22,8 +20,7 @@
 //! | `preset` | | the BVH preset |
 //! | `time.load`, `.build` | seconds | reading and preparing, and building the tree, once |
 //! | `image.width`, `.height`, `.samples_per_pixel` | pixels, rays | the image |
-//! | `triangles`, `quads`, `spheres`, `lights`, `dropped.degenerate` | | the contents of the scene, and dropped triangles |
-//! | `expected_visits.nodes`, `.leaves` | per ray | visits of an unobstructed ray expected by the surface-area heuristic |
+//! | `triangles`, `quads`, `spheres`, `lights` | | the contents of the scene |
 //! | `bytes_per_path` | bytes | in the columns of the wavefront |
 //! | `memory.predicted`, `.peak` | bytes | estimate for a render; peak of the process so far, including earlier scenes (`null` if unknown) |
 //! | `equal` | | whether every image was the same to the last bit, and all work except tests |
@@ -37,26 +34,21 @@
 //! | `..label` | | its name in the list |
 //! | `..tracer`, `.time_passes`, `.kernel`, `.simd`, `.batch`, `.threads`, `.planned` | | the variant: see [`variant::Variant`] |
 //! | `..over` | | the variant that its speed is compared with |
-//! | `..ratio.median`, `.low`, `.high`, `.confidence`, `.pairs`, `.method` | | its speed over that of the other: seconds of the other over its own, round by round |
+//! | `..ratio.median`, `.low`, `.high`, `.confidence`, `.pairs` | | its speed over that of the other: seconds of the other over its own, round by round |
 //! | `..gain` | | the step that leads to it: what is new (`of`), the variant before (`from`), and the ratio of the speeds; the gains of a ladder multiply to the ratio of the last variant |
 //! | `..seconds.median`, `.min`, `.max`, `.first_quartile`, `.third_quartile`, `.mad`, `.each` | seconds | wall-clock time of a run; `each` round by round |
 //! | `..processor_seconds` | seconds | processor time of each run, of all threads (`null` if unknown) |
 //! | `..processors` | | processors that worked on average |
-//! | `..yardstick` | seconds | median time of a fixed piece of work after each run, which measures the machine's speed: see [`crate::yardstick`] |
 //! | `..mrays_s` | 10^6 rays / s | rays of every kind, by the median of the seconds |
-//! | `..rays_s.primary`, `.secondary`, `.shadow` | rays / s | rays of that kind in the median of the seconds of the whole run |
-//! | `..passes.NAME.seconds`, `.share` | seconds | median time in the pass, summed over threads, and its share in the sum of all passes |
+//! | `..passes.NAME` | seconds | median time in the pass, summed over threads |
 //! | `..batch_bytes` | bytes | held for one batch |
 //! | `..tests.nodes`, `.primitives` | tests | in one run, as in [`crate::statistics`] |
-//! | `..tests_per_ray.nodes`, `.primitives` | tests / ray | the same for each ray of any kind |
 //! | `..kernels` | | rays by kernel in one run, as in [`crate::statistics`] |
-//! | `..hardware.cycles`, `.instructions`, `.cache_references`, `.cache_misses`, `.branch_misses` | | hardware counters of a separate run, all threads together; `null` if a counter, or for `.hardware` all, are unavailable |
 //! | `warnings` | | possible problems of the measurement |
 
 pub mod advice;
 pub mod compare;
 pub mod equal;
-pub mod hardware;
 mod machine;
 pub mod page;
 mod ratio;
@@ -67,6 +59,6 @@ mod tests;
 pub mod variant;
 
 pub use machine::{Cache, Machine};
-pub use ratio::{METHOD, Ratio};
+pub use ratio::Ratio;
 pub use report::{BenchReport, Plan, Preparation, SceneBench, Setting};
 pub use run::Run;

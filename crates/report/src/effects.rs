@@ -30,7 +30,7 @@ mod text;
 
 use crate::bench::equal::Difference;
 use crate::bench::{Machine, Ratio};
-use crate::measure::{Schedule, Timing, Turn};
+use crate::measure::{Schedule, Timing};
 use crate::statistics::Rays;
 use crate::summary::Summary;
 use scenes::Variant;
@@ -78,7 +78,7 @@ pub fn measure(
         difference: None,
         effects: Vec::new(),
     };
-    let run = |Turn { variant, .. }: Turn| {
+    let run = |variant: usize| {
         let (index, tracer) = (variant / TRACERS.len(), TRACERS[variant % TRACERS.len()]);
         let Entry { variant, scene } = &entries[index];
         let (rendered, timing) = Timing::of(|| trace(scene, tracer));

@@ -37,17 +37,6 @@ pub struct Timing {
     pub processor: Option<f64>,
 }
 
-/// The run that is due.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Turn {
-    /// The variant, by its number.
-    pub variant: usize,
-    /// The round, counted from 0 and from the first untimed one.
-    pub round: usize,
-    /// Whether it counts.
-    pub is_timed: bool,
-}
-
 /// The timed runs of all variants.
 #[derive(Clone, Debug)]
 pub struct Measured<T> {
@@ -72,33 +61,32 @@ const CLOCK_STEP: f64 = 1e-9;
 /// Largest number of rounds, busy or not, as a multiple of those that are to be kept.
 const TRIES: usize = 2;
 
-/// Runs all of `variants` in turn as in `schedule`. `run` returns the duration of its run, with
-/// whatever else is to be kept of it, or `None` to end the measurement without a result. `progress`
-/// receives the rounds timed and the expected total.
+/// Runs all of `variants` in turn as in `schedule`. `run` receives the number of a variant and
+/// returns the duration of its run, with whatever else is to be kept of it, or `None` to end the
+/// measurement without a result. `progress` receives the rounds timed and the expected total.
 ///
 /// # Errors
 /// Those of `run`.
 pub fn measure<T>(
     variants: usize,
     schedule: &Schedule,
-    mut run: impl FnMut(Turn) -> Result<Option<(Timing, T)>>,
+    mut run: impl FnMut(usize) -> Result<Option<(Timing, T)>>,
     progress: &mut dyn FnMut(u64, u64),
 ) -> Result<Option<Measured<T>>> {
     let mut rounds: Vec<Vec<(Timing, T)>> = Vec::new();
-    let mut round = 0;
+    let mut round = 0_usize;
     loop {
-        let is_timed = round >= schedule.warmup.max(1);
         let mut runs: Vec<Option<(Timing, T)>> = (0..variants).map(|_| None).collect();
         for turn in 0..variants {
             let step = if round.is_multiple_of(2) { turn } else { variants - turn };
             let variant = (round + step) % variants;
-            let found = run(Turn { variant, round, is_timed })?;
+            let found = run(variant)?;
             if found.is_none() {
                 return Ok(None);
             }
             runs[variant] = found;
         }
-        if is_timed {
+        if round >= schedule.warmup.max(1) {
             rounds.push(runs.into_iter().flatten().collect());
         }
         let is_quiet = quiet(&rounds.iter().map(|runs| whole(runs)).collect::<Vec<_>>());

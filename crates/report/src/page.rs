@@ -7,14 +7,13 @@
 
 mod blocks;
 mod document;
-mod figures;
-mod tables;
 #[cfg(test)]
 mod tests;
-mod writer;
 
+pub(crate) use blocks::file_name;
+
+use super::plot::Chart;
 use super::plot::number::figure;
-use super::plot::{Chart, StackedBars};
 
 /// The whole report.
 #[derive(Clone, Debug, Default)]
@@ -47,10 +46,8 @@ pub enum Block {
     Paragraph(String),
     /// An important note, such as a warning.
     Warning(String),
-    /// A chart with its caption, its values as a table, and downloads as CSV and JSON.
+    /// A chart with its caption, its values as a table, and a download as CSV.
     Chart(Chart),
-    /// Bars with the same.
-    Bars(StackedBars),
     /// A table.
     Table(Table),
     /// Images in a row, each with its caption.
@@ -79,20 +76,8 @@ pub struct Table {
 pub struct Column {
     /// Its heading.
     pub name: String,
-    /// The alignment of its text.
-    pub align: Align,
-}
-
-/// The alignment of a column.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Align {
-    /// On the left: words.
-    #[default]
-    Left,
-    /// On the right: numbers.
-    Right,
-    /// In the middle.
-    Center,
+    /// Whether it has numbers, which are aligned on the right.
+    pub is_number: bool,
 }
 
 /// A cell of a [`Table`].
@@ -104,7 +89,7 @@ pub struct Cell {
     pub value: Option<f64>,
 }
 
-/// An embedded image.
+/// An embedded image, whose pixels stay visible when it is enlarged.
 #[derive(Clone, Debug, Default)]
 pub struct Picture {
     /// The bytes of a PNG file.
@@ -113,8 +98,6 @@ pub struct Picture {
     pub alt: String,
     /// The caption.
     pub caption: String,
-    /// Whether to show single pixels when enlarged.
-    pub pixels: bool,
 }
 
 /// A named fact.
@@ -164,12 +147,12 @@ impl Table {
 impl Column {
     /// A column of words.
     pub fn words(name: impl Into<String>) -> Self {
-        Self { name: name.into(), align: Align::Left }
+        Self { name: name.into(), is_number: false }
     }
 
     /// A column of numbers.
     pub fn numbers(name: impl Into<String>) -> Self {
-        Self { name: name.into(), align: Align::Right }
+        Self { name: name.into(), is_number: true }
     }
 }
 

@@ -1,38 +1,28 @@
-//! Charts as data, written as SVG, PNG, CSV and JSON.
+//! Charts as data, written as SVG and CSV.
 //!
-//! A [`Chart`] shows series over two axes; [`StackedBars`] show where time went. They contain no
-//! drawing instructions. Both are laid out as a list of shapes, written as SVG by one writer and as
-//! PNG pixels by another, so that both show the same. Text widths come from a
-//! built-in font: nothing depends on the system, and the bytes are the same on every machine.
+//! A [`Chart`] shows series over two axes, as lines, points or bars. It contains no drawing
+//! instructions. Text widths come from a built-in font: nothing depends on the system, and the
+//! bytes are the same on every machine.
 //!
 //! Colours are those of Okabe and Ito (*Color Universal Design*, 2008), which people with colour
 //! vision deficiencies can distinguish; each series has its own marker as well.
-//!
-//! The JSON of a chart uses the names of the fields below.
 
-mod bars;
+mod axis;
 mod chart;
-mod drawing;
 mod field;
-pub(crate) mod figure;
 mod font;
-mod guides;
 pub mod label;
-mod legend;
-mod marker;
+mod marks;
 pub mod number;
 mod paint;
-mod place;
-mod raster;
 pub(crate) mod svg;
 #[cfg(test)]
 mod tests;
-mod ticks;
 
-use serde::Serialize;
+use number::{figure, time_unit};
 
 /// Series of points over two axes.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Chart {
     /// The title, in a few words.
     pub title: String,
@@ -50,7 +40,7 @@ pub struct Chart {
 }
 
 /// The meaning of a coordinate.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Axis {
     /// The quantity, such as "time".
     pub label: String,
@@ -61,14 +51,11 @@ pub struct Axis {
 }
 
 /// The scale of an axis.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
-#[serde(rename_all = "kebab-case")]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub enum Scale {
     /// Equal differences have equal distances.
     #[default]
     Linear,
-    /// As [`Scale::Linear`], including 0.
-    FromZero,
     /// Equal ratios have equal distances. Values of 0 or less are not drawn, and a note gives their
     /// number.
     Log,
@@ -77,7 +64,7 @@ pub enum Scale {
 }
 
 /// A series of points.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Series {
     /// Its name in the legend.
     pub name: String,
@@ -88,20 +75,21 @@ pub struct Series {
 }
 
 /// How points are drawn.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "kebab-case")]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Draw {
     /// Markers, with whiskers for intervals.
     #[default]
     Points,
     /// Markers with whiskers, joined by a line.
     Line,
+    /// Segments of bars, over an axis of names: the interval of a point is its segment.
+    Bars,
 }
 
 /// One measurement.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Point {
-    /// Its `x`; a value that is not finite is `null` in JSON, and not drawn.
+    /// Its `x`; a value that is not finite is not drawn.
     pub x: f64,
     /// Its `y`.
     pub y: f64,
@@ -114,58 +102,53 @@ pub struct Point {
 }
 
 /// A guide line.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Guide {
-    /// Its label, such as "−1/2".
+    /// Its name, such as "−1/2", written at its second end.
     pub name: String,
-    /// Its course.
-    pub course: Course,
+    /// Its ends as `[x, y]`; an infinite coordinate is that end of the axis.
+    pub ends: [[f64; 2]; 2],
 }
 
-/// The course of a [`Guide`].
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Course {
-    /// `y` is proportional to `x` to the power of `slope`, through a point. Only for two
-    /// logarithmic axes.
-    Power {
-        /// The exponent: -0.5 for an error that falls with the square root of the samples.
-        slope: f64,
-        /// A point on it, as `[x, y]`.
-        through: [f64; 2],
-    },
-    /// Constant `y`.
-    AtY(f64),
-}
-
-/// Time by stage: a bar for each measured item, in segments.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
-pub struct StackedBars {
-    /// The title, in a few words.
-    pub title: String,
-    /// The bars, from top to bottom.
-    pub bars: Vec<Bar>,
-    /// How to read it; shown beside the drawing, not in it.
-    pub caption: String,
-}
-
-/// One measured item.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
-pub struct Bar {
-    /// Its name.
-    pub name: String,
-    /// Its segments, from left to right. Stages with the same name have the same colour in all
-    /// bars.
-    pub segments: Vec<Segment>,
-}
-
-/// The time of one stage.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
-pub struct Segment {
-    /// The stage.
-    pub stage: String,
-    /// Its time in seconds, 0 or more.
-    pub seconds: f64,
+impl Chart {
+    /// Bars of stages, one above the other: the name and the seconds of each stage. A stage has its
+    /// colour in every bar.
+    pub fn bars(
+        title: impl Into<String>,
+        caption: impl Into<String>,
+        bars: &[(String, Vec<(String, f64)>)],
+    ) -> Self {
+        let sum = |stages: &[(String, f64)]| stages.iter().map(|(_, seconds)| seconds).sum::<f64>();
+        let (scale, unit) =
+            time_unit(bars.iter().map(|(_, stages)| sum(stages)).fold(0.0, f64::max));
+        let mut series: Vec<Series> = Vec::new();
+        for (row, (_, stages)) in bars.iter().enumerate() {
+            let mut end = 0.0;
+            for (stage, seconds) in stages {
+                let (start, share) = (end, (1000.0 * seconds / sum(stages)).round() / 10.0);
+                end += scale * seconds;
+                let point = Point::new(row as f64, scale * seconds).within(start, end);
+                let point = point.labelled(format!("{}% of the bar", figure(share)));
+                match series.iter_mut().find(|series| series.name == *stage) {
+                    Some(series) => series.points.push(point),
+                    None => series.push(Series {
+                        name: stage.clone(),
+                        draw: Draw::Bars,
+                        points: vec![point],
+                    }),
+                }
+            }
+        }
+        let names = bars.iter().map(|(name, _)| name.clone()).collect();
+        Self {
+            title: title.into(),
+            x: Axis::new("bar", "", Scale::Names(names)),
+            y: Axis::new("time", unit, Scale::Linear),
+            series,
+            guides: Vec::new(),
+            caption: caption.into(),
+        }
+    }
 }
 
 impl Axis {
@@ -193,7 +176,14 @@ impl Series {
 impl Guide {
     /// A line at a value of `y`.
     pub fn at(name: &str, y: f64) -> Self {
-        Self { name: name.to_owned(), course: Course::AtY(y) }
+        Self { name: name.to_owned(), ends: [[f64::NEG_INFINITY, y], [f64::INFINITY, y]] }
+    }
+
+    /// A line along which `y` is proportional to `x` to the power of `slope`, below 0: from a point
+    /// until it reaches either coordinate of another.
+    pub fn power(name: &str, slope: f64, [x, y]: [f64; 2], [last, lowest]: [f64; 2]) -> Self {
+        let end = last.min(x * libm::pow(lowest / y, 1.0 / slope));
+        Self { name: name.to_owned(), ends: [[x, y], [end, y * libm::pow(end / x, slope)]] }
     }
 }
 
@@ -213,12 +203,5 @@ impl Point {
     #[must_use]
     pub fn labelled(self, label: impl Into<String>) -> Self {
         Self { label: label.into(), ..self }
-    }
-}
-
-impl Bar {
-    /// The segments to draw: times that are finite and not negative.
-    fn drawn(&self) -> impl Iterator<Item = &Segment> {
-        self.segments.iter().filter(|s| s.seconds.is_finite() && s.seconds >= 0.0)
     }
 }

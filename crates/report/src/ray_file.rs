@@ -66,14 +66,16 @@ impl RayFile {
             Error::new(ErrorKind::Syntax, "this is not a ray file")
                 .remedy("a ray file begins with RAYDUMP1 and a header of 64 bytes")
         })?;
-        let version = word(header, 8);
+        let header: Vec<u32> = words(header).collect();
+        let (version, any_hit) = (header[2], header[3] != 0);
         if version != VERSION {
             return Err(Error::new(ErrorKind::Syntax, "the version of the ray file is unknown")
                 .at("byte 8")
                 .value(version)
                 .remedy("use version 1"));
         }
-        let (count, triangles) = (long(header, 16), long(header, 24));
+        let long = |at: usize| u64::from(header[at]) | u64::from(header[at + 1]) << 32;
+        let (count, triangles) = (long(4), long(6));
         let expected = count.checked_mul(ROW as u64).and_then(|n| n.checked_add(HEADER as u64));
         if expected != Some(bytes.len() as u64) {
             return Err(Error::new(ErrorKind::Syntax, "the length of the ray file is wrong")
@@ -82,19 +84,16 @@ impl RayFile {
                 .remedy(format!("each ray takes {ROW} bytes after a header of {HEADER}")));
         }
         let n = count as usize;
-        let column = |start: usize, width: usize| {
-            let start = HEADER + start * n;
-            bytes[start..start + width * n].chunks_exact(width)
-        };
-        let primitives = column(RAY + 4, 4).map(|b| word(b, 0));
-        let closest =
-            column(RAY, 4).zip(primitives).map(|(t, primitive)| Hit { t: float(t, 0), primitive });
+        let (rays, answers) = bytes[HEADER..].split_at(RAY * n);
+        let (distances, answers) = answers.split_at(4 * n);
+        let (primitives, occluded) = answers.split_at(4 * n);
+        let answers = words(distances).map(f32::from_bits).zip(words(primitives));
         Ok(Self {
-            any_hit: word(header, 12) != 0,
+            any_hit,
             triangles,
-            rays: column(0, RAY).map(ray).collect(),
-            closest: closest.collect(),
-            occluded: column(RAY + 8, 1).map(|b| b[0] != 0).collect(),
+            rays: rays.chunks_exact(RAY).map(ray).collect(),
+            closest: answers.map(|(t, primitive)| Hit { t, primitive }).collect(),
+            occluded: occluded.iter().map(|flag| *flag != 0).collect(),
         })
     }
 
@@ -113,44 +112,29 @@ impl RayFile {
         sink.write_all(&(self.rays.len() as u64).to_le_bytes())?;
         sink.write_all(&self.triangles.to_le_bytes())?;
         sink.write_all(&[0; 32])?;
-        for Ray { origin: o, direction: d, t_min, t_max } in &self.rays {
-            for number in [o.x, o.y, o.z, *t_min, d.x, d.y, d.z, *t_max] {
-                sink.write_all(&number.to_le_bytes())?;
-            }
-        }
-        for hit in &self.closest {
-            sink.write_all(&hit.t.to_le_bytes())?;
-        }
-        for hit in &self.closest {
-            sink.write_all(&hit.primitive.to_le_bytes())?;
+        let rays = self.rays.iter().flat_map(|Ray { origin: o, direction: d, t_min, t_max }| {
+            [o.x, o.y, o.z, *t_min, d.x, d.y, d.z, *t_max]
+        });
+        let distances = self.closest.iter().map(|hit| hit.t);
+        let primitives = self.closest.iter().map(|hit| hit.primitive);
+        for word in rays.chain(distances).map(f32::to_bits).chain(primitives) {
+            sink.write_all(&word.to_le_bytes())?;
         }
         let flags: Vec<u8> = self.occluded.iter().map(|&o| u8::from(o)).collect();
         sink.write_all(&flags)
     }
 }
 
+/// The numbers of four bytes.
+fn words(bytes: &[u8]) -> impl Iterator<Item = u32> {
+    bytes.chunks_exact(4).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]]))
+}
+
 fn ray(bytes: &[u8]) -> Ray {
-    let f = |i: usize| float(bytes, 4 * i);
-    Ray {
-        origin: Vec3::new(f(0), f(1), f(2)),
-        t_min: f(3),
-        direction: Vec3::new(f(4), f(5), f(6)),
-        t_max: f(7),
-    }
-}
-
-fn word(bytes: &[u8], at: usize) -> u32 {
-    let mut word = [0; 4];
-    word.copy_from_slice(&bytes[at..at + 4]);
-    u32::from_le_bytes(word)
-}
-
-fn long(bytes: &[u8], at: usize) -> u64 {
-    u64::from(word(bytes, at)) | u64::from(word(bytes, at + 4)) << 32
-}
-
-fn float(bytes: &[u8], at: usize) -> f32 {
-    f32::from_bits(word(bytes, at))
+    let mut numbers = [0.0; RAY / 4];
+    numbers.iter_mut().zip(words(bytes)).for_each(|(number, bits)| *number = f32::from_bits(bits));
+    let [ox, oy, oz, t_min, dx, dy, dz, t_max] = numbers;
+    Ray { origin: Vec3::new(ox, oy, oz), t_min, direction: Vec3::new(dx, dy, dz), t_max }
 }
 
 #[cfg(test)]

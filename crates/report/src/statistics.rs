@@ -124,6 +124,13 @@ impl Rays {
     }
 }
 
+impl PrimitiveTests {
+    /// Tests of every kind.
+    pub fn all(&self) -> u64 {
+        self.triangles + self.quads + self.spheres
+    }
+}
+
 /// The size of the rendered image.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct ImageSize {

@@ -3,9 +3,8 @@
 
 use std::fmt::Write as _;
 
-use crate::page::{Align, Block, Cell, Column, Table};
-use crate::plot::StackedBars;
-use crate::plot::number::time_unit;
+use crate::page::{Block, Cell, Column, Table};
+use crate::plot::{Chart, Scale};
 
 /// Largest length of a line of running text.
 const LINE: usize = 100;
@@ -38,7 +37,7 @@ fn add(text: &mut String, block: &Block) {
             }
         }
         Block::Table(found) => table(text, found),
-        Block::Bars(bars) => table(text, &table_of(bars)),
+        Block::Chart(chart) if chart.has_bars() => table(text, &table_of(chart)),
         Block::Details(details) => details.blocks.iter().for_each(|block| add(text, block)),
         Block::Code(code) => text.push_str(code),
         Block::Chart(_) | Block::Pictures(_) => {}
@@ -85,9 +84,9 @@ fn table(text: &mut String, table: &Table) {
         let mut line = String::new();
         for ((cell, column), width) in row.iter().zip(&table.columns).zip(&widths) {
             line += if line.is_empty() { INDENT } else { BETWEEN };
-            line += &match column.align {
-                Align::Right => format!("{cell:>width$}"),
-                Align::Left | Align::Center => format!("{cell:<width$}"),
+            line += &match column.is_number {
+                true => format!("{cell:>width$}"),
+                false => format!("{cell:<width$}"),
             };
         }
         let _ = writeln!(text, "{}", line.trim_end());
@@ -95,26 +94,21 @@ fn table(text: &mut String, table: &Table) {
 }
 
 /// A row for each bar, a column for each stage.
-fn table_of(bars: &StackedBars) -> Table {
-    let mut stages: Vec<&str> = Vec::new();
-    for segment in bars.bars.iter().flat_map(|bar| &bar.segments) {
-        if !stages.contains(&&*segment.stage) {
-            stages.push(&segment.stage);
-        }
-    }
-    let all = bars.bars.iter().flat_map(|bar| &bar.segments).map(|segment| segment.seconds);
-    let (scale, unit) = time_unit(all.fold(0.0, f64::max));
-    let columns =
-        std::iter::once(Column::words(unit)).chain(stages.iter().map(|s| Column::numbers(*s)));
-    let rows = bars.bars.iter().map(|bar| {
-        let cells = stages.iter().map(|stage| {
-            let found = bar.segments.iter().find(|segment| segment.stage == **stage);
-            found.map_or_else(Cell::default, |found| Cell::decimals(scale * found.seconds, 3))
+fn table_of(chart: &Chart) -> Table {
+    let stages = chart.series.iter().map(|stage| Column::numbers(&stage.name));
+    let names: &[String] = if let Scale::Names(names) = &chart.x.scale { names } else { &[] };
+    let row = |(row, name): (usize, &String)| {
+        let cells = chart.series.iter().map(|stage| {
+            let found = stage.points.iter().find(|point| point.x as usize == row);
+            found.map_or_else(Cell::default, |found| Cell::decimals(found.y, 3))
         });
-        std::iter::once(Cell::text(bar.name.clone())).chain(cells).collect()
-    });
-    let caption = format!("{}. {}", bars.title, bars.caption);
-    Table { caption, columns: columns.collect(), rows: rows.collect() }
+        std::iter::once(Cell::text(name)).chain(cells).collect()
+    };
+    Table {
+        caption: format!("{}. {}", chart.title, chart.caption),
+        columns: std::iter::once(Column::words(&chart.y.unit)).chain(stages).collect(),
+        rows: names.iter().enumerate().map(row).collect(),
+    }
 }
 
 #[cfg(test)]

@@ -1,9 +1,8 @@
 //! The current speed of the machine: the time of a fixed piece of work that is the same in all
 //! versions.
 //!
-//! A shared processor may be a tenth slower for minutes. Two sweeps, or two reports of `bench`, of
-//! one machine are compared in this unit, so that such phases do not count as changes of the
-//! program.
+//! A shared processor may be a tenth slower for minutes. Two sweeps of one machine are compared in
+//! this unit, so that such phases do not count as changes of the program.
 
 use std::hint::black_box;
 use std::time::Instant;

@@ -174,7 +174,7 @@ fn slope(points: &[Point]) -> Option<Interval> {
 }
 
 /// The number of rounds of a scene, and the seeds of those that were busy.
-pub(super) fn busy_rounds(scene: &str, records: &[Record]) -> (usize, BTreeSet<u64>) {
+pub(crate) fn busy_rounds(scene: &str, records: &[Record]) -> (usize, BTreeSet<u64>) {
     let mut rounds: BTreeMap<u64, Vec<Timing>> = BTreeMap::new();
     for point in all::<PointRecord>(records).filter(|point| point.scene == scene) {
         rounds.entry(point.seed).or_default().extend(point.timing);

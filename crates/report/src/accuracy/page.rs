@@ -1,4 +1,4 @@
-//! The report: an HTML page, and its charts as SVG, PNG, CSV and JSON.
+//! The report: an HTML page, and its charts as SVG and CSV.
 
 mod answers;
 mod charts;
@@ -11,15 +11,10 @@ use super::Findings;
 use super::findings::SceneFindings;
 use super::sweep::Swept;
 use crate::bench::page::command;
-use crate::files::{to_json, write_text};
 use crate::page::{Block, Fact, Page, Section};
-use crate::plot::figure::Figure;
 use wavecrest_base::error::Result;
 
-/// The width of charts as PNG, in pixels.
-const CHART_WIDTH: u32 = 1200;
-
-/// Writes `findings` to the folder `results`: `report.html`, and each chart in four forms.
+/// Writes `findings` to the folder `results`: `report.html`, and each chart as SVG and CSV.
 ///
 /// # Errors
 /// If a file cannot be written, or a scene can no longer be rendered for its crops.
@@ -99,7 +94,7 @@ fn section(scene: &SceneFindings, folder: &Path) -> Result<Section> {
     for family in scene.families.iter().filter(|family| family.name != "precision") {
         blocks.push(Block::Heading(family.title.to_owned()));
         for (name, chart) in charts::of(family, scene) {
-            write_chart(&chart, &folder.join(format!("{}-{name}", scene.scene.scene)))?;
+            chart.write(folder, &format!("{}-{name}", scene.scene.scene))?;
             // The answer's is on the first screen.
             if name != answered {
                 blocks.push(Block::Chart(chart));
@@ -109,19 +104,10 @@ fn section(scene: &SceneFindings, folder: &Path) -> Result<Section> {
     }
     blocks.push(Block::Heading("Where the time goes".to_owned()));
     let time = charts::time(scene);
-    write_chart(&time, &folder.join(format!("{}-layers", scene.scene.scene)))?;
-    blocks.push(Block::Bars(time));
+    time.write(folder, &format!("{}-layers", scene.scene.scene))?;
+    blocks.push(Block::Chart(time));
     blocks.push(Block::Heading("Cost and accuracy of each precision".to_owned()));
     blocks.extend(tables::precision(scene));
     blocks.extend(tables::steps(scene));
     Ok(Section::new(scene.scene.scene.clone(), blocks))
-}
-
-/// A chart in four forms.
-fn write_chart(chart: &impl Figure, stem: &Path) -> Result<()> {
-    let with = |extension: &str| stem.with_extension(extension);
-    write_text(&with("svg"), &chart.svg())?;
-    write_text(&with("csv"), &chart.csv())?;
-    write_text(&with("json"), &to_json(chart).map_err(|e| e.in_file(stem))?)?;
-    chart.png(&with("png"), CHART_WIDTH)
 }

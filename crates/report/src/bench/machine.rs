@@ -4,8 +4,6 @@ use std::path::Path;
 
 use serde::Serialize;
 
-use super::hardware;
-
 /// The machine.
 #[derive(Clone, Debug, Serialize)]
 #[allow(missing_docs, reason = "see crate::bench")]
@@ -16,7 +14,6 @@ pub struct Machine {
     pub os: String,
     /// The caches of data, from the nearest to the farthest; none if the system does not tell.
     pub caches: Vec<Cache>,
-    pub hardware_missing: Option<String>,
 }
 
 /// A cache of data.
@@ -38,7 +35,6 @@ impl Machine {
             threads: rayon::current_num_threads(),
             os: format!("{} {}", std::env::consts::OS, std::env::consts::ARCH),
             caches: caches(Path::new("/sys/devices/system/cpu/cpu0/cache")),
-            hardware_missing: hardware::missing(),
         }
     }
 

@@ -2,18 +2,19 @@
 //! blocks as [text](crate::text).
 
 mod comparison;
-mod files;
+
+use std::path::Path;
 
 use super::compare::VariantBench;
 use super::machine::Machine;
-use super::ratio::{METHOD, Ratio};
+use super::ratio::Ratio;
 use super::report::{BenchReport, SceneBench};
-use crate::page::{Block, Cell, Fact, Page, Section, Table};
+use crate::page::{Block, Cell, Fact, Page, Section, Table, file_name};
 use crate::plot::number::figure;
 use crate::plot::{Axis, Scale, Series};
+use crate::summary::CONFIDENCE;
 use comparison::{comparison, point, ratio, speeds};
-
-pub use files::write_figures;
+use wavecrest_base::error::{Error, Result};
 
 /// The page of a report.
 pub fn page(report: &BenchReport) -> Page {
@@ -31,6 +32,25 @@ pub fn page(report: &BenchReport) -> Page {
     sections.push(Section::new("How it was measured", vec![Block::Facts(facts), command]));
     let title = "Wavefront against recursive".to_owned();
     Page { title, lead: lead(&report.scenes), sections, ..Page::default() }
+}
+
+/// Writes every chart of the `page` to `folder`, which is made. Names begin with that of the scene.
+///
+/// # Errors
+/// If a file cannot be written.
+pub fn write_figures(page: &Page, folder: &Path) -> Result<()> {
+    std::fs::create_dir_all(folder)
+        .map_err(|e| Error::io("cannot create the folder", folder, e))?;
+    for section in &page.sections {
+        let scene = Path::new(section.title.trim_matches('`')).file_stem().unwrap_or_default();
+        for block in &section.blocks {
+            if let Block::Chart(chart) = block {
+                let name = format!("{} {}", scene.to_string_lossy(), chart.title);
+                chart.write(folder, &file_name(&name))?;
+            }
+        }
+    }
+    Ok(())
 }
 
 /// The results in a few sentences.
@@ -70,13 +90,14 @@ fn answer(scene: &SceneBench) -> Option<String> {
     let i = &ratio.interval;
     let steps = gains(&scene.ladder()?.variants);
     let steps = if steps.is_empty() { String::new() } else { format!(": {steps}") };
-    let verdict = match ratio.verdict("wavefront", "recursive tracer") {
-        known if known.ends_with("is faster") => String::new(),
-        open => format!(" Of the two, {open}."),
+    let doubt = match i {
+        _ if i.confidence < CONFIDENCE => " There were too few rounds to say which is faster.",
+        _ if i.low <= 1.0 && 1.0 <= i.high => " The difference is within the noise.",
+        _ => "",
     };
     Some(format!(
         "The wavefront is {:.2} times as fast as the recursive tracer ({:.3} to {:.3} with {:.1}\u{a0}% confidence, {} \
-         rounds){steps}.{verdict}",
+         rounds){steps}.{doubt}",
         i.median,
         i.low,
         i.high,
@@ -111,10 +132,9 @@ pub fn overview(scenes: &[SceneBench]) -> Vec<Block> {
             Cell::text(scene.ladder().map(|ladder| gains(&ladder.variants)).unwrap_or_default()),
         ]
     };
-    let caption = format!(
-        "Millions of rays of all kinds a second, by the median time; the ratio of the speeds, which is the median over \
-         rounds of runs, with its confidence interval ({METHOD}); and the gain of each step to the wavefront."
-    );
+    let caption = "Millions of rays of all kinds a second, by the median time; the ratio of the speeds, which is the \
+                   median over rounds of runs, with its confidence interval (order statistics of paired ratios, \
+                   Thompson 1936); and the gain of each step to the wavefront.";
     let header = "scene|>triangles|>rays|>wavefront|>recursive|>ratio|steps";
     vec![
         Block::Chart(speeds(
@@ -151,46 +171,29 @@ fn facts(scene: &SceneBench, machine: &Machine) -> Vec<Fact> {
     ];
     let kinds = kinds.iter().filter(|(count, _)| *count > 0).map(|(n, name)| plural(*n, name));
     let (load, build, preset) = (setting.time.load, setting.time.build, setting.preset.name());
-    let batch = scene.bytes_per_path * setting.batch;
+    let [path, batch] = [scene.bytes_per_path, setting.batch].map(|count| count as u64);
     let caches = machine.caches.iter().map(|c| format!("L{} {}", c.level, size(c.bytes)));
     let caches = caches.collect::<Vec<_>>().join(", ");
-    let mut facts = vec![
-        Fact::new("image", format!("{} × {} pixels, {samples} each", image.width, image.height)),
-        Fact::new("scene", kinds.collect::<Vec<_>>().join(", ")),
-        Fact::new(
-            "rays a run",
-            format!("{primary} primary, {secondary} secondary, {shadow} shadow"),
-        ),
-        Fact::new(
-            "prepared",
-            format!("loaded in {load:.3} s, BVH ({preset}) built in {build:.3} s"),
-        ),
-        Fact::new(
+    let caches = if caches.is_empty() { caches } else { format!("; caches: {caches}") };
+    let kernel = format!("kernel {}, {}", setting.kernel.name(), setting.simd.name());
+    let peak =
+        scene.memory.peak.map(|peak| format!("{:.1} MB, whole process so far", peak as f64 / 1e6));
+    let facts = [
+        ("image", format!("{} × {} pixels, {samples} each", image.width, image.height)),
+        ("scene", kinds.collect::<Vec<_>>().join(", ")),
+        ("rays a run", format!("{primary} primary, {secondary} secondary, {shadow} shadow")),
+        ("prepared", format!("loaded in {load:.3} s, BVH ({preset}) built in {build:.3} s")),
+        (
             "ray state",
-            format!(
-                "{} bytes a path, {} a batch of {}{}{caches}",
-                scene.bytes_per_path,
-                size(batch as u64),
-                setting.batch,
-                if caches.is_empty() { "" } else { "; caches: " }
-            ),
+            format!("{path} bytes a path, {} a batch of {}{caches}", size(path * batch), batch),
         ),
-        Fact::new(
+        (
             "settings",
-            format!(
-                "kernel {}, {}, {} precision, seed {}",
-                setting.kernel.name(),
-                setting.simd.name(),
-                setting.precision.name(),
-                setting.seed
-            ),
+            format!("{kernel}, {} precision, seed {}", setting.precision.name(), setting.seed),
         ),
+        ("peak memory", peak.unwrap_or_else(|| "unknown".to_owned())),
     ];
-    if let Some(peak) = scene.memory.peak {
-        let peak = format!("{:.1} MB, whole process so far", peak as f64 / 1e6);
-        facts.push(Fact::new("peak memory", peak));
-    }
-    facts
+    facts.map(|(name, value)| Fact::new(name, value)).to_vec()
 }
 
 /// A number of bytes in units of 1024.
@@ -210,16 +213,12 @@ fn plural(count: usize, name: &str) -> String {
 
 /// The machine.
 pub fn machine(machine: &Machine) -> Vec<Fact> {
-    let Machine { processor, cores, threads, os, hardware_missing, .. } = machine;
-    let mut facts = vec![
+    let Machine { processor, cores, threads, os, .. } = machine;
+    vec![
         Fact::new("processor", processor.as_deref().unwrap_or("unknown")),
         Fact::new("cores, threads", format!("{cores}, {threads}")),
         Fact::new("system", os),
-    ];
-    let why =
-        hardware_missing.iter().map(|why| Fact::new("hardware counters", format!("none: {why}")));
-    facts.extend(why);
-    facts
+    ]
 }
 
 /// A command with these arguments, as typed.

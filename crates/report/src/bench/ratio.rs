@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use crate::summary::{CONFIDENCE, MedianInterval};
+use crate::summary::MedianInterval;
 
 /// The speed of one variant over that of another.
 #[derive(Clone, Copy, Debug, Serialize)]
@@ -12,12 +12,7 @@ pub struct Ratio {
     pub interval: MedianInterval,
     /// Number of rounds.
     pub pairs: usize,
-    /// See [`METHOD`].
-    pub method: &'static str,
 }
-
-/// The method of the ratio's interval.
-pub const METHOD: &str = "order statistics of paired ratios (Thompson 1936)";
 
 impl Ratio {
     /// The speed of the variant `of` over that of `over`: the `seconds` of `over` in each round
@@ -35,17 +30,7 @@ impl Ratio {
         let i = pairs(over, of)?;
         let (low, high) = (i.low.min(median), i.high.max(median));
         let interval = MedianInterval { median, low, high, ..i };
-        Some(Self { interval, pairs: seconds[of].len(), method: METHOD })
-    }
-
-    /// Which of `faster` and `slower` is faster, if the interval tells.
-    pub fn verdict(&self, faster: &str, slower: &str) -> String {
-        match self.interval {
-            i if i.confidence < CONFIDENCE => "too few rounds to say which is faster".to_owned(),
-            i if i.low > 1.0 => format!("the {faster} is faster"),
-            i if i.high < 1.0 => format!("the {slower} is faster"),
-            _ => "the difference is within the noise".to_owned(),
-        }
+        Some(Self { interval, pairs: seconds[of].len() })
     }
 
     /// Median and interval.

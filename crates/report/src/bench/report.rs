@@ -12,10 +12,9 @@ use crate::statistics::{ImageSize, Memory, Rays};
 use wavecrest_base::error::Result;
 use wavecrest_core::accel::KernelChoice;
 use wavecrest_core::accel::build::Preset;
-use wavecrest_core::accel::tree::{Tree, Visits};
 use wavecrest_core::kernels::precision::Precision;
 use wavecrest_core::math::simd::Level;
-use wavecrest_core::prepared::{Dropped, PreparedScene};
+use wavecrest_core::prepared::PreparedScene;
 use wavecrest_core::render::TracerKind;
 use wavecrest_core::wavefront::batch::Batch;
 use wavecrest_scene::memory;
@@ -42,8 +41,6 @@ pub struct SceneBench {
     pub quads: usize,
     pub spheres: usize,
     pub lights: usize,
-    pub dropped: Dropped,
-    pub expected_visits: Visits,
     pub bytes_per_path: usize,
     pub memory: Memory,
     pub equal: bool,
@@ -128,7 +125,7 @@ impl SceneBench {
         let others = plan.axes.iter().copied().filter(|axis| *axis != Axis::Ladder);
         for axis in std::iter::once(Axis::Ladder).chain(others) {
             let choices = axis.choices(usual, &plan.batches);
-            let trace = |variant: &Variant, counted| runner.run(variant, counted);
+            let trace = |variant: &Variant| runner.run(variant);
             report.add(compare(axis, &choices, &plan.schedule, trace, progress)?);
             if !report.equal {
                 break;
@@ -148,8 +145,6 @@ impl SceneBench {
             quads: geometry.quads.len(),
             spheres: geometry.spheres.len(),
             lights: scene.lights.len(),
-            dropped: scene.dropped,
-            expected_visits: scene.accel.tree().map(Tree::expected_visits).unwrap_or_default(),
             bytes_per_path: Batch::bytes_per_path(scene).iter().map(|(_, bytes)| bytes).sum(),
             memory: Memory { predicted: setting.predicted, peak: None },
             setting,

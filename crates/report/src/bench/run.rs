@@ -4,10 +4,8 @@ use std::collections::BTreeMap;
 
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
-use super::hardware::{self, HardwareCounts};
 use super::variant::Variant;
 use crate::measure::Timing;
-use crate::yardstick::yardstick;
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_core::plan::Plan;
 use wavecrest_core::plan::schedule::{PASSES, unplanned};
@@ -19,32 +17,19 @@ use wavecrest_core::render::{RenderOptions, Rendered, render};
 pub struct Run {
     /// Its duration.
     pub timing: Timing,
-    /// Seconds of a [yardstick] after it.
-    pub yardstick: f64,
     /// Its image and its work.
     pub rendered: Rendered,
-    /// What the processor counted, if asked and available.
-    pub hardware: Option<HardwareCounts>,
 }
 
 impl Run {
-    /// Renders `scene` on the threads of the current pool; `counted` with hardware counters, which
-    /// slow it down.
+    /// Renders `scene` on the threads of the current pool.
     ///
     /// # Errors
     /// Those of [`render`].
-    pub fn of(scene: &PreparedScene, options: &RenderOptions, counted: bool) -> Result<Self> {
-        let work = || Timing::of(|| render(scene, options, &()));
-        let ((rendered, timing), hardware) = match counted {
-            true => {
-                let (result, counts) = hardware::count(work);
-                (result, counts.ok())
-            }
-            false => (work(), None),
-        };
+    pub fn of(scene: &PreparedScene, options: &RenderOptions) -> Result<Self> {
+        let (rendered, timing) = Timing::of(|| render(scene, options, &()));
         let rendered = rendered?;
-        let timing = timing.lasting(rendered.seconds);
-        Ok(Self { timing, yardstick: yardstick(), rendered, hardware })
+        Ok(Self { timing: timing.lasting(rendered.seconds), rendered })
     }
 }
 
@@ -63,7 +48,7 @@ impl<'a> Runner<'a> {
     }
 
     /// One run of `variant`.
-    pub(super) fn run(&mut self, variant: &Variant, counted: bool) -> Result<Run> {
+    pub(super) fn run(&mut self, variant: &Variant) -> Result<Run> {
         let &Variant { tracer, time_passes, kernel, simd, batch, threads, planned } = variant;
         self.scene.accel.kernel = kernel;
         if let Some(level) = simd.token() {
@@ -76,7 +61,7 @@ impl<'a> Runner<'a> {
         let options = RenderOptions { tracer, time_passes, batch, seed: self.seed, crop: None };
         let scene = &*self.scene;
         if threads == rayon::current_num_threads() {
-            return Run::of(scene, &options, counted);
+            return Run::of(scene, &options);
         }
         let pool = match self.pools.remove(&threads) {
             Some(pool) => pool,
@@ -85,7 +70,7 @@ impl<'a> Runner<'a> {
                     .remedy("raise the limits of the process (ulimit -u, -v)")
             })?,
         };
-        let run = pool.install(|| Run::of(scene, &options, counted));
+        let run = pool.install(|| Run::of(scene, &options));
         self.pools.insert(threads, pool);
         run
     }

@@ -34,17 +34,9 @@ pub struct Choice {
     pub variant: Variant,
     /// The number of the variant that its speed is compared with.
     pub over: usize,
-    /// The step that leads to it, if the list goes on step by step.
-    pub step: Option<Step>,
-}
-
-/// A step from one variant to another.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Step {
-    /// The variant before, by its number.
-    pub from: usize,
-    /// What is new.
-    pub gain: &'static str,
+    /// The step that leads to it, if the list goes on step by step: the number of the variant
+    /// before, and what is new.
+    pub step: Option<(usize, &'static str)>,
 }
 
 wavecrest_base::choices! {
@@ -134,7 +126,13 @@ fn recursive(usual: Variant) -> Variant {
 struct List(Vec<Choice>);
 
 impl List {
-    fn add(&mut self, label: String, variant: Variant, over: usize, step: Option<Step>) {
+    fn add(
+        &mut self,
+        label: String,
+        variant: Variant,
+        over: usize,
+        step: Option<(usize, &'static str)>,
+    ) {
         self.0.push(Choice { label, variant, over, step });
     }
 
@@ -143,7 +141,7 @@ impl List {
         let over = self.0.len();
         self.add(format!("{prefix}recursive"), recursive(usual), over, None);
         for (kernel, name, gain) in steps(usual) {
-            let step = Some(Step { from: self.0.len() - 1, gain });
+            let step = Some((self.0.len() - 1, gain));
             let label = format!("{prefix}wavefront, {name}");
             self.add(label, Variant { kernel, ..usual }, over, step);
         }
@@ -154,7 +152,7 @@ impl List {
         let over = self.0.len();
         let threads = if usual.threads == 1 { "thread" } else { "threads" };
         for (from, name, variant) in [(0, "recursive", recursive(usual)), (1, "wavefront", usual)] {
-            let step = (over > 0).then_some(Step { from, gain: "threads" });
+            let step = (over > 0).then_some((from, "threads"));
             self.add(format!("{name}, {} {threads}", usual.threads), variant, over, step);
         }
     }

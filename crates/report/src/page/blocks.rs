@@ -1,53 +1,135 @@
-//! The contents of sections, as HTML.
+//! Blocks, as HTML.
 
-use super::writer::{Writer, inline};
-use super::{Block, Details, Fact, figures, tables};
-use crate::markup::escape;
-use wavecrest_base::error::Result;
+use base64::Engine as _;
+use base64::engine::general_purpose::STANDARD;
 
-/// Writes all of `blocks`.
-pub(super) fn all(writer: &mut Writer, blocks: &[Block]) -> Result<()> {
-    blocks.iter().try_for_each(|block| one(writer, block))
+use super::{Block, Cell, Column, Details, Fact, Picture, Table};
+use crate::markup::{element, escape, inline};
+use crate::plot::Chart;
+use crate::plot::number::figure;
+
+/// Tables with at least this many columns extend into the margins of the page.
+const WIDE: usize = 6;
+
+/// All of `blocks`.
+pub(super) fn all(blocks: &[Block]) -> String {
+    blocks.iter().map(one).collect()
 }
 
-fn one(writer: &mut Writer, block: &Block) -> Result<()> {
+fn one(block: &Block) -> String {
     match block {
-        Block::Heading(text) => writer.element("h3", text),
-        Block::Paragraph(text) => writer.element("p", text),
-        Block::Warning(text) => warning(writer, text),
-        Block::Chart(chart) => figures::drawing(writer, chart)?,
-        Block::Bars(bars) => figures::drawing(writer, bars)?,
-        Block::Table(table) => tables::table(writer, table),
-        Block::Pictures(pictures) => figures::pictures(writer, pictures),
+        Block::Heading(text) => element("h3", text),
+        Block::Paragraph(text) => element("p", text),
+        Block::Warning(text) => {
+            let text = inline(text);
+            format!("<p class=\"warning\" role=\"note\"><strong>Warning</strong> {text}</p>\n")
+        }
+        Block::Chart(chart) => self::chart(chart),
+        Block::Table(table) => self::table(table),
+        Block::Pictures(pictures) => {
+            let pictures: String = pictures.iter().map(picture).collect();
+            format!("<div class=\"pictures\">\n{pictures}</div>\n")
+        }
         Block::Code(text) => {
             let text = escape(text.trim_end());
-            writer.add(&format!("<pre tabindex=\"0\"><code>{text}</code></pre>\n"));
+            format!("<pre tabindex=\"0\"><code>{text}</code></pre>\n")
         }
-        Block::Facts(facts) => self::facts(writer, facts),
-        Block::Details(details) => self::details(writer, details)?,
+        Block::Facts(facts) => {
+            let facts: String = facts.iter().map(fact).collect();
+            format!("<dl>\n{facts}</dl>\n")
+        }
+        Block::Details(Details { summary, blocks }) => {
+            let (summary, blocks) = (inline(summary), all(blocks));
+            let start = format!("<details class=\"aside\">\n<summary>{summary}</summary>\n");
+            format!("{start}<div>\n{blocks}</div>\n</details>\n")
+        }
     }
-    Ok(())
 }
 
-fn warning(writer: &mut Writer, text: &str) {
-    let text = inline(text);
-    writer
-        .add(&format!("<p class=\"warning\" role=\"note\"><strong>Warning</strong> {text}</p>\n"));
+fn fact(Fact { name, value }: &Fact) -> String {
+    format!("<div><dt>{}</dt><dd>{}</dd></div>\n", inline(name), inline(value))
 }
 
-fn facts(writer: &mut Writer, facts: &[Fact]) {
-    writer.add("<dl>\n");
-    for Fact { name, value } in facts {
-        let (name, value) = (inline(name), inline(value));
-        writer.add(&format!("<div><dt>{name}</dt><dd>{value}</dd></div>\n"));
+fn picture(Picture { png, alt, caption }: &Picture) -> String {
+    let (png, alt, caption) = (STANDARD.encode(png), escape(alt), inline(caption));
+    format!(
+        "<figure class=\"picture\">\n<figcaption>{caption}</figcaption>\n\
+         <img class=\"pixels\" alt=\"{alt}\" src=\"data:image/png;base64,{png}\">\n</figure>\n"
+    )
+}
+
+/// A chart with its caption, its note, and its values as a table and as a download.
+fn chart(chart: &Chart) -> String {
+    let (title, caption) = (inline(&chart.title), inline(&chart.caption));
+    let (drawings, values) = (chart.elements(), table(&values(chart)));
+    let note = chart.note().map(|note| element("p class=\"note\"", &note)).unwrap_or_default();
+    let (name, csv) = (escape(&file_name(&chart.title)), STANDARD.encode(chart.csv()));
+    format!(
+        "<figure class=\"drawing\">\n<figcaption><span>{title}</span> {caption}</figcaption>\n\
+         {drawings}{note}<details class=\"figures\">\n<summary>Values</summary>\n<div>\n{values}\
+         <p class=\"files\">Save as <a download=\"{name}.csv\" \
+         href=\"data:text/csv;charset=utf-8;base64,{csv}\">CSV</a></p>\n\
+         </div>\n</details>\n</figure>\n"
+    )
+}
+
+/// The values, rounded: CSV has all digits.
+fn values(chart: &Chart) -> Table {
+    let cell = |text: String| match text.parse().ok().filter(|value: &f64| value.is_finite()) {
+        Some(value) => Cell::number(value, figure(value)),
+        None => Cell::text(text),
+    };
+    let mut rows = chart.rows().into_iter();
+    let header = rows.next().unwrap_or_default().into_iter().enumerate();
+    let rows: Vec<Vec<Cell>> = rows.map(|row| row.into_iter().map(cell).collect()).collect();
+    let column = |(index, name): (usize, String)| {
+        let is_number = rows.iter().any(|row| row[index].value.is_some());
+        Column { name, is_number }
+    };
+    Table { caption: String::new(), columns: header.map(column).collect(), rows }
+}
+
+/// The name of a file for what has this title.
+pub(crate) fn file_name(title: &str) -> String {
+    let words = title.split(|c: char| !c.is_alphanumeric()).filter(|word| !word.is_empty());
+    words.collect::<Vec<_>>().join("-").to_lowercase()
+}
+
+/// A table with its caption, if any. It scrolls if it is wider than the page; the caption stays.
+fn table(Table { caption, columns, rows }: &Table) -> String {
+    let name = escape(if caption.is_empty() { "Values" } else { caption }).replace('`', "");
+    let broad = if columns.len() >= WIDE { " broad" } else { "" };
+    let header: String = columns.iter().map(heading).collect();
+    let row = |row: &Vec<Cell>| {
+        let cells = row.iter().zip(columns).enumerate();
+        let cells: String = cells.map(|(index, (cell, of))| self::cell(cell, of, index)).collect();
+        format!("<tr>{cells}</tr>\n")
+    };
+    let rows: String = rows.iter().map(row).collect();
+    let table = format!(
+        "role=\"region\" aria-label=\"{name}\" tabindex=\"0\">\n<table aria-label=\"{name}\">\n\
+         <thead><tr>{header}</tr></thead>\n<tbody>\n{rows}</tbody>\n</table>\n</div>\n"
+    );
+    if caption.is_empty() {
+        return format!("<div class=\"scroll{broad}\" {table}");
     }
-    writer.add("</dl>\n");
+    let caption = element("figcaption", caption);
+    format!("<figure class=\"table{broad}\">\n{caption}<div class=\"scroll\" {table}</figure>\n")
 }
 
-fn details(writer: &mut Writer, details: &Details) -> Result<()> {
-    let summary = inline(&details.summary);
-    writer.add(&format!("<details class=\"aside\">\n<summary>{summary}</summary>\n<div>\n"));
-    all(writer, &details.blocks)?;
-    writer.add("</div>\n</details>\n");
-    Ok(())
+fn heading(column: &Column) -> String {
+    format!("<th scope=\"col\"{}>{}</th>", class(column), inline(&column.name))
+}
+
+/// A cell; the first of a row names it.
+fn cell(cell: &Cell, column: &Column, index: usize) -> String {
+    let (start, end) = if index == 0 { ("th scope=\"row\"", "th") } else { ("td", "td") };
+    let (class, text) = (class(column), inline(&cell.text));
+    let value = cell.value.filter(|value| value.is_finite());
+    let value = value.map(|value| format!(" data-value=\"{value}\"")).unwrap_or_default();
+    format!("<{start}{class}{value}>{text}</{end}>")
+}
+
+fn class(column: &Column) -> &'static str {
+    if column.is_number { " class=\"right\"" } else { "" }
 }

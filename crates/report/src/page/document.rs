@@ -2,10 +2,9 @@
 
 use std::path::Path;
 
-use super::writer::{Writer, inline};
-use super::{Page, blocks};
+use super::{Page, Section, blocks};
 use crate::files::write_text;
-use crate::markup::escape;
+use crate::markup::{element, escape, inline};
 use crate::plot::svg::STYLE as CHART_STYLE;
 use wavecrest_base::error::Result;
 
@@ -20,99 +19,59 @@ const POLICY: &str = include_str!("policy.txt");
 
 impl Page {
     /// The page as HTML.
-    ///
-    /// # Errors
-    /// If the figures of a chart cannot be written as JSON.
-    pub fn html(&self) -> Result<String> {
-        html(self)
+    pub fn html(&self) -> String {
+        let (head, first, contents) = (self.head(), blocks::all(&self.first), self.contents());
+        let sections: String = (1..).zip(&self.sections).map(section).collect();
+        format!(
+            "{head}<main id=\"content\">\n{first}{contents}{sections}</main>\n\
+             <script>\n{SCRIPT}</script>\n</body>\n</html>\n"
+        )
     }
 
     /// Writes the page to a file, atomically.
     ///
     /// # Errors
-    /// As [`Page::html`], and if the file cannot be written.
+    /// If the file cannot be written.
     pub fn write(&self, path: &Path) -> Result<()> {
-        write_text(path, &self.html()?)
+        write_text(path, &self.html())
+    }
+
+    fn head(&self) -> String {
+        let (title, version) = (escape(&self.title), env!("CARGO_PKG_VERSION"));
+        let (policy, heading) = (escape(POLICY.trim()), element("h1", &self.title));
+        let lead = element("p class=\"lead\"", &self.lead);
+        format!(
+            "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
+             <meta http-equiv=\"Content-Security-Policy\" content=\"{policy}\">\n\
+             <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
+             <meta name=\"color-scheme\" content=\"light dark\">\n\
+             <meta name=\"generator\" content=\"wavecrest {version}\">\n\
+             <link rel=\"icon\" href=\"data:,\">\n<title>{title}</title>\n\
+             <style>\n{CHART_STYLE}{STYLE}</style>\n</head>\n<body>\n\
+             <a class=\"skip\" href=\"#content\">Skip to the report</a>\n\
+             <header>\n{heading}{lead}</header>\n"
+        )
+    }
+
+    fn contents(&self) -> String {
+        if self.sections.is_empty() {
+            return String::new();
+        }
+        let entry = |(number, section): (usize, &Section)| {
+            format!("<li><a href=\"#section-{number}\">{}</a></li>\n", inline(&section.title))
+        };
+        let entries: String = (1..).zip(&self.sections).map(entry).collect();
+        let start = "<nav aria-labelledby=\"contents\">\n<p id=\"contents\">Contents</p>\n";
+        format!("{start}<ol>\n{entries}</ol>\n</nav>\n")
     }
 }
 
-fn html(page: &Page) -> Result<String> {
-    let mut writer = Writer::default();
-    head(&mut writer, page);
-    let names = names(page.sections.iter().map(|section| section.title.as_str()));
-    writer.add("<main id=\"content\">\n");
-    blocks::all(&mut writer, &page.first)?;
-    contents(&mut writer, page, &names);
-    for (section, name) in page.sections.iter().zip(&names) {
-        let title = inline(&section.title);
-        writer.add(&format!("<section id=\"{name}\" aria-labelledby=\"{name}-title\">\n"));
-        writer.add(&format!("<h2 id=\"{name}-title\"><a href=\"#{name}\">{title}</a></h2>\n"));
-        blocks::all(&mut writer, &section.blocks)?;
-        writer.add("</section>\n");
-    }
-    writer.add("</main>\n");
-    writer.add(&format!("<script>\n{SCRIPT}</script>\n</body>\n</html>\n"));
-    Ok(writer.text)
-}
-
-fn head(writer: &mut Writer, page: &Page) {
-    let (title, version) = (escape(&page.title), env!("CARGO_PKG_VERSION"));
-    let policy = escape(POLICY.trim());
-    writer.add(&format!(
-        "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
-         <meta http-equiv=\"Content-Security-Policy\" content=\"{policy}\">\n\
-         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
-         <meta name=\"color-scheme\" content=\"light dark\">\n\
-         <meta name=\"generator\" content=\"wavecrest {version}\">\n\
-         <link rel=\"icon\" href=\"data:,\">\n<title>{title}</title>\n\
-         <style>\n{CHART_STYLE}{STYLE}</style>\n</head>\n<body>\n\
-         <a class=\"skip\" href=\"#content\">Skip to the report</a>\n<header>\n"
-    ));
-    writer.element("h1", &page.title);
-    if !page.lead.is_empty() {
-        writer.element("p class=\"lead\"", &page.lead);
-    }
-    writer.add("</header>\n");
-}
-
-fn contents(writer: &mut Writer, page: &Page, names: &[String]) {
-    if page.sections.is_empty() {
-        return;
-    }
-    writer.add("<nav aria-labelledby=\"contents\">\n<p id=\"contents\">Contents</p>\n<ol>\n");
-    for (section, name) in page.sections.iter().zip(names) {
-        let title = inline(&section.title);
-        writer.add(&format!("<li><a href=\"#{name}\">{title}</a></li>\n"));
-    }
-    writer.add("</ol>\n</nav>\n");
-}
-
-/// A unique fragment identifier for each title.
-fn names<'a>(titles: impl Iterator<Item = &'a str>) -> Vec<String> {
-    let mut names: Vec<String> = Vec::new();
-    for title in titles {
-        let letters = title.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { ' ' });
-        let words: String = letters.collect::<String>().to_ascii_lowercase();
-        let words: Vec<&str> = words.split_whitespace().collect();
-        let base = format!("s-{}", words.join("-"));
-        let mut numbered =
-            std::iter::once(base.clone()).chain((2..).map(|number| format!("{base}-{number}")));
-        names.extend(numbered.find(|name| !names.contains(name)));
-    }
-    names
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn every_section_has_an_address_of_its_own() {
-        let found =
-            names(["Time by pass", "Time, by pass!", "", "Größe", "time by pass 2"].into_iter());
-        assert_eq!(
-            found,
-            ["s-time-by-pass", "s-time-by-pass-2", "s-", "s-gr-e", "s-time-by-pass-2-2"]
-        );
-    }
+/// A section with its number.
+fn section((number, section): (usize, &Section)) -> String {
+    let (title, blocks) = (inline(&section.title), blocks::all(&section.blocks));
+    let (name, label) = (format!("section-{number}"), format!("section-{number}-title"));
+    format!(
+        "<section id=\"{name}\" aria-labelledby=\"{label}\">\n\
+         <h2 id=\"{label}\"><a href=\"#{name}\">{title}</a></h2>\n{blocks}</section>\n"
+    )
 }

@@ -1,129 +1,263 @@
-//! Draws a [`Chart`]: title, legend, axes, guides, series.
+//! Draws a [`Chart`] (title, legend, axes, guides, series), and writes its values.
 
-use super::drawing::{At, Drawing, Frame, Mark, Shape};
+use std::path::Path;
+
+use super::axis::Place;
 use super::field::Field;
-use super::legend::{self, Sample};
-use super::marker::{marker, stroke};
+use super::marks::{STROKE, legend, marker};
 use super::number::{exact, figure, quantity};
 use super::paint::Paint;
-use super::{Axis, Chart, Course, Draw, Point, Scale, Series, guides};
+use super::svg::{ABOVE, At, BESIDE, Drawing, LABEL, NOTE};
+use super::{Axis, Chart, Draw, Point, Scale, Series, font};
+use crate::files::write_text;
+use wavecrest_base::error::Result;
 
 /// Distance between rows of names.
-const ROW: f64 = 30.0;
+const ROW: f64 = 34.0;
+/// Half the height of a bar.
+const HALF: f64 = 11.0;
+/// Width of the gap between segments of a bar.
+const BETWEEN: f64 = 1.0;
+/// Distance from a bar to its sum, and from a guide to its name.
+const GAP: f64 = 6.0;
 
 /// Half the length of the cap of a whisker, and the width of its lines.
 const CAP: f64 = 3.5;
 const WHISKER: f64 = 1.4;
 
-/// Draws the chart.
-pub(super) fn draw(chart: &Chart, frame: Frame) -> Drawing {
-    let mut drawing = Drawing::new(&chart.title, frame);
-    legend::draw(&mut drawing, entries(chart));
-    let mut field = field(chart);
-    let height = match &chart.x.scale {
-        Scale::Names(names) => ROW * names.len().max(1) as f64,
-        _ if frame.width < 500.0 => 230.0,
-        _ => 330.0,
-    };
-    field.draw(&mut drawing, height, guides::room(chart, field.turned));
-    guides::draw(&mut drawing, chart, &field);
-    for index in 0..chart.series.len() {
-        draw_series(&mut drawing, chart, index, &field);
-    }
-    drawing
-}
+/// The width of a guide, and the smallest distance between names of guides.
+const GUIDE: f64 = 1.2;
+const APART: f64 = 1.2 * NOTE;
 
-/// The series in the legend: those with a name.
-fn entries(chart: &Chart) -> impl Iterator<Item = (usize, &str, Sample)> {
-    let named = chart.series.iter().enumerate().filter(|(_, series)| !series.name.is_empty());
-    named.map(|(index, series)| {
-        let sample = match series.draw {
-            Draw::Points => Sample::Marker,
-            Draw::Line => Sample::Line,
+/// Width of a file: as in a page, less the margins; then in a page, and on a narrow screen.
+const FILE: f64 = 680.0;
+const WIDE: f64 = 720.0;
+const NARROW: f64 = 340.0;
+
+impl Chart {
+    /// For a page: at the width of its text, and for narrow screens.
+    pub(crate) fn elements(&self) -> String {
+        let element = |width, class| {
+            let mut drawing = Drawing::new(width);
+            self.draw(&mut drawing);
+            drawing.element(&self.title, class)
         };
-        (index, series.name.as_str(), sample)
-    })
+        element(WIDE, "wide") + &element(NARROW, "narrow")
+    }
+
+    /// A standalone SVG file. It follows the reader's light or dark theme.
+    pub fn svg(&self) -> String {
+        let mut drawing = Drawing::new(FILE);
+        drawing.title(&self.title);
+        self.draw(&mut drawing);
+        self.note().iter().for_each(|note| drawing.note(note));
+        drawing.file(&self.title, &self.caption)
+    }
+
+    /// Its rows as CSV (RFC 4180).
+    pub fn csv(&self) -> String {
+        let line = |row: Vec<String>| {
+            let fields: Vec<String> = row.iter().map(|field| quoted(field)).collect();
+            fields.join(",") + "\r\n"
+        };
+        self.rows().into_iter().map(line).collect()
+    }
+
+    /// Writes it as SVG and CSV to files of this name in `folder`.
+    ///
+    /// # Errors
+    /// If a file cannot be written.
+    pub fn write(&self, folder: &Path, name: &str) -> Result<()> {
+        write_text(&folder.join(format!("{name}.svg")), &self.svg())?;
+        write_text(&folder.join(format!("{name}.csv")), &self.csv())
+    }
+
+    /// A note on the number of points that are not drawn.
+    pub(crate) fn note(&self) -> Option<String> {
+        let field = self.field();
+        let points = self.series.iter().flat_map(|series| &series.points);
+        let missing = points.filter(|point| field.at(point.x, point.y).is_none()).count();
+        let verb = if missing == 1 { "point is" } else { "points are" };
+        let why = "a logarithmic axis has no place for 0, less, or what is not finite";
+        (missing > 0).then(|| format!("{missing} {verb} not shown: {why}."))
+    }
+
+    /// Its values to the last digit, drawn or not: the header, then a row for each.
+    pub(crate) fn rows(&self) -> Vec<Vec<String>> {
+        let (x, y) = (self.x.heading(), self.y.heading());
+        let header = ["series", &x, &y, "low", "high", "label"].map(str::to_owned).to_vec();
+        let x = |value: f64| match &self.x.scale {
+            Scale::Names(_) => name_or_value(&self.x, value),
+            _ => exact(value),
+        };
+        let optional = |value: Option<f64>| value.map(exact).unwrap_or_default();
+        let row = |name: &str, p: &Point| {
+            let (low, high) = (optional(p.low), optional(p.high));
+            vec![name.to_owned(), x(p.x), exact(p.y), low, high, p.label.clone()]
+        };
+        let rows = self.series.iter().flat_map(|s| s.points.iter().map(|p| row(&s.name, p)));
+        std::iter::once(header).chain(rows).collect()
+    }
+
+    /// Whether it has bars.
+    pub(crate) fn has_bars(&self) -> bool {
+        self.series.iter().any(|series| series.draw == Draw::Bars)
+    }
+
+    fn draw(&self, drawing: &mut Drawing) {
+        legend(drawing, &self.series);
+        let mut field = self.field();
+        let height = match &self.x.scale {
+            Scale::Names(names) => ROW * names.len().max(1) as f64,
+            _ if drawing.width < 500.0 => 230.0,
+            _ => 330.0,
+        };
+        field.draw(drawing, height, self.room());
+        self.draw_guides(drawing, &field);
+        for index in 0..self.series.len() {
+            self.draw_series(drawing, index, &field);
+        }
+        if self.has_bars() {
+            self.draw_sums(drawing, &field);
+        }
+    }
+
+    /// The axes, with room for everything visible.
+    fn field(&self) -> Field<'_> {
+        let points = || self.series.iter().flat_map(|series| &series.points);
+        let ys = points().flat_map(|point| [Some(point.y), point.low, point.high]).flatten();
+        let guides =
+            |side: usize| self.guides.iter().flat_map(move |guide| guide.ends.map(|end| end[side]));
+        Field {
+            x: Place::new(&self.x, points().map(|point| point.x).chain(guides(0))),
+            y: Place::new(&self.y, ys.chain(guides(1))),
+            turned: matches!(self.x.scale, Scale::Names(_)),
+        }
+    }
+
+    /// The room above the field and on its right, for names of guides and sums of bars.
+    fn room(&self) -> [f64; 2] {
+        let names = self.guides.iter().map(|guide| font::width(&guide.name, NOTE) + 2.0 * GAP);
+        match self.x.scale {
+            Scale::Names(_) if self.has_bars() => [0.0, font::width("  1234.5 ms", LABEL)],
+            Scale::Names(_) => [if self.guides.is_empty() { 0.0 } else { 1.5 * NOTE }, 0.0],
+            _ => [0.0, names.fold(0.0, f64::max)],
+        }
+    }
+
+    /// Draws the guides, each with its name at its end, without overlaps between names.
+    fn draw_guides(&self, drawing: &mut Drawing, field: &Field<'_>) {
+        let place = |[x, y]: [f64; 2]| {
+            Some(field.oriented(field.x.pixel_of_end(x)?, field.y.pixel_of_end(y)?))
+        };
+        let mut names: Vec<(At, &str)> = Vec::new();
+        for guide in &self.guides {
+            let [Some(from), Some(to)] = guide.ends.map(place) else { continue };
+            drawing.line(&[from, to], Paint::Guide, GUIDE);
+            names.push((to, &guide.name));
+        }
+        names.sort_by(|(a, _), (b, _)| a[1].total_cmp(&b[1]));
+        let mut free = f64::NEG_INFINITY;
+        for ([x, y], name) in names {
+            let (at, align) = match field.turned {
+                true => ([x, y - GAP], [0.5, ABOVE]),
+                false => ([x + GAP, y.max(free)], [0.0, BESIDE]),
+            };
+            free = at[1] + APART;
+            drawing.text(name, at, align, NOTE, Paint::Muted);
+        }
+    }
+
+    fn draw_series(&self, drawing: &mut Drawing, index: usize, field: &Field<'_>) {
+        let Series { draw, points, .. } = &self.series[index];
+        let places: Vec<Option<At>> = points.iter().map(|p| field.at(p.x, p.y)).collect();
+        if *draw == Draw::Line {
+            // Points without a position separate lines.
+            for run in places.split(Option::is_none).filter(|run| run.len() > 1) {
+                let run: Vec<At> = run.iter().copied().flatten().collect();
+                drawing.line(&run, Paint::Series(index), STROKE);
+            }
+        }
+        for (point, at) in points.iter().zip(places) {
+            let Some(at) = at else { continue };
+            let near = Some(at).filter(|_| *draw != Draw::Bars);
+            drawing.begin(&self.words(index, point), &figures(point), near);
+            let end = |y: Option<f64>| y.and_then(|y| field.y.pixel_of_end(y));
+            let ends = [point.low, point.high].map(end);
+            if *draw == Draw::Bars {
+                let ([left, right], y) = (ends.map(|x| x.unwrap_or(at[0])), at[1]);
+                drawing.rectangle([left, right], [y - HALF, y + HALF], index);
+                drawing.line(&[[right, y - HALF], [right, y + HALF]], Paint::Paper, BETWEEN);
+            } else {
+                if ends.iter().any(Option::is_some) {
+                    let ends = ends.map(|y| y.map_or(at, |y| field.with_y(at, y)));
+                    whisker(drawing, ends, field.turned, index);
+                }
+                marker(drawing, at, index);
+            }
+            drawing.end();
+        }
+    }
+
+    /// The sum at the end of each bar.
+    fn draw_sums(&self, drawing: &mut Drawing, field: &Field<'_>) {
+        let points = || self.series.iter().flat_map(|series| &series.points);
+        let rows: std::collections::BTreeSet<usize> = points().map(|p| p.x as usize).collect();
+        for row in rows {
+            let ends = points().filter(|p| p.x as usize == row).filter_map(|p| p.high);
+            let sum = ends.fold(0.0, f64::max);
+            let Some([x, y]) = field.at(row as f64, sum) else { continue };
+            let sum = quantity(sum, &self.y.unit);
+            drawing.text(&sum, [x + GAP, y], [0.0, BESIDE], LABEL, Paint::Ink);
+        }
+    }
+
+    /// A point in words.
+    fn words(&self, index: usize, point: &Point) -> String {
+        let Series { name, draw, .. } = &self.series[index];
+        let x = match (&self.x.scale, &*self.x.label) {
+            (Scale::Names(_), _) | (_, "") => name_or_value(&self.x, point.x),
+            (_, label) => format!("{label}: {}", name_or_value(&self.x, point.x)),
+        };
+        let interval = match (point.low, point.high) {
+            (Some(low), Some(high)) if *draw != Draw::Bars => {
+                format!(" ({} to {})", figure(low), figure(high))
+            }
+            _ => String::new(),
+        };
+        let y = format!("{}: {}{interval}", self.y.label, quantity(point.y, &self.y.unit));
+        let lines = [name, &point.label, &x, &y].map(String::as_str);
+        lines.into_iter().filter(|line| !line.is_empty()).collect::<Vec<_>>().join("\n")
+    }
 }
 
-/// The axes, with room for everything visible.
-fn field(chart: &Chart) -> Field<'_> {
-    let points = || chart.series.iter().flat_map(|series| &series.points);
-    let ys = points().flat_map(|point| [Some(point.y), point.low, point.high]).flatten();
-    let guides = chart.guides.iter().filter_map(|guide| match guide.course {
-        Course::AtY(y) => Some(y),
-        Course::Power { .. } => None,
-    });
-    Field::new(&chart.x, points().map(|point| point.x), &chart.y, ys.chain(guides))
+/// The figures of a point, as in CSV.
+fn figures(p: &Point) -> Vec<(&'static str, String)> {
+    let figures = [("x", Some(p.x)), ("y", Some(p.y)), ("low", p.low), ("high", p.high)];
+    figures.into_iter().filter_map(|(name, value)| Some((name, exact(value?)))).collect()
 }
 
-fn draw_series(drawing: &mut Drawing, chart: &Chart, index: usize, field: &Field<'_>) {
-    let series = &chart.series[index];
-    let places: Vec<Option<At>> = series.points.iter().map(|p| field.at(p.x, p.y)).collect();
-    for run in runs(&places).filter(|run| series.draw == Draw::Line && run.len() > 1) {
-        stroke(drawing, run, index);
+/// A line between the ends of an interval, with a cap at each.
+fn whisker(drawing: &mut Drawing, ends: [At; 2], turned: bool, index: usize) {
+    let [dx, dy] = if turned { [0.0, CAP] } else { [CAP, 0.0] };
+    let cap = |[x, y]: At| [[x - dx, y - dy], [x + dx, y + dy]];
+    for line in [ends, cap(ends[0]), cap(ends[1])] {
+        drawing.line(&line, Paint::Series(index), WHISKER);
     }
-    for (point, at) in series.points.iter().zip(&places) {
-        let &Some(at) = at else { continue };
-        drawing.shapes.push(Shape::Begin(mark(chart, series, point, at)));
-        whisker(drawing, point, at, field, index);
-        marker(drawing, at, index);
-        drawing.shapes.push(Shape::End);
-    }
-}
-
-/// The runs of points joined by a line: points without a position separate them.
-fn runs(places: &[Option<At>]) -> impl Iterator<Item = Vec<At>> {
-    places.split(Option::is_none).map(|run| run.iter().flatten().copied().collect())
-}
-
-/// A line between the ends of a point's interval, if it has one, with a cap at each.
-fn whisker(drawing: &mut Drawing, point: &Point, at: At, field: &Field<'_>, index: usize) {
-    if point.low.is_none() && point.high.is_none() {
-        return;
-    }
-    let end = |y: Option<f64>| y.and_then(|y| field.y.pixel_of_end(y));
-    let ends = [point.low, point.high].map(|y| end(y).map_or(at, |y| field.with_y(at, y)));
-    let [dx, dy] = if field.turned { [0.0, CAP] } else { [CAP, 0.0] };
-    let cap = |[x, y]: At| vec![[x - dx, y - dy], [x + dx, y + dy]];
-    for points in [ends.to_vec(), cap(ends[0]), cap(ends[1])] {
-        drawing.line(points, Paint::Series(index), WHISKER);
-    }
-}
-
-/// The mark of a point.
-fn mark(chart: &Chart, series: &Series, point: &Point, at: At) -> Mark {
-    let x = format!("{}: {}", chart.x.label, name_or_value(&chart.x, point.x));
-    let mut y = format!("{}: {}", chart.y.label, quantity(point.y, &chart.y.unit));
-    match (point.low, point.high) {
-        (Some(low), Some(high)) => y += &format!(" ({} to {})", figure(low), figure(high)),
-        (Some(low), None) => y += &format!(" (from {})", figure(low)),
-        (None, Some(high)) => y += &format!(" (to {})", figure(high)),
-        (None, None) => {}
-    }
-    let names = [series.name.as_str(), point.label.as_str()].into_iter().filter(|n| !n.is_empty());
-    let lines: Vec<&str> = names.chain([x.as_str(), y.as_str()]).collect();
-    let figures =
-        [("x", Some(point.x)), ("y", Some(point.y)), ("low", point.low), ("high", point.high)];
-    let known = figures.into_iter().filter_map(|(name, value)| Some((name, exact(value?))));
-    Mark { title: lines.join("\n"), figures: known.collect(), near: Some(at) }
 }
 
 /// A value of `x` in words.
-pub(super) fn name_or_value(axis: &Axis, value: f64) -> String {
+fn name_or_value(axis: &Axis, value: f64) -> String {
     match &axis.scale {
         Scale::Names(names) => names.get(value as usize).cloned().unwrap_or_default(),
         _ => quantity(value, &axis.unit),
     }
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn lines_end_where_a_point_has_no_place() {
-        let places = [Some([0.0, 0.0]), Some([1.0, 0.0]), None, Some([2.0, 1.0])];
-        let found: Vec<_> = runs(&places).collect();
-        assert_eq!(found, [vec![[0.0, 0.0], [1.0, 0.0]], vec![[2.0, 1.0]]]);
+/// A field of CSV.
+fn quoted(field: &str) -> String {
+    if field.contains(['"', ',', '\n', '\r']) {
+        return format!("\"{}\"", field.replace('"', "\"\""));
     }
+    field.to_owned()
 }

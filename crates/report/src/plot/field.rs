@@ -1,15 +1,15 @@
 //! The field of a chart between its two axes, with grid, ticks and labels.
 
-use super::drawing::{At, BELOW, BESIDE, Drawing, LABEL, Text};
+use super::axis::{Place, Tick};
 use super::font;
 use super::paint::Paint;
-use super::place::Place;
-use super::ticks::Tick;
+use super::svg::{At, BELOW, BESIDE, Drawing, LABEL};
 use super::{Axis, Scale};
 
 /// Smallest distance between labels down an axis.
 const APART_DOWN: f64 = 36.0;
-/// Smallest distance between labels along an axis.
+/// Smallest room of a label along an axis, and smallest distance between labels.
+const LEAST_ALONG: f64 = 40.0;
 const APART_ALONG: f64 = 14.0;
 /// Distance from a label to its axis.
 const GAP: f64 = 8.0;
@@ -28,26 +28,7 @@ pub(super) struct Field<'c> {
     pub turned: bool,
 }
 
-/// Free room outside a field.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Room {
-    pub above: f64,
-    /// On the right.
-    pub beside: f64,
-}
-
-impl<'c> Field<'c> {
-    /// A field that contains all these values.
-    pub(super) fn new(
-        x: &'c Axis,
-        xs: impl Iterator<Item = f64>,
-        y: &'c Axis,
-        ys: impl Iterator<Item = f64>,
-    ) -> Self {
-        let turned = matches!(x.scale, Scale::Names(_));
-        Self { x: Place::new(x, xs), y: Place::new(y, ys), turned }
-    }
-
+impl Field<'_> {
     /// The position of a point; `None` if an axis cannot show it.
     pub(super) fn at(&self, x: f64, y: f64) -> Option<At> {
         Some(self.oriented(self.x.pixel(x)?, self.y.pixel(y)?))
@@ -59,40 +40,31 @@ impl<'c> Field<'c> {
     }
 
     /// The pixels of `x` and `y` as a point.
-    fn oriented(&self, x: f64, y: f64) -> At {
+    pub(super) fn oriented(&self, x: f64, y: f64) -> At {
         if self.turned { [y, x] } else { [x, y] }
     }
 
-    /// The axes to the right and down.
-    fn axes(&mut self) -> [&mut Place<'c>; 2] {
-        if self.turned { [&mut self.y, &mut self.x] } else { [&mut self.x, &mut self.y] }
-    }
-
-    /// The pixels of left and right, and of bottom and top.
-    pub(super) fn sides(&self) -> [[f64; 2]; 2] {
-        let (x, y) = (self.x.pixels, self.y.pixels);
-        if self.turned { [y, x] } else { [x, y] }
-    }
-
-    /// Draws the field and its axes at the bottom of the drawing.
-    pub(super) fn draw(&mut self, drawing: &mut Drawing, height: f64, room: Room) {
-        let (width, turned) = (drawing.frame.width, self.turned);
-        let [along, down] = self.axes();
+    /// Draws the field and its axes at the bottom of the drawing, with room above the field and on
+    /// its right.
+    pub(super) fn draw(&mut self, drawing: &mut Drawing, height: f64, [above, beside]: [f64; 2]) {
+        let (width, turned) = (drawing.width, self.turned);
+        let [along, down] =
+            if turned { [&mut self.y, &mut self.x] } else { [&mut self.x, &mut self.y] };
         if let Some(heading) = heading(down.axis) {
-            drawing.text(Text::new(&heading, [0.0, drawing.height], [0.0, BELOW], LABEL));
+            drawing.words(&heading, LABEL, Paint::Muted);
             drawing.height += HEADING;
         }
-        let top = drawing.height + room.above;
+        let top = drawing.height + above;
         let bottom = top + height;
-        let (left, above) = mark_down(down, height, width);
-        let right = mark_along(along, width - left - room.beside - GAP).max(room.beside);
+        let (left, names_above) = mark_down(down, height, width);
+        let right = mark_along(along, width - left - beside - GAP).max(beside);
         (along.pixels, down.pixels) = ([left, width - right], [bottom, top]);
         grid(drawing, along, down, turned);
-        labels(drawing, along, down, above);
+        labels(drawing, along, down, names_above);
         drawing.height = bottom + LABEL + 2.0 * GAP;
         if let Some(heading) = heading(along.axis) {
-            let start = (width - right - font::width(&heading, LABEL)).max(0.0);
-            drawing.text(Text::new(&heading, [start, drawing.height], [0.0, BELOW], LABEL));
+            let end = [width - right, drawing.height];
+            drawing.text(&heading, end, [1.0, BELOW], LABEL, Paint::Muted);
             drawing.height += HEADING;
         }
     }
@@ -108,79 +80,72 @@ fn heading(axis: &Axis) -> Option<String> {
 /// long for it: then each name is above its row.
 fn mark_down(place: &mut Place<'_>, height: f64, width: f64) -> (f64, bool) {
     place.pixels = [height, 0.0];
-    let mut most = (height / APART_DOWN) as usize;
-    place.mark(most);
-    while most > 2 && !are_apart(place, |_| LABEL / 2.0, GAP) {
-        most -= 1;
-        place.mark(most);
-    }
+    mark(place, height / APART_DOWN, |_| (LABEL + GAP) / 2.0);
     if widest(place) <= LARGEST_PART_FOR_NAMES * width {
         return (widest(place) + 2.0 * GAP, false);
     }
-    for tick in &mut place.ticks.major {
+    for tick in &mut place.ticks {
         tick.label = font::shortened(&tick.label, LABEL, width - 3.0 * GAP);
     }
     (GAP, true)
 }
 
-/// Marks the axis at the bottom with separate labels, and returns how far the last may extend.
+/// Marks the axis at the bottom, and returns how far the last label may extend.
 fn mark_along(place: &mut Place<'_>, width: f64) -> f64 {
     place.pixels = [0.0, width];
-    for most in (2..=(width / 40.0) as usize).rev() {
-        place.mark(most);
-        if are_apart(place, |tick| font::width(&tick.label, LABEL) / 2.0, APART_ALONG) {
-            break;
-        }
-    }
+    mark(place, width / LEAST_ALONG, |tick| (font::width(&tick.label, LABEL) + APART_ALONG) / 2.0);
     (widest(place) / 2.0).max(GAP)
 }
 
-/// Whether no label is too near the next: logarithmic axes have uneven distances.
-fn are_apart(place: &Place<'_>, half: impl Fn(&Tick) -> f64, apart: f64) -> bool {
-    place.ticks.major.windows(2).all(|pair| match pair {
-        [a, b] => {
-            let distance = (place.pixel_of(b.at) - place.pixel_of(a.at)).abs();
-            distance >= half(a) + half(b) + apart
+/// Marks an axis with as many labels as are apart, given half the room of each: logarithmic axes
+/// have uneven distances.
+fn mark(place: &mut Place<'_>, most: f64, half: impl Fn(&Tick) -> f64) {
+    for most in (2..=most.max(2.0) as usize).rev() {
+        place.mark(most);
+        let mut pairs = place.labelled().zip(place.labelled().skip(1));
+        let distance = |a: &Tick, b: &Tick| (place.pixel_of(b.at) - place.pixel_of(a.at)).abs();
+        if pairs.all(|(a, b)| distance(a, b) >= half(a) + half(b)) {
+            break;
         }
-        _ => true,
-    })
+    }
 }
 
 /// The width of the widest label.
 fn widest(place: &Place<'_>) -> f64 {
-    place.ticks.major.iter().map(|tick| font::width(&tick.label, LABEL)).fold(0.0, f64::max)
+    place.ticks.iter().map(|tick| font::width(&tick.label, LABEL)).fold(0.0, f64::max)
 }
 
-/// Grid lines at the ticks, and the two axes. A row of names needs no line.
+/// Grid lines at the ticks, those with labels above others, and the two axes. A row of names needs
+/// no line.
 fn grid(drawing: &mut Drawing, along: &Place<'_>, down: &Place<'_>, turned: bool) {
     let ([left, right], [bottom, top]) = (along.pixels, down.pixels);
-    for (major, paint) in [(false, Paint::Faint), (true, Paint::Grid)] {
-        for x in along.ticks.positions(major).into_iter().map(|at| along.pixel_of(at)) {
-            drawing.line(vec![[x, top], [x, bottom]], paint, GRID);
-        }
-        let rows = if turned { Vec::new() } else { down.ticks.positions(major) };
-        for y in rows.into_iter().map(|at| down.pixel_of(at)) {
-            drawing.line(vec![[left, y], [right, y]], paint, GRID);
-        }
+    for (is_minor, paint) in [(true, Paint::Faint), (false, Paint::Grid)] {
+        let of = |place: &Place<'_>| -> Vec<f64> {
+            let ticks = place.ticks.iter().filter(|tick| tick.label.is_empty() == is_minor);
+            ticks.map(|tick| place.pixel_of(tick.at)).collect()
+        };
+        of(along).iter().for_each(|x| drawing.line(&[[*x, top], [*x, bottom]], paint, GRID));
+        let rows = if turned { Vec::new() } else { of(down) };
+        rows.iter().for_each(|y| drawing.line(&[[left, *y], [right, *y]], paint, GRID));
     }
-    drawing.line(vec![[left, top], [left, bottom], [right, bottom]], Paint::Muted, 1.0);
+    drawing.line(&[[left, top], [left, bottom], [right, bottom]], Paint::Muted, 1.0);
 }
 
 /// Ticks and labels outside the field.
-fn labels(drawing: &mut Drawing, along: &Place<'_>, down: &Place<'_>, above: bool) {
+fn labels(drawing: &mut Drawing, along: &Place<'_>, down: &Place<'_>, names_above: bool) {
     let (left, bottom) = (along.pixels[0], down.pixels[0]);
-    for tick in &along.ticks.major {
+    for tick in along.labelled() {
         let x = along.pixel_of(tick.at);
-        drawing.line(vec![[x, bottom], [x, bottom + GAP / 2.0]], Paint::Muted, 1.0);
-        drawing.text(Text::new(&tick.label, [x, bottom + GAP], [0.5, BELOW], LABEL));
+        drawing.line(&[[x, bottom], [x, bottom + GAP / 2.0]], Paint::Muted, 1.0);
+        drawing.text(&tick.label, [x, bottom + GAP], [0.5, BELOW], LABEL, Paint::Muted);
     }
-    for tick in &down.ticks.major {
+    for tick in down.labelled() {
         let y = down.pixel_of(tick.at);
-        drawing.line(vec![[left - GAP / 2.0, y], [left, y]], Paint::Muted, 1.0);
-        let (at, align) = match above {
+        drawing.line(&[[left - GAP / 2.0, y], [left, y]], Paint::Muted, 1.0);
+        let (at, align) = match names_above {
             true => ([left + GAP, y - GAP], [0.0; 2]),
             false => ([left - GAP, y], [1.0, BESIDE]),
         };
-        drawing.text(Text::new(&tick.label, at, align, LABEL).with_rim());
+        drawing.text(&tick.label, at, align, LABEL, Paint::Muted);
     }
 }

@@ -105,21 +105,6 @@ pub(super) fn shortened(text: &str, size: f64, most: f64) -> String {
     fitting.next().unwrap_or_else(|| "…".to_owned())
 }
 
-/// `text` in lines no wider than `most`, if its words allow.
-pub(super) fn wrapped(text: &str, size: f64, most: f64) -> Vec<String> {
-    let mut lines: Vec<String> = Vec::new();
-    for word in text.split_whitespace() {
-        match lines.last_mut() {
-            Some(line) if width(line, size) + width(" ", size) + width(word, size) <= most => {
-                line.push(' ');
-                line.push_str(word);
-            }
-            _ => lines.push(word.to_owned()),
-        }
-    }
-    lines
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -147,9 +132,5 @@ mod tests {
         assert!(found.starts_with('…') && found.ends_with("million.json"), "{found}");
         assert!(width(&found, 10.0) <= 100.0);
         assert_eq!(shortened("much", 10.0, 1.0), "…");
-        let lines = wrapped("two words and some more of them", 10.0, 60.0);
-        assert!(lines.len() > 2 && lines.iter().all(|line| width(line, 10.0) <= 60.0), "{lines:?}");
-        assert_eq!(lines.join(" "), "two words and some more of them");
-        assert!(wrapped(" ", 10.0, 60.0).is_empty());
     }
 }

@@ -22,7 +22,11 @@ pub fn figure(value: f64) -> String {
     }
     let (mantissa, exponent) = scientific(value, DIGITS);
     if value.abs() >= LARGEST_PLAIN || exponent < SMALLEST_PLAIN {
-        return minus(&format!("{}×{}", trimmed(&mantissa), power_of_ten(exponent)));
+        let power = power_of_ten(exponent);
+        return minus(&match trimmed(&mantissa) {
+            "1" => power,
+            mantissa => format!("{mantissa}×{power}"),
+        });
     }
     let decimals = (DIGITS as i32 - 1 - exponent).max(0) as usize;
     minus(&grouped(trimmed(&format!("{value:.decimals$}"))))
@@ -60,7 +64,7 @@ pub fn exact(value: f64) -> String {
 }
 
 /// Ten to the power of `exponent`: "10⁻³".
-pub(super) fn power_of_ten(exponent: i32) -> String {
+fn power_of_ten(exponent: i32) -> String {
     let superscript = |c| match c {
         '-' => '⁻',
         '1' => '¹',
@@ -80,7 +84,7 @@ fn scientific(value: f64, digits: usize) -> (String, i32) {
 }
 
 /// Without trailing zeros of a fraction.
-pub(super) fn trimmed(text: &str) -> &str {
+fn trimmed(text: &str) -> &str {
     if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { text }
 }
 
@@ -102,7 +106,7 @@ fn grouped(text: &str) -> String {
 }
 
 /// With a minus sign instead of each hyphen.
-pub(super) fn minus(text: &str) -> String {
+fn minus(text: &str) -> String {
     text.replace('-', "−")
 }
 
@@ -126,6 +130,7 @@ mod tests {
             (1_234_567.0, "1\u{202f}234\u{202f}567"),
             (1_234_567.8, "1.235×10⁶"),
             (1e15, "10¹⁵"),
+            (-1e-4, "−1×10⁻⁴"),
             (6.022e23, "6.022×10²³"),
             (-1.5e-300, "−1.5×10⁻³⁰⁰"),
             (f64::MAX, "1.798×10³⁰⁸"),
@@ -133,8 +138,7 @@ mod tests {
             (f64::NAN, "not finite"),
             (f64::INFINITY, "not finite"),
         ] {
-            let found = figure(value);
-            assert_eq!(found.trim_start_matches("1×"), expected, "{value:e}");
+            assert_eq!(figure(value), expected, "{value:e}");
         }
     }
 

@@ -39,7 +39,7 @@ const SERIES: [(&str, [u8; 3]); COLOURS] = [
 
 impl Paint {
     /// Its name in style sheets, and the colour on white paper.
-    fn entry(self) -> (&'static str, [u8; 3]) {
+    pub(super) fn entry(self) -> (&'static str, [u8; 3]) {
         match self {
             Self::Ink => ("ink", [26, 28, 32]),
             Self::Muted => ("muted", [92, 97, 105]),
@@ -49,16 +49,6 @@ impl Paint {
             Self::Paper => ("paper", [255, 255, 255]),
             Self::Series(index) => SERIES[index % COLOURS],
         }
-    }
-
-    /// Its name in style sheets.
-    pub(super) fn name(self) -> &'static str {
-        self.entry().0
-    }
-
-    /// Red, green and blue on white paper.
-    pub(super) fn rgb(self) -> [u8; 3] {
-        self.entry().1
     }
 }
 
@@ -74,15 +64,15 @@ mod tests {
 
     #[test]
     fn colours_begin_again_after_the_last() {
-        assert_eq!(Paint::Series(COLOURS).name(), "s0");
+        assert_eq!(Paint::Series(COLOURS).entry().0, "s0");
     }
 
     #[test]
     fn the_style_sheet_knows_every_paint() {
         let css = include_str!("chart.css");
         for paint in all() {
-            let name = paint.name();
-            let [r, g, b] = paint.rgb();
+            let name = paint.entry().0;
+            let [r, g, b] = paint.entry().1;
             let light = format!("--{name}: light-dark(#{r:02x}{g:02x}{b:02x}, #");
             assert_eq!(css.matches(&light).count(), 1, "{light}");
             for (class, property) in [("f", "fill"), ("k", "stroke")] {
@@ -116,21 +106,21 @@ mod tests {
 
     #[test]
     fn text_and_series_stand_out_from_either_paper() {
-        let papers = [Paint::Paper.rgb(), dark("paper")];
+        let papers = [Paint::Paper.entry().1, dark("paper")];
         for paint in [Paint::Ink, Paint::Muted] {
-            let colours = [paint.rgb(), dark(paint.name())];
+            let colours = [paint.entry().1, dark(paint.entry().0)];
             for (colour, paper) in colours.into_iter().zip(papers) {
                 assert!(contrast(colour, paper) >= 4.5, "{paint:?} {}", contrast(colour, paper));
             }
         }
         for series in (0..COLOURS).map(Paint::Series) {
-            let found = contrast(dark(series.name()), papers[1]);
+            let found = contrast(dark(series.entry().0), papers[1]);
             assert!(found >= 3.0, "{series:?} {found}");
         }
         // Okabe and Ito's colours are unchanged: the last two are for many series, which the
         // markers distinguish as well.
         for series in [0, 1, 2, 4].map(Paint::Series) {
-            let found = contrast(series.rgb(), papers[0]);
+            let found = contrast(series.entry().1, papers[0]);
             assert!(found >= 3.0, "{series:?} {found}");
         }
     }

@@ -1,14 +1,33 @@
-//! A drawing as SVG.
+//! A drawing, written as SVG. Coordinates are pixels, y downward.
 //!
 //! Each shape has its colour on white paper as an attribute, which any reader understands, and a
 //! class, for which a style sheet may set another: the one in `chart.css` follows light and dark
 //! themes.
 
-use std::fmt::{Result, Write as _};
-
-use super::drawing::{At, Drawing, Mark, Shape, Text};
+use super::font;
 use super::paint::Paint;
 use crate::markup::escape;
+
+/// A point of a drawing.
+pub(super) type At = [f64; 2];
+
+/// The size of labels.
+pub(super) const LABEL: f64 = 12.5;
+/// The size of notes.
+pub(super) const NOTE: f64 = 11.0;
+/// The size of a title.
+const TITLE: f64 = 17.0;
+/// Distance from the top of a title to the content below.
+const TITLE_HEIGHT: f64 = TITLE + 14.0;
+/// The margin of a standalone drawing.
+const MARGIN: f64 = 20.0;
+
+/// Distances from a point to the base line of text below it, beside it and above it, as shares of
+/// its size: capitals and digits of Noto Sans are 0.714 em high, and descenders reach 0.24 em
+/// below.
+pub(super) const BELOW: f64 = 0.8;
+pub(super) const BESIDE: f64 = 0.357;
+pub(super) const ABOVE: f64 = -0.24;
 
 /// Texts wider than this have an explicit length: a browser without the font could otherwise make
 /// them overlap others.
@@ -20,88 +39,148 @@ const NEAR: f64 = 10.0;
 /// The style sheet of all drawings.
 pub(crate) const STYLE: &str = include_str!("chart.css");
 
-/// A standalone file.
-pub(super) fn file(drawing: &Drawing, title: &str, caption: &str) -> String {
-    let ([width, height], start) = (drawing.size().map(number), number(-drawing.margin()));
-    let (title, caption) = (escape(title), escape(caption));
-    let head = format!(
-        "xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" class=\"chart\" \
-         role=\"img\" font-family=\"Noto Sans, sans-serif\">\n\
-         <title>{title}</title>\n<desc>{caption}</desc>\n\
-         <style>\n:root {{ color-scheme: light dark; }}\n{STYLE}</style>\n\
-         <rect x=\"{start}\" y=\"{start}\" width=\"{width}\" height=\"{height}\" {}/>",
-        fill(Paint::Paper)
-    );
-    element_of(drawing, &head)
+/// The shapes drawn so far.
+#[derive(Clone, Debug)]
+pub(super) struct Drawing {
+    /// Its width, without margins.
+    pub width: f64,
+    /// Its height so far.
+    pub height: f64,
+    shapes: String,
 }
 
-/// An element of a page with [`STYLE`]; its classes are `chart` and `class`.
-pub(super) fn element(drawing: &Drawing, title: &str, class: &str) -> String {
-    let title = escape(title);
-    let head = format!("class=\"chart {class}\" role=\"group\" aria-label=\"{title}\">");
-    element_of(drawing, &head)
-}
-
-/// The element: `head` has the rest of its start tag, and the content before the shapes.
-fn element_of(drawing: &Drawing, head: &str) -> String {
-    let ([width, height], start) = (drawing.size().map(number), number(-drawing.margin()));
-    let mut text = format!("<svg viewBox=\"{start} {start} {width} {height}\" {head}\n");
-    for shape in &drawing.shapes {
-        // Writing to a string does not fail.
-        let _ = write_shape(&mut text, shape);
+impl Drawing {
+    /// An empty drawing of this width.
+    pub(super) fn new(width: f64) -> Self {
+        Self { width, height: 0.0, shapes: String::new() }
     }
-    text + "</svg>\n"
-}
 
-fn write_shape(out: &mut String, shape: &Shape) -> Result {
-    match shape {
-        Shape::Line { points, paint, width, dashed } => {
-            let dash = if *dashed { " stroke-dasharray=\"6 4\"" } else { "" };
-            let (stroke, width) = (colour(*paint, "stroke", 'k'), number(*width));
-            let line = format!("fill=\"none\" {stroke} stroke-width=\"{width}\"{dash}");
-            writeln!(out, "<path d=\"{}\" {line}/>", path(points))
+    /// Adds a line along points.
+    pub(super) fn line(&mut self, points: &[At], paint: Paint, width: f64) {
+        let (stroke, width) = (colour(paint, "stroke", 'k'), number(width));
+        let attributes = format!("fill=\"none\" {stroke} stroke-width=\"{width}\"");
+        self.shapes += &format!("<path d=\"{}\" {attributes}/>\n", path(points));
+    }
+
+    /// Adds the inside of a polygon.
+    pub(super) fn area(&mut self, points: &[At], paint: Paint) {
+        self.shapes += &format!("<path d=\"{}Z\" {}/>\n", path(points), fill(paint));
+    }
+
+    /// Adds a rectangle in the colour of a series.
+    pub(super) fn rectangle(
+        &mut self,
+        [left, right]: [f64; 2],
+        [top, bottom]: [f64; 2],
+        index: usize,
+    ) {
+        let corners = [[left, top], [right, top], [right, bottom], [left, bottom]];
+        self.area(&corners, Paint::Series(index));
+    }
+
+    /// Adds a disk.
+    pub(super) fn disk(&mut self, center: At, radius: f64, paint: Paint) {
+        let ([x, y], r) = (center.map(number), number(radius));
+        self.shapes += &format!("<circle cx=\"{x}\" cy=\"{y}\" r=\"{r}\" {}/>\n", fill(paint));
+    }
+
+    /// Adds a text at a point: `anchor` is the part of it at the point, 0 for its start and 1 for
+    /// its end, and `line` one of [`BELOW`], [`BESIDE`] and [`ABOVE`]. An outline in the background
+    /// colour separates it from lines below.
+    pub(super) fn text(
+        &mut self,
+        text: &str,
+        [x, y]: At,
+        [anchor, line]: [f64; 2],
+        size: f64,
+        paint: Paint,
+    ) {
+        let ([x, y], width) = ([x, y + line * size].map(number), font::width(text, size));
+        let anchor = match anchor {
+            0.0 => "start",
+            1.0 => "end",
+            _ => "middle",
+        };
+        let length = match width > LONG {
+            true => format!(" textLength=\"{}\" lengthAdjust=\"spacingAndGlyphs\"", number(width)),
+            false => String::new(),
+        };
+        let fill = fill(paint).replace("class=\"", "class=\"k-paper ");
+        self.shapes += &format!(
+            "<text x=\"{x}\" y=\"{y}\" font-size=\"{}\" text-anchor=\"{anchor}\"{length} {fill} \
+             stroke=\"#ffffff\" stroke-width=\"4\" stroke-linejoin=\"round\" \
+             paint-order=\"stroke\">{}</text>\n",
+            number(size),
+            escape(text)
+        );
+    }
+
+    /// Adds a line of a standalone file at the bottom.
+    pub(super) fn words(&mut self, text: &str, size: f64, paint: Paint) {
+        self.text(text, [0.0, self.height], [0.0, BELOW], size, paint);
+    }
+
+    /// Starts a mark: its meaning in words, a line each, and its figures, names and values. A
+    /// pointer near the centre of a small one selects it.
+    pub(super) fn begin(&mut self, title: &str, figures: &[(&str, String)], near: Option<At>) {
+        self.shapes += "<g class=\"mark\" role=\"img\"";
+        for (name, value) in figures {
+            self.shapes += &format!(" data-{name}=\"{}\"", escape(value));
         }
-        Shape::Area { points, paint } => {
-            writeln!(out, "<path d=\"{}Z\" {}/>", path(points), fill(*paint))
+        self.shapes += &format!("><title>{}</title>\n", escape(title));
+        if let Some([x, y]) = near.map(|at| at.map(number)) {
+            self.shapes += &format!(
+                "<circle class=\"near\" cx=\"{x}\" cy=\"{y}\" r=\"{NEAR}\" fill=\"none\" \
+                 pointer-events=\"all\"/>\n"
+            );
         }
-        Shape::Disk { center, radius, paint } => {
-            let ([x, y], r) = (center.map(number), number(*radius));
-            writeln!(out, "<circle cx=\"{x}\" cy=\"{y}\" r=\"{r}\" {}/>", fill(*paint))
-        }
-        Shape::Text(text) => write_text(out, text),
-        Shape::Begin(mark) => begin(out, mark),
-        Shape::End => writeln!(out, "</g>"),
     }
-}
 
-fn begin(out: &mut String, mark: &Mark) -> Result {
-    write!(out, "<g class=\"mark\" role=\"img\"")?;
-    for (name, value) in &mark.figures {
-        write!(out, " data-{name}=\"{}\"", escape(value))?;
+    /// Ends the mark.
+    pub(super) fn end(&mut self) {
+        self.shapes += "</g>\n";
     }
-    writeln!(out, "><title>{}</title>", escape(&mark.title))?;
-    let Some([x, y]) = mark.near.map(|at| at.map(number)) else { return Ok(()) };
-    let circle = format!("cx=\"{x}\" cy=\"{y}\" r=\"{NEAR}\"");
-    writeln!(out, "<circle class=\"near\" {circle} fill=\"none\" pointer-events=\"all\"/>")
-}
 
-fn write_text(out: &mut String, text: &Text) -> Result {
-    let ([x, y], size) = (text.at.map(number), number(text.size));
-    write!(out, "<text x=\"{x}\" y=\"{y}\" font-size=\"{size}\"")?;
-    if text.anchor > 0.0 {
-        let anchor = if text.anchor < 1.0 { "middle" } else { "end" };
-        write!(out, " text-anchor=\"{anchor}\"")?;
+    /// An element of a page with [`STYLE`]; its classes are `chart` and `class`.
+    pub(super) fn element(&self, title: &str, class: &str) -> String {
+        let title = escape(title);
+        self.svg(0.0, &format!("class=\"chart {class}\" role=\"group\" aria-label=\"{title}\">"))
     }
-    if text.width() > LONG {
-        let width = number(text.width());
-        write!(out, " textLength=\"{width}\" lengthAdjust=\"spacingAndGlyphs\"")?;
+
+    /// A standalone file.
+    pub(super) fn file(&self, title: &str, caption: &str) -> String {
+        let [width, height] = [self.width, self.height].map(|side| number(side + 2.0 * MARGIN));
+        let (title, caption, start) = (escape(title), escape(caption), number(-MARGIN));
+        let head = format!(
+            "xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" \
+             class=\"chart\" role=\"img\" font-family=\"Noto Sans, sans-serif\">\n\
+             <title>{title}</title>\n<desc>{caption}</desc>\n\
+             <style>\n:root {{ color-scheme: light dark; }}\n{STYLE}</style>\n\
+             <rect x=\"{start}\" y=\"{start}\" width=\"{width}\" height=\"{height}\" {}/>",
+            fill(Paint::Paper)
+        );
+        self.svg(MARGIN, &head)
     }
-    let mut fill = fill(text.paint);
-    if text.rim {
-        fill = fill.replace("class=\"", "class=\"k-paper ") + " stroke=\"#ffffff\"";
-        fill += " stroke-width=\"4\" stroke-linejoin=\"round\" paint-order=\"stroke\"";
+
+    /// The element with this margin: `head` has the rest of its start tag, and the content before
+    /// the shapes.
+    fn svg(&self, margin: f64, head: &str) -> String {
+        let [width, height] = [self.width, self.height].map(|side| number(side + 2.0 * margin));
+        let (start, shapes) = (number(-margin), &self.shapes);
+        format!("<svg viewBox=\"{start} {start} {width} {height}\" {head}\n{shapes}</svg>\n")
     }
-    writeln!(out, " {fill}>{}</text>", escape(&text.text))
+
+    /// Adds the title of a standalone file.
+    pub(super) fn title(&mut self, title: &str) {
+        self.words(&font::shortened(title, TITLE, self.width), TITLE, Paint::Ink);
+        self.height += TITLE_HEIGHT;
+    }
+
+    /// Adds a note of a standalone file.
+    pub(super) fn note(&mut self, note: &str) {
+        self.words(note, NOTE, Paint::Muted);
+        self.height += 1.5 * NOTE;
+    }
 }
 
 fn path(points: &[At]) -> String {
@@ -115,7 +194,7 @@ fn fill(paint: Paint) -> String {
 
 /// Colour and class of a fill or a stroke.
 fn colour(paint: Paint, property: &str, class: char) -> String {
-    let ([r, g, b], name) = (paint.rgb(), paint.name());
+    let (name, [r, g, b]) = paint.entry();
     format!("{property}=\"#{r:02x}{g:02x}{b:02x}\" class=\"{class}-{name}\"")
 }
 

@@ -3,21 +3,22 @@
 //! Settings that differ only in the number of points form a series. If their error falls with that
 //! number, the ratio is of the time to an equal error: a ratio of errors is converted to one of
 //! times by the power with which the error fell with the time before. Otherwise time and error at
-//! equal settings are two ratios. Each is the geometric mean over the settings, of typical times
-//! and of means of squared errors, seed by seed: two programs with the same random numbers make the
-//! same errors, which cancel. On one machine the unit of time is a [yardstick](crate::yardstick) of
-//! the same minute.
+//! equal settings are two ratios. Rounds with the same seed are compared: two programs with the
+//! same random numbers make the same errors, which cancel. On one machine the unit of time is a
+//! [yardstick](crate::yardstick) of the same minute, and rounds in which other programs took the
+//! processors are left out.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
-use super::unit::{Unit, busy, units};
-use super::{Change, Estimate, Found, Regression, Side, log_ratio, typical};
+use super::{Change, Found, LEAST_ROUNDS, Regression, Side, log_ratio};
+use crate::accuracy::findings::busy_rounds;
+use crate::accuracy::fit::slope;
 use crate::accuracy::reference::FLOOR;
 use crate::accuracy::setting::{Target, converges, series_of, words_of};
 use crate::accuracy::store::{
-    Circumstances, Header, PointRecord, PreparedRecord, Record, Recorded, ReferenceRecord,
-    SceneRecord, TrialRecord, all, read,
+    Circumstances, Header, PointRecord, PreparedRecord, Record, ReferenceRecord, SceneRecord,
+    TrialRecord, all, read,
 };
 use crate::summary::median;
 use wavecrest_base::error::Result;
@@ -28,6 +29,10 @@ use wavecrest_image::read::read as read_film;
 /// is -1.
 const POWERS: [f64; 2] = [-2.5, -0.5];
 
+/// Shorter times in seconds are not compared: such renders mostly start threads and allocate
+/// buffers, and such scenes are not worth a comparison of their loading.
+const LEAST_TIME: f64 = 0.001;
+
 /// The records of a sweep.
 struct Sweep<'a> {
     folder: &'a Path,
@@ -35,22 +40,14 @@ struct Sweep<'a> {
     records: Vec<Record>,
 }
 
-/// Renders shorter than this in seconds mostly start threads and allocate buffers: their times are
-/// not compared.
-const LEAST_RENDER: f64 = 0.001;
+/// The renders of a setting on one side, by seed.
+type Renders<'a> = BTreeMap<u64, &'a PointRecord>;
 
-/// The results of a setting on one side, seed by seed.
-#[derive(Clone)]
-struct Column {
-    seconds: Vec<f64>,
-    squares: Vec<f64>,
-}
+/// The renders of a scene on one side: by series, then key.
+type Series<'a> = BTreeMap<(Target, String), BTreeMap<&'a str, Renders<'a>>>;
 
-/// A setting on both sides.
-type Pair = [Column; 2];
-
-/// The renders of a scene on one side: by series, then key, then seed.
-type Series<'a> = BTreeMap<(Target, String), BTreeMap<&'a str, BTreeMap<u64, &'a PointRecord>>>;
+/// The logarithms of ratios at one setting, round by round.
+type Logs = Vec<Vec<f64>>;
 
 /// Compares the sweeps in two folders.
 ///
@@ -81,6 +78,7 @@ pub fn compare(before: &Path, after: &Path) -> Result<Regression> {
                     regression.warnings.push(format!("`{name}` {warning}"));
                 }
                 points(name, &sides, &mut found, &mut regression.warnings);
+                found.extend(preparation(name, &sides));
                 regression.changes.extend(changes(name, &sides)?);
             }
         }
@@ -98,71 +96,63 @@ fn side(sweep: &Sweep<'_>) -> Side {
     }
 }
 
-/// Compares every series of a scene, all of them together, and the preparation.
+/// Compares every series of a scene, and all of them together.
 fn points(scene: &str, sides: &[Sweep<'_>; 2], found: &mut Vec<Found>, warnings: &mut Vec<String>) {
+    let mut units = sides.each_ref().map(|side| units(scene, &side.records));
     let on_one_machine = side(&sides[0]).machine == side(&sides[1]).machine;
-    let records = sides.each_ref().map(|side| side.records.as_slice());
-    let units = if on_one_machine { units(scene, records) } else { Default::default() };
-    let busy = busy(&units);
-    let quiet = busy.is_some();
-    warnings.extend(about_busy_rounds(scene, busy.as_ref()));
-    let busy = busy.unwrap_or_default();
+    if !on_one_machine || units.iter().any(BTreeMap::is_empty) {
+        units = Default::default();
+    }
+    let [busy, others] = sides.each_ref().map(|side| busy_rounds(scene, &side.records).1);
+    let busy = &busy | &others;
+    if !busy.is_empty() {
+        let rounds = busy.len();
+        warnings.push(format!("`{scene}`: rounds left out because the machine was busy: {rounds}"));
+    }
     let [before, after] = sides.each_ref().map(|side| series(scene, &side.records));
-    let (mut everything, mut short) = (Vec::new(), 0);
+    let mut everything = Logs::new();
     for ((target, name), keys) in &before {
         let what = words_of(name, *target);
         let Some(others) = after.get(&(*target, name.clone())) else {
             warnings.push(format!("`{scene}`: {what} is missing after"));
             continue;
         };
-        let falls = keys.keys().all(|key| converges(key));
+        let falls = keys.len() > 1 && keys.keys().all(|key| converges(key));
         let floors =
             sides.each_ref().map(|side| if falls { floor(scene, *target, side) } else { 0.0 });
-        let pairs = pairs([keys, others], floors, &units, &busy);
-        let timed: Vec<Pair> =
-            pairs.iter().filter(|pair| quiet && takes_time(pair)).cloned().collect();
-        short += pairs.len() - timed.len();
-        // Errors do not depend on how busy the machine is.
-        let all = self::pairs([keys, others], floors, &units, &BTreeSet::new());
-        let falls = falls && timed.len() > 1;
-        let power = if falls { Some(power(&timed)) } else { None };
-        let curves = if falls { curves(&pairs) } else { Vec::new() };
+        let common = keys.iter().filter_map(|(key, one)| Some([one, others.get(key)?]));
+        let pairs: Vec<[&Renders<'_>; 2]> = common
+            .filter(|pair| pair.iter().zip(floors).all(|(one, floor)| mse(one) >= floor))
+            .collect();
+        let power = if falls { Some(power(&pairs)) } else { None };
+        let seeds = common_seeds(&pairs);
+        let error =
+            |[before, after]: [&PointRecord; 2]| log_ratio(before.error.mse, after.error.mse);
+        let time = |[before, after]: [&PointRecord; 2]| {
+            let [one, other] = [(before, &units[0]), (after, &units[1])]
+                .map(|(point, units)| point.seconds / units.get(&point.seed).unwrap_or(&1.0));
+            log_ratio(one, other) - power.map_or(0.0, |power| error([before, after]) / power)
+        };
+        let timed: Vec<_> = pairs.iter().copied().filter(takes_time).collect();
+        let times = logs(&timed, seeds.difference(&busy), time);
         let of = if power.is_some() { "time at equal error" } else { "time" };
-        for (of, estimate) in [(of, time(&[(&timed, power)])), ("error", error(&all))] {
-            let new = |estimate| Found::new(scene, what.clone(), of, estimate);
-            found.extend(estimate.map(|e| Found { curves: curves.clone(), ..new(e) }));
-        }
-        everything.push((timed, power));
+        found.extend(together(scene, what.clone(), of, &times));
+        let errors = logs(&pairs, seeds.iter(), |pair| error(pair) / 2.0);
+        found.extend(together(scene, what, "error", &errors));
+        everything.extend(times);
     }
-    if quiet && short > 0 {
-        let limit = LEAST_RENDER * 1e3;
-        warnings.push(format!(
-            "`{scene}`: only the errors of {short} settings are compared: they render in less than {limit} ms"
-        ));
-    }
-    found.extend(together(scene, &everything));
-    if quiet {
-        found.extend(preparation(scene, sides));
-    }
+    found.extend(together(scene, "all settings".to_owned(), "time at equal error", &everything));
 }
 
-/// A warning about rounds left out because the machine was busy; `busy` is `None` if too few others
-/// remain.
-fn about_busy_rounds(scene: &str, busy: Option<&BTreeSet<u64>>) -> Option<String> {
-    let cause = "the machine was busy";
-    match busy.map(BTreeSet::len) {
-        Some(0) => None,
-        Some(rounds) => Some(format!("`{scene}`: rounds left out because {cause}: {rounds}")),
-        None => Some(format!("`{scene}`: only errors are compared because {cause}")),
+/// The unit of time in the round of each seed: the median of its yardsticks. Old sweeps have none:
+/// then times are in seconds.
+fn units(scene: &str, records: &[Record]) -> BTreeMap<u64, f64> {
+    let mut rounds: BTreeMap<u64, Vec<f64>> = BTreeMap::new();
+    let has_unit = |p: &&PointRecord| p.scene == scene && p.yardstick > 0.0;
+    for point in all::<PointRecord>(records).filter(has_unit) {
+        rounds.entry(point.seed).or_default().push(point.yardstick);
     }
-}
-
-/// All series of a scene as one.
-fn together(scene: &str, series: &[(Vec<Pair>, Option<f64>)]) -> Option<Found> {
-    let series: Vec<_> = series.iter().map(|(pairs, power)| (&**pairs, *power)).collect();
-    let new =
-        |estimate| Found::new(scene, "all settings".to_owned(), "time at equal error", estimate);
-    time(&series).map(|estimate| Found { overall: true, ..new(estimate) })
+    rounds.into_iter().map(|(seed, yardsticks)| (seed, median(&yardsticks))).collect()
 }
 
 fn series<'a>(scene: &str, records: &'a [Record]) -> Series<'a> {
@@ -184,115 +174,62 @@ fn reference<'a>(scene: &str, target: Target, sweep: &'a Sweep<'_>) -> Option<&'
     all(&sweep.records).find(|r: &&ReferenceRecord| r.scene == scene && r.target == target)
 }
 
-/// The common settings of both sides, with their common seeds.
-fn pairs<'a>(
-    [before, after]: [&BTreeMap<&str, BTreeMap<u64, &'a PointRecord>>; 2],
-    floors: [f64; 2],
-    units: &[Unit; 2],
-    busy: &BTreeSet<u64>,
-) -> Vec<Pair> {
-    let common: Vec<_> =
-        before.iter().filter_map(|(key, one)| Some([one, after.get(key)?])).collect();
-    let seeds = |of: &BTreeMap<u64, &PointRecord>| of.keys().copied().collect::<BTreeSet<_>>();
-    let all = common.iter().flatten().map(|of| seeds(of));
-    let seeds = &all.reduce(|a, b| &a & &b).unwrap_or_default() - busy;
-    let column = |of: &BTreeMap<u64, &'a PointRecord>, unit: &Unit| {
-        let points = || seeds.iter().filter_map(|seed| of.get(seed));
-        let time = |p: &&PointRecord| p.seconds / unit.get(&p.seed).copied().unwrap_or(1.0);
-        let squares = points().map(|p| p.error.mse).collect();
-        Column { seconds: points().map(time).collect(), squares }
+/// The seeds of all these settings on both sides.
+fn common_seeds(pairs: &[[&Renders<'_>; 2]]) -> BTreeSet<u64> {
+    let seeds = pairs.iter().flatten().map(|one| one.keys().copied().collect::<BTreeSet<u64>>());
+    seeds.reduce(|a, b| &a & &b).unwrap_or_default()
+}
+
+fn mse(renders: &Renders<'_>) -> f64 {
+    renders.values().map(|p| p.error.mse).sum::<f64>() / renders.len() as f64
+}
+
+fn seconds(renders: &Renders<'_>) -> f64 {
+    median(&renders.values().map(|p| p.seconds).collect::<Vec<_>>())
+}
+
+fn takes_time(pair: &[&Renders<'_>; 2]) -> bool {
+    pair.iter().any(|one| seconds(one) >= LEAST_TIME)
+}
+
+/// The logarithm of a ratio at each setting, in the rounds of these seeds.
+fn logs<'a>(
+    pairs: &[[&Renders<'_>; 2]],
+    seeds: impl Iterator<Item = &'a u64> + Clone,
+    log: impl Fn([&PointRecord; 2]) -> f64,
+) -> Logs {
+    let of = |pair: &[&Renders<'_>; 2]| {
+        seeds.clone().map(|seed| log(pair.map(|one| one[seed]))).collect()
     };
-    let pairs = common.into_iter().map(|[a, b]| [column(a, &units[0]), column(b, &units[1])]);
-    let is_above_noise =
-        |pair: &Pair| pair.iter().zip(floors).all(|(column, floor)| mean(&column.squares) >= floor);
-    pairs.filter(is_above_noise).collect()
+    pairs.iter().map(of).collect()
 }
 
-fn takes_time(pair: &Pair) -> bool {
-    pair.iter().any(|column| median(&column.seconds) >= LEAST_RENDER)
+/// The comparison of several settings as one; `None` for too few rounds.
+fn together(scene: &str, what: String, of: &'static str, settings: &Logs) -> Option<Found> {
+    let rounds = settings.iter().map(Vec::len).min().filter(|rounds| *rounds >= LEAST_ROUNDS)?;
+    let round = |n: usize| median(&settings.iter().map(|logs| logs[n]).collect::<Vec<_>>());
+    Some(Found { scene: scene.to_owned(), what, of, logs: (0..rounds).map(round).collect() })
 }
 
-fn mean(values: &[f64]) -> f64 {
-    values.iter().sum::<f64>() / values.len().max(1) as f64
+/// The power with which the mean squared error fell with time before.
+fn power(pairs: &[[&Renders<'_>; 2]]) -> f64 {
+    let points = pairs.iter().map(|[before, _]| (seconds(before), vec![mse(before)]));
+    slope(&points.collect::<Vec<_>>()).map_or(-1.0, |found| found.value.clamp(POWERS[0], POWERS[1]))
 }
 
-impl Column {
-    fn time(&self, rounds: &[usize]) -> f64 {
-        typical(&self.seconds, rounds)
-    }
-
-    fn square(&self, rounds: &[usize]) -> f64 {
-        rounds.iter().filter_map(|round| self.squares.get(*round)).sum::<f64>()
-            / rounds.len() as f64
-    }
-}
-
-/// The ratio of times: at equal error along a power, if any.
-fn time(series: &[(&[Pair], Option<f64>)]) -> Option<Estimate> {
-    let pairs = || series.iter().flat_map(|(pairs, power)| pairs.iter().map(move |p| (p, power)));
-    let (rounds, count) = (pairs().map(|(pair, _)| pair[0].seconds.len()).min()?, pairs().count());
-    let log = |([before, after], power): (&Pair, &Option<f64>), rounds: &[usize]| {
-        let error = power.map(|p| log_ratio(before.square(rounds), after.square(rounds)) / p);
-        log_ratio(before.time(rounds), after.time(rounds)) - error.unwrap_or(0.0)
-    };
-    Estimate::of(rounds, |rounds| pairs().map(|pair| log(pair, rounds)).sum::<f64>() / count as f64)
-}
-
-/// The ratio of root mean squared errors.
-fn error(pairs: &[Pair]) -> Option<Estimate> {
-    let log = |[before, after]: &Pair, rounds: &[usize]| {
-        log_ratio(before.square(rounds), after.square(rounds)) / 2.0
-    };
-    Estimate::of(pairs.first()?[0].seconds.len(), |rounds| {
-        pairs.iter().map(|pair| log(pair, rounds)).sum::<f64>() / pairs.len() as f64
-    })
-}
-
-/// The power with which the mean squared error fell with time before, by least squares in
-/// logarithms.
-fn power(pairs: &[Pair]) -> f64 {
-    let logs: Vec<[f64; 2]> = pairs
-        .iter()
-        .map(|[before, _]| [median(&before.seconds), mean(&before.squares)].map(libm::log))
-        .collect();
-    let middle = [0, 1].map(|axis| mean(&logs.iter().map(|log| log[axis]).collect::<Vec<_>>()));
-    let sum = |axis: usize| -> f64 {
-        logs.iter().map(|log| (log[0] - middle[0]) * (log[axis] - middle[axis])).sum()
-    };
-    let power = sum(1) / sum(0);
-    if power.is_finite() { power.clamp(POWERS[0], POWERS[1]) } else { -1.0 }
-}
-
-/// Root mean squared error against time, before and after.
-fn curves(pairs: &[Pair]) -> Vec<Vec<[f64; 2]>> {
-    let point = |c: &Column| [median(&c.seconds), mean(&c.squares).sqrt()];
-    let curve = |side: usize| {
-        let mut points: Vec<[f64; 2]> = pairs.iter().map(|pair| point(&pair[side])).collect();
-        points.sort_by(|a, b| a[0].total_cmp(&b[0]));
-        points
-    };
-    vec![curve(0), curve(1)]
-}
-
-/// Preparation times below this in seconds are not compared: a scene is prepared a few times in a
-/// row in a sweep, and so short a time is not significant.
-const LEAST_PREPARATION: f64 = 0.01;
-
-/// The preparation, if measured often enough.
+/// The time of loading and building.
 fn preparation(scene: &str, sides: &[Sweep<'_>; 2]) -> Vec<Found> {
-    let times = sides.each_ref().map(|side| {
+    let [before, after] = sides.each_ref().map(|side| {
         let mut times: BTreeMap<&str, Vec<f64>> = BTreeMap::new();
         for p in all::<PreparedRecord>(&side.records).filter(|p| p.scene == scene) {
             times.entry(&p.key).or_default().push(p.time.load + p.time.build);
         }
         times
     });
-    let [before, after] = &times;
     let one = |(key, before): (&&str, &Vec<f64>)| {
-        let after = after.get(key)?;
-        let takes_time = median(before).max(median(after)) >= LEAST_PREPARATION;
-        let estimate = Estimate::of_times(before, after).filter(|_| takes_time)?;
-        Some(Found::new(scene, words_of(key, Target::Scene), "loading time", estimate))
+        let after = after.get(key).filter(|_| median(before) >= LEAST_TIME)?;
+        let logs = before.iter().zip(after).map(|(before, after)| log_ratio(*before, *after));
+        together(scene, words_of(key, Target::Scene), "loading time", &vec![logs.collect()])
     };
     before.iter().filter_map(one).collect()
 }
@@ -301,20 +238,19 @@ fn preparation(scene: &str, sides: &[Sweep<'_>; 2]) -> Vec<Found> {
 fn changes(scene: &str, sides: &[Sweep<'_>; 2]) -> Result<Vec<Change>> {
     let mut changes = Vec::new();
     // Rays that leak or hit their own triangle again.
-    let same = |a: &TrialRecord, b: &TrialRecord| {
-        (&*a.scene, &a.scene, &a.precision) == (scene, &b.scene, &b.precision)
-    };
     let share = |[tried, failed]: [u64; 2]| failed as f64 / tried.max(1) as f64;
-    for sides in both(sides, same) {
-        for (what, counts) in [
-            ("leaks", sides.map(|trial| trial.leaks)),
-            ("self-hits", sides.map(|trial| trial.self_hits)),
-        ] {
-            let [before, after] = counts.map(share);
-            if before != after {
+    let [before, after] = sides.each_ref().map(|side| {
+        all(&side.records).filter(|t: &&TrialRecord| t.scene == scene).collect::<Vec<_>>()
+    });
+    for before in before {
+        let Some(after) = after.iter().find(|t| t.precision == before.precision) else { continue };
+        let pairs = [[before.leaks, after.leaks], [before.self_hits, after.self_hits]];
+        for (what, counts) in ["leaks", "self-hits"].into_iter().zip(pairs) {
+            let [old, new] = counts.map(share);
+            if old != new {
                 let words = counts.map(|[tried, failed]| format!("{failed} of {tried}"));
-                let what = format!("{what}, {}", sides[0].precision);
-                changes.push(Change::new(scene, what, words, after > before));
+                let what = format!("{what}, {}", before.precision);
+                changes.push(Change::new(scene, what, words, new > old));
             }
         }
     }
@@ -322,18 +258,6 @@ fn changes(scene: &str, sides: &[Sweep<'_>; 2]) -> Result<Vec<Change>> {
         changes.extend(references(scene, target, sides)?);
     }
     Ok(changes)
-}
-
-/// The records of one kind that are the same on both sides but for their results.
-fn both<'a, R: Recorded>(
-    sides: &'a [Sweep<'_>; 2],
-    same: impl Fn(&R, &R) -> bool,
-) -> Vec<[&'a R; 2]> {
-    let pair = |before: &'a R| {
-        let after = all::<R>(&sides[1].records).find(|after| same(before, after))?;
-        Some([before, after])
-    };
-    all::<R>(&sides[0].records).filter_map(pair).collect()
 }
 
 /// References that differ by more than their standard errors allow.

@@ -4,11 +4,13 @@
 use std::path::Path;
 
 use super::*;
+use crate::accuracy::fit::Rng;
 use crate::accuracy::setting::Target;
 use crate::accuracy::store::{
     Errors, Header, PointRecord, PreparedRecord, Record, ReferenceRecord, SceneRecord, Store,
 };
 use crate::accuracy::subject::Stages;
+use crate::measure::Timing;
 use wavecrest_core::film::Film;
 use wavecrest_image::write::{Transfer, write};
 
@@ -100,7 +102,7 @@ fn sweep(folder: &Path, program: Program) {
             let own = program.slower * busy * machine.time();
             let seconds = (0.01 + 0.004 * n) * program.machine * own;
             let yardstick = 0.001 * program.machine * busier * machine.time();
-            store.add(point(key, seed, seconds, yardstick, mse)).unwrap();
+            store.add(point(key, seed, [seconds, 1.0 / busy, yardstick], mse)).unwrap();
         }
     }
 }
@@ -118,7 +120,7 @@ fn settings(program: Program) -> Vec<(String, f64, f64)> {
     settings
 }
 
-fn point(key: String, seed: u64, seconds: f64, yardstick: f64, mse: f64) -> Record {
+fn point(key: String, seed: u64, [seconds, share, yardstick]: [f64; 3], mse: f64) -> Record {
     Record::Point(PointRecord {
         scene: "a".into(),
         target: Target::Scene,
@@ -126,7 +128,7 @@ fn point(key: String, seed: u64, seconds: f64, yardstick: f64, mse: f64) -> Reco
         seed,
         seconds,
         yardstick,
-        timing: None,
+        timing: Some(Timing { seconds, processor: Some(share * seconds) }),
         passes: Vec::new(),
         rays: 7,
         error: Errors { mse, relative_mse: mse, bias: 0.0, flip: 0.0 },
@@ -205,17 +207,6 @@ fn rounds_in_which_the_machine_was_busy_hide_nothing() {
 }
 
 #[test]
-fn on_a_busy_machine_only_errors_are_compared() {
-    for found in tries(Program { machine: 1.6, slower: 1.2, ..USUAL }) {
-        assert!(found.ratios.iter().all(|ratio| ratio.of == "error"), "{}", found.text());
-        assert!(found.warnings.iter().any(|warning| warning.contains("only errors")));
-    }
-    for found in tries(Program { machine: 1.6, jittered: -1.0, ..USUAL }) {
-        assert_eq!(worse(&found), ["jittered points on lights, error"]);
-    }
-}
-
-#[test]
 fn a_sampler_that_is_wrong_is_found() {
     // The strata of one dimension are forgotten: the error falls as that of independent points.
     for found in tries(Program { jittered: -1.0, ..USUAL }) {
@@ -226,67 +217,29 @@ fn a_sampler_that_is_wrong_is_found() {
 }
 
 #[test]
-fn a_slow_half_of_a_run_is_no_slower_program() {
-    let mut machine = Noise(Rng::new(5));
-    let before: Vec<f64> = (0..16).map(|_| machine.time()).collect();
-    let after: Vec<f64> =
-        (0..16).map(|n| machine.time() * if n < 8 { 1.06 } else { 1.0 }).collect();
-    let statistic = |rounds: &[usize]| log_ratio(typical(&before, rounds), typical(&after, rounds));
-    let estimate = Estimate::of(16, statistic).unwrap();
-    assert!(estimate.chance(TOLERANCE / 2.0) > SIGNIFICANCE, "{estimate:?}");
-}
-
-#[test]
-fn chances_are_corrected_for_their_number() {
-    assert_eq!(holm(&[0.01, 0.04, 0.03]), [0.03, 0.06, 0.06]);
-    assert_eq!(holm(&[0.9, 0.6]), [1.0, 1.0]);
-    let certain = Estimate { log: 0.1, standard_error: 0.0, freedom: 15.0 };
-    assert_eq!(certain.chance(TOLERANCE), 0.0);
-    assert_eq!(Estimate { log: 0.001, ..certain }.chance(TOLERANCE), 1.0);
+fn an_interval_has_to_miss_1_by_more_than_the_tolerance() {
+    let judged = |logs: &[f64]| {
+        let (scene, what) = (String::new(), String::new());
+        Found { scene, what, of: "time", logs: logs.to_vec() }.judged(SIGNIFICANCE)
+    };
+    assert_eq!(judged(&[0.0; 4]).verdict, Verdict::Same);
+    assert_eq!(judged(&[0.009; 4]).verdict, Verdict::Same, "within the tolerance");
+    assert_eq!(judged(&[0.02; 4]).verdict, Verdict::Worse);
+    assert_eq!(judged(&[-0.02; 4]).verdict, Verdict::Better);
+    // A slow half of a run is no slower program.
+    let half: Vec<f64> = (0..16).map(|n| if n < 8 { 0.06 } else { 0.0 }).collect();
+    assert_eq!(judged(&half).verdict, Verdict::Same);
+    // Student's distribution with 3 degrees of freedom, both tails together 1 per cent: 5.841, and
+    // 3 per cent more in the approximation used.
+    let found = judged(&[-0.03, -0.01, 0.01, 0.03]);
+    let reach = 5.841 * (0.002_f64 / 3.0 / 4.0).sqrt();
+    assert!((libm::log(found.high) - reach).abs() < 0.05 * reach, "{found:?}");
     assert_eq!(log_ratio(0.0, 0.0), 0.0);
 }
 
-/// A report of `bench` with so many runs of each tracer.
-fn report(run: u64, slower: f64, equal: bool) -> String {
-    let mut machine = Noise(Rng::new(run));
-    let mut timed = |label: &str, factor: f64| {
-        let each: Vec<f64> = (0..30).map(|_| factor * machine.time()).collect();
-        serde_json::json!({"label": label, "yardstick": 0.0, "seconds": {"each": each}})
-    };
-    serde_json::json!({
-        "version": "1", "machine": {"cores": 2}, "scenes": [{
-            "scene": "a.json", "image": {"width": 4}, "equal": equal, "rays": {"primary": 4},
-            "comparisons": [{"of": "ladder", "variants": [
-                timed("wavefront", 0.5 * slower), timed("recursive", 1.0),
-            ]}],
-        }]
-    })
-    .to_string()
-}
-
 #[test]
-fn reports_of_bench_are_compared_too() {
+fn what_cannot_be_compared_is_refused() {
     let folder = tempfile::tempdir().unwrap();
-    let [before, after] = ["before.json", "after.json"].map(|name| folder.path().join(name));
-    for number in 1..=TRIES {
-        std::fs::write(&before, report(2 * number, 1.0, true)).unwrap();
-        let found = |slower, equal| {
-            std::fs::write(&after, report(2 * number + 1, slower, equal)).unwrap();
-            Regression::of(&before, &after).unwrap()
-        };
-        assert!(!found(1.0, true).is_worse());
-        let slow = found(1.03, true);
-        assert_eq!(worse(&slow), ["wavefront, time"], "{}", slow.text());
-        let differs = found(1.0, false);
-        assert!(differs.is_worse() && worse(&differs).is_empty());
-    }
-    let refused =
-        |before: &Path, after: &Path| Regression::of(before, after).unwrap_err().to_string();
-    let error = refused(&before, folder.path());
-    assert!(error.contains("a sweep and a file are not comparable"), "{error}");
-    std::fs::write(&after, "{}").unwrap();
-    let error = refused(&before, &after);
-    assert!(error.contains("not a report of `bench`") && error.contains("after.json"), "{error}");
-    let error = refused(folder.path(), folder.path());
+    let error = Regression::of(folder.path(), folder.path()).unwrap_err().to_string();
     assert!(error.contains("cannot read the records of a sweep"), "{error}");
 }

@@ -4,9 +4,7 @@ use crate::accuracy::findings::{Point, SceneFindings};
 use crate::accuracy::layers::{LayersFindings, PartFindings};
 use crate::accuracy::setting::Family;
 use crate::accuracy::subject::Stages;
-use crate::plot::{
-    self, Axis, Bar, Chart, Course, Draw, Guide, Scale, Segment, Series, StackedBars,
-};
+use crate::plot::{self, Axis, Chart, Draw, Guide, Scale, Series};
 
 /// The charts of a family, each with its file name.
 pub(super) fn of(family: &Family<Point>, scene: &SceneFindings) -> Vec<(String, Chart)> {
@@ -38,9 +36,10 @@ fn against_samples(family: &Family<Point>, scene: &SceneFindings) -> Chart {
     let mut guides = Vec::new();
     let first = family.series.first().and_then(|line| line.points.first());
     if let Some(first) = first.filter(|_| family.series.iter().any(|line| line.slope.is_some())) {
-        let through = [first.x, first.rmse.value];
+        let last = family.points().map(|p| p.x).fold(first.x, f64::max);
+        let lowest = family.points().map(|p| p.rmse.value).fold(first.rmse.value, f64::min);
         for (name, slope) in [("\u{2212}1/2", -0.5), ("\u{2212}3/4", -0.75), ("\u{2212}1", -1.0)] {
-            guides.push(Guide { name: name.to_owned(), course: Course::Power { slope, through } });
+            guides.push(Guide::power(name, slope, [first.x, first.rmse.value], [last, lowest]));
         }
     }
     let floor = scene.floor(family.target);
@@ -98,24 +97,20 @@ fn mark(p: &Point, x: f64) -> plot::Point {
 }
 
 /// Seconds by precision, effect and pass, with the time before the first ray.
-pub(super) fn time(scene: &SceneFindings) -> StackedBars {
-    let segment = |stage: &str, seconds| Segment { stage: stage.to_owned(), seconds };
-    let effect = |precision: &str, part: &PartFindings| Bar {
-        name: format!("{precision}, {}", part.effect),
-        segments: part.passes.iter().map(|(pass, seconds)| segment(pass, *seconds)).collect(),
-    };
+pub(super) fn time(scene: &SceneFindings) -> Chart {
     let mut bars = Vec::new();
     for LayersFindings { precision, before: Stages { load, build }, parts } in &scene.layers {
-        let segments = vec![segment("load", *load), segment("build", *build)];
-        bars.push(Bar { name: format!("{precision}, before"), segments });
-        bars.extend(parts.iter().map(|part| effect(precision, part)));
+        let stages = vec![("load".to_owned(), *load), ("build".to_owned(), *build)];
+        bars.push((format!("{precision}, before"), stages));
+        let bar =
+            |part: &PartFindings| (format!("{precision}, {}", part.effect), part.passes.clone());
+        bars.extend(parts.iter().map(bar));
     }
-    StackedBars {
-        title: format!("{}: time by precision, effect and pass", scene.scene.scene),
-        bars,
-        caption: "With the scene's own samples. Each effect shows the time that it adds to the effects above it; \
-                  `camera rays` is one ray through the centre of each pixel, without lights. Passes are summed over \
-                  threads; loading and building are wall-clock times."
-            .to_owned(),
-    }
+    Chart::bars(
+        format!("{}: time by precision, effect and pass", scene.scene.scene),
+        "With the scene's own samples. Each effect shows the time that it adds to the effects above it; `camera rays` is \
+         one ray through the centre of each pixel, without lights. Passes are summed over threads; loading and building \
+         are wall-clock times.",
+        &bars,
+    )
 }

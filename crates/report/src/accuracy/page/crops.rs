@@ -57,7 +57,7 @@ pub(super) fn rows(
     let picture = |caption: &str, film: &Film| {
         let alt = format!("Rendered image: {caption}");
         let png = png(&film.part(window)?, Transfer::Linear)?;
-        Ok(Picture { png, alt, caption: caption.to_owned(), pixels: true })
+        Ok(Picture { png, alt, caption: caption.to_owned() })
     };
     let mut blocks = Vec::new();
     for (words, row) in ABOVE.into_iter().zip([answers, random]).filter(|(_, row)| !row.is_empty())

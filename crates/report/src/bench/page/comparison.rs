@@ -7,7 +7,7 @@ use crate::bench::ratio::Ratio;
 use crate::bench::variant::Axis as Compared;
 use crate::page::{Block, Cell, Column, Table};
 use crate::plot::number::time_unit;
-use crate::plot::{Axis, Bar, Chart, Draw, Guide, Point, Scale, Segment, Series, StackedBars};
+use crate::plot::{Axis, Chart, Draw, Guide, Point, Scale, Series};
 use crate::statistics::Rays;
 use wavecrest_core::render::TracerKind;
 
@@ -30,7 +30,7 @@ pub(super) fn comparison(found: &Comparison, rays: &Rays, machine: &Machine) -> 
     let [title, over] = words(found.of);
     let mut blocks = vec![Block::Heading(title.to_owned())];
     if let Some(different) = &found.difference {
-        let text = different.difference.words(&different.label, &different.first);
+        let text = different.difference.words(&different.label, &different.over);
         blocks.push(Block::Warning(text));
         return blocks;
     }
@@ -45,9 +45,12 @@ pub(super) fn comparison(found: &Comparison, rays: &Rays, machine: &Machine) -> 
     let caption = format!("Speed over that of {over}. {note}");
     let (axis, points) = speeds_of(found);
     let chart = speeds(title, &caption, axis, points);
-    blocks.extend([Block::Chart(chart), Block::Table(times(found, over, &note)), passes(found)]);
+    blocks.extend([
+        Block::Chart(chart),
+        Block::Table(times(found, over, &note)),
+        passes(found, title),
+    ]);
     blocks.push(Block::Table(work(found, rays, machine)));
-    blocks.extend(hardware(found, rays).map(Block::Table));
     blocks
 }
 
@@ -111,12 +114,12 @@ fn times(found: &Comparison, over: &str, note: &str) -> Table {
 }
 
 /// Time by pass. A recursive tracer without a clock has no passes.
-fn passes(found: &Comparison) -> Block {
+fn passes(found: &Comparison, title: &str) -> Block {
     let is_timed =
         |v: &&VariantBench| v.variant.time_passes || v.variant.tracer == TracerKind::Wavefront;
     let bar = |v: &VariantBench| {
-        let segment = |(stage, seconds): (&str, f64)| Segment { stage: stage.to_owned(), seconds };
-        Bar { name: v.label.clone(), segments: v.pass_seconds().map(segment).collect() }
+        let stages = v.pass_seconds().map(|(stage, seconds)| (stage.to_owned(), seconds));
+        (v.label.clone(), stages.collect())
     };
     let cost = found.variants.iter().find(|v| v.variant.time_passes).map(|v| {
         let times = 1.0 / v.ratio.interval.median;
@@ -126,8 +129,8 @@ fn passes(found: &Comparison) -> Block {
         )
     });
     let caption = format!("Medians of the runs, summed over threads.{}", cost.unwrap_or_default());
-    let bars = found.variants.iter().filter(is_timed).map(bar).collect();
-    Block::Bars(StackedBars { title: "Time by pass".to_owned(), bars, caption })
+    let bars: Vec<_> = found.variants.iter().filter(is_timed).map(bar).collect();
+    Block::Chart(Chart::bars(format!("{title}: time by pass"), caption, &bars))
 }
 
 /// Tests and rays per second, rays that are traced together, and the memory of a batch.
@@ -141,18 +144,16 @@ fn work(found: &Comparison, rays: &Rays, machine: &Machine) -> Table {
         _ => "Work, rates and ray state, as above.",
     };
     let kinds = [("primary", rays.primary), ("secondary", rays.secondary), ("shadow", rays.shadow)];
-    let kinds: Vec<&str> = kinds.iter().filter(|(_, n)| *n > 0).map(|(name, _)| *name).collect();
-    let names = [&["nodes", "prims"][..], &kinds, &["a node", "flight", "batch", "in"]].concat();
+    let kinds: Vec<(&str, u64)> = kinds.into_iter().filter(|(_, rays)| *rays > 0).collect();
+    let named: Vec<&str> = kinds.iter().map(|(name, _)| *name).collect();
+    let names = [&["nodes", "prims"][..], &named, &["a node", "flight", "batch", "in"]].concat();
     table(found, caption, &names, |v| {
         let closest = &v.kernels.closest;
-        let rate = |kind: &&str| match *kind {
-            "primary" => v.rays_s.primary,
-            "secondary" => v.rays_s.secondary,
-            _ => v.rays_s.shadow,
-        };
-        let tests = [v.tests_per_ray.nodes, v.tests_per_ray.primitives];
+        let per_ray = |tests: u64| tests as f64 / rays.all().max(1) as f64;
+        let tests = [v.tests.nodes, v.tests.primitives.all()].map(per_ray);
         let mut cells = tests.map(|tests| Cell::decimals(tests, 2)).to_vec();
-        cells.extend(kinds.iter().map(|kind| Cell::decimals(rate(kind) / 1e6, 3)));
+        let rate = |rays: u64| rays as f64 / v.seconds.median / 1e6;
+        cells.extend(kinds.iter().map(|(_, rays)| Cell::decimals(rate(*rays), 3)));
         cells.extend([closest.rays_a_node, closest.rays_a_round].map(|rays| optional(rays, 1)));
         let state = v.batch_bytes;
         let held = machine.holds(state, v.variant.threads).filter(|_| state > 0);
@@ -160,18 +161,6 @@ fn work(found: &Comparison, rays: &Rays, machine: &Machine) -> Table {
         cells.push(Cell::text(held.unwrap_or_default()));
         cells
     })
-}
-
-/// Hardware counters for each ray, if available.
-fn hardware(found: &Comparison, rays: &Rays) -> Option<Table> {
-    let names: Vec<String> = found.variants.first()?.hardware.as_ref()?.keys().cloned().collect();
-    let rays = rays.all().max(1) as f64;
-    let words: Vec<String> = names.iter().map(|name| name.replace('_', " ")).collect();
-    let words: Vec<&str> = words.iter().map(String::as_str).collect();
-    Some(table(found, "Hardware counters, for each ray.", &words, |v| {
-        let count = |name: &String| v.hardware.as_ref()?.get(name)?.as_f64();
-        names.iter().map(|name| optional(count(name).map(|count| count / rays), 3)).collect()
-    }))
 }
 
 /// A table with a row for each variant; cells beyond the columns are left out.

@@ -1,0 +1,338 @@
+//! An axis: its range of values, its pixels, and ticks at round numbers.
+//!
+//! A linear axis has steps of 1, 2 or 5 times a power of ten. A logarithmic axis has the powers of
+//! ten, with their multiples as minor ticks, or steps within a decade if it spans fewer than two of
+//! them. Positions on a logarithmic axis are exponents of ten, from `libm`: the same on every
+//! machine.
+
+use super::number::figure;
+use super::{Axis, Scale};
+
+/// Margin beyond the outermost values, as a share of their span.
+const MARGIN: f64 = 0.04;
+
+/// Linear values that span less than this share of their size are shown as if they spanned more:
+/// numbers of four digits could not tell closer ticks apart.
+const NARROWEST_SPAN: f64 = 0.01;
+
+/// Linear values up to this size are shown as 0: smaller numbers have fewer digits.
+const SHOWN_AS_ZERO: f64 = 1e-300;
+
+/// Positions on a logarithmic axis that span less than this are shown within a decade.
+const NARROWEST_DECADES: f64 = 0.02;
+
+/// Smallest number of labels: an axis with one number has no scale.
+const FEWEST_LABELS: usize = 2;
+
+/// A tick.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Tick {
+    /// Its position: a value, or its decimal logarithm on a logarithmic axis.
+    pub at: f64,
+    /// Its label; empty for a minor tick.
+    pub label: String,
+}
+
+/// Maps values to positions, and positions to pixels. A position is the value, its decimal
+/// logarithm on a logarithmic axis, or the row of its name, counted downward.
+#[derive(Clone, Debug)]
+pub(super) struct Place<'a> {
+    pub axis: &'a Axis,
+    low: f64,
+    high: f64,
+    pub ticks: Vec<Tick>,
+    /// The pixels of the two ends.
+    pub pixels: [f64; 2],
+}
+
+impl<'a> Place<'a> {
+    /// A range for all of `values` that can be shown.
+    pub(super) fn new(axis: &'a Axis, values: impl Iterator<Item = f64>) -> Self {
+        let scale = &axis.scale;
+        let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+        for position in values.filter_map(|value| position(scale, value)) {
+            (low, high) = (low.min(position), high.max(position));
+        }
+        let (low, high) = match scale {
+            Scale::Names(names) => (0.5 - names.len().max(1) as f64, 0.5),
+            _ if low > high => (0.0, 1.0),
+            Scale::Log => {
+                let span = high - low;
+                let margin = if span < NARROWEST_DECADES { 0.5 } else { span * MARGIN };
+                (low - margin, high + margin)
+            }
+            Scale::Linear => linear_range(low, high),
+        };
+        Self { axis, low, high, ticks: Vec::new(), pixels: [0.0; 2] }
+    }
+
+    /// The pixel of a value; `None` if the axis cannot show it.
+    pub(super) fn pixel(&self, value: f64) -> Option<f64> {
+        Some(self.pixel_of(position(&self.axis.scale, value)?))
+    }
+
+    /// The pixel of an end of an interval: the end of the axis if it is infinite or cannot be
+    /// shown.
+    pub(super) fn pixel_of_end(&self, value: f64) -> Option<f64> {
+        match value {
+            _ if value.is_nan() => None,
+            f64::INFINITY => Some(self.pixels[1]),
+            _ => Some(self.pixel(value).unwrap_or(self.pixels[0])),
+        }
+    }
+
+    /// The pixel of a position.
+    pub(super) fn pixel_of(&self, position: f64) -> f64 {
+        // Halved, as the span of the largest numbers would overflow.
+        let share = (position / 2.0 - self.low / 2.0) / (self.high / 2.0 - self.low / 2.0);
+        let [from, to] = self.pixels;
+        from + (to - from) * share
+    }
+
+    /// The ticks with labels.
+    pub(super) fn labelled(&self) -> impl Iterator<Item = &Tick> {
+        self.ticks.iter().filter(|tick| !tick.label.is_empty())
+    }
+
+    /// Chooses ticks with at most `most` labels; three if two are impossible.
+    pub(super) fn mark(&mut self, most: usize) {
+        let most = most.max(FEWEST_LABELS);
+        self.ticks = match &self.axis.scale {
+            Scale::Log => logarithmic(self.low, self.high, most),
+            Scale::Linear => linear(self.low, self.high, most),
+            Scale::Names(names) => {
+                let tick =
+                    |(n, name): (usize, &String)| Tick { at: -(n as f64), label: name.clone() };
+                names.iter().enumerate().map(tick).collect()
+            }
+        };
+    }
+}
+
+/// The position of a value on this scale, if any.
+fn position(scale: &Scale, value: f64) -> Option<f64> {
+    match scale {
+        Scale::Log => (value > 0.0 && value.is_finite()).then(|| libm::log10(value)),
+        Scale::Linear => value.is_finite().then_some(value),
+        Scale::Names(names) => {
+            (0..names.len()).contains(&(value as usize)).then_some(-value).filter(|_| value >= 0.0)
+        }
+    }
+}
+
+/// The ends of a linear axis for values from `low` to `high`. Nothing is below values that begin at
+/// 0.
+fn linear_range(low: f64, high: f64) -> (f64, f64) {
+    let (half, size) = (high / 2.0 - low / 2.0, low.abs().max(high.abs()));
+    let margin = match half {
+        _ if size <= SHOWN_AS_ZERO => 1.0,
+        _ if half < NARROWEST_SPAN / 2.0 * size => 0.1 * size,
+        half => 2.0 * MARGIN * half,
+    };
+    let low = if low == 0.0 && high > 0.0 { low } else { low - margin };
+    (low.max(-f64::MAX), (high + margin).min(f64::MAX))
+}
+
+/// The ticks from `low` to `high`, in this order.
+fn linear(low: f64, high: f64, most: usize) -> Vec<Tick> {
+    // From steps that are too small to the first that is not: there are three in a decade.
+    let start = libm::floor(libm::log10((high / 2.0 - low / 2.0) / most as f64)) as i32;
+    let steps = (start..start + 4).flat_map(|exponent| [1, 2, 5].map(|digit| (digit, exponent)));
+    let mut ticks = Vec::new();
+    for (digit, exponent) in steps {
+        let step = times_ten_to(digit, exponent);
+        let (first, last) = (libm::ceil(low / step) as i64, libm::floor(high / step) as i64);
+        if (last - first) < FEWEST_LABELS as i64 - 1 {
+            break;
+        }
+        let multiples = (first..=last).map(|n| times_ten_to(n * digit, exponent));
+        ticks = multiples.map(|at| Tick { at, label: figure(at) }).collect();
+        if ticks.len() <= most {
+            break;
+        }
+    }
+    ticks
+}
+
+/// `n` times ten to the `exponent`, rounded once: 3 times 0.1 is 0.3.
+fn times_ten_to(n: i64, exponent: i32) -> f64 {
+    format!("{n}e{exponent}").parse().unwrap_or(0.0)
+}
+
+/// The ticks from ten to the `low` to ten to the `high`.
+fn logarithmic(low: f64, high: f64, most: usize) -> Vec<Tick> {
+    const DIGITS: [i64; 9] = [1, 2, 3, 4, 5, 6, 7, 8, 9];
+    let first = libm::ceil(low) as i32;
+    let decades = (libm::floor(high) as i32 - first + 1).max(0) as usize;
+    let step = decades.div_ceil(most).max(1) as i32;
+    let digits = if step > 1 { &DIGITS[..1] } else { &DIGITS };
+    let choices: &[&[i64]] = match decades {
+        ..FEWEST_LABELS => &[&DIGITS, &[1, 2, 5], &[1, 3], &[1, 5]],
+        _ => &[&[1]],
+    };
+    let powers = || libm::floor(low) as i32..=libm::floor(high) as i32;
+    for labelled in choices {
+        let tick = |k: i32, digit: i64| {
+            let is_labelled = labelled.contains(&digit) && (k - first) % step == 0;
+            let label = if is_labelled { figure(times_ten_to(digit, k)) } else { String::new() };
+            Tick { at: f64::from(k) + libm::log10(digit as f64), label }
+        };
+        let all = powers().flat_map(|k| digits.iter().map(move |digit| (k, *digit)));
+        let all = all.map(|(k, digit)| tick(k, digit));
+        let ticks: Vec<Tick> = all.filter(|tick| (low..=high).contains(&tick.at)).collect();
+        let labels = ticks.iter().filter(|tick| !tick.label.is_empty()).count();
+        if (FEWEST_LABELS..=most).contains(&labels) {
+            return ticks;
+        }
+    }
+    // Too narrow for whole digits: round numbers as on a linear axis.
+    let mut ticks = linear(libm::exp10(low), libm::exp10(high), most);
+    ticks.iter_mut().for_each(|tick| tick.at = libm::log10(tick.at));
+    ticks
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn ends(scale: Scale, values: &[f64]) -> [f64; 2] {
+        let axis = Axis::new("", "", scale);
+        let place = Place::new(&axis, values.iter().copied());
+        [place.low, place.high]
+    }
+
+    fn labels(ticks: &[Tick]) -> String {
+        let labels = ticks.iter().filter(|tick| !tick.label.is_empty());
+        labels.map(|tick| tick.label.as_str()).collect::<Vec<_>>().join(" ")
+    }
+
+    #[test]
+    fn every_value_lies_between_ends_that_are_apart() {
+        for values in [
+            &[][..],
+            &[0.0],
+            &[7.0],
+            &[-7.0],
+            &[1.25, 1.25 + f64::EPSILON],
+            &[0.0, 1.0],
+            &[-f64::MAX, f64::MAX],
+            &[5e-324],
+            &[1e300, f64::NAN, 1e-300, f64::INFINITY],
+        ] {
+            for scale in [Scale::Linear, Scale::Log] {
+                let axis = Axis::new("", "", scale);
+                let mut place = Place::new(&axis, values.iter().copied());
+                let (low, high) = (place.low, place.high);
+                assert!(low < high && low.is_finite() && high.is_finite(), "{axis:?} {values:?}");
+                place.pixels = [9.0, 50.0];
+                for at in values.iter().filter_map(|value| place.pixel(*value)) {
+                    assert!((9.0..=50.0).contains(&at), "{axis:?} {values:?}: {at}");
+                }
+                assert_eq!((place.pixel_of(low), place.pixel_of(high)), (9.0, 50.0));
+            }
+        }
+    }
+
+    #[test]
+    fn values_from_0_begin_there() {
+        assert_eq!(ends(Scale::Linear, &[0.0, 3.0, 4.0])[0], 0.0);
+        assert!(ends(Scale::Linear, &[3.0, 4.0])[0] > 2.0);
+        assert!(ends(Scale::Linear, &[-3.0, 0.0])[0] < -3.0);
+    }
+
+    #[test]
+    fn a_logarithmic_axis_has_no_place_for_zero() {
+        let values = [0.0, -1.0, 10.0, 1000.0];
+        assert_eq!(ends(Scale::Log, &values), [1.0 - 0.08, 3.0 + 0.08]);
+        assert_eq!([0.0, -1.0, f64::NAN].map(|value| position(&Scale::Log, value)), [None; 3]);
+        assert_eq!(position(&Scale::Log, 100.0), Some(2.0));
+    }
+
+    #[test]
+    fn ends_of_intervals_are_on_the_axis() {
+        let axis = Axis::new("", "", Scale::Log);
+        let mut place = Place::new(&axis, [1.0, 10.0].into_iter());
+        place.pixels = [100.0, 0.0];
+        let found = [0.0, f64::INFINITY, f64::NEG_INFINITY, f64::NAN];
+        let found = found.map(|value| place.pixel_of_end(value));
+        assert_eq!(found, [Some(100.0), Some(0.0), Some(100.0), None]);
+    }
+
+    #[test]
+    fn names_run_downward() {
+        let axis = Axis::new("", "", Scale::Names(vec!["a".to_owned(), "b".to_owned()]));
+        let mut place = Place::new(&axis, std::iter::empty());
+        place.mark(1);
+        assert_eq!(labels(&place.ticks), "a b");
+        place.pixels = [100.0, 0.0];
+        assert_eq!([0.0, 1.0].map(|value| place.pixel(value)), [Some(25.0), Some(75.0)]);
+        assert_eq!([2.0, -1.0, f64::NAN].map(|value| place.pixel(value)), [None; 3]);
+    }
+
+    #[test]
+    fn linear_axes_have_round_numbers() {
+        for (low, high, most, expected) in [
+            (0.0, 1.0, 6, "0 0.2 0.4 0.6 0.8 1"),
+            (0.0, 10.0, 6, "0 2 4 6 8 10"),
+            (-1.0, 1.0, 5, "−1 −0.5 0 0.5 1"),
+            (0.97, 1.32, 4, "1 1.1 1.2 1.3"),
+            (0.0, 2.5e-6, 3, "0 10⁻⁶ 2×10⁻⁶"),
+            (0.0, 60_000.0, 4, "0 20\u{202f}000 40\u{202f}000 60\u{202f}000"),
+        ] {
+            assert_eq!(labels(&linear(low, high, most)), expected, "{low} {high}");
+        }
+        assert_eq!(linear(0.0, 1.0, 6)[3].at, 0.6, "not 3 times 0.2 rounded");
+    }
+
+    #[test]
+    fn logarithmic_axes_have_powers_of_ten() {
+        let ticks = logarithmic(0.0, 2.0, 6);
+        assert_eq!(labels(&ticks), "1 10 100");
+        assert_eq!((ticks.len(), ticks[1].at), (19, libm::log10(2.0)));
+        assert_eq!(labels(&logarithmic(-3.2, 1.1, 9)), "0.001 0.01 0.1 1 10");
+        assert_eq!(labels(&logarithmic(-4.0, -1.0, 9)), "10⁻⁴ 0.001 0.01 0.1");
+        let many = labels(&logarithmic(-300.0, -100.0, 7));
+        assert_eq!(many, "10⁻³⁰⁰ 10⁻²⁷¹ 10⁻²⁴² 10⁻²¹³ 10⁻¹⁸⁴ 10⁻¹⁵⁵ 10⁻¹²⁶");
+        assert_eq!(labels(&logarithmic(0.1, 0.9, 6)), "2 3 4 5 6 7");
+        assert_eq!(labels(&logarithmic(0.1, 1.2, 4)), "2 5 10");
+        let narrow = logarithmic(libm::log10(1.02), libm::log10(1.09), 4);
+        assert_eq!(labels(&narrow), "1.02 1.04 1.06 1.08");
+        assert_eq!(narrow[1].at, libm::log10(1.04));
+    }
+
+    /// Whatever the values: labels lie between the ends, in order, distinct, and at most as many as
+    /// requested.
+    #[test]
+    fn any_range_has_few_marks_in_order() {
+        let ends = [-1e306, -3.3e5, -1.0, -1e-7, 0.0, 4.9e-299, 2.2e-9, 0.1, 1.0, 7.7, 1e15, 1e306];
+        for (index, &low) in ends.iter().enumerate() {
+            for &high in &ends[index..] {
+                for scale in [Scale::Linear, Scale::Log] {
+                    for most in [1, 2, 3, 5, 9] {
+                        check(&Axis::new("", "", scale.clone()), low, high, most);
+                    }
+                }
+            }
+        }
+        for close in [1.0 + f64::EPSILON, 1.0001, 1.003, 1.01, 1.02] {
+            for size in [1.0, 3.7, 99.9, 1e-5] {
+                check(&Axis::new("", "", Scale::Linear), size, size * close, 12);
+            }
+        }
+    }
+
+    #[track_caller]
+    fn check(axis: &Axis, low: f64, high: f64, most: usize) {
+        let mut place = Place::new(axis, [low, high].into_iter());
+        place.mark(most);
+        let at: Vec<f64> = place.labelled().map(|tick| tick.at).collect();
+        let what = format!("{axis:?} {low:e} {high:e} {most}: {}", labels(&place.ticks));
+        assert!((2..=most.max(3)).contains(&at.len()), "{what}");
+        let ends = place.low - 1e-9..=place.high + 1e-9;
+        assert!(at.iter().all(|x| ends.contains(x)), "{what}");
+        assert!(at.is_sorted_by(|a, b| a < b), "{what}");
+        let mut names: Vec<_> = place.labelled().map(|tick| &tick.label).collect();
+        names.dedup();
+        assert_eq!(names.len(), at.len(), "{what}");
+    }
+}
