@@ -9,7 +9,7 @@ use wavecrest_base::error::Result;
 use wavecrest_report::accuracy::answer::ERRORS;
 use wavecrest_report::accuracy::pilot;
 use wavecrest_report::accuracy::store::{Circumstances, Header, Record, Store};
-use wavecrest_report::accuracy::sweep::{self, Options, Progress};
+use wavecrest_report::accuracy::sweep::{self, Progress};
 use wavecrest_report::accuracy::{Findings, page};
 use wavecrest_report::regression::Regression;
 use wavecrest_report::text::text;
@@ -142,18 +142,19 @@ const EXTENTS: [[u32; 3]; 2] = [[8, 256, 1024], [16, 2025, 5041]];
 
 fn run_sweep(args: &AccuracyArgs, folder: &Path) -> Result<()> {
     let [seeds, most, reference] = EXTENTS[usize::from(args.full)];
-    let options = Options {
+    let seeds = args.seeds.unwrap_or(seeds);
+    let header = Header {
+        version: env!("CARGO_PKG_VERSION").to_owned(),
         longest: args.side_pixels,
-        seeds: args.seeds.unwrap_or(seeds),
         most: args.most.unwrap_or(most),
         least: args.reference.unwrap_or(reference),
     };
-    let mut store = Store::open(folder, &Header::new(&options))?;
+    let mut store = Store::open(folder, &header)?;
     store.add(Record::Circumstances(Circumstances::here()))?;
     let shown = Shown(progress_bar(args.quiet, PROGRESS));
-    let mut swept = sweep::run(&args.scenes, &options, &mut store, &shown)?;
+    let mut swept = sweep::run(&args.scenes, seeds, &mut store, &shown)?;
     shown.0.finish_and_clear();
-    let findings = Findings::new(&options, &store, &swept, &args.errors);
+    let findings = Findings::new(seeds, &store, &swept, &args.errors);
     findings.write(folder)?;
     page::write(&findings, &mut swept, folder)?;
     if !args.quiet {

@@ -3,6 +3,8 @@
 
 use std::time::Instant;
 
+use serde_json::{Value, json};
+
 use super::args::RenderArgs;
 use super::parts::trace as trace_once;
 use super::show::Seen;
@@ -17,13 +19,12 @@ use wavecrest_report::accuracy::pilot::{
     Choice, MOST_SIDE, Measured, Pilot, error, is_sampled, leaves_out_aliasing, measured_share,
 };
 use wavecrest_report::plot::number::figure;
-use wavecrest_report::statistics::Goal;
 
 /// A render with its preset and its choice of samples.
 pub(super) struct Traced {
     pub(super) rendered: Rendered,
     pub(super) preset: Preset,
-    pub(super) goal: Option<Goal>,
+    pub(super) goal: Option<Value>,
     /// The share of it that a checkpoint held, from 0 to 1.
     pub(super) resumed: f64,
 }
@@ -209,13 +210,14 @@ fn unreached(asked: f64, choice: &Choice) -> Error {
     Error::new(ErrorKind::Usage, message).remedy(remedy)
 }
 
-fn goal(asked: String, choice: &Choice, found: Option<Measured>, renders: u32) -> Goal {
-    Goal {
-        asked,
-        samples: choice.to_string(),
-        expected_error: choice.error,
-        expected_seconds: choice.seconds,
-        found_error: found.map(|found| found.error),
-        renders,
-    }
+/// The goal and its outcome, for the statistics.
+fn goal(asked: String, choice: &Choice, found: Option<Measured>, renders: u32) -> Value {
+    json!({
+        "asked": asked,
+        "samples": choice.to_string(),
+        "expected_error": choice.error,
+        "expected_seconds": choice.seconds,
+        "found_error": found.map(|found| found.error),
+        "renders": renders,
+    })
 }

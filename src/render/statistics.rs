@@ -2,15 +2,17 @@
 
 use std::path::Path;
 
+use serde_json::{Value, json};
+
 use super::args::RenderArgs;
 use super::goal::Traced;
 use crate::common::{to_json, write_text};
 use wavecrest_base::error::Result;
 use wavecrest_core::prepared::PreparedScene;
 use wavecrest_core::probe::Invalid;
-use wavecrest_core::render::{Rendered, TracerKind};
+use wavecrest_core::render::TracerKind;
 use wavecrest_report::estimate::Estimated;
-use wavecrest_report::statistics::{Bvh, Columns, ImageSize, Memory, Statistics, Time};
+use wavecrest_report::statistics::{Bvh, KernelUse, Memory, Rays, Samples, Tests, Textures, Time};
 use wavecrest_scene::memory::{self, Estimate};
 
 /// A finished render.
@@ -33,53 +35,49 @@ pub(super) fn write(file: &Path, args: &RenderArgs, finished: Finished<'_>) -> R
     write_text(file, &to_json(&of(args, finished))?)
 }
 
-fn of(args: &RenderArgs, finished: Finished<'_>) -> Statistics {
+/// The statistics: [`wavecrest_report::statistics`] says what each key means.
+fn of(args: &RenderArgs, finished: Finished<'_>) -> Value {
     let Finished { scene, traced, invalid, time, estimated, predicted } = finished;
     let Traced { rendered, preset, goal, resumed } = traced;
     let counters = &rendered.counters;
-    Statistics {
-        version: env!("CARGO_PKG_VERSION"),
-        scene: args.scene.display().to_string(),
-        tracer: args.tracer,
-        threads: rayon::current_num_threads(),
-        seed: args.seed,
-        simd: args.search.simd,
-        kernel: args.search.kernel,
-        precision: args.scene_options.precision,
-        image: image(scene, &rendered),
-        rays: counters.into(),
-        samples: counters.into(),
-        textures: (&scene.appearance).into(),
-        estimated: Estimated::of(scene, rendered.film.pixels().len() as u64),
-        tests: counters.into(),
-        kernels: counters.into(),
-        dropped: scene.dropped,
-        invalid: counters.invalid,
-        first_invalid: invalid,
-        lights_at_surface: counters.lights_at_surface,
-        time,
-        memory: Memory {
+    let film = &rendered.film;
+    let has_columns = args.tracer == TracerKind::Wavefront;
+    json!({
+        "version": env!("CARGO_PKG_VERSION"),
+        "scene": args.scene.display().to_string(),
+        "tracer": args.tracer,
+        "threads": rayon::current_num_threads(),
+        "seed": args.seed,
+        "simd": args.search.simd,
+        "kernel": args.search.kernel,
+        "precision": args.scene_options.precision,
+        "image": {
+            "width": film.width(),
+            "height": film.height(),
+            "samples_per_pixel": scene.camera.rays_per_pixel(),
+        },
+        "rays": Rays::from(counters),
+        "samples": Samples::from(counters),
+        "textures": Textures::from(&scene.appearance),
+        "estimated": Estimated::of(scene, film.pixels().len() as u64),
+        "tests": Tests::from(counters),
+        "kernels": KernelUse::from(counters),
+        "dropped": scene.dropped,
+        "invalid": counters.invalid,
+        "first_invalid": invalid,
+        "lights_at_surface": counters.lights_at_surface,
+        "time": time,
+        "memory": Memory {
             predicted: estimated.map_or(0, |estimated| estimated.total()),
             peak: memory::peak(),
         },
-        columns: columns(args, &predicted, &rendered),
-        bvh: Bvh::of(&scene.accel, preset),
-        goal,
-        resumed,
-        plan: scene.plan.clone(),
-    }
-}
-
-fn image(scene: &PreparedScene, rendered: &Rendered) -> ImageSize {
-    ImageSize {
-        width: rendered.film.width(),
-        height: rendered.film.height(),
-        samples_per_pixel: scene.camera.rays_per_pixel(),
-    }
-}
-
-fn columns(args: &RenderArgs, predicted: &Estimate, rendered: &Rendered) -> Columns {
-    let has_columns = args.tracer == TracerKind::Wavefront;
-    let estimated = if has_columns { predicted.batches } else { 0 };
-    Columns { estimated, held: rendered.columns }
+        "columns": {
+            "estimated": if has_columns { predicted.batches } else { 0 },
+            "held": rendered.columns,
+        },
+        "bvh": Bvh::of(&scene.accel, preset),
+        "goal": goal,
+        "resumed": resumed,
+        "plan": scene.plan,
+    })
 }

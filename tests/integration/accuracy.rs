@@ -11,13 +11,13 @@ use wavecrest_core::prepared::{PreparedScene, Samples};
 use wavecrest_core::render::RenderOptions;
 use wavecrest_image::compare::compare;
 use wavecrest_report::accuracy::answer::ERRORS;
-use wavecrest_report::accuracy::findings::{FamilyFindings, PointFindings, SeriesFindings};
+use wavecrest_report::accuracy::findings::Point;
 use wavecrest_report::accuracy::pilot::target::reach;
 use wavecrest_report::accuracy::pilot::{Pilot, error};
-use wavecrest_report::accuracy::setting::{Facts, Setting, Structure};
+use wavecrest_report::accuracy::setting::{Facts, Family, Series, Setting, Structure};
 use wavecrest_report::accuracy::store::{FILE, Header, Record, Store};
 use wavecrest_report::accuracy::subject::Subject;
-use wavecrest_report::accuracy::sweep::{Options, Progress, run};
+use wavecrest_report::accuracy::sweep::{Progress, run};
 use wavecrest_report::accuracy::{Findings, page};
 use wavecrest_scene::systems::overrides::{Layer, Overrides};
 
@@ -35,16 +35,18 @@ impl Progress for Silent {
     fn step(&self, _: u64) {}
 }
 
-const OPTIONS: Options = Options { longest: 40, seeds: 4, most: 121, least: 2025 };
-
-fn findings(options: &Options, file: &Path, folder: &Path) -> Findings {
-    let mut store = Store::open(folder, &Header::new(options)).expect("a folder");
-    let swept = run(&[file.to_owned()], options, &mut store, &Silent).expect("a sweep");
-    Findings::new(options, &store, &swept, &ERRORS)
+fn header(longest: u32, most: u32, least: u32) -> Header {
+    Header { version: "1".to_owned(), longest, most, least }
 }
 
-fn family<'a>(findings: &'a Findings, name: &str) -> &'a FamilyFindings {
-    findings.scenes[0].families.iter().find(|f| f.name == name).expect("a family")
+fn findings(header: &Header, seeds: u32, file: &Path, folder: &Path) -> Findings {
+    let mut store = Store::open(folder, header).expect("a folder");
+    let swept = run(&[file.to_owned()], seeds, &mut store, &Silent).expect("a sweep");
+    Findings::new(seeds, &store, &swept, &ERRORS)
+}
+
+fn family<'a>(findings: &'a Findings, name: &str) -> &'a Family<Point> {
+    findings.scenes[0].family(name).expect("a family")
 }
 
 /// Independent points: the variance of their mean. Stratified points lose most of it but at edges, of which
@@ -52,7 +54,12 @@ fn family<'a>(findings: &'a Findings, name: &str) -> &'a FamilyFindings {
 #[test]
 fn errors_fall_as_theory_has_it() {
     let folder = folder();
-    let found = findings(&OPTIONS, &repository("scenes/testareajitter.json"), folder.path());
+    let found = findings(
+        &header(40, 121, 2025),
+        4,
+        &repository("scenes/testareajitter.json"),
+        folder.path(),
+    );
     let lights = family(&found, "lights");
     let slope = |sampling: Sampling| {
         let series = lights.series.iter().find(|s| s.name == sampling.name()).expect("a series");
@@ -76,7 +83,7 @@ fn answers_are_the_fastest_settings(found: &Findings) {
         let reached = measured().filter(|(_, p)| p.rmse.value <= at.error);
         let fastest = reached.map(|(_, p)| p.seconds.median).min_by(f64::total_cmp);
         assert!(fastest.is_some() && at.tracing == fastest, "{at:?}");
-        let is_own = |(series, p): &(&SeriesFindings, &PointFindings)| {
+        let is_own = |(series, p): &(&Series<Point>, &Point)| {
             at.sampler.as_ref() == Some(&series.name) && at.points == Some(p.x as u64)
         };
         let (_, own) = measured().find(is_own).expect("a measured setting");
@@ -87,17 +94,17 @@ fn answers_are_the_fastest_settings(found: &Findings) {
 #[test]
 fn a_sweep_resumes_where_it_stopped() {
     let (folder, file) = (folder(), repository("scenes/hard/edge-on-light.json"));
-    let options = Options { longest: 8, seeds: 2, most: 4, least: 16 };
-    let first = findings(&options, &file, folder.path());
+    let header = header(8, 4, 16);
+    let first = findings(&header, 2, &file, folder.path());
     let path = folder.path().join(FILE);
     let whole = std::fs::read_to_string(&path).expect("records");
     // Again: nothing is left to do.
-    findings(&options, &file, folder.path());
+    findings(&header, 2, &file, folder.path());
     assert_eq!(std::fs::read_to_string(&path).expect("records"), whole);
     // Cut in the middle of a line: what is missing is made again, and says the same but for its times.
     let cut = whole.len() * 2 / 3;
     std::fs::write(&path, &whole[..cut]).expect("a file");
-    let again = findings(&options, &file, folder.path());
+    let again = findings(&header, 2, &file, folder.path());
     let errors = |found: &Findings| -> Vec<(String, f64)> {
         let series = found.scenes[0].families.iter().flat_map(|family| &family.series);
         series.flat_map(|s| &s.points).map(|p| (p.key.clone(), p.mse)).collect()
@@ -124,8 +131,7 @@ fn a_sweep_resumes_where_it_stopped() {
 fn a_wrong_sampler_fails_the_comparison_of_two_sweeps() {
     let (folder, file) = (folder(), repository("scenes/testareajitter.json"));
     let [before, after] = ["before", "after"].map(|name| folder.path().join(name));
-    let options = Options { longest: 24, seeds: 8, most: 64, least: 1024 };
-    findings(&options, &file, &before);
+    findings(&header(24, 64, 1024), 8, &file, &before);
     std::fs::create_dir(&after).expect("a folder");
     for entry in std::fs::read_dir(&before).expect("a folder") {
         let path = entry.expect("an entry").path();
@@ -203,7 +209,7 @@ fn a_layer_that_is_taken_away_leaves_the_others() {
     let all = scene(1, &camera, &lights, &[ball, wall(5.0, -1.5, matte(0.8, [0.3, 0.5, 0.9]))]);
     std::fs::write(&file, all.to_string()).expect("a file");
     let mut subject = Subject::open(&file, 40).expect("a scene");
-    let pixels = subject.size().map(u64::from).iter().product::<u64>();
+    let pixels = subject.pixels();
     let mut shadows = u64::MAX;
     for without in std::iter::once(None).chain(Layer::ALL.map(Some)) {
         let overrides = Overrides { without, ..Overrides::default() };
@@ -214,8 +220,7 @@ fn a_layer_that_is_taken_away_leaves_the_others() {
             assert_eq!(facts.has(layer), Some(layer) > without, "{layer} without {without:?}");
         }
         let setting = Setting { structure, ..Setting::default() };
-        let counters =
-            subject.render(&setting, &RenderOptions::default()).expect("a film").counters;
+        let counters = subject.render(&setting, 0).expect("a film").counters;
         let rays = match without {
             Some(Layer::Antialiasing) => 1,
             Some(Layer::Lens) => 4,
@@ -336,12 +341,12 @@ fn errors_are_reached(asked: f64, seeds: u64) {
 #[test]
 fn exactness_has_a_price_list() {
     let (folder, file) = (folder(), repository("scenes/TriMesh.json"));
-    let options = Options { longest: 16, seeds: 2, most: 1, least: 4 };
-    let mut store = Store::open(folder.path(), &Header::new(&options)).expect("a folder");
-    let mut swept = run(&[file], &options, &mut store, &Silent).expect("a sweep");
-    let found = Findings::new(&options, &store, &swept, &ERRORS);
+    let header = header(16, 1, 4);
+    let mut store = Store::open(folder.path(), &header).expect("a folder");
+    let mut swept = run(&[file], 2, &mut store, &Silent).expect("a sweep");
+    let found = Findings::new(2, &store, &swept, &ERRORS);
     let prices = found.scenes[0].steps.as_ref().expect("prices");
-    let rendered = swept[0].subject.render(&Setting::default(), &RenderOptions::default());
+    let rendered = swept[0].subject.render(&Setting::default(), 0);
     let counters = rendered.expect("a film").counters;
     assert_eq!(prices.rays, counters.primary_rays + counters.secondary_rays + counters.shadow_rays);
     assert_eq!(prices.steps.len(), Step::ALL.len());
@@ -371,6 +376,6 @@ fn exactness_has_a_price_list() {
     let light = point_light(20.0, [3.0, 2.0, 4.0], [1.0; 3]);
     let ball = scene(0, &pinhole([16, 12], 45.0, 6.0), &[light], &[ball]);
     std::fs::write(&file, ball.to_string()).expect("a file");
-    let found = findings(&options, &file, folder.path());
+    let found = findings(&header, 2, &file, folder.path());
     assert!(!found.scenes[0].steps.as_ref().expect("prices").has_any());
 }

@@ -7,7 +7,6 @@
 //! with intervals ([`fit`]), and [`page`] shows them.
 
 pub mod answer;
-pub mod crops;
 pub mod findings;
 pub mod fit;
 pub mod layers;
@@ -27,7 +26,6 @@ use serde::Serialize;
 
 use findings::SceneFindings;
 use store::{Circumstances, Header, Store, all};
-use sweep::Options;
 
 use crate::bench::Machine;
 use crate::files::{to_json, write_text};
@@ -47,14 +45,6 @@ pub struct Findings {
     pub scenes: Vec<SceneFindings>,
 }
 
-impl Header {
-    /// The header of a sweep by this program.
-    pub fn new(options: &Options) -> Self {
-        let &Options { longest, most, least, .. } = options;
-        Self { version: env!("CARGO_PKG_VERSION").to_owned(), longest, most, least }
-    }
-}
-
 impl Circumstances {
     /// The circumstances of this process.
     pub fn here() -> Self {
@@ -66,20 +56,15 @@ impl Circumstances {
 impl Findings {
     /// Summarises the records of the `swept` scenes in `store`, with the cost of each of the
     /// `errors`.
-    pub fn new(options: &Options, store: &Store, swept: &[sweep::Swept], errors: &[f64]) -> Self {
+    pub fn new(seeds: u32, store: &Store, swept: &[sweep::Swept], errors: &[f64]) -> Self {
         Self {
-            header: Header::new(options),
-            seeds: options.seeds,
+            header: store.header.clone(),
+            seeds,
             circumstances: all(&store.records).cloned().collect(),
-            scenes: swept
-                .iter()
-                .filter_map(|s| SceneFindings::of(s, &store.records, errors))
-                .collect(),
+            scenes: swept.iter().map(|s| SceneFindings::of(s, &store.records, errors)).collect(),
         }
     }
-}
 
-impl Findings {
     /// Writes them as `accuracy.json` into `folder`.
     ///
     /// # Errors

@@ -21,7 +21,7 @@
 //! | `.bytes_per_path` | bytes | in the columns of the wavefront |
 //! | `.wavefront`, `.recursive` | | the cost with this tracer: |
 //! | `.seconds` | seconds | of a run, as in [`super::bench`] |
-//! | `.seconds_per_mpixel`, `.seconds_per_mray` | seconds | the median for 10^6 pixels, and for 10^6 rays of any kind |
+//! | `.seconds_per_mray` | seconds | the median for 10^6 rays of any kind |
 //! | `.price` | | seconds over those of the scene that it was added to: median and interval, as in [`super::bench`]; `null` for the first scenes |
 
 mod list;
@@ -29,7 +29,10 @@ pub mod scenes;
 mod text;
 
 use crate::bench::equal::Difference;
+use crate::bench::{Machine, Ratio};
 use crate::measure::{Schedule, Timing};
+use crate::statistics::Rays;
+use crate::summary::Summary;
 use scenes::Variant;
 use wavecrest_base::error::Result;
 use wavecrest_core::prepared::PreparedScene;
@@ -63,7 +66,18 @@ pub fn measure(
     progress: &mut dyn FnMut(u64, u64),
 ) -> Result<PriceList> {
     let mut firsts: Vec<Rendered> = Vec::new();
-    let mut list = PriceList::of(entries, setting);
+    let [width, height] = entries.first().map_or([0; 2], |entry| entry.scene.camera.size());
+    let mut list = PriceList {
+        version: env!("CARGO_PKG_VERSION"),
+        machine: Machine::this(),
+        image: Size { width, height },
+        setting,
+        rounds: 0,
+        left_out: 0,
+        busy: 0,
+        difference: None,
+        effects: Vec::new(),
+    };
     let run = |variant: usize| {
         let (index, tracer) = (variant / TRACERS.len(), TRACERS[variant % TRACERS.len()]);
         let Entry { variant, scene } = &entries[index];
@@ -78,7 +92,7 @@ pub fn measure(
         let expected = if variant.reached { index } else { variant.added_to.unwrap_or(index) };
         let difference = Difference::of(&firsts[expected], &rendered);
         list.difference = difference.map(|difference| {
-            let effect = variant.name;
+            let effect = variant.name.clone();
             EffectDifference { effect, tracer, difference }
         });
         Ok(list.difference.is_none().then_some((timing, ())))
@@ -98,18 +112,24 @@ pub fn measure(
 
 fn price(entries: &[Entry], seconds: &[Vec<f64>], index: usize, first: &Rendered) -> Option<Price> {
     let Entry { variant, scene } = &entries[index];
+    let rays = Rays::from(&first.counters);
     let cost = |tracer: usize| {
         let place = |entry: usize| entry * TRACERS.len() + tracer;
-        let base = variant.added_to.map(place);
-        Cost::new(seconds, (place(index), base), scene, &first.counters)
+        let ratio = |base| Ratio::of(seconds, place(index), place(base));
+        let summary = Summary::of(&seconds[place(index)])?;
+        Some(Cost {
+            seconds_per_mray: summary.median / rays.all().max(1) as f64 * 1e6,
+            price: variant.added_to.and_then(ratio),
+            seconds: summary,
+        })
     };
     let present = scene.plan.decisions().iter().filter(|decision| decision.present);
     Some(Price {
-        effect: variant.name,
-        added_to: variant.added_to.map(|base| entries[base].variant.name),
+        effect: variant.name.clone(),
+        added_to: variant.added_to.map(|base| entries[base].variant.name.clone()),
         reached: variant.reached,
         simulated: present.map(|decision| decision.effect.name()).collect(),
-        rays: (&first.counters).into(),
+        rays,
         samples: (&first.counters).into(),
         bytes_per_path: Batch::bytes_per_path(scene).iter().map(|(_, bytes)| bytes).sum(),
         wavefront: cost(0)?,

@@ -42,14 +42,7 @@ impl Expected {
     /// If an image cannot be decoded.
     pub fn of(scene: &PreparedScene, options: &RenderOptions) -> Result<Self> {
         let [width, height] = scene.camera.size();
-        let tiles: Vec<Tile> = (0..TILES * TILES)
-            .map(|cell| {
-                let (x, length_x) = middle(width, cell % TILES);
-                let (y, length_y) = middle(height, cell / TILES);
-                Tile { x, y, width: length_x, height: length_y }
-            })
-            .filter(|tile| !tile.is_empty())
-            .collect();
+        let tiles = tiles([width, height], TILES, EDGE, |room| room / 2);
         let pixels: u64 = tiles.iter().map(|tile| tile.len() as u64).sum();
         let samples = Blocks::new(scene.camera.rays_per_pixel()).longest();
         let samples = samples.min((MOST_PATHS / pixels).max(1) as u32);
@@ -77,12 +70,29 @@ impl Expected {
     }
 }
 
-/// The start and length of a tile in its part of a side: at the centre.
-fn middle(side: u32, part: u32) -> (u32, u32) {
-    let edge = |part: u32| (u64::from(side) * u64::from(part) / u64::from(TILES)) as u32;
-    let (start, end) = (edge(part), edge(part + 1));
-    let length = (end - start).min(EDGE);
-    (start + (end - start - length) / 2, length)
+/// A tile in each part of an image, with up to `most` parts along a side and `edge` pixels along
+/// that of a tile; `place` says how many of the pixels that a tile leaves come before it.
+pub(crate) fn tiles(
+    [width, height]: [u32; 2],
+    most: u32,
+    edge: u32,
+    mut place: impl FnMut(u32) -> u32,
+) -> Vec<Tile> {
+    let parts = |side: u32| (side / edge).clamp(1, most);
+    let (columns, rows) = (parts(width), parts(height));
+    let mut within = |side: u32, part: u32, parts: u32| {
+        let bound = |part: u32| (u64::from(side) * u64::from(part) / u64::from(parts)) as u32;
+        let (start, end) = (bound(part), bound(part + 1));
+        let length = edge.min(end - start);
+        (start + place(end - start - length), length)
+    };
+    let cells = (0..rows).flat_map(|row| (0..columns).map(move |column| (column, row)));
+    let tile = |(column, row)| {
+        let (x, width) = within(width, column, columns);
+        let (y, height) = within(height, row, rows);
+        Tile { x, y, width, height }
+    };
+    cells.map(tile).collect()
 }
 
 /// Renders `samples` samples of each pixel of the tiles. Returns counts, and seconds summed over

@@ -1,4 +1,4 @@
-//! The statistics of one render, in a stable JSON form.
+//! The parts of the statistics of one render, which have a stable form as JSON.
 //!
 //! | key | unit | meaning |
 //! |---|---|---|
@@ -32,131 +32,96 @@
 //! | `goal.asked`, `.samples`, `.expected_error`, `.expected_seconds`, `.found_error`, `.renders` | | the choice for a target error or a time budget, and its outcome (`null` without either); `.found_error` is `null` without random samples, `.expected_error` if a budget is too short to measure it |
 //! | `plan` | | each effect, whether it is simulated, and the reason |
 
+#![allow(missing_docs, reason = "the table above says it once, for the JSON and for the fields")]
+
 use serde::Serialize;
 use serde_json::{Map, Value};
 
-use crate::estimate::Estimated;
+use wavecrest_core::accel::Accel;
 use wavecrest_core::accel::build::Preset;
-use wavecrest_core::accel::{Accel, KernelChoice};
-use wavecrest_core::counters::Counters;
-use wavecrest_core::counters::KernelCounts;
-use wavecrest_core::kernels::precision::Precision;
-use wavecrest_core::math::simd::Level;
-use wavecrest_core::plan::Plan;
-use wavecrest_core::prepared::{Appearance, Dropped, LazyImage};
-use wavecrest_core::probe::Invalid;
-use wavecrest_core::render::TracerKind;
+use wavecrest_core::counters::{Counters, KernelCounts, TestCounts};
+use wavecrest_core::prepared::{Appearance, LazyImage};
 
-/// See the module documentation: fields have the names of the JSON.
-#[derive(Clone, Debug, Serialize)]
-#[allow(missing_docs, reason = "the table above says it once, for the JSON and for the fields")]
-pub struct Statistics {
-    pub version: &'static str,
-    pub scene: String,
-    pub tracer: TracerKind,
-    pub threads: usize,
-    pub seed: u64,
-    pub simd: Level,
-    pub kernel: KernelChoice,
-    pub precision: Precision,
-    pub image: ImageSize,
-    pub rays: Rays,
-    pub samples: Samples,
-    pub textures: Textures,
-    pub estimated: Estimated,
-    pub tests: Tests,
-    pub kernels: KernelUse,
-    pub dropped: Dropped,
-    pub invalid: u64,
-    pub first_invalid: Option<Invalid>,
-    pub lights_at_surface: u64,
-    pub time: Time,
-    pub memory: Memory,
-    pub columns: Columns,
-    pub bvh: Bvh,
-    pub goal: Option<Goal>,
-    pub resumed: f64,
-    pub plan: Plan,
-}
-
-/// The choice for a target error or a time budget, and its outcome.
-#[derive(Clone, Debug, Serialize)]
-#[allow(missing_docs, reason = "see the module documentation")]
-pub struct Goal {
-    pub asked: String,
-    pub samples: String,
-    pub expected_error: f64,
-    pub expected_seconds: f64,
-    pub found_error: Option<f64>,
-    pub renders: u32,
-}
-
-/// The size of the rendered image.
-#[derive(Clone, Copy, Debug, Serialize)]
-#[allow(missing_docs, reason = "see the module documentation")]
-pub struct ImageSize {
-    pub width: u32,
-    pub height: u32,
-    pub samples_per_pixel: u32,
-}
-
-/// Rays by kind.
-#[derive(Clone, Copy, Debug, Serialize)]
-#[allow(missing_docs, reason = "see the module documentation")]
-pub struct Rays {
-    pub primary: u64,
-    pub secondary: u64,
-    pub shadow: u64,
-}
-
-/// Samples by kind.
-#[derive(Clone, Copy, Debug, Serialize)]
-#[allow(missing_docs, reason = "see the module documentation")]
-pub struct Samples {
-    pub lens: u64,
-    pub light: u64,
-    pub colors: u64,
-    pub texels: u64,
-    pub footprints: u64,
-}
-
-/// Images of textures.
-#[derive(Clone, Copy, Debug, Serialize)]
-#[allow(missing_docs, reason = "see the module documentation")]
-pub struct Textures {
-    pub images: usize,
-    pub decoded: usize,
-    pub bytes: u64,
-}
-
-impl From<&Appearance> for Textures {
-    fn from(appearance: &Appearance) -> Self {
-        let images = &appearance.images;
-        Self {
-            images: images.len(),
-            decoded: images.iter().filter(|image| image.decoded().is_some()).count(),
-            bytes: images.iter().map(LazyImage::bytes).sum(),
+/// Groups of counts, each with what it is taken from.
+macro_rules! counts {
+    ($($(#[doc = $doc:literal])+ $name:ident($from:ident: $all:ty) {
+        $($field:ident: $kind:ty = $value:expr,)+
+    })+) => {$(
+        $(#[doc = $doc])+
+        #[derive(Clone, Copy, Debug, Serialize)]
+        pub struct $name {
+            $(pub $field: $kind,)+
         }
+
+        impl From<&$all> for $name {
+            fn from($from: &$all) -> Self {
+                Self { $($field: $value,)+ }
+            }
+        }
+    )+};
+}
+
+counts! {
+    /// Rays by kind.
+    Rays(c: Counters) {
+        primary: u64 = c.primary_rays,
+        secondary: u64 = c.secondary_rays,
+        shadow: u64 = c.shadow_rays,
+    }
+
+    /// Samples by kind.
+    Samples(c: Counters) {
+        lens: u64 = c.lens_samples,
+        light: u64 = c.light_samples,
+        colors: u64 = c.colors,
+        texels: u64 = c.texels,
+        footprints: u64 = c.footprints,
+    }
+
+    /// Images of textures.
+    Textures(a: Appearance) {
+        images: usize = a.images.len(),
+        decoded: usize = a.images.iter().filter(|image| image.decoded().is_some()).count(),
+        bytes: u64 = a.images.iter().map(LazyImage::bytes).sum(),
+    }
+
+    /// Tests by kind.
+    Tests(c: Counters) {
+        nodes: u64 = c.tests.nodes,
+        instances: u64 = c.tests.instances,
+        cutouts: u64 = c.tests.cutouts,
+        primitives: PrimitiveTests = (&c.tests).into(),
+    }
+
+    /// Tests of primitives by kind.
+    PrimitiveTests(c: TestCounts) {
+        triangles: u64 = c.triangles,
+        quads: u64 = c.quads,
+        spheres: u64 = c.spheres,
+    }
+
+    /// Rays by kernel, in both classes.
+    KernelUse(c: Counters) {
+        closest: ClassUse = (&c.kernels.closest).into(),
+        shadow: ClassUse = (&c.kernels.shadow).into(),
+    }
+
+    /// Rays of one class by kernel.
+    ClassUse(c: KernelCounts) {
+        packet: u64 = c.packet,
+        handed_over: u64 = c.handed_over,
+        stream: u64 = c.stream,
+        single: u64 = c.single,
+        rays_a_node: Option<f64> = c.rays_a_node(),
+        rays_a_round: Option<f64> = c.rays_a_round(),
     }
 }
 
-/// Tests by kind.
-#[derive(Clone, Copy, Debug, Serialize)]
-#[allow(missing_docs, reason = "see the module documentation")]
-pub struct Tests {
-    pub nodes: u64,
-    pub instances: u64,
-    pub cutouts: u64,
-    pub primitives: PrimitiveTests,
-}
-
-/// Tests of primitives by kind.
-#[derive(Clone, Copy, Debug, Serialize)]
-#[allow(missing_docs, reason = "see the module documentation")]
-pub struct PrimitiveTests {
-    pub triangles: u64,
-    pub quads: u64,
-    pub spheres: u64,
+impl Rays {
+    /// Rays of every kind.
+    pub fn all(&self) -> u64 {
+        self.primary + self.secondary + self.shadow
+    }
 }
 
 impl PrimitiveTests {
@@ -166,29 +131,16 @@ impl PrimitiveTests {
     }
 }
 
-/// Rays by kernel, in both classes.
+/// The size of the rendered image.
 #[derive(Clone, Copy, Debug, Serialize)]
-#[allow(missing_docs, reason = "see the module documentation")]
-pub struct KernelUse {
-    pub closest: ClassUse,
-    pub shadow: ClassUse,
-}
-
-/// Rays of one class by kernel.
-#[derive(Clone, Copy, Debug, Serialize)]
-#[allow(missing_docs, reason = "see the module documentation")]
-pub struct ClassUse {
-    pub packet: u64,
-    pub handed_over: u64,
-    pub stream: u64,
-    pub single: u64,
-    pub rays_a_node: Option<f64>,
-    pub rays_a_round: Option<f64>,
+pub struct ImageSize {
+    pub width: u32,
+    pub height: u32,
+    pub samples_per_pixel: u32,
 }
 
 /// Seconds by stage.
 #[derive(Clone, Debug, Default, Serialize)]
-#[allow(missing_docs, reason = "see the module documentation")]
 pub struct Time {
     pub load: f64,
     pub build: f64,
@@ -200,23 +152,13 @@ pub struct Time {
 
 /// Peak bytes.
 #[derive(Clone, Copy, Debug, Serialize)]
-#[allow(missing_docs, reason = "see the module documentation")]
 pub struct Memory {
     pub predicted: u64,
     pub peak: Option<u64>,
 }
 
-/// Bytes of the columns of all batches.
-#[derive(Clone, Copy, Debug, Serialize)]
-#[allow(missing_docs, reason = "see the module documentation")]
-pub struct Columns {
-    pub estimated: u64,
-    pub held: u64,
-}
-
 /// The tree.
 #[derive(Clone, Copy, Debug, Serialize)]
-#[allow(missing_docs, reason = "see the module documentation")]
 pub struct Bvh {
     pub preset: Preset,
     pub nodes: usize,
@@ -233,59 +175,6 @@ impl Bvh {
             nodes: census().map(|census| census.nodes as usize).sum(),
             depth: census().map(|census| census.depth).max().unwrap_or(0),
             bytes: accel.tree_bytes(),
-        }
-    }
-}
-
-impl From<&Counters> for Rays {
-    fn from(c: &Counters) -> Self {
-        Self { primary: c.primary_rays, secondary: c.secondary_rays, shadow: c.shadow_rays }
-    }
-}
-
-impl Rays {
-    /// Rays of every kind.
-    pub fn all(&self) -> u64 {
-        self.primary + self.secondary + self.shadow
-    }
-}
-
-impl From<&Counters> for Samples {
-    fn from(c: &Counters) -> Self {
-        Self {
-            lens: c.lens_samples,
-            light: c.light_samples,
-            colors: c.colors,
-            texels: c.texels,
-            footprints: c.footprints,
-        }
-    }
-}
-
-impl From<&Counters> for Tests {
-    fn from(c: &Counters) -> Self {
-        let t = &c.tests;
-        let primitives =
-            PrimitiveTests { triangles: t.triangles, quads: t.quads, spheres: t.spheres };
-        Self { nodes: t.nodes, instances: t.instances, cutouts: t.cutouts, primitives }
-    }
-}
-
-impl From<&Counters> for KernelUse {
-    fn from(c: &Counters) -> Self {
-        Self { closest: (&c.kernels.closest).into(), shadow: (&c.kernels.shadow).into() }
-    }
-}
-
-impl From<&KernelCounts> for ClassUse {
-    fn from(c: &KernelCounts) -> Self {
-        Self {
-            packet: c.packet,
-            handed_over: c.handed_over,
-            stream: c.stream,
-            single: c.single,
-            rays_a_node: c.rays_a_node(),
-            rays_a_round: c.rays_a_round(),
         }
     }
 }

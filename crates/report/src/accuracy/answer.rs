@@ -1,5 +1,5 @@
 //! The answer of a sweep: the sampler and number of points that reach an error in the least time,
-//! in seconds from the command to the image, and the costs of precision and effects.
+//! in seconds from the command to the image.
 //!
 //! | key of `answer` | unit | meaning |
 //! |---|---|---|
@@ -9,19 +9,16 @@
 //! | `.seconds`, `.tracing` | seconds | its time: loading, building and tracing; tracing only |
 //! | `.times_as_fast` | | speedup of tracing over the fastest measured setting with random points, with its interval; `null` without either |
 //! | `.at_least` | | whether random points did not reach the error: the speedup is then relative to their longest render, and a lower bound |
-//! | `precisions[].name`, `.ratio` | | tracing time relative to `fast`, at the scene's own samples |
-//! | `precisions[].worst_t` | ulp | the largest error of t on the scene's triangles (absent without triangles) |
-//! | `effects[].name`, `.ratio` | | tracing time relative to that without the effect, or with one point for it |
-//! | `pass`, `share` | | the pass that takes most of the tracing time, and its share |
+
+#![allow(missing_docs, reason = "the table above says it once, for the JSON and for the fields")]
 
 use serde::Serialize;
 
-use super::findings::{FamilyFindings, PointFindings, SceneFindings, SeriesFindings};
+use super::findings::Point;
 use super::fit::{Interval, bootstrap, of};
-use super::setting::Setting;
+use super::setting::{Family, Series};
 use crate::plot::number::{figure, seconds};
 use crate::summary::median;
-use wavecrest_core::kernels::precision::Precision;
 use wavecrest_core::math::sampling::Sampling;
 
 /// Default errors of an answer.
@@ -29,20 +26,14 @@ pub const ERRORS: [f64; 3] = [0.02, 0.01, 0.005];
 
 /// See the module documentation.
 #[derive(Clone, Debug, Default, Serialize)]
-#[allow(missing_docs, reason = "the table above says it once, for the JSON and for the fields")]
 pub struct Answer {
     pub family: &'static str,
     pub counted: &'static str,
     pub errors: Vec<AtError>,
-    pub precisions: Vec<Price>,
-    pub effects: Vec<Price>,
-    pub pass: Option<String>,
-    pub share: f64,
 }
 
 /// The cost of an error.
 #[derive(Clone, Debug, Serialize)]
-#[allow(missing_docs, reason = "see the module documentation")]
 pub struct AtError {
     pub error: f64,
     pub sampler: Option<String>,
@@ -53,58 +44,13 @@ pub struct AtError {
     pub at_least: bool,
 }
 
-/// The cost of a choice.
-#[derive(Clone, Debug, Serialize)]
-#[allow(missing_docs, reason = "see the module documentation")]
-pub struct Price {
-    pub name: String,
-    pub ratio: Interval,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub worst_t: Option<f64>,
-}
-
 impl Answer {
-    /// The answer for a scene; `family` is varied for a smaller error.
-    pub fn of(scene: &SceneFindings, family: &str, errors: &[f64]) -> Self {
-        let mut answer = Self::default();
-        if let Some(family) = scene.families.iter().find(|found| found.name == family) {
-            (answer.family, answer.counted) = (family.name, family.counted);
-            let before = scene.seconds_before();
-            answer.errors = errors.iter().map(|error| at_error(family, *error, before)).collect();
-        }
-        let own = scene.own();
-        let precisions = scene.families.iter().filter(|family| family.name == "precision");
-        let precisions = precisions.flat_map(|family| &family.series).flat_map(|s| &s.points);
-        let precisions: Vec<&PointFindings> = precisions.collect();
-        let fast = precisions.iter().find(|p| p.label == Precision::Fast.name());
-        let price = |name: String, point: &PointFindings, without: &PointFindings| {
-            let trial = scene.trials.iter().find(|trial| trial.precision == name);
-            let worst_t = trial.and_then(|trial| Some(trial.errors.as_ref()?.t.worst));
-            Some(Price { name, ratio: ratio(point, without)?, worst_t })
-        };
-        let others = precisions.iter().filter(|p| p.label != Precision::Fast.name());
-        answer.precisions = others.filter_map(|p| price(p.label.clone(), p, fast?)).collect();
-        let effects =
-            [("soft shadows", "lights"), ("depth of field", "lens"), ("mirrors", "bounces")];
-        let effect = |(name, family): (&str, &str)| {
-            let family = scene.families.iter().find(|found| found.name == family)?;
-            price(name.to_owned(), own?, family.series.first()?.points.first()?)
-        };
-        answer.effects = effects.into_iter().filter_map(effect).collect();
-        answer.effects.sort_by(|a, b| b.ratio.value.total_cmp(&a.ratio.value));
-        if let Some(stage) =
-            scene.stages.iter().find(|s| s.precision == Precision::default().name())
-        {
-            let most = stage.passes.iter().max_by(|a, b| a.1.total_cmp(&b.1));
-            let all: f64 = stage.passes.iter().map(|(_, seconds)| seconds).sum();
-            answer.pass = most.map(|(name, _)| name.clone());
-            answer.share = most.map_or(0.0, |(_, seconds)| seconds / all.max(f64::MIN_POSITIVE));
-        }
-        answer
+    /// The answer of a `family` of settings, with the seconds `before` tracing.
+    pub fn of(family: &Family<Point>, before: f64, errors: &[f64]) -> Self {
+        let errors = errors.iter().map(|error| at_error(family, *error, before)).collect();
+        Self { family: family.name, counted: family.counted, errors }
     }
-}
 
-impl Answer {
     /// The cost of the error in the middle of those that were asked for, or of the smallest that was
     /// reached, in a sentence.
     pub fn sentence(&self) -> String {
@@ -136,64 +82,43 @@ impl Answer {
     }
 }
 
-impl SceneFindings {
-    /// Seconds of loading and building.
-    pub fn seconds_before(&self) -> f64 {
-        let usual = self.stages.iter().find(|s| s.precision == Precision::default().name());
-        usual.map_or(0.0, |stage| stage.before.load + stage.before.build)
-    }
-
-    /// The point with the scene's own settings.
-    fn own(&self) -> Option<&PointFindings> {
-        let key = Setting::default().key();
-        let points = self.families.iter().flat_map(|family| &family.series).flat_map(|s| &s.points);
-        points.into_iter().find(|point| point.key == key)
-    }
-}
-
 /// The ratio of the times of one setting to those of another.
-fn ratio(one: &PointFindings, other: &PointFindings) -> Option<Interval> {
+fn ratio(one: &Point, other: &Point) -> Option<Interval> {
+    let time = |p: &Point, seeds: &[usize]| median(&of(seeds, &p.times).collect::<Vec<_>>());
     let rounds = one.times.len().min(other.times.len());
-    bootstrap(rounds, |seeds| Some(one.time(seeds) / other.time(seeds)))
+    bootstrap(rounds, |seeds| Some(time(one, seeds) / time(other, seeds)))
 }
 
-impl PointFindings {
-    /// The median tracing time of these seeds.
-    pub fn time(&self, seeds: &[usize]) -> f64 {
-        median(&of(seeds, &self.times).collect::<Vec<_>>())
-    }
-
-    /// The root mean squared error of these seeds.
-    pub fn error(&self, seeds: &[usize]) -> f64 {
-        (of(seeds, &self.each).sum::<f64>() / seeds.len() as f64).sqrt()
-    }
-}
-
-impl SeriesFindings {
+impl Series<Point> {
     /// The fastest of the measured settings whose error is at most `error`.
-    pub fn reach(&self, error: f64) -> Option<&PointFindings> {
+    pub fn reach(&self, error: f64) -> Option<&Point> {
         let reaching = self.points.iter().filter(|point| point.rmse.value <= error);
         reaching.min_by(|a, b| a.seconds.median.total_cmp(&b.seconds.median))
     }
 
     /// The measured setting with the most points in at most `seconds`, or the one with the fewest.
-    pub fn within(&self, seconds: f64) -> Option<&PointFindings> {
-        let in_time = |point: &&PointFindings| point.seconds.median <= seconds;
+    pub fn within(&self, seconds: f64) -> Option<&Point> {
+        let in_time = |point: &&Point| point.seconds.median <= seconds;
         self.points.iter().rfind(in_time).or(self.points.first())
     }
 }
 
-impl FamilyFindings {
+impl Family<Point> {
     /// The fastest of all measured settings whose error is at most `error`.
-    pub fn fastest(&self, error: f64) -> Option<(&SeriesFindings, &PointFindings)> {
+    pub fn fastest(&self, error: f64) -> Option<(&Series<Point>, &Point)> {
         let reached = self.series.iter().filter_map(|s| Some((s, s.reach(error)?)));
         reached.min_by(|a, b| a.1.seconds.median.total_cmp(&b.1.seconds.median))
     }
+
+    /// Random points.
+    pub fn random(&self) -> Option<&Series<Point>> {
+        self.series.iter().find(|series| series.name == Sampling::Random.name())
+    }
 }
 
-fn at_error(family: &FamilyFindings, error: f64, before: f64) -> AtError {
+fn at_error(family: &Family<Point>, error: f64, before: f64) -> AtError {
     let best = family.fastest(error);
-    let random = family.series.iter().find(|series| series.name == Sampling::Random.name());
+    let random = family.random();
     let rival = random.and_then(|random| random.reach(error).or(random.points.last()));
     let tracing = best.map(|(_, point)| point.seconds.median);
     AtError {

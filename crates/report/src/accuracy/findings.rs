@@ -13,13 +13,13 @@
 //! | `.points[].seconds` | seconds | from the first ray to the last: median with its interval |
 //! | `.points[].rmse` | | root of the mean squared error over all seeds, with its interval |
 //! | `.points[].mse`, `.relative_mse`, `.psnr`, `.flip`, `.bias` | | means over seeds; see [`wavecrest_image::compare`] |
-//! | `.points[].flip_95` | | the FLIP value that one pixel of twenty exceeds |
 //! | `.points[].rays` | rays | of every kind, mean over seeds |
 //! | `.points[].above_noise` | | whether the error is at least three standard errors of the reference |
-//! | `stages` | seconds | for each precision: loading, building, and each pass at the scene's own samples, summed over threads: medians |
 //! | `layers` | | time by precision, effect and pass: see [`layers`] |
 //! | `trials` | | for each precision: rays aimed at edges and leaks, rays that leave a surface and self-hits, errors of t, points and normals in ulp ([`HitErrors`](crate::selftest::errors::HitErrors)) |
 //! | `steps` | | what exact hits cost: `rays` of a render, `steps` with their counts there and nanoseconds each, and the nanoseconds of a pair in the filter of `fast`; see [`steps`](super::steps) |
+
+#![allow(missing_docs, reason = "the table above says it once, for the JSON and for the fields")]
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -29,15 +29,15 @@ use super::answer::Answer;
 use super::fit::{self, Interval};
 use super::layers::{self, LayersFindings};
 use super::pilot::Axis;
-use super::setting::{Family, Line, Target};
+use super::reference::FLOOR;
+use super::setting::{self, Family, Series, Setting, Target, converges};
 use super::store::{
-    PointRecord, PreparedRecord, Record, ReferenceRecord, SceneRecord, StepsRecord, TrialRecord,
-    all,
+    PointRecord, Record, ReferenceRecord, SceneRecord, StepsRecord, TrialRecord, all,
 };
-use super::subject::Stages;
 use super::sweep::Swept;
 use crate::measure::{Timing, quiet};
-use crate::summary::{ENOUGH, MedianInterval, median};
+use crate::summary::{ENOUGH, MedianInterval};
+use wavecrest_core::kernels::precision::Precision;
 use wavecrest_image::compare::psnr;
 
 /// Slopes are fitted from this number of points on: one or two points are not stratified.
@@ -45,7 +45,6 @@ pub const SLOPE_FROM: f64 = 4.0;
 
 /// See the module documentation.
 #[derive(Clone, Debug, Serialize)]
-#[allow(missing_docs, reason = "the table above says it once, for the JSON and for the fields")]
 pub struct SceneFindings {
     #[serde(flatten)]
     pub scene: SceneRecord,
@@ -54,37 +53,15 @@ pub struct SceneFindings {
     pub left_out: bool,
     pub answer: Answer,
     pub references: Vec<ReferenceRecord>,
-    pub families: Vec<FamilyFindings>,
-    pub stages: Vec<StageFindings>,
+    pub families: Vec<Family<Point>>,
     pub layers: Vec<LayersFindings>,
     pub trials: Vec<TrialRecord>,
     pub steps: Option<StepsRecord>,
 }
 
-/// One variation of a scene.
-#[derive(Clone, Debug, Serialize)]
-#[allow(missing_docs, reason = "see the module documentation")]
-pub struct FamilyFindings {
-    pub name: &'static str,
-    pub title: &'static str,
-    pub counted: &'static str,
-    pub target: Target,
-    pub series: Vec<SeriesFindings>,
-}
-
-/// Settings in the order of the count.
-#[derive(Clone, Debug, Serialize)]
-#[allow(missing_docs, reason = "see the module documentation")]
-pub struct SeriesFindings {
-    pub name: String,
-    pub slope: Option<Interval>,
-    pub points: Vec<PointFindings>,
-}
-
 /// A setting.
 #[derive(Clone, Debug, Serialize)]
-#[allow(missing_docs, reason = "see the module documentation")]
-pub struct PointFindings {
+pub struct Point {
     pub x: f64,
     pub label: String,
     pub key: String,
@@ -94,26 +71,17 @@ pub struct PointFindings {
     pub relative_mse: f64,
     pub psnr: Option<f64>,
     pub flip: f64,
-    pub flip_95: f64,
     pub bias: f64,
     pub rays: f64,
     pub above_noise: bool,
+    #[serde(skip)]
+    pub setting: Setting,
     /// The squared error of each seed.
     #[serde(skip)]
     pub each: Vec<f64>,
     /// The seconds of each seed.
     #[serde(skip)]
     pub times: Vec<f64>,
-}
-
-/// The time of a render by stage.
-#[derive(Clone, Debug, Serialize)]
-#[allow(missing_docs, reason = "see the module documentation")]
-pub struct StageFindings {
-    pub precision: String,
-    #[serde(flatten)]
-    pub before: Stages,
-    pub passes: Vec<(String, f64)>,
 }
 
 impl SceneFindings {
@@ -132,62 +100,77 @@ impl SceneFindings {
     }
 
     /// Summarises the `records` of `swept`.
-    pub fn of(swept: &Swept, records: &[Record], errors: &[f64]) -> Option<Self> {
-        let name = swept.subject.name();
-        let (rounds, busy) = busy_rounds(&name, records);
+    pub fn of(swept: &Swept, records: &[Record], errors: &[f64]) -> Self {
+        let Swept { subject, families, .. } = swept;
+        let name = &*subject.record.scene;
+        let (rounds, busy) = busy_rounds(name, records);
         let left_out = rounds - busy.len() >= ENOUGH.min(rounds);
         let mut found = Self {
             rounds,
             busy: busy.len(),
             left_out,
-            scene: all(records).find(|scene: &&SceneRecord| scene.scene == name)?.clone(),
+            scene: subject.record.clone(),
             answer: Answer::default(),
             references: all(records)
                 .filter(|r: &&ReferenceRecord| r.scene == name)
                 .cloned()
                 .collect(),
             families: Vec::new(),
-            stages: stages(swept, &name, records),
-            layers: layers::of(&name, records),
+            layers: layers::of(name, records),
             trials: all(records).filter(|t: &&TrialRecord| t.scene == name).cloned().collect(),
             steps: all(records).find(|s: &&StepsRecord| s.scene == name).cloned(),
         };
         let left = if left_out { busy } else { BTreeSet::new() };
-        found.families =
-            swept.families.iter().map(|f| found.family(f, &name, records, &left)).collect();
-        let axis = Axis::of(&swept.subject.facts());
-        found.answer = Answer::of(&found, axis.family(), errors);
-        Some(found)
+        found.families = families.iter().map(|f| found.summary(f, records, &left)).collect();
+        let varied = found.family(Axis::of(&subject.facts).name());
+        let before = found.layers(Precision::default()).map(|layers| layers.before);
+        let before = before.map_or(0.0, |before| before.load + before.build);
+        let answer = varied.map(|f| Answer::of(f, before, errors));
+        found.answer = answer.unwrap_or_default();
+        found
     }
 
-    /// The standard error of the reference of `target`.
-    pub fn standard_error(&self, target: Target) -> f64 {
+    /// The error up to which those against the reference of `target` are noise.
+    pub fn floor(&self, target: Target) -> f64 {
         let of = self.references.iter().find(|reference| reference.target == target);
-        of.map_or(0.0, |reference| reference.standard_error)
+        of.map_or(0.0, |reference| FLOOR * reference.standard_error)
     }
 
-    fn family(
+    /// The layers in this precision.
+    pub fn layers(&self, precision: Precision) -> Option<&LayersFindings> {
+        self.layers.iter().find(|layers| layers.precision == precision.name())
+    }
+
+    /// The family of this name.
+    pub fn family(&self, name: &str) -> Option<&Family<Point>> {
+        self.families.iter().find(|family| family.name == name)
+    }
+
+    fn summary(
         &self,
-        family: &Family,
-        scene: &str,
+        family: &Family<setting::Point>,
         records: &[Record],
         busy: &BTreeSet<u64>,
-    ) -> FamilyFindings {
-        let floor = super::reference::FLOOR * self.standard_error(family.target);
-        let line = |line: &Line| {
-            let points = line.points.iter().filter_map(|(x, label, setting)| {
-                let records = of_setting(scene, family.target, &setting.key(), records);
-                PointFindings::of((*x, label, &setting.key()), &records, floor, busy)
-            });
-            SeriesFindings { name: line.name.clone(), slope: None, points: points.collect() }
+    ) -> Family<Point> {
+        let &Family { name, title, counted, target, .. } = family;
+        let floor = self.floor(target);
+        let line = |line: &Series<setting::Point>| {
+            let point = |point: &setting::Point| {
+                let renders = of_setting(&self.scene.scene, target, &point.2.key(), records);
+                Point::of(point, &renders, floor, busy)
+            };
+            let points: Vec<Point> = line.points.iter().filter_map(point).collect();
+            Series { name: line.name.clone(), slope: slope(&points), points }
         };
-        let mut series: Vec<SeriesFindings> = family.series.iter().map(line).collect();
-        for line in series.iter_mut().filter(|_| family.has_slope) {
-            line.slope = line.fit();
-        }
-        let Family { name, title, counted, target, .. } = *family;
-        FamilyFindings { name, title, counted, target, series }
+        let series = family.series.iter().map(line).collect();
+        Family { name, title, counted, target, series }
     }
+}
+
+fn slope(points: &[Point]) -> Option<Interval> {
+    let counts = |p: &&Point| p.above_noise && p.x >= SLOPE_FROM && converges(&p.key);
+    let points = points.iter().filter(counts).map(|p| (p.x, &*p.each));
+    fit::slope(&points.collect::<Vec<_>>())
 }
 
 /// The number of rounds of a scene, and the seeds of those that were busy.
@@ -213,78 +196,39 @@ fn of_setting<'a>(
     all(records).filter(is_it).collect()
 }
 
-impl SeriesFindings {
-    fn fit(&self) -> Option<Interval> {
-        let counts = |p: &&PointFindings| p.above_noise && p.x >= SLOPE_FROM;
-        let points: Vec<_> =
-            self.points.iter().filter(counts).map(|p| (p.x, p.each.clone())).collect();
-        fit::slope(&points)
-    }
-}
-
-impl PointFindings {
-    /// The findings of a setting: its count, label and key; times are those of rounds that were not
-    /// busy.
+impl Point {
+    /// The findings of a setting; times are those of rounds that were not busy.
     fn of(
-        (x, label, key): (f64, &str, &str),
-        records: &[&PointRecord],
+        (x, label, setting): &setting::Point,
+        renders: &[&PointRecord],
         floor: f64,
         busy: &BTreeSet<u64>,
     ) -> Option<Self> {
-        let all =
-            |of: fn(&PointRecord) -> f64| -> Vec<f64> { records.iter().map(|r| of(r)).collect() };
-        let mean = |of: fn(&PointRecord) -> f64| all(of).iter().sum::<f64>() / records.len() as f64;
-        let each = all(|r| r.error.mse);
-        let quiet = records.iter().filter(|record| !busy.contains(&record.seed));
+        let all = |of: fn(&PointRecord) -> f64| renders.iter().map(move |r| of(r));
+        let mean = |of: fn(&PointRecord) -> f64| all(of).sum::<f64>() / renders.len() as f64;
+        let each: Vec<f64> = all(|r| r.error.mse).collect();
+        let quiet = renders.iter().filter(|record| !busy.contains(&record.seed));
         let times: Vec<f64> = quiet.map(|record| record.seconds).collect();
-        let seconds = MedianInterval::of(&times)?;
         let rmse = fit::rmse(&each);
         let mse = mean(|r| r.error.mse);
         Some(Self {
-            x,
-            label: label.to_owned(),
-            key: key.to_owned(),
-            seconds,
+            x: *x,
+            label: label.clone(),
+            key: setting.key(),
+            seconds: MedianInterval::of(&times)?,
             rmse,
             mse,
             relative_mse: mean(|r| r.error.relative_mse),
             psnr: (mse > 0.0).then(|| psnr(mse)),
             flip: mean(|r| r.error.flip),
-            flip_95: mean(|r| r.error.flip_95),
             bias: mean(|r| r.error.bias),
             rays: mean(|r| r.rays as f64),
             above_noise: rmse.value >= floor,
+            setting: *setting,
             each,
             times,
         })
     }
-}
-
-fn stages(swept: &Swept, scene: &str, records: &[Record]) -> Vec<StageFindings> {
-    let Some(family) = swept.families.iter().find(|family| family.name == "precision") else {
-        return Vec::new();
-    };
-    let of = |setting: &super::setting::Setting| {
-        let structure = super::setting::Setting { samples: Default::default(), ..*setting };
-        let is_it = |p: &&PreparedRecord| p.scene == scene && p.key == structure.key();
-        let before: Vec<Stages> = all(records).filter(is_it).map(|p| p.time).collect();
-        let renders = of_setting(scene, family.target, &setting.key(), records);
-        let first = renders.first()?;
-        let pass = |index: usize| {
-            let each: Vec<f64> =
-                renders.iter().filter_map(|r| r.passes.get(index).map(|p| p.1)).collect();
-            median(&each)
-        };
-        let passes = first.passes.iter().enumerate().map(|(i, p)| (p.0.clone(), pass(i))).collect();
-        let each = |of: fn(&Stages) -> f64| median(&before.iter().map(of).collect::<Vec<_>>());
-        Some(StageFindings {
-            precision: setting.structure.precision.name().to_owned(),
-            before: Stages { load: each(|s| s.load), build: each(|s| s.build) },
-            passes,
-        })
-    };
-    let points = family.series.iter().flat_map(|line| &line.points);
-    points.filter_map(|(.., setting)| of(setting)).collect()
 }
 
 #[cfg(test)]
@@ -295,7 +239,7 @@ mod tests {
     #[test]
     fn a_round_with_less_of_the_processors_is_busy() {
         let point = |(seed, processor)| {
-            let error = Errors { mse: 0.1, relative_mse: 0.1, bias: 0.0, flip: 0.0, flip_95: 0.0 };
+            let error = Errors { mse: 0.1, relative_mse: 0.1, bias: 0.0, flip: 0.0 };
             Record::Point(PointRecord {
                 scene: "a".to_owned(),
                 target: Target::Scene,

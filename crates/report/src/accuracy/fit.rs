@@ -48,15 +48,6 @@ impl Rng {
     pub fn shuffle<T>(&mut self, items: &mut [T]) {
         items.shuffle(&mut self.0);
     }
-
-    /// A resample of `values` with replacement, of the same size.
-    fn resample(&mut self, values: &[f64]) -> Vec<f64> {
-        values.iter().map(|_| values[self.below(values.len())]).collect()
-    }
-}
-
-fn mean(values: &[f64]) -> f64 {
-    values.iter().sum::<f64>() / values.len().max(1) as f64
 }
 
 /// The number of standard deviations with the same probability under the normal distribution as `t`
@@ -85,8 +76,13 @@ pub fn student(chance: f64, freedom: f64) -> f64 {
     high
 }
 
-/// The percentile interval of resampled values over this many seeds, around the estimate.
-fn percentiles(value: f64, mut resampled: Vec<f64>, seeds: usize) -> Interval {
+/// The percentile interval of a statistic of seeds, given by their indices. `None` if it is undefined
+/// for all seeds.
+pub fn bootstrap(seeds: usize, statistic: impl Fn(&[usize]) -> Option<f64>) -> Option<Interval> {
+    let value = statistic(&(0..seeds).collect::<Vec<_>>())?;
+    let mut rng = Rng::new(1);
+    let draw = |_| statistic(&(0..seeds).map(|_| rng.below(seeds)).collect::<Vec<_>>());
+    let mut resampled: Vec<f64> = (0..RESAMPLES).filter_map(draw).collect();
     resampled.sort_by(f64::total_cmp);
     let at = |share: f64| {
         let index = (share * (resampled.len() as f64 - 1.0)).round() as usize;
@@ -95,29 +91,13 @@ fn percentiles(value: f64, mut resampled: Vec<f64>, seeds: usize) -> Interval {
     let n = seeds.max(2) as f64;
     let deviations = (n / (n - 1.0)).sqrt() * student(1.0 - CONFIDENCE, n - 1.0);
     let outside = chance_beyond(deviations) / 2.0;
-    Interval { value, low: at(outside), high: at(1.0 - outside) }
-}
-
-/// The bootstrap interval of a statistic of seeds, given by their indices. `None` if it is
-/// undefined for all seeds.
-pub fn bootstrap(
-    seeds: usize,
-    mut statistic: impl FnMut(&[usize]) -> Option<f64>,
-) -> Option<Interval> {
-    let all: Vec<usize> = (0..seeds).collect();
-    let found = statistic(&all)?;
-    let mut rng = Rng::new(1);
-    let mut draw = |_| {
-        let drawn: Vec<usize> = all.iter().map(|_| rng.below(seeds)).collect();
-        statistic(&drawn)
-    };
-    Some(percentiles(found, (0..RESAMPLES).filter_map(&mut draw).collect(), seeds))
+    Some(Interval { value, low: at(outside), high: at(1.0 - outside) })
 }
 
 /// The root of the mean squared error, from one squared error for each seed.
 pub fn rmse(mse: &[f64]) -> Interval {
-    let of = |seeds: &[usize]| Some((of(seeds, mse).sum::<f64>() / mse.len() as f64).sqrt());
-    bootstrap(mse.len(), of).unwrap_or(Interval { value: 0.0, low: 0.0, high: 0.0 })
+    let none = Interval { value: 0.0, low: 0.0, high: 0.0 };
+    bootstrap(mse.len(), |seeds| Some(mean(seeds, mse).sqrt())).unwrap_or(none)
 }
 
 /// The values of these seeds.
@@ -125,33 +105,25 @@ pub fn of<'a>(seeds: &'a [usize], values: &'a [f64]) -> impl Iterator<Item = f64
     seeds.iter().filter_map(|seed| values.get(*seed)).copied()
 }
 
+fn mean(seeds: &[usize], values: &[f64]) -> f64 {
+    of(seeds, values).sum::<f64>() / seeds.len() as f64
+}
+
 /// The exponent of a power law: the least-squares slope through logarithms.
 ///
 /// `points` are counts with a value for each seed, whose mean is used. `None` for fewer than three
 /// points, or if one is not above 0.
-pub fn slope(points: &[(f64, Vec<f64>)]) -> Option<Interval> {
-    let positive = |(x, values): &(f64, Vec<f64>)| *x > 0.0 && mean(values) > 0.0;
-    if points.len() < 3 || !points.iter().all(positive) {
-        return None;
-    }
-    let mut rng = Rng::new(2);
-    let fit = |values: &mut dyn FnMut(&[f64]) -> f64| {
-        let logs: Vec<_> =
-            points.iter().map(|(x, y)| (libm::log(*x), libm::log(values(y)))).collect();
+pub fn slope<V: AsRef<[f64]>>(points: &[(f64, V)]) -> Option<Interval> {
+    let least = points.iter().map(|(_, values)| values.as_ref().len()).min();
+    bootstrap(least.filter(|_| points.len() > 2)?, |seeds| {
+        let logs = points.iter().map(|(x, values)| [*x, mean(seeds, values.as_ref())]);
+        let logs: Vec<[f64; 2]> = logs.map(|log| log.map(libm::log)).collect();
         let n = logs.len() as f64;
-        let (mx, my) = logs.iter().fold((0.0, 0.0), |(a, b), (x, y)| (a + x / n, b + y / n));
-        let (mut xy, mut xx) = (0.0, 0.0);
-        for (x, y) in logs {
-            xy += (x - mx) * (y - my);
-            xx += (x - mx) * (x - mx);
-        }
-        xy / xx
-    };
-    let found = fit(&mut |values| mean(values));
-    let resampled =
-        (0..RESAMPLES).map(|_| fit(&mut |values| mean(&rng.resample(values)))).collect();
-    let seeds = points.iter().map(|(_, values)| values.len()).min().unwrap_or(0);
-    Some(percentiles(found, resampled, seeds))
+        let [mx, my] = [0, 1].map(|axis| logs.iter().map(|log| log[axis]).sum::<f64>() / n);
+        let xy: f64 = logs.iter().map(|[x, y]| (x - mx) * (y - my)).sum();
+        let xx: f64 = logs.iter().map(|[x, _]| (x - mx) * (x - mx)).sum();
+        Some(xy / xx).filter(|slope| slope.is_finite())
+    })
 }
 
 #[cfg(test)]

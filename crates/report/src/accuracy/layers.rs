@@ -7,20 +7,21 @@
 //! | key of `layers[]` | unit | meaning |
 //! |---|---|---|
 //! | `precision` | | the precision of hits |
+//! | `load`, `build` | seconds | reading the scene and building its tree: medians |
 //! | `parts[].effect` | | first `camera rays`, one through the centre of each pixel; then each effect added to those before it |
 //! | `.passes` | seconds | its time in each pass, summed over threads |
 
-use std::time::Instant;
+#![allow(missing_docs, reason = "the table above says it once, for the JSON and for the fields")]
 
 use serde::Serialize;
 
 use super::setting::{Setting, Structure};
-use super::store::{LayersRecord, Record, Step, Store, all};
-use super::subject::Subject;
-use super::sweep::{Progress, timed};
+use super::store::{LayersRecord, PreparedRecord, Record, Step, Store, all};
+use super::subject::{Stages, Subject};
+use super::sweep::{Progress, rounds, timed};
+use crate::summary::median;
 use wavecrest_base::error::Result;
 use wavecrest_core::kernels::precision::Precision;
-use wavecrest_core::render::RenderOptions;
 use wavecrest_scene::systems::overrides::{Layer, Overrides};
 
 /// The rest when all layers are removed.
@@ -32,15 +33,15 @@ const SHORT: f64 = 5.0;
 
 /// The layers in one precision.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-#[allow(missing_docs, reason = "see the module documentation")]
 pub struct LayersFindings {
     pub precision: String,
+    #[serde(flatten)]
+    pub before: Stages,
     pub parts: Vec<PartFindings>,
 }
 
 /// A layer's time.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-#[allow(missing_docs, reason = "see the module documentation")]
 pub struct PartFindings {
     pub effect: String,
     pub passes: Vec<(String, f64)>,
@@ -52,7 +53,7 @@ pub struct PartFindings {
 /// # Errors
 /// If the scene can no longer be rendered, or a record cannot be written.
 pub fn run(subject: &mut Subject, store: &mut Store, progress: &dyn Progress) -> Result<()> {
-    let scene = subject.name();
+    let scene = subject.record.scene.clone();
     progress.stage(&format!("{scene}: time by effect"));
     for precision in Precision::ALL {
         let name = precision.name();
@@ -68,21 +69,17 @@ pub fn run(subject: &mut Subject, store: &mut Store, progress: &dyn Progress) ->
 
 /// The least time of several renders in each pass, as other programs can only add to a time.
 fn steps(subject: &mut Subject, precision: Precision) -> Result<Vec<Step>> {
-    let facts = subject.facts();
+    let facts = subject.facts;
     let present = Layer::ALL.into_iter().filter(|layer| facts.has(*layer)).map(Some);
     let without: Vec<Option<Layer>> = std::iter::once(None).chain(present).collect();
     let mut steps: Vec<_> =
         without.iter().map(|layer| (layer.map(|l| l.name().to_owned()), Vec::new())).collect();
-    let start = Instant::now();
-    for round in 0..ROUNDS {
-        if round > 0 && start.elapsed().as_secs_f64() > SHORT {
-            break;
-        }
+    for _ in rounds(ROUNDS, SHORT) {
         for (&without, (_, passes)) in without.iter().zip(&mut steps) {
             let overrides = Overrides { without, ..Overrides::default() };
             let structure = Structure { precision, overrides };
             let setting = Setting { structure, ..Setting::default() };
-            let (rendered, _) = timed(subject, &setting, &RenderOptions::default())?;
+            let (rendered, _) = timed(subject, &setting, 0)?;
             keep_least(passes, &rendered.pass_seconds);
         }
     }
@@ -101,8 +98,15 @@ fn keep_least(passes: &mut Vec<(String, f64)>, found: &[(&'static str, f64)]) {
 
 /// The precisions of a scene, in the order of rendering.
 pub fn of(scene: &str, records: &[Record]) -> Vec<LayersFindings> {
-    let of_scene = all(records).filter(|l: &&LayersRecord| l.scene == scene);
-    of_scene.map(|l| LayersFindings { precision: l.precision.clone(), parts: parts(l) }).collect()
+    let found = |l: &LayersRecord| {
+        // The key of a structure without overrides is its precision.
+        let is_it = |p: &&PreparedRecord| p.scene == scene && p.key == l.precision;
+        let before: Vec<Stages> = all(records).filter(is_it).map(|p| p.time).collect();
+        let each = |of: fn(&Stages) -> f64| median(&before.iter().map(of).collect::<Vec<_>>());
+        let before = Stages { load: each(|s| s.load), build: each(|s| s.build) };
+        LayersFindings { precision: l.precision.clone(), before, parts: parts(l) }
+    };
+    all(records).filter(|l: &&LayersRecord| l.scene == scene).map(found).collect()
 }
 
 /// The time that each layer saves. A step that takes longer than the one before does so by noise,

@@ -2,19 +2,17 @@
 
 mod answers;
 mod charts;
+mod crops;
 mod tables;
 
 use std::path::Path;
 
 use super::Findings;
-use super::crops::{Crop, Crops, crops};
 use super::findings::SceneFindings;
 use super::sweep::Swept;
-use crate::page::{Block, Fact, Page, Picture, Section};
-use crate::plot::number::{figure, seconds};
+use crate::bench::page::command;
+use crate::page::{Block, Fact, Page, Section};
 use wavecrest_base::error::Result;
-use wavecrest_core::film::Film;
-use wavecrest_image::write::{Transfer, png};
 
 /// Writes `findings` to the folder `results`: `report.html`, and each chart as SVG and CSV.
 ///
@@ -27,7 +25,6 @@ pub fn write(findings: &Findings, swept: &mut [Swept], results: &Path) -> Result
         first.extend(bought(scene, swept)?);
         sections.push(section(scene, results)?);
     }
-    first.push(answers::costs(findings));
     sections.push(about(findings));
     let (title, lead) = ("What accuracy costs in time".to_owned(), answers::lead(findings));
     Page { title, lead, first, sections }.write(&results.join("report.html"))
@@ -46,39 +43,13 @@ pub fn summary(findings: &Findings) -> Vec<Block> {
 }
 
 /// What each time buys: the chart of the answer's samplers, and crops.
-fn bought(scene: &SceneFindings, swept: &mut Swept) -> Result<Vec<Block>> {
-    let Swept { subject, families, references } = swept;
-    let name = scene.answer.family;
-    let (Some(found), Some(family)) = (
-        scene.families.iter().find(|found| found.name == name),
-        families.iter().find(|family| family.name == name),
-    ) else {
-        return Ok(Vec::new());
-    };
-    let mut blocks = vec![Block::Chart(charts::against_time(found, scene))];
-    if let Some(reference) = references.get(found.target.name())
-        && let Some(crops) = crops(subject, family, found, &scene.answer, reference)?
-    {
-        blocks.extend(rows(&crops)?);
-    }
-    Ok(blocks)
-}
-
-/// The crops of the answers, with the reference, above those of random points.
-fn rows(Crops { answers, random, reference }: &Crops) -> Result<Vec<Block>> {
-    let row = |crops: &[Crop]| {
-        let crops = crops.iter().map(|crop| picture(&crop.film, words(crop)));
-        let reference = std::iter::once_with(|| picture(reference, "reference".to_owned()));
-        crops.chain(reference).collect::<Result<Vec<_>>>()
-    };
-    let mut blocks = vec![
-        Block::paragraph("What each time buys, where random points have their largest error:"),
-        Block::Pictures(row(answers)?),
-    ];
-    if !random.is_empty() {
-        blocks.push(Block::paragraph("Random points in at most the same time:"));
-        blocks.push(Block::Pictures(row(random)?));
-    }
+fn bought(
+    scene: &SceneFindings,
+    Swept { subject, references, .. }: &mut Swept,
+) -> Result<Vec<Block>> {
+    let Some(family) = scene.family(scene.answer.family) else { return Ok(Vec::new()) };
+    let mut blocks = vec![Block::Chart(charts::against_time(family, scene))];
+    blocks.extend(crops::rows(subject, family, &scene.answer, &references[&family.target])?);
     Ok(blocks)
 }
 
@@ -106,19 +77,9 @@ fn about(findings: &Findings) -> Section {
             Fact::new("wavecrest", findings.header.version.clone()),
             Fact::new("Commit", circumstances.commit.clone().unwrap_or_else(|| "unknown".into())),
         ]));
-        blocks.push(Block::Code(command(&circumstances.command)));
+        blocks.push(Block::Code(command(circumstances.command.get(1..).unwrap_or_default())));
     }
     Section::new("How it was measured", blocks)
-}
-
-/// The arguments as typed, with only the name of the program.
-fn command(arguments: &[String]) -> String {
-    let mut words = vec!["wavecrest".to_owned()];
-    for argument in arguments.iter().skip(1) {
-        let is_plain = argument.chars().all(|c| c.is_ascii_alphanumeric() || "-_./,=:".contains(c));
-        words.push(if is_plain { argument.clone() } else { format!("'{argument}'") });
-    }
-    words.join(" ")
 }
 
 fn section(scene: &SceneFindings, folder: &Path) -> Result<Section> {
@@ -139,7 +100,7 @@ fn section(scene: &SceneFindings, folder: &Path) -> Result<Section> {
                 blocks.push(Block::Chart(chart));
             }
         }
-        blocks.extend(tables::of(family, &scene.answer));
+        blocks.extend(tables::of(family));
     }
     blocks.push(Block::Heading("Where the time goes".to_owned()));
     let time = charts::time(scene);
@@ -149,14 +110,4 @@ fn section(scene: &SceneFindings, folder: &Path) -> Result<Section> {
     blocks.extend(tables::precision(scene));
     blocks.extend(tables::steps(scene));
     Ok(Section::new(scene.scene.scene.clone(), blocks))
-}
-
-fn words(Crop { name, point, .. }: &Crop) -> String {
-    let (points, error) = (tables::points_of(&point.label), figure(point.rmse.value * 100.0));
-    format!("{}: {name}, {points}, error {error} %", seconds(point.seconds.median))
-}
-
-fn picture(film: &Film, caption: String) -> Result<Picture> {
-    let alt = format!("Rendered image: {caption}");
-    Ok(Picture { png: png(film, Transfer::Linear)?, alt, caption })
 }

@@ -54,15 +54,18 @@ const MARGIN: f64 = 1.1;
 /// -3/2 of their number.
 const SLOPES: [f64; 2] = [-1.5, -0.5];
 
-/// The kind of samples to vary for a smaller error.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Axis {
-    /// Points on area lights, for one ray a pixel.
-    Lights,
-    /// Rays through the lens.
-    Lens,
-    /// Rays through the pixel.
-    Pixel,
+wavecrest_base::choices! {
+    /// The kind of samples to vary for a smaller error. Names are those of the families of settings
+    /// in which a sweep varies them.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    pub enum Axis {
+        /// Points on area lights, for one ray a pixel.
+        Lights = "lights",
+        /// Rays through the lens.
+        Lens = "lens",
+        /// Rays through the pixel.
+        Pixel = "pixel",
+    }
 }
 
 /// A sampler with its error and time.
@@ -105,15 +108,6 @@ impl Axis {
             Facts { has_lens: true, .. } => Self::Lens,
             Facts { has_area_lights: true, .. } => Self::Lights,
             _ => Self::Pixel,
-        }
-    }
-
-    /// The family of settings in which a sweep varies it.
-    pub fn family(self) -> &'static str {
-        match self {
-            Self::Lights => "lights",
-            Self::Lens => "lens",
-            Self::Pixel => "pixel",
         }
     }
 
@@ -243,15 +237,10 @@ impl Pilot {
 
     /// The choice that reaches `error` in the least time.
     pub fn for_error(&self, error: f64) -> Option<Choice> {
-        let choices = self.curves.iter().map(|curve| curve.for_error(error));
-        let reaches = |c: &Choice| c.error <= error;
-        choices.min_by(|a, b| {
-            reaches(b).cmp(&reaches(a)).then(if reaches(a) {
-                a.seconds.total_cmp(&b.seconds)
-            } else {
-                a.error.total_cmp(&b.error)
-            })
-        })
+        let choices = || self.curves.iter().map(|curve| curve.for_error(error));
+        let reaching = choices().filter(|choice| choice.error <= error);
+        let fastest = reaching.min_by(|a, b| a.seconds.total_cmp(&b.seconds));
+        fastest.or_else(|| choices().min_by(|a, b| a.error.total_cmp(&b.error)))
     }
 
     /// The choice with the least error in `seconds`.

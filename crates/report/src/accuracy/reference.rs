@@ -6,166 +6,115 @@
 //! standard errors is noise of the reference; renders are added until the reference is accurate
 //! enough for the comparisons, or until there are [`MOST_REPLICATES`].
 
-use super::setting::{Setting, Target};
-use super::subject::Subject;
+use super::pilot::Axis;
+use super::pilot::measured::variance;
+use super::setting::{Facts, Setting, Target, converges};
+use super::store::{Record, ReferenceRecord, Store, all};
+use super::sweep::Swept;
 use wavecrest_base::error::Result;
 use wavecrest_core::accel::KernelChoice;
 use wavecrest_core::film::Film;
 use wavecrest_core::math::sampling::{Points, Sampling};
-use wavecrest_core::prepared::Samples;
-use wavecrest_core::render::RenderOptions;
+use wavecrest_image::compare::compare;
+use wavecrest_image::read::read;
+use wavecrest_image::write::{Transfer, write};
 
 /// Errors of at least this many standard errors are above the noise of the reference.
 pub const FLOOR: f64 = 3.0;
 
 /// Smallest number of renders of a reference: fewer would not show their spread.
-const LEAST_REPLICATES: u32 = 4;
+const LEAST_REPLICATES: usize = 4;
 
 /// Largest number of renders.
-const MOST_REPLICATES: u32 = 32;
+const MOST_REPLICATES: usize = 32;
 
 /// Their first seed, which no other render uses.
 const FIRST_SEED: u64 = 1 << 63;
 
-/// A reference picture.
-#[derive(Clone, Debug)]
-pub struct Reference {
-    /// The mean.
-    pub film: Film,
-    /// Points of each kind in each pixel, all renders together.
-    pub samples: u64,
-    /// The number of renders.
-    pub replicates: u32,
-    /// Root mean square, over all values, of the standard error of the mean.
-    pub standard_error: f64,
-    /// Seconds that it took.
-    pub seconds: f64,
-}
-
-impl Reference {
-    /// Whether `rmse`, an error against it, is above its noise.
-    pub fn believes(&self, rmse: f64) -> bool {
-        rmse >= FLOOR * self.standard_error
+/// The reference of `target` in `store`, or a new one, with at least `least` points of each kind:
+/// rendered until the errors of the settings nearest to it are above its noise.
+///
+/// # Errors
+/// If the scene can no longer be rendered, or the reference can be neither read nor written.
+pub fn reference(swept: &mut Swept, target: Target, least: u32, store: &mut Store) -> Result<Film> {
+    let Swept { subject, families, .. } = swept;
+    let scene = subject.record.scene.clone();
+    let is_it = |known: &&ReferenceRecord| known.scene == scene && known.target == target;
+    if let Some(known) = all(&store.records).find(is_it) {
+        return read(&store.folder.join(&known.file));
     }
-}
-
-/// Sums over renders.
-struct Sums {
-    sum: Vec<[f64; 3]>,
-    squares: Vec<[f64; 3]>,
-    count: u32,
-}
-
-impl Sums {
-    fn new(pixels: usize) -> Self {
-        Self { sum: vec![[0.0; 3]; pixels], squares: vec![[0.0; 3]; pixels], count: 0 }
-    }
-
-    fn add(&mut self, film: &Film) {
-        self.count += 1;
-        let rows = self.sum.iter_mut().zip(&mut self.squares).zip(film.pixels());
-        for ((sum, squares), pixel) in rows {
-            for ((sum, squares), &value) in sum.iter_mut().zip(squares).zip(pixel) {
-                *sum += f64::from(value);
-                *squares += f64::from(value) * f64::from(value);
-            }
+    let approached = families.iter().filter(|family| family.target == target);
+    let last = approached.flat_map(|family| &family.series).filter_map(|s| s.points.last());
+    let nearest = last.filter(|(.., setting)| converges(&setting.key()));
+    let nearest: Vec<Setting> = nearest.map(|(.., setting)| *setting).collect();
+    let (setting, count) = setting(&subject.facts, target, least);
+    let is_sampled = subject.facts.is_sampled(target);
+    let mut films: Vec<Film> = Vec::new();
+    let mut seconds = 0.0;
+    let (film, standard_error) = loop {
+        let seed = FIRST_SEED + films.len() as u64;
+        let rendered = subject.render_with(KernelChoice::Reference, &setting, seed)?;
+        seconds += rendered.seconds;
+        films.push(rendered.film);
+        if !is_sampled {
+            break (mean(&films)?, 0.0);
         }
-    }
+        if films.len() < LEAST_REPLICATES {
+            continue;
+        }
+        let standard_error = (variance(&films) / films.len() as f64).sqrt();
+        let film = mean(&films)?;
+        let mut smallest = f64::INFINITY;
+        for setting in &nearest {
+            let rendered = subject.render(setting, 0)?;
+            smallest = smallest.min(compare(&rendered.film, &film)?.rmse);
+        }
+        if smallest >= FLOOR * standard_error || films.len() >= MOST_REPLICATES {
+            break (film, standard_error);
+        }
+    };
+    let file = format!("{scene}-{}.exr", target.name());
+    write(&film, &store.folder.join(&file), Transfer::Linear)?;
+    let replicates = films.len() as u32;
+    let samples = u64::from(replicates) * u64::from(count);
+    store.add(Record::Reference(ReferenceRecord {
+        scene,
+        target,
+        file,
+        samples,
+        replicates,
+        standard_error,
+        seconds,
+    }))?;
+    Ok(film)
+}
 
-    /// Mean and variance of each value, pixel by pixel.
-    fn moments(&self) -> impl Iterator<Item = ([f64; 3], [f64; 3])> {
-        let n = f64::from(self.count);
-        self.sum.iter().zip(&self.squares).map(move |(sum, squares)| {
-            let variance = |channel: usize| {
-                let (sum, squares) = (sum[channel], squares[channel]);
-                ((squares - sum * sum / n) / (n - 1.0).max(1.0)).max(0.0)
-            };
-            (sum.map(|s| s / n), [variance(0), variance(1), variance(2)])
-        })
+/// The mean of images of one size, at least one.
+fn mean(films: &[Film]) -> Result<Film> {
+    let mut mean = Film::new(films[0].width(), films[0].height())?;
+    for (index, value) in mean.pixels_mut().as_flattened_mut().iter_mut().enumerate() {
+        let each = films.iter().map(|film| f64::from(film.pixels().as_flattened()[index]));
+        *value = (each.sum::<f64>() / films.len() as f64) as f32;
     }
-
-    /// The mean.
-    fn film(&self, [width, height]: [u32; 2]) -> Result<Film> {
-        let mean = self.moments().map(|(mean, _)| mean.map(|v| v as f32)).collect();
-        Film::from_pixels(width, height, mean)
-    }
-
-    /// See [`Reference::standard_error`].
-    fn standard_error(&self) -> f64 {
-        let variances: f64 = self.moments().flat_map(|(_, variance)| variance).sum();
-        (variances / f64::from(self.count) / (3 * self.sum.len()).max(1) as f64).sqrt()
-    }
+    Ok(mean)
 }
 
 /// The setting of the reference of `target`, and the number of points of each kind in the scene: at
 /// least `least` for each sampled kind.
-fn setting(subject: &Subject, target: Target, least: u32) -> (Setting, u32) {
-    let facts = subject.facts();
-    let mut samples = Samples::default();
-    let mut count = 1;
-    if facts.is_sampled(target) {
-        let many = Points { sampling: Sampling::Sobol, side: least.isqrt() };
-        let many = if many.count() < least { Points { side: many.side + 1, ..many } } else { many };
-        count = many.count();
-        let one = Some(Points { side: 1, ..many });
-        let many = Some(many);
-        // With many rays in a pixel, each has one point of the sequence on each light and on the
-        // lens.
-        samples = if target == Target::Pixel || facts.antialias > 1 {
-            Samples { pixel: many, lens: one, lights: one }
-        } else if facts.has_lens {
-            Samples { pixel: None, lens: many, lights: one }
-        } else {
-            Samples { pixel: None, lens: None, lights: many }
-        };
+fn setting(facts: &Facts, target: Target, least: u32) -> (Setting, u32) {
+    if !facts.is_sampled(target) {
+        return (Setting::default(), 1);
     }
-    (Setting { samples, ..Setting::default() }, count)
+    let side = (1..).find(|side| side * side >= least).unwrap_or(1);
+    let points = Points { sampling: Sampling::Sobol, side };
+    let axis = if target == Target::Pixel { Axis::Pixel } else { Axis::of(facts) };
+    (Setting { samples: axis.samples(points), ..Setting::default() }, points.count())
 }
 
 /// The least work of a reference, in points of each pixel: see [`Setting::work`].
 pub fn least_work(least: u32) -> u64 {
-    REFERENCE_COST * u64::from(LEAST_REPLICATES) * u64::from(least)
+    REFERENCE_COST * LEAST_REPLICATES as u64 * u64::from(least)
 }
 
 /// How many times as long as the usual kernel the reference kernel takes, roughly.
 const REFERENCE_COST: u64 = 3;
-
-/// Renders the reference of `target`, with at least `least` points of each kind, until errors of
-/// `smallest` are above its noise.
-///
-/// # Errors
-/// If the scene can no longer be rendered.
-pub fn make(
-    subject: &mut Subject,
-    target: Target,
-    least: u32,
-    smallest: impl Fn(&mut Subject, &Film) -> Result<f64>,
-) -> Result<Reference> {
-    let (setting, count) = setting(subject, target, least);
-    let is_sampled = subject.facts().is_sampled(target);
-    let [width, height] = subject.size();
-    let mut sums = Sums::new(width as usize * height as usize);
-    let mut seconds = 0.0;
-    loop {
-        let seed = FIRST_SEED + u64::from(sums.count);
-        let options = RenderOptions { seed, ..RenderOptions::default() };
-        let rendered = subject.render_with(KernelChoice::Reference, &setting, &options)?;
-        seconds += rendered.seconds;
-        sums.add(&rendered.film);
-        let enough = if is_sampled { LEAST_REPLICATES } else { 1 };
-        if sums.count < enough {
-            continue;
-        }
-        let standard_error = if is_sampled { sums.standard_error() } else { 0.0 };
-        let samples = u64::from(sums.count) * u64::from(count);
-        let film = sums.film([width, height])?;
-        let replicates = sums.count;
-        let made = Reference { film, samples, replicates, standard_error, seconds };
-        let done = standard_error == 0.0
-            || replicates >= MOST_REPLICATES
-            || made.believes(smallest(subject, &made.film)?);
-        if done {
-            return Ok(made);
-        }
-    }
-}

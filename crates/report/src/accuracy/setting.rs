@@ -1,7 +1,9 @@
 //! The settings of a sweep, and the families that they form.
 
-use std::fmt::Write as _;
+use serde::Serialize;
 
+use super::fit::Interval;
+use super::pilot::Axis;
 use wavecrest_core::kernels::precision::Precision;
 use wavecrest_core::math::sampling::{Points, Sampling};
 use wavecrest_core::prepared::{PreparedScene, Samples};
@@ -27,12 +29,6 @@ pub struct Setting {
 }
 
 impl Setting {
-    /// The same with one point of each kind: the fastest render of its structure.
-    pub fn least(self) -> Self {
-        let one = Some(Points { sampling: Sampling::Random, side: 1 });
-        Self { samples: Samples { lights: one, lens: one, pixel: one }, ..self }
-    }
-
     /// A rough measure of a render's work: points in each pixel.
     pub fn work(&self) -> u64 {
         let Samples { lights, lens, pixel } = self.samples;
@@ -43,21 +39,20 @@ impl Setting {
 
     /// A short unique description: the key of its records.
     pub fn key(&self) -> String {
-        let mut key = self.structure.precision.name().to_owned();
-        let mut add = |name: &str, value: String| {
-            // Writing to a string cannot fail.
-            let _ = write!(key, " {name}={value}");
-        };
         let points = |p: Points| format!("{}:{}", p.sampling.name(), p.side);
         let Samples { lights, lens, pixel } = self.samples;
-        for (name, value) in [("lights", lights), ("lens", lens), ("pixel", pixel)] {
-            value.into_iter().for_each(|value| add(name, points(value)));
-        }
         let Overrides { bounces, filter, without } = self.structure.overrides;
-        bounces.into_iter().for_each(|n| add("bounces", n.to_string()));
-        filter.into_iter().for_each(|filter| add("filter", filter.name().to_owned()));
-        without.into_iter().for_each(|layer| add("without", layer.name().replace(' ', "-")));
-        key
+        let values = [
+            ("lights", lights.map(points)),
+            ("lens", lens.map(points)),
+            ("pixel", pixel.map(points)),
+            ("bounces", bounces.map(|n| n.to_string())),
+            ("filter", filter.map(|filter| filter.name().to_owned())),
+            ("without", without.map(|layer| layer.name().replace(' ', "-"))),
+        ];
+        let words = values.into_iter().filter_map(|(name, value)| Some((name, value?)));
+        let key = self.structure.precision.name().to_owned();
+        words.fold(key, |key, (name, value)| format!("{key} {name}={value}"))
     }
 }
 
@@ -110,9 +105,9 @@ wavecrest_base::choices! {
     }
 }
 
-/// Settings that differ in one property.
-#[derive(Clone, Debug)]
-pub struct Family {
+/// Settings that differ in one property, or what was found of them.
+#[derive(Clone, Debug, Serialize)]
+pub struct Family<P> {
     /// Its name in files.
     pub name: &'static str,
     /// The property, as a heading.
@@ -121,19 +116,29 @@ pub struct Family {
     pub counted: &'static str,
     /// The target of the settings.
     pub target: Target,
-    /// Whether the error should follow a power of the count.
-    pub has_slope: bool,
     /// The settings by their other differences.
-    pub series: Vec<Line>,
+    pub series: Vec<Series<P>>,
 }
 
 /// Settings in the order of the count.
-#[derive(Clone, Debug)]
-pub struct Line {
+#[derive(Clone, Debug, Serialize)]
+pub struct Series<P> {
     /// Their common properties.
     pub name: String,
-    /// The count, its label, and the setting.
-    pub points: Vec<(f64, String, Setting)>,
+    /// The exponent of the mean squared error as a function of the count, once it is found.
+    pub slope: Option<Interval>,
+    /// The settings.
+    pub points: Vec<P>,
+}
+
+/// A count, its label, and the setting.
+pub type Point = (f64, String, Setting);
+
+impl<P> Family<P> {
+    /// The settings of all series.
+    pub fn points(&self) -> impl Iterator<Item = &P> {
+        self.series.iter().flat_map(|series| &series.points)
+    }
 }
 
 /// The properties of a scene that can be varied.
@@ -193,108 +198,88 @@ const SIDES: [u32; 12] = [1, 2, 3, 4, 5, 6, 8, 11, 16, 23, 32, 45];
 /// Sides of grids of rays in a pixel when textures are compared.
 const FILTER_SIDES: [u32; 3] = [1, 2, 4];
 
-/// The families of a scene with these `facts`, with up to `most` points of a kind.
-pub fn families(facts: &Facts, most: u32) -> Vec<Family> {
-    let mut families = Vec::new();
-    if facts.has_area_lights {
-        let family = sampled("lights", "Points on area lights", "points on each light");
-        let samples = |points| Samples { lights: Some(points), ..Samples::default() };
-        families.push(family.with_points(most, samples));
-    }
-    if facts.has_lens {
-        let family = sampled("lens", "Points on the lens", "points on the lens");
-        let samples = |points| Samples { lens: Some(points), ..Samples::default() };
-        families.push(family.with_points(most, samples));
-    }
-    let family = sampled("pixel", "Rays in a pixel", "rays a pixel");
-    let samples = |points: Points| {
-        let one = Some(Points { side: 1, ..points });
-        Samples { lights: one, lens: one, pixel: Some(points) }
-    };
-    families.push(Family { target: Target::Pixel, ..family }.with_points(most, samples));
-    if facts.bounces > 0 {
-        families.push(bounces(facts.bounces));
-    }
-    families.push(precisions());
-    if facts.has_textures {
-        families.push(filters());
-    }
-    families
-}
+/// The families: name, title, what is counted, and the target.
+const FAMILIES: [(&str, &str, &str, Target); 6] = [
+    ("lights", "Points on area lights", "points on each light", Target::Scene),
+    ("lens", "Points on the lens", "points on the lens", Target::Scene),
+    ("pixel", "Rays in a pixel", "rays a pixel", Target::Pixel),
+    ("bounces", "Mirror bounces", "bounces", Target::Scene),
+    ("precision", "Precision", "precision", Target::Scene),
+    ("filter", "Texture filters", "rays a pixel", Target::Pixel),
+];
 
-/// A family whose error falls with the points of a kind, without its lines.
-fn sampled(name: &'static str, title: &'static str, counted: &'static str) -> Family {
-    let series = Vec::new();
-    Family { name, title, counted, target: Target::Scene, has_slope: true, series }
-}
-
-impl Family {
-    /// Adds a line for each sampling, with up to `most` points, converted by `samples`.
-    fn with_points(self, most: u32, samples: fn(Points) -> Samples) -> Self {
-        let line = |sampling: Sampling| {
-            let sides = SIDES.into_iter().filter(|side| side * side <= most);
-            let point = |side: u32| {
-                let points = Points { sampling, side };
-                let setting = Setting { samples: samples(points), ..Setting::default() };
-                (f64::from(points.count()), points.count().to_string(), setting)
-            };
-            Line { name: sampling.name().to_owned(), points: sides.map(point).collect() }
-        };
-        Self { series: Sampling::ALL.map(line).to_vec(), ..self }
-    }
-}
-
-/// A family of one line whose points need not follow a power.
-fn single(
-    name: &'static str,
-    title: &'static str,
-    counted: &'static str,
-    points: Vec<(f64, String, Setting)>,
-) -> Family {
-    let series = vec![Line { name: counted.to_owned(), points }];
-    Family { name, title, counted, target: Target::Scene, has_slope: false, series }
-}
-
-/// Up to 16 different numbers of bounces.
+/// Largest number of different numbers of bounces.
 const MOST_BOUNCES: u32 = 16;
 
-fn bounces(all: u32) -> Family {
-    let step = all.div_ceil(MOST_BOUNCES).max(1);
-    let mut counts: Vec<u32> = (0..all).step_by(step as usize).collect();
-    counts.push(all);
-    let point = |n: u32| {
-        let mut setting = Setting::default();
-        setting.structure.overrides.bounces = Some(n);
-        (f64::from(n), n.to_string(), setting)
+/// The families of a scene with these `facts`, with up to `most` points of a kind.
+pub fn families(facts: &Facts, most: u32) -> Vec<Family<Point>> {
+    let lights = |points| Samples { lights: Some(points), ..Samples::default() };
+    let lens = |points| Samples { lens: Some(points), ..Samples::default() };
+    let all = [
+        facts.has_area_lights.then(|| sampled(most, lights)),
+        facts.has_lens.then(|| sampled(most, lens)),
+        Some(sampled(most, |points| Axis::Pixel.samples(points))),
+        (facts.bounces > 0).then(|| bounces(facts.bounces)),
+        Some(precisions()),
+        facts.has_textures.then(filters),
+    ];
+    let family = |((name, title, counted, target), series): (_, Option<_>)| {
+        Some(Family { name, title, counted, target, series: series? })
     };
-    single("bounces", "Mirror bounces", "bounces", counts.into_iter().map(point).collect())
+    FAMILIES.into_iter().zip(all).filter_map(family).collect()
 }
 
-fn precisions() -> Family {
-    let point = |(i, precision): (usize, Precision)| {
-        let mut setting = Setting::default();
-        setting.structure.precision = precision;
-        (i as f64, precision.name().to_owned(), setting)
-    };
-    let points = Precision::ALL.into_iter().enumerate().map(point).collect();
-    single("precision", "Precision", "precision", points)
-}
-
-fn filters() -> Family {
-    let line = |filter: Filter| {
-        let point = |side: u32| {
-            let points = Points { sampling: Sampling::Jittered, side };
-            let mut setting = Setting::default();
-            setting.structure.overrides.filter = Some(filter);
-            setting.samples.pixel = Some(points);
-            (f64::from(points.count()), points.count().to_string(), setting)
+/// A series for each sampler, with up to `most` of the points from which `samples` are made.
+fn sampled(most: u32, samples: fn(Points) -> Samples) -> Vec<Series<Point>> {
+    let line = |sampling: Sampling| {
+        let sides = SIDES.into_iter().filter(|side| side * side <= most);
+        let point = |side| {
+            let points = Points { sampling, side };
+            counted(points, Setting { samples: samples(points), ..Setting::default() })
         };
-        let points = FILTER_SIDES.into_iter().map(point).collect();
-        Line { name: filter.name().to_owned(), points }
+        series(sampling.name(), sides.map(point))
     };
-    let series = Filter::ALL.into_iter().map(line).collect();
-    let (target, title, counted) = (Target::Pixel, "Texture filters", "rays a pixel");
-    Family { name: "filter", title, counted, target, has_slope: false, series }
+    Sampling::ALL.map(line).to_vec()
+}
+
+fn bounces(all: u32) -> Vec<Series<Point>> {
+    let counts = (0..all).step_by(all.div_ceil(MOST_BOUNCES) as usize).chain([all]);
+    let point = |n: u32| {
+        let overrides = Overrides { bounces: Some(n), ..Overrides::default() };
+        let structure = Structure { overrides, ..Structure::default() };
+        (f64::from(n), n.to_string(), Setting { structure, ..Setting::default() })
+    };
+    vec![series("bounces", counts.map(point))]
+}
+
+fn precisions() -> Vec<Series<Point>> {
+    let point = |(i, precision): (u32, Precision)| {
+        let structure = Structure { precision, ..Structure::default() };
+        (f64::from(i), precision.name().to_owned(), Setting { structure, ..Setting::default() })
+    };
+    vec![series("precision", (0..).zip(Precision::ALL).map(point))]
+}
+
+fn filters() -> Vec<Series<Point>> {
+    let line = |filter: Filter| {
+        let overrides = Overrides { filter: Some(filter), ..Overrides::default() };
+        let structure = Structure { overrides, ..Structure::default() };
+        let point = |side| {
+            let points = Points { sampling: Sampling::Jittered, side };
+            let samples = Samples { pixel: Some(points), ..Samples::default() };
+            counted(points, Setting { structure, samples })
+        };
+        series(filter.name(), FILTER_SIDES.map(point))
+    };
+    Filter::ALL.map(line).to_vec()
+}
+
+fn counted(points: Points, setting: Setting) -> Point {
+    (f64::from(points.count()), points.count().to_string(), setting)
+}
+
+fn series(name: &str, points: impl IntoIterator<Item = Point>) -> Series<Point> {
+    Series { name: name.to_owned(), slope: None, points: points.into_iter().collect() }
 }
 
 #[cfg(test)]

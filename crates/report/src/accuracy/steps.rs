@@ -10,15 +10,15 @@ use super::findings::SceneFindings;
 use super::setting::{Setting, Structure};
 use super::store::{Record, StepRecord, StepsRecord, Store, all};
 use super::subject::Subject;
-use super::sweep::Progress;
+use super::sweep::{Progress, rounds};
 use crate::selftest::agreement::leaving;
+use crate::statistics::Rays;
 use wavecrest_base::error::Result;
 use wavecrest_core::accel::steps::{Step, Steps};
 use wavecrest_core::kernels::precision::Precision;
 use wavecrest_core::math::random::Stream;
 use wavecrest_core::math::ray::Ray;
 use wavecrest_core::prepared::PreparedScene;
-use wavecrest_core::render::RenderOptions;
 
 /// Rays of the camera, and as many that leave primitives.
 const RAYS: u32 = 1 << 11;
@@ -32,13 +32,13 @@ const SHORT: f64 = 0.5;
 /// # Errors
 /// If the scene can no longer be rendered, or the record cannot be written.
 pub fn run(subject: &mut Subject, store: &mut Store, progress: &dyn Progress) -> Result<()> {
-    let scene = subject.name();
+    let scene = subject.record.scene.clone();
     if all(&store.records).any(|s: &StepsRecord| s.scene == scene) {
         return Ok(());
     }
     progress.stage(&format!("{scene}: steps to exact hits"));
-    let c = subject.render(&Setting::default(), &RenderOptions::default())?.counters;
-    let rays = c.primary_rays + c.secondary_rays + c.shadow_rays;
+    let c = subject.render(&Setting::default(), 0)?.counters;
+    let rays = Rays::from(&c).all();
     let mut prices = prices(&subject.prepare(&Structure::default())?.scene);
     let fast_filter = prices.pop().unwrap_or_default();
     let step = |(step, nanoseconds): (Step, f64)| StepRecord {
@@ -70,8 +70,8 @@ impl StepsRecord {
     /// The steps beside the whole, in words.
     pub fn sentence(&self, scene: &SceneFindings) -> String {
         let traced = |precision: Precision| {
-            let stages = scene.stages.iter().find(|s| s.precision == precision.name());
-            let passes = stages.iter().flat_map(|stages| &stages.passes);
+            let parts = scene.layers(precision).into_iter().flat_map(|layers| &layers.parts);
+            let passes = parts.flat_map(|part| &part.passes);
             let traced = passes.filter(|pass| TRACING.contains(&&*pass.0)).map(|pass| pass.1);
             traced.sum::<f64>() * 1e9 / self.rays.max(1) as f64
         };
@@ -97,11 +97,7 @@ fn prices(scene: &PreparedScene) -> Vec<f64> {
     let exact = Step::ALL.map(|step| (step, Precision::Exact));
     let all = exact.into_iter().chain([(Step::Filter, Precision::Fast)]);
     let mut least: Vec<_> = all.map(|taken| (taken, f64::INFINITY)).collect();
-    let start = Instant::now();
-    for round in 0..ROUNDS {
-        if round > 0 && start.elapsed().as_secs_f64() > SHORT {
-            break;
-        }
+    for _ in rounds(ROUNDS, SHORT) {
         for ((step, precision), least) in &mut least {
             *least = least.min(each(steps.count(*step), || steps.run(*step, *precision)));
         }

@@ -5,9 +5,8 @@
 
 mod records;
 
-use std::collections::HashSet;
 use std::fs::{File, OpenOptions};
-use std::io::{Read as _, Seek as _, SeekFrom, Write as _};
+use std::io::{Read as _, Write as _};
 use std::path::{Path, PathBuf};
 
 use super::setting::Target;
@@ -23,12 +22,13 @@ pub fn all<T: Recorded>(records: &[Record]) -> impl Iterator<Item = &T> {
 /// The records of a sweep, in a folder.
 #[derive(Debug)]
 pub struct Store {
-    folder: PathBuf,
-    file: File,
-    path: PathBuf,
+    /// The folder.
+    pub folder: PathBuf,
+    /// What all records share.
+    pub header: Header,
     /// All records, in the order of their creation.
     pub records: Vec<Record>,
-    points: HashSet<(String, Target, String, u64)>,
+    file: File,
 }
 
 /// All records of the sweep in `folder`, and its header. Those of older versions name precisions as
@@ -40,15 +40,28 @@ pub fn read(folder: &Path) -> Result<(Header, Vec<Record>)> {
     let path = folder.join(FILE);
     let text = std::fs::read_to_string(&path)
         .map_err(|e| Error::io("cannot read the records of a sweep", path.as_path(), e))?;
-    let mut records = records(&text, &path)?.0;
-    rename(&mut records);
-    let mut records = records.into_iter();
+    let mut records = records(&renamed(text), &path)?.0.into_iter();
     match records.next() {
         Some(Record::Header(header)) => Ok((header, records.collect())),
         _ => Err(Error::new(ErrorKind::Io, "the header of the results is missing")
             .in_file(&path)
             .remedy("use a folder that `accuracy --output` wrote")),
     }
+}
+
+/// Gives precisions their present names. Where one is called `robust`, that is now `exact`, and the
+/// `exact` beside it is now the reference kernel.
+fn renamed(mut text: String) -> String {
+    // A key begins with its precision. No other text has quotes as they are.
+    let fields = ["\"key\":\"", "\"precision\":\""];
+    if fields.iter().any(|field| text.contains(&format!("{field}robust"))) {
+        for (old, new) in [("exact", "reference"), ("robust", "exact")] {
+            for field in fields {
+                text = text.replace(&format!("{field}{old}"), &format!("{field}{new}"));
+            }
+        }
+    }
+    text
 }
 
 /// The records in `text`, the contents of `path`, and the length of its whole lines in bytes.
@@ -79,34 +92,22 @@ impl Store {
         let path = folder.join(FILE);
         let failed = |e| Error::io("cannot open the records", path.as_path(), e);
         let mut options = OpenOptions::new();
-        let file = options.read(true).write(true).create(true).truncate(false);
-        let mut file = file.open(&path).map_err(failed)?;
+        let mut file = options.read(true).append(true).create(true).open(&path).map_err(failed)?;
         let mut text = String::new();
         file.read_to_string(&mut text).map_err(failed)?;
         let (records, whole) = records(&text, &path)?;
         file.set_len(whole as u64).map_err(failed)?;
-        file.seek(SeekFrom::End(0)).map_err(failed)?;
-        let mut store = Self {
-            folder: folder.to_owned(),
-            file,
-            path,
-            records: Vec::new(),
-            points: HashSet::new(),
-        };
-        match records.first() {
+        let mut store = Self { folder: folder.to_owned(), header: header.clone(), records, file };
+        match store.records.first() {
             None => store.add(Record::Header(header.clone()))?,
             Some(Record::Header(found)) if found == header => {}
-            Some(_) => return Err(store.other_sweep()),
-        }
-        for record in records {
-            store.remember(record);
+            Some(_) => {
+                let message = "the folder has the results of another sweep";
+                let error = Error::new(ErrorKind::Usage, message).in_file(&path);
+                return Err(error.remedy("use the same options as before, or another folder"));
+            }
         }
         Ok(store)
-    }
-
-    /// The folder.
-    pub fn folder(&self) -> &Path {
-        &self.folder
     }
 
     /// Appends a record and flushes it to the disk.
@@ -114,30 +115,18 @@ impl Store {
     /// # Errors
     /// If it cannot be written.
     pub fn add(&mut self, record: Record) -> Result<()> {
-        let failed = |e| Error::io("cannot write a record", self.path.as_path(), e);
+        let failed = |e| Error::io("cannot write a record", self.folder.join(FILE), e);
         let line = serde_json::to_string(&record).map_err(|e| failed(e.into()))?;
         self.file.write_all(format!("{line}\n").as_bytes()).map_err(failed)?;
         self.file.flush().map_err(failed)?;
-        self.remember(record);
+        self.records.push(record);
         Ok(())
     }
 
     /// Whether a setting has been rendered with a seed.
     pub fn has(&self, scene: &str, target: Target, key: &str, seed: u64) -> bool {
-        self.points.contains(&(scene.to_owned(), target, key.to_owned(), seed))
-    }
-
-    fn remember(&mut self, record: Record) {
-        if let Record::Point(p) = &record {
-            self.points.insert((p.scene.clone(), p.target, p.key.clone(), p.seed));
-        }
-        self.records.push(record);
-    }
-
-    fn other_sweep(&self) -> Error {
-        Error::new(ErrorKind::Usage, "the folder has the results of another sweep")
-            .in_file(&self.path)
-            .remedy("use the same options as before, or another folder")
+        let asked = (scene, target, key, seed);
+        all(&self.records).any(|p: &PointRecord| (&*p.scene, p.target, &*p.key, p.seed) == asked)
     }
 
     /// Refuses scenes with a duplicate name or with changes since their records were made.
@@ -170,7 +159,7 @@ mod tests {
     }
 
     fn point(seed: u64) -> Record {
-        let error = Errors { mse: 0.25, relative_mse: 0.5, bias: -0.1, flip: 0.3, flip_95: 0.6 };
+        let error = Errors { mse: 0.25, relative_mse: 0.5, bias: -0.1, flip: 0.3 };
         Record::Point(PointRecord {
             scene: "a".into(),
             target: Target::Scene,

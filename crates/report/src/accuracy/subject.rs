@@ -2,10 +2,11 @@
 //! render.
 
 use std::collections::HashMap;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::time::Instant;
 
 use super::setting::{Facts, Setting, Structure};
+use super::store::SceneRecord;
 use wavecrest_base::error::Result;
 use wavecrest_core::accel::KernelChoice;
 use wavecrest_core::accel::build::Preset;
@@ -14,15 +15,13 @@ use wavecrest_core::render::{RenderOptions, Rendered, render};
 use wavecrest_scene::load::{LoadOptions, load};
 use wavecrest_scene::systems::{Options, extract, overrides};
 
-/// A scene's file, and its prepared structures.
+/// A scene, and its prepared structures.
 #[derive(Debug)]
 pub struct Subject {
-    file: PathBuf,
-    size: [u32; 2],
-    facts: Facts,
-    fingerprint: u128,
-    primitives: u64,
-    preset: Preset,
+    /// Its file and its size, under its name.
+    pub record: SceneRecord,
+    /// The properties that can be varied.
+    pub facts: Facts,
     prepared: HashMap<Structure, Prepared>,
 }
 
@@ -57,62 +56,19 @@ impl Subject {
     /// If it cannot be loaded or prepared.
     pub fn open(file: &Path, longest: u32) -> Result<Self> {
         let full = extract(&mut load(file, &LoadOptions::default())?.world, Default::default())?;
-        let facts = Facts::of(full.scene());
-        let size = within(full.scene().camera.size(), longest);
-        Ok(Self {
+        let record = SceneRecord {
+            scene: file.file_stem().unwrap_or_default().to_string_lossy().into_owned(),
             file: file.to_owned(),
-            size,
-            facts,
-            fingerprint: full.scene().fingerprint(),
+            fingerprint: format!("{:032x}", full.scene().fingerprint()),
+            size: within(full.scene().camera.size(), longest),
             primitives: full.geometry().held() as u64,
-            preset: Preset::Fast,
-            prepared: HashMap::new(),
-        })
-    }
-
-    /// The scene's file.
-    pub fn file(&self) -> &Path {
-        &self.file
-    }
-
-    /// The name of the file without folder and extension.
-    pub fn name(&self) -> String {
-        self.file.file_stem().unwrap_or_default().to_string_lossy().into_owned()
-    }
-
-    /// Width and height of its images.
-    pub fn size(&self) -> [u32; 2] {
-        self.size
+        };
+        Ok(Self { record, facts: Facts::of(full.scene()), prepared: HashMap::new() })
     }
 
     /// The number of pixels of its images.
     pub fn pixels(&self) -> u64 {
-        self.size.map(u64::from).iter().product()
-    }
-
-    /// The properties that can be varied.
-    pub fn facts(&self) -> Facts {
-        self.facts
-    }
-
-    /// A hash of the scene: see [`PreparedScene::fingerprint`].
-    pub fn fingerprint(&self) -> u128 {
-        self.fingerprint
-    }
-
-    /// Number of triangles, quads and spheres.
-    pub fn primitives(&self) -> u64 {
-        self.primitives
-    }
-
-    /// Whether a structure is prepared and in memory.
-    pub fn is_prepared(&self, structure: &Structure) -> bool {
-        self.prepared.contains_key(structure)
-    }
-
-    /// The preset of its trees.
-    pub fn preset(&self) -> Preset {
-        self.preset
+        self.record.size.map(u64::from).iter().product()
     }
 
     /// The scene in `structure`, prepared if necessary.
@@ -124,21 +80,21 @@ impl Subject {
             Some(prepared) => prepared,
             None => {
                 self.make_room();
-                self.build(structure, self.preset)?
+                self.build(structure)?
             }
         };
         Ok(self.prepared.entry(*structure).or_insert(prepared))
     }
 
-    /// Prepares the scene with another preset, without keeping it.
+    /// Prepares the scene without keeping it.
     ///
     /// # Errors
     /// If it can no longer be loaded or prepared.
-    pub fn build(&self, structure: &Structure, preset: Preset) -> Result<Prepared> {
-        let [width, height] = self.size.map(Some);
+    pub fn build(&self, structure: &Structure) -> Result<Prepared> {
+        let [width, height] = self.record.size.map(Some);
         let start = Instant::now();
         let mut loaded =
-            load(&self.file, &LoadOptions { width, height, ..LoadOptions::default() })?;
+            load(&self.record.file, &LoadOptions { width, height, ..LoadOptions::default() })?;
         overrides::apply(&mut loaded.world, &structure.overrides);
         let options = Options { precision: structure.precision, ..Options::default() };
         let extracted = extract(&mut loaded.world, options)?;
@@ -146,7 +102,7 @@ impl Subject {
         extracted.scene().appearance.decode()?;
         let load = start.elapsed().as_secs_f64();
         let start = Instant::now();
-        let scene = extracted.build(preset);
+        let scene = extracted.build(Preset::Fast);
         let build = start.elapsed().as_secs_f64();
         let original = scene.original();
         Ok(Prepared { scene, original, time: Stages { load, build } })
@@ -156,8 +112,8 @@ impl Subject {
     ///
     /// # Errors
     /// If it can no longer be prepared, or there is no memory for the image.
-    pub fn render(&mut self, setting: &Setting, options: &RenderOptions) -> Result<Rendered> {
-        self.render_with(KernelChoice::default(), setting, options)
+    pub fn render(&mut self, setting: &Setting, seed: u64) -> Result<Rendered> {
+        self.render_with(KernelChoice::default(), setting, seed)
     }
 
     /// As [`Self::render`], with this kernel.
@@ -168,12 +124,13 @@ impl Subject {
         &mut self,
         kernel: KernelChoice,
         setting: &Setting,
-        options: &RenderOptions,
+        seed: u64,
     ) -> Result<Rendered> {
         let Prepared { scene, original, .. } = self.prepare(&setting.structure)?;
         scene.resample(original, &setting.samples);
         let usual = std::mem::replace(&mut scene.accel.kernel, kernel);
-        let rendered = render(scene, options, &());
+        let options = RenderOptions { seed, ..RenderOptions::default() };
+        let rendered = render(scene, &options, &());
         scene.accel.kernel = usual;
         rendered
     }
@@ -190,13 +147,7 @@ impl Subject {
 }
 
 /// The size with the same proportions and a longer side of at most `longest`.
-fn within([width, height]: [u32; 2], longest: u32) -> [u32; 2] {
-    let side = width.max(height);
-    if side <= longest {
-        return [width, height];
-    }
-    [width, height].map(|n| {
-        let scaled = u64::from(n) * u64::from(longest) / u64::from(side);
-        scaled.max(1) as u32
-    })
+fn within(size: [u32; 2], longest: u32) -> [u32; 2] {
+    let side = size.into_iter().fold(longest, u32::max);
+    size.map(|n| (u64::from(n) * u64::from(longest) / u64::from(side)).max(1) as u32)
 }

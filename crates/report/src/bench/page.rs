@@ -26,10 +26,9 @@ pub fn page(report: &BenchReport) -> Page {
         let title = format!("`{}`", scene.setting.scene);
         sections.push(Section::new(title, self::scene(scene, &report.machine)));
     }
-    let words: Vec<String> = report.command.iter().map(|word| quoted(word)).collect();
     let mut facts = machine(&report.machine);
     facts.push(Fact::new("wavecrest", report.version));
-    let command = Block::Code(format!("wavecrest {}", words.join(" ")));
+    let command = Block::Code(command(&report.command));
     sections.push(Section::new("How it was measured", vec![Block::Facts(facts), command]));
     let title = "Wavefront against recursive".to_owned();
     Page { title, lead: lead(&report.scenes), sections, ..Page::default() }
@@ -220,6 +219,12 @@ pub fn machine(machine: &Machine) -> Vec<Fact> {
         Fact::new("cores, threads", format!("{cores}, {threads}")),
         Fact::new("system", os),
     ]
+}
+
+/// A command with these arguments, as typed.
+pub(crate) fn command(arguments: &[String]) -> String {
+    let words = arguments.iter().map(|word| format!(" {}", quoted(word)));
+    words.fold("wavecrest".to_owned(), |command, word| command + &word)
 }
 
 /// A word of a command, quoted for a shell if necessary.

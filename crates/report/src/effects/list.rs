@@ -1,22 +1,20 @@
-//! The price list, as written in JSON.
+//! The price list, as written in JSON: see [`crate::effects`].
+
+#![allow(missing_docs, reason = "the table there says it once, for the JSON and for the fields")]
 
 use serde::Serialize;
 
-use super::Entry;
 use crate::bench::equal::Difference;
 use crate::bench::{Machine, Ratio};
 use crate::statistics::{Rays, Samples};
 use crate::summary::Summary;
 use wavecrest_core::accel::KernelChoice;
-use wavecrest_core::counters::Counters;
 use wavecrest_core::kernels::precision::Precision;
 use wavecrest_core::math::simd::Level;
-use wavecrest_core::prepared::PreparedScene;
 use wavecrest_core::render::TracerKind;
 
-/// See [`crate::effects`]: fields have the names of the JSON.
+/// The list.
 #[derive(Clone, Debug, Serialize)]
-#[allow(missing_docs, reason = "the table above says it once, for the JSON and for the fields")]
 pub struct PriceList {
     pub version: &'static str,
     pub machine: Machine,
@@ -32,7 +30,6 @@ pub struct PriceList {
 
 /// The size of all images.
 #[derive(Clone, Copy, Debug, Serialize)]
-#[allow(missing_docs, reason = "see crate::effects")]
 pub struct Size {
     pub width: u32,
     pub height: u32,
@@ -40,7 +37,6 @@ pub struct Size {
 
 /// The settings of the renders.
 #[derive(Clone, Copy, Debug, Serialize)]
-#[allow(missing_docs, reason = "see crate::effects")]
 pub struct Setting {
     pub simd: Level,
     pub kernel: KernelChoice,
@@ -50,10 +46,9 @@ pub struct Setting {
 
 /// The cost of one effect.
 #[derive(Clone, Debug, Serialize)]
-#[allow(missing_docs, reason = "see crate::effects")]
 pub struct Price {
-    pub effect: &'static str,
-    pub added_to: Option<&'static str>,
+    pub effect: String,
+    pub added_to: Option<String>,
     pub reached: bool,
     pub simulated: Vec<&'static str>,
     pub rays: Rays,
@@ -65,10 +60,8 @@ pub struct Price {
 
 /// The cost with one tracer.
 #[derive(Clone, Debug, Serialize)]
-#[allow(missing_docs, reason = "see crate::effects")]
 pub struct Cost {
     pub seconds: Summary,
-    pub seconds_per_mpixel: f64,
     pub seconds_per_mray: f64,
     pub price: Option<Ratio>,
 }
@@ -77,47 +70,9 @@ pub struct Cost {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct EffectDifference {
     /// The effect whose scene differs.
-    pub effect: &'static str,
+    pub effect: String,
     /// The tracer of the run that differs.
     pub tracer: TracerKind,
     /// The difference.
     pub difference: Difference,
-}
-
-impl PriceList {
-    /// A list without prices, by this program on this machine.
-    pub(super) fn of(entries: &[Entry], setting: Setting) -> Self {
-        let [width, height] = entries.first().map_or([0; 2], |entry| entry.scene.camera.size());
-        Self {
-            version: env!("CARGO_PKG_VERSION"),
-            machine: Machine::this(),
-            image: Size { width, height },
-            setting,
-            rounds: 0,
-            left_out: 0,
-            busy: 0,
-            difference: None,
-            effects: Vec::new(),
-        }
-    }
-}
-
-impl Cost {
-    /// The cost of a variant, given the seconds of all, and the variant that it is added to.
-    pub(super) fn new(
-        seconds: &[Vec<f64>],
-        (index, base): (usize, Option<usize>),
-        scene: &PreparedScene,
-        counters: &Counters,
-    ) -> Option<Self> {
-        let pixels: u64 = scene.camera.size().map(u64::from).iter().product();
-        let summary = Summary::of(&seconds[index])?;
-        let per_million = |count: u64| summary.median / count.max(1) as f64 * 1e6;
-        Some(Self {
-            seconds_per_mpixel: per_million(pixels),
-            seconds_per_mray: per_million(Rays::from(counters).all()),
-            price: base.and_then(|base| Ratio::of(seconds, index, base)),
-            seconds: summary,
-        })
-    }
 }

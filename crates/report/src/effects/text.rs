@@ -43,7 +43,7 @@ pub fn blocks(list: &PriceList) -> Vec<Block> {
 
 fn row(p: &Price) -> Vec<Cell> {
     let costs = [&p.wavefront, &p.recursive].map(cells).concat();
-    let names = vec![Cell::text(p.effect), Cell::text(p.added_to.unwrap_or("nothing"))];
+    let names = vec![Cell::text(&p.effect), Cell::text(p.added_to.as_deref().unwrap_or("nothing"))];
     [names, costs, vec![Cell::count(p.bytes_per_path as u64)]].concat()
 }
 

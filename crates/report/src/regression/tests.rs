@@ -131,7 +131,7 @@ fn point(key: String, seed: u64, [seconds, share, yardstick]: [f64; 3], mse: f64
         timing: Some(Timing { seconds, processor: Some(share * seconds) }),
         passes: Vec::new(),
         rays: 7,
-        error: Errors { mse, relative_mse: mse, bias: 0.0, flip: 0.0, flip_95: 0.0 },
+        error: Errors { mse, relative_mse: mse, bias: 0.0, flip: 0.0 },
     })
 }
 

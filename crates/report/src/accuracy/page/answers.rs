@@ -1,12 +1,11 @@
 //! The answer, on the first screen.
 
 use crate::accuracy::Findings;
-use crate::accuracy::answer::{Answer, AtError, Price};
+use crate::accuracy::answer::{Answer, AtError};
 use crate::accuracy::findings::SceneFindings;
 use crate::accuracy::fit::Interval;
 use crate::page::{Block, Cell, Table};
 use crate::plot::number::{figure, seconds};
-use wavecrest_core::kernels::precision::Precision;
 
 /// The scenes and the sizes of their images.
 pub(super) fn lead(findings: &Findings) -> String {
@@ -59,35 +58,4 @@ fn times(at: &AtError, ratio: &Interval) -> String {
         false if low == high => format!("{value:.1} times"),
         false => format!("{value:.1} times ({low:.1} to {high:.1})"),
     }
-}
-
-/// The costs of precision and effects in each scene.
-pub(super) fn costs(findings: &Findings) -> Block {
-    let missing = || Cell::text("-");
-    let ratio = |price: &Price| {
-        let Interval { value, low, high } = price.ratio;
-        let decimals = if value < 10.0 { 2 } else { 1 };
-        Cell::number(value, format!("{value:.decimals$} ({low:.decimals$} to {high:.decimals$})"))
-    };
-    let row = |scene: &SceneFindings| {
-        let Answer { precisions, effects, pass, share, .. } = &scene.answer;
-        let of = |precision: Precision| precisions.iter().find(|p| p.name == precision.name());
-        let exact = of(Precision::Exact);
-        let worst = exact.and_then(|price| price.worst_t);
-        let effect = effects.first();
-        let share = |name: &String| format!("`{name}`, {:.0}%", share * 100.0);
-        vec![
-            Cell::text(scene.scene.scene.clone()),
-            exact.map_or_else(missing, ratio),
-            worst.map_or_else(missing, |ulp| Cell::decimals(ulp, 1)),
-            effect.map_or_else(missing, |effect| Cell::text(effect.name.clone())),
-            effect.map_or_else(missing, ratio),
-            pass.as_ref().map_or_else(missing, |name| Cell::text(share(name))),
-        ]
-    };
-    let caption = "Cost of precision and effects, as ratios of tracing time: `exact` over `fast`, and the scene \
-                   over the same scene without its most expensive effect, or with one point for it. Also the \
-                   largest error of t in `exact`, in ulp, and the pass that takes the most time";
-    let header = "scene|>exact|>error of t|most expensive effect|>its cost|longest pass";
-    Block::Table(Table::new(caption, header, findings.scenes.iter().map(row).collect()))
 }

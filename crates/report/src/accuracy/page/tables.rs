@@ -1,37 +1,28 @@
 //! Findings as tables.
 
-use crate::accuracy::answer::Answer;
-use crate::accuracy::findings::{FamilyFindings, PointFindings, SceneFindings, SeriesFindings};
-use crate::accuracy::setting::Target;
-use crate::accuracy::store::StepRecord;
+use crate::accuracy::findings::{Point, SceneFindings};
+use crate::accuracy::setting::{Family, Series, Target};
+use crate::accuracy::store::{ReferenceRecord, StepRecord};
 use crate::page::{Block, Cell, Details, Table};
-use crate::plot::number::{figure, seconds};
+use crate::plot::number::figure;
 use crate::selftest::errors::{Distribution, HitErrors, ulps};
-
-/// The description of a reference.
-fn target(target: Target) -> &'static str {
-    match target {
-        Target::Scene => "the scene",
-        Target::Pixel => "whole pixels",
-    }
-}
 
 /// The references of the scene's errors, in sentences.
 pub(super) fn references(scene: &SceneFindings) -> String {
-    let of = |r: &crate::accuracy::store::ReferenceRecord| {
+    let of = |r: &ReferenceRecord| {
+        let target = match r.target {
+            Target::Scene => "the scene",
+            Target::Pixel => "whole pixels",
+        };
         if r.standard_error == 0.0 {
-            return format!(
-                "The reference for {} is exact, as nothing is sampled.",
-                target(r.target)
-            );
+            return format!("The reference for {target} is exact, as nothing is sampled.");
         }
         format!(
-            "The reference for {} is the mean of {} renders, with {} points of each kind per pixel in total; its \
-             standard error is {:.2e}.",
-            target(r.target),
+            "The reference for {target} is the mean of {} renders, with {} points of each kind per pixel in total; its \
+             standard error is {}.",
             r.replicates,
             figure(r.samples as f64),
-            r.standard_error
+            figure(r.standard_error)
         )
     };
     scene.references.iter().map(of).collect::<Vec<_>>().join(" ")
@@ -39,37 +30,22 @@ pub(super) fn references(scene: &SceneFindings) -> String {
 
 /// A number rounded to its significant digits.
 fn digits(value: f64) -> Cell {
-    let text = match value.abs() {
-        0.0 => "0".to_owned(),
-        v if (1e-2..1e4).contains(&v) => format!("{value:.4}"),
-        _ => format!("{value:.3e}"),
-    };
-    Cell::number(value, text)
+    Cell::number(value, figure(value))
 }
 
-fn milliseconds(seconds: f64) -> Cell {
-    Cell::number(seconds, format!("{:.2}", seconds * 1e3))
-}
-
-/// The tables of a family, for the errors of the answer.
-pub(super) fn of(family: &FamilyFindings, answer: &Answer) -> Vec<Block> {
-    let mut blocks = Vec::new();
-    blocks.extend(slopes(family).map(Block::Table));
+/// The tables of a family.
+pub(super) fn of(family: &Family<Point>) -> Vec<Block> {
+    let mut blocks: Vec<Block> = slopes(family).map(Block::Table).into_iter().collect();
     let points = Block::Table(points(family));
-    if family.series.len() == 1 {
-        blocks.push(points);
-        return blocks;
-    }
-    blocks.push(Block::Table(time_to_error(family, answer)));
-    blocks.push(Block::Details(Details {
-        summary: "Every setting".to_owned(),
-        blocks: vec![points],
-    }));
+    blocks.push(match family.series.len() {
+        1 => points,
+        _ => Block::Details(Details { summary: "Every setting".to_owned(), blocks: vec![points] }),
+    });
     blocks
 }
 
-pub(super) fn slopes(family: &FamilyFindings) -> Option<Table> {
-    let row = |series: &SeriesFindings| {
+pub(super) fn slopes(family: &Family<Point>) -> Option<Table> {
+    let row = |series: &Series<Point>| {
         let slope = series.slope?;
         let interval = |low: f64, high: f64| Cell::text(format!("{low:.3} to {high:.3}"));
         Some(vec![
@@ -89,40 +65,15 @@ pub(super) fn slopes(family: &FamilyFindings) -> Option<Table> {
     (!rows.is_empty()).then(|| Table::new(caption, header, rows))
 }
 
-/// The fastest setting of each sampler that reaches each error.
-fn time_to_error(family: &FamilyFindings, answer: &Answer) -> Table {
-    let first = family.series.first();
-    let cell = |series: &SeriesFindings, error: f64| {
-        let Some(point) = series.reach(error) else { return Cell::text("not reached") };
-        let time = point.seconds.median;
-        let text = format!("{}, {}", seconds(time), points_of(&point.label));
-        let rival = first.filter(|first| first.name != series.name).and_then(|f| f.reach(error));
-        let ratio = rival.map(|rival| format!(" ({:.2} x)", rival.seconds.median / time));
-        Cell::number(time, text + &ratio.unwrap_or_default())
-    };
-    let row = |series: &SeriesFindings| {
-        let cells = answer.errors.iter().map(|at| cell(series, at.error));
-        std::iter::once(Cell::text(series.name.clone())).chain(cells).collect()
-    };
-    let errors = answer.errors.iter().map(|at| format!("|>error {} %", figure(at.error * 100.0)));
-    let header = "sampler".to_owned() + &errors.collect::<String>();
-    let caption = format!(
-        "Tracing time of each sampler's fastest setting that reaches an error, and how many times as fast as {} it is",
-        first.map_or("", |first| &first.name)
-    );
-    Table::new(caption, &header, family.series.iter().map(row).collect())
-}
-
 /// A number of points in words.
 pub(super) fn points_of(count: &str) -> String {
     if count == "1" { "1 point".to_owned() } else { format!("{count} points") }
 }
 
-fn points(family: &FamilyFindings) -> Table {
+fn points(family: &Family<Point>) -> Table {
     let header =
         "setting|>time, ms|>RMSE|>95% interval|>relative MSE|>PSNR, dB|>FLIP|>bias|above noise";
-    let mark = |yes: bool| Cell::text(if yes { "yes" } else { "no" });
-    let row = |series: &SeriesFindings, p: &PointFindings| {
+    let row = |series: &Series<Point>, p: &Point| {
         let name = if family.series.len() > 1 {
             format!("{} {}", series.name, p.label)
         } else {
@@ -130,14 +81,14 @@ fn points(family: &FamilyFindings) -> Table {
         };
         vec![
             Cell::text(name),
-            milliseconds(p.seconds.median),
+            Cell::decimals(p.seconds.median * 1e3, 2),
             digits(p.rmse.value),
-            Cell::text(format!("{:.2e} to {:.2e}", p.rmse.low, p.rmse.high)),
+            Cell::text(format!("{} to {}", figure(p.rmse.low), figure(p.rmse.high))),
             digits(p.relative_mse),
             p.psnr.map_or(Cell::text("identical"), |v| Cell::decimals(v, 2)),
             digits(p.flip),
             digits(p.bias),
-            mark(p.above_noise),
+            Cell::text(if p.above_noise { "yes" } else { "no" }),
         ]
     };
     let rows = family.series.iter().flat_map(|s| s.points.iter().map(move |p| row(s, p))).collect();
@@ -146,16 +97,16 @@ fn points(family: &FamilyFindings) -> Table {
 
 /// Time and error of each precision, with leaks and self-hits.
 pub(super) fn precision(scene: &SceneFindings) -> Vec<Block> {
-    let family = scene.families.iter().find(|family| family.name == "precision");
+    let family = scene.family("precision");
     let Some(points) = family.and_then(|f| f.series.first()).map(|series| &series.points) else {
         return Vec::new();
     };
     let fast = points.first().map_or(1.0, |p| p.seconds.median);
     let share =
         |[tried, failed]: [u64; 2]| Cell::number(failed as f64, format!("{failed} of {tried}"));
-    let row = |p: &PointFindings| {
+    let row = |p: &Point| {
         let trial = scene.trials.iter().find(|trial| trial.precision == p.label);
-        let missing = || Cell::text("none");
+        let missing = || Cell::text("no triangles");
         let errors = trial.and_then(|trial| trial.errors.as_deref());
         let worst = |of: fn(&HitErrors) -> &Distribution| {
             errors.map_or_else(missing, |e| Cell::number(of(e).worst, ulps(of(e).worst)))
@@ -175,15 +126,7 @@ pub(super) fn precision(scene: &SceneFindings) -> Vec<Block> {
     let caption = "Leaks: rays aimed at an edge that pass between its two triangles. Self-hits: rays that leave a \
                    triangle and hit it again (acne). Then the largest errors of hits";
     let header = "precision|>time / fast|>RMSE|>leaks|>self-hits|>t|>point|>normal";
-    let mut table = Table::new(caption, header, points.iter().map(row).collect());
-    if scene.trials.is_empty() {
-        // There are no trials without triangles.
-        table.caption =
-            "The scene has no triangles: no ray can leak, or hit its own triangle".to_owned();
-        table.columns.truncate(3);
-        table.rows.iter_mut().for_each(|row| row.truncate(3));
-    }
-    vec![Block::Table(table)]
+    vec![Block::Table(Table::new(caption, header, points.iter().map(row).collect()))]
 }
 
 /// What each step to an exact hit costs, and all of them beside the whole.

@@ -5,6 +5,7 @@ use rayon::prelude::*;
 
 use crate::accuracy::fit::Rng;
 use crate::accuracy::setting::{Facts, Target};
+use crate::expected::tiles;
 use wavecrest_base::error::Result;
 use wavecrest_core::film::Film;
 use wavecrest_core::prepared::PreparedScene;
@@ -85,7 +86,7 @@ pub fn error(scene: &PreparedScene, film: Option<&Film>, seed: u64) -> Result<Me
 }
 
 /// The variance of a value between images of one size: the mean over all their values.
-fn variance(films: &[Film]) -> f64 {
+pub(in crate::accuracy) fn variance(films: &[Film]) -> f64 {
     let n = films.len() as f64;
     let values = films.first().map_or(0, |film| film.pixels().len() * 3);
     let of = |index: usize| {
@@ -96,23 +97,7 @@ fn variance(films: &[Film]) -> f64 {
     (0..values).map(of).sum::<f64>() / values.max(1) as f64
 }
 
-/// A window in each part of the image, all of one size; the whole image if it is small.
-fn windows([width, height]: [u32; 2], rng: &mut Rng) -> Vec<Tile> {
-    let parts = |side: u32| (side / WINDOW).clamp(1, WINDOWS);
-    let (columns, rows) = (parts(width), parts(height));
-    let mut place = |part: u32, parts: u32, side: u32| {
-        let bound = |part: u32| (u64::from(side) * u64::from(part) / u64::from(parts)) as u32;
-        let (start, end) = (bound(part), bound(part + 1));
-        let length = WINDOW.min(end - start);
-        (start + rng.below((end - start - length) as usize + 1) as u32, length)
-    };
-    let mut tiles = Vec::new();
-    for row in 0..rows {
-        for column in 0..columns {
-            let (x, width) = place(column, columns, width);
-            let (y, height) = place(row, rows, height);
-            tiles.push(Tile { x, y, width, height });
-        }
-    }
-    tiles
+/// A window in each part of the image, at a random place.
+fn windows(size: [u32; 2], rng: &mut Rng) -> Vec<Tile> {
+    tiles(size, WINDOWS, WINDOW, |room| rng.below(room as usize + 1) as u32)
 }

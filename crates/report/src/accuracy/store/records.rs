@@ -8,8 +8,6 @@ use crate::accuracy::setting::Target;
 use crate::accuracy::subject::Stages;
 use crate::measure::Timing;
 use crate::selftest::errors::HitErrors;
-use wavecrest_core::accel::KernelChoice;
-use wavecrest_core::kernels::precision::Precision;
 
 /// The values shared by all records of a file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -116,9 +114,6 @@ pub struct Errors {
     pub bias: f64,
     /// Mean FLIP.
     pub flip: f64,
-    /// The FLIP value that one pixel of twenty exceeds; older sweeps have none.
-    #[serde(default)]
-    pub flip_95: f64,
 }
 
 /// The last removed layer, and the seconds in each pass without it and those before it.
@@ -206,40 +201,6 @@ macro_rules! records {
 pub trait Recorded: Sized + 'static {
     /// `record`, if it is of this kind.
     fn of(record: &Record) -> Option<&Self>;
-}
-
-impl Record {
-    /// What names a precision, alone or as the first word of a key.
-    fn precision_mut(&mut self) -> Option<&mut String> {
-        match self {
-            Self::Prepared(PreparedRecord { key, .. }) | Self::Point(PointRecord { key, .. }) => {
-                Some(key)
-            }
-            Self::Trial(TrialRecord { precision, .. })
-            | Self::Layers(LayersRecord { precision, .. }) => Some(precision),
-            _ => None,
-        }
-    }
-}
-
-/// Gives precisions their present names. Where one is called `robust`, that is now `exact`, and the
-/// `exact` beside it is now the reference kernel.
-pub(super) fn rename(records: &mut [Record]) {
-    let first = |name: &str| name.split(' ').next().unwrap_or_default().to_owned();
-    let mut names: Vec<&mut String> =
-        records.iter_mut().filter_map(Record::precision_mut).collect();
-    if !names.iter().any(|name| first(name) == "robust") {
-        return;
-    }
-    for name in &mut names {
-        let old = first(name);
-        let new = match old.as_str() {
-            "robust" => Precision::Exact.name(),
-            "exact" => KernelChoice::Reference.name(),
-            _ => continue,
-        };
-        name.replace_range(..old.len(), new);
-    }
 }
 
 records! {
