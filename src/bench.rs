@@ -123,8 +123,7 @@ fn tell_scene(args: &BenchArgs, report: &BenchReport, found: &SceneBench) -> Res
     }
     // Even if quiet: a wrong image must not go unnoticed.
     for different in found.comparisons.iter().filter_map(|compared| compared.difference.as_ref()) {
-        let words = different.difference.words(&different.label, &different.over);
-        tell(&format!("error: {name}: {words}"));
+        tell(&format!("error: {name}: {}", different.words()));
     }
     found.warnings.iter().for_each(|warning| tell(&format!("warning: {name}: {warning}")));
     Ok(())

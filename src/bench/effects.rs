@@ -28,7 +28,7 @@ pub(super) fn run(args: &BenchArgs) -> Result<bool> {
         measure(&entries, setting, &args.schedule(), trace, progress)
     })?;
     if let Some(differs) = &list.difference {
-        tell(&format!("error: {}: the image or the ray counts are wrong", differs.effect));
+        tell(&format!("error: {}: the image or the ray counts are wrong", differs.label));
     }
     let json = to_json(&list)?;
     if let Some(file) = &args.output {

@@ -39,7 +39,7 @@ use wavecrest_core::prepared::PreparedScene;
 use wavecrest_core::render::{Rendered, TracerKind};
 use wavecrest_core::wavefront::batch::Batch;
 
-pub use list::{Cost, EffectDifference, Price, PriceList, Setting, Size};
+pub use list::{Cost, Price, PriceList, Setting, Size};
 pub use text::{blocks, text};
 
 /// A prepared scene of the list.
@@ -90,11 +90,8 @@ pub fn measure(
         }
         // What nothing shows must look like the scene without it.
         let expected = if variant.reached { index } else { variant.added_to.unwrap_or(index) };
-        let difference = Difference::of(&firsts[expected], &rendered);
-        list.difference = difference.map(|difference| {
-            let effect = variant.name.clone();
-            EffectDifference { effect, tracer, difference }
-        });
+        let names = [&*format!("{} ({tracer:?})", variant.name), "the first render"];
+        list.difference = Difference::of(names, &rendered, &firsts[expected]);
         Ok(list.difference.is_none().then_some((timing, ())))
     };
     let measured = crate::measure::measure(TRACERS.len() * entries.len(), schedule, run, progress)?;

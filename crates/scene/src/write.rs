@@ -21,6 +21,7 @@ use wavecrest_base::replace::{check_replaceable, replace_file, write_error};
 use super::components::TextureSource;
 use crate::load::LoadedScene;
 use beside::Beside;
+pub use mesh::write_ply;
 
 /// Writes `scene` to the scene file `path`, with its meshes and images beside it. Returns the
 /// files, the scene last. Existing files are replaced only if `replaces`.
@@ -40,7 +41,7 @@ pub fn write(mut scene: LoadedScene, path: &Path, replaces: bool) -> Result<Vec<
         check_free(file, replaces)?;
     }
     for (file, data) in meshes {
-        replace_file(&file, |sink| mesh::write(&data, sink).map_err(|e| write_error(&file, e)))?;
+        replace_file(&file, |sink| write_ply(&data, sink).map_err(|e| write_error(&file, e)))?;
     }
     for (file, source) in images {
         replace_file(&file, |sink| copy(&source, sink).map_err(|e| copy_error(&source, &file, e)))?;

@@ -9,9 +9,10 @@ use std::path::Path;
 
 use super::Findings;
 use super::findings::SceneFindings;
+use super::store::Circumstances;
 use super::sweep::Swept;
-use crate::bench::page::command;
-use crate::page::{Block, Fact, Page, Section};
+use crate::bench::page::{command, recorded};
+use crate::page::{Block, Page, Section};
 use wavecrest_base::error::Result;
 
 /// Writes `findings` to the folder `results`: `report.html`, and each chart as SVG and CSV.
@@ -65,19 +66,10 @@ fn about(findings: &Findings) -> Section {
     // Entries of a resumed sweep with the same command are shown once.
     distinct.dedup();
     for circumstances in &distinct {
-        let of = |key: &str| match &circumstances.machine[key] {
-            serde_json::Value::Null => "unknown".to_owned(),
-            serde_json::Value::String(text) => text.clone(),
-            other => other.to_string(),
-        };
-        blocks.push(Block::Facts(vec![
-            Fact::new("Processor", of("processor")),
-            Fact::new("Cores, threads", format!("{}, {}", of("cores"), of("threads"))),
-            Fact::new("System", of("os")),
-            Fact::new("wavecrest", findings.header.version.clone()),
-            Fact::new("Commit", circumstances.commit.clone().unwrap_or_else(|| "unknown".into())),
-        ]));
-        blocks.push(Block::Code(command(circumstances.command.get(1..).unwrap_or_default())));
+        let Circumstances { machine, commit, command: typed } = circumstances;
+        let facts = recorded(machine, &findings.header.version, commit.as_deref());
+        blocks.push(Block::Facts(facts));
+        blocks.push(Block::Code(command(typed.get(1..).unwrap_or_default())));
     }
     Section::new("How it was measured", blocks)
 }

@@ -26,7 +26,7 @@ pub struct Comparison {
     pub busy: usize,
     /// Empty if images differ.
     pub variants: Vec<VariantBench>,
-    pub difference: Option<VariantDifference>,
+    pub difference: Option<Difference>,
     /// The work of one run; tests are those of the first variant.
     #[serde(skip)]
     pub counters: Counters,
@@ -62,16 +62,6 @@ pub struct Gain {
     pub ratio: Ratio,
 }
 
-/// A difference of an image from the first one.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-#[allow(missing_docs, reason = "see crate::bench")]
-pub struct VariantDifference {
-    pub label: String,
-    pub over: String,
-    #[serde(flatten)]
-    pub difference: Difference,
-}
-
 /// What is kept of a run.
 struct Kept {
     passes: Vec<(&'static str, f64)>,
@@ -97,9 +87,9 @@ pub fn compare(
         let first = first.get_or_insert_with(|| rendered.clone());
         // Without the plan there is more work, for the same image.
         let counts = |found: &Difference| of != Axis::Plan || found.is_image;
-        if let Some(found) = Difference::of(first, &rendered).filter(counts) {
-            let (label, over) = (choice.label.clone(), choices[0].label.clone());
-            difference = Some(VariantDifference { label, over, difference: found });
+        let names = [&*choice.label, &choices[0].label];
+        difference = Difference::of(names, &rendered, first).filter(counts);
+        if difference.is_some() {
             return Ok(None);
         }
         let (passes, columns) = (rendered.pass_seconds, rendered.columns);

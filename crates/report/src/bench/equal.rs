@@ -10,6 +10,10 @@ use wavecrest_core::render::Rendered;
 /// A difference of a run from the first.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Difference {
+    /// What differs.
+    pub label: String,
+    /// The first run.
+    pub over: String,
     /// Whether the images differ, or only the work.
     pub is_image: bool,
     /// The first pixel that differs, row by row from the top, or the first count.
@@ -23,31 +27,35 @@ pub struct Difference {
 impl Difference {
     /// The difference of `run` from the `first`, if any. In fast precision kernels and levels may
     /// differ at edges, so nothing is compared.
-    pub(crate) fn of(first: &Rendered, run: &Rendered) -> Option<Self> {
+    pub(crate) fn of([label, over]: [&str; 2], run: &Rendered, first: &Rendered) -> Option<Self> {
+        let of = |is_image: bool, first: String, [expected, found]: [String; 2]| {
+            let (label, over) = (label.to_owned(), over.to_owned());
+            Some(Self { label, over, is_image, first, expected, found })
+        };
         if run.precision == Precision::Fast {
             return None;
         }
         if !first.film.same_bits(&run.film) {
-            return Some(of_images(&first.film, &run.film));
+            let (place, values) = first_pixel(&first.film, &run.film);
+            return of(true, place, values);
         }
         // Tiles of background alone cast no camera rays.
         let same_tiles = first.tiles == run.tiles;
         let counts = work(&first.counters).into_iter().zip(work(&run.counters));
         let mut counts = counts.filter(|((name, _), _)| same_tiles || !OF_TILES.contains(name));
         let ((name, expected), (_, found)) = counts.find(|(a, b)| a != b)?;
-        let [expected, found] = [expected, found].map(|count| count.to_string());
-        Some(Self { is_image: false, first: name.to_owned(), expected, found })
+        of(false, name.to_owned(), [expected, found].map(|count| count.to_string()))
     }
 
-    /// In words: what `name` has, against the one called `other`.
-    pub fn words(&self, name: &str, other: &str) -> String {
-        let Self { is_image, first, expected, found } = self;
+    /// In words.
+    pub fn words(&self) -> String {
+        let Self { label, over, is_image, first, expected, found } = self;
         match is_image {
             true => format!(
-                "THE IMAGES DIFFER, first at {first}: {name} has {found}, {other} has {expected}"
+                "THE IMAGES DIFFER, first at {first}: {label} has {found}, {over} has {expected}"
             ),
             false => format!(
-                "THE WORK DIFFERS: {name} counts {found} {first}, {other} {expected}; the images are equal"
+                "THE WORK DIFFERS: {label} counts {found} {first}, {over} {expected}; the images are equal"
             ),
         }
     }
@@ -72,16 +80,16 @@ fn work(c: &Counters) -> [(&'static str, u64); 10] {
     ]
 }
 
-/// The difference of two images of one size, which are known to differ.
-fn of_images(expected: &Film, found: &Film) -> Difference {
+/// The first pixel in which two images of one size differ, and its value in each.
+fn first_pixel(expected: &Film, found: &Film) -> (String, [String; 2]) {
     let same = |(a, b): (&[f32; 3], &[f32; 3])| a.map(f32::to_bits) == b.map(f32::to_bits);
     let pairs = expected.pixels().iter().zip(found.pixels());
     let index = pairs.take_while(|&pair| same(pair)).count() as u32;
     let (x, y) = (index % expected.width(), index / expected.width());
-    let [expected, found] = [expected, found].map(|film| {
+    let values = [expected, found].map(|film| {
         let [r, g, b] = film.pixel(x, y).unwrap_or_default();
         let bits = [r, g, b].map(|value| format!("{:08x}", value.to_bits())).join(" ");
         format!("{r:?} {g:?} {b:?} (bits {bits})")
     });
-    Difference { is_image: true, first: format!("column {x}, row {y}"), expected, found }
+    (format!("column {x}, row {y}"), values)
 }

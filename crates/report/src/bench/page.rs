@@ -5,6 +5,8 @@ mod comparison;
 
 use std::path::Path;
 
+use serde_json::Value;
+
 use super::compare::VariantBench;
 use super::machine::Machine;
 use super::ratio::Ratio;
@@ -218,6 +220,22 @@ pub fn machine(machine: &Machine) -> Vec<Fact> {
         Fact::new("processor", processor.as_deref().unwrap_or("unknown")),
         Fact::new("cores, threads", format!("{cores}, {threads}")),
         Fact::new("system", os),
+    ]
+}
+
+/// The machine, as recorded in JSON, and the program of a measurement.
+pub(crate) fn recorded(machine: &Value, version: &str, commit: Option<&str>) -> Vec<Fact> {
+    let of = |key: &str| match &machine[key] {
+        Value::Null => "unknown".to_owned(),
+        Value::String(text) => text.clone(),
+        other => other.to_string(),
+    };
+    vec![
+        Fact::new("Processor", of("processor")),
+        Fact::new("Cores, threads", format!("{}, {}", of("cores"), of("threads"))),
+        Fact::new("System", of("os")),
+        Fact::new("wavecrest", version.to_owned()),
+        Fact::new("Commit", commit.unwrap_or("unknown").to_owned()),
     ]
 }
 

@@ -11,7 +11,6 @@ use crate::summary::Summary;
 use wavecrest_core::accel::KernelChoice;
 use wavecrest_core::kernels::precision::Precision;
 use wavecrest_core::math::simd::Level;
-use wavecrest_core::render::TracerKind;
 
 /// The list.
 #[derive(Clone, Debug, Serialize)]
@@ -24,7 +23,7 @@ pub struct PriceList {
     pub rounds: usize,
     pub left_out: usize,
     pub busy: usize,
-    pub difference: Option<EffectDifference>,
+    pub difference: Option<Difference>,
     pub effects: Vec<Price>,
 }
 
@@ -64,15 +63,4 @@ pub struct Cost {
     pub seconds: Summary,
     pub seconds_per_mray: f64,
     pub price: Option<Ratio>,
-}
-
-/// The difference that ended the measurement.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct EffectDifference {
-    /// The effect whose scene differs.
-    pub effect: String,
-    /// The tracer of the run that differs.
-    pub tracer: TracerKind,
-    /// The difference.
-    pub difference: Difference,
 }

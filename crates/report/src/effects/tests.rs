@@ -93,7 +93,7 @@ fn a_visible_effect_that_should_be_hidden_ends_the_measurement() {
     };
     let found = measure(&entries, setting(), &schedule(), trace, &mut |_, _| {}).expect("a list");
     let differs = found.difference.as_ref().expect("a difference");
-    assert_eq!(differs.effect, entries[spoilt].variant.name);
+    assert!(differs.label.starts_with(&entries[spoilt].variant.name));
     assert!(found.effects.is_empty() && text(&found).contains("THE WORK DIFFERS"));
 }
 
@@ -108,5 +108,6 @@ fn tracers_that_disagree_end_it_too() {
         Ok(run)
     };
     let found = measure(&entries, setting(), &schedule(), trace, &mut |_, _| {}).expect("a list");
-    assert_eq!(found.difference.map(|d| d.effect).as_ref(), Some(&entries[0].variant.name));
+    let differs = found.difference.expect("a difference");
+    assert_eq!(differs.label, format!("{} (Recursive)", entries[0].variant.name));
 }

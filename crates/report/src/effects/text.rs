@@ -10,8 +10,7 @@ pub fn text(list: &PriceList) -> String {
     match &list.difference {
         None => blocks.extend(self::blocks(list)),
         Some(differs) => {
-            let name = format!("{} ({:?})", differs.effect, differs.tracer);
-            blocks.push(Block::Warning(differs.difference.words(&name, "the first render")));
+            blocks.push(Block::Warning(differs.words()));
         }
     }
     crate::text::text(&blocks)

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use super::{Change, Ratio, Regression, Side, TOLERANCE, Verdict};
+use crate::bench::page::recorded;
 use crate::files::{to_json, write_text};
 use crate::page::{Block, Cell, Fact, Page, Section, Table};
 use crate::plot::{Axis, Chart, Guide, Point, Scale, Series};
@@ -108,16 +109,7 @@ fn change(c: &Change) -> Vec<Cell> {
 }
 
 fn side(side: &Side) -> Block {
-    let of = |key: &str| match &side.machine[key] {
-        serde_json::Value::Null => "unknown".to_owned(),
-        serde_json::Value::String(text) => text.clone(),
-        other => other.to_string(),
-    };
-    Block::Facts(vec![
-        Fact::new("Measurement", side.path.clone()),
-        Fact::new("wavecrest", side.version.clone()),
-        Fact::new("Commit", side.commit.clone().unwrap_or_else(|| "unknown".to_owned())),
-        Fact::new("Processor", of("processor")),
-        Fact::new("Cores, threads", format!("{}, {}", of("cores"), of("threads"))),
-    ])
+    let mut facts = vec![Fact::new("Measurement", side.path.clone())];
+    facts.extend(recorded(&side.machine, &side.version, side.commit.as_deref()));
+    Block::Facts(facts)
 }

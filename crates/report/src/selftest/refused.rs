@@ -6,6 +6,8 @@ use std::path::Path;
 
 use super::prelude::*;
 use wavecrest_base::error::{Error, ErrorKind};
+use wavecrest_scene::mesh::MeshData;
+use wavecrest_scene::write::write_ply;
 
 /// A camera that looks at the origin.
 fn eye() -> Eye {
@@ -124,34 +126,32 @@ fn turn_bits(numbers: &mut Numbers, mut bytes: Vec<u8>) -> Vec<u8> {
 }
 
 /// A mesh and what can be wrong with it.
-struct Mesh {
-    positions: Vec<[f32; 3]>,
-    triangles: Vec<[u32; 3]>,
-}
+struct Mesh(MeshData);
 
 impl Mesh {
     fn new(numbers: &mut Numbers) -> Self {
         let vertices = 3 + numbers.below(30);
-        let mut position = || [(); 3].map(|()| numbers.about(1.0) as f32);
+        let mut position = || Vec3::from([(); 3].map(|()| numbers.about(1.0) as f32));
         let positions = (0..vertices).map(|_| position()).collect();
         let mut triangle = || [(); 3].map(|()| numbers.below(vertices) as u32);
         let triangles = (0..=vertices).map(|_| triangle()).collect();
-        Self { positions, triangles }
+        Self(MeshData { positions, triangles, ..MeshData::default() })
     }
 
     /// Adds a fault, a vertex that is not finite or an index out of range, and returns the place
     /// that an error must name.
     fn spoil(&mut self, numbers: &mut Numbers, extension: &str) -> String {
-        let (vertices, which) = (self.positions.len(), numbers.below(3));
+        let Self(MeshData { positions, triangles, .. }) = self;
+        let (vertices, which) = (positions.len(), numbers.below(3));
         let (name, at, line) = if numbers.once_in(2) {
             let at = numbers.below(vertices);
             let wrong = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, 1e13, f32::MIN];
-            self.positions[at][which] = numbers.among(wrong);
+            positions[at][which] = numbers.among(wrong);
             ("vertex", at, 1 + at)
         } else {
-            let at = numbers.below(self.triangles.len());
+            let at = numbers.below(triangles.len());
             let beyond = numbers.magnitude(1.0, 1e9) as u32;
-            self.triangles[at][which] = vertices as u32 - 1 + beyond;
+            triangles[at][which] = vertices as u32 - 1 + beyond;
             ("face", at, 1 + vertices + at)
         };
         if extension == "obj" { format!("line {line}") } else { format!("{name} {at}") }
@@ -160,35 +160,28 @@ impl Mesh {
     /// Replaces values by random bits: half of the time none that would be refused.
     fn scatter(&mut self, numbers: &mut Numbers) {
         let is_tame = numbers.once_in(2);
-        for value in self.positions.iter_mut().flatten() {
+        for value in self.0.positions.iter_mut().flat_map(|position| position.as_mut()) {
             let bits = f32::from_bits(numbers.bits());
             *value = if bits.abs() < 1e12 || !is_tame { bits } else { *value };
         }
-        let corners = self.triangles.iter_mut().flatten();
+        let corners = self.0.triangles.iter_mut().flatten();
         corners.filter(|_| numbers.once_in(200)).for_each(|corner| *corner = !*corner);
     }
 
     /// The file: OBJ, or binary PLY.
     fn bytes(&self, extension: &str) -> Vec<u8> {
-        if extension == "obj" {
-            let vertices = self.positions.iter().map(|[x, y, z]| format!("v {x} {y} {z}\n"));
-            let faces = self.triangles.iter().map(|corners| {
-                let [a, b, c] = corners.map(|v| u64::from(v) + 1);
-                format!("f {a} {b} {c}\n")
-            });
-            return vertices.chain(faces).collect::<String>().into_bytes();
+        let mut bytes = Vec::new();
+        if extension == "ply" {
+            // Memory refuses nothing.
+            let _ = write_ply(&self.0, &mut bytes);
+            return bytes;
         }
-        let (vertices, faces) = (self.positions.len(), self.triangles.len());
-        let header = format!(
-            "ply\nformat binary_little_endian 1.0\nelement vertex {vertices}\nproperty float x\n\
-             property float y\nproperty float z\nelement face {faces}\n\
-             property list uchar uint vertex_indices\nend_header\n"
-        );
-        let mut bytes = header.into_bytes();
-        bytes.extend(self.positions.iter().flatten().flat_map(|x| x.to_le_bytes()));
-        for corners in &self.triangles {
-            bytes.push(3);
-            bytes.extend(corners.iter().flat_map(|v| v.to_le_bytes()));
+        for Vec3 { x, y, z } in &self.0.positions {
+            bytes.extend(format!("v {x} {y} {z}\n").into_bytes());
+        }
+        for triangle in &self.0.triangles {
+            let [a, b, c] = triangle.map(|v| u64::from(v) + 1);
+            bytes.extend(format!("f {a} {b} {c}\n").into_bytes());
         }
         bytes
     }

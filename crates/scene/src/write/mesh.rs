@@ -8,7 +8,10 @@ use glam::{DVec3, Vec2, Vec3};
 use crate::mesh::{Attribute, MeshData, NO_VALUE};
 
 /// Writes a mesh.
-pub(super) fn write(mesh: &MeshData, sink: &mut impl Write) -> io::Result<()> {
+///
+/// # Errors
+/// Those of the sink.
+pub fn write_ply(mesh: &MeshData, sink: &mut impl Write) -> io::Result<()> {
     let is_by_vertex = mesh.normals.as_ref().is_none_or(|n| n.indices.is_none())
         && mesh.uvs.as_ref().is_none_or(|uvs| uvs.indices.is_none());
     if is_by_vertex {

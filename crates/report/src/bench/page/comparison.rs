@@ -30,8 +30,7 @@ pub(super) fn comparison(found: &Comparison, rays: &Rays, machine: &Machine) -> 
     let [title, over] = words(found.of);
     let mut blocks = vec![Block::Heading(title.to_owned())];
     if let Some(different) = &found.difference {
-        let text = different.difference.words(&different.label, &different.over);
-        blocks.push(Block::Warning(text));
+        blocks.push(Block::Warning(different.words()));
         return blocks;
     }
     let note = format!(
