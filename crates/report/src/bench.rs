@@ -36,7 +36,7 @@
 //! | `..over` | | the variant that its speed is compared with |
 //! | `..ratio.median`, `.low`, `.high`, `.confidence`, `.pairs` | | its speed over that of the other: seconds of the other over its own, round by round |
 //! | `..gain` | | the step that leads to it: what is new (`of`), the variant before (`from`), and the ratio of the speeds; the gains of a ladder multiply to the ratio of the last variant |
-//! | `..seconds.median`, `.min`, `.max`, `.first_quartile`, `.third_quartile`, `.mad`, `.each` | seconds | wall-clock time of a run; `each` round by round |
+//! | `..seconds.median`, `.mad`, `.each` | seconds | wall-clock time of a run; `each` round by round |
 //! | `..processor_seconds` | seconds | processor time of each run, of all threads (`null` if unknown) |
 //! | `..processors` | | processors that worked on average |
 //! | `..mrays_s` | 10^6 rays / s | rays of every kind, by the median of the seconds |

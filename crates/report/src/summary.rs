@@ -1,9 +1,9 @@
 //! Robust summaries of repeated measurements: single bad runs do not affect them.
 //!
 //! Times of a program have a lower limit and a long upper tail: other programs can only slow it
-//! down. So the centre is the median, and the spread is given by quartiles and by the median
-//! absolute deviation, which tolerates up to half of the runs being disturbed (Hampel, *The
-//! Influence Curve and Its Role in Robust Estimation*, 1974).
+//! down. So the centre is the median, and the spread is given by the median absolute deviation, which
+//! tolerates up to half of the runs being disturbed (Hampel, *The Influence Curve and Its Role in
+//! Robust Estimation*, 1974).
 //!
 //! The uncertainty of a median is an interval between two of the measurements themselves, the `k`th
 //! smallest and the `k`th largest (Thompson, *On Confidence Ranges for the Median*, Annals of
@@ -28,14 +28,6 @@ pub const ENOUGH: usize = 6;
 pub struct Summary {
     /// The middle one, or the mean of the two in the middle.
     pub median: f64,
-    /// The smallest.
-    pub min: f64,
-    /// The largest.
-    pub max: f64,
-    /// A quarter of the measurements is below this.
-    pub first_quartile: f64,
-    /// A quarter of the measurements is above this.
-    pub third_quartile: f64,
     /// Median absolute deviation: the median of the distances to the median.
     pub mad: f64,
     /// Every measurement, in order.
@@ -45,24 +37,15 @@ pub struct Summary {
 impl Summary {
     /// Summarises `each`, finite numbers; `None` if it is empty.
     pub fn of(each: &[f64]) -> Option<Self> {
-        let sorted = sorted(each);
-        let (&min, &max) = (sorted.first()?, sorted.last()?);
-        let median = quantile(&sorted, 0.5);
-        let distances: Vec<f64> = each.iter().map(|x| (x - median).abs()).collect();
-        Some(Self {
-            median,
-            min,
-            max,
-            first_quartile: quantile(&sorted, 0.25),
-            third_quartile: quantile(&sorted, 0.75),
-            mad: quantile(&self::sorted(&distances), 0.5),
-            each: each.to_vec(),
-        })
+        let center = median(each);
+        let distances: Vec<f64> = each.iter().map(|x| (x - center).abs()).collect();
+        let summary = Self { median: center, mad: median(&distances), each: each.to_vec() };
+        (!each.is_empty()).then_some(summary)
     }
 
-    /// The distance between the quartiles as a share of the median.
+    /// The width of the range around the median with half of the measurements, as a share of it.
     pub fn spread(&self) -> f64 {
-        (self.third_quartile - self.first_quartile) / self.median
+        2.0 * self.mad / self.median
     }
 }
 
@@ -94,13 +77,13 @@ impl MedianInterval {
             .last()
             .unwrap_or(outermost);
         let (&low, &high) = (sorted.get(k - 1)?, sorted.get(n - k)?);
-        Some(Self { median: quantile(&sorted, 0.5), low, high, confidence })
+        Some(Self { median: middle(&sorted), low, high, confidence })
     }
 }
 
 /// The median of `each`; 0 if it is empty.
 pub fn median(each: &[f64]) -> f64 {
-    quantile(&sorted(each), 0.5)
+    middle(&sorted(each))
 }
 
 /// The probability that the median is between the `k`th smallest and the `k`th largest of `n`: 1 -
@@ -122,13 +105,14 @@ fn sorted(each: &[f64]) -> Vec<f64> {
     sorted
 }
 
-/// The value below which a `share` of `sorted` lies, with linear interpolation (the seventh
-/// definition of Hyndman and Fan, *Sample Quantiles in Statistical Packages*, 1996).
-fn quantile(sorted: &[f64], share: f64) -> f64 {
-    let place = share * sorted.len().saturating_sub(1) as f64;
-    let at = |index: f64| sorted.get(index as usize).copied().unwrap_or_default();
-    let (below, above) = (at(place.floor()), at(place.ceil()));
-    below + (above - below) * place.fract()
+/// The middle value, or the mean of the two in the middle.
+fn middle(sorted: &[f64]) -> f64 {
+    let half = sorted.len() / 2;
+    match sorted.get(half) {
+        None => 0.0,
+        Some(above) if sorted.len() % 2 == 1 => *above,
+        Some(above) => f64::midpoint(sorted[half - 1], *above),
+    }
 }
 
 #[cfg(test)]
@@ -137,21 +121,18 @@ mod tests {
     use wavecrest_core::math::random::Stream;
 
     #[test]
-    fn known_medians_and_quartiles() {
+    fn known_medians_and_deviations() {
         let s = Summary::of(&[5.0, 1.0, 4.0, 2.0, 3.0]).unwrap();
-        assert_eq!((s.median, s.min, s.max), (3.0, 1.0, 5.0));
-        assert_eq!((s.first_quartile, s.third_quartile, s.mad), (2.0, 4.0, 1.0));
+        assert_eq!((s.median, s.mad, s.spread()), (3.0, 1.0, 2.0 / 3.0));
         assert_eq!(s.each, [5.0, 1.0, 4.0, 2.0, 3.0], "in the order of the runs");
-        assert_eq!(s.spread(), 2.0 / 3.0);
         let s = Summary::of(&[4.0, 1.0, 2.0, 100.0]).unwrap();
-        assert_eq!((s.median, s.first_quartile, s.third_quartile), (3.0, 1.75, 28.0));
-        assert_eq!(s.mad, 1.5, "of 1, 2, 1 and 97");
+        assert_eq!((s.median, s.mad), (3.0, 1.5), "of 1, 2, 1 and 97");
     }
 
     #[test]
     fn one_measurement_or_none_is_no_trouble() {
         let s = Summary::of(&[2.5]).unwrap();
-        assert_eq!((s.median, s.min, s.max, s.mad), (2.5, 2.5, 2.5, 0.0));
+        assert_eq!((s.median, s.mad), (2.5, 0.0));
         let i = MedianInterval::of(&[2.5]).unwrap();
         assert_eq!((i.median, i.low, i.high, i.confidence), (2.5, 2.5, 2.5, 0.0));
         assert!(Summary::of(&[]).is_none());

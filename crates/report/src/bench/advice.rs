@@ -38,8 +38,7 @@ pub fn warnings(found: &Comparison) -> Vec<String> {
     }
     let first =
         |v: &VariantBench| v.seconds.each.first().map_or(0.0, |first| first / v.seconds.median);
-    if let Some(v) = most(|v| v.seconds.each.first().map_or(0.0, |first| first / v.seconds.median))
-    {
+    if let Some(v) = most(first) {
         let above = (first(v) - 1.0) * v.seconds.median;
         let is_slow = above > SLOW_DEVIATIONS * v.seconds.mad && first(v) > 1.0 + SLOW_SHARE;
         let (label, times) = (&v.label, first(v));
@@ -49,7 +48,8 @@ pub fn warnings(found: &Comparison) -> Vec<String> {
     if let Some(v) = most(|v| v.seconds.spread()) {
         let (label, spread) = (&v.label, 100.0 * v.seconds.spread());
         let what = "close other programs, or run for longer with --min-time";
-        let text = format!("times ({label}) vary, their quartiles by {spread:.0} % of the median");
+        let text =
+            format!("times ({label}) vary: half of them are within {spread:.0} % of the median");
         warn(v.seconds.spread() > WIDE, format!("{text}: {what}"));
     }
     let (rounds, s) = (found.rounds, if found.rounds == 1 { "" } else { "s" });

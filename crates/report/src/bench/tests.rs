@@ -225,10 +225,7 @@ fn the_json_has_the_documented_keys() {
     );
     assert_eq!(keys(&recursive["passes"]), ["recursive"]);
     let wavefront = &ladder["variants"][1];
-    assert_eq!(
-        keys(&wavefront["seconds"]),
-        ["median", "min", "max", "first_quartile", "third_quartile", "mad", "each"]
-    );
+    assert_eq!(keys(&wavefront["seconds"]), ["median", "mad", "each"]);
     assert_eq!(keys(&wavefront["passes"]), TIMED);
     let ratio = ["median", "low", "high", "confidence", "pairs"];
     assert_eq!(keys(&wavefront["ratio"]), ratio);
@@ -255,7 +252,7 @@ fn all_variants_of_all_lists_give_one_image() {
     let timed = found.comparisons[0].variants.last().unwrap();
     assert_eq!(timed.pass_seconds().map(|(name, _)| name).collect::<Vec<_>>(), TIMED);
     let sum: f64 = timed.pass_seconds().map(|(_, seconds)| seconds).sum();
-    assert!(sum > 0.0 && sum <= 3.0 * timed.seconds.max, "{sum} {:?}", timed.seconds);
+    assert!(sum > 0.0 && sum <= 3.0 * timed.seconds.each[0], "{sum} {:?}", timed.seconds);
 }
 
 #[test]
