@@ -12,7 +12,7 @@
 //! | `image.width`, `.height` | pixels | the size of all images |
 //! | `simd`, `kernel`, `precision`, `batch` | | the settings |
 //! | `rounds`, `left_out`, `busy` | | timed rounds, each of one run of every scene with each tracer; others as in [`super::bench`] |
-//! | `difference` | | the difference that ended the measurement, or `null`: the effect, the tracer, and the difference of its image or its work |
+//! | `difference` | | the difference that ended the measurement, or `null`: see [`Difference`] |
 //! | `effects` | | one entry for each scene, empty if images differ: |
 //! | `.effect`, `.added_to` | | the effect, and the scene that it was added to (`null` for the first scenes) |
 //! | `.reached` | | whether anything shows it |
@@ -31,7 +31,7 @@ mod text;
 use crate::bench::equal::Difference;
 use crate::bench::{Machine, Ratio};
 use crate::measure::{Schedule, Timing};
-use crate::statistics::Rays;
+use crate::statistics::{ImageSize, Rays};
 use crate::summary::Summary;
 use scenes::Variant;
 use wavecrest_base::error::Result;
@@ -39,7 +39,7 @@ use wavecrest_core::prepared::PreparedScene;
 use wavecrest_core::render::{Rendered, TracerKind};
 use wavecrest_core::wavefront::batch::Batch;
 
-pub use list::{Cost, Price, PriceList, Setting, Size};
+pub use list::{Cost, Price, PriceList, Setting};
 pub use text::{blocks, text};
 
 /// A prepared scene of the list.
@@ -66,11 +66,10 @@ pub fn measure(
     progress: &mut dyn FnMut(u64, u64),
 ) -> Result<PriceList> {
     let mut firsts: Vec<Rendered> = Vec::new();
-    let [width, height] = entries.first().map_or([0; 2], |entry| entry.scene.camera.size());
     let mut list = PriceList {
         version: env!("CARGO_PKG_VERSION"),
         machine: Machine::this(),
-        image: Size { width, height },
+        image: entries.first().map(|entry| ImageSize::of(&entry.scene)).unwrap_or_default(),
         setting,
         rounds: 0,
         left_out: 0,

@@ -112,7 +112,7 @@ fn trace(
         tracer.render(scene, &Unit { tile: *tile, samples: 0..samples }, &mut sums);
         (tracer.counters(), start.elapsed().as_secs_f64())
     };
-    let add = |(mut counters, seconds): (Counters, f64), (more, longer): (Counters, f64)| {
+    let add = |(mut counters, seconds): (Counters, f64), (more, longer)| {
         counters += more;
         (counters, seconds + longer)
     };

@@ -27,9 +27,10 @@ pub(super) fn escape(text: &str) -> String {
             '>' => out.push_str("&gt;"),
             '"' => out.push_str("&quot;"),
             '\'' => out.push_str("&#39;"),
-            '\n' | '\t' => out.push(letter),
             '\u{fffe}' | '\u{ffff}' => out.push(char::REPLACEMENT_CHARACTER),
-            _ if letter.is_control() => out.push(char::REPLACEMENT_CHARACTER),
+            _ if letter.is_control() && !"\n\t".contains(letter) => {
+                out.push(char::REPLACEMENT_CHARACTER)
+            }
             _ => out.push(letter),
         }
     }

@@ -40,7 +40,7 @@ use serde_json::{Map, Value};
 use wavecrest_core::accel::Accel;
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::counters::{Counters, KernelCounts, TestCounts};
-use wavecrest_core::prepared::{Appearance, LazyImage};
+use wavecrest_core::prepared::{Appearance, LazyImage, PreparedScene};
 
 /// Groups of counts, each with what it is taken from.
 macro_rules! counts {
@@ -132,11 +132,20 @@ impl PrimitiveTests {
 }
 
 /// The size of the rendered image.
-#[derive(Clone, Copy, Debug, Serialize)]
+#[derive(Clone, Copy, Debug, Default, Serialize)]
 pub struct ImageSize {
     pub width: u32,
     pub height: u32,
     pub samples_per_pixel: u32,
+}
+
+impl ImageSize {
+    /// The size of the whole image.
+    pub(crate) fn of(scene: &PreparedScene) -> Self {
+        let ([width, height], samples_per_pixel) =
+            (scene.camera.size(), scene.camera.rays_per_pixel());
+        Self { width, height, samples_per_pixel }
+    }
 }
 
 /// Seconds by stage.

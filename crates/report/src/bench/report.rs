@@ -137,10 +137,9 @@ impl SceneBench {
 
     /// The report before the first comparison.
     pub(super) fn unmeasured(scene: &PreparedScene, setting: Setting) -> Self {
-        let [width, height] = scene.camera.size();
         let geometry = scene.accel.geometry();
         Self {
-            image: ImageSize { width, height, samples_per_pixel: scene.camera.rays_per_pixel() },
+            image: ImageSize::of(scene),
             triangles: geometry.triangles.len(),
             quads: geometry.quads.len(),
             spheres: geometry.spheres.len(),

@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use crate::bench::equal::Difference;
 use crate::bench::{Machine, Ratio};
-use crate::statistics::{Rays, Samples};
+use crate::statistics::{ImageSize, Rays, Samples};
 use crate::summary::Summary;
 use wavecrest_core::accel::KernelChoice;
 use wavecrest_core::kernels::precision::Precision;
@@ -17,7 +17,7 @@ use wavecrest_core::math::simd::Level;
 pub struct PriceList {
     pub version: &'static str,
     pub machine: Machine,
-    pub image: Size,
+    pub image: ImageSize,
     #[serde(flatten)]
     pub setting: Setting,
     pub rounds: usize,
@@ -25,13 +25,6 @@ pub struct PriceList {
     pub busy: usize,
     pub difference: Option<Difference>,
     pub effects: Vec<Price>,
-}
-
-/// The size of all images.
-#[derive(Clone, Copy, Debug, Serialize)]
-pub struct Size {
-    pub width: u32,
-    pub height: u32,
 }
 
 /// The settings of the renders.

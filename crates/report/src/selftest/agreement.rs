@@ -3,7 +3,7 @@
 use super::case::Count;
 use super::examine::{Extent, rays};
 use super::prelude::*;
-use super::ways::{in_order, with_every_kernel};
+use super::ways::{hits, in_order, with_every_kernel};
 use wavecrest_core::accel::KernelChoice;
 use wavecrest_core::geometry::Primitive;
 use wavecrest_core::kernels::precision::Precision;
@@ -82,16 +82,13 @@ pub(super) fn aimed(numbers: &mut Numbers) -> World {
 type Answer = (Hit, u32, bool);
 
 fn answers(accel: &Accel, rays: &[Ray]) -> Vec<Answer> {
-    let (mut closest, mut occluded) = (vec![Hit::MISS; rays.len()], vec![false; rays.len()]);
     let mut traversal = accel.traversal();
     traversal.without_t = true;
-    accel.closest_of(rays, &mut closest, &mut traversal);
-    let primitives: Vec<u32> = closest.iter().map(|hit| hit.primitive).collect();
+    let (without_t, _) = hits(accel, rays, &mut traversal);
     traversal.without_t = false;
-    accel.closest_of(rays, &mut closest, &mut traversal);
-    accel.occluded_of(rays, &mut occluded, &mut traversal);
-    let all = closest.into_iter().zip(primitives).zip(occluded);
-    all.map(|((hit, primitive), any)| (hit, primitive, any)).collect()
+    let (closest, any) = hits(accel, rays, &mut traversal);
+    let all = closest.into_iter().zip(without_t).zip(any);
+    all.map(|((hit, without_t), any)| (hit, without_t.primitive, any)).collect()
 }
 
 /// Compares the answers of every kernel at every level with the expected ones.

@@ -10,7 +10,7 @@ use std::ops::Range;
 use super::agreement::agree;
 use super::prelude::*;
 use super::scenes::{self, Prepared};
-use super::ways::{RAYS_OF_A_TASK, blocks, in_order, with_every_kernel};
+use super::ways::{RAYS_OF_A_TASK, blocks, hits, in_order, with_every_kernel};
 
 /// A part of a case.
 #[derive(Clone, Copy, Debug)]
@@ -176,16 +176,12 @@ fn ask_all(accel: &Accel, rays: &[Ray], expected: &[Expected]) -> Outcome {
 
 /// Checks the closest hits of these rays, and that what is hit blocks shadow rays.
 fn ask(accel: &Accel, rays: &[Ray], expected: &[Expected]) -> Outcome {
-    let (mut hits, mut blocked) = (vec![Hit::MISS; rays.len()], vec![false; rays.len()]);
-    let mut traversal = accel.traversal();
-    accel.closest_of(rays, &mut hits, &mut traversal);
-    accel.occluded_of(rays, &mut blocked, &mut traversal);
+    let (hits, blocked) = hits(accel, rays, &mut accel.traversal());
     let mut outcome = Outcome::default();
-    for (i, (ray, &hit)) in rays.iter().zip(&hits).enumerate() {
-        outcome
-            .check(expected[i].is_met(hit), || format!("{ray}: {hit:?} and not {:?}", expected[i]));
-        outcome.check(blocked[i] != hit.is_miss(), || {
-            format!("{ray}: {hit:?}, but as a shadow ray {}", blocked[i])
+    for (((ray, expected), hit), blocked) in rays.iter().zip(expected).zip(hits).zip(blocked) {
+        outcome.check(expected.is_met(hit), || format!("{ray}: {hit:?} and not {expected:?}"));
+        outcome.check(blocked != hit.is_miss(), || {
+            format!("{ray}: {hit:?}, but as a shadow ray {blocked}")
         });
     }
     outcome

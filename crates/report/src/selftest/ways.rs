@@ -4,7 +4,7 @@ use std::iter::Sum;
 use std::ops::Range;
 
 use super::prelude::*;
-use wavecrest_core::accel::KernelChoice;
+use wavecrest_core::accel::{KernelChoice, Traversal};
 use wavecrest_core::kernels::precision::Precision;
 use wavecrest_core::math::simd::Level;
 
@@ -34,6 +34,18 @@ pub(super) fn with_every_kernel(accel: &mut Accel, check: impl Fn(&Accel) -> Out
         }
     }
     outcome
+}
+
+/// The closest hits of rays, and whether each ray is blocked.
+pub(super) fn hits(
+    accel: &Accel,
+    rays: &[Ray],
+    traversal: &mut Traversal,
+) -> (Vec<Hit>, Vec<bool>) {
+    let (mut hits, mut blocked) = (vec![Hit::MISS; rays.len()], vec![false; rays.len()]);
+    accel.closest_of(rays, &mut hits, traversal);
+    accel.occluded_of(rays, &mut blocked, traversal);
+    (hits, blocked)
 }
 
 /// The numbers below `count`, up to `size` of them at a time.
