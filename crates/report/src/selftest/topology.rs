@@ -3,6 +3,7 @@
 use super::prelude::*;
 use wavecrest_core::kernels::quad::halves;
 use wavecrest_core::kernels::triangle::is_degenerate;
+use wavecrest_scene::mesh::first_of_each;
 
 /// A triangle at an edge: the vertex opposite to the edge, and the primitive's number.
 pub(super) type Face = (u32, u32);
@@ -22,7 +23,7 @@ pub(super) struct Topology {
 
 impl Topology {
     pub(super) fn new(geometry: &Geometry) -> Self {
-        let number = weld(&geometry.positions);
+        let number = first_of_each(&geometry.positions);
         let triangles = (0..).zip(&geometry.triangles).map(|(i, &corners)| (i, corners));
         let first = geometry.triangles.len() as u32;
         let quads = (first..).zip(&geometry.quads);
@@ -58,17 +59,4 @@ impl Topology {
         let count = self.sides[first..].iter().take_while(|side| side.0 == ends).count();
         (count == 2).then(|| (ends, [self.sides[first].1, self.sides[first + 1].1]))
     }
-}
-
-/// For each vertex the first at its position.
-fn weld(positions: &[Vec3]) -> Vec<u32> {
-    // Zeros of both signs are the same position.
-    let place = |v: u32| positions[v as usize].to_array().map(|x| (x + 0.0).to_bits());
-    let mut order: Vec<u32> = (0..positions.len() as u32).collect();
-    order.par_sort_unstable_by_key(|&v| (place(v), v));
-    let mut number = vec![0; positions.len()];
-    for same in order.chunk_by(|&a, &b| place(a) == place(b)) {
-        same.iter().for_each(|&v| number[v as usize] = same[0]);
-    }
-    number
 }

@@ -13,7 +13,6 @@
 //! its vertices, so that what it holds stays in a core's cache.
 
 use std::ops::Range;
-use std::sync::atomic::AtomicU32;
 
 use glam::{DVec3, Vec3};
 use rayon::prelude::*;
@@ -91,8 +90,7 @@ fn joined(positions: &[Vec3], triangles: &[[u32; 3]]) -> Option<Vec<[u32; 3]>> {
     if positions.len() <= triangles.len() {
         return None;
     }
-    let numbers: Vec<u32> =
-        first_of_each(positions).into_iter().map(AtomicU32::into_inner).collect();
+    let numbers = first_of_each(positions);
     let join = |triangle: &[u32; 3]| triangle.map(|i| numbers[i as usize]);
     Some(triangles.par_iter().map(join).collect())
 }

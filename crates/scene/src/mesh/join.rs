@@ -14,7 +14,7 @@ pub(super) fn join(triangles: Vec<[Vec3; 3]>) -> (Vec<Vec3>, Vec<[u32; 3]>) {
     let first = first_of_each(corners);
     let mut positions = Vec::new();
     let mut numbers: Vec<u32> = Vec::with_capacity(corners.len());
-    for (i, first) in first.into_iter().map(AtomicU32::into_inner).enumerate() {
+    for (i, first) in first.into_iter().enumerate() {
         // Earlier vertices have their numbers.
         let number = numbers.get(first as usize).copied().unwrap_or(positions.len() as u32);
         if first as usize == i {
@@ -27,8 +27,8 @@ pub(super) fn join(triangles: Vec<[Vec3; 3]>) -> (Vec<Vec3>, Vec<[u32; 3]>) {
     (positions, joined)
 }
 
-/// For each corner, the first at its position.
-pub(super) fn first_of_each(corners: &[Vec3]) -> Vec<AtomicU32> {
+/// For each of `corners`, the number of the first at its position.
+pub fn first_of_each(corners: &[Vec3]) -> Vec<u32> {
     let number = |key: u64| key as u32;
     let place = |key: u64| bits(corners[number(key) as usize]);
     let mut keys: Vec<u64> = corners
@@ -46,7 +46,7 @@ pub(super) fn first_of_each(corners: &[Vec3]) -> Vec<AtomicU32> {
             }
         }
     });
-    first
+    first.into_iter().map(AtomicU32::into_inner).collect()
 }
 
 /// Zeros of both signs are the same position.
