@@ -15,8 +15,8 @@ use wavecrest_base::error::{Error, ErrorKind, Result};
 pub use records::*;
 
 /// All records of one kind.
-pub fn all<T: Recorded>(records: &[Record]) -> impl Iterator<Item = &T> {
-    records.iter().filter_map(T::of)
+pub fn all<T: 'static>(records: &[Record]) -> impl Iterator<Item = &T> {
+    records.iter().filter_map(Record::of)
 }
 
 /// The records of a sweep, in a folder.

@@ -1,5 +1,7 @@
 //! The records of a sweep's file.
 
+use std::any::Any;
+
 use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
@@ -186,21 +188,16 @@ macro_rules! records {
             Other,
         }
 
-        $(impl Recorded for $kind {
-            fn of(record: &Record) -> Option<&Self> {
-                match record {
-                    Record::$name(found) => Some(found),
-                    _ => None,
+        impl Record {
+            /// The record, if it is of kind `T`.
+            pub(super) fn of<T: 'static>(&self) -> Option<&T> {
+                match self {
+                    $(Self::$name(found) => (found as &dyn Any).downcast_ref(),)+
+                    Self::Other => None,
                 }
             }
-        })+
+        }
     };
-}
-
-/// A kind of record.
-pub trait Recorded: Sized + 'static {
-    /// `record`, if it is of this kind.
-    fn of(record: &Record) -> Option<&Self>;
 }
 
 records! {
