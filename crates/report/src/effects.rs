@@ -31,7 +31,7 @@ mod text;
 use crate::bench::equal::Difference;
 use crate::bench::{Machine, Ratio};
 use crate::measure::{Schedule, Timing};
-use crate::statistics::{ImageSize, Rays};
+use crate::statistics::Rays;
 use crate::summary::Summary;
 use scenes::Variant;
 use wavecrest_base::error::Result;
@@ -69,7 +69,7 @@ pub fn measure(
     let mut list = PriceList {
         version: env!("CARGO_PKG_VERSION"),
         machine: Machine::this(),
-        image: entries.first().map(|entry| ImageSize::of(&entry.scene)).unwrap_or_default(),
+        image: entries.first().map(|entry| (&entry.scene).into()),
         setting,
         rounds: 0,
         left_out: 0,

@@ -62,6 +62,13 @@ macro_rules! counts {
 }
 
 counts! {
+    /// The size of the whole image.
+    ImageSize(s: PreparedScene) {
+        width: u32 = s.camera.size()[0],
+        height: u32 = s.camera.size()[1],
+        samples_per_pixel: u32 = s.camera.rays_per_pixel(),
+    }
+
     /// Rays by kind.
     Rays(c: Counters) {
         primary: u64 = c.primary_rays,
@@ -128,23 +135,6 @@ impl PrimitiveTests {
     /// Tests of every kind.
     pub fn all(&self) -> u64 {
         self.triangles + self.quads + self.spheres
-    }
-}
-
-/// The size of the rendered image.
-#[derive(Clone, Copy, Debug, Default, Serialize)]
-pub struct ImageSize {
-    pub width: u32,
-    pub height: u32,
-    pub samples_per_pixel: u32,
-}
-
-impl ImageSize {
-    /// The size of the whole image.
-    pub(crate) fn of(scene: &PreparedScene) -> Self {
-        let ([width, height], samples_per_pixel) =
-            (scene.camera.size(), scene.camera.rays_per_pixel());
-        Self { width, height, samples_per_pixel }
     }
 }
 

@@ -139,7 +139,7 @@ impl SceneBench {
     pub(super) fn unmeasured(scene: &PreparedScene, setting: Setting) -> Self {
         let geometry = scene.accel.geometry();
         Self {
-            image: ImageSize::of(scene),
+            image: scene.into(),
             triangles: geometry.triangles.len(),
             quads: geometry.quads.len(),
             spheres: geometry.spheres.len(),

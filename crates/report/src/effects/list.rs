@@ -17,7 +17,7 @@ use wavecrest_core::math::simd::Level;
 pub struct PriceList {
     pub version: &'static str,
     pub machine: Machine,
-    pub image: ImageSize,
+    pub image: Option<ImageSize>,
     #[serde(flatten)]
     pub setting: Setting,
     pub rounds: usize,

@@ -23,6 +23,7 @@ pub fn blocks(list: &PriceList) -> Vec<Block> {
         let rows = list.effects.iter().filter(|p| p.reached == reached).map(row).collect();
         Block::Table(Table::new(caption, header, rows))
     };
+    let [width, height] = list.image.map_or([0; 2], |image| [image.width, image.height]);
     let left_out = match list.left_out {
         0 => String::new(),
         n => format!(", without {n} in which other programs used the processors"),
@@ -31,7 +32,7 @@ pub fn blocks(list: &PriceList) -> Vec<Block> {
         "Each effect is added on its own to a small scene of {} x {} pixels. The ratio is the time with the effect \
          over the time without it, round by round, in {} rounds{left_out}. Bytes are those of the columns of the \
          wavefront tracer.",
-        list.image.width, list.image.height, list.rounds
+        width, height, list.rounds
     );
     vec![
         Block::paragraph(lead),
