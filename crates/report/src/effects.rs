@@ -9,7 +9,7 @@
 //! | key | unit | meaning |
 //! |---|---|---|
 //! | `version`, `machine` | | as in [`super::bench`] |
-//! | `image.width`, `.height` | pixels | the size of all images |
+//! | `image.width`, `.height`, `.samples_per_pixel` | pixels, rays | the size of all images |
 //! | `simd`, `kernel`, `precision`, `batch` | | the settings |
 //! | `rounds`, `left_out`, `busy` | | timed rounds, each of one run of every scene with each tracer; others as in [`super::bench`] |
 //! | `difference` | | the difference that ended the measurement, or `null`: see [`Difference`] |

@@ -78,7 +78,7 @@ pub(crate) fn tiles(
     edge: u32,
     mut place: impl FnMut(u32) -> u32,
 ) -> Vec<Tile> {
-    let parts = |side: u32| (side / edge).clamp(1, most);
+    let parts = |side: u32| side.div_ceil(edge).clamp(1, most);
     let (columns, rows) = (parts(width), parts(height));
     let mut within = |side: u32, part: u32, parts: u32| {
         let bound = |part: u32| (u64::from(side) * u64::from(part) / u64::from(parts)) as u32;

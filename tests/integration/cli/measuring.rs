@@ -71,7 +71,7 @@ fn bench_prices_effects() {
     let arguments = [&["bench", "--effects", "--json", "-o", "prices.json"], &options[..]].concat();
     let found = json_of(folder.path(), &arguments);
     assert_eq!((&found["difference"], &found["rounds"]), (&Value::Null, &json!(1)));
-    assert_eq!(found["image"], json!({"width": 16, "height": 12}));
+    assert_eq!(found["image"], json!({"width": 16, "height": 12, "samples_per_pixel": 1}));
     let effects = found["effects"].as_array().expect("effects");
     for effect in effects {
         let has_base = effect["added_to"].is_string();
