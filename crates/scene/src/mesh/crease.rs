@@ -151,15 +151,24 @@ impl Mesh<'_> {
 const UNDERFLOW: f64 = 1e-260;
 const LARGER: f64 = f64::from_bits((1023 + 149) << 52);
 
-/// Coefficients of the arc cosine over the square root of 1 - x, from the constant term on: Abramowitz
-/// and Stegun, *Handbook of Mathematical Functions*, 4.4.45.
-const ARC_COSINE: [f64; 4] = [1.570_728_8, -0.212_114_4, 0.074_261, -0.018_729_3];
+/// Coefficients of the arc cosine over the square root of 1 - x, in thousandths, from the constant term
+/// on: Abramowitz and Stegun, *Handbook of Mathematical Functions*, 4.4.46.
+const ARC_COSINE: [f64; 8] = [
+    1_570.796_305_0,
+    -214.598_801_6,
+    88.978_987_4,
+    -50.174_304_6,
+    30.891_881_0,
+    -17.088_125_6,
+    6.670_090_1,
+    -1.262_491_1,
+];
 
-/// The angle with this cosine, within 7e-5. Weights need no more: a normal turns by less than that times
-/// the largest angle between it and its faces.
+/// The angle with this cosine, within 3e-8. Weights need no more: compared with an arc cosine of full
+/// precision, normals change by less than single precision shows.
 fn angle(cosine: f64) -> f64 {
     let x = cosine.abs();
-    let series = ARC_COSINE.iter().rev().fold(0.0, |sum, c| sum * x + c);
+    let series = ARC_COSINE.iter().rev().fold(0.0, |sum, c| sum * x + c) / 1000.0;
     let acute = (1.0 - x).max(0.0).sqrt() * series;
     if cosine < 0.0 { std::f64::consts::PI - acute } else { acute }
 }
@@ -441,7 +450,7 @@ mod tests {
     fn angles_are_close_and_the_order_of_triangles_does_not_matter() {
         let steps = (-1000..=1000).map(|i| f64::from(i) / 1000.0);
         let error = steps.map(|x| (angle(x) - libm::acos(x)).abs()).fold(0.0, f64::max);
-        assert!(error < 7e-5, "{error}");
+        assert!(error < 3e-8, "{error}");
         let count = 40_000_u32;
         let (points, triangles) = prism(count, 1.0, 0.0);
         let in_order = found(&points, &triangles, 30.0);
