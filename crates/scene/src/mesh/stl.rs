@@ -1,8 +1,8 @@
 //! STL: triangles in sequence, each with its three corners, as binary numbers or as text.
 //!
 //! A corner shared by several triangles is repeated for each: corners with equal positions are
-//! merged ([`super::join`]), so that the mesh has the neighbours of the surface. The normals of the file
-//! are ignored: the order of the corners gives them.
+//! merged ([`super::join`]), so that the mesh has the neighbours of the surface. The normals of
+//! the file are ignored: the order of the corners gives them.
 //!
 //! Both forms may begin with `solid`. A file is binary if its length fits its count of triangles,
 //! or if it has a zero byte where a text has words.
