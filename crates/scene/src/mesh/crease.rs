@@ -46,6 +46,12 @@ pub(crate) fn normals(positions: &[Vec3], triangles: &[[u32; 3]], degrees: f64) 
     };
     let blocks = mesh.blocks();
     let size = range_size(positions.len(), &blocks);
+    let mut blocks_of = vec![Vec::new(); positions.len().div_ceil(size)];
+    for (block, &[low, high]) in blocks.iter().enumerate() {
+        blocks_of[low as usize / size..=high as usize / size]
+            .iter_mut()
+            .for_each(|of| of.push(block));
+    }
     let mut values = vec![Vec3::ZERO; positions.len()];
     let further: Vec<Further> = values
         .par_chunks_mut(size)
@@ -53,7 +59,7 @@ pub(crate) fn normals(positions: &[Vec3], triangles: &[[u32; 3]], degrees: f64) 
         .map_init(Room::default, |room, (range, values)| {
             let first = range * size;
             let mut further = Further::default();
-            room.look(&mesh, &blocks, first..first + values.len());
+            room.look(&mesh, &blocks_of[range], first..first + values.len());
             for (vertex, value) in values.iter_mut().enumerate() {
                 room.add(vertex, mesh.least, value, &mut further);
             }
@@ -220,20 +226,17 @@ struct Room {
 }
 
 impl Room {
-    /// Finds the faces and corners around a range of vertices. Corners are sorted by counting (Knuth,
-    /// *The Art of Computer Programming*, volume 3, section 5.2).
-    fn look(&mut self, mesh: &Mesh<'_>, blocks: &[[u32; 2]], range: Range<usize>) {
+    /// Finds the faces and corners around a range of vertices, in `blocks` of triangles. Corners are
+    /// sorted by counting (Knuth, *The Art of Computer Programming*, volume 3, section 5.2).
+    fn look(&mut self, mesh: &Mesh<'_>, blocks: &[usize], range: Range<usize>) {
         let Self { faces, starts, about, .. } = self;
         let (first, count) = (range.start as u32, range.len() as u32);
         faces.clear();
         starts.clear();
         starts.resize(range.len() + 2, 0);
-        let triangles = mesh.triangles.chunks(BLOCK);
-        for (block, (triangles, &[low, high])) in triangles.zip(blocks).enumerate() {
-            if high < first || low as usize >= range.end {
-                continue;
-            }
-            for (number, vertices) in ((block * BLOCK) as u32..).zip(triangles) {
+        for start in blocks.iter().map(|block| block * BLOCK) {
+            let triangles = mesh.triangles[start..].iter().take(BLOCK);
+            for (number, vertices) in (start as u32..).zip(triangles) {
                 let place = vertices.map(|v| v.wrapping_sub(first));
                 if place.iter().all(|&v| v >= count) {
                     continue;
