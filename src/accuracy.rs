@@ -121,7 +121,7 @@ fn advise(args: &AccuracyArgs, error: f64) -> Result<()> {
     for file in &args.scenes {
         let mut loaded = load(file, &LoadOptions::default())?;
         let extracted = extract(&mut loaded.world, Default::default())?;
-        let preset = extracted.preset();
+        let preset = extracted.preset().at_once();
         let mut scene = extracted.build(preset);
         let original = scene.original();
         let advice = pilot::advice::advise(&mut scene, &original, error, 0)?;

@@ -94,7 +94,7 @@ fn prepare(args: &BenchArgs, path: &Path) -> Result<(PreparedScene, Setting)> {
     // Neither tracer should wait for an image.
     extracted.scene().appearance.decode()?;
     let load = start.elapsed().as_secs_f64();
-    let preset = args.scene_options.bvh.unwrap_or_else(|| extracted.preset());
+    let preset = args.scene_options.bvh.unwrap_or_else(|| extracted.preset().at_once());
     let batch = args.batch as usize;
     let predicted =
         memory::estimate_extracted(&extracted, extracted.pixels(), preset, batch).total();

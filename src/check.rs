@@ -42,7 +42,7 @@ pub(crate) fn run(args: &CheckArgs) -> Result<()> {
         extracted.scene().appearance.decode()?;
         let file = extracted.file().to_owned();
         // For the few test rays of warnings.
-        let scene = args.scene_options.build(extracted, Preset::Fastest)?;
+        let scene = args.scene_options.build(extracted, Preset::OnDemand)?;
         warn(&systems::warnings(&scene, &file));
         let mut text = summary(&scene);
         files(&mut text, &args.scene, &loaded.files);

@@ -56,6 +56,9 @@ struct Explanation {
     #[serde(skip_serializing_if = "Option::is_none")]
     moved_by: Option<[f64; 3]>,
     bvh: Choice,
+    /// The numbers of chunks of the tree that rays of the pilot or the render built, and of all.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    chunks: Option<[usize; 2]>,
     bytes_per_path: Vec<Buffer>,
     /// The estimate before a mesh or a texture is read.
     estimated_memory: Estimate,
@@ -72,7 +75,7 @@ struct Explanation {
     rendered: Option<Found>,
 }
 
-/// Seconds: measured for reading and building, expected for tracing.
+/// Seconds: measured for reading and building, expected for tracing and for what rays build.
 #[derive(Serialize)]
 struct Time {
     threads: usize,
@@ -172,9 +175,10 @@ fn explain(
         memory,
         bvh,
         estimated: Estimated::of(scene, pixels),
-        time: Time { threads, load, build, trace: expected.seconds },
+        time: Time { threads, load, build: build + expected.building, trace: expected.seconds },
         expected,
         rendered: if args.render { Some(trace(scene, &options)?) } else { None },
+        chunks: scene.accel.chunks(),
     })
 }
 

@@ -156,7 +156,7 @@ impl<'a> Run<'a> {
         let (args, start) = (self.args, self.start);
         let trace = || goal::trace(args, scene, preset, seen, start);
         let traced = timed(&mut self.time.trace, trace)?;
-        self.reporter.traced(&traced.rendered, self.time.trace);
+        self.reporter.traced(&traced.rendered, scene, self.time.trace);
         if traced.rendered.finished {
             args.scene_options.check_taken(&args.scene)?;
             return Ok(traced);

@@ -110,7 +110,8 @@ impl Subject {
     /// Builds the tree, for this number of rays.
     fn build(args: &TraceArgs, geometry: Geometry, rays: usize) -> Self {
         let triangles = geometry.triangles.len();
-        let preset = args.bvh.unwrap_or(Preset::choose(triangles as u64, rays as u64));
+        let usual = || Preset::choose(triangles as u64, rays as u64).at_once();
+        let preset = args.bvh.unwrap_or_else(usual);
         let start = Instant::now();
         let mut accel = Accel::new(geometry, preset);
         args.search.apply(&mut accel);

@@ -31,6 +31,9 @@ pub(super) fn of(e: &Explanation) -> String {
     if let Some(rule) = &e.bvh.rule {
         let _ = writeln!(text, "    {:<NAMES$}{rule}", "");
     }
+    if let Some([built, all]) = e.chunks.map(|chunks| chunks.map(|n| grouped(n as u64))) {
+        let _ = writeln!(text, "    {:<NAMES$}{built} of {all} chunks built", "");
+    }
     text += &buffers(&e.bytes_per_path);
     text += &work(e);
     text += &memory_text(e);

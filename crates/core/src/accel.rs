@@ -16,6 +16,7 @@ pub mod build;
 mod choice;
 mod coincident;
 mod compiled;
+mod demand;
 mod hit;
 mod instances;
 mod leaf;
@@ -29,7 +30,6 @@ pub mod steps;
 mod stream;
 mod tlas;
 pub mod tree;
-mod units;
 mod wide;
 
 use std::marker::PhantomData;
@@ -199,6 +199,12 @@ impl Accel {
         let tree = self.tree.as_ref().filter(|_| self.geometry.precision != Precision::Fast)?;
         let own = tree.outline().into_iter().map(|bounds| (bounds, 1.0));
         Some(own.chain(self.tlas.outline()).collect())
+    }
+
+    /// The numbers of chunks that rays built so far, and of all; `None` if every tree was built at
+    /// once.
+    pub fn chunks(&self) -> Option<[usize; 2]> {
+        self.trees().filter_map(Tree::chunks).reduce(|[a, b], [c, d]| [a + c, b + d])
     }
 
     /// Bytes held by all trees.

@@ -20,6 +20,9 @@ const EDGE: u32 = 8;
 /// Largest number of paths of the pilot, if a pixel has more than one.
 const MOST_PATHS: u64 = 1 << 15;
 
+/// Every so many rows of pixels show which chunks of a tree rays build.
+const ROWS_APART: usize = 16;
+
 /// The expectation for a render.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct Expected {
@@ -31,6 +34,8 @@ pub struct Expected {
     pub samples: Samples,
     /// Seconds of tracing, on the threads of the current pool.
     pub seconds: f64,
+    /// Seconds in which rays build chunks of trees, on the same threads.
+    pub building: f64,
 }
 
 impl Expected {
@@ -46,12 +51,17 @@ impl Expected {
         let pixels: u64 = tiles.iter().map(|tile| tile.len() as u64).sum();
         let samples = Blocks::new(scene.camera.rays_per_pixel()).longest();
         let samples = samples.min((MOST_PATHS / pixels).max(1) as u32);
-        // A first run decodes images and warms the caches.
+        let rows = (0..height).step_by(ROWS_APART).map(|y| Tile { x: 0, y, width, height: 1 });
+        let rows: Vec<_> = rows.filter(|_| scene.accel.chunks().is_some()).collect();
+        let (of_rows, first) = trace(scene, options, &rows, 1);
+        // Another run decodes images and warms the caches.
         trace(scene, options, &tiles, samples);
         scene.appearance.check()?;
         let (counters, seconds) = trace(scene, options, &tiles, samples);
         let paths = u64::from(width) * u64::from(height) * u64::from(scene.camera.rays_per_pixel());
         let scale = paths as f64 / counters.primary_rays as f64;
+        let threads = rayon::current_num_threads() as f64;
+        let usual = seconds * of_rows.primary_rays as f64 / counters.primary_rays as f64;
         let primary = camera_rays(scene, options)?;
         let all = |count: u64| (count as f64 * scale).round() as u64;
         let (rays, found) = (Rays::from(&counters), Samples::from(&counters));
@@ -65,7 +75,8 @@ impl Expected {
                 texels: all(found.texels),
                 footprints: all(found.footprints),
             },
-            seconds: seconds * scale / rayon::current_num_threads() as f64,
+            seconds: seconds * scale / threads,
+            building: (first - usual).max(0.0) / threads,
         })
     }
 }

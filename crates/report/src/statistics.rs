@@ -27,7 +27,8 @@
 //! | `time.passes` | seconds | by pass, summed over threads |
 //! | `memory.predicted`, `.peak` | bytes | peak of the process: estimated before a mesh or a texture is read, and measured (`null` if unknown) |
 //! | `columns.estimated`, `.held` | bytes | columns of the wavefront's batches on all threads: estimated, and allocated (the recursive tracer has none) |
-//! | `bvh.preset`, `.nodes`, `.depth`, `.bytes` | | the trees: all nodes, the largest depth |
+//! | `bvh.preset`, `.nodes`, `.depth`, `.bytes` | | the trees as they are at the end: all nodes, the largest depth |
+//! | `bvh.chunks` | | the numbers of chunks that rays built, and of all; `null` if trees were built at once |
 //! | `resumed` | | the share of the image that a checkpoint held (0 to 1): rays and other counts are those of this run only |
 //! | `goal.asked`, `.samples`, `.expected_error`, `.expected_seconds`, `.found_error`, `.renders` | | the choice for a target error or a time budget, and its outcome (`null` without either); `.found_error` is `null` without random samples, `.expected_error` if a budget is too short to measure it |
 //! | `plan` | | each effect, whether it is simulated, and the reason |
@@ -163,17 +164,20 @@ pub struct Bvh {
     pub nodes: usize,
     pub depth: usize,
     pub bytes: u64,
+    /// The numbers of chunks built and of all, if rays build them.
+    pub chunks: Option<[usize; 2]>,
 }
 
 impl Bvh {
     /// The size of `accel`, built with `preset`.
     pub fn of(accel: &Accel, preset: Preset) -> Self {
-        let census = || accel.trees().map(|tree| tree.census);
+        let census = || accel.trees().map(|tree| tree.census());
         Self {
             preset,
             nodes: census().map(|census| census.nodes as usize).sum(),
             depth: census().map(|census| census.depth).max().unwrap_or(0),
             bytes: accel.tree_bytes(),
+            chunks: accel.chunks(),
         }
     }
 }

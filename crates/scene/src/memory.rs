@@ -55,7 +55,7 @@ fn build_bytes(preset: Preset, primitives: u64) -> u64 {
 const fn tree_bytes(preset: Preset) -> u64 {
     match preset {
         Preset::Brute => 0,
-        Preset::Fastest | Preset::VeryFast => 50,
+        Preset::OnDemand | Preset::Fastest | Preset::VeryFast => 50,
         _ => 47,
     }
 }

@@ -81,8 +81,13 @@ impl Reporter {
         });
     }
 
-    /// The rays.
-    pub(in crate::render) fn traced(&self, rendered: &Rendered, seconds: f64) {
+    /// The rays, and the chunks of trees that they built.
+    pub(in crate::render) fn traced(
+        &self,
+        rendered: &Rendered,
+        scene: &PreparedScene,
+        seconds: f64,
+    ) {
         let counters = &rendered.counters;
         let kinds = [counters.primary_rays, counters.secondary_rays, counters.shadow_rays];
         self.note("trace", || {
@@ -93,6 +98,9 @@ impl Reporter {
                  in {seconds:.3} s: {speed:.2} million a second"
             )
         });
+        if let Some([built, all]) = scene.accel.chunks() {
+            self.note("trace", || format!("{built} of {all} chunks of the tree built"));
+        }
         if counters.invalid > 0 {
             self.note("warning", || format!("{} samples were not finite", counters.invalid));
         }

@@ -233,7 +233,7 @@ fn arguments_that_make_no_sense_are_refused() {
             &["ball.json", "a.png", "--kernel", "reference", "--precision", "fast"],
             "leave out --precision fast, or use --kernel single",
         ),
-        (&["ball.json", "a.png", "--bvh", "quick"], "possible values: brute, fastest"),
+        (&["ball.json", "a.png", "--bvh", "quick"], "possible values: brute, on-demand"),
         (&[], "Usage: wavecrest"),
     ] {
         let output = run(folder.path(), arguments);

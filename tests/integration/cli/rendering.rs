@@ -1,10 +1,10 @@
 //! `wavecrest SCENE OUTPUT`.
 
-use serde_json::json;
+use serde_json::{Value, json};
 use wavecrest_core::math::simd::Level;
 
 use super::{ball, files, film, run, run_silently, text, with_ball};
-use crate::support::{folder, image, matte, pinhole, scene, wavecrest};
+use crate::support::{folder, image, matte, pinhole, point_light, scene, wavecrest, with};
 
 #[test]
 fn a_scene_and_an_output_are_all_it_takes() {
@@ -81,6 +81,37 @@ fn no_choice_of_how_to_render_changes_a_byte() {
             let found = std::fs::read(folder.path().join("out.exr")).expect("an image");
             assert!(found == usual, "{options:?}");
         }
+    }
+}
+
+#[test]
+fn a_tree_that_rays_build_changes_no_byte_either() {
+    let folder = folder();
+    let knot = ["generate", "knot", "knot.ply", "--triangles", "200000"];
+    run_silently(folder.path(), &[&knot[..], &["-q"]].concat());
+    let camera = with(pinhole([64, 48], 3.0, 6.0), "look", [1.0, 0.0, 0.0]);
+    let mesh = json!({"type": "trimesh", "file": "knot.ply", "material": matte(1.0, [0.5; 3])});
+    let light = point_light(50.0, [3.0, 3.0, 5.0], [1.0; 3]);
+    let scene = scene(1, &camera, &[light], &[mesh]).to_string();
+    std::fs::write(folder.path().join("s.json"), scene).expect("it can be written");
+    run_silently(folder.path(), &["s.json", "at_once.exr", "--bvh", "fast"]);
+    let at_once = std::fs::read(folder.path().join("at_once.exr")).expect("an image");
+    for options in [
+        &["--threads", "1"][..],
+        &["--threads", "16", "--batch", "64"],
+        &["--kernel", "packet", "--threads", "3"],
+        &["--kernel", "stream", "--batch", "100"],
+        &["--kernel", "single", "--threads", "2"],
+        &["--tracer", "recursive", "--threads", "5"],
+    ] {
+        let usual = ["s.json", "out.exr", "--bvh", "on-demand", "--stats", "stats.json"];
+        run_silently(folder.path(), &[&usual[..], options].concat());
+        let found = std::fs::read(folder.path().join("out.exr")).expect("an image");
+        assert!(found == at_once, "{options:?}");
+        let text = std::fs::read_to_string(folder.path().join("stats.json")).expect("statistics");
+        let statistics: Value = serde_json::from_str(&text).expect("JSON");
+        let [built, all] = [0, 1].map(|i| statistics["bvh"]["chunks"][i].as_u64().expect("both"));
+        assert!(0 < built && built < all, "{built} of {all}, {options:?}");
     }
 }
 

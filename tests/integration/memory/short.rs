@@ -209,7 +209,7 @@ fn a_colour_profile_is_not_unpacked() {
 /// Limits in steps of `step`, from what the program itself needs.
 #[cfg(target_os = "linux")]
 fn limits(step: f64) -> Vec<u64> {
-    let first = 60e6;
+    let first = 30e6;
     std::iter::successors(Some(first), |limit| Some(limit * step))
         .take_while(|&limit| limit < 2e9)
         .map(|limit| limit as u64)

@@ -10,22 +10,28 @@
 //! A node comes before its children, with its leaves directly behind it, and stores their places
 //! relative to itself. So a part of the tree can be built anywhere and copied unchanged.
 //!
-//! This is the only traversal module with `unsafe` code. [`Arena::new`] visits every node once and
-//! proves that everything reachable from the root lies within the arena. A [`Ref`], which only this
-//! module creates, then needs no check.
+//! This and `arena/units.rs`, where threads append to the memory, are the only traversal modules
+//! with `unsafe` code. [`Arena::new`] visits every node once and
+//! proves that everything reachable from the root lies within the arena, and [`Arena::extend`] does
+//! so for each part that comes later. A [`Ref`], which only this module creates, then needs no
+//! check.
 
 #![allow(unsafe_code, reason = "places in the arena are proved when it is made")]
 
 mod layout;
 mod proof;
+mod units;
+
+use std::marker::PhantomData;
+use std::sync::atomic::{AtomicU32, Ordering};
 
 use bytemuck::Pod;
 use glam::Vec3;
 
-pub use super::units::Unit;
-use super::units::Units;
 use crate::math::simd::LANES;
 pub use layout::{NODE_UNITS, Node, PATCH_UNITS, Patch, SOUP_UNITS, Soup, list_units};
+pub use units::Unit;
+pub(in crate::accel) use units::Units;
 
 /// The content that a [`Ref`] points to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -82,11 +88,12 @@ impl Ref {
 /// The largest number of units that a [`Ref`] can address.
 pub const MAX_UNITS: usize = (1 << 30) - 1;
 
-/// A tree, or a part of one, in memory.
+/// A tree in memory.
 #[derive(Debug, Default)]
 pub struct Arena {
     units: Units,
-    numbers: Vec<u32>,
+    /// The numbers of the primitives in leaves. Until a chunk is built, those of its entries.
+    numbers: Vec<AtomicU32>,
 }
 
 /// The contents of an arena.
@@ -111,43 +118,59 @@ pub struct Census {
 impl Arena {
     /// The proved arena of `units`, with its contents: everything reachable from `root` lies within
     /// the units and `numbers`. `None` if the proof fails, which is a bug of the builder.
-    pub(super) fn new(units: Units, numbers: Vec<u32>, root: Ref) -> Option<(Self, Census)> {
+    pub(super) fn new(
+        mut units: Units,
+        numbers: Vec<AtomicU32>,
+        root: Ref,
+    ) -> Option<(Self, Census)> {
         if units.len() > MAX_UNITS {
             return None;
         }
-        let proof = proof::Proof { units: &units, numbers: numbers.len() };
+        let proof = proof::Proof { units: units.as_mut_slice(), numbers: numbers.len() };
         let census = proof.census(root)?;
         Some((Self { units, numbers }, census))
     }
 
-    /// Number of units.
-    pub fn units(&self) -> usize {
-        self.units.len()
+    /// Adds another part of the tree, with its root first, of this `kind`. Returns its place and
+    /// contents; `None` if the proof fails, if it is deeper than `most`, or if there is no room.
+    pub(super) fn extend(&self, units: &[Unit], kind: Kind, most: usize) -> Option<(Ref, Census)> {
+        let proof = proof::Proof { units, numbers: self.numbers.len() };
+        let (census, _) = proof.below((root_of(kind), 1))?;
+        if census.depth > most {
+            return None;
+        }
+        let place = self.units.append(units)?;
+        Some((Ref((place as u32) << 2 | kind as u32), census))
+    }
+
+    /// The numbers of the primitives in leaves.
+    pub(super) fn numbers(&self) -> &[AtomicU32] {
+        &self.numbers
     }
 
     /// Bytes held.
     pub fn bytes(&self) -> u64 {
-        (size_of_val(&*self.units) + size_of_val(self.numbers.as_slice())) as u64
-    }
-
-    /// All units and numbers.
-    #[cfg(test)]
-    pub(super) fn parts(&self) -> (&[Unit], &[u32]) {
-        (&self.units, &self.numbers)
+        (self.units.len() * size_of::<Unit>() + size_of_val(self.numbers.as_slice())) as u64
     }
 
     /// The arena as kernels see it.
     #[inline(always)]
     pub(super) fn view(&self) -> View<'_> {
-        View { units: &self.units, numbers: &self.numbers }
+        View { units: self.units.as_ptr(), numbers: &self.numbers, arena: PhantomData }
     }
+}
+
+/// Replaces the `numbers` from the first on.
+pub(super) fn put(numbers: &[AtomicU32], new: &[u32]) {
+    numbers.iter().zip(new).for_each(|(number, &new)| number.store(new, Ordering::Relaxed));
 }
 
 /// A proved arena, for kernels.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct View<'a> {
-    units: &'a [Unit],
-    numbers: &'a [u32],
+    units: *const Unit,
+    numbers: &'a [AtomicU32],
+    arena: PhantomData<&'a Arena>,
 }
 
 impl<'a> View<'a> {
@@ -176,14 +199,25 @@ impl<'a> View<'a> {
     #[inline]
     pub(super) fn list(self, place: Ref) -> &'a [u32] {
         debug_assert!(place.kind() == Kind::List);
-        let words: &[u32] = bytemuck::cast_slice(&self.units[place.unit()..]);
-        &words[1..=words[0] as usize]
+        let Unit([count, ..]) = self.at(place);
+        let words = self.units.wrapping_add(place.unit()).cast::<u32>();
+        // SAFETY: as in `at`; the proof covers all of the list.
+        unsafe { std::slice::from_raw_parts(words.add(1), *count as usize) }
+    }
+
+    /// The number of the chunk that the list at `place` stands for; `None` for other lists, which
+    /// are not empty.
+    #[inline]
+    pub(super) fn chunk(self, place: Ref) -> Option<usize> {
+        debug_assert!(place.kind() == Kind::List);
+        let Unit([count, chunk, ..]) = self.at(place);
+        (*count == 0).then_some(*chunk as usize)
     }
 
     /// The number of the primitive in `lane`, of those that start at `first`.
     #[inline(always)]
     pub(super) fn number(self, first: u32, lane: usize) -> u32 {
-        self.numbers[first as usize + lane]
+        self.numbers[first as usize + lane].load(Ordering::Relaxed)
     }
 
     /// The number of a leaf's entry.
@@ -221,15 +255,18 @@ impl<'a> View<'a> {
         [vertex(*a), vertex(*b), vertex(*c)]
     }
 
-    /// The numbers of `count` primitives, from `first` on.
-    pub(super) fn numbers(self, first: u32, count: u32) -> &'a [u32] {
-        &self.numbers[first as usize..][..count as usize]
+    /// The numbers of a leaf's entries.
+    pub(super) fn numbers_of(self, leaf: Ref) -> Vec<u32> {
+        if leaf.kind() == Kind::List {
+            return self.list(leaf).to_vec();
+        }
+        (0..self.count(leaf)).map(|entry| self.number_of(leaf, entry)).collect()
     }
 
     /// Prefetches the cache lines at `place`.
     #[inline(always)]
     pub(super) fn prefetch(self, place: Ref) {
-        let start = self.units.as_ptr().wrapping_add(place.unit()).cast::<i8>();
+        let start = self.units.wrapping_add(place.unit()).cast::<i8>();
         prefetch(start);
         prefetch(start.wrapping_add(64));
         // The other half of a node; without a branch, which would be mispredicted.
@@ -247,13 +284,11 @@ impl<'a> View<'a> {
     #[inline(always)]
     fn at<T: Pod>(self, place: Ref) -> &'a T {
         const { assert!(align_of::<T>() <= align_of::<Unit>()) };
-        debug_assert!(
-            (place.unit() + size_of::<T>().div_ceil(size_of::<Unit>())) <= self.units.len()
-        );
-        // SAFETY: `place` was reached from the root, since nothing else creates a `Ref` while
-        // tracing, and `Arena::new` proved that the content of this kind at `place` lies within
-        // `units`, which are immutable. Any bits are a valid `T`, and units are aligned for it.
-        unsafe { &*self.units.as_ptr().add(place.unit()).cast::<T>() }
+        // SAFETY: `place` was reached from the root or is that of a chunk, since nothing else
+        // creates a `Ref` while tracing, and `Arena::new` or `Arena::extend` proved that the
+        // content of this kind at `place` lies within units that nobody writes any more. Any bits
+        // are a valid `T`, and units are aligned for it.
+        unsafe { &*self.units.add(place.unit()).cast::<T>() }
     }
 }
 

@@ -17,10 +17,12 @@ mod weld;
 
 use obvhs::BvhBuildParams;
 
+use super::arena::Unit;
+use super::demand::Demand;
 use super::tree::Tree;
 use crate::geometry::Geometry;
-use piece::Plan;
 pub(super) use piece::Single;
+pub(super) use piece::{Piece, Plan};
 
 /// Largest number of triangles in a chunk; halves of quads count as such. Measured: with 32 Ki and 64 Ki a build took a sixth
 /// longer, and rays visited at most 2 per cent fewer nodes.
@@ -30,12 +32,20 @@ pub const CHUNK: usize = 1 << 14;
 /// ones.
 const PARTS: usize = 64;
 
-/// Bytes of a tree to reserve for each primitive. Measured: 46 to 53 in meshes that share vertices.
+/// Bytes of a tree to reserve for each triangle. Measured: 46 to 53 in meshes that share vertices.
 const ROOM: usize = 64;
+
+/// Bytes of a tree to reserve for each primitive in a list: a list alone and its share of a node.
+const ROOM_OF_LISTED: usize = 192;
 
 /// A mesh with shared vertices has about half as many vertices as triangles. With more than this
 /// number for four triangles, vertices are compared by position.
 const WELD_ABOVE: usize = 3;
+
+/// Rays for each primitive from which [`Preset::Fastest`] pays: with fewer, part of the scene is
+/// likely never reached. Where all of it was, in a terrain of 10 million triangles,
+/// [`Preset::OnDemand`] took as long; its rays, of 0.2 microseconds, took 3 to 10 per cent longer.
+const FASTEST_FROM: u64 = 2;
 
 /// Rays for each primitive from which [`Preset::VeryFast`] and [`Preset::Fast`] pay. Measured on a
 /// scan, a kitchen and a coffee maker of 0.2 to 1.4 million triangles: compared with
@@ -52,6 +62,8 @@ wavecrest_base::choices! {
     pub enum Preset {
         /// No BVH: tests every primitive, for reference.
         Brute = "brute",
+        /// As the next; chunks of a large scene are built by the first ray that reaches them.
+        OnDemand = "on-demand",
         /// Leaves along a Morton curve: fastest build, slightly slower rays.
         Fastest = "fastest",
         /// Little reinsertion.
@@ -74,15 +86,22 @@ impl Preset {
     /// ray, so it pays above a certain number of rays for each primitive.
     pub fn choose(primitives: u64, rays: u64) -> Self {
         match rays / primitives.max(1) {
-            0..VERY_FAST_FROM => Self::Fastest,
+            0..FASTEST_FROM => Self::OnDemand,
+            FASTEST_FROM..VERY_FAST_FROM => Self::Fastest,
             VERY_FAST_FROM..FAST_FROM => Self::VeryFast,
             _ => Self::Fast,
         }
     }
 
+    /// The preset that builds the same before the first ray, for measurements of rays.
+    pub fn at_once(self) -> Self {
+        if self == Self::OnDemand { Self::Fastest } else { self }
+    }
+
     /// The reason for the choice of [`Self::choose`].
     pub fn reason(primitives: u64, rays: u64) -> String {
         let why = match Self::choose(primitives, rays) {
+            Self::OnDemand => format!("the whole BVH pays off from {FASTEST_FROM}"),
             Self::Fastest => format!("a better BVH pays off from {VERY_FAST_FROM}"),
             Self::VeryFast => format!("a better BVH pays off from {FAST_FROM}"),
             _ => format!("a good BVH pays off from {FAST_FROM}"),
@@ -94,17 +113,24 @@ impl Preset {
         }
     }
 
+    /// Whether leaves are found before the hierarchy.
+    fn finds_leaves_first(self) -> bool {
+        matches!(self, Self::OnDemand | Self::Fastest)
+    }
+
     /// The rounds of reinsertion: the share of nodes in each, relative to the first. `None` stands
     /// for obvhs's own sixteen. With these six a build took a twentieth less time, for as good a
     /// tree.
     fn rounds(self) -> Option<Vec<f32>> {
-        let quick = matches!(self, Self::Fastest | Self::VeryFast);
+        let quick = matches!(self, Self::OnDemand | Self::Fastest | Self::VeryFast);
         quick.then(|| [1, 6, 11, 16, 21, 26].map(|n: u8| 1.0 / f32::from(n)).to_vec())
     }
 
     fn parameters(self) -> BvhBuildParams {
         match self {
-            Self::Brute | Self::Fastest | Self::VeryFast => BvhBuildParams::very_fast_build(),
+            Self::Brute | Self::OnDemand | Self::Fastest | Self::VeryFast => {
+                BvhBuildParams::very_fast_build()
+            }
             Self::Fast => BvhBuildParams::fast_build(),
             Self::Medium => BvhBuildParams::medium_build(),
             Self::Slow => BvhBuildParams::slow_build(),
@@ -120,7 +146,7 @@ struct Cut {
     chunk: usize,
     /// Largest number of parts that each of several chunks is cut into.
     parts: usize,
-    /// Bytes to reserve for each entry, twice as many if few vertices are shared.
+    /// Bytes to reserve for each entry. A tree that needs more is built again with enough.
     room: usize,
 }
 
@@ -131,18 +157,19 @@ pub fn build(geometry: &Geometry, preset: Preset) -> Tree {
 
 fn build_cut(geometry: &Geometry, preset: Preset, cut: Cut) -> Tree {
     let extents = order::extents(geometry);
-    let chunks = order::chunks(geometry, &extents, cut.chunk);
-    let left_out = (geometry.entries() - chunks.entries.len()) as u64;
-    let plan = Plan {
-        geometry,
-        extents,
-        leaves_first: preset == Preset::Fastest,
-        parameters: preset.parameters(),
-        rounds: preset.rounds(),
-        weld: geometry.positions.len() > WELD_ABOVE * geometry.triangles.len() / 4,
+    let plan = Plan::new(geometry, preset, extents);
+    let is_later = preset == Preset::OnDemand && geometry.entries() > cut.chunk;
+    let mut left_out = 0;
+    let mut chunks = |with_boxes| {
+        let chunks = order::chunks(geometry, &extents, (cut.chunk, with_boxes));
+        left_out = geometry.entries() - chunks.entries.len();
+        Some(chunks).filter(|chunks| chunks.chunks.len() > usize::from(with_boxes))
     };
-    let tree = chunked::build(&plan, chunks, cut).unwrap_or_default();
-    Tree { left_out, ..tree }
+    let tree = is_later.then(|| chunked::on_demand(&plan, chunks(true)?)).flatten();
+    let most = Demand::MOST_UNITS * size_of::<Unit>();
+    let whole = |room| chunked::build(&plan, chunks(false)?, Cut { room, ..cut });
+    let tree = tree.or_else(|| [cut.room, most].into_iter().find_map(whole));
+    Tree { left_out: left_out as u64, ..tree.unwrap_or_default() }
 }
 
 #[cfg(test)]

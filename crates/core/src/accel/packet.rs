@@ -309,6 +309,11 @@ impl<Q: Query, P: Arithmetic> Batch<'_, Q, P> {
             if at.kind() != Kind::Node {
                 let rays = if Q::ANY { rays } else { rays & tile.reaching(simd, distance(entry)) };
                 if rays != 0 {
+                    if let Some(root) = self.searched.chunk(at) {
+                        let entry = crate::math::simd::entry(distance(entry), root.bits());
+                        tile.push(true, Visit { entry, rays });
+                        continue;
+                    }
                     self.visit_leaf(simd, tile, at, rays);
                     if Q::ANY && tile.is_done() {
                         self.ending = Some(at);

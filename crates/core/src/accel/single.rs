@@ -31,11 +31,16 @@ pub(super) fn trace<S: Lanes, Q: Query, P: Arithmetic>(
             continue;
         }
         let mut next = Some(place(entry));
-        while let Some(at) = next.take_if(|at| at.kind() == Kind::Node) {
-            tests.nodes += 1;
-            let range = [ray.ray.t_min, best.high];
-            (next, height) =
-                node::enter::<S, Q>(simd, arena.node(at), at, &ray.slab, range, stack, height);
+        while let Some(at) = next {
+            if at.kind() == Kind::Node {
+                tests.nodes += 1;
+                let range = [ray.ray.t_min, best.high];
+                (next, height) =
+                    node::enter::<S, Q>(simd, arena.node(at), at, &ray.slab, range, stack, height);
+                continue;
+            }
+            let Some(root) = searched.chunk(at) else { break };
+            next = Some(root);
         }
         let Some(leaf) = next else { continue };
         if leaf::visit::<S, Q, P>(simd, searched, ray, leaf, &mut best, tests) && Q::ANY {

@@ -107,7 +107,7 @@ impl<'a> Steps<'a> {
                     let met = (0..node.count as usize).filter(is_met);
                     waiting.extend(met.map(|lane| child_of(node, place, lane)));
                 }
-                Kind::List => {}
+                Kind::List => waiting.extend(tree.known(place)),
                 Kind::Patch | Kind::Soup => {
                     let visit = Visit { arena, ray, leaf: place, reach };
                     self.visits.push(visit);

@@ -314,6 +314,10 @@ impl<Q: Query, P: Arithmetic, R: Source<Q, P>> Rounds<'_, Q, P, R> {
                 continue;
             }
             let (searched, tests) = (self.searched, &mut *self.tests);
+            if let Some(root) = searched.chunk(at) {
+                self.next.push(self.arena, index, root);
+                continue;
+            }
             let is_closer = leaf::visit::<S, Q, P>(simd, searched, ray, at, best, tests);
             self.go_on(index, is_closer);
         }

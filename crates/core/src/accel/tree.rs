@@ -1,6 +1,7 @@
 //! The tree: an arena and its root.
 
 use super::arena::{Arena, Census, Kind, Node, Ref, child_of};
+use super::demand::Demand;
 use crate::geometry::Geometry;
 use crate::kernels::slab::Aabb;
 use crate::math::simd::LANES;
@@ -10,8 +11,9 @@ use crate::math::simd::LANES;
 pub struct Tree {
     pub(super) arena: Arena,
     pub(super) root: Option<Root>,
-    /// The contents of the tree.
-    pub census: Census,
+    /// The contents of the tree, without chunks that rays build.
+    pub(super) census: Census,
+    pub(super) demand: Option<Demand>,
     /// Number of triangles without area, which are not in it.
     pub(super) left_out: u64,
 }
@@ -38,6 +40,18 @@ impl Tree {
     /// The root, unless the tree is empty.
     pub fn root(&self) -> Option<Root> {
         self.root
+    }
+
+    /// What is built so far.
+    pub fn census(&self) -> Census {
+        let below = self.demand.iter().flat_map(Demand::built);
+        let below = below.fold(Census::default(), std::ops::Add::add);
+        Census { depth: self.census.depth + below.depth, ..self.census + below }
+    }
+
+    /// The numbers of chunks built so far and of all; `None` if the tree was built at once.
+    pub fn chunks(&self) -> Option<[usize; 2]> {
+        self.demand.as_ref().map(|demand| [demand.built().count(), demand.len()])
     }
 
     /// Bytes held.
@@ -78,6 +92,7 @@ impl Tree {
         let arena = self.arena.view();
         let mut waiting: Vec<_> = self.root.iter().map(|root| (root.place, root.bounds)).collect();
         while let Some((place, bounds)) = waiting.pop() {
+            let place = self.known(place).unwrap_or(place);
             visit(place, &bounds);
             if place.kind() != Kind::Node {
                 continue;
@@ -96,17 +111,10 @@ impl Tree {
     /// its primitives.
     pub fn for_each_leaf(&self, mut visit: impl FnMut(&Aabb, &[u32])) {
         let arena = self.arena.view();
-        self.walk(|place, bounds| match place.kind() {
-            Kind::Node => {}
-            Kind::Patch => {
-                let leaf = arena.patch(place);
-                visit(bounds, arena.numbers(leaf.first, leaf.count));
+        self.walk(|place, bounds| {
+            if place.kind() != Kind::Node {
+                visit(bounds, &arena.numbers_of(place));
             }
-            Kind::Soup => {
-                let leaf = arena.soup(place);
-                visit(bounds, arena.numbers(leaf.first, leaf.count));
-            }
-            Kind::List => visit(bounds, arena.list(place)),
         });
     }
 
@@ -126,7 +134,8 @@ impl Tree {
     /// Entries needed in the stack of a ray: every inner node on a path leaves all its children
     /// except one, the last one leaves all, and whole vectors are written.
     pub(super) fn stack_entries(&self) -> usize {
-        (LANES - 1) * self.census.depth + 2 * LANES
+        let below = if self.demand.is_some() { Demand::MOST_DEPTH } else { 0 };
+        (LANES - 1) * (self.census.depth + below) + 2 * LANES
     }
 }
 

@@ -13,9 +13,10 @@
 mod emit;
 mod shared;
 
+use bytemuck::Zeroable;
 use obvhs::bvh2::Bvh2;
 
-use super::arena::{Kind, Unit};
+use super::arena::{Kind, Unit, list_units};
 use crate::kernels::slab::Aabb;
 use crate::math::simd::LANES;
 pub(super) use shared::Shared;
@@ -102,6 +103,24 @@ pub(super) struct Output {
     pub(super) numbers: Vec<u32>,
     /// The start of `numbers` in the arena.
     pub(super) first_number: u32,
+}
+
+impl Output {
+    /// Begins again, with numbers that start at `first` in the arena.
+    pub(super) fn clear(&mut self, first: usize) {
+        self.units.clear();
+        self.numbers.clear();
+        self.first_number = first as u32;
+    }
+
+    /// Appends a list of primitives.
+    pub(super) fn list(&mut self, numbers: &[u32]) {
+        let start = self.units.len();
+        self.units.resize(start + list_units(numbers.len()), Unit::zeroed());
+        let words: &mut [u32] = bytemuck::cast_slice_mut(&mut self.units[start..]);
+        words[0] = numbers.len() as u32;
+        words[1..=numbers.len()].copy_from_slice(numbers);
+    }
 }
 
 /// Converts hierarchies in turn, and reuses its memory.

@@ -30,23 +30,25 @@ impl Proof<'_> {
             reached += 1;
             self.visit(place, depth, &mut census, |child| top.push_back(child))?;
         }
-        let below = |start: (Ref, usize)| {
-            let (mut census, mut reached) = (Census::default(), 0);
-            let mut waiting = vec![start];
-            while let Some((place, depth)) = waiting.pop() {
-                reached += 1;
-                (reached <= self.units.len()).then_some(())?;
-                self.visit(place, depth, &mut census, |child| waiting.push(child))?;
-            }
-            Some((census, reached))
-        };
         let (census, reached) = Vec::from(top)
             .into_par_iter()
-            .map(below)
+            .map(|start| self.below(start))
             .try_reduce(Default::default, |(a, n), (b, m)| Some((a + b, n + m)))
             .map(|(below, n)| (census + below, reached + n))?;
         // A tree reaches each unit once at most.
         (reached <= self.units.len()).then_some(census)
+    }
+
+    /// Visits everything below a place at some depth. Returns how many places were reached.
+    pub(super) fn below(&self, start: (Ref, usize)) -> Option<(Census, usize)> {
+        let (mut census, mut reached) = (Census::default(), 0);
+        let mut waiting = vec![start];
+        while let Some((place, depth)) = waiting.pop() {
+            reached += 1;
+            (reached <= self.units.len()).then_some(())?;
+            self.visit(place, depth, &mut census, |child| waiting.push(child))?;
+        }
+        Some((census, reached))
     }
 
     /// Proves the content at `place`, counts it, and hands its children on to be proved. Children
@@ -84,7 +86,8 @@ impl Proof<'_> {
             Kind::List => {
                 let count = rest.first()?.0[0] as usize;
                 bytes(rest, list_units(count))?;
-                census.lists += 1;
+                // Without a number, it stands for a chunk.
+                census.lists += u64::from(count > 0);
             }
         }
         Some(())

@@ -18,8 +18,10 @@ fn list(numbers: &[u32]) -> Unit {
 }
 
 fn prove(units: &[Unit], numbers: usize) -> Option<Census> {
-    let numbers = vec![0; numbers];
-    Some(Arena::new(Units::Owned(units.to_vec()), numbers, root_of(Kind::Node))?.1)
+    let numbers = (0..numbers).map(|_| AtomicU32::new(0)).collect();
+    let mut all = Units::zeroed(units.len(), units.len());
+    all.as_mut_slice().copy_from_slice(units);
+    Some(Arena::new(all, numbers, root_of(Kind::Node))?.1)
 }
 
 #[test]

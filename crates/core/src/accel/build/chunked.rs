@@ -1,127 +1,76 @@
-//! Builds a tree in chunks: each is built and converted while it is in a core's cache, and one
-//! small hierarchy joins them.
+//! Builds a tree in chunks: each is built, converted and copied to its place while it is in a core's
+//! cache, and one small hierarchy joins them.
 //!
-//! A chunk's parts are copied into the arena as soon as all chunks before it have their places. So
-//! the tree is the same for any number of threads and is in memory only once. A tree with unusually
-//! many bytes for each entry is the exception: at the end it moves to a larger arena.
+//! The tree is the same for any number of threads, but for the order of the chunks in memory.
 
-use std::collections::BTreeMap;
-use std::sync::{Mutex, PoisonError};
+use std::ops::Range;
+use std::sync::atomic::AtomicU32;
 
 use rayon::prelude::*;
 
-use super::Cut;
 use super::join::join;
 use super::order::Chunks;
 use super::piece::{Piece, Plan};
+use super::{Cut, ROOM_OF_LISTED};
+use crate::accel::arena::Units;
 use crate::accel::arena::{self, Arena, NODE_UNITS, Unit};
+use crate::accel::demand::Demand;
 use crate::accel::tree::{Root, Tree};
-use crate::accel::units::Units;
 use crate::accel::wide::Part;
+use crate::kernels::slab::Aabb;
 use crate::math::simd::LANES;
 
-/// Builds the tree; there is none over nothing. A tree that needs more room than `cut` gives
-/// moves to a larger arena at the end.
+/// Builds the tree; there is none over nothing, nor over a scene that needs more room than `cut`
+/// gives.
 pub(super) fn build(plan: &Plan, chunks: Chunks, cut: Cut) -> Option<Tree> {
-    let Chunks { mut entries, lengths } = chunks;
-    if lengths.is_empty() {
-        return None;
-    }
-    let parts = if lengths.len() == 1 { 1 } else { cut.parts };
-    // The nodes that join the parts come first: fewer than there are parts, plus those that
-    // opening the last node may have added.
-    let ahead = NODE_UNITS * (parts + LANES) * lengths.len();
-    // Unwritten pages take address space but no memory.
-    let room = entries.len() * cut.room * if plan.weld { 2 } else { 1 };
-    let mut units = Units::zeroed(ahead + room.div_ceil(size_of::<Unit>()));
-    let (_, rest) = units.as_mut_slice().split_at_mut(ahead);
-    let assembly = Mutex::new(Assembly { rest, used: ahead, ..Assembly::default() });
-    let mut left = entries.as_mut_slice();
-    let mut start = 0;
-    let in_turn = lengths.iter().enumerate().map(|(chunk, &length)| {
-        let (own, after) = std::mem::take(&mut left).split_at_mut(length);
-        (left, start) = (after, start + length);
-        (chunk, start - length, own)
-    });
-    in_turn.par_bridge().for_each_init(Piece::default, |piece, (chunk, first, entries)| {
-        piece.output.units.clear();
-        piece.output.numbers.clear();
-        piece.output.first_number = first as u32;
-        piece.build(plan, entries);
-        let parts = piece.emit(plan, parts);
-        // The leaves' numbers take the place of the entries.
-        let leaves = &piece.output.numbers;
-        entries[..leaves.len()].copy_from_slice(leaves);
-        place(&assembly, chunk, &mut piece.output.units, parts);
-    });
-    let Assembly { used, parts, late, .. } =
-        assembly.into_inner().unwrap_or_else(PoisonError::into_inner);
-    if !late.is_empty() {
-        units = lengthened(units, ahead, used, late);
-    }
-    let (top, _) = units.as_mut_slice().split_at_mut(ahead);
-    let (start, kind, bounds) = join(plan.geometry, &parts, top)?;
-    units.keep(start..used);
+    let Chunks { entries, chunks } = chunks;
+    let parts = if chunks.len() == 1 { 1 } else { cut.parts };
+    let ahead = ahead(parts * chunks.len());
+    let listed = plan.geometry.spheres.len() * ROOM_OF_LISTED;
+    let few_shared = if plan.weld { 2 } else { 1 };
+    let room = (entries.len() * cut.room * few_shared + listed).div_ceil(size_of::<Unit>());
+    let units = Units::zeroed(ahead + room, ahead);
+    let build = |piece: &mut Piece, (own, _): (Range<usize>, Aabb)| {
+        let mut own = piece.parts(plan, &entries, own, parts);
+        let place = units.append(&piece.output.units)?;
+        own.iter_mut().for_each(|part| part.unit += place);
+        Some(own)
+    };
+    let parts: Option<Vec<_>> = chunks.into_par_iter().map_init(Piece::default, build).collect();
+    joined(plan, units, entries, ahead, &parts?.concat())
+}
+
+/// A tree whose chunks are built by the rays that reach them; `None` if there is no room.
+pub(super) fn on_demand(plan: &Plan, chunks: Chunks) -> Option<Tree> {
+    let Chunks { entries, chunks } = chunks;
+    let ahead = ahead(chunks.len());
+    let room = chunks.len() + entries.len() * Demand::MOST_UNITS;
+    let units = Units::mapped(ahead + room, ahead)?;
+    let place = |(chunk, &(_, bounds)): (usize, &(_, Aabb))| {
+        Some(Demand::part(bounds, units.append(&[Demand::place(chunk)])?))
+    };
+    let parts: Option<Vec<_>> = chunks.iter().enumerate().map(place).collect();
+    let tree = joined(plan, units, entries, ahead, &parts?)?;
+    Some(Tree { demand: Some(Demand::new(plan, chunks)), ..tree })
+}
+
+/// The units that the nodes above this many parts need at most: fewer nodes than parts, plus those
+/// that opening the last node may have added.
+fn ahead(parts: usize) -> usize {
+    NODE_UNITS * (parts + LANES)
+}
+
+/// The tree of `parts`, which are in `units` behind the room `ahead`.
+fn joined(
+    plan: &Plan,
+    mut units: Units,
+    numbers: Vec<AtomicU32>,
+    ahead: usize,
+    parts: &[Part],
+) -> Option<Tree> {
+    let (top, kind, bounds) = join(plan.geometry, parts, ahead)?;
+    units.begin_with(&top, ahead)?;
     let place = arena::root_of(kind);
-    let (arena, census) = Arena::new(units, entries, place)?;
+    let (arena, census) = Arena::new(units, numbers, place)?;
     Some(Tree { arena, root: Some(Root { place, bounds }), census, ..Tree::default() })
-}
-
-/// Copies the arena to one of `used` units and appends the chunks `late`. The first `ahead` units stay
-/// zero.
-fn lengthened(units: Units, ahead: usize, used: usize, late: Vec<Vec<Unit>>) -> Units {
-    let mut longer = Units::zeroed(used);
-    let mut end = used - late.iter().map(Vec::len).sum::<usize>();
-    let all = longer.as_mut_slice();
-    all[ahead..end].copy_from_slice(&units[ahead..end]);
-    drop(units);
-    for chunk in late {
-        all[end..end + chunk.len()].copy_from_slice(&chunk);
-        end += chunk.len();
-    }
-    longer
-}
-
-/// The places of chunks in the arena.
-#[derive(Default)]
-struct Assembly<'a> {
-    /// The next chunk to place.
-    next: usize,
-    /// The free units, and the number of units used, including those of `late`.
-    rest: &'a mut [Unit],
-    used: usize,
-    /// The chunks for which no room was left, in order.
-    late: Vec<Vec<Unit>>,
-    /// Chunks that were finished before their turn.
-    early: BTreeMap<usize, (Vec<Unit>, Vec<Part>)>,
-    /// The parts of the placed chunks.
-    parts: Vec<Part>,
-}
-
-/// Copies a chunk to its place, with the chunks that waited for it; or keeps it waiting.
-fn place(assembly: &Mutex<Assembly>, chunk: usize, units: &mut Vec<Unit>, parts: Vec<Part>) {
-    let mut placed = Vec::new();
-    {
-        // No thread panics while it holds the lock.
-        let assembly = &mut *assembly.lock().unwrap_or_else(PoisonError::into_inner);
-        assembly.early.insert(chunk, (std::mem::take(units), parts));
-        while let Some((units, parts)) = assembly.early.remove(&assembly.next) {
-            let moved = |part: Part| Part { unit: part.unit + assembly.used, ..part };
-            assembly.parts.extend(parts.into_iter().map(moved));
-            assembly.used += units.len();
-            assembly.next += 1;
-            match std::mem::take(&mut assembly.rest).split_at_mut_checked(units.len()) {
-                Some((room, rest)) => {
-                    assembly.rest = rest;
-                    placed.push((room, units));
-                }
-                None => assembly.late.push(units),
-            }
-        }
-    }
-    for (room, from) in placed {
-        room.copy_from_slice(&from);
-        // Kept for the next chunk.
-        *units = from;
-    }
 }

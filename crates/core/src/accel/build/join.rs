@@ -14,13 +14,13 @@ use crate::kernels::slab::Aabb;
 /// The share of the nodes above the parts that is reinserted at a time: more gained nothing.
 const REINSERTED: f32 = 0.2;
 
-/// Writes the nodes that join the chunks' parts to the end of `top`. Returns their start, and the
-/// kind of the first with its box.
+/// The nodes that join the chunks' parts, to be placed up to unit `end`; and the kind of the first
+/// with its box.
 pub(super) fn join(
     geometry: &Geometry,
     parts: &[Part],
-    top: &mut [Unit],
-) -> Option<(usize, Kind, Aabb)> {
+    end: usize,
+) -> Option<(Vec<Unit>, Kind, Aabb)> {
     let boxes: Vec<_> = parts.iter().map(|part| to_obvhs(part.bounds)).collect();
     let mut bvh = PlocBuilder::new().build(
         PlocSearchDistance::Low,
@@ -42,8 +42,7 @@ pub(super) fn join(
             Owner::Part(Part { unit: part.unit - start, ..part })
         };
         kind = converter.emit(geometry, &bvh, moved, 0, &mut output);
-        start = top.len().checked_sub(output.units.len())?;
+        start = end.checked_sub(output.units.len())?;
     }
-    top[start..].copy_from_slice(&output.units);
-    Some((start, kind, from_obvhs(bvh.nodes.first()?.aabb())))
+    Some((output.units, kind, from_obvhs(bvh.nodes.first()?.aabb())))
 }

@@ -28,14 +28,14 @@ const NOWHERE: u16 = u16::MAX;
 /// block that is worth its own counters. They affect only time.
 const BLOCKS_A_THREAD: usize = 4;
 const MOST_BLOCKS: usize = 64;
-const LEAST_BLOCK: usize = 1 << 14;
+const LEAST_BLOCK: usize = 1 << 16;
 
-/// Entries in order.
+/// Entries in order. Chunks write the numbers of their leaves in place of their own.
 #[derive(Default)]
 pub(super) struct Chunks {
-    pub(super) entries: Vec<u32>,
-    /// Number of entries in each chunk; their sum is the number of all, and no chunk is empty.
-    pub(super) lengths: Vec<usize>,
+    pub(super) entries: Vec<AtomicU32>,
+    /// The entries of each chunk, all of them in turn, and a box around them. No chunk is empty.
+    pub(super) chunks: Vec<(Range<usize>, Aabb)>,
 }
 
 /// A box around everything that `geometry` holds itself.
@@ -45,98 +45,156 @@ pub(super) fn extents(geometry: &Geometry) -> Aabb {
 }
 
 /// Orders the entries that can be hit, all but triangles without area, and cuts them into chunks of
-/// at most `most`.
-pub(super) fn chunks(geometry: &Geometry, extents: &Aabb, most: usize) -> Chunks {
-    let mut entries: Vec<u32> = (0..geometry.entries() as u32).collect();
-    if entries.len() > most {
-        return arrange(geometry, &entries, extents, most);
+/// at most `most`. Boxes of chunks are computed only `with_boxes`.
+pub(super) fn chunks(
+    geometry: &Geometry,
+    extents: &Aabb,
+    (most, with_boxes): (usize, bool),
+) -> Chunks {
+    let order = Order { geometry, most, with_boxes };
+    if geometry.entries() > most {
+        return order.arrange(None, extents);
     }
-    entries.retain(|&entry| is_met(geometry, entry));
-    let lengths = if entries.is_empty() { Vec::new() } else { vec![entries.len()] };
-    Chunks { entries, lengths }
+    let entries = (0..geometry.entries() as u32).filter(|&entry| order.is_met(entry));
+    let entries: Vec<_> = entries.map(AtomicU32::new).collect();
+    let chunks = if entries.is_empty() { Vec::new() } else { vec![(0..entries.len(), *extents)] };
+    Chunks { entries, chunks }
 }
 
-#[inline(always)]
-fn is_met(geometry: &Geometry, entry: u32) -> bool {
-    let index = entry as usize;
-    index >= geometry.triangles.len() || !is_degenerate(&geometry.triangle(index))
+/// How to order the entries of a scene.
+struct Order<'a> {
+    geometry: &'a Geometry,
+    most: usize,
+    with_boxes: bool,
 }
 
-/// Sorts by the cells of a grid in `bounds`, and cuts.
-fn arrange(geometry: &Geometry, members: &[u32], bounds: &Aabb, most: usize) -> Chunks {
-    let scale = (1 << BITS) as f32 / (bounds.high - bounds.low).max_element();
-    let cell = |&entry: &u32| {
-        if !is_met(geometry, entry) {
-            return NOWHERE;
-        }
-        // Centres outside count as at the border. In a grid of size zero, 0 x inf is NaN, and
-        // counts as 0.
-        let at = (middle(geometry, entry) - bounds.low) * scale;
-        let [x, y, z] = at.to_array().map(|x| (x as u16).min((1 << BITS) - 1));
-        morton_encode_u32(x, y, z) as u16
-    };
-    let blocks = (BLOCKS_A_THREAD * rayon::current_num_threads()).min(MOST_BLOCKS);
-    let block = members.len().div_ceil(blocks).max(LEAST_BLOCK);
-    let count = |members: &[u32]| {
-        let cells: Vec<u16> = members.iter().map(cell).collect();
-        let mut counts = vec![0_u32; CELLS];
-        let kept = cells.iter().filter(|&&cell| cell != NOWHERE);
-        kept.for_each(|&cell| counts[cell as usize] += 1);
-        (cells, counts)
-    };
-    let mut blocks: Vec<_> = members.par_chunks(block).map(count).collect();
-    // Counts become the start of each block in each cell.
-    let mut sum = 0;
-    let mut starts = Vec::with_capacity(CELLS + 1);
-    for cell in 0..CELLS {
-        starts.push(sum as usize);
-        for (_, counts) in &mut blocks {
-            sum += std::mem::replace(&mut counts[cell], sum);
-        }
+/// Some entries in the scene's order.
+struct Block {
+    members: Range<usize>,
+    /// The cell of each.
+    cells: Vec<u16>,
+    /// The number of entries in each cell; later the place of the next.
+    counts: Vec<u32>,
+    /// A box around the entries of each cell.
+    boxes: Vec<Aabb>,
+}
+
+impl Order<'_> {
+    #[inline(always)]
+    fn is_met(&self, entry: u32) -> bool {
+        let index = entry as usize;
+        index >= self.geometry.triangles.len() || !is_degenerate(&self.geometry.triangle(index))
     }
-    starts.push(sum as usize);
-    let places: Vec<AtomicU32> = (0..sum).map(|_| AtomicU32::new(0)).collect();
-    // Every place is written once: the atomics are only for the compiler, which cannot know this.
-    members.par_chunks(block).zip(&mut blocks).for_each(|(members, (cells, next))| {
-        for (&entry, &cell) in members.iter().zip(&*cells).filter(|&(_, &cell)| cell != NOWHERE) {
-            let place = &mut next[cell as usize];
-            places[*place as usize].store(entry, Ordering::Relaxed);
-            *place += 1;
-        }
-    });
-    drop(blocks);
-    let mut entries: Vec<u32> = places.into_iter().map(AtomicU32::into_inner).collect();
-    let mut runs = Vec::new();
-    cut(&starts, 0..CELLS, most, &mut runs);
-    let mut lengths: Vec<usize> = Vec::new();
-    for run in runs {
-        let own = &mut entries[run];
-        if own.len() <= most {
-            // Short runs share a chunk.
-            match lengths.last_mut() {
-                Some(last) if *last + own.len() <= most => *last += own.len(),
-                _ => lengths.push(own.len()),
+
+    /// Sorts `members`, or all entries, by the cells of a grid in `bounds`, and cuts.
+    fn arrange(&self, members: Option<&[AtomicU32]>, bounds: &Aabb) -> Chunks {
+        let count = members.map_or(self.geometry.entries(), <[_]>::len);
+        let member = |i: usize| members.map_or(i as u32, |all| all[i].load(Ordering::Relaxed));
+        let scale = (1 << BITS) as f32 / (bounds.high - bounds.low).max_element();
+        let blocks = (BLOCKS_A_THREAD * rayon::current_num_threads()).min(MOST_BLOCKS);
+        let size = count.div_ceil(blocks).max(LEAST_BLOCK);
+        let block = |first: usize| {
+            let members = first * size..((first + 1) * size).min(count);
+            let mut counts = vec![0; CELLS];
+            let mut boxes = vec![Aabb::EMPTY; if self.with_boxes { CELLS } else { 0 }];
+            let cell = |i: usize| {
+                let entry = member(i);
+                if !self.is_met(entry) {
+                    return NOWHERE;
+                }
+                let own = self.geometry.box_of(entry);
+                // Centres outside count as at the border. In a grid of size zero, 0 x inf is NaN,
+                // and counts as 0.
+                let at = (middle(&own) - bounds.low) * scale;
+                let [x, y, z] = at.to_array().map(|x| (x as u16).min((1 << BITS) - 1));
+                let cell = morton_encode_u32(x, y, z) as u16;
+                counts[cell as usize] += 1;
+                if let Some(bounds) = boxes.get_mut(cell as usize) {
+                    *bounds = bounds.union(own);
+                }
+                cell
+            };
+            let cells = members.clone().map(cell).collect();
+            Block { members, cells, counts, boxes }
+        };
+        let mut blocks: Vec<_> = (0..count.div_ceil(size)).into_par_iter().map(block).collect();
+        // Counts become the start of each block in each cell.
+        let mut sum = 0;
+        let mut starts = Vec::with_capacity(CELLS + 1);
+        for cell in 0..CELLS {
+            starts.push(sum as usize);
+            for Block { counts, .. } in &mut blocks {
+                sum += std::mem::replace(&mut counts[cell], sum);
             }
-            continue;
         }
-        let bounds = around(own.par_iter().map(|&entry| point(middle(geometry, entry))));
-        if bounds.low == bounds.high {
-            lengths.extend(own.chunks(most).map(<[u32]>::len));
-            continue;
+        starts.push(sum as usize);
+        // Every place is written once.
+        let entries: Vec<AtomicU32> = (0..sum).map(|_| AtomicU32::new(0)).collect();
+        blocks.par_iter_mut().for_each(|Block { members, cells, counts: next, .. }| {
+            let kept = members.zip(&*cells).filter(|&(_, &cell)| cell != NOWHERE);
+            for (i, &cell) in kept {
+                let place = &mut next[cell as usize];
+                entries[*place as usize].store(member(i), Ordering::Relaxed);
+                *place += 1;
+            }
+        });
+        let mut runs = Vec::new();
+        cut(&starts, 0..CELLS, self.most, &mut runs);
+        let chunks_of = |cells: Range<usize>| {
+            let boxes = blocks.iter().flat_map(|block| block.boxes.get(cells.clone())).flatten();
+            let bounds = boxes.fold(Aabb::EMPTY, |all, &own| all.union(own));
+            self.chunks_of(&entries, starts[cells.start]..starts[cells.end], bounds)
+        };
+        let found: Vec<_> = runs.into_par_iter().map(chunks_of).collect();
+        let mut chunks: Vec<(Range<usize>, Aabb)> = Vec::new();
+        for (run, bounds) in found.into_iter().flatten() {
+            // Short runs share a chunk.
+            match chunks.last_mut() {
+                Some((last, around)) if last.len() + run.len() <= self.most => {
+                    (last.end, *around) = (run.end, around.union(bounds));
+                }
+                _ => chunks.push((run, bounds)),
+            }
+        }
+        Chunks { entries, chunks }
+    }
+
+    /// The chunks of a run of `entries`, in a box.
+    fn chunks_of(
+        &self,
+        entries: &[AtomicU32],
+        run: Range<usize>,
+        bounds: Aabb,
+    ) -> Vec<(Range<usize>, Aabb)> {
+        if run.len() <= self.most {
+            return vec![(run, bounds)];
+        }
+        let own = &entries[run.clone()];
+        let center =
+            |entry: &AtomicU32| point(middle(&self.geometry.box_of(entry.load(Ordering::Relaxed))));
+        let centers = around(own.par_iter().map(center));
+        if centers.low == centers.high {
+            let ends = run.clone().step_by(self.most);
+            return ends.map(|start| (start..(start + self.most).min(run.end), bounds)).collect();
         }
         // The ends of the longest axis are in different cells, so this comes to an end.
-        let finer = arrange(geometry, own, &bounds, most);
-        own.copy_from_slice(&finer.entries);
-        lengths.extend(finer.lengths);
+        let finer = self.arrange(Some(own), &centers);
+        own.iter().zip(finer.entries).for_each(|(entry, new)| {
+            entry.store(new.into_inner(), Ordering::Relaxed);
+        });
+        let moved = |(part, bounds): (Range<usize>, Aabb)| {
+            (run.start + part.start..run.start + part.end, bounds)
+        };
+        finer.chunks.into_iter().map(moved).collect()
     }
-    Chunks { entries, lengths }
 }
 
-/// Halves the range of cells until each part has at most `most` or is one cell.
+/// Halves the range of cells until each part has at most `most` entries or is one cell. Returns the
+/// cells of each part that is not empty.
 fn cut(starts: &[usize], cells: Range<usize>, most: usize, runs: &mut Vec<Range<usize>>) {
-    let run = starts[cells.start]..starts[cells.end];
-    if run.len() <= most || cells.len() == 1 {
-        runs.extend((!run.is_empty()).then_some(run));
+    let count = starts[cells.end] - starts[cells.start];
+    if count <= most || cells.len() == 1 {
+        runs.extend((count > 0).then_some(cells));
         return;
     }
     let middle = cells.start.midpoint(cells.end);
@@ -153,9 +211,8 @@ fn point(low: Vec3) -> Aabb {
     Aabb { low, high: low }
 }
 
-/// The centre of the entry's box.
+/// The centre of the box.
 #[inline(always)]
-fn middle(geometry: &Geometry, entry: u32) -> Vec3 {
-    let bounds = geometry.box_of(entry);
+fn middle(bounds: &Aabb) -> Vec3 {
     (bounds.low + bounds.high) * 0.5
 }

@@ -1,34 +1,42 @@
 //! A piece: some primitives, obvhs's hierarchy over them, and its conversion.
 
-use obvhs::BvhBuildParams;
+use std::ops::Range;
+use std::sync::atomic::{AtomicU32, Ordering};
+
 use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::reinsertion::ReinsertionOptimizer;
 use obvhs::ploc::PlocBuilder;
 
 use super::leaves::{Finder, Leaf};
 use super::weld::Welder;
+use super::{Preset, WELD_ABOVE};
+use crate::accel::arena::put;
 use crate::accel::coincident::Heaps;
 use crate::accel::wide::{Converter, Output, Owner, Part};
 use crate::geometry::Geometry;
 use crate::kernels::slab::Aabb;
 
 /// The scene, and how to build its pieces.
-pub(super) struct Plan<'a> {
-    pub(super) geometry: &'a Geometry,
+pub(in crate::accel) struct Plan<'a> {
+    pub(in crate::accel) geometry: &'a Geometry,
+    pub(in crate::accel) preset: Preset,
     /// A box around everything.
-    pub(super) extents: Aabb,
-    pub(super) parameters: BvhBuildParams,
-    /// Rounds of reinsertion: see [`super::Preset::rounds`].
-    pub(super) rounds: Option<Vec<f32>>,
+    pub(in crate::accel) extents: Aabb,
     /// Whether vertices repeat positions and are compared by them.
     pub(super) weld: bool,
-    /// Whether to find leaves before the hierarchy.
-    pub(super) leaves_first: bool,
+}
+
+impl<'a> Plan<'a> {
+    pub(in crate::accel) fn new(geometry: &'a Geometry, preset: Preset, extents: Aabb) -> Self {
+        let weld = geometry.positions.len() > WELD_ABOVE * geometry.triangles.len() / 4;
+        Self { geometry, preset, extents, weld }
+    }
 }
 
 /// Builds pieces in turn, and reuses its memory.
 #[derive(Default)]
-pub(super) struct Piece {
+pub(in crate::accel) struct Piece {
+    entries: Vec<u32>,
     ploc: PlocBuilder,
     bvh: Bvh2,
     optimizer: ReinsertionOptimizer,
@@ -37,7 +45,7 @@ pub(super) struct Piece {
     finder: Finder,
     welder: Welder,
     converter: Converter,
-    pub(super) output: Output,
+    pub(in crate::accel) output: Output,
 }
 
 /// The primitives of each owner: of leaves if they are found first, else of singles, then members of
@@ -87,19 +95,43 @@ impl Members {
 }
 
 impl Piece {
-    /// Builds the hierarchy over these entries, at least one, and decides its conversion.
-    pub(super) fn build(&mut self, plan: &Plan, entries: &[u32]) {
-        self.gather(plan, entries);
+    /// Builds the hierarchy over these entries of the scene, at least one, and writes it to the
+    /// output in about `parts` parts. The numbers of its leaves take the place of the entries.
+    pub(in crate::accel) fn parts(
+        &mut self,
+        plan: &Plan,
+        numbers: &[AtomicU32],
+        entries: Range<usize>,
+        parts: usize,
+    ) -> Vec<Part> {
+        self.output.clear(entries.start);
+        let numbers = &numbers[entries];
+        self.entries.clear();
+        self.entries.extend(numbers.iter().map(|number| number.load(Ordering::Relaxed)));
+        self.build(plan);
+        let parts = self.emit(plan, parts);
+        put(numbers, &self.output.numbers);
+        parts
+    }
+
+    /// The primitives of the entries.
+    pub(in crate::accel) fn numbers(&self, geometry: &Geometry) -> impl Iterator<Item = u32> {
+        self.entries.iter().map(|&entry| geometry.number_of(entry))
+    }
+
+    /// Builds the hierarchy over the entries, and decides its conversion.
+    fn build(&mut self, plan: &Plan) {
+        self.gather(plan);
         let Members { singles, heaps, .. } = &mut self.members;
         heaps.gather(plan.geometry, &to_obvhs(plan.extents), (singles, &mut self.boxes));
-        if plan.leaves_first {
+        if plan.preset.finds_leaves_first() {
             self.finder.find(&mut self.members, &mut self.boxes);
         }
         // Reuses the list of the last piece.
         let mut owners = std::mem::take(&mut self.bvh.primitive_indices);
         owners.clear();
         owners.extend(0..self.boxes.len() as u32);
-        let Plan { parameters, rounds, .. } = plan;
+        let parameters = plan.preset.parameters();
         self.ploc.build_with_bvh(
             &mut self.bvh,
             parameters.ploc_search_distance,
@@ -109,13 +141,14 @@ impl Piece {
             parameters.search_depth_threshold,
         );
         let ratio = parameters.reinsertion_batch_ratio;
-        self.optimizer.run(&mut self.bvh, ratio, rounds.clone());
+        self.optimizer.run(&mut self.bvh, ratio, plan.preset.rounds());
         self.members.heaps.open(&mut self.bvh, self.members.alone());
         self.converter.evaluate(&self.bvh, |owner| self.members.owner(owner));
     }
 
     /// Computes a box for each entry.
-    fn gather(&mut self, plan: &Plan, entries: &[u32]) {
+    fn gather(&mut self, plan: &Plan) {
+        let entries = &self.entries;
         let geometry = plan.geometry;
         let Members { singles, leaves, .. } = &mut self.members;
         leaves.clear();
@@ -145,7 +178,7 @@ impl Piece {
     /// Parts are nodes and leaves as in the whole piece, so that a tree with other nodes above them
     /// has about the same below. The largest boxes are opened first, so that a large triangle does
     /// not share a box with small ones.
-    pub(super) fn emit(&mut self, plan: &Plan, parts: usize) -> Vec<Part> {
+    fn emit(&mut self, plan: &Plan, parts: usize) -> Vec<Part> {
         let part = |place: u32| {
             let (unit, owner) = (self.output.units.len(), |owner| self.members.owner(owner));
             let output = &mut self.output;

@@ -1,6 +1,7 @@
 //! The tree against brute force, and the hard cases of building.
 
 use super::*;
+use crate::accel::arena::Census;
 use crate::accel::{Accel, Hit};
 use crate::geometry::Primitive;
 use crate::kernels::quad;
@@ -117,7 +118,8 @@ const fn cut(chunk: usize, parts: usize, room: usize) -> Cut {
 const CUTS: [Cut; 3] = [cut(1, 1, 0), cut(37, 4, 40), cut(500, 50, 400)];
 
 /// Presets of which each builds in another way.
-const CHUNKED: [Preset; 4] = [Preset::Fastest, Preset::VeryFast, Preset::Fast, Preset::Slow];
+const CHUNKED: [Preset; 5] =
+    [Preset::OnDemand, Preset::Fastest, Preset::VeryFast, Preset::Fast, Preset::Slow];
 
 fn cut_accel(geometry: &Geometry, preset: Preset, cut: Cut) -> Accel {
     let tree = Some(build_cut(geometry, preset, cut));
@@ -133,7 +135,9 @@ fn hc03_a_tree_in_chunks_answers_as_brute_force_does() {
         assert!(answers_of(&accel) == reference, "{preset:?} {cut:?}");
         assert!(answers_together(&accel) == reference, "{preset:?} {cut:?}");
         let mut leaves = vec![0; geometry.len()];
-        accel.tree.as_ref().expect("it has one").for_each_leaf(|bounds, numbers| {
+        let tree = accel.tree.as_ref().expect("it has one");
+        tree.build_all(&geometry);
+        tree.for_each_leaf(|bounds, numbers| {
             for &n in numbers {
                 leaves[n as usize] += 1;
                 assert!(holds(bounds, &geometry, n));
@@ -152,13 +156,70 @@ fn the_tree_is_the_same_on_any_number_of_threads() {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
         let cut = cut(100, 8, if threads == 2 { 400 } else { 30 });
         let tree = pool.install(|| build_cut(&geometry, preset, cut));
-        let (units, numbers) = tree.arena.parts();
-        (bytemuck::cast_slice::<_, u32>(units).to_vec(), numbers.to_vec(), tree.census)
+        let mut leaves = Vec::new();
+        tree.build_all(&geometry);
+        tree.for_each_leaf(|bounds, numbers| leaves.push((*bounds, numbers.to_vec())));
+        (leaves, tree.census())
     };
     for preset in CHUNKED {
         let alone = built(1, preset);
         assert!([2, 5].iter().all(|&threads| built(threads, preset) == alone), "{preset:?}");
     }
+}
+
+/// All threads reach the same chunks at once, many times.
+#[test]
+fn a_chunk_is_built_once_whoever_comes_first() {
+    let geometry = mixture(300);
+    let reference = answers(&geometry, Preset::Brute);
+    let rays: Vec<_> = rays(400).collect();
+    for _ in 0..40 {
+        let accel = cut_accel(&geometry, Preset::OnDemand, cut(20, 1, 400));
+        let tree = accel.tree.as_ref().expect("it has one");
+        assert_eq!(tree.chunks().expect("it is built on demand")[0], 0);
+        std::thread::scope(|scope| {
+            for _ in 0..8 {
+                scope.spawn(|| {
+                    let (mut hits, mut traversal) = (vec![Hit::MISS; 400], accel.traversal());
+                    accel.closest_of(&*rays, &mut hits, &mut traversal);
+                    assert!(hits.iter().zip(&reference).all(|(hit, (known, _))| hit == known));
+                });
+            }
+        });
+        let before = tree.census();
+        tree.build_all(&geometry);
+        let [built, all] = tree.chunks().expect("it is built on demand");
+        assert!(built == all && before.nodes <= tree.census().nodes && before.nodes > 8);
+    }
+}
+
+/// Where a ray meets nothing, nothing is built.
+#[test]
+fn only_chunks_that_rays_reach_are_built() {
+    let geometry = mixture(1500);
+    let accel = cut_accel(&geometry, Preset::OnDemand, cut(37, 1, 400));
+    let mut traversal = accel.traversal();
+    let mut built = |ray: Ray| {
+        accel.closest(&ray, &mut traversal);
+        accel.tree.as_ref().and_then(Tree::chunks).expect("it is built on demand")[0]
+    };
+    assert_eq!(built(Ray::new(Vec3::splat(50.0), Vec3::X)), 0);
+    let through = built(Ray::new(Vec3::new(-3.0, 5.1, 5.2), Vec3::X));
+    assert!((1..30).contains(&through), "{through}");
+    assert_eq!(built(Ray::new(Vec3::new(-3.0, 5.1, 5.2), Vec3::X)), through);
+}
+
+#[test]
+fn hc23_a_chunk_that_is_too_deep_is_a_list() {
+    // Each sphere is a little larger than the one before, and encloses half of it.
+    let sphere = |i| (Vec3::X * 1.05_f32.powi(i), 0.5 * 1.05_f32.powi(i));
+    let geometry = Geometry { spheres: (-568..568).map(sphere).collect(), ..Geometry::default() };
+    let accel = cut_accel(&geometry, Preset::OnDemand, cut(300, 1, 400));
+    assert!(answers_of(&accel) == answers(&geometry, Preset::Brute));
+    let tree = accel.tree.as_ref().expect("it has one");
+    tree.build_all(&geometry);
+    let Census { nodes, lists, .. } = tree.census();
+    assert_eq!((nodes, lists), (1, 4), "only lists are below the root");
 }
 
 #[test]
@@ -189,7 +250,7 @@ fn triangles_that_repeat_positions_share_leaves() {
         repeated.triangles.push([first, first + 1, first + 2]);
     }
     for cut in [CUTS[1], CUTS[2], cut(usize::MAX, 1, 0)] {
-        let census = |geometry| build_cut(geometry, Preset::Fast, cut).census;
+        let census = |geometry| build_cut(geometry, Preset::Fast, cut).census();
         assert_eq!(census(&repeated), census(&shared), "{cut:?}");
         let accel = cut_accel(&repeated, Preset::Fast, cut);
         assert!(answers_of(&accel) == answers(&shared, Preset::Brute));
@@ -299,9 +360,10 @@ fn hc21_the_lowest_number_wins_among_equals() {
 
 #[test]
 fn the_default_preset_grows_with_the_work() {
-    assert_eq!(Preset::choose(18_000_000, 1_000_000), Preset::Fastest);
+    assert_eq!(Preset::choose(18_000_000, 1_000_000), Preset::OnDemand);
+    assert_eq!(Preset::choose(500_000, 1_000_000), Preset::Fastest);
     assert_eq!(Preset::choose(1_000_000, 6_000_000), Preset::VeryFast);
     assert_eq!(Preset::choose(100_000, 1_600_000), Preset::Fast);
     assert_eq!(Preset::choose(100_000, 1_000_000_000), Preset::Fast);
-    assert_eq!(Preset::choose(0, 0), Preset::Fastest);
+    assert_eq!(Preset::choose(0, 0), Preset::OnDemand);
 }

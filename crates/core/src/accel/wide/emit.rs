@@ -4,7 +4,7 @@ use bytemuck::Zeroable;
 use obvhs::bvh2::Bvh2;
 
 use super::{Converter, Output, Owner, SLOTS, Shared};
-use crate::accel::arena::{Kind, NODE_UNITS, Node, Patch, Soup, Unit, list_units, relative};
+use crate::accel::arena::{Kind, NODE_UNITS, Node, Patch, Soup, Unit, relative};
 use crate::geometry::Geometry;
 use crate::math::simd::LANES;
 
@@ -185,7 +185,7 @@ impl<'b, F: Fn(u32) -> Owner<'b>> Emitter<'_, F> {
         if other_count == 0 {
             return (start, self.triangles(&triangles));
         }
-        self.list(&others[..other_count]);
+        self.output.list(&others[..other_count]);
         (start, Kind::List)
     }
 
@@ -236,14 +236,6 @@ impl<'b, F: Fn(u32) -> Owner<'b>> Emitter<'_, F> {
         let first = self.append(numbers);
         let leaf = Soup::new(corners, first, [numbers.len() as u32, self.quads(numbers)]);
         self.output.units.extend(bytemuck::cast::<_, [Unit; 3]>(leaf));
-    }
-
-    fn list(&mut self, numbers: &[u32]) {
-        let start = self.output.units.len();
-        self.output.units.resize(start + list_units(numbers.len()), Unit::zeroed());
-        let words: &mut [u32] = bytemuck::cast_slice_mut(&mut self.output.units[start..]);
-        words[0] = numbers.len() as u32;
-        words[1..=numbers.len()].copy_from_slice(numbers);
     }
 
     fn append(&mut self, numbers: &[u32]) -> u32 {

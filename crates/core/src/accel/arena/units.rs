@@ -1,0 +1,116 @@
+//! The tree's bytes: on huge pages if the system has them.
+
+#![allow(
+    unsafe_code,
+    reason = "several threads write to parts of the memory that nobody reads yet"
+)]
+
+use std::cell::UnsafeCell;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use bytemuck::{Pod, Zeroable};
+
+/// Bytes are laid out in units of two cache lines.
+#[derive(Clone, Copy, Debug, Pod, Zeroable)]
+#[repr(C, align(128))]
+pub struct Unit(pub [u32; 32]);
+
+/// Units, on huge pages if the system has them: rays access memory at random, and with pages of 4
+/// KiB the processor would spend its time on page look-ups. Threads append to them while others
+/// read what is there.
+#[derive(Debug, Default)]
+pub(in crate::accel) struct Units {
+    memory: Memory,
+    /// The number of all units, and of those in use, which are the first.
+    room: usize,
+    used: AtomicUsize,
+    /// The first unit in use: those before it are left out.
+    start: usize,
+}
+
+#[derive(Debug, Default)]
+enum Memory {
+    #[default]
+    None,
+    Mapped(memmap2::MmapMut),
+    /// For systems that map no memory.
+    Owned(Box<[Shared]>),
+}
+
+/// A unit that is written through a shared reference.
+#[derive(Debug)]
+#[repr(transparent)]
+struct Shared(UnsafeCell<Unit>);
+
+// SAFETY: `Units::append` gives each unit to one thread, once.
+unsafe impl Sync for Shared {}
+
+impl Units {
+    /// Room for `room` units, of which the first `used` are in use, and zero. `None` if the system
+    /// maps no memory: there, unwritten units take none.
+    pub(in crate::accel) fn mapped(room: usize, used: usize) -> Option<Self> {
+        let map = memmap2::MmapOptions::new()
+            .len(room.max(1) * size_of::<Unit>())
+            .no_reserve_swap()
+            .map_anon()
+            .ok()?;
+        // A hint: if it is refused, pages are small.
+        #[cfg(target_os = "linux")]
+        let _ = map.advise(memmap2::Advice::HugePage);
+        Some(Self { memory: Memory::Mapped(map), room, used: used.into(), start: 0 })
+    }
+
+    /// As [`Self::mapped`], on any system.
+    pub(in crate::accel) fn zeroed(room: usize, used: usize) -> Self {
+        Self::mapped(room, used).unwrap_or_else(|| {
+            let units = (0..room).map(|_| Shared(UnsafeCell::new(Unit::zeroed()))).collect();
+            Self { memory: Memory::Owned(units), room, used: used.into(), start: 0 }
+        })
+    }
+
+    /// The number of units in use.
+    pub(in crate::accel) fn len(&self) -> usize {
+        self.used.load(Ordering::Relaxed) - self.start
+    }
+
+    /// The first unit in use. All others are behind it.
+    #[inline(always)]
+    pub(in crate::accel) fn as_ptr(&self) -> *const Unit {
+        self.base().wrapping_add(self.start)
+    }
+
+    #[inline(always)]
+    fn base(&self) -> *mut Unit {
+        match &self.memory {
+            Memory::None => std::ptr::dangling_mut(),
+            Memory::Mapped(map) => map.as_ptr().cast::<Unit>().cast_mut(),
+            Memory::Owned(units) => units.as_ptr().cast::<Unit>().cast_mut(),
+        }
+    }
+
+    /// Copies `units` behind all in use and returns their place; `None` if there is no room.
+    pub(in crate::accel) fn append(&self, units: &[Unit]) -> Option<usize> {
+        let longer = |used: usize| used.checked_add(units.len()).filter(|&end| end <= self.room);
+        let used = self.used.fetch_update(Ordering::Relaxed, Ordering::Relaxed, longer).ok()?;
+        // SAFETY: the units from `used` on are within the room, and no other call gets them: `used`
+        // only grows. Nobody reads them before the caller tells their place.
+        unsafe { self.base().add(used).copy_from_nonoverlapping(units.as_ptr(), units.len()) };
+        Some(used - self.start)
+    }
+
+    /// Writes `units` to those before `end` and leaves out the units before them.
+    pub(in crate::accel) fn begin_with(&mut self, units: &[Unit], end: usize) -> Option<()> {
+        let start = end.checked_sub(units.len()).filter(|_| end <= *self.used.get_mut())?;
+        // SAFETY: the units are in use, and nobody else has them.
+        unsafe { self.base().add(start).copy_from_nonoverlapping(units.as_ptr(), units.len()) };
+        self.start = start;
+        Some(())
+    }
+
+    /// All units in use.
+    pub(in crate::accel) fn as_mut_slice(&mut self) -> &mut [Unit] {
+        let len = self.len();
+        // SAFETY: the units are initialised, within the room, and nobody else has them.
+        unsafe { std::slice::from_raw_parts_mut(self.as_ptr().cast_mut(), len) }
+    }
+}

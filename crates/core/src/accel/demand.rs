@@ -1,0 +1,137 @@
+//! Chunks that are built when a ray first reaches them: an image meets few of the triangles of a
+//! large scene.
+//!
+//! The tree above the chunks is built at once, over their boxes. In it an empty list stands for each
+//! chunk. The first ray at such a list builds the chunk, while other rays that reach it wait, and the
+//! rest of the tree goes on. What was built is proved and appended to the arena before anyone knows
+//! its place. Answers are as if everything had been there: a hit does not depend on the tree.
+
+use std::cell::RefCell;
+use std::ops::Range;
+use std::sync::OnceLock;
+
+use bytemuck::Zeroable;
+
+use super::arena::{Arena, Census, Kind, Ref, Unit};
+use super::build::{Piece, Plan, Preset};
+use super::tree::{Searched, Tree};
+use super::wide::Part;
+use crate::geometry::Geometry;
+use crate::kernels::slab::Aabb;
+
+/// The chunks of a tree.
+#[derive(Debug)]
+pub(super) struct Demand {
+    preset: Preset,
+    /// A box around everything.
+    extents: Aabb,
+    chunks: Vec<Chunk>,
+}
+
+#[derive(Debug)]
+struct Chunk {
+    /// Where its entries are among the numbers of the arena.
+    entries: Range<usize>,
+    /// Its root and contents, once it is built.
+    built: OnceLock<Option<(Ref, Census)>>,
+}
+
+thread_local! {
+    static PIECE: RefCell<Piece> = RefCell::default();
+}
+
+impl Demand {
+    /// Units that an entry takes at most: a leaf of its own, and a node of two children. The three
+    /// units of a soup hold at least three triangles.
+    pub(super) const MOST_UNITS: usize = 3;
+
+    /// The largest number of inner nodes on a path in a chunk. Memory for rays is taken before it is
+    /// built. Measured: 7 in scans.
+    pub(super) const MOST_DEPTH: usize = 24;
+
+    /// Chunks of these entries, of which none is built.
+    pub(super) fn new(plan: &Plan, chunks: Vec<(Range<usize>, Aabb)>) -> Self {
+        let chunk = |(entries, _)| Chunk { entries, built: OnceLock::new() };
+        let chunks = chunks.into_iter().map(chunk).collect();
+        Self { preset: plan.preset, extents: plan.extents, chunks }
+    }
+
+    /// What stands for a chunk in the tree.
+    pub(super) fn place(chunk: usize) -> Unit {
+        let mut unit = Unit::zeroed();
+        unit.0[1] = chunk as u32;
+        unit
+    }
+
+    /// The part of the tree with such a `unit`. No part shares a leaf or can be divided, so costs do
+    /// not matter.
+    pub(super) fn part(bounds: Aabb, unit: usize) -> Part {
+        Part { bounds, kind: Kind::List, unit, cost: 0.0 }
+    }
+
+    /// The contents of the chunks that are built.
+    pub(super) fn built(&self) -> impl Iterator<Item = Census> {
+        self.chunks.iter().filter_map(|chunk| Some((*chunk.built.get()?)?.1))
+    }
+
+    /// The number of chunks.
+    pub(super) fn len(&self) -> usize {
+        self.chunks.len()
+    }
+
+    /// The root of a chunk that is built.
+    fn known(&self, chunk: usize) -> Option<Ref> {
+        Some((*self.chunks.get(chunk)?.built.get()?)?.0)
+    }
+
+    /// The root of a chunk, which is built first if need be. `None` is a bug of the builder.
+    fn root(&self, arena: &Arena, geometry: &Geometry, chunk: usize) -> Option<Ref> {
+        let Chunk { entries, built } = self.chunks.get(chunk)?;
+        let build = |piece: &mut Piece| {
+            let plan = Plan::new(geometry, self.preset, self.extents);
+            let parts = piece.parts(&plan, arena.numbers(), entries.clone(), 1);
+            let whole = arena.extend(&piece.output.units, parts.first()?.kind, Self::MOST_DEPTH);
+            whole.or_else(|| {
+                // Too deep: its primitives are tested one by one.
+                let numbers: Vec<_> = piece.numbers(geometry).collect();
+                piece.output.clear(0);
+                piece.output.list(&numbers);
+                arena.extend(&piece.output.units, Kind::List, 0)
+            })
+        };
+        Some((*built.get_or_init(|| PIECE.with_borrow_mut(build)))?.0)
+    }
+}
+
+impl Tree {
+    /// The root of the chunk that the list at `place` stands for, if it is built.
+    pub(super) fn known(&self, place: Ref) -> Option<Ref> {
+        let demand = self.demand.as_ref().filter(|_| place.kind() == Kind::List)?;
+        demand.known(self.arena.view().chunk(place)?)
+    }
+}
+
+#[cfg(test)]
+impl Tree {
+    /// Builds every chunk.
+    pub(super) fn build_all(&self, geometry: &Geometry) {
+        if let Some(demand) = &self.demand {
+            (0..demand.len()).for_each(|chunk| _ = demand.root(&self.arena, geometry, chunk));
+        }
+    }
+}
+
+impl Searched<'_> {
+    /// The root of the chunk that `place` stands for; `None` for other places.
+    #[inline(always)]
+    pub(super) fn chunk(&self, place: Ref) -> Option<Ref> {
+        let demand = self.tree.demand.as_ref().filter(|_| place.kind() == Kind::List)?;
+        self.root_of(demand, place)
+    }
+
+    #[inline(never)]
+    fn root_of(&self, demand: &Demand, place: Ref) -> Option<Ref> {
+        let arena = &self.tree.arena;
+        demand.root(arena, self.geometry, arena.view().chunk(place)?)
+    }
+}
