@@ -55,8 +55,6 @@ pub(super) struct Members {
     pub(super) singles: Vec<Single>,
     heaps: Heaps,
     pub(super) leaves: Vec<Leaf>,
-    /// The numbers of the primitives in leaves.
-    pub(super) numbers: Vec<u32>,
 }
 
 /// A primitive alone, or a half of a quad.
@@ -79,10 +77,9 @@ impl Members {
     fn owner(&self, owner: u32) -> Owner<'_> {
         let owner = owner as usize;
         if let Some(leaf) = self.leaves.get(owner) {
-            let numbers = &self.numbers[leaf.first as usize..][..leaf.count as usize];
             return match &leaf.shared {
-                Some(shared) => Owner::Patch(shared, numbers),
-                None => Owner::Other(numbers[0]),
+                Some(shared) => Owner::Patch(shared, &leaf.numbers[..leaf.count]),
+                None => Owner::Other(leaf.numbers[0]),
             };
         }
         let single = self.singles.get(owner);
