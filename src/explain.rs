@@ -162,6 +162,8 @@ fn explain(
     warn(&systems::warnings(scene, &file));
     let options = RenderOptions { batch, ..RenderOptions::default() };
     let expected = Expected::of(scene, &options)?;
+    let chunks = scene.accel.chunks();
+    let memory = chunks.map_or(memory, |chunks| memory.with_chunks(chunks));
     let threads = rayon::current_num_threads();
     Ok(Explanation {
         passes: passes(scene),
@@ -178,7 +180,7 @@ fn explain(
         time: Time { threads, load, build: build + expected.building, trace: expected.seconds },
         expected,
         rendered: if args.render { Some(trace(scene, &options)?) } else { None },
-        chunks: scene.accel.chunks(),
+        chunks,
     })
 }
 

@@ -45,17 +45,21 @@ fn build_bytes(preset: Preset, primitives: u64) -> u64 {
         Preset::Brute => 0,
         _ if primitives > chunk => {
             let threads = (rayon::current_num_threads() as u64).min(primitives.div_ceil(chunk));
-            primitives * 60 + threads * chunk * 600
+            primitives * (tree_bytes(preset) + ORDER_BYTES) + threads * chunk * 600
         }
         _ => primitives * 320,
     }
 }
 
-/// Bytes of nodes and leaves for each primitive, measured: a leaf holds three or four triangles.
+/// Bytes for each primitive of the order along a curve.
+const ORDER_BYTES: u64 = 6;
+
+/// Bytes of nodes and leaves for each primitive, measured: a leaf holds three to five triangles.
 const fn tree_bytes(preset: Preset) -> u64 {
     match preset {
         Preset::Brute => 0,
-        Preset::OnDemand | Preset::Fastest | Preset::VeryFast => 50,
+        Preset::OnDemand | Preset::Fastest => 45,
+        Preset::VeryFast => 50,
         _ => 47,
     }
 }
@@ -72,6 +76,14 @@ impl Estimate {
         // The system's allocator may keep what the batches of many threads held.
         let tracing = self.tree + self.film + self.batches + self.decoding.max(self.writing);
         (lasting + self.build.max(tracing)).max(self.loading)
+    }
+
+    /// The same if rays build only the first number of chunks of a tree, of all.
+    #[must_use]
+    pub fn with_chunks(self, [built, all]: [usize; 2]) -> Self {
+        let share = built as f64 / all as f64;
+        let left_out = (self.tree as f64 * (1.0 - share)) as u64;
+        Self { tree: self.tree - left_out, build: self.build.saturating_sub(left_out), ..self }
     }
 
     /// Allocates as much memory as the total, and frees it again. Programs with Rust's own allocator,

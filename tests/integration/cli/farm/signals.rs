@@ -9,6 +9,7 @@ use tempfile::TempDir;
 
 use super::super::film;
 use super::{bytes, files, folder, long, run_silently, text, with_scene};
+use crate::support::{matte, pinhole, point_light, scene};
 
 /// How long to wait for a file, at most: machines may be slow.
 const PATIENCE: Duration = Duration::from_secs(120);
@@ -95,6 +96,31 @@ fn a_signal_stops_a_render_that_resumes_to_the_same_bytes() {
         run_silently(folder.path(), &resumed);
         assert!(bytes(folder.path(), "out.exr") == usual, "after SIG{signal}");
         std::fs::remove_file(at("kept")).expect("it is there");
+    }
+}
+
+/// A large mesh, in a render that ends while rays build its tree.
+#[test]
+fn a_render_that_ends_while_its_tree_is_built_resumes_to_the_same_bytes() {
+    let folder = folder();
+    let knot = ["generate", "knot", "knot.ply", "--triangles", "500000", "-q"];
+    run_silently(folder.path(), &knot);
+    let mesh = json!({"type": "trimesh", "file": "knot.ply", "material": matte(1.0, [0.5; 3])});
+    let light = point_light(50.0, [3.0, 3.0, 5.0], [1.0; 3]);
+    let knot = scene(0, &pinhole([256, 256], 40.0, 6.0), &[light], &[mesh]);
+    std::fs::write(folder.path().join("ball.json"), knot.to_string()).expect("a file");
+    run_silently(folder.path(), &["ball.json", "usual.exr", "--bvh", "fast"]);
+    let usual = bytes(folder.path(), "usual.exr");
+    let on_demand = [&RENDER[..], &["--bvh", "on-demand"]].concat();
+    for (signal, code) in [("INT", Some(130)), ("TERM", Some(143)), ("KILL", None)] {
+        let mut running = Running::start(folder.path(), &on_demand);
+        running.wait_for(&folder.path().join("kept"));
+        running.signal(signal);
+        let output = running.finish();
+        assert_eq!(output.status.code(), code, "{}", text(&output.stderr));
+        run_silently(folder.path(), &[&on_demand[..], &["--resume", "-q"]].concat());
+        assert!(bytes(folder.path(), "out.exr") == usual, "after SIG{signal}");
+        std::fs::remove_file(folder.path().join("kept")).expect("it is there");
     }
 }
 
