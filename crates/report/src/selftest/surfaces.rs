@@ -2,7 +2,9 @@
 
 use super::examine::{Extent, left, met};
 use super::prelude::*;
+use super::ways::{hits, with_every_kernel};
 use wavecrest_core::kernels::shade::SHADOW_END;
+use wavecrest_core::math::float::offset_end;
 
 /// A point with coordinates of either sign and of any magnitude from 1e-8 to 1e8.
 fn wide_point(numbers: &mut Numbers) -> Vec3 {
@@ -31,6 +33,15 @@ fn axes(numbers: &mut Numbers) -> ([Vec3; 3], f32) {
     ([k, (k + 1) % 3, (k + 2) % 3].map(|k| Vec3::AXES[k]), numbers.magnitude(1e-3, 1e6) as f32)
 }
 
+/// Where a random ray meets a random triangle of `accel`: the point, its error and the normal.
+pub(super) fn struck(accel: &Accel, numbers: &mut Numbers) -> Option<[Vec3; 3]> {
+    let number = numbers.below(accel.geometry().triangles.len());
+    let target = numbers.within(accel.geometry().triangle(number));
+    let eye = (target + numbers.direction() * target.length().max(1e-3)).as_vec3();
+    let ray = Ray::new(eye, target.as_vec3() - eye);
+    Some(met(accel, &ray, &mut accel.traversal())?.1)
+}
+
 /// Case 10: a plate, and in every second world another just above it.
 pub(super) fn contact(numbers: &mut Numbers) -> World {
     let ([axis, u, v], height) = axes(numbers);
@@ -46,14 +57,37 @@ pub(super) fn contact(numbers: &mut Numbers) -> World {
         Expected::ANYTHING
     };
     World::new(geometry, move |numbers| {
-        let half = lower.geometry().triangle(numbers.below(2));
-        let target = numbers.within(half);
-        let eye = (target + numbers.direction() * target.length()).as_vec3();
-        let ray = Ray::new(eye, target.as_vec3() - eye);
-        let (_, [point, error, normal]) = met(&lower, &ray, &mut lower.traversal())?;
+        let [point, error, normal] = struck(&lower, numbers)?;
         let light = axis * (11.0 * height) + numbers.direction().as_vec3() * height;
         let origin = offset_origin(point, error, normal, normalize(light - point));
         Some((Ray { t_max: SHADOW_END, ..Ray::new(origin, light - origin) }, expected.clone()))
+    })
+}
+
+/// Case 11: the segment to a light on a triangle.
+pub(super) fn towards_a_triangle(numbers: &mut Numbers) -> Outcome {
+    let distance = numbers.magnitude(1e-3, 1e6);
+    let from = (numbers.direction() * (distance * (1.0 + numbers.one()))).as_vec3();
+    let way = numbers.direction();
+    let light = from.as_dvec3() + way * distance;
+    // Around the light, and tilted against the way to it.
+    let size = distance * numbers.magnitude(1e-3, 1.0);
+    let aside = way.cross(numbers.direction()).normalize();
+    let (a, b) = ((aside + way * numbers.about(0.25)) * size, way.cross(aside) * size);
+    let corners = [light - a - b, light + a - b, light + b * 2.0].map(|v| v.as_vec3());
+    let mut accel = numbers.effort.accel(of_triangles([corners]), Preset::Brute);
+    let Some([point, error, normal]) = struck(&accel, numbers) else { return Outcome::default() };
+    let end = offset_end(point, error, normal, normalize(from - point));
+    let ray = Ray { t_max: SHADOW_END, ..Ray::new(from, end - from) };
+    // Flatter segments run along the light's own surface.
+    if normalize(ray.direction).dot(normal).abs() <= 0.1 {
+        return Outcome::default();
+    }
+    with_every_kernel(&mut accel, |accel| {
+        let (hits, blocked) = hits(accel, &[ray], &mut accel.traversal());
+        Outcome::of(hits[0].is_miss() && !blocked[0], || {
+            format!("{ray} is blocked at {} by the light's own {corners:?}", hits[0].t)
+        })
     })
 }
 
