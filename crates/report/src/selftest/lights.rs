@@ -1,6 +1,5 @@
 //! Lights at extreme positions, and reflection at extreme angles and exponents.
 
-use super::examine::met;
 use super::prelude::*;
 use super::surfaces::struck;
 use wavecrest_core::kernels::blinn_phong::{Material, reflect};
@@ -12,7 +11,7 @@ use wavecrest_core::math::vector::Vector;
 /// The power of the lights of cases 31 and 32.
 const POWER: f32 = 10.0;
 
-/// The material of the points that they light.
+/// The material of the points that they light, which reflects at most all of their light.
 const MATERIAL: Material = Material { ks: 0.5, kd: 0.5, exponent: 8.0, color: Vec3::ONE, kr: 0.0 };
 
 /// A point of a triangle of this size, seen from its front, and the triangle.
@@ -21,33 +20,30 @@ fn some_point(numbers: &mut Numbers, unit: f64) -> Option<(ShadingPoint<f32>, [V
     let accel = numbers.effort.accel(of_triangles([corners]), Preset::VeryFast);
     let [point, error, normal] = struck(&accel, numbers)?;
     let view = numbers.direction().as_vec3();
-    let point = ShadingPoint {
-        point: point.into(),
-        error: error.into(),
-        normal: normal.into(),
-        shading_normal: normal.into(),
-        view: if view.dot(normal) < 0.0 { -view } else { view }.into(),
-        color: Vec3::ONE.into(),
-        occlusion: 1.0,
-        emission: Vec3::ZERO.into(),
-        reflection: MATERIAL.reflection(),
-        kr: MATERIAL.kr,
-        lit: true,
-    };
-    Some((point, corners))
+    let view = if view.dot(normal) < 0.0 { -view } else { view };
+    Some((ShadingPoint::plain([point, error, normal], view, &MATERIAL), corners))
 }
 
-/// The shadow ray from a point to a light.
-fn request(
+/// The shadow ray from a point to a light brings a finite contribution, if any, and `is_right`.
+fn asked(
     numbers: &mut Numbers,
     point: &ShadingPoint<f32>,
     emitter: Emitter,
-    falloff: Falloff,
-) -> Option<ShadowRequest<f32>> {
-    let (power, sampling) = (Vec3::splat(POWER), Sampling::Jittered);
+    is_right: impl Fn(Falloff, Option<&ShadowRequest<f32>>) -> bool,
+) -> Outcome {
+    let (falloff, sampling) = (numbers.among(Falloff::ALL), Sampling::Jittered);
+    let power = Vec3::splat(POWER);
     let light = Light { emitter, power, falloff, sampling, grid: [1, 1], dimension: 1 };
     let stream = Stream { seed: 0, pixel: numbers.below(1 << 20) as u32, sample: 0, bounce: 0 };
-    shadow_request(point, Vec3::ONE.into(), &light, &light.point(0, &stream))
+    let request = shadow_request(point, Vec3::ONE.into(), &light, &light.point(0, &stream));
+    let is_valid = request.as_ref().is_none_or(|request| {
+        let contribution = Vec3::from(request.contribution);
+        let is_valid = contribution.is_finite() && contribution.min_element() >= 0.0;
+        is_valid && request.ray().direction.is_finite()
+    });
+    Outcome::of(is_valid && is_right(falloff, request.as_ref()), || {
+        format!("{request:?} from {point:?} to {light:?}")
+    })
 }
 
 /// The part of a light that is left at a distance.
@@ -69,15 +65,8 @@ pub(super) fn edge_on(numbers: &mut Numbers) -> Outcome {
     let needle = q + (numbers.direction() * (1e-6 * unit)).as_vec3();
     // In the light's plane, beside it and at its corner; the point's own surface.
     let shape = numbers.among([[p, q, p + (p - near)], [near, p, q], corners, [p, q, needle]]);
-    let falloff = numbers.among(Falloff::ALL);
     let Some(triangles) = Triangles::new(vec![shape]) else { return Outcome::default() };
-    let request = request(numbers, &point, Emitter::Triangles(triangles), falloff);
-    let is_right = request.as_ref().is_none_or(|request| {
-        let contribution = Vec3::from(request.contribution);
-        let is_valid = contribution.is_finite() && contribution.min_element() >= 0.0;
-        is_valid && request.ray().direction.is_finite()
-    });
-    Outcome::of(is_right, || format!("{request:?} from {point:?} to {shape:?}"))
+    asked(numbers, &point, Emitter::Triangles(triangles), |_, _| true)
 }
 
 /// Case 31: shapes of lights that some points of the floor see edge on, or that touch the floor.
@@ -138,24 +127,18 @@ pub(super) fn at_a_point(numbers: &mut Numbers) -> Outcome {
     let any = numbers.direction();
     let away = numbers.among([DVec3::ZERO, normal * few, any * few, any * part]);
     let position = (at + away).as_vec3();
-    let falloff = numbers.among(Falloff::ALL);
-    let request = request(numbers, &point, Emitter::Point(position), falloff);
     let towards = position.as_dvec3() - at;
     let distance = towards.length();
-    let is_right = match &request {
-        // Left out if it is behind or beside the surface, or in the same place.
-        None => normal.dot(towards) <= 1e-5 * distance,
-        Some(request) => {
-            let most = f64::from(POWER * (MATERIAL.kd + MATERIAL.ks))
-                * part_left(falloff, distance.max(least));
-            let contribution = Vec3::from(request.contribution);
-            let is_doubtful = (distance / least - 1.0).abs() < 1e-5;
-            contribution.is_finite()
-                && f64::from(contribution.max_element()) <= 1.0001 * most
-                && (request.at_light == (distance < least) || is_doubtful)
-        }
-    };
-    Outcome::of(is_right, || format!("{request:?} from {point:?} to {position}, {falloff:?}"))
+    asked(numbers, &point, Emitter::Point(position), |falloff, request| {
+        let Some(request) = request else {
+            // It is behind or beside the surface, or in the same place.
+            return normal.dot(towards) <= 1e-5 * distance;
+        };
+        let most = 1.0001 * f64::from(POWER) * part_left(falloff, distance.max(least));
+        let is_doubtful = (distance / least - 1.0).abs() < 1e-5;
+        f64::from(Vec3::from(request.contribution).max_element()) <= most
+            && (request.at_light == (distance < least) || is_doubtful)
+    })
 }
 
 /// Case 32: a light before a wall of any size, which the centre of the image sees. Numbers at the
@@ -201,7 +184,7 @@ pub(super) fn behind_a_sheet(numbers: &mut Numbers) -> Vec<Picture> {
     // At least 63 degrees, so that a light is before the normals at up to 26 degrees behind the
     // sheet.
     let normal = (aside * numbers.magnitude(2.0, 4.0) + DVec3::Y).normalize().to_array();
-    let corners = corners(Vec3::ZERO, Vec3::Z, Vec3::X);
+    let corners = corners(Vec3::ZERO, Vec3::Z, Vec3::X).map(|p| p.as_dvec3());
     let sheet = scenes::mesh(&corners, &[[0, 1, 2], [0, 2, 3]], scenes::white());
     let sheet = scenes::with(sheet, json!({"shading": "smooth", "normals": vec![normal; 4]}));
     let eye = Eye::above(10.0, numbers.effort.either(8, 32));

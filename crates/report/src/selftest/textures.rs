@@ -1,7 +1,6 @@
 //! Look-ups at the edges of images and far outside, at grazing angles, and of texels that are no
 //! numbers; normal maps, and vertex colours.
 
-use glam::Vec2;
 use tempfile::TempPath;
 
 use super::prelude::*;
@@ -290,9 +289,10 @@ pub(super) fn vertex_colors(numbers: &mut Numbers) -> Vec<Picture> {
     let around = |i: usize| {
         let (sin, cos) = libm::sincos(std::f64::consts::TAU * i as f64 / TRIANGLES as f64);
         // Exact in the file and in single precision.
-        DVec3::new(2.0 * sin, 0.0, 2.0 * cos).as_vec3()
+        DVec3::new(2.0 * sin, 0.0, 2.0 * cos).as_vec3().as_dvec3()
     };
-    let points: Vec<Vec3> = std::iter::once(Vec3::ZERO).chain((0..TRIANGLES).map(around)).collect();
+    let points: Vec<DVec3> =
+        std::iter::once(DVec3::ZERO).chain((0..TRIANGLES).map(around)).collect();
     let colors: Vec<f32> = points
         .iter()
         .map(|_| {
@@ -308,7 +308,7 @@ pub(super) fn vertex_colors(numbers: &mut Numbers) -> Vec<Picture> {
         let hit = eye.on_floor(eye.direction(x, y));
         // On an edge any of its triangles is right.
         let known = (0..TRIANGLES).filter_map(|i| {
-            let [a, b, c] = corners(i).map(|corner| points[corner].as_dvec3());
+            let [a, b, c] = corners(i).map(|corner| points[corner]);
             let area = |p: DVec3, q: DVec3, r: DVec3| (q - p).cross(r - p).y;
             let weights = [area(hit, b, c), area(a, hit, c), area(a, b, hit)];
             let weights = weights.map(|weight| weight / area(a, b, c));

@@ -5,7 +5,6 @@ use std::ops::Range;
 
 use super::prelude::*;
 use wavecrest_core::accel::{KernelChoice, Traversal};
-use wavecrest_core::kernels::precision::Precision;
 use wavecrest_core::math::simd::Level;
 
 /// Rays for each task: several packets.
