@@ -68,7 +68,9 @@ pub(super) fn contact(numbers: &mut Numbers) -> World {
 /// Case 11: the segment to a light on a triangle.
 pub(super) fn towards_a_triangle(numbers: &mut Numbers) -> Outcome {
     let distance = numbers.magnitude(1e-3, 1e6);
-    let from = (numbers.direction() * (distance * (1.0 + numbers.one()))).as_vec3();
+    // Half of them where coordinates, and so their roundings, are large for that distance.
+    let far = numbers.among([1.0, 100.0]) * distance;
+    let from = (numbers.direction() * (far * (1.0 + numbers.one()))).as_vec3();
     let way = numbers.direction();
     let light = from.as_dvec3() + way * distance;
     // Around the light, and tilted against the way to it.
