@@ -359,11 +359,6 @@ pub fn surface<P: Arithmetic>(geometry: &Geometry, ray: &Ray, hit: &Hit) -> Surf
 }
 
 impl PreparedScene {
-    /// The point of the surface that `ray` hits.
-    pub fn surface<P: Arithmetic>(&self, ray: &Ray, hit: &Hit) -> Surface<f32> {
-        surface::<P>(self.accel.geometry(), ray, hit)
-    }
-
     /// The surface interaction of `ray`, of unit direction, with `hit`. Its `differential` is
     /// called only if a texture needs it.
     // Not inlined, nor once for each caller's closure: a call for each hit costs nothing, a copy
