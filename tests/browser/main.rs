@@ -18,7 +18,7 @@ use std::process::Command;
 use chromium::Browser;
 use serde_json::json;
 use tempfile::TempDir;
-use wavecrest_report::page::{Block, Cell, Column, Details, Fact, Page, Picture, Section, Table};
+use wavecrest_report::page::{Block, Cell, Fact, Page, Picture, Section, Table};
 use wavecrest_report::plot::{Axis, Chart, Draw, Guide, Point, Scale, Series};
 
 /// Where screenshots are left.
@@ -61,15 +61,12 @@ fn page() -> Page {
     let row = |(name, value): (&str, f64)| {
         vec![Cell::text(name), Cell::number(value, format!("{value}"))]
     };
-    let table = Table {
-        caption: "Words over a table.".to_owned(),
-        columns: vec![Column::words("name"), Column::numbers("value")],
-        rows: rows.into_iter().map(row).collect(),
-    };
+    let rows = rows.into_iter().map(row).collect();
+    let table = Table::new("Words over a table.", "name|>value", rows);
     Page {
         title: "A page of everything".to_owned(),
         lead: "Words that lead in.".to_owned(),
-        first: vec![Block::paragraph("Words that answer.")],
+        first: vec![Block::Paragraph("Words that answer.".to_owned())],
         sections: vec![
             Section::new(
                 "Charts",
@@ -85,14 +82,14 @@ fn page() -> Page {
             Section::new(
                 "The rest",
                 vec![
-                    Block::paragraph("Words in a paragraph."),
+                    Block::Paragraph("Words in a paragraph.".to_owned()),
                     Block::Warning("Words that warn.".to_owned()),
                     Block::Facts(vec![Fact::new("a name", "Words that are known.")]),
                     Block::Code(format!("wavecrest {}", "bench ".repeat(60))),
-                    Block::Details(Details {
-                        summary: "More".to_owned(),
-                        blocks: vec![Block::paragraph("Words when asked for.")],
-                    }),
+                    Block::Details(Section::new(
+                        "More",
+                        vec![Block::Paragraph("Words when asked for.".to_owned())],
+                    )),
                 ],
             ),
         ],

@@ -68,6 +68,8 @@ pub(crate) const FAULTS: &[Fault] = faults! {
         "22.0 * U * (aside * (aside + depth)) + UNDERFLOW" => "0.0 * aside * depth";
     "edge functions of a triangle have no error", 1, "crates/core/src/kernels/triangle/filter.rs":
         "all(22.0 * U)" => "all(0.0 * U)";
+    "the vertices of a leaf are all at its first", 51, "crates/core/src/kernels/triangle/filter.rs":
+        "2.001 * extent" => "0.0 * extent";
     "the error of edge functions does not move t", 47, "crates/core/src/kernels/triangle/filter.rs":
         "(far - near) * 3.1" => "(far - near) * 0.0";
     "t along a ray has no roundings", 38, "crates/core/src/kernels/triangle/filter.rs":
@@ -133,6 +135,16 @@ pub(crate) const FAULTS: &[Fault] = faults! {
             => "columns_of(rays.rows, &rays.origin, &rays.direction, 1.0)";
     "shadow rays end beyond the surface of their light", 11, "crates/core/src/kernels/shade.rs":
         "target.position.offset_end(target.error, target.normal, -to_light)" => "target.position";
+    "the error of the end of a shadow ray has a sign", 11, "crates/core/src/math/vector.rs":
+        "normal.abs().dot(error)" => "normal.dot(error)";
+    "lights shine less than nothing on what is behind them", 31, "crates/core/src/kernels/shade.rs":
+        "Vector::splat(zero.token(), light.power).scale(strength)"
+            => "Vector::splat(zero.token(), light.power).scale(strength * target.normal.dot(-to_light))";
+    "the error along x is that along all axes", 32, "crates/core/src/kernels/shade.rs":
+        "point.error.max_abs()" => "point.error.x";
+    "opposite directions have a half vector that is no number", 36, "crates/core/src/kernels/blinn_phong.rs":
+        "(view + to_light).normalize()"
+            => "(view + to_light).scale(zero.same(1.0) / (view + to_light).dot(view + to_light).sqrt())";
     "lights shine through the back of a surface", 33, "crates/core/src/kernels/shade.rs":
         "point.lit & point.normal.dot(to_light).gt(zero)" => "point.lit";
     "cones of 0 degrees light their axis", 41, "crates/scene/src/systems/lights.rs":
@@ -144,6 +156,9 @@ pub(crate) const FAULTS: &[Fault] = faults! {
         "smooth.dot(normal).gt(view.x.zero())" => "smooth.dot(smooth).gt(view.x.zero())";
     "infinite footprints have a level", 52, "crates/core/src/kernels/texture.rs":
         "(x.is_finite() && y.is_finite())" => "true";
+    "a sphere shows half of its image", 30, "crates/core/src/kernels/texture/coordinates.rs":
+        "0.5 + libm::atan2f(normal.x, normal.z) / TAU"
+            => "0.25 + libm::atan2f(normal.x, normal.z) / (2.0 * TAU)";
     "texels that are no numbers are kept", 53, "crates/scene/src/systems/textures.rs":
         "if x.is_finite() { x } else { 0.0 }" => "x";
     "all rays of a lens start in its middle", 54, "crates/core/src/kernels/camera.rs":

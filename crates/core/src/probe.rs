@@ -159,7 +159,7 @@ impl Recorder<'_> {
 
     fn met(&self, ray: &Ray, hit: &Hit) -> Met {
         let geometry = self.scene.accel.geometry();
-        let found = with_precision!(geometry.precision, P => self.scene.surface::<P>(ray, hit));
+        let found = with_precision!(geometry.precision, P => crate::prepared::surface::<P>(geometry, ray, hit));
         Met {
             primitive: hit.primitive,
             kind: kind(geometry, hit.primitive),

@@ -28,7 +28,7 @@ use findings::SceneFindings;
 use store::{Circumstances, Header, Store, all};
 
 use crate::bench::Machine;
-use crate::files::{to_json, write_text};
+use crate::files::write_json;
 use wavecrest_base::error::Result;
 
 /// All findings: `accuracy.json`.
@@ -70,8 +70,7 @@ impl Findings {
     /// # Errors
     /// If the file cannot be written.
     pub fn write(&self, folder: &Path) -> Result<()> {
-        let path = folder.join("accuracy.json");
-        write_text(&path, &to_json(self).map_err(|e| e.in_file(&path))?)
+        write_json(&folder.join("accuracy.json"), self)
     }
 }
 

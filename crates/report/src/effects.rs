@@ -30,7 +30,7 @@ mod text;
 
 use crate::bench::equal::Difference;
 use crate::bench::{Machine, Ratio};
-use crate::measure::{Schedule, Timing};
+use crate::measure::{Rounds, Schedule, Timing};
 use crate::statistics::Rays;
 use crate::summary::Summary;
 use scenes::Variant;
@@ -71,9 +71,7 @@ pub fn measure(
         machine: Machine::this(),
         image: entries.first().map(|entry| (&entry.scene).into()),
         setting,
-        rounds: 0,
-        left_out: 0,
-        busy: 0,
+        rounds: Rounds::default(),
         difference: None,
         effects: Vec::new(),
     };
@@ -95,7 +93,7 @@ pub fn measure(
     };
     let measured = crate::measure::measure(TRACERS.len() * entries.len(), schedule, run, progress)?;
     let Some(measured) = measured else { return Ok(list) };
-    (list.rounds, list.left_out, list.busy) = (measured.rounds(), measured.left_out, measured.busy);
+    list.rounds = measured.rounds;
     let each = |runs: &Vec<(Timing, ())>| runs.iter().map(|(timing, ())| timing.seconds).collect();
     let seconds: Vec<Vec<f64>> = measured.variants.iter().map(each).collect();
     list.effects = firsts

@@ -42,9 +42,18 @@ pub struct Timing {
 pub struct Measured<T> {
     /// The runs of each variant, round by round.
     pub variants: Vec<Vec<(Timing, T)>>,
-    /// Rounds that were left out because the machine was busy.
+    /// The rounds.
+    pub rounds: Rounds,
+}
+
+/// Numbers of rounds.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Rounds {
+    /// Those that count.
+    pub rounds: usize,
+    /// Those that were left out because the machine was busy.
     pub left_out: usize,
-    /// Rounds that were busy too, but are not left out: there were too few others.
+    /// Those that were busy too, but are not left out: there were too few others.
     pub busy: usize,
 }
 
@@ -188,13 +197,9 @@ impl<T> Measured<T> {
                 kept.iter_mut().zip(runs).for_each(|(kept, run)| kept.push(run));
             }
         }
-        let left_out = all - kept.first().map_or(0, Vec::len);
-        Self { variants: kept, left_out, busy: busy.len() }
-    }
-
-    /// The number of rounds.
-    pub fn rounds(&self) -> usize {
-        self.variants.first().map_or(0, Vec::len)
+        let rounds = kept.first().map_or(0, Vec::len);
+        let rounds = Rounds { rounds, left_out: all - rounds, busy: busy.len() };
+        Self { variants: kept, rounds }
     }
 }
 

@@ -57,7 +57,7 @@ pub enum Block {
     /// Named facts: the machine, versions, settings.
     Facts(Vec<Fact>),
     /// Details, shown on demand.
-    Details(Details),
+    Details(Section),
 }
 
 /// Rows under a header.
@@ -109,15 +109,6 @@ pub struct Fact {
     pub value: String,
 }
 
-/// Details, shown on demand.
-#[derive(Clone, Debug, Default)]
-pub struct Details {
-    /// The line that opens it.
-    pub summary: String,
-    /// Its contents.
-    pub blocks: Vec<Block>,
-}
-
 impl Section {
     /// A section with these blocks.
     pub fn new(title: impl Into<String>, blocks: Vec<Block>) -> Self {
@@ -125,34 +116,15 @@ impl Section {
     }
 }
 
-impl Block {
-    /// Running text.
-    pub fn paragraph(text: impl Into<String>) -> Self {
-        Self::Paragraph(text.into())
-    }
-}
-
 impl Table {
     /// A table whose columns are named in `header`, separated by `|`, with `>` before those of
     /// numbers.
     pub fn new(caption: impl Into<String>, header: &str, rows: Vec<Vec<Cell>>) -> Self {
-        let column = |name: &str| match name.strip_prefix('>') {
-            Some(name) => Column::numbers(name),
-            None => Column::words(name),
+        let column = |name: &str| {
+            let number = name.strip_prefix('>');
+            Column { name: number.unwrap_or(name).to_owned(), is_number: number.is_some() }
         };
         Self { caption: caption.into(), columns: header.split('|').map(column).collect(), rows }
-    }
-}
-
-impl Column {
-    /// A column of words.
-    pub fn words(name: impl Into<String>) -> Self {
-        Self { name: name.into(), is_number: false }
-    }
-
-    /// A column of numbers.
-    pub fn numbers(name: impl Into<String>) -> Self {
-        Self { name: name.into(), is_number: true }
     }
 }
 
@@ -167,9 +139,9 @@ impl Cell {
         Self::number(value, format!("{value:.decimals$}"))
     }
 
-    /// A count.
-    pub fn count(count: u64) -> Self {
-        Self::number(count as f64, figure(count as f64))
+    /// A number with a few digits.
+    pub fn figure(value: f64) -> Self {
+        Self::number(value, figure(value))
     }
 
     /// A number with its text.

@@ -127,8 +127,9 @@ impl Chart {
             for (stage, seconds) in stages {
                 let (start, share) = (end, (1000.0 * seconds / sum(stages)).round() / 10.0);
                 end += scale * seconds;
+                let label = format!("{}% of the bar", figure(share));
                 let point = Point::new(row as f64, scale * seconds).within(start, end);
-                let point = point.labelled(format!("{}% of the bar", figure(share)));
+                let point = Point { label, ..point };
                 match series.iter_mut().find(|series| series.name == *stage) {
                     Some(series) => series.points.push(point),
                     None => series.push(Series {
@@ -166,13 +167,6 @@ impl Axis {
     }
 }
 
-impl Series {
-    /// Points without a line.
-    pub fn of(name: &str, points: Vec<Point>) -> Self {
-        Self { name: name.to_owned(), draw: Draw::Points, points }
-    }
-}
-
 impl Guide {
     /// A line at a value of `y`.
     pub fn at(name: &str, y: f64) -> Self {
@@ -197,11 +191,5 @@ impl Point {
     #[must_use]
     pub fn within(self, low: f64, high: f64) -> Self {
         Self { low: Some(low), high: Some(high), ..self }
-    }
-
-    /// With a label.
-    #[must_use]
-    pub fn labelled(self, label: impl Into<String>) -> Self {
-        Self { label: label.into(), ..self }
     }
 }

@@ -20,6 +20,8 @@ use std::path::Path;
 use serde::Serialize;
 
 use crate::accuracy::fit::student;
+use crate::plot::number::plural;
+use crate::summary::mean_and_error;
 use wavecrest_base::error::{Error, ErrorKind, Result};
 
 /// Relative difference in time or error allowed between equivalent programs.
@@ -62,16 +64,18 @@ pub struct Side {
     pub machine: serde_json::Value,
 }
 
-/// The verdict on a value.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Verdict {
-    /// It takes longer, or has a larger error.
-    Worse,
-    /// It is faster, or has a smaller error.
-    Better,
-    /// No significant change.
-    Same,
+wavecrest_base::choices! {
+    /// The verdict on a value.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+    #[serde(rename_all = "kebab-case")]
+    pub enum Verdict {
+        /// It takes longer, or has a larger error.
+        Worse = "worse",
+        /// It is faster, or has a smaller error.
+        Better = "better",
+        /// No significant change.
+        Same = "unchanged",
+    }
 }
 
 /// A comparison, after over before: above 1 is worse.
@@ -147,20 +151,11 @@ impl Regression {
     /// The result, in a sentence or two.
     pub fn answer(&self) -> String {
         let (worse, better) = (self.count(Verdict::Worse), self.count(Verdict::Better));
-        let all = self.ratios.len() + self.changes.len();
-        let all = if all == 1 { "1 comparison".to_owned() } else { format!("{all} comparisons") };
+        let all = plural(self.ratios.len() + self.changes.len(), "comparison");
         match (worse, better) {
             (0, 0) => format!("No change in {all}."),
             _ => format!("Of {all}, {worse} became worse and {better} became better."),
         }
-    }
-
-    /// Sets the verdicts of all comparisons together.
-    fn judged(mut self, found: Vec<Found>) -> Self {
-        self.tolerance = TOLERANCE;
-        let chance = SIGNIFICANCE / found.len() as f64;
-        self.ratios = found.into_iter().map(|found| found.judged(chance)).collect();
-        self
     }
 }
 
@@ -169,9 +164,7 @@ impl Found {
     fn judged(self, chance: f64) -> Ratio {
         let Self { scene, what, of, logs } = self;
         let count = logs.len() as f64;
-        let mean = logs.iter().sum::<f64>() / count;
-        let squares: f64 = logs.iter().map(|log| (log - mean) * (log - mean)).sum();
-        let standard_error = (squares / (count - 1.0) / count).sqrt();
+        let (mean, standard_error) = mean_and_error(&logs);
         // Both are NaN if an error is 0 in all rounds of one side: then there is no doubt.
         let reach = Some(student(chance, count - 1.0) * standard_error).filter(|r| r.is_finite());
         let reach = reach.unwrap_or(0.0);

@@ -3,7 +3,7 @@
 
 use std::fmt::Write as _;
 
-use crate::page::{Block, Cell, Column, Table};
+use crate::page::{Block, Cell, Table};
 use crate::plot::{Chart, Scale};
 
 /// Largest length of a line of running text.
@@ -95,7 +95,8 @@ fn table(text: &mut String, table: &Table) {
 
 /// A row for each bar, a column for each stage.
 fn table_of(chart: &Chart) -> Table {
-    let stages = chart.series.iter().map(|stage| Column::numbers(&stage.name));
+    let stages = chart.series.iter().map(|stage| format!("|>{}", stage.name));
+    let header = chart.y.unit.clone() + &stages.collect::<String>();
     let names: &[String] = if let Scale::Names(names) = &chart.x.scale { names } else { &[] };
     let row = |(row, name): (usize, &String)| {
         let cells = chart.series.iter().map(|stage| {
@@ -104,11 +105,8 @@ fn table_of(chart: &Chart) -> Table {
         });
         std::iter::once(Cell::text(name)).chain(cells).collect()
     };
-    Table {
-        caption: format!("{}. {}", chart.title, chart.caption),
-        columns: std::iter::once(Column::words(&chart.y.unit)).chain(stages).collect(),
-        rows: names.iter().enumerate().map(row).collect(),
-    }
+    let caption = format!("{}. {}", chart.title, chart.caption);
+    Table::new(caption, &header, names.iter().enumerate().map(row).collect())
 }
 
 #[cfg(test)]

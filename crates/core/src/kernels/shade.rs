@@ -5,7 +5,9 @@
 //! ([`shadow_request`]), and the mirror ray ([`mirror_request`]). Whitted, *An Improved
 //! Illumination Model for Shaded Display* (1980).
 
-use super::blinn_phong::{self, Reflection};
+use glam::Vec3;
+
+use super::blinn_phong::{self, Material, Reflection};
 use super::hemisphere::Hemisphere;
 use super::light::{Light, LightPoint};
 use crate::math::float::gamma;
@@ -38,6 +40,26 @@ pub struct ShadingPoint<F: Single> {
     pub kr: F,
     /// Whether lights reach this side.
     pub lit: F::Mask,
+}
+
+impl ShadingPoint<f32> {
+    /// A lit point of a surface without details: the point, its error and the normal, and the
+    /// direction to the viewer.
+    pub fn plain([point, error, normal]: [Vec3; 3], view: Vec3, material: &Material) -> Self {
+        Self {
+            point: point.into(),
+            error: error.into(),
+            normal: normal.into(),
+            shading_normal: normal.into(),
+            view: view.into(),
+            color: material.color.into(),
+            occlusion: 1.0,
+            emission: Vec3::ZERO.into(),
+            reflection: material.reflection(),
+            kr: material.kr,
+            lit: true,
+        }
+    }
 }
 
 impl<F: Single> ShadingPoint<F> {
@@ -223,8 +245,6 @@ fn reflection<F: Single>(view: Vector<F>, normal: Vector<F>) -> Vector<F> {
 
 #[cfg(test)]
 mod tests {
-    use glam::Vec3;
-
     use super::*;
     use crate::kernels::light::{Emitter, Falloff};
     use crate::math::float::normalize;
@@ -232,19 +252,9 @@ mod tests {
     use crate::math::sampling::Sampling;
 
     fn point() -> ShadingPoint<f32> {
-        ShadingPoint {
-            point: Vec3::ZERO.into(),
-            error: Vec3::splat(1e-6).into(),
-            normal: Vec3::Y.into(),
-            shading_normal: Vec3::Y.into(),
-            view: normalize(Vec3::new(1.0, 1.0, 0.0)).into(),
-            color: Vec3::ONE.into(),
-            occlusion: 1.0,
-            emission: Vec3::ZERO.into(),
-            reflection: Reflection { ks: 0.0, kd: 1.0, exponent: 1.0, tint: Vec3::ONE.into() },
-            kr: 0.5,
-            lit: true,
-        }
+        let matte = Material { ks: 0.0, kd: 1.0, exponent: 1.0, color: Vec3::ONE, kr: 0.5 };
+        let surface = [Vec3::ZERO, Vec3::splat(1e-6), Vec3::Y];
+        ShadingPoint::plain(surface, normalize(Vec3::new(1.0, 1.0, 0.0)), &matte)
     }
 
     fn light(position: Vec3) -> Light {

@@ -150,6 +150,13 @@ impl<F: Single> Group<F> {
             self.colored |= 1 << lane;
             set_three::<F>(&mut self.tints, lane, colors);
         }
+        self.fetch_corners(lane, geometry, ray);
+    }
+
+    /// Fetches the corners of one hit of `ray`.
+    #[inline(always)]
+    fn fetch_corners(&mut self, lane: usize, geometry: &Geometry, ray: impl Fn() -> Ray) {
+        let Face { primitive, .. } = self.faces[lane];
         // Separate arms: a shared array of corners would go through memory in pieces.
         match geometry.primitive(primitive) {
             Primitive::Triangle(i) => {
@@ -343,14 +350,15 @@ pub fn lanes(mut bits: u32) -> impl Iterator<Item = usize> {
     })
 }
 
-impl PreparedScene {
-    /// The point of the surface that `ray` hits.
-    pub fn surface<P: Arithmetic>(&self, ray: &Ray, hit: &Hit) -> Surface<f32> {
-        let geometry = self.accel.geometry();
-        let group = self.group(ray, hit, self.appearance.shape_of(hit.primitive));
-        group.surfaces::<P>(geometry.kind(hit.primitive), &Line::from(ray), hit.t, geometry)
-    }
+/// The point of the surface that `ray` hits, as it is shaded.
+pub fn surface<P: Arithmetic>(geometry: &Geometry, ray: &Ray, hit: &Hit) -> Surface<f32> {
+    let mut group = Group::default();
+    group.faces[0].primitive = hit.primitive;
+    group.fetch_corners(0, geometry, || *ray);
+    group.surfaces::<P>(geometry.kind(hit.primitive), &Line::from(ray), hit.t, geometry)
+}
 
+impl PreparedScene {
     /// The surface interaction of `ray`, of unit direction, with `hit`. Its `differential` is
     /// called only if a texture needs it.
     // Not inlined, nor once for each caller's closure: a call for each hit costs nothing, a copy

@@ -71,7 +71,8 @@ impl Seen {
                 albedo: at.color.into(),
             }),
             Interaction::Light(albedo) => {
-                let surface = scene.surface::<P>(ray, hit);
+                let surface =
+                    wavecrest_core::prepared::surface::<P>(scene.accel.geometry(), ray, hit);
                 let normal = towards(ray, surface.normal.into());
                 Some(Self { point: surface.point.into(), normal, albedo })
             }

@@ -156,21 +156,20 @@ impl SceneFindings {
         let floor = self.floor(target);
         let line = |line: &Series<setting::Point>| {
             let point = |point: &setting::Point| {
-                let renders = of_setting(&self.scene.scene, target, &point.2.key(), records);
+                let (scene, key) = (&self.scene.scene, point.2.key());
+                let is_it =
+                    |p: &&PointRecord| p.scene == *scene && p.target == target && p.key == key;
+                let renders: Vec<&PointRecord> = all(records).filter(is_it).collect();
                 Point::of(point, &renders, floor, busy)
             };
             let points: Vec<Point> = line.points.iter().filter_map(point).collect();
-            Series { name: line.name.clone(), slope: slope(&points), points }
+            let counts = |p: &&Point| p.above_noise && p.x >= SLOPE_FROM && converges(&p.key);
+            let falling: Vec<_> = points.iter().filter(counts).map(|p| (p.x, &*p.each)).collect();
+            Series { name: line.name.clone(), slope: fit::slope(&falling), points }
         };
         let series = family.series.iter().map(line).collect();
         Family { name, title, counted, target, series }
     }
-}
-
-fn slope(points: &[Point]) -> Option<Interval> {
-    let counts = |p: &&Point| p.above_noise && p.x >= SLOPE_FROM && converges(&p.key);
-    let points = points.iter().filter(counts).map(|p| (p.x, &*p.each));
-    fit::slope(&points.collect::<Vec<_>>())
 }
 
 /// The number of rounds of a scene, and the seeds of those that were busy.
@@ -183,17 +182,6 @@ pub(crate) fn busy_rounds(scene: &str, records: &[Record]) -> (usize, BTreeSet<u
     let quiet = quiet(&sums);
     let busy = rounds.keys().zip(&quiet).filter(|(_, quiet)| !**quiet).map(|(seed, _)| *seed);
     (rounds.len(), busy.collect())
-}
-
-/// The renders of a setting.
-fn of_setting<'a>(
-    scene: &str,
-    target: Target,
-    key: &str,
-    records: &'a [Record],
-) -> Vec<&'a PointRecord> {
-    let is_it = |p: &&PointRecord| p.scene == scene && p.target == target && p.key == key;
-    all(records).filter(is_it).collect()
 }
 
 impl Point {

@@ -7,7 +7,6 @@
 //! Should Know About the Bootstrap*, 2015, section 5.3).
 
 use rand::RngExt;
-use rand::seq::SliceRandom;
 use serde::Serialize;
 
 use wavecrest_core::math::random::{Generator, Stream};
@@ -19,7 +18,7 @@ const RESAMPLES: u32 = 1000;
 pub const CONFIDENCE: f64 = 0.95;
 
 /// A value with its interval of [`CONFIDENCE`].
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Interval {
     /// The estimate.
     pub value: f64,
@@ -29,25 +28,9 @@ pub struct Interval {
     pub high: f64,
 }
 
-/// Random integers.
-#[derive(Debug)]
-pub struct Rng(Generator);
-
-impl Rng {
-    /// The numbers of `seed`.
-    pub fn new(seed: u64) -> Self {
-        Self(Stream { seed, pixel: 0, sample: 0, bounce: 0 }.generator(0))
-    }
-
-    /// A number below `n`, which is at least 1.
-    pub fn below(&mut self, n: usize) -> usize {
-        self.0.random_range(0..n)
-    }
-
-    /// Shuffles `items`.
-    pub fn shuffle<T>(&mut self, items: &mut [T]) {
-        items.shuffle(&mut self.0);
-    }
+/// The random numbers of a seed.
+pub fn generator(seed: u64) -> Generator {
+    Stream { seed, pixel: 0, sample: 0, bounce: 0 }.generator(0)
 }
 
 /// The number of standard deviations with the same probability under the normal distribution as `t`
@@ -80,8 +63,9 @@ pub fn student(chance: f64, freedom: f64) -> f64 {
 /// for all seeds.
 pub fn bootstrap(seeds: usize, statistic: impl Fn(&[usize]) -> Option<f64>) -> Option<Interval> {
     let value = statistic(&(0..seeds).collect::<Vec<_>>())?;
-    let mut rng = Rng::new(1);
-    let draw = |_| statistic(&(0..seeds).map(|_| rng.below(seeds)).collect::<Vec<_>>());
+    let mut random = generator(1);
+    let draw =
+        |_| statistic(&(0..seeds).map(|_| random.random_range(0..seeds)).collect::<Vec<_>>());
     let mut resampled: Vec<f64> = (0..RESAMPLES).filter_map(draw).collect();
     resampled.sort_by(f64::total_cmp);
     let at = |share: f64| {
@@ -96,8 +80,7 @@ pub fn bootstrap(seeds: usize, statistic: impl Fn(&[usize]) -> Option<f64>) -> O
 
 /// The root of the mean squared error, from one squared error for each seed.
 pub fn rmse(mse: &[f64]) -> Interval {
-    let none = Interval { value: 0.0, low: 0.0, high: 0.0 };
-    bootstrap(mse.len(), |seeds| Some(mean(seeds, mse).sqrt())).unwrap_or(none)
+    bootstrap(mse.len(), |seeds| Some(mean(seeds, mse).sqrt())).unwrap_or_default()
 }
 
 /// The values of these seeds.
@@ -128,12 +111,14 @@ pub fn slope<V: AsRef<[f64]>>(points: &[(f64, V)]) -> Option<Interval> {
 
 #[cfg(test)]
 mod tests {
+    use rand::seq::SliceRandom;
+
     use super::*;
 
     /// Values that fall with a known power, with noise of a known size on each.
     fn falling(power: f64, noise: f64) -> Vec<(f64, Vec<f64>)> {
-        let mut rng = Rng::new(9);
-        let mut unit = || rng.below(1 << 20) as f64 / f64::from(1 << 20) - 0.5;
+        let mut rng = generator(9);
+        let mut unit = || rng.random_range(0..1_usize << 20) as f64 / f64::from(1 << 20) - 0.5;
         [1.0, 4.0, 16.0, 64.0, 256.0]
             .map(|x: f64| {
                 let values = (0..16).map(|_| libm::pow(x, power) * (1.0 + noise * unit()));
@@ -158,10 +143,11 @@ mod tests {
     /// Of many experiments with a known mean, the share whose interval holds it is near the confidence.
     #[test]
     fn intervals_hold_the_truth_as_often_as_they_say() {
-        let mut rng = Rng::new(3);
+        let mut rng = generator(3);
         let held = (0..1000)
             .filter(|_| {
-                let mse: Vec<f64> = (0..16).map(|_| 1.0 + rng.below(1000) as f64 / 999.0).collect();
+                let mse: Vec<f64> =
+                    (0..16).map(|_| 1.0 + rng.random_range(0..1000_usize) as f64 / 999.0).collect();
                 let found = rmse(&mse);
                 found.low <= 1.5_f64.sqrt() && 1.5_f64.sqrt() <= found.high
             })
@@ -180,11 +166,11 @@ mod tests {
 
     #[test]
     fn shuffling_keeps_all_and_favours_none() {
-        let mut rng = Rng::new(4);
+        let mut rng = generator(4);
         let mut first = [0; 5];
         for _ in 0..5000 {
             let mut items = [0, 1, 2, 3, 4];
-            rng.shuffle(&mut items);
+            items.shuffle(&mut rng);
             first[items[0]] += 1;
             items.sort_unstable();
             assert_eq!(items, [0, 1, 2, 3, 4]);

@@ -17,8 +17,9 @@ use serde::Serialize;
 
 use super::setting::{Setting, Structure};
 use super::store::{LayersRecord, PreparedRecord, Record, Step, Store, all};
-use super::subject::{Stages, Subject};
+use super::subject::Subject;
 use super::sweep::{Progress, rounds, timed};
+use crate::bench::Preparation;
 use crate::summary::median;
 use wavecrest_base::error::Result;
 use wavecrest_core::kernels::precision::Precision;
@@ -36,7 +37,7 @@ const SHORT: f64 = 5.0;
 pub struct LayersFindings {
     pub precision: String,
     #[serde(flatten)]
-    pub before: Stages,
+    pub before: Preparation,
     pub parts: Vec<PartFindings>,
 }
 
@@ -80,20 +81,15 @@ fn steps(subject: &mut Subject, precision: Precision) -> Result<Vec<Step>> {
             let structure = Structure { precision, overrides };
             let setting = Setting { structure, ..Setting::default() };
             let (rendered, _) = timed(subject, &setting, 0)?;
-            keep_least(passes, &rendered.pass_seconds);
+            for &(name, seconds) in &rendered.pass_seconds {
+                match passes.iter_mut().find(|(known, _)| known == name) {
+                    Some((_, least)) => *least = seconds.min(*least),
+                    None => passes.push((name.to_owned(), seconds)),
+                }
+            }
         }
     }
     Ok(steps)
-}
-
-/// Keeps the smaller time of each pass.
-fn keep_least(passes: &mut Vec<(String, f64)>, found: &[(&'static str, f64)]) {
-    for (name, seconds) in found {
-        match passes.iter_mut().find(|(known, _)| known == name) {
-            Some((_, least)) => *least = least.min(*seconds),
-            None => passes.push(((*name).to_owned(), *seconds)),
-        }
-    }
 }
 
 /// The precisions of a scene, in the order of rendering.
@@ -101,9 +97,9 @@ pub fn of(scene: &str, records: &[Record]) -> Vec<LayersFindings> {
     let found = |l: &LayersRecord| {
         // The key of a structure without overrides is its precision.
         let is_it = |p: &&PreparedRecord| p.scene == scene && p.key == l.precision;
-        let before: Vec<Stages> = all(records).filter(is_it).map(|p| p.time).collect();
-        let each = |of: fn(&Stages) -> f64| median(&before.iter().map(of).collect::<Vec<_>>());
-        let before = Stages { load: each(|s| s.load), build: each(|s| s.build) };
+        let before: Vec<Preparation> = all(records).filter(is_it).map(|p| p.time).collect();
+        let each = |of: fn(&Preparation) -> f64| median(&before.iter().map(of).collect::<Vec<_>>());
+        let before = Preparation { load: each(|s| s.load), build: each(|s| s.build) };
         LayersFindings { precision: l.precision.clone(), before, parts: parts(l) }
     };
     all(records).filter(|l: &&LayersRecord| l.scene == scene).map(found).collect()

@@ -56,7 +56,7 @@ fn bought(
 
 /// The circumstances of the measurement: machine, program and command.
 fn about(findings: &Findings) -> Section {
-    let mut blocks = vec![Block::paragraph(format!(
+    let mut blocks = vec![Block::Paragraph(format!(
         "Each setting was rendered {} times with different random numbers, all settings of a scene in random order. \
          Errors are against a reference in exact arithmetic; an error below three standard errors of the reference \
          counts as noise. Intervals have 95 per cent confidence.",
@@ -76,7 +76,7 @@ fn about(findings: &Findings) -> Section {
 
 fn section(scene: &SceneFindings, folder: &Path) -> Result<Section> {
     let [width, height] = scene.scene.size;
-    let mut blocks = vec![Block::paragraph(format!(
+    let mut blocks = vec![Block::Paragraph(format!(
         "{width} x {height} pixels, {} primitives. {} {}",
         scene.scene.primitives,
         tables::references(scene),

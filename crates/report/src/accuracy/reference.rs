@@ -9,7 +9,7 @@
 use super::pilot::Axis;
 use super::pilot::measured::variance;
 use super::setting::{Facts, Setting, Target, converges};
-use super::store::{Record, ReferenceRecord, Store, all};
+use super::store::{Record, ReferenceRecord, Store, known};
 use super::sweep::Swept;
 use wavecrest_base::error::Result;
 use wavecrest_core::accel::KernelChoice;
@@ -39,8 +39,7 @@ const FIRST_SEED: u64 = 1 << 63;
 pub fn reference(swept: &mut Swept, target: Target, least: u32, store: &mut Store) -> Result<Film> {
     let Swept { subject, families, .. } = swept;
     let scene = subject.record.scene.clone();
-    let is_it = |known: &&ReferenceRecord| known.scene == scene && known.target == target;
-    if let Some(known) = all(&store.records).find(is_it) {
+    if let Some(known) = known(&store.records, &scene, target) {
         return read(&store.folder.join(&known.file));
     }
     let approached = families.iter().filter(|family| family.target == target);
@@ -111,10 +110,8 @@ fn setting(facts: &Facts, target: Target, least: u32) -> (Setting, u32) {
     (Setting { samples: axis.samples(points), ..Setting::default() }, points.count())
 }
 
-/// The least work of a reference, in points of each pixel: see [`Setting::work`].
-pub fn least_work(least: u32) -> u64 {
-    REFERENCE_COST * LEAST_REPLICATES as u64 * u64::from(least)
-}
+/// The least work of a reference for each of its points: see [`Setting::work`].
+pub const LEAST_WORK: u64 = REFERENCE_COST * LEAST_REPLICATES as u64;
 
 /// How many times as long as the usual kernel the reference kernel takes, roughly.
 const REFERENCE_COST: u64 = 3;

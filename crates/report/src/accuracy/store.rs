@@ -19,6 +19,15 @@ pub fn all<T: 'static>(records: &[Record]) -> impl Iterator<Item = &T> {
     records.iter().filter_map(Record::of)
 }
 
+/// The reference of `target` among `records`.
+pub(crate) fn known<'a>(
+    records: &'a [Record],
+    scene: &str,
+    target: Target,
+) -> Option<&'a ReferenceRecord> {
+    all(records).find(|r: &&ReferenceRecord| r.scene == scene && r.target == target)
+}
+
 /// The records of a sweep, in a folder.
 #[derive(Debug)]
 pub struct Store {

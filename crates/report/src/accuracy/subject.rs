@@ -7,6 +7,7 @@ use std::time::Instant;
 
 use super::setting::{Facts, Setting, Structure};
 use super::store::SceneRecord;
+use crate::bench::Preparation;
 use wavecrest_base::error::Result;
 use wavecrest_core::accel::KernelChoice;
 use wavecrest_core::accel::build::Preset;
@@ -33,16 +34,7 @@ pub struct Prepared {
     /// Its original samples.
     pub original: Original,
     /// The time of its preparation.
-    pub time: Stages,
-}
-
-/// Seconds before the first ray.
-#[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
-pub struct Stages {
-    /// Reading the file and the files that it names, and extracting arrays.
-    pub load: f64,
-    /// Building the tree.
-    pub build: f64,
+    pub time: Preparation,
 }
 
 /// Memory limit of prepared scenes: at least one is kept, and more up to this number of bytes, 4
@@ -105,7 +97,7 @@ impl Subject {
         let scene = extracted.build(Preset::Fast);
         let build = start.elapsed().as_secs_f64();
         let original = scene.original();
-        Ok(Prepared { scene, original, time: Stages { load, build } })
+        Ok(Prepared { scene, original, time: Preparation { load, build } })
     }
 
     /// Renders it.

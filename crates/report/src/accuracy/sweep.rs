@@ -7,8 +7,10 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::time::Instant;
 
+use rand::seq::SliceRandom;
+
 use super::findings::busy_rounds;
-use super::fit::Rng;
+use super::fit::generator;
 use super::setting::{Family, Point, Setting, Structure, Target, families};
 use super::store::{Errors, Header, PointRecord, PreparedRecord, Record, Store, TrialRecord, all};
 use super::subject::Subject;
@@ -65,7 +67,7 @@ pub fn run(
         Ok(Swept { subject, families, references: BTreeMap::new() })
     };
     let mut all = files.iter().map(open).collect::<Result<Vec<Swept>>>()?;
-    let of_reference = reference::least_work(least);
+    let of_reference = reference::LEAST_WORK * u64::from(least);
     let work = |swept: &Swept| {
         let points: u64 = settings(&swept.families).iter().map(|(_, setting)| setting.work()).sum();
         let references = Target::ALL.len() as u64 * of_reference;
@@ -115,7 +117,7 @@ fn points(
         if done >= MOST_ROUNDS * seeds || done >= seeds && rounds - busy.len() >= seeds {
             break;
         }
-        Rng::new(seed).shuffle(&mut all);
+        all.shuffle(&mut generator(seed));
         for ((target, key), setting) in &all {
             if !store.has(&scene, *target, key, seed) {
                 // No timed render should wait for its tree.

@@ -4,6 +4,8 @@
 //! first run, outliers. Each names the observation and the option that helps.
 
 use super::compare::{Comparison, VariantBench};
+use crate::measure::Rounds;
+use crate::plot::number::plural;
 use crate::summary::{CONFIDENCE, ENOUGH};
 
 /// A run shorter than this in seconds mostly starts threads and allocates buffers.
@@ -52,15 +54,15 @@ pub fn warnings(found: &Comparison) -> Vec<String> {
             format!("times ({label}) vary: half of them are within {spread:.0} % of the median");
         warn(v.seconds.spread() > WIDE, format!("{text}: {what}"));
     }
-    let (rounds, s) = (found.rounds, if found.rounds == 1 { "" } else { "s" });
+    let Rounds { rounds, busy, .. } = found.rounds;
     let percent = 100.0 * CONFIDENCE;
     warn(
         (1..ENOUGH).contains(&rounds),
         format!(
-            "{rounds} round{s} cannot give {percent:.0} % confidence: run {ENOUGH} or more with --repeats"
+            "{} cannot give {percent:.0} % confidence: run {ENOUGH} or more with --repeats",
+            plural(rounds, "round")
         ),
     );
-    let busy = found.busy;
     warn(
         busy > 0,
         format!("other programs used the processors in {busy} of {rounds} rounds: close them"),

@@ -3,27 +3,26 @@
 //! Nothing is timed before the first round has shown that the images are equal, and a different
 //! image ends the comparison: the speed of a wrong image does not matter.
 
-use serde::Serialize;
-use serde_json::{Map, Value};
+#![allow(missing_docs, reason = "the tables of crate::bench say it once")]
+
+use serde::{Serialize, Serializer};
 
 use super::equal::Difference;
 use super::ratio::Ratio;
 use super::run::Run;
 use super::variant::{Axis, Choice, Variant};
-use crate::measure::{Measured, Schedule, Timing, measure};
-use crate::statistics::{KernelUse, Rays, Tests, pass_map};
+use crate::measure::{Measured, Rounds, Schedule, Timing, measure};
+use crate::statistics::{KernelUse, Rays, Tests};
 use crate::summary::{Summary, median};
 use wavecrest_base::error::Result;
 use wavecrest_core::counters::Counters;
 
 /// The results of a list.
 #[derive(Clone, Debug, Serialize)]
-#[allow(missing_docs, reason = "see crate::bench")]
 pub struct Comparison {
     pub of: Axis,
-    pub rounds: usize,
-    pub left_out: usize,
-    pub busy: usize,
+    #[serde(flatten)]
+    pub rounds: Rounds,
     /// Empty if images differ.
     pub variants: Vec<VariantBench>,
     pub difference: Option<Difference>,
@@ -34,7 +33,6 @@ pub struct Comparison {
 
 /// The results of one variant.
 #[derive(Clone, Debug, Serialize)]
-#[allow(missing_docs, reason = "see crate::bench")]
 pub struct VariantBench {
     pub label: String,
     #[serde(flatten)]
@@ -46,7 +44,9 @@ pub struct VariantBench {
     pub processors: Option<f64>,
     pub processor_seconds: Vec<Option<f64>>,
     pub mrays_s: f64,
-    pub passes: Map<String, Value>,
+    /// The median time in each, summed over threads, in seconds.
+    #[serde(serialize_with = "as_map")]
+    pub passes: Vec<(&'static str, f64)>,
     pub batch_bytes: u64,
     pub tests: Tests,
     pub kernels: KernelUse,
@@ -54,7 +54,6 @@ pub struct VariantBench {
 
 /// What a step gains.
 #[derive(Clone, Debug, Serialize)]
-#[allow(missing_docs, reason = "see crate::bench")]
 pub struct Gain {
     pub of: &'static str,
     pub from: String,
@@ -95,13 +94,11 @@ pub fn compare(
         let (passes, columns) = (rendered.pass_seconds, rendered.columns);
         Ok(Some((timing, Kept { passes, counters: rendered.counters, columns })))
     };
-    let none = Measured { variants: Vec::new(), left_out: 0, busy: 0 };
+    let none = Measured { variants: Vec::new(), rounds: Rounds::default() };
     let measured = measure(choices.len(), schedule, run, progress)?.unwrap_or(none);
     Ok(Comparison {
         of,
-        rounds: measured.rounds(),
-        left_out: measured.left_out,
-        busy: measured.busy,
+        rounds: measured.rounds,
         variants: variants(choices, &measured.variants),
         difference,
         counters: first.map(|first| first.counters).unwrap_or_default(),
@@ -141,17 +138,12 @@ fn variants(choices: &[Choice], measured: &[Vec<(Timing, Kept)>]) -> Vec<Variant
 }
 
 /// Median seconds of each pass.
-fn passes(runs: &[(Timing, Kept)]) -> Map<String, Value> {
+fn passes(runs: &[(Timing, Kept)]) -> Vec<(&'static str, f64)> {
     let names = runs.first().into_iter().flat_map(|(_, kept)| &kept.passes).map(|(name, _)| *name);
     let each = |pass: usize| runs.iter().map(|(_, kept)| kept.passes[pass].1).collect::<Vec<_>>();
-    let medians = names.enumerate().map(|(pass, name)| (name, median(&each(pass))));
-    pass_map(&medians.collect::<Vec<_>>())
+    names.enumerate().map(|(pass, name)| (name, median(&each(pass)))).collect()
 }
 
-impl VariantBench {
-    /// The median time in each pass, summed over threads, in seconds.
-    pub fn pass_seconds(&self) -> impl Iterator<Item = (&str, f64)> {
-        let seconds = |seconds: &Value| seconds.as_f64().unwrap_or_default();
-        self.passes.iter().map(move |(name, pass)| (name.as_str(), seconds(pass)))
-    }
+fn as_map<S: Serializer>(passes: &[(&str, f64)], sink: S) -> std::result::Result<S::Ok, S::Error> {
+    sink.collect_map(passes.iter().copied())
 }

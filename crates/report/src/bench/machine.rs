@@ -1,12 +1,13 @@
 //! The machine of a benchmark.
 
+#![allow(missing_docs, reason = "the tables of crate::bench say it once")]
+
 use std::path::Path;
 
 use serde::Serialize;
 
 /// The machine.
 #[derive(Clone, Debug, Serialize)]
-#[allow(missing_docs, reason = "see crate::bench")]
 pub struct Machine {
     pub processor: Option<String>,
     pub cores: usize,
@@ -18,7 +19,6 @@ pub struct Machine {
 
 /// A cache of data.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
-#[allow(missing_docs, reason = "see crate::bench")]
 pub struct Cache {
     pub level: u32,
     pub bytes: u64,

@@ -5,6 +5,7 @@ mod comparison;
 
 use std::path::Path;
 
+use serde::Serialize;
 use serde_json::Value;
 
 use super::compare::VariantBench;
@@ -12,10 +13,10 @@ use super::machine::Machine;
 use super::ratio::Ratio;
 use super::report::{BenchReport, SceneBench};
 use crate::page::{Block, Cell, Fact, Page, Section, Table, file_name};
-use crate::plot::number::figure;
+use crate::plot::number::{figure, plural};
 use crate::plot::{Axis, Scale, Series};
 use crate::summary::CONFIDENCE;
-use comparison::{comparison, point, ratio, speeds};
+use comparison::{comparison, point, speeds};
 use wavecrest_base::error::{Error, Result};
 
 /// The page of a report.
@@ -28,8 +29,7 @@ pub fn page(report: &BenchReport) -> Page {
         let title = format!("`{}`", scene.setting.scene);
         sections.push(Section::new(title, self::scene(scene, &report.machine)));
     }
-    let mut facts = machine(&report.machine);
-    facts.push(Fact::new("wavecrest", report.version));
+    let facts = recorded(&report.machine, report.version, report.commit.as_deref());
     let command = Block::Code(command(&report.command));
     sections.push(Section::new("How it was measured", vec![Block::Facts(facts), command]));
     let title = "Wavefront against recursive".to_owned();
@@ -75,8 +75,7 @@ fn lead(scenes: &[SceneBench]) -> String {
     match different {
         0 if scenes.is_empty() => {}
         0 => sentences.push("All images are bit-identical.".to_owned()),
-        1 => sentences.push("Images differ in 1 scene.".to_owned()),
-        _ => sentences.push(format!("Images differ in {different} scenes.")),
+        _ => sentences.push(format!("Images differ in {}.", plural(different, "scene"))),
     }
     sentences.join(" ")
 }
@@ -126,11 +125,11 @@ pub fn overview(scenes: &[SceneBench]) -> Vec<Block> {
     let row = |(scene, [recursive, wavefront]): (&SceneBench, [&VariantBench; 2])| {
         vec![
             Cell::text(format!("`{}`", scene.setting.scene)),
-            Cell::count(scene.triangles as u64),
-            Cell::count(scene.rays.all()),
+            Cell::figure(scene.triangles as f64),
+            Cell::figure(scene.rays.all() as f64),
             Cell::decimals(wavefront.mrays_s, 3),
             Cell::decimals(recursive.mrays_s, 3),
-            ratio(&wavefront.ratio),
+            wavefront.ratio.cell(),
             Cell::text(scene.ladder().map(|ladder| gains(&ladder.variants)).unwrap_or_default()),
         ]
     };
@@ -143,7 +142,7 @@ pub fn overview(scenes: &[SceneBench]) -> Vec<Block> {
             "Speed of the wavefront over that of the recursive tracer",
             "Medians over rounds of runs, with their confidence intervals. Right of the line the wavefront is faster.",
             Axis::new("scene", "", Scale::Names(names)),
-            Series::of("", points.collect()),
+            Series { points: points.collect(), ..Series::default() },
         )),
         Block::Table(Table::new(caption, header, measured().map(row).collect())),
     ]
@@ -208,35 +207,25 @@ fn size(bytes: u64) -> String {
     }
 }
 
-/// A number with a noun.
-fn plural(count: usize, name: &str) -> String {
-    if count == 1 { format!("1 {name}") } else { format!("{} {name}s", figure(count as f64)) }
-}
-
-/// The machine.
-pub fn machine(machine: &Machine) -> Vec<Fact> {
-    let Machine { processor, cores, threads, os, .. } = machine;
-    vec![
-        Fact::new("processor", processor.as_deref().unwrap_or("unknown")),
-        Fact::new("cores, threads", format!("{cores}, {threads}")),
-        Fact::new("system", os),
-    ]
-}
-
-/// The machine, as recorded in JSON, and the program of a measurement.
-pub(crate) fn recorded(machine: &Value, version: &str, commit: Option<&str>) -> Vec<Fact> {
+/// The machine, or what JSON says of it.
+pub fn machine(machine: &impl Serialize) -> Vec<Fact> {
+    let machine = serde_json::to_value(machine).unwrap_or_default();
     let of = |key: &str| match &machine[key] {
         Value::Null => "unknown".to_owned(),
         Value::String(text) => text.clone(),
         other => other.to_string(),
     };
     vec![
-        Fact::new("Processor", of("processor")),
-        Fact::new("Cores, threads", format!("{}, {}", of("cores"), of("threads"))),
-        Fact::new("System", of("os")),
-        Fact::new("wavecrest", version.to_owned()),
-        Fact::new("Commit", commit.unwrap_or("unknown").to_owned()),
+        Fact::new("processor", of("processor")),
+        Fact::new("cores, threads", format!("{}, {}", of("cores"), of("threads"))),
+        Fact::new("system", of("os")),
     ]
+}
+
+/// The machine and the program of a measurement.
+pub(crate) fn recorded(of: &impl Serialize, version: &str, commit: Option<&str>) -> Vec<Fact> {
+    let commit = Fact::new("commit", commit.unwrap_or("unknown"));
+    machine(of).into_iter().chain([Fact::new("wavecrest", version), commit]).collect()
 }
 
 /// A command with these arguments, as typed.

@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use crate::page::Cell;
 use crate::summary::MedianInterval;
 
 /// The speed of one variant over that of another.
@@ -33,9 +34,9 @@ impl Ratio {
         Some(Self { interval, pairs: seconds[of].len() })
     }
 
-    /// Median and interval.
-    pub fn words(&self) -> String {
+    /// Median and interval, for a table.
+    pub(crate) fn cell(&self) -> Cell {
         let i = &self.interval;
-        format!("{:.3} ({:.3} to {:.3})", i.median, i.low, i.high)
+        Cell::number(i.median, format!("{:.3} ({:.3} to {:.3})", i.median, i.low, i.high))
     }
 }

@@ -1,6 +1,8 @@
 //! The results of a benchmark, as written in JSON.
 
-use serde::Serialize;
+#![allow(missing_docs, reason = "the tables of crate::bench say it once")]
+
+use serde::{Deserialize, Serialize};
 
 use super::advice;
 use super::compare::{Comparison, VariantBench, compare};
@@ -21,7 +23,6 @@ use wavecrest_scene::memory;
 
 /// See [`crate::bench`]: fields have the names of the JSON.
 #[derive(Clone, Debug, Serialize)]
-#[allow(missing_docs, reason = "the tables above say it once, for the JSON and for the fields")]
 pub struct BenchReport {
     pub version: &'static str,
     pub command: Vec<String>,
@@ -32,7 +33,6 @@ pub struct BenchReport {
 
 /// The results of one scene.
 #[derive(Clone, Debug, Serialize)]
-#[allow(missing_docs, reason = "see crate::bench")]
 pub struct SceneBench {
     #[serde(flatten)]
     pub setting: Setting,
@@ -51,16 +51,16 @@ pub struct SceneBench {
 }
 
 /// Seconds before the first ray.
-#[derive(Clone, Copy, Debug, Default, Serialize)]
-#[allow(missing_docs, reason = "see crate::bench")]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Preparation {
+    /// Reading the file and the files that it names, and extracting arrays.
     pub load: f64,
+    /// Building the tree.
     pub build: f64,
 }
 
 /// The settings: everything known before the first ray.
 #[derive(Clone, Debug, Serialize)]
-#[allow(missing_docs, reason = "see crate::bench")]
 pub struct Setting {
     pub scene: String,
     pub seed: u64,

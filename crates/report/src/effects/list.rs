@@ -6,6 +6,7 @@ use serde::Serialize;
 
 use crate::bench::equal::Difference;
 use crate::bench::{Machine, Ratio};
+use crate::measure::Rounds;
 use crate::statistics::{ImageSize, Rays, Samples};
 use crate::summary::Summary;
 use wavecrest_core::accel::KernelChoice;
@@ -20,9 +21,8 @@ pub struct PriceList {
     pub image: Option<ImageSize>,
     #[serde(flatten)]
     pub setting: Setting,
-    pub rounds: usize,
-    pub left_out: usize,
-    pub busy: usize,
+    #[serde(flatten)]
+    pub rounds: Rounds,
     pub difference: Option<Difference>,
     pub effects: Vec<Price>,
 }

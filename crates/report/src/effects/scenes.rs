@@ -10,6 +10,7 @@ use std::path::Path;
 use serde::Deserialize;
 use serde_json::{Value, json};
 
+use crate::patch::with;
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_core::film::Film;
 use wavecrest_image::write::{Transfer, write};
@@ -64,37 +65,12 @@ pub fn variants(folder: &Path) -> Result<Vec<Variant>> {
     {
         for (name, base, patch) in rows {
             let base = variants.iter().position(|variant| variant.name == base);
-            let scene = patched(base.map_or(&Value::Null, |base| &variants[base].scene), &patch);
+            let scene = with(base.map_or(Value::Null, |base| variants[base].scene.clone()), patch);
             let added_to = base.filter(|_| is_priced);
             variants.push(Variant { name, added_to, reached, scene });
         }
     }
     Ok(variants)
-}
-
-/// The scene with a patch: objects are merged, and lists place by place; other values are replaced,
-/// and `null` removes one. If the patch of a list is an object, it is for each of them.
-fn patched(scene: &Value, patch: &Value) -> Value {
-    match (scene, patch) {
-        (Value::Array(old), Value::Object(_)) => {
-            old.iter().map(|one| patched(one, patch)).collect()
-        }
-        (Value::Array(old), Value::Array(new)) if old.iter().all(Value::is_object) => {
-            let count = old.len().max(new.len());
-            let at = |list: &Vec<Value>, place| list.get(place).cloned().unwrap_or(json!({}));
-            (0..count).map(|place| patched(&at(old, place), &at(new, place))).collect()
-        }
-        (_, Value::Object(changes)) => {
-            let mut scene = scene.as_object().cloned().unwrap_or_default();
-            for (key, change) in changes {
-                let old = scene.remove(key).unwrap_or_default();
-                scene.insert(key.clone(), patched(&old, change));
-            }
-            scene.retain(|_, value| !value.is_null());
-            scene.into()
-        }
-        _ => patch.clone(),
-    }
 }
 
 /// Gentle hills, seen from above: the lists of its mesh, with a colour for each point by its place.

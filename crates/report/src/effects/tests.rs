@@ -51,7 +51,7 @@ fn every_effect_has_a_cost_and_hidden_effects_change_nothing() {
     let progress = &mut |done, planned| reported.push((done, planned));
     let found = measure(&entries, setting(), &schedule(), trace, progress).expect("prices");
     assert_eq!(found.difference, None);
-    assert_eq!((found.rounds, found.effects.len()), (2, entries.len()));
+    assert_eq!((found.rounds.rounds, found.effects.len()), (2, entries.len()));
     assert_eq!(reported.last(), Some(&(2, 2)));
     let of = |name: &str| {
         found.effects.iter().find(|price| price.effect == name).unwrap_or_else(|| panic!("{name}"))

@@ -1,6 +1,7 @@
 //! The price list as blocks of a page, and as text.
 
 use super::list::{Cost, Price, PriceList};
+use crate::bench::Ratio;
 use crate::bench::page::machine;
 use crate::page::{Block, Cell, Table};
 
@@ -24,7 +25,7 @@ pub fn blocks(list: &PriceList) -> Vec<Block> {
         Block::Table(Table::new(caption, header, rows))
     };
     let [width, height] = list.image.map_or([0; 2], |image| [image.width, image.height]);
-    let left_out = match list.left_out {
+    let left_out = match list.rounds.left_out {
         0 => String::new(),
         n => format!(", without {n} in which other programs used the processors"),
     };
@@ -32,10 +33,10 @@ pub fn blocks(list: &PriceList) -> Vec<Block> {
         "Each effect is added on its own to a small scene of {} x {} pixels. The ratio is the time with the effect \
          over the time without it, round by round, in {} rounds{left_out}. Bytes are those of the columns of the \
          wavefront tracer.",
-        width, height, list.rounds
+        width, height, list.rounds.rounds
     );
     vec![
-        Block::paragraph(lead),
+        Block::Paragraph(lead),
         table("Effects in view: ratios of times", true),
         table("Effects that nothing in view shows: same image, same work", false),
     ]
@@ -44,14 +45,11 @@ pub fn blocks(list: &PriceList) -> Vec<Block> {
 fn row(p: &Price) -> Vec<Cell> {
     let costs = [&p.wavefront, &p.recursive].map(cells).concat();
     let names = vec![Cell::text(&p.effect), Cell::text(p.added_to.as_deref().unwrap_or("nothing"))];
-    [names, costs, vec![Cell::count(p.bytes_per_path as u64)]].concat()
+    [names, costs, vec![Cell::figure(p.bytes_per_path as f64)]].concat()
 }
 
 /// The ratio, and the time of a ray.
 fn cells(cost: &Cost) -> Vec<Cell> {
-    let ratio = cost.price.as_ref().map_or_else(
-        || Cell::text("1"),
-        |price| Cell::number(price.interval.median, price.words()),
-    );
+    let ratio = cost.price.as_ref().map_or_else(|| Cell::text("1"), Ratio::cell);
     vec![ratio, Cell::decimals(cost.seconds_per_mray * 1e3, 1)]
 }

@@ -3,10 +3,9 @@
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 
-use super::{Block, Cell, Column, Details, Fact, Picture, Table};
+use super::{Block, Cell, Column, Fact, Picture, Section, Table};
 use crate::markup::{element, escape, inline};
 use crate::plot::Chart;
-use crate::plot::number::figure;
 
 /// Tables with at least this many columns extend into the margins of the page.
 const WIDE: usize = 6;
@@ -35,19 +34,18 @@ fn one(block: &Block) -> String {
             format!("<pre tabindex=\"0\"><code>{text}</code></pre>\n")
         }
         Block::Facts(facts) => {
+            let fact = |Fact { name, value }: &Fact| {
+                format!("<div><dt>{}</dt><dd>{}</dd></div>\n", inline(name), inline(value))
+            };
             let facts: String = facts.iter().map(fact).collect();
             format!("<dl>\n{facts}</dl>\n")
         }
-        Block::Details(Details { summary, blocks }) => {
-            let (summary, blocks) = (inline(summary), all(blocks));
+        Block::Details(Section { title, blocks }) => {
+            let (summary, blocks) = (inline(title), all(blocks));
             let start = format!("<details class=\"aside\">\n<summary>{summary}</summary>\n");
             format!("{start}<div>\n{blocks}</div>\n</details>\n")
         }
     }
-}
-
-fn fact(Fact { name, value }: &Fact) -> String {
-    format!("<div><dt>{}</dt><dd>{}</dd></div>\n", inline(name), inline(value))
 }
 
 fn picture(Picture { png, alt, caption }: &Picture) -> String {
@@ -76,7 +74,7 @@ fn chart(chart: &Chart) -> String {
 /// The values, rounded: CSV has all digits.
 fn values(chart: &Chart) -> Table {
     let cell = |text: String| match text.parse().ok().filter(|value: &f64| value.is_finite()) {
-        Some(value) => Cell::number(value, figure(value)),
+        Some(value) => Cell::figure(value),
         None => Cell::text(text),
     };
     let mut rows = chart.rows().into_iter();
@@ -99,6 +97,7 @@ pub(crate) fn file_name(title: &str) -> String {
 fn table(Table { caption, columns, rows }: &Table) -> String {
     let name = escape(if caption.is_empty() { "Values" } else { caption }).replace('`', "");
     let broad = if columns.len() >= WIDE { " broad" } else { "" };
+    let heading = |of: &Column| format!("<th scope=\"col\"{}>{}</th>", class(of), inline(&of.name));
     let header: String = columns.iter().map(heading).collect();
     let row = |row: &Vec<Cell>| {
         let cells = row.iter().zip(columns).enumerate();
@@ -115,10 +114,6 @@ fn table(Table { caption, columns, rows }: &Table) -> String {
     }
     let caption = element("figcaption", caption);
     format!("<figure class=\"table{broad}\">\n{caption}<div class=\"scroll\" {table}</figure>\n")
-}
-
-fn heading(column: &Column) -> String {
-    format!("<th scope=\"col\"{}>{}</th>", class(column), inline(&column.name))
 }
 
 /// A cell; the first of a row names it.

@@ -17,7 +17,8 @@ fn picture(words: &str) -> Picture {
 }
 
 fn chart(words: &str) -> Chart {
-    let points = vec![Point::new(1.0, 2.0).labelled(words), Point::new(2.0, 3.0)];
+    let points =
+        vec![Point { label: words.to_owned(), ..Point::new(1.0, 2.0) }, Point::new(2.0, 3.0)];
     let series = Series { name: words.to_owned(), points, ..Series::default() };
     Chart {
         title: words.to_owned(),
@@ -35,19 +36,19 @@ fn page(words: &str) -> Page {
     let bars = [(text(), vec![(text(), 1.0)])];
     let blocks = vec![
         Block::Heading(text()),
-        Block::paragraph(words),
+        Block::Paragraph(text()),
         Block::Warning(text()),
         Block::Chart(chart(words)),
         Block::Chart(Chart::bars(words, words, &bars)),
         Block::Table(Table {
             caption: text(),
-            columns: vec![Column::words(words), Column::numbers(words)],
+            columns: [false, true].map(|is_number| Column { name: text(), is_number }).into(),
             rows: vec![vec![Cell::text(words), Cell::number(1.5, words)]],
         }),
         Block::Pictures(vec![picture(words), picture(words)]),
         Block::Code(text()),
         Block::Facts(vec![Fact::new(words, words)]),
-        Block::Details(Details { summary: text(), blocks: vec![Block::paragraph(words)] }),
+        Block::Details(Section::new(words, vec![Block::Paragraph(text())])),
     ];
     let sections = vec![Section::new(words, blocks)];
     Page { title: text(), lead: text(), first: vec![Block::Paragraph(text())], sections }

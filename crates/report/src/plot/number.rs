@@ -38,6 +38,11 @@ pub fn quantity(value: f64, unit: &str) -> String {
     format!("{}{space}{unit}", figure(value))
 }
 
+/// A number with a noun.
+pub fn plural(count: usize, name: &str) -> String {
+    if count == 1 { format!("1 {name}") } else { format!("{} {name}s", figure(count as f64)) }
+}
+
 /// A time in a suitable unit, such as "12.3 ms".
 pub fn seconds(seconds: f64) -> String {
     let (scale, unit) = time_unit(seconds.abs());

@@ -8,7 +8,7 @@ fn chart() -> Chart {
         let point = |k: i32| {
             let x = 2.0_f64.powi(k);
             let y = scale / x.sqrt();
-            Point::new(x, y).within(0.8 * y, 1.3 * y).labelled(format!("run <{k}>"))
+            Point { label: format!("run <{k}>"), ..Point::new(x, y).within(0.8 * y, 1.3 * y) }
         };
         (0..6).map(point).collect()
     };

@@ -4,22 +4,11 @@ use std::path::Path;
 
 use super::{Change, Ratio, Regression, Side, TOLERANCE, Verdict};
 use crate::bench::page::recorded;
-use crate::files::{to_json, write_text};
+use crate::files::write_json;
 use crate::page::{Block, Cell, Fact, Page, Section, Table};
 use crate::plot::{Axis, Chart, Guide, Point, Scale, Series};
 use crate::text::text;
 use wavecrest_base::error::{Error, Result};
-
-impl Verdict {
-    /// The verdict in a word.
-    pub fn word(self) -> &'static str {
-        match self {
-            Self::Worse => "worse",
-            Self::Better => "better",
-            Self::Same => "unchanged",
-        }
-    }
-}
 
 impl Regression {
     /// Writes `compare.html` and `compare.json` to `folder`, which is created if it is missing.
@@ -29,8 +18,7 @@ impl Regression {
     pub fn write(&self, folder: &Path) -> Result<()> {
         std::fs::create_dir_all(folder)
             .map_err(|e| Error::io("cannot create the folder", folder, e))?;
-        let json = folder.join("compare.json");
-        write_text(&json, &to_json(self).map_err(|e| e.in_file(&json))?)?;
+        write_json(&folder.join("compare.json"), self)?;
         self.page().write(&folder.join("compare.html"))
     }
 
@@ -59,14 +47,16 @@ impl Regression {
     fn tables(&self) -> Vec<Block> {
         let mut ratios: Vec<&Ratio> = self.ratios.iter().collect();
         ratios.sort_by_key(|ratio| ratio.verdict as u8);
-        let table = |caption: &str, header: &str, rows| Table::new(caption, header, rows);
         let caption = "Ratios, after over before: above 1 is worse";
         let header = "verdict|scene|setting|ratio of|>ratio|>interval";
-        let mut tables = vec![table(caption, header, ratios.into_iter().map(row).collect())];
+        let mut tables = vec![Table::new(caption, header, ratios.into_iter().map(row).collect())];
         if !self.changes.is_empty() {
-            let rows = self.changes.iter().map(change).collect();
+            let cells = |c: &Change| {
+                [c.verdict.name(), &c.scene, &c.what, &c.before, &c.after].map(Cell::text).to_vec()
+            };
+            let rows = self.changes.iter().map(cells).collect();
             let header = "verdict|scene|what|before|after";
-            tables.push(table("Deterministic results that differ", header, rows));
+            tables.push(Table::new("Deterministic results that differ", header, rows));
         }
         tables.into_iter().map(Block::Table).collect()
     }
@@ -81,7 +71,11 @@ fn forest(ratios: &[Ratio]) -> Chart {
         let rows = ratios.iter().enumerate().filter(|(_, ratio)| ratio.verdict == verdict);
         let point =
             |(row, r): (usize, &&Ratio)| Point::new(row as f64, r.ratio).within(r.low, r.high);
-        Series::of(verdict.word(), rows.map(point).collect())
+        Series {
+            name: verdict.name().to_owned(),
+            points: rows.map(point).collect(),
+            ..Series::default()
+        }
     };
     Chart {
         title,
@@ -99,13 +93,9 @@ fn forest(ratios: &[Ratio]) -> Chart {
 }
 
 fn row(r: &Ratio) -> Vec<Cell> {
-    let words = [r.verdict.word(), &r.scene, &r.what, r.of].map(Cell::text);
+    let words = [r.verdict.name(), &r.scene, &r.what, r.of].map(Cell::text);
     let interval = Cell::text(format!("{:.3} to {:.3}", r.low, r.high));
     words.into_iter().chain([Cell::decimals(r.ratio, 3), interval]).collect()
-}
-
-fn change(c: &Change) -> Vec<Cell> {
-    [c.verdict.word(), &c.scene, &c.what, &c.before, &c.after].map(Cell::text).to_vec()
 }
 
 fn side(side: &Side) -> Block {

@@ -11,14 +11,14 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
-use super::{Change, Found, LEAST_ROUNDS, Regression, Side, log_ratio};
+use super::{Change, Found, LEAST_ROUNDS, Regression, SIGNIFICANCE, Side, TOLERANCE, log_ratio};
 use crate::accuracy::findings::busy_rounds;
 use crate::accuracy::fit::slope;
 use crate::accuracy::reference::FLOOR;
 use crate::accuracy::setting::{Target, converges, series_of, words_of};
 use crate::accuracy::store::{
-    Circumstances, Header, PointRecord, PreparedRecord, Record, ReferenceRecord, SceneRecord,
-    TrialRecord, all, read,
+    Circumstances, Header, PointRecord, PreparedRecord, Record, SceneRecord, TrialRecord, all,
+    known, read,
 };
 use crate::summary::median;
 use wavecrest_base::error::Result;
@@ -59,8 +59,12 @@ pub fn compare(before: &Path, after: &Path) -> Result<Regression> {
         Ok(Sweep { folder, header, records })
     };
     let sides = [open(before)?, open(after)?];
-    let mut regression =
-        Regression { before: side(&sides[0]), after: side(&sides[1]), ..Regression::default() };
+    let mut regression = Regression {
+        before: side(&sides[0]),
+        after: side(&sides[1]),
+        tolerance: TOLERANCE,
+        ..Regression::default()
+    };
     let mut found = Vec::new();
     for scene in all::<SceneRecord>(&sides[0].records) {
         let name = &scene.scene;
@@ -83,7 +87,10 @@ pub fn compare(before: &Path, after: &Path) -> Result<Regression> {
             }
         }
     }
-    Ok(regression.judged(found))
+    // All verdicts together.
+    let chance = SIGNIFICANCE / found.len() as f64;
+    regression.ratios = found.into_iter().map(|found| found.judged(chance)).collect();
+    Ok(regression)
 }
 
 fn side(sweep: &Sweep<'_>) -> Side {
@@ -125,7 +132,8 @@ fn points(scene: &str, sides: &[Sweep<'_>; 2], found: &mut Vec<Found>, warnings:
             .filter(|pair| pair.iter().zip(floors).all(|(one, floor)| mse(one) >= floor))
             .collect();
         let power = if falls { Some(power(&pairs)) } else { None };
-        let seeds = common_seeds(&pairs);
+        let seeds = pairs.iter().flatten().map(|one| one.keys().copied().collect());
+        let seeds: BTreeSet<u64> = seeds.reduce(|a, b| &a & &b).unwrap_or_default();
         let error =
             |[before, after]: [&PointRecord; 2]| log_ratio(before.error.mse, after.error.mse);
         let time = |[before, after]: [&PointRecord; 2]| {
@@ -133,6 +141,8 @@ fn points(scene: &str, sides: &[Sweep<'_>; 2], found: &mut Vec<Found>, warnings:
                 .map(|(point, units)| point.seconds / units.get(&point.seed).unwrap_or(&1.0));
             log_ratio(one, other) - power.map_or(0.0, |power| error([before, after]) / power)
         };
+        let takes_time =
+            |pair: &[&Renders<'_>; 2]| pair.iter().any(|one| seconds(one) >= LEAST_TIME);
         let timed: Vec<_> = pairs.iter().copied().filter(takes_time).collect();
         let times = logs(&timed, seeds.difference(&busy), time);
         let of = if power.is_some() { "time at equal error" } else { "time" };
@@ -166,18 +176,8 @@ fn series<'a>(scene: &str, records: &'a [Record]) -> Series<'a> {
 
 /// The mean squared error up to which an error is noise of the reference.
 fn floor(scene: &str, target: Target, sweep: &Sweep<'_>) -> f64 {
-    let floor = reference(scene, target, sweep).map_or(0.0, |r| FLOOR * r.standard_error);
+    let floor = known(&sweep.records, scene, target).map_or(0.0, |r| FLOOR * r.standard_error);
     floor * floor
-}
-
-fn reference<'a>(scene: &str, target: Target, sweep: &'a Sweep<'_>) -> Option<&'a ReferenceRecord> {
-    all(&sweep.records).find(|r: &&ReferenceRecord| r.scene == scene && r.target == target)
-}
-
-/// The seeds of all these settings on both sides.
-fn common_seeds(pairs: &[[&Renders<'_>; 2]]) -> BTreeSet<u64> {
-    let seeds = pairs.iter().flatten().map(|one| one.keys().copied().collect::<BTreeSet<u64>>());
-    seeds.reduce(|a, b| &a & &b).unwrap_or_default()
 }
 
 fn mse(renders: &Renders<'_>) -> f64 {
@@ -186,10 +186,6 @@ fn mse(renders: &Renders<'_>) -> f64 {
 
 fn seconds(renders: &Renders<'_>) -> f64 {
     median(&renders.values().map(|p| p.seconds).collect::<Vec<_>>())
-}
-
-fn takes_time(pair: &[&Renders<'_>; 2]) -> bool {
-    pair.iter().any(|one| seconds(one) >= LEAST_TIME)
 }
 
 /// The logarithm of a ratio at each setting, in the rounds of these seeds.
@@ -262,7 +258,9 @@ fn changes(scene: &str, sides: &[Sweep<'_>; 2]) -> Result<Vec<Change>> {
 
 /// References that differ by more than their standard errors allow.
 fn references(scene: &str, target: Target, sides: &[Sweep<'_>; 2]) -> Result<Option<Change>> {
-    let [Some(before), Some(after)] = sides.each_ref().map(|s| reference(scene, target, s)) else {
+    let [Some(before), Some(after)] =
+        sides.each_ref().map(|side| known(&side.records, scene, target))
+    else {
         return Ok(None);
     };
     let [one, other] = [(&sides[0], before), (&sides[1], after)]

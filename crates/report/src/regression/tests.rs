@@ -3,15 +3,18 @@
 
 use std::path::Path;
 
+use rand::RngExt;
+
 use super::*;
-use crate::accuracy::fit::Rng;
+use crate::accuracy::fit::generator;
 use crate::accuracy::setting::Target;
 use crate::accuracy::store::{
     Errors, Header, PointRecord, PreparedRecord, Record, ReferenceRecord, SceneRecord, Store,
 };
-use crate::accuracy::subject::Stages;
+use crate::bench::Preparation;
 use crate::measure::Timing;
 use wavecrest_core::film::Film;
+use wavecrest_core::math::random::Generator;
 use wavecrest_image::write::{Transfer, write};
 
 /// How often each thing is tried.
@@ -20,11 +23,11 @@ const TRIES: u64 = 20;
 const SEEDS: u64 = 16;
 
 /// Noise of a machine and of samplers.
-struct Noise(Rng);
+struct Noise(Generator);
 
 impl Noise {
     fn unit(&mut self) -> f64 {
-        self.0.below(1 << 30) as f64 / f64::from(1 << 30)
+        self.0.random_range(0..1_usize << 30) as f64 / f64::from(1 << 30)
     }
 
     /// About normal, with a standard deviation of 1.
@@ -85,16 +88,16 @@ fn sweep(folder: &Path, program: Program) {
             seconds: 1.0,
         }))
         .unwrap();
-    let mut machine = Noise(Rng::new(program.run));
+    let mut machine = Noise(generator(program.run));
     for _ in 0..6 {
-        let time = Stages { load: 0.01 * machine.time(), build: 0.02 * machine.time() };
+        let time = Preparation { load: 0.01 * machine.time(), build: 0.02 * machine.time() };
         let record = PreparedRecord { scene: "a".into(), key: "exact".into(), time };
         store.add(Record::Prepared(record)).unwrap();
     }
     for seed in 0..SEEDS {
         for (number, (key, n, power)) in settings(program).into_iter().enumerate() {
             let numbers = seed * 1000 + number as u64 + if program.reseeded { 1 << 20 } else { 0 };
-            let spread = libm::exp(0.1 * Noise(Rng::new(numbers)).normal());
+            let spread = libm::exp(0.1 * Noise(generator(numbers)).normal());
             let mse = libm::pow(n, power) * 1e-3 * spread;
             // Yardsticks and renders do not suffer alike.
             let [busy, busier] =

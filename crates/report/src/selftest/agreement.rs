@@ -1,13 +1,10 @@
 //! Every kernel against the reference, on a user's own scene: rays aimed at edges and vertices.
 
-use super::case::Count;
 use super::examine::{Extent, rays};
 use super::prelude::*;
 use super::ways::{hits, in_order, with_every_kernel};
 use wavecrest_core::accel::KernelChoice;
 use wavecrest_core::geometry::Primitive;
-use wavecrest_core::kernels::precision::Precision;
-use wavecrest_core::kernels::quad::halves;
 
 /// The number of rays: quick, and in full.
 const RAYS: [usize; 2] = [1 << 16, 1 << 20];

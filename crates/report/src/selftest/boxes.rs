@@ -156,7 +156,7 @@ pub(super) fn in_the_plane(numbers: &mut Numbers) -> World {
     let geometry = of_triangles([[corner, corner + a, corner + b]]);
     World::new(geometry, move |numbers| {
         let mut along = || a * whole(numbers, 10) + b * whole(numbers, 10);
-        Some((Ray::new(corner + along(), along()), Expected::Nothing))
+        Some((Ray::new(corner + along(), along()), Expected::NOTHING))
     })
 }
 

@@ -10,7 +10,6 @@ use serde::{Deserialize, Serialize};
 use super::examine::surface_at;
 use super::prelude::*;
 use crate::plot::number::figure;
-use wavecrest_core::kernels::precision::Precision;
 use wavecrest_core::kernels::triangle::{self, exact, filter};
 use wavecrest_core::math::exact::Comparable;
 use wavecrest_core::math::float::max_abs;
@@ -233,7 +232,6 @@ impl Situation {
 
 #[cfg(test)]
 mod tests {
-    use super::super::case::Count;
     use super::*;
 
     fn errors(precision: Precision) -> Vec<HitErrors> {

@@ -7,18 +7,15 @@ use glam::DAffine3;
 use serde::Serialize;
 
 use super::agreement::any_corners;
-use super::case::Count;
 use super::errors::HitErrors;
 use super::prelude::*;
 use super::topology::Topology;
 use super::ways::{RAYS_OF_A_TASK, blocks, in_order};
 use wavecrest_core::accel::Traversal;
 use wavecrest_core::geometry::Primitive;
-use wavecrest_core::kernels::precision::Arithmetic;
-use wavecrest_core::kernels::quad::halves;
 use wavecrest_core::kernels::slab::Aabb;
-use wavecrest_core::kernels::surface::{self, Surface, quad_half};
-use wavecrest_core::math::vector::{Line, Vector};
+use wavecrest_core::kernels::surface::Surface;
+use wavecrest_core::prepared::surface;
 use wavecrest_core::with_precision;
 
 /// Rays of each kind, in full.
@@ -148,12 +145,14 @@ pub(super) struct Extent {
     half: f64,
 }
 
+/// The box around the primitives of a geometry, without those of instances.
+pub(super) fn around(geometry: &Geometry) -> Aabb {
+    let own = (0..geometry.own() as u32).map(|number| geometry.bounds(number));
+    own.fold(Aabb::EMPTY, Aabb::union)
+}
+
 impl Extent {
     pub(super) fn of(geometry: &Geometry) -> Self {
-        let around = |geometry: &Geometry| {
-            let own = (0..geometry.own() as u32).map(|number| geometry.bounds(number));
-            own.fold(Aabb::EMPTY, Aabb::union)
-        };
         let of_prototypes: Vec<Aabb> = geometry.prototypes.iter().map(around).collect();
         let instances = geometry.instances.iter();
         let instances = instances.map(|one| one.bounds(&[of_prototypes[one.prototype()]]));
@@ -299,35 +298,19 @@ const FLAT: f64 = 1e-4;
 /// The surface point of a hit; `None` inside of spheres and on quads that are not flat, which a ray
 /// can leave and meet again.
 pub(super) fn surface_at(geometry: &Geometry, ray: &Ray, hit: Hit) -> Option<Surface<f32>> {
-    with_precision!(geometry.precision, P => surface_in::<P>(geometry, ray, hit))
-}
-
-fn surface_in<P: Arithmetic>(geometry: &Geometry, ray: &Ray, hit: Hit) -> Option<Surface<f32>> {
-    let of_triangle = |ray: &Ray, corners: [Vec3; 3]| {
-        surface::triangle_at::<f32, P>(&Line::from(ray), hit.t, &corners.map(Vector::from))
-    };
-    Some(match geometry.primitive(hit.primitive) {
-        Primitive::Triangle(i) => of_triangle(ray, geometry.triangle(i)),
+    let is_left_for_good = match geometry.primitive(hit.primitive) {
         Primitive::Quad(i) => {
-            let quad = geometry.quad(i);
-            let [p, q] = halves(&quad).map(|half| {
+            let [p, q] = halves(&geometry.quad(i)).map(|half| {
                 let [a, b, c] = half.map(|v| v.as_dvec3());
                 (b - a).cross(c - a).normalize()
             });
-            (p.distance(q) < FLAT).then(|| of_triangle(ray, quad_half(ray, &quad)))?
+            p.distance(q) < FLAT
         }
-        Primitive::Sphere(i) => {
-            let (center, radius) = geometry.spheres[i];
-            let line = Line::from(ray);
-            is_outside(ray.origin, (center, radius))
-                .then(|| surface::sphere_at::<f32, P>(&line, hit.t, center.into(), radius))?
-        }
-        Primitive::Instanced(instanced) => {
-            let (instance, prototype) = geometry.instance(instanced);
-            let corners = prototype.triangle(instanced.triangle as usize);
-            instance.surface(&of_triangle(&instance.carried(ray), corners))
-        }
-    })
+        Primitive::Sphere(i) => is_outside(ray.origin, geometry.spheres[i]),
+        Primitive::Triangle(_) | Primitive::Instanced(_) => true,
+    };
+    let surface = || with_precision!(geometry.precision, P => surface::<P>(geometry, ray, &hit));
+    is_left_for_good.then(surface)
 }
 
 /// Traces the rays of `make`, each with what `judge` needs, and judges the answers.

@@ -1,6 +1,5 @@
 //! Triangles and quads that are degenerate, thin, coplanar, wide, or not flat.
 
-use super::examine::met;
 use super::prelude::*;
 use super::shapes::CUBE_SIDES;
 
@@ -44,7 +43,7 @@ pub(super) fn slivers(numbers: &mut Numbers) -> World {
         // Where the ray is in the box, enlarged by that.
         let [p, q] = [low - off, high + off].map(|corner| (corner - origin) / direction);
         let t = [p.min(q).max_element(), p.max(q).min_element()];
-        Some((ray, Expected::OrNothing { t }))
+        Some((ray, Expected { or_nothing: true, t, ..Expected::ANYTHING }))
     })
 }
 
@@ -82,7 +81,7 @@ pub(super) fn crooked_quads(numbers: &mut Numbers) -> World {
     World::of_scene(prepared, |prepared| {
         let others = sides.len() - 1;
         let said = format!("shapes[0].points and {others} others: the four points are not in one");
-        let is_warned = prepared.warns(&said);
+        let is_warned = prepared.warnings.contains(&said);
         move |numbers: &mut Numbers| {
             let points = numbers.among(sides);
             let origin = numbers.ball(0.3 * points[0].length()).as_vec3();
@@ -124,7 +123,7 @@ pub(super) fn floors(numbers: &mut Numbers) -> World {
         let down = Ray::new(eye, place(u, v, 0.0) - eye);
         let (_, [point, error, normal]) = met(&accel, &down, &mut accel.traversal())?;
         let origin = offset_origin(point, error, normal, light - point);
-        Some((Ray { t_max: 1.0, ..Ray::new(origin, light - origin) }, Expected::Nothing))
+        Some((Ray { t_max: 1.0, ..Ray::new(origin, light - origin) }, Expected::NOTHING))
     })
 }
 

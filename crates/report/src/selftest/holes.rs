@@ -3,7 +3,7 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use glam::{DAffine3, DQuat, Vec2};
+use glam::{DAffine3, DQuat};
 
 use super::prelude::*;
 use wavecrest_core::geometry::cutouts::{Cutout, Cutouts, MeshUvs};
@@ -52,10 +52,9 @@ pub(super) fn cut_out(numbers: &mut Numbers) -> World {
     let [origin, u, v] = [place(0.0, 0.0, 0.0), place(side, 0.0, 0.0), place(0.0, side, 0.0)];
     let values = vec![Vec2::ZERO, Vec2::X, Vec2::ONE, Vec2::Y];
     let uvs = Arc::new(CornerValues { values, indices: None });
-    let mesh = MeshUvs { first_triangle: sheet.start, first_position: 0, uvs };
-    let mesh = is_mesh.then_some(mesh);
+    let mesh = is_mesh.then_some(MeshUvs { first_triangle: sheet.start, first_position: 0, uvs });
     let planar = UvMap::Planar(PlanarMap::new(origin, u - origin, v - origin));
-    let map = if mesh.is_some() { UvMap::Mesh } else { planar };
+    let map = if is_mesh { UvMap::Mesh } else { planar };
     let (image, threshold, solid) = alphas(numbers);
     let (image, primitives) = (Arc::new(image), sheet.clone());
     let (filter, wrap, placing) = (Filter::Nearest, Wrap::Clamp, None);
@@ -77,7 +76,7 @@ pub(super) fn cut_out(numbers: &mut Numbers) -> World {
         let solid = solid[y as usize * TEXELS + x as usize].then_some(&sheet);
         let first = solid.into_iter().chain(&copy).min_by_key(|primitives| primitives.start);
         let wall = (is_behind && t_max.is_infinite()).then_some(&wall);
-        let expected = first.or(wall).map_or(Expected::Nothing, |all| Expected::of(all.clone()));
+        let expected = first.or(wall).map_or(Expected::NOTHING, |all| Expected::of(all.clone()));
         (is_inner(x) && is_inner(y)).then_some((ray, expected))
     })
 }

@@ -3,10 +3,10 @@
 use glam::{DAffine3, DMat3};
 
 use super::edges::BEYOND;
+use super::examine::around;
 use super::prelude::*;
 use super::shapes::Closed;
 use wavecrest_core::geometry::instance::Instance;
-use wavecrest_core::kernels::slab::Aabb;
 
 /// Places of instances in a world, and instances at a place.
 const PLACES: u32 = 6;
@@ -14,8 +14,7 @@ const COPIES: usize = 2;
 
 /// Instances of `prototype` at these places.
 fn instances(prototype: Geometry, places: impl IntoIterator<Item = DAffine3>) -> Geometry {
-    let points = prototype.positions.iter().map(|&p| Aabb::around([p]));
-    let bounds = points.fold(Aabb::EMPTY, Aabb::union);
+    let bounds = around(&prototype);
     let triangles = prototype.triangles.len() as u32;
     let placed = (0_u32..).zip(places);
     let instances = placed.map(|(n, place)| Instance::new(0, n * triangles, place, &bounds));
@@ -100,7 +99,8 @@ pub(super) fn between_numbers(numbers: &mut Numbers) -> World {
             let [x, y, z] = [0, 1, 2].map(|k| DVec3::AXES[(k + turn) % 3] * numbers.sign());
             let ray = Ray::new((z * along).as_vec3(), y.as_vec3());
             let t = f64::from(distance as f32);
-            aimed.push((ray, Expected::Hit { of: 2 * number..2 * number + 2, t: [t; 2] }));
+            let expected = Expected::of(2 * number..2 * number + 2);
+            aimed.push((ray, Expected { t: [t; 2], ..expected }));
             let axes = DMat3::from_cols(x, y, z);
             let translation = axes * DVec3::new(-beside, distance, along);
             DAffine3 { matrix3: axes * shear, translation }

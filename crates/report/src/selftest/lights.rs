@@ -1,9 +1,73 @@
 //! Lights at extreme positions, and reflection at extreme angles and exponents.
 
-use super::examine::met;
 use super::prelude::*;
+use super::surfaces::struck;
+use wavecrest_core::kernels::blinn_phong::{Material, reflect};
+use wavecrest_core::kernels::light::{Emitter, Falloff, Light, Triangles};
+use wavecrest_core::kernels::shade::{ShadingPoint, ShadowRequest, shadow_request};
+use wavecrest_core::math::sampling::Sampling;
+use wavecrest_core::math::vector::Vector;
 
-const FALLOFFS: [&str; 3] = ["linear", "inverse-square", "none"];
+/// The power of the lights of cases 31 and 32.
+const POWER: f32 = 10.0;
+
+/// The material of the points that they light, which reflects at most all of their light.
+const MATERIAL: Material = Material { ks: 0.5, kd: 0.5, exponent: 8.0, color: Vec3::ONE, kr: 0.0 };
+
+/// A point of a triangle of this size, seen from its front, and the triangle.
+fn some_point(numbers: &mut Numbers, unit: f64) -> Option<(ShadingPoint<f32>, [Vec3; 3])> {
+    let corners = numbers.triangle(unit);
+    let accel = numbers.effort.accel(of_triangles([corners]), Preset::VeryFast);
+    let [point, error, normal] = struck(&accel, numbers)?;
+    let view = numbers.direction().as_vec3();
+    let view = if view.dot(normal) < 0.0 { -view } else { view };
+    Some((ShadingPoint::plain([point, error, normal], view, &MATERIAL), corners))
+}
+
+/// The shadow ray from a point to a light brings a finite contribution, if any, and `is_right`.
+fn asked(
+    numbers: &mut Numbers,
+    point: &ShadingPoint<f32>,
+    emitter: Emitter,
+    is_right: impl Fn(Falloff, Option<&ShadowRequest<f32>>) -> bool,
+) -> Outcome {
+    let (falloff, sampling) = (numbers.among(Falloff::ALL), Sampling::Jittered);
+    let power = Vec3::splat(POWER);
+    let light = Light { emitter, power, falloff, sampling, grid: [1, 1], dimension: 1 };
+    let stream = Stream { seed: 0, pixel: numbers.below(1 << 20) as u32, sample: 0, bounce: 0 };
+    let request = shadow_request(point, Vec3::ONE.into(), &light, &light.point(0, &stream));
+    let is_valid = request.as_ref().is_none_or(|request| {
+        let contribution = Vec3::from(request.contribution);
+        let is_valid = contribution.is_finite() && contribution.min_element() >= 0.0;
+        is_valid && request.ray().direction.is_finite()
+    });
+    Outcome::of(is_valid && is_right(falloff, request.as_ref()), || {
+        format!("{request:?} from {point:?} to {light:?}")
+    })
+}
+
+/// The part of a light that is left at a distance.
+fn part_left(falloff: Falloff, distance: f64) -> f64 {
+    let sphere = 4.0 * std::f64::consts::PI;
+    match falloff {
+        Falloff::Linear => 1.0 / (sphere * distance),
+        Falloff::InverseSquare => 1.0 / (sphere * distance * distance),
+        Falloff::None => 1.0,
+    }
+}
+
+/// Case 31: a point, and a light that it sees edge on, that contains it, or that is a needle.
+pub(super) fn edge_on(numbers: &mut Numbers) -> Outcome {
+    let unit = numbers.magnitude(1e-3, 1e3);
+    let Some((point, corners)) = some_point(numbers, unit) else { return Outcome::default() };
+    let near = Vec3::from(point.point);
+    let [p, q] = [(); 2].map(|()| near + (numbers.direction() * unit).as_vec3());
+    let needle = q + (numbers.direction() * (1e-6 * unit)).as_vec3();
+    // In the light's plane, beside it and at its corner; the point's own surface.
+    let shape = numbers.among([[p, q, p + (p - near)], [near, p, q], corners, [p, q, needle]]);
+    let Some(triangles) = Triangles::new(vec![shape]) else { return Outcome::default() };
+    asked(numbers, &point, Emitter::Triangles(triangles), |_, _| true)
+}
 
 /// Case 31: shapes of lights that some points of the floor see edge on, or that touch the floor.
 pub(super) fn hardly_lights(numbers: &mut Numbers) -> Vec<Picture> {
@@ -17,7 +81,7 @@ pub(super) fn hardly_lights(numbers: &mut Numbers) -> Vec<Picture> {
         json!({"type": "sphere", "center": [0, 1, 0], "radius": 1}),
         json!({"type": "sphere", "center": [0, 0, 0], "radius": 1e-6}),
     ];
-    let falloff = FALLOFFS[numbers.index];
+    let falloff = Falloff::ALL[numbers.index].name();
     let eye = Eye::above(50.0, numbers.effort.either(17, 65));
     let picture = |shape| {
         let light = json!({"type": "arealight", "intensity": 10, "color": [1, 1, 1],
@@ -52,6 +116,31 @@ pub(super) fn without_area(numbers: &mut Numbers) -> Outcome {
     scenes::refused_at(&scene, "scene.lightsources[1].shape")
 }
 
+/// Case 32: a point light at a point, or within a few of its rounding errors.
+pub(super) fn at_a_point(numbers: &mut Numbers) -> Outcome {
+    let unit = numbers.magnitude(1e-6, 1e6);
+    let Some((point, _)) = some_point(numbers, unit) else { return Outcome::default() };
+    let least = f64::from(point.error.max_abs());
+    let [at, normal] = [point.point, point.normal].map(|v| Vec3::from(v).as_dvec3());
+    let few = least * numbers.magnitude(1e-3, 10.0);
+    let part = unit * numbers.magnitude(1e-9, 1e-5);
+    let any = numbers.direction();
+    let away = numbers.among([DVec3::ZERO, normal * few, any * few, any * part]);
+    let position = (at + away).as_vec3();
+    let towards = position.as_dvec3() - at;
+    let distance = towards.length();
+    asked(numbers, &point, Emitter::Point(position), |falloff, request| {
+        let Some(request) = request else {
+            // It is behind or beside the surface, or in the same place.
+            return normal.dot(towards) <= 1e-5 * distance;
+        };
+        let most = 1.0001 * f64::from(POWER) * part_left(falloff, distance.max(least));
+        let is_doubtful = (distance / least - 1.0).abs() < 1e-5;
+        f64::from(Vec3::from(request.contribution).max_element()) <= most
+            && (request.at_light == (distance < least) || is_doubtful)
+    })
+}
+
 /// Case 32: a light before a wall of any size, which the centre of the image sees. Numbers at the
 /// wall are a `step` apart: very near, the light is within the rounding error of the wall; a few
 /// steps away it is where the shadow ray starts.
@@ -73,18 +162,17 @@ pub(super) fn before_a_wall(numbers: &mut Numbers) -> Vec<Picture> {
     });
     // Without a point on the wall no pixel is right.
     let nearest = least.map_or(f64::INFINITY, |least| least.max(height.abs() * step));
-    let parts = [1.0 / nearest, 1.0 / (nearest * nearest), 4.0 * std::f64::consts::PI];
-    let picture = |(falloff, part): (_, f64)| {
-        let light = scenes::point_light(10.0, place + DVec3::Z * (step * height), falloff);
+    let picture = |falloff: Falloff| {
+        let light = scenes::point_light(10.0, place + DVec3::Z * (step * height), falloff.name());
         let scene = scenes::scene(&eye, &[light], std::slice::from_ref(&wall));
-        let most = 1.0001 * 0.8 * 10.0 / (4.0 * std::f64::consts::PI) * part;
+        let most = 1.0001 * 0.8 * 10.0 * part_left(falloff, nearest);
         let shows = move |x, y, [pixel, ..]: [f32; 3]| {
             let is_right = [x, y] != [side / 2; 2] || (pixel > 0.0) == (height > 0.0);
             Some(is_right && f64::from(pixel) <= most)
         };
         Picture { at_surface: Some(u64::from(height == 1.0)), ..Picture::new(scene, shows) }
     };
-    FALLOFFS.into_iter().zip(parts).map(picture).collect()
+    Falloff::ALL.map(picture).into()
 }
 
 /// Case 33: an open sheet, with a light before its tilted normals: lit if the light is before the
@@ -96,7 +184,7 @@ pub(super) fn behind_a_sheet(numbers: &mut Numbers) -> Vec<Picture> {
     // At least 63 degrees, so that a light is before the normals at up to 26 degrees behind the
     // sheet.
     let normal = (aside * numbers.magnitude(2.0, 4.0) + DVec3::Y).normalize().to_array();
-    let corners = corners(Vec3::ZERO, Vec3::Z, Vec3::X);
+    let corners = corners(Vec3::ZERO, Vec3::Z, Vec3::X).map(|p| p.as_dvec3());
     let sheet = scenes::mesh(&corners, &[[0, 1, 2], [0, 2, 3]], scenes::white());
     let sheet = scenes::with(sheet, json!({"shading": "smooth", "normals": vec![normal; 4]}));
     let eye = Eye::above(10.0, numbers.effort.either(8, 32));
@@ -112,15 +200,39 @@ pub(super) fn behind_a_sheet(numbers: &mut Numbers) -> Vec<Picture> {
     [1.0, -1.0].map(picture).into()
 }
 
+/// Case 36: light and view from extreme directions.
+pub(super) fn highlights(numbers: &mut Numbers) -> Outcome {
+    let normal = numbers.direction().as_vec3();
+    let view = [numbers.direction().as_vec3(), normal][numbers.below(2)];
+    let nearly = (numbers.direction() * numbers.magnitude(1e-9, 1e-5)).as_vec3();
+    let any = numbers.direction().as_vec3();
+    let to_light = numbers.among([-view, normalize(nearly - view), view, any]);
+    let [ks, kd] = [(); 2].map(|()| [0.0, 1.0, numbers.one() as f32][numbers.below(3)]);
+    let exponent = exponents(numbers)[numbers.below(7)] as f32;
+    let material = Material { ks, kd, exponent, ..MATERIAL }.reflection();
+    let [at, from, to] = [normal, view, to_light].map(Vector::from);
+    let found = Vec3::from(reflect(&material, Vec3::ONE.into(), at, from, to));
+    let most = 1.000_01 * f64::from(ks + kd);
+    let is_right =
+        found.is_finite() && found.min_element() >= 0.0 && f64::from(found.max_element()) <= most;
+    Outcome::of(is_right, || {
+        format!("{found} of {material:?}, normal {normal}, view {view}, light {to_light}")
+    })
+}
+
+/// Exponents, of any size and including the limits of scenes.
+fn exponents(numbers: &mut Numbers) -> [f64; 7] {
+    let any = numbers.magnitude(1e-6, 1e6);
+    [0.0, 1e-30, 1.0, 999_999.5, 1e6, any.round(), any]
+}
+
 /// Case 36: a ball under one light, from the eye, from behind it, or from anywhere, so that the half
 /// vector is the view, vanishes nearly, or has any direction. No pixel is brighter than the
 /// material reflects.
 pub(super) fn shiny_ball(numbers: &mut Numbers) -> Vec<Picture> {
-    let (any, exponent) = (numbers.one(), numbers.magnitude(1e-6, 1e6));
+    let (any, exponent) = (numbers.one(), exponents(numbers)[numbers.index % 7]);
     let [ks, kd] = [(); 2].map(|()| numbers.among([0.0, 1.0, any]));
-    // Including the limits of scenes.
-    let exponents = [0.0, 1e-30, 1.0, 999_999.5, 1e6, exponent.round(), exponent];
-    let material = json!({"ks": ks, "kd": kd, "specularexponent": exponents[numbers.index % 7],
+    let material = json!({"ks": ks, "kd": kd, "specularexponent": exponent,
                           "diffusecolor": [1, 1, 1]});
     let ball = scenes::sphere(DVec3::ZERO, 1.0, material);
     let location = numbers.direction() * 4.0;

@@ -47,7 +47,11 @@ impl Part {
                             return agree(effort.accel(world.geometry, like), &rays, &[preset]);
                         }
                         let mut accel = effort.accel(world.geometry, preset);
-                        with_every_kernel(&mut accel, |accel| ask_all(accel, &rays, &expected))
+                        with_every_kernel(&mut accel, |accel| {
+                            let rays = rays.par_chunks(RAYS_OF_A_TASK);
+                            let all = rays.zip(expected.par_chunks(RAYS_OF_A_TASK));
+                            in_order(all.map(|(rays, expected)| ask(accel, rays, expected)))
+                        })
                     });
                     let context = || format!("world {n}, {}", preset.name());
                     Outcome::from(traced).with_context(context)
@@ -74,55 +78,48 @@ const TASKS: usize = 1 << 10;
 
 /// What a ray must meet.
 #[derive(Clone, Debug)]
-pub(super) enum Expected {
-    Nothing,
-    /// One of these primitives, at a t in this range.
-    Hit {
-        of: Range<u32>,
-        t: [f64; 2],
-    },
-    /// Nothing, or anything at a t in this range.
-    OrNothing {
-        t: [f64; 2],
-    },
+pub(super) struct Expected {
+    /// Whether it may also meet nothing.
+    pub(super) or_nothing: bool,
+    /// One of these primitives,
+    pub(super) of: Range<u32>,
+    /// at a t in this range.
+    pub(super) t: [f64; 2],
 }
 
 impl Expected {
-    /// Anything.
+    pub(super) const NOTHING: Self = Self { or_nothing: true, of: 0..0, t: [0.0; 2] };
+
     pub(super) const ANYTHING: Self =
-        Self::Hit { of: 0..u32::MAX, t: [f64::NEG_INFINITY, f64::INFINITY] };
+        Self { or_nothing: false, of: 0..u32::MAX, t: [f64::NEG_INFINITY, f64::INFINITY] };
 
     /// Anything up to `t`.
     pub(super) fn until(t: f64) -> Self {
-        Self::Hit { of: 0..u32::MAX, t: [f64::NEG_INFINITY, t] }
+        Self { t: [f64::NEG_INFINITY, t], ..Self::ANYTHING }
     }
 
     /// Anything at most `off` from `t`.
     pub(super) fn near(t: f64, off: f64) -> Self {
-        Self::Hit { of: 0..u32::MAX, t: [t - off, t + off] }
+        Self { t: [t - off, t + off], ..Self::ANYTHING }
     }
 
     /// One of these primitives.
     pub(super) fn of(of: Range<u32>) -> Self {
-        Self::Hit { of, t: [f64::NEG_INFINITY, f64::INFINITY] }
+        Self { of, ..Self::ANYTHING }
     }
 
     /// This primitive at this t, to the last bit.
-    pub(super) fn exactly(hit: Hit) -> Self {
-        let t = f64::from(hit.t);
-        if hit.is_miss() {
-            return Self::Nothing;
+    pub(super) fn exactly(Hit { t, primitive }: Hit) -> Self {
+        if primitive == Hit::MISS.primitive {
+            return Self::NOTHING;
         }
-        Self::Hit { of: hit.primitive..hit.primitive + 1, t: [t; 2] }
+        Self { t: [t.into(); 2], ..Self::of(primitive..primitive + 1) }
     }
 
     fn is_met(&self, hit: Hit) -> bool {
-        let is_within = |[low, high]: &[f64; 2]| (*low..=*high).contains(&f64::from(hit.t));
-        match self {
-            Self::Nothing => hit.is_miss(),
-            Self::Hit { of, t } => of.contains(&hit.primitive) && is_within(t),
-            Self::OrNothing { t } => hit.is_miss() || is_within(t),
-        }
+        let [low, high] = self.t;
+        let is_one = self.of.contains(&hit.primitive) && (low..=high).contains(&hit.t.into());
+        if hit.is_miss() { self.or_nothing } else { is_one }
     }
 }
 
@@ -167,11 +164,6 @@ impl World {
         let aim = move |numbers: &mut Numbers| Some((ray(numbers), Expected::ANYTHING));
         Self { like: Some(like), ..Self::new(geometry, aim) }
     }
-}
-
-fn ask_all(accel: &Accel, rays: &[Ray], expected: &[Expected]) -> Outcome {
-    let all = rays.par_chunks(RAYS_OF_A_TASK).zip(expected.par_chunks(RAYS_OF_A_TASK));
-    in_order(all.map(|(rays, expected)| ask(accel, rays, expected)))
 }
 
 /// Checks the closest hits of these rays, and that what is hit blocks shadow rays.

@@ -23,30 +23,25 @@ fn eye(effort: &Effort, by: DVec3) -> Eye {
     Eye { look: by, ..Eye::at(EYE + by, 40.0, size) }
 }
 
-/// The mesh `by` which the scene is moved, as numbers of the file: double precision represents them
-/// even there.
-fn moved_points(mesh: &Geometry, by: DVec3) -> Vec<[f64; 3]> {
-    mesh.positions.iter().map(|p| (p.as_dvec3() + by).to_array()).collect()
-}
-
 fn lit(effort: &Effort, by: DVec3, shapes: &[Value]) -> Value {
     let light = scenes::point_light(1000.0, LIGHT + by, "none");
     scenes::scene(&eye(effort, by), &[light], shapes)
 }
 
+/// The mesh `by` which the scene is moved, in numbers of the file: double precision represents them
+/// even there.
 fn as_mesh(mesh: &Geometry, by: DVec3) -> Vec<Value> {
-    let mut shape = scenes::mesh(&[], &mesh.triangles, scenes::white());
-    shape["points"] = json!(moved_points(mesh, by));
-    vec![shape]
+    let points: Vec<DVec3> = mesh.positions.iter().map(|p| p.as_dvec3() + by).collect();
+    vec![scenes::mesh(&points, &mesh.triangles, scenes::white())]
 }
 
+/// The same, triangle by triangle.
 fn as_triangles(mesh: &Geometry, by: DVec3) -> Vec<Value> {
-    let points = moved_points(mesh, by);
-    let triangle = |corners: &[u32; 3]| {
-        json!({"type": "triangle", "points": corners.map(|v| points[v as usize]),
-               "sides": "both", "material": scenes::white()})
+    let triangle = |i| {
+        let points = mesh.triangle(i).map(|v| (v.as_dvec3() + by).to_array());
+        json!({"type": "triangle", "points": points, "sides": "both", "material": scenes::white()})
     };
-    mesh.triangles.iter().map(triangle).collect()
+    (0..mesh.triangles.len()).map(triangle).collect()
 }
 
 /// Every pixel of the globe's scene shows the face that is there, which has the number `of_face`.
@@ -226,7 +221,7 @@ pub(super) fn among_others(numbers: &mut Numbers) -> World {
     let count = each * own;
     faces(numbers, &scene, move |prepared, face| {
         let is_counted = prepared.scene.dropped.degenerate == count as u64
-            && prepared.warns(&format!(" {count} triangles"));
+            && prepared.warnings.contains(&format!(" {count} triangles"));
         // Otherwise no answer is right.
         if is_counted { ((face + 1) * (each + 1) - 1) as u32 } else { u32::MAX - 1 }
     })

@@ -5,7 +5,6 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 
 use super::prelude::*;
-use wavecrest_base::error::{Error, ErrorKind};
 use wavecrest_scene::mesh::MeshData;
 use wavecrest_scene::write::write_ply;
 
@@ -69,12 +68,13 @@ pub(super) fn meshes(numbers: &mut Numbers) -> Outcome {
     let mut outcome = Outcome::default();
     for extension in ["obj", "ply"] {
         let path = folder.path().join(format!("m.{extension}"));
-        let [mut mesh, mut wild] = [(); 2].map(|()| Mesh::new(numbers));
-        let fault = mesh.spoil(numbers, extension);
-        wild.scatter(numbers);
-        let bytes = mesh.bytes(extension);
+        let [mut mesh, mut wild] = [(); 2].map(|()| any_mesh(numbers));
+        let fault = spoil(&mut mesh, numbers, extension);
+        scatter(&mut wild, numbers);
+        let bytes = bytes_of(&mesh, extension);
         let turned = turn_bits(numbers, bytes.clone());
-        let files = [(bytes, Some(fault.as_str())), (turned, None), (wild.bytes(extension), None)];
+        let files =
+            [(bytes, Some(fault.as_str())), (turned, None), (bytes_of(&wild, extension), None)];
         let all = files.map(|(bytes, fault)| one_mesh(&numbers.effort, &path, &bytes, fault));
         outcome.add(all.into_iter().sum());
     }
@@ -125,64 +125,60 @@ fn turn_bits(numbers: &mut Numbers, mut bytes: Vec<u8>) -> Vec<u8> {
     bytes
 }
 
-/// A mesh and what can be wrong with it.
-struct Mesh(MeshData);
+/// Any triangles over a few vertices.
+fn any_mesh(numbers: &mut Numbers) -> MeshData {
+    let vertices = 3 + numbers.below(30);
+    let mut position = || Vec3::from([(); 3].map(|()| numbers.about(1.0) as f32));
+    let positions = (0..vertices).map(|_| position()).collect();
+    let mut triangle = || [(); 3].map(|()| numbers.below(vertices) as u32);
+    let triangles = (0..=vertices).map(|_| triangle()).collect();
+    MeshData { positions, triangles, ..MeshData::default() }
+}
 
-impl Mesh {
-    fn new(numbers: &mut Numbers) -> Self {
-        let vertices = 3 + numbers.below(30);
-        let mut position = || Vec3::from([(); 3].map(|()| numbers.about(1.0) as f32));
-        let positions = (0..vertices).map(|_| position()).collect();
-        let mut triangle = || [(); 3].map(|()| numbers.below(vertices) as u32);
-        let triangles = (0..=vertices).map(|_| triangle()).collect();
-        Self(MeshData { positions, triangles, ..MeshData::default() })
-    }
+/// Adds a fault, a vertex that is not finite or an index out of range, and returns the place
+/// that an error must name.
+fn spoil(mesh: &mut MeshData, numbers: &mut Numbers, extension: &str) -> String {
+    let MeshData { positions, triangles, .. } = mesh;
+    let (vertices, which) = (positions.len(), numbers.below(3));
+    let (name, at, line) = if numbers.once_in(2) {
+        let at = numbers.below(vertices);
+        let wrong = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, 1e13, f32::MIN];
+        positions[at][which] = numbers.among(wrong);
+        ("vertex", at, 1 + at)
+    } else {
+        let at = numbers.below(triangles.len());
+        let beyond = numbers.magnitude(1.0, 1e9) as u32;
+        triangles[at][which] = vertices as u32 - 1 + beyond;
+        ("face", at, 1 + vertices + at)
+    };
+    if extension == "obj" { format!("line {line}") } else { format!("{name} {at}") }
+}
 
-    /// Adds a fault, a vertex that is not finite or an index out of range, and returns the place
-    /// that an error must name.
-    fn spoil(&mut self, numbers: &mut Numbers, extension: &str) -> String {
-        let Self(MeshData { positions, triangles, .. }) = self;
-        let (vertices, which) = (positions.len(), numbers.below(3));
-        let (name, at, line) = if numbers.once_in(2) {
-            let at = numbers.below(vertices);
-            let wrong = [f32::NAN, f32::INFINITY, f32::NEG_INFINITY, 1e13, f32::MIN];
-            positions[at][which] = numbers.among(wrong);
-            ("vertex", at, 1 + at)
-        } else {
-            let at = numbers.below(triangles.len());
-            let beyond = numbers.magnitude(1.0, 1e9) as u32;
-            triangles[at][which] = vertices as u32 - 1 + beyond;
-            ("face", at, 1 + vertices + at)
-        };
-        if extension == "obj" { format!("line {line}") } else { format!("{name} {at}") }
+/// Replaces values by random bits: half of the time none that would be refused.
+fn scatter(mesh: &mut MeshData, numbers: &mut Numbers) {
+    let is_tame = numbers.once_in(2);
+    for value in mesh.positions.iter_mut().flat_map(|position| position.as_mut()) {
+        let bits = f32::from_bits(numbers.bits());
+        *value = if bits.abs() < 1e12 || !is_tame { bits } else { *value };
     }
+    let corners = mesh.triangles.iter_mut().flatten();
+    corners.filter(|_| numbers.once_in(200)).for_each(|corner| *corner = !*corner);
+}
 
-    /// Replaces values by random bits: half of the time none that would be refused.
-    fn scatter(&mut self, numbers: &mut Numbers) {
-        let is_tame = numbers.once_in(2);
-        for value in self.0.positions.iter_mut().flat_map(|position| position.as_mut()) {
-            let bits = f32::from_bits(numbers.bits());
-            *value = if bits.abs() < 1e12 || !is_tame { bits } else { *value };
-        }
-        let corners = self.0.triangles.iter_mut().flatten();
-        corners.filter(|_| numbers.once_in(200)).for_each(|corner| *corner = !*corner);
+/// The file: OBJ, or binary PLY.
+fn bytes_of(mesh: &MeshData, extension: &str) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    if extension == "ply" {
+        // Memory refuses nothing.
+        let _ = write_ply(mesh, &mut bytes);
+        return bytes;
     }
-
-    /// The file: OBJ, or binary PLY.
-    fn bytes(&self, extension: &str) -> Vec<u8> {
-        let mut bytes = Vec::new();
-        if extension == "ply" {
-            // Memory refuses nothing.
-            let _ = write_ply(&self.0, &mut bytes);
-            return bytes;
-        }
-        for Vec3 { x, y, z } in &self.0.positions {
-            bytes.extend(format!("v {x} {y} {z}\n").into_bytes());
-        }
-        for triangle in &self.0.triangles {
-            let [a, b, c] = triangle.map(|v| u64::from(v) + 1);
-            bytes.extend(format!("f {a} {b} {c}\n").into_bytes());
-        }
-        bytes
+    for Vec3 { x, y, z } in &mesh.positions {
+        bytes.extend(format!("v {x} {y} {z}\n").into_bytes());
     }
+    for triangle in &mesh.triangles {
+        let [a, b, c] = triangle.map(|v| u64::from(v) + 1);
+        bytes.extend(format!("f {a} {b} {c}\n").into_bytes());
+    }
+    bytes
 }

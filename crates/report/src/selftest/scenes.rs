@@ -1,9 +1,7 @@
 //! Scenes made in code, and their images with every tracer, batch size and instruction level.
 
-use std::path::Path;
-
 use super::prelude::*;
-use wavecrest_base::error::{Error, ErrorKind};
+pub(super) use crate::patch::with;
 use wavecrest_core::film::Film;
 use wavecrest_core::math::simd::Level;
 use wavecrest_core::plan::schedule::{PASSES, unplanned};
@@ -12,21 +10,14 @@ use wavecrest_core::render::{self, RenderOptions, Rendered, TracerKind};
 use wavecrest_scene::load::{LoadOptions, load_str};
 use wavecrest_scene::systems;
 
-/// A prepared scene with its warnings.
+/// A prepared scene with its warnings, one after another.
 pub(super) struct Prepared {
     pub(super) scene: PreparedScene,
-    pub(super) warnings: Vec<String>,
-}
-
-impl Prepared {
-    /// Whether a warning contains these words.
-    pub(super) fn warns(&self, words: &str) -> bool {
-        self.warnings.iter().any(|warning| warning.contains(words))
-    }
+    pub(super) warnings: String,
 }
 
 fn prepare_by(options: systems::Options<'_>, json: &str) -> Result<Prepared> {
-    let mut loaded = load_str(json, Path::new("scene.json"), &LoadOptions::default())?;
+    let mut loaded = load_str(json, "scene.json".as_ref(), &LoadOptions::default())?;
     let extracted = systems::extract(&mut loaded.world, options)?;
     let file = extracted.file().to_owned();
     let scene = extracted.build(Preset::VeryFast);
@@ -155,14 +146,6 @@ impl Eye {
         Self { up: DVec3::Z, ..Self::at(DVec3::Y * 5.0, fov, [side; 2]) }
     }
 
-    fn json(&self) -> Value {
-        json!({
-            "type": "pinhole", "width": self.size[0], "height": self.size[1], "fov": self.fov,
-            "location": self.location.to_array(), "look": self.look.to_array(),
-            "up": self.up.to_array()
-        })
-    }
-
     /// The direction through the centre of a pixel, of unit length.
     pub(super) fn direction(&self, x: u32, y: u32) -> DVec3 {
         let (x, y) = (f64::from(x) + 0.5, f64::from(y) + 0.5);
@@ -188,19 +171,12 @@ pub(super) const BACKGROUND: [f64; 3] = [0.125, 0.25, 0.5];
 pub(super) fn scene(eye: &Eye, lights: &[Value], shapes: &[Value]) -> Value {
     json!({
         "nbounces": 0,
-        "camera": eye.json(),
+        "camera": {"type": "pinhole", "width": eye.size[0], "height": eye.size[1], "fov": eye.fov,
+                   "location": eye.location.to_array(), "look": eye.look.to_array(),
+                   "up": eye.up.to_array()},
         "scene": {"backgroundcolor": BACKGROUND, "ambient": 0, "lightsources": lights,
                   "shapes": shapes}
     })
-}
-
-/// `value` with the values of `changes` in place of its own, in nested objects too.
-pub(super) fn with(mut value: Value, changes: Value) -> Value {
-    let Value::Object(changes) = changes else { return changes };
-    for (key, change) in changes {
-        value[&key] = with(value[&key].take(), change);
-    }
-    value
 }
 
 /// A white point light.
@@ -242,8 +218,8 @@ pub(super) fn floor(half: f64, material: Value) -> Value {
 }
 
 /// A mesh, lit from both sides.
-pub(super) fn mesh(positions: &[Vec3], triangles: &[[u32; 3]], material: Value) -> Value {
-    let points: Vec<[f64; 3]> = positions.iter().map(|p| p.as_dvec3().to_array()).collect();
+pub(super) fn mesh(points: &[DVec3], triangles: &[[u32; 3]], material: Value) -> Value {
+    let points: Vec<[f64; 3]> = points.iter().map(|p| p.to_array()).collect();
     json!({"type": "trimesh", "points": points, "indices": triangles, "sides": "both",
            "material": material})
 }

@@ -81,7 +81,8 @@ pub(super) fn from_just_above(numbers: &mut Numbers) -> World {
 pub(super) fn grazing(numbers: &mut Numbers) -> World {
     Sphere::any(numbers).world(|numbers, sphere| {
         let (impact, distance) = (1.0 + numbers.about(1e-6), numbers.magnitude(2.0, 100.0));
-        let expected = Expected::OrNothing { t: [f64::MIN_POSITIVE, f64::MAX] };
+        let t = [f64::MIN_POSITIVE, f64::MAX];
+        let expected = Expected { or_nothing: true, t, ..Expected::ANYTHING };
         Some((sphere.passed(numbers, impact, distance), expected))
     })
 }

@@ -1,9 +1,8 @@
 //! Long sums: of mirrored light, of the samples of a pixel and of a light; and whether the samplers
 //! have the means and the independence that sums rely on.
 
-use glam::Vec2;
-
 use super::prelude::*;
+use crate::summary::mean_and_error;
 use wavecrest_core::math::sampling::Sampling;
 
 /// The z coordinates of the two mirrors of case 35, and what is between them.
@@ -27,13 +26,9 @@ pub(super) const MIRRORS: [usize; 2] = [6, BOUNCES.len()];
 pub(super) fn facing_mirrors(numbers: &mut Numbers) -> Vec<Picture> {
     /// The largest relative error of a pixel.
     const LARGEST_ERROR: f64 = 1e-4;
-    let eye = Eye {
-        location: DVec3::new(0.1, 0.2, 0.5),
-        look: DVec3::new(0.13, 0.19, 1.0),
-        up: DVec3::Y,
-        fov: 8.0,
-        size: numbers.effort.either([4, 3], [6, 5]),
-    };
+    let size = numbers.effort.either([4, 3], [6, 5]);
+    let eye = Eye::at(DVec3::new(0.1, 0.2, 0.5), 8.0, size);
+    let eye = Eye { look: DVec3::new(0.13, 0.19, 1.0), ..eye };
     let bounces = BOUNCES[numbers.index];
     let picture = |kr: f64| {
         let walls = [0, 1].map(|i| {
@@ -134,7 +129,9 @@ pub(super) fn samplers(numbers: &mut Numbers) -> Outcome {
                 estimate(sampling, stream, dimension, of) - mean
             };
             let over = |value: &dyn Fn(u64, u32) -> f64| {
-                deviation((0..SEEDS).flat_map(|seed| (0..SETS).map(move |set| value(seed, set))))
+                let each = (0..SEEDS).flat_map(|seed| (0..SETS).map(move |set| value(seed, set)));
+                let (mean, error) = mean_and_error(&each.collect::<Vec<_>>());
+                mean / error.max(f64::from(f32::EPSILON))
             };
             let found = [
                 ("the mean", over(&|s, p| error(s, p, 0))),
@@ -165,13 +162,4 @@ fn estimate(sampling: Sampling, stream: Stream, dimension: u32, of: fn(Vec2) -> 
         of(sampling.point((i, i), [SIDE, SIDE], random, || stream.scramble(dimension)))
     });
     values.sum::<f64>() / f64::from(count)
-}
-
-/// The mean of values in standard errors of it.
-fn deviation(values: impl Iterator<Item = f64>) -> f64 {
-    let values: Vec<f64> = values.collect();
-    let count = values.len() as f64;
-    let mean = values.iter().sum::<f64>() / count;
-    let variance = values.iter().map(|x| (x - mean) * (x - mean)).sum::<f64>() / (count - 1.0);
-    mean / (variance / count).sqrt().max(f64::from(f32::EPSILON))
 }

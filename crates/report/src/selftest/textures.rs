@@ -1,12 +1,11 @@
 //! Look-ups at the edges of images and far outside, at grazing angles, and of texels that are no
 //! numbers; normal maps, and vertex colours.
 
-use glam::Vec2;
 use tempfile::TempPath;
 
 use super::prelude::*;
 use wavecrest_core::film::Film;
-use wavecrest_core::kernels::texture::{Filter, Image, Texels, Wrap};
+use wavecrest_core::kernels::texture::{Filter, Image, Texels, Wrap, sphere_uv};
 use wavecrest_image::write::{Transfer, write};
 
 /// Neighbouring texels, including the first and the last, differ by at most a step.
@@ -91,6 +90,37 @@ pub(super) fn look_ups(numbers: &mut Numbers) -> Outcome {
             "{uv} of {width} x {height}, {filter:?}, {wrap:?}: {found} and not {right:?} texels"
         )
     })
+}
+
+/// Case 30: two neighbouring look-ups on both sides of the seam of an image, or of a sphere's map.
+pub(super) fn across_seams(numbers: &mut Numbers) -> Outcome {
+    let (image, step) = some_waves(numbers);
+    let filter = numbers.among([Filter::Nearest, Filter::Bilinear]);
+    let [p, q] = match numbers.below(3) {
+        // Where the image repeats, a number and the adjacent one.
+        0 => {
+            let (u, v) = (numbers.magnitude(1.0, 1e3).round() as f32, numbers.one() as f32);
+            [u.next_down(), u].map(|u| Vec2::new(u, v))
+        }
+        // Behind the sphere, on both sides of the seam.
+        1 => {
+            let (height, aside) = (numbers.about(0.9), numbers.magnitude(1e-30, 1e-7));
+            let back = -(1.0 - height * height).sqrt();
+            [-aside, aside].map(|x| sphere_uv(DVec3::new(x, height, back).as_vec3()))
+        }
+        // At the poles every u is the same place: only v counts.
+        _ => {
+            let pole = numbers.among([1.0, -1.0]);
+            [(); 2].map(|()| {
+                let x = numbers.magnitude(1e-40, 1e-9) as f32;
+                Vec2::new(0.25, sphere_uv(Vec3::new(x, pole, -x)).y)
+            })
+        }
+    };
+    let [a, b] = [p, q].map(|uv| image.look_up(uv, filter, Wrap::Repeat) / step);
+    // A thousandth of a texel for the rounding of the coordinates.
+    let is_right = (a - b).abs().max_element() <= 1.001;
+    Outcome::of(is_right, || format!("{p} and {q}, {filter:?}: {a} and {b} texels"))
 }
 
 /// The path of an image file with these texels, in linear floats, and the file, which is removed when
@@ -259,9 +289,10 @@ pub(super) fn vertex_colors(numbers: &mut Numbers) -> Vec<Picture> {
     let around = |i: usize| {
         let (sin, cos) = libm::sincos(std::f64::consts::TAU * i as f64 / TRIANGLES as f64);
         // Exact in the file and in single precision.
-        DVec3::new(2.0 * sin, 0.0, 2.0 * cos).as_vec3()
+        DVec3::new(2.0 * sin, 0.0, 2.0 * cos).as_vec3().as_dvec3()
     };
-    let points: Vec<Vec3> = std::iter::once(Vec3::ZERO).chain((0..TRIANGLES).map(around)).collect();
+    let points: Vec<DVec3> =
+        std::iter::once(DVec3::ZERO).chain((0..TRIANGLES).map(around)).collect();
     let colors: Vec<f32> = points
         .iter()
         .map(|_| {
@@ -277,7 +308,7 @@ pub(super) fn vertex_colors(numbers: &mut Numbers) -> Vec<Picture> {
         let hit = eye.on_floor(eye.direction(x, y));
         // On an edge any of its triangles is right.
         let known = (0..TRIANGLES).filter_map(|i| {
-            let [a, b, c] = corners(i).map(|corner| points[corner].as_dvec3());
+            let [a, b, c] = corners(i).map(|corner| points[corner]);
             let area = |p: DVec3, q: DVec3, r: DVec3| (q - p).cross(r - p).y;
             let weights = [area(hit, b, c), area(a, hit, c), area(a, b, hit)];
             let weights = weights.map(|weight| weight / area(a, b, c));

@@ -1,7 +1,6 @@
 //! The faces at each edge of a mesh: where a ray must not pass between them.
 
 use super::prelude::*;
-use wavecrest_core::kernels::quad::halves;
 use wavecrest_core::kernels::triangle::is_degenerate;
 use wavecrest_scene::mesh::first_of_each;
 

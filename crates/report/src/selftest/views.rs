@@ -1,7 +1,6 @@
 //! Cameras with extreme parameters, and almost empty scenes.
 
 use super::prelude::*;
-use super::scenes::BACKGROUND;
 
 /// Case 24: no shape, or one of each kind around the middle of the image, with a light and without.
 pub(super) fn next_to_nothing(numbers: &mut Numbers) -> Vec<Picture> {
@@ -17,7 +16,7 @@ pub(super) fn next_to_nothing(numbers: &mut Numbers) -> Vec<Picture> {
     let shapes = [
         None,
         Some(triangle),
-        Some(scenes::mesh(&[a, b, c].map(|p| p.as_vec3()), &[[0, 1, 2]], shiny.clone())),
+        Some(scenes::mesh(&[a, b, c], &[[0, 1, 2]], shiny.clone())),
         Some(scenes::sphere(center, 0.7, shiny.clone())),
         Some(scenes::plane([a, b, c, a + c - b], shiny)),
     ];
@@ -56,7 +55,7 @@ pub(super) fn upright(numbers: &mut Numbers) -> Outcome {
     let eye = Eye { location, look, up, fov: 40.0, size: [4, 3] };
     let scene = scenes::scene(&eye, &[], &[]);
     let prepared = scenes::prepare(&numbers.effort, &scene).map(|prepared| {
-        let is_warned = prepared.warns("camera.up");
+        let is_warned = prepared.warnings.contains("camera.up");
         let basis = prepared.scene.camera.basis().map(|v| v.as_dvec3());
         let pairs = (0..9).map(|i| (basis[i / 3].dot(basis[i % 3]), i / 3 == i % 3));
         let error =
@@ -121,7 +120,7 @@ pub(super) fn closed_lens(numbers: &mut Numbers) -> Vec<Picture> {
     let eye = Eye::at(numbers.direction() * 5.0, 45.0, [20, 15]);
     let shapes = [
         scenes::sphere(DVec3::ZERO, 1.0, scenes::matte([0.9, 0.5, 0.1])),
-        scenes::sphere(DVec3::new(1.5, 0.2, 0.3), 0.7, scenes::matte(BACKGROUND)),
+        scenes::sphere(DVec3::new(1.5, 0.2, 0.3), 0.7, scenes::matte(scenes::BACKGROUND)),
     ];
     let light = scenes::point_light(50.0, numbers.direction() * 8.0, "linear");
     let antialias = json!({"camera": {"antialias": 1 + numbers.below(3)}});

@@ -5,7 +5,6 @@ use std::ops::Range;
 
 use super::prelude::*;
 use wavecrest_core::accel::{KernelChoice, Traversal};
-use wavecrest_core::kernels::precision::Precision;
 use wavecrest_core::math::simd::Level;
 
 /// Rays for each task: several packets.
@@ -27,10 +26,10 @@ pub(super) fn with_every_kernel(accel: &mut Accel, check: impl Fn(&Accel) -> Out
             accel.kernel = kernel;
             let context = || format!("{} {}", level.name(), kernel.name());
             outcome.add(check(accel).with_context(context));
-        }
-        if accel.tree().is_none() {
-            // There is nothing left to vary.
-            break;
+            if accel.tree().is_none() {
+                // There is nothing left to vary: every kernel asks every primitive.
+                return outcome;
+            }
         }
     }
     outcome

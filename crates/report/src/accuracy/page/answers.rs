@@ -21,7 +21,7 @@ pub(super) fn lead(findings: &Findings) -> String {
 pub(super) fn blocks(findings: &Findings) -> Vec<Block> {
     let answers = || findings.scenes.iter().map(|scene| (scene, &scene.answer));
     let sentence = |(scene, answer): (&SceneFindings, &Answer)| {
-        Block::paragraph(format!("`{}`: {}", scene.scene.scene, answer.sentence()))
+        Block::Paragraph(format!("`{}`: {}", scene.scene.scene, answer.sentence()))
     };
     let rows = answers().flat_map(|(scene, a)| a.errors.iter().map(move |e| row(scene, a, e)));
     let caption = "The fastest measured setting that reaches each error (RMSE of linear values, 1 is white): its time of \

@@ -3,7 +3,8 @@
 use crate::accuracy::findings::{Point, SceneFindings};
 use crate::accuracy::layers::{LayersFindings, PartFindings};
 use crate::accuracy::setting::Family;
-use crate::accuracy::subject::Stages;
+use crate::bench::Preparation;
+use crate::plot::number::plural;
 use crate::plot::{self, Axis, Chart, Draw, Guide, Scale, Series};
 
 /// The charts of a family, each with its file name.
@@ -91,7 +92,7 @@ fn chart(
 /// A setting with the interval of its error.
 fn mark(p: &Point, x: f64) -> plot::Point {
     let noise = if p.above_noise { "" } else { ", below the noise of the reference" };
-    let points = super::tables::points_of(&p.label);
+    let points = plural(p.x as usize, "point");
     let label = format!("{points}, {:.3} ms{noise}", p.seconds.median * 1e3);
     plot::Point { x, y: p.rmse.value, low: Some(p.rmse.low), high: Some(p.rmse.high), label }
 }
@@ -99,7 +100,7 @@ fn mark(p: &Point, x: f64) -> plot::Point {
 /// Seconds by precision, effect and pass, with the time before the first ray.
 pub(super) fn time(scene: &SceneFindings) -> Chart {
     let mut bars = Vec::new();
-    for LayersFindings { precision, before: Stages { load, build }, parts } in &scene.layers {
+    for LayersFindings { precision, before: Preparation { load, build }, parts } in &scene.layers {
         let stages = vec![("load".to_owned(), *load), ("build".to_owned(), *build)];
         bars.push((format!("{precision}, before"), stages));
         let bar =

@@ -1,12 +1,11 @@
 //! Crops: what each time buys, in the part of the image where it shows most.
 
-use super::tables::points_of;
 use crate::accuracy::answer::Answer;
 use crate::accuracy::findings::Point;
 use crate::accuracy::setting::{Family, Series};
 use crate::accuracy::subject::Subject;
 use crate::page::{Block, Picture};
-use crate::plot::number::{figure, seconds};
+use crate::plot::number::{figure, plural, seconds};
 use wavecrest_base::error::Result;
 use wavecrest_core::film::Film;
 use wavecrest_image::compare::compare;
@@ -45,7 +44,7 @@ pub(super) fn rows(
     });
     let random: Vec<_> = random.collect();
     let mut whole = |(series, point): &(&Series<Point>, &Point)| {
-        let (time, points) = (seconds(point.seconds.median), points_of(&point.label));
+        let (time, points) = (seconds(point.seconds.median), plural(point.x as usize, "point"));
         let error = figure(point.rmse.value * 100.0);
         let caption = format!("{time}: {}, {points}, error {error} %", series.name);
         Ok((caption, subject.render(&point.setting, 0)?.film))
@@ -64,7 +63,7 @@ pub(super) fn rows(
     {
         let crops = row.iter().map(|(caption, film)| picture(caption, film));
         let crops = crops.chain([picture("reference", reference)]);
-        blocks.push(Block::paragraph(words));
+        blocks.push(Block::Paragraph(words.to_owned()));
         blocks.push(Block::Pictures(crops.collect::<Result<_>>()?));
     }
     Ok(blocks)

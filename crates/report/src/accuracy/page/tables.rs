@@ -3,7 +3,7 @@
 use crate::accuracy::findings::{Point, SceneFindings};
 use crate::accuracy::setting::{Family, Series, Target};
 use crate::accuracy::store::{ReferenceRecord, StepRecord};
-use crate::page::{Block, Cell, Details, Table};
+use crate::page::{Block, Cell, Section, Table};
 use crate::plot::number::figure;
 use crate::selftest::errors::{Distribution, HitErrors, ulps};
 
@@ -28,18 +28,13 @@ pub(super) fn references(scene: &SceneFindings) -> String {
     scene.references.iter().map(of).collect::<Vec<_>>().join(" ")
 }
 
-/// A number rounded to its significant digits.
-fn digits(value: f64) -> Cell {
-    Cell::number(value, figure(value))
-}
-
 /// The tables of a family.
 pub(super) fn of(family: &Family<Point>) -> Vec<Block> {
     let mut blocks: Vec<Block> = slopes(family).map(Block::Table).into_iter().collect();
     let points = Block::Table(points(family));
     blocks.push(match family.series.len() {
         1 => points,
-        _ => Block::Details(Details { summary: "Every setting".to_owned(), blocks: vec![points] }),
+        _ => Block::Details(Section::new("Every setting", vec![points])),
     });
     blocks
 }
@@ -65,11 +60,6 @@ pub(super) fn slopes(family: &Family<Point>) -> Option<Table> {
     (!rows.is_empty()).then(|| Table::new(caption, header, rows))
 }
 
-/// A number of points in words.
-pub(super) fn points_of(count: &str) -> String {
-    if count == "1" { "1 point".to_owned() } else { format!("{count} points") }
-}
-
 fn points(family: &Family<Point>) -> Table {
     let header =
         "setting|>time, ms|>RMSE|>95% interval|>relative MSE|>PSNR, dB|>FLIP|>bias|above noise";
@@ -82,12 +72,12 @@ fn points(family: &Family<Point>) -> Table {
         vec![
             Cell::text(name),
             Cell::decimals(p.seconds.median * 1e3, 2),
-            digits(p.rmse.value),
+            Cell::figure(p.rmse.value),
             Cell::text(format!("{} to {}", figure(p.rmse.low), figure(p.rmse.high))),
-            digits(p.relative_mse),
+            Cell::figure(p.relative_mse),
             p.psnr.map_or(Cell::text("identical"), |v| Cell::decimals(v, 2)),
-            digits(p.flip),
-            digits(p.bias),
+            Cell::figure(p.flip),
+            Cell::figure(p.bias),
             Cell::text(if p.above_noise { "yes" } else { "no" }),
         ]
     };
@@ -115,7 +105,7 @@ pub(super) fn precision(scene: &SceneFindings) -> Vec<Block> {
         vec![
             Cell::text(p.label.clone()),
             Cell::decimals(ratio, 2),
-            digits(p.rmse.value),
+            Cell::figure(p.rmse.value),
             trial.map_or_else(missing, |t| share(t.leaks)),
             trial.map_or_else(missing, |t| share(t.self_hits)),
             worst(|errors| &errors.t),
@@ -135,12 +125,12 @@ pub(super) fn steps(scene: &SceneFindings) -> Vec<Block> {
     if !found.has_any() {
         let words =
             "The scene has no triangles and no quads: exact hits take none of the steps of theirs.";
-        return vec![Block::paragraph(words)];
+        return vec![Block::Paragraph(words.to_owned())];
     }
     let row = |step: &StepRecord| {
         vec![
             Cell::text(step.step.clone()),
-            digits(found.times(step)),
+            Cell::figure(found.times(step)),
             Cell::decimals(step.nanoseconds, 1),
             Cell::decimals(found.nanoseconds(step), 2),
         ]
@@ -150,5 +140,5 @@ pub(super) fn steps(scene: &SceneFindings) -> Vec<Block> {
                    packets share more";
     let header = "step|>times a ray|>ns each|>ns a ray";
     let table = Table::new(caption, header, found.steps.iter().map(row).collect());
-    vec![Block::Table(table), Block::paragraph(found.sentence(scene))]
+    vec![Block::Table(table), Block::Paragraph(found.sentence(scene))]
 }

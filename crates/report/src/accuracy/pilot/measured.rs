@@ -1,11 +1,13 @@
 //! The error of an image, measured without a reference: in windows all over it, from the variance of
 //! independent renders.
 
+use rand::RngExt;
 use rayon::prelude::*;
 
-use crate::accuracy::fit::Rng;
+use crate::accuracy::fit::generator;
 use crate::accuracy::setting::{Facts, Target};
 use crate::expected::tiles;
+use crate::summary::mean_and_error;
 use wavecrest_base::error::Result;
 use wavecrest_core::film::Film;
 use wavecrest_core::prepared::PreparedScene;
@@ -36,7 +38,7 @@ pub fn leaves_out_aliasing(scene: &PreparedScene) -> bool {
 
 /// The share of an image of this size that is in windows.
 pub fn measured_share(size: [u32; 2]) -> f64 {
-    let pixels: usize = windows(size, &mut Rng::new(0)).iter().map(Tile::len).sum();
+    let pixels: usize = windows(size, 0).iter().map(Tile::len).sum();
     pixels as f64 / size.map(f64::from).iter().product::<f64>()
 }
 
@@ -63,9 +65,8 @@ pub(super) const OTHERS: u64 = 2;
 /// # Errors
 /// If there is no memory for a window.
 pub fn error(scene: &PreparedScene, film: Option<&Film>, seed: u64) -> Result<Measured> {
-    let mut rng = Rng::new(pilot_seed(seed, u64::from(film.is_some())));
     // A window is one tile: all threads have work only if there are several windows at once.
-    let tiles = windows(scene.camera.size(), &mut rng);
+    let tiles = windows(scene.camera.size(), pilot_seed(seed, u64::from(film.is_some())));
     let found = tiles.into_par_iter().map(|tile| {
         let window = [tile.x, tile.y, tile.width, tile.height];
         let mut films: Vec<Film> =
@@ -78,10 +79,7 @@ pub fn error(scene: &PreparedScene, film: Option<&Film>, seed: u64) -> Result<Me
         Ok(variance(&films))
     });
     let found: Vec<f64> = found.collect::<Result<_>>()?;
-    let n = found.len() as f64;
-    let mean = found.iter().sum::<f64>() / n;
-    let squares: f64 = found.iter().map(|each| (each - mean) * (each - mean)).sum();
-    let deviation = (squares / (n - 1.0).max(1.0) / n).sqrt();
+    let (mean, deviation) = mean_and_error(&found);
     Ok(Measured { error: mean.sqrt(), at_most: (mean + CONFIDENCE * deviation).sqrt() })
 }
 
@@ -98,6 +96,7 @@ pub(in crate::accuracy) fn variance(films: &[Film]) -> f64 {
 }
 
 /// A window in each part of the image, at a random place.
-fn windows(size: [u32; 2], rng: &mut Rng) -> Vec<Tile> {
-    tiles(size, WINDOWS, WINDOW, |room| rng.below(room as usize + 1) as u32)
+fn windows(size: [u32; 2], seed: u64) -> Vec<Tile> {
+    let mut random = generator(seed);
+    tiles(size, WINDOWS, WINDOW, |room| random.random_range(0..=room as usize) as u32)
 }

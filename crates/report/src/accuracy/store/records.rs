@@ -7,7 +7,7 @@ use std::path::PathBuf;
 use serde::{Deserialize, Serialize};
 
 use crate::accuracy::setting::Target;
-use crate::accuracy::subject::Stages;
+use crate::bench::Preparation;
 use crate::measure::Timing;
 use crate::selftest::errors::HitErrors;
 
@@ -59,7 +59,7 @@ pub struct PreparedRecord {
     pub key: String,
     /// The time of each stage.
     #[serde(flatten)]
-    pub time: Stages,
+    pub time: Preparation,
 }
 
 /// A reference, stored in a file beside this one.

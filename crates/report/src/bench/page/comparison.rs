@@ -1,12 +1,11 @@
 //! The blocks of one comparison.
 
-use super::{plural, size};
+use super::size;
 use crate::bench::compare::{Comparison, VariantBench};
 use crate::bench::machine::Machine;
-use crate::bench::ratio::Ratio;
 use crate::bench::variant::Axis as Compared;
-use crate::page::{Block, Cell, Column, Table};
-use crate::plot::number::time_unit;
+use crate::page::{Block, Cell, Table};
+use crate::plot::number::{plural, time_unit};
 use crate::plot::{Axis, Chart, Draw, Guide, Point, Scale, Series};
 use crate::statistics::Rays;
 use wavecrest_core::render::TracerKind;
@@ -35,8 +34,8 @@ pub(super) fn comparison(found: &Comparison, rays: &Rays, machine: &Machine) -> 
     }
     let note = format!(
         "{}{}, all images bit-identical.",
-        plural(found.rounds, "round"),
-        match found.left_out {
+        plural(found.rounds.rounds, "round"),
+        match found.rounds.left_out {
             0 => String::new(),
             n => format!(", and {n} left out because other programs used the processors"),
         }
@@ -60,17 +59,17 @@ fn speeds_of(found: &Comparison) -> (Axis, Series) {
     if found.of == Compared::Batches {
         let axis = Axis::new("paths in a batch", "", Scale::Log);
         let points = shown.iter().map(|v| point(v.variant.batch as f64, v)).collect();
-        return (axis, Series { draw: Draw::Line, ..Series::of("", points) });
+        return (axis, Series { draw: Draw::Line, points, ..Series::default() });
     }
     let names = shown.iter().map(|v| v.label.clone()).collect();
     let points = shown.iter().enumerate().map(|(row, v)| point(row as f64, v)).collect();
-    (Axis::new("", "", Scale::Names(names)), Series::of("", points))
+    (Axis::new("", "", Scale::Names(names)), Series { points, ..Series::default() })
 }
 
 pub(super) fn point(x: f64, v: &VariantBench) -> Point {
     let i = &v.ratio.interval;
     let label = format!("{:.1} % confidence, {} rounds", 100.0 * i.confidence, v.ratio.pairs);
-    Point::new(x, i.median).within(i.low, i.high).labelled(label)
+    Point { label, ..Point::new(x, i.median).within(i.low, i.high) }
 }
 
 /// Ratios of speeds, and a line at equal speed.
@@ -106,7 +105,7 @@ fn times(found: &Comparison, over: &str, note: &str) -> Table {
             Cell::number(spread, format!("{spread:.1} %")),
             optional(v.processors, 2),
             Cell::decimals(v.mrays_s, 3),
-            ratio(&v.ratio),
+            v.ratio.cell(),
             gain.unwrap_or_default(),
         ]
     })
@@ -117,7 +116,7 @@ fn passes(found: &Comparison, title: &str) -> Block {
     let is_timed =
         |v: &&VariantBench| v.variant.time_passes || v.variant.tracer == TracerKind::Wavefront;
     let bar = |v: &VariantBench| {
-        let stages = v.pass_seconds().map(|(stage, seconds)| (stage.to_owned(), seconds));
+        let stages = v.passes.iter().map(|&(stage, seconds)| (stage.to_owned(), seconds));
         (v.label.clone(), stages.collect())
     };
     let cost = found.variants.iter().find(|v| v.variant.time_passes).map(|v| {
@@ -173,14 +172,8 @@ fn table(
         let cells = cells(v).into_iter().take(names.len());
         std::iter::once(Cell::text(v.label.clone())).chain(cells).collect()
     };
-    let columns = names.iter().map(|name| Column::numbers(*name));
-    let columns = std::iter::once(Column::words("")).chain(columns).collect();
-    let rows = found.variants.iter().map(row).collect();
-    Table { caption: caption.to_owned(), columns, rows }
-}
-
-pub(super) fn ratio(ratio: &Ratio) -> Cell {
-    Cell::number(ratio.interval.median, ratio.words())
+    let header = format!("|>{}", names.join("|>"));
+    Table::new(caption, &header, found.variants.iter().map(row).collect())
 }
 
 fn optional(value: Option<f64>, decimals: usize) -> Cell {

@@ -53,19 +53,10 @@ fn sphere_at(ray: &Ray, center: Vec3, radius: f32) -> surface::Surface<f32> {
 fn asks(light: &Light, at: surface::Surface<f32>, flipped: bool, ray: &Ray, index: u32) -> bool {
     let outward = if flipped { -at.normal } else { at.normal };
     let is_front = dot(outward.into(), ray.direction) < 0.0;
-    let point = ShadingPoint {
-        point: at.point,
-        error: at.error,
-        normal: if is_front { outward } else { -outward },
-        shading_normal: outward,
-        view: (-ray.direction).into(),
-        color: Vec3::ONE.into(),
-        occlusion: 1.0,
-        emission: Vec3::ZERO.into(),
-        reflection: WHITE.reflection(),
-        kr: WHITE.kr,
-        lit: is_front,
-    };
+    let normal = if is_front { outward } else { -outward };
+    let [point, error, _] = at.vectors();
+    let point = ShadingPoint::plain([point, error, normal.into()], -ray.direction, &WHITE);
+    let point = ShadingPoint { shading_normal: outward, lit: is_front, ..point };
     let stream = Stream { seed: 5, pixel: index, sample: 0, bounce: 0 };
     shadow_request(&point, Vec3::ONE.into(), light, &light.point(0, &stream)).is_some()
 }
