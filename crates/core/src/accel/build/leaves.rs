@@ -17,6 +17,9 @@ use crate::math::simd::LANES;
 /// time and rays are no slower; with 1 they were slower by 3 per cent.
 const SLACK: f32 = 0.6;
 
+/// The key of a leaf that a triangle cannot join.
+const NO_ROOM: i32 = i32::MAX;
+
 /// Bits of the curve for each axis.
 const BITS: u32 = 10;
 
@@ -52,16 +55,16 @@ impl Finder {
         for &key in &self.keys {
             let index = key as u32 as usize;
             let (Single { number, corners }, bounds) = (singles[index], own[index]);
-            let mut costs = open.costs(&bounds);
+            let mut keys = open.keys(&bounds);
             let joined = corners.and_then(|corners| {
                 loop {
-                    let lane = cheapest(&costs)?;
+                    let lane = *keys.iter().min().filter(|&&key| key != NO_ROOM)? as usize % LANES;
                     let leaf = &leaves[open.leaves[lane]];
                     let mut shared = leaf.shared?;
                     if shared.add(leaf.count, corners) {
                         return Some((lane, shared));
                     }
-                    costs[lane] = f32::INFINITY;
+                    keys[lane] = NO_ROOM;
                 }
             });
             if let Some((lane, shared)) = joined {
@@ -123,10 +126,10 @@ impl Open {
         self.fuller[lane] = if count < LANES { as_patch(count + 1) } else { f32::INFINITY };
     }
 
-    /// What each leaf costs more with a triangle in `bounds`; infinite if that is too much, compared
-    /// with a leaf of its own.
+    /// A key for each leaf, in the order of what it costs more with a triangle in `bounds`, with the
+    /// lane in its low bits; [`NO_ROOM`] if that is too much, compared with a leaf of its own.
     #[inline(always)]
-    fn costs(&self, bounds: &Aabb) -> [f32; LANES] {
+    fn keys(&self, bounds: &Aabb) -> [i32; LANES] {
         let (low, high) = (bounds.min.to_array(), bounds.max.to_array());
         let alone = bounds.half_area();
         from_fn(|lane| {
@@ -136,16 +139,13 @@ impl Open {
             let [x, y, z] = [size(0), size(1), size(2)];
             let more = ((x + y) * z + x * y) * self.fuller[lane] - self.cost[lane];
             let most = alone * as_patch(1) + SLACK * self.area[lane].min(alone);
-            if more <= most { more } else { f32::INFINITY }
+            // Ordered as the numbers are: those below zero are turned round.
+            let bits = more.to_bits() as i32;
+            let ordered = bits ^ (bits >> 31) & i32::MAX;
+            let key = ordered & !(LANES as i32 - 1) | lane as i32;
+            if more <= most { key } else { NO_ROOM }
         })
     }
-}
-
-/// The lane of the least cost that is finite.
-#[inline(always)]
-fn cheapest(costs: &[f32; LANES]) -> Option<usize> {
-    let smaller = |best: usize, lane| if costs[lane] < costs[best] { lane } else { best };
-    Some((1..LANES).fold(0, smaller)).filter(|&lane| costs[lane] < f32::INFINITY)
 }
 
 /// Writes the boxes' positions on the curve and their indices to `keys`, in rising order.
