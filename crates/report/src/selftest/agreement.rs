@@ -24,7 +24,7 @@ const TOGETHER_AIMED: [u32; 2] = [103, 1];
 /// aimed at edges, vertices and points of primitives, from outside and from other primitives. In
 /// exact precision they must be those of the reference to the last bit.
 pub fn agreement(accel: Accel, effort: &Effort) -> Outcome {
-    let presets = effort.either(&[][..], &[Preset::Fastest, Preset::Slow]);
+    let presets = effort.either(&[][..], &[Preset::OnDemand, Preset::Slow]);
     let extent = Extent::of(accel.geometry());
     let rays = (0..rays(accel.geometry(), effort, RAYS)).into_par_iter();
     let numbers = |n| Numbers::new(effort, AGREEING, n);
