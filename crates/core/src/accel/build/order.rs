@@ -15,11 +15,9 @@ use crate::geometry::{Geometry, sphere_bounds};
 use crate::kernels::slab::Aabb;
 use crate::kernels::triangle::is_degenerate;
 
-/// Bits of the grid for each axis: counters of its cells then stay in the second-level cache.
-const BITS: u32 = 5;
-
-/// Cells of the grid.
-const CELLS: usize = 1 << (3 * BITS);
+/// Bits of a grid for each axis, at most: counters of its cells then stay in the second-level
+/// cache.
+const MOST_BITS: u32 = 5;
 
 /// The cell of triangles without area.
 const NOWHERE: u16 = u16::MAX;
@@ -90,23 +88,28 @@ impl Order<'_> {
     fn arrange(&self, members: Option<&[AtomicU32]>, bounds: &Aabb) -> Chunks {
         let count = members.map_or(self.geometry.entries(), <[_]>::len);
         let member = |i: usize| members.map_or(i as u32, |all| all[i].load(Ordering::Relaxed));
-        let scale = (1 << BITS) as f32 / (bounds.high - bounds.low).max_element();
+        // Over a surface, as many cells as chunks, and a few times more.
+        let bits = (count.div_ceil(self.most).ilog2() / 2 + 2).min(MOST_BITS);
+        let all_cells = 1 << (3 * bits);
+        let scale = (1 << bits) as f32 / (bounds.high - bounds.low).max_element();
+        // Members are a part of entries of which all are met.
+        let is_known = members.is_some();
         let blocks = (BLOCKS_A_THREAD * rayon::current_num_threads()).min(MOST_BLOCKS);
         let size = count.div_ceil(blocks).max(LEAST_BLOCK);
         let block = |first: usize| {
             let members = first * size..((first + 1) * size).min(count);
-            let mut counts = vec![0; CELLS];
-            let mut boxes = vec![Aabb::EMPTY; if self.with_boxes { CELLS } else { 0 }];
+            let mut counts = vec![0; all_cells];
+            let mut boxes = vec![Aabb::EMPTY; if self.with_boxes { all_cells } else { 0 }];
             let cell = |i: usize| {
                 let entry = member(i);
-                if !self.is_met(entry) {
+                if !is_known && !self.is_met(entry) {
                     return NOWHERE;
                 }
                 let own = self.geometry.box_of(entry);
                 // Centres outside count as at the border. In a grid of size zero, 0 x inf is NaN,
                 // and counts as 0.
                 let at = (middle(&own) - bounds.low) * scale;
-                let [x, y, z] = at.to_array().map(|x| (x as u16).min((1 << BITS) - 1));
+                let [x, y, z] = at.to_array().map(|x| (x as u16).min((1 << bits) - 1));
                 let cell = morton_encode_u32(x, y, z) as u16;
                 counts[cell as usize] += 1;
                 if let Some(bounds) = boxes.get_mut(cell as usize) {
@@ -120,8 +123,8 @@ impl Order<'_> {
         let mut blocks: Vec<_> = (0..count.div_ceil(size)).into_par_iter().map(block).collect();
         // Counts become the start of each block in each cell.
         let mut sum = 0;
-        let mut starts = Vec::with_capacity(CELLS + 1);
-        for cell in 0..CELLS {
+        let mut starts = Vec::with_capacity(all_cells + 1);
+        for cell in 0..all_cells {
             starts.push(sum as usize);
             for Block { counts, .. } in &mut blocks {
                 sum += std::mem::replace(&mut counts[cell], sum);
@@ -139,7 +142,7 @@ impl Order<'_> {
             }
         });
         let mut runs = Vec::new();
-        cut(&starts, 0..CELLS, self.most, &mut runs);
+        cut(&starts, 0..all_cells, self.most, &mut runs);
         let chunks_of = |cells: Range<usize>| {
             let boxes = blocks.iter().flat_map(|block| block.boxes.get(cells.clone())).flatten();
             let bounds = boxes.fold(Aabb::EMPTY, |all, &own| all.union(own));
