@@ -21,7 +21,7 @@ const EDGE: u32 = 8;
 const MOST_PATHS: u64 = 1 << 15;
 
 /// Every so many rows of pixels show which chunks of a tree rays build.
-const ROWS_APART: usize = 16;
+const ROWS_APART: usize = 8;
 
 /// The expectation for a render.
 #[derive(Clone, Copy, Debug, Serialize)]
