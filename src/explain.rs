@@ -56,7 +56,7 @@ struct Explanation {
     #[serde(skip_serializing_if = "Option::is_none")]
     moved_by: Option<[f64; 3]>,
     bvh: Choice,
-    /// The numbers of chunks of the tree that rays of the pilot or the render built, and of all.
+    /// The numbers of chunks of the tree that rays of the pilot built, and of all.
     #[serde(skip_serializing_if = "Option::is_none")]
     chunks: Option<[usize; 2]>,
     bytes_per_path: Vec<Buffer>,
@@ -163,7 +163,7 @@ fn explain(
     let options = RenderOptions { batch, ..RenderOptions::default() };
     let expected = Expected::of(scene, &options)?;
     let chunks = scene.accel.chunks();
-    let memory = chunks.map_or(memory, |chunks| memory.with_chunks(chunks));
+    let memory = chunks.map_or(memory, |_| memory.with_tree(scene.accel.tree_bytes()));
     let threads = rayon::current_num_threads();
     Ok(Explanation {
         passes: passes(scene),

@@ -32,7 +32,7 @@ pub use crate::kernels::texture::{LazyImage, Placing, UvMap};
 use crate::plan::Plan;
 use wavecrest_base::error::Result;
 
-/// Everything that a render reads; immutable.
+/// Everything that a render reads; immutable, but for chunks and images that wait for a first ray.
 #[derive(Debug)]
 pub struct PreparedScene {
     /// The effects to simulate.

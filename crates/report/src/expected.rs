@@ -53,8 +53,9 @@ impl Expected {
         let samples = samples.min((MOST_PATHS / pixels).max(1) as u32);
         let rows = (0..height).step_by(ROWS_APART).map(|y| Tile { x: 0, y, width, height: 1 });
         let rows: Vec<_> = rows.filter(|_| scene.accel.chunks().is_some()).collect();
+        scene.appearance.decode()?;
         let (of_rows, first) = trace(scene, options, &rows, 1);
-        // Another run decodes images and warms the caches.
+        // Another run warms the caches.
         trace(scene, options, &tiles, samples);
         scene.appearance.check()?;
         let (counters, seconds) = trace(scene, options, &tiles, samples);

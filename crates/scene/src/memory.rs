@@ -78,11 +78,10 @@ impl Estimate {
         (lasting + self.build.max(tracing)).max(self.loading)
     }
 
-    /// The same if rays build only the first number of chunks of a tree, of all.
+    /// The same if rays build no more than these bytes of the trees.
     #[must_use]
-    pub fn with_chunks(self, [built, all]: [usize; 2]) -> Self {
-        let share = built as f64 / all as f64;
-        let left_out = (self.tree as f64 * (1.0 - share)) as u64;
+    pub fn with_tree(self, bytes: u64) -> Self {
+        let left_out = self.tree.saturating_sub(bytes);
         Self { tree: self.tree - left_out, build: self.build.saturating_sub(left_out), ..self }
     }
 

@@ -3,7 +3,8 @@
 //!
 //! Large scenes are cut into chunks ([`order`]). All threads build chunks, each while it is in a
 //! core's cache ([`piece`]), place them in one arena ([`chunked`]) and join them by a small hierarchy
-//! above ([`join`]). The quickest build finds leaves before the hierarchy ([`leaves`]).
+//! above ([`join`]). The quickest build finds leaves before the hierarchy ([`leaves`]), and chunks may be left to the
+//! rays that reach them (`accel::demand`).
 //!
 //! obvhs sees boxes and decides only the topology; [`Geometry::hit`] decides hits.
 

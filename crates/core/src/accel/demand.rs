@@ -33,7 +33,7 @@ struct Chunk {
     /// Where its entries are among the numbers of the arena.
     entries: Range<usize>,
     /// Its root and contents, once it is built.
-    built: OnceLock<Option<(Ref, Census)>>,
+    built: OnceLock<(Ref, Census)>,
 }
 
 thread_local! {
@@ -71,7 +71,7 @@ impl Demand {
 
     /// The contents of the chunks that are built.
     pub(super) fn built(&self) -> impl Iterator<Item = Census> {
-        self.chunks.iter().filter_map(|chunk| Some((*chunk.built.get()?)?.1))
+        self.chunks.iter().filter_map(|chunk| Some(chunk.built.get()?.1))
     }
 
     /// The number of chunks.
@@ -81,16 +81,18 @@ impl Demand {
 
     /// The root of a chunk that is built.
     fn known(&self, chunk: usize) -> Option<Ref> {
-        Some((*self.chunks.get(chunk)?.built.get()?)?.0)
+        Some(self.chunks.get(chunk)?.built.get()?.0)
     }
 
-    /// The root of a chunk, which is built first if need be. `None` is a bug of the builder.
+    /// The root of a chunk, which is built first if need be; `None` if there is no such chunk.
     fn root(&self, arena: &Arena, geometry: &Geometry, chunk: usize) -> Option<Ref> {
         let Chunk { entries, built } = self.chunks.get(chunk)?;
         let build = |piece: &mut Piece| {
             let plan = Plan::new(geometry, self.preset, self.extents);
             let parts = piece.parts(&plan, arena.numbers(), entries.clone(), 1);
-            let whole = arena.extend(&piece.output.units, parts.first()?.kind, Self::MOST_DEPTH);
+            let kind = parts.first().map(|part| part.kind);
+            let whole =
+                kind.and_then(|kind| arena.extend(&piece.output.units, kind, Self::MOST_DEPTH));
             whole.or_else(|| {
                 // Too deep: its primitives are tested one by one.
                 let numbers: Vec<_> = piece.numbers(geometry).collect();
@@ -99,7 +101,12 @@ impl Demand {
                 arena.extend(&piece.output.units, Kind::List, 0)
             })
         };
-        Some((*built.get_or_init(|| PIECE.with_borrow_mut(build)))?.0)
+        let whole = || match PIECE.with_borrow_mut(build) {
+            Some(whole) => whole,
+            // Hits would be lost, and nobody told.
+            None => unreachable!("a list of all is sound, and there is room for the worst case"),
+        };
+        Some(built.get_or_init(whole).0)
     }
 }
 

@@ -2,7 +2,7 @@
 //!
 //! They show a field of hills in front of a wall, all of triangles, in a view that each effect
 //! changes widely. `scenes.json` lists them, each as a name, the name of the scene that it is added
-//! to, and a [patch](patched) of that scene. Long lists of numbers are filled in here.
+//! to, and a patch of that scene. Long lists of numbers are filled in here.
 
 use std::f64::consts::TAU;
 use std::path::Path;

@@ -62,3 +62,20 @@ fn nothing_that_leads_astray_is_proved() {
     let [a, b]: [Unit; 2] = bytemuck::cast(absent);
     assert!(prove(&[a, b, patch(0, 4)], 4).is_none(), "an absent child leads somewhere");
 }
+
+/// A part is appended while others read: what they see does not change.
+#[test]
+fn parts_are_appended_where_there_is_room_and_where_they_are_sound() {
+    let [a, b] = node(&[relative(0, 2, Kind::List)]);
+    let mut all = Units::zeroed(4, 3);
+    all.as_mut_slice().copy_from_slice(&[a, b, list(&[1])]);
+    let numbers = (0..4).map(|_| AtomicU32::new(0)).collect();
+    let (arena, _) = Arena::new(all, numbers, root_of(Kind::Node)).expect("it is sound");
+    let before = arena.view();
+    assert!(arena.extend(&[a, b], Kind::Node, 1).is_none(), "a child beyond the end");
+    assert!(arena.extend(&[a, b, list(&[2])], Kind::Node, 1).is_none(), "no room");
+    let (place, census) = arena.extend(&[list(&[2, 3])], Kind::List, 0).expect("it is sound");
+    assert_eq!((place.kind(), census.lists), (Kind::List, 1));
+    assert_eq!(before.list(place), [2, 3]);
+    assert!(arena.extend(&[list(&[2])], Kind::List, 0).is_none(), "it is full");
+}

@@ -32,7 +32,7 @@ pub(in crate::accel) struct Units {
 enum Memory {
     #[default]
     None,
-    Mapped(memmap2::MmapMut),
+    Mapped(memmap2::MmapRaw),
     /// For systems that map no memory.
     Owned(Box<[Shared]>),
 }
@@ -57,7 +57,7 @@ impl Units {
         // A hint: if it is refused, pages are small.
         #[cfg(target_os = "linux")]
         let _ = map.advise(memmap2::Advice::HugePage);
-        Some(Self { memory: Memory::Mapped(map), room, used: used.into(), start: 0 })
+        Some(Self { memory: Memory::Mapped(map.into()), room, used: used.into(), start: 0 })
     }
 
     /// As [`Self::mapped`], on any system.
@@ -83,7 +83,7 @@ impl Units {
     fn base(&self) -> *mut Unit {
         match &self.memory {
             Memory::None => std::ptr::dangling_mut(),
-            Memory::Mapped(map) => map.as_ptr().cast::<Unit>().cast_mut(),
+            Memory::Mapped(map) => map.as_mut_ptr().cast(),
             Memory::Owned(units) => units.as_ptr().cast::<Unit>().cast_mut(),
         }
     }

@@ -12,8 +12,7 @@ use super::join::join;
 use super::order::Chunks;
 use super::piece::{Piece, Plan};
 use super::{Cut, ROOM_OF_LISTED};
-use crate::accel::arena::Units;
-use crate::accel::arena::{self, Arena, NODE_UNITS, Unit};
+use crate::accel::arena::{self, Arena, MAX_UNITS, NODE_UNITS, Unit, Units};
 use crate::accel::demand::Demand;
 use crate::accel::tree::{Root, Tree};
 use crate::accel::wide::Part;
@@ -25,8 +24,10 @@ use crate::math::simd::LANES;
 pub(super) fn build(plan: &Plan, chunks: Chunks, cut: Cut) -> Option<Tree> {
     let Chunks { entries, chunks } = chunks;
     let parts = if chunks.len() == 1 { 1 } else { cut.parts };
-    let ahead = ahead(parts * chunks.len());
-    let listed = plan.geometry.spheres.len() * ROOM_OF_LISTED;
+    // A piece may open its last node for more parts than were asked for.
+    let ahead = ahead((parts + LANES) * chunks.len());
+    let cutouts = plan.geometry.cutouts.iter().map(|cutout| 2 * cutout.primitives.len());
+    let listed = (plan.geometry.spheres.len() + cutouts.sum::<usize>()) * ROOM_OF_LISTED;
     let few_shared = if plan.weld { 2 } else { 1 };
     let room = (entries.len() * cut.room * few_shared + listed).div_ceil(size_of::<Unit>());
     let units = Units::zeroed(ahead + room, ahead);
@@ -40,12 +41,17 @@ pub(super) fn build(plan: &Plan, chunks: Chunks, cut: Cut) -> Option<Tree> {
     joined(plan, units, entries, ahead, &parts?.concat())
 }
 
-/// A tree whose chunks are built by the rays that reach them; `None` if there is no room.
+/// A tree whose chunks are built by the rays that reach them; `None` if there is no room for it and
+/// as much for everything else.
 pub(super) fn on_demand(plan: &Plan, chunks: Chunks) -> Option<Tree> {
     let Chunks { entries, chunks } = chunks;
     let ahead = ahead(chunks.len());
     let room = chunks.len() + entries.len() * Demand::MOST_UNITS;
+    if ahead + room > MAX_UNITS {
+        return None;
+    }
     let units = Units::mapped(ahead + room, ahead)?;
+    drop(Units::mapped(ahead + room, 0)?);
     let place = |(chunk, &(_, bounds)): (usize, &(_, Aabb))| {
         Some(Demand::part(bounds, units.append(&[Demand::place(chunk)])?))
     };
