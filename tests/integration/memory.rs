@@ -150,7 +150,9 @@ fn what_is_estimated_before_reading_is_near_what_is_held() {
     for part in ["geometry", "tree", "build", "film"] {
         let [before, after] =
             ["estimated_memory", "memory"].map(|when| number(&format!("/{when}/{part}")));
-        assert_eq!(before, after, "{part}");
+        // Of the tree, what rays of the pilot built.
+        let least = if matches!(part, "tree" | "build") { 0.7 * before } else { before };
+        assert!((least..=before).contains(&after), "{part}: {after} where {before} were estimated");
     }
     // Without optimisation the program itself is larger.
     let (estimated, peak) = (number("/estimated_total"), number("/rendered/peak"));
