@@ -286,7 +286,7 @@ impl<'a> View<'a> {
         const { assert!(align_of::<T>() <= align_of::<Unit>()) };
         // SAFETY: `place` was reached from the root or is that of a chunk, since nothing else
         // creates a `Ref` while tracing, and `Arena::new` or `Arena::extend` proved that the
-        // content of this kind at `place` lies within units that nobody writes any more. Any bits
+        // content of this kind at `place` lies within units that are no longer written. Any bits
         // are a valid `T`, and units are aligned for it.
         unsafe { &*self.units.add(place.unit()).cast::<T>() }
     }

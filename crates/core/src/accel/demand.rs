@@ -3,8 +3,8 @@
 //!
 //! The tree above the chunks is built at once, over their boxes. In it an empty list stands for each
 //! chunk. The first ray at such a list builds the chunk, while other rays that reach it wait, and the
-//! rest of the tree goes on. What was built is proved and appended to the arena before anyone knows
-//! its place. Answers are as if everything had been there: a hit does not depend on the tree.
+//! rest of the tree goes on. What was built is proved and appended to the arena before its place
+//! is published. Answers are as if everything had been there: a hit does not depend on the tree.
 
 use std::cell::RefCell;
 use std::ops::Range;
@@ -103,7 +103,7 @@ impl Demand {
         };
         let whole = || match PIECE.with_borrow_mut(build) {
             Some(whole) => whole,
-            // Hits would be lost, and nobody told.
+            // Without it, the image would silently lack its hits.
             None => unreachable!("a list of all is sound, and there is room for the worst case"),
         };
         Some(built.get_or_init(whole).0)

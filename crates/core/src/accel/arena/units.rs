@@ -1,9 +1,6 @@
 //! The tree's bytes: on huge pages if the system has them.
 
-#![allow(
-    unsafe_code,
-    reason = "several threads write to parts of the memory that nobody reads yet"
-)]
+#![allow(unsafe_code, reason = "threads write to parts of the memory before these are published")]
 
 use std::cell::UnsafeCell;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -93,7 +90,7 @@ impl Units {
         let longer = |used: usize| used.checked_add(units.len()).filter(|&end| end <= self.room);
         let used = self.used.fetch_update(Ordering::Relaxed, Ordering::Relaxed, longer).ok()?;
         // SAFETY: the units from `used` on are within the room, and no other call gets them: `used`
-        // only grows. Nobody reads them before the caller tells their place.
+        // only grows. They are read only after the caller has published their place.
         unsafe { self.base().add(used).copy_from_nonoverlapping(units.as_ptr(), units.len()) };
         Some(used - self.start)
     }
@@ -101,7 +98,7 @@ impl Units {
     /// Writes `units` to those before `end` and leaves out the units before them.
     pub(in crate::accel) fn begin_with(&mut self, units: &[Unit], end: usize) -> Option<()> {
         let start = end.checked_sub(units.len()).filter(|_| end <= *self.used.get_mut())?;
-        // SAFETY: the units are in use, and nobody else has them.
+        // SAFETY: the units are in use, and `&mut self` is the only reference to them.
         unsafe { self.base().add(start).copy_from_nonoverlapping(units.as_ptr(), units.len()) };
         self.start = start;
         Some(())
@@ -110,7 +107,7 @@ impl Units {
     /// All units in use.
     pub(in crate::accel) fn as_mut_slice(&mut self) -> &mut [Unit] {
         let len = self.len();
-        // SAFETY: the units are initialised, within the room, and nobody else has them.
+        // SAFETY: the units are initialised, within the room, and borrowed through `&mut self`.
         unsafe { std::slice::from_raw_parts_mut(self.as_ptr().cast_mut(), len) }
     }
 }

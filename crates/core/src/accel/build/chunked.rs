@@ -51,6 +51,7 @@ pub(super) fn on_demand(plan: &Plan, chunks: Chunks) -> Option<Tree> {
         return None;
     }
     let units = Units::mapped(ahead + room, ahead)?;
+    // Where address space is limited, all else must find room too: a probe, unmapped at once.
     drop(Units::mapped(ahead + room, 0)?);
     let place = |(chunk, &(_, bounds)): (usize, &(_, Aabb))| {
         Some(Demand::part(bounds, units.append(&[Demand::place(chunk)])?))
