@@ -78,11 +78,10 @@ impl Estimate {
         (lasting + self.build.max(tracing)).max(self.loading)
     }
 
-    /// The same if rays build no more than these bytes of the trees.
+    /// The same if rays build these bytes of the trees.
     #[must_use]
     pub fn with_tree(self, bytes: u64) -> Self {
-        let left_out = self.tree.saturating_sub(bytes);
-        Self { tree: self.tree - left_out, build: self.build.saturating_sub(left_out), ..self }
+        Self { tree: bytes, build: self.build.saturating_sub(self.tree) + bytes, ..self }
     }
 
     /// Allocates as much memory as the total, and frees it again. Programs with Rust's own allocator,

@@ -63,7 +63,7 @@ wavecrest_base::choices! {
     pub enum Preset {
         /// No BVH: tests every primitive, for reference.
         Brute = "brute",
-        /// As the next; chunks of a large scene are built by the first ray that reaches them.
+        /// As the next, with fuller leaves; chunks are built by the first ray that reaches them.
         OnDemand = "on-demand",
         /// Leaves along a Morton curve: fastest build, slightly slower rays.
         Fastest = "fastest",
@@ -112,11 +112,6 @@ impl Preset {
             1 => format!("1 ray per primitive: {why}"),
             n => format!("{n} rays per primitive: {why}"),
         }
-    }
-
-    /// Whether leaves are found before the hierarchy.
-    fn finds_leaves_first(self) -> bool {
-        matches!(self, Self::OnDemand | Self::Fastest)
     }
 
     /// The rounds of reinsertion: the share of nodes in each, relative to the first. `None` stands

