@@ -205,7 +205,7 @@ fn files_of_other_formats_are_cut_out() {
         let share = covered(&found) as f64 / whole as f64;
         assert!((0.3..0.7).contains(&share), "{name}: {share}");
         let out = at(&format!("{name}.json"));
-        write(load(&at(name), &lit).expect("a scene"), &out, false).expect("a scene file");
+        write(&load(&at(name), &lit).expect("a scene"), &out, false).expect("a scene file");
         assert!(film(&format!("{name}.json")).same_bits(&found), "{name}");
     }
     let gone = load(&at("gone.gltf"), &options).expect("a scene");

@@ -96,7 +96,7 @@ fn a_file_alone_has_its_materials_and_converts_to_the_same_image() {
     assert!(alone.pixels().iter().filter(is_red).count() > 5);
     assert!(alone.pixels().iter().filter(is_green).count() > 5);
     let out = folder.path().join("out.json");
-    wavecrest_scene::write::write(read("m.obj"), &out, false).expect("a scene");
+    wavecrest_scene::write::write(&read("m.obj"), &out, false).expect("a scene");
     assert!(film(read("out.json")).same_bits(&alone));
 }
 

@@ -35,8 +35,8 @@ use std::sync::Arc;
 
 use wavecrest_base::error::{Error, ErrorKind, Result};
 
-use super::load::{LoadOptions, LoadedScene, notes, spawned};
-use super::reader::{Cursor, Place, json};
+use super::format::{Cursor, Place, json};
+use super::load::{LoadOptions, LoadedScene, loaded, notes};
 use buffer::Buffer;
 use document::Document;
 use fields::Fields;
@@ -78,9 +78,9 @@ pub fn load_bytes(bytes: Vec<u8>, path: &Path, options: &LoadOptions) -> Result<
     document::remark(&top);
     // Data in the text is many times larger there than as bytes.
     drop(value);
-    let (scene, told) = scene::scene(&document, options, &notes)?;
+    let (world, told) = scene::world(&document, options, &notes)?;
     drop(document);
-    spawned(scene, notes, Some(told), crate::mesh::load)
+    loaded(world, notes, Some(told), crate::mesh::load)
 }
 
 fn text<'b>(bytes: &'b [u8], path: &Path) -> Result<&'b str> {

@@ -14,15 +14,18 @@ pub mod mesh;
 pub mod mtl;
 pub mod survey;
 
+mod camera;
 mod folder;
-mod parse;
+mod format;
+mod lights;
 mod query;
-mod reader;
-mod schema;
+mod scene_file;
+mod shapes;
+mod surface;
 pub mod systems;
 pub mod write;
 
-pub use parse::json_schema;
+pub use format::json_schema;
 
 #[cfg(test)]
 mod tests;

@@ -1,14 +1,13 @@
 //! Loads a scene file, a glTF file or a mesh into a world of entities.
 //!
-//! The file is parsed into plain, checked values ([`schema`](super::schema)). Then its mesh files
-//! are read, and each part becomes an entity with the components of
-//! [`components`](super::components) ([`spawn`]). Files that are not complete scenes are completed
+//! Each part of the file becomes an entity with the components of [`components`](super::components).
+//! Then its mesh files are read ([`meshes`]). Files that are not complete scenes are completed
 //! ([`staging`]).
 
 pub mod framing;
 pub mod lighting;
 mod materials;
-pub(crate) mod spawn;
+pub(crate) mod meshes;
 pub(crate) mod staging;
 mod standalone;
 
@@ -25,15 +24,14 @@ use wavecrest_base::replace::check_differs;
 
 use framing::Framing;
 
-use super::components::Encoding;
+pub use super::camera::LONGEST_SIDE;
+use super::components::{Encoding, JsonPath, Name, Settings};
 use super::folder::Folder;
+use super::format::{Cursor, Notes, Place, json};
 use super::gltf;
 use super::mesh::{self, LoadedMesh, MeshData};
-use super::parse;
-pub use super::parse::LONGEST_SIDE;
 use super::query;
-use super::reader::{Cursor, Notes, Place, json};
-use super::schema::{SceneFile, Shape};
+use super::scene_file;
 use super::survey::{self, Survey};
 use lighting::Lighting;
 
@@ -91,8 +89,8 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<LoadedScene> {
         FileFormat::Gltf => gltf::load(path, options),
         FileFormat::Mesh => {
             let notes = notes(path, options);
-            let (scene, told) = standalone::scene(path, options, &notes, || mesh::load(path))?;
-            spawned(scene, notes, Some(told), mesh::load)
+            let (world, told) = standalone::world(path, options, &notes, || mesh::load(path))?;
+            loaded(world, notes, Some(told), mesh::load)
         }
     }
 }
@@ -121,8 +119,8 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<LoadedScene> {
 /// ```
 pub fn load_mesh(mesh: MeshData, name: &Path, options: &LoadOptions) -> Result<LoadedScene> {
     let notes = notes(name, options);
-    let (scene, told) = standalone::scene(name, options, &notes, || mesh::checked(mesh, name))?;
-    spawned(scene, notes, Some(told), mesh::load)
+    let (world, told) = standalone::world(name, options, &notes, || mesh::checked(mesh, name))?;
+    loaded(world, notes, Some(told), mesh::load)
 }
 
 /// As [`load`], from text. Relative paths start from the folder of `file`, which need not exist.
@@ -160,26 +158,27 @@ pub(super) fn load_with(
     refuse_camera(file, options)?;
     let notes = notes(file, options);
     let value = json::parse(json, file)?;
-    let mut scene = parse::scene_file(&Cursor::new(&value, Place::Top, &notes), options)?;
+    let mut world = scene_file::read(&Cursor::new(&value, Place::Top, &notes), options)?;
     if let Some(background) = options.lighting.background {
-        scene.settings.background = background.color();
+        let all = world.query_mut::<&mut Settings>().into_iter();
+        all.for_each(|settings| settings.background = background.color());
     }
     // A mesh written out in JSON is many times larger there than as arrays.
     drop(value);
-    warn_of_equal_names(&scene.shapes, &notes);
-    spawned(scene, notes, None, read_mesh)
+    warn_of_equal_names(&world, &notes);
+    loaded(world, notes, None, read_mesh)
 }
 
-/// The world of `scene`, with the choices in `told`.
-pub(super) fn spawned(
-    scene: SceneFile,
+/// The scene of a `world`, whose mesh files are read now, with the choices in `told`.
+pub(super) fn loaded(
+    mut world: World,
     notes: Notes<'_>,
     told: Option<String>,
     read_mesh: impl Fn(&Path) -> Result<LoadedMesh>,
 ) -> Result<LoadedScene> {
-    let encoding = scene.encoding;
+    let encoding = query::settings(&world)?.transfer;
     let told = told.map(|text| Warning::from_error(&notes.error(ErrorKind::Scene, "", text)));
-    let world = spawn::world(scene, &notes, read_mesh)?;
+    meshes::complete(&mut world, &notes, read_mesh)?;
     let (file, folder) = (notes.file().to_owned(), notes.folder());
     let (warnings, files) = notes.into_parts();
     let notes = told.into_iter().collect();
@@ -234,9 +233,9 @@ pub fn survey(path: &Path, options: &LoadOptions) -> Result<Survey> {
     let notes = notes(path, options);
     let text = read_text(path)?;
     let value = json::parse(&text, path)?;
-    let scene = parse::scene_file(&Cursor::new(&value, Place::Top, &notes), options)?;
+    let world = scene_file::read(&Cursor::new(&value, Place::Top, &notes), options)?;
     drop(value);
-    survey::of(scene, text.len() as u64, &notes)
+    survey::of(&world, text.len() as u64, &notes)
 }
 
 /// Surveys a mesh in memory, which [`load_mesh`] would take.
@@ -279,14 +278,14 @@ fn check_length(path: &Path, length: u64) -> Result<()> {
         .remedy(format!("keep it below {allowed} MiB, and large meshes in files of their own")))
 }
 
-fn warn_of_equal_names(shapes: &[Shape], notes: &Notes<'_>) {
+fn warn_of_equal_names(world: &World, notes: &Notes<'_>) {
     let mut owners = HashMap::new();
-    for shape in shapes {
-        let Some(name) = &shape.name else { continue };
-        if let Some(owner) = owners.insert(&name.0, &shape.path) {
-            let message = format!("{owner} has the same name, {:?}", name.0);
-            let error = notes.error(ErrorKind::Scene, &shape.path, message);
-            notes.warn(&error.remedy("use a different name for each shape"));
+    for shape in query::shapes(world) {
+        let mut found = world.query_one::<(&Name, &JsonPath)>(shape);
+        let Ok((Name(name), JsonPath(place))) = found.get() else { continue };
+        if let Some(owner) = owners.insert(name.clone(), place.clone()) {
+            let message = format!("{owner} has the same name, {name:?}");
+            notes.note(place, &message, "use a different name for each shape");
         }
     }
 }

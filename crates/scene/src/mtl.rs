@@ -12,7 +12,7 @@ use std::collections::{BTreeSet, HashMap};
 use glam::DVec3;
 
 use crate::components::{CutOut, Material, TextureRef};
-use crate::reader::Range;
+use crate::format::Range;
 use map::Map;
 pub(crate) use surface::{Look, surface};
 

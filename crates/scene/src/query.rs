@@ -2,10 +2,41 @@
 
 use std::path::PathBuf;
 
-use hecs::{Entity, World};
+use hecs::{Component, Entity, EntityRef, Or, World};
 
-use crate::components::{CutOut, JsonPath, Maps, Settings, TextureRef, TextureSource, View};
+use crate::components::{
+    AreaLight, CutOut, DirectionalLight, InstanceOf, JsonPath, Maps, Mesh, MeshFile, Order,
+    PointLight, Quad, Settings, Sphere, TextureRef, TextureSource, Triangle, View,
+};
 use wavecrest_base::error::{Error, ErrorKind, Result};
+
+/// The entities that have what `Q` takes, in the order of the file.
+pub(crate) fn ordered<Q: hecs::Query>(world: &World) -> Vec<Entity> {
+    let mut found: Vec<(Order, Entity)> = world
+        .query::<(Entity, &Order)>()
+        .with::<Q>()
+        .iter()
+        .map(|(entity, order)| (*order, entity))
+        .collect();
+    found.sort_unstable_by_key(|(order, _)| *order);
+    found.into_iter().map(|(_, entity)| entity).collect()
+}
+
+/// Any light.
+type AnyLight<'w> = Or<Or<&'w PointLight, &'w DirectionalLight>, &'w AreaLight>;
+
+/// Any geometry of a shape.
+type AnyGeometry<'w> = Or<Or<&'w Sphere, &'w Quad>, Or<&'w Triangle, Or<&'w Mesh, &'w MeshFile>>>;
+
+/// The lights, in the order of the file.
+pub(crate) fn lights(world: &World) -> Vec<Entity> {
+    ordered::<AnyLight<'_>>(world)
+}
+
+/// The shapes, without those of lights and without instances, in the order of the file.
+pub(crate) fn shapes(world: &World) -> Vec<Entity> {
+    ordered::<hecs::Without<AnyGeometry<'_>, Or<&AreaLight, &InstanceOf>>>(world)
+}
 
 /// The settings of the whole scene.
 pub(crate) fn settings(world: &World) -> Result<Settings> {
@@ -17,19 +48,37 @@ pub(crate) fn view(world: &World) -> Result<View> {
     world.query::<&View>().iter().next().copied().ok_or_else(|| missing("View"))
 }
 
+/// The only entity with a component.
+pub(crate) fn entity<C: Component>(world: &World) -> Result<Entity> {
+    let mut query = world.query::<hecs::With<Entity, &C>>();
+    query.iter().next().ok_or_else(|| missing(std::any::type_name::<C>()))
+}
+
+/// An entity that is in the world.
+pub(crate) fn known(world: &World, entity: Entity) -> Result<EntityRef<'_>> {
+    world.entity(entity).map_err(|_| missing("this number"))
+}
+
 /// The place of the entity in the scene file; empty if unknown.
 pub(crate) fn json_path(world: &World, entity: Entity) -> String {
     world.get::<&JsonPath>(entity).map_or_else(|_| String::new(), |path| path.0.clone())
 }
 
+/// All images that the surface of an entity names.
+pub(crate) fn images_of<'a>(
+    texture: Option<&'a TextureRef>,
+    maps: Option<&'a Maps>,
+    cutout: Option<&'a CutOut>,
+) -> impl Iterator<Item = &'a TextureSource> {
+    let maps = maps.into_iter().flat_map(Maps::all).map(|(_, map)| map);
+    let textures = texture.into_iter().chain(maps).map(|texture| &texture.source);
+    textures.chain(cutout.map(|cutout| &cutout.source))
+}
+
 /// The files of all images that surfaces name.
 pub(crate) fn images(world: &World) -> Vec<PathBuf> {
     let mut query = world.query::<(Option<&TextureRef>, Option<&Maps>, Option<&CutOut>)>();
-    let sources = query.iter().flat_map(|(texture, maps, cutout)| {
-        let maps = maps.into_iter().flat_map(Maps::all).map(|(_, map)| map);
-        let textures = texture.into_iter().chain(maps).map(|texture| &texture.source);
-        textures.chain(cutout.map(|cutout| &cutout.source))
-    });
+    let sources = query.iter().flat_map(|(texture, maps, cutout)| images_of(texture, maps, cutout));
     let mut files: Vec<PathBuf> = sources
         .filter_map(|source| match source {
             TextureSource::File(path) => Some(path.clone()),

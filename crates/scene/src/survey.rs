@@ -1,10 +1,19 @@
 //! Surveys the contents of a scene before anything large is read, for the memory estimate.
 
-use super::components::{CutOut, Filter, Materials, Sampling, Shading, TextureRef, TextureSource};
+use std::collections::HashMap;
+
+use hecs::{Entity, World};
+
+use super::components::{
+    AreaLight, CutOut, DirectionalLight, Filter, Hidden, InstanceOf, Maps, Materials, Mesh,
+    MeshFile, PointLight, Shading, TextureRef, TextureSource, ThinLens,
+};
+use super::format::Notes;
+use super::lights::points;
+use super::load::meshes::error_of;
 use super::load::staging;
 use super::mesh::{self, MeshData};
-use super::reader::Notes;
-use super::schema::{Geometry, Light, SceneFile, Shape};
+use super::query;
 use wavecrest_base::error::Result;
 
 /// The mesh of a shape.
@@ -69,77 +78,92 @@ pub(super) fn standalone(mut holds: mesh::Survey, size: [u32; 2], is_smoothed: b
     Survey { meshes, size, rays_per_pixel, light_samples, creasing, ..Survey::default() }
 }
 
-/// Surveys `scene`, whose file has `text` bytes.
-pub(super) fn of(scene: SceneFile, text: u64, notes: &Notes<'_>) -> Result<Survey> {
-    let view = scene.camera.view;
-    let on_lens = scene.camera.lens.map_or(1, |l| u64::from(l.samples_x) * u64::from(l.samples_y));
+/// Surveys a world whose mesh files are not read yet, and whose scene file has `text` bytes.
+pub(super) fn of(world: &World, text: u64, notes: &Notes<'_>) -> Result<Survey> {
+    let (settings, view) = (query::settings(world)?, query::view(world)?);
+    let on_lens = world
+        .query::<&ThinLens>()
+        .iter()
+        .next()
+        .map_or(1, |lens| u64::from(lens.samples_x) * u64::from(lens.samples_y));
+    let mut uses: HashMap<Entity, u64> = HashMap::new();
+    world.query::<&InstanceOf>().iter().for_each(|of| *uses.entry(of.0).or_default() += 1);
     let mut survey = Survey {
         text,
-        instances: scene.instances.len() as u64,
+        instances: uses.values().sum(),
         size: [view.width, view.height],
         rays_per_pixel: u64::from(view.antialias).pow(2).saturating_mul(on_lens),
-        bounces: scene.settings.bounces > 0,
+        bounces: settings.bounces > 0,
         ..Survey::default()
     };
-    let mut uses: Vec<u64> = scene.shapes.iter().map(|shape| u64::from(!shape.hidden)).collect();
-    scene.instances.iter().for_each(|instance| uses[instance.shape] += 1);
-    for (shape, uses) in scene.shapes.iter().zip(uses).filter(|(_, uses)| *uses > 0) {
-        survey.add(shape, uses, notes)?;
+    for shape in query::shapes(world) {
+        let own = u64::from(world.get::<&Hidden>(shape).is_err());
+        survey.add(world, shape, own + uses.get(&shape).unwrap_or(&0), notes)?;
     }
-    for light in &scene.lights {
-        match light {
-            Light::Point { .. } | Light::Spot { .. } => survey.light_samples += 1,
-            Light::Directional { light, .. } => {
-                survey.light_samples += points(light.sampling, light.samples);
-            }
-            Light::Area { light, shape, .. } => {
-                survey.light_samples += points(light.sampling, light.samples);
-                survey.add(shape, 1, notes)?;
-            }
-        }
+    survey.light_samples = world.query::<&PointLight>().iter().count() as u64;
+    let mut all = world.query::<&DirectionalLight>();
+    survey.light_samples +=
+        all.iter().map(|light| points(light.sampling, light.samples)).sum::<u64>();
+    for light in query::ordered::<&AreaLight>(world) {
+        let points = world.get::<&AreaLight>(light).map(|l| points(l.sampling, l.samples));
+        survey.light_samples += points.unwrap_or(0);
+        survey.add(world, light, 1, notes)?;
     }
     Ok(survey)
 }
 
-/// Number of points on a light with this value of `samples`.
-fn points(sampling: Sampling, samples: u32) -> u64 {
-    let side = u64::from(samples);
-    if sampling == Sampling::Jittered { side * side } else { side }
-}
+/// What a survey looks at in a shape.
+type Surveyed<'w> = (
+    Option<&'w Mesh>,
+    Option<&'w MeshFile>,
+    Option<&'w Shading>,
+    Option<&'w TextureRef>,
+    Option<&'w Maps>,
+    Option<&'w CutOut>,
+);
 
 impl Survey {
-    fn add(&mut self, shape: &Shape, uses: u64, notes: &Notes<'_>) -> Result<()> {
-        let holds = match &shape.geometry {
-            Geometry::Sphere(_) | Geometry::Quad(_) | Geometry::Triangle(_) => {
+    fn add(&mut self, world: &World, shape: Entity, uses: u64, notes: &Notes<'_>) -> Result<()> {
+        let mut found = world.query_one::<Surveyed<'_>>(shape);
+        let Ok((mesh, file, shading, texture, maps, cutout)) = found.get() else { return Ok(()) };
+        if uses == 0 {
+            return Ok(());
+        }
+        self.add_images(texture, maps, cutout);
+        let holds = match (mesh, file) {
+            (Some(mesh), _) => of_mesh(&mesh.data),
+            (None, Some(file)) => mesh::survey(&file.file)
+                .map_err(|cause| error_of(cause, &query::json_path(world, shape), notes))?,
+            (None, None) => {
                 self.others += uses;
-                self.add_texture(shape);
                 return Ok(());
             }
-            Geometry::Mesh(mesh) => of_mesh(&mesh.data),
-            Geometry::MeshFile(file) => mesh::survey(file).map_err(|cause| {
-                let message = format!("cannot read the mesh: {cause}");
-                notes.error(cause.kind(), &format!("{}.file", shape.path), message).because(cause)
-            })?,
         };
-        let wears_some = shape.textures().next().is_some()
-            || shape.cutout.is_some()
-            || shape.materials == Materials::File;
-        let (normals, uvs) = (shape.shading == Shading::Smooth, wears_some);
-        let tangents = shape.maps.normal.is_some();
+        let normals = shading.is_some_and(|shading| *shading == Shading::Smooth);
+        let uvs = texture.is_some()
+            || maps.is_some()
+            || cutout.is_some()
+            || file.is_some_and(|file| file.materials == Materials::File);
+        let tangents = maps.is_some_and(|maps| maps.normal.is_some());
         self.meshes.push(SurveyedMesh { holds, normals, uvs, tangents, uses });
-        self.add_texture(shape);
         Ok(())
     }
 
-    fn add_texture(&mut self, shape: &Shape) {
-        for (_, texture) in shape.textures() {
+    fn add_images(
+        &mut self,
+        texture: Option<&TextureRef>,
+        maps: Option<&Maps>,
+        cutout: Option<&CutOut>,
+    ) {
+        let maps = maps.into_iter().flat_map(Maps::all).map(|(_, map)| map);
+        for texture in texture.into_iter().chain(maps) {
             match self.textures.iter_mut().find(|known| known.source == texture.source) {
                 Some(known) if texture.filter == Filter::Trilinear => known.filter = texture.filter,
                 Some(_) => {}
                 None => self.textures.push(texture.clone()),
             }
         }
-        if let Some(CutOut { source, .. }) = &shape.cutout
+        if let Some(CutOut { source, .. }) = cutout
             && !self.masks.contains(source)
         {
             self.masks.push(source.clone());

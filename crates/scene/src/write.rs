@@ -2,11 +2,8 @@
 //!
 //! A scene that is written and read again is the same to the last bit: numbers are written as the
 //! shortest text that reads back to the same value, meshes as binary PLY, images as their original
-//! bytes. It supports only what glTF files and standalone meshes become: spheres, planes and lenses
-//! come from scene files, which need no conversion.
+//! bytes. A mesh without a file is written into the scene file itself.
 
-mod beside;
-mod json;
 mod mesh;
 
 use std::fs::File;
@@ -18,9 +15,10 @@ use serde_json::Value;
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_base::replace::{check_replaceable, replace_file, write_error};
 
-use super::components::TextureSource;
+use crate::components::{Mesh, TextureSource};
+use crate::format::Beside;
 use crate::load::LoadedScene;
-use beside::Beside;
+use crate::{query, scene_file};
 pub use mesh::write_ply;
 
 /// Writes `scene` to the scene file `path`, with its meshes and images beside it. Returns the
@@ -29,9 +27,9 @@ pub use mesh::write_ply;
 /// # Errors
 /// If a file exists already, is a file that the scene was read from, or cannot be written; or if an image is outside the folder of the file that the scene was
 /// read from, unless it was read with [`allow_outside`](crate::load::LoadOptions::allow_outside).
-pub fn write(mut scene: LoadedScene, path: &Path, replaces: bool) -> Result<Vec<PathBuf>> {
+pub fn write(scene: &LoadedScene, path: &Path, replaces: bool) -> Result<Vec<PathBuf>> {
     let mut beside = Beside::new(path, scene.folder.clone());
-    let value = json::scene(&mut scene.world, scene.encoding, &mut beside)?;
+    let value = scene_file::write(&scene.world, &mut beside)?;
     let Beside { meshes, images, .. } = beside;
     let names = meshes.iter().map(|(name, _)| name).chain(images.iter().map(|(name, _)| name));
     let mut all: Vec<PathBuf> = names.cloned().collect();
@@ -40,8 +38,9 @@ pub fn write(mut scene: LoadedScene, path: &Path, replaces: bool) -> Result<Vec<
         scene.check_apart(file)?;
         check_free(file, replaces)?;
     }
-    for (file, data) in meshes {
-        replace_file(&file, |sink| write_ply(&data, sink).map_err(|e| write_error(&file, e)))?;
+    for (file, entity) in meshes {
+        let mesh = scene.world.get::<&Mesh>(entity).map_err(|_| query::missing("Mesh"))?;
+        replace_file(&file, |sink| write_ply(&mesh.data, sink).map_err(|e| write_error(&file, e)))?;
     }
     for (file, source) in images {
         replace_file(&file, |sink| copy(&source, sink).map_err(|e| copy_error(&source, &file, e)))?;

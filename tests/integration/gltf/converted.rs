@@ -17,7 +17,7 @@ pub(super) fn converted(file: &Path) -> (Film, Value) {
     let folder = folder();
     let out = folder.path().join("out.json");
     let scene = load(file, &SIZE).unwrap_or_else(|error| panic!("{error}"));
-    write(scene, &out, false).unwrap_or_else(|error| panic!("{error}"));
+    write(&scene, &out, false).unwrap_or_else(|error| panic!("{error}"));
     let json = serde_json::from_slice(&std::fs::read(&out).expect("a file")).expect("JSON");
     let again = load(&out, &LoadOptions { strict: true, ..LoadOptions::default() });
     assert!(again.as_ref().is_ok_and(|scene| scene.warnings.is_empty()));
@@ -88,7 +88,7 @@ fn shared_meshes_are_written_as_instances() {
     file.node(json!({"mesh": 0, "translation": [0, 2, 0]}));
     let folder = folder();
     let out = folder.path().join("out.json");
-    let written = write(loaded(&file).expect("it is right"), &out, false).expect("it is written");
+    let written = write(&loaded(&file).expect("it is right"), &out, false).expect("it is written");
     assert_eq!(written, [folder.path().join("out-mesh0.ply"), out.clone()]);
     let json: Value = serde_json::from_slice(&std::fs::read(&out).expect("a file")).expect("JSON");
     let shapes = json["scene"]["shapes"].as_array().expect("a list");

@@ -100,7 +100,7 @@ fn a_conversion_copies_nothing_from_outside() {
         let options = LoadOptions { allow_outside, ..LoadOptions::default() };
         let scene = load_str(&json, &own.join("scene.json"), &options).expect("a scene");
         let out = own.join(format!("copy-{allow_outside}.json"));
-        let written = write(scene, &out, false);
+        let written = write(&scene, &out, false);
         assert_eq!(written.is_ok(), allow_outside, "{written:?}");
         assert_eq!(own.join(format!("copy-{allow_outside}-image0.png")).exists(), allow_outside);
     }

@@ -6,7 +6,7 @@ use std::ops::Range;
 use std::path::Path;
 use std::sync::Arc;
 
-use crate::reader::Cursor;
+use crate::format::Cursor;
 use wavecrest_base::error::{Error, ErrorKind, Result};
 
 use super::fields::Fields;

@@ -2,12 +2,12 @@
 
 use glam::{DAffine3, DVec3};
 
+use crate::camera;
 use crate::components::{FovAxis, View};
 use crate::corners::direction;
+use crate::format::{Notes, Range};
 use crate::load::LoadOptions;
 use crate::load::staging::{self, Sphere};
-use crate::parse;
-use crate::reader::{Notes, Range};
 use wavecrest_base::error::{Error, ErrorKind, Result};
 
 use super::document::Document;
@@ -127,11 +127,11 @@ impl Camera {
 }
 
 fn checked_fov(degrees: f64, path: &str, notes: &Notes<'_>) -> Result<f64> {
-    if parse::FOV.contains(degrees) {
+    if camera::FOV.contains(degrees) {
         return Ok(degrees);
     }
     let place = format!("{path}.perspective.yfov");
-    let message = format!("in degrees, must be {}", parse::FOV.words());
+    let message = format!("in degrees, must be {}", camera::FOV.words());
     Err(notes.error(ErrorKind::Scene, &place, message).value(format!("{degrees} degrees")))
 }
 

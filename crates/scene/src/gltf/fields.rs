@@ -2,7 +2,7 @@
 //!
 //! Unlike in a scene file, unknown keys are ignored: other programs add their own to glTF files.
 
-use crate::reader::{Cursor, Place, Range};
+use crate::format::{Cursor, Place, Range};
 use wavecrest_base::error::{Error, ErrorKind, Result};
 
 /// The largest count or offset: JSON numbers are exact up to 2^53.

@@ -12,7 +12,7 @@ use super::survey::items;
 use super::texture::is_mipmapped;
 use super::uri::{self, Target};
 use crate::components::{Filter, TextureSource};
-use crate::reader::{Cursor, Notes, Place};
+use crate::format::{Cursor, Notes, Place};
 use crate::systems::textures;
 
 /// The textures of a material, with the key of the factor on their colours.

@@ -2,7 +2,7 @@
 
 use glam::{DAffine3, DMat3, DQuat, DVec3, DVec4};
 
-use crate::reader::Notes;
+use crate::format::Notes;
 use wavecrest_base::error::{Error, ErrorKind, Result};
 
 use super::accessor::{Accessor, Component, Storage};

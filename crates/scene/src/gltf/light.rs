@@ -18,12 +18,12 @@
 use std::f64::consts::PI;
 
 use glam::{DAffine3, DVec3};
+use hecs::EntityBuilder;
 
-use crate::components::{DirectionalLight, Falloff, PointLight, Sampling, Spot};
+use crate::components::{DirectionalLight, Falloff, JsonPath, PointLight, Sampling, Spot};
 use crate::corners::direction;
+use crate::format::Range;
 use crate::load::staging::Sphere;
-use crate::reader::Range;
-use crate::schema;
 use wavecrest_base::error::Result;
 
 use super::fields::Fields;
@@ -83,7 +83,7 @@ impl Light {
     }
 
     /// The light at a node, before exposure. `None` for a spot or sun without a direction.
-    pub(super) fn placed(&self, path: String, world: &DAffine3) -> Option<schema::Light> {
+    pub(super) fn placed(&self, path: String, world: &DAffine3) -> Option<EntityBuilder> {
         let &Self { kind, color, intensity } = self;
         // Along its -z axis.
         let direction = || direction(-world.matrix3.z_axis);
@@ -93,25 +93,25 @@ impl Light {
             color,
             falloff: Falloff::InverseSquare,
         };
-        Some(match kind {
-            Kind::Point => schema::Light::Point { path, light },
+        let mut entity = EntityBuilder::new();
+        entity.add(JsonPath(path));
+        match kind {
+            Kind::Point => entity.add(light),
             Kind::Spot { inner, outer } => {
                 let [inner_degrees, outer_degrees] = [inner, outer].map(degrees);
                 let spot = Spot { direction: direction()?, inner_degrees, outer_degrees };
-                schema::Light::Spot { path, light, spot }
+                entity.add(light).add(spot)
             }
-            Kind::Sun => {
-                let light = DirectionalLight {
-                    intensity: intensity / PI,
-                    color,
-                    direction: direction()?,
-                    angle_degrees: 0.0,
-                    sampling: Sampling::Sobol,
-                    samples: 1,
-                };
-                schema::Light::Directional { path, light }
-            }
-        })
+            Kind::Sun => entity.add(DirectionalLight {
+                intensity: intensity / PI,
+                color,
+                direction: direction()?,
+                angle_degrees: 0.0,
+                sampling: Sampling::Sobol,
+                samples: 1,
+            }),
+        };
+        Some(entity)
     }
 }
 
@@ -144,25 +144,20 @@ pub(super) fn radiance(strength: DVec3, falloff: Falloff, position: DVec3, bound
 }
 
 /// The same for a light that is not a mesh. The middle counts as inside the cone of every spot.
-pub(super) fn radiance_of(light: &schema::Light, bounds: &Sphere) -> f64 {
-    match light {
-        schema::Light::Point { light, .. } | schema::Light::Spot { light, .. } => {
-            radiance(light.color * light.intensity, light.falloff, light.position, bounds)
-        }
-        schema::Light::Directional { light, .. } => (light.color * light.intensity).max_element(),
-        schema::Light::Area { .. } => 0.0,
-    }
+pub(super) fn radiance_of(light: &EntityBuilder, bounds: &Sphere) -> f64 {
+    let point = light.get::<&PointLight>().map(|light| {
+        radiance(light.color * light.intensity, light.falloff, light.position, bounds)
+    });
+    let sun = light.get::<&DirectionalLight>();
+    let sun = sun.map(|light| (light.color * light.intensity).max_element());
+    point.or(sun).unwrap_or(0.0)
 }
 
 /// Multiplies the intensity of a light that is not a mesh.
-pub(super) fn expose(light: &mut schema::Light, exposure: f64) {
-    match light {
-        schema::Light::Point { light, .. } | schema::Light::Spot { light, .. } => {
-            light.intensity *= exposure;
-        }
-        schema::Light::Directional { light, .. } => light.intensity *= exposure,
-        schema::Light::Area { .. } => {}
-    }
+pub(super) fn expose(light: &mut EntityBuilder, exposure: f64) {
+    light.get_mut::<&mut PointLight>().into_iter().for_each(|light| light.intensity *= exposure);
+    let sun = light.get_mut::<&mut DirectionalLight>();
+    sun.into_iter().for_each(|light| light.intensity *= exposure);
 }
 
 /// The lights of a file, and the radiance of a white surface in the middle under them.

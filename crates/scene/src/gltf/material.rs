@@ -7,8 +7,8 @@
 use glam::DVec3;
 
 use crate::components::{Encoding, Maps, Material, MetalMap, Sides, StrengthMap, TextureRef};
-use crate::parse::THRESHOLD;
-use crate::reader::Range;
+use crate::format::Range;
+use crate::surface::THRESHOLD;
 use wavecrest_base::error::Result;
 use wavecrest_core::kernels::metal::{Look, look};
 

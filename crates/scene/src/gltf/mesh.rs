@@ -2,8 +2,8 @@
 
 use glam::Vec3;
 
+use crate::format::Notes;
 use crate::mesh::{Attribute, MeshData, bad_position, is_good_position};
-use crate::reader::Notes;
 use wavecrest_base::error::{Error, ErrorKind, Result};
 
 use super::accessor::{Accessor, Component, Elements};

@@ -7,7 +7,7 @@
 use glam::{DAffine3, DMat3, DQuat, DVec3, DVec4};
 
 use crate::corners::direction;
-use crate::reader::Range;
+use crate::format::Range;
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_core::math::float::MAX_COORDINATE;
 

@@ -1,21 +1,21 @@
 //! Converts a document to the values of a scene file.
 
 use std::ops::Range;
+use std::path::Path;
 
 use glam::{DAffine3, DVec3, Vec3};
+use hecs::{EntityBuilder, World};
 
 use crate::components::{
-    AreaLight, CutOut, Encoding, Falloff, Maps, Mesh, Name, Sampling, Shading, TextureRef,
-    Transform,
+    AreaLight, CutOut, Falloff, Hidden, InstanceOf, JsonPath, Maps, Mesh, Name, Order, Pinhole,
+    Sampling, Shading, TextureRef, Transform,
 };
+use crate::format::Notes;
 use crate::load::LoadOptions;
 use crate::load::framing::{Framing, Up};
 use crate::load::lighting::Rig;
-use crate::load::spawn::has_area;
 use crate::load::staging::{self, Framed, Sphere, Upward};
 use crate::mesh::MeshData;
-use crate::reader::Notes;
-use crate::schema::{self, Instance, SceneFile, Shape};
 use wavecrest_base::error::{ErrorKind, Result};
 
 use super::camera;
@@ -51,11 +51,11 @@ struct Use {
 }
 
 /// Makes a scene from a document, and reports the choices made for the user.
-pub(super) fn scene(
+pub(super) fn world(
     document: &Document,
     options: &LoadOptions,
     notes: &Notes<'_>,
-) -> Result<(SceneFile, String)> {
+) -> Result<(World, String)> {
     let primitives = notes.whole(|| Ok(primitives(document, notes)))?;
     let corners = corners(&primitives);
     let all = placed(&primitives, &corners);
@@ -81,38 +81,43 @@ pub(super) fn scene(
     };
     let added = own.why_more(options.lighting.replaces);
     let exposure = own.exposure(added.is_some());
-    lights.iter_mut().for_each(|light| light::expose(light, exposure));
-    let (mut ground, mut told_light) = (None, None);
-    let count = lights.len() + glowing;
-    let mut settings = staging::settings(notes.file(), count, &options.lighting);
-    if let Some(why) = added {
-        let (bounds, view) = (&bounds, &view);
-        let path = path.as_ref();
-        let subject = staging::Subject { all: &all, bounds, view, path, up, lamp };
-        let lit = staging::lit(&subject, notes.file(), &options.lighting);
-        (lights, ground, settings, told_light) =
-            (lit.lights, lit.ground, lit.settings, Some(format!("{why}: {}", lit.told)));
-    }
+    let mut world = World::new();
+    let (settings, told_light) = match added {
+        Some(why) => {
+            let (bounds, view, path) = (&bounds, &view, path.as_ref());
+            let subject = staging::Subject { all: &all, bounds, view, path, up, lamp };
+            let (settings, told) =
+                staging::light(&mut world, &subject, notes.file(), &options.lighting);
+            (settings, Some(format!("{why}: {told}")))
+        }
+        None => {
+            for (light, order) in lights.iter_mut().zip(0..) {
+                light::expose(light, exposure);
+                world.spawn(light.add(Order(order)).build());
+            }
+            let count = lights.len() + glowing;
+            (staging::settings(notes.file(), count, &options.lighting), None)
+        }
+    };
     drop(all);
-    let mut scene = SceneFile {
-        settings,
-        camera: schema::Camera { view, lens: None, path },
-        lights,
-        shapes: Vec::new(),
-        instances: Vec::new(),
-        encoding: Encoding::Srgb,
+    world.spawn((settings,));
+    match path {
+        Some(path) => world.spawn((view, Pinhole, path)),
+        None => world.spawn((view, Pinhole)),
     };
     // Without lights, a lamp is a surface that shows its emission.
     let shows_colors = added.is_some() && options.lighting.rig == Rig::None;
+    // Behind all lights that are not meshes.
+    let mut order = (lights.len() as u32 + staging::MOST_LAMPS..).map(Order);
     for primitive in primitives {
+        let order = &mut order;
         if primitive.surface.is_light() && !shows_colors {
-            primitive.add_lights(exposure, &mut scene);
+            primitive.add_lights(exposure, notes.file(), order, &mut world);
         } else {
-            primitive.add_shapes(&mut scene);
+            primitive.add_shapes(notes.file(), order, &mut world);
         }
     }
-    scene.shapes.extend(ground);
-    Ok((scene, told(has_camera, &chosen, told_light, exposure)))
+    Ok((world, told(has_camera, &chosen, told_light, exposure)))
 }
 
 /// Largest number of triangles of lights: each node that shows one holds a copy.
@@ -296,7 +301,7 @@ fn placed<'a>(primitives: &'a [Primitive], corners: &'a [Vec<Vec3>]) -> Vec<stag
 }
 
 /// The lights of the scene's nodes.
-fn lights(document: &Document, notes: &Notes<'_>) -> Vec<schema::Light> {
+fn lights(document: &Document, notes: &Notes<'_>) -> Vec<EntityBuilder> {
     let placed = |place: &Placed| {
         let light = document.lights[document.nodes[place.node].light?]?;
         let path = format!("nodes[{}]", place.node);
@@ -336,48 +341,57 @@ fn extent(mesh: &MeshData, world: &DAffine3) -> (f64, DVec3) {
 }
 
 impl Primitive {
-    /// Adds a shape if one node shows the primitive, otherwise a hidden shape and an instance for
-    /// each node.
-    fn add_shapes(self, scene: &mut SceneFile) {
+    /// Adds a shape of the `file` if one node shows the primitive, otherwise a hidden shape and an
+    /// instance for each node.
+    fn add_shapes(self, file: &Path, order: &mut impl Iterator<Item = Order>, world: &mut World) {
         let is_smooth = self.mesh.normals.is_some();
-        let mut shape = Shape {
-            sides: self.surface.sides,
-            shading: if is_smooth { Shading::Smooth } else { Shading::Flat },
-            material: Some(self.surface.material(self.maps.emission.as_ref())),
-            texture: self.texture,
-            cutout: self.cutout,
-            maps: self.maps,
-            ..Shape::of(self.path, self.name, Mesh { data: self.mesh, ..Mesh::default() })
+        let shading = if is_smooth { Shading::Smooth } else { Shading::Flat };
+        let material = self.surface.material(self.maps.emission.as_ref());
+        let mesh = Mesh { data: self.mesh, points: None, file: Some(file.to_owned()) };
+        let mut shape = EntityBuilder::new();
+        shape.add_bundle((self.surface.sides, shading, material, mesh));
+        self.texture.map(|texture| shape.add(texture));
+        self.cutout.map(|cutout| shape.add(cutout));
+        if self.maps != Maps::default() {
+            shape.add(self.maps);
+        }
+        order.next().map(|order| shape.add(order));
+        let name = |entity: &mut EntityBuilder, name: Option<String>| {
+            name.map(|name| entity.add(Name(name)));
         };
         match <[Use; 1]>::try_from(self.uses) {
-            Ok([Use { path, name, world }]) => {
-                (shape.path, shape.name) = (path, name.map(Name));
-                shape.transform = Some(Transform(world));
+            Ok([one]) => {
+                name(&mut shape, one.name);
+                shape.add_bundle((JsonPath(one.path), Transform(one.world)));
+                world.spawn(shape.build());
             }
             Err(uses) => {
-                shape.hidden = true;
-                let number = scene.shapes.len();
-                scene.instances.extend(uses.into_iter().map(|Use { path, name, world }| {
-                    Instance {
-                        path,
-                        name: name.map(Name),
-                        shape: number,
-                        transform: world,
-                        material: None,
-                    }
-                }));
+                name(&mut shape, self.name);
+                shape.add_bundle((JsonPath(self.path), Hidden));
+                let of = InstanceOf(world.spawn(shape.build()));
+                for (one, order) in uses.into_iter().zip(order) {
+                    let mut instance = EntityBuilder::new();
+                    name(&mut instance, one.name);
+                    instance.add_bundle((order, of, JsonPath(one.path), Transform(one.world)));
+                    world.spawn(instance.build());
+                }
             }
         }
-        scene.shapes.push(shape);
     }
 
     /// Adds a light for each node that shows the primitive, unless it has no area.
-    fn add_lights(self, exposure: f64, scene: &mut SceneFile) {
-        for Use { path, name, world } in self.uses {
-            let (area, _) = extent(&self.mesh, &world);
+    fn add_lights(
+        self,
+        exposure: f64,
+        file: &Path,
+        order: &mut impl Iterator<Item = Order>,
+        world: &mut World,
+    ) {
+        for Use { path, name, world: place } in self.uses {
+            let (area, _) = extent(&self.mesh, &place);
             let data = MeshData { normals: None, uvs: None, colors: None, ..self.mesh.clone() };
-            let mesh = Mesh { data, ..Mesh::default() };
-            if area == 0.0 || !has_area(&mesh) {
+            let mesh = Mesh { data, points: None, file: Some(file.to_owned()) };
+            if area == 0.0 || !mesh.has_area() {
                 continue;
             }
             let light = AreaLight {
@@ -387,9 +401,11 @@ impl Primitive {
                 sampling: Sampling::Jittered,
                 samples: LIGHT_SAMPLES,
             };
-            let shape =
-                Shape { transform: Some(Transform(world)), ..Shape::of(path.clone(), name, mesh) };
-            scene.lights.push(schema::Light::Area { path, light, shape: Box::new(shape) });
+            let mut entity = EntityBuilder::new();
+            order.next().map(|order| entity.add(order));
+            name.map(|name| entity.add(Name(name)));
+            entity.add_bundle((JsonPath(path), light, mesh, Transform(place)));
+            world.spawn(entity.build());
         }
     }
 }

@@ -7,7 +7,7 @@ use glam::{DVec3, Vec2};
 use serde_json::Value;
 
 use crate::components::{Encoding, Filter, Placing, TextureRef, TextureSource, Wrap};
-use crate::reader::Range;
+use crate::format::Range;
 use wavecrest_base::error::Result;
 
 use super::accessor::Storage;

@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use crate::components::{Encoding, Maps, TextureRef};
-use crate::reader::Notes;
+use crate::format::Notes;
 
 use super::document::Document;
 use super::material::Surface;

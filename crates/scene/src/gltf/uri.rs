@@ -10,7 +10,7 @@ use base64::Engine as _;
 use base64::engine::general_purpose::{STANDARD, STANDARD_NO_PAD};
 
 use crate::folder::{Denied, translated};
-use crate::reader::Cursor;
+use crate::format::Cursor;
 use wavecrest_base::error::Result;
 
 /// The target of a URI.
@@ -105,7 +105,7 @@ mod tests {
     use std::path::Path;
 
     use super::*;
-    use crate::reader::{Notes, Place};
+    use crate::format::{Notes, Place};
 
     fn follow(uri: &str) -> std::result::Result<Target, String> {
         let notes = Notes::new(Path::new("a/b.gltf"), false);

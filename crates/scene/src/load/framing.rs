@@ -4,7 +4,7 @@ use std::str::FromStr;
 
 use glam::{DMat3, DVec3};
 
-use crate::parse;
+use crate::camera;
 
 /// Framing of a file without a camera, or replacing its cameras.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -164,8 +164,8 @@ impl FromStr for Fov {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        let degrees = text.parse().ok().filter(|&degrees| parse::FOV.contains(degrees));
-        let words = || format!("write an angle in degrees, {}, such as 40", parse::FOV.words());
+        let degrees = text.parse().ok().filter(|&degrees| camera::FOV.contains(degrees));
+        let words = || format!("write an angle in degrees, {}, such as 40", camera::FOV.words());
         degrees.map(Self).ok_or_else(words)
     }
 }

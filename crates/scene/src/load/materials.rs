@@ -7,12 +7,17 @@ use std::fs::File;
 use std::io::Read as _;
 use std::path::{Path, PathBuf};
 
-use crate::components::{Mesh, Name};
+use hecs::{Entity, EntityBuilder, World};
+
+use super::meshes::copy;
+use crate::components::{
+    CutOut, Hidden, JsonPath, Maps, Material, Mesh, Name, Order, Shading, Sides, TextureRef,
+    Transform,
+};
 use crate::folder::{Denied, Folder, last_part};
+use crate::format::Notes;
 use crate::mesh::{MeshData, NamedMaterials};
 use crate::mtl::{Library, Look, Mtl, surface};
-use crate::reader::Notes;
-use crate::schema::{Geometry, Shape};
 use crate::systems::textures;
 use wavecrest_base::error::{Error, ErrorKind};
 
@@ -22,47 +27,67 @@ const LONGEST_FILE: u64 = 1 << 26;
 /// Largest number of MTL files.
 const MOST_FILES: usize = 64;
 
-/// The parts of `shape`, whose `mesh` was read from `file`: one for each material of its faces, and
-/// one for the faces without a known material.
-pub(super) fn parts(
-    shape: &Shape,
+/// Splits `shape`, whose `mesh` was read from `file`: into a shape for each material of its faces,
+/// and one for the faces without a known material.
+pub(super) fn split(
+    world: &mut World,
+    shape: Entity,
     mesh: MeshData,
     named: &NamedMaterials,
     file: &Path,
     notes: &Notes<'_>,
-) -> Vec<Shape> {
+) -> Vec<Entity> {
     let folder = Folder::of(file, notes.reads_outside());
     let mut reader = Reader { file, folder, notes, images: HashMap::new() };
     let library = reader.library(&named.libraries);
     let (part, names) = numbered(named, mesh.triangles.len(), &library);
     reader.warn_of_unknown(named, &library);
-    let mesh_of =
-        |data| Geometry::Mesh(Mesh { data, file: Some(file.to_owned()), ..Mesh::default() });
-    let of_part = |(number, data): (u32, MeshData)| -> Option<Shape> {
-        let Some((name, (mtl, from))) = (number as usize).checked_sub(1).map(|i| names[i]) else {
-            let has_uvs = data.uvs.is_some();
-            let texture = shape.texture.clone().filter(|_| has_uvs);
-            let look = (shape.material, texture, shape.cutout.clone().filter(|_| has_uvs));
-            return Some(shape.part(mesh_of(data), shape.name.clone(), look));
-        };
-        let Look { material, texture, cutout, is_there } =
-            surface(mtl, |image| reader.image(from, image));
-        if !is_there {
-            let message = format!("faces with the material {name} are left out");
-            reader.warn(&message, "its opacity (d) is below 0.5, and blending is not supported");
-            return None;
+    let mut parts = Vec::new();
+    for (number, data) in mesh.split(&part, names.len() + 1) {
+        let mut entity = EntityBuilder::new();
+        let has_uvs = data.uvs.is_some();
+        if let Ok(whole) = world.entity(shape) {
+            copy::<Order>(whole, &mut entity);
+            copy::<JsonPath>(whole, &mut entity);
+            copy::<Name>(whole, &mut entity);
+            copy::<Transform>(whole, &mut entity);
+            copy::<Hidden>(whole, &mut entity);
+            copy::<Sides>(whole, &mut entity);
+            copy::<Shading>(whole, &mut entity);
+            copy::<Maps>(whole, &mut entity);
         }
-        let has_uvs = texture.is_none() && cutout.is_none() || reader.has_uvs(&data);
-        let look = (Some(material), texture.filter(|_| has_uvs), cutout.filter(|_| has_uvs));
-        let name = shape.name.as_ref().map(|own| Name(format!("{}-{name}", own.0)));
-        Some(shape.part(mesh_of(data), name, look))
-    };
-    let parts: Vec<Shape> =
-        mesh.split(&part, names.len() + 1).into_iter().filter_map(of_part).collect();
+        if let Some(&(name, (mtl, from))) = (number as usize).checked_sub(1).map(|i| &names[i]) {
+            let Look { material, texture, cutout, is_there } =
+                surface(mtl, |image| reader.image(from, image));
+            if !is_there {
+                let message = format!("faces with the material {name} are left out");
+                let remedy = "its opacity (d) is below 0.5, and blending is not supported";
+                reader.warn(&message, remedy);
+                continue;
+            }
+            let has_uvs = texture.is_none() && cutout.is_none() || reader.has_uvs(&data);
+            entity.add(material);
+            texture.filter(|_| has_uvs).map(|texture| entity.add(texture));
+            cutout.filter(|_| has_uvs).map(|cutout| entity.add(cutout));
+            if let Some(own) = entity.get_mut::<&mut Name>() {
+                own.0 = format!("{}-{name}", own.0);
+            }
+        } else if let Ok(whole) = world.entity(shape) {
+            copy::<Material>(whole, &mut entity);
+            if has_uvs {
+                copy::<TextureRef>(whole, &mut entity);
+                copy::<CutOut>(whole, &mut entity);
+            }
+        }
+        entity.add(Mesh { data, file: Some(file.to_owned()), ..Mesh::default() });
+        parts.push(world.spawn(entity.build()));
+    }
     if parts.is_empty() {
         let message = "nothing is left of the mesh: all its materials are invisible";
         reader.warn(message, "set d to 1 in its MTL file, or remove the mtllib statement");
     }
+    let gone = world.despawn(shape);
+    debug_assert!(gone.is_ok(), "the shape exists");
     parts
 }
 

@@ -20,7 +20,7 @@ use rayon::prelude::*;
 
 pub(crate) use camera::{Framed, framed, rays_per_pixel, size, view};
 pub(crate) use ground::GROUND;
-pub(crate) use light::{Lit, Subject, lit, samples, settings};
+pub(crate) use light::{MOST_LAMPS, Subject, light, samples, settings};
 pub(crate) use upward::Upward;
 
 /// A bounding sphere.

@@ -3,17 +3,17 @@
 use std::path::Path;
 
 use glam::DVec3;
+use hecs::World;
 
 use wavecrest_base::error::{Error, ErrorKind, Result};
 
-use super::materials::parts;
+use super::materials::split;
 use super::staging::{self, Placed, Upward};
-use crate::components::{Encoding, Material, Mesh, Shading, VertexColors};
+use crate::components::{JsonPath, Material, Name, Order, Pinhole, Shading, Sides, VertexColors};
+use crate::format::Notes;
 use crate::load::LoadOptions;
 use crate::load::framing::Up;
 use crate::mesh::{LoadedMesh, crease};
-use crate::reader::Notes;
-use crate::schema::{Camera, SceneFile, Shape};
 
 /// A light grey with a faint highlight.
 const MATERIAL: Material = Material {
@@ -31,12 +31,12 @@ const MATERIAL: Material = Material {
 ///
 /// # Errors
 /// As [`super::load`].
-pub(super) fn scene(
+pub(super) fn world(
     path: &Path,
     options: &LoadOptions,
     notes: &Notes<'_>,
     read: impl FnOnce() -> Result<LoadedMesh>,
-) -> Result<(SceneFile, String)> {
+) -> Result<(World, String)> {
     if let Some(camera) = &options.camera {
         let error = Error::new(ErrorKind::Usage, "a mesh file has no cameras");
         return Err(error.in_file(path).value(camera).remedy("leave out --camera"));
@@ -61,25 +61,19 @@ pub(super) fn scene(
         up,
         lamp,
     };
-    let staging::Lit { lights, ground, settings, told } =
-        staging::lit(&subject, path, &options.lighting);
+    let mut world = World::new();
+    let (settings, told) = staging::light(&mut world, &subject, path, &options.lighting);
+    world.spawn((settings,));
+    match moves {
+        Some(moves) => world.spawn((view, Pinhole, moves)),
+        None => world.spawn((view, Pinhole)),
+    };
     let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-    let shape = Shape {
-        shading: if mesh.normals.is_some() { Shading::Smooth } else { Shading::Flat },
-        material: Some(MATERIAL),
-        ..Shape::of("the mesh".into(), Some(name), Mesh::default())
-    };
-    let mut shapes = parts(&shape, mesh, &materials, path, notes);
-    shapes.extend(ground);
-    let scene = SceneFile {
-        settings,
-        camera: Camera { view, lens: None, path: moves },
-        lights,
-        shapes,
-        instances: Vec::new(),
-        encoding: Encoding::Srgb,
-    };
-    Ok((scene, format!("{framed}default camera and material; no lights: {told}")))
+    let shading = if mesh.normals.is_some() { Shading::Smooth } else { Shading::Flat };
+    let place = JsonPath("the mesh".into());
+    let shape = world.spawn((Order(0), place, Name(name), MATERIAL, Sides::Both, shading));
+    split(&mut world, shape, mesh, &materials, path, notes);
+    Ok((world, format!("{framed}default camera and material; no lights: {told}")))
 }
 
 /// The up axis of a mesh, whose format states none.

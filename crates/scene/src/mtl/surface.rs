@@ -7,7 +7,7 @@ use glam::DVec3;
 use super::Mtl;
 use super::map::Map;
 use crate::components::{CutOut, Encoding, Filter, Material, TextureRef, TextureSource, Wrap};
-use crate::parse::THRESHOLD;
+use crate::surface::THRESHOLD;
 
 /// The lighting models with mirrors: with ray tracing, glass, and Fresnel without ray tracing.
 const MIRRORS: [u32; 3] = [3, 5, 8];

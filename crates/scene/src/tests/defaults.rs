@@ -17,7 +17,16 @@ fn settings() {
     let settings: Settings = only(&load(&complete()).unwrap());
     let background = dvec3(0.1, 0.2, 0.3);
     let file = PathBuf::from("s.json");
-    assert_eq!(settings, Settings { file, bounces: 3, background, ambient: Ambient::Even(0.1) });
+    assert_eq!(
+        settings,
+        Settings {
+            file,
+            bounces: 3,
+            background,
+            ambient: Ambient::Even(0.1),
+            transfer: Encoding::Srgb
+        }
+    );
     assert_eq!(load(&complete()).unwrap().encoding, Encoding::Srgb);
     assert_eq!(load(&without("transfer")).unwrap().encoding, Encoding::Linear);
     let settings: Settings = only(&load(&without("scene.ambient")).unwrap());

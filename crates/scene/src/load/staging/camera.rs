@@ -11,10 +11,10 @@ use super::grid::Grid;
 use super::room::{self, Room};
 use super::upward::{self, Upward};
 use super::{Placed, Sphere, extent, fit, orbit};
+use crate::camera;
 use crate::components::{CameraPath, FovAxis, View};
 use crate::load::LoadOptions;
 use crate::load::framing::{Fov, Framing, Side, Up};
-use crate::parse;
 
 /// Default width of the image in pixels; the height for upright images.
 const LONGER_SIDE: u32 = 1024;
@@ -43,8 +43,8 @@ const CAMERA_SIDE: DVec3 = DVec3::new(0.5, 0.4, 1.0);
 pub(crate) fn size(options: &LoadOptions, aspect: Option<f64>) -> Result<(u32, u32)> {
     let (aspect, longer) = (aspect.unwrap_or(ASPECT), f64::from(LONGER_SIDE));
     let own = [longer * aspect.min(1.0), longer / aspect.max(1.0)];
-    let (width, height) = parse::in_proportion(options, own);
-    parse::check_size(width, height)?;
+    let (width, height) = camera::in_proportion(options, own);
+    camera::check_size(width, height)?;
     Ok((width, height))
 }
 

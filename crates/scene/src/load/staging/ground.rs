@@ -5,14 +5,16 @@
 //! shadow rays start from it.
 
 use glam::{DAffine3, DVec2, DVec3, Vec3};
+use hecs::{EntityBuilder, World};
 
 use wavecrest_core::math::float::MAX_COORDINATE;
 
 use super::Sphere;
 use super::light::Subject;
-use crate::components::{DirectionalLight, Material, Mesh, Shading, Sides, Transform};
+use crate::components::{
+    DirectionalLight, JsonPath, Material, Mesh, Name, Order, Shading, Sides, Transform,
+};
 use crate::mesh::MeshData;
-use crate::schema::Shape;
 
 /// Its place in messages, which no file has.
 pub(crate) const GROUND: &str = "the ground";
@@ -31,21 +33,22 @@ const SIDES: u32 = 8;
 /// The box around everything, to the right, up, and back.
 type Bounds = (DVec3, DVec3);
 
-/// The ground below a `subject` with these axes. It matches the background `colors.0` under the
-/// lamps and a sky that sends it `colors.1`. `None` if the camera is below it, or too much of it
-/// would be too far out.
-pub(super) fn under(
+/// Adds the ground below a `subject` with these axes to the `world`. It matches the background
+/// `colors.0` under the lamps and a sky that sends it `colors.1`. There is none if the camera would
+/// be below it, or too much of it too far out.
+pub(super) fn spawn(
+    world: &mut World,
     subject: &Subject<'_>,
     axes: &[DVec3; 3],
     lamps: &[DirectionalLight],
     colors: (DVec3, DVec3),
-) -> Option<Shape> {
+) {
     let [right, up, back] = *axes;
-    let (low, high) = bounds(subject, axes)?;
+    let Some((low, high)) = bounds(subject, axes) else { return };
     let height = low.y - GAP * subject.bounds.radius;
     let keys = subject.path.iter().flat_map(|path| path.keys.iter().map(|key| key.location));
     if keys.chain([subject.view.location]).any(|location| location.dot(up) <= height) {
-        return None;
+        return;
     }
     let Sphere { center, radius } = *subject.bounds;
     // Far from the origin single precision would round the gap away.
@@ -57,7 +60,7 @@ pub(super) fn under(
         .collect();
     let is_within = |p: &Vec3| p.abs().max_element() < MAX_COORDINATE;
     if corners.len() < 3 || !corners.iter().all(is_within) {
-        return None;
+        return;
     }
     let arriving: DVec3 = lamps.iter().map(|lamp| lamp.color * mean_cosine(lamp, up)).sum();
     let material = Material {
@@ -71,14 +74,15 @@ pub(super) fn under(
     };
     let triangles = (1..corners.len() as u32 - 1).map(|i| [0, i, i + 1]).collect();
     let data = MeshData { positions: corners, triangles, ..MeshData::default() };
+    // Behind all shapes of the file.
+    let place = (Order(u32::MAX), JsonPath(GROUND.into()), Name("ground".into()));
     let mesh = Mesh { data, ..Mesh::default() };
-    Some(Shape {
-        sides: Sides::Front,
-        shading: Shading::Flat,
-        material: Some(material),
-        transform: is_far.then(|| Transform(DAffine3::from_translation(origin))),
-        ..Shape::of(GROUND.into(), Some("ground".into()), mesh)
-    })
+    let mut ground = EntityBuilder::new();
+    ground.add_bundle(place).add_bundle((material, mesh, Sides::Front, Shading::Flat));
+    if is_far {
+        ground.add(Transform(DAffine3::from_translation(origin)));
+    }
+    world.spawn(ground.build());
 }
 
 /// The box around all points along the axes; `None` without points.

@@ -8,16 +8,16 @@
 use std::path::Path;
 
 use glam::DVec3;
+use hecs::World;
 
 use super::{Placed, Sphere, ground};
 use crate::components::{
-    Ambient, AreaLight, CameraPath, DirectionalLight, Falloff, Mesh, PointLight, Sampling,
-    Settings, View,
+    Ambient, AreaLight, CameraPath, DirectionalLight, Encoding, Falloff, JsonPath, Mesh, Order,
+    PointLight, Sampling, Settings, View,
 };
 use crate::corners::{direction, quad_has_area};
 use crate::load::lighting::{Background, Lighting, Rig};
 use crate::mesh::MeshData;
-use crate::schema::{Light, Shape};
 
 /// Mirror bounces: after four, little mirrored light is left.
 const BOUNCES: u32 = 4;
@@ -60,6 +60,9 @@ const STUDIO: [Lamp; 2] = [
     },
 ];
 
+/// The largest number of lights that are added.
+pub(crate) const MOST_LAMPS: u32 = STUDIO.len() as u32;
+
 /// The sky of a lit scene, and the light from the ground below it.
 const SKY: [DVec3; 2] = [DVec3::new(0.235, 0.25, 0.27), DVec3::new(0.1, 0.095, 0.09)];
 /// Direction of the sky in a studio, to the right, up, and back: it leans to the side that the key
@@ -89,59 +92,44 @@ pub(crate) struct Subject<'a> {
     pub(crate) lamp: Option<[DVec3; 4]>,
 }
 
-/// The lights for an object.
-pub(crate) struct Lit {
-    pub(crate) lights: Vec<Light>,
-    /// `None` if the camera would be below it.
-    pub(crate) ground: Option<Shape>,
-    pub(crate) settings: Settings,
-    /// A description of the choices.
-    pub(crate) told: &'static str,
-}
-
-/// Lights a `subject` from a `file` without lights.
-pub(crate) fn lit(subject: &Subject<'_>, file: &Path, lighting: &Lighting) -> Lit {
+/// Adds lights to a `world` of a `file` without any, and a ground below the `subject` unless the
+/// camera is below it. Returns the other settings, and a description of the choices.
+pub(crate) fn light(
+    world: &mut World,
+    subject: &Subject<'_>,
+    file: &Path,
+    lighting: &Lighting,
+) -> (Settings, &'static str) {
     let background = lighting.background.map_or(LIGHT, Background::color);
     let under = |[sky, ground]: [DVec3; 2], up| {
         settings_of(file, background, Ambient::Hemisphere { sky, ground, up })
     };
     match lighting.rig {
-        Rig::None => Lit {
-            lights: Vec::new(),
-            ground: None,
-            settings: under([DVec3::ONE; 2], subject.up),
-            told: "unlit colours",
-        },
+        Rig::None => (under([DVec3::ONE; 2], subject.up), "unlit colours"),
         Rig::Studio => {
             // A room without extent has no place for a lamp.
             if let Some(corners) = subject.lamp.filter(quad_has_area) {
-                return Lit {
-                    lights: vec![ceiling(corners)],
-                    ground: None,
-                    settings: under(ROOM, subject.up),
-                    told: "a light under the ceiling is added",
-                };
+                world.spawn(ceiling(corners));
+                return (under(ROOM, subject.up), "a light under the ceiling is added");
             }
             let axes = subject.axes();
             let lamps = STUDIO.each_ref().map(|lamp| lamp.light(&axes));
             let leaning = place(&axes, LEANING);
             // On a transparent background there is nothing to darken.
-            let has_ground = lighting.background != Some(Background::Transparent);
-            let colors = (background, from_sky(SKY, leaning, subject.up));
-            let ground = has_ground.then(|| ground::under(subject, &axes, &lamps, colors));
-            Lit {
-                lights: STUDIO.iter().zip(lamps).map(|(lamp, light)| lamp.named(light)).collect(),
-                ground: ground.flatten(),
-                settings: under(SKY, leaning),
-                told: "studio lights and a ground are added",
+            if lighting.background != Some(Background::Transparent) {
+                let colors = (background, from_sky(SKY, leaning, subject.up));
+                ground::spawn(world, subject, &axes, &lamps, colors);
             }
+            for ((lamp, light), order) in STUDIO.iter().zip(lamps).zip(0..) {
+                world.spawn((Order(order), JsonPath(lamp.name.to_owned()), light));
+            }
+            (under(SKY, leaning), "studio lights and a ground are added")
         }
-        Rig::Headlight => Lit {
-            lights: vec![headlight(subject.view)],
-            ground: None,
-            settings: under(if subject.lamp.is_some() { ROOM } else { SKY }, subject.up),
-            told: "a light at the camera and a sky are added",
-        },
+        Rig::Headlight => {
+            world.spawn((Order(0), JsonPath("the light".to_owned()), headlight(subject.view)));
+            let light = if subject.lamp.is_some() { ROOM } else { SKY };
+            (under(light, subject.up), "a light at the camera and a sky are added")
+        }
     }
 }
 
@@ -158,7 +146,8 @@ pub(crate) fn settings(file: &Path, lights: usize, lighting: &Lighting) -> Setti
 }
 
 fn settings_of(file: &Path, background: DVec3, ambient: Ambient) -> Settings {
-    Settings { file: file.to_owned(), bounces: BOUNCES, background, ambient }
+    let (file, transfer) = (file.to_owned(), Encoding::Srgb);
+    Settings { file, bounces: BOUNCES, background, ambient, transfer }
 }
 
 /// Largest number of shadow rays for each hit of the added lights.
@@ -167,19 +156,12 @@ pub(crate) fn samples() -> u64 {
 }
 
 /// A lamp at the camera.
-fn headlight(view: &View) -> Light {
-    let light = PointLight {
-        intensity: 1.0,
-        position: view.location,
-        color: HEADLIGHT,
-        falloff: Falloff::None,
-    };
-    Light::Point { path: "the light".to_owned(), light }
+fn headlight(view: &View) -> PointLight {
+    PointLight { intensity: 1.0, position: view.location, color: HEADLIGHT, falloff: Falloff::None }
 }
 
 /// A flat lamp with these corners, equally bright at any distance.
-fn ceiling(corners: [DVec3; 4]) -> Light {
-    let path = "the lamp".to_owned();
+fn ceiling(corners: [DVec3; 4]) -> (Order, JsonPath, AreaLight, Mesh) {
     let light = AreaLight {
         intensity: CEILING,
         color: DVec3::ONE,
@@ -189,8 +171,7 @@ fn ceiling(corners: [DVec3; 4]) -> Light {
     };
     let positions = corners.map(|corner| corner.as_vec3()).to_vec();
     let data = MeshData { positions, triangles: vec![[0, 1, 2], [0, 2, 3]], ..Default::default() };
-    let shape = Shape::of(path.clone(), None, Mesh { data, ..Mesh::default() });
-    Light::Area { path, light, shape: Box::new(shape) }
+    (Order(0), JsonPath("the lamp".to_owned()), light, Mesh { data, ..Mesh::default() })
 }
 
 /// The vector with these components to the right, up, and back.
@@ -199,10 +180,6 @@ fn place([right, up, back]: &[DVec3; 3], side: DVec3) -> DVec3 {
 }
 
 impl Lamp {
-    fn named(&self, light: DirectionalLight) -> Light {
-        Light::Directional { path: self.name.to_owned(), light }
-    }
-
     fn light(&self, axes: &[DVec3; 3]) -> DirectionalLight {
         DirectionalLight {
             intensity: 1.0,

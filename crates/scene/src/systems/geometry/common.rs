@@ -37,7 +37,11 @@ impl Common {
     ) -> Self {
         let light = world.get::<&AreaLight>(entity).ok();
         let is_shape = light.is_none();
-        let mut transform = world.get::<&Transform>(entity).map_or(DAffine3::IDENTITY, |t| t.0);
+        let own = |entity| world.get::<&Transform>(entity).map_or(DAffine3::IDENTITY, |t| t.0);
+        let mut transform = own(entity);
+        if entity != prototype {
+            transform = transform * own(prototype);
+        }
         transform.translation -= origin;
         Self {
             transform,

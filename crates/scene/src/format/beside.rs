@@ -3,25 +3,32 @@
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
+use hecs::Entity;
+
 use crate::components::TextureSource;
 use crate::folder::Folder;
-use crate::mesh::MeshData;
 use wavecrest_base::error::{Error, ErrorKind, Result};
 
 /// The files beside a scene file, with its name as prefix.
-pub(super) struct Beside<'a> {
-    scene: &'a Path,
+pub(crate) struct Beside {
+    scene: PathBuf,
     /// The folder from which images may be copied.
     folder: Folder,
-    pub(super) meshes: Vec<(PathBuf, MeshData)>,
-    pub(super) images: Vec<(PathBuf, TextureSource)>,
+    pub(crate) meshes: Vec<(PathBuf, Entity)>,
+    pub(crate) images: Vec<(PathBuf, TextureSource)>,
     /// The names of images, by their original path or place.
     known: HashMap<(PathBuf, bool), String>,
 }
 
-impl<'a> Beside<'a> {
-    pub(super) fn new(scene: &'a Path, folder: Folder) -> Self {
-        Self { scene, folder, meshes: Vec::new(), images: Vec::new(), known: HashMap::new() }
+impl Beside {
+    pub(crate) fn new(scene: &Path, folder: Folder) -> Self {
+        Self {
+            scene: scene.to_owned(),
+            folder,
+            meshes: Vec::new(),
+            images: Vec::new(),
+            known: HashMap::new(),
+        }
     }
 
     /// A file name beside the scene file, and its path.
@@ -32,10 +39,10 @@ impl<'a> Beside<'a> {
         (name, path)
     }
 
-    /// Queues a mesh to be written; returns its name.
-    pub(super) fn mesh(&mut self, data: MeshData) -> String {
+    /// Queues the mesh of an entity to be written; returns its name.
+    pub(super) fn mesh(&mut self, entity: Entity) -> String {
         let (name, path) = self.name(&format!("mesh{}.ply", self.meshes.len()));
-        self.meshes.push((path, data));
+        self.meshes.push((path, entity));
         name
     }
 

@@ -1,8 +1,9 @@
 //! Transforms from a shape's own space to the world's.
 
 use glam::{DAffine3, DMat3, DVec3};
+use serde_json::json;
 
-use crate::reader::{Cursor, Key, Kind, Object, Range, keys};
+use crate::format::{Cursor, Declared, Key, Kind, Object, Range, Writer, keys};
 use wavecrest_base::error::Result;
 
 /// Relative difference below which the scales along the axes, and the angles between them, count as
@@ -10,20 +11,43 @@ use wavecrest_base::error::Result;
 const EVEN: f64 = 1e-6;
 
 /// A transform by its parts.
-pub(crate) const PARTS: Kind = Kind::new(
+const PARTS: Kind = Kind::new(
     "a transform (or a matrix of 4 rows)",
     "A scale, then a rotation, then a translation.",
-    &[PART_KEYS],
+    keys! {
+        /// Translation.
+        "translate": Point, Are([0.0; 3]);
+        /// Degrees about x, then y, then z.
+        "rotate": Point, Are([0.0; 3]);
+        /// One factor, or one along each axis.
+        "scale": Either(&Point, &Number(Range::COORDINATE)), Is(1.0);
+    },
 );
 
-const PART_KEYS: &[Key] = keys! {
-    /// Translation.
-    "translate": Point, Are([0.0; 3]);
-    /// Degrees about x, then y, then z.
-    "rotate": Point, Are([0.0; 3]);
-    /// One factor, or one along each axis.
-    "scale": NumberOrPoint, Is(1.0);
-};
+/// The transform from the shape's own space to the world; of an instance, from the world of its
+/// prototype.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Transform(pub DAffine3);
+
+impl Declared for Transform {
+    const KEYS: &'static [Key] = keys! {
+        /// Transform from its own space to the world; of an instance, after the shape's own.
+        "transform": Either(&Matrix, &Object(&PARTS));
+    };
+
+    fn read(object: &Object<'_>) -> Result<Option<Self>> {
+        let transform = object.get("transform").map(|cursor| transform(&cursor)).transpose()?;
+        Ok(transform.map(Self))
+    }
+
+    /// As rows, from columns.
+    fn write(&self, to: &mut Writer<'_>) -> Result<()> {
+        let DAffine3 { matrix3: m, translation: t } = self.0;
+        let [x, y, z] = [0, 1, 2].map(|i| [m.x_axis[i], m.y_axis[i], m.z_axis[i], t[i]]);
+        to.set("transform", json!([x, y, z, [0.0, 0.0, 0.0, 1.0]]));
+        Ok(())
+    }
+}
 
 /// Reads a transform: a matrix, or its parts.
 pub(super) fn transform(cursor: &Cursor<'_>) -> Result<DAffine3> {
@@ -65,8 +89,8 @@ fn matrix(cursor: &Cursor<'_>) -> Result<DAffine3> {
 
 /// First the scale, then the rotation, then the translation.
 fn parts(object: &Object<'_>) -> Result<DAffine3> {
-    let translation = object.point("translate");
-    let rotate = object.point("rotate");
+    let translation = object.read("translate");
+    let rotate = object.read("rotate");
     let scale = object.get("scale").map_or(Ok(DVec3::ONE), |cursor| scale(&cursor))?;
     Ok(DAffine3 { matrix3: rotation(rotate) * DMat3::from_diagonal(scale), translation })
 }

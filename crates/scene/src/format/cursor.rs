@@ -15,7 +15,7 @@ use wavecrest_core::math::float::MAX_COORDINATE;
 const LARGEST: f64 = MAX_COORDINATE as f64;
 
 /// The range of a key's numbers.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, PartialEq)]
 pub(crate) struct Range {
     low: f64,
     high: f64,
@@ -163,6 +163,16 @@ impl<'a> Cursor<'a> {
     /// A point or a direction.
     pub(crate) fn point(&self) -> Result<DVec3> {
         self.numbers(POINT, Range::COORDINATE).map(DVec3::from_array)
+    }
+
+    /// A direction, of any length but 0, such as `such_as`.
+    pub(super) fn direction(&self, such_as: &str) -> Result<DVec3> {
+        let direction = self.point()?;
+        if direction == DVec3::ZERO {
+            let error = self.error("must not be zero");
+            return Err(error.remedy(format!("use a vector such as {such_as}")));
+        }
+        Ok(direction)
     }
 
     /// A colour: no channel is negative.

@@ -1,0 +1,381 @@
+//! The camera: its view, its lens and its path.
+
+use glam::DVec3;
+use hecs::{EntityBuilder, EntityRef};
+
+use crate::corners::direction;
+use crate::format::{
+    Cursor, Declaration, Declared, Key, Kind, Object, Range, Variants, Writer, component, declared,
+    integer_words, keys, words,
+};
+use crate::load::LoadOptions;
+use wavecrest_base::error::{Error, ErrorKind, Result};
+use wavecrest_core::kernels::camera::path::least_aligned_axis;
+
+pub use wavecrest_core::kernels::camera::FovAxis;
+pub use wavecrest_core::kernels::camera::path::Interpolation;
+pub use wavecrest_core::kernels::light::Falloff;
+pub use wavecrest_core::math::sampling::Sampling;
+
+words!(FovAxis, Interpolation, Falloff, Sampling);
+
+/// Largest number of a frame.
+const LAST_FRAME: u32 = 9_999_999;
+
+/// Largest width and height of an image, in pixels.
+pub const LONGEST_SIDE: u32 = 65_536;
+/// Largest number of pixels, 2^28: as floats, three gibibytes.
+const MOST_PIXELS: u64 = 1 << 28;
+/// Largest number of rays through each pixel, 2^24.
+const MOST_RAYS: u64 = 1 << 24;
+/// Largest side of the grid of rays in each pixel.
+const MOST_ANTIALIAS: u32 = 64;
+/// Largest number of angles or radii of points on the lens.
+const MOST_LENS_SAMPLES: u32 = 4_096;
+/// Default number of points on the lens along each side of the grid.
+const LENS_SAMPLES: f64 = 4.0;
+/// Angles of view, in degrees. At 180 the image plane would be at infinity.
+pub(crate) const FOV: Range = Range::new(0.001, 179.0);
+/// Sine of the angle between `up` and the view below which they count as parallel: the component of
+/// `up` across the view would then be mostly single-precision rounding.
+const PARALLEL: f64 = 1e-6;
+
+/// The cameras.
+pub(crate) const CAMERAS: Variants = Variants {
+    name: "the camera",
+    about: "The camera and the size of the image.",
+    kinds: &[
+        Kind::entity(
+            "pinhole",
+            "a pinhole camera",
+            "A pinhole camera: everything is in focus.",
+            &[Declaration::of::<Pinhole>(), Declaration::of::<View>(), PINHOLE_PATH],
+        ),
+        Kind::entity(
+            "thinlens",
+            "a thin-lens camera",
+            "A camera with a lens: one plane is in focus.",
+            &[Declaration::of::<ThinLens>(), Declaration::of::<View>(), LENS_PATH],
+        ),
+    ],
+};
+
+/// A camera all of whose rays pass through its location.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Pinhole;
+
+impl Declared for Pinhole {
+    const KEYS: &'static [Key] = &[];
+
+    fn read(_: &Object<'_>) -> Result<Option<Self>> {
+        Ok(Some(Self))
+    }
+
+    fn write(&self, _: &mut Writer<'_>) -> Result<()> {
+        Ok(())
+    }
+}
+
+component! {
+    /// A camera with a lens, in focus in one plane.
+    #[derive(Clone, Copy, Debug, PartialEq)]
+    pub struct ThinLens {
+        /// Diameter of the lens; 0 is a pinhole.
+        pub aperture: f64 = "aperture": Number(Range::NOT_NEGATIVE), Required;
+        /// Distance of the plane in focus, along the view.
+        pub focal: f64 = "focal": Number(Range::POSITIVE), Required;
+        /// Distribution of rays over the lens.
+        pub sampling: Sampling = "sampling": word::<Sampling>(), Says("jittered");
+        /// Points on the lens: angles. Their product with nsamplesy is the number of rays for each
+        /// pixel.
+        pub samples_x: u32 = "nsamplesx": Integer(1, MOST_LENS_SAMPLES), Is(LENS_SAMPLES);
+        /// Points on the lens: radii. Their product with nsamplesx is the number of rays for each
+        /// pixel.
+        pub samples_y: u32 = "nsamplesy": Integer(1, MOST_LENS_SAMPLES), Is(LENS_SAMPLES);
+    }
+}
+
+declared!(ThinLens);
+
+component! {
+    /// Position and direction of the camera, and the size of its image.
+    #[derive(Clone, Copy, Debug, PartialEq)]
+    pub struct View {
+        /// Width of the image, in pixels.
+        pub width: u32 = "width": Integer(1, LONGEST_SIDE), Required;
+        /// Height of the image, in pixels.
+        pub height: u32 = "height": Integer(1, LONGEST_SIDE), Required;
+        /// Full angle of view across one side of the image, in degrees.
+        pub fov_degrees: f64 = "fov": Number(FOV), Required;
+        /// The side across which fov is measured.
+        pub fov_axis: FovAxis = "fovaxis": word::<FovAxis>(), Says("smaller");
+        /// Position of the camera.
+        pub location: DVec3 = "location" | "position": Point, Required;
+        /// The point at the centre of the image.
+        pub look: DVec3 = "look" | "lookat" | "lookAt": Point, Required;
+        /// Up in the image, not necessarily perpendicular to the view.
+        pub up: DVec3 = "up": Direction("[0, 1, 0]"), Are([0.0, 1.0, 0.0]);
+        /// Side of the grid of rays in each pixel; 1 is one ray through its centre.
+        pub antialias: u32 = "antialias": Integer(1, MOST_ANTIALIAS), Is(1.0);
+        /// Distribution of rays: over the pixel for a pinhole, over its lens for a thin lens.
+        pub sampling: Sampling = "sampling": word::<Sampling>(), Says("jittered");
+    }
+}
+
+impl Declared for View {
+    const KEYS: &'static [Key] = Self::FIELDS;
+
+    fn read(object: &Object<'_>) -> Result<Option<Self>> {
+        let mut view = Self::fields(object, None);
+        if view.look == view.location {
+            let error =
+                object.need("look", "a point")?.error("the camera looks at its own location");
+            return Err(error.remedy("move \"look\" away from \"location\""));
+        }
+        let axes = [view.look - view.location, view.up].map(direction);
+        if let [Some(ahead), Some(up)] = axes
+            && ahead.cross(up).length() < PARALLEL
+        {
+            let axis = least_aligned_axis(ahead);
+            warn_of_up(object, view.up, axis);
+            view.up = axis;
+        }
+        // The report's key is about the lens: a pixel's rays are jittered for any value.
+        if object.word() == "thinlens" && view.sampling == Sampling::Random {
+            view.sampling = Sampling::Jittered;
+        }
+        Ok(Some(view))
+    }
+
+    /// The sampling of a lens is in the same key, and counts.
+    fn write(&self, to: &mut Writer<'_>) -> Result<()> {
+        let of_lens = to.get("sampling").cloned();
+        self.write_fields(to);
+        of_lens.into_iter().for_each(|sampling| to.set("sampling", sampling));
+        Ok(())
+    }
+}
+
+/// The path of a camera, a component of its entity.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CameraPath {
+    /// Its keys, at least one, in the order of their frames.
+    pub keys: Vec<CameraKey>,
+    /// Interpolation between keys.
+    pub interpolation: Interpolation,
+}
+
+component! {
+    /// The camera at a frame; omitted values are those of its [`View`].
+    #[derive(Clone, Copy, Debug, PartialEq)]
+    pub struct CameraKey {
+        /// The frame.
+        pub frame: u32 = "frame": Integer(0, LAST_FRAME), Required;
+        /// Position of the camera.
+        pub location: DVec3 = "location": Point;
+        /// The point at the centre of the image.
+        pub look: DVec3 = "look": Point;
+        /// Up in the image.
+        pub up: DVec3 = "up": Point;
+        /// Full angle of view across one side of the image, in degrees.
+        pub fov_degrees: f64 = "fov": Number(FOV);
+        /// Distance of the plane in focus, along the view; 1 for a pinhole.
+        pub focal: f64 = "focal": Number(Range::POSITIVE);
+    }
+}
+
+const LENS_FRAME: Kind = Kind::new(
+    "a keyframe of a camera path",
+    "The camera at a frame; keys left out keep the values of the camera.",
+    CameraKey::FIELDS,
+);
+
+/// The same without the last key, for the lens.
+const PINHOLE_FRAME: Kind =
+    Kind { keys: CameraKey::FIELDS.split_at(CameraKey::FIELDS.len() - 1).0, ..LENS_FRAME };
+
+const INTERPOLATION: Declaration = Declaration::without(keys! {
+    /// Interpolation between the keys.
+    "interpolation": word::<Interpolation>(), Says("smooth");
+});
+
+/// A path with these keys of frames.
+const fn path_kind(keys: &'static [Key]) -> Kind {
+    Kind {
+        components: &[INTERPOLATION],
+        ..Kind::new("a camera path", "The motion of the camera, frame by frame.", keys)
+    }
+}
+
+const PINHOLE_MOTION: Kind = path_kind(keys! {
+    /// The camera at some frames, in their order.
+    "keys": AtLeast(1, &Object(&PINHOLE_FRAME)), Required;
+});
+
+const LENS_MOTION: Kind = path_kind(keys! {
+    /// The camera at some frames, in their order.
+    "keys": AtLeast(1, &Object(&LENS_FRAME)), Required;
+});
+
+/// A declaration of the path of a camera with this key.
+const fn moving(keys: &'static [Key]) -> Declaration {
+    Declaration { keys, read: read_path, write: write_path, is_in: |_| true }
+}
+
+const PINHOLE_PATH: Declaration = moving(keys! {
+    /// The motion of the camera, frame by frame.
+    "path": Object(&PINHOLE_MOTION);
+});
+
+const LENS_PATH: Declaration = moving(keys! {
+    /// The motion of the camera, frame by frame.
+    "path": Object(&LENS_MOTION);
+});
+
+/// Reads the path of a camera, whose other components it has already.
+fn read_path(object: &Object<'_>, entity: &mut EntityBuilder) -> Result<()> {
+    let Some(cursor) = object.get("path") else { return Ok(()) };
+    let lens = entity.get::<&ThinLens>().copied();
+    let (motion, frame) = match lens {
+        Some(_) => (LENS_MOTION, LENS_FRAME),
+        None => (PINHOLE_MOTION, PINHOLE_FRAME),
+    };
+    // Its errors are recorded already.
+    let Some(view) = entity.get::<&View>().copied() else { return Ok(()) };
+    let View { location, look, up, fov_degrees, .. } = view;
+    let focal = lens.map_or(1.0, |lens| lens.focal);
+    let usual = CameraKey { frame: 0, location, look, up, fov_degrees, focal };
+    let object = cursor.object(motion)?;
+    let what = "an array of keys, at least one";
+    let list = object.need("keys", what)?;
+    let mut keys: Vec<CameraKey> = Vec::new();
+    for item in list.items(list.array(what)?) {
+        let key = CameraKey::fields(&item.object(frame)?, Some(&usual));
+        if key.look == key.location {
+            let error = item.error("the camera looks at its own location");
+            return Err(error.remedy("move \"look\" away from \"location\""));
+        }
+        if keys.last().is_some_and(|last| last.frame >= key.frame) {
+            let error = item.error("the frame must be greater than the one before");
+            return Err(error.remedy("sort the keys by frame"));
+        }
+        keys.push(key);
+    }
+    if keys.is_empty() {
+        return Err(list.error(format!("must be {what}")));
+    }
+    entity.add(CameraPath { keys, interpolation: object.read("interpolation") });
+    Ok(())
+}
+
+fn write_path(entity: EntityRef<'_>, to: &mut Writer<'_>) -> Result<()> {
+    let Some(path) = entity.get::<&CameraPath>() else { return Ok(()) };
+    let has_lens = entity.has::<ThinLens>();
+    to.object("path", |to| {
+        to.put("interpolation", path.interpolation);
+        let mut keys = Vec::new();
+        for key in &path.keys {
+            let mut one = to.inner();
+            key.write_fields(&mut one);
+            if !has_lens {
+                one.remove("focal");
+            }
+            keys.push(one.end()?);
+        }
+        to.set("keys", keys);
+        Ok(())
+    })
+}
+
+/// Reads the camera as components of an `entity`. The size in the `options` overrides the file's.
+pub(crate) fn camera(
+    cursor: &Cursor<'_>,
+    options: &LoadOptions,
+    entity: &mut EntityBuilder,
+) -> Result<()> {
+    let object = cursor.variant(&CAMERAS)?;
+    for (key, asked) in [("width", options.width), ("height", options.height)] {
+        asked.map_or(Ok(()), |asked| check_side(key, asked))?;
+    }
+    object.components(entity)?;
+    let lens = entity.get::<&ThinLens>().copied();
+    let Some(view) = entity.get_mut::<&mut View>() else { return Ok(()) };
+    // The file's must be valid even if others are requested.
+    (view.width, view.height) = in_proportion(options, [view.width, view.height].map(f64::from));
+    if let Some(message) = too_many_pixels(view.width, view.height) {
+        return Err(limit(&object, message, pixels_allowed()));
+    }
+    check_rays(&object, view, lens.as_ref())
+}
+
+fn too_many_pixels(width: u32, height: u32) -> Option<String> {
+    let pixels = u64::from(width) * u64::from(height);
+    (pixels > MOST_PIXELS)
+        .then(|| format!("the image would have {width} x {height} = {pixels} pixels"))
+}
+
+fn pixels_allowed() -> String {
+    format!("at most {MOST_PIXELS} (2^28) are allowed")
+}
+
+/// Checks the size of an image without a scene file.
+pub(crate) fn check_size(width: u32, height: u32) -> Result<()> {
+    check_side("width", width)?;
+    check_side("height", height)?;
+    match too_many_pixels(width, height) {
+        Some(message) => Err(Error::new(ErrorKind::Limit, message).remedy(pixels_allowed())),
+        None => Ok(()),
+    }
+}
+
+/// Width and height of an image as requested. If only one is, the other follows from the
+/// proportions of the image's `own` width and height.
+pub(crate) fn in_proportion(options: &LoadOptions, own: [f64; 2]) -> (u32, u32) {
+    let [width, height] = own;
+    // Within the limits of a side, so that the conversion is exact.
+    let side = |length: f64| length.round().clamp(1.0, f64::from(LONGEST_SIDE)) as u32;
+    match (options.width, options.height) {
+        (Some(asked), None) => (asked, side(f64::from(asked) * height / width)),
+        (None, Some(asked)) => (side(f64::from(asked) * width / height), asked),
+        (Some(asked), Some(other)) => (asked, other),
+        (None, None) => (side(width), side(height)),
+    }
+}
+
+/// Checks a requested side.
+fn check_side(key: &str, asked: u32) -> Result<()> {
+    if (1..=LONGEST_SIDE).contains(&asked) {
+        return Ok(());
+    }
+    let words = integer_words(1, LONGEST_SIDE);
+    let message = format!("the {key} must be {words}");
+    let kind = if asked == 0 { ErrorKind::Usage } else { ErrorKind::Limit };
+    Err(Error::new(kind, message).value(asked))
+}
+
+fn warn_of_up(object: &Object<'_>, up: DVec3, axis: DVec3) {
+    let notes = object.cursor().notes();
+    let place = format!("{}.up", object.cursor().path());
+    let message = "is parallel to the view direction";
+    let error = notes.error(ErrorKind::Scene, &place, message.into()).value(up);
+    notes.warn(&error.remedy(format!("{axis} is used instead")));
+}
+
+fn check_rays(object: &Object<'_>, view: &View, lens: Option<&ThinLens>) -> Result<()> {
+    let (x, y) = lens.map_or((1, 1), |lens| (lens.samples_x, lens.samples_y));
+    let n = view.antialias;
+    // At most 64 * 64 * 4096 * 4096 = 2^36.
+    let rays = u64::from(n) * u64::from(n) * u64::from(x) * u64::from(y);
+    if rays <= MOST_RAYS {
+        return Ok(());
+    }
+    let message = format!(
+        "each pixel would have {n} x {n} (antialias) x {x} x {y} (nsamplesx, nsamplesy) = {rays} rays"
+    );
+    Err(limit(object, message, format!("at most {MOST_RAYS} (2^24) are allowed")))
+}
+
+fn limit(object: &Object<'_>, message: String, allowed: String) -> Error {
+    let cursor = object.cursor();
+    cursor.notes().error(ErrorKind::Limit, &cursor.path(), message).remedy(allowed)
+}

@@ -1,0 +1,186 @@
+//! The keys of the scene format's objects: their values and meanings.
+//!
+//! There is one table for each component and each nested object, shared by the reader, the writer
+//! and the JSON schema.
+
+use super::cursor::Range;
+use super::declared::Declaration;
+use wavecrest_base::choice::Choice;
+
+/// A table of keys: above each its description, then its name, others for it, its values, and its
+/// default.
+macro_rules! keys {
+    ($(
+        $(#[doc = $about:literal])+
+        $name:literal $(| $old:literal)*: $takes:expr $(, $absent:expr)?;
+    )*) => {{
+        #[allow(unused_imports, reason = "tables use what they need")]
+        use $crate::format::{word, Absent::*, Takes::*};
+        &[$( $crate::format::Key {
+            name: $name,
+            synonyms: &[$($old),*],
+            takes: $takes,
+            absent: $crate::format::keys!(@ $($absent)?),
+            about: concat!($($about),+).trim_ascii(),
+        } ),*]
+    }};
+    (@) => { Open };
+    (@ $absent:expr) => { $absent };
+}
+pub(crate) use keys;
+
+/// A kind of object.
+#[derive(Clone, Copy)]
+pub(crate) struct Kind {
+    /// Its name in messages: "a sphere".
+    pub(crate) name: &'static str,
+    /// Its description, for editors.
+    pub(crate) about: &'static str,
+    /// The value of its key `type`; empty if it has no such key.
+    pub(crate) word: &'static str,
+    /// The key that tells it from later kinds with the same word; empty if none does.
+    pub(crate) told_by: &'static str,
+    /// Its own keys.
+    pub(crate) keys: &'static [Key],
+    /// The components that its other keys become. The first tells that an entity is of this kind.
+    pub(crate) components: &'static [Declaration],
+    /// More components, which other kinds have too.
+    pub(crate) more: &'static [&'static [Declaration]],
+    /// Components whose keys are allowed but not looked at.
+    pub(crate) unread: &'static [Declaration],
+}
+
+impl Kind {
+    /// A kind with these keys.
+    pub(crate) const fn new(name: &'static str, about: &'static str, keys: &'static [Key]) -> Self {
+        let (word, told_by, components): (_, _, &[Declaration]) = ("", "", &[]);
+        Self { name, about, word, told_by, keys, components, more: &[], unread: &[] }
+    }
+
+    /// A kind whose objects become entities with these components.
+    pub(crate) const fn entity(
+        word: &'static str,
+        name: &'static str,
+        about: &'static str,
+        components: &'static [Declaration],
+    ) -> Self {
+        Self { word, components, ..Self::new(name, about, &[]) }
+    }
+
+    /// Its components.
+    pub(crate) fn declarations(&self) -> impl Iterator<Item = &'static Declaration> + use<> {
+        self.components.iter().chain(self.more.iter().copied().flatten())
+    }
+
+    /// All keys.
+    pub(crate) fn all_keys(&self) -> impl Iterator<Item = Key> + use<> {
+        let unread = |key: &Key| Key { takes: Takes::Anything, absent: Absent::Open, ..*key };
+        let unread = self.unread.iter().flat_map(|component| component.keys).map(unread);
+        let typed: &[Key] = if self.word.is_empty() { &[] } else { TYPE };
+        let keys = typed.iter().chain(self.keys);
+        let keys = keys.chain(self.declarations().flat_map(|component| component.keys));
+        keys.copied().chain(unread)
+    }
+}
+
+/// The key of objects of several kinds.
+pub(super) const TYPE: &[Key] = keys! {
+    /// The kind of object.
+    "type": Anything, Required;
+};
+
+/// Kinds of objects that their key `type` tells apart.
+#[derive(Clone, Copy)]
+pub(crate) struct Variants {
+    /// What they are: "a light".
+    pub(crate) name: &'static str,
+    /// The same for editors.
+    pub(crate) about: &'static str,
+    pub(crate) kinds: &'static [Kind],
+}
+
+impl Variants {
+    /// The values of `type`, each once.
+    pub(crate) fn words(&self) -> Vec<(&'static str, &'static str)> {
+        let mut words: Vec<_> = self.kinds.iter().map(|kind| (kind.word, kind.word)).collect();
+        words.dedup();
+        words
+    }
+}
+
+/// A key.
+#[derive(Clone, Copy)]
+pub(crate) struct Key {
+    pub(crate) name: &'static str,
+    /// Other names for it.
+    pub(crate) synonyms: &'static [&'static str],
+    pub(crate) takes: Takes,
+    /// The default.
+    pub(crate) absent: Absent,
+    /// Its description, for editors.
+    pub(crate) about: &'static str,
+}
+
+impl Key {
+    /// Its name, and others for it.
+    pub(crate) fn names(&self) -> impl Iterator<Item = &'static str> + use<> {
+        [self.name].into_iter().chain(self.synonyms.iter().copied())
+    }
+}
+
+/// The values of a key.
+#[derive(Clone, Copy)]
+pub(crate) enum Takes {
+    Anything,
+    Text,
+    Truth,
+    Number(Range),
+    /// An integer from the first to the second.
+    Integer(u32, u32),
+    /// One of a few numbers.
+    OneOf(&'static [i32]),
+    Point,
+    /// A point other than 0, such as this.
+    Direction(&'static str),
+    Color,
+    /// One of a few words.
+    Choice(fn() -> Vec<&'static str>),
+    /// An object of a kind.
+    Object(&'static Kind),
+    /// An object of one of a few kinds.
+    Variants(&'static Variants),
+    /// The first, an object or a list, or the second, which is neither or the other.
+    Either(&'static Takes, &'static Takes),
+    /// A matrix of four rows, the last of them [0, 0, 0, 1].
+    Matrix,
+    /// A list of at least this many.
+    AtLeast(usize, &'static Takes),
+    /// A list of exactly this many.
+    Exactly(usize, &'static Takes),
+}
+
+/// The default of a key.
+#[derive(Clone, Copy, PartialEq)]
+pub(crate) enum Absent {
+    /// It depends on other keys, or there is none.
+    Open,
+    /// The key is required.
+    Required,
+    /// It is false.
+    Off,
+    /// This number.
+    Is(f64),
+    /// This point or colour.
+    Are([f64; 3]),
+    /// This word.
+    Says(&'static str),
+}
+
+/// One of the words of `T`.
+pub(crate) const fn word<T: Choice>() -> Takes {
+    Takes::Choice(words::<T>)
+}
+
+fn words<T: Choice>() -> Vec<&'static str> {
+    T::VALUES.iter().map(|value| value.name()).collect()
+}

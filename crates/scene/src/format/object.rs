@@ -1,0 +1,214 @@
+//! JSON objects with known keys.
+
+use hecs::EntityBuilder;
+use serde_json::{Map, Value};
+
+use super::cursor::{Cursor, Range, words_of};
+use super::declared::{Declaration, Field};
+use super::keys::{Absent, Key, Kind, TYPE, Takes, Variants};
+use super::place::Place;
+use wavecrest_base::choice::Choice;
+use wavecrest_base::error::{Error, ErrorKind, Result, did_you_mean};
+
+/// A JSON object, and the keys that its kind allows.
+///
+/// The keys are declared before any is read, so that a missing key can be matched with a misspelt
+/// one.
+pub(crate) struct Object<'a> {
+    cursor: Cursor<'a>,
+    map: &'a Map<String, Value>,
+    kind: Kind,
+}
+
+impl<'a> Cursor<'a> {
+    /// The value as an object with the keys of its `kind`.
+    pub(crate) fn object(&self, kind: Kind) -> Result<Object<'a>> {
+        let object = self.any_object(kind)?;
+        object.check_keys();
+        Ok(object)
+    }
+
+    /// The value as an object of the kind that its key `type` names.
+    pub(crate) fn variant(&self, variants: &Variants) -> Result<Object<'a>> {
+        let words = variants.words();
+        let object = self.any_object(Kind::new(variants.name, "", TYPE))?;
+        let word = object.need("type", &words_of(&words))?.choice(&words)?;
+        let is_told = |key: &str| key.is_empty() || self.value().get(key).is_some();
+        let is_it = |kind: &&Kind| kind.word == word && is_told(kind.told_by);
+        let kind = variants.kinds.iter().find(is_it);
+        // The last of each word needs no key.
+        self.object(*kind.ok_or_else(|| self.must_be(variants.name))?)
+    }
+
+    fn any_object(&self, kind: Kind) -> Result<Object<'a>> {
+        let what = || self.must_be(&format!("{}, an object {{ ... }}", kind.name));
+        let map = self.value().as_object().ok_or_else(what)?;
+        Ok(Object { cursor: *self, map, kind })
+    }
+}
+
+impl<'a> Object<'a> {
+    /// The value of its key `type`; empty if it has no such key.
+    pub(crate) fn word(&self) -> &'static str {
+        self.kind.word
+    }
+
+    /// The object as a value.
+    pub(crate) fn cursor(&self) -> &Cursor<'a> {
+        &self.cursor
+    }
+
+    /// The table's entry for a key by one of its names.
+    fn key(&self, name: &str) -> Option<Key> {
+        self.kind.all_keys().find(|key| key.names().any(|one| one == name))
+    }
+
+    /// The value of an optional `key`, by any of its names.
+    pub(crate) fn get(&self, key: &'static str) -> Option<Cursor<'_>> {
+        self.values(key).next()
+    }
+
+    /// The values under all names of a key.
+    fn values(&self, key: &str) -> impl Iterator<Item = Cursor<'_>> {
+        let known = self.key(key);
+        debug_assert!(known.is_some(), "{key} is read but not among the keys");
+        known.into_iter().flat_map(|key| key.names()).filter_map(|name| {
+            let place = Place::Key(self.cursor.place(), name);
+            Some(Cursor::new(self.map.get(name)?, place, self.cursor.notes()))
+        })
+    }
+
+    /// Whether a key of this kind is set.
+    pub(crate) fn has(&self, key: &str) -> bool {
+        self.key(key).is_some_and(|key| key.names().any(|name| self.map.contains_key(name)))
+    }
+
+    /// The value of a required `key`; `what` describes it.
+    pub(crate) fn need(&self, key: &'static str, what: &str) -> Result<Cursor<'_>> {
+        self.get(key).ok_or_else(|| self.missing(key, what))
+    }
+
+    /// Adds the components of the object's kind to its `entity`. The errors of all are recorded,
+    /// and one is returned.
+    pub(crate) fn components(&self, entity: &mut EntityBuilder) -> Result<()> {
+        let read =
+            |component: &Declaration| self.cursor.notes().part(|| (component.read)(self, entity));
+        self.kind.declarations().map(read).fold(Ok(()), Result::and)
+    }
+
+    fn missing(&self, key: &'static str, what: &str) -> Error {
+        let place = Place::Key(self.cursor.place(), key).to_string();
+        let error = self.cursor.notes().error(ErrorKind::Scene, &place, "is missing".into());
+        let mut names = self.key(key).into_iter().flat_map(|key| key.names());
+        match names.find_map(|name| did_you_mean(name, self.unknown_keys())) {
+            Some(misspelt) => error.remedy(format!("rename {misspelt:?} to {key:?}")),
+            None => error.remedy(format!("give {what}")),
+        }
+    }
+
+    fn unknown_keys(&self) -> impl Iterator<Item = &'a str> {
+        self.map.keys().map(String::as_str).filter(|key| self.key(key).is_none())
+    }
+
+    /// Warns of unknown keys; if strict, they are errors. So are synonyms of one key.
+    fn check_keys(&self) {
+        let notes = self.cursor.notes();
+        for key in self.kind.all_keys().filter(|key| !key.synonyms.is_empty()) {
+            let given: Vec<_> = key.names().filter(|name| self.map.contains_key(*name)).collect();
+            if let [first, other, ..] = given[..] {
+                let place = Place::Key(self.cursor.place(), other);
+                let second = Cursor::new(&self.map[other], place, notes);
+                let error =
+                    second.error(format!("means the same as {first:?}, which is also given"));
+                notes.fail(error.remedy(format!("keep {first:?} or {other:?}, not both")));
+            }
+        }
+        for key in self.unknown_keys() {
+            let place = Place::Key(self.cursor.place(), key);
+            let cursor = Cursor::new(&self.map[key], place, notes);
+            let error = cursor.error(format!("is not a key of {}", self.kind.name));
+            notes.warn_or_fail(error.remedy(self.advice(key)));
+        }
+    }
+
+    fn advice(&self, key: &str) -> String {
+        let advice = if self.cursor.notes().strict() { "remove it" } else { "it is ignored" };
+        let names = self.kind.all_keys().flat_map(|key| key.names());
+        match did_you_mean(key, names.filter(|name| !self.map.contains_key(*name))) {
+            Some(meant) => format!("{advice}; did you mean {meant:?}?"),
+            None => advice.to_owned(),
+        }
+    }
+
+    /// The default of a key.
+    pub(super) fn absent(&self, key: &str) -> Absent {
+        self.key(key).map_or(Absent::Required, |key| key.absent)
+    }
+
+    /// The values that a key takes.
+    pub(super) fn takes(&self, key: &str) -> Option<Takes> {
+        self.key(key).map(|key| key.takes)
+    }
+
+    /// The range of a key's numbers.
+    pub(super) fn range(&self, key: &str) -> Range {
+        match self.takes(key) {
+            Some(Takes::Number(range)) => range,
+            _ => {
+                debug_assert!(false, "{key} takes no number");
+                Range::COORDINATE
+            }
+        }
+    }
+
+    /// The value of a key converted by `read`, or the `default`. An error, or a missing required
+    /// key, is recorded, and reading continues with the value `any`.
+    pub(super) fn value<T>(
+        &self,
+        key: &'static str,
+        what: &str,
+        default: Option<T>,
+        any: T,
+        read: impl FnOnce(&Cursor<'_>) -> Result<T>,
+    ) -> T {
+        let notes = self.cursor.notes();
+        match (self.get(key), default) {
+            (Some(cursor), _) => notes.part(|| read(&cursor)).unwrap_or(any),
+            (None, Some(default)) => default,
+            (None, None) => {
+                notes.fail(self.missing(key, what));
+                any
+            }
+        }
+    }
+
+    /// A part with its own reading function; `what` describes it.
+    pub(crate) fn part<T>(
+        &self,
+        key: &'static str,
+        what: &str,
+        read: impl FnOnce(&Cursor<'_>) -> Result<T>,
+    ) -> Result<T> {
+        self.cursor.notes().part(|| read(&self.need(key, what)?))
+    }
+
+    /// The value of a key, or its default. An error is recorded.
+    pub(crate) fn read<T: Field>(&self, key: &'static str) -> T {
+        self.read_or(key, None)
+    }
+
+    /// The value of a key, or `usual`, or its default. An error is recorded. A required key has no
+    /// usual value, and a key of other kinds has no other.
+    pub(crate) fn read_or<T: Field>(&self, key: &'static str, usual: Option<T>) -> T {
+        match (self.key(key), usual) {
+            (None, Some(usual)) => usual,
+            (Some(Key { absent: Absent::Required, .. }), _) => T::read(self, key, None),
+            (_, usual) => T::read(self, key, usual),
+        }
+    }
+}
+
+/// The values of `T` by name.
+pub(super) fn options<T: Choice>() -> Vec<(&'static str, T)> {
+    T::VALUES.iter().map(|value| (value.name(), *value)).collect()
+}

@@ -1,0 +1,92 @@
+//! Lights: the kinds of lights, and what they share.
+//!
+//! Each kind is a file with its component, its keys and its system: [`emitters`] runs them all.
+
+mod area;
+mod directional;
+mod point;
+mod spot;
+
+use glam::{DVec3, Vec3};
+use hecs::World;
+
+use crate::components::Sampling;
+use crate::format::{Object, Variants};
+use crate::scene_file::warn_above_1;
+use crate::systems::lights::{Found, Surroundings};
+use wavecrest_base::error::{ErrorKind, Result};
+
+pub use area::AreaLight;
+pub use directional::DirectionalLight;
+pub use point::PointLight;
+pub use spot::Spot;
+
+/// Largest value of `samples`.
+const MOST_SAMPLES: u32 = 65_536;
+/// Largest number of points on a light, 2^24.
+const MOST_POINTS: u64 = 1 << 24;
+
+/// The kinds of lights.
+pub(crate) const LIGHTS: Variants = Variants {
+    name: "a light",
+    about: "A light.",
+    kinds: &[point::KIND, spot::KIND, directional::KIND, area::KIND],
+};
+
+/// The systems that find the lights of each kind.
+pub(crate) const SYSTEMS: [System; 4] =
+    [point::emitters, spot::emitters, directional::emitters, area::emitters];
+
+/// Adds the lights of a kind in the world to those found.
+type System = fn(&World, &Surroundings<'_>, &mut Vec<Found>) -> Result<()>;
+
+/// Warns of a light without any but its ambient part.
+fn warn_of_power(object: &Object<'_>) {
+    let message = "is 0, so the light has no effect";
+    if let Some(cursor) =
+        object.get("intensity").filter(|cursor| cursor.value().as_f64() == Some(0.0))
+    {
+        cursor.warn(message, "use a number above 0, or remove the light");
+    } else if let Some(cursor) = object.get("color")
+        && cursor.color().is_ok_and(|color| color == DVec3::ZERO)
+    {
+        cursor.warn(message, "use a colour other than black, or remove the light");
+    }
+}
+
+/// Warns of the intensity and the colour of a light without a shape.
+fn warn_of_strength(object: &Object<'_>) {
+    warn_of_power(object);
+    // The shape of an area light may well be meant to have such a colour.
+    let remedy = "use a colour from 0 to 1 and a higher \"intensity\"";
+    warn_above_1(object, "color", "is above 1", remedy);
+}
+
+/// Checks the `samples` of a light: the total, or along each side of a grid.
+fn check_samples(object: &Object<'_>, sampling: Sampling, samples: u32) -> Result<()> {
+    let points = u64::from(samples) * u64::from(samples);
+    if sampling != Sampling::Jittered || points <= MOST_POINTS {
+        return Ok(());
+    }
+    let message = format!("jittered sampling would take {samples} x {samples} = {points} points");
+    let cursor = object.need("samples", "an integer")?;
+    let error = cursor.error_of(ErrorKind::Limit, message);
+    Err(error.remedy(format!("at most {MOST_POINTS} (2^24) are allowed")))
+}
+
+/// Columns and rows of the points of a light.
+fn grid(sampling: Sampling, samples: u32) -> [u32; 2] {
+    match sampling {
+        Sampling::Random | Sampling::Sobol => [samples, 1],
+        Sampling::Jittered => [samples, samples],
+    }
+}
+
+/// Number of points on a light with this value of `samples`.
+pub(crate) fn points(sampling: Sampling, samples: u32) -> u64 {
+    grid(sampling, samples).map(u64::from).iter().product()
+}
+
+fn power(intensity: f64, color: DVec3) -> Vec3 {
+    (color * intensity).as_vec3()
+}

@@ -1,0 +1,154 @@
+//! Area lights.
+
+use std::collections::HashMap;
+
+use glam::{DVec3, Vec3};
+use hecs::{Entity, EntityBuilder, EntityRef, World};
+
+use super::{MOST_SAMPLES, check_samples, grid, power, warn_of_power};
+use crate::components::{Falloff, Order, Sampling, Settings};
+use crate::format::{Declaration, Key, Kind, Object, Range, Writer, component, declared, keys};
+use crate::query::json_path;
+use crate::shapes;
+use crate::systems::lights::{Found, Surroundings};
+use wavecrest_base::error::{Error, ErrorKind, Result};
+use wavecrest_core::geometry::{Geometry, Primitive};
+use wavecrest_core::kernels::light::{Emitter, Light, Triangles};
+use wavecrest_core::kernels::quad;
+use wavecrest_core::prepared::Shape;
+
+pub(super) const KIND: Kind = Kind {
+    keys: UNUSED,
+    more: &[&[SHAPE]],
+    ..Kind::entity(
+        "arealight",
+        "an area light",
+        "A light with a shape, visible in the colour of the light.",
+        &[Declaration::of::<AreaLight>()],
+    )
+};
+
+const UNUSED: &[Key] = keys! {
+    /// Position of a point light. An area light has the position of its shape.
+    "position": Point;
+};
+
+component! {
+    /// A light whose shape is the geometry of the same entity. Camera and mirror rays that hit it
+    /// return its colour.
+    #[derive(Clone, Copy, Debug, PartialEq)]
+    pub struct AreaLight {
+        /// Strength, shared by its samples.
+        pub intensity: f64 = "intensity": Number(Range::NOT_NEGATIVE), Required;
+        /// The colour of the light.
+        pub color: DVec3 = "color": Color, Required;
+        /// At distance d: 1/(4 pi d), 1/(4 pi d^2), or 1.
+        pub falloff: Falloff = "falloff": word::<Falloff>(), Says("linear");
+        /// Distribution of the points on the light: random, one in each cell of a grid, or Sobol.
+        pub sampling: Sampling = "sampling": word::<Sampling>(), Says("jittered");
+        /// Points on the light; with jittered sampling, along each side of the grid.
+        pub samples: u32 = "samples": Integer(1, MOST_SAMPLES), Is(4.0);
+    }
+}
+
+declared!(AreaLight, check);
+
+fn check(light: &mut AreaLight, object: &Object<'_>) -> Result<()> {
+    warn_of_power(object);
+    // The report's format has this key, but the shape gives the position.
+    object.get("position").map(|cursor| cursor.point()).transpose()?;
+    check_samples(object, light.sampling, light.samples)?;
+    note_samples(object, light);
+    Ok(())
+}
+
+/// Says how many points an area light takes if that is left open: they decide time and noise.
+fn note_samples(object: &Object<'_>, &AreaLight { sampling, samples, .. }: &AreaLight) {
+    let absent = ["sampling", "samples"].into_iter().filter(|key| !object.has(key));
+    let absent: Vec<String> = absent.map(|key| format!("{key:?}")).collect();
+    if absent.is_empty() {
+        return;
+    }
+    let points = match sampling {
+        Sampling::Jittered => format!("{samples} x {samples}"),
+        _ => samples.to_string(),
+    };
+    let cursor = object.cursor();
+    let message = format!("has no {}", absent.join(" and "));
+    let remedy = format!("{points} {} points on it are used", sampling.name());
+    cursor.notes().note(&cursor.path(), &message, &remedy);
+}
+
+/// The shape of the light, whose components are the light's entity's.
+const SHAPE: Declaration = Declaration {
+    keys: keys! {
+        /// The shape that emits the light; it needs no material.
+        "shape": Variants(&shapes::LIT), Required;
+    },
+    read: read_shape,
+    write: write_shape,
+    is_in: |_| true,
+};
+
+fn read_shape(object: &Object<'_>, entity: &mut EntityBuilder) -> Result<()> {
+    shapes::read(&object.need("shape", "a shape, an object { ... }")?, &shapes::LIT, entity)
+}
+
+fn write_shape(entity: EntityRef<'_>, to: &mut Writer<'_>) -> Result<()> {
+    let shape = to.inner().variant(&shapes::LIT, entity)?;
+    to.set("shape", shape);
+    Ok(())
+}
+
+/// The area lights.
+pub(super) fn emitters(
+    world: &World,
+    scene: &Surroundings<'_>,
+    found: &mut Vec<Found>,
+) -> Result<()> {
+    let Surroundings { settings, extracted, .. } = scene;
+    let shapes: HashMap<Entity, &Shape> =
+        extracted.shapes.iter().map(|output| (output.entity, &output.shape)).collect();
+    for (entity, &order, light) in world.query::<(Entity, &Order, &AreaLight)>().iter() {
+        let shape = shapes.get(&entity);
+        let emitter = shape
+            .and_then(|shape| emitter(&extracted.geometry, shape))
+            .ok_or_else(|| no_area(world, entity, settings))?;
+        let light = Light {
+            emitter,
+            power: power(light.intensity, light.color),
+            falloff: light.falloff,
+            sampling: light.sampling,
+            grid: grid(light.sampling, light.samples),
+            dimension: 0,
+        };
+        found.push(Found { entity, order, light });
+    }
+    Ok(())
+}
+
+/// The shape of a light, as an emitter.
+fn emitter(geometry: &Geometry, shape: &Shape) -> Option<Emitter> {
+    let range = shape.primitives.clone();
+    if let Primitive::Sphere(i) = geometry.primitive(range.start) {
+        let (center, radius) = geometry.spheres[i];
+        return Some(Emitter::Sphere { center, radius });
+    }
+    let corners = range.flat_map(|number| triangles(geometry, number)).collect();
+    Triangles::new(corners).map(Emitter::Triangles)
+}
+
+fn triangles(geometry: &Geometry, number: u32) -> Vec<[Vec3; 3]> {
+    match geometry.primitive(number) {
+        Primitive::Triangle(i) => vec![geometry.triangle(i)],
+        Primitive::Quad(i) => quad::halves(&geometry.quad(i)).to_vec(),
+        Primitive::Sphere(_) | Primitive::Instanced(_) => vec![],
+    }
+}
+
+fn no_area(world: &World, entity: Entity, settings: &Settings) -> Error {
+    Error::new(ErrorKind::Scene, "the shape of an area light must have an area")
+        .in_file(&settings.file)
+        .at(format!("{}.shape", json_path(world, entity)))
+        .remedy("move the corners apart, or use a point light")
+}

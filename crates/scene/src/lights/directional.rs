@@ -1,0 +1,79 @@
+//! Directional lights.
+
+use glam::DVec3;
+use hecs::{Entity, World};
+
+use super::{MOST_SAMPLES, check_samples, grid, power, warn_of_strength};
+use crate::components::{Falloff, Order, Sampling};
+use crate::format::{Declaration, Kind, Object, Range, component, declared};
+use crate::systems::bounds;
+use crate::systems::lights::{Found, Surroundings, unit};
+use wavecrest_base::error::Result;
+use wavecrest_core::geometry::Geometry;
+use wavecrest_core::kernels::light::{Distant, Emitter, Light};
+
+pub(super) const KIND: Kind = Kind::entity(
+    "directionallight",
+    "a directional light",
+    "A light infinitely far away, equally strong everywhere.",
+    &[Declaration::of::<DirectionalLight>()],
+);
+
+component! {
+    /// A light infinitely far away.
+    #[derive(Clone, Copy, Debug, PartialEq)]
+    pub struct DirectionalLight {
+        /// Strength everywhere, shared by its samples.
+        pub intensity: f64 = "intensity": Number(Range::NOT_NEGATIVE), Required;
+        /// The colour of the light.
+        pub color: DVec3 = "color": Color, Required;
+        /// Direction in which the light shines.
+        pub direction: DVec3 = "direction": Direction("[0, -1, 0]"), Required;
+        /// Diameter of the light in the sky, in degrees: 0.53 for the sun. It softens shadows; at 0
+        /// rays are parallel.
+        pub angle_degrees: f64 = "angle": Number(Range::new(0.0, 180.0)), Is(0.0);
+        /// Distribution of the directions to the light: random, one in each cell of a grid, or
+        /// Sobol.
+        pub sampling: Sampling = "sampling": word::<Sampling>(), Says("sobol");
+        /// Directions to the light; with jittered sampling, along each side of the grid.
+        pub samples: u32 = "samples": Integer(1, MOST_SAMPLES), Is(1.0);
+    }
+}
+
+declared!(DirectionalLight, check);
+
+fn check(light: &mut DirectionalLight, object: &Object<'_>) -> Result<()> {
+    warn_of_strength(object);
+    check_samples(object, light.sampling, light.samples)
+}
+
+/// The directional lights.
+pub(super) fn emitters(
+    world: &World,
+    scene: &Surroundings<'_>,
+    found: &mut Vec<Found>,
+) -> Result<()> {
+    let mut size = None;
+    for (entity, &order, light) in world.query::<(Entity, &Order, &DirectionalLight)>().iter() {
+        // A pass over every position, only if there is such a light.
+        let size = *size.get_or_insert_with(|| diameter(&scene.extracted.geometry));
+        let distant = Distant::new(-unit(light.direction), light.angle_degrees, size);
+        // Parallel rays need only one sample.
+        let samples = if distant.is_parallel() { 1 } else { light.samples };
+        let light = Light {
+            emitter: Emitter::Distant(distant),
+            power: power(light.intensity, light.color),
+            falloff: Falloff::None,
+            sampling: light.sampling,
+            grid: grid(light.sampling, samples),
+            dimension: 0,
+        };
+        found.push(Found { entity, order, light });
+    }
+    Ok(())
+}
+
+/// Upper bound on the distance between any two points of the scene.
+fn diameter(geometry: &Geometry) -> f64 {
+    bounds::of(geometry).map_or(0.0, |[low, high]| (high - low).length())
+}

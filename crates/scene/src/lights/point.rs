@@ -1,0 +1,68 @@
+//! Point lights.
+
+use glam::DVec3;
+use hecs::{Entity, World};
+
+use super::{Spot, power, warn_of_strength};
+use crate::components::{Falloff, Order, Sampling};
+use crate::format::{Declaration, Kind, Object, Range, component, declared};
+use crate::systems::lights::{Found, Surroundings};
+use wavecrest_base::error::Result;
+use wavecrest_core::kernels::light::{Emitter, Light};
+
+pub(super) const KIND: Kind = Kind::entity(
+    "pointlight",
+    "a point light",
+    "A light that shines from a point in all directions.",
+    &[Declaration::of::<PointLight>()],
+);
+
+component! {
+    /// A light at a point.
+    #[derive(Clone, Copy, Debug, PartialEq)]
+    pub struct PointLight {
+        /// Strength; with the default falloff 40 to 100 suits distances of 10 to 20.
+        pub intensity: f64 = "intensity": Number(Range::NOT_NEGATIVE), Required;
+        /// Position.
+        pub position: DVec3 = "position": Point, Required;
+        /// The colour of the light.
+        pub color: DVec3 = "color": Color, Required;
+        /// At distance d: 1/(4 pi d), 1/(4 pi d^2), or 1.
+        pub falloff: Falloff = "falloff": word::<Falloff>(), Says("linear");
+    }
+}
+
+declared!(PointLight, check);
+
+fn check(_: &mut PointLight, object: &Object<'_>) -> Result<()> {
+    warn_of_strength(object);
+    Ok(())
+}
+
+/// The point lights that are no spots.
+pub(super) fn emitters(
+    world: &World,
+    scene: &Surroundings<'_>,
+    found: &mut Vec<Found>,
+) -> Result<()> {
+    let mut query = world.query::<(Entity, &Order, &PointLight)>().without::<&Spot>();
+    found.extend(query.iter().map(|(entity, &order, light)| {
+        let emitter = Emitter::Point((light.position - scene.origin).as_vec3());
+        Found { entity, order, light: light.with(emitter) }
+    }));
+    Ok(())
+}
+
+impl PointLight {
+    /// The light as this emitter.
+    pub(super) fn with(&self, emitter: Emitter) -> Light {
+        Light {
+            emitter,
+            power: power(self.intensity, self.color),
+            falloff: self.falloff,
+            sampling: Sampling::Random,
+            grid: [1, 1],
+            dimension: 0,
+        }
+    }
+}

@@ -1,0 +1,203 @@
+//! Reads the mesh files that entities name, and completes what depends on them: parts with materials
+//! of their own, instances, and shading.
+
+use std::collections::{HashMap, HashSet};
+use std::path::Path;
+
+use hecs::{Component, Entity, EntityBuilder, EntityRef, World};
+
+use super::materials::split;
+use crate::components::{
+    AreaLight, CutOut, Hidden, InstanceOf, JsonPath, Maps, Material, Materials, Mesh, MeshFile,
+    Name, Order, Shading, Sides, TextureRef, TextureSource, Transform, VertexColors,
+};
+use crate::format::Notes;
+use crate::mesh::{LoadedMesh, MeshData, NamedMaterials};
+use crate::query::{images_of, json_path, ordered, shapes};
+use wavecrest_base::error::{Error, ErrorKind, Result};
+
+/// Completes the `world`, with mesh files read by `read_mesh`.
+pub(super) fn complete(
+    world: &mut World,
+    notes: &Notes<'_>,
+    read_mesh: impl Fn(&Path) -> Result<LoadedMesh>,
+) -> Result<()> {
+    notes.whole(|| {
+        let mut sound = Ok(());
+        for light in ordered::<&AreaLight>(world) {
+            sound = notes.part(|| complete_light(world, light, notes, &read_mesh)).and(sound);
+        }
+        leave_out_unseen(world, notes);
+        let mut order = (0..).map(Order);
+        let mut parts_of: HashMap<Entity, Vec<Entity>> = HashMap::new();
+        for shape in shapes(world) {
+            match notes.part(|| complete_shape(world, shape, notes, &read_mesh)) {
+                Ok(parts) => {
+                    for (&part, order) in parts.iter().zip(&mut order) {
+                        insert(world, part, order);
+                    }
+                    parts_of.insert(shape, parts);
+                }
+                Err(error) => sound = Err(error),
+            }
+        }
+        sound?;
+        for instance in ordered::<&InstanceOf>(world) {
+            complete_instance(world, instance, &parts_of, &mut order);
+        }
+        Ok(())
+    })
+}
+
+/// Adds a component to an entity that exists.
+fn insert(world: &mut World, entity: Entity, component: impl Component) {
+    let inserted = world.insert_one(entity, component);
+    debug_assert!(inserted.is_ok(), "the entity exists");
+}
+
+/// Leaves out shapes that are hidden and have no instance: their meshes are not read. Warns of them.
+fn leave_out_unseen(world: &mut World, notes: &Notes<'_>) {
+    let prototypes: HashSet<Entity> = world.query::<&InstanceOf>().iter().map(|of| of.0).collect();
+    let hidden = ordered::<&Hidden>(world).into_iter();
+    for shape in hidden.filter(|shape| !prototypes.contains(shape)) {
+        let message = "the shape is hidden and has no instance";
+        notes.note(&json_path(world, shape), message, "add an instance, or remove \"hidden\"");
+        type Files<'w> =
+            (Option<&'w MeshFile>, Option<&'w TextureRef>, Option<&'w Maps>, Option<&'w CutOut>);
+        if let Ok((mesh, texture, maps, cutout)) = world.query_one::<Files<'_>>(shape).get() {
+            mesh.into_iter().for_each(|mesh| notes.reads(&mesh.file));
+            for source in images_of(texture, maps, cutout) {
+                if let TextureSource::File(file) = source {
+                    notes.reads(file);
+                }
+            }
+        }
+        let gone = world.despawn(shape);
+        debug_assert!(gone.is_ok(), "the shape exists");
+    }
+}
+
+fn complete_light(
+    world: &mut World,
+    light: Entity,
+    notes: &Notes<'_>,
+    read_mesh: impl Fn(&Path) -> Result<LoadedMesh>,
+) -> Result<()> {
+    let place = format!("{}.shape", json_path(world, light));
+    if let Ok(file) = world.remove_one::<MeshFile>(light) {
+        let file = MeshFile { colors: VertexColors::None, ..file };
+        let (mesh, _) = read(&file, &place, notes, read_mesh)?;
+        insert(world, light, mesh);
+    }
+    match world.get::<&Mesh>(light).is_ok_and(|mesh| !mesh.has_area()) {
+        true => Err(notes.error(ErrorKind::Scene, &place, "a light must have an area".to_owned())),
+        false => Ok(()),
+    }
+}
+
+/// Completes a shape; returns its parts, several if its faces have the materials of its file.
+fn complete_shape(
+    world: &mut World,
+    shape: Entity,
+    notes: &Notes<'_>,
+    read_mesh: impl Fn(&Path) -> Result<LoadedMesh>,
+) -> Result<Vec<Entity>> {
+    let mut parts = vec![shape];
+    if let Ok(file) = world.remove_one::<MeshFile>(shape) {
+        let (mesh, named) = read(&file, &json_path(world, shape), notes, read_mesh)?;
+        if file.materials == Materials::File {
+            parts = split(world, shape, mesh.data, &named, &file.file, notes);
+        } else {
+            insert(world, shape, mesh);
+        }
+    }
+    parts.iter().try_for_each(|&part| check_attributes(world, part, notes))?;
+    Ok(parts)
+}
+
+/// Reads a mesh file for the shape at `place`; returns the file's materials too.
+fn read(
+    MeshFile { file, colors, .. }: &MeshFile,
+    place: &str,
+    notes: &Notes<'_>,
+    read_mesh: impl Fn(&Path) -> Result<LoadedMesh>,
+) -> Result<(Mesh, NamedMaterials)> {
+    notes.reads(file);
+    let mut loaded = read_mesh(file).map_err(|cause| error_of(cause, place, notes))?;
+    notes.pass_on(loaded.warnings);
+    loaded.mesh.decode_colors(*colors);
+    let mesh = Mesh { data: loaded.mesh, file: Some(file.clone()), ..Mesh::default() };
+    Ok((mesh, loaded.materials))
+}
+
+/// The error of a mesh reader, prefixed with the place in the scene that names the mesh.
+pub(crate) fn error_of(cause: Error, place: &str, notes: &Notes<'_>) -> Error {
+    let message = format!("cannot read the mesh: {cause}");
+    notes.error(cause.kind(), &format!("{place}.file"), message).because(cause)
+}
+
+/// Checks that a mesh has the texture coordinates that its textures need. Without normals it is
+/// shaded flat.
+fn check_attributes(world: &mut World, part: Entity, notes: &Notes<'_>) -> Result<()> {
+    type Attributes<'w> =
+        (&'w Mesh, &'w mut Shading, Option<&'w TextureRef>, Option<&'w Maps>, Option<&'w CutOut>);
+    let place = json_path(world, part);
+    let found = world.query_one_mut::<Attributes<'_>>(part);
+    let Ok((Mesh { data: MeshData { uvs, normals, .. }, .. }, shading, texture, maps, cutout)) =
+        found
+    else {
+        return Ok(());
+    };
+    let maps = maps.into_iter().flat_map(Maps::all).map(|(key, _)| key);
+    let mut keys = texture.map(|_| "texture").into_iter().chain(maps);
+    if let Some(key) = keys.next().or(cutout.map(|_| "alpha"))
+        && uvs.is_none()
+    {
+        let message = "the mesh has no texture coordinates".to_owned();
+        let error = notes.error(ErrorKind::Scene, &format!("{place}.{key}"), message);
+        return Err(error.remedy("add \"uvs\", or remove the texture"));
+    }
+    if *shading == Shading::Smooth && normals.is_none() {
+        let message = "the mesh has no normals for smooth shading";
+        notes.note(&format!("{place}.shading"), message, "flat shading is used");
+        *shading = Shading::Flat;
+    }
+    Ok(())
+}
+
+/// Makes an instance one of each part of its shape, whose surface it has unless it has its own.
+fn complete_instance(
+    world: &mut World,
+    instance: Entity,
+    parts_of: &HashMap<Entity, Vec<Entity>>,
+    order: &mut impl Iterator<Item = Order>,
+) {
+    let shape = world.remove_one::<InstanceOf>(instance);
+    let parts = shape.ok().and_then(|shape| parts_of.get(&shape.0)).map_or(&[][..], |parts| parts);
+    for (&part, order) in parts.iter().zip(order) {
+        let mut entity = EntityBuilder::new();
+        entity.add_bundle((order, InstanceOf(part)));
+        if let (Ok(own), Ok(part)) = (world.entity(instance), world.entity(part)) {
+            copy::<Material>(part, &mut entity);
+            copy::<Sides>(part, &mut entity);
+            copy::<Shading>(part, &mut entity);
+            copy::<CutOut>(part, &mut entity);
+            copy::<TextureRef>(part, &mut entity);
+            copy::<Maps>(part, &mut entity);
+            copy::<JsonPath>(own, &mut entity);
+            copy::<Transform>(own, &mut entity);
+            copy::<Name>(own, &mut entity);
+            copy::<Material>(own, &mut entity);
+        }
+        world.spawn(entity.build());
+    }
+    let gone = world.despawn(instance);
+    debug_assert!(gone.is_ok(), "the instance exists");
+}
+
+/// Copies a component, if there is one.
+pub(super) fn copy<C: Component + Clone>(from: EntityRef<'_>, to: &mut EntityBuilder) {
+    if let Some(component) = from.get::<&C>() {
+        to.add(C::clone(&component));
+    }
+}

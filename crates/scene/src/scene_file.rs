@@ -1,0 +1,286 @@
+//! The scene file: its top, its settings, and its lists of lights, shapes and instances, read into a
+//! world and written from one.
+
+use std::collections::{HashMap, HashSet};
+use std::path::PathBuf;
+
+use glam::DVec3;
+use hecs::{Entity, EntityBuilder, World};
+use serde_json::{Value, json};
+
+use crate::camera::{self, CAMERAS};
+use crate::components::{Encoding, JsonPath, Order, View};
+use crate::format::{Beside, Cursor, Field, Kind, Object, Range, Writer, keys};
+use crate::lights::LIGHTS;
+use crate::load::LoadOptions;
+use crate::query;
+use crate::shapes::{self, Hidden, INSTANCE, InstanceOf, Name, Names, SHAPES};
+use wavecrest_base::error::Result;
+
+/// Largest number of mirror bounces. After 10 000 mirrors no light is left.
+const MOST_BOUNCES: u32 = 10_000;
+
+/// The report's "low value" by which a surface in shadow is multiplied.
+const AMBIENT: f64 = 0.08;
+
+/// The whole file.
+pub(crate) const FILE: Kind = Kind::new(
+    "a scene",
+    "A scene: camera, lights and shapes.",
+    keys! {
+        /// The address of this schema, for editors.
+        "$schema": Text;
+        /// Largest number of mirror bounces after the camera ray.
+        "nbounces": Integer(0, MOST_BOUNCES), Required;
+        /// The camera.
+        "camera": Variants(&CAMERAS), Required;
+        /// The contents of the scene.
+        "scene": Object(&SCENE), Required;
+        /// Transfer curve of 8-bit images, unless one is requested.
+        "transfer": word::<Encoding>(), Says("linear");
+    },
+);
+
+/// Its key `scene`.
+const SCENE: Kind = Kind::new(
+    "the scene",
+    "Lights, shapes and background.",
+    keys! {
+        /// Colour of camera rays that hit nothing.
+        "backgroundcolor": Color, Required;
+        /// The lights.
+        "lightsources": AtLeast(0, &Variants(&LIGHTS));
+        /// The shapes.
+        "shapes": AtLeast(0, &Variants(&SHAPES));
+        /// Share of the diffuse colour that each light adds everywhere, visible or not; or light from a sky and the ground.
+        "ambient": Either(&Object(&HEMISPHERE), &Number(Range::NOT_NEGATIVE)), Is(AMBIENT);
+        /// Further copies of shapes.
+        "instances": AtLeast(0, &Object(&INSTANCE));
+    },
+);
+
+/// Ambient light by the normal.
+const HEMISPHERE: Kind = Kind::new(
+    "ambient light (or a number)",
+    "Ambient light from a sky and the ground, by the direction of the normal.",
+    keys! {
+        /// The light on a surface that faces up.
+        "sky": Color, Required;
+        /// The light on a surface that faces down.
+        "ground": Color, Required;
+        /// Direction of the sky.
+        "up": Direction("[0, 1, 0]"), Are([0.0, 1.0, 0.0]);
+    },
+);
+
+/// Settings of the whole scene.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Settings {
+    /// The scene file: relative paths start from its folder.
+    pub file: PathBuf,
+    /// Largest number of mirror bounces after the camera ray.
+    pub bounces: u32,
+    /// Colour of camera rays that hit nothing.
+    pub background: DVec3,
+    /// Ambient light.
+    pub ambient: Ambient,
+    /// Transfer curve of 8-bit images, unless one is requested.
+    pub transfer: Encoding,
+}
+
+/// Ambient light.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Ambient {
+    /// A factor on the diffuse colour, added once for each light, visible or not.
+    Even(f64),
+    /// Light from a sky and from the ground, added once, weighted by the normal.
+    Hemisphere {
+        /// The colour on a surface that faces up.
+        sky: DVec3,
+        /// The colour on a surface that faces down.
+        ground: DVec3,
+        /// Direction of the sky, of any length above 0.
+        up: DVec3,
+    },
+}
+
+/// Reads a whole file from its top into a world.
+///
+/// # Errors
+/// All errors of the file, as one error.
+pub(crate) fn read(top: &Cursor<'_>, options: &LoadOptions) -> Result<World> {
+    let mut world = World::new();
+    top.notes().whole(|| {
+        let object = top.object(FILE)?;
+        // For the editor, which checks the file by the schema at this address.
+        object.get("$schema").map(|c| c.text("the address of a JSON schema")).transpose()?;
+        let (bounces, transfer) = (object.read("nbounces"), object.read("transfer"));
+        let an_object = "an object { ... }";
+        let mut entity = EntityBuilder::new();
+        let camera =
+            object.part("camera", an_object, |cursor| camera::camera(cursor, options, &mut entity));
+        world.spawn(entity.build());
+        object.part("scene", an_object, |cursor| {
+            let scene = &cursor.object(SCENE)?;
+            let settings = cursor.notes().part(|| settings(scene, bounces, transfer));
+            contents(scene, &mut world)?;
+            world.spawn((settings?,));
+            warn_of_darkness(scene, &world);
+            Ok(())
+        })?;
+        camera
+    })?;
+    Ok(world)
+}
+
+/// Reads the lists of a scene.
+fn contents(scene: &Object<'_>, world: &mut World) -> Result<()> {
+    let lights = list(scene, "lightsources", "an array of lights", world, |cursor, entity, _| {
+        cursor.variant(&LIGHTS)?.components(entity)
+    });
+    let shapes = list(scene, "shapes", "an array of shapes", world, |cursor, entity, _| {
+        shapes::read(cursor, &SHAPES, entity)
+    })?;
+    let mut names = Names::default();
+    for &shape in &shapes {
+        if let Ok(name) = world.get::<&Name>(shape) {
+            names.add(&name, shape);
+        }
+    }
+    let instance = |cursor: &Cursor<'_>, entity: &mut EntityBuilder, world: &World| {
+        shapes::instance(cursor, (&names, world), entity)
+    };
+    list(scene, "instances", "an array of instances", world, instance)?;
+    lights.map(drop)
+}
+
+/// An optional array, empty by default. Each of its elements becomes an entity.
+fn list(
+    scene: &Object<'_>,
+    key: &'static str,
+    what: &str,
+    world: &mut World,
+    read: impl Fn(&Cursor<'_>, &mut EntityBuilder, &World) -> Result<()>,
+) -> Result<Vec<Entity>> {
+    let Some(cursor) = scene.get(key) else { return Ok(Vec::new()) };
+    let mut order = (0..).map(Order);
+    let one = |item: Cursor<'_>| {
+        let mut entity = EntityBuilder::new();
+        entity.add(JsonPath(item.path()));
+        order.next().map(|order| entity.add(order));
+        read(&item, &mut entity, world)?;
+        Ok(world.spawn(entity.build()))
+    };
+    cursor.notes().part(|| cursor.every(what, one))
+}
+
+fn settings(scene: &Object<'_>, bounces: u32, transfer: Encoding) -> Result<Settings> {
+    let message = "is above 1, which images of 8 bits cannot show";
+    warn_above_1(scene, "backgroundcolor", message, "use colours from 0 to 1");
+    Ok(Settings {
+        file: scene.cursor().notes().file().to_owned(),
+        bounces,
+        background: scene.read("backgroundcolor"),
+        ambient: ambient(scene)?,
+        transfer,
+    })
+}
+
+/// The key `ambient`: a number, or a sky and a ground.
+fn ambient(scene: &Object<'_>) -> Result<Ambient> {
+    let Some(cursor) = scene.get("ambient") else { return Ok(Ambient::Even(AMBIENT)) };
+    if !cursor.value().is_object() {
+        return Ok(Ambient::Even(cursor.number(Range::NOT_NEGATIVE)?));
+    }
+    let object = cursor.object(HEMISPHERE)?;
+    let (sky, ground) = (object.read("sky"), object.read("ground"));
+    Ok(Ambient::Hemisphere { sky, ground, up: object.read("up") })
+}
+
+/// Warns of shapes without any light.
+fn warn_of_darkness(scene: &Object<'_>, world: &World) {
+    let has_sky = |settings: &Settings| !matches!(settings.ambient, Ambient::Even(_));
+    let is_lit = query::settings(world).is_ok_and(|settings| has_sky(&settings))
+        || !query::lights(world).is_empty();
+    if !is_lit && !query::shapes(world).is_empty() {
+        let notes = scene.cursor().notes();
+        let message = "there is no light, so every shape is black";
+        notes.note("scene.lightsources", message, "add a light");
+    }
+}
+
+/// Warns of a colour with a channel above 1. Invalid colours are reported when they are read.
+pub(crate) fn warn_above_1(object: &Object<'_>, key: &'static str, message: &str, remedy: &str) {
+    if let Some(cursor) = object.get(key)
+        && cursor.color().is_ok_and(|color| color.max_element() > 1.0)
+    {
+        cursor.warn(message, remedy);
+    }
+}
+
+/// The JSON of a whole file, from a world. Meshes and images are queued `beside` it.
+///
+/// # Errors
+/// If the world has no camera or no settings, or an image cannot be copied.
+pub(crate) fn write(world: &World, beside: &mut Beside) -> Result<Value> {
+    let settings = query::settings(world)?;
+    let camera = query::entity::<View>(world)?;
+    let names = names(world);
+    let mut all = |entities: Vec<Entity>, one: &dyn Fn(Entity, Writer<'_>) -> Result<Value>| {
+        let each = |entity| one(entity, Writer::new(entity, beside, &names));
+        entities.into_iter().map(each).collect::<Result<Vec<Value>>>()
+    };
+    let variant =
+        |variants| move |entity, to: Writer<'_>| to.variant(variants, query::known(world, entity)?);
+    let cameras = all(vec![camera], &variant(&CAMERAS))?;
+    let lights = all(query::lights(world), &variant(&LIGHTS))?;
+    let mut shapes = all(query::shapes(world), &variant(&SHAPES))?;
+    for (value, shape) in shapes.iter_mut().zip(query::shapes(world)) {
+        if let Some(name) = names.get(&shape) {
+            value["name"] = name.clone().into();
+        }
+    }
+    let instances =
+        all(query::ordered::<&InstanceOf>(world), &|one, to| shapes::write(world, one, to))?;
+    let ambient = match settings.ambient {
+        Ambient::Even(factor) => factor.into(),
+        Ambient::Hemisphere { sky, ground, up } => {
+            json!({ "sky": sky.to_json(), "ground": ground.to_json(), "up": up.to_json() })
+        }
+    };
+    let mut scene = json!({
+        "backgroundcolor": settings.background.to_json(),
+        "ambient": ambient,
+        "lightsources": lights,
+        "shapes": shapes,
+    });
+    if !instances.is_empty() {
+        scene["instances"] = instances.into();
+    }
+    Ok(json!({
+        "nbounces": settings.bounces,
+        "transfer": settings.transfer.name(),
+        "camera": cameras[0],
+        "scene": scene,
+    }))
+}
+
+/// A unique name for each named shape, and for each that instances refer to.
+fn names(world: &World) -> HashMap<Entity, String> {
+    let prototypes: HashSet<Entity> =
+        world.query::<&InstanceOf>().iter().map(|InstanceOf(shape)| *shape).collect();
+    let mut used = HashSet::new();
+    let mut names = HashMap::new();
+    for shape in query::shapes(world) {
+        let own = world.get::<&Name>(shape).map(|name| name.0.clone());
+        let needs_one = prototypes.contains(&shape) || world.get::<&Hidden>(shape).is_ok();
+        let Some(wanted) = own.ok().or_else(|| needs_one.then(|| "shape".to_owned())) else {
+            continue;
+        };
+        let numbered = (2_u32..).map(|n| format!("{wanted}-{n}"));
+        let free =
+            std::iter::once(wanted.clone()).chain(numbered).find(|name| used.insert(name.clone()));
+        names.extend(free.map(|name| (shape, name)));
+    }
+    names
+}

@@ -1,0 +1,110 @@
+//! Instances of shapes.
+
+use std::collections::HashMap;
+
+use hecs::{Entity, EntityBuilder, World};
+use serde_json::Value;
+
+use super::sphere::uneven;
+use super::transform::is_uniform;
+use super::{Name, Sphere, Transform};
+use crate::components::Material;
+use crate::format::{Cursor, Declaration, Kind, Writer, keys};
+use crate::query::known;
+use wavecrest_base::error::{Result, did_you_mean};
+
+/// The prototype of an instance: an entity with a sphere, quad, triangle or mesh, which is stored
+/// once. Everything else is the instance's own; its [`Transform`] follows the prototype's.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct InstanceOf(pub Entity);
+
+pub(crate) const INSTANCE: Kind = Kind {
+    keys: keys! {
+        /// The name of the shape.
+        "shape": Text, Required;
+    },
+    components: &[
+        Declaration::of::<Name>(),
+        Declaration::of::<Transform>(),
+        Declaration {
+            keys: keys! {
+                /// Replaces the shape's own material.
+                "material": Object(&Material::OBJECT);
+            },
+            read: |object, entity| match object.get("material") {
+                Some(_) => (Declaration::of::<Material>().read)(object, entity),
+                None => Ok(()),
+            },
+            ..Declaration::of::<Material>()
+        },
+    ],
+    ..Kind::new("an instance", "A copy of a shape.", &[])
+};
+
+/// The shapes of a file by name. An ambiguous name refers to none.
+#[derive(Default)]
+pub(crate) struct Names(HashMap<String, Option<Entity>>);
+
+impl Names {
+    /// Adds a shape.
+    pub(crate) fn add(&mut self, name: &Name, shape: Entity) {
+        self.0.entry(name.0.clone()).and_modify(|one| *one = None).or_insert(Some(shape));
+    }
+
+    /// The shape that the value of a key `shape` names.
+    fn find(&self, cursor: &Cursor<'_>) -> Result<Entity> {
+        let name = cursor.text("the name of a shape of scene.shapes")?;
+        match self.0.get(name) {
+            Some(Some(shape)) => Ok(*shape),
+            Some(None) => {
+                let error = cursor.error("several shapes have this name");
+                Err(error.remedy("use a different name for each shape"))
+            }
+            None => {
+                let error = cursor.error("no shape has this name");
+                let near = did_you_mean(name, self.0.keys().map(String::as_str));
+                Err(error.remedy(near.map_or_else(
+                    || "add a \"name\" to the shape".to_owned(),
+                    |near| format!("did you mean {near:?}?"),
+                )))
+            }
+        }
+    }
+}
+
+/// Reads an element of `scene.instances` as components of an `entity`.
+pub(crate) fn instance(
+    cursor: &Cursor<'_>,
+    (names, world): (&Names, &World),
+    entity: &mut EntityBuilder,
+) -> Result<()> {
+    let object = cursor.object(INSTANCE)?;
+    let shape = names.find(&object.need("shape", "the name of a shape of scene.shapes")?)?;
+    entity.add(InstanceOf(shape));
+    object.components(entity)?;
+    match (entity.get::<&Transform>(), object.get("transform")) {
+        (Some(moved), Some(cursor))
+            if world.get::<&Sphere>(shape).is_ok() && !is_uniform(&moved.0) =>
+        {
+            Err(uneven(&cursor))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Writes an instance; its material only if it is not the shape's.
+pub(crate) fn write(world: &World, entity: Entity, mut to: Writer<'_>) -> Result<Value> {
+    let mut found = world.query_one::<(&InstanceOf, Option<&Material>)>(entity);
+    if let Ok((of, material)) = found.get() {
+        if let Some(name) = to.name(of.0) {
+            to.set("shape", name);
+        }
+        let own = world.get::<&Material>(of.0).ok();
+        let is_own = material.copied() != own.map(|own| *own);
+        let components = if is_own { INSTANCE.components } else { &INSTANCE.components[..2] };
+        for component in components {
+            (component.write)(known(world, entity)?, &mut to)?;
+        }
+    }
+    to.end()
+}

@@ -1,0 +1,403 @@
+//! Textures of a surface, and their look-up keys.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+
+use glam::DVec3;
+use serde_json::json;
+
+use crate::folder::translated;
+use crate::format::{Cursor, Declaration, Declared, Key, Kind, Object, Range, Writer, keys, words};
+use wavecrest_base::error::{ErrorKind, Result};
+
+pub use wavecrest_core::kernels::texture::{Filter, Wrap};
+
+words!(Filter, Wrap, Encoding);
+
+/// What a path of an image is.
+const IMAGE: &str = "the path of an image";
+
+/// A texture that replaces the diffuse colour.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TextureRef {
+    /// The image.
+    pub source: TextureSource,
+    /// The encoding of its values.
+    pub encoding: Encoding,
+    /// A linear factor on every texel.
+    pub tint: DVec3,
+    /// Filtering between texels.
+    pub filter: Filter,
+    /// Wrap mode of coordinates outside 0 to 1.
+    pub wrap: Wrap,
+    /// A change of the coordinates before the look-up, if any.
+    pub placing: Option<Placing>,
+}
+
+/// Two rows of a matrix that acts on texture coordinates [u, v, 1].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Placing(pub [[f64; 3]; 2]);
+
+/// Textures of properties other than the diffuse colour. None is tinted.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Maps {
+    /// Multiplies the material's emission.
+    pub emission: Option<TextureRef>,
+    /// Metalness and roughness, which determine the rest of the material together with the colour.
+    pub metal: Option<MetalMap>,
+    /// The share of ambient light that arrives, in the red channel.
+    pub occlusion: Option<StrengthMap>,
+    /// Normals: red along u, green along v, blue along the surface normal; a value x stands for 2 x
+    /// - 1.
+    pub normal: Option<StrengthMap>,
+}
+
+impl Maps {
+    /// The maps that are set, with their keys in a scene file.
+    pub fn all(&self) -> impl Iterator<Item = (&'static str, &TextureRef)> {
+        let all = [
+            ("emissionmap", self.emission.as_ref()),
+            ("metalmap", self.metal.as_ref().map(|map| &map.texture)),
+            ("occlusionmap", self.occlusion.as_ref().map(|map| &map.texture)),
+            ("normalmap", self.normal.as_ref().map(|map| &map.texture)),
+        ];
+        all.into_iter().filter_map(|(key, texture)| Some((key, texture?)))
+    }
+
+    /// As [`Maps::all`], mutable.
+    pub fn all_mut(&mut self) -> impl Iterator<Item = &mut TextureRef> {
+        let metal = self.metal.as_mut().map(|map| &mut map.texture);
+        let occlusion = self.occlusion.as_mut().map(|map| &mut map.texture);
+        let normal = self.normal.as_mut().map(|map| &mut map.texture);
+        [self.emission.as_mut(), metal, occlusion, normal].into_iter().flatten()
+    }
+}
+
+/// A texture of metalness, in blue, and of roughness, in green.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MetalMap {
+    /// The texture.
+    pub texture: TextureRef,
+    /// Factor on the metalness, 0 to 1.
+    pub metallic: f64,
+    /// Factor on the roughness, 0 to 1.
+    pub roughness: f64,
+}
+
+impl MetalMap {
+    /// Whether all texels give the same material.
+    pub(crate) fn is_constant(&self) -> bool {
+        [self.metallic, self.roughness].iter().all(|&factor| factor as f32 == 0.0)
+    }
+}
+
+/// A texture with a strength.
+#[derive(Clone, Debug, PartialEq)]
+pub struct StrengthMap {
+    /// The texture.
+    pub texture: TextureRef,
+    /// 0 for no effect, 1 for the full effect.
+    pub strength: f64,
+}
+
+impl StrengthMap {
+    /// Whether the texture changes anything.
+    pub(crate) fn has_effect(&self) -> bool {
+        self.strength as f32 != 0.0
+    }
+}
+
+/// Holes in a surface, where the alpha of an image is low.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CutOut {
+    /// The image.
+    pub source: TextureSource,
+    /// Whether brightness replaces a missing alpha channel; otherwise an image without alpha has no
+    /// holes.
+    pub is_mask: bool,
+    /// The lowest alpha that is opaque, above 0.
+    pub threshold: f64,
+    /// Filtering between texels.
+    pub filter: Filter,
+    /// Wrap mode of coordinates outside 0 to 1.
+    pub wrap: Wrap,
+    /// A change of the coordinates before the look-up, if any.
+    pub placing: Option<Placing>,
+}
+
+/// The source of a texture's image.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum TextureSource {
+    /// A separate file: the path, already joined to the scene file's folder.
+    File(PathBuf),
+    /// Within the scene file.
+    Embedded {
+        /// The place in the file, such as `images[2]`: unique for each image.
+        place: String,
+        /// An image file of any format.
+        bytes: Arc<[u8]>,
+    },
+}
+
+wavecrest_base::choices! {
+    /// The encoding of an image's values.
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+    pub enum Encoding {
+        /// Linear.
+        #[default]
+        Linear = "linear",
+        /// sRGB-encoded, as in most photographs and painted textures.
+        Srgb = "srgb",
+    }
+}
+
+/// The look-up keys, which a shape's texture and its cut-out share.
+pub(crate) const LOOK_UP: Declaration = Declaration::without(keys! {
+    /// Filtering between texels.
+    "filter": word::<Filter>(), Says("bilinear");
+    /// Wrap mode of coordinates outside 0 to 1.
+    "wrap": word::<Wrap>(), Says("repeat");
+    /// Encoding of the image's values.
+    "encoding": word::<Encoding>(), Says("linear");
+    /// Transform of the texture coordinates before the look-up: two rows that act on [u, v, 1].
+    "uvtransform": Exactly(2, &Exactly(3, &Number(Range::COORDINATE)));
+});
+
+impl Declared for TextureRef {
+    const KEYS: &'static [Key] = keys! {
+        /// An image that replaces the diffuse colour: a path from the scene's folder.
+        "texture": Text;
+        /// Factor on the colours of the texture.
+        "tint": Color, Are([1.0; 3]);
+    };
+
+    fn read(object: &Object<'_>) -> Result<Option<Self>> {
+        let tint = object.read("tint");
+        let Some(cursor) = object.get("texture") else {
+            warn_without_texture(object);
+            return Ok(None);
+        };
+        let texture = Self::look_up(object, existing_file(&cursor, IMAGE)?)?;
+        Ok(Some(Self { tint, ..texture }))
+    }
+
+    fn write(&self, to: &mut Writer<'_>) -> Result<()> {
+        let image = to.image(&self.source)?;
+        to.set("texture", image);
+        to.put("tint", self.tint);
+        self.write_look_up(to);
+        Ok(())
+    }
+}
+
+impl TextureRef {
+    /// The image at `path`, with the look-up keys of the object.
+    fn look_up(object: &Object<'_>, path: PathBuf) -> Result<Self> {
+        Ok(Self {
+            source: TextureSource::File(path),
+            encoding: object.read("encoding"),
+            tint: DVec3::ONE,
+            filter: object.read("filter"),
+            wrap: object.read("wrap"),
+            placing: placing(object)?,
+        })
+    }
+
+    fn write_look_up(&self, to: &mut Writer<'_>) {
+        to.put("encoding", self.encoding);
+        to.put("filter", self.filter);
+        to.put("wrap", self.wrap);
+        if let Some(Placing(rows)) = self.placing {
+            to.set("uvtransform", json!(rows));
+        }
+    }
+}
+
+fn warn_without_texture(object: &Object<'_>) {
+    // Alpha is looked up like a texture.
+    let of_both: &[&str] =
+        if object.get("alpha").is_some() { &[] } else { &["filter", "wrap", "uvtransform"] };
+    for cursor in ["encoding", "tint"].iter().chain(of_both).filter_map(|key| object.get(key)) {
+        cursor.warn("has no effect without a texture", "add \"texture\", or remove it");
+    }
+}
+
+fn placing(object: &Object<'_>) -> Result<Option<Placing>> {
+    let what = "two rows of three numbers, [[a, b, c], [d, e, f]]";
+    let Some(cursor) = object.get("uvtransform") else { return Ok(None) };
+    let rows = cursor.each(what, |row| row.numbers::<3>(what, Range::COORDINATE))?;
+    let rows = rows.try_into().map_err(|_| cursor.error(format!("must be {what}")))?;
+    Ok(Some(Placing(rows)))
+}
+
+/// The default threshold with an `alpha`.
+pub(crate) const THRESHOLD: f64 = 0.5;
+
+impl Declared for CutOut {
+    const KEYS: &'static [Key] = keys! {
+        /// Parts of the shape where the alpha of the texture, or of the image alpha, is lower are cut out.
+        "alphacutoff": Number(Range::NOT_NEGATIVE);
+        /// An image whose alpha, or brightness if it has none, cuts out the shape.
+        "alpha": Text;
+    };
+
+    /// A threshold of 0 cuts nothing out.
+    fn read(object: &Object<'_>) -> Result<Option<Self>> {
+        let threshold = object.read_or("alphacutoff", Some(THRESHOLD));
+        let image = |key| object.get(key).map(|cursor| existing_file(&cursor, IMAGE)).transpose();
+        let mask = image("alpha")?;
+        let is_mask = mask.is_some();
+        let path = match (mask, object.get("alphacutoff")) {
+            (Some(mask), _) => Some(mask),
+            (None, None) => None,
+            (None, Some(cursor)) => {
+                let texture = image("texture")?;
+                if texture.is_none() {
+                    let remedy = "add \"texture\" or \"alpha\", or remove it";
+                    cursor.warn("has no effect without an image with alpha", remedy);
+                }
+                texture
+            }
+        };
+        let Some(path) = path else { return Ok(None) };
+        let TextureRef { source, filter, wrap, placing, .. } = TextureRef::look_up(object, path)?;
+        Ok((threshold > 0.0).then_some(Self { source, is_mask, threshold, filter, wrap, placing }))
+    }
+
+    fn write(&self, to: &mut Writer<'_>) -> Result<()> {
+        to.put("alphacutoff", self.threshold);
+        let image = to.image(&self.source)?;
+        let has_texture = to.get("texture").is_some();
+        if self.is_mask || to.get("texture").is_none_or(|texture| *texture != *image) {
+            to.set("alpha", image);
+        }
+        if !has_texture {
+            to.put("filter", self.filter);
+            to.put("wrap", self.wrap);
+            if let Some(Placing(rows)) = self.placing {
+                to.set("uvtransform", json!(rows));
+            }
+        }
+        Ok(())
+    }
+}
+
+const FILE: &[Key] = keys! {
+    /// The image: a path from the scene's folder.
+    "file": Text, Required;
+};
+
+/// A kind of map with more keys.
+const fn map(name: &'static str, about: &'static str, components: &'static [Declaration]) -> Kind {
+    Kind { components, more: &[&[LOOK_UP]], ..Kind::new(name, about, FILE) }
+}
+
+const COLOR_MAP: Kind = map("a map", "An image of colours.", &[]);
+
+const STRENGTH_MAP: Kind = map(
+    "a map",
+    "An image of numbers, and its strength.",
+    &[Declaration::without(keys! {
+        /// Strength of the map.
+        "strength": Number(Range::COORDINATE), Is(1.0);
+    })],
+);
+
+const METAL_MAP: Kind = map(
+    "a metal map",
+    "An image with roughness in green and metalness in blue, which set the material.",
+    &[Declaration::without(keys! {
+        /// Factor on the metalness.
+        "metallic": Number(Range::UNIT), Is(1.0);
+        /// Factor on the roughness.
+        "roughness": Number(Range::UNIT), Is(1.0);
+    })],
+);
+
+impl Declared for Maps {
+    const KEYS: &'static [Key] = keys! {
+        /// Colours that multiply the material's emission.
+        "emissionmap": Object(&COLOR_MAP);
+        /// Metalness and roughness, which determine the rest of the material together with the colour.
+        "metalmap": Object(&METAL_MAP);
+        /// The share of ambient light that arrives, in the red channel.
+        "occlusionmap": Object(&STRENGTH_MAP);
+        /// Normals: red along u, green along v, blue along the surface normal.
+        "normalmap": Object(&STRENGTH_MAP);
+    };
+
+    fn read(object: &Object<'_>) -> Result<Option<Self>> {
+        let maps = Self {
+            emission: texture_of(object, "emissionmap", COLOR_MAP, |texture, _| texture)?,
+            metal: texture_of(object, "metalmap", METAL_MAP, |texture, map| MetalMap {
+                texture,
+                metallic: map.read("metallic"),
+                roughness: map.read("roughness"),
+            })?,
+            occlusion: texture_of(object, "occlusionmap", STRENGTH_MAP, StrengthMap::read)?,
+            normal: texture_of(object, "normalmap", STRENGTH_MAP, StrengthMap::read)?,
+        };
+        Ok((maps != Self::default()).then_some(maps))
+    }
+
+    fn write(&self, to: &mut Writer<'_>) -> Result<()> {
+        for (key, texture) in self.all() {
+            to.object(key, |to| {
+                let image = to.image(&texture.source)?;
+                to.set("file", image);
+                texture.write_look_up(to);
+                match (key, &self.metal, &self.occlusion, &self.normal) {
+                    ("metalmap", Some(map), ..) => {
+                        to.put("metallic", map.metallic);
+                        to.put("roughness", map.roughness);
+                    }
+                    ("occlusionmap", _, Some(map), _) | ("normalmap", .., Some(map)) => {
+                        to.put("strength", map.strength);
+                    }
+                    _ => {}
+                }
+                Ok(())
+            })?;
+        }
+        Ok(())
+    }
+}
+
+impl StrengthMap {
+    fn read(texture: TextureRef, map: &Object<'_>) -> Self {
+        Self { texture, strength: map.read("strength") }
+    }
+}
+
+/// The map under a key, if it is given, with its own keys read by `read`.
+fn texture_of<T>(
+    object: &Object<'_>,
+    key: &'static str,
+    kind: Kind,
+    read: impl FnOnce(TextureRef, &Object<'_>) -> T,
+) -> Result<Option<T>> {
+    let Some(cursor) = object.get(key) else { return Ok(None) };
+    let map = cursor.object(kind)?;
+    let path = existing_file(&map.need("file", IMAGE)?, IMAGE)?;
+    Ok(Some(read(TextureRef::look_up(&map, path)?, &map)))
+}
+
+/// The path of an existing file, joined to the scene file's folder; `what` describes it. Instead of
+/// a file of another machine, the one of the same name beside the scene is taken.
+pub(crate) fn existing_file(cursor: &Cursor<'_>, what: &str) -> Result<PathBuf> {
+    let notes = cursor.notes();
+    let text = cursor.text(what)?;
+    let path = notes.resolve(text);
+    if path.is_file() {
+        return Ok(path);
+    }
+    let here = notes.resolve(&translated(text));
+    if here.is_file() {
+        cursor.warn("there is no such file here", &format!("{} is used", here.display()));
+        return Ok(here);
+    }
+    let there = if path.is_dir() { "a folder, not a file," } else { "no file" };
+    let message = format!("there is {there} at {}", path.display());
+    let error = cursor.error_of(ErrorKind::Io, message);
+    Err(error.remedy("relative paths start at the scene file's folder"))
+}
