@@ -71,9 +71,7 @@ impl Declared for Pinhole {
         Ok(Some(Self))
     }
 
-    fn write(&self, _: &mut Writer<'_>) -> Result<()> {
-        Ok(())
-    }
+    fn write(&self, _: &mut Writer<'_>) {}
 }
 
 component! {
@@ -148,11 +146,10 @@ impl Declared for View {
     }
 
     /// The sampling of a lens is in the same key, and counts.
-    fn write(&self, to: &mut Writer<'_>) -> Result<()> {
+    fn write(&self, to: &mut Writer<'_>) {
         let of_lens = to.get("sampling").cloned();
         self.write_fields(to);
         of_lens.into_iter().for_each(|sampling| to.set("sampling", sampling));
-        Ok(())
     }
 }
 
@@ -219,7 +216,7 @@ const LENS_MOTION: Kind = path_kind(keys! {
 
 /// A declaration of the path of a camera with this key.
 const fn moving(keys: &'static [Key]) -> Declaration {
-    Declaration { keys, read: read_path, write: write_path, is_in: |_| true }
+    Declaration { read: read_path, write: write_path, ..Declaration::without(keys) }
 }
 
 const PINHOLE_PATH: Declaration = moving(keys! {
@@ -268,23 +265,22 @@ fn read_path(object: &Object<'_>, entity: &mut EntityBuilder) -> Result<()> {
     Ok(())
 }
 
-fn write_path(entity: EntityRef<'_>, to: &mut Writer<'_>) -> Result<()> {
-    let Some(path) = entity.get::<&CameraPath>() else { return Ok(()) };
+fn write_path(entity: EntityRef<'_>, to: &mut Writer<'_>) {
+    let Some(path) = entity.get::<&CameraPath>() else { return };
     let has_lens = entity.has::<ThinLens>();
     to.object("path", |to| {
         to.put("interpolation", path.interpolation);
-        let mut keys = Vec::new();
-        for key in &path.keys {
+        let key = |key: &CameraKey| {
             let mut one = to.inner();
             key.write_fields(&mut one);
             if !has_lens {
                 one.remove("focal");
             }
-            keys.push(one.end()?);
-        }
+            one.end()
+        };
+        let keys: Vec<_> = path.keys.iter().map(key).collect();
         to.set("keys", keys);
-        Ok(())
-    })
+    });
 }
 
 /// Reads the camera as components of an `entity`. The size in the `options` overrides the file's.

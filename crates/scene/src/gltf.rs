@@ -25,6 +25,7 @@ mod mesh;
 mod node;
 mod primitive;
 mod scene;
+mod spawn;
 mod survey;
 mod texture;
 mod textured;

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use hecs::{Component, Entity, EntityRef, Or, World};
+use hecs::{Entity, Or, World};
 
 use crate::components::{
     AreaLight, CutOut, DirectionalLight, InstanceOf, JsonPath, Maps, Mesh, MeshFile, Order,
@@ -46,17 +46,6 @@ pub(crate) fn settings(world: &World) -> Result<Settings> {
 /// The view of the camera.
 pub(crate) fn view(world: &World) -> Result<View> {
     world.query::<&View>().iter().next().copied().ok_or_else(|| missing("View"))
-}
-
-/// The only entity with a component.
-pub(crate) fn entity<C: Component>(world: &World) -> Result<Entity> {
-    let mut query = world.query::<hecs::With<Entity, &C>>();
-    query.iter().next().ok_or_else(|| missing(std::any::type_name::<C>()))
-}
-
-/// An entity that is in the world.
-pub(crate) fn known(world: &World, entity: Entity) -> Result<EntityRef<'_>> {
-    world.entity(entity).map_err(|_| missing("this number"))
 }
 
 /// The place of the entity in the scene file; empty if unknown.

@@ -5,7 +5,7 @@ use std::collections::{HashMap, HashSet};
 use std::path::PathBuf;
 
 use glam::DVec3;
-use hecs::{Entity, EntityBuilder, World};
+use hecs::{Entity, EntityBuilder, EntityRef, World};
 use serde_json::{Value, json};
 
 use crate::camera::{self, CAMERAS};
@@ -224,24 +224,23 @@ pub(crate) fn warn_above_1(object: &Object<'_>, key: &'static str, message: &str
 /// If the world has no camera or no settings, or an image cannot be copied.
 pub(crate) fn write(world: &World, beside: &mut Beside) -> Result<Value> {
     let settings = query::settings(world)?;
-    let camera = query::entity::<View>(world)?;
     let names = names(world);
-    let mut all = |entities: Vec<Entity>, one: &dyn Fn(Entity, Writer<'_>) -> Result<Value>| {
-        let each = |entity| one(entity, Writer::new(entity, beside, &names));
-        entities.into_iter().map(each).collect::<Result<Vec<Value>>>()
+    let mut all = |entities: Vec<Entity>, one: &dyn Fn(EntityRef<'_>, Writer<'_>) -> Value| {
+        let known = entities.into_iter().filter_map(|entity| world.entity(entity).ok());
+        let each =
+            |entity: EntityRef<'_>| one(entity, Writer::new(entity.entity(), beside, &names));
+        known.map(each).collect::<Vec<Value>>()
     };
-    let variant =
-        |variants| move |entity, to: Writer<'_>| to.variant(variants, query::known(world, entity)?);
-    let cameras = all(vec![camera], &variant(&CAMERAS))?;
-    let lights = all(query::lights(world), &variant(&LIGHTS))?;
-    let mut shapes = all(query::shapes(world), &variant(&SHAPES))?;
-    for (value, shape) in shapes.iter_mut().zip(query::shapes(world)) {
-        if let Some(name) = names.get(&shape) {
-            value["name"] = name.clone().into();
-        }
-    }
-    let instances =
-        all(query::ordered::<&InstanceOf>(world), &|one, to| shapes::write(world, one, to))?;
+    let views = world.query::<hecs::With<Entity, &View>>().iter().collect();
+    let camera = all(views, &|one, to| to.variant(&CAMERAS, one));
+    let lights = all(query::lights(world), &|one, to| to.variant(&LIGHTS, one));
+    let shapes = all(query::shapes(world), &|one, to| {
+        let mut shape = to.variant(&SHAPES, one);
+        names.get(&one.entity()).into_iter().for_each(|name| shape["name"] = name.clone().into());
+        shape
+    });
+    let instances = query::ordered::<&InstanceOf>(world);
+    let instances = all(instances, &|one, to| shapes::write(world, one.entity(), to));
     let ambient = match settings.ambient {
         Ambient::Even(factor) => factor.into(),
         Ambient::Hemisphere { sky, ground, up } => {
@@ -260,7 +259,7 @@ pub(crate) fn write(world: &World, beside: &mut Beside) -> Result<Value> {
     Ok(json!({
         "nbounces": settings.bounces,
         "transfer": settings.transfer.name(),
-        "camera": cameras[0],
+        "camera": camera.first().ok_or_else(|| query::missing("View"))?,
         "scene": scene,
     }))
 }

@@ -20,6 +20,7 @@ pub use flat::{Facing, Quad, Triangle};
 pub use instance::InstanceOf;
 pub(crate) use instance::{INSTANCE, Names, instance, write};
 pub use mesh::{Materials, Mesh, MeshFile, VertexColors};
+pub(crate) use place::PLACED;
 pub use place::{Hidden, Name, Shading, Sides};
 pub use sphere::Sphere;
 pub use transform::Transform;
@@ -29,15 +30,12 @@ const KINDS: [Kind; 6] =
     [sphere::KIND, flat::PLANE, flat::TRIANGLE, mesh::FROM_FILE, mesh::INDEXED, mesh::STRIP];
 
 /// Shapes of the scene.
-pub(crate) const SHAPES: Variants = Variants {
-    name: "a shape",
-    about: "A shape.",
-    kinds: &with(KINDS, &[&place::NAMED, &SURFACE, &place::IN_SCENE], &[]),
-};
+pub(crate) const SHAPES: Variants =
+    Variants { name: "a shape", about: "A shape.", kinds: &with(KINDS, &[&SURFACE, &PLACED], &[]) };
 
 /// Shapes of lights, which have a colour of their own and are always visible, from both sides.
 pub(crate) const LIT: Variants =
-    Variants { kinds: &with(KINDS, &[&place::NAMED, &place::OF_LIGHT], &SURFACE), ..SHAPES };
+    Variants { kinds: &with(KINDS, &[&place::OF_LIGHT], &SURFACE), ..SHAPES };
 
 /// The kinds with these components too.
 const fn with<const N: usize>(

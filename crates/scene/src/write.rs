@@ -16,6 +16,7 @@ use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_base::replace::{check_replaceable, replace_file, write_error};
 
 use crate::components::{Mesh, TextureSource};
+use crate::folder::Folder;
 use crate::format::Beside;
 use crate::load::LoadedScene;
 use crate::{query, scene_file};
@@ -28,7 +29,7 @@ pub use mesh::write_ply;
 /// If a file exists already, is a file that the scene was read from, or cannot be written; or if an image is outside the folder of the file that the scene was
 /// read from, unless it was read with [`allow_outside`](crate::load::LoadOptions::allow_outside).
 pub fn write(scene: &LoadedScene, path: &Path, replaces: bool) -> Result<Vec<PathBuf>> {
-    let mut beside = Beside::new(path, scene.folder.clone());
+    let mut beside = Beside::new(path);
     let value = scene_file::write(&scene.world, &mut beside)?;
     let Beside { meshes, images, .. } = beside;
     let names = meshes.iter().map(|(name, _)| name).chain(images.iter().map(|(name, _)| name));
@@ -38,6 +39,7 @@ pub fn write(scene: &LoadedScene, path: &Path, replaces: bool) -> Result<Vec<Pat
         scene.check_apart(file)?;
         check_free(file, replaces)?;
     }
+    images.iter().try_for_each(|(_, source)| check_source(source, &scene.folder))?;
     for (file, entity) in meshes {
         let mesh = scene.world.get::<&Mesh>(entity).map_err(|_| query::missing("Mesh"))?;
         replace_file(&file, |sink| write_ply(&mesh.data, sink).map_err(|e| write_error(&file, e)))?;
@@ -56,6 +58,25 @@ fn check_free(file: &Path, replaces: bool) -> Result<()> {
         return Err(error.remedy("choose another name, or use --force to replace it"));
     }
     check_replaceable(file)
+}
+
+/// Checks that an image may be copied, and is one.
+fn check_source(source: &TextureSource, folder: &Folder) -> Result<()> {
+    match source {
+        TextureSource::File(path) if path.exists() && !folder.holds(path) => {
+            let message = "the image is outside the folder of the file that is converted";
+            let error = Error::new(ErrorKind::Usage, message).value(path.display());
+            Err(error.remedy("copy it there, or allow others with --allow-outside"))
+        }
+        TextureSource::File(_) => Ok(()),
+        TextureSource::Embedded { place, bytes } => match image::guess_format(bytes) {
+            Ok(_) => Ok(()),
+            Err(e) => {
+                let message = format!("cannot tell the format of the image: {e}");
+                Err(Error::new(ErrorKind::Texture, message).at(place).because(e))
+            }
+        },
+    }
 }
 
 fn write_json(value: &Value, path: &Path) -> Result<()> {

@@ -15,7 +15,7 @@ use wavecrest_base::choice::Choice;
 use wavecrest_base::error::Result;
 
 /// A component with keys of its own in a scene file.
-pub(crate) trait Declared: Component + Sized {
+pub(crate) trait Declared: Component + Clone {
     /// Its keys.
     const KEYS: &'static [Key];
 
@@ -23,7 +23,7 @@ pub(crate) trait Declared: Component + Sized {
     fn read(object: &Object<'_>) -> Result<Option<Self>>;
 
     /// Writes it to an object with these keys.
-    fn write(&self, to: &mut Writer<'_>) -> Result<()>;
+    fn write(&self, to: &mut Writer<'_>);
 }
 
 /// A [`Declared`] component as a value.
@@ -33,7 +33,9 @@ pub(crate) struct Declaration {
     /// Adds the component of an object to its entity.
     pub(crate) read: fn(&Object<'_>, &mut EntityBuilder) -> Result<()>,
     /// Writes the component of an entity, if it has one.
-    pub(crate) write: fn(EntityRef<'_>, &mut Writer<'_>) -> Result<()>,
+    pub(crate) write: fn(EntityRef<'_>, &mut Writer<'_>),
+    /// Adds a copy of the component of an entity, if it has one, to another.
+    pub(crate) copy: fn(EntityRef<'_>, &mut EntityBuilder),
     /// Whether an entity has the component.
     pub(crate) is_in: fn(EntityRef<'_>) -> bool,
 }
@@ -41,21 +43,27 @@ pub(crate) struct Declaration {
 impl Declaration {
     /// The declaration of `C`.
     pub(crate) const fn of<C: Declared>() -> Self {
-        Self { keys: C::KEYS, read: read::<C>, write: write::<C>, is_in: is_in::<C> }
+        let (read, write, copy) = (read::<C>, write::<C>, copy::<C>);
+        Self { keys: C::KEYS, read, write, copy, is_in: is_in::<C> }
     }
 
     /// Keys that several components read.
     pub(crate) const fn without(keys: &'static [Key]) -> Self {
-        Self { keys, read: |_, _| Ok(()), write: |_, _| Ok(()), is_in: |_| true }
+        let (read, write, copy): Functions = (|_, _| Ok(()), |_, _| {}, |_, _| {});
+        Self { keys, read, write, copy, is_in: |_| true }
     }
 
     /// The same for objects whose entity does without `C`: its keys are only checked.
     pub(crate) const fn checked<C: Declared>() -> Self {
-        let read: fn(&Object<'_>, &mut EntityBuilder) -> Result<()> =
-            |object, _| C::read(object).map(drop);
-        Self { keys: C::KEYS, read, write: |_, _| Ok(()), is_in: |_| true }
+        Self { read: |object, _| C::read(object).map(drop), ..Self::without(C::KEYS) }
     }
 }
+
+type Functions = (
+    fn(&Object<'_>, &mut EntityBuilder) -> Result<()>,
+    fn(EntityRef<'_>, &mut Writer<'_>),
+    fn(EntityRef<'_>, &mut EntityBuilder),
+);
 
 fn read<C: Declared>(object: &Object<'_>, entity: &mut EntityBuilder) -> Result<()> {
     if let Some(component) = C::read(object)? {
@@ -64,8 +72,12 @@ fn read<C: Declared>(object: &Object<'_>, entity: &mut EntityBuilder) -> Result<
     Ok(())
 }
 
-fn write<C: Declared>(entity: EntityRef<'_>, to: &mut Writer<'_>) -> Result<()> {
-    entity.get::<&C>().map_or(Ok(()), |component| component.write(to))
+fn write<C: Declared>(entity: EntityRef<'_>, to: &mut Writer<'_>) {
+    entity.get::<&C>().into_iter().for_each(|component| component.write(to));
+}
+
+fn copy<C: Declared>(from: EntityRef<'_>, to: &mut EntityBuilder) {
+    from.get::<&C>().into_iter().for_each(|component| _ = to.add(C::clone(&component)));
 }
 
 fn is_in<C: Component>(entity: EntityRef<'_>) -> bool {
@@ -229,12 +241,8 @@ macro_rules! declared {
                 Ok(Some(component))
             }
 
-            fn write(
-                &self,
-                to: &mut $crate::format::Writer<'_>,
-            ) -> wavecrest_base::error::Result<()> {
+            fn write(&self, to: &mut $crate::format::Writer<'_>) {
                 self.write_fields(to);
-                Ok(())
             }
         }
     };

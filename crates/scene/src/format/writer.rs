@@ -9,7 +9,6 @@ use super::beside::Beside;
 use super::declared::Field;
 use super::keys::{Kind, Variants};
 use crate::components::TextureSource;
-use wavecrest_base::error::Result;
 
 /// An object that is written.
 pub(crate) struct Writer<'a> {
@@ -32,20 +31,18 @@ impl<'a> Writer<'a> {
     }
 
     /// The object.
-    pub(crate) fn end(self) -> Result<Value> {
-        Ok(self.map.into())
+    pub(crate) fn end(self) -> Value {
+        self.map.into()
     }
 
     /// The object of an `entity` with the components of a `kind`.
-    pub(crate) fn of(mut self, kind: &Kind, entity: EntityRef<'_>) -> Result<Value> {
-        for component in kind.declarations() {
-            (component.write)(entity, &mut self)?;
-        }
-        Ok(self.map.into())
+    pub(crate) fn of(mut self, kind: &Kind, entity: EntityRef<'_>) -> Value {
+        kind.declarations().for_each(|component| (component.write)(entity, &mut self));
+        self.end()
     }
 
     /// The same for the kind that its components tell: of several, the one with the most.
-    pub(crate) fn variant(mut self, variants: &Variants, entity: EntityRef<'_>) -> Result<Value> {
+    pub(crate) fn variant(mut self, variants: &Variants, entity: EntityRef<'_>) -> Value {
         let is_of = |kind: &&Kind| kind.components.first().is_some_and(|own| (own.is_in)(entity));
         let kinds = variants.kinds.iter().filter(is_of);
         match kinds.max_by_key(|kind| kind.components.len()) {
@@ -53,7 +50,7 @@ impl<'a> Writer<'a> {
                 self.set("type", kind.word);
                 self.of(kind, entity)
             }
-            None => Ok(Value::Null),
+            None => Value::Null,
         }
     }
 
@@ -73,16 +70,11 @@ impl<'a> Writer<'a> {
     }
 
     /// Writes an object within this one.
-    pub(crate) fn object(
-        &mut self,
-        key: &str,
-        write: impl FnOnce(&mut Writer<'_>) -> Result<()>,
-    ) -> Result<()> {
+    pub(crate) fn object(&mut self, key: &str, write: impl FnOnce(&mut Writer<'_>)) {
         let mut inner = self.inner();
-        write(&mut inner)?;
-        let map = inner.map;
-        self.set(key, map);
-        Ok(())
+        write(&mut inner);
+        let value = inner.end();
+        self.set(key, value);
     }
 
     /// Removes a key.
@@ -95,9 +87,10 @@ impl<'a> Writer<'a> {
         self.map.get(key)
     }
 
-    /// The name of an image beside the scene file.
-    pub(crate) fn image(&mut self, source: &TextureSource) -> Result<String> {
-        self.beside.image(source)
+    /// Writes the name of an image beside the scene file.
+    pub(crate) fn image(&mut self, key: &str, source: &TextureSource) {
+        let name = self.beside.image(source);
+        self.set(key, name);
     }
 
     /// The name of the entity's mesh beside the scene file.

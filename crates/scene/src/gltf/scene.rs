@@ -1,21 +1,16 @@
 //! Converts a document to the values of a scene file.
 
 use std::ops::Range;
-use std::path::Path;
 
 use glam::{DAffine3, DVec3, Vec3};
 use hecs::{EntityBuilder, World};
 
-use crate::components::{
-    AreaLight, CutOut, Falloff, Hidden, InstanceOf, JsonPath, Maps, Mesh, Name, Order, Pinhole,
-    Sampling, Shading, TextureRef, Transform,
-};
+use crate::components::{CutOut, Falloff, Maps, Order, Pinhole};
 use crate::format::Notes;
 use crate::load::LoadOptions;
 use crate::load::framing::{Framing, Up};
 use crate::load::lighting::Rig;
 use crate::load::staging::{self, Framed, Sphere, Upward};
-use crate::mesh::MeshData;
 use wavecrest_base::error::{ErrorKind, Result};
 
 use super::camera;
@@ -25,30 +20,8 @@ use super::light;
 use super::material::Surface;
 use super::mesh::Reader;
 use super::node::Placed;
+use super::spawn::{Primitive, Use, extent};
 use super::textured::textures;
-
-/// Points along each side of the grid on a mesh light; each pixel has several rays.
-const LIGHT_SAMPLES: u32 = 3;
-
-/// A primitive with triangles, and the nodes that show it.
-struct Primitive {
-    path: String,
-    name: Option<String>,
-    mesh: MeshData,
-    surface: Surface,
-    texture: Option<TextureRef>,
-    cutout: Option<CutOut>,
-    maps: Maps,
-    uses: Vec<Use>,
-}
-
-/// A node that shows a primitive.
-#[derive(Clone)]
-struct Use {
-    path: String,
-    name: Option<String>,
-    world: DAffine3,
-}
 
 /// Makes a scene from a document, and reports the choices made for the user.
 pub(super) fn world(
@@ -324,88 +297,4 @@ fn emitted(primitives: &[Primitive], bounds: &Sphere) -> f64 {
         light::radiance(strength, Falloff::InverseSquare, middle, bounds)
     };
     lights.flat_map(|light| light.uses.iter().map(move |found| radiance(light, &found.world))).sum()
-}
-
-/// The area of a mesh, and the centroid of its triangles weighted by area.
-fn extent(mesh: &MeshData, world: &DAffine3) -> (f64, DVec3) {
-    let mut area = 0.0;
-    let mut middle = DVec3::ZERO;
-    for triangle in &mesh.triangles {
-        let point = |i: u32| world.transform_point3(mesh.positions[i as usize].as_dvec3());
-        let [a, b, c] = triangle.map(point);
-        let own = (b - a).cross(c - a).length() / 2.0;
-        area += own;
-        middle += (a + b + c) * (own / 3.0);
-    }
-    (area, if area > 0.0 { middle / area } else { world.translation })
-}
-
-impl Primitive {
-    /// Adds a shape of the `file` if one node shows the primitive, otherwise a hidden shape and an
-    /// instance for each node.
-    fn add_shapes(self, file: &Path, order: &mut impl Iterator<Item = Order>, world: &mut World) {
-        let is_smooth = self.mesh.normals.is_some();
-        let shading = if is_smooth { Shading::Smooth } else { Shading::Flat };
-        let material = self.surface.material(self.maps.emission.as_ref());
-        let mesh = Mesh { data: self.mesh, points: None, file: Some(file.to_owned()) };
-        let mut shape = EntityBuilder::new();
-        shape.add_bundle((self.surface.sides, shading, material, mesh));
-        self.texture.map(|texture| shape.add(texture));
-        self.cutout.map(|cutout| shape.add(cutout));
-        if self.maps != Maps::default() {
-            shape.add(self.maps);
-        }
-        order.next().map(|order| shape.add(order));
-        let name = |entity: &mut EntityBuilder, name: Option<String>| {
-            name.map(|name| entity.add(Name(name)));
-        };
-        match <[Use; 1]>::try_from(self.uses) {
-            Ok([one]) => {
-                name(&mut shape, one.name);
-                shape.add_bundle((JsonPath(one.path), Transform(one.world)));
-                world.spawn(shape.build());
-            }
-            Err(uses) => {
-                name(&mut shape, self.name);
-                shape.add_bundle((JsonPath(self.path), Hidden));
-                let of = InstanceOf(world.spawn(shape.build()));
-                for (one, order) in uses.into_iter().zip(order) {
-                    let mut instance = EntityBuilder::new();
-                    name(&mut instance, one.name);
-                    instance.add_bundle((order, of, JsonPath(one.path), Transform(one.world)));
-                    world.spawn(instance.build());
-                }
-            }
-        }
-    }
-
-    /// Adds a light for each node that shows the primitive, unless it has no area.
-    fn add_lights(
-        self,
-        exposure: f64,
-        file: &Path,
-        order: &mut impl Iterator<Item = Order>,
-        world: &mut World,
-    ) {
-        for Use { path, name, world: place } in self.uses {
-            let (area, _) = extent(&self.mesh, &place);
-            let data = MeshData { normals: None, uvs: None, colors: None, ..self.mesh.clone() };
-            let mesh = Mesh { data, points: None, file: Some(file.to_owned()) };
-            if area == 0.0 || !mesh.has_area() {
-                continue;
-            }
-            let light = AreaLight {
-                intensity: area,
-                color: self.surface.emission * exposure,
-                falloff: Falloff::InverseSquare,
-                sampling: Sampling::Jittered,
-                samples: LIGHT_SAMPLES,
-            };
-            let mut entity = EntityBuilder::new();
-            order.next().map(|order| entity.add(order));
-            name.map(|name| entity.add(Name(name)));
-            entity.add_bundle((JsonPath(path), light, mesh, Transform(place)));
-            world.spawn(entity.build());
-        }
-    }
 }

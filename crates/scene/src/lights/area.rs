@@ -3,11 +3,11 @@
 use std::collections::HashMap;
 
 use glam::{DVec3, Vec3};
-use hecs::{Entity, EntityBuilder, EntityRef, World};
+use hecs::{Entity, EntityBuilder, World};
 
 use super::{MOST_SAMPLES, check_samples, grid, power, warn_of_power};
 use crate::components::{Falloff, Order, Sampling, Settings};
-use crate::format::{Declaration, Key, Kind, Object, Range, Writer, component, declared, keys};
+use crate::format::{Declaration, Key, Kind, Object, Range, component, declared, keys};
 use crate::query::json_path;
 use crate::shapes;
 use crate::systems::lights::{Found, Surroundings};
@@ -81,23 +81,19 @@ fn note_samples(object: &Object<'_>, &AreaLight { sampling, samples, .. }: &Area
 
 /// The shape of the light, whose components are the light's entity's.
 const SHAPE: Declaration = Declaration {
-    keys: keys! {
+    read: read_shape,
+    write: |entity, to| {
+        let shape = to.inner().variant(&shapes::LIT, entity);
+        to.set("shape", shape);
+    },
+    ..Declaration::without(keys! {
         /// The shape that emits the light; it needs no material.
         "shape": Variants(&shapes::LIT), Required;
-    },
-    read: read_shape,
-    write: write_shape,
-    is_in: |_| true,
+    })
 };
 
 fn read_shape(object: &Object<'_>, entity: &mut EntityBuilder) -> Result<()> {
     shapes::read(&object.need("shape", "a shape, an object { ... }")?, &shapes::LIT, entity)
-}
-
-fn write_shape(entity: EntityRef<'_>, to: &mut Writer<'_>) -> Result<()> {
-    let shape = to.inner().variant(&shapes::LIT, entity)?;
-    to.set("shape", shape);
-    Ok(())
 }
 
 /// The area lights.

@@ -9,15 +9,13 @@ use std::path::{Path, PathBuf};
 
 use hecs::{Entity, EntityBuilder, World};
 
-use super::meshes::copy;
-use crate::components::{
-    CutOut, Hidden, JsonPath, Maps, Material, Mesh, Name, Order, Shading, Sides, TextureRef,
-    Transform,
-};
+use crate::components::{JsonPath, Maps, Mesh, Name, Order};
 use crate::folder::{Denied, Folder, last_part};
-use crate::format::Notes;
+use crate::format::{Declaration, Notes};
 use crate::mesh::{MeshData, NamedMaterials};
 use crate::mtl::{Library, Look, Mtl, surface};
+use crate::shapes::PLACED;
+use crate::surface::SURFACE;
 use crate::systems::textures;
 use wavecrest_base::error::{Error, ErrorKind};
 
@@ -45,18 +43,18 @@ pub(super) fn split(
     let mut parts = Vec::new();
     for (number, data) in mesh.split(&part, names.len() + 1) {
         let mut entity = EntityBuilder::new();
-        let has_uvs = data.uvs.is_some();
+        let known = (number as usize).checked_sub(1).map(|i| &names[i]);
         if let Ok(whole) = world.entity(shape) {
-            copy::<Order>(whole, &mut entity);
-            copy::<JsonPath>(whole, &mut entity);
-            copy::<Name>(whole, &mut entity);
-            copy::<Transform>(whole, &mut entity);
-            copy::<Hidden>(whole, &mut entity);
-            copy::<Sides>(whole, &mut entity);
-            copy::<Shading>(whole, &mut entity);
-            copy::<Maps>(whole, &mut entity);
+            whole.get::<&Order>().map(|order| entity.add(*order));
+            whole.get::<&JsonPath>().map(|path| entity.add(JsonPath::clone(&path)));
+            PLACED.iter().for_each(|component| (component.copy)(whole, &mut entity));
+            (Declaration::of::<Maps>().copy)(whole, &mut entity);
+            // Without coordinates there is no look-up.
+            let own = if data.uvs.is_some() { &SURFACE[..] } else { &SURFACE[..1] };
+            let own = if known.is_some() { &[] } else { own };
+            own.iter().for_each(|component| (component.copy)(whole, &mut entity));
         }
-        if let Some(&(name, (mtl, from))) = (number as usize).checked_sub(1).map(|i| &names[i]) {
+        if let Some(&(name, (mtl, from))) = known {
             let Look { material, texture, cutout, is_there } =
                 surface(mtl, |image| reader.image(from, image));
             if !is_there {
@@ -71,12 +69,6 @@ pub(super) fn split(
             cutout.filter(|_| has_uvs).map(|cutout| entity.add(cutout));
             if let Some(own) = entity.get_mut::<&mut Name>() {
                 own.0 = format!("{}-{name}", own.0);
-            }
-        } else if let Ok(whole) = world.entity(shape) {
-            copy::<Material>(whole, &mut entity);
-            if has_uvs {
-                copy::<TextureRef>(whole, &mut entity);
-                copy::<CutOut>(whole, &mut entity);
             }
         }
         entity.add(Mesh { data, file: Some(file.to_owned()), ..Mesh::default() });

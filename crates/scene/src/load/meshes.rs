@@ -4,16 +4,18 @@
 use std::collections::{HashMap, HashSet};
 use std::path::Path;
 
-use hecs::{Component, Entity, EntityBuilder, EntityRef, World};
+use hecs::{Component, Entity, EntityBuilder, World};
 
 use super::materials::split;
 use crate::components::{
-    AreaLight, CutOut, Hidden, InstanceOf, JsonPath, Maps, Material, Materials, Mesh, MeshFile,
-    Name, Order, Shading, Sides, TextureRef, TextureSource, Transform, VertexColors,
+    AreaLight, CutOut, Hidden, InstanceOf, JsonPath, Maps, Materials, Mesh, MeshFile, Order,
+    Shading, Sides, TextureRef, TextureSource, VertexColors,
 };
-use crate::format::Notes;
+use crate::format::{Declaration, Notes};
 use crate::mesh::{LoadedMesh, MeshData, NamedMaterials};
 use crate::query::{images_of, json_path, ordered, shapes};
+use crate::shapes::INSTANCE;
+use crate::surface::SURFACE;
 use wavecrest_base::error::{Error, ErrorKind, Result};
 
 /// Completes the `world`, with mesh files read by `read_mesh`.
@@ -178,26 +180,14 @@ fn complete_instance(
         let mut entity = EntityBuilder::new();
         entity.add_bundle((order, InstanceOf(part)));
         if let (Ok(own), Ok(part)) = (world.entity(instance), world.entity(part)) {
-            copy::<Material>(part, &mut entity);
-            copy::<Sides>(part, &mut entity);
-            copy::<Shading>(part, &mut entity);
-            copy::<CutOut>(part, &mut entity);
-            copy::<TextureRef>(part, &mut entity);
-            copy::<Maps>(part, &mut entity);
-            copy::<JsonPath>(own, &mut entity);
-            copy::<Transform>(own, &mut entity);
-            copy::<Name>(own, &mut entity);
-            copy::<Material>(own, &mut entity);
+            let sides = [Declaration::of::<Sides>(), Declaration::of::<Shading>()];
+            let of_part = SURFACE.iter().chain(&sides);
+            of_part.for_each(|component| (component.copy)(part, &mut entity));
+            own.get::<&JsonPath>().map(|path| entity.add(JsonPath::clone(&path)));
+            INSTANCE.declarations().for_each(|component| (component.copy)(own, &mut entity));
         }
         world.spawn(entity.build());
     }
     let gone = world.despawn(instance);
     debug_assert!(gone.is_ok(), "the instance exists");
-}
-
-/// Copies a component, if there is one.
-pub(super) fn copy<C: Component + Clone>(from: EntityRef<'_>, to: &mut EntityBuilder) {
-    if let Some(component) = from.get::<&C>() {
-        to.add(C::clone(&component));
-    }
 }

@@ -49,9 +49,8 @@ impl Declared for Quad {
         Ok(Some(Self { points }))
     }
 
-    fn write(&self, to: &mut Writer<'_>) -> Result<()> {
+    fn write(&self, to: &mut Writer<'_>) {
         to.set("points", self.points.map(Field::to_json).to_vec());
-        Ok(())
     }
 }
 
@@ -88,9 +87,8 @@ impl Declared for Triangle {
         Ok(Some(triangle))
     }
 
-    fn write(&self, to: &mut Writer<'_>) -> Result<()> {
+    fn write(&self, to: &mut Writer<'_>) {
         to.set("points", self.points.map(Field::to_json).to_vec());
-        Ok(())
     }
 }
 
@@ -144,12 +142,11 @@ impl Declared for Facing {
         }
     }
 
-    fn write(&self, to: &mut Writer<'_>) -> Result<()> {
+    fn write(&self, to: &mut Writer<'_>) {
         match self {
             Self::Flipped => to.set("normal", -1),
             Self::Toward(side) => to.put("normal", *side),
         }
-        Ok(())
     }
 }
 

@@ -10,7 +10,6 @@ use super::transform::is_uniform;
 use super::{Name, Sphere, Transform};
 use crate::components::Material;
 use crate::format::{Cursor, Declaration, Kind, Writer, keys};
-use crate::query::known;
 use wavecrest_base::error::{Result, did_you_mean};
 
 /// The prototype of an instance: an entity with a sphere, quad, triangle or mesh, which is stored
@@ -23,22 +22,20 @@ pub(crate) const INSTANCE: Kind = Kind {
         /// The name of the shape.
         "shape": Text, Required;
     },
-    components: &[
-        Declaration::of::<Name>(),
-        Declaration::of::<Transform>(),
-        Declaration {
-            keys: keys! {
-                /// Replaces the shape's own material.
-                "material": Object(&Material::OBJECT);
-            },
-            read: |object, entity| match object.get("material") {
-                Some(_) => (Declaration::of::<Material>().read)(object, entity),
-                None => Ok(()),
-            },
-            ..Declaration::of::<Material>()
-        },
-    ],
+    components: &[Declaration::of::<Name>(), Declaration::of::<Transform>(), OWN_MATERIAL],
     ..Kind::new("an instance", "A copy of a shape.", &[])
+};
+
+const OWN_MATERIAL: Declaration = Declaration {
+    keys: keys! {
+        /// Replaces the shape's own material.
+        "material": Object(&Material::OBJECT);
+    },
+    read: |object, entity| match object.get("material") {
+        Some(_) => (Declaration::of::<Material>().read)(object, entity),
+        None => Ok(()),
+    },
+    ..Declaration::of::<Material>()
 };
 
 /// The shapes of a file by name. An ambiguous name refers to none.
@@ -93,18 +90,16 @@ pub(crate) fn instance(
 }
 
 /// Writes an instance; its material only if it is not the shape's.
-pub(crate) fn write(world: &World, entity: Entity, mut to: Writer<'_>) -> Result<Value> {
-    let mut found = world.query_one::<(&InstanceOf, Option<&Material>)>(entity);
-    if let Ok((of, material)) = found.get() {
-        if let Some(name) = to.name(of.0) {
-            to.set("shape", name);
-        }
-        let own = world.get::<&Material>(of.0).ok();
-        let is_own = material.copied() != own.map(|own| *own);
-        let components = if is_own { INSTANCE.components } else { &INSTANCE.components[..2] };
-        for component in components {
-            (component.write)(known(world, entity)?, &mut to)?;
-        }
+pub(crate) fn write(world: &World, entity: Entity, mut to: Writer<'_>) -> Value {
+    if let Ok(instance) = world.entity(entity)
+        && let Some(of) = instance.get::<&InstanceOf>()
+        && let Ok(shape) = world.entity(of.0)
+    {
+        to.set("shape", to.name(of.0));
+        let is_own = instance.get::<&Material>().as_deref() != shape.get::<&Material>().as_deref();
+        let left_out = usize::from(!is_own);
+        let components = INSTANCE.components.iter().rev().skip(left_out);
+        components.for_each(|component| (component.write)(instance, &mut to));
     }
     to.end()
 }

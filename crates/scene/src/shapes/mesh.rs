@@ -121,9 +121,7 @@ impl Declared for MeshFile {
         Ok(Some(Self { file, colors, materials }))
     }
 
-    fn write(&self, _: &mut Writer<'_>) -> Result<()> {
-        Ok(())
-    }
+    fn write(&self, _: &mut Writer<'_>) {}
 }
 
 fn both(cursor: &Cursor<'_>, other: &str) -> Error {
@@ -201,14 +199,14 @@ impl Declared for Mesh {
         Ok(Some(Self { data, points: is_rounded.then_some(points), file: None }))
     }
 
-    fn write(&self, to: &mut Writer<'_>) -> Result<()> {
+    fn write(&self, to: &mut Writer<'_>) {
         if self.file.is_some() {
             let name = to.mesh();
             to.set("file", name);
             if self.data.colors.is_some() {
                 to.put("vertexcolors", VertexColors::Linear);
             }
-            return Ok(());
+            return;
         }
         let MeshData { positions, triangles, normals, uvs, colors, .. } = &self.data;
         to.set(
@@ -230,7 +228,6 @@ impl Declared for Mesh {
         if let Some(uvs) = uvs {
             to.set("uvs", json!(uvs.values.iter().map(Vec2::to_array).collect::<Vec<_>>()));
         }
-        Ok(())
     }
 }
 

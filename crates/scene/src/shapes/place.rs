@@ -4,17 +4,18 @@ use super::Transform;
 use crate::format::{Declaration, Declared, Key, Object, Writer, keys, words};
 use wavecrest_base::error::Result;
 
-pub(super) const NAMED: [Declaration; 1] = [Declaration::of::<Name>()];
-
-pub(super) const IN_SCENE: [Declaration; 4] = [
+/// What a shape of the scene has besides geometry and surface.
+pub(crate) const PLACED: [Declaration; 5] = [
+    Declaration::of::<Name>(),
     Declaration::of::<Hidden>(),
     Declaration::of::<Transform>(),
     Declaration::of::<Sides>(),
     Declaration::of::<Shading>(),
 ];
 
-/// Lights are seen from both sides.
-pub(super) const OF_LIGHT: [Declaration; 3] = [
+/// The same of the shape of a light, which is seen from both sides.
+pub(super) const OF_LIGHT: [Declaration; 4] = [
+    Declaration::of::<Name>(),
     Declaration::of::<Transform>(),
     Declaration::checked::<Sides>(),
     Declaration::checked::<Shading>(),
@@ -35,9 +36,8 @@ impl Declared for Name {
         Ok(Some(Self(cursor.text("a string that is not empty")?.to_owned())))
     }
 
-    fn write(&self, to: &mut Writer<'_>) -> Result<()> {
+    fn write(&self, to: &mut Writer<'_>) {
         to.set("name", self.0.clone());
-        Ok(())
     }
 }
 
@@ -56,9 +56,8 @@ impl Declared for Hidden {
         Ok(hidden.then_some(Self))
     }
 
-    fn write(&self, to: &mut Writer<'_>) -> Result<()> {
+    fn write(&self, to: &mut Writer<'_>) {
         to.set("hidden", true);
-        Ok(())
     }
 }
 
@@ -89,9 +88,8 @@ impl Declared for Sides {
         Ok(Some(object.read_or("sides", Some(usual))))
     }
 
-    fn write(&self, to: &mut Writer<'_>) -> Result<()> {
+    fn write(&self, to: &mut Writer<'_>) {
         to.put("sides", *self);
-        Ok(())
     }
 }
 
@@ -116,8 +114,7 @@ impl Declared for Shading {
         Ok(Some(object.read("shading")))
     }
 
-    fn write(&self, to: &mut Writer<'_>) -> Result<()> {
+    fn write(&self, to: &mut Writer<'_>) {
         to.put("shading", *self);
-        Ok(())
     }
 }

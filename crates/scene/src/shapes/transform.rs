@@ -41,11 +41,10 @@ impl Declared for Transform {
     }
 
     /// As rows, from columns.
-    fn write(&self, to: &mut Writer<'_>) -> Result<()> {
+    fn write(&self, to: &mut Writer<'_>) {
         let DAffine3 { matrix3: m, translation: t } = self.0;
         let [x, y, z] = [0, 1, 2].map(|i| [m.x_axis[i], m.y_axis[i], m.z_axis[i], t[i]]);
         to.set("transform", json!([x, y, z, [0.0, 0.0, 0.0, 1.0]]));
-        Ok(())
     }
 }
 

@@ -48,11 +48,8 @@ impl Declared for Material {
         Ok(Some(Self::fields(&object, None)))
     }
 
-    fn write(&self, to: &mut Writer<'_>) -> Result<()> {
-        to.object("material", |to| {
-            self.write_fields(to);
-            Ok(())
-        })
+    fn write(&self, to: &mut Writer<'_>) {
+        to.object("material", |to| self.write_fields(to));
     }
 }
 

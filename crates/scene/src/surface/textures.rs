@@ -181,12 +181,10 @@ impl Declared for TextureRef {
         Ok(Some(Self { tint, ..texture }))
     }
 
-    fn write(&self, to: &mut Writer<'_>) -> Result<()> {
-        let image = to.image(&self.source)?;
-        to.set("texture", image);
+    fn write(&self, to: &mut Writer<'_>) {
+        to.image("texture", &self.source);
         to.put("tint", self.tint);
         self.write_look_up(to);
-        Ok(())
     }
 }
 
@@ -264,21 +262,20 @@ impl Declared for CutOut {
         Ok((threshold > 0.0).then_some(Self { source, is_mask, threshold, filter, wrap, placing }))
     }
 
-    fn write(&self, to: &mut Writer<'_>) -> Result<()> {
+    fn write(&self, to: &mut Writer<'_>) {
         to.put("alphacutoff", self.threshold);
-        let image = to.image(&self.source)?;
-        let has_texture = to.get("texture").is_some();
-        if self.is_mask || to.get("texture").is_none_or(|texture| *texture != *image) {
-            to.set("alpha", image);
+        let texture = to.get("texture").cloned();
+        to.image("alpha", &self.source);
+        if !self.is_mask && texture.as_ref() == to.get("alpha") {
+            to.remove("alpha");
         }
-        if !has_texture {
+        if texture.is_none() {
             to.put("filter", self.filter);
             to.put("wrap", self.wrap);
             if let Some(Placing(rows)) = self.placing {
                 to.set("uvtransform", json!(rows));
             }
         }
-        Ok(())
     }
 }
 
@@ -340,11 +337,10 @@ impl Declared for Maps {
         Ok((maps != Self::default()).then_some(maps))
     }
 
-    fn write(&self, to: &mut Writer<'_>) -> Result<()> {
+    fn write(&self, to: &mut Writer<'_>) {
         for (key, texture) in self.all() {
             to.object(key, |to| {
-                let image = to.image(&texture.source)?;
-                to.set("file", image);
+                to.image("file", &texture.source);
                 texture.write_look_up(to);
                 match (key, &self.metal, &self.occlusion, &self.normal) {
                     ("metalmap", Some(map), ..) => {
@@ -356,10 +352,8 @@ impl Declared for Maps {
                     }
                     _ => {}
                 }
-                Ok(())
-            })?;
+            });
         }
-        Ok(())
     }
 }
 

@@ -40,7 +40,7 @@ impl Common {
         let own = |entity| world.get::<&Transform>(entity).map_or(DAffine3::IDENTITY, |t| t.0);
         let mut transform = own(entity);
         if entity != prototype {
-            transform = transform * own(prototype);
+            transform *= own(prototype);
         }
         transform.translation -= origin;
         Self {
