@@ -119,7 +119,7 @@ impl Recipe {
         Ok(match self.model {
             Model::Sphere => Box::new(sphere::Sphere::new(steps, displacement, seed)),
             Model::Terrain => Box::new(terrain::Terrain::new(steps, displacement, seed)),
-            Model::Knot => Box::new(knot::Knot::new(steps, displacement, seed)),
+            Model::Knot => Box::new(knot::knot(steps, displacement, seed)),
             Model::Room => Box::new(room::Room::new(triangles, displacement, seed)),
         })
     }
