@@ -85,9 +85,9 @@ pub fn load_bytes(path: &Path, bytes: &[u8], portion: usize) -> Result<LoadedMes
     let portion = portion.max(1);
     let length = bytes.len() as u64;
     let loaded = match Format::of(path)? {
-        Format::Ply => ply::read_from(bytes, length, portion).map(plain),
-        Format::Obj => obj::read_from(bytes, length, portion, portion.div_ceil(4)),
-        Format::Stl => stl::read_from(bytes, length, portion).map(plain),
+        Format::Ply => ply::read_from(&bytes, length, portion).map(plain),
+        Format::Obj => obj::read_from(&bytes, length, portion, portion.div_ceil(4)),
+        Format::Stl => stl::read_from(&bytes, length, portion).map(plain),
     };
     named(loaded, path)
 }

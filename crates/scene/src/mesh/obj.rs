@@ -25,10 +25,7 @@ use super::faults::{check_count, no_triangles};
 use super::origin::origin;
 use super::place::ReadAt;
 use super::polygon::{self, Polygon};
-use super::validate::{
-    bad_index, first_with, note_zeroed, scale_byte_colors, whiten_bad_colors, zero_bad_normals,
-    zero_bad_uvs,
-};
+use super::validate::{bad_index, first_with, mend, scale_byte_colors};
 use blocks::{BLOCK_BYTES, PIECE_BYTES, cut, each_block};
 use count::Count;
 use piece::Piece;
@@ -41,8 +38,8 @@ pub(super) fn read(file: &std::fs::File, length: u64) -> Result<(Read, NamedMate
     read_from(file, length, BLOCK_BYTES, PIECE_BYTES)
 }
 
-pub(super) fn read_from<F: ReadAt + ?Sized>(
-    file: &F,
+pub(super) fn read_from(
+    file: &dyn ReadAt,
     length: u64,
     block: usize,
     piece: usize,
@@ -154,12 +151,9 @@ impl Parts {
         notes.extend(drop_absent("vn", self.normals.len(), &mut self.normal_indices));
         let attributes: [&mut [_]; 2] = [&mut self.uv_indices, &mut self.normal_indices];
         let mut attributes = attributes.into_iter().filter(|a| !a.is_empty()).collect::<Vec<_>>();
-        let large =
-            polygon::split(&self.polygons, &self.positions, &mut self.triangles, &mut attributes);
-        notes.extend(polygon::note_large(large));
-        notes.extend(note_zeroed("normals", zero_bad_normals(&mut self.normals)));
-        notes.extend(note_zeroed("texture coordinates", zero_bad_uvs(&mut self.uvs)));
-        notes.extend(whiten_bad_colors(&mut self.colors));
+        let (positions, triangles) = (&self.positions, &mut self.triangles);
+        notes.extend(polygon::split(&self.polygons, positions, triangles, &mut attributes));
+        notes.extend(mend(&mut self.normals, &mut self.uvs, &mut self.colors));
         notes.extend(scale_byte_colors(&mut self.colors));
         self.positions.shrink_to_fit();
         self.colors.shrink_to_fit();
@@ -215,8 +209,8 @@ fn attribute<T>(
 
 /// The error of the first face with an index out of range, found by reading the file again: storing
 /// the line of every face for a rare error would cost memory in every load.
-fn find_bad_face<F: ReadAt + ?Sized>(
-    file: &F,
+fn find_bad_face(
+    file: &dyn ReadAt,
     length: u64,
     block: usize,
     whole: Count,

@@ -11,7 +11,7 @@ mod ascii;
 mod binary;
 
 use super::data::{MeshData, Read};
-use super::faults::{self, no_triangles, read_failure};
+use super::faults::{self, no_triangles, read_failure, syntax};
 use super::join;
 use super::place::ReadAt;
 use super::survey::Survey;
@@ -30,7 +30,7 @@ pub(super) fn read(file: &std::fs::File, length: u64) -> Result<Read> {
     read_from(file, length, BUFFER)
 }
 
-pub(super) fn read_from<F: ReadAt + ?Sized>(file: &F, length: u64, buffer: usize) -> Result<Read> {
+pub(super) fn read_from(file: &dyn ReadAt, length: u64, buffer: usize) -> Result<Read> {
     let (corners, notes) = match form(file, length)? {
         Form::Binary(head) => binary::read(file, &head, length, buffer)?,
         Form::Text => ascii::read(file, length, buffer)?,
@@ -43,7 +43,7 @@ pub(super) fn read_from<F: ReadAt + ?Sized>(file: &F, length: u64, buffer: usize
 }
 
 /// Surveys a file of `length` bytes. The number of shared corners is unknown and taken as 0.
-pub(super) fn survey<F: ReadAt + ?Sized>(file: &F, length: u64) -> Result<Survey> {
+pub(super) fn survey(file: &dyn ReadAt, length: u64) -> Result<Survey> {
     let triangles = match form(file, length)? {
         Form::Binary(head) => binary::count(&head).min(binary::room(length)),
         Form::Text => ascii::count(file, length)?,
@@ -59,9 +59,9 @@ enum Form {
 }
 
 /// The form of a file of `length` bytes.
-fn form<F: ReadAt + ?Sized>(file: &F, length: u64) -> Result<Form> {
+fn form(file: &dyn ReadAt, length: u64) -> Result<Form> {
     if length == 0 {
-        return Err(fault("the file is empty").remedy("export it again"));
+        return Err(syntax("the file is empty").remedy("export it again"));
     }
     let mut head = [0; HEAD];
     let there = length.min(HEAD as u64) as usize;
@@ -74,7 +74,7 @@ fn form<F: ReadAt + ?Sized>(file: &F, length: u64) -> Result<Form> {
     }
     if there < HEAD {
         let remedy = format!("begin it with \"solid\", or with a binary header of {HEAD} bytes");
-        return Err(fault("the file is too short for STL").value(length).remedy(remedy));
+        return Err(syntax("the file is too short for STL").value(length).remedy(remedy));
     }
     Ok(Form::Binary(head))
 }
@@ -87,10 +87,6 @@ fn check_count(triangles: u64) -> Result<()> {
 /// The corner `p` with zeros of one sign, so that equal positions have equal bits.
 fn corner(p: Vec3) -> Result<Vec3> {
     if is_good_position(p) { Ok(p + Vec3::ZERO) } else { Err(bad_position(p)) }
-}
-
-fn fault(message: impl Into<String>) -> Error {
-    Error::new(ErrorKind::Syntax, message)
 }
 
 /// The warning that colours are ignored, by the name of their extension.

@@ -12,8 +12,8 @@ pub(super) const BLOCK_BYTES: usize = 1 << 24;
 pub(super) const PIECE_BYTES: usize = 1 << 17;
 
 /// Passes the text to `take`, in blocks that end with a statement.
-pub(super) fn each_block<F: ReadAt + ?Sized>(
-    file: &F,
+pub(super) fn each_block(
+    file: &dyn ReadAt,
     length: u64,
     size: usize,
     mut take: impl FnMut(&[u8]) -> Result<()>,

@@ -9,7 +9,7 @@ use crate::mesh::survey::Survey;
 use wavecrest_base::error::Result;
 
 /// Surveys a file of `length` bytes, in a pass over its text.
-pub(in crate::mesh) fn survey<F: ReadAt + ?Sized>(file: &F, length: u64) -> Result<Survey> {
+pub(in crate::mesh) fn survey(file: &dyn ReadAt, length: u64) -> Result<Survey> {
     let mut all = Survey::default();
     each_block(file, length, BLOCK_BYTES, |text| {
         let parts = cut(text, PIECE_BYTES);

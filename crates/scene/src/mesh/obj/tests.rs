@@ -7,13 +7,13 @@ use super::*;
 const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
 
 fn read_all(text: &[u8], block: usize, piece: usize) -> Result<Read> {
-    read_from(text, text.len() as u64, block, piece).map(|(read, _)| read)
+    read_from(&text, text.len() as u64, block, piece).map(|(read, _)| read)
 }
 
 /// The materials that `text` names, wherever it is cut.
 fn materials(text: &str) -> NamedMaterials {
     let read =
-        |block, piece| read_from(text.as_bytes(), text.len() as u64, block, piece).unwrap().1;
+        |block, piece| read_from(&text.as_bytes(), text.len() as u64, block, piece).unwrap().1;
     let whole = read(BLOCK_BYTES, PIECE_BYTES);
     for (block, piece) in [(1, 1), (7, 3), (64, 20)] {
         assert_eq!(read(block, piece), whole, "{block} {piece}");

@@ -3,10 +3,11 @@
 //! Lines may end in CR LF, begin and end with blanks, be empty or be comments. A header is at most
 //! [`MAX_HEADER`] long, so that a large file without one is not read to its end.
 
-use std::io::{BufRead, Read as _};
+use std::io::{BufRead, BufReader};
 
 use crate::mesh::data::MAX_COUNT;
-use crate::mesh::faults::{check_count, read_failure};
+use crate::mesh::faults::{check_count, read_failure, syntax};
+use crate::mesh::place::{ReadAt, Section};
 use wavecrest_base::error::{Error, ErrorKind, Result, did_you_mean};
 
 /// Largest length of a header in bytes.
@@ -45,17 +46,53 @@ const TYPE_NAMES: [(&str, &str, Scalar); 8] = [
     ("double", "float64", Scalar::F64),
 ];
 
+/// Evaluates `$value` with `$number` as the type of numbers of the kind `$kind`.
+macro_rules! with_type {
+    ($kind:expr, $number:ident => $value:expr) => {
+        match $kind {
+            Scalar::I8 => {
+                type $number = i8;
+                $value
+            }
+            Scalar::U8 => {
+                type $number = u8;
+                $value
+            }
+            Scalar::I16 => {
+                type $number = i16;
+                $value
+            }
+            Scalar::U16 => {
+                type $number = u16;
+                $value
+            }
+            Scalar::I32 => {
+                type $number = i32;
+                $value
+            }
+            Scalar::U32 => {
+                type $number = u32;
+                $value
+            }
+            Scalar::F32 => {
+                type $number = f32;
+                $value
+            }
+            Scalar::F64 => {
+                type $number = f64;
+                $value
+            }
+        }
+    };
+}
+pub(super) use with_type;
+
 const KEYWORDS: [&str; 6] = ["format", "comment", "obj_info", "element", "property", "end_header"];
 
 impl Scalar {
     /// Size of a binary number of this type in bytes.
     pub(super) fn size(self) -> usize {
-        match self {
-            Self::I8 | Self::U8 => 1,
-            Self::I16 | Self::U16 => 2,
-            Self::I32 | Self::U32 | Self::F32 => 4,
-            Self::F64 => 8,
-        }
+        with_type!(self, N => size_of::<N>())
     }
 
     fn from_name(name: &str) -> Option<Self> {
@@ -103,12 +140,23 @@ pub(super) fn place(line: u64) -> String {
     format!("header line {line}")
 }
 
-fn fault(message: impl Into<String>) -> Error {
-    Error::new(ErrorKind::Syntax, message)
+impl Element {
+    /// The smallest number of bytes of a row, if a number of each kind has `least` bytes: that with
+    /// empty lists.
+    pub(super) fn least_row(&self, least: impl Fn(Scalar) -> u64) -> u64 {
+        let of = |property: &Property| match property.shape {
+            Shape::One(kind) | Shape::List { count: kind, .. } => least(kind),
+        };
+        self.properties.iter().map(of).sum()
+    }
 }
 
 /// Reads up to the line `end_header`.
-pub(super) fn read(reader: &mut impl BufRead) -> Result<Header> {
+pub(super) fn read(file: &dyn ReadAt, length: u64, buffer: usize) -> Result<Header> {
+    read_lines(BufReader::with_capacity(buffer, Section::new(file, 0, length)))
+}
+
+fn read_lines(reader: impl BufRead) -> Result<Header> {
     let mut lines = Lines { reader: reader.take(MAX_HEADER), bytes: 0, lines: 0 };
     check_magic(lines.next()?)?;
     let mut encoding = None;
@@ -124,7 +172,7 @@ pub(super) fn read(reader: &mut impl BufRead) -> Result<Header> {
         }
     }
     let encoding = encoding.ok_or_else(|| {
-        fault("the header has no format line").remedy("add one, such as \"format ascii 1.0\"")
+        syntax("the header has no format line").remedy("add one, such as \"format ascii 1.0\"")
     })?;
     Ok(Header { encoding, elements, bytes: lines.bytes, lines: lines.lines })
 }
@@ -150,8 +198,8 @@ impl<R: BufRead> Lines<R> {
 fn check_magic(line: Option<String>) -> Result<()> {
     match line {
         Some(line) if line.trim() == "ply" => Ok(()),
-        None => Err(fault("the file is empty").remedy("export it again")),
-        Some(line) => Err(fault("a PLY file begins with the line \"ply\"")
+        None => Err(syntax("the file is empty").remedy("export it again")),
+        Some(line) => Err(syntax("a PLY file begins with the line \"ply\"")
             .at(place(1))
             .value(format_args!("{:?}", line.trim()))
             .remedy("check that this is a PLY file")),
@@ -159,7 +207,7 @@ fn check_magic(line: Option<String>) -> Result<()> {
 }
 
 fn end_missing<R>(lines: &Lines<R>) -> Error {
-    let error = fault("the header does not end").at(place(lines.lines));
+    let error = syntax("the header does not end").at(place(lines.lines));
     if lines.bytes >= MAX_HEADER {
         return error.remedy(format!("end it with \"end_header\" within {MAX_HEADER} bytes"));
     }
@@ -177,12 +225,12 @@ fn statement(
         [] | ["comment" | "obj_info", ..] => {}
         ["end_header"] => return Ok(true),
         ["format", rest @ ..] if encoding.is_none() => *encoding = Some(format(rest)?),
-        ["format", ..] => return Err(fault("the format is given twice").remedy("keep one line")),
+        ["format", ..] => return Err(syntax("the format is given twice").remedy("keep one line")),
         ["element", rest @ ..] => elements.push(element(rest, line, elements)?),
         ["property", rest @ ..] => {
             let property = property(rest)?;
             let Some(element) = elements.last_mut() else {
-                return Err(fault("a property must follow its element")
+                return Err(syntax("a property must follow its element")
                     .value(&property.name)
                     .remedy("add an \"element\" line before it"));
             };
@@ -202,23 +250,23 @@ fn format(words: &[&str]) -> Result<Encoding> {
         ["binary_big_endian", _] => Encoding::BigEndian,
         _ => {
             let right = "use ascii, binary_little_endian or binary_big_endian, and then 1.0";
-            return Err(fault("the format is unknown").value(words.join(" ")).remedy(right));
+            return Err(syntax("the format is unknown").value(words.join(" ")).remedy(right));
         }
     };
     match words {
         [_, "1.0"] => Ok(encoding),
-        _ => Err(fault("the version is unknown").value(words.join(" ")).remedy("use 1.0")),
+        _ => Err(syntax("the version is unknown").value(words.join(" ")).remedy("use 1.0")),
     }
 }
 
 fn element(words: &[&str], line: u64, before: &[Element]) -> Result<Element> {
     let [name, digits] = words else {
-        return Err(fault("an element needs a name and a count")
+        return Err(syntax("an element needs a name and a count")
             .value(words.join(" "))
             .remedy("write \"element vertex 8\""));
     };
     if digits.is_empty() || !digits.bytes().all(|b| b.is_ascii_digit()) {
-        return Err(fault("the count of an element must be a whole number, 0 or more")
+        return Err(syntax("the count of an element must be a whole number, 0 or more")
             .value(digits)
             .remedy("write \"element vertex 8\""));
     }
@@ -233,7 +281,7 @@ fn element(words: &[&str], line: u64, before: &[Element]) -> Result<Element> {
     };
     check_count(&format!("rows of the element \"{name}\""), count)?;
     if before.iter().any(|e| e.name == *name) {
-        return Err(fault("an element is declared twice").value(name).remedy("join the two"));
+        return Err(syntax("an element is declared twice").value(name).remedy("join the two"));
     }
     Ok(Element { name: (*name).to_owned(), count, properties: Vec::new(), line })
 }
@@ -245,9 +293,11 @@ fn property(words: &[&str]) -> Result<Property> {
         }
         [kind, name] => (name, Shape::One(scalar(kind)?)),
         _ => {
-            return Err(fault("a property needs a type and a name").value(words.join(" ")).remedy(
-                "write \"property float x\" or \"property list uchar int vertex_indices\"",
-            ));
+            return Err(syntax("a property needs a type and a name")
+                .value(words.join(" "))
+                .remedy(
+                    "write \"property float x\" or \"property list uchar int vertex_indices\"",
+                ));
         }
     };
     Ok(Property { name: (*name).to_owned(), shape })
@@ -266,7 +316,7 @@ fn unknown<'a>(message: &str, word: &str, names: impl IntoIterator<Item = &'a st
         Some(near) => format!("did you mean {near}?"),
         None => format!("use one of {}", names.join(", ")),
     };
-    fault(message).value(word).remedy(remedy)
+    syntax(message).value(word).remedy(remedy)
 }
 
 #[cfg(test)]
@@ -274,7 +324,7 @@ mod tests {
     use super::*;
 
     fn parse(text: &str) -> Result<Header> {
-        read(&mut text.as_bytes())
+        read_lines(text.as_bytes())
     }
 
     fn message(text: &str) -> String {

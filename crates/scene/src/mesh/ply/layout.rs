@@ -1,5 +1,7 @@
 //! Finds the properties of a mesh in the declared elements, and their place in a row.
 
+use std::ops::Range;
+
 use super::header::{Element, Header, Property, Scalar, Shape, place};
 use wavecrest_base::error::{Error, ErrorKind, Result};
 
@@ -35,6 +37,8 @@ pub(super) struct VertexLayout {
     pub(super) columns: Vec<Option<Column>>,
     /// The length of a binary row, if it is constant.
     pub(super) stride: Option<usize>,
+    /// Whether positions are in double precision.
+    pub(super) is_double: bool,
     pub(super) normals: bool,
     pub(super) uvs: bool,
     pub(super) colors: bool,
@@ -55,6 +59,7 @@ impl VertexLayout {
         let mut layout = Self {
             columns: vec![None; element.properties.len()],
             stride: stride(&element.properties),
+            is_double: false,
             normals: normal.is_some(),
             uvs: uv.is_some(),
             colors: color.is_some(),
@@ -63,6 +68,7 @@ impl VertexLayout {
         layout.add(element, &normal.unwrap_or_default(), 3);
         layout.add(element, &uv.unwrap_or_default(), 6);
         layout.add(element, &color.unwrap_or_default(), 8);
+        layout.is_double = layout.slots(0..3).iter().all(|column| column.kind == Scalar::F64);
         Ok(layout)
     }
 
@@ -80,17 +86,10 @@ impl VertexLayout {
         }
     }
 
-    /// The columns of the `N` slots from `first` on, in order; `None` if the file lacks any.
-    pub(super) fn slots<const N: usize>(&self, first: usize) -> Option<[Column; N]> {
+    /// The columns of some slots, in order: none if the file lacks them.
+    pub(super) fn slots(&self, slots: Range<usize>) -> Vec<Column> {
         let column = |slot| self.columns.iter().flatten().find(|c| c.slot == slot).copied();
-        let found: Vec<Column> = (first..first + N).filter_map(column).collect();
-        found.try_into().ok()
-    }
-
-    /// Whether positions are in double precision.
-    pub(super) fn is_double(&self) -> bool {
-        let position = self.columns.iter().flatten().filter(|column| column.slot < 3);
-        position.clone().count() == 3 && position.clone().all(|column| column.kind == Scalar::F64)
+        slots.filter_map(column).collect()
     }
 
     /// Whether a binary row is exactly three floats, x, y, z.

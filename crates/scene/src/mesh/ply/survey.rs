@@ -2,8 +2,8 @@
 
 use std::io::{BufRead, BufReader};
 
-use super::header::{self, Element, Encoding, Header, Shape};
-use super::layout::{ListLayout, VertexLayout, stride};
+use super::header::{self, Element, Encoding, Header};
+use super::layout::{ListLayout, VertexLayout};
 use crate::mesh::faults::read_failure;
 use crate::mesh::place::{ReadAt, Section};
 use crate::mesh::survey::Survey;
@@ -13,8 +13,8 @@ use wavecrest_base::error::Result;
 const TEXT_BUFFER: usize = 1 << 17;
 
 /// Surveys a file of `length` bytes.
-pub(in crate::mesh) fn survey<F: ReadAt + ?Sized>(file: &F, length: u64) -> Result<Survey> {
-    let header = header::read(&mut BufReader::new(Section::new(file, 0, length)))?;
+pub(in crate::mesh) fn survey(file: &dyn ReadAt, length: u64) -> Result<Survey> {
+    let header = header::read(file, length, TEXT_BUFFER)?;
     let left = length.saturating_sub(header.bytes);
     let mut survey = Survey::default();
     if let Some(vertex) = header.elements.iter().find(|element| element.name == "vertex") {
@@ -40,13 +40,7 @@ pub(in crate::mesh) fn survey<F: ReadAt + ?Sized>(file: &F, length: u64) -> Resu
 
 /// Bytes of an element's rows, with empty lists.
 fn fixed_bytes(element: &Element) -> u64 {
-    let row: usize = stride(&element.properties).unwrap_or_else(|| {
-        let size = |shape: Shape| match shape {
-            Shape::One(kind) | Shape::List { count: kind, .. } => kind.size(),
-        };
-        element.properties.iter().map(|property| size(property.shape)).sum()
-    });
-    element.count.saturating_mul(row as u64)
+    element.count.saturating_mul(element.least_row(|kind| kind.size() as u64))
 }
 
 /// Number of triangles of binary faces or strips in `bytes`: each list has two corners more than
@@ -63,7 +57,7 @@ fn triangles(corners: u64, lists: u64) -> u64 {
 }
 
 /// Triangles of a text.
-fn in_text<F: ReadAt + ?Sized>(header: &Header, body: Section<'_, F>) -> Result<u64> {
+fn in_text(header: &Header, body: Section<'_>) -> Result<u64> {
     let mut rows = header.elements.iter().filter(|element| !element.properties.is_empty());
     let mut current = rows.next();
     let (mut left, mut corners, mut lists) = (current.map_or(0, |e| e.count), 0, 0);

@@ -11,8 +11,8 @@ use wavecrest_base::error::ErrorKind;
 
 fn load(bytes: &[u8]) -> Result<Read> {
     // A small buffer, so that rows lie across its ends.
-    let read = read_from(bytes, bytes.len() as u64, 29);
-    if let (Ok(small), Ok(large)) = (&read, &read_from(bytes, bytes.len() as u64, BODY_BUFFER)) {
+    let read = read_from(&bytes, bytes.len() as u64, 29);
+    if let (Ok(small), Ok(large)) = (&read, &read_from(&bytes, bytes.len() as u64, BODY_BUFFER)) {
         assert_eq!(small.0, large.0);
     }
     read

@@ -6,8 +6,8 @@ use std::io::{BufRead, BufReader, Read as _};
 
 use glam::Vec3;
 
-use super::{check_count, corner, fault, ignored_colours};
-use crate::mesh::faults::read_failure;
+use super::{check_count, corner, ignored_colours};
+use crate::mesh::faults::{read_failure, syntax};
 use crate::mesh::number;
 use crate::mesh::place::{ReadAt, Section};
 use wavecrest_base::error::{Error, Result};
@@ -19,15 +19,15 @@ const LONGEST_LINE: u64 = 1 << 16;
 const FRAME: [&str; 5] = ["solid", "endsolid", "facet", "outer", "endfacet"];
 
 /// The corners of all triangles, and warnings.
-pub(super) fn read<F: ReadAt + ?Sized>(
-    file: &F,
+pub(super) fn read(
+    file: &dyn ReadAt,
     length: u64,
     buffer: usize,
 ) -> Result<(Vec<[Vec3; 3]>, Vec<Error>)> {
     let mut text = Text::default();
     each_line(file, length, buffer, |line| text.line(line))?;
     if !text.corners.is_empty() {
-        let error = fault("the last triangle is incomplete").value(text.corners.len());
+        let error = syntax("the last triangle is incomplete").value(text.corners.len());
         return Err(error.remedy("the file may be cut off"));
     }
     let notes = text.has_colours.then(|| ignored_colours("colours of triangles"));
@@ -35,7 +35,7 @@ pub(super) fn read<F: ReadAt + ?Sized>(
 }
 
 /// Upper bound on the number of triangles: each has at least three vertex lines.
-pub(super) fn count<F: ReadAt + ?Sized>(file: &F, length: u64) -> Result<u64> {
+pub(super) fn count(file: &dyn ReadAt, length: u64) -> Result<u64> {
     let mut corners = 0;
     each_line(file, length, super::BUFFER, |line| {
         corners += u64::from(words(line).next().is_some_and(|w| w.eq_ignore_ascii_case("vertex")));
@@ -65,7 +65,7 @@ impl Text {
                 Ok(())
             }
             other if FRAME.contains(&other) => Ok(()),
-            other => Err(fault("unknown line")
+            other => Err(syntax("unknown line")
                 .value(format_args!("\"{other}\""))
                 .remedy("check that the file is an STL file and is whole")),
         }
@@ -73,13 +73,13 @@ impl Text {
 
     fn vertex<'a>(&mut self, mut words: impl Iterator<Item = &'a str>) -> Result<()> {
         if self.corners.len() == 3 {
-            let error = fault("a triangle has more than three corners");
+            let error = syntax("a triangle has more than three corners");
             return Err(error.remedy("export triangles only, or use PLY or OBJ"));
         }
         let mut number = || {
             let word = words.next().unwrap_or("");
             number::parse(word.as_bytes()).ok_or_else(|| {
-                let error = fault("a corner is three numbers").value(format_args!("\"{word}\""));
+                let error = syntax("a corner is three numbers").value(format_args!("\"{word}\""));
                 error.remedy("write them as 12 or -0.5e3; the file may be cut off")
             })
         };
@@ -90,7 +90,7 @@ impl Text {
 
     fn end_triangle(&mut self) -> Result<()> {
         let [a, b, c] = self.corners[..] else {
-            let error = fault("a triangle needs three corners").value(self.corners.len());
+            let error = syntax("a triangle needs three corners").value(self.corners.len());
             return Err(error.remedy("complete it, or remove it"));
         };
         self.triangles.push([a, b, c]);
@@ -104,8 +104,8 @@ fn words(line: &str) -> impl Iterator<Item = &str> {
 }
 
 /// Passes each line to `take`, and adds its number to errors.
-fn each_line<F: ReadAt + ?Sized>(
-    file: &F,
+fn each_line(
+    file: &dyn ReadAt,
     length: u64,
     buffer: usize,
     mut take: impl FnMut(&str) -> Result<()>,
@@ -121,7 +121,7 @@ fn each_line<F: ReadAt + ?Sized>(
         }
         let place = || format!("line {number}");
         if read as u64 == LONGEST_LINE && !line.ends_with(b"\n") {
-            let error = fault(format!("a line can have at most {LONGEST_LINE} bytes")).at(place());
+            let error = syntax(format!("a line can have at most {LONGEST_LINE} bytes")).at(place());
             return Err(error.remedy("check that the file is an STL file"));
         }
         take(&String::from_utf8_lossy(&line)).map_err(|error| error.at(place()))?;

@@ -4,8 +4,8 @@
 use glam::Vec3;
 use rayon::prelude::*;
 
-use super::{HEAD, check_count, corner, fault, ignored_colours};
-use crate::mesh::faults::read_failure;
+use super::{HEAD, check_count, corner, ignored_colours};
+use crate::mesh::faults::{read_failure, syntax};
 use crate::mesh::place::ReadAt;
 use wavecrest_base::error::{Error, Result};
 
@@ -34,15 +34,15 @@ pub(super) fn room(length: u64) -> u64 {
 }
 
 /// Reads the triangles after `head` of a file of `length` bytes.
-pub(super) fn read<F: ReadAt + ?Sized>(
-    file: &F,
+pub(super) fn read(
+    file: &dyn ReadAt,
     head: &[u8; HEAD],
     length: u64,
     buffer: usize,
 ) -> Result<Read> {
     let count = count(head);
     if count > room(length) {
-        return Err(fault(format!("the file has room for {} triangles", room(length)))
+        return Err(syntax(format!("the file has room for {} triangles", room(length)))
             .at("the count of triangles")
             .value(count)
             .remedy("the file may be cut off, or this is not an STL file"));
@@ -67,12 +67,12 @@ pub(super) fn read<F: ReadAt + ?Sized>(
 /// The warning of bytes after the last triangle.
 fn trailing(count: u64, length: u64) -> Vec<Error> {
     let left = length - HEAD as u64 - count * TRIANGLE as u64;
-    let note = || fault("bytes after the last triangle are ignored").value(left);
+    let note = || syntax("bytes after the last triangle are ignored").value(left);
     (left > 0).then(note).into_iter().collect()
 }
 
 /// Reads the triangles from the number `first` on; returns true if one has an attribute.
-fn read_part<F: ReadAt + ?Sized>(file: &F, first: usize, into: &mut [[Vec3; 3]]) -> Result<bool> {
+fn read_part(file: &dyn ReadAt, first: usize, into: &mut [[Vec3; 3]]) -> Result<bool> {
     let mut bytes = vec![0; into.len() * TRIANGLE];
     let place = (HEAD + first * TRIANGLE) as u64;
     file.read_exact_at(&mut bytes, place).map_err(read_failure)?;
