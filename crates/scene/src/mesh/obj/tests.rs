@@ -2,7 +2,10 @@
 
 mod pieces;
 
+use glam::{Vec2, Vec3};
+
 use super::*;
+use crate::mesh::data::NO_VALUE;
 
 const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
 

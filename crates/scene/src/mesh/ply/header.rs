@@ -49,40 +49,13 @@ const TYPE_NAMES: [(&str, &str, Scalar); 8] = [
 /// Evaluates `$value` with `$number` as the type of numbers of the kind `$kind`.
 macro_rules! with_type {
     ($kind:expr, $number:ident => $value:expr) => {
-        match $kind {
-            Scalar::I8 => {
-                type $number = i8;
-                $value
-            }
-            Scalar::U8 => {
-                type $number = u8;
-                $value
-            }
-            Scalar::I16 => {
-                type $number = i16;
-                $value
-            }
-            Scalar::U16 => {
-                type $number = u16;
-                $value
-            }
-            Scalar::I32 => {
-                type $number = i32;
-                $value
-            }
-            Scalar::U32 => {
-                type $number = u32;
-                $value
-            }
-            Scalar::F32 => {
-                type $number = f32;
-                $value
-            }
-            Scalar::F64 => {
-                type $number = f64;
-                $value
-            }
-        }
+        with_type!(
+            $kind, $number => $value,
+            I8 i8, U8 u8, I16 i16, U16 u16, I32 i32, U32 u32, F32 f32, F64 f64
+        )
+    };
+    ($kind:expr, $number:ident => $value:expr, $($name:ident $type:ty),+) => {
+        match $kind { $(Scalar::$name => { type $number = $type; $value })+ }
     };
 }
 pub(super) use with_type;

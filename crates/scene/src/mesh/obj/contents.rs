@@ -1,77 +1,98 @@
-//! Pieces of an OBJ text, counted and read.
+//! The contents of an OBJ text: of a piece, or of all pieces so far.
 
 use glam::{DVec3, Vec2, Vec3};
 
 use super::corners::Corners;
 use super::count::Count;
-use super::lines::{Keyword, Statement, first_word, is_blank, malformed, name, statements};
+use super::lines::{
+    Keyword, Statement, first_word, is_blank, malformed, name, statements, word_length,
+};
 use crate::mesh::data::{NO_VALUE, NamedMaterials};
+use crate::mesh::faults::{check_count, syntax};
 use crate::mesh::number;
 use crate::mesh::origin::relative;
 use crate::mesh::polygon::{self, Polygon};
 use crate::mesh::validate::{bad_position, is_good_position};
-use wavecrest_base::error::{Error, ErrorKind, Result};
+use wavecrest_base::error::Result;
 
-/// The contents of a piece. Indices count from the beginning of the file.
+/// The colour of a position without one.
+pub(super) const WHITE: Vec3 = Vec3::ONE;
+
+/// The indices of a triangle without an attribute.
+pub(super) const NO_VALUES: [u32; 3] = [NO_VALUE; 3];
+
+/// Arrays, as far as they have been read. Indices count from the beginning of the file.
 #[derive(Debug, Default)]
-pub(super) struct Piece {
+pub(super) struct Contents {
     /// Relative to the origin.
     pub(super) positions: Vec<Vec3>,
-    origin: DVec3,
-    /// One for each position, if any has a colour.
-    pub(super) colors: Option<Vec<Vec3>>,
+    pub(super) origin: DVec3,
+    /// Positions beyond the end of this list are [`WHITE`]: it is empty until one has a colour.
+    pub(super) colors: Vec<Vec3>,
     pub(super) uvs: Vec<Vec2>,
     pub(super) normals: Vec<Vec3>,
     pub(super) triangles: Vec<[u32; 3]>,
-    /// One for each triangle, if any corner has texture coordinates.
-    pub(super) uv_indices: Option<Vec<[u32; 3]>>,
-    /// One for each triangle, if any corner has a normal.
-    pub(super) normal_indices: Option<Vec<[u32; 3]>>,
-    /// Counted from the first triangle of the piece.
+    /// Triangles beyond the end of this list have [`NO_VALUES`]; likewise for normals.
+    pub(super) uv_indices: Vec<[u32; 3]>,
+    pub(super) normal_indices: Vec<[u32; 3]>,
+    /// Counted from the first of the triangles here.
     pub(super) polygons: Vec<Polygon>,
     /// Counted likewise.
     pub(super) materials: NamedMaterials,
 }
 
-impl Piece {
-    /// Reads a piece that begins after `start`, with positions relative to `origin`.
-    pub(super) fn read(text: &[u8], start: Count, origin: DVec3) -> Result<Self> {
-        let mut piece = Self { origin, ..Self::default() };
+impl Contents {
+    /// Counts a piece, and reads it with positions relative to `origin`. If it is not known what
+    /// was counted up to its `start`, no index may count backward, and the line of an error is
+    /// wrong.
+    pub(super) fn read(text: &[u8], start: Option<Count>, origin: DVec3) -> (Count, Result<Self>) {
+        let mut piece = Ok(Self { origin, ..Self::default() });
         let mut corners = Corners::default();
-        let mut count = start;
-        for statement in statements(text) {
-            piece
-                .statement(statement, Some(count), &mut corners)
-                .map_err(|error| error.at(format!("line {}", start.lines + statement.line + 1)))?;
-            count.add(statement.keyword);
-        }
-        Ok(piece)
-    }
-
-    /// Counts the contents of a piece, and reads it if that needs no knowledge of earlier pieces:
-    /// if no index counts backward, and there is no error whose line is needed.
-    pub(super) fn read_anywhere(text: &[u8], origin: DVec3) -> (Count, Option<Self>) {
-        let mut piece = Some(Self { origin, ..Self::default() });
-        let mut corners = Corners::default();
-        let mut count = Count::default();
+        let mut count = start.unwrap_or_default();
+        let before = count.lines;
         let mut all = statements(text);
         for statement in all.by_ref() {
+            let known = start.is_some().then_some(&count);
             // After a failure the rest of the piece is only counted.
-            if let Some(read) = &mut piece
-                && read.statement(statement, None, &mut corners).is_err()
+            if let Ok(read) = &mut piece
+                && let Err(error) = read.statement(statement, known, &mut corners)
             {
-                piece = None;
+                piece = Err(error.at(format!("line {}", before + statement.line + 1)));
             }
             count.add(statement.keyword);
         }
-        count.lines = all.lines;
+        count.lines = before + all.lines;
         (count, piece)
+    }
+
+    /// Appends the next piece.
+    pub(super) fn append(&mut self, piece: Self) -> Result<()> {
+        let (vertices, triangles) = (self.positions.len(), self.triangles.len());
+        check_count("triangles", (triangles + piece.triangles.len()) as u64)?;
+        // The count was just checked to fit `u32`.
+        let first = triangles as u32;
+        let shift = |p: Polygon| Polygon { first: p.first + first, ..p };
+        self.polygons.extend(piece.polygons.into_iter().map(shift));
+        for (begun, name) in piece.materials.runs {
+            self.materials.begin(begun + first, name);
+        }
+        for statement in piece.materials.libraries {
+            self.materials.add_library(statement);
+        }
+        append(&mut self.colors, vertices, WHITE, piece.colors);
+        append(&mut self.uv_indices, triangles, NO_VALUES, piece.uv_indices);
+        append(&mut self.normal_indices, triangles, NO_VALUES, piece.normal_indices);
+        self.positions.extend(piece.positions);
+        self.uvs.extend(piece.uvs);
+        self.normals.extend(piece.normals);
+        self.triangles.extend(piece.triangles);
+        Ok(())
     }
 
     fn statement(
         &mut self,
         Statement { keyword, rest, .. }: Statement,
-        count: Option<Count>,
+        count: Option<&Count>,
         corners: &mut Corners,
     ) -> Result<()> {
         match keyword {
@@ -103,37 +124,39 @@ impl Piece {
         if !is_good_position(position) {
             return Err(bad_position(position));
         }
-        let color = first_word(rest).and_then(color);
-        if color.is_some() || self.colors.is_some() {
-            let before = self.positions.len();
-            let colors = self.colors.get_or_insert_with(|| vec![Vec3::ONE; before]);
-            colors.push(color.unwrap_or(Vec3::ONE));
+        if let Some(color) = first_word(rest).and_then(color) {
+            self.colors.resize(self.positions.len(), WHITE);
+            self.colors.push(color);
         }
         self.positions.push(position);
         Ok(())
     }
 
-    fn push_face(&mut self, corners: &Corners) {
+    fn push_face(&mut self, Corners([positions, uvs, normals]): &Corners) {
         let before = self.triangles.len();
-        if corners.positions.len() > 3 {
+        if positions.len() > 3 {
             // A piece is in memory, so its triangles are fewer than 2^32; the sum over the pieces
             // is checked when they are joined.
-            let (first, corners) = (before as u32, corners.positions.len() as u32);
+            let (first, corners) = (before as u32, positions.len() as u32);
             self.polygons.push(Polygon { first, corners });
         }
-        self.triangles.extend(polygon::fan(&corners.positions));
-        push_indices(&mut self.uv_indices, &corners.uvs, before);
-        push_indices(&mut self.normal_indices, &corners.normals, before);
+        self.triangles.extend(polygon::fan(positions));
+        for (to, corners) in [(&mut self.uv_indices, uvs), (&mut self.normal_indices, normals)] {
+            if corners.iter().any(|&index| index != NO_VALUE) {
+                to.resize(before, NO_VALUES);
+                to.extend(polygon::fan(corners));
+            }
+        }
     }
 }
 
-/// Appends a face's indices of one attribute; if there is no list yet, the triangles `before` had
-/// none.
-fn push_indices(to: &mut Option<Vec<[u32; 3]>>, corners: &[u32], before: usize) {
-    if to.is_none() && corners.iter().all(|&i| i == NO_VALUE) {
-        return;
+/// Appends the `values` of the items from number `before` on, if there are any; earlier items
+/// without a value get the `blank` one.
+fn append<T: Clone>(to: &mut Vec<T>, before: usize, blank: T, values: Vec<T>) {
+    if !values.is_empty() {
+        to.resize(before, blank);
+        to.extend(values);
     }
-    to.get_or_insert_with(|| vec![[NO_VALUE; 3]; before]).extend(polygon::fan(corners));
 }
 
 /// The first position of a text, if it is valid.
@@ -149,7 +172,7 @@ fn exact(mut rest: &[u8], rounded: Vec3) -> DVec3 {
     let mut point = rounded.as_dvec3();
     for axis in 0..3 {
         let Some(word) = first_word(rest) else { break };
-        let length = word.iter().position(|&b| is_blank(b)).unwrap_or(word.len());
+        let length = word_length(word);
         let number = std::str::from_utf8(&word[..length]).ok().and_then(|word| word.parse().ok());
         point[axis] = number.unwrap_or(point[axis]);
         rest = &word[length..];
@@ -181,7 +204,7 @@ fn numbers<'a, const N: usize>(
                 (value, length)
             }
             _ => {
-                let length = word.iter().position(|&b| is_blank(b)).unwrap_or(word.len());
+                let length = word_length(word);
                 let word = &word[..length];
                 let fault = || malformed("a number", word, "write it as 12 or -0.5e3");
                 (number::parse(word).ok_or_else(fault)?, length)
@@ -192,29 +215,9 @@ fn numbers<'a, const N: usize>(
         rest = &word[length..];
     }
     if found < needed {
-        return Err(Error::new(
-            ErrorKind::Syntax,
-            format!("\"{keyword}\" needs at least {needed} numbers"),
-        )
-        .value(found)
-        .remedy("complete the line; the file may be cut off"));
+        return Err(syntax(format!("\"{keyword}\" needs at least {needed} numbers"))
+            .value(found)
+            .remedy("complete the line; the file may be cut off"));
     }
     Ok((numbers, rest))
-}
-
-/// The error of the first face of a text that refers to a value beyond those of the `whole` file.
-/// The text begins after `start`, and [`Piece::read`] found no error in it.
-pub(super) fn find_bad_face(text: &[u8], start: Count, whole: Count) -> Option<Error> {
-    let mut corners = Corners::default();
-    let mut count = start;
-    for statement in statements(text) {
-        if statement.keyword == Keyword::Face && corners.read(statement.rest, Some(count)).is_ok() {
-            let error = corners.first_beyond(whole);
-            if let Some(error) = error {
-                return Some(error.at(format!("line {}", start.lines + statement.line + 1)));
-            }
-        }
-        count.add(statement.keyword);
-    }
-    None
 }
