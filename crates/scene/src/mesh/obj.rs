@@ -27,17 +27,14 @@ use super::validate::{first_with, mend, scale_byte_colors};
 use contents::{Contents, NO_VALUES, WHITE};
 use corners::{Corners, first_beyond, is_beyond};
 use count::Count;
-use lines::{BLOCK_BYTES, Keyword, PIECE_BYTES, Statement, cut, each_block, statements};
+use lines::{Keyword, Statement, cut, each_block, statements};
 use wavecrest_base::error::{Error, ErrorKind, Result};
 
 pub(super) use count::survey;
+pub(super) use lines::BLOCK;
 
-/// Reads a file of `length` bytes.
-pub(super) fn read(file: &std::fs::File, length: u64) -> Result<(Read, NamedMaterials)> {
-    read_from(file, length, BLOCK_BYTES, PIECE_BYTES)
-}
-
-pub(super) fn read_from(
+/// Reads a file of `length` bytes, in blocks and pieces of about these sizes.
+pub(super) fn read(
     file: &dyn ReadAt,
     length: u64,
     block: usize,

@@ -29,15 +29,8 @@ use wavecrest_base::error::Result;
 
 pub(super) use survey::survey;
 
-/// Buffer size for a body that is read number by number.
-const BODY_BUFFER: usize = 1 << 17;
-
 /// Reads a file of `length` bytes.
-pub(super) fn read(file: &std::fs::File, length: u64) -> Result<Read> {
-    read_from(file, length, BODY_BUFFER)
-}
-
-pub(super) fn read_from(file: &dyn ReadAt, length: u64, buffer: usize) -> Result<Read> {
+pub(super) fn read(file: &dyn ReadAt, length: u64, buffer: usize) -> Result<Read> {
     let header = header::read(file, length, buffer)?;
     body::read(&header, Numbers::new(file, &header, length, buffer))
 }

@@ -2,7 +2,8 @@
 
 use rayon::prelude::*;
 
-use super::lines::{BLOCK_BYTES, Keyword, PIECE_BYTES, cut, each_block, is_blank, statements};
+use super::lines::{BLOCK, Keyword, cut, each_block, is_blank, statements};
+use crate::mesh::BUFFER;
 use crate::mesh::place::ReadAt;
 use crate::mesh::survey::Survey;
 use wavecrest_base::error::Result;
@@ -54,8 +55,8 @@ impl Count {
 /// Surveys a file of `length` bytes, in a pass over its text.
 pub(in crate::mesh) fn survey(file: &dyn ReadAt, length: u64) -> Result<Survey> {
     let mut all = Count::default();
-    each_block(file, length, BLOCK_BYTES, |text| {
-        let parts = cut(text, PIECE_BYTES);
+    each_block(file, length, BLOCK, |text| {
+        let parts = cut(text, BUFFER);
         let found = parts.par_iter().map(|part| surveyed(part)).reduce(Count::default, Count::plus);
         all = all.plus(found);
         Ok(())

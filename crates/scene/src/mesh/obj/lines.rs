@@ -9,10 +9,7 @@ use crate::mesh::place::{ReadAt, fill};
 use wavecrest_base::error::{Error, Result};
 
 /// Largest part of the text in memory at once, unless a statement is longer.
-pub(super) const BLOCK_BYTES: usize = 1 << 24;
-
-/// Approximate text for each task.
-pub(super) const PIECE_BYTES: usize = 1 << 17;
+pub(in crate::mesh) const BLOCK: usize = 1 << 24;
 
 /// Passes the text to `take`, in blocks that end with a statement.
 pub(super) fn each_block(

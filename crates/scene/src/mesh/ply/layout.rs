@@ -3,18 +3,27 @@
 use std::ops::Range;
 
 use super::header::{Element, Header, Property, Scalar, Shape, place};
+use crate::mesh::faults::syntax;
 use wavecrest_base::error::{Error, ErrorKind, Result};
 
 /// The stored numbers of a vertex, in the order of their slots.
 pub(super) const SLOTS: usize = 11;
-const POSITION: [&str; 3] = ["x", "y", "z"];
-const NORMAL: [&str; 3] = ["nx", "ny", "nz"];
-/// Names of texture coordinates in files.
-const UV: [[&str; 2]; 4] =
-    [["u", "v"], ["s", "t"], ["texture_u", "texture_v"], ["texture_s", "texture_t"]];
-/// Names of colours in files.
-const COLOR: [[&str; 3]; 2] =
-    [["red", "green", "blue"], ["diffuse_red", "diffuse_green", "diffuse_blue"]];
+/// The first slot of normals, texture coordinates and colours, after that of the position, 0.
+pub(super) const NORMAL: usize = 3;
+pub(super) const UV: usize = 6;
+pub(super) const COLOR: usize = 8;
+/// The names in files of what begins at each of these slots.
+const NAMES: [(usize, &[&str]); 8] = [
+    (0, &["x", "y", "z"]),
+    (NORMAL, &["nx", "ny", "nz"]),
+    (UV, &["u", "v"]),
+    (UV, &["s", "t"]),
+    (UV, &["texture_u", "texture_v"]),
+    (UV, &["texture_s", "texture_t"]),
+    (COLOR, &["red", "green", "blue"]),
+    (COLOR, &["diffuse_red", "diffuse_green", "diffuse_blue"]),
+];
+/// Names of the lists of vertices.
 const LISTS: [&str; 2] = ["vertex_indices", "vertex_index"];
 
 /// The source of a number of a vertex.
@@ -39,35 +48,24 @@ pub(super) struct VertexLayout {
     pub(super) stride: Option<usize>,
     /// Whether positions are in double precision.
     pub(super) is_double: bool,
-    pub(super) normals: bool,
-    pub(super) uvs: bool,
-    pub(super) colors: bool,
 }
 
 impl VertexLayout {
     pub(super) fn of(element: &Element) -> Result<Self> {
-        let at = |error: Error| error.at(place(element.line));
-        let found = find_all(element, &POSITION).map_err(at)?;
-        let Some(position) = found else { return Err(at(no_position(element))) };
-        let normal = find_all(element, &NORMAL).map_err(at)?;
-        let mut uv = None;
-        for names in UV {
-            uv = uv.or(find_all(element, &names).map_err(at)?);
+        let columns = vec![None; element.properties.len()];
+        let mut layout = Self { columns, stride: stride(&element.properties), is_double: false };
+        for (first, names) in NAMES {
+            let found = match find_all(element, names) {
+                // Properties with these names that are not colours are skipped.
+                Err(_) if first == COLOR => None,
+                found => found.map_err(|error| error.at(place(element.line)))?,
+            };
+            match found {
+                Some(properties) if !layout.has(first) => layout.add(element, &properties, first),
+                None if first == 0 => return Err(no_position(element).at(place(element.line))),
+                _ => {}
+            }
         }
-        // Properties with these names that are not colours are skipped.
-        let color = COLOR.iter().find_map(|names| find_all(element, names).ok().flatten());
-        let mut layout = Self {
-            columns: vec![None; element.properties.len()],
-            stride: stride(&element.properties),
-            is_double: false,
-            normals: normal.is_some(),
-            uvs: uv.is_some(),
-            colors: color.is_some(),
-        };
-        layout.add(element, &position, 0);
-        layout.add(element, &normal.unwrap_or_default(), 3);
-        layout.add(element, &uv.unwrap_or_default(), 6);
-        layout.add(element, &color.unwrap_or_default(), 8);
         layout.is_double = layout.slots(0..3).iter().all(|column| column.kind == Scalar::F64);
         Ok(layout)
     }
@@ -78,12 +76,17 @@ impl VertexLayout {
             let Shape::One(kind) = element.properties[p].shape else { continue };
             let offset = stride(&element.properties[..p]).unwrap_or(0);
             let scale = match slot {
-                0..6 => 1.0,
-                6..8 => uv_scale(kind),
+                ..UV => 1.0,
+                UV..COLOR => uv_scale(kind),
                 _ => color_scale(kind),
             };
             self.columns[p] = Some(Column { slot, kind, offset, scale });
         }
+    }
+
+    /// Whether the file has the number of a slot.
+    pub(super) fn has(&self, slot: usize) -> bool {
+        self.columns.iter().flatten().any(|column| column.slot == slot)
     }
 
     /// The columns of some slots, in order: none if the file lacks them.
@@ -131,23 +134,21 @@ fn find(element: &Element, name: &str) -> Result<Option<usize>> {
     let mut all = (0..element.properties.len()).filter(|&i| element.properties[i].name == name);
     let first = all.next();
     if all.next().is_some() {
-        return Err(Error::new(ErrorKind::Syntax, "a vertex property is declared twice")
+        return Err(syntax("a vertex property is declared twice")
             .value(name)
             .remedy("rename one of the two"));
     }
     match first.map(|i| element.properties[i].shape) {
-        Some(Shape::List { .. }) => {
-            Err(Error::new(ErrorKind::Syntax, "a vertex property must be a single number")
-                .value(format_args!("a list \"{name}\""))
-                .remedy(format!("declare it as \"property float {name}\"")))
-        }
+        Some(Shape::List { .. }) => Err(syntax("a vertex property must be a single number")
+            .value(format_args!("a list \"{name}\""))
+            .remedy(format!("declare it as \"property float {name}\""))),
         _ => Ok(first),
     }
 }
 
 fn no_position(element: &Element) -> Error {
     let names: Vec<&str> = element.properties.iter().map(|p| p.name.as_str()).collect();
-    Error::new(ErrorKind::Syntax, "the vertices need the properties x, y and z")
+    syntax("the vertices need the properties x, y and z")
         .value(if names.is_empty() { "none".to_owned() } else { names.join(", ") })
         .remedy("declare each, as in \"property float x\"")
 }
@@ -165,8 +166,9 @@ pub(super) fn stride(properties: &[Property]) -> Option<usize> {
 pub(super) fn unread(header: &Header, vertex: &Element) -> Vec<Error> {
     let has = |element: &Element, name: &str| element.properties.iter().any(|p| p.name == name);
     let faces = || header.elements.iter().filter(|element| element.name == "face");
+    let colors = || NAMES.iter().filter(|(first, _)| *first == COLOR);
     let is_colored =
-        |element: &Element| COLOR.iter().any(|names| names.iter().all(|n| has(element, n)));
+        |element: &Element| colors().any(|(_, names)| names.iter().all(|n| has(element, n)));
     let warning = |message: &str, remedy: &str| Error::new(ErrorKind::Mesh, message).remedy(remedy);
     let colors = (!is_colored(vertex) && faces().any(is_colored))
         .then(|| warning("the colours of faces are ignored", "export colours of vertices instead"));
@@ -197,10 +199,10 @@ impl ListLayout {
         });
         match (lists.next(), lists.next()) {
             (Some(layout), None) => Ok(layout),
-            (found, _) => Err(Error::new(
-                ErrorKind::Syntax,
-                format!("the element \"{}\" needs one list vertex_indices", element.name),
-            )
+            (found, _) => Err(syntax(format!(
+                "the element \"{}\" needs one list vertex_indices",
+                element.name
+            ))
             .at(place(element.line))
             .value(if found.is_some() { "two" } else { "none" })
             .remedy("declare \"property list uchar int vertex_indices\"")),

@@ -3,18 +3,16 @@
 use std::io::{BufRead, BufReader};
 
 use super::header::{self, Element, Encoding, Header};
-use super::layout::{ListLayout, VertexLayout};
+use super::layout::{COLOR, ListLayout, NORMAL, UV, VertexLayout};
+use crate::mesh::BUFFER;
 use crate::mesh::faults::read_failure;
 use crate::mesh::place::{ReadAt, Section};
 use crate::mesh::survey::Survey;
 use wavecrest_base::error::Result;
 
-/// Size of the buffer for texts.
-const TEXT_BUFFER: usize = 1 << 17;
-
 /// Surveys a file of `length` bytes.
 pub(in crate::mesh) fn survey(file: &dyn ReadAt, length: u64) -> Result<Survey> {
-    let header = header::read(file, length, TEXT_BUFFER)?;
+    let header = header::read(file, length, BUFFER)?;
     let left = length.saturating_sub(header.bytes);
     let mut survey = Survey::default();
     if let Some(vertex) = header.elements.iter().find(|element| element.name == "vertex") {
@@ -22,9 +20,8 @@ pub(in crate::mesh) fn survey(file: &dyn ReadAt, length: u64) -> Result<Survey> 
         // A row has at least one byte for each property.
         let most = left / (vertex.properties.len() as u64).max(1);
         survey.positions = vertex.count.min(most);
-        survey.normals = if layout.normals { survey.positions } else { 0 };
-        survey.colors = if layout.colors { survey.positions } else { 0 };
-        survey.uvs = if layout.uvs { survey.positions } else { 0 };
+        let of = |first| if layout.has(first) { survey.positions } else { 0 };
+        (survey.normals, survey.uvs, survey.colors) = (of(NORMAL), of(UV), of(COLOR));
     }
     let is_list = |element: &&Element| element.name == "face" || element.name == "tristrips";
     let corners = match header.encoding {
@@ -85,7 +82,7 @@ fn words_of_lines(
     lines: u64,
     mut each: impl FnMut(u64),
 ) -> std::io::Result<()> {
-    let mut reader = BufReader::with_capacity(TEXT_BUFFER, text);
+    let mut reader = BufReader::with_capacity(BUFFER, text);
     let (mut words, mut within, mut taken) = (0, false, 0);
     while taken < lines {
         let buffer = reader.fill_buf()?;

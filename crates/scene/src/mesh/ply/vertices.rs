@@ -8,7 +8,7 @@ use glam::{DVec3, Vec2, Vec3};
 use rayon::prelude::*;
 
 use super::header::{Encoding, Scalar, with_type};
-use super::layout::{Column, SLOTS, VertexLayout};
+use super::layout::{COLOR, Column, NORMAL, SLOTS, UV, VertexLayout};
 use super::numbers::{Fault, Numbers};
 use crate::mesh::origin::{origin, relative};
 use crate::mesh::place::ReadAt;
@@ -29,14 +29,15 @@ pub(super) struct Vertices {
 impl Vertices {
     /// Room for `count` vertices. The caller has checked the count against the size of the file.
     pub(super) fn new(count: usize, layout: &VertexLayout) -> Self {
+        let of = |first| if layout.has(first) { count } else { 0 };
         Self {
             // The system provides zeroed pages, first touched by the thread that fills them: `vec!`
             // would write each vector twice.
             positions: bytemuck::zeroed_vec(count),
             origin: DVec3::ZERO,
-            normals: bytemuck::zeroed_vec(if layout.normals { count } else { 0 }),
-            uvs: bytemuck::zeroed_vec(if layout.uvs { count } else { 0 }),
-            colors: bytemuck::zeroed_vec(if layout.colors { count } else { 0 }),
+            normals: bytemuck::zeroed_vec(of(NORMAL)),
+            uvs: bytemuck::zeroed_vec(of(UV)),
+            colors: bytemuck::zeroed_vec(of(COLOR)),
         }
     }
 
@@ -52,10 +53,10 @@ impl Vertices {
         for &Column { slot, scale, .. } in layout.columns.iter().flatten() {
             let value = values[slot] as f32 * scale;
             match slot {
-                0..3 => self.positions[row][slot] = value,
-                3..6 => self.normals[row][slot - 3] = value,
-                6..8 => self.uvs[row][slot - 6] = value,
-                _ => self.colors[row][slot - 8] = value,
+                ..NORMAL => self.positions[row][slot] = value,
+                NORMAL..UV => self.normals[row][slot - NORMAL] = value,
+                UV..COLOR => self.uvs[row][slot - UV] = value,
+                _ => self.colors[row][slot - COLOR] = value,
             }
         }
     }
@@ -96,7 +97,8 @@ struct Task<'a> {
 
 impl Rows {
     fn of(layout: &VertexLayout) -> Option<Self> {
-        let columns = [0..3, 3..6, 6..8, 8..SLOTS].map(|slots| layout.slots(slots));
+        let columns =
+            [0..NORMAL, NORMAL..UV, UV..COLOR, COLOR..SLOTS].map(|slots| layout.slots(slots));
         let (is_packed, is_double) = (layout.is_packed(), layout.is_double);
         Some(Self { stride: layout.stride?, is_packed, is_double, columns })
     }

@@ -5,14 +5,14 @@ use wavecrest_base::error::ErrorKind;
 
 fn load(bytes: &[u8]) -> Result<Read> {
     // A small buffer, so that lines and triangles lie across its ends.
-    let read = read_from(&bytes, bytes.len() as u64, 29);
-    let large = read_from(&bytes, bytes.len() as u64, BUFFER);
-    match (&read, &large) {
+    let read = |buffer| super::read(&bytes, bytes.len() as u64, buffer);
+    let (small, large) = (read(29), read(BUFFER));
+    match (&small, &large) {
         (Ok(small), Ok(large)) => assert_eq!(small.0, large.0),
         (Err(small), Err(large)) => assert_eq!(small.to_string(), large.to_string()),
-        _ => panic!("{read:?} and {large:?}"),
+        _ => panic!("{small:?} and {large:?}"),
     }
-    read
+    small
 }
 
 fn mesh(bytes: &[u8]) -> MeshData {

@@ -9,7 +9,7 @@ use super::super::body;
 use super::super::header::{Element, Property, Scalar, Shape};
 use super::*;
 
-/// As [`read_from`], number by number.
+/// As [`read`], number by number.
 fn slowly(bytes: &[u8]) -> Result<Read> {
     let length = bytes.len() as u64;
     let header = header::read(&bytes, length, 64)?;
@@ -19,7 +19,7 @@ fn slowly(bytes: &[u8]) -> Result<Read> {
 }
 
 /// Sizes of the buffer, and numbers of threads.
-const WAYS: [(usize, usize); 4] = [(16, 3), (100, 1), (1000, 2), (BODY_BUFFER, 4)];
+const WAYS: [(usize, usize); 4] = [(16, 3), (100, 1), (1000, 2), (BUFFER, 4)];
 
 /// The threads, started once.
 static POOLS: LazyLock<[ThreadPool; 4]> = LazyLock::new(|| {
@@ -31,7 +31,7 @@ static POOLS: LazyLock<[ThreadPool; 4]> = LazyLock::new(|| {
 fn check(bytes: &[u8], what: &str) -> Option<MeshData> {
     let slow = slowly(bytes);
     for ((buffer, _), pool) in WAYS.iter().zip(&*POOLS) {
-        let fast = pool.install(|| read_from(&bytes, bytes.len() as u64, *buffer));
+        let fast = pool.install(|| read(&bytes, bytes.len() as u64, *buffer));
         match (&slow, &fast) {
             (Ok(slow), Ok(fast)) => {
                 assert_eq!(bits(&slow.0), bits(&fast.0), "{what}, {buffer}");
@@ -261,7 +261,7 @@ fn a_file_that_shrinks_is_an_error() {
     for faces in [vec![&[0, 1, 2][..]; 900], vec![&[0, 1, 2, 3][..]; 900]] {
         let bytes = packed(false, &faces);
         for cut in [bytes.len() - 1, bytes.len() / 2, bytes.len() - 900 * 13 - 5] {
-            let error = read_from(&&bytes[..cut], bytes.len() as u64, 64).unwrap_err().to_string();
+            let error = read(&&bytes[..cut], bytes.len() as u64, 64).unwrap_err().to_string();
             assert!(error.contains("the file is cut off"), "{error}");
         }
     }
