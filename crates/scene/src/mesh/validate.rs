@@ -31,7 +31,7 @@ fn check_all(mesh: &MeshData) -> Result<()> {
     check_count("vertices", mesh.positions.len() as u64)?;
     check_count("triangles", mesh.triangles.len() as u64)?;
     check_positions(&mesh.positions)?;
-    check_triangles("vertex", &mesh.triangles, mesh.positions.len())?;
+    check_indices("vertex", &mesh.triangles, mesh.positions.len(), false)?;
     check_attribute("normal", mesh, mesh.normals.as_ref())?;
     check_attribute("texture coordinate", mesh, mesh.uvs.as_ref())?;
     let Some(colors) = &mesh.colors else { return Ok(()) };
@@ -66,9 +66,10 @@ pub(super) fn bad_index(what: &str, index: impl std::fmt::Display, count: usize)
         .remedy(format!("the mesh has {count}: check that the file is whole"))
 }
 
-fn check_triangles(what: &str, triangles: &[[u32; 3]], count: usize) -> Result<()> {
-    let bad = |i: u32| i as usize >= count;
-    match first_with(triangles, bad) {
+/// Checks the indices of corners into `count` values; those `without` a value have [`NO_VALUE`].
+fn check_indices(what: &str, indices: &[[u32; 3]], count: usize, without: bool) -> Result<()> {
+    let bad = |i: u32| i as usize >= count && !(without && i == NO_VALUE);
+    match first_with(indices, bad) {
         Some((t, index)) => Err(bad_index(what, index, count).at(format!("triangle {t}"))),
         None => Ok(()),
     }
@@ -84,11 +85,7 @@ fn check_attribute<T: Sync>(
         return check_length(what, "vertices", values.len(), mesh.positions.len());
     };
     check_length(what, "triangles", indices.len(), mesh.triangles.len())?;
-    let count = values.len();
-    match first_with(indices, |i| i != NO_VALUE && i as usize >= count) {
-        Some((t, index)) => Err(bad_index(what, index, count).at(format!("triangle {t}"))),
-        None => Ok(()),
-    }
+    check_indices(what, indices, values.len(), true)
 }
 
 fn check_length(what: &str, of: &str, found: usize, right: usize) -> Result<()> {

@@ -67,10 +67,6 @@ impl Scalar {
     pub(super) fn size(self) -> usize {
         with_type!(self, N => size_of::<N>())
     }
-
-    fn from_name(name: &str) -> Option<Self> {
-        TYPE_NAMES.iter().find(|t| t.0 == name || t.1 == name).map(|t| t.2)
-    }
 }
 
 /// The content of a property.
@@ -130,73 +126,59 @@ pub(super) fn read(file: &dyn ReadAt, length: u64, buffer: usize) -> Result<Head
 }
 
 fn read_lines(reader: impl BufRead) -> Result<Header> {
-    let mut lines = Lines { reader: reader.take(MAX_HEADER), bytes: 0, lines: 0 };
-    check_magic(lines.next()?)?;
-    let mut encoding = None;
-    let mut elements = Vec::new();
+    let mut reader = reader.take(MAX_HEADER);
+    let (mut encoding, mut elements) = (None, Vec::new());
+    let (mut bytes, mut lines) = (0, 0);
     loop {
-        let Some(line) = lines.next()? else { return Err(end_missing(&lines)) };
+        let mut line = Vec::new();
+        let length = reader.read_until(b'\n', &mut line).map_err(read_failure)?;
+        bytes += length as u64;
+        lines += 1;
+        let line = String::from_utf8_lossy(&line);
         let words: Vec<&str> = line.split_ascii_whitespace().collect();
-        let number = lines.lines;
-        match statement(&words, number, &mut encoding, &mut elements) {
-            Ok(false) => {}
-            Ok(true) => break,
-            Err(error) => return Err(error.at(place(number))),
+        match words[..] {
+            _ if lines == 1 => check_magic(length, line.trim())?,
+            _ if length == 0 => return Err(end_missing(bytes).at(place(lines))),
+            ["end_header"] => break,
+            _ => statement(&words, lines, &mut encoding, &mut elements)
+                .map_err(|error| error.at(place(lines)))?,
         }
     }
     let encoding = encoding.ok_or_else(|| {
         syntax("the header has no format line").remedy("add one, such as \"format ascii 1.0\"")
     })?;
-    Ok(Header { encoding, elements, bytes: lines.bytes, lines: lines.lines })
+    Ok(Header { encoding, elements, bytes, lines })
 }
 
-/// Reads and counts the lines of a header.
-struct Lines<R> {
-    reader: std::io::Take<R>,
-    bytes: u64,
-    lines: u64,
-}
-
-impl<R: BufRead> Lines<R> {
-    /// The next line, or `None` at the end of the file or of the largest header.
-    fn next(&mut self) -> Result<Option<String>> {
-        let mut line = Vec::new();
-        let length = self.reader.read_until(b'\n', &mut line).map_err(read_failure)?;
-        self.bytes += length as u64;
-        self.lines += 1;
-        Ok((length > 0).then(|| String::from_utf8_lossy(&line).into_owned()))
-    }
-}
-
-fn check_magic(line: Option<String>) -> Result<()> {
+/// Checks the first line, which has this `length`.
+fn check_magic(length: usize, line: &str) -> Result<()> {
     match line {
-        Some(line) if line.trim() == "ply" => Ok(()),
-        None => Err(syntax("the file is empty").remedy("export it again")),
-        Some(line) => Err(syntax("a PLY file begins with the line \"ply\"")
+        "ply" => Ok(()),
+        _ if length == 0 => Err(syntax("the file is empty").remedy("export it again")),
+        _ => Err(syntax("a PLY file begins with the line \"ply\"")
             .at(place(1))
-            .value(format_args!("{:?}", line.trim()))
+            .value(format_args!("{line:?}"))
             .remedy("check that this is a PLY file")),
     }
 }
 
-fn end_missing<R>(lines: &Lines<R>) -> Error {
-    let error = syntax("the header does not end").at(place(lines.lines));
-    if lines.bytes >= MAX_HEADER {
+fn end_missing(bytes: u64) -> Error {
+    let error = syntax("the header does not end");
+    if bytes >= MAX_HEADER {
         return error.remedy(format!("end it with \"end_header\" within {MAX_HEADER} bytes"));
     }
     error.remedy("end it with a line \"end_header\"; the file may be cut off")
 }
 
-/// Processes a line of the header; returns true for its last.
+/// Processes a line of the header but its first and its last.
 fn statement(
     words: &[&str],
     line: u64,
     encoding: &mut Option<Encoding>,
     elements: &mut Vec<Element>,
-) -> Result<bool> {
+) -> Result<()> {
     match words {
         [] | ["comment" | "obj_info", ..] => {}
-        ["end_header"] => return Ok(true),
         ["format", rest @ ..] if encoding.is_none() => *encoding = Some(format(rest)?),
         ["format", ..] => return Err(syntax("the format is given twice").remedy("keep one line")),
         ["element", rest @ ..] => elements.push(element(rest, line, elements)?),
@@ -209,11 +191,9 @@ fn statement(
             };
             element.properties.push(property);
         }
-        [other, ..] => {
-            return Err(unknown("unknown header line", other, KEYWORDS));
-        }
+        [other, ..] => return Err(unknown("unknown header line", other, KEYWORDS)),
     }
-    Ok(false)
+    Ok(())
 }
 
 fn format(words: &[&str]) -> Result<Encoding> {
@@ -277,9 +257,9 @@ fn property(words: &[&str]) -> Result<Property> {
 }
 
 fn scalar(name: &str) -> Result<Scalar> {
+    let found = TYPE_NAMES.iter().find(|t| t.0 == name || t.1 == name).map(|t| t.2);
     let names = TYPE_NAMES.iter().flat_map(|t| [t.0, t.1]);
-    Scalar::from_name(name)
-        .ok_or_else(|| unknown("the type of the property is unknown", name, names))
+    found.ok_or_else(|| unknown("the type of the property is unknown", name, names))
 }
 
 /// The error of a word that is not one of `names`.
