@@ -11,7 +11,6 @@
 //! Elements of PLY files and triangles of binary STL are counted from 0, as in the files
 //! themselves; errors in OBJ and text STL files name the line.
 
-mod colors;
 pub(crate) mod crease;
 mod data;
 mod faults;

@@ -5,7 +5,7 @@ use glam::{DVec3, Vec2, Vec3};
 use super::corners::Corners;
 use super::count::Count;
 use super::lines::{
-    Keyword, Statement, first_word, is_blank, malformed, name, statements, word_length,
+    Keyword, Statement, first_word, is_blank, malformed, name, statements, word_length, words,
 };
 use crate::mesh::data::{NO_VALUE, NamedMaterials};
 use crate::mesh::faults::{check_count, syntax};
@@ -168,14 +168,11 @@ pub(super) fn first_position(text: &[u8]) -> Option<DVec3> {
 
 /// The numbers of a position in double precision, given the `rounded` ones.
 #[cold]
-fn exact(mut rest: &[u8], rounded: Vec3) -> DVec3 {
+fn exact(rest: &[u8], rounded: Vec3) -> DVec3 {
     let mut point = rounded.as_dvec3();
-    for axis in 0..3 {
-        let Some(word) = first_word(rest) else { break };
-        let length = word_length(word);
-        let number = std::str::from_utf8(&word[..length]).ok().and_then(|word| word.parse().ok());
+    for (axis, word) in words(rest).take(3).enumerate() {
+        let number = std::str::from_utf8(word).ok().and_then(|word| word.parse().ok());
         point[axis] = number.unwrap_or(point[axis]);
-        rest = &word[length..];
     }
     point
 }
@@ -199,15 +196,13 @@ fn numbers<'a, const N: usize>(
     while found < N
         && let Some(word) = first_word(rest)
     {
-        let (value, length) = match number::leading(word) {
-            Some((value, length)) if word.get(length).is_none_or(|&b| is_blank(b)) => {
-                (value, length)
-            }
-            _ => {
-                let length = word_length(word);
-                let word = &word[..length];
+        let is_whole = |&(_, end): &(f32, usize)| word.get(end).is_none_or(|&b| is_blank(b));
+        let (value, length) = match number::leading(word).filter(is_whole) {
+            Some(found) => found,
+            None => {
+                let word = &word[..word_length(word)];
                 let fault = || malformed("a number", word, "write it as 12 or -0.5e3");
-                (number::parse(word).ok_or_else(fault)?, length)
+                (number::parse(word).ok_or_else(fault)?, word.len())
             }
         };
         numbers[found] = value;

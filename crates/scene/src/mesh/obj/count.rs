@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use super::lines::{BLOCK, Keyword, cut, each_block, is_blank, statements};
+use super::lines::{BLOCK, Keyword, cut, each_block, statements, words};
 use crate::mesh::BUFFER;
 use crate::mesh::place::ReadAt;
 use crate::mesh::survey::Survey;
@@ -79,10 +79,6 @@ fn surveyed(text: &[u8]) -> Count {
         }
     }
     found
-}
-
-fn words(rest: &[u8]) -> impl Iterator<Item = &[u8]> {
-    rest.split(|&byte| is_blank(byte)).filter(|word| !word.is_empty())
 }
 
 /// A face has two corners more than triangles. Its first corner shows which indices its corners

@@ -177,6 +177,11 @@ pub(super) fn first_word(rest: &[u8]) -> Option<&[u8]> {
     (rest[start] != b'#').then(|| &rest[start..])
 }
 
+/// The words of a statement; comments are not left out.
+pub(super) fn words(rest: &[u8]) -> impl Iterator<Item = &[u8]> {
+    rest.split(|&byte| is_blank(byte)).filter(|word| !word.is_empty())
+}
+
 /// The length of the word at the start of a text.
 #[inline]
 pub(super) fn word_length(text: &[u8]) -> usize {
@@ -218,7 +223,7 @@ pub(super) fn malformed(what: &str, word: &[u8], remedy: &str) -> Error {
 mod tests {
     use super::*;
 
-    fn words(mut rest: &[u8]) -> Vec<&str> {
+    fn words_of(mut rest: &[u8]) -> Vec<&str> {
         let mut words = Vec::new();
         while let Some(text) = first_word(rest) {
             let end = text.iter().position(|&b| is_blank(b)).unwrap_or(text.len());
@@ -230,7 +235,7 @@ mod tests {
 
     fn read(text: &str) -> Vec<(Keyword, u64, Vec<&str>)> {
         statements(text.as_bytes())
-            .map(|s| (s.keyword, s.line, words(s.rest)))
+            .map(|s| (s.keyword, s.line, words_of(s.rest)))
             .filter(|s| s.0 != Keyword::Other)
             .collect()
     }

@@ -81,7 +81,7 @@ impl Row {
             2 => number::<2, BIG>(&count, 0),
             _ => number::<4, BIG>(&count, 0),
         };
-        let is_face = corners >= TRIANGLE as u32 && corners <= greatest(layout.count)?;
+        let is_face = corners >= TRIANGLE as u32 && corners <= layout.count.greatest()?;
         let corners = usize::try_from(corners).ok().filter(|_| is_face)?;
         let length = size.checked_add(corners.checked_mul(layout.item.size())?)?;
         let stride = length.checked_add(list + after)?;
@@ -94,23 +94,10 @@ impl Row {
     }
 }
 
-/// The largest integer of this type; `None` for other types.
-fn greatest(kind: Scalar) -> Option<u32> {
-    match kind {
-        Scalar::I8 => Some(i8::MAX as u32),
-        Scalar::U8 => Some(u32::from(u8::MAX)),
-        Scalar::I16 => Some(i16::MAX as u32),
-        Scalar::U16 => Some(u32::from(u16::MAX)),
-        Scalar::I32 => Some(i32::MAX as u32),
-        Scalar::U32 => Some(u32::MAX),
-        Scalar::F32 | Scalar::F64 => None,
-    }
-}
-
 /// The exclusive limit of an index of this type, read as unsigned: a negative number is then too
 /// large.
 fn limit(kind: Scalar, vertices: usize) -> Option<u32> {
-    let beyond = u64::from(greatest(kind)?) + 1;
+    let beyond = u64::from(kind.greatest()?) + 1;
     // Both fit: there are fewer vertices than `u32::MAX`.
     Some(beyond.min(vertices as u64) as u32)
 }

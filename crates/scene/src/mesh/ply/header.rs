@@ -67,6 +67,13 @@ impl Scalar {
     pub(super) fn size(self) -> usize {
         with_type!(self, N => size_of::<N>())
     }
+
+    /// The largest integer of this type; `None` for other types.
+    pub(super) fn greatest(self) -> Option<u32> {
+        let is_whole = !matches!(self, Self::F32 | Self::F64);
+        let sign = u32::from(matches!(self, Self::I8 | Self::I16 | Self::I32));
+        is_whole.then(|| u32::MAX >> (u32::BITS - 8 * self.size() as u32 + sign))
+    }
 }
 
 /// The content of a property.

@@ -75,11 +75,7 @@ impl VertexLayout {
         for (slot, &p) in (first..).zip(properties) {
             let Shape::One(kind) = element.properties[p].shape else { continue };
             let offset = stride(&element.properties[..p]).unwrap_or(0);
-            let scale = match slot {
-                ..UV => 1.0,
-                UV..COLOR => uv_scale(kind),
-                _ => color_scale(kind),
-            };
+            let scale = scale(slot, kind);
             self.columns[p] = Some(Column { slot, kind, offset, scale });
         }
     }
@@ -104,23 +100,14 @@ impl VertexLayout {
     }
 }
 
-/// Texture coordinates in small integers are fractions of the largest value: integers would all
-/// refer to the same corner of the texture.
-fn uv_scale(kind: Scalar) -> f32 {
-    match kind {
-        Scalar::I8 => 1.0 / f32::from(i8::MAX),
-        Scalar::U8 => 1.0 / f32::from(u8::MAX),
-        Scalar::I16 => 1.0 / f32::from(i16::MAX),
-        Scalar::U16 => 1.0 / f32::from(u16::MAX),
-        Scalar::I32 | Scalar::U32 | Scalar::F32 | Scalar::F64 => 1.0,
-    }
-}
-
-/// Colours in integers are fractions of the largest value; in 32-bit integers, of a byte's.
-fn color_scale(kind: Scalar) -> f32 {
-    match kind {
-        Scalar::I32 | Scalar::U32 => 1.0 / f32::from(u8::MAX),
-        _ => uv_scale(kind),
+/// The factor on numbers of a slot. Texture coordinates in small integers are fractions of the
+/// largest value: integers would all refer to the same corner of the texture. So are colours; in
+/// 32-bit integers, of a byte's.
+fn scale(slot: usize, kind: Scalar) -> f32 {
+    match kind.greatest() {
+        Some(greatest) if slot >= UV && kind.size() < 4 => 1.0 / greatest as f32,
+        Some(_) if slot >= COLOR => 1.0 / f32::from(u8::MAX),
+        _ => 1.0,
     }
 }
 
