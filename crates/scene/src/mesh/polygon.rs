@@ -56,8 +56,8 @@ pub(super) fn fan<T: Copy>(corners: &[T]) -> impl Iterator<Item = [T; 3]> {
 }
 
 /// Replaces the wrong fans of `polygons`, in `triangles` and alike in the index arrays of
-/// `attributes`. Indices must be in range and positions finite. Returns a warning if polygons kept a
-/// fan for having more than [`MAX_EAR_CORNERS`] corners.
+/// `attributes`. Indices must be in range and positions finite. Returns a warning if polygons kept
+/// a fan for having more than [`MAX_EAR_CORNERS`] corners.
 pub(super) fn split(
     polygons: &[Polygon],
     positions: &[Vec3],

@@ -103,8 +103,8 @@ impl Builder {
         self.pieces.iter().map(|piece| piece.surface.triangles()).sum()
     }
 
-    /// Distributes this number of triangles over the plants, by their weights. If that of a plant is
-    /// not a multiple of [`LEAF_TRIANGLES`], its last leaf is cut.
+    /// Distributes this number of triangles over the plants, by their weights. If that of a plant
+    /// is not a multiple of [`LEAF_TRIANGLES`], its last leaf is cut.
     pub(super) fn grow(&mut self, triangles: u64) {
         let all: u64 = self.plants.iter().map(|plant| plant.weight).sum();
         let mut weights = 0;

@@ -21,8 +21,8 @@ pub(super) const TURNED: f64 = 1.5;
 /// Flat quads and triangles, each with its own corners, so that edges look sharp.
 #[derive(Default)]
 pub(super) struct Facets {
-    /// Convex and counter-clockwise as seen from the front, as are the triangles, which repeat their
-    /// last corner.
+    /// Convex and counter-clockwise as seen from the front, as are the triangles, which repeat
+    /// their last corner.
     pub(super) quads: Vec<[DVec3; 4]>,
     pub(super) triangles: Vec<[DVec3; 4]>,
 }
