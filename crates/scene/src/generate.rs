@@ -10,6 +10,7 @@
 //! square roots and the functions of the `libm` crate, and rounded to 32 bits at the end, so the
 //! bits are equal on every machine and for every number of threads.
 
+mod grid;
 mod knot;
 mod noise;
 mod ply;

@@ -11,7 +11,6 @@
 //! Elements of PLY files and triangles of binary STL are counted from 0, as in the files
 //! themselves; errors in OBJ and text STL files name the line.
 
-mod colors;
 pub(crate) mod crease;
 mod data;
 mod faults;
@@ -38,7 +37,7 @@ pub use survey::Survey;
 pub use validate::validate;
 pub(crate) use validate::{bad_position, is_good_position};
 
-use data::Read;
+use place::ReadAt;
 
 /// Reads the mesh file at `path`: PLY, OBJ or STL, by its extension in upper or lower case.
 ///
@@ -52,12 +51,7 @@ use data::Read;
 pub fn load(path: &Path) -> Result<LoadedMesh> {
     let format = Format::of(path)?;
     let (file, length) = open(path)?;
-    let loaded = match format {
-        Format::Ply => ply::read(&file, length).map(plain),
-        Format::Obj => obj::read(&file, length),
-        Format::Stl => stl::read(&file, length).map(plain),
-    };
-    named(loaded, path)
+    read(format, &file, length, None, path)
 }
 
 /// The mesh, checked like one from a file; errors use `name` for the file.
@@ -82,14 +76,7 @@ pub fn is_mesh_name(path: &Path) -> bool {
 /// As [`load`].
 #[doc(hidden)]
 pub fn load_bytes(path: &Path, bytes: &[u8], portion: usize) -> Result<LoadedMesh> {
-    let portion = portion.max(1);
-    let length = bytes.len() as u64;
-    let loaded = match Format::of(path)? {
-        Format::Ply => ply::read_from(bytes, length, portion).map(plain),
-        Format::Obj => obj::read_from(bytes, length, portion, portion.div_ceil(4)),
-        Format::Stl => stl::read_from(bytes, length, portion).map(plain),
-    };
-    named(loaded, path)
+    read(Format::of(path)?, &bytes, bytes.len() as u64, Some(portion.max(1)), path)
 }
 
 /// Surveys the contents of the mesh file at `path`.
@@ -107,14 +94,26 @@ pub fn survey(path: &Path) -> Result<Survey> {
     found.map_err(|error| error.in_file(path))
 }
 
-/// The result of a format without materials.
-fn plain(read: Read) -> (Read, NamedMaterials) {
-    (read, NamedMaterials::default())
-}
+/// Size of the buffer of each thread, and of its pieces of a text.
+const BUFFER: usize = 1 << 17;
 
-/// Adds the file to errors and warnings of its reader.
-fn named(read: Result<(Read, NamedMaterials)>, path: &Path) -> Result<LoadedMesh> {
-    let ((mesh, notes), materials) = read.map_err(|error| error.in_file(path))?;
+/// Reads a file of `length` bytes, in portions of about this size if it is given.
+fn read(
+    format: Format,
+    file: &dyn ReadAt,
+    length: u64,
+    portion: Option<usize>,
+    path: &Path,
+) -> Result<LoadedMesh> {
+    let buffer = portion.unwrap_or(BUFFER);
+    let (block, piece) = portion.map_or((obj::BLOCK, BUFFER), |size| (size, size.div_ceil(4)));
+    let plain = |read| (read, NamedMaterials::default());
+    let loaded = match format {
+        Format::Ply => ply::read(file, length, buffer).map(plain),
+        Format::Obj => obj::read(file, length, block, piece),
+        Format::Stl => stl::read(file, length, buffer).map(plain),
+    };
+    let ((mesh, notes), materials) = loaded.map_err(|error| error.in_file(path))?;
     let warnings = notes.into_iter().map(|n| Warning::from_error(&n.in_file(path))).collect();
     Ok(LoadedMesh { mesh, warnings, materials })
 }

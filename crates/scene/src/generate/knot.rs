@@ -13,8 +13,8 @@ use std::f64::consts::TAU;
 
 use glam::DVec3;
 
+use super::grid::{Ends, Grid};
 use super::noise::Fractal;
-use super::surface::{Surface, cell_triangle};
 
 /// Turns about the axis of the torus.
 const TURNS: f64 = 3.0;
@@ -34,13 +34,6 @@ pub(super) const RINGS_PER_SIDE: u64 = 20;
 /// Frequency of the coarsest noise: a wave is about half the width of the tube.
 const FREQUENCY: f64 = 6.0;
 
-/// The knot as a grid of `sides` steps around the tube.
-pub(super) struct Knot {
-    sides: u64,
-    displacement: f64,
-    fractal: Fractal,
-}
-
 /// A point of the centre line, and the two directions perpendicular to it that span the tube.
 struct Frame {
     centre: DVec3,
@@ -48,24 +41,17 @@ struct Frame {
     binormal: DVec3,
 }
 
-impl Knot {
-    pub(super) fn new(sides: u64, displacement: f64, seed: u64) -> Self {
-        let edge = TAU * TUBE / sides as f64;
-        Self { sides, displacement, fractal: Fractal::new(seed, FREQUENCY, edge) }
-    }
-
-    fn rings(&self) -> u64 {
-        self.sides * RINGS_PER_SIDE
-    }
-
-    /// The surface at `ring` steps along the knot and `side` steps around the tube.
-    fn point(&self, ring: f64, side: f64) -> DVec3 {
-        let frame = frame(TAU * (ring / self.rings() as f64));
-        let (sin, cos) = libm::sincos(TAU * (side / self.sides as f64));
+/// The knot as a grid of `sides` steps around the tube.
+pub(super) fn knot(sides: u64, displacement: f64, seed: u64) -> Grid {
+    let fractal = Fractal::new(seed, FREQUENCY, TAU * TUBE / sides as f64);
+    let shape = move |around: f64, along: f64| {
+        let frame = frame(TAU * along);
+        let (sin, cos) = libm::sincos(TAU * around);
         let outward = frame.normal * cos + frame.binormal * sin;
         let plain = frame.centre + outward * TUBE;
-        frame.centre + outward * (TUBE * (1.0 + self.displacement * self.fractal.sum(plain)))
-    }
+        frame.centre + outward * (TUBE * (1.0 + displacement * fractal.sum(plain)))
+    };
+    Grid { cells: [sides, sides * RINGS_PER_SIDE], ends: Ends::Joined, shape: Box::new(shape) }
 }
 
 /// The centre line's frame at `angle`, which runs from 0 to tau along the whole knot.
@@ -82,40 +68,6 @@ fn frame(angle: f64) -> Frame {
         centre: outward * distance + DVec3::Z * (MINOR * sin_wind),
         normal,
         binormal: velocity.normalize().cross(normal),
-    }
-}
-
-impl Surface for Knot {
-    fn vertices(&self) -> u64 {
-        self.rings() * self.sides
-    }
-
-    fn triangles(&self) -> u64 {
-        2 * self.vertices()
-    }
-
-    fn position(&self, v: u64) -> DVec3 {
-        self.point((v / self.sides) as f64, (v % self.sides) as f64)
-    }
-
-    fn normal(&self, v: u64) -> DVec3 {
-        let (ring, side) = ((v / self.sides) as f64, (v % self.sides) as f64);
-        let along = self.point(ring + 1.0, side) - self.point(ring - 1.0, side);
-        let round = self.point(ring, side + 1.0) - self.point(ring, side - 1.0);
-        round.cross(along).normalize()
-    }
-
-    fn triangle(&self, t: u64) -> [u32; 3] {
-        let (ring, side) = (t / 2 / self.sides, t / 2 % self.sides);
-        let (next_ring, next_side) = ((ring + 1) % self.rings(), (side + 1) % self.sides);
-        let corner = |ring: u64, side: u64| (ring * self.sides + side) as u32;
-        let corners = [
-            corner(ring, side),
-            corner(ring, next_side),
-            corner(next_ring, next_side),
-            corner(next_ring, side),
-        ];
-        cell_triangle(corners, true, t % 2)
     }
 }
 

@@ -20,12 +20,10 @@ use wavecrest_base::replace::replace_file;
 const BUFFER_BYTES: usize = 8 << 20;
 /// Records for each task: enough to outweigh the cost of a task, few enough to distribute.
 const RECORDS_PER_TASK: usize = 4096;
+/// A coordinate or an index.
+const NUMBER_BYTES: usize = 4;
 /// A face: the count 3, then three indices.
-const FACE_BYTES: usize = 1 + 3 * 4;
-/// A position or a normal.
-const VECTOR_BYTES: usize = 3 * 4;
-/// Texture coordinates.
-const UV_BYTES: usize = 2 * 4;
+const FACE_BYTES: usize = 1 + 3 * NUMBER_BYTES;
 
 /// The sizes of what [`write_ply`] wrote.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -49,18 +47,41 @@ pub fn write_ply(
     progress: &mut dyn FnMut(u64, u64),
 ) -> Result<Written> {
     let surface = recipe.surface()?;
-    let layout = Layout::new(recipe, surface.as_ref());
+    let (vertices, triangles) = (surface.vertices(), surface.triangles());
+    let header = header(recipe, &*surface);
+    let numbers = 3 + if recipe.normals { 3 } else { 0 } + surface.uv(0).map_or(0, |_| 2);
+    let bytes = header.len() as u64
+        + vertices * (numbers * NUMBER_BYTES) as u64
+        + triangles * FACE_BYTES as u64;
+    let vertex = |v: u64, record: &mut [u8]| {
+        let normal = recipe.normals.then(|| rounded(surface.normal(v)).to_array());
+        let vectors = [Some(rounded(surface.position(v)).to_array()), normal];
+        let uv = surface.uv(v).map(|uv| uv.to_array());
+        let numbers = vectors.into_iter().flatten().flatten().chain(uv.into_iter().flatten());
+        for (to, number) in record.as_chunks_mut::<NUMBER_BYTES>().0.iter_mut().zip(numbers) {
+            *to = number.to_le_bytes();
+        }
+    };
+    let face = |t: u64, record: &mut [u8]| {
+        record[0] = 3;
+        record[1..].copy_from_slice(surface.triangle(t).map(u32::to_le_bytes).as_flattened());
+    };
     replace_file(path, |file| {
-        let sink = Sink { file, written: 0, total: layout.bytes(), progress };
-        layout.write(surface.as_ref(), sink).map_err(|e| {
+        let mut sink = Sink { file, written: 0, total: bytes, progress };
+        let mut write = || {
+            sink.file.write_all(header.as_bytes())?;
+            sink.advance(header.len());
+            stream(&mut sink, vertices, numbers * NUMBER_BYTES, vertex)?;
+            stream(&mut sink, triangles, FACE_BYTES, face)
+        };
+        write().map_err(|e| {
             Error::io("cannot write the mesh", path, e).remedy(format!(
                 "the file needs {} free in its folder; make room, or ask for fewer triangles",
-                size(layout.bytes())
+                size(bytes)
             ))
         })
     })?;
-    let (vertices, triangles) = (layout.vertices, layout.triangles);
-    Ok(Written { vertices, triangles, bytes: layout.bytes() })
+    Ok(Written { vertices, triangles, bytes })
 }
 
 /// A number of bytes with a unit.
@@ -78,72 +99,14 @@ fn size(bytes: u64) -> String {
     format!("{bytes} bytes ({value:.decimals$} {unit})")
 }
 
-/// The layout of the file.
-struct Layout {
-    header: String,
-    vertices: u64,
-    triangles: u64,
-    normals: bool,
-    uvs: bool,
-}
-
-impl Layout {
-    fn new(recipe: &Recipe, surface: &dyn Surface) -> Self {
-        let (vertices, triangles) = (surface.vertices(), surface.triangles());
-        let uvs = surface.uv(0).is_some();
-        let header = header(recipe, vertices, triangles, uvs);
-        Self { header, vertices, triangles, normals: recipe.normals, uvs }
-    }
-
-    /// Position and normal.
-    fn vector_bytes(&self) -> usize {
-        if self.normals { 2 * VECTOR_BYTES } else { VECTOR_BYTES }
-    }
-
-    fn vertex_bytes(&self) -> usize {
-        self.vector_bytes() + if self.uvs { UV_BYTES } else { 0 }
-    }
-
-    fn bytes(&self) -> u64 {
-        self.header.len() as u64
-            + self.vertices * self.vertex_bytes() as u64
-            + self.triangles * FACE_BYTES as u64
-    }
-
-    /// Writes the header, every vertex and every face.
-    fn write<W: Write + Send>(
-        &self,
-        surface: &dyn Surface,
-        mut sink: Sink<'_, W>,
-    ) -> io::Result<()> {
-        sink.file.write_all(self.header.as_bytes())?;
-        sink.advance(self.header.len());
-        stream(&mut sink, self.vertices, self.vertex_bytes(), |v, record| {
-            let (vectors, uv) = record.split_at_mut(self.vector_bytes());
-            let (position, normal) = vectors.split_at_mut(VECTOR_BYTES);
-            put(position, rounded(surface.position(v)).to_array().map(f32::to_le_bytes));
-            if self.normals {
-                put(normal, rounded(surface.normal(v)).to_array().map(f32::to_le_bytes));
-            }
-            if let Some(values) = surface.uv(v) {
-                put(uv, values.to_array().map(f32::to_le_bytes));
-            }
-        })?;
-        stream(&mut sink, self.triangles, FACE_BYTES, |t, record| {
-            let (count, indices) = record.split_at_mut(1);
-            count[0] = 3;
-            put(indices, surface.triangle(t).map(u32::to_le_bytes));
-        })
-    }
-}
-
 /// The header, with the recipe in a comment, so that the file can be made again.
-fn header(recipe: &Recipe, vertices: u64, triangles: u64, uvs: bool) -> String {
+fn header(recipe: &Recipe, surface: &dyn Surface) -> String {
+    let (vertices, triangles) = (surface.vertices(), surface.triangles());
     let Recipe { model, triangles: asked, seed, displacement, normals } = recipe;
     let flag = if *normals { " --normals" } else { "" };
     let normals =
         if *normals { "property float nx\nproperty float ny\nproperty float nz\n" } else { "" };
-    let uvs = if uvs { "property float u\nproperty float v\n" } else { "" };
+    let uvs = if surface.uv(0).is_some() { "property float u\nproperty float v\n" } else { "" };
     format!(
         "ply\nformat binary_little_endian 1.0\n\
          comment wavecrest generate {model} --triangles {asked} --seed {seed} \
@@ -154,11 +117,6 @@ fn header(recipe: &Recipe, vertices: u64, triangles: u64, uvs: bool) -> String {
          property list uchar int vertex_indices\n\
          end_header\n"
     )
-}
-
-/// Writes four-byte numbers to their place in a record.
-fn put<const N: usize>(place: &mut [u8], numbers: [[u8; 4]; N]) {
-    place.copy_from_slice(numbers.as_flattened());
 }
 
 /// The file and its progress report.

@@ -24,24 +24,20 @@ wavecrest_base::choices! {
 }
 
 impl Model {
-    /// The default displacement.
-    pub fn usual_displacement(self) -> f64 {
+    /// The default displacement, and the largest: beyond it the surface would tear or intersect
+    /// itself.
+    fn displacements(self) -> [f64; 2] {
         match self {
-            Self::Sphere => 0.25,
-            Self::Terrain => 0.4,
-            Self::Knot => 0.3,
-            Self::Room => 0.035,
+            Self::Sphere => [0.25, 0.9],
+            Self::Terrain => [0.4, 10.0],
+            Self::Knot => [0.3, knot::MOST_DISPLACEMENT],
+            Self::Room => [0.035, room::MOST_FOLDS],
         }
     }
 
-    /// The largest displacement: beyond it the surface would tear or intersect itself.
-    pub(super) fn most_displacement(self) -> f64 {
-        match self {
-            Self::Sphere => 0.9,
-            Self::Terrain => 10.0,
-            Self::Knot => knot::MOST_DISPLACEMENT,
-            Self::Room => room::MOST_FOLDS,
-        }
+    /// The default displacement.
+    pub fn usual_displacement(self) -> f64 {
+        self.displacements()[0]
     }
 
     /// For models of a single grid, the number of triangles with one step (`n` steps have `n * n`
@@ -119,7 +115,7 @@ impl Recipe {
         Ok(match self.model {
             Model::Sphere => Box::new(sphere::Sphere::new(steps, displacement, seed)),
             Model::Terrain => Box::new(terrain::Terrain::new(steps, displacement, seed)),
-            Model::Knot => Box::new(knot::Knot::new(steps, displacement, seed)),
+            Model::Knot => Box::new(knot::knot(steps, displacement, seed)),
             Model::Room => Box::new(room::Room::new(triangles, displacement, seed)),
         })
     }
@@ -149,7 +145,7 @@ impl Recipe {
     }
 
     fn check_displacement(&self) -> Result<()> {
-        let (model, most) = (self.model, self.model.most_displacement());
+        let (model, [_, most]) = (self.model, self.model.displacements());
         if (0.0..=most).contains(&self.displacement) {
             return Ok(());
         }

@@ -9,33 +9,27 @@
 //! finer, and leaves more and smaller. A fifth of the triangles are leaves, in the number that
 //! gives the requested total.
 //!
-//! Each kind of furniture has a file, whose functions add pieces to a
-//! [`Builder`].
+//! Everything is made of a few solids: boards and panels, turned bodies, tubes, cushions, cloth and
+//! leaves. Functions of a [`Builder`] add one each, and those for a piece of furniture are lists of
+//! them.
 
-mod bookshelf;
 mod builder;
 mod cloth;
 mod colour;
-mod crockery;
-mod dresser;
-mod lamp;
-mod lathe;
-mod pieces;
-mod place;
+mod furniture;
 mod plants;
-mod random;
-mod sofa;
-mod solid;
-mod table;
+mod profiles;
+mod solids;
+mod soup;
 #[cfg(test)]
 mod tests;
+mod things;
 mod walls;
 
 use glam::{DVec2, DVec3, Vec2};
 
 use super::surface::Surface;
-use builder::{Builder, Piece};
-use place::Place;
+use builder::{Builder, Piece, Place};
 
 /// One in this many triangles belongs to a leaf.
 const LEAF_SHARE: u64 = 5;
@@ -101,11 +95,11 @@ fn finest(triangles: u64) -> u64 {
 
 /// The room with all its furniture, and with plants that have no leaves yet.
 fn furnished(detail: u64, folds: f64, seed: u64) -> Builder {
-    let mut b = Builder::new(detail, folds, seed);
+    let mut b = Builder { detail, folds, seed, ..Builder::default() };
     b.shell();
     b.rug(Place::at(0.15, 0.0, 0.1), DVec2::new(1.7, 1.25));
     b.bookshelf(walls::back().moved(-1.95, 0.0, 0.02));
-    b.ivy(walls::back().moved(-2.35, bookshelf::SIZE.y + 0.03, 0.2), 9, 4);
+    b.ivy(walls::back().moved(-2.35, furniture::SHELF.y + 0.03, 0.2), 9, 4);
     b.dresser(walls::back().moved(1.45, 0.0, 0.02));
     b.dining(Place::at(0.15, 0.0, 0.1));
     b.hanging_lamp(Place::at(0.15, walls::HEIGHT, 0.1));

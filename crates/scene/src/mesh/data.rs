@@ -1,8 +1,11 @@
 //! The arrays of a mesh.
 
 use glam::{DVec3, Vec2, Vec3};
+use rayon::prelude::*;
 
+use crate::components::VertexColors;
 use wavecrest_base::error::{Error, Warning};
+use wavecrest_core::math::srgb::srgb_decode;
 
 /// Values for the corners of a mesh's triangles.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -39,6 +42,19 @@ pub struct MeshData {
     /// A colour for each position, not negative: linear, or encoded as in the file until it is
     /// decoded.
     pub colors: Option<Vec<Vec3>>,
+}
+
+impl MeshData {
+    /// Decodes the colours of a file to linear ones, or drops them.
+    pub(crate) fn decode_colors(&mut self, encoding: VertexColors) {
+        match (encoding, &mut self.colors) {
+            (VertexColors::Srgb, Some(colors)) => {
+                colors.par_iter_mut().for_each(|color| *color = color.map(srgb_decode));
+            }
+            (VertexColors::None, colors) => *colors = None,
+            _ => {}
+        }
+    }
 }
 
 /// A mesh from a file, with warnings about the file.

@@ -8,6 +8,18 @@ pub(super) fn read_failure(error: std::io::Error) -> Error {
     Error::new(ErrorKind::Io, format!("cannot read the file: {error}")).because(error)
 }
 
+/// The error of a text or of bytes that violate the format.
+pub(super) fn syntax(message: impl Into<String>) -> Error {
+    Error::new(ErrorKind::Syntax, message)
+}
+
+/// The error of a face with fewer than three `corners`.
+pub(super) fn too_few_corners(corners: usize) -> Error {
+    Error::new(ErrorKind::Mesh, "a face needs at least 3 vertices")
+        .value(corners)
+        .remedy("remove the face")
+}
+
 /// The error of a well-formed file without triangles.
 pub(super) fn no_triangles() -> Error {
     Error::new(ErrorKind::Mesh, "the mesh has no triangles").remedy("export it with faces")

@@ -22,29 +22,13 @@ impl MeshData {
     /// The part with these triangles.
     fn part(&self, which: &[u32], numbers: &mut Numbers) -> Self {
         let (triangles, used) = numbers.renumbered(which, &self.triangles, self.positions.len());
-        let mut attribute =
-            |from: &[u32], indices: Option<&Vec<[u32; 3]>>, values: usize| match indices {
-                None => (from.to_vec(), None),
-                Some(indices) => {
-                    let (indices, used) = numbers.renumbered(which, indices, values);
-                    (used, Some(indices))
-                }
-            };
-        let normals = self.normals.as_ref().map(|all| {
-            let (which, indices) = attribute(&used, all.indices.as_ref(), all.values.len());
-            Attribute { values: picked(&all.values, &which), indices }
-        });
-        let uvs = self.uvs.as_ref().map(|all| {
-            let (which, indices) = attribute(&used, all.indices.as_ref(), all.values.len());
-            Attribute { values: picked(&all.values, &which), indices }
-        });
         Self {
             positions: picked(&self.positions, &used),
             origin: self.origin,
             colors: self.colors.as_ref().map(|colors| picked(colors, &used)),
             triangles,
-            normals,
-            uvs,
+            normals: self.normals.as_ref().map(|all| numbers.attribute(all, which, &used)),
+            uvs: self.uvs.as_ref().map(|all| numbers.attribute(all, which, &used)),
         }
     }
 }
@@ -76,6 +60,20 @@ impl Numbers {
         }
         let renumber = |i: u32| self.0.get(i as usize).copied().unwrap_or(NO_VALUE);
         (of_part().map(|corner| corner.map(renumber)).collect(), used)
+    }
+
+    /// The attribute of the triangles in `which`, given the positions that they have `used`.
+    fn attribute<T: Copy>(
+        &mut self,
+        Attribute { values, indices }: &Attribute<T>,
+        which: &[u32],
+        used: &[u32],
+    ) -> Attribute<T> {
+        let Some(indices) = indices else {
+            return Attribute { values: picked(values, used), indices: None };
+        };
+        let (indices, used) = self.renumbered(which, indices, values.len());
+        Attribute { values: picked(values, &used), indices: Some(indices) }
     }
 }
 

@@ -53,7 +53,7 @@ impl ReadAt for File {
     }
 }
 
-impl ReadAt for [u8] {
+impl ReadAt for &[u8] {
     fn read_at(&self, to: &mut [u8], place: u64) -> io::Result<usize> {
         let from = usize::try_from(place).ok().and_then(|place| self.get(place..)).unwrap_or(&[]);
         let count = from.len().min(to.len());
@@ -63,7 +63,7 @@ impl ReadAt for [u8] {
 }
 
 /// Fills `to` with the bytes of `file` from `place` on, on all threads.
-pub(super) fn fill<F: ReadAt + ?Sized>(file: &F, place: u64, to: &mut [u8]) -> io::Result<()> {
+pub(super) fn fill(file: &dyn ReadAt, place: u64, to: &mut [u8]) -> io::Result<()> {
     const PART: usize = 1 << 18;
     to.par_chunks_mut(PART)
         .enumerate()
@@ -71,21 +71,20 @@ pub(super) fn fill<F: ReadAt + ?Sized>(file: &F, place: u64, to: &mut [u8]) -> i
 }
 
 /// A part of a file, read in sequence.
-#[derive(Debug)]
-pub(super) struct Section<'a, F: ?Sized> {
-    file: &'a F,
+pub(super) struct Section<'a> {
+    file: &'a dyn ReadAt,
     place: u64,
     end: u64,
 }
 
-impl<'a, F: ReadAt + ?Sized> Section<'a, F> {
+impl<'a> Section<'a> {
     /// From `place` to `end`, exclusive.
-    pub(super) fn new(file: &'a F, place: u64, end: u64) -> Self {
+    pub(super) fn new(file: &'a dyn ReadAt, place: u64, end: u64) -> Self {
         Self { file, place, end }
     }
 }
 
-impl<F: ReadAt + ?Sized> Read for Section<'_, F> {
+impl Read for Section<'_> {
     fn read(&mut self, to: &mut [u8]) -> io::Result<usize> {
         let left = usize::try_from(self.end.saturating_sub(self.place)).unwrap_or(usize::MAX);
         let most = left.min(to.len());
@@ -96,7 +95,7 @@ impl<F: ReadAt + ?Sized> Read for Section<'_, F> {
 }
 
 /// Positions are those of the file.
-impl<F: ReadAt + ?Sized> Seek for Section<'_, F> {
+impl Seek for Section<'_> {
     fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
         let place = match to {
             SeekFrom::Start(place) => Some(place),
@@ -122,7 +121,7 @@ mod tests {
         for place in [0, 1, 150, 199, 200, 201, u64::MAX >> 1] {
             let mut found = [[0; 10]; 2];
             let [a, b] = &mut found;
-            let ends = (file.read_exact_at(a, place), bytes[..].read_exact_at(b, place));
+            let ends = (file.read_exact_at(a, place), (&bytes[..]).read_exact_at(b, place));
             assert_eq!(ends.0.is_ok(), ends.1.is_ok(), "{place}");
             assert_eq!(ends.0.is_ok(), place <= 190);
             assert!(ends.0.is_err() || (found[0] == found[1] && u64::from(found[0][0]) == place));
@@ -132,7 +131,8 @@ mod tests {
     #[test]
     fn a_section_ends_where_it_was_told() {
         let bytes: Vec<u8> = (0..200).collect();
-        let mut section = BufReader::with_capacity(7, Section::new(&bytes[..], 20, 50));
+        let slice = &bytes[..];
+        let mut section = BufReader::with_capacity(7, Section::new(&slice, 20, 50));
         let mut found = Vec::new();
         section.by_ref().take(4).read_to_end(&mut found).unwrap();
         section.seek_relative(3).unwrap();

@@ -3,8 +3,8 @@
 //!
 //! Any header is supported: properties in any order and of any type, elements of any name. Unused
 //! ones are skipped. [`header`] reads the declarations and [`layout`] finds the properties of a
-//! mesh; a [`source::Source`] yields the numbers of the body, from text ([`ascii`]) or binary
-//! ([`binary`]); [`body`] reads the elements from any source.
+//! mesh; [`Numbers`] yields the numbers of the body, from text or binary; [`body`] reads the
+//! elements.
 //!
 //! Binary rows have fast paths that read many rows at once on all threads: [`vertices`] for rows of
 //! constant length, [`faces`] if all faces have the same number of corners. A fast path stops at
@@ -14,47 +14,25 @@
 //! No crate is used: the existing ones return every property of every row, where the common form is
 //! better read as a block, and their errors do not name the element and its number.
 
-mod ascii;
-mod binary;
 mod body;
 mod faces;
 mod header;
 mod layout;
-mod source;
+mod numbers;
 mod survey;
 mod vertices;
 
-use std::io::BufReader;
-
 use super::data::Read;
-use super::place::{ReadAt, Section};
-use header::Encoding;
+use super::place::ReadAt;
+use numbers::Numbers;
 use wavecrest_base::error::Result;
 
 pub(super) use survey::survey;
 
-/// Buffer size for a body that is read number by number.
-const BODY_BUFFER: usize = 1 << 17;
-
 /// Reads a file of `length` bytes.
-pub(super) fn read(file: &std::fs::File, length: u64) -> Result<Read> {
-    read_from(file, length, BODY_BUFFER)
-}
-
-pub(super) fn read_from<F: ReadAt + ?Sized>(file: &F, length: u64, buffer: usize) -> Result<Read> {
-    let buffered = |place| BufReader::with_capacity(buffer, Section::new(file, place, length));
-    let header = header::read(&mut buffered(0))?;
-    let left = length.saturating_sub(header.bytes);
-    let body = buffered(header.bytes);
-    match header.encoding {
-        Encoding::Ascii => body::read(&header, ascii::Ascii::new(body, left, header.lines)),
-        Encoding::LittleEndian => {
-            body::read(&header, binary::Binary::<F, false>::new(file, body, length, left))
-        }
-        Encoding::BigEndian => {
-            body::read(&header, binary::Binary::<F, true>::new(file, body, length, left))
-        }
-    }
+pub(super) fn read(file: &dyn ReadAt, length: u64, buffer: usize) -> Result<Read> {
+    let header = header::read(file, length, buffer)?;
+    body::read(&header, Numbers::new(file, &header, length, buffer))
 }
 
 #[cfg(test)]

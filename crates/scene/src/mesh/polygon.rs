@@ -56,14 +56,14 @@ pub(super) fn fan<T: Copy>(corners: &[T]) -> impl Iterator<Item = [T; 3]> {
 }
 
 /// Replaces the wrong fans of `polygons`, in `triangles` and alike in the index arrays of
-/// `attributes`. Indices must be in range and positions finite. Returns the number of polygons that
-/// kept a fan for having more than [`MAX_EAR_CORNERS`] corners.
+/// `attributes`. Indices must be in range and positions finite. Returns a warning if polygons kept
+/// a fan for having more than [`MAX_EAR_CORNERS`] corners.
 pub(super) fn split(
     polygons: &[Polygon],
     positions: &[Vec3],
     triangles: &mut [[u32; 3]],
     attributes: &mut [&mut [[u32; 3]]],
-) -> usize {
+) -> Option<Error> {
     let mut too_large = 0;
     // In batches, so that the replacements are never large compared with the mesh.
     for batch in polygons.chunks(SPLIT_AT_ONCE) {
@@ -76,7 +76,13 @@ pub(super) fn split(
             attributes.iter_mut().for_each(|indices| rewrite(polygon, &split, indices));
         }
     }
-    too_large
+    (too_large > 0).then(|| {
+        let message =
+            format!("concave polygons of over {MAX_EAR_CORNERS} corners are split into fans");
+        Error::new(ErrorKind::Mesh, message)
+            .value(too_large)
+            .remedy("triangulate the file to split them correctly")
+    })
 }
 
 /// Number of polygons split before triangles are written.
@@ -188,17 +194,6 @@ fn rewrite(polygon: Polygon, split: &[[u32; 3]], indices: &mut [[u32; 3]]) {
     for (to, from) in indices[polygon.range()].iter_mut().zip(split) {
         *to = from.map(|i| corners[i as usize]);
     }
-}
-
-/// The warning that `count` polygons were too large for ear clipping, if any were.
-pub(super) fn note_large(count: usize) -> Option<Error> {
-    (count > 0).then(|| {
-        let message =
-            format!("concave polygons of over {MAX_EAR_CORNERS} corners are split into fans");
-        Error::new(ErrorKind::Mesh, message)
-            .value(count)
-            .remedy("triangulate the file to split them correctly")
-    })
 }
 
 #[cfg(test)]
@@ -334,7 +329,8 @@ mod tests {
         let corners: Vec<u32> = (0..points.len() as u32).collect();
         let mut triangles: Vec<_> = fan(&corners).collect();
         let polygon = Polygon { first: 0, corners: points.len() as u32 };
-        assert_eq!(split(&[polygon], &points, &mut triangles, &mut []), 1);
+        let note = split(&[polygon], &points, &mut triangles, &mut []).unwrap();
+        assert!(note.to_string().contains("found 1"), "{note}");
         assert_eq!(triangles[..], fan(&corners).collect::<Vec<_>>()[..]);
     }
 }

@@ -4,36 +4,55 @@
 //! merged ([`super::join`]), so that the mesh has the neighbours of the surface. The normals of
 //! the file are ignored: the order of the corners gives them.
 //!
+//! Binary: a header of 80 bytes for any text, the count of triangles, and 50 bytes for each: a
+//! normal, three corners, and two bytes in which two programs store colours.
+//!
+//! Text: `facet normal`, `outer loop`, three times `vertex`, `endloop`, `endfacet`, each on its own
+//! line, in upper or lower case, between `solid` and `endsolid`. Several solids in a file form one
+//! mesh.
+//!
 //! Both forms may begin with `solid`. A file is binary if its length fits its count of triangles,
 //! or if it has a zero byte where a text has words.
 
-mod ascii;
-mod binary;
+use std::io::{BufRead, BufReader, Read as _};
+
+use glam::Vec3;
+use rayon::prelude::*;
 
 use super::data::{MeshData, Read};
-use super::faults::{self, no_triangles, read_failure};
-use super::join;
-use super::place::ReadAt;
+use super::faults::{self, no_triangles, read_failure, syntax};
+use super::place::{ReadAt, Section};
 use super::survey::Survey;
 use super::validate::{bad_position, is_good_position};
-use glam::Vec3;
+use super::{BUFFER, join, number};
 use wavecrest_base::error::{Error, ErrorKind, Result};
-
-/// Buffer size, for each thread in binary files.
-const BUFFER: usize = 1 << 17;
 
 /// Length of a binary file's header: a text, and the count of triangles.
 const HEAD: usize = 84;
+/// Bytes of a triangle.
+const TRIANGLE: usize = 50;
+/// Bytes of its normal, and of a corner.
+const VECTOR: usize = 12;
+/// Offset of its last two bytes.
+const ATTRIBUTE: usize = 48;
+
+/// The mark in the header if Materialise Magics wrote colours.
+const COLOR: &[u8] = b"COLOR=";
+
+/// The longest line of a text in bytes: only names are longer than a few numbers.
+const LONGEST_LINE: u64 = 1 << 16;
+
+/// First words of lines without positions.
+const FRAME: [&str; 5] = ["solid", "endsolid", "facet", "outer", "endfacet"];
+
+/// The corners of a file's triangles, and warnings.
+type Corners = (Vec<[Vec3; 3]>, Vec<Error>);
 
 /// Reads a file of `length` bytes.
-pub(super) fn read(file: &std::fs::File, length: u64) -> Result<Read> {
-    read_from(file, length, BUFFER)
-}
-
-pub(super) fn read_from<F: ReadAt + ?Sized>(file: &F, length: u64, buffer: usize) -> Result<Read> {
+pub(super) fn read(file: &dyn ReadAt, length: u64, buffer: usize) -> Result<Read> {
     let (corners, notes) = match form(file, length)? {
-        Form::Binary(head) => binary::read(file, &head, length, buffer)?,
-        Form::Text => ascii::read(file, length, buffer)?,
+        Form::Binary(head) => read_binary(file, &head, length, buffer)?,
+        Form::Text => read_text(file, length, buffer)?,
     };
     if corners.is_empty() {
         return Err(no_triangles());
@@ -43,10 +62,10 @@ pub(super) fn read_from<F: ReadAt + ?Sized>(file: &F, length: u64, buffer: usize
 }
 
 /// Surveys a file of `length` bytes. The number of shared corners is unknown and taken as 0.
-pub(super) fn survey<F: ReadAt + ?Sized>(file: &F, length: u64) -> Result<Survey> {
+pub(super) fn survey(file: &dyn ReadAt, length: u64) -> Result<Survey> {
     let triangles = match form(file, length)? {
-        Form::Binary(head) => binary::count(&head).min(binary::room(length)),
-        Form::Text => ascii::count(file, length)?,
+        Form::Binary(head) => count(&head).min(room(length)),
+        Form::Text => text_count(file, length)?,
     };
     Ok(Survey { positions: 3 * triangles, triangles, ..Survey::default() })
 }
@@ -59,14 +78,14 @@ enum Form {
 }
 
 /// The form of a file of `length` bytes.
-fn form<F: ReadAt + ?Sized>(file: &F, length: u64) -> Result<Form> {
+fn form(file: &dyn ReadAt, length: u64) -> Result<Form> {
     if length == 0 {
-        return Err(fault("the file is empty").remedy("export it again"));
+        return Err(syntax("the file is empty").remedy("export it again"));
     }
     let mut head = [0; HEAD];
     let there = length.min(HEAD as u64) as usize;
     file.read_exact_at(&mut head[..there], 0).map_err(read_failure)?;
-    let is_whole = there == HEAD && binary::count(&head) == binary::room(length);
+    let is_whole = there == HEAD && count(&head) == room(length);
     let first = head.trim_ascii_start().get(..5);
     let begins_as_text = first.is_some_and(|word| word.eq_ignore_ascii_case(b"solid"));
     if begins_as_text && !is_whole && !head[..there].contains(&0) {
@@ -74,7 +93,7 @@ fn form<F: ReadAt + ?Sized>(file: &F, length: u64) -> Result<Form> {
     }
     if there < HEAD {
         let remedy = format!("begin it with \"solid\", or with a binary header of {HEAD} bytes");
-        return Err(fault("the file is too short for STL").value(length).remedy(remedy));
+        return Err(syntax("the file is too short for STL").value(length).remedy(remedy));
     }
     Ok(Form::Binary(head))
 }
@@ -89,14 +108,191 @@ fn corner(p: Vec3) -> Result<Vec3> {
     if is_good_position(p) { Ok(p + Vec3::ZERO) } else { Err(bad_position(p)) }
 }
 
-fn fault(message: impl Into<String>) -> Error {
-    Error::new(ErrorKind::Syntax, message)
-}
-
 /// The warning that colours are ignored, by the name of their extension.
 fn ignored_colours(extension: &str) -> Error {
     Error::new(ErrorKind::Mesh, format!("{extension} are ignored"))
         .remedy("save the mesh as PLY to keep them")
+}
+
+/// The number of triangles according to the header.
+fn count(head: &[u8; HEAD]) -> u64 {
+    let [.., a, b, c, d] = *head;
+    u64::from(u32::from_le_bytes([a, b, c, d]))
+}
+
+/// The number of triangles that fit into a file of `length` bytes.
+fn room(length: u64) -> u64 {
+    length.saturating_sub(HEAD as u64) / TRIANGLE as u64
+}
+
+/// Reads the triangles after `head` of a file of `length` bytes.
+fn read_binary(
+    file: &dyn ReadAt,
+    head: &[u8; HEAD],
+    length: u64,
+    buffer: usize,
+) -> Result<Corners> {
+    let count = count(head);
+    if count > room(length) {
+        return Err(syntax(format!("the file has room for {} triangles", room(length)))
+            .at("the count of triangles")
+            .value(count)
+            .remedy("the file may be cut off, or this is not an STL file"));
+    }
+    check_count(count)?;
+    let mut notes = trailing(count, length);
+    let mut triangles: Vec<[Vec3; 3]> = bytemuck::zeroed_vec(count as usize);
+    let at_once = (buffer / TRIANGLE).max(1);
+    let parts = triangles.par_chunks_mut(at_once).enumerate();
+    let read: Vec<Result<bool>> =
+        parts.map(|(part, into)| read_part(file, part * at_once, into)).collect();
+    // Report the first error in file order, whichever thread found one first.
+    let has_attributes = read.into_iter().try_fold(false, |any, part| part.map(|p| any | p))?;
+    if head.windows(COLOR.len()).any(|text| text == COLOR) {
+        notes.push(ignored_colours("colours of triangles (Materialise Magics)"));
+    } else if has_attributes {
+        notes.push(ignored_colours("colours of triangles (VisCAM, SolidView)"));
+    }
+    Ok((triangles, notes))
+}
+
+/// The warning of bytes after the last triangle.
+fn trailing(count: u64, length: u64) -> Vec<Error> {
+    let left = length - HEAD as u64 - count * TRIANGLE as u64;
+    let note = || syntax("bytes after the last triangle are ignored").value(left);
+    (left > 0).then(note).into_iter().collect()
+}
+
+/// Reads the triangles from the number `first` on; returns true if one has an attribute.
+fn read_part(file: &dyn ReadAt, first: usize, into: &mut [[Vec3; 3]]) -> Result<bool> {
+    let mut bytes = vec![0; into.len() * TRIANGLE];
+    let place = (HEAD + first * TRIANGLE) as u64;
+    file.read_exact_at(&mut bytes, place).map_err(read_failure)?;
+    let mut has_attribute = false;
+    for (i, (row, corners)) in bytes.chunks_exact(TRIANGLE).zip(into).enumerate() {
+        for (k, to) in corners.iter_mut().enumerate() {
+            let read = corner(vector(row, VECTOR * (k + 1)));
+            *to = read.map_err(|e| e.at(format!("triangle {}", first + i)))?;
+        }
+        has_attribute |= row[ATTRIBUTE..] != [0, 0];
+    }
+    Ok(has_attribute)
+}
+
+/// The three numbers of `row` at an offset.
+fn vector(row: &[u8], at: usize) -> Vec3 {
+    let number = |i: usize| {
+        let from = at + 4 * i;
+        f32::from_le_bytes([row[from], row[from + 1], row[from + 2], row[from + 3]])
+    };
+    Vec3::new(number(0), number(1), number(2))
+}
+
+/// Reads a text.
+fn read_text(file: &dyn ReadAt, length: u64, buffer: usize) -> Result<Corners> {
+    let mut text = Text::default();
+    each_line(file, length, buffer, |line| text.line(line))?;
+    if !text.corners.is_empty() {
+        let error = syntax("the last triangle is incomplete").value(text.corners.len());
+        return Err(error.remedy("the file may be cut off"));
+    }
+    let notes = text.has_colours.then(|| ignored_colours("colours of triangles"));
+    Ok((text.triangles, notes.into_iter().collect()))
+}
+
+/// Upper bound on the number of triangles: each has at least three vertex lines.
+fn text_count(file: &dyn ReadAt, length: u64) -> Result<u64> {
+    let mut corners = 0;
+    each_line(file, length, BUFFER, |line| {
+        corners += u64::from(words(line).next().is_some_and(|w| w.eq_ignore_ascii_case("vertex")));
+        Ok(())
+    })?;
+    Ok(corners / 3)
+}
+
+/// What has been read.
+#[derive(Default)]
+struct Text {
+    triangles: Vec<[Vec3; 3]>,
+    /// The corners of the current triangle.
+    corners: Vec<Vec3>,
+    has_colours: bool,
+}
+
+impl Text {
+    fn line(&mut self, line: &str) -> Result<()> {
+        let mut words = words(line);
+        let Some(keyword) = words.next().map(str::to_ascii_lowercase) else { return Ok(()) };
+        match keyword.as_str() {
+            "vertex" => self.vertex(words),
+            "endloop" => self.end_triangle(),
+            "color" => {
+                self.has_colours = true;
+                Ok(())
+            }
+            other if FRAME.contains(&other) => Ok(()),
+            other => Err(syntax("unknown line")
+                .value(format_args!("\"{other}\""))
+                .remedy("check that the file is an STL file and is whole")),
+        }
+    }
+
+    fn vertex<'a>(&mut self, mut words: impl Iterator<Item = &'a str>) -> Result<()> {
+        if self.corners.len() == 3 {
+            let error = syntax("a triangle has more than three corners");
+            return Err(error.remedy("export triangles only, or use PLY or OBJ"));
+        }
+        let mut number = || {
+            let word = words.next().unwrap_or("");
+            number::parse(word.as_bytes()).ok_or_else(|| {
+                let error = syntax("a corner is three numbers").value(format_args!("\"{word}\""));
+                error.remedy("write them as 12 or -0.5e3; the file may be cut off")
+            })
+        };
+        let position = Vec3::new(number()?, number()?, number()?);
+        self.corners.push(corner(position)?);
+        Ok(())
+    }
+
+    fn end_triangle(&mut self) -> Result<()> {
+        let [a, b, c] = self.corners[..] else {
+            let error = syntax("a triangle needs three corners").value(self.corners.len());
+            return Err(error.remedy("complete it, or remove it"));
+        };
+        self.triangles.push([a, b, c]);
+        self.corners.clear();
+        check_count(self.triangles.len() as u64)
+    }
+}
+
+fn words(line: &str) -> impl Iterator<Item = &str> {
+    line.split_ascii_whitespace()
+}
+
+/// Passes each line to `take`, and adds its number to errors.
+fn each_line(
+    file: &dyn ReadAt,
+    length: u64,
+    buffer: usize,
+    mut take: impl FnMut(&str) -> Result<()>,
+) -> Result<()> {
+    let mut reader = BufReader::with_capacity(buffer, Section::new(file, 0, length));
+    let mut line = Vec::new();
+    for number in 1_u64.. {
+        line.clear();
+        let mut limited = reader.by_ref().take(LONGEST_LINE);
+        let read = limited.read_until(b'\n', &mut line).map_err(read_failure)?;
+        if read == 0 {
+            break;
+        }
+        let place = || format!("line {number}");
+        if read as u64 == LONGEST_LINE && !line.ends_with(b"\n") {
+            let error = syntax(format!("a line can have at most {LONGEST_LINE} bytes")).at(place());
+            return Err(error.remedy("check that the file is an STL file"));
+        }
+        take(&String::from_utf8_lossy(&line)).map_err(|error| error.at(place()))?;
+    }
+    Ok(())
 }
 
 #[cfg(test)]

@@ -31,7 +31,7 @@ fn check_all(mesh: &MeshData) -> Result<()> {
     check_count("vertices", mesh.positions.len() as u64)?;
     check_count("triangles", mesh.triangles.len() as u64)?;
     check_positions(&mesh.positions)?;
-    check_triangles("vertex", &mesh.triangles, mesh.positions.len())?;
+    check_indices("vertex", &mesh.triangles, mesh.positions.len(), false)?;
     check_attribute("normal", mesh, mesh.normals.as_ref())?;
     check_attribute("texture coordinate", mesh, mesh.uvs.as_ref())?;
     let Some(colors) = &mesh.colors else { return Ok(()) };
@@ -66,9 +66,10 @@ pub(super) fn bad_index(what: &str, index: impl std::fmt::Display, count: usize)
         .remedy(format!("the mesh has {count}: check that the file is whole"))
 }
 
-fn check_triangles(what: &str, triangles: &[[u32; 3]], count: usize) -> Result<()> {
-    let bad = |i: u32| i as usize >= count;
-    match first_with(triangles, bad) {
+/// Checks the indices of corners into `count` values; those `without` a value have [`NO_VALUE`].
+fn check_indices(what: &str, indices: &[[u32; 3]], count: usize, without: bool) -> Result<()> {
+    let bad = |i: u32| i as usize >= count && !(without && i == NO_VALUE);
+    match first_with(indices, bad) {
         Some((t, index)) => Err(bad_index(what, index, count).at(format!("triangle {t}"))),
         None => Ok(()),
     }
@@ -84,11 +85,7 @@ fn check_attribute<T: Sync>(
         return check_length(what, "vertices", values.len(), mesh.positions.len());
     };
     check_length(what, "triangles", indices.len(), mesh.triangles.len())?;
-    let count = values.len();
-    match first_with(indices, |i| i != NO_VALUE && i as usize >= count) {
-        Some((t, index)) => Err(bad_index(what, index, count).at(format!("triangle {t}"))),
-        None => Ok(()),
-    }
+    check_indices(what, indices, values.len(), true)
 }
 
 fn check_length(what: &str, of: &str, found: usize, right: usize) -> Result<()> {
@@ -110,25 +107,22 @@ pub(super) fn first_with(
     Some((triangle, index))
 }
 
-/// Replaces normals that are not finite by zero vectors, and returns their number. Some files
+/// Replaces values that are not finite, and negative colours, and returns the warnings. Some files
 /// contain them, if an exporter divided by the area of a degenerate triangle; they do not make the
 /// mesh unusable, as a zero normal is an unknown one.
-pub(super) fn zero_bad_normals(normals: &mut [Vec3]) -> usize {
-    replace_bad(normals, |n| n.is_finite(), Vec3::ZERO)
-}
-
-/// The same for texture coordinates.
-pub(super) fn zero_bad_uvs(uvs: &mut [Vec2]) -> usize {
-    replace_bad(uvs, |uv| uv.is_finite(), Vec2::ZERO)
-}
-
-/// Replaces colours that are negative or not finite by white, and returns the warning.
-pub(super) fn whiten_bad_colors(colors: &mut [Vec3]) -> Option<Error> {
-    let count = replace_bad(colors, |c| c.is_finite() && c.min_element() >= 0.0, Vec3::ONE);
-    (count > 0).then(|| {
-        let message = "some vertex colours are negative or not finite; white is used";
+pub(super) fn mend(normals: &mut [Vec3], uvs: &mut [Vec2], colors: &mut [Vec3]) -> Vec<Error> {
+    let is_color = |c: Vec3| c.is_finite() && c.min_element() >= 0.0;
+    let zeroed = |what: &str| format!("some {what} are not finite; zero is used");
+    let white = "some vertex colours are negative or not finite; white is used";
+    let found = [
+        (replace_bad(normals, Vec3::is_finite, Vec3::ZERO), zeroed("normals")),
+        (replace_bad(uvs, Vec2::is_finite, Vec2::ZERO), zeroed("texture coordinates")),
+        (replace_bad(colors, is_color, Vec3::ONE), white.to_owned()),
+    ];
+    let warning = |(count, message): (usize, String)| {
         Error::new(ErrorKind::Mesh, message).value(count).remedy("export them again")
-    })
+    };
+    found.into_iter().filter(|(count, _)| *count > 0).map(warning).collect()
 }
 
 /// The least that some channel of colours from 0 to 255 has; from 0 to 1 it is out of reach.
@@ -141,14 +135,6 @@ pub(super) fn scale_byte_colors(colors: &mut [Vec3]) -> Option<Error> {
         colors.par_iter_mut().for_each(|color| *color /= f32::from(u8::MAX));
         let message = "vertex colours above 1 are taken as 0 to 255";
         Error::new(ErrorKind::Mesh, message).remedy("export them as 0 to 1 if they are not")
-    })
-}
-
-/// The warning that `count` values of the kind `what` were not finite, if any were.
-pub(super) fn note_zeroed(what: &str, count: usize) -> Option<Error> {
-    (count > 0).then(|| {
-        let message = format!("some {what} are not finite; zero is used");
-        Error::new(ErrorKind::Mesh, message).value(count).remedy("export them again")
     })
 }
 
@@ -240,9 +226,9 @@ mod tests {
     #[test]
     fn bad_normals_become_zero() {
         let mut normals = vec![Vec3::X, Vec3::NAN, Vec3::new(0.0, f32::INFINITY, 0.0)];
-        assert_eq!(zero_bad_normals(&mut normals), 2);
+        let notes = mend(&mut normals, &mut [Vec2::ONE], &mut []);
         assert_eq!(normals, [Vec3::X, Vec3::ZERO, Vec3::ZERO]);
-        assert!(note_zeroed("normals", 0).is_none());
-        assert!(note_zeroed("normals", 2).is_some());
+        assert!(matches!(&notes[..], [note] if note.to_string().contains("normals")), "{notes:?}");
+        assert!(mend(&mut normals, &mut [], &mut [Vec3::ONE]).is_empty());
     }
 }

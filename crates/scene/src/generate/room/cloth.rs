@@ -4,10 +4,10 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 
 use glam::{DVec2, DVec3};
 
-use super::builder::Builder;
+use super::builder::{Builder, Place};
 use super::colour::Colour;
-use super::place::Place;
-use super::solid::MM;
+use super::solids::MM;
+use crate::generate::grid::Ends;
 use crate::generate::noise::Fractal;
 
 /// Crumple waves per metre of cloth.
@@ -18,7 +18,7 @@ const CRUMPLE_DEPTH: f64 = 0.08;
 impl Builder {
     fn crumples(&mut self) -> Fractal {
         let seed = (self.random().unit() * f64::from(u32::MAX)) as u64;
-        Fractal::new(seed, CRUMPLES, self.edge())
+        Fractal::new(seed, CRUMPLES, 1.0 / self.detail as f64)
     }
 
     /// A curtain in the plane z = 0 from the origin to `width` and down from y = 0, gathered to
@@ -43,7 +43,7 @@ impl Builder {
                 + depth * CRUMPLE_DEPTH * crumples.sum(flat + DVec3::Z * wave * depth);
             place.point(flat.with_z(z))
         };
-        self.sheet(cells, Colour::CURTAIN, Box::new(shape));
+        self.grid(Ends::Open, cells, Colour::CURTAIN, shape);
     }
 
     /// A cloth over a table centred at `place` with these half sizes, which hangs down by `drop`
@@ -76,7 +76,7 @@ impl Builder {
             let out = edge + outward * (BEND * sin + flare + crumple.abs());
             place.point(DVec3::new(out.x, -BEND * (1.0 - cos) - hang * (1.0 - 0.1 * corner), out.y))
         };
-        self.sheet(cells, colour, Box::new(shape));
+        self.grid(Ends::Open, cells, colour, shape);
     }
 
     /// A rug on the floor around `place`, with a border.
@@ -93,7 +93,7 @@ impl Builder {
                 let pile = depth * crumples.sum(DVec3::new(p.x, 0.0, p.y));
                 place.point(DVec3::new(p.x, height + pile, p.y))
             };
-            self.sheet(cells, colour, Box::new(shape));
+            self.grid(Ends::Open, cells, colour, shape);
         }
     }
 }

@@ -4,29 +4,41 @@ use std::f64::consts::TAU;
 
 use glam::DVec3;
 
-use super::builder::Builder;
+use super::builder::{Builder, Place, Random};
 use super::colour::Colour;
-use super::pieces::Leaf;
-use super::place::Place;
-use super::random::Random;
-use super::solid::MM;
+use super::profiles::{POT, SOIL};
+use super::solids::MM;
 
-const POT: [[f64; 2]; 12] = [
-    [0.1, 0.0],
-    [12.0, 0.0],
-    [12.4, 0.4],
-    [16.0, 22.0],
-    [16.0, 22.0],
-    [17.6, 22.4],
-    [18.2, 26.0],
-    [17.6, 28.0],
-    [16.4, 28.0],
-    [15.6, 24.0],
-    [15.4, 20.0],
-    [0.1, 20.0],
-];
+/// The triangles of a leaf.
+pub(super) const LEAF_TRIANGLES: u64 = 4;
 
-const SOIL: [[f64; 2]; 4] = [[0.1, 21.0], [15.0, 21.0], [15.4, 24.0], [0.1, 25.5]];
+/// A leaf of four triangles, folded along its middle.
+pub(super) struct Leaf {
+    /// Where it grows.
+    base: DVec3,
+    /// From there to its tip.
+    along: DVec3,
+    /// From its middle to its right edge.
+    across: DVec3,
+    /// From the level of its middle to that of its edges.
+    fold: DVec3,
+}
+
+impl Leaf {
+    /// The corners of its triangle number `part`, the last one twice.
+    pub(super) fn triangle(&self, part: u64) -> [DVec3; 4] {
+        let middle = self.base + self.along * 0.45;
+        let tip = self.base + self.along - self.fold;
+        let [right, left] = [self.across, -self.across].map(|side| middle + side + self.fold);
+        let [a, b, c] = match part {
+            0 => [self.base, right, middle],
+            1 => [self.base, middle, left],
+            2 => [middle, right, tip],
+            _ => [middle, tip, left],
+        };
+        [a, b, c, c]
+    }
+}
 
 /// A leaf from `base` along `way`, which droops by a share `droop` of its length.
 fn leaf(
@@ -45,8 +57,8 @@ fn leaf(
 impl Builder {
     /// A pot full of soil.
     fn pot(&mut self, place: Place, fineness: f64, colour: Colour) {
-        self.lathe(place, &POT, fineness, colour);
-        self.lathe(place, &SOIL, fineness, Colour::SOIL);
+        self.lathe(place, POT, fineness, colour);
+        self.lathe(place, SOIL, fineness, Colour::SOIL);
     }
 
     /// A small tree in a pot, of this height.
@@ -86,7 +98,7 @@ impl Builder {
                 let base = place.point(way + out * 0.012);
                 leaf(base, out, [0.028 * scale, 0.018 * scale], 0.0, random)
             };
-            self.plant(1, 24, Colour::PETAL, Box::new(flower));
+            self.plant(1, 24, Colour::PETAL, flower);
         }
         let half = DVec3::new(0.14, 0.09, 0.14);
         self.crown(place.moved(0.0, 0.08, 0.0), half, [0.05, 0.02], 8, Colour::LEAF_PALE);
@@ -118,7 +130,7 @@ impl Builder {
                 leaf(base, place.direction(way), [length, 0.02 * scale], 0.35, random)
             };
             let colour = random.one_of(&[Colour::LEAF, Colour::LEAF_PALE]);
-            self.plant(weight, 90, colour, Box::new(leaflet));
+            self.plant(weight, 90, colour, leaflet);
         }
     }
 
@@ -144,7 +156,7 @@ impl Builder {
                 leaf(place.point(base), way, [size, size * 0.8], 0.6, random)
             };
             let colour = random.one_of(&[Colour::LEAF_DARK, Colour::LEAF]);
-            self.plant(weight, 60, colour, Box::new(leaves));
+            self.plant(weight, 60, colour, leaves);
         }
     }
 
@@ -160,7 +172,7 @@ impl Builder {
             let size = size.map(|side| side * scale * random.between(0.7, 1.1));
             leaf(base, place.direction(out + way) + random.direction() * 0.6, size, 0.5, random)
         };
-        self.plant(weight, full_sized, colour, Box::new(growth));
+        self.plant(weight, full_sized, colour, growth);
     }
 
     /// A tapering stem from the origin of `place`.

@@ -2,7 +2,6 @@
 
 use std::collections::HashMap;
 
-use super::pieces::Facets;
 use super::*;
 use crate::generate::surface::rounded;
 
@@ -35,13 +34,18 @@ fn volume(surface: &dyn Surface) -> f64 {
 #[test]
 fn blocks_and_boards_face_outward_and_bevels_take_little() {
     let place = Place::at(0.3, 0.2, -0.1).turned(30.0).pitched(-50.0).rolled(10.0);
-    let (mut block, mut board) = (Facets::default(), Facets::default());
-    block.block(&place, [0.0; 3], [1.0, 2.0, 3.0]);
-    board.board(&place, [0.0; 3], [1.0, 2.0, 3.0], 0.01);
-    assert!((volume(&block) - 6.0).abs() < 1e-5, "{}", volume(&block));
+    let of = |bevel: f64| {
+        let mut builder = Builder::default();
+        builder.flat(colour::Colour::OAK, |facets| {
+            facets.board(&place, [0.0; 3], [1.0, 2.0, 3.0], bevel);
+        });
+        builder.pieces.iter().map(|piece| volume(&*piece.surface)).sum::<f64>()
+    };
+    let (block, board) = (of(0.0), of(0.01));
+    assert!((block - 6.0).abs() < 1e-5, "{block}");
     // Of each edge half a square of the bevel is gone, less where three edges meet.
     let gone = 4.0 * (1.0 + 2.0 + 3.0) * 0.01 * 0.01 / 2.0;
-    assert!((6.0 - volume(&board) - gone).abs() < 0.05 * gone, "{}", volume(&board));
+    assert!((6.0 - board - gone).abs() < 0.05 * gone, "{board}");
 }
 
 #[test]

@@ -1,47 +1,63 @@
 //! The corners of a face of an OBJ text.
 
-use super::count::Count;
-use super::lines::{first_word, is_blank, malformed};
+use super::count::{Count, KINDS};
+use super::lines::{first_word, is_blank, malformed, word_length};
 use crate::mesh::data::{MAX_COUNT, NO_VALUE};
+use crate::mesh::faults::too_few_corners;
 use crate::mesh::number::leading_whole;
 use crate::mesh::validate::bad_index;
 use wavecrest_base::error::{Error, ErrorKind, Result};
 
-/// The indices of a face's corners, a list for each kind; [`NO_VALUE`] for none.
+/// The indices of a face's corners, a list for each of [`KINDS`]; [`NO_VALUE`] for none.
 #[derive(Debug, Default)]
-pub(super) struct Corners {
-    pub(super) positions: Vec<u32>,
-    pub(super) uvs: Vec<u32>,
-    pub(super) normals: Vec<u32>,
-}
+pub(super) struct Corners(pub(super) [Vec<u32>; 3]);
 
 impl Corners {
     /// Reads the corners of a face after `count` values; if the count is unknown, indices must not
     /// count backward.
-    pub(super) fn read(&mut self, mut rest: &[u8], count: Option<Count>) -> Result<()> {
-        self.positions.clear();
-        self.uvs.clear();
-        self.normals.clear();
+    pub(super) fn read(&mut self, mut rest: &[u8], count: Option<&Count>) -> Result<()> {
+        self.0.iter_mut().for_each(Vec::clear);
         while let Some(word) = first_word(rest) {
-            let ([position, uv, normal], length) = match quick(word) {
+            let (corner, length) = match quick(word) {
                 Some(found) => found,
                 None => {
-                    let end = word.iter().position(|&b| is_blank(b)).unwrap_or(word.len());
-                    (corner(&word[..end], count)?, end)
+                    let length = word_length(word);
+                    (corner(&word[..length], count)?, length)
                 }
             };
-            self.positions.push(position);
-            self.uvs.push(uv);
-            self.normals.push(normal);
+            self.0.iter_mut().zip(corner).for_each(|(list, index)| list.push(index));
             rest = &word[length..];
         }
-        match self.positions.len() {
-            0..3 => Err(Error::new(ErrorKind::Mesh, "a face needs at least 3 vertices")
-                .value(self.positions.len())
-                .remedy("remove the face")),
+        match self.0[0].len() {
+            few @ 0..3 => Err(too_few_corners(few)),
             _ => Ok(()),
         }
     }
+
+    /// The error of the first index beyond the counts of the `whole` file.
+    pub(super) fn first_beyond(&self, whole: &Count) -> Option<Error> {
+        first_beyond(whole, |kind, count| {
+            self.0[kind].iter().copied().find(|&index| is_beyond(index, count))
+        })
+    }
+}
+
+/// The error of the first index that `find` finds for the number of one of [`KINDS`] and the count
+/// of its values. Attributes without values in the file count as absent.
+pub(super) fn first_beyond(
+    whole: &Count,
+    find: impl Fn(usize, u64) -> Option<u32>,
+) -> Option<Error> {
+    let given = |&(kind, count): &(usize, u64)| kind == 0 || count > 0;
+    whole.values().into_iter().enumerate().filter(given).find_map(|(kind, count)| {
+        let index = u64::from(find(kind, count)?) + 1;
+        Some(bad_index(KINDS[kind], index, count as usize))
+    })
+}
+
+/// Whether there is an index, but none of `count` values.
+pub(super) fn is_beyond(index: u32, count: u64) -> bool {
+    index != NO_VALUE && u64::from(index) >= count
 }
 
 /// The corner at the start of `text`, and its length, if it has the common form: short numbers that
@@ -70,60 +86,34 @@ fn quick(text: &[u8]) -> Option<([u32; 3], usize)> {
 }
 
 /// The corner in a `word`, in any form.
-fn corner(word: &[u8], count: Option<Count>) -> Result<[u32; 3]> {
-    let mut parts = word.split(|&b| b == b'/');
+fn corner(word: &[u8], count: Option<&Count>) -> Result<[u32; 3]> {
     let fault = || malformed("a corner of a face", word, "write it as 1, 1/2, 1//3 or 1/2/3");
-    let [positions, uvs, normals] =
-        count.map_or([None; 3], |c| [c.positions, c.uvs, c.normals].map(Some));
-    let position = parts.next().filter(|p| !p.is_empty()).ok_or_else(fault)?;
-    let position = index("vertex", position, positions).ok_or_else(fault)??;
-    let uv = optional("texture coordinate", parts.next(), uvs).ok_or_else(fault)??;
-    let normal = optional("normal", parts.next(), normals).ok_or_else(fault)??;
-    if parts.next().is_some() {
-        return Err(fault());
+    let mut parts = word.split(|&b| b == b'/');
+    let mut corner = [NO_VALUE; 3];
+    for (kind, to) in corner.iter_mut().enumerate() {
+        let part = parts.next().filter(|part| !part.is_empty());
+        // Only texture coordinates and normals may be missing.
+        if kind == 0 || part.is_some() {
+            let number = part.and_then(whole_number).ok_or_else(fault)?;
+            *to = index(KINDS[kind], number, count.map(|count| count.values()[kind]))?;
+        }
     }
-    Ok([position, uv, normal])
+    if parts.next().is_some() { Err(fault()) } else { Ok(corner) }
 }
 
-impl Corners {
-    /// The error of the first index beyond the counts of the `whole` file. Attributes without
-    /// values in the file count as absent.
-    pub(super) fn first_beyond(&self, whole: Count) -> Option<Error> {
-        let columns = [
-            ("vertex", &self.positions, whole.positions, true),
-            ("texture coordinate", &self.uvs, whole.uvs, whole.uvs > 0),
-            ("normal", &self.normals, whole.normals, whole.normals > 0),
-        ];
-        columns.into_iter().filter(|c| c.3).find_map(|(what, indices, count, _)| {
-            let bad = |&&i: &&u32| i != NO_VALUE && u64::from(i) >= count;
-            let index = u64::from(*indices.iter().find(bad)?) + 1;
-            Some(bad_index(what, index, count as usize))
-        })
-    }
-}
-
-/// An optional index: `None` if it is malformed.
-fn optional(what: &str, digits: Option<&[u8]>, count: Option<u64>) -> Option<Result<u32>> {
-    match digits {
-        None | Some([]) => Some(Ok(NO_VALUE)),
-        Some(digits) => index(what, digits, count),
-    }
-}
-
-/// The index, from 0, in `digits` after `count` values: from 1 in the file, or backward from -1,
-/// the latest value. `None` if it is malformed. If the count is unknown, an index that counts
-/// backward is an error, which is not reported.
-fn index(what: &str, digits: &[u8], count: Option<u64>) -> Option<Result<u32>> {
-    let number = whole_number(digits)?;
+/// The index, from 0, of a `number` after `count` values: from 1 in the file, or backward from -1,
+/// the latest value. If the count is unknown, an index that counts backward is an error, which is
+/// not reported.
+fn index(what: &str, number: i64, count: Option<u64>) -> Result<u32> {
     let index = match number {
         1.. => number - 1,
-        0 => return Some(Err(zero_index(what))),
+        0 => return Err(zero_index(what)),
         // A count is far below the largest i64.
         _ => count.map_or(-1, |count| count as i64 + number),
     };
     let fits = (0..=MAX_COUNT as i64).contains(&index);
     let fault = || bad_index(what, number, count.unwrap_or(0) as usize);
-    Some(if fits { Ok(index as u32) } else { Err(fault()) })
+    if fits { Ok(index as u32) } else { Err(fault()) }
 }
 
 fn zero_index(what: &str) -> Error {

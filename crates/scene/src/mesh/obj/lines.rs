@@ -1,10 +1,70 @@
-//! The statements of an OBJ text, and the words of a statement.
+//! An OBJ text in blocks of whole statements, cut into pieces; its statements, and their words.
 //!
 //! A statement is a line, continued on the next if it ends in a backslash. That applies only to the
 //! statements that are read: comments and names may end in a backslash too, as paths of folders,
 //! and must not swallow the next line.
 
-use wavecrest_base::error::{Error, ErrorKind};
+use crate::mesh::faults::{read_failure, syntax};
+use crate::mesh::place::{ReadAt, fill};
+use wavecrest_base::error::{Error, Result};
+
+/// Largest part of the text in memory at once, unless a statement is longer.
+pub(in crate::mesh) const BLOCK: usize = 1 << 24;
+
+/// Passes the text to `take`, in blocks that end with a statement.
+pub(super) fn each_block(
+    file: &dyn ReadAt,
+    length: u64,
+    size: usize,
+    mut take: impl FnMut(&[u8]) -> Result<()>,
+) -> Result<()> {
+    let mut text = Vec::new();
+    let mut place = 0;
+    loop {
+        // The rest of the last block is the start of a statement.
+        let begun = text.len();
+        let read = (length - place).min(size as u64) as usize;
+        text.resize(begun + read, 0);
+        fill(file, place, &mut text[begun..]).map_err(read_failure)?;
+        if place == 0 {
+            check_encoding(&mut text)?;
+        }
+        place += read as u64;
+        let end = if place == length { text.len() } else { last_end(&text) };
+        take(&text[..end])?;
+        if place == length {
+            return Ok(());
+        }
+        text.drain(..end);
+    }
+}
+
+/// Refuses UTF-16, in which every second byte is invalid here, and drops the byte order mark that
+/// some programs put before UTF-8.
+fn check_encoding(text: &mut Vec<u8>) -> Result<()> {
+    let utf16 = matches!(text[..], [0xFE, 0xFF, ..] | [0xFF, 0xFE, ..])
+        || text.iter().take(64).any(|&byte| byte == 0);
+    if utf16 {
+        return Err(syntax("the text is UTF-16 or binary")
+            .at("line 1")
+            .remedy("save the file as ASCII or UTF-8"));
+    }
+    if text.starts_with(&[0xEF, 0xBB, 0xBF]) {
+        text.drain(..3);
+    }
+    Ok(())
+}
+
+/// Cuts a block into pieces of about `size` that end with a statement.
+pub(super) fn cut(mut text: &[u8], size: usize) -> Vec<&[u8]> {
+    let mut pieces = Vec::new();
+    while !text.is_empty() {
+        let (piece, rest) = text.split_at(first_end(text, size));
+        pieces.push(piece);
+        text = rest;
+    }
+    pieces
+}
 
 /// The supported statements.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -117,6 +177,17 @@ pub(super) fn first_word(rest: &[u8]) -> Option<&[u8]> {
     (rest[start] != b'#').then(|| &rest[start..])
 }
 
+/// The words of a statement; comments are not left out.
+pub(super) fn words(rest: &[u8]) -> impl Iterator<Item = &[u8]> {
+    rest.split(|&byte| is_blank(byte)).filter(|word| !word.is_empty())
+}
+
+/// The length of the word at the start of a text.
+#[inline]
+pub(super) fn word_length(text: &[u8]) -> usize {
+    text.iter().position(|&b| is_blank(b)).unwrap_or(text.len())
+}
+
 /// The position after the last line end of `text` that surely ends a statement; 0 if there is none.
 pub(super) fn last_end(text: &[u8]) -> usize {
     let mut end = text.len();
@@ -143,7 +214,7 @@ pub(super) fn first_end(text: &[u8], from: usize) -> usize {
 
 /// The error of a `word` that should be `what`.
 pub(super) fn malformed(what: &str, word: &[u8], remedy: &str) -> Error {
-    Error::new(ErrorKind::Syntax, format!("{what} is malformed"))
+    syntax(format!("{what} is malformed"))
         .value(format_args!("\"{}\"", String::from_utf8_lossy(word)))
         .remedy(remedy)
 }
@@ -152,7 +223,7 @@ pub(super) fn malformed(what: &str, word: &[u8], remedy: &str) -> Error {
 mod tests {
     use super::*;
 
-    fn words(mut rest: &[u8]) -> Vec<&str> {
+    fn words_of(mut rest: &[u8]) -> Vec<&str> {
         let mut words = Vec::new();
         while let Some(text) = first_word(rest) {
             let end = text.iter().position(|&b| is_blank(b)).unwrap_or(text.len());
@@ -164,7 +235,7 @@ mod tests {
 
     fn read(text: &str) -> Vec<(Keyword, u64, Vec<&str>)> {
         statements(text.as_bytes())
-            .map(|s| (s.keyword, s.line, words(s.rest)))
+            .map(|s| (s.keyword, s.line, words_of(s.rest)))
             .filter(|s| s.0 != Keyword::Other)
             .collect()
     }

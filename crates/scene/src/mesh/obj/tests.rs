@@ -2,19 +2,23 @@
 
 mod pieces;
 
+use glam::{Vec2, Vec3};
+
 use super::*;
+use crate::mesh::BUFFER;
+use crate::mesh::data::NO_VALUE;
 
 const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
 
 fn read_all(text: &[u8], block: usize, piece: usize) -> Result<Read> {
-    read_from(text, text.len() as u64, block, piece).map(|(read, _)| read)
+    read(&text, text.len() as u64, block, piece).map(|(read, _)| read)
 }
 
 /// The materials that `text` names, wherever it is cut.
 fn materials(text: &str) -> NamedMaterials {
     let read =
-        |block, piece| read_from(text.as_bytes(), text.len() as u64, block, piece).unwrap().1;
-    let whole = read(BLOCK_BYTES, PIECE_BYTES);
+        |block, piece| super::read(&text.as_bytes(), text.len() as u64, block, piece).unwrap().1;
+    let whole = read(BLOCK, BUFFER);
     for (block, piece) in [(1, 1), (7, 3), (64, 20)] {
         assert_eq!(read(block, piece), whole, "{block} {piece}");
     }
@@ -23,7 +27,7 @@ fn materials(text: &str) -> NamedMaterials {
 
 /// Reads `text` with cuts in many places, and checks that they make no difference.
 fn load(text: &str) -> Result<Read> {
-    let whole = read_all(text.as_bytes(), BLOCK_BYTES, PIECE_BYTES);
+    let whole = read_all(text.as_bytes(), BLOCK, BUFFER);
     for (block, piece) in [(1, 1), (7, 3), (64, 20), (64, 1000)] {
         match (&whole, &read_all(text.as_bytes(), block, piece)) {
             (Ok(a), Ok(b)) => assert_eq!(a.0, b.0, "{block} {piece}"),
@@ -117,7 +121,7 @@ fn continued_lines_carriage_returns_and_degenerate_faces_are_read() {
     let text = "v 0 0 0\r\nv 1 0 \\\r\n 0\r\n# C:\\\r\nv 1 1 0\r\nf 1 \\\r\n2 3\r\nf 1 1 3\r\n";
     assert_eq!(mesh(text).triangles, [[0, 1, 2], [0, 0, 2]]);
     let marked = format!("\u{feff}{SQUARE}f 1 2 3");
-    let (read, _) = read_all(marked.as_bytes(), BLOCK_BYTES, PIECE_BYTES).unwrap();
+    let (read, _) = read_all(marked.as_bytes(), BLOCK, BUFFER).unwrap();
     assert_eq!(read.positions.len(), 4);
 }
 
@@ -168,7 +172,7 @@ fn a_file_without_faces_is_refused() {
 #[test]
 fn utf16_is_told_apart() {
     for text in [&b"\xFE\xFF\0v\0 \x001"[..], b"\xFF\xFEv\0 \0", b"v\0 \x001\0"] {
-        let error = read_all(text, BLOCK_BYTES, PIECE_BYTES).unwrap_err().to_string();
+        let error = read_all(text, BLOCK, BUFFER).unwrap_err().to_string();
         assert!(error.contains("UTF-16"), "{error}");
     }
 }

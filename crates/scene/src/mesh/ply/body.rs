@@ -1,29 +1,32 @@
 //! The elements of a PLY body, in the order of the header: vertices, faces and triangle strips are
 //! kept, others are skipped.
 
+use super::faces::Faces;
 use super::header::{Element, Header, Shape};
-use super::layout::{Column, ListLayout, SLOTS, VertexLayout};
-use super::source::{Faces, Fault, Source, Vertices};
+use super::layout::{ListLayout, SLOTS, VertexLayout};
+use super::numbers::{Fault, Numbers};
+use super::vertices::Vertices;
 use crate::mesh::data::{Attribute, MeshData, Read};
-use crate::mesh::faults::{check_count, no_triangles, read_failure};
+use crate::mesh::faults::{check_count, no_triangles, read_failure, syntax, too_few_corners};
 use crate::mesh::polygon::{self, Polygon};
-use crate::mesh::validate::{
-    bad_index, check_positions, note_zeroed, whiten_bad_colors, zero_bad_normals, zero_bad_uvs,
-};
-use wavecrest_base::error::{Error, ErrorKind, Result};
+use crate::mesh::validate::{bad_index, check_positions, mend};
+use wavecrest_base::error::{Error, Result};
+
+/// The outcome of a step within a row.
+type Step<T = ()> = std::result::Result<T, Fault>;
 
 /// Reads the whole body into a mesh.
-pub(super) fn read<S: Source>(header: &Header, mut source: S) -> Result<Read> {
+pub(super) fn read(header: &Header, mut numbers: Numbers<'_>) -> Result<Read> {
     let vertex = header.elements.iter().find(|e| e.name == "vertex").ok_or_else(|| {
-        Error::new(ErrorKind::Syntax, "the header declares no element \"vertex\"")
+        syntax("the header declares no element \"vertex\"")
             .remedy("declare one, with the properties x, y and z")
     })?;
     let notes = super::layout::unread(header, vertex);
     let mut body = Body { vertex_count: vertex.count as usize, notes, ..Body::default() };
     for element in header.elements.iter().filter(|e| !e.properties.is_empty() || e.count > 0) {
-        body.element(element, &mut source)?;
+        body.element(element, &mut numbers)?;
     }
-    body.note_trailing(&mut source)?;
+    body.note_trailing(&mut numbers)?;
     body.finish()
 }
 
@@ -39,143 +42,129 @@ struct Body {
     notes: Vec<Error>,
 }
 
-/// A row of an element, for messages.
-#[derive(Clone, Copy, Debug)]
-struct Row<'a> {
-    element: &'a Element,
-    index: u64,
+/// What the rows of an element are.
+enum Rows {
+    Vertices(VertexLayout),
+    Faces(ListLayout),
+    Strips(ListLayout),
+    /// Unused ones.
+    Other,
 }
 
-impl Row<'_> {
-    /// Adds the place to an `error`: the row, and in a text the line.
-    fn locate(self, error: Error, source: &impl Source) -> Error {
-        let row = format!("{} {}", self.element.name, self.index);
-        error.at(match source.line() {
-            Some(line) => format!("{row} (line {line})"),
-            None => row,
+impl Rows {
+    fn of(element: &Element) -> Result<Self> {
+        Ok(match element.name.as_str() {
+            "vertex" => Self::Vertices(VertexLayout::of(element)?),
+            "face" if element.count > 0 => Self::Faces(ListLayout::of(element)?),
+            "tristrips" if element.count > 0 => Self::Strips(ListLayout::of(element)?),
+            _ => Self::Other,
         })
-    }
-
-    /// The error of a `fault` in this row.
-    fn fault(self, fault: Fault, source: &impl Source) -> Error {
-        let syntax = |message: &str| Error::new(ErrorKind::Syntax, message);
-        let Element { name, count, .. } = self.element;
-        let error = match fault {
-            Fault::End => {
-                syntax(&format!("the file is cut off: its header promises {count} of \"{name}\""))
-                    .remedy("copy or export it again")
-            }
-            Fault::Malformed(text) => {
-                syntax("a number is malformed").value(text).remedy("write it as 12 or -0.5e3")
-            }
-            Fault::LongRow => syntax("the line has too many values").remedy(
-                "declare every value of a line in the header, and put each element on its own line",
-            ),
-            Fault::Io(error) => read_failure(error),
-        };
-        self.locate(error, source)
     }
 }
 
 impl Body {
-    fn element<S: Source>(&mut self, element: &Element, source: &mut S) -> Result<()> {
-        match element.name.as_str() {
-            "vertex" => self.read_vertices(element, source),
-            "face" if element.count > 0 => self.read_faces(element, source),
-            "tristrips" if element.count > 0 => self.read_strips(element, source),
-            _ => pass_over(element, source),
-        }
-    }
-
-    fn read_vertices<S: Source>(&mut self, element: &Element, source: &mut S) -> Result<()> {
-        let layout = VertexLayout::of(element)?;
-        check_room(element, source)?;
-        self.vertices = Vertices::new(self.vertex_count, &layout);
-        let first = source
-            .vertices(&layout, &mut self.vertices)
-            .map_err(|fault| Row { element, index: 0 }.fault(fault, source))?;
-        if first == element.count {
+    fn element(&mut self, element: &Element, numbers: &mut Numbers<'_>) -> Result<()> {
+        let rows = Rows::of(element)?;
+        if element.properties.is_empty() {
             return Ok(());
         }
+        check_room(element, numbers)?;
+        let first = self
+            .many_rows(&rows, element, numbers)
+            .map_err(|fault| located(fault, element, 0, numbers))?;
         for index in first..element.count {
-            let row = Row { element, index };
-            let mut values =
-                read_vertex(element, &layout, source).map_err(|f| row.fault(f, source))?;
-            if layout.is_double() {
-                self.vertices.relate(index, &mut values);
-            }
-            for Column { slot, scale, .. } in layout.columns.iter().flatten() {
-                self.vertices.set(index as usize, *slot, values[*slot] as f32 * scale);
-            }
+            self.row(&rows, element, index, numbers)
+                .map_err(|fault| located(fault, element, index, numbers))?;
         }
-        check_positions(&self.vertices.positions)
+        match rows {
+            // Rows that were read together have been checked.
+            Rows::Vertices(_) if first < element.count => check_positions(&self.vertices.positions),
+            _ => Ok(()),
+        }
     }
 
-    fn read_faces<S: Source>(&mut self, element: &Element, source: &mut S) -> Result<()> {
-        let layout = ListLayout::of(element)?;
-        check_room(element, source)?;
-        let likely = likely_triangles(element, layout, source);
-        let first = source
-            .faces(element, layout, self.vertex_count, &mut self.faces)
-            .map_err(|fault| Row { element, index: 0 }.fault(fault, source))?;
-        if first < element.count {
-            self.faces.triangles.reserve(likely.saturating_sub(self.faces.triangles.len()));
-        }
-        for index in first..element.count {
-            let row = Row { element, index };
-            self.read_row(row, layout, source)?;
-            self.push_face().map_err(|error| row.locate(error, source))?;
-        }
-        Ok(())
-    }
-
-    fn read_strips<S: Source>(&mut self, element: &Element, source: &mut S) -> Result<()> {
-        let layout = ListLayout::of(element)?;
-        check_room(element, source)?;
-        for index in 0..element.count {
-            self.read_row(Row { element, index }, layout, source)?;
-            // Every index but two makes a triangle at most.
-            self.faces.triangles.reserve(self.corners.len().saturating_sub(2));
-            for strip in self.corners.split(|&i| i == STRIP_END) {
-                self.faces.triangles.extend(strip_triangles(strip));
-            }
-        }
-        Ok(())
-    }
-
-    /// Reads a row, with its list of vertices into `self.corners`.
-    fn read_row<S: Source>(&mut self, row: Row, layout: ListLayout, source: &mut S) -> Result<()> {
-        for (property, p) in row.element.properties.iter().enumerate() {
-            if property == layout.property {
-                self.read_corners(row, layout, source)?;
-            } else {
-                skip(p.shape, source).map_err(|fault| row.fault(fault, source))?;
-            }
-        }
-        source.end_row().map_err(|fault| row.fault(fault, source))
-    }
-
-    fn read_corners<S: Source>(
+    /// Makes room, and reads the first rows together if they are of a common form; returns their
+    /// number.
+    fn many_rows(
         &mut self,
-        row: Row,
-        layout: ListLayout,
-        source: &mut S,
-    ) -> Result<()> {
-        let length = source.value(layout.count).map_err(|fault| row.fault(fault, source))?;
-        let length = list_length(length).map_err(|error| row.locate(error, source))?;
-        let (need, left) = (source.least(layout.item, length), source.left());
-        if need > left.saturating_add(1) {
-            return Err(row.locate(too_long(length, need, left), source));
+        rows: &Rows,
+        element: &Element,
+        numbers: &mut Numbers<'_>,
+    ) -> Step<u64> {
+        match rows {
+            Rows::Vertices(layout) => {
+                self.vertices = Vertices::new(self.vertex_count, layout);
+                self.vertices.read(layout, numbers)
+            }
+            Rows::Faces(layout) => {
+                let likely = likely_triangles(element, *layout, numbers);
+                let first = self.faces.read(element, *layout, self.vertex_count, numbers)?;
+                if first < element.count {
+                    self.faces.triangles.reserve(likely.saturating_sub(self.faces.triangles.len()));
+                }
+                Ok(first)
+            }
+            Rows::Strips(_) | Rows::Other => Ok(0),
         }
-        let strips = row.element.name == "tristrips";
+    }
+
+    fn row(
+        &mut self,
+        rows: &Rows,
+        element: &Element,
+        index: u64,
+        numbers: &mut Numbers<'_>,
+    ) -> Step {
+        let mut values = [0.0; SLOTS];
+        for (property, p) in element.properties.iter().enumerate() {
+            match rows {
+                Rows::Vertices(layout) => match layout.columns[property] {
+                    Some(column) => values[column.slot] = numbers.value(column.kind)?,
+                    None => skip(p.shape, numbers)?,
+                },
+                Rows::Faces(layout) if layout.property == property => {
+                    self.read_corners(*layout, false, numbers)?;
+                }
+                Rows::Strips(layout) if layout.property == property => {
+                    self.read_corners(*layout, true, numbers)?;
+                }
+                _ => skip(p.shape, numbers)?,
+            }
+        }
+        numbers.end_row()?;
+        match rows {
+            Rows::Vertices(layout) => self.vertices.set(index as usize, layout, values),
+            Rows::Faces(_) => self.push_face()?,
+            Rows::Strips(_) => {
+                // Every index but two makes a triangle at most.
+                self.faces.triangles.reserve(self.corners.len().saturating_sub(2));
+                for strip in self.corners.split(|&i| i == STRIP_END) {
+                    self.faces.triangles.extend(strip_triangles(strip));
+                }
+            }
+            Rows::Other => {}
+        }
+        Ok(())
+    }
+
+    /// Reads the list of a face or of `strips` into `self.corners`.
+    fn read_corners(
+        &mut self,
+        layout: ListLayout,
+        strips: bool,
+        numbers: &mut Numbers<'_>,
+    ) -> Step {
+        let length = list_length(numbers.value(layout.count)?)?;
+        let (need, left) = (numbers.least(layout.item, length), numbers.left);
+        if need > left.saturating_add(1) {
+            return Err(too_long(length, need, left).into());
+        }
         self.corners.clear();
         for _ in 0..length {
-            let value = source.value(layout.item).map_err(|fault| row.fault(fault, source))?;
-            let corner = match value {
+            let corner = match numbers.value(layout.item)? {
                 // -1, also if it was written as an unsigned number.
                 -1.0 | 4_294_967_295.0 if strips => STRIP_END,
-                value => vertex_index(value, self.vertex_count)
-                    .map_err(|error| row.locate(error, source))?,
+                value => vertex_index(value, self.vertex_count)?,
             };
             self.corners.push(corner);
         }
@@ -186,9 +175,7 @@ impl Body {
     fn push_face(&mut self) -> Result<()> {
         let corners = self.corners.len();
         if corners < 3 {
-            return Err(Error::new(ErrorKind::Mesh, "a face needs at least 3 vertices")
-                .value(corners)
-                .remedy("remove the face"));
+            return Err(too_few_corners(corners));
         }
         if corners > 3 {
             check_count("triangles", (self.faces.triangles.len() + corners) as u64)?;
@@ -199,16 +186,15 @@ impl Body {
         Ok(())
     }
 
-    fn note_trailing(&mut self, source: &mut impl Source) -> Result<()> {
-        let bytes = source.trailing().map_err(|fault| match fault {
+    fn note_trailing(&mut self, numbers: &mut Numbers<'_>) -> Result<()> {
+        let bytes = numbers.trailing().map_err(|fault| match fault {
             Fault::Io(error) => read_failure(error),
-            _ => Error::new(ErrorKind::Syntax, "the end of the file cannot be read"),
+            _ => syntax("the end of the file cannot be read"),
         })?;
         if bytes > 0 {
-            let message = "there is more after the last element, which is ignored";
-            let note = Error::new(ErrorKind::Syntax, message).at("end of the body");
-            let remedy = "check the counts in the header";
-            self.notes.push(note.value(format_args!("{bytes} bytes")).remedy(remedy));
+            let note = syntax("there is more after the last element, which is ignored");
+            let note = note.at("end of the body").value(format_args!("{bytes} bytes"));
+            self.notes.push(note.remedy("check the counts in the header"));
         }
         Ok(())
     }
@@ -220,11 +206,8 @@ impl Body {
         }
         let Vertices { positions, origin, mut normals, mut uvs, mut colors } = self.vertices;
         let Faces { mut triangles, polygons } = self.faces;
-        let large = polygon::split(&polygons, &positions, &mut triangles, &mut []);
-        self.notes.extend(polygon::note_large(large));
-        self.notes.extend(note_zeroed("normals", zero_bad_normals(&mut normals)));
-        self.notes.extend(note_zeroed("texture coordinates", zero_bad_uvs(&mut uvs)));
-        self.notes.extend(whiten_bad_colors(&mut colors));
+        self.notes.extend(polygon::split(&polygons, &positions, &mut triangles, &mut []));
+        self.notes.extend(mend(&mut normals, &mut uvs, &mut colors));
         triangles.shrink_to_fit();
         let mesh = MeshData {
             positions,
@@ -236,6 +219,31 @@ impl Body {
         };
         Ok((mesh, self.notes))
     }
+}
+
+/// The error of a `fault` in a row of an element, with the row and, in a text, the line.
+fn located(
+    fault: Fault,
+    Element { name, count, .. }: &Element,
+    index: u64,
+    numbers: &Numbers<'_>,
+) -> Error {
+    let error = match fault {
+        Fault::End => {
+            syntax(format!("the file is cut off: its header promises {count} of \"{name}\""))
+                .remedy("copy or export it again")
+        }
+        Fault::Malformed(text) => {
+            syntax("a number is malformed").value(text).remedy("write it as 12 or -0.5e3")
+        }
+        Fault::LongRow => syntax("the line has too many values").remedy(
+            "declare every value of a line in the header, and put each element on its own line",
+        ),
+        Fault::Io(error) => read_failure(error),
+        Fault::Mesh(error) => error,
+    };
+    let line = numbers.line().map_or(String::new(), |line| format!(" (line {line})"));
+    error.at(format!("{name} {index}{line}"))
 }
 
 /// In a strip's list: the end of the strip.
@@ -255,55 +263,24 @@ fn attribute<T>(values: Vec<T>) -> Option<Attribute<T>> {
     (!values.is_empty()).then_some(Attribute { values, indices: None })
 }
 
-/// Reads a vertex and stores its numbers in use.
-fn read_vertex<S: Source>(
-    element: &Element,
-    layout: &VertexLayout,
-    source: &mut S,
-) -> std::result::Result<[f64; SLOTS], Fault> {
-    let mut values = [0.0; SLOTS];
-    for (p, column) in element.properties.iter().zip(&layout.columns) {
-        match column {
-            Some(column) => values[column.slot] = source.value(column.kind)?,
-            None => skip(p.shape, source)?,
-        }
-    }
-    source.end_row()?;
-    Ok(values)
-}
-
 /// Skips a property.
-fn skip<S: Source>(shape: Shape, source: &mut S) -> std::result::Result<(), Fault> {
+fn skip(shape: Shape, numbers: &mut Numbers<'_>) -> Step {
     match shape {
-        Shape::One(kind) => source.skip(kind, 1),
+        Shape::One(kind) => numbers.skip(kind, 1),
         Shape::List { count, item } => {
-            let length = source.value(count)?;
+            let length = numbers.value(count)?;
             let length = list_length(length).map_err(|_| Fault::Malformed(length.to_string()))?;
-            source.skip(item, length)
+            numbers.skip(item, length)
         }
     }
-}
-
-/// Skips an unused element.
-fn pass_over<S: Source>(element: &Element, source: &mut S) -> Result<()> {
-    if element.properties.is_empty() {
-        return Ok(());
-    }
-    check_room(element, source)?;
-    for index in 0..element.count {
-        let row = Row { element, index };
-        let skipped = element.properties.iter().try_for_each(|p| skip(p.shape, source));
-        skipped.and_then(|()| source.end_row()).map_err(|fault| row.fault(fault, source))?;
-    }
-    Ok(())
 }
 
 /// Checks that the file is long enough for the declared rows.
-fn check_room(element: &Element, source: &impl Source) -> Result<()> {
-    let (row, left) = (source.least_row(&element.properties), source.left());
+fn check_room(element: &Element, numbers: &Numbers<'_>) -> Result<()> {
+    let (row, left) = (least_row(element, numbers), numbers.left);
     // The last number of a text needs no line end.
     let need = row.saturating_mul(element.count);
-    if need <= left.saturating_add(u64::from(source.line().is_some())) {
+    if need <= left.saturating_add(u64::from(numbers.line().is_some())) {
         return Ok(());
     }
     let Element { name, count, .. } = element;
@@ -311,18 +288,21 @@ fn check_room(element: &Element, source: &impl Source) -> Result<()> {
     let message = format!(
         "the file is cut off: its header promises {count} of \"{name}\", and there is room for {held}"
     );
-    Err(Error::new(ErrorKind::Syntax, message)
-        .at(format!("{name} {held}"))
-        .remedy("copy or export it again"))
+    Err(syntax(message).at(format!("{name} {held}")).remedy("copy or export it again"))
+}
+
+/// The smallest number of bytes of a row.
+fn least_row(element: &Element, numbers: &Numbers<'_>) -> u64 {
+    element.least_row(|kind| numbers.least(kind, 1))
 }
 
 /// The number of triangles to allocate. Exact if the faces come last and have only the list, since
 /// every index but two of a face makes a triangle; at most two for each face, for which the file
 /// was checked to have room.
-fn likely_triangles(element: &Element, layout: ListLayout, source: &impl Source) -> usize {
+fn likely_triangles(element: &Element, layout: ListLayout, numbers: &Numbers<'_>) -> usize {
     let faces = element.count;
-    let row = source.least_row(&element.properties).saturating_mul(faces);
-    let indices = source.left().saturating_sub(row) / source.least(layout.item, 1).max(1);
+    let rows = least_row(element, numbers).saturating_mul(faces);
+    let indices = numbers.left.saturating_sub(rows) / numbers.least(layout.item, 1).max(1);
     indices.saturating_sub(2 * faces).clamp(0, 2 * faces) as usize
 }
 
@@ -331,7 +311,7 @@ fn list_length(value: f64) -> Result<u64> {
     if value >= 0.0 && value.fract() == 0.0 && value <= f64::from(u32::MAX) {
         return Ok(value as u64);
     }
-    Err(Error::new(ErrorKind::Syntax, "the length of a list must be a whole number, 0 or more")
+    Err(syntax("the length of a list must be a whole number, 0 or more")
         .value(value)
         .remedy("check the types in the header"))
 }
@@ -340,8 +320,7 @@ fn too_long(length: u64, need: u64, left: u64) -> Error {
     let message = format!(
         "the file is cut off: a list of {length} takes at least {need} bytes, and {left} are left"
     );
-    Error::new(ErrorKind::Syntax, message)
-        .remedy("copy or export it again, or correct the types in its header")
+    syntax(message).remedy("copy or export it again, or correct the types in its header")
 }
 
 /// A vertex index, from its number.

@@ -1,4 +1,5 @@
-//! Binary faces with the same number of corners as the first, read on all threads.
+//! The faces of a PLY file, and binary ones with the same number of corners as the first read on
+//! all threads.
 //!
 //! If other properties have constant length too, such rows have one length, and the offset of each
 //! is known in advance. Whether all have the same number of corners shows only while reading: a row
@@ -6,9 +7,9 @@
 
 use rayon::prelude::*;
 
-use super::header::{Element, Scalar};
+use super::header::{Element, Encoding, Scalar};
 use super::layout::{ListLayout, stride};
-use super::source::Faces;
+use super::numbers::{Fault, Numbers};
 use super::vertices::part;
 use crate::mesh::data::MAX_COUNT;
 use crate::mesh::place::ReadAt;
@@ -16,6 +17,37 @@ use crate::mesh::polygon::Polygon;
 
 /// The usual number of corners.
 const TRIANGLE: usize = 3;
+
+/// The faces so far.
+#[derive(Debug, Default)]
+pub(super) struct Faces {
+    pub(super) triangles: Vec<[u32; 3]>,
+    /// The faces with more than three corners.
+    pub(super) polygons: Vec<Polygon>,
+}
+
+impl Faces {
+    /// Reads the first faces as long as they refer only to the first `vertices` vertices, and
+    /// returns their number, possibly 0. An invalid face is left to be read again.
+    pub(super) fn read(
+        &mut self,
+        element: &Element,
+        layout: ListLayout,
+        vertices: usize,
+        from: &mut Numbers<'_>,
+    ) -> Result<u64, Fault> {
+        if from.block == 0 || !self.triangles.is_empty() {
+            return Ok(0);
+        }
+        let read = match from.encoding {
+            Encoding::BigEndian => read::<true>(from, element, layout, vertices, self),
+            _ => read::<false>(from, element, layout, vertices, self),
+        };
+        let (faces, bytes) = read.unwrap_or_default();
+        from.advance(bytes)?;
+        Ok(faces)
+    }
+}
 
 /// The layout of a row.
 #[derive(Clone, Copy, Debug)]
@@ -31,8 +63,8 @@ struct Row {
 impl Row {
     /// The layout of the first face, at `place`. `None` if rows vary in length even for equal lists
     /// of corners, if counts and indices are not integers, or if it is not a valid face.
-    fn first<F: ReadAt + ?Sized, const BIG: bool>(
-        file: &F,
+    fn first<const BIG: bool>(
+        file: &dyn ReadAt,
         place: u64,
         element: &Element,
         layout: ListLayout,
@@ -49,7 +81,7 @@ impl Row {
             2 => number::<2, BIG>(&count, 0),
             _ => number::<4, BIG>(&count, 0),
         };
-        let is_face = corners >= TRIANGLE as u32 && corners <= greatest(layout.count)?;
+        let is_face = corners >= TRIANGLE as u32 && corners <= layout.count.greatest()?;
         let corners = usize::try_from(corners).ok().filter(|_| is_face)?;
         let length = size.checked_add(corners.checked_mul(layout.item.size())?)?;
         let stride = length.checked_add(list + after)?;
@@ -62,23 +94,10 @@ impl Row {
     }
 }
 
-/// The largest integer of this type; `None` for other types.
-fn greatest(kind: Scalar) -> Option<u32> {
-    match kind {
-        Scalar::I8 => Some(i8::MAX as u32),
-        Scalar::U8 => Some(u32::from(u8::MAX)),
-        Scalar::I16 => Some(i16::MAX as u32),
-        Scalar::U16 => Some(u32::from(u16::MAX)),
-        Scalar::I32 => Some(i32::MAX as u32),
-        Scalar::U32 => Some(u32::MAX),
-        Scalar::F32 | Scalar::F64 => None,
-    }
-}
-
 /// The exclusive limit of an index of this type, read as unsigned: a negative number is then too
 /// large.
 fn limit(kind: Scalar, vertices: usize) -> Option<u32> {
-    let beyond = u64::from(greatest(kind)?) + 1;
+    let beyond = u64::from(kind.greatest()?) + 1;
     // Both fit: there are fewer vertices than `u32::MAX`.
     Some(beyond.min(vertices as u64) as u32)
 }
@@ -91,33 +110,23 @@ fn number<const N: usize, const BIG: bool>(row: &[u8], offset: usize) -> u32 {
     u32::from_le_bytes(bytes)
 }
 
-/// Binary faces of a file.
-pub(super) struct Source<'a, F: ?Sized> {
-    pub(super) file: &'a F,
-    /// The offset of the faces.
-    pub(super) place: u64,
-    /// The number of remaining bytes.
-    pub(super) left: u64,
-    /// Approximate number of bytes that a thread reads at once.
-    pub(super) block: usize,
-}
-
 /// Reads all faces with as many corners as the first, up to the first other one. Returns the number
 /// of faces and of bytes. `None` without a fast path: if rows have other types, or the file cannot
 /// hold that many.
-pub(super) fn read<F: ReadAt + ?Sized, const BIG: bool>(
-    from: &Source<'_, F>,
+fn read<const BIG: bool>(
+    from: &Numbers<'_>,
     element: &Element,
     layout: ListLayout,
     vertices: usize,
     into: &mut Faces,
 ) -> Option<(u64, u64)> {
-    let row = Row::first::<F, BIG>(from.file, from.place, element, layout, vertices)?;
+    let row = Row::first::<BIG>(from.file, from.place(), element, layout, vertices)?;
     let triangles = element.count.checked_mul(row.fan() as u64)?;
     if (row.stride as u64).checked_mul(element.count)? > from.left || triangles > MAX_COUNT {
         return None;
     }
     let decode = decoder::<BIG>(layout.count, layout.item)?;
+    let (file, start) = (from.file, from.place());
     let count = usize::try_from(element.count).ok()?;
     into.triangles = vec![[0; 3]; triangles as usize];
     let per_task = (from.block / row.stride).max(1);
@@ -126,9 +135,9 @@ pub(super) fn read<F: ReadAt + ?Sized, const BIG: bool>(
         |buffer: &mut Vec<u8>, (number, triangles)| {
             let (first, faces) = (number * per_task, triangles.len() / row.fan());
             buffer.resize(faces * row.stride, 0);
-            let place = from.place + (first * row.stride) as u64;
+            let place = start + (first * row.stride) as u64;
             // Rows that cannot be read are read again number by number, which reports the error.
-            let read = from.file.read_exact_at(buffer, place).is_ok();
+            let read = file.read_exact_at(buffer, place).is_ok();
             let good = if read { decode(buffer, row, triangles) } else { 0 };
             (good < faces).then_some(first + good)
         },

@@ -3,10 +3,11 @@
 //! Lines may end in CR LF, begin and end with blanks, be empty or be comments. A header is at most
 //! [`MAX_HEADER`] long, so that a large file without one is not read to its end.
 
-use std::io::{BufRead, Read as _};
+use std::io::{BufRead, BufReader};
 
 use crate::mesh::data::MAX_COUNT;
-use crate::mesh::faults::{check_count, read_failure};
+use crate::mesh::faults::{check_count, read_failure, syntax};
+use crate::mesh::place::{ReadAt, Section};
 use wavecrest_base::error::{Error, ErrorKind, Result, did_you_mean};
 
 /// Largest length of a header in bytes.
@@ -45,21 +46,33 @@ const TYPE_NAMES: [(&str, &str, Scalar); 8] = [
     ("double", "float64", Scalar::F64),
 ];
 
+/// Evaluates `$value` with `$number` as the type of numbers of the kind `$kind`.
+macro_rules! with_type {
+    ($kind:expr, $number:ident => $value:expr) => {
+        with_type!(
+            $kind, $number => $value,
+            I8 i8, U8 u8, I16 i16, U16 u16, I32 i32, U32 u32, F32 f32, F64 f64
+        )
+    };
+    ($kind:expr, $number:ident => $value:expr, $($name:ident $type:ty),+) => {
+        match $kind { $(Scalar::$name => { type $number = $type; $value })+ }
+    };
+}
+pub(super) use with_type;
+
 const KEYWORDS: [&str; 6] = ["format", "comment", "obj_info", "element", "property", "end_header"];
 
 impl Scalar {
     /// Size of a binary number of this type in bytes.
     pub(super) fn size(self) -> usize {
-        match self {
-            Self::I8 | Self::U8 => 1,
-            Self::I16 | Self::U16 => 2,
-            Self::I32 | Self::U32 | Self::F32 => 4,
-            Self::F64 => 8,
-        }
+        with_type!(self, N => size_of::<N>())
     }
 
-    fn from_name(name: &str) -> Option<Self> {
-        TYPE_NAMES.iter().find(|t| t.0 == name || t.1 == name).map(|t| t.2)
+    /// The largest integer of this type; `None` for other types.
+    pub(super) fn greatest(self) -> Option<u32> {
+        let is_whole = !matches!(self, Self::F32 | Self::F64);
+        let sign = u32::from(matches!(self, Self::I8 | Self::I16 | Self::I32));
+        is_whole.then(|| u32::MAX >> (u32::BITS - 8 * self.size() as u32 + sign))
     }
 }
 
@@ -103,96 +116,91 @@ pub(super) fn place(line: u64) -> String {
     format!("header line {line}")
 }
 
-fn fault(message: impl Into<String>) -> Error {
-    Error::new(ErrorKind::Syntax, message)
+impl Element {
+    /// The smallest number of bytes of a row, if a number of each kind has `least` bytes: that with
+    /// empty lists.
+    pub(super) fn least_row(&self, least: impl Fn(Scalar) -> u64) -> u64 {
+        let of = |property: &Property| match property.shape {
+            Shape::One(kind) | Shape::List { count: kind, .. } => least(kind),
+        };
+        self.properties.iter().map(of).sum()
+    }
 }
 
 /// Reads up to the line `end_header`.
-pub(super) fn read(reader: &mut impl BufRead) -> Result<Header> {
-    let mut lines = Lines { reader: reader.take(MAX_HEADER), bytes: 0, lines: 0 };
-    check_magic(lines.next()?)?;
-    let mut encoding = None;
-    let mut elements = Vec::new();
+pub(super) fn read(file: &dyn ReadAt, length: u64, buffer: usize) -> Result<Header> {
+    read_lines(BufReader::with_capacity(buffer, Section::new(file, 0, length)))
+}
+
+fn read_lines(reader: impl BufRead) -> Result<Header> {
+    let mut reader = reader.take(MAX_HEADER);
+    let (mut encoding, mut elements) = (None, Vec::new());
+    let (mut bytes, mut lines) = (0, 0);
     loop {
-        let Some(line) = lines.next()? else { return Err(end_missing(&lines)) };
+        let mut line = Vec::new();
+        let length = reader.read_until(b'\n', &mut line).map_err(read_failure)?;
+        bytes += length as u64;
+        lines += 1;
+        let line = String::from_utf8_lossy(&line);
         let words: Vec<&str> = line.split_ascii_whitespace().collect();
-        let number = lines.lines;
-        match statement(&words, number, &mut encoding, &mut elements) {
-            Ok(false) => {}
-            Ok(true) => break,
-            Err(error) => return Err(error.at(place(number))),
+        match words[..] {
+            _ if lines == 1 => check_magic(length, line.trim())?,
+            _ if length == 0 => return Err(end_missing(bytes).at(place(lines))),
+            ["end_header"] => break,
+            _ => statement(&words, lines, &mut encoding, &mut elements)
+                .map_err(|error| error.at(place(lines)))?,
         }
     }
     let encoding = encoding.ok_or_else(|| {
-        fault("the header has no format line").remedy("add one, such as \"format ascii 1.0\"")
+        syntax("the header has no format line").remedy("add one, such as \"format ascii 1.0\"")
     })?;
-    Ok(Header { encoding, elements, bytes: lines.bytes, lines: lines.lines })
+    Ok(Header { encoding, elements, bytes, lines })
 }
 
-/// Reads and counts the lines of a header.
-struct Lines<R> {
-    reader: std::io::Take<R>,
-    bytes: u64,
-    lines: u64,
-}
-
-impl<R: BufRead> Lines<R> {
-    /// The next line, or `None` at the end of the file or of the largest header.
-    fn next(&mut self) -> Result<Option<String>> {
-        let mut line = Vec::new();
-        let length = self.reader.read_until(b'\n', &mut line).map_err(read_failure)?;
-        self.bytes += length as u64;
-        self.lines += 1;
-        Ok((length > 0).then(|| String::from_utf8_lossy(&line).into_owned()))
-    }
-}
-
-fn check_magic(line: Option<String>) -> Result<()> {
+/// Checks the first line, which has this `length`.
+fn check_magic(length: usize, line: &str) -> Result<()> {
     match line {
-        Some(line) if line.trim() == "ply" => Ok(()),
-        None => Err(fault("the file is empty").remedy("export it again")),
-        Some(line) => Err(fault("a PLY file begins with the line \"ply\"")
+        "ply" => Ok(()),
+        _ if length == 0 => Err(syntax("the file is empty").remedy("export it again")),
+        _ => Err(syntax("a PLY file begins with the line \"ply\"")
             .at(place(1))
-            .value(format_args!("{:?}", line.trim()))
+            .value(format_args!("{line:?}"))
             .remedy("check that this is a PLY file")),
     }
 }
 
-fn end_missing<R>(lines: &Lines<R>) -> Error {
-    let error = fault("the header does not end").at(place(lines.lines));
-    if lines.bytes >= MAX_HEADER {
+fn end_missing(bytes: u64) -> Error {
+    let error = syntax("the header does not end");
+    if bytes >= MAX_HEADER {
         return error.remedy(format!("end it with \"end_header\" within {MAX_HEADER} bytes"));
     }
     error.remedy("end it with a line \"end_header\"; the file may be cut off")
 }
 
-/// Processes a line of the header; returns true for its last.
+/// Processes a line of the header but its first and its last.
 fn statement(
     words: &[&str],
     line: u64,
     encoding: &mut Option<Encoding>,
     elements: &mut Vec<Element>,
-) -> Result<bool> {
+) -> Result<()> {
     match words {
         [] | ["comment" | "obj_info", ..] => {}
-        ["end_header"] => return Ok(true),
         ["format", rest @ ..] if encoding.is_none() => *encoding = Some(format(rest)?),
-        ["format", ..] => return Err(fault("the format is given twice").remedy("keep one line")),
+        ["format", ..] => return Err(syntax("the format is given twice").remedy("keep one line")),
         ["element", rest @ ..] => elements.push(element(rest, line, elements)?),
         ["property", rest @ ..] => {
             let property = property(rest)?;
             let Some(element) = elements.last_mut() else {
-                return Err(fault("a property must follow its element")
+                return Err(syntax("a property must follow its element")
                     .value(&property.name)
                     .remedy("add an \"element\" line before it"));
             };
             element.properties.push(property);
         }
-        [other, ..] => {
-            return Err(unknown("unknown header line", other, KEYWORDS));
-        }
+        [other, ..] => return Err(unknown("unknown header line", other, KEYWORDS)),
     }
-    Ok(false)
+    Ok(())
 }
 
 fn format(words: &[&str]) -> Result<Encoding> {
@@ -202,23 +210,23 @@ fn format(words: &[&str]) -> Result<Encoding> {
         ["binary_big_endian", _] => Encoding::BigEndian,
         _ => {
             let right = "use ascii, binary_little_endian or binary_big_endian, and then 1.0";
-            return Err(fault("the format is unknown").value(words.join(" ")).remedy(right));
+            return Err(syntax("the format is unknown").value(words.join(" ")).remedy(right));
         }
     };
     match words {
         [_, "1.0"] => Ok(encoding),
-        _ => Err(fault("the version is unknown").value(words.join(" ")).remedy("use 1.0")),
+        _ => Err(syntax("the version is unknown").value(words.join(" ")).remedy("use 1.0")),
     }
 }
 
 fn element(words: &[&str], line: u64, before: &[Element]) -> Result<Element> {
     let [name, digits] = words else {
-        return Err(fault("an element needs a name and a count")
+        return Err(syntax("an element needs a name and a count")
             .value(words.join(" "))
             .remedy("write \"element vertex 8\""));
     };
     if digits.is_empty() || !digits.bytes().all(|b| b.is_ascii_digit()) {
-        return Err(fault("the count of an element must be a whole number, 0 or more")
+        return Err(syntax("the count of an element must be a whole number, 0 or more")
             .value(digits)
             .remedy("write \"element vertex 8\""));
     }
@@ -233,7 +241,7 @@ fn element(words: &[&str], line: u64, before: &[Element]) -> Result<Element> {
     };
     check_count(&format!("rows of the element \"{name}\""), count)?;
     if before.iter().any(|e| e.name == *name) {
-        return Err(fault("an element is declared twice").value(name).remedy("join the two"));
+        return Err(syntax("an element is declared twice").value(name).remedy("join the two"));
     }
     Ok(Element { name: (*name).to_owned(), count, properties: Vec::new(), line })
 }
@@ -245,18 +253,20 @@ fn property(words: &[&str]) -> Result<Property> {
         }
         [kind, name] => (name, Shape::One(scalar(kind)?)),
         _ => {
-            return Err(fault("a property needs a type and a name").value(words.join(" ")).remedy(
-                "write \"property float x\" or \"property list uchar int vertex_indices\"",
-            ));
+            return Err(syntax("a property needs a type and a name")
+                .value(words.join(" "))
+                .remedy(
+                    "write \"property float x\" or \"property list uchar int vertex_indices\"",
+                ));
         }
     };
     Ok(Property { name: (*name).to_owned(), shape })
 }
 
 fn scalar(name: &str) -> Result<Scalar> {
+    let found = TYPE_NAMES.iter().find(|t| t.0 == name || t.1 == name).map(|t| t.2);
     let names = TYPE_NAMES.iter().flat_map(|t| [t.0, t.1]);
-    Scalar::from_name(name)
-        .ok_or_else(|| unknown("the type of the property is unknown", name, names))
+    found.ok_or_else(|| unknown("the type of the property is unknown", name, names))
 }
 
 /// The error of a word that is not one of `names`.
@@ -266,7 +276,7 @@ fn unknown<'a>(message: &str, word: &str, names: impl IntoIterator<Item = &'a st
         Some(near) => format!("did you mean {near}?"),
         None => format!("use one of {}", names.join(", ")),
     };
-    fault(message).value(word).remedy(remedy)
+    syntax(message).value(word).remedy(remedy)
 }
 
 #[cfg(test)]
@@ -274,7 +284,7 @@ mod tests {
     use super::*;
 
     fn parse(text: &str) -> Result<Header> {
-        read(&mut text.as_bytes())
+        read_lines(text.as_bytes())
     }
 
     fn message(text: &str) -> String {

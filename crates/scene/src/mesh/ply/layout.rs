@@ -1,18 +1,29 @@
 //! Finds the properties of a mesh in the declared elements, and their place in a row.
 
+use std::ops::Range;
+
 use super::header::{Element, Header, Property, Scalar, Shape, place};
+use crate::mesh::faults::syntax;
 use wavecrest_base::error::{Error, ErrorKind, Result};
 
 /// The stored numbers of a vertex, in the order of their slots.
 pub(super) const SLOTS: usize = 11;
-const POSITION: [&str; 3] = ["x", "y", "z"];
-const NORMAL: [&str; 3] = ["nx", "ny", "nz"];
-/// Names of texture coordinates in files.
-const UV: [[&str; 2]; 4] =
-    [["u", "v"], ["s", "t"], ["texture_u", "texture_v"], ["texture_s", "texture_t"]];
-/// Names of colours in files.
-const COLOR: [[&str; 3]; 2] =
-    [["red", "green", "blue"], ["diffuse_red", "diffuse_green", "diffuse_blue"]];
+/// The first slot of normals, texture coordinates and colours, after that of the position, 0.
+pub(super) const NORMAL: usize = 3;
+pub(super) const UV: usize = 6;
+pub(super) const COLOR: usize = 8;
+/// The names in files of what begins at each of these slots.
+const NAMES: [(usize, &[&str]); 8] = [
+    (0, &["x", "y", "z"]),
+    (NORMAL, &["nx", "ny", "nz"]),
+    (UV, &["u", "v"]),
+    (UV, &["s", "t"]),
+    (UV, &["texture_u", "texture_v"]),
+    (UV, &["texture_s", "texture_t"]),
+    (COLOR, &["red", "green", "blue"]),
+    (COLOR, &["diffuse_red", "diffuse_green", "diffuse_blue"]),
+];
+/// Names of the lists of vertices.
 const LISTS: [&str; 2] = ["vertex_indices", "vertex_index"];
 
 /// The source of a number of a vertex.
@@ -35,34 +46,27 @@ pub(super) struct VertexLayout {
     pub(super) columns: Vec<Option<Column>>,
     /// The length of a binary row, if it is constant.
     pub(super) stride: Option<usize>,
-    pub(super) normals: bool,
-    pub(super) uvs: bool,
-    pub(super) colors: bool,
+    /// Whether positions are in double precision.
+    pub(super) is_double: bool,
 }
 
 impl VertexLayout {
     pub(super) fn of(element: &Element) -> Result<Self> {
-        let at = |error: Error| error.at(place(element.line));
-        let found = find_all(element, &POSITION).map_err(at)?;
-        let Some(position) = found else { return Err(at(no_position(element))) };
-        let normal = find_all(element, &NORMAL).map_err(at)?;
-        let mut uv = None;
-        for names in UV {
-            uv = uv.or(find_all(element, &names).map_err(at)?);
+        let columns = vec![None; element.properties.len()];
+        let mut layout = Self { columns, stride: stride(&element.properties), is_double: false };
+        for (first, names) in NAMES {
+            let found = match find_all(element, names) {
+                // Properties with these names that are not colours are skipped.
+                Err(_) if first == COLOR => None,
+                found => found.map_err(|error| error.at(place(element.line)))?,
+            };
+            match found {
+                Some(properties) if !layout.has(first) => layout.add(element, &properties, first),
+                None if first == 0 => return Err(no_position(element).at(place(element.line))),
+                _ => {}
+            }
         }
-        // Properties with these names that are not colours are skipped.
-        let color = COLOR.iter().find_map(|names| find_all(element, names).ok().flatten());
-        let mut layout = Self {
-            columns: vec![None; element.properties.len()],
-            stride: stride(&element.properties),
-            normals: normal.is_some(),
-            uvs: uv.is_some(),
-            colors: color.is_some(),
-        };
-        layout.add(element, &position, 0);
-        layout.add(element, &normal.unwrap_or_default(), 3);
-        layout.add(element, &uv.unwrap_or_default(), 6);
-        layout.add(element, &color.unwrap_or_default(), 8);
+        layout.is_double = layout.slots(0..3).iter().all(|column| column.kind == Scalar::F64);
         Ok(layout)
     }
 
@@ -71,26 +75,20 @@ impl VertexLayout {
         for (slot, &p) in (first..).zip(properties) {
             let Shape::One(kind) = element.properties[p].shape else { continue };
             let offset = stride(&element.properties[..p]).unwrap_or(0);
-            let scale = match slot {
-                0..6 => 1.0,
-                6..8 => uv_scale(kind),
-                _ => color_scale(kind),
-            };
+            let scale = scale(slot, kind);
             self.columns[p] = Some(Column { slot, kind, offset, scale });
         }
     }
 
-    /// The columns of the `N` slots from `first` on, in order; `None` if the file lacks any.
-    pub(super) fn slots<const N: usize>(&self, first: usize) -> Option<[Column; N]> {
-        let column = |slot| self.columns.iter().flatten().find(|c| c.slot == slot).copied();
-        let found: Vec<Column> = (first..first + N).filter_map(column).collect();
-        found.try_into().ok()
+    /// Whether the file has the number of a slot.
+    pub(super) fn has(&self, slot: usize) -> bool {
+        self.columns.iter().flatten().any(|column| column.slot == slot)
     }
 
-    /// Whether positions are in double precision.
-    pub(super) fn is_double(&self) -> bool {
-        let position = self.columns.iter().flatten().filter(|column| column.slot < 3);
-        position.clone().count() == 3 && position.clone().all(|column| column.kind == Scalar::F64)
+    /// The columns of some slots, in order: none if the file lacks them.
+    pub(super) fn slots(&self, slots: Range<usize>) -> Vec<Column> {
+        let column = |slot| self.columns.iter().flatten().find(|c| c.slot == slot).copied();
+        slots.filter_map(column).collect()
     }
 
     /// Whether a binary row is exactly three floats, x, y, z.
@@ -102,23 +100,14 @@ impl VertexLayout {
     }
 }
 
-/// Texture coordinates in small integers are fractions of the largest value: integers would all
-/// refer to the same corner of the texture.
-fn uv_scale(kind: Scalar) -> f32 {
-    match kind {
-        Scalar::I8 => 1.0 / f32::from(i8::MAX),
-        Scalar::U8 => 1.0 / f32::from(u8::MAX),
-        Scalar::I16 => 1.0 / f32::from(i16::MAX),
-        Scalar::U16 => 1.0 / f32::from(u16::MAX),
-        Scalar::I32 | Scalar::U32 | Scalar::F32 | Scalar::F64 => 1.0,
-    }
-}
-
-/// Colours in integers are fractions of the largest value; in 32-bit integers, of a byte's.
-fn color_scale(kind: Scalar) -> f32 {
-    match kind {
-        Scalar::I32 | Scalar::U32 => 1.0 / f32::from(u8::MAX),
-        _ => uv_scale(kind),
+/// The factor on numbers of a slot. Texture coordinates in small integers are fractions of the
+/// largest value: integers would all refer to the same corner of the texture. So are colours; in
+/// 32-bit integers, of a byte's.
+fn scale(slot: usize, kind: Scalar) -> f32 {
+    match kind.greatest() {
+        Some(greatest) if slot >= UV && kind.size() < 4 => 1.0 / greatest as f32,
+        Some(_) if slot >= COLOR => 1.0 / f32::from(u8::MAX),
+        _ => 1.0,
     }
 }
 
@@ -132,23 +121,21 @@ fn find(element: &Element, name: &str) -> Result<Option<usize>> {
     let mut all = (0..element.properties.len()).filter(|&i| element.properties[i].name == name);
     let first = all.next();
     if all.next().is_some() {
-        return Err(Error::new(ErrorKind::Syntax, "a vertex property is declared twice")
+        return Err(syntax("a vertex property is declared twice")
             .value(name)
             .remedy("rename one of the two"));
     }
     match first.map(|i| element.properties[i].shape) {
-        Some(Shape::List { .. }) => {
-            Err(Error::new(ErrorKind::Syntax, "a vertex property must be a single number")
-                .value(format_args!("a list \"{name}\""))
-                .remedy(format!("declare it as \"property float {name}\"")))
-        }
+        Some(Shape::List { .. }) => Err(syntax("a vertex property must be a single number")
+            .value(format_args!("a list \"{name}\""))
+            .remedy(format!("declare it as \"property float {name}\""))),
         _ => Ok(first),
     }
 }
 
 fn no_position(element: &Element) -> Error {
     let names: Vec<&str> = element.properties.iter().map(|p| p.name.as_str()).collect();
-    Error::new(ErrorKind::Syntax, "the vertices need the properties x, y and z")
+    syntax("the vertices need the properties x, y and z")
         .value(if names.is_empty() { "none".to_owned() } else { names.join(", ") })
         .remedy("declare each, as in \"property float x\"")
 }
@@ -166,8 +153,9 @@ pub(super) fn stride(properties: &[Property]) -> Option<usize> {
 pub(super) fn unread(header: &Header, vertex: &Element) -> Vec<Error> {
     let has = |element: &Element, name: &str| element.properties.iter().any(|p| p.name == name);
     let faces = || header.elements.iter().filter(|element| element.name == "face");
+    let colors = || NAMES.iter().filter(|(first, _)| *first == COLOR);
     let is_colored =
-        |element: &Element| COLOR.iter().any(|names| names.iter().all(|n| has(element, n)));
+        |element: &Element| colors().any(|(_, names)| names.iter().all(|n| has(element, n)));
     let warning = |message: &str, remedy: &str| Error::new(ErrorKind::Mesh, message).remedy(remedy);
     let colors = (!is_colored(vertex) && faces().any(is_colored))
         .then(|| warning("the colours of faces are ignored", "export colours of vertices instead"));
@@ -198,10 +186,10 @@ impl ListLayout {
         });
         match (lists.next(), lists.next()) {
             (Some(layout), None) => Ok(layout),
-            (found, _) => Err(Error::new(
-                ErrorKind::Syntax,
-                format!("the element \"{}\" needs one list vertex_indices", element.name),
-            )
+            (found, _) => Err(syntax(format!(
+                "the element \"{}\" needs one list vertex_indices",
+                element.name
+            ))
             .at(place(element.line))
             .value(if found.is_some() { "two" } else { "none" })
             .remedy("declare \"property list uchar int vertex_indices\"")),

@@ -2,19 +2,17 @@
 
 use std::io::{BufRead, BufReader};
 
-use super::header::{self, Element, Encoding, Header, Shape};
-use super::layout::{ListLayout, VertexLayout, stride};
+use super::header::{self, Element, Encoding, Header};
+use super::layout::{COLOR, ListLayout, NORMAL, UV, VertexLayout};
+use crate::mesh::BUFFER;
 use crate::mesh::faults::read_failure;
 use crate::mesh::place::{ReadAt, Section};
 use crate::mesh::survey::Survey;
 use wavecrest_base::error::Result;
 
-/// Size of the buffer for texts.
-const TEXT_BUFFER: usize = 1 << 17;
-
 /// Surveys a file of `length` bytes.
-pub(in crate::mesh) fn survey<F: ReadAt + ?Sized>(file: &F, length: u64) -> Result<Survey> {
-    let header = header::read(&mut BufReader::new(Section::new(file, 0, length)))?;
+pub(in crate::mesh) fn survey(file: &dyn ReadAt, length: u64) -> Result<Survey> {
+    let header = header::read(file, length, BUFFER)?;
     let left = length.saturating_sub(header.bytes);
     let mut survey = Survey::default();
     if let Some(vertex) = header.elements.iter().find(|element| element.name == "vertex") {
@@ -22,9 +20,8 @@ pub(in crate::mesh) fn survey<F: ReadAt + ?Sized>(file: &F, length: u64) -> Resu
         // A row has at least one byte for each property.
         let most = left / (vertex.properties.len() as u64).max(1);
         survey.positions = vertex.count.min(most);
-        survey.normals = if layout.normals { survey.positions } else { 0 };
-        survey.colors = if layout.colors { survey.positions } else { 0 };
-        survey.uvs = if layout.uvs { survey.positions } else { 0 };
+        let of = |first| if layout.has(first) { survey.positions } else { 0 };
+        (survey.normals, survey.uvs, survey.colors) = (of(NORMAL), of(UV), of(COLOR));
     }
     let is_list = |element: &&Element| element.name == "face" || element.name == "tristrips";
     let corners = match header.encoding {
@@ -40,13 +37,7 @@ pub(in crate::mesh) fn survey<F: ReadAt + ?Sized>(file: &F, length: u64) -> Resu
 
 /// Bytes of an element's rows, with empty lists.
 fn fixed_bytes(element: &Element) -> u64 {
-    let row: usize = stride(&element.properties).unwrap_or_else(|| {
-        let size = |shape: Shape| match shape {
-            Shape::One(kind) | Shape::List { count: kind, .. } => kind.size(),
-        };
-        element.properties.iter().map(|property| size(property.shape)).sum()
-    });
-    element.count.saturating_mul(row as u64)
+    element.count.saturating_mul(element.least_row(|kind| kind.size() as u64))
 }
 
 /// Number of triangles of binary faces or strips in `bytes`: each list has two corners more than
@@ -63,7 +54,7 @@ fn triangles(corners: u64, lists: u64) -> u64 {
 }
 
 /// Triangles of a text.
-fn in_text<F: ReadAt + ?Sized>(header: &Header, body: Section<'_, F>) -> Result<u64> {
+fn in_text(header: &Header, body: Section<'_>) -> Result<u64> {
     let mut rows = header.elements.iter().filter(|element| !element.properties.is_empty());
     let mut current = rows.next();
     let (mut left, mut corners, mut lists) = (current.map_or(0, |e| e.count), 0, 0);
@@ -91,7 +82,7 @@ fn words_of_lines(
     lines: u64,
     mut each: impl FnMut(u64),
 ) -> std::io::Result<()> {
-    let mut reader = BufReader::with_capacity(TEXT_BUFFER, text);
+    let mut reader = BufReader::with_capacity(BUFFER, text);
     let (mut words, mut within, mut taken) = (0, false, 0);
     while taken < lines {
         let buffer = reader.fill_buf()?;

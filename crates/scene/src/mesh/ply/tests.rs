@@ -6,16 +6,17 @@ mod colors;
 mod short_cuts;
 
 use super::*;
-use crate::mesh::MeshData;
+use crate::mesh::{BUFFER, MeshData};
 use wavecrest_base::error::ErrorKind;
 
 fn load(bytes: &[u8]) -> Result<Read> {
     // A small buffer, so that rows lie across its ends.
-    let read = read_from(bytes, bytes.len() as u64, 29);
-    if let (Ok(small), Ok(large)) = (&read, &read_from(bytes, bytes.len() as u64, BODY_BUFFER)) {
+    let read = |buffer| super::read(&bytes, bytes.len() as u64, buffer);
+    let small = read(29);
+    if let (Ok(small), Ok(large)) = (&small, &read(BUFFER)) {
         assert_eq!(small.0, large.0);
     }
-    read
+    small
 }
 
 fn mesh(bytes: &[u8]) -> MeshData {

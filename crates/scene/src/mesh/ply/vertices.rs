@@ -1,4 +1,4 @@
-//! Binary vertices with rows of constant length, read on all threads.
+//! The vertices of a PLY file, and binary rows of constant length read on all threads.
 //!
 //! Each thread reads the next block of rows into memory that stays in its cache, distributes it to
 //! the arrays and checks the positions there. Rows of exactly three floats are read directly into
@@ -7,136 +7,178 @@
 use glam::{DVec3, Vec2, Vec3};
 use rayon::prelude::*;
 
-use super::header::Scalar;
-use super::layout::{Column, VertexLayout};
-use super::source::Vertices;
+use super::header::{Encoding, Scalar, with_type};
+use super::layout::{COLOR, Column, NORMAL, SLOTS, UV, VertexLayout};
+use super::numbers::{Fault, Numbers};
 use crate::mesh::origin::{origin, relative};
 use crate::mesh::place::ReadAt;
 use crate::mesh::validate::is_good_position;
 
-/// Reads rows from `place` on into `vertices`, which has room for them; a thread reads about
-/// `block` bytes at once. Returns the number of rows before the first block with an error, or of
-/// all.
-pub(super) fn read<F: ReadAt + ?Sized, const BIG: bool>(
-    file: &F,
-    place: u64,
-    layout: &VertexLayout,
-    block: usize,
-    vertices: &mut Vertices,
-) -> usize {
-    let Some(mut rows) = Rows::of(layout) else { return 0 };
-    if layout.is_double() && !vertices.positions.is_empty() {
-        let mut first = vec![0; rows.stride];
-        if file.read_exact_at(&mut first, place).is_err() {
-            return 0;
+/// The vertices while they are read. All rows exist from the start, as zeros.
+#[derive(Debug, Default)]
+pub(super) struct Vertices {
+    /// Relative to the origin.
+    pub(super) positions: Vec<Vec3>,
+    pub(super) origin: DVec3,
+    /// Empty if the file has none, as are the others.
+    pub(super) normals: Vec<Vec3>,
+    pub(super) uvs: Vec<Vec2>,
+    pub(super) colors: Vec<Vec3>,
+}
+
+impl Vertices {
+    /// Room for `count` vertices. The caller has checked the count against the size of the file.
+    pub(super) fn new(count: usize, layout: &VertexLayout) -> Self {
+        let of = |first| if layout.has(first) { count } else { 0 };
+        Self {
+            // The system provides zeroed pages, first touched by the thread that fills them: `vec!`
+            // would write each vector twice.
+            positions: bytemuck::zeroed_vec(count),
+            origin: DVec3::ZERO,
+            normals: bytemuck::zeroed_vec(of(NORMAL)),
+            uvs: bytemuck::zeroed_vec(of(UV)),
+            colors: bytemuck::zeroed_vec(of(COLOR)),
         }
-        rows.origin = Some(origin(point::<BIG>(&first, &rows.position)));
-        vertices.origin = rows.origin.unwrap_or_default();
     }
-    let per_task = (block / rows.stride).max(1);
-    let mut tasks = tasks(vertices, per_task, place, rows.stride);
-    let stops = tasks.par_iter_mut().map_init(Vec::new, |buffer, task| {
-        // Rows that cannot be read are read again number by number, which reports the error.
-        let is_good = rows.read::<F, BIG>(file, task, buffer).is_ok()
-            && task.positions.iter().all(|p| is_good_position(*p));
-        (!is_good).then_some(task.first)
-    });
-    let stop = stops.find_first(Option::is_some).flatten();
-    stop.unwrap_or(vertices.positions.len())
-}
 
-/// A block of rows and its destination.
-struct Task<'a> {
-    first: usize,
-    place: u64,
-    positions: &'a mut [Vec3],
-    normals: &'a mut [Vec3],
-    uvs: &'a mut [Vec2],
-    colors: &'a mut [Vec3],
-}
+    /// Stores the `values` of vertex `row`, by slots.
+    pub(super) fn set(&mut self, row: usize, layout: &VertexLayout, mut values: [f64; SLOTS]) {
+        if layout.is_double {
+            let point = DVec3::new(values[0], values[1], values[2]);
+            if row == 0 {
+                self.origin = origin(point);
+            }
+            values[..3].copy_from_slice(&(point - self.origin).to_array());
+        }
+        for &Column { slot, scale, .. } in layout.columns.iter().flatten() {
+            let value = values[slot] as f32 * scale;
+            match slot {
+                ..NORMAL => self.positions[row][slot] = value,
+                NORMAL..UV => self.normals[row][slot - NORMAL] = value,
+                UV..COLOR => self.uvs[row][slot - UV] = value,
+                _ => self.colors[row][slot - COLOR] = value,
+            }
+        }
+    }
 
-fn tasks(vertices: &mut Vertices, rows: usize, place: u64, stride: usize) -> Vec<Task<'_>> {
-    let mut normals = vertices.normals.chunks_mut(rows);
-    let mut uvs = vertices.uvs.chunks_mut(rows);
-    let mut colors = vertices.colors.chunks_mut(rows);
-    let task = |(number, positions)| Task {
-        first: number * rows,
-        place: place + (number * rows * stride) as u64,
-        positions,
-        normals: normals.next().unwrap_or_default(),
-        uvs: uvs.next().unwrap_or_default(),
-        colors: colors.next().unwrap_or_default(),
-    };
-    vertices.positions.chunks_mut(rows).enumerate().map(task).collect()
+    /// Reads the first rows, up to the first block with an invalid position, and returns their
+    /// number, possibly 0. An invalid vertex is left to be read again.
+    pub(super) fn read(
+        &mut self,
+        layout: &VertexLayout,
+        from: &mut Numbers<'_>,
+    ) -> Result<u64, Fault> {
+        let Some(rows) = Rows::of(layout).filter(|_| from.block > 0) else { return Ok(0) };
+        let count = match from.encoding {
+            Encoding::BigEndian => rows.read_all::<true>(from, self),
+            _ => rows.read_all::<false>(from, self),
+        };
+        from.advance((rows.stride * count) as u64)?;
+        Ok(count as u64)
+    }
 }
 
 /// The layout of a row.
 struct Rows {
     stride: usize,
-    packed: bool,
-    position: [Column; 3],
-    /// If positions are in double precision.
-    origin: Option<DVec3>,
-    normal: Option<[Column; 3]>,
-    uv: Option<[Column; 2]>,
-    color: Option<[Column; 3]>,
+    is_packed: bool,
+    /// Whether positions are in double precision.
+    is_double: bool,
+    /// The columns of positions, normals, texture coordinates and colours: none if there are none.
+    columns: [Vec<Column>; 4],
+}
+
+/// A block of rows and its destination: the numbers of the four arrays.
+struct Task<'a> {
+    first: usize,
+    place: u64,
+    arrays: [&'a mut [f32]; 4],
 }
 
 impl Rows {
     fn of(layout: &VertexLayout) -> Option<Self> {
-        Some(Self {
-            stride: layout.stride?,
-            packed: layout.is_packed(),
-            position: layout.slots(0)?,
-            origin: None,
-            normal: layout.slots(3),
-            uv: layout.slots(6),
-            color: layout.slots(8),
-        })
+        let columns =
+            [0..NORMAL, NORMAL..UV, UV..COLOR, COLOR..SLOTS].map(|slots| layout.slots(slots));
+        let (is_packed, is_double) = (layout.is_packed(), layout.is_double);
+        Some(Self { stride: layout.stride?, is_packed, is_double, columns })
     }
 
-    fn read<F: ReadAt + ?Sized, const BIG: bool>(
+    /// Reads blocks; returns the number of rows before the first block with an error, or of all.
+    fn read_all<const BIG: bool>(&self, from: &Numbers<'_>, to: &mut Vertices) -> usize {
+        let (count, place) = (to.positions.len(), from.place());
+        if self.is_double && count > 0 {
+            let mut first = vec![0; self.stride];
+            if from.file.read_exact_at(&mut first, place).is_err() {
+                return 0;
+            }
+            to.origin = origin(self.point::<BIG>(&first));
+        }
+        let (per_task, origin) = ((from.block / self.stride).max(1), to.origin);
+        let mut chunks = [
+            bytemuck::cast_slice_mut(&mut to.positions).chunks_mut(per_task * 3),
+            bytemuck::cast_slice_mut(&mut to.normals).chunks_mut(per_task * 3),
+            bytemuck::cast_slice_mut(&mut to.uvs).chunks_mut(per_task * 2),
+            bytemuck::cast_slice_mut(&mut to.colors).chunks_mut(per_task * 3),
+        ];
+        let mut tasks: Vec<Task> = (0..count)
+            .step_by(per_task)
+            .map(|first| Task {
+                first,
+                place: place + (first * self.stride) as u64,
+                arrays: chunks.each_mut().map(|chunks| chunks.next().unwrap_or_default()),
+            })
+            .collect();
+        let stops = tasks.par_iter_mut().map_init(Vec::new, |buffer, task| {
+            // Rows that cannot be read are read again number by number, which reports the error.
+            let is_good = self.read::<BIG>(from.file, task, origin, buffer).is_ok()
+                && bytemuck::cast_slice(task.arrays[0]).iter().all(|p| is_good_position(*p));
+            (!is_good).then_some(task.first)
+        });
+        stops.find_first(Option::is_some).flatten().unwrap_or(count)
+    }
+
+    fn read<const BIG: bool>(
         &self,
-        file: &F,
+        file: &dyn ReadAt,
         task: &mut Task<'_>,
+        origin: DVec3,
         buffer: &mut Vec<u8>,
     ) -> std::io::Result<()> {
-        if self.packed {
-            file.read_exact_at(bytemuck::cast_slice_mut(task.positions), task.place)?;
-            to_native::<BIG>(task.positions);
-        } else {
-            buffer.resize(task.positions.len() * self.stride, 0);
-            file.read_exact_at(buffer, task.place)?;
-            self.take_apart::<BIG>(buffer, task);
+        let [positions, ..] = &mut task.arrays;
+        if self.is_packed {
+            file.read_exact_at(bytemuck::cast_slice_mut(positions), task.place)?;
+            if BIG != cfg!(target_endian = "big") {
+                let numbers: &mut [u32] = bytemuck::cast_slice_mut(positions);
+                numbers.iter_mut().for_each(|n| *n = n.swap_bytes());
+            }
+            return Ok(());
+        }
+        buffer.resize(positions.len() / 3 * self.stride, 0);
+        file.read_exact_at(buffer, task.place)?;
+        let mut from = 0;
+        if self.is_double {
+            let positions: &mut [Vec3] = bytemuck::cast_slice_mut(positions);
+            for (to, row) in positions.iter_mut().zip(buffer.chunks_exact(self.stride)) {
+                *to = relative(self.point::<BIG>(row), origin);
+            }
+            from = 1;
+        }
+        for (columns, to) in self.columns.iter().zip(&mut task.arrays).skip(from) {
+            match columns[..] {
+                [a, b, c] => take_columns::<3, BIG>(buffer, self.stride, [a, b, c], to),
+                [a, b] => take_columns::<2, BIG>(buffer, self.stride, [a, b], to),
+                _ => {}
+            }
         }
         Ok(())
     }
 
-    fn take_apart<const BIG: bool>(&self, rows: &[u8], task: &mut Task<'_>) {
-        if let Some(origin) = self.origin {
-            for (to, row) in task.positions.iter_mut().zip(rows.chunks_exact(self.stride)) {
-                *to = relative(point::<BIG>(row, &self.position), origin);
-            }
-        } else {
-            take_columns::<_, 3, BIG>(rows, self.stride, &self.position, task.positions);
-        }
-        if let Some(columns) = &self.normal {
-            take_columns::<_, 3, BIG>(rows, self.stride, columns, task.normals);
-        }
-        if let Some(columns) = &self.uv {
-            take_columns::<_, 2, BIG>(rows, self.stride, columns, task.uvs);
-        }
-        if let Some(columns) = &self.color {
-            take_columns::<_, 3, BIG>(rows, self.stride, columns, task.colors);
-        }
-    }
-}
-
-/// Converts numbers to the native byte order.
-fn to_native<const BIG: bool>(positions: &mut [Vec3]) {
-    if BIG != cfg!(target_endian = "big") {
-        let numbers: &mut [u32] = bytemuck::cast_slice_mut(positions);
-        numbers.iter_mut().for_each(|n| *n = n.swap_bytes());
+    /// The position in a row, in double precision.
+    #[inline(always)]
+    fn point<const BIG: bool>(&self, row: &[u8]) -> DVec3 {
+        let at =
+            |axis: usize| f64::from_le_bytes(part::<8, BIG>(row, self.columns[0][axis].offset));
+        DVec3::new(at(0), at(1), at(2))
     }
 }
 
@@ -151,56 +193,28 @@ pub(super) fn part<const N: usize, const BIG: bool>(row: &[u8], offset: usize) -
     bytes
 }
 
-/// The position in a row, in double precision.
-#[inline(always)]
-fn point<const BIG: bool>(row: &[u8], columns: &[Column; 3]) -> DVec3 {
-    columns.map(|column| f64::from_le_bytes(part::<8, BIG>(row, column.offset))).into()
-}
-
 /// Copies `columns` of `rows` to vectors.
-fn take_columns<T: AsMut<[f32; N]>, const N: usize, const BIG: bool>(
+#[allow(clippy::unnecessary_cast, reason = "one of the types is f32")]
+fn take_columns<const N: usize, const BIG: bool>(
     rows: &[u8],
     stride: usize,
-    columns: &[Column; N],
-    to: &mut [T],
+    columns: [Column; N],
+    to: &mut [f32],
 ) {
+    let rows = || rows.chunks_exact(stride);
+    let to = to.as_chunks_mut::<N>().0;
     // Nearly every file has floats, which are copied row by row.
     if columns.iter().all(|c| c.kind == Scalar::F32) {
         let offsets = columns.map(|c| c.offset);
-        for (to, row) in to.iter_mut().zip(rows.chunks_exact(stride)) {
-            *to.as_mut() = offsets.map(|at| f32::from_le_bytes(part::<4, BIG>(row, at)));
+        for (to, row) in to.iter_mut().zip(rows()) {
+            *to = offsets.map(|at| f32::from_le_bytes(part::<4, BIG>(row, at)));
         }
         return;
     }
-    for (number, column) in columns.iter().enumerate() {
-        take_column::<_, N, BIG>(rows, stride, *column, to, number);
-    }
-}
-
-/// Copies one column of `rows`. The type is matched once, not for every row.
-fn take_column<T: AsMut<[f32; N]>, const N: usize, const BIG: bool>(
-    rows: &[u8],
-    stride: usize,
-    Column { kind, offset, scale, .. }: Column,
-    to: &mut [T],
-    number: usize,
-) {
-    macro_rules! take {
-        ($type:ty) => {
-            for (to, row) in to.iter_mut().zip(rows.chunks_exact(stride)) {
-                let value = <$type>::from_le_bytes(part::<_, BIG>(row, offset));
-                to.as_mut()[number] = value as f32 * scale;
-            }
-        };
-    }
-    match kind {
-        Scalar::I8 => take!(i8),
-        Scalar::U8 => take!(u8),
-        Scalar::I16 => take!(i16),
-        Scalar::U16 => take!(u16),
-        Scalar::I32 => take!(i32),
-        Scalar::U32 => take!(u32),
-        Scalar::F32 => take!(f32),
-        Scalar::F64 => take!(f64),
+    for (number, Column { kind, offset, scale, .. }) in columns.into_iter().enumerate() {
+        // The type is matched once, not for every row.
+        with_type!(kind, T => for (to, row) in to.iter_mut().zip(rows()) {
+            to[number] = T::from_le_bytes(part::<_, BIG>(row, offset)) as f32 * scale;
+        });
     }
 }

@@ -5,14 +5,14 @@ use wavecrest_base::error::ErrorKind;
 
 fn load(bytes: &[u8]) -> Result<Read> {
     // A small buffer, so that lines and triangles lie across its ends.
-    let read = read_from(bytes, bytes.len() as u64, 29);
-    let large = read_from(bytes, bytes.len() as u64, BUFFER);
-    match (&read, &large) {
+    let read = |buffer| super::read(&bytes, bytes.len() as u64, buffer);
+    let (small, large) = (read(29), read(BUFFER));
+    match (&small, &large) {
         (Ok(small), Ok(large)) => assert_eq!(small.0, large.0),
         (Err(small), Err(large)) => assert_eq!(small.to_string(), large.to_string()),
-        _ => panic!("{read:?} and {large:?}"),
+        _ => panic!("{small:?} and {large:?}"),
     }
-    read
+    small
 }
 
 fn mesh(bytes: &[u8]) -> MeshData {
@@ -166,7 +166,7 @@ fn truncated_and_empty_files_are_refused() {
 
 #[test]
 fn a_survey_counts_what_there_is_room_for() {
-    let surveyed = |bytes: &[u8]| survey(bytes, bytes.len() as u64).unwrap();
+    let surveyed = |bytes: &[u8]| survey(&bytes, bytes.len() as u64).unwrap();
     assert_eq!(surveyed(&binary("", 0)).triangles, 4);
     assert_eq!(surveyed(text().as_bytes()).triangles, 4);
     assert_eq!(surveyed(&head("", u32::MAX)).triangles, 0);

@@ -5,12 +5,13 @@ use super::*;
 
 /// The text as one piece whose start is known, on this thread.
 fn slowly(text: &[u8]) -> Result<Read> {
-    let origin = piece::first_position(text).map(origin);
-    let mut parts = Parts { start: Count::of(text), origin, ..Parts::default() };
-    parts.add(Piece::read(text, Count::default(), origin.unwrap_or_default())?)?;
+    let origin = contents::first_position(text).map(origin);
+    let (start, all) = Contents::read(text, Some(Count::default()), origin.unwrap_or_default());
+    let mut parts = Parts { start, origin, ..Parts::default() };
+    parts.all.append(all?)?;
     if let Some(error) = parts.first_bad_index() {
-        let whole = parts.start;
-        return Err(piece::find_bad_face(text, Count::default(), whole).unwrap_or(error));
+        let length = text.len() as u64;
+        return Err(find_bad_face(&text, length, text.len(), parts.start)?.unwrap_or(error));
     }
     parts.finish().map(|(read, _)| read)
 }

@@ -5,54 +5,21 @@ use std::sync::LazyLock;
 
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
+use super::super::body;
 use super::super::header::{Element, Property, Scalar, Shape};
-use super::super::source::{Fault, Source};
-use super::super::{binary::Binary, body};
 use super::*;
 
-/// A source without its short cuts.
-struct Slow<S>(S);
-
-impl<S: Source> Source for Slow<S> {
-    fn value(&mut self, kind: Scalar) -> std::result::Result<f64, Fault> {
-        self.0.value(kind)
-    }
-    fn skip(&mut self, kind: Scalar, count: u64) -> std::result::Result<(), Fault> {
-        self.0.skip(kind, count)
-    }
-    fn end_row(&mut self) -> std::result::Result<(), Fault> {
-        self.0.end_row()
-    }
-    fn left(&self) -> u64 {
-        self.0.left()
-    }
-    fn least(&self, kind: Scalar, count: u64) -> u64 {
-        self.0.least(kind, count)
-    }
-    fn trailing(&mut self) -> std::result::Result<u64, Fault> {
-        self.0.trailing()
-    }
-    fn line(&self) -> Option<u64> {
-        self.0.line()
-    }
-}
-
-/// As [`read_from`], number by number.
+/// As [`read`], number by number.
 fn slowly(bytes: &[u8]) -> Result<Read> {
     let length = bytes.len() as u64;
-    let buffered = |place| BufReader::with_capacity(64, Section::new(bytes, place, length));
-    let header = header::read(&mut buffered(0))?;
-    let (left, body) = (length - header.bytes, buffered(header.bytes));
-    match header.encoding {
-        Encoding::BigEndian => {
-            body::read(&header, Slow(Binary::<_, true>::new(bytes, body, length, left)))
-        }
-        _ => body::read(&header, Slow(Binary::<_, false>::new(bytes, body, length, left))),
-    }
+    let header = header::read(&bytes, length, 64)?;
+    let mut numbers = Numbers::new(&bytes, &header, length, 64);
+    numbers.block = 0;
+    body::read(&header, numbers)
 }
 
 /// Sizes of the buffer, and numbers of threads.
-const WAYS: [(usize, usize); 4] = [(16, 3), (100, 1), (1000, 2), (BODY_BUFFER, 4)];
+const WAYS: [(usize, usize); 4] = [(16, 3), (100, 1), (1000, 2), (BUFFER, 4)];
 
 /// The threads, started once.
 static POOLS: LazyLock<[ThreadPool; 4]> = LazyLock::new(|| {
@@ -64,7 +31,7 @@ static POOLS: LazyLock<[ThreadPool; 4]> = LazyLock::new(|| {
 fn check(bytes: &[u8], what: &str) -> Option<MeshData> {
     let slow = slowly(bytes);
     for ((buffer, _), pool) in WAYS.iter().zip(&*POOLS) {
-        let fast = pool.install(|| read_from(bytes, bytes.len() as u64, *buffer));
+        let fast = pool.install(|| read(&bytes, bytes.len() as u64, *buffer));
         match (&slow, &fast) {
             (Ok(slow), Ok(fast)) => {
                 assert_eq!(bits(&slow.0), bits(&fast.0), "{what}, {buffer}");
@@ -294,7 +261,7 @@ fn a_file_that_shrinks_is_an_error() {
     for faces in [vec![&[0, 1, 2][..]; 900], vec![&[0, 1, 2, 3][..]; 900]] {
         let bytes = packed(false, &faces);
         for cut in [bytes.len() - 1, bytes.len() / 2, bytes.len() - 900 * 13 - 5] {
-            let error = read_from(&bytes[..cut], bytes.len() as u64, 64).unwrap_err().to_string();
+            let error = read(&&bytes[..cut], bytes.len() as u64, 64).unwrap_err().to_string();
             assert!(error.contains("the file is cut off"), "{error}");
         }
     }
@@ -322,7 +289,7 @@ fn rows_that_are_passed_over_at_once_are_counted() {
 #[test]
 fn the_random_files_declare_what_they_hold() {
     let kind = Kind { seed: 2, big: false, corners: [3, 3], extra: true, wrong: 0 };
-    let header = header::read(&mut &random_file(kind)[..]).unwrap();
+    let header = header::read(&&random_file(kind)[..], u64::MAX, 64).unwrap();
     let names: Vec<&str> = header.elements.iter().map(|e: &Element| e.name.as_str()).collect();
     assert_eq!(names, ["vertex", "face"]);
     let lists = |p: &&Property| matches!(p.shape, Shape::List { .. });
