@@ -29,7 +29,7 @@ pub(crate) struct CheckArgs {
 /// If the scene cannot be rendered.
 pub(crate) fn run(args: &CheckArgs) -> Result<()> {
     args.scene_options.threads.run(|| {
-        let mut loaded = args.scene_options.load(&args.scene, Extent::default(), &[])?;
+        let mut loaded = args.scene_options.load(&args.scene, &Extent::default(), &[])?;
         // The contents are those of the file.
         if let Some(ground) = looks::ground(&loaded.world) {
             let _ = loaded.world.despawn(ground);
@@ -38,7 +38,7 @@ pub(crate) fn run(args: &CheckArgs) -> Result<()> {
         let passes = unplanned(&PASSES);
         let options = Options { passes: &passes, ..Options::default() };
         let extracted = systems::extract(&mut loaded.world, options)?;
-        let extracted = args.scene_options.checked(extracted, Extent::default())?;
+        let extracted = args.scene_options.checked(extracted, &Extent::default())?;
         extracted.scene().appearance.decode()?;
         let file = extracted.file().to_owned();
         // For the few test rays of warnings.

@@ -135,7 +135,7 @@ struct Buffer {
 /// If the scene cannot be rendered.
 pub(crate) fn run(args: &ExplainArgs) -> Result<()> {
     args.scene_options.threads.run(|| {
-        let extent = Extent::whole(args.batch);
+        let extent = &Extent::whole(args.batch);
         let estimated = args.scene_options.estimate(&args.scene, extent)?;
         let start = Instant::now();
         let loaded = args.scene_options.load(&args.scene, extent, &[])?;

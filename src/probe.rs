@@ -5,19 +5,10 @@ use std::path::PathBuf;
 
 use glam::Vec3;
 
-use super::common::{Extent, Imaging, SceneOptions, SearchOptions, print, rounded, to_json, whole};
+use super::common::{Extent, SceneOptions, SearchOptions, numbers, print, rounded, to_json, whole};
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_core::probe::{Bounce, Light, Met, Path, PixelRecord, Surface, Verdict, pixel};
 use wavecrest_scene::memory::{Images, film_bytes};
-
-/// A single pixel, not written.
-struct Pixel;
-
-impl Imaging for Pixel {
-    fn images(&self, _: [u32; 2]) -> Images {
-        Images { film: film_bytes(1), writing: 0 }
-    }
-}
 
 /// Follow the rays of a pixel: what they hit, its material, and what each light adds.
 ///
@@ -48,11 +39,7 @@ pub(crate) struct ProbeArgs {
 
 /// `x,y` in pixels.
 fn place(text: &str) -> std::result::Result<[u32; 2], String> {
-    let numbers: Option<Vec<u32>> = text.split(',').map(|part| part.trim().parse().ok()).collect();
-    match numbers.as_deref() {
-        Some(&[x, y]) => Ok([x, y]),
-        _ => Err("write two whole numbers: x,y, such as 320,200".to_owned()),
-    }
+    numbers(text).ok_or_else(|| "write two whole numbers: x,y, such as 320,200".to_owned())
 }
 
 /// Prints the hits of the pixel's rays, and returns whether both tracers agree.
@@ -62,10 +49,12 @@ fn place(text: &str) -> std::result::Result<[u32; 2], String> {
 pub(crate) fn run(args: &ProbeArgs) -> Result<bool> {
     args.search.check(args.scene_options.precision)?;
     args.scene_options.threads.run(|| {
-        let extent = Extent { images: &Pixel, ..Extent::default() };
+        // A single pixel, not written.
+        let images = |_| Images { film: film_bytes(1), writing: 0 };
+        let extent = &Extent { images: Box::new(images), ..Extent::default() };
         let loaded = args.scene_options.load(&args.scene, extent, &[])?;
         let extracted = args.scene_options.extract(loaded, extent)?;
-        let preset = args.scene_options.bvh.unwrap_or_else(|| extracted.preset());
+        let preset = args.scene_options.preset(&extracted);
         let mut scene = args.scene_options.build(extracted, preset)?;
         args.search.apply(&mut scene.accel);
         let (size, samples) = (scene.camera.size(), scene.camera.rays_per_pixel());
