@@ -9,6 +9,7 @@ use std::sync::{Mutex, PoisonError};
 
 use bytesize::ByteSize;
 use indicatif::{ProgressBar, ProgressState, ProgressStyle};
+use serde_json::Value;
 
 use crate::choice::choice;
 use crate::input::InputOptions;
@@ -297,6 +298,14 @@ pub(crate) fn with_bar<R>(
     });
     bar.finish_and_clear();
     result
+}
+
+/// A JSON object without the keys that have no value.
+pub(crate) fn known(mut object: Value) -> Value {
+    if let Value::Object(entries) = &mut object {
+        entries.retain(|_, value| !value.is_null());
+    }
+    object
 }
 
 /// A number rounded to this many digits.
