@@ -126,8 +126,13 @@ pub fn layers(scene: &PreparedScene, request: &Request<'_>) -> Result<Found> {
         let samples = scene.camera.rays_per_pixel();
         let rays = CameraRays { scene, window, seed: request.seed };
         rays.run(&Pass { scene, names: &names }, &mut |at, sums| {
-            let each = places.iter().zip(&mut channels);
-            each.for_each(|(place, to)| put(*place, to, at, sums, samples));
+            for (&(layer, axis), channel) in places.iter().zip(&mut channels) {
+                let value = value(layer, axis, sums, samples);
+                match channel {
+                    Values::Floats(values) => values[at] = value as f32,
+                    Values::Integers(values) => values[at] = value as u32,
+                }
+            }
         });
     }
     scene.appearance.check()?;
@@ -136,8 +141,7 @@ pub fn layers(scene: &PreparedScene, request: &Request<'_>) -> Result<Found> {
         match (layer, channel) {
             (Layer::Samples, Values::Integers(all)) => all.fill(scene.camera.rays_per_pixel()),
             (Layer::Invalid, Values::Floats(mask)) if request.invalid > 0 => {
-                let (seed, count) = (request.seed, request.invalid);
-                invalid::Search { scene, window: &window, seed, count, mask }.run();
+                invalid::mark(scene, &window, request, mask);
             }
             (Layer::Object, Values::Integers(numbers)) => {
                 entries.push(Entry { name: "objects", text: names.objects(numbers) });
@@ -176,30 +180,18 @@ fn room(layer: Layer, pixels: usize) -> Result<Values> {
     }
 }
 
-/// Stores the result of a pixel's samples.
-fn put((layer, axis): (Layer, usize), channel: &mut Values, at: usize, sums: &Sums, samples: u32) {
-    match channel {
-        Values::Floats(values) => values[at] = quantity(layer, sums, axis, samples),
-        Values::Integers(values) => values[at] = number(layer, sums),
-    }
-}
-
-fn quantity(layer: Layer, sums: &Sums, axis: usize, samples: u32) -> f32 {
-    let sum = match layer {
-        Layer::Alpha => return (f64::from(sums.hits) / f64::from(samples)) as f32,
-        Layer::Depth => sums.depth,
-        Layer::Normal => sums.normal[axis],
-        Layer::Albedo => sums.albedo[axis],
-        Layer::Position => sums.position[axis],
-        _ => 0.0,
-    };
-    if sums.hits == 0 { 0.0 } else { (sum / f64::from(sums.hits)) as f32 }
-}
-
-fn number(layer: Layer, sums: &Sums) -> u32 {
+/// The result of a pixel's samples along an axis of a layer.
+fn value(layer: Layer, axis: usize, sums: &Sums, samples: u32) -> f64 {
+    let mean = |sum: f64| if sums.hits == 0 { 0.0 } else { sum / f64::from(sums.hits) };
     match layer {
-        Layer::Object => sums.object,
-        Layer::Material => sums.material,
-        _ => 0,
+        Layer::Alpha => f64::from(sums.hits) / f64::from(samples),
+        Layer::Depth => mean(sums.depth),
+        Layer::Normal => mean(sums.normal[axis]),
+        Layer::Albedo => mean(sums.albedo[axis]),
+        Layer::Position => mean(sums.position[axis]),
+        Layer::Object => sums.object.into(),
+        Layer::Material => sums.material.into(),
+        Layer::Samples => samples.into(),
+        Layer::Invalid => 0.0,
     }
 }
