@@ -88,7 +88,7 @@ const ROUNDS: &str = "{wide_bar} {pos} of {len} rounds, {eta} left";
 
 fn prepare(args: &BenchArgs, path: &Path) -> Result<(PreparedScene, Setting)> {
     let start = Instant::now();
-    let extent = Extent::whole(args.batch);
+    let extent = &Extent::whole(args.batch);
     let loaded = args.scene_options.load(path, extent, &[])?;
     let extracted = args.scene_options.extract(loaded, extent)?;
     // Neither tracer should wait for an image.

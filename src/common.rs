@@ -9,6 +9,7 @@ use std::sync::{Mutex, PoisonError};
 
 use bytesize::ByteSize;
 use indicatif::{ProgressBar, ProgressState, ProgressStyle};
+use serde_json::Value;
 
 use crate::choice::choice;
 use crate::input::InputOptions;
@@ -62,7 +63,7 @@ impl SceneOptions {
     pub(crate) fn load(
         &self,
         scene: &Path,
-        extent: Extent<'_>,
+        extent: &Extent<'_>,
         outputs: &[&Path],
     ) -> Result<LoadedScene> {
         self.input.check(scene)?;
@@ -78,10 +79,10 @@ impl SceneOptions {
     }
 
     /// Estimates the memory of a render of this `extent` before anything large is read.
-    pub(crate) fn estimate(&self, scene: &Path, extent: Extent<'_>) -> Result<Estimate> {
+    pub(crate) fn estimate(&self, scene: &Path, extent: &Extent<'_>) -> Result<Estimate> {
         let survey = survey(scene, &self.load_options())?;
         let asked = memory::Asked {
-            images: &|size| extent.images.images(size),
+            images: &*extent.images,
             preset: self.bvh,
             batch: extent.batch,
             flat: self.flatten,
@@ -95,18 +96,27 @@ impl SceneOptions {
     }
 
     /// Runs all systems but the last on `loaded`, for a render of this `extent`.
-    pub(crate) fn extract(&self, mut loaded: LoadedScene, extent: Extent<'_>) -> Result<Extracted> {
+    pub(crate) fn extract(
+        &self,
+        mut loaded: LoadedScene,
+        extent: &Extent<'_>,
+    ) -> Result<Extracted> {
         let (precision, flat) = (self.precision, self.flatten);
         let options = systems::Options { precision, flat, ..Default::default() };
         self.checked(systems::extract(&mut loaded.world, options)?, extent)
     }
 
     /// Refuses a scene that has no tree yet if a render of this `extent` would take more memory than is allowed.
-    pub(crate) fn checked(&self, extracted: Extracted, extent: Extent<'_>) -> Result<Extracted> {
+    pub(crate) fn checked(&self, extracted: Extracted, extent: &Extent<'_>) -> Result<Extracted> {
         let Some(limit) = self.memory_limit else { return Ok(extracted) };
-        let preset = self.bvh.unwrap_or_else(|| extracted.preset());
+        let preset = self.preset(&extracted);
         limit::check(extracted.file(), &extent.estimate(&extracted, preset), limit)?;
         Ok(extracted)
+    }
+
+    /// The preset of the tree: the requested one, or that for the scene.
+    pub(crate) fn preset(&self, extracted: &Extracted) -> Preset {
+        self.bvh.unwrap_or_else(|| extracted.preset())
     }
 
     /// Builds the tree.
@@ -124,39 +134,24 @@ impl SceneOptions {
 }
 
 /// What a command makes of a scene, as far as it affects memory.
-#[derive(Clone, Copy)]
 pub(crate) struct Extent<'a> {
-    pub(crate) images: &'a dyn Imaging,
+    /// The memory of the images, if the whole image has this width and height in pixels.
+    pub(crate) images: Box<dyn Fn([u32; 2]) -> Images + 'a>,
     /// Paths in a batch.
     pub(crate) batch: usize,
-}
-
-/// Something that makes images of a scene.
-pub(crate) trait Imaging {
-    /// The memory of the images, if the whole image has this width and height in pixels.
-    fn images(&self, size: [u32; 2]) -> Images;
-}
-
-/// The whole image, not written.
-struct Whole;
-
-impl Imaging for Whole {
-    fn images(&self, size: [u32; 2]) -> Images {
-        Images::whole(size)
-    }
 }
 
 impl Extent<'_> {
     /// Estimates the memory of a render of an extracted scene.
     pub(crate) fn estimate(&self, extracted: &Extracted, preset: Preset) -> Estimate {
-        let Images { film, writing } = self.images.images(extracted.scene().camera.size());
+        let Images { film, writing } = (self.images)(extracted.scene().camera.size());
         let usual = memory::estimate_extracted(extracted, extracted.pixels(), preset, self.batch);
         Estimate { film, writing, ..usual }
     }
 
-    /// The whole image, in batches of this number of paths.
+    /// The whole image, not written, in batches of this number of paths.
     pub(crate) fn whole(batch: u32) -> Self {
-        Self { images: &Whole, batch: batch as usize }
+        Self { images: Box::new(Images::whole), batch: batch as usize }
     }
 }
 
@@ -305,6 +300,14 @@ pub(crate) fn with_bar<R>(
     result
 }
 
+/// A JSON object without the keys that have no value.
+pub(crate) fn known(mut object: Value) -> Value {
+    if let Value::Object(entries) = &mut object {
+        entries.retain(|_, value| !value.is_null());
+    }
+    object
+}
+
 /// A number rounded to this many digits.
 pub(crate) fn rounded(x: f64, digits: usize) -> f64 {
     let rounded: f64 = format!("{x:.*e}", digits.saturating_sub(1)).parse().unwrap_or(x);
@@ -330,13 +333,26 @@ pub(crate) fn size(bytes: u64) -> String {
     ByteSize::b(bytes).display().si().to_string()
 }
 
+/// Whole numbers between commas, if there are as many as asked for.
+pub(crate) fn numbers<const N: usize>(text: &str) -> Option<[u32; N]> {
+    let all: Option<Vec<u32>> = text.split(',').map(|part| part.trim().parse().ok()).collect();
+    all?.try_into().ok()
+}
+
 /// `x,y,width,height` in pixels.
 pub(crate) fn crop(text: &str) -> std::result::Result<Tile, String> {
-    let numbers: Option<Vec<u32>> = text.split(',').map(|part| part.trim().parse().ok()).collect();
-    match numbers.as_deref() {
-        Some(&[x, y, width, height]) => Ok(Tile { x, y, width, height }),
-        _ => Err("write four whole numbers: x,y,width,height, such as 0,0,64,64".to_owned()),
-    }
+    let tile = |[x, y, width, height]: [u32; 4]| Tile { x, y, width, height };
+    let wrong = "write four whole numbers: x,y,width,height, such as 0,0,64,64";
+    numbers(text).map(tile).ok_or_else(|| wrong.to_owned())
+}
+
+/// A number that `fits`; `wrong` says what to write instead of another.
+pub(crate) fn number<T: FromStr>(
+    text: &str,
+    fits: impl FnOnce(&T) -> bool,
+    wrong: &str,
+) -> std::result::Result<T, String> {
+    text.parse().ok().filter(fits).ok_or_else(|| wrong.to_owned())
 }
 
 /// A whole number in this range.
@@ -346,18 +362,14 @@ pub(crate) fn whole<T>(
 where
     T: FromStr + PartialOrd + Display + Clone + Send + Sync + 'static,
 {
-    move |text| {
-        let found = text.parse().ok().filter(|number| range.contains(number));
-        found.ok_or_else(|| format!("use a whole number from {} to {}", range.start(), range.end()))
-    }
+    let wrong = format!("use a whole number from {} to {}", range.start(), range.end());
+    move |text| number(text, |found| range.contains(found), &wrong)
 }
 
 /// A number above 0.
 pub(crate) fn above_zero(text: &str) -> std::result::Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(value) if value.is_finite() && value > 0.0 => Ok(value),
-        _ => Err("use a number above 0, such as 0.01".to_owned()),
-    }
+    let fits = |value: &f64| value.is_finite() && *value > 0.0;
+    number(text, fits, "use a number above 0, such as 0.01")
 }
 
 /// Parses the arguments of a command, for tests.

@@ -1,9 +1,8 @@
 //! Options on the development of light to levels.
 
 use crate::choice::choice;
-use wavecrest_core::film::Film;
-use wavecrest_image::metadata::{ALPHA, Extras, Values};
-use wavecrest_image::write::{Develop, Format, Tone};
+use crate::common::number;
+use wavecrest_image::write::{Develop, Tone};
 
 /// The largest exposure in stops, in both directions.
 const STOPS: f32 = 64.0;
@@ -19,36 +18,13 @@ pub(crate) struct DevelopOptions {
     pub(crate) tone: Tone,
 }
 
-impl DevelopOptions {
-    /// The developed film for a format; `None` if nothing changes.
-    pub(crate) fn developed(
-        &self,
-        film: &Film,
-        format: Format,
-        extras: &Extras<'_>,
-    ) -> Option<Film> {
-        if !self.changes(format) {
-            return None;
-        }
-        let alpha = extras.channels.iter().find(|channel| channel.name == ALPHA);
-        let alpha = alpha.and_then(|channel| match &channel.values {
-            Values::Floats(values) => Some(values.as_slice()),
-            Values::Integers(_) => None,
-        });
-        Some(self.develop().film(film, alpha))
-    }
-
-    /// Whether an image of this format is developed.
-    pub(crate) fn changes(&self, format: Format) -> bool {
-        !self.develop().is_plain() && !format.is_float()
-    }
-
-    fn develop(&self) -> Develop {
-        Develop { exposure: self.exposure, tone: self.tone }
+impl From<DevelopOptions> for Develop {
+    fn from(DevelopOptions { exposure, tone }: DevelopOptions) -> Self {
+        Self { exposure, tone }
     }
 }
 
 fn stops(text: &str) -> Result<f32, String> {
-    let number = text.parse().ok().filter(|stops: &f32| stops.abs() <= STOPS);
-    number.ok_or_else(|| format!("use a number from -{STOPS} to {STOPS}"))
+    let wrong = format!("use a number from -{STOPS} to {STOPS}");
+    number(text, |stops: &f32| stops.abs() <= STOPS, &wrong)
 }

@@ -5,7 +5,7 @@ mod report;
 
 use std::path::PathBuf;
 
-use super::common::print;
+use super::common::{number, print};
 use crate::choice::choice;
 use limits::Limits;
 use report::Report;
@@ -103,10 +103,8 @@ fn decoded(film: &Film) -> Film {
 }
 
 fn not_negative(text: &str) -> std::result::Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(value) if value.is_finite() && value >= 0.0 => Ok(value),
-        _ => Err("use a number of 0 or more, such as 0.001".into()),
-    }
+    let fits = |value: &f64| value.is_finite() && *value >= 0.0;
+    number(text, fits, "use a number of 0 or more, such as 0.001")
 }
 
 #[cfg(test)]

@@ -7,13 +7,13 @@ use std::time::Instant;
 
 use glam::DVec3;
 use serde::Serialize;
+use serde_json::{Value, json};
 
-use super::common::{Extent, SceneOptions, grouped, print, to_json, warn, whole};
+use super::common::{Extent, SceneOptions, grouped, known, print, to_json, warn, whole};
 use wavecrest_base::error::Result;
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::kernels::precision::Precision;
-use wavecrest_core::plan::Plan;
-use wavecrest_core::plan::schedule::{self, Column, PASSES};
+use wavecrest_core::plan::schedule::{Column, PASSES, Pass};
 use wavecrest_core::prepared::PreparedScene;
 use wavecrest_core::render::{RenderOptions, Rendered, render};
 use wavecrest_core::wavefront::DEFAULT_BATCH;
@@ -46,74 +46,31 @@ pub(crate) struct ExplainArgs {
     pub(crate) scene_options: SceneOptions,
 }
 
-/// The output.
-#[derive(Serialize)]
-struct Explanation {
-    passes: Vec<Pass>,
-    plan: Plan,
+/// The plan of a render, and what is known of it before and after.
+struct Explanation<'a> {
+    scene: &'a PreparedScene,
     precision: Precision,
-    /// The offset of the scene towards the origin, if any.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    moved_by: Option<[f64; 3]>,
     bvh: Choice,
     /// The numbers of chunks of the tree that rays of the pilot built, and of all.
-    #[serde(skip_serializing_if = "Option::is_none")]
     chunks: Option<[usize; 2]>,
-    bytes_per_path: Vec<Buffer>,
-    /// The estimate before a mesh or a texture is read.
-    estimated_memory: Estimate,
-    estimated_total: u64,
-    memory: Estimate,
-    memory_total: u64,
+    /// The estimates before a mesh or a texture is read, and after.
+    memory: [Estimate; 2],
     /// Upper bounds on the work of the render.
     estimated: Estimated,
     /// The expectation from a pilot.
     expected: Expected,
-    time: Time,
-    /// The counts, if requested.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    rendered: Option<Found>,
-}
-
-/// Seconds: measured for reading and building, expected for tracing and for what rays build.
-#[derive(Serialize)]
-struct Time {
-    threads: usize,
+    /// Seconds measured, without those in which rays build.
     load: f64,
     build: f64,
-    trace: f64,
-}
-
-/// The counts of a render.
-#[derive(Serialize)]
-struct Found {
-    rays: Rays,
-    samples: Samples,
-    /// Bytes of the tree, and of the batches of all threads.
-    tree: u64,
-    batches: u64,
-    /// Peak bytes of the process, if the system reports them.
-    peak: Option<u64>,
-}
-
-/// A pass, and whether it runs.
-#[derive(Serialize)]
-struct Pass {
-    name: &'static str,
-    /// The pass that it is a part of; `None` for whole passes.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    part_of: Option<&'static str>,
-    runs: bool,
-    reason: String,
+    /// The render, if requested.
+    rendered: Option<Rendered>,
 }
 
 /// The preset and the reason.
-#[derive(Serialize)]
 struct Choice {
     preset: Preset,
     reason: String,
     /// The rule by rays per primitive; `None` for a requested preset.
-    #[serde(skip_serializing_if = "Option::is_none")]
     rule: Option<String>,
 }
 
@@ -135,23 +92,22 @@ struct Buffer {
 /// If the scene cannot be rendered.
 pub(crate) fn run(args: &ExplainArgs) -> Result<()> {
     args.scene_options.threads.run(|| {
-        let extent = Extent::whole(args.batch);
+        let extent = &Extent::whole(args.batch);
         let estimated = args.scene_options.estimate(&args.scene, extent)?;
         let start = Instant::now();
         let loaded = args.scene_options.load(&args.scene, extent, &[])?;
         let extracted = args.scene_options.extract(loaded, extent)?;
-        let load = start.elapsed().as_secs_f64();
-        let explanation = explain(extracted, estimated, load, args)?;
-        print(&if args.json { to_json(&explanation)? } else { text::of(&explanation) })
+        explain(extracted, estimated, start, args)
     })
 }
 
 fn explain(
     extracted: Extracted,
     estimated: Estimate,
-    load: f64,
+    start: Instant,
     args: &ExplainArgs,
-) -> Result<Explanation> {
+) -> Result<()> {
+    let load = start.elapsed().as_secs_f64();
     let bvh = choice(&extracted, args.scene_options.bvh);
     let batch = args.batch as usize;
     let memory = memory::estimate_extracted(&extracted, extracted.pixels(), bvh.preset, batch);
@@ -164,77 +120,104 @@ fn explain(
     let expected = Expected::of(scene, &options)?;
     let chunks = scene.accel.chunks();
     let memory = chunks.map_or(memory, |_| memory.with_tree(scene.accel.tree_bytes()));
-    let threads = rayon::current_num_threads();
-    Ok(Explanation {
-        passes: passes(scene),
-        plan: scene.plan.clone(),
+    let explanation = Explanation {
+        scene,
         precision: args.scene_options.precision,
-        moved_by: (scene.origin != DVec3::ZERO).then(|| (-scene.origin).to_array()),
-        bytes_per_path: Column::ALL.into_iter().map(|column| buffer(scene, column)).collect(),
-        estimated_total: estimated.total(),
-        estimated_memory: estimated,
-        memory_total: memory.total(),
-        memory,
         bvh,
-        estimated: Estimated::of(scene, pixels),
-        time: Time { threads, load, build: build + expected.building, trace: expected.seconds },
-        expected,
-        rendered: if args.render { Some(trace(scene, &options)?) } else { None },
         chunks,
-    })
+        memory: [estimated, memory],
+        estimated: Estimated::of(scene, pixels),
+        expected,
+        load,
+        build,
+        rendered: args.render.then(|| render(scene, &options, &())).transpose()?,
+    };
+    print(&if args.json { to_json(&explanation.json())? } else { text::of(&explanation) })
 }
 
-fn buffer(scene: &PreparedScene, column: Column) -> Buffer {
-    let name = column.name();
-    let held = Batch::bytes_per_path(scene).into_iter().find(|(held, _)| *held == name);
-    let by = |columns: fn(&schedule::Pass) -> &'static [Column]| {
-        let passes = PASSES.iter().filter(|pass| columns(pass).contains(&column));
-        passes.map(|pass| pass.name).collect()
-    };
-    Buffer {
-        name,
-        bytes: held.map_or(0, |(_, bytes)| bytes),
-        written_by: by(|pass| pass.writes),
-        read_by: by(|pass| pass.reads),
+impl Explanation<'_> {
+    fn json(&self) -> Value {
+        let Self { scene, bvh, expected, .. } = self;
+        let pass = |pass: &Pass| {
+            known(json!({
+                "name": pass.name,
+                "part_of": pass.part_of.map(|whole| PASSES[whole as usize].name),
+                "runs": scene.plan.schedule().runs(pass.step),
+                "reason": scene.plan.reason(pass),
+            }))
+        };
+        let counted = |Rendered { counters, columns, .. }: &Rendered| {
+            json!({
+                "rays": Rays::from(counters),
+                "samples": Samples::from(counters),
+                "tree": scene.accel.tree_bytes(),
+                "batches": columns,
+                "peak": memory::peak(),
+            })
+        };
+        let [before, after] = &self.memory;
+        let (preset, reason, rule) = (bvh.preset, &bvh.reason, &bvh.rule);
+        known(json!({
+            "passes": PASSES.iter().map(pass).collect::<Vec<_>>(),
+            "plan": scene.plan,
+            "precision": self.precision,
+            "moved_by": self.moved_by(),
+            "bvh": known(json!({ "preset": preset, "reason": reason, "rule": rule })),
+            "chunks": self.chunks,
+            "bytes_per_path": buffers(scene),
+            "estimated_memory": before,
+            "estimated_total": before.total(),
+            "memory": after,
+            "memory_total": after.total(),
+            "estimated": self.estimated,
+            "expected": expected,
+            "time": {
+                "threads": rayon::current_num_threads(),
+                "load": self.load,
+                "build": self.build + expected.building,
+                "trace": expected.seconds,
+            },
+            "rendered": self.rendered.as_ref().map(counted),
+        }))
+    }
+
+    /// The offset of the scene towards the origin, if any.
+    fn moved_by(&self) -> Option<[f64; 3]> {
+        let origin = self.scene.origin;
+        (origin != DVec3::ZERO).then(|| (-origin).to_array())
     }
 }
 
-/// Renders the scene and returns the counts.
-fn trace(scene: &PreparedScene, options: &RenderOptions) -> Result<Found> {
-    let Rendered { counters, columns, .. } = render(scene, options, &())?;
-    Ok(Found {
-        rays: (&counters).into(),
-        samples: (&counters).into(),
-        tree: scene.accel.tree_bytes(),
-        batches: columns,
-        peak: memory::peak(),
-    })
+fn buffers(scene: &PreparedScene) -> Vec<Buffer> {
+    let held = Batch::bytes_per_path(scene);
+    let buffer = |column: Column| {
+        let name = column.name();
+        let by = |columns: fn(&Pass) -> &'static [Column]| {
+            let passes = PASSES.iter().filter(|pass| columns(pass).contains(&column));
+            passes.map(|pass| pass.name).collect()
+        };
+        Buffer {
+            name,
+            bytes: held.iter().find(|(held, _)| *held == name).map_or(0, |(_, bytes)| *bytes),
+            written_by: by(|pass| pass.writes),
+            read_by: by(|pass| pass.reads),
+        }
+    };
+    Column::ALL.into_iter().map(buffer).collect()
 }
 
 fn choice(extracted: &Extracted, asked: Option<Preset>) -> Choice {
-    match asked {
-        Some(preset) => Choice { preset, reason: "chosen with --bvh".to_owned(), rule: None },
-        None => {
-            let (primitives, rays) =
-                (extracted.geometry().held() as u64, extracted.expected_rays());
-            Choice {
-                preset: extracted.preset(),
-                reason: match (primitives, grouped(rays)) {
-                    (1, rays) => format!("1 primitive, up to {rays} rays"),
-                    (n, rays) => format!("{} primitives, up to {rays} rays", grouped(n)),
-                },
-                rule: Some(Preset::reason(primitives, rays)),
-            }
-        }
+    if let Some(preset) = asked {
+        return Choice { preset, reason: "chosen with --bvh".to_owned(), rule: None };
     }
-}
-
-fn passes(scene: &PreparedScene) -> Vec<Pass> {
-    let row = |pass: &schedule::Pass| Pass {
-        name: pass.name,
-        part_of: pass.part_of.map(|whole| PASSES[whole as usize].name),
-        runs: scene.plan.schedule().runs(pass.step),
-        reason: scene.plan.reason(pass),
+    let (primitives, rays) = (extracted.geometry().held() as u64, extracted.expected_rays());
+    let some = match primitives {
+        1 => "1 primitive".to_owned(),
+        n => format!("{} primitives", grouped(n)),
     };
-    PASSES.iter().map(row).collect()
+    Choice {
+        preset: extracted.preset(),
+        reason: format!("{some}, up to {} rays", grouped(rays)),
+        rule: Some(Preset::reason(primitives, rays)),
+    }
 }

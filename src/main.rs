@@ -17,7 +17,6 @@ mod explain;
 mod generate;
 mod input;
 mod interrupt;
-mod lighting;
 mod limit;
 mod man;
 mod merge;

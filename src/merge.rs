@@ -10,7 +10,7 @@ use wavecrest_base::error::Result;
 use wavecrest_base::replace::check_differs;
 use wavecrest_image::farm::merge::{Merged, merge};
 use wavecrest_image::metadata::Extras;
-use wavecrest_image::write::{Format, Transfer, check_writable, write_with};
+use wavecrest_image::write::{Transfer, check_writable, write_with};
 
 /// Merge the parts that `render --shard` wrote into one image.
 ///
@@ -48,9 +48,8 @@ pub(crate) fn run(args: &MergeArgs) -> Result<()> {
     }
     let Merged { identity, transfer, film, invalid } = merge(&args.parts)?;
     let entries = args.metadata.entries(&identity);
-    let extras = Extras { entries: &entries, ..args.metadata.extras() };
-    let developed = args.develop.developed(&film, Format::from_path(&args.output)?, &extras);
-    let film = developed.unwrap_or(film);
+    let develop = args.develop.into();
+    let extras = Extras { entries: &entries, develop, ..args.metadata.extras() };
     write_with(&film, &args.output, args.transfer.unwrap_or(transfer), &extras)?;
     if !args.quiet {
         let (name, parts) = (args.output.display(), args.parts.len());

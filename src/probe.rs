@@ -1,23 +1,14 @@
 //! `probe`: the hits of a pixel's rays.
 
-use std::fmt::Write as _;
 use std::path::PathBuf;
 
 use glam::Vec3;
 
-use super::common::{Extent, Imaging, SceneOptions, SearchOptions, print, rounded, to_json, whole};
+use super::common::{Extent, SceneOptions, SearchOptions, numbers, print, rounded, to_json, whole};
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_core::probe::{Bounce, Light, Met, Path, PixelRecord, Surface, Verdict, pixel};
+use wavecrest_core::recursive::End;
 use wavecrest_scene::memory::{Images, film_bytes};
-
-/// A single pixel, not written.
-struct Pixel;
-
-impl Imaging for Pixel {
-    fn images(&self, _: [u32; 2]) -> Images {
-        Images { film: film_bytes(1), writing: 0 }
-    }
-}
 
 /// Follow the rays of a pixel: what they hit, its material, and what each light adds.
 ///
@@ -48,11 +39,7 @@ pub(crate) struct ProbeArgs {
 
 /// `x,y` in pixels.
 fn place(text: &str) -> std::result::Result<[u32; 2], String> {
-    let numbers: Option<Vec<u32>> = text.split(',').map(|part| part.trim().parse().ok()).collect();
-    match numbers.as_deref() {
-        Some(&[x, y]) => Ok([x, y]),
-        _ => Err("write two whole numbers: x,y, such as 320,200".to_owned()),
-    }
+    numbers(text).ok_or_else(|| "write two whole numbers: x,y, such as 320,200".to_owned())
 }
 
 /// Prints the hits of the pixel's rays, and returns whether both tracers agree.
@@ -62,10 +49,12 @@ fn place(text: &str) -> std::result::Result<[u32; 2], String> {
 pub(crate) fn run(args: &ProbeArgs) -> Result<bool> {
     args.search.check(args.scene_options.precision)?;
     args.scene_options.threads.run(|| {
-        let extent = Extent { images: &Pixel, ..Extent::default() };
+        // A single pixel, not written.
+        let images = |_| Images { film: film_bytes(1), writing: 0 };
+        let extent = &Extent { images: Box::new(images), ..Extent::default() };
         let loaded = args.scene_options.load(&args.scene, extent, &[])?;
         let extracted = args.scene_options.extract(loaded, extent)?;
-        let preset = args.scene_options.bvh.unwrap_or_else(|| extracted.preset());
+        let preset = args.scene_options.preset(&extracted);
         let mut scene = args.scene_options.build(extracted, preset)?;
         args.search.apply(&mut scene.accel);
         let (size, samples) = (scene.camera.size(), scene.camera.rays_per_pixel());
@@ -105,20 +94,21 @@ fn text(record: &PixelRecord) -> String {
     while let Some(&first) = rest.first() {
         let (same, others): (Vec<&Path>, Vec<&Path>) =
             rest.iter().partition(|path| outline(path) == outline(first));
-        let _ = write!(text, "pixel {x},{y}, sample {}: {}", first.sample, story(first));
+        let radiance = three(first.radiance);
+        text += &format!("pixel {x},{y}, sample {}: radiance {radiance}\n", first.sample);
+        first.bounces.iter().enumerate().for_each(|(number, one)| text += &bounce(number, one));
         for path in &same[1..] {
             let radiance = three(path.radiance);
-            let _ = writeln!(text, "  sample {}: the same hits, radiance {radiance}", path.sample);
+            text += &format!("  sample {}: the same hits, radiance {radiance}\n", path.sample);
         }
         rest = others;
     }
-    let _ = match record.differs {
-        None => writeln!(text, "Both tracers agree to the last bit."),
+    text + &match record.differs {
+        None => "Both tracers agree to the last bit.\n".to_owned(),
         Some([sample, bounce]) => {
-            writeln!(text, "THE TRACERS DIFFER from sample {sample}, bounce {bounce} on.")
+            format!("THE TRACERS DIFFER from sample {sample}, bounce {bounce} on.\n")
         }
-    };
-    text
+    }
 }
 
 /// For each bounce of a path the primitive that it hits, and for each point of a light whether it is visible.
@@ -133,15 +123,6 @@ fn outline(path: &Path) -> Outline {
     path.bounces.iter().map(bounce).collect()
 }
 
-/// The description of a path.
-fn story(path: &Path) -> String {
-    let mut text = format!("radiance {}\n", three(path.radiance));
-    for (number, bounce) in path.bounces.iter().enumerate() {
-        write_bounce(&mut text, number, bounce);
-    }
-    text
-}
-
 /// A single-precision number, with as many digits as are certain after a few operations.
 fn number(x: f32) -> String {
     const DIGITS: usize = 6;
@@ -152,72 +133,63 @@ fn three(v: Vec3) -> String {
     v.to_array().map(number).join(" ")
 }
 
-fn write_bounce(text: &mut String, number: usize, bounce: &Bounce) {
+fn bounce(number: usize, bounce: &Bounce) -> String {
     let what = if number == 0 { "camera ray".to_owned() } else { format!("mirror ray {number}") };
-    let Bounce { origin, direction, nodes, leaves, primitives, .. } = bounce;
-    let origin = origin.to_array().map(|x| rounded(x, 7).to_string()).join(" ");
-    let _ = writeln!(text, "  {what} from {origin}, direction {}", three(*direction));
-    let _ = writeln!(
-        text,
-        "    visits: nodes {nodes}, leaves {leaves}; primitives tested: {primitives}"
-    );
-    match &bounce.met {
-        None => {
-            let _ = writeln!(text, "    hits nothing");
-        }
-        Some(met) => write_met(text, met),
-    }
+    let Bounce { nodes, leaves, primitives, .. } = bounce;
+    let (direction, radiance) = (three(bounce.direction), three(bounce.radiance));
+    let origin = bounce.origin.to_array().map(|x| rounded(x, 7).to_string()).join(" ");
+    let hit = bounce.met.as_ref().map_or("    hits nothing\n".to_owned(), met);
     let end = bounce.end.map_or("continues from the mirror", |end| match end {
-        wavecrest_core::recursive::End::Nothing => "ends at the background",
-        wavecrest_core::recursive::End::Light => "ends at a light",
-        wavecrest_core::recursive::End::LastBounce => "ends: no bounces left",
-        wavecrest_core::recursive::End::NoMirror => "ends: not a mirror",
+        End::Nothing => "ends at the background",
+        End::Light => "ends at a light",
+        End::LastBounce => "ends: no bounces left",
+        End::NoMirror => "ends: not a mirror",
     });
-    let _ = writeln!(text, "    radiance so far {}; {end}", three(bounce.radiance));
+    format!(
+        "  {what} from {origin}, direction {direction}\n    visits: nodes {nodes}, leaves {leaves}; \
+         primitives tested: {primitives}\n{hit}    radiance so far {radiance}; {end}\n"
+    )
 }
 
-fn write_met(text: &mut String, met: &Met) {
+fn met(met: &Met) -> String {
     let name = met.name.as_ref().map_or_else(String::new, |name| format!(" ({name})"));
-    let _ = writeln!(text, "    hits {} {} of {}{name}", met.kind, met.primitive, met.shape);
     let bound = met.t_error.map_or("no bound".to_owned(), |e| format!("\u{b1}{e:.1e}"));
     let [u, v] = met.uv.map(number);
-    let _ =
-        writeln!(text, "    t = {} {bound}, u = {u}, v = {v}", within(met.t.into(), met.t_error));
+    let t = within(met.t.into(), met.t_error);
     let coordinate = |(x, e): (f64, f32)| within(x, Some(e));
     let point = met.point.to_array().into_iter().zip(met.error.to_array()).map(coordinate);
-    let error = met.error.max_element();
-    let point = point.collect::<Vec<_>>().join(" ");
-    let _ = writeln!(text, "    point {point} \u{b1}{error:.1e}");
-    if met.normal == met.shading_normal {
-        let _ = writeln!(text, "    normal {}", three(met.normal));
-    } else {
-        let (normal, shading) = (three(met.normal), three(met.shading_normal));
-        let _ = writeln!(text, "    normal {normal}, shading normal {shading}");
+    let (point, error) = (point.collect::<Vec<_>>().join(" "), met.error.max_element());
+    let mut text = format!(
+        "    hits {} {} of {}{name}\n    t = {t} {bound}, u = {u}, v = {v}\n    \
+         point {point} \u{b1}{error:.1e}\n    normal {}",
+        met.kind,
+        met.primitive,
+        met.shape,
+        three(met.normal)
+    );
+    if met.normal != met.shading_normal {
+        text += &format!(", shading normal {}", three(met.shading_normal));
     }
-    if let Some(surface) = &met.surface {
-        write_surface(text, surface);
-    }
+    text.push('\n');
+    text += &met.surface.as_ref().map_or_else(String::new, surface);
     if !met.lit && !met.lights.is_empty() {
-        let _ = writeln!(text, "    lights do not reach this side");
+        text += "    lights do not reach this side\n";
     }
-    for light in &met.lights {
-        write_light(text, light);
-    }
+    text + &met.lights.iter().map(light).collect::<String>()
 }
 
-fn write_surface(text: &mut String, surface: &Surface) {
-    let Surface { color, texture, ks, kd, exponent, kr, emission } = surface;
+fn surface(Surface { color, texture, ks, kd, exponent, kr, emission }: &Surface) -> String {
     let from = texture.as_ref().map_or_else(String::new, |file| format!(" from {file}"));
     let [kd, ks, exponent] = [*kd, *ks, *exponent].map(number);
     let color = three(*color);
-    let _ = write!(text, "    colour {color}{from}; kd {kd}, ks {ks}, exponent {exponent}");
+    let mut text = format!("    colour {color}{from}; kd {kd}, ks {ks}, exponent {exponent}");
     if *kr > 0.0 {
-        let _ = write!(text, ", kr {}", number(*kr));
+        text += &format!(", kr {}", number(*kr));
     }
     if *emission != Vec3::ZERO {
-        let _ = write!(text, ", emission {}", three(*emission));
+        text += &format!(", emission {}", three(*emission));
     }
-    text.push('\n');
+    text + "\n"
 }
 
 /// A number with an error of up to `error`, with the certain digits.
@@ -232,7 +204,7 @@ fn within(x: f64, error: Option<f32>) -> String {
     rounded(x, digits as usize).to_string()
 }
 
-fn write_light(text: &mut String, light: &Light) {
+fn light(light: &Light) -> String {
     let verdict = match &light.verdict {
         Verdict::Behind => "behind the surface".to_owned(),
         Verdict::NotReflected => "reflects nothing".to_owned(),
@@ -242,7 +214,7 @@ fn write_light(text: &mut String, light: &Light) {
         }
         Verdict::Occluded { primitive: None, .. } => "blocked".to_owned(),
     };
-    let Light { light: index, index: point, distance, .. } = light;
+    let Light { light, index, distance, .. } = light;
     let distance = distance.map_or("infinitely far".to_owned(), |d| format!("{} away", number(d)));
-    let _ = writeln!(text, "    light {index}, point {point}, {distance}: {verdict}");
+    format!("    light {light}, point {index}, {distance}: {verdict}\n")
 }

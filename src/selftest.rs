@@ -1,6 +1,5 @@
 //! `selftest`: the hard cases, on this machine.
 
-mod asked;
 mod examine;
 mod table;
 mod yields;
@@ -9,11 +8,10 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use serde::Serialize;
+use serde_json::json;
 
-use self::asked::Asked;
 use self::examine::Examined;
-use self::yields::Yield;
-use super::common::{Threads, print, progress_bar, to_json, whole};
+use super::common::{Threads, known, print, progress_bar, to_json, whole};
 use crate::choice::choice;
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_core::kernels::precision::Precision;
@@ -70,20 +68,6 @@ struct Row {
     seconds: f64,
 }
 
-/// The JSON output.
-#[derive(Serialize)]
-struct Scoreboard {
-    version: &'static str,
-    seed: u64,
-    full: bool,
-    cases: Vec<Row>,
-    /// Errors of hits, in ulp; empty if cases are named.
-    #[serde(skip_serializing_if = "Vec::is_empty")]
-    errors: Vec<Yield>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    scene: Option<Examined>,
-}
-
 /// Runs the cases that the arguments name. Returns whether all pass.
 ///
 /// # Errors
@@ -99,17 +83,18 @@ pub(crate) fn run(args: &SelftestArgs) -> Result<bool> {
     }
     let bar = progress_bar(args.quiet, "{wide_bar} {pos}/{len} {msg}, {eta} left");
     bar.set_length((cases.len() * precisions.len()) as u64);
-    let asked = Asked { seed: args.seed, count, precisions };
+    let effort = |&precision: &Precision| Effort { precision, seed: args.seed, count };
+    let efforts: Vec<Effort> = precisions.iter().map(effort).collect();
     let (rows, errors, scene) = args.threads.run(|| {
         let rows = cases.iter().map(|case| {
             bar.set_message(case.name);
-            row(case, &asked, || bar.inc(1))
+            row(case, &efforts, || bar.inc(1))
         });
         let rows = rows.collect::<Vec<_>>();
         bar.set_message("errors of hits");
-        let errors = if args.cases.is_empty() { yields::measure(&asked) } else { Vec::new() };
+        let errors = if args.cases.is_empty() { yields::measure(&efforts) } else { Vec::new() };
         bar.set_message("the scene");
-        let scene = args.scene.as_deref().map(|file| examine::run(file, &asked));
+        let scene = args.scene.as_deref().map(|file| examine::run(file, &efforts));
         Ok((rows, errors, scene.transpose()?))
     })?;
     bar.finish_and_clear();
@@ -117,9 +102,15 @@ pub(crate) fn run(args: &SelftestArgs) -> Result<bool> {
     let all_hold = trials.all(|trial| trial.holds || trial.precision == Precision::Fast)
         && scene.as_ref().is_none_or(Examined::holds);
     let text = if args.json {
-        let version = env!("CARGO_PKG_VERSION");
-        let (seed, full) = (args.seed, args.full);
-        to_json(&Scoreboard { version, seed, full, cases: rows, errors, scene })?
+        to_json(&known(json!({
+            "version": env!("CARGO_PKG_VERSION"),
+            "seed": args.seed,
+            "full": args.full,
+            "cases": rows,
+            // Errors of hits, in ulp; none if cases are named.
+            "errors": Some(errors).filter(|errors| !errors.is_empty()),
+            "scene": scene,
+        })))?
     } else {
         let errors = if errors.is_empty() { String::new() } else { yields::text(&errors) };
         table::of(&rows, args) + &errors + &scene.as_ref().map_or_else(String::new, Examined::text)
@@ -145,14 +136,14 @@ fn named(numbers: &[u32]) -> Result<Vec<&'static Case>> {
 }
 
 /// The case in each precision; `step` is called after each.
-fn row(case: &Case, asked: &Asked, step: impl Fn()) -> Row {
+fn row(case: &Case, efforts: &[Effort], step: impl Fn()) -> Row {
     let start = Instant::now();
-    let trial = |effort: Effort| {
-        let outcome = case.run(&effort);
+    let trial = |effort: &Effort| {
+        let outcome = case.run(effort);
         step();
         Trial { precision: effort.precision, holds: outcome.holds(), outcome }
     };
-    let trials = asked.efforts().map(trial).collect();
+    let trials = efforts.iter().map(trial).collect();
     let Case { number, name, bound, .. } = *case;
     Row { case: number, name, bound, trials, seconds: start.elapsed().as_secs_f64() }
 }

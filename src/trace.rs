@@ -8,13 +8,13 @@ use std::time::Instant;
 
 use super::common::{SearchOptions, Threads, print, to_json, whole};
 use crate::choice::choice;
-use passes::{Answers, Passes};
 use report::{Compared, Report};
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_base::replace::{check_differs, check_replaceable};
 use wavecrest_core::accel::Accel;
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::accel::tree::Tree;
+use wavecrest_core::counters::Counters;
 use wavecrest_core::geometry::Geometry;
 use wavecrest_core::kernels::precision::Precision;
 use wavecrest_core::render::TracerKind;
@@ -78,53 +78,22 @@ fn run_here(args: &TraceArgs) -> Result<()> {
     let start = Instant::now();
     let mut file = RayFile::read(&args.rays)?;
     let mesh = mesh::load(&args.mesh)?.mesh;
-    check_belongs(args, &file, mesh.triangles.len())?;
+    let (rays, triangles) = (file.rays.len(), mesh.triangles.len());
+    check_belongs(args, &file, triangles)?;
     let load_seconds = start.elapsed().as_secs_f64();
-    let geometry = Geometry {
-        positions: mesh.positions,
-        triangles: mesh.triangles,
-        precision: args.precision,
-        ..Geometry::default()
-    };
-    let subject = Subject { load_seconds, ..Subject::build(args, geometry, file.rays.len()) };
-    let answers = Passes::new(&subject.accel, &file, args.tracer).run(args.repeats);
-    let report = report(args, &subject, &file, &answers);
-    print(&if args.json { to_json(&report)? } else { report.text() })?;
-    if let Some(output) = &args.answers {
-        (file.closest, file.occluded) = (answers.closest, answers.occluded);
-        file.write(output)?;
-    }
-    Ok(())
-}
-
-/// The mesh to trace.
-struct Subject {
-    accel: Accel,
-    preset: Preset,
-    triangles: usize,
-    load_seconds: f64,
-    build_seconds: f64,
-}
-
-impl Subject {
-    /// Builds the tree, for this number of rays.
-    fn build(args: &TraceArgs, geometry: Geometry, rays: usize) -> Self {
-        let triangles = geometry.triangles.len();
-        let usual = || Preset::choose(triangles as u64, rays as u64).at_once();
-        let preset = args.bvh.unwrap_or_else(usual);
-        let start = Instant::now();
-        let mut accel = Accel::new(geometry, preset);
-        args.search.apply(&mut accel);
-        let build_seconds = start.elapsed().as_secs_f64();
-        Self { accel, preset, triangles, load_seconds: 0.0, build_seconds }
-    }
-}
-
-fn report(args: &TraceArgs, subject: &Subject, file: &RayFile, answers: &Answers) -> Report {
-    let rays = file.rays.len();
+    let (positions, precision) = (mesh.positions, args.precision);
+    let geometry =
+        Geometry { positions, triangles: mesh.triangles, precision, ..Geometry::default() };
+    let usual = || Preset::choose(triangles as u64, rays as u64).at_once();
+    let preset = args.bvh.unwrap_or_else(usual);
+    let start = Instant::now();
+    let mut accel = Accel::new(geometry, preset);
+    args.search.apply(&mut accel);
+    let build_seconds = start.elapsed().as_secs_f64();
+    let answers = passes::run(&accel, &file, args.tracer, args.repeats);
     let per_ray = |count: u64| count as f64 / rays.max(1) as f64;
-    let tests = answers.work.tests;
-    Report {
+    let Counters { tests, kernels, .. } = answers.work;
+    let report = Report {
         rays,
         any_hit: file.any_hit,
         hits: answers.hits(file.any_hit),
@@ -135,20 +104,26 @@ fn report(args: &TraceArgs, subject: &Subject, file: &RayFile, answers: &Answers
         tracer: args.tracer,
         simd: args.search.simd,
         kernel: args.search.kernel,
-        precision: args.precision,
-        preset: subject.preset,
-        triangles: subject.triangles,
-        load_seconds: subject.load_seconds,
-        build_seconds: subject.build_seconds,
-        expected_visits: subject.accel.tree().map(Tree::expected_visits).unwrap_or_default(),
+        precision,
+        preset,
+        triangles,
+        load_seconds,
+        build_seconds,
+        expected_visits: accel.tree().map(Tree::expected_visits).unwrap_or_default(),
         nodes_per_ray: per_ray(tests.nodes),
         leaves_per_ray: per_ray(tests.leaves),
         triangles_per_ray: per_ray(tests.triangles),
         settled_per_ray: per_ray(tests.settled),
         exact_per_ray: per_ray(tests.exact),
-        kernels: (&answers.work.kernels.both()).into(),
-        compared: Compared::new(file, answers),
+        kernels: (&kernels.both()).into(),
+        compared: Compared::new(&file, &answers),
+    };
+    print(&if args.json { to_json(&report)? } else { report.text() })?;
+    if let Some(output) = &args.answers {
+        (file.closest, file.occluded) = (answers.closest, answers.occluded);
+        file.write(output)?;
     }
+    Ok(())
 }
 
 fn check_belongs(args: &TraceArgs, file: &RayFile, triangles: usize) -> Result<()> {

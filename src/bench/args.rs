@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use crate::choice::choice;
-use crate::common::{SceneOptions, SearchOptions, whole};
+use crate::common::{SceneOptions, SearchOptions, number, whole};
 use wavecrest_core::render::{RenderOptions, TracerKind};
 use wavecrest_core::wavefront::DEFAULT_BATCH;
 use wavecrest_report::bench::Plan;
@@ -100,10 +100,8 @@ impl BenchArgs {
 
 /// A number of seconds, 0 or more.
 fn seconds(text: &str) -> std::result::Result<f64, String> {
-    match text.parse::<f64>() {
-        Ok(value) if value.is_finite() && value >= 0.0 => Ok(value),
-        _ => Err("use a number of seconds, such as 2.5".into()),
-    }
+    let fits = |value: &f64| value.is_finite() && *value >= 0.0;
+    number(text, fits, "use a number of seconds, such as 2.5")
 }
 
 #[cfg(test)]

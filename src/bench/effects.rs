@@ -43,7 +43,7 @@ fn prepare(args: &BenchArgs, variant: Variant, folder: &Path) -> Result<Entry> {
     let options = LoadOptions { strict: true, width, height, ..LoadOptions::default() };
     // Warnings would be about built-in scenes.
     let loaded = load_str(&variant.scene.to_string(), &folder.join("effect.json"), &options)?;
-    let extracted = args.scene_options.extract(loaded, Extent::whole(args.batch))?;
+    let extracted = args.scene_options.extract(loaded, &Extent::whole(args.batch))?;
     extracted.scene().appearance.decode()?;
     // The same for all, so that no effect has a better tree.
     let preset = args.scene_options.bvh.unwrap_or(Preset::Medium);

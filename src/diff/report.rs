@@ -1,6 +1,5 @@
 //! The output of `diff`, as text or as JSON.
 
-use std::fmt::Write as _;
 use std::path::Path;
 
 use serde::Serialize;
@@ -66,44 +65,34 @@ impl<'a> Report<'a> {
 
     pub(super) fn text(&self) -> String {
         let found = &self.comparison;
-        let size = format!("{} x {}", found.width, found.height);
-        let mut text = String::new();
-        line(&mut text, "size", &size);
-        line(&mut text, "MSE", &number(found.mse));
-        line(&mut text, "RMSE", &number(found.rmse));
-        line(&mut text, "PSNR", &decibels(found.psnr));
-        line(&mut text, "relative MSE", &number(found.relative_mse));
-        line(&mut text, "bias", &self.bias());
-        line(&mut text, "FLIP", &self.flip());
-        line(&mut text, "largest difference", &self.largest());
-        line(&mut text, "different pixels", &share(found, found.different_pixels));
+        let all = u64::from(found.width) * u64::from(found.height);
+        let share = |pixels: u64| {
+            format!("{pixels} of {all} ({:.3} %)", 100.0 * pixels as f64 / all as f64)
+        };
+        let channels = Channel::ALL.into_iter().zip(&found.channel_bias);
+        let biases: String =
+            channels.map(|(of, &bias)| format!(", {} {}", of.name(), number(bias))).collect();
+        let place = match (found.largest_at, found.largest_channel) {
+            (Some((x, y)), Some(of)) => format!(", {} at column {x}, row {y}", of.name()),
+            _ => String::new(),
+        };
+        let (flip, per_degree) = (number(self.flip), self.flip_pixels_per_degree);
+        let mut lines = vec![
+            ("size", format!("{} x {}", found.width, found.height)),
+            ("MSE", number(found.mse)),
+            ("RMSE", number(found.rmse)),
+            ("PSNR", decibels(found.psnr)),
+            ("relative MSE", number(found.relative_mse)),
+            ("bias", number(found.bias) + &biases),
+            ("FLIP", format!("{flip} at {per_degree:.2} pixels per degree")),
+            ("largest difference", number(found.largest) + &place),
+            ("different pixels", share(found.different_pixels)),
+        ];
         if found.nonfinite > 0 {
-            line(&mut text, "pixels not finite", &share(found, found.nonfinite));
+            lines.push(("pixels not finite", share(found.nonfinite)));
         }
-        line(&mut text, "result", &self.verdict());
-        text
-    }
-
-    fn bias(&self) -> String {
-        let found = &self.comparison;
-        let mut text = number(found.bias);
-        for (channel, &bias) in Channel::ALL.into_iter().zip(&found.channel_bias) {
-            let _ = write!(text, ", {} {}", channel.name(), number(bias));
-        }
-        text
-    }
-
-    fn flip(&self) -> String {
-        format!("{} at {:.2} pixels per degree", number(self.flip), self.flip_pixels_per_degree)
-    }
-
-    fn largest(&self) -> String {
-        let found = &self.comparison;
-        let mut text = number(found.largest);
-        if let (Some((x, y)), Some(channel)) = (found.largest_at, found.largest_channel) {
-            let _ = write!(text, ", {} at column {x}, row {y}", channel.name());
-        }
-        text
+        lines.push(("result", self.verdict()));
+        lines.iter().map(|(name, value)| format!("{name:<20}{value}\n")).collect()
     }
 
     fn verdict(&self) -> String {
@@ -118,23 +107,15 @@ impl<'a> Report<'a> {
     }
 }
 
-fn line(text: &mut String, name: &str, value: &str) {
-    // Writing to a string cannot fail.
-    let _ = writeln!(text, "{name:<20}{value}");
-}
-
 /// Six digits, with an exponent for small numbers.
 pub(super) fn number(value: f64) -> String {
-    if value == 0.0 {
-        "0".into()
-    } else if value.is_nan() {
-        "unknown".into()
-    } else if value.is_infinite() {
-        if value > 0.0 { "infinite".into() } else { "-infinite".into() }
-    } else if (1e-3..1e6).contains(&value.abs()) {
-        format!("{value:.6}")
-    } else {
-        format!("{value:.5e}")
+    match value {
+        0.0 => "0".into(),
+        f64::INFINITY => "infinite".into(),
+        f64::NEG_INFINITY => "-infinite".into(),
+        _ if value.is_nan() => "unknown".into(),
+        _ if (1e-3..1e6).contains(&value.abs()) => format!("{value:.6}"),
+        _ => format!("{value:.5e}"),
     }
 }
 
@@ -146,9 +127,4 @@ fn decibels(value: f64) -> String {
     } else {
         "none (infinite difference)".into()
     }
-}
-
-fn share(found: &Comparison, pixels: u64) -> String {
-    let all = u64::from(found.width) * u64::from(found.height);
-    format!("{pixels} of {all} ({:.3} %)", 100.0 * pixels as f64 / all as f64)
 }

@@ -1,142 +1,132 @@
 //! The explanation as text.
 
-use std::fmt::Write as _;
-
-use super::{Buffer, Explanation};
+use super::{Buffer, Explanation, buffers};
 use crate::common::{grouped, rounded, size};
+use wavecrest_core::plan::schedule::PASSES;
 use wavecrest_report::statistics::{Rays, Samples};
+use wavecrest_scene::memory;
 
 /// The width of the column of names.
 const NAMES: usize = 20;
 
 /// The whole text, the estimate first.
-pub(super) fn of(e: &Explanation) -> String {
-    let mut text = verdict(e);
-    let _ = writeln!(text, "passes (+ runs, - skipped)");
-    for pass in &e.passes {
+pub(super) fn of(e: &Explanation<'_>) -> String {
+    let mut text = verdict(e) + "passes (+ runs, - skipped)\n";
+    let plan = &e.scene.plan;
+    for pass in &PASSES {
         let name = format!("{}{}", if pass.part_of.is_some() { "  " } else { "" }, pass.name);
-        let _ = writeln!(text, "  {} {name:<NAMES$}{}", mark(pass.runs), pass.reason);
+        text += &marked(plan.schedule().runs(pass.step), &name, &plan.reason(pass));
     }
-    let _ = writeln!(text, "effects (+ simulated, - skipped)");
-    for decision in e.plan.decisions() {
-        let (mark, name) = (mark(decision.present), decision.effect.name());
-        let _ = writeln!(text, "  {mark} {name:<NAMES$}{}", decision.reason);
+    text += "effects (+ simulated, - skipped)\n";
+    for decision in plan.decisions() {
+        text += &marked(decision.present, decision.effect.name(), &decision.reason.to_string());
     }
-    let precision = e.precision;
-    let _ = writeln!(text, "precision\n    {:<NAMES$}{}", precision.name(), precision.meaning());
-    if let Some([x, y, z]) = e.moved_by {
-        let _ = writeln!(text, "    {:<NAMES$}scene moved by {x}, {y}, {z} towards the origin", "");
+    text += "precision\n";
+    text += &named(e.precision.name(), e.precision.meaning());
+    if let Some([x, y, z]) = e.moved_by() {
+        text += &named("", &format!("scene moved by {x}, {y}, {z} towards the origin"));
     }
-    let _ = writeln!(text, "BVH\n    {:<NAMES$}{}", e.bvh.preset.name(), e.bvh.reason);
+    text += "BVH\n";
+    text += &named(e.bvh.preset.name(), &e.bvh.reason);
     if let Some(rule) = &e.bvh.rule {
-        let _ = writeln!(text, "    {:<NAMES$}{rule}", "");
+        text += &named("", rule);
     }
     if let Some([built, all]) = e.chunks.map(|chunks| chunks.map(|n| grouped(n as u64))) {
-        let _ = writeln!(text, "    {:<NAMES$}{built} of {all} chunks built", "");
+        text += &named("", &format!("{built} of {all} chunks built"));
     }
-    text += &buffers(&e.bytes_per_path);
-    text += &work(e);
-    text += &memory_text(e);
-    text
+    text += "buffers of the wavefront tracer, in bytes per path\n";
+    let buffers = buffers(e.scene);
+    for Buffer { name, bytes, written_by, read_by } in &buffers {
+        let (written, read) = (written_by.join(", "), read_by.join(", "));
+        let by = format!("{bytes:>6}  written by {written}; read by {read}");
+        let unused = format!("{bytes:>6}  not needed");
+        text += &marked(*bytes > 0, name, if *bytes > 0 { &by } else { &unused });
+    }
+    let all: usize = buffers.iter().map(|buffer| buffer.bytes).sum();
+    text + &named("total", &format!("{all:>6}")) + &work(e) + &memory_text(e)
+}
+
+fn named(name: &str, text: &str) -> String {
+    format!("    {name:<NAMES$}{text}\n")
+}
+
+fn marked(present: bool, name: &str, text: &str) -> String {
+    format!("  {} {name:<NAMES$}{text}\n", if present { '+' } else { '-' })
 }
 
 /// The expected time, rays and memory.
-fn verdict(e: &Explanation) -> String {
+fn verdict(e: &Explanation<'_>) -> String {
     let seconds = |seconds: f64| format!("{} s", rounded((seconds * 1e3).round() / 1e3, 2));
-    let time = &e.time;
-    let all = time.load + time.build + time.trace;
-    let parts = [("read", time.load), ("build", time.build), ("trace", time.trace)];
-    let parts = parts.map(|(what, of_it)| format!("{} to {what}", seconds(of_it)));
-    let threads =
-        if time.threads == 1 { "1 thread".into() } else { format!("{} threads", time.threads) };
-    let mut text = format!("about {} on {threads}: {}\n", seconds(all), parts.join(", "));
+    let (build, trace) = (e.build + e.expected.building, e.expected.seconds);
+    let time = seconds(e.load + build + trace);
+    let parts = [("read", e.load), ("build", build), ("trace", trace)];
+    let parts = parts.map(|(what, of_it)| format!("{} to {what}", seconds(of_it))).join(", ");
+    let threads = match rayon::current_num_threads() {
+        1 => "1 thread".to_owned(),
+        n => format!("{n} threads"),
+    };
     let Rays { primary, secondary, shadow } = e.expected.rays;
     let about = |n: u64| grouped(rounded(n as f64, 3) as u64);
     let kinds = [(primary, "camera"), (secondary, "mirror"), (shadow, "shadow")];
     let kinds = kinds.into_iter().filter(|(n, _)| *n > 0);
     let kinds: Vec<_> = kinds.map(|(n, kind)| format!("{} {kind}", about(n))).collect();
-    let _ = writeln!(text, "about {} rays: {}", about(e.expected.rays.all()), kinds.join(", "));
-    let _ = writeln!(text, "about {} of memory", size(e.memory_total));
-    text
+    let (all, kinds) = (about(e.expected.rays.all()), kinds.join(", "));
+    let memory = size(e.memory[1].total());
+    format!(
+        "about {time} on {threads}: {parts}\nabout {all} rays: {kinds}\nabout {memory} of memory\n"
+    )
 }
 
-fn buffers(buffers: &[Buffer]) -> String {
-    let mut text = "buffers of the wavefront tracer, in bytes per path\n".to_owned();
-    for Buffer { name, bytes, written_by, read_by } in buffers {
-        let _ = match bytes {
-            0 => writeln!(text, "  - {name:<NAMES$}{bytes:>6}  not needed"),
-            _ => {
-                let (written, read) = (written_by.join(", "), read_by.join(", "));
-                writeln!(text, "  + {name:<NAMES$}{bytes:>6}  written by {written}; read by {read}")
-            }
-        };
-    }
-    let all: usize = buffers.iter().map(|c| c.bytes).sum();
-    let _ = writeln!(text, "    {:<NAMES$}{all:>6}", "total");
-    text
+/// A row of a table: two estimates, and what was found of a render.
+fn row(name: &str, estimates: [&str; 2], found: Option<&str>) -> String {
+    let [first, second] = estimates;
+    let found = found.map_or_else(String::new, |found| format!("{found:>18}"));
+    format!("{name:<24}{first:>16}{second:>18}{found}\n")
 }
 
 /// Estimates, with counts beside them if there are any.
-fn work(e: &Explanation) -> String {
+fn work(e: &Explanation<'_>) -> String {
     let rows = |rays: &Rays, samples: &Samples| {
         [
-            ("camera rays", rays.primary),
-            ("mirror rays", rays.secondary),
-            ("shadow rays", rays.shadow),
-            ("points on the lens", samples.lens),
-            ("points on lights", samples.light),
-            ("texels read", samples.texels),
+            ("    camera rays", grouped(rays.primary)),
+            ("    mirror rays", grouped(rays.secondary)),
+            ("    shadow rays", grouped(rays.shadow)),
+            ("    points on the lens", grouped(samples.lens)),
+            ("    points on lights", grouped(samples.light)),
+            ("    texels read", grouped(samples.texels)),
         ]
     };
     let most = rows(&e.estimated.rays, &e.estimated.samples);
     let expected = rows(&e.expected.rays, &e.expected.samples);
-    let counted = e.rendered.as_ref().map(|found| rows(&found.rays, &found.samples));
-    let title = if counted.is_some() { "           counted" } else { "" };
-    let mut text = format!("{:<24}{:>16}{:>18}{title}\n", "work", "at most", "estimate");
-    for (index, (name, most)) in most.into_iter().enumerate() {
-        let (most, expected) = (grouped(most), grouped(expected[index].1));
-        let _ = write!(text, "    {name:<NAMES$}{most:>16}{expected:>18}");
-        if let Some(counted) = counted {
-            let _ = write!(text, "{:>18}", grouped(counted[index].1));
-        }
-        text.push('\n');
+    let counters = e.rendered.as_ref().map(|rendered| &rendered.counters);
+    let counted = counters.map(|counters| rows(&counters.into(), &counters.into()));
+    let mut text = row("work", ["at most", "estimate"], counters.map(|_| "counted"));
+    for (i, (name, most)) in most.iter().enumerate() {
+        let counted = counted.as_ref().map(|counted| counted[i].1.as_str());
+        text += &row(name, [most, &expected[i].1], counted);
     }
-    let pixels = grouped(e.expected.pixels);
-    let _ = writeln!(text, "    {:<NAMES$}estimated from {pixels} pixels", "");
-    text
+    text + &named("", &format!("estimated from {} pixels", grouped(e.expected.pixels)))
 }
 
-fn memory_text(e: &Explanation) -> String {
-    let m = &e.memory;
+fn memory_text(e: &Explanation<'_>) -> String {
+    let [f, m] = &e.memory;
     let found = e.rendered.as_ref();
-    let f = &e.estimated_memory;
     let uses = [
-        ("geometry", f.geometry, m.geometry, None),
-        ("materials, textures", f.appearance, m.appearance, None),
-        ("BVH", f.tree, m.tree, found.map(|found| found.tree)),
-        ("building the BVH", f.build, m.build, None),
-        ("image", f.film, m.film, None),
-        ("wavefront buffers", f.batches, m.batches, found.map(|found| found.batches)),
-        ("decoding images", f.decoding, m.decoding, None),
-        ("program", f.program, m.program, None),
-        ("reading files", f.loading, m.loading, None),
-        ("peak", e.estimated_total, e.memory_total, found.and_then(|found| found.peak)),
+        ("    geometry", f.geometry, m.geometry, None),
+        ("    materials, textures", f.appearance, m.appearance, None),
+        ("    BVH", f.tree, m.tree, found.map(|_| e.scene.accel.tree_bytes())),
+        ("    building the BVH", f.build, m.build, None),
+        ("    image", f.film, m.film, None),
+        ("    wavefront buffers", f.batches, m.batches, found.map(|found| found.columns)),
+        ("    decoding images", f.decoding, m.decoding, None),
+        ("    program", f.program, m.program, None),
+        ("    reading files", f.loading, m.loading, None),
+        ("    peak", f.total(), m.total(), found.and_then(|_| memory::peak())),
     ];
-    let title = if found.is_some() { "          measured" } else { "" };
-    let mut text = format!(
-        "{:<24}{:>16}{:>18}{title}\n",
-        "memory, estimated", "before reading", "after reading"
-    );
-    for (name, before, bytes, measured) in uses {
-        let _ = write!(text, "    {name:<NAMES$}{:>16}{:>18}", size(before), size(bytes));
-        if let Some(measured) = measured {
-            let _ = write!(text, "{:>18}", size(measured));
-        }
-        text.push('\n');
+    let estimates = ["before reading", "after reading"];
+    let mut text = row("memory, estimated", estimates, found.map(|_| "measured"));
+    for (name, before, after, measured) in uses {
+        text += &row(name, [&size(before), &size(after)], measured.map(size).as_deref());
     }
     text
-}
-
-fn mark(present: bool) -> char {
-    if present { '+' } else { '-' }
 }

@@ -1,30 +1,26 @@
 //! The arguments of `render`.
 
 mod array;
-mod frames;
-mod outputs;
-mod parts;
-mod show;
 
+use std::ops::RangeInclusive;
 use std::path::PathBuf;
+use std::time::Duration;
 
 use crate::choice::choice;
 use crate::common::{Extent, SceneOptions, SearchOptions, above_zero, crop, whole};
 use crate::develop::DevelopOptions;
-use wavecrest_base::error::{Error, ErrorKind, Result};
+use crate::metadata::MetadataOptions;
+use array::Choice;
+use wavecrest_base::choice::Choice as _;
+use wavecrest_base::error::{Error, ErrorKind, Result, did_you_mean};
 use wavecrest_core::render::{RenderOptions, TracerKind};
 use wavecrest_core::tile::Tile;
 use wavecrest_core::wavefront::DEFAULT_BATCH;
+use wavecrest_image::aov::Layer;
+use wavecrest_image::farm::Shard;
+use wavecrest_image::farm::checkpoint::Checkpoint;
 use wavecrest_image::look::Look;
 use wavecrest_image::write::Transfer;
-
-use frames::FrameOptions;
-pub(super) use frames::Frames;
-pub(super) use outputs::Layers;
-use outputs::OutputOptions;
-use parts::PartOptions;
-use show::ShowOptions;
-pub(super) use show::Style;
 
 /// Render a scene to an image.
 #[derive(Clone, Debug, clap::Args)]
@@ -68,12 +64,29 @@ pub(crate) struct RenderArgs {
     /// Exposure and tone mapping
     #[command(flatten)]
     pub(crate) develop: DevelopOptions,
-    /// Outputs
+    /// Also write the image to this file; can be given several times
+    #[arg(long, value_name = "FILE")]
+    pub(crate) also: Vec<PathBuf>,
+    /// Layers to add to .exr outputs, comma-separated: depth, normal, albedo, position, object, material, samples,
+    /// invalid, all (these), or alpha (colours then count as premultiplied)
+    #[arg(long, value_name = "LAYERS", value_parser = layers)]
+    pub(crate) aov: Option<Layers>,
+    /// Metadata
     #[command(flatten)]
-    pub(crate) outputs: OutputOptions,
-    /// Progress
-    #[command(flatten)]
-    pub(crate) show: ShowOptions,
+    pub(crate) metadata: MetadataOptions,
+    /// How to show progress on standard error
+    #[arg(long, value_enum, default_value_t)]
+    pub(crate) progress: Style,
+    /// Append a log to this file; - for standard output
+    #[arg(long, value_name = "FILE")]
+    pub(crate) log: Option<PathBuf>,
+    /// Write the unfinished image at this interval
+    #[arg(long, value_name = "SECONDS", value_parser = above_zero)]
+    pub(crate) save_every: Option<f64>,
+    /// Show the image in the viewer tev while rendering
+    #[arg(long, value_name = "HOST:PORT", num_args = 0..=1, require_equals = true,
+          default_missing_value = TEV)]
+    pub(crate) tev: Option<String>,
     /// Choose sampler and sample count to reach this error (RMSE of linear values)
     #[arg(long, value_name = "ERROR", value_parser = above_zero, conflicts_with_all = ["crop", "time_budget"])]
     pub(crate) target_error: Option<f64>,
@@ -83,12 +96,26 @@ pub(crate) struct RenderArgs {
     /// Write statistics as JSON
     #[arg(long, value_name = "FILE")]
     pub(crate) stats: Option<PathBuf>,
-    /// Checkpoints and shards
-    #[command(flatten)]
-    pub(crate) parts: PartOptions,
-    /// Frames
-    #[command(flatten)]
-    pub(crate) frames: FrameOptions,
+    /// Save finished work to this file at intervals, and when SIGINT or SIGTERM stops the render
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["target_error", "time_budget"])]
+    pub(crate) checkpoint: Option<PathBuf>,
+    /// Interval between checkpoints, in seconds [default: 60]
+    #[arg(long, value_name = "SECONDS", requires = "checkpoint", value_parser = above_zero)]
+    pub(crate) every: Option<f64>,
+    /// Resume from the checkpoint, if it exists
+    #[arg(long, requires = "checkpoint")]
+    pub(crate) resume: bool,
+    /// Render shard I of N to a .part file for `wavecrest merge`; auto or auto/N takes I from the scheduler's
+    /// array job
+    #[arg(long, value_name = "I/N", conflicts_with_all = ["target_error", "time_budget", "stats", "also", "aov", "save_every"])]
+    pub(crate) shard: Option<Choice>,
+    /// Render this frame of the camera's path
+    #[arg(long, value_name = "N", value_parser = whole(0..=u32::MAX))]
+    pub(crate) frame: Option<u32>,
+    /// Render frames A to B, one image each; every # in the output's name stands for a digit of the frame number.
+    /// With --shard, each shard renders whole frames
+    #[arg(long, value_name = "A..B", value_parser = frames, conflicts_with_all = ["frame", "stats", "checkpoint", "target_error", "time_budget", "save_every"])]
+    pub(crate) frames: Option<Frames>,
     /// Scene
     #[command(flatten)]
     pub(crate) scene_options: SceneOptions,
@@ -104,7 +131,7 @@ impl RenderArgs {
 
     /// The extent of the image to render.
     pub(super) fn extent(&self) -> Extent<'_> {
-        Extent { images: self, batch: self.batch as usize }
+        Extent { images: Box::new(|size| self.images(size)), batch: self.batch as usize }
     }
 
     /// The file to write.
@@ -115,5 +142,107 @@ impl RenderArgs {
         self.output.as_ref().or(self.image.as_ref()).ok_or_else(|| {
             Error::new(ErrorKind::Usage, "the output is missing").remedy("add one, such as out.png")
         })
+    }
+
+    /// The layers to write, with the alpha of a transparent background.
+    pub(super) fn layers(&self) -> Vec<Layer> {
+        let mut layers = self.aov.clone().unwrap_or_default().0;
+        if self.scene_options.input.is_transparent() {
+            layers.push(Layer::Alpha);
+        }
+        layers
+    }
+
+    /// The shard to render, if requested.
+    pub(super) fn shard(&self) -> Result<Option<Shard>> {
+        self.shard.map(|choice| choice.resolve(|name| std::env::var(name).ok())).transpose()
+    }
+
+    /// The checkpoint, if requested.
+    pub(super) fn checkpoint(&self) -> Option<Checkpoint> {
+        let every = self.every.unwrap_or(USUAL_PAUSE);
+        Some(Checkpoint {
+            file: self.checkpoint.clone()?,
+            // Intervals that are too long mean never.
+            every: Duration::try_from_secs_f64(every).unwrap_or(Duration::MAX),
+            resume: self.resume,
+        })
+    }
+}
+
+/// Default number of seconds between checkpoints.
+const USUAL_PAUSE: f64 = 60.0;
+
+/// Where tev listens by default.
+const TEV: &str = "127.0.0.1:14158";
+
+/// How progress is shown.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
+pub(crate) enum Style {
+    /// A bar if standard error is a terminal, unless --quiet is given
+    #[default]
+    Auto,
+    /// A bar if standard error is a terminal
+    Bar,
+    /// Lines of JSON, at most ten a second
+    Json,
+    /// Nothing
+    None,
+}
+
+/// The requested layers.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Layers(Vec<Layer>);
+
+/// `depth,normal`, or `all`.
+fn layers(text: &str) -> std::result::Result<Layers, String> {
+    if text == "all" {
+        // Alpha changes the colours: they are premultiplied by it.
+        let all = Layer::ALL.into_iter().filter(|layer| *layer != Layer::Alpha);
+        return Ok(Layers(all.collect()));
+    }
+    let names = || Layer::ALL.map(Layer::name).into_iter();
+    let layer = |word: &str| {
+        Layer::by_name(word).ok_or_else(|| match did_you_mean(word, names()) {
+            Some(near) => format!("there is no layer {word:?}; did you mean {near}?"),
+            None => {
+                let all = names().collect::<Vec<_>>().join(", ");
+                format!("there is no layer {word:?}; use all, {all}")
+            }
+        })
+    };
+    text.split(',')
+        .map(|word| layer(word.trim()))
+        .collect::<std::result::Result<_, _>>()
+        .map(Layers)
+}
+
+/// A range of frames.
+pub(crate) type Frames = RangeInclusive<u32>;
+
+/// Largest number of frames in a range.
+const MAX_FRAMES: u32 = 1_000_000;
+
+/// `A..B`, inclusive.
+fn frames(text: &str) -> std::result::Result<Frames, String> {
+    let parsed = text.split_once("..").and_then(|(first, last)| {
+        let (first, last): (u32, u32) = (first.trim().parse().ok()?, last.trim().parse().ok()?);
+        (first <= last && last - first < MAX_FRAMES).then_some(first..=last)
+    });
+    parsed.ok_or_else(|| {
+        format!("write the first frame and the last, such as 1..24; at most {MAX_FRAMES}")
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn wrong_ranges_of_frames_are_refused() {
+        assert_eq!(frames("3..12"), Ok(3..=12));
+        for wrong in ["12..3", "1", "a..b", "0..1000000", "-1..3"] {
+            assert!(frames(wrong).is_err(), "{wrong}");
+        }
     }
 }

@@ -5,18 +5,16 @@ use std::time::Instant;
 
 use super::args::{Frames, RenderArgs};
 use super::outputs::Outputs;
+use super::ready::Ready;
 use super::show::stage::Stage;
 use super::show::{Reporter, Seen};
 use super::summary::Summary;
-use super::{invalid, look, parts};
-use crate::common::warn;
+use super::{parts, watched};
 use crate::interrupt::Interrupt;
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_core::prepared::PreparedScene;
 use wavecrest_core::render::Rendered;
 use wavecrest_image::farm::Shard;
-use wavecrest_scene::components::Encoding;
-use wavecrest_scene::systems;
 
 /// Smallest number of digits of a frame's number in the name of its image, by default.
 const MIN_DIGITS: usize = 4;
@@ -39,21 +37,24 @@ pub(super) fn place(scene: &mut PreparedScene, frame: u32, file: &Path) -> Resul
     Ok(())
 }
 
+/// The frames of a shard: each of N shards takes every N-th.
+fn share(frames: Frames, shard: Option<Shard>) -> impl Iterator<Item = u32> {
+    let (number, count) = shard.map_or((1, 1), |shard| (shard.number(), shard.count()));
+    frames.skip(number as usize - 1).step_by(count as usize)
+}
+
 /// Renders the frames of a range, or of the shard's share of it.
 ///
 /// # Errors
 /// If one cannot be rendered or written: those before it are complete then.
 pub(super) fn run(args: &RenderArgs, frames: Frames, shard: Option<Shard>) -> Result<()> {
     let of_frame = |frame| Ok((frame, args.of_frame(args.output()?, frame)));
-    let all: Vec<(u32, RenderArgs)> =
-        frames.of(shard).into_iter().map(of_frame).collect::<Result<_>>()?;
+    let all: Vec<(u32, RenderArgs)> = share(frames, shard).map(of_frame).collect::<Result<_>>()?;
     let mut shots: Vec<Shot<'_>> = Vec::new();
     for (frame, one) in &all {
         shots.push((*frame, one, Outputs::check(one, one.output()?, false)?));
     }
-    let reporter = Reporter::begin(args)?;
-    let done = args.scene_options.threads.run(|| run_here(args, &shots, &reporter));
-    done.inspect_err(|error| reporter.failed(error))
+    watched(args, |reporter| run_here(args, &shots, reporter))
 }
 
 /// A frame with its arguments and files.
@@ -67,7 +68,7 @@ fn run_here(args: &RenderArgs, all: &[Shot<'_>], reporter: &Reporter) -> Result<
     for (frame, one, outputs) in all {
         let rendered = shoot.frame(one, *frame, outputs)?;
         reporter.stage(Stage::Write);
-        outputs.write(&shoot.scene, &rendered)?;
+        outputs.write(&shoot.ready.scene, &rendered)?;
         size = [rendered.film.width(), rendered.film.height()];
         reporter.note("frame", || format!("{frame}: {}", outputs.name()));
     }
@@ -80,8 +81,7 @@ fn run_here(args: &RenderArgs, all: &[Shot<'_>], reporter: &Reporter) -> Result<
 pub(super) struct Shoot<'a> {
     args: &'a RenderArgs,
     reporter: &'a Reporter,
-    pub(super) scene: PreparedScene,
-    encoding: Encoding,
+    pub(super) ready: Ready,
     interrupt: Interrupt,
     summary: Summary,
     /// The number of frames to render, and of those that are finished.
@@ -102,36 +102,15 @@ impl<'a> Shoot<'a> {
         frames: usize,
         reporter: &'a Reporter,
     ) -> Result<Self> {
-        let summary = Summary::since(Instant::now());
-        reporter.stage(Stage::Load);
-        let options = &args.scene_options;
-        let loaded = options.load(&args.scene, args.extent(), outputs)?;
-        reporter.warnings(&loaded.warnings);
-        let encoding = loaded.encoding;
-        let extracted = look::extract(args, loaded)?;
-        let preset = options.bvh.unwrap_or_else(|| extracted.preset());
-        let file = extracted.file().to_owned();
-        reporter.stage(Stage::Build);
-        let mut scene = options.build(extracted, preset)?;
-        warn(&systems::warnings(&scene, &file));
-        args.search.apply(&mut scene.accel);
-        let interrupt = Interrupt::listen()?;
-        Ok(Self {
-            args,
-            reporter,
-            scene,
-            encoding,
-            interrupt,
-            summary,
-            frames,
-            finished: 0,
-            numbered: false,
-        })
+        let start = Instant::now();
+        let ready = Ready::prepare(args, outputs, reporter, start, false)?;
+        let (interrupt, summary) = (Interrupt::listen()?, Summary::since(start));
+        Ok(Self { args, reporter, ready, interrupt, summary, frames, finished: 0, numbered: false })
     }
 
     /// Tells the outputs the scene's transfer curve of 8-bit images.
     pub(super) fn tell(&self, outputs: &Outputs<'_>) {
-        outputs.made_of(self.encoding);
+        outputs.made_of(self.ready.encoding);
     }
 
     /// Renders a frame with the arguments of `one`.
@@ -144,19 +123,20 @@ impl<'a> Shoot<'a> {
         frame: u32,
         outputs: &Outputs<'_>,
     ) -> Result<Rendered> {
-        place(&mut self.scene, frame, &self.args.scene)?;
+        place(&mut self.ready.scene, frame, &self.args.scene)?;
         self.tell(outputs);
-        let seen = Seen { outputs, reporter: self.reporter, interrupt: &self.interrupt };
-        if self.interrupt.signal().is_some() {
+        let (scene, interrupt) = (&self.ready.scene, &self.interrupt);
+        let seen = Seen { args: one, outputs, reporter: self.reporter, interrupt };
+        if interrupt.signal().is_some() {
             return Err(self.interrupted(outputs, 0.0));
         }
-        let (rendered, _) = parts::trace(one, &self.scene, &seen, None)?;
+        let (rendered, _) = parts::trace(&seen, scene, None)?;
         if !rendered.finished {
             return Err(self.interrupted(outputs, parts::share(&rendered)));
         }
         self.args.scene_options.check_taken(&self.args.scene)?;
-        let first = invalid::find(one, &self.scene, &rendered.counters)?;
-        invalid::report(&rendered.counters, first.as_ref());
+        let first = parts::find_invalid(one, scene, &rendered.counters)?;
+        parts::report_invalid(&rendered.counters, first.as_ref());
         self.summary.add(&rendered.counters, rendered.seconds);
         self.finished += 1;
         Ok(rendered)
@@ -184,7 +164,7 @@ impl RenderArgs {
     fn of_frame(&self, output: &Path, frame: u32) -> Self {
         let mut args = self.clone();
         (args.image, args.output) = (Some(numbered(output, frame)), None);
-        args.outputs.also.iter_mut().for_each(|path| *path = numbered(path, frame));
+        args.also.iter_mut().for_each(|path| *path = numbered(path, frame));
         args
     }
 }
@@ -208,6 +188,14 @@ fn numbered(path: &Path, frame: u32) -> PathBuf {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn shards_take_every_frame_once() {
+        let mut all: Vec<u32> =
+            (1..=4).flat_map(|i| share(3..=12, Some(Shard::new(i, 4).unwrap()))).collect();
+        all.sort_unstable();
+        assert_eq!(all, (3..=12).collect::<Vec<_>>());
+    }
 
     #[test]
     fn a_frame_has_its_number_in_its_name() {

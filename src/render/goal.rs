@@ -32,13 +32,13 @@ pub(super) struct Traced {
 /// Renders `scene`, whose tree has `preset`, as requested by the arguments, reporting to `seen`.
 /// `start` is the start of the command.
 pub(super) fn trace(
-    args: &RenderArgs,
+    seen: &Seen<'_>,
     scene: &mut PreparedScene,
     preset: Preset,
-    seen: &Seen<'_>,
     start: Instant,
 ) -> Result<Traced> {
-    let aimed = Aimed { args, seen, original: scene.original() };
+    let args = seen.args;
+    let aimed = Aimed { seen, original: scene.original() };
     let traced = match (args.target_error, args.time_budget) {
         (Some(error), _) => aimed.for_error(scene, error, preset)?,
         (None, Some(seconds)) => {
@@ -47,20 +47,23 @@ pub(super) fn trace(
         }
         (None, None) => None,
     };
-    traced.map_or_else(|| plain(args, scene, preset, seen), Ok)
+    if let Some(traced) = traced {
+        return Ok(traced);
+    }
+    let (rendered, resumed) = trace_once(seen, scene, None)?;
+    Ok(Traced { rendered, preset, goal: None, resumed })
 }
 
 /// Prints a note, and adds it to the log.
-fn say(args: &RenderArgs, seen: &Seen<'_>, words: &str) {
+fn say(seen: &Seen<'_>, words: &str) {
     seen.reporter.note("choice", || words.to_owned());
-    if !args.scene_options.quiet {
+    if !seen.args.scene_options.quiet {
         tell(words);
     }
 }
 
 /// A render with chosen samples.
 struct Aimed<'a> {
-    args: &'a RenderArgs,
     seen: &'a Seen<'a>,
     /// The scene's own samples.
     original: Original,
@@ -75,7 +78,7 @@ impl Aimed<'_> {
         asked: f64,
         mut preset: Preset,
     ) -> Result<Option<Traced>> {
-        let args = self.args;
+        let args = self.seen.args;
         let pilot = Pilot::run(scene, &self.original, args.seed)?;
         let reached = reach(&pilot, asked, |choice| {
             scene.resample(&self.original, &choice.samples());
@@ -105,7 +108,7 @@ impl Aimed<'_> {
         budget: &Budget<'_>,
         mut preset: Preset,
     ) -> Result<Option<Traced>> {
-        let args = self.args;
+        let args = self.seen.args;
         let pilot = Pilot::within(scene, &self.original, args.seed, &budget.for_pilot())?;
         if let Some(choice) = pilot.for_time(budget.left()) {
             scene.resample(&self.original, &choice.samples());
@@ -127,7 +130,7 @@ impl Aimed<'_> {
                 let planned = choice.seconds;
                 let words =
                     format!("too slow: about {expected:.1} s of tracing instead of {planned:.1} s");
-                say(args, self.seen, &(words + "; starting again with fewer points"));
+                say(self.seen, &(words + "; starting again with fewer points"));
             }
             Ok(((rendered, resumed), is_ended))
         })?;
@@ -147,17 +150,17 @@ impl Aimed<'_> {
         choice: &Choice,
         pace: Option<&Pace<'_>>,
     ) -> Result<(Rendered, f64)> {
-        say(self.args, self.seen, &format!("chosen: {choice}"));
-        trace_once(self.args, scene, self.seen, pace)
+        say(self.seen, &format!("chosen: {choice}"));
+        trace_once(self.seen, scene, pace)
     }
 
     /// The measured error, if there is one.
     fn measure(&self, scene: &PreparedScene, rendered: &Rendered) -> Result<Option<Measured>> {
         let found = match is_sampled(scene) {
-            true => Some(error(scene, Some(&rendered.film), self.args.seed)?),
+            true => Some(error(scene, Some(&rendered.film), self.seen.args.seed)?),
             false => None,
         };
-        say(self.args, self.seen, &measured(found, leaves_out_aliasing(scene)));
+        say(self.seen, &measured(found, leaves_out_aliasing(scene)));
         Ok(found)
     }
 }
@@ -175,17 +178,6 @@ fn measured(error: Option<Measured>, without_aliasing: bool) -> String {
                 .to_owned()
         }
     }
-}
-
-/// Renders with the scene's own samples.
-fn plain(
-    args: &RenderArgs,
-    scene: &PreparedScene,
-    preset: Preset,
-    seen: &Seen<'_>,
-) -> Result<Traced> {
-    let (rendered, resumed) = trace_once(args, scene, seen, None)?;
-    Ok(Traced { rendered, preset, goal: None, resumed })
 }
 
 /// Replaces the tree of `preset` if the expected rays are worth it, unless a preset was requested.

@@ -14,8 +14,7 @@ use wavecrest_scene::systems::{self, Extracted, Options, looks};
 /// Without the ground of the lights, for looks other than clay: the ground is not part of the file,
 /// and has its own edges and depth.
 pub(super) fn without_ground(mut args: RenderArgs) -> RenderArgs {
-    let lighting = &mut args.scene_options.input.lighting;
-    lighting.without_ground = !matches!(args.look, None | Some(Look::Clay));
+    args.scene_options.input.without_ground = !matches!(args.look, None | Some(Look::Clay));
     args
 }
 
@@ -24,7 +23,7 @@ pub(super) fn without_ground(mut args: RenderArgs) -> RenderArgs {
 /// # Errors
 /// If there is one, and a look is requested.
 pub(super) fn check(args: &RenderArgs) -> Result<()> {
-    let (Some(look), Some(_)) = (args.look, args.parts.shard) else { return Ok(()) };
+    let (Some(look), Some(_)) = (args.look, args.shard) else { return Ok(()) };
     let error = Error::new(ErrorKind::Usage, "--as and --shard cannot be used together");
     Err(error
         .value(look.name())
@@ -43,14 +42,14 @@ pub(super) fn extract(args: &RenderArgs, mut loaded: LoadedScene) -> Result<Extr
         _ => {}
     }
     if args.look.is_none_or(Look::is_shaded) {
-        return options.extract(loaded, args.extent());
+        return options.extract(loaded, &args.extent());
     }
     // Show what light would not show too.
     let passes = unplanned(&PASSES);
     let (precision, flat) = (options.precision, options.flatten);
     let extracted =
         systems::extract(&mut loaded.world, Options { precision, passes: &passes, flat })?;
-    options.checked(extracted, args.extent())
+    options.checked(extracted, &args.extent())
 }
 
 /// Renders the image, or the requested look of it.

@@ -3,13 +3,13 @@
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
-use super::args::{Layers, RenderArgs};
+use super::args::RenderArgs;
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_base::replace::{check_differs, check_replaceable};
 use wavecrest_core::film::Film;
 use wavecrest_core::prepared::PreparedScene;
 use wavecrest_core::render::Rendered;
-use wavecrest_image::aov::{self, Layer};
+use wavecrest_image::aov;
 use wavecrest_image::farm::Identity;
 use wavecrest_image::metadata::{Entry, Extras};
 use wavecrest_image::write::{Format, Transfer, check_writable, write_with};
@@ -32,7 +32,7 @@ impl<'a> Outputs<'a> {
     /// If one cannot be written, is repeated or is the scene, or a report would be written over it, or if layers are requested that none
     /// can store.
     pub(super) fn check(args: &'a RenderArgs, first: &'a Path, is_shard: bool) -> Result<Self> {
-        let also = args.outputs.also.iter().map(PathBuf::as_path);
+        let also = args.also.iter().map(PathBuf::as_path);
         let paths: Vec<&Path> = std::iter::once(first).chain(also).collect();
         for (index, path) in paths.iter().enumerate() {
             if is_shard { check_replaceable(path) } else { check_writable(path) }?;
@@ -41,17 +41,17 @@ impl<'a> Outputs<'a> {
                 .iter()
                 .try_for_each(|other| check_differs(path, other, "another output"))?;
         }
-        let reports = [&args.stats, &args.show.log, &args.parts.checkpoint];
+        let reports = [&args.stats, &args.log, &args.checkpoint];
         for report in reports.into_iter().flatten() {
             paths.iter().try_for_each(|path| check_differs(report, path, "the image"))?;
             check_differs(report, &args.scene, "the scene")?;
         }
         args.stats.iter().try_for_each(|file| check_replaceable(file))?;
-        if args.scene_options.input.lighting.is_transparent() {
+        if args.scene_options.input.is_transparent() {
             paths.iter().try_for_each(|path| check_alpha(path, is_shard))?;
         }
         let outputs = Self { args, paths, encoding: OnceLock::new() };
-        if args.outputs.aov.is_some() && !outputs.has_exr() {
+        if args.aov.is_some() && !outputs.has_exr() {
             return Err(Error::new(ErrorKind::Usage, "only .exr images have layers")
                 .in_file(first)
                 .remedy("add --also and a name that ends in .exr"));
@@ -66,7 +66,7 @@ impl<'a> Outputs<'a> {
     pub(super) fn of_one(args: &'a RenderArgs, path: &'a Path) -> Result<Self> {
         check_replaceable(path)?;
         check_differs(path, &args.scene, "the scene")?;
-        if let Some(log) = &args.show.log {
+        if let Some(log) = &args.log {
             check_differs(log, path, "the animation")?;
             check_differs(log, &args.scene, "the scene")?;
         }
@@ -75,7 +75,7 @@ impl<'a> Outputs<'a> {
 
     /// Every file that is replaced: the images, statistics and checkpoint.
     pub(super) fn all(&self) -> Vec<&'a Path> {
-        let reports = self.args.stats.iter().chain(&self.args.parts.checkpoint);
+        let reports = self.args.stats.iter().chain(&self.args.checkpoint);
         self.paths.iter().copied().chain(reports.map(PathBuf::as_path)).collect()
     }
 
@@ -108,9 +108,8 @@ impl<'a> Outputs<'a> {
         let with_tables = [&entries[..], &tables].concat();
         self.paths.iter().try_for_each(|path| {
             let entries = if is_exr(path) { &with_tables } else { &entries };
-            let extras =
-                Extras { entries, channels: &channels, ..self.args.outputs.metadata.extras() };
-            self.write_one(&rendered.film, path, &extras)
+            let extras = Extras { channels: &channels, ..self.extras(entries) };
+            write_with(&rendered.film, path, self.transfer(), &extras)
         })
     }
 
@@ -125,8 +124,8 @@ impl<'a> Outputs<'a> {
             let percent = (share * 100.0).floor();
             entries.push(Entry { name: "unfinished", text: format!("{percent} % is rendered") });
         }
-        let extras = Extras { entries: &entries, ..self.args.outputs.metadata.extras() };
-        self.paths.iter().try_for_each(|path| self.write_one(film, path, &extras))
+        let (transfer, extras) = (self.transfer(), self.extras(&entries));
+        self.paths.iter().try_for_each(|path| write_with(film, path, transfer, &extras))
     }
 
     /// As [`Outputs::write_part`] after a signal, but leaves existing files unchanged, unless unfinished images were
@@ -140,7 +139,7 @@ impl<'a> Outputs<'a> {
         entries: &[Entry],
         share: f64,
     ) -> Result<String> {
-        let replaces = self.args.show.save_every.is_some();
+        let replaces = self.args.save_every.is_some();
         let (free, kept): (Vec<&Path>, Vec<&Path>) =
             self.paths.iter().partition(|path| replaces || !path.exists());
         let outputs = Self { paths: free, args: self.args, encoding: self.encoding.clone() };
@@ -172,9 +171,8 @@ impl<'a> Outputs<'a> {
         &self.paths
     }
 
-    fn write_one(&self, film: &Film, path: &Path, extras: &Extras<'_>) -> Result<()> {
-        let developed = self.args.develop.developed(film, Format::from_path(path)?, extras);
-        write_with(developed.as_ref().unwrap_or(film), path, self.transfer(), extras)
+    fn extras<'e>(&self, entries: &'e [Entry]) -> Extras<'e> {
+        Extras { entries, develop: self.args.develop.into(), ..self.args.metadata.extras() }
     }
 
     fn has_exr(&self) -> bool {
@@ -182,15 +180,11 @@ impl<'a> Outputs<'a> {
     }
 
     fn layers(&self, scene: &PreparedScene, rendered: &Rendered) -> Result<aov::Found> {
-        let mut layers = self.args.outputs.aov.clone().map_or_else(Vec::new, |Layers(all)| all);
-        if self.args.scene_options.input.lighting.is_transparent() {
-            layers.push(Layer::Alpha);
-        }
+        let layers = &self.args.layers();
         if layers.is_empty() {
             return Ok(aov::Found::default());
         }
         let RenderArgs { crop, seed, .. } = *self.args;
-        let layers = &layers;
         let invalid = rendered.counters.invalid;
         aov::layers(scene, &aov::Request { layers, crop, seed, invalid })
     }
@@ -200,7 +194,7 @@ impl<'a> Outputs<'a> {
     /// # Errors
     /// If the crop is not within the image.
     pub(super) fn entries(&self, scene: &PreparedScene) -> Result<Vec<Entry>> {
-        let metadata = &self.args.outputs.metadata;
+        let metadata = &self.args.metadata;
         if !self.paths.iter().any(|path| metadata.is_stored_in(path)) {
             return Ok(Vec::new());
         }

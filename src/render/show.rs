@@ -22,9 +22,11 @@ use wavecrest_base::error::{Error, Result, Warning};
 use wavecrest_core::prepared::PreparedScene;
 use wavecrest_core::render::Watch;
 use wavecrest_core::tile::Tile;
+use wavecrest_report::accuracy::pilot::budget::Pace;
 
-/// The channels that show a render, during and after it, and the interrupt that ends it early.
+/// A render as requested, the channels that show it, during and after it, and the interrupt that ends it early.
 pub(super) struct Seen<'a> {
+    pub(super) args: &'a RenderArgs,
     pub(super) outputs: &'a Outputs<'a>,
     pub(super) reporter: &'a Reporter,
     pub(super) interrupt: &'a Interrupt,
@@ -42,8 +44,8 @@ impl Reporter {
     /// # Errors
     /// If the log cannot be written to.
     pub(super) fn begin(args: &RenderArgs) -> Result<Self> {
-        let log = Log::open(args.show.log.as_deref())?;
-        let progress = Progress::new(args.show.progress, args.scene_options.quiet);
+        let log = Log::open(args.log.as_deref())?;
+        let progress = Progress::new(args.progress, args.scene_options.quiet);
         Ok(Self { progress, log })
     }
 
@@ -77,38 +79,43 @@ impl Reporter {
     }
 }
 
-/// Shows one render on the requested channels: the reporter's, the viewer and the file.
+/// Shows one render on the requested channels: the reporter's, the viewer and the file. Ends it on a
+/// signal, or if it is too slow.
 pub(super) struct Show<'a> {
-    reporter: &'a Reporter,
+    seen: &'a Seen<'a>,
     live: Option<Live>,
     saver: Option<Saver<'a>>,
+    pace: Option<&'a Pace<'a>>,
 }
 
 impl<'a> Show<'a> {
-    /// Prepares to show the render of `scene`.
-    pub(super) fn new(
-        args: &RenderArgs,
-        outputs: &'a Outputs<'a>,
+    /// Begins to show the render of `scene`.
+    pub(super) fn begin(
+        seen: &'a Seen<'a>,
         scene: &PreparedScene,
-        reporter: &'a Reporter,
+        pace: Option<&'a Pace<'a>>,
     ) -> Self {
+        let Seen { args, outputs, reporter, .. } = *seen;
+        reporter.stage(Stage::Trace);
         let [width, height] = scene.camera.size();
         let window = args.crop.unwrap_or(Tile { x: 0, y: 0, width, height });
-        let live =
-            args.show.tev.as_ref().and_then(|address| {
-                reporter.or_warn(Live::connect(address, &outputs.name(), window))
-            });
+        let live = args
+            .tev
+            .as_ref()
+            .and_then(|address| reporter.or_warn(Live::connect(address, &outputs.name(), window)));
         let saver = args
-            .show
             .save_every
             .and_then(|seconds| reporter.or_warn(Saver::new(outputs, scene, window, seconds)));
-        Self { reporter, live, saver }
+        Self { seen, live, saver, pace }
     }
 }
 
 impl Watch for Show<'_> {
     fn progress(&self, done: u64, all: u64) {
-        self.reporter.progress.update(done, all);
+        self.seen.reporter.progress.update(done, all);
+        if let Some(pace) = self.pace {
+            pace.progress(done, all);
+        }
     }
 
     fn tile(&self, tile: &Tile, pixels: &[[f32; 3]]) {
@@ -118,16 +125,20 @@ impl Watch for Show<'_> {
         if let Some(saver) = &self.saver
             && let Err(error) = saver.keep(tile, pixels)
         {
-            self.reporter.warn(&error);
+            self.seen.reporter.warn(&error);
         }
+    }
+
+    fn cancelled(&self) -> bool {
+        self.seen.interrupt.signal().is_some() || self.pace.is_some_and(Pace::is_late)
     }
 }
 
 impl Drop for Show<'_> {
     fn drop(&mut self) {
-        self.reporter.progress.pause();
+        self.seen.reporter.progress.pause();
         if let Some(error) = self.live.take().and_then(Live::finish) {
-            self.reporter.warn(&error);
+            self.seen.reporter.warn(&error);
         }
     }
 }

@@ -2,11 +2,12 @@
 
 use std::path::Path;
 
-use super::args::{Frames, RenderArgs};
+use super::args::RenderArgs;
 use super::frames::{self, Shoot};
 use super::outputs::Outputs;
 use super::show::Reporter;
 use super::show::stage::Stage;
+use super::watched;
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_core::film::Film;
 use wavecrest_image::animation::{Animated, Animation};
@@ -27,22 +28,22 @@ const INK: f32 = 0.01;
 /// # Errors
 /// If an option does not fit, or an image cannot be rendered or written.
 pub(super) fn run(args: &RenderArgs, shard: Option<Shard>) -> Result<bool> {
-    if args.frames.frame.is_some() {
+    if args.frame.is_some() {
         return Ok(false);
     }
-    let framing = &args.scene_options.input.framing;
+    let input = &args.scene_options.input;
     let output = args.output()?;
-    if let Some(sheet) = &framing.sheet {
+    if let Some(sheet) = &input.sheet {
         refuse("--sheet", output, &[of_frame(args), of_image(args, shard)].concat())?;
         let outputs = Outputs::check(args, output, false)?;
         watched(args, |reporter| draw_sheet(args, sheet, &outputs, reporter))?;
         return Ok(true);
     }
-    let Some(count) = framing.turntable else { return Ok(false) };
+    let Some(count) = input.turntable else { return Ok(false) };
     match animated(output) {
         None => {
             refuse("--turntable", output, &of_frame(args))?;
-            frames::run(args, Frames::first(count), shard)?;
+            frames::run(args, 1..=count, shard)?;
         }
         Some(format) => {
             refuse("--turntable", output, &[of_frame(args), of_image(args, shard)].concat())?;
@@ -59,22 +60,15 @@ pub(super) fn animated(output: &Path) -> Option<Animated> {
     Animated::from_path(output).filter(|_| !is_numbered)
 }
 
-/// Runs `work` on the requested threads, and reports its failure.
-fn watched(args: &RenderArgs, work: impl FnOnce(&Reporter) -> Result<()> + Send) -> Result<()> {
-    let reporter = Reporter::begin(args)?;
-    let done = args.scene_options.threads.run(|| work(&reporter));
-    done.inspect_err(|error| reporter.failed(error))
-}
-
 /// An option, and whether it is given.
 type Given = (&'static str, bool);
 
 /// Options that belong to one image, not to frames.
 fn of_frame(args: &RenderArgs) -> Vec<Given> {
     vec![
-        ("--checkpoint", args.parts.checkpoint.is_some()),
+        ("--checkpoint", args.checkpoint.is_some()),
         ("--stats", args.stats.is_some()),
-        ("--save-every", args.show.save_every.is_some()),
+        ("--save-every", args.save_every.is_some()),
         ("--target-error", args.target_error.is_some()),
         ("--time-budget", args.time_budget.is_some()),
     ]
@@ -84,8 +78,8 @@ fn of_frame(args: &RenderArgs) -> Vec<Given> {
 fn of_image(args: &RenderArgs, shard: Option<Shard>) -> Vec<Given> {
     vec![
         ("--shard", shard.is_some()),
-        ("--also", !args.outputs.also.is_empty()),
-        ("--aov", args.outputs.aov.is_some()),
+        ("--also", !args.also.is_empty()),
+        ("--aov", args.aov.is_some()),
     ]
 }
 
@@ -107,8 +101,8 @@ fn animate(
     let output = outputs.first();
     let mut shoot = Shoot::prepare(args, &outputs.all(), count as usize, reporter)?;
     shoot.tell(outputs);
-    let size = args.crop.map_or(shoot.scene.camera.size(), |crop| [crop.width, crop.height]);
-    let entries = outputs.entries(&shoot.scene)?;
+    let size = args.crop.map_or(shoot.ready.scene.camera.size(), |crop| [crop.width, crop.height]);
+    let entries = outputs.entries(&shoot.ready.scene)?;
     let transfer = outputs.transfer();
     let animation =
         Animation { path: output, format, size, frames: count, transfer, entries: &entries };
@@ -143,7 +137,7 @@ fn draw_sheet(
     let (Some(mut rendered), Some(film)) = (last, rows.film) else { return Ok(()) };
     rendered.film = film;
     reporter.stage(Stage::Write);
-    outputs.write(&shoot.scene, &rendered)?;
+    outputs.write(&shoot.ready.scene, &rendered)?;
     reporter.stage(Stage::Done);
     let size = [rendered.film.width(), rendered.film.height()];
     shoot.finish(&outputs.name(), sides.len(), size);

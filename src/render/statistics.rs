@@ -2,47 +2,37 @@
 
 use std::path::Path;
 
-use serde_json::{Value, json};
+use serde_json::json;
 
 use super::args::RenderArgs;
 use super::goal::Traced;
+use super::ready::Ready;
 use crate::common::{to_json, write_text};
 use wavecrest_base::error::Result;
-use wavecrest_core::prepared::PreparedScene;
 use wavecrest_core::probe::Invalid;
 use wavecrest_core::render::TracerKind;
 use wavecrest_report::estimate::Estimated;
-use wavecrest_report::statistics::{Bvh, KernelUse, Memory, Rays, Samples, Tests, Textures, Time};
-use wavecrest_scene::memory::{self, Estimate};
-
-/// A finished render.
-pub(super) struct Finished<'a> {
-    pub(super) scene: &'a PreparedScene,
-    pub(super) traced: Traced,
-    pub(super) invalid: Option<Invalid>,
-    pub(super) time: Time,
-    /// The estimated memory before the scene was read.
-    pub(super) estimated: Option<Estimate>,
-    /// The estimated memory after it was read.
-    pub(super) predicted: Estimate,
-}
+use wavecrest_report::statistics::{Bvh, KernelUse, Memory, Rays, Samples, Tests, Textures};
+use wavecrest_scene::memory;
 
 /// Writes the statistics to `file`.
 ///
 /// # Errors
 /// If it cannot be written.
-pub(super) fn write(file: &Path, args: &RenderArgs, finished: Finished<'_>) -> Result<()> {
-    write_text(file, &to_json(&of(args, finished))?)
-}
-
-/// The statistics: [`wavecrest_report::statistics`] says what each key means.
-fn of(args: &RenderArgs, finished: Finished<'_>) -> Value {
-    let Finished { scene, traced, invalid, time, estimated, predicted } = finished;
+pub(super) fn write(
+    file: &Path,
+    args: &RenderArgs,
+    ready: &Ready,
+    traced: &Traced,
+    invalid: Option<Invalid>,
+) -> Result<()> {
+    let Ready { scene, time, estimated, predicted, .. } = ready;
     let Traced { rendered, preset, goal, resumed } = traced;
     let counters = &rendered.counters;
     let film = &rendered.film;
     let has_columns = args.tracer == TracerKind::Wavefront;
-    json!({
+    // [`wavecrest_report::statistics`] says what each key means.
+    let statistics = json!({
         "version": env!("CARGO_PKG_VERSION"),
         "scene": args.scene.display().to_string(),
         "tracer": args.tracer,
@@ -68,16 +58,17 @@ fn of(args: &RenderArgs, finished: Finished<'_>) -> Value {
         "lights_at_surface": counters.lights_at_surface,
         "time": time,
         "memory": Memory {
-            predicted: estimated.map_or(0, |estimated| estimated.total()),
+            predicted: estimated.as_ref().map_or(0, |estimated| estimated.total()),
             peak: memory::peak(),
         },
         "columns": {
             "estimated": if has_columns { predicted.batches } else { 0 },
             "held": rendered.columns,
         },
-        "bvh": Bvh::of(&scene.accel, preset),
+        "bvh": Bvh::of(&scene.accel, *preset),
         "goal": goal,
         "resumed": resumed,
         "plan": scene.plan,
-    })
+    });
+    write_text(file, &to_json(&statistics)?)
 }

@@ -29,7 +29,7 @@ impl Summary {
     /// Prints the line, unless notes are silenced or standard error is for programs: `name` is the
     /// output, `what` its size.
     pub(super) fn print(&self, args: &RenderArgs, name: &str, what: &str) {
-        if args.scene_options.quiet || args.show.progress == Style::Json {
+        if args.scene_options.quiet || args.progress == Style::Json {
             return;
         }
         tell(&self.line(name, what, self.start.elapsed().as_secs_f64(), memory::peak()));

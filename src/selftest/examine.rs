@@ -5,7 +5,6 @@ use std::path::Path;
 
 use serde::Serialize;
 
-use super::asked::Asked;
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_core::accel::Accel;
 use wavecrest_core::accel::build::Preset;
@@ -13,9 +12,9 @@ use wavecrest_core::geometry::Geometry;
 use wavecrest_core::kernels::precision::Precision;
 use wavecrest_core::plan::schedule::{PASSES, unplanned};
 use wavecrest_core::render::{RenderOptions, TracerKind, render};
-use wavecrest_report::selftest::Outcome;
 use wavecrest_report::selftest::agreement::agreement;
 use wavecrest_report::selftest::examine::{Shape, Trial, shape, trial};
+use wavecrest_report::selftest::{Effort, Outcome};
 use wavecrest_scene::load::{LoadOptions, load};
 use wavecrest_scene::mesh;
 use wavecrest_scene::systems::{self, Options};
@@ -103,8 +102,8 @@ impl Tried {
                 leaks.failed, leaks.tried, self_hits.failed, self_hits.tried,
             );
         }
-        let separator = if self_hits.tried > 0 { ", " } else { "" };
         if let Some(invalid) = invalid {
+            let separator = if self_hits.tried > 0 { ", " } else { "" };
             let _ = write!(text, "{separator}{invalid} samples are not finite");
         }
         text.push('\n');
@@ -129,44 +128,36 @@ impl Tried {
 }
 
 /// Tests the scene or mesh in `file`.
-pub(super) fn run(file: &Path, asked: &Asked) -> Result<Examined> {
-    let is_mesh = mesh::is_mesh_name(file);
+pub(super) fn run(file: &Path, efforts: &[Effort]) -> Result<Examined> {
     let mut examined: Option<Examined> = None;
-    for effort in asked.efforts() {
+    for effort in efforts {
         let precision = effort.precision;
-        let ready = if is_mesh {
-            of_mesh(file, precision)?
-        } else {
-            of_scene(file, precision, asked.seed)?
+        let (accel, invalid) = match mesh::is_mesh_name(file) {
+            true => (of_mesh(file, precision)?, None),
+            false => of_scene(file, effort).map(|(accel, invalid)| (accel, Some(invalid)))?,
         };
-        let Ready { accel, invalid } = ready;
-        let trial = trial(&accel, &effort);
+        let trial = trial(&accel, effort);
         let examined = examined.get_or_insert_with(|| Examined {
             file: file.display().to_string(),
             shape: shape(accel.geometry(), &accel),
             trials: Vec::new(),
         });
-        let agreement = (precision == Precision::Exact).then(|| agreement(accel, &effort));
+        let agreement = (precision == Precision::Exact).then(|| agreement(accel, effort));
         examined.trials.push(Tried { precision, trial, agreement, invalid });
     }
     examined.ok_or_else(|| Error::new(ErrorKind::Usage, "no precision is named"))
 }
 
-/// The prepared input.
-struct Ready {
-    accel: Accel,
-    /// Number of samples that are not finite; `None` for a mesh.
-    invalid: Option<u64>,
-}
-
-fn of_mesh(file: &Path, precision: Precision) -> Result<Ready> {
+fn of_mesh(file: &Path, precision: Precision) -> Result<Accel> {
     let data = mesh::load(file)?.mesh;
     let (positions, triangles) = (data.positions, data.triangles);
     let geometry = Geometry { positions, triangles, precision, ..Geometry::default() };
-    Ok(Ready { accel: Accel::new(geometry, Preset::VeryFast), invalid: None })
+    Ok(Accel::new(geometry, Preset::VeryFast))
 }
 
-fn of_scene(file: &Path, precision: Precision, seed: u64) -> Result<Ready> {
+/// A prepared scene, and its number of samples that are not finite.
+fn of_scene(file: &Path, effort: &Effort) -> Result<(Accel, u64)> {
+    let Effort { precision, seed, .. } = *effort;
     let options =
         LoadOptions { width: Some(IMAGE_SIDE), height: Some(IMAGE_SIDE), ..LoadOptions::default() };
     let mut loaded = load(file, &options)?;
@@ -181,5 +172,5 @@ fn of_scene(file: &Path, precision: Precision, seed: u64) -> Result<Ready> {
         let options = RenderOptions { tracer, seed, ..RenderOptions::default() };
         invalid += render(&scene, &options, &())?.counters.invalid;
     }
-    Ok(Ready { accel: scene.accel, invalid: Some(invalid) })
+    Ok((scene.accel, invalid))
 }

@@ -4,8 +4,8 @@ use std::fmt::Write as _;
 
 use serde::Serialize;
 
-use super::asked::Asked;
 use wavecrest_core::kernels::precision::Precision;
+use wavecrest_report::selftest::Effort;
 use wavecrest_report::selftest::errors::{Distribution, HitErrors, SITUATIONS, Situation, ulps};
 
 /// The errors of a precision in a situation.
@@ -18,12 +18,12 @@ pub(super) struct Yield {
 }
 
 /// The errors in all situations.
-pub(super) fn measure(asked: &Asked) -> Vec<Yield> {
+pub(super) fn measure(efforts: &[Effort]) -> Vec<Yield> {
     let of = |situation: &'static Situation| {
-        asked.efforts().map(move |effort| Yield {
+        efforts.iter().map(move |effort| Yield {
             situation: situation.name,
             precision: effort.precision,
-            errors: situation.errors(&effort),
+            errors: situation.errors(effort),
         })
     };
     SITUATIONS.iter().flat_map(of).collect()

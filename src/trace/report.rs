@@ -111,52 +111,29 @@ impl Compared {
 impl Report {
     /// In words.
     pub(super) fn text(&self) -> String {
-        self.speed() + &self.work() + &self.kernels() + &self.compared.text()
-    }
-
-    fn speed(&self) -> String {
         let kind = if self.any_hit { "any hit" } else { "closest hit" };
-        let Self { rays, hits, repeats, threads, triangles, .. } = self;
-        format!(
-            "{:.2} Mrays/s: {rays} rays ({kind}), {hits} hits, {:.4} s, median of {repeats} on {threads} \
-             threads\nmesh: {triangles} triangles, loaded in {:.3} s; BVH {}, built in {:.3} s, \
-             estimate {:.1} nodes and {:.1} leaves per ray; {} precision\n",
-            self.mrays_s,
-            self.seconds,
-            self.load_seconds,
-            self.preset.name(),
-            self.build_seconds,
-            self.expected_visits.nodes,
-            self.expected_visits.leaves,
-            self.precision.name()
-        )
-    }
-
-    fn work(&self) -> String {
-        format!(
-            "per ray: {:.2} nodes, {:.2} leaves, {:.2} triangles, {:.5} settled in double precision, \
-             {:.6} in exact arithmetic\n",
-            self.nodes_per_ray,
-            self.leaves_per_ray,
-            self.triangles_per_ray,
-            self.settled_per_ray,
-            self.exact_per_ray
-        )
-    }
-
-    fn kernels(&self) -> String {
-        let used = &self.kernels;
+        let Self { mrays_s, rays, hits, seconds, repeats, threads, triangles, .. } = self;
+        let Self { load_seconds, build_seconds, nodes_per_ray, leaves_per_ray, .. } = self;
+        let Self { triangles_per_ray, settled_per_ray, exact_per_ray, compared, .. } = self;
+        let (preset, precision, simd) =
+            (self.preset.name(), self.precision.name(), self.simd.name());
+        let Visits { nodes, leaves } = self.expected_visits;
+        let ClassUse { packet, handed_over, stream, single, .. } = &self.kernels;
         let average = |value: Option<f64>| value.map_or("-".to_owned(), |v| format!("{v:.1}"));
+        let [a_node, a_round] = [self.kernels.rays_a_node, self.kernels.rays_a_round].map(average);
         format!(
-            "{}: {} rays in packets ({} handed over), {} in streams, {} alone; average: {} rays of a packet \
-             at a node, {} rays in flight per round\n",
-            self.simd.name(),
-            used.packet,
-            used.handed_over,
-            used.stream,
-            used.single,
-            average(used.rays_a_node),
-            average(used.rays_a_round)
+            "{mrays_s:.2} Mrays/s: {rays} rays ({kind}), {hits} hits, {seconds:.4} s, \
+             median of {repeats} on {threads} threads\n\
+             mesh: {triangles} triangles, loaded in {load_seconds:.3} s; \
+             BVH {preset}, built in {build_seconds:.3} s, \
+             estimate {nodes:.1} nodes and {leaves:.1} leaves per ray; {precision} precision\n\
+             per ray: {nodes_per_ray:.2} nodes, {leaves_per_ray:.2} leaves, \
+             {triangles_per_ray:.2} triangles, {settled_per_ray:.5} settled in double precision, \
+             {exact_per_ray:.6} in exact arithmetic\n\
+             {simd}: {packet} rays in packets ({handed_over} handed over), {stream} in streams, \
+             {single} alone; average: {a_node} rays of a packet at a node, \
+             {a_round} rays in flight per round\n{}",
+            compared.text()
         )
     }
 }

@@ -9,8 +9,8 @@ use image::codecs::gif::{GifEncoder, Repeat};
 use image::{Delay, Frame, ImageError, RgbaImage};
 
 use super::metadata::Entry;
-use super::transfer::row_to_bytes;
-use super::write::{Transfer, add_text, encode_error, png_error};
+use super::transfer::levels;
+use super::write::{Transfer, encode_error, png_encoder, png_error};
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_base::replace::{Sink, replace_file};
 use wavecrest_core::film::Film;
@@ -96,18 +96,14 @@ impl Animation<'_> {
 
     fn png(&self, sink: &mut Sink<'_>, next: &mut dyn FnMut(u32) -> Result<Film>) -> Result<()> {
         let failed = |error| encode_error(self.path, png_error(error));
-        let [width, height] = self.size;
-        let mut encoder = png::Encoder::new(sink, width, height);
-        encoder.set_color(png::ColorType::Rgb);
-        encoder.set_depth(png::BitDepth::Eight);
+        let color = png::ColorType::Rgb;
+        let mut encoder = png_encoder(sink, self.size, color, self.entries).map_err(failed)?;
         encoder.set_animated(self.frames, 0).map_err(failed)?;
         encoder.set_frame_delay(MILLISECONDS, 1000).map_err(failed)?;
-        self.entries.iter().try_for_each(|entry| add_text(&mut encoder, entry)).map_err(failed)?;
         let mut writer = encoder.write_header().map_err(failed)?;
         for frame in 0..self.frames {
             let film = next(frame)?;
-            let rows = film.rows().flat_map(|row| row_to_bytes(row, self.transfer));
-            writer.write_image_data(&rows.collect::<Vec<u8>>()).map_err(failed)?;
+            writer.write_image_data(&levels(&film, self.transfer)).map_err(failed)?;
         }
         writer.finish().map_err(failed)
     }
@@ -119,8 +115,7 @@ impl Animation<'_> {
         encoder.set_repeat(Repeat::Infinite).map_err(failed)?;
         for frame in 0..self.frames {
             let film = next(frame)?;
-            let levels = film.rows().flat_map(|row| row_to_bytes(row, self.transfer));
-            let levels = levels.collect::<Vec<u8>>();
+            let levels = levels(&film, self.transfer);
             let image = RgbaImage::from_fn(film.width(), film.height(), |x, y| {
                 let at = 3 * (y as usize * film.width() as usize + x as usize);
                 image::Rgba([levels[at], levels[at + 1], levels[at + 2], u8::MAX])

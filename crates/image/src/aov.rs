@@ -23,19 +23,22 @@
 
 mod invalid;
 mod names;
-mod pass;
 
-use crate::camera_rays::CameraRays;
+use glam::Vec3;
+
+use crate::camera_rays::{CameraRays, Gather};
 use crate::metadata::{ALPHA, Channel, Entry, Values};
 use wavecrest_base::error::Result;
 use wavecrest_base::memory;
-use wavecrest_core::prepared::PreparedScene;
+use wavecrest_core::accel::Hit;
+use wavecrest_core::kernels::precision::Arithmetic;
+use wavecrest_core::math::float::dot;
+use wavecrest_core::math::ray::Ray;
+use wavecrest_core::prepared::{Interaction, LookUps, PreparedScene, surface};
 use wavecrest_core::render;
 use wavecrest_core::tile::Tile;
 
 use names::Names;
-pub(crate) use pass::Seen;
-use pass::{Pass, Sums};
 
 wavecrest_base::choices! {
     /// A layer.
@@ -126,8 +129,13 @@ pub fn layers(scene: &PreparedScene, request: &Request<'_>) -> Result<Found> {
         let samples = scene.camera.rays_per_pixel();
         let rays = CameraRays { scene, window, seed: request.seed };
         rays.run(&Pass { scene, names: &names }, &mut |at, sums| {
-            let each = places.iter().zip(&mut channels);
-            each.for_each(|(place, to)| put(*place, to, at, sums, samples));
+            for (&(layer, axis), channel) in places.iter().zip(&mut channels) {
+                let value = value(layer, axis, sums, samples);
+                match channel {
+                    Values::Floats(values) => values[at] = value as f32,
+                    Values::Integers(values) => values[at] = value as u32,
+                }
+            }
         });
     }
     scene.appearance.check()?;
@@ -136,8 +144,7 @@ pub fn layers(scene: &PreparedScene, request: &Request<'_>) -> Result<Found> {
         match (layer, channel) {
             (Layer::Samples, Values::Integers(all)) => all.fill(scene.camera.rays_per_pixel()),
             (Layer::Invalid, Values::Floats(mask)) if request.invalid > 0 => {
-                let (seed, count) = (request.seed, request.invalid);
-                invalid::Search { scene, window: &window, seed, count, mask }.run();
+                invalid::mark(scene, &window, request, mask);
             }
             (Layer::Object, Values::Integers(numbers)) => {
                 entries.push(Entry { name: "objects", text: names.objects(numbers) });
@@ -176,30 +183,93 @@ fn room(layer: Layer, pixels: usize) -> Result<Values> {
     }
 }
 
-/// Stores the result of a pixel's samples.
-fn put((layer, axis): (Layer, usize), channel: &mut Values, at: usize, sums: &Sums, samples: u32) {
-    match channel {
-        Values::Floats(values) => values[at] = quantity(layer, sums, axis, samples),
-        Values::Integers(values) => values[at] = number(layer, sums),
-    }
-}
-
-fn quantity(layer: Layer, sums: &Sums, axis: usize, samples: u32) -> f32 {
-    let sum = match layer {
-        Layer::Alpha => return (f64::from(sums.hits) / f64::from(samples)) as f32,
-        Layer::Depth => sums.depth,
-        Layer::Normal => sums.normal[axis],
-        Layer::Albedo => sums.albedo[axis],
-        Layer::Position => sums.position[axis],
-        _ => 0.0,
-    };
-    if sums.hits == 0 { 0.0 } else { (sum / f64::from(sums.hits)) as f32 }
-}
-
-fn number(layer: Layer, sums: &Sums) -> u32 {
+/// The result of a pixel's samples along an axis of a layer.
+fn value(layer: Layer, axis: usize, sums: &Sums, samples: u32) -> f64 {
+    let mean = |sum: f64| if sums.hits == 0 { 0.0 } else { sum / f64::from(sums.hits) };
     match layer {
-        Layer::Object => sums.object,
-        Layer::Material => sums.material,
-        _ => 0,
+        Layer::Alpha => f64::from(sums.hits) / f64::from(samples),
+        Layer::Depth => mean(sums.depth),
+        Layer::Normal => mean(sums.normal[axis]),
+        Layer::Albedo => mean(sums.albedo[axis]),
+        Layer::Position => mean(sums.position[axis]),
+        Layer::Object => sums.object.into(),
+        Layer::Material => sums.material.into(),
+        Layer::Samples => samples.into(),
+        Layer::Invalid => 0.0,
     }
+}
+
+/// The sums of a pixel's samples.
+#[derive(Clone, Copy, Debug, Default)]
+struct Sums {
+    /// Number of samples that hit something.
+    hits: u32,
+    /// Sums over these.
+    depth: f64,
+    normal: [f64; 3],
+    albedo: [f64; 3],
+    position: [f64; 3],
+    /// Number for the first sample; 0 for nothing.
+    object: u32,
+    material: u32,
+}
+
+/// Sums the hits of camera rays.
+#[derive(Clone, Copy)]
+struct Pass<'a> {
+    scene: &'a PreparedScene,
+    names: &'a Names<'a>,
+}
+
+impl Gather for Pass<'_> {
+    type Sums = Sums;
+
+    fn add<P: Arithmetic>(&self, ray: &Ray, hit: &Hit, is_first: bool, sums: &mut Sums) {
+        let scene = self.scene;
+        let Some(Seen { point, normal, albedo }) = Seen::of::<P>(scene, ray, hit) else { return };
+        let [_, _, forward] = scene.camera.basis();
+        sums.hits += 1;
+        sums.depth += f64::from(hit.t) * f64::from(dot(ray.direction, forward));
+        add_to(&mut sums.normal, normal.to_array().map(f64::from));
+        add_to(&mut sums.albedo, albedo.to_array().map(f64::from));
+        add_to(&mut sums.position, (point.as_dvec3() + scene.origin).to_array());
+        if is_first {
+            let shape = scene.appearance.shape_of(hit.primitive);
+            (sums.object, sums.material) = self.names.numbers(shape);
+        }
+    }
+}
+
+/// The visible properties of a hit on a surface or a light.
+pub(crate) struct Seen {
+    pub(crate) point: Vec3,
+    /// The shading normal, on the side of the ray.
+    pub(crate) normal: Vec3,
+    pub(crate) albedo: Vec3,
+}
+
+impl Seen {
+    /// The properties of this `hit` of `ray`.
+    pub(crate) fn of<P: Arithmetic>(scene: &PreparedScene, ray: &Ray, hit: &Hit) -> Option<Self> {
+        let differential = || scene.camera.differential(ray.direction);
+        match scene.interaction::<P>(ray, hit, &differential, &mut LookUps::default()) {
+            Interaction::Nothing => None,
+            Interaction::Surface(at) => Some(Self {
+                point: at.point.into(),
+                normal: at.shading_normal.into(),
+                albedo: at.color.into(),
+            }),
+            Interaction::Light(albedo) => {
+                let at = surface::<P>(scene.accel.geometry(), ray, hit);
+                let normal: Vec3 = at.normal.into();
+                let is_behind = dot(ray.direction, normal) > 0.0;
+                let normal = if is_behind { -normal } else { normal };
+                Some(Self { point: at.point.into(), normal, albedo })
+            }
+        }
+    }
+}
+
+fn add_to(sum: &mut [f64; 3], value: [f64; 3]) {
+    sum.iter_mut().zip(value).for_each(|(sum, value)| *sum += value);
 }

@@ -10,6 +10,7 @@ use wavecrest_core::kernels::precision::Arithmetic;
 use wavecrest_core::math::random::Stream;
 use wavecrest_core::math::ray::Ray;
 use wavecrest_core::prepared::PreparedScene;
+use wavecrest_core::render::units::Grid;
 use wavecrest_core::tile::Tile;
 use wavecrest_core::with_precision;
 
@@ -46,7 +47,9 @@ impl CameraRays<'_> {
         let follow =
             |tile: &Tile| with_precision!(precision, P => self.follow::<P, G>(tile, gather));
         for y in (0..window.height).step_by(TILE_EDGE as usize) {
-            let tiles: Vec<Tile> = band(window, y).collect();
+            let height = TILE_EDGE.min(window.height - y);
+            let band = Grid::new(Tile { y: window.y + y, height, ..*window }, TILE_EDGE);
+            let tiles: Vec<Tile> = (0..band.len()).map(|number| band.tile(number)).collect();
             let found: Vec<Vec<G::Sums>> = tiles.par_iter().map(follow).collect();
             for (tile, pixels) in tiles.iter().zip(&found) {
                 for (index, sums) in pixels.iter().enumerate() {
@@ -88,16 +91,4 @@ impl CameraRays<'_> {
         let (pixel, sample) = (y * camera.size()[0] + x, (path % samples) as u32);
         camera.ray(x, y, &Stream { seed: self.seed, pixel, sample, bounce: 0 })
     }
-}
-
-/// The tiles of the rows from `y` on, within `window`.
-fn band(window: &Tile, y: u32) -> impl Iterator<Item = Tile> + use<> {
-    let window = *window;
-    let height = TILE_EDGE.min(window.height - y);
-    (0..window.width).step_by(TILE_EDGE as usize).map(move |x| Tile {
-        x: window.x + x,
-        y: window.y + y,
-        width: TILE_EDGE.min(window.width - x),
-        height,
-    })
 }

@@ -51,15 +51,14 @@ pub fn diverging(t: f32) -> [f32; 3] {
     let (end, part) = if t < 0.0 { (COOL, -t) } else { (WARM, t) };
     // A spiral instead of a straight line through the a-b plane: the hue at the grey middle, where
     // it is invisible, is turned so that the path there is as long as elsewhere.
-    let turn = end.saturation * (MIDDLE * MIDDLE - end.magnitude * end.magnitude).sqrt()
-        / (end.magnitude * libm::sin(end.saturation));
-    let away = if end.hue > -FRAC_PI_3 { turn } else { -turn };
-    let magnitude = MIDDLE + part * (end.magnitude - MIDDLE);
-    let saturation = part * end.saturation;
-    let hue = end.hue + (1.0 - part) * away;
+    let turn = SATURATION * (MIDDLE * MIDDLE - MAGNITUDE * MAGNITUDE).sqrt()
+        / (MAGNITUDE * libm::sin(SATURATION));
+    let away = if end > -FRAC_PI_3 { turn } else { -turn };
+    let magnitude = MIDDLE + part * (MAGNITUDE - MIDDLE);
+    let saturation = part * SATURATION;
+    let hue = end + (1.0 - part) * away;
     let across = magnitude * libm::sin(saturation);
-    let lab = [magnitude * libm::cos(saturation), across * libm::cos(hue), across * libm::sin(hue)];
-    xyz_to_rgb(lab_to_xyz(lab)).map(|value| srgb_encode(value.clamp(0.0, 1.0) as f32))
+    encoded([magnitude * libm::cos(saturation), across * libm::cos(hue), across * libm::sin(hue)])
 }
 
 /// The colour of the `n`th of many categories, as encoded sRGB. Consecutive numbers get clearly
@@ -70,7 +69,11 @@ pub fn distinct(n: u32) -> [f32; 3] {
     let (lightness, chroma) = DISTINCT[n as usize % DISTINCT.len()];
     // Whole turns first: the angle of many turns would lose digits.
     let hue = std::f64::consts::TAU * (f64::from(n) * GOLDEN_TURN).fract();
-    let lab = [lightness, chroma * libm::cos(hue), chroma * libm::sin(hue)];
+    encoded([lightness, chroma * libm::cos(hue), chroma * libm::sin(hue)])
+}
+
+/// A colour of CIELAB as encoded sRGB.
+fn encoded(lab: [f64; 3]) -> [f32; 3] {
     xyz_to_rgb(lab_to_xyz(lab)).map(|value| srgb_encode(value.clamp(0.0, 1.0) as f32))
 }
 
@@ -80,18 +83,12 @@ const GOLDEN_TURN: f64 = 0.381_966_011_250_105_2;
 /// Lightness and chroma, nearly within the gamut of displays for every hue.
 const DISTINCT: [(f64, f64); 3] = [(66.0, 48.0), (82.0, 38.0), (50.0, 44.0)];
 
-/// A colour in Moreland's polar coordinates of CIELAB: the distance from black, the angle to the
-/// axis of greys, and the angle about that axis.
-#[derive(Clone, Copy)]
-struct Polar {
-    magnitude: f64,
-    saturation: f64,
-    hue: f64,
-}
-
-/// The blue and the red of Moreland's table.
-const COOL: Polar = Polar { magnitude: 80.0, saturation: 1.08, hue: -1.1 };
-const WARM: Polar = Polar { magnitude: 80.0, saturation: 1.08, hue: 0.5 };
+/// The blue and the red of Moreland's table, in his polar coordinates of CIELAB: the distance from
+/// black and the angle to the axis of greys, the same for both, and the angle about that axis.
+const MAGNITUDE: f64 = 80.0;
+const SATURATION: f64 = 1.08;
+const COOL: f64 = -1.1;
+const WARM: f64 = 0.5;
 
 /// The magnitude of the grey in the middle.
 const MIDDLE: f64 = 88.0;

@@ -80,15 +80,15 @@ pub fn compare(a: &Film, b: &Film) -> Result<Comparison> {
         tally.add_row(y, row_a, row_b);
     }
     let pixels = a.pixels().len() as f64;
-    let mse = tally.sums.squares / (3.0 * pixels);
-    let [red, green, blue] = tally.sums.signed;
+    let [squares, relative, red, green, blue] = tally.sums;
+    let mse = squares / (3.0 * pixels);
     Ok(Comparison {
         width: a.width(),
         height: a.height(),
         mse,
         rmse: mse.sqrt(),
         psnr: psnr(mse),
-        relative_mse: tally.sums.relative / (3.0 * pixels),
+        relative_mse: relative / (3.0 * pixels),
         bias: (red + green + blue) / (3.0 * pixels),
         channel_bias: [red / pixels, green / pixels, blue / pixels],
         largest: tally.largest,
@@ -177,56 +177,43 @@ fn relative_to(b: f32, squared: f64) -> f64 {
 /// The state of a comparison.
 #[derive(Default)]
 struct Tally {
-    sums: Sums,
+    /// Sums over values: of squared differences, of relative ones, and of the signed ones of each
+    /// channel.
+    sums: [f64; 5],
     largest: f64,
     place: Option<(u32, u32, Channel)>,
     different: u64,
     nonfinite: u64,
 }
 
-/// Sums over values; signed ones for each channel.
-#[derive(Default)]
-struct Sums {
-    squares: f64,
-    relative: f64,
-    signed: [f64; 3],
-}
-
-impl Sums {
-    fn add(&mut self, other: &Self) {
-        self.squares += other.squares;
-        self.relative += other.relative;
-        self.signed.iter_mut().zip(other.signed).for_each(|(sum, term)| *sum += term);
-    }
-}
-
 impl Tally {
     fn add_row(&mut self, y: usize, row_a: &[[f32; 3]], row_b: &[[f32; 3]]) {
         // Each row has its own sums, so that less precision is lost over many pixels.
-        let mut sums = Sums::default();
+        let mut sums = [0.0; 5];
         for (x, (a, b)) in row_a.iter().zip(row_b).enumerate() {
             self.pixel(x, y, a, b, &mut sums);
         }
-        self.sums.add(&sums);
+        self.sums.iter_mut().zip(sums).for_each(|(sum, term)| *sum += term);
     }
 
-    fn pixel(&mut self, x: usize, y: usize, a: &[f32; 3], b: &[f32; 3], sums: &mut Sums) {
+    fn pixel(&mut self, x: usize, y: usize, a: &[f32; 3], b: &[f32; 3], sums: &mut [f64; 5]) {
         self.different += u64::from(a.map(f32::to_bits) != b.map(f32::to_bits));
         self.nonfinite += u64::from(!a.iter().chain(b).all(|value| value.is_finite()));
+        let [all_squares, relative, signed_sums @ ..] = sums;
         let mut squares = 0.0;
         for (i, channel) in Channel::ALL.into_iter().enumerate() {
             let signed = signed_difference(a[i], b[i]);
             let difference = distance(signed);
             let squared = difference * difference;
             squares += squared;
-            sums.relative += relative_to(b[i], squared);
-            sums.signed[i] += signed;
+            *relative += relative_to(b[i], squared);
+            signed_sums[i] += signed;
             if difference > self.largest {
                 self.largest = difference;
                 self.place = Some((x as u32, y as u32, channel));
             }
         }
-        sums.squares += squares;
+        *all_squares += squares;
     }
 }
 

@@ -15,7 +15,6 @@ pub mod merge;
 pub mod part;
 mod session;
 pub mod shard;
-mod store;
 
 pub use identity::Identity;
 pub use session::{Author, Session};

@@ -13,18 +13,21 @@
 //! pass over the camera rays. The colours of all but clay and wireframe are encoded display values,
 //! to be written with [`Transfer::Linear`](super::write::Transfer::Linear).
 
-mod paint;
 mod wires;
 
-use crate::camera_rays::CameraRays;
-use crate::colormap::magma;
+use crate::aov::Seen;
+use crate::camera_rays::{CameraRays, Gather};
+use crate::colormap::{distinct, magma};
 use wavecrest_base::error::Result;
+use wavecrest_core::accel::Hit;
 use wavecrest_core::film::Film;
+use wavecrest_core::kernels::precision::Arithmetic;
+use wavecrest_core::math::float::dot;
+use wavecrest_core::math::ray::Ray;
 use wavecrest_core::prepared::PreparedScene;
 use wavecrest_core::render;
 use wavecrest_core::tile::Tile;
 
-use paint::{Paint, Painted};
 use wires::Wires;
 
 wavecrest_base::choices! {
@@ -132,4 +135,55 @@ pub fn draw_edges(
         pixels[at] = [mixed(0), mixed(1), mixed(2)];
     });
     Ok(())
+}
+
+/// Colours each sample.
+struct Paint<'a> {
+    scene: &'a PreparedScene,
+    look: Look,
+}
+
+/// The sums of a pixel's samples.
+#[derive(Clone, Copy, Debug, Default)]
+struct Painted {
+    /// Number of samples that hit something.
+    hits: u32,
+    color: [f64; 3],
+    depth: f64,
+}
+
+impl Painted {
+    /// The mean over samples that hit something; `None` if none does.
+    fn mean_depth(&self) -> Option<f64> {
+        (self.hits > 0).then(|| self.depth / f64::from(self.hits))
+    }
+}
+
+impl Gather for Paint<'_> {
+    type Sums = Painted;
+
+    fn add<P: Arithmetic>(&self, ray: &Ray, hit: &Hit, _: bool, sums: &mut Painted) {
+        let Some(seen) = Seen::of::<P>(self.scene, ray, hit) else { return };
+        let [_, _, forward] = self.scene.camera.basis();
+        sums.hits += 1;
+        sums.depth += f64::from(hit.t) * f64::from(dot(ray.direction, forward));
+        let color = match self.look {
+            Look::Normals => seen.normal.to_array().map(|value| 0.5 + 0.5 * value),
+            Look::Uv => seen.albedo.to_array(),
+            Look::Ids => distinct(self.number(hit)),
+            Look::Clay | Look::Depth | Look::Wireframe => [0.0; 3],
+        };
+        sums.color.iter_mut().zip(color).for_each(|(sum, value)| *sum += f64::from(value));
+    }
+}
+
+impl Paint<'_> {
+    /// The number of the object that was hit, or of the triangle if there is only one object.
+    fn number(&self, hit: &Hit) -> u32 {
+        let appearance = &self.scene.appearance;
+        match appearance.shapes.len() {
+            0 | 1 => hit.primitive,
+            _ => appearance.shape_of(hit.primitive) as u32,
+        }
+    }
 }

@@ -4,6 +4,8 @@
 //! comments in its header. A PFM cannot store any. The same render gives the same entries: they
 //! contain nothing of the machine, the folder or the time.
 
+use super::transfer::Develop;
+
 /// A name and its text.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Entry {
@@ -26,6 +28,8 @@ pub struct Extras<'a> {
     pub comments: bool,
     /// More channels of an EXR; a PNG stores only [`ALPHA`].
     pub channels: &'a [Channel],
+    /// How light becomes the levels of 8-bit formats.
+    pub develop: Develop,
 }
 
 /// The origin of a render: all inputs of the image.

@@ -56,23 +56,36 @@ pub(super) fn is_netpbm(start: &[u8]) -> bool {
 /// Reads a binary PGM or PPM (as 0 to 1) or a PFM (unchanged) from a file of `length` bytes.
 pub(super) fn read(source: &mut impl BufRead, length: u64) -> Result<Film> {
     let mut header = Header { source, taken: 0 };
-    let layout = Layout::read(&mut header)?;
-    let count = checked_pixel_count(layout.width, layout.height)?;
-    let (needed, left) = (layout.bytes(), length.saturating_sub(header.taken));
+    let magic = header.word()?;
+    let (width, height) = (header.number("width")?, header.number("height")?);
+    let last = header.word()?;
+    let sample = match magic.as_str() {
+        "P5" | "P6" => white_value(&last)?,
+        "Pf" | "PF" => byte_order(&last)?,
+        _ => return Err(syntax("not a binary PGM, PPM or PFM image").value(magic)),
+    };
+    let count = checked_pixel_count(width, height)?;
+    let channels = if matches!(magic.as_str(), "P6" | "PF") { 3 } else { 1 };
+    let pixel_bytes = channels * sample.bytes();
+    let needed = count as u64 * pixel_bytes as u64;
+    let left = length.saturating_sub(header.taken);
     if needed > left {
-        let (width, height) = (layout.width, layout.height);
         let message =
             format!("an image of {width} x {height} pixels needs {needed} bytes after its header");
         return Err(syntax(message).value(left).remedy("the file may be cut off"));
     }
     let mut pixels = reserve(count)?;
-    let mut row = vec![0; layout.row_bytes()];
-    for _ in 0..layout.height {
+    let mut row = vec![0; width as usize * pixel_bytes];
+    for _ in 0..height {
         source.read_exact(&mut row).map_err(read_error)?;
-        pixels.extend(row.chunks_exact(layout.pixel_bytes()).map(|bytes| layout.pixel(bytes)));
+        pixels.extend(row.chunks_exact(pixel_bytes).map(|bytes| {
+            let mut values = bytes.chunks_exact(sample.bytes()).map(|bytes| sample.value(bytes));
+            let first = values.next().unwrap_or(0.0);
+            [first, values.next().unwrap_or(first), values.next().unwrap_or(first)]
+        }));
     }
-    let mut film = Film::from_pixels(layout.width, layout.height, pixels)?;
-    if layout.bottom_first() {
+    let mut film = Film::from_pixels(width, height, pixels)?;
+    if !matches!(sample, Sample::Integer(_)) {
         turn_upside_down(&mut film);
     }
     Ok(film)
@@ -85,14 +98,6 @@ fn turn_upside_down(film: &mut Film) {
     upper.chunks_exact_mut(width).zip(below).for_each(|(a, b)| a.swap_with_slice(b));
 }
 
-/// The layout of the numbers in a file.
-struct Layout {
-    width: u32,
-    height: u32,
-    channels: usize,
-    sample: Sample,
-}
-
 /// The storage of a number.
 enum Sample {
     /// An integer of one or two bytes, big-endian, with this value for white.
@@ -103,52 +108,15 @@ enum Sample {
     Big,
 }
 
-impl Layout {
-    fn read(header: &mut Header<'_, impl BufRead>) -> Result<Self> {
-        let magic = header.word()?;
-        let channels = if matches!(magic.as_str(), "P6" | "PF") { 3 } else { 1 };
-        let (width, height) = (header.number("width")?, header.number("height")?);
-        let last = header.word()?;
-        let sample = match magic.as_str() {
-            "P5" | "P6" => white_value(&last)?,
-            "Pf" | "PF" => byte_order(&last)?,
-            _ => return Err(syntax("not a binary PGM, PPM or PFM image").value(magic)),
-        };
-        Ok(Self { width, height, channels, sample })
-    }
-
-    fn bottom_first(&self) -> bool {
-        !matches!(self.sample, Sample::Integer(_))
-    }
-
-    fn sample_bytes(&self) -> usize {
-        match self.sample {
-            Sample::Integer(..=255) => 1,
-            Sample::Integer(_) => 2,
-            Sample::Little | Sample::Big => 4,
+impl Sample {
+    fn bytes(&self) -> usize {
+        match self {
+            Self::Integer(..=255) => 1,
+            Self::Integer(_) => 2,
+            Self::Little | Self::Big => 4,
         }
     }
 
-    fn pixel_bytes(&self) -> usize {
-        self.channels * self.sample_bytes()
-    }
-
-    fn row_bytes(&self) -> usize {
-        self.width as usize * self.pixel_bytes()
-    }
-
-    fn bytes(&self) -> u64 {
-        u64::from(self.width) * u64::from(self.height) * self.pixel_bytes() as u64
-    }
-
-    fn pixel(&self, bytes: &[u8]) -> [f32; 3] {
-        let mut values = bytes.chunks_exact(self.sample_bytes()).map(|b| self.sample.value(b));
-        let first = values.next().unwrap_or(0.0);
-        [first, values.next().unwrap_or(first), values.next().unwrap_or(first)]
-    }
-}
-
-impl Sample {
     fn value(&self, bytes: &[u8]) -> f32 {
         match (self, bytes) {
             (Self::Integer(white), &[a]) => fraction(u16::from(a), *white),

@@ -27,16 +27,14 @@ const SOFTWARE: &str = "software";
 /// `film` and its extras, as the bytes of a file.
 pub(super) fn encode(film: &Film, extras: &Extras<'_>) -> Result<Vec<u8>, ImageError> {
     let size = (film.width() as usize, film.height() as usize);
-    let of = |source| Samples { source, width: size.0 };
-    let color = |i: usize| of(Source::Color(film.pixels(), i));
-    let colors = [("R", 0), ("G", 1), ("B", 2)];
-    let colors = colors.map(|(name, i)| AnyChannel::new(name, color(i)));
+    let color = |(name, i)| AnyChannel::new(name, Samples::Color(film, i));
+    let colors = [("R", 0), ("G", 1), ("B", 2)].map(color);
     let mut channels: SmallVec<[AnyChannel<Samples<'_>>; 4]> = colors.into_iter().collect();
     for channel in extras.channels {
         if channel.values.len() != film.pixels().len() {
             return Err(failed(format!("{} has another size", channel.name)));
         }
-        let samples = of(Source::Channel(&channel.values));
+        let samples = Samples::Channel(&channel.values, size.0);
         let own = AnyChannel::new(text(&channel.name), samples);
         channels.push(AnyChannel { quantize_linearly: false, ..own });
     }
@@ -55,25 +53,20 @@ fn failed(cause: impl Into<Box<dyn std::error::Error + Send + Sync>>) -> ImageEr
     ImageError::Encoding(EncodingError::new(ImageFormatHint::Exact(ImageFormat::OpenExr), cause))
 }
 
-/// The values of a channel, in an image of this width.
+/// The values of a channel.
 #[derive(Clone, Copy)]
-struct Samples<'a> {
-    source: Source<'a>,
-    width: usize,
-}
-
-#[derive(Clone, Copy)]
-enum Source<'a> {
+enum Samples<'a> {
     /// One of the three colours of each pixel.
-    Color(&'a [[f32; 3]], usize),
-    Channel(&'a Values),
+    Color(&'a Film, usize),
+    /// Further values, in an image of this width.
+    Channel(&'a Values, usize),
 }
 
 impl<'a> WritableSamples<'_> for Samples<'a> {
     fn sample_type(&self) -> SampleType {
-        match self.source {
-            Source::Color(..) | Source::Channel(Values::Floats(_)) => SampleType::F32,
-            Source::Channel(Values::Integers(_)) => SampleType::U32,
+        match self {
+            Self::Color(..) | Self::Channel(Values::Floats(_), _) => SampleType::F32,
+            Self::Channel(Values::Integers(_), _) => SampleType::U32,
         }
     }
 
@@ -91,12 +84,16 @@ impl<'a> WritableSamples<'_> for Samples<'a> {
 impl SamplesWriter for Samples<'_> {
     fn extract_line(&self, line: LineRefMut<'_>) {
         let at = line.location.position;
-        let start = at.y() * self.width + at.x();
+        let width = match *self {
+            Self::Color(film, _) => film.width() as usize,
+            Self::Channel(_, width) => width,
+        };
+        let start = at.y() * width + at.x();
         let range = start..start + line.location.sample_count;
-        let written = match self.source {
-            Source::Color(pixels, color) => line.write_samples(|i| pixels[start + i][color]),
-            Source::Channel(Values::Floats(all)) => line.write_samples_from_slice(&all[range]),
-            Source::Channel(Values::Integers(all)) => line.write_samples_from_slice(&all[range]),
+        let written = match *self {
+            Self::Color(film, i) => line.write_samples(|n| film.pixels()[start + n][i]),
+            Self::Channel(Values::Floats(all), _) => line.write_samples_from_slice(&all[range]),
+            Self::Channel(Values::Integers(all), _) => line.write_samples_from_slice(&all[range]),
         };
         debug_assert!(written.is_ok(), "a line has room for its samples");
     }

@@ -39,14 +39,9 @@ pub struct Develop {
 }
 
 impl Develop {
-    /// Whether it changes nothing.
-    pub fn is_plain(&self) -> bool {
-        *self == Self::default()
-    }
-
     /// The developed film. `alpha` is the coverage of each pixel, if any is partial: colours are
     /// premultiplied by it before and after.
-    pub fn film(&self, film: &Film, alpha: Option<&[f32]>) -> Film {
+    pub(super) fn film(&self, film: &Film, alpha: Option<&[f32]>) -> Film {
         let factor = libm::exp2f(self.exposure);
         let mut developed = film.clone();
         for (i, pixel) in developed.pixels_mut().iter_mut().enumerate() {
@@ -82,6 +77,11 @@ impl Tone {
 
 /// Light above this is treated as infinite: its square is still finite.
 const BRIGHTEST: f32 = 1e18;
+
+/// A film as 8-bit values.
+pub(super) fn levels(film: &Film, transfer: Transfer) -> Vec<u8> {
+    film.rows().flat_map(|row| row_to_bytes(row, transfer)).collect()
+}
 
 /// A row of pixels as 8-bit values.
 pub(super) fn row_to_bytes(row: &[[f32; 3]], transfer: Transfer) -> Vec<u8> {

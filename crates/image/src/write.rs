@@ -10,9 +10,10 @@ use std::path::Path;
 
 use image::ImageError;
 
+use super::idat::compressed;
 use super::metadata::{ALPHA, Entry, Extras, Values, full_name};
-use super::transfer::{linear_level, row_to_bytes};
-use super::{idat, netpbm, openexr};
+use super::transfer::{levels, linear_level, row_to_bytes};
+use super::{netpbm, openexr};
 use wavecrest_base::error::{Error, ErrorKind, Result, did_you_mean};
 use wavecrest_base::replace::{Sink, check_replaceable, replace_file, write_error};
 use wavecrest_core::film::Film;
@@ -63,6 +64,11 @@ impl Format {
     pub fn is_float(self) -> bool {
         matches!(self, Self::Exr | Self::Pfm)
     }
+
+    /// Whether an image of this format is developed before it is written.
+    pub fn is_developed(self, develop: Develop) -> bool {
+        !self.is_float() && develop != Develop::default()
+    }
 }
 
 /// Writes `film` at `path` in the format of the extension. An existing file stays unchanged until
@@ -109,87 +115,77 @@ pub fn bytes_to_write(format: Format, pixels: u64, values: u64) -> u64 {
 /// If the encoder has no memory for it.
 pub fn png(film: &Film, transfer: Transfer) -> Result<Vec<u8>> {
     let mut bytes = Vec::new();
-    encode_png(&mut bytes, film, transfer, &[]).map_err(|e| encode_error("a PNG".as_ref(), e))?;
+    encode_png(&mut bytes, film, None, transfer, &[])
+        .map_err(|e| encode_error("a PNG".as_ref(), png_error(e)))?;
     Ok(bytes)
 }
 
+/// With `alpha`, the coverage of each pixel, the colours are stored unmultiplied beside it.
 fn encode_png(
     sink: impl Write,
     film: &Film,
+    alpha: Option<&[f32]>,
     transfer: Transfer,
     entries: &[Entry],
-) -> std::result::Result<(), ImageError> {
-    let compressed = idat::compressed(film, transfer)?;
-    let mut writer = png_writer(sink, film, png::ColorType::Rgb, entries).map_err(png_error)?;
-    if let Some(bytes) = compressed {
-        writer.write_chunk(png::chunk::IDAT, &bytes).map_err(png_error)?;
-    } else {
-        let bytes: Vec<u8> = film.rows().flat_map(|row| row_to_bytes(row, transfer)).collect();
-        writer.write_image_data(&bytes).map_err(png_error)?;
+) -> std::result::Result<(), png::EncodingError> {
+    let (color, compression, compressed) = match alpha {
+        None => (png::ColorType::Rgb, png::Compression::NoCompression, compressed(film, transfer)?),
+        Some(_) => (png::ColorType::Rgba, png::Compression::Fast, None),
+    };
+    let mut encoder = png_encoder(sink, [film.width(), film.height()], color, entries)?;
+    encoder.set_compression(compression);
+    let mut writer = encoder.write_header()?;
+    match (compressed, alpha) {
+        (Some(bytes), _) => writer.write_chunk(png::chunk::IDAT, &bytes)?,
+        (None, None) => writer.write_image_data(&levels(film, transfer))?,
+        (None, Some(alpha)) => writer.write_image_data(&straight_levels(film, alpha, transfer))?,
     }
-    writer.finish().map_err(png_error)
+    writer.finish()
 }
 
-/// A writer of the film's size that does not compress.
-fn png_writer<W: Write>(
+/// An encoder of images of this size, with the entries as text.
+pub(super) fn png_encoder<'a, W: Write>(
     sink: W,
-    film: &Film,
+    [width, height]: [u32; 2],
     color: png::ColorType,
     entries: &[Entry],
-) -> std::result::Result<png::Writer<W>, png::EncodingError> {
-    let mut encoder = png::Encoder::new(sink, film.width(), film.height());
+) -> std::result::Result<png::Encoder<'a, W>, png::EncodingError> {
+    let mut encoder = png::Encoder::new(sink, width, height);
     encoder.set_color(color);
     encoder.set_depth(png::BitDepth::Eight);
-    let is_plain = color == png::ColorType::Rgb;
-    encoder.set_compression(match is_plain {
-        true => png::Compression::NoCompression,
-        false => png::Compression::Fast,
-    });
     entries.iter().try_for_each(|entry| add_text(&mut encoder, entry))?;
-    encoder.write_header()
+    Ok(encoder)
 }
 
-/// The coverage of each pixel, if there is a channel for it.
-fn alpha<'a>(
-    film: &Film,
-    extras: &Extras<'a>,
-) -> std::result::Result<Option<&'a [f32]>, ImageError> {
-    let found = extras.channels.iter().find(|channel| channel.name == ALPHA);
-    match found.map(|channel| &channel.values) {
-        Some(Values::Floats(values)) if values.len() == film.pixels().len() => Ok(Some(values)),
-        Some(_) => Err(ImageError::IoError(std::io::Error::other("the alpha has another size"))),
-        None => Ok(None),
-    }
-}
-
-/// As [`encode_png`], with alpha. A PNG stores unmultiplied colours.
-fn encode_transparent(
-    sink: impl Write,
-    film: &Film,
-    alpha: &[f32],
-    transfer: Transfer,
-    entries: &[Entry],
-) -> std::result::Result<(), ImageError> {
-    let mut writer = png_writer(sink, film, png::ColorType::Rgba, entries).map_err(png_error)?;
+/// The levels of colours that are not multiplied by their coverage, and of the coverage.
+fn straight_levels(film: &Film, alpha: &[f32], transfer: Transfer) -> Vec<u8> {
     let straight = |(color, &alpha): (&[f32; 3], &f32)| match alpha > 0.0 {
         true => color.map(|value| value / alpha),
         false => [0.0; 3],
     };
-    let width = film.width() as usize;
     let mut bytes = Vec::with_capacity(4 * film.pixels().len());
-    for (colors, alpha) in film.rows().zip(alpha.chunks(width)) {
+    for (colors, alpha) in film.rows().zip(alpha.chunks(film.width() as usize)) {
         let colors: Vec<[f32; 3]> = colors.iter().zip(alpha).map(straight).collect();
         for (level, &share) in row_to_bytes(&colors, transfer).chunks_exact(3).zip(alpha) {
             bytes.extend_from_slice(level);
             bytes.push(linear_level(share));
         }
     }
-    writer.write_image_data(&bytes).map_err(png_error)?;
-    writer.finish().map_err(png_error)
+    bytes
+}
+
+/// The coverage of each pixel, if there is a channel for it.
+fn alpha<'a>(film: &Film, extras: &Extras<'a>) -> std::io::Result<Option<&'a [f32]>> {
+    let found = extras.channels.iter().find(|channel| channel.name == ALPHA);
+    match found.map(|channel| &channel.values) {
+        Some(Values::Floats(values)) if values.len() == film.pixels().len() => Ok(Some(values)),
+        Some(_) => Err(std::io::Error::other("the alpha has another size")),
+        None => Ok(None),
+    }
 }
 
 /// Adds a text chunk; in Unicode, which fewer programs show, only if necessary.
-pub(super) fn add_text(
+fn add_text(
     encoder: &mut png::Encoder<'_, impl Write>,
     Entry { name, text }: &Entry,
 ) -> std::result::Result<(), png::EncodingError> {
@@ -226,13 +222,14 @@ fn encode(
     extras: &Extras<'_>,
 ) -> std::result::Result<(), ImageError> {
     let comments = if extras.comments { extras.entries } else { &[] };
+    let alpha = if format.is_float() { None } else { alpha(film, extras)? };
+    let is_developed = format.is_developed(extras.develop);
+    let developed = is_developed.then(|| extras.develop.film(film, alpha));
+    let film = developed.as_ref().unwrap_or(film);
     match format {
         Format::Ppm => Ok(netpbm::write_ppm(sink, film, transfer, comments)?),
         Format::Pfm => Ok(netpbm::write_pfm(sink, film)?),
-        Format::Png => match alpha(film, extras)? {
-            Some(alpha) => encode_transparent(sink, film, alpha, transfer, extras.entries),
-            None => encode_png(sink, film, transfer, extras.entries),
-        },
+        Format::Png => encode_png(sink, film, alpha, transfer, extras.entries).map_err(png_error),
         // To memory first: the encoder turns the system's errors, such as a full disk, into text.
         // Nor does it have to seek in the file.
         Format::Exr => Ok(sink.write_all(&openexr::encode(film, extras)?)?),

@@ -8,47 +8,33 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use rayon::prelude::*;
 
+use super::Request;
 use wavecrest_core::prepared::PreparedScene;
 use wavecrest_core::render::TracerKind;
 use wavecrest_core::render::work::tracer;
 use wavecrest_core::tile::{Tile, TraceSettings, Unit};
 
-/// The samples of a window that are not finite.
-pub(super) struct Search<'a> {
-    pub(super) scene: &'a PreparedScene,
-    pub(super) window: &'a Tile,
-    /// The seed of the render.
-    pub(super) seed: u64,
-    /// The number of such samples.
-    pub(super) count: u64,
-    /// The window's pixels, set to 1 where a sample was not finite.
-    pub(super) mask: &'a mut [f32],
-}
-
-impl Search<'_> {
-    /// Sets the mask.
-    pub(super) fn run(self) {
-        let Self { scene, window, seed, count, mask } = self;
-        let left = AtomicU64::new(count);
-        // One path at a time: the recursive tracer ignores the batch.
-        let settings = TraceSettings { seed, batch: 1, time_passes: false };
-        let rows = mask.par_chunks_mut(window.width as usize).enumerate();
-        rows.for_each(|(row, mask)| {
-            let mut tracer = tracer(scene, TracerKind::Recursive, &settings);
-            for (column, marked) in mask.iter_mut().enumerate() {
-                if left.load(Ordering::Relaxed) == 0 {
-                    return;
-                }
-                let (x, y) = (window.x + column as u32, window.y + row as u32);
-                let pixel = Unit::whole(scene, Tile { x, y, width: 1, height: 1 });
-                let before = tracer.counters().invalid;
-                tracer.render(scene, &pixel, &mut [[0.0; 3]]);
-                let found = tracer.counters().invalid - before;
-                if found > 0 {
-                    *marked = 1.0;
-                    left.fetch_sub(found, Ordering::Relaxed);
-                }
+/// Sets the `mask` to 1 at the pixels of `window` with such samples.
+pub(super) fn mark(scene: &PreparedScene, window: &Tile, request: &Request<'_>, mask: &mut [f32]) {
+    let left = AtomicU64::new(request.invalid);
+    // One path at a time: the recursive tracer ignores the batch.
+    let settings = TraceSettings { seed: request.seed, batch: 1, time_passes: false };
+    let rows = mask.par_chunks_mut(window.width as usize).enumerate();
+    rows.for_each(|(row, mask)| {
+        let mut tracer = tracer(scene, TracerKind::Recursive, &settings);
+        for (column, marked) in mask.iter_mut().enumerate() {
+            if left.load(Ordering::Relaxed) == 0 {
+                return;
             }
-        });
-    }
+            let (x, y) = (window.x + column as u32, window.y + row as u32);
+            let pixel = Unit::whole(scene, Tile { x, y, width: 1, height: 1 });
+            let before = tracer.counters().invalid;
+            tracer.render(scene, &pixel, &mut [[0.0; 3]]);
+            let found = tracer.counters().invalid - before;
+            if found > 0 {
+                *marked = 1.0;
+                left.fetch_sub(found, Ordering::Relaxed);
+            }
+        }
+    });
 }

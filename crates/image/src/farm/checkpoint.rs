@@ -1,13 +1,13 @@
-//! Checkpoints: the state of a render, saved regularly and loaded to resume it.
+//! Checkpoints: the finished units of a render, saved regularly and loaded to resume it.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-use super::identity::Difference;
-use super::part::{Header, Reader};
-use super::store::Store;
+use super::part::{self, Header, Reader, Unit};
 use wavecrest_base::error::{Error, ErrorKind, Result};
+use wavecrest_core::render::work::{Summed, Task};
 
 /// The checkpoint of a render.
 #[derive(Clone, Debug)]
@@ -29,7 +29,18 @@ impl Checkpoint {
     /// If the file is damaged or of another render, or if it exists but resuming was not requested:
     /// no work is discarded.
     pub(super) fn load(&self, header: &Header) -> Result<Option<Store>> {
-        if self.check()? { load(&self.file, header).map(Some) } else { Ok(None) }
+        if !self.check()? {
+            return Ok(None);
+        }
+        let mut reader = Reader::open(&self.file)?;
+        check_same(&self.file, reader.header(), header)?;
+        let store = Store::default();
+        while let Some(unit) = reader.next_unit()? {
+            if unit.invalid == 0 {
+                store.put(unit);
+            }
+        }
+        Ok(Some(store))
     }
 
     /// Whether there is a file to resume from; call it before long work.
@@ -49,22 +60,10 @@ impl Checkpoint {
     }
 }
 
-fn load(file: &Path, header: &Header) -> Result<Store> {
-    let mut reader = Reader::open(file)?;
-    check_same(file, reader.header(), header)?;
-    let store = Store::default();
-    while let Some(unit) = reader.next_unit()? {
-        if unit.invalid == 0 {
-            store.put(unit);
-        }
-    }
-    Ok(store)
-}
-
 /// Refuses a checkpoint of another render.
 fn check_same(file: &Path, found: &Header, header: &Header) -> Result<()> {
     let refuse = |message: String| Error::new(ErrorKind::Usage, message).in_file(file);
-    if let Some(Difference { what, values }) = found.identity.difference(&header.identity) {
+    if let Some((what, values)) = found.identity.difference(&header.identity) {
         return Err(match values {
             Some([found, asked]) => {
                 refuse(format!("the {what} differs from that of the checkpoint"))
@@ -101,32 +100,27 @@ const PAUSE_FACTOR: u32 = 10;
 pub(super) struct Saver<'a> {
     checkpoint: &'a Checkpoint,
     header: &'a Header,
-    last: Mutex<Saved>,
-}
-
-/// The time of the last save, and how long to wait for the next.
-struct Saved {
-    at: Instant,
-    pause: Duration,
+    /// The time of the last save, and how long to wait for the next.
+    last: Mutex<(Instant, Duration)>,
 }
 
 impl<'a> Saver<'a> {
     pub(super) fn new(checkpoint: &'a Checkpoint, header: &'a Header) -> Self {
-        let last = Saved { at: Instant::now(), pause: checkpoint.every };
-        Self { checkpoint, header, last: Mutex::new(last) }
+        let last = Mutex::new((Instant::now(), checkpoint.every));
+        Self { checkpoint, header, last }
     }
 
     /// Saves the current state if it is due. Other threads continue; none of them saves too.
     pub(super) fn save_if_due(&self, store: &Store) -> Result<()> {
         let Ok(mut last) = self.last.try_lock() else { return Ok(()) };
-        if last.at.elapsed() < last.pause {
+        let (at, pause) = *last;
+        if at.elapsed() < pause {
             return Ok(());
         }
         let start = Instant::now();
         let saved = store.write(&self.checkpoint.file, self.header);
-        let took = start.elapsed();
-        let pause = self.checkpoint.every.max(took.saturating_mul(PAUSE_FACTOR));
-        *last = Saved { at: Instant::now(), pause };
+        let pause = self.checkpoint.every.max(start.elapsed().saturating_mul(PAUSE_FACTOR));
+        *last = (Instant::now(), pause);
         saved
     }
 
@@ -134,5 +128,60 @@ impl<'a> Saver<'a> {
     pub(super) fn save(&self, store: &Store) -> Result<()> {
         let _last = self.last.lock().unwrap_or_else(PoisonError::into_inner);
         store.write(&self.checkpoint.file, self.header)
+    }
+}
+
+/// The start of a unit: its tile, and its first block.
+type Key = (u32, u32);
+
+/// Finished units in memory, at most one for each start, saved while others are rendered.
+#[derive(Debug, Default)]
+pub(super) struct Store {
+    units: Mutex<BTreeMap<Key, Arc<Unit>>>,
+}
+
+impl Store {
+    /// Stores a unit; it replaces a shorter one with the same start.
+    pub(super) fn put(&self, unit: Unit) {
+        self.units().insert((unit.tile, unit.blocks.start), Arc::new(unit));
+    }
+
+    /// As [`Store::put`], from the render loop.
+    pub(super) fn keep(&self, summed: &Summed<'_>) {
+        self.put(Unit {
+            tile: summed.tile,
+            blocks: summed.blocks.clone(),
+            invalid: summed.invalid,
+            sums: summed.sums.to_vec(),
+        });
+    }
+
+    /// Writes the current units as a part with this header.
+    pub(super) fn write(&self, path: &Path, header: &Header) -> Result<()> {
+        let units = self.all();
+        let header = Header { units: units.len() as u64, ..header.clone() };
+        part::write(path, &header, units.iter().map(|unit| &**unit))
+    }
+
+    /// The current units, in order. They are shared, not copied.
+    pub(super) fn all(&self) -> Vec<Arc<Unit>> {
+        self.units().values().cloned().collect()
+    }
+
+    /// The rest of a task: all of it, nothing, or the blocks after those stored.
+    pub(super) fn rest(&self, task: Task) -> Option<Task> {
+        let Some(unit) = self.units().get(&(task.tile, task.blocks.start)).cloned() else {
+            return Some(task);
+        };
+        let blocks = unit.blocks.end..task.blocks.end;
+        (!blocks.is_empty()).then(|| Task {
+            tile: task.tile,
+            blocks,
+            sums: Some(unit.sums.clone()),
+        })
+    }
+
+    fn units(&self) -> MutexGuard<'_, BTreeMap<Key, Arc<Unit>>> {
+        self.units.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }

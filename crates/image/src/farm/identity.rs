@@ -48,15 +48,6 @@ pub struct Identity {
     pub appearance: String,
 }
 
-/// A difference between two identities.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Difference {
-    /// The property, as the end of "it has another ...".
-    pub what: &'static str,
-    /// The two values, if they help a reader.
-    pub values: Option<[String; 2]>,
-}
-
 impl Identity {
     /// The identity of a render of `scene`.
     ///
@@ -114,9 +105,10 @@ impl Identity {
         Blocks::new(self.samples)
     }
 
-    /// The first difference from `other`: the user's choices come before properties of files.
-    pub fn difference(&self, other: &Self) -> Option<Difference> {
-        // The text of a hash does not help a reader.
+    /// The first difference from `other`, as the end of "it has another ...", with the two values if
+    /// they help a reader. The user's choices come before properties of files.
+    pub fn difference(&self, other: &Self) -> Option<(&'static str, Option<[String; 2]>)> {
+        // The text of a hash does not help.
         let hash = |text: &str| (text.to_owned(), false);
         let said = |text: String| (text, true);
         let all = |identity: &Self| {
@@ -139,7 +131,7 @@ impl Identity {
         };
         let mut pairs = all(self).into_iter().zip(all(other));
         let ((what, (one, is_said)), (_, (other, _))) = pairs.find(|(one, other)| one != other)?;
-        Some(Difference { what, values: is_said.then_some([one, other]) })
+        Some((what, is_said.then_some([one, other])))
     }
 
     /// Checks that a render can have these numbers: they may come from a damaged file.

@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 
 use xxhash_rust::xxh3::xxh3_64;
 
-use super::identity::{Difference, Identity};
+use super::identity::Identity;
 use super::part::{Header, Reader, Unit};
 use super::shard::Shard;
 use crate::transfer::Transfer;
@@ -55,7 +55,12 @@ pub fn merge(paths: &[PathBuf]) -> Result<Merged> {
     }
     let (grid, blocks) = (header.identity.grid(), header.identity.blocks());
     // Allocate only an image that the parts can fill, whatever size they claim.
-    let (held, pixels) = (bytes(paths)?, grid.window().len() as u64);
+    let length = |path: &PathBuf| match path.metadata() {
+        Ok(data) => Ok(data.len()),
+        Err(error) => Err(Error::io("cannot read the part", path, error)),
+    };
+    let held: u64 = paths.iter().map(length).sum::<Result<_>>()?;
+    let pixels = grid.window().len() as u64;
     if held < pixels * size_of::<[f64; 3]>() as u64 {
         return Err(incomplete(&shards, format!("{held} bytes of parts for {pixels} pixels")));
     }
@@ -81,17 +86,8 @@ pub fn merge(paths: &[PathBuf]) -> Result<Merged> {
     Ok(Merged { identity: header.identity, transfer: header.transfer, film, invalid })
 }
 
-/// The total length of the files.
-fn bytes(paths: &[PathBuf]) -> Result<u64> {
-    let length = |path: &PathBuf| {
-        let data = path.metadata().map_err(|e| Error::io("cannot read the part", path, e))?;
-        Ok(data.len())
-    };
-    paths.iter().map(length).sum()
-}
-
 fn check_same(path: &Path, other: &Header, first: &Path, header: &Header) -> Result<()> {
-    let Some(Difference { what, values }) = other.identity.difference(&header.identity) else {
+    let Some((what, values)) = other.identity.difference(&header.identity) else {
         return Ok(());
     };
     let first = first.display();
@@ -145,23 +141,14 @@ struct Mosaic<'a> {
     paths: &'a [PathBuf],
     grid: Grid,
     blocks: Blocks,
-    /// The units so far, by tile and first block.
-    seen: BTreeMap<(u32, u32), Seen>,
+    /// The units so far, by tile and first block: the end of their blocks (exclusive), the hash of
+    /// their sums, and the number of their part.
+    seen: BTreeMap<(u32, u32), (u32, u64, usize)>,
     /// Tiles whose blocks are in several units.
     waiting: BTreeMap<u32, Waiting>,
     /// Number of finished tiles.
     finished: u64,
     invalid: u64,
-}
-
-/// A unit already read.
-struct Seen {
-    /// The end of its blocks, exclusive.
-    end: u32,
-    /// The hash of its sums.
-    hash: u64,
-    /// The number of its part.
-    part: usize,
 }
 
 /// The blocks of a tile so far.
@@ -208,26 +195,24 @@ impl Mosaic<'_> {
         let Unit { tile, blocks: Range { start, end }, .. } = *unit;
         let hash = xxh3_64(bytemuck::cast_slice(&unit.sums));
         let others = self.seen.range((tile, 0)..(tile, end));
-        let overlaps = |((_, from), seen): &(&(u32, u32), &Seen)| *from < end && seen.end > start;
-        let Some((&(_, from), seen)) = others.rev().find(overlaps) else {
-            self.seen.insert((tile, start), Seen { end, hash, part: number });
+        let Some((&(_, from), &(to, known, part))) = others.rev().find(|(_, seen)| seen.0 > start)
+        else {
+            self.seen.insert((tile, start), (end, hash, number));
             return Ok(false);
         };
-        if (from, seen.end) != (start, end) {
-            return Err(self.conflict(number, seen.part, tile, "it overlaps"));
+        if (from, to) != (start, end) {
+            return Err(self.conflict(number, part, tile, "it overlaps"));
         }
-        if hash != seen.hash {
-            return Err(self.conflict(number, seen.part, tile, "it differs from"));
+        if hash != known {
+            return Err(self.conflict(number, part, tile, "it differs from"));
         }
         Ok(true)
     }
 
     fn conflict(&self, number: usize, other: usize, tile: u32, how: &str) -> Error {
         let Tile { x, y, .. } = self.grid.tile(tile);
-        let name = |number: usize| self.paths.get(number).cloned().unwrap_or_default();
-        let other = name(other);
-        Error::new(ErrorKind::Usage, format!("{how} {}", other.display()))
-            .in_file(name(number))
+        Error::new(ErrorKind::Usage, format!("{how} {}", self.paths[other].display()))
+            .in_file(&self.paths[number])
             .at(format!("tile at {x},{y}"))
             .remedy("remove one of the two, or render both again")
     }

@@ -175,13 +175,14 @@ impl Reader {
         }
         let mut bytes = vec![0; 4 * 4 + 8];
         fill(&mut self.file, &mut bytes)?;
-        let [tile, first, end, pixels] = [0, 4, 8, 12].map(|at| number(&bytes[at..]));
-        let invalid = long(&bytes[16..]);
+        let [tile, first, end, pixels] = [0, 1, 2, 3].map(|n| number(&bytes, n));
+        let invalid = long(&bytes, 2);
         let length = self.length(tile, first..end, pixels)?;
         let start = bytes.len();
         bytes.resize(start + length * size_of::<[f64; 3]>(), 0);
         fill(&mut self.file, &mut bytes[start..])?;
         check_hash(&mut self.file, &bytes, self.seed)?;
+        let sum = |bytes: &[u8]| [0, 1, 2].map(|n| f64::from_bits(long(bytes, n)));
         let sums = bytes[start..].chunks_exact(size_of::<[f64; 3]>()).map(sum).collect();
         self.read += 1;
         self.last = Some((tile, end));
@@ -214,7 +215,7 @@ fn header(file: &mut BufReader<File>, length: u64) -> Result<(Header, u64)> {
         return Err(foreign());
     }
     fill(file, &mut bytes)?;
-    let [version, json] = [8, 12].map(|at| number(&bytes[at..]));
+    let [version, json] = [2, 3].map(|n| number(&bytes, n));
     if &bytes[..8] != MAGIC {
         return Err(foreign());
     }
@@ -267,18 +268,12 @@ fn damaged(how: &str) -> Error {
     Error::new(ErrorKind::Syntax, format!("the part is damaged: {how}")).remedy("render it again")
 }
 
-/// The number at the start of `bytes`; missing bytes count as 0.
-fn number(bytes: &[u8]) -> u32 {
-    long(&bytes[..bytes.len().min(4)]) as u32
+/// The `n`th number of four bytes; 0 if it is missing.
+fn number(bytes: &[u8], n: usize) -> u32 {
+    bytes.as_chunks().0.get(n).map_or(0, |bytes| u32::from_le_bytes(*bytes))
 }
 
-fn long(bytes: &[u8]) -> u64 {
-    let mut word = [0; 8];
-    let length = bytes.len().min(8);
-    word[..length].copy_from_slice(&bytes[..length]);
-    u64::from_le_bytes(word)
-}
-
-fn sum(bytes: &[u8]) -> [f64; 3] {
-    [0, 8, 16].map(|at| f64::from_bits(long(bytes.get(at..).unwrap_or(&[]))))
+/// The `n`th number of eight bytes; 0 if it is missing.
+fn long(bytes: &[u8], n: usize) -> u64 {
+    bytes.as_chunks().0.get(n).map_or(0, |bytes| u64::from_le_bytes(*bytes))
 }

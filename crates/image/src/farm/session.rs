@@ -4,11 +4,10 @@
 use std::path::Path;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use super::checkpoint::{Checkpoint, Saver};
+use super::checkpoint::{Checkpoint, Saver, Store};
 use super::identity::Identity;
 use super::part::{Header, Unit};
 use super::shard::Shard;
-use super::store::Store;
 use crate::transfer::Transfer;
 use wavecrest_base::error::{Error, Result};
 use wavecrest_core::prepared::PreparedScene;

@@ -30,35 +30,28 @@ const REACH: f64 = 3.0;
 /// Number of results summed at a time: as many as fit into registers.
 const LANES: usize = 8;
 
-/// All filters for a number of pixels per degree.
-pub(super) struct Filters {
-    /// Contrast sensitivity of lightness.
-    pub(super) lightness: Filter,
-    /// Of red against green.
-    pub(super) red_green: Filter,
-    /// Of yellow against blue: the sum of two filters, each applied along rows and columns.
-    pub(super) yellow_blue: [Filter; 2],
-    /// The Gaussian of the detectors.
-    pub(super) smooth: Filter,
-    /// Its first derivative, which finds edges.
-    pub(super) edge: Filter,
-    /// Its second derivative, which finds points.
-    pub(super) point: Filter,
-}
+/// All filters for a number of pixels per degree: the contrast sensitivities of lightness, of red
+/// against green, and of yellow against blue, a sum of two filters, each applied along rows and
+/// columns; then the Gaussian of the detectors, its first derivative, which finds edges, and its
+/// second, which finds points.
+pub(super) struct Filters(pub(super) [Filter; FILTERS]);
+
+/// The number of filters.
+pub(super) const FILTERS: usize = 7;
 
 /// An odd number of weights, the middle one for the pixel itself.
 pub(super) struct Filter(Vec<f64>);
 
 impl Filters {
     pub(super) fn new(pixels_per_degree: f64) -> Self {
-        let (lightness, red_green, yellow_blue) = of_the_eye(pixels_per_degree);
+        let [lightness, red_green, first, second] = of_the_eye(pixels_per_degree);
         let [smooth, edge, point] = of_features(0.5 * FEATURE_WIDTH * pixels_per_degree);
-        Self { lightness, red_green, yellow_blue, smooth, edge, point }
+        Self([lightness, red_green, first, second, smooth, edge, point])
     }
 
     /// The reach of the widest filter to each side, in pixels.
     pub(super) fn radius(&self) -> usize {
-        self.lightness.radius().max(self.smooth.radius())
+        self.0.iter().map(Filter::radius).max().unwrap_or(0)
     }
 }
 
@@ -138,7 +131,7 @@ impl Sensitivity {
 
 /// The filters of lightness, red against green, and yellow against blue. All reach as far as the
 /// widest; each has the sum 1.
-fn of_the_eye(pixels_per_degree: f64) -> (Filter, Filter, [Filter; 2]) {
+fn of_the_eye(pixels_per_degree: f64) -> [Filter; 4] {
     let widest = YELLOW_BLUE[0].deviation();
     let radius = (REACH * widest * pixels_per_degree).ceil() as i32;
     let single = |part: &Sensitivity| {
@@ -152,7 +145,8 @@ fn of_the_eye(pixels_per_degree: f64) -> (Filter, Filter, [Filter; 2]) {
         Filter::sampled(radius, |x| part.at(x / pixels_per_degree) / root)
     });
     let sum = double.iter().map(|filter| filter.sum() * filter.sum()).sum::<f64>().sqrt();
-    (single(&LIGHTNESS), single(&RED_GREEN), double.map(|filter| filter.scaled(1.0 / sum)))
+    let [first, second] = double.map(|filter| filter.scaled(1.0 / sum));
+    [single(&LIGHTNESS), single(&RED_GREEN), first, second]
 }
 
 /// The Gaussian with this standard deviation in pixels and the sum 1, and its first and second
@@ -181,12 +175,12 @@ mod tests {
         for pixels_per_degree in BOUNDS {
             let filters = Filters::new(pixels_per_degree);
             let is = |filter: &Filter, sum: f64| assert!((filter.sum() - sum).abs() < 1e-14);
-            is(&filters.lightness, 1.0);
-            is(&filters.red_green, 1.0);
-            is(&filters.smooth, 1.0);
-            is(&filters.edge, 0.0);
-            is(&filters.point, 0.0);
-            let [a, b] = &filters.yellow_blue;
+            let [lightness, red_green, a, b, smooth, edge, point] = &filters.0;
+            is(lightness, 1.0);
+            is(red_green, 1.0);
+            is(smooth, 1.0);
+            is(edge, 0.0);
+            is(point, 0.0);
             assert!((a.sum() * a.sum() + b.sum() * b.sum() - 1.0).abs() < 1e-14);
         }
     }
@@ -194,8 +188,8 @@ mod tests {
     #[test]
     fn derivatives_have_the_sum_1_on_either_side() {
         for pixels_per_degree in BOUNDS {
-            let filters = Filters::new(pixels_per_degree);
-            for Filter(weights) in [filters.edge, filters.point] {
+            let Filters([.., edge, point]) = Filters::new(pixels_per_degree);
+            for Filter(weights) in [edge, point] {
                 let positive: f64 = weights.iter().filter(|w| **w > 0.0).sum();
                 assert!((positive - 1.0).abs() < 1e-14, "{pixels_per_degree}: {positive}");
                 assert!(weights.iter().all(|w| w.is_finite()));
@@ -207,7 +201,7 @@ mod tests {
     fn filters_reach_as_far_as_they_say() {
         // 3 sqrt(0.04 / (2 pi^2)) and 3 * 0.041 degrees, at 67.02 pixels each.
         let filters = Filters::new(DEFAULT_PIXELS_PER_DEGREE);
-        assert_eq!((filters.lightness.radius(), filters.smooth.radius()), (10, 9));
+        assert_eq!((filters.0[0].radius(), filters.0[4].radius()), (10, 9));
         assert_eq!(filters.radius(), 10);
         assert_eq!(Filters::new(MAX_PIXELS_PER_DEGREE).radius(), 136);
     }

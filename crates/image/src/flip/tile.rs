@@ -4,7 +4,7 @@
 //! filters, then the columns, and compares. The image's edge pixels are repeated beyond its edge.
 
 use super::difference::{Difference, Features, shown};
-use super::filter::{Filter, Filters};
+use super::filter::{FILTERS, Filter, Filters};
 use wavecrest_core::film::Film;
 
 /// The smallest side of a tile in pixels: its memory then stays in a core's cache.
@@ -27,25 +27,19 @@ struct Place {
 }
 
 /// An image after the pass along rows: a plane for each filter, with rows above and below the tile.
-#[derive(Default)]
-struct Filtered {
-    lightness: Vec<f64>,
-    red_green: Vec<f64>,
-    yellow_blue: [Vec<f64>; 2],
-    smooth: Vec<f64>,
-    edge: Vec<f64>,
-    point: Vec<f64>,
-}
+type Filtered = [Vec<f64>; FILTERS];
 
-/// A row of an image after both passes: a colour and features for each pixel.
-#[derive(Default)]
-struct Row {
-    color: [Vec<f64>; 3],
-    along_x: [Vec<f64>; 2],
-    along_y: [Vec<f64>; 2],
-    /// The second term of a sum.
-    term: Vec<f64>,
-}
+/// The plane that each of the [`Filters`] reads along rows: of lightness, of red against green, or
+/// of yellow against blue.
+const ALONG_ROWS: [usize; FILTERS] = [0, 1, 2, 2, 0, 0, 0];
+
+/// A row of an image after both passes: values for each pixel.
+type Row = [Vec<f64>; ALONG_COLUMNS.len()];
+
+/// The filter along columns, and the plane filtered along rows that it reads: for the colour, whose
+/// last two are terms of a sum, and for edges and points along x and along y.
+const ALONG_COLUMNS: [[usize; 2]; 8] =
+    [[0, 0], [1, 1], [2, 2], [3, 3], [4, 5], [4, 6], [5, 4], [6, 4]];
 
 impl<'a> Tiles<'a> {
     pub(super) fn new(filters: Filters, films: [&'a Film; 2]) -> Self {
@@ -83,9 +77,7 @@ impl<'a> Tiles<'a> {
 
     /// The pass along rows: the tile's, and those that filters reach above and below.
     fn along_rows(&self, film: &Film, place: Place, out: &mut Filtered) {
-        let filters = &self.filters;
-        let [first, second] = &filters.yellow_blue;
-        out.clear();
+        out.iter_mut().for_each(Vec::clear);
         let mut planes = <[Vec<f64>; 3]>::default();
         for y in self.reached(place.y, place.height, film.height()) {
             let row = &film.pixels()[y * film.width() as usize..][..film.width() as usize];
@@ -95,49 +87,28 @@ impl<'a> Tiles<'a> {
                     plane.push(value);
                 }
             }
-            let [lightness, red_green, yellow_blue] = &planes;
-            let append = |filter: &Filter, plane: &[f64], out: &mut Vec<f64>| {
+            for ((filter, plane), out) in self.filters.0.iter().zip(ALONG_ROWS).zip(&mut *out) {
                 let start = out.len();
                 out.resize(start + place.width, 0.0);
-                filter.apply(&plane[self.before(filter)..], 1, &mut out[start..]);
-            };
-            append(&filters.lightness, lightness, &mut out.lightness);
-            append(&filters.red_green, red_green, &mut out.red_green);
-            append(first, yellow_blue, &mut out.yellow_blue[0]);
-            append(second, yellow_blue, &mut out.yellow_blue[1]);
-            append(&filters.smooth, lightness, &mut out.smooth);
-            append(&filters.edge, lightness, &mut out.edge);
-            append(&filters.point, lightness, &mut out.point);
+                filter.apply(&planes[plane][self.before(filter)..], 1, &mut out[start..]);
+            }
         }
     }
 
     /// The pass along columns, for the tile's row `y`.
     fn along_columns(&self, from: &Filtered, place: Place, y: usize, out: &mut Row) {
-        let filters = &self.filters;
-        let [first, second] = &filters.yellow_blue;
-        let apply = |filter: &Filter, plane: &[f64], out: &mut Vec<f64>| {
+        for ([filter, plane], out) in ALONG_COLUMNS.into_iter().zip(out) {
+            let filter = &self.filters.0[filter];
             out.resize(place.width, 0.0);
             let start = (y + self.before(filter)) * place.width;
-            filter.apply(&plane[start..], place.width, out);
-        };
-        let [lightness, red_green, yellow_blue] = &mut out.color;
-        apply(&filters.lightness, &from.lightness, lightness);
-        apply(&filters.red_green, &from.red_green, red_green);
-        apply(first, &from.yellow_blue[0], yellow_blue);
-        apply(second, &from.yellow_blue[1], &mut out.term);
-        yellow_blue.iter_mut().zip(&out.term).for_each(|(sum, term)| *sum += term);
-        let [edge_x, point_x] = &mut out.along_x;
-        apply(&filters.smooth, &from.edge, edge_x);
-        apply(&filters.smooth, &from.point, point_x);
-        let [edge_y, point_y] = &mut out.along_y;
-        apply(&filters.edge, &from.smooth, edge_y);
-        apply(&filters.point, &from.smooth, point_y);
+            filter.apply(&from[plane][start..], place.width, out);
+        }
     }
 
     fn compare(&self, [a, b]: &[Row; 2], out: &mut [f32]) {
         for (x, out) in out.iter_mut().enumerate() {
-            let colors = self.difference.of_colors(a.color(x), b.color(x));
-            let features = self.difference.of_features(a.features(x), b.features(x));
+            let colors = self.difference.of_colors(color(a, x), color(b, x));
+            let features = self.difference.of_features(features(a, x), features(b, x));
             *out = self.difference.combined(colors, features) as f32;
         }
     }
@@ -155,33 +126,14 @@ impl<'a> Tiles<'a> {
     }
 }
 
-impl Filtered {
-    fn clear(&mut self) {
-        let [first, second] = &mut self.yellow_blue;
-        let planes = [
-            &mut self.lightness,
-            &mut self.red_green,
-            first,
-            second,
-            &mut self.smooth,
-            &mut self.edge,
-            &mut self.point,
-        ];
-        planes.into_iter().for_each(Vec::clear);
-    }
+fn color(row: &Row, x: usize) -> [f64; 3] {
+    [row[0][x], row[1][x], row[2][x] + row[3][x]]
 }
 
-impl Row {
-    fn color(&self, x: usize) -> [f64; 3] {
-        [self.color[0][x], self.color[1][x], self.color[2][x]]
-    }
-
-    fn features(&self, x: usize) -> Features {
-        let strength = |i: usize| {
-            let (along_x, along_y) = (self.along_x[i][x], self.along_y[i][x]);
-            // Lightness ranges from -16 to 100; the filters cancel constants.
-            (along_x * along_x + along_y * along_y).sqrt() / 116.0
-        };
-        Features { edge: strength(0), point: strength(1) }
-    }
+fn features(row: &Row, x: usize) -> Features {
+    let strength = |along_x: f64, along_y: f64| {
+        // Lightness ranges from -16 to 100; the filters cancel constants.
+        (along_x * along_x + along_y * along_y).sqrt() / 116.0
+    };
+    Features { edge: strength(row[4][x], row[6][x]), point: strength(row[5][x], row[7][x]) }
 }

@@ -44,7 +44,7 @@ fn what_is_said_of_an_image_changes_no_pixel() {
     let folder = tempfile::tempdir().unwrap();
     let entry = |name, text: &str| Entry { name, text: text.to_owned() };
     let entries = [entry("software", "w 1"), entry("seed", "7"), entry("command", "ж\nb")];
-    let extras = Extras { entries: &entries, comments: true, channels: &[] };
+    let extras = Extras { entries: &entries, comments: true, ..Extras::default() };
     for format in Format::ALL {
         let path = folder.path().join(format!("a.{}", format.name()));
         write_with(&film(), &path, Transfer::Linear, &extras).unwrap();
