@@ -1,4 +1,4 @@
-//! `convert`: writes a glTF file or a mesh as a scene file.
+//! `convert`: writes a glTF file, a mesh or a scene as a scene file.
 
 use std::path::{Path, PathBuf};
 
@@ -9,7 +9,7 @@ use wavecrest_base::replace::check_differs;
 use wavecrest_scene::load::load;
 use wavecrest_scene::write::write;
 
-/// Convert a glTF file or a mesh to a scene in JSON, with meshes and images beside it.
+/// Convert a glTF file, a mesh or a scene to a scene in JSON, with meshes and images beside it.
 ///
 /// The scene renders to the same image. It contains the default camera, lights and materials, ready to be edited.
 #[derive(Clone, Debug, clap::Args)]
