@@ -54,13 +54,17 @@ impl<'a> Placed<'a> {
         of: impl Fn(DVec3) -> T + Sync,
         merge: impl Fn(T, T) -> T + Sync + Send,
     ) -> T {
+        // Blocks, because a reduction of single points calls its functions for each.
+        const BLOCK: usize = 1 << 12;
         let point = |p: &Vec3| of(self.world.transform_point3(p.as_dvec3()));
         if self.shows_all {
-            return self.points.par_iter().map(point).reduce(|| none, &merge);
+            let block = |points: &[Vec3]| points.iter().map(point).fold(none, &merge);
+            return self.points.par_chunks(BLOCK).map(block).reduce(|| none, &merge);
         }
-        let corner = |i: u32| point(&self.points[i as usize]);
-        let triangle = |&[a, b, c]: &[u32; 3]| merge(merge(corner(a), corner(b)), corner(c));
-        self.triangles.par_iter().map(triangle).reduce(|| none, &merge)
+        let corner = |i: &u32| point(&self.points[*i as usize]);
+        let block =
+            |corners: &[[u32; 3]]| corners.as_flattened().iter().map(corner).fold(none, &merge);
+        self.triangles.par_chunks(BLOCK).map(block).reduce(|| none, &merge)
     }
 }
 
