@@ -108,8 +108,8 @@ fn scene(file: &Path, kind: &str) -> String {
 
 /// Reads the scene and prepares it without the tree.
 fn prepared(json: &str) -> Result<Extracted> {
-    let mut loaded = load_str(json, Path::new("scene.json"), &LoadOptions::default())?;
-    extract(&mut loaded.world, Default::default())
+    let loaded = load_str(json, Path::new("scene.json"), &LoadOptions::default())?;
+    extract(loaded.world, Default::default())
 }
 
 /// Writes the file of this kind and times `work` on it; `work` returns the number of triangles

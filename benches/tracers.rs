@@ -68,8 +68,8 @@ fn prepare(name: &str) -> Result<PreparedScene> {
         _ => meshes()?,
     }
     .into();
-    let mut loaded = load_str(&scene.to_string(), Path::new("bench.json"), &Default::default())?;
-    Ok(systems::extract(&mut loaded.world, Default::default())?.build(Preset::Fast))
+    let loaded = load_str(&scene.to_string(), Path::new("bench.json"), &Default::default())?;
+    Ok(systems::extract(loaded.world, Default::default())?.build(Preset::Fast))
 }
 
 fn trace(scene: &PreparedScene, tracer: TracerKind) -> Result<Rendered> {

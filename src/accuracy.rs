@@ -119,8 +119,8 @@ fn compare(args: &AccuracyArgs, before: &Path, after: &Path) -> Result<bool> {
 /// Prints the cost of an error with each sampler.
 fn advise(args: &AccuracyArgs, error: f64) -> Result<()> {
     for file in &args.scenes {
-        let mut loaded = load(file, &LoadOptions::default())?;
-        let extracted = extract(&mut loaded.world, Default::default())?;
+        let loaded = load(file, &LoadOptions::default())?;
+        let extracted = extract(loaded.world, Default::default())?;
         let preset = extracted.preset().at_once();
         let mut scene = extracted.build(preset);
         let original = scene.original();

@@ -36,7 +36,7 @@ pub(crate) fn run(args: &CheckArgs) -> Result<()> {
         // Read every file, whether or not the image needs it.
         let passes = unplanned(&PASSES);
         let options = Options { passes: &passes, ..Options::default() };
-        let extracted = systems::extract(&mut loaded.world, options)?;
+        let extracted = systems::extract(loaded.world, options)?;
         let extracted = args.scene_options.checked(extracted, &Extent::default())?;
         extracted.scene().appearance.decode()?;
         let file = extracted.file().to_owned();

@@ -96,14 +96,10 @@ impl SceneOptions {
     }
 
     /// Runs all systems but the last on `loaded`, for a render of this `extent`.
-    pub(crate) fn extract(
-        &self,
-        mut loaded: LoadedScene,
-        extent: &Extent<'_>,
-    ) -> Result<Extracted> {
+    pub(crate) fn extract(&self, loaded: LoadedScene, extent: &Extent<'_>) -> Result<Extracted> {
         let (precision, flat) = (self.precision, self.flatten);
         let options = systems::Options { precision, flat, ..Default::default() };
-        self.checked(systems::extract(&mut loaded.world, options)?, extent)
+        self.checked(systems::extract(loaded.world, options)?, extent)
     }
 
     /// Refuses a scene that has no tree yet if a render of this `extent` would take more memory than is allowed.

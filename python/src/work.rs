@@ -72,7 +72,7 @@ impl Job {
             }
         }?;
         let options = api::ExtractOptions { precision: self.precision, ..Default::default() };
-        let extracted = api::extract(&mut loaded.world, options)?;
+        let extracted = api::extract(loaded.world, options)?;
         let (preset, file) = (extracted.preset(), extracted.file().to_owned());
         let estimated = estimate_extracted(&extracted, extracted.pixels(), preset, rendering.batch);
         // These parts are in memory by now.

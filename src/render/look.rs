@@ -47,8 +47,7 @@ pub(super) fn extract(args: &RenderArgs, mut loaded: LoadedScene) -> Result<Extr
     // Show what light would not show too.
     let passes = unplanned(&PASSES);
     let (precision, flat) = (options.precision, options.flatten);
-    let extracted =
-        systems::extract(&mut loaded.world, Options { precision, passes: &passes, flat })?;
+    let extracted = systems::extract(loaded.world, Options { precision, passes: &passes, flat })?;
     options.checked(extracted, &args.extent())
 }
 

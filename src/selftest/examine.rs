@@ -160,11 +160,11 @@ fn of_scene(file: &Path, effort: &Effort) -> Result<(Accel, u64)> {
     let Effort { precision, seed, .. } = *effort;
     let options =
         LoadOptions { width: Some(IMAGE_SIDE), height: Some(IMAGE_SIDE), ..LoadOptions::default() };
-    let mut loaded = load(file, &options)?;
+    let loaded = load(file, &options)?;
     // Its rays come from anywhere, and not from the camera alone.
     let passes = unplanned(&PASSES);
     let options = Options { precision, passes: &passes, ..Options::default() };
-    let extracted = systems::extract(&mut loaded.world, options)?;
+    let extracted = systems::extract(loaded.world, options)?;
     let preset = extracted.preset();
     let scene = extracted.build(preset);
     let mut invalid = 0;

@@ -64,8 +64,8 @@ pub(crate) fn gltf(bytes: &[u8]) -> bool {
 }
 
 /// Whether a scene can be made ready; if so, both tracers have one image of it, all numbers.
-fn is_rendered(mut loaded: LoadedScene) -> bool {
-    let Ok(extracted) = systems::extract(&mut loaded.world, Default::default()) else {
+fn is_rendered(loaded: LoadedScene) -> bool {
+    let Ok(extracted) = systems::extract(loaded.world, Default::default()) else {
         return false;
     };
     let rays = extracted.expected_rays();

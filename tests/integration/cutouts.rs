@@ -31,8 +31,8 @@ fn prepared_as(json: &Value, folder: &Path, flat: bool) -> PreparedScene {
     let file = folder.join("scene.json");
     let options = LoadOptions { strict: true, ..LoadOptions::default() };
     let loaded = load_str(&json.to_string(), &file, &options);
-    let mut world = loaded.unwrap_or_else(|error| panic!("{error}")).world;
-    let extracted = systems::extract(&mut world, Options { flat, ..Options::default() });
+    let world = loaded.unwrap_or_else(|error| panic!("{error}")).world;
+    let extracted = systems::extract(world, Options { flat, ..Options::default() });
     extracted.unwrap_or_else(|error| panic!("{error}")).build(Preset::Fast)
 }
 
@@ -194,8 +194,8 @@ fn files_of_other_formats_are_cut_out() {
     let lit = LoadOptions { lighting, ..options.clone() };
     let film = |name: &str| -> Film {
         let options = if name.ends_with(".json") { &options } else { &lit };
-        let mut scene = load(&at(name), options).unwrap_or_else(|error| panic!("{error}"));
-        let extracted = systems::extract(&mut scene.world, Options::default());
+        let scene = load(&at(name), options).unwrap_or_else(|error| panic!("{error}"));
+        let extracted = systems::extract(scene.world, Options::default());
         image_of(&extracted.unwrap_or_else(|error| panic!("{error}")).build(Preset::Fast), 0)
     };
     let covered = |film: &Film| film.pixels().iter().filter(|p| p[1] > 0.1).count();

@@ -276,8 +276,8 @@ fn smooth_shading_without_normals_is_a_warning_and_flat() {
 fn render(scene: &Value, folder: &Path) -> (Film, u64, Vec<String>) {
     let file = folder.join("s.json");
     let loaded = load_str(&scene.to_string(), &file, &LoadOptions::default());
-    let mut loaded = loaded.unwrap_or_else(|error| panic!("{error}"));
-    let extracted = systems::extract(&mut loaded.world, Default::default());
+    let loaded = loaded.unwrap_or_else(|error| panic!("{error}"));
+    let extracted = systems::extract(loaded.world, Default::default());
     let prepared = extracted.unwrap_or_else(|error| panic!("{error}")).build(Preset::Fast);
     let warnings = systems::warnings(&prepared, &file);
     let prefix = format!("{}{}", folder.display(), std::path::MAIN_SEPARATOR);

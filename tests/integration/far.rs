@@ -189,8 +189,8 @@ fn hc07_far_mesh_files_alone_are_framed_as_near_ones() {
         let [near, far] = [DVec3::ZERO, FAR].map(|by| {
             std::fs::write(&path, mesh_file(kind, by)).unwrap();
             let options = LoadOptions { width: Some(96), ..LoadOptions::default() };
-            let mut scene = load(&path, &options).unwrap();
-            let extracted = systems::extract(&mut scene.world, Default::default()).unwrap();
+            let scene = load(&path, &options).unwrap();
+            let extracted = systems::extract(scene.world, Default::default()).unwrap();
             image_of(&extracted.build(Preset::Fast), 0)
         });
         // The camera's place is rounded.

@@ -218,10 +218,10 @@ fn pyramids_are_built_where_a_shape_is_trilinear_and_nowhere_else() {
             .collect();
         let scene = plain(0, &pinhole([8, 8], 40.0, 5.0), &shapes);
         let file = folder.path().join("scene.json");
-        let mut loaded = load_str(&scene.to_string(), &file, &LoadOptions::default())
+        let loaded = load_str(&scene.to_string(), &file, &LoadOptions::default())
             .unwrap_or_else(|error| panic!("{error}"));
-        let extracted = extract(&mut loaded.world, Default::default())
-            .unwrap_or_else(|error| panic!("{error}"));
+        let extracted =
+            extract(loaded.world, Default::default()).unwrap_or_else(|error| panic!("{error}"));
         let estimated = estimate_extracted(&extracted, 64, extracted.preset(), 64).appearance;
         let appearance = &extracted.scene().appearance;
         assert_eq!(appearance.bytes(), 0, "nothing was looked up");

@@ -163,8 +163,8 @@ fn loaded(file: &File) -> Result<LoadedScene> {
 
 /// The image, which both tracers agree on and of which every sample is a number.
 fn rendered(loaded: Result<LoadedScene>) -> Film {
-    let mut loaded = loaded.unwrap_or_else(|error| panic!("{error}"));
-    let extracted = systems::extract(&mut loaded.world, Default::default());
+    let loaded = loaded.unwrap_or_else(|error| panic!("{error}"));
+    let extracted = systems::extract(loaded.world, Default::default());
     let extracted = extracted.unwrap_or_else(|error| panic!("{error}"));
     image_of(&extracted.build(wavecrest_core::accel::build::Preset::Fast), 0)
 }

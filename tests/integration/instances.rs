@@ -35,9 +35,9 @@ fn stones(width: u32) -> Value {
 fn prepared(scene: &Value, precision: Precision, flat: bool, preset: Preset) -> PreparedScene {
     let file = repository("scenes/instances.json");
     let loaded = load_str(&scene.to_string(), &file, &LoadOptions::default());
-    let mut world = loaded.unwrap_or_else(|error| panic!("{error}")).world;
+    let world = loaded.unwrap_or_else(|error| panic!("{error}")).world;
     let options = Options { precision, flat, ..Options::default() };
-    let extracted = systems::extract(&mut world, options);
+    let extracted = systems::extract(world, options);
     extracted.unwrap_or_else(|error| panic!("{error}")).build(preset)
 }
 

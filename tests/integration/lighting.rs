@@ -51,7 +51,7 @@ fn lit_after(lighting: Lighting, change: impl Fn(&mut World)) -> PreparedScene {
     let options = LoadOptions { width, height, lighting, ..LoadOptions::default() };
     let mut world = load(&path, &options).unwrap_or_else(|error| panic!("{error}")).world;
     change(&mut world);
-    let extracted = systems::extract(&mut world, Default::default()).expect("a scene");
+    let extracted = systems::extract(world, Default::default()).expect("a scene");
     extracted.build(wavecrest_core::accel::build::Preset::Fast)
 }
 
@@ -190,8 +190,8 @@ fn a_room_alone_is_lit_by_a_lamp_under_its_ceiling() {
     let generate = ["generate", "room", "room.ply", "--triangles", "80k"];
     wavecrest(folder.path()).args(generate).assert().success();
     let options = LoadOptions { width: Some(64), height: Some(48), ..LoadOptions::default() };
-    let mut world = load(&path, &options).unwrap_or_else(|error| panic!("{error}")).world;
-    let extracted = systems::extract(&mut world, Default::default()).expect("a scene");
+    let world = load(&path, &options).unwrap_or_else(|error| panic!("{error}")).world;
+    let extracted = systems::extract(world, Default::default()).expect("a scene");
     let scene = extracted.build(wavecrest_core::accel::build::Preset::Fast);
     let [light] = &scene.lights[..] else { panic!("{:?}", scene.lights) };
     assert!(light.is_sampled() && light.samples() > 1, "its shadows are soft");

@@ -38,8 +38,8 @@ fn warnings(scene: &LoadedScene) -> Vec<String> {
     scene.warnings.iter().map(ToString::to_string).collect()
 }
 
-fn film(mut scene: LoadedScene) -> Film {
-    let extracted = systems::extract(&mut scene.world, Default::default());
+fn film(scene: LoadedScene) -> Film {
+    let extracted = systems::extract(scene.world, Default::default());
     let extracted = extracted.unwrap_or_else(|error| panic!("{error}"));
     image_of(&extracted.build(wavecrest_core::accel::build::Preset::Fast), 0)
 }

@@ -211,8 +211,8 @@ fn write_texture(folder: &Path) {
 /// A scene made ready by a table.
 fn prepare_by(passes: &[Pass], scene: &Value) -> PreparedScene {
     let loaded = load_str(&scene.to_string(), Path::new("test.json"), &LoadOptions::default());
-    let mut world = loaded.unwrap_or_else(|error| panic!("{error}")).world;
-    let extracted = systems::extract(&mut world, Options { passes, ..Options::default() });
+    let world = loaded.unwrap_or_else(|error| panic!("{error}")).world;
+    let extracted = systems::extract(world, Options { passes, ..Options::default() });
     extracted.unwrap_or_else(|error| panic!("{error}")).build(Preset::Fast)
 }
 
@@ -305,12 +305,12 @@ fn every_scene_gives_one_image_planned_or_not() {
         .filter_map(|(name, path)| {
             let planned = extract_small(path, 32, 60_000).build(Preset::Fast);
             let [width, height] = planned.camera.size().map(Some);
-            let mut world =
+            let world =
                 load(path, &LoadOptions { strict: true, width, height, ..LoadOptions::default() })
                     .expect(name)
                     .world;
             let options = Options { passes: &everything, ..Options::default() };
-            let all = systems::extract(&mut world, options).expect(name).build(Preset::Fast);
+            let all = systems::extract(world, options).expect(name).build(Preset::Fast);
             let film = try_render(&planned, TracerKind::Wavefront).expect(name).film;
             let same = |rendered: Rendered| rendered.film.same_bits(&film);
             (!render_both(&all).into_iter().all(same)).then(|| name.clone())

@@ -77,7 +77,7 @@ fn extract_file(path: &Path, options: LoadOptions) -> Extracted {
 }
 
 fn extract(loaded: Result<LoadedScene>) -> Result<Extracted> {
-    systems::extract(&mut loaded?.world, Default::default())
+    systems::extract(loaded?.world, Default::default())
 }
 
 /// A scene written in a test, made ready. Relative paths start from the repository.

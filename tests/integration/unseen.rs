@@ -222,17 +222,17 @@ fn files() -> tempfile::TempDir {
 
 fn prepared(json: &Value, folder: &Path) -> PreparedScene {
     let loaded = load_str(&json.to_string(), &folder.join("s.json"), &LoadOptions::default());
-    let mut world = loaded.unwrap_or_else(|error| panic!("{error}")).world;
-    let extracted = systems::extract(&mut world, Options::default());
+    let world = loaded.unwrap_or_else(|error| panic!("{error}")).world;
+    let extracted = systems::extract(world, Options::default());
     extracted.unwrap_or_else(|error| panic!("{error}")).build(Preset::Fast)
 }
 
 /// The scene as it is prepared if nothing is left out.
 fn complete(json: &Value, folder: &Path) -> PreparedScene {
     let loaded = load_str(&json.to_string(), &folder.join("s.json"), &LoadOptions::default());
-    let mut world = loaded.unwrap_or_else(|error| panic!("{error}")).world;
+    let world = loaded.unwrap_or_else(|error| panic!("{error}")).world;
     let passes = unplanned(&PASSES);
-    let extracted = systems::extract(&mut world, Options { passes: &passes, ..Options::default() });
+    let extracted = systems::extract(world, Options { passes: &passes, ..Options::default() });
     extracted.unwrap_or_else(|error| panic!("{error}")).build(Preset::Fast)
 }
 
@@ -418,8 +418,8 @@ fn files_of_other_formats_pay_for_nothing_either() {
     std::fs::write(at("m.gltf"), gltf.to_string()).expect("a file");
     for name in ["m.gltf", "m.obj"] {
         let options = LoadOptions { width: Some(20), height: Some(16), ..LoadOptions::default() };
-        let mut loaded = load(&at(name), &options).unwrap_or_else(|error| panic!("{error}"));
-        let extracted = systems::extract(&mut loaded.world, Options::default());
+        let loaded = load(&at(name), &options).unwrap_or_else(|error| panic!("{error}"));
+        let extracted = systems::extract(loaded.world, Options::default());
         let scene = extracted.unwrap_or_else(|error| panic!("{error}")).build(Preset::Fast);
         let why = "no image of a cut-out has a transparent texel";
         assert_eq!(reason(&scene, Effect::CutOuts), (false, why), "{name}");

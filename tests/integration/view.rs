@@ -33,10 +33,10 @@ fn write_texture(folder: &Path) {
 fn prepare(json: &Value, folder: &Path, planned: bool, precision: Precision) -> PreparedScene {
     let file = folder.join("scene.json");
     let loaded = load_str(&json.to_string(), &file, &LoadOptions::default());
-    let mut world = loaded.unwrap_or_else(|error| panic!("{error}")).world;
+    let world = loaded.unwrap_or_else(|error| panic!("{error}")).world;
     let everything = unplanned(&PASSES);
     let passes = if planned { &PASSES[..] } else { &everything };
-    let extracted = systems::extract(&mut world, Options { passes, precision, flat: false });
+    let extracted = systems::extract(world, Options { passes, precision, flat: false });
     extracted.unwrap_or_else(|error| panic!("{error}")).build(Preset::Fast)
 }
 

@@ -147,8 +147,8 @@ pub(crate) const FAULTS: &[Fault] = faults! {
             => "(view + to_light).scale(zero.same(1.0) / (view + to_light).dot(view + to_light).sqrt())";
     "lights shine through the back of a surface", 33, "crates/core/src/kernels/shade.rs":
         "point.lit & point.normal.dot(to_light).gt(zero)" => "point.lit";
-    "cones of 0 degrees light their axis", 41, "crates/scene/src/systems/lights.rs":
-        "spot.is_some_and(|spot| spot.outer_degrees == 0.0)" => "false";
+    "cones of 0 degrees light their axis", 41, "crates/scene/src/lights/spot.rs":
+        "spot.outer_degrees == 0.0" => "false";
     "far scenes are not moved to the camera", 42, "crates/scene/src/systems/frame.rs":
         "if far { nearest(view.location, distance) } else { DVec3::ZERO }" => "DVec3::ZERO";
 

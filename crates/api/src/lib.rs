@@ -28,9 +28,9 @@
 //!     }
 //! }"#;
 //! // Relative paths in the scene would start from the folder of this file, which need not exist.
-//! let mut loaded = load_str(json, "ball.json".as_ref(), &Default::default())?;
+//! let loaded = load_str(json, "ball.json".as_ref(), &Default::default())?;
 //! assert!(loaded.warnings.is_empty());
-//! let extracted = extract(&mut loaded.world, Default::default())?;
+//! let extracted = extract(loaded.world, Default::default())?;
 //! let preset = extracted.preset();
 //! let prepared = extracted.build(preset);
 //!
@@ -40,6 +40,62 @@
 //! assert_eq!(pixels.len(), 64 * 48);
 //! assert_eq!(pixels[0], [0.0, 0.0, 0.25]);
 //! // The ball, where it faces the camera.
+//! let [red, green, _] = image.pixel(32, 24).unwrap();
+//! assert!(red > 0.1 && green < red);
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! # Build a scene in code
+//!
+//! A scene is a [`World`](hecs::World) of entities with [`components`]; a file is one way to fill
+//! it:
+//!
+//! ```
+//! use wavecrest_api::components::{
+//!     Ambient, Encoding, Falloff, FovAxis, Material, Order, Pinhole, PointLight, Sampling,
+//!     Settings, Shading, Sides, Sphere, View,
+//! };
+//! use wavecrest_api::glam::DVec3;
+//! use wavecrest_api::{Preset, RenderOptions, extract, hecs, render};
+//!
+//! # fn main() -> wavecrest_api::Result<()> {
+//! let mut world = hecs::World::new();
+//! world.spawn((Settings {
+//!     file: "ball".into(),
+//!     bounces: 0,
+//!     background: DVec3::ZERO,
+//!     ambient: Ambient::Even(0.1),
+//!     transfer: Encoding::Srgb,
+//! },));
+//! let view = View {
+//!     location: DVec3::Z * 5.0,
+//!     look: DVec3::ZERO,
+//!     up: DVec3::Y,
+//!     fov_degrees: 40.0,
+//!     fov_axis: FovAxis::Smaller,
+//!     width: 64,
+//!     height: 48,
+//!     antialias: 1,
+//!     sampling: Sampling::Jittered,
+//! };
+//! world.spawn((Pinhole, view));
+//! let (position, color) = (DVec3::new(2.0, 3.0, 5.0), DVec3::ONE);
+//! world.spawn((Order(0), PointLight { intensity: 60.0, position, color, falloff: Falloff::Linear }));
+//! let material = Material {
+//!     ks: 0.2,
+//!     kd: 0.8,
+//!     specular_exponent: 20.0,
+//!     diffuse_color: DVec3::new(1.0, 0.5, 0.0),
+//!     kr: 0.0,
+//!     emission: DVec3::ZERO,
+//!     specular_color: DVec3::ONE,
+//! };
+//! let ball = Sphere { center: DVec3::ZERO, radius: 1.0 };
+//! world.spawn((Order(0), ball, material, Sides::Both, Shading::Flat));
+//!
+//! let prepared = extract(world, Default::default())?.build(Preset::Fast);
+//! let image = render(&prepared, &RenderOptions::default(), &())?.film;
 //! let [red, green, _] = image.pixel(32, 24).unwrap();
 //! assert!(red > 0.1 && green < red);
 //! # Ok(())
@@ -105,8 +161,8 @@
 //! # fn main() -> wavecrest_api::Result<()> {
 //! # let json = r#"{"nbounces": 0, "camera": {"type": "pinhole", "width": 512, "height": 512, "fov": 40,
 //! #     "location": [0, 0, 5], "look": [0, 0, 0]}, "scene": {"backgroundcolor": [1, 1, 1]}}"#;
-//! # let mut loaded = load_str(json, "empty.json".as_ref(), &Default::default())?;
-//! # let prepared = extract(&mut loaded.world, Default::default())?.build(Preset::Fast);
+//! # let loaded = load_str(json, "empty.json".as_ref(), &Default::default())?;
+//! # let prepared = extract(loaded.world, Default::default())?.build(Preset::Fast);
 //! let rendered = render(&prepared, &RenderOptions::default(), &Few::default())?;
 //! assert!(!rendered.finished && rendered.tiles.len() >= 3);
 //! // What was not rendered is black.
@@ -132,7 +188,7 @@ pub use wavecrest_scene::load::lighting::{Background, Lighting, Rig};
 pub use wavecrest_scene::load::{
     LoadOptions, LoadedScene, load, load_mesh, load_str, survey, survey_mesh,
 };
-pub use wavecrest_scene::memory;
+pub use wavecrest_scene::{components, hecs, memory};
 pub use wavecrest_scene::mesh::MeshData;
 pub use wavecrest_scene::survey::Survey;
 pub use wavecrest_scene::systems::{Extracted, Options as ExtractOptions, extract, warnings};

@@ -26,6 +26,8 @@ pub mod systems;
 pub mod write;
 
 pub use format::json_schema;
+/// The crate of the world.
+pub use hecs;
 
 #[cfg(test)]
 mod tests;

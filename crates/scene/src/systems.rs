@@ -83,13 +83,14 @@ impl Default for Options<'_> {
     }
 }
 
-/// Runs every system but the last. The meshes are moved out of the `world`.
+/// Runs every system but the last. It takes the `world`, whose meshes are moved.
 ///
 /// # Errors
 /// If the world lacks a camera or settings, a shape is too far out or too large, or an image cannot
 /// be read.
-pub fn extract(world: &mut World, options: Options<'_>) -> Result<Extracted> {
+pub fn extract(mut world: World, options: Options<'_>) -> Result<Extracted> {
     Stage::Extract.begin();
+    let world = &mut world;
     let Options { precision, passes, flat } = options;
     let settings = query::settings(world)?;
     let file = settings.file.clone();

@@ -138,8 +138,8 @@ fn unknown_layers_are_errors() {
 
 /// The scene's fingerprint, as files have it.
 fn fingerprint(file: &Path) -> String {
-    let mut loaded = load(file, &Default::default()).unwrap_or_else(|error| panic!("{error}"));
-    let extracted = systems::extract(&mut loaded.world, Default::default()).expect("a scene");
+    let loaded = load(file, &Default::default()).unwrap_or_else(|error| panic!("{error}"));
+    let extracted = systems::extract(loaded.world, Default::default()).expect("a scene");
     let scene = extracted.build(Preset::Fast);
     format!("{:032x}", scene.fingerprint())
 }

@@ -130,9 +130,9 @@ fn every_scene_is_tried() {
     let mut asked = 0;
     for file in files {
         for precision in Precision::ALL {
-            let mut loaded = load(&file, &size).expect("a scene");
+            let loaded = load(&file, &size).expect("a scene");
             let options = Options { precision, ..Options::default() };
-            let extracted = extract(&mut loaded.world, options).expect("a scene");
+            let extracted = extract(loaded.world, options).expect("a scene");
             let preset = extracted.preset();
             let accel = extracted.build(preset).accel;
             let effort = Effort { precision, seed: 1, count: Count::Brief };

@@ -255,9 +255,9 @@ fn strangers() -> Vec<(&'static str, Stranger)> {
     let fast = {
         let text = strangers_scene().to_string();
         let loaded = load_str(&text, &repository("test.json"), &LoadOptions::default());
-        let mut loaded = loaded.expect("a scene");
+        let loaded = loaded.expect("a scene");
         let options = Options { precision: Precision::Fast, ..Options::default() };
-        let extracted = systems::extract(&mut loaded.world, options);
+        let extracted = systems::extract(loaded.world, options);
         extracted.expect("a scene").build(wavecrest_core::accel::build::Preset::Fast)
     };
     let crop = wavecrest_core::tile::Tile { x: 2, y: 1, width: 9, height: 8 };

@@ -66,8 +66,8 @@ fn lights_on_request_replace_those_of_the_file_but_not_its_emission() {
 #[test]
 fn an_empty_image_is_told_with_the_reason() {
     let told = |file: &File| {
-        let mut loaded = loaded(file).expect("it is right");
-        let extracted = systems::extract(&mut loaded.world, Default::default()).expect("a scene");
+        let loaded = loaded(file).expect("it is right");
+        let extracted = systems::extract(loaded.world, Default::default()).expect("a scene");
         let scene = extracted.build(Preset::Fast);
         let found = systems::warnings(&scene, "a.glb".as_ref());
         loaded.warnings.iter().chain(&found).map(|w| format!("{w}\n")).collect::<String>()

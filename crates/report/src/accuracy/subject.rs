@@ -47,7 +47,7 @@ impl Subject {
     /// # Errors
     /// If it cannot be loaded or prepared.
     pub fn open(file: &Path, longest: u32) -> Result<Self> {
-        let full = extract(&mut load(file, &LoadOptions::default())?.world, Default::default())?;
+        let full = extract(load(file, &LoadOptions::default())?.world, Default::default())?;
         let record = SceneRecord {
             scene: file.file_stem().unwrap_or_default().to_string_lossy().into_owned(),
             file: file.to_owned(),
@@ -89,7 +89,7 @@ impl Subject {
             load(&self.record.file, &LoadOptions { width, height, ..LoadOptions::default() })?;
         overrides::apply(&mut loaded.world, &structure.overrides);
         let options = Options { precision: structure.precision, ..Options::default() };
-        let extracted = extract(&mut loaded.world, options)?;
+        let extracted = extract(loaded.world, options)?;
         // No render should wait for an image.
         extracted.scene().appearance.decode()?;
         let load = start.elapsed().as_secs_f64();

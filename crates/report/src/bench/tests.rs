@@ -29,8 +29,8 @@ use wavecrest_scene::systems;
 const SCENE: &str = include_str!("tests/ball.json");
 
 fn prepared() -> PreparedScene {
-    let mut loaded = load_str(SCENE, Path::new("ball.json"), &Default::default()).unwrap();
-    systems::extract(&mut loaded.world, Default::default()).unwrap().build(Preset::Fast)
+    let loaded = load_str(SCENE, Path::new("ball.json"), &Default::default()).unwrap();
+    systems::extract(loaded.world, Default::default()).unwrap().build(Preset::Fast)
 }
 
 fn setting(name: &str) -> Setting {

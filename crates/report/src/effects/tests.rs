@@ -28,10 +28,10 @@ fn entries() -> Vec<Entry> {
             variant.scene["camera"][side] = pixels.into();
         }
         let json = variant.scene.to_string();
-        let mut loaded = wavecrest_scene::load::load_str(&json, folder.path(), &Default::default())
+        let loaded = wavecrest_scene::load::load_str(&json, folder.path(), &Default::default())
             .unwrap_or_else(|error| panic!("{}: {error}", variant.name));
-        let extracted = wavecrest_scene::systems::extract(&mut loaded.world, Default::default())
-            .expect("a scene");
+        let extracted =
+            wavecrest_scene::systems::extract(loaded.world, Default::default()).expect("a scene");
         let scene = extracted.build(Preset::Fast);
         // The folder is gone before the first look-up.
         scene.appearance.decode().expect("textures");

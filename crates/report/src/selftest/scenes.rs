@@ -17,8 +17,8 @@ pub(super) struct Prepared {
 }
 
 fn prepare_by(options: systems::Options<'_>, json: &str) -> Result<Prepared> {
-    let mut loaded = load_str(json, "scene.json".as_ref(), &LoadOptions::default())?;
-    let extracted = systems::extract(&mut loaded.world, options)?;
+    let loaded = load_str(json, "scene.json".as_ref(), &LoadOptions::default())?;
+    let extracted = systems::extract(loaded.world, options)?;
     let file = extracted.file().to_owned();
     let scene = extracted.build(Preset::VeryFast);
     let more = systems::warnings(&scene, &file);
