@@ -188,10 +188,10 @@ pub use wavecrest_scene::load::lighting::{Background, Lighting, Rig};
 pub use wavecrest_scene::load::{
     LoadOptions, LoadedScene, load, load_mesh, load_str, survey, survey_mesh,
 };
-pub use wavecrest_scene::{components, hecs, memory};
 pub use wavecrest_scene::mesh::MeshData;
 pub use wavecrest_scene::survey::Survey;
 pub use wavecrest_scene::systems::{Extracted, Options as ExtractOptions, extract, warnings};
+pub use wavecrest_scene::{components, hecs, memory};
 
 // From a prepared scene to pixels.
 pub use wavecrest_core::counters::Counters;
