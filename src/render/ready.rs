@@ -51,7 +51,7 @@ impl Ready {
         let estimated = args.stats.is_some().then(estimate).transpose()?;
         let loaded = options.load(&args.scene, extent, outputs)?;
         reporter.warnings(&loaded.warnings);
-        let encoding = loaded.encoding;
+        let encoding = loaded.transfer();
         let extracted = look::extract(args, loaded)?;
         let preset = options.preset(&extracted);
         let predicted = extent.estimate(&extracted, preset);

@@ -191,7 +191,7 @@ const LENS_FRAME: Kind = Kind::new(
 const PINHOLE_FRAME: Kind =
     Kind { keys: CameraKey::FIELDS.split_at(CameraKey::FIELDS.len() - 1).0, ..LENS_FRAME };
 
-const INTERPOLATION: Declaration = Declaration::without(keys! {
+const INTERPOLATION: Declaration = Declaration::of_keys(keys! {
     /// Interpolation between the keys.
     "interpolation": word::<Interpolation>(), Says("smooth");
 });
@@ -216,7 +216,7 @@ const LENS_MOTION: Kind = path_kind(keys! {
 
 /// A declaration of the path of a camera with this key.
 const fn moving(keys: &'static [Key]) -> Declaration {
-    Declaration { read: read_path, write: write_path, ..Declaration::without(keys) }
+    Declaration { read: read_path, write: write_path, ..Declaration::of_keys(keys) }
 }
 
 const PINHOLE_PATH: Declaration = moving(keys! {

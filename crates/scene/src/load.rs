@@ -70,8 +70,6 @@ pub struct LoadedScene {
     pub notes: Vec<Warning>,
     /// The files read, without the scene file and textures; and those of shapes that are not shown.
     pub files: Vec<PathBuf>,
-    /// The transfer curve of 8-bit images, unless one is requested.
-    pub encoding: Encoding,
     /// The folder of the file; images outside it are copied only if that is allowed.
     pub(crate) folder: Folder,
 }
@@ -176,16 +174,20 @@ pub(super) fn loaded(
     told: Option<String>,
     read_mesh: impl Fn(&Path) -> Result<LoadedMesh>,
 ) -> Result<LoadedScene> {
-    let encoding = query::settings(&world)?.transfer;
     let told = told.map(|text| Warning::from_error(&notes.error(ErrorKind::Scene, "", text)));
     meshes::complete(&mut world, &notes, read_mesh)?;
     let (file, folder) = (notes.file().to_owned(), notes.folder());
     let (warnings, files) = notes.into_parts();
     let notes = told.into_iter().collect();
-    Ok(LoadedScene { file, world, warnings, notes, files, encoding, folder })
+    Ok(LoadedScene { file, world, warnings, notes, files, folder })
 }
 
 impl LoadedScene {
+    /// The transfer curve of 8-bit images, unless one is requested.
+    pub fn transfer(&self) -> Encoding {
+        query::settings(&self.world).map_or_else(|_| Encoding::default(), |all| all.transfer)
+    }
+
     /// Refuses to write `output` over a file of the scene: the file itself, a mesh, a material library, a buffer or an
     /// image.
     ///

@@ -221,7 +221,7 @@ pub(crate) fn warn_above_1(object: &Object<'_>, key: &'static str, message: &str
 /// The JSON of a whole file, from a world. Meshes and images are queued `beside` it.
 ///
 /// # Errors
-/// If the world has no camera or no settings, or an image cannot be copied.
+/// If the world has no camera or no settings.
 pub(crate) fn write(world: &World, beside: &mut Beside) -> Result<Value> {
     let settings = query::settings(world)?;
     let names = names(world);
@@ -268,7 +268,7 @@ pub(crate) fn write(world: &World, beside: &mut Beside) -> Result<Value> {
 fn names(world: &World) -> HashMap<Entity, String> {
     let prototypes: HashSet<Entity> =
         world.query::<&InstanceOf>().iter().map(|InstanceOf(shape)| *shape).collect();
-    let mut used = HashSet::new();
+    let (mut used, mut last) = (HashSet::new(), HashMap::new());
     let mut names = HashMap::new();
     for shape in query::shapes(world) {
         let own = world.get::<&Name>(shape).map(|name| name.0.clone());
@@ -276,10 +276,14 @@ fn names(world: &World) -> HashMap<Entity, String> {
         let Some(wanted) = own.ok().or_else(|| needs_one.then(|| "shape".to_owned())) else {
             continue;
         };
-        let numbered = (2_u32..).map(|n| format!("{wanted}-{n}"));
-        let free =
-            std::iter::once(wanted.clone()).chain(numbered).find(|name| used.insert(name.clone()));
-        names.extend(free.map(|name| (shape, name)));
+        let mut name = wanted.clone();
+        // Each number is tried once, however many shapes have the name.
+        let number = last.entry(wanted.clone()).or_insert(1_u32);
+        while !used.insert(name.clone()) {
+            *number += 1;
+            name = format!("{wanted}-{number}");
+        }
+        names.insert(shape, name);
     }
     names
 }

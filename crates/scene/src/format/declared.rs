@@ -7,10 +7,10 @@ use glam::DVec3;
 use hecs::{Component, EntityBuilder, EntityRef};
 use serde_json::Value;
 
-use super::cursor::{COLOR, POINT, integer_words, words_of};
+use super::cursor::{COLOR, Cursor, POINT, Range, integer_words, words_of};
 use super::keys::{Absent, Key, Takes};
-use super::object::{Object, options};
-use crate::format::Writer;
+use super::object::Object;
+use super::writer::Writer;
 use wavecrest_base::choice::Choice;
 use wavecrest_base::error::Result;
 
@@ -44,26 +44,20 @@ impl Declaration {
     /// The declaration of `C`.
     pub(crate) const fn of<C: Declared>() -> Self {
         let (read, write, copy) = (read::<C>, write::<C>, copy::<C>);
-        Self { keys: C::KEYS, read, write, copy, is_in: is_in::<C> }
+        Self { keys: C::KEYS, read, write, copy, is_in: |entity| entity.has::<C>() }
     }
 
-    /// Keys that several components read.
-    pub(crate) const fn without(keys: &'static [Key]) -> Self {
-        let (read, write, copy): Functions = (|_, _| Ok(()), |_, _| {}, |_, _| {});
-        Self { keys, read, write, copy, is_in: |_| true }
+    /// Keys that become no component of their own: several read them.
+    pub(crate) const fn of_keys(keys: &'static [Key]) -> Self {
+        let is_in: fn(EntityRef<'_>) -> bool = |_| true;
+        Self { keys, read: |_, _| Ok(()), write: |_, _| {}, copy: |_, _| {}, is_in }
     }
 
-    /// The same for objects whose entity does without `C`: its keys are only checked.
+    /// The keys of `C`, which are checked, in objects whose entity does without it.
     pub(crate) const fn checked<C: Declared>() -> Self {
-        Self { read: |object, _| C::read(object).map(drop), ..Self::without(C::KEYS) }
+        Self { read: |object, _| C::read(object).map(drop), ..Self::of_keys(C::KEYS) }
     }
 }
-
-type Functions = (
-    fn(&Object<'_>, &mut EntityBuilder) -> Result<()>,
-    fn(EntityRef<'_>, &mut Writer<'_>),
-    fn(EntityRef<'_>, &mut EntityBuilder),
-);
 
 fn read<C: Declared>(object: &Object<'_>, entity: &mut EntityBuilder) -> Result<()> {
     if let Some(component) = C::read(object)? {
@@ -80,28 +74,27 @@ fn copy<C: Declared>(from: EntityRef<'_>, to: &mut EntityBuilder) {
     from.get::<&C>().into_iter().for_each(|component| _ = to.add(C::clone(&component)));
 }
 
-fn is_in<C: Component>(entity: EntityRef<'_>) -> bool {
-    entity.has::<C>()
-}
-
 /// A value of a key.
 pub(crate) trait Field: Copy {
-    /// The value of a key, or `usual`, or the key's own default. An error is recorded, and reading
+    /// The value of a `key`, or `usual`, or the key's own default. An error is recorded, and reading
     /// continues with some value.
-    fn read(object: &Object<'_>, key: &'static str, usual: Option<Self>) -> Self;
+    fn read(object: &Object<'_>, key: &Key, usual: Option<Self>) -> Self;
 
     /// The value as it is written.
     fn to_json(self) -> Value;
 }
 
 impl Field for f64 {
-    fn read(object: &Object<'_>, key: &'static str, usual: Option<Self>) -> Self {
-        let range = object.range(key);
-        let own = match object.absent(key) {
+    fn read(object: &Object<'_>, key: &Key, usual: Option<Self>) -> Self {
+        let range = match key.takes {
+            Takes::Number(range) => range,
+            _ => Range::COORDINATE,
+        };
+        let own = match key.absent {
             Absent::Is(x) => Some(x),
             _ => None,
         };
-        object.value(key, &range.words(), usual.or(own), 1.0, |cursor| cursor.number(range))
+        object.value(key, || range.words(), usual.or(own), 1.0, |cursor| cursor.number(range))
     }
 
     fn to_json(self) -> Value {
@@ -110,21 +103,18 @@ impl Field for f64 {
 }
 
 impl Field for u32 {
-    fn read(object: &Object<'_>, key: &'static str, usual: Option<Self>) -> Self {
-        let (low, high) = match object.takes(key) {
-            Some(Takes::Integer(low, high)) => (low, high),
-            _ => {
-                debug_assert!(false, "{key} takes no integer");
-                (0, u32::MAX)
-            }
+    fn read(object: &Object<'_>, key: &Key, usual: Option<Self>) -> Self {
+        let (low, high) = match key.takes {
+            Takes::Integer(low, high) => (low, high),
+            _ => (0, u32::MAX),
         };
-        let own = match object.absent(key) {
+        let own = match key.absent {
             // Tables contain only integers in range.
             Absent::Is(x) => Some(x as u32),
             _ => None,
         };
-        let what = integer_words(low, high);
-        object.value(key, &what, usual.or(own), low, |cursor| cursor.integer(low, high))
+        let what = || integer_words(low, high);
+        object.value(key, what, usual.or(own), low, |cursor| cursor.integer(low, high))
     }
 
     fn to_json(self) -> Value {
@@ -133,18 +123,18 @@ impl Field for u32 {
 }
 
 impl Field for DVec3 {
-    fn read(object: &Object<'_>, key: &'static str, usual: Option<Self>) -> Self {
-        let own = match object.absent(key) {
+    fn read(object: &Object<'_>, key: &Key, usual: Option<Self>) -> Self {
+        let own = match key.absent {
             Absent::Are(three) => Some(three.into()),
             _ => None,
         };
-        let (takes, usual) = (object.takes(key), usual.or(own));
-        let what = if matches!(takes, Some(Takes::Color)) { COLOR } else { POINT };
-        object.value(key, what, usual, Self::ONE, |cursor| match takes {
-            Some(Takes::Color) => cursor.color(),
-            Some(Takes::Direction(such_as)) => cursor.direction(such_as),
+        let what = if matches!(key.takes, Takes::Color) { COLOR } else { POINT };
+        let read = |cursor: &Cursor<'_>| match key.takes {
+            Takes::Color => cursor.color(),
+            Takes::Direction(such_as) => cursor.direction(such_as),
             _ => cursor.point(),
-        })
+        };
+        object.value(key, || what.to_owned(), usual.or(own), Self::ONE, read)
     }
 
     fn to_json(self) -> Value {
@@ -152,15 +142,16 @@ impl Field for DVec3 {
     }
 }
 
-/// Reads and writes a word of `T`, as [`Field`] does.
-pub(crate) fn read_word<T: Choice>(object: &Object<'_>, key: &'static str, usual: Option<T>) -> T {
-    let own = match object.absent(key) {
+/// Reads a word of `T`, as [`Field::read`] does.
+pub(crate) fn read_word<T: Choice>(object: &Object<'_>, key: &Key, usual: Option<T>) -> T {
+    let own = match key.absent {
         Absent::Says(word) => T::VALUES.iter().copied().find(|value| value.name() == word),
         _ => None,
     };
-    let options = options();
-    let read = |cursor: &super::Cursor<'_>| cursor.choice(&options);
-    object.value(key, &words_of(&options), usual.or(own), T::VALUES[0], read)
+    let options =
+        || -> Vec<(&str, T)> { T::VALUES.iter().map(|value| (value.name(), *value)).collect() };
+    let read = |cursor: &Cursor<'_>| cursor.choice(&options());
+    object.value(key, || words_of(&options()), usual.or(own), T::VALUES[0], read)
 }
 
 /// Makes values of keys of enumerations.
@@ -169,7 +160,7 @@ macro_rules! words {
         impl $crate::format::Field for $kind {
             fn read(
                 object: &$crate::format::Object<'_>,
-                key: &'static str,
+                key: &$crate::format::Key,
                 usual: Option<Self>,
             ) -> Self {
                 $crate::format::read_word(object, key, usual)
@@ -184,7 +175,7 @@ macro_rules! words {
 pub(crate) use words;
 
 /// Declares a component: above each field its description, then its key, its values and its
-/// default. `read_or` takes the values of keys that are left out from another.
+/// default.
 macro_rules! component {
     (
         $(#[$attribute:meta])*

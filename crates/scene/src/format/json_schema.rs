@@ -68,11 +68,11 @@ impl Definitions {
             .iter()
             .map(|word| {
                 let kinds = variants.kinds.iter().filter(|kind| kind.word == *word);
-                // Each but the last is told by a key.
+                // The presence of a key tells each of them but the last.
                 let then = kinds.rev().fold(Value::Null, |other, kind| match other {
                     Value::Null => self.kind(kind),
                     other => json!({
-                        "if": {"required": [kind.told_by]},
+                        "if": {"required": [kind.discriminator]},
                         "then": self.kind(kind), "else": other
                     }),
                 });

@@ -38,8 +38,8 @@ pub(crate) struct Kind {
     pub(crate) about: &'static str,
     /// The value of its key `type`; empty if it has no such key.
     pub(crate) word: &'static str,
-    /// The key that tells it from later kinds with the same word; empty if none does.
-    pub(crate) told_by: &'static str,
+    /// The key whose presence tells it from later kinds with the same word; empty if none does.
+    pub(crate) discriminator: &'static str,
     /// Its own keys.
     pub(crate) keys: &'static [Key],
     /// The components that its other keys become. The first tells that an entity is of this kind.
@@ -53,8 +53,8 @@ pub(crate) struct Kind {
 impl Kind {
     /// A kind with these keys.
     pub(crate) const fn new(name: &'static str, about: &'static str, keys: &'static [Key]) -> Self {
-        let (word, told_by, components): (_, _, &[Declaration]) = ("", "", &[]);
-        Self { name, about, word, told_by, keys, components, more: &[], unread: &[] }
+        let (word, discriminator, components): (_, _, &[Declaration]) = ("", "", &[]);
+        Self { name, about, word, discriminator, keys, components, more: &[], unread: &[] }
     }
 
     /// A kind whose objects become entities with these components.
@@ -72,14 +72,19 @@ impl Kind {
         self.components.iter().chain(self.more.iter().copied().flatten())
     }
 
+    /// The key with this name, or this other name.
+    pub(crate) fn key(&self, name: &str) -> Option<Key> {
+        self.all_keys().find(|key| key.name == name || key.synonyms.contains(&name))
+    }
+
     /// All keys.
     pub(crate) fn all_keys(&self) -> impl Iterator<Item = Key> + use<> {
-        let unread = |key: &Key| Key { takes: Takes::Anything, absent: Absent::Open, ..*key };
-        let unread = self.unread.iter().flat_map(|component| component.keys).map(unread);
         let typed: &[Key] = if self.word.is_empty() { &[] } else { TYPE };
         let keys = typed.iter().chain(self.keys);
         let keys = keys.chain(self.declarations().flat_map(|component| component.keys));
-        keys.copied().chain(unread)
+        let unread = self.unread.iter().flat_map(|component| component.keys);
+        let ignored = |key: &Key| Key { takes: Takes::Anything, absent: Absent::Open, ..*key };
+        keys.copied().chain(unread.map(ignored))
     }
 }
 
@@ -149,7 +154,7 @@ pub(crate) enum Takes {
     Object(&'static Kind),
     /// An object of one of a few kinds.
     Variants(&'static Variants),
-    /// The first, an object or a list, or the second, which is neither or the other.
+    /// The first for a list, or for an object if it is one; the second for anything else.
     Either(&'static Takes, &'static Takes),
     /// A matrix of four rows, the last of them [0, 0, 0, 1].
     Matrix,

@@ -3,11 +3,10 @@
 use hecs::EntityBuilder;
 use serde_json::{Map, Value};
 
-use super::cursor::{Cursor, Range, words_of};
+use super::cursor::{Cursor, words_of};
 use super::declared::{Declaration, Field};
-use super::keys::{Absent, Key, Kind, TYPE, Takes, Variants};
+use super::keys::{Absent, Key, Kind, TYPE, Variants};
 use super::place::Place;
-use wavecrest_base::choice::Choice;
 use wavecrest_base::error::{Error, ErrorKind, Result, did_you_mean};
 
 /// A JSON object, and the keys that its kind allows.
@@ -33,8 +32,8 @@ impl<'a> Cursor<'a> {
         let words = variants.words();
         let object = self.any_object(Kind::new(variants.name, "", TYPE))?;
         let word = object.need("type", &words_of(&words))?.choice(&words)?;
-        let is_told = |key: &str| key.is_empty() || self.value().get(key).is_some();
-        let is_it = |kind: &&Kind| kind.word == word && is_told(kind.told_by);
+        let is_given = |key: &str| key.is_empty() || self.value().get(key).is_some();
+        let is_it = |kind: &&Kind| kind.word == word && is_given(kind.discriminator);
         let kind = variants.kinds.iter().find(is_it);
         // The last of each word needs no key.
         self.object(*kind.ok_or_else(|| self.must_be(variants.name))?)
@@ -58,29 +57,21 @@ impl<'a> Object<'a> {
         &self.cursor
     }
 
-    /// The table's entry for a key by one of its names.
-    fn key(&self, name: &str) -> Option<Key> {
-        self.kind.all_keys().find(|key| key.names().any(|one| one == name))
-    }
-
     /// The value of an optional `key`, by any of its names.
     pub(crate) fn get(&self, key: &'static str) -> Option<Cursor<'_>> {
-        self.values(key).next()
+        let known = self.kind.key(key);
+        debug_assert!(known.is_some(), "{key} is read but not among the keys");
+        self.value_of(&known?)
     }
 
-    /// The values under all names of a key.
-    fn values(&self, key: &str) -> impl Iterator<Item = Cursor<'_>> {
-        let known = self.key(key);
-        debug_assert!(known.is_some(), "{key} is read but not among the keys");
-        known.into_iter().flat_map(|key| key.names()).filter_map(|name| {
-            let place = Place::Key(self.cursor.place(), name);
-            Some(Cursor::new(self.map.get(name)?, place, self.cursor.notes()))
-        })
+    fn value_of(&self, key: &Key) -> Option<Cursor<'_>> {
+        let (name, value) = key.names().find_map(|name| Some((name, self.map.get(name)?)))?;
+        Some(Cursor::new(value, Place::Key(self.cursor.place(), name), self.cursor.notes()))
     }
 
     /// Whether a key of this kind is set.
     pub(crate) fn has(&self, key: &str) -> bool {
-        self.key(key).is_some_and(|key| key.names().any(|name| self.map.contains_key(name)))
+        self.kind.key(key).is_some_and(|key| key.names().any(|name| self.map.contains_key(name)))
     }
 
     /// The value of a required `key`; `what` describes it.
@@ -99,7 +90,7 @@ impl<'a> Object<'a> {
     fn missing(&self, key: &'static str, what: &str) -> Error {
         let place = Place::Key(self.cursor.place(), key).to_string();
         let error = self.cursor.notes().error(ErrorKind::Scene, &place, "is missing".into());
-        let mut names = self.key(key).into_iter().flat_map(|key| key.names());
+        let mut names = self.kind.key(key).into_iter().flat_map(|key| key.names());
         match names.find_map(|name| did_you_mean(name, self.unknown_keys())) {
             Some(misspelt) => error.remedy(format!("rename {misspelt:?} to {key:?}")),
             None => error.remedy(format!("give {what}")),
@@ -107,7 +98,7 @@ impl<'a> Object<'a> {
     }
 
     fn unknown_keys(&self) -> impl Iterator<Item = &'a str> {
-        self.map.keys().map(String::as_str).filter(|key| self.key(key).is_none())
+        self.map.keys().map(String::as_str).filter(|key| self.kind.key(key).is_none())
     }
 
     /// Warns of unknown keys; if strict, they are errors. So are synonyms of one key.
@@ -140,43 +131,22 @@ impl<'a> Object<'a> {
         }
     }
 
-    /// The default of a key.
-    pub(super) fn absent(&self, key: &str) -> Absent {
-        self.key(key).map_or(Absent::Required, |key| key.absent)
-    }
-
-    /// The values that a key takes.
-    pub(super) fn takes(&self, key: &str) -> Option<Takes> {
-        self.key(key).map(|key| key.takes)
-    }
-
-    /// The range of a key's numbers.
-    pub(super) fn range(&self, key: &str) -> Range {
-        match self.takes(key) {
-            Some(Takes::Number(range)) => range,
-            _ => {
-                debug_assert!(false, "{key} takes no number");
-                Range::COORDINATE
-            }
-        }
-    }
-
-    /// The value of a key converted by `read`, or the `default`. An error, or a missing required
-    /// key, is recorded, and reading continues with the value `any`.
+    /// The value of a `key` converted by `read`, or the `default`; `what` describes it. An error, or a
+    /// missing required key, is recorded, and reading continues with the value `any`.
     pub(super) fn value<T>(
         &self,
-        key: &'static str,
-        what: &str,
+        key: &Key,
+        what: impl FnOnce() -> String,
         default: Option<T>,
         any: T,
         read: impl FnOnce(&Cursor<'_>) -> Result<T>,
     ) -> T {
         let notes = self.cursor.notes();
-        match (self.get(key), default) {
+        match (self.value_of(key), default) {
             (Some(cursor), _) => notes.part(|| read(&cursor)).unwrap_or(any),
             (None, Some(default)) => default,
             (None, None) => {
-                notes.fail(self.missing(key, what));
+                notes.fail(self.missing(key.name, &what()));
                 any
             }
         }
@@ -200,15 +170,12 @@ impl<'a> Object<'a> {
     /// The value of a key, or `usual`, or its default. An error is recorded. A required key has no
     /// usual value, and a key of other kinds has no other.
     pub(crate) fn read_or<T: Field>(&self, key: &'static str, usual: Option<T>) -> T {
-        match (self.key(key), usual) {
+        match (self.kind.key(key), usual) {
+            (Some(key), usual) => {
+                T::read(self, &key, usual.filter(|_| key.absent != Absent::Required))
+            }
             (None, Some(usual)) => usual,
-            (Some(Key { absent: Absent::Required, .. }), _) => T::read(self, key, None),
-            (_, usual) => T::read(self, key, usual),
+            (None, None) => unreachable!("{key} is a key of every kind that reads it"),
         }
     }
-}
-
-/// The values of `T` by name.
-pub(super) fn options<T: Choice>() -> Vec<(&'static str, T)> {
-    T::VALUES.iter().map(|value| (value.name(), *value)).collect()
 }

@@ -86,7 +86,7 @@ const SHAPE: Declaration = Declaration {
         let shape = to.inner().variant(&shapes::LIT, entity);
         to.set("shape", shape);
     },
-    ..Declaration::without(keys! {
+    ..Declaration::of_keys(keys! {
         /// The shape that emits the light; it needs no material.
         "shape": Variants(&shapes::LIT), Required;
     })

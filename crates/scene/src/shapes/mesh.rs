@@ -20,7 +20,7 @@ const POINTS: &str = "an array of at least three points [[x, y, z], ...]";
 const INDICES: &str = "an array of triangles [[a, b, c], ...], at least one";
 
 pub(super) const FROM_FILE: Kind = Kind {
-    told_by: "file",
+    discriminator: "file",
     ..Kind::entity(
         "trimesh",
         "a trimesh from a file",
@@ -30,7 +30,7 @@ pub(super) const FROM_FILE: Kind = Kind {
 };
 
 pub(super) const INDEXED: Kind = Kind {
-    told_by: "indices",
+    discriminator: "indices",
     keys: keys! {
         /// Triangles, as indices of their points from 0, clockwise as seen from the front.
         "indices": INDICES_TAKE, Required;

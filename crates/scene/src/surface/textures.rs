@@ -152,7 +152,7 @@ wavecrest_base::choices! {
 }
 
 /// The look-up keys, which a shape's texture and its cut-out share.
-pub(crate) const LOOK_UP: Declaration = Declaration::without(keys! {
+pub(crate) const LOOK_UP: Declaration = Declaration::of_keys(keys! {
     /// Filtering between texels.
     "filter": word::<Filter>(), Says("bilinear");
     /// Wrap mode of coordinates outside 0 to 1.
@@ -294,7 +294,7 @@ const COLOR_MAP: Kind = map("a map", "An image of colours.", &[]);
 const STRENGTH_MAP: Kind = map(
     "a map",
     "An image of numbers, and its strength.",
-    &[Declaration::without(keys! {
+    &[Declaration::of_keys(keys! {
         /// Strength of the map.
         "strength": Number(Range::COORDINATE), Is(1.0);
     })],
@@ -303,7 +303,7 @@ const STRENGTH_MAP: Kind = map(
 const METAL_MAP: Kind = map(
     "a metal map",
     "An image with roughness in green and metalness in blue, which set the material.",
-    &[Declaration::without(keys! {
+    &[Declaration::of_keys(keys! {
         /// Factor on the metalness.
         "metallic": Number(Range::UNIT), Is(1.0);
         /// Factor on the roughness.

@@ -27,8 +27,8 @@ fn settings() {
             transfer: Encoding::Srgb
         }
     );
-    assert_eq!(load(&complete()).unwrap().encoding, Encoding::Srgb);
-    assert_eq!(load(&without("transfer")).unwrap().encoding, Encoding::Linear);
+    assert_eq!(load(&complete()).unwrap().transfer(), Encoding::Srgb);
+    assert_eq!(load(&without("transfer")).unwrap().transfer(), Encoding::Linear);
     let settings: Settings = only(&load(&without("scene.ambient")).unwrap());
     assert_eq!(settings.ambient, Ambient::Even(0.08));
     let sky = json!({"sky": [0.1, 0.2, 0.3], "ground": [0, 0, 0], "up": [0, 0, 2]});
