@@ -109,7 +109,8 @@ fn sphere_intersect(bencher: Bencher<'_, '_>) {
 #[divan::bench]
 fn sphere_surface(bencher: Bencher<'_, '_>) {
     each(bencher, &rays_and_corners(), |(ray, [center])| {
-        surface::sphere_at::<f32, Exact>(&Line::from(ray), 0.0, (*center).into(), 0.5)
+        let place = [(*center).into(), Vec3::ZERO.into()];
+        surface::quadric_at::<f32, Exact>(&Line::from(ray), 0.0, place, 0.5)
     });
 }
 

@@ -70,6 +70,7 @@ fn summary(scene: &PreparedScene) -> Vec<(&'static str, String)> {
     };
     let lights = scene.lights.iter().filter(|light| light.power != Vec3::ZERO);
     let [low, high, size] = extent(scene);
+    let [spheres, disks] = geometry.spheres_and_disks();
     vec![
         ("image", format!("{width} x {height}, {rays} per pixel")),
         ("shapes", (scene.appearance.shapes.len() - geometry.lights.len()).to_string()),
@@ -77,7 +78,8 @@ fn summary(scene: &PreparedScene) -> Vec<(&'static str, String)> {
         ("zero-area", scene.dropped.degenerate.to_string()),
         ("vertices", geometry.positions.len().to_string()),
         ("quads", geometry.quads.len().to_string()),
-        ("spheres", geometry.spheres.len().to_string()),
+        ("spheres", spheres.to_string()),
+        ("disks", disks.to_string()),
         ("lights", lights.count().to_string()),
         ("textures", scene.appearance.images.len().to_string()),
         ("bounces", scene.bounces.to_string()),

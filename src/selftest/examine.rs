@@ -63,12 +63,13 @@ impl Examined {
 
     /// The shapes in words.
     fn described(&self) -> String {
-        let Shape { triangles, quads, spheres, instanced, .. } = self.shape;
+        let Shape { triangles, quads, spheres, disks, instanced, .. } = self.shape;
         let Shape { dropped, slivers, longest, borders, crowded, .. } = self.shape;
         let counts = [
             (triangles, "triangles"),
             (quads, "quads"),
             (spheres, "spheres"),
+            (disks, "disks"),
             (instanced, "triangles of instances"),
         ];
         let there = counts.iter().filter(|(count, _)| *count > 0);

@@ -5,7 +5,8 @@ use std::path::Path;
 use glam::Vec3;
 use wavecrest_core::accel::KernelChoice;
 use wavecrest_core::accel::build::Preset;
-use wavecrest_core::geometry::Geometry;
+use wavecrest_core::geometry::{Geometry, Quadric};
+use wavecrest_core::kernels::disk::Disk;
 use wavecrest_core::math::float::MAX_COORDINATE;
 use wavecrest_core::math::ray::Ray;
 use wavecrest_scene::mesh::{MeshData, validate};
@@ -140,7 +141,12 @@ fn geometry(bytes: &mut Bytes<'_>) -> Option<Geometry> {
     for _ in 0..spheres {
         let (center, radius) = (bytes.vector(), bytes.number().abs());
         if radius > 0.0 && radius <= MAX_COORDINATE {
-            geometry.spheres.push((Vec3::from(center.to_array().map(folded)), radius));
+            let center = Vec3::from(center.to_array().map(folded));
+            let normal = bytes.vector().normalize_or_zero();
+            geometry.quadrics.push(match normal == Vec3::ZERO {
+                true => Quadric::Sphere(center, radius),
+                false => Quadric::Disk(Disk { center, normal, radius }),
+            });
         }
     }
     lights(&mut geometry, bytes);

@@ -241,14 +241,16 @@ fn shapes_that_are_not_there_are_never_tested() {
                           "material": matte(0.8, [0.5; 3])});
     let tests = |shape: Value| {
         let tests = counters(&prepare(&scene(0, &camera(), &[light()], &[shape]))).tests;
-        [tests.triangles, tests.quads, tests.spheres]
+        [tests.triangles, tests.quads, tests.spheres, tests.disks]
     };
     // The one shape is tested by every primary ray, and by every shadow ray that starts on it.
-    let kinds = [triangle, mirror(), sphere([0.0; 3], 1.0, matte(0.8, [0.5; 3]))];
+    let disk = json!({"type": "disk", "center": [0, 0, 0], "normal": [0, 0, 1], "radius": 9,
+                      "material": matte(0.8, [0.5; 3])});
+    let kinds = [triangle, mirror(), sphere([0.0; 3], 1.0, matte(0.8, [0.5; 3])), disk];
     for (kind, shape) in kinds.into_iter().enumerate() {
         let found = tests(shape);
         assert!(found[kind] >= PIXELS / 4, "{found:?}");
-        let others = (0..3).filter(|&other| other != kind).map(|other| found[other]).sum::<u64>();
+        let others = (0..4).filter(|&other| other != kind).map(|other| found[other]).sum::<u64>();
         assert_eq!(others, 0, "{found:?}");
     }
     let nothing = prepare(&scene(4, &camera(), &[light()], &[]));
@@ -277,6 +279,7 @@ fn what_a_plan_leaves_out_is_not_counted_in_any_scene() {
             (Effect::Triangles, found.tests.triangles),
             (Effect::Quads, found.tests.quads),
             (Effect::Spheres, found.tests.spheres),
+            (Effect::Disks, found.tests.disks),
             (Effect::RayDifferentials, found.footprints),
             (Effect::Mirrors, found.secondary_rays),
             (Effect::DepthOfField, found.lens_samples),

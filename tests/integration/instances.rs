@@ -302,9 +302,9 @@ fn small_forms_are_copied_to_where_they_are_shown() {
     let ready = try_prepare(&scene, &repository("test.json")).unwrap_or_else(|e| panic!("{e}"));
     let geometry = ready.accel.geometry();
     assert_eq!((geometry.instances.len(), geometry.prototypes.len()), (0, 0));
-    let counts = [geometry.triangles.len(), geometry.quads.len(), geometry.spheres.len()];
+    let counts = [geometry.triangles.len(), geometry.quads.len(), geometry.quadrics.len()];
     assert_eq!(counts, [3, 2, 2]);
-    assert_eq!(geometry.spheres[1], (Vec3::new(3.0, 0.0, 0.0), 2.0));
+    assert_eq!(geometry.quadrics[1].sphere(), Some((Vec3::new(3.0, 0.0, 0.0), 2.0)));
     let places: Vec<&str> = ready.appearance.places.iter().map(String::as_str).collect();
     assert!(places.contains(&"scene.instances[3]") && !places.contains(&"scene.shapes[3]"));
 }

@@ -121,6 +121,10 @@ impl Set {
                 [[-2.0, -1.5, -1.0], [-2.0, -1.5, -3.0], [2.0, -1.0, -3.0], [2.0, -1.0, 1.5]];
             shapes.push(json!({"type": "plane", "points": points}));
         }
+        if self.has(Effect::Disks) {
+            shapes.push(json!({"type": "disk", "center": [-0.6, 0.4, 0.9], "radius": 0.6,
+                               "normal": [0.2, 0.3, 1]}));
+        }
         if self.has(Effect::Spheres) {
             shapes.push(sphere([0.3, 0.2, 0.8], 0.7, Value::Null));
         }
@@ -168,7 +172,7 @@ impl Set {
 
     /// Which of them a plan has to find: those that something leads to.
     fn expected(self, effect: Effect) -> bool {
-        let kinds = [Effect::Triangles, Effect::Quads, Effect::Spheres];
+        let kinds = [Effect::Triangles, Effect::Quads, Effect::Disks, Effect::Spheres];
         let surfaces = kinds.into_iter().any(|kind| self.has(kind));
         match effect {
             // The shape of the light is not in view, and lights nothing.
@@ -261,6 +265,7 @@ fn check_work(what: &str, scene: &PreparedScene, rendered: &Rendered) {
         (c.tests.quads, u64::MAX, scene.plan.has(Effect::Quads)),
         (c.tests.cutouts, u64::MAX, scene.plan.has(Effect::CutOuts)),
         (c.tests.spheres, u64::MAX, scene.plan.has(Effect::Spheres)),
+        (c.tests.disks, u64::MAX, scene.plan.has(Effect::Disks)),
     ] {
         assert!(counted <= most && (called_for || counted == 0), "{what}: {c:?}, {estimated:?}");
     }
@@ -400,7 +405,7 @@ fn without(needs: Needs, effect: Effect) -> Needs {
 /// that is the effect, under a light.
 fn scene_of(effect: Effect, needs: Needs, folder: &Path) -> Value {
     let light = if LIGHTS.contains(&effect) { effect } else { Effect::PointLights };
-    let mut effects = vec![Effect::Triangles, Effect::Quads, Effect::Spheres, light];
+    let mut effects = vec![Effect::Triangles, Effect::Quads, Effect::Spheres, Effect::Disks, light];
     effects.extend((effect != light).then_some(effect));
     if let Needs::All(all) = needs {
         effects.extend(all.iter().copied().filter(|&other| other != effect));

@@ -19,7 +19,8 @@ mod triangle;
 // The slab test loses nothing.
 mod slab;
 
-// Where rays meet spheres.
+// Where rays meet spheres and disks.
+mod disk;
 mod sphere;
 
 // Moved origins leave the surface behind.

@@ -85,6 +85,8 @@ pub struct TestCounts {
     pub quads: u64,
     /// Spheres tested.
     pub spheres: u64,
+    /// Disks tested.
+    pub disks: u64,
     /// Hits on cut-outs, each with a look-up of alpha.
     pub cutouts: u64,
     /// Instances visited, counted for each ray.

@@ -1,11 +1,12 @@
 //! The primitives as dense arrays, and the definition of a hit.
 //!
-//! Primitives are numbered: triangles first, then quads, then spheres, each kind in the order of
+//! Primitives are numbered: triangles first, then quads, then quadrics, each kind in the order of
 //! the scene file, then those of instances. The number alone gives the kind.
 
 pub mod cutouts;
 mod holes;
 pub mod instance;
+mod quadric;
 
 use std::ops::Range;
 
@@ -14,14 +15,15 @@ use rayon::prelude::*;
 
 use crate::counters::TestCounts;
 use crate::kernels::precision::{Arithmetic, Precision};
+use crate::kernels::quad;
 use crate::kernels::slab::{Aabb, SlabRay};
 use crate::kernels::triangle::{self, ShearedSpace};
-use crate::kernels::{quad, sphere};
 use crate::math::float::min;
 use crate::math::ray::Ray;
-use crate::math::vector::Line;
 use cutouts::Cutouts;
 use instance::{Instance, Instanced};
+
+pub use quadric::Quadric;
 
 /// The primitives of a scene, in world space. Coordinates and radii are finite, and no larger than
 /// [`MAX_COORDINATE`](crate::math::float::MAX_COORDINATE).
@@ -33,8 +35,8 @@ pub struct Geometry {
     pub triangles: Vec<[u32; 3]>,
     /// Four vertices a quad, ordered so that the diagonal from the first to the third lies inside.
     pub quads: Vec<[u32; 4]>,
-    /// Centre (scene units) and radius of each sphere.
-    pub spheres: Vec<(Vec3, f32)>,
+    /// Spheres and disks.
+    pub quadrics: Vec<Quadric>,
     /// Primitives that are shapes of lights, by number, in rising order: shadow rays ignore them.
     pub lights: Vec<Range<u32>>,
     /// Primitives with holes.
@@ -55,8 +57,8 @@ pub enum Primitive {
     Triangle(usize),
     /// In [`Geometry::quads`].
     Quad(usize),
-    /// In [`Geometry::spheres`].
-    Sphere(usize),
+    /// In [`Geometry::quadrics`].
+    Quadric(usize),
     /// A triangle of an instance.
     Instanced(Instanced),
 }
@@ -66,8 +68,8 @@ pub enum Primitive {
 pub enum Kind {
     /// Triangles and quads.
     Flat,
-    /// Spheres.
-    Spheres,
+    /// Spheres and disks.
+    Quadrics,
     /// Triangles of instances.
     Instances,
 }
@@ -103,7 +105,13 @@ impl Geometry {
     /// Number of primitives outside instances.
     #[inline]
     pub fn own(&self) -> usize {
-        self.triangles.len() + self.quads.len() + self.spheres.len()
+        self.triangles.len() + self.quads.len() + self.quadrics.len()
+    }
+
+    /// Number of spheres, and of disks.
+    pub fn spheres_and_disks(&self) -> [usize; 2] {
+        let spheres = self.quadrics.iter().filter(|quadric| quadric.sphere().is_some()).count();
+        [spheres, self.quadrics.len() - spheres]
     }
 
     /// Number of stored primitives: those of a prototype count once.
@@ -131,8 +139,8 @@ impl Geometry {
             Primitive::Triangle(index)
         } else if index < triangles + quads {
             Primitive::Quad(index - triangles)
-        } else if index < triangles + quads + self.spheres.len() {
-            Primitive::Sphere(index - triangles - quads)
+        } else if index < triangles + quads + self.quadrics.len() {
+            Primitive::Quadric(index - triangles - quads)
         } else {
             Primitive::Instanced(self.instanced(number))
         }
@@ -145,7 +153,7 @@ impl Geometry {
         if index >= self.own() {
             Kind::Instances
         } else if index >= self.triangles.len() + self.quads.len() {
-            Kind::Spheres
+            Kind::Quadrics
         } else {
             Kind::Flat
         }
@@ -179,7 +187,7 @@ impl Geometry {
                         .map(|corner| instance.point(corner)),
                 )
             }
-            Primitive::Quad(_) | Primitive::Sphere(_) => None,
+            Primitive::Quad(_) | Primitive::Quadric(_) => None,
         }
     }
 
@@ -210,7 +218,7 @@ impl Geometry {
         match self.primitive(number) {
             Primitive::Triangle(i) => Aabb::around(self.triangle(i)),
             Primitive::Quad(i) => Aabb::around(self.quad(i)),
-            Primitive::Sphere(i) => sphere_bounds(self.spheres[i]),
+            Primitive::Quadric(i) => self.quadrics[i].bounds(),
             Primitive::Instanced(_) => Aabb::EMPTY,
         }
     }
@@ -219,7 +227,7 @@ impl Geometry {
     pub fn is_degenerate(&self, number: u32) -> bool {
         match self.primitive(number) {
             Primitive::Triangle(i) => triangle::is_degenerate(&self.triangle(i)),
-            Primitive::Quad(_) | Primitive::Sphere(_) => false,
+            Primitive::Quad(_) | Primitive::Quadric(_) => false,
             Primitive::Instanced(instanced) => {
                 self.instance(instanced).1.is_degenerate(instanced.triangle)
             }
@@ -263,16 +271,9 @@ impl Geometry {
                     (s, t) => s.or(t),
                 }
             }
-            Primitive::Sphere(i) => {
-                tests.spheres += 1;
-                let (center, radius) = self.spheres[i];
-                if P::IS_REFERENCE {
-                    sphere::intersect_exactly(ray, center, radius)
-                } else {
-                    let range = [ray.t_min, ray.t_max];
-                    let (t, is_hit) = sphere::meet::<_, P>(&Line::from(ray), center, radius, range);
-                    is_hit.then_some(t)
-                }
+            Primitive::Quadric(i) => {
+                self.quadrics[i].count(tests, 1);
+                self.quadrics[i].hit::<P>(ray)
             }
             Primitive::Instanced(instanced) => self.hit_instanced::<P>(instanced, ray, tests),
         }?;
@@ -302,15 +303,8 @@ impl Geometry {
         let own = size_of_val(self.positions.as_slice())
             + size_of_val(self.triangles.as_slice())
             + size_of_val(self.quads.as_slice())
-            + size_of_val(self.spheres.as_slice())
+            + size_of_val(self.quadrics.as_slice())
             + size_of_val(self.instances.as_slice());
         own as u64 + self.prototypes.iter().map(Self::bytes).sum::<u64>()
     }
-}
-
-/// The box around a sphere, whose ends are computed.
-pub(crate) fn sphere_bounds((center, radius): (Vec3, f32)) -> Aabb {
-    let low = (center - radius).to_array().map(f32::next_down);
-    let high = (center + radius).to_array().map(f32::next_up);
-    Aabb { low: low.into(), high: high.into() }
 }

@@ -7,6 +7,7 @@ pub mod blinn_phong;
 pub mod camera;
 pub mod corners;
 pub mod differential;
+pub mod disk;
 pub mod hemisphere;
 pub mod light;
 pub mod metal;

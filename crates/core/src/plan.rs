@@ -20,6 +20,8 @@ pub enum Effect {
     Quads,
     /// Spheres.
     Spheres,
+    /// Disks.
+    Disks,
     /// Interpolated normals.
     SmoothShading,
     /// Vertex colours.
@@ -58,12 +60,13 @@ pub enum Effect {
 
 impl Effect {
     /// Every effect, in the order in which a ray meets them.
-    pub const ALL: [Self; 20] = [
+    pub const ALL: [Self; 21] = [
         Self::Antialiasing,
         Self::DepthOfField,
         Self::Triangles,
         Self::Quads,
         Self::Spheres,
+        Self::Disks,
         Self::SmoothShading,
         Self::VertexColors,
         Self::Textures,
@@ -87,6 +90,7 @@ impl Effect {
             Self::Triangles => "triangles",
             Self::Quads => "quads",
             Self::Spheres => "spheres",
+            Self::Disks => "disks",
             Self::SmoothShading => "smooth shading",
             Self::VertexColors => "vertex colours",
             Self::Textures => "textures",

@@ -10,7 +10,7 @@ use glam::Vec3;
 use crate::accel::{Accel, Hit, Traversal};
 use crate::counters::Sample;
 use crate::counters::TestCounts;
-use crate::geometry::{Geometry, Primitive};
+use crate::geometry::{Geometry, Primitive, Quadric};
 use crate::kernels::light::LightPoint;
 use crate::kernels::precision::{Arithmetic, Precision};
 use crate::kernels::shade::{ShadingPoint, ShadowRequest};
@@ -207,7 +207,7 @@ impl Observer for Recorder<'_> {
             direction: ray.direction,
             nodes: tests.nodes,
             leaves: tests.leaves,
-            primitives: tests.triangles + tests.quads + tests.spheres,
+            primitives: tests.triangles + tests.quads + tests.spheres + tests.disks,
             met,
             radiance: Vec3::ZERO,
             end: None,
@@ -267,7 +267,10 @@ fn kind(geometry: &Geometry, primitive: u32) -> &'static str {
     match geometry.primitive(primitive) {
         Primitive::Triangle(_) | Primitive::Instanced(_) => "triangle",
         Primitive::Quad(_) => "quad",
-        Primitive::Sphere(_) => "sphere",
+        Primitive::Quadric(i) => match geometry.quadrics[i] {
+            Quadric::Sphere(..) => "sphere",
+            Quadric::Disk(_) => "disk",
+        },
     }
 }
 

@@ -14,7 +14,7 @@
 //! | `tests.nodes` | nodes | inner nodes visited, by one ray or several together, each testing eight boxes |
 //! | `tests.instances` | visits | of an instance by a ray that meets its box |
 //! | `tests.cutouts` | tests | hits on cut-outs, each with a look-up of alpha |
-//! | `tests.primitives.triangles`, `.quads`, `.spheres` | tests | tests of primitives; a quad counts once for each half |
+//! | `tests.primitives.triangles`, `.quads`, `.spheres`, `.disks` | tests | tests of primitives; a quad counts once for each half |
 //! | `kernels.closest.packet`, `.stream`, `.single` | rays | camera and mirror rays by their first kernel: a packet, many in flight, one alone |
 //! | `kernels.closest.handed_over` | rays | rays that packets handed over to the kernel in flight |
 //! | `kernels.closest.rays_a_node`, `.rays_a_round` | rays | average number of rays of a packet at a visited node, and in flight in a round (`null` without any) |
@@ -106,6 +106,7 @@ counts! {
         triangles: u64 = c.triangles,
         quads: u64 = c.quads,
         spheres: u64 = c.spheres,
+        disks: u64 = c.disks,
     }
 
     /// Rays by kernel, in both classes.
@@ -135,7 +136,7 @@ impl Rays {
 impl PrimitiveTests {
     /// Tests of every kind.
     pub fn all(&self) -> u64 {
-        self.triangles + self.quads + self.spheres
+        self.triangles + self.quads + self.spheres + self.disks
     }
 }
 

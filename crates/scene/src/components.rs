@@ -1,7 +1,7 @@
 //! The components of scene entities: plain data, one concept each, declared where the feature is.
 //!
-//! A shape is an entity with [`Order`], [`JsonPath`], one of [`Sphere`], [`Quad`], [`Triangle`] or
-//! [`Mesh`], and [`Material`], [`Sides`], [`Shading`]; optionally [`Facing`], [`Transform`],
+//! A shape is an entity with [`Order`], [`JsonPath`], one of [`Sphere`], [`Disk`], [`Quad`],
+//! [`Triangle`] or [`Mesh`], and [`Material`], [`Sides`], [`Shading`]; optionally [`Facing`], [`Transform`],
 //! [`TextureRef`], [`Maps`], [`CutOut`], [`Name`]. A point light is an entity with [`PointLight`],
 //! which [`Spot`] narrows to a cone. A distant light has [`DirectionalLight`]. An area light has
 //! [`AreaLight`] and the geometry of its shape. The camera has [`View`] and [`Pinhole`] or
@@ -16,8 +16,8 @@ pub use crate::camera::{
 pub use crate::lights::{AreaLight, DirectionalLight, PointLight, Spot};
 pub use crate::scene_file::{Ambient, Settings};
 pub use crate::shapes::{
-    Facing, Hidden, InstanceOf, Materials, Mesh, MeshFile, Name, Quad, Shading, Sides, Sphere,
-    Transform, Triangle, VertexColors,
+    Disk, Facing, Hidden, InstanceOf, Materials, Mesh, MeshFile, Name, Quad, Shading, Sides,
+    Sphere, Transform, Triangle, VertexColors,
 };
 pub use crate::surface::{
     CutOut, Encoding, Filter, Maps, Material, MetalMap, Placing, StrengthMap, TextureRef,

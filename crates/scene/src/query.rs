@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use hecs::{Entity, Or, World};
 
 use crate::components::{
-    AreaLight, CutOut, DirectionalLight, InstanceOf, JsonPath, Maps, Mesh, MeshFile, Order,
+    AreaLight, CutOut, DirectionalLight, Disk, InstanceOf, JsonPath, Maps, Mesh, MeshFile, Order,
     PointLight, Quad, Settings, Sphere, TextureRef, TextureSource, Triangle, View,
 };
 use wavecrest_base::error::{Error, ErrorKind, Result};
@@ -26,7 +26,8 @@ pub(crate) fn ordered<Q: hecs::Query>(world: &World) -> Vec<Entity> {
 type AnyLight<'w> = Or<Or<&'w PointLight, &'w DirectionalLight>, &'w AreaLight>;
 
 /// Any geometry of a shape.
-type AnyGeometry<'w> = Or<Or<&'w Sphere, &'w Quad>, Or<&'w Triangle, Or<&'w Mesh, &'w MeshFile>>>;
+type AnyGeometry<'w> =
+    Or<Or<Or<&'w Sphere, &'w Disk>, &'w Quad>, Or<&'w Triangle, Or<&'w Mesh, &'w MeshFile>>>;
 
 /// The lights, in the order of the file.
 pub(crate) fn lights(world: &World) -> Vec<Entity> {

@@ -2,6 +2,7 @@
 //!
 //! Each kind is a file with its component and its keys.
 
+mod disk;
 mod flat;
 mod instance;
 mod mesh;
@@ -16,6 +17,7 @@ use crate::format::{Cursor, Declaration, Kind, Variants};
 use crate::surface::SURFACE;
 use wavecrest_base::error::Result;
 
+pub use disk::Disk;
 pub use flat::{Facing, Quad, Triangle};
 pub use instance::InstanceOf;
 pub(crate) use instance::{INSTANCE, Names, instance, write};
@@ -26,8 +28,15 @@ pub use sphere::Sphere;
 pub use transform::Transform;
 
 /// The kinds of shapes, without what they share.
-const KINDS: [Kind; 6] =
-    [sphere::KIND, flat::PLANE, flat::TRIANGLE, mesh::FROM_FILE, mesh::INDEXED, mesh::STRIP];
+const KINDS: [Kind; 7] = [
+    sphere::KIND,
+    disk::KIND,
+    flat::PLANE,
+    flat::TRIANGLE,
+    mesh::FROM_FILE,
+    mesh::INDEXED,
+    mesh::STRIP,
+];
 
 /// Shapes of the scene.
 pub(crate) const SHAPES: Variants =

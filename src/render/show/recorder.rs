@@ -43,14 +43,14 @@ impl Reporter {
         let (scene, geometry) = (extracted.scene(), extracted.geometry());
         self.note("load", || {
             let [width, height] = scene.camera.size();
+            let [spheres, disks] = geometry.spheres_and_disks();
             format!(
-                "{}: {width} x {height} pixels, rays per pixel: {}; triangles: {}, quads: {}, spheres: {}, \
-                 lights: {}; {seconds:.3} s",
+                "{}: {width} x {height} pixels, rays per pixel: {}; triangles: {}, quads: {}, spheres: {spheres}, \
+                 disks: {disks}, lights: {}; {seconds:.3} s",
                 extracted.file().display(),
                 scene.camera.rays_per_pixel(),
                 geometry.triangles.len(),
                 geometry.quads.len(),
-                geometry.spheres.len(),
                 scene.lights.len()
             )
         });

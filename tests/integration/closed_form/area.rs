@@ -34,15 +34,27 @@ fn triangle() -> Value {
     json!({"type": "triangle", "points": corners})
 }
 
-/// Points spread evenly over the parallelogram or its half.
-fn points(half: bool) -> Vec<DVec3> {
+/// A disk that faces the wall, with two of its radii.
+const RADII: [DVec3; 2] = [DVec3::new(0.8, 0.0, 0.0), DVec3::new(0.0, 0.64, 0.48)];
+
+fn disk() -> Value {
+    let normal = RADII[1].cross(RADII[0]).to_array();
+    json!({"type": "disk", "center": CORNER.to_array(), "radius": 0.8, "normal": normal})
+}
+
+/// Shapes of lights, each with points spread evenly over it.
+fn shapes() -> [(Value, Vec<DVec3>); 3] {
     const N: usize = 120;
     let middle = |i: usize| (i as f64 + 0.5) / N as f64;
-    (0..N * N)
-        .map(|i| (middle(i % N), middle(i / N)))
-        .filter(|(u, v)| !half || u + v < 1.0)
-        .map(|(u, v)| CORNER + EDGES[0] * u + EDGES[1] * v)
-        .collect()
+    let square = || (0..N * N).map(|i| (middle(i % N), middle(i / N)));
+    let at = |(u, v)| CORNER + EDGES[0] * u + EDGES[1] * v;
+    let of_disk = square().map(|(u, v)| (2.0 * u - 1.0, 2.0 * v - 1.0));
+    let of_disk = of_disk.filter(|(x, y)| x * x + y * y < 1.0);
+    [
+        (quad(), square().map(at).collect()),
+        (triangle(), square().filter(|(u, v)| u + v < 1.0).map(at).collect()),
+        (disk(), of_disk.map(|(x, y)| CORNER + RADII[0] * x + RADII[1] * y).collect()),
+    ]
 }
 
 /// Mean and variance, in red, of what the wall at `point` reflects of one random point.
@@ -73,12 +85,11 @@ fn reds(light: Value) -> Vec<Vec<f64>> {
 
 /// Checks the mean over seeds of each pixel, and returns the mean square error in units of the
 /// variance that independent points would have.
-fn check_average(light: Value, count: u32, half: bool) -> f64 {
+fn check_average(light: Value, count: u32, points: &[DVec3]) -> f64 {
     let renders = reds(light);
-    let points = points(half);
     let mut squares = 0.0;
     for pixel in 0..25_u32 {
-        let (mean, variance) = moments(EYE.on_wall(pixel % 5, pixel / 5, 0.0), &points);
+        let (mean, variance) = moments(EYE.on_wall(pixel % 5, pixel / 5, 0.0), points);
         let expected = mean + AMBIENT * WALL.color[0];
         let one = variance / f64::from(count);
         let values = renders.iter().map(|render| render[pixel as usize]);
@@ -94,8 +105,8 @@ fn check_average(light: Value, count: u32, half: bool) -> f64 {
 
 #[test]
 fn random_points_average_to_the_integral_with_the_noise_of_independent_ones() {
-    for (shape, half) in [(quad(), false), (triangle(), true)] {
-        let noise = check_average(light("random", 16, shape), 16, half);
+    for (shape, points) in shapes() {
+        let noise = check_average(light("random", 16, shape), 16, &points);
         // A sum of 1000 squares of unit variance: its mean is 1 within five times 0.045.
         assert!((noise - 1.0).abs() < 0.23, "{noise}");
     }
@@ -103,8 +114,8 @@ fn random_points_average_to_the_integral_with_the_noise_of_independent_ones() {
 
 #[test]
 fn jittered_points_average_to_the_integral_with_less_noise() {
-    for (shape, half) in [(quad(), false), (triangle(), true)] {
-        let noise = check_average(light("jittered", 4, shape), 16, half);
+    for (shape, points) in shapes() {
+        let noise = check_average(light("jittered", 4, shape), 16, &points);
         assert!(noise < 0.5, "{noise}");
     }
 }
@@ -119,7 +130,7 @@ fn a_light_of_triangles_from_a_file_averages_as_its_shape_does() {
     let file = folder.path().join("light.obj");
     std::fs::write(&file, text).expect("a file");
     let mesh = json!({"type": "trimesh", "file": file});
-    check_average(light("random", 16, mesh), 16, false);
+    check_average(light("random", 16, mesh), 16, &shapes()[0].1);
 }
 
 #[test]

@@ -119,6 +119,39 @@ fn a_ball_shows_the_middle_of_its_picture_to_plus_z() {
     check(&textured(turned, &EYE.json()), &right_half);
 }
 
+fn disk(normal: [f64; 3], material: Value) -> Value {
+    json!({"type": "disk", "center": [0, 0, 0], "normal": normal, "radius": 1, "material": material})
+}
+
+#[test]
+fn a_picture_fills_the_square_around_a_disk() {
+    check(&textured(disk([0.0, 0.0, 1.0], white()), &EYE.json()), &UPRIGHT);
+    // One that faces up, seen from above with -z at the top.
+    let above = with(with(EYE.json(), "location", json!([0, 5, 0])), "up", json!([0, 0, -1]));
+    check(&textured(disk([0.0, 1.0, 0.0], white()), &above), &UPRIGHT);
+    let turned = with(disk([0.0, 1.0, 0.0], white()), "transform", json!({"rotate": [90, 0, 0]}));
+    check(&textured(turned, &EYE.json()), &UPRIGHT);
+    // The corners of the square are not there.
+    let film = textured(disk([0.0, 0.0, 1.0], white()), &EYE.json());
+    check(&film, &[((6, 6), BACKGROUND), ((14, 6), BACKGROUND), ((10, 6), GREEN)]);
+}
+
+#[test]
+fn a_disk_is_lit_on_its_front_and_moves_with_its_transform() {
+    for (normal, is_front) in [([0.3, -0.2, 1.0], true), ([0.3, -0.2, -1.0], false)] {
+        assert_eq!(is_lit(&lit(disk(normal, white()))), is_front);
+        let both = with(disk(normal, white()), "sides", "both");
+        assert!(is_lit(&lit(both)));
+        let inward = with(disk(normal, white()), "transform", json!({"scale": [1, 1, -1]}));
+        assert_eq!(is_lit(&lit(inward)), !is_front);
+    }
+    let moved = json!({"scale": 0.5, "rotate": [0, 90, 0], "translate": [0.25, 0, 0.5]});
+    let moved = with(disk([-1.0, 0.0, 0.0], white()), "transform", moved);
+    let direct = json!({"type": "disk", "center": [0.25, 0, 0.5], "normal": [0, 0, 1],
+                        "radius": 0.5, "material": white()});
+    assert!(lit(moved).same_bits(&lit(direct)));
+}
+
 /// A triangle without any symmetry, in the plane z = 0, seen from its front.
 const CORNERS: [[f64; 3]; 3] = [[-1.0, -0.5, 0.0], [-0.25, 1.0, 0.0], [1.0, -0.75, 0.0]];
 
@@ -297,6 +330,8 @@ fn everything(s: f64, falloff: &str, intensity: f64) -> Value {
                "points": [p(0.3, -0.9, -0.7), p(0.9, 1.3, -0.9), p(1.9, -0.8, -0.1)]}),
         json!({"type": "trimesh", "material": shiny, "size": 4,
                "points": [p(0.5, -0.9, 1.1), p(0.6, 0.1, 1.0), p(1.3, -0.8, 1.2), p(1.2, 0.2, 0.7)]}),
+        json!({"type": "disk", "center": p(0.8, 0.9, -1.4), "normal": [0.3, 0.1, 1],
+               "radius": 0.6 * s, "material": shiny}),
     ];
     scene(3, &camera, &lights, &shapes)
 }

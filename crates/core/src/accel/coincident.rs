@@ -180,6 +180,7 @@ mod tests {
     use super::*;
     use crate::accel::tests::{Numbers, add_triangle, compare};
     use crate::accel::{Accel, Preset};
+    use crate::geometry::Quadric;
     use crate::math::ray::Ray;
     use glam::Vec3;
 
@@ -264,8 +265,9 @@ mod tests {
     /// The outermost hides the others, so that the tree saves nearly all tests.
     #[test]
     fn hc22_around_one_another_most_are_not_tested() {
-        let spheres: Vec<_> = (0..1000).map(|i| (Vec3::ZERO, 1.0 + i as f32 * 1e-3)).collect();
-        let geometry = Geometry { spheres, ..Geometry::default() };
+        let sphere = |i| Quadric::Sphere(Vec3::ZERO, 1.0 + i as f32 * 1e-3);
+        let quadrics = (0..1000).map(sphere).collect();
+        let geometry = Geometry { quadrics, ..Geometry::default() };
         for preset in [Preset::Fastest, Preset::VeryFast] {
             let accel = Accel::new(geometry.clone(), preset);
             let mut traversal = accel.traversal();

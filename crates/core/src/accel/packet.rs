@@ -17,8 +17,8 @@ mod frame;
 mod leaves;
 mod load;
 mod nodes;
+mod quadrics;
 mod remaining;
-mod spheres;
 mod tile;
 
 use std::marker::PhantomData;

@@ -5,6 +5,8 @@ mod cutouts;
 use glam::Vec3;
 
 use super::*;
+use crate::geometry::Quadric;
+use crate::kernels::disk::Disk;
 use crate::math::random::Stream;
 use crate::math::ray::FARTHEST_ORIGIN;
 use crate::math::simd::Level;
@@ -46,7 +48,7 @@ pub(super) fn add_triangle(geometry: &mut Geometry, corners: [Vec3; 3]) {
     geometry.triangles.push([first, first + 1, first + 2]);
 }
 
-/// Triangles and spheres within `size` of the origin.
+/// Triangles, spheres and disks within `size` of the origin.
 pub(super) fn cloud(numbers: &mut Numbers, size: f32) -> Geometry {
     let mut geometry = Geometry::default();
     for _ in 0..400 {
@@ -55,7 +57,11 @@ pub(super) fn cloud(numbers: &mut Numbers, size: f32) -> Geometry {
         add_triangle(&mut geometry, corners);
     }
     for _ in 0..20 {
-        geometry.spheres.push((numbers.vector() * size, 0.2 * numbers.one() * size));
+        let (center, radius) = (numbers.vector() * size, 0.2 * numbers.one() * size);
+        geometry.quadrics.push(Quadric::Sphere(center, radius));
+        let normal = numbers.vector().normalize_or(Vec3::Z);
+        let disk = Disk { center: numbers.vector() * size, normal, radius };
+        geometry.quadrics.push(Quadric::Disk(disk));
     }
     geometry
 }
@@ -203,7 +209,10 @@ fn hc03_ties_on_a_grid_are_answered_as_by_brute_force() {
                 geometry.positions.extend([a, a + u, a + u + v, a + v]);
                 geometry.quads.push([first, first + 1, first + 2, first + 3]);
             }
-            geometry.spheres.push((a, 1.0 + numbers.below(3) as f32));
+            let radius = 1.0 + numbers.below(3) as f32;
+            geometry.quadrics.push(Quadric::Sphere(a, radius));
+            let normal = [Vec3::X, Vec3::NEG_Y, Vec3::Z][numbers.below(3)];
+            geometry.quadrics.push(Quadric::Disk(Disk { center: a, normal, radius }));
         }
         let rays: Vec<Ray> = (0..3000)
             .map(|i| {

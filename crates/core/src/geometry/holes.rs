@@ -55,11 +55,21 @@ impl Geometry {
             (Primitive::Quad(i), UvMap::Planar(map), _) => {
                 map.uv(surface_of(surface::quad_half(ray, &self.quad(i))).point.into())
             }
-            (Primitive::Sphere(i), UvMap::Sphere(to_own), _) => {
-                let (center, _) = self.spheres[i];
+            (Primitive::Quadric(i), map, _) => {
+                let (center, radius, front) = self.quadrics[i].parts();
                 let origin = ray.origin.as_dvec3() - center.as_dvec3();
                 let outward = origin + ray.direction.as_dvec3() * f64::from(t);
-                texture::sphere_uv(normalize(*to_own * outward.as_vec3()))
+                match map {
+                    UvMap::Sphere(to_own) => {
+                        texture::sphere_uv(normalize(*to_own * outward.as_vec3()))
+                    }
+                    UvMap::Planar(map) => {
+                        let place = [center, front].map(Vector::from);
+                        let line = Line::from(ray);
+                        map.uv(surface::quadric_at::<f32, P>(&line, t, place, radius).point.into())
+                    }
+                    UvMap::Mesh => return false,
+                }
             }
             _ => return false,
         };

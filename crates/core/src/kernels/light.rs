@@ -10,6 +10,7 @@ use glam::{DVec3, Vec2, Vec3};
 pub use distant::Distant;
 pub use spot::Cone;
 
+use super::disk::Disk;
 use super::triangle;
 use crate::math::float::{dot_f64, max, max_abs, normalize_f64};
 use crate::math::random::Stream;
@@ -60,6 +61,8 @@ pub enum Emitter {
         /// Its radius.
         radius: f32,
     },
+    /// A disk, and the axes in its plane.
+    Disk(Disk, [DVec3; 2]),
     /// Triangles, of a quad or of a mesh.
     Triangles(Triangles),
 }
@@ -239,6 +242,12 @@ impl Light {
                 let outward = normalize_f64(normal.as_dvec3());
                 let position = center.as_dvec3() + outward * f64::from(*radius);
                 LightPoint::new(position, max(max_abs(*center), *radius), normal)
+            }
+            Emitter::Disk(Disk { center, normal, radius }, [x, y]) => {
+                let at = sampling::disk(self.square(index, stream)).as_dvec2();
+                let offset = (*x * at.x + *y * at.y) * f64::from(*radius);
+                let size = max(max_abs(*center), *radius);
+                LightPoint::new(center.as_dvec3() + offset, size, *normal)
             }
             Emitter::Triangles(triangles) => triangles.point(self.square(index, stream)),
         }

@@ -19,7 +19,7 @@ use std::cmp::Ordering;
 use glam::Vec3;
 
 use super::precision::Arithmetic;
-use crate::math::exact::{Comparable, Expansion};
+use crate::math::exact::{Comparable, Expansion, dot, exact};
 use crate::math::float::{gamma, stable_roots};
 use crate::math::ray::Ray;
 use crate::math::real::{Mask, Real, Single};
@@ -28,11 +28,14 @@ use crate::math::vector::{Line, Vector};
 /// The smallest t within the ray's range at which the ray meets the sphere, from outside or inside.
 #[inline]
 pub fn intersect(ray: &Ray, center: Vec3, radius: f32) -> Option<f32> {
-    let (t, is_hit) = settled(&Line::from(ray), center, radius, [ray.t_min, ray.t_max]);
+    let (line, range) = (Line::from(ray), [ray.t_min, ray.t_max]);
+    let (t, is_hit) = meet_closely(&line, center, radius, range);
     is_hit.then_some(t)
 }
 
 /// As [`intersect`], in exact arithmetic.
+#[cold]
+#[inline(never)]
 pub fn intersect_exactly(ray: &Ray, center: Vec3, radius: f32) -> Option<f32> {
     let range = [ray.t_min, ray.t_max];
     let [near, far] = Root::both(ray, center, radius)?;
@@ -50,12 +53,8 @@ struct Root {
 impl Root {
     /// The t of both meetings of the line of a ray with a sphere, if it meets it.
     fn both(ray: &Ray, center: Vec3, radius: f32) -> Option<[Self; 2]> {
-        let exact = |v: Vec3| v.to_array().map(Expansion::from);
         let (d, o, center) = (exact(ray.direction), exact(ray.origin), exact(center));
         let f = [0, 1, 2].map(|k| &o[k] - &center[k]);
-        let dot = |u: &[Expansion; 3], v: &[Expansion; 3]| {
-            &(&(&u[0] * &v[0]) + &(&u[1] * &v[1])) + &(&u[2] * &v[2])
-        };
         let radius = Expansion::from(radius);
         let (a, b, c) = (dot(&d, &d), -dot(&f, &d), &dot(&f, &f) - &(&radius * &radius));
         let discriminant = &(&b * &b) - &(&a * &c);
@@ -89,16 +88,17 @@ impl Comparable for Root {
     }
 }
 
-/// Both roots in double precision, with bounds on their errors.
-struct Roots<D: Real> {
-    near: D,
-    near_error: D,
-    far: D,
-    far_error: D,
-    /// The lanes whose line certainly meets the sphere, with errors that are known.
-    known: D::Mask,
+/// The t of both meetings of a line and a closed surface in double precision, with bounds on their
+/// errors.
+pub(super) struct Roots<D: Real> {
+    pub(super) near: D,
+    pub(super) near_error: D,
+    pub(super) far: D,
+    pub(super) far_error: D,
+    /// The lanes whose line certainly meets the surface, with errors that are known.
+    pub(super) known: D::Mask,
     /// The lanes whose line certainly misses.
-    miss: D::Mask,
+    pub(super) miss: D::Mask,
 }
 
 /// See the module documentation.
@@ -139,18 +139,16 @@ impl<D: Real<Element = f64>> Roots<D> {
     }
 }
 
-/// The smallest t within the range, and the lanes that have one. What double precision leaves open
-/// is decided lane by lane.
+/// The smallest of the `roots` within the range, and the lanes that have one. What double precision
+/// leaves open is decided lane by lane, by `exactly`.
 #[inline(always)]
-fn settled<F: Single>(
+pub(super) fn settled<F: Single>(
     line: &Line<F>,
-    center: Vec3,
-    radius: f32,
+    roots: &Roots<F::Double>,
     [t_min, t_max]: [F; 2],
+    exactly: impl Fn(&Ray) -> Option<f32>,
 ) -> (F, F::Mask) {
     let token = t_min.token();
-    let (centers, radii) = (Vector::splat(token, center), F::splat(token, radius));
-    let roots = Roots::of(line, centers, radii);
     let (start, end) = (t_min.widen(), t_max.widen());
     let is_first = (roots.near - roots.near_error).gt(start);
     let is_second = (roots.near + roots.near_error).le(start);
@@ -173,7 +171,9 @@ fn settled<F: Single>(
             t_min: t_min.lane(lane),
             t_max: t_max.lane(lane),
         };
-        if let Some(exact) = exactly(&ray, center, radius) {
+        if ray.is_valid()
+            && let Some(exact) = exactly(&ray)
+        {
             t.set_lane(lane, exact);
             hit |= 1 << lane;
         }
@@ -181,10 +181,17 @@ fn settled<F: Single>(
     (t, F::mask(token, hit))
 }
 
-#[cold]
-#[inline(never)]
-fn exactly(ray: &Ray, center: Vec3, radius: f32) -> Option<f32> {
-    if ray.is_valid() { intersect_exactly(ray, center, radius) } else { None }
+/// The smallest t within the range, and the lanes that have one.
+#[inline(always)]
+fn meet_closely<F: Single>(
+    line: &Line<F>,
+    center: Vec3,
+    radius: f32,
+    range: [F; 2],
+) -> (F, F::Mask) {
+    let token = range[0].token();
+    let roots = Roots::of(line, Vector::splat(token, center), F::splat(token, radius));
+    settled(line, &roots, range, |ray| intersect_exactly(ray, center, radius))
 }
 
 /// The root nearest to `t`, in double precision; `t` itself if rounding leaves none.
@@ -196,7 +203,7 @@ pub(super) fn near<F: Single>(line: &Line<F>, t: F, center: Vector<F>, radius: F
     Real::select(nearest.eq(nearest), nearest, t)
 }
 
-/// The lanes whose rays certainly miss, so that [`settled`] finds no t: most of them, rejected in
+/// The lanes whose rays certainly miss the ball, so that [`settled`] finds no t: most of them, rejected in
 /// single precision without a division.
 ///
 /// With f from the centre to the origin and n = f x d, the distance is |n| / |d|. Each coordinate
@@ -207,7 +214,7 @@ pub(super) fn near<F: Single>(line: &Line<F>, t: F, center: Vector<F>, radius: F
 /// are off by less than [`f32::MIN_POSITIVE`]. Squares that overflow on the right leave the ray
 /// undecided, and if all overflow on the left the distance is indeed that large.
 #[inline(always)]
-fn passes_by<F: Single>(line: &Line<F>, center: Vector<F>, radius: F) -> F::Mask {
+pub(super) fn passes_by<F: Single>(line: &Line<F>, center: Vector<F>, radius: F) -> F::Mask {
     let (d, f) = (line.direction, line.origin - center);
     let (n, square) = (f.cross(d), d.dot_in_order(d));
     let tiny = square.same(f32::MIN_POSITIVE);
@@ -263,7 +270,7 @@ pub fn meet<F: Single, P: Arithmetic>(
     if !(!passes).any() {
         return (range[1], !passes);
     }
-    settled(line, center, radius, range)
+    meet_closely(line, center, radius, range)
 }
 
 #[cfg(test)]

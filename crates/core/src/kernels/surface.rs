@@ -5,6 +5,7 @@
 
 use glam::{DVec3, Vec3};
 
+use super::disk;
 use super::precision::Arithmetic;
 use super::quad;
 use super::sphere;
@@ -82,19 +83,33 @@ pub fn triangle_at<F: Single, P: Arithmetic>(
     Surface::fast(line.at(t), e1.cross(e2), [u, v])
 }
 
-/// The points at which rays meet spheres, one each, at `t`; the normal points outward.
+/// The points at which rays meet spheres or disks, one each, at `t`. The normal points outward from
+/// a sphere, whose `front` is zero, and along the `front` of a disk.
 #[inline(always)]
-pub fn sphere_at<F: Single, P: Arithmetic>(
+pub fn quadric_at<F: Single, P: Arithmetic>(
     line: &Line<F>,
     t: F,
-    center: Vector<F>,
+    [center, front]: [Vector<F>; 2],
     radius: F,
 ) -> Surface<F> {
-    if !P::IS_FAST {
-        return sphere(line, t, center, radius);
+    let is_disk = front.is_not_zero();
+    if P::IS_FAST {
+        let point = line.at(t);
+        let normal = Vector::select(is_disk, front, point - center);
+        return Surface::fast(point, normal, [t.zero(); 2]);
     }
-    let point = line.at(t);
-    Surface::fast(point, point - center, [t.zero(); 2])
+    let found = sphere(line, t, center, radius);
+    if !is_disk.any() {
+        return found;
+    }
+    let disk = disk(line, t, [center, front], radius);
+    let select = |a, b| Vector::select(is_disk, a, b);
+    Surface {
+        point: select(disk.point, found.point),
+        error: select(disk.error, found.error),
+        normal: select(disk.normal, found.normal),
+        ..found
+    }
 }
 
 #[inline(always)]
@@ -212,6 +227,17 @@ fn sphere<F: Single>(line: &Line<F>, t: F, center: Vector<F>, radius: F) -> Surf
         error: point.rounding_error(center.max_abs().max(radius)),
         normal: Vector::narrow(normal),
         barycentric: [zero; 2],
+    }
+}
+
+#[inline(always)]
+fn disk<F: Single>(line: &Line<F>, t: F, [center, front]: [Vector<F>; 2], radius: F) -> Surface<F> {
+    let point = Vector::narrow(center.widen() + disk::offset(line, t, center, front));
+    Surface {
+        point,
+        error: point.rounding_error(center.max_abs().max(radius)),
+        normal: Vector::narrow(front.widen().normalize_wide()),
+        barycentric: [radius.zero(); 2],
     }
 }
 

@@ -9,6 +9,8 @@
 use std::cmp::Ordering;
 use std::ops::{Add, Mul, Neg, Sub};
 
+use glam::Vec3;
+
 /// An exact number: a sum of doubles.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Expansion {
@@ -120,6 +122,16 @@ impl Mul for &Expansion {
         }
         sum
     }
+}
+
+/// The exact coordinates of a vector.
+pub fn exact(v: Vec3) -> [Expansion; 3] {
+    v.to_array().map(Expansion::from)
+}
+
+/// The exact scalar product.
+pub fn dot(u: &[Expansion; 3], v: &[Expansion; 3]) -> Expansion {
+    &(&(&u[0] * &v[0]) + &(&u[1] * &v[1])) + &(&u[2] * &v[2])
 }
 
 /// The exact quotient of two numbers, the second not zero.

@@ -99,9 +99,9 @@ impl PreparedScene {
     fn turn(&self, primitive: u32, point: &MirrorPoint, step: Vec3, smooth: bool) -> Vec3 {
         let geometry = self.accel.geometry();
         match geometry.primitive(primitive) {
-            Primitive::Sphere(i) => {
+            Primitive::Quadric(i) => {
                 let turn = turn_of_sphere(geometry, primitive, step);
-                let outward = point.point - geometry.spheres[i].0;
+                let outward = point.point - geometry.quadrics[i].parts().0;
                 if dot(outward, point.normal) < 0.0 { -turn } else { turn }
             }
             Primitive::Triangle(_) | Primitive::Instanced(_) if smooth => {
@@ -122,8 +122,6 @@ impl PreparedScene {
 
 /// The change of a sphere's outward normal with its point; zero for other primitives.
 fn turn_of_sphere(geometry: &Geometry, primitive: u32, step: Vec3) -> Vec3 {
-    match geometry.primitive(primitive) {
-        Primitive::Sphere(i) => step / geometry.spheres[i].1,
-        Primitive::Triangle(_) | Primitive::Quad(_) | Primitive::Instanced(_) => Vec3::ZERO,
-    }
+    let Primitive::Quadric(i) = geometry.primitive(primitive) else { return Vec3::ZERO };
+    geometry.quadrics[i].sphere().map_or(Vec3::ZERO, |(_, radius)| step / radius)
 }

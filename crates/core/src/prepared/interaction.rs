@@ -175,9 +175,9 @@ impl<F: Single> Group<F> {
                 let corners = prototype.triangle(instanced.triangle as usize);
                 set_three::<F>(&mut self.corners, lane, corners);
             }
-            Primitive::Sphere(i) => {
-                let (center, radius) = geometry.spheres[i];
-                let corners = [center, Vec3::splat(radius), Vec3::ZERO];
+            Primitive::Quadric(i) => {
+                let (center, radius, front) = geometry.quadrics[i].parts();
+                let corners = [center, Vec3::splat(radius), front];
                 set_three::<F>(&mut self.corners, lane, corners);
             }
         }
@@ -231,7 +231,10 @@ impl<F: Single> Group<F> {
                 }
                 found
             }
-            Kind::Spheres => surface::sphere_at::<F, P>(line, t, corners[0], corners[1].x),
+            Kind::Quadrics => {
+                let [center, radius, front] = corners;
+                surface::quadric_at::<F, P>(line, t, [center, front], radius.x)
+            }
             Kind::Instances => {
                 let [origin, direction] = &self.carried;
                 let origin = Vector::load(token, origin);

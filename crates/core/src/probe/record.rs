@@ -42,7 +42,7 @@ pub struct Bounce {
 pub struct Met {
     /// The primitive, by its number in the scene.
     pub primitive: u32,
-    /// Triangle, quad or sphere.
+    /// Triangle, quad, sphere or disk.
     pub kind: &'static str,
     /// The shape's entry in the scene file.
     pub shape: String,

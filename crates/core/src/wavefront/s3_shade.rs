@@ -1,6 +1,6 @@
 //! Pass 3: adds the light of every hit and collects its requests.
 //!
-//! Hits are sorted by kind. Misses and lights are handled at once; hits on spheres, on instances,
+//! Hits are sorted by kind. Misses and lights are handled at once; hits on quadrics, on instances,
 //! and on triangles and quads wait in [`faces`] and are shaded together.
 
 mod faces;
@@ -82,7 +82,7 @@ impl<P: Arithmetic> Pass for Shade<'_, P> {
     fn run<F: Single>(mut self, token: F::Token) {
         let appearance = &self.scene.appearance;
         let geometry = self.scene.accel.geometry();
-        let (mut flat, mut spheres) = (Faces::<F>::new(), Faces::new());
+        let (mut flat, mut quadrics) = (Faces::<F>::new(), Faces::new());
         let mut instances = (!geometry.instances.is_empty()).then(Faces::new);
         // The last shape hit: the next hit is likely on it too.
         let mut last = 0;
@@ -102,7 +102,7 @@ impl<P: Arithmetic> Pass for Shade<'_, P> {
             let kind = geometry.kind(primitive);
             let faces = match (kind, &mut instances) {
                 (Kind::Instances, Some(instances)) => instances,
-                (Kind::Spheres, _) => &mut spheres,
+                (Kind::Quadrics, _) => &mut quadrics,
                 _ => &mut flat,
             };
             if faces.push(Face { ray: i as u32, primitive, shape: last as u32 }) {
@@ -110,7 +110,7 @@ impl<P: Arithmetic> Pass for Shade<'_, P> {
             }
         }
         self.block(token, &mut flat, Kind::Flat);
-        self.block(token, &mut spheres, Kind::Spheres);
+        self.block(token, &mut quadrics, Kind::Quadrics);
         if let Some(instances) = &mut instances {
             self.block(token, instances, Kind::Instances);
         }
@@ -195,7 +195,7 @@ impl<P: Arithmetic> Shade<'_, P> {
     #[inline(always)]
     fn distances<F: Single>(&self, token: F::Token, kind: Kind, rays: &[u32; LANES]) -> F {
         let mut t = F::splat(token, 0.0);
-        if P::IS_FAST || kind == Kind::Spheres {
+        if P::IS_FAST || kind == Kind::Quadrics {
             for (lane, &ray) in rays.iter().enumerate().take(F::LANES) {
                 t.set_lane(lane, self.batch.hits.hit[ray as usize].t);
             }

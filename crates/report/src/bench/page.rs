@@ -168,6 +168,7 @@ fn facts(scene: &SceneBench, machine: &Machine) -> Vec<Fact> {
         (scene.triangles, "triangle"),
         (scene.quads, "quad"),
         (scene.spheres, "sphere"),
+        (scene.disks, "disk"),
         (scene.lights, "light"),
     ];
     let kinds = kinds.iter().filter(|(count, _)| *count > 0).map(|(n, name)| plural(*n, name));

@@ -40,6 +40,8 @@ pub struct SceneBench {
     pub triangles: usize,
     pub quads: usize,
     pub spheres: usize,
+    /// Disks.
+    pub disks: usize,
     pub lights: usize,
     pub bytes_per_path: usize,
     pub memory: Memory,
@@ -138,11 +140,13 @@ impl SceneBench {
     /// The report before the first comparison.
     pub(super) fn unmeasured(scene: &PreparedScene, setting: Setting) -> Self {
         let geometry = scene.accel.geometry();
+        let [spheres, disks] = geometry.spheres_and_disks();
         Self {
             image: scene.into(),
             triangles: geometry.triangles.len(),
             quads: geometry.quads.len(),
-            spheres: geometry.spheres.len(),
+            spheres,
+            disks,
             lights: scene.lights.len(),
             bytes_per_path: Batch::bytes_per_path(scene).iter().map(|(_, bytes)| bytes).sum(),
             memory: Memory { predicted: setting.predicted, peak: None },

@@ -211,7 +211,7 @@ fn the_json_has_the_documented_keys() {
     let scene = &json["scenes"][0];
     assert_eq!(
         keys(scene).join(" "),
-        "scene seed batch simd kernel precision preset time image triangles quads spheres lights \
+        "scene seed batch simd kernel precision preset time image triangles quads spheres disks lights \
          bytes_per_path memory equal rays invalid comparisons warnings"
     );
     let ladder = &scene["comparisons"][0];

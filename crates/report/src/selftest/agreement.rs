@@ -147,14 +147,17 @@ pub(crate) fn leaving(geometry: &Geometry, count: usize) -> impl Iterator<Item =
     })
 }
 
-/// The corners of any primitive. For spheres, points on the surface.
+/// The corners of any primitive. For spheres and disks, points on the surface.
 pub(super) fn any_corners(geometry: &Geometry, numbers: &mut Numbers) -> [Vec3; 3] {
     let number = numbers.below(geometry.len()) as u32;
     match geometry.primitive(number) {
         Primitive::Quad(i) => numbers.among(halves(&geometry.quad(i))),
-        Primitive::Sphere(i) => {
-            let (center, radius) = geometry.spheres[i];
-            [(); 3].map(|()| center + numbers.direction().as_vec3() * radius)
+        Primitive::Quadric(i) => {
+            let (center, radius, front) = geometry.quadrics[i].parts();
+            [(); 3].map(|()| {
+                let towards = numbers.direction().as_vec3();
+                center + (towards - front * front.dot(towards)) * radius
+            })
         }
         _ => geometry.mesh_triangle(number).unwrap_or_default(),
     }

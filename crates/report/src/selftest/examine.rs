@@ -38,6 +38,8 @@ pub struct Shape {
     pub quads: usize,
     /// Spheres.
     pub spheres: usize,
+    /// Disks.
+    pub disks: usize,
     /// Triangles of instances, once for each.
     pub instanced: usize,
     /// Degenerate triangles, which are dropped.
@@ -78,10 +80,12 @@ pub fn shape(geometry: &Geometry, accel: &Accel) -> Shape {
     let of = |ratio: f64| (u64::from(ratio >= SLIVER), ratio);
     let (slivers, longest) =
         ratios.map(of).reduce(|| (0, 0.0), |a, b| (a.0 + b.0, f64::max(a.1, b.1)));
+    let [spheres, disks] = geometry.spheres_and_disks();
     Shape {
         triangles: geometry.triangles.len(),
         quads: geometry.quads.len(),
-        spheres: geometry.spheres.len(),
+        spheres,
+        disks,
         instanced: geometry.len() - geometry.own(),
         dropped: accel.left_out(),
         slivers,
@@ -215,8 +219,8 @@ impl<'a> Meshes<'a> {
         let (mesh, topology, first, place) = self.at(primitive);
         let has_holes =
             |own: &u32| mesh.cutouts.iter().any(|cutout| cutout.primitives.contains(own));
-        if let Primitive::Sphere(i) = primitive {
-            let (center, radius) = mesh.spheres[i];
+        if let Primitive::Quadric(i) = primitive {
+            let (center, radius) = mesh.quadrics[i].sphere()?;
             let inside = numbers.direction() * (0.99 * f64::from(radius));
             let target = (center.as_dvec3() + inside).as_vec3();
             // The ray must come from outside, and the target stay inside if it is rounded.
@@ -306,7 +310,10 @@ pub(super) fn surface_at(geometry: &Geometry, ray: &Ray, hit: Hit) -> Option<Sur
             });
             p.distance(q) < FLAT
         }
-        Primitive::Sphere(i) => is_outside(ray.origin, geometry.spheres[i]),
+        Primitive::Quadric(i) => {
+            let sphere = geometry.quadrics[i].sphere();
+            sphere.is_none_or(|sphere| is_outside(ray.origin, sphere))
+        }
         Primitive::Triangle(_) | Primitive::Instanced(_) => true,
     };
     let surface = || with_precision!(geometry.precision, P => surface::<P>(geometry, ray, &hit));

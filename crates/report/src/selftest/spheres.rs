@@ -1,6 +1,7 @@
 //! Spheres that are far away, huge, grazed, or around the ray's origin.
 
 use super::prelude::*;
+use wavecrest_core::geometry::Quadric;
 
 /// A sphere, in double precision.
 #[derive(Clone, Copy)]
@@ -46,8 +47,8 @@ impl Sphere {
         self,
         aim: impl Fn(&mut Numbers, Self) -> Option<(Ray, Expected)> + Send + Sync + 'static,
     ) -> World {
-        let spheres = vec![(self.center.as_vec3(), self.radius as f32)];
-        let geometry = Geometry { spheres, ..Geometry::default() };
+        let sphere = Quadric::Sphere(self.center.as_vec3(), self.radius as f32);
+        let geometry = Geometry { quadrics: vec![sphere], ..Geometry::default() };
         World::new(geometry, move |numbers| aim(numbers, self))
     }
 }

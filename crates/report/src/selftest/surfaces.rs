@@ -4,6 +4,8 @@ use super::examine::{Extent, left};
 use super::prelude::*;
 use super::ways::hits;
 use wavecrest_core::accel::KernelChoice;
+use wavecrest_core::geometry::Quadric;
+use wavecrest_core::kernels::disk::Disk;
 use wavecrest_core::kernels::shade::SHADOW_END;
 use wavecrest_core::math::float::offset_end;
 
@@ -12,13 +14,16 @@ fn wide_point(numbers: &mut Numbers) -> Vec3 {
     Vec3::from([(); 3].map(|()| (numbers.sign() * numbers.magnitude(1e-8, 1e8)) as f32))
 }
 
-/// Case 9: a triangle or a sphere, with rays that leave it.
+/// Case 9: a triangle, a sphere or a disk, with rays that leave it.
 pub(super) fn leaving(numbers: &mut Numbers) -> World {
     let geometry = if numbers.once_in(2) {
         of_triangles([[(); 3].map(|()| wide_point(numbers))])
     } else {
-        let sphere = (wide_point(numbers), numbers.magnitude(1e-8, 1e8) as f32);
-        Geometry { spheres: vec![sphere], ..Geometry::default() }
+        let (center, radius) = (wide_point(numbers), numbers.magnitude(1e-8, 1e8) as f32);
+        let normal = numbers.direction().as_vec3();
+        let disk = Quadric::Disk(Disk { center, normal, radius });
+        let quadric = numbers.among([Quadric::Sphere(center, radius), disk]);
+        Geometry { quadrics: vec![quadric], ..Geometry::default() }
     };
     let extent = Extent::of(&geometry);
     let accel = numbers.effort.accel(geometry.clone(), Preset::VeryFast);

@@ -12,7 +12,8 @@ use crate::query::json_path;
 use crate::shapes;
 use crate::systems::lights::{Found, Surroundings};
 use wavecrest_base::error::{Error, ErrorKind, Result};
-use wavecrest_core::geometry::{Geometry, Primitive};
+use wavecrest_core::geometry::{Geometry, Primitive, Quadric};
+use wavecrest_core::kernels::disk::Disk;
 use wavecrest_core::kernels::light::{Emitter, Light, Triangles};
 use wavecrest_core::kernels::quad;
 use wavecrest_core::prepared::Shape;
@@ -126,9 +127,11 @@ pub(super) fn emitters(
 /// The shape of a light, as an emitter.
 fn emitter(geometry: &Geometry, shape: &Shape) -> Option<Emitter> {
     let range = shape.primitives.clone();
-    if let Primitive::Sphere(i) = geometry.primitive(range.start) {
-        let (center, radius) = geometry.spheres[i];
-        return Some(Emitter::Sphere { center, radius });
+    if let Primitive::Quadric(i) = geometry.primitive(range.start) {
+        return Some(match geometry.quadrics[i] {
+            Quadric::Sphere(center, radius) => Emitter::Sphere { center, radius },
+            Quadric::Disk(disk) => Emitter::Disk(disk, Disk::axes(disk.normal.as_dvec3())),
+        });
     }
     let corners = range.flat_map(|number| triangles(geometry, number)).collect();
     Triangles::new(corners).map(Emitter::Triangles)
@@ -138,7 +141,7 @@ fn triangles(geometry: &Geometry, number: u32) -> Vec<[Vec3; 3]> {
     match geometry.primitive(number) {
         Primitive::Triangle(i) => vec![geometry.triangle(i)],
         Primitive::Quad(i) => quad::halves(&geometry.quad(i)).to_vec(),
-        Primitive::Sphere(_) | Primitive::Instanced(_) => vec![],
+        Primitive::Quadric(_) | Primitive::Instanced(_) => vec![],
     }
 }
 

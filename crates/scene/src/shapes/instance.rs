@@ -5,14 +5,13 @@ use std::collections::HashMap;
 use hecs::{Entity, EntityBuilder, World};
 use serde_json::Value;
 
-use super::sphere::uneven;
-use super::transform::is_uniform;
-use super::{Name, Sphere, Transform};
+use super::transform::keeps_round;
+use super::{Disk, Name, Sphere, Transform};
 use crate::components::Material;
 use crate::format::{Cursor, Declaration, Kind, Writer, keys};
 use wavecrest_base::error::{Result, did_you_mean};
 
-/// The prototype of an instance: an entity with a sphere, quad, triangle or mesh, which is stored
+/// The prototype of an instance: an entity with a sphere, disk, quad, triangle or mesh, which is stored
 /// once. Everything else is the instance's own; its [`Transform`] follows the prototype's.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct InstanceOf(pub Entity);
@@ -79,14 +78,12 @@ pub(crate) fn instance(
     let shape = names.find(&object.need("shape", "the name of a shape of scene.shapes")?)?;
     entity.add(InstanceOf(shape));
     object.components(entity)?;
-    match (entity.get::<&Transform>(), object.get("transform")) {
-        (Some(moved), Some(cursor))
-            if world.get::<&Sphere>(shape).is_ok() && !is_uniform(&moved.0) =>
-        {
-            Err(uneven(&cursor))
-        }
-        _ => Ok(()),
-    }
+    let round = match world.entity(shape) {
+        Ok(shape) if shape.has::<Sphere>() => Some("a sphere"),
+        Ok(shape) if shape.has::<Disk>() => Some("a disk"),
+        _ => None,
+    };
+    round.map_or(Ok(()), |shape| keeps_round(&object, shape))
 }
 
 /// Writes an instance; its material only if it is not the shape's.

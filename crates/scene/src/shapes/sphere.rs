@@ -1,10 +1,13 @@
 //! Spheres.
 
-use glam::DVec3;
+use glam::{DVec3, Mat3};
 
-use super::transform::{is_uniform, transform};
-use crate::format::{Cursor, Declaration, Kind, Object, Range, component, declared};
-use wavecrest_base::error::{Error, Result};
+use super::transform::keeps_round;
+use crate::format::{Declaration, Kind, Object, Range, component, declared};
+use crate::systems::geometry::{Common, Round};
+use wavecrest_base::error::Result;
+use wavecrest_core::geometry::Quadric;
+use wavecrest_core::prepared::UvMap;
 
 pub(super) const KIND: Kind =
     Kind::entity("sphere", "a sphere", "A sphere.", &[Declaration::of::<Sphere>()]);
@@ -23,14 +26,22 @@ component! {
 declared!(Sphere, check);
 
 fn check(_: &mut Sphere, object: &Object<'_>) -> Result<()> {
-    match object.get("transform") {
-        Some(cursor) if !is_uniform(&transform(&cursor)?) => Err(uneven(&cursor)),
-        _ => Ok(()),
-    }
+    keeps_round(object, "a sphere")
 }
 
-/// The error that the transform at `cursor` would make a sphere an ellipsoid.
-pub(super) fn uneven(cursor: &Cursor<'_>) -> Error {
-    let error = cursor.error("a sphere can only be scaled uniformly");
-    error.remedy("use one scale factor, or a trimesh")
+impl Sphere {
+    /// The sphere in world space.
+    ///
+    /// # Errors
+    /// If it is too large, too small, or too far away for single precision.
+    pub(crate) fn in_world(&self, common: &Common) -> Result<(Quadric, UvMap)> {
+        let Round { center, radius, turn } = common.round("sphere", self.center, self.radius)?;
+        let to_own = turn.transpose();
+        let map = UvMap::Sphere(Mat3::from_cols(
+            to_own.x_axis.as_vec3(),
+            to_own.y_axis.as_vec3(),
+            to_own.z_axis.as_vec3(),
+        ));
+        Ok((Quadric::Sphere(center, radius), map))
+    }
 }

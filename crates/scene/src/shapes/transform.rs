@@ -49,7 +49,7 @@ impl Declared for Transform {
 }
 
 /// Reads a transform: a matrix, or its parts.
-pub(super) fn transform(cursor: &Cursor<'_>) -> Result<DAffine3> {
+fn transform(cursor: &Cursor<'_>) -> Result<DAffine3> {
     let transform =
         if cursor.value().is_array() { matrix(cursor)? } else { parts(&cursor.object(PARTS)?)? };
     if is_singular(transform.matrix3) {
@@ -59,8 +59,19 @@ pub(super) fn transform(cursor: &Cursor<'_>) -> Result<DAffine3> {
     Ok(transform)
 }
 
+/// Checks that the transform of a round `shape` keeps it round.
+pub(super) fn keeps_round(object: &Object<'_>, shape: &str) -> Result<()> {
+    match object.get("transform") {
+        Some(cursor) if !is_uniform(&transform(&cursor)?) => {
+            let error = cursor.error(format!("{shape} can only be scaled uniformly"));
+            Err(error.remedy("use one scale factor, or a trimesh"))
+        }
+        _ => Ok(()),
+    }
+}
+
 /// Whether the transform keeps a sphere a sphere.
-pub(super) fn is_uniform(transform: &DAffine3) -> bool {
+fn is_uniform(transform: &DAffine3) -> bool {
     let m = transform.matrix3;
     // Scaled first, so that squares neither underflow nor overflow.
     let m = m * (1.0 / greatest(m));

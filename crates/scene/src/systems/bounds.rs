@@ -17,9 +17,9 @@ pub(super) fn around(points: &[Vec3]) -> Aabb {
 pub fn of(geometry: &Geometry) -> Option<[DVec3; 2]> {
     let wide = |bounds: Aabb| [bounds.low.as_dvec3(), bounds.high.as_dvec3()];
     let own = (!geometry.positions.is_empty()).then(|| wide(around(&geometry.positions)));
-    let spheres = geometry.spheres.iter().map(|&(center, radius)| {
-        let (center, radius) = (center.as_dvec3(), f64::from(radius));
-        [center - radius, center + radius]
+    let quadrics = geometry.quadrics.iter().map(|quadric| {
+        let (center, half) = quadric.extent();
+        [center - half, center + half]
     });
     let prototypes: Vec<[DVec3; 2]> =
         geometry.prototypes.iter().map(|prototype| wide(around(&prototype.positions))).collect();
@@ -32,12 +32,13 @@ pub fn of(geometry: &Geometry) -> Option<[DVec3; 2]> {
         [middle - half, middle + half]
     });
     let both = |a: [DVec3; 2], b: [DVec3; 2]| [a[0].min(b[0]), a[1].max(b[1])];
-    own.into_iter().chain(spheres).chain(instances).reduce(both)
+    own.into_iter().chain(quadrics).chain(instances).reduce(both)
 }
 
 #[cfg(test)]
 mod tests {
     use glam::DAffine3;
+    use wavecrest_core::geometry::Quadric;
     use wavecrest_core::geometry::instance::Instance;
 
     use super::*;
@@ -52,7 +53,7 @@ mod tests {
         let moved = DAffine3::from_translation(DVec3::new(10.0, 0.0, 0.0)) * turned;
         let geometry = Geometry {
             positions,
-            spheres: vec![(Vec3::new(0.0, 0.0, -5.0), 2.0)],
+            quadrics: vec![Quadric::Sphere(Vec3::new(0.0, 0.0, -5.0), 2.0)],
             prototypes: vec![prototype],
             instances: vec![Instance::new(0, 1, moved, &bounds)],
             ..Geometry::default()

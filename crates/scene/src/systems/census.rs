@@ -194,6 +194,7 @@ impl<'a> Facts<'a> {
             Effect::Triangles => self.triangles(),
             Effect::Quads => self.quads(),
             Effect::Spheres => self.spheres(),
+            Effect::Disks => self.disks(),
             Effect::SmoothShading => self.smooth_shading(),
             Effect::VertexColors => self.vertex_colors(),
             Effect::Textures => self.textures(),
@@ -212,7 +213,10 @@ impl<'a> Facts<'a> {
             }
             Effect::DirectionalLights => self.lights("directional light", Emitter::is_distant),
             Effect::AreaLights => self.lights("area light", |emitter| {
-                matches!(emitter, Emitter::Sphere { .. } | Emitter::Triangles(_))
+                matches!(
+                    emitter,
+                    Emitter::Sphere { .. } | Emitter::Disk(..) | Emitter::Triangles(_)
+                )
             }),
             Effect::Mirrors => self.mirrors(),
             Effect::DepthOfField => self.depth_of_field(),

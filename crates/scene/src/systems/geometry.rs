@@ -21,6 +21,7 @@ use meshes::Room;
 use occurrences::Occurrences;
 use wavecrest_base::error::Result;
 
+pub(crate) use common::{Common, Round};
 pub use output::{Output, ShapeOutput};
 
 /// Converts every shape to primitives, and moves all by `-origin`. A mesh with several instances is
@@ -35,8 +36,8 @@ pub fn run(world: &mut World, origin: DVec3, flat: bool) -> Result<Output> {
     for occurrence in occurrences.quads(world) {
         builder.add_quad(world, occurrence)?;
     }
-    for occurrence in occurrences.spheres(world) {
-        builder.add_sphere(world, occurrence)?;
+    for occurrence in occurrences.quadrics(world) {
+        builder.add_quadric(world, occurrence)?;
     }
     builder.add_instances(world, &mut occurrences)?;
     Ok(builder.finish())

@@ -10,6 +10,7 @@ use glam::{DVec3, Vec3};
 use wavecrest_core::geometry::{Geometry, Primitive};
 use wavecrest_core::kernels::blinn_phong::Material;
 use wavecrest_core::kernels::camera::Camera;
+use wavecrest_core::kernels::disk::Disk;
 use wavecrest_core::kernels::light::{Cone, Emitter, Light};
 use wavecrest_core::kernels::precision::Precision;
 use wavecrest_core::kernels::slab::Aabb;
@@ -133,9 +134,7 @@ fn may_face(shape: &Shape, faces: Faces, light: &Extent, geometry: &Geometry, nu
     let may_face = |corners: &[Vec3; 3]| {
         let normal = triangle::normal(corners);
         let front = if shape.flipped { -normal } else { normal };
-        let of_side = |is_asked, normal| is_asked && !light.is_behind(normal, corners);
-        (of_side(faces.front, front) || of_side(faces.back, -front))
-            && !light.misses(corners, 0.0, front)
+        light.may_face(faces, front, corners) && !light.misses(corners, 0.0, front)
     };
     match geometry.primitive(number) {
         // In doubt: its points have one more rounding.
@@ -145,11 +144,15 @@ fn may_face(shape: &Shape, faces: Faces, light: &Extent, geometry: &Geometry, nu
             !geometry.is_degenerate(number) && may_face(&geometry.triangle(i))
         }
         Primitive::Quad(i) => quad::halves(&geometry.quad(i)).iter().any(may_face),
-        Primitive::Sphere(i) => {
-            let (center, radius) = geometry.spheres[i];
-            // Its far inside faces all that is around it.
-            (faces.back || !light.is_within(center, radius))
-                && !light.misses(&[center], radius.into(), DVec3::ZERO)
+        Primitive::Quadric(i) => {
+            let (center, radius, front) = geometry.quadrics[i].parts();
+            // In doubt a disk is, from its side, what the ball around it is.
+            let is_faced = match front == Vec3::ZERO {
+                // Its far inside faces all that is around it.
+                true => faces.back || !light.is_within(center, radius),
+                false => light.may_face(faces, front.as_dvec3(), &[center]),
+            };
+            is_faced && !light.misses(&[center], radius.into(), DVec3::ZERO)
         }
     }
 }
@@ -185,7 +188,9 @@ impl Extent {
                 is_distant: true,
                 cone: None,
             },
-            Emitter::Sphere { center, radius } => point(*center, *radius),
+            Emitter::Sphere { center, radius } | Emitter::Disk(Disk { center, radius, .. }, _) => {
+                point(*center, *radius)
+            }
             Emitter::Triangles(triangles) => {
                 let corners = triangles.corners().iter().map(|corners| Aabb::around(*corners));
                 Self::of_box(&corners.fold(Aabb::EMPTY, Aabb::union))
@@ -216,9 +221,16 @@ impl Extent {
         ((self.center - point).abs() + self.half).length() + self.radius
     }
 
-    /// Whether all of it is certainly behind a triangle, whose front is on the side of the unit
-    /// vector `normal`.
-    fn is_behind(&self, normal: DVec3, corners: &[Vec3; 3]) -> bool {
+    /// Whether any of it may be on one of these sides of a flat shape through `corners`, whose front
+    /// is on the side of the unit vector `front`.
+    fn may_face(&self, faces: Faces, front: DVec3, corners: &[Vec3]) -> bool {
+        faces.front && !self.is_behind(front, corners)
+            || faces.back && !self.is_behind(-front, corners)
+    }
+
+    /// Whether all of it is certainly behind a flat shape through `corners`, whose front is on the
+    /// side of the unit vector `normal`.
+    fn is_behind(&self, normal: DVec3, corners: &[Vec3]) -> bool {
         let reach = normal.abs().dot(self.half) + self.radius;
         if self.is_distant {
             return normal.dot(self.center) + reach < -BEHIND;

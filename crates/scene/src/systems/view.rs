@@ -11,7 +11,7 @@ use rayon::prelude::*;
 use super::bounds::around;
 use super::geometry::{Output, ShapeOutput};
 use super::reach::{Extent, Faces, is_faced};
-use wavecrest_core::geometry::{Geometry, Primitive};
+use wavecrest_core::geometry::{Geometry, Primitive, Quadric};
 use wavecrest_core::kernels::camera::Camera;
 use wavecrest_core::kernels::precision::Precision;
 use wavecrest_core::kernels::slab::Aabb;
@@ -33,7 +33,7 @@ pub fn run(
 ) -> Vec<Option<Faces>> {
     let Output { geometry, shapes, .. } = output;
     let all = || shapes.iter().map(|output| Some(Faces::lit(&output.shape))).collect();
-    let tests = shapes.len().saturating_mul(cameras.len() + geometry.spheres.len());
+    let tests = shapes.len().saturating_mul(cameras.len() + geometry.quadrics.len());
     // Fast precision has no error bounds, so nothing is certain.
     if cameras.is_empty() || tests > MOST_TESTS || geometry.precision == Precision::Fast {
         return all();
@@ -101,10 +101,10 @@ struct Walls {
 impl Walls {
     fn of(pupils: &[Extent], geometry: &Geometry) -> Self {
         let those = |are: fn(&Extent, Vec3, f32) -> bool| {
-            let all = |&&(center, radius): &&(Vec3, f32)| {
+            let all = |&(center, radius): &(Vec3, f32)| {
                 pupils.iter().all(|pupil| are(pupil, center, radius))
             };
-            geometry.spheres.iter().filter(all).copied().collect()
+            geometry.quadrics.iter().filter_map(Quadric::sphere).filter(all).collect()
         };
         Self { outside: those(Extent::is_beyond), within: those(Extent::is_within) }
     }

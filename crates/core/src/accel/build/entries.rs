@@ -1,6 +1,6 @@
-//! The entries of leaves: triangles, both halves of each quad, and spheres, in this order.
+//! The entries of leaves: triangles, both halves of each quad, and quadrics, in this order.
 
-use crate::geometry::{Geometry, sphere_bounds};
+use crate::geometry::Geometry;
 use crate::kernels::quad;
 use crate::kernels::slab::Aabb;
 
@@ -33,7 +33,8 @@ impl Geometry {
         match self.corners_of(entry) {
             Some(corners) => Aabb::around(corners.map(|v| self.positions[v as usize])),
             None => {
-                sphere_bounds(self.spheres[entry as usize + self.spheres.len() - self.entries()])
+                let behind = self.entries() - entry as usize;
+                self.quadrics[self.quadrics.len() - behind].bounds()
             }
         }
     }

@@ -11,7 +11,7 @@ use glam::Vec3;
 use obvhs::ploc::morton::morton_encode_u32;
 use rayon::prelude::*;
 
-use crate::geometry::{Geometry, sphere_bounds};
+use crate::geometry::{Geometry, Quadric};
 use crate::kernels::slab::Aabb;
 use crate::kernels::triangle::is_degenerate;
 
@@ -38,8 +38,8 @@ pub(super) struct Chunks {
 
 /// A box around everything that `geometry` holds itself.
 pub(super) fn extents(geometry: &Geometry) -> Aabb {
-    let spheres = geometry.spheres.par_iter().map(|&sphere| sphere_bounds(sphere));
-    around(geometry.positions.par_iter().copied().map(point)).union(around(spheres))
+    let quadrics = geometry.quadrics.par_iter().map(Quadric::bounds);
+    around(geometry.positions.par_iter().copied().map(point)).union(around(quadrics))
 }
 
 /// Orders the entries that can be hit, all but triangles without area, and cuts them into chunks of

@@ -62,7 +62,7 @@ pub(super) struct Members {
 #[derive(Clone, Copy)]
 pub(in crate::accel) struct Single {
     pub(in crate::accel) number: u32,
-    /// The vertices, if it is tested in lanes: neither a sphere nor a cut-out.
+    /// The vertices, if it is tested in lanes: neither a quadric nor a cut-out.
     pub(in crate::accel) corners: Option<[u32; 3]>,
 }
 

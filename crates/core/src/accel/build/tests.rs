@@ -3,7 +3,7 @@
 use super::*;
 use crate::accel::arena::Census;
 use crate::accel::{Accel, Hit};
-use crate::geometry::Primitive;
+use crate::geometry::{Primitive, Quadric};
 use crate::kernels::quad;
 use crate::kernels::slab::Aabb;
 use crate::math::random::Stream;
@@ -38,7 +38,7 @@ fn mixture(count: u32) -> Geometry {
             let base = geometry.positions.len() as u32;
             geometry.positions.extend([center, center + up, center + up + side, center + side]);
             geometry.quads.push([base, base + 1, base + 2, base + 3]);
-            geometry.spheres.push((center - Vec3::splat(size), 0.2 * size));
+            geometry.quadrics.push(Quadric::Sphere(center - Vec3::splat(size), 0.2 * size));
         }
     }
     geometry
@@ -212,8 +212,8 @@ fn only_chunks_that_rays_reach_are_built() {
 #[test]
 fn hc23_a_chunk_that_is_too_deep_is_a_list() {
     // Each sphere is a little larger than the one before, and encloses half of it.
-    let sphere = |i| (Vec3::X * 1.05_f32.powi(i), 0.5 * 1.05_f32.powi(i));
-    let geometry = Geometry { spheres: (-568..568).map(sphere).collect(), ..Geometry::default() };
+    let sphere = |i| Quadric::Sphere(Vec3::X * 1.05_f32.powi(i), 0.5 * 1.05_f32.powi(i));
+    let geometry = Geometry { quadrics: (-568..568).map(sphere).collect(), ..Geometry::default() };
     let accel = cut_accel(&geometry, Preset::OnDemand, cut(300, 1, 400));
     assert!(answers_of(&accel) == answers(&geometry, Preset::Brute));
     let tree = accel.tree.as_ref().expect("it has one");
@@ -224,8 +224,9 @@ fn hc23_a_chunk_that_is_too_deep_is_a_list() {
 
 #[test]
 fn heaps_and_equal_centroids_are_cut_too() {
-    let spheres: Vec<_> = (0..1000).map(|i| (Vec3::ZERO, 1.0 + i as f32 * 1e-3)).collect();
-    let geometry = Geometry { spheres, ..Geometry::default() };
+    let spheres: Vec<_> =
+        (0..1000).map(|i| Quadric::Sphere(Vec3::ZERO, 1.0 + i as f32 * 1e-3)).collect();
+    let geometry = Geometry { quadrics: spheres, ..Geometry::default() };
     let ray = Ray::new(Vec3::Z * 1e4, Vec3::NEG_Z);
     for (preset, cut) in CHUNKED.into_iter().flat_map(|p| CUTS.map(|cut| (p, cut))) {
         let accel = cut_accel(&geometry, preset, cut);
@@ -295,16 +296,17 @@ fn children_lie_within_their_parents() {
 
 #[test]
 fn the_heuristic_expects_what_areas_say() {
-    let expected = |spheres: Vec<(Vec3, f32)>| {
-        let geometry = Geometry { spheres, ..Geometry::default() };
+    let expected = |spheres: Vec<Quadric>| {
+        let geometry = Geometry { quadrics: spheres, ..Geometry::default() };
         let visits = build(&geometry, Preset::Fast).expected_visits();
         [visits.nodes, visits.leaves].map(|visits| (visits * 1e4).round() / 1e4)
     };
     assert_eq!(expected(Vec::new()), [0.0, 0.0]);
-    assert_eq!(expected(vec![(Vec3::ZERO, 1.0)]), [0.0, 1.0]);
+    assert_eq!(expected(vec![Quadric::Sphere(Vec3::ZERO, 1.0)]), [0.0, 1.0]);
     // Two cubes of side 2 in a box of 12 by 2 by 2.
     let apart = (2.0 * 12.0_f64 / 52.0 * 1e4).round() / 1e4;
-    assert_eq!(expected(vec![(Vec3::ZERO, 1.0), (Vec3::X * 10.0, 1.0)]), [1.0, apart]);
+    let two = [Vec3::ZERO, Vec3::X * 10.0].map(|center| Quadric::Sphere(center, 1.0));
+    assert_eq!(expected(two.to_vec()), [1.0, apart]);
 }
 
 #[test]
@@ -313,7 +315,8 @@ fn hc24_nothing_and_one_thing() {
         let empty = Accel::new(Geometry::default(), preset);
         let down = Ray::new(Vec3::Z * 5.0, Vec3::NEG_Z);
         assert!(empty.closest(&down, &mut empty.traversal()).is_miss());
-        let one = Geometry { spheres: vec![(Vec3::ZERO, 1.0)], ..Geometry::default() };
+        let one =
+            Geometry { quadrics: vec![Quadric::Sphere(Vec3::ZERO, 1.0)], ..Geometry::default() };
         let one = Accel::new(one, preset);
         assert_eq!(one.closest(&down, &mut one.traversal()), Hit { t: 4.0, primitive: 0 });
     }
@@ -322,10 +325,11 @@ fn hc24_nothing_and_one_thing() {
 #[test]
 fn hc22_equal_centroids_build_and_trace() {
     for count in [100, 20_000] {
-        let spheres: Vec<_> = (0..count).map(|i| (Vec3::ZERO, 1.0 + i as f32 * 1e-3)).collect();
+        let spheres: Vec<_> =
+            (0..count).map(|i| Quadric::Sphere(Vec3::ZERO, 1.0 + i as f32 * 1e-3)).collect();
         for preset in [Preset::Fastest, Preset::VeryFast, Preset::Medium, Preset::VerySlow] {
             let accel =
-                Accel::new(Geometry { spheres: spheres.clone(), ..Geometry::default() }, preset);
+                Accel::new(Geometry { quadrics: spheres.clone(), ..Geometry::default() }, preset);
             let ray = Ray::new(Vec3::Z * 1e4, Vec3::NEG_Z);
             let hit = accel.closest(&ray, &mut accel.traversal());
             assert_eq!(hit.primitive, count - 1, "{}", preset.name());
@@ -335,11 +339,11 @@ fn hc22_equal_centroids_build_and_trace() {
 
 #[test]
 fn hc23_nested_boxes_make_a_deep_tree() {
-    let spheres: Vec<_> =
-        (0..120).map(|i| (Vec3::X * 1.5_f32.powi(i) * 1e-9, 1.5_f32.powi(i) * 1e-9)).collect();
+    let sphere = |i| Quadric::Sphere(Vec3::X * 1.5_f32.powi(i) * 1e-9, 1.5_f32.powi(i) * 1e-9);
+    let spheres: Vec<_> = (0..120).map(sphere).collect();
     for preset in Preset::ALL {
         let accel =
-            Accel::new(Geometry { spheres: spheres.clone(), ..Geometry::default() }, preset);
+            Accel::new(Geometry { quadrics: spheres.clone(), ..Geometry::default() }, preset);
         let ray = Ray::new(Vec3::new(-1.0, 0.0, 0.0), Vec3::X);
         let reference = answers(&accel.geometry, Preset::Brute);
         assert!(answers(&accel.geometry, preset) == reference);

@@ -175,10 +175,10 @@ impl<Q: Query, P: Arithmetic> Batch<'_, Q, P> {
                     }
                     let at = (place, entry);
                     match geometry.primitive(number) {
-                        Primitive::Sphere(i) if !geometry.cutouts.contains(number) => {
-                            tests.spheres += u64::from(rays.count_ones());
-                            let sphere = geometry.spheres[i];
-                            tile.meet_sphere::<S, Q, P>(simd, *searched, sphere, at, rays);
+                        Primitive::Quadric(i) if !geometry.cutouts.contains(number) => {
+                            let quadric = &geometry.quadrics[i];
+                            quadric.count(tests, rays.count_ones());
+                            tile.meet_quadric::<S, Q, P>(simd, *searched, quadric, at, rays);
                         }
                         _ => ask_each::<Q, P>(*searched, tile, number, at, rays, tests),
                     }

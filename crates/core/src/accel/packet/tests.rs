@@ -4,7 +4,8 @@ use glam::Vec3;
 
 use crate::accel::build::Preset;
 use crate::accel::{Accel, Hit};
-use crate::geometry::Geometry;
+use crate::geometry::{Geometry, Quadric};
+use crate::kernels::disk::Disk;
 use crate::math::random::Stream;
 use crate::math::ray::Ray;
 use crate::math::simd::{Level, is_wide};
@@ -44,7 +45,11 @@ fn scene(n: u32) -> Geometry {
         Vec3::new(-1.0, 0.0, 0.5),
     ]);
     geometry.quads.push([first, first + 1, first + 2, first + 3]);
-    geometry.spheres.extend([(Vec3::new(0.5, 0.5, 0.3), 0.4), (Vec3::new(0.2, -0.4, 1.5), 0.3)]);
+    geometry.quadrics.extend([
+        Quadric::Sphere(Vec3::new(0.5, 0.5, 0.3), 0.4),
+        Quadric::Disk(Disk { center: Vec3::new(0.1, 0.6, 0.4), normal: Vec3::Z, radius: 0.5 }),
+        Quadric::Sphere(Vec3::new(0.2, -0.4, 1.5), 0.3),
+    ]);
     // Triangles, the quad and a sphere are lights'.
     let (triangles, all) = (geometry.triangles.len() as u32, geometry.len() as u32);
     geometry.lights = vec![1..triangles / 3, triangles..triangles + 1, all - 1..all];

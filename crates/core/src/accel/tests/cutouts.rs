@@ -82,7 +82,7 @@ fn every_kernel_answers_as_brute_force() {
 fn instances_are_cut_out_as_their_prototype_is() {
     let mut numbers = Numbers(50_000);
     let mut prototype = half_cut_out(&mut numbers);
-    (prototype.quads, prototype.spheres) = (Vec::new(), Vec::new());
+    (prototype.quads, prototype.quadrics) = (Vec::new(), Vec::new());
     prototype.cutouts = Cutouts::new(vec![cutout(0..300, 0.5, checkers())]);
     let bounds = Aabb { low: Vec3::splat(-1.5), high: Vec3::splat(1.5) };
     let triangles = prototype.triangles.len() as u32;
@@ -104,7 +104,7 @@ fn instances_are_cut_out_as_their_prototype_is() {
 fn thresholds_of_0_and_1_are_exact() {
     let mut numbers = Numbers(60_000);
     let mut geometry = cloud(&mut numbers, 1.0);
-    geometry.spheres.clear();
+    geometry.quadrics.clear();
     let rays = rays(&mut numbers, &geometry);
     let hits = |geometry: Geometry, preset| {
         let accel = Accel::new(geometry, preset);

@@ -10,7 +10,7 @@ use std::cmp::Ordering;
 
 use glam::{DVec3, Vec3};
 
-use crate::math::exact::{Comparable, Expansion, Quotient};
+use crate::math::exact::{Comparable, Expansion, Quotient, exact};
 use crate::math::ray::Ray;
 
 /// Three exact coordinates.
@@ -39,8 +39,10 @@ struct Pair {
 
 impl Pair {
     fn new(ray: &Ray, triangle: &[Vec3; 3]) -> Self {
-        let direction = ray.direction.to_array().map(Expansion::from);
-        Self { direction, corners: triangle.map(|corner| difference(corner, ray.origin)) }
+        Self {
+            direction: exact(ray.direction),
+            corners: triangle.map(|corner| difference(corner, ray.origin)),
+        }
     }
 
     /// On which side of the edges opposite to the corners the ray passes.

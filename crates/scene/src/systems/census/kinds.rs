@@ -3,12 +3,16 @@
 use std::collections::BTreeSet;
 
 use super::{Facts, count};
-use wavecrest_core::geometry::Primitive;
+use wavecrest_core::geometry::{Primitive, Quadric};
 use wavecrest_core::prepared::Shape;
 
 impl Facts<'_> {
     /// The shapes of a kind that rays may meet, or may not.
-    fn of_kind(&self, is: fn(Primitive) -> bool, met: bool) -> impl Iterator<Item = &Shape> {
+    fn of_kind(
+        &self,
+        is: impl Fn(Primitive) -> bool + Copy,
+        met: bool,
+    ) -> impl Iterator<Item = &Shape> {
         let geometry = &self.census.extracted.geometry;
         let is_one = move |shape: &&Shape| {
             shape.primitives.clone().next().is_some_and(|first| is(geometry.primitive(first)))
@@ -19,7 +23,12 @@ impl Facts<'_> {
     }
 
     /// The number of primitives of a kind that rays may meet, or the reason for none.
-    fn kind(&self, is: fn(Primitive) -> bool, thing: &str, none: &str) -> (bool, String) {
+    fn kind(
+        &self,
+        is: impl Fn(Primitive) -> bool + Copy,
+        thing: &str,
+        none: &str,
+    ) -> (bool, String) {
         let number = |met| self.of_kind(is, met).map(|shape| shape.primitives.len()).sum::<usize>();
         match (number(true), number(false)) {
             (0, 0) => (false, none.to_owned()),
@@ -62,7 +71,17 @@ impl Facts<'_> {
     }
 
     pub(super) fn spheres(&self) -> (bool, String) {
-        let is_sphere = |primitive| matches!(primitive, Primitive::Sphere(_));
-        self.kind(is_sphere, "sphere", "no shape is a sphere")
+        let is_sphere = |quadric: &Quadric| quadric.sphere().is_some();
+        self.quadrics(is_sphere, "sphere", "no shape is a sphere")
+    }
+
+    pub(super) fn disks(&self) -> (bool, String) {
+        let is_disk = |quadric: &Quadric| quadric.sphere().is_none();
+        self.quadrics(is_disk, "disk", "no shape is a disk")
+    }
+
+    fn quadrics(&self, is: fn(&Quadric) -> bool, thing: &str, none: &str) -> (bool, String) {
+        let quadrics = &self.census.extracted.geometry.quadrics;
+        self.kind(|one| matches!(one, Primitive::Quadric(i) if is(&quadrics[i])), thing, none)
     }
 }

@@ -2,18 +2,18 @@
 
 use std::sync::Arc;
 
-use glam::{DVec3, Mat3};
+use glam::DVec3;
 use hecs::{Entity, World};
 
-use super::common::{Common, check_count, check_point, check_radius};
+use super::common::{Common, check_count, check_point};
 use super::meshes::{Room, append, transform_mesh};
 use super::occurrences::{Occurrence, Occurrences};
 use super::output::{Output, ShapeOutput, lights};
 use super::tangents::tangents;
-use crate::components::{Mesh, Quad, Sphere, Triangle};
+use crate::components::{Disk, Mesh, Quad, Sphere, Triangle};
 use crate::corners;
 use crate::mesh::Attribute;
-use wavecrest_base::error::{Error, ErrorKind, Result};
+use wavecrest_base::error::Result;
 use wavecrest_core::geometry::Geometry;
 use wavecrest_core::kernels::texture::PlanarMap;
 use wavecrest_core::prepared::{CornerValues, MeshAttributes, Shape, UvMap};
@@ -119,37 +119,19 @@ impl Builder {
         Ok(())
     }
 
-    pub(super) fn add_sphere(&mut self, world: &World, occurrence: Occurrence) -> Result<()> {
+    pub(super) fn add_quadric(&mut self, world: &World, occurrence: Occurrence) -> Result<()> {
         let common = self.common(world, occurrence);
-        let Ok(sphere) = world.get::<&Sphere>(occurrence.prototype).map(|s| *s) else {
-            return Ok(());
-        };
-        let center = common.transform.transform_point3(sphere.center);
-        let turn = common.transform.matrix3;
-        let scale = turn.x_axis.length();
-        let radius = (sphere.radius * scale) as f32;
-        check_point(&common, center)?;
-        check_radius(&common, sphere.radius * scale)?;
-        if radius == 0.0 {
-            return Err(Error::new(
-                ErrorKind::Scene,
-                "the radius is too small for single precision",
-            )
-            .at(format!("{}.radius", common.place))
-            .value(sphere.radius * scale)
-            .remedy("use a larger unit of length"));
-        }
+        let sphere =
+            world.get::<&Sphere>(occurrence.prototype).map(|sphere| sphere.in_world(&common));
+        let disk = || world.get::<&Disk>(occurrence.prototype).map(|disk| disk.in_world(&common));
+        let Ok(found) = sphere.or_else(|_| disk()) else { return Ok(()) };
+        let (quadric, uv_map) = found?;
         let number = self.geometry.own() as u32;
-        self.geometry.spheres.push((center.as_vec3(), radius));
-        let to_own = (turn * (1.0 / scale)).transpose();
+        self.geometry.quadrics.push(quadric);
         self.shapes.push(ShapeOutput {
             entity: occurrence.entity,
             shape: common.shape(number..number + 1, false),
-            uv_map: Some(UvMap::Sphere(Mat3::from_cols(
-                to_own.x_axis.as_vec3(),
-                to_own.y_axis.as_vec3(),
-                to_own.z_axis.as_vec3(),
-            ))),
+            uv_map: Some(uv_map),
             positions: 0..0,
         });
         Ok(())

@@ -1,6 +1,6 @@
 //! Properties shared by all kinds of shapes, and limits on their number.
 
-use glam::{DAffine3, DVec3, Vec3};
+use glam::{DAffine3, DMat3, DVec3, Vec3};
 use hecs::World;
 
 use super::occurrences::Occurrence;
@@ -17,7 +17,7 @@ use wavecrest_core::prepared::Shape;
 const MAX_NUMBER: usize = u32::MAX as usize - 1;
 
 /// The properties shared by all kinds of shapes.
-pub(super) struct Common {
+pub(crate) struct Common {
     pub(super) transform: DAffine3,
     pub(super) facing: Option<Facing>,
     pub(super) sides: Sides,
@@ -106,16 +106,43 @@ pub(super) fn check_point(common: &Common, point: DVec3) -> Result<()> {
         .remedy(format!("keep coordinates within {MAX_COORDINATE:e}")))
 }
 
-/// Checks the radius: boxes of larger spheres would have infinite area and make the tree's costs
-/// meaningless.
-pub(super) fn check_radius(common: &Common, radius: f64) -> Result<()> {
-    if radius <= f64::from(MAX_COORDINATE) {
-        return Ok(());
+/// A sphere or a disk in world space, but for its normal.
+pub(crate) struct Round {
+    pub(crate) center: Vec3,
+    pub(crate) radius: f32,
+    /// The rotation, possibly with a reflection, from its own space.
+    pub(crate) turn: DMat3,
+}
+
+impl Common {
+    /// A `shape` around `center` in world space.
+    ///
+    /// # Errors
+    /// If it is too far away for single precision, or its radius is too small. Boxes of too large
+    /// ones would have infinite area and make the tree's costs meaningless.
+    pub(crate) fn round(&self, shape: &str, center: DVec3, radius: f64) -> Result<Round> {
+        let center = self.transform.transform_point3(center);
+        let turn = self.transform.matrix3;
+        let scale = turn.x_axis.length();
+        let size = radius * scale;
+        check_point(self, center)?;
+        if size > f64::from(MAX_COORDINATE) {
+            let message = format!("the transform makes the {shape} too large");
+            return Err(Error::new(ErrorKind::Scene, message)
+                .at(format!("{}.transform", self.place))
+                .value(format!("a radius of {size:e}"))
+                .remedy(format!("keep it within {MAX_COORDINATE:e}")));
+        }
+        if size as f32 == 0.0 {
+            let message = "the radius is too small for single precision";
+            return Err(Error::new(ErrorKind::Scene, message)
+                .at(format!("{}.radius", self.place))
+                .value(size)
+                .remedy("use a larger unit of length"));
+        }
+        let turn = turn * (1.0 / scale);
+        Ok(Round { center: center.as_vec3(), radius: size as f32, turn })
     }
-    Err(Error::new(ErrorKind::Scene, "the transform makes the sphere too large")
-        .at(format!("{}.transform", common.place))
-        .value(format!("a radius of {radius:e}"))
-        .remedy(format!("keep it within {MAX_COORDINATE:e}")))
 }
 
 pub(super) fn check_count(common: &Common, count: usize, what: &str) -> Result<()> {

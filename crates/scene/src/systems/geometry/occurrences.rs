@@ -8,7 +8,7 @@ use std::collections::HashMap;
 
 use hecs::{Entity, World};
 
-use crate::components::{AreaLight, Hidden, InstanceOf, Mesh, Order, Quad, Sphere, Triangle};
+use crate::components::{AreaLight, Disk, Hidden, InstanceOf, Mesh, Order, Quad, Sphere, Triangle};
 
 /// A shape, possibly of a light, and its prototype.
 #[derive(Clone, Copy, Debug)]
@@ -61,7 +61,7 @@ impl Occurrences {
         Self { all, uses, shared }
     }
 
-    /// Those that become triangles of the scene's own; likewise for quads and spheres below.
+    /// Those that become triangles of the scene's own; likewise for quads and quadrics below.
     pub(super) fn triangles(&self, world: &World) -> Vec<Occurrence> {
         let is_own = |occurrence: &Occurrence| {
             occurrence.is_light || !self.shared.contains(&occurrence.prototype)
@@ -76,8 +76,10 @@ impl Occurrences {
         self.pick(|occurrence| has::<Quad>(world, occurrence.prototype))
     }
 
-    pub(super) fn spheres(&self, world: &World) -> Vec<Occurrence> {
-        self.pick(|occurrence| has::<Sphere>(world, occurrence.prototype))
+    pub(super) fn quadrics(&self, world: &World) -> Vec<Occurrence> {
+        self.pick(|&Occurrence { prototype, .. }| {
+            has::<Sphere>(world, prototype) || has::<Disk>(world, prototype)
+        })
     }
 
     fn pick(&self, is: impl Fn(&Occurrence) -> bool) -> Vec<Occurrence> {

@@ -52,7 +52,7 @@ impl Output {
                 continue;
             };
             let count = range.len();
-            // Spheres and instances have no positions.
+            // Quadrics and instances have no positions.
             let before = positions;
             let by = own.start.saturating_sub(before);
             geometry.positions.copy_within(own.start as usize..own.end as usize, before as usize);
@@ -72,7 +72,7 @@ impl Output {
                 Primitive::Quad(i) => {
                     kept.quads.push(geometry.quads[i].map(|vertex| vertex - by));
                 }
-                Primitive::Sphere(i) => kept.spheres.push(geometry.spheres[i]),
+                Primitive::Quadric(i) => kept.quadrics.push(geometry.quadrics[i]),
                 Primitive::Instanced(instanced) => {
                     kept.instances.push(geometry.instance(instanced).0.numbered_from(next));
                 }
@@ -84,7 +84,7 @@ impl Output {
         geometry.triangles.truncate(triangles);
         geometry.positions.shrink_to_fit();
         geometry.triangles.shrink_to_fit();
-        (geometry.quads, geometry.spheres) = (kept.quads, kept.spheres);
+        (geometry.quads, geometry.quadrics) = (kept.quads, kept.quadrics);
         geometry.instances = kept.instances;
         geometry.lights = lights(shapes);
         let is_shown = |number| geometry.instances.iter().any(|of| of.prototype() == number);

@@ -1,6 +1,7 @@
 use glam::Vec3;
 
 use super::*;
+use wavecrest_core::geometry::Quadric;
 use wavecrest_core::kernels::light::{Falloff, Triangles};
 use wavecrest_core::kernels::precision::Exact;
 use wavecrest_core::kernels::shade::{ShadingPoint, shadow_request};
@@ -45,8 +46,10 @@ fn triangle_at(ray: &Ray, corners: &[Vec3; 3]) -> surface::Surface<f32> {
     surface::triangle_at::<f32, Exact>(&Line::from(ray), 0.0, &corners.map(Vector::from))
 }
 
-fn sphere_at(ray: &Ray, center: Vec3, radius: f32) -> surface::Surface<f32> {
-    surface::sphere_at::<f32, Exact>(&Line::from(ray), 0.0, center.into(), radius)
+fn quadric_at(ray: &Ray, quadric: &Quadric) -> surface::Surface<f32> {
+    let (center, radius, front) = quadric.parts();
+    let place = [center, front].map(Vector::from);
+    surface::quadric_at::<f32, Exact>(&Line::from(ray), 0.0, place, radius)
 }
 
 /// Whether the shading step asks the light for anything where `ray` arrives.
@@ -119,13 +122,16 @@ fn surfaces_for_which_a_cone_is_left_out_are_in_its_dark() {
         let offset = random(index, 2) * size * libm::exp2f(20.0 * random(index, 3).x);
         let center = offset + random(index, 4) * size;
         let radius = size * (0.51 + random(index, 5).x);
-        let is_sphere = index % 3 == 0;
+        let disk = Disk { center, normal: normalize(random(index, 6)), radius };
+        let quadric = match index % 6 {
+            0 => Some(Quadric::Sphere(center, radius)),
+            3 => Some(Quadric::Disk(disk)),
+            _ => None,
+        };
         let corners = [10, 11, 12].map(|d| offset + random(index, d) * size);
-        let spheres = if is_sphere { vec![(center, radius)] } else { Vec::new() };
-        let geometry = if is_sphere {
-            Geometry { spheres, ..Geometry::default() }
-        } else {
-            of_triangle(corners)
+        let geometry = match quadric {
+            Some(quadric) => Geometry { quadrics: vec![quadric], ..Geometry::default() },
+            None => of_triangle(corners),
         };
         if geometry.is_degenerate(0) {
             continue;
@@ -133,7 +139,7 @@ fn surfaces_for_which_a_cone_is_left_out_are_in_its_dark() {
         let outer = 90.0 * f64::from(random(index, 6).x + 0.5);
         // Half of the axes are nearly at the edge of what is there.
         let place = offset + random(index, 7) * size * 3.0;
-        let towards = if is_sphere { center } else { corners[0] } - place;
+        let towards = if quadric.is_some() { center } else { corners[0] } - place;
         let across = normalize(towards.cross(random(index, 8)));
         let (sine, cosine) = libm::sincos(outer.to_radians());
         let near = random(index, 9) * libm::exp2f(-20.0 * (random(index, 9).y + 0.5));
@@ -148,18 +154,21 @@ fn surfaces_for_which_a_cone_is_left_out_are_in_its_dark() {
             let weights = random(index, 30 + turn).abs() * 2.0;
             let weights = weights / (weights.x + weights.y + weights.z);
             let there = normalize(random(index, 50 + turn));
-            let target = match is_sphere {
-                true => center + there * radius,
-                false => corners[0] * weights.x + corners[1] * weights.y + corners[2] * weights.z,
+            let target = match quadric {
+                Some(quadric) => {
+                    let front = quadric.parts().2;
+                    center + (there - front * front.dot(there)) * radius
+                }
+                None => corners[0] * weights.x + corners[1] * weights.y + corners[2] * weights.z,
             };
             let origin = target + (there + random(index, 40 + turn)) * size;
             let ray = Ray::new(origin, normalize(target - origin));
             if !ray.is_valid() {
                 continue;
             }
-            let at = match is_sphere {
-                true => sphere_at(&ray, center, radius),
-                false => triangle_at(&ray, &corners),
+            let at = match &quadric {
+                Some(quadric) => quadric_at(&ray, quadric),
+                None => triangle_at(&ray, &corners),
             };
             let asks = asks(&light, at, false, &ray, index);
             asked += u32::from(asks);
@@ -175,7 +184,8 @@ fn a_light_within_a_sphere_reaches_none_of_its_outside() {
     for index in 0..20_000 {
         let radius = libm::exp2f(20.0 * random(index, 1).x);
         let center = random(index, 2) * radius * libm::exp2f(16.0 * random(index, 3).x + 4.0);
-        let geometry = Geometry { spheres: vec![(center, radius)], ..Geometry::default() };
+        let sphere = Quadric::Sphere(center, radius);
+        let geometry = Geometry { quadrics: vec![sphere], ..Geometry::default() };
         let depth = libm::exp2f(-20.0 * (random(index, 4).x + 0.5));
         let outward = normalize(random(index, 5));
         let side = if index % 2 == 0 { 1.0 - depth } else { 1.0 + depth };
@@ -190,7 +200,7 @@ fn a_light_within_a_sphere_reaches_none_of_its_outside() {
             let origin = target + (there + random(index, 40 + turn)) * radius;
             let ray = Ray::new(origin, normalize(target - origin));
             let asks =
-                ray.is_valid() && asks(&light, sphere_at(&ray, center, radius), false, &ray, index);
+                ray.is_valid() && asks(&light, quadric_at(&ray, &sphere), false, &ray, index);
             asked += u32::from(asks);
             assert!(!(out && asks), "{index}: {light:?} {center} {radius}");
         }

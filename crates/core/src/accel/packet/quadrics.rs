@@ -1,7 +1,6 @@
-//! Tests spheres against the rays of a tile, eight rays at a time.
+//! Tests spheres and disks against the rays of a tile, eight rays at a time.
 
 use fearless_simd::f32x8;
-use glam::Vec3;
 
 use super::TILE;
 use super::tile::{Column, GROUPS, Tile, WIDTH};
@@ -9,20 +8,20 @@ use crate::accel::arena::Ref;
 use crate::accel::best::Best;
 use crate::accel::query::Query;
 use crate::accel::tree::Searched;
+use crate::geometry::Quadric;
 use crate::kernels::precision::Arithmetic;
-use crate::kernels::sphere;
 use crate::math::real::{Mask, Real, Single};
 use crate::math::simd::{LANES, Lanes};
 use crate::math::vector::{Line, Vector};
 
 impl Tile {
-    /// Tests the sphere of an entry in a list against some `rays`, a bit each.
+    /// Tests the quadric of an entry in a list against some `rays`, a bit each.
     #[inline(always)]
-    pub(super) fn meet_sphere<S: Lanes, Q: Query, P: Arithmetic>(
+    pub(super) fn meet_quadric<S: Lanes, Q: Query, P: Arithmetic>(
         &mut self,
         simd: S,
         searched: Searched<'_>,
-        (center, radius): (Vec3, f32),
+        quadric: &Quadric,
         (place, entry): (Ref, usize),
         rays: u64,
     ) {
@@ -36,7 +35,7 @@ impl Tile {
             let vector = |[x, y, z]: &[Column; 3]| Vector::new(load(x), load(y), load(z));
             let line = Line { origin: vector(&self.origin), direction: vector(&self.direction) };
             let range = [load(&self.t_min), load(&self.t_max)];
-            let (t, is_hit) = sphere::meet::<_, P>(&line, center, radius, range);
+            let (t, is_hit) = quadric.meet::<_, P>(&line, range);
             let mut hits = is_hit.bits() & used;
             if Q::ANY {
                 self.done |= u64::from(hits) << first;

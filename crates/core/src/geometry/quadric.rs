@@ -1,0 +1,94 @@
+//! Spheres and disks: primitives that are tested one by one, not in lanes of eight.
+
+use glam::{DVec3, Vec3};
+
+use crate::counters::TestCounts;
+use crate::kernels::disk::{self, Disk};
+use crate::kernels::precision::Arithmetic;
+use crate::kernels::slab::Aabb;
+use crate::kernels::sphere;
+use crate::math::ray::Ray;
+use crate::math::real::Single;
+use crate::math::vector::Line;
+
+/// A sphere or a disk.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Quadric {
+    /// The centre and the radius of a sphere, in scene units.
+    Sphere(Vec3, f32),
+    /// A disk.
+    Disk(Disk),
+}
+
+impl Quadric {
+    /// The centre, the radius, and the normal on the front: zero for a sphere.
+    #[inline(always)]
+    pub fn parts(&self) -> (Vec3, f32, Vec3) {
+        match *self {
+            Self::Sphere(center, radius) => (center, radius, Vec3::ZERO),
+            Self::Disk(Disk { center, normal, radius }) => (center, radius, normal),
+        }
+    }
+
+    /// The centre and the radius, if it is a sphere.
+    #[inline(always)]
+    pub fn sphere(&self) -> Option<(Vec3, f32)> {
+        match *self {
+            Self::Sphere(center, radius) => Some((center, radius)),
+            Self::Disk(_) => None,
+        }
+    }
+
+    /// The centre, and half the extent along each axis.
+    pub fn extent(&self) -> (DVec3, DVec3) {
+        match self {
+            Self::Sphere(center, radius) => (center.as_dvec3(), DVec3::splat(f64::from(*radius))),
+            Self::Disk(disk) => (disk.center.as_dvec3(), disk.half()),
+        }
+    }
+
+    /// The box around it, whose ends are computed.
+    pub fn bounds(&self) -> Aabb {
+        let (center, half) = self.extent();
+        // The next number covers the roundings of double precision, too.
+        let low = (center - half).to_array().map(|x| (x as f32).next_down());
+        let high = (center + half).to_array().map(|x| (x as f32).next_up());
+        Aabb { low: low.into(), high: high.into() }
+    }
+
+    /// The smallest t within (`t_min`, `t_max`) at which each ray meets it, and the lanes that hit.
+    #[inline(always)]
+    pub(crate) fn meet<F: Single, P: Arithmetic>(
+        &self,
+        line: &Line<F>,
+        range: [F; 2],
+    ) -> (F, F::Mask) {
+        match self {
+            Self::Sphere(center, radius) => sphere::meet::<F, P>(line, *center, *radius, range),
+            Self::Disk(disk) => disk::meet::<F, P>(line, disk, range),
+        }
+    }
+
+    /// As [`Self::meet`], for one ray.
+    #[inline(always)]
+    pub(super) fn hit<P: Arithmetic>(&self, ray: &Ray) -> Option<f32> {
+        match self {
+            _ if !P::IS_REFERENCE => {
+                let range = [ray.t_min, ray.t_max];
+                let (t, is_hit) = self.meet::<f32, P>(&Line::from(ray), range);
+                is_hit.then_some(t)
+            }
+            Self::Sphere(center, radius) => sphere::intersect_exactly(ray, *center, *radius),
+            Self::Disk(disk) => disk::intersect_exactly(ray, disk),
+        }
+    }
+
+    /// Counts the tests of `rays` rays.
+    #[inline(always)]
+    pub(crate) fn count(&self, tests: &mut TestCounts, rays: u32) {
+        match self {
+            Self::Sphere(..) => tests.spheres += u64::from(rays),
+            Self::Disk(_) => tests.disks += u64::from(rays),
+        }
+    }
+}
