@@ -160,7 +160,7 @@ fn an_invalid_value_is_reported_with_its_place_and_the_remedy() {
     scene["scene"]["shapes"][0] = json!({"type": "spere"});
     let folder = with_scene(&scene.to_string());
     let message = "ball.json: scene.shapes[0].type: \
-                   must be \"sphere\", \"plane\", \"triangle\" or \"trimesh\", found \"spere\"; \
+                   must be \"sphere\", \"disk\", \"plane\", \"triangle\" or \"trimesh\", found \"spere\"; \
                    did you mean \"sphere\"?";
     run_wrongly(folder.path(), &["ball.json", "out.png"], message);
 }

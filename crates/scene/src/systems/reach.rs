@@ -146,11 +146,14 @@ fn may_face(shape: &Shape, faces: Faces, light: &Extent, geometry: &Geometry, nu
         Primitive::Quad(i) => quad::halves(&geometry.quad(i)).iter().any(may_face),
         Primitive::Quadric(i) => {
             let (center, radius, front) = geometry.quadrics[i].parts();
-            // In doubt a disk is, from its side, what the ball around it is.
-            let is_faced = match front == Vec3::ZERO {
+            let is_faced = if front == Vec3::ZERO {
                 // Its far inside faces all that is around it.
-                true => faces.back || !light.is_within(center, radius),
-                false => light.may_face(faces, front.as_dvec3(), &[center]),
+                faces.back || !light.is_within(center, radius)
+            } else {
+                let front = front.as_dvec3();
+                let [u, v] = Disk::axes(front).map(|axis| axis.as_vec3() * radius);
+                let square = [center - u - v, center + u - v, center + u + v, center - u + v];
+                light.may_face(faces, front, &square)
             };
             is_faced && !light.misses(&[center], radius.into(), DVec3::ZERO)
         }

@@ -97,7 +97,7 @@ fn missing_keys() {
     assert_eq!(
         missing(&without("scene.shapes[0].type")),
         "s.json: scene.shapes[0].type: is missing; \
-         give \"sphere\", \"plane\", \"triangle\" or \"trimesh\""
+         give \"sphere\", \"disk\", \"plane\", \"triangle\" or \"trimesh\""
     );
     assert_eq!(
         missing(&without("scene.shapes[4].points").clone()),

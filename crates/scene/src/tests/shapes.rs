@@ -26,7 +26,7 @@ fn hc17_spheres() {
         SPHERE,
         "type",
         json!("shpere"),
-        "must be \"sphere\", \"plane\", \"triangle\" or \"trimesh\", found \"shpere\"; \
+        "must be \"sphere\", \"disk\", \"plane\", \"triangle\" or \"trimesh\", found \"shpere\"; \
          did you mean \"sphere\"?",
     );
     let words = "a sphere can only be scaled uniformly";
