@@ -109,8 +109,8 @@ fn sphere_intersect(bencher: Bencher<'_, '_>) {
 #[divan::bench]
 fn sphere_surface(bencher: Bencher<'_, '_>) {
     each(bencher, &rays_and_corners(), |(ray, [center])| {
-        let place = [(*center).into(), Vec3::ZERO.into()];
-        surface::quadric_at::<f32, Exact>(&Line::from(ray), 0.0, place, 0.5)
+        let columns = [*center, Vec3::splat(0.5), Vec3::ZERO].map(Vector::from);
+        surface::quadric_at::<f32, Exact>(&Line::from(ray), 0.0, &columns)
     });
 }
 

@@ -3,6 +3,9 @@
 mod material;
 mod textures;
 
+use hecs::{Entity, View};
+
+use crate::components::{AreaLight, JsonPath, Name};
 use crate::format::Declaration;
 
 pub use material::Material;
@@ -19,3 +22,49 @@ pub(crate) const SURFACE: [Declaration; 5] = [
     Declaration::of::<CutOut>(),
     Declaration::of::<Maps>(),
 ];
+
+/// The components of a shape's surface, and what messages call it.
+#[derive(Clone, Copy, Debug)]
+pub struct SurfaceComponents<'w> {
+    /// The material; shapes of lights have neither one nor textures.
+    pub material: Option<&'w Material>,
+    /// The texture of its diffuse colour.
+    pub texture: Option<&'w TextureRef>,
+    /// Its other textures.
+    pub maps: &'w Maps,
+    /// Its holes.
+    pub cut_out: Option<&'w CutOut>,
+    /// Its place in the scene file; empty if unknown.
+    pub place: &'w str,
+    /// Its name in the scene file.
+    pub name: Option<&'w Name>,
+}
+
+/// [`SurfaceComponents`] as a query.
+pub(crate) type Columns<'w> = (
+    Option<&'w AreaLight>,
+    Option<&'w Material>,
+    Option<&'w TextureRef>,
+    Option<&'w Maps>,
+    Option<&'w CutOut>,
+    Option<&'w JsonPath>,
+    Option<&'w Name>,
+);
+
+impl<'w> SurfaceComponents<'w> {
+    /// Those of an entity: shapes are looked up in the order of their primitives, which the world
+    /// does not keep.
+    pub(crate) fn of(columns: &'w View<'_, Columns<'_>>, entity: Entity) -> Self {
+        let (light, material, texture, maps, cut_out, place, name) =
+            columns.get(entity).unwrap_or_default();
+        let is_surface = light.is_none();
+        Self {
+            material: material.filter(|_| is_surface),
+            texture: texture.filter(|_| is_surface),
+            maps: maps.filter(|_| is_surface).unwrap_or(Maps::NONE),
+            cut_out: cut_out.filter(|_| is_surface),
+            place: place.map_or("", |place| &place.0),
+            name,
+        }
+    }
+}

@@ -40,8 +40,9 @@ use std::path::{Path, PathBuf};
 
 use hecs::World;
 
-use crate::components::{Ambient, Name, Settings};
+use crate::components::{Ambient, Settings, SurfaceComponents};
 use crate::query;
+use crate::surface::Columns;
 use geometry::ShapeOutput;
 use textures::Images;
 use wavecrest_base::error::{Error, ErrorKind, Result, Warning, Warnings};
@@ -49,7 +50,6 @@ use wavecrest_base::memory::Stage;
 use wavecrest_core::accel::Accel;
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::geometry::Geometry;
-use wavecrest_core::kernels::blinn_phong::Material;
 use wavecrest_core::kernels::hemisphere::Hemisphere;
 use wavecrest_core::kernels::precision::Precision;
 use wavecrest_core::plan::schedule::{PASSES, Pass, Step};
@@ -88,24 +88,28 @@ impl Default for Options<'_> {
 /// # Errors
 /// If the world lacks a camera or settings, a shape is too far out or too large, or an image cannot
 /// be read.
-pub fn extract(mut world: World, options: Options<'_>) -> Result<Extracted> {
+pub fn extract(world: World, options: Options<'_>) -> Result<Extracted> {
     Stage::Extract.begin();
-    let world = &mut world;
+    let world = &world;
     let Options { precision, passes, flat } = options;
     let settings = query::settings(world)?;
     let file = settings.file.clone();
     let origin = frame::run(world, precision)?;
     let mut extracted = geometry::run(world, origin, flat).map_err(|e| e.in_file(&file))?;
     extracted.geometry.set_precision(precision);
-    let materials = materials::run(world, &extracted.shapes);
+    let mut columns = world.query::<Columns<'_>>();
+    let columns = columns.view();
+    let surface = |shape: &ShapeOutput| SurfaceComponents::of(&columns, shape.entity);
+    let surfaces: Vec<SurfaceComponents<'_>> = extracted.shapes.iter().map(surface).collect();
+    let materials = materials::run(&surfaces);
     let lights = lights::run(world, &extracted, &settings, origin)?;
     let (ambient, hemisphere) = ambient(&settings, lights.len());
-    let possible = materials::possible(world, &extracted.shapes, &materials);
+    let possible = materials::possible(&surfaces, &materials);
     let shows_others = |shape: usize| settings.bounces > 0 && possible[shape].kr > 0.0;
     let in_view = view::run(&camera::places(world, origin)?, &extracted, shows_others);
-    let world = &*world;
     let census = census::Census {
         world,
+        surfaces: &surfaces,
         settings: &settings,
         extracted: &extracted,
         materials: &possible,
@@ -115,8 +119,7 @@ pub fn extract(mut world: World, options: Options<'_>) -> Result<Extracted> {
         in_view: &in_view,
     };
     let mut masks = cutouts::Images::of_scene(&file);
-    let found =
-        census::run(census, |asked| cutouts::look(world, &extracted.shapes, asked, &mut masks))?;
+    let found = census::run(census, |asked| cutouts::look(&surfaces, asked, &mut masks))?;
     let plan = Plan::of(found.decisions.clone(), passes);
     let schedule = plan.schedule();
     let lights = lights::keep(world, &settings, schedule, lights, &found)?;
@@ -124,14 +127,24 @@ pub fn extract(mut world: World, options: Options<'_>) -> Result<Extracted> {
         extracted.drop_unmet(&found.met);
     }
     let mut images = Images::default();
-    textures::run(world, schedule, &found.shows, &mut images, &mut extracted.shapes);
-    let details = details::run(world, schedule, &found.shows, &mut images, &mut extracted.shapes);
+    textures::run(&surfaces, schedule, &found.shows, &mut images, &mut extracted.shapes);
+    let details =
+        details::run(&surfaces, schedule, &found.shows, &mut images, &mut extracted.shapes);
     let images = images.prepare(&file)?;
-    let cutouts = cutouts::run(world, &found.holes, &masks, &mut extracted);
+    let cutouts = cutouts::run(&surfaces, &found.holes, &masks, &mut extracted);
     extracted.drop_unused(schedule, &in_view, &details);
     let (camera, path) = camera::run(world, origin, schedule)?;
-    let (geometry, appearance) = appearance(world, extracted, materials);
-    let appearance = Appearance { details, images, cutouts, ..appearance };
+    let geometry::Output { geometry, shapes, meshes } = extracted;
+    let appearance = Appearance {
+        shapes: shapes.into_iter().map(|output| output.shape).collect(),
+        materials,
+        places: surfaces.iter().map(|surface| surface.place.to_owned()).collect(),
+        names: surfaces.iter().map(|surface| surface.name.map(|name| name.0.clone())).collect(),
+        meshes,
+        details,
+        images,
+        cutouts,
+    };
     let hemisphere = hemisphere.filter(|_| plan.has(Effect::HemisphereLight));
     let scene = PreparedScene {
         plan,
@@ -159,21 +172,6 @@ fn ambient(settings: &Settings, lights: usize) -> (f32, Option<Hemisphere>) {
             (0.0, Some(Hemisphere::new(sky, ground, lights::unit(up))))
         }
     }
-}
-
-/// The primitives' appearance.
-fn appearance(
-    world: &World,
-    extracted: geometry::Output,
-    materials: Vec<Material>,
-) -> (Geometry, Appearance) {
-    let geometry::Output { geometry, shapes, meshes } = extracted;
-    let places = shapes.iter().map(|shape| query::json_path(world, shape.entity)).collect();
-    let name =
-        |shape: &ShapeOutput| world.get::<&Name>(shape.entity).ok().map(|name| name.0.clone());
-    let names = shapes.iter().map(name).collect();
-    let shapes = shapes.into_iter().map(|s| s.shape).collect();
-    (geometry, Appearance { shapes, materials, places, names, meshes, ..Appearance::default() })
 }
 
 impl Extracted {

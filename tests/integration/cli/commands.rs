@@ -46,6 +46,7 @@ fn check_lists_the_contents_of_a_scene() {
   vertices          0
   quads             0
   spheres           1
+  disks             0
   lights            1
   textures          0
   bounces           2

@@ -82,7 +82,7 @@ fn the_log_has_stages_choices_and_results() {
     for words in [
         "ball.json out.exr --log log.txt -q",
         "wavefront tracer, exact precision",
-        "ball.json: 16 x 12 pixels, rays per pixel: 1; triangles: 0, quads: 1, spheres: 1, lights: 1; ",
+        "ball.json: 16 x 12 pixels, rays per pixel: 1; triangles: 0, quads: 1, spheres: 1, disks: 0, lights: 1; ",
         "camera.colour: is not a key of a pinhole camera",
         "+ mirrors: 1 mirror",
         "192 camera rays",

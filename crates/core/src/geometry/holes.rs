@@ -55,22 +55,18 @@ impl Geometry {
             (Primitive::Quad(i), UvMap::Planar(map), _) => {
                 map.uv(surface_of(surface::quad_half(ray, &self.quad(i))).point.into())
             }
-            (Primitive::Quadric(i), map, _) => {
-                let (center, radius, front) = self.quadrics[i].parts();
-                let origin = ray.origin.as_dvec3() - center.as_dvec3();
-                let outward = origin + ray.direction.as_dvec3() * f64::from(t);
-                match map {
-                    UvMap::Sphere(to_own) => {
-                        texture::sphere_uv(normalize(*to_own * outward.as_vec3()))
-                    }
-                    UvMap::Planar(map) => {
-                        let place = [center, front].map(Vector::from);
-                        let line = Line::from(ray);
-                        map.uv(surface::quadric_at::<f32, P>(&line, t, place, radius).point.into())
-                    }
-                    UvMap::Mesh => return false,
+            (Primitive::Quadric(i), map, _) => match map {
+                UvMap::Sphere(to_own) => {
+                    let origin = ray.origin.as_dvec3() - self.quadrics[i].parts().0.as_dvec3();
+                    let outward = origin + ray.direction.as_dvec3() * f64::from(t);
+                    texture::sphere_uv(normalize(*to_own * outward.as_vec3()))
                 }
-            }
+                UvMap::Planar(map) => {
+                    let columns = self.quadrics[i].columns().map(Vector::from);
+                    map.uv(surface::quadric_at::<f32, P>(&line, t, &columns).point.into())
+                }
+                UvMap::Mesh => return false,
+            },
             _ => return false,
         };
         cutout.is_hole(uv)

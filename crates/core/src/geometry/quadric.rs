@@ -30,6 +30,13 @@ impl Quadric {
         }
     }
 
+    /// The parts as [`surface::quadric_at`](crate::kernels::surface::quadric_at) takes them.
+    #[inline(always)]
+    pub fn columns(&self) -> [Vec3; 3] {
+        let (center, radius, front) = self.parts();
+        [center, Vec3::splat(radius), front]
+    }
+
     /// The centre and the radius, if it is a sphere.
     #[inline(always)]
     pub fn sphere(&self) -> Option<(Vec3, f32)> {

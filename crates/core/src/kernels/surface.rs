@@ -83,14 +83,14 @@ pub fn triangle_at<F: Single, P: Arithmetic>(
     Surface::fast(line.at(t), e1.cross(e2), [u, v])
 }
 
-/// The points at which rays meet spheres or disks, one each, at `t`. The normal points outward from
-/// a sphere, whose `front` is zero, and along the `front` of a disk.
+/// The points at which rays meet spheres or disks, one each, at `t`. A quadric is its centre, its
+/// radius along each axis, and its front: the normal of a disk, zero for a sphere, whose normals point
+/// outward.
 #[inline(always)]
 pub fn quadric_at<F: Single, P: Arithmetic>(
     line: &Line<F>,
     t: F,
-    [center, front]: [Vector<F>; 2],
-    radius: F,
+    &[center, Vector { x: radius, .. }, front]: &[Vector<F>; 3],
 ) -> Surface<F> {
     let is_disk = front.is_not_zero();
     if P::IS_FAST {

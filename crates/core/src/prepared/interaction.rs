@@ -176,9 +176,7 @@ impl<F: Single> Group<F> {
                 set_three::<F>(&mut self.corners, lane, corners);
             }
             Primitive::Quadric(i) => {
-                let (center, radius, front) = geometry.quadrics[i].parts();
-                let corners = [center, Vec3::splat(radius), front];
-                set_three::<F>(&mut self.corners, lane, corners);
+                set_three::<F>(&mut self.corners, lane, geometry.quadrics[i].columns());
             }
         }
     }
@@ -231,10 +229,7 @@ impl<F: Single> Group<F> {
                 }
                 found
             }
-            Kind::Quadrics => {
-                let [center, radius, front] = corners;
-                surface::quadric_at::<F, P>(line, t, [center, front], radius.x)
-            }
+            Kind::Quadrics => surface::quadric_at::<F, P>(line, t, &corners),
             Kind::Instances => {
                 let [origin, direction] = &self.carried;
                 let origin = Vector::load(token, origin);

@@ -13,9 +13,9 @@ mod shows;
 
 use super::geometry::{self, ShapeOutput};
 use super::lights::Found;
+use super::reach;
 use super::reach::Faces;
-use super::{details, reach};
-use crate::components::{CutOut, Settings, TextureRef};
+use crate::components::{Settings, SurfaceComponents, TextureRef};
 pub use shows::Shows;
 use wavecrest_base::error::Result;
 use wavecrest_core::kernels::blinn_phong::Material;
@@ -29,6 +29,8 @@ use wavecrest_core::plan::{Decision, Effect};
 pub struct Census<'a> {
     /// The entities.
     pub world: &'a World,
+    /// The components of each shape's surface.
+    pub surfaces: &'a [SurfaceComponents<'a>],
     /// Settings of the whole scene.
     pub settings: &'a Settings,
     /// Primitives and shapes.
@@ -72,12 +74,7 @@ pub fn run(
     has_holes: impl FnOnce(&[bool]) -> Result<Vec<bool>>,
 ) -> Result<Findings> {
     let mut facts = Facts::new(census);
-    let cut = |i: usize| {
-        facts.solid[i] && facts.met[i] && {
-            let shape = census.extracted.shapes[i].entity;
-            census.world.get::<&CutOut>(shape).is_ok()
-        }
-    };
+    let cut = |i: usize| facts.solid[i] && facts.met[i] && census.surfaces[i].cut_out.is_some();
     let asked: Vec<bool> = (0..facts.solid.len()).map(cut).collect();
     facts.holes = if asked.contains(&true) { has_holes(&asked)? } else { asked };
     let decisions = Effect::ALL.into_iter().map(|effect| facts.decide(effect)).collect();
@@ -123,11 +120,10 @@ impl<'a> Facts<'a> {
         let faces: Vec<Faces> = (shapes.iter().zip(census.in_view))
             .map(|(shape, seen)| seen.unwrap_or(Faces::lit(&shape.shape)))
             .collect();
-        let wears = |i: usize| census.world.get::<&TextureRef>(shapes[i].entity).is_ok();
         let surface = |i: usize, faces: Faces| reach::Surface {
             shape: &shapes[i].shape,
             material: &census.materials[i],
-            textured: wears(i),
+            textured: census.surfaces[i].texture.is_some(),
             faces,
         };
         let lights: Vec<_> = census.lights.iter().map(|found| &found.light).collect();
@@ -279,10 +275,9 @@ impl<'a> Facts<'a> {
     }
 
     fn cut_outs(&self) -> (bool, String) {
-        let shapes = &self.census.extracted.shapes;
-        let is = |i: usize| self.census.world.get::<&CutOut>(shapes[i].entity).is_ok();
+        let is = |i: usize| self.census.surfaces[i].cut_out.is_some();
         let is_cut = |i: usize| is(i) && (self.holes[i] || !self.met[i]);
-        let none = match (0..shapes.len()).any(|i| self.met[i] && self.solid[i] && is(i)) {
+        let none = match (0..self.met.len()).any(|i| self.met[i] && self.solid[i] && is(i)) {
             true => "no image of a cut-out has a transparent texel",
             false => "no shape has cut-outs",
         };

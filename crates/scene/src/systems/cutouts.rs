@@ -7,48 +7,39 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use glam::Mat3;
-use hecs::World;
 use image::DynamicImage;
 use rayon::prelude::*;
 
 use super::geometry::{Output, ShapeOutput};
 use super::textures::{Head, decoding, name, placing, source as content};
-use crate::components::{CutOut, TextureSource};
-use crate::query::json_path;
+use crate::components::{CutOut, SurfaceComponents, TextureSource};
 use wavecrest_base::error::Result;
 use wavecrest_core::geometry::cutouts::{Cutout, Cutouts, MeshUvs};
 use wavecrest_core::geometry::{Geometry, Primitive};
 use wavecrest_core::kernels::texture::{Image, LazyImage, Texels, UvMap};
 use wavecrest_core::math::float::UNIT_ROUNDOFF;
 
-/// For each of `shapes` whether it is one of those `asked` and its cut-out removes anything. Their
+/// For each of `surfaces` whether it is one of those `asked` and its cut-out removes anything. Their
 /// images are added to `images`.
 pub fn look(
-    world: &World,
-    shapes: &[ShapeOutput],
+    surfaces: &[SurfaceComponents<'_>],
     asked: &[bool],
     images: &mut Images<'_>,
 ) -> Result<Vec<bool>> {
-    let found: Vec<Option<CutOut>> = (shapes.iter().zip(asked))
-        .map(|(shape, asked)| asked.then(|| cutout_of(world, shape)).flatten())
-        .collect();
-    for (shape, found) in shapes.iter().zip(&found) {
-        found.iter().try_for_each(|found| images.add(found, &json_path(world, shape.entity)))?;
+    let those = || {
+        let those = surfaces.iter().zip(asked);
+        those.map(|(surface, asked)| (surface.cut_out.filter(|_| *asked), surface.place))
+    };
+    for (cut_out, place) in those() {
+        cut_out.map_or(Ok(()), |cut_out| images.add(cut_out, place))?;
     }
     images.decode()?;
-    let has_holes = |found: &Option<CutOut>| found.as_ref().is_some_and(|f| images.has_holes(f));
-    Ok(found.iter().map(has_holes).collect())
-}
-
-/// The cut-out of a shape that does not belong to a light.
-fn cutout_of(world: &World, shape: &ShapeOutput) -> Option<CutOut> {
-    let found = world.get::<&CutOut>(shape.entity).ok()?;
-    shape.shape.emission.is_none().then(|| (*found).clone())
+    Ok(those().map(|(found, _)| found.is_some_and(|found| images.has_holes(found))).collect())
 }
 
 /// Adds the cut-outs of the shapes that have `holes` to the geometry, and returns their images.
 pub fn run(
-    world: &World,
+    surfaces: &[SurfaceComponents<'_>],
     holes: &[bool],
     images: &Images<'_>,
     extracted: &mut Output,
@@ -56,14 +47,14 @@ pub fn run(
     let (mut own, mut of_prototypes) =
         (Vec::new(), vec![None; extracted.geometry.prototypes.len()]);
     let mut used: Vec<Arc<LazyImage>> = Vec::new();
-    for (shape, _) in extracted.shapes.iter().zip(holes).filter(|(_, holes)| **holes) {
-        let Some(found) = cutout_of(world, shape) else { continue };
-        let Some(Mask { image, .. }) = images.of(&found) else { continue };
+    for ((shape, surface), holes) in extracted.shapes.iter().zip(surfaces).zip(holes) {
+        let Some(found) = surface.cut_out.filter(|_| *holes) else { continue };
+        let Some(Mask { image, .. }) = images.of(found) else { continue };
         if !used.iter().any(|known| Arc::ptr_eq(known, image)) {
             used.push(Arc::clone(image));
         }
         let image = Arc::clone(image);
-        let cutout = cutout(shape, &found, image, extracted);
+        let cutout = cutout(shape, found, image, extracted);
         match prototype(&extracted.geometry, shape) {
             None => own.push(cutout),
             // All instances of a prototype have the same cut-out.

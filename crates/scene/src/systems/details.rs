@@ -2,20 +2,19 @@
 
 use std::collections::HashMap;
 
-use glam::{Mat3, Vec3};
-use hecs::{Entity, World};
+use glam::Mat3;
 
 use super::census::Shows;
 use super::geometry::ShapeOutput;
 use super::textures::Images;
-use crate::components::{Maps, Material, MetalMap, StrengthMap};
+use crate::components::{Material, MetalMap, StrengthMap, SurfaceComponents};
 use wavecrest_core::plan::schedule::{Schedule, Step};
 use wavecrest_core::prepared::{Detail, Metal, NormalMap, Occlusion, UvMap};
 
 /// Assigns details to shapes; shapes with equal ones share a detail. Invisible properties are left
 /// out, unless the schedule requires them.
 pub fn run(
-    world: &World,
+    surfaces: &[SurfaceComponents<'_>],
     schedule: Schedule,
     shows: &[Shows],
     images: &mut Images,
@@ -25,13 +24,11 @@ pub fn run(
     // As text, numbers are as good as their bits.
     let mut known: HashMap<String, u32> = HashMap::new();
     let all = Shows::required(schedule);
-    for (output, shows) in shapes.iter_mut().zip(shows) {
+    for ((output, surface), shows) in shapes.iter_mut().zip(surfaces).zip(shows) {
         let shows = shows.or(all).within(schedule);
-        if output.shape.emission.is_some() || !shows.any_detail() {
-            continue;
-        }
+        let Some(material) = surface.material.filter(|_| shows.any_detail()) else { continue };
         let map = output.uv_map.unwrap_or(UvMap::Sphere(Mat3::IDENTITY));
-        let detail = detail(world, output.entity, shows, images, map);
+        let detail = detail(material, surface, shows, images, map);
         let next = || {
             details.push(detail.clone());
             details.len() as u32 - 1
@@ -42,16 +39,20 @@ pub fn run(
 }
 
 /// The visible part of a shape's detail.
-fn detail(world: &World, entity: Entity, shows: Shows, images: &mut Images, map: UvMap) -> Detail {
-    let material = world.get::<&Material>(entity).ok().map(|material| *material);
-    let maps = world.get::<&Maps>(entity).map_or_else(|_| Maps::default(), |maps| (*maps).clone());
-    let mut texture = |of, key| images.texture(world, entity, of, key, map);
+fn detail(
+    material: &Material,
+    SurfaceComponents { maps, place, .. }: &SurfaceComponents<'_>,
+    shows: Shows,
+    images: &mut Images,
+    map: UvMap,
+) -> Detail {
+    let mut texture = |of, key| images.texture(of, (place, key), map);
     let mut detail = Detail::default();
-    if let Some(material) = material.filter(|_| shows.emission) {
+    if shows.emission {
         detail.emission = material.emission.as_vec3();
         detail.emission_texture = maps.emission.as_ref().map(|map| texture(map, "emissionmap"));
     }
-    if let Some(material) = material.filter(|_| shows.tint) {
+    if shows.tint {
         detail.tint = material.specular_color.as_vec3();
     }
     if let Some(MetalMap { texture: map, metallic, roughness }) =
@@ -116,10 +117,4 @@ impl Shows {
     fn any_detail(self) -> bool {
         self.emission || self.metal || self.occlusion || self.tint || self.normal
     }
-}
-
-/// The brightest emission of the material.
-pub(super) fn emission(world: &World, entity: Entity) -> Vec3 {
-    let material = world.get::<&Material>(entity);
-    material.map_or(Vec3::ZERO, |material| material.emission.as_vec3())
 }

@@ -6,9 +6,9 @@
 //! as their prototype ([`instances`]).
 
 mod builder;
-mod common;
 mod instances;
 mod meshes;
+mod occurrence;
 mod occurrences;
 mod output;
 mod tangents;
@@ -16,28 +16,47 @@ mod tangents;
 use glam::DVec3;
 use hecs::World;
 
+use crate::components::{Quad, Triangle};
 use builder::Builder;
 use meshes::Room;
-use occurrences::Occurrences;
+use occurrence::Form;
+use occurrences::{Geometries, Occurrences, Shown};
 use wavecrest_base::error::Result;
 
-pub(crate) use common::{Common, Round};
+pub(crate) use occurrence::{Occurrence, Round};
 pub use output::{Output, ShapeOutput};
 
 /// Converts every shape to primitives, and moves all by `-origin`. A mesh with several instances is
 /// stored once, unless `flat`.
-pub fn run(world: &mut World, origin: DVec3, flat: bool) -> Result<Output> {
-    let mut occurrences = Occurrences::of(world, flat);
+pub fn run(world: &World, origin: DVec3, flat: bool) -> Result<Output> {
+    let (mut shown, mut geometries) = (world.query::<Shown<'_>>(), world.query::<Geometries<'_>>());
+    let geometries = geometries.view();
+    let mut occurrences = Occurrences::of(shown.iter(), &geometries, origin, flat);
     let room = Room::of(world, &occurrences);
-    let mut builder = Builder { origin, room, ..Builder::default() };
-    for occurrence in occurrences.triangles(world) {
-        builder.add_triangles(world, occurrence, &mut occurrences)?;
+    let mut builder = Builder { room, ..Builder::default() };
+    // Numbers of primitives follow their kinds: triangles, quads, quadrics.
+    for i in 0..occurrences.all.len() {
+        let occurrence = occurrences.all[i];
+        match occurrence.form {
+            Form::Triangle(Triangle { points }) => builder.add_triangle(&occurrence, points)?,
+            Form::Mesh if !occurrences.is_instance(&occurrence) => {
+                let (mesh, _) = occurrences.take(world, occurrence.prototype);
+                builder.add_mesh(&occurrence, mesh)?;
+            }
+            _ => {}
+        }
     }
-    for occurrence in occurrences.quads(world) {
-        builder.add_quad(world, occurrence)?;
+    for occurrence in &occurrences.all {
+        if let Form::Quad(Quad { points }) = occurrence.form {
+            builder.add_quad(occurrence, points)?;
+        }
     }
-    for occurrence in occurrences.quadrics(world) {
-        builder.add_quadric(world, occurrence)?;
+    for occurrence in &occurrences.all {
+        match occurrence.form {
+            Form::Sphere(sphere) => builder.add_quadric(occurrence, sphere.in_world(occurrence)?),
+            Form::Disk(disk) => builder.add_quadric(occurrence, disk.in_world(occurrence)?),
+            _ => {}
+        }
     }
     builder.add_instances(world, &mut occurrences)?;
     Ok(builder.finish())

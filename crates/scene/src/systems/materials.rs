@@ -1,31 +1,28 @@
 //! Materials: one row of numbers for each shape.
 
 use glam::Vec3;
-use hecs::World;
 
-use super::geometry::ShapeOutput;
-use crate::components;
+use crate::components::{MetalMap, SurfaceComponents};
 use wavecrest_core::kernels::blinn_phong::Material;
 use wavecrest_core::kernels::metal;
 
-/// The material of each of `shapes`, in order. Shapes of lights get an unused one. Metal maps whose
-/// texels do not count give their material here.
-pub fn run(world: &World, shapes: &[ShapeOutput]) -> Vec<Material> {
-    let of = |shape: &ShapeOutput| {
-        let material =
-            world.get::<&components::Material>(shape.entity).map_or(BLACK, |m| Material {
-                ks: m.ks as f32,
-                kd: m.kd as f32,
-                exponent: m.specular_exponent as f32,
-                color: m.diffuse_color.as_vec3(),
-                kr: m.kr as f32,
-            });
-        match metal_map(world, shape).is_some_and(|map| map.is_constant()) {
+/// The material of each surface. Shapes of lights get an unused one. Metal maps whose texels do not
+/// count give their material here.
+pub fn run(surfaces: &[SurfaceComponents<'_>]) -> Vec<Material> {
+    let of = |surface: &SurfaceComponents<'_>| {
+        let material = surface.material.map_or(BLACK, |m| Material {
+            ks: m.ks as f32,
+            kd: m.kd as f32,
+            exponent: m.specular_exponent as f32,
+            color: m.diffuse_color.as_vec3(),
+            kr: m.kr as f32,
+        });
+        match surface.maps.metal.as_ref().is_some_and(MetalMap::is_constant) {
             true => smooth_nonmetal(material),
             false => material,
         }
     };
-    shapes.iter().map(of).collect()
+    surfaces.iter().map(of).collect()
 }
 
 /// The material at every hit under a metal map whose factors are 0.
@@ -35,20 +32,16 @@ fn smooth_nonmetal(material: Material) -> Material {
     Material { ks, kd, exponent, kr: look.kr as f32, ..material }
 }
 
-fn metal_map(world: &World, shape: &ShapeOutput) -> Option<components::MetalMap> {
-    world.get::<&components::Maps>(shape.entity).ok()?.metal.clone()
-}
-
-/// Bounds on the materials of shapes in any texel: each weight as large as a metal map can make it.
-pub fn possible(world: &World, shapes: &[ShapeOutput], materials: &[Material]) -> Vec<Material> {
-    let may = |(shape, material): (&ShapeOutput, &Material)| match metal_map(world, shape) {
+/// Bounds on the materials of surfaces in any texel: each weight as large as a metal map can make it.
+pub fn possible(surfaces: &[SurfaceComponents<'_>], materials: &[Material]) -> Vec<Material> {
+    let may = |(surface, material): (&SurfaceComponents<'_>, &Material)| match &surface.maps.metal {
         Some(map) if !map.is_constant() => {
             let kr = if map.metallic > 0.0 { 1.0 } else { 0.0 };
             Material { ks: 1.0, kd: 1.0, kr, ..*material }
         }
         _ => *material,
     };
-    shapes.iter().zip(materials).map(may).collect()
+    surfaces.iter().zip(materials).map(may).collect()
 }
 
 /// Reflects nothing.

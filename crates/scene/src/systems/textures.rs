@@ -8,13 +8,11 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 
 use glam::{DVec3, Mat3, Vec2, Vec3};
-use hecs::{Entity, World};
 use image::{DynamicImage, ImageDecoder, ImageError, ImageFormat, ImageReader, ImageResult};
 
 use super::census::Shows;
 use super::geometry::ShapeOutput;
-use crate::components::{self, Encoding, TextureRef, TextureSource};
-use crate::query::json_path;
+use crate::components::{self, Encoding, SurfaceComponents, TextureRef, TextureSource};
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_core::kernels::texture::{Filter, Image, Texels};
 use wavecrest_core::math::srgb::srgb_decode;
@@ -36,7 +34,7 @@ const MAX_METADATA: u64 = 8 << 20;
 /// Assigns to each shape the image of its colour. Images that are not shown are not opened, unless
 /// the schedule requires them.
 pub fn run(
-    world: &World,
+    surfaces: &[SurfaceComponents<'_>],
     schedule: Schedule,
     shows: &[Shows],
     images: &mut Images,
@@ -46,14 +44,12 @@ pub fn run(
         return;
     }
     let all = schedule.is_needless(Step::Texels);
-    for (shape, _) in shapes.iter_mut().zip(shows).filter(|(_, shows)| shows.texture || all) {
-        if shape.shape.emission.is_some() {
-            continue;
+    for ((shape, surface), shows) in shapes.iter_mut().zip(surfaces).zip(shows) {
+        if let Some(reference) = surface.texture.filter(|_| shows.texture || all) {
+            let map = shape.uv_map.unwrap_or(UvMap::Sphere(Mat3::IDENTITY));
+            let texture = images.texture(reference, (surface.place, "texture"), map);
+            shape.shape.texture = Some(texture);
         }
-        let Ok(reference) = world.get::<&TextureRef>(shape.entity) else { continue };
-        let map = shape.uv_map.unwrap_or(UvMap::Sphere(Mat3::IDENTITY));
-        let texture = images.texture(world, shape.entity, &reference, "texture", map);
-        shape.shape.texture = Some(texture);
     }
 }
 
@@ -66,17 +62,16 @@ pub struct Images {
 }
 
 impl Images {
-    /// The texture that the `key` of a shape refers to, with texture coordinates from `map`.
+    /// The texture of a `reference`, which is under a `key` of the shape at `place`, with texture
+    /// coordinates from `map`.
     pub(super) fn texture(
         &mut self,
-        world: &World,
-        shape: Entity,
         reference: &TextureRef,
-        key: &str,
+        (place, key): (&str, &str),
         map: UvMap,
     ) -> Texture {
         let number = *self.numbers.entry(Key::of(reference)).or_insert_with(|| {
-            self.all.push((reference.clone(), format!("{}.{key}", json_path(world, shape))));
+            self.all.push((reference.clone(), format!("{place}.{key}")));
             self.all.len() as u32 - 1
         });
         if reference.filter == Filter::Trilinear {

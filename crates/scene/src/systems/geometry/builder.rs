@@ -3,24 +3,21 @@
 use std::sync::Arc;
 
 use glam::DVec3;
-use hecs::{Entity, World};
 
-use super::common::{Common, check_count, check_point};
 use super::meshes::{Room, append, transform_mesh};
-use super::occurrences::{Occurrence, Occurrences};
+use super::occurrence::Occurrence;
 use super::output::{Output, ShapeOutput, lights};
 use super::tangents::tangents;
-use crate::components::{Disk, Mesh, Quad, Sphere, Triangle};
+use crate::components::Mesh;
 use crate::corners;
 use crate::mesh::Attribute;
 use wavecrest_base::error::Result;
-use wavecrest_core::geometry::Geometry;
+use wavecrest_core::geometry::{Geometry, Quadric};
 use wavecrest_core::kernels::texture::PlanarMap;
 use wavecrest_core::prepared::{CornerValues, MeshAttributes, Shape, UvMap};
 
 #[derive(Default)]
 pub(super) struct Builder {
-    pub(super) origin: DVec3,
     pub(super) room: Room,
     pub(super) geometry: Geometry,
     pub(super) shapes: Vec<ShapeOutput>,
@@ -28,51 +25,38 @@ pub(super) struct Builder {
 }
 
 impl Builder {
-    pub(super) fn common(&self, world: &World, occurrence: Occurrence) -> Common {
-        Common::of(world, occurrence, self.origin)
-    }
-
-    pub(super) fn add_triangles(
+    pub(super) fn add_triangle(
         &mut self,
-        world: &World,
-        occurrence: Occurrence,
-        occurrences: &mut Occurrences,
+        occurrence: &Occurrence<'_>,
+        points: &[DVec3; 3],
     ) -> Result<()> {
-        let common = self.common(world, occurrence);
-        if let Ok(triangle) = world.get::<&Triangle>(occurrence.prototype) {
-            return self.add_triangle(occurrence.entity, &common, &triangle.points);
-        }
-        self.add_mesh(occurrence.entity, &common, occurrences.take(world, occurrence.prototype))
-    }
-
-    fn add_triangle(&mut self, entity: Entity, common: &Common, points: &[DVec3; 3]) -> Result<()> {
         let start = self.geometry.triangles.len() as u32;
-        let first = self.add_points(common, points)?;
+        let first = self.add_points(occurrence, points)?;
         let [p0, p1, p2] = self.geometry.positions[first as usize..] else { return Ok(()) };
         self.geometry.triangles.push([first, first + 1, first + 2]);
-        let flipped = common.flipped(corners::triangle_normal(points));
+        let flipped = occurrence.flipped(corners::triangle_normal(points));
         self.shapes.push(ShapeOutput {
-            entity,
-            shape: common.shape(start..start + 1, flipped),
+            entity: occurrence.entity,
+            shape: occurrence.shape(start..start + 1, flipped),
             uv_map: Some(UvMap::Planar(PlanarMap::new(p0, p2 - p0, p1 - p0))),
             positions: first..first + 3,
         });
         Ok(())
     }
 
-    fn add_mesh(&mut self, entity: Entity, common: &Common, mesh: Mesh) -> Result<()> {
+    pub(super) fn add_mesh(&mut self, occurrence: &Occurrence<'_>, mesh: Mesh) -> Result<()> {
         let Mesh { data: mut mesh, points, .. } = mesh;
         // Drop unused attributes before allocating more.
-        mesh.normals = mesh.normals.filter(|_| common.smooth);
-        mesh.uvs = mesh.uvs.filter(|_| common.textured);
-        mesh.colors = mesh.colors.filter(|_| common.emission.is_none());
-        let mut tangents = common.normal_mapped.then(|| tangents(&mesh)).flatten();
-        transform_mesh(&mut mesh, points, tangents.as_mut(), common)?;
+        mesh.normals = mesh.normals.filter(|_| occurrence.smooth);
+        mesh.uvs = mesh.uvs.filter(|_| occurrence.textured);
+        mesh.colors = mesh.colors.filter(|_| occurrence.light.is_none());
+        let mut tangents = occurrence.normal_mapped.then(|| tangents(&mesh)).flatten();
+        transform_mesh(&mut mesh, points, tangents.as_mut(), occurrence)?;
         let geometry = &mut self.geometry;
         let first_position = geometry.positions.len();
         let first_triangle = geometry.triangles.len();
-        check_count(common, first_position + mesh.positions.len(), "vertices")?;
-        check_count(common, first_triangle + mesh.triangles.len(), "triangles")?;
+        occurrence.check_count(first_position + mesh.positions.len(), "vertices")?;
+        occurrence.check_count(first_triangle + mesh.triangles.len(), "triangles")?;
         // All numbers were just checked to fit.
         let before = first_position as u32;
         let Room { positions, triangles } = self.room;
@@ -82,8 +66,8 @@ impl Builder {
         });
         let (smooth, colored) = (mesh.normals.is_some(), mesh.colors.is_some());
         let range = first_triangle as u32..self.geometry.triangles.len() as u32;
-        let mut shape = Shape { smooth, colored, ..common.shape(range, common.mirrors()) };
-        if smooth || colored || common.textured {
+        let mut shape = Shape { smooth, colored, ..occurrence.shape(range, occurrence.mirrors()) };
+        if smooth || colored || occurrence.textured {
             shape.mesh = Some(self.meshes.len() as u32);
             self.meshes.push(MeshAttributes {
                 first_triangle: first_triangle as u32,
@@ -95,55 +79,57 @@ impl Builder {
             });
         }
         let positions = before..self.geometry.positions.len() as u32;
-        self.shapes.push(ShapeOutput { entity, shape, uv_map: Some(UvMap::Mesh), positions });
+        self.shapes.push(ShapeOutput {
+            entity: occurrence.entity,
+            shape,
+            uv_map: Some(UvMap::Mesh),
+            positions,
+        });
         Ok(())
     }
 
-    pub(super) fn add_quad(&mut self, world: &World, occurrence: Occurrence) -> Result<()> {
-        let common = self.common(world, occurrence);
-        let Ok(points) = world.get::<&Quad>(occurrence.prototype).map(|q| q.points) else {
-            return Ok(());
-        };
+    pub(super) fn add_quad(
+        &mut self,
+        occurrence: &Occurrence<'_>,
+        points: &[DVec3; 4],
+    ) -> Result<()> {
         let number = (self.geometry.triangles.len() + self.geometry.quads.len()) as u32;
-        let first = self.add_points(&common, &points)?;
+        let first = self.add_points(occurrence, points)?;
         let [p0, p1, _, p3] = self.geometry.positions[first as usize..] else { return Ok(()) };
-        let turn = first_of_diagonal(&points);
+        let turn = first_of_diagonal(points);
         self.geometry.quads.push([0, 1, 2, 3].map(|k| first + (k + turn) % 4));
-        let flipped = common.flipped(corners::quad_normal(&points));
+        let flipped = occurrence.flipped(corners::quad_normal(points));
         self.shapes.push(ShapeOutput {
             entity: occurrence.entity,
-            shape: common.shape(number..number + 1, flipped),
+            shape: occurrence.shape(number..number + 1, flipped),
             uv_map: Some(UvMap::Planar(PlanarMap::new(p0, p3 - p0, p1 - p0))),
             positions: first..first + 4,
         });
         Ok(())
     }
 
-    pub(super) fn add_quadric(&mut self, world: &World, occurrence: Occurrence) -> Result<()> {
-        let common = self.common(world, occurrence);
-        let sphere =
-            world.get::<&Sphere>(occurrence.prototype).map(|sphere| sphere.in_world(&common));
-        let disk = || world.get::<&Disk>(occurrence.prototype).map(|disk| disk.in_world(&common));
-        let Ok(found) = sphere.or_else(|_| disk()) else { return Ok(()) };
-        let (quadric, uv_map) = found?;
+    pub(super) fn add_quadric(
+        &mut self,
+        occurrence: &Occurrence<'_>,
+        (quadric, uv_map): (Quadric, UvMap),
+    ) {
         let number = self.geometry.own() as u32;
         self.geometry.quadrics.push(quadric);
         self.shapes.push(ShapeOutput {
             entity: occurrence.entity,
-            shape: common.shape(number..number + 1, false),
+            shape: occurrence.shape(number..number + 1, false),
             uv_map: Some(uv_map),
             positions: 0..0,
         });
-        Ok(())
     }
 
     /// Appends the points in world space; returns the number of the first.
-    fn add_points(&mut self, common: &Common, points: &[DVec3]) -> Result<u32> {
+    fn add_points(&mut self, occurrence: &Occurrence<'_>, points: &[DVec3]) -> Result<u32> {
         let first = self.geometry.positions.len();
-        check_count(common, first + points.len(), "vertices")?;
+        occurrence.check_count(first + points.len(), "vertices")?;
         for &point in points {
-            let point = common.transform.transform_point3(point);
-            check_point(common, point)?;
+            let point = occurrence.transform.transform_point3(point);
+            occurrence.check_point(point)?;
             self.geometry.positions.push(point.as_vec3());
         }
         Ok(first as u32)

@@ -8,8 +8,8 @@ use hecs::{Entity, World};
 use rayon::prelude::*;
 
 use super::builder::{Builder, by_position, corner_values};
-use super::common::{Common, check_count, check_point};
-use super::occurrences::{Occurrence, Occurrences};
+use super::occurrence::Occurrence;
+use super::occurrences::Occurrences;
 use super::output::ShapeOutput;
 use super::tangents::tangents;
 use crate::components::Mesh;
@@ -41,43 +41,26 @@ impl Builder {
     pub(super) fn add_instances(
         &mut self,
         world: &World,
-        occurrences: &mut Occurrences,
+        occurrences: &mut Occurrences<'_>,
     ) -> Result<()> {
-        let shared = std::mem::take(&mut occurrences.shared);
         let mut prototypes: HashMap<Entity, Prototype> = HashMap::new();
-        for &prototype in &shared {
-            let of_prototype = |occurrence: &&Occurrence| {
-                occurrence.prototype == prototype && !occurrence.is_light
-            };
-            let instances: Vec<Common> = occurrences
-                .all
-                .iter()
-                .filter(of_prototype)
-                .map(|occurrence| self.common(world, *occurrence))
-                .collect();
-            let smooth = instances.iter().any(|common| common.smooth);
-            let textured = instances.iter().any(|common| common.textured);
-            let Mesh { data: mut mesh, points, .. } = occurrences.take(world, prototype);
-            mesh.normals = mesh.normals.filter(|_| smooth);
-            mesh.uvs = mesh.uvs.filter(|_| textured);
-            let normal_mapped = instances.iter().any(|common| common.normal_mapped);
-            let tangents = normal_mapped.then(|| tangents(&mesh)).flatten();
+        for prototype in std::mem::take(&mut occurrences.shared) {
+            let (Mesh { data: mut mesh, points, .. }, of) = occurrences.take(world, prototype);
+            mesh.normals = mesh.normals.filter(|_| of.smooth);
+            mesh.uvs = mesh.uvs.filter(|_| of.textured);
+            let tangents = of.normal_mapped.then(|| tangents(&mesh)).flatten();
             prototypes.insert(prototype, self.add_prototype(mesh, points, tangents));
         }
         let mut next = self.geometry.own();
-        for occurrence in occurrences.all.iter().filter(|occurrence| !occurrence.is_light) {
+        let instances =
+            occurrences.all.iter().filter(|occurrence| occurrences.is_instance(occurrence));
+        for occurrence in instances {
             let Some(prototype) = prototypes.get(&occurrence.prototype) else { continue };
-            let common = self.common(world, *occurrence);
+            let first = next as u32;
             next += prototype.triangles;
-            check_count(&common, next, "triangles")?;
-            self.add_instance(
-                occurrence.entity,
-                &common,
-                prototype,
-                (next - prototype.triangles) as u32,
-            )?;
+            occurrence.check_count(next, "triangles")?;
+            self.add_instance(occurrence, prototype, first)?;
         }
-        occurrences.shared = shared;
         Ok(())
     }
 
@@ -121,32 +104,31 @@ impl Builder {
 
     fn add_instance(
         &mut self,
-        entity: Entity,
-        common: &Common,
+        occurrence: &Occurrence<'_>,
         prototype: &Prototype,
         first: u32,
     ) -> Result<()> {
-        let to_world = common.transform * DAffine3::from_translation(prototype.origin);
+        let to_world = occurrence.transform * DAffine3::from_translation(prototype.origin);
         for corner in 0..8 {
             let pick = |k: usize| {
                 if corner >> k & 1 == 0 { prototype.bounds.low } else { prototype.bounds.high }
             };
             let corner = DVec3::new(pick(0).x.into(), pick(1).y.into(), pick(2).z.into());
-            check_point(common, to_world.transform_point3(corner))?;
+            occurrence.check_point(to_world.transform_point3(corner))?;
         }
         if !to_world.inverse().is_finite() {
             let message = "the transform is singular";
             return Err(Error::new(ErrorKind::Scene, message)
-                .at(format!("{}.transform", common.place))
+                .at(format!("{}.transform", occurrence.place))
                 .remedy("use a scale other than 0 on every axis"));
         }
         let range = first..first + prototype.triangles as u32;
         let attributes = prototype.mesh.and_then(|i| self.meshes.get(i as usize));
         let shape = Shape {
-            smooth: common.smooth && attributes.is_some_and(|mesh| mesh.normals.is_some()),
+            smooth: occurrence.smooth && attributes.is_some_and(|mesh| mesh.normals.is_some()),
             colored: attributes.is_some_and(|mesh| mesh.colors.is_some()),
             mesh: prototype.mesh,
-            ..common.shape(range, common.mirrors())
+            ..occurrence.shape(range, occurrence.mirrors())
         };
         self.geometry.instances.push(Instance::new(
             prototype.number,
@@ -155,7 +137,7 @@ impl Builder {
             &prototype.bounds,
         ));
         let (uv_map, positions) = (Some(UvMap::Mesh), 0..0);
-        self.shapes.push(ShapeOutput { entity, shape, uv_map, positions });
+        self.shapes.push(ShapeOutput { entity: occurrence.entity, shape, uv_map, positions });
         Ok(())
     }
 }

@@ -5,7 +5,7 @@ use glam::{DAffine3, DVec3, Vec3, Vec4};
 use hecs::World;
 use rayon::prelude::*;
 
-use super::common::{Common, check_point, in_range};
+use super::occurrence::{Form, Occurrence, in_range};
 use super::occurrences::Occurrences;
 use crate::components::Mesh;
 use crate::mesh::MeshData;
@@ -21,15 +21,23 @@ pub(super) struct Room {
 }
 
 impl Room {
-    /// For everything in the world except instances.
-    pub(super) fn of(world: &World, occurrences: &Occurrences) -> Self {
-        let meshes = occurrences.own_meshes(world);
-        let triangles = occurrences.triangles(world).len() - meshes.len();
-        let quads = occurrences.quads(world).len();
-        let mut room = Self { positions: 3 * triangles + 4 * quads, triangles };
-        for mesh in meshes.into_iter().filter_map(|entity| world.get::<&Mesh>(entity).ok()) {
-            room.positions += mesh.data.positions.len();
-            room.triangles += mesh.data.triangles.len();
+    /// For everything in the world except instances. Meshes are looked up for each occurrence.
+    pub(super) fn of(world: &World, occurrences: &Occurrences<'_>) -> Self {
+        let mut meshes = world.query::<&Mesh>();
+        let meshes = meshes.view();
+        let mut room = Self::default();
+        let own = occurrences.all.iter().filter(|occurrence| !occurrences.is_instance(occurrence));
+        for Occurrence { form, prototype, .. } in own {
+            let [positions, triangles] = match form {
+                Form::Sphere(_) | Form::Disk(_) => [0, 0],
+                Form::Quad(_) => [4, 0],
+                Form::Triangle(_) => [3, 1],
+                Form::Mesh => meshes.get(*prototype).map_or([0, 0], |Mesh { data, .. }| {
+                    [data.positions.len(), data.triangles.len()]
+                }),
+            };
+            room.positions += positions;
+            room.triangles += triangles;
         }
         room
     }
@@ -60,9 +68,9 @@ pub(super) fn transform_mesh(
     mesh: &mut MeshData,
     points: Option<Vec<DVec3>>,
     tangents: Option<&mut CornerValues<Vec4>>,
-    common: &Common,
+    occurrence: &Occurrence<'_>,
 ) -> Result<()> {
-    let transform = common.transform * DAffine3::from_translation(mesh.origin);
+    let transform = occurrence.transform * DAffine3::from_translation(mesh.origin);
     if transform == DAffine3::IDENTITY {
         return Ok(());
     }
@@ -81,11 +89,11 @@ pub(super) fn transform_mesh(
         None => positions.map(own).reduce(|| true, |a, b| a & b),
     };
     if !kept && let Some(point) = mesh.positions.iter().find(|p| !in_range(p.as_dvec3())) {
-        check_point(common, point.as_dvec3())?;
+        occurrence.check_point(point.as_dvec3())?;
     }
     // Normals are transformed by the cofactors: the inverse transpose without its division.
     let m = transform.matrix3;
-    let sign = if common.mirrors() { -1.0 } else { 1.0 };
+    let sign = if occurrence.mirrors() { -1.0 } else { 1.0 };
     let cofactors = [
         m.y_axis.cross(m.z_axis) * sign,
         m.z_axis.cross(m.x_axis) * sign,

@@ -6,105 +6,146 @@
 
 use std::collections::HashMap;
 
-use hecs::{Entity, World};
+use glam::{DAffine3, DVec3};
+use hecs::{Entity, Query, Satisfies, View, World};
 
-use crate::components::{AreaLight, Disk, Hidden, InstanceOf, Mesh, Order, Quad, Sphere, Triangle};
+use super::occurrence::{Form, Occurrence};
+use crate::components::{
+    AreaLight, CutOut, Disk, Facing, Hidden, InstanceOf, JsonPath, Maps, Mesh, Order, Quad,
+    Shading, Sides, Sphere, StrengthMap, TextureRef, Transform, Triangle,
+};
 
-/// A shape, possibly of a light, and its prototype.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Occurrence {
-    /// The shape, or the instance.
-    pub(super) entity: Entity,
-    /// The entity with the prototype: the same except for instances.
-    pub(super) prototype: Entity,
-    pub(super) is_light: bool,
-}
+/// What a shape or an instance has of its own.
+pub(super) type Shown<'w> = (
+    Entity,
+    Option<&'w Order>,
+    Option<&'w JsonPath>,
+    Option<&'w InstanceOf>,
+    Satisfies<&'w Hidden>,
+    Option<&'w AreaLight>,
+    Option<&'w Transform>,
+    Option<&'w Sides>,
+    Option<&'w Shading>,
+    (Satisfies<&'w TextureRef>, Satisfies<&'w CutOut>, Option<&'w Maps>),
+);
+
+/// The geometry of a prototype.
+pub(super) type Geometries<'w> = (
+    Option<&'w Sphere>,
+    Option<&'w Disk>,
+    Option<&'w Quad>,
+    Option<&'w Triangle>,
+    Satisfies<&'w Mesh>,
+    Option<&'w Transform>,
+    Option<&'w Facing>,
+);
 
 /// Everything to render, shapes before lights, in the order of the file.
 #[derive(Debug)]
-pub(super) struct Occurrences {
-    pub(super) all: Vec<Occurrence>,
-    /// How many more times each mesh will be taken.
-    uses: HashMap<Entity, usize>,
+pub(super) struct Occurrences<'w> {
+    pub(super) all: Vec<Occurrence<'w>>,
+    uses: HashMap<Entity, Use>,
     /// Meshes with several instances, in the order of each one's second instance.
     pub(super) shared: Vec<Entity>,
 }
 
-impl Occurrences {
-    /// The occurrences in the world; `flatten` turns instances into primitives of the scene's own.
-    pub(super) fn of(world: &World, flatten: bool) -> Self {
-        let mut all: Vec<(bool, Order, Occurrence)> = world
-            .query::<(Entity, Option<&Order>, Option<&AreaLight>, Option<&InstanceOf>)>()
-            .iter()
-            .filter(|(entity, .., instance)| {
-                instance.is_some() || world.get::<&Hidden>(*entity).is_err()
-            })
-            .map(|(entity, order, light, instance)| {
-                let prototype = instance.map_or(entity, |InstanceOf(prototype)| *prototype);
-                let occurrence = Occurrence { entity, prototype, is_light: light.is_some() };
-                (light.is_some(), order.copied().unwrap_or(Order(u32::MAX)), occurrence)
-            })
+/// The uses of a mesh.
+#[derive(Debug, Default)]
+pub(super) struct Use {
+    /// How many more times it will be taken.
+    left: usize,
+    /// Number of its instances, without shapes of lights.
+    instances: usize,
+    is_shared: bool,
+    /// Whether any of them asks for normals, for texture coordinates, and has a normal map.
+    pub(super) smooth: bool,
+    pub(super) textured: bool,
+    pub(super) normal_mapped: bool,
+}
+
+impl<'w> Occurrences<'w> {
+    /// The occurrences of what is `shown`, moved by `-origin`; `flatten` turns instances into
+    /// primitives of the scene's own. Instances name their prototypes, which are looked up.
+    pub(super) fn of(
+        shown: impl Iterator<Item = <Shown<'w> as Query>::Item<'w>>,
+        geometries: &'w View<'_, Geometries<'_>>,
+        origin: DVec3,
+        flatten: bool,
+    ) -> Self {
+        let mut all: Vec<(Order, Occurrence<'_>)> = shown
+            .filter_map(
+                |(entity, order, place, instance, is_hidden, light, own, sides, shading, worn)| {
+                    let prototype = instance.map_or(entity, |InstanceOf(prototype)| *prototype);
+                    if is_hidden && instance.is_none() {
+                        return None;
+                    }
+                    let (sphere, disk, quad, triangle, is_mesh, of_prototype, facing) =
+                        geometries.get(prototype)?;
+                    let form = (sphere.map(Form::Sphere))
+                        .or(disk.map(Form::Disk))
+                        .or(quad.map(Form::Quad))
+                        .or(triangle.map(Form::Triangle))
+                        .or(is_mesh.then_some(Form::Mesh))?;
+                    let matrix = |transform: Option<&Transform>| {
+                        transform.map_or(DAffine3::IDENTITY, |t| t.0)
+                    };
+                    let mut transform = matrix(own);
+                    if instance.is_some() {
+                        transform *= matrix(of_prototype);
+                    }
+                    transform.translation -= origin;
+                    let is_surface = light.is_none();
+                    let (has_texture, is_cut_out, maps) = worn;
+                    let normal = maps.and_then(|maps| maps.normal.as_ref());
+                    let occurrence = Occurrence {
+                        entity,
+                        prototype,
+                        form,
+                        light: light.map(|light| light.color.as_vec3()),
+                        transform,
+                        facing: facing.copied(),
+                        sides: sides.copied().unwrap_or(Sides::Both),
+                        smooth: is_surface && shading == Some(&Shading::Smooth),
+                        textured: is_surface && (has_texture || is_cut_out || maps.is_some()),
+                        normal_mapped: is_surface && normal.is_some_and(StrengthMap::has_effect),
+                        place: place.map_or("", |path| &path.0),
+                    };
+                    Some((order.copied().unwrap_or(Order(u32::MAX)), occurrence))
+                },
+            )
             .collect();
-        all.sort_by_key(|&(light, order, _)| (light, order));
-        let all: Vec<Occurrence> = all.into_iter().map(|(.., occurrence)| occurrence).collect();
-        let mut uses: HashMap<Entity, usize> = HashMap::new();
-        let mut instances: HashMap<Entity, usize> = HashMap::new();
+        all.sort_by_key(|(order, occurrence)| (occurrence.light.is_some(), *order));
+        let all: Vec<Occurrence<'_>> = all.into_iter().map(|(_, occurrence)| occurrence).collect();
+        let mut uses: HashMap<Entity, Use> = HashMap::new();
         let mut shared = Vec::new();
-        for occurrence in all.iter().filter(|occurrence| has::<Mesh>(world, occurrence.prototype)) {
-            *uses.entry(occurrence.prototype).or_default() += 1;
-            let count = instances.entry(occurrence.prototype).or_default();
-            *count += usize::from(!occurrence.is_light);
-            if *count == 2 && !occurrence.is_light && !flatten {
+        for occurrence in all.iter().filter(|occurrence| occurrence.is_mesh()) {
+            let of = uses.entry(occurrence.prototype).or_default();
+            of.smooth |= occurrence.smooth;
+            of.textured |= occurrence.textured;
+            of.normal_mapped |= occurrence.normal_mapped;
+            of.instances += usize::from(occurrence.light.is_none());
+            if of.instances < 2 || occurrence.light.is_some() || flatten {
+                of.left += 1;
+            } else if !of.is_shared {
+                of.is_shared = true;
                 shared.push(occurrence.prototype);
             }
         }
         Self { all, uses, shared }
     }
 
-    /// Those that become triangles of the scene's own; likewise for quads and quadrics below.
-    pub(super) fn triangles(&self, world: &World) -> Vec<Occurrence> {
-        let is_own = |occurrence: &Occurrence| {
-            occurrence.is_light || !self.shared.contains(&occurrence.prototype)
-        };
-        self.pick(|occurrence| {
-            has::<Triangle>(world, occurrence.prototype)
-                || has::<Mesh>(world, occurrence.prototype) && is_own(occurrence)
-        })
+    /// Whether the occurrence is an instance of a mesh that is stored once.
+    pub(super) fn is_instance(&self, occurrence: &Occurrence<'_>) -> bool {
+        occurrence.light.is_none()
+            && self.uses.get(&occurrence.prototype).is_some_and(|of| of.is_shared)
     }
 
-    pub(super) fn quads(&self, world: &World) -> Vec<Occurrence> {
-        self.pick(|occurrence| has::<Quad>(world, occurrence.prototype))
+    /// The mesh of `prototype` and its uses: moved out at its last use, copied before.
+    pub(super) fn take(&mut self, world: &World, prototype: Entity) -> (Mesh, &Use) {
+        let of = self.uses.entry(prototype).or_default();
+        let Ok(mut mesh) = world.get::<&mut Mesh>(prototype) else { return (Mesh::default(), of) };
+        of.left = of.left.saturating_sub(1);
+        let mesh = if of.left > 0 { Mesh::clone(&mesh) } else { std::mem::take(&mut *mesh) };
+        (mesh, of)
     }
-
-    pub(super) fn quadrics(&self, world: &World) -> Vec<Occurrence> {
-        self.pick(|&Occurrence { prototype, .. }| {
-            has::<Sphere>(world, prototype) || has::<Disk>(world, prototype)
-        })
-    }
-
-    fn pick(&self, is: impl Fn(&Occurrence) -> bool) -> Vec<Occurrence> {
-        self.all.iter().copied().filter(is).collect()
-    }
-
-    /// The mesh of `prototype`: moved out at its last use, copied before.
-    pub(super) fn take(&mut self, world: &World, prototype: Entity) -> Mesh {
-        let Ok(mut mesh) = world.get::<&mut Mesh>(prototype) else { return Mesh::default() };
-        match self.uses.get_mut(&prototype) {
-            Some(uses) if *uses > 1 => {
-                *uses -= 1;
-                Mesh::clone(&mesh)
-            }
-            _ => std::mem::take(&mut mesh),
-        }
-    }
-
-    /// Meshes that become the scene's own triangles, once for each occurrence.
-    pub(super) fn own_meshes(&self, world: &World) -> Vec<Entity> {
-        let own = self.triangles(world).into_iter().map(|occurrence| occurrence.prototype);
-        own.filter(|&prototype| has::<Mesh>(world, prototype)).collect()
-    }
-}
-
-fn has<C: hecs::Component>(world: &World, entity: Entity) -> bool {
-    world.get::<&C>(entity).is_ok()
 }

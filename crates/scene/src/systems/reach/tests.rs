@@ -48,13 +48,12 @@ fn triangle_at(ray: &Ray, corners: &[Vec3; 3]) -> surface::Surface<f32> {
 }
 
 fn quadric_at(ray: &Ray, quadric: &Quadric) -> Option<surface::Surface<f32>> {
-    let (center, radius, front) = quadric.parts();
-    let place = [center, front].map(Vector::from);
+    let columns = quadric.columns().map(Vector::from);
     let t = match quadric {
         Quadric::Sphere(..) => 0.0,
         Quadric::Disk(disk) => disk::intersect_exactly(ray, disk)?,
     };
-    Some(surface::quadric_at::<f32, Exact>(&Line::from(ray), t, place, radius))
+    Some(surface::quadric_at::<f32, Exact>(&Line::from(ray), t, &columns))
 }
 
 /// Whether the shading step asks the light for anything where `ray` arrives.
