@@ -165,6 +165,8 @@ impl Set {
             json!({"type": "triangle", "points": [[-3, 3, 3], [-2, 3, 3], [-3, 3, 2]]})
         } else if self.has(Effect::Quads) {
             json!({"type": "plane", "points": [[-3, 3, 3], [-2, 3, 3], [-2, 3, 2], [-3, 3, 2]]})
+        } else if self.has(Effect::Disks) {
+            json!({"type": "disk", "center": [-3, 3, 3], "normal": [1, -1, 1], "radius": 0.5})
         } else {
             json!({"type": "sphere", "center": [-3, 3, 3], "radius": 0.5})
         }

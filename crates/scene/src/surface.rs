@@ -61,7 +61,7 @@ impl<'w> SurfaceComponents<'w> {
         Self {
             material: material.filter(|_| is_surface),
             texture: texture.filter(|_| is_surface),
-            maps: maps.filter(|_| is_surface).unwrap_or(Maps::NONE),
+            maps: maps.filter(|_| is_surface).unwrap_or(&Maps::NONE),
             cut_out: cut_out.filter(|_| is_surface),
             place: place.map_or("", |place| &place.0),
             name,

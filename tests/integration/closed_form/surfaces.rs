@@ -133,7 +133,7 @@ fn a_picture_fills_the_square_around_a_disk() {
     check(&textured(turned, &EYE.json()), &UPRIGHT);
     // The corners of the square are not there.
     let film = textured(disk([0.0, 0.0, 1.0], white()), &EYE.json());
-    check(&film, &[((4, 4), BACKGROUND), ((16, 16), BACKGROUND), ((11, 4), GREEN)]);
+    check(&film, &[((5, 5), BACKGROUND), ((15, 15), BACKGROUND), ((11, 5), GREEN)]);
 }
 
 #[test]

@@ -53,10 +53,8 @@ pub struct Maps {
 }
 
 impl Maps {
-    /// No maps.
-    pub(crate) const NONE: &'static Self =
-        &Self { emission: None, metal: None, occlusion: None, normal: None };
-
+    pub(crate) const NONE: Self =
+        Self { emission: None, metal: None, occlusion: None, normal: None };
     /// The maps that are set, with their keys in a scene file.
     pub fn all(&self) -> impl Iterator<Item = (&'static str, &TextureRef)> {
         let all = [
