@@ -22,7 +22,6 @@ use wavecrest_core::kernels::precision::Precision;
 use wavecrest_core::math::simd::Level;
 use wavecrest_core::prepared::PreparedScene;
 use wavecrest_core::tile::Tile;
-use wavecrest_core::wavefront::DEFAULT_BATCH;
 pub(crate) use wavecrest_report::files::{to_json, write_text};
 use wavecrest_scene::load::{LoadOptions, LoadedScene, load, survey};
 use wavecrest_scene::memory::{self, Estimate, Images};
@@ -148,12 +147,6 @@ impl Extent<'_> {
     /// The whole image, not written, in batches of this number of paths.
     pub(crate) fn whole(batch: u32) -> Self {
         Self { images: Box::new(Images::whole), batch: batch as usize }
-    }
-}
-
-impl Default for Extent<'_> {
-    fn default() -> Self {
-        Self::whole(DEFAULT_BATCH as u32)
     }
 }
 
@@ -360,6 +353,15 @@ where
 {
     let wrong = format!("use a whole number from {} to {}", range.start(), range.end());
     move |text| number(text, |found| range.contains(found), &wrong)
+}
+
+/// A number of 0 or more; `such` says what else than a number it is, and gives one.
+pub(crate) fn not_negative(
+    such: &str,
+) -> impl Fn(&str) -> std::result::Result<f64, String> + Clone + Send + Sync + 'static {
+    let wrong = format!("use a number of {such}");
+    let fits = |value: &f64| value.is_finite() && *value >= 0.0;
+    move |text| number(text, fits, &wrong)
 }
 
 /// A number above 0.

@@ -51,7 +51,7 @@ impl MetadataOptions {
 
     /// The metadata of an image with this identity, as far as requested.
     pub(super) fn entries(&self, identity: &Identity) -> Vec<Entry> {
-        let command = || (self.kind() == MetadataKind::Full).then(|| command(std::env::args_os()));
+        let command = || (self.kind() == MetadataKind::Full).then(command);
         match self.kind() {
             MetadataKind::None => Vec::new(),
             _ => Provenance { command: command(), ..identity.provenance() }.entries(),
@@ -65,8 +65,8 @@ impl MetadataOptions {
     }
 }
 
-/// The command, quoted so that it can be typed again.
-pub(super) fn command(words: impl IntoIterator<Item = OsString>) -> String {
+/// The command of this process, quoted so that it can be typed again.
+pub(super) fn command() -> String {
     let word = |word: OsString| {
         let word = word.to_string_lossy();
         let is_plain = |c: char| c.is_alphanumeric() || "-_./,:=+@%".contains(c);
@@ -76,5 +76,5 @@ pub(super) fn command(words: impl IntoIterator<Item = OsString>) -> String {
             format!("'{}'", word.replace('\'', r"'\''"))
         }
     };
-    words.into_iter().map(word).collect::<Vec<_>>().join(" ")
+    std::env::args_os().map(word).collect::<Vec<_>>().join(" ")
 }

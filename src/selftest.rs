@@ -1,8 +1,7 @@
 //! `selftest`: the hard cases, on this machine.
 
 mod examine;
-mod table;
-mod yields;
+mod text;
 
 use std::path::PathBuf;
 use std::time::Instant;
@@ -15,6 +14,7 @@ use super::common::{Threads, known, print, progress_bar, to_json, whole};
 use crate::choice::choice;
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_core::kernels::precision::Precision;
+use wavecrest_report::selftest::errors::{HitErrors, SITUATIONS, Situation};
 use wavecrest_report::selftest::{CASES, Case, Count, Effort, Outcome, case};
 use wavecrest_scene::load::{LoadOptions, survey};
 
@@ -68,6 +68,15 @@ struct Row {
     seconds: f64,
 }
 
+/// The errors of a precision in a situation.
+#[derive(Serialize)]
+struct Yield {
+    situation: &'static str,
+    precision: Precision,
+    #[serde(flatten)]
+    errors: HitErrors,
+}
+
 /// Runs the cases that the arguments name. Returns whether all pass.
 ///
 /// # Errors
@@ -92,7 +101,7 @@ pub(crate) fn run(args: &SelftestArgs) -> Result<bool> {
         });
         let rows = rows.collect::<Vec<_>>();
         bar.set_message("errors of hits");
-        let errors = if args.cases.is_empty() { yields::measure(&efforts) } else { Vec::new() };
+        let errors = if args.cases.is_empty() { errors_of_hits(&efforts) } else { Vec::new() };
         bar.set_message("the scene");
         let scene = args.scene.as_deref().map(|file| examine::run(file, &efforts));
         Ok((rows, errors, scene.transpose()?))
@@ -112,8 +121,8 @@ pub(crate) fn run(args: &SelftestArgs) -> Result<bool> {
             "scene": scene,
         })))?
     } else {
-        let errors = if errors.is_empty() { String::new() } else { yields::text(&errors) };
-        table::of(&rows, args) + &errors + &scene.as_ref().map_or_else(String::new, Examined::text)
+        let errors = if errors.is_empty() { String::new() } else { text::of_errors(&errors) };
+        text::of(&rows, args) + &errors + &scene.as_ref().map_or_else(String::new, Examined::text)
     };
     print(&text)?;
     Ok(all_hold)
@@ -146,4 +155,16 @@ fn row(case: &Case, efforts: &[Effort], step: impl Fn()) -> Row {
     let trials = efforts.iter().map(trial).collect();
     let Case { number, name, bound, .. } = *case;
     Row { case: number, name, bound, trials, seconds: start.elapsed().as_secs_f64() }
+}
+
+/// The errors in all situations.
+fn errors_of_hits(efforts: &[Effort]) -> Vec<Yield> {
+    let of = |situation: &'static Situation| {
+        efforts.iter().map(move |effort| Yield {
+            situation: situation.name,
+            precision: effort.precision,
+            errors: situation.errors(effort),
+        })
+    };
+    SITUATIONS.iter().flat_map(of).collect()
 }

@@ -2,8 +2,7 @@
 
 use std::path::Path;
 
-use super::ROUNDS;
-use super::args::BenchArgs;
+use super::{BenchArgs, ROUNDS};
 use crate::common::{Extent, SearchOptions, print, tell, to_json, with_bar, write_text};
 use wavecrest_base::error::{Error, Result};
 use wavecrest_core::accel::build::Preset;

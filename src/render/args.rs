@@ -10,7 +10,7 @@ use crate::choice::choice;
 use crate::common::{Extent, SceneOptions, SearchOptions, above_zero, crop, whole};
 use crate::develop::DevelopOptions;
 use crate::metadata::MetadataOptions;
-use array::Choice;
+use array::ShardChoice;
 use wavecrest_base::choice::Choice as _;
 use wavecrest_base::error::{Error, ErrorKind, Result, did_you_mean};
 use wavecrest_core::render::{RenderOptions, TracerKind};
@@ -70,7 +70,7 @@ pub(crate) struct RenderArgs {
     /// Layers to add to .exr outputs, comma-separated: depth, normal, albedo, position, object, material, samples,
     /// invalid, all (these), or alpha (colours then count as premultiplied)
     #[arg(long, value_name = "LAYERS", value_parser = layers)]
-    pub(crate) aov: Option<Layers>,
+    pub(crate) aov: Option<LayerList>,
     /// Metadata
     #[command(flatten)]
     pub(crate) metadata: MetadataOptions,
@@ -108,7 +108,7 @@ pub(crate) struct RenderArgs {
     /// Render shard I of N to a .part file for `wavecrest merge`; auto or auto/N takes I from the scheduler's
     /// array job
     #[arg(long, value_name = "I/N", conflicts_with_all = ["target_error", "time_budget", "stats", "also", "aov", "save_every"])]
-    pub(crate) shard: Option<Choice>,
+    pub(crate) shard: Option<ShardChoice>,
     /// Render this frame of the camera's path
     #[arg(long, value_name = "N", value_parser = whole(0..=u32::MAX))]
     pub(crate) frame: Option<u32>,
@@ -192,14 +192,14 @@ pub(crate) enum Style {
 
 /// The requested layers.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub(crate) struct Layers(Vec<Layer>);
+pub(crate) struct LayerList(Vec<Layer>);
 
 /// `depth,normal`, or `all`.
-fn layers(text: &str) -> std::result::Result<Layers, String> {
+fn layers(text: &str) -> std::result::Result<LayerList, String> {
     if text == "all" {
         // Alpha changes the colours: they are premultiplied by it.
         let all = Layer::ALL.into_iter().filter(|layer| *layer != Layer::Alpha);
-        return Ok(Layers(all.collect()));
+        return Ok(LayerList(all.collect()));
     }
     let names = || Layer::ALL.map(Layer::name).into_iter();
     let layer = |word: &str| {
@@ -214,7 +214,7 @@ fn layers(text: &str) -> std::result::Result<Layers, String> {
     text.split(',')
         .map(|word| layer(word.trim()))
         .collect::<std::result::Result<_, _>>()
-        .map(Layers)
+        .map(LayerList)
 }
 
 /// A range of frames.

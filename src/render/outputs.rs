@@ -1,24 +1,28 @@
-//! The output files of a render: one or several, with layers and metadata.
+//! The output files of a render: one or several, with layers and metadata; and the memory of its images, while it is
+//! traced and while its files are written.
 
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
 use super::args::RenderArgs;
+use super::sides::{Rows, animated};
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_base::replace::{check_differs, check_replaceable};
 use wavecrest_core::film::Film;
 use wavecrest_core::prepared::PreparedScene;
 use wavecrest_core::render::Rendered;
-use wavecrest_image::aov;
 use wavecrest_image::farm::Identity;
 use wavecrest_image::metadata::{Entry, Extras};
-use wavecrest_image::write::{Format, Transfer, check_writable, write_with};
+use wavecrest_image::write::{Format, Transfer, bytes_to_write, check_writable, write_with};
+use wavecrest_image::{animation, aov, look};
 use wavecrest_scene::components::Encoding;
+use wavecrest_scene::load::framing::Sheet;
+use wavecrest_scene::memory::{Images, film_bytes};
 
 /// The outputs of a render, checked to be writable.
 pub(super) struct Outputs<'a> {
     args: &'a RenderArgs,
-    paths: Vec<&'a Path>,
+    pub(super) paths: Vec<&'a Path>,
     /// The transfer curve of 8-bit images, unless the arguments set it; known after reading the
     /// scene.
     encoding: OnceLock<Encoding>,
@@ -102,7 +106,7 @@ impl<'a> Outputs<'a> {
     /// If there is no memory for the layers, or a file cannot be written: those before it are then
     /// complete, and it and those after it unchanged.
     pub(super) fn write(&self, scene: &PreparedScene, rendered: &Rendered) -> Result<()> {
-        let aov::Found { channels, entries: tables } = self.layers(scene, rendered)?;
+        let aov::Layers { channels, entries: tables } = self.layers(scene, rendered)?;
         let entries = self.entries(scene)?;
         // The tables of numbers are useful only with the numbers.
         let with_tables = [&entries[..], &tables].concat();
@@ -166,11 +170,6 @@ impl<'a> Outputs<'a> {
         self.paths.first().copied().unwrap_or(Path::new(""))
     }
 
-    /// The files.
-    pub(super) fn paths(&self) -> &[&'a Path] {
-        &self.paths
-    }
-
     fn extras<'e>(&self, entries: &'e [Entry]) -> Extras<'e> {
         Extras { entries, develop: self.args.develop.into(), ..self.args.metadata.extras() }
     }
@@ -179,10 +178,10 @@ impl<'a> Outputs<'a> {
         self.paths.iter().any(|path| is_exr(path))
     }
 
-    fn layers(&self, scene: &PreparedScene, rendered: &Rendered) -> Result<aov::Found> {
+    fn layers(&self, scene: &PreparedScene, rendered: &Rendered) -> Result<aov::Layers> {
         let layers = &self.args.layers();
         if layers.is_empty() {
-            return Ok(aov::Found::default());
+            return Ok(aov::Layers::default());
         }
         let RenderArgs { crop, seed, .. } = *self.args;
         let invalid = rendered.counters.invalid;
@@ -222,4 +221,64 @@ fn check_alpha(path: &Path, is_shard: bool) -> Result<()> {
 
 fn is_exr(path: &Path) -> bool {
     Format::from_path(path).is_ok_and(|format| format == Format::Exr)
+}
+
+impl RenderArgs {
+    /// Upper bound on the memory of the images, if the whole image has this width and height in pixels.
+    pub(super) fn images(&self, size: [u32; 2]) -> Images {
+        let input = &self.scene_options.input;
+        let image = self.crop.map_or(size, |crop| [crop.width, crop.height]);
+        let pixels = area(image);
+        let film = film_bytes(pixels) + self.beside(pixels, area(size));
+        let animated = self.output().ok().and_then(|path| animated(path));
+        match (&input.sheet, input.turntable, animated) {
+            _ if self.frame.is_some() => Images { film, writing: self.writing(pixels) },
+            (Some(Sheet(sides)), ..) => {
+                let sheet = area(Rows::new(sides.len()).size(image));
+                // The last image is kept while the next is traced.
+                let film = film + film_bytes(pixels) + film_bytes(sheet);
+                Images { film, writing: self.writing(sheet) }
+            }
+            (None, Some(_), Some(format)) => {
+                Images { film, writing: animation::bytes_to_write(format, pixels) }
+            }
+            _ => Images { film, writing: self.writing(pixels) },
+        }
+    }
+
+    /// What tracing keeps beside the image: sums for a checkpoint or a shard, the image so far, the pixels of a look.
+    fn beside(&self, pixels: u64, whole: u64) -> u64 {
+        let so_far = match self.save_every {
+            // Tiles are added to one while another is written.
+            Some(_) => 2 * film_bytes(pixels) + self.file_bytes(pixels, 0),
+            None => 0,
+        };
+        let look = self.look.map_or(0, |kind| look::bytes(kind, pixels, whole));
+        let keeps = self.checkpoint.is_some() || self.shard.is_some();
+        let sums = if keeps { pixels * size_of::<[f64; 3]>() as u64 } else { 0 };
+        sums + so_far + look
+    }
+
+    /// What writing the files takes, beside an image of this number of pixels.
+    fn writing(&self, pixels: u64) -> u64 {
+        let values = aov::values_per_pixel(&self.layers());
+        pixels * values * size_of::<f32>() as u64 + self.file_bytes(pixels, values)
+    }
+
+    /// What the largest file takes while it is written, with this number of further values in each pixel.
+    fn file_bytes(&self, pixels: u64, values: u64) -> u64 {
+        let paths = self.output().into_iter().chain(&self.also);
+        let formats = paths.filter_map(|path| Format::from_path(path).ok());
+        let bytes = |format: Format| {
+            let developed =
+                if format.is_developed(self.develop.into()) { film_bytes(pixels) } else { 0 };
+            developed + bytes_to_write(format, pixels, values)
+        };
+        formats.map(bytes).max().unwrap_or(0)
+    }
+}
+
+/// The number of pixels of this width and height.
+fn area([width, height]: [u32; 2]) -> u64 {
+    u64::from(width) * u64::from(height)
 }

@@ -5,37 +5,35 @@
 mod live;
 mod log;
 mod progress;
-mod recorder;
 mod saver;
-pub(super) mod stage;
 
 use super::args::RenderArgs;
 use super::outputs::Outputs;
 use crate::common::tell;
-use crate::interrupt::Interrupt;
+use crate::interrupt;
 use live::Live;
 use log::Log;
 use progress::Progress;
 use saver::Saver;
-use stage::Stage;
-use wavecrest_base::error::{Error, Result, Warning};
+use wavecrest_base::error::{Error, Result};
 use wavecrest_core::prepared::PreparedScene;
 use wavecrest_core::render::Watch;
 use wavecrest_core::tile::Tile;
 use wavecrest_report::accuracy::pilot::budget::Pace;
 
-/// A render as requested, the channels that show it, during and after it, and the interrupt that ends it early.
-pub(super) struct Seen<'a> {
+pub(super) use progress::Stage;
+
+/// A render: what is requested, its files, and the channels that show it, during and after it.
+pub(super) struct Rendering<'a> {
     pub(super) args: &'a RenderArgs,
     pub(super) outputs: &'a Outputs<'a>,
     pub(super) reporter: &'a Reporter,
-    pub(super) interrupt: &'a Interrupt,
 }
 
 /// Reports on a command from its start to its end.
 pub(super) struct Reporter {
     progress: Progress,
-    log: Log,
+    pub(super) log: Log,
 }
 
 impl Reporter {
@@ -53,18 +51,13 @@ impl Reporter {
     pub(super) fn stage(&self, stage: Stage) {
         self.progress.stage(stage);
         if stage != Stage::Done {
-            self.log.line(stage.name(), || "begins".to_owned());
+            self.log.note(stage.name(), || "begins".to_owned());
         }
     }
 
     /// An entry for the log only.
     pub(super) fn note(&self, topic: &str, text: impl FnOnce() -> String) {
-        self.log.line(topic, text);
-    }
-
-    /// Adds warnings that are printed already to the log.
-    pub(super) fn warnings(&self, warnings: &[Warning]) {
-        warnings.iter().for_each(|warning| self.note("warning", || warning.to_string()));
+        self.log.note(topic, text);
     }
 
     /// The value, or a warning with the reason for none.
@@ -82,7 +75,7 @@ impl Reporter {
 /// Shows one render on the requested channels: the reporter's, the viewer and the file. Ends it on a
 /// signal, or if it is too slow.
 pub(super) struct Show<'a> {
-    seen: &'a Seen<'a>,
+    rendering: &'a Rendering<'a>,
     live: Option<Live>,
     saver: Option<Saver<'a>>,
     pace: Option<&'a Pace<'a>>,
@@ -91,11 +84,11 @@ pub(super) struct Show<'a> {
 impl<'a> Show<'a> {
     /// Begins to show the render of `scene`.
     pub(super) fn begin(
-        seen: &'a Seen<'a>,
+        rendering: &'a Rendering<'a>,
         scene: &PreparedScene,
         pace: Option<&'a Pace<'a>>,
     ) -> Self {
-        let Seen { args, outputs, reporter, .. } = *seen;
+        let Rendering { args, outputs, reporter } = *rendering;
         reporter.stage(Stage::Trace);
         let [width, height] = scene.camera.size();
         let window = args.crop.unwrap_or(Tile { x: 0, y: 0, width, height });
@@ -106,13 +99,13 @@ impl<'a> Show<'a> {
         let saver = args
             .save_every
             .and_then(|seconds| reporter.or_warn(Saver::new(outputs, scene, window, seconds)));
-        Self { seen, live, saver, pace }
+        Self { rendering, live, saver, pace }
     }
 }
 
 impl Watch for Show<'_> {
     fn progress(&self, done: u64, all: u64) {
-        self.seen.reporter.progress.update(done, all);
+        self.rendering.reporter.progress.update(done, all);
         if let Some(pace) = self.pace {
             pace.progress(done, all);
         }
@@ -125,20 +118,20 @@ impl Watch for Show<'_> {
         if let Some(saver) = &self.saver
             && let Err(error) = saver.keep(tile, pixels)
         {
-            self.seen.reporter.warn(&error);
+            self.rendering.reporter.warn(&error);
         }
     }
 
     fn cancelled(&self) -> bool {
-        self.seen.interrupt.signal().is_some() || self.pace.is_some_and(Pace::is_late)
+        interrupt::signal().is_some() || self.pace.is_some_and(Pace::is_late)
     }
 }
 
 impl Drop for Show<'_> {
     fn drop(&mut self) {
-        self.seen.reporter.progress.pause();
+        self.rendering.reporter.progress.pause();
         if let Some(error) = self.live.take().and_then(Live::finish) {
-            self.seen.reporter.warn(&error);
+            self.rendering.reporter.warn(&error);
         }
     }
 }

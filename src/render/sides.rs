@@ -3,10 +3,9 @@
 use std::path::Path;
 
 use super::args::RenderArgs;
-use super::frames::{self, Shoot};
+use super::frames::{self, Sequence};
 use super::outputs::Outputs;
-use super::show::Reporter;
-use super::show::stage::Stage;
+use super::show::{Reporter, Stage};
 use super::watched;
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_core::film::Film;
@@ -99,23 +98,24 @@ fn animate(
     reporter: &Reporter,
 ) -> Result<()> {
     let output = outputs.first();
-    let mut shoot = Shoot::prepare(args, &outputs.all(), count as usize, reporter)?;
-    shoot.tell(outputs);
-    let size = args.crop.map_or(shoot.ready.scene.camera.size(), |crop| [crop.width, crop.height]);
-    let entries = outputs.entries(&shoot.ready.scene)?;
+    let mut sequence = Sequence::prepare(args, &outputs.all(), count as usize, reporter)?;
+    outputs.made_of(sequence.ready.encoding);
+    let size =
+        args.crop.map_or(sequence.ready.scene.camera.size(), |crop| [crop.width, crop.height]);
+    let entries = outputs.entries(&sequence.ready.scene)?;
     let transfer = outputs.transfer();
     let animation =
         Animation { path: output, format, size, frames: count, transfer, entries: &entries };
     // Errors of a frame are not about the file.
     let mut failed = None;
     let mut film = |frame| {
-        let rendered = shoot.frame(args, frame + 1, outputs);
+        let rendered = sequence.frame(args, frame + 1, outputs);
         rendered.map(|one| one.film).inspect_err(|error| failed = Some(error.clone()))
     };
     animation.write(&mut film).map_err(|error| failed.unwrap_or(error))?;
     reporter.note("write", || output.display().to_string());
     reporter.stage(Stage::Done);
-    shoot.finish(&output.display().to_string(), count as usize, size);
+    sequence.finish(&output.display().to_string(), size);
     Ok(())
 }
 
@@ -126,21 +126,21 @@ fn draw_sheet(
     outputs: &Outputs<'_>,
     reporter: &Reporter,
 ) -> Result<()> {
-    let mut shoot = Shoot::prepare(args, &outputs.all(), sides.len(), reporter)?;
+    let mut sequence = Sequence::prepare(args, &outputs.all(), sides.len(), reporter)?;
     let mut rows = Rows::new(sides.len());
     let mut last = None;
     for (frame, (name, _)) in (1..).zip(sides) {
-        let rendered = shoot.frame(args, frame, outputs)?;
+        let rendered = sequence.frame(args, frame, outputs)?;
         rows.add(name, &rendered.film)?;
         last = Some(rendered);
     }
     let (Some(mut rendered), Some(film)) = (last, rows.film) else { return Ok(()) };
     rendered.film = film;
     reporter.stage(Stage::Write);
-    outputs.write(&shoot.ready.scene, &rendered)?;
+    outputs.write(&sequence.ready.scene, &rendered)?;
     reporter.stage(Stage::Done);
     let size = [rendered.film.width(), rendered.film.height()];
-    shoot.finish(&outputs.name(), sides.len(), size);
+    sequence.finish(&outputs.name(), size);
     Ok(())
 }
 

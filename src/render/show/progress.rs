@@ -11,7 +11,6 @@ use std::time::{Duration, Instant};
 use indicatif::ProgressBar;
 use serde_json::json;
 
-use super::stage::Stage;
 use crate::common::{progress_bar, tell};
 use crate::render::args::Style;
 
@@ -20,6 +19,23 @@ const BAR: &str = "{wide_bar} {percent:>3} % {millions} Mpixels/s, {eta} left";
 
 /// The shortest interval between two lines of one stage.
 const INTERVAL: Duration = Duration::from_millis(100);
+
+wavecrest_base::choices! {
+    /// A stage of a render. Names are those in lines of progress and in the log.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    pub enum Stage {
+        /// Reading the scene and its meshes.
+        Load = "load",
+        /// Building the tree.
+        Build = "build",
+        /// Following rays.
+        Trace = "trace",
+        /// Writing files.
+        Write = "write",
+        /// Nothing any more.
+        Done = "done",
+    }
+}
 
 /// Reports progress in one style.
 pub(super) struct Progress {
@@ -33,7 +49,7 @@ struct Lines {
     stage: Stage,
     /// The start of the stage, and the time of the last line.
     began: Instant,
-    told: Option<Instant>,
+    printed: Option<Instant>,
     done: u64,
     all: Option<u64>,
 }
@@ -43,7 +59,7 @@ impl Progress {
         let has_bar = style == Style::Bar || (style == Style::Auto && !quiet);
         let now = Instant::now();
         let lines =
-            Lines { start: now, stage: Stage::Load, began: now, told: None, done: 0, all: None };
+            Lines { start: now, stage: Stage::Load, began: now, printed: None, done: 0, all: None };
         Self {
             bar: progress_bar(!has_bar, BAR),
             lines: (style == Style::Json).then(|| Mutex::new(lines)),
@@ -59,7 +75,7 @@ impl Progress {
             // A render for a target error starts again.
             lines.done = 0;
         }
-        lines.tell();
+        lines.print();
     }
 
     /// The number of pixels finished, and of all.
@@ -71,9 +87,9 @@ impl Progress {
         // Threads may report out of order.
         lines.done = if lines.all == Some(all) { lines.done.max(done) } else { done };
         lines.all = Some(all);
-        let is_due = lines.told.is_none_or(|told| told.elapsed() >= INTERVAL);
+        let is_due = lines.printed.is_none_or(|printed| printed.elapsed() >= INTERVAL);
         if is_due || done == all {
-            lines.tell();
+            lines.print();
         }
     }
 
@@ -84,9 +100,9 @@ impl Progress {
 }
 
 impl Lines {
-    fn tell(&mut self) {
+    fn print(&mut self) {
         let now = Instant::now();
-        self.told = Some(now);
+        self.printed = Some(now);
         let Self { start, stage, began, done, all, .. } = *self;
         let left = all.filter(|_| stage == Stage::Trace && done > 0).map(|all| {
             let spent = now.duration_since(began).as_secs_f64();

@@ -5,11 +5,13 @@
 
 mod records;
 
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs::{File, OpenOptions};
 use std::io::{Read as _, Write as _};
 use std::path::{Path, PathBuf};
 
 use super::setting::Target;
+use crate::measure::{Timing, quiet};
 use wavecrest_base::error::{Error, ErrorKind, Result};
 
 pub use records::*;
@@ -26,6 +28,18 @@ pub(crate) fn known<'a>(
     target: Target,
 ) -> Option<&'a ReferenceRecord> {
     all(records).find(|r: &&ReferenceRecord| r.scene == scene && r.target == target)
+}
+
+/// The number of rounds of a scene, and the seeds of those that were busy.
+pub(crate) fn busy_rounds(scene: &str, records: &[Record]) -> (usize, BTreeSet<u64>) {
+    let mut rounds: BTreeMap<u64, Vec<Timing>> = BTreeMap::new();
+    for point in all::<PointRecord>(records).filter(|point| point.scene == scene) {
+        rounds.entry(point.seed).or_default().extend(point.timing);
+    }
+    let sums: Vec<Timing> = rounds.values().map(|all| all.iter().copied().sum()).collect();
+    let quiet = quiet(&sums);
+    let busy = rounds.keys().zip(&quiet).filter(|(_, quiet)| !**quiet).map(|(seed, _)| *seed);
+    (rounds.len(), busy.collect())
 }
 
 /// The records of a sweep, in a folder.

@@ -1,11 +1,12 @@
-//! The outcome of the cases as text: the verdict, a table, and failures.
+//! The outcome of the cases as text: the verdict, a table, and failures; and the errors of hits.
 
 use std::fmt::Write as _;
 
-use super::{Row, SelftestArgs, Trial};
+use super::{Row, SelftestArgs, Trial, Yield};
 use crate::common::rounded;
 use wavecrest_core::kernels::precision::Precision;
 use wavecrest_report::selftest::Outcome;
+use wavecrest_report::selftest::errors::{Distribution, ulps};
 
 /// The whole text.
 pub(super) fn of(rows: &[Row], args: &SelftestArgs) -> String {
@@ -83,6 +84,25 @@ fn failures(rows: &[Row], precisions: &[Precision], args: &SelftestArgs) -> Stri
                 row.name, row.bound, row.case, args.seed
             );
         }
+    }
+    text
+}
+
+/// A row for each, with the bound for 999 of 1000 hits.
+pub(super) fn of_errors(yields: &[Yield]) -> String {
+    let widest = yields.iter().map(|row| row.situation.len()).max().unwrap_or(0);
+    let mut text = format!(
+        "\n{:<widest$}  {:<9}  {:>12}  {:>12}  {:>12}  {:>20}\n",
+        "error of 999 in 1000 hits", "precision", "t", "point", "normal", "worst t"
+    );
+    for Yield { situation, precision, errors } in yields {
+        let most = |e: &Distribution| e.within(0.999).map_or_else(|| "-".to_owned(), ulps);
+        let [t, point, normal] = [&errors.t, &errors.point, &errors.normal].map(most);
+        let (name, worst) = (precision.name(), ulps(errors.t.worst));
+        let _ = writeln!(
+            text,
+            "{situation:<widest$}  {name:<9}  {t:>12}  {point:>12}  {normal:>12}  {worst:>20}"
+        );
     }
     text
 }
