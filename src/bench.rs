@@ -7,10 +7,9 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use super::common::{
-    Extent, SceneOptions, SearchOptions, not_negative, print, tell, to_json, warn, whole, with_bar,
-    write_text,
+    Extent, SceneOptions, SearchOptions, choice, not_negative, print, tell, to_json, warn, whole,
+    with_bar, write_text,
 };
-use crate::choice::choice;
 use wavecrest_base::error::Result;
 use wavecrest_base::replace::{check_differs, check_replaceable};
 use wavecrest_core::prepared::PreparedScene;

@@ -5,8 +5,7 @@ use std::str::FromStr;
 
 use serde::Serialize;
 
-use super::common::{not_negative, print, to_json};
-use crate::choice::choice;
+use super::common::{choice, not_negative, print, to_json};
 use wavecrest_base::error::Result;
 use wavecrest_base::replace::check_differs;
 use wavecrest_core::film::Film;

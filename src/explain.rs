@@ -292,32 +292,33 @@ fn verdict(e: &Explanation<'_>) -> String {
 }
 
 /// A row of a table: two estimates, and what was found of a render.
-fn row(name: &str, estimates: [&str; 2], found: Option<&str>) -> String {
-    let [first, second] = estimates;
+fn row(name: &str, [first, second]: [&str; 2], found: Option<&str>) -> String {
     let found = found.map_or_else(String::new, |found| format!("{found:>18}"));
     format!("{name:<24}{first:>16}{second:>18}{found}\n")
 }
 
 /// Estimates, with counts beside them if there are any.
 fn work(e: &Explanation<'_>) -> String {
-    let rows = |rays: &Rays, samples: &Samples| {
-        [
-            ("    camera rays", grouped(rays.primary)),
-            ("    mirror rays", grouped(rays.secondary)),
-            ("    shadow rays", grouped(rays.shadow)),
-            ("    points on the lens", grouped(samples.lens)),
-            ("    points on lights", grouped(samples.light)),
-            ("    texels read", grouped(samples.texels)),
-        ]
+    const NAMES: [&str; 6] = [
+        "    camera rays",
+        "    mirror rays",
+        "    shadow rays",
+        "    points on the lens",
+        "    points on lights",
+        "    texels read",
+    ];
+    let counts = |rays: &Rays, samples: &Samples| {
+        let Rays { primary, secondary, shadow } = *rays;
+        [primary, secondary, shadow, samples.lens, samples.light, samples.texels].map(grouped)
     };
-    let most = rows(&e.estimated.rays, &e.estimated.samples);
-    let expected = rows(&e.expected.rays, &e.expected.samples);
-    let counters = e.rendered.as_ref().map(|rendered| &rendered.counters);
-    let counted = counters.map(|counters| rows(&counters.into(), &counters.into()));
-    let mut text = row("work", ["at most", "estimate"], counters.map(|_| "counted"));
-    for (i, (name, most)) in most.iter().enumerate() {
-        let counted = counted.as_ref().map(|counted| counted[i].1.as_str());
-        text += &row(name, [most, &expected[i].1], counted);
+    let most = counts(&e.estimated.rays, &e.estimated.samples);
+    let expected = counts(&e.expected.rays, &e.expected.samples);
+    let rendered = e.rendered.as_ref().map(|rendered| &rendered.counters);
+    let rendered = rendered.map(|counters| counts(&counters.into(), &counters.into()));
+    let mut text = row("work", ["at most", "estimate"], rendered.as_ref().map(|_| "counted"));
+    for (i, name) in NAMES.iter().enumerate() {
+        let counted = rendered.as_ref().map(|counted| counted[i].as_str());
+        text += &row(name, [&most[i], &expected[i]], counted);
     }
     text + &named("", &format!("estimated from {} pixels", grouped(e.expected.pixels)))
 }

@@ -7,6 +7,7 @@ mod look;
 mod outputs;
 mod parts;
 mod ready;
+mod rows;
 mod show;
 mod sides;
 mod summary;
@@ -41,7 +42,7 @@ pub(crate) fn run(args: &RenderArgs) -> Result<()> {
     }
     parts::check(args, output)?;
     look::check(args)?;
-    let outputs = Outputs::check(args, output, shard.is_some())?;
+    let outputs = Outputs::check(args, args.paths()?, shard.is_some())?;
     watched(args, |reporter| one(args, &outputs, reporter, shard))
 }
 

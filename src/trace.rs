@@ -1,23 +1,22 @@
 //! `trace`: traces the rays of a file against a mesh, with times and answers.
 
-mod passes;
-
 use std::path::PathBuf;
+use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
+use rayon::prelude::*;
 use serde::Serialize;
 
-use super::common::{SearchOptions, Threads, print, to_json, whole};
-use crate::choice::choice;
-use passes::Answers;
+use super::common::{SearchOptions, Threads, choice, print, to_json, whole};
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_base::replace::{check_differs, check_replaceable};
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::accel::tree::{Tree, Visits};
-use wavecrest_core::accel::{Accel, Hit, KernelChoice};
+use wavecrest_core::accel::{Accel, Hit, KernelChoice, Traversal};
 use wavecrest_core::counters::Counters;
 use wavecrest_core::geometry::Geometry;
 use wavecrest_core::kernels::precision::Precision;
+use wavecrest_core::math::ray::Ray;
 use wavecrest_core::math::simd::Level;
 use wavecrest_core::render::TracerKind;
 use wavecrest_report::ray_file::RayFile;
@@ -93,7 +92,7 @@ fn run_here(args: &TraceArgs) -> Result<()> {
     let mut accel = Accel::new(geometry, preset);
     args.search.apply(&mut accel);
     let build_seconds = start.elapsed().as_secs_f64();
-    let answers = passes::run(&accel, &file, args.tracer, args.repeats);
+    let answers = time_passes(&accel, &file, args.tracer, args.repeats);
     let per_ray = |count: u64| count as f64 / rays.max(1) as f64;
     let Counters { tests, kernels, .. } = answers.work;
     let report = Report {
@@ -137,6 +136,93 @@ fn check_belongs(args: &TraceArgs, file: &RayFile, triangles: usize) -> Result<(
         .in_file(&args.rays)
         .value(format!("rays for {} triangles", file.triangles))
         .remedy(format!("{} has {triangles}", args.mesh.display())))
+}
+
+/// Rays for each task.
+const BLOCK_RAYS: usize = 4096;
+
+/// The answers and times.
+struct Answers {
+    closest: Vec<Hit>,
+    occluded: Vec<bool>,
+    /// The tests and the rays of one timed pass.
+    work: Counters,
+    /// The median of the timed passes.
+    seconds: f64,
+}
+
+impl Answers {
+    /// The number of rays with a hit, by one kind of answers.
+    fn hits(&self, any_hit: bool) -> usize {
+        if any_hit {
+            self.occluded.iter().filter(|&&occluded| occluded).count()
+        } else {
+            self.closest.iter().filter(|hit| !hit.is_miss()).count()
+        }
+    }
+}
+
+/// Times `repeats` passes with the query of the file, and runs the other query once.
+fn time_passes(accel: &Accel, file: &RayFile, tracer: TracerKind, repeats: u32) -> Answers {
+    let (mut closest, mut occluded) =
+        (vec![Hit::MISS; file.rays.len()], vec![false; file.rays.len()]);
+    // One for each thread, reused between passes: allocating them is not part of the work.
+    let mut traversals = vec![accel.traversal(); rayon::current_num_threads()];
+    let mut passes = |any_hit: bool| match any_hit {
+        false => {
+            let many = |rays: &[Ray], hits: &mut [Hit], t: &mut _| accel.closest_of(rays, hits, t);
+            let one = |ray: &Ray, t: &mut _| accel.closest(ray, t);
+            pass(&mut traversals, &file.rays, &mut closest, tracer, many, one)
+        }
+        true => {
+            let many =
+                |rays: &[Ray], found: &mut [bool], t: &mut _| accel.occluded_of(rays, found, t);
+            let one = |ray: &Ray, t: &mut _| accel.occluded(ray, t);
+            pass(&mut traversals, &file.rays, &mut occluded, tracer, many, one)
+        }
+    };
+    let mut work = Counters::default();
+    let mut samples: Vec<f64> = Vec::new();
+    for _ in 0..repeats {
+        let start = Instant::now();
+        work = passes(file.any_hit);
+        samples.push(start.elapsed().as_secs_f64());
+    }
+    passes(!file.any_hit);
+    samples.sort_by(f64::total_cmp);
+    Answers { closest, occluded, work, seconds: samples[samples.len() / 2] }
+}
+
+/// Runs a query for every ray, block by block.
+fn pass<A: Send>(
+    traversals: &mut [Traversal],
+    rays: &[Ray],
+    answers: &mut [A],
+    tracer: TracerKind,
+    many: impl Fn(&[Ray], &mut [A], &mut Traversal) + Sync,
+    one: impl Fn(&Ray, &mut Traversal) -> A + Sync,
+) -> Counters {
+    let blocks = Mutex::new(answers.chunks_mut(BLOCK_RAYS).zip(rays.chunks(BLOCK_RAYS)));
+    let next = || blocks.lock().unwrap_or_else(PoisonError::into_inner).next();
+    let work = traversals.par_iter_mut().with_max_len(1).map(|traversal| {
+        (traversal.tests, traversal.kernels) = Default::default();
+        while let Some((answers, rays)) = next() {
+            match tracer {
+                TracerKind::Wavefront => many(rays, answers, traversal),
+                TracerKind::Recursive => {
+                    for (answer, ray) in answers.iter_mut().zip(rays) {
+                        *answer = one(ray, traversal);
+                    }
+                }
+            }
+        }
+        let Traversal { tests, kernels, .. } = *traversal;
+        Counters { tests, kernels, ..Counters::default() }
+    });
+    work.reduce(Counters::default, |mut all, own| {
+        all += own;
+        all
+    })
 }
 
 /// Two t agree if they differ by less than this factor of t: those of the file may be off by what

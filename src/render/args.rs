@@ -6,13 +6,13 @@ use std::ops::RangeInclusive;
 use std::path::PathBuf;
 use std::time::Duration;
 
-use crate::choice::choice;
-use crate::common::{Extent, SceneOptions, SearchOptions, above_zero, crop, whole};
-use crate::develop::DevelopOptions;
-use crate::metadata::MetadataOptions;
+use crate::common::{
+    Extent, SceneOptions, SearchOptions, above_zero, choice, numbers, output, whole,
+};
+use crate::image_options::{DevelopOptions, MetadataOptions};
 use array::ShardChoice;
 use wavecrest_base::choice::Choice as _;
-use wavecrest_base::error::{Error, ErrorKind, Result, did_you_mean};
+use wavecrest_base::error::{Result, did_you_mean};
 use wavecrest_core::render::{RenderOptions, TracerKind};
 use wavecrest_core::tile::Tile;
 use wavecrest_core::wavefront::DEFAULT_BATCH;
@@ -139,9 +139,15 @@ impl RenderArgs {
     /// # Errors
     /// If none is named.
     pub(super) fn output(&self) -> Result<&PathBuf> {
-        self.output.as_ref().or(self.image.as_ref()).ok_or_else(|| {
-            Error::new(ErrorKind::Usage, "the output is missing").remedy("add one, such as out.png")
-        })
+        output(&self.output, &self.image, "out.png")
+    }
+
+    /// The files to write.
+    ///
+    /// # Errors
+    /// If none is named.
+    pub(super) fn paths(&self) -> Result<Vec<PathBuf>> {
+        Ok(std::iter::once(self.output()?).chain(&self.also).cloned().collect())
     }
 
     /// The layers to write, with the alpha of a transparent background.
@@ -188,6 +194,13 @@ pub(crate) enum Style {
     Json,
     /// Nothing
     None,
+}
+
+/// `x,y,width,height` in pixels.
+fn crop(text: &str) -> std::result::Result<Tile, String> {
+    let tile = |[x, y, width, height]: [u32; 4]| Tile { x, y, width, height };
+    let wrong = "write four whole numbers: x,y,width,height, such as 0,0,64,64";
+    numbers(text).map(tile).ok_or_else(|| wrong.to_owned())
 }
 
 /// The requested layers.

@@ -47,27 +47,26 @@ fn share(frames: Frames, shard: Option<Shard>) -> impl Iterator<Item = u32> {
 /// # Errors
 /// If one cannot be rendered or written: those before it are complete then.
 pub(super) fn run(args: &RenderArgs, frames: Frames, shard: Option<Shard>) -> Result<()> {
-    let output = args.output()?;
-    let of_frame = |frame| (frame, args.of_frame(output, frame));
-    let all: Vec<(u32, RenderArgs)> = share(frames, shard).map(of_frame).collect();
-    let mut outputs = Vec::new();
-    for (_, one) in &all {
-        outputs.push(Outputs::check(one, one.output()?, false)?);
-    }
+    let paths = args.paths()?;
+    let of_frame = |frame| {
+        let paths = paths.iter().map(|path| numbered(path, frame)).collect();
+        Ok((frame, Outputs::check(args, paths, false)?))
+    };
+    let all: Vec<(u32, Outputs<'_>)> = share(frames, shard).map(of_frame).collect::<Result<_>>()?;
     watched(args, |reporter| {
-        let files: Vec<&Path> = outputs.iter().flat_map(Outputs::all).collect();
+        let files: Vec<&Path> = all.iter().flat_map(|(_, outputs)| outputs.all()).collect();
         let mut sequence = Sequence::prepare(args, &files, all.len(), reporter)?;
         sequence.numbered = true;
         let mut size = [0; 2];
-        for ((frame, one), outputs) in all.iter().zip(&outputs) {
-            let rendered = sequence.frame(one, *frame, outputs)?;
+        for (frame, outputs) in &all {
+            let rendered = sequence.frame(*frame, outputs)?;
             reporter.stage(Stage::Write);
             outputs.write(&sequence.ready.scene, &rendered)?;
             size = [rendered.film.width(), rendered.film.height()];
             reporter.note("frame", || format!("{frame}: {}", outputs.name()));
         }
         reporter.stage(Stage::Done);
-        sequence.finish(&output.display().to_string(), size);
+        sequence.finish(&args.output()?.display().to_string(), size);
         Ok(())
     })
 }
@@ -103,28 +102,23 @@ impl<'a> Sequence<'a> {
         Ok(Self { args, reporter, ready, summary, frames, finished: 0, numbered: false })
     }
 
-    /// Renders a frame with the arguments of `one`.
+    /// Renders a frame.
     ///
     /// # Errors
     /// If the camera has no such frame, or a signal ended the render.
-    pub(super) fn frame(
-        &mut self,
-        one: &RenderArgs,
-        frame: u32,
-        outputs: &Outputs<'_>,
-    ) -> Result<Rendered> {
+    pub(super) fn frame(&mut self, frame: u32, outputs: &Outputs<'_>) -> Result<Rendered> {
         place(&mut self.ready.scene, frame, &self.args.scene)?;
         outputs.made_of(self.ready.encoding);
         if interrupt::signal().is_some() {
             return Err(self.interrupted(outputs, 0.0));
         }
-        let rendering = Rendering { args: one, outputs, reporter: self.reporter };
+        let rendering = Rendering { args: self.args, outputs, reporter: self.reporter };
         let (rendered, _) = parts::trace(&rendering, &self.ready.scene, None)?;
         if !rendered.finished {
             return Err(self.interrupted(outputs, parts::share(&rendered)));
         }
         self.args.scene_options.check_taken(&self.args.scene)?;
-        let first = parts::find_invalid(one, &self.ready.scene, &rendered.counters)?;
+        let first = parts::find_invalid(self.args, &self.ready.scene, &rendered.counters)?;
         parts::report_invalid(&rendered.counters, first.as_ref());
         self.summary.add(&rendered.counters, rendered.seconds);
         self.finished += 1;
@@ -146,16 +140,6 @@ impl<'a> Sequence<'a> {
     pub(super) fn finish(&self, name: &str, [width, height]: [u32; 2]) {
         let frames = self.frames;
         self.summary.print(self.args, name, &format!("{frames} frames, {width}x{height}"));
-    }
-}
-
-impl RenderArgs {
-    /// The same for one frame, with its own outputs.
-    fn of_frame(&self, output: &Path, frame: u32) -> Self {
-        let mut args = self.clone();
-        (args.image, args.output) = (Some(numbered(output, frame)), None);
-        args.also.iter_mut().for_each(|path| *path = numbered(path, frame));
-        args
     }
 }
 

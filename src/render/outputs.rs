@@ -5,16 +5,17 @@ use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
 use super::args::RenderArgs;
-use super::sides::{Rows, animated};
+use super::rows::Rows;
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_base::replace::{check_differs, check_replaceable};
 use wavecrest_core::film::Film;
 use wavecrest_core::prepared::PreparedScene;
 use wavecrest_core::render::Rendered;
+use wavecrest_image::animation::{self, Animated};
 use wavecrest_image::farm::Identity;
 use wavecrest_image::metadata::{Entry, Extras};
 use wavecrest_image::write::{Format, Transfer, bytes_to_write, check_writable, write_with};
-use wavecrest_image::{animation, aov, look};
+use wavecrest_image::{aov, look};
 use wavecrest_scene::components::Encoding;
 use wavecrest_scene::load::framing::Sheet;
 use wavecrest_scene::memory::{Images, film_bytes};
@@ -22,22 +23,19 @@ use wavecrest_scene::memory::{Images, film_bytes};
 /// The outputs of a render, checked to be writable.
 pub(super) struct Outputs<'a> {
     args: &'a RenderArgs,
-    pub(super) paths: Vec<&'a Path>,
+    pub(super) paths: Vec<PathBuf>,
     /// The transfer curve of 8-bit images, unless the arguments set it; known after reading the
     /// scene.
     encoding: OnceLock<Encoding>,
 }
 
 impl<'a> Outputs<'a> {
-    /// The files that the arguments name, `first` and further ones. The output of a shard is not an
-    /// image.
+    /// The files at `paths`. The output of a shard is not an image.
     ///
     /// # Errors
     /// If one cannot be written, is repeated or is the scene, or a report would be written over it, or if layers are requested that none
     /// can store.
-    pub(super) fn check(args: &'a RenderArgs, first: &'a Path, is_shard: bool) -> Result<Self> {
-        let also = args.also.iter().map(PathBuf::as_path);
-        let paths: Vec<&Path> = std::iter::once(first).chain(also).collect();
+    pub(super) fn check(args: &'a RenderArgs, paths: Vec<PathBuf>, is_shard: bool) -> Result<Self> {
         for (index, path) in paths.iter().enumerate() {
             if is_shard { check_replaceable(path) } else { check_writable(path) }?;
             check_differs(path, &args.scene, "the scene")?;
@@ -57,7 +55,7 @@ impl<'a> Outputs<'a> {
         let outputs = Self { args, paths, encoding: OnceLock::new() };
         if args.aov.is_some() && !outputs.has_exr() {
             return Err(Error::new(ErrorKind::Usage, "only .exr images have layers")
-                .in_file(first)
+                .in_file(outputs.first())
                 .remedy("add --also and a name that ends in .exr"));
         }
         Ok(outputs)
@@ -67,20 +65,20 @@ impl<'a> Outputs<'a> {
     ///
     /// # Errors
     /// If it cannot be written, or is the scene or the log.
-    pub(super) fn of_one(args: &'a RenderArgs, path: &'a Path) -> Result<Self> {
+    pub(super) fn of_one(args: &'a RenderArgs, path: &Path) -> Result<Self> {
         check_replaceable(path)?;
         check_differs(path, &args.scene, "the scene")?;
         if let Some(log) = &args.log {
             check_differs(log, path, "the animation")?;
             check_differs(log, &args.scene, "the scene")?;
         }
-        Ok(Self { args, paths: vec![path], encoding: OnceLock::new() })
+        Ok(Self { args, paths: vec![path.to_owned()], encoding: OnceLock::new() })
     }
 
     /// Every file that is replaced: the images, statistics and checkpoint.
-    pub(super) fn all(&self) -> Vec<&'a Path> {
+    pub(super) fn all(&self) -> Vec<&Path> {
         let reports = self.args.stats.iter().chain(&self.args.checkpoint);
-        self.paths.iter().copied().chain(reports.map(PathBuf::as_path)).collect()
+        self.paths.iter().chain(reports).map(PathBuf::as_path).collect()
     }
 
     /// Records the scene's transfer curve of 8-bit images.
@@ -144,20 +142,20 @@ impl<'a> Outputs<'a> {
         share: f64,
     ) -> Result<String> {
         let replaces = self.args.save_every.is_some();
-        let (free, kept): (Vec<&Path>, Vec<&Path>) =
-            self.paths.iter().partition(|path| replaces || !path.exists());
+        let (free, kept): (Vec<PathBuf>, Vec<PathBuf>) =
+            self.paths.iter().cloned().partition(|path| replaces || !path.exists());
         let outputs = Self { paths: free, args: self.args, encoding: self.encoding.clone() };
         outputs.write_part(film, entries, share)?;
         let written = outputs
             .paths
             .iter()
             .map(|path| format!("{} has what was finished; the rest is black", path.display()));
-        Ok(written.chain(kept.into_iter().map(unchanged)).collect::<Vec<_>>().join("; "))
+        Ok(written.chain(kept.iter().map(|path| unchanged(path))).collect::<Vec<_>>().join("; "))
     }
 
     /// That none of the files is written, in words.
     pub(super) fn untouched(&self) -> String {
-        self.paths.iter().copied().map(unchanged).collect::<Vec<_>>().join("; ")
+        self.paths.iter().map(|path| unchanged(path)).collect::<Vec<_>>().join("; ")
     }
 
     /// The name of the image.
@@ -166,8 +164,8 @@ impl<'a> Outputs<'a> {
     }
 
     /// The first of the files.
-    pub(super) fn first(&self) -> &'a Path {
-        self.paths.first().copied().unwrap_or(Path::new(""))
+    pub(super) fn first(&self) -> &Path {
+        self.paths.first().map_or(Path::new(""), PathBuf::as_path)
     }
 
     fn extras<'e>(&self, entries: &'e [Entry]) -> Extras<'e> {
@@ -200,6 +198,12 @@ impl<'a> Outputs<'a> {
         let identity = Identity::of(scene, &self.args.options())?;
         Ok(metadata.entries(&identity))
     }
+}
+
+/// The format of a turntable in one file.
+pub(super) fn animated(output: &Path) -> Option<Animated> {
+    let is_numbered = output.file_name().is_some_and(|name| name.to_string_lossy().contains('#'));
+    Animated::from_path(output).filter(|_| !is_numbered)
 }
 
 /// That a file is not written, in words.

@@ -6,11 +6,11 @@
 
 use std::fs::{File, OpenOptions};
 use std::io::{Read, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
-use crate::metadata::command;
+use crate::image_options::command;
 use crate::render::args::RenderArgs;
 use wavecrest_base::error::{Error, ErrorKind, Result, Warning};
 use wavecrest_core::accel::build::Preset;
@@ -154,7 +154,7 @@ impl Log {
     }
 
     /// The files, and totals.
-    pub(in crate::render) fn wrote(&self, files: &[&Path], time: &Time) {
+    pub(in crate::render) fn wrote(&self, files: &[PathBuf], time: &Time) {
         for file in files {
             let bytes = file.metadata().map_or(0, |data| data.len());
             self.note("write", || format!("{}: {bytes} bytes", file.display()));
