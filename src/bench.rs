@@ -1,8 +1,6 @@
 //! `bench`: times both tracers and the steps between them, after checking that all images are
 //! equal.
 
-mod effects;
-
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -10,18 +8,21 @@ use super::common::{
     Extent, SceneOptions, SearchOptions, choice, not_negative, print, tell, to_json, warn, whole,
     with_bar, write_text,
 };
-use wavecrest_base::error::Result;
+use wavecrest_base::error::{Error, Result};
 use wavecrest_base::replace::{check_differs, check_replaceable};
+use wavecrest_core::accel::build::Preset;
 use wavecrest_core::prepared::PreparedScene;
-use wavecrest_core::render::{RenderOptions, TracerKind};
+use wavecrest_core::render::{RenderOptions, TracerKind, render};
 use wavecrest_core::wavefront::DEFAULT_BATCH;
 use wavecrest_report::bench::page::{machine, overview, page, scene, write_figures};
 use wavecrest_report::bench::variant::{Axis, BATCHES};
 use wavecrest_report::bench::{BenchReport, Plan, Preparation, SceneBench, Setting};
+use wavecrest_report::effects::scenes::{Variant, variants};
+use wavecrest_report::effects::{self, Entry};
 use wavecrest_report::measure::Schedule;
 use wavecrest_report::page::Block;
 use wavecrest_report::text::text;
-use wavecrest_scene::load::load;
+use wavecrest_scene::load::{LoadOptions, load, load_str};
 use wavecrest_scene::memory;
 use wavecrest_scene::systems;
 
@@ -126,7 +127,7 @@ pub(crate) fn run(args: &BenchArgs) -> Result<bool> {
     check_scenes(args)?;
     args.scene_options.threads.run(
         || {
-            if args.effects { effects::run(args) } else { run_here(args) }
+            if args.effects { price_effects(args) } else { run_here(args) }
         },
     )
 }
@@ -229,6 +230,47 @@ fn export(args: &BenchArgs, report: &BenchReport) -> Result<()> {
     let Some(file) = &args.output else { return Ok(()) };
     let json = to_json(report)?;
     write_text(file, &json)
+}
+
+/// Measures every effect, prints the results, and returns whether all images were right.
+fn price_effects(args: &BenchArgs) -> Result<bool> {
+    let folder = tempfile::tempdir().map_err(|e| {
+        Error::io("cannot create a folder for the texture", std::env::temp_dir(), e)
+    })?;
+    let variants = variants(folder.path())?.into_iter();
+    let entries: Vec<Entry> = variants
+        .map(|variant| prepare_effect(args, variant, folder.path()))
+        .collect::<Result<_>>()?;
+    let SearchOptions { simd, kernel } = args.search;
+    let precision = args.scene_options.precision;
+    let setting = effects::Setting { simd, kernel, precision, batch: args.batch as usize };
+    let trace = |scene: &_, tracer| render(scene, &args.options(tracer), &());
+    let list = with_bar(args.scene_options.quiet, ROUNDS, |progress| {
+        effects::measure(&entries, setting, &args.schedule(), trace, progress)
+    })?;
+    if let Some(differs) = &list.difference {
+        tell(&format!("error: {}: the image or the ray counts are wrong", differs.label));
+    }
+    let json = to_json(&list)?;
+    if let Some(file) = &args.output {
+        write_text(file, &json)?;
+    }
+    print(&if args.json { json } else { effects::text(&list) })?;
+    Ok(list.difference.is_none())
+}
+
+fn prepare_effect(args: &BenchArgs, variant: Variant, folder: &Path) -> Result<Entry> {
+    let (width, height) = (args.scene_options.input.width, args.scene_options.input.height);
+    let options = LoadOptions { strict: true, width, height, ..LoadOptions::default() };
+    // Warnings would be about built-in scenes.
+    let loaded = load_str(&variant.scene.to_string(), &folder.join("effect.json"), &options)?;
+    let extracted = args.scene_options.extract(loaded, &Extent::whole(args.batch))?;
+    extracted.scene().appearance.decode()?;
+    // The same for all, so that no effect has a better tree.
+    let preset = args.scene_options.bvh.unwrap_or(Preset::Medium);
+    let mut scene = args.scene_options.build(extracted, preset)?;
+    args.search.apply(&mut scene.accel);
+    Ok(Entry { variant, scene })
 }
 
 #[cfg(test)]

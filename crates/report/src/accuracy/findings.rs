@@ -326,34 +326,3 @@ fn at_error(family: &Family<Point>, error: f64, before: f64) -> AtError {
         at_least: best.is_some() && random.is_some_and(|random| random.reach(error).is_none()),
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::accuracy::store::Errors;
-    use crate::measure::Timing;
-
-    #[test]
-    fn a_round_with_less_of_the_processors_is_busy() {
-        let point = |(seed, processor)| {
-            let error = Errors { mse: 0.1, relative_mse: 0.1, bias: 0.0, flip: 0.0 };
-            Record::Point(PointRecord {
-                scene: "a".to_owned(),
-                target: Target::Scene,
-                key: "exact".to_owned(),
-                seed,
-                seconds: 0.5,
-                yardstick: 0.0,
-                timing: Some(Timing { seconds: 0.5, processor: Some(processor) }),
-                passes: Vec::new(),
-                rays: 1,
-                error,
-            })
-        };
-        // Two settings in each round, of which another program disturbs the second of seed 2.
-        let times = [(0, 1.0), (0, 0.9), (1, 0.99), (1, 0.89), (2, 1.0), (2, 0.5)];
-        let records: Vec<Record> = times.into_iter().map(point).collect();
-        assert_eq!(busy_rounds("a", &records), (3, BTreeSet::from([2])));
-        assert_eq!(busy_rounds("b", &records), (0, BTreeSet::new()));
-    }
-}
