@@ -2,15 +2,12 @@
 
 use std::path::{Path, PathBuf};
 
-use indicatif::ProgressBar;
-
 use super::common::{Threads, above_zero, print, progress_bar, tell, whole};
 use wavecrest_base::error::Result;
-use wavecrest_report::accuracy::answer::ERRORS;
+use wavecrest_report::accuracy::findings::ERRORS;
 use wavecrest_report::accuracy::pilot;
 use wavecrest_report::accuracy::store::{Circumstances, Header, Record, Store};
-use wavecrest_report::accuracy::sweep::{self, Progress};
-use wavecrest_report::accuracy::{Findings, page};
+use wavecrest_report::accuracy::{Findings, Progress, page, sweep};
 use wavecrest_report::regression::Regression;
 use wavecrest_report::text::text;
 use wavecrest_scene::load::{LoadOptions, load};
@@ -68,23 +65,6 @@ pub(crate) struct AccuracyArgs {
     /// Print no progress and no results
     #[arg(short, long)]
     pub(crate) quiet: bool,
-}
-
-/// Shows a sweep's progress as a bar.
-struct Shown(ProgressBar);
-
-impl Progress for Shown {
-    fn start(&self, work: u64) {
-        self.0.set_length(work);
-    }
-
-    fn stage(&self, name: &str) {
-        self.0.set_message(name.to_owned());
-    }
-
-    fn step(&self, work: u64) {
-        self.0.inc(work);
-    }
 }
 
 /// Runs the sweep or comparison. Returns whether nothing became worse in a comparison.
@@ -151,9 +131,13 @@ fn run_sweep(args: &AccuracyArgs, folder: &Path) -> Result<()> {
     };
     let mut store = Store::open(folder, &header)?;
     store.add(Record::Circumstances(Circumstances::here()))?;
-    let shown = Shown(progress_bar(args.quiet, PROGRESS));
-    let mut swept = sweep::run(&args.scenes, seeds, &mut store, &shown)?;
-    shown.0.finish_and_clear();
+    let bar = progress_bar(args.quiet, PROGRESS);
+    let mut swept = sweep::run(&args.scenes, seeds, &mut store, &|progress| match progress {
+        Progress::Start(work) => bar.set_length(work),
+        Progress::Stage(name) => bar.set_message(name.to_owned()),
+        Progress::Step(work) => bar.inc(work),
+    })?;
+    bar.finish_and_clear();
     let findings = Findings::new(seeds, &store, &swept, &args.errors);
     findings.write(folder)?;
     page::write(&findings, &mut swept, folder)?;

@@ -26,17 +26,17 @@ struct Reporting;
 unsafe impl GlobalAlloc for Reporting {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         // SAFETY: the caller fulfils the same contract.
-        had(unsafe { System.alloc(layout) }, layout.size())
+        checked(unsafe { System.alloc(layout) }, layout.size())
     }
 
     unsafe fn alloc_zeroed(&self, layout: Layout) -> *mut u8 {
         // SAFETY: as above.
-        had(unsafe { System.alloc_zeroed(layout) }, layout.size())
+        checked(unsafe { System.alloc_zeroed(layout) }, layout.size())
     }
 
     unsafe fn realloc(&self, place: *mut u8, layout: Layout, size: usize) -> *mut u8 {
         // SAFETY: as above.
-        had(unsafe { System.realloc(place, layout, size) }, size)
+        checked(unsafe { System.realloc(place, layout, size) }, size)
     }
 
     unsafe fn dealloc(&self, place: *mut u8, layout: Layout) {
@@ -47,7 +47,7 @@ unsafe impl GlobalAlloc for Reporting {
 
 /// Returns the memory, or reports that it was refused.
 #[inline]
-fn had(place: *mut u8, size: usize) -> *mut u8 {
+fn checked(place: *mut u8, size: usize) -> *mut u8 {
     if place.is_null() && !memory::is_trying() {
         report(size);
     }

@@ -1,25 +1,118 @@
 //! `bench`: times both tracers and the steps between them, after checking that all images are
 //! equal.
 
-mod args;
-mod effects;
-
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-pub(crate) use args::BenchArgs;
-
-use super::common::{Extent, SearchOptions, print, tell, to_json, warn, with_bar, write_text};
-use wavecrest_base::error::Result;
+use super::common::{
+    Extent, SceneOptions, SearchOptions, choice, not_negative, print, tell, to_json, warn, whole,
+    with_bar, write_text,
+};
+use wavecrest_base::error::{Error, Result};
 use wavecrest_base::replace::{check_differs, check_replaceable};
+use wavecrest_core::accel::build::Preset;
 use wavecrest_core::prepared::PreparedScene;
+use wavecrest_core::render::{RenderOptions, TracerKind, render};
+use wavecrest_core::wavefront::DEFAULT_BATCH;
 use wavecrest_report::bench::page::{machine, overview, page, scene, write_figures};
-use wavecrest_report::bench::{BenchReport, Preparation, SceneBench, Setting};
+use wavecrest_report::bench::variant::{Axis, BATCHES};
+use wavecrest_report::bench::{BenchReport, Plan, Preparation, SceneBench, Setting};
+use wavecrest_report::effects::scenes::{Variant, variants};
+use wavecrest_report::effects::{self, Entry};
+use wavecrest_report::measure::Schedule;
 use wavecrest_report::page::Block;
 use wavecrest_report::text::text;
-use wavecrest_scene::load::load;
+use wavecrest_scene::load::{LoadOptions, load, load_str};
 use wavecrest_scene::memory;
 use wavecrest_scene::systems;
+
+/// Time both tracers and the steps between them on each scene, after checking that all images are identical.
+///
+/// The exit code is 1 if images differ. With `--effects`, measure instead what each effect costs, on
+/// built-in scenes that add one effect at a time.
+#[derive(Clone, Debug, clap::Args)]
+pub(crate) struct BenchArgs {
+    /// Scenes (.json, .gltf, .glb) or meshes (.ply, .obj, .stl)
+    #[arg(required_unless_present = "effects", value_name = "SCENE")]
+    pub(crate) scenes: Vec<PathBuf>,
+    /// Measure what each effect costs in time and memory
+    #[arg(long, conflicts_with_all = ["scenes", "compare"])]
+    pub(crate) effects: bool,
+    /// Greatest number of timed rounds; fewer if --min-time is reached, but at least 6
+    #[arg(long, value_name = "N", default_value_t = 50,
+          value_parser = whole(1..=10_000_u16))]
+    pub(crate) repeats: u16,
+    /// Untimed rounds at the start
+    #[arg(long, value_name = "N", default_value_t = 1,
+          value_parser = whole(1..=10_000_u16))]
+    pub(crate) warmup: u16,
+    /// Least total time of the runs of each variant, up to --repeats rounds
+    #[arg(long, value_name = "SECONDS", default_value = "1", value_parser = not_negative("seconds, such as 2.5"))]
+    pub(crate) min_time: f64,
+    /// Also compare the wavefront tracer across kernels, the steps to it across instruction sets, batch sizes,
+    /// both tracers across threads, or with every pass forced on (plan); comma-separated
+    #[arg(long, value_name = "WHAT", value_parser = choice::<Axis>(), value_delimiter = ',')]
+    pub(crate) compare: Vec<Axis>,
+    /// Compare these batch sizes, such as 16,64,1024,65536
+    #[arg(long, value_name = "PATHS", value_parser = whole(1..=1_u32 << 20), value_delimiter = ',',
+          conflicts_with = "effects")]
+    pub(crate) batches: Vec<u32>,
+    /// Print JSON
+    #[arg(long)]
+    pub(crate) json: bool,
+    /// Write JSON to this file, updated after every scene
+    #[arg(short, long, value_name = "FILE")]
+    pub(crate) output: Option<PathBuf>,
+    /// Write an HTML page with charts, updated after every scene
+    #[arg(long, value_name = "FILE")]
+    pub(crate) page: Option<PathBuf>,
+    /// Write each chart of the page to this folder, as SVG and CSV
+    #[arg(long, value_name = "FOLDER", conflicts_with = "effects")]
+    pub(crate) charts: Option<PathBuf>,
+    /// Paths in a batch of the wavefront tracer
+    #[arg(long, value_name = "PATHS", default_value_t = DEFAULT_BATCH as u32,
+          value_parser = whole(1..=1_u32 << 20))]
+    pub(crate) batch: u32,
+    /// Seed of the random numbers
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = whole(0..=u64::MAX))]
+    pub(crate) seed: u64,
+    /// Traversal
+    #[command(flatten)]
+    pub(crate) search: SearchOptions,
+    /// Scene
+    #[command(flatten)]
+    pub(crate) scene_options: SceneOptions,
+}
+
+impl BenchArgs {
+    /// The files to write.
+    fn outputs(&self) -> impl Iterator<Item = &Path> {
+        self.output.iter().chain(&self.page).map(PathBuf::as_path)
+    }
+
+    /// Number and duration of timed rounds.
+    fn schedule(&self) -> Schedule {
+        let (warmup, most) = (usize::from(self.warmup), usize::from(self.repeats));
+        Schedule { warmup, most, seconds: self.min_time }
+    }
+
+    /// What to compare.
+    fn plan(&self) -> Plan {
+        let mut axes = self.compare.clone();
+        let named: Vec<usize> = self.batches.iter().map(|paths| *paths as usize).collect();
+        if !named.is_empty() && !axes.contains(&Axis::Batches) {
+            axes.push(Axis::Batches);
+        }
+        let batches = if named.is_empty() { BATCHES.to_vec() } else { named };
+        Plan { axes, batches, schedule: self.schedule() }
+    }
+
+    /// The render options with `tracer`.
+    fn options(&self, tracer: TracerKind) -> RenderOptions {
+        let (seed, batch) = (self.seed, self.batch as usize);
+        RenderOptions { tracer, seed, batch, ..Default::default() }
+    }
+}
 
 /// Measures every scene, prints the results, and returns whether all images were equal.
 ///
@@ -34,7 +127,7 @@ pub(crate) fn run(args: &BenchArgs) -> Result<bool> {
     check_scenes(args)?;
     args.scene_options.threads.run(
         || {
-            if args.effects { effects::run(args) } else { run_here(args) }
+            if args.effects { price_effects(args) } else { run_here(args) }
         },
     )
 }
@@ -99,10 +192,9 @@ fn prepare(args: &BenchArgs, path: &Path) -> Result<(PreparedScene, Setting)> {
     let predicted =
         memory::estimate_extracted(&extracted, extracted.pixels(), preset, batch).total();
     let start = Instant::now();
-    let file = extracted.file().to_owned();
     let mut scene = args.scene_options.build(extracted, preset)?;
     let time = Preparation { load, build: start.elapsed().as_secs_f64() };
-    warn(&systems::warnings(&scene, &file));
+    warn(&systems::warnings(&scene, path));
     args.search.apply(&mut scene.accel);
     let name = path.display().to_string();
     let SearchOptions { simd, kernel } = args.search;
@@ -140,10 +232,80 @@ fn export(args: &BenchArgs, report: &BenchReport) -> Result<()> {
     write_text(file, &json)
 }
 
+/// Measures every effect, prints the results, and returns whether all images were right.
+fn price_effects(args: &BenchArgs) -> Result<bool> {
+    let folder = tempfile::tempdir().map_err(|e| {
+        Error::io("cannot create a folder for the texture", std::env::temp_dir(), e)
+    })?;
+    let variants = variants(folder.path())?.into_iter();
+    let entries: Vec<Entry> = variants
+        .map(|variant| prepare_effect(args, variant, folder.path()))
+        .collect::<Result<_>>()?;
+    let SearchOptions { simd, kernel } = args.search;
+    let precision = args.scene_options.precision;
+    let setting = effects::Setting { simd, kernel, precision, batch: args.batch as usize };
+    let trace = |scene: &_, tracer| render(scene, &args.options(tracer), &());
+    let list = with_bar(args.scene_options.quiet, ROUNDS, |progress| {
+        effects::measure(&entries, setting, &args.schedule(), trace, progress)
+    })?;
+    if let Some(differs) = &list.difference {
+        tell(&format!("error: {}: the image or the ray counts are wrong", differs.label));
+    }
+    let json = to_json(&list)?;
+    if let Some(file) = &args.output {
+        write_text(file, &json)?;
+    }
+    print(&if args.json { json } else { effects::text(&list) })?;
+    Ok(list.difference.is_none())
+}
+
+fn prepare_effect(args: &BenchArgs, variant: Variant, folder: &Path) -> Result<Entry> {
+    let (width, height) = (args.scene_options.input.width, args.scene_options.input.height);
+    let options = LoadOptions { strict: true, width, height, ..LoadOptions::default() };
+    // Warnings would be about built-in scenes.
+    let loaded = load_str(&variant.scene.to_string(), &folder.join("effect.json"), &options)?;
+    let extracted = args.scene_options.extract(loaded, &Extent::whole(args.batch))?;
+    extracted.scene().appearance.decode()?;
+    // The same for all, so that no effect has a better tree.
+    let preset = args.scene_options.bvh.unwrap_or(Preset::Medium);
+    let mut scene = args.scene_options.build(extracted, preset)?;
+    args.search.apply(&mut scene.accel);
+    Ok(Entry { variant, scene })
+}
+
 #[cfg(test)]
 mod tests {
-    use super::args::tests::parse;
     use super::*;
+
+    fn parse(line: &str) -> std::result::Result<BenchArgs, clap::Error> {
+        crate::common::parse(line)
+    }
+
+    #[test]
+    fn scenes_and_options_are_read() {
+        let args = parse("a.json b.json --repeats 3 --min-time 0.5 -o out.json -q").unwrap();
+        assert_eq!(args.compare, []);
+        assert_eq!((args.plan().axes, args.plan().batches), (Vec::new(), BATCHES.to_vec()));
+        let compared = parse("a --compare kernels,batches --compare levels").unwrap().compare;
+        assert_eq!(compared, [Axis::Kernels, Axis::Batches, Axis::Levels]);
+        let plan = parse("a --compare threads --batches 16,65536").unwrap().plan();
+        assert_eq!(plan.axes, [Axis::Threads, Axis::Batches]);
+        assert_eq!(plan.batches, [16, 65536]);
+        assert_eq!(args.scenes, ["a.json", "b.json"].map(PathBuf::from));
+        assert_eq!(args.schedule(), Schedule { warmup: 1, most: 3, seconds: 0.5 });
+        for bad in [
+            "",
+            "a --repeats 0",
+            "a --warmup 0",
+            "a --min-time=-1",
+            "a --min-time nan",
+            "a --compare trees",
+            "a --batches 0",
+            "a --batches 2097152",
+        ] {
+            assert!(parse(bad).is_err(), "{bad}");
+        }
+    }
 
     #[test]
     fn scenes_are_measured_and_written_as_json() {

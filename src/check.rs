@@ -10,6 +10,7 @@ use wavecrest_core::accel::build::Preset;
 use wavecrest_core::kernels::texture::Image;
 use wavecrest_core::plan::schedule::{PASSES, unplanned};
 use wavecrest_core::prepared::PreparedScene;
+use wavecrest_core::wavefront::DEFAULT_BATCH;
 use wavecrest_scene::systems::{self, Options, bounds, looks};
 
 /// Check a scene with all its meshes and textures, and list its contents.
@@ -28,7 +29,8 @@ pub(crate) struct CheckArgs {
 /// If the scene cannot be rendered.
 pub(crate) fn run(args: &CheckArgs) -> Result<()> {
     args.scene_options.threads.run(|| {
-        let mut loaded = args.scene_options.load(&args.scene, &Extent::default(), &[])?;
+        let extent = &Extent::whole(DEFAULT_BATCH as u32);
+        let mut loaded = args.scene_options.load(&args.scene, extent, &[])?;
         // The contents are those of the file.
         if let Some(ground) = looks::ground(&loaded.world) {
             let _ = loaded.world.despawn(ground);
@@ -37,12 +39,11 @@ pub(crate) fn run(args: &CheckArgs) -> Result<()> {
         let passes = unplanned(&PASSES);
         let options = Options { passes: &passes, ..Options::default() };
         let extracted = systems::extract(loaded.world, options)?;
-        let extracted = args.scene_options.checked(extracted, &Extent::default())?;
+        let extracted = args.scene_options.checked(extracted, extent)?;
         extracted.scene().appearance.decode()?;
-        let file = extracted.file().to_owned();
         // For the few test rays of warnings.
         let scene = args.scene_options.build(extracted, Preset::OnDemand)?;
-        warn(&systems::warnings(&scene, &file));
+        warn(&systems::warnings(&scene, &args.scene));
         let mut lines = summary(&scene);
         let files = std::iter::once(&args.scene).chain(&loaded.files);
         lines.extend(files.map(|file| ("file", format!("{}{}", file.display(), bytes_of(file)))));

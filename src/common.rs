@@ -8,21 +8,19 @@ use std::str::FromStr;
 use std::sync::{Mutex, PoisonError};
 
 use bytesize::ByteSize;
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use indicatif::{ProgressBar, ProgressState, ProgressStyle};
 use serde_json::Value;
 
-use crate::choice::choice;
 use crate::input::InputOptions;
 use crate::limit;
-use wavecrest_base::choice::Choice as _;
+use wavecrest_base::choice::Choice;
 use wavecrest_base::error::{Error, ErrorKind, Result, Warning};
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::accel::{Accel, KernelChoice};
 use wavecrest_core::kernels::precision::Precision;
 use wavecrest_core::math::simd::Level;
 use wavecrest_core::prepared::PreparedScene;
-use wavecrest_core::tile::Tile;
-use wavecrest_core::wavefront::DEFAULT_BATCH;
 pub(crate) use wavecrest_report::files::{to_json, write_text};
 use wavecrest_scene::load::{LoadOptions, LoadedScene, load, survey};
 use wavecrest_scene::memory::{self, Estimate, Images};
@@ -148,12 +146,6 @@ impl Extent<'_> {
     /// The whole image, not written, in batches of this number of paths.
     pub(crate) fn whole(batch: u32) -> Self {
         Self { images: Box::new(Images::whole), batch: batch as usize }
-    }
-}
-
-impl Default for Extent<'_> {
-    fn default() -> Self {
-        Self::whole(DEFAULT_BATCH as u32)
     }
 }
 
@@ -335,11 +327,29 @@ pub(crate) fn numbers<const N: usize>(text: &str) -> Option<[u32; N]> {
     all?.try_into().ok()
 }
 
-/// `x,y,width,height` in pixels.
-pub(crate) fn crop(text: &str) -> std::result::Result<Tile, String> {
-    let tile = |[x, y, width, height]: [u32; 4]| Tile { x, y, width, height };
-    let wrong = "write four whole numbers: x,y,width,height, such as 0,0,64,64";
-    numbers(text).map(tile).ok_or_else(|| wrong.to_owned())
+/// A parser of named values; the help lists each with its meaning.
+pub(crate) fn choice<T: Choice>() -> impl TypedValueParser<Value = T> {
+    let listed = T::VALUES.iter().map(|value| {
+        let help = value.help().trim_end_matches('.');
+        PossibleValue::new(value.name()).help(help).aliases(value.old_names())
+    });
+    PossibleValuesParser::new(listed)
+        .try_map(|name| T::by_name(&name).ok_or("not one of the possible values"))
+}
+
+/// The file to write, named as an option or by its place.
+///
+/// # Errors
+/// If it is not named.
+pub(crate) fn output<'a>(
+    option: &'a Option<PathBuf>,
+    placed: &'a Option<PathBuf>,
+    example: &str,
+) -> Result<&'a PathBuf> {
+    option.as_ref().or(placed.as_ref()).ok_or_else(|| {
+        let remedy = format!("add one, such as {example}");
+        Error::new(ErrorKind::Usage, "the output is missing").remedy(remedy)
+    })
 }
 
 /// A number that `fits`; `wrong` says what to write instead of another.
@@ -360,6 +370,15 @@ where
 {
     let wrong = format!("use a whole number from {} to {}", range.start(), range.end());
     move |text| number(text, |found| range.contains(found), &wrong)
+}
+
+/// A number of 0 or more; `such` says what else than a number it is, and gives one.
+pub(crate) fn not_negative(
+    such: &str,
+) -> impl Fn(&str) -> std::result::Result<f64, String> + Clone + Send + Sync + 'static {
+    let wrong = format!("use a number of {such}");
+    let fits = |value: &f64| value.is_finite() && *value >= 0.0;
+    move |text| number(text, fits, &wrong)
 }
 
 /// A number above 0.

@@ -1,7 +1,5 @@
 //! `explain`: the plan of a render, and on request the counts of the render.
 
-mod text;
-
 use std::path::PathBuf;
 use std::time::Instant;
 
@@ -9,7 +7,9 @@ use glam::DVec3;
 use serde::Serialize;
 use serde_json::{Value, json};
 
-use super::common::{Extent, SceneOptions, grouped, known, print, to_json, warn, whole};
+use super::common::{
+    Extent, SceneOptions, grouped, known, print, rounded, size, to_json, warn, whole,
+};
 use wavecrest_base::error::Result;
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::kernels::precision::Precision;
@@ -18,8 +18,7 @@ use wavecrest_core::prepared::PreparedScene;
 use wavecrest_core::render::{RenderOptions, Rendered, render};
 use wavecrest_core::wavefront::DEFAULT_BATCH;
 use wavecrest_core::wavefront::batch::Batch;
-use wavecrest_report::estimate::Estimated;
-use wavecrest_report::expected::Expected;
+use wavecrest_report::expected::{Estimated, Expected};
 use wavecrest_report::statistics::{Rays, Samples};
 use wavecrest_scene::memory::{self, Estimate};
 use wavecrest_scene::systems::{self, Extracted};
@@ -50,7 +49,7 @@ pub(crate) struct ExplainArgs {
 struct Explanation<'a> {
     scene: &'a PreparedScene,
     precision: Precision,
-    bvh: Choice,
+    bvh: BvhChoice,
     /// The numbers of chunks of the tree that rays of the pilot built, and of all.
     chunks: Option<[usize; 2]>,
     /// The estimates before a mesh or a texture is read, and after.
@@ -67,7 +66,7 @@ struct Explanation<'a> {
 }
 
 /// The preset and the reason.
-struct Choice {
+struct BvhChoice {
     preset: Preset,
     reason: String,
     /// The rule by rays per primitive; `None` for a requested preset.
@@ -109,13 +108,12 @@ fn explain(
 ) -> Result<()> {
     let load = start.elapsed().as_secs_f64();
     let bvh = choice(&extracted, args.scene_options.bvh);
-    let batch = args.batch as usize;
-    let memory = memory::estimate_extracted(&extracted, extracted.pixels(), bvh.preset, batch);
+    let (pixels, batch) = (extracted.pixels(), args.batch as usize);
+    let memory = memory::estimate_extracted(&extracted, pixels, bvh.preset, batch);
     let start = Instant::now();
-    let (pixels, file) = (extracted.pixels(), extracted.file().to_owned());
     let scene = &args.scene_options.build(extracted, bvh.preset)?;
     let build = start.elapsed().as_secs_f64();
-    warn(&systems::warnings(scene, &file));
+    warn(&systems::warnings(scene, &args.scene));
     let options = RenderOptions { batch, ..RenderOptions::default() };
     let expected = Expected::of(scene, &options)?;
     let chunks = scene.accel.chunks();
@@ -132,7 +130,7 @@ fn explain(
         build,
         rendered: args.render.then(|| render(scene, &options, &())).transpose()?,
     };
-    print(&if args.json { to_json(&explanation.json())? } else { text::of(&explanation) })
+    print(&if args.json { to_json(&explanation.json())? } else { text(&explanation) })
 }
 
 impl Explanation<'_> {
@@ -206,18 +204,144 @@ fn buffers(scene: &PreparedScene) -> Vec<Buffer> {
     Column::ALL.into_iter().map(buffer).collect()
 }
 
-fn choice(extracted: &Extracted, asked: Option<Preset>) -> Choice {
-    if let Some(preset) = asked {
-        return Choice { preset, reason: "chosen with --bvh".to_owned(), rule: None };
+fn choice(extracted: &Extracted, requested: Option<Preset>) -> BvhChoice {
+    if let Some(preset) = requested {
+        return BvhChoice { preset, reason: "chosen with --bvh".to_owned(), rule: None };
     }
     let (primitives, rays) = (extracted.geometry().held() as u64, extracted.expected_rays());
     let some = match primitives {
         1 => "1 primitive".to_owned(),
         n => format!("{} primitives", grouped(n)),
     };
-    Choice {
+    BvhChoice {
         preset: extracted.preset(),
         reason: format!("{some}, up to {} rays", grouped(rays)),
         rule: Some(Preset::reason(primitives, rays)),
     }
+}
+
+/// The width of the column of names.
+const NAMES: usize = 20;
+
+/// The whole text, the estimate first.
+fn text(e: &Explanation<'_>) -> String {
+    let mut text = verdict(e) + "passes (+ runs, - skipped)\n";
+    let plan = &e.scene.plan;
+    for pass in &PASSES {
+        let name = format!("{}{}", if pass.part_of.is_some() { "  " } else { "" }, pass.name);
+        text += &marked(plan.schedule().runs(pass.step), &name, &plan.reason(pass));
+    }
+    text += "effects (+ simulated, - skipped)\n";
+    for decision in plan.decisions() {
+        text += &marked(decision.present, decision.effect.name(), &decision.reason.to_string());
+    }
+    text += "precision\n";
+    text += &named(e.precision.name(), e.precision.meaning());
+    if let Some([x, y, z]) = e.moved_by() {
+        text += &named("", &format!("scene moved by {x}, {y}, {z} towards the origin"));
+    }
+    text += "BVH\n";
+    text += &named(e.bvh.preset.name(), &e.bvh.reason);
+    if let Some(rule) = &e.bvh.rule {
+        text += &named("", rule);
+    }
+    if let Some([built, all]) = e.chunks.map(|chunks| chunks.map(|n| grouped(n as u64))) {
+        text += &named("", &format!("{built} of {all} chunks built"));
+    }
+    text += "buffers of the wavefront tracer, in bytes per path\n";
+    let buffers = buffers(e.scene);
+    for Buffer { name, bytes, written_by, read_by } in &buffers {
+        let (written, read) = (written_by.join(", "), read_by.join(", "));
+        let by = format!("{bytes:>6}  written by {written}; read by {read}");
+        let unused = format!("{bytes:>6}  not needed");
+        text += &marked(*bytes > 0, name, if *bytes > 0 { &by } else { &unused });
+    }
+    let all: usize = buffers.iter().map(|buffer| buffer.bytes).sum();
+    text + &named("total", &format!("{all:>6}")) + &work(e) + &memory_text(e)
+}
+
+fn named(name: &str, text: &str) -> String {
+    format!("    {name:<NAMES$}{text}\n")
+}
+
+fn marked(present: bool, name: &str, text: &str) -> String {
+    format!("  {} {name:<NAMES$}{text}\n", if present { '+' } else { '-' })
+}
+
+/// The expected time, rays and memory.
+fn verdict(e: &Explanation<'_>) -> String {
+    let seconds = |seconds: f64| format!("{} s", rounded((seconds * 1e3).round() / 1e3, 2));
+    let (build, trace) = (e.build + e.expected.building, e.expected.seconds);
+    let time = seconds(e.load + build + trace);
+    let parts = [("read", e.load), ("build", build), ("trace", trace)];
+    let parts = parts.map(|(what, of_it)| format!("{} to {what}", seconds(of_it))).join(", ");
+    let threads = match rayon::current_num_threads() {
+        1 => "1 thread".to_owned(),
+        n => format!("{n} threads"),
+    };
+    let Rays { primary, secondary, shadow } = e.expected.rays;
+    let about = |n: u64| grouped(rounded(n as f64, 3) as u64);
+    let kinds = [(primary, "camera"), (secondary, "mirror"), (shadow, "shadow")];
+    let kinds = kinds.into_iter().filter(|(n, _)| *n > 0);
+    let kinds: Vec<_> = kinds.map(|(n, kind)| format!("{} {kind}", about(n))).collect();
+    let (all, kinds) = (about(e.expected.rays.all()), kinds.join(", "));
+    let memory = size(e.memory[1].total());
+    format!(
+        "about {time} on {threads}: {parts}\nabout {all} rays: {kinds}\nabout {memory} of memory\n"
+    )
+}
+
+/// A row of a table: two estimates, and what was found of a render.
+fn row(name: &str, [first, second]: [&str; 2], found: Option<&str>) -> String {
+    let found = found.map_or_else(String::new, |found| format!("{found:>18}"));
+    format!("{name:<24}{first:>16}{second:>18}{found}\n")
+}
+
+/// Estimates, with counts beside them if there are any.
+fn work(e: &Explanation<'_>) -> String {
+    const NAMES: [&str; 6] = [
+        "    camera rays",
+        "    mirror rays",
+        "    shadow rays",
+        "    points on the lens",
+        "    points on lights",
+        "    texels read",
+    ];
+    let counts = |rays: &Rays, samples: &Samples| {
+        let Rays { primary, secondary, shadow } = *rays;
+        [primary, secondary, shadow, samples.lens, samples.light, samples.texels].map(grouped)
+    };
+    let most = counts(&e.estimated.rays, &e.estimated.samples);
+    let expected = counts(&e.expected.rays, &e.expected.samples);
+    let rendered = e.rendered.as_ref().map(|rendered| &rendered.counters);
+    let rendered = rendered.map(|counters| counts(&counters.into(), &counters.into()));
+    let mut text = row("work", ["at most", "estimate"], rendered.as_ref().map(|_| "counted"));
+    for (i, name) in NAMES.iter().enumerate() {
+        let counted = rendered.as_ref().map(|counted| counted[i].as_str());
+        text += &row(name, [&most[i], &expected[i]], counted);
+    }
+    text + &named("", &format!("estimated from {} pixels", grouped(e.expected.pixels)))
+}
+
+fn memory_text(e: &Explanation<'_>) -> String {
+    let [f, m] = &e.memory;
+    let found = e.rendered.as_ref();
+    let uses = [
+        ("    geometry", f.geometry, m.geometry, None),
+        ("    materials, textures", f.appearance, m.appearance, None),
+        ("    BVH", f.tree, m.tree, found.map(|_| e.scene.accel.tree_bytes())),
+        ("    building the BVH", f.build, m.build, None),
+        ("    image", f.film, m.film, None),
+        ("    wavefront buffers", f.batches, m.batches, found.map(|found| found.columns)),
+        ("    decoding images", f.decoding, m.decoding, None),
+        ("    program", f.program, m.program, None),
+        ("    reading files", f.loading, m.loading, None),
+        ("    peak", f.total(), m.total(), found.and_then(|_| memory::peak())),
+    ];
+    let estimates = ["before reading", "after reading"];
+    let mut text = row("memory, estimated", estimates, found.map(|_| "measured"));
+    for (name, before, after, measured) in uses {
+        text += &row(name, [&size(before), &size(after)], measured.map(size).as_deref());
+    }
+    text
 }

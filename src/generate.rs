@@ -5,8 +5,7 @@ use std::time::Instant;
 
 use indicatif::HumanBytes;
 
-use super::common::{tell, whole, with_bar};
-use crate::choice::choice;
+use super::common::{choice, output, tell, whole, with_bar};
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_scene::generate::{Model, Recipe, Written, write_ply};
 
@@ -59,10 +58,7 @@ impl GenerateArgs {
 
     /// The file to write, which must end in .ply: readers recognise the format by it.
     fn path(&self) -> Result<&Path> {
-        let Some(path) = self.output.as_deref().or(self.file.as_deref()) else {
-            return Err(Error::new(ErrorKind::Usage, "the output is missing")
-                .remedy("add one, such as mesh.ply"));
-        };
+        let path = output(&self.output, &self.file, "mesh.ply")?;
         if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("ply")) {
             return Ok(path);
         }

@@ -4,8 +4,7 @@ use std::path::Path;
 
 use glam::DVec3;
 
-use crate::choice::choice;
-use crate::common::{number, whole};
+use crate::common::{choice, number, whole};
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_core::math::srgb::srgb_decode;
 use wavecrest_scene::load::framing::{Fit, Fov, Framing, Sheet, Side, Up};

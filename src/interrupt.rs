@@ -4,14 +4,14 @@
 //! commands. Temporary files are removed before.
 
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU8, Ordering};
 use std::thread;
 
 use signal_hook::consts::{SIGINT, SIGTERM};
 use signal_hook::iterator::Signals;
 use signal_hook::{flag, low_level};
 
-use wavecrest_base::error::{Error, ErrorKind, Result};
+use wavecrest_base::error::{Error, ErrorKind};
 use wavecrest_base::replace::remove_temporary_files;
 
 /// The signals, with their names.
@@ -23,6 +23,9 @@ const SIGNALLED: u8 = 128;
 /// Whether a render records the first signal.
 static IS_RECORDED: AtomicBool = AtomicBool::new(false);
 
+/// The recorded signal; 0 for none.
+static RECORDED: AtomicU8 = AtomicU8::new(0);
+
 /// The exit code of a process that a signal ended.
 pub(super) fn exit_code(signal: u8) -> u8 {
     SIGNALLED.saturating_add(signal)
@@ -33,18 +36,18 @@ pub(super) fn exit_code(signal: u8) -> u8 {
 pub(super) fn clean_up() {
     let Ok(mut signals) = Signals::new(SIGNALS.map(|(number, _)| number)) else { return };
     let wait = move || {
-        let mut all = signals.forever();
-        let mut first = all.next();
-        if IS_RECORDED.load(Ordering::Relaxed) {
-            first = all.next();
+        for number in signals.forever() {
+            let is_recorded = IS_RECORDED.load(Ordering::Relaxed);
+            if is_recorded && RECORDED.swap(number as u8, Ordering::Relaxed) == 0 {
+                continue;
+            }
+            remove_temporary_files();
+            if !is_recorded {
+                // The parent sees what ended the process.
+                let _ = low_level::emulate_default_handler(number);
+            }
+            low_level::exit(exit_code(number as u8).into());
         }
-        let Some(number) = first else { return };
-        remove_temporary_files();
-        if !IS_RECORDED.load(Ordering::Relaxed) {
-            // The parent sees what ended the process.
-            let _ = low_level::emulate_default_handler(number);
-        }
-        low_level::exit(exit_code(number as u8).into());
     };
     if thread::Builder::new().spawn(wait).is_err() {
         for (number, _) in SIGNALS {
@@ -53,43 +56,23 @@ pub(super) fn clean_up() {
     }
 }
 
-/// The signal received, if any.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Interrupt {
-    signal: Arc<AtomicUsize>,
+/// Records the first signal from now on, as long as the process lives.
+pub(super) fn record() {
+    IS_RECORDED.store(true, Ordering::Relaxed);
 }
 
-impl Interrupt {
-    /// Records signals from now on, as long as the process lives.
-    ///
-    /// # Errors
-    /// If the system does not allow handlers for the signals.
-    pub(super) fn listen() -> Result<Self> {
-        let signal = Arc::new(AtomicUsize::new(0));
-        IS_RECORDED.store(true, Ordering::Relaxed);
-        for (number, name) in SIGNALS {
-            let noted = flag::register_usize(number, Arc::clone(&signal), number as usize);
-            noted.map_err(|error| {
-                Error::new(ErrorKind::Io, format!("cannot handle {name}: {error}")).because(error)
-            })?;
-        }
-        Ok(Self { signal })
-    }
+/// The recorded signal, if any.
+pub(super) fn signal() -> Option<u8> {
+    Some(RECORDED.load(Ordering::Relaxed)).filter(|number| *number > 0)
+}
 
-    /// The signal received, if any.
-    pub(super) fn signal(&self) -> Option<u8> {
-        let number = self.signal.load(Ordering::Relaxed) as u8;
-        (number > 0).then_some(number)
-    }
-
-    /// The error that it ended the work, of which `share` (0 to 1) was finished.
-    pub(super) fn error(&self, share: f64) -> Error {
-        let signal = self.signal().unwrap_or_default();
-        let named = SIGNALS.iter().find(|(number, _)| *number == i32::from(signal));
-        let name = named.map_or("a signal", |(_, name)| name);
-        // Rounded down: unfinished work is never 100 %.
-        let percent = (share * 1000.0).floor() / 10.0;
-        let message = format!("stopped by {name} at {percent} %");
-        Error::new(ErrorKind::Interrupted(signal), message)
-    }
+/// The error that the recorded signal ended the work, of which `share` (0 to 1) was finished.
+pub(super) fn error(share: f64) -> Error {
+    let signal = signal().unwrap_or_default();
+    let named = SIGNALS.iter().find(|(number, _)| *number == i32::from(signal));
+    let name = named.map_or("a signal", |(_, name)| name);
+    // Rounded down: unfinished work is never 100 %.
+    let percent = (share * 1000.0).floor() / 10.0;
+    let message = format!("stopped by {name} at {percent} %");
+    Error::new(ErrorKind::Interrupted(signal), message)
 }

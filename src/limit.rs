@@ -12,28 +12,17 @@ pub(crate) fn check(scene: &Path, estimated: &Estimate, limit: ByteSize) -> Resu
     if estimated.total() <= limit.as_u64() {
         return Ok(());
     }
-    let Estimate {
-        geometry,
-        appearance,
-        tree,
-        build,
-        film,
-        batches,
-        decoding,
-        writing,
-        loading,
-        ..
-    } = *estimated;
+    let e = estimated;
     let uses = [
-        ("reading", loading),
-        ("geometry", geometry),
-        ("normals and textures", appearance),
-        ("building the tree", build),
-        ("the tree", tree),
-        ("the image", film),
-        ("batches", batches),
-        ("decoding images", decoding),
-        ("writing files", writing),
+        ("reading", e.loading),
+        ("geometry", e.geometry),
+        ("normals and textures", e.appearance),
+        ("building the tree", e.build),
+        ("the tree", e.tree),
+        ("the image", e.film),
+        ("batches", e.batches),
+        ("decoding images", e.decoding),
+        ("writing files", e.writing),
     ];
     let uses = uses.map(|(name, bytes)| format!("{name} {}", in_words(bytes)));
     let message = format!("the render needs more memory than {}", in_words(limit.as_u64()));

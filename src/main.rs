@@ -6,24 +6,20 @@ mod accuracy;
 mod allocator;
 mod bench;
 mod check;
-mod choice;
 mod common;
-mod completions;
 mod convert;
-mod develop;
+mod describe;
 mod diff;
 mod exit;
 mod explain;
 mod generate;
+mod image_options;
 mod input;
 mod interrupt;
 mod limit;
-mod man;
 mod merge;
-mod metadata;
 mod probe;
 mod render;
-mod schema;
 mod selftest;
 mod trace;
 
@@ -61,9 +57,9 @@ enum Command {
     Bench(bench::BenchArgs),
     Selftest(selftest::SelftestArgs),
     Accuracy(accuracy::AccuracyArgs),
-    Schema(schema::SchemaArgs),
-    Completions(completions::CompletionsArgs),
-    Man(man::ManArgs),
+    Schema(describe::SchemaArgs),
+    Completions(describe::CompletionsArgs),
+    Man(describe::ManArgs),
 }
 
 fn main() -> ExitCode {
@@ -153,9 +149,9 @@ fn dispatch(command: &Command) -> Result<bool> {
         Command::Bench(args) => bench::run(args),
         Command::Selftest(args) => selftest::run(args),
         Command::Accuracy(args) => accuracy::run(args),
-        Command::Schema(args) => schema::run(args).map(|()| true),
-        Command::Completions(args) => completions::run(args, program()).map(|()| true),
-        Command::Man(args) => man::run(args, program()).map(|()| true),
+        Command::Schema(args) => describe::schema(args).map(|()| true),
+        Command::Completions(args) => describe::completions(args, program()).map(|()| true),
+        Command::Man(args) => describe::man(args, program()).map(|()| true),
     }
 }
 

@@ -2,10 +2,8 @@
 
 use std::path::PathBuf;
 
-use super::common::tell;
-use super::develop::DevelopOptions;
-use super::metadata::MetadataOptions;
-use crate::choice::choice;
+use super::common::{choice, tell};
+use super::image_options::{DevelopOptions, MetadataOptions};
 use wavecrest_base::error::Result;
 use wavecrest_base::replace::check_differs;
 use wavecrest_image::farm::merge::{Merged, merge};

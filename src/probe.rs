@@ -8,6 +8,7 @@ use super::common::{Extent, SceneOptions, SearchOptions, numbers, print, rounded
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_core::probe::{Bounce, Light, Met, Path, PixelRecord, Surface, Verdict, pixel};
 use wavecrest_core::recursive::End;
+use wavecrest_core::wavefront::DEFAULT_BATCH;
 use wavecrest_scene::memory::{Images, film_bytes};
 
 /// Follow the rays of a pixel: what they hit, its material, and what each light adds.
@@ -51,7 +52,7 @@ pub(crate) fn run(args: &ProbeArgs) -> Result<bool> {
     args.scene_options.threads.run(|| {
         // A single pixel, not written.
         let images = |_| Images { film: film_bytes(1), writing: 0 };
-        let extent = &Extent { images: Box::new(images), ..Extent::default() };
+        let extent = &Extent { images: Box::new(images), batch: DEFAULT_BATCH };
         let loaded = args.scene_options.load(&args.scene, extent, &[])?;
         let extracted = args.scene_options.extract(loaded, extent)?;
         let preset = args.scene_options.preset(&extracted);

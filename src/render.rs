@@ -3,14 +3,13 @@
 mod args;
 mod frames;
 mod goal;
-mod held;
 mod look;
 mod outputs;
 mod parts;
 mod ready;
+mod rows;
 mod show;
 mod sides;
-mod statistics;
 mod summary;
 
 use std::time::Instant;
@@ -18,12 +17,10 @@ use std::time::Instant;
 pub(crate) use args::RenderArgs;
 use outputs::Outputs;
 use ready::{Ready, timed};
-use show::stage::Stage;
-use show::{Reporter, Seen};
+use show::{Rendering, Reporter, Stage};
 use summary::Summary;
 
-use super::interrupt::Interrupt;
-use super::metadata::command;
+use super::interrupt;
 use wavecrest_base::error::Result;
 use wavecrest_image::farm::Shard;
 use wavecrest_report::statistics::pass_map;
@@ -45,7 +42,7 @@ pub(crate) fn run(args: &RenderArgs) -> Result<()> {
     }
     parts::check(args, output)?;
     look::check(args)?;
-    let outputs = Outputs::check(args, output, shard.is_some())?;
+    let outputs = Outputs::check(args, args.paths()?, shard.is_some())?;
     watched(args, |reporter| one(args, &outputs, reporter, shard))
 }
 
@@ -53,7 +50,7 @@ pub(crate) fn run(args: &RenderArgs) -> Result<()> {
 fn watched(args: &RenderArgs, work: impl FnOnce(&Reporter) -> Result<()> + Send) -> Result<()> {
     let reporter = Reporter::begin(args)?;
     let done = args.scene_options.threads.run(|| work(&reporter));
-    done.inspect_err(|error| reporter.failed(error))
+    done.inspect_err(|error| reporter.note("error", || error.to_string()))
 }
 
 /// Renders one image, or a shard of it.
@@ -64,26 +61,26 @@ fn one(
     shard: Option<Shard>,
 ) -> Result<()> {
     let start = Instant::now();
-    reporter.started(args, &command(std::env::args_os()));
+    reporter.log.started(args);
     let mut ready = Ready::prepare(args, &outputs.all(), reporter, start, true)?;
     outputs.made_of(ready.encoding);
     if let Some(frame) = args.frame {
         frames::place(&mut ready.scene, frame, &args.scene)?;
     }
     // Until here there was nothing to lose: a signal ended the process.
-    let interrupt = &Interrupt::listen()?;
-    let seen = &Seen { args, outputs, reporter, interrupt };
+    interrupt::record();
+    let rendering = &Rendering { args, outputs, reporter };
     let mut summary = Summary::since(start);
     if let Some(shard) = shard {
-        return parts::write_shard(seen, shard, &ready.scene, summary);
+        return parts::write_shard(rendering, shard, &ready.scene, summary);
     }
-    let traced =
-        timed(&mut ready.time.trace, || goal::trace(seen, &mut ready.scene, ready.preset, start))?;
+    let Ready { scene, time, preset, .. } = &mut ready;
+    let traced = timed(&mut time.trace, || goal::trace(rendering, scene, *preset, start))?;
     let (scene, time, rendered) = (&ready.scene, &mut ready.time, &traced.rendered);
     let counters = &rendered.counters;
-    reporter.traced(rendered, scene, time.trace);
+    reporter.log.traced(rendered, scene, time.trace);
     if !rendered.finished {
-        return Err(parts::interrupted(seen, scene, rendered));
+        return Err(parts::interrupted(rendering, scene, rendered));
     }
     args.scene_options.check_taken(&args.scene)?;
     let invalid = parts::find_invalid(args, scene, counters)?;
@@ -91,14 +88,14 @@ fn one(
     timed(&mut time.write, || outputs.write(scene, rendered))?;
     time.total = start.elapsed().as_secs_f64();
     time.passes = pass_map(&rendered.pass_seconds);
-    reporter.wrote(outputs.paths(), time);
+    reporter.log.wrote(&outputs.paths, time);
     reporter.stage(Stage::Done);
     parts::report_invalid(counters, invalid.as_ref());
     summary.add(counters, time.trace);
     let [width, height] = [rendered.film.width(), rendered.film.height()];
     summary.print(args, &outputs.name(), &format!("{width}x{height}"));
     match &args.stats {
-        Some(file) => statistics::write(file, args, &ready, &traced, invalid),
+        Some(file) => summary::write_statistics(file, args, &ready, &traced, invalid),
         None => Ok(()),
     }
 }

@@ -1,24 +1,26 @@
 //! `trace`: traces the rays of a file against a mesh, with times and answers.
 
-mod passes;
-mod report;
-
 use std::path::PathBuf;
+use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
-use super::common::{SearchOptions, Threads, print, to_json, whole};
-use crate::choice::choice;
-use report::{Compared, Report};
+use rayon::prelude::*;
+use serde::Serialize;
+
+use super::common::{SearchOptions, Threads, choice, print, to_json, whole};
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_base::replace::{check_differs, check_replaceable};
-use wavecrest_core::accel::Accel;
 use wavecrest_core::accel::build::Preset;
-use wavecrest_core::accel::tree::Tree;
+use wavecrest_core::accel::tree::{Tree, Visits};
+use wavecrest_core::accel::{Accel, Hit, KernelChoice, Traversal};
 use wavecrest_core::counters::Counters;
 use wavecrest_core::geometry::Geometry;
 use wavecrest_core::kernels::precision::Precision;
+use wavecrest_core::math::ray::Ray;
+use wavecrest_core::math::simd::Level;
 use wavecrest_core::render::TracerKind;
 use wavecrest_report::ray_file::RayFile;
+use wavecrest_report::statistics::ClassUse;
 use wavecrest_scene::mesh;
 
 /// Trace a file of rays against a mesh, and print the speed.
@@ -90,7 +92,7 @@ fn run_here(args: &TraceArgs) -> Result<()> {
     let mut accel = Accel::new(geometry, preset);
     args.search.apply(&mut accel);
     let build_seconds = start.elapsed().as_secs_f64();
-    let answers = passes::run(&accel, &file, args.tracer, args.repeats);
+    let answers = time_passes(&accel, &file, args.tracer, args.repeats);
     let per_ray = |count: u64| count as f64 / rays.max(1) as f64;
     let Counters { tests, kernels, .. } = answers.work;
     let report = Report {
@@ -134,4 +136,217 @@ fn check_belongs(args: &TraceArgs, file: &RayFile, triangles: usize) -> Result<(
         .in_file(&args.rays)
         .value(format!("rays for {} triangles", file.triangles))
         .remedy(format!("{} has {triangles}", args.mesh.display())))
+}
+
+/// Rays for each task.
+const BLOCK_RAYS: usize = 4096;
+
+/// The answers and times.
+struct Answers {
+    closest: Vec<Hit>,
+    occluded: Vec<bool>,
+    /// The tests and the rays of one timed pass.
+    work: Counters,
+    /// The median of the timed passes.
+    seconds: f64,
+}
+
+impl Answers {
+    /// The number of rays with a hit, by one kind of answers.
+    fn hits(&self, any_hit: bool) -> usize {
+        if any_hit {
+            self.occluded.iter().filter(|&&occluded| occluded).count()
+        } else {
+            self.closest.iter().filter(|hit| !hit.is_miss()).count()
+        }
+    }
+}
+
+/// Times `repeats` passes with the query of the file, and runs the other query once.
+fn time_passes(accel: &Accel, file: &RayFile, tracer: TracerKind, repeats: u32) -> Answers {
+    let (mut closest, mut occluded) =
+        (vec![Hit::MISS; file.rays.len()], vec![false; file.rays.len()]);
+    // One for each thread, reused between passes: allocating them is not part of the work.
+    let mut traversals = vec![accel.traversal(); rayon::current_num_threads()];
+    let mut passes = |any_hit: bool| match any_hit {
+        false => {
+            let many = |rays: &[Ray], hits: &mut [Hit], t: &mut _| accel.closest_of(rays, hits, t);
+            let one = |ray: &Ray, t: &mut _| accel.closest(ray, t);
+            pass(&mut traversals, &file.rays, &mut closest, tracer, many, one)
+        }
+        true => {
+            let many =
+                |rays: &[Ray], found: &mut [bool], t: &mut _| accel.occluded_of(rays, found, t);
+            let one = |ray: &Ray, t: &mut _| accel.occluded(ray, t);
+            pass(&mut traversals, &file.rays, &mut occluded, tracer, many, one)
+        }
+    };
+    let mut work = Counters::default();
+    let mut samples: Vec<f64> = Vec::new();
+    for _ in 0..repeats {
+        let start = Instant::now();
+        work = passes(file.any_hit);
+        samples.push(start.elapsed().as_secs_f64());
+    }
+    passes(!file.any_hit);
+    samples.sort_by(f64::total_cmp);
+    Answers { closest, occluded, work, seconds: samples[samples.len() / 2] }
+}
+
+/// Runs a query for every ray, block by block.
+fn pass<A: Send>(
+    traversals: &mut [Traversal],
+    rays: &[Ray],
+    answers: &mut [A],
+    tracer: TracerKind,
+    many: impl Fn(&[Ray], &mut [A], &mut Traversal) + Sync,
+    one: impl Fn(&Ray, &mut Traversal) -> A + Sync,
+) -> Counters {
+    let blocks = Mutex::new(answers.chunks_mut(BLOCK_RAYS).zip(rays.chunks(BLOCK_RAYS)));
+    let next = || blocks.lock().unwrap_or_else(PoisonError::into_inner).next();
+    let work = traversals.par_iter_mut().with_max_len(1).map(|traversal| {
+        (traversal.tests, traversal.kernels) = Default::default();
+        while let Some((answers, rays)) = next() {
+            match tracer {
+                TracerKind::Wavefront => many(rays, answers, traversal),
+                TracerKind::Recursive => {
+                    for (answer, ray) in answers.iter_mut().zip(rays) {
+                        *answer = one(ray, traversal);
+                    }
+                }
+            }
+        }
+        let Traversal { tests, kernels, .. } = *traversal;
+        Counters { tests, kernels, ..Counters::default() }
+    });
+    work.reduce(Counters::default, |mut all, own| {
+        all += own;
+        all
+    })
+}
+
+/// Two t agree if they differ by less than this factor of t: those of the file may be off by what
+/// single precision leaves at grazing angles.
+const AGREEMENT: f32 = 1.0 / 16384.0;
+
+/// The output.
+#[derive(Serialize)]
+struct Report {
+    rays: usize,
+    any_hit: bool,
+    hits: usize,
+    mrays_s: f64,
+    seconds: f64,
+    repeats: u32,
+    threads: usize,
+    tracer: TracerKind,
+    simd: Level,
+    kernel: KernelChoice,
+    precision: Precision,
+    preset: Preset,
+    triangles: usize,
+    load_seconds: f64,
+    build_seconds: f64,
+    /// The visits that the surface-area heuristic expects of a ray; 0 without a tree.
+    expected_visits: Visits,
+    nodes_per_ray: f64,
+    leaves_per_ray: f64,
+    triangles_per_ray: f64,
+    settled_per_ray: f64,
+    exact_per_ray: f64,
+    kernels: ClassUse,
+    compared: Compared,
+}
+
+/// The comparison of our answers with the file's.
+#[derive(Debug, Default, Serialize)]
+struct Compared {
+    /// Hits only in the file.
+    lost: usize,
+    /// Hits only in ours.
+    extra: usize,
+    /// Closest hits on another triangle at the same distance.
+    other_triangle: usize,
+    /// Closest hits at another distance.
+    other_distance: usize,
+    /// The largest relative difference of t among the rest.
+    largest_relative_t: f32,
+    /// Any-hit answers of "hit" only in the file.
+    lost_any: usize,
+    /// Any-hit answers of "hit" only in ours.
+    extra_any: usize,
+}
+
+impl Compared {
+    /// Compares `ours` with the answers of `file`.
+    fn new(file: &RayFile, ours: &Answers) -> Self {
+        let mut compared = Self::default();
+        for (theirs, ours) in file.closest.iter().zip(&ours.closest) {
+            compared.add_closest(theirs, ours);
+        }
+        for (&theirs, &ours) in file.occluded.iter().zip(&ours.occluded) {
+            compared.lost_any += usize::from(theirs && !ours);
+            compared.extra_any += usize::from(ours && !theirs);
+        }
+        compared
+    }
+
+    fn add_closest(&mut self, theirs: &Hit, ours: &Hit) {
+        match (theirs.is_miss(), ours.is_miss()) {
+            (false, true) => self.lost += 1,
+            (true, false) => self.extra += 1,
+            (true, true) => {}
+            (false, false) => {
+                let relative = (theirs.t - ours.t).abs() / theirs.t.abs().max(f32::MIN_POSITIVE);
+                // Written so that a NaN does not agree.
+                let agrees = relative <= AGREEMENT;
+                if !agrees {
+                    self.other_distance += 1;
+                    return;
+                }
+                self.largest_relative_t = self.largest_relative_t.max(relative);
+                self.other_triangle += usize::from(theirs.primitive != ours.primitive);
+            }
+        }
+    }
+
+    fn text(&self) -> String {
+        let Self { lost, extra, other_triangle, other_distance, lost_any, extra_any, .. } = self;
+        format!(
+            "against the file: {lost} lost, {extra} extra, {other_triangle} on another triangle, \
+             {other_distance} at another distance, largest relative difference of t {:.2e}; \
+             any-hit {lost_any} lost, {extra_any} extra\n",
+            self.largest_relative_t
+        )
+    }
+}
+
+impl Report {
+    /// In words.
+    fn text(&self) -> String {
+        let kind = if self.any_hit { "any hit" } else { "closest hit" };
+        let Self { mrays_s, rays, hits, seconds, repeats, threads, triangles, .. } = self;
+        let Self { load_seconds, build_seconds, nodes_per_ray, leaves_per_ray, .. } = self;
+        let Self { triangles_per_ray, settled_per_ray, exact_per_ray, compared, .. } = self;
+        let (preset, precision, simd) =
+            (self.preset.name(), self.precision.name(), self.simd.name());
+        let Visits { nodes, leaves } = self.expected_visits;
+        let ClassUse { packet, handed_over, stream, single, .. } = &self.kernels;
+        let average = |value: Option<f64>| value.map_or("-".to_owned(), |v| format!("{v:.1}"));
+        let [a_node, a_round] = [self.kernels.rays_a_node, self.kernels.rays_a_round].map(average);
+        format!(
+            "{mrays_s:.2} Mrays/s: {rays} rays ({kind}), {hits} hits, {seconds:.4} s, \
+             median of {repeats} on {threads} threads\n\
+             mesh: {triangles} triangles, loaded in {load_seconds:.3} s; \
+             BVH {preset}, built in {build_seconds:.3} s, \
+             estimate {nodes:.1} nodes and {leaves:.1} leaves per ray; {precision} precision\n\
+             per ray: {nodes_per_ray:.2} nodes, {leaves_per_ray:.2} leaves, \
+             {triangles_per_ray:.2} triangles, {settled_per_ray:.5} settled in double precision, \
+             {exact_per_ray:.6} in exact arithmetic\n\
+             {simd}: {packet} rays in packets ({handed_over} handed over), {stream} in streams, \
+             {single} alone; average: {a_node} rays of a packet at a node, \
+             {a_round} rays in flight per round\n{}",
+            compared.text()
+        )
+    }
 }

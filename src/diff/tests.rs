@@ -1,4 +1,3 @@
-use super::limits::Pixels;
 use super::*;
 use wavecrest_image::compare::pixels_beyond;
 use wavecrest_image::error_map::error_map;
@@ -12,7 +11,7 @@ fn report(args: &DiffArgs, changed: f32) -> Report<'_> {
     let mut b = a.clone();
     b.pixels_mut()[2][1] = changed;
     let beyond = pixels_beyond(&a, &b, args.limits.tolerance()).unwrap();
-    Report::new(args, compare(&a, &b).unwrap(), beyond, &seen(args, &a, &b).unwrap())
+    Report::new(args, compare(&a, &b).unwrap(), beyond, &perceived(args, &a, &b).unwrap())
 }
 
 #[test]
@@ -56,7 +55,7 @@ fn equality_and_values_that_are_not_finite_are_described_in_words() {
 fn json_names_the_files_and_the_verdict() {
     let args = parse(&["a.ppm", "b.ppm", "--json"]).unwrap();
     let json: serde_json::Value =
-        serde_json::from_str(&report(&args, 0.5).json().unwrap()).unwrap();
+        serde_json::from_str(&to_json(&report(&args, 0.5)).unwrap()).unwrap();
     assert_eq!(json["a"], "a.ppm");
     assert_eq!(json["largest"], 0.5);
     assert_eq!(json["largest_at"], serde_json::json!([0, 1]));
@@ -97,7 +96,7 @@ fn pixels_per_degree_are_those_asked_for() {
     assert!((few.flip - 0.398_067).abs() < 1e-4, "{}", few.flip);
     assert!((many.flip - 0.959_176).abs() < 1e-4, "{}", many.flip);
     let film = Film::new(1, 1).unwrap();
-    assert!(seen(&args("0.5"), &film, &film).is_err());
+    assert!(perceived(&args("0.5"), &film, &film).is_err());
 }
 
 #[test]

@@ -6,13 +6,13 @@ use std::ops::RangeInclusive;
 use std::path::PathBuf;
 use std::time::Duration;
 
-use crate::choice::choice;
-use crate::common::{Extent, SceneOptions, SearchOptions, above_zero, crop, whole};
-use crate::develop::DevelopOptions;
-use crate::metadata::MetadataOptions;
-use array::Choice;
+use crate::common::{
+    Extent, SceneOptions, SearchOptions, above_zero, choice, numbers, output, whole,
+};
+use crate::image_options::{DevelopOptions, MetadataOptions};
+use array::ShardChoice;
 use wavecrest_base::choice::Choice as _;
-use wavecrest_base::error::{Error, ErrorKind, Result, did_you_mean};
+use wavecrest_base::error::{Result, did_you_mean};
 use wavecrest_core::render::{RenderOptions, TracerKind};
 use wavecrest_core::tile::Tile;
 use wavecrest_core::wavefront::DEFAULT_BATCH;
@@ -70,7 +70,7 @@ pub(crate) struct RenderArgs {
     /// Layers to add to .exr outputs, comma-separated: depth, normal, albedo, position, object, material, samples,
     /// invalid, all (these), or alpha (colours then count as premultiplied)
     #[arg(long, value_name = "LAYERS", value_parser = layers)]
-    pub(crate) aov: Option<Layers>,
+    pub(crate) aov: Option<LayerList>,
     /// Metadata
     #[command(flatten)]
     pub(crate) metadata: MetadataOptions,
@@ -108,7 +108,7 @@ pub(crate) struct RenderArgs {
     /// Render shard I of N to a .part file for `wavecrest merge`; auto or auto/N takes I from the scheduler's
     /// array job
     #[arg(long, value_name = "I/N", conflicts_with_all = ["target_error", "time_budget", "stats", "also", "aov", "save_every"])]
-    pub(crate) shard: Option<Choice>,
+    pub(crate) shard: Option<ShardChoice>,
     /// Render this frame of the camera's path
     #[arg(long, value_name = "N", value_parser = whole(0..=u32::MAX))]
     pub(crate) frame: Option<u32>,
@@ -139,9 +139,15 @@ impl RenderArgs {
     /// # Errors
     /// If none is named.
     pub(super) fn output(&self) -> Result<&PathBuf> {
-        self.output.as_ref().or(self.image.as_ref()).ok_or_else(|| {
-            Error::new(ErrorKind::Usage, "the output is missing").remedy("add one, such as out.png")
-        })
+        output(&self.output, &self.image, "out.png")
+    }
+
+    /// The files to write.
+    ///
+    /// # Errors
+    /// If none is named.
+    pub(super) fn paths(&self) -> Result<Vec<PathBuf>> {
+        Ok(std::iter::once(self.output()?).chain(&self.also).cloned().collect())
     }
 
     /// The layers to write, with the alpha of a transparent background.
@@ -190,16 +196,23 @@ pub(crate) enum Style {
     None,
 }
 
+/// `x,y,width,height` in pixels.
+fn crop(text: &str) -> std::result::Result<Tile, String> {
+    let tile = |[x, y, width, height]: [u32; 4]| Tile { x, y, width, height };
+    let wrong = "write four whole numbers: x,y,width,height, such as 0,0,64,64";
+    numbers(text).map(tile).ok_or_else(|| wrong.to_owned())
+}
+
 /// The requested layers.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub(crate) struct Layers(Vec<Layer>);
+pub(crate) struct LayerList(Vec<Layer>);
 
 /// `depth,normal`, or `all`.
-fn layers(text: &str) -> std::result::Result<Layers, String> {
+fn layers(text: &str) -> std::result::Result<LayerList, String> {
     if text == "all" {
         // Alpha changes the colours: they are premultiplied by it.
         let all = Layer::ALL.into_iter().filter(|layer| *layer != Layer::Alpha);
-        return Ok(Layers(all.collect()));
+        return Ok(LayerList(all.collect()));
     }
     let names = || Layer::ALL.map(Layer::name).into_iter();
     let layer = |word: &str| {
@@ -214,7 +227,7 @@ fn layers(text: &str) -> std::result::Result<Layers, String> {
     text.split(',')
         .map(|word| layer(word.trim()))
         .collect::<std::result::Result<_, _>>()
-        .map(Layers)
+        .map(LayerList)
 }
 
 /// A range of frames.

@@ -6,11 +6,10 @@ use std::time::Instant;
 use super::args::{Frames, RenderArgs};
 use super::outputs::Outputs;
 use super::ready::Ready;
-use super::show::stage::Stage;
-use super::show::{Reporter, Seen};
+use super::show::{Rendering, Reporter, Stage};
 use super::summary::Summary;
 use super::{parts, watched};
-use crate::interrupt::Interrupt;
+use crate::interrupt;
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_core::prepared::PreparedScene;
 use wavecrest_core::render::Rendered;
@@ -48,41 +47,35 @@ fn share(frames: Frames, shard: Option<Shard>) -> impl Iterator<Item = u32> {
 /// # Errors
 /// If one cannot be rendered or written: those before it are complete then.
 pub(super) fn run(args: &RenderArgs, frames: Frames, shard: Option<Shard>) -> Result<()> {
-    let of_frame = |frame| Ok((frame, args.of_frame(args.output()?, frame)));
-    let all: Vec<(u32, RenderArgs)> = share(frames, shard).map(of_frame).collect::<Result<_>>()?;
-    let mut shots: Vec<Shot<'_>> = Vec::new();
-    for (frame, one) in &all {
-        shots.push((*frame, one, Outputs::check(one, one.output()?, false)?));
-    }
-    watched(args, |reporter| run_here(args, &shots, reporter))
+    let paths = args.paths()?;
+    let of_frame = |frame| {
+        let paths = paths.iter().map(|path| numbered(path, frame)).collect();
+        Ok((frame, Outputs::check(args, paths, false)?))
+    };
+    let all: Vec<(u32, Outputs<'_>)> = share(frames, shard).map(of_frame).collect::<Result<_>>()?;
+    watched(args, |reporter| {
+        let files: Vec<&Path> = all.iter().flat_map(|(_, outputs)| outputs.all()).collect();
+        let mut sequence = Sequence::prepare(args, &files, all.len(), reporter)?;
+        sequence.numbered = true;
+        let mut size = [0; 2];
+        for (frame, outputs) in &all {
+            let rendered = sequence.frame(*frame, outputs)?;
+            reporter.stage(Stage::Write);
+            outputs.write(&sequence.ready.scene, &rendered)?;
+            size = [rendered.film.width(), rendered.film.height()];
+            reporter.note("frame", || format!("{frame}: {}", outputs.name()));
+        }
+        reporter.stage(Stage::Done);
+        sequence.finish(&args.output()?.display().to_string(), size);
+        Ok(())
+    })
 }
 
-/// A frame with its arguments and files.
-type Shot<'a> = (u32, &'a RenderArgs, Outputs<'a>);
-
-fn run_here(args: &RenderArgs, all: &[Shot<'_>], reporter: &Reporter) -> Result<()> {
-    let files: Vec<&Path> = all.iter().flat_map(|(.., outputs)| outputs.all()).collect();
-    let mut shoot = Shoot::prepare(args, &files, all.len(), reporter)?;
-    shoot.numbered = true;
-    let mut size = [0; 2];
-    for (frame, one, outputs) in all {
-        let rendered = shoot.frame(one, *frame, outputs)?;
-        reporter.stage(Stage::Write);
-        outputs.write(&shoot.ready.scene, &rendered)?;
-        size = [rendered.film.width(), rendered.film.height()];
-        reporter.note("frame", || format!("{frame}: {}", outputs.name()));
-    }
-    reporter.stage(Stage::Done);
-    shoot.finish(&args.output()?.display().to_string(), all.len(), size);
-    Ok(())
-}
-
-/// A scene whose frames are rendered.
-pub(super) struct Shoot<'a> {
+/// A scene of which several frames are rendered.
+pub(super) struct Sequence<'a> {
     args: &'a RenderArgs,
     reporter: &'a Reporter,
     pub(super) ready: Ready,
-    interrupt: Interrupt,
     summary: Summary,
     /// The number of frames to render, and of those that are finished.
     frames: usize,
@@ -91,7 +84,7 @@ pub(super) struct Shoot<'a> {
     numbered: bool,
 }
 
-impl<'a> Shoot<'a> {
+impl<'a> Sequence<'a> {
     /// Loads the scene, none of whose files may be among the `outputs`, and builds its tree, for this number of `frames`.
     ///
     /// # Errors
@@ -104,38 +97,28 @@ impl<'a> Shoot<'a> {
     ) -> Result<Self> {
         let start = Instant::now();
         let ready = Ready::prepare(args, outputs, reporter, start, false)?;
-        let (interrupt, summary) = (Interrupt::listen()?, Summary::since(start));
-        Ok(Self { args, reporter, ready, interrupt, summary, frames, finished: 0, numbered: false })
+        interrupt::record();
+        let summary = Summary::since(start);
+        Ok(Self { args, reporter, ready, summary, frames, finished: 0, numbered: false })
     }
 
-    /// Tells the outputs the scene's transfer curve of 8-bit images.
-    pub(super) fn tell(&self, outputs: &Outputs<'_>) {
-        outputs.made_of(self.ready.encoding);
-    }
-
-    /// Renders a frame with the arguments of `one`.
+    /// Renders a frame.
     ///
     /// # Errors
     /// If the camera has no such frame, or a signal ended the render.
-    pub(super) fn frame(
-        &mut self,
-        one: &RenderArgs,
-        frame: u32,
-        outputs: &Outputs<'_>,
-    ) -> Result<Rendered> {
+    pub(super) fn frame(&mut self, frame: u32, outputs: &Outputs<'_>) -> Result<Rendered> {
         place(&mut self.ready.scene, frame, &self.args.scene)?;
-        self.tell(outputs);
-        let (scene, interrupt) = (&self.ready.scene, &self.interrupt);
-        let seen = Seen { args: one, outputs, reporter: self.reporter, interrupt };
-        if interrupt.signal().is_some() {
+        outputs.made_of(self.ready.encoding);
+        if interrupt::signal().is_some() {
             return Err(self.interrupted(outputs, 0.0));
         }
-        let (rendered, _) = parts::trace(&seen, scene, None)?;
+        let rendering = Rendering { args: self.args, outputs, reporter: self.reporter };
+        let (rendered, _) = parts::trace(&rendering, &self.ready.scene, None)?;
         if !rendered.finished {
             return Err(self.interrupted(outputs, parts::share(&rendered)));
         }
         self.args.scene_options.check_taken(&self.args.scene)?;
-        let first = parts::find_invalid(one, scene, &rendered.counters)?;
+        let first = parts::find_invalid(self.args, &self.ready.scene, &rendered.counters)?;
         parts::report_invalid(&rendered.counters, first.as_ref());
         self.summary.add(&rendered.counters, rendered.seconds);
         self.finished += 1;
@@ -150,22 +133,13 @@ impl<'a> Shoot<'a> {
             2.. if self.numbered => format!("; the {} frames before it are written", self.finished),
             _ => String::new(),
         };
-        self.interrupt.error(all).remedy(outputs.untouched() + &before)
+        interrupt::error(all).remedy(outputs.untouched() + &before)
     }
 
-    /// Prints the line after success, for this number of frames and their size.
-    pub(super) fn finish(&self, name: &str, frames: usize, [width, height]: [u32; 2]) {
+    /// Prints the line after success, with the size of the frames, or of what they are put together to.
+    pub(super) fn finish(&self, name: &str, [width, height]: [u32; 2]) {
+        let frames = self.frames;
         self.summary.print(self.args, name, &format!("{frames} frames, {width}x{height}"));
-    }
-}
-
-impl RenderArgs {
-    /// The same for one frame, with its own outputs.
-    fn of_frame(&self, output: &Path, frame: u32) -> Self {
-        let mut args = self.clone();
-        (args.image, args.output) = (Some(numbered(output, frame)), None);
-        args.also.iter_mut().for_each(|path| *path = numbered(path, frame));
-        args
     }
 }
 

@@ -5,15 +5,15 @@ use std::time::Instant;
 
 use serde_json::{Value, json};
 
-use super::args::RenderArgs;
 use super::parts::trace as trace_once;
-use super::show::Seen;
+use super::show::Rendering;
 use crate::common::{tell, warn};
+use crate::interrupt;
 use wavecrest_base::error::{Error, ErrorKind, Result, Warning};
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::prepared::{Original, PreparedScene};
 use wavecrest_core::render::Rendered;
-use wavecrest_report::accuracy::pilot::budget::{Budget, Pace, Task, in_time};
+use wavecrest_report::accuracy::pilot::budget::{Budget, Overhead, Pace, in_time};
 use wavecrest_report::accuracy::pilot::target::{Reached, reach};
 use wavecrest_report::accuracy::pilot::{
     Choice, MOST_SIDE, Measured, Pilot, error, is_sampled, leaves_out_aliasing, measured_share,
@@ -29,139 +29,141 @@ pub(super) struct Traced {
     pub(super) resumed: f64,
 }
 
-/// Renders `scene`, whose tree has `preset`, as requested by the arguments, reporting to `seen`.
-/// `start` is the start of the command.
+/// Renders `scene`, whose tree has `preset`, as requested. `start` is the start of the command.
 pub(super) fn trace(
-    seen: &Seen<'_>,
+    rendering: &Rendering<'_>,
     scene: &mut PreparedScene,
     preset: Preset,
     start: Instant,
 ) -> Result<Traced> {
-    let args = seen.args;
-    let aimed = Aimed { seen, original: scene.original() };
-    let traced = match (args.target_error, args.time_budget) {
-        (Some(error), _) => aimed.for_error(scene, error, preset)?,
+    let args = rendering.args;
+    let original = scene.original();
+    let mut aimed = Aimed { rendering, scene, original, preset };
+    let goal = match (args.target_error, args.time_budget) {
+        (Some(error), _) => aimed.for_error(error)?,
         (None, Some(seconds)) => {
             let clock = || start.elapsed().as_secs_f64();
-            aimed.in_time(scene, &Budget::new(&clock, seconds), preset)?
+            aimed.in_time(&Budget::new(&clock, seconds), seconds)?
         }
         (None, None) => None,
     };
-    if let Some(traced) = traced {
-        return Ok(traced);
-    }
-    let (rendered, resumed) = trace_once(seen, scene, None)?;
-    Ok(Traced { rendered, preset, goal: None, resumed })
-}
-
-/// Prints a note, and adds it to the log.
-fn say(seen: &Seen<'_>, words: &str) {
-    seen.reporter.note("choice", || words.to_owned());
-    if !seen.args.scene_options.quiet {
-        tell(words);
+    let Aimed { scene, preset, .. } = aimed;
+    match goal {
+        // Neither has a checkpoint.
+        Some((rendered, goal)) => Ok(Traced { rendered, preset, goal, resumed: 0.0 }),
+        None => {
+            let (rendered, resumed) = trace_once(rendering, scene, None)?;
+            Ok(Traced { rendered, preset, goal: None, resumed })
+        }
     }
 }
 
-/// A render with chosen samples.
+/// A scene to render with chosen samples.
 struct Aimed<'a> {
-    seen: &'a Seen<'a>,
-    /// The scene's own samples.
+    rendering: &'a Rendering<'a>,
+    scene: &'a mut PreparedScene,
+    /// Its own samples.
     original: Original,
+    /// The preset of its tree.
+    preset: Preset,
 }
+
+/// A render, and its goal if it is finished.
+type Aim = (Rendered, Option<Value>);
 
 impl Aimed<'_> {
-    /// Renders, and repeats with more points while the error is above `asked`. `None` without a
+    /// Renders, and repeats with more points while the error is above `target`. `None` without a
     /// choice.
-    fn for_error(
-        &self,
-        scene: &mut PreparedScene,
-        asked: f64,
-        mut preset: Preset,
-    ) -> Result<Option<Traced>> {
-        let args = self.seen.args;
-        let pilot = Pilot::run(scene, &self.original, args.seed)?;
-        let reached = reach(&pilot, asked, |choice| {
-            scene.resample(&self.original, &choice.samples());
-            preset = choose_tree(args, scene, preset);
-            let traced = self.trace(scene, choice, None)?;
-            let is_whole = traced.0.finished;
-            let found = if is_whole { self.measure(scene, &traced.0)? } else { None };
-            Ok((traced, found))
+    fn for_error(&mut self, target: f64) -> Result<Option<Aim>> {
+        let pilot = Pilot::run(self.scene, &self.original, self.rendering.args.seed)?;
+        let reached = reach(&pilot, target, |choice| {
+            self.choose(choice);
+            let rendered = self.trace(choice, None)?;
+            let found = if rendered.finished { self.measure(&rendered)? } else { None };
+            Ok((rendered, found))
         })?;
-        let Some(Reached { choice, rendered: (rendered, resumed), found, renders }) = reached
-        else {
-            return Ok(None);
-        };
-        if found.is_some_and(|found| found.error > asked) {
-            let error = unreached(asked, &choice).in_file(&args.scene);
+        let Some(Reached { choice, rendered, found, renders }) = reached else { return Ok(None) };
+        if found.is_some_and(|found| found.error > target) {
+            let error = unreached(target, &choice).in_file(&self.rendering.args.scene);
             warn(&[Warning::from_error(&error)]);
         }
-        let goal = goal(format!("error {asked}"), &choice, found, renders);
+        let goal = goal(format!("error {target}"), &choice, found, renders);
         let goal = rendered.finished.then_some(goal);
-        Ok(Some(Traced { rendered, preset, goal, resumed }))
+        Ok(Some((rendered, goal)))
     }
 
-    /// Renders within `budget`. `None` without a choice.
-    fn in_time(
-        &self,
-        scene: &mut PreparedScene,
-        budget: &Budget<'_>,
-        mut preset: Preset,
-    ) -> Result<Option<Traced>> {
-        let args = self.seen.args;
-        let pilot = Pilot::within(scene, &self.original, args.seed, &budget.for_pilot())?;
+    /// Renders within `budget`, of so many seconds. `None` without a choice.
+    fn in_time(&mut self, budget: &Budget<'_>, seconds: f64) -> Result<Option<Aim>> {
+        let args = self.rendering.args;
+        let pilot = Pilot::within(self.scene, &self.original, args.seed, &budget.for_pilot())?;
         if let Some(choice) = pilot.for_time(budget.left()) {
-            scene.resample(&self.original, &choice.samples());
-            preset = choose_tree(args, scene, preset);
+            self.choose(&choice);
         }
-        let [width, height] = scene.camera.size().map(f64::from);
+        let [width, height] = self.scene.camera.size().map(f64::from);
         let in_flight = args.batch as usize * rayon::current_num_threads();
-        let task = Task {
-            measuring: measured_share(scene.camera.size()),
+        let overhead = Overhead {
+            measuring: measured_share(self.scene.camera.size()),
             in_flight: in_flight as f64 / (width * height),
         };
         let mut renders = 0;
-        let done = in_time(&pilot, budget, task, |choice, pace| {
-            scene.resample(&self.original, &choice.samples());
-            let (rendered, resumed) = self.trace(scene, choice, Some(pace))?;
+        let last = in_time(&pilot, budget, overhead, |choice, pace| {
+            self.scene.resample(&self.original, &choice.samples());
+            let rendered = self.trace(choice, Some(pace))?;
             renders += 1;
-            let is_ended = rendered.finished || self.seen.interrupt.signal().is_some();
+            let is_ended = rendered.finished || interrupt::signal().is_some();
             if let Some(expected) = pace.expected().filter(|_| !is_ended) {
                 let planned = choice.seconds;
                 let words =
                     format!("too slow: about {expected:.1} s of tracing instead of {planned:.1} s");
-                say(self.seen, &(words + "; starting again with fewer points"));
+                self.say(&(words + "; starting again with fewer points"));
             }
-            Ok(((rendered, resumed), is_ended))
+            Ok((rendered, is_ended))
         })?;
-        let Some((choice, (rendered, resumed))) = done else { return Ok(None) };
+        let Some((choice, rendered)) = last else { return Ok(None) };
         if !rendered.finished {
-            return Ok(Some(Traced { rendered, preset, goal: None, resumed }));
+            return Ok(Some((rendered, None)));
         }
-        let found = self.measure(scene, &rendered)?;
-        let asked = args.time_budget.map_or_else(String::new, |seconds| format!("{seconds} s"));
-        let goal = goal(asked, &choice, found, renders);
-        Ok(Some(Traced { rendered, preset, goal: Some(goal), resumed }))
+        let found = self.measure(&rendered)?;
+        let goal = goal(format!("{seconds} s"), &choice, found, renders);
+        Ok(Some((rendered, Some(goal))))
     }
 
-    fn trace(
-        &self,
-        scene: &PreparedScene,
-        choice: &Choice,
-        pace: Option<&Pace<'_>>,
-    ) -> Result<(Rendered, f64)> {
-        say(self.seen, &format!("chosen: {choice}"));
-        trace_once(self.seen, scene, pace)
+    /// Takes the samples of `choice`, and the tree that the expected rays are worth, unless a preset
+    /// was requested.
+    fn choose(&mut self, choice: &Choice) {
+        self.scene.resample(&self.original, &choice.samples());
+        if self.rendering.args.scene_options.bvh.is_some() {
+            return;
+        }
+        let (held, rays) = (self.scene.accel.geometry().held(), self.scene.expected_rays());
+        let best = Preset::choose(held as u64, rays);
+        if best != self.preset {
+            self.scene.accel.rebuild(best);
+            self.preset = best;
+        }
+    }
+
+    fn trace(&self, choice: &Choice, pace: Option<&Pace<'_>>) -> Result<Rendered> {
+        self.say(&format!("chosen: {choice}"));
+        trace_once(self.rendering, self.scene, pace).map(|(rendered, _)| rendered)
     }
 
     /// The measured error, if there is one.
-    fn measure(&self, scene: &PreparedScene, rendered: &Rendered) -> Result<Option<Measured>> {
-        let found = match is_sampled(scene) {
-            true => Some(error(scene, Some(&rendered.film), self.seen.args.seed)?),
+    fn measure(&self, rendered: &Rendered) -> Result<Option<Measured>> {
+        let found = match is_sampled(self.scene) {
+            true => Some(error(self.scene, Some(&rendered.film), self.rendering.args.seed)?),
             false => None,
         };
-        say(self.seen, &measured(found, leaves_out_aliasing(scene)));
+        self.say(&measured(found, leaves_out_aliasing(self.scene)));
         Ok(found)
+    }
+
+    /// Prints a note, and adds it to the log.
+    fn say(&self, words: &str) {
+        self.rendering.reporter.note("choice", || words.to_owned());
+        if !self.rendering.args.scene_options.quiet {
+            tell(words);
+        }
     }
 }
 
@@ -180,21 +182,8 @@ fn measured(error: Option<Measured>, without_aliasing: bool) -> String {
     }
 }
 
-/// Replaces the tree of `preset` if the expected rays are worth it, unless a preset was requested.
-/// Returns the preset in use.
-fn choose_tree(args: &RenderArgs, scene: &mut PreparedScene, preset: Preset) -> Preset {
-    if args.scene_options.bvh.is_some() {
-        return preset;
-    }
-    let best = Preset::choose(scene.accel.geometry().held() as u64, scene.expected_rays());
-    if best != preset {
-        scene.accel.rebuild(best);
-    }
-    best
-}
-
-fn unreached(asked: f64, choice: &Choice) -> Error {
-    let message = format!("the target error {asked} was not reached");
+fn unreached(target: f64, choice: &Choice) -> Error {
+    let message = format!("the target error {target} was not reached");
     let remedy = match choice.points.side {
         MOST_SIDE => "the image has as many points as possible; choose a larger error",
         _ => "the image is the last and best; choose a larger error, or more points in the scene",
@@ -203,9 +192,9 @@ fn unreached(asked: f64, choice: &Choice) -> Error {
 }
 
 /// The goal and its outcome, for the statistics.
-fn goal(asked: String, choice: &Choice, found: Option<Measured>, renders: u32) -> Value {
+fn goal(requested: String, choice: &Choice, found: Option<Measured>, renders: u32) -> Value {
     json!({
-        "asked": asked,
+        "asked": requested,
         "samples": choice.to_string(),
         "expected_error": choice.error,
         "expected_seconds": choice.seconds,

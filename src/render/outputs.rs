@@ -1,39 +1,41 @@
-//! The output files of a render: one or several, with layers and metadata.
+//! The output files of a render: one or several, with layers and metadata; and the memory of its images, while it is
+//! traced and while its files are written.
 
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
 use super::args::RenderArgs;
+use super::rows::Rows;
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_base::replace::{check_differs, check_replaceable};
 use wavecrest_core::film::Film;
 use wavecrest_core::prepared::PreparedScene;
 use wavecrest_core::render::Rendered;
-use wavecrest_image::aov;
+use wavecrest_image::animation::{self, Animated};
 use wavecrest_image::farm::Identity;
 use wavecrest_image::metadata::{Entry, Extras};
-use wavecrest_image::write::{Format, Transfer, check_writable, write_with};
+use wavecrest_image::write::{Format, Transfer, bytes_to_write, check_writable, write_with};
+use wavecrest_image::{aov, look};
 use wavecrest_scene::components::Encoding;
+use wavecrest_scene::load::framing::Sheet;
+use wavecrest_scene::memory::{Images, film_bytes};
 
 /// The outputs of a render, checked to be writable.
 pub(super) struct Outputs<'a> {
     args: &'a RenderArgs,
-    paths: Vec<&'a Path>,
+    pub(super) paths: Vec<PathBuf>,
     /// The transfer curve of 8-bit images, unless the arguments set it; known after reading the
     /// scene.
     encoding: OnceLock<Encoding>,
 }
 
 impl<'a> Outputs<'a> {
-    /// The files that the arguments name, `first` and further ones. The output of a shard is not an
-    /// image.
+    /// The files at `paths`. The output of a shard is not an image.
     ///
     /// # Errors
     /// If one cannot be written, is repeated or is the scene, or a report would be written over it, or if layers are requested that none
     /// can store.
-    pub(super) fn check(args: &'a RenderArgs, first: &'a Path, is_shard: bool) -> Result<Self> {
-        let also = args.also.iter().map(PathBuf::as_path);
-        let paths: Vec<&Path> = std::iter::once(first).chain(also).collect();
+    pub(super) fn check(args: &'a RenderArgs, paths: Vec<PathBuf>, is_shard: bool) -> Result<Self> {
         for (index, path) in paths.iter().enumerate() {
             if is_shard { check_replaceable(path) } else { check_writable(path) }?;
             check_differs(path, &args.scene, "the scene")?;
@@ -53,7 +55,7 @@ impl<'a> Outputs<'a> {
         let outputs = Self { args, paths, encoding: OnceLock::new() };
         if args.aov.is_some() && !outputs.has_exr() {
             return Err(Error::new(ErrorKind::Usage, "only .exr images have layers")
-                .in_file(first)
+                .in_file(outputs.first())
                 .remedy("add --also and a name that ends in .exr"));
         }
         Ok(outputs)
@@ -63,20 +65,20 @@ impl<'a> Outputs<'a> {
     ///
     /// # Errors
     /// If it cannot be written, or is the scene or the log.
-    pub(super) fn of_one(args: &'a RenderArgs, path: &'a Path) -> Result<Self> {
+    pub(super) fn of_one(args: &'a RenderArgs, path: &Path) -> Result<Self> {
         check_replaceable(path)?;
         check_differs(path, &args.scene, "the scene")?;
         if let Some(log) = &args.log {
             check_differs(log, path, "the animation")?;
             check_differs(log, &args.scene, "the scene")?;
         }
-        Ok(Self { args, paths: vec![path], encoding: OnceLock::new() })
+        Ok(Self { args, paths: vec![path.to_owned()], encoding: OnceLock::new() })
     }
 
     /// Every file that is replaced: the images, statistics and checkpoint.
-    pub(super) fn all(&self) -> Vec<&'a Path> {
+    pub(super) fn all(&self) -> Vec<&Path> {
         let reports = self.args.stats.iter().chain(&self.args.checkpoint);
-        self.paths.iter().copied().chain(reports.map(PathBuf::as_path)).collect()
+        self.paths.iter().chain(reports).map(PathBuf::as_path).collect()
     }
 
     /// Records the scene's transfer curve of 8-bit images.
@@ -102,7 +104,7 @@ impl<'a> Outputs<'a> {
     /// If there is no memory for the layers, or a file cannot be written: those before it are then
     /// complete, and it and those after it unchanged.
     pub(super) fn write(&self, scene: &PreparedScene, rendered: &Rendered) -> Result<()> {
-        let aov::Found { channels, entries: tables } = self.layers(scene, rendered)?;
+        let aov::Layers { channels, entries: tables } = self.layers(scene, rendered)?;
         let entries = self.entries(scene)?;
         // The tables of numbers are useful only with the numbers.
         let with_tables = [&entries[..], &tables].concat();
@@ -140,20 +142,20 @@ impl<'a> Outputs<'a> {
         share: f64,
     ) -> Result<String> {
         let replaces = self.args.save_every.is_some();
-        let (free, kept): (Vec<&Path>, Vec<&Path>) =
-            self.paths.iter().partition(|path| replaces || !path.exists());
+        let (free, kept): (Vec<PathBuf>, Vec<PathBuf>) =
+            self.paths.iter().cloned().partition(|path| replaces || !path.exists());
         let outputs = Self { paths: free, args: self.args, encoding: self.encoding.clone() };
         outputs.write_part(film, entries, share)?;
         let written = outputs
             .paths
             .iter()
             .map(|path| format!("{} has what was finished; the rest is black", path.display()));
-        Ok(written.chain(kept.into_iter().map(unchanged)).collect::<Vec<_>>().join("; "))
+        Ok(written.chain(kept.iter().map(|path| unchanged(path))).collect::<Vec<_>>().join("; "))
     }
 
     /// That none of the files is written, in words.
     pub(super) fn untouched(&self) -> String {
-        self.paths.iter().copied().map(unchanged).collect::<Vec<_>>().join("; ")
+        self.paths.iter().map(|path| unchanged(path)).collect::<Vec<_>>().join("; ")
     }
 
     /// The name of the image.
@@ -162,13 +164,8 @@ impl<'a> Outputs<'a> {
     }
 
     /// The first of the files.
-    pub(super) fn first(&self) -> &'a Path {
-        self.paths.first().copied().unwrap_or(Path::new(""))
-    }
-
-    /// The files.
-    pub(super) fn paths(&self) -> &[&'a Path] {
-        &self.paths
+    pub(super) fn first(&self) -> &Path {
+        self.paths.first().map_or(Path::new(""), PathBuf::as_path)
     }
 
     fn extras<'e>(&self, entries: &'e [Entry]) -> Extras<'e> {
@@ -179,10 +176,10 @@ impl<'a> Outputs<'a> {
         self.paths.iter().any(|path| is_exr(path))
     }
 
-    fn layers(&self, scene: &PreparedScene, rendered: &Rendered) -> Result<aov::Found> {
+    fn layers(&self, scene: &PreparedScene, rendered: &Rendered) -> Result<aov::Layers> {
         let layers = &self.args.layers();
         if layers.is_empty() {
-            return Ok(aov::Found::default());
+            return Ok(aov::Layers::default());
         }
         let RenderArgs { crop, seed, .. } = *self.args;
         let invalid = rendered.counters.invalid;
@@ -201,6 +198,12 @@ impl<'a> Outputs<'a> {
         let identity = Identity::of(scene, &self.args.options())?;
         Ok(metadata.entries(&identity))
     }
+}
+
+/// The format of a turntable in one file.
+pub(super) fn animated(output: &Path) -> Option<Animated> {
+    let is_numbered = output.file_name().is_some_and(|name| name.to_string_lossy().contains('#'));
+    Animated::from_path(output).filter(|_| !is_numbered)
 }
 
 /// That a file is not written, in words.
@@ -222,4 +225,64 @@ fn check_alpha(path: &Path, is_shard: bool) -> Result<()> {
 
 fn is_exr(path: &Path) -> bool {
     Format::from_path(path).is_ok_and(|format| format == Format::Exr)
+}
+
+impl RenderArgs {
+    /// Upper bound on the memory of the images, if the whole image has this width and height in pixels.
+    pub(super) fn images(&self, size: [u32; 2]) -> Images {
+        let input = &self.scene_options.input;
+        let image = self.crop.map_or(size, |crop| [crop.width, crop.height]);
+        let pixels = area(image);
+        let film = film_bytes(pixels) + self.beside(pixels, area(size));
+        let animated = self.output().ok().and_then(|path| animated(path));
+        match (&input.sheet, input.turntable, animated) {
+            _ if self.frame.is_some() => Images { film, writing: self.writing(pixels) },
+            (Some(Sheet(sides)), ..) => {
+                let sheet = area(Rows::new(sides.len()).size(image));
+                // The last image is kept while the next is traced.
+                let film = film + film_bytes(pixels) + film_bytes(sheet);
+                Images { film, writing: self.writing(sheet) }
+            }
+            (None, Some(_), Some(format)) => {
+                Images { film, writing: animation::bytes_to_write(format, pixels) }
+            }
+            _ => Images { film, writing: self.writing(pixels) },
+        }
+    }
+
+    /// What tracing keeps beside the image: sums for a checkpoint or a shard, the image so far, the pixels of a look.
+    fn beside(&self, pixels: u64, whole: u64) -> u64 {
+        let so_far = match self.save_every {
+            // Tiles are added to one while another is written.
+            Some(_) => 2 * film_bytes(pixels) + self.file_bytes(pixels, 0),
+            None => 0,
+        };
+        let look = self.look.map_or(0, |kind| look::bytes(kind, pixels, whole));
+        let keeps = self.checkpoint.is_some() || self.shard.is_some();
+        let sums = if keeps { pixels * size_of::<[f64; 3]>() as u64 } else { 0 };
+        sums + so_far + look
+    }
+
+    /// What writing the files takes, beside an image of this number of pixels.
+    fn writing(&self, pixels: u64) -> u64 {
+        let values = aov::values_per_pixel(&self.layers());
+        pixels * values * size_of::<f32>() as u64 + self.file_bytes(pixels, values)
+    }
+
+    /// What the largest file takes while it is written, with this number of further values in each pixel.
+    fn file_bytes(&self, pixels: u64, values: u64) -> u64 {
+        let paths = self.output().into_iter().chain(&self.also);
+        let formats = paths.filter_map(|path| Format::from_path(path).ok());
+        let bytes = |format: Format| {
+            let developed =
+                if format.is_developed(self.develop.into()) { film_bytes(pixels) } else { 0 };
+            developed + bytes_to_write(format, pixels, values)
+        };
+        formats.map(bytes).max().unwrap_or(0)
+    }
+}
+
+/// The number of pixels of this width and height.
+fn area([width, height]: [u32; 2]) -> u64 {
+    u64::from(width) * u64::from(height)
 }

@@ -5,17 +5,16 @@ use std::time::Instant;
 
 use super::args::RenderArgs;
 use super::look;
-use super::show::stage::Stage;
-use super::show::{Seen, Show};
+use super::show::{Rendering, Show, Stage};
 use super::summary::Summary;
 use crate::common::tell;
+use crate::interrupt;
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_base::replace::{check_differs, check_replaceable};
 use wavecrest_core::counters::Counters;
 use wavecrest_core::prepared::PreparedScene;
 use wavecrest_core::probe::{self, Invalid};
 use wavecrest_core::render::Rendered;
-use wavecrest_image::farm::checkpoint::Checkpoint;
 use wavecrest_image::farm::{Author, Session, Shard};
 use wavecrest_report::accuracy::pilot::budget::Pace;
 
@@ -45,42 +44,36 @@ pub(super) fn check(args: &RenderArgs, output: &Path) -> Result<()> {
 /// Renders the image as requested, as long as its `pace` is good enough; returns it with the share
 /// that a checkpoint held (0 to 1).
 pub(super) fn trace(
-    seen: &Seen<'_>,
+    rendering: &Rendering<'_>,
     scene: &PreparedScene,
     pace: Option<&Pace<'_>>,
 ) -> Result<(Rendered, f64)> {
-    let show = Show::begin(seen, scene, pace);
-    let Some(checkpoint) = seen.args.checkpoint() else {
-        return look::trace(seen.args, scene, &show).map(|rendered| (rendered, 0.0));
-    };
-    let options = seen.args.options();
-    let session = Session::begin(scene, &options, author(seen), None, Some(&checkpoint))?;
-    tell_of_checkpoint(seen.args, &checkpoint, &session);
+    let show = Show::begin(rendering, scene, pace);
+    if rendering.args.checkpoint.is_none() {
+        return look::trace(rendering.args, scene, &show).map(|rendered| (rendered, 0.0));
+    }
+    let session = session(rendering, scene, None)?;
     let rendered = session.render(&show, &warn)?;
     Ok((rendered, session.resumed()))
 }
 
 /// Renders a shard and writes its part.
 pub(super) fn write_shard(
-    seen: &Seen<'_>,
+    rendering: &Rendering<'_>,
     shard: Shard,
     scene: &PreparedScene,
     mut summary: Summary,
 ) -> Result<()> {
-    let Seen { args, outputs, reporter, .. } = *seen;
-    let (options, checkpoint) = (args.options(), args.checkpoint());
-    let session = Session::begin(scene, &options, author(seen), Some(shard), checkpoint.as_ref())?;
-    if let Some(checkpoint) = &checkpoint {
-        tell_of_checkpoint(args, checkpoint, &session);
-    }
-    let show = Show::begin(seen, scene, None);
+    let Rendering { args, outputs, reporter } = *rendering;
+    let session = session(rendering, scene, Some(shard))?;
+    let show = Show::begin(rendering, scene, None);
     let start = Instant::now();
     let done = session.render_units(&show, &warn)?;
     summary.add(&done.counters, start.elapsed().as_secs_f64());
     drop(show);
     if session.share() < 1.0 {
         let what = outputs.untouched();
-        return Err(seen.interrupt.error(session.share()).remedy(what + &go_on(args)));
+        return Err(interrupt::error(session.share()).remedy(what + &go_on(args)));
     }
     let first = find_invalid(args, scene, &done.counters)?;
     report_invalid(&done.counters, first.as_ref());
@@ -91,11 +84,39 @@ pub(super) fn write_shard(
     Ok(())
 }
 
+/// The work on the image, or on a shard of it; says what a checkpoint held.
+fn session<'a>(
+    rendering: &Rendering<'_>,
+    scene: &'a PreparedScene,
+    shard: Option<Shard>,
+) -> Result<Session<'a>> {
+    let Rendering { args, outputs, .. } = *rendering;
+    let command = std::env::args_os().map(|word| word.to_string_lossy().into_owned()).collect();
+    let (file, transfer) = (args.scene.display().to_string(), outputs.transfer());
+    let author = Author { scene: file, command, transfer };
+    let session = Session::begin(scene, args.options(), author, shard, args.checkpoint())?;
+    if let Some(file) = &args.checkpoint
+        && args.resume
+        && !args.scene_options.quiet
+    {
+        let (file, percent) = (file.display(), (session.resumed() * 1000.0).floor() / 10.0);
+        tell(&match session.has_checkpoint() {
+            true => format!("resuming from {file}: {percent} % is done"),
+            false => format!("no checkpoint {file} yet: starting from the beginning"),
+        });
+    }
+    Ok(session)
+}
+
 /// Writes the finished part of an image that a signal ended, unless it would replace an older image; returns the error
 /// with the progress.
-pub(super) fn interrupted(seen: &Seen<'_>, scene: &PreparedScene, rendered: &Rendered) -> Error {
-    let (outputs, share) = (seen.outputs, share(rendered));
-    let error = seen.interrupt.error(share);
+pub(super) fn interrupted(
+    rendering: &Rendering<'_>,
+    scene: &PreparedScene,
+    rendered: &Rendered,
+) -> Error {
+    let (outputs, share) = (rendering.outputs, share(rendered));
+    let error = interrupt::error(share);
     let written = if share == 0.0 {
         Ok(outputs.untouched())
     } else {
@@ -103,7 +124,7 @@ pub(super) fn interrupted(seen: &Seen<'_>, scene: &PreparedScene, rendered: &Ren
         entries.and_then(|entries| outputs.write_unfinished(&rendered.film, &entries, share))
     };
     match written {
-        Ok(words) => error.remedy(words + &go_on(seen.args)),
+        Ok(words) => error.remedy(words + &go_on(rendering.args)),
         Err(error) => error,
     }
 }
@@ -119,25 +140,6 @@ fn go_on(args: &RenderArgs) -> String {
     match &args.checkpoint {
         Some(file) => format!("; resume with --checkpoint {} --resume", file.display()),
         None => "; use --checkpoint FILE to be able to resume".to_owned(),
-    }
-}
-
-fn author(seen: &Seen<'_>) -> Author {
-    let command = std::env::args_os().map(|word| word.to_string_lossy().into_owned());
-    let transfer = seen.outputs.transfer();
-    Author { scene: seen.args.scene.display().to_string(), command: command.collect(), transfer }
-}
-
-fn tell_of_checkpoint(args: &RenderArgs, checkpoint: &Checkpoint, session: &Session<'_>) {
-    if !checkpoint.resume || args.scene_options.quiet {
-        return;
-    }
-    let file = checkpoint.file.display();
-    if session.has_checkpoint() {
-        let percent = (session.resumed() * 1000.0).floor() / 10.0;
-        tell(&format!("resuming from {file}: {percent} % is done"));
-    } else {
-        tell(&format!("no checkpoint {file} yet: starting from the beginning"));
     }
 }
 

@@ -5,8 +5,7 @@ use std::time::Instant;
 
 use super::args::RenderArgs;
 use super::look;
-use super::show::Reporter;
-use super::show::stage::Stage;
+use super::show::{Reporter, Stage};
 use crate::common::warn;
 use wavecrest_base::error::Result;
 use wavecrest_core::accel::build::Preset;
@@ -50,23 +49,22 @@ impl Ready {
         let estimate = || options.estimate(&args.scene, extent);
         let estimated = args.stats.is_some().then(estimate).transpose()?;
         let loaded = options.load(&args.scene, extent, outputs)?;
-        reporter.warnings(&loaded.warnings);
+        reporter.log.warnings(&loaded.warnings);
         let encoding = loaded.transfer();
         let extracted = look::extract(args, loaded)?;
         let preset = options.preset(&extracted);
         let predicted = extent.estimate(&extracted, preset);
         time.load = start.elapsed().as_secs_f64();
         if is_single {
-            reporter.loaded(&extracted, time.load);
+            reporter.log.loaded(&extracted, time.load);
         }
         reporter.stage(Stage::Build);
-        let file = extracted.file().to_owned();
         let mut scene = timed(&mut time.build, || options.build(extracted, preset))?;
-        let dropped = systems::warnings(&scene, &file);
+        let dropped = systems::warnings(&scene, &args.scene);
         warn(&dropped);
         if is_single {
-            reporter.warnings(&dropped);
-            reporter.built(args, &scene, preset, time.build);
+            reporter.log.warnings(&dropped);
+            reporter.log.built(args, &scene, preset, time.build);
         }
         args.search.apply(&mut scene.accel);
         Ok(Self { scene, preset, encoding, time, estimated, predicted })

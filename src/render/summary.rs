@@ -1,10 +1,20 @@
-//! The line that a render prints on success.
+//! What a render says of itself on success: the line that it prints, and its statistics as JSON.
 
+use std::path::Path;
 use std::time::Instant;
 
+use serde_json::json;
+
 use super::args::{RenderArgs, Style};
-use crate::common::{grouped, tell};
+use super::goal::Traced;
+use super::ready::Ready;
+use crate::common::{grouped, tell, to_json, write_text};
+use wavecrest_base::error::Result;
 use wavecrest_core::counters::Counters;
+use wavecrest_core::probe::Invalid;
+use wavecrest_core::render::TracerKind;
+use wavecrest_report::expected::Estimated;
+use wavecrest_report::statistics::{Bvh, KernelUse, Memory, Rays, Samples, Tests, Textures};
 use wavecrest_scene::memory;
 
 /// The totals so far.
@@ -22,7 +32,7 @@ impl Summary {
 
     /// Adds a render with its seconds.
     pub(super) fn add(&mut self, counters: &Counters, seconds: f64) {
-        self.rays += counters.primary_rays + counters.secondary_rays + counters.shadow_rays;
+        self.rays += Rays::from(counters).all();
         self.traced_seconds += seconds;
     }
 
@@ -54,6 +64,64 @@ fn seconds(seconds: f64) -> String {
         _ => 0,
     };
     format!("{seconds:.digits$}")
+}
+
+/// Writes the statistics to `file`.
+///
+/// # Errors
+/// If it cannot be written.
+pub(super) fn write_statistics(
+    file: &Path,
+    args: &RenderArgs,
+    ready: &Ready,
+    traced: &Traced,
+    invalid: Option<Invalid>,
+) -> Result<()> {
+    let Ready { scene, time, estimated, predicted, .. } = ready;
+    let Traced { rendered, preset, goal, resumed } = traced;
+    let counters = &rendered.counters;
+    let film = &rendered.film;
+    let has_columns = args.tracer == TracerKind::Wavefront;
+    // [`wavecrest_report::statistics`] says what each key means.
+    let statistics = json!({
+        "version": env!("CARGO_PKG_VERSION"),
+        "scene": args.scene.display().to_string(),
+        "tracer": args.tracer,
+        "threads": rayon::current_num_threads(),
+        "seed": args.seed,
+        "simd": args.search.simd,
+        "kernel": args.search.kernel,
+        "precision": args.scene_options.precision,
+        "image": {
+            "width": film.width(),
+            "height": film.height(),
+            "samples_per_pixel": scene.camera.rays_per_pixel(),
+        },
+        "rays": Rays::from(counters),
+        "samples": Samples::from(counters),
+        "textures": Textures::from(&scene.appearance),
+        "estimated": Estimated::of(scene, film.pixels().len() as u64),
+        "tests": Tests::from(counters),
+        "kernels": KernelUse::from(counters),
+        "dropped": scene.dropped,
+        "invalid": counters.invalid,
+        "first_invalid": invalid,
+        "lights_at_surface": counters.lights_at_surface,
+        "time": time,
+        "memory": Memory {
+            predicted: estimated.as_ref().map_or(0, |estimated| estimated.total()),
+            peak: memory::peak(),
+        },
+        "columns": {
+            "estimated": if has_columns { predicted.batches } else { 0 },
+            "held": rendered.columns,
+        },
+        "bvh": Bvh::of(&scene.accel, *preset),
+        "goal": goal,
+        "resumed": resumed,
+        "plan": scene.plan,
+    });
+    write_text(file, &to_json(&statistics)?)
 }
 
 #[cfg(test)]

@@ -120,8 +120,9 @@ impl Tried {
         }
         // Failures of fast precision are expected.
         let first = agreement.and_then(|outcome| outcome.first.as_ref());
-        let told = [leaks.first.as_ref(), self_hits.first.as_ref(), first].into_iter().flatten();
-        for first in told.filter(|_| *precision != Precision::Fast) {
+        let failures =
+            [leaks.first.as_ref(), self_hits.first.as_ref(), first].into_iter().flatten();
+        for first in failures.filter(|_| *precision != Precision::Fast) {
             let _ = writeln!(text, "      the first: {first}");
         }
         text

@@ -10,14 +10,13 @@ use wavecrest_core::math::sampling::{Points, Sampling};
 use wavecrest_core::prepared::{PreparedScene, Samples};
 use wavecrest_core::render::RenderOptions;
 use wavecrest_image::compare::compare;
-use wavecrest_report::accuracy::answer::ERRORS;
-use wavecrest_report::accuracy::findings::Point;
+use wavecrest_report::accuracy::findings::{ERRORS, Point};
 use wavecrest_report::accuracy::pilot::target::reach;
 use wavecrest_report::accuracy::pilot::{Pilot, error};
 use wavecrest_report::accuracy::setting::{Facts, Family, Series, Setting, Structure};
 use wavecrest_report::accuracy::store::{FILE, Header, Record, Store};
 use wavecrest_report::accuracy::subject::Subject;
-use wavecrest_report::accuracy::sweep::{Progress, run};
+use wavecrest_report::accuracy::sweep::run;
 use wavecrest_report::accuracy::{Findings, page};
 use wavecrest_scene::systems::overrides::{Layer, Overrides};
 
@@ -26,22 +25,13 @@ use crate::support::{
     repository, scene, sphere, wall, wavecrest, with,
 };
 
-/// Reports nothing.
-struct Silent;
-
-impl Progress for Silent {
-    fn start(&self, _: u64) {}
-    fn stage(&self, _: &str) {}
-    fn step(&self, _: u64) {}
-}
-
 fn header(longest: u32, most: u32, least: u32) -> Header {
     Header { version: "1".to_owned(), longest, most, least }
 }
 
 fn findings(header: &Header, seeds: u32, file: &Path, folder: &Path) -> Findings {
     let mut store = Store::open(folder, header).expect("a folder");
-    let swept = run(&[file.to_owned()], seeds, &mut store, &Silent).expect("a sweep");
+    let swept = run(&[file.to_owned()], seeds, &mut store, &|_| {}).expect("a sweep");
     Findings::new(seeds, &store, &swept, &ERRORS)
 }
 
@@ -343,7 +333,7 @@ fn exactness_has_a_price_list() {
     let (folder, file) = (folder(), repository("scenes/TriMesh.json"));
     let header = header(16, 1, 4);
     let mut store = Store::open(folder.path(), &header).expect("a folder");
-    let mut swept = run(&[file], 2, &mut store, &Silent).expect("a sweep");
+    let mut swept = run(&[file], 2, &mut store, &|_| {}).expect("a sweep");
     let found = Findings::new(2, &store, &swept, &ERRORS);
     let prices = found.scenes[0].steps.as_ref().expect("prices");
     let rendered = swept[0].subject.render(&Setting::default(), 0);
@@ -367,7 +357,7 @@ fn exactness_has_a_price_list() {
         let each = format!("{:.1}", step.nanoseconds);
         assert!(html.contains(&step.step) && html.contains(&each), "{step:?}");
     }
-    let words = prices.sentence(&found.scenes[0]);
+    let words = prices.sentence(&found.scenes[0].layers);
     assert!(html.contains(words.split('`').next().expect("a part")), "{words}");
     // Where there are spheres alone, none is taken.
     let folder = self::folder();

@@ -5,42 +5,42 @@ use serde_json::{Value, json};
 use wavecrest_core::prepared::PreparedScene;
 use wavecrest_core::render::{RenderOptions, TracerKind};
 use wavecrest_core::tile::Tile;
-use wavecrest_image::aov::{Found, Layer, Request, layers};
+use wavecrest_image::aov::{Layer, Layers, Request, layers};
 use wavecrest_image::metadata::Values;
 
 use crate::support::{
     matte, options, pinhole, point_light, prepare, render_on, scene, sphere, wall, with,
 };
 
-fn made(scene: &PreparedScene, threads: usize, request: &Request<'_>) -> Found {
+fn made(scene: &PreparedScene, threads: usize, request: &Request<'_>) -> Layers {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
     pool.install(|| layers(scene, request)).unwrap_or_else(|error| panic!("{error}"))
 }
 
-fn all(scene: &PreparedScene) -> Found {
+fn all(scene: &PreparedScene) -> Layers {
     made(scene, 2, &Request { layers: &Layer::ALL, crop: None, seed: 0, invalid: 0 })
 }
 
-fn values<'a>(found: &'a Found, name: &str) -> &'a Values {
+fn values<'a>(found: &'a Layers, name: &str) -> &'a Values {
     let channel = found.channels.iter().find(|channel| channel.name == name);
     &channel.unwrap_or_else(|| panic!("there is no {name}")).values
 }
 
-fn floats<'a>(found: &'a Found, name: &str) -> &'a [f32] {
+fn floats<'a>(found: &'a Layers, name: &str) -> &'a [f32] {
     match values(found, name) {
         Values::Floats(values) => values,
         Values::Integers(_) => panic!("{name} has whole numbers"),
     }
 }
 
-fn integers<'a>(found: &'a Found, name: &str) -> &'a [u32] {
+fn integers<'a>(found: &'a Layers, name: &str) -> &'a [u32] {
     match values(found, name) {
         Values::Integers(values) => values,
         Values::Floats(_) => panic!("{name} has floats"),
     }
 }
 
-fn vector(found: &Found, name: &str, pixel: usize) -> DVec3 {
+fn vector(found: &Layers, name: &str, pixel: usize) -> DVec3 {
     let axes = if name == "albedo" { ["R", "G", "B"] } else { ["X", "Y", "Z"] };
     let [x, y, z] = axes.map(|axis| f64::from(floats(found, &format!("{name}.{axis}"))[pixel]));
     DVec3::new(x, y, z)

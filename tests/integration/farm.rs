@@ -47,7 +47,7 @@ fn shard(number: u32, count: u32) -> Shard {
 fn write_part(scene: &PreparedScene, shard: Shard, file: &Path) {
     let options = options();
     let session =
-        Session::begin(scene, &options, Author::default(), Some(shard), None).expect("a session");
+        Session::begin(scene, options, Author::default(), Some(shard), None).expect("a session");
     session.render_units(&(), &no_warning).expect("the units");
     session.write(file).expect("a part");
 }
@@ -58,7 +58,7 @@ fn write_part_in_two(scene: &PreparedScene, shard: Shard, file: &Path) {
     let at = |resume| checkpoint(&file.with_extension("kept"), resume);
     let go = |checkpoint: &Checkpoint, watch: &dyn Watch| {
         let author = Author::default();
-        let session = Session::begin(scene, &options, author, Some(shard), Some(checkpoint));
+        let session = Session::begin(scene, options, author, Some(shard), Some(checkpoint.clone()));
         let session = session.expect("a session");
         let done = session.render_units(watch, &no_warning).expect("the units");
         (session.share(), session.write(file), done.counters.primary_rays)
@@ -123,7 +123,7 @@ fn parts_of_a_crop_make_the_crop() {
             .map(|number| {
                 let file = folder.path().join(format!("{number}.part"));
                 let author = Author::default();
-                let session = Session::begin(scene, &options, author, Some(shard(number, 3)), None)
+                let session = Session::begin(scene, options, author, Some(shard(number, 3)), None)
                     .expect("a session");
                 session.render_units(&(), &no_warning).expect("the units");
                 session.write(&file).expect("a part");
@@ -189,8 +189,9 @@ fn a_stopped_render_resumes_to_the_same_bits() {
             for (resume, most) in [(false, 2), (true, 3), (true, 0), (true, usize::MAX)] {
                 let checkpoint = checkpoint(&file, resume);
                 let author = Author::default();
-                let session = Session::begin(scene, &options, author, None, Some(&checkpoint))
-                    .unwrap_or_else(|error| panic!("{error}"));
+                let session =
+                    Session::begin(scene, options, author, None, Some(checkpoint.clone()))
+                        .unwrap_or_else(|error| panic!("{error}"));
                 let rendered = session.render(&EndAfter::new(most), &no_warning).expect("a film");
                 rays += rendered.counters.primary_rays;
                 assert_eq!(rendered.finished, most == usize::MAX);
@@ -199,13 +200,13 @@ fn a_stopped_render_resumes_to_the_same_bits() {
                 }
             }
             // Nothing was rendered twice.
-            let at_once = Session::begin(scene, &options, Author::default(), None, None)
+            let at_once = Session::begin(scene, options, Author::default(), None, None)
                 .and_then(|session| session.render(&(), &no_warning));
             assert_eq!(rays, at_once.expect("a film").counters.primary_rays);
             let checkpoint = checkpoint(&file, true);
             let before = std::fs::read(&file).expect("a checkpoint");
             let session =
-                Session::begin(scene, &options, Author::default(), None, Some(&checkpoint));
+                Session::begin(scene, options, Author::default(), None, Some(checkpoint.clone()));
             let again = session.expect("a session").render(&(), &no_warning).expect("a film");
             assert_eq!(again.counters.primary_rays, 0);
             assert!(again.finished && again.film.same_bits(&whole.film));
@@ -221,7 +222,7 @@ fn a_finished_checkpoint_can_be_merged() -> Result<()> {
     let folder = folder();
     let kept = checkpoint(&folder.path().join("a.kept"), false);
     let options = options();
-    let session = Session::begin(scene, &options, Author::default(), None, Some(&kept))?;
+    let session = Session::begin(scene, options, Author::default(), None, Some(kept.clone()))?;
     let film = session.render(&(), &no_warning)?.film;
     assert!(merge(&[kept.file])?.film.same_bits(&film));
     Ok(())

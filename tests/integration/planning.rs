@@ -16,7 +16,7 @@ use wavecrest_core::render::{RenderOptions, Rendered, TracerKind, camera_rays, r
 use wavecrest_core::wavefront::batch::Batch;
 use wavecrest_image::write::{Transfer, write};
 use wavecrest_report::effects::scenes::{Variant, variants};
-use wavecrest_report::estimate::Estimated;
+use wavecrest_report::expected::Estimated;
 use wavecrest_scene::load::{LoadOptions, load, load_str};
 use wavecrest_scene::systems::{self, Options};
 

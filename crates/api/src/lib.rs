@@ -200,7 +200,7 @@ pub use wavecrest_core::render::{Progress, RenderOptions, Rendered, TracerKind, 
 pub use wavecrest_core::tile::Tile;
 
 // Layers beside the colours.
-pub use wavecrest_image::aov::{Found as Layers, Layer, Request as LayerRequest, layers};
+pub use wavecrest_image::aov::{Layer, Layers, Request as LayerRequest, layers};
 
 // Image files and their metadata.
 pub use wavecrest_image::metadata::{Channel, Entry, Extras, Provenance, Values};

@@ -21,10 +21,12 @@
 //! Means are over the samples that hit something. The entries `objects` and `materials` list as
 //! JSON the shapes and materials of the numbers that occur.
 
-mod invalid;
 mod names;
 
+use std::sync::atomic::{AtomicU64, Ordering};
+
 use glam::Vec3;
+use rayon::prelude::*;
 
 use crate::camera_rays::{CameraRays, Gather};
 use crate::metadata::{ALPHA, Channel, Entry, Values};
@@ -35,8 +37,9 @@ use wavecrest_core::kernels::precision::Arithmetic;
 use wavecrest_core::math::float::dot;
 use wavecrest_core::math::ray::Ray;
 use wavecrest_core::prepared::{Interaction, LookUps, PreparedScene, surface};
-use wavecrest_core::render;
-use wavecrest_core::tile::Tile;
+use wavecrest_core::render::work::tracer;
+use wavecrest_core::render::{self, TracerKind};
+use wavecrest_core::tile::{Tile, TraceSettings, Unit};
 
 use names::Names;
 
@@ -103,7 +106,7 @@ pub struct Request<'a> {
 
 /// The layers of an image.
 #[derive(Clone, Debug, Default)]
-pub struct Found {
+pub struct Layers {
     /// The channels.
     pub channels: Vec<Channel>,
     /// The shapes and materials of the numbers.
@@ -115,7 +118,7 @@ pub struct Found {
 /// # Errors
 /// If the crop is not within the image, there is no memory for the channels, or an image cannot be
 /// decoded.
-pub fn layers(scene: &PreparedScene, request: &Request<'_>) -> Result<Found> {
+pub fn layers(scene: &PreparedScene, request: &Request<'_>) -> Result<Layers> {
     let mut layers = request.layers.to_vec();
     layers.sort_unstable();
     layers.dedup();
@@ -144,7 +147,7 @@ pub fn layers(scene: &PreparedScene, request: &Request<'_>) -> Result<Found> {
         match (layer, channel) {
             (Layer::Samples, Values::Integers(all)) => all.fill(scene.camera.rays_per_pixel()),
             (Layer::Invalid, Values::Floats(mask)) if request.invalid > 0 => {
-                invalid::mark(scene, &window, request, mask);
+                mark_invalid(scene, &window, request, mask);
             }
             (Layer::Object, Values::Integers(numbers)) => {
                 entries.push(Entry { name: "objects", text: names.objects(numbers) });
@@ -159,7 +162,7 @@ pub fn layers(scene: &PreparedScene, request: &Request<'_>) -> Result<Found> {
         name: layer.channels()[axis].to_owned(),
         values,
     };
-    Ok(Found { channels: places.into_iter().zip(channels).map(named).collect(), entries })
+    Ok(Layers { channels: places.into_iter().zip(channels).map(named).collect(), entries })
 }
 
 /// The number of values in each pixel of the layers; repeated ones count once.
@@ -226,7 +229,10 @@ impl Gather for Pass<'_> {
 
     fn add<P: Arithmetic>(&self, ray: &Ray, hit: &Hit, is_first: bool, sums: &mut Sums) {
         let scene = self.scene;
-        let Some(Seen { point, normal, albedo }) = Seen::of::<P>(scene, ray, hit) else { return };
+        let Some(VisibleHit { point, normal, albedo }) = VisibleHit::of::<P>(scene, ray, hit)
+        else {
+            return;
+        };
         let [_, _, forward] = scene.camera.basis();
         sums.hits += 1;
         sums.depth += f64::from(hit.t) * f64::from(dot(ray.direction, forward));
@@ -241,14 +247,14 @@ impl Gather for Pass<'_> {
 }
 
 /// The visible properties of a hit on a surface or a light.
-pub(crate) struct Seen {
+pub(crate) struct VisibleHit {
     pub(crate) point: Vec3,
     /// The shading normal, on the side of the ray.
     pub(crate) normal: Vec3,
     pub(crate) albedo: Vec3,
 }
 
-impl Seen {
+impl VisibleHit {
     /// The properties of this `hit` of `ray`.
     pub(crate) fn of<P: Arithmetic>(scene: &PreparedScene, ray: &Ray, hit: &Hit) -> Option<Self> {
         let differential = || scene.camera.differential(ray.direction);
@@ -272,4 +278,33 @@ impl Seen {
 
 fn add_to(sum: &mut [f64; 3], value: [f64; 3]) {
     sum.iter_mut().zip(value).for_each(|(sum, value)| *sum += value);
+}
+
+/// Sets the `mask` to 1 at the pixels of `window` with samples that were not finite.
+///
+/// A render only counts them. To find their pixels, the recursive tracer renders the pixels once
+/// more, with the same results as the wavefront: only if the count is not 0, and only until that
+/// many are found.
+fn mark_invalid(scene: &PreparedScene, window: &Tile, request: &Request<'_>, mask: &mut [f32]) {
+    let left = AtomicU64::new(request.invalid);
+    // One path at a time: the recursive tracer ignores the batch.
+    let settings = TraceSettings { seed: request.seed, batch: 1, time_passes: false };
+    let rows = mask.par_chunks_mut(window.width as usize).enumerate();
+    rows.for_each(|(row, mask)| {
+        let mut tracer = tracer(scene, TracerKind::Recursive, &settings);
+        for (column, marked) in mask.iter_mut().enumerate() {
+            if left.load(Ordering::Relaxed) == 0 {
+                return;
+            }
+            let (x, y) = (window.x + column as u32, window.y + row as u32);
+            let pixel = Unit::whole(scene, Tile { x, y, width: 1, height: 1 });
+            let before = tracer.counters().invalid;
+            tracer.render(scene, &pixel, &mut [[0.0; 3]]);
+            let found = tracer.counters().invalid - before;
+            if found > 0 {
+                *marked = 1.0;
+                left.fetch_sub(found, Ordering::Relaxed);
+            }
+        }
+    });
 }

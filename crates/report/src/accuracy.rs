@@ -6,7 +6,6 @@
 //! [reference](mod@reference) with a known error of its own. [`findings`] summarises the records
 //! with intervals ([`fit`]), and [`page`] shows them.
 
-pub mod answer;
 pub mod findings;
 pub mod fit;
 pub mod layers;
@@ -30,6 +29,17 @@ use store::{Circumstances, Header, Store, all};
 use crate::bench::Machine;
 use crate::files::write_json;
 use wavecrest_base::error::Result;
+
+/// The progress of a sweep. Work is counted in points of pixels: a rough measure, by which the time to go is estimated.
+#[derive(Clone, Copy, Debug)]
+pub enum Progress<'a> {
+    /// The sweep starts, with this much work.
+    Start(u64),
+    /// The next stage starts.
+    Stage(&'a str),
+    /// Some of the work is done.
+    Step(u64),
+}
 
 /// All findings: `accuracy.json`.
 #[derive(Clone, Debug, Serialize)]
@@ -57,11 +67,14 @@ impl Findings {
     /// Summarises the records of the `swept` scenes in `store`, with the cost of each of the
     /// `errors`.
     pub fn new(seeds: u32, store: &Store, swept: &[sweep::Swept], errors: &[f64]) -> Self {
+        let scene = |sweep::Swept { subject, families, .. }: &_| {
+            SceneFindings::of(subject, families, &store.records, errors)
+        };
         Self {
             header: store.header.clone(),
             seeds,
             circumstances: all(&store.records).cloned().collect(),
-            scenes: swept.iter().map(|s| SceneFindings::of(s, &store.records, errors)).collect(),
+            scenes: swept.iter().map(scene).collect(),
         }
     }
 

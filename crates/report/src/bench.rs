@@ -51,14 +51,13 @@ pub mod compare;
 pub mod equal;
 mod machine;
 pub mod page;
-mod ratio;
 mod report;
 mod run;
 #[cfg(test)]
 mod tests;
 pub mod variant;
 
+pub use compare::Ratio;
 pub use machine::{Cache, Machine};
-pub use ratio::Ratio;
 pub use report::{BenchReport, Plan, Preparation, SceneBench, Setting};
 pub use run::Run;

@@ -26,7 +26,6 @@
 
 mod list;
 pub mod scenes;
-mod text;
 
 use crate::bench::equal::Difference;
 use crate::bench::{Machine, Ratio};
@@ -39,8 +38,7 @@ use wavecrest_core::prepared::PreparedScene;
 use wavecrest_core::render::{Rendered, TracerKind};
 use wavecrest_core::wavefront::batch::Batch;
 
-pub use list::{Cost, Price, PriceList, Setting};
-pub use text::{blocks, text};
+pub use list::{Cost, Price, PriceList, Setting, blocks, text};
 
 /// A prepared scene of the list.
 #[derive(Debug)]

@@ -11,10 +11,12 @@ use wavecrest_base::replace::{replace_file, write_error};
 /// A value as indented JSON.
 ///
 /// # Errors
-/// If it contains a path that is not Unicode, or a number that JSON lacks.
+/// If it contains a path that is not Unicode.
 pub fn to_json(value: &impl Serialize) -> Result<String> {
-    let json = serde_json::to_string_pretty(value)
-        .map_err(|e| Error::new(ErrorKind::Io, format!("cannot write JSON: {e}")).because(e))?;
+    let json = serde_json::to_string_pretty(value).map_err(|e| {
+        let error = Error::new(ErrorKind::Io, format!("cannot write JSON: {e}")).because(e);
+        error.remedy("use files whose names are in Unicode")
+    })?;
     Ok(json + "\n")
 }
 

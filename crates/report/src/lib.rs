@@ -3,7 +3,6 @@
 pub mod accuracy;
 pub mod bench;
 pub mod effects;
-pub mod estimate;
 pub mod expected;
 pub mod files;
 mod markup;
@@ -17,4 +16,3 @@ pub mod selftest;
 pub mod statistics;
 pub mod summary;
 pub mod text;
-pub mod yardstick;

@@ -113,7 +113,7 @@ pub struct Change {
 }
 
 /// A comparison before its verdict.
-struct Found {
+struct LogRatios {
     scene: String,
     what: String,
     of: &'static str,
@@ -159,7 +159,7 @@ impl Regression {
     }
 }
 
-impl Found {
+impl LogRatios {
     /// The ratio with an interval that misses it with this `chance`.
     fn judged(self, chance: f64) -> Ratio {
         let Self { scene, what, of, logs } = self;

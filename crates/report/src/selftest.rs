@@ -9,6 +9,7 @@
 //! sources prove that cases can fail (`tests/mutations`).
 
 pub mod agreement;
+mod aim;
 mod boxes;
 mod case;
 mod edges;

@@ -10,7 +10,7 @@
 //! | `samples.colors` | | hits whose colour was interpolated between vertices |
 //! | `samples.footprints` | | footprints of rays on surfaces, for trilinear textures and for mirrors that may show them |
 //! | `textures.images`, `.decoded`, `.bytes` | | images that may be visible, those decoded for a look-up, and their bytes |
-//! | `estimated.rays`, `.samples` | | upper bounds on these before the first ray: see [`crate::estimate`] |
+//! | `estimated.rays`, `.samples` | | upper bounds on these before the first ray: see [`Estimated`](crate::expected::Estimated) |
 //! | `tests.nodes` | nodes | inner nodes visited, by one ray or several together, each testing eight boxes |
 //! | `tests.instances` | visits | of an instance by a ray that meets its box |
 //! | `tests.cutouts` | tests | hits on cut-outs, each with a look-up of alpha |

@@ -8,7 +8,7 @@ use wavecrest_image::farm::Shard;
 
 /// The value of `--shard`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Choice {
+pub(crate) enum ShardChoice {
     /// This shard.
     Given(Shard),
     /// The shard from the scheduler, with the number of shards if given.
@@ -21,28 +21,29 @@ struct Scheduler(&'static str, Numbering);
 
 /// How the tasks of an array are numbered.
 enum Numbering {
-    /// Chosen by the user: variables with the first number and the last, and one that shows whether
-    /// numbers are left out between them.
-    Between([&'static str; 2], Whole),
+    /// Chosen by the user: variables with the first number, with the last, and with a number that
+    /// shows, beside the count from the first to the last, whether none between them is left out.
+    Between([&'static str; 3], fn(u64, u64) -> bool),
     /// From 0: a variable with the number of tasks, if any.
     FromZero(Option<&'static str>),
     /// Chosen by the user, without a variable for the range.
     Unsaid,
 }
 
-/// How a scheduler shows whether numbers are left out.
-enum Whole {
-    /// The variable has the number of tasks.
-    Count(&'static str),
-    /// The variable has the step from one number to the next.
-    Step(&'static str),
-}
-
 /// The schedulers, in the order of the checks.
 const SCHEDULERS: [Scheduler; 7] = [
-    Scheduler("SLURM_ARRAY_TASK_ID", SLURM),
-    // Outside an array the value is "undefined".
-    Scheduler("SGE_TASK_ID", GRID_ENGINE),
+    Scheduler(
+        "SLURM_ARRAY_TASK_ID",
+        Between(
+            ["SLURM_ARRAY_TASK_MIN", "SLURM_ARRAY_TASK_MAX", "SLURM_ARRAY_TASK_COUNT"],
+            |tasks, count| tasks == count,
+        ),
+    ),
+    // Grid Engine. Outside an array the value is "undefined".
+    Scheduler(
+        "SGE_TASK_ID",
+        Between(["SGE_TASK_FIRST", "SGE_TASK_LAST", "SGE_TASK_STEPSIZE"], |step, _| step == 1),
+    ),
     Scheduler("AWS_BATCH_JOB_ARRAY_INDEX", FromZero(Some("AWS_BATCH_JOB_ARRAY_SIZE"))),
     // Google Cloud Batch.
     Scheduler("BATCH_TASK_INDEX", FromZero(Some("BATCH_TASK_COUNT"))),
@@ -53,15 +54,7 @@ const SCHEDULERS: [Scheduler; 7] = [
     Scheduler("LSB_JOBINDEX", Unsaid),
 ];
 
-const SLURM: Numbering = Between(
-    ["SLURM_ARRAY_TASK_MIN", "SLURM_ARRAY_TASK_MAX"],
-    Whole::Count("SLURM_ARRAY_TASK_COUNT"),
-);
-
-const GRID_ENGINE: Numbering =
-    Between(["SGE_TASK_FIRST", "SGE_TASK_LAST"], Whole::Step("SGE_TASK_STEPSIZE"));
-
-impl FromStr for Choice {
+impl FromStr for ShardChoice {
     type Err = String;
 
     fn from_str(text: &str) -> std::result::Result<Self, String> {
@@ -78,7 +71,7 @@ impl FromStr for Choice {
     }
 }
 
-impl Choice {
+impl ShardChoice {
     /// The shard, given the environment variables.
     ///
     /// # Errors
@@ -119,22 +112,17 @@ impl Scheduler {
                 .value(self.0)
                 .remedy("add it, such as --shard auto/7, and number the tasks from 1")
         };
+        let tasks = |count: Option<u64>| count.and_then(|count| u32::try_from(count).ok());
         match (&self.1, count) {
             (FromZero(_), Some(count)) => Ok((0, count)),
             (_, Some(count)) => Ok((1, count)),
-            (FromZero(Some(name)), None) => {
-                let count = number(name).and_then(|count| u32::try_from(count).ok());
-                count.map(|count| (0, count)).ok_or_else(unknown)
-            }
+            (FromZero(Some(name)), None) => Ok((0, tasks(number(name)).ok_or_else(unknown)?)),
             (FromZero(None) | Unsaid, None) => Err(unknown()),
-            (Between([first, last], whole), None) => {
+            (Between([first, last, third], is_whole), None) => {
                 let (first, last) = number(first).zip(number(last)).ok_or_else(unknown)?;
                 let count = last.checked_sub(first).and_then(|count| count.checked_add(1));
-                let is_whole = match whole {
-                    Whole::Count(name) => number(name) == count,
-                    Whole::Step(name) => number(name) == Some(1),
-                };
-                let count = count.filter(|_| is_whole).and_then(|count| u32::try_from(count).ok());
+                let is_whole = |count: &u64| number(third).is_some_and(|n| is_whole(n, *count));
+                let count = tasks(count.filter(is_whole));
                 count.map(|count| (first, count)).ok_or_else(|| {
                     Error::new(ErrorKind::Usage, "the task numbers of the array have gaps")
                         .value(format!("{first} to {last}, some left out"))

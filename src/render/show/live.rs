@@ -19,7 +19,7 @@ const PATIENCE: Duration = Duration::from_secs(5);
 const CHANNELS: [&str; 3] = ["R", "G", "B"];
 
 /// A finished tile, within the shown image.
-struct Part {
+struct TilePixels {
     tile: Tile,
     values: Vec<f32>,
 }
@@ -27,7 +27,7 @@ struct Part {
 /// A connection to a viewer.
 pub(super) struct Live {
     window: Tile,
-    parts: Sender<Part>,
+    parts: Sender<TilePixels>,
     /// Receives the outcome once everything is sent, or nothing can be.
     end: Mutex<Receiver<Option<Error>>>,
 }
@@ -69,7 +69,8 @@ impl Live {
     /// Queues a tile to be sent.
     pub(super) fn send(&self, tile: &Tile, pixels: &[[f32; 3]]) {
         let (x, y) = (tile.x - self.window.x, tile.y - self.window.y);
-        let part = Part { tile: Tile { x, y, ..*tile }, values: pixels.as_flattened().to_vec() };
+        let part =
+            TilePixels { tile: Tile { x, y, ..*tile }, values: pixels.as_flattened().to_vec() };
         // Without a viewer the tile is dropped.
         let _ = self.parts.send(part);
     }
@@ -99,8 +100,12 @@ fn open(address: &str) -> std::io::Result<TevClient> {
 }
 
 /// Sends the parts until there are no more.
-fn send_all(client: &mut TevClient, name: &str, parts: &Receiver<Part>) -> std::io::Result<()> {
-    for Part { tile: Tile { x, y, width, height }, values } in parts {
+fn send_all(
+    client: &mut TevClient,
+    name: &str,
+    parts: &Receiver<TilePixels>,
+) -> std::io::Result<()> {
+    for TilePixels { tile: Tile { x, y, width, height }, values } in parts {
         client.send(PacketUpdateImage {
             image_name: name,
             grab_focus: false,

@@ -183,7 +183,7 @@ fn unfinished_parts_are_refused_with_their_place() {
     let scene = prepare(&ball([80, 80], 1));
     let kept = checkpoint(&folder.path().join("a.kept"), false);
     let options = options();
-    let session = Session::begin(&scene, &options, Author::default(), None, Some(&kept));
+    let session = Session::begin(&scene, options, Author::default(), None, Some(kept.clone()));
     let session = session.expect("a session");
     session.render(&super::EndAfter::new(99), &no_warning).expect("a part");
     let error = merge(&[kept.file]).expect_err("a gap").to_string();
@@ -302,7 +302,7 @@ fn parts_of_another_image_are_refused_with_the_difference() {
     super::write_part(&prepare(&strangers_scene()), shard(1, 2), &name("1.part"));
     for (what, Stranger { scene, options }) in strangers() {
         let author = Author::default();
-        let session = Session::begin(&scene, &options, author, Some(shard(2, 2)), None);
+        let session = Session::begin(&scene, options, author, Some(shard(2, 2)), None);
         let session = session.expect("a session");
         session.render_units(&(), &no_warning).expect("units");
         session.write(&name("2.part")).expect("a part");
@@ -319,7 +319,7 @@ fn checkpoints_of_another_render_are_refused_with_the_difference() {
     let scene = prepare(&strangers_scene());
     let begin = |scene: &PreparedScene, options: &RenderOptions, resume: bool| {
         let kept = checkpoint(&kept.file, resume);
-        let session = Session::begin(scene, options, Author::default(), None, Some(&kept));
+        let session = Session::begin(scene, *options, Author::default(), None, Some(kept.clone()));
         session.map(|session| session.render(&(), &no_warning).map(drop)).map(drop)
     };
     begin(&scene, &options(), false).expect("it is kept");
@@ -340,7 +340,8 @@ fn checkpoints_of_another_render_are_refused_with_the_difference() {
     ));
     let options = options();
     let kept = checkpoint(&kept.file, true);
-    let other = Session::begin(&scene, &options, Author::default(), Some(shard(1, 2)), Some(&kept));
+    let other =
+        Session::begin(&scene, options, Author::default(), Some(shard(1, 2)), Some(kept.clone()));
     let told = other.map(drop).expect_err("another share").to_string();
     assert!(
         told.contains("the checkpoint belongs to another shard, found the whole image"),

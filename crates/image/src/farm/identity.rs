@@ -110,19 +110,19 @@ impl Identity {
     pub fn difference(&self, other: &Self) -> Option<(&'static str, Option<[String; 2]>)> {
         // The text of a hash does not help.
         let hash = |text: &str| (text.to_owned(), false);
-        let said = |text: String| (text, true);
+        let shown = |text: String| (text, true);
         let all = |identity: &Self| {
             let Self { program, precision, image, window, samples, seed, .. } = identity;
             let [width, height] = image;
             let [x, y, w, h] = window;
             [
-                ("version of the program", said(program.clone())),
-                ("precision", said(precision.clone())),
-                ("image size", said(format!("{width} x {height}"))),
-                ("part of the image", said(format!("{x},{y},{w},{h}"))),
-                ("number of samples per pixel", said(samples.to_string())),
-                ("seed", said(seed.to_string())),
-                ("size of tiles", said(identity.edge.to_string())),
+                ("version of the program", shown(program.clone())),
+                ("precision", shown(precision.clone())),
+                ("image size", shown(format!("{width} x {height}"))),
+                ("part of the image", shown(format!("{x},{y},{w},{h}"))),
+                ("number of samples per pixel", shown(samples.to_string())),
+                ("seed", shown(seed.to_string())),
+                ("size of tiles", shown(identity.edge.to_string())),
                 ("camera", hash(&identity.camera)),
                 ("geometry (shapes or meshes)", hash(&identity.geometry)),
                 ("texture", hash(&identity.textures)),
@@ -130,8 +130,8 @@ impl Identity {
             ]
         };
         let mut pairs = all(self).into_iter().zip(all(other));
-        let ((what, (one, is_said)), (_, (other, _))) = pairs.find(|(one, other)| one != other)?;
-        Some((what, is_said.then_some([one, other])))
+        let ((what, (one, is_shown)), (_, (other, _))) = pairs.find(|(one, other)| one != other)?;
+        Some((what, is_shown.then_some([one, other])))
     }
 
     /// Checks that a render can have these numbers: they may come from a damaged file.

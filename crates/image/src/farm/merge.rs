@@ -69,7 +69,7 @@ pub fn merge(paths: &[PathBuf]) -> Result<Merged> {
         paths,
         grid,
         blocks,
-        seen: BTreeMap::new(),
+        units: BTreeMap::new(),
         waiting: BTreeMap::new(),
         finished: 0,
         invalid: 0,
@@ -143,7 +143,7 @@ struct Mosaic<'a> {
     blocks: Blocks,
     /// The units so far, by tile and first block: the end of their blocks (exclusive), the hash of
     /// their sums, and the number of their part.
-    seen: BTreeMap<(u32, u32), (u32, u64, usize)>,
+    units: BTreeMap<(u32, u32), (u32, u64, usize)>,
     /// Tiles whose blocks are in several units.
     waiting: BTreeMap<u32, Waiting>,
     /// Number of finished tiles.
@@ -194,10 +194,10 @@ impl Mosaic<'_> {
     fn is_known(&mut self, number: usize, unit: &Unit) -> Result<bool> {
         let Unit { tile, blocks: Range { start, end }, .. } = *unit;
         let hash = xxh3_64(bytemuck::cast_slice(&unit.sums));
-        let others = self.seen.range((tile, 0)..(tile, end));
-        let Some((&(_, from), &(to, known, part))) = others.rev().find(|(_, seen)| seen.0 > start)
+        let others = self.units.range((tile, 0)..(tile, end));
+        let Some((&(_, from), &(to, known, part))) = others.rev().find(|(_, unit)| unit.0 > start)
         else {
-            self.seen.insert((tile, start), (end, hash, number));
+            self.units.insert((tile, start), (end, hash, number));
             return Ok(false);
         };
         if (from, to) != (start, end) {

@@ -18,9 +18,9 @@ use wavecrest_core::render::{Canvas, RenderOptions, Rendered, Watch};
 /// The work to render, and its state.
 pub struct Session<'a> {
     scene: &'a PreparedScene,
-    options: &'a RenderOptions,
+    options: RenderOptions,
     header: Header,
-    checkpoint: Option<&'a Checkpoint>,
+    checkpoint: Option<Checkpoint>,
     grid: Grid,
     blocks: Blocks,
     store: Store,
@@ -52,16 +52,16 @@ impl<'a> Session<'a> {
     /// exists but resuming was not requested.
     pub fn begin(
         scene: &'a PreparedScene,
-        options: &'a RenderOptions,
+        options: RenderOptions,
         author: Author,
         shard: Option<Shard>,
-        checkpoint: Option<&'a Checkpoint>,
+        checkpoint: Option<Checkpoint>,
     ) -> Result<Self> {
         let Author { scene: file, command, transfer } = author;
-        let identity = Identity::of(scene, options)?;
+        let identity = Identity::of(scene, &options)?;
         let (grid, blocks) = (identity.grid(), identity.blocks());
         let header = Header { identity, shard, scene: file, command, transfer, units: 0 };
-        let held = checkpoint.map_or(Ok(None), |checkpoint| checkpoint.load(&header))?;
+        let held = checkpoint.as_ref().map_or(Ok(None), |checkpoint| checkpoint.load(&header))?;
         let has_checkpoint = held.is_some();
         let store = held.unwrap_or_default();
         let tasks = shard.unwrap_or(Shard::WHOLE).tasks(&grid, blocks);
@@ -149,20 +149,20 @@ impl<'a> Session<'a> {
         &self,
         watch: &dyn Watch,
         warn: &(dyn Fn(&Error) + Sync),
-        told: &(dyn Fn(&Summed<'_>) + Sync),
+        finished: &(dyn Fn(&Summed<'_>) + Sync),
     ) -> Result<Done> {
-        let saver = self.checkpoint.map(|checkpoint| Saver::new(checkpoint, &self.header));
+        let saver = self.checkpoint.as_ref().map(|checkpoint| Saver::new(checkpoint, &self.header));
         let keep = |summed: &Summed<'_>| {
             self.store.keep(summed);
             let pixels = self.grid.tile(summed.tile).len() as u64;
             self.done.fetch_add(pixels, Ordering::Relaxed);
-            told(summed);
+            finished(summed);
             let saved = saver.as_ref().map_or(Ok(()), |saver| saver.save_if_due(&self.store));
             saved.unwrap_or_else(|error| warn(&error));
         };
         let task = |number: usize| self.todo[number].clone();
         let job = Job { grid: self.grid, blocks: self.blocks, count: self.todo.len(), task: &task };
-        let done = run(self.scene, self.options, &job, watch, &keep)?;
+        let done = run(self.scene, &self.options, &job, watch, &keep)?;
         // A checkpoint that held everything stays unchanged.
         let is_new = !self.todo.is_empty() || !self.has_checkpoint;
         if let Some(saver) = saver.filter(|_| is_new) {

@@ -19,7 +19,7 @@ pub(super) struct Tiles<'a> {
 
 /// A tile: its first column and row, and its number of columns and rows.
 #[derive(Clone, Copy)]
-struct Place {
+struct TileArea {
     x: usize,
     y: usize,
     width: usize,
@@ -57,7 +57,7 @@ impl<'a> Tiles<'a> {
         let width = self.films[0].width() as usize;
         let (mut filtered, mut rows) = (<[Filtered; 2]>::default(), <[Row; 2]>::default());
         for x in (0..width).step_by(self.side()) {
-            let place = Place {
+            let place = TileArea {
                 x,
                 y: band * self.side(),
                 width: self.side().min(width - x),
@@ -76,7 +76,7 @@ impl<'a> Tiles<'a> {
     }
 
     /// The pass along rows: the tile's, and those that filters reach above and below.
-    fn along_rows(&self, film: &Film, place: Place, out: &mut Filtered) {
+    fn along_rows(&self, film: &Film, place: TileArea, out: &mut Filtered) {
         out.iter_mut().for_each(Vec::clear);
         let mut planes = <[Vec<f64>; 3]>::default();
         for y in self.reached(place.y, place.height, film.height()) {
@@ -96,7 +96,7 @@ impl<'a> Tiles<'a> {
     }
 
     /// The pass along columns, for the tile's row `y`.
-    fn along_columns(&self, from: &Filtered, place: Place, y: usize, out: &mut Row) {
+    fn along_columns(&self, from: &Filtered, place: TileArea, y: usize, out: &mut Row) {
         for ([filter, plane], out) in ALONG_COLUMNS.into_iter().zip(out) {
             let filter = &self.filters.0[filter];
             out.resize(place.width, 0.0);

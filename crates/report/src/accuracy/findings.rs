@@ -5,7 +5,13 @@
 //! | `scene`, `file`, `fingerprint`, `size`, `primitives` | | the scene and the size of its images in pixels |
 //! | `rounds`, `busy` | | rounds of all settings, one for each seed, and how many were busy: the program got clearly less of the processors than in the best one |
 //! | `left_out` | | whether times leave out the busy rounds: enough others remain |
-//! | `answer` | | see [`answer`](super::answer) |
+//! | `answer` | | the sampler and the number of points that reach an error in the least time, in seconds from the command to the image: |
+//! | `.family`, `.counted` | | what is varied for a smaller error, as by `--advise` and `--target-error` |
+//! | `.errors[].error` | | root mean squared error |
+//! | `..sampler`, `.points` | | the fastest of all measured settings whose error is at most this one: its sampler and its number of points; `null` if none is |
+//! | `..seconds`, `.tracing` | seconds | its time: loading, building and tracing; tracing only |
+//! | `..times_as_fast` | | speedup of tracing over the fastest measured setting with random points, with its interval; `null` without either |
+//! | `..at_least` | | whether random points did not reach the error: the speedup is then relative to their longest render, and a lower bound |
 //! | `references` | | the references of errors: samples of each kind in a pixel, renders, standard error (root mean square), seconds |
 //! | `families` | | the variations: `name`, `title`, what is `counted`, the `target`, and `series`: |
 //! | `.slope` | | exponent of the mean squared error as a function of the count, from [`SLOPE_FROM`] on, with its interval; `null` if too few points are above the noise of the reference |
@@ -21,23 +27,22 @@
 
 #![allow(missing_docs, reason = "the table above says it once, for the JSON and for the fields")]
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 
 use serde::Serialize;
 
-use super::answer::Answer;
-use super::fit::{self, Interval};
+use super::fit::{self, Interval, bootstrap, of};
 use super::layers::{self, LayersFindings};
-use super::pilot::Axis;
 use super::reference::FLOOR;
-use super::setting::{self, Family, Series, Setting, Target, converges};
+use super::setting::{self, Axis, Family, Series, Setting, Target, converges};
 use super::store::{
-    PointRecord, Record, ReferenceRecord, SceneRecord, StepsRecord, TrialRecord, all,
+    PointRecord, Record, ReferenceRecord, SceneRecord, StepsRecord, TrialRecord, all, busy_rounds,
 };
-use super::sweep::Swept;
-use crate::measure::{Timing, quiet};
-use crate::summary::{ENOUGH, MedianInterval};
+use super::subject::Subject;
+use crate::plot::number::{figure, seconds};
+use crate::summary::{ENOUGH, MedianInterval, median};
 use wavecrest_core::kernels::precision::Precision;
+use wavecrest_core::math::sampling::Sampling;
 use wavecrest_image::compare::psnr;
 
 /// Slopes are fitted from this number of points on: one or two points are not stratified.
@@ -99,9 +104,13 @@ impl SceneFindings {
         }
     }
 
-    /// Summarises the `records` of `swept`.
-    pub fn of(swept: &Swept, records: &[Record], errors: &[f64]) -> Self {
-        let Swept { subject, families, .. } = swept;
+    /// Summarises the `records` of a scene.
+    pub fn of(
+        subject: &Subject,
+        families: &[Family<setting::Point>],
+        records: &[Record],
+        errors: &[f64],
+    ) -> Self {
         let name = &*subject.record.scene;
         let (rounds, busy) = busy_rounds(name, records);
         let left_out = rounds - busy.len() >= ENOUGH.min(rounds);
@@ -172,18 +181,6 @@ impl SceneFindings {
     }
 }
 
-/// The number of rounds of a scene, and the seeds of those that were busy.
-pub(crate) fn busy_rounds(scene: &str, records: &[Record]) -> (usize, BTreeSet<u64>) {
-    let mut rounds: BTreeMap<u64, Vec<Timing>> = BTreeMap::new();
-    for point in all::<PointRecord>(records).filter(|point| point.scene == scene) {
-        rounds.entry(point.seed).or_default().extend(point.timing);
-    }
-    let sums: Vec<Timing> = rounds.values().map(|all| all.iter().copied().sum()).collect();
-    let quiet = quiet(&sums);
-    let busy = rounds.keys().zip(&quiet).filter(|(_, quiet)| !**quiet).map(|(seed, _)| *seed);
-    (rounds.len(), busy.collect())
-}
-
 impl Point {
     /// The findings of a setting; times are those of rounds that were not busy.
     fn of(
@@ -219,32 +216,113 @@ impl Point {
     }
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::accuracy::store::Errors;
+/// Default errors of an answer.
+pub const ERRORS: [f64; 3] = [0.02, 0.01, 0.005];
 
-    #[test]
-    fn a_round_with_less_of_the_processors_is_busy() {
-        let point = |(seed, processor)| {
-            let error = Errors { mse: 0.1, relative_mse: 0.1, bias: 0.0, flip: 0.0 };
-            Record::Point(PointRecord {
-                scene: "a".to_owned(),
-                target: Target::Scene,
-                key: "exact".to_owned(),
-                seed,
-                seconds: 0.5,
-                yardstick: 0.0,
-                timing: Some(Timing { seconds: 0.5, processor: Some(processor) }),
-                passes: Vec::new(),
-                rays: 1,
-                error,
-            })
+/// See the module documentation.
+#[derive(Clone, Debug, Default, Serialize)]
+pub struct Answer {
+    pub family: &'static str,
+    pub counted: &'static str,
+    pub errors: Vec<AtError>,
+}
+
+/// The cost of an error.
+#[derive(Clone, Debug, Serialize)]
+pub struct AtError {
+    pub error: f64,
+    pub sampler: Option<String>,
+    pub points: Option<u64>,
+    pub seconds: Option<f64>,
+    pub tracing: Option<f64>,
+    pub times_as_fast: Option<Interval>,
+    pub at_least: bool,
+}
+
+impl Answer {
+    /// The answer of a `family` of settings, with the seconds `before` tracing.
+    pub fn of(family: &Family<Point>, before: f64, errors: &[f64]) -> Self {
+        let errors = errors.iter().map(|error| at_error(family, *error, before)).collect();
+        Self { family: family.name, counted: family.counted, errors }
+    }
+
+    /// The cost of the error in the middle of those that were asked for, or of the smallest that was
+    /// reached, in a sentence.
+    pub fn sentence(&self) -> String {
+        let middle = self.errors.get(self.errors.len() / 2).filter(|at| at.sampler.is_some());
+        let reached = || self.errors.iter().filter(|at| at.sampler.is_some());
+        let at = middle.or_else(|| reached().min_by(|a, b| a.error.total_cmp(&b.error)));
+        let Some((at, sampler)) = at.and_then(|at| Some((at, at.sampler.as_ref()?))) else {
+            return "No measured setting reaches any of the errors.".to_owned();
         };
-        // Two settings in each round, of which another program disturbs the second of seed 2.
-        let times = [(0, 1.0), (0, 0.9), (1, 0.99), (1, 0.89), (2, 1.0), (2, 0.5)];
-        let records: Vec<Record> = times.into_iter().map(point).collect();
-        assert_eq!(busy_rounds("a", &records), (3, BTreeSet::from([2])));
-        assert_eq!(busy_rounds("b", &records), (0, BTreeSet::new()));
+        let effect = match self.family {
+            "lights" => "Soft shadows",
+            "lens" => "Depth of field",
+            _ => "Antialiasing",
+        };
+        let (error, points) = (figure(at.error * 100.0), figure(at.points.unwrap_or(0) as f64));
+        let time = seconds(at.tracing.unwrap_or(0.0));
+        let rival = match at.times_as_fast {
+            _ if sampler == Sampling::Random.name() => "no other sampler is faster".to_owned(),
+            Some(ratio) if at.at_least => {
+                format!("random ones do not reach it in {:.1} times as long", ratio.value)
+            }
+            Some(ratio) => format!("random ones take {:.1} times as long", ratio.value),
+            None => "random ones were not measured".to_owned(),
+        };
+        format!(
+            "{effect} at {error} % error: {points} {sampler} {}, {time}; {rival}.",
+            self.counted
+        )
+    }
+}
+
+/// The ratio of the times of one setting to those of another.
+fn ratio(one: &Point, other: &Point) -> Option<Interval> {
+    let time = |p: &Point, seeds: &[usize]| median(&of(seeds, &p.times).collect::<Vec<_>>());
+    let rounds = one.times.len().min(other.times.len());
+    bootstrap(rounds, |seeds| Some(time(one, seeds) / time(other, seeds)))
+}
+
+impl Series<Point> {
+    /// The fastest of the measured settings whose error is at most `error`.
+    pub fn reach(&self, error: f64) -> Option<&Point> {
+        let reaching = self.points.iter().filter(|point| point.rmse.value <= error);
+        reaching.min_by(|a, b| a.seconds.median.total_cmp(&b.seconds.median))
+    }
+
+    /// The measured setting with the most points in at most `seconds`, or the one with the fewest.
+    pub fn within(&self, seconds: f64) -> Option<&Point> {
+        let in_time = |point: &&Point| point.seconds.median <= seconds;
+        self.points.iter().rfind(in_time).or(self.points.first())
+    }
+}
+
+impl Family<Point> {
+    /// The fastest of all measured settings whose error is at most `error`.
+    pub fn fastest(&self, error: f64) -> Option<(&Series<Point>, &Point)> {
+        let reached = self.series.iter().filter_map(|s| Some((s, s.reach(error)?)));
+        reached.min_by(|a, b| a.1.seconds.median.total_cmp(&b.1.seconds.median))
+    }
+
+    /// Random points.
+    pub fn random(&self) -> Option<&Series<Point>> {
+        self.series.iter().find(|series| series.name == Sampling::Random.name())
+    }
+}
+
+fn at_error(family: &Family<Point>, error: f64, before: f64) -> AtError {
+    let best = family.fastest(error);
+    let random = family.random();
+    let rival = random.and_then(|random| random.reach(error).or(random.points.last()));
+    let tracing = best.map(|(_, point)| point.seconds.median);
+    AtError {
+        error,
+        sampler: best.map(|(series, _)| series.name.clone()),
+        points: best.map(|(_, point)| point.x as u64),
+        seconds: tracing.map(|tracing| before + tracing),
+        tracing,
+        times_as_fast: best.zip(rival).and_then(|((_, point), rival)| ratio(rival, point)),
+        at_least: best.is_some() && random.is_some_and(|random| random.reach(error).is_none()),
     }
 }

@@ -15,11 +15,12 @@
 
 use serde::Serialize;
 
+use super::Progress;
 use super::setting::{Setting, Structure};
 use super::store::{LayersRecord, PreparedRecord, Record, Step, Store, all};
 use super::subject::Subject;
-use super::sweep::{Progress, rounds, timed};
 use crate::bench::Preparation;
+use crate::measure::rounds;
 use crate::summary::median;
 use wavecrest_base::error::Result;
 use wavecrest_core::kernels::precision::Precision;
@@ -53,9 +54,13 @@ pub struct PartFindings {
 ///
 /// # Errors
 /// If the scene can no longer be rendered, or a record cannot be written.
-pub fn run(subject: &mut Subject, store: &mut Store, progress: &dyn Progress) -> Result<()> {
+pub fn run(
+    subject: &mut Subject,
+    store: &mut Store,
+    progress: &dyn Fn(Progress<'_>),
+) -> Result<()> {
     let scene = subject.record.scene.clone();
-    progress.stage(&format!("{scene}: time by effect"));
+    progress(Progress::Stage(&format!("{scene}: time by effect")));
     for precision in Precision::ALL {
         let name = precision.name();
         let is_it = |l: &LayersRecord| l.scene == scene && l.precision == name;
@@ -80,7 +85,7 @@ fn steps(subject: &mut Subject, precision: Precision) -> Result<Vec<Step>> {
             let overrides = Overrides { without, ..Overrides::default() };
             let structure = Structure { precision, overrides };
             let setting = Setting { structure, ..Setting::default() };
-            let (rendered, _) = timed(subject, &setting, 0)?;
+            let (rendered, _) = subject.timed(&setting, 0)?;
             for &(name, seconds) in &rendered.pass_seconds {
                 match passes.iter_mut().find(|(known, _)| known == name) {
                     Some((_, least)) => *least = seconds.min(*least),

@@ -1,6 +1,5 @@
 //! The report: an HTML page, and its charts as SVG and CSV.
 
-mod answers;
 mod charts;
 mod crops;
 mod tables;
@@ -8,11 +7,13 @@ mod tables;
 use std::path::Path;
 
 use super::Findings;
-use super::findings::SceneFindings;
+use super::findings::{Answer, AtError, SceneFindings};
+use super::fit::Interval;
 use super::store::Circumstances;
 use super::sweep::Swept;
 use crate::bench::page::{command, recorded};
-use crate::page::{Block, Page, Section};
+use crate::page::{Block, Cell, Page, Section, Table};
+use crate::plot::number::{figure, seconds};
 use wavecrest_base::error::Result;
 
 /// Writes `findings` to the folder `results`: `report.html`, and each chart as SVG and CSV.
@@ -20,20 +21,20 @@ use wavecrest_base::error::Result;
 /// # Errors
 /// If a file cannot be written, or a scene can no longer be rendered for its crops.
 pub fn write(findings: &Findings, swept: &mut [Swept], results: &Path) -> Result<()> {
-    let mut first = answers::blocks(findings);
+    let mut first = answers(findings);
     let mut sections = Vec::new();
     for (scene, swept) in findings.scenes.iter().zip(swept) {
         first.extend(bought(scene, swept)?);
         sections.push(section(scene, results)?);
     }
     sections.push(about(findings));
-    let (title, lead) = ("What accuracy costs in time".to_owned(), answers::lead(findings));
+    let (title, lead) = ("What accuracy costs in time".to_owned(), lead(findings));
     Page { title, lead, first, sections }.write(&results.join("report.html"))
 }
 
 /// The answers, and for each scene the slopes and the price list of exact hits: for a terminal.
 pub fn summary(findings: &Findings) -> Vec<Block> {
-    let mut blocks = answers::blocks(findings);
+    let mut blocks = answers(findings);
     for scene in &findings.scenes {
         blocks.push(Block::Heading(scene.scene.scene.clone()));
         blocks.extend(scene.families.iter().filter_map(tables::slopes).map(Block::Table));
@@ -102,4 +103,57 @@ fn section(scene: &SceneFindings, folder: &Path) -> Result<Section> {
     blocks.extend(tables::precision(scene));
     blocks.extend(tables::steps(scene));
     Ok(Section::new(scene.scene.scene.clone(), blocks))
+}
+
+/// The scenes and the sizes of their images.
+fn lead(findings: &Findings) -> String {
+    let name = |scene: &SceneFindings| {
+        let [width, height] = scene.scene.size;
+        format!("{} at {width} x {height} pixels", scene.scene.scene)
+    };
+    let names: Vec<String> = findings.scenes.iter().map(name).collect();
+    format!("Error against time for {}.", names.join(", "))
+}
+
+/// The costs of errors in each scene.
+fn answers(findings: &Findings) -> Vec<Block> {
+    let all = || findings.scenes.iter().map(|scene| (scene, &scene.answer));
+    let sentence = |(scene, answer): (&SceneFindings, &Answer)| {
+        Block::Paragraph(format!("`{}`: {}", scene.scene.scene, answer.sentence()))
+    };
+    let rows = all().flat_map(|(scene, a)| a.errors.iter().map(move |e| row(scene, a, e)));
+    let caption = "The fastest measured setting that reaches each error (RMSE of linear values, 1 is white): its time of \
+                   tracing, and that of random points; in all, with loading and building";
+    let header = "scene|>error|>time|setting|>random takes|>in all";
+    let table = Table::new(caption, header, rows.collect());
+    all().map(sentence).chain([Block::Table(table)]).collect()
+}
+
+fn row(scene: &SceneFindings, answer: &Answer, at: &AtError) -> Vec<Cell> {
+    let missing = || Cell::text("not reached");
+    let time = |time: Option<f64>| time.map_or_else(missing, |s| Cell::number(s, seconds(s)));
+    let setting = at.sampler.as_ref().zip(at.points).map(|(sampler, points)| {
+        let thing = answer.counted.split(' ').next().unwrap_or_default();
+        Cell::text(format!("{} {sampler} {thing}", figure(points as f64)))
+    });
+    let random = at.times_as_fast.map(|ratio| Cell::number(ratio.value, times(at, &ratio)));
+    vec![
+        Cell::text(scene.scene.scene.clone()),
+        Cell::number(at.error, format!("{} %", figure(at.error * 100.0))),
+        time(at.tracing),
+        setting.unwrap_or_else(missing),
+        random.unwrap_or_else(missing),
+        time(at.seconds),
+    ]
+}
+
+/// The time of random points relative to the answer's, or a lower bound.
+fn times(at: &AtError, ratio: &Interval) -> String {
+    let &Interval { value, low, high } = ratio;
+    match at.at_least {
+        true if value >= 1.0 => format!("over {value:.1} times; not reached"),
+        true => "not reached".to_owned(),
+        false if low == high => format!("{value:.1} times"),
+        false => format!("{value:.1} times ({low:.1} to {high:.1})"),
+    }
 }

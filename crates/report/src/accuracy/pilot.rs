@@ -19,7 +19,7 @@ pub mod target;
 use std::fmt;
 use std::time::Instant;
 
-use super::setting::Facts;
+use super::setting::{Axis, Facts};
 use crate::plot::number::figure;
 use wavecrest_base::error::Result;
 use wavecrest_core::math::sampling::{Points, Sampling};
@@ -54,20 +54,6 @@ const MARGIN: f64 = 1.1;
 /// -3/2 of their number.
 const SLOPES: [f64; 2] = [-1.5, -0.5];
 
-wavecrest_base::choices! {
-    /// The kind of samples to vary for a smaller error. Names are those of the families of settings
-    /// in which a sweep varies them.
-    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-    pub enum Axis {
-        /// Points on area lights, for one ray a pixel.
-        Lights = "lights",
-        /// Rays through the lens.
-        Lens = "lens",
-        /// Rays through the pixel.
-        Pixel = "pixel",
-    }
-}
-
 /// A sampler with its error and time.
 #[derive(Clone, Debug)]
 pub struct Curve {
@@ -98,46 +84,6 @@ pub struct Choice {
 pub struct Pilot {
     /// A curve for each sampler.
     pub curves: Vec<Curve>,
-}
-
-impl Axis {
-    /// The axis of a scene. Without other random samples it is the pixel, as edges alias.
-    pub fn of(facts: &Facts) -> Self {
-        match facts {
-            Facts { antialias: 2.., .. } => Self::Pixel,
-            Facts { has_lens: true, .. } => Self::Lens,
-            Facts { has_area_lights: true, .. } => Self::Lights,
-            _ => Self::Pixel,
-        }
-    }
-
-    /// The scene's samples with `points` along this axis. If a pixel has many rays, each takes one
-    /// point of a light.
-    pub fn samples(self, points: Points) -> Samples {
-        let one = Some(Points { side: 1, ..points });
-        let points = Some(points);
-        match self {
-            Self::Lights => Samples { lights: points, lens: None, pixel: None },
-            Self::Lens => Samples { lights: one, lens: points, pixel: None },
-            Self::Pixel => Samples { lights: one, lens: one, pixel: points },
-        }
-    }
-
-    /// The smallest grid whose error renders show.
-    fn least_side(self) -> u32 {
-        if self == Self::Pixel { 2 } else { 1 }
-    }
-
-    /// A number of its points.
-    fn counted(self, points: Points) -> String {
-        let (thing, place) = match self {
-            Self::Lights => ("point", "on each light"),
-            Self::Lens => ("point", "on the lens"),
-            Self::Pixel => ("ray", "per pixel"),
-        };
-        let plural = if points.count() == 1 { "" } else { "s" };
-        format!("{} {} {thing}{plural} {place}", points.count(), points.sampling.name())
-    }
 }
 
 impl Choice {

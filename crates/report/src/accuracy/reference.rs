@@ -6,11 +6,10 @@
 //! standard errors is noise of the reference; renders are added until the reference is accurate
 //! enough for the comparisons, or until there are [`MOST_REPLICATES`].
 
-use super::pilot::Axis;
 use super::pilot::measured::variance;
-use super::setting::{Facts, Setting, Target, converges};
+use super::setting::{Axis, Facts, Family, Point, Setting, Target, converges};
 use super::store::{Record, ReferenceRecord, Store, known};
-use super::sweep::Swept;
+use super::subject::Subject;
 use wavecrest_base::error::Result;
 use wavecrest_core::accel::KernelChoice;
 use wavecrest_core::film::Film;
@@ -36,8 +35,13 @@ const FIRST_SEED: u64 = 1 << 63;
 ///
 /// # Errors
 /// If the scene can no longer be rendered, or the reference can be neither read nor written.
-pub fn reference(swept: &mut Swept, target: Target, least: u32, store: &mut Store) -> Result<Film> {
-    let Swept { subject, families, .. } = swept;
+pub fn reference(
+    subject: &mut Subject,
+    families: &[Family<Point>],
+    target: Target,
+    least: u32,
+    store: &mut Store,
+) -> Result<Film> {
     let scene = subject.record.scene.clone();
     if let Some(known) = known(&store.records, &scene, target) {
         return read(&store.folder.join(&known.file));

@@ -3,7 +3,6 @@
 use serde::Serialize;
 
 use super::fit::Interval;
-use super::pilot::Axis;
 use wavecrest_core::kernels::precision::Precision;
 use wavecrest_core::math::sampling::{Points, Sampling};
 use wavecrest_core::prepared::{PreparedScene, Samples};
@@ -189,6 +188,60 @@ impl Facts {
     /// Whether `target` has any random samples.
     pub fn is_sampled(&self, target: Target) -> bool {
         self.has_area_lights || self.has_lens || self.antialias > 1 || target == Target::Pixel
+    }
+}
+
+wavecrest_base::choices! {
+    /// The kind of samples to vary for a smaller error. Names are those of the families of settings
+    /// in which a sweep varies them.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    pub enum Axis {
+        /// Points on area lights, for one ray a pixel.
+        Lights = "lights",
+        /// Rays through the lens.
+        Lens = "lens",
+        /// Rays through the pixel.
+        Pixel = "pixel",
+    }
+}
+
+impl Axis {
+    /// The axis of a scene. Without other random samples it is the pixel, as edges alias.
+    pub fn of(facts: &Facts) -> Self {
+        match facts {
+            Facts { antialias: 2.., .. } => Self::Pixel,
+            Facts { has_lens: true, .. } => Self::Lens,
+            Facts { has_area_lights: true, .. } => Self::Lights,
+            _ => Self::Pixel,
+        }
+    }
+
+    /// The scene's samples with `points` along this axis. If a pixel has many rays, each takes one
+    /// point of a light.
+    pub fn samples(self, points: Points) -> Samples {
+        let one = Some(Points { side: 1, ..points });
+        let points = Some(points);
+        match self {
+            Self::Lights => Samples { lights: points, lens: None, pixel: None },
+            Self::Lens => Samples { lights: one, lens: points, pixel: None },
+            Self::Pixel => Samples { lights: one, lens: one, pixel: points },
+        }
+    }
+
+    /// The smallest grid whose error renders show.
+    pub(super) fn least_side(self) -> u32 {
+        if self == Self::Pixel { 2 } else { 1 }
+    }
+
+    /// A number of its points.
+    pub(super) fn counted(self, points: Points) -> String {
+        let (thing, place) = match self {
+            Self::Lights => ("point", "on each light"),
+            Self::Lens => ("point", "on the lens"),
+            Self::Pixel => ("ray", "per pixel"),
+        };
+        let plural = if points.count() == 1 { "" } else { "s" };
+        format!("{} {} {thing}{plural} {place}", points.count(), points.sampling.name())
     }
 }
 

@@ -6,11 +6,12 @@
 use std::hint::black_box;
 use std::time::Instant;
 
-use super::findings::SceneFindings;
+use super::Progress;
+use super::layers::LayersFindings;
 use super::setting::{Setting, Structure};
 use super::store::{Record, StepRecord, StepsRecord, Store, all};
 use super::subject::Subject;
-use super::sweep::{Progress, rounds};
+use crate::measure::rounds;
 use crate::selftest::agreement::leaving;
 use crate::statistics::Rays;
 use wavecrest_base::error::Result;
@@ -31,12 +32,16 @@ const SHORT: f64 = 0.5;
 ///
 /// # Errors
 /// If the scene can no longer be rendered, or the record cannot be written.
-pub fn run(subject: &mut Subject, store: &mut Store, progress: &dyn Progress) -> Result<()> {
+pub fn run(
+    subject: &mut Subject,
+    store: &mut Store,
+    progress: &dyn Fn(Progress<'_>),
+) -> Result<()> {
     let scene = subject.record.scene.clone();
     if all(&store.records).any(|s: &StepsRecord| s.scene == scene) {
         return Ok(());
     }
-    progress.stage(&format!("{scene}: steps to exact hits"));
+    progress(Progress::Stage(&format!("{scene}: steps to exact hits")));
     let c = subject.render(&Setting::default(), 0)?.counters;
     let rays = Rays::from(&c).all();
     let mut prices = prices(&subject.prepare(&Structure::default())?.scene);
@@ -67,10 +72,11 @@ impl StepsRecord {
         self.steps.iter().any(|step| step.count > 0)
     }
 
-    /// The steps beside the whole, in words.
-    pub fn sentence(&self, scene: &SceneFindings) -> String {
+    /// The steps beside the whole, of which there are the `layers`, in words.
+    pub fn sentence(&self, layers: &[LayersFindings]) -> String {
         let traced = |precision: Precision| {
-            let parts = scene.layers(precision).into_iter().flat_map(|layers| &layers.parts);
+            let layers = layers.iter().find(|layers| layers.precision == precision.name());
+            let parts = layers.into_iter().flat_map(|layers| &layers.parts);
             let passes = parts.flat_map(|part| &part.passes);
             let traced = passes.filter(|pass| TRACING.contains(&&*pass.0)).map(|pass| pass.1);
             traced.sum::<f64>() * 1e9 / self.rays.max(1) as f64

@@ -5,11 +5,13 @@
 
 mod records;
 
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs::{File, OpenOptions};
 use std::io::{Read as _, Write as _};
 use std::path::{Path, PathBuf};
 
 use super::setting::Target;
+use crate::measure::{Timing, quiet};
 use wavecrest_base::error::{Error, ErrorKind, Result};
 
 pub use records::*;
@@ -26,6 +28,18 @@ pub(crate) fn known<'a>(
     target: Target,
 ) -> Option<&'a ReferenceRecord> {
     all(records).find(|r: &&ReferenceRecord| r.scene == scene && r.target == target)
+}
+
+/// The number of rounds of a scene, and the seeds of those that were busy.
+pub(crate) fn busy_rounds(scene: &str, records: &[Record]) -> (usize, BTreeSet<u64>) {
+    let mut rounds: BTreeMap<u64, Vec<Timing>> = BTreeMap::new();
+    for point in all::<PointRecord>(records).filter(|point| point.scene == scene) {
+        rounds.entry(point.seed).or_default().extend(point.timing);
+    }
+    let sums: Vec<Timing> = rounds.values().map(|all| all.iter().copied().sum()).collect();
+    let quiet = quiet(&sums);
+    let busy = rounds.keys().zip(&quiet).filter(|(_, quiet)| !**quiet).map(|(seed, _)| *seed);
+    (rounds.len(), busy.collect())
 }
 
 /// The records of a sweep, in a folder.
@@ -161,7 +175,6 @@ impl Store {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::measure::Timing;
 
     fn header() -> Header {
         Header { version: "1".into(), longest: 8, most: 4, least: 16 }
@@ -248,5 +261,29 @@ mod tests {
         let other = Header { most: 9, ..header() };
         let error = Store::open(folder.path(), &other).unwrap_err().to_string();
         assert!(error.contains("results of another sweep"), "{error}");
+    }
+
+    #[test]
+    fn a_round_with_less_of_the_processors_is_busy() {
+        let point = |(seed, processor)| {
+            let error = Errors { mse: 0.1, relative_mse: 0.1, bias: 0.0, flip: 0.0 };
+            Record::Point(PointRecord {
+                scene: "a".to_owned(),
+                target: Target::Scene,
+                key: "exact".to_owned(),
+                seed,
+                seconds: 0.5,
+                yardstick: 0.0,
+                timing: Some(Timing { seconds: 0.5, processor: Some(processor) }),
+                passes: Vec::new(),
+                rays: 1,
+                error,
+            })
+        };
+        // Two settings in each round, of which another program disturbs the second of seed 2.
+        let times = [(0, 1.0), (0, 0.9), (1, 0.99), (1, 0.89), (2, 1.0), (2, 0.5)];
+        let records: Vec<Record> = times.into_iter().map(point).collect();
+        assert_eq!(busy_rounds("a", &records), (3, BTreeSet::from([2])));
+        assert_eq!(busy_rounds("b", &records), (0, BTreeSet::new()));
     }
 }

@@ -8,6 +8,7 @@ use std::time::Instant;
 use super::setting::{Facts, Setting, Structure};
 use super::store::SceneRecord;
 use crate::bench::Preparation;
+use crate::measure::{Timing, rounds};
 use wavecrest_base::error::Result;
 use wavecrest_core::accel::KernelChoice;
 use wavecrest_core::accel::build::Preset;
@@ -36,6 +37,10 @@ pub struct Prepared {
     /// The time of its preparation.
     pub time: Preparation,
 }
+
+/// Renders that take less than this in seconds together are repeated, up to a limit.
+const LEAST_TIMED: f64 = 0.01;
+const REPETITIONS: usize = 10;
 
 /// Memory limit of prepared scenes: at least one is kept, and more up to this number of bytes, 4
 /// GiB.
@@ -125,6 +130,26 @@ impl Subject {
         let rendered = render(scene, &options, &());
         scene.accel.kernel = usual;
         rendered
+    }
+
+    /// As [`Self::render`], with the time of its fastest repetition: other programs can only add to a
+    /// time, and they add much to a millisecond. The timing is that of all repetitions.
+    ///
+    /// # Errors
+    /// As for [`Self::render`].
+    pub fn timed(&mut self, setting: &Setting, seed: u64) -> Result<(Rendered, Timing)> {
+        let (quickest, timing) = Timing::of(|| {
+            let repetitions = rounds(REPETITIONS, LEAST_TIMED).skip(1);
+            let mut quickest = self.render(setting, seed)?;
+            for _ in repetitions {
+                let again = self.render(setting, seed)?;
+                if again.seconds < quickest.seconds {
+                    quickest = again;
+                }
+            }
+            Ok(quickest)
+        });
+        Ok((quickest?, timing))
     }
 
     /// Drops prepared scenes until another one fits.

@@ -5,38 +5,25 @@
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
-use std::time::Instant;
 
 use rand::seq::SliceRandom;
 
-use super::findings::busy_rounds;
 use super::fit::generator;
 use super::setting::{Family, Point, Setting, Structure, Target, families};
-use super::store::{Errors, Header, PointRecord, PreparedRecord, Record, Store, TrialRecord, all};
+use super::store::{
+    Errors, Header, PointRecord, PreparedRecord, Record, Store, TrialRecord, all, busy_rounds,
+};
 use super::subject::Subject;
-use super::{layers, reference, steps};
-use crate::measure::Timing;
+use super::{Progress, layers, reference, steps};
+use crate::measure::{rounds, yardstick};
 use crate::selftest::examine::trial;
 use crate::selftest::{Count, Effort};
 use crate::statistics::Rays;
-use crate::yardstick::yardstick;
 use wavecrest_base::error::Result;
 use wavecrest_core::film::Film;
 use wavecrest_core::kernels::precision::Precision;
-use wavecrest_core::render::Rendered;
 use wavecrest_image::compare::{Comparison, compare};
 use wavecrest_image::flip::{DEFAULT_PIXELS_PER_DEGREE, flip};
-
-/// Receives the progress of a sweep. Work is counted in points of pixels: a rough measure, by which
-/// the time to go is estimated.
-pub trait Progress {
-    /// The sweep starts, with this much work.
-    fn start(&self, work: u64);
-    /// The next stage starts.
-    fn stage(&self, name: &str);
-    /// Some of the work is done.
-    fn step(&self, work: u64);
-}
 
 /// A scene with its references, for the report.
 #[derive(Debug)]
@@ -58,7 +45,7 @@ pub fn run(
     files: &[PathBuf],
     seeds: u32,
     store: &mut Store,
-    progress: &dyn Progress,
+    progress: &dyn Fn(Progress<'_>),
 ) -> Result<Vec<Swept>> {
     let Header { longest, most, least, .. } = store.header;
     let open = |file: &PathBuf| {
@@ -73,14 +60,16 @@ pub fn run(
         let references = Target::ALL.len() as u64 * of_reference;
         swept.subject.pixels() * (references + u64::from(seeds) * points)
     };
-    progress.start(all.iter().map(work).sum());
+    progress(Progress::Start(all.iter().map(work).sum()));
     for swept in &mut all {
         store.admit(swept.subject.record.clone())?;
         for target in Target::ALL {
-            progress.stage(&format!("{}: reference ({target})", swept.subject.record.scene));
-            let film = reference::reference(swept, target, least, store)?;
-            swept.references.insert(target, film);
-            progress.step(swept.subject.pixels() * of_reference);
+            let Swept { subject, families, references } = &mut *swept;
+            let stage = format!("{}: reference ({target})", subject.record.scene);
+            progress(Progress::Stage(&stage));
+            let film = reference::reference(subject, families, target, least, store)?;
+            references.insert(target, film);
+            progress(Progress::Step(subject.pixels() * of_reference));
         }
         points(swept, seeds as usize, store, progress)?;
         layers::run(&mut swept.subject, store, progress)?;
@@ -104,12 +93,12 @@ fn points(
     Swept { subject, families, references }: &mut Swept,
     seeds: usize,
     store: &mut Store,
-    progress: &dyn Progress,
+    progress: &dyn Fn(Progress<'_>),
 ) -> Result<()> {
     let scene = subject.record.scene.clone();
     let mut all = settings(families);
     note_preparation(subject, all.iter().map(|(_, setting)| setting), store)?;
-    progress.stage(&scene);
+    progress(Progress::Stage(&scene));
     for seed in 0.. {
         // Busy rounds are measured again, with other seeds.
         let (rounds, busy) = busy_rounds(&scene, &store.records);
@@ -123,7 +112,7 @@ fn points(
                 // No timed render should wait for its tree.
                 subject.prepare(&setting.structure)?;
                 let yardstick = yardstick();
-                let (rendered, timing) = timed(subject, setting, seed)?;
+                let (rendered, timing) = subject.timed(setting, seed)?;
                 let passes = rendered.pass_seconds.iter();
                 store.add(Record::Point(PointRecord {
                     scene: scene.clone(),
@@ -138,44 +127,10 @@ fn points(
                     error: errors(&rendered.film, &references[target])?,
                 }))?;
             }
-            progress.step(subject.pixels() * setting.work());
+            progress(Progress::Step(subject.pixels() * setting.work()));
         }
     }
     Ok(())
-}
-
-/// The numbers of up to `most` rounds, of which none but the first starts after so many `seconds`.
-pub(super) fn rounds(most: usize, seconds: f64) -> impl Iterator<Item = usize> {
-    let start = Instant::now();
-    (0..most).take_while(move |round| *round == 0 || start.elapsed().as_secs_f64() <= seconds)
-}
-
-/// Renders that take less than this in seconds together are repeated, up to a limit.
-const LEAST_TIMED: f64 = 0.01;
-const REPETITIONS: usize = 10;
-
-/// A render with the time of its fastest repetition: other programs can only add to a time, and
-/// they add much to a millisecond. The timing is that of all repetitions.
-///
-/// # Errors
-/// As [`Subject::render`].
-pub(super) fn timed(
-    subject: &mut Subject,
-    setting: &Setting,
-    seed: u64,
-) -> Result<(Rendered, Timing)> {
-    let (quickest, timing) = Timing::of(|| {
-        let repetitions = rounds(REPETITIONS, LEAST_TIMED).skip(1);
-        let mut quickest = subject.render(setting, seed)?;
-        for _ in repetitions {
-            let again = subject.render(setting, seed)?;
-            if again.seconds < quickest.seconds {
-                quickest = again;
-            }
-        }
-        Ok(quickest)
-    });
-    Ok((quickest?, timing))
 }
 
 /// Number of preparations of a structure for the median of its time, and the seconds after which no
@@ -218,10 +173,10 @@ pub fn errors(film: &Film, reference: &Film) -> Result<Errors> {
 }
 
 /// Tests every precision at the edges and on the faces of the scene's triangles.
-fn trials(subject: &mut Subject, store: &mut Store, progress: &dyn Progress) -> Result<()> {
+fn trials(subject: &mut Subject, store: &mut Store, progress: &dyn Fn(Progress<'_>)) -> Result<()> {
     let scene = subject.record.scene.clone();
     let done = all(&store.records).filter(|t: &&TrialRecord| t.scene == scene).count();
-    progress.stage(&format!("{scene}: leaks and self-hits"));
+    progress(Progress::Stage(&format!("{scene}: leaks and self-hits")));
     for precision in Precision::ALL.into_iter().skip(done) {
         let structure = Structure { precision, ..Structure::default() };
         let accel = &subject.prepare(&structure)?.scene.accel;

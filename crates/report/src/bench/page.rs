@@ -8,9 +8,8 @@ use std::path::Path;
 use serde::Serialize;
 use serde_json::Value;
 
-use super::compare::VariantBench;
+use super::compare::{Ratio, VariantBench};
 use super::machine::Machine;
-use super::ratio::Ratio;
 use super::report::{BenchReport, SceneBench};
 use crate::page::{Block, Cell, Fact, Page, Section, Table, file_name};
 use crate::plot::number::{figure, plural};

@@ -36,7 +36,7 @@ pub(super) struct Tick {
 /// Maps values to positions, and positions to pixels. A position is the value, its decimal
 /// logarithm on a logarithmic axis, or the row of its name, counted downward.
 #[derive(Clone, Debug)]
-pub(super) struct Place<'a> {
+pub(super) struct Mapping<'a> {
     pub axis: &'a Axis,
     low: f64,
     high: f64,
@@ -45,7 +45,7 @@ pub(super) struct Place<'a> {
     pub pixels: [f64; 2],
 }
 
-impl<'a> Place<'a> {
+impl<'a> Mapping<'a> {
     /// A range for all of `values` that can be shown.
     pub(super) fn new(axis: &'a Axis, values: impl Iterator<Item = f64>) -> Self {
         let scale = &axis.scale;
@@ -197,7 +197,7 @@ mod tests {
 
     fn ends(scale: Scale, values: &[f64]) -> [f64; 2] {
         let axis = Axis::new("", "", scale);
-        let place = Place::new(&axis, values.iter().copied());
+        let place = Mapping::new(&axis, values.iter().copied());
         [place.low, place.high]
     }
 
@@ -221,7 +221,7 @@ mod tests {
         ] {
             for scale in [Scale::Linear, Scale::Log] {
                 let axis = Axis::new("", "", scale);
-                let mut place = Place::new(&axis, values.iter().copied());
+                let mut place = Mapping::new(&axis, values.iter().copied());
                 let (low, high) = (place.low, place.high);
                 assert!(low < high && low.is_finite() && high.is_finite(), "{axis:?} {values:?}");
                 place.pixels = [9.0, 50.0];
@@ -251,7 +251,7 @@ mod tests {
     #[test]
     fn ends_of_intervals_are_on_the_axis() {
         let axis = Axis::new("", "", Scale::Log);
-        let mut place = Place::new(&axis, [1.0, 10.0].into_iter());
+        let mut place = Mapping::new(&axis, [1.0, 10.0].into_iter());
         place.pixels = [100.0, 0.0];
         let found = [0.0, f64::INFINITY, f64::NEG_INFINITY, f64::NAN];
         let found = found.map(|value| place.pixel_of_end(value));
@@ -261,7 +261,7 @@ mod tests {
     #[test]
     fn names_run_downward() {
         let axis = Axis::new("", "", Scale::Names(vec!["a".to_owned(), "b".to_owned()]));
-        let mut place = Place::new(&axis, std::iter::empty());
+        let mut place = Mapping::new(&axis, std::iter::empty());
         place.mark(1);
         assert_eq!(labels(&place.ticks), "a b");
         place.pixels = [100.0, 0.0];
@@ -323,7 +323,7 @@ mod tests {
 
     #[track_caller]
     fn check(axis: &Axis, low: f64, high: f64, most: usize) {
-        let mut place = Place::new(axis, [low, high].into_iter());
+        let mut place = Mapping::new(axis, [low, high].into_iter());
         place.mark(most);
         let at: Vec<f64> = place.labelled().map(|tick| tick.at).collect();
         let what = format!("{axis:?} {low:e} {high:e} {most}: {}", labels(&place.ticks));

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use super::axis::Place;
+use super::axis::Mapping;
 use super::field::Field;
 use super::marks::{STROKE, legend, marker};
 use super::number::{exact, figure, quantity};
@@ -129,8 +129,8 @@ impl Chart {
         let guides =
             |side: usize| self.guides.iter().flat_map(move |guide| guide.ends.map(|end| end[side]));
         Field {
-            x: Place::new(&self.x, points().map(|point| point.x).chain(guides(0))),
-            y: Place::new(&self.y, ys.chain(guides(1))),
+            x: Mapping::new(&self.x, points().map(|point| point.x).chain(guides(0))),
+            y: Mapping::new(&self.y, ys.chain(guides(1))),
             turned: matches!(self.x.scale, Scale::Names(_)),
         }
     }

@@ -1,6 +1,6 @@
 //! The field of a chart between its two axes, with grid, ticks and labels.
 
-use super::axis::{Place, Tick};
+use super::axis::{Mapping, Tick};
 use super::font;
 use super::paint::Paint;
 use super::svg::{At, BELOW, BESIDE, Drawing, LABEL};
@@ -22,8 +22,8 @@ const LARGEST_PART_FOR_NAMES: f64 = 0.4;
 
 /// The axes of a chart with their positions.
 pub(super) struct Field<'c> {
-    pub x: Place<'c>,
-    pub y: Place<'c>,
+    pub x: Mapping<'c>,
+    pub y: Mapping<'c>,
     /// Whether `x` is an axis of names: it then runs down the left, and `y` to the right.
     pub turned: bool,
 }
@@ -78,7 +78,7 @@ fn heading(axis: &Axis) -> Option<String> {
 
 /// Marks the axis on the left, and returns the room for its labels, and whether these are names too
 /// long for it: then each name is above its row.
-fn mark_down(place: &mut Place<'_>, height: f64, width: f64) -> (f64, bool) {
+fn mark_down(place: &mut Mapping<'_>, height: f64, width: f64) -> (f64, bool) {
     place.pixels = [height, 0.0];
     mark(place, height / APART_DOWN, |_| (LABEL + GAP) / 2.0);
     if widest(place) <= LARGEST_PART_FOR_NAMES * width {
@@ -91,7 +91,7 @@ fn mark_down(place: &mut Place<'_>, height: f64, width: f64) -> (f64, bool) {
 }
 
 /// Marks the axis at the bottom, and returns how far the last label may extend.
-fn mark_along(place: &mut Place<'_>, width: f64) -> f64 {
+fn mark_along(place: &mut Mapping<'_>, width: f64) -> f64 {
     place.pixels = [0.0, width];
     mark(place, width / LEAST_ALONG, |tick| (font::width(&tick.label, LABEL) + APART_ALONG) / 2.0);
     (widest(place) / 2.0).max(GAP)
@@ -99,7 +99,7 @@ fn mark_along(place: &mut Place<'_>, width: f64) -> f64 {
 
 /// Marks an axis with as many labels as are apart, given half the room of each: logarithmic axes
 /// have uneven distances.
-fn mark(place: &mut Place<'_>, most: f64, half: impl Fn(&Tick) -> f64) {
+fn mark(place: &mut Mapping<'_>, most: f64, half: impl Fn(&Tick) -> f64) {
     for most in (2..=most.max(2.0) as usize).rev() {
         place.mark(most);
         let mut pairs = place.labelled().zip(place.labelled().skip(1));
@@ -111,16 +111,16 @@ fn mark(place: &mut Place<'_>, most: f64, half: impl Fn(&Tick) -> f64) {
 }
 
 /// The width of the widest label.
-fn widest(place: &Place<'_>) -> f64 {
+fn widest(place: &Mapping<'_>) -> f64 {
     place.ticks.iter().map(|tick| font::width(&tick.label, LABEL)).fold(0.0, f64::max)
 }
 
 /// Grid lines at the ticks, those with labels above others, and the two axes. A row of names needs
 /// no line.
-fn grid(drawing: &mut Drawing, along: &Place<'_>, down: &Place<'_>, turned: bool) {
+fn grid(drawing: &mut Drawing, along: &Mapping<'_>, down: &Mapping<'_>, turned: bool) {
     let ([left, right], [bottom, top]) = (along.pixels, down.pixels);
     for (is_minor, paint) in [(true, Paint::Faint), (false, Paint::Grid)] {
-        let of = |place: &Place<'_>| -> Vec<f64> {
+        let of = |place: &Mapping<'_>| -> Vec<f64> {
             let ticks = place.ticks.iter().filter(|tick| tick.label.is_empty() == is_minor);
             ticks.map(|tick| place.pixel_of(tick.at)).collect()
         };
@@ -132,7 +132,7 @@ fn grid(drawing: &mut Drawing, along: &Place<'_>, down: &Place<'_>, turned: bool
 }
 
 /// Ticks and labels outside the field.
-fn labels(drawing: &mut Drawing, along: &Place<'_>, down: &Place<'_>, names_above: bool) {
+fn labels(drawing: &mut Drawing, along: &Mapping<'_>, down: &Mapping<'_>, names_above: bool) {
     let (left, bottom) = (along.pixels[0], down.pixels[0]);
     for tick in along.labelled() {
         let x = along.pixel_of(tick.at);

@@ -5,20 +5,21 @@
 //! times by the power with which the error fell with the time before. Otherwise time and error at
 //! equal settings are two ratios. Rounds with the same seed are compared: two programs with the
 //! same random numbers make the same errors, which cancel. On one machine the unit of time is a
-//! [yardstick](crate::yardstick) of the same minute, and rounds in which other programs took the
+//! [yardstick](crate::measure::yardstick) of the same minute, and rounds in which other programs took the
 //! processors are left out.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
-use super::{Change, Found, LEAST_ROUNDS, Regression, SIGNIFICANCE, Side, TOLERANCE, log_ratio};
-use crate::accuracy::findings::busy_rounds;
+use super::{
+    Change, LEAST_ROUNDS, LogRatios, Regression, SIGNIFICANCE, Side, TOLERANCE, log_ratio,
+};
 use crate::accuracy::fit::slope;
 use crate::accuracy::reference::FLOOR;
 use crate::accuracy::setting::{Target, converges, series_of, words_of};
 use crate::accuracy::store::{
     Circumstances, Header, PointRecord, PreparedRecord, Record, SceneRecord, TrialRecord, all,
-    known, read,
+    busy_rounds, known, read,
 };
 use crate::summary::median;
 use wavecrest_base::error::Result;
@@ -104,7 +105,12 @@ fn side(sweep: &Sweep<'_>) -> Side {
 }
 
 /// Compares every series of a scene, and all of them together.
-fn points(scene: &str, sides: &[Sweep<'_>; 2], found: &mut Vec<Found>, warnings: &mut Vec<String>) {
+fn points(
+    scene: &str,
+    sides: &[Sweep<'_>; 2],
+    found: &mut Vec<LogRatios>,
+    warnings: &mut Vec<String>,
+) {
     let mut units = sides.each_ref().map(|side| units(scene, &side.records));
     let on_one_machine = side(&sides[0]).machine == side(&sides[1]).machine;
     if !on_one_machine || units.iter().any(BTreeMap::is_empty) {
@@ -201,10 +207,10 @@ fn logs<'a>(
 }
 
 /// The comparison of several settings as one; `None` for too few rounds.
-fn together(scene: &str, what: String, of: &'static str, settings: &Logs) -> Option<Found> {
+fn together(scene: &str, what: String, of: &'static str, settings: &Logs) -> Option<LogRatios> {
     let rounds = settings.iter().map(Vec::len).min().filter(|rounds| *rounds >= LEAST_ROUNDS)?;
     let round = |n: usize| median(&settings.iter().map(|logs| logs[n]).collect::<Vec<_>>());
-    Some(Found { scene: scene.to_owned(), what, of, logs: (0..rounds).map(round).collect() })
+    Some(LogRatios { scene: scene.to_owned(), what, of, logs: (0..rounds).map(round).collect() })
 }
 
 /// The power with which the mean squared error fell with time before.
@@ -214,7 +220,7 @@ fn power(pairs: &[[&Renders<'_>; 2]]) -> f64 {
 }
 
 /// The time of loading and building.
-fn preparation(scene: &str, sides: &[Sweep<'_>; 2]) -> Vec<Found> {
+fn preparation(scene: &str, sides: &[Sweep<'_>; 2]) -> Vec<LogRatios> {
     let [before, after] = sides.each_ref().map(|side| {
         let mut times: BTreeMap<&str, Vec<f64>> = BTreeMap::new();
         for p in all::<PreparedRecord>(&side.records).filter(|p| p.scene == scene) {

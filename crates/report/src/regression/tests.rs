@@ -223,7 +223,7 @@ fn a_sampler_that_is_wrong_is_found() {
 fn an_interval_has_to_miss_1_by_more_than_the_tolerance() {
     let judged = |logs: &[f64]| {
         let (scene, what) = (String::new(), String::new());
-        Found { scene, what, of: "time", logs: logs.to_vec() }.judged(SIGNIFICANCE)
+        LogRatios { scene, what, of: "time", logs: logs.to_vec() }.judged(SIGNIFICANCE)
     };
     assert_eq!(judged(&[0.0; 4]).verdict, Verdict::Same);
     assert_eq!(judged(&[0.009; 4]).verdict, Verdict::Same, "within the tolerance");

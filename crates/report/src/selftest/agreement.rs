@@ -1,10 +1,9 @@
 //! Every kernel against the reference, on a user's own scene: rays aimed at edges and vertices.
 
-use super::examine::{Extent, rays};
+use super::aim::{Extent, any_corners, rays};
 use super::prelude::*;
 use super::ways::{hits, in_order, with_every_kernel};
 use wavecrest_core::accel::KernelChoice;
-use wavecrest_core::geometry::Primitive;
 
 /// The number of rays: quick, and in full.
 const RAYS: [usize; 2] = [1 << 16, 1 << 20];
@@ -145,20 +144,4 @@ pub(crate) fn leaving(geometry: &Geometry, count: usize) -> impl Iterator<Item =
         let from = numbers.within(corners).as_vec3();
         Ray { t_min: START, ..Ray::new(from, extent.around(&mut numbers) - from) }
     })
-}
-
-/// The corners of any primitive. For spheres and disks, points on the surface.
-pub(super) fn any_corners(geometry: &Geometry, numbers: &mut Numbers) -> [Vec3; 3] {
-    let number = numbers.below(geometry.len()) as u32;
-    match geometry.primitive(number) {
-        Primitive::Quad(i) => numbers.among(halves(&geometry.quad(i))),
-        Primitive::Quadric(i) => {
-            let (center, radius, front) = geometry.quadrics[i].parts();
-            [(); 3].map(|()| {
-                let towards = numbers.direction().as_vec3();
-                center + (towards - front * front.dot(towards)) * radius
-            })
-        }
-        _ => geometry.mesh_triangle(number).unwrap_or_default(),
-    }
 }

@@ -7,7 +7,7 @@ use std::iter::Sum;
 
 use serde::{Deserialize, Serialize};
 
-use super::examine::surface_at;
+use super::aim::surface_at;
 use super::prelude::*;
 use crate::plot::number::figure;
 use wavecrest_core::kernels::triangle::{self, exact, filter};
@@ -94,10 +94,10 @@ impl HitErrors {
     pub(super) fn of(geometry: &Geometry, ray: &Ray, primitive: u32, t: Option<f32>) -> Self {
         let mut errors = Self::default();
         let corners = geometry.triangle(primitive as usize);
-        let exactly = exact::meeting(ray, &corners);
-        let exactly = exactly.filter(|t| t.is_within([ray.t_min, ray.t_max]));
-        let (Some(t), Some(exact_t)) = (t, exactly.as_ref().map(|t| t.approximate())) else {
-            (errors.lost, errors.extra) = (exactly.is_some().into(), t.is_some().into());
+        let exact_hit = exact::meeting(ray, &corners);
+        let exact_hit = exact_hit.filter(|t| t.is_within([ray.t_min, ray.t_max]));
+        let (Some(t), Some(exact_t)) = (t, exact_hit.as_ref().map(|t| t.approximate())) else {
+            (errors.lost, errors.extra) = (exact_hit.is_some().into(), t.is_some().into());
             return errors;
         };
         errors.t.count((f64::from(t) - exact_t).abs() / ulp(exact_t));

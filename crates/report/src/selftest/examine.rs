@@ -6,17 +6,13 @@ use std::iter::Sum;
 use glam::DAffine3;
 use serde::Serialize;
 
-use super::agreement::any_corners;
+use super::aim::{Extent, at_any, is_outside, rays};
 use super::errors::HitErrors;
 use super::prelude::*;
 use super::topology::Topology;
 use super::ways::{RAYS_OF_A_TASK, blocks, in_order};
 use wavecrest_core::accel::Traversal;
 use wavecrest_core::geometry::Primitive;
-use wavecrest_core::kernels::slab::Aabb;
-use wavecrest_core::kernels::surface::Surface;
-use wavecrest_core::prepared::surface;
-use wavecrest_core::with_precision;
 
 /// Rays of each kind, in full.
 const RAYS: usize = 10_000_000;
@@ -95,16 +91,6 @@ pub fn shape(geometry: &Geometry, accel: &Accel) -> Shape {
     }
 }
 
-/// The number of rays: one of two values, or a hundredth of the smaller; 0 without primitives.
-pub(super) fn rays(geometry: &Geometry, effort: &Effort, [quick, full]: [usize; 2]) -> usize {
-    match effort.count {
-        _ if geometry.is_empty() => 0,
-        Count::Brief => quick / 100,
-        Count::Quick => quick,
-        Count::Full => full,
-    }
-}
-
 /// Tests the primitives of `accel`, in its precision.
 pub fn trial(accel: &Accel, effort: &Effort) -> Trial {
     let geometry = accel.geometry();
@@ -141,42 +127,6 @@ pub fn trial(accel: &Accel, effort: &Effort) -> Trial {
         },
     );
     Trial { leaks, self_hits, errors }
-}
-
-/// The centre of a geometry's box, and half of its diagonal.
-pub(super) struct Extent {
-    middle: DVec3,
-    half: f64,
-}
-
-/// The box around the primitives of a geometry, without those of instances.
-pub(super) fn around(geometry: &Geometry) -> Aabb {
-    let own = (0..geometry.own() as u32).map(|number| geometry.bounds(number));
-    own.fold(Aabb::EMPTY, Aabb::union)
-}
-
-impl Extent {
-    pub(super) fn of(geometry: &Geometry) -> Self {
-        let of_prototypes: Vec<Aabb> = geometry.prototypes.iter().map(around).collect();
-        let instances = geometry.instances.iter();
-        let instances = instances.map(|one| one.bounds(&[of_prototypes[one.prototype()]]));
-        let all = instances.fold(around(geometry), Aabb::union);
-        let (low, high) = (all.low.as_dvec3(), all.high.as_dvec3());
-        Self { middle: (low + high) / 2.0, half: (high - low).length() / 2.0 }
-    }
-
-    /// A random point around the geometry.
-    pub(super) fn around(&self, numbers: &mut Numbers) -> Vec3 {
-        let direction = numbers.direction();
-        (self.middle + direction * (self.half * (0.1 + 2.0 * numbers.one()))).as_vec3()
-    }
-}
-
-/// A ray at a point of a primitive, from a random point around them all.
-fn at_any(geometry: &Geometry, extent: &Extent, numbers: &mut Numbers) -> Ray {
-    let corners = any_corners(geometry, numbers);
-    let (target, from) = (numbers.within(corners).as_vec3(), extent.around(numbers));
-    Ray::new(from, normalize(target - from))
 }
 
 /// A ray that hits something after this part of its way to a target has passed the target.
@@ -283,41 +233,6 @@ pub(super) fn left(
     let ray = Ray::new(offset_origin(point, error, normal, direction), direction);
     let is_outward = direction.as_dvec3().dot(outward) > 0.5 * lowest;
     (is_outward && ray.is_valid()).then_some((ray, primitive))
-}
-
-/// The primitive that a ray meets, and the point, its error and the normal there; see
-/// [`surface_at`].
-pub(super) fn met(accel: &Accel, ray: &Ray, traversal: &mut Traversal) -> Option<(u32, [Vec3; 3])> {
-    let hit = Some(accel.closest(ray, traversal)).filter(|hit| !hit.is_miss())?;
-    Some((hit.primitive, surface_at(accel.geometry(), ray, hit)?.vectors()))
-}
-
-fn is_outside(point: Vec3, (center, radius): (Vec3, f32)) -> bool {
-    point.as_dvec3().distance(center.as_dvec3()) > f64::from(radius)
-}
-
-/// The greatest angle between the halves of a quad that counts as flat.
-const FLAT: f64 = 1e-4;
-
-/// The surface point of a hit; `None` inside of spheres and on quads that are not flat, which a ray
-/// can leave and meet again.
-pub(super) fn surface_at(geometry: &Geometry, ray: &Ray, hit: Hit) -> Option<Surface<f32>> {
-    let is_left_for_good = match geometry.primitive(hit.primitive) {
-        Primitive::Quad(i) => {
-            let [p, q] = halves(&geometry.quad(i)).map(|half| {
-                let [a, b, c] = half.map(|v| v.as_dvec3());
-                (b - a).cross(c - a).normalize()
-            });
-            p.distance(q) < FLAT
-        }
-        Primitive::Quadric(i) => {
-            let sphere = geometry.quadrics[i].sphere();
-            sphere.is_none_or(|sphere| is_outside(ray.origin, sphere))
-        }
-        Primitive::Triangle(_) | Primitive::Instanced(_) => true,
-    };
-    let surface = || with_precision!(geometry.precision, P => surface::<P>(geometry, ray, &hit));
-    is_left_for_good.then(surface)
 }
 
 /// Traces the rays of `make`, each with what `judge` needs, and judges the answers.

@@ -2,8 +2,8 @@
 
 use glam::{DAffine3, DMat3};
 
+use super::aim::around;
 use super::edges::BEYOND;
-use super::examine::around;
 use super::prelude::*;
 use super::shapes::Closed;
 use wavecrest_core::geometry::instance::Instance;

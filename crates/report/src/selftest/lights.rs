@@ -25,7 +25,7 @@ fn some_point(numbers: &mut Numbers, unit: f64) -> Option<(ShadingPoint<f32>, [V
 }
 
 /// The shadow ray from a point to a light brings a finite contribution, if any, and `is_right`.
-fn asked(
+fn shadow_ray(
     numbers: &mut Numbers,
     point: &ShadingPoint<f32>,
     emitter: Emitter,
@@ -66,7 +66,7 @@ pub(super) fn edge_on(numbers: &mut Numbers) -> Outcome {
     // In the light's plane, beside it and at its corner; the point's own surface.
     let shape = numbers.among([[p, q, p + (p - near)], [near, p, q], corners, [p, q, needle]]);
     let Some(triangles) = Triangles::new(vec![shape]) else { return Outcome::default() };
-    asked(numbers, &point, Emitter::Triangles(triangles), |_, _| true)
+    shadow_ray(numbers, &point, Emitter::Triangles(triangles), |_, _| true)
 }
 
 /// Case 31: shapes of lights that some points of the floor see edge on, or that touch the floor.
@@ -129,7 +129,7 @@ pub(super) fn at_a_point(numbers: &mut Numbers) -> Outcome {
     let position = (at + away).as_vec3();
     let towards = position.as_dvec3() - at;
     let distance = towards.length();
-    asked(numbers, &point, Emitter::Point(position), |falloff, request| {
+    shadow_ray(numbers, &point, Emitter::Point(position), |falloff, request| {
         let Some(request) = request else {
             // It is behind or beside the surface, or in the same place.
             return normal.dot(towards) <= 1e-5 * distance;

@@ -3,7 +3,7 @@
 
 use super::prelude::*;
 use super::scenes::Prepared;
-use super::shapes::{height, seen};
+use super::shapes::{face_at, height};
 
 /// The grid of vertices: at coordinates of 2^17 it is the resolution of single precision. Halves of
 /// sides are single-precision numbers too.
@@ -53,7 +53,7 @@ fn faces(numbers: &Numbers, scene: &Value, of_face: impl Fn(&Prepared, usize) ->
         let stream = Stream { seed: 0, pixel: 0, sample: 0, bounce: 0 };
         let aimed = (0..width * height).filter_map(|i| {
             let (x, y) = (i % width, i / width);
-            let face = of_face(prepared, seen(&mesh, EYE, still.direction(x, y))?);
+            let face = of_face(prepared, face_at(&mesh, EYE, still.direction(x, y))?);
             let ray = prepared.scene.camera.ray(x, y, &stream);
             Some((ray, Expected::of(face..face + 1)))
         });
@@ -91,7 +91,7 @@ pub(super) fn without_acne(numbers: &mut Numbers) -> Vec<Picture> {
     // Expected values are computed at the scene's original place, where the numbers are exact.
     let still = eye(&effort, DVec3::ZERO);
     let shows = move |x, y, pixel| {
-        let face = seen(&mesh, EYE, still.direction(x, y))?;
+        let face = face_at(&mesh, EYE, still.direction(x, y))?;
         (height(&mesh, face, LIGHT) > doubtful).then_some(pixel != [0.0; 3])
     };
     vec![Picture::new(lit(&effort, by, &as_mesh(&globe(), by)), shows)]

@@ -4,9 +4,9 @@ pub(super) use glam::{DVec3, Vec2, Vec3};
 pub(super) use rayon::prelude::*;
 pub(super) use serde_json::{Value, json};
 
+pub(super) use super::aim::met;
 pub(super) use super::case::{Count, Effort, Outcome};
 pub(super) use super::errors::ulp;
-pub(super) use super::examine::met;
 pub(super) use super::numbers::Numbers;
 pub(super) use super::parts::{Expected, Picture, World};
 pub(super) use super::scenes::{self, Eye};

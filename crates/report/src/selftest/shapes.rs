@@ -156,7 +156,7 @@ pub(super) fn height(mesh: &Geometry, triangle: usize, point: DVec3) -> f64 {
 
 /// The triangle of a convex mesh whose front a ray from outside meets. `None` also if the ray
 /// passes so near to an edge that the neighbour may be hit.
-pub(super) fn seen(mesh: &Geometry, origin: DVec3, direction: DVec3) -> Option<usize> {
+pub(super) fn face_at(mesh: &Geometry, origin: DVec3, direction: DVec3) -> Option<usize> {
     (0..mesh.triangles.len()).find(|&triangle| {
         let [a, b, c] = mesh.triangle(triangle).map(|v| v.as_dvec3() - origin);
         let volumes = [b.cross(c), c.cross(a), a.cross(b)].map(|v| -v.dot(direction));

@@ -1,6 +1,7 @@
 //! Rays that start or end on a surface.
 
-use super::examine::{Extent, left};
+use super::aim::Extent;
+use super::examine::left;
 use super::prelude::*;
 use super::ways::hits;
 use wavecrest_core::accel::KernelChoice;

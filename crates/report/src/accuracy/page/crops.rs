@@ -1,7 +1,6 @@
 //! Crops: what each time buys, in the part of the image where it shows most.
 
-use crate::accuracy::answer::Answer;
-use crate::accuracy::findings::Point;
+use crate::accuracy::findings::{Answer, Point};
 use crate::accuracy::setting::{Family, Series};
 use crate::accuracy::subject::Subject;
 use crate::page::{Block, Picture};

@@ -140,5 +140,5 @@ pub(super) fn steps(scene: &SceneFindings) -> Vec<Block> {
                    packets share more";
     let header = "step|>times a ray|>ns each|>ns a ray";
     let table = Table::new(caption, header, found.steps.iter().map(row).collect());
-    vec![Block::Table(table), Block::Paragraph(found.sentence(scene))]
+    vec![Block::Table(table), Block::Paragraph(found.sentence(&scene.layers))]
 }

@@ -56,7 +56,7 @@ impl<'a> Budget<'a> {
 
 /// What a render has to do beside the choice of its points.
 #[derive(Clone, Copy, Debug)]
-pub struct Task {
+pub struct Overhead {
     /// The work to measure its error, as a share of that of the render.
     pub measuring: f64,
     /// The largest share of the image that is unfinished on all threads at once.
@@ -77,13 +77,13 @@ pub struct Pace<'a> {
 }
 
 impl<'a> Pace<'a> {
-    fn new(budget: &Budget<'a>, choice: &Choice, task: Task) -> Self {
-        let seconds = budget.left() / (1.0 + task.measuring);
+    fn new(budget: &Budget<'a>, choice: &Choice, overhead: Overhead) -> Self {
+        let seconds = budget.left() / (1.0 + overhead.measuring);
         Self {
             clock: budget.clock,
             start: (budget.clock)(),
             seconds: (choice.points.side > 1).then_some(seconds),
-            in_flight: task.in_flight,
+            in_flight: overhead.in_flight,
             done: AtomicU64::new(0.0_f64.to_bits()),
             expected: OnceLock::new(),
         }
@@ -131,16 +131,16 @@ impl<'a> Pace<'a> {
 pub fn in_time<T>(
     pilot: &Pilot,
     budget: &Budget<'_>,
-    task: Task,
+    overhead: Overhead,
     mut render: impl FnMut(&Choice, &Pace<'_>) -> Result<(T, bool)>,
 ) -> Result<Option<(Choice, T)>> {
     let (mut slower, mut most) = (1.0, f64::INFINITY);
     loop {
-        let seconds = budget.left() * PLANNED_SHARE / (1.0 + task.measuring);
+        let seconds = budget.left() * PLANNED_SHARE / (1.0 + overhead.measuring);
         let Some(choice) = pilot.for_time(f64::min(seconds / slower, most)) else {
             return Ok(None);
         };
-        let pace = Pace::new(budget, &choice, task);
+        let pace = Pace::new(budget, &choice, overhead);
         let (result, is_finished) = render(&choice, &pace)?;
         match pace.expected() {
             Some(expected) if !is_finished => {
@@ -163,7 +163,7 @@ mod tests {
     /// Tiles of a render.
     const TILES: u32 = 100;
 
-    const TASK: Task = Task { measuring: 0.1, in_flight: 0.02 };
+    const OVERHEAD: Overhead = Overhead { measuring: 0.1, in_flight: 0.02 };
 
     /// A pilot that found a second and 0.01 s for each point.
     fn pilot() -> Pilot {
@@ -178,7 +178,7 @@ mod tests {
         let now = Mutex::new(0.0);
         let clock = || *now.lock().expect("one thread");
         let mut points = Vec::new();
-        let done = in_time(&pilot(), &Budget::new(&clock, seconds), TASK, |choice, pace| {
+        let done = in_time(&pilot(), &Budget::new(&clock, seconds), OVERHEAD, |choice, pace| {
             points.push(choice.points.count());
             for tile in 0..TILES {
                 if pace.is_late() {

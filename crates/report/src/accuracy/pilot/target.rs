@@ -21,7 +21,7 @@ pub struct Reached<T> {
     pub renders: u32,
 }
 
-/// Renders until the error is at most `asked`, as far as its measurement can tell, or cannot become
+/// Renders until the error is at most `target`, as far as its measurement can tell, or cannot become
 /// smaller. `render` returns the error of its image; without one, no other render follows. `None` if
 /// the pilot has no choice.
 ///
@@ -29,16 +29,16 @@ pub struct Reached<T> {
 /// As `render`.
 pub fn reach<T>(
     pilot: &Pilot,
-    asked: f64,
+    target: f64,
     mut render: impl FnMut(&Choice) -> Result<(T, Option<Measured>)>,
 ) -> Result<Option<Reached<T>>> {
-    let Some(mut choice) = pilot.for_error(asked) else { return Ok(None) };
+    let Some(mut choice) = pilot.for_error(target) else { return Ok(None) };
     let mut renders = 0;
     loop {
         renders += 1;
         let (rendered, found) = render(&choice)?;
-        let missed = found.filter(|found| found.at_most > asked && renders < MOST_RENDERS);
-        match missed.and_then(|found| finer(&choice, found.at_most / asked)) {
+        let missed = found.filter(|found| found.at_most > target && renders < MOST_RENDERS);
+        match missed.and_then(|found| finer(&choice, found.at_most / target)) {
             Some(next) => choice = next,
             None => return Ok(Some(Reached { choice, rendered, found, renders })),
         }

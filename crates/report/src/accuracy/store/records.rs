@@ -88,7 +88,7 @@ pub struct PointRecord {
     pub seed: u64,
     /// Seconds from the first ray to the last.
     pub seconds: f64,
-    /// Seconds of a [yardstick](crate::yardstick) just before: the speed of the machine. Older
+    /// Seconds of a [yardstick](crate::measure::yardstick) just before: the speed of the machine. Older
     /// sweeps have none.
     #[serde(default)]
     pub yardstick: f64,

@@ -1,16 +1,51 @@
-//! `man`: manual pages, one for each command.
+//! Commands that describe the program: `schema`, the scene format; `completions`, scripts for shells; `man`, manual
+//! pages, one for each command.
 
-use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 use clap::Command;
 use clap::builder::Resettable;
+use clap_complete::{Shell, generate};
 use clap_mangen::Man;
 
-use super::common::print;
+use super::common::{print, to_json, write_text};
 use super::exit;
 use wavecrest_base::error::{Error, ErrorKind, Result, did_you_mean};
-use wavecrest_base::replace::{check_replaceable, replace_file, write_error};
+use wavecrest_base::replace::check_replaceable;
+use wavecrest_scene::json_schema;
+
+/// Print the JSON Schema of scene files, for editors.
+#[derive(Clone, Copy, Debug, clap::Args)]
+pub(crate) struct SchemaArgs {}
+
+/// Prints the schema.
+///
+/// # Errors
+/// If standard output cannot be written to.
+pub(crate) fn schema(_: &SchemaArgs) -> Result<()> {
+    print(&to_json(&json_schema())?)
+}
+
+/// Print a completion script for a shell.
+#[derive(Clone, Copy, Debug, clap::Args)]
+pub(crate) struct CompletionsArgs {
+    /// Shell
+    #[arg(value_enum)]
+    pub(crate) shell: Shell,
+}
+
+/// Prints the script for `program`.
+///
+/// # Errors
+/// If standard output cannot be written to.
+pub(crate) fn completions(args: &CompletionsArgs, mut program: Command) -> Result<()> {
+    let mut script = Vec::new();
+    let name = program.get_name().to_owned();
+    generate(args.shell, &mut program, name, &mut script);
+    let text = String::from_utf8(script)
+        .map_err(|cause| Error::new(ErrorKind::Usage, "the script is not UTF-8").because(cause))?;
+    print(&text)
+}
 
 /// Print a manual page, or write all pages to a folder.
 #[derive(Clone, Debug, clap::Args)]
@@ -26,13 +61,13 @@ pub(crate) struct ManArgs {
 ///
 /// # Errors
 /// If there is no such command, or a page cannot be written.
-pub(crate) fn run(args: &ManArgs, program: Command) -> Result<()> {
+pub(crate) fn man(args: &ManArgs, program: Command) -> Result<()> {
     let pages = pages(program);
     match &args.output {
         Some(folder) => write_all(&pages, folder),
         None => {
             let page = find(&pages, args.command.as_deref())?;
-            print(&String::from_utf8_lossy(&render(page)?))
+            print(&render(page)?)
         }
     }
 }
@@ -57,27 +92,19 @@ fn find<'a>(pages: &'a [Command], name: Option<&str>) -> Result<&'a Command> {
     })
 }
 
-fn render(page: &Command) -> Result<Vec<u8>> {
+fn render(page: &Command) -> Result<String> {
     let mut text = Vec::new();
     let cannot = |cause| Error::io("cannot write the page", page.get_name(), cause);
     // Exit codes have their own section.
     Man::new(page.clone().after_help(Resettable::Reset)).render(&mut text).map_err(cannot)?;
-    write_exit_codes(&mut text).map_err(cannot)?;
-    Ok(text)
-}
-
-/// The exit codes, as a list in roff.
-fn write_exit_codes(page: &mut Vec<u8>) -> std::io::Result<()> {
-    writeln!(page, ".SH \"EXIT CODES\"")?;
-    exit::CODES.iter().try_for_each(|(code, meaning)| writeln!(page, ".TP\n{code}\n{meaning}"))
+    let codes = exit::CODES.map(|(code, meaning)| format!(".TP\n{code}\n{meaning}\n"));
+    // As a list in roff.
+    Ok(String::from_utf8_lossy(&text).into_owned() + ".SH \"EXIT CODES\"\n" + &codes.concat())
 }
 
 /// Writes every page, after checking that all can be written.
 fn write_all(pages: &[Command], folder: &Path) -> Result<()> {
     let file = |page: &Command| folder.join(Man::new(page.clone()).get_filename());
     pages.iter().try_for_each(|page| check_replaceable(&file(page)))?;
-    pages.iter().try_for_each(|page| {
-        let (file, text) = (file(page), render(page)?);
-        replace_file(&file, |sink| sink.write_all(&text).map_err(|e| write_error(&file, e)))
-    })
+    pages.iter().try_for_each(|page| write_text(&file(page), &render(page)?))
 }

@@ -1,13 +1,14 @@
-//! Metadata of image files, as requested by the arguments.
+//! Options of image files: their metadata, and the development of light to levels.
 
 use std::ffi::OsString;
 use std::path::Path;
 
 use clap::ValueEnum;
 
+use super::common::{choice, number};
 use wavecrest_image::farm::Identity;
 use wavecrest_image::metadata::{Entry, Extras, Provenance};
-use wavecrest_image::write::Format;
+use wavecrest_image::write::{Develop, Format, Tone};
 
 /// Options on what is said.
 #[derive(Clone, Copy, Debug, clap::Args)]
@@ -51,7 +52,7 @@ impl MetadataOptions {
 
     /// The metadata of an image with this identity, as far as requested.
     pub(super) fn entries(&self, identity: &Identity) -> Vec<Entry> {
-        let command = || (self.kind() == MetadataKind::Full).then(|| command(std::env::args_os()));
+        let command = || (self.kind() == MetadataKind::Full).then(command);
         match self.kind() {
             MetadataKind::None => Vec::new(),
             _ => Provenance { command: command(), ..identity.provenance() }.entries(),
@@ -65,8 +66,33 @@ impl MetadataOptions {
     }
 }
 
-/// The command, quoted so that it can be typed again.
-pub(super) fn command(words: impl IntoIterator<Item = OsString>) -> String {
+/// The largest exposure in stops, in both directions.
+const STOPS: f32 = 64.0;
+
+/// How light is developed for 8-bit images.
+#[derive(Clone, Copy, Debug, clap::Args)]
+pub(crate) struct DevelopOptions {
+    /// Exposure of 8-bit images in stops; each doubles the light
+    #[arg(long, value_name = "STOPS", default_value_t = 0.0, value_parser = stops, allow_hyphen_values = true)]
+    pub(crate) exposure: f32,
+    /// Tone mapping of 8-bit images
+    #[arg(long, value_name = "CURVE", value_parser = choice::<Tone>(), default_value_t)]
+    pub(crate) tone: Tone,
+}
+
+impl From<DevelopOptions> for Develop {
+    fn from(DevelopOptions { exposure, tone }: DevelopOptions) -> Self {
+        Self { exposure, tone }
+    }
+}
+
+fn stops(text: &str) -> std::result::Result<f32, String> {
+    let wrong = format!("use a number from -{STOPS} to {STOPS}");
+    number(text, |stops: &f32| stops.abs() <= STOPS, &wrong)
+}
+
+/// The command of this process, quoted so that it can be typed again.
+pub(super) fn command() -> String {
     let word = |word: OsString| {
         let word = word.to_string_lossy();
         let is_plain = |c: char| c.is_alphanumeric() || "-_./,:=+@%".contains(c);
@@ -76,5 +102,5 @@ pub(super) fn command(words: impl IntoIterator<Item = OsString>) -> String {
             format!("'{}'", word.replace('\'', r"'\''"))
         }
     };
-    words.into_iter().map(word).collect::<Vec<_>>().join(" ")
+    std::env::args_os().map(word).collect::<Vec<_>>().join(" ")
 }
