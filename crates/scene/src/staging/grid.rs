@@ -11,7 +11,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::Placed;
+use super::Contents;
 
 /// Columns along each side of a face of the box.
 pub(super) const COLUMNS: usize = 24;
@@ -45,14 +45,18 @@ pub(super) struct Grid {
 }
 
 impl Grid {
-    /// The grid of all geometry within the box from `low` to `high`. `None` if that takes too long.
-    pub(super) fn of(all: &[Placed<'_>], low: DVec3, high: DVec3) -> Option<Self> {
+    /// The grid of the box around the `contents`. `None` without points, or if it takes too long.
+    pub(super) fn of(contents: &Contents<'_>) -> Option<Self> {
+        let (low, high) = contents.ends;
         let size = high - low;
+        if !size.is_finite() {
+            return None;
+        }
         let unit = |x: f64| if x > 0.0 { 1.0 / x } else { 0.0 };
         let scale = DVec3::new(unit(size.x), unit(size.y), unit(size.z));
         let tests = AtomicU64::new(0);
         let mut grid = Self::empty();
-        for placed in all {
+        for placed in &contents.all {
             let point = |&i: &u32| {
                 let point = placed.world.transform_point3(placed.points[i as usize].as_dvec3());
                 (point - low) * scale
@@ -167,18 +171,15 @@ impl Column {
 
 #[cfg(test)]
 mod tests {
+    use super::super::tests::{boxes, contents};
     use super::*;
-    use glam::{DAffine3, Vec3};
 
     #[test]
     fn rays_meet_both_ends_of_a_box() {
-        let points: Vec<Vec3> = (0..8)
-            .map(|i| Vec3::new((i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32))
-            .collect();
-        // The lower and the upper side, facing outward.
-        let triangles = [[0, 3, 1], [0, 2, 3], [4, 5, 7], [4, 7, 6]];
-        let placed = Placed::new(&points, &triangles, DAffine3::IDENTITY);
-        let grid = Grid::of(&[placed], DVec3::ZERO, DVec3::ONE).unwrap();
+        let mut mesh = boxes(&[([0.0; 3], [1.0; 3])]);
+        // The lower and the upper side along z.
+        mesh.1.drain(..8);
+        let grid = Grid::of(&contents(&mesh)).unwrap();
         let is = |met: Met, at: f64, faces_high| {
             (met.at - at).abs() < 1e-12 && met.faces_high == faces_high
         };
