@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 use wavecrest_base::error::Result;
 
-use super::buffer::{Storage, View};
+use super::buffer::{Buffer, View};
 use super::fields::Fields;
 
 /// The type of a number.
@@ -110,9 +110,59 @@ pub(super) struct Accessor {
     pub(super) normalized: bool,
 }
 
+/// The bytes of a file, and the accessors to them.
+pub(super) struct Storage {
+    buffers: Vec<Buffer>,
+    views: Vec<View>,
+    pub(super) accessors: Vec<Accessor>,
+}
+
+impl Storage {
+    /// Reads the lists of a file, each only if the one before it is right; `binary` is the buffer
+    /// without a URI. The files of others are read only if they are `needed`.
+    pub(super) fn read(top: &Fields<'_>, binary: Option<&Buffer>, needed: bool) -> Result<Self> {
+        let mut number = 0;
+        let buffers = top.list("buffers", "a buffer", |fields| {
+            number += 1;
+            Buffer::read(fields, binary.filter(|_| number == 1), needed)
+        })?;
+        let views = top.list("bufferViews", "a buffer view", |f| View::read(f, &buffers))?;
+        let mut own = Self { buffers, views, accessors: Vec::new() };
+        own.accessors = top.list("accessors", "an accessor", |f| Accessor::read(f, &own))?;
+        Ok(own)
+    }
+
+    /// Bytes of all buffers.
+    pub(super) fn len(&self) -> usize {
+        self.buffers.iter().map(Buffer::len).sum()
+    }
+
+    /// A view with its buffer.
+    pub(super) fn view(&self, number: usize) -> (&View, &Buffer) {
+        let view = &self.views[number];
+        (view, &self.buffers[view.buffer])
+    }
+
+    /// The bytes of a view; none of an unread buffer.
+    fn bytes(&self, view: usize) -> &[u8] {
+        let (view, buffer) = self.view(view);
+        view.bytes(buffer)
+    }
+
+    /// The elements of an accessor.
+    pub(super) fn elements(&self, number: usize) -> Elements<'_> {
+        let accessor = &self.accessors[number];
+        Elements {
+            accessor,
+            rows: accessor.rows.as_ref().map(|rows| self.bytes(rows.view)),
+            values: accessor.sparse.as_ref().map(|sparse| self.bytes(sparse.values.view)),
+        }
+    }
+}
+
 impl Accessor {
     /// Reads an element of `accessors`, and checks that its elements exist.
-    pub(super) fn read(fields: &Fields<'_>, storage: &Storage) -> Result<Self> {
+    fn read(fields: &Fields<'_>, storage: &Storage) -> Result<Self> {
         let component = Component::read(fields)?;
         let width = fields.need("type", "\"SCALAR\", \"VEC2\", ...")?.choice(&TYPES)?;
         let count = fields.need_count("count")?;
@@ -130,15 +180,6 @@ impl Accessor {
         }
         let normalized = fields.flag("normalized")? && component != Component::F32;
         Ok(Self { rows, sparse, count, component, width, normalized })
-    }
-
-    /// A reader of its elements.
-    pub(super) fn elements<'a>(&'a self, storage: &'a Storage) -> Elements<'a> {
-        Elements {
-            accessor: self,
-            rows: self.rows.as_ref().map(|rows| storage.bytes(rows.view)),
-            values: self.sparse.as_ref().map(|sparse| storage.bytes(sparse.values.view)),
-        }
     }
 
     /// Bytes needed to read `count` elements.

@@ -45,9 +45,27 @@ impl Buffer {
         Self { source: Source::Unread(path), range: start.min(end)..end }
     }
 
+    /// How many bytes it has.
+    pub(super) fn len(&self) -> usize {
+        self.range.len()
+    }
+
+    /// Whether its bytes are read.
+    pub(super) fn is_read(&self) -> bool {
+        matches!(self.source, Source::Bytes(_))
+    }
+
+    /// Its bytes; none if they are not read.
+    fn bytes(&self) -> &[u8] {
+        match &self.source {
+            Source::Bytes(bytes) => &bytes[self.range.clone()],
+            Source::Unread(_) => &[],
+        }
+    }
+
     /// Reads an element of `buffers`; its file only if it is `needed`. The first one without a URI
     /// is the `binary` chunk of a GLB file.
-    fn read(fields: &Fields<'_>, binary: Option<&Self>, needed: bool) -> Result<Self> {
+    pub(super) fn read(fields: &Fields<'_>, binary: Option<&Self>, needed: bool) -> Result<Self> {
         let length = fields.need_count("byteLength")?;
         let mut found = match (fields.get("uri"), binary) {
             (Some(uri), _) => match uri::target(&uri)? {
@@ -99,62 +117,10 @@ fn part(path: &Path, start: u64, length: u64) -> io::Result<Vec<u8>> {
     Ok(bytes)
 }
 
-/// The buffers of a file, and the views into them.
-pub(super) struct Storage {
-    buffers: Vec<Buffer>,
-    pub(super) views: Vec<View>,
-}
-
-impl Storage {
-    /// Reads the lists of a file; other files only if they are `needed`.
-    pub(super) fn read(top: &Fields<'_>, binary: Option<&Buffer>, needed: bool) -> Result<Self> {
-        let mut number = 0;
-        let buffers = top.list("buffers", "a buffer", |fields| {
-            number += 1;
-            Buffer::read(fields, binary.filter(|_| number == 1), needed)
-        })?;
-        let views = top.list("bufferViews", "a buffer view", |f| View::read(f, &buffers))?;
-        Ok(Self { buffers, views })
-    }
-
-    /// Bytes of all buffers.
-    pub(super) fn len(&self) -> usize {
-        self.buffers.iter().map(|buffer| buffer.range.len()).sum()
-    }
-
-    /// The bytes of a view; none of an unread buffer.
-    pub(super) fn bytes(&self, view: usize) -> &[u8] {
-        let View { buffer, range, .. } = &self.views[view];
-        let Buffer { source, range: whole } = &self.buffers[*buffer];
-        match source {
-            Source::Bytes(bytes) => &bytes[whole.clone()][range.clone()],
-            Source::Unread(_) => &[],
-        }
-    }
-
-    /// Whether the bytes of a view are read.
-    pub(super) fn is_read(&self, view: usize) -> bool {
-        matches!(self.buffers[self.views[view].buffer].source, Source::Bytes(_))
-    }
-
-    /// A copy of the bytes of a view; those of an unread buffer are read, if they can be.
-    pub(super) fn copied(&self, view: usize) -> Arc<[u8]> {
-        let View { buffer, range, .. } = &self.views[view];
-        let Buffer { source, range: whole } = &self.buffers[*buffer];
-        match source {
-            Source::Unread(path) if !range.is_empty() => {
-                let start = (whole.start + range.start) as u64;
-                part(path, start, range.len() as u64).unwrap_or_default().into()
-            }
-            _ => self.bytes(view).into(),
-        }
-    }
-}
-
 /// A part of a buffer.
 #[derive(Clone, Debug)]
 pub(super) struct View {
-    buffer: usize,
+    pub(super) buffer: usize,
     pub(super) range: Range<usize>,
     /// Bytes from one element to the next, if the view states them.
     pub(super) stride: Option<usize>,
@@ -162,7 +128,7 @@ pub(super) struct View {
 
 impl View {
     /// Reads an element of `bufferViews`.
-    fn read(fields: &Fields<'_>, buffers: &[Buffer]) -> Result<Self> {
+    pub(super) fn read(fields: &Fields<'_>, buffers: &[Buffer]) -> Result<Self> {
         let buffer = fields.need_index("buffer", "buffers")?;
         let offset = fields.offset()?;
         let length = fields.need_count("byteLength")?;
@@ -180,6 +146,22 @@ impl View {
             return Err(fields.error_at("byteStride", message));
         }
         Ok(Self { buffer, range, stride: stride.map(|stride| stride as usize) })
+    }
+
+    /// Its bytes in its `buffer`; none if that is not read.
+    pub(super) fn bytes<'b>(&self, buffer: &'b Buffer) -> &'b [u8] {
+        buffer.bytes().get(self.range.clone()).unwrap_or(&[])
+    }
+
+    /// A copy of its bytes in its `buffer`, read now if that is not read and if they can be.
+    pub(super) fn copied(&self, buffer: &Buffer) -> Arc<[u8]> {
+        match &buffer.source {
+            Source::Unread(path) if !self.range.is_empty() => {
+                let start = (buffer.range.start + self.range.start) as u64;
+                part(path, start, self.range.len() as u64).unwrap_or_default().into()
+            }
+            _ => self.bytes(buffer).into(),
+        }
     }
 }
 

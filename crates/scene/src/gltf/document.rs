@@ -2,8 +2,8 @@
 
 use wavecrest_base::error::{Error, ErrorKind, Result};
 
-use super::accessor::Accessor;
-use super::buffer::{Buffer, Storage};
+use super::accessor::Storage;
+use super::buffer::Buffer;
 use super::camera::Camera;
 use super::fields::{Fields, LIGHTS};
 use super::light::Light;
@@ -25,7 +25,6 @@ const EXTENSIONS: [&str; 6] = [
 /// A file.
 pub(super) struct Document {
     pub(super) storage: Storage,
-    pub(super) accessors: Vec<Accessor>,
     pub(super) textures: Textures,
     pub(super) materials: Vec<Surface>,
     pub(super) meshes: Vec<MeshParts>,
@@ -47,10 +46,8 @@ impl Document {
         check_asset(top)?;
         let extensions = check_extensions(top)?;
         let notes = top.cursor().notes();
-        let data = data(top, binary, needed);
-        let (storage, accessors) =
-            data.as_ref().ok().map(|(storage, all)| (storage, &all[..])).unzip();
-        let textures = Textures::read(top, storage);
+        let storage = Storage::read(top, binary, needed);
+        let textures = Textures::read(top, storage.as_ref().ok());
         let materials = top.list("materials", "a material", Surface::read);
         let meshes = top.list("meshes", "a mesh", MeshParts::read);
         let cameras = top.list("cameras", "a camera", Camera::read);
@@ -58,15 +55,15 @@ impl Document {
             .part(|| top.extension(LIGHTS, |found| found.list("lights", "a light", Light::read)));
         let tree = notes.part(|| {
             // Without accessors no extension is read that uses them.
+            let accessors = storage.as_ref().ok().map(|storage| &storage.accessors[..]);
             let nodes = top.list("nodes", "a node", |f| Node::read(f, accessors))?;
             Ok((node::placed(top, &nodes)?, nodes))
         });
-        let (storage, accessors) = data?;
+        let storage = storage?;
         let (placed, nodes) = tree?;
         Ok(Self {
             is_quantized: extensions.iter().any(|name| name == "KHR_mesh_quantization"),
             storage,
-            accessors,
             textures: textures?,
             materials: materials?,
             meshes: meshes?,
@@ -76,18 +73,6 @@ impl Document {
             placed,
         })
     }
-}
-
-/// The bytes of a file and the accessors to them, which are read only if all buffers and views are
-/// right.
-fn data(
-    top: &Fields<'_>,
-    binary: Option<&Buffer>,
-    needed: bool,
-) -> Result<(Storage, Vec<Accessor>)> {
-    let storage = Storage::read(top, binary, needed)?;
-    let accessors = top.list("accessors", "an accessor", |f| Accessor::read(f, &storage))?;
-    Ok((storage, accessors))
 }
 
 fn check_asset(top: &Fields<'_>) -> Result<()> {

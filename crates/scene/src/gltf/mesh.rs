@@ -80,7 +80,7 @@ impl<'a> Reader<'a> {
     }
 
     fn accessor(&self, index: usize) -> &'a Accessor {
-        &self.document.accessors[index]
+        &self.document.storage.accessors[index]
     }
 
     /// Checks that `count` elements may be read, and counts them.
@@ -108,7 +108,7 @@ impl<'a> Reader<'a> {
             return Err(self.error(&place(), message).value(format!("accessors[{index}]")));
         }
         self.pay(primitive, accessor, accessor.count)?;
-        let corners = accessor.elements(&self.document.storage).indices();
+        let corners = self.document.storage.elements(index).indices();
         let restart = accessor.component.greatest();
         let Some(at) = corners.iter().position(|&i| i as usize >= count || i == restart) else {
             return Ok(corners);
@@ -148,7 +148,7 @@ impl<'a> Reader<'a> {
             return Err(self.error(&place, &message).value(accessor.count));
         }
         self.pay(of, accessor, used.as_ref().map_or(*count, Vec::len))?;
-        Ok(Some(accessor.elements(&self.document.storage).each(used.as_deref(), make)))
+        Ok(Some(self.document.storage.elements(index).each(used.as_deref(), make)))
     }
 
     fn positions(&mut self, vertices: &Vertices<'_>) -> Result<Vec<Vec3>> {

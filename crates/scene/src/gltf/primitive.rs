@@ -46,8 +46,8 @@ impl MeshParts {
             fields.warn(message, "the base mesh is shown");
         }
         fields.need("primitives", "a list of objects")?;
-        let primitives = fields.list("primitives", "a primitive", Primitive::read);
-        Ok(Self { name: fields.name()?, primitives: primitives? })
+        let name = fields.name()?;
+        Ok(Self { name, primitives: fields.list("primitives", "a primitive", Primitive::read)? })
     }
 }
 

@@ -167,9 +167,7 @@ fn places(
         None => vec![(path.to_owned(), *world)],
         Some(found) => {
             let place = |i| {
-                let transform = found
-                    .transform(&document.accessors, &document.storage, world, i)
-                    .ok_or_else(|| {
+                let transform = found.transform(&document.storage, world, i).ok_or_else(|| {
                     let message = format!("instance {i} has an invalid transform");
                     let error = notes.error(ErrorKind::Scene, path, message);
                     error.remedy("use a unit quaternion and finite numbers")

@@ -1,7 +1,7 @@
 //! Surveys the contents of a glTF file from its JSON, without its buffers.
 //!
-//! Errors of the file are reported when it is loaded: here it then counts as empty. The counts that
-//! the file claims are limited by the length of its buffers.
+//! Errors of the file are reported when it is loaded, which then ends with its buffers: here they
+//! count alone. The counts that the file claims are limited by the length of its buffers.
 
 use std::collections::BTreeMap;
 use std::fs::File;
@@ -31,16 +31,19 @@ use wavecrest_base::error::{Error, Result};
 pub(crate) fn survey(path: &Path, options: &LoadOptions) -> Result<Survey> {
     let (text, is_binary) = json(path).map_err(|e| Error::io("cannot read the scene", path, e))?;
     let (width, height) = staging::size(options, None)?;
+    let value: Value = serde_json::from_slice(&text).unwrap_or_default();
+    let buffers = value["buffers"].as_array().into_iter().flatten();
+    let lengths = buffers.filter_map(|buffer| buffer["byteLength"].as_u64());
+    let length = path.metadata().map_or(0, |metadata| metadata.len());
     let survey = Survey {
         text: text.len() as u64,
-        raw: path.metadata().map_or(0, |metadata| metadata.len()),
+        raw: lengths.fold(length, u64::saturating_add),
         size: [width, height],
         rays_per_pixel: staging::rays_per_pixel(),
         light_samples: staging::samples(),
         bounces: true,
         ..Survey::default()
     };
-    let value: Value = serde_json::from_slice(&text).unwrap_or_default();
     let notes = options.notes(path);
     let binary = is_binary.then(|| Buffer::unread(path.to_owned(), BINARY_START + text.len()));
     let document =
@@ -64,7 +67,6 @@ fn json(path: &Path) -> std::io::Result<(Vec<u8>, bool)> {
 
 /// Adds the contents of a file to its survey.
 fn of(document: &Document, mut survey: Survey) -> Survey {
-    survey.raw = survey.raw.saturating_add(document.storage.len() as u64);
     let mut uses = vec![0; document.meshes.len()];
     document.nodes.iter().filter_map(|node| node.mesh).for_each(|mesh| uses[mesh] += 1);
     let mut images = BTreeMap::new();
@@ -120,7 +122,7 @@ fn add_images(document: &Document, surface: &Surface, images: &mut Images) {
 
 /// The contents of a primitive.
 fn holds(document: &Document, primitive: &Primitive) -> mesh::Survey {
-    let count = |index: usize| document.accessors[index].count as u64;
+    let count = |index: usize| document.storage.accessors[index].count as u64;
     let attribute = |name: &str| primitive.attributes.get(name).map_or(0, |&index| count(index));
     let positions = attribute("POSITION");
     let corners = primitive.indices.map_or(positions, count);

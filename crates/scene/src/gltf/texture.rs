@@ -6,7 +6,7 @@ use crate::components::{Encoding, Filter, Placing, TextureRef, TextureSource, Wr
 use crate::format::{Notes, Range};
 use wavecrest_base::error::Result;
 
-use super::buffer::Storage;
+use super::accessor::Storage;
 use super::fields::Fields;
 use super::uri::{self, Target};
 
@@ -22,10 +22,11 @@ impl Image {
     /// Reads an element of `images`; no image is decoded here.
     fn read(fields: &Fields<'_>, storage: &Storage) -> Result<Self> {
         let place = fields.path();
-        if let Some(view) = fields.index("bufferView", "bufferViews")? {
-            return Ok(match storage.is_read(view) {
-                true => Self::Known(TextureSource::Embedded { place, bytes: storage.copied(view) }),
-                false => Self::Unread(view, place),
+        if let Some(number) = fields.index("bufferView", "bufferViews")? {
+            let (view, buffer) = storage.view(number);
+            return Ok(match buffer.is_read() {
+                true => Self::Known(TextureSource::Embedded { place, bytes: view.copied(buffer) }),
+                false => Self::Unread(number, place),
             });
         }
         let uri = fields.need("uri", "the name of an image, or give a bufferView")?;
@@ -182,7 +183,8 @@ impl Textures {
         Some(match self.images.get(image)? {
             Image::Known(source) => source.clone(),
             Image::Unread(view, place) => {
-                TextureSource::Embedded { place: place.clone(), bytes: storage.copied(*view) }
+                let (view, buffer) = storage.view(*view);
+                TextureSource::Embedded { place: place.clone(), bytes: view.copied(buffer) }
             }
         })
     }

@@ -6,8 +6,7 @@ use crate::corners::direction;
 use wavecrest_base::error::Result;
 use wavecrest_core::math::float::MAX_COORDINATE;
 
-use super::accessor::{Accessor, Component};
-use super::buffer::Storage;
+use super::accessor::{Accessor, Component, Storage};
 use super::fields::Fields;
 
 /// The quaternion that turns nothing.
@@ -80,16 +79,14 @@ impl Instancing {
     /// The transform of instance `i` of a node at `world`; `None` if it is not a valid one.
     pub(super) fn transform(
         &self,
-        accessors: &[Accessor],
         storage: &Storage,
         world: &DAffine3,
         i: usize,
     ) -> Option<DAffine3> {
-        let elements = |index: usize| accessors[index].elements(storage);
         let vector = |index: Option<usize>, absent: DVec3| {
-            index.map_or(absent, |index| DVec3::from_array(elements(index).get(i)))
+            index.map_or(absent, |index| DVec3::from_array(storage.elements(index).get(i)))
         };
-        let rotation = self.rotation.map_or(UNTURNED, |index| elements(index).get(i));
+        let rotation = self.rotation.map_or(UNTURNED, |index| storage.elements(index).get(i));
         let translation = vector(self.translation, DVec3::ZERO);
         let own = transform(translation, rotation, vector(self.scale, DVec3::ONE))?;
         Some(*world * own).filter(is_place)

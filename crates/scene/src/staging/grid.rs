@@ -21,7 +21,7 @@ const BATCH: usize = 1 << 16;
 const MOST_TESTS: u64 = 1 << 28;
 
 /// Where a ray meets a triangle.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
 pub(super) struct Met {
     /// From 0 at the low end of the box to 1 at the high end.
     pub(super) at: f64,
@@ -153,18 +153,13 @@ fn rays_within(x: [f64; 3]) -> Option<Range<usize>> {
 impl Column {
     /// Records a hit of the ray. The order does not matter.
     fn meet(&mut self, met: Met) {
-        let lower =
-            |a: Met, b: Met| if (a.at, a.faces_high) <= (b.at, b.faces_high) { a } else { b };
-        let higher =
-            |a: Met, b: Met| if (a.at, a.faces_high) >= (b.at, b.faces_high) { a } else { b };
-        self.ends = Some(match self.ends {
-            Some([low, high]) => [lower(low, met), higher(high, met)],
-            None => [met; 2],
-        });
+        let sorted = |a: Met, b: Met| if a <= b { [a, b] } else { [b, a] };
+        let ends = self.ends.map(|[low, high]| [sorted(low, met)[0], sorted(high, met)[1]]);
+        self.ends = Some(ends.unwrap_or([met; 2]));
         if met.at <= 0.5 {
-            self.below = Some(self.below.map_or(met, |below| higher(below, met)));
+            self.below = Some(self.below.map_or(met, |below| sorted(below, met)[1]));
         } else {
-            self.above = Some(self.above.map_or(met, |above| lower(above, met)));
+            self.above = Some(self.above.map_or(met, |above| sorted(above, met)[0]));
         }
     }
 }
