@@ -72,7 +72,7 @@ fn render<'py>(
         side: input::parsed("view", input::text(("view", view.as_ref()))?)?,
         up: input::named(("up", up.as_ref()))?,
         fov: input::parsed("fov", fov.map(|degrees| degrees.to_string()))?,
-        ..api::Framing::USUAL
+        ..api::Framing::default()
     };
     let options = api::LoadOptions {
         width: side("width", width.as_ref())?,

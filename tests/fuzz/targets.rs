@@ -13,8 +13,7 @@ use wavecrest_core::math::ray::Ray;
 use wavecrest_core::math::simd::Level;
 use wavecrest_core::render::{RenderOptions, TracerKind, render};
 use wavecrest_scene::components::Material;
-use wavecrest_scene::gltf;
-use wavecrest_scene::load::{LoadOptions, LoadedScene, load_str};
+use wavecrest_scene::load::{LoadOptions, LoadedScene, load_gltf, load_str};
 use wavecrest_scene::mesh::{self, LoadedMesh};
 use wavecrest_scene::mtl;
 use wavecrest_scene::systems;
@@ -58,7 +57,7 @@ fn is_scene(bytes: &[u8]) -> bool {
 pub(crate) fn gltf(bytes: &[u8]) -> bool {
     alone(|| {
         let options = LoadOptions { width: Some(5), height: Some(4), ..LoadOptions::default() };
-        let loaded = gltf::load_bytes(bytes.to_vec(), &files().join("scene.gltf"), &options);
+        let loaded = load_gltf(bytes.to_vec(), &files().join("scene.gltf"), &options);
         loaded.is_ok_and(is_rendered)
     })
 }

@@ -25,24 +25,16 @@ use base64::Engine as _;
 use serde_json::{Value, json};
 use wavecrest_base::error::Result;
 use wavecrest_core::film::Film;
-use wavecrest_scene::gltf::load_bytes;
-use wavecrest_scene::load::framing::Framing;
-use wavecrest_scene::load::lighting::Lighting;
+use wavecrest_scene::load::load_gltf as load_bytes;
 use wavecrest_scene::load::{LoadOptions, LoadedScene};
 use wavecrest_scene::systems;
 
 use crate::support::image_of;
 
-/// A small image.
-const SIZE: LoadOptions = LoadOptions {
-    strict: false,
-    width: Some(24),
-    height: Some(18),
-    camera: None,
-    allow_outside: false,
-    framing: Framing::USUAL,
-    lighting: Lighting::USUAL,
-};
+/// The options of a small image.
+fn small() -> LoadOptions {
+    LoadOptions { width: Some(24), height: Some(18), ..LoadOptions::default() }
+}
 
 /// A file being made: its JSON, and the bytes of its buffer.
 #[derive(Clone)]
@@ -158,7 +150,7 @@ impl File {
 }
 
 fn loaded(file: &File) -> Result<LoadedScene> {
-    load_bytes(file.glb(), Path::new("a.glb"), &SIZE)
+    load_bytes(file.glb(), Path::new("a.glb"), &small())
 }
 
 /// The image, which both tracers agree on and of which every sample is a number.

@@ -8,7 +8,8 @@ use crate::format::{
     Cursor, Declaration, Declared, Key, Kind, Object, Range, Variants, Writer, component, declared,
     integer_words, keys, words,
 };
-use crate::load::LoadOptions;
+use crate::options::LoadOptions;
+use crate::options::framing::FOV;
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_core::kernels::camera::path::least_aligned_axis;
 
@@ -34,8 +35,6 @@ const MOST_ANTIALIAS: u32 = 64;
 const MOST_LENS_SAMPLES: u32 = 4_096;
 /// Default number of points on the lens along each side of the grid.
 const LENS_SAMPLES: f64 = 4.0;
-/// Angles of view, in degrees. At 180 the image plane would be at infinity.
-pub(crate) const FOV: Range = Range::new(0.001, 179.0);
 /// Sine of the angle between `up` and the view below which they count as parallel: the component of
 /// `up` across the view would then be mostly single-precision rounding.
 const PARALLEL: f64 = 1e-6;
@@ -298,30 +297,22 @@ pub(crate) fn camera(
     let Some(view) = entity.get_mut::<&mut View>() else { return Ok(()) };
     // The file's must be valid even if others are requested.
     (view.width, view.height) = in_proportion(options, [view.width, view.height].map(f64::from));
-    if let Some(message) = too_many_pixels(view.width, view.height) {
-        return Err(limit(&object, message, pixels_allowed()));
-    }
-    check_rays(&object, view, lens.as_ref())
+    check_size(view.width, view.height)
+        .and_then(|()| check_rays(view, lens.as_ref()))
+        .map_err(|error| error.in_file(cursor.notes().file()).at(cursor.path()))
 }
 
-fn too_many_pixels(width: u32, height: u32) -> Option<String> {
-    let pixels = u64::from(width) * u64::from(height);
-    (pixels > MOST_PIXELS)
-        .then(|| format!("the image would have {width} x {height} = {pixels} pixels"))
-}
-
-fn pixels_allowed() -> String {
-    format!("at most {MOST_PIXELS} (2^28) are allowed")
-}
-
-/// Checks the size of an image without a scene file.
+/// Checks the size of an image.
 pub(crate) fn check_size(width: u32, height: u32) -> Result<()> {
     check_side("width", width)?;
     check_side("height", height)?;
-    match too_many_pixels(width, height) {
-        Some(message) => Err(Error::new(ErrorKind::Limit, message).remedy(pixels_allowed())),
-        None => Ok(()),
+    let pixels = u64::from(width) * u64::from(height);
+    if pixels <= MOST_PIXELS {
+        return Ok(());
     }
+    let message = format!("the image would have {width} x {height} = {pixels} pixels");
+    let error = Error::new(ErrorKind::Limit, message);
+    Err(error.remedy(format!("at most {MOST_PIXELS} (2^28) are allowed")))
 }
 
 /// Width and height of an image as requested. If only one is, the other follows from the
@@ -357,7 +348,7 @@ fn warn_of_up(object: &Object<'_>, up: DVec3, axis: DVec3) {
     notes.warn(&error.remedy(format!("{axis} is used instead")));
 }
 
-fn check_rays(object: &Object<'_>, view: &View, lens: Option<&ThinLens>) -> Result<()> {
+fn check_rays(view: &View, lens: Option<&ThinLens>) -> Result<()> {
     let (x, y) = lens.map_or((1, 1), |lens| (lens.samples_x, lens.samples_y));
     let n = view.antialias;
     // At most 64 * 64 * 4096 * 4096 = 2^36.
@@ -368,10 +359,6 @@ fn check_rays(object: &Object<'_>, view: &View, lens: Option<&ThinLens>) -> Resu
     let message = format!(
         "each pixel would have {n} x {n} (antialias) x {x} x {y} (nsamplesx, nsamplesy) = {rays} rays"
     );
-    Err(limit(object, message, format!("at most {MOST_RAYS} (2^24) are allowed")))
-}
-
-fn limit(object: &Object<'_>, message: String, allowed: String) -> Error {
-    let cursor = object.cursor();
-    cursor.notes().error(ErrorKind::Limit, &cursor.path(), message).remedy(allowed)
+    let error = Error::new(ErrorKind::Limit, message);
+    Err(error.remedy(format!("at most {MOST_RAYS} (2^24) are allowed")))
 }

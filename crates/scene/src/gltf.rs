@@ -8,7 +8,7 @@
 //!
 //! A mesh that several nodes use is stored once: as a hidden shape with an instance for each node.
 //! A mesh that emits light is an area light, with a copy for each node. [`material`] and [`light`]
-//! state how materials and units are converted; [`staging`](super::load::staging) adds a camera and
+//! state how materials and units are converted; [`staging`](super::staging) adds a camera and
 //! lights to files without them.
 
 mod accessor;
@@ -17,8 +17,6 @@ mod camera;
 mod container;
 mod document;
 mod fields;
-mod images;
-mod instancing;
 mod light;
 mod material;
 mod mesh;
@@ -28,16 +26,17 @@ mod scene;
 mod spawn;
 mod survey;
 mod texture;
-mod textured;
+mod transform;
 mod uri;
 
 use std::path::Path;
 use std::sync::Arc;
 
+use hecs::World;
 use wavecrest_base::error::{Error, ErrorKind, Result};
 
-use super::format::{Cursor, Place, json};
-use super::load::{LoadOptions, LoadedScene, loaded, notes};
+use super::format::{Notes, json};
+use super::options::LoadOptions;
 use buffer::Buffer;
 use document::Document;
 use fields::Fields;
@@ -49,39 +48,40 @@ pub(super) fn is_binary(bytes: &[u8]) -> bool {
     bytes.starts_with(&container::MAGIC)
 }
 
-/// Reads the file at `path` and its buffers.
+/// The bytes of the file at `path`.
 ///
 /// # Errors
-/// As [`super::load::load`].
-pub(super) fn load(path: &Path, options: &LoadOptions) -> Result<LoadedScene> {
-    let metadata = path.metadata().map_err(|e| Error::io("cannot read the scene", path, e))?;
-    if !metadata.is_file() {
+/// If it is not a regular file, or cannot be read.
+pub(super) fn read(path: &Path) -> Result<Vec<u8>> {
+    let refused = |e| Error::io("cannot read the scene", path, e);
+    if !path.metadata().map_err(refused)?.is_file() {
         let error = Error::new(ErrorKind::Io, "not a regular file").in_file(path);
         return Err(error.remedy("use a glTF file"));
     }
-    let bytes = std::fs::read(path).map_err(|e| Error::io("cannot read the scene", path, e))?;
-    load_bytes(bytes, path, options)
+    std::fs::read(path).map_err(refused)
 }
 
-/// As [`load`], for a file with these `bytes`. Relative names start from the folder of `path`.
+/// The scene in the `bytes` of a file, whose buffers are read, and a description of the choices made
+/// for the user.
 ///
 /// # Errors
-/// As [`load`].
-#[doc(hidden)]
-pub fn load_bytes(bytes: Vec<u8>, path: &Path, options: &LoadOptions) -> Result<LoadedScene> {
-    let parts = container::parts(&bytes).map_err(|e| e.in_file(path))?;
+/// As [`super::load::load`].
+pub(super) fn world(
+    bytes: Vec<u8>,
+    options: &LoadOptions,
+    notes: &Notes<'_>,
+) -> Result<(World, String)> {
+    let path = notes.file();
+    let (json, binary) = container::parts(&bytes).map_err(|e| e.in_file(path))?;
     let bytes = Arc::new(bytes);
-    let binary = parts.binary.map(|range| Buffer::part(bytes.clone(), range));
-    let value = json::parse(text(&bytes[parts.json], path)?, path)?;
-    let notes = notes(path, options);
-    let top = Fields::new(Cursor::new(&value, Place::Top, &notes), "a glTF file")?;
-    let document = notes.whole(|| Document::read(&top, binary.as_ref()))?;
+    let binary = binary.map(|range| Buffer::part(bytes.clone(), range));
+    let value = json::parse(text(&bytes[json], path)?, path)?;
+    let top = Fields::top(&value, notes)?;
+    let document = notes.whole(|| Document::read(&top, binary.as_ref(), true))?;
     document::remark(&top);
     // Data in the text is many times larger there than as bytes.
     drop(value);
-    let (world, told) = scene::world(&document, options, &notes)?;
-    drop(document);
-    loaded(world, notes, Some(told), crate::mesh::load)
+    scene::world(&document, options, notes)
 }
 
 fn text<'b>(bytes: &'b [u8], path: &Path) -> Result<&'b str> {

@@ -2,13 +2,10 @@
 //!
 //! Each part of the file becomes an entity with the components of [`components`](super::components).
 //! Then its mesh files are read ([`meshes`]). Files that are not complete scenes are completed
-//! ([`staging`]).
+//! ([`staging`](super::staging)).
 
-pub mod framing;
-pub mod lighting;
 mod materials;
-pub(crate) mod meshes;
-pub(crate) mod staging;
+mod meshes;
 mod standalone;
 
 use std::collections::HashMap;
@@ -22,41 +19,21 @@ use wavecrest_base::error::{Error, ErrorKind, Result, Warning};
 use wavecrest_base::memory::Stage;
 use wavecrest_base::replace::check_differs;
 
-use framing::Framing;
-
 pub use super::camera::LONGEST_SIDE;
 use super::components::{Encoding, JsonPath, Name, Settings};
 use super::folder::Folder;
 use super::format::{Cursor, Notes, Place, json};
 use super::gltf;
 use super::mesh::{self, LoadedMesh, MeshData};
+pub use super::options::{LoadOptions, framing, lighting};
 use super::query;
 use super::scene_file;
+use super::staging;
 use super::survey::{self, Survey};
-use lighting::Lighting;
 
 /// Largest length of a scene file in bytes, 256 MiB. While it is read, JSON takes up to 25 times
 /// its length in memory; a larger mesh belongs in a separate file.
 const LONGEST_FILE: u64 = 1 << 28;
-
-/// Options for loading a scene.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct LoadOptions {
-    /// Whether unknown keys are errors instead of warnings.
-    pub strict: bool,
-    /// The width of the image in pixels, overriding the file's.
-    pub width: Option<u32>,
-    /// The height of the image in pixels, overriding the file's.
-    pub height: Option<u32>,
-    /// The camera to use in files with several, by its name or number.
-    pub camera: Option<String>,
-    /// Whether glTF and OBJ files may refer to files outside their folder.
-    pub allow_outside: bool,
-    /// Framing of a mesh or glTF file, which replaces its cameras. A scene file has its own camera.
-    pub framing: Framing,
-    /// Lighting of files without lights.
-    pub lighting: Lighting,
-}
 
 /// A loaded scene with its warnings and notes.
 pub struct LoadedScene {
@@ -84,13 +61,30 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<LoadedScene> {
     Stage::Read.begin();
     match FileFormat::of(path)? {
         FileFormat::Scene => load_str(&read_text(path)?, path, options),
-        FileFormat::Gltf => gltf::load(path, options),
-        FileFormat::Mesh => {
-            let notes = notes(path, options);
-            let (world, told) = standalone::world(path, options, &notes, || mesh::load(path))?;
-            loaded(world, notes, Some(told), mesh::load)
-        }
+        FileFormat::Gltf => load_gltf(gltf::read(path)?, path, options),
+        FileFormat::Mesh => load_standalone(path, options, || mesh::load(path)),
     }
+}
+
+/// As [`load`], for a glTF file with these `bytes`. Relative names start from the folder of `path`.
+///
+/// # Errors
+/// As [`load`].
+#[doc(hidden)]
+pub fn load_gltf(bytes: Vec<u8>, path: &Path, options: &LoadOptions) -> Result<LoadedScene> {
+    let notes = options.notes(path);
+    let (world, told) = gltf::world(bytes, options, &notes)?;
+    loaded(world, notes, Some(told), mesh::load)
+}
+
+fn load_standalone(
+    path: &Path,
+    options: &LoadOptions,
+    read: impl FnOnce() -> Result<LoadedMesh>,
+) -> Result<LoadedScene> {
+    let notes = options.notes(path);
+    let (world, told) = standalone::world(path, options, &notes, read)?;
+    loaded(world, notes, Some(told), mesh::load)
 }
 
 /// As [`load`], for a mesh with these arrays, treated like a PLY file: with a camera, lights and a
@@ -116,9 +110,7 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<LoadedScene> {
 /// # Ok::<(), wavecrest_base::error::Error>(())
 /// ```
 pub fn load_mesh(mesh: MeshData, name: &Path, options: &LoadOptions) -> Result<LoadedScene> {
-    let notes = notes(name, options);
-    let (world, told) = standalone::world(name, options, &notes, || mesh::checked(mesh, name))?;
-    loaded(world, notes, Some(told), mesh::load)
+    load_standalone(name, options, || mesh::checked(mesh, name))
 }
 
 /// As [`load`], from text. Relative paths start from the folder of `file`, which need not exist.
@@ -154,7 +146,7 @@ pub(super) fn load_with(
     read_mesh: impl Fn(&Path) -> Result<LoadedMesh>,
 ) -> Result<LoadedScene> {
     refuse_camera(file, options)?;
-    let notes = notes(file, options);
+    let notes = options.notes(file);
     let value = json::parse(json, file)?;
     let mut world = scene_file::read(&Cursor::new(&value, Place::Top, &notes), options)?;
     if let Some(background) = options.lighting.background {
@@ -168,7 +160,7 @@ pub(super) fn load_with(
 }
 
 /// The scene of a `world`, whose mesh files are read now, with the choices in `told`.
-pub(super) fn loaded(
+fn loaded(
     mut world: World,
     notes: Notes<'_>,
     told: Option<String>,
@@ -205,13 +197,8 @@ impl LoadedScene {
     }
 }
 
-/// Empty notes on `file`.
-pub(super) fn notes<'a>(file: &'a Path, options: &LoadOptions) -> Notes<'a> {
-    Notes::new(file, options.strict).reading_outside(options.allow_outside)
-}
-
 fn refuse_camera(file: &Path, options: &LoadOptions) -> Result<()> {
-    if options.framing != Framing::USUAL {
+    if options.framing != framing::Framing::default() {
         let error = Error::new(ErrorKind::Usage, "a scene file has its own camera");
         let remedy = "change \"camera\" in the scene instead of using --view, --up, --fov, --fit, --turntable or --sheet";
         return Err(error.in_file(file).remedy(remedy));
@@ -232,7 +219,7 @@ pub fn survey(path: &Path, options: &LoadOptions) -> Result<Survey> {
         FileFormat::Gltf => return gltf::survey(path, options),
         FileFormat::Mesh => return survey_standalone(mesh::survey(path)?, options),
     }
-    let notes = notes(path, options);
+    let notes = options.notes(path);
     let text = read_text(path)?;
     let value = json::parse(&text, path)?;
     let world = scene_file::read(&Cursor::new(&value, Place::Top, &notes), options)?;

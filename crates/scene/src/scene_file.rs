@@ -12,7 +12,7 @@ use crate::camera::{self, CAMERAS};
 use crate::components::{Encoding, JsonPath, Order, View};
 use crate::format::{Beside, Cursor, Field, Kind, Object, Range, Writer, keys};
 use crate::lights::LIGHTS;
-use crate::load::LoadOptions;
+use crate::options::LoadOptions;
 use crate::query;
 use crate::shapes::{self, Hidden, INSTANCE, InstanceOf, Name, Names, SHAPES};
 use wavecrest_base::error::Result;

@@ -10,11 +10,10 @@ use super::components::{
 };
 use super::format::Notes;
 use super::lights::points;
-use super::load::meshes::error_of;
-use super::load::staging;
 use super::mesh::{self, MeshData};
 use super::query;
-use wavecrest_base::error::Result;
+use super::staging;
+use wavecrest_base::error::{Error, Result};
 
 /// The mesh of a shape.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -169,6 +168,12 @@ impl Survey {
             self.masks.push(source.clone());
         }
     }
+}
+
+/// The error of a mesh reader, prefixed with the place in the scene that names the mesh.
+pub(crate) fn error_of(cause: Error, place: &str, notes: &Notes<'_>) -> Error {
+    let message = format!("cannot read the mesh: {cause}");
+    notes.error(cause.kind(), &format!("{place}.file"), message).because(cause)
 }
 
 /// The contents of a mesh in memory.

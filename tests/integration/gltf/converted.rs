@@ -9,14 +9,14 @@ use wavecrest_scene::load::{LoadOptions, load};
 use wavecrest_scene::write::write;
 
 use super::images::textured;
-use super::{SIZE, loaded, rendered, square};
+use super::{loaded, rendered, small, square};
 use crate::support::{files_in, folder, scene_files, wavecrest};
 
 /// What a file is rendered to, once it has been converted in a folder of its own.
 pub(super) fn converted(file: &Path) -> (Film, Value) {
     let folder = folder();
     let out = folder.path().join("out.json");
-    let scene = load(file, &SIZE).unwrap_or_else(|error| panic!("{error}"));
+    let scene = load(file, &small()).unwrap_or_else(|error| panic!("{error}"));
     write(&scene, &out, false).unwrap_or_else(|error| panic!("{error}"));
     let json = serde_json::from_slice(&std::fs::read(&out).expect("a file")).expect("JSON");
     let again = load(&out, &LoadOptions { strict: true, ..LoadOptions::default() });
@@ -90,7 +90,7 @@ fn a_converted_mesh_has_the_same_image() {
         let folder = folder();
         let path = folder.path().join(name);
         std::fs::write(&path, text).expect("a file");
-        let alone = load(&path, &SIZE);
+        let alone = load(&path, &small());
         assert!(
             alone.as_ref().is_ok_and(|scene| scene.notes[0]
                 .to_string()

@@ -5,7 +5,7 @@ use serde_json::{Value, json};
 use wavecrest_scene::components::{AreaLight, Hidden, InstanceOf, Mesh, Order, View};
 use wavecrest_scene::load::{LoadOptions, load};
 
-use super::{File, SIZE, SQUARE, image, loaded, rendered, square};
+use super::{File, SQUARE, image, loaded, rendered, small, square};
 use crate::support::{assert_near, folder, pixel, repository};
 
 #[test]
@@ -20,7 +20,7 @@ fn all_forms_of_a_file_are_one_scene() {
     std::fs::write(at("binary.glb"), file.glb()).expect("a file");
     std::fs::write(at("binary.scene"), file.glb()).expect("a file");
     for name in ["outside.gltf", "inside.GLTF", "binary.glb", "binary.scene"] {
-        assert!(rendered(load(&at(name), &SIZE)).same_bits(&expected), "{name}");
+        assert!(rendered(load(&at(name), &small())).same_bits(&expected), "{name}");
     }
 }
 
@@ -373,7 +373,7 @@ fn without_camera_and_light_all_is_seen() {
 
 #[test]
 fn the_scene_of_the_repository_loads_without_a_word() {
-    let loaded = load(&repository("scenes/gltf/stones.gltf"), &SIZE).expect("it is right");
+    let loaded = load(&repository("scenes/gltf/stones.gltf"), &small()).expect("it is right");
     assert!(loaded.warnings.is_empty(), "{:?}", loaded.warnings);
     rendered(Ok(loaded));
 }

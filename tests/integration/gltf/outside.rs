@@ -7,7 +7,7 @@ use wavecrest_base::error::Result;
 use wavecrest_scene::load::{LoadOptions, LoadedScene, load, load_str};
 use wavecrest_scene::write::write;
 
-use super::{SIZE, square};
+use super::{small, square};
 use crate::support::{folder, matte, pinhole, scene, wavecrest};
 
 /// Names that lead from `own/` to a file in the folder above it.
@@ -33,7 +33,7 @@ fn with_file(file: &str, bytes: &[u8]) -> (tempfile::TempDir, PathBuf) {
 }
 
 fn read(path: &Path, allow_outside: bool) -> Result<LoadedScene> {
-    load(path, &LoadOptions { allow_outside, ..SIZE })
+    load(path, &LoadOptions { allow_outside, ..small() })
 }
 
 fn refused(read: Result<LoadedScene>, words: &str) {

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use serde_json::{Value, json};
 
-use super::{File, SIZE, load_bytes, loaded, square};
+use super::{File, load_bytes, loaded, small, square};
 use crate::support::folder;
 
 #[track_caller]
@@ -20,7 +20,7 @@ fn refused_places(file: &File) -> Vec<String> {
 }
 
 fn refused_bytes(bytes: &[u8]) -> String {
-    let loaded = load_bytes(bytes.to_vec(), Path::new("a.glb"), &SIZE);
+    let loaded = load_bytes(bytes.to_vec(), Path::new("a.glb"), &small());
     loaded.map(|_| ()).expect_err("it is wrong").to_string()
 }
 
@@ -332,7 +332,7 @@ fn buffers_that_are_not_there_are_refused() {
     let path = folder.path().join("a.gltf");
     std::fs::write(folder.path().join("short.bin"), [0; 10]).expect("a file");
     let refused = |text: String| {
-        let loaded = load_bytes(text.into_bytes(), &path, &SIZE);
+        let loaded = load_bytes(text.into_bytes(), &path, &small());
         loaded.map(|_| ()).expect_err("it is wrong").to_string()
     };
     let file = square();

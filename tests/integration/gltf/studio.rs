@@ -3,18 +3,18 @@
 use serde_json::json;
 use wavecrest_core::accel::build::Preset;
 use wavecrest_scene::components::{AreaLight, DirectionalLight, PointLight};
-use wavecrest_scene::gltf::load_bytes;
 use wavecrest_scene::load::LoadOptions;
 use wavecrest_scene::load::lighting::{Lighting, Rig};
+use wavecrest_scene::load::load_gltf as load_bytes;
 use wavecrest_scene::systems;
 
-use super::{File, SIZE, loaded, square};
+use super::{File, loaded, small, square};
 
 /// The numbers of lamps of the studio, of point lights and of emissive meshes; and the note.
 fn lights(file: &File, rig: Option<Rig>) -> ([usize; 3], String) {
     let usual = Lighting::USUAL;
     let lighting = Lighting { rig: rig.unwrap_or(usual.rig), replaces: rig.is_some(), ..usual };
-    let options = LoadOptions { lighting, ..SIZE };
+    let options = LoadOptions { lighting, ..small() };
     let mut loaded = load_bytes(file.glb(), "a.glb".as_ref(), &options).expect("it is right");
     let world = &mut loaded.world;
     let counts = [

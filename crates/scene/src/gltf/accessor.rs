@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 use wavecrest_base::error::Result;
 
-use super::buffer::{Buffer, View, missing_bytes};
+use super::buffer::{Buffer, View};
 use super::fields::Fields;
 
 /// The type of a number.
@@ -34,14 +34,9 @@ impl Component {
     ];
 
     fn read(fields: &Fields<'_>) -> Result<Self> {
-        let cursor = fields.need("componentType", "5120 to 5123, 5125 or 5126")?;
-        let number = cursor.value().as_u64();
-        let found = Self::ALL.iter().find(|(known, _)| number == Some(*known));
-        found.map(|(_, component)| *component).ok_or_else(|| {
-            cursor.error(
-                "must be 5120 (i8), 5121 (u8), 5122 (i16), 5123 (u16), 5125 (u32) or 5126 (f32)",
-            )
-        })
+        let must_be = "5120 (i8), 5121 (u8), 5122 (i16), 5123 (u16), 5125 (u32) or 5126 (f32)";
+        fields.need("componentType", "5120 to 5123, 5125 or 5126")?;
+        Ok(fields.code("componentType", &Self::ALL, must_be)?.unwrap_or(Self::F32))
     }
 
     fn bytes(self) -> usize {
@@ -57,12 +52,15 @@ impl Component {
         matches!(self, Self::U8 | Self::U16 | Self::U32)
     }
 
-    /// The largest value of an index type, which restarts a strip.
-    pub(super) fn restart(self) -> u32 {
+    /// The greatest integer of the type: it stands for 1 if normalised, and as an index restarts a
+    /// strip.
+    pub(super) fn greatest(self) -> u32 {
         match self {
-            Self::U8 => u32::from(u8::MAX),
-            Self::U16 => u32::from(u16::MAX),
-            _ => u32::MAX,
+            Self::I8 => i8::MAX as u32,
+            Self::U8 => u8::MAX.into(),
+            Self::I16 => i16::MAX as u32,
+            Self::U16 => u16::MAX.into(),
+            Self::U32 | Self::F32 => u32::MAX,
         }
     }
 
@@ -77,18 +75,6 @@ impl Component {
             (Self::F32, &[a, b, c, d, ..]) => f64::from(f32::from_le_bytes([a, b, c, d])),
             _ => return None,
         })
-    }
-
-    /// The value that stands for 1 in normalised integers.
-    fn one(self) -> f64 {
-        match self {
-            Self::I8 => f64::from(i8::MAX),
-            Self::U8 => f64::from(u8::MAX),
-            Self::I16 => f64::from(i16::MAX),
-            Self::U16 => f64::from(u16::MAX),
-            Self::U32 => f64::from(u32::MAX),
-            Self::F32 => 1.0,
-        }
     }
 }
 
@@ -124,46 +110,76 @@ pub(super) struct Accessor {
     pub(super) normalized: bool,
 }
 
-/// The data of accessors.
-#[derive(Clone, Copy)]
-pub(super) struct Storage<'a> {
-    pub(super) buffers: &'a [Buffer],
-    pub(super) views: &'a [View],
+/// The bytes of a file, and the accessors to them.
+pub(super) struct Storage {
+    buffers: Vec<Buffer>,
+    views: Vec<View>,
+    pub(super) accessors: Vec<Accessor>,
+}
+
+impl Storage {
+    /// Reads the lists of a file, each only if the one before it is right; `binary` is the buffer
+    /// without a URI. The files of others are read only if they are `needed`.
+    pub(super) fn read(top: &Fields<'_>, binary: Option<&Buffer>, needed: bool) -> Result<Self> {
+        let mut number = 0;
+        let buffers = top.list("buffers", "a buffer", |fields| {
+            number += 1;
+            Buffer::read(fields, binary.filter(|_| number == 1), needed)
+        })?;
+        let views = top.list("bufferViews", "a buffer view", |f| View::read(f, &buffers))?;
+        let mut own = Self { buffers, views, accessors: Vec::new() };
+        own.accessors = top.list("accessors", "an accessor", |f| Accessor::read(f, &own))?;
+        Ok(own)
+    }
+
+    /// Bytes of all buffers.
+    pub(super) fn len(&self) -> usize {
+        self.buffers.iter().map(Buffer::len).sum()
+    }
+
+    /// A view with its buffer.
+    pub(super) fn view(&self, number: usize) -> (&View, &Buffer) {
+        let view = &self.views[number];
+        (view, &self.buffers[view.buffer])
+    }
+
+    /// The bytes of a view; none of an unread buffer.
+    fn bytes(&self, view: usize) -> &[u8] {
+        let (view, buffer) = self.view(view);
+        view.bytes(buffer)
+    }
+
+    /// The elements of an accessor.
+    pub(super) fn elements(&self, number: usize) -> Elements<'_> {
+        let accessor = &self.accessors[number];
+        Elements {
+            accessor,
+            rows: accessor.rows.as_ref().map(|rows| self.bytes(rows.view)),
+            values: accessor.sparse.as_ref().map(|sparse| self.bytes(sparse.values.view)),
+        }
+    }
 }
 
 impl Accessor {
     /// Reads an element of `accessors`, and checks that its elements exist.
-    pub(super) fn read(fields: &Fields<'_>, storage: Storage<'_>) -> Result<Self> {
+    fn read(fields: &Fields<'_>, storage: &Storage) -> Result<Self> {
         let component = Component::read(fields)?;
         let width = fields.need("type", "\"SCALAR\", \"VEC2\", ...")?.choice(&TYPES)?;
         let count = fields.need_count("count")?;
-        let view = fields.index("bufferView", "bufferViews", storage.views.len())?;
-        let offset = fields.count("byteOffset")?.unwrap_or(0);
-        let size = component.bytes() * width;
-        let rows = view.map(|view| rows(fields, storage, view, offset, size, count)).transpose()?;
+        let view = fields.index("bufferView", "bufferViews")?;
+        let (offset, size) = (fields.offset()?, component.bytes() * width);
+        let rows = |view| rows(fields, storage, (view, offset), size, count);
+        let rows = view.map(rows).transpose()?;
         let sparse = sparse(fields, storage, size, count)?;
         check_extremes(fields, width)?;
-        // Elements without data are zeros; their number is limited by the bytes of the file.
-        let bytes: usize = storage.buffers.iter().map(|buffer| buffer.bytes().len()).sum();
-        let bytes = bytes.max(ZEROS_ANYHOW);
         let count = usize::try_from(count).unwrap_or(usize::MAX);
-        if rows.is_none() && count > bytes {
-            let cursor = fields.need("count", "a whole number")?;
-            let error = cursor.error("the data of this many elements is missing");
+        // Elements without data are zeros; their number is limited by the bytes of the file.
+        if rows.is_none() && count > storage.len().max(ZEROS_ANYHOW) {
+            let error = fields.error_at("count", "the data of this many elements is missing");
             return Err(error.remedy("give the accessor a bufferView"));
         }
         let normalized = fields.flag("normalized")? && component != Component::F32;
         Ok(Self { rows, sparse, count, component, width, normalized })
-    }
-
-    /// A reader of its elements.
-    pub(super) fn elements<'a>(&'a self, storage: Storage<'a>) -> Elements<'a> {
-        let bytes = |rows: &Rows| storage.views[rows.view].bytes(storage.buffers);
-        Elements {
-            accessor: self,
-            rows: self.rows.as_ref().map(bytes),
-            values: self.sparse.as_ref().map(|sparse| bytes(&sparse.values)),
-        }
     }
 
     /// Bytes needed to read `count` elements.
@@ -187,50 +203,48 @@ fn check_extremes(fields: &Fields<'_>, width: usize) -> Result<()> {
     Ok(())
 }
 
-/// The rows of `count` elements of `size` bytes each, from `offset` on.
+/// The rows of `count` elements of `size` bytes each in a view, from the offset on.
 fn rows(
     fields: &Fields<'_>,
-    storage: Storage<'_>,
-    view: usize,
-    offset: u64,
+    storage: &Storage,
+    (view, offset): (usize, u64),
     size: usize,
     count: u64,
 ) -> Result<Rows> {
-    let found = &storage.views[view];
-    let stride = found.stride.unwrap_or(size);
+    let View { stride, range, .. } = &storage.views[view];
+    let stride = stride.unwrap_or(size);
     // All are at most 2^53.
     let last = u128::from(count.saturating_sub(1)) * stride as u128;
     let end = u128::from(offset) + if count == 0 { 0 } else { last + size as u128 };
-    if end > found.len() as u128 {
-        return Err(missing_bytes(fields, end, found.len()));
+    let there = range.len();
+    if end > there as u128 {
+        let error = fields.error(format!("needs {end} bytes of a buffer view that has {there}"));
+        return Err(error.remedy("check that the file is whole, or export it again"));
     }
     Ok(Rows { view, offset: offset as usize, stride })
 }
 
 fn sparse(
     fields: &Fields<'_>,
-    storage: Storage<'_>,
+    storage: &Storage,
     size: usize,
     count: u64,
 ) -> Result<Option<Sparse>> {
     let Some(sparse) = fields.object("sparse")? else { return Ok(None) };
     let changed = sparse.need_count("count")?;
     let place = |fields: &Fields<'_>, size: usize| {
-        let view = fields.need_index("bufferView", "bufferViews", storage.views.len())?;
-        let offset = fields.count("byteOffset")?.unwrap_or(0);
-        rows(fields, storage, view, offset, size, changed)
+        let at = (fields.need_index("bufferView", "bufferViews")?, fields.offset()?);
+        rows(fields, storage, at, size, changed)
     };
-    let cursor = sparse.need("indices", "an object { ... }")?;
-    let indices = Fields::new(cursor, "an object")?;
+    let indices = sparse.need_object("indices", "an object")?;
     let component = Component::read(&indices)?;
     if !component.is_index() {
-        let cursor = indices.need("componentType", "a type of indices")?;
-        return Err(cursor.error("an index must be of the type 5121, 5123 or 5125"));
+        let message = "an index must be of the type 5121, 5123 or 5125";
+        return Err(indices.error_at("componentType", message));
     }
     let at = place(&indices, component.bytes())?;
-    let cursor = sparse.need("values", "an object { ... }")?;
-    let values = place(&Fields::new(cursor, "an object")?, size)?;
-    let bytes = storage.views[at.view].bytes(storage.buffers);
+    let values = place(&sparse.need_object("values", "an object")?, size)?;
+    let bytes = storage.bytes(at.view);
     // The range was just checked.
     let which: Vec<u32> = (0..changed as usize)
         .filter_map(|i| component.number(bytes.get(at.offset + i * at.stride..)?))
@@ -261,7 +275,7 @@ impl Elements<'_> {
         let number = |k: usize| component.number(bytes?.get(k * component.bytes()..)?);
         let scale = |x: f64| match self.accessor.normalized {
             // The smallest signed integer is slightly below -1, and counts as -1.
-            true => (x / component.one()).max(-1.0),
+            true => (x / f64::from(component.greatest())).max(-1.0),
             false => x,
         };
         std::array::from_fn(|k| number(k).map_or(0.0, scale))

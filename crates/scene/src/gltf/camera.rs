@@ -1,18 +1,16 @@
 //! Cameras, and the choice of one.
 
-use glam::{DAffine3, DVec3};
+use glam::DAffine3;
 
-use crate::camera;
 use crate::components::{FovAxis, View};
 use crate::corners::direction;
 use crate::format::{Notes, Range};
-use crate::load::LoadOptions;
-use crate::load::staging::{self, Sphere};
+use crate::options::LoadOptions;
+use crate::options::framing::FOV;
+use crate::staging::{self, Sphere};
 use wavecrest_base::error::{Error, ErrorKind, Result};
 
-use super::document::Document;
 use super::fields::Fields;
-use super::node::Placed;
 
 /// Distance of a camera that replaces an orthographic one, in radii of the scene: far enough for
 /// nearly parallel rays.
@@ -44,9 +42,7 @@ impl Camera {
             .need("type", "\"perspective\" or \"orthographic\"")?
             .choice(&[("perspective", false), ("orthographic", true)])?;
         let key = if is_flat { "orthographic" } else { "perspective" };
-        let own = Fields::new(fields.need(key, "an object { ... }")?, "a camera")?;
-        let positive =
-            |key: &'static str| own.need(key, "a number above 0")?.number(Range::POSITIVE);
+        let own = fields.need_object(key, "a camera")?;
         let (lens, aspect) = if is_flat {
             // Some files mirror the image with a negative number.
             let size = |key: &'static str| -> Result<f64> {
@@ -60,134 +56,96 @@ impl Camera {
             (Lens::Orthographic(y), Some(x / y))
         } else {
             let aspect = own.get("aspectRatio").map(|c| c.number(Range::POSITIVE)).transpose()?;
-            (Lens::Perspective(positive("yfov")?), aspect)
+            let fov = own.need("yfov", "a number above 0")?.number(Range::POSITIVE)?;
+            (Lens::Perspective(fov), aspect)
         };
         Ok(Self { name: fields.text("name")?, path: fields.path(), lens, aspect })
     }
+}
 
-    /// Whether it is a perspective camera.
-    pub(super) fn has_perspective(&self) -> bool {
-        matches!(self.lens, Lens::Perspective(_))
-    }
+/// A camera at a node of the scene.
+pub(super) struct Shot<'d> {
+    pub(super) number: usize,
+    pub(super) camera: &'d Camera,
+    /// The name of the node.
+    pub(super) node: Option<&'d str>,
+    pub(super) world: DAffine3,
+}
 
-    /// The view of the camera with the transform `world`.
-    pub(super) fn view(
-        &self,
-        world: &DAffine3,
-        bounds: &Sphere,
-        options: &LoadOptions,
-        notes: &Notes<'_>,
-    ) -> Result<View> {
+impl Shot<'_> {
+    fn view(&self, bounds: &Sphere, options: &LoadOptions, notes: &Notes<'_>) -> Result<View> {
+        let Self { camera: Camera { path, lens, aspect, .. }, world, .. } = self;
         let axes = [world.matrix3.z_axis, world.matrix3.y_axis].map(direction);
         let [Some(back), Some(up)] = axes else {
             let error = notes.error(
                 ErrorKind::Scene,
-                &self.path,
+                path,
                 "the transform of the camera's node has a scale of 0".to_owned(),
             );
             return Err(error.remedy("give the node a scale other than 0"));
         };
-        let (width, height) = staging::size(options, self.aspect)?;
-        let (location, distance, fov) = self.placed(world.translation, back, bounds, notes);
-        let fov_degrees = checked_fov(fov.to_degrees(), &self.path, notes)?;
-        let look = location - back * distance;
-        Ok(View {
-            location,
-            look,
-            up,
-            fov_degrees,
-            fov_axis: FovAxis::Y,
-            ..staging::view(width, height)
-        })
-    }
-
-    /// Its position, its view distance, and its angle in radians.
-    fn placed(
-        &self,
-        position: DVec3,
-        back: DVec3,
-        bounds: &Sphere,
-        notes: &Notes<'_>,
-    ) -> (DVec3, f64, f64) {
+        let (width, height) = staging::size(options, *aspect)?;
+        let position = world.translation;
         let ahead = (position - bounds.center).dot(back);
-        match self.lens {
+        let (location, distance, fov) = match *lens {
             Lens::Perspective(fov) => {
-                let distance = if ahead > 0.0 { ahead } else { bounds.radius };
-                (position, distance, fov)
+                (position, if ahead > 0.0 { ahead } else { bounds.radius }, fov)
             }
             Lens::Orthographic(half) => {
                 let message = "an orthographic camera is approximated by a distant one";
-                notes.note(&self.path, message, "its rays are nearly parallel");
+                notes.note(path, message, "its rays are nearly parallel");
                 let distance = PARALLEL_DISTANCE * bounds.radius.max(half);
                 let location = position + back * (distance - ahead);
                 (location, distance, 2.0 * libm::atan(half / distance))
             }
+        };
+        let fov_degrees = fov.to_degrees();
+        if !FOV.contains(fov_degrees) {
+            let place = format!("{path}.perspective.yfov");
+            let message = format!("in degrees, must be {}", FOV.words());
+            let error = notes.error(ErrorKind::Scene, &place, message);
+            return Err(error.value(format!("{fov_degrees} degrees")));
         }
+        let look = location - back * distance;
+        let view = staging::view(width, height);
+        Ok(View { location, look, up, fov_degrees, fov_axis: FovAxis::Y, ..view })
     }
 }
 
-fn checked_fov(degrees: f64, path: &str, notes: &Notes<'_>) -> Result<f64> {
-    if camera::FOV.contains(degrees) {
-        return Ok(degrees);
-    }
-    let place = format!("{path}.perspective.yfov");
-    let message = format!("in degrees, must be {}", camera::FOV.words());
-    Err(notes.error(ErrorKind::Scene, &place, message).value(format!("{degrees} degrees")))
-}
-
-/// The view of the chosen camera; `None` if the scene has no camera.
+/// The view of the chosen camera of `all`; `None` if there is none.
 ///
 /// # Errors
 /// If the requested camera is not in the scene, or cannot be used.
 pub(super) fn chosen(
-    document: &Document,
+    all: &[Shot<'_>],
     bounds: &Sphere,
     options: &LoadOptions,
     notes: &Notes<'_>,
 ) -> Result<Option<View>> {
-    let all: Vec<(usize, &Placed)> = document
-        .placed
-        .iter()
-        .filter_map(|place| Some((document.nodes[place.node].camera?, place)))
-        .collect();
     let found = match &options.camera {
-        Some(asked) => Some(
-            all.iter()
-                .find(|(camera, place)| is_asked_for(asked, document, *camera, place))
-                .ok_or_else(|| not_there(asked, document, &all, notes))?,
-        ),
+        Some(asked) => {
+            // By its own name, by that of its node, or by its number.
+            let is_it = |shot: &&Shot<'_>| {
+                [shot.camera.name.as_deref(), shot.node].contains(&Some(asked.as_str()))
+                    || asked.parse() == Ok(shot.number)
+            };
+            Some(all.iter().find(is_it).ok_or_else(|| not_there(asked, all, notes))?)
+        }
         None => {
             let has_perspective =
-                |(camera, _): &&(usize, &Placed)| document.cameras[*camera].has_perspective();
+                |shot: &&Shot<'_>| matches!(shot.camera.lens, Lens::Perspective(_));
             all.iter().find(has_perspective).or(all.first())
         }
     };
-    let Some((camera, place)) = found else { return Ok(None) };
-    document.cameras[*camera].view(&place.world, bounds, options, notes).map(Some)
+    found.map(|shot| shot.view(bounds, options, notes)).transpose()
 }
 
-/// Whether `asked` is the name or number of a camera: its own name, or that of its node.
-fn is_asked_for(asked: &str, document: &Document, camera: usize, place: &Placed) -> bool {
-    let is = |name: &Option<String>| name.as_deref() == Some(asked);
-    is(&document.cameras[camera].name)
-        || is(&document.nodes[place.node].name)
-        || asked.parse() == Ok(camera)
-}
-
-fn not_there(
-    asked: &str,
-    document: &Document,
-    all: &[(usize, &Placed)],
-    notes: &Notes<'_>,
-) -> Error {
+fn not_there(asked: &str, all: &[Shot<'_>], notes: &Notes<'_>) -> Error {
     /// Largest number of cameras to list.
     const MOST_LISTED: usize = 8;
-    let describe = |(camera, place): &(usize, &Placed)| {
-        let own = document.cameras[*camera].name.as_ref();
-        match own.or(document.nodes[place.node].name.as_ref()) {
-            Some(name) => format!("{camera} ({name})"),
-            None => camera.to_string(),
-        }
+    let describe = |shot: &Shot<'_>| match shot.camera.name.as_deref().or(shot.node) {
+        Some(name) => format!("{} ({name})", shot.number),
+        None => shot.number.to_string(),
     };
     let mut names: Vec<String> = all.iter().take(MOST_LISTED).map(describe).collect();
     if all.len() > MOST_LISTED {

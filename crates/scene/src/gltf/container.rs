@@ -22,25 +22,16 @@ const CHUNK_HEADER_BYTES: usize = 8;
 /// Length of a GLB file before its JSON.
 pub(super) const GLB_START: usize = HEADER_BYTES + CHUNK_HEADER_BYTES;
 
+/// Length of a GLB file before its binary chunk's data, in the usual layout, without the JSON.
+pub(super) const BINARY_START: usize = GLB_START + CHUNK_HEADER_BYTES;
+
 /// The length of the JSON of a GLB file that begins with `start`; `None` for other files.
 pub(super) fn json_length(start: &[u8]) -> Option<u32> {
     start.starts_with(&MAGIC).then(|| word(start, HEADER_BYTES)).flatten()
 }
 
-/// Offset of the data of the binary chunk in a GLB file that begins with `start`, in the usual layout.
-pub(super) fn binary_start(start: &[u8]) -> Option<u64> {
-    let before = (GLB_START + CHUNK_HEADER_BYTES) as u64;
-    json_length(start).map(|length| before + u64::from(length))
-}
-
-/// The ranges of the parts of a file.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) struct Parts {
-    /// The JSON.
-    pub(super) json: Range<usize>,
-    /// The binary chunk of a GLB file, if it has one.
-    pub(super) binary: Option<Range<usize>>,
-}
+/// The ranges of the JSON and of the binary chunk of a GLB file, if it has one.
+pub(super) type Parts = (Range<usize>, Option<Range<usize>>);
 
 /// Finds the parts of a file.
 pub(super) fn parts(bytes: &[u8]) -> Result<Parts> {
@@ -58,27 +49,26 @@ pub(super) fn parts(bytes: &[u8]) -> Result<Parts> {
         return Err(error
             .value(bytes.iter().take(MAGIC.len()).copied().collect::<Vec<u8>>().escape_ascii()));
     }
-    Ok(Parts { json: 0..bytes.len(), binary: None })
+    Ok((0..bytes.len(), None))
 }
 
 fn glb(bytes: &[u8]) -> Result<Parts> {
     check_header(bytes)?;
-    let json = chunk(bytes, HEADER_BYTES)?;
-    if json.kind != JSON {
+    let (kind, json) = chunk(bytes, HEADER_BYTES)?;
+    if kind != JSON {
         let error = broken("the first chunk of a GLB file must be of the type JSON");
-        return Err(error.at(place(HEADER_BYTES)).value(json.kind.escape_ascii()));
+        return Err(error.at(place(HEADER_BYTES)).value(kind.escape_ascii()));
     }
-    let mut parts = Parts { json: json.data.clone(), binary: None };
-    let mut next = json.data.end;
+    let (mut binary, mut next) = (None, json.end);
     // Chunks of other types belong to later versions of the format and are skipped.
     while next < bytes.len() {
-        let found = chunk(bytes, next)?;
-        next = found.data.end;
-        if found.kind == BIN && parts.binary.is_none() {
-            parts.binary = Some(found.data);
+        let (kind, data) = chunk(bytes, next)?;
+        next = data.end;
+        if kind == BIN && binary.is_none() {
+            binary = Some(data);
         }
     }
-    Ok(parts)
+    Ok((json, binary))
 }
 
 fn check_header(bytes: &[u8]) -> Result<()> {
@@ -100,13 +90,8 @@ fn check_header(bytes: &[u8]) -> Result<()> {
     Ok(())
 }
 
-struct Chunk {
-    kind: [u8; 4],
-    data: Range<usize>,
-}
-
-/// The chunk whose header is at `start`.
-fn chunk(bytes: &[u8], start: usize) -> Result<Chunk> {
+/// The type of the chunk whose header is at `start`, and the range of its data.
+fn chunk(bytes: &[u8], start: usize) -> Result<([u8; 4], Range<usize>)> {
     let header = bytes.get(start..start + CHUNK_HEADER_BYTES);
     let (Some(length), Some(&[_, _, _, _, a, b, c, d])) = (word(bytes, start), header) else {
         return Err(broken("the file ends within the header of a chunk").at(place(start)));
@@ -117,7 +102,7 @@ fn chunk(bytes: &[u8], start: usize) -> Result<Chunk> {
         let found = format!("{length} bytes where {left} are left");
         return Err(broken("the chunk is longer than the file").at(place(start)).value(found));
     }
-    Ok(Chunk { kind: [a, b, c, d], data: data..data + length as usize })
+    Ok(([a, b, c, d], data..data + length as usize))
 }
 
 /// The little-endian number at an offset.

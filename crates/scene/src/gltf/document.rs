@@ -2,20 +2,20 @@
 
 use wavecrest_base::error::{Error, ErrorKind, Result};
 
-use super::accessor::{Accessor, Storage};
-use super::buffer::{Buffer, View};
+use super::accessor::Storage;
+use super::buffer::Buffer;
 use super::camera::Camera;
-use super::fields::Fields;
+use super::fields::{Fields, LIGHTS};
 use super::light::Light;
 use super::material::Surface;
-use super::node::{self, Lengths, Node, Placed};
+use super::node::{self, Node, Placed};
 use super::primitive::MeshParts;
 use super::texture::Textures;
 
 /// The supported extensions.
 const EXTENSIONS: [&str; 6] = [
     "EXT_mesh_gpu_instancing",
-    "KHR_lights_punctual",
+    LIGHTS,
     "KHR_materials_emissive_strength",
     "KHR_materials_unlit",
     "KHR_mesh_quantization",
@@ -24,9 +24,7 @@ const EXTENSIONS: [&str; 6] = [
 
 /// A file.
 pub(super) struct Document {
-    pub(super) buffers: Vec<Buffer>,
-    views: Vec<View>,
-    pub(super) accessors: Vec<Accessor>,
+    pub(super) storage: Storage,
     pub(super) textures: Textures,
     pub(super) materials: Vec<Surface>,
     pub(super) meshes: Vec<MeshParts>,
@@ -41,108 +39,53 @@ pub(super) struct Document {
 }
 
 impl Document {
-    /// Reads a file from its top; `binary` is its buffer without a URI. Lists refer to each other by
-    /// index, so each is read even if another has errors, which are all recorded.
-    pub(super) fn read(top: &Fields<'_>, binary: Option<&Buffer>) -> Result<Self> {
+    /// Reads a file from its top; `binary` is its buffer without a URI. The files of its other
+    /// buffers are read only if they are `needed`. Lists refer to each other by index, so each is
+    /// read even if another has errors, which are all recorded.
+    pub(super) fn read(top: &Fields<'_>, binary: Option<&Buffer>, needed: bool) -> Result<Self> {
         check_asset(top)?;
         let extensions = check_extensions(top)?;
         let notes = top.cursor().notes();
-        let data = Data::read(top, binary);
-        let textures = Textures::read(top, data.as_ref().ok().map(Data::storage));
-        let surface = |f: &Fields<'_>| Surface::read(f, top.length("textures"));
-        let materials = top.list("materials", "a material", surface);
-        let lengths = [top.length("accessors"), top.length("materials")];
-        let meshes = top.list("meshes", "a mesh", |f| MeshParts::read(f, lengths));
+        let storage = Storage::read(top, binary, needed);
+        let textures = Textures::read(top, storage.as_ref().ok());
+        let materials = top.list("materials", "a material", Surface::read);
+        let meshes = top.list("meshes", "a mesh", MeshParts::read);
         let cameras = top.list("cameras", "a camera", Camera::read);
-        let lights = notes.part(|| lights(top));
-        let tree = notes.part(|| tree(top, data.as_ref().ok().map(|data| &data.accessors[..])));
-        let Data { buffers, views, accessors } = data?;
-        let (nodes, placed) = tree?;
+        let lights = notes
+            .part(|| top.extension(LIGHTS, |found| found.list("lights", "a light", Light::read)));
+        let tree = notes.part(|| {
+            // Without accessors no extension is read that uses them.
+            let accessors = storage.as_ref().ok().map(|storage| &storage.accessors[..]);
+            let nodes = top.list("nodes", "a node", |f| Node::read(f, accessors))?;
+            Ok((node::placed(top, &nodes)?, nodes))
+        });
+        let storage = storage?;
+        let (placed, nodes) = tree?;
         Ok(Self {
             is_quantized: extensions.iter().any(|name| name == "KHR_mesh_quantization"),
-            buffers,
-            views,
-            accessors,
+            storage,
             textures: textures?,
             materials: materials?,
             meshes: meshes?,
             cameras: cameras?,
-            lights: lights?,
+            lights: lights?.unwrap_or_default(),
             nodes,
             placed,
         })
     }
-
-    /// The data of accessors.
-    pub(super) fn storage(&self) -> Storage<'_> {
-        Storage { buffers: &self.buffers, views: &self.views }
-    }
-}
-
-/// The bytes of a file, and the accessors to them.
-struct Data {
-    buffers: Vec<Buffer>,
-    views: Vec<View>,
-    accessors: Vec<Accessor>,
-}
-
-impl Data {
-    /// Reads each list only if the one before it is right.
-    fn read(top: &Fields<'_>, binary: Option<&Buffer>) -> Result<Self> {
-        let buffers = buffers(top, binary)?;
-        let views = top.list("bufferViews", "a buffer view", |f| View::read(f, &buffers))?;
-        let storage = Storage { buffers: &buffers, views: &views };
-        let accessors = top.list("accessors", "an accessor", |f| Accessor::read(f, storage))?;
-        Ok(Self { buffers, views, accessors })
-    }
-
-    fn storage(&self) -> Storage<'_> {
-        Storage { buffers: &self.buffers, views: &self.views }
-    }
-}
-
-/// All nodes, and those of the scene. Without `accessors` no extension is read that uses them.
-fn tree(top: &Fields<'_>, accessors: Option<&[Accessor]>) -> Result<(Vec<Node>, Vec<Placed>)> {
-    let lights = top.extension("KHR_lights_punctual", |found| Ok(found.length("lights")));
-    let lengths = Lengths {
-        nodes: top.length("nodes"),
-        meshes: top.length("meshes"),
-        cameras: top.length("cameras"),
-        lights: lights.ok().flatten().unwrap_or(0),
-    };
-    let nodes = top.list("nodes", "a node", |f| Node::read(f, lengths, accessors))?;
-    let placed = node::placed(top, &nodes)?;
-    Ok((nodes, placed))
-}
-
-fn buffers(top: &Fields<'_>, binary: Option<&Buffer>) -> Result<Vec<Buffer>> {
-    let mut number = 0;
-    top.list("buffers", "a buffer", |fields| {
-        number += 1;
-        Buffer::read(fields, binary.filter(|_| number == 1))
-    })
-}
-
-fn lights(top: &Fields<'_>) -> Result<Vec<Option<Light>>> {
-    let lights =
-        top.extension("KHR_lights_punctual", |found| found.list("lights", "a light", Light::read));
-    Ok(lights?.unwrap_or_default())
 }
 
 fn check_asset(top: &Fields<'_>) -> Result<()> {
-    let asset = Fields::new(top.need("asset", "an object with the version")?, "an object")?;
+    top.need("asset", "an object with the version")?;
+    let asset = top.need_object("asset", "an object")?;
+    asset.need("version", "\"2.0\"")?;
+    // A later 2.x adds nothing mandatory; `minVersion` must be 2.0.
+    let is_known = |key, text: &str| {
+        text == "2.0" || key == "version" && (text == "2" || text.starts_with("2."))
+    };
     for key in ["version", "minVersion"] {
-        let found = match key {
-            "version" => Some(asset.need(key, "\"2.0\"")?),
-            _ => asset.get(key),
-        };
-        let Some(cursor) = found else { continue };
-        // A later 2.x adds nothing mandatory; `minVersion` must be 2.0.
-        let is_known = match (key, cursor.value().as_str()) {
-            ("version", Some(text)) => text == "2" || text.starts_with("2."),
-            (_, text) => text == Some("2.0"),
-        };
-        if !is_known {
+        let Some(cursor) = asset.get(key) else { continue };
+        if !cursor.value().as_str().is_some_and(|text| is_known(key, text)) {
             let error = cursor.error("only glTF 2.0 is read");
             return Err(error.remedy("export the file as glTF 2.0"));
         }

@@ -2,23 +2,35 @@
 //!
 //! Unlike in a scene file, unknown keys are ignored: other programs add their own to glTF files.
 
-use crate::format::{Cursor, Place, Range};
+use glam::DVec3;
+use serde_json::Value;
+
+use crate::format::{Cursor, Notes, Place, Range};
 use wavecrest_base::error::{Error, ErrorKind, Result};
 
 /// The largest count or offset: JSON numbers are exact up to 2^53.
 const GREATEST_COUNT: f64 = 9_007_199_254_740_992.0;
 
+/// The extension with the lights.
+pub(super) const LIGHTS: &str = "KHR_lights_punctual";
+
 /// An object of the file.
 #[derive(Clone, Copy)]
 pub(super) struct Fields<'a> {
     cursor: Cursor<'a>,
+    /// The whole file, into whose lists indices point.
+    file: &'a Value,
 }
 
 impl<'a> Fields<'a> {
-    /// The object at a place; `what` describes it ("a node").
-    pub(super) fn new(cursor: Cursor<'a>, what: &str) -> Result<Self> {
+    /// The whole file.
+    pub(super) fn top(file: &'a Value, notes: &'a Notes<'a>) -> Result<Self> {
+        Self::of(Cursor::new(file, Place::Top, notes), "a glTF file", file)
+    }
+
+    fn of(cursor: Cursor<'a>, what: &str, file: &'a Value) -> Result<Self> {
         if cursor.value().is_object() {
-            return Ok(Self { cursor });
+            return Ok(Self { cursor, file });
         }
         Err(cursor.error(format!("must be {what}, an object {{ ... }}")))
     }
@@ -51,7 +63,12 @@ impl<'a> Fields<'a> {
 
     /// The object under `key`, if it is there.
     pub(super) fn object<'s>(&'s self, key: &'s str) -> Result<Option<Fields<'s>>> {
-        self.get(key).map(|cursor| Fields::new(cursor, "an object")).transpose()
+        self.get(key).map(|cursor| Fields::of(cursor, "an object", self.file)).transpose()
+    }
+
+    /// The required object under `key`; `what` describes it.
+    pub(super) fn need_object<'s>(&'s self, key: &'s str, what: &str) -> Result<Fields<'s>> {
+        Fields::of(self.need(key, "an object { ... }")?, what, self.file)
     }
 
     /// The object of an extension, if it is there.
@@ -79,24 +96,77 @@ impl<'a> Fields<'a> {
         self.get(key).map(|cursor| cursor.numbers(&what, range)).transpose()
     }
 
-    /// A count or an offset, if it is there.
+    /// Three numbers, or `default`.
+    pub(super) fn vector_or(&self, key: &str, range: Range, default: DVec3) -> Result<DVec3> {
+        Ok(self.numbers::<3>(key, range)?.map_or(default, DVec3::from_array))
+    }
+
+    /// A count, if it is there.
     pub(super) fn count(&self, key: &str) -> Result<Option<u64>> {
         self.get(key).map(|cursor| count(&cursor)).transpose()
     }
 
-    /// A required count or offset.
+    /// A required count.
     pub(super) fn need_count(&self, key: &str) -> Result<u64> {
         count(&self.need(key, "a whole number, 0 or more")?)
     }
 
-    /// An index into the list `list` of `length` items, if any.
-    pub(super) fn index(&self, key: &str, list: &str, length: usize) -> Result<Option<usize>> {
-        self.get(key).map(|cursor| index(&cursor, list, length)).transpose()
+    /// The offset of the object's bytes; 0 by default.
+    pub(super) fn offset(&self) -> Result<u64> {
+        Ok(self.count("byteOffset")?.unwrap_or(0))
+    }
+
+    /// An index into a list of the file, if any.
+    pub(super) fn index(&self, key: &str, list: &str) -> Result<Option<usize>> {
+        self.get(key).map(|cursor| self.index_of(&cursor, list)).transpose()
     }
 
     /// As [`Fields::index`], required.
-    pub(super) fn need_index(&self, key: &str, list: &str, length: usize) -> Result<usize> {
-        index(&self.need(key, &format!("an index into {list}"))?, list, length)
+    pub(super) fn need_index(&self, key: &str, list: &str) -> Result<usize> {
+        self.index_of(&self.need(key, &format!("an index into {list}"))?, list)
+    }
+
+    /// A list of indices into a list of the file; empty by default.
+    pub(super) fn indices(&self, key: &str, list: &str) -> Result<Vec<usize>> {
+        let Some(cursor) = self.get(key) else { return Ok(Vec::new()) };
+        cursor.each("a list of indices", |item| self.index_of(&item, list))
+    }
+
+    /// The value as an index into a list of the file.
+    fn index_of(&self, cursor: &Cursor<'_>, list: &str) -> Result<usize> {
+        let length = self.length(list);
+        let found = cursor.value().as_u64().and_then(|i| usize::try_from(i).ok());
+        found.filter(|&i| i < length).ok_or_else(|| {
+            let must = cursor.error(format!("must be the index of one of the {list}"));
+            match length {
+                0 => must.remedy(format!("the file has no {list}")),
+                n => must.remedy(format!("the file has {n}, counted from 0")),
+            }
+        })
+    }
+
+    /// The length of a list of the file; 0 without it.
+    pub(super) fn length(&self, list: &str) -> usize {
+        let owner = match list {
+            "lights" => &self.file["extensions"][LIGHTS],
+            _ => self.file,
+        };
+        owner[list].as_array().map_or(0, Vec::len)
+    }
+
+    /// The meaning of a number in a table of `codes`, if it is there; `must_be` describes them all.
+    pub(super) fn code<T: Copy>(
+        &self,
+        key: &str,
+        codes: &[(u64, T)],
+        must_be: &str,
+    ) -> Result<Option<T>> {
+        let Some(cursor) = self.get(key) else { return Ok(None) };
+        let number = cursor.value().as_u64();
+        match codes.iter().find(|(code, _)| number == Some(*code)) {
+            Some((_, meaning)) => Ok(Some(*meaning)),
+            None => Err(cursor.error(format!("must be {must_be}"))),
+        }
     }
 
     /// A text, if it is there.
@@ -108,10 +178,14 @@ impl<'a> Fields<'a> {
         }
     }
 
+    /// The name of the object, if it has one.
+    pub(super) fn name(&self) -> Result<Option<String>> {
+        Ok(self.text("name")?.filter(|name| !name.is_empty()))
+    }
+
     /// A boolean; false by default.
     pub(super) fn flag(&self, key: &str) -> Result<bool> {
-        let Some(cursor) = self.get(key) else { return Ok(false) };
-        cursor.value().as_bool().ok_or_else(|| cursor.error("must be true or false"))
+        self.get(key).map_or(Ok(false), |cursor| cursor.truth())
     }
 
     /// The objects of a list, each read by `read`; none without a list. All are read: every error is
@@ -123,19 +197,8 @@ impl<'a> Fields<'a> {
         mut read: impl FnMut(&Fields<'_>) -> Result<T>,
     ) -> Result<Vec<T>> {
         let Some(cursor) = self.get(key) else { return Ok(Vec::new()) };
-        let read = |item: Cursor<'_>| read(&Fields::new(item, what)?);
+        let read = |item: Cursor<'_>| read(&Fields::of(item, what, self.file)?);
         cursor.notes().part(|| cursor.every("a list [...]", read))
-    }
-
-    /// The length of a list; 0 without a list.
-    pub(super) fn length(&self, key: &str) -> usize {
-        self.cursor.value().get(key).and_then(|list| list.as_array()).map_or(0, Vec::len)
-    }
-
-    /// A list of indices; empty by default.
-    pub(super) fn indices(&self, key: &str, list: &str, length: usize) -> Result<Vec<usize>> {
-        let Some(cursor) = self.get(key) else { return Ok(Vec::new()) };
-        cursor.each("a list of indices", |item| index(&item, list, length))
     }
 
     /// A list of texts; empty by default.
@@ -154,6 +217,13 @@ impl<'a> Fields<'a> {
         let kind = ErrorKind::Scene;
         self.cursor.notes().error(kind, &self.path(), message.into())
     }
+
+    /// An error about the value of a `key`.
+    pub(super) fn error_at(&self, key: &str, message: impl Into<String>) -> Error {
+        let value = self.cursor.value().get(key).unwrap_or(&Value::Null);
+        let place = Place::Key(self.cursor.place(), key);
+        Cursor::new(value, place, self.cursor.notes()).error(message)
+    }
 }
 
 fn count(cursor: &Cursor<'_>) -> Result<u64> {
@@ -163,16 +233,4 @@ fn count(cursor: &Cursor<'_>) -> Result<u64> {
         Some(x) => Ok(x as u64),
         None => Err(cursor.error("must be a whole number, 0 or more")),
     }
-}
-
-/// The value as an index into the list `list` of `length` items.
-pub(super) fn index(cursor: &Cursor<'_>, list: &str, length: usize) -> Result<usize> {
-    let found = cursor.value().as_u64().and_then(|i| usize::try_from(i).ok());
-    found.filter(|&i| i < length).ok_or_else(|| {
-        let must = cursor.error(format!("must be the index of one of the {list}"));
-        match length {
-            0 => must.remedy(format!("the file has no {list}")),
-            n => must.remedy(format!("the file has {n}, counted from 0")),
-        }
-    })
 }

@@ -23,7 +23,7 @@ use hecs::EntityBuilder;
 use crate::components::{DirectionalLight, Falloff, JsonPath, PointLight, Sampling, Spot};
 use crate::corners::direction;
 use crate::format::Range;
-use crate::load::staging::Sphere;
+use crate::staging::Sphere;
 use wavecrest_base::error::Result;
 
 use super::fields::Fields;
@@ -70,16 +70,13 @@ impl Light {
             }
             None => return Err(kind.error("must be \"point\", \"spot\" or \"directional\"")),
         };
-        let color = fields.numbers::<3>("color", Range::NOT_NEGATIVE)?;
+        let color = fields.vector_or("color", Range::NOT_NEGATIVE, DVec3::ONE)?;
         if fields.get("range").is_some() {
             let message = "the range of the light is ignored";
             fields.warn(message, "it falls off with the square of the distance");
         }
-        Ok(Some(Self {
-            kind,
-            color: color.map_or(DVec3::ONE, DVec3::from_array),
-            intensity: fields.number_or("intensity", Range::NOT_NEGATIVE, 1.0)?,
-        }))
+        let intensity = fields.number_or("intensity", Range::NOT_NEGATIVE, 1.0)?;
+        Ok(Some(Self { kind, color, intensity }))
     }
 
     /// The light at a node, before exposure. `None` for a spot or sun without a direction.
@@ -132,22 +129,17 @@ fn degrees(radians: f64) -> f64 {
 }
 
 /// The radiance of a white matte surface in the middle of the scene that faces a light of this
-/// strength at `position`. Lights within half the scene's radius count as that far away.
-pub(super) fn radiance(strength: DVec3, falloff: Falloff, position: DVec3, bounds: &Sphere) -> f64 {
+/// strength at `position`, with the inverse square of the distance. Lights within half the scene's
+/// radius count as that far away.
+pub(super) fn radiance(strength: DVec3, position: DVec3, bounds: &Sphere) -> f64 {
     let distance = position.distance(bounds.center).max(bounds.radius / 2.0);
-    let factor = match falloff {
-        Falloff::None => 1.0,
-        Falloff::Linear => 1.0 / (4.0 * PI * distance),
-        Falloff::InverseSquare => 1.0 / (4.0 * PI * distance * distance),
-    };
-    strength.max_element() * factor
+    strength.max_element() * (1.0 / (4.0 * PI * distance * distance))
 }
 
 /// The same for a light that is not a mesh. The middle counts as inside the cone of every spot.
 pub(super) fn radiance_of(light: &EntityBuilder, bounds: &Sphere) -> f64 {
-    let point = light.get::<&PointLight>().map(|light| {
-        radiance(light.color * light.intensity, light.falloff, light.position, bounds)
-    });
+    let point = light.get::<&PointLight>();
+    let point = point.map(|light| radiance(light.color * light.intensity, light.position, bounds));
     let sun = light.get::<&DirectionalLight>();
     let sun = sun.map(|light| (light.color * light.intensity).max_element());
     point.or(sun).unwrap_or(0.0)

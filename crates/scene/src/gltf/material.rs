@@ -33,16 +33,14 @@ pub(super) struct Surface {
     glow: Option<TextureInfo>,
     /// The textures of ambient light and of normals, with their strengths.
     occlusion: Option<(TextureInfo, f64)>,
-    normal: Option<(TextureInfo, f64)>,
-    is_unlit: bool,
+    pub(super) normal: Option<(TextureInfo, f64)>,
+    /// Whether it shows its plain colour under any light.
+    pub(super) is_unlit: bool,
     /// Which sides lights reach.
     pub(super) sides: Sides,
     /// Its emission, black for none.
     pub(super) emission: DVec3,
 }
-
-/// The format's factors.
-const UNIT: Range = Range::new(0.0, 1.0);
 
 impl Surface {
     /// The format's default material: white, and fully rough.
@@ -62,18 +60,17 @@ impl Surface {
         emission: DVec3::ZERO,
     };
 
-    /// Reads an element of `materials`, in a file with this number of textures.
-    pub(super) fn read(fields: &Fields<'_>, textures: usize) -> Result<Self> {
+    /// Reads an element of `materials`.
+    pub(super) fn read(fields: &Fields<'_>) -> Result<Self> {
         let cutoff = cutoff(fields)?;
         let sides = if fields.flag("doubleSided")? { Sides::Both } else { Sides::Front };
         let texture = |of: &Fields<'_>, key: &str| -> Result<Option<TextureInfo>> {
-            let found = of.object(key)?;
-            found.map(|found| TextureInfo::read(&found, textures)).transpose()
+            of.object(key)?.map(|found| TextureInfo::read(&found)).transpose()
         };
         let scaled = |key: &str, scale: &str| -> Result<Option<(TextureInfo, f64)>> {
             let Some(found) = fields.object(key)? else { return Ok(None) };
             let scale = found.number_or(scale, Range::COORDINATE, 1.0)?;
-            Ok(Some((TextureInfo::read(&found, textures)?, scale)))
+            Ok(Some((TextureInfo::read(&found)?, scale)))
         };
         let own = Self {
             cutoff,
@@ -86,14 +83,14 @@ impl Surface {
             ..Self::DEFAULT
         };
         let Some(model) = fields.object("pbrMetallicRoughness")? else { return Ok(own) };
-        let base_color = model.numbers::<4>("baseColorFactor", UNIT)?;
+        let [r, g, b, alpha] = model.numbers("baseColorFactor", Range::UNIT)?.unwrap_or([1.0; 4]);
         Ok(Self {
-            alpha: base_color.map_or(1.0, |color| color[3]),
-            base_color: base_color.map_or(DVec3::ONE, |[r, g, b, _]| DVec3::new(r, g, b)),
+            alpha,
+            base_color: DVec3::new(r, g, b),
             texture: texture(&model, "baseColorTexture")?,
             metal: texture(&model, "metallicRoughnessTexture")?,
-            metallic: model.number_or("metallicFactor", UNIT, 1.0)?,
-            roughness: model.number_or("roughnessFactor", UNIT, 1.0)?,
+            metallic: model.number_or("metallicFactor", Range::UNIT, 1.0)?,
+            roughness: model.number_or("roughnessFactor", Range::UNIT, 1.0)?,
             ..own
         })
     }
@@ -156,11 +153,6 @@ impl Surface {
         }
     }
 
-    /// Whether the surface shows its plain colour under any light.
-    pub(super) fn is_unlit(&self) -> bool {
-        self.is_unlit
-    }
-
     /// Whether the surface is a light.
     pub(super) fn is_light(&self) -> bool {
         !self.is_unlit && self.glow.is_none() && self.emission.max_element() >= BRIGHT
@@ -171,11 +163,11 @@ impl Surface {
 const BRIGHT: f64 = 1.0;
 
 fn emission(fields: &Fields<'_>) -> Result<DVec3> {
-    let factor = fields.numbers::<3>("emissiveFactor", Range::NOT_NEGATIVE)?;
+    let factor = fields.vector_or("emissiveFactor", Range::NOT_NEGATIVE, DVec3::ZERO)?;
     let strength = fields.extension("KHR_materials_emissive_strength", |found| {
         found.number_or("emissiveStrength", Range::NOT_NEGATIVE, 1.0)
     })?;
-    Ok(factor.map_or(DVec3::ZERO, DVec3::from_array) * strength.unwrap_or(1.0))
+    Ok(factor * strength.unwrap_or(1.0))
 }
 
 /// The lowest opaque alpha: blended surfaces are cut out.

@@ -1,12 +1,12 @@
 //! Primitives of meshes: from accessors to the arrays of a mesh.
 
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 
 use crate::format::Notes;
 use crate::mesh::{Attribute, MeshData, bad_position, is_good_position};
 use wavecrest_base::error::{Error, ErrorKind, Result};
 
-use super::accessor::{Accessor, Component, Elements};
+use super::accessor::{Accessor, Component};
 use super::document::Document;
 use super::primitive::{COLORS, Mode, Primitive};
 use super::texture::coordinates;
@@ -26,12 +26,27 @@ const READ_ANYHOW: u64 = 1 << 26;
 /// each a few times.
 const READ_AGAIN: u64 = 64;
 
+/// The vertices of a primitive.
+struct Vertices<'p> {
+    of: &'p Primitive,
+    count: usize,
+    /// Those at corners, if most are at none.
+    used: Option<Vec<u32>>,
+}
+
+/// The types of an attribute's numbers, and whether they are normalised.
+type Types = [(Component, bool)];
+
+/// The types of texture coordinates and colours.
+const UNSIGNED: &Types = &[(Component::F32, false), (Component::U8, true), (Component::U16, true)];
+/// The types of normals in quantised meshes; the first one of normals and positions in others.
+const SIGNED: &Types = &[(Component::F32, false), (Component::I8, true), (Component::I16, true)];
+
 impl<'a> Reader<'a> {
     /// Reads primitives of a file.
     pub(super) fn new(document: &'a Document, notes: &'a Notes<'a>) -> Self {
-        let bytes: usize = document.buffers.iter().map(|buffer| buffer.bytes().len()).sum();
-        let left = READ_ANYHOW.saturating_add(READ_AGAIN.saturating_mul(bytes as u64));
-        Self { document, notes, left }
+        let again = READ_AGAIN.saturating_mul(document.storage.len() as u64);
+        Self { document, notes, left: READ_ANYHOW.saturating_add(again) }
     }
 
     /// The arrays of a primitive, with a set of texture coordinates if a texture uses it. `None`
@@ -41,10 +56,10 @@ impl<'a> Reader<'a> {
         primitive: &Primitive,
         set: Option<u32>,
     ) -> Result<Option<MeshData>> {
+        let note = |message, remedy| self.notes.note(&primitive.path, message, remedy);
         let Some(mode) = primitive.mode else { return Ok(None) };
         let Some(&positions) = primitive.attributes.get("POSITION") else {
-            let message = "a primitive without positions is left out";
-            self.notes.note(&primitive.path, message, "add the attribute POSITION");
+            note("a primitive without positions is left out", "add the attribute POSITION");
             return Ok(None);
         };
         let count = self.accessor(positions).count;
@@ -52,34 +67,30 @@ impl<'a> Reader<'a> {
         let (corners, used) = compacted(corners, count);
         let mut triangles = triangles(mode, &corners, self.notes, &primitive.path);
         if triangles.is_empty() {
-            let message = "a primitive without a triangle is left out";
-            self.notes.note(&primitive.path, message, "a triangle needs three vertices");
+            note("a primitive without a triangle is left out", "a triangle needs three vertices");
             return Ok(None);
         }
         triangles.shrink_to_fit();
-        let used = used.as_deref();
-        let normals = self.normals(primitive, count, used)?;
-        let uvs = set.map(|set| self.uvs(primitive, count, used, set)).transpose()?.flatten();
-        let positions = self.positions(primitive, positions, used)?;
-        let colors = self.colors(primitive, count, used)?;
+        let vertices = Vertices { of: primitive, count, used };
+        let normals = self.normals(&vertices)?;
+        let uvs = set.map_or(Ok(None), |set| self.uvs(&vertices, set))?;
+        let positions = self.positions(&vertices)?;
+        let colors = self.colors(&vertices)?;
         Ok(Some(MeshData { positions, triangles, normals, uvs, colors, ..MeshData::default() }))
     }
 
     fn accessor(&self, index: usize) -> &'a Accessor {
-        &self.document.accessors[index]
+        &self.document.storage.accessors[index]
     }
 
     /// Checks that `count` elements may be read, and counts them.
     fn pay(&mut self, primitive: &Primitive, accessor: &Accessor, count: usize) -> Result<()> {
-        match self.left.checked_sub(accessor.cost(count)) {
-            Some(left) => {
-                self.left = left;
-                Ok(())
-            }
-            None => Err(self
-                .error(&primitive.path, "the accessors of the file overlap too much")
-                .remedy("store the data of each mesh once, or use one mesh in several nodes")),
-        }
+        let left = self.left.checked_sub(accessor.cost(count)).ok_or_else(|| {
+            self.error(&primitive.path, "the accessors of the file overlap too much")
+                .remedy("store the data of each mesh once, or use one mesh in several nodes")
+        });
+        self.left = left?;
+        Ok(())
     }
 
     /// The vertices at the corners, in order.
@@ -97,8 +108,8 @@ impl<'a> Reader<'a> {
             return Err(self.error(&place(), message).value(format!("accessors[{index}]")));
         }
         self.pay(primitive, accessor, accessor.count)?;
-        let corners = accessor.elements(self.document.storage()).indices();
-        let restart = accessor.component.restart();
+        let corners = self.document.storage.elements(index).indices();
+        let restart = accessor.component.greatest();
         let Some(at) = corners.iter().position(|&i| i as usize >= count || i == restart) else {
             return Ok(corners);
         };
@@ -112,19 +123,18 @@ impl<'a> Reader<'a> {
         Err(error.remedy(format!("the mesh has {count}; check that the file is whole")))
     }
 
-    /// An attribute's elements, with this number of components, one for each vertex; only those of
-    /// `used` vertices need be read.
-    fn attribute(
+    /// An attribute's elements, with this number of components, one for each used vertex, as `make`
+    /// converts them.
+    fn attribute<T: Send, const N: usize>(
         &mut self,
-        primitive: &Primitive,
+        Vertices { of, count, used }: &Vertices<'_>,
         name: &str,
-        (count, used): (usize, Option<&[u32]>),
-        width: usize,
-        types: &[(Component, bool)],
-    ) -> Result<Option<Elements<'a>>> {
-        let Some(&index) = primitive.attributes.get(name) else { return Ok(None) };
+        (width, types): (usize, &Types),
+        make: impl Fn([f64; N]) -> T + Sync + Send,
+    ) -> Result<Option<Vec<T>>> {
+        let Some(&index) = of.attributes.get(name) else { return Ok(None) };
         let accessor = self.accessor(index);
-        let place = format!("{}.attributes.{name}", primitive.path);
+        let place = format!("{}.attributes.{name}", of.path);
         let is_known = types.contains(&(accessor.component, accessor.normalized))
             || self.document.is_quantized && accessor.component != Component::U32;
         if accessor.width != width || !is_known {
@@ -133,101 +143,67 @@ impl<'a> Reader<'a> {
             let error = self.error(&place, &format!("must be VEC{width} {types}"));
             return Err(error.value(format!("accessors[{index}]")).remedy("export the file again"));
         }
-        if accessor.count != count {
-            let error =
-                self.error(&place, &format!("must have as many elements as POSITION, {count}"));
-            return Err(error.value(accessor.count));
+        if accessor.count != *count {
+            let message = format!("must have as many elements as POSITION, {count}");
+            return Err(self.error(&place, &message).value(accessor.count));
         }
-        self.pay(primitive, accessor, used.map_or(count, <[u32]>::len))?;
-        Ok(Some(accessor.elements(self.document.storage())))
+        self.pay(of, accessor, used.as_ref().map_or(*count, Vec::len))?;
+        Ok(Some(self.document.storage.elements(index).each(used.as_deref(), make)))
     }
 
-    fn positions(
-        &mut self,
-        primitive: &Primitive,
-        index: usize,
-        used: Option<&[u32]>,
-    ) -> Result<Vec<Vec3>> {
-        let count = self.accessor(index).count;
-        let types = [(Component::F32, false)];
-        let Some(elements) = self.attribute(primitive, "POSITION", (count, used), 3, &types)?
-        else {
-            return Ok(Vec::new());
+    fn positions(&mut self, vertices: &Vertices<'_>) -> Result<Vec<Vec3>> {
+        let points = self.attribute(vertices, "POSITION", (3, &SIGNED[..1]), vec3)?;
+        let points = points.unwrap_or_default();
+        let Some(bad) = points.iter().position(|p| !is_good_position(*p)) else {
+            return Ok(points);
         };
-        let points = elements.each(used, |[x, y, z]| Vec3::new(x as f32, y as f32, z as f32));
-        let bad = points.iter().position(|p| !is_good_position(*p));
-        let Some(bad) = bad else { return Ok(points) };
-        let number = used.map_or(bad, |used| used[bad] as usize);
-        let place = format!("{}.attributes.POSITION[{number}]", primitive.path);
+        let number = vertices.used.as_ref().map_or(bad, |used| used[bad] as usize);
+        let place = format!("{}.attributes.POSITION[{number}]", vertices.of.path);
         Err(bad_position(points[bad]).in_file(self.notes.file()).at(place))
     }
 
-    fn normals(
-        &mut self,
-        primitive: &Primitive,
-        count: usize,
-        used: Option<&[u32]>,
-    ) -> Result<Option<Attribute<Vec3>>> {
-        let types = [(Component::F32, false), (Component::I8, true), (Component::I16, true)];
-        let types = if self.document.is_quantized { &types[..] } else { &types[..1] };
-        let Some(elements) = self.attribute(primitive, "NORMAL", (count, used), 3, types)? else {
-            return Ok(None);
-        };
-        let values: Vec<Vec3> = elements.each(used, |[x, y, z]| {
-            let normal = Vec3::new(x as f32, y as f32, z as f32);
+    fn normals(&mut self, vertices: &Vertices<'_>) -> Result<Option<Attribute<Vec3>>> {
+        let types = if self.document.is_quantized { SIGNED } else { &SIGNED[..1] };
+        let values = self.attribute(vertices, "NORMAL", (3, types), |normal| {
             // A zero vector is an unknown normal.
-            if normal.is_finite() { normal } else { Vec3::ZERO }
-        });
-        if values.contains(&Vec3::ZERO) {
+            Some(vec3(normal)).filter(|normal| normal.is_finite()).unwrap_or(Vec3::ZERO)
+        })?;
+        if values.as_ref().is_some_and(|values| values.contains(&Vec3::ZERO)) {
             let message = "some normals are zero or not finite";
-            self.notes.note(&primitive.path, message, "their triangles are shaded flat");
+            self.notes.note(&vertices.of.path, message, "their triangles are shaded flat");
         }
-        Ok(Some(Attribute { values, indices: None }))
+        Ok(values.map(|values| Attribute { values, indices: None }))
     }
 
-    fn uvs(
-        &mut self,
-        primitive: &Primitive,
-        count: usize,
-        used: Option<&[u32]>,
-        set: u32,
-    ) -> Result<Option<Attribute<glam::Vec2>>> {
+    fn uvs(&mut self, vertices: &Vertices<'_>, set: u32) -> Result<Option<Attribute<Vec2>>> {
         let name = format!("TEXCOORD_{set}");
-        let types = [(Component::F32, false), (Component::U8, true), (Component::U16, true)];
-        let Some(elements) = self.attribute(primitive, &name, (count, used), 2, &types)? else {
+        let values = self.attribute(vertices, &name, (2, UNSIGNED), |uv| {
+            Some(coordinates(uv)).filter(|uv| uv.is_finite()).unwrap_or(Vec2::ZERO)
+        })?;
+        if values.is_none() {
             let message = "the mesh has no texture coordinates";
             let remedy = format!("its textures are left out; add the attribute {name}");
-            self.notes.note(&primitive.path, message, &remedy);
-            return Ok(None);
-        };
-        let values = elements.each(used, |uv| {
-            let uv = coordinates(uv);
-            if uv.is_finite() { uv } else { glam::Vec2::ZERO }
-        });
-        Ok(Some(Attribute { values, indices: None }))
+            self.notes.note(&vertices.of.path, message, &remedy);
+        }
+        Ok(values.map(|values| Attribute { values, indices: None }))
     }
 
     /// Colours without their alpha.
-    fn colors(
-        &mut self,
-        primitive: &Primitive,
-        count: usize,
-        used: Option<&[u32]>,
-    ) -> Result<Option<Vec<Vec3>>> {
-        let accessor = primitive.attributes.get(COLORS).map(|&index| self.accessor(index));
+    fn colors(&mut self, vertices: &Vertices<'_>) -> Result<Option<Vec<Vec3>>> {
+        let accessor = vertices.of.attributes.get(COLORS).map(|&index| self.accessor(index));
         let width = accessor.map_or(3, |accessor| accessor.width.clamp(3, 4));
-        let types = [(Component::F32, false), (Component::U8, true), (Component::U16, true)];
-        let Some(elements) = self.attribute(primitive, COLORS, (count, used), width, &types)?
-        else {
-            return Ok(None);
-        };
         let part = |x: f64| if x.is_finite() { x.max(0.0) as f32 } else { 1.0 };
-        Ok(Some(elements.each(used, |[r, g, b]| Vec3::new(part(r), part(g), part(b)))))
+        let color = |[r, g, b]: [f64; 3]| Vec3::new(part(r), part(g), part(b));
+        self.attribute(vertices, COLORS, (width, UNSIGNED), color)
     }
 
     fn error(&self, place: &str, message: &str) -> Error {
         self.notes.error(ErrorKind::Mesh, place, message.to_owned())
     }
+}
+
+fn vec3([x, y, z]: [f64; 3]) -> Vec3 {
+    Vec3::new(x as f32, y as f32, z as f32)
 }
 
 fn too_many(path: &str, count: usize) -> Error {

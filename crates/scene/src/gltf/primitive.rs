@@ -39,59 +39,52 @@ pub(super) struct MeshParts {
 }
 
 impl MeshParts {
-    /// Reads an element of `meshes`, in a file with this number of accessors and materials.
-    pub(super) fn read(fields: &Fields<'_>, lengths: [usize; 2]) -> Result<Self> {
+    /// Reads an element of `meshes`.
+    pub(super) fn read(fields: &Fields<'_>) -> Result<Self> {
         if fields.get("weights").is_some() {
             let message = "morph targets are ignored";
             fields.warn(message, "the base mesh is shown");
         }
         fields.need("primitives", "a list of objects")?;
-        let read = |part: &Fields<'_>| Primitive::read(part, lengths);
-        Ok(Self {
-            name: fields.text("name")?.filter(|name| !name.is_empty()),
-            primitives: fields.list("primitives", "a primitive", read)?,
-        })
+        let name = fields.name()?;
+        Ok(Self { name, primitives: fields.list("primitives", "a primitive", Primitive::read)? })
     }
 }
 
 impl Primitive {
-    fn read(fields: &Fields<'_>, [accessors, materials]: [usize; 2]) -> Result<Self> {
-        let mode = mode(fields)?;
-        let path = fields.path();
+    fn read(fields: &Fields<'_>) -> Result<Self> {
+        let must_be = "a whole number from 0 to 6: 4 for triangles, 5 strip, 6 fan";
+        let mode = fields.code("mode", &MODES, must_be)?.unwrap_or(Some(Mode::Triangles));
         if mode.is_none() {
             fields.warn("points and lines are left out", "only triangles are read");
         }
-        let own = Fields::new(fields.need("attributes", "an object { ... }")?, "attributes")?;
+        let own = fields.need_object("attributes", "attributes")?;
         let names = own.cursor().value().as_object().map(|map| map.keys().cloned());
         let mut attributes = BTreeMap::new();
         for name in names.into_iter().flatten() {
-            let accessor = own.need_index(&name, "accessors", accessors)?;
+            let accessor = own.need_index(&name, "accessors")?;
             if name.starts_with("COLOR_") && name != COLORS {
                 fields.warn("further vertex colours are ignored", "only COLOR_0 is used");
             }
             attributes.insert(name, accessor);
         }
         Ok(Self {
-            path,
+            path: fields.path(),
             mode,
             attributes,
-            indices: fields.index("indices", "accessors", accessors)?,
-            material: fields.index("material", "materials", materials)?,
+            indices: fields.index("indices", "accessors")?,
+            material: fields.index("material", "materials")?,
         })
     }
 }
 
-fn mode(fields: &Fields<'_>) -> Result<Option<Mode>> {
-    /// Triangles by default.
-    const DEFAULT: u64 = 4;
-    let Some(cursor) = fields.get("mode") else { return Ok(Some(Mode::Triangles)) };
-    match cursor.value().as_u64() {
-        Some(0..=3) => Ok(None),
-        Some(DEFAULT) => Ok(Some(Mode::Triangles)),
-        Some(5) => Ok(Some(Mode::Strip)),
-        Some(6) => Ok(Some(Mode::Fan)),
-        _ => {
-            Err(cursor.error("must be a whole number from 0 to 6: 4 for triangles, 5 strip, 6 fan"))
-        }
-    }
-}
+/// The format's codes of points, of three kinds of lines, and of triangles.
+const MODES: [(u64, Option<Mode>); 7] = [
+    (0, None),
+    (1, None),
+    (2, None),
+    (3, None),
+    (4, Some(Mode::Triangles)),
+    (5, Some(Mode::Strip)),
+    (6, Some(Mode::Fan)),
+];

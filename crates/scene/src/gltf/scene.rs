@@ -2,26 +2,25 @@
 
 use std::ops::Range;
 
-use glam::{DAffine3, DVec3, Vec3};
+use glam::{DAffine3, Vec3};
 use hecs::{EntityBuilder, World};
 
-use crate::components::{CutOut, Falloff, Maps, Order, Pinhole};
+use crate::components::{CutOut, Maps, Order, TextureRef};
 use crate::format::Notes;
-use crate::load::LoadOptions;
-use crate::load::framing::{Framing, Up};
-use crate::load::lighting::Rig;
-use crate::load::staging::{self, Framed, Sphere, Upward};
+use crate::options::LoadOptions;
+use crate::options::framing::{Framing, Up};
+use crate::options::lighting::Rig;
+use crate::staging::{self, Contents, Framed, Sphere, Upward};
 use wavecrest_base::error::{ErrorKind, Result};
 
-use super::camera;
+use super::camera::{self, Shot};
 use super::document::Document;
-use super::instancing::places;
 use super::light;
 use super::material::Surface;
 use super::mesh::Reader;
 use super::node::Placed;
 use super::spawn::{Primitive, Use, extent};
-use super::textured::textures;
+use super::transform::flattens;
 
 /// Makes a scene from a document, and reports the choices made for the user.
 pub(super) fn world(
@@ -30,19 +29,18 @@ pub(super) fn world(
     notes: &Notes<'_>,
 ) -> Result<(World, String)> {
     let primitives = notes.whole(|| Ok(primitives(document, notes)))?;
-    let corners = corners(&primitives);
-    let all = placed(&primitives, &corners);
-    let bounds = staging::bounds(&all);
-    let own = match options.framing == Framing::USUAL {
-        true => camera::chosen(document, &bounds, options, notes)?,
+    let corners: Vec<Vec<Vec3>> = primitives.iter().map(corners).collect();
+    let contents = Contents::new(placed(&primitives, &corners));
+    let bounds = contents.sphere;
+    let own = match options.framing == Framing::default() {
+        true => camera::chosen(&shots(document), &bounds, options, notes)?,
         false => None,
     };
     let has_camera = own.is_some();
-    let framed = |view| Framed { view, path: None, up: DVec3::Y, lamp: None, told: String::new() };
-    let Framed { view, path, up, lamp, told: chosen } = own.map_or_else(
-        || staging::framed(&all, &bounds, Upward::Stated(Up::Y), options),
-        |view| Ok(framed(view)),
-    )?;
+    let framed = match own {
+        Some(view) => Framed::own(view),
+        None => staging::framed(&contents, Upward::Stated(Up::Y), options)?,
+    };
     let mut lights = lights(document, notes);
     let glowing: usize =
         primitives.iter().filter(|f| f.surface.is_light()).map(|f| f.uses.len()).sum();
@@ -57,10 +55,8 @@ pub(super) fn world(
     let mut world = World::new();
     let (settings, told_light) = match added {
         Some(why) => {
-            let (bounds, view, path) = (&bounds, &view, path.as_ref());
-            let subject = staging::Subject { all: &all, bounds, view, path, up, lamp };
             let (settings, told) =
-                staging::light(&mut world, &subject, notes.file(), &options.lighting);
+                staging::light(&mut world, &contents, &framed, notes.file(), &options.lighting);
             (settings, Some(format!("{why}: {told}")))
         }
         None => {
@@ -72,12 +68,10 @@ pub(super) fn world(
             (staging::settings(notes.file(), count, &options.lighting), None)
         }
     };
-    drop(all);
+    drop(contents);
+    let told = told(has_camera, &framed.told, told_light, exposure);
     world.spawn((settings,));
-    match path {
-        Some(path) => world.spawn((view, Pinhole, path)),
-        None => world.spawn((view, Pinhole)),
-    };
+    framed.spawn(&mut world);
     // Without lights, a lamp is a surface that shows its emission.
     let shows_colors = added.is_some() && options.lighting.rig == Rig::None;
     // Behind all lights that are not meshes.
@@ -90,7 +84,7 @@ pub(super) fn world(
             primitive.add_shapes(notes.file(), order, &mut world);
         }
     }
-    Ok((world, told(has_camera, &chosen, told_light, exposure)))
+    Ok((world, told))
 }
 
 /// Largest number of triangles of lights: each node that shows one holds a copy.
@@ -161,6 +155,36 @@ fn primitives(document: &Document, notes: &Notes<'_>) -> Vec<Primitive> {
     primitives
 }
 
+/// The transforms at which a node shows its mesh, each with its path.
+fn places(
+    document: &Document,
+    node: usize,
+    world: &DAffine3,
+    path: &str,
+    notes: &Notes<'_>,
+) -> Result<Vec<(String, DAffine3)>> {
+    let all = match &document.nodes[node].instancing {
+        None => vec![(path.to_owned(), *world)],
+        Some(found) => {
+            let place = |i| {
+                let transform = found.transform(&document.storage, world, i).ok_or_else(|| {
+                    let message = format!("instance {i} has an invalid transform");
+                    let error = notes.error(ErrorKind::Scene, path, message);
+                    error.remedy("use a unit quaternion and finite numbers")
+                })?;
+                Ok((format!("{path}, instance {i}"), transform))
+            };
+            (0..found.count).map(place).collect::<Result<Vec<_>>>()?
+        }
+    };
+    let (kept, flat): (Vec<_>, Vec<_>) = all.into_iter().partition(|(_, world)| !flattens(world));
+    if let Some((path, _)) = flat.first() {
+        let message = "nodes with a scale of 0 are left out";
+        notes.note(path, message, "use a scale other than 0 on every axis");
+    }
+    Ok(kept)
+}
+
 /// Whether some primitive of the scene is left out as invisible.
 fn is_left_out(document: &Document) -> bool {
     let meshes = document.placed.iter().filter_map(|placed| document.nodes[placed.node].mesh);
@@ -217,7 +241,7 @@ fn read(
         let Some(mesh) = mesh.ok().flatten() else { continue };
         let has_uvs = mesh.uvs.is_some();
         // An unlit surface shows its texture as emission.
-        let base = texture.as_ref().or(maps.emission.as_ref().filter(|_| surface.is_unlit()));
+        let base = texture.as_ref().or(maps.emission.as_ref().filter(|_| surface.is_unlit));
         let cutout = base.filter(|_| has_uvs && threshold > 0.0).map(|t| CutOut {
             source: t.source.clone(),
             is_mask: false,
@@ -239,38 +263,61 @@ fn read(
     }
 }
 
+/// The textures of a surface whose images exist, and the one set of coordinates that they use.
+fn textures(
+    document: &Document,
+    surface: &Surface,
+    notes: &Notes<'_>,
+) -> (Option<TextureRef>, Maps, Option<u32>) {
+    let mut set = None;
+    let (color, maps) = surface.textures(|info, encoding, tint| {
+        let texture = document.textures.reference(info, encoding, tint, notes)?;
+        if *set.get_or_insert(info.set) == info.set {
+            return Some(texture);
+        }
+        let message = "a texture with another set of coordinates is left out";
+        let remedy = "use one set of coordinates for all textures of a material";
+        notes.note("materials", message, remedy);
+        None
+    });
+    (color, maps, set)
+}
+
 /// Largest number of points to check for one primitive, in all its places.
 const MOST_POINTS: usize = 1 << 24;
 
-/// Corners of boxes that replace primitives shown so often that checking every point would take too
+/// Corners of a box that replaces a primitive shown so often that checking every point would take too
 /// long; empty for others.
-fn corners(primitives: &[Primitive]) -> Vec<Vec<Vec3>> {
-    let corners = |primitive: &Primitive| {
-        let points = 3 * primitive.mesh.triangles.len();
-        let is_often = points.saturating_mul(primitive.uses.len()) > MOST_POINTS;
-        if is_often && primitive.uses.len() > 1 {
-            staging::corners(&primitive.mesh.positions)
-        } else {
-            vec![]
-        }
-    };
-    primitives.iter().map(corners).collect()
+fn corners(primitive: &Primitive) -> Vec<Vec3> {
+    let points = 3 * primitive.mesh.triangles.len();
+    let uses = primitive.uses.len();
+    match points.saturating_mul(uses) > MOST_POINTS && uses > 1 {
+        true => staging::corners(&primitive.mesh.positions),
+        false => vec![],
+    }
 }
 
 /// Everything visible.
 fn placed<'a>(primitives: &'a [Primitive], corners: &'a [Vec<Vec3>]) -> Vec<staging::Placed<'a>> {
-    let mut all = Vec::new();
-    for (primitive, corners) in primitives.iter().zip(corners) {
+    let placed = |(primitive, corners): (&'a Primitive, &'a Vec<Vec3>)| {
         let mesh = &primitive.mesh;
-        let (points, triangles) = match &corners[..] {
-            [] => (&mesh.positions[..], &mesh.triangles[..]),
-            corners => (corners, &[][..]),
+        let placed = match &corners[..] {
+            [] => staging::Placed::new(&mesh.positions, &mesh.triangles, DAffine3::IDENTITY),
+            corners => staging::Placed::new(corners, &[], DAffine3::IDENTITY),
         };
-        let placed = staging::Placed::new(points, triangles, DAffine3::IDENTITY);
-        let place = |one: &Use| staging::Placed { world: one.world, ..placed };
-        all.extend(primitive.uses.iter().map(place));
-    }
-    all
+        primitive.uses.iter().map(move |one| staging::Placed { world: one.world, ..placed })
+    };
+    primitives.iter().zip(corners).flat_map(placed).collect()
+}
+
+/// The cameras of the scene's nodes.
+fn shots(document: &Document) -> Vec<Shot<'_>> {
+    let shot = |&Placed { node, world }: &Placed| {
+        let number = document.nodes[node].camera?;
+        let (camera, node) = (&document.cameras[number], document.nodes[node].name.as_deref());
+        Some(Shot { number, camera, node, world })
+    };
+    document.placed.iter().filter_map(shot).collect()
 }
 
 /// The lights of the scene's nodes.
@@ -294,7 +341,7 @@ fn emitted(primitives: &[Primitive], bounds: &Sphere) -> f64 {
     let radiance = |primitive: &Primitive, world: &DAffine3| {
         let (area, middle) = extent(&primitive.mesh, world);
         let strength = primitive.surface.emission * area;
-        light::radiance(strength, Falloff::InverseSquare, middle, bounds)
+        light::radiance(strength, middle, bounds)
     };
     lights.flat_map(|light| light.uses.iter().map(move |found| radiance(light, &found.world))).sum()
 }

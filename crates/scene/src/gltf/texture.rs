@@ -1,13 +1,9 @@
 //! Textures: images, samplers and texture coordinates.
 
-use std::path::PathBuf;
-use std::sync::Arc;
-
 use glam::{DVec3, Vec2};
-use serde_json::Value;
 
 use crate::components::{Encoding, Filter, Placing, TextureRef, TextureSource, Wrap};
-use crate::format::Range;
+use crate::format::{Notes, Range};
 use wavecrest_base::error::Result;
 
 use super::accessor::Storage;
@@ -16,22 +12,26 @@ use super::uri::{self, Target};
 
 /// An element of `images`.
 #[derive(Clone, Debug)]
-struct Image(TextureSource);
+enum Image {
+    Known(TextureSource),
+    /// In a view of a buffer that a survey does not read, at this place of the file.
+    Unread(usize, String),
+}
 
 impl Image {
     /// Reads an element of `images`; no image is decoded here.
-    fn read(fields: &Fields<'_>, storage: Storage<'_>) -> Result<Self> {
-        let embedded = |bytes: &[u8]| TextureSource::Embedded {
-            place: fields.path(),
-            bytes: Arc::from(bytes),
-        };
-        let view = fields.index("bufferView", "bufferViews", storage.views.len())?;
-        if let Some(view) = view {
-            return Ok(Self(embedded(storage.views[view].bytes(storage.buffers))));
+    fn read(fields: &Fields<'_>, storage: &Storage) -> Result<Self> {
+        let place = fields.path();
+        if let Some(number) = fields.index("bufferView", "bufferViews")? {
+            let (view, buffer) = storage.view(number);
+            return Ok(match buffer.is_read() {
+                true => Self::Known(TextureSource::Embedded { place, bytes: view.copied(buffer) }),
+                false => Self::Unread(number, place),
+            });
         }
         let uri = fields.need("uri", "the name of an image, or give a bufferView")?;
-        Ok(Self(match uri::target(&uri)? {
-            Target::Bytes(bytes) => embedded(&bytes),
+        Ok(Self::Known(match uri::target(&uri)? {
+            Target::Bytes(bytes) => TextureSource::Embedded { place, bytes: bytes.into() },
             Target::File(path) => TextureSource::File(path),
         }))
     }
@@ -55,34 +55,21 @@ const MIPMAPPED: std::ops::RangeInclusive<u64> = 9984..=9987;
 impl Sampler {
     /// Reads an element of `samplers`.
     fn read(fields: &Fields<'_>) -> Result<Self> {
-        let magnified = fields.count("magFilter")?;
-        let minified = fields.count("minFilter")?;
-        let filter = match (magnified, minified) {
+        let filter = match (fields.count("magFilter")?, fields.count("minFilter")?) {
             (Some(NEAREST), _) => Filter::Nearest,
             (_, Some(filter)) if MIPMAPPED.contains(&filter) => Filter::Trilinear,
             _ => Filter::Bilinear,
         };
-        let wraps = [wrap(fields, "wrapS")?, wrap(fields, "wrapT")?];
-        if wraps[0] != wraps[1] {
-            let message = "wrapT differs from wrapS";
-            fields.warn(message, "wrapS is used for both");
+        let wrap = |key| -> Result<Wrap> {
+            let must_be = "10497 (repeat), 33071 (clamp) or 33648 (mirrored)";
+            Ok(fields.code(key, &WRAPS, must_be)?.unwrap_or(Wrap::Repeat))
+        };
+        let (s, t) = (wrap("wrapS")?, wrap("wrapT")?);
+        if s != t {
+            fields.warn("wrapT differs from wrapS", "wrapS is used for both");
         }
-        Ok(Self { filter, wrap: wraps[0] })
+        Ok(Self { filter, wrap: s })
     }
-}
-
-/// Whether a sampler reads smaller copies of its image.
-pub(super) fn is_mipmapped(sampler: &Value) -> bool {
-    let number = |key: &str| sampler[key].as_u64();
-    number("magFilter") != Some(NEAREST)
-        && number("minFilter").is_some_and(|filter| MIPMAPPED.contains(&filter))
-}
-
-fn wrap(fields: &Fields<'_>, key: &str) -> Result<Wrap> {
-    let Some(cursor) = fields.get(key) else { return Ok(Wrap::Repeat) };
-    let number = cursor.value().as_u64();
-    let wrap = WRAPS.iter().find(|(known, _)| number == Some(*known)).map(|(_, wrap)| *wrap);
-    wrap.ok_or_else(|| cursor.error("must be 10497 (repeat), 33071 (clamp) or 33648 (mirrored)"))
 }
 
 /// An element of `textures`.
@@ -93,16 +80,16 @@ struct Texture {
 }
 
 impl Texture {
-    /// Reads an element of `textures`, in a file with this number of images and samplers.
-    fn read(fields: &Fields<'_>, [images, samplers]: [usize; 2]) -> Result<Self> {
+    /// Reads an element of `textures`.
+    fn read(fields: &Fields<'_>) -> Result<Self> {
         Ok(Self {
             // Unsupported extensions may have lists of images of their own, to which this number
             // may refer.
-            image: fields.index("source", "images", images).unwrap_or_else(|error| {
+            image: fields.index("source", "images").unwrap_or_else(|error| {
                 fields.cursor().notes().warn(&error);
                 None
             }),
-            sampler: fields.index("sampler", "samplers", samplers)?,
+            sampler: fields.index("sampler", "samplers")?,
         })
     }
 }
@@ -121,9 +108,9 @@ pub(super) struct TextureInfo {
 const MOST_SETS: f64 = 1024.0;
 
 impl TextureInfo {
-    /// Reads a reference to one of this number of textures.
-    pub(super) fn read(fields: &Fields<'_>, textures: usize) -> Result<Self> {
-        let texture = fields.need_index("index", "textures", textures)?;
+    /// Reads a reference to a texture.
+    pub(super) fn read(fields: &Fields<'_>) -> Result<Self> {
+        let texture = fields.need_index("index", "textures")?;
         let own_set = set(fields)?.unwrap_or(0);
         let changed = fields
             .extension("KHR_texture_transform", |found| Ok((set(found)?, placing(found)?)))?;
@@ -141,33 +128,38 @@ pub(super) struct Textures {
 
 impl Textures {
     /// Reads the lists of a file. Without `storage`, images are left out.
-    pub(super) fn read(top: &Fields<'_>, storage: Option<Storage<'_>>) -> Result<Self> {
+    pub(super) fn read(top: &Fields<'_>, storage: Option<&Storage>) -> Result<Self> {
         let image = |storage| top.list("images", "an image", |f| Image::read(f, storage));
         let images = storage.map_or(Ok(Vec::new()), image);
         let samplers = top.list("samplers", "a sampler", Sampler::read);
-        let lengths = [top.length("images"), top.length("samplers")];
-        let textures = top.list("textures", "a texture", |f| Texture::read(f, lengths))?;
+        let textures = top.list("textures", "a texture", Texture::read)?;
         Ok(Self { images: images?, samplers: samplers?, textures })
     }
 
-    /// The texture of a material, tinted; `None` if the file does not name its image.
+    /// The texture of a material, tinted; `None`, with a warning, if its image is missing.
     pub(super) fn reference(
         &self,
         info: &TextureInfo,
         encoding: Encoding,
         tint: DVec3,
+        notes: &Notes<'_>,
     ) -> Option<TextureRef> {
-        let Image(source) = self.images.get(self.image(info)?)?;
-        let sampler = self.textures.get(info.texture)?.sampler;
-        let sampler = sampler.and_then(|i| self.samplers.get(i)).copied().unwrap_or_default();
-        Some(TextureRef {
-            source: source.clone(),
-            encoding,
-            tint,
-            filter: sampler.filter,
-            wrap: sampler.wrap,
-            placing: info.placing,
-        })
+        let left_out = "the texture is left out";
+        let Some(image) = self.image(info) else {
+            notes.note("textures", "the image of a texture cannot be read", left_out);
+            return None;
+        };
+        let Some(Image::Known(source)) = self.images.get(image) else { return None };
+        if let TextureSource::File(path) = source
+            && !path.is_file()
+        {
+            let message = format!("the image {} is missing", path.display());
+            notes.note(&format!("images[{image}]"), &message, left_out);
+            return None;
+        }
+        let Sampler { filter, wrap } = self.sampler(info);
+        let (source, placing) = (source.clone(), info.placing);
+        Some(TextureRef { source, encoding, tint, filter, wrap, placing })
     }
 
     /// The image of a material's texture.
@@ -175,12 +167,26 @@ impl Textures {
         self.textures.get(info.texture)?.image
     }
 
-    /// The file of an image, if it is missing.
-    pub(super) fn missing(&self, image: usize) -> Option<&PathBuf> {
-        match &self.images.get(image)?.0 {
-            TextureSource::File(path) if !path.is_file() => Some(path),
-            _ => None,
-        }
+    /// The sampler of a material's texture.
+    fn sampler(&self, info: &TextureInfo) -> Sampler {
+        let sampler = self.textures.get(info.texture).and_then(|texture| texture.sampler);
+        sampler.and_then(|i| self.samplers.get(i)).copied().unwrap_or_default()
+    }
+
+    /// The filter of a material's texture.
+    pub(super) fn filter(&self, info: &TextureInfo) -> Filter {
+        self.sampler(info).filter
+    }
+
+    /// The source of an image, read now if it is in an unread buffer.
+    pub(super) fn source(&self, image: usize, storage: &Storage) -> Option<TextureSource> {
+        Some(match self.images.get(image)? {
+            Image::Known(source) => source.clone(),
+            Image::Unread(view, place) => {
+                let (view, buffer) = storage.view(*view);
+                TextureSource::Embedded { place: place.clone(), bytes: view.copied(buffer) }
+            }
+        })
     }
 }
 

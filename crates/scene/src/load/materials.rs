@@ -2,7 +2,7 @@
 //!
 //! A missing material gives a warning, and its faces have the material of the shape.
 
-use std::collections::HashMap;
+use std::collections::{BTreeSet, HashMap};
 use std::fs::File;
 use std::io::Read as _;
 use std::path::{Path, PathBuf};
@@ -131,20 +131,17 @@ impl Reader<'_> {
                 all.entry(name).or_insert((mtl, folder.clone()));
             }
         }
-        let joined = |words: &std::collections::BTreeSet<String>| {
+        let joined = |words: &BTreeSet<String>| {
             words.iter().map(String::as_str).collect::<Vec<_>>().join(", ")
         };
-        if !told.skipped.is_empty() {
-            let message = format!("unsupported MTL statements: {}", joined(&told.skipped));
-            self.warn(&message, "ignored");
-        }
-        if !told.options.is_empty() {
-            let message = format!("unsupported options of MTL maps: {}", joined(&told.options));
-            self.warn(&message, "ignored");
-        }
-        if !told.malformed.is_empty() {
-            let message = format!("malformed lines in MTL files: {}", told.malformed.join("; "));
-            self.warn(&message, "skipped");
+        for (what, words, effect) in [
+            ("unsupported MTL statements", joined(&told.skipped), "ignored"),
+            ("unsupported options of MTL maps", joined(&told.options), "ignored"),
+            ("malformed lines in MTL files", told.malformed.join("; "), "skipped"),
+        ] {
+            if !words.is_empty() {
+                self.warn(&format!("{what}: {words}"), effect);
+            }
         }
         all
     }
@@ -160,16 +157,16 @@ impl Reader<'_> {
                 Err(_) => statement.split_ascii_whitespace().collect(),
             };
             for name in names {
-                match self.find(self.folder.path(), name) {
-                    Ok(path) if found.contains(&path) => {}
-                    Ok(path) => found.push(path),
-                    Err(denied) => self.denied(
-                        denied,
+                let path = self.find(self.folder.path(), name).inspect_err(|denied| {
+                    self.denied(
+                        *denied,
                         "material file",
                         name,
                         "its faces use the default material",
-                    ),
-                }
+                    );
+                });
+                let path = path.ok().filter(|path| !found.contains(path));
+                found.extend(path);
             }
         }
         if found.len() > MOST_FILES {
@@ -184,14 +181,11 @@ impl Reader<'_> {
     fn text(&self, path: &Path) -> Option<Vec<u8>> {
         let mut text = Vec::new();
         let read = File::open(path).and_then(|file| file.take(LONGEST_FILE).read_to_end(&mut text));
-        match read {
-            Ok(_) => Some(text),
-            Err(error) => {
-                let message = format!("cannot read {}: {error}", path.display());
-                self.warn(&message, "its faces use the default material");
-                None
-            }
-        }
+        let read = read.inspect_err(|error| {
+            let message = format!("cannot read {}: {error}", path.display());
+            self.warn(&message, "its faces use the default material");
+        });
+        read.is_ok().then_some(text)
     }
 
     /// The path of an image named in a file in the folder `from`, if it exists and can be read.
@@ -200,19 +194,13 @@ impl Reader<'_> {
         if let Some(known) = self.images.get(&key) {
             return known.clone();
         }
-        let found = match self.find(from, name) {
-            Ok(path) => match textures::check(&path) {
-                Ok(()) => Some(path),
-                Err(error) => {
-                    self.warn(&error.to_string(), "only the material's colour is used");
-                    None
-                }
-            },
-            Err(denied) => {
-                self.denied(denied, "image", name, "only the material's colour is used");
-                None
-            }
-        };
+        let effect = "only the material's colour is used";
+        let found = self.find(from, name);
+        let found = found.inspect_err(|denied| self.denied(*denied, "image", name, effect));
+        let found = found.ok().filter(|path| {
+            let check = textures::check(path);
+            check.inspect_err(|error| self.warn(&error.to_string(), effect)).is_ok()
+        });
         self.images.insert(key, found.clone());
         found
     }
@@ -230,17 +218,14 @@ impl Reader<'_> {
     }
 
     fn denied(&self, denied: Denied, kind: &str, name: &str, effect: &str) {
-        match denied {
-            Denied::Missing => {
-                let message = format!("the {kind} {name:?} is missing");
-                self.warn(&message, &format!("put it beside the OBJ file; until then {effect}"));
-            }
-            Denied::Outside => {
-                let message = format!("the {kind} {name:?} is outside the folder of the OBJ file");
-                let remedy = "copy it there, or allow others with --allow-outside";
-                self.warn(&message, &format!("{remedy}; {effect}"));
-            }
-        }
+        let (place, remedy) = match denied {
+            Denied::Missing => ("missing", "put it beside the OBJ file; until then "),
+            Denied::Outside => (
+                "outside the folder of the OBJ file",
+                "copy it there, or allow others with --allow-outside; ",
+            ),
+        };
+        self.warn(&format!("the {kind} {name:?} is {place}"), &format!("{remedy}{effect}"));
     }
 
     /// Whether the mesh has the texture coordinates that a texture needs.

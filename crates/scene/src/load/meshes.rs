@@ -16,7 +16,8 @@ use crate::mesh::{LoadedMesh, MeshData, NamedMaterials};
 use crate::query::{images_of, json_path, ordered, shapes};
 use crate::shapes::INSTANCE;
 use crate::surface::SURFACE;
-use wavecrest_base::error::{Error, ErrorKind, Result};
+use crate::survey::error_of;
+use wavecrest_base::error::{ErrorKind, Result};
 
 /// Completes the `world`, with mesh files read by `read_mesh`.
 pub(super) fn complete(
@@ -130,12 +131,6 @@ fn read(
     loaded.mesh.decode_colors(*colors);
     let mesh = Mesh { data: loaded.mesh, file: Some(file.clone()), ..Mesh::default() };
     Ok((mesh, loaded.materials))
-}
-
-/// The error of a mesh reader, prefixed with the place in the scene that names the mesh.
-pub(crate) fn error_of(cause: Error, place: &str, notes: &Notes<'_>) -> Error {
-    let message = format!("cannot read the mesh: {cause}");
-    notes.error(cause.kind(), &format!("{place}.file"), message).because(cause)
 }
 
 /// Checks that a mesh has the texture coordinates that its textures need. Without normals it is

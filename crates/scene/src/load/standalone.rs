@@ -8,12 +8,12 @@ use hecs::World;
 use wavecrest_base::error::{Error, ErrorKind, Result};
 
 use super::materials::split;
-use super::staging::{self, Placed, Upward};
-use crate::components::{JsonPath, Material, Name, Order, Pinhole, Shading, Sides, VertexColors};
+use crate::components::{JsonPath, Material, Name, Order, Shading, Sides, VertexColors};
 use crate::format::Notes;
-use crate::load::LoadOptions;
-use crate::load::framing::Up;
 use crate::mesh::{LoadedMesh, crease};
+use crate::options::LoadOptions;
+use crate::options::framing::Up;
+use crate::staging::{self, Contents, Placed, Upward};
 
 /// A light grey with a faint highlight.
 const MATERIAL: Material = Material {
@@ -49,31 +49,19 @@ pub(super) fn world(
         mesh.normals = Some(crease::normals(&mesh.positions, &mesh.triangles, crease));
     }
     let world = glam::DAffine3::from_translation(mesh.origin);
-    let all = [Placed::new(&mesh.positions, &mesh.triangles, world)];
-    let bounds = staging::bounds(&all);
-    let staging::Framed { view, path: moves, up, lamp, told: framed } =
-        staging::framed(&all, &bounds, usual_up(path), options)?;
-    let subject = staging::Subject {
-        all: &all,
-        bounds: &bounds,
-        view: &view,
-        path: moves.as_ref(),
-        up,
-        lamp,
-    };
+    let contents = Contents::new(vec![Placed::new(&mesh.positions, &mesh.triangles, world)]);
+    let framed = staging::framed(&contents, usual_up(path), options)?;
     let mut world = World::new();
-    let (settings, told) = staging::light(&mut world, &subject, path, &options.lighting);
+    let (settings, told) = staging::light(&mut world, &contents, &framed, path, &options.lighting);
+    let told = format!("{}default camera and material; no lights: {told}", framed.told);
     world.spawn((settings,));
-    match moves {
-        Some(moves) => world.spawn((view, Pinhole, moves)),
-        None => world.spawn((view, Pinhole)),
-    };
+    framed.spawn(&mut world);
     let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let shading = if mesh.normals.is_some() { Shading::Smooth } else { Shading::Flat };
     let place = JsonPath("the mesh".into());
     let shape = world.spawn((Order(0), place, Name(name), MATERIAL, Sides::Both, shading));
     split(&mut world, shape, mesh, &materials, path, notes);
-    Ok((world, format!("{framed}default camera and material; no lights: {told}")))
+    Ok((world, told))
 }
 
 /// The up axis of a mesh, whose format states none.

@@ -8,7 +8,7 @@ use hecs::{Entity, World};
 use crate::components::{
     Encoding, Filter, InstanceOf, JsonPath, Maps, Material, Mesh, TextureRef, TextureSource, Wrap,
 };
-use crate::load::staging::GROUND;
+use crate::staging::GROUND;
 
 /// The reflectance of clay.
 const CLAY: DVec3 = DVec3::splat(0.5);

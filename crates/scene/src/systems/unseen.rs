@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use super::backs::places;
-use crate::load::staging::GROUND;
+use crate::staging::GROUND;
 use wavecrest_base::error::{Error, ErrorKind};
 use wavecrest_core::math::random::Stream;
 use wavecrest_core::prepared::PreparedScene;

@@ -7,17 +7,18 @@
 
 use std::path::Path;
 
-use glam::DVec3;
+use glam::{DMat3, DVec3};
 use hecs::World;
 
-use super::{Placed, Sphere, ground};
+use super::camera::Framed;
+use super::{Contents, ground};
 use crate::components::{
-    Ambient, AreaLight, CameraPath, DirectionalLight, Encoding, Falloff, JsonPath, Mesh, Order,
-    PointLight, Sampling, Settings, View,
+    Ambient, AreaLight, DirectionalLight, Encoding, Falloff, JsonPath, Mesh, Order, PointLight,
+    Sampling, Settings, View,
 };
 use crate::corners::{direction, quad_has_area};
-use crate::load::lighting::{Background, Lighting, Rig};
 use crate::mesh::MeshData;
+use crate::options::lighting::{Background, Lighting, Rig};
 
 /// Mirror bounces: after four, little mirrored light is left.
 const BOUNCES: u32 = 4;
@@ -79,24 +80,12 @@ const HEADLIGHT: DVec3 = DVec3::splat(0.65);
 /// Sine of the largest angle off the vertical of a view from directly above.
 const STEEP: f64 = 1e-3;
 
-/// The object to light.
-pub(crate) struct Subject<'a> {
-    pub(crate) all: &'a [Placed<'a>],
-    pub(crate) bounds: &'a Sphere,
-    pub(crate) view: &'a View,
-    /// The path of the camera, if any.
-    pub(crate) path: Option<&'a CameraPath>,
-    /// Direction of the sky, of unit length.
-    pub(crate) up: DVec3,
-    /// The corners of a flat lamp, if the camera is in a room.
-    pub(crate) lamp: Option<[DVec3; 4]>,
-}
-
-/// Adds lights to a `world` of a `file` without any, and a ground below the `subject` unless the
+/// Adds lights to a `world` of a `file` without any, and a ground below its `contents` unless the
 /// camera is below it. Returns the other settings, and a description of the choices.
 pub(crate) fn light(
     world: &mut World,
-    subject: &Subject<'_>,
+    contents: &Contents<'_>,
+    framed: &Framed,
     file: &Path,
     lighting: &Lighting,
 ) -> (Settings, &'static str) {
@@ -105,20 +94,20 @@ pub(crate) fn light(
         settings_of(file, background, Ambient::Hemisphere { sky, ground, up })
     };
     match lighting.rig {
-        Rig::None => (under([DVec3::ONE; 2], subject.up), "unlit colours"),
+        Rig::None => (under([DVec3::ONE; 2], framed.up), "unlit colours"),
         Rig::Studio => {
             // A room without extent has no place for a lamp.
-            if let Some(corners) = subject.lamp.filter(quad_has_area) {
+            if let Some(corners) = framed.lamp.filter(quad_has_area) {
                 world.spawn(ceiling(corners));
-                return (under(ROOM, subject.up), "a light under the ceiling is added");
+                return (under(ROOM, framed.up), "a light under the ceiling is added");
             }
-            let axes = subject.axes();
+            let axes = axes(framed);
             let lamps = STUDIO.each_ref().map(|lamp| lamp.light(&axes));
-            let leaning = place(&axes, LEANING);
+            let leaning = axes * LEANING;
             // On a transparent background there is nothing to darken.
             if lighting.background != Some(Background::Transparent) {
-                let colors = (background, from_sky(SKY, leaning, subject.up));
-                ground::spawn(world, subject, &axes, &lamps, colors);
+                let colors = (background, from_sky(SKY, leaning, framed.up));
+                ground::spawn(world, contents, framed, &axes, &lamps, colors);
             }
             for ((lamp, light), order) in STUDIO.iter().zip(lamps).zip(0..) {
                 world.spawn((Order(order), JsonPath(lamp.name.to_owned()), light));
@@ -126,9 +115,9 @@ pub(crate) fn light(
             (under(SKY, leaning), "studio lights and a ground are added")
         }
         Rig::Headlight => {
-            world.spawn((Order(0), JsonPath("the light".to_owned()), headlight(subject.view)));
-            let light = if subject.lamp.is_some() { ROOM } else { SKY };
-            (under(light, subject.up), "a light at the camera and a sky are added")
+            world.spawn((Order(0), JsonPath("the light".to_owned()), headlight(&framed.view)));
+            let light = if framed.lamp.is_some() { ROOM } else { SKY };
+            (under(light, framed.up), "a light at the camera and a sky are added")
         }
     }
 }
@@ -174,17 +163,12 @@ fn ceiling(corners: [DVec3; 4]) -> (Order, JsonPath, AreaLight, Mesh) {
     (Order(0), JsonPath("the lamp".to_owned()), light, Mesh { data, ..Mesh::default() })
 }
 
-/// The vector with these components to the right, up, and back.
-fn place([right, up, back]: &[DVec3; 3], side: DVec3) -> DVec3 {
-    *right * side.x + *up * side.y + *back * side.z
-}
-
 impl Lamp {
-    fn light(&self, axes: &[DVec3; 3]) -> DirectionalLight {
+    fn light(&self, axes: &DMat3) -> DirectionalLight {
         DirectionalLight {
             intensity: 1.0,
             color: self.color,
-            direction: -place(axes, self.side),
+            direction: -(*axes * self.side),
             angle_degrees: self.angle,
             sampling: Sampling::Sobol,
             samples: self.samples,
@@ -192,18 +176,13 @@ impl Lamp {
     }
 }
 
-impl Subject<'_> {
-    /// The directions to the right, up and to the camera, for an upright viewer in front of the
-    /// scene.
-    fn axes(&self) -> [DVec3; 3] {
-        let Self { view, up, .. } = self;
-        let level = |v: DVec3| v - *up * v.dot(*up);
-        // From directly above, the lower edge of the image is in front.
-        let from = view.location - view.look;
-        let is_level = |v: &DVec3| v.length() > STEEP * from.length();
-        let back = Some(level(from)).filter(is_level).or_else(|| Some(level(-view.up)));
-        let back = back.and_then(direction);
-        let back = back.unwrap_or_else(|| up.any_orthonormal_vector());
-        [up.cross(back), *up, back]
-    }
+/// The directions to the right, up and to the camera, for an upright viewer in front of the scene.
+fn axes(Framed { view, up, .. }: &Framed) -> DMat3 {
+    let level = |v: DVec3| v - *up * v.dot(*up);
+    // From directly above, the lower edge of the image is in front.
+    let from = view.location - view.look;
+    let is_level = |v: &DVec3| v.length() > STEEP * from.length();
+    let back = Some(level(from)).filter(is_level).or_else(|| Some(level(-view.up)));
+    let back = back.and_then(direction).unwrap_or_else(|| up.any_orthonormal_vector());
+    DMat3::from_cols(up.cross(back), *up, back)
 }

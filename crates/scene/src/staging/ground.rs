@@ -4,13 +4,13 @@
 //! no visible edge, like a photographer's paper. So it need not be larger than the shadows, and few
 //! shadow rays start from it.
 
-use glam::{DAffine3, DVec2, DVec3, Vec3};
+use glam::{DAffine3, DMat3, DVec2, DVec3, Vec3, Vec3Swizzles};
 use hecs::{EntityBuilder, World};
 
 use wavecrest_core::math::float::MAX_COORDINATE;
 
-use super::Sphere;
-use super::light::Subject;
+use super::camera::Framed;
+use super::{Contents, Ends, Sphere, corner};
 use crate::components::{
     DirectionalLight, JsonPath, Material, Mesh, Name, Order, Shading, Sides, Transform,
 };
@@ -30,34 +30,31 @@ const FAR: f64 = 4.0;
 /// Number of directions that represent the edge of a lamp.
 const SIDES: u32 = 8;
 
-/// The box around everything, to the right, up, and back.
-type Bounds = (DVec3, DVec3);
-
-/// Adds the ground below a `subject` with these axes to the `world`. It matches the background
-/// `colors.0` under the lamps and a sky that sends it `colors.1`. There is none if the camera would
-/// be below it, or too much of it too far out.
+/// Adds the ground below everything, along these axes to the right, up, and back, to the `world`. It
+/// matches the background `colors.0` under the lamps and a sky that sends it `colors.1`. There is
+/// none if the camera would be below it, or too much of it too far out.
 pub(super) fn spawn(
     world: &mut World,
-    subject: &Subject<'_>,
-    axes: &[DVec3; 3],
+    contents: &Contents<'_>,
+    framed: &Framed,
+    axes: &DMat3,
     lamps: &[DirectionalLight],
     colors: (DVec3, DVec3),
 ) {
-    let [right, up, back] = *axes;
-    let Some((low, high)) = bounds(subject, axes) else { return };
-    let height = low.y - GAP * subject.bounds.radius;
-    let keys = subject.path.iter().flat_map(|path| path.keys.iter().map(|key| key.location));
-    if keys.chain([subject.view.location]).any(|location| location.dot(up) <= height) {
+    let (up, into) = (axes.y_axis, axes.transpose());
+    let Some(ends) = contents.extent(|point| into * point) else { return };
+    let height = ends.0.y - GAP * contents.sphere.radius;
+    let keys = framed.path.iter().flat_map(|path| path.keys.iter().map(|key| key.location));
+    if keys.chain([framed.view.location]).any(|location| location.dot(up) <= height) {
         return;
     }
-    let Sphere { center, radius } = *subject.bounds;
+    let Sphere { center, radius } = contents.sphere;
     // Far from the origin single precision would round the gap away.
     let is_far = center.abs().max_element() > FAR * radius;
     let origin = if is_far { center } else { DVec3::ZERO };
-    let corners: Vec<Vec3> = hull(shadows(lamps, axes, &(low, high), height))
-        .into_iter()
-        .map(|at| (right * at.x + up * height + back * at.y - origin).as_vec3())
-        .collect();
+    let point = |at: DVec2| (*axes * DVec3::new(at.x, height, at.y) - origin).as_vec3();
+    let corners: Vec<Vec3> =
+        hull(shadows(lamps, axes, &ends, height)).into_iter().map(point).collect();
     let is_within = |p: &Vec3| p.abs().max_element() < MAX_COORDINATE;
     if corners.len() < 3 || !corners.iter().all(is_within) {
         return;
@@ -85,53 +82,30 @@ pub(super) fn spawn(
     world.spawn(ground.build());
 }
 
-/// The box around all points along the axes; `None` without points.
-fn bounds(subject: &Subject<'_>, [right, up, back]: &[DVec3; 3]) -> Option<Bounds> {
-    let none = (DVec3::INFINITY, DVec3::NEG_INFINITY);
-    let merge = |a: Bounds, b: Bounds| (a.0.min(b.0), a.1.max(b.1));
-    let boxes = subject.all.iter().map(|placed| {
-        let along = |p: DVec3| {
-            let at = DVec3::new(p.dot(*right), p.dot(*up), p.dot(*back));
-            (at, at)
-        };
-        placed.reduce(none, along, merge)
-    });
-    let (low, high) = boxes.fold(none, merge);
-    (low.is_finite() && high.is_finite()).then_some((low, high))
-}
-
 /// Points around all shadows that a box casts on the plane at this height, to the right and back.
-fn shadows(
-    lamps: &[DirectionalLight],
-    axes: &[DVec3; 3],
-    (low, high): &Bounds,
-    height: f64,
-) -> Vec<DVec2> {
+fn shadows(lamps: &[DirectionalLight], axes: &DMat3, ends: &Ends, height: f64) -> Vec<DVec2> {
     let slopes: Vec<DVec2> = lamps.iter().flat_map(|lamp| slopes(lamp, axes)).collect();
-    let side = |i: u32, axis: u32| if i >> axis & 1 == 1 { high } else { low };
-    let corners = (0..8).map(|i| DVec3::new(side(i, 0).x, side(i, 1).y, side(i, 2).z));
-    corners
-        .flat_map(|corner| {
-            let (foot, above) = (DVec2::new(corner.x, corner.z), corner.y - height);
-            slopes.iter().map(move |slope| foot + *slope * above).chain([foot])
-        })
-        .collect()
+    let of = |i: u32| {
+        let corner = corner(ends, i);
+        let above = corner.y - height;
+        slopes.iter().map(move |slope| corner.xz() + *slope * above).chain([corner.xz()])
+    };
+    (0..8).flat_map(of).collect()
 }
 
 /// The horizontal displacement of a lamp's light, to the right and back, while it falls by 1: along
 /// the sides of a cone around it.
-fn slopes(lamp: &DirectionalLight, [right, up, back]: &[DVec3; 3]) -> impl Iterator<Item = DVec2> {
+fn slopes(lamp: &DirectionalLight, axes: &DMat3) -> impl Iterator<Item = DVec2> {
     let axis = lamp.direction.normalize();
     let across = axis.any_orthonormal_vector();
-    let (half, step) =
-        ((lamp.angle_degrees / 2.0).to_radians(), std::f64::consts::TAU / f64::from(SIDES));
+    let step = std::f64::consts::TAU / f64::from(SIDES);
     // A polygon about the circle.
-    let radius = libm::tan(half) / libm::cos(step / 2.0);
-    let [along_right, along_up, along_back] = [*right, *up, *back];
+    let radius = libm::tan((lamp.angle_degrees / 2.0).to_radians()) / libm::cos(step / 2.0);
+    let into = axes.transpose();
     (0..SIDES).map(move |i| {
         let (sin, cos) = libm::sincos(f64::from(i) * step);
-        let ray = axis + (across * cos + axis.cross(across) * sin) * radius;
-        DVec2::new(ray.dot(along_right), ray.dot(along_back)) / -ray.dot(along_up)
+        let ray = into * (axis + (across * cos + axis.cross(across) * sin) * radius);
+        ray.xz() / -ray.y
     })
 }
 
@@ -191,8 +165,7 @@ mod tests {
             sampling: Sampling::Sobol,
             samples: 1,
         };
-        let axes = [DVec3::X, DVec3::Y, DVec3::Z];
-        let found = shadows(&[lamp], &axes, &(DVec3::ZERO, DVec3::ONE), 0.0);
+        let found = shadows(&[lamp], &DMat3::IDENTITY, &(DVec3::ZERO, DVec3::ONE), 0.0);
         let most = found.iter().map(|p| p.x).fold(0.0, f64::max);
         // The lower edge of the lamp, from the top of the box.
         let edge = 1.0 + (libm::atan(0.75) + 5_f64.to_radians()).tan();

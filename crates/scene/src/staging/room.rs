@@ -7,8 +7,9 @@
 
 use glam::DVec3;
 
+use super::Ends;
 use super::grid::{COLUMNS, Column, Grid};
-use crate::load::framing::Up;
+use crate::options::framing::Up;
 
 /// Largest distance of a wall from the end of the box, as a share of the room's length.
 const WALL_DEPTH: f64 = 0.1;
@@ -89,8 +90,8 @@ impl Side {
     }
 }
 
-/// The room in the box from `low` to `high`, if it is one.
-pub(super) fn find(grid: &Grid, low: DVec3, high: DVec3, up: Up) -> Option<Room> {
+/// The room in the box with these `ends`, if it is one.
+pub(super) fn find(grid: &Grid, ends: &Ends, up: Up) -> Option<Room> {
     let upward = up.axes().y_axis;
     let sides = [0, 1, 2].map(|axis| [false, true].map(|is_high| Side::of(grid, axis, is_high)));
     let sides = sides.as_flattened();
@@ -104,7 +105,7 @@ pub(super) fn find(grid: &Grid, low: DVec3, high: DVec3, up: Up) -> Option<Room>
     }
     let open: Vec<&Side> = around().filter(|side| !side.is_wall()).collect();
     match open[..] {
-        [] => Some(inside(grid, low, high, upward)),
+        [] => Some(inside(grid, ends, upward)),
         [side] if side.covered <= OPEN => Some(Room::Open(side.normal())),
         _ => None,
     }
@@ -127,7 +128,7 @@ fn is_furnished(grid: &Grid) -> bool {
 }
 
 /// The view from one end of the longer axis to the other, along the freest line near the middle.
-pub(super) fn inside(grid: &Grid, low: DVec3, high: DVec3, upward: DVec3) -> Room {
+pub(super) fn inside(grid: &Grid, &(low, high): &Ends, upward: DVec3) -> Room {
     let size = high - low;
     let vertical = if upward.x != 0.0 { 0 } else { 1 + usize::from(upward.y == 0.0) };
     let across = [(vertical + 1) % 3, (vertical + 2) % 3];
@@ -200,32 +201,20 @@ fn free(column: &Column) -> [f64; 2] {
 
 #[cfg(test)]
 mod tests {
-    use super::super::Placed;
+    use super::super::tests::{Solid, boxes, contents};
     use super::*;
-    use glam::{DAffine3, Vec3};
 
-    /// The corners of a box's sides, low and high x, y, z, counter-clockwise from outside.
-    const QUADS: [[u32; 4]; 6] =
-        [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
+    fn found(mesh: &Solid) -> Option<Room> {
+        let contents = contents(mesh);
+        find(&Grid::of(&contents).unwrap(), &contents.ends, Up::Y)
+    }
 
     /// The sides of a box of 4 by 2 by 6, turned inward or outward, without those left out.
     fn walls(inward: bool, left_out: &[usize]) -> Option<Room> {
-        let corner = |i: u32| {
-            Vec3::new((i & 1) as f32 * 4.0, (i >> 1 & 1) as f32 * 2.0, (i >> 2) as f32 * 6.0)
-        };
-        let points: Vec<Vec3> = (0..8).map(corner).collect();
-        let mut triangles = Vec::new();
-        for (_, [a, b, c, d]) in
-            QUADS.into_iter().enumerate().filter(|(i, _)| !left_out.contains(i))
-        {
-            triangles.extend([[a, b, c], [a, c, d]]);
-        }
-        if inward {
-            triangles.iter_mut().for_each(|triangle| triangle.swap(1, 2));
-        }
-        let placed = Placed::new(&points, &triangles, DAffine3::IDENTITY);
-        let (low, high) = (Vec3::ZERO.as_dvec3(), points[7].as_dvec3());
-        find(&Grid::of(&[placed], low, high).unwrap(), low, high, Up::Y)
+        let (points, triangles) = boxes(&[([0.0; 3], [4.0, 2.0, 6.0])]);
+        let sides = triangles.into_iter().enumerate().filter(|(i, _)| !left_out.contains(&(i / 2)));
+        let turned = |(_, [a, b, c]): (_, [u32; 3])| if inward { [a, c, b] } else { [a, b, c] };
+        found(&(points, sides.map(turned).collect()))
     }
 
     #[test]
@@ -236,7 +225,7 @@ mod tests {
         assert!(eye.y == look.y && eye.y > 1.0 && eye.y < 1.4);
         let [a, b, c, _] = lamp;
         assert!(lamp.iter().all(|p| p.y == a.y && p.y > 1.9 && p.y < 2.0), "{lamp:?}");
-        assert!(((c - a).abs() - glam::DVec3::new(0.8, 0.0, 1.2)).length() < 1e-12);
+        assert!(((c - a).abs() - DVec3::new(0.8, 0.0, 1.2)).length() < 1e-12);
         assert!((c - b).dot(b - a).abs() < 1e-12, "right angles");
         // Without a ceiling it is a room still.
         assert!(matches!(walls(true, &[3]), Some(Room::Closed { .. })));
@@ -248,24 +237,14 @@ mod tests {
         assert_eq!(walls(true, &[1]), Some(Room::Open(DVec3::X)));
     }
 
-    /// A box with its front out, and around it or within it further boxes.
-    fn nested(boxes: &[(f32, bool)]) -> Option<Room> {
-        let (mut points, mut triangles) = (Vec::new(), Vec::new());
-        for &(half, inward) in boxes {
-            let first = points.len() as u32;
-            points.extend((0..8).map(|i: u32| {
-                let side = |bit: u32| if i >> bit & 1 == 1 { half } else { -half };
-                Vec3::new(side(0), side(1), side(2))
-            }));
-            for [a, b, c, d] in QUADS {
-                let corners = [[a, b, c], [a, c, d]].map(|t: [u32; 3]| t.map(|i| i + first));
-                triangles
-                    .extend(corners.map(|[a, b, c]| if inward { [a, c, b] } else { [a, b, c] }));
-            }
+    /// Cubes about the origin, with these half sides, turned inward or outward.
+    fn nested(cubes: &[(f32, bool)]) -> Option<Room> {
+        let sides: Vec<_> = cubes.iter().map(|&(half, _)| ([-half; 3], [half; 3])).collect();
+        let (points, mut triangles) = boxes(&sides);
+        for (sides, (_, inward)) in triangles.chunks_mut(12).zip(cubes) {
+            sides.iter_mut().filter(|_| *inward).for_each(|triangle| triangle.swap(1, 2));
         }
-        let placed = Placed::new(&points, &triangles, DAffine3::IDENTITY);
-        let high = glam::DVec3::splat(f64::from(boxes[0].0));
-        find(&Grid::of(&[placed], -high, high).unwrap(), -high, high, Up::Y)
+        found(&(points, triangles))
     }
 
     #[test]

@@ -4,7 +4,7 @@ use std::str::FromStr;
 
 use glam::{DMat3, DVec3};
 
-use crate::camera;
+use crate::format::Range;
 
 /// Framing of a file without a camera, or replacing its cameras.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -21,18 +21,6 @@ pub struct Framing {
     pub turntable: Option<u32>,
     /// Sides to show, a frame each, from 1 on; empty for a single view.
     pub sheet: Sheet,
-}
-
-impl Framing {
-    /// The file's own framing, or else the default.
-    pub const USUAL: Self = Self {
-        side: None,
-        up: None,
-        fov: None,
-        fit: None,
-        turntable: None,
-        sheet: Sheet(Vec::new()),
-    };
 }
 
 /// Sides to show in turn, with their names.
@@ -149,6 +137,9 @@ impl Up {
     }
 }
 
+/// Angles of view, in degrees. At 180 the image plane would be at infinity.
+pub(crate) const FOV: Range = Range::new(0.001, 179.0);
+
 /// A full angle of view in degrees, in the range of scene files.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fov(f64);
@@ -164,8 +155,8 @@ impl FromStr for Fov {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        let degrees = text.parse().ok().filter(|&degrees| camera::FOV.contains(degrees));
-        let words = || format!("write an angle in degrees, {}, such as 40", camera::FOV.words());
+        let degrees = text.parse().ok().filter(|&degrees| FOV.contains(degrees));
+        let words = || format!("write an angle in degrees, {}, such as 40", FOV.words());
         degrees.map(Self).ok_or_else(words)
     }
 }

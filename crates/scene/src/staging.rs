@@ -9,7 +9,6 @@ mod fit;
 mod grid;
 mod ground;
 mod light;
-mod orbit;
 mod room;
 mod upward;
 
@@ -20,7 +19,7 @@ use rayon::prelude::*;
 
 pub(crate) use camera::{Framed, framed, rays_per_pixel, size, view};
 pub(crate) use ground::GROUND;
-pub(crate) use light::{MOST_LAMPS, Subject, light, samples, settings};
+pub(crate) use light::{MOST_LAMPS, light, samples, settings};
 pub(crate) use upward::Upward;
 
 /// A bounding sphere.
@@ -85,58 +84,112 @@ fn uses_all(points: usize, triangles: &[[u32; 3]]) -> bool {
     used.into_iter().map(count).sum::<usize>() == points
 }
 
-/// The box around all points; its ends are infinite if there are none.
-fn extent(all: &[Placed<'_>]) -> (DVec3, DVec3) {
-    let merge = |a: (DVec3, DVec3), b: (DVec3, DVec3)| (a.0.min(b.0), a.1.max(b.1));
-    all.iter().map(|placed| placed.reduce(EMPTY, |p| (p, p), merge)).fold(EMPTY, merge)
-}
-
-/// The sphere around the centre of the box around all points. Without points, radius 1 around the
-/// origin.
-pub(crate) fn bounds(all: &[Placed<'_>]) -> Sphere {
-    let (low, high) = extent(all);
-    if !(low.is_finite() && high.is_finite()) {
-        return Sphere { center: DVec3::ZERO, radius: 1.0 };
-    }
-    let center = (low + high) / 2.0;
-    let farthest =
-        |placed: &Placed<'_>| placed.reduce(0.0, |point| point.distance(center), f64::max);
-    let radius = all.iter().map(farthest).fold(0.0, f64::max);
-    // A single point has no extent; it is seen from one unit away.
-    Sphere { center, radius: if radius > 0.0 { radius } else { 1.0 } }
-}
+/// The ends of a box.
+type Ends = (DVec3, DVec3);
 
 /// The empty box.
-const EMPTY: (DVec3, DVec3) = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+const EMPTY: Ends = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+
+/// The box around two boxes.
+fn joined(a: Ends, b: Ends) -> Ends {
+    (a.0.min(b.0), a.1.max(b.1))
+}
+
+/// Everything visible in a file.
+pub(crate) struct Contents<'a> {
+    pub(crate) all: Vec<Placed<'a>>,
+    /// The ends of the box around all points; infinite without points.
+    ends: Ends,
+    /// The sphere around the centre of that box; without points of radius 1 around the origin.
+    pub(crate) sphere: Sphere,
+}
+
+impl<'a> Contents<'a> {
+    pub(crate) fn new(all: Vec<Placed<'a>>) -> Self {
+        let mut contents =
+            Self { all, ends: EMPTY, sphere: Sphere { center: DVec3::ZERO, radius: 1.0 } };
+        let Some((low, high)) = contents.extent(|point| point) else { return contents };
+        let center = (low + high) / 2.0;
+        let radius = contents.reduce(0.0, |point| point.distance(center), f64::max);
+        // A single point has no extent; it is seen from one unit away.
+        contents.sphere = Sphere { center, radius: if radius > 0.0 { radius } else { 1.0 } };
+        contents.ends = (low, high);
+        contents
+    }
+
+    /// Reduces the results of `of` for each visible point by `merge`, in any order.
+    fn reduce<T: Copy + Send + Sync>(
+        &self,
+        none: T,
+        of: impl Fn(DVec3) -> T + Sync,
+        merge: impl Fn(T, T) -> T + Sync + Send,
+    ) -> T {
+        self.all.iter().map(|placed| placed.reduce(none, &of, &merge)).fold(none, &merge)
+    }
+
+    /// The box around what `of` makes of all points; `None` without points.
+    fn extent(&self, of: impl Fn(DVec3) -> DVec3 + Sync) -> Option<Ends> {
+        let ends = self.reduce(EMPTY, |point| (of(point), of(point)), joined);
+        (ends.0.is_finite() && ends.1.is_finite()).then_some(ends)
+    }
+}
 
 /// The eight corners of the box around some points; empty without points.
 pub(crate) fn corners(points: &[Vec3]) -> Vec<Vec3> {
     if points.is_empty() {
         return Vec::new();
     }
-    let bounds = points.par_iter().map(|p| (*p, *p));
-    let least = (Vec3::INFINITY, Vec3::NEG_INFINITY);
-    let (low, high) = bounds.reduce(|| least, |a, b| (a.0.min(b.0), a.1.max(b.1)));
-    let side = |i: u32, axis: u32| i >> axis & 1 == 1;
-    (0..8).map(|i| Vec3::select([side(i, 0), side(i, 1), side(i, 2)].into(), high, low)).collect()
+    let whole = Placed::new(points, &[], DAffine3::IDENTITY);
+    let ends = whole.reduce(EMPTY, |point| (point, point), joined);
+    (0..8).map(|i| corner(&ends, i).as_vec3()).collect()
+}
+
+/// A corner of a box: at the high end of each axis whose bit is set in `i`, from 0 to 7.
+fn corner((low, high): &Ends, i: u32) -> DVec3 {
+    let is_high = |axis: u32| i >> axis & 1 == 1;
+    DVec3::select([is_high(0), is_high(1), is_high(2)].into(), *high, *low)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
+    /// The corners of a box's sides, low and high x, y, z, counter-clockwise from outside.
+    pub(super) const QUADS: [[u32; 4]; 6] =
+        [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
+
+    /// A mesh in a test.
+    pub(super) type Solid = (Vec<Vec3>, Vec<[u32; 3]>);
+
+    /// The sides of boxes from a low to a high corner.
+    pub(super) fn boxes(all: &[([f32; 3], [f32; 3])]) -> Solid {
+        let (mut points, mut triangles) = (Vec::new(), Vec::new());
+        for (first, (low, high)) in (0..).step_by(8).zip(all) {
+            let ends = [*low, *high].map(|end| Vec3::from_array(end).as_dvec3());
+            points.extend((0..8).map(|i| corner(&ends.into(), i).as_vec3()));
+            let sides = QUADS.map(|quad| quad.map(|i| i + first));
+            triangles.extend(sides.into_iter().flat_map(|[a, b, c, d]| [[a, b, c], [a, c, d]]));
+        }
+        (points, triangles)
+    }
+
+    /// What such a mesh is staged as.
+    pub(super) fn contents((points, triangles): &Solid) -> Contents<'_> {
+        Contents::new(vec![Placed::new(points, triangles, DAffine3::IDENTITY)])
+    }
+
     #[test]
     fn the_sphere_is_about_all_points_where_they_are() {
         let points = [Vec3::ZERO, Vec3::X * 2.0, Vec3::Y, Vec3::Z];
         let placed = |world| Placed::new(&points, &[], world);
         let moved = placed(DAffine3::from_translation(DVec3::X * 10.0));
-        let sphere = bounds(&[placed(DAffine3::IDENTITY), moved]);
+        let sphere = Contents::new(vec![placed(DAffine3::IDENTITY), moved]).sphere;
         assert_eq!(sphere.center, DVec3::new(6.0, 0.5, 0.5));
         assert!((sphere.radius - 36.5_f64.sqrt()).abs() < 1e-12, "{}", sphere.radius);
-        assert_eq!(bounds(&[]), Sphere { center: DVec3::ZERO, radius: 1.0 });
+        assert_eq!(Contents::new(vec![]).sphere, Sphere { center: DVec3::ZERO, radius: 1.0 });
         assert_eq!(corners(&points).len(), 8);
         // A point that no triangle uses is invisible.
         let seen = Placed::new(&points, &[[0, 2, 3]], DAffine3::IDENTITY);
-        assert_eq!(bounds(&[seen]).center, DVec3::new(0.0, 0.5, 0.5));
+        assert_eq!(Contents::new(vec![seen]).sphere.center, DVec3::new(0.0, 0.5, 0.5));
     }
 }

@@ -1,20 +1,24 @@
 //! The camera of files without one, and the size of the image.
 
-use glam::{DMat3, DVec3};
+use std::f64::consts::TAU;
+
+use glam::{DMat3, DQuat, DVec3};
+use hecs::{EntityBuilder, World};
 
 use wavecrest_base::error::Result;
 use wavecrest_core::kernels::camera::{Placement, half_extent};
 use wavecrest_core::math::float::MAX_COORDINATE;
 use wavecrest_core::math::sampling::Sampling;
 
+use super::fit::{self, NEAREST, PARALLEL};
 use super::grid::Grid;
 use super::room::{self, Room};
 use super::upward::{self, Upward};
-use super::{Placed, Sphere, extent, fit, orbit};
+use super::{Contents, Sphere};
 use crate::camera;
-use crate::components::{CameraPath, FovAxis, View};
-use crate::load::LoadOptions;
-use crate::load::framing::{Fov, Framing, Side, Up};
+use crate::components::{CameraKey, CameraPath, FovAxis, Interpolation, Pinhole, View};
+use crate::options::LoadOptions;
+use crate::options::framing::{Fov, Framing, Side, Up};
 
 /// Default width of the image in pixels; the height for upright images.
 const LONGER_SIDE: u32 = 1024;
@@ -26,10 +30,6 @@ const ANTIALIAS: u32 = 2;
 const FOV_DEGREES: f64 = 40.0;
 /// The same inside a room.
 const ROOM_FOV_DEGREES: f64 = 60.0;
-/// Smallest distance of the camera from an object seen from outside, as a share of its radius.
-pub(super) const NEAREST: f64 = 0.01;
-/// Sine of the angle between the view and up below which they count as parallel.
-pub(super) const PARALLEL: f64 = 1e-3;
 /// Objects this many times as long as wide are seen from the side.
 const LONG: f64 = 1.25;
 /// Direction of the default camera from the centre: in front, above and slightly to the right.
@@ -81,19 +81,32 @@ pub(crate) struct Framed {
     pub(crate) told: String,
 }
 
-/// A view of `all` geometry, within `bounds`. `usual` is the up axis unless one is requested.
+impl Framed {
+    /// A camera of the file, which has +y up.
+    pub(crate) fn own(view: View) -> Self {
+        Self { view, path: None, up: DVec3::Y, lamp: None, told: String::new() }
+    }
+
+    /// Adds the camera to a `world`.
+    pub(crate) fn spawn(self, world: &mut World) {
+        let mut camera = EntityBuilder::new();
+        camera.add_bundle((self.view, Pinhole));
+        self.path.map(|path| camera.add(path));
+        world.spawn(camera.build());
+    }
+}
+
+/// A view of all `contents`. `usual` is the up axis unless one is requested.
 ///
 /// # Errors
 /// As [`size`].
 pub(crate) fn framed(
-    all: &[Placed<'_>],
-    bounds: &Sphere,
+    contents: &Contents<'_>,
     usual: Upward,
     options: &LoadOptions,
 ) -> Result<Framed> {
     let (width, height) = size(options, None)?;
     let framing = &options.framing;
-    let (low, high) = extent(all);
     let mut sides: Vec<_> = framing.sheet.0.iter().map(|(_, side)| Some(*side)).collect();
     if sides.is_empty() {
         sides.push(framing.side);
@@ -101,11 +114,9 @@ pub(crate) fn framed(
     let from_outside = |side: &Option<Side>| matches!(side, Some(Side::Around { .. }));
     let needs_grid = !sides.iter().all(from_outside)
         || (framing.up.is_none() && matches!(usual, Upward::Guessed(_)));
-    let has_extent = low.is_finite() && high.is_finite();
-    let grid = if needs_grid && has_extent { Grid::of(all, low, high) } else { None };
-    let (up, told) =
-        upward(all, grid.as_ref(), (low, high - low), framing.up.map_or(usual, Upward::Stated));
-    let stage = Stage { all, bounds, corners: (low, high), grid, up, framing };
+    let grid = if needs_grid { Grid::of(contents) } else { None };
+    let (up, told) = upward(contents, grid.as_ref(), framing.up.map_or(usual, Upward::Stated));
+    let stage = Stage { contents, grid, up, framing };
     let mut views = sides.iter().map(|side| stage.seen_from(*side, view(width, height)));
     let (view, room) = views.next().unwrap_or_else(|| stage.seen_from(None, view(width, height)));
     let told = told + room.map_or("", Room::told);
@@ -114,39 +125,46 @@ pub(crate) fn framed(
         _ => None,
     };
     let upward = up.axes().y_axis;
-    let path = match framing.turntable {
-        Some(frames) => Some(orbit::path(&view, frames, &stage, lamp.is_some())),
-        None if framing.sheet.0.is_empty() => None,
-        None => Some(orbit::through(std::iter::once(view).chain(views.map(|(view, _)| view)))),
+    let views: Vec<View> = match framing.turntable {
+        Some(frames) => stage.turned(&view, frames, lamp.is_some()),
+        None if framing.sheet.0.is_empty() => Vec::new(),
+        None => std::iter::once(view).chain(views.map(|(view, _)| view)).collect(),
     };
-    let view = path.as_ref().map_or(view, |path| orbit::first(view, path));
+    let view = views.first().copied().unwrap_or(view);
+    let path = (!views.is_empty()).then(|| path(&views));
     Ok(Framed { view, path, up: upward, lamp, told })
 }
 
+/// A path with these views as frames, from 1 on: each is a key, so that interpolation does not
+/// matter and a scene file can store the path.
+fn path(views: &[View]) -> CameraPath {
+    let key = |(frame, view): (u32, &View)| CameraKey {
+        frame,
+        location: view.location,
+        look: view.look,
+        up: view.up,
+        fov_degrees: view.fov_degrees,
+        focal: 1.0,
+    };
+    CameraPath { keys: (1..).zip(views).map(key).collect(), interpolation: Interpolation::Linear }
+}
+
 /// The up axis, and a description for the user.
-fn upward(
-    all: &[Placed<'_>],
-    grid: Option<&Grid>,
-    bounds: (DVec3, DVec3),
-    axis: Upward,
-) -> (Up, String) {
+fn upward(contents: &Contents<'_>, grid: Option<&Grid>, axis: Upward) -> (Up, String) {
     let (up, why) = match axis {
         Upward::Stated(up) => return (up, String::new()),
         Upward::Usual(up) => (up, None),
-        Upward::Guessed(up) => grid.map_or((up, None), |grid| upward::guess(all, grid, bounds, up)),
+        Upward::Guessed(up) => grid.map_or((up, None), |grid| upward::guess(contents, grid, up)),
     };
     let why = why.map_or_else(String::new, |why| format!(", because {why}"));
     (up, format!("{} is up{why} (change with --up); ", up.name()))
 }
 
-/// The geometry to frame, and how.
-pub(super) struct Stage<'a> {
-    pub(super) all: &'a [Placed<'a>],
-    pub(super) bounds: &'a Sphere,
-    /// The ends of the box around all geometry.
-    corners: (DVec3, DVec3),
+/// What to frame, and how.
+struct Stage<'a> {
+    contents: &'a Contents<'a>,
     grid: Option<Grid>,
-    pub(super) up: Up,
+    up: Up,
     framing: &'a Framing,
 }
 
@@ -154,11 +172,11 @@ impl Stage<'_> {
     /// The view from the given or default side, of the size of `view`; and the room, if it is seen
     /// from inside.
     fn seen_from(&self, side: Option<Side>, mut view: View) -> (View, Option<Room>) {
-        let ((low, high), upward) = (self.corners, self.up.axes().y_axis);
+        let (ends, upward) = (&self.contents.ends, self.up.axes().y_axis);
         let room = self.grid.as_ref().and_then(|grid| match side {
             Some(Side::Around { .. }) => None,
-            Some(Side::Inside) => Some(room::inside(grid, low, high, upward)),
-            None => room::find(grid, low, high, self.up),
+            Some(Side::Inside) => Some(room::inside(grid, ends, upward)),
+            None => room::find(grid, ends, self.up),
         });
         view.up = upward;
         let usual =
@@ -186,7 +204,8 @@ impl Stage<'_> {
     /// The default direction of the camera from the object: an object that is deeper than wide is
     /// seen from the side.
     fn usual_side(&self) -> DVec3 {
-        let size = (self.up.axes().transpose() * (self.corners.1 - self.corners.0)).abs();
+        let (low, high) = self.contents.ends;
+        let size = (self.up.axes().transpose() * (high - low)).abs();
         let DVec3 { x: side, y: up, z: front } = CAMERA_SIDE.normalize();
         let is_long = size.z > LONG * size.x;
         if is_long { DVec3::new(front, up, side) } else { DVec3::new(side, up, front) }
@@ -196,16 +215,36 @@ impl Stage<'_> {
     fn stand_back(&self, view: &mut View, back: DVec3) {
         let right = view.up.cross(back).normalize();
         let axes = DMat3::from_cols(right, back.cross(right), back);
-        let least = self.bounds.radius * NEAREST;
-        let place = fit::place(self.all, &axes, self.tangents(view), least);
+        let Sphere { center, radius } = self.contents.sphere;
+        let least = radius * NEAREST;
+        let place = fit::place(self.contents, &axes, self.tangents(view), least);
         let greatest = DVec3::splat(f64::from(MAX_COORDINATE));
-        view.location = place.unwrap_or(self.bounds.center + back).clamp(-greatest, greatest);
-        let distance = (view.location - self.bounds.center).dot(back).max(least);
+        view.location = place.unwrap_or(center + back).clamp(-greatest, greatest);
+        let distance = (view.location - center).dot(back).max(least);
         view.look = view.location - back * distance;
     }
 
+    /// The views of one turn in this number of frames, starting at `view`. Inside a room the camera
+    /// turns in place. Outside it keeps its distance and its height: the turning object stays in the
+    /// image at any angle.
+    fn turned(&self, view: &View, frames: u32, inside: bool) -> Vec<View> {
+        let axis = self.up.axes().y_axis;
+        let start = match inside {
+            true => *view,
+            false => fit::around(view, self.contents, self.tangents(view), axis),
+        };
+        let pivot = if inside { start.location } else { start.look };
+        let turned = |frame: u32| {
+            let turn = DQuat::from_axis_angle(axis, TAU * f64::from(frame) / f64::from(frames));
+            let turned = |point: DVec3| pivot + turn * (point - pivot);
+            let (location, look) = (turned(start.location), turned(start.look));
+            View { location, look, up: turn * start.up, ..start }
+        };
+        (0..frames).map(turned).collect()
+    }
+
     /// The tangents of half the angles to fill, horizontally and vertically.
-    pub(super) fn tangents(&self, view: &View) -> [f64; 2] {
+    fn tangents(&self, view: &View) -> [f64; 2] {
         let placement = Placement {
             location: view.location,
             look: view.look,

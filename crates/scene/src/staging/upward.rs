@@ -8,9 +8,9 @@
 
 use glam::{DVec2, DVec3};
 
-use super::Placed;
+use super::Contents;
 use super::grid::{Column, Grid};
-use crate::load::framing::Up;
+use crate::options::framing::Up;
 
 /// The up axis of a file unless the user states one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -42,20 +42,15 @@ const NEARLY_ALL: f64 = 0.9;
 /// Smallest share of its bounding rectangle that terrain covers.
 const TERRAIN_COVERS: f64 = 0.6;
 
-/// The up axis, y or z; and the reason if it is not the `usual` one. `low` is the lower end of the
-/// box around everything, `size` its size.
-pub(super) fn guess(
-    all: &[Placed<'_>],
-    grid: &Grid,
-    (low, size): (DVec3, DVec3),
-    usual: Up,
-) -> (Up, Option<&'static str>) {
+/// The up axis, y or z; and the reason if it is not the `usual` one.
+pub(super) fn guess(contents: &Contents<'_>, grid: &Grid, usual: Up) -> (Up, Option<&'static str>) {
+    let size = contents.ends.1 - contents.ends.0;
     let (own, (other, axis)) = match usual {
         Up::Z => (2, (Up::Y, 1)),
         _ => (1, (Up::Z, 2)),
     };
     let field = |axis| is_terrain(grid.along(axis), size, axis);
-    let support = |axis| support(all, (low, size), axis);
+    let support = |axis| support(contents, size, axis);
     let is_field = field(axis) && !field(own);
     let stands = || is_closed(grid.along(axis)) && support(axis) >= STANDS;
     // Terrain would also stand on its edge.
@@ -80,7 +75,7 @@ fn is_closed(columns: &[Column]) -> bool {
 }
 
 /// The share of the bounding rectangle that the support polygon covers; 0 if its centre is outside.
-fn support(all: &[Placed<'_>], (low, size): (DVec3, DVec3), axis: usize) -> f64 {
+fn support(contents: &Contents<'_>, size: DVec3, axis: usize) -> f64 {
     let sides = [(axis + 1) % 3, (axis + 2) % 3];
     if sides.iter().any(|&side| size[side] <= 0.0) {
         return 0.0;
@@ -92,7 +87,7 @@ fn support(all: &[Placed<'_>], (low, size): (DVec3, DVec3), axis: usize) -> f64 
     });
     let none = [None; SIDES];
     let of = |point: DVec3| {
-        let from = point - low;
+        let from = point - contents.ends.0;
         let at = DVec2::new(from[sides[0]] / size[sides[0]], from[sides[1]] / size[sides[1]]);
         if from[axis] <= BASE_DEPTH * size[axis] { [Some(at); SIDES] } else { none }
     };
@@ -105,7 +100,7 @@ fn support(all: &[Placed<'_>], (low, size): (DVec3, DVec3), axis: usize) -> f64 
             a[i].into_iter().chain(b[i]).reduce(|a, b| if key(i, &b) > key(i, &a) { b } else { a })
         })
     };
-    let found = all.iter().map(|placed| placed.reduce(none, of, merge)).fold(none, merge);
+    let found = contents.reduce(none, of, merge);
     let corner = |i: usize| found[i % SIDES].unwrap_or_default() - DVec2::splat(0.5);
     let edges = (0..SIDES).map(|i| corner(i).perp_dot(corner(i + 1)));
     // Twice the areas of triangles from the centre to each edge.
@@ -126,22 +121,18 @@ fn is_terrain(columns: &[Column], size: DVec3, axis: usize) -> bool {
 
 #[cfg(test)]
 mod tests {
-    use super::super::Placed;
+    use super::super::tests::{Solid, boxes, contents};
     use super::*;
-    use glam::{DAffine3, Vec3};
+    use glam::Vec3;
 
-    fn guessed(points: &[Vec3], triangles: &[[u32; 3]], usual: Up) -> (Up, bool) {
-        let placed = Placed::new(points, triangles, DAffine3::IDENTITY);
-        let merge = |a: (Vec3, Vec3), p: &Vec3| (a.0.min(*p), a.1.max(*p));
-        let (low, high) = points.iter().fold((points[0], points[0]), merge);
-        let (low, high) = (low.as_dvec3(), high.as_dvec3());
-        let grid = Grid::of(&[placed], low, high).unwrap();
-        let (up, why) = guess(&[placed], &grid, (low, high - low), usual);
+    fn guessed(mesh: &Solid, usual: Up) -> (Up, bool) {
+        let contents = contents(mesh);
+        let (up, why) = guess(&contents, &Grid::of(&contents).unwrap(), usual);
         (up, why.is_some())
     }
 
     /// A pyramid whose base is a square perpendicular to z.
-    fn pyramid() -> (Vec<Vec3>, Vec<[u32; 3]>) {
+    fn pyramid() -> Solid {
         let base = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)];
         let points = base.map(|(x, y)| Vec3::new(x, y, 0.0)).into_iter().chain([Vec3::Z * 3.0]);
         let triangles = [[0, 2, 1], [0, 3, 2], [0, 1, 4], [1, 2, 4], [2, 3, 4], [3, 0, 4]];
@@ -150,44 +141,32 @@ mod tests {
 
     #[test]
     fn what_stands_on_a_base_is_set_on_it() {
-        let (mut points, mut triangles) = pyramid();
-        assert_eq!(guessed(&points, &triangles, Up::Y), (Up::Z, true));
-        assert_eq!(guessed(&points, &triangles, Up::Z), (Up::Z, false));
-        points.iter_mut().for_each(|p| *p = Vec3::new(p.x, p.z, -p.y));
-        assert_eq!(guessed(&points, &triangles, Up::Z), (Up::Y, true));
+        let mut mesh = pyramid();
+        assert_eq!(guessed(&mesh, Up::Y), (Up::Z, true));
+        assert_eq!(guessed(&mesh, Up::Z), (Up::Z, false));
+        mesh.0.iter_mut().for_each(|p| *p = Vec3::new(p.x, p.z, -p.y));
+        assert_eq!(guessed(&mesh, Up::Z), (Up::Y, true));
         // Without its base there is no evidence.
-        triangles.drain(..2);
-        assert_eq!(guessed(&points, &triangles, Up::Z), (Up::Z, false));
+        mesh.1.drain(..2);
+        assert_eq!(guessed(&mesh, Up::Z), (Up::Z, false));
     }
 
     /// A seat on four legs, with a back; upright along z, seen from -y.
-    fn chair() -> (Vec<Vec3>, Vec<[u32; 3]>) {
+    fn chair() -> Solid {
         let leg = |x: f32, y: f32| ([x, y, 0.0], [x + 0.1, y + 0.1, 0.5]);
         let seat = ([0.0, 0.0, 0.5], [1.0, 1.0, 0.6]);
         let back = ([0.0, 0.9, 0.6], [1.0, 1.0, 1.5]);
-        let legs = [leg(0.0, 0.0), leg(0.9, 0.0), leg(0.0, 0.9), leg(0.9, 0.9)];
-        let quads =
-            [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
-        let (mut points, mut triangles) = (Vec::new(), Vec::new());
-        for (low, high) in legs.into_iter().chain([seat, back]) {
-            let first = points.len() as u32;
-            let at =
-                |i: usize, axis: usize| if i >> axis & 1 == 1 { high[axis] } else { low[axis] };
-            points.extend((0..8).map(|i| Vec3::new(at(i, 0), at(i, 1), at(i, 2))));
-            let corners = quads.into_iter().flat_map(|[a, b, c, d]| [[a, b, c], [a, c, d]]);
-            triangles.extend(corners.map(|corner| corner.map(|i| i + first)));
-        }
-        (points, triangles)
+        boxes(&[leg(0.0, 0.0), leg(0.9, 0.0), leg(0.0, 0.9), leg(0.9, 0.9), seat, back])
     }
 
     #[test]
     fn a_chair_stands_on_its_legs() {
-        let (mut points, triangles) = chair();
-        assert_eq!(guessed(&points, &triangles, Up::Y), (Up::Z, true));
-        assert_eq!(guessed(&points, &triangles, Up::Z), (Up::Z, false));
+        let mut mesh = chair();
+        assert_eq!(guessed(&mesh, Up::Y), (Up::Z, true));
+        assert_eq!(guessed(&mesh, Up::Z), (Up::Z, false));
         // Upright along y, it could also lie on its back.
-        points.iter_mut().for_each(|p| *p = Vec3::new(p.x, p.z, -p.y));
-        assert_eq!(guessed(&points, &triangles, Up::Y), (Up::Y, false));
+        mesh.0.iter_mut().for_each(|p| *p = Vec3::new(p.x, p.z, -p.y));
+        assert_eq!(guessed(&mesh, Up::Y), (Up::Y, false));
     }
 
     #[test]
@@ -199,19 +178,13 @@ mod tests {
         let corners = (0..81u32).map(|i| i / 9 * 10 + i % 9);
         let triangles: Vec<[u32; 3]> =
             corners.flat_map(|i| [[i, i + 1, i + 11], [i, i + 11, i + 10]]).collect();
-        assert_eq!(guessed(&points, &triangles, Up::Y), (Up::Z, true));
+        assert_eq!(guessed(&(points, triangles), Up::Y), (Up::Z, true));
     }
 
     #[test]
     fn a_cube_is_left_as_it_is() {
-        let points: Vec<Vec3> = (0..8)
-            .map(|i| Vec3::new((i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32))
-            .collect();
-        let quads =
-            [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [2, 6, 7, 3], [0, 2, 3, 1], [4, 5, 7, 6]];
-        let triangles: Vec<[u32; 3]> =
-            quads.into_iter().flat_map(|[a, b, c, d]| [[a, b, c], [a, c, d]]).collect();
-        assert_eq!(guessed(&points, &triangles, Up::Y), (Up::Y, false));
-        assert_eq!(guessed(&points, &triangles, Up::Z), (Up::Z, false));
+        let mesh = boxes(&[([0.0; 3], [1.0; 3])]);
+        assert_eq!(guessed(&mesh, Up::Y), (Up::Y, false));
+        assert_eq!(guessed(&mesh, Up::Z), (Up::Z, false));
     }
 }

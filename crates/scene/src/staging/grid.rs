@@ -11,7 +11,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::Placed;
+use super::Contents;
 
 /// Columns along each side of a face of the box.
 pub(super) const COLUMNS: usize = 24;
@@ -21,7 +21,7 @@ const BATCH: usize = 1 << 16;
 const MOST_TESTS: u64 = 1 << 28;
 
 /// Where a ray meets a triangle.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
 pub(super) struct Met {
     /// From 0 at the low end of the box to 1 at the high end.
     pub(super) at: f64,
@@ -45,14 +45,18 @@ pub(super) struct Grid {
 }
 
 impl Grid {
-    /// The grid of all geometry within the box from `low` to `high`. `None` if that takes too long.
-    pub(super) fn of(all: &[Placed<'_>], low: DVec3, high: DVec3) -> Option<Self> {
+    /// The grid of the box around the `contents`. `None` without points, or if it takes too long.
+    pub(super) fn of(contents: &Contents<'_>) -> Option<Self> {
+        let (low, high) = contents.ends;
         let size = high - low;
+        if !size.is_finite() {
+            return None;
+        }
         let unit = |x: f64| if x > 0.0 { 1.0 / x } else { 0.0 };
         let scale = DVec3::new(unit(size.x), unit(size.y), unit(size.z));
         let tests = AtomicU64::new(0);
         let mut grid = Self::empty();
-        for placed in all {
+        for placed in &contents.all {
             let point = |&i: &u32| {
                 let point = placed.world.transform_point3(placed.points[i as usize].as_dvec3());
                 (point - low) * scale
@@ -149,36 +153,28 @@ fn rays_within(x: [f64; 3]) -> Option<Range<usize>> {
 impl Column {
     /// Records a hit of the ray. The order does not matter.
     fn meet(&mut self, met: Met) {
-        let lower =
-            |a: Met, b: Met| if (a.at, a.faces_high) <= (b.at, b.faces_high) { a } else { b };
-        let higher =
-            |a: Met, b: Met| if (a.at, a.faces_high) >= (b.at, b.faces_high) { a } else { b };
-        self.ends = Some(match self.ends {
-            Some([low, high]) => [lower(low, met), higher(high, met)],
-            None => [met; 2],
-        });
+        let sorted = |a: Met, b: Met| if a <= b { [a, b] } else { [b, a] };
+        let ends = self.ends.map(|[low, high]| [sorted(low, met)[0], sorted(high, met)[1]]);
+        self.ends = Some(ends.unwrap_or([met; 2]));
         if met.at <= 0.5 {
-            self.below = Some(self.below.map_or(met, |below| higher(below, met)));
+            self.below = Some(self.below.map_or(met, |below| sorted(below, met)[1]));
         } else {
-            self.above = Some(self.above.map_or(met, |above| lower(above, met)));
+            self.above = Some(self.above.map_or(met, |above| sorted(above, met)[0]));
         }
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::tests::{boxes, contents};
     use super::*;
-    use glam::{DAffine3, Vec3};
 
     #[test]
     fn rays_meet_both_ends_of_a_box() {
-        let points: Vec<Vec3> = (0..8)
-            .map(|i| Vec3::new((i & 1) as f32, (i >> 1 & 1) as f32, (i >> 2) as f32))
-            .collect();
-        // The lower and the upper side, facing outward.
-        let triangles = [[0, 3, 1], [0, 2, 3], [4, 5, 7], [4, 7, 6]];
-        let placed = Placed::new(&points, &triangles, DAffine3::IDENTITY);
-        let grid = Grid::of(&[placed], DVec3::ZERO, DVec3::ONE).unwrap();
+        let mut mesh = boxes(&[([0.0; 3], [1.0; 3])]);
+        // The lower and the upper side along z.
+        mesh.1.drain(..8);
+        let grid = Grid::of(&contents(&mesh)).unwrap();
         let is = |met: Met, at: f64, faces_high| {
             (met.at - at).abs() < 1e-12 && met.faces_high == faces_high
         };

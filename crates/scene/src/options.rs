@@ -1,0 +1,36 @@
+//! Options for loading a scene.
+
+use std::path::Path;
+
+use super::format::Notes;
+use framing::Framing;
+use lighting::Lighting;
+
+pub mod framing;
+pub mod lighting;
+
+/// Options for loading a scene.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct LoadOptions {
+    /// Whether unknown keys are errors instead of warnings.
+    pub strict: bool,
+    /// The width of the image in pixels, overriding the file's.
+    pub width: Option<u32>,
+    /// The height of the image in pixels, overriding the file's.
+    pub height: Option<u32>,
+    /// The camera to use in files with several, by its name or number.
+    pub camera: Option<String>,
+    /// Whether glTF and OBJ files may refer to files outside their folder.
+    pub allow_outside: bool,
+    /// Framing of a mesh or glTF file, which replaces its cameras. A scene file has its own camera.
+    pub framing: Framing,
+    /// Lighting of files without lights.
+    pub lighting: Lighting,
+}
+
+impl LoadOptions {
+    /// Empty notes on `file`.
+    pub(crate) fn notes<'a>(&self, file: &'a Path) -> Notes<'a> {
+        Notes::new(file, self.strict).reading_outside(self.allow_outside)
+    }
+}
