@@ -1,6 +1,6 @@
 //! Properties of flat shapes from their corners: normal, area, planarity and crossing edges.
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use robust::{Coord, orient2d};
 
 /// Largest distance of a quad's corners from one plane, in single-precision units in the last place
@@ -58,8 +58,9 @@ pub fn quad_is_planar(points: &[DVec3; 4]) -> bool {
 /// Whether no two opposite edges of a quad cross or touch, as seen along the axis nearest to its
 /// normal. The predicates are exact.
 pub(crate) fn quad_is_simple(points: &[DVec3; 4]) -> bool {
-    let [a, b, c, d] = flattened(points);
-    !segments_meet(a, b, c, d) && !segments_meet(b, c, d, a)
+    let normal = quad_normal(points);
+    let [a, b, c, d] = points.map(|p| flattened(normal, p));
+    !segments_meet([a, b, c, d]) && !segments_meet([b, c, d, a])
 }
 
 /// Whether two neighbouring corners of a quad coincide.
@@ -67,21 +68,26 @@ pub(crate) fn quad_repeats_a_corner(points: &[DVec3; 4]) -> bool {
     (0..4).any(|i| points[i] == points[(i + 1) % 4])
 }
 
-fn flattened(points: &[DVec3; 4]) -> [Coord<f64>; 4] {
-    let normal = quad_normal(points).abs();
-    points.map(|p| {
-        if normal.x >= normal.y && normal.x >= normal.z {
-            Coord { x: p.y, y: p.z }
-        } else if normal.y >= normal.z {
-            Coord { x: p.z, y: p.x }
-        } else {
-            Coord { x: p.x, y: p.y }
-        }
-    })
+/// The coordinates of a point in the plane of the two axes along which a polygon with this `normal`
+/// is largest; it is counter-clockwise there.
+pub(crate) fn flattened(normal: DVec3, point: DVec3) -> DVec2 {
+    let DVec3 { x, y, z } = point;
+    match normal.abs().max_position() {
+        0 => DVec2::new(y * normal.x.signum(), z),
+        1 => DVec2::new(z * normal.y.signum(), x),
+        _ => DVec2::new(x * normal.z.signum(), y),
+    }
 }
 
-fn segments_meet(a: Coord<f64>, b: Coord<f64>, c: Coord<f64>, d: Coord<f64>) -> bool {
-    apart(orient2d(a, b, c), orient2d(a, b, d)) && apart(orient2d(c, d, a), orient2d(c, d, b))
+/// Positive for a counter-clockwise triangle; 0 for one without area. Its sign is exact.
+pub(crate) fn orientation([a, b, c]: [DVec2; 3]) -> f64 {
+    let coord = |p: DVec2| Coord { x: p.x, y: p.y };
+    orient2d(coord(a), coord(b), coord(c))
+}
+
+fn segments_meet([a, b, c, d]: [DVec2; 4]) -> bool {
+    apart(orientation([a, b, c]), orientation([a, b, d]))
+        && apart(orientation([c, d, a]), orientation([c, d, b]))
 }
 
 /// Whether two points are on different sides of a line; one of them may be on it.

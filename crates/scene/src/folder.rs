@@ -84,20 +84,13 @@ fn is_absolute(slashed: &str) -> bool {
 
 /// Whether a path stays below its start at every step.
 fn stays_within<'a>(mut steps: impl Iterator<Item = Component<'a>>) -> bool {
-    let mut depth = 0_usize;
-    steps.all(|step| match step {
-        Component::Normal(_) => {
-            depth += 1;
-            true
-        }
-        Component::CurDir => true,
-        Component::ParentDir => {
-            let is_within = depth > 0;
-            depth = depth.saturating_sub(1);
-            is_within
-        }
-        Component::RootDir | Component::Prefix(_) => false,
-    })
+    let end = steps.try_fold(0_usize, |depth, step| match step {
+        Component::Normal(_) => Some(depth + 1),
+        Component::CurDir => Some(depth),
+        Component::ParentDir => depth.checked_sub(1),
+        Component::RootDir | Component::Prefix(_) => None,
+    });
+    end.is_some()
 }
 
 #[cfg(test)]

@@ -159,6 +159,52 @@ fn open(path: &Path) -> Result<(File, u64)> {
 mod tests {
     use super::*;
 
+    /// Reads a file in several `ways`, and checks that they give the same mesh, or the same words.
+    pub(crate) fn alike<W: std::fmt::Debug>(
+        ways: impl IntoIterator<Item = W>,
+        read: impl Fn(&W) -> Result<data::Read>,
+    ) -> Result<data::Read> {
+        let read: Vec<_> = ways.into_iter().map(|way| (read(&way), way)).collect();
+        for pair in read.windows(2) {
+            let way = &pair[1].1;
+            match (&pair[0].0, &pair[1].0) {
+                (Ok(one), Ok(other)) => {
+                    // Written out, so that a NaN is equal to itself.
+                    let is_same = one.0 == other.0 || format!("{one:?}") == format!("{other:?}");
+                    assert!(is_same, "{way:?}: {one:?} {other:?}");
+                    assert_eq!(format!("{:?}", one.1), format!("{:?}", other.1), "{way:?}");
+                }
+                (Err(one), Err(other)) => assert_eq!(one.to_string(), other.to_string(), "{way:?}"),
+                other => panic!("{way:?}: {other:?}"),
+            }
+        }
+        read.into_iter().next().expect("a way").0
+    }
+
+    /// Numbers that look random and are the same in every run.
+    pub(crate) struct Dice(pub(crate) u64);
+
+    impl Dice {
+        /// Random bits.
+        pub(crate) fn bits(&mut self) -> u64 {
+            self.0 =
+                self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963);
+            self.0
+        }
+
+        pub(crate) fn below(&mut self, end: u64) -> u64 {
+            (self.bits() >> 33) % end
+        }
+
+        pub(crate) fn one_in(&mut self, n: u64) -> bool {
+            self.below(n) == 0
+        }
+
+        pub(crate) fn of<T: Copy>(&mut self, all: &[T]) -> T {
+            all[self.below(all.len() as u64) as usize]
+        }
+    }
+
     #[test]
     fn the_extension_chooses_the_format_in_any_case() {
         assert_eq!(Format::of(Path::new("a/b.PLY")).unwrap(), Format::Ply);

@@ -2,19 +2,16 @@
 //!
 //! A text of statements, one a line, in upper or lower case: `newmtl` begins a material, to which
 //! the following statements belong. Malformed and unsupported statements are skipped and named: a
-//! mesh is worth more than its materials.
-
-mod map;
-mod surface;
+//! mesh is worth more than its materials. SCENES.md states how they are converted.
 
 use std::collections::{BTreeSet, HashMap};
+use std::path::PathBuf;
 
 use glam::DVec3;
 
-use crate::components::{CutOut, Material, TextureRef};
+use crate::components::{CutOut, Encoding, Filter, Material, TextureRef, TextureSource, Wrap};
 use crate::format::Range;
-use map::Map;
-pub(crate) use surface::{Look, surface};
+use crate::surface::THRESHOLD;
 
 /// A material as in the file.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -108,6 +105,71 @@ impl Library {
     }
 }
 
+/// The lighting models with mirrors: with ray tracing, glass, and Fresnel without ray tracing.
+const MIRRORS: [u32; 3] = [3, 5, 8];
+
+/// The models without a highlight.
+const MATT: [u32; 2] = [0, 1];
+
+/// The sharpest highlight.
+const SHARPEST: f64 = 1e6;
+
+/// The appearance of a surface.
+#[derive(Clone, Debug)]
+pub(crate) struct Look {
+    pub(crate) material: Material,
+    pub(crate) texture: Option<TextureRef>,
+    pub(crate) cutout: Option<CutOut>,
+    /// Whether any of it is opaque.
+    pub(crate) is_there: bool,
+}
+
+/// The material, with its images at the paths that `find` returns.
+pub(crate) fn surface(mtl: &Mtl, mut find: impl FnMut(&str) -> Option<PathBuf>) -> Look {
+    let is_model = |models: &[u32]| mtl.illum.is_some_and(|model| models.contains(&model));
+    let exponent = mtl.ns.unwrap_or(0.0).min(SHARPEST);
+    let gloss = mtl.ks.map_or(0.0, |ks| ks.element_sum() / 3.0).min(1.0);
+    let kr = if is_model(&MIRRORS) { gloss } else { 0.0 };
+    // An exponent of 0 would be a highlight everywhere.
+    let has_highlight = exponent > 0.0 && !is_model(&MATT);
+    let kd = mtl.kd.unwrap_or(DVec3::ONE);
+    let mut found = |map: &Option<Map>| {
+        let map = map.as_ref()?;
+        let wrap = if map.clamp { Wrap::Clamp } else { Wrap::Repeat };
+        Some((TextureSource::File(find(&map.name)?), wrap))
+    };
+    let texture = found(&mtl.map_kd).map(|(source, wrap)| TextureRef {
+        source,
+        encoding: Encoding::Srgb,
+        // Many programs write black if there is an image.
+        tint: if kd == DVec3::ZERO { DVec3::ONE } else { kd },
+        filter: Filter::Trilinear,
+        wrap,
+        placing: None,
+    });
+    let (filter, d) = (Filter::Bilinear, mtl.d.unwrap_or(1.0));
+    let cutout = found(&mtl.map_d).filter(|_| d >= THRESHOLD).map(|(source, wrap)| CutOut {
+        source,
+        is_mask: true,
+        // d multiplies the image's alpha.
+        threshold: THRESHOLD / d,
+        filter,
+        // In a scene file both share the wrap mode.
+        wrap: texture.as_ref().map_or(wrap, |texture| texture.wrap),
+        placing: None,
+    });
+    let material = Material {
+        ks: if has_highlight { gloss } else { 0.0 },
+        kd: 1.0 - kr,
+        specular_exponent: exponent,
+        diffuse_color: kd,
+        kr,
+        emission: mtl.ke.unwrap_or(DVec3::ZERO),
+        specular_color: DVec3::ONE,
+    };
+    Look { material, texture, cutout, is_there: d >= THRESHOLD }
+}
+
 /// The materials of a text by name, as if every image existed: for tests.
 #[doc(hidden)]
 pub fn materials(text: &[u8]) -> Vec<(String, Material, Option<TextureRef>, Option<CutOut>)> {
@@ -125,9 +187,7 @@ const LONGEST_NAME: usize = 24;
 
 /// Sets a value that could be parsed; returns whether it could.
 fn set<T>(to: &mut Option<T>, value: Option<T>) -> bool {
-    let is_right = value.is_some();
-    *to = value.or(to.take());
-    is_right
+    value.map(|value| *to = Some(value)).is_some()
 }
 
 /// A number, 0 or more.
@@ -144,6 +204,81 @@ fn color(text: &str) -> Option<DVec3> {
         [grey] => Some(DVec3::splat(grey)),
         _ => None,
     }
+}
+
+/// An image that a material names.
+#[derive(Clone, Debug, PartialEq, Eq)]
+struct Map {
+    /// As in the file.
+    name: String,
+    /// Whether coordinates outside 0 to 1 are clamped to the edge.
+    clamp: bool,
+}
+
+/// The options by the largest number of words after each. Offset, scale and turbulence may have
+/// fewer.
+const OPTIONS: [(usize, &str); 3] = [
+    (1, "-blendu -blendv -bm -boost -cc -clamp -colorspace -imfchan -texres -type"),
+    (2, "-mm"),
+    (3, "-o -s -t"),
+];
+
+/// Each option with the largest number of words after it.
+fn options() -> impl Iterator<Item = (&'static str, usize)> {
+    OPTIONS.into_iter().flat_map(|(most, names)| names.split(' ').map(move |name| (name, most)))
+}
+
+impl Map {
+    /// Reads the text after `map_Kd`; `None` if it names no image. Options without effect are added
+    /// to `skipped`.
+    fn read(text: &str, skipped: &mut BTreeSet<String>) -> Option<Self> {
+        let mut clamp = false;
+        let mut rest = text;
+        while let Some((option, most, after)) = option(rest) {
+            rest = after;
+            let mut first = None;
+            for taken in 0..most {
+                let (word, after) = word(rest)?;
+                // The second and third number may be missing.
+                if taken > 0 && most == 3 && word.parse::<f64>().is_err() {
+                    break;
+                }
+                first.get_or_insert(word);
+                rest = after;
+            }
+            match option {
+                "-clamp" => clamp = first.is_some_and(|word| word.eq_ignore_ascii_case("on")),
+                _ => {
+                    skipped.insert(option.to_owned());
+                }
+            }
+        }
+        let name = without_options(rest, skipped);
+        (!name.is_empty()).then(|| Self { name: name.to_owned(), clamp })
+    }
+}
+
+/// The option at the start of a text, the number of words that may follow it, and the text after
+/// it.
+fn option(text: &str) -> Option<(&'static str, usize, &str)> {
+    let (first, rest) = word(text)?;
+    let (name, most) = options().find(|(name, _)| first.eq_ignore_ascii_case(name))?;
+    Some((name, most, rest))
+}
+
+/// The first word of a text, and the text after it.
+fn word(text: &str) -> Option<(&str, &str)> {
+    let text = text.trim_start();
+    let end = text.find(char::is_whitespace).unwrap_or(text.len());
+    (end > 0).then(|| text.split_at(end))
+}
+
+/// A name that may contain blanks, up to an option that some programs write after it.
+fn without_options<'a>(text: &'a str, skipped: &mut BTreeSet<String>) -> &'a str {
+    let found = options().filter_map(|(name, _)| Some((text.find(&format!(" {name} "))?, name)));
+    let Some((end, option)) = found.min() else { return text.trim() };
+    skipped.insert(option.to_owned());
+    text[..end].trim()
 }
 
 #[cfg(test)]

@@ -20,6 +20,7 @@ use crate::folder::Folder;
 use crate::format::Beside;
 use crate::load::LoadedScene;
 use crate::{query, scene_file};
+pub(crate) use mesh::ply_header;
 pub use mesh::write_ply;
 
 /// Writes `scene` to the scene file `path`, with its meshes and images beside it. Returns the

@@ -13,6 +13,7 @@ use rayon::prelude::*;
 
 use super::recipe::Recipe;
 use super::surface::{Surface, rounded};
+use crate::write::ply_header;
 use wavecrest_base::error::{Error, Result};
 use wavecrest_base::replace::replace_file;
 
@@ -67,12 +68,16 @@ pub fn write_ply(
         record[1..].copy_from_slice(surface.triangle(t).map(u32::to_le_bytes).as_flattened());
     };
     replace_file(path, |file| {
-        let mut sink = Sink { file, written: 0, total: bytes, progress };
+        let mut written = 0;
+        let mut advance = |count: usize| {
+            written += count as u64;
+            progress(written, bytes);
+        };
         let mut write = || {
-            sink.file.write_all(header.as_bytes())?;
-            sink.advance(header.len());
-            stream(&mut sink, vertices, numbers * NUMBER_BYTES, vertex)?;
-            stream(&mut sink, triangles, FACE_BYTES, face)
+            file.write_all(header.as_bytes())?;
+            advance(header.len());
+            stream(file, &mut advance, vertices, numbers * NUMBER_BYTES, vertex)?;
+            stream(file, &mut advance, triangles, FACE_BYTES, face)
         };
         write().map_err(|e| {
             Error::io("cannot write the mesh", path, e).remedy(format!(
@@ -86,57 +91,29 @@ pub fn write_ply(
 
 /// A number of bytes with a unit.
 fn size(bytes: u64) -> String {
-    const UNITS: [&str; 6] = ["KiB", "MiB", "GiB", "TiB", "PiB", "EiB"];
-    let mut value = bytes as f64;
-    let mut unit = "B";
-    for larger in UNITS {
-        if value < 1024.0 {
-            break;
-        }
-        (value, unit) = (value / 1024.0, larger);
-    }
-    let decimals = if unit == "B" { 0 } else { 2 };
-    format!("{bytes} bytes ({value:.decimals$} {unit})")
+    const UNITS: [&str; 7] = ["B", "KiB", "MiB", "GiB", "TiB", "PiB", "EiB"];
+    let power = bytes.max(1).ilog2() / 10;
+    let (value, decimals) =
+        (bytes as f64 / f64::from(power * 10).exp2(), 2 * power.min(1) as usize);
+    format!("{bytes} bytes ({value:.decimals$} {})", UNITS[power as usize])
 }
 
 /// The header, with the recipe in a comment, so that the file can be made again.
 fn header(recipe: &Recipe, surface: &dyn Surface) -> String {
-    let (vertices, triangles) = (surface.vertices(), surface.triangles());
     let Recipe { model, triangles: asked, seed, displacement, normals } = recipe;
     let flag = if *normals { " --normals" } else { "" };
-    let normals =
-        if *normals { "property float nx\nproperty float ny\nproperty float nz\n" } else { "" };
-    let uvs = if surface.uv(0).is_some() { "property float u\nproperty float v\n" } else { "" };
-    format!(
-        "ply\nformat binary_little_endian 1.0\n\
-         comment wavecrest generate {model} --triangles {asked} --seed {seed} \
-         --displacement {displacement}{flag}\n\
-         element vertex {vertices}\n\
-         property float x\nproperty float y\nproperty float z\n{normals}{uvs}\
-         element face {triangles}\n\
-         property list uchar int vertex_indices\n\
-         end_header\n"
-    )
-}
-
-/// The file and its progress report.
-struct Sink<'a, W> {
-    file: &'a mut W,
-    written: u64,
-    total: u64,
-    progress: &'a mut dyn FnMut(u64, u64),
-}
-
-impl<W> Sink<'_, W> {
-    fn advance(&mut self, bytes: usize) {
-        self.written += bytes as u64;
-        (self.progress)(self.written, self.total);
-    }
+    let comment = format!(
+        "comment wavecrest generate {model} --triangles {asked} --seed {seed} \
+         --displacement {displacement}{flag}\n"
+    );
+    let groups = [normals.then_some("nx ny nz"), surface.uv(0).map(|_| "u v"), None];
+    ply_header(&comment, [surface.vertices(), surface.triangles()], "float", groups, "int")
 }
 
 /// Writes `count` records of `record_bytes` each, made by `make` from their number.
-fn stream<W: Write + Send>(
-    sink: &mut Sink<'_, W>,
+fn stream(
+    file: &mut (impl Write + Send),
+    advance: &mut impl FnMut(usize),
     count: u64,
     record_bytes: usize,
     make: impl Fn(u64, &mut [u8]) + Sync,
@@ -147,11 +124,10 @@ fn stream<W: Write + Send>(
     loop {
         let records = at_once.min(count - first);
         next.resize(records as usize * record_bytes, 0);
-        let file = &mut *sink.file;
         let (written, ()) =
             rayon::join(|| file.write_all(&full), || fill(&mut next, first, record_bytes, &make));
         written?;
-        sink.advance(full.len());
+        advance(full.len());
         std::mem::swap(&mut full, &mut next);
         if records == 0 {
             return Ok(());

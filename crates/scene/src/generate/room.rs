@@ -20,7 +20,6 @@ mod furniture;
 mod plants;
 mod profiles;
 mod solids;
-mod soup;
 #[cfg(test)]
 mod tests;
 mod things;
@@ -35,6 +34,8 @@ use builder::{Builder, Piece, Place};
 const LEAF_SHARE: u64 = 5;
 /// Edges per metre of the coarsest cloth.
 const COARSEST: u64 = 4;
+/// Bits of the edges per metre of the finest.
+const DETAIL_BITS: u32 = 16;
 
 /// The deepest folds of cloth, in metres: curtains must clear the wall.
 pub(super) const MOST_FOLDS: f64 = 0.06;
@@ -81,16 +82,12 @@ pub(super) fn fewest_triangles() -> u64 {
 /// The finest detail at which everything but the leaves has at most this number of triangles.
 fn finest(triangles: u64) -> u64 {
     let fits = |detail| furnished(detail, 0.0, 0).triangles() <= triangles;
-    let mut too_fine = 2 * COARSEST;
-    while fits(too_fine) {
-        too_fine *= 2;
-    }
-    let mut fine = too_fine / 2;
-    while too_fine - fine > 1 {
-        let middle = fine.midpoint(too_fine);
-        *(if fits(middle) { &mut fine } else { &mut too_fine }) = middle;
-    }
-    fine
+    // Bit by bit, from the highest. With more bits, a square metre of cloth alone would have more
+    // triangles than any mesh.
+    (0..DETAIL_BITS)
+        .rev()
+        .map(|bit| 1 << bit)
+        .fold(0, |detail, bit| if fits(detail | bit) { detail | bit } else { detail })
 }
 
 /// The room with all its furniture, and with plants that have no leaves yet.

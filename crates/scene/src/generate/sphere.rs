@@ -153,16 +153,6 @@ mod tests {
     use super::*;
 
     #[test]
-    fn numbering_goes_there_and_back() {
-        for n in [1, 2, 3, 6] {
-            let sphere = Sphere::new(n, 0.0, 0);
-            for v in 0..sphere.vertices() {
-                assert_eq!(sphere.index(sphere.lattice(v)), v, "n {n}");
-            }
-        }
-    }
-
-    #[test]
     fn triangles_are_even() {
         let sphere = Sphere::new(40, 0.0, 0);
         let areas: Vec<f64> = (0..sphere.triangles())

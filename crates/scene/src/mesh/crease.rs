@@ -337,20 +337,11 @@ fn sum_up(corners: &mut [Corner], value: &mut Vec3, further: &mut Further) {
 mod tests {
     use super::*;
 
-    /// The normal at a corner of these triangles.
-    fn at(found: &(Attribute<Vec3>, Vec<[u32; 3]>), triangle: usize, corner: usize) -> Vec3 {
-        let (normals, triangles) = found;
-        let numbers = normals.indices.as_ref().unwrap_or(triangles);
-        normals.values[numbers[triangle][corner] as usize]
-    }
-
-    /// The normals, with the triangles.
-    fn found(
-        points: &[Vec3],
-        triangles: &[[u32; 3]],
-        degrees: f64,
-    ) -> (Attribute<Vec3>, Vec<[u32; 3]>) {
-        (normals(points, triangles, degrees), triangles.to_vec())
+    /// The normals at the corners of these triangles.
+    fn found(points: &[Vec3], triangles: &[[u32; 3]], degrees: f64) -> Vec<[Vec3; 3]> {
+        let Attribute { values, indices } = normals(points, triangles, degrees);
+        let of = |corners: &[u32; 3]| corners.map(|i| values[i as usize]);
+        indices.as_deref().unwrap_or(triangles).iter().map(of).collect()
     }
 
     /// Two squares that meet along the z axis at this angle in degrees.
@@ -368,13 +359,14 @@ mod tests {
         {
             let (points, triangles) = fold(degrees);
             let found = found(&points, &triangles, crease);
-            assert_eq!(at(&found, 1, 1) == at(&found, 2, 1), is_smooth, "{degrees}");
-            assert_eq!(at(&found, 0, 0), Vec3::Y, "at the border");
-            assert_eq!(found.0.values.len(), if is_smooth { 6 } else { 8 });
+            assert_eq!(found[1][1] == found[2][1], is_smooth, "{degrees}");
+            assert_eq!(found[0][0], Vec3::Y, "at the border");
+            let count = normals(&points, &triangles, crease).values.len();
+            assert_eq!(count, if is_smooth { 6 } else { 8 });
             let half = (degrees / 2.0).to_radians();
             let expected = if is_smooth { Vec3::new(half.sin(), half.cos(), 0.0) } else { Vec3::Y };
             assert!(
-                at(&found, 1, 1).distance(expected) < 1e-6,
+                found[1][1].distance(expected) < 1e-6,
                 "by angles: each square has a right one"
             );
         }
@@ -415,10 +407,7 @@ mod tests {
         let soup: Vec<Vec3> =
             triangles.as_flattened().iter().map(|&i| points[i as usize]).collect();
         let alone: Vec<[u32; 3]> = (0..4).map(|i| [3 * i, 3 * i + 1, 3 * i + 2]).collect();
-        let (one, other) = (found(&points, &triangles, 30.0), found(&soup, &alone, 30.0));
-        for (triangle, corner) in (0..4).flat_map(|t| (0..3).map(move |c| (t, c))) {
-            assert_eq!(at(&one, triangle, corner), at(&other, triangle, corner));
-        }
+        assert_eq!(found(&points, &triangles, 30.0), found(&soup, &alone, 30.0));
     }
 
     /// A fan of this many triangles around one vertex does not take quadratic time.
@@ -433,10 +422,10 @@ mod tests {
             std::iter::once(Vec3::Y * 0.1).chain((0..count).map(around)).collect();
         let triangles: Vec<[u32; 3]> =
             (0..count).map(|i| [0, 1 + i, 1 + (i + 1) % count]).collect();
-        let found = found(&points, &triangles, 30.0);
-        assert!(at(&found, 0, 0).distance(Vec3::Y) < 1e-4);
+        let on_all = normals(&points, &triangles, 30.0);
+        assert!(on_all.values[0].distance(Vec3::Y) < 1e-4);
         let alone = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a pool");
-        assert_eq!(alone.install(|| normals(&points, &triangles, 30.0)), found.0, "on one thread");
+        assert_eq!(alone.install(|| normals(&points, &triangles, 30.0)), on_all, "on one thread");
     }
 
     #[test]
@@ -445,7 +434,7 @@ mod tests {
         triangles.push([0, 1, 1]);
         triangles[2] = [3, 2, 5];
         let found = found(&points, &triangles, 30.0);
-        assert!(at(&found, 2, 1).y < 0.0 && at(&found, 1, 1).y > 0.0);
+        assert!(found[2][1].y < 0.0 && found[1][1].y > 0.0);
     }
 
     /// Weights are angles, and vertices from everywhere in blocks of triangles change nothing.
@@ -460,9 +449,10 @@ mod tests {
         let scattered = |i: usize| i * 7919 % triangles.len();
         let turned: Vec<_> = (0..triangles.len()).map(|i| triangles[scattered(i)]).collect();
         let other = found(&points, &turned, 30.0);
-        assert!(in_order.0.indices.is_none(), "without creases, a normal belongs to a vertex");
+        let indices = normals(&points, &triangles, 30.0).indices;
+        assert!(indices.is_none(), "without creases, a normal belongs to a vertex");
         for i in (0..triangles.len()).step_by(97) {
-            assert!(at(&other, i, 1).distance(at(&in_order, scattered(i), 1)) < 1e-6);
+            assert!(other[i][1].distance(in_order[scattered(i)][1]) < 1e-6);
         }
     }
 }

@@ -82,6 +82,7 @@ pub(super) fn parse(word: &[u8]) -> Option<f32> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::mesh::tests::Dice;
 
     /// Checks that the fast path gives the bits of the standard library, and returns whether it was
     /// taken.
@@ -118,11 +119,9 @@ mod tests {
 
     #[test]
     fn every_number_is_rounded_once() {
-        let mut state = 1_u64;
-        let mut quick = 0;
+        let (mut dice, mut quick) = (Dice(1), 0);
         for _ in 0..200_000 {
-            state =
-                state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963);
+            let state = dice.bits();
             let bits = state >> 32;
             let value = f32::from_bits(bits as u32);
             let places = (state >> 20) as usize % 12;

@@ -11,26 +11,23 @@
 //! line, and because it makes one mesh of each group.
 
 mod contents;
-mod corners;
-mod count;
 mod lines;
 
 use glam::DVec3;
 use rayon::prelude::*;
 
+use super::BUFFER;
 use super::data::{Attribute, MeshData, NamedMaterials, Read};
 use super::faults::{check_count, no_triangles};
 use super::origin::origin;
 use super::place::ReadAt;
 use super::polygon;
-use super::validate::{first_with, mend, scale_byte_colors};
-use contents::{Contents, NO_VALUES, WHITE};
-use corners::{Corners, first_beyond, is_beyond};
-use count::Count;
-use lines::{Keyword, Statement, cut, each_block, statements};
+use super::survey::Survey;
+use super::validate::{mend, scale_byte_colors};
+use contents::{Contents, Count, NO_VALUES, WHITE};
+use lines::{Keyword, cut, each_block, statements, words};
 use wavecrest_base::error::{Error, ErrorKind, Result};
 
-pub(super) use count::survey;
 pub(super) use lines::BLOCK;
 
 /// Reads a file of `length` bytes, in blocks and pieces of about these sizes.
@@ -42,8 +39,18 @@ pub(super) fn read(
 ) -> Result<(Read, NamedMaterials)> {
     let mut parts = Parts::default();
     each_block(file, length, block, |text| parts.add_block(text, piece))?;
-    if let Some(error) = parts.first_bad_index() {
-        return Err(find_bad_face(file, length, block, parts.start)?.unwrap_or(error));
+    // An index may refer to later values.
+    let indices = parts.all.indices.each_ref().map(|all| all.as_flattened());
+    if let Some(error) = parts.start.first_beyond(indices) {
+        // Its line is found by reading the file again: storing the line of every face for a rare
+        // error would cost memory in every load.
+        let (mut start, origin) = (Count::default(), parts.origin.unwrap_or_default());
+        each_block(file, length, block, |text| {
+            let (count, piece) = Contents::read(text, Some(start), origin, Some(&parts.start));
+            start = count;
+            piece.map(drop)
+        })?;
+        return Err(error);
     }
     parts.finish()
 }
@@ -64,80 +71,64 @@ impl Parts {
         let origin = self.origin.unwrap_or_default();
         let pieces = cut(text, piece);
         let read: Vec<(Count, Result<Contents>)> =
-            pieces.par_iter().map(|text| Contents::read(text, None, origin)).collect();
+            pieces.par_iter().map(|text| Contents::read(text, None, origin, None)).collect();
         let mut starts = Vec::with_capacity(read.len());
         for (count, _) in &read {
             starts.push(self.start);
             self.start = self.start.plus(*count);
         }
         let plurals = ["vertices", "texture coordinates", "normals"];
-        for (what, count) in plurals.into_iter().zip(self.start.values()) {
+        for (what, count) in plurals.into_iter().zip(self.start.values) {
             check_count(what, count)?;
         }
         let again = |(((_, piece), text), start): (((_, Result<Contents>), &&[u8]), Count)| {
-            piece.or_else(|_| Contents::read(text, Some(start), origin).1)
+            piece.or_else(|_| Contents::read(text, Some(start), origin, None).1)
         };
         let read: Vec<Result<Contents>> =
             read.into_par_iter().zip(&pieces).zip(starts).map(again).collect();
         read.into_iter().try_for_each(|piece| self.all.append(piece?))
     }
 
-    /// The error of an index that refers to nothing in the whole file: an index may refer to later
-    /// values.
-    fn first_bad_index(&self) -> Option<Error> {
-        let Contents { triangles, uv_indices, normal_indices, .. } = &self.all;
-        first_beyond(&self.start, |kind, count| {
-            let indices = [triangles, uv_indices, normal_indices][kind];
-            first_with(indices, |index| is_beyond(index, count)).map(|(_, index)| index)
-        })
-    }
-
     fn finish(self) -> Result<(Read, NamedMaterials)> {
         let mut all = self.all;
-        if all.triangles.is_empty() {
+        let [mut triangles, mut of_uvs, mut of_normals] = all.indices;
+        if triangles.is_empty() {
             return Err(no_triangles());
         }
         let mut notes = Vec::new();
-        notes.extend(drop_absent("vt", all.uvs.len(), &mut all.uv_indices));
-        notes.extend(drop_absent("vn", all.normals.len(), &mut all.normal_indices));
-        let mut attributes = Vec::new();
-        for indices in [&mut all.uv_indices, &mut all.normal_indices] {
-            if !indices.is_empty() {
-                indices.resize(all.triangles.len(), NO_VALUES);
-                attributes.push(&mut indices[..]);
+        for (keyword, values, indices) in
+            [("vt", all.uvs.len(), &mut of_uvs), ("vn", all.normals.len(), &mut of_normals)]
+        {
+            if !indices.is_empty() && values == 0 {
+                *indices = Vec::new();
+                let message = format!("faces refer to \"{keyword}\", but the file has none");
+                let note = Error::new(ErrorKind::Mesh, message);
+                notes.push(note.remedy("these indices are ignored"));
+            } else if !indices.is_empty() {
+                indices.resize(triangles.len(), NO_VALUES);
             }
         }
         if !all.colors.is_empty() {
             all.colors.resize(all.positions.len(), WHITE);
         }
-        let (positions, triangles) = (&all.positions, &mut all.triangles);
-        notes.extend(polygon::split(&all.polygons, positions, triangles, &mut attributes));
+        let attributes = &mut [&mut of_uvs[..], &mut of_normals[..]];
+        notes.extend(polygon::split(&all.polygons, &all.positions, &mut triangles, attributes));
         notes.extend(mend(&mut all.normals, &mut all.uvs, &mut all.colors));
         notes.extend(scale_byte_colors(&mut all.colors));
         all.positions.shrink_to_fit();
         all.colors.shrink_to_fit();
-        all.triangles.shrink_to_fit();
+        triangles.shrink_to_fit();
         let count = all.positions.len();
         let mesh = MeshData {
-            uvs: attribute(all.uvs, all.uv_indices, &all.triangles, count),
-            normals: attribute(all.normals, all.normal_indices, &all.triangles, count),
+            uvs: attribute(all.uvs, of_uvs, &triangles, count),
+            normals: attribute(all.normals, of_normals, &triangles, count),
             positions: all.positions,
             origin: self.origin.unwrap_or_default(),
-            triangles: all.triangles,
+            triangles,
             colors: (!all.colors.is_empty()).then_some(all.colors),
         };
         Ok(((mesh, notes), all.materials))
     }
-}
-
-/// Drops the indices of an attribute without values in the file, with a warning.
-fn drop_absent(keyword: &str, values: usize, indices: &mut Vec<[u32; 3]>) -> Option<Error> {
-    if values > 0 || indices.is_empty() {
-        return None;
-    }
-    *indices = Vec::new();
-    let message = format!("faces refer to \"{keyword}\", but the file has none");
-    Some(Error::new(ErrorKind::Mesh, message).remedy("these indices are ignored"))
 }
 
 /// An attribute that some corner has. Indices equal to those of the positions are dropped.
@@ -156,33 +147,50 @@ fn attribute<T>(
     Some(Attribute { values, indices: (!same).then_some(indices) })
 }
 
-/// The error of the first face with an index out of range, found by reading the file again: storing
-/// the line of every face for a rare error would cost memory in every load.
-fn find_bad_face(
-    file: &dyn ReadAt,
-    length: u64,
-    block: usize,
-    whole: Count,
-) -> Result<Option<Error>> {
-    let (mut found, mut count, mut corners) = (None, Count::default(), Corners::default());
-    each_block(file, length, block, |text| {
-        let before = count.lines;
-        let mut all = statements(text);
-        for Statement { keyword, rest, line } in all.by_ref() {
-            // Every face was read before without an error.
-            if found.is_none()
-                && keyword == Keyword::Face
-                && corners.read(rest, Some(&count)).is_ok()
-            {
-                let error = corners.first_beyond(&whole);
-                found = error.map(|error| error.at(format!("line {}", before + line + 1)));
-            }
-            count.add(keyword);
-        }
-        count.lines = before + all.lines;
+/// Number of words of a position with a colour.
+const WITH_COLOR: usize = 6;
+
+/// Surveys a file of `length` bytes, in a pass over its text.
+pub(super) fn survey(file: &dyn ReadAt, length: u64) -> Result<Survey> {
+    let mut all = Survey::default();
+    each_block(file, length, BLOCK, |text| {
+        let parts = cut(text, BUFFER);
+        let found = parts.par_iter().map(|part| surveyed(part));
+        all = all.plus(found.reduce(Survey::default, Survey::plus));
         Ok(())
     })?;
-    Ok(found)
+    Ok(Survey { colors: if all.colors > 0 { all.positions } else { 0 }, ..all })
+}
+
+/// The contents of a part, but a colour if its first position has one: that shows whether all have.
+fn surveyed(text: &[u8]) -> Survey {
+    let mut found = Survey::default();
+    for statement in statements(text) {
+        match statement.keyword {
+            Keyword::Position => {
+                found.positions += 1;
+                if found.positions == 1 {
+                    found.colors = u64::from(words(statement.rest).count() >= WITH_COLOR);
+                }
+            }
+            Keyword::Uv => found.uvs += 1,
+            Keyword::Normal => found.normals += 1,
+            Keyword::Face => face(statement.rest, &mut found),
+            Keyword::Material | Keyword::Library | Keyword::Other => {}
+        }
+    }
+    found
+}
+
+/// A face has two corners more than triangles. Its first corner shows which indices its corners
+/// have.
+fn face(rest: &[u8], found: &mut Survey) {
+    let mut corners = words(rest).take_while(|word| !word.starts_with(b"#"));
+    let Some(first) = corners.next() else { return };
+    let mut numbers = first.split(|&byte| byte == b'/').skip(1);
+    found.uv_indices |= numbers.next().is_some_and(|number| !number.is_empty());
+    found.normal_indices |= numbers.next().is_some_and(|number| !number.is_empty());
+    found.triangles += (corners.count() as u64).saturating_sub(1);
 }
 
 #[cfg(test)]

@@ -5,29 +5,36 @@
 //! process, the mapped pages count as used memory, and mapping needs `unsafe`.
 
 use std::fs::File;
-use std::io::{self, ErrorKind, Read, Seek, SeekFrom};
+use std::io::{self, BufRead as _, BufReader, ErrorKind, Read};
 
 use rayon::prelude::*;
+
+use super::faults::read_failure;
+use wavecrest_base::error::Result;
 
 /// A source that can be read at any offset.
 pub(super) trait ReadAt: Sync {
     /// Reads bytes from `place` on and returns their number; 0 at the end.
     fn read_at(&self, to: &mut [u8], place: u64) -> io::Result<usize>;
 
-    /// Fills `to` with the bytes from `place` on.
-    fn read_exact_at(&self, mut to: &mut [u8], mut place: u64) -> io::Result<()> {
-        while !to.is_empty() {
-            match self.read_at(to, place) {
-                Ok(0) => return Err(ErrorKind::UnexpectedEof.into()),
-                Ok(count) => {
-                    to = &mut to[count..];
-                    place += count as u64;
-                }
+    /// Fills `to` with the bytes from `place` on, as far as there are any, and returns their number.
+    fn fill_at(&self, to: &mut [u8], place: u64) -> io::Result<usize> {
+        let mut filled = 0;
+        while filled < to.len() {
+            match self.read_at(&mut to[filled..], place + filled as u64) {
+                Ok(0) => break,
+                Ok(count) => filled += count,
                 Err(error) if error.kind() == ErrorKind::Interrupted => {}
                 Err(error) => return Err(error),
             }
         }
-        Ok(())
+        Ok(filled)
+    }
+
+    /// Fills all of `to` with the bytes from `place` on.
+    fn read_exact_at(&self, to: &mut [u8], place: u64) -> io::Result<()> {
+        let is_full = self.fill_at(to, place)? == to.len();
+        if is_full { Ok(()) } else { Err(ErrorKind::UnexpectedEof.into()) }
     }
 }
 
@@ -48,7 +55,7 @@ impl ReadAt for File {
         static TURN: std::sync::Mutex<()> = std::sync::Mutex::new(());
         let _turn = TURN.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
         let mut file = self;
-        file.seek(SeekFrom::Start(place))?;
+        io::Seek::seek(&mut file, io::SeekFrom::Start(place))?;
         file.read(to)
     }
 }
@@ -68,6 +75,17 @@ pub(super) fn fill(file: &dyn ReadAt, place: u64, to: &mut [u8]) -> io::Result<(
     to.par_chunks_mut(PART)
         .enumerate()
         .try_for_each(|(number, part)| file.read_exact_at(part, place + (number * PART) as u64))
+}
+
+/// `N` bytes of a row from `offset` on, the least significant first.
+#[inline(always)]
+pub(super) fn part<const N: usize, const BIG: bool>(row: &[u8], offset: usize) -> [u8; N] {
+    let mut bytes = [0; N];
+    bytes.copy_from_slice(&row[offset..offset + N]);
+    if BIG {
+        bytes.reverse();
+    }
+    bytes
 }
 
 /// A part of a file, read in sequence.
@@ -94,22 +112,24 @@ impl Read for Section<'_> {
     }
 }
 
-/// Positions are those of the file.
-impl Seek for Section<'_> {
-    fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
-        let place = match to {
-            SeekFrom::Start(place) => Some(place),
-            SeekFrom::End(by) => self.end.checked_add_signed(by),
-            SeekFrom::Current(by) => self.place.checked_add_signed(by),
-        };
-        self.place = place.ok_or(ErrorKind::InvalidInput)?;
-        Ok(self.place)
+/// Passes the lines of a text to `take`, with their ends; longer ones in parts of `longest` bytes.
+pub(super) fn each_line(
+    text: Section<'_>,
+    buffer: usize,
+    longest: u64,
+    mut take: impl FnMut(&[u8]) -> Result<()>,
+) -> Result<()> {
+    let (mut reader, mut line) = (BufReader::with_capacity(buffer, text), Vec::new());
+    while reader.by_ref().take(longest).read_until(b'\n', &mut line).map_err(read_failure)? > 0 {
+        take(&line)?;
+        line.clear();
     }
+    Ok(())
 }
 
 #[cfg(test)]
 mod tests {
-    use std::io::{BufReader, Write as _};
+    use std::io::Write as _;
 
     use super::*;
 
@@ -132,15 +152,21 @@ mod tests {
     fn a_section_ends_where_it_was_told() {
         let bytes: Vec<u8> = (0..200).collect();
         let slice = &bytes[..];
-        let mut section = BufReader::with_capacity(7, Section::new(&slice, 20, 50));
         let mut found = Vec::new();
-        section.by_ref().take(4).read_to_end(&mut found).unwrap();
-        section.seek_relative(3).unwrap();
-        section.by_ref().take(1).read_to_end(&mut found).unwrap();
-        section.seek_relative(19).unwrap();
-        section.read_to_end(&mut found).unwrap();
-        assert_eq!(found, [20, 21, 22, 23, 27, 47, 48, 49]);
-        section.seek_relative(100).unwrap();
-        assert_eq!(section.read(&mut [0; 4]).unwrap(), 0);
+        Section::new(&slice, 20, 50).read_to_end(&mut found).unwrap();
+        assert_eq!(found, bytes[20..50]);
+        assert_eq!(Section::new(&slice, 150, 300).read_to_end(&mut found).unwrap(), 50);
+    }
+
+    #[test]
+    fn lines_are_passed_whole_or_in_parts() {
+        let mut found = Vec::new();
+        let text = &b"one\n\nlonger\nend"[..];
+        let take = |line: &[u8]| {
+            found.push(String::from_utf8_lossy(line).into_owned());
+            Ok(())
+        };
+        each_line(Section::new(&text, 0, text.len() as u64), 3, 4, take).unwrap();
+        assert_eq!(found, ["one\n", "\n", "long", "er\n", "end"]);
     }
 }

@@ -16,8 +16,8 @@ use std::ops::Range;
 use earcut::Earcut;
 use glam::{DVec2, DVec3, Vec3};
 use rayon::prelude::*;
-use robust::Coord;
 
+use crate::corners::{flattened, orientation};
 use wavecrest_base::error::{Error, ErrorKind};
 
 /// Polygons with more corners that are not convex keep their fan: ear clipping takes quadratic
@@ -56,7 +56,7 @@ pub(super) fn fan<T: Copy>(corners: &[T]) -> impl Iterator<Item = [T; 3]> {
 }
 
 /// Replaces the wrong fans of `polygons`, in `triangles` and alike in the index arrays of
-/// `attributes`. Indices must be in range and positions finite. Returns a warning if polygons kept
+/// `attributes` that are not empty. Indices must be in range and positions finite. Returns a warning if polygons kept
 /// a fan for having more than [`MAX_EAR_CORNERS`] corners.
 pub(super) fn split(
     polygons: &[Polygon],
@@ -73,7 +73,8 @@ pub(super) fn split(
                 continue;
             };
             rewrite(polygon, &split, triangles);
-            attributes.iter_mut().for_each(|indices| rewrite(polygon, &split, indices));
+            let attributes = attributes.iter_mut().filter(|indices| !indices.is_empty());
+            attributes.for_each(|indices| rewrite(polygon, &split, indices));
         }
     }
     (too_large > 0).then(|| {
@@ -139,22 +140,7 @@ fn flatten(corners: impl Iterator<Item = DVec3> + Clone) -> Option<Vec<DVec2>> {
     // Newell's normal: its length is twice the area, even if the corners are not coplanar.
     let next = around.clone().skip(1);
     let normal: DVec3 = around.clone().zip(next).map(|(a, b)| a.cross(b)).sum();
-    let size = normal.abs();
-    if size.max_element() == 0.0 {
-        return None;
-    }
-    let project = |c: DVec3| match size.max_position() {
-        0 => DVec2::new(c.y, c.z) * DVec2::new(normal.x.signum(), 1.0),
-        1 => DVec2::new(c.z, c.x) * DVec2::new(normal.y.signum(), 1.0),
-        _ => DVec2::new(c.x, c.y) * DVec2::new(normal.z.signum(), 1.0),
-    };
-    Some(around.map(project).collect())
-}
-
-/// Positive for a counter-clockwise triangle; 0 for one without area. Its sign is exact.
-fn orientation([a, b, c]: [DVec2; 3]) -> f64 {
-    let coord = |p: DVec2| Coord { x: p.x, y: p.y };
-    robust::orient2d(coord(a), coord(b), coord(c))
+    (normal != DVec3::ZERO).then(|| around.map(|c| flattened(normal, c)).collect())
 }
 
 /// Triangulates the polygon `flat` by ear clipping. `None` if there are no ears.

@@ -14,14 +14,12 @@
 //! Both forms may begin with `solid`. A file is binary if its length fits its count of triangles,
 //! or if it has a zero byte where a text has words.
 
-use std::io::{BufRead, BufReader, Read as _};
-
 use glam::Vec3;
 use rayon::prelude::*;
 
 use super::data::{MeshData, Read};
 use super::faults::{self, no_triangles, read_failure, syntax};
-use super::place::{ReadAt, Section};
+use super::place::{self, ReadAt, Section, part};
 use super::survey::Survey;
 use super::validate::{bad_position, is_good_position};
 use super::{BUFFER, join, number};
@@ -140,7 +138,11 @@ fn read_binary(
             .remedy("the file may be cut off, or this is not an STL file"));
     }
     check_count(count)?;
-    let mut notes = trailing(count, length);
+    let left = length - HEAD as u64 - count * TRIANGLE as u64;
+    let mut notes = Vec::new();
+    if left > 0 {
+        notes.push(syntax("bytes after the last triangle are ignored").value(left));
+    }
     let mut triangles: Vec<[Vec3; 3]> = bytemuck::zeroed_vec(count as usize);
     let at_once = (buffer / TRIANGLE).max(1);
     let parts = triangles.par_chunks_mut(at_once).enumerate();
@@ -154,13 +156,6 @@ fn read_binary(
         notes.push(ignored_colours("colours of triangles (VisCAM, SolidView)"));
     }
     Ok((triangles, notes))
-}
-
-/// The warning of bytes after the last triangle.
-fn trailing(count: u64, length: u64) -> Vec<Error> {
-    let left = length - HEAD as u64 - count * TRIANGLE as u64;
-    let note = || syntax("bytes after the last triangle are ignored").value(left);
-    (left > 0).then(note).into_iter().collect()
 }
 
 /// Reads the triangles from the number `first` on; returns true if one has an attribute.
@@ -181,10 +176,7 @@ fn read_part(file: &dyn ReadAt, first: usize, into: &mut [[Vec3; 3]]) -> Result<
 
 /// The three numbers of `row` at an offset.
 fn vector(row: &[u8], at: usize) -> Vec3 {
-    let number = |i: usize| {
-        let from = at + 4 * i;
-        f32::from_le_bytes([row[from], row[from + 1], row[from + 2], row[from + 3]])
-    };
+    let number = |i: usize| f32::from_le_bytes(part::<4, false>(row, at + 4 * i));
     Vec3::new(number(0), number(1), number(2))
 }
 
@@ -276,23 +268,17 @@ fn each_line(
     buffer: usize,
     mut take: impl FnMut(&str) -> Result<()>,
 ) -> Result<()> {
-    let mut reader = BufReader::with_capacity(buffer, Section::new(file, 0, length));
-    let mut line = Vec::new();
-    for number in 1_u64.. {
-        line.clear();
-        let mut limited = reader.by_ref().take(LONGEST_LINE);
-        let read = limited.read_until(b'\n', &mut line).map_err(read_failure)?;
-        if read == 0 {
-            break;
-        }
-        let place = || format!("line {number}");
-        if read as u64 == LONGEST_LINE && !line.ends_with(b"\n") {
-            let error = syntax(format!("a line can have at most {LONGEST_LINE} bytes")).at(place());
-            return Err(error.remedy("check that the file is an STL file"));
-        }
-        take(&String::from_utf8_lossy(&line)).map_err(|error| error.at(place()))?;
-    }
-    Ok(())
+    let mut number = 0_u64;
+    place::each_line(Section::new(file, 0, length), buffer, LONGEST_LINE, |line| {
+        number += 1;
+        let taken = if line.len() as u64 == LONGEST_LINE && !line.ends_with(b"\n") {
+            let error = syntax(format!("a line can have at most {LONGEST_LINE} bytes"));
+            Err(error.remedy("check that the file is an STL file"))
+        } else {
+            take(&String::from_utf8_lossy(line))
+        };
+        taken.map_err(|error| error.at(format!("line {number}")))
+    })
 }
 
 #[cfg(test)]

@@ -30,6 +30,19 @@ const TRIPLE: u64 = size_of::<[u32; 3]>() as u64;
 const PAIR: u64 = size_of::<[f32; 2]>() as u64;
 
 impl Survey {
+    /// The contents of two parts.
+    pub(super) fn plus(self, other: Self) -> Self {
+        Self {
+            positions: self.positions + other.positions,
+            triangles: self.triangles + other.triangles,
+            normals: self.normals + other.normals,
+            uvs: self.uvs + other.uvs,
+            colors: self.colors + other.colors,
+            normal_indices: self.normal_indices || other.normal_indices,
+            uv_indices: self.uv_indices || other.uv_indices,
+        }
+    }
+
     /// Bytes of positions and triangles.
     pub fn prototype_bytes(&self) -> u64 {
         TRIPLE.saturating_mul(self.positions.saturating_add(self.triangles))

@@ -14,8 +14,8 @@ use super::faults::check_count;
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_core::math::float::MAX_COORDINATE;
 
-/// Passes over fewer items end before other threads wake.
-const PARALLEL_FROM: usize = 1 << 15;
+/// The items of a task: passes over fewer end before other threads wake.
+const PART: usize = 1 << 15;
 
 /// Checks a mesh from any source: counts, positions, indices.
 ///
@@ -68,9 +68,9 @@ pub(super) fn bad_index(what: &str, index: impl std::fmt::Display, count: usize)
 
 /// Checks the indices of corners into `count` values; those `without` a value have [`NO_VALUE`].
 fn check_indices(what: &str, indices: &[[u32; 3]], count: usize, without: bool) -> Result<()> {
-    let bad = |i: u32| i as usize >= count && !(without && i == NO_VALUE);
-    match first_with(indices, bad) {
-        Some((t, index)) => Err(bad_index(what, index, count).at(format!("triangle {t}"))),
+    let indices = indices.as_flattened();
+    match find_first(indices, |&i| i as usize >= count && !(without && i == NO_VALUE)) {
+        Some(i) => Err(bad_index(what, indices[i], count).at(format!("triangle {}", i / 3))),
         None => Ok(()),
     }
 }
@@ -95,16 +95,6 @@ fn check_length(what: &str, of: &str, found: usize, right: usize) -> Result<()> 
     Err(Error::new(ErrorKind::Mesh, format!("there must be as many {what} entries as {of}"))
         .value(found)
         .remedy(format!("give {right}, or none")))
-}
-
-/// The first triangle with a corner that is `bad`, and that corner's index.
-pub(super) fn first_with(
-    triangles: &[[u32; 3]],
-    bad: impl Fn(u32) -> bool + Sync + Send,
-) -> Option<(usize, u32)> {
-    let triangle = find_first(triangles, |t| t.iter().any(|&i| bad(i)))?;
-    let index = triangles[triangle].into_iter().find(|&i| bad(i))?;
-    Some((triangle, index))
 }
 
 /// Replaces values that are not finite, and negative colours, and returns the warnings. Some files
@@ -138,25 +128,22 @@ pub(super) fn scale_byte_colors(colors: &mut [Vec3]) -> Option<Error> {
     })
 }
 
+/// Replaces the values that are not `good`, and counts them.
 fn replace_bad<T: Send + Sync + Copy>(values: &mut [T], good: fn(T) -> bool, by: T) -> usize {
-    let fix = |value: &mut T| {
-        let bad = !good(*value);
-        if bad {
-            *value = by;
-        }
-        usize::from(bad)
+    let mend = |part: &mut [T]| {
+        let bad = part.iter_mut().filter(|value| !good(**value));
+        bad.map(|value| *value = by).count()
     };
-    if values.len() < PARALLEL_FROM {
-        return values.iter_mut().map(fix).sum();
-    }
-    values.par_iter_mut().with_min_len(PARALLEL_FROM).map(fix).sum()
+    values.par_chunks_mut(PART).map(mend).sum()
 }
 
-fn find_first<T: Sync>(items: &[T], bad: impl Fn(&T) -> bool + Sync + Send) -> Option<usize> {
-    if items.len() < PARALLEL_FROM {
-        return items.iter().position(bad);
-    }
-    items.par_iter().with_min_len(PARALLEL_FROM).position_first(bad)
+/// The number of the first of `items` that is `bad`.
+pub(super) fn find_first<T: Sync>(
+    items: &[T],
+    bad: impl Fn(&T) -> bool + Sync + Send,
+) -> Option<usize> {
+    let first = |(part, items): (usize, &[T])| Some(part * PART + items.iter().position(&bad)?);
+    items.par_chunks(PART).enumerate().find_map_first(first)
 }
 
 #[cfg(test)]

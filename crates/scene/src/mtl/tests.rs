@@ -1,7 +1,4 @@
-use std::path::PathBuf;
-
 use super::*;
-use crate::components::Wrap;
 
 fn read(text: &str) -> Library {
     let mut library = Library::default();

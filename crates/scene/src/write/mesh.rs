@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use std::io::{self, Write};
 
-use glam::{DVec3, Vec2, Vec3};
+use glam::DVec3;
 
 use crate::mesh::{Attribute, MeshData, NO_VALUE};
 
@@ -21,23 +21,29 @@ pub fn write_ply(mesh: &MeshData, sink: &mut impl Write) -> io::Result<()> {
 }
 
 fn write_by_vertex(mesh: &MeshData, sink: &mut impl Write) -> io::Result<()> {
-    sink.write_all(header(mesh).as_bytes())?;
+    let names = [
+        mesh.normals.as_ref().map(|_| "nx ny nz"),
+        mesh.uvs.as_ref().map(|_| "s t"),
+        mesh.colors.as_ref().map(|_| "red green blue"),
+    ];
+    let is_near = mesh.origin == DVec3::ZERO;
+    let counts = [mesh.positions.len() as u64, mesh.triangles.len() as u64];
+    let scalar = if is_near { "float" } else { "double" };
+    sink.write_all(ply_header("", counts, scalar, names, "uint").as_bytes())?;
+    let mut row = Vec::new();
     for (i, position) in mesh.positions.iter().enumerate() {
-        if mesh.origin == DVec3::ZERO {
-            sink.write_all(position.to_array().map(f32::to_le_bytes).as_flattened())?;
+        row.clear();
+        if is_near {
+            row.extend(position.to_array().map(f32::to_le_bytes).as_flattened());
         } else {
             let point = mesh.origin + position.as_dvec3();
-            sink.write_all(point.to_array().map(f64::to_le_bytes).as_flattened())?;
+            row.extend(point.to_array().map(f64::to_le_bytes).as_flattened());
         }
-        if let Some(normals) = &mesh.normals {
-            sink.write_all(normals.values[i].to_array().map(f32::to_le_bytes).as_flattened())?;
-        }
-        if let Some(uvs) = &mesh.uvs {
-            sink.write_all(uvs.values[i].to_array().map(f32::to_le_bytes).as_flattened())?;
-        }
-        if let Some(colors) = &mesh.colors {
-            sink.write_all(colors[i].to_array().map(f32::to_le_bytes).as_flattened())?;
-        }
+        let normal = mesh.normals.iter().flat_map(|normals| normals.values[i].to_array());
+        let uv = mesh.uvs.iter().flat_map(|uvs| uvs.values[i].to_array());
+        let color = mesh.colors.iter().flat_map(|colors| colors[i].to_array());
+        row.extend(normal.chain(uv).chain(color).flat_map(f32::to_le_bytes));
+        sink.write_all(&row)?;
     }
     for triangle in &mesh.triangles {
         sink.write_all(&[3])?;
@@ -46,24 +52,25 @@ fn write_by_vertex(mesh: &MeshData, sink: &mut impl Write) -> io::Result<()> {
     Ok(())
 }
 
-fn header(mesh: &MeshData) -> String {
-    let (vertices, triangles) = (mesh.positions.len(), mesh.triangles.len());
-    let mut header = format!("ply\nformat binary_little_endian 1.0\nelement vertex {vertices}\n");
-    let scalar = if mesh.origin == DVec3::ZERO { "float" } else { "double" };
-    ["x", "y", "z"].iter().for_each(|name| header += &format!("property {scalar} {name}\n"));
-    let mut names = Vec::new();
-    if mesh.normals.is_some() {
-        names.extend(["nx", "ny", "nz"]);
-    }
-    if mesh.uvs.is_some() {
-        names.extend(["s", "t"]);
-    }
-    if mesh.colors.is_some() {
-        names.extend(["red", "green", "blue"]);
-    }
-    names.iter().for_each(|name| header += &format!("property float {name}\n"));
-    header += &format!("element face {triangles}\nproperty list uchar uint vertex_indices\n");
-    header + "end_header\n"
+/// The header of a binary PLY file with these numbers of vertices and triangles: coordinates of the
+/// type `scalar`, the properties of some `groups` in single precision, indices of the type `index`.
+pub(crate) fn ply_header(
+    comment: &str,
+    [vertices, triangles]: [u64; 2],
+    scalar: &str,
+    groups: [Option<&str>; 3],
+    index: &str,
+) -> String {
+    let of = |kind: &str, names: &str| -> String {
+        names.split(' ').map(|name| format!("property {kind} {name}\n")).collect()
+    };
+    let position = of(scalar, "x y z");
+    let others: String = groups.into_iter().flatten().map(|names| of("float", names)).collect();
+    format!(
+        "ply\nformat binary_little_endian 1.0\n{comment}element vertex {vertices}\n\
+         {position}{others}element face {triangles}\n\
+         property list uchar {index} vertex_indices\nend_header\n"
+    )
 }
 
 /// The mesh with a vertex for each combination of position, normal and texture coordinates at a
@@ -86,18 +93,23 @@ fn with_vertices(mesh: &MeshData) -> MeshData {
     });
     let triangles = triangles.collect();
     let values = |part: usize| which.iter().map(move |key| key[part] as usize);
-    let zero = |v: Option<&Vec3>| v.copied().unwrap_or(Vec3::ZERO);
-    let normals = mesh.normals.as_ref().map(|n| values(1).map(|i| zero(n.values.get(i))).collect());
-    let uv = |v: Option<&Vec2>| v.copied().unwrap_or(Vec2::ZERO);
-    let uvs = mesh.uvs.as_ref().map(|uvs| values(2).map(|i| uv(uvs.values.get(i))).collect());
     MeshData {
         positions: values(0).map(|i| mesh.positions[i]).collect(),
         origin: mesh.origin,
         triangles,
-        normals: normals.map(|values| Attribute { values, indices: None }),
-        uvs: uvs.map(|values| Attribute { values, indices: None }),
+        normals: mesh.normals.as_ref().map(|normals| by_vertex(normals, values(1))),
+        uvs: mesh.uvs.as_ref().map(|uvs| by_vertex(uvs, values(2))),
         colors: mesh.colors.as_ref().map(|colors| values(0).map(|i| colors[i]).collect()),
     }
+}
+
+/// The attribute with a value for each vertex, zero if there is none.
+fn by_vertex<T: Copy + Default>(
+    attribute: &Attribute<T>,
+    which: impl Iterator<Item = usize>,
+) -> Attribute<T> {
+    let value = |i| attribute.values.get(i).copied().unwrap_or_default();
+    Attribute { values: which.map(value).collect(), indices: None }
 }
 
 /// The values of a triangle's corners: [`NO_VALUE`] for all if one has none.

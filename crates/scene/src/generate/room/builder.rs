@@ -6,8 +6,7 @@ use glam::DVec3;
 
 use super::colour::Colour;
 use super::plants::{LEAF_TRIANGLES, Leaf};
-use super::solids::Facets;
-use super::soup::Soup;
+use super::solids::{Facets, Soup};
 use crate::generate::grid::{Ends, Grid};
 use crate::generate::noise::mix;
 use crate::generate::surface::Surface;

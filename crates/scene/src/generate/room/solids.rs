@@ -1,5 +1,5 @@
-//! The solids of furniture: boards and mouldings with flat faces, and bodies of revolution, tubes
-//! and cushions as grids.
+//! The solids of furniture: boards and mouldings with flat faces that share no vertex, and bodies of
+//! revolution, tubes and cushions as grids.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -9,6 +9,7 @@ use super::builder::{Builder, Place};
 use super::colour::Colour;
 use super::profiles::Profile;
 use crate::generate::grid::Ends;
+use crate::generate::surface::{Surface, cell_triangle};
 
 /// A millimetre: furniture is measured in metres, and its details in these.
 pub(super) const MM: f64 = 0.001;
@@ -101,6 +102,41 @@ impl Facets {
         self.frames(place, low, high, profile);
         let Some(&[inset, z]) = profile.last() else { return };
         self.quads.push(rectangle(place, low + inset, high - inset, z));
+    }
+}
+
+/// Triangles, or flat convex quads, each with its own corners.
+pub(super) struct Soup {
+    /// Corners of each facet: 3 or 4.
+    pub(super) sides: u64,
+    pub(super) facets: u64,
+    /// The corners of a facet by its number, counter-clockwise as seen from the front; a triangle
+    /// repeats its last one.
+    pub(super) facet: Box<dyn Fn(u64) -> [DVec3; 4] + Send + Sync>,
+}
+
+impl Surface for Soup {
+    fn vertices(&self) -> u64 {
+        self.sides * self.facets
+    }
+
+    fn triangles(&self) -> u64 {
+        (self.sides - 2) * self.facets
+    }
+
+    fn position(&self, v: u64) -> DVec3 {
+        (self.facet)(v / self.sides)[(v % self.sides) as usize]
+    }
+
+    fn normal(&self, v: u64) -> DVec3 {
+        let [a, b, c, _] = (self.facet)(v / self.sides);
+        (b - a).cross(c - a).normalize()
+    }
+
+    fn triangle(&self, t: u64) -> [u32; 3] {
+        let halves = self.sides - 2;
+        let first = (t / halves * self.sides) as u32;
+        cell_triangle([first, first + 1, first + 2, first + 3], true, t % halves)
     }
 }
 

@@ -1,25 +1,60 @@
-//! The contents of an OBJ text: of a piece, or of all pieces so far.
+//! The contents of an OBJ text: of a piece, or of all pieces so far; and the corners of a face.
+
+use std::num::{IntErrorKind, ParseIntError};
 
 use glam::{DVec3, Vec2, Vec3};
 
-use super::corners::Corners;
-use super::count::Count;
 use super::lines::{
     Keyword, Statement, first_word, is_blank, malformed, name, statements, word_length, words,
 };
-use crate::mesh::data::{NO_VALUE, NamedMaterials};
-use crate::mesh::faults::{check_count, syntax};
-use crate::mesh::number;
+use crate::mesh::data::{MAX_COUNT, NO_VALUE, NamedMaterials};
+use crate::mesh::faults::{check_count, syntax, too_few_corners};
+use crate::mesh::number::{self, leading_whole};
 use crate::mesh::origin::relative;
 use crate::mesh::polygon::{self, Polygon};
-use crate::mesh::validate::{bad_position, is_good_position};
-use wavecrest_base::error::Result;
+use crate::mesh::validate::{bad_index, bad_position, find_first, is_good_position};
+use wavecrest_base::error::{Error, ErrorKind, Result};
+
+/// What indices refer to, in the order of a corner.
+const KINDS: [&str; 3] = ["vertex", "texture coordinate", "normal"];
 
 /// The colour of a position without one.
 pub(super) const WHITE: Vec3 = Vec3::ONE;
 
 /// The indices of a triangle without an attribute.
 pub(super) const NO_VALUES: [u32; 3] = [NO_VALUE; 3];
+
+/// The number of lines and values in some text.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Count {
+    pub(super) lines: u64,
+    /// By [`KINDS`], as are the first keywords.
+    pub(super) values: [u64; 3],
+}
+
+impl Count {
+    fn add(&mut self, keyword: Keyword) {
+        if let Some(count) = self.values.get_mut(keyword as usize) {
+            *count += 1;
+        }
+    }
+
+    pub(super) fn plus(self, other: Self) -> Self {
+        let values = std::array::from_fn(|kind| self.values[kind] + other.values[kind]);
+        Self { lines: self.lines + other.lines, values }
+    }
+
+    /// The error of the first index, in the lists of each kind, that is beyond these counts of a
+    /// whole file. Attributes without values in the file count as absent.
+    pub(super) fn first_beyond(&self, lists: [&[u32]; 3]) -> Option<Error> {
+        (0..KINDS.len()).filter(|&kind| kind == 0 || self.values[kind] > 0).find_map(|kind| {
+            let count = self.values[kind];
+            let is_beyond = |&index: &u32| index != NO_VALUE && u64::from(index) >= count;
+            let index = lists[kind][find_first(lists[kind], is_beyond)?];
+            Some(bad_index(KINDS[kind], u64::from(index) + 1, count as usize))
+        })
+    }
+}
 
 /// Arrays, as far as they have been read. Indices count from the beginning of the file.
 #[derive(Debug, Default)]
@@ -31,10 +66,9 @@ pub(super) struct Contents {
     pub(super) colors: Vec<Vec3>,
     pub(super) uvs: Vec<Vec2>,
     pub(super) normals: Vec<Vec3>,
-    pub(super) triangles: Vec<[u32; 3]>,
-    /// Triangles beyond the end of this list have [`NO_VALUES`]; likewise for normals.
-    pub(super) uv_indices: Vec<[u32; 3]>,
-    pub(super) normal_indices: Vec<[u32; 3]>,
+    /// The corners of triangles, by [`KINDS`]. Triangles beyond the end of a list have
+    /// [`NO_VALUES`].
+    pub(super) indices: [Vec<[u32; 3]>; 3],
     /// Counted from the first of the triangles here.
     pub(super) polygons: Vec<Polygon>,
     /// Counted likewise.
@@ -44,8 +78,13 @@ pub(super) struct Contents {
 impl Contents {
     /// Counts a piece, and reads it with positions relative to `origin`. If it is not known what
     /// was counted up to its `start`, no index may count backward, and the line of an error is
-    /// wrong.
-    pub(super) fn read(text: &[u8], start: Option<Count>, origin: DVec3) -> (Count, Result<Self>) {
+    /// wrong. If the `whole` file has been counted, an index beyond is an error.
+    pub(super) fn read(
+        text: &[u8],
+        start: Option<Count>,
+        origin: DVec3,
+        whole: Option<&Count>,
+    ) -> (Count, Result<Self>) {
         let mut piece = Ok(Self { origin, ..Self::default() });
         let mut corners = Corners::default();
         let mut count = start.unwrap_or_default();
@@ -55,7 +94,7 @@ impl Contents {
             let known = start.is_some().then_some(&count);
             // After a failure the rest of the piece is only counted.
             if let Ok(read) = &mut piece
-                && let Err(error) = read.statement(statement, known, &mut corners)
+                && let Err(error) = read.statement(statement, known, whole, &mut corners)
             {
                 piece = Err(error.at(format!("line {}", before + statement.line + 1)));
             }
@@ -67,8 +106,8 @@ impl Contents {
 
     /// Appends the next piece.
     pub(super) fn append(&mut self, piece: Self) -> Result<()> {
-        let (vertices, triangles) = (self.positions.len(), self.triangles.len());
-        check_count("triangles", (triangles + piece.triangles.len()) as u64)?;
+        let (vertices, triangles) = (self.positions.len(), self.indices[0].len());
+        check_count("triangles", (triangles + piece.indices[0].len()) as u64)?;
         // The count was just checked to fit `u32`.
         let first = triangles as u32;
         let shift = |p: Polygon| Polygon { first: p.first + first, ..p };
@@ -80,12 +119,12 @@ impl Contents {
             self.materials.add_library(statement);
         }
         append(&mut self.colors, vertices, WHITE, piece.colors);
-        append(&mut self.uv_indices, triangles, NO_VALUES, piece.uv_indices);
-        append(&mut self.normal_indices, triangles, NO_VALUES, piece.normal_indices);
+        for (to, indices) in self.indices.iter_mut().zip(piece.indices) {
+            append(to, triangles, NO_VALUES, indices);
+        }
         self.positions.extend(piece.positions);
         self.uvs.extend(piece.uvs);
         self.normals.extend(piece.normals);
-        self.triangles.extend(piece.triangles);
         Ok(())
     }
 
@@ -93,6 +132,7 @@ impl Contents {
         &mut self,
         Statement { keyword, rest, .. }: Statement,
         count: Option<&Count>,
+        whole: Option<&Count>,
         corners: &mut Corners,
     ) -> Result<()> {
         match keyword {
@@ -104,10 +144,15 @@ impl Contents {
             Keyword::Normal => self.normals.push(Vec3::from(numbers::<3>(rest, 3, "vn")?.0)),
             Keyword::Face => {
                 corners.read(rest, count)?;
+                let beyond =
+                    |whole: &Count| whole.first_beyond(corners.0.each_ref().map(|c| &c[..]));
+                if let Some(error) = whole.and_then(beyond) {
+                    return Err(error);
+                }
                 self.push_face(corners);
             }
             // A piece is in memory, so its triangles are fewer than 2^32.
-            Keyword::Material => self.materials.begin(self.triangles.len() as u32, name(rest)),
+            Keyword::Material => self.materials.begin(self.indices[0].len() as u32, name(rest)),
             Keyword::Library => self.materials.add_library(name(rest)),
             Keyword::Other => {}
         }
@@ -132,16 +177,14 @@ impl Contents {
         Ok(())
     }
 
-    fn push_face(&mut self, Corners([positions, uvs, normals]): &Corners) {
-        let before = self.triangles.len();
-        if positions.len() > 3 {
+    fn push_face(&mut self, Corners(lists): &Corners) {
+        let (before, corners) = (self.indices[0].len(), lists[0].len());
+        if corners > 3 {
             // A piece is in memory, so its triangles are fewer than 2^32; the sum over the pieces
             // is checked when they are joined.
-            let (first, corners) = (before as u32, positions.len() as u32);
-            self.polygons.push(Polygon { first, corners });
+            self.polygons.push(Polygon { first: before as u32, corners: corners as u32 });
         }
-        self.triangles.extend(polygon::fan(positions));
-        for (to, corners) in [(&mut self.uv_indices, uvs), (&mut self.normal_indices, normals)] {
+        for (to, corners) in self.indices.iter_mut().zip(lists) {
             if corners.iter().any(|&index| index != NO_VALUE) {
                 to.resize(before, NO_VALUES);
                 to.extend(polygon::fan(corners));
@@ -215,4 +258,103 @@ fn numbers<'a, const N: usize>(
             .remedy("complete the line; the file may be cut off"));
     }
     Ok((numbers, rest))
+}
+
+/// The indices of a face's corners, a list for each of [`KINDS`]; [`NO_VALUE`] for none.
+#[derive(Debug, Default)]
+struct Corners([Vec<u32>; 3]);
+
+impl Corners {
+    /// Reads the corners of a face after `count` values; if the count is unknown, indices must not
+    /// count backward.
+    fn read(&mut self, mut rest: &[u8], count: Option<&Count>) -> Result<()> {
+        self.0.iter_mut().for_each(Vec::clear);
+        while let Some(word) = first_word(rest) {
+            let (corner, length) = match quick(word) {
+                Some(found) => found,
+                None => {
+                    let length = word_length(word);
+                    (corner(&word[..length], count)?, length)
+                }
+            };
+            self.0.iter_mut().zip(corner).for_each(|(list, index)| list.push(index));
+            rest = &word[length..];
+        }
+        match self.0[0].len() {
+            few @ 0..3 => Err(too_few_corners(few)),
+            _ => Ok(()),
+        }
+    }
+}
+
+/// The corner at the start of `text`, and its length, if it has the common form: short numbers that
+/// count from 1.
+#[inline]
+fn quick(text: &[u8]) -> Option<([u32; 3], usize)> {
+    let mut corner = [NO_VALUE; 3];
+    let mut at = 0;
+    for (number, index) in corner.iter_mut().enumerate() {
+        match leading_whole(&text[at..]) {
+            Some((value, length)) => {
+                *index = value.checked_sub(1)?;
+                at += length;
+            }
+            // Only texture coordinates and normals may be missing.
+            None if number == 0 => return None,
+            None => {}
+        }
+        match text.get(at) {
+            Some(b'/') if number < 2 => at += 1,
+            Some(&next) if !is_blank(next) => return None,
+            _ => break,
+        }
+    }
+    Some((corner, at))
+}
+
+/// The corner in a `word`, in any form.
+fn corner(word: &[u8], count: Option<&Count>) -> Result<[u32; 3]> {
+    let fault = || malformed("a corner of a face", word, "write it as 1, 1/2, 1//3 or 1/2/3");
+    let mut parts = word.split(|&b| b == b'/');
+    let mut corner = [NO_VALUE; 3];
+    for (kind, to) in corner.iter_mut().enumerate() {
+        let part = parts.next().filter(|part| !part.is_empty());
+        // Only texture coordinates and normals may be missing.
+        if kind == 0 || part.is_some() {
+            let number = part.and_then(whole_number).ok_or_else(fault)?;
+            *to = index(KINDS[kind], number, count.map(|count| count.values[kind]))?;
+        }
+    }
+    if parts.next().is_some() { Err(fault()) } else { Ok(corner) }
+}
+
+/// The index, from 0, of a `number` after `count` values: from 1 in the file, or backward from -1,
+/// the latest value. If the count is unknown, an index that counts backward is an error, which is
+/// not reported.
+fn index(what: &str, number: i64, count: Option<u64>) -> Result<u32> {
+    let index = match number {
+        1.. => number - 1,
+        0 => {
+            return Err(Error::new(ErrorKind::Mesh, format!("the {what} index is out of range"))
+                .value(0)
+                .remedy("count from 1, or backward from -1"));
+        }
+        // A count is far below the largest i64.
+        _ => count.map_or(-1, |count| count as i64 + number),
+    };
+    let fits = (0..=MAX_COUNT as i64).contains(&index);
+    let fault = || bad_index(what, number, count.unwrap_or(0) as usize);
+    if fits { Ok(index as u32) } else { Err(fault()) }
+}
+
+/// An integer with an optional sign. One too large for its type is too large for an index.
+fn whole_number(text: &[u8]) -> Option<i64> {
+    std::str::from_utf8(text).ok()?.parse().map_or_else(
+        |error: ParseIntError| match error.kind() {
+            IntErrorKind::PosOverflow => Some(i64::MAX),
+            IntErrorKind::NegOverflow => Some(i64::MIN),
+            _ => None,
+        },
+        Some,
+    )
 }

@@ -138,21 +138,17 @@ fn line_length(text: &[u8]) -> usize {
 /// The keyword at the start of a line, and its end.
 fn keyword(line: &[u8]) -> (Keyword, usize) {
     let start = line.iter().take_while(|b| matches!(b, b' ' | b'\t')).count();
-    let (keyword, length) = match line[start..] {
-        [b'v', next, ..] if is_blank(next) => (Keyword::Position, 1),
-        [b'f', next, ..] if is_blank(next) => (Keyword::Face, 1),
-        [b'v', b't', next, ..] if is_blank(next) => (Keyword::Uv, 2),
-        [b'v', b'n', next, ..] if is_blank(next) => (Keyword::Normal, 2),
-        [b'u', b's', b'e', b'm', b't', b'l', next, ..] if is_blank(next) => (Keyword::Material, 6),
-        [b'm', b't', b'l', b'l', b'i', b'b', next, ..] if is_blank(next) => (Keyword::Library, 6),
-        // A keyword at the end of the file.
-        [b'v'] => (Keyword::Position, 1),
-        [b'f'] => (Keyword::Face, 1),
-        [b'v', b't'] => (Keyword::Uv, 2),
-        [b'v', b'n'] => (Keyword::Normal, 2),
-        _ => (Keyword::Other, 0),
+    let end = start + word_length(&line[start..]);
+    let keyword = match &line[start..end] {
+        b"v" => Keyword::Position,
+        b"vt" => Keyword::Uv,
+        b"vn" => Keyword::Normal,
+        b"f" => Keyword::Face,
+        b"usemtl" => Keyword::Material,
+        b"mtllib" => Keyword::Library,
+        _ => Keyword::Other,
     };
-    (keyword, start + length)
+    (keyword, end)
 }
 
 fn ends_in_backslash(line: &[u8]) -> bool {

@@ -7,6 +7,7 @@ use glam::{Vec2, Vec3};
 use super::*;
 use crate::mesh::BUFFER;
 use crate::mesh::data::NO_VALUE;
+use crate::mesh::tests::alike;
 
 const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
 
@@ -27,15 +28,8 @@ fn materials(text: &str) -> NamedMaterials {
 
 /// Reads `text` with cuts in many places, and checks that they make no difference.
 fn load(text: &str) -> Result<Read> {
-    let whole = read_all(text.as_bytes(), BLOCK, BUFFER);
-    for (block, piece) in [(1, 1), (7, 3), (64, 20), (64, 1000)] {
-        match (&whole, &read_all(text.as_bytes(), block, piece)) {
-            (Ok(a), Ok(b)) => assert_eq!(a.0, b.0, "{block} {piece}"),
-            (Err(a), Err(b)) => assert_eq!(a.to_string(), b.to_string()),
-            other => panic!("{block} {piece}: {other:?}"),
-        }
-    }
-    whole
+    let ways = [(BLOCK, BUFFER), (1, 1), (7, 3), (64, 20), (64, 1000)];
+    alike(ways, |&(block, piece)| read_all(text.as_bytes(), block, piece))
 }
 
 fn mesh(text: &str) -> MeshData {

@@ -4,19 +4,16 @@
 use super::faces::Faces;
 use super::header::{Element, Header, Shape};
 use super::layout::{ListLayout, SLOTS, VertexLayout};
-use super::numbers::{Fault, Numbers};
+use super::numbers::{Numbers, malformed};
 use super::vertices::Vertices;
 use crate::mesh::data::{Attribute, MeshData, Read};
-use crate::mesh::faults::{check_count, no_triangles, read_failure, syntax, too_few_corners};
+use crate::mesh::faults::{check_count, no_triangles, syntax, too_few_corners};
 use crate::mesh::polygon::{self, Polygon};
 use crate::mesh::validate::{bad_index, check_positions, mend};
 use wavecrest_base::error::{Error, Result};
 
-/// The outcome of a step within a row.
-type Step<T = ()> = std::result::Result<T, Fault>;
-
 /// Reads the whole body into a mesh.
-pub(super) fn read(header: &Header, mut numbers: Numbers<'_>) -> Result<Read> {
+pub(super) fn read<'a>(header: &'a Header, mut numbers: Numbers<'a>) -> Result<Read> {
     let vertex = header.elements.iter().find(|e| e.name == "vertex").ok_or_else(|| {
         syntax("the header declares no element \"vertex\"")
             .remedy("declare one, with the properties x, y and z")
@@ -24,6 +21,7 @@ pub(super) fn read(header: &Header, mut numbers: Numbers<'_>) -> Result<Read> {
     let notes = super::layout::unread(header, vertex);
     let mut body = Body { vertex_count: vertex.count as usize, notes, ..Body::default() };
     for element in header.elements.iter().filter(|e| !e.properties.is_empty() || e.count > 0) {
+        numbers.element = Some(element);
         body.element(element, &mut numbers)?;
     }
     body.note_trailing(&mut numbers)?;
@@ -45,8 +43,8 @@ struct Body {
 /// What the rows of an element are.
 enum Rows {
     Vertices(VertexLayout),
-    Faces(ListLayout),
-    Strips(ListLayout),
+    /// Faces, or strips of triangles.
+    Lists(ListLayout),
     /// Unused ones.
     Other,
 }
@@ -55,8 +53,7 @@ impl Rows {
     fn of(element: &Element) -> Result<Self> {
         Ok(match element.name.as_str() {
             "vertex" => Self::Vertices(VertexLayout::of(element)?),
-            "face" if element.count > 0 => Self::Faces(ListLayout::of(element)?),
-            "tristrips" if element.count > 0 => Self::Strips(ListLayout::of(element)?),
+            "face" | "tristrips" if element.count > 0 => Self::Lists(ListLayout::of(element)?),
             _ => Self::Other,
         })
     }
@@ -71,10 +68,10 @@ impl Body {
         check_room(element, numbers)?;
         let first = self
             .many_rows(&rows, element, numbers)
-            .map_err(|fault| located(fault, element, 0, numbers))?;
+            .map_err(|error| located(error, element, 0, numbers))?;
         for index in first..element.count {
             self.row(&rows, element, index, numbers)
-                .map_err(|fault| located(fault, element, index, numbers))?;
+                .map_err(|error| located(error, element, index, numbers))?;
         }
         match rows {
             // Rows that were read together have been checked.
@@ -90,13 +87,13 @@ impl Body {
         rows: &Rows,
         element: &Element,
         numbers: &mut Numbers<'_>,
-    ) -> Step<u64> {
+    ) -> Result<u64> {
         match rows {
             Rows::Vertices(layout) => {
                 self.vertices = Vertices::new(self.vertex_count, layout);
                 self.vertices.read(layout, numbers)
             }
-            Rows::Faces(layout) => {
+            Rows::Lists(layout) if !layout.is_strip => {
                 let likely = likely_triangles(element, *layout, numbers);
                 let first = self.faces.read(element, *layout, self.vertex_count, numbers)?;
                 if first < element.count {
@@ -104,7 +101,7 @@ impl Body {
                 }
                 Ok(first)
             }
-            Rows::Strips(_) | Rows::Other => Ok(0),
+            _ => Ok(0),
         }
     }
 
@@ -114,7 +111,7 @@ impl Body {
         element: &Element,
         index: u64,
         numbers: &mut Numbers<'_>,
-    ) -> Step {
+    ) -> Result<()> {
         let mut values = [0.0; SLOTS];
         for (property, p) in element.properties.iter().enumerate() {
             match rows {
@@ -122,11 +119,8 @@ impl Body {
                     Some(column) => values[column.slot] = numbers.value(column.kind)?,
                     None => skip(p.shape, numbers)?,
                 },
-                Rows::Faces(layout) if layout.property == property => {
-                    self.read_corners(*layout, false, numbers)?;
-                }
-                Rows::Strips(layout) if layout.property == property => {
-                    self.read_corners(*layout, true, numbers)?;
+                Rows::Lists(layout) if layout.property == property => {
+                    self.read_corners(*layout, numbers)?;
                 }
                 _ => skip(p.shape, numbers)?,
             }
@@ -134,36 +128,31 @@ impl Body {
         numbers.end_row()?;
         match rows {
             Rows::Vertices(layout) => self.vertices.set(index as usize, layout, values),
-            Rows::Faces(_) => self.push_face()?,
-            Rows::Strips(_) => {
+            Rows::Lists(layout) if layout.is_strip => {
                 // Every index but two makes a triangle at most.
                 self.faces.triangles.reserve(self.corners.len().saturating_sub(2));
                 for strip in self.corners.split(|&i| i == STRIP_END) {
                     self.faces.triangles.extend(strip_triangles(strip));
                 }
             }
+            Rows::Lists(_) => self.push_face()?,
             Rows::Other => {}
         }
         Ok(())
     }
 
-    /// Reads the list of a face or of `strips` into `self.corners`.
-    fn read_corners(
-        &mut self,
-        layout: ListLayout,
-        strips: bool,
-        numbers: &mut Numbers<'_>,
-    ) -> Step {
+    /// Reads the list of a face or of a strip into `self.corners`.
+    fn read_corners(&mut self, layout: ListLayout, numbers: &mut Numbers<'_>) -> Result<()> {
         let length = list_length(numbers.value(layout.count)?)?;
         let (need, left) = (numbers.least(layout.item, length), numbers.left);
         if need > left.saturating_add(1) {
-            return Err(too_long(length, need, left).into());
+            return Err(too_long(length, need, left));
         }
         self.corners.clear();
         for _ in 0..length {
             let corner = match numbers.value(layout.item)? {
                 // -1, also if it was written as an unsigned number.
-                -1.0 | 4_294_967_295.0 if strips => STRIP_END,
+                -1.0 | 4_294_967_295.0 if layout.is_strip => STRIP_END,
                 value => vertex_index(value, self.vertex_count)?,
             };
             self.corners.push(corner);
@@ -187,10 +176,7 @@ impl Body {
     }
 
     fn note_trailing(&mut self, numbers: &mut Numbers<'_>) -> Result<()> {
-        let bytes = numbers.trailing().map_err(|fault| match fault {
-            Fault::Io(error) => read_failure(error),
-            _ => syntax("the end of the file cannot be read"),
-        })?;
+        let bytes = numbers.trailing()?;
         if bytes > 0 {
             let note = syntax("there is more after the last element, which is ignored");
             let note = note.at("end of the body").value(format_args!("{bytes} bytes"));
@@ -221,29 +207,10 @@ impl Body {
     }
 }
 
-/// The error of a `fault` in a row of an element, with the row and, in a text, the line.
-fn located(
-    fault: Fault,
-    Element { name, count, .. }: &Element,
-    index: u64,
-    numbers: &Numbers<'_>,
-) -> Error {
-    let error = match fault {
-        Fault::End => {
-            syntax(format!("the file is cut off: its header promises {count} of \"{name}\""))
-                .remedy("copy or export it again")
-        }
-        Fault::Malformed(text) => {
-            syntax("a number is malformed").value(text).remedy("write it as 12 or -0.5e3")
-        }
-        Fault::LongRow => syntax("the line has too many values").remedy(
-            "declare every value of a line in the header, and put each element on its own line",
-        ),
-        Fault::Io(error) => read_failure(error),
-        Fault::Mesh(error) => error,
-    };
+/// The `error` of a row of an element, with the row and, in a text, the line.
+fn located(error: Error, element: &Element, index: u64, numbers: &Numbers<'_>) -> Error {
     let line = numbers.line().map_or(String::new(), |line| format!(" (line {line})"));
-    error.at(format!("{name} {index}{line}"))
+    error.at(format!("{} {index}{line}", element.name))
 }
 
 /// In a strip's list: the end of the strip.
@@ -264,12 +231,12 @@ fn attribute<T>(values: Vec<T>) -> Option<Attribute<T>> {
 }
 
 /// Skips a property.
-fn skip(shape: Shape, numbers: &mut Numbers<'_>) -> Step {
+fn skip(shape: Shape, numbers: &mut Numbers<'_>) -> Result<()> {
     match shape {
         Shape::One(kind) => numbers.skip(kind, 1),
         Shape::List { count, item } => {
             let length = numbers.value(count)?;
-            let length = list_length(length).map_err(|_| Fault::Malformed(length.to_string()))?;
+            let length = list_length(length).map_err(|_| malformed(length))?;
             numbers.skip(item, length)
         }
     }

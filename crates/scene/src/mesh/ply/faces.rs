@@ -7,13 +7,13 @@
 
 use rayon::prelude::*;
 
-use super::header::{Element, Encoding, Scalar};
+use super::header::{Element, Encoding, Scalar, with_type};
 use super::layout::{ListLayout, stride};
-use super::numbers::{Fault, Numbers};
-use super::vertices::part;
+use super::numbers::Numbers;
 use crate::mesh::data::MAX_COUNT;
-use crate::mesh::place::ReadAt;
+use crate::mesh::place::{ReadAt, part};
 use crate::mesh::polygon::Polygon;
+use wavecrest_base::error::Result;
 
 /// The usual number of corners.
 const TRIANGLE: usize = 3;
@@ -35,7 +35,7 @@ impl Faces {
         layout: ListLayout,
         vertices: usize,
         from: &mut Numbers<'_>,
-    ) -> Result<u64, Fault> {
+    ) -> Result<u64> {
         if from.block == 0 || !self.triangles.is_empty() {
             return Ok(0);
         }
@@ -76,11 +76,7 @@ impl Row {
         let size = layout.count.size();
         let mut count = [0; 4];
         file.read_exact_at(count.get_mut(..size)?, place + list as u64).ok()?;
-        let corners = match size {
-            1 => number::<1, BIG>(&count, 0),
-            2 => number::<2, BIG>(&count, 0),
-            _ => number::<4, BIG>(&count, 0),
-        };
+        let corners = with_type!(layout.count, C => number::<{ size_of::<C>() }, BIG>(&count, 0));
         let is_face = corners >= TRIANGLE as u32 && corners <= layout.count.greatest()?;
         let corners = usize::try_from(corners).ok().filter(|_| is_face)?;
         let length = size.checked_add(corners.checked_mul(layout.item.size())?)?;
@@ -125,7 +121,10 @@ fn read<const BIG: bool>(
     if (row.stride as u64).checked_mul(element.count)? > from.left || triangles > MAX_COUNT {
         return None;
     }
-    let decode = decoder::<BIG>(layout.count, layout.item)?;
+    // Sizes alone matter: there is one function for each pair of them.
+    let decode: Decode = with_type!(layout.count, C => with_type!(layout.item, I => {
+        decode::<{ size_of::<C>() }, { size_of::<I>() }, BIG>
+    }));
     let (file, start) = (from.file, from.place());
     let count = usize::try_from(element.count).ok()?;
     into.triangles = vec![[0; 3]; triangles as usize];
@@ -155,22 +154,6 @@ fn read<const BIG: bool>(
 /// Reads rows; returns the number of rows before the first that is not a valid face of this many
 /// corners.
 type Decode = fn(&[u8], Row, &mut [[u32; 3]]) -> usize;
-
-/// The function for numbers of these types.
-fn decoder<const BIG: bool>(count: Scalar, item: Scalar) -> Option<Decode> {
-    Some(match (count.size(), item.size()) {
-        (1, 1) => decode::<1, 1, BIG>,
-        (1, 2) => decode::<1, 2, BIG>,
-        (1, 4) => decode::<1, 4, BIG>,
-        (2, 1) => decode::<2, 1, BIG>,
-        (2, 2) => decode::<2, 2, BIG>,
-        (2, 4) => decode::<2, 4, BIG>,
-        (4, 1) => decode::<4, 1, BIG>,
-        (4, 2) => decode::<4, 2, BIG>,
-        (4, 4) => decode::<4, 4, BIG>,
-        _ => return None,
-    })
-}
 
 fn decode<const C: usize, const I: usize, const BIG: bool>(
     rows: &[u8],

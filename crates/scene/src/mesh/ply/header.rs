@@ -3,7 +3,7 @@
 //! Lines may end in CR LF, begin and end with blanks, be empty or be comments. A header is at most
 //! [`MAX_HEADER`] long, so that a large file without one is not read to its end.
 
-use std::io::{BufRead, BufReader};
+use std::io::Read as _;
 
 use crate::mesh::data::MAX_COUNT;
 use crate::mesh::faults::{check_count, read_failure, syntax};
@@ -35,7 +35,7 @@ pub(super) enum Scalar {
 }
 
 /// The names of the types, the older and the newer.
-const TYPE_NAMES: [(&str, &str, Scalar); 8] = [
+pub(super) const TYPE_NAMES: [(&str, &str, Scalar); 8] = [
     ("char", "int8", Scalar::I8),
     ("uchar", "uint8", Scalar::U8),
     ("short", "int16", Scalar::I16),
@@ -128,40 +128,43 @@ impl Element {
 }
 
 /// Reads up to the line `end_header`.
-pub(super) fn read(file: &dyn ReadAt, length: u64, buffer: usize) -> Result<Header> {
-    read_lines(BufReader::with_capacity(buffer, Section::new(file, 0, length)))
+pub(super) fn read(file: &dyn ReadAt, length: u64) -> Result<Header> {
+    let (mut start, mut text) = (Section::new(file, 0, length.min(MAX_HEADER)), Vec::new());
+    start.read_to_end(&mut text).map_err(read_failure)?;
+    read_lines(&text)
 }
 
-fn read_lines(reader: impl BufRead) -> Result<Header> {
-    let mut reader = reader.take(MAX_HEADER);
+fn read_lines(text: &[u8]) -> Result<Header> {
     let (mut encoding, mut elements) = (None, Vec::new());
     let (mut bytes, mut lines) = (0, 0);
-    loop {
-        let mut line = Vec::new();
-        let length = reader.read_until(b'\n', &mut line).map_err(read_failure)?;
-        bytes += length as u64;
+    for line in text.split_inclusive(|byte| *byte == b'\n') {
+        bytes += line.len() as u64;
         lines += 1;
-        let line = String::from_utf8_lossy(&line);
+        let line = String::from_utf8_lossy(line);
         let words: Vec<&str> = line.split_ascii_whitespace().collect();
         match words[..] {
-            _ if lines == 1 => check_magic(length, line.trim())?,
-            _ if length == 0 => return Err(end_missing(bytes).at(place(lines))),
-            ["end_header"] => break,
+            _ if lines == 1 => check_magic(line.trim())?,
+            ["end_header"] => {
+                let encoding = encoding.ok_or_else(|| {
+                    syntax("the header has no format line")
+                        .remedy("add one, such as \"format ascii 1.0\"")
+                })?;
+                return Ok(Header { encoding, elements, bytes, lines });
+            }
             _ => statement(&words, lines, &mut encoding, &mut elements)
                 .map_err(|error| error.at(place(lines)))?,
         }
     }
-    let encoding = encoding.ok_or_else(|| {
-        syntax("the header has no format line").remedy("add one, such as \"format ascii 1.0\"")
-    })?;
-    Ok(Header { encoding, elements, bytes, lines })
+    match lines {
+        0 => Err(syntax("the file is empty").remedy("export it again")),
+        _ => Err(end_missing(bytes).at(place(lines + 1))),
+    }
 }
 
-/// Checks the first line, which has this `length`.
-fn check_magic(length: usize, line: &str) -> Result<()> {
+/// Checks the first line.
+fn check_magic(line: &str) -> Result<()> {
     match line {
         "ply" => Ok(()),
-        _ if length == 0 => Err(syntax("the file is empty").remedy("export it again")),
         _ => Err(syntax("a PLY file begins with the line \"ply\"")
             .at(place(1))
             .value(format_args!("{line:?}"))

@@ -94,9 +94,9 @@ impl VertexLayout {
     /// Whether a binary row is exactly three floats, x, y, z.
     pub(super) fn is_packed(&self) -> bool {
         let place = |(slot, column): (usize, &Option<Column>)| {
-            *column == Some(Column { slot, kind: Scalar::F32, offset: 4 * slot, scale: 1.0 })
+            column.is_some_and(|column| (column.slot, column.kind) == (slot, Scalar::F32))
         };
-        self.stride == Some(12) && self.columns.iter().enumerate().all(place)
+        self.columns.len() == 3 && self.columns.iter().enumerate().all(place)
     }
 }
 
@@ -175,13 +175,14 @@ pub(super) struct ListLayout {
     pub(super) property: usize,
     pub(super) count: Scalar,
     pub(super) item: Scalar,
+    pub(super) is_strip: bool,
 }
 
 impl ListLayout {
     pub(super) fn of(element: &Element) -> Result<Self> {
         let mut lists = (0..).zip(&element.properties).filter_map(|(property, p)| {
             let Shape::List { count, item } = p.shape else { return None };
-            let layout = Self { property, count, item };
+            let layout = Self { property, count, item, is_strip: element.name == "tristrips" };
             LISTS.contains(&p.name.as_str()).then_some(layout)
         });
         match (lists.next(), lists.next()) {

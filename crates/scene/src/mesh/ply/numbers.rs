@@ -4,127 +4,93 @@
 //! rows: a row that ends inside a line means that the header does not fit the body, and everything
 //! after it would be misread.
 
-use std::io::{BufRead as _, BufReader, Read as _};
-
-use super::header::{Encoding, Header, Scalar, with_type};
+use super::header::{Element, Encoding, Header, Scalar, with_type};
+use crate::mesh::faults::{read_failure, syntax};
 use crate::mesh::number;
-use crate::mesh::place::{ReadAt, Section};
-use wavecrest_base::error::Error;
+use crate::mesh::place::ReadAt;
+use wavecrest_base::error::{Error, Result};
 
 /// Longest valid number of a text; messages quote no more of longer words.
 const LONGEST: usize = 256;
 
-/// Why a row could not be read.
-#[derive(Debug)]
-pub(super) enum Fault {
-    /// The file ends before or inside a number.
-    End,
-    /// A number is malformed.
-    Malformed(String),
-    /// A text row continues after its last value.
-    LongRow,
-    /// The system failed.
-    Io(std::io::Error),
-    /// The numbers do not form a mesh.
-    Mesh(Error),
-}
-
-impl From<std::io::Error> for Fault {
-    /// A file can shrink while it is read: that counts as its end.
-    fn from(error: std::io::Error) -> Self {
-        match error.kind() {
-            std::io::ErrorKind::UnexpectedEof => Self::End,
-            _ => Self::Io(error),
-        }
-    }
-}
-
-impl From<Error> for Fault {
-    fn from(error: Error) -> Self {
-        Self::Mesh(error)
-    }
-}
-
 /// A body that is being read.
 pub(super) struct Numbers<'a> {
     pub(super) file: &'a dyn ReadAt,
+    /// Whose rows are read, for messages.
+    pub(super) element: Option<&'a Element>,
     pub(super) encoding: Encoding,
     /// Bytes that a thread reads at once where many rows can be read together; 0 for never.
     pub(super) block: usize,
-    /// Positioned at the next number.
-    reader: BufReader<Section<'a>>,
+    /// Bytes of the body, of which those before `at` are read.
+    buffer: Vec<u8>,
+    at: usize,
+    /// The most bytes in the buffer.
+    most: usize,
     /// The end of the body.
     end: u64,
     /// Bytes that are not read yet.
     pub(super) left: u64,
     /// The current line of a text.
     line: u64,
-    token: Vec<u8>,
 }
 
 impl<'a> Numbers<'a> {
     /// The body of a `file` of `length` bytes, with a buffer of this size.
     pub(super) fn new(file: &'a dyn ReadAt, header: &Header, length: u64, buffer: usize) -> Self {
-        let body = Section::new(file, header.bytes, length);
         let encoding = header.encoding;
         Self {
             file,
+            element: None,
             encoding,
             block: if encoding == Encoding::Ascii { 0 } else { buffer },
-            reader: BufReader::with_capacity(buffer, body),
+            buffer: Vec::new(),
+            at: 0,
+            most: buffer.max(2 * LONGEST),
             end: length,
             left: length.saturating_sub(header.bytes),
             line: header.lines + 1,
-            token: Vec::new(),
         }
     }
 
     /// The next number, of the type `kind`. `f64` represents every value of every type.
     #[allow(clippy::useless_conversion, reason = "one of the types is f64")]
-    pub(super) fn value(&mut self, kind: Scalar) -> Result<f64, Fault> {
+    pub(super) fn value(&mut self, kind: Scalar) -> Result<f64> {
         if self.encoding != Encoding::Ascii {
             return Ok(with_type!(kind, N => f64::from(N::from_le_bytes(self.bytes()?))));
         }
         if let Some(value) = self.quick(kind)? {
             return Ok(value);
         }
-        self.read_token()?;
-        parse(&self.token, kind).ok_or_else(|| self.malformed())
+        let word = self.word()?;
+        parse(word, kind).ok_or_else(|| malformed(String::from_utf8_lossy(word)))
     }
 
     /// Skips `count` numbers of the type `kind`.
-    pub(super) fn skip(&mut self, kind: Scalar, count: u64) -> Result<(), Fault> {
+    pub(super) fn skip(&mut self, kind: Scalar, count: u64) -> Result<()> {
         match self.encoding {
-            Encoding::Ascii => (0..count).try_for_each(|_| self.read_token()),
+            Encoding::Ascii => (0..count).try_for_each(|_| self.word().map(drop)),
             _ => self.advance(self.least(kind, count)),
         }
     }
 
     /// Skips bytes of a binary body.
-    pub(super) fn advance(&mut self, bytes: u64) -> Result<(), Fault> {
+    pub(super) fn advance(&mut self, bytes: u64) -> Result<()> {
         if bytes > self.left {
-            return Err(Fault::End);
+            return Err(self.cut_off());
         }
-        self.reader.seek_relative(bytes.cast_signed())?;
-        self.left -= bytes;
+        self.consume(bytes);
         Ok(())
     }
 
     /// Checks that a row of a text ends here.
-    pub(super) fn end_row(&mut self) -> Result<(), Fault> {
-        while self.encoding == Encoding::Ascii {
-            let buffer = self.reader.fill_buf()?;
-            let blank = |b: &u8| is_blank(*b) && *b != b'\n';
-            let length = buffer.iter().take_while(|b| blank(b)).count();
-            let (next, is_end) = (buffer.get(length).copied(), buffer.is_empty());
-            self.consume(length);
-            match next {
-                None if !is_end => {}
-                None | Some(b'\n') => break,
-                Some(_) => return Err(Fault::LongRow),
-            }
-        }
-        Ok(())
+    pub(super) fn end_row(&mut self) -> Result<()> {
+        let is_over = self.encoding != Encoding::Ascii
+            || self.skip_while(|b| is_blank(b) && b != b'\n')?.is_none_or(|next| next == b'\n');
+        is_over.then_some(()).ok_or_else(|| {
+            syntax("the line has too many values").remedy(
+                "declare every value of a line in the header, and put each element on its own line",
+            )
+        })
     }
 
     /// The smallest number of bytes of `count` numbers of the type `kind`: in a text a digit and a
@@ -135,8 +101,8 @@ impl<'a> Numbers<'a> {
     }
 
     /// The number of meaningful bytes after the end of the body.
-    pub(super) fn trailing(&mut self) -> Result<u64, Fault> {
-        let is_blank = self.encoding == Encoding::Ascii && self.skip_blanks()?.is_none();
+    pub(super) fn trailing(&mut self) -> Result<u64> {
+        let is_blank = self.encoding == Encoding::Ascii && self.skip_while(is_blank)?.is_none();
         Ok(if is_blank { 0 } else { self.left })
     }
 
@@ -150,90 +116,103 @@ impl<'a> Numbers<'a> {
         self.end - self.left
     }
 
-    /// The next `N` bytes, the least significant first.
-    fn bytes<const N: usize>(&mut self) -> Result<[u8; N], Fault> {
-        let mut bytes = [0; N];
-        if N as u64 > self.left {
-            return Err(Fault::End);
+    /// The next bytes: more than [`LONGEST`], or all that are left.
+    fn ahead(&mut self) -> Result<&[u8]> {
+        let there = self.buffer.len() - self.at;
+        if there <= LONGEST && self.left > there as u64 {
+            self.buffer.drain(..self.at);
+            self.at = 0;
+            self.buffer.resize(self.left.min(self.most as u64) as usize, 0);
+            let place = self.place() + there as u64;
+            let filled = self.file.fill_at(&mut self.buffer[there..], place);
+            self.buffer.truncate(there + filled.map_err(read_failure)?);
         }
-        self.reader.read_exact(&mut bytes)?;
-        self.left -= N as u64;
+        Ok(&self.buffer[self.at..])
+    }
+
+    /// The next `N` bytes, the least significant first.
+    fn bytes<const N: usize>(&mut self) -> Result<[u8; N]> {
+        let Some(&(mut bytes)) = self.ahead()?.first_chunk() else { return Err(self.cut_off()) };
+        self.consume(N as u64);
         if self.encoding == Encoding::BigEndian {
             bytes.reverse();
         }
         Ok(bytes)
     }
 
-    fn consume(&mut self, count: usize) {
-        self.reader.consume(count);
-        self.left = self.left.saturating_sub(count as u64);
+    /// The error of a file that ends before or inside a number.
+    fn cut_off(&self) -> Error {
+        let (name, count) = self.element.map_or(("", 0), |element| (&*element.name, element.count));
+        syntax(format!("the file is cut off: its header promises {count} of \"{name}\""))
+            .remedy("copy or export it again")
     }
 
-    /// Skips blanks and returns the byte after them; `None` at the end of the file.
-    fn skip_blanks(&mut self) -> Result<Option<u8>, Fault> {
+    fn consume(&mut self, count: u64) {
+        let there = self.buffer.len() - self.at;
+        self.at += usize::try_from(count).unwrap_or(there).min(there);
+        self.left = self.left.saturating_sub(count);
+    }
+
+    /// Skips bytes that are `blank` and returns the byte after them; `None` at the end of the file.
+    fn skip_while(&mut self, blank: impl Fn(u8) -> bool) -> Result<Option<u8>> {
         loop {
-            let buffer = self.reader.fill_buf()?;
-            let is_end = buffer.is_empty();
-            let (blank, lines) = blanks(buffer);
-            let next = buffer.get(blank).copied();
+            let text = self.ahead()?;
+            let length = text.iter().take_while(|b| blank(**b)).count();
+            let (next, is_end) = (text.get(length).copied(), text.is_empty());
+            let lines = line_ends(&text[..length]);
             self.line += lines;
-            self.consume(blank);
+            self.consume(length as u64);
             if next.is_some() || is_end {
                 return Ok(next);
             }
         }
     }
 
-    /// Reads the next word into `self.token`.
-    fn read_token(&mut self) -> Result<(), Fault> {
-        self.skip_blanks()?.ok_or(Fault::End)?;
-        self.token.clear();
-        loop {
-            let buffer = self.reader.fill_buf()?;
-            let length = buffer.iter().position(|b| is_blank(*b)).unwrap_or(buffer.len());
-            let ended = length < buffer.len() || buffer.is_empty();
-            self.token.extend_from_slice(&buffer[..length.min(LONGEST)]);
-            self.consume(length);
-            if self.token.len() > LONGEST {
-                return Err(self.malformed());
-            }
-            if ended {
-                return Ok(());
-            }
+    /// Reads the next word.
+    fn word(&mut self) -> Result<&[u8]> {
+        if self.skip_while(is_blank)?.is_none() {
+            return Err(self.cut_off());
         }
+        let text = self.ahead()?;
+        let text = &text[..text.len().min(LONGEST + 1)];
+        let length = text.iter().position(|b| is_blank(*b)).unwrap_or(text.len());
+        if length > LONGEST {
+            return Err(malformed(String::from_utf8_lossy(&text[..LONGEST])));
+        }
+        self.consume(length as u64);
+        Ok(&self.buffer[self.at - length..self.at])
     }
 
-    /// The next number, if it has a simple form and lies within the buffer, without copying its
-    /// word. Otherwise nothing is read.
-    fn quick(&mut self, kind: Scalar) -> Result<Option<f64>, Fault> {
-        let buffer = self.reader.fill_buf()?;
-        let (blank, lines) = blanks(buffer);
-        let text = &buffer[blank..];
+    /// The next number, if it has a simple form and lies within the buffer. Otherwise nothing is
+    /// read.
+    fn quick(&mut self, kind: Scalar) -> Result<Option<f64>> {
+        let text = self.ahead()?;
+        let blank = text.iter().take_while(|b| is_blank(**b)).count();
+        let (blanks, text) = text.split_at(blank);
         let found = match kind {
             Scalar::F32 => number::leading(text).map(|(v, length)| (f64::from(v), length)),
             _ => number::leading_whole(text).map(|(v, length)| (f64::from(v), length)),
         };
         let found = found.filter(|f| text.get(f.1).is_some_and(|b| is_blank(*b)));
-        Ok(found.map(|(value, length)| {
-            self.line += lines;
-            self.consume(blank + length);
-            value
-        }))
+        let Some((value, length)) = found else { return Ok(None) };
+        let lines = line_ends(blanks);
+        self.line += lines;
+        self.consume((blank + length) as u64);
+        Ok(Some(value))
     }
+}
 
-    fn malformed(&self) -> Fault {
-        Fault::Malformed(String::from_utf8_lossy(&self.token).into_owned())
-    }
+/// The error of a malformed number.
+pub(super) fn malformed(word: impl std::fmt::Display) -> Error {
+    syntax("a number is malformed").value(word).remedy("write it as 12 or -0.5e3")
 }
 
 fn is_blank(byte: u8) -> bool {
     matches!(byte, b' ' | b'\t'..=b'\r')
 }
 
-/// The number of blanks at the start of a text, and of line ends among them.
-fn blanks(text: &[u8]) -> (usize, u64) {
-    let blank = text.iter().take_while(|b| is_blank(**b)).count();
-    (blank, text[..blank].iter().filter(|b| **b == b'\n').count() as u64)
+fn line_ends(text: &[u8]) -> u64 {
+    text.iter().filter(|b| **b == b'\n').count() as u64
 }
 
 /// A number of the type `kind`, rounded once.

@@ -9,10 +9,11 @@ use rayon::prelude::*;
 
 use super::header::{Encoding, Scalar, with_type};
 use super::layout::{COLOR, Column, NORMAL, SLOTS, UV, VertexLayout};
-use super::numbers::{Fault, Numbers};
+use super::numbers::Numbers;
 use crate::mesh::origin::{origin, relative};
-use crate::mesh::place::ReadAt;
+use crate::mesh::place::{ReadAt, part};
 use crate::mesh::validate::is_good_position;
+use wavecrest_base::error::Result;
 
 /// The vertices while they are read. All rows exist from the start, as zeros.
 #[derive(Debug, Default)]
@@ -63,17 +64,17 @@ impl Vertices {
 
     /// Reads the first rows, up to the first block with an invalid position, and returns their
     /// number, possibly 0. An invalid vertex is left to be read again.
-    pub(super) fn read(
-        &mut self,
-        layout: &VertexLayout,
-        from: &mut Numbers<'_>,
-    ) -> Result<u64, Fault> {
-        let Some(rows) = Rows::of(layout).filter(|_| from.block > 0) else { return Ok(0) };
+    pub(super) fn read(&mut self, layout: &VertexLayout, from: &mut Numbers<'_>) -> Result<u64> {
+        let Some(stride) = layout.stride.filter(|_| from.block > 0) else { return Ok(0) };
+        let columns =
+            [0..NORMAL, NORMAL..UV, UV..COLOR, COLOR..SLOTS].map(|slots| layout.slots(slots));
+        let is_packed = layout.is_packed();
+        let rows = Rows { stride, is_packed, is_double: layout.is_double, columns };
         let count = match from.encoding {
             Encoding::BigEndian => rows.read_all::<true>(from, self),
             _ => rows.read_all::<false>(from, self),
         };
-        from.advance((rows.stride * count) as u64)?;
+        from.advance((stride * count) as u64)?;
         Ok(count as u64)
     }
 }
@@ -96,13 +97,6 @@ struct Task<'a> {
 }
 
 impl Rows {
-    fn of(layout: &VertexLayout) -> Option<Self> {
-        let columns =
-            [0..NORMAL, NORMAL..UV, UV..COLOR, COLOR..SLOTS].map(|slots| layout.slots(slots));
-        let (is_packed, is_double) = (layout.is_packed(), layout.is_double);
-        Some(Self { stride: layout.stride?, is_packed, is_double, columns })
-    }
-
     /// Reads blocks; returns the number of rows before the first block with an error, or of all.
     fn read_all<const BIG: bool>(&self, from: &Numbers<'_>, to: &mut Vertices) -> usize {
         let (count, place) = (to.positions.len(), from.place());
@@ -180,17 +174,6 @@ impl Rows {
             |axis: usize| f64::from_le_bytes(part::<8, BIG>(row, self.columns[0][axis].offset));
         DVec3::new(at(0), at(1), at(2))
     }
-}
-
-/// `N` bytes of a row from `offset` on, the least significant first.
-#[inline(always)]
-pub(super) fn part<const N: usize, const BIG: bool>(row: &[u8], offset: usize) -> [u8; N] {
-    let mut bytes = [0; N];
-    bytes.copy_from_slice(&row[offset..offset + N]);
-    if BIG {
-        bytes.reverse();
-    }
-    bytes
 }
 
 /// Copies `columns` of `rows` to vectors.
