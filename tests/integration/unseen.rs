@@ -9,16 +9,15 @@ use wavecrest_core::counters::Counters;
 use wavecrest_core::plan::Effect;
 use wavecrest_core::plan::schedule::{PASSES, unplanned};
 use wavecrest_core::prepared::PreparedScene;
-use wavecrest_core::render::{RenderOptions, Rendered};
 use wavecrest_core::wavefront::batch::Batch;
-use wavecrest_scene::load::{LoadOptions, load, load_str};
-use wavecrest_scene::systems::{self, Options};
+use wavecrest_scene::load::{LoadOptions, load};
+use wavecrest_scene::systems::Options;
 
 use wavecrest_core::accel::build::Preset;
 
 use crate::support::{
-    TRACERS, folder, matte, options, pinhole, point_light, render_on, scene, sphere,
-    textured_square, wall, wavecrest, with,
+    both_alone, bytes, edited, folder, json_in, matte, pinhole, point_light, prepare_in, put,
+    ready, reason, run_well, scene, sphere, textured_square, thin_lens, wall, with,
 };
 
 /// What is added to a scene, and the scene with and without.
@@ -51,9 +50,14 @@ fn ball() -> Value {
 
 /// `shape` with a map in a file that is no image.
 fn mapped(shape: Value, key: &str, more: &Value) -> Value {
-    let mut map = json!({"file": "broken.png"});
-    map.as_object_mut().expect("an object").extend(more.as_object().cloned().expect("one"));
-    with(shape, key, map)
+    with(shape, key, extended(json!({"file": "broken.png"}), more))
+}
+
+/// `value` with the members of `more`.
+fn extended(mut value: Value, more: &Value) -> Value {
+    let members = more.as_object().cloned().expect("an object");
+    value.as_object_mut().expect("an object").extend(members);
+    value
 }
 
 /// The scene of a floor, a ball and a lamp, with `change` made to its shapes.
@@ -78,23 +82,20 @@ fn rows() -> Vec<Row> {
         let floor = with(floor, "sides", "both");
         scene(0, &camera, &[lamp(3.0)], &[floor])
     };
-    let metal = |of: Value| {
-        let mut metal = matte(1.0, [0.5; 3]);
-        // What a metal map of these factors gives in every texel.
-        (metal["ks"], metal["specularexponent"]) = (json!(1), json!(10_000));
-        metal["specularcolor"] = json!([1, 1, 1]);
-        with(of, "material", metal)
-    };
+    // What a metal map of these factors gives in every texel.
+    let metal = json!({"ks": 1, "kd": 1, "specularexponent": 10_000, "specularcolor": [1, 1, 1],
+                       "diffusecolor": [0.5, 0.5, 0.5]});
     let spot = |direction: [i32; 3]| {
         json!({"type": "spotlight", "intensity": 50, "position": [0, 3, 0], "color": [1, 1, 1],
                "direction": direction, "inner": 10, "outer": 30})
     };
-    let lit_by = |lights: &[Value]| {
-        let mut scene = scene(0, &camera(), lights, &[floor(), ball()]);
-        // One ambient light for all of them.
-        scene["scene"]["ambient"] = (0.125 / lights.len() as f64).into();
-        scene
+    // One ambient light for all of them.
+    let shown_by = |lights: &[Value], shapes: &[Value]| {
+        let ambient = 0.125 / lights.len() as f64;
+        edited(scene(0, &camera(), lights, shapes), &format!("/scene/ambient {ambient}"))
     };
+    let lit_by = |lights: &[Value]| shown_by(lights, &[floor(), ball()]);
+    let two_sided = || [with(floor(), "sides", "both")];
     let textured =
         with(sphere([0.0, 2.0, 10.0], 1.0, matte(0.8, [0.5; 3])), "texture", "broken.png");
     let back = |kr: f64, more: &[Value]| {
@@ -123,7 +124,7 @@ fn rows() -> Vec<Row> {
                 let factors = json!({"metallic": 0, "roughness": 0});
                 shapes[1] = mapped(ball(), "metalmap", &factors);
             }),
-            changed(|shapes| shapes[1] = metal(ball())),
+            changed(|shapes| shapes[1]["material"] = metal.clone()),
             Effect::MaterialTextures,
             no_map,
         ),
@@ -188,32 +189,19 @@ fn rows() -> Vec<Row> {
         ),
         row(
             "a light on the side that is not seen",
-            {
-                let lights = [lamp(3.0), below];
-                let mut both = scene(0, &camera(), &lights, &[with(floor(), "sides", "both")]);
-                both["scene"]["ambient"] = 0.0625.into();
-                both
-            },
-            {
-                let floor = with(floor(), "sides", "both");
-                with_ambient(scene(0, &camera(), &[lamp(3.0)], &[floor]), 0.125)
-            },
+            shown_by(&[lamp(3.0), below], &two_sided()),
+            shown_by(&[lamp(3.0)], &two_sided()),
             Effect::SpotLights,
             "there is no spot light",
         ),
     ]
 }
 
-fn with_ambient(mut scene: Value, ambient: f64) -> Value {
-    scene["scene"]["ambient"] = ambient.into();
-    scene
-}
-
 /// A folder with files that are neither images nor meshes, and with an opaque image.
 fn files() -> tempfile::TempDir {
     let folder = folder();
     for name in ["broken.png", "broken.ply"] {
-        std::fs::write(folder.path().join(name), "nothing").expect("a file");
+        put(folder.path(), name, "nothing");
     }
     let texel = |x, y| Rgba([50 * x as u8, 50 * y as u8, 99, 255]);
     RgbaImage::from_fn(4, 4, texel).save(folder.path().join("opaque.png")).expect("an image");
@@ -221,28 +209,12 @@ fn files() -> tempfile::TempDir {
 }
 
 fn prepared(json: &Value, folder: &Path) -> PreparedScene {
-    let loaded = load_str(&json.to_string(), &folder.join("s.json"), &LoadOptions::default());
-    let world = loaded.unwrap_or_else(|error| panic!("{error}")).world;
-    let extracted = systems::extract(world, Options::default());
-    extracted.unwrap_or_else(|error| panic!("{error}")).build(Preset::Fast)
+    prepare_in(folder, json, Options::default())
 }
 
 /// The scene as it is prepared if nothing is left out.
 fn complete(json: &Value, folder: &Path) -> PreparedScene {
-    let loaded = load_str(&json.to_string(), &folder.join("s.json"), &LoadOptions::default());
-    let world = loaded.unwrap_or_else(|error| panic!("{error}")).world;
-    let passes = unplanned(&PASSES);
-    let extracted = systems::extract(world, Options { passes: &passes, ..Options::default() });
-    extracted.unwrap_or_else(|error| panic!("{error}")).build(Preset::Fast)
-}
-
-fn both(scene: &PreparedScene) -> [Rendered; 2] {
-    TRACERS.map(|tracer| render_on(1, scene, &RenderOptions { tracer, ..options() }))
-}
-
-fn reason(scene: &PreparedScene, effect: Effect) -> (bool, &str) {
-    let found = scene.plan.decisions().iter().find(|d| d.effect == effect).expect("a decision");
-    (found.present, &found.reason)
+    prepare_in(folder, json, Options { passes: &unplanned(&PASSES), ..Options::default() })
 }
 
 #[test]
@@ -254,7 +226,7 @@ fn what_nobody_sees_costs_nothing() {
         assert_eq!(found.plan.schedule(), expected.plan.schedule(), "{name}");
         assert_eq!(Batch::bytes_per_path(&found), Batch::bytes_per_path(&expected), "{name}");
         assert_eq!(found.bytes(), expected.bytes(), "{name}");
-        for (found, expected) in both(&found).iter().zip(&both(&expected)) {
+        for (found, expected) in both_alone(&found).iter().zip(&both_alone(&expected)) {
             assert!(found.film.same_bits(&expected.film), "{name}");
             assert_eq!(found.counters, expected.counters, "{name}");
             assert_eq!(found.columns, expected.columns, "{name}");
@@ -269,8 +241,8 @@ fn what_is_left_out_adds_nothing_where_it_is_not() {
     let image = folder.path().join("opaque.png");
     std::fs::copy(image, folder.path().join("broken.png")).expect("a copy");
     for Row { name, with, .. } in rows() {
-        let [planned, all] =
-            [prepared(&with, folder.path()), complete(&with, folder.path())].map(|s| both(&s));
+        let [planned, all] = [prepared(&with, folder.path()), complete(&with, folder.path())]
+            .map(|s| both_alone(&s));
         for rendered in planned.iter().chain(&all) {
             assert!(rendered.film.same_bits(&planned[0].film), "{name}");
         }
@@ -300,7 +272,7 @@ fn shapes_that_no_ray_can_meet_are_not_kept() {
     let expected = prepared(&around(&[], &[], 0.0), folder.path());
     // Before images are decoded.
     let bytes = expected.bytes();
-    let images = both(&expected);
+    let images = both_alone(&expected);
     for (before, after) in
         [(&unseen[..], &[][..]), (&[][..], &unseen[..]), (&unseen[..1], &unseen[1..])]
     {
@@ -309,7 +281,7 @@ fn shapes_that_no_ray_can_meet_are_not_kept() {
         assert_eq!(found.bytes(), bytes);
         assert_eq!(found.accel.geometry().len(), expected.accel.geometry().len());
         assert_eq!(found.appearance.shapes.len(), expected.appearance.shapes.len() + 3);
-        for (found, expected) in both(&found).iter().zip(&images) {
+        for (found, expected) in both_alone(&found).iter().zip(&images) {
             assert!(found.film.same_bits(&expected.film));
             assert_eq!(found.counters, expected.counters);
         }
@@ -329,7 +301,7 @@ fn shapes_that_no_ray_can_meet_are_not_kept() {
     assert_eq!(one.accel.geometry().instances.len(), 1);
     assert!(!one.accel.geometry().prototypes[0].triangles.is_empty());
     let alone = prepared(&around(&[], &[], 0.0), folder.path());
-    assert!(both(&none)[0].film.same_bits(&both(&alone)[0].film));
+    assert!(both_alone(&none)[0].film.same_bits(&both_alone(&alone)[0].film));
     let only = json!({"nbounces": 0, "camera": camera(), "scene": {
         "backgroundcolor": [0, 0, 0], "lightsources": [], "shapes": [mesh]}});
     let only = prepared(&only, folder.path());
@@ -343,12 +315,10 @@ fn pixels_without_shapes_cost_nothing() {
     let folder = files();
     let size = [64, 48];
     let of = |more: &Value, shapes: &[Value]| {
-        let mut camera = pinhole(size, 40.0, 6.0);
-        camera.as_object_mut().expect("an object").extend(more.as_object().cloned().expect("one"));
+        let camera = extended(pinhole(size, 40.0, 6.0), more);
         prepared(&scene(0, &camera, &[lamp(3.0)], shapes), folder.path())
     };
-    let lens = json!({"type": "thinlens", "aperture": 0.2, "focal": 6, "nsamplesx": 4,
-                      "nsamplesy": 4});
+    let lens = thin_lens(json!({}), 0.2, 6.0, [4, 4]);
     let small = |x: f64| sphere([x, 0.0, 0.0], 0.3, matte(0.8, [0.5; 3]));
     for (more, effect) in
         [(&lens, Effect::DepthOfField), (&json!({"antialias": 4}), Effect::Antialiasing)]
@@ -356,7 +326,7 @@ fn pixels_without_shapes_cost_nothing() {
         let all = u64::from(size[0] * size[1] * 16);
         let empty = of(more, &[]);
         assert_eq!(reason(&empty, effect), (false, "no shape is in view"));
-        for rendered in both(&empty) {
+        for rendered in both_alone(&empty) {
             assert_eq!(rendered.counters, Counters::default());
             assert!(rendered.film.pixels().iter().all(|pixel| *pixel == [0.125, 0.25, 0.5]));
         }
@@ -364,7 +334,7 @@ fn pixels_without_shapes_cost_nothing() {
         let scene = of(more, &[small(-1.2), small(0.7)]);
         let mut every = of(more, &[small(-1.2), small(0.7)]);
         every.accel.rebuild(Preset::Brute);
-        for (found, every) in both(&scene).iter().zip(&both(&every)) {
+        for (found, every) in both_alone(&scene).iter().zip(&both_alone(&every)) {
             assert!(found.film.same_bits(&every.film));
             assert_eq!(every.counters.primary_rays, all);
             let cast = found.counters.primary_rays;
@@ -382,8 +352,8 @@ fn pixels_without_shapes_cost_nothing() {
 fn a_texture_that_no_ray_meets_is_not_decoded() {
     let folder = files();
     // Its head is right, and its body is not.
-    let bytes = std::fs::read(folder.path().join("opaque.png")).expect("a file");
-    std::fs::write(folder.path().join("half.png"), &bytes[..bytes.len() / 2]).expect("a file");
+    let whole = bytes(folder.path(), "opaque.png");
+    put(folder.path(), "half.png", &whole[..whole.len() / 2]);
     for (name, place, radius) in [
         ("under the floor", [0.0, -3.0, 0.0], 1.0),
         ("smaller than a pixel", [0.011, 0.3, 0.0], 1e-6),
@@ -391,14 +361,12 @@ fn a_texture_that_no_ray_meets_is_not_decoded() {
         let hidden = sphere(place, radius, matte(0.8, [0.5; 3]));
         let json =
             scene(0, &camera(), &[lamp(3.0)], &[floor(), with(hidden, "texture", "half.png")]);
-        std::fs::write(folder.path().join("s.json"), json.to_string()).expect("a file");
+        put(folder.path(), "s.json", json.to_string());
         for image in ["o.ppm", "o.png", "o.exr"] {
-            let mut render = wavecrest(folder.path());
-            render.args(["-q", "s.json", image, "--stats", "stats.json"]).assert().success();
-            let stats = std::fs::read(folder.path().join("stats.json")).expect("a file");
-            let stats: Value = serde_json::from_slice(&stats).expect("JSON");
-            let found = (&stats["textures"]["decoded"], &stats["textures"]["bytes"]);
-            assert_eq!(found, (&json!(0), &json!(0)), "{name}, {image}");
+            run_well(folder.path(), &["-q", "s.json", image, "--stats", "stats.json"]);
+            let textures = json_in(folder.path(), "stats.json")["textures"].take();
+            let found = [&textures["decoded"], &textures["bytes"]];
+            assert_eq!(found, [&json!(0); 2], "{name}, {image}");
         }
     }
 }
@@ -415,12 +383,10 @@ fn files_of_other_formats_pay_for_nothing_either() {
                                  "roughnessFactor": 0, "metallicRoughnessTexture": {"index": 1}},
         "normalTexture": {"index": 1, "scale": 0}, "occlusionTexture": {"index": 1, "strength": 0}
     }]);
-    std::fs::write(at("m.gltf"), gltf.to_string()).expect("a file");
+    put(folder.path(), "m.gltf", gltf.to_string());
     for name in ["m.gltf", "m.obj"] {
         let options = LoadOptions { width: Some(20), height: Some(16), ..LoadOptions::default() };
-        let loaded = load(&at(name), &options).unwrap_or_else(|error| panic!("{error}"));
-        let extracted = systems::extract(loaded.world, Options::default());
-        let scene = extracted.unwrap_or_else(|error| panic!("{error}")).build(Preset::Fast);
+        let scene = ready(load(&at(name), &options));
         let why = "no image of a cut-out has a transparent texel";
         assert_eq!(reason(&scene, Effect::CutOuts), (false, why), "{name}");
         assert!(scene.accel.geometry().cutouts.is_empty() && scene.appearance.cutouts.is_empty());
@@ -429,6 +395,6 @@ fn files_of_other_formats_pay_for_nothing_either() {
         }
         let used = scene.appearance.images.iter().map(|image| image.name());
         assert!(used.clone().all(|image| !image.contains("broken")), "{name}");
-        assert_eq!(both(&scene)[0].counters.tests.cutouts, 0, "{name}");
+        assert_eq!(both_alone(&scene)[0].counters.tests.cutouts, 0, "{name}");
     }
 }
