@@ -29,9 +29,8 @@ use wavecrest_scene::gltf::load_bytes;
 use wavecrest_scene::load::framing::Framing;
 use wavecrest_scene::load::lighting::Lighting;
 use wavecrest_scene::load::{LoadOptions, LoadedScene};
-use wavecrest_scene::systems;
 
-use crate::support::image_of;
+use crate::support::{image_of, ready};
 
 /// A small image.
 const SIZE: LoadOptions = LoadOptions {
@@ -163,10 +162,7 @@ fn loaded(file: &File) -> Result<LoadedScene> {
 
 /// The image, which both tracers agree on and of which every sample is a number.
 fn rendered(loaded: Result<LoadedScene>) -> Film {
-    let loaded = loaded.unwrap_or_else(|error| panic!("{error}"));
-    let extracted = systems::extract(loaded.world, Default::default());
-    let extracted = extracted.unwrap_or_else(|error| panic!("{error}"));
-    image_of(&extracted.build(wavecrest_core::accel::build::Preset::Fast), 0)
+    image_of(&ready(loaded), 0)
 }
 
 fn image(file: &File) -> Film {
