@@ -203,11 +203,16 @@ const LOOK_UPS: [Effect; 4] =
     [Effect::Textures, Effect::NormalMaps, Effect::MaterialTextures, Effect::Emission];
 
 /// Checks that what is absent is not counted, and that no more is than was estimated.
-pub(crate) fn check_work(what: &str, scene: &PreparedScene, rendered: &Rendered) {
+pub(crate) fn check_work(
+    what: &str,
+    scene: &PreparedScene,
+    rendered: &Rendered,
+    options: &RenderOptions,
+) {
     let c = &rendered.counters;
     let estimated = Estimated::of(scene, rendered.film.pixels().len() as u64);
     let (rays, samples) = (estimated.rays, estimated.samples);
-    let cast = camera_rays(scene, &options()).expect("an image");
+    let cast = camera_rays(scene, options).expect("an image");
     let drawn = if scene.camera.has_lens() { cast } else { 0 };
     assert_eq!((c.primary_rays, c.lens_samples), (cast, drawn), "{what}");
     assert!(cast <= rays.primary && drawn <= samples.lens, "{what}");
@@ -237,6 +242,7 @@ fn effects_together_give_one_image_planned_or_not_with_either_tracer() {
     let folder = folder();
     put_texture(folder.path());
     let everything = unplanned(&PASSES);
+    let by = RenderOptions { batch: ODD, ..options() };
     Set::all().for_each(|set| {
         let json = set.scene(folder.path());
         let what = format!("{:?}", set.names());
@@ -247,7 +253,7 @@ fn effects_together_give_one_image_planned_or_not_with_either_tracer() {
         }
         let planned = both(&scene);
         for rendered in &planned {
-            check_work(&what, &scene, rendered);
+            check_work(&what, &scene, rendered, &by);
             assert!(rendered.film.same_bits(&planned[0].film), "{what}: the tracers differ");
             assert_eq!(work(&rendered.counters), work(&planned[0].counters), "{what}");
             assert_eq!(rendered.counters.invalid, 0, "{what}");
