@@ -39,7 +39,7 @@ impl Numbers {
 
     fn line<'a>(&mut self, lines: &'a str) -> &'a str {
         let lines: Vec<&str> = lines.lines().collect();
-        self.of(&lines)
+        lines[self.below(lines.len())]
     }
 
     /// A part of `length` that is not long.
