@@ -3,63 +3,11 @@
 use serde_json::Value;
 use wavecrest_core::math::random::Stream;
 
-/// Words that may stand where another did.
-const WORDS: [&str; 28] = [
-    "0",
-    "-0",
-    "1",
-    "-1",
-    "2",
-    "3",
-    "255",
-    "256",
-    "65536",
-    "2147483648",
-    "4294967295",
-    "4294967296",
-    "18446744073709551616",
-    "1e-45",
-    "1e-320",
-    "1e12",
-    "1e13",
-    "3.5e38",
-    "1e400",
-    "-1e400",
-    "0.1",
-    "NaN",
-    "inf",
-    "x",
-    "1/1/1",
-    "\\",
-    "",
-    "\u{e9}",
-];
+/// Words that may stand where another did, each in a line, and the empty one.
+const WORDS: &str = include_str!("words.txt");
 
-/// JSON that may stand where other did.
-const VALUES: [&str; 22] = [
-    "null",
-    "true",
-    "{}",
-    "[]",
-    "\"\"",
-    "\"mesh.obj\"",
-    "\"texture.pnm\"",
-    "0",
-    "-0.0",
-    "1",
-    "-1",
-    "2",
-    "0.5",
-    "1e-45",
-    "1e-300",
-    "1e-7",
-    "1e6",
-    "1e12",
-    "1e300",
-    "4294967296",
-    "[0, 0, 0]",
-    "[1, 1e12, -1]",
-];
+/// JSON that may stand where other did, each in a line.
+const VALUES: &str = include_str!("values.txt");
 
 /// Numbers that follow from a seed.
 pub(crate) struct Numbers {
@@ -87,6 +35,11 @@ impl Numbers {
 
     fn of<'a, T>(&mut self, some: &'a [T]) -> &'a T {
         &some[self.below(some.len())]
+    }
+
+    fn line<'a>(&mut self, lines: &'a str) -> &'a str {
+        let lines: Vec<&str> = lines.lines().collect();
+        lines[self.below(lines.len())]
     }
 
     /// A part of `length` that is not long.
@@ -123,7 +76,7 @@ pub(crate) fn json(seeds: &[Vec<u8>], numbers: &mut Numbers) -> Vec<u8> {
         let (place, from) = (numbers.below(count(&value)), numbers.below(count(&donor)));
         let new = match numbers.below(3) {
             0 => nth(&mut donor.clone(), &mut { from }, &mut |found| found.clone()),
-            _ => serde_json::from_str(numbers.of::<&str>(&VALUES)).ok(),
+            _ => serde_json::from_str(numbers.line(VALUES)).ok(),
         };
         let (action, which) = (numbers.below(6), numbers.word() as usize);
         nth(&mut value, &mut { place }, &mut |found| change(found, action, which, new.clone()));
@@ -196,7 +149,7 @@ fn change_word(bytes: &mut Vec<u8>, numbers: &mut Numbers) {
     let (old, other) = (around(bytes), around(bytes));
     let new = match numbers.below(3) {
         0 => bytes[other].to_vec(),
-        _ => numbers.of(&WORDS).as_bytes().to_vec(),
+        _ => numbers.line(WORDS).as_bytes().to_vec(),
     };
     bytes.splice(old, new);
 }

@@ -22,7 +22,7 @@ use wavecrest_scene::systems::overrides::{Layer, Overrides};
 
 use crate::support::{
     extract_small, folder, image_of, matte, options, pinhole, point_light, prepare, render_on,
-    repository, scene, sphere, wall, wavecrest, with,
+    repository, scene, sphere, thin_lens, wall, wavecrest, with,
 };
 
 fn header(longest: u32, most: u32, least: u32) -> Header {
@@ -174,12 +174,7 @@ fn round_light(sampling: &str, samples: u32) -> Value {
 }
 
 fn lens(sampling: &str, side: u32) -> Value {
-    let mut camera = pinhole([40, 30], 45.0, 6.0);
-    let keys = [("type", json!("thinlens")), ("aperture", json!(0.8)), ("focal", json!(6.5))];
-    for (key, value) in keys {
-        camera[key] = value;
-    }
-    with(with(with(camera, "sampling", sampling), "nsamplesx", side), "nsamplesy", side)
+    with(thin_lens(pinhole([40, 30], 45.0, 6.0), 0.8, 6.5, [side; 2]), "sampling", sampling)
 }
 
 fn shown(camera: &Value, lights: &[Value]) -> Value {
@@ -275,28 +270,26 @@ fn requested_errors_are_reached() {
 }
 
 fn errors_are_reached(asked: f64, seeds: u64) {
-    let small = |name: &str| extract_small(&repository(name), 64, u64::MAX).build(Preset::Fast);
-    let mut smooth = pinhole([64, 48], 45.0, 6.0);
-    smooth["antialias"] = 2.into();
+    let small = |name: &str| {
+        let file = repository(&format!("scenes/{name}.json"));
+        extract_small(&file, 64, u64::MAX).build(Preset::Fast)
+    };
+    let of = |camera: &Value, light: Value| prepare(&shown(camera, &[light]));
+    let camera = pinhole([64, 48], 45.0, 6.0);
+    let smooth = with(camera.clone(), "antialias", 2);
     let sun = point_light(60.0, [2.0, 3.0, 4.0], [1.0; 3]);
     let scenes: [(&str, PreparedScene); 10] = [
-        ("a square light", small("scenes/testareajitter.json")),
-        ("a lens", small("scenes/DoF.json")),
-        (
-            "a round light",
-            prepare(&shown(&pinhole([64, 48], 45.0, 6.0), &[round_light("random", 4)])),
-        ),
-        (
-            "a lens under a light",
-            prepare(&shown(&lens("jittered", 2), &[square_light("random", 4)])),
-        ),
-        ("pixels with a light", prepare(&shown(&smooth, &[square_light("jittered", 2)]))),
-        ("a wider lens", small("scenes/DoF-aperture8.json")),
+        ("a square light", small("testareajitter")),
+        ("a lens", small("DoF")),
+        ("a round light", of(&camera, round_light("random", 4))),
+        ("a lens under a light", of(&lens("jittered", 2), square_light("random", 4))),
+        ("pixels with a light", of(&smooth, square_light("jittered", 2))),
+        ("a wider lens", small("DoF-aperture8")),
         // Nothing but where in a pixel a ray goes is left to chance: edges alias.
-        ("edges", prepare(&shown(&pinhole([64, 48], 45.0, 6.0), &[sun]))),
-        ("a mesh", small("scenes/TriMesh.json")),
-        ("mirrors", small("scenes/lightbounce.json")),
-        ("a texture", small("scenes/spheretexture.json")),
+        ("edges", of(&camera, sun)),
+        ("a mesh", small("TriMesh")),
+        ("mirrors", small("lightbounce")),
+        ("a texture", small("spheretexture")),
     ];
     let (mut runs, mut missed) = (0, Vec::new());
     for (name, mut scene) in scenes {

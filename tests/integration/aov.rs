@@ -9,7 +9,7 @@ use wavecrest_image::aov::{Layer, Layers, Request, layers};
 use wavecrest_image::metadata::Values;
 
 use crate::support::{
-    matte, options, pinhole, point_light, prepare, render_on, scene, sphere, wall, with,
+    matte, options, pinhole, point_light, prepare, render_on, scene, sphere, thin_lens, wall, with,
 };
 
 fn made(scene: &PreparedScene, threads: usize, request: &Request<'_>) -> Layers {
@@ -44,6 +44,12 @@ fn vector(found: &Layers, name: &str, pixel: usize) -> DVec3 {
     let axes = if name == "albedo" { ["R", "G", "B"] } else { ["X", "Y", "Z"] };
     let [x, y, z] = axes.map(|axis| f64::from(floats(found, &format!("{name}.{axis}"))[pixel]));
     DVec3::new(x, y, z)
+}
+
+/// What the numbers of a layer stand for.
+fn table(found: &Layers, name: &str) -> Value {
+    let entry = found.entries.iter().find(|entry| entry.name == name).expect("a table");
+    serde_json::from_str(&entry.text).expect("JSON")
 }
 
 const SIZE: [u32; 2] = [40, 30];
@@ -131,32 +137,23 @@ fn numbers_stand_for_the_shapes_that_are_seen() {
     shapes.push(twin);
     shapes.push(sphere([0.0, 0.0, 90.0], 1.0, matte(0.5, [0.5; 3])));
     let found = all(&prepare(&scene));
-    let table = |name: &str| -> Value {
-        let entry = found.entries.iter().find(|entry| entry.name == name).expect("a table");
-        serde_json::from_str(&entry.text).expect("JSON")
-    };
     let at = |name: &str, x: u32, y: u32| integers(&found, name)[(y * SIZE[0] + x) as usize];
     let places = [(23, 13), (2, 3), (23, 24)];
     for ((x, y), name) in places.into_iter().zip(["scene.shapes[0]", "wall", "scene.shapes[2]"]) {
         let id = at("object.id", x, y).to_string();
-        assert_eq!(table("objects")[&id], name);
+        assert_eq!(table(&found, "objects")[&id], name);
     }
     let materials = places.map(|(x, y)| at("material.id", x, y));
     assert!(materials[0] != materials[1] && materials[1] == materials[2], "{materials:?}");
-    let name = &table("materials")[materials[0].to_string()];
+    let name = &table(&found, "materials")[materials[0].to_string()];
     assert_eq!(name, "scene.shapes[0].material");
-    assert_eq!(
-        table("objects").as_object().map(|all| all.len()),
-        Some(3),
-        "of those that are seen"
-    );
+    let shown = table(&found, "objects").as_object().map(|all| all.len());
+    assert_eq!(shown, Some(3), "of those that are seen");
 }
 
 /// A camera with a lens and with several rays in each part of a pixel.
 fn blurred() -> Value {
-    let camera = with(pinhole(SIZE, 40.0, DISTANCE), "type", "thinlens");
-    let camera = with(with(camera, "aperture", 0.2), "focal", 5.0);
-    with(with(with(camera, "nsamplesx", 2), "nsamplesy", 2), "antialias", 2)
+    with(thin_lens(pinhole(SIZE, 40.0, DISTANCE), 0.2, 5.0, [2, 2]), "antialias", 2)
 }
 
 #[test]
@@ -231,7 +228,7 @@ fn lights_are_seen_in_their_colour_and_positions_are_those_of_the_scene() {
     assert!(vector(&found, "P", middle).distance(DVec3::new(1e5, 0.0, 1.0)) < 0.01);
     assert!(vector(&found, "N", middle).distance(DVec3::Z) < 1e-5);
     assert_eq!(integers(&found, "material.id")[middle], 0);
-    let table = &found.entries.iter().find(|entry| entry.name == "objects").expect("a table").text;
+    let table = table(&found, "objects").to_string();
     assert!(table.contains("scene.lightsources[0]"), "{table}");
 }
 
@@ -274,8 +271,7 @@ fn instances_have_numbers_of_their_own() {
     let red = with(shown(1.25, -1.0), "material", matte(0.5, [1.0, 0.0, 0.0]));
     scene["scene"]["instances"] = json!([shown(-1.25, 0.5), red]);
     let found = all(&prepare(&scene));
-    let table = found.entries.iter().find(|entry| entry.name == "objects").expect("a table");
-    let table: Value = serde_json::from_str(&table.text).expect("JSON");
+    let table = table(&found, "objects");
     let cases = [(12, "scene.instances[0]", 0.5, 0.25), (27, "scene.instances[1]", -1.0, 1.0)];
     for (x, place, z, red) in cases {
         let pixel = (15 * SIZE[0] + x) as usize;

@@ -4,19 +4,18 @@ use std::path::Path;
 
 use image::{Rgba, RgbaImage};
 use serde_json::{Value, json};
-use wavecrest_core::accel::build::Preset;
 use wavecrest_core::film::Film;
 use wavecrest_core::plan::Effect;
 use wavecrest_core::prepared::PreparedScene;
 use wavecrest_core::render::RenderOptions;
 use wavecrest_scene::load::lighting::{Background, Lighting, Rig};
 use wavecrest_scene::load::{LoadOptions, load, load_str};
-use wavecrest_scene::systems::{self, Options};
+use wavecrest_scene::systems::Options;
 use wavecrest_scene::write::write;
 
 use crate::support::{
-    TRACERS, assert_near, folder, image_of, matte, options, pinhole, pixel, point_light, render_on,
-    scene, sphere, textured_square, wall, with,
+    TRACERS, assert_near, folder, image_of, matte, options, pinhole, pixel, point_light, ready,
+    ready_by, render_on, scene, sphere, textured_square, wall, with,
 };
 
 /// A folder with an image whose left half is there, green, and whose right half is not.
@@ -31,9 +30,7 @@ fn prepared_as(json: &Value, folder: &Path, flat: bool) -> PreparedScene {
     let file = folder.join("scene.json");
     let options = LoadOptions { strict: true, ..LoadOptions::default() };
     let loaded = load_str(&json.to_string(), &file, &options);
-    let world = loaded.unwrap_or_else(|error| panic!("{error}")).world;
-    let extracted = systems::extract(world, Options { flat, ..Options::default() });
-    extracted.unwrap_or_else(|error| panic!("{error}")).build(Preset::Fast)
+    ready_by(loaded, Options { flat, ..Options::default() })
 }
 
 fn prepared(json: &Value, folder: &Path) -> PreparedScene {
@@ -194,9 +191,7 @@ fn files_of_other_formats_are_cut_out() {
     let lit = LoadOptions { lighting, ..options.clone() };
     let film = |name: &str| -> Film {
         let options = if name.ends_with(".json") { &options } else { &lit };
-        let scene = load(&at(name), options).unwrap_or_else(|error| panic!("{error}"));
-        let extracted = systems::extract(scene.world, Options::default());
-        image_of(&extracted.unwrap_or_else(|error| panic!("{error}")).build(Preset::Fast), 0)
+        image_of(&ready(load(&at(name), options)), 0)
     };
     let covered = |film: &Film| film.pixels().iter().filter(|p| p[1] > 0.1).count();
     let whole = covered(&film("opaque.gltf"));

@@ -1,18 +1,16 @@
 //! Effects: a scene pays for what it shows. The counters are exact, so that "nothing" is 0.
 
 use serde_json::{Value, json};
-use wavecrest_core::accel::build::Preset;
 use wavecrest_core::counters::Counters;
-use wavecrest_core::film::Film;
 use wavecrest_core::plan::Effect;
 use wavecrest_core::prepared::PreparedScene;
-use wavecrest_core::render::{RenderOptions, camera_rays};
 use wavecrest_core::wavefront::batch::Batch;
-use wavecrest_image::write::{Transfer, write};
+use wavecrest_scene::systems::Options;
 
+use crate::parity::work;
 use crate::support::{
-    TRACERS, extract_small, folder, matte, options, pinhole, point_light, prepare, refusal,
-    render_on, scene, scene_files, sphere, try_prepare, wall, with,
+    both_alone, folder, matte, options, pinhole, point_light, prepare, prepare_in, put,
+    put_texture, reason, refusal, render_on, scene, sphere, thin_lens, try_prepare, wall, with,
 };
 
 const SIZE: [u32; 2] = [16, 12];
@@ -21,17 +19,10 @@ const PIXELS: u64 = 16 * 12;
 /// What both tracers count, once they are seen to count the same; how they search for hits is each
 /// one's own affair, and their tests and kernels are added up.
 fn counters(scene: &PreparedScene) -> Counters {
-    let [wavefront, recursive] =
-        TRACERS.map(|tracer| render_on(1, scene, &RenderOptions { tracer, ..options() }).counters);
-    for c in [wavefront, recursive] {
-        assert_eq!(c.kernels.closest.rays(), c.primary_rays + c.secondary_rays);
-        assert_eq!(c.kernels.shadow.rays(), c.shadow_rays);
-    }
-    let Counters { mut tests, mut kernels, .. } = wavefront;
-    tests += recursive.tests;
-    kernels += recursive.kernels;
-    let [wavefront, recursive] = [wavefront, recursive].map(|c| Counters { tests, kernels, ..c });
-    assert_eq!(wavefront, recursive, "the tracers do not do the same work");
+    let [mut wavefront, recursive] = both_alone(scene).map(|rendered| rendered.counters);
+    assert_eq!(work(&wavefront), work(&recursive), "the tracers do not do the same work");
+    wavefront.tests += recursive.tests;
+    wavefront.kernels += recursive.kernels;
     wavefront
 }
 
@@ -40,11 +31,7 @@ fn camera() -> Value {
 }
 
 fn lens(aperture: f64) -> Value {
-    let mut camera = with(camera(), "type", "thinlens");
-    for (key, value) in [("focal", json!(5)), ("aperture", json!(aperture))] {
-        camera[key] = value;
-    }
-    with(with(camera, "nsamplesx", 3), "nsamplesy", 2)
+    thin_lens(camera(), aperture, 5.0, [3, 2])
 }
 
 fn light() -> Value {
@@ -155,15 +142,14 @@ fn a_back_asks_no_light_for_anything() {
 #[test]
 fn texels_are_read_only_for_what_is_textured() {
     let folder = folder();
-    let film = Film::from_pixels(2, 2, vec![[0.5; 3]; 4]).expect("a film");
-    write(&film, &folder.path().join("grey.png"), Transfer::Linear).expect("a file");
+    put_texture(folder.path());
     let of = |wall: Value| {
         let scene = scene(0, &camera(), &[light()], &[wall]);
-        let prepared = try_prepare(&scene, &folder.path().join("scene.json")).expect("a scene");
+        let prepared = prepare_in(folder.path(), &scene, Options::default());
         (counters(&prepared).texels, prepared.appearance.images.len())
     };
     assert_eq!(of(mirror()), (0, 0));
-    let textured = with(mirror(), "texture", "grey.png");
+    let textured = with(mirror(), "texture", "t.png");
     assert_eq!(of(textured.clone()), (4 * PIXELS, 1), "bilinear: four each");
     assert_eq!(of(with(textured, "filter", "nearest")), (PIXELS, 1), "nearest: one");
 }
@@ -174,7 +160,7 @@ fn texels_are_read_only_for_what_is_textured() {
 #[test]
 fn the_texture_of_a_light_is_not_opened() {
     let folder = folder();
-    std::fs::write(folder.path().join("broken.png"), "no image").expect("a file");
+    put(folder.path(), "broken.png", "no image");
     let file = folder.path().join("scene.json");
     let worn = with(mirror(), "texture", "broken.png");
     let error = refusal(&scene(0, &camera(), &[light()], &[worn]), &file).to_string();
@@ -191,7 +177,7 @@ fn the_texture_of_a_light_is_not_opened() {
 #[test]
 fn a_texture_that_nothing_shows_is_not_opened() {
     let folder = folder();
-    std::fs::write(folder.path().join("broken.png"), "no image").expect("a file");
+    put(folder.path(), "broken.png", "no image");
     let file = folder.path().join("scene.json");
     let worn = |wall: Value| with(wall, "texture", "broken.png");
     let by = |ambient: f64, lights: &[Value], shapes: &[Value]| {
@@ -215,8 +201,7 @@ fn a_texture_that_nothing_shows_is_not_opened() {
         ),
     ] {
         let prepared = try_prepare(&scene, &file).unwrap_or_else(|error| panic!("{why}: {error}"));
-        let found = prepared.plan.decisions().iter().find(|d| d.effect == Effect::Textures);
-        assert_eq!(found.map(|d| (d.present, d.reason.as_str())), Some((false, why)));
+        assert_eq!(reason(&prepared, Effect::Textures), (false, why));
         assert_eq!(counters(&prepared).texels, 0);
     }
     for scene in [by(0.08, &[dark], &[worn(shiny)]), by(0.0, &[light()], &[worn(mirror())])] {
@@ -227,11 +212,10 @@ fn a_texture_that_nothing_shows_is_not_opened() {
 #[test]
 fn an_image_that_two_shapes_wear_is_decoded_once() {
     let folder = folder();
-    let film = Film::from_pixels(1, 1, vec![[0.5; 3]]).expect("a film");
-    write(&film, &folder.path().join("grey.png"), Transfer::Linear).expect("a file");
-    let worn = with(mirror(), "texture", "grey.png");
+    put_texture(folder.path());
+    let worn = with(mirror(), "texture", "t.png");
     let scene = scene(0, &camera(), &[light()], &[worn.clone(), with(worn, "filter", "nearest")]);
-    let prepared = try_prepare(&scene, &folder.path().join("scene.json")).expect("a scene");
+    let prepared = prepare_in(folder.path(), &scene, Options::default());
     assert_eq!(prepared.appearance.images.len(), 1);
 }
 
@@ -258,45 +242,6 @@ fn shapes_that_are_not_there_are_never_tested() {
 }
 
 #[test]
-fn both_tracers_count_the_same_in_every_scene() {
-    for (name, path) in scene_files() {
-        let scene = extract_small(&path, 24, 60_000).build(Preset::Fast);
-        let found = counters(&scene);
-        let primary = camera_rays(&scene, &options()).expect("a whole image");
-        assert_eq!(found.primary_rays, primary, "{name}");
-        let [width, height] = scene.camera.size().map(u64::from);
-        assert!(primary <= width * height * u64::from(scene.camera.rays_per_pixel()), "{name}");
-        assert_eq!(found.invalid, 0, "{name}");
-    }
-}
-
-#[test]
-fn what_a_plan_leaves_out_is_not_counted_in_any_scene() {
-    for (name, path) in scene_files() {
-        let scene = extract_small(&path, 24, 60_000).build(Preset::Fast);
-        let found = counters(&scene);
-        let costs = [
-            (Effect::Triangles, found.tests.triangles),
-            (Effect::Quads, found.tests.quads),
-            (Effect::Spheres, found.tests.spheres),
-            (Effect::Disks, found.tests.disks),
-            (Effect::RayDifferentials, found.footprints),
-            (Effect::Mirrors, found.secondary_rays),
-            (Effect::DepthOfField, found.lens_samples),
-        ];
-        for (effect, count) in costs {
-            assert!(count == 0 || scene.plan.has(effect), "{name}: {}, {count}", effect.name());
-        }
-        let draws_lights = scene.lights.iter().any(|light| light.is_sampled());
-        assert!(found.light_samples == 0 || draws_lights, "{name}");
-        let look_up =
-            [Effect::Textures, Effect::NormalMaps, Effect::MaterialTextures, Effect::Emission];
-        assert!(found.texels == 0 || look_up.iter().any(|&e| scene.plan.has(e)), "{name}");
-        assert!(found.shadow_rays == 0 || scene.plan.schedule().has_shadows(), "{name}");
-    }
-}
-
-#[test]
 fn columns_that_a_scene_does_not_need_have_no_storage() {
     let groups = |bounces, lights: &[Value]| {
         let prepared = prepare(&scene(bounces, &camera(), lights, &[mirror()]));
@@ -314,12 +259,11 @@ fn columns_that_a_scene_does_not_need_have_no_storage() {
 #[test]
 fn differentials_have_storage_where_a_trilinear_texture_can_be_mirrored() {
     let folder = folder();
-    let film = Film::from_pixels(2, 2, vec![[0.5; 3]; 4]).expect("a film");
-    write(&film, &folder.path().join("grey.png"), Transfer::Linear).expect("a file");
+    put_texture(folder.path());
     let of = |bounces, filter: &str| {
-        let worn = with(with(mirror(), "texture", "grey.png"), "filter", filter);
+        let worn = with(with(mirror(), "texture", "t.png"), "filter", filter);
         let scene = scene(bounces, &camera(), &[light()], &[worn, behind()]);
-        let prepared = try_prepare(&scene, &folder.path().join("scene.json")).expect("a scene");
+        let prepared = prepare_in(folder.path(), &scene, Options::default());
         let groups = Batch::bytes_per_path(&prepared);
         let bytes = groups.into_iter().find(|(name, _)| *name == "differentials");
         let mut batch = Batch::new(&prepared, 100);

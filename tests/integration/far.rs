@@ -2,13 +2,13 @@
 
 use glam::DVec3;
 use serde_json::{Value, json};
-use wavecrest_core::accel::build::Preset;
 use wavecrest_core::film::Film;
 use wavecrest_image::compare::compare;
 use wavecrest_scene::load::{LoadOptions, load};
-use wavecrest_scene::systems;
 
-use crate::support::{folder, image, image_of, matte, point_light, scene, try_prepare, with};
+use crate::support::{
+    folder, image, image_of, matte, point_light, put, ready, scene, try_prepare, with,
+};
 
 /// How far, by multiples of the power of two that scenes are moved back by. In single precision a coordinate there has
 /// steps of an eighth.
@@ -134,26 +134,19 @@ fn mesh_file(kind: &str, by: DVec3) -> Vec<u8> {
         "ply\nformat {kind} 1.0\nelement vertex 4\nproperty double x\nproperty double y\nproperty double z\n\
          element face 3\nproperty list uchar uint vertex_indices\nend_header\n"
     );
-    let body: Vec<u8> = match kind {
-        "ascii" => {
-            let vertices = points.map(|p| format!("{} {} {}\n", p.x, p.y, p.z)).concat();
-            let faces = faces.map(|[a, b, c]| format!("3 {a} {b} {c}\n")).concat();
-            [vertices, faces].concat().into_bytes()
-        }
-        "binary_big_endian" => {
-            let vertices = points.map(|p| p.to_array().map(f64::to_be_bytes).concat()).concat();
-            let faces =
-                faces.map(|f| [vec![3], f.map(u32::to_be_bytes).concat()].concat()).concat();
-            [vertices, faces].concat()
-        }
-        _ => {
-            let vertices = points.map(|p| p.to_array().map(f64::to_le_bytes).concat()).concat();
-            let faces =
-                faces.map(|f| [vec![3], f.map(u32::to_le_bytes).concat()].concat()).concat();
-            [vertices, faces].concat()
-        }
+    let (double, int): (fn(f64) -> [u8; 8], fn(u32) -> [u8; 4]) = match kind {
+        "binary_big_endian" => (f64::to_be_bytes, u32::to_be_bytes),
+        _ => (f64::to_le_bytes, u32::to_le_bytes),
     };
-    [header.into_bytes(), body].concat()
+    let (vertices, faces) = if kind == "ascii" {
+        let vertices = points.map(|p| format!("{} {} {}\n", p.x, p.y, p.z)).concat();
+        let faces = faces.map(|[a, b, c]| format!("3 {a} {b} {c}\n")).concat();
+        (vertices.into_bytes(), faces.into_bytes())
+    } else {
+        let faces = faces.map(|face| [&[3], &*face.map(int).concat()].concat());
+        (points.map(|p| p.to_array().map(double).concat()).concat(), faces.concat())
+    };
+    [header.into_bytes(), vertices, faces].concat()
 }
 
 const KINDS: [&str; 4] = ["obj", "ascii", "binary_little_endian", "binary_big_endian"];
@@ -164,7 +157,7 @@ fn hc07_mesh_files_in_double_precision_keep_their_shape_far_away() {
     for kind in KINDS {
         let films = [DVec3::ZERO, FAR].map(|by| {
             let name = if kind == "obj" { "far.obj" } else { "far.ply" };
-            std::fs::write(folder.path().join(name), mesh_file(kind, by)).unwrap();
+            put(folder.path(), name, mesh_file(kind, by));
             let shape = json!({"type": "trimesh", "file": name, "name": "pyramid", "sides": "both",
                                "material": matte(0.9, [0.9, 0.4, 0.2])});
             let copies = [0.5, 1.0]
@@ -189,9 +182,7 @@ fn hc07_far_mesh_files_alone_are_framed_as_near_ones() {
         let [near, far] = [DVec3::ZERO, FAR].map(|by| {
             std::fs::write(&path, mesh_file(kind, by)).unwrap();
             let options = LoadOptions { width: Some(96), ..LoadOptions::default() };
-            let scene = load(&path, &options).unwrap();
-            let extracted = systems::extract(scene.world, Default::default()).unwrap();
-            image_of(&extracted.build(Preset::Fast), 0)
+            image_of(&ready(load(&path, &options)), 0)
         });
         // The camera's place is rounded.
         let compared = compare(&far, &near).unwrap();

@@ -9,6 +9,7 @@ use std::time::Duration;
 use wavecrest_base::error::{Error, Result};
 use wavecrest_core::prepared::PreparedScene;
 use wavecrest_core::render::{RenderOptions, Watch};
+use wavecrest_core::tile::Tile;
 use wavecrest_image::farm::checkpoint::Checkpoint;
 use wavecrest_image::farm::merge::merge;
 use wavecrest_image::farm::{Author, Identity, Session, Shard};
@@ -43,13 +44,35 @@ fn shard(number: u32, count: u32) -> Shard {
     Shard::new(number, count).expect("there is such a shard")
 }
 
+fn begin<'a>(
+    scene: &'a PreparedScene,
+    options: &'a RenderOptions,
+    shard: Option<Shard>,
+    checkpoint: Option<&'a Checkpoint>,
+) -> Result<Session<'a>> {
+    Session::begin(scene, *options, Author::default(), shard, checkpoint.cloned())
+}
+
 /// Renders a shard and writes its part.
-fn write_part(scene: &PreparedScene, shard: Shard, file: &Path) {
-    let options = options();
-    let session =
-        Session::begin(scene, options, Author::default(), Some(shard), None).expect("a session");
+fn write_part(scene: &PreparedScene, options: &RenderOptions, shard: Shard, file: &Path) {
+    let session = begin(scene, options, Some(shard), None).expect("a session");
     session.render_units(&(), &no_warning).expect("the units");
     session.write(file).expect("a part");
+}
+
+/// Renders all of `count` shards, and writes their parts in `folder`.
+fn write_parts(
+    scene: &PreparedScene,
+    options: &RenderOptions,
+    count: u32,
+    folder: &Path,
+) -> Vec<PathBuf> {
+    let write = |number| {
+        let file = folder.join(format!("{number}.part"));
+        write_part(scene, options, shard(number, count), &file);
+        file
+    };
+    (1..=count).map(write).collect()
 }
 
 /// Renders a shard in two goes, the first of which is ended after one unit.
@@ -57,9 +80,7 @@ fn write_part_in_two(scene: &PreparedScene, shard: Shard, file: &Path) {
     let options = options();
     let at = |resume| checkpoint(&file.with_extension("kept"), resume);
     let go = |checkpoint: &Checkpoint, watch: &dyn Watch| {
-        let author = Author::default();
-        let session = Session::begin(scene, options, author, Some(shard), Some(checkpoint.clone()));
-        let session = session.expect("a session");
+        let session = begin(scene, &options, Some(shard), Some(checkpoint)).expect("a session");
         let done = session.render_units(watch, &no_warning).expect("the units");
         (session.share(), session.write(file), done.counters.primary_rays)
     };
@@ -82,56 +103,40 @@ fn scenes() -> [PreparedScene; 2] {
     [([90, 70], 2), ([11, 9], 29)].map(|(size, antialias)| prepare(&ball(size, antialias)))
 }
 
-/// Numbers below `count` in an order that is neither theirs nor its reverse.
-fn shuffled(count: u32) -> Vec<u32> {
-    let step = if count.is_multiple_of(5) { 3 } else { 5 };
-    (0..count).map(|i| (i * step + 2) % count).collect()
-}
-
+/// Parts in an order that is neither theirs nor its reverse, and one of them twice; of crops too.
 #[test]
 fn parts_in_any_order_make_the_image_of_one_process() {
-    for (which, scene) in scenes().iter().enumerate() {
-        let whole = render_on(2, scene, &options()).film;
-        for count in [1, 2, 7, 64] {
+    let large = Tile { x: 13, y: 5, width: 41, height: 33 };
+    let small = Tile { x: 3, y: 2, width: 7, height: 6 };
+    for (scene, crop) in scenes().iter().zip([Some(large), Some(small)]) {
+        for (tracer, crop, count) in [
+            (TRACERS[0], None, 1),
+            (TRACERS[0], None, 2),
+            (TRACERS[1], None, 7),
+            (TRACERS[0], None, 64),
+            (TRACERS[0], crop, 3),
+            (TRACERS[1], crop, 3),
+        ] {
+            let options = RenderOptions { tracer, crop, ..options() };
             let folder = folder();
-            let name = |number: u32| folder.path().join(format!("{number}.part"));
-            for number in 1..=count {
-                if number == count.min(2) {
-                    write_part_in_two(scene, shard(number, count), &name(number));
-                } else {
-                    write_part(scene, shard(number, count), &name(number));
-                }
-            }
-            let mut parts: Vec<PathBuf> = shuffled(count).iter().map(|i| name(i + 1)).collect();
+            let parts = write_parts(scene, &options, count, folder.path());
+            let step = if count.is_multiple_of(5) { 3 } else { 5 };
+            let mut shuffled: Vec<PathBuf> =
+                (0..count).map(|i| parts[((i * step + 2) % count) as usize].clone()).collect();
             let copy = folder.path().join("again.part");
-            std::fs::copy(name(count), &copy).expect("a copy");
-            parts.insert(0, copy);
-            let merged = merge(&parts).unwrap_or_else(|error| panic!("{error}"));
-            assert!(merged.film.same_bits(&whole), "scene {which}, {count} shards");
+            std::fs::copy(&parts[count as usize - 1], &copy).expect("a copy");
+            shuffled.insert(0, copy);
+            if options.crop.is_none() && tracer == TRACERS[0] {
+                write_part_in_two(
+                    scene,
+                    shard(count.min(2), count),
+                    &parts[count.min(2) as usize - 1],
+                );
+            }
+            let merged = merge(&shuffled).unwrap_or_else(|error| panic!("{error}"));
+            let whole = render_on(2, scene, &options).film;
+            assert!(merged.film.same_bits(&whole), "{crop:?}, {tracer:?}, {count} shards");
         }
-    }
-}
-
-#[test]
-fn parts_of_a_crop_make_the_crop() {
-    let scene = &scenes()[0];
-    let crop = Some(wavecrest_core::tile::Tile { x: 13, y: 5, width: 41, height: 33 });
-    for tracer in TRACERS {
-        let options = RenderOptions { tracer, crop, ..options() };
-        let folder = folder();
-        let parts: Vec<PathBuf> = (1..=3)
-            .map(|number| {
-                let file = folder.path().join(format!("{number}.part"));
-                let author = Author::default();
-                let session = Session::begin(scene, options, author, Some(shard(number, 3)), None)
-                    .expect("a session");
-                session.render_units(&(), &no_warning).expect("the units");
-                session.write(&file).expect("a part");
-                file
-            })
-            .collect();
-        let merged = merge(&parts).unwrap_or_else(|error| panic!("{error}"));
-        assert!(merged.film.same_bits(&render_on(1, scene, &options).film), "{tracer:?}");
     }
 }
 
@@ -177,6 +182,7 @@ fn few_tiles_are_shared_by_their_samples() {
     assert!(shard(20, 20).tasks(&grid, blocks).is_empty());
 }
 
+/// No ray is cast twice; what is complete is not written again, and is a part like any other.
 #[test]
 fn a_stopped_render_resumes_to_the_same_bits() {
     for scene in &scenes() {
@@ -185,45 +191,28 @@ fn a_stopped_render_resumes_to_the_same_bits() {
             let whole = render_on(1, scene, &options);
             let folder = folder();
             let file = folder.path().join("a.kept");
+            let go = |resume, most| {
+                let checkpoint = checkpoint(&file, resume);
+                let session = begin(scene, &options, None, Some(&checkpoint));
+                let session = session.unwrap_or_else(|error| panic!("{error}"));
+                session.render(&EndAfter::new(most), &no_warning).expect("a film")
+            };
             let mut rays = 0;
             for (resume, most) in [(false, 2), (true, 3), (true, 0), (true, usize::MAX)] {
-                let checkpoint = checkpoint(&file, resume);
-                let author = Author::default();
-                let session =
-                    Session::begin(scene, options, author, None, Some(checkpoint.clone()))
-                        .unwrap_or_else(|error| panic!("{error}"));
-                let rendered = session.render(&EndAfter::new(most), &no_warning).expect("a film");
+                let rendered = go(resume, most);
                 rays += rendered.counters.primary_rays;
                 assert_eq!(rendered.finished, most == usize::MAX);
-                if rendered.finished {
-                    assert!(rendered.film.same_bits(&whole.film), "{tracer:?}");
-                }
+                assert!(!rendered.finished || rendered.film.same_bits(&whole.film), "{tracer:?}");
             }
-            // Nothing was rendered twice.
-            let at_once = Session::begin(scene, options, Author::default(), None, None)
+            let at_once = begin(scene, &options, None, None)
                 .and_then(|session| session.render(&(), &no_warning));
             assert_eq!(rays, at_once.expect("a film").counters.primary_rays);
-            let checkpoint = checkpoint(&file, true);
             let before = std::fs::read(&file).expect("a checkpoint");
-            let session =
-                Session::begin(scene, options, Author::default(), None, Some(checkpoint.clone()));
-            let again = session.expect("a session").render(&(), &no_warning).expect("a film");
+            let again = go(true, usize::MAX);
             assert_eq!(again.counters.primary_rays, 0);
             assert!(again.finished && again.film.same_bits(&whole.film));
             assert_eq!(std::fs::read(&file).expect("a checkpoint"), before);
+            assert!(merge(&[file]).expect("a part").film.same_bits(&whole.film));
         }
     }
-}
-
-/// A finished checkpoint is a part like any other.
-#[test]
-fn a_finished_checkpoint_can_be_merged() -> Result<()> {
-    let scene = &scenes()[1];
-    let folder = folder();
-    let kept = checkpoint(&folder.path().join("a.kept"), false);
-    let options = options();
-    let session = Session::begin(scene, options, Author::default(), None, Some(kept.clone()))?;
-    let film = session.render(&(), &no_warning)?.film;
-    assert!(merge(&[kept.file])?.film.same_bits(&film));
-    Ok(())
 }

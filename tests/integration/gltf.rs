@@ -27,9 +27,8 @@ use wavecrest_base::error::Result;
 use wavecrest_core::film::Film;
 use wavecrest_scene::load::load_gltf as load_bytes;
 use wavecrest_scene::load::{LoadOptions, LoadedScene};
-use wavecrest_scene::systems;
 
-use crate::support::image_of;
+use crate::support::{image_of, ready};
 
 /// The options of a small image.
 fn small() -> LoadOptions {
@@ -155,10 +154,7 @@ fn loaded(file: &File) -> Result<LoadedScene> {
 
 /// The image, which both tracers agree on and of which every sample is a number.
 fn rendered(loaded: Result<LoadedScene>) -> Film {
-    let loaded = loaded.unwrap_or_else(|error| panic!("{error}"));
-    let extracted = systems::extract(loaded.world, Default::default());
-    let extracted = extracted.unwrap_or_else(|error| panic!("{error}"));
-    image_of(&extracted.build(wavecrest_core::accel::build::Preset::Fast), 0)
+    image_of(&ready(loaded), 0)
 }
 
 fn image(file: &File) -> Film {

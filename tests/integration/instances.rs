@@ -7,38 +7,24 @@ use wavecrest_core::accel::build::Preset;
 use wavecrest_core::accel::{Accel, Hit, KernelChoice};
 use wavecrest_core::geometry::Geometry;
 use wavecrest_core::geometry::instance::Instance;
-use wavecrest_core::kernels::precision::{Exact, Precision};
+use wavecrest_core::kernels::precision::Exact;
 use wavecrest_core::kernels::slab::Aabb;
 use wavecrest_core::kernels::surface::triangle_at;
 use wavecrest_core::math::float::offset_origin;
 use wavecrest_core::math::random::Stream;
 use wavecrest_core::math::ray::Ray;
-use wavecrest_core::math::simd::Level;
 use wavecrest_core::math::vector::{Line, Vector};
-use wavecrest_core::prepared::PreparedScene;
 use wavecrest_core::render::RenderOptions;
 use wavecrest_scene::generate::{self, Model, Recipe};
-use wavecrest_scene::load::{LoadOptions, load_str};
-use wavecrest_scene::systems::{self, Options};
+use wavecrest_scene::systems::Options;
 
-use crate::support::{TRACERS, options, refusal, render_on, repository, try_prepare};
+use crate::support::{TRACERS, edited, options, prepare, prepare_in, render_on, repository};
 
 /// The scene of `scenes/instances.json`, with this many pixels across.
 fn stones(width: u32) -> Value {
     let text = std::fs::read_to_string(repository("scenes/instances.json")).expect("it is there");
-    let mut scene: Value = serde_json::from_str(&text).expect("it is JSON");
-    scene["camera"]["width"] = json!(width);
-    scene["camera"]["height"] = json!(width * 5 / 8);
-    scene
-}
-
-fn prepared(scene: &Value, precision: Precision, flat: bool, preset: Preset) -> PreparedScene {
-    let file = repository("scenes/instances.json");
-    let loaded = load_str(&scene.to_string(), &file, &LoadOptions::default());
-    let world = loaded.unwrap_or_else(|error| panic!("{error}")).world;
-    let options = Options { precision, flat, ..Options::default() };
-    let extracted = systems::extract(world, options);
-    extracted.unwrap_or_else(|error| panic!("{error}")).build(preset)
+    let scene = serde_json::from_str(&text).expect("it is JSON");
+    edited(scene, &format!("/camera/width {width}\n/camera/height {}", width * 5 / 8))
 }
 
 #[test]
@@ -46,7 +32,8 @@ fn a_mesh_is_held_once_and_looks_as_its_copies_do() {
     let scene = stones(160);
     for kernel in [KernelChoice::Auto, KernelChoice::Reference] {
         let [held, flat] = [false, true].map(|flat| {
-            let mut ready = prepared(&scene, Precision::Exact, flat, Preset::Fast);
+            let options = Options { flat, ..Options::default() };
+            let mut ready = prepare_in(&repository("scenes"), &scene, options);
             ready.accel.kernel = kernel;
             ready
         });
@@ -62,34 +49,6 @@ fn a_mesh_is_held_once_and_looks_as_its_copies_do() {
         let pairs = a.film.pixels().iter().zip(b.film.pixels());
         let differing = pairs.filter(|&pair| far(pair)).count();
         assert!(differing <= 4, "{kernel:?}: {differing} of {} pixels", a.film.pixels().len());
-    }
-}
-
-#[test]
-fn the_image_is_the_same_whatever_searches() {
-    let scene = stones(64);
-    let with = |preset| prepared(&scene, Precision::Exact, false, preset);
-    let mut ready = with(Preset::Fast);
-    let expected = render_on(1, &ready, &options()).film;
-    let check = |ready: &PreparedScene, batch: usize, what: &str| {
-        for tracer in TRACERS {
-            let found = render_on(2, ready, &RenderOptions { tracer, batch, ..options() });
-            assert!(found.film.same_bits(&expected), "{tracer:?}, batch {batch}, {what}");
-        }
-    };
-    check(&ready, 1024, "itself");
-    check(&ready, 37, "small batches");
-    for kernel in KernelChoice::ALL {
-        ready.accel.kernel = kernel;
-        check(&ready, 1024, &format!("{kernel:?}"));
-    }
-    ready.accel.kernel = KernelChoice::Auto;
-    for level in Level::available() {
-        ready.accel.level = level.token().expect("it is available");
-        check(&ready, 1024, level.name());
-    }
-    for preset in [Preset::Fastest, Preset::Slow, Preset::Brute] {
-        check(&with(preset), 1024, preset.name());
     }
 }
 
@@ -241,48 +200,13 @@ fn of_instances_at_one_place_the_first_is_seen() {
             ]
         }
     });
-    let ready = try_prepare(&scene, &repository("test.json")).unwrap_or_else(|e| panic!("{e}"));
+    let ready = prepare(&scene);
     for tracer in TRACERS {
         let film = render_on(1, &ready, &RenderOptions { tracer, ..options() }).film;
         let [red, green]: [usize; 2] =
             [0, 1].map(|k| film.pixels().iter().filter(|p| p[k] > 0.0).count());
         assert!(red > 4 && green == 0, "{tracer:?}: {red} red, {green} green");
     }
-}
-
-#[test]
-fn instances_that_are_wrong_are_refused_in_words() {
-    let file = repository("scenes/instances.json");
-    let said = |change: &dyn Fn(&mut Value)| {
-        let mut scene = stones(32);
-        change(&mut scene);
-        let text = refusal(&scene, &file).to_string();
-        text.split_once("instances.json: ").expect("it names the file").1.to_owned()
-    };
-    let text = said(&|scene| scene["scene"]["instances"][2]["shape"] = json!("stome"));
-    assert_eq!(
-        text,
-        "scene.instances[2].shape: no shape has this name, found \"stome\"; did you \
-         mean \"stone\"?"
-    );
-    let text = said(&|scene| scene["scene"]["shapes"][1]["name"] = json!("worn stone"));
-    assert!(text.contains("several shapes have this name, found \"worn stone\""), "{text}");
-    let text = said(&|scene| scene["scene"]["instances"][0]["transform"]["scale"] = json!(0));
-    assert!(text.starts_with("scene.instances[0].transform: the transform is singular"), "{text}");
-    let text = said(&|scene| {
-        scene["scene"]["instances"][0]["transform"]["translate"] = json!([1e30, 0, 0])
-    });
-    assert!(text.starts_with("scene.instances[0].transform"), "{text}");
-    let text = said(&|scene| scene["scene"]["shapes"][1]["hidden"] = json!("yes"));
-    assert!(
-        text.contains("scene.shapes[1].hidden: must be true or false, found \"yes\""),
-        "{text}"
-    );
-    let text = said(&|scene| {
-        scene["scene"]["shapes"][1] = json!({"type": "sphere", "name": "stone", "center": [0, 0, 0],
-            "radius": 1, "material": {"ks": 0, "kd": 1, "specularexponent": 1, "diffusecolor": [1, 1, 1]}});
-    });
-    assert!(text.contains("a sphere can only be scaled uniformly"), "{text}");
 }
 
 /// Other prototypes than meshes, and a mesh that is shown once, are primitives of the scene's own.
@@ -299,7 +223,7 @@ fn small_forms_are_copied_to_where_they_are_shown() {
     let mut scene = stones(32);
     scene["scene"]["shapes"] = shapes;
     scene["scene"]["instances"] = json!([at("ball"), at("tile"), at("flag"), at("once")]);
-    let ready = try_prepare(&scene, &repository("test.json")).unwrap_or_else(|e| panic!("{e}"));
+    let ready = prepare(&scene);
     let geometry = ready.accel.geometry();
     assert_eq!((geometry.instances.len(), geometry.prototypes.len()), (0, 0));
     let counts = [geometry.triangles.len(), geometry.quads.len(), geometry.quadrics.len()];

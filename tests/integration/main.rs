@@ -9,13 +9,14 @@
     reason = "helpers of tests fail as tests do; clippy knows only the test functions themselves"
 )]
 
-// Loading, rendering and running the command, for all the modules below; no tests.
+// Loading, rendering and running the command, and transcripts, for all the modules below; no tests.
 mod support;
+mod transcript;
 
 // The float image of every file in scenes/ and scenes/hard/ is the one in tests/golden/.
 mod golden;
 
-// Tracer, threads, batch size, tree and crop do not change a bit of an image.
+// Tracer, threads, batches, instructions, kernels, trees, plans and crops do not change a bit of an image.
 mod parity;
 
 // Meshes that are held once and shown often: the answers of copies, whatever searches them, without leaks.
@@ -88,8 +89,5 @@ mod guide;
 // The JSON Schema of scene files says what the parser does.
 mod schema;
 
-// What is said of scenes and meshes that are wrong, word for word.
-mod errors;
-
-// What is said of scenes that can be rendered, but are probably not meant so.
-mod warned;
+// What is said of scenes and meshes that are wrong, or probably not meant so, word for word.
+mod told;

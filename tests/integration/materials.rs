@@ -4,11 +4,11 @@ use std::path::Path;
 
 use serde_json::json;
 use wavecrest_core::film::Film;
-use wavecrest_image::write::{Transfer, write};
 use wavecrest_scene::load::{LoadOptions, LoadedScene, load, load_str};
-use wavecrest_scene::systems;
 
-use crate::support::{assert_near, folder, image_of, matte, pinhole, pixel, point_light, scene};
+use crate::support::{
+    assert_near, edited, folder, image_of, matte, pinhole, pixel, plain, put, put_image, ready,
+};
 
 /// Two squares beside each other, in red and in what `right` names, and a third that has no material.
 fn obj(right: &str) -> String {
@@ -26,11 +26,8 @@ const MTL: &str =
 fn written(files: &[(&str, &str)]) -> tempfile::TempDir {
     let folder = folder();
     std::fs::create_dir(folder.path().join("textures")).expect("a folder");
-    let green = Film::from_pixels(2, 2, vec![[0.0, 1.0, 0.0]; 4]).expect("a film");
-    write(&green, &folder.path().join("textures/t.png"), Transfer::Linear).expect("an image");
-    for (name, text) in files {
-        std::fs::write(folder.path().join(name), text).expect("a file");
-    }
+    put_image(folder.path(), "textures/t.png", [2, 2], |_, _| [0.0, 1.0, 0.0]);
+    files.iter().for_each(|(name, text)| put(folder.path(), name, text));
     folder
 }
 
@@ -39,9 +36,7 @@ fn warnings(scene: &LoadedScene) -> Vec<String> {
 }
 
 fn film(scene: LoadedScene) -> Film {
-    let extracted = systems::extract(scene.world, Default::default());
-    let extracted = extracted.unwrap_or_else(|error| panic!("{error}"));
-    image_of(&extracted.build(wavecrest_core::accel::build::Preset::Fast), 0)
+    image_of(&ready(Ok(scene)), 0)
 }
 
 fn loaded(path: &Path) -> LoadedScene {
@@ -54,9 +49,8 @@ fn shown(folder: &Path, materials: &str) -> LoadedScene {
                         "location": [-0.5, 1, 5.671_281_819_617_709], "look": [-0.5, 1, 0]});
     let shape = json!({"type": "trimesh", "file": "m.obj", "name": "m", "materials": materials,
                        "material": matte(1.0, [0.5, 0.5, 0.5])});
-    let mut json = scene(0, &camera, &[point_light(0.0, [0.0, 0.0, 9.0], [1.0; 3])], &[shape]);
-    json["scene"]["ambient"] = 1.into();
-    json["scene"]["instances"] = json!([{"shape": "m", "transform": {"translate": [0, 1, 0]}}]);
+    let instances = json!([{"shape": "m", "transform": {"translate": [0, 1, 0]}}]);
+    let json = edited(plain(0, &camera, &[shape]), &format!("/scene/instances {instances}"));
     let file = folder.join("scene.json");
     let options = LoadOptions { strict: true, ..LoadOptions::default() };
     load_str(&json.to_string(), &file, &options).unwrap_or_else(|error| panic!("{error}"))
@@ -136,8 +130,8 @@ fn nothing_outside_the_folder_is_read_unless_it_is_allowed() {
         std::fs::copy(&picture, folder.path().join("t.png")).expect("a copy");
         #[cfg(unix)]
         std::os::unix::fs::symlink(&picture, own.join("link.png")).expect("a link");
-        std::fs::write(own.join("m.obj"), obj("red")).expect("a file");
-        std::fs::write(own.join("a b.mtl"), mtl).expect("a file");
+        put(&own, "m.obj", obj("red"));
+        put(&own, "a b.mtl", mtl);
         let told = |allow_outside| {
             let options = LoadOptions { allow_outside, ..LoadOptions::default() };
             warnings(&load(&own.join("m.obj"), &options).expect("a scene"))
@@ -160,9 +154,7 @@ fn the_colours_of_vertices_multiply_the_material() {
     {
         let shape = json!({"type": "trimesh", "file": "m.obj", "vertexcolors": colors,
                            "material": matte(1.0, [0.5, 0.5, 0.5])});
-        let light = point_light(0.0, [0.0, 0.0, 9.0], [1.0; 3]);
-        let mut json = scene(0, &pinhole([3, 3], 20.0, 5.0), &[light], &[shape]);
-        json["scene"]["ambient"] = 1.into();
+        let json = plain(0, &pinhole([3, 3], 20.0, 5.0), &[shape]);
         let file = folder.path().join("scene.json");
         let scene = load_str(&json.to_string(), &file, &LoadOptions::default()).expect("a scene");
         assert_near(pixel(&film(scene), 1, 1), right, 1e-6, colors);

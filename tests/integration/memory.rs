@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 use wavecrest_scene::generate::{self, Model, Recipe};
 use wavecrest_scene::mesh::{self, MeshData, Survey};
 
-use crate::support::{folder, matte, pinhole, point_light, scene, wavecrest};
+use crate::support::{bytes, folder, matte, pinhole, point_light, put, run, run_json, scene, text};
 
 // Files, layers, looks and sheets.
 mod outputs;
@@ -26,8 +26,8 @@ fn held(data: &MeshData) -> Survey {
 }
 
 fn check(folder: &Path, name: &str, bytes: &[u8]) {
+    put(folder, name, bytes);
     let path = folder.join(name);
-    std::fs::write(&path, bytes).expect("it can be written");
     let loaded = mesh::load(&path).unwrap_or_else(|error| panic!("{error}"));
     let survey = mesh::survey(&path).unwrap_or_else(|error| panic!("{error}"));
     assert_eq!(survey, held(&loaded.mesh), "{name}");
@@ -86,66 +86,51 @@ fn a_survey_counts_the_contents_of_a_mesh_file() {
 #[test]
 fn a_survey_of_a_file_that_was_cut_off_is_small() {
     let folder = folder();
-    let path = folder.path().join("claims.ply");
     let header = "ply\nformat binary_little_endian 1.0\nelement vertex 4000000000\nproperty float x\n\
         property float y\nproperty float z\nelement face 4000000000\n\
         property list uchar int vertex_indices\nend_header\nabc";
-    std::fs::write(&path, header).expect("it can be written");
-    let survey = mesh::survey(&path).expect("a survey");
+    put(folder.path(), "claims.ply", header);
+    let survey = mesh::survey(&folder.path().join("claims.ply")).expect("a survey");
     assert!(survey.bytes() < 100, "{survey:?}");
 }
 
-fn knot_scene(folder: &Path, triangles: u64) -> std::path::PathBuf {
+fn knot_scene(folder: &Path, triangles: u64) {
     let recipe = Recipe::new(Model::Knot, triangles);
     generate::write_ply(&recipe, &folder.join("knot.ply"), &mut |_, _| {})
         .expect("it can be written");
     let knot = json!({"type": "trimesh", "file": "knot.ply", "material": matte(1.0, [0.5; 3])});
     let light = point_light(50.0, [3.0, 3.0, 5.0], [1.0; 3]);
     let scene = scene(0, &pinhole([64, 48], 50.0, 6.0), &[light], &[knot]);
-    let path = folder.join("knot.json");
-    std::fs::write(&path, scene.to_string()).expect("it can be written");
-    path
+    put(folder, "knot.json", scene.to_string());
 }
 
 #[test]
 fn more_memory_than_allowed_is_refused_before_anything_is_read() {
     let folder = folder();
-    let path = knot_scene(folder.path(), 200_000);
+    knot_scene(folder.path(), 200_000);
     // What the mesh says is wrong: it would be refused too if it were read.
-    let mut mesh = std::fs::read(folder.path().join("knot.ply")).expect("it is there");
+    let mut mesh = bytes(folder.path(), "knot.ply");
     let end = mesh.len();
     mesh[end - 4..].copy_from_slice(&[0xFF; 4]);
-    std::fs::write(folder.path().join("knot.ply"), mesh).expect("it can be written");
-    let output = folder.path().join("out.png");
-    let run = |limit: &str| {
-        let mut command = wavecrest(folder.path());
-        command.args(["-q", "--memory-limit", limit]).arg(&path).arg(&output);
-        let found = command.output().expect("it runs");
-        assert_eq!(found.status.code(), Some(2), "{limit}");
-        assert!(!output.exists());
-        String::from_utf8(found.stderr).expect("text")
-    };
-    let text = run("20MiB");
-    for words in [
-        "knot.json: the render needs more memory than 20.0 MiB, found about ",
-        "raise --memory-limit",
-        "building the tree",
-    ] {
-        assert!(text.contains(words), "{text}");
+    put(folder.path(), "knot.ply", mesh);
+    let few = "knot.json: the render needs more memory than 20.0 MiB, found about ";
+    let read = "knot.ply";
+    for (limit, words) in
+        [("20MiB", &[few, "raise --memory-limit", "building the tree"][..]), ("4GiB", &[read])]
+    {
+        let output = run(folder.path(), &["-q", "--memory-limit", limit, "knot.json", "out.png"]);
+        let told = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{told}");
+        assert!(words.iter().all(|words| told.contains(words)), "{told}");
+        assert!(!folder.path().join("out.png").exists());
     }
-    assert!(run("4GiB").contains("knot.ply"), "the mesh is read and refused");
-    assert!(run("many").contains("such as 8GiB"));
-    assert!(run("0").contains("above 0"));
 }
 
 #[test]
 fn what_is_estimated_before_reading_is_near_what_is_held() {
     let folder = folder();
-    let path = knot_scene(folder.path(), 300_000);
-    let found =
-        wavecrest(folder.path()).args(["explain", "--json", "--render"]).arg(&path).output();
-    let text = found.expect("it runs").stdout;
-    let explained: Value = serde_json::from_slice(&text).expect("JSON");
+    knot_scene(folder.path(), 300_000);
+    let explained = run_json(folder.path(), &["explain", "--json", "--render", "knot.json"]);
     let number = |pointer: &str| explained.pointer(pointer).and_then(Value::as_f64).expect(pointer);
     for part in ["geometry", "tree", "build", "film"] {
         let [before, after] =

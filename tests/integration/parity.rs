@@ -1,22 +1,26 @@
-//! Parity: one image whatever the tracer, the number of threads, the size of the batches, the tree
-//! and the part that is rendered, for every scene there is.
+//! Parity: one image whatever the tracer, the number of threads, the size of the batches, the instructions, the kernel,
+//! the tree, the plan and the part that is rendered.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use rayon::prelude::*;
 use serde_json::{Value, json};
 use wavecrest_core::accel::KernelChoice;
 use wavecrest_core::accel::build::Preset;
+use wavecrest_core::counters::Counters;
 use wavecrest_core::film::Film;
 use wavecrest_core::math::simd::Level;
 use wavecrest_core::plan::Effect;
+use wavecrest_core::plan::schedule::{PASSES, unplanned};
 use wavecrest_core::prepared::PreparedScene;
-use wavecrest_core::render::RenderOptions;
+use wavecrest_core::render::{RenderOptions, TracerKind};
 use wavecrest_core::tile::Tile;
+use wavecrest_scene::systems::Options;
 
+use crate::planning::check_work;
 use crate::support::{
-    TRACERS, extract_small, image, matte, options, pinhole, point_light, prepare, render_on, scene,
-    scene_files, sphere, wall, with,
+    TRACERS, both, extract_small, extract_small_by, image, matte, options, pinhole, point_light,
+    prepare, render_on, scene, scene_files, sphere, thin_lens, wall, with,
 };
 
 /// The longest side of the images, in pixels: several tiles, and no multiple of one.
@@ -25,149 +29,108 @@ const LONGEST: u32 = 45;
 /// The most rays that one image may take: scenes of thousands of samples are rendered smaller.
 const MOST_RAYS: u64 = 200_000;
 
-fn small(path: &Path) -> PreparedScene {
-    extract_small(path, LONGEST, MOST_RAYS).build(Preset::Fast)
+/// What may not show. Levels differ in the width of their registers, and batches that are no multiple of a vector leave
+/// lanes out of use; kernels share what they compute and not how, nor what they leave to each other.
+#[derive(Clone, Copy, Debug)]
+struct Setting {
+    tracer: TracerKind,
+    threads: usize,
+    batch: usize,
+    level: Level,
+    kernel: KernelChoice,
+}
+
+/// Sizes of batches about those of vectors, tiles and the usual batch.
+const BATCHES: [usize; 10] = [1, 3, 7, 8, 9, 64, 65, 1001, 1024, 5000];
+
+/// One thing after the other; every size of batch with every level where `all` are asked for.
+fn settings(all: bool) -> Vec<Setting> {
+    let (batch, level) = (options().batch, Level::best());
+    let usual = Setting {
+        tracer: TracerKind::Wavefront,
+        threads: 1,
+        batch,
+        level,
+        kernel: KernelChoice::Auto,
+    };
+    let mut settings: Vec<Setting> = BATCHES.map(|batch| Setting { batch, ..usual }).into();
+    for tracer in TRACERS {
+        settings.extend([2, 3].map(|threads| Setting { tracer, threads, ..usual }));
+        for level in Level::available() {
+            let batches = if all { &BATCHES[..] } else { &[13, 1024] };
+            let of = |&batch| Setting { tracer, level, batch, ..usual };
+            settings.extend(batches.iter().map(of));
+        }
+    }
+    for kernel in KernelChoice::ALL {
+        settings.extend([13, 1024].map(|batch| Setting { kernel, batch, ..usual }));
+    }
+    settings
 }
 
 fn film(scene: &PreparedScene, options: RenderOptions) -> Film {
     render_on(1, scene, &options).film
 }
 
-/// Checks every scene; each failure is one line.
-fn for_every_scene(check: impl Fn(&Path) -> Result<(), String> + Sync) {
-    let scenes = scene_files();
-    let failures: Vec<String> = scenes
-        .par_iter()
-        .filter_map(|(name, path)| check(path).err().map(|why| format!("{name}: {why}")))
-        .collect();
-    assert!(failures.is_empty(), "{}", failures.join("\n"));
-}
-
-fn same(expected: &Film, found: &Film, what: impl std::fmt::Display) -> Result<(), String> {
+fn same(expected: &Film, found: &Film, what: impl std::fmt::Debug) -> Result<(), String> {
     if found.same_bits(expected) {
         return Ok(());
     }
     let differing = expected.pixels().iter().zip(found.pixels()).filter(|(a, b)| a != b).count();
-    Err(format!("{what}: {differing} pixels differ"))
+    Err(format!("{what:?}: {differing} pixels differ"))
 }
 
-#[test]
-fn the_recursive_tracer_gives_the_image_of_the_wavefront() {
-    for_every_scene(|path| {
-        let scene = small(path);
-        let [wavefront, recursive] =
-            TRACERS.map(|tracer| film(&scene, RenderOptions { tracer, ..options() }));
-        same(&wavefront, &recursive, "recursive")
-    });
+/// All that is counted but how hits are searched for, which is each tracer's own affair.
+pub(crate) fn work(counters: &Counters) -> Counters {
+    Counters { tests: Default::default(), kernels: Default::default(), ..*counters }
 }
 
-#[test]
-fn any_number_of_threads_gives_the_same_image() {
-    for_every_scene(|path| {
-        let scene = small(path);
-        let one = film(&scene, options());
-        TRACERS.into_iter().try_for_each(|tracer| {
-            [2, 3].into_iter().try_for_each(|threads| {
-                let options = RenderOptions { tracer, ..options() };
-                let found = render_on(threads, &scene, &options).film;
-                same(&one, &found, format!("{tracer:?} on {threads} threads"))
-            })
-        })
-    });
+/// Renders with every setting: one image, and the same work.
+fn check_settings(name: &str, scene: &mut PreparedScene, all: bool) -> Result<(), String> {
+    let usual = render_on(1, scene, &options());
+    check_work(name, scene, &usual, &options());
+    for setting in settings(all) {
+        let Setting { tracer, threads, batch, level, kernel } = setting;
+        scene.accel.level = level.token().expect("it is available");
+        scene.accel.kernel = kernel;
+        let found = render_on(threads, scene, &RenderOptions { tracer, batch, ..options() });
+        same(&usual.film, &found.film, setting)?;
+        let (c, rays) = (&found.counters, &found.counters.kernels);
+        // Camera rays that meet nothing are left out by the batch: how many depends on its size.
+        let expected = if batch == options().batch {
+            work(&usual.counters)
+        } else {
+            let Counters { primary_rays, lens_samples, .. } = *c;
+            Counters { primary_rays, lens_samples, ..work(&usual.counters) }
+        };
+        if work(c) != expected
+            || rays.closest.rays() != c.primary_rays + c.secondary_rays
+            || rays.shadow.rays() != c.shadow_rays
+        {
+            return Err(format!("{setting:?}: {c:?}, not {expected:?}"));
+        }
+    }
+    scene.accel.kernel = KernelChoice::Auto;
+    check_crops(scene, &usual.film)
 }
 
-#[test]
-fn any_size_of_batch_gives_the_same_image() {
-    for_every_scene(|path| {
-        let scene = small(path);
-        let usual = film(&scene, options());
-        [1, 3, 7, 8, 9, 64, 65, 1001, 1024, 5000].into_iter().try_for_each(|batch| {
-            let found = film(&scene, RenderOptions { batch, ..options() });
-            same(&usual, &found, format!("batches of {batch}"))
-        })
-    });
-}
-
-/// Levels differ in the width of their registers, and batches that are no multiple of a vector leave
-/// lanes out of use: neither may show.
-#[test]
-fn any_set_of_vector_instructions_gives_the_same_image() {
-    for_every_scene(|path| {
-        let mut scene = small(path);
-        let best = film(&scene, options());
-        Level::available().into_iter().try_for_each(|level| {
-            scene.accel.level = level.token().expect("it is available");
-            TRACERS.into_iter().try_for_each(|tracer| {
-                [13, 1024].into_iter().try_for_each(|batch| {
-                    let found = film(&scene, RenderOptions { tracer, batch, ..options() });
-                    same(&best, &found, format!("{tracer:?}, {}, {batch}", level.name()))
-                })
-            })
-        })
-    });
-}
-
-/// Kernels share what they compute and not how: neither their order nor what they leave to each
-/// other may show.
-#[test]
-fn any_kernel_gives_the_same_image() {
-    for_every_scene(|path| {
-        let mut scene = small(path);
-        let usual = film(&scene, options());
-        KernelChoice::ALL.into_iter().try_for_each(|kernel| {
-            scene.accel.kernel = kernel;
-            [13, 1024].into_iter().try_for_each(|batch| {
-                let found = film(&scene, RenderOptions { batch, ..options() });
-                same(&usual, &found, format!("{}, {batch}", kernel.name()))
-            })
-        })
-    });
-}
-
-#[test]
-fn any_tree_gives_the_image_of_testing_everything() {
-    for_every_scene(|path| {
-        // Without a tree every ray tests every primitive, so that fewer rays must do.
-        let build = |preset| extract_small(path, LONGEST, MOST_RAYS / 4).build(preset);
-        let brute = film(&build(Preset::Brute), options());
-        Preset::ALL
-            .into_iter()
-            .filter(|&preset| preset != Preset::Brute)
-            .try_for_each(|preset| same(&brute, &film(&build(preset), options()), preset.name()))
-    });
-}
-
-#[test]
-fn a_crop_is_that_part_of_the_whole_image() {
-    for_every_scene(|path| {
-        let scene = small(path);
-        let whole = film(&scene, options());
-        let (width, height) = (whole.width(), whole.height());
-        crops(width, height).into_iter().try_for_each(|crop| {
-            TRACERS.into_iter().try_for_each(|tracer| {
-                let found = film(&scene, RenderOptions { tracer, crop: Some(crop), ..options() });
-                same(&part(&whole, crop), &found, format!("{tracer:?}, {crop:?}"))
-            })
-        })
-    });
-}
-
-/// A part from the middle, the last pixel, and a column.
-fn crops(width: u32, height: u32) -> [Tile; 3] {
+/// A part from the middle, the last pixel, and a column are those of the whole image.
+fn check_crops(scene: &PreparedScene, whole: &Film) -> Result<(), String> {
+    let (width, height) = (whole.width(), whole.height());
     let (x, y) = (width / 3, height / 3);
-    [
+    let crops = [
         Tile { x, y, width: (width - x).div_ceil(2), height: (height - y).div_ceil(2) },
         Tile { x: width - 1, y: height - 1, width: 1, height: 1 },
         Tile { x, y: 0, width: 1, height },
-    ]
-}
-
-fn part(whole: &Film, crop: Tile) -> Film {
-    let pixels = (0..crop.len() as u32).map(|index| {
-        let (x, y) = crop.pixel(index);
-        whole.pixel(x, y).expect("the crop lies within the image")
-    });
-    Film::from_pixels(crop.width, crop.height, pixels.collect()).expect("as many as there are")
+    ];
+    crops.into_iter().try_for_each(|crop| {
+        let Tile { x, y, width, height } = crop;
+        let part = whole.part([x, y, width, height]).expect("it lies within the image");
+        TRACERS.into_iter().try_for_each(|tracer| {
+            let found = film(scene, RenderOptions { tracer, crop: Some(crop), ..options() });
+            same(&part, &found, (tracer, crop))
+        })
+    })
 }
 
 /// Whether any random number decides what this scene shows.
@@ -176,19 +139,49 @@ fn draws_numbers(scene: &PreparedScene) -> bool {
         || scene.lights.iter().any(|light| light.is_sampled())
 }
 
-#[test]
-fn the_seed_changes_only_images_of_scenes_that_draw_random_numbers() {
-    for_every_scene(|path| {
-        let scene = small(path);
-        let [first, second, again] =
-            [0, 1, 0].map(|seed| film(&scene, RenderOptions { seed, ..options() }));
-        same(&first, &again, "the same seed again")?;
-        match (draws_numbers(&scene), first.same_bits(&second)) {
-            (true, true) => Err("the seed does nothing".to_owned()),
-            (false, false) => Err("the seed changes the image".to_owned()),
-            _ => Ok(()),
+/// The seed changes images of scenes that draw random numbers, and no others.
+fn check_seeds(scene: &PreparedScene) -> Result<(), String> {
+    let [first, second, again] =
+        [0, 1, 0].map(|seed| film(scene, RenderOptions { seed, ..options() }));
+    same(&first, &again, "the same seed again")?;
+    match (draws_numbers(scene), first.same_bits(&second)) {
+        (true, true) => Err("the seed does nothing".to_owned()),
+        (false, false) => Err("the seed changes the image".to_owned()),
+        _ => Ok(()),
+    }
+}
+
+/// Any tree, and any plan, gives the image of testing and running everything.
+fn check_trees_and_plans(path: &Path) -> Result<(), String> {
+    // Without a tree every ray tests every primitive, so that fewer rays must do.
+    let build = |preset| extract_small(path, LONGEST, MOST_RAYS / 4).build(preset);
+    let brute = film(&build(Preset::Brute), options());
+    for preset in Preset::ALL.into_iter().filter(|&preset| preset != Preset::Brute) {
+        let scene = build(preset);
+        for tracer in TRACERS {
+            same(&brute, &film(&scene, RenderOptions { tracer, ..options() }), (preset, tracer))?;
         }
-    });
+    }
+    let passes = &unplanned(&PASSES)[..];
+    let everything = Options { passes, ..Options::default() };
+    let everything = extract_small_by(path, LONGEST, MOST_RAYS / 4, everything);
+    for rendered in both(&everything.build(Preset::Fast)) {
+        same(&brute, &rendered.film, "unplanned")?;
+    }
+    Ok(())
+}
+
+#[test]
+fn every_scene_has_one_image_however_it_is_rendered() {
+    let check = |(name, path): &(String, PathBuf)| {
+        let mut scene = extract_small(path, LONGEST, MOST_RAYS).build(Preset::Fast);
+        let checked = check_settings(name, &mut scene, false)
+            .and_then(|()| check_seeds(&scene))
+            .and_then(|()| check_trees_and_plans(path));
+        checked.err().map(|why| format!("{name}: {why}"))
+    };
+    let failures: Vec<String> = scene_files().par_iter().filter_map(check).collect();
+    assert!(failures.is_empty(), "{}", failures.join("\n"));
 }
 
 /// Trilinear textures on every kind of shape, in mirrors of every kind, through a lens, with several
@@ -216,37 +209,21 @@ fn filtered() -> Value {
         trilinear(triangle, "bricks"),
         trilinear(wall(4.0, -6.0, kr(0.5)), "picture"),
     ];
-    let lens = [
-        ("type", json!("thinlens")),
-        ("aperture", json!(0.2)),
-        ("focal", json!(6)),
-        ("nsamplesx", json!(2)),
-        ("nsamplesy", json!(1)),
-        ("antialias", json!(2)),
-    ];
-    let camera = pinhole([45, 37], 45.0, 6.0);
-    let camera = lens.into_iter().fold(camera, |camera, (key, value)| with(camera, key, value));
+    let camera = thin_lens(pinhole([45, 37], 45.0, 6.0), 0.2, 6.0, [2, 1]);
+    let camera = with(camera, "antialias", 2);
     scene(3, &camera, &[point_light(60.0, [3.0, 5.0, 6.0], [1.0; 3])], &shapes)
 }
 
 #[test]
-fn trilinear_textures_look_the_same_however_they_are_traced() {
-    let mut scene = prepare(&filtered());
-    let usual = render_on(1, &scene, &options());
-    let counted = usual.counters.footprints;
-    assert!(counted > usual.counters.secondary_rays && usual.counters.invalid == 0);
-    for level in Level::available() {
-        scene.accel.level = level.token().expect("it is available");
-        for tracer in TRACERS {
-            for batch in [1, 3, 7, 8, 9, 64, 65, 1001, 1024, 5000] {
-                let found = render_on(1, &scene, &RenderOptions { tracer, batch, ..options() });
-                let what = format!("{tracer:?}, {}, {batch}", level.name());
-                same(&usual.film, &found.film, &what).unwrap_or_else(|why| panic!("{why}"));
-                assert_eq!(found.counters.footprints, counted, "{what}");
-                assert_eq!(found.counters.texels, usual.counters.texels, "{what}");
-            }
-        }
+fn scenes_of_all_differentials_and_of_blocks_of_samples_have_one_image_too() {
+    let blocks = crate::parts::ball([11, 9], 29);
+    for (name, json) in [("trilinear", filtered()), ("three blocks of samples", blocks)] {
+        let found = check_settings(name, &mut prepare(&json), true);
+        assert_eq!(found, Ok(()), "{name}");
     }
+    let scene = prepare(&filtered());
+    let usual = render_on(1, &scene, &options());
+    assert!(usual.counters.footprints > usual.counters.secondary_rays);
     // The filter does something in this scene: bilinear is another image.
     let bilinear = filtered().to_string().replace("trilinear", "bilinear");
     let bilinear = image(&serde_json::from_str(&bilinear).expect("JSON"));

@@ -8,11 +8,12 @@ use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
 use serde_json::Value;
 use wavecrest_core::film::Film;
 use wavecrest_core::render::units::Blocks;
-use wavecrest_core::render::{RenderOptions, Rendered, Watch, camera_rays, render};
+use wavecrest_core::render::{RenderOptions, Rendered, Watch, render};
 use wavecrest_core::tile::Tile;
 
 use crate::support::{
-    TRACERS, matte, options, pinhole, point_light, prepare, render_on, scene, sphere, wall, with,
+    TRACERS, matte, options, pinhole, places, point_light, prepare, render_on, scene, sphere, wall,
+    with,
 };
 
 /// A ball before a wall, with so many samples a side for each pixel.
@@ -96,7 +97,7 @@ fn a_render_that_is_cancelled_keeps_what_was_finished() {
         assert!(!part.finished);
         assert_eq!(part.tiles.len(), most);
         let there: BTreeSet<(u32, u32)> = pixels_of(&part).collect();
-        for (x, y) in (0..37).flat_map(|y| (0..45).map(move |x| (x, y))) {
+        for (x, y) in places(45, 37) {
             let expected = if there.contains(&(x, y)) { whole.pixel(x, y) } else { Some([0.0; 3]) };
             assert_eq!(part.film.pixel(x, y), expected, "{x}, {y} after {most} tiles");
         }
@@ -107,36 +108,16 @@ fn pixels_of(part: &Rendered) -> impl Iterator<Item = (u32, u32)> {
     part.tiles.iter().flat_map(|tile| (0..tile.len() as u32).map(|index| tile.pixel(index)))
 }
 
-/// Several blocks of samples, of which the last is shorter.
-#[test]
-fn pixels_of_several_blocks_of_samples_are_the_same_in_every_way() {
-    let scene = prepare(&ball([11, 9], 29));
-    let blocks = Blocks::new(29 * 29);
-    assert_eq!((blocks.count(), blocks.range(2)), (3, 562..841));
-    let usual = render_on(1, &scene, &options());
-    let cast = camera_rays(&scene, &options()).expect("an image");
-    assert_eq!(usual.counters.primary_rays, cast);
-    assert!(cast > 0 && cast <= 11 * 9 * 29 * 29, "{cast}");
-    for tracer in TRACERS {
-        for (threads, batch) in [(1, 1), (2, 100), (3, 1024), (1, 1 << 20)] {
-            let found = render_on(threads, &scene, &RenderOptions { tracer, batch, ..options() });
-            assert!(found.film.same_bits(&usual.film), "{tracer:?}, {threads}, {batch}");
-        }
-        let crop = Some(Tile { x: 3, y: 2, width: 7, height: 4 });
-        let part = render_on(1, &scene, &RenderOptions { tracer, crop, ..options() }).film;
-        for (x, y) in (0..4).flat_map(|y| (0..7).map(move |x| (x, y))) {
-            assert_eq!(part.pixel(x, y), usual.film.pixel(x + 3, y + 2));
-        }
-    }
-}
-
 /// The blocks are weighted as their samples are: against another camera of as many rays.
 #[test]
 fn a_pixel_of_several_blocks_is_the_mean_of_all_its_samples() {
+    // Of which the last is shorter.
+    let blocks = Blocks::new(29 * 29);
+    assert_eq!((blocks.count(), blocks.range(2)), (3, 562..841));
     let scene = prepare(&ball([3, 3], 32));
     let one = render_on(1, &prepare(&ball([96, 96], 1)), &options()).film;
     let found = render_on(1, &scene, &options()).film;
-    for (x, y) in (0..3).flat_map(|y| (0..3).map(move |x| (x, y))) {
+    for (x, y) in places(3, 3) {
         let inside = (0..32 * 32).map(|i| one.pixel(x * 32 + i % 32, y * 32 + i / 32));
         let mean = inside.map(|p| f64::from(p.expect("a pixel")[0])).sum::<f64>() / 1024.0;
         let pixel = f64::from(found.pixel(x, y).expect("a pixel")[0]);

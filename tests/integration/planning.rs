@@ -6,7 +6,6 @@ use std::path::Path;
 use rayon::prelude::*;
 use serde_json::{Value, json};
 use wavecrest_base::error::Result;
-use wavecrest_core::accel::build::Preset;
 use wavecrest_core::counters::Counters;
 use wavecrest_core::film::Film;
 use wavecrest_core::plan::schedule::{Needs, PASSES, Pass, unplanned};
@@ -14,15 +13,14 @@ use wavecrest_core::plan::{Effect, Plan};
 use wavecrest_core::prepared::PreparedScene;
 use wavecrest_core::render::{RenderOptions, Rendered, TracerKind, camera_rays, render};
 use wavecrest_core::wavefront::batch::Batch;
-use wavecrest_image::write::{Transfer, write};
 use wavecrest_report::effects::scenes::{Variant, variants};
 use wavecrest_report::expected::Estimated;
-use wavecrest_scene::load::{LoadOptions, load, load_str};
-use wavecrest_scene::systems::{self, Options};
+use wavecrest_scene::systems::Options;
 
+use crate::parity::work;
 use crate::support::{
-    TRACERS, extract_small, folder, matte, options, pinhole, point_light, render_on, scene,
-    scene_files, sphere, with,
+    ODD, TRACERS, both, both_alone, edited, folder, matte, options, pinhole, point_light,
+    prepare_in, put_texture, reason, scene, sphere, thin_lens, with,
 };
 
 /// A set of effects: a bit for each, in the order of [`Effect::ALL`].
@@ -69,12 +67,7 @@ impl Set {
             camera["antialias"] = 2.into();
         }
         if self.has(Effect::DepthOfField) {
-            let lens = json!({"type": "thinlens", "aperture": 0.5, "focal": 4, "nsamplesx": 2,
-                              "nsamplesy": 1});
-            camera
-                .as_object_mut()
-                .expect("an object")
-                .extend(lens.as_object().cloned().expect("one"));
+            camera = thin_lens(camera, 0.5, 4.0, [2, 1]);
         }
         // By it surfaces show their colours even where no other light is.
         let mut lights = vec![point_light(0.0, [0.0, 9.0, 9.0], [1.0; 3])];
@@ -87,9 +80,9 @@ impl Set {
                                "outer": 40}));
         }
         if self.has(Effect::DirectionalLights) {
-            lights
-                .push(json!({"type": "directionallight", "intensity": 0.4, "color": [1, 0.8, 0.9],
-                               "direction": [1, -2, -2], "angle": 5, "samples": 2}));
+            let sun = json!({"type": "directionallight", "intensity": 0.4, "color": [1, 0.8, 0.9],
+                             "direction": [1, -2, -2], "angle": 5, "samples": 2});
+            lights.push(sun);
         }
         if self.has(Effect::AreaLights) {
             lights.push(json!({"type": "arealight", "intensity": 20, "color": [0.8, 0.9, 1.0],
@@ -128,29 +121,23 @@ impl Set {
         if self.has(Effect::Spheres) {
             shapes.push(sphere([0.3, 0.2, 0.8], 0.7, Value::Null));
         }
+        let image = json!(folder.join("t.png"));
+        let filtered = [Effect::Textures, Effect::RayDifferentials];
+        let material = with(with(matte(0.7, [0.9, 0.6, 0.3]), "kr", 0.0), "ks", 0.3);
         for shape in &mut shapes {
-            let kr = if self.has(Effect::Mirrors) { 0.5 } else { 0.0 };
-            shape["material"] = with(with(matte(0.7, [0.9, 0.6, 0.3]), "kr", kr), "ks", 0.3);
-            if self.has(Effect::Emission) {
-                shape["material"]["emission"] = json!([0.1, 0.2, 0.3]);
-            }
-            if self.has(Effect::CutOuts) {
-                shape["alpha"] = folder.join("t.png").display().to_string().into();
-            }
-            if self.has(Effect::TintedHighlights) {
-                shape["material"]["specularcolor"] = json!([1.0, 0.5, 0.25]);
-            }
-            let image = folder.join("t.png").display().to_string();
-            if self.has(Effect::MaterialTextures) {
-                shape["occlusionmap"] = json!({"file": image});
-            }
-            if self.has(Effect::NormalMaps) {
-                shape["normalmap"] = json!({"file": image});
-            }
-            if self.has(Effect::Textures) {
-                shape["texture"] = folder.join("t.png").display().to_string().into();
-                if self.has(Effect::RayDifferentials) {
-                    shape["filter"] = "trilinear".into();
+            shape["material"] = material.clone();
+            for (effects, place, value) in [
+                (&[Effect::Mirrors][..], "/material/kr", json!(0.5)),
+                (&[Effect::Emission], "/material/emission", json!([0.1, 0.2, 0.3])),
+                (&[Effect::CutOuts], "/alpha", image.clone()),
+                (&[Effect::TintedHighlights], "/material/specularcolor", json!([1.0, 0.5, 0.25])),
+                (&[Effect::MaterialTextures], "/occlusionmap", json!({"file": image})),
+                (&[Effect::NormalMaps], "/normalmap", json!({"file": image})),
+                (&[Effect::Textures], "/texture", image.clone()),
+                (&filtered, "/filter", json!("trilinear")),
+            ] {
+                if effects.iter().all(|&effect| self.has(effect)) {
+                    *shape = edited(shape.take(), &format!("{place} {value}"));
                 }
             }
         }
@@ -208,59 +195,43 @@ impl Set {
     }
 }
 
-fn write_texture(folder: &Path) {
-    let pixels = vec![[0.9, 0.1, 0.1], [0.1, 0.9, 0.1], [0.1, 0.1, 0.9], [0.9, 0.9, 0.1]];
-    let film = Film::from_pixels(2, 2, pixels).expect("a film");
-    write(&film, &folder.join("t.png"), Transfer::Linear).expect("a file");
-}
-
 /// A scene made ready by a table.
 fn prepare_by(passes: &[Pass], scene: &Value) -> PreparedScene {
-    let loaded = load_str(&scene.to_string(), Path::new("test.json"), &LoadOptions::default());
-    let world = loaded.unwrap_or_else(|error| panic!("{error}")).world;
-    let extracted = systems::extract(world, Options { passes, ..Options::default() });
-    extracted.unwrap_or_else(|error| panic!("{error}")).build(Preset::Fast)
+    prepare_in(Path::new(""), scene, Options { passes, ..Options::default() })
 }
 
 fn try_render(scene: &PreparedScene, tracer: TracerKind) -> Result<Rendered> {
-    // Of a size that is no multiple of a vector.
-    render(scene, &RenderOptions { tracer, batch: 29, ..options() }, &())
+    render(scene, &RenderOptions { tracer, batch: ODD, ..options() }, &())
 }
 
-fn render_both(scene: &PreparedScene) -> [Rendered; 2] {
-    TRACERS.map(|tracer| try_render(scene, tracer).unwrap_or_else(|error| panic!("{error}")))
-}
-
-/// On one thread, so that columns are always held as often.
-fn render_alone(scene: &PreparedScene) -> [Rendered; 2] {
-    TRACERS.map(|tracer| render_on(1, scene, &RenderOptions { tracer, batch: 29, ..options() }))
-}
-
-/// All that is counted but how hits are searched for, which is each tracer's own affair.
-fn work(counters: &Counters) -> Counters {
-    Counters { tests: Default::default(), kernels: Default::default(), ..*counters }
-}
-
-/// Effects that look texels up.
-const LOOK_UPS: [Effect; 3] = [Effect::Textures, Effect::NormalMaps, Effect::MaterialTextures];
+/// Effects that look texels up, if they have an image.
+const LOOK_UPS: [Effect; 4] =
+    [Effect::Textures, Effect::NormalMaps, Effect::MaterialTextures, Effect::Emission];
 
 /// Checks that what is absent is not counted, and that no more is than was estimated.
-fn check_work(what: &str, scene: &PreparedScene, rendered: &Rendered) {
+pub(crate) fn check_work(
+    what: &str,
+    scene: &PreparedScene,
+    rendered: &Rendered,
+    options: &RenderOptions,
+) {
     let c = &rendered.counters;
     let estimated = Estimated::of(scene, rendered.film.pixels().len() as u64);
     let (rays, samples) = (estimated.rays, estimated.samples);
-    let cast = camera_rays(scene, &RenderOptions { batch: 29, ..options() }).expect("an image");
+    let cast = camera_rays(scene, options).expect("an image");
     let drawn = if scene.camera.has_lens() { cast } else { 0 };
     assert_eq!((c.primary_rays, c.lens_samples), (cast, drawn), "{what}");
     assert!(cast <= rays.primary && drawn <= samples.lens, "{what}");
     let schedule = scene.plan.schedule();
     let draws_lights = scene.lights.iter().any(|light| light.is_sampled());
+    let looks_up = !scene.appearance.images.is_empty()
+        && LOOK_UPS.iter().any(|&effect| scene.plan.has(effect));
     for (counted, most, called_for) in [
         (c.secondary_rays, rays.secondary, schedule.has_mirrors()),
         (c.shadow_rays, rays.shadow, schedule.has_shadows()),
         (c.light_samples, samples.light, draws_lights),
         (c.colors, samples.colors, scene.plan.has(Effect::VertexColors)),
-        (c.texels, samples.texels, LOOK_UPS.iter().any(|&effect| scene.plan.has(effect))),
+        (c.texels, samples.texels, looks_up),
         (c.lens_samples, samples.lens, scene.plan.has(Effect::DepthOfField)),
         (c.footprints, u64::MAX, scene.plan.has(Effect::RayDifferentials)),
         (c.tests.triangles, u64::MAX, scene.plan.has(Effect::Triangles)),
@@ -276,8 +247,9 @@ fn check_work(what: &str, scene: &PreparedScene, rendered: &Rendered) {
 #[test]
 fn effects_together_give_one_image_planned_or_not_with_either_tracer() {
     let folder = folder();
-    write_texture(folder.path());
+    put_texture(folder.path());
     let everything = unplanned(&PASSES);
+    let by = RenderOptions { batch: ODD, ..options() };
     Set::all().for_each(|set| {
         let json = set.scene(folder.path());
         let what = format!("{:?}", set.names());
@@ -286,9 +258,9 @@ fn effects_together_give_one_image_planned_or_not_with_either_tracer() {
             let found = scene.plan.has(effect);
             assert_eq!(found, set.expected(effect), "{what}: {}", effect.name());
         }
-        let planned = render_both(&scene);
+        let planned = both(&scene);
         for rendered in &planned {
-            check_work(&what, &scene, rendered);
+            check_work(&what, &scene, rendered, &by);
             assert!(rendered.film.same_bits(&planned[0].film), "{what}: the tracers differ");
             assert_eq!(work(&rendered.counters), work(&planned[0].counters), "{what}");
             assert_eq!(rendered.counters.invalid, 0, "{what}");
@@ -297,7 +269,7 @@ fn effects_together_give_one_image_planned_or_not_with_either_tracer() {
         let all = prepare_by(&everything, &json);
         scene.plan = Plan::of(scene.plan.decisions().to_vec(), &everything);
         for (scene, how) in [(all, "unplanned"), (scene, "planned, all of it run")] {
-            for rendered in render_both(&scene) {
+            for rendered in both(&scene) {
                 assert!(rendered.film.same_bits(&planned[0].film), "{what}: {how}");
             }
         }
@@ -305,37 +277,15 @@ fn effects_together_give_one_image_planned_or_not_with_either_tracer() {
 }
 
 #[test]
-fn every_scene_gives_one_image_planned_or_not() {
-    let everything = unplanned(&PASSES);
-    let failures: Vec<String> = scene_files()
-        .par_iter()
-        .filter_map(|(name, path)| {
-            let planned = extract_small(path, 32, 60_000).build(Preset::Fast);
-            let [width, height] = planned.camera.size().map(Some);
-            let world =
-                load(path, &LoadOptions { strict: true, width, height, ..LoadOptions::default() })
-                    .expect(name)
-                    .world;
-            let options = Options { passes: &everything, ..Options::default() };
-            let all = systems::extract(world, options).expect(name).build(Preset::Fast);
-            let film = try_render(&planned, TracerKind::Wavefront).expect(name).film;
-            let same = |rendered: Rendered| rendered.film.same_bits(&film);
-            (!render_both(&all).into_iter().all(same)).then(|| name.clone())
-        })
-        .collect();
-    assert_eq!(failures, [""; 0]);
-}
-
-#[test]
 fn columns_are_as_large_as_estimated() {
     let folder = folder();
-    write_texture(folder.path());
+    put_texture(folder.path());
     let all = Set(Set::NUMBER - 1);
     let sphere = [Effect::Spheres, Effect::PointLights];
     for set in [Set::of(&sphere[..1]), Set::of(&sphere), all] {
         let scene = prepare_by(&PASSES, &set.scene(folder.path()));
-        let [wavefront, recursive] = render_alone(&scene);
-        assert_eq!(wavefront.columns, Batch::estimated_bytes(&scene, 29));
+        let [wavefront, recursive] = both_alone(&scene);
+        assert_eq!(wavefront.columns, Batch::estimated_bytes(&scene, ODD));
         assert_eq!(recursive.columns, 0);
     }
 }
@@ -361,7 +311,7 @@ fn a_hidden_effect_changes_no_bit_and_no_count() {
         assert_eq!(scene.plan.schedule(), before.plan.schedule(), "{}", variant.name);
         assert_eq!(Batch::bytes_per_path(&scene), Batch::bytes_per_path(&before));
         assert_eq!(scene.appearance.bytes(), before.appearance.bytes(), "{}", variant.name);
-        for (rendered, expected) in render_both(&scene).iter().zip(&render_both(&before)) {
+        for (rendered, expected) in both(&scene).iter().zip(&both(&before)) {
             assert!(rendered.film.same_bits(&expected.film), "{}", variant.name);
             // Whatever is counted, tests of boxes too.
             assert_eq!(rendered.counters, expected.counters, "{}", variant.name);
@@ -427,7 +377,7 @@ fn films(passes: &[Pass], scene: &Value) -> Option<[Film; 2]> {
 #[test]
 fn a_need_taken_out_of_the_table_is_missed() {
     let folder = folder();
-    write_texture(folder.path());
+    put_texture(folder.path());
     let mut needs = 0;
     for pass in PASSES {
         for &effect in pass.needs.effects() {
@@ -465,7 +415,7 @@ fn a_row_that_runs_without_need_costs_something_and_shows_nothing() {
     let list = price_list(folder.path());
     let rendered_by = |passes: &[Pass], scene: &Value| {
         let scene = prepare_by(passes, scene);
-        render_alone(&scene).map(|rendered| (cost(&scene, &rendered), rendered.film))
+        both_alone(&scene).map(|rendered| (cost(&scene, &rendered), rendered.film))
     };
     let planned: Vec<_> = list.iter().map(|variant| rendered_by(&PASSES, &variant.scene)).collect();
     for pass in PASSES.into_iter().filter(|pass| pass.needs != Needs::Nothing) {
@@ -518,29 +468,24 @@ fn lights_behind_every_surface_add_their_ambient_part_alone() {
         let json = scene(0, &camera, lights, std::slice::from_ref(floor));
         let planned = prepare_by(&PASSES, &json);
         let all = prepare_by(&unplanned(&PASSES), &json);
-        let [wavefront, _] = render_both(&planned);
-        for rendered in render_both(&all) {
+        let [wavefront, _] = both(&planned);
+        for rendered in both(&all) {
             assert!(rendered.film.same_bits(&wavefront.film));
         }
         let middle = wavefront.film.pixel(8, 10).expect("a pixel");
         (wavefront.counters.shadow_rays, planned.lights.len(), middle)
     };
-    let reason = |lights: &[Value], effect| {
-        let json = scene(0, &camera, lights, std::slice::from_ref(&floor));
-        let plan = prepare_by(&PASSES, &json).plan;
-        let found = plan.decisions().iter().find(|d| d.effect == effect).cloned();
-        found.map_or_else(String::new, |found| found.reason)
-    };
     let above = point_light(50.0, [0.0, 3.0, 0.0], [1.0; 3]);
-    assert_eq!(
-        reason(std::slice::from_ref(&below), Effect::PointLights),
-        "no point light shines on the front of a surface"
-    );
-    assert_eq!(
-        reason(&[below.clone(), above], Effect::PointLights),
-        "1 point light, 1 more with only an ambient part"
-    );
-    assert_eq!(reason(&[], Effect::AreaLights), "there is no area light");
+    let lit = std::slice::from_ref(&below);
+    let two = [below.clone(), above];
+    for (lights, effect, why) in [
+        (lit, Effect::PointLights, "no point light shines on the front of a surface"),
+        (&two, Effect::PointLights, "1 point light, 1 more with only an ambient part"),
+        (&[], Effect::AreaLights, "there is no area light"),
+    ] {
+        let json = scene(0, &camera, lights, std::slice::from_ref(&floor));
+        assert_eq!(reason(&prepare_by(&PASSES, &json), effect).1, why);
+    }
     let ambient = |lights: f32| [0.5 * 0.08 * lights; 3];
     assert_eq!(of(&[below.clone(), panel(-2.0)], &floor), (0, 0, ambient(2.0)));
     let from_below = with(camera.clone(), "location", json!([0, -4, 5]));

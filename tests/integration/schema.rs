@@ -7,7 +7,7 @@ use wavecrest_base::error::Error;
 use wavecrest_scene::json_schema;
 use wavecrest_scene::load::{LoadOptions, load_str};
 
-use crate::support::{files_in, folder, repository, scene_files, wavecrest};
+use crate::support::{edited, files_in, folder, repository, run_json, scene_files};
 
 fn validator() -> Validator {
     jsonschema::validator_for(&json_schema()).expect("the schema is one")
@@ -20,80 +20,17 @@ fn parse(scene: &Value) -> Result<(), Error> {
 }
 
 /// A scene with each kind of everything, and every key of each.
-fn complete() -> Value {
-    let material = json!({"ks": 0.5, "kd": 0.5, "specularexponent": 20, "diffusecolor": [1, 0, 1], "kr": 0.25});
-    let quad = json!([[0, 0, 0], [0, 1, 0], [1, 1, 0], [1, 0, 0]]);
-    let corners = json!([[0, 0, 0], [0, 1, 0], [1, 0, 0]]);
-    let light = |shape: Value| {
-        json!({"type": "arealight", "intensity": 40, "position": [1, 2, 3], "color": [0, 1, 0],
-               "falloff": "linear", "sampling": "jittered", "samples": 4, "shape": shape})
-    };
-    json!({
-        "$schema": "scene.schema.json",
-        "nbounces": 3,
-        "transfer": "srgb",
-        "camera": {
-            "type": "thinlens", "width": 640, "height": 480, "fov": 60, "fovaxis": "x",
-            "location": [0, 0, 5], "look": [0, 0, 0], "up": [0, 1, 0], "antialias": 2,
-            "aperture": 2, "focal": 10, "sampling": "random", "nsamplesx": 5, "nsamplesy": 6,
-            "path": {"interpolation": "linear", "keys": [
-                {"frame": 1, "location": [0, 0, 6], "look": [1, 0, 0], "up": [0, 1, 0], "fov": 50,
-                 "focal": 9}
-            ]}
-        },
-        "scene": {
-            "backgroundcolor": [0.1, 0.2, 0.3],
-            "ambient": 0.1,
-            "instances": [
-                {"shape": "ball", "name": "twin", "transform": {"translate": [9, 0, 0]},
-                 "material": material},
-                {"shape": "floor", "id": "ceiling"}
-            ],
-            "lightsources": [
-                {"type": "pointlight", "intensity": 50, "position": [1, 2, 3], "color": [1, 1, 1],
-                 "falloff": "none"},
-                {"type": "spotlight", "intensity": 50, "position": [1, 2, 3], "color": [1, 1, 1],
-                 "direction": [0, -1, 0], "inner": 10, "outer": 20, "falloff": "none"},
-                {"type": "directionallight", "intensity": 1, "color": [1, 1, 1],
-                 "direction": [0, -1, 0], "angle": 0.5, "sampling": "random", "samples": 2},
-                light(json!({"type": "plane", "points": quad, "normal": -1, "sides": "both"})),
-                light(json!({"type": "sphere", "center": [9, 9, 9], "radius": 1})),
-                light(json!({"type": "triangle", "points": corners})),
-                light(json!({"type": "trimesh", "points": quad, "indices": [[0, 1, 2]]}))
-            ],
-            "shapes": [
-                {"type": "sphere", "name": "ball", "center": [1, 2, 3], "radius": 4,
-                 "material": material, "texture": "texture.pnm", "filter": "nearest",
-                 "wrap": "clamp", "encoding": "srgb",
-                 "tint": [0.5, 1, 2], "alphacutoff": 0.25, "alpha": "texture.pnm", "sides": "front", "shading": "flat",
-                 "transform": {"translate": [1, 2, 3], "rotate": [0, 90, 0], "scale": 2}},
-                {"type": "plane", "id": "floor", "hidden": true, "points": quad, "normal": [0, 0, 1],
-                 "material": material, "transform": {"scale": [1, 2, 3]}},
-                {"type": "triangle", "points": corners, "normal": 1, "material": material,
-                 "transform": [[2, 0, 0, 1], [0, 2, 0, 2], [0, 0, 2, 3], [0, 0, 0, 1]]},
-                {"type": "trimesh", "size": 4, "points": quad, "normal": [0, -1],
-                 "uvs": [[0, 0], [0, 1], [1, 1], [1, 0]],
-                 "normals": [[0, 0, 1], [0, 0, 1], [0, 0, 1], [0, 0, 1]],
-                 "colors": [[0, 0.5, 1], [1, 1, 1], [2, 0, 0], [0, 0, 0]],
-                 "shading": "smooth", "material": material},
-                {"type": "trimesh", "points": quad, "indices": [[0, 1, 2], [0, 2, 3]],
-                 "material": material},
-                {"type": "trimesh", "file": "mesh.obj", "vertexcolors": "linear", "materials": "file",
-                 "material": material}
-            ]
-        }
-    })
+pub(crate) fn complete() -> Value {
+    serde_json::from_str(include_str!("schema/complete.json")).expect("JSON")
 }
 
 /// The complete scene with a pinhole camera.
 fn with_pinhole() -> Value {
-    let mut scene = complete();
-    scene["scene"]["ambient"] =
-        json!({"sky": [0.2, 0.3, 0.4], "ground": [0.1, 0, 0], "up": [0, 0, 1]});
-    scene["camera"] = json!({"type": "pinhole", "width": 64, "height": 48, "fov": 60,
-                             "position": [0, 0, 5], "lookat": [0, 0, 0], "sampling": "sobol",
-                             "path": {"keys": [{"frame": 3, "location": [0, 0, 7]}]}});
-    scene
+    let sky = json!({"sky": [0.2, 0.3, 0.4], "ground": [0.1, 0, 0], "up": [0, 0, 1]});
+    let camera = json!({"type": "pinhole", "width": 64, "height": 48, "fov": 60,
+                        "position": [0, 0, 5], "lookat": [0, 0, 0], "sampling": "sobol",
+                        "path": {"keys": [{"frame": 3, "location": [0, 0, 7]}]}});
+    edited(complete(), &format!("/scene/ambient {sky}\n/camera {camera}"))
 }
 
 /// The places of all values below `value`, as JSON pointers.
@@ -118,75 +55,9 @@ fn places_of(scene: &Value) -> Vec<String> {
     all
 }
 
-fn removed(scene: &Value, place: &str) -> Value {
-    let mut scene = scene.clone();
-    let (parent, key) = place.rsplit_once('/').expect("a pointer");
-    match scene.pointer_mut(parent).expect("it is there") {
-        Value::Array(items) => {
-            items.remove(key.parse::<usize>().expect("a number"));
-        }
-        Value::Object(map) => {
-            map.remove(key);
-        }
-        _ => panic!("{place} is in nothing"),
-    }
-    scene
-}
-
 /// What may stand where something else did: other types, and numbers on both sides of every bound.
 fn replacements() -> Vec<Value> {
-    let numbers = [
-        json!(-1),
-        json!(0),
-        json!(1),
-        json!(2),
-        json!(0.5),
-        json!(-0.25),
-        json!(64),
-        json!(65),
-        json!(4096),
-        json!(4097),
-        json!(10_000),
-        json!(10_001),
-        json!(65_536),
-        json!(65_537),
-        json!(179),
-        json!(179.5),
-        json!(1e-4),
-        json!(1_000_000),
-        json!(1_000_001),
-        json!(4_294_967_295_u64),
-        json!(4_294_967_296_u64),
-        json!(1_099_511_627_776_u64),
-        json!(1_099_511_627_777_u64),
-        json!(-1e12),
-        json!(-2e12),
-        json!(1e300),
-    ];
-    let others = [
-        json!(null),
-        json!(true),
-        json!({}),
-        json!([]),
-        json!(""),
-        json!("text"),
-        json!("sobol"),
-        json!("sphere"),
-        json!("trimesh"),
-        json!("pinhole"),
-        json!("pointlight"),
-        json!("both"),
-        json!([0, 0, 0]),
-        json!([0, -1, 0.5]),
-        json!([0, 1]),
-        json!([[0, 0, 0]]),
-        json!([1, 2, 3, 4]),
-        json!([2e12, 0, 0]),
-        json!({"type": "sphere"}),
-        json!({"scale": 0.5}),
-        json!([[0, 0, 0], [0, 1, 0], [1, 0, 0]]),
-    ];
-    numbers.into_iter().chain(others).collect()
+    serde_json::from_str(include_str!("schema/replacements.json")).expect("JSON")
 }
 
 /// Whether a refusal is about the type or the range of one value, or about a key: what a schema can tell. Not
@@ -223,12 +94,9 @@ fn the_schema_and_the_parser_agree_on_every_changed_value() {
     for scene in [complete(), with_pinhole()] {
         assert!(parse(&scene).is_ok() && validator.is_valid(&scene));
         for place in places_of(&scene) {
-            let changed = replacements().into_iter().map(|value| {
-                let mut scene = scene.clone();
-                *scene.pointer_mut(&place).expect("it is there") = value;
-                scene
-            });
-            for changed in changed.chain([removed(&scene, &place)]) {
+            let changes = replacements().into_iter().map(|value| format!("{place} {value}"));
+            for change in changes.chain([place.clone()]) {
+                let changed = edited(scene.clone(), &change);
                 let is_valid = validator.is_valid(&changed);
                 let found = changed.pointer(&place);
                 match parse(&changed).map_err(|error| error.to_string()) {
@@ -319,17 +187,5 @@ fn every_key_is_described() {
 #[test]
 fn the_command_prints_the_schema() {
     let folder = folder();
-    let output = wavecrest(folder.path()).arg("schema").output().expect("the command runs");
-    assert_eq!((output.status.code(), output.stderr.as_slice()), (Some(0), &b""[..]));
-    let found: Value = serde_json::from_slice(&output.stdout).expect("JSON");
-    assert_eq!(found, json_schema());
-}
-
-#[test]
-fn a_scene_may_name_its_schema() {
-    let mut scene = complete();
-    assert!(parse(&scene).is_ok(), "strictly, and no warning");
-    scene["$schema"] = json!(3);
-    let told = parse(&scene).expect_err("no address").to_string();
-    assert!(told.contains("$schema: must be the address of a JSON schema, found 3"), "{told}");
+    assert_eq!(run_json(folder.path(), &["schema"]), json_schema());
 }

@@ -1,7 +1,11 @@
 //! Loading, rendering and running the command.
 
+use std::cell::OnceCell;
+use std::io::Write as _;
 use std::path::{Path, PathBuf};
+use std::process::Output;
 use std::sync::OnceLock;
+use std::time::Instant;
 
 use assert_cmd::Command;
 use serde_json::{Value, json};
@@ -9,16 +13,41 @@ use tempfile::TempDir;
 use wavecrest_base::error::{Error, Result};
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::film::Film;
+use wavecrest_core::plan::Effect;
 use wavecrest_core::prepared::PreparedScene;
 use wavecrest_core::render::{RenderOptions, Rendered, TracerKind, render};
+use wavecrest_image::read::read;
+use wavecrest_image::write::{Transfer, write};
 use wavecrest_scene::load::{LoadOptions, LoadedScene, load, load_str};
-use wavecrest_scene::systems::{self, Extracted};
+use wavecrest_scene::systems::{self, Extracted, Options};
 
 /// Both tracers.
 pub(crate) const TRACERS: [TracerKind; 2] = [TracerKind::Wavefront, TracerKind::Recursive];
 
+/// When a test began to use these helpers, and its name: the harness runs each in a thread of its own.
+struct Timed(Instant, Option<String>);
+
+impl Drop for Timed {
+    fn drop(&mut self) {
+        if let (Some(file), Some(test)) = (std::env::var_os("WAVECREST_TEST_TIMES"), &self.1) {
+            let line = format!("{:.1} s  {test}\n", self.0.elapsed().as_secs_f64());
+            let file = std::fs::OpenOptions::new().create(true).append(true).open(file);
+            // A file that cannot be written fails no test.
+            let _ = file.and_then(|mut file| file.write_all(line.as_bytes()));
+        }
+    }
+}
+
+/// Begins to time a test, once in each.
+fn begin() {
+    let begun = || Timed(Instant::now(), std::thread::current().name().map(str::to_owned));
+    thread_local!(static TIMED: OnceCell<Timed> = const { OnceCell::new() });
+    TIMED.with(|timed| _ = timed.get_or_init(begun));
+}
+
 /// A file or folder of the repository.
 pub(crate) fn repository(path: &str) -> PathBuf {
+    begin();
     Path::new(env!("CARGO_MANIFEST_DIR")).join(path)
 }
 
@@ -55,40 +84,67 @@ pub(crate) fn stem(path: &Path) -> String {
 /// most `longest` pixels, and no more than `most_rays` rays, which scenes with thousands of samples
 /// reach in a few pixels.
 pub(crate) fn extract_small(path: &Path, longest: u32, most_rays: u64) -> Extracted {
-    let first = extract_file(path, LoadOptions::default());
+    extract_small_by(path, longest, most_rays, Options::default())
+}
+
+/// The same with these options.
+pub(crate) fn extract_small_by(
+    path: &Path,
+    longest: u32,
+    most_rays: u64,
+    options: Options<'_>,
+) -> Extracted {
+    let first = extract_file(path, LoadOptions::default(), Options::default());
     let [width, height] = first.scene().camera.size();
     let rays_a_pixel = first.expected_rays() as f64 / (f64::from(width) * f64::from(height));
     let longest_affordable = (most_rays as f64 / rays_a_pixel).sqrt();
     let scale = f64::from(longest).min(longest_affordable) / f64::from(width.max(height));
     let side = |length: u32| Some(((f64::from(length) * scale.min(1.0)).round() as u32).max(1));
+    let (width, height) = (side(width), side(height));
     extract_file(
         path,
-        LoadOptions {
-            width: side(width),
-            height: side(height),
-            strict: true,
-            ..LoadOptions::default()
-        },
+        LoadOptions { width, height, strict: true, ..LoadOptions::default() },
+        options,
     )
 }
 
-fn extract_file(path: &Path, options: LoadOptions) -> Extracted {
-    extract(load(path, &options)).unwrap_or_else(|error| panic!("{error}"))
+fn extract_file(path: &Path, options: LoadOptions, by: Options<'_>) -> Extracted {
+    extract(load(path, &options), by).unwrap_or_else(|error| panic!("{error}"))
 }
 
-fn extract(loaded: Result<LoadedScene>) -> Result<Extracted> {
-    systems::extract(loaded?.world, Default::default())
+fn extract(loaded: Result<LoadedScene>, options: Options<'_>) -> Result<Extracted> {
+    systems::extract(loaded?.world, options)
+}
+
+/// What was loaded, made ready.
+pub(crate) fn ready(loaded: Result<LoadedScene>) -> PreparedScene {
+    ready_by(loaded, Options::default())
+}
+
+/// The same with these options.
+pub(crate) fn ready_by(loaded: Result<LoadedScene>, options: Options<'_>) -> PreparedScene {
+    extract(loaded, options).unwrap_or_else(|error| panic!("{error}")).build(Preset::Fast)
+}
+
+/// What was loaded, made ready, or what is wrong with it.
+pub(crate) fn try_ready(loaded: Result<LoadedScene>) -> Result<PreparedScene> {
+    Ok(extract(loaded, Options::default())?.build(Preset::Fast))
 }
 
 /// A scene written in a test, made ready. Relative paths start from the repository.
 pub(crate) fn prepare(scene: &Value) -> PreparedScene {
-    try_prepare(scene, &repository("test.json")).unwrap_or_else(|error| panic!("{error}"))
+    prepare_in(&repository(""), scene, Options::default())
+}
+
+/// A scene whose files are in `folder`, made ready.
+pub(crate) fn prepare_in(folder: &Path, scene: &Value, options: Options<'_>) -> PreparedScene {
+    let file = folder.join("s.json");
+    ready_by(load_str(&scene.to_string(), &file, &LoadOptions::default()), options)
 }
 
 /// A scene that is said to be at `file`, made ready, or what is wrong with it.
 pub(crate) fn try_prepare(scene: &Value, file: &Path) -> Result<PreparedScene> {
-    let loaded = load_str(&scene.to_string(), file, &LoadOptions::default());
-    Ok(extract(loaded)?.build(Preset::Fast))
+    try_ready(load_str(&scene.to_string(), file, &LoadOptions::default()))
 }
 
 /// What is wrong with the scene that is said to be at `file`.
@@ -121,14 +177,48 @@ pub(crate) fn image_of(scene: &PreparedScene, seed: u64) -> Film {
     wavefront.film
 }
 
+/// Renders with both tracers in batches of a size that is no multiple of a vector.
+pub(crate) fn both(scene: &PreparedScene) -> [Rendered; 2] {
+    TRACERS.map(|tracer| {
+        let options = RenderOptions { tracer, batch: ODD, ..options() };
+        render(scene, &options, &()).unwrap_or_else(|error| panic!("{error}"))
+    })
+}
+
+/// As [`both`], on one thread: how many threads have columns is left to chance.
+pub(crate) fn both_alone(scene: &PreparedScene) -> [Rendered; 2] {
+    TRACERS.map(|tracer| render_on(1, scene, &RenderOptions { tracer, batch: ODD, ..options() }))
+}
+
+/// The size of the batches of [`both`].
+pub(crate) const ODD: usize = 29;
+
+/// Whether an effect is in the plan of a scene, and why.
+pub(crate) fn reason(scene: &PreparedScene, effect: Effect) -> (bool, &str) {
+    let found = scene.plan.decisions().iter().find(|decision| decision.effect == effect);
+    found.map(|found| (found.present, found.reason.as_str())).expect("a decision")
+}
+
 /// The options of a render that nothing is asked of.
 pub(crate) fn options() -> RenderOptions {
+    begin();
     RenderOptions::default()
 }
 
 /// The pixel in column `x` and row `y`.
 pub(crate) fn pixel(film: &Film, x: u32, y: u32) -> [f64; 3] {
     film.pixel(x, y).expect("a pixel of the image").map(f64::from)
+}
+
+/// The greatest difference of two values of images of one size.
+pub(crate) fn difference(a: &Film, b: &Film) -> f32 {
+    let pairs = a.pixels().as_flattened().iter().zip(b.pixels().as_flattened());
+    pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f32::max)
+}
+
+/// Every place of an image, row by row.
+pub(crate) fn places(width: u32, height: u32) -> impl Iterator<Item = (u32, u32)> {
+    (0..height).flat_map(move |y| (0..width).map(move |x| (x, y)))
 }
 
 /// Checks that three values are within `tolerance` of three others.
@@ -151,12 +241,24 @@ pub(crate) fn scene(bounces: u32, camera: &Value, lights: &[Value], shapes: &[Va
     })
 }
 
+/// A scene of shapes that show their own colour or texture, whatever lights them.
+pub(crate) fn plain(bounces: u32, camera: &Value, shapes: &[Value]) -> Value {
+    let dark = point_light(0.0, [0.0, 9.0, 9.0], [1.0; 3]);
+    edited(scene(bounces, camera, &[dark], shapes), "/scene/ambient 1")
+}
+
 /// A pinhole camera on +z that looks at the origin with +y up.
 pub(crate) fn pinhole(size: [u32; 2], fov: f64, distance: f64) -> Value {
     json!({
         "type": "pinhole", "width": size[0], "height": size[1], "fov": fov,
         "location": [0.0, 0.0, distance], "look": [0.0, 0.0, 0.0]
     })
+}
+
+/// A pinhole camera with a lens of this aperture, focused at `focal`, with so many points across and down.
+pub(crate) fn thin_lens(camera: Value, aperture: f64, focal: f64, [x, y]: [u32; 2]) -> Value {
+    let camera = with(with(camera, "type", "thinlens"), "aperture", aperture);
+    with(with(with(camera, "focal", focal), "nsamplesx", x), "nsamplesy", y)
 }
 
 /// A point light.
@@ -186,8 +288,28 @@ pub(crate) fn with(mut value: Value, key: &str, to: impl Into<Value>) -> Value {
     value
 }
 
+/// `value` with other values at some places: a line for each, a JSON pointer and what comes there, or nothing to take
+/// away what is there. The last member of a place may be new, and `-` is the end of a list.
+pub(crate) fn edited(mut value: Value, changes: &str) -> Value {
+    for change in changes.lines() {
+        let (place, new) = change.split_once(' ').unwrap_or((change, "null"));
+        let new = serde_json::from_str(new).unwrap_or_else(|error| panic!("{change}: {error}"));
+        let (parent, key) = place.rsplit_once('/').expect("a place");
+        let number = || key.parse::<usize>().expect("a number");
+        match value.pointer_mut(parent).unwrap_or_else(|| panic!("{change}: no such place")) {
+            Value::Object(members) if place == change => drop(members.shift_remove(key)),
+            Value::Array(items) if place == change => drop(items.remove(number())),
+            Value::Array(items) if key == "-" => items.push(new),
+            Value::Array(items) => items[number()] = new,
+            parent => parent[key] = new,
+        }
+    }
+    value
+}
+
 /// A folder that is removed when the test ends.
 pub(crate) fn folder() -> TempDir {
+    begin();
     tempfile::tempdir().expect("a folder")
 }
 
@@ -196,6 +318,73 @@ pub(crate) fn wavecrest(folder: &Path) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_wavecrest"));
     command.current_dir(folder);
     command
+}
+
+/// Runs the command in `folder`.
+pub(crate) fn run(folder: &Path, arguments: &[&str]) -> Output {
+    wavecrest(folder).args(arguments).output().expect("the command runs")
+}
+
+pub(crate) fn text(bytes: &[u8]) -> &str {
+    std::str::from_utf8(bytes).expect("UTF-8")
+}
+
+/// Runs the command, which must succeed; returns what it says on standard error.
+#[track_caller]
+pub(crate) fn run_well(folder: &Path, arguments: &[&str]) -> String {
+    let output = run(folder, arguments);
+    let told = text(&output.stderr).to_owned();
+    assert_eq!(output.status.code(), Some(0), "{arguments:?}: {told}");
+    told
+}
+
+/// Runs the command, which must print JSON.
+#[track_caller]
+pub(crate) fn run_json(folder: &Path, arguments: &[&str]) -> Value {
+    let output = run(folder, arguments);
+    assert_eq!(output.status.code(), Some(0), "{arguments:?}: {}", text(&output.stderr));
+    serde_json::from_slice(&output.stdout).expect("JSON")
+}
+
+/// Writes a file in `folder`.
+pub(crate) fn put(folder: &Path, name: &str, content: impl AsRef<[u8]>) {
+    std::fs::write(folder.join(name), content).expect("a file");
+}
+
+/// The bytes of a file in `folder`.
+#[track_caller]
+pub(crate) fn bytes(folder: &Path, name: &str) -> Vec<u8> {
+    std::fs::read(folder.join(name)).unwrap_or_else(|error| panic!("{name}: {error}"))
+}
+
+/// The JSON of a file in `folder`.
+#[track_caller]
+pub(crate) fn json_in(folder: &Path, name: &str) -> Value {
+    serde_json::from_slice(&bytes(folder, name)).expect("JSON")
+}
+
+/// The image in a file in `folder`.
+#[track_caller]
+pub(crate) fn film(folder: &Path, name: &str) -> Film {
+    read(&folder.join(name)).unwrap_or_else(|error| panic!("{error}"))
+}
+
+/// Writes an image in `folder`.
+pub(crate) fn put_image(
+    folder: &Path,
+    name: &str,
+    [width, height]: [u32; 2],
+    texel: impl Fn(u32, u32) -> [f32; 3],
+) {
+    let texels = places(width, height).map(|(x, y)| texel(x, y)).collect();
+    let film = Film::from_pixels(width, height, texels).expect("a film");
+    write(&film, &folder.join(name), Transfer::Linear).expect("a file");
+}
+
+/// Writes `t.png`: red, green, blue and yellow texels.
+pub(crate) fn put_texture(folder: &Path) {
+    let texels = [[0.9, 0.1, 0.1], [0.1, 0.9, 0.1], [0.1, 0.1, 0.9], [0.9, 0.9, 0.1]];
+    put_image(folder, "t.png", [2, 2], |x, y| texels[(2 * y + x) as usize]);
 }
 
 /// Whether the images of slow tests are to be written rather than compared.

@@ -5,56 +5,25 @@ use std::path::Path;
 
 use rayon::prelude::*;
 use serde_json::{Value, json};
-use wavecrest_core::film::Film;
 use wavecrest_core::kernels::precision::Precision;
 use wavecrest_core::math::random::Stream;
 use wavecrest_core::plan::Effect;
 use wavecrest_core::plan::schedule::{PASSES, unplanned};
 use wavecrest_core::prepared::PreparedScene;
-use wavecrest_core::render::{RenderOptions, Rendered, render};
+use wavecrest_core::render::{RenderOptions, render};
 use wavecrest_core::wavefront::batch::Batch;
-use wavecrest_image::write::{Transfer, write};
-use wavecrest_scene::load::{LoadOptions, load_str};
-use wavecrest_scene::systems::{self, Options};
-
-use wavecrest_core::accel::build::Preset;
+use wavecrest_scene::systems::Options;
 
 use crate::support::{
-    TRACERS, folder, matte, options, pinhole, point_light, refusal, render_on, scene, sphere,
-    try_prepare, wall, wavecrest, with,
+    TRACERS, both, both_alone, bytes, edited, folder, matte, options, pinhole, point_light,
+    prepare_in, put, put_texture, reason, refusal, render_on, run, scene, sphere, thin_lens,
+    try_prepare, wall, with,
 };
 
-fn write_texture(folder: &Path) {
-    let pixels = vec![[0.9, 0.1, 0.1], [0.1, 0.9, 0.1], [0.1, 0.1, 0.9], [0.9, 0.9, 0.1]];
-    let film = Film::from_pixels(2, 2, pixels).expect("a film");
-    write(&film, &folder.join("t.png"), Transfer::Linear).expect("a file");
-}
-
 fn prepare(json: &Value, folder: &Path, planned: bool, precision: Precision) -> PreparedScene {
-    let file = folder.join("scene.json");
-    let loaded = load_str(&json.to_string(), &file, &LoadOptions::default());
-    let world = loaded.unwrap_or_else(|error| panic!("{error}")).world;
     let everything = unplanned(&PASSES);
     let passes = if planned { &PASSES[..] } else { &everything };
-    let extracted = systems::extract(world, Options { passes, precision, flat: false });
-    extracted.unwrap_or_else(|error| panic!("{error}")).build(Preset::Fast)
-}
-
-fn both(scene: &PreparedScene) -> [Rendered; 2] {
-    TRACERS.map(|tracer| {
-        let options = RenderOptions { tracer, batch: 29, ..options() };
-        render(scene, &options, &()).unwrap_or_else(|error| panic!("{error}"))
-    })
-}
-
-/// As [`both`], on one thread: how many threads have columns is left to chance.
-fn both_alone(scene: &PreparedScene) -> [Rendered; 2] {
-    TRACERS.map(|tracer| render_on(1, scene, &RenderOptions { tracer, batch: 29, ..options() }))
-}
-
-fn reason(scene: &PreparedScene, effect: Effect) -> (bool, String) {
-    let found = scene.plan.decisions().iter().find(|d| d.effect == effect);
-    found.map(|d| (d.present, d.reason.clone())).expect("a decision")
+    prepare_in(folder, json, Options { passes, precision, flat: false })
 }
 
 /// A floor seen from above, and a point light over it.
@@ -85,21 +54,18 @@ fn behind(texture: &str) -> (Value, Vec<Value>) {
 fn with_and_without(texture: &str) -> [Value; 2] {
     let (camera, lamp, floor) = floor();
     let (light, mut shapes) = behind(texture);
-    let dark = |mut scene: Value| {
-        scene["scene"]["ambient"] = 0.into();
-        scene
-    };
     let without = scene(3, &camera, std::slice::from_ref(&lamp), std::slice::from_ref(&floor));
     shapes.push(floor);
-    [scene(3, &camera, &[light, lamp], &shapes), without].map(dark)
+    [scene(3, &camera, &[light, lamp], &shapes), without]
+        .map(|scene| edited(scene, "/scene/ambient 0"))
 }
 
 #[test]
 fn what_lies_behind_the_camera_is_not_read_not_stored_and_not_simulated() {
     let folder = folder();
     // It is not so much as opened: it is no image.
-    std::fs::write(folder.path().join("broken.png"), "no image").expect("a file");
-    write_texture(folder.path());
+    put(folder.path(), "broken.png", "no image");
+    put_texture(folder.path());
     let [full, without] = with_and_without("broken.png");
     let [found, expected] =
         [full, without].map(|json| prepare(&json, folder.path(), true, Precision::Exact));
@@ -114,7 +80,7 @@ fn what_lies_behind_the_camera_is_not_read_not_stored_and_not_simulated() {
         (Effect::Mirrors, "2 mirrors, not in view"),
         (Effect::AreaLights, "no area light shines on anything in view"),
     ] {
-        assert_eq!(reason(&found, effect), (false, why.to_owned()));
+        assert_eq!(reason(&found, effect), (false, why));
     }
     let all = prepare(&with_and_without("t.png")[0], folder.path(), false, Precision::Exact);
     assert_eq!((all.appearance.images.len(), all.lights.len(), all.bounces), (1, 2, 3));
@@ -132,7 +98,7 @@ fn what_lies_behind_the_camera_is_not_read_not_stored_and_not_simulated() {
 #[test]
 fn a_mirror_in_view_shows_what_is_behind_the_eye() {
     let folder = folder();
-    write_texture(folder.path());
+    put_texture(folder.path());
     let of = |kr: f64, bounces: u32| {
         let (camera, lamp, floor) = floor();
         let (light, mut shapes) = behind("t.png");
@@ -149,7 +115,7 @@ fn a_mirror_in_view_shows_what_is_behind_the_eye() {
 /// Whether the texture of `shape` is found to be in view of `camera`.
 fn is_seen(camera: &Value, shape: Value, others: &[Value], precision: Precision) -> bool {
     let folder = folder();
-    write_texture(folder.path());
+    put_texture(folder.path());
     let mut shapes = vec![with(shape, "texture", "t.png")];
     shapes.extend_from_slice(others);
     let json = scene(1, camera, &[point_light(9.0, [0.0, 9.0, 9.0], [1.0; 3])], &shapes);
@@ -190,8 +156,8 @@ fn a_texture_is_in_view_if_any_frame_shows_it() {
 #[test]
 fn what_others_hide_is_looked_at_no_further_than_its_head() {
     let folder = folder();
-    write_texture(folder.path());
-    let bytes = std::fs::read(folder.path().join("t.png")).expect("a file");
+    put_texture(folder.path());
+    let image = bytes(folder.path(), "t.png");
     let shiny = with(matte(0.8, [0.5; 3]), "kr", 0.5);
     let of = |front: f64| {
         let camera = pinhole([16, 12], 40.0, 5.0);
@@ -217,7 +183,7 @@ fn what_others_hide_is_looked_at_no_further_than_its_head() {
         assert_eq!(missing > 0, seen == 0, "{missing} {next:?}");
     }
     // A file whose head is right and whose body is not: an error where it is looked up, and nowhere else.
-    std::fs::write(folder.path().join("t.png"), &bytes[..bytes.len() / 2]).expect("a file");
+    put(folder.path(), "t.png", &image[..image.len() / 2]);
     let broken = try_prepare(&of(0.1), &file).expect("its head is right");
     for tracer in TRACERS {
         let error = render(&broken, &RenderOptions { tracer, ..options() }, &()).err();
@@ -228,16 +194,14 @@ fn what_others_hide_is_looked_at_no_further_than_its_head() {
     assert!(both(&hidden).iter().all(|rendered| rendered.finished));
     for (front, code) in [(0.1, 2), (9.0, 0)] {
         std::fs::write(&file, of(front).to_string()).expect("a file");
-        let mut render = wavecrest(folder.path());
-        let found = render.args(["-q", "scene.json", "o.pfm"]).output().expect("it runs");
+        let found = run(folder.path(), &["-q", "scene.json", "o.pfm"]);
         assert_eq!(found.status.code(), Some(code));
         assert_eq!(folder.path().join("o.pfm").exists(), code == 0);
-        let check =
-            wavecrest(folder.path()).args(["check", "scene.json"]).output().expect("it runs");
+        let check = run(folder.path(), &["check", "scene.json"]);
         assert_eq!(check.status.code(), Some(2), "what is checked is read to its end");
     }
     // A head that is wrong is an error at the start.
-    std::fs::write(folder.path().join("t.png"), &bytes[..20]).expect("a file");
+    put(folder.path(), "t.png", &image[..20]);
     assert!(refusal(&of(9.0), &file).to_string().contains("scene.shapes[0].texture"));
 }
 
@@ -267,9 +231,7 @@ fn around_the_eye(seed: u32) -> Value {
     let mut camera = pinhole([8, 6], 20.0 + 120.0 * n.next(), 5.0);
     (camera["location"], camera["look"]) = (json!(at([0.0; 3])), json!(at(n.point(1.0))));
     if n.below(3) == 0 {
-        let lens = json!({"type": "thinlens", "aperture": n.next(), "focal": 1.0 + 4.0 * n.next(),
-                          "nsamplesx": 2, "nsamplesy": 1});
-        camera.as_object_mut().expect("an object").extend(lens.as_object().cloned().expect("one"));
+        camera = thin_lens(camera, n.next(), 1.0 + 4.0 * n.next(), [2, 1]);
     }
     if n.below(4) == 0 {
         let keys = json!([{"frame": 0}, {"frame": 3, "location": at(n.point(0.5))}]);
@@ -323,7 +285,7 @@ fn around_the_eye(seed: u32) -> Value {
 #[test]
 fn what_is_out_of_view_changes_no_bit_of_any_scene() {
     let folder = folder();
-    write_texture(folder.path());
+    put_texture(folder.path());
     let left_out: usize = (0..600_u32)
         .into_par_iter()
         .map(|seed| {

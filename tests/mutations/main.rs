@@ -19,16 +19,19 @@ mod plant;
 use std::collections::BTreeSet;
 use std::time::Instant;
 
-use faults::FAULTS;
+use faults::{FAULTS, Fault};
 use plant::Planted;
 
-/// The list follows the sources: each expression is still there, and only once.
+/// The list follows the sources: each expression is still there, and only once, on however many lines.
 #[test]
 fn every_fault_has_its_place() {
     for fault in FAULTS {
-        let count = fault.source().matches(fault.right).count();
-        assert_eq!(count, 1, "{}: `{}` in {}", fault.name, fault.right, fault.file);
+        let places = fault.places(&fault.source());
+        assert_eq!(places.len(), 1, "{}: `{}` in {}", fault.name, fault.right, fault.file);
     }
+    let broken = Fault { right: "f(a, [b, c])", ..FAULTS[0] };
+    let text = "g(f(\n    a,\n    [b, c],\n))";
+    assert_eq!(broken.places(text), [2..text.len() - 1]);
     let names: BTreeSet<&str> = FAULTS.iter().map(|fault| fault.name).collect();
     assert_eq!(names.len(), FAULTS.len(), "names differ");
 }

@@ -1,6 +1,7 @@
 //! A copy of the sources with all faults in it, each behind a switch, and the hard cases built from it.
 
 use std::fs;
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 
@@ -46,12 +47,40 @@ impl Fault {
         read(&repository().join(self.file))
     }
 
-    fn plant(&self, number: usize, text: &str) -> String {
-        let Self { right, wrong, .. } = self;
+    /// Where the right expression stands in a text, whatever its lines.
+    pub(crate) fn places(&self, text: &str) -> Vec<Range<usize>> {
+        let (text, right) = (characters(text), characters(self.right));
+        let is_right =
+            |window: &&[(usize, char)]| window.iter().map(|c| c.1).eq(right.iter().map(|c| c.1));
+        let range = |window: &[(usize, char)]| {
+            let (last, character) = window[window.len() - 1];
+            window[0].0..last + character.len_utf8()
+        };
+        text.windows(right.len()).filter(is_right).map(range).collect()
+    }
+
+    fn plant(&self, number: usize, mut text: String) -> String {
+        let place = self.places(&text)[0].clone();
+        let (wrong, right) = (self.wrong, &text[place.clone()]);
         let either =
             format!("(if wavecrest_base::is_planted({number}) {{ {wrong} }} else {{ {right} }})");
-        text.replacen(right, &either, 1)
+        text.replace_range(place, &either);
+        text
     }
+}
+
+/// The characters of a text with their places, but those that rustfmt puts in where it breaks a line: white space, and a
+/// comma before a closing bracket.
+fn characters(text: &str) -> Vec<(usize, char)> {
+    let mut all: Vec<(usize, char)> = Vec::new();
+    for (at, character) in text.char_indices().filter(|(_, c)| !c.is_whitespace()) {
+        let closes = matches!(character, ')' | ']' | '}');
+        if closes && all.last().is_some_and(|(_, last)| *last == ',') {
+            all.pop();
+        }
+        all.push((at, character));
+    }
+    all
 }
 
 fn read(path: &Path) -> String {
@@ -123,7 +152,7 @@ fn copy(from: &Path, tree: &Path, place: &Path) {
 /// The text of the file at `place` with the faults that belong there.
 fn changed(place: &Path, mut text: String) -> String {
     for (number, fault) in (1..).zip(FAULTS).filter(|(_, fault)| place == Path::new(fault.file)) {
-        text = fault.plant(number, &text);
+        text = fault.plant(number, text);
     }
     if place == Path::new(BASE) {
         text.push_str(ASK);

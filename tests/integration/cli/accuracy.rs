@@ -2,8 +2,8 @@
 
 use serde_json::{Value, json};
 
-use super::{run, text, with_ball, with_scene};
-use crate::support::{matte, pinhole, scene, sphere, wall};
+use super::{with_ball, with_scene};
+use crate::support::{json_in, matte, pinhole, run, run_well, scene, sphere, text, wall};
 
 /// A ball under a square light.
 fn soft() -> String {
@@ -81,35 +81,31 @@ fn a_sweep_writes_a_page_and_the_same_figures_in_other_forms() {
 fn a_render_for_an_error_prints_its_choice_and_the_measured_error() {
     let folder = with_scene(&soft());
     let arguments = ["ball.json", "out.exr", "--target-error", "0.01", "--stats", "s.json"];
-    let output = run(folder.path(), &arguments);
-    assert_eq!(output.status.code(), Some(0));
-    let said = text(&output.stderr);
+    let said = run_well(folder.path(), &arguments);
     assert!(
         said.contains("points on each light: expected error") && said.contains("measured error"),
         "{said}"
     );
-    let statistics = std::fs::read_to_string(folder.path().join("s.json")).expect("statistics");
-    let goal = serde_json::from_str::<Value>(&statistics).expect("JSON")["goal"].clone();
+    let goal = json_in(folder.path(), "s.json")["goal"].take();
     let found = goal["found_error"].as_f64().expect("a number");
     assert!(found <= 0.01, "{goal}");
-    let output = run(folder.path(), &["ball.json", "out.exr", "--time-budget", "0.5", "-q"]);
-    assert_eq!((text(&output.stderr), output.status.code()), ("", Some(0)));
+    assert_eq!(
+        run_well(folder.path(), &["ball.json", "out.exr", "--time-budget", "0.5", "-q"]),
+        ""
+    );
 }
 
 #[test]
 fn no_error_is_claimed_for_an_image_without_random_samples() {
     let folder = with_ball();
     let arguments = ["ball.json", "out.exr", "--time-budget", "1e-6", "--stats", "s.json"];
-    let output = run(folder.path(), &arguments);
-    let said = text(&output.stderr);
+    let said = run_well(folder.path(), &arguments);
     assert!(said.contains(" ray per pixel: unknown error"), "{said}");
     assert!(
         said.contains("error not measured: one ray through the centre of each pixel"),
         "{said}"
     );
-    let statistics = std::fs::read_to_string(folder.path().join("s.json")).expect("statistics");
-    let statistics: Value = serde_json::from_str(&statistics).expect("JSON");
-    assert_eq!(statistics["goal"]["found_error"], Value::Null);
+    assert_eq!(json_in(folder.path(), "s.json")["goal"]["found_error"], Value::Null);
 }
 
 #[test]
@@ -122,12 +118,4 @@ fn advice_names_the_cheapest_sampler() {
     for sampler in ["random", "jittered", "sobol"] {
         assert!(said.contains(sampler), "{said}");
     }
-}
-
-#[test]
-fn a_scene_that_is_not_there_is_named() {
-    let folder = with_scene(&soft());
-    let output = run(folder.path(), &["accuracy", "none.json", "-o", "out"]);
-    assert_eq!(output.status.code(), Some(2));
-    assert!(text(&output.stderr).contains("none.json"), "{}", text(&output.stderr));
 }

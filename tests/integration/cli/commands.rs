@@ -8,11 +8,12 @@ use wavecrest_core::film::Film;
 use wavecrest_core::plan::Effect;
 use wavecrest_image::colormap::{diverging, magma};
 use wavecrest_image::error_map::{MapKind, error_map};
-use wavecrest_image::read::read;
 use wavecrest_image::write::{Transfer, write};
 
-use super::{run, text};
-use crate::support::{folder, matte, pinhole, point_light, scene, sphere, with};
+use crate::support::{
+    bytes, film, folder, json_in, matte, pinhole, point_light, put, put_texture, run, scene,
+    sphere, text, with,
+};
 
 /// The exit code and what was said on standard output; on standard error, nothing may be said.
 #[track_caller]
@@ -22,8 +23,15 @@ fn answer(folder: &Path, arguments: &[&str]) -> (i32, String) {
     (output.status.code().expect("a code"), text(&output.stdout).to_owned())
 }
 
+/// The JSON that is printed by a command, which says nothing else.
+#[track_caller]
+fn json_of(folder: &Path, arguments: &[&str]) -> Value {
+    let (_, found) = answer(folder, arguments);
+    serde_json::from_str(&found).expect("JSON")
+}
+
 fn write_scene(folder: &Path, scene: &Value) {
-    std::fs::write(folder.join("s.json"), scene.to_string()).expect("a file");
+    put(folder, "s.json", scene.to_string());
 }
 
 fn mirror_ball(kr: f64) -> Value {
@@ -33,40 +41,11 @@ fn mirror_ball(kr: f64) -> Value {
 }
 
 #[test]
-fn check_lists_the_contents_of_a_scene() {
-    let folder = folder();
-    write_scene(folder.path(), &mirror_ball(0.5));
-    let bytes = mirror_ball(0.5).to_string().len();
-    let expected = format!(
-        "s.json: ok
-  image             16 x 12, 1 ray per pixel
-  shapes            1
-  triangles         0
-  zero-area         0
-  vertices          0
-  quads             0
-  spheres           1
-  disks             0
-  lights            1
-  textures          0
-  bounces           2
-  lowest corner     -1, -1, -1
-  highest corner    1, 1, 1
-  size              2 x 2 x 2
-  file              s.json, {bytes} B
-"
-    );
-    assert_eq!(answer(folder.path(), &["check", "s.json"]), (0, expected));
-    assert_eq!(answer(folder.path(), &["check", "s.json", "-q"]), (0, String::new()));
-}
-
-#[test]
 fn check_lists_the_files_that_it_read_each_once() {
     let folder = folder();
-    let film = Film::from_pixels(2, 2, vec![[0.5; 3]; 4]).expect("a film");
-    write(&film, &folder.path().join("t.png"), Transfer::Linear).expect("a file");
+    put_texture(folder.path());
     let mesh = "v 9 0 1\nv 12.5 0 1\nv 12.5 2 1\nf 1 2 3\n";
-    std::fs::write(folder.path().join("m.obj"), mesh).expect("a file");
+    put(folder.path(), "m.obj", mesh);
     let mut scene = mirror_ball(0.0);
     scene["scene"]["shapes"][0]["texture"] = "t.png".into();
     let shape = json!({"type": "trimesh", "file": "m.obj", "material": matte(0.5, [0.5; 3])});
@@ -81,23 +60,6 @@ fn check_lists_the_files_that_it_read_each_once() {
     }
     let texture = found.lines().find(|line| line.contains("t.png")).expect("the texture");
     assert!(texture.starts_with("  texture ") && texture.ends_with(", 2 x 2"), "{texture}");
-}
-
-#[test]
-fn check_reads_meshes_and_textures_too() {
-    let folder = folder();
-    let mut scene = mirror_ball(0.0);
-    scene["scene"]["shapes"][0]["texture"] = "t.png".into();
-    write_scene(folder.path(), &scene);
-    std::fs::write(folder.path().join("t.png"), "no image").expect("a file");
-    let output = run(folder.path(), &["check", "s.json"]);
-    assert_eq!(output.status.code(), Some(2));
-    assert!(
-        text(&output.stderr)
-            .starts_with("error: s.json: scene.shapes[0].texture: cannot read the texture t.png: "),
-        "{}",
-        text(&output.stderr)
-    );
 }
 
 #[test]
@@ -137,9 +99,7 @@ fn explain_lists_the_passes_with_reasons() {
 fn explain_prints_json() {
     let folder = folder();
     write_scene(folder.path(), &mirror_ball(0.0));
-    let (code, found) = answer(folder.path(), &["explain", "s.json", "--json"]);
-    let found: Value = serde_json::from_str(&found).expect("JSON");
-    assert_eq!(code, 0);
+    let found = json_of(folder.path(), &["explain", "s.json", "--json"]);
     let runs = |name: &str| {
         let passes = found["passes"].as_array().expect("passes");
         let pass = passes.iter().find(|pass| pass["name"] == name).expect("the pass");
@@ -163,18 +123,10 @@ fn explain_prints_json() {
 fn explain_prints_counts_beside_the_estimates() {
     let folder = folder();
     write_scene(folder.path(), &mirror_ball(0.5));
-    let (code, found) = answer(folder.path(), &["explain", "s.json", "--render", "--json"]);
-    let found: Value = serde_json::from_str(&found).expect("JSON");
-    assert_eq!(code, 0);
+    let found = json_of(folder.path(), &["explain", "s.json", "--render", "--json"]);
     let (estimated, rendered) = (&found["estimated"], &found["rendered"]);
-    assert_eq!(
-        (&estimated["rays"]["primary"], &rendered["rays"]["primary"]),
-        (&json!(192), &json!(192))
-    );
-    assert_eq!(
-        (&estimated["rays"]["secondary"], &estimated["rays"]["shadow"]),
-        (&json!(384), &json!(576))
-    );
+    assert_eq!(estimated["rays"], json!({"primary": 192, "secondary": 384, "shadow": 576}));
+    assert_eq!(rendered["rays"]["primary"], 192);
     let counted = |key: &str| rendered["rays"][key].as_u64().expect("rays");
     assert!((1..=384).contains(&counted("secondary")) && (1..=576).contains(&counted("shadow")));
     for key in ["lens", "light", "texels"] {
@@ -199,11 +151,9 @@ fn explain_prints_counts_beside_the_estimates() {
 fn explain_and_the_statistics_of_a_render_agree_on_the_plan() {
     let folder = folder();
     write_scene(folder.path(), &mirror_ball(0.5));
-    let (_, found) = answer(folder.path(), &["explain", "s.json", "--json"]);
-    let explained: Value = serde_json::from_str(&found).expect("JSON");
+    let explained = json_of(folder.path(), &["explain", "s.json", "--json"]);
     answer(folder.path(), &["-q", "s.json", "out.png", "--stats", "stats.json"]);
-    let text = std::fs::read_to_string(folder.path().join("stats.json")).expect("statistics");
-    let rendered: Value = serde_json::from_str(&text).expect("JSON");
+    let rendered = json_in(folder.path(), "stats.json");
     assert_eq!(explained["plan"], rendered["plan"]);
     assert_eq!(explained["bvh"]["preset"], rendered["bvh"]["preset"]);
     // A render also writes a file: 16 x 12 pixels of three channels.
@@ -230,9 +180,6 @@ fn diff_answers_in_its_exit_code() {
     assert_eq!(code(&["a.exr", "b.pfm"]), 1);
     assert_eq!(code(&["a.exr", "b.pfm", "--tolerance", "0.25"]), 0);
     assert_eq!(code(&["a.exr", "b.pfm", "--tolerance", "0.24"]), 1);
-    let output = run(folder.path(), &["diff", "a.exr", "none.exr"]);
-    assert_eq!(output.status.code(), Some(2));
-    assert!(text(&output.stderr).starts_with("error: none.exr: "), "{}", text(&output.stderr));
 }
 
 #[test]
@@ -241,12 +188,11 @@ fn diff_prints_the_place_and_size_of_the_largest_difference() {
     write_pair(folder.path());
     let (_, found) = answer(folder.path(), &["diff", "a.exr", "b.pfm"]);
     assert!(found.contains("largest difference  0.250000, green at column 2, row 1\n"), "{found}");
-    let (_, found) = answer(folder.path(), &["diff", "a.exr", "b.pfm", "--json"]);
-    let found: Value = serde_json::from_str(&found).expect("JSON");
+    let found = json_of(folder.path(), &["diff", "a.exr", "b.pfm", "--json"]);
     assert_eq!((&found["largest"], &found["largest_at"]), (&json!(0.25), &json!([2, 1])));
     assert_eq!(found["different_pixels"], 1);
     answer(folder.path(), &["diff", "a.exr", "b.pfm", "-o", "d.exr", "--gain", "2"]);
-    let difference = read(&folder.path().join("d.exr")).expect("an image");
+    let difference = film(folder.path(), "d.exr");
     assert_eq!(difference.pixel(2, 1), Some([0.0, 0.5, 0.0]));
     assert_eq!(difference.pixel(1, 1), Some([0.0; 3]));
 }
@@ -255,10 +201,8 @@ fn diff_prints_the_place_and_size_of_the_largest_difference() {
 fn diff_reports_flip_and_the_sign_of_the_bias() {
     let folder = folder();
     write_pair(folder.path());
-    let found = |arguments: &[&str]| -> Value {
-        let (_, found) = answer(folder.path(), &[&["diff", "--json"], arguments].concat());
-        serde_json::from_str(&found).expect("JSON")
-    };
+    let found =
+        |arguments: &[&str]| json_of(folder.path(), &[&["diff", "--json"], arguments].concat());
     let (there, back) = (found(&["a.exr", "b.pfm"]), found(&["b.pfm", "a.exr"]));
     assert_eq!(there["channel_bias"], json!([0.0, -0.25 / 12.0, 0.0]));
     assert_eq!(back["channel_bias"], json!([0.0, 0.25 / 12.0, 0.0]));
@@ -285,7 +229,7 @@ fn diff_writes_maps_of_errors_in_colours() {
     ] {
         let arguments = ["diff", "a.exr", "b.pfm", "--map", kind, "--gain", "4", "-o", "d.png"];
         assert_eq!(answer(folder.path(), &arguments).0, 1);
-        let map = read(&folder.path().join("d.png")).expect("an image");
+        let map = film(folder.path(), "d.png");
         let pixel = map.pixel(2, 1).expect("a pixel");
         for (found, expected) in pixel.into_iter().zip(middle) {
             assert!((found - expected).abs() <= 0.51 / 255.0, "{kind}: {found} {expected}");
@@ -294,33 +238,9 @@ fn diff_writes_maps_of_errors_in_colours() {
         assert_eq!(map.pixel(1, 1), Some(other.map(|v| (v * 255.0).round() / 255.0)));
     }
     answer(folder.path(), &["diff", "a.exr", "b.pfm", "--map", "flip", "-o", "d.pfm"]);
-    let map = read(&folder.path().join("d.pfm")).expect("an image");
-    let (a, b) = ("a.exr", "b.pfm");
-    let film = |name: &str| read(&folder.path().join(name)).expect("an image");
-    assert!(map.same_bits(&error_map(&film(a), &film(b), MapKind::Flip, 1.0).expect("a map")));
-    let output = run(folder.path(), &["diff", "a.exr", "b.pfm", "--map", "hue", "-o", "d.png"]);
-    assert_eq!(output.status.code(), Some(2));
-    let output = run(folder.path(), &["diff", "a.exr", "b.pfm", "--pixels-per-degree", "0"]);
-    assert_eq!(output.status.code(), Some(2));
-    assert_eq!(
-        text(&output.stderr),
-        "error: pixels per degree are out of bounds, found 0; use 1 to 1000\n"
-    );
-}
-
-#[test]
-fn diff_refuses_pictures_of_two_sizes() {
-    let folder = folder();
-    write_pair(folder.path());
-    let film = Film::from_pixels(3, 3, vec![[0.5; 3]; 9]).expect("a film");
-    write(&film, &folder.path().join("c.pfm"), Transfer::Linear).expect("a file");
-    let output = run(folder.path(), &["diff", "a.exr", "c.pfm"]);
-    assert_eq!(output.status.code(), Some(2));
-    assert_eq!(
-        text(&output.stderr),
-        "error: c.pfm: the images differ in size, \
-         found 4 x 3 and 3 x 3; render both at one size\n"
-    );
+    let map = film(folder.path(), "d.pfm");
+    let [a, b] = ["a.exr", "b.pfm"].map(|name| film(folder.path(), name));
+    assert!(map.same_bits(&error_map(&a, &b, MapKind::Flip, 1.0).expect("a map")));
 }
 
 #[test]
@@ -339,8 +259,8 @@ fn a_generated_mesh_can_be_rendered() {
         let camera = with(pinhole([24, 24], 60.0, 5.0), "location", json!([0.5, 2.5, 3]));
         write_scene(folder.path(), &scene(0, &camera, &[light], &[mesh]));
         assert_eq!(answer(folder.path(), &["s.json", "out.exr", "-q"]), (0, String::new()));
-        let film = read(&folder.path().join("out.exr")).expect("an image");
-        let lit = film.pixels().iter().filter(|p| p[0] > 0.1 && p[0] == p[2]).count();
+        let found = film(folder.path(), "out.exr");
+        let lit = found.pixels().iter().filter(|p| p[0] > 0.1 && p[0] == p[2]).count();
         assert!(lit > 30, "{model}: {lit} pixels");
     }
 }
@@ -348,25 +268,24 @@ fn a_generated_mesh_can_be_rendered() {
 #[test]
 fn generate_writes_the_same_bytes_again_and_others_for_another_seed() {
     let folder = folder();
-    let bytes = |seed: &str| {
+    let mesh = |seed: &str| {
         let arguments = ["generate", "terrain", "-o", "t.ply", "-n", "500", "--seed", seed, "-q"];
         assert_eq!(answer(folder.path(), &arguments), (0, String::new()));
-        std::fs::read(folder.path().join("t.ply")).expect("a mesh")
+        bytes(folder.path(), "t.ply")
     };
-    let first = bytes("3");
-    assert!(bytes("3") == first);
-    assert!(bytes("4") != first);
+    let first = mesh("3");
+    assert!(mesh("3") == first);
+    assert!(mesh("4") != first);
 }
 
 #[test]
 fn generate_leaves_an_older_file_when_it_cannot_go_on() {
     let folder = folder();
-    std::fs::write(folder.path().join("t.ply"), "precious").expect("a file");
+    put(folder.path(), "t.ply", "precious");
     let output = run(folder.path(), &["generate", "sphere", "t.ply", "-n", "900G"]);
     assert_eq!(output.status.code(), Some(2), "{}", text(&output.stderr));
     assert!(text(&output.stderr).starts_with("error: "));
-    let old = std::fs::read_to_string(folder.path().join("t.ply")).expect("it is there");
-    assert_eq!(old, "precious");
+    assert_eq!(bytes(folder.path(), "t.ply"), b"precious");
 }
 
 #[test]

@@ -9,22 +9,17 @@ use wavecrest_core::accel::Hit;
 use wavecrest_core::math::ray::Ray;
 use wavecrest_report::ray_file::RayFile;
 
-use crate::support::{folder, matte, pinhole, point_light, scene, sphere, wall, wavecrest, with};
-
-/// The JSON that a command prints.
-fn json_of(folder: &Path, arguments: &[&str]) -> Value {
-    let output = wavecrest(folder).args(arguments).output().expect("the command runs");
-    let told = String::from_utf8_lossy(&output.stderr);
-    assert_eq!(output.status.code(), Some(0), "{told}");
-    serde_json::from_slice(&output.stdout).expect("JSON")
-}
+use crate::support::{
+    folder, json_in, matte, pinhole, point_light, put, run, run_json, scene, sphere, text, wall,
+    with,
+};
 
 fn write_scene(folder: &Path) {
     let mirror = with(matte(0.8, [0.9, 0.3, 0.1]), "kr", 0.5);
     let shapes = [sphere([0.0; 3], 1.0, mirror), wall(3.0, -1.5, matte(0.8, [0.5; 3]))];
     let light = point_light(40.0, [2.0, 3.0, 4.0], [1.0; 3]);
     let scene = scene(2, &pinhole([16, 12], 40.0, 5.0), &[light], &shapes);
-    std::fs::write(folder.join("s.json"), scene.to_string()).expect("a file");
+    put(folder, "s.json", scene.to_string());
 }
 
 #[test]
@@ -32,7 +27,7 @@ fn bench_times_both_tracers_on_equal_images() {
     let folder = folder();
     write_scene(folder.path());
     let arguments = ["bench", "s.json", "s.json", "--repeats", "2", "--min-time", "0", "--json"];
-    let found = json_of(folder.path(), &[&arguments[..], &["-o", "bench.json"]].concat());
+    let found = run_json(folder.path(), &[&arguments[..], &["-o", "bench.json"]].concat());
     let scenes = found["scenes"].as_array().expect("scenes");
     assert_eq!(scenes.len(), 2);
     for scene in scenes {
@@ -59,8 +54,7 @@ fn bench_times_both_tracers_on_equal_images() {
         assert_eq!((&last["time_passes"], &last["tracer"]), (&json!(true), &json!("recursive")));
         assert!(last["passes"]["intersect"].as_f64() > Some(0.0), "{last}");
     }
-    let text = std::fs::read_to_string(folder.path().join("bench.json")).expect("a report");
-    let written: Value = serde_json::from_str(&text).expect("JSON");
+    let written = json_in(folder.path(), "bench.json");
     assert_eq!(written["scenes"], found["scenes"], "the file says what was printed");
 }
 
@@ -69,7 +63,7 @@ fn bench_prices_effects() {
     let folder = folder();
     let options = ["--repeats", "1", "--min-time", "0", "--width", "16", "--height", "12"];
     let arguments = [&["bench", "--effects", "--json", "-o", "prices.json"], &options[..]].concat();
-    let found = json_of(folder.path(), &arguments);
+    let found = run_json(folder.path(), &arguments);
     assert_eq!((&found["difference"], &found["rounds"]), (&Value::Null, &json!(1)));
     assert_eq!(found["image"], json!({"width": 16, "height": 12, "samples_per_pixel": 1}));
     let effects = found["effects"].as_array().expect("effects");
@@ -81,14 +75,7 @@ fn bench_prices_effects() {
         }
     }
     assert!(effects.iter().any(|effect| effect["reached"] == false));
-    let text = std::fs::read_to_string(folder.path().join("prices.json")).expect("a report");
-    assert_eq!(serde_json::from_str::<Value>(&text).expect("JSON"), found);
-    for both in [&["bench", "--effects", "s.json"][..], &["bench"]] {
-        assert_eq!(
-            wavecrest(folder.path()).args(both).output().expect("it runs").status.code(),
-            Some(2)
-        );
-    }
+    assert_eq!(json_in(folder.path(), "prices.json"), found);
 }
 
 #[test]
@@ -99,7 +86,7 @@ fn bench_compares_kernels_levels_batches_and_threads() {
     let what =
         ["bench", "s.json", "--compare", "kernels,levels,threads,plan", "--batches", "16,65536"];
     let files = ["--page", "p.html", "--charts", "charts"];
-    let found = json_of(folder.path(), &[&what[..], &options, &files, &["--json"]].concat());
+    let found = run_json(folder.path(), &[&what[..], &options, &files, &["--json"]].concat());
     let scene = &found["scenes"][0];
     assert_eq!((&scene["equal"], &scene["kernel"]), (&json!(true), &json!("stream")));
     let comparisons = scene["comparisons"].as_array().expect("comparisons");
@@ -132,9 +119,8 @@ fn bench_compares_kernels_levels_batches_and_threads() {
     for name in ["s-wavefront-by-batch-size.svg", "s-both-tracers-by-threads-time-by-pass.csv"] {
         assert!(folder.path().join("charts").join(name).is_file(), "{name}");
     }
-    let mut command = wavecrest(folder.path());
-    let output = command.args([&what[..], &options].concat()).output().expect("it runs");
-    let text = String::from_utf8_lossy(&output.stdout);
+    let output = run(folder.path(), &[&what[..], &options].concat());
+    let text = text(&output.stdout);
     for words in ["The wavefront is ", "order ", "Wavefront by kernel", "bytes a path"] {
         assert!(text.contains(words), "{words}\n{text}");
     }
@@ -143,7 +129,7 @@ fn bench_compares_kernels_levels_batches_and_threads() {
 /// A unit square of two triangles in the plane z = 0, and rays along -z at these places.
 fn write_rays(folder: &Path, any_hit: bool, answers: &[(f32, f32, Hit)]) {
     let square = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\nf 1 3 4\n";
-    std::fs::write(folder.join("m.obj"), square).expect("a file");
+    put(folder, "m.obj", square);
     let ray = |x, y| Ray::new(Vec3::new(x, y, 2.0), Vec3::NEG_Z);
     let file = RayFile {
         any_hit,
@@ -162,7 +148,7 @@ const RAYS: [(f32, f32, Hit); 3] =
 
 fn trace(folder: &Path, options: &[&str]) -> Value {
     let arguments = ["trace", "--mesh", "m.obj", "--rays", "r.rays", "--repeats", "1", "--json"];
-    json_of(folder, &[&arguments, options].concat())
+    run_json(folder, &[&arguments, options].concat())
 }
 
 #[test]
@@ -204,15 +190,8 @@ fn trace_tells_answers_of_the_file_that_are_not_ours() {
     ];
     write_rays(folder.path(), false, &wrong);
     let found = trace(folder.path(), &[]);
-    for (key, count) in [
-        ("other_triangle", 1),
-        ("other_distance", 1),
-        ("extra", 1),
-        ("lost", 1),
-        ("extra_any", 1),
-        ("lost_any", 1),
-    ] {
-        assert_eq!(found["compared"][key], count, "{key}");
+    for key in ["other_triangle", "other_distance", "extra", "lost", "extra_any", "lost_any"] {
+        assert_eq!(found["compared"][key], 1, "{key}");
     }
 }
 
@@ -220,14 +199,9 @@ fn trace_tells_answers_of_the_file_that_are_not_ours() {
 fn trace_refuses_rays_of_another_mesh() {
     let folder = folder();
     write_rays(folder.path(), false, &RAYS);
-    std::fs::write(folder.path().join("m.obj"), "v 0 0 0\nv 1 0 0\nv 1 1 0\nf 1 2 3\n")
-        .expect("a file");
-    let mut command = wavecrest(folder.path());
-    let output =
-        command.args(["trace", "--mesh", "m.obj", "--rays", "r.rays"]).output().expect("it runs");
+    put(folder.path(), "m.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nf 1 2 3\n");
+    let output = run(folder.path(), &["trace", "--mesh", "m.obj", "--rays", "r.rays"]);
+    let words = "r.rays: the rays are for another mesh, found rays for 2 triangles; m.obj has 1";
     assert_eq!(output.status.code(), Some(2));
-    assert_eq!(
-        String::from_utf8_lossy(&output.stderr),
-        "error: r.rays: the rays are for another mesh, found rays for 2 triangles; m.obj has 1\n"
-    );
+    assert_eq!(text(&output.stderr), format!("error: {words}\n"));
 }

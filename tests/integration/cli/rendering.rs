@@ -1,10 +1,15 @@
 //! `wavecrest SCENE OUTPUT`.
 
-use serde_json::{Value, json};
+use std::path::Path;
+
+use serde_json::json;
 use wavecrest_core::math::simd::Level;
 
-use super::{ball, files, film, run, run_silently, text, with_ball};
-use crate::support::{folder, image, matte, pinhole, point_light, scene, wavecrest, with};
+use super::{ball, files, run_silently, with_ball};
+use crate::support::{
+    bytes, film, folder, image, json_in, matte, pinhole, places, point_light, put, run, scene,
+    text, wavecrest, with,
+};
 
 #[test]
 fn a_scene_and_an_output_are_all_it_takes() {
@@ -29,11 +34,11 @@ fn float_formats_hold_the_image_to_the_last_bit_and_8_bits_its_levels() {
     let expected = image(&ball());
     for name in ["out.exr", "out.pfm", "OUT.EXR"] {
         run_silently(folder.path(), &["ball.json", name]);
-        assert!(film(folder.path().join(name)).same_bits(&expected), "{name}");
+        assert!(film(folder.path(), name).same_bits(&expected), "{name}");
     }
     for name in ["out.ppm", "out.png"] {
         run_silently(folder.path(), &["ball.json", name]);
-        let found = film(folder.path().join(name));
+        let found = film(folder.path(), name);
         for (a, b) in found.pixels().as_flattened().iter().zip(expected.pixels().as_flattened()) {
             assert_eq!((a * 255.0).round(), (b.clamp(0.0, 1.0) * 255.0).round(), "{name}");
         }
@@ -46,7 +51,7 @@ fn the_srgb_transfer_brightens_8_bits_and_leaves_floats_alone() {
     run_silently(folder.path(), &["ball.json", "linear.png"]);
     run_silently(folder.path(), &["ball.json", "srgb.png", "--transfer", "srgb"]);
     run_silently(folder.path(), &["ball.json", "srgb.exr", "--transfer", "srgb"]);
-    let at = |name: &str| film(folder.path().join(name));
+    let at = |name: &str| film(folder.path(), name);
     // The background, 0.125, becomes 0.3885.
     let corner = |name| at(name).pixel(0, 0).expect("a pixel")[0];
     let (linear, encoded) = (corner("linear.png"), corner("srgb.png"));
@@ -54,87 +59,75 @@ fn the_srgb_transfer_brightens_8_bits_and_leaves_floats_alone() {
     assert!(at("srgb.exr").same_bits(&image(&ball())));
 }
 
+/// A knot of which the image shows a part, so that rays build a part of its tree.
+fn put_knot(folder: &Path) {
+    run_silently(folder, &["generate", "knot", "knot.ply", "--triangles", "200000", "-q"]);
+    let camera = with(pinhole([64, 48], 3.0, 6.0), "look", [1.0, 0.0, 0.0]);
+    let mesh = json!({"type": "trimesh", "file": "knot.ply", "material": matte(1.0, [0.5; 3])});
+    let light = point_light(50.0, [3.0, 3.0, 5.0], [1.0; 3]);
+    put(folder, "knot.json", scene(1, &camera, &[light], &[mesh]).to_string());
+}
+
+/// Options as a user writes them, levels of this machine among them; and trees that rays build.
 #[test]
 fn no_choice_of_how_to_render_changes_a_byte() {
     let folder = with_ball();
-    run_silently(folder.path(), &["ball.json", "usual.exr"]);
-    let usual = std::fs::read(folder.path().join("usual.exr")).expect("an image");
-    for options in [
-        &["--tracer", "recursive"][..],
-        &["--tracer", "wavefront", "--batch", "7"],
-        &["--threads", "1"],
-        &["--threads", "3", "--bvh", "brute"],
-        &["--bvh", "very-slow"],
-        &["--kernel", "auto", "--simd", "auto"],
-        &["--kernel", "packet"],
-        &["--kernel", "stream", "--batch", "50"],
-        &["--kernel", "single", "--threads", "2"],
-    ] {
-        run_silently(folder.path(), &[&["ball.json", "out.exr"], options].concat());
-        let found = std::fs::read(folder.path().join("out.exr")).expect("an image");
-        assert!(found == usual, "{options:?}");
-    }
-    for level in Level::available() {
-        for tracer in ["wavefront", "recursive"] {
-            let options = ["ball.json", "out.exr", "--simd", level.name(), "--tracer", tracer];
-            run_silently(folder.path(), &options);
-            let found = std::fs::read(folder.path().join("out.exr")).expect("an image");
-            assert!(found == usual, "{options:?}");
+    put_knot(folder.path());
+    let ball = [
+        "--tracer recursive",
+        "--tracer wavefront --batch 7",
+        "--threads 1",
+        "--threads 3 --bvh brute",
+        "--bvh very-slow",
+        "--kernel auto --simd auto",
+        "--kernel packet",
+        "--kernel stream --batch 50",
+        "--kernel single --threads 2",
+        "--kernel reference --tracer wavefront",
+        "--kernel reference --tracer recursive",
+        "--precision exact",
+        "--precision robust",
+        "--save-every 1e-9",
+    ];
+    let levels = Level::available().into_iter().flat_map(|level| {
+        ["wavefront", "recursive"]
+            .map(|tracer| format!("--simd {} --tracer {tracer}", level.name()))
+    });
+    let ball: Vec<String> = ball.map(str::to_owned).into_iter().chain(levels).collect();
+    let knot = [
+        "--threads 1",
+        "--threads 16 --batch 64",
+        "--kernel packet --threads 3",
+        "--kernel stream --batch 100",
+        "--kernel single --threads 2",
+        "--tracer recursive --threads 5",
+    ];
+    let knot = knot.map(|options| format!("--bvh on-demand {options}")).to_vec();
+    for (scene, usual, all) in [("ball.json", "", ball), ("knot.json", "--bvh fast", knot)] {
+        let render = |options: &str| {
+            let options: Vec<&str> = options.split_whitespace().collect();
+            let arguments = [scene, "out.exr", "--stats", "stats.json"];
+            run_silently(folder.path(), &[&arguments[..], &options].concat());
+            bytes(folder.path(), "out.exr")
+        };
+        let expected = render(usual);
+        for options in all {
+            assert!(render(&options) == expected, "{scene} {options}");
+            let chunks = json_in(folder.path(), "stats.json")["bvh"]["chunks"].take();
+            let [built, all] = [0, 1].map(|i| chunks[i].as_u64());
+            let is_in_part = Some(0) < built && built < all;
+            assert_eq!(
+                is_in_part,
+                options.contains("on-demand"),
+                "{options}: {built:?} of {all:?}"
+            );
         }
     }
 }
 
 #[test]
-fn a_tree_that_rays_build_changes_no_byte_either() {
+fn the_old_name_of_exact_precision_is_not_listed() {
     let folder = folder();
-    let knot = ["generate", "knot", "knot.ply", "--triangles", "200000"];
-    run_silently(folder.path(), &[&knot[..], &["-q"]].concat());
-    let camera = with(pinhole([64, 48], 3.0, 6.0), "look", [1.0, 0.0, 0.0]);
-    let mesh = json!({"type": "trimesh", "file": "knot.ply", "material": matte(1.0, [0.5; 3])});
-    let light = point_light(50.0, [3.0, 3.0, 5.0], [1.0; 3]);
-    let scene = scene(1, &camera, &[light], &[mesh]).to_string();
-    std::fs::write(folder.path().join("s.json"), scene).expect("it can be written");
-    run_silently(folder.path(), &["s.json", "at_once.exr", "--bvh", "fast"]);
-    let at_once = std::fs::read(folder.path().join("at_once.exr")).expect("an image");
-    for options in [
-        &["--threads", "1"][..],
-        &["--threads", "16", "--batch", "64"],
-        &["--kernel", "packet", "--threads", "3"],
-        &["--kernel", "stream", "--batch", "100"],
-        &["--kernel", "single", "--threads", "2"],
-        &["--tracer", "recursive", "--threads", "5"],
-    ] {
-        let usual = ["s.json", "out.exr", "--bvh", "on-demand", "--stats", "stats.json"];
-        run_silently(folder.path(), &[&usual[..], options].concat());
-        let found = std::fs::read(folder.path().join("out.exr")).expect("an image");
-        assert!(found == at_once, "{options:?}");
-        let text = std::fs::read_to_string(folder.path().join("stats.json")).expect("statistics");
-        let statistics: Value = serde_json::from_str(&text).expect("JSON");
-        let [built, all] = [0, 1].map(|i| statistics["bvh"]["chunks"][i].as_u64().expect("both"));
-        assert!(0 < built && built < all, "{built} of {all}, {options:?}");
-    }
-}
-
-#[test]
-fn the_reference_kernel_gives_both_tracers_one_image() {
-    let folder = with_ball();
-    let [wavefront, recursive] = ["wavefront", "recursive"].map(|tracer| {
-        let options = ["ball.json", "out.exr", "--kernel", "reference", "--tracer", tracer];
-        run_silently(folder.path(), &options);
-        std::fs::read(folder.path().join("out.exr")).expect("an image")
-    });
-    assert!(wavefront == recursive);
-}
-
-#[test]
-fn exact_precision_is_known_by_its_old_name_which_is_not_listed() {
-    let folder = with_ball();
-    let [usual, named, old] =
-        [&[][..], &["--precision", "exact"], &["--precision", "robust"]].map(|options| {
-            run_silently(folder.path(), &[&["ball.json", "out.exr"], options].concat());
-            std::fs::read(folder.path().join("out.exr")).expect("an image")
-        });
-    assert!(usual == named && named == old);
     for listing in [&["render", "--help"][..], &["completions", "bash"], &["completions", "zsh"]] {
         let output = run(folder.path(), listing);
         assert!(!text(&output.stdout).contains("robust"), "{listing:?}");
@@ -147,9 +140,7 @@ fn vector_instructions_that_are_not_there_are_refused_with_those_that_are() {
     let available: Vec<_> = Level::available().into_iter().map(Level::name).collect();
     let all = ["sse2", "sse42", "avx2", "avx512", "neon", "mmx"];
     for level in all.iter().filter(|name| !available.contains(*name)) {
-        let mut command = wavecrest(folder.path());
-        let output = command.args(["ball.json", "out.exr", "--simd", level]).output();
-        let output = output.expect("the command runs");
+        let output = run(folder.path(), &["ball.json", "out.exr", "--simd", level]);
         assert_eq!(output.status.code(), Some(2));
         let told = text(&output.stderr);
         assert!(told.contains(&format!("use auto, {}", available.join(", "))), "{told}");
@@ -162,14 +153,13 @@ fn a_crop_and_a_size_choose_what_is_rendered() {
     let folder = with_ball();
     run_silently(folder.path(), &["ball.json", "whole.pfm"]);
     run_silently(folder.path(), &["ball.json", "part.pfm", "--crop", "3,2,5,4"]);
-    let (whole, part) =
-        (film(folder.path().join("whole.pfm")), film(folder.path().join("part.pfm")));
+    let [whole, part] = ["whole.pfm", "part.pfm"].map(|name| film(folder.path(), name));
     assert_eq!((part.width(), part.height()), (5, 4));
-    for (x, y) in (0..4).flat_map(|y| (0..5).map(move |x| (x, y))) {
+    for (x, y) in places(5, 4) {
         assert_eq!(part.pixel(x, y), whole.pixel(x + 3, y + 2));
     }
     run_silently(folder.path(), &["ball.json", "small.pfm", "--width", "8", "--height", "6"]);
-    let small = film(folder.path().join("small.pfm"));
+    let small = film(folder.path(), "small.pfm");
     assert_eq!((small.width(), small.height()), (8, 6));
 }
 
@@ -179,13 +169,13 @@ fn paths_in_a_scene_start_from_its_folder() {
     let (inner, outer) = (folder.path().join("scenes"), folder.path().join("elsewhere"));
     std::fs::create_dir_all(&inner).expect("a folder");
     std::fs::create_dir_all(&outer).expect("a folder");
-    std::fs::write(inner.join("m.obj"), "v -1 -1 0\nv 1 -1 0\nv 0 1 0\nf 1 2 3\n").expect("a file");
+    put(&inner, "m.obj", "v -1 -1 0\nv 1 -1 0\nv 0 1 0\nf 1 2 3\n");
     let mesh = json!({"type": "trimesh", "file": "m.obj", "material": matte(0.8, [1.0; 3])});
     let scene = scene(0, &pinhole([8, 8], 40.0, 5.0), &[], &[mesh]);
-    std::fs::write(inner.join("s.json"), scene.to_string()).expect("a file");
+    put(&inner, "s.json", scene.to_string());
     let output = run(&outer, &["-q", "../scenes/s.json", "out.exr"]);
     assert!(output.status.success() && text(&output.stderr).contains("there is no light"));
-    assert_eq!(film(outer.join("out.exr")).pixel(4, 4), Some([0.0; 3]), "the mesh, unlit");
+    assert_eq!(film(&outer, "out.exr").pixel(4, 4), Some([0.0; 3]), "the mesh, unlit");
     assert_eq!(files(&inner), ["m.obj", "s.json"], "the output is where the command was run");
 }
 

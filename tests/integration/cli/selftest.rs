@@ -9,8 +9,8 @@ use wavecrest_report::selftest::{Count, Effort};
 use wavecrest_scene::load::{LoadOptions, load};
 use wavecrest_scene::systems::{Options, extract};
 
-use super::{run, run_wrongly, text, with_ball};
-use crate::support::{files_in, folder, repository, scene_files};
+use super::{ball, with_ball};
+use crate::support::{edited, files_in, folder, put, repository, run, run_json, scene_files, text};
 
 #[test]
 fn a_case_is_reported_with_its_count_and_its_bound() {
@@ -65,14 +65,9 @@ fn a_missing_file_is_reported_before_any_case_runs() {
 #[test]
 fn a_mesh_of_the_users_own_is_tried() {
     let folder = folder();
-    let mesh = folder.path().join("tetrahedron.obj");
-    let lines =
-        ["v 0 0 0", "v 1 0 0", "v 0 1 0", "v 0 0 1", "f 1 3 2", "f 1 2 4", "f 1 4 3", "f 2 3 4"];
-    std::fs::write(&mesh, lines.join("\n")).expect("a file");
-    let arguments = ["selftest", "--case", "26", "--json", "tetrahedron.obj"];
-    let output = run(folder.path(), &arguments);
-    assert_eq!(output.status.code(), Some(0));
-    let board: Value = serde_json::from_str(text(&output.stdout)).expect("JSON");
+    let corners = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n";
+    put(folder.path(), "t.obj", [corners, "f 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n"].concat());
+    let board = run_json(folder.path(), &["selftest", "--case", "26", "--json", "t.obj"]);
     let shape = &board["scene"]["shape"];
     assert_eq!((&shape["triangles"], &shape["borders"]), (&Value::from(4), &Value::from(0)));
     let [fast, exact] = [0, 1].map(|i| &board["scene"]["trials"][i]);
@@ -89,13 +84,7 @@ fn a_mesh_of_the_users_own_is_tried() {
 #[test]
 fn scenes_of_any_shapes_are_tried() {
     let folder = with_ball();
-    let light =
-        r#"{"type": "pointlight", "intensity": 9, "position": [0, 4, 0], "color": [1, 1, 1]}"#;
-    let ball = std::fs::read_to_string(folder.path().join("ball.json")).expect("a scene");
-    let mut alone: Value = serde_json::from_str(&ball).expect("JSON");
-    alone["scene"]["shapes"] = Value::Array(Vec::new());
-    alone["scene"]["lightsources"] = serde_json::from_str(&format!("[{light}]")).expect("JSON");
-    std::fs::write(folder.path().join("light.json"), alone.to_string()).expect("a file");
+    put(folder.path(), "light.json", edited(ball(), "/scene/shapes []").to_string());
     let tried = |file: &str| {
         let output = run(folder.path(), &["selftest", "--case", "26", file]);
         assert_eq!((output.status.code(), text(&output.stderr)), (Some(0), ""), "{file}");
@@ -152,8 +141,7 @@ fn every_scene_is_tried() {
 #[test]
 fn the_scoreboard_is_there_as_json() {
     let folder = folder();
-    let output = run(folder.path(), &["selftest", "--case", "26", "--seed", "7", "--json"]);
-    let board: Value = serde_json::from_str(text(&output.stdout)).expect("JSON");
+    let board = run_json(folder.path(), &["selftest", "--case", "26", "--seed", "7", "--json"]);
     assert_eq!((&board["seed"], &board["full"]), (&Value::from(7), &Value::from(false)));
     let case = &board["cases"][0];
     assert_eq!(case["case"], 26);
@@ -163,13 +151,4 @@ fn the_scoreboard_is_there_as_json() {
         assert_eq!((&trial["tried"], &trial["failed"]), (&Value::from(1000), &Value::from(0)));
         assert_eq!(trial["first"], Value::Null);
     }
-}
-
-#[test]
-fn a_case_that_there_is_not_is_an_error() {
-    let message = "there is no such case, found 99; \
-         name one of 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16, 17, 18, 19, 20, 21, 22, \
-         23, 24, 25, 26, 27, 28, 29, 30, 31, 32, 33, 34, 35, 36, 37, 38, 39, 40, 41, \
-         42, 43, 44, 45, 46, 47, 48, 49, 50, 51, 52, 53, 54, 55, 56";
-    run_wrongly(folder().path(), &["selftest", "--case", "99"], message);
 }

@@ -9,14 +9,12 @@ use std::time::{Duration, Instant};
 use serde_json::{Value, json};
 use wavecrest_core::film::Film;
 
-use super::{ball, film, run, run_silently, run_wrongly, text, with_ball, with_scene};
-use crate::support::{image, with};
+use super::{ball, run_silently, with_ball, with_scene};
+use crate::support::{bytes, edited, film, image, run, text};
 
 /// The ball in so many pixels.
 fn of_size(width: u32, height: u32) -> Value {
-    let mut scene = ball();
-    scene["camera"] = with(with(scene["camera"].clone(), "width", width), "height", height);
-    scene
+    edited(ball(), &format!("/camera/width {width}\n/camera/height {height}"))
 }
 
 #[test]
@@ -99,23 +97,11 @@ fn the_log_has_stages_choices_and_results() {
 }
 
 #[test]
-fn a_log_may_go_to_standard_output_and_over_no_other_file() {
+fn a_log_may_go_to_standard_output() {
     let folder = with_ball();
     let output = run(folder.path(), &["ball.json", "out.exr", "--log", "-", "-q"]);
     assert_eq!((output.status.code(), text(&output.stderr)), (Some(0), ""));
     assert!(text(&output.stdout).lines().last().is_some_and(|line| topic(line) == "done"));
-    run_wrongly(
-        folder.path(),
-        &["ball.json", "out.exr", "--log", "ball.json"],
-        "ball.json: this file is also the scene; write to another file",
-    );
-    run_wrongly(
-        folder.path(),
-        &["ball.json", "out.exr", "--log", "out.exr"],
-        "out.exr: this file is also the image; write to another file",
-    );
-    let output = run(folder.path(), &["ball.json", "out.exr", "--log", "none/log.txt"]);
-    assert!(text(&output.stderr).contains("none/log.txt: cannot write the log"));
 }
 
 /// A child that is killed when the test ends.
@@ -144,23 +130,14 @@ fn the_image_is_written_while_it_is_rendered() {
         assert!(start.elapsed() < Duration::from_secs(120), "no image is written");
         std::thread::sleep(Duration::from_millis(20));
     }
-    let found = film(folder.path().join("out.exr"));
+    let found = film(folder.path(), "out.exr");
     assert_eq!((found.width(), found.height()), (200, 150));
     let done = found.pixels().iter().filter(|pixel| **pixel != [0.0; 3]).count();
     assert!(done > 0 && done < 200 * 150, "{done}");
-    let bytes = std::fs::read(folder.path().join("out.exr")).expect("an image");
+    let bytes = bytes(folder.path(), "out.exr");
     let said = String::from_utf8_lossy(&bytes);
     assert!(said.contains("wavecrest.unfinished") && said.contains("% is rendered"));
     assert!(folder.path().join("out.pfm").exists());
-}
-
-#[test]
-fn an_image_that_is_saved_often_is_the_same_in_the_end() {
-    let folder = with_scene(&of_size(90, 70).to_string());
-    run_silently(folder.path(), &["ball.json", "a.exr"]);
-    run_silently(folder.path(), &["ball.json", "b.exr", "--save-every", "1e-9"]);
-    let bytes = |name: &str| std::fs::read(folder.path().join(name)).expect("an image");
-    assert!(bytes("a.exr") == bytes("b.exr"));
 }
 
 /// What a viewer was told: the names and the pixels of its images.
@@ -297,7 +274,7 @@ fn a_missing_viewer_does_not_stop_the_render() {
     let told = text(&output.stderr);
     let words = format!("warning: {port}: cannot reach the viewer: ");
     assert!(told.starts_with(&words) && told.lines().count() == 1, "{told}");
-    assert!(film(folder.path().join("out.exr")).same_bits(&expected));
+    assert!(film(folder.path(), "out.exr").same_bits(&expected));
 }
 
 #[test]
@@ -314,5 +291,5 @@ fn a_viewer_that_disconnects_does_not_stop_the_render() {
     assert_eq!(output.status.code(), Some(0));
     let told = text(&output.stderr);
     assert!(told.is_empty() || told.starts_with("warning: lost the viewer"), "{told}");
-    assert!(film(folder.path().join("out.exr")).same_bits(&expected));
+    assert!(film(folder.path(), "out.exr").same_bits(&expected));
 }

@@ -5,94 +5,21 @@ use std::path::Path;
 use serde_json::{Value, json};
 
 use super::{run_silently, with_ball};
+use crate::support::json_in;
 
 /// Every key that the documentation of the statistics names, as JSON pointers.
-const STATISTICS: [&str; 72] = [
-    "/version",
-    "/scene",
-    "/tracer",
-    "/threads",
-    "/seed",
-    "/simd",
-    "/kernel",
-    "/image/width",
-    "/image/height",
-    "/image/samples_per_pixel",
-    "/rays/primary",
-    "/rays/secondary",
-    "/rays/shadow",
-    "/samples/lens",
-    "/samples/light",
-    "/samples/texels",
-    "/samples/colors",
-    "/samples/footprints",
-    "/textures/images",
-    "/textures/decoded",
-    "/textures/bytes",
-    "/estimated/rays/primary",
-    "/estimated/rays/secondary",
-    "/estimated/rays/shadow",
-    "/estimated/samples/lens",
-    "/estimated/samples/light",
-    "/estimated/samples/texels",
-    "/tests/nodes",
-    "/tests/instances",
-    "/tests/cutouts",
-    "/tests/primitives/triangles",
-    "/tests/primitives/quads",
-    "/tests/primitives/spheres",
-    "/kernels/closest/packet",
-    "/kernels/closest/handed_over",
-    "/kernels/closest/stream",
-    "/kernels/closest/single",
-    "/kernels/closest/rays_a_node",
-    "/kernels/closest/rays_a_round",
-    "/kernels/shadow/packet",
-    "/kernels/shadow/handed_over",
-    "/kernels/shadow/stream",
-    "/kernels/shadow/single",
-    "/kernels/shadow/rays_a_node",
-    "/kernels/shadow/rays_a_round",
-    "/dropped/degenerate",
-    "/invalid",
-    "/first_invalid",
-    "/precision",
-    "/lights_at_surface",
-    "/time/load",
-    "/time/build",
-    "/time/trace",
-    "/time/write",
-    "/time/total",
-    "/time/passes/generate",
-    "/time/passes/intersect",
-    "/time/passes/shade",
-    "/time/passes/shadow",
-    "/time/passes/resolve",
-    "/memory/predicted",
-    "/memory/peak",
-    "/columns/estimated",
-    "/columns/held",
-    "/bvh/preset",
-    "/bvh/nodes",
-    "/bvh/depth",
-    "/bvh/bytes",
-    "/goal",
-    "/resumed",
-    "/plan/0/effect",
-    "/plan/0/reason",
-];
+const STATISTICS: &str = include_str!("../statistics.txt");
 
 fn statistics(folder: &Path, options: &[&str]) -> Value {
     run_silently(folder, &[&["ball.json", "out.exr", "--stats", "stats.json"], options].concat());
-    let text = std::fs::read_to_string(folder.join("stats.json")).expect("statistics");
-    serde_json::from_str(&text).expect("JSON")
+    json_in(folder, "stats.json")
 }
 
 #[test]
 fn statistics_have_every_key_that_their_documentation_names() {
     let folder = with_ball();
     let found = statistics(folder.path(), &["--threads", "2", "--seed", "5"]);
-    for key in STATISTICS {
+    for key in STATISTICS.lines() {
         assert!(found.pointer(key).is_some(), "{key} is missing");
     }
     assert_eq!(found["version"], env!("CARGO_PKG_VERSION"));

@@ -8,15 +8,18 @@ use wavecrest_core::film::Film;
 
 use super::Eye;
 use crate::support::{
-    BACKGROUND, assert_near, image, matte, pixel, point_light, scene, wall, with,
+    BACKGROUND, assert_near, edited, image, matte, pixel, places, plain, point_light, scene,
+    sphere, wall, with,
 };
 
-/// Shapes that show their diffuse colour and nothing else.
-fn plain(bounces: u32, camera: &Value, shapes: &[Value]) -> Value {
-    let dark = point_light(0.0, [0.0, 0.0, 100.0], [1.0; 3]);
-    let mut scene = scene(bounces, camera, &[dark], shapes);
-    scene["scene"]["ambient"] = 1.0.into();
-    scene
+/// The image of shapes that show their diffuse colour and nothing else.
+fn shown(camera: &Value, shapes: &[Value]) -> Film {
+    image(&plain(0, camera, shapes))
+}
+
+/// The same before black.
+fn before_black(camera: &Value, shapes: &[Value]) -> Film {
+    image(&edited(plain(0, camera, shapes), "/scene/backgroundcolor [0, 0, 0]"))
 }
 
 fn is_background(film: &Film, x: u32, y: u32) -> bool {
@@ -30,8 +33,8 @@ fn covered(film: &Film) -> usize {
 #[test]
 fn a_ball_covers_the_area_of_its_projection() {
     let eye = Eye { size: [300, 260], fov: 40.0, distance: 5.0 };
-    let ball = crate::support::sphere([0.0; 3], 1.2, matte(1.0, [1.0; 3]));
-    let film = image(&plain(0, &eye.json(), &[ball]));
+    let ball = sphere([0.0; 3], 1.2, matte(1.0, [1.0; 3]));
+    let film = shown(&eye.json(), &[ball]);
     // The cone that touches the ball has half angle asin(r / d).
     let radius = (1.2_f64 / 5.0).asin().tan() / (20.0_f64.to_radians()).tan() * 130.0;
     let area = PI * radius * radius;
@@ -46,11 +49,11 @@ fn a_ball_covers_the_area_of_its_projection() {
 fn the_edge_of_a_ball_is_where_rays_touch_it() {
     let eye = Eye { size: [160, 120], fov: 60.0, distance: 5.0 };
     let (center, radius) = (DVec3::new(1.1, -0.7, -0.5), 1.3);
-    let ball = crate::support::sphere(center.to_array(), radius, matte(1.0, [1.0; 3]));
-    let film = image(&plain(0, &eye.json(), &[ball]));
+    let ball = sphere(center.to_array(), radius, matte(1.0, [1.0; 3]));
+    let film = shown(&eye.json(), &[ball]);
     let to_center = center - eye.origin();
     let mut near_edge = 0;
-    for (x, y) in (0..120).flat_map(|y| (0..160).map(move |x| (x, y))) {
+    for (x, y) in places(160, 120) {
         let direction = eye.direction(x, y).normalize();
         let distance = to_center.cross(direction).length();
         // A thousandth of the ball is a twentieth of a pixel.
@@ -77,7 +80,7 @@ fn check_fov(size: [u32; 2], axis: Option<&str>, side: usize) {
     let at = |i: u32| if side == 0 { (i, middle[1]) } else { (middle[0], i) };
     for (beyond, covers) in [(0.01, true), (-0.01, false)] {
         let wall = wall(outermost + beyond * pixel, 0.0, matte(1.0, [1.0; 3]));
-        let film = image(&plain(0, &camera, &[wall]));
+        let film = shown(&camera, &[wall]);
         for (i, expected) in [(0, covers), (last, covers), (1, true), (last - 1, true)] {
             let (x, y) = at(i);
             let what = format!("{size:?} {axis:?}, {beyond}: pixel {x},{y}");
@@ -102,9 +105,9 @@ fn the_angle_of_view_spans_the_side_that_it_names() {
 #[test]
 fn the_image_is_upright_and_unmirrored() {
     let eye = Eye { size: [30, 30], fov: 40.0, distance: 5.0 };
-    let ball = |x, y, color| crate::support::sphere([x, y, 0.0], 0.5, matte(1.0, color));
+    let ball = |x, y, color| sphere([x, y, 0.0], 0.5, matte(1.0, color));
     let shapes = [ball(0.9, 0.0, [1.0, 0.0, 0.0]), ball(0.0, 0.9, [0.0, 1.0, 0.0])];
-    let film = image(&plain(0, &eye.json(), &shapes));
+    let film = shown(&eye.json(), &shapes);
     assert_near(pixel(&film, 22, 15), [1.0, 0.0, 0.0], 1e-6, "+x is right");
     assert_near(pixel(&film, 15, 7), [0.0, 1.0, 0.0], 1e-6, "+y is up");
     assert!(is_background(&film, 7, 15) && is_background(&film, 15, 22));
@@ -112,16 +115,16 @@ fn the_image_is_upright_and_unmirrored() {
 
 #[test]
 fn up_turns_the_image_and_look_has_its_other_spellings() {
-    let ball = crate::support::sphere([0.9, 0.0, 0.0], 0.5, matte(1.0, [1.0, 0.0, 0.0]));
+    let ball = sphere([0.9, 0.0, 0.0], 0.5, matte(1.0, [1.0, 0.0, 0.0]));
     let eye = Eye { size: [30, 30], fov: 40.0, distance: 5.0 };
     let up = with(eye.json(), "up", json!([2, 0, 0]));
-    let film = image(&plain(0, &up, std::slice::from_ref(&ball)));
+    let film = shown(&up, std::slice::from_ref(&ball));
     assert_near(pixel(&film, 15, 7), [1.0, 0.0, 0.0], 1e-6, "+x is up");
-    let usual = image(&plain(0, &eye.json(), std::slice::from_ref(&ball)));
+    let usual = shown(&eye.json(), std::slice::from_ref(&ball));
     for (location, look) in [("position", "lookat"), ("location", "lookAt")] {
         let camera = json!({"type": "pinhole", "width": 30, "height": 30, "fov": 40.0,
                             location: [0, 0, 5], look: [0, 0, 0]});
-        assert!(image(&plain(0, &camera, std::slice::from_ref(&ball))).same_bits(&usual), "{look}");
+        assert!(shown(&camera, std::slice::from_ref(&ball)).same_bits(&usual), "{look}");
     }
 }
 
@@ -129,14 +132,8 @@ fn up_turns_the_image_and_look_has_its_other_spellings() {
 const SAMPLES: u32 = 8;
 
 fn thin_lens(eye: Eye, aperture: f64, focal: f64, sampling: &str) -> Value {
-    let mut camera = eye.json();
-    for (key, value) in [("type", json!("thinlens")), ("aperture", json!(aperture))] {
-        camera[key] = value;
-    }
-    for (key, value) in [("focal", json!(focal)), ("sampling", json!(sampling))] {
-        camera[key] = value;
-    }
-    with(with(camera, "nsamplesx", SAMPLES), "nsamplesy", SAMPLES)
+    let lens = crate::support::thin_lens(eye.json(), aperture, focal, [SAMPLES; 2]);
+    with(lens, "sampling", sampling)
 }
 
 /// A white wall on the left half of the view, at this depth before the eye.
@@ -169,9 +166,7 @@ fn check_blur(aperture: f64, focal: f64, depth: f64, sampling: &str) {
     let eye = Eye { size: [64, 1], fov: 0.25, distance: 30.0 };
     let camera = thin_lens(eye, aperture, focal, sampling);
     let camera = with(with(camera, "nsamplesx", SIDE), "nsamplesy", SIDE);
-    let mut scene = plain(0, &camera, &[left_half(eye, depth)]);
-    scene["scene"]["backgroundcolor"] = json!([0, 0, 0]);
-    let film = image(&scene);
+    let film = before_black(&camera, &[left_half(eye, depth)]);
     let confusion = aperture * (depth - focal).abs() / depth;
     let share = |x| beyond(eye.direction(x, 0).x * focal / (confusion / 2.0));
     let n = f64::from(SIDE * SIDE);
@@ -195,14 +190,14 @@ fn what_lies_in_the_plane_in_focus_stays_sharp_out_to_the_corners() {
     // The wider the view, the further a sphere about the eye would be from the plane.
     let eye = Eye { size: [40, 40], fov: 90.0, distance: 10.0 };
     let tile = wall(6.3, 0.0, matte(1.0, [0.8, 0.6, 0.4]));
-    let sharp = image(&plain(0, &eye.json(), std::slice::from_ref(&tile)));
+    let sharp = shown(&eye.json(), std::slice::from_ref(&tile));
     let lens = thin_lens(eye, 2.0, 10.0, "jittered");
-    let found = image(&plain(0, &lens, std::slice::from_ref(&tile)));
-    for (x, y) in (0..40).flat_map(|y| (0..40).map(move |x| (x, y))) {
+    let found = shown(&lens, std::slice::from_ref(&tile));
+    for (x, y) in places(40, 40) {
         assert_near(pixel(&found, x, y), pixel(&sharp, x, y), 1e-6, &format!("pixel {x},{y}"));
     }
     // The same tile out of focus is not the same.
-    let blurred = image(&plain(0, &thin_lens(eye, 2.0, 5.0, "jittered"), &[tile]));
+    let blurred = shown(&thin_lens(eye, 2.0, 5.0, "jittered"), &[tile]);
     assert!(!blurred.same_bits(&found) && covered(&blurred) > covered(&sharp) + 40);
 }
 
@@ -210,7 +205,7 @@ fn what_lies_in_the_plane_in_focus_stays_sharp_out_to_the_corners() {
 fn aperture_0_is_a_pinhole_to_the_last_bit() {
     let eye = Eye { size: [31, 23], fov: 60.0, distance: 5.0 };
     let shapes = [
-        crate::support::sphere([0.3, 0.2, 0.5], 0.9, matte(0.8, [0.9, 0.4, 0.1])),
+        sphere([0.3, 0.2, 0.5], 0.9, matte(0.8, [0.9, 0.4, 0.1])),
         wall(3.0, -1.0, matte(0.7, [0.2, 0.5, 0.8])),
     ];
     let light = point_light(30.0, [2.0, 3.0, 4.0], [1.0, 0.9, 0.8]);
@@ -230,9 +225,7 @@ fn antialiasing_gives_an_edge_pixel_its_covered_share() {
     let eye = Eye { size: [9, 9], fov: 30.0, distance: 5.0 };
     // The edge at x = 0 cuts the middle column in halves.
     let camera = with(eye.json(), "antialias", 16);
-    let mut scene = plain(0, &camera, &[left_half(eye, 5.0)]);
-    scene["scene"]["backgroundcolor"] = json!([0, 0, 0]);
-    let film = image(&scene);
+    let film = before_black(&camera, &[left_half(eye, 5.0)]);
     for (x, expected) in [(3, 1.0), (4, 0.5), (5, 0.0)] {
         // Of 16 columns of cells none is cut: the edge runs between two of them.
         assert_near(pixel(&film, x, 4), [expected; 3], 1e-6, &format!("column {x}"));

@@ -125,32 +125,26 @@ fn a_point_in_shadow_shows_its_ambient_light_alone() {
     assert_near(pixel(&film, x, y), on_wall(x, y, MATTE, &[LAMP]), 1e-5, "beside it");
 }
 
+/// Of a back, even where it would mirror; where a shape is lit from both sides it is as its front; and what is behind the
+/// light takes none away.
 #[test]
-fn something_behind_the_light_casts_no_shadow() {
+fn a_back_is_ambient_and_nothing_behind_a_light_shades() {
+    let wall = |material| wall(50.0, 0.0, material);
+    let away = |wall| with(wall, "normal", -1);
     let beyond = sphere([2.0, 4.0, 6.0], 0.5, MATTE.json());
-    let shapes = [wall(50.0, 0.0, MATTE.json()), beyond];
-    let film = image(&scene(0, &EYE.json(), &[LAMP.json()], &shapes));
-    let (x, y) = MIDDLE;
-    assert_near(pixel(&film, x, y), on_wall(x, y, MATTE, &[LAMP]), 1e-5, "lit");
-}
-
-#[test]
-fn a_back_shows_its_ambient_light_alone_even_where_it_would_mirror() {
-    let material = with(MATTE.json(), "kr", 0.5);
-    let away = with(wall(50.0, 0.0, material), "normal", -1);
-    let bright = with(wall(50.0, 9.0, MATTE.json()), "sides", "both");
-    let film = image(&scene(3, &EYE.json(), &[LAMP.json()], &[away, bright]));
-    for (x, y) in PIXELS {
-        assert_near(pixel(&film, x, y), times(MATTE.color, AMBIENT), 1e-7, "the back");
-    }
-}
-
-#[test]
-fn both_sides_are_lit_where_a_shape_asks_for_it() {
-    let back = with(wall(50.0, 0.0, MATTE.json()), "normal", -1);
-    let film = image(&scene(0, &EYE.json(), &[LAMP.json()], &[with(back, "sides", "both")]));
-    for (x, y) in PIXELS {
-        assert_near(pixel(&film, x, y), on_wall(x, y, MATTE, &[LAMP]), 1e-5, "the back");
+    let bright = with(crate::support::wall(50.0, 9.0, MATTE.json()), "sides", "both");
+    let two_sided = with(away(wall(MATTE.json())), "sides", "both");
+    for (what, bounces, shapes, is_lit) in [
+        ("behind the light", 0, vec![wall(MATTE.json()), beyond], true),
+        ("a back", 3, vec![away(wall(with(MATTE.json(), "kr", 0.5))), bright], false),
+        ("both sides", 0, vec![two_sided], true),
+    ] {
+        let film = image(&scene(bounces, &EYE.json(), &[LAMP.json()], &shapes));
+        for (x, y) in PIXELS {
+            let (lit, ambient) = (on_wall(x, y, MATTE, &[LAMP]), times(MATTE.color, AMBIENT));
+            let (expected, tolerance) = if is_lit { (lit, 1e-5) } else { (ambient, 1e-7) };
+            assert_near(pixel(&film, x, y), expected, tolerance, what);
+        }
     }
 }
 

@@ -1,15 +1,13 @@
 //! Textures, transforms, sides of surfaces and units of length.
 
-use std::path::Path;
-
 use serde_json::{Value, json};
 use wavecrest_core::film::Film;
-use wavecrest_image::write::{Transfer, write};
+use wavecrest_scene::systems::Options;
 
 use super::Eye;
 use crate::support::{
-    BACKGROUND, assert_near, folder, image, image_of, matte, pixel, point_light, scene, sphere,
-    try_prepare, wall, with,
+    BACKGROUND, assert_near, difference, folder, image, image_of, matte, pixel, plain, point_light,
+    prepare_in, put_image, scene, sphere, wall, with,
 };
 
 const EYE: Eye = Eye { size: [21, 21], fov: 40.0, distance: 5.0 };
@@ -20,28 +18,14 @@ const BLUE: [f64; 3] = [0.0, 0.0, 1.0];
 /// As eighths of 255 would be rounded in 8 bits; a transfer curve would make it 0.21.
 const GREY: [f64; 3] = [128.0 / 255.0; 3];
 
-/// Writes a picture of four texels: red and green above, blue and grey below.
-fn write_texture(folder: &Path) {
-    let texels = [RED, GREEN, BLUE, GREY].map(|color| color.map(|value| value as f32));
-    let film = Film::from_pixels(2, 2, texels.to_vec()).expect("a film");
-    write(&film, &folder.join("four.png"), Transfer::Linear).expect("a file");
-}
-
-/// A scene of shapes that show their own colour or texture, whatever lights them.
-fn plain(camera: &Value, shapes: &[Value]) -> Value {
-    let mut scene = scene(0, camera, &[point_light(0.0, [0.0, 0.0, 9.0], [1.0; 3])], shapes);
-    scene["scene"]["ambient"] = 1.0.into();
-    scene
-}
-
-/// The image of a shape that wears the four texels.
+/// The image of a shape that wears four texels: red and green above, blue and grey below.
 fn textured(shape: Value, camera: &Value) -> Film {
     let folder = folder();
-    write_texture(folder.path());
+    let texels = [RED, GREEN, BLUE, GREY].map(|color| color.map(|value| value as f32));
+    put_image(folder.path(), "four.png", [2, 2], |x, y| texels[(2 * y + x) as usize]);
     let shape = with(with(shape, "texture", "four.png"), "filter", "nearest");
-    let scene = plain(camera, &[with(shape, "material", matte(0.5, [0.3, 0.2, 0.1]))]);
-    let prepared = try_prepare(&scene, &folder.path().join("scene.json"));
-    image_of(&prepared.unwrap_or_else(|error| panic!("{error}")), 0)
+    let scene = plain(0, camera, &[with(shape, "material", matte(0.5, [0.3, 0.2, 0.1]))]);
+    image_of(&prepare_in(folder.path(), &scene, Options::default()), 0)
 }
 
 #[track_caller]
@@ -242,11 +226,7 @@ fn a_mirrored_shape_keeps_its_front() {
         let found = lit(with(shape.clone(), "transform", json!({"scale": [-1, 1, 1]})));
         assert!(is_lit(&found), "{}", shape["type"]);
         let expected = lit(direct);
-        for y in 0..21 {
-            for x in 0..21 {
-                assert_near(pixel(&found, x, y), pixel(&expected, x, y), 1e-6, "mirrored");
-            }
-        }
+        assert!(difference(&found, &expected) <= 1e-6, "mirrored");
         // Mirrored through the plane that it lies in, its front is behind.
         let inward = lit(with(shape, "transform", json!({"scale": [1, 1, -1]})));
         assert!(!is_lit(&inward));

@@ -8,26 +8,21 @@ use wavecrest_base::error::Error;
 use wavecrest_core::kernels::precision::Precision;
 use wavecrest_core::prepared::PreparedScene;
 use wavecrest_core::render::RenderOptions;
+use wavecrest_core::tile::Tile;
 use wavecrest_image::farm::merge::merge;
 use wavecrest_image::farm::part::Reader;
-use wavecrest_image::farm::{Author, Session};
-use wavecrest_scene::load::{LoadOptions, load_str};
-use wavecrest_scene::systems::{self, Options};
+use wavecrest_scene::systems::Options;
 
-use super::{checkpoint, no_warning, shard};
+use super::{EndAfter, begin, checkpoint, no_warning, shard, write_part, write_parts};
 use crate::parts::ball;
-use crate::support::{folder, options, prepare, repository};
+use crate::support::{edited, folder, options, prepare, prepare_in, put, repository};
+use crate::transcript;
 
 /// A folder with the parts `1.part` and `2.part` of a small image, and their paths.
-fn two_parts() -> (TempDir, [PathBuf; 2]) {
+fn two_parts() -> (TempDir, Vec<PathBuf>) {
     let folder = folder();
-    let scene = prepare(&ball([20, 12], 1));
-    let files = [1, 2].map(|number| {
-        let file = folder.path().join(format!("{number}.part"));
-        super::write_part(&scene, shard(number, 2), &file);
-        file
-    });
-    (folder, files)
+    let parts = write_parts(&prepare(&ball([20, 12], 1)), &options(), 2, folder.path());
+    (folder, parts)
 }
 
 /// What reading all of a part comes to.
@@ -42,18 +37,18 @@ fn read(file: &Path) -> Result<usize, Error> {
 
 fn refused(bytes: &[u8], what: &str) -> String {
     let folder = folder();
-    let file = folder.path().join("bad.part");
-    std::fs::write(&file, bytes).expect("a file");
-    let error = read(&file).expect_err(what).to_string();
-    assert!(error.contains("bad.part: "), "{what}: {error}");
-    error
+    put(folder.path(), "bad.part", bytes);
+    let error = read(&folder.path().join("bad.part")).expect_err(what).to_string();
+    let within = error.replace(&format!("{}/", folder.path().display()), "");
+    assert!(within.starts_with("bad.part: "), "{what}: {error}");
+    within
 }
 
 #[test]
 fn a_part_with_any_byte_changed_is_refused() {
-    let (_folder, [one, _]) = two_parts();
-    let bytes = std::fs::read(&one).expect("a part");
-    assert!(read(&one).expect("it is sound") > 1);
+    let (_folder, parts) = two_parts();
+    let bytes = std::fs::read(&parts[0]).expect("a part");
+    assert!(read(&parts[0]).expect("it is sound") > 1);
     for at in 0..bytes.len() {
         // All of the header and of what surrounds units, and some of the sums.
         if at > 1500 && at % 7 != 0 {
@@ -67,141 +62,92 @@ fn a_part_with_any_byte_changed_is_refused() {
 
 #[test]
 fn a_part_of_the_wrong_length_is_refused() {
-    let (_folder, [one, _]) = two_parts();
-    let bytes = std::fs::read(&one).expect("a part");
+    let (_folder, parts) = two_parts();
+    let bytes = std::fs::read(&parts[0]).expect("a part");
     for length in (0..bytes.len()).step_by(13).chain([bytes.len() - 1]) {
         refused(&bytes[..length], &format!("{length} bytes"));
     }
     let long = refused(&[&bytes[..], b"x"].concat(), "a byte more");
     assert!(long.contains("the part is damaged: there is more after its last unit"), "{long}");
-}
-
-#[test]
-fn a_file_that_is_not_a_part_is_refused() {
-    let text = refused(b"P6\n16 12\n255\nno part at all, but an image", "an image");
-    assert!(
-        text.ends_with(
-            "bad.part: this is not a part of a render; \
-             use a file that wavecrest wrote with --shard or --checkpoint"
-        ),
-        "{text}"
-    );
-    let newer = [&b"WAVEPART"[..], &7u32.to_le_bytes(), &[0; 40]].concat();
-    let text = refused(&newer, "a newer one");
-    assert!(text.contains("the part has another format version, found 7"), "{text}");
-    // A length that the file does not have is not believed.
-    let claims = [&b"WAVEPART"[..], &1u32.to_le_bytes(), &u32::MAX.to_le_bytes(), &[0; 40]];
-    let text = refused(&claims.concat(), "claims");
-    assert!(text.contains("its header is too long"), "{text}");
     let error = read(folder().path()).expect_err("a folder").to_string();
     assert!(error.contains("cannot read the part"), "{error}");
 }
 
-/// A header that is whole, and speaks of what cannot be or of an image that the file does not hold.
+/// The length of the header of a part, and where it begins.
+const START: usize = 16;
+fn header_length(part: &[u8]) -> usize {
+    u32::from_le_bytes(part[12..START].try_into().expect("four bytes")) as usize
+}
+
+/// The beginning of a part: its mark, the version of its format, and the length of its header.
+fn start(version: u32, length: u32) -> Vec<u8> {
+    [&b"WAVEPART"[..], &version.to_le_bytes(), &length.to_le_bytes()].concat()
+}
+
+/// `header` is a sound header without units, edited as the lines say; it is of an image that the file does not hold.
 #[test]
-fn a_header_that_claims_too_much_sets_no_memory_aside() {
-    let (_folder, [one, _]) = two_parts();
-    let bytes = std::fs::read(&one).expect("a part");
-    let length = u32::from_le_bytes(bytes[12..16].try_into().expect("four bytes")) as usize;
-    let header: Value = serde_json::from_slice(&bytes[16..16 + length]).expect("JSON");
-    let with = |changes: &[(&str, Value)]| {
-        let mut header = header.clone();
-        header["units"] = json!(0);
-        for (place, value) in changes {
-            *header.pointer_mut(place).expect("it is there") = value.clone();
+fn what_is_no_part_or_claims_too_much_is_refused_and_sets_no_memory_aside() {
+    let (_folder, parts) = two_parts();
+    let bytes = std::fs::read(&parts[0]).expect("a part");
+    let end = START + header_length(&bytes);
+    let header: Value = serde_json::from_slice(&bytes[START..end]).expect("JSON");
+    transcript::check("files-of-parts", |input, more| {
+        match input.split(' ').collect::<Vec<_>>()[..] {
+            ["content"] => refused(more.as_bytes(), input),
+            ["start", version, length] => {
+                let number = |text: &str| text.parse().expect("a number");
+                refused(&[start(number(version), number(length)), vec![0; 40]].concat(), input)
+            }
+            [kind] => {
+                let json = edited(edited(header.clone(), "/units 0"), more).to_string();
+                let mut part = start(1, json.len() as u32);
+                part.extend(json.as_bytes());
+                let hash = xxhash_rust::xxh3::xxh3_64_with_seed(&part, 0);
+                part.extend(hash.to_le_bytes());
+                if kind == "header" {
+                    return refused(&part, input);
+                }
+                let folder = folder();
+                put(folder.path(), "large.part", part);
+                merge(&[folder.path().join("large.part")]).expect_err(input).to_string()
+            }
+            _ => panic!("{input}"),
         }
-        let json = header.to_string();
-        let mut start = b"WAVEPART\x01\0\0\0".to_vec();
-        start.extend((json.len() as u32).to_le_bytes());
-        start.extend(json.as_bytes());
-        let hash = xxhash_rust::xxh3::xxh3_64_with_seed(&start, 0);
-        start.extend(hash.to_le_bytes());
-        start
-    };
-    for (changes, told) in [
-        (vec![("/identity/image", json!([0, 12]))], "identity.image"),
-        (vec![("/identity/image", json!([1 << 20, 1 << 20]))], "identity.image"),
-        (vec![("/identity/window", json!([0, 0, 21, 12]))], "identity.window"),
-        (vec![("/identity/window", json!([0, 0, 0, 12]))], "identity.window"),
-        (vec![("/identity/window", json!([u32::MAX, 0, u32::MAX, 12]))], "identity.window"),
-        (vec![("/identity/samples", json!(0))], "identity.samples"),
-        (vec![("/identity/edge", json!(0))], "identity.edge"),
-        (vec![("/identity/edge", json!(1 << 30))], "identity.edge"),
-        (vec![("/units", json!(u64::MAX))], "it is cut short"),
-        (vec![("/identity/seed", json!("seven"))], "the header is malformed"),
-    ] {
-        let text = refused(&with(&changes), told);
-        assert!(text.contains(told), "{text}");
-    }
-    // A large image that is sound in itself, without a unit.
-    let large = [
-        ("/identity/image", json!([16384, 16384])),
-        ("/identity/window", json!([0, 0, 16384, 16384])),
-        ("/shard", json!(null)),
-    ];
-    let folder = folder();
-    let file = folder.path().join("large.part");
-    std::fs::write(&file, with(&large)).expect("a file");
-    let length = file.metadata().expect("a file").len();
-    let error = merge(&[file]).expect_err("nothing is there").to_string();
-    assert_eq!(
-        error,
-        format!(
-            "the parts do not make a whole image, found {length} bytes of parts for 268435456 pixels; \
-             render what is missing and merge again"
-        )
-    );
+    });
 }
 
 #[test]
 fn missing_shards_are_named() {
     let folder = folder();
-    let scene = prepare(&ball([40, 40], 1));
-    let parts: Vec<PathBuf> = (1..=5)
-        .map(|number| {
-            let file = folder.path().join(format!("{number}.part"));
-            super::write_part(&scene, shard(number, 5), &file);
-            file
-        })
-        .collect();
-    let told = |parts: &[PathBuf]| merge(parts).expect_err("a gap").to_string();
-    assert_eq!(
-        told(&[&parts[..1], &parts[2..4]].concat()),
-        "shards 2/5, 5/5 are missing; render them with --shard, or add their files, and merge again"
-    );
-    assert_eq!(
-        told(&[parts[0].clone(), parts[0].clone()]),
-        "shards 2/5, 3/5, 4/5, 5/5 are missing; render them with --shard, or add their files, and \
-         merge again"
-    );
+    let parts = write_parts(&prepare(&ball([40, 40], 1)), &options(), 5, folder.path());
+    let told = |numbers: &[usize]| {
+        let given: Vec<PathBuf> = numbers.iter().map(|i| parts[i - 1].clone()).collect();
+        merge(&given).expect_err("a gap").to_string()
+    };
+    let remedy = "render them with --shard, or add their files, and merge again";
+    assert_eq!(told(&[1, 3, 4]), format!("shards 2/5, 5/5 are missing; {remedy}"));
+    assert_eq!(told(&[1, 1]), format!("shards 2/5, 3/5, 4/5, 5/5 are missing; {remedy}"));
 }
 
 /// The checkpoint of a render that was ended is a part with gaps.
 #[test]
 fn unfinished_parts_are_refused_with_their_place() {
     let folder = folder();
-    let scene = prepare(&ball([80, 80], 1));
+    let (scene, options) = (prepare(&ball([80, 80], 1)), options());
     let kept = checkpoint(&folder.path().join("a.kept"), false);
-    let options = options();
-    let session = Session::begin(&scene, options, Author::default(), None, Some(kept.clone()));
-    let session = session.expect("a session");
-    session.render(&super::EndAfter::new(99), &no_warning).expect("a part");
+    let session = begin(&scene, &options, None, Some(&kept)).expect("a session");
+    session.render(&EndAfter::new(99), &no_warning).expect("a part");
     let error = merge(&[kept.file]).expect_err("a gap").to_string();
-    assert!(
-        error.starts_with(
-            "the parts do not make a whole image, found 1 tiles missing, the first at "
-        ),
-        "{error}"
-    );
+    let words = "the parts do not make a whole image, found 1 tiles missing, the first at ";
+    assert!(error.starts_with(words), "{error}");
 }
 
 /// Two parts that say the same of themselves and not the same of a tile: one of the machines errs.
 #[test]
 fn parts_that_differ_where_they_overlap_are_refused() {
-    let (folder, [one, two]) = two_parts();
-    let mut bytes = std::fs::read(&one).expect("a part");
-    let length = u32::from_le_bytes(bytes[12..16].try_into().expect("four bytes")) as usize;
-    let header = 16 + length;
+    let (folder, parts) = two_parts();
+    let mut bytes = std::fs::read(&parts[0]).expect("a part");
+    let header = START + header_length(&bytes);
     let seed = u64::from_le_bytes(bytes[header..header + 8].try_into().expect("eight bytes"));
     // The first unit: numbers, sums, hash; the part has another last bit, and a hash that fits.
     let start = header + 8;
@@ -211,75 +157,22 @@ fn parts_that_differ_where_they_overlap_are_refused() {
     bytes[end..end + 8].copy_from_slice(&hash.to_le_bytes());
     let other = folder.path().join("other.part");
     std::fs::write(&other, bytes).expect("a file");
-    let error = merge(&[one.clone(), other.clone(), two]).expect_err("they differ").to_string();
-    assert_eq!(
-        error,
-        format!(
-            "{}: tile at 0,0: it differs from {}; remove one of the two, or render both again",
-            other.display(),
-            one.display()
-        )
-    );
+    let all = [parts[0].clone(), other.clone(), parts[1].clone()];
+    let error = merge(&all).expect_err("they differ").to_string();
+    let (other, one) = (other.display(), parts[0].display());
+    let words = "remove one of the two, or render both again";
+    assert_eq!(error, format!("{other}: tile at 0,0: it differs from {one}; {words}"));
 }
 
 #[test]
 fn parts_that_were_cut_in_another_way_are_refused_where_they_overlap() {
     let folder = folder();
     let scene = prepare(&ball([8, 8], 29));
-    let name = |name: &str| folder.path().join(name);
-    super::write_part(&scene, shard(1, 1), &name("whole.part"));
-    super::write_part(&scene, shard(2, 3), &name("second.part"));
-    let error = merge(&[name("whole.part"), name("second.part")]).expect_err("they overlap");
-    let text = error.to_string();
+    let [whole, second] = ["whole.part", "second.part"].map(|name| folder.path().join(name));
+    write_part(&scene, &options(), shard(1, 1), &whole);
+    write_part(&scene, &options(), shard(2, 3), &second);
+    let text = merge(&[whole, second]).expect_err("they overlap").to_string();
     assert!(text.contains("second.part: tile at 0,0: it overlaps "), "{text}");
-}
-
-/// A part of the render of a scene with these changes.
-struct Stranger {
-    scene: PreparedScene,
-    options: RenderOptions,
-}
-
-/// Renders that differ in one thing from that of [`strangers_scene`], and what is told of it.
-fn strangers() -> Vec<(&'static str, Stranger)> {
-    let changed = |change: &dyn Fn(&mut Value)| {
-        let mut scene = strangers_scene();
-        change(&mut scene);
-        Stranger { scene: prepare(&scene), options: options() }
-    };
-    let set = |place: &'static str, value: Value| {
-        changed(&|scene: &mut Value| {
-            *scene.pointer_mut(place).expect("it is there") = value.clone();
-        })
-    };
-    let fast = {
-        let text = strangers_scene().to_string();
-        let loaded = load_str(&text, &repository("test.json"), &LoadOptions::default());
-        let loaded = loaded.expect("a scene");
-        let options = Options { precision: Precision::Fast, ..Options::default() };
-        let extracted = systems::extract(loaded.world, options);
-        extracted.expect("a scene").build(wavecrest_core::accel::build::Preset::Fast)
-    };
-    let crop = wavecrest_core::tile::Tile { x: 2, y: 1, width: 9, height: 8 };
-    let usual = || prepare(&strangers_scene());
-    vec![
-        ("seed", Stranger { scene: usual(), options: RenderOptions { seed: 5, ..options() } }),
-        (
-            "part of the image",
-            Stranger { scene: usual(), options: RenderOptions { crop: Some(crop), ..options() } },
-        ),
-        ("precision", Stranger { scene: fast, options: options() }),
-        ("image size", set("/camera/width", json!(24))),
-        ("number of samples per pixel", set("/camera/antialias", json!(2))),
-        ("camera", set("/camera/fov", json!(41.0))),
-        ("geometry", set("/scene/shapes/0/radius", json!(1.01))),
-        ("geometry", set("/scene/shapes/2/points/1/0", json!(0.01))),
-        ("texture", set("/scene/shapes/1/texture", json!("textures/bricks.png"))),
-        ("look", set("/scene/shapes/0/material/kd", json!(0.71))),
-        ("look", set("/scene/lightsources/0/intensity", json!(41.0))),
-        ("look", set("/scene/backgroundcolor/1", json!(0.3))),
-        ("look", set("/nbounces", json!(2))),
-    ]
 }
 
 /// A ball, a wall with a texture, and a mesh.
@@ -295,57 +188,46 @@ fn strangers_scene() -> Value {
     scene
 }
 
+/// What is said of a part, and of a checkpoint, of a render that differs in one thing from that of [`strangers_scene`]:
+/// in its scene, edited as the lines say, or as the input says.
 #[test]
-fn parts_of_another_image_are_refused_with_the_difference() {
+fn parts_and_checkpoints_of_another_image_are_refused_with_the_difference() {
     let folder = folder();
-    let name = |name: &str| folder.path().join(name);
-    super::write_part(&prepare(&strangers_scene()), shard(1, 2), &name("1.part"));
-    for (what, Stranger { scene, options }) in strangers() {
-        let author = Author::default();
-        let session = Session::begin(&scene, options, author, Some(shard(2, 2)), None);
-        let session = session.expect("a session");
-        session.render_units(&(), &no_warning).expect("units");
-        session.write(&name("2.part")).expect("a part");
-        let told = merge(&[name("1.part"), name("2.part")]).expect_err(what).to_string();
-        assert!(told.contains(&format!("2.part: the {what}")), "{what}: {told}");
-        assert!(told.contains(" differs from that of ") && told.contains("1.part"), "{told}");
-    }
-}
-
-#[test]
-fn checkpoints_of_another_render_are_refused_with_the_difference() {
-    let folder = folder();
-    let kept = checkpoint(&folder.path().join("a.kept"), false);
-    let scene = prepare(&strangers_scene());
-    let begin = |scene: &PreparedScene, options: &RenderOptions, resume: bool| {
-        let kept = checkpoint(&kept.file, resume);
-        let session = Session::begin(scene, *options, Author::default(), None, Some(kept.clone()));
-        session.map(|session| session.render(&(), &no_warning).map(drop)).map(drop)
+    let [one, two, kept] = ["1.part", "2.part", "a.kept"].map(|name| folder.path().join(name));
+    let usual = prepare(&strangers_scene());
+    write_part(&usual, &options(), shard(1, 2), &one);
+    let keep = |scene: &PreparedScene, options: &RenderOptions, resume| {
+        let kept = checkpoint(&kept, resume);
+        let session = begin(scene, options, None, Some(&kept))?;
+        session.render(&(), &no_warning).map(drop)
     };
-    begin(&scene, &options(), false).expect("it is kept");
-    begin(&scene, &options(), true).expect("it goes on");
-    let before = std::fs::read(&kept.file).expect("a checkpoint");
-    for (what, Stranger { scene, options }) in strangers() {
-        let told = begin(&scene, &options, true).expect_err(what).to_string();
-        assert!(
-            told.contains(&format!("the {what}"))
-                && told.contains(" differs from that of the checkpoint"),
-            "{told}"
-        );
-        assert!(told.contains("a.kept: "), "{told}");
-    }
-    let told = begin(&scene, &options(), false).expect_err("it is there").to_string();
-    assert!(told.ends_with(
-        "a.kept: the checkpoint exists already; resume from it with --resume, or remove it"
-    ));
-    let options = options();
-    let kept = checkpoint(&kept.file, true);
-    let other =
-        Session::begin(&scene, options, Author::default(), Some(shard(1, 2)), Some(kept.clone()));
+    keep(&usual, &options(), false).expect("it is kept");
+    keep(&usual, &options(), true).expect("it goes on");
+    let before = std::fs::read(&kept).expect("a checkpoint");
+    let crop = Some(Tile { x: 2, y: 1, width: 9, height: 8 });
+    let within = |told: String| told.replace(&format!("{}/", folder.path().display()), "");
+    transcript::check("strangers", |input, changes| {
+        let precision = if input == "fast" { Precision::Fast } else { Precision::Exact };
+        let scene = edited(strangers_scene(), changes);
+        let by = Options { precision, ..Options::default() };
+        let scene = prepare_in(&repository(""), &scene, by);
+        let options = match input {
+            "seed" => RenderOptions { seed: 5, ..options() },
+            "crop" => RenderOptions { crop, ..options() },
+            _ => options(),
+        };
+        write_part(&scene, &options, shard(2, 2), &two);
+        let part = merge(&[one.clone(), two.clone()]).expect_err(input).to_string();
+        let checkpoint = keep(&scene, &options, true).expect_err(input).to_string();
+        within(format!("{part}\n{checkpoint}"))
+    });
+    let told = keep(&usual, &options(), false).expect_err("it is there").to_string();
+    let words = "a.kept: the checkpoint exists already; resume from it with --resume, or remove it";
+    assert_eq!(within(told), words);
+    let (options, again) = (options(), checkpoint(&kept, true));
+    let other = begin(&usual, &options, Some(shard(1, 2)), Some(&again));
     let told = other.map(drop).expect_err("another share").to_string();
-    assert!(
-        told.contains("the checkpoint belongs to another shard, found the whole image"),
-        "{told}"
-    );
-    assert_eq!(std::fs::read(&kept.file).expect("a checkpoint"), before);
+    let words = "the checkpoint belongs to another shard, found the whole image";
+    assert!(told.contains(words), "{told}");
+    assert_eq!(std::fs::read(&kept).expect("a checkpoint"), before);
 }

@@ -6,21 +6,23 @@ use wavecrest_scene::components::{AreaLight, Hidden, InstanceOf, Mesh, Order, Vi
 use wavecrest_scene::load::{LoadOptions, load};
 
 use super::{File, SQUARE, image, loaded, rendered, small, square};
-use crate::support::{assert_near, folder, pixel, repository};
+use crate::support::{assert_near, difference, folder, pixel, put, repository};
 
 #[test]
 fn all_forms_of_a_file_are_one_scene() {
     let file = square();
     let expected = image(&file);
     let folder = folder();
-    let at = |name: &str| folder.path().join(name);
-    std::fs::write(at("a b.bin"), &file.bytes).expect("a file");
-    std::fs::write(at("outside.gltf"), file.text("a%20b.bin")).expect("a file");
-    std::fs::write(at("inside.GLTF"), file.embedded()).expect("a file");
-    std::fs::write(at("binary.glb"), file.glb()).expect("a file");
-    std::fs::write(at("binary.scene"), file.glb()).expect("a file");
-    for name in ["outside.gltf", "inside.GLTF", "binary.glb", "binary.scene"] {
-        assert!(rendered(load(&at(name), &small())).same_bits(&expected), "{name}");
+    put(folder.path(), "a b.bin", &file.bytes);
+    for (name, content) in [
+        ("outside.gltf", file.text("a%20b.bin").into_bytes()),
+        ("inside.GLTF", file.embedded().into_bytes()),
+        ("binary.glb", file.glb()),
+        ("binary.scene", file.glb()),
+    ] {
+        put(folder.path(), name, content);
+        let found = rendered(load(&folder.path().join(name), &small()));
+        assert!(found.same_bits(&expected), "{name}");
     }
 }
 
@@ -59,9 +61,7 @@ fn every_way_to_write_a_square_is_that_square() {
             parts["material"] = 0.into();
             let film = image(&file.with(primitive, parts.clone()));
             // Other triangles round in another way.
-            let near = film.pixels().iter().zip(expected.pixels());
-            let worst =
-                near.flat_map(|(a, b)| (0..3).map(|k| (a[k] - b[k]).abs())).fold(0.0, f32::max);
+            let worst = difference(&film, &expected);
             assert!(worst < 1e-3, "mode {mode}, {parts}: {worst}");
         }
     }
@@ -125,8 +125,7 @@ fn transforms_of_nodes_are_nested() {
         glam::Mat4::from_scale_rotation_translation(scale, turn, Vec3::new(0.5, -0.5, 0.125));
     whole.json["nodes"][0] = json!({"mesh": 0, "matrix": matrix.to_cols_array()});
     let (parts, whole) = (image(&parts), image(&whole));
-    let worst = parts.pixels().iter().flatten().zip(whole.pixels().iter().flatten());
-    assert!(worst.map(|(a, b)| (a - b).abs()).fold(0.0, f32::max) < 1e-2);
+    assert!(difference(&parts, &whole) < 1e-2);
     assert!(!parts.same_bits(&image(&square())));
     // A front that is mirrored is a front still: single-sided surfaces are lit.
     assert!(pixel(&parts, 15, 11)[0] > 0.3, "{:?}", pixel(&parts, 15, 11));

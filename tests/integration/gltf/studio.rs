@@ -1,7 +1,6 @@
 //! Files whose lights do not light them get a studio, and so does any on request.
 
 use serde_json::json;
-use wavecrest_core::accel::build::Preset;
 use wavecrest_scene::components::{AreaLight, DirectionalLight, PointLight};
 use wavecrest_scene::load::LoadOptions;
 use wavecrest_scene::load::lighting::{Lighting, Rig};
@@ -9,6 +8,7 @@ use wavecrest_scene::load::load_gltf as load_bytes;
 use wavecrest_scene::systems;
 
 use super::{File, loaded, small, square};
+use crate::support::ready;
 
 /// The numbers of lamps of the studio, of point lights and of emissive meshes; and the note.
 fn lights(file: &File, rig: Option<Rig>) -> ([usize; 3], String) {
@@ -66,11 +66,10 @@ fn lights_on_request_replace_those_of_the_file_but_not_its_emission() {
 #[test]
 fn an_empty_image_is_told_with_the_reason() {
     let told = |file: &File| {
-        let loaded = loaded(file).expect("it is right");
-        let extracted = systems::extract(loaded.world, Default::default()).expect("a scene");
-        let scene = extracted.build(Preset::Fast);
-        let found = systems::warnings(&scene, "a.glb".as_ref());
-        loaded.warnings.iter().chain(&found).map(|w| format!("{w}\n")).collect::<String>()
+        let mut loaded = loaded(file).expect("it is right");
+        let warnings = std::mem::take(&mut loaded.warnings);
+        let found = systems::warnings(&ready(Ok(loaded)), "a.glb".as_ref());
+        warnings.iter().chain(&found).map(|w| format!("{w}\n")).collect::<String>()
     };
     assert_eq!(told(&square()), "");
     let mut away = square();

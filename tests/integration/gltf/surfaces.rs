@@ -7,7 +7,7 @@ use wavecrest_scene::components::AreaLight;
 use super::converted::converted;
 use super::images::png;
 use super::{File, SQUARE_UVS, image, loaded, rendered, square};
-use crate::support::{assert_near, folder, pixel};
+use crate::support::{assert_near, difference, folder, pixel, put};
 
 /// The square in this material, with a texture all of one colour.
 fn mapped(texel: [u8; 3], material: Value) -> File {
@@ -34,12 +34,6 @@ fn own(more: Value) -> Value {
 
 fn middle(film: &Film) -> [f64; 3] {
     pixel(film, 12, 9)
-}
-
-/// As far as two films differ anywhere.
-fn difference(a: &Film, b: &Film) -> f32 {
-    let both = a.pixels().iter().flatten().zip(b.pixels().iter().flatten());
-    both.map(|(a, b)| (a - b).abs()).fold(0.0, f32::max)
 }
 
 /// Blue is metal and green is roughness, each times its factor; red is not looked at.
@@ -215,7 +209,7 @@ fn a_converted_file_keeps_its_maps() {
     file.node(json!({"mesh": 0, "translation": [0.4, 0.3, -1], "scale": [-1, 1.2, 0.8]}));
     let folder = folder();
     let path = folder.path().join("a.glb");
-    std::fs::write(&path, file.glb()).expect("a file");
+    put(folder.path(), "a.glb", file.glb());
     let (film, json) = converted(&path);
     assert!(film.same_bits(&rendered(loaded(&file))));
     for key in ["emissionmap", "metalmap", "occlusionmap", "normalmap", "uvtransform"] {

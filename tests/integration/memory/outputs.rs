@@ -2,9 +2,7 @@
 
 use std::path::Path;
 
-use serde_json::Value;
-
-use crate::support::{folder, matte, pinhole, scene, wall, wavecrest};
+use crate::support::{folder, json_in, matte, pinhole, put, run, run_well, scene, text, wall};
 
 /// What an option may take beyond its estimate: pages of the allocator, and the bands of a pass over the camera rays.
 const SLACK: f64 = 8e6;
@@ -13,14 +11,10 @@ const TRIANGLE: &str = "v 0 0 0\nv 1 0 0\nv 0 1 1\nf 1 2 3\n";
 
 /// The estimated and the measured peak of a render.
 fn peaks(folder: &Path, options: &[&str]) -> [f64; 2] {
-    let mut command = wavecrest(folder);
-    command.args(["s.json", "--stats", "stats.json", "-q"]).args(options);
-    if !options.contains(&"--threads") {
-        command.args(["--threads", "1"]);
-    }
-    command.assert().success();
-    let text = std::fs::read(folder.join("stats.json")).expect("statistics");
-    let stats: Value = serde_json::from_slice(&text).expect("JSON");
+    let threads: &[&str] = if options.contains(&"--threads") { &[] } else { &["--threads", "1"] };
+    let arguments = ["s.json", "--stats", "stats.json", "-q"];
+    run_well(folder, &[&arguments[..], options, threads].concat());
+    let stats = json_in(folder, "stats.json");
     ["predicted", "peak"].map(|key| stats["memory"][key].as_f64().expect(key))
 }
 
@@ -29,7 +23,7 @@ fn what_is_written_is_in_the_estimate() {
     let folder = folder();
     let wall = wall(4.0, -2.0, matte(0.8, [0.2, 0.4, 0.9]));
     let dark = scene(0, &pinhole([2000, 1000], 40.0, 5.0), &[], &[wall]);
-    std::fs::write(folder.path().join("s.json"), dark.to_string()).expect("a file");
+    put(folder.path(), "s.json", dark.to_string());
     let [least, usual] = peaks(folder.path(), &["o.ppm"]);
     for options in [
         &["o.exr"][..],
@@ -44,11 +38,8 @@ fn what_is_written_is_in_the_estimate() {
     ] {
         let [estimated, peak] = peaks(folder.path(), options);
         let (estimated, more) = (estimated - least, peak - usual);
-        assert!(more <= estimated + SLACK, "{options:?}: {more} bytes, {estimated} estimated");
-        assert!(
-            more >= estimated * 0.3 - SLACK,
-            "{options:?}: {more} bytes, {estimated} estimated"
-        );
+        let is_near = more <= estimated + SLACK && more >= estimated * 0.3 - SLACK;
+        assert!(is_near, "{options:?}: {more} bytes, {estimated} estimated");
         assert!(estimated > SLACK || options.contains(&"--crop"), "{options:?}: {estimated}");
     }
 }
@@ -56,15 +47,13 @@ fn what_is_written_is_in_the_estimate() {
 #[test]
 fn outputs_that_need_more_than_is_allowed_are_refused() {
     let folder = folder();
-    std::fs::write(folder.path().join("t.obj"), TRIANGLE).expect("a file");
+    put(folder.path(), "t.obj", TRIANGLE);
     let sides = ["front"; 36].join(",");
     let told = |options: &[&str]| {
-        let size =
-            ["--width", "800", "--height", "600", "--lights", "none", "--threads", "1", "-q"];
-        let mut command = wavecrest(folder.path());
-        command.arg("t.obj").args(options).args(size).args(["--memory-limit", "60MB"]);
-        let found = command.output().expect("it runs");
-        (found.status.code(), String::from_utf8(found.stderr).expect("text"))
+        let size = ["t.obj", "--width", "800", "--height", "600", "--lights", "none"];
+        let limits = ["--threads", "1", "-q", "--memory-limit", "60MB"];
+        let found = run(folder.path(), &[&size[..], &limits, options].concat());
+        (found.status.code(), text(&found.stderr).to_owned())
     };
     assert_eq!(told(&["plain.ppm"]), (Some(0), String::new()));
     for options in [

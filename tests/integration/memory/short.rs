@@ -8,7 +8,7 @@ use image::{ExtendedColorType, ImageEncoder as _};
 use serde_json::{Value, json};
 
 use super::knot_scene;
-use crate::support::{folder, matte, pinhole, point_light, scene, wall, wavecrest, with};
+use crate::support::{self, folder, matte, pinhole, point_light, put, scene, text, wall, with};
 
 /// A grey image of one brightness, of so many texels on a side.
 fn grey(side: u32, profile: Vec<u8>) -> Vec<u8> {
@@ -39,37 +39,36 @@ fn claiming(mut png: Vec<u8>, side: u32) -> Vec<u8> {
 
 /// A wall with a texture, as a scene file in `folder`.
 fn textured_wall(folder: &Path, png: &[u8]) {
-    std::fs::write(folder.join("t.png"), png).expect("a file");
+    put(folder, "t.png", png);
     let wall = with(wall(1.0, 0.0, matte(1.0, [1.0; 3])), "texture", "t.png");
     let light = point_light(50.0, [0.0, 0.0, 3.0], [1.0; 3]);
     let scene = scene(0, &pinhole([16, 16], 40.0, 3.0), &[light], &[wall]);
-    std::fs::write(folder.join("s.json"), scene.to_string()).expect("a file");
+    put(folder, "s.json", scene.to_string());
 }
 
 fn run(folder: &Path, arguments: &[&str]) -> (Option<i32>, String) {
-    let found = wavecrest(folder).args(arguments).output().expect("it runs");
-    (found.status.code(), String::from_utf8(found.stderr).expect("text"))
+    let found = support::run(folder, arguments);
+    (found.status.code(), text(&found.stderr).to_owned())
 }
 
 #[test]
 fn an_image_is_refused_by_the_size_in_its_head() {
     let folder = folder();
     textured_wall(folder.path(), &claiming(grey(8, Vec::new()), 60_000));
-    for command in [&["check", "s.json"][..], &["s.json", "o.png"]] {
+    let large = ["s.json: scene.shapes[0].texture: ", "t.png", "60000 x 60000", "14.4 GB"];
+    let empty = "has more texels than its file can hold, found 20000 x 20000";
+    let limited = ["--memory-limit", "200MB", "s.json", "o.png"];
+    for (side, command, told) in [
+        (60_000, &["check", "s.json"][..], &large[..]),
+        (60_000, &["s.json", "o.png"], &large),
+        (20_000, &["s.json", "o.png"], &[empty]),
+        (8000, &limited, &["the render needs more memory than 190.7 MiB"]),
+    ] {
+        textured_wall(folder.path(), &claiming(grey(8, Vec::new()), side));
         let (code, text) = run(folder.path(), command);
         assert_eq!(code, Some(2), "{text}");
-        for words in ["s.json: scene.shapes[0].texture: ", "t.png", "60000 x 60000", "14.4 GB"] {
-            assert!(text.contains(words), "{text}");
-        }
+        assert!(told.iter().all(|words| text.contains(words)), "{text}");
     }
-    textured_wall(folder.path(), &claiming(grey(8, Vec::new()), 20_000));
-    let (code, text) = run(folder.path(), &["s.json", "o.png"]);
-    assert_eq!(code, Some(2));
-    assert!(text.contains("has more texels than its file can hold, found 20000 x 20000"), "{text}");
-    textured_wall(folder.path(), &claiming(grey(8, Vec::new()), 8000));
-    let (code, text) = run(folder.path(), &["--memory-limit", "200MB", "s.json", "o.png"]);
-    assert_eq!(code, Some(2));
-    assert!(text.contains("the render needs more memory than 190.7 MiB"), "{text}");
 }
 
 /// Only the pixels of a crop have memory, 12 bytes each: the whole image has 256 million.
@@ -79,17 +78,16 @@ fn an_image_counts_as_far_as_it_is_rendered() {
     let wall = wall(1.0, 0.0, matte(1.0, [1.0; 3]));
     let light = point_light(10.0, [0.0, 0.0, 2.0], [1.0; 3]);
     let large = scene(0, &pinhole([16_000, 16_000], 40.0, 3.0), &[light], &[wall]);
-    std::fs::write(folder.path().join("s.json"), large.to_string()).expect("a file");
+    put(folder.path(), "s.json", large.to_string());
     let limited = |more: &[&str]| {
         run(folder.path(), &[&["-q", "--memory-limit", "200MB", "s.json", "o.png"], more].concat())
     };
-    let (code, text) = limited(&[]);
-    assert_eq!(code, Some(2), "{text}");
-    assert!(text.contains("the image 2.9 GiB"), "{text}");
+    for (crop, size) in [(&[][..], "2.9 GiB"), (&["--crop", "7000,7000,6000,6000"], "412.0 MiB")] {
+        let (code, text) = limited(crop);
+        assert_eq!(code, Some(2), "{text}");
+        assert!(text.contains(&format!("the image {size}")), "{text}");
+    }
     assert_eq!(limited(&["--crop", "7000,7000,64,64"]), (Some(0), String::new()));
-    let (code, text) = limited(&["--crop", "7000,7000,6000,6000"]);
-    assert_eq!(code, Some(2), "{text}");
-    assert!(text.contains("the image 412.0 MiB"), "{text}");
 }
 
 /// Its picture would be right if all of it were read.
@@ -97,7 +95,7 @@ fn an_image_counts_as_far_as_it_is_rendered() {
 fn textures_of_every_kind_of_file_count_before_they_are_decoded() {
     let folder = folder();
     let png = grey(2048, Vec::new());
-    std::fs::write(folder.path().join("t.png"), &png).expect("a file");
+    put(folder.path(), "t.png", &png);
     let data = base64::engine::general_purpose::STANDARD.encode(&png);
     let corners: Vec<u8> = [[-1.0_f32, -1.0, 0.0], [1.0, -1.0, 0.0], [0.0, 1.0, 0.0]]
         .as_flattened()
@@ -127,7 +125,7 @@ fn textures_of_every_kind_of_file_count_before_they_are_decoded() {
     let json = |wall: &Value| {
         scene(0, &pinhole([16, 16], 40.0, 3.0), &[], std::slice::from_ref(wall)).to_string()
     };
-    std::fs::write(folder.path().join("m.mtl"), "newmtl a\nmap_Kd t.png\n").expect("a file");
+    put(folder.path(), "m.mtl", "newmtl a\nmap_Kd t.png\n");
     for (name, text) in [
         ("a.json", json(&wall)),
         ("mask.json", json(&mask)),
@@ -135,13 +133,10 @@ fn textures_of_every_kind_of_file_count_before_they_are_decoded() {
         ("within.gltf", gltf(json!({"uri": format!("data:image/png;base64,{data}")}), "OPAQUE")),
         ("m.obj", obj.to_owned()),
     ] {
-        std::fs::write(folder.path().join(name), text).expect("a file");
+        put(folder.path(), name, text);
         let limited = |limit: &str| {
-            let size = ["--width", "16", "--height", "16"];
-            run(
-                folder.path(),
-                &[&size[..], &["-q", "--memory-limit", limit, name, "o.png"]].concat(),
-            )
+            let size = ["--width", "16", "--height", "16", "-q"];
+            run(folder.path(), &[&size[..], &["--memory-limit", limit, name, "o.png"]].concat())
         };
         // What lies between is what the image takes: 4.2 million texels of 4 bytes, and as much to decode it.
         let (code, text) = limited("32MB");

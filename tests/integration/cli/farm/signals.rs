@@ -7,9 +7,8 @@ use std::time::{Duration, Instant};
 use serde_json::json;
 use tempfile::TempDir;
 
-use super::super::film;
 use super::{bytes, files, folder, long, run_silently, text, with_scene};
-use crate::support::{matte, pinhole, point_light, scene};
+use crate::support::{film, matte, pinhole, point_light, put, scene};
 
 /// How long to wait for a file, at most: machines may be slow.
 const PATIENCE: Duration = Duration::from_secs(120);
@@ -60,7 +59,7 @@ const RENDER: [&str; 8] =
 fn a_signal_stops_a_render_that_resumes_to_the_same_bytes() {
     let (folder, usual) = with_long();
     let at = |name: &str| folder.path().join(name);
-    let whole = film(at("usual.exr"));
+    let whole = film(folder.path(), "usual.exr");
     for (signal, code) in [("INT", 130), ("TERM", 143)] {
         std::fs::remove_file(at("out.exr")).ok();
         let mut running = Running::start(folder.path(), &RENDER);
@@ -79,7 +78,7 @@ fn a_signal_stops_a_render_that_resumes_to_the_same_bytes() {
         let go_on = "; resume with --checkpoint kept --resume\n";
         assert!(rest.ends_with(go_on), "{told}");
         if rest.starts_with("out.exr has what was finished; the rest is black") {
-            let part = film(at("out.exr"));
+            let part = film(folder.path(), "out.exr");
             let pairs = || part.pixels().iter().zip(whole.pixels());
             assert!(pairs().all(|(a, b)| a == b || *a == [0.0; 3]), "black or as it will be");
             let same = pairs().filter(|(a, b)| a == b).count() as f64 / (64.0 * 64.0);
@@ -108,7 +107,7 @@ fn a_render_that_ends_while_its_tree_is_built_resumes_to_the_same_bytes() {
     let mesh = json!({"type": "trimesh", "file": "knot.ply", "material": matte(1.0, [0.5; 3])});
     let light = point_light(50.0, [3.0, 3.0, 5.0], [1.0; 3]);
     let knot = scene(0, &pinhole([256, 256], 40.0, 6.0), &[light], &[mesh]);
-    std::fs::write(folder.path().join("ball.json"), knot.to_string()).expect("a file");
+    put(folder.path(), "ball.json", knot.to_string());
     run_silently(folder.path(), &["ball.json", "usual.exr", "--bvh", "fast"]);
     let usual = bytes(folder.path(), "usual.exr");
     let on_demand = [&RENDER[..], &["--bvh", "on-demand"]].concat();
@@ -140,9 +139,9 @@ fn a_signal_leaves_an_older_image_as_it_is() {
             assert_eq!(bytes(folder.path(), "out.exr"), b"an older image");
         } else {
             assert!(told.contains(" %; out.exr has what was finished; "), "{told}");
-            film(at("out.exr"));
+            film(folder.path(), "out.exr");
         }
-        film(at("new.png"));
+        film(folder.path(), "new.png");
         std::fs::remove_file(at("new.png")).expect("it is there");
     }
 }
@@ -217,7 +216,7 @@ fn frames_before_a_signal_are_written_and_no_part_of_another() {
 fn an_animation_and_a_sheet_that_a_signal_ends_are_not_written() {
     let folder = with_scene("");
     let mesh = "v 0 0 0\nv 1 0 0\nv 0 1 1\nf 1 2 3\n";
-    std::fs::write(folder.path().join("t.obj"), mesh).expect("a file");
+    put(folder.path(), "t.obj", mesh);
     let sides = vec!["front"; 64].join(",");
     let cases: [(&str, &[&str]); 3] = [
         ("t.gif", &["--turntable", "400"]),
