@@ -222,24 +222,13 @@ impl Point {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::accuracy::store::Errors;
+    use crate::accuracy::store::tests::sample;
 
     #[test]
     fn a_round_with_less_of_the_processors_is_busy() {
         let point = |(seed, processor)| {
-            let error = Errors { mse: 0.1, relative_mse: 0.1, bias: 0.0, flip: 0.0 };
-            Record::Point(PointRecord {
-                scene: "a".to_owned(),
-                target: Target::Scene,
-                key: "exact".to_owned(),
-                seed,
-                seconds: 0.5,
-                yardstick: 0.0,
-                timing: Some(Timing { seconds: 0.5, processor: Some(processor) }),
-                passes: Vec::new(),
-                rays: 1,
-                error,
-            })
+            let timing = Some(Timing { seconds: 0.5, processor: Some(processor) });
+            Record::Point(PointRecord { timing, ..sample(seed) })
         };
         // Two settings in each round, of which another program disturbs the second of seed 2.
         let times = [(0, 1.0), (0, 0.9), (1, 0.99), (1, 0.89), (2, 1.0), (2, 0.5)];
