@@ -2,12 +2,12 @@
 //!
 //! They edit one complete scene at a JSON path, so that each case shows what it is about and no more.
 
+#[path = "../../../tests/approved.rs"]
+mod approved;
 mod changes;
 mod corners;
 mod files;
-mod geometry;
 mod limits;
-mod transforms;
 mod walk;
 
 use std::path::Path;
@@ -75,27 +75,6 @@ fn load(scene: &Value) -> Result<LoadedScene> {
 /// The error of a scene, which must have one.
 fn error(scene: &Value) -> Error {
     load(scene).err().expect("an error")
-}
-
-/// Checks that the complete scene, with `value` at `path`, is accepted without a warning.
-fn accepted(path: &str, value: Value) -> LoadedScene {
-    let scene = load(&with(path, value)).unwrap();
-    assert_eq!(scene.warnings, [], "{path}");
-    scene
-}
-
-/// The one component of its kind in the world.
-fn only<C: hecs::Component + Clone>(scene: &LoadedScene) -> C {
-    let found: Vec<C> = scene.world.query::<&C>().iter().cloned().collect();
-    assert_eq!(found.len(), 1);
-    found[0].clone()
-}
-
-/// The component of the entity at a JSON path.
-fn at<C: hecs::Component + Clone>(scene: &LoadedScene, path: &str) -> Option<C> {
-    use super::components::JsonPath;
-    let mut query = scene.world.query::<(&JsonPath, Option<&C>)>();
-    query.iter().find(|(p, _)| p.0 == path).expect("an entity at the path").1.cloned()
 }
 
 /// The paths of all values in `value`, itself included.

@@ -1,15 +1,11 @@
 //! What each change of the complete scene makes of it, beside this file as text: changes, one a line, and below them
 //! what follows, the errors and warnings word for word and the components that are others. Where nothing follows the
 //! change is accepted and of no effect.
-//!
-//! `WAVECREST_BLESS=1 cargo test -p wavecrest-scene --lib changes` writes what follows again.
 
 use std::collections::BTreeMap;
 use std::fmt::Debug;
-use std::fs;
-use std::path::Path;
 
-use super::{all_paths, complete, load_options, remove, set};
+use super::{all_paths, approved, complete, load, load_options, remove, set};
 use crate::components::*;
 use crate::load::{LoadOptions, LoadedScene};
 
@@ -53,7 +49,7 @@ fn parts(scene: &LoadedScene) -> Parts {
     parts
 }
 
-/// What follows from changes: a line each, indented.
+/// What follows from changes: a line each.
 fn consequences(changes: &str, before: &Parts) -> String {
     let (mut scene, mut options) = (complete(), LoadOptions::default());
     for change in changes.lines() {
@@ -78,46 +74,20 @@ fn consequences(changes: &str, before: &Parts) -> String {
     warnings.chain(gone).chain(others).collect::<Vec<_>>().join("\n")
 }
 
-/// Compares with the file of this name, whose paragraphs begin with headings and changes.
-fn compare(name: &str, paragraphs: impl Iterator<Item = String>) {
-    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("src/tests").join(name);
-    let before = parts(&load_options(&complete(), LoadOptions::default()).unwrap());
-    let (mut heading, mut all) = (String::new(), String::new());
-    let blessing = std::env::var_os("WAVECREST_BLESS").is_some_and(|value| value == "1");
-    let approved = fs::read_to_string(&path).unwrap();
-    for changes in paragraphs {
-        let mut paragraph = format!("{changes}\n");
-        if changes.starts_with('#') {
-            heading = changes;
-        } else {
-            let nothing = Parts::new();
-            let before = if changes == "as it is" { &nothing } else { &before };
-            let found = consequences(&changes, before);
-            found.lines().for_each(|line| paragraph += &format!("    {line}\n"));
-        }
-        let known = approved.split("\n\n").any(|known| known.trim_end() == paragraph.trim_end());
-        assert!(blessing || known, "{heading}\nnow, and not in {name}:\n{paragraph}");
-        all += &format!("{paragraph}\n");
-    }
-    let all = all.trim_end().to_owned() + "\n";
-    if blessing {
-        fs::write(path, &all).unwrap();
-    }
-    assert!(blessing || approved == all, "{name} has paragraphs twice or of no use");
-}
-
 #[test]
 fn what_follows_from_each_change() {
-    let changes = |paragraph: &str| {
-        let lines = paragraph.lines().filter(|line| !line.starts_with("    "));
-        lines.collect::<Vec<_>>().join("\n")
-    };
-    compare("changes.txt", include_str!("changes.txt").split("\n\n").map(changes));
+    let (nothing, complete) = (Parts::new(), parts(&load(&complete()).unwrap()));
+    approved::compare("src/tests/changes.txt", |changes| {
+        consequences(changes, if changes == "as it is" { &nothing } else { &complete })
+    });
 }
 
 /// Which keys are required, and what the others are where the file does not say.
 #[test]
 fn what_follows_from_each_key_left_out() {
+    let before = parts(&load(&complete()).unwrap());
     let keys = all_paths().into_iter().filter(|path| !path.ends_with(']'));
-    compare("left_out.txt", keys.map(|path| format!("- {path}")));
+    let tried =
+        approved::compare("src/tests/left_out.txt", |changes| consequences(changes, &before));
+    assert_eq!(tried, keys.map(|path| format!("- {path}")).collect::<Vec<_>>());
 }

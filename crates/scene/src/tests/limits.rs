@@ -2,7 +2,7 @@
 
 use serde_json::json;
 
-use super::{LoadOptions, complete, error, load, load_options, only, with};
+use super::{LoadOptions, complete, error, load, load_options, with};
 use crate::components::View;
 
 /// The least and greatest of each range, and values just outside it.
@@ -48,8 +48,11 @@ fn a_requested_size_replaces_the_files_and_one_side_keeps_the_proportions() {
         (Some(65536), Some(65536), Err(too_many)),
     ] {
         let options = LoadOptions { width, height, ..LoadOptions::default() };
-        let size = |view: View| (view.width, view.height);
-        let found = load_options(&complete(), options).map(|scene| size(only(&scene)));
+        let found = load_options(&complete(), options).map(|scene| {
+            let mut views = scene.world.query::<&View>();
+            let view = views.iter().next().unwrap();
+            (view.width, view.height)
+        });
         let found = found.map_err(|error| error.to_string());
         assert_eq!(found, expected.map_err(str::to_owned));
     }
