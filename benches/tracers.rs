@@ -1,7 +1,8 @@
-//! Both tracers on small scenes that need different effects: time per ray.
+//! Both tracers on small scenes that need different effects, and the wavefront pass by pass over one batch of camera
+//! rays: time per ray, and per path.
 //!
 //! For your own scenes, with checked images and the time of each pass, use `wavecrest bench`. Run
-//! with `cargo bench --bench tracers`.
+//! with `cargo bench --bench tracers`, and a word to select by name.
 
 use std::path::Path;
 
@@ -11,11 +12,17 @@ use serde_json::{Value, json};
 
 use wavecrest_base::error::Result;
 use wavecrest_core::accel::build::Preset;
+use wavecrest_core::kernels::precision::Exact;
 use wavecrest_core::prepared::PreparedScene;
 use wavecrest_core::render::{RenderOptions, Rendered, TracerKind, render};
+use wavecrest_core::tile::{Tile, TraceSettings, Tracer, Unit};
+use wavecrest_core::wavefront::{DEFAULT_BATCH, Wavefront};
 use wavecrest_scene::generate::{Model, Recipe, mesh};
 use wavecrest_scene::load::load_str;
 use wavecrest_scene::systems;
+
+/// The tracer whose passes are timed.
+type Passes = Wavefront<Exact>;
 
 /// Everything but the shapes.
 const SCENE: &str = r#"{
@@ -32,6 +39,9 @@ const SCENE: &str = r#"{
 
 /// The shapes of the scenes.
 const SCENES: [&str; 3] = ["spheres", "mesh", "mirrors"];
+
+/// As many pixels as a batch has paths, in the centre of the image.
+const TILE: Tile = Tile { x: 64, y: 44, width: 32, height: 32 };
 
 fn main() {
     divan::main();
@@ -101,4 +111,55 @@ fn wavefront(bencher: Bencher<'_, '_>, name: &str) {
 #[divan::bench(args = SCENES, sample_count = 30, sample_size = 1)]
 fn recursive(bencher: Bencher<'_, '_>, name: &str) {
     time_or_stop(bencher, name, TracerKind::Recursive);
+}
+
+/// Times `pass` on a wavefront after the passes before it.
+fn time_pass(
+    bencher: Bencher<'_, '_>,
+    name: &str,
+    before: usize,
+    mut pass: impl FnMut(&mut Passes, &PreparedScene),
+) {
+    let prepared = prepare(name);
+    assert!(prepared.is_ok(), "{name}: {prepared:?}");
+    let Ok(scene) = prepared else { return };
+    let settings = TraceSettings { seed: 0, batch: DEFAULT_BATCH, time_passes: false };
+    let mut wavefront = Passes::new(&scene, &settings);
+    let passes = [generate_all, Passes::intersect, |w: &mut Passes, s: &PreparedScene| {
+        w.shade(s, 0);
+    }];
+    for earlier in passes.iter().take(before) {
+        earlier(&mut wavefront, &scene);
+    }
+    bencher.counter(ItemsCount::new(TILE.len())).bench_local(|| pass(&mut wavefront, &scene));
+}
+
+fn generate_all(wavefront: &mut Passes, scene: &PreparedScene) {
+    wavefront.generate(scene, &Unit::whole(scene, TILE), 0..TILE.len() as u64);
+}
+
+#[divan::bench(args = SCENES)]
+fn s1_generate(bencher: Bencher<'_, '_>, name: &str) {
+    time_pass(bencher, name, 0, generate_all);
+}
+
+#[divan::bench(args = SCENES)]
+fn s2_intersect(bencher: Bencher<'_, '_>, name: &str) {
+    time_pass(bencher, name, 1, Passes::intersect);
+}
+
+#[divan::bench(args = SCENES)]
+fn s3_shade(bencher: Bencher<'_, '_>, name: &str) {
+    time_pass(bencher, name, 2, |wavefront, scene| wavefront.shade(scene, 0));
+}
+
+#[divan::bench(args = SCENES)]
+fn s4_shadow(bencher: Bencher<'_, '_>, name: &str) {
+    time_pass(bencher, name, 3, |wavefront, scene| wavefront.shadow(scene, 0));
+}
+
+#[divan::bench(args = SCENES)]
+fn s5_resolve(bencher: Bencher<'_, '_>, name: &str) {
+    let mut sums = vec![[0.0; 3]; TILE.len()];
+    time_pass(bencher, name, 1, |wavefront, _| wavefront.resolve(&mut sums));
 }

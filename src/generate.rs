@@ -162,13 +162,4 @@ mod tests {
         let error = parse("terrain hills.obj").unwrap().path().unwrap_err();
         assert!(error.to_string().contains("hills.ply"), "{error}");
     }
-
-    #[test]
-    fn a_mesh_is_written() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("sphere.ply");
-        let line = format!("sphere {} -n 1k -q", path.display());
-        run(&parse(&line).unwrap()).unwrap();
-        assert!(std::fs::read(&path).unwrap().starts_with(b"ply\nformat binary_little_endian"));
-    }
 }

@@ -178,9 +178,8 @@ fn hash(cell: [i32; 3]) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::accel::tests::{Numbers, add_triangle, compare};
+    use crate::accel::tests::{Numbers, add_triangle, compare, shells};
     use crate::accel::{Accel, Preset};
-    use crate::geometry::Quadric;
     use crate::math::ray::Ray;
     use glam::Vec3;
 
@@ -265,11 +264,8 @@ mod tests {
     /// The outermost hides the others, so that the tree saves nearly all tests.
     #[test]
     fn hc22_around_one_another_most_are_not_tested() {
-        let sphere = |i| Quadric::Sphere(Vec3::ZERO, 1.0 + i as f32 * 1e-3);
-        let quadrics = (0..1000).map(sphere).collect();
-        let geometry = Geometry { quadrics, ..Geometry::default() };
         for preset in [Preset::Fastest, Preset::VeryFast] {
-            let accel = Accel::new(geometry.clone(), preset);
+            let accel = Accel::new(shells(1000), preset);
             let mut traversal = accel.traversal();
             let hit = accel.closest(&Ray::new(Vec3::Z * 9.0, Vec3::NEG_Z), &mut traversal);
             assert_eq!(hit.primitive, 999);

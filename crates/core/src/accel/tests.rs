@@ -2,6 +2,8 @@
 
 mod cutouts;
 
+use std::f32::consts::{PI, TAU};
+
 use glam::Vec3;
 
 use super::*;
@@ -22,7 +24,7 @@ impl Numbers {
     }
 
     /// From 0 to 1.
-    fn one(&mut self) -> f32 {
+    pub(super) fn one(&mut self) -> f32 {
         self.four()[0]
     }
 
@@ -66,44 +68,77 @@ pub(super) fn cloud(numbers: &mut Numbers, size: f32) -> Geometry {
     geometry
 }
 
-/// Asks every kernel with all instructions there are; says how many hits there were.
-pub(super) fn compare(name: &str, geometry: &Geometry, rays: &[Ray]) -> usize {
-    let brute = Accel::new(geometry.clone(), Preset::Brute);
-    let mut traversal = brute.traversal();
-    let mut hits = vec![Hit::MISS; rays.len()];
-    let mut occluded = vec![false; rays.len()];
-    brute.closest_of(rays, &mut hits, &mut traversal);
-    brute.occluded_of(rays, &mut occluded, &mut traversal);
-    for preset in [Preset::VeryFast, Preset::Slow] {
-        let mut accel = Accel::new(geometry.clone(), preset);
-        for level in Level::available() {
-            accel.level = level.token().expect("it is available");
-            let mut traversal = accel.traversal();
-            let mut many = vec![Hit::MISS; rays.len()];
-            let mut any = vec![false; rays.len()];
-            traversal.without_t = true;
-            accel.closest_of(rays, &mut many, &mut traversal);
-            let primitives: Vec<u32> = many.iter().map(|hit| hit.primitive).collect();
-            assert!(
-                primitives.iter().eq(hits.iter().map(|hit| &hit.primitive)),
-                "{name} {level:?}"
-            );
-            traversal.without_t = false;
-            accel.closest_of(rays, &mut many, &mut traversal);
-            accel.occluded_of(rays, &mut any, &mut traversal);
-            for (i, ray) in rays.iter().enumerate() {
-                let one = accel.closest(ray, &mut traversal);
-                let shadow = accel.occluded(ray, &mut traversal);
-                let (found, expected) = ((one, many[i], shadow, any[i]), (hits[i], occluded[i]));
-                let equal = found == (expected.0, expected.0, expected.1, expected.1);
-                assert!(
-                    equal,
-                    "{name} {preset:?} {level:?} {ray:?}: {found:?} and not {expected:?}"
-                );
-            }
+/// A sphere of radius 1 with bumps, of `n` times `n` pairs of triangles.
+pub(super) fn bumpy_sphere(n: u32) -> Geometry {
+    let position = |i: u32| {
+        let (u, v) = (i % (n + 1), i / (n + 1));
+        let (longitude, latitude) = (u as f32 / n as f32 * TAU, v as f32 / n as f32 * PI);
+        let radius = 1.0 + 0.1 * (7.0 * longitude).sin() * (5.0 * latitude).sin();
+        let (around, height) = latitude.sin_cos();
+        radius * Vec3::new(around * longitude.cos(), around * longitude.sin(), height)
+    };
+    let triangles = (0..n * n).flat_map(|i| {
+        let a = i / n * (n + 1) + i % n;
+        [[a, a + 1, a + n + 2], [a, a + n + 2, a + n + 1]]
+    });
+    let positions = (0..(n + 1) * (n + 1)).map(position).collect();
+    Geometry { positions, triangles: triangles.collect(), ..Geometry::default() }
+}
+
+/// Spheres around one another: the last hides the others.
+pub(super) fn shells(count: u32) -> Geometry {
+    let shell = |i| Quadric::Sphere(Vec3::ZERO, 1.0 + i as f32 * 1e-3);
+    Geometry { quadrics: (0..count).map(shell).collect(), ..Geometry::default() }
+}
+
+/// The closest hits of rays, and whether they meet anything.
+pub(super) type Answers = (Vec<Hit>, Vec<bool>);
+
+/// The answers to all rays together.
+pub(super) fn answers(accel: &Accel, rays: &[Ray], traversal: &mut Traversal) -> Answers {
+    // Whatever was there before is written over.
+    let mut hits = vec![Hit { t: 0.5, primitive: 0 }; rays.len()];
+    let mut occluded = vec![true; rays.len()];
+    accel.closest_of(rays, &mut hits, traversal);
+    accel.occluded_of(rays, &mut occluded, traversal);
+    (hits, occluded)
+}
+
+pub(super) fn brute(geometry: &Geometry, rays: &[Ray]) -> Answers {
+    let accel = Accel::new(geometry.clone(), Preset::Brute);
+    answers(&accel, rays, &mut accel.traversal())
+}
+
+/// Asks every kernel with all instructions there are, rays alone and together.
+pub(super) fn check(name: &str, accel: &mut Accel, rays: &[Ray], (hits, occluded): &Answers) {
+    for level in Level::available() {
+        accel.level = level.token().expect("it is available");
+        let mut traversal = accel.traversal();
+        traversal.without_t = true;
+        let mut many = vec![Hit::MISS; rays.len()];
+        accel.closest_of(rays, &mut many, &mut traversal);
+        let primitives = many.iter().map(|hit| hit.primitive);
+        assert!(primitives.eq(hits.iter().map(|hit| hit.primitive)), "{name} {level:?}");
+        traversal.without_t = false;
+        let (many, any) = answers(accel, rays, &mut traversal);
+        for (i, ray) in rays.iter().enumerate() {
+            let one = accel.closest(ray, &mut traversal);
+            let shadow = accel.occluded(ray, &mut traversal);
+            let (found, expected) = ((one, many[i], shadow, any[i]), (hits[i], occluded[i]));
+            let equal = found == (expected.0, expected.0, expected.1, expected.1);
+            assert!(equal, "{name} {level:?} {ray:?}: {found:?} and not {expected:?}");
         }
     }
-    hits.iter().filter(|hit| !hit.is_miss()).count()
+}
+
+/// [`check`]s two trees against brute force; says how many hits there were.
+pub(super) fn compare(name: &str, geometry: &Geometry, rays: &[Ray]) -> usize {
+    let expected = brute(geometry, rays);
+    for preset in [Preset::VeryFast, Preset::Slow] {
+        let mut accel = Accel::new(geometry.clone(), preset);
+        check(&format!("{name} {preset:?}"), &mut accel, rays, &expected);
+    }
+    expected.0.iter().filter(|hit| !hit.is_miss()).count()
 }
 
 /// The bound on the t of a large triangle is beyond the small ones behind it, for whose nodes single
@@ -300,25 +335,13 @@ fn hc03_hits_of_the_reference_are_those_of_brute_force_and_of_other_kernels() {
     let mut numbers = Numbers(0);
     let geometry = cloud(&mut numbers, 1.0);
     let rays = through(&mut numbers, 2000);
-    let mut exact = vec![Hit::MISS; rays.len()];
-    let accel = Accel::new(geometry.clone(), Preset::Fast);
-    accel.closest_of(&rays[..], &mut exact, &mut accel.traversal());
-    let [brute, tree] = [Preset::Brute, Preset::Slow].map(|preset| {
+    let expected = brute(&geometry, &rays);
+    assert!(expected.0.iter().filter(|hit| !hit.is_miss()).count() > 1000);
+    for preset in [Preset::Brute, Preset::Slow] {
         let mut accel = Accel::new(geometry.clone(), preset);
         accel.kernel = KernelChoice::Reference;
-        let (mut many, mut any) = (vec![Hit::MISS; rays.len()], vec![false; rays.len()]);
-        accel.closest_of(&rays[..], &mut many, &mut accel.traversal());
-        accel.occluded_of(&rays[..], &mut any, &mut accel.traversal());
-        for (ray, (hit, any)) in rays.iter().zip(many.iter().zip(&any)) {
-            let one = accel.closest(ray, &mut accel.traversal());
-            let shadow = accel.occluded(ray, &mut accel.traversal());
-            assert_eq!((one, shadow), (*hit, *any), "{preset:?} {ray:?}");
-        }
-        (many, any)
-    });
-    assert!(brute == tree);
-    assert!(brute.0.iter().filter(|hit| !hit.is_miss()).count() > 1000);
-    assert!(brute.0 == exact);
+        check(&format!("reference {preset:?}"), &mut accel, &rays, &expected);
+    }
 }
 
 #[test]
@@ -326,18 +349,14 @@ fn fast_hits_are_nearly_the_exact_ones_in_every_way() {
     let mut numbers = Numbers(50);
     let mut geometry = cloud(&mut numbers, 1.0);
     let rays = through(&mut numbers, 4000);
-    let mut exact = vec![Hit::MISS; rays.len()];
-    let accel = Accel::new(geometry.clone(), Preset::Fast);
-    accel.closest_of(&rays[..], &mut exact, &mut accel.traversal());
+    let (exact, _) = brute(&geometry, &rays);
     geometry.precision = crate::kernels::precision::Precision::Fast;
     let mut accel = Accel::new(geometry, Preset::Fast);
     for level in Level::available() {
         accel.level = level.token().expect("it is available");
         for kernel in KernelChoice::ALL {
             accel.kernel = kernel;
-            let (mut fast, mut any) = (vec![Hit::MISS; rays.len()], vec![false; rays.len()]);
-            accel.closest_of(&rays[..], &mut fast, &mut accel.traversal());
-            accel.occluded_of(&rays[..], &mut any, &mut accel.traversal());
+            let (fast, any) = answers(&accel, &rays, &mut accel.traversal());
             let differ = fast.iter().zip(&exact).filter(|(f, r)| f.primitive != r.primitive);
             // What single precision decides otherwise passes an edge within its rounding.
             assert!(differ.count() <= 2, "{level:?} {kernel:?}");

@@ -254,14 +254,14 @@ pub fn half_extent(placement: &Placement) -> [f64; 2] {
 mod tests {
     use super::*;
 
-    fn placement(size: [u32; 2]) -> Placement {
+    fn placement() -> Placement {
         Placement {
             location: DVec3::new(0.0, 0.0, 5.0),
             look: DVec3::ZERO,
             up: DVec3::Y,
             fov_degrees: 90.0,
             fov_axis: FovAxis::Smaller,
-            size,
+            size: [8, 8],
         }
     }
 
@@ -270,34 +270,9 @@ mod tests {
     }
 
     #[test]
-    fn the_image_is_upright_and_unmirrored() {
-        let camera = Camera::new(&placement([4, 2]), 1, Sampling::Jittered, None);
-        let corner = camera.ray(0, 0, &stream(0)).direction;
-        assert!(corner.x < 0.0 && corner.y > 0.0 && corner.z < 0.0, "{corner}");
-        // The angle covers the shorter side: its edge pixels are centred at half of tan 45
-        // degrees.
-        assert!(
-            (corner.y / -corner.z - 0.5).abs() < 1e-6 && (corner.x / -corner.z + 1.5).abs() < 1e-6
-        );
-    }
-
-    #[test]
-    fn every_lens_ray_meets_the_plane_in_focus_at_one_point() {
-        let lens = Lens { radius: 0.5, focal: 3.0, sampling: Sampling::Jittered, grid: [4, 4] };
-        let camera = Camera::new(&placement([64, 48]), 1, Sampling::Jittered, Some(lens));
-        let focus = |sample| {
-            let ray = camera.ray(50, 7, &stream(sample));
-            ray.origin + ray.direction * ((2.0 - ray.origin.z) / ray.direction.z)
-        };
-        for sample in 1..camera.rays_per_pixel() {
-            assert!(focus(sample).distance(focus(0)) < 1e-5);
-        }
-    }
-
-    #[test]
     fn rays_stay_in_their_pixel_and_jittered_ones_in_their_cell() {
         for sampling in Sampling::ALL {
-            let camera = Camera::new(&placement([8, 8]), 4, sampling, None);
+            let camera = Camera::new(&placement(), 4, sampling, None);
             let mut cells = [0; 16];
             for sample in 0..16 {
                 let d = camera.ray(2, 5, &stream(sample)).direction;
@@ -318,7 +293,7 @@ mod tests {
     #[test]
     fn sobol_points_are_even_in_the_pixel_and_on_the_lens() {
         let lens = Lens { radius: 0.5, focal: 3.0, sampling: Sampling::Sobol, grid: [2, 2] };
-        let camera = Camera::new(&placement([8, 8]), 2, Sampling::Sobol, Some(lens));
+        let camera = Camera::new(&placement(), 2, Sampling::Sobol, Some(lens));
         let quadrants: Vec<[bool; 2]> = (0..16)
             .map(|sample| {
                 let offset = camera.ray(0, 0, &stream(sample)).origin - camera.origin;

@@ -271,13 +271,6 @@ mod tests {
             .collect()
     }
 
-    #[test]
-    fn falloff_follows_its_formula() {
-        assert_eq!(Falloff::Linear.at(2.0), 1.0 / (8.0 * PI));
-        assert_eq!(Falloff::InverseSquare.at(2.0), 1.0 / (16.0 * PI));
-        assert_eq!(Falloff::None.at(2.0), 1.0);
-    }
-
     /// A quad of two triangles of unequal area: each receives its share, and the mean is the
     /// centroid.
     #[test]

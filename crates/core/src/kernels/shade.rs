@@ -289,34 +289,4 @@ mod tests {
         let black = ShadingPoint { color: Vec3::ZERO.into(), ..point() };
         assert!(request(&black, Vec3::Y).is_none(), "black");
     }
-
-    #[test]
-    fn hc32_a_light_on_the_surface_is_finite() {
-        for height in [0.0, 1e-30, 1e-9, 1e-7] {
-            if let Some(r) = request(&point(), Vec3::Y * height) {
-                assert!(Vec3::from(r.contribution).is_finite() && r.at_light, "{height}");
-            }
-        }
-    }
-
-    #[test]
-    fn hc32_a_light_where_the_ray_starts_is_not_left_out() {
-        let point = point();
-        let origin = point.point.offset_origin(point.error, point.normal, Vec3::Y.into());
-        let r = request(&point, origin.into()).expect("a request");
-        let contribution = Vec3::from(r.contribution);
-        assert!(r.ray().direction == Vec3::ZERO && contribution.min_element() > 0.0, "{r:?}");
-    }
-
-    #[test]
-    fn hc33_a_mirror_ray_never_enters_the_surface() {
-        let leaning = ShadingPoint {
-            shading_normal: normalize(Vec3::new(1.0, 0.1, 0.0)).into(),
-            view: normalize(Vec3::new(-1.0, 0.2, 0.0)).into(),
-            ..point()
-        };
-        let request = mirror_request(&leaning, Vec3::ONE.into()).expect("a mirror ray");
-        assert!(request.asked && request.line.direction.y > 0.0);
-        assert_eq!(Vec3::from(request.throughput), Vec3::splat(0.5));
-    }
 }

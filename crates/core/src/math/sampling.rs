@@ -110,35 +110,17 @@ pub fn triangle(square: Vec2) -> Vec2 {
 mod tests {
     use super::*;
 
+    /// The other maps: `tests/properties/numbers.rs`. A share of heights is one of area.
     #[test]
-    fn jittered_points_fill_every_cell_once() {
-        let mut seen = [false; 12];
-        for index in 0..12 {
-            let p = Sampling::Jittered.point((index, 0), [4, 3], || [0.999, 0.0], || [0; 3]);
-            assert!(p.x < 1.0 && p.y < 1.0);
-            let cell = (p.y * 3.0 + 0.5) as usize * 4 + (p.x * 4.0) as usize;
-            assert!(!std::mem::replace(&mut seen[cell], true), "cell {cell} twice");
+    fn caps_keep_area_and_lie_on_the_sphere() {
+        for height in [0.5, 2.0] {
+            for step in 0_u8..=100 {
+                let share = f64::from(step) / 100.0;
+                let (aside, below) = cap(Vec2::new(0.3, share as f32), height);
+                assert!((below - share * height).abs() < 1e-6, "{below}");
+                let radius = aside.length_squared() + (1.0 - below) * (1.0 - below);
+                assert!((radius - 1.0).abs() < 1e-6, "{radius}");
+            }
         }
-        assert!(seen.iter().all(|&s| s));
-    }
-
-    /// Shares of the square and of the shape are counted on a fine grid.
-    #[test]
-    fn maps_keep_area() {
-        let n = 400;
-        let grid = (0..n * n)
-            .map(|i| Vec2::new((i % n) as f32 + 0.5, (i / n) as f32 + 0.5) / n as f32)
-            .collect::<Vec<_>>();
-        let share = |inside: &dyn Fn(Vec2) -> bool| {
-            grid.iter().filter(|&&p| inside(p)).count() as f32 / (n * n) as f32
-        };
-        let within_half_radius = share(&|p| disk(p).length() < 0.5);
-        assert!((within_half_radius - 0.25).abs() < 0.01, "{within_half_radius}");
-        let above = share(&|p| sphere(p).z > 0.5);
-        assert!((above - 0.25).abs() < 0.01, "{above}");
-        let (low, high) = (share(&|p| cap(p, 0.5).1 < 0.25), share(&|p| cap(p, 2.0).1 < 1.0));
-        assert!((low - 0.5).abs() < 0.01 && (high - 0.5).abs() < 0.01, "{low}, {high}");
-        let corner = share(&|p| triangle(p).element_sum() < 0.5);
-        assert!((corner - 0.25).abs() < 0.01, "{corner}");
     }
 }

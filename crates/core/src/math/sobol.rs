@@ -122,23 +122,4 @@ mod tests {
             assert!(product.abs() < 5.0 / (144.0 * n).sqrt(), "{index}: {product}");
         }
     }
-
-    /// Pairs of the same index with different seeds are independent: their sets can be combined.
-    #[test]
-    fn pairs_of_dimensions_are_independent() {
-        let n = 256;
-        let mut worst = 0.0_f64;
-        for pixel in 0..200 {
-            let (a, b) = (seeds(pixel), seeds(pixel + 1000));
-            let sum: f64 = (0..n)
-                .map(|i| {
-                    let (p, q) = (point(i, a), point(i, b));
-                    f64::from(p.x - 0.5) * f64::from(q.x - 0.5)
-                })
-                .sum();
-            worst = worst.max((sum / f64::from(n)).abs());
-        }
-        // Six standard errors of a mean of independent products, of 200 tries.
-        assert!(worst < 6.0 / (144.0 * f64::from(n)).sqrt(), "{worst}");
-    }
 }

@@ -8,6 +8,7 @@ use rand::RngExt;
 use super::*;
 use crate::accuracy::fit::generator;
 use crate::accuracy::setting::Target;
+use crate::accuracy::store::tests::sample;
 use crate::accuracy::store::{
     Errors, Header, PointRecord, PreparedRecord, Record, ReferenceRecord, SceneRecord, Store,
 };
@@ -43,7 +44,7 @@ impl Noise {
 }
 
 /// What a program is like.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 struct Program {
     /// The machine's noise in this run.
     run: u64,
@@ -124,18 +125,9 @@ fn settings(program: Program) -> Vec<(String, f64, f64)> {
 }
 
 fn point(key: String, seed: u64, [seconds, share, yardstick]: [f64; 3], mse: f64) -> Record {
-    Record::Point(PointRecord {
-        scene: "a".into(),
-        target: Target::Scene,
-        key,
-        seed,
-        seconds,
-        yardstick,
-        timing: Some(Timing { seconds, processor: Some(share * seconds) }),
-        passes: Vec::new(),
-        rays: 7,
-        error: Errors { mse, relative_mse: mse, bias: 0.0, flip: 0.0 },
-    })
+    let timing = Some(Timing { seconds, processor: Some(share * seconds) });
+    let error = Errors { mse, relative_mse: mse, bias: 0.0, flip: 0.0 };
+    Record::Point(PointRecord { key, seconds, yardstick, timing, error, ..sample(seed) })
 }
 
 /// What is found of `after` in each try, against the usual program in another run.
@@ -155,67 +147,41 @@ fn worse(found: &Regression) -> Vec<String> {
     worse.map(|ratio| format!("{}, {}", ratio.what, ratio.of)).collect()
 }
 
+/// Of each program, what is worse in every try, and what in none.
 #[test]
-fn two_runs_of_one_program_differ_in_nothing() {
-    for found in tries(USUAL) {
-        assert_eq!(
-            found.ratios.len(),
-            12,
-            "time and error of 3 samplers and 2 precisions, all together, 1 build"
-        );
-        assert_eq!(
-            (found.count(Verdict::Worse), found.count(Verdict::Better)),
-            (0, 0),
-            "{found:?}"
-        );
-        assert!(!found.is_worse());
-    }
-    // Nor where the machine is slower in the second run.
-    for found in tries(Program { machine: 1.1, ..USUAL }) {
-        assert!(!found.is_worse(), "{:?}", worse(&found));
-    }
-    // Nor where the samplers draw other random numbers.
-    for found in tries(Program { reseeded: true, ..USUAL }) {
-        assert!(!found.is_worse(), "{:?}", worse(&found));
-    }
-}
-
-#[test]
-fn a_program_that_is_three_per_cent_slower_is_found() {
-    for found in tries(Program { slower: 1.03, ..USUAL }) {
-        let worse = worse(&found);
-        assert!(
-            worse.contains(&"all settings, time at equal error".to_owned()),
-            "{worse:?} {}",
-            found.text()
-        );
-        assert!(!worse.iter().any(|what| what.ends_with(", error")), "{worse:?}");
-        for ratio in found.ratios.iter().filter(|ratio| ratio.of == "time at equal error") {
-            assert!(ratio.low < 1.03 && 1.03 < ratio.high, "{ratio:?}");
+fn what_is_worse_is_found_and_nothing_else() {
+    let overall = Some("all settings, time at equal error");
+    let jittered = Some("jittered points on lights, time at equal error");
+    let slower = Program { slower: 1.03, ..USUAL };
+    let everything: &[&str] = &[""];
+    for (after, expected, never) in [
+        (USUAL, None, everything),
+        // Nor where the machine is slower in the second run,
+        (Program { machine: 1.1, ..USUAL }, None, everything),
+        // nor where the samplers draw other random numbers,
+        (Program { reseeded: true, ..USUAL }, None, everything),
+        // nor where something else ran for some rounds, which hide nothing.
+        (Program { disturbed: true, ..USUAL }, None, everything),
+        (Program { disturbed: true, ..slower }, overall, &[]),
+        (slower, overall, &[", error"]),
+        // The strata of one dimension are forgotten: the error falls as that of independent points.
+        (Program { jittered: -1.0, ..USUAL }, jittered, &["random", "sobol"]),
+    ] {
+        for found in tries(after) {
+            let worse = worse(&found);
+            let finds = expected.is_none_or(|name| worse.iter().any(|what| what == name));
+            let is_never = |what: &String| never.iter().any(|part| what.contains(part));
+            assert!(finds && !worse.iter().any(is_never), "{after:?} {worse:?} {}", found.text());
+            let is_busy = |warning: &String| warning.ends_with("busy: 3");
+            assert_eq!(found.warnings.iter().any(is_busy), after.disturbed, "{after:?}");
+            // Time and error of 3 samplers and 2 precisions, all together, and 1 build.
+            assert_eq!(found.ratios.len(), 12, "{after:?}");
+            assert!(after != USUAL || found.count(Verdict::Better) == 0, "{found:?}");
+            let times = found.ratios.iter().filter(|ratio| ratio.of == "time at equal error");
+            for ratio in times.filter(|_| after == slower) {
+                assert!(ratio.low < 1.03 && 1.03 < ratio.high, "{ratio:?}");
+            }
         }
-    }
-}
-
-#[test]
-fn rounds_in_which_the_machine_was_busy_hide_nothing() {
-    for found in tries(Program { disturbed: true, ..USUAL }) {
-        assert!(!found.is_worse(), "{:?}", worse(&found));
-        assert!(found.warnings.iter().any(|warning| warning.ends_with("busy: 3")));
-    }
-    for found in tries(Program { disturbed: true, slower: 1.03, ..USUAL }) {
-        let worse = worse(&found);
-        let overall = "all settings, time at equal error".to_owned();
-        assert!(worse.contains(&overall), "{worse:?} {}", found.text());
-    }
-}
-
-#[test]
-fn a_sampler_that_is_wrong_is_found() {
-    // The strata of one dimension are forgotten: the error falls as that of independent points.
-    for found in tries(Program { jittered: -1.0, ..USUAL }) {
-        let worse = worse(&found);
-        assert!(worse.contains(&"jittered points on lights, time at equal error".to_owned()));
-        assert!(worse.iter().all(|what| !what.contains("random") && !what.contains("sobol")));
     }
 }
 

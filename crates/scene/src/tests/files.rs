@@ -8,34 +8,15 @@ use tempfile::TempDir;
 
 use super::{complete, one_triangle, set};
 use crate::components::{Mesh, TextureRef, TextureSource};
-use crate::load::{LoadOptions, LoadedScene, load, load_str, load_with};
+use crate::load::{LoadOptions, LoadedScene, load, load_with};
 use crate::mesh::LoadedMesh;
 use wavecrest_base::error::{Error, ErrorKind, Result, Warning};
 
-fn syntax(json: &str) -> String {
-    let error = load_str(json, Path::new("s.json"), &LoadOptions::default()).err().unwrap();
-    assert_eq!(error.kind(), ErrorKind::Syntax);
-    error.to_string()
-}
-
-#[test]
-fn json_that_is_not() {
-    assert_eq!(
-        syntax("{\n  \"nbounces\": ,\n}"),
-        "s.json: line 2 column 15: a value is missing or malformed; \
-         write a number, a text in double quotes, true, false, a list or an object"
-    );
-    assert_eq!(
-        syntax(""),
-        "s.json: the file is empty; write a scene in it, as SCENES.md describes, or render a .gltf, .glb, .ply, .obj or .stl file"
-    );
-    assert_eq!(
-        syntax("{\"nbounces\": 1e999}"),
-        "s.json: line 1 column 18: the number is too large; use one below 1e308"
-    );
-    assert!(syntax("{\"nbounces\": NaN}").contains("a value is missing or malformed"));
-    assert!(syntax("{} {}").contains("more after the end of the scene"));
-    assert!(syntax(&"[".repeat(100_000)).contains("nested too deeply"));
+/// How the file at `path` is refused: the kind, and the text without the path before it.
+fn refused(path: &Path) -> (ErrorKind, String) {
+    let error = load(path, &LoadOptions::default()).err().unwrap();
+    let text = error.to_string();
+    (error.kind(), text.strip_prefix(&format!("{}: ", path.display())).unwrap().to_owned())
 }
 
 fn in_folder(name: &str, bytes: &[u8]) -> (TempDir, PathBuf) {
@@ -46,27 +27,45 @@ fn in_folder(name: &str, bytes: &[u8]) -> (TempDir, PathBuf) {
 }
 
 #[test]
-fn a_byte_order_mark_is_skipped() {
-    let (_folder, path) = in_folder("s.json", "\u{feff}[]".as_bytes());
-    let text = load(&path, &LoadOptions::default()).err().unwrap().to_string();
-    assert_eq!(text, format!("{}: must be a scene, an object {{ ... }}, found []", path.display()));
-}
-
-#[test]
-fn text_must_be_utf_8() {
-    let (_folder, path) = in_folder("s.json", b"{\"a\": \"\xff\"}");
-    let error = load(&path, &LoadOptions::default()).err().unwrap();
-    let reason =
-        "the scene is not text from byte 7 on; save it as UTF-8, or check that it is a scene";
-    assert_eq!(error.to_string(), format!("{}: {reason}", path.display()));
-    assert_eq!(error.kind(), ErrorKind::Syntax);
+fn text_that_is_no_scene_and_a_byte_order_mark_that_is_skipped() {
+    let deep = "[".repeat(100_000);
+    for (bytes, kind, message) in [
+        (
+            &b"{\n  \"nbounces\": ,\n}"[..],
+            ErrorKind::Syntax,
+            "line 2 column 15: a value is missing or malformed; \
+             write a number, a text in double quotes, true, false, a list or an object",
+        ),
+        (
+            b"",
+            ErrorKind::Syntax,
+            "the file is empty; write a scene in it, as SCENES.md describes, or render a .gltf, .glb, .ply, .obj or .stl file",
+        ),
+        (
+            b"{\"nbounces\": 1e999}",
+            ErrorKind::Syntax,
+            "line 1 column 18: the number is too large; use one below 1e308",
+        ),
+        (b"{\"nbounces\": NaN}", ErrorKind::Syntax, "a value is missing or malformed"),
+        (b"{} {}", ErrorKind::Syntax, "more after the end of the scene"),
+        (deep.as_bytes(), ErrorKind::Syntax, "nested too deeply"),
+        (
+            b"{\"a\": \"\xff\"}",
+            ErrorKind::Syntax,
+            "the scene is not text from byte 7 on; save it as UTF-8, or check that it is a scene",
+        ),
+        ("\u{feff}[]".as_bytes(), ErrorKind::Scene, "must be a scene, an object { ... }, found []"),
+    ] {
+        let (_folder, path) = in_folder("s.json", bytes);
+        let (found, text) = refused(&path);
+        assert!(found == kind && text.contains(message), "{text} and not {message}");
+    }
 }
 
 #[test]
 fn a_scene_that_is_not_there() {
-    let error = load(Path::new("no/such.json"), &LoadOptions::default()).err().unwrap();
-    assert_eq!(error.kind(), ErrorKind::Io);
-    assert!(error.to_string().starts_with("no/such.json: cannot read the scene: "), "{error}");
+    let (kind, text) = refused(Path::new("no/such.json"));
+    assert!(kind == ErrorKind::Io && text.starts_with("cannot read the scene: "), "{text}");
     assert!(load(Path::new("src"), &LoadOptions::default()).is_err());
 }
 
@@ -77,16 +76,9 @@ fn a_scene_file_that_is_too_long_is_not_read() {
     // Sparse: it takes no room on the disk.
     let file = fs::OpenOptions::new().write(true).open(&path).unwrap();
     file.set_len((1 << 28) + 1).unwrap();
-    let error = load(&path, &LoadOptions::default()).err().unwrap();
-    assert_eq!(error.kind(), ErrorKind::Limit);
-    assert_eq!(
-        error.to_string(),
-        format!(
-            "{}: the scene file is too large: 268435457 bytes or more; \
-             keep it below 256 MiB, and large meshes in files of their own",
-            path.display()
-        )
-    );
+    let message = "the scene file is too large: 268435457 bytes or more; \
+                   keep it below 256 MiB, and large meshes in files of their own";
+    assert_eq!(refused(&path), (ErrorKind::Limit, message.to_owned()));
 }
 
 #[test]

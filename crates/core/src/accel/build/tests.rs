@@ -2,13 +2,13 @@
 
 use super::*;
 use crate::accel::arena::Census;
+use crate::accel::tests::{brute, check, shells};
 use crate::accel::{Accel, Hit};
 use crate::geometry::{Primitive, Quadric};
 use crate::kernels::quad;
 use crate::kernels::slab::Aabb;
 use crate::math::random::Stream;
 use crate::math::ray::Ray;
-use crate::math::simd::Level;
 use glam::Vec3;
 
 fn random(index: u32, dimension: u32) -> [f32; 4] {
@@ -44,69 +44,26 @@ fn mixture(count: u32) -> Geometry {
     geometry
 }
 
-fn rays(count: u32) -> impl Iterator<Item = Ray> {
-    (0..count).map(|i| {
+/// Every other ray ends on its way.
+fn rays() -> Vec<Ray> {
+    let ray = |i| {
         let [a, b, c, _] = random(i, 20);
         let [d, e, f, _] = random(i, 21);
         let origin = Vec3::new(a, b, c) * 14.0 - 2.0;
-        Ray::new(origin, Vec3::new(d, e, f) * 10.0 - origin)
-    })
-}
-
-/// The answers one by one.
-fn answers(geometry: &Geometry, preset: Preset) -> Vec<(Hit, bool)> {
-    answers_of(&Accel::new(geometry.clone(), preset))
-}
-
-fn answers_of(accel: &Accel) -> Vec<(Hit, bool)> {
-    let mut traversal = accel.traversal();
-    rays(400)
-        .map(|ray| {
-            let short = Ray { t_max: 0.7, ..ray };
-            (accel.closest(&ray, &mut traversal), accel.occluded(&short, &mut traversal))
-        })
-        .collect()
-}
-
-/// The answers of the kernel for many rays.
-fn answers_together(accel: &Accel) -> Vec<(Hit, bool)> {
-    let mut traversal = accel.traversal();
-    let rays: Vec<Ray> = rays(400).collect();
-    let short: Vec<Ray> = rays.iter().map(|ray| Ray { t_max: 0.7, ..*ray }).collect();
-    let mut hits = vec![Hit::MISS; rays.len()];
-    let mut occluded = vec![false; rays.len()];
-    accel.closest_of(rays.as_slice(), &mut hits, &mut traversal);
-    accel.occluded_of(short.as_slice(), &mut occluded, &mut traversal);
-    hits.into_iter().zip(occluded).collect()
+        let ray = Ray::new(origin, Vec3::new(d, e, f) * 10.0 - origin);
+        Ray { t_max: if i % 2 == 0 { 0.7 } else { ray.t_max }, ..ray }
+    };
+    (0..400).map(ray).collect()
 }
 
 #[test]
 fn hc03_every_preset_answers_as_brute_force_does() {
-    let geometry = mixture(3000);
-    let reference = answers(&geometry, Preset::Brute);
-    assert!(reference.iter().filter(|(hit, _)| !hit.is_miss()).count() > 100);
-    assert!(reference.iter().any(|&(_, o)| o) && reference.iter().any(|&(_, o)| !o));
+    let (geometry, rays) = (mixture(3000), rays());
+    let expected = brute(&geometry, &rays);
+    assert!(expected.0.iter().filter(|hit| !hit.is_miss()).count() > 100);
+    assert!(expected.1.contains(&true) && expected.1.contains(&false));
     for preset in Preset::ALL {
-        assert!(answers(&geometry, preset) == reference, "{}", preset.name());
-    }
-}
-
-#[test]
-fn hc03_every_level_and_kernel_answers_as_brute_force_does() {
-    let geometry = mixture(3000);
-    let reference = answers(&geometry, Preset::Brute);
-    for preset in [Preset::VeryFast, Preset::Slow] {
-        let mut accel = Accel::new(geometry.clone(), preset);
-        for level in Level::available() {
-            accel.level = level.token().expect("it is available");
-            assert!(answers_together(&accel) == reference, "{preset:?} {level:?}");
-            let mut traversal = accel.traversal();
-            let alone = rays(400).map(|ray| {
-                let short = Ray { t_max: 0.7, ..ray };
-                (accel.closest(&ray, &mut traversal), accel.occluded(&short, &mut traversal))
-            });
-            assert!(alone.eq(reference.iter().copied()), "{preset:?} {level:?}");
-        }
+        check(preset.name(), &mut Accel::new(geometry.clone(), preset), &rays, &expected);
     }
 }
 
@@ -128,24 +85,45 @@ fn cut_accel(geometry: &Geometry, preset: Preset, cut: Cut) -> Accel {
 
 #[test]
 fn hc03_a_tree_in_chunks_answers_as_brute_force_does() {
-    let geometry = mixture(1500);
-    let reference = answers(&geometry, Preset::Brute);
+    let (geometry, rays) = (mixture(1500), rays());
+    let expected = brute(&geometry, &rays);
     for (preset, cut) in CHUNKED.into_iter().flat_map(|p| CUTS.map(|cut| (p, cut))) {
-        let accel = cut_accel(&geometry, preset, cut);
-        assert!(answers_of(&accel) == reference, "{preset:?} {cut:?}");
-        assert!(answers_together(&accel) == reference, "{preset:?} {cut:?}");
-        let mut leaves = vec![0; geometry.len()];
-        let tree = accel.tree.as_ref().expect("it has one");
-        tree.build_all(&geometry);
-        tree.for_each_leaf(|bounds, numbers| {
-            for &n in numbers {
-                leaves[n as usize] += 1;
-                assert!(holds(bounds, &geometry, n));
-            }
-        });
-        for (number, &times) in leaves.iter().enumerate() {
-            assert_eq!(times, places(&geometry, number as u32));
+        let mut accel = cut_accel(&geometry, preset, cut);
+        check(&format!("{preset:?} {cut:?}"), &mut accel, &rays, &expected);
+        check_leaves(accel.tree.as_ref().expect("it has one"), &geometry);
+    }
+}
+
+/// Every primitive is within the boxes of its leaves, and in as many as it has to be: a quad by halves.
+fn check_leaves(tree: &Tree, geometry: &Geometry) {
+    let mut leaves = vec![0; geometry.len()];
+    tree.build_all(geometry);
+    tree.for_each_leaf(|bounds, numbers| {
+        for &number in numbers {
+            leaves[number as usize] += 1;
+            let is_within = match geometry.primitive(number) {
+                Primitive::Quad(i) => quad::halves(&geometry.quad(i))
+                    .iter()
+                    .any(|&half| bounds.contains(&Aabb::around(half))),
+                _ => bounds.contains(&geometry.bounds(number)),
+            };
+            assert!(is_within, "{number}");
         }
+    });
+    for (number, times) in (0..).zip(leaves) {
+        let expected = match geometry.primitive(number) {
+            Primitive::Quad(_) => 2,
+            _ => i32::from(!geometry.is_degenerate(number)),
+        };
+        assert_eq!(times, expected, "{number}");
+    }
+}
+
+#[test]
+fn children_lie_within_their_parents() {
+    let geometry = mixture(2000);
+    for preset in Preset::ALL.into_iter().filter(|&p| p != Preset::Brute) {
+        check_leaves(&build(&geometry, preset), &geometry);
     }
 }
 
@@ -170,9 +148,8 @@ fn the_tree_is_the_same_on_any_number_of_threads() {
 /// All threads reach the same chunks at once, many times.
 #[test]
 fn a_chunk_is_built_once_whoever_comes_first() {
-    let geometry = mixture(300);
-    let reference = answers(&geometry, Preset::Brute);
-    let rays: Vec<_> = rays(400).collect();
+    let (geometry, rays) = (mixture(300), rays());
+    let (reference, _) = brute(&geometry, &rays);
     for _ in 0..1000 {
         let accel = cut_accel(&geometry, Preset::OnDemand, cut(20, 1, 400));
         let tree = accel.tree.as_ref().expect("it has one");
@@ -182,7 +159,7 @@ fn a_chunk_is_built_once_whoever_comes_first() {
                 scope.spawn(|| {
                     let (mut hits, mut traversal) = (vec![Hit::MISS; 400], accel.traversal());
                     accel.closest_of(&*rays, &mut hits, &mut traversal);
-                    assert!(hits.iter().zip(&reference).all(|(hit, (known, _))| hit == known));
+                    assert!(hits == reference);
                 });
             }
         });
@@ -214,24 +191,12 @@ fn hc23_a_chunk_that_is_too_deep_is_a_list() {
     // Each sphere is a little larger than the one before, and encloses half of it.
     let sphere = |i| Quadric::Sphere(Vec3::X * 1.05_f32.powi(i), 0.5 * 1.05_f32.powi(i));
     let geometry = Geometry { quadrics: (-568..568).map(sphere).collect(), ..Geometry::default() };
-    let accel = cut_accel(&geometry, Preset::OnDemand, cut(300, 1, 400));
-    assert!(answers_of(&accel) == answers(&geometry, Preset::Brute));
+    let (rays, mut accel) = (rays(), cut_accel(&geometry, Preset::OnDemand, cut(300, 1, 400)));
+    check("spheres", &mut accel, &rays, &brute(&geometry, &rays));
     let tree = accel.tree.as_ref().expect("it has one");
     tree.build_all(&geometry);
     let Census { nodes, lists, .. } = tree.census();
     assert_eq!((nodes, lists), (1, 4), "only lists are below the root");
-}
-
-#[test]
-fn heaps_and_equal_centroids_are_cut_too() {
-    let spheres: Vec<_> =
-        (0..1000).map(|i| Quadric::Sphere(Vec3::ZERO, 1.0 + i as f32 * 1e-3)).collect();
-    let geometry = Geometry { quadrics: spheres, ..Geometry::default() };
-    let ray = Ray::new(Vec3::Z * 1e4, Vec3::NEG_Z);
-    for (preset, cut) in CHUNKED.into_iter().flat_map(|p| CUTS.map(|cut| (p, cut))) {
-        let accel = cut_accel(&geometry, preset, cut);
-        assert_eq!(accel.closest(&ray, &mut accel.traversal()).primitive, 999, "{cut:?}");
-    }
 }
 
 #[test]
@@ -253,44 +218,8 @@ fn triangles_that_repeat_positions_share_leaves() {
     for cut in [CUTS[1], CUTS[2], cut(usize::MAX, 1, 0)] {
         let census = |geometry| build_cut(geometry, Preset::Fast, cut).census();
         assert_eq!(census(&repeated), census(&shared), "{cut:?}");
-        let accel = cut_accel(&repeated, Preset::Fast, cut);
-        assert!(answers_of(&accel) == answers(&shared, Preset::Brute));
-    }
-}
-
-/// In how many leaves a primitive is: a quad by halves.
-fn places(geometry: &Geometry, number: u32) -> i32 {
-    match geometry.primitive(number) {
-        Primitive::Quad(_) => 2,
-        _ => i32::from(!geometry.is_degenerate(number)),
-    }
-}
-
-/// Whether the box of a leaf holds the primitive, or a half of it.
-fn holds(bounds: &Aabb, geometry: &Geometry, number: u32) -> bool {
-    match geometry.primitive(number) {
-        Primitive::Quad(i) => {
-            quad::halves(&geometry.quad(i)).iter().any(|&half| bounds.contains(&Aabb::around(half)))
-        }
-        _ => bounds.contains(&geometry.bounds(number)),
-    }
-}
-
-#[test]
-fn children_lie_within_their_parents() {
-    let geometry = mixture(2000);
-    for preset in Preset::ALL.into_iter().filter(|&p| p != Preset::Brute) {
-        let tree = build(&geometry, preset);
-        let mut leaves = vec![0; geometry.len()];
-        tree.for_each_leaf(|bounds, numbers| {
-            for &n in numbers {
-                leaves[n as usize] += 1;
-                assert!(holds(bounds, &geometry, n));
-            }
-        });
-        for (number, &times) in leaves.iter().enumerate() {
-            assert_eq!(times, places(&geometry, number as u32));
-        }
+        let mut accel = cut_accel(&repeated, Preset::Fast, cut);
+        check("repeated", &mut accel, &rays(), &brute(&shared, &rays()));
     }
 }
 
@@ -324,30 +253,26 @@ fn hc24_nothing_and_one_thing() {
 
 #[test]
 fn hc22_equal_centroids_build_and_trace() {
-    for count in [100, 20_000] {
-        let spheres: Vec<_> =
-            (0..count).map(|i| Quadric::Sphere(Vec3::ZERO, 1.0 + i as f32 * 1e-3)).collect();
-        for preset in [Preset::Fastest, Preset::VeryFast, Preset::Medium, Preset::VerySlow] {
-            let accel =
-                Accel::new(Geometry { quadrics: spheres.clone(), ..Geometry::default() }, preset);
-            let ray = Ray::new(Vec3::Z * 1e4, Vec3::NEG_Z);
-            let hit = accel.closest(&ray, &mut accel.traversal());
-            assert_eq!(hit.primitive, count - 1, "{}", preset.name());
-        }
+    let ray = Ray::new(Vec3::Z * 1e4, Vec3::NEG_Z);
+    let outermost = |accel: Accel| accel.closest(&ray, &mut accel.traversal()).primitive;
+    for (count, preset) in [100, 20_000].into_iter().flat_map(|n| Preset::ALL.map(|p| (n, p))) {
+        assert_eq!(outermost(Accel::new(shells(count), preset)), count - 1, "{}", preset.name());
+    }
+    for (preset, cut) in CHUNKED.into_iter().flat_map(|p| CUTS.map(|cut| (p, cut))) {
+        assert_eq!(outermost(cut_accel(&shells(1000), preset, cut)), 999, "{preset:?} {cut:?}");
     }
 }
 
 #[test]
 fn hc23_nested_boxes_make_a_deep_tree() {
     let sphere = |i| Quadric::Sphere(Vec3::X * 1.5_f32.powi(i) * 1e-9, 1.5_f32.powi(i) * 1e-9);
-    let spheres: Vec<_> = (0..120).map(sphere).collect();
+    let geometry = Geometry { quadrics: (0..120).map(sphere).collect(), ..Geometry::default() };
+    let along = Ray::new(Vec3::new(-1.0, 0.0, 0.0), Vec3::X);
+    let rays = [&[along], &rays()[..]].concat();
+    let expected = brute(&geometry, &rays);
+    assert!(!expected.0[0].is_miss());
     for preset in Preset::ALL {
-        let accel =
-            Accel::new(Geometry { quadrics: spheres.clone(), ..Geometry::default() }, preset);
-        let ray = Ray::new(Vec3::new(-1.0, 0.0, 0.0), Vec3::X);
-        let reference = answers(&accel.geometry, Preset::Brute);
-        assert!(answers(&accel.geometry, preset) == reference);
-        assert!(!accel.closest(&ray, &mut accel.traversal()).is_miss());
+        check(preset.name(), &mut Accel::new(geometry.clone(), preset), &rays, &expected);
     }
 }
 
@@ -364,10 +289,14 @@ fn hc21_the_lowest_number_wins_among_equals() {
 
 #[test]
 fn the_default_preset_grows_with_the_work() {
-    assert_eq!(Preset::choose(18_000_000, 1_000_000), Preset::OnDemand);
-    assert_eq!(Preset::choose(500_000, 1_000_000), Preset::Fastest);
-    assert_eq!(Preset::choose(1_000_000, 6_000_000), Preset::VeryFast);
-    assert_eq!(Preset::choose(100_000, 1_600_000), Preset::Fast);
-    assert_eq!(Preset::choose(100_000, 1_000_000_000), Preset::Fast);
-    assert_eq!(Preset::choose(0, 0), Preset::OnDemand);
+    for (primitives, rays, expected) in [
+        (18_000_000, 1_000_000, Preset::OnDemand),
+        (500_000, 1_000_000, Preset::Fastest),
+        (1_000_000, 6_000_000, Preset::VeryFast),
+        (100_000, 1_600_000, Preset::Fast),
+        (100_000, 1_000_000_000, Preset::Fast),
+        (0, 0, Preset::OnDemand),
+    ] {
+        assert_eq!(Preset::choose(primitives, rays), expected);
+    }
 }

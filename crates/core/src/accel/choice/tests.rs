@@ -1,34 +1,16 @@
 //! Every choice gives the same answers, and says truly who took which rays.
 
-use std::f32::consts::{PI, TAU};
-
 use glam::Vec3;
 
 use crate::accel::build::Preset;
-use crate::accel::{Accel, Hit, KernelChoice, Traversal};
+use crate::accel::tests::{answers, bumpy_sphere};
+use crate::accel::{Accel, Hit, KernelChoice};
 use crate::counters::{KernelCounts, Kernels};
 use crate::geometry::Geometry;
 use crate::kernels::precision::Precision;
 use crate::math::random::Stream;
 use crate::math::ray::Ray;
 use crate::math::simd::{Level, is_wide};
-
-/// A sphere of radius 1 with bumps, of `n` times `n` pairs of triangles.
-fn bumpy_sphere(n: u32) -> Geometry {
-    let position = |i: u32| {
-        let (u, v) = (i % (n + 1), i / (n + 1));
-        let (longitude, latitude) = (u as f32 / n as f32 * TAU, v as f32 / n as f32 * PI);
-        let radius = 1.0 + 0.1 * (7.0 * longitude).sin() * (5.0 * latitude).sin();
-        let (around, height) = latitude.sin_cos();
-        radius * Vec3::new(around * longitude.cos(), around * longitude.sin(), height)
-    };
-    let triangles = (0..n * n).flat_map(|i| {
-        let a = i / n * (n + 1) + i % n;
-        [[a, a + 1, a + n + 2], [a, a + n + 2, a + n + 1]]
-    });
-    let positions = (0..(n + 1) * (n + 1)).map(position).collect();
-    Geometry { positions, triangles: triangles.collect(), ..Geometry::default() }
-}
 
 fn accel() -> Accel {
     Accel::new(bumpy_sphere(50), Preset::Fast)
@@ -57,15 +39,6 @@ fn random() -> Vec<Ray> {
         Ray::new(point(0), point(1) - point(0))
     };
     (0..2000).map(ray).collect()
-}
-
-fn answers(accel: &Accel, rays: &[Ray], traversal: &mut Traversal) -> (Vec<Hit>, Vec<bool>) {
-    // Whatever was there before is written over.
-    let mut hits = vec![Hit { t: 0.5, primitive: 0 }; rays.len()];
-    let mut occluded = vec![true; rays.len()];
-    accel.closest_of(rays, &mut hits, traversal);
-    accel.occluded_of(rays, &mut occluded, traversal);
-    (hits, occluded)
 }
 
 /// What was counted with each kernel.

@@ -3,40 +3,20 @@
 use glam::Vec3;
 
 use crate::accel::build::Preset;
+use crate::accel::tests::{Numbers, brute, bumpy_sphere, cloud, compare};
 use crate::accel::{Accel, Hit};
-use crate::geometry::{Geometry, Quadric};
-use crate::kernels::disk::Disk;
-use crate::math::random::Stream;
+use crate::geometry::Geometry;
 use crate::math::ray::Ray;
-use crate::math::simd::{Level, is_wide};
+use crate::math::simd::is_wide;
 
-fn random(index: u32, dimension: u32) -> [f32; 4] {
-    Stream { seed: 23, pixel: index, sample: 0, bounce: 0 }.uniform(dimension)
-}
-
-/// A bumpy sheet of `n` by `n` squares, as a mesh that shares vertices, with some loose triangles,
-/// a quad and a few spheres above; the last sphere is a light.
+/// A mesh that shares vertices, loose triangles and spheres, and a quad; some of each are lights.
 fn scene(n: u32) -> Geometry {
-    let mut geometry = Geometry::default();
-    for i in 0..(n + 1) * (n + 1) {
-        let (x, y) = ((i % (n + 1)) as f32 / n as f32, (i / (n + 1)) as f32 / n as f32);
-        geometry.positions.push(Vec3::new(x, y, 0.1 * random(i, 0)[0]) * 4.0 - 2.0);
-    }
-    for i in 0..n * n {
-        let a = i % n + i / n * (n + 1);
-        let (b, c, d) = (a + 1, a + n + 1, a + n + 2);
-        geometry.triangles.extend([[a, b, d], [a, d, c]]);
-    }
-    for i in 0..40 {
-        let [x, y, z, _] = random(i, 1);
-        let center = Vec3::new(x, y, z) * 3.0 - 1.5;
-        let first = geometry.positions.len() as u32;
-        for k in 0..3 {
-            let [a, b, c, _] = random(i, 2 + k);
-            geometry.positions.push(center + (Vec3::new(a, b, c) - 0.5) * 0.4);
-        }
-        geometry.triangles.push([first, first + 1, first + 2]);
-    }
+    let mut numbers = Numbers(100_000);
+    let mut geometry = cloud(&mut numbers, 1.8);
+    let first = geometry.positions.len() as u32;
+    let mesh = bumpy_sphere(n);
+    geometry.positions.extend(mesh.positions);
+    geometry.triangles.extend(mesh.triangles.into_iter().map(|t| t.map(|v| v + first)));
     let first = geometry.positions.len() as u32;
     geometry.positions.extend([
         Vec3::new(-1.0, -1.0, 0.5),
@@ -45,12 +25,6 @@ fn scene(n: u32) -> Geometry {
         Vec3::new(-1.0, 0.0, 0.5),
     ]);
     geometry.quads.push([first, first + 1, first + 2, first + 3]);
-    geometry.quadrics.extend([
-        Quadric::Sphere(Vec3::new(0.5, 0.5, 0.3), 0.4),
-        Quadric::Disk(Disk { center: Vec3::new(0.1, 0.6, 0.4), normal: Vec3::Z, radius: 0.5 }),
-        Quadric::Sphere(Vec3::new(0.2, -0.4, 1.5), 0.3),
-    ]);
-    // Triangles, the quad and a sphere are lights'.
     let (triangles, all) = (geometry.triangles.len() as u32, geometry.len() as u32);
     geometry.lights = vec![1..triangles / 3, triangles..triangles + 1, all - 1..all];
     geometry
@@ -58,6 +32,7 @@ fn scene(n: u32) -> Geometry {
 
 /// Rays of a camera, in tiles of 8 by 8 pixels; some are cut short, some start later.
 fn rays(eye: Vec3, edge: u32) -> Vec<Ray> {
+    let mut numbers = Numbers(0);
     (0..edge * edge)
         .map(|i| {
             let (tile, within) = (i / 64, i % 64);
@@ -67,10 +42,10 @@ fn rays(eye: Vec3, edge: u32) -> Vec<Ray> {
             let target = Vec3::new(x as f32, y as f32, 0.0) * (3.6 / edge as f32) - 1.8;
             let mut ray = Ray::new(eye, (target - eye).normalize());
             if i % 5 == 0 {
-                ray.t_max = 3.5 + random(i, 9)[0];
+                ray.t_max = 3.5 + numbers.one();
             }
             if i % 7 == 0 {
-                ray.t_min = 3.0 + random(i, 9)[1];
+                ray.t_min = 3.0 + numbers.one();
             }
             ray
         })
@@ -105,32 +80,15 @@ fn rays_of_one_sign_along_each_axis_share_a_tile() {
 fn hc03_coherent_rays_are_answered_as_by_brute_force_at_every_level() {
     for squares in [2, 12, 60] {
         let geometry = scene(squares);
-        let brute = Accel::new(geometry.clone(), Preset::Brute);
         for eye in [Vec3::new(0.3, -0.2, 4.0), Vec3::new(5.0, 4.0, 3.0), Vec3::new(-6.0, 1.0, 2.0)]
         {
             let mut rays = rays(eye, 40);
             // What no packet takes: beside the others, a ray that cannot be traced.
             rays[700].direction = Vec3::ZERO;
             rays.truncate(1590);
-            let mut hits = vec![Hit::MISS; rays.len()];
-            let mut occluded = vec![false; rays.len()];
-            let mut traversal = brute.traversal();
-            brute.closest_of(rays.as_slice(), &mut hits, &mut traversal);
-            brute.occluded_of(rays.as_slice(), &mut occluded, &mut traversal);
-            assert!(hits.iter().filter(|hit| !hit.is_miss()).count() > 200, "{squares} {eye}");
+            let (_, occluded) = brute(&geometry, &rays);
             assert!(occluded.contains(&true) && occluded.contains(&false));
-            let mut accel = Accel::new(geometry.clone(), Preset::Fast);
-            for level in Level::available() {
-                accel.level = level.token().expect("it is available");
-                let mut traversal = accel.traversal();
-                // Whatever was there before is written over.
-                let mut found = vec![Hit { t: 0.5, primitive: 0 }; rays.len()];
-                accel.closest_of(rays.as_slice(), &mut found, &mut traversal);
-                assert!(found == hits, "{squares} {eye} {level:?}");
-                let mut met = vec![true; rays.len()];
-                accel.occluded_of(rays.as_slice(), &mut met, &mut traversal);
-                assert!(met == occluded, "{squares} {eye} {level:?}");
-            }
+            assert!(compare(&format!("{squares} {eye}"), &geometry, &rays) > 200);
         }
     }
 }

@@ -31,6 +31,10 @@ fn of_triangle(corners: [Vec3; 3]) -> Geometry {
     Geometry { positions: corners.to_vec(), triangles: vec![[0, 1, 2]], ..Geometry::default() }
 }
 
+fn of_quadric(quadric: Quadric) -> Geometry {
+    Geometry { quadrics: vec![quadric], ..Geometry::default() }
+}
+
 fn reaches(light: &Light, shape: &Shape, material: &Material, geometry: &Geometry) -> bool {
     let surface = Surface { shape, material, textured: false, faces: Faces::lit(shape) };
     let found = run(&[light], &[surface], geometry);
@@ -41,19 +45,6 @@ fn reaches(light: &Light, shape: &Shape, material: &Material, geometry: &Geometr
 fn random(index: u32, dimension: u32) -> Vec3 {
     let [x, y, z, _] = Stream { seed: 3, pixel: index, sample: 0, bounce: 0 }.uniform(dimension);
     Vec3::new(x, y, z) - 0.5
-}
-
-fn triangle_at(ray: &Ray, corners: &[Vec3; 3]) -> surface::Surface<f32> {
-    surface::triangle_at::<f32, Exact>(&Line::from(ray), 0.0, &corners.map(Vector::from))
-}
-
-fn quadric_at(ray: &Ray, quadric: &Quadric) -> Option<surface::Surface<f32>> {
-    let columns = quadric.columns().map(Vector::from);
-    let t = match quadric {
-        Quadric::Sphere(..) => 0.0,
-        Quadric::Disk(disk) => disk::intersect_exactly(ray, disk)?,
-    };
-    Some(surface::quadric_at::<f32, Exact>(&Line::from(ray), t, &columns))
 }
 
 /// Whether the shading step asks the light for anything where `ray` arrives.
@@ -88,42 +79,96 @@ fn near_plane(index: u32, corners: &[Vec3; 3], size: f32) -> Light {
     })
 }
 
+/// How many lights were left out, and how often others were asked for.
+#[derive(Default)]
+struct Tried {
+    left_out: u32,
+    asked: u32,
+}
+
+impl Tried {
+    /// Checks that no ray to a shape, given by its end and its start, asks for a light that was left
+    /// out.
+    fn add(
+        &mut self,
+        index: u32,
+        light: &Light,
+        shape: &Shape,
+        geometry: &Geometry,
+        arrival: impl Fn(u32) -> [Vec3; 2],
+    ) {
+        let out = !reaches(light, shape, &WHITE, geometry);
+        self.left_out += u32::from(out);
+        for [target, origin] in (0..8).map(arrival) {
+            let ray = Ray::new(origin, normalize(target - origin));
+            if !ray.is_valid() {
+                continue;
+            }
+            let line = Line::from(&ray);
+            let at = match geometry.quadrics.first() {
+                Some(quadric) => {
+                    let t = match quadric {
+                        Quadric::Sphere(..) => Some(0.0),
+                        Quadric::Disk(disk) => disk::intersect_exactly(&ray, disk),
+                    };
+                    let Some(t) = t else { continue };
+                    let columns = quadric.columns().map(Vector::from);
+                    surface::quadric_at::<f32, Exact>(&line, t, &columns)
+                }
+                None => {
+                    let corners = geometry.triangle(0).map(Vector::from);
+                    surface::triangle_at::<f32, Exact>(&line, 0.0, &corners)
+                }
+            };
+            let asks = asks(light, at, shape.flipped, &ray, index);
+            self.asked += u32::from(asks);
+            assert!(!(out && asks), "{index}: {light:?} {geometry:?}");
+        }
+    }
+
+    fn are_at_least(&self, left_out: u32, asked: u32) {
+        let Self { left_out: out, asked: times } = *self;
+        assert!(out > left_out && times > asked, "{out} left out, asked {times} times");
+    }
+}
+
+/// A size of any order, and a place as far away as it or nearer.
+fn somewhere(index: u32) -> (f32, Vec3) {
+    let size = libm::exp2f(40.0 * random(index, 1).x);
+    (size, random(index, 2) * size * libm::exp2f(20.0 * random(index, 3).x))
+}
+
+/// A point near a triangle, or in it.
+fn beside(corners: &[Vec3; 3], index: u32, turn: u32) -> Vec3 {
+    let weights = random(index, 30 + turn).abs() * 2.0;
+    let weights = weights / (weights.x + weights.y + weights.z);
+    corners[0] * weights.x + corners[1] * weights.y + corners[2] * weights.z
+}
+
 #[test]
 fn surfaces_for_which_a_light_is_left_out_never_sample_it() {
-    let (mut left_out, mut asked) = (0, 0);
+    let mut tried = Tried::default();
     for index in 0..20_000 {
-        let size = libm::exp2f(40.0 * random(index, 1).x);
-        let offset = random(index, 2) * size * libm::exp2f(20.0 * random(index, 3).x);
+        let (size, offset) = somewhere(index);
         let corners = [10, 11, 12].map(|d| offset + random(index, d) * size);
         let geometry = of_triangle(corners);
         if geometry.is_degenerate(0) {
             continue;
         }
         let light = near_plane(index, &corners, size);
-        let shape = shape(false, index % 2 == 0);
-        let out = !reaches(&light, &shape, &WHITE, &geometry);
-        left_out += u32::from(out);
-        for turn in 0..8 {
-            let weights = random(index, 30 + turn).abs() * 2.0;
-            let weights = weights / (weights.x + weights.y + weights.z);
-            let target = corners[0] * weights.x + corners[1] * weights.y + corners[2] * weights.z;
-            let origin = target + random(index, 40 + turn) * size;
-            let ray = Ray::new(origin, normalize(target - origin));
-            let asks = ray.is_valid()
-                && asks(&light, triangle_at(&ray, &corners), shape.flipped, &ray, index);
-            asked += u32::from(asks);
-            assert!(!(out && asks), "{index}: {light:?} {corners:?}");
-        }
+        tried.add(index, &light, &shape(false, index % 2 == 0), &geometry, |turn| {
+            let target = beside(&corners, index, turn);
+            [target, target + random(index, 40 + turn) * size]
+        });
     }
-    assert!(left_out > 4000 && asked > 10_000, "{left_out} left out, asked {asked} times");
+    tried.are_at_least(4000, 10_000);
 }
 
 #[test]
 fn surfaces_for_which_a_cone_is_left_out_are_in_its_dark() {
-    let (mut left_out, mut asked) = (0, 0);
+    let mut tried = Tried::default();
     for index in 0..20_000 {
-        let size = libm::exp2f(40.0 * random(index, 1).x);
-        let offset = random(index, 2) * size * libm::exp2f(20.0 * random(index, 3).x);
+        let (size, offset) = somewhere(index);
         let center = offset + random(index, 4) * size;
         let radius = size * (0.51 + random(index, 5).x);
         let disk = Disk { center, normal: normalize(random(index, 6)), radius };
@@ -133,10 +178,7 @@ fn surfaces_for_which_a_cone_is_left_out_are_in_its_dark() {
             _ => None,
         };
         let corners = [10, 11, 12].map(|d| offset + random(index, d) * size);
-        let geometry = match quadric {
-            Some(quadric) => Geometry { quadrics: vec![quadric], ..Geometry::default() },
-            None => of_triangle(corners),
-        };
+        let geometry = quadric.map_or_else(|| of_triangle(corners), of_quadric);
         if geometry.is_degenerate(0) {
             continue;
         }
@@ -151,65 +193,37 @@ fn surfaces_for_which_a_cone_is_left_out_are_in_its_dark() {
         let axis = if index % 2 == 0 { axis + near.as_dvec3() } else { random(index, 9).into() };
         let cone = Cone::new(normalize_f64(axis), outer / 2.0, outer);
         let light = light(Emitter::Spot(place, cone));
-        let shape = shape(true, false);
-        let out = !reaches(&light, &shape, &WHITE, &geometry);
-        left_out += u32::from(out);
-        for turn in 0..8 {
-            let weights = random(index, 30 + turn).abs() * 2.0;
-            let weights = weights / (weights.x + weights.y + weights.z);
+        tried.add(index, &light, &shape(true, false), &geometry, |turn| {
             let there = normalize(random(index, 50 + turn));
-            let target = match quadric {
-                Some(quadric) => {
-                    let front = quadric.parts().2;
-                    center + (there - front * front.dot(there)) * radius
-                }
-                None => corners[0] * weights.x + corners[1] * weights.y + corners[2] * weights.z,
+            let target = match quadric.map(|quadric| quadric.parts().2) {
+                Some(front) => center + (there - front * front.dot(there)) * radius,
+                None => beside(&corners, index, turn),
             };
-            let origin = target + (there + random(index, 40 + turn)) * size;
-            let ray = Ray::new(origin, normalize(target - origin));
-            if !ray.is_valid() {
-                continue;
-            }
-            let at = match &quadric {
-                Some(quadric) => quadric_at(&ray, quadric),
-                None => Some(triangle_at(&ray, &corners)),
-            };
-            let asks = at.is_some_and(|at| asks(&light, at, false, &ray, index));
-            asked += u32::from(asks);
-            assert!(!(out && asks), "{index}: {light:?} {corners:?} {center} {radius}");
-        }
+            [target, target + (there + random(index, 40 + turn)) * size]
+        });
     }
-    assert!(left_out > 2000 && asked > 3000, "{left_out} left out, asked {asked} times");
+    tried.are_at_least(2000, 3000);
 }
 
 #[test]
 fn a_light_within_a_sphere_reaches_none_of_its_outside() {
-    let (mut left_out, mut asked) = (0, 0);
+    let mut tried = Tried::default();
     for index in 0..20_000 {
         let radius = libm::exp2f(20.0 * random(index, 1).x);
         let center = random(index, 2) * radius * libm::exp2f(16.0 * random(index, 3).x + 4.0);
-        let sphere = Quadric::Sphere(center, radius);
-        let geometry = Geometry { quadrics: vec![sphere], ..Geometry::default() };
         let depth = libm::exp2f(-20.0 * (random(index, 4).x + 0.5));
         let outward = normalize(random(index, 5));
         let side = if index % 2 == 0 { 1.0 - depth } else { 1.0 + depth };
         let light = light(Emitter::Point(center + outward * (radius * side)));
-        let shape = shape(false, false);
-        let out = !reaches(&light, &shape, &WHITE, &geometry);
-        left_out += u32::from(out);
-        for turn in 0..8 {
+        let geometry = of_quadric(Quadric::Sphere(center, radius));
+        tried.add(index, &light, &shape(false, false), &geometry, |turn| {
             // Half of the hits are where the light is nearest.
             let there = if turn % 2 == 0 { outward } else { normalize(random(index, 30 + turn)) };
             let target = center + there * radius;
-            let origin = target + (there + random(index, 40 + turn)) * radius;
-            let ray = Ray::new(origin, normalize(target - origin));
-            let at = ray.is_valid().then(|| quadric_at(&ray, &sphere)).flatten();
-            let asks = at.is_some_and(|at| asks(&light, at, false, &ray, index));
-            asked += u32::from(asks);
-            assert!(!(out && asks), "{index}: {light:?} {center} {radius}");
-        }
+            [target, target + (there + random(index, 40 + turn)) * radius]
+        });
     }
-    assert!(left_out > 3000 && asked > 10_000, "{left_out} left out, asked {asked} times");
+    tried.are_at_least(3000, 10_000);
 }
 
 /// A triangle in the plane z = 0 whose front, as in mesh files, is on +z.

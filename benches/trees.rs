@@ -1,9 +1,10 @@
-//! Searching the tree with each kernel and each instruction level: time per ray.
+//! Building the tree with each preset, time per triangle; and searching it with each kernel and each instruction
+//! level, time per ray.
 //!
 //! A scan has triangles of one size, a room triangles of all sizes: a kernel that is fast in one
 //! may be slow in the other. Coherent rays are those of a camera, in blocks of 8 by 8; random ones
 //! are the worst case of a tree. They are searched in batches, as in the wavefront. Run with `cargo
-//! bench --bench traversal`, and a word to select by name, such as `packet` or `room`. The meshes
+//! bench --bench trees`, and a word to select by name, such as `build`, `packet` or `room`. The meshes
 //! have 100 thousand triangles, or the number in the variable `WAVECREST_BENCH_TRIANGLES`.
 
 use std::fmt;
@@ -20,7 +21,7 @@ use wavecrest_core::math::random::Stream;
 use wavecrest_core::math::ray::Ray;
 use wavecrest_core::math::simd::Level;
 use wavecrest_core::wavefront::DEFAULT_BATCH;
-use wavecrest_scene::generate::{Model, Recipe, mesh};
+use wavecrest_scene::generate::{self, Model, Recipe};
 
 /// Coherent rays in each row and column; there are as many random ones.
 const SIDE: u32 = 128;
@@ -33,19 +34,23 @@ enum Mesh {
 }
 
 static MESHES: [LazyLock<Mutex<Accel>>; 2] = [
-    LazyLock::new(|| Mutex::new(accel(Model::Sphere))),
-    LazyLock::new(|| Mutex::new(accel(Model::Room))),
+    LazyLock::new(|| Mutex::new(Accel::new(geometry(Mesh::Scan), Preset::Fast))),
+    LazyLock::new(|| Mutex::new(Accel::new(geometry(Mesh::Room), Preset::Fast))),
 ];
 
-fn accel(model: Model) -> Accel {
+fn geometry(mesh: Mesh) -> Geometry {
+    let model = match mesh {
+        Mesh::Scan => Model::Sphere,
+        Mesh::Room => Model::Room,
+    };
     let triangles = std::env::var("WAVECREST_BENCH_TRIANGLES");
     let triangles = triangles.ok().and_then(|n| n.parse().ok()).unwrap_or(100_000);
     // If this fails, the check below reports it.
-    let mesh = mesh(&Recipe::new(model, triangles)).unwrap_or_default();
+    let mesh = generate::mesh(&Recipe::new(model, triangles)).unwrap_or_default();
     let (positions, triangles) = (mesh.positions, mesh.triangles);
     let geometry = Geometry { positions, triangles, ..Geometry::default() };
     assert!(!geometry.triangles.is_empty(), "the {model} could not be made");
-    Accel::new(geometry, Preset::Fast)
+    geometry
 }
 
 fn main() {
@@ -164,4 +169,27 @@ fn closest(bencher: Bencher<'_, '_>, case: &Case) {
 #[divan::bench(args = cases(), sample_count = 30, sample_size = 1)]
 fn occluded(bencher: Bencher<'_, '_>, case: &Case) {
     time(bencher, case, false, |a, r, h, t| a.occluded_of(r, h, t));
+}
+
+/// The presets that build a tree.
+fn presets() -> impl Iterator<Item = Preset> {
+    Preset::ALL.into_iter().filter(|&preset| preset != Preset::Brute)
+}
+
+fn build(bencher: Bencher<'_, '_>, mesh: Mesh, preset: Preset) {
+    let geometry = geometry(mesh);
+    bencher
+        .counter(ItemsCount::new(geometry.triangles.len()))
+        .with_inputs(|| geometry.clone())
+        .bench_local_values(|geometry| Accel::new(geometry, preset));
+}
+
+#[divan::bench(args = presets(), sample_count = 5, sample_size = 1)]
+fn build_scan(bencher: Bencher<'_, '_>, preset: Preset) {
+    build(bencher, Mesh::Scan, preset);
+}
+
+#[divan::bench(args = presets(), sample_count = 5, sample_size = 1)]
+fn build_room(bencher: Bencher<'_, '_>, preset: Preset) {
+    build(bencher, Mesh::Room, preset);
 }

@@ -1,0 +1,103 @@
+use super::*;
+use crate::measure::Timing;
+
+fn header() -> Header {
+    Header { version: "1".into(), longest: 8, most: 4, least: 16 }
+}
+
+/// Of the scene `a`, whose times are known.
+pub(crate) fn sample(seed: u64) -> PointRecord {
+    PointRecord {
+        scene: "a".into(),
+        target: Target::Scene,
+        key: "exact".into(),
+        seed,
+        seconds: 0.1,
+        yardstick: 0.001,
+        timing: Some(Timing { seconds: 0.1, processor: Some(0.2) }),
+        passes: vec![("shade".into(), 0.05)],
+        rays: 7,
+        error: Errors { mse: 0.25, relative_mse: 0.5, bias: -0.1, flip: 0.3 },
+    }
+}
+
+fn point(seed: u64) -> Record {
+    Record::Point(sample(seed))
+}
+
+#[test]
+fn records_are_found_again_and_a_cut_line_is_not() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut store = Store::open(folder.path(), &header()).unwrap();
+    store.add(point(1)).unwrap();
+    store.add(point(2)).unwrap();
+    drop(store);
+    let path = folder.path().join(FILE);
+    let text = std::fs::read_to_string(&path).unwrap();
+    std::fs::write(&path, &text[..text.len() - 5]).unwrap();
+    let mut store = Store::open(folder.path(), &header()).unwrap();
+    assert!(store.has("a", Target::Scene, "exact", 1));
+    assert!(!store.has("a", Target::Scene, "exact", 2));
+    assert!(!store.has("a", Target::Pixel, "exact", 1));
+    store.add(point(2)).unwrap();
+    drop(store);
+    assert_eq!(std::fs::read_to_string(&path).unwrap(), text);
+}
+
+#[test]
+fn older_sweeps_are_read_with_the_names_of_today() {
+    let folder = tempfile::tempdir().unwrap();
+    let layers = |precision: &str| {
+        let (scene, steps) = ("robust".to_owned(), Vec::new());
+        Record::Layers(LayersRecord { scene, precision: precision.to_owned(), steps })
+    };
+    let keyed = |key: &str| Record::Point(PointRecord { key: key.to_owned(), ..sample(1) });
+    let old = [keyed("robust lights=sobol:2"), layers("fast"), layers("exact")];
+    let new = [keyed("exact lights=sobol:2"), layers("fast"), layers("reference")];
+    let mut store = Store::open(folder.path(), &header()).unwrap();
+    old.into_iter().for_each(|record| store.add(record).unwrap());
+    assert_eq!(read(folder.path()).unwrap().1, new);
+    // Without the old name, `exact` is what it says.
+    let folder = tempfile::tempdir().unwrap();
+    let mut store = Store::open(folder.path(), &header()).unwrap();
+    store.add(layers("exact")).unwrap();
+    assert_eq!(read(folder.path()).unwrap().1, [layers("exact")]);
+}
+
+#[test]
+fn another_sweep_or_scene_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut store = Store::open(folder.path(), &header()).unwrap();
+    let scene = |fingerprint: &str| SceneRecord {
+        scene: "a".into(),
+        file: "a.json".into(),
+        fingerprint: fingerprint.into(),
+        size: [4, 3],
+        primitives: 1,
+    };
+    store.admit(scene("12")).unwrap();
+    store.admit(scene("12")).unwrap();
+    let changed = store.admit(scene("13")).unwrap_err().to_string();
+    assert!(
+        changed.starts_with("a.json: the scene differs from the one in the results"),
+        "{changed}"
+    );
+    assert_eq!(store.records.len(), 2);
+    drop(store);
+    let other = Header { most: 9, ..header() };
+    let error = Store::open(folder.path(), &other).unwrap_err().to_string();
+    assert!(error.contains("results of another sweep"), "{error}");
+}
+
+#[test]
+fn a_round_with_less_of_the_processors_is_busy() {
+    let point = |(seed, processor)| {
+        let timing = Some(Timing { seconds: 0.5, processor: Some(processor) });
+        Record::Point(PointRecord { timing, ..sample(seed) })
+    };
+    // Two settings in each round, of which another program disturbs the second of seed 2.
+    let times = [(0, 1.0), (0, 0.9), (1, 0.99), (1, 0.89), (2, 1.0), (2, 0.5)];
+    let records: Vec<Record> = times.into_iter().map(point).collect();
+    assert_eq!(busy_rounds("a", &records), (3, BTreeSet::from([2])));
+    assert_eq!(busy_rounds("b", &records), (0, BTreeSet::new()));
+}
