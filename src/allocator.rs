@@ -72,7 +72,7 @@ fn report(size: usize) -> ! {
         "error: the system refused {} of memory while {}; free some, raise the limit of the process (ulimit -v), or \
          make the scene or the image smaller",
         Size(size),
-        Stage::now().doing()
+        Stage::now().name()
     );
     let length = (text.position() as usize).min(LONGEST_MESSAGE);
     let _ = std::io::stderr().write_all(&text.get_ref()[..length]);

@@ -5,40 +5,26 @@ use std::sync::atomic::{AtomicU8, Ordering};
 
 use crate::error::{Error, ErrorKind, Result};
 
-/// The current activity of the process, for messages about memory.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Stage {
-    /// None of the other stages.
-    Other,
-    /// Reading the scene and its meshes.
-    Read,
-    /// Extracting primitives, lights and textures.
-    Extract,
-    /// Building the BVH.
-    Build,
-    /// Tracing rays.
-    Trace,
-    /// Writing files.
-    Write,
+crate::choices! {
+    /// The current activity of the process, by the end of a message: "while it was ...".
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    pub enum Stage {
+        /// None of the other stages.
+        Other = "working",
+        /// Reading the scene and its meshes.
+        Read = "reading the scene",
+        /// Extracting primitives, lights and textures.
+        Extract = "preparing the scene",
+        /// Building the BVH.
+        Build = "building the BVH",
+        /// Tracing rays.
+        Trace = "tracing rays",
+        /// Writing files.
+        Write = "writing files",
+    }
 }
 
 impl Stage {
-    /// All stages, by number.
-    const ALL: [Self; 6] =
-        [Self::Other, Self::Read, Self::Extract, Self::Build, Self::Trace, Self::Write];
-
-    /// The activity, as the end of a message: "while it was ...".
-    pub fn doing(self) -> &'static str {
-        match self {
-            Self::Other => "working",
-            Self::Read => "reading the scene",
-            Self::Extract => "preparing the scene",
-            Self::Build => "building the BVH",
-            Self::Trace => "tracing rays",
-            Self::Write => "writing files",
-        }
-    }
-
     /// Sets the current stage.
     pub fn begin(self) {
         STAGE.store(self as u8, Ordering::Relaxed);

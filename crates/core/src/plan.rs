@@ -10,105 +10,53 @@ use serde::Serialize;
 
 use schedule::{PASSES, Pass, Schedule};
 
-/// An effect that costs time only in scenes that show it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum Effect {
-    /// Triangles, alone or in meshes.
-    Triangles,
-    /// Quads.
-    Quads,
-    /// Spheres.
-    Spheres,
-    /// Disks.
-    Disks,
-    /// Interpolated normals.
-    SmoothShading,
-    /// Vertex colours.
-    VertexColors,
-    /// Texture look-ups.
-    Textures,
-    /// Normals from textures.
-    NormalMaps,
-    /// Textures of metal and roughness, and of ambient light.
-    MaterialTextures,
-    /// Coloured highlights.
-    TintedHighlights,
-    /// Emission of materials.
-    Emission,
-    /// Holes given by the alpha of an image.
-    CutOuts,
-    /// Ray differentials, for textures filtered over their footprints.
-    RayDifferentials,
-    /// Hemispheric ambient light.
-    HemisphereLight,
-    /// Point lights, with a shadow ray each.
-    PointLights,
-    /// Spot lights, with a shadow ray each.
-    SpotLights,
-    /// Directional lights, with a shadow ray for each sample.
-    DirectionalLights,
-    /// Area lights, with a shadow ray for each sample.
-    AreaLights,
-    /// Mirror rays.
-    Mirrors,
-    /// A lens with an aperture.
-    DepthOfField,
-    /// Several rays through different points of a pixel.
-    Antialiasing,
-}
-
-impl Effect {
-    /// Every effect, in the order in which a ray meets them.
-    pub const ALL: [Self; 21] = [
-        Self::Antialiasing,
-        Self::DepthOfField,
-        Self::Triangles,
-        Self::Quads,
-        Self::Spheres,
-        Self::Disks,
-        Self::SmoothShading,
-        Self::VertexColors,
-        Self::Textures,
-        Self::NormalMaps,
-        Self::MaterialTextures,
-        Self::TintedHighlights,
-        Self::Emission,
-        Self::CutOuts,
-        Self::RayDifferentials,
-        Self::HemisphereLight,
-        Self::PointLights,
-        Self::SpotLights,
-        Self::DirectionalLights,
-        Self::AreaLights,
-        Self::Mirrors,
-    ];
-
-    /// Its name in messages.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Triangles => "triangles",
-            Self::Quads => "quads",
-            Self::Spheres => "spheres",
-            Self::Disks => "disks",
-            Self::SmoothShading => "smooth shading",
-            Self::VertexColors => "vertex colours",
-            Self::Textures => "textures",
-            Self::NormalMaps => "normal maps",
-            Self::MaterialTextures => "material textures",
-            Self::TintedHighlights => "tinted highlights",
-            Self::Emission => "emission",
-            Self::CutOuts => "cut-outs",
-            Self::RayDifferentials => "ray differentials",
-            Self::HemisphereLight => "hemisphere light",
-            Self::PointLights => "point lights",
-            Self::SpotLights => "spot lights",
-            Self::DirectionalLights => "directional lights",
-            Self::AreaLights => "area lights",
-            Self::Mirrors => "mirrors",
-            Self::DepthOfField => "depth of field",
-            Self::Antialiasing => "antialiasing",
-        }
+wavecrest_base::choices! {
+    /// An effect that costs time only in scenes that show it, in the order in which a ray meets them.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
+    #[serde(rename_all = "kebab-case")]
+    pub enum Effect {
+        /// Several rays through different points of a pixel.
+        Antialiasing = "antialiasing",
+        /// A lens with an aperture.
+        DepthOfField = "depth of field",
+        /// Triangles, alone or in meshes.
+        Triangles = "triangles",
+        /// Quads.
+        Quads = "quads",
+        /// Spheres.
+        Spheres = "spheres",
+        /// Disks.
+        Disks = "disks",
+        /// Interpolated normals.
+        SmoothShading = "smooth shading",
+        /// Vertex colours.
+        VertexColors = "vertex colours",
+        /// Texture look-ups.
+        Textures = "textures",
+        /// Normals from textures.
+        NormalMaps = "normal maps",
+        /// Textures of metal and roughness, and of ambient light.
+        MaterialTextures = "material textures",
+        /// Coloured highlights.
+        TintedHighlights = "tinted highlights",
+        /// Emission of materials.
+        Emission = "emission",
+        /// Holes given by the alpha of an image.
+        CutOuts = "cut-outs",
+        /// Ray differentials, for textures filtered over their footprints.
+        RayDifferentials = "ray differentials",
+        /// Hemispheric ambient light.
+        HemisphereLight = "hemisphere light",
+        /// Point lights, with a shadow ray each.
+        PointLights = "point lights",
+        /// Spot lights, with a shadow ray each.
+        SpotLights = "spot lights",
+        /// Directional lights, with a shadow ray for each sample.
+        DirectionalLights = "directional lights",
+        /// Area lights, with a shadow ray for each sample.
+        AreaLights = "area lights",
+        /// Mirror rays.
+        Mirrors = "mirrors",
     }
 }
 

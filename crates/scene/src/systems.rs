@@ -123,7 +123,7 @@ pub fn extract(world: World, options: Options<'_>) -> Result<Extracted> {
     let plan = Plan::of(found.decisions.clone(), passes);
     let schedule = plan.schedule();
     let lights = lights::keep(world, &settings, schedule, lights, &found)?;
-    if !schedule.is_needless(Step::Shadow) {
+    if !schedule.is_unconditional(Step::Shadow) {
         extracted.drop_unmet(&found.met);
     }
     let mut images = Images::default();

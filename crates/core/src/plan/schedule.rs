@@ -8,52 +8,26 @@
 
 use super::{Decision, Effect};
 
-/// A group of columns in the wavefront's batch, which defines their widths.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Column {
-    /// Radiance gathered by paths, and their pixels.
-    Paths,
-    /// The rays of this bounce.
-    Rays,
-    /// Their hits.
-    Hits,
-    /// Points that lights may reach.
-    LitPoints,
-    /// Highlight colours at lit points.
-    Tints,
-    /// Queued shadow rays.
-    ShadowRays,
-    /// The rays of the next bounce.
-    NextRays,
-    /// Differentials of mirror rays, of this bounce and of the next.
-    Differentials,
-}
-
-impl Column {
-    /// Every group, in the order of the batch.
-    pub const ALL: [Self; 8] = [
-        Self::Paths,
-        Self::Rays,
-        Self::Hits,
-        Self::LitPoints,
-        Self::Tints,
-        Self::ShadowRays,
-        Self::NextRays,
-        Self::Differentials,
-    ];
-
-    /// Its name in messages.
-    pub fn name(self) -> &'static str {
-        match self {
-            Self::Paths => "paths",
-            Self::Rays => "rays",
-            Self::Hits => "hits",
-            Self::LitPoints => "lit points",
-            Self::Tints => "tints",
-            Self::ShadowRays => "shadow rays",
-            Self::NextRays => "next rays",
-            Self::Differentials => "differentials",
-        }
+wavecrest_base::choices! {
+    /// A group of columns in the wavefront's batch, which defines their widths, in the order of the batch.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+    pub enum Column {
+        /// Radiance gathered by paths, and their pixels.
+        Paths = "paths",
+        /// The rays of this bounce.
+        Rays = "rays",
+        /// Their hits.
+        Hits = "hits",
+        /// Points that lights may reach.
+        LitPoints = "lit points",
+        /// Highlight colours at lit points.
+        Tints = "tints",
+        /// Queued shadow rays.
+        ShadowRays = "shadow rays",
+        /// The rays of the next bounce.
+        NextRays = "next rays",
+        /// Differentials of mirror rays, of this bounce and of the next.
+        Differentials = "differentials",
     }
 }
 
@@ -228,7 +202,7 @@ pub struct Schedule {
     /// A bit for each [`Step`], like the following.
     running: u32,
     /// Steps that run for every scene.
-    needless: u32,
+    unconditional: u32,
     /// A bit for each [`Column`].
     columns: u16,
     /// An error of the table for these effects.
@@ -250,10 +224,10 @@ impl Schedule {
         let present = |effect| decisions.iter().any(|d| d.effect == effect && d.present);
         let runs = |pass: &&Pass| pass.needs.met(present);
         let running: Vec<&Pass> = passes.iter().filter(runs).collect();
-        let is_needless = |pass: &&&Pass| pass.needs == Needs::Nothing;
+        let is_unconditional = |pass: &&&Pass| pass.needs == Needs::Nothing;
         Self {
             running: steps(running.iter().copied()),
-            needless: steps(running.iter().filter(is_needless).copied()),
+            unconditional: steps(running.iter().filter(is_unconditional).copied()),
             columns: running.iter().flat_map(|p| p.writes).fold(0, |all, &c| all | 1 << c as u16),
             flaw: flaw(&running),
         }
@@ -265,9 +239,9 @@ impl Schedule {
         self.running >> step as u16 & 1 == 1
     }
 
-    /// Whether the step runs for every scene, and so for everything in it.
-    pub fn is_needless(self, step: Step) -> bool {
-        self.needless >> step as u16 & 1 == 1
+    /// Whether the step runs in every scene, for everything in it.
+    pub fn is_unconditional(self, step: Step) -> bool {
+        self.unconditional >> step as u16 & 1 == 1
     }
 
     /// Whether shadow rays are traced.

@@ -79,14 +79,14 @@ fn detail(
 impl Shows {
     /// The look-ups required for any shape.
     fn required(schedule: Schedule) -> Self {
-        let maps = schedule.is_needless(Step::Maps);
+        let maps = schedule.is_unconditional(Step::Maps);
         Self {
-            texture: schedule.is_needless(Step::Texels),
-            emission: schedule.is_needless(Step::Emission),
+            texture: schedule.is_unconditional(Step::Texels),
+            emission: schedule.is_unconditional(Step::Emission),
             metal: maps,
             occlusion: maps,
-            tint: schedule.is_needless(Step::Tints),
-            normal: schedule.is_needless(Step::NormalMaps),
+            tint: schedule.is_unconditional(Step::Tints),
+            normal: schedule.is_unconditional(Step::NormalMaps),
         }
     }
 

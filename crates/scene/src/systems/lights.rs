@@ -65,7 +65,7 @@ pub fn keep(
     if !schedule.has_shadows() {
         return Ok(Vec::new());
     }
-    let all = schedule.is_needless(Step::Shadow);
+    let all = schedule.is_unconditional(Step::Shadow);
     let mut found = found;
     let mut dimension = camera::DIMENSION + 1;
     for turn in [true, false] {

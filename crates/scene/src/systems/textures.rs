@@ -43,7 +43,7 @@ pub fn run(
     if !schedule.runs(Step::Texels) {
         return;
     }
-    let all = schedule.is_needless(Step::Texels);
+    let all = schedule.is_unconditional(Step::Texels);
     for ((shape, surface), shows) in shapes.iter_mut().zip(surfaces).zip(shows) {
         if let Some(reference) = surface.texture.filter(|_| shows.texture || all) {
             let map = shape.uv_map.unwrap_or(UvMap::Sphere(Mat3::IDENTITY));

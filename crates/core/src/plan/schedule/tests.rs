@@ -47,7 +47,7 @@ fn only_passes_of_every_scene_run_without_effects() {
 fn without_needs_everything_runs_and_every_column_has_storage() {
     let found = schedule(&unplanned(&PASSES), |_| false);
     assert_eq!(found.flaw(), None);
-    assert!(PASSES.iter().all(|pass| found.runs(pass.step) && found.is_needless(pass.step)));
+    assert!(PASSES.iter().all(|pass| found.runs(pass.step) && found.is_unconditional(pass.step)));
     assert_eq!(found.columns().collect::<Vec<_>>(), Column::ALL);
 }
 

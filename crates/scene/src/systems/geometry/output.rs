@@ -105,8 +105,9 @@ impl Output {
         details: &[Detail],
     ) {
         // Whether the step's data of a shape is needed.
-        let shows =
-            |step, in_view: bool| schedule.runs(step) && (in_view || schedule.is_needless(step));
+        let shows = |step, in_view: bool| {
+            schedule.runs(step) && (in_view || schedule.is_unconditional(step))
+        };
         let mut used = vec![[false; 4]; self.meshes.len()];
         for (ShapeOutput { shape, .. }, in_view) in self.shapes.iter_mut().zip(in_view) {
             shape.smooth &= shows(Step::Normals, in_view.is_some());
