@@ -110,8 +110,8 @@ pub struct Appearance {
 pub struct Shape {
     /// Its primitives, by number.
     pub primitives: Range<u32>,
-    /// The colour of a light's shape, shown unlit; `None` for others.
-    pub emission: Option<Vec3>,
+    /// The colour of the light whose shape it is, shown unlit; `None` for others.
+    pub light: Option<Vec3>,
     /// Whether its front is where its winding is clockwise.
     pub flipped: bool,
     /// Whether lights reach its back.

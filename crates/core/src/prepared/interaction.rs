@@ -373,7 +373,7 @@ impl PreparedScene {
             return Interaction::Nothing;
         }
         let index = self.appearance.shape_of(hit.primitive);
-        if let Some(color) = self.appearance.shapes[index].emission {
+        if let Some(color) = self.appearance.shapes[index].light {
             return Interaction::Light(color);
         }
         let arriving = |_| (differential(), *ray, *hit);

@@ -95,7 +95,7 @@ impl<P: Arithmetic> Pass for Shade<'_, P> {
             if !appearance.shapes[last].primitives.contains(&primitive) {
                 last = appearance.shape_of(primitive);
             }
-            if let Some(color) = appearance.shapes[last].emission {
+            if let Some(color) = appearance.shapes[last].light {
                 self.light(i, color);
                 continue;
             }

@@ -24,7 +24,7 @@ impl<'a> Names<'a> {
             Self { appearance, materials: Vec::new(), first: Vec::new(), counts: HashMap::new() };
         let mut known = HashMap::new();
         for (index, shape) in appearance.shapes.iter().enumerate() {
-            if shape.emission.is_some() {
+            if shape.light.is_some() {
                 names.materials.push(0);
                 continue;
             }

@@ -38,7 +38,7 @@ fn from_behind(scene: &PreparedScene) -> Vec<bool> {
     shapes
         .map(|(shape, material)| {
             let shows_light = material.kd > 0.0 || material.ks > 0.0 || material.kr > 0.0;
-            let is_candidate = shape.emission.is_none() && shows_light && !pupils.is_empty();
+            let is_candidate = shape.light.is_none() && shows_light && !pupils.is_empty();
             let faces = |pupil| is_faced(shape, Faces::lit(shape), pupil, geometry, &mut tests);
             is_candidate && !pupils.iter().any(faces)
         })

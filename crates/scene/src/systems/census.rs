@@ -165,7 +165,7 @@ impl<'a> Facts<'a> {
             !surface.textured && surface.material.color == Vec3::ZERO
         };
         let shows_ambient = has_ambient && !surfaces.iter().all(is_black);
-        let is_bright = |shape: &ShapeOutput| shape.shape.emission.is_some_and(|c| c != Vec3::ZERO);
+        let is_bright = |shape: &ShapeOutput| shape.shape.light.is_some_and(|c| c != Vec3::ZERO);
         let glows = shows.iter().any(|shows| shows.emission);
         let has_sky = census.hemisphere.is_some_and(|sky| !sky.is_black());
         let shines = is_lit || glows || shapes.iter().any(is_bright) || shows_ambient || has_sky;
@@ -372,7 +372,7 @@ fn is_solid(ShapeOutput { shape, .. }: &ShapeOutput, census: Census<'_>) -> bool
     // Fast precision cannot tell for certain what has no area.
     let may_be_hit =
         |number| geometry.precision == Precision::Fast || !geometry.is_degenerate(number);
-    shape.emission.is_none() && shape.primitives.clone().any(may_be_hit)
+    shape.light.is_none() && shape.primitives.clone().any(may_be_hit)
 }
 
 /// `n` of a thing, or the reason for none.

@@ -78,7 +78,7 @@ impl Occurrence<'_> {
     pub(super) fn shape(&self, primitives: Range<u32>, flipped: bool) -> Shape {
         Shape {
             primitives,
-            emission: self.light,
+            light: self.light,
             flipped,
             two_sided: self.sides == Sides::Both,
             smooth: false,

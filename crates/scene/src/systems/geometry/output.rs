@@ -134,7 +134,7 @@ impl Output {
 
 /// The primitives of lights' shapes.
 pub(super) fn lights(shapes: &[ShapeOutput]) -> Vec<Range<u32>> {
-    let lights = shapes.iter().filter(|output| output.shape.emission.is_some());
+    let lights = shapes.iter().filter(|output| output.shape.light.is_some());
     let ranges = lights.map(|output| output.shape.primitives.clone());
     ranges.filter(|range| !range.is_empty()).collect()
 }

@@ -21,10 +21,10 @@ fn light(emitter: Emitter) -> Light {
 }
 
 fn shape(two_sided: bool, flipped: bool) -> Shape {
-    let (emission, texture, detail, mesh) = (None, None, None, None);
+    let (light, texture, detail, mesh) = (None, None, None, None);
     let (smooth, colored) = (false, false);
     let primitives = 0..1;
-    Shape { primitives, emission, flipped, two_sided, smooth, colored, texture, detail, mesh }
+    Shape { primitives, light, flipped, two_sided, smooth, colored, texture, detail, mesh }
 }
 
 fn of_triangle(corners: [Vec3; 3]) -> Geometry {
