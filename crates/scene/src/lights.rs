@@ -1,6 +1,6 @@
 //! Lights: the kinds of lights, and what they share.
 //!
-//! Each kind is a file with its component, its keys and its system: [`emitters`] runs them all.
+//! Each kind is a file with its component, its keys and its system: [`SYSTEMS`] lists these.
 
 mod area;
 mod directional;
@@ -8,13 +8,14 @@ mod point;
 mod spot;
 
 use glam::{DVec3, Vec3};
-use hecs::World;
+use hecs::{Entity, World};
 
-use crate::components::Sampling;
+use crate::components::{Order, Sampling, Settings};
+use crate::corners::direction;
 use crate::format::{Object, Variants};
-use crate::scene_file::warn_above_1;
-use crate::systems::lights::{Found, Surroundings};
+use crate::systems::geometry::Output;
 use wavecrest_base::error::{ErrorKind, Result};
+use wavecrest_core::kernels::light::Light;
 
 pub use area::AreaLight;
 pub use directional::DirectionalLight;
@@ -32,6 +33,26 @@ pub(crate) const LIGHTS: Variants = Variants {
     about: "A light.",
     kinds: &[point::KIND, spot::KIND, directional::KIND, area::KIND],
 };
+
+/// A light of the world.
+#[derive(Debug)]
+pub struct Found {
+    /// Its entity.
+    pub(crate) entity: Entity,
+    /// Its index among the lights of the file.
+    pub(crate) order: Order,
+    /// The light, without its dimension yet.
+    pub light: Light,
+}
+
+/// The scene around a light.
+pub(crate) struct Surroundings<'a> {
+    pub(crate) settings: &'a Settings,
+    /// Its shapes, with those of lights.
+    pub(crate) extracted: &'a Output,
+    /// Everything is moved by `-origin`.
+    pub(crate) origin: DVec3,
+}
 
 /// The systems that find the lights of each kind.
 pub(crate) const SYSTEMS: [System; 4] =
@@ -59,7 +80,7 @@ fn warn_of_strength(object: &Object<'_>) {
     warn_of_power(object);
     // The shape of an area light may well be meant to have such a colour.
     let remedy = "use a colour from 0 to 1 and a higher \"intensity\"";
-    warn_above_1(object, "color", "is above 1", remedy);
+    object.warn_above_1("color", "is above 1", remedy);
 }
 
 /// Checks the `samples` of a light: the total, or along each side of a grid.
@@ -89,4 +110,9 @@ pub(crate) fn points(sampling: Sampling, samples: u32) -> u64 {
 
 fn power(intensity: f64, color: DVec3) -> Vec3 {
     (color * intensity).as_vec3()
+}
+
+/// A unit vector; a vector without direction becomes down.
+pub(crate) fn unit(v: DVec3) -> DVec3 {
+    direction(v).unwrap_or(DVec3::NEG_Y)
 }

@@ -176,7 +176,7 @@ fn list(
 
 fn settings(scene: &Object<'_>, bounces: u32, transfer: Encoding) -> Result<Settings> {
     let message = "is above 1, which images of 8 bits cannot show";
-    warn_above_1(scene, "backgroundcolor", message, "use colours from 0 to 1");
+    scene.warn_above_1("backgroundcolor", message, "use colours from 0 to 1");
     Ok(Settings {
         file: scene.cursor().notes().file().to_owned(),
         bounces,
@@ -206,15 +206,6 @@ fn warn_of_darkness(scene: &Object<'_>, world: &World) {
         let notes = scene.cursor().notes();
         let message = "there is no light, so every shape is black";
         notes.note("scene.lightsources", message, "add a light");
-    }
-}
-
-/// Warns of a colour with a channel above 1. Invalid colours are reported when they are read.
-pub(crate) fn warn_above_1(object: &Object<'_>, key: &'static str, message: &str, remedy: &str) {
-    if let Some(cursor) = object.get(key)
-        && cursor.color().is_ok_and(|color| color.max_element() > 1.0)
-    {
-        cursor.warn(message, remedy);
     }
 }
 

@@ -41,6 +41,7 @@ use std::path::{Path, PathBuf};
 use hecs::World;
 
 use crate::components::{Ambient, Settings, SurfaceComponents};
+use crate::lights::unit;
 use crate::query;
 use crate::surface::Columns;
 use geometry::ShapeOutput;
@@ -169,7 +170,7 @@ fn ambient(settings: &Settings, lights: usize) -> (f32, Option<Hemisphere>) {
     match settings.ambient {
         Ambient::Even(factor) => (factor as f32 * lights as f32, None),
         Ambient::Hemisphere { sky, ground, up } => {
-            (0.0, Some(Hemisphere::new(sky, ground, lights::unit(up))))
+            (0.0, Some(Hemisphere::new(sky, ground, unit(up))))
         }
     }
 }

@@ -74,6 +74,15 @@ impl<'a> Object<'a> {
         self.kind.key(key).is_some_and(|key| key.names().any(|name| self.map.contains_key(name)))
     }
 
+    /// Warns of a colour with a channel above 1. Invalid colours are reported when they are read.
+    pub(crate) fn warn_above_1(&self, key: &'static str, message: &str, remedy: &str) {
+        if let Some(cursor) = self.get(key)
+            && cursor.color().is_ok_and(|color| color.max_element() > 1.0)
+        {
+            cursor.warn(message, remedy);
+        }
+    }
+
     /// The value of a required `key`; `what` describes it.
     pub(crate) fn need(&self, key: &'static str, what: &str) -> Result<Cursor<'_>> {
         self.get(key).ok_or_else(|| self.missing(key, what))

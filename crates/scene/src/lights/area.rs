@@ -5,12 +5,11 @@ use std::collections::HashMap;
 use glam::{DVec3, Vec3};
 use hecs::{Entity, EntityBuilder, World};
 
-use super::{MOST_SAMPLES, check_samples, grid, power, warn_of_power};
+use super::{Found, MOST_SAMPLES, Surroundings, check_samples, grid, power, warn_of_power};
 use crate::components::{Falloff, Order, Sampling, Settings};
 use crate::format::{Declaration, Key, Kind, Object, Range, component, declared, keys};
 use crate::query::json_path;
 use crate::shapes;
-use crate::systems::lights::{Found, Surroundings};
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_core::geometry::{Geometry, Primitive, Quadric};
 use wavecrest_core::kernels::disk::Disk;

@@ -3,11 +3,12 @@
 use glam::DVec3;
 use hecs::{Entity, World};
 
-use super::{MOST_SAMPLES, check_samples, grid, power, warn_of_strength};
+use super::{
+    Found, MOST_SAMPLES, Surroundings, check_samples, grid, power, unit, warn_of_strength,
+};
 use crate::components::{Falloff, Order, Sampling};
 use crate::format::{Declaration, Kind, Object, Range, component, declared};
 use crate::systems::bounds;
-use crate::systems::lights::{Found, Surroundings, unit};
 use wavecrest_base::error::Result;
 use wavecrest_core::geometry::Geometry;
 use wavecrest_core::kernels::light::{Distant, Emitter, Light};

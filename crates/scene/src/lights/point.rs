@@ -3,10 +3,9 @@
 use glam::DVec3;
 use hecs::{Entity, World};
 
-use super::{Spot, power, warn_of_strength};
+use super::{Found, Spot, Surroundings, power, warn_of_strength};
 use crate::components::{Falloff, Order, Sampling};
 use crate::format::{Declaration, Kind, Object, Range, component, declared};
-use crate::systems::lights::{Found, Surroundings};
 use wavecrest_base::error::Result;
 use wavecrest_core::kernels::light::{Emitter, Light};
 

@@ -3,10 +3,9 @@
 use glam::{DVec3, Vec3};
 use hecs::{Entity, World};
 
-use super::PointLight;
+use super::{Found, PointLight, Surroundings, unit};
 use crate::components::Order;
 use crate::format::{Declaration, Kind, Object, Range, component, declared};
-use crate::systems::lights::{Found, Surroundings, unit};
 use wavecrest_base::error::Result;
 use wavecrest_core::kernels::light::{Cone, Emitter};
 

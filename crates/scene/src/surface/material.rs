@@ -3,7 +3,6 @@
 use glam::DVec3;
 
 use crate::format::{Declared, Key, Kind, Object, Range, Writer, component, keys};
-use crate::scene_file::warn_above_1;
 use wavecrest_base::error::Result;
 
 /// Exponents of the highlight. At a million it is a fraction of a pixel wide.
@@ -64,6 +63,6 @@ fn warn_of_gain(object: &Object<'_>) {
             cursor.warn(message, remedy);
         }
     }
-    warn_above_1(object, "diffusecolor", message, remedy);
-    warn_above_1(object, "specularcolor", message, remedy);
+    object.warn_above_1("diffusecolor", message, remedy);
+    object.warn_above_1("specularcolor", message, remedy);
 }

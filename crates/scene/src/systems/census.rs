@@ -12,10 +12,10 @@ mod pixels;
 mod shows;
 
 use super::geometry::{self, ShapeOutput};
-use super::lights::Found;
 use super::reach;
 use super::reach::Faces;
 use crate::components::{Settings, SurfaceComponents, TextureRef};
+use crate::lights::Found;
 pub use shows::Shows;
 use wavecrest_base::error::Result;
 use wavecrest_core::kernels::blinn_phong::Material;

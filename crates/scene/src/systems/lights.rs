@@ -5,33 +5,13 @@ use hecs::{Entity, World};
 
 use super::census::Findings;
 use super::geometry::Output;
-use crate::components::{Order, Settings};
-use crate::corners::direction;
+use crate::components::Settings;
+use crate::lights::{Found, SYSTEMS, Surroundings};
 use crate::query::json_path;
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_core::kernels::camera;
 use wavecrest_core::kernels::light::Light;
 use wavecrest_core::plan::schedule::{Schedule, Step};
-
-/// A light of the world.
-#[derive(Debug)]
-pub struct Found {
-    /// Its entity.
-    pub(crate) entity: Entity,
-    /// Its index among the lights of the file.
-    pub(crate) order: Order,
-    /// The light, without its dimension yet.
-    pub light: Light,
-}
-
-/// The scene around a light.
-pub(crate) struct Surroundings<'a> {
-    pub(crate) settings: &'a Settings,
-    /// Its shapes, with those of lights.
-    pub(crate) extracted: &'a Output,
-    /// Everything is moved by `-origin`.
-    pub(crate) origin: DVec3,
-}
 
 /// The lights of the world in the order of the file, moved by `-origin` like its shapes.
 pub fn run(
@@ -42,7 +22,7 @@ pub fn run(
 ) -> Result<Vec<Found>> {
     let mut found: Vec<Found> = Vec::new();
     let scene = Surroundings { settings, extracted, origin };
-    for system in crate::lights::SYSTEMS {
+    for system in SYSTEMS {
         system(world, &scene, &mut found)?;
     }
     found.sort_by_key(|found| found.order);
@@ -80,11 +60,6 @@ pub fn keep(
     }
     let kept = found.into_iter().zip(shown).filter(|(_, shown)| **shown || all);
     Ok(kept.map(|(found, _)| found.light).collect())
-}
-
-/// A unit vector; a vector without direction becomes down.
-pub(crate) fn unit(v: DVec3) -> DVec3 {
-    direction(v).unwrap_or(DVec3::NEG_Y)
 }
 
 /// The error that samples exceed 32-bit numbers: each has its own random numbers.
