@@ -5,9 +5,9 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use super::common::{
-    Extent, SceneOptions, SearchOptions, choice, not_negative, print, tell, to_json, warn, whole,
-    with_bar, write_text,
+    SearchOptions, choice, not_negative, print, tell, to_json, warn, whole, with_bar, write_text,
 };
+use super::input::{Extent, SceneOptions};
 use wavecrest_base::error::{Error, Result};
 use wavecrest_base::replace::{check_differs, check_replaceable};
 use wavecrest_core::accel::build::Preset;

@@ -4,7 +4,8 @@ use std::path::{Path, PathBuf};
 
 use glam::{DVec3, Vec3};
 
-use super::common::{Extent, SceneOptions, print, rounded, size, warn};
+use super::common::{print, rounded, size, warn};
+use super::input::{Extent, SceneOptions};
 use wavecrest_base::error::Result;
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::kernels::texture::Image;

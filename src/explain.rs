@@ -7,9 +7,8 @@ use glam::DVec3;
 use serde::Serialize;
 use serde_json::{Value, json};
 
-use super::common::{
-    Extent, SceneOptions, grouped, known, print, rounded, size, to_json, warn, whole,
-};
+use super::common::{grouped, known, print, rounded, size, to_json, warn, whole};
+use super::input::{Extent, SceneOptions};
 use wavecrest_base::error::Result;
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::kernels::precision::Precision;

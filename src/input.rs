@@ -4,12 +4,20 @@ use std::path::Path;
 
 use glam::DVec3;
 
-use crate::common::{choice, number, whole};
+use bytesize::ByteSize;
+
+use crate::common::{Threads, choice, number, tell_all, whole};
+use crate::limit;
 use wavecrest_base::error::{Error, ErrorKind, Result};
+use wavecrest_core::accel::build::Preset;
+use wavecrest_core::kernels::precision::Precision;
 use wavecrest_core::math::srgb::srgb_decode;
+use wavecrest_core::prepared::PreparedScene;
 use wavecrest_scene::load::framing::{Fit, Fov, Framing, Sheet, Side, Up};
 use wavecrest_scene::load::lighting::{Background, Lighting, Rig};
-use wavecrest_scene::load::{FileFormat, LONGEST_SIDE, LoadOptions};
+use wavecrest_scene::load::{FileFormat, LONGEST_SIDE, LoadOptions, LoadedScene, load, survey};
+use wavecrest_scene::memory::{self, Estimate, Images};
+use wavecrest_scene::systems::{self, Extracted};
 
 /// Options of every command that reads a scene, a glTF file or a mesh.
 #[derive(Clone, Debug, clap::Args)]
@@ -149,6 +157,129 @@ fn background(text: &str) -> std::result::Result<Background, String> {
 
 fn degrees(text: &str) -> std::result::Result<f64, String> {
     number(text, |degrees| (0.0..=180.0).contains(degrees), "use a number from 0 to 180")
+}
+
+/// Options on what scene is read and how.
+#[derive(Clone, Debug, clap::Args)]
+pub(crate) struct SceneOptions {
+    /// Treat unknown keys in a scene file as errors
+    #[arg(long)]
+    pub(crate) strict: bool,
+    /// What is shown of the file
+    #[command(flatten)]
+    pub(crate) input: InputOptions,
+    /// Quality of the BVH [default: chosen from the numbers of triangles and rays]
+    #[arg(long, value_name = "PRESET", value_parser = choice::<Preset>())]
+    pub(crate) bvh: Option<Preset>,
+    /// Precision of intersections: fast can leak at edges
+    #[arg(long, value_name = "PRECISION", value_parser = choice::<Precision>(), default_value_t)]
+    pub(crate) precision: Precision,
+    /// Copy instanced meshes into world space instead of keeping them once
+    #[arg(long)]
+    pub(crate) flatten: bool,
+    /// Refuse a scene that needs more memory than this, such as 8GiB; checked before reading and after each stage
+    #[arg(long, value_name = "SIZE", value_parser = limit::bytes)]
+    pub(crate) memory_limit: Option<ByteSize>,
+    /// Threads
+    #[command(flatten)]
+    pub(crate) threads: Threads,
+    /// Print no notes, no progress and no summary; warnings and errors stay
+    #[arg(short, long)]
+    pub(crate) quiet: bool,
+}
+
+impl SceneOptions {
+    /// Loads `scene`, which none of the `outputs` may be a part of, for a render of this `extent`,
+    /// and prints its warnings.
+    pub(crate) fn load(
+        &self,
+        scene: &Path,
+        extent: &Extent<'_>,
+        outputs: &[&Path],
+    ) -> Result<LoadedScene> {
+        self.input.check(scene)?;
+        let options = self.load_options();
+        if let Some(limit) = self.memory_limit {
+            limit::check(scene, &self.estimate(scene, extent)?, limit)?;
+        }
+        let loaded = load(scene, &options)?;
+        outputs.iter().try_for_each(|output| loaded.check_apart(output))?;
+        self.check_taken(scene)?;
+        tell_all(&loaded, self.quiet);
+        Ok(loaded)
+    }
+
+    /// Estimates the memory of a render of this `extent` before anything large is read.
+    pub(crate) fn estimate(&self, scene: &Path, extent: &Extent<'_>) -> Result<Estimate> {
+        let survey = survey(scene, &self.load_options())?;
+        let asked = memory::Asked {
+            images: &*extent.images,
+            preset: self.bvh,
+            batch: extent.batch,
+            flat: self.flatten,
+        };
+        Ok(memory::estimate(&survey, asked))
+    }
+
+    /// The options for loading a scene.
+    pub(crate) fn load_options(&self) -> LoadOptions {
+        LoadOptions { strict: self.strict, ..self.input.load_options() }
+    }
+
+    /// Runs all systems but the last on `loaded`, for a render of this `extent`.
+    pub(crate) fn extract(&self, loaded: LoadedScene, extent: &Extent<'_>) -> Result<Extracted> {
+        let (precision, flat) = (self.precision, self.flatten);
+        let options = systems::Options { precision, flat, ..Default::default() };
+        self.checked(systems::extract(loaded.world, options)?, extent)
+    }
+
+    /// Refuses a scene that has no tree yet if a render of this `extent` would take more memory than is allowed.
+    pub(crate) fn checked(&self, extracted: Extracted, extent: &Extent<'_>) -> Result<Extracted> {
+        let Some(limit) = self.memory_limit else { return Ok(extracted) };
+        let preset = self.preset(&extracted);
+        limit::check(extracted.file(), &extent.estimate(&extracted, preset), limit)?;
+        Ok(extracted)
+    }
+
+    /// The preset of the tree: the requested one, or that for the scene.
+    pub(crate) fn preset(&self, extracted: &Extracted) -> Preset {
+        self.bvh.unwrap_or_else(|| extracted.preset())
+    }
+
+    /// Builds the tree.
+    pub(crate) fn build(&self, extracted: Extracted, preset: Preset) -> Result<PreparedScene> {
+        let file = extracted.file().to_owned();
+        let scene = extracted.build(preset);
+        self.check_taken(&file)?;
+        Ok(scene)
+    }
+
+    /// Refuses a scene that has taken more memory by now than is allowed.
+    pub(crate) fn check_taken(&self, scene: &Path) -> Result<()> {
+        self.memory_limit.map_or(Ok(()), |limit| limit::check_taken(scene, limit))
+    }
+}
+
+/// What a command makes of a scene, as far as it affects memory.
+pub(crate) struct Extent<'a> {
+    /// The memory of the images, if the whole image has this width and height in pixels.
+    pub(crate) images: Box<dyn Fn([u32; 2]) -> Images + 'a>,
+    /// Paths in a batch.
+    pub(crate) batch: usize,
+}
+
+impl Extent<'_> {
+    /// Estimates the memory of a render of an extracted scene.
+    pub(crate) fn estimate(&self, extracted: &Extracted, preset: Preset) -> Estimate {
+        let Images { film, writing } = (self.images)(extracted.scene().camera.size());
+        let usual = memory::estimate_extracted(extracted, extracted.pixels(), preset, self.batch);
+        Estimate { film, writing, ..usual }
+    }
+
+    /// The whole image, not written, in batches of this number of paths.
+    pub(crate) fn whole(batch: u32) -> Self {
+        Self { images: Box::new(Images::whole), batch: batch as usize }
+    }
 }
 
 #[cfg(test)]

@@ -4,7 +4,8 @@ use std::path::PathBuf;
 
 use glam::Vec3;
 
-use super::common::{Extent, SceneOptions, SearchOptions, numbers, print, rounded, to_json, whole};
+use super::common::{SearchOptions, numbers, print, rounded, to_json, whole};
+use super::input::{Extent, SceneOptions};
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_core::probe::{Bounce, Light, Met, Path, PixelRecord, Surface, Verdict, pixel};
 use wavecrest_core::recursive::End;

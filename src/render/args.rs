@@ -6,10 +6,9 @@ use std::ops::RangeInclusive;
 use std::path::PathBuf;
 use std::time::Duration;
 
-use crate::common::{
-    Extent, SceneOptions, SearchOptions, above_zero, choice, numbers, output, whole,
-};
+use crate::common::{SearchOptions, above_zero, choice, numbers, output, whole};
 use crate::image_options::{DevelopOptions, MetadataOptions};
+use crate::input::{Extent, SceneOptions};
 use array::ShardChoice;
 use wavecrest_base::choice::Choice as _;
 use wavecrest_base::error::{Result, did_you_mean};
