@@ -6,7 +6,6 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use glam::Mat3;
 use image::DynamicImage;
 use rayon::prelude::*;
 
@@ -16,7 +15,7 @@ use crate::components::{CutOut, SurfaceComponents, TextureSource};
 use wavecrest_base::error::Result;
 use wavecrest_core::geometry::cutouts::{Cutout, Cutouts, MeshUvs};
 use wavecrest_core::geometry::{Geometry, Primitive};
-use wavecrest_core::kernels::texture::{Image, LazyImage, Texels, UvMap};
+use wavecrest_core::kernels::texture::{Image, LazyImage, Texels};
 use wavecrest_core::math::float::UNIT_ROUNDOFF;
 
 /// For each of `surfaces` whether it is one of those `asked` and its cut-out removes anything. Their
@@ -85,7 +84,7 @@ fn cutout(shape: &ShapeOutput, found: &CutOut, image: Arc<LazyImage>, from: &Out
         image,
         filter: found.filter,
         wrap: found.wrap,
-        map: shape.uv_map.unwrap_or(UvMap::Sphere(Mat3::IDENTITY)),
+        map: shape.uv_map,
         placing: found.placing.map(placing),
         mesh,
     }

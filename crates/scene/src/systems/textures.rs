@@ -7,7 +7,7 @@ use std::io::{BufRead, BufReader, Cursor, Seek};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 
-use glam::{DVec3, Mat3, Vec2, Vec3};
+use glam::{DVec3, Vec2, Vec3};
 use image::{DynamicImage, ImageDecoder, ImageError, ImageFormat, ImageReader, ImageResult};
 
 use super::census::Shows;
@@ -46,9 +46,8 @@ pub fn run(
     let all = schedule.is_needless(Step::Texels);
     for ((shape, surface), shows) in shapes.iter_mut().zip(surfaces).zip(shows) {
         if let Some(reference) = surface.texture.filter(|_| shows.texture || all) {
-            let map = shape.uv_map.unwrap_or(UvMap::Sphere(Mat3::IDENTITY));
-            let texture = images.texture(reference, (surface.place, "texture"), map);
-            shape.shape.texture = Some(texture);
+            let place = (surface.place, "texture");
+            shape.shape.texture = Some(images.texture(reference, place, shape.uv_map));
         }
     }
 }
