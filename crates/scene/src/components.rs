@@ -20,8 +20,8 @@ pub use crate::shapes::{
     Sphere, Transform, Triangle, VertexColors,
 };
 pub use crate::surface::{
-    CutOut, Encoding, Filter, Maps, Material, MetalMap, Placing, StrengthMap, SurfaceComponents,
-    TextureRef, TextureSource, Wrap,
+    CutOut, Encoding, Filter, LookUp, Maps, Material, MetalMap, Placing, StrengthMap,
+    SurfaceComponents, TextureRef, TextureSource, Wrap,
 };
 
 /// The place of the entity in the scene file, such as `scene.shapes[3]`, for messages.

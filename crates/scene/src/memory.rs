@@ -1,6 +1,5 @@
 //! Peak memory of a render, estimated and measured.
 
-use crate::components::TextureRef;
 use crate::survey::{Survey, SurveyedMesh};
 use crate::systems::{Extracted, textures};
 use wavecrest_base::error::Result;
@@ -211,7 +210,7 @@ pub fn estimate(survey: &Survey, asked: Asked<'_>) -> Estimate {
         appearance: meshes.appearance,
         ..Estimate::default()
     };
-    let texture = |texture: &TextureRef| textures::survey(&texture.source, texture.filter);
+    let texture = |(source, &filter)| textures::survey(source, filter);
     let images: Vec<[u64; 2]> = (survey.textures.iter().map(texture))
         .chain(survey.masks.iter().map(textures::survey_mask))
         .chain(survey.embedded.iter().copied())

@@ -9,7 +9,9 @@ use std::path::PathBuf;
 
 use glam::DVec3;
 
-use crate::components::{CutOut, Encoding, Filter, Material, TextureRef, TextureSource, Wrap};
+use crate::components::{
+    CutOut, Encoding, Filter, LookUp, Material, TextureRef, TextureSource, Wrap,
+};
 use crate::format::Range;
 use crate::surface::THRESHOLD;
 
@@ -133,30 +135,26 @@ pub(crate) fn surface(mtl: &Mtl, mut find: impl FnMut(&str) -> Option<PathBuf>) 
     // An exponent of 0 would be a highlight everywhere.
     let has_highlight = exponent > 0.0 && !is_model(&MATT);
     let kd = mtl.kd.unwrap_or(DVec3::ONE);
-    let mut found = |map: &Option<Map>| {
+    let mut found = |map: &Option<Map>, filter| {
         let map = map.as_ref()?;
         let wrap = if map.clamp { Wrap::Clamp } else { Wrap::Repeat };
-        Some((TextureSource::File(find(&map.name)?), wrap))
+        let source = TextureSource::File(find(&map.name)?);
+        Some(LookUp { source, filter, wrap, placing: None })
     };
-    let texture = found(&mtl.map_kd).map(|(source, wrap)| TextureRef {
-        source,
+    let texture = found(&mtl.map_kd, Filter::Trilinear).map(|look_up| TextureRef {
+        look_up,
         encoding: Encoding::Srgb,
         // Many programs write black if there is an image.
         tint: if kd == DVec3::ZERO { DVec3::ONE } else { kd },
-        filter: Filter::Trilinear,
-        wrap,
-        placing: None,
     });
-    let (filter, d) = (Filter::Bilinear, mtl.d.unwrap_or(1.0));
-    let cutout = found(&mtl.map_d).filter(|_| d >= THRESHOLD).map(|(source, wrap)| CutOut {
-        source,
+    let d = mtl.d.unwrap_or(1.0);
+    let mask = found(&mtl.map_d, Filter::Bilinear).filter(|_| d >= THRESHOLD);
+    let cutout = mask.map(|own| CutOut {
+        // In a scene file both share the wrap mode.
+        look_up: LookUp { wrap: texture.as_ref().map_or(own.wrap, |t| t.look_up.wrap), ..own },
         is_mask: true,
         // d multiplies the image's alpha.
         threshold: THRESHOLD / d,
-        filter,
-        // In a scene file both share the wrap mode.
-        wrap: texture.as_ref().map_or(wrap, |texture| texture.wrap),
-        placing: None,
     });
     let material = Material {
         ks: if has_highlight { gloss } else { 0.0 },

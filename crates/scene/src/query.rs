@@ -1,6 +1,6 @@
 //! Queries of the world shared by several systems.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use hecs::{Entity, Or, World};
 
@@ -61,20 +61,15 @@ pub(crate) fn images_of<'a>(
     cutout: Option<&'a CutOut>,
 ) -> impl Iterator<Item = &'a TextureSource> {
     let maps = maps.into_iter().flat_map(Maps::all).map(|(_, map)| map);
-    let textures = texture.into_iter().chain(maps).map(|texture| &texture.source);
-    textures.chain(cutout.map(|cutout| &cutout.source))
+    let textures = texture.into_iter().chain(maps).map(|texture| &texture.look_up);
+    textures.chain(cutout.map(|cutout| &cutout.look_up)).map(|look_up| &look_up.source)
 }
 
 /// The files of all images that surfaces name.
 pub(crate) fn images(world: &World) -> Vec<PathBuf> {
     let mut query = world.query::<(Option<&TextureRef>, Option<&Maps>, Option<&CutOut>)>();
     let sources = query.iter().flat_map(|(texture, maps, cutout)| images_of(texture, maps, cutout));
-    let mut files: Vec<PathBuf> = sources
-        .filter_map(|source| match source {
-            TextureSource::File(path) => Some(path.clone()),
-            TextureSource::Embedded { .. } => None,
-        })
-        .collect();
+    let mut files: Vec<PathBuf> = sources.filter_map(|s| s.file().map(Path::to_owned)).collect();
     files.sort_unstable();
     files.dedup();
     files

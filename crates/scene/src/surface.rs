@@ -1,6 +1,7 @@
 //! The surface of a shape: its material and its textures.
 
 mod material;
+mod source;
 mod textures;
 
 use hecs::{Entity, View};
@@ -9,8 +10,9 @@ use crate::components::{AreaLight, JsonPath, Name};
 use crate::format::Declaration;
 
 pub use material::Material;
+pub use source::TextureSource;
 pub use textures::{
-    CutOut, Encoding, Filter, Maps, MetalMap, Placing, StrengthMap, TextureRef, TextureSource, Wrap,
+    CutOut, Encoding, Filter, LookUp, Maps, MetalMap, Placing, StrengthMap, TextureRef, Wrap,
 };
 pub(crate) use textures::{THRESHOLD, existing_file};
 

@@ -1,11 +1,11 @@
 //! Surveys the contents of a scene before anything large is read, for the memory estimate.
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 use hecs::{Entity, World};
 
 use super::components::{
-    AreaLight, CutOut, DirectionalLight, Filter, Hidden, InstanceOf, Maps, Materials, Mesh,
+    AreaLight, CutOut, DirectionalLight, Filter, Hidden, InstanceOf, LookUp, Maps, Materials, Mesh,
     MeshFile, PointLight, Shading, TextureRef, TextureSource, ThinLens,
 };
 use super::format::Notes;
@@ -41,10 +41,10 @@ pub struct Survey {
     pub meshes: Vec<SurveyedMesh>,
     /// Triangles, quads and spheres inline in the scene file.
     pub others: u64,
-    /// Its textures, each once, trilinear if any use of it is.
-    pub textures: Vec<TextureRef>,
-    /// The images of cut-outs, each once.
-    pub masks: Vec<TextureSource>,
+    /// The images of its textures, trilinear if any use of it is.
+    pub textures: HashMap<TextureSource, Filter>,
+    /// The images of cut-outs.
+    pub masks: HashSet<TextureSource>,
     /// For each image in use of a glTF file its bytes, and the additional bytes while it is
     /// decoded.
     pub embedded: Vec<[u64; 2]>,
@@ -156,17 +156,13 @@ impl Survey {
     ) {
         let maps = maps.into_iter().flat_map(Maps::all).map(|(_, map)| map);
         for texture in texture.into_iter().chain(maps) {
-            match self.textures.iter_mut().find(|known| known.source == texture.source) {
-                Some(known) if texture.filter == Filter::Trilinear => known.filter = texture.filter,
-                Some(_) => {}
-                None => self.textures.push(texture.clone()),
+            let LookUp { source, filter, .. } = &texture.look_up;
+            let known = self.textures.entry(source.clone()).or_insert(*filter);
+            if *filter == Filter::Trilinear {
+                *known = *filter;
             }
         }
-        if let Some(CutOut { source, .. }) = cutout
-            && !self.masks.contains(source)
-        {
-            self.masks.push(source.clone());
-        }
+        self.masks.extend(cutout.map(|cutout| cutout.look_up.source.clone()));
     }
 }
 

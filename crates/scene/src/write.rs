@@ -6,7 +6,6 @@
 
 mod mesh;
 
-use std::fs::File;
 use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 
@@ -46,7 +45,10 @@ pub fn write(scene: &LoadedScene, path: &Path, replaces: bool) -> Result<Vec<Pat
         replace_file(&file, |sink| write_ply(&mesh.data, sink).map_err(|e| write_error(&file, e)))?;
     }
     for (file, source) in images {
-        replace_file(&file, |sink| copy(&source, sink).map_err(|e| copy_error(&source, &file, e)))?;
+        replace_file(&file, |sink| {
+            let copied = source.open().and_then(|mut content| io::copy(&mut content, sink));
+            copied.map(drop).map_err(|e| copy_error(&source, &file, e))
+        })?;
     }
     // Last, so that an existing scene file refers to existing files.
     write_json(&value, path)?;
@@ -90,17 +92,10 @@ fn write_json(value: &Value, path: &Path) -> Result<()> {
     })
 }
 
-fn copy(source: &TextureSource, sink: &mut impl io::Write) -> io::Result<()> {
-    match source {
-        TextureSource::Embedded { bytes, .. } => sink.write_all(bytes),
-        TextureSource::File(path) => io::copy(&mut File::open(path)?, sink).map(drop),
-    }
-}
-
 fn copy_error(source: &TextureSource, file: &Path, error: io::Error) -> Error {
-    match source {
-        TextureSource::Embedded { .. } => write_error(file, error),
-        TextureSource::File(path) => {
+    match source.file() {
+        None => write_error(file, error),
+        Some(path) => {
             let message = format!("cannot copy {}: {error}", path.display());
             Error::new(ErrorKind::Io, message).in_file(file).because(error)
         }

@@ -14,8 +14,8 @@ pub(crate) struct Beside {
     /// The entities whose meshes are to be written.
     pub(crate) meshes: Vec<(PathBuf, Entity)>,
     pub(crate) images: Vec<(PathBuf, TextureSource)>,
-    /// The names of images, by their original path or place.
-    known: HashMap<(PathBuf, bool), String>,
+    /// The names of images.
+    known: HashMap<TextureSource, String>,
 }
 
 impl Beside {
@@ -40,23 +40,20 @@ impl Beside {
 
     /// Queues an image to be written, once; returns its name.
     pub(super) fn image(&mut self, source: &TextureSource) -> String {
-        let (key, extension) = match source {
-            TextureSource::File(path) => {
-                let extension = path.extension().unwrap_or_default().to_string_lossy();
-                ((path.clone(), false), extension.into_owned())
-            }
-            TextureSource::Embedded { place, bytes } => {
-                let format = image::guess_format(bytes).ok();
-                let extension = format.and_then(|format| format.extensions_str().first().copied());
-                ((place.into(), true), extension.unwrap_or("image").to_owned())
-            }
-        };
-        if let Some(name) = self.known.get(&key) {
+        if let Some(name) = self.known.get(source) {
             return name.clone();
         }
+        let extension = match source {
+            TextureSource::File(path) => path.extension().unwrap_or_default().to_string_lossy(),
+            TextureSource::Embedded { bytes, .. } => {
+                let format = image::guess_format(bytes).ok();
+                let extension = format.and_then(|format| format.extensions_str().first().copied());
+                extension.unwrap_or("image").into()
+            }
+        };
         let (name, path) = self.name(&format!("image{}.{extension}", self.images.len()));
         self.images.push((path, source.clone()));
-        self.known.insert(key, name.clone());
+        self.known.insert(source.clone(), name.clone());
         name
     }
 }

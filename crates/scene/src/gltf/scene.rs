@@ -243,12 +243,9 @@ fn read(
         // An unlit surface shows its texture as emission.
         let base = texture.as_ref().or(maps.emission.as_ref().filter(|_| surface.is_unlit));
         let cutout = base.filter(|_| has_uvs && threshold > 0.0).map(|t| CutOut {
-            source: t.source.clone(),
+            look_up: t.look_up.clone(),
             is_mask: false,
             threshold,
-            filter: t.filter,
-            wrap: t.wrap,
-            placing: t.placing,
         });
         primitives.push(Primitive {
             path: primitive.path.clone(),

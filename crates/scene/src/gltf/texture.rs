@@ -2,7 +2,7 @@
 
 use glam::{DVec3, Vec2};
 
-use crate::components::{Encoding, Filter, Placing, TextureRef, TextureSource, Wrap};
+use crate::components::{Encoding, Filter, LookUp, Placing, TextureRef, TextureSource, Wrap};
 use crate::format::{Notes, Range};
 use wavecrest_base::error::Result;
 
@@ -150,16 +150,15 @@ impl Textures {
             return None;
         };
         let Some(Image::Known(source)) = self.images.get(image) else { return None };
-        if let TextureSource::File(path) = source
-            && !path.is_file()
-        {
+        if let Some(path) = source.file().filter(|path| !path.is_file()) {
             let message = format!("the image {} is missing", path.display());
             notes.note(&format!("images[{image}]"), &message, left_out);
             return None;
         }
         let Sampler { filter, wrap } = self.sampler(info);
         let (source, placing) = (source.clone(), info.placing);
-        Some(TextureRef { source, encoding, tint, filter, wrap, placing })
+        let look_up = LookUp { source, filter, wrap, placing };
+        Some(TextureRef { look_up, encoding, tint })
     }
 
     /// The image of a material's texture.

@@ -69,11 +69,8 @@ fn leave_out_unseen(world: &mut World, notes: &Notes<'_>) {
             (Option<&'w MeshFile>, Option<&'w TextureRef>, Option<&'w Maps>, Option<&'w CutOut>);
         if let Ok((mesh, texture, maps, cutout)) = world.query_one::<Files<'_>>(shape).get() {
             mesh.into_iter().for_each(|mesh| notes.reads(&mesh.file));
-            for source in images_of(texture, maps, cutout) {
-                if let TextureSource::File(file) = source {
-                    notes.reads(file);
-                }
-            }
+            let files = images_of(texture, maps, cutout).filter_map(TextureSource::file);
+            files.for_each(|file| notes.reads(file));
         }
         let gone = world.despawn(shape);
         debug_assert!(gone.is_ok(), "the shape exists");

@@ -89,7 +89,7 @@ fn maps_have_options_and_names_with_blanks() {
 fn a_texture_is_tinted_unless_its_colour_is_black() {
     let (_, texture) = made("Kd 0.5 0.5 1\nmap_Kd -clamp on t.png");
     let texture = texture.unwrap();
-    assert_eq!((texture.tint, texture.wrap), (DVec3::new(0.5, 0.5, 1.0), Wrap::Clamp));
+    assert_eq!((texture.tint, texture.look_up.wrap), (DVec3::new(0.5, 0.5, 1.0), Wrap::Clamp));
     assert_eq!(made("Kd 0 0 0\nmap_Kd t.png").1.unwrap().tint, DVec3::ONE);
     assert_eq!(made("map_Kd t.png").1.unwrap().tint, DVec3::ONE);
     assert!(made("Kd 1 1 1").1.is_none());

@@ -1,11 +1,11 @@
 //! Textures of a surface, and their look-up keys.
 
 use std::path::PathBuf;
-use std::sync::Arc;
 
 use glam::DVec3;
 use serde_json::json;
 
+use super::source::TextureSource;
 use crate::folder::translated;
 use crate::format::{Cursor, Declaration, Declared, Key, Kind, Object, Range, Writer, keys, words};
 use wavecrest_base::error::{ErrorKind, Result};
@@ -21,11 +21,18 @@ const IMAGE: &str = "the path of an image";
 #[derive(Clone, Debug, PartialEq)]
 pub struct TextureRef {
     /// The image.
-    pub source: TextureSource,
+    pub look_up: LookUp,
     /// The encoding of its values.
     pub encoding: Encoding,
     /// A linear factor on every texel.
     pub tint: DVec3,
+}
+
+/// An image, and how it is looked up.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LookUp {
+    /// The image.
+    pub source: TextureSource,
     /// Filtering between texels.
     pub filter: Filter,
     /// Wrap mode of coordinates outside 0 to 1.
@@ -113,32 +120,12 @@ impl StrengthMap {
 #[derive(Clone, Debug, PartialEq)]
 pub struct CutOut {
     /// The image.
-    pub source: TextureSource,
+    pub look_up: LookUp,
     /// Whether brightness replaces a missing alpha channel; otherwise an image without alpha has no
     /// holes.
     pub is_mask: bool,
     /// The lowest alpha that is opaque, above 0.
     pub threshold: f64,
-    /// Filtering between texels.
-    pub filter: Filter,
-    /// Wrap mode of coordinates outside 0 to 1.
-    pub wrap: Wrap,
-    /// A change of the coordinates before the look-up, if any.
-    pub placing: Option<Placing>,
-}
-
-/// The source of a texture's image.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub enum TextureSource {
-    /// A separate file: the path, already joined to the scene file's folder.
-    File(PathBuf),
-    /// Within the scene file.
-    Embedded {
-        /// The place in the file, such as `images[2]`: unique for each image.
-        place: String,
-        /// An image file of any format.
-        bytes: Arc<[u8]>,
-    },
 }
 
 wavecrest_base::choices! {
@@ -179,32 +166,28 @@ impl Declared for TextureRef {
             warn_without_texture(object);
             return Ok(None);
         };
-        let texture = Self::look_up(object, existing_file(&cursor, IMAGE)?)?;
-        Ok(Some(Self { tint, ..texture }))
+        let (encoding, look_up) = LookUp::read(object, existing_file(&cursor, IMAGE)?)?;
+        Ok(Some(Self { look_up, encoding, tint }))
     }
 
     fn write(&self, to: &mut Writer<'_>) {
-        to.image("texture", &self.source);
+        to.image("texture", &self.look_up.source);
         to.put("tint", self.tint);
-        self.write_look_up(to);
+        to.put("encoding", self.encoding);
+        self.look_up.write(to);
     }
 }
 
-impl TextureRef {
-    /// The image at `path`, with the look-up keys of the object.
-    fn look_up(object: &Object<'_>, path: PathBuf) -> Result<Self> {
-        Ok(Self {
-            source: TextureSource::File(path),
-            encoding: object.read("encoding"),
-            tint: DVec3::ONE,
-            filter: object.read("filter"),
-            wrap: object.read("wrap"),
-            placing: placing(object)?,
-        })
+impl LookUp {
+    /// The image at `path`, with the keys of the object. The encoding is checked for cut-outs too.
+    fn read(object: &Object<'_>, path: PathBuf) -> Result<(Encoding, Self)> {
+        let (encoding, source) = (object.read("encoding"), TextureSource::File(path));
+        let (filter, wrap) = (object.read("filter"), object.read("wrap"));
+        Ok((encoding, Self { source, filter, wrap, placing: placing(object)? }))
     }
 
-    fn write_look_up(&self, to: &mut Writer<'_>) {
-        to.put("encoding", self.encoding);
+    /// Writes all but the image.
+    fn write(&self, to: &mut Writer<'_>) {
         to.put("filter", self.filter);
         to.put("wrap", self.wrap);
         if let Some(Placing(rows)) = self.placing {
@@ -260,23 +243,19 @@ impl Declared for CutOut {
             }
         };
         let Some(path) = path else { return Ok(None) };
-        let TextureRef { source, filter, wrap, placing, .. } = TextureRef::look_up(object, path)?;
-        Ok((threshold > 0.0).then_some(Self { source, is_mask, threshold, filter, wrap, placing }))
+        let (_, look_up) = LookUp::read(object, path)?;
+        Ok((threshold > 0.0).then_some(Self { look_up, is_mask, threshold }))
     }
 
     fn write(&self, to: &mut Writer<'_>) {
         to.put("alphacutoff", self.threshold);
         let texture = to.get("texture").cloned();
-        to.image("alpha", &self.source);
+        to.image("alpha", &self.look_up.source);
         if !self.is_mask && texture.as_ref() == to.get("alpha") {
             to.remove("alpha");
         }
         if texture.is_none() {
-            to.put("filter", self.filter);
-            to.put("wrap", self.wrap);
-            if let Some(Placing(rows)) = self.placing {
-                to.set("uvtransform", json!(rows));
-            }
+            self.look_up.write(to);
         }
     }
 }
@@ -342,8 +321,9 @@ impl Declared for Maps {
     fn write(&self, to: &mut Writer<'_>) {
         for (key, texture) in self.all() {
             to.object(key, |to| {
-                to.image("file", &texture.source);
-                texture.write_look_up(to);
+                to.image("file", &texture.look_up.source);
+                to.put("encoding", texture.encoding);
+                texture.look_up.write(to);
                 match (key, &self.metal, &self.occlusion, &self.normal) {
                     ("metalmap", Some(map), ..) => {
                         to.put("metallic", map.metallic);
@@ -375,7 +355,8 @@ fn texture_of<T>(
     let Some(cursor) = object.get(key) else { return Ok(None) };
     let map = cursor.object(kind)?;
     let path = existing_file(&map.need("file", IMAGE)?, IMAGE)?;
-    Ok(Some(read(TextureRef::look_up(&map, path)?, &map)))
+    let (encoding, look_up) = LookUp::read(&map, path)?;
+    Ok(Some(read(TextureRef { look_up, encoding, tint: DVec3::ONE }, &map)))
 }
 
 /// The path of an existing file, joined to the scene file's folder; `what` describes it. Instead of

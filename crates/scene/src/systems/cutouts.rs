@@ -6,17 +6,16 @@
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use glam::Mat3;
 use image::DynamicImage;
 use rayon::prelude::*;
 
 use super::geometry::{Output, ShapeOutput};
-use super::textures::{Head, decoding, name, placing, source as content};
+use super::textures::{Head, content, decoding, placing};
 use crate::components::{CutOut, SurfaceComponents, TextureSource};
 use wavecrest_base::error::Result;
 use wavecrest_core::geometry::cutouts::{Cutout, Cutouts, MeshUvs};
 use wavecrest_core::geometry::{Geometry, Primitive};
-use wavecrest_core::kernels::texture::{Image, LazyImage, Texels, UvMap};
+use wavecrest_core::kernels::texture::{Image, LazyImage, Texels};
 use wavecrest_core::math::float::UNIT_ROUNDOFF;
 
 /// For each of `surfaces` whether it is one of those `asked` and its cut-out removes anything. Their
@@ -83,10 +82,10 @@ fn cutout(shape: &ShapeOutput, found: &CutOut, image: Arc<LazyImage>, from: &Out
         primitives: shape.shape.primitives.clone(),
         threshold: found.threshold as f32,
         image,
-        filter: found.filter,
-        wrap: found.wrap,
-        map: shape.uv_map.unwrap_or(UvMap::Sphere(Mat3::IDENTITY)),
-        placing: found.placing.map(placing),
+        filter: found.look_up.filter,
+        wrap: found.look_up.wrap,
+        map: shape.uv_map,
+        placing: found.look_up.placing.map(placing),
         mesh,
     }
 }
@@ -126,17 +125,17 @@ impl<'a> Images<'a> {
 
     /// Adds the image of a cut-out, after checking the header of its file.
     fn add(&mut self, found: &CutOut, place: &str) -> Result<()> {
-        let key = (found.source.clone(), found.is_mask);
+        let source = found.look_up.source.clone();
+        let key = (source.clone(), found.is_mask);
         if self.known.iter().any(|(known, _)| *known == key) {
             return Ok(());
         }
-        let head = Head::of(&found.source).map_err(|error| error.in_file(self.file).at(place))?;
+        let head = Head::of(&source).map_err(|error| error.in_file(self.file).at(place))?;
         let mask = (head.has_alpha || found.is_mask).then(|| {
-            let (source, file, place) =
-                (found.source.clone(), self.file.to_owned(), place.to_owned());
+            let (file, place) = (self.file.to_owned(), place.to_owned());
+            let (name, content) = (source.name(), content(&source));
             let decode = move || decode(&source, file, place);
-            let image = LazyImage::new(name(&found.source), head.mask_bytes(), decode);
-            let image = image.made_of(content(&found.source));
+            let image = LazyImage::new(name, head.mask_bytes(), decode).made_of(content);
             Mask { image: Arc::new(image), range: [0.0; 2] }
         });
         self.known.push((key, mask));
@@ -155,7 +154,8 @@ impl<'a> Images<'a> {
     }
 
     fn of(&self, found: &CutOut) -> Option<&Mask> {
-        let is_it = |(source, is_mask): &Key| *source == found.source && *is_mask == found.is_mask;
+        let is_it =
+            |(source, is_mask): &Key| *source == found.look_up.source && *is_mask == found.is_mask;
         self.known.iter().find(|(key, _)| is_it(key))?.1.as_ref()
     }
 

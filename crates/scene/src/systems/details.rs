@@ -2,8 +2,6 @@
 
 use std::collections::HashMap;
 
-use glam::Mat3;
-
 use super::census::Shows;
 use super::geometry::ShapeOutput;
 use super::textures::Images;
@@ -27,8 +25,7 @@ pub fn run(
     for ((output, surface), shows) in shapes.iter_mut().zip(surfaces).zip(shows) {
         let shows = shows.or(all).within(schedule);
         let Some(material) = surface.material.filter(|_| shows.any_detail()) else { continue };
-        let map = output.uv_map.unwrap_or(UvMap::Sphere(Mat3::IDENTITY));
-        let detail = detail(material, surface, shows, images, map);
+        let detail = detail(material, surface, shows, images, output.uv_map);
         let next = || {
             details.push(detail.clone());
             details.len() as u32 - 1

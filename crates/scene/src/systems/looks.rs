@@ -6,7 +6,8 @@ use glam::DVec3;
 use hecs::{Entity, World};
 
 use crate::components::{
-    Encoding, Filter, InstanceOf, JsonPath, Maps, Material, Mesh, TextureRef, TextureSource, Wrap,
+    Encoding, Filter, InstanceOf, JsonPath, LookUp, Maps, Material, Mesh, TextureRef,
+    TextureSource, Wrap,
 };
 use crate::staging::GROUND;
 
@@ -45,12 +46,14 @@ pub fn clay(world: &mut World) {
 pub fn show_uvs(world: &mut World) {
     clay(world);
     let texture = TextureRef {
-        source: TextureSource::Embedded { place: "uv".into(), bytes: uv_image() },
+        look_up: LookUp {
+            source: TextureSource::Embedded { place: "uv".into(), bytes: uv_image() },
+            filter: Filter::Nearest,
+            wrap: Wrap::Repeat,
+            placing: None,
+        },
         encoding: Encoding::Linear,
         tint: DVec3::ONE,
-        filter: Filter::Nearest,
-        wrap: Wrap::Repeat,
-        placing: None,
     };
     let shapes: Vec<(Entity, Entity)> = world
         .query_mut::<(Entity, &Material, Option<&InstanceOf>)>()

@@ -44,9 +44,9 @@ pub fn apply(world: &mut World, overrides: &Overrides) {
         world.query_mut::<&mut Settings>().into_iter().for_each(|s| s.bounces = bounces);
     }
     if let Some(filter) = overrides.filter {
-        world.query_mut::<&mut TextureRef>().into_iter().for_each(|t| t.filter = filter);
+        world.query_mut::<&mut TextureRef>().into_iter().for_each(|t| t.look_up.filter = filter);
         let all = world.query_mut::<&mut Maps>().into_iter().flat_map(Maps::all_mut);
-        all.for_each(|texture| texture.filter = filter);
+        all.for_each(|texture| texture.look_up.filter = filter);
     }
     let last = overrides.without;
     Layer::ALL.into_iter().filter(|layer| Some(*layer) <= last).for_each(|l| l.leave(world));

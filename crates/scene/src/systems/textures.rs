@@ -2,17 +2,16 @@
 //! visible textures opens no image.
 
 use std::collections::HashMap;
-use std::fs::File;
-use std::io::{BufRead, BufReader, Cursor, Seek};
+use std::io::{BufRead, Read as _, Seek};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 
-use glam::{DVec3, Mat3, Vec2, Vec3};
+use glam::{DVec3, Vec2, Vec3};
 use image::{DynamicImage, ImageDecoder, ImageError, ImageFormat, ImageReader, ImageResult};
 
 use super::census::Shows;
 use super::geometry::ShapeOutput;
-use crate::components::{self, Encoding, SurfaceComponents, TextureRef, TextureSource};
+use crate::components::{self, Encoding, LookUp, SurfaceComponents, TextureRef, TextureSource};
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_core::kernels::texture::{Filter, Image, Texels};
 use wavecrest_core::math::srgb::srgb_decode;
@@ -46,9 +45,8 @@ pub fn run(
     let all = schedule.is_unconditional(Step::Texels);
     for ((shape, surface), shows) in shapes.iter_mut().zip(surfaces).zip(shows) {
         if let Some(reference) = surface.texture.filter(|_| shows.texture || all) {
-            let map = shape.uv_map.unwrap_or(UvMap::Sphere(Mat3::IDENTITY));
-            let texture = images.texture(reference, (surface.place, "texture"), map);
-            shape.shape.texture = Some(texture);
+            let place = (surface.place, "texture");
+            shape.shape.texture = Some(images.texture(reference, place, shape.uv_map));
         }
     }
 }
@@ -58,7 +56,8 @@ pub fn run(
 pub struct Images {
     /// Each with the place in the scene file that names it first.
     all: Vec<(TextureRef, String)>,
-    numbers: HashMap<Key, u32>,
+    /// Their numbers, by what they are made of; the tint in bits.
+    numbers: HashMap<(TextureSource, Encoding, [u64; 3]), u32>,
 }
 
 impl Images {
@@ -70,15 +69,18 @@ impl Images {
         (place, key): (&str, &str),
         map: UvMap,
     ) -> Texture {
-        let number = *self.numbers.entry(Key::of(reference)).or_insert_with(|| {
+        let LookUp { source, filter, wrap, placing: placed } = &reference.look_up;
+        let tint = reference.tint.to_array().map(f64::to_bits);
+        let made_of = (source.clone(), reference.encoding, tint);
+        let number = *self.numbers.entry(made_of).or_insert_with(|| {
             self.all.push((reference.clone(), format!("{place}.{key}")));
             self.all.len() as u32 - 1
         });
-        if reference.filter == Filter::Trilinear {
-            self.all[number as usize].0.filter = Filter::Trilinear;
+        if *filter == Filter::Trilinear {
+            self.all[number as usize].0.look_up.filter = *filter;
         }
-        let (filter, wrap) = (reference.filter, reference.wrap);
-        Texture { image: number, filter, wrap, map, placing: reference.placing.map(placing) }
+        let (filter, wrap, placing) = (*filter, *wrap, placed.map(placing));
+        Texture { image: number, filter, wrap, map, placing }
     }
 
     /// Reads the headers of all images: each is decoded at its first look-up, with a pyramid if any
@@ -96,28 +98,28 @@ pub(super) fn placing(components::Placing([u, v]): components::Placing) -> Placi
 
 /// The image of a texture, after checking the header of its file.
 fn lazy(texture: TextureRef, file: PathBuf, place: String) -> Result<LazyImage> {
-    let head = Head::of(&texture.source).map_err(|e| e.in_file(&file).at(&place))?;
-    let bytes = head.bytes(texture.filter);
-    let name = name(&texture.source);
-    let source = source(&texture.source);
-    let (encoding, tint, filter) = (texture.encoding, texture.tint, texture.filter);
-    let made_of = move || [source(), format!("{encoding:?}{tint:?}{filter:?}").into()].concat();
+    let LookUp { source, filter, .. } = texture.look_up.clone();
+    let head = Head::of(&source).map_err(|e| e.in_file(&file).at(&place))?;
+    let (name, content) = (source.name(), content(&source));
+    let (encoding, tint) = (texture.encoding, texture.tint);
+    let made_of = move || [content(), format!("{encoding:?}{tint:?}{filter:?}").into()].concat();
     let decode = move || {
         let mut image = decode(&texture).map_err(|e| e.in_file(file).at(place))?;
-        if texture.filter == Filter::Trilinear {
+        if filter == Filter::Trilinear {
             image.build_pyramid();
         }
         Ok(image)
     };
-    Ok(LazyImage::new(name, bytes, decode).made_of(made_of))
+    Ok(LazyImage::new(name, head.bytes(filter), decode).made_of(made_of))
 }
 
 /// Reads the file content of an image, for fingerprints: nothing if that fails.
-pub(super) fn source(source: &TextureSource) -> impl FnOnce() -> Vec<u8> + Send + use<> {
+pub(super) fn content(source: &TextureSource) -> impl FnOnce() -> Vec<u8> + Send + use<> {
     let source = source.clone();
-    move || match source {
-        TextureSource::File(path) => std::fs::read(path).unwrap_or_default(),
-        TextureSource::Embedded { bytes, .. } => bytes.to_vec(),
+    move || {
+        let mut bytes = Vec::new();
+        let read = source.open().and_then(|mut content| content.read_to_end(&mut bytes));
+        read.map_or(Vec::new(), |_| bytes)
     }
 }
 
@@ -185,7 +187,7 @@ impl Head {
     fn check_bytes(self, source: &TextureSource, length: u64) -> Result<()> {
         let ([held, _], (width, height)) = (self.bytes(Filter::Nearest), self.size);
         let refused = |message: &str, found: String| {
-            let message = format!("the texture {} {message}", name(source));
+            let message = format!("the texture {} {message}", source.name());
             Error::new(ErrorKind::Limit, message).value(found)
         };
         if held > MAX_BYTES {
@@ -234,32 +236,12 @@ fn pyramid_bytes((width, height): (u32, u32)) -> u64 {
     levels.sum::<u64>() * size_of::<[f32; 3]>() as u64
 }
 
-/// The key of an image.
-#[derive(PartialEq, Eq, Hash)]
-struct Key {
-    /// A path, or a place in the scene file.
-    name: PathBuf,
-    is_embedded: bool,
-    encoding: Encoding,
-    tint: [u64; 3],
-}
-
-impl Key {
-    fn of(texture: &TextureRef) -> Self {
-        let (name, is_embedded) = match &texture.source {
-            TextureSource::File(path) => (path.clone(), false),
-            TextureSource::Embedded { place, .. } => (place.into(), true),
-        };
-        let tint = texture.tint.to_array().map(f64::to_bits);
-        Self { name, is_embedded, encoding: texture.encoding, tint }
-    }
-}
-
 /// Decodes the image of a texture, in any format of the `image` crate.
 fn decode(texture: &TextureRef) -> Result<Image> {
-    let decoded = decoding(&texture.source, |decoder| DynamicImage::from_decoder(decoder))?;
+    let source = &texture.look_up.source;
+    let decoded = decoding(source, |decoder| DynamicImage::from_decoder(decoder))?;
     let (width, height) = (decoded.width(), decoded.height());
-    check_size(&texture.source, (width, height))?;
+    check_size(source, (width, height))?;
     Ok(Image::new(width, height, texels(decoded, texture.encoding, texture.tint)))
 }
 
@@ -267,15 +249,8 @@ fn check_size(source: &TextureSource, (width, height): (u32, u32)) -> Result<()>
     if width > 0 && height > 0 {
         return Ok(());
     }
-    let message = format!("the texture {} has no texels", name(source));
+    let message = format!("the texture {} has no texels", source.name());
     Err(Error::new(ErrorKind::Texture, message).value(format!("{width} x {height}")))
-}
-
-pub(super) fn name(source: &TextureSource) -> String {
-    match source {
-        TextureSource::File(path) => path.display().to_string(),
-        TextureSource::Embedded { place, .. } => place.clone(),
-    }
 }
 
 fn cannot_read(name: &str, error: ImageError) -> Error {
@@ -291,30 +266,16 @@ fn cannot_read(name: &str, error: ImageError) -> Error {
         .because(error)
 }
 
-/// Opens a regular file: opening a pipe can wait forever.
-fn open(path: &Path) -> std::io::Result<File> {
-    if path.metadata()?.is_file() {
-        return File::open(path);
-    }
-    Err(std::io::Error::other("not a regular file"))
-}
-
 /// Runs `work` with the decoder of an image, which has read only its header.
 pub(super) fn decoding<R>(
     source: &TextureSource,
     work: impl FnOnce(Box<dyn ImageDecoder + '_>) -> ImageResult<R>,
 ) -> Result<R> {
-    let decoder = || match source {
-        TextureSource::File(path) => {
-            let format = ImageFormat::from_path(path).ok();
-            decoder_of(BufReader::new(open(path)?), format)
-        }
-        TextureSource::Embedded { bytes, .. } => decoder_of(Cursor::new(&bytes[..]), None),
-    };
+    let format = source.file().and_then(|path| ImageFormat::from_path(path).ok());
     // The decoders should not panic, but a damaged file must not end the program.
-    catch_unwind(AssertUnwindSafe(|| work(decoder()?)))
+    catch_unwind(AssertUnwindSafe(|| work(decoder_of(source.open()?, format)?)))
         .unwrap_or_else(|_| Err(ImageError::IoError(std::io::Error::other("the decoder failed"))))
-        .map_err(|e| cannot_read(&name(source), e))
+        .map_err(|e| cannot_read(&source.name(), e))
 }
 
 /// The decoder of the format of the first bytes, or else of `format`.

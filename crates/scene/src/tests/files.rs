@@ -95,7 +95,7 @@ fn paths_start_from_the_scene_files_folder() {
     });
     let world = scene.unwrap().world;
     let textures: Vec<TextureSource> =
-        world.query::<&TextureRef>().iter().map(|texture| texture.source.clone()).collect();
+        world.query::<&TextureRef>().iter().map(|texture| texture.look_up.source.clone()).collect();
     assert_eq!(textures, [TextureSource::File(folder.path().join("wood.png"))]);
     let found = world.query::<&Mesh>().iter().filter_map(|mesh| mesh.file.clone()).next();
     assert_eq!(found, Some(mesh.clone()));

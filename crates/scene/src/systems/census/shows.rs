@@ -62,7 +62,7 @@ impl Shows {
     /// Whether any visible texture of the `i`th shape is trilinear.
     pub(super) fn trilinear(self, census: Census<'_>, i: usize) -> bool {
         let SurfaceComponents { texture, maps, .. } = census.surfaces[i];
-        let is_trilinear = |texture: &TextureRef| texture.filter == Filter::Trilinear;
+        let is_trilinear = |texture: &TextureRef| texture.look_up.filter == Filter::Trilinear;
         let shows = |key: &str| match key {
             "emissionmap" => self.emission,
             "metalmap" => self.metal,

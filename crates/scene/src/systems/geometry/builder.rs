@@ -38,7 +38,7 @@ impl Builder {
         self.shapes.push(ShapeOutput {
             entity: occurrence.entity,
             shape: occurrence.shape(start..start + 1, flipped),
-            uv_map: Some(UvMap::Planar(PlanarMap::new(p0, p2 - p0, p1 - p0))),
+            uv_map: UvMap::Planar(PlanarMap::new(p0, p2 - p0, p1 - p0)),
             positions: first..first + 3,
         });
         Ok(())
@@ -82,7 +82,7 @@ impl Builder {
         self.shapes.push(ShapeOutput {
             entity: occurrence.entity,
             shape,
-            uv_map: Some(UvMap::Mesh),
+            uv_map: UvMap::Mesh,
             positions,
         });
         Ok(())
@@ -102,7 +102,7 @@ impl Builder {
         self.shapes.push(ShapeOutput {
             entity: occurrence.entity,
             shape: occurrence.shape(number..number + 1, flipped),
-            uv_map: Some(UvMap::Planar(PlanarMap::new(p0, p3 - p0, p1 - p0))),
+            uv_map: UvMap::Planar(PlanarMap::new(p0, p3 - p0, p1 - p0)),
             positions: first..first + 4,
         });
         Ok(())
@@ -118,7 +118,7 @@ impl Builder {
         self.shapes.push(ShapeOutput {
             entity: occurrence.entity,
             shape: occurrence.shape(number..number + 1, false),
-            uv_map: Some(uv_map),
+            uv_map,
             positions: 0..0,
         });
     }

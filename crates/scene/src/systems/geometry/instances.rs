@@ -136,7 +136,7 @@ impl Builder {
             to_world,
             &prototype.bounds,
         ));
-        let (uv_map, positions) = (Some(UvMap::Mesh), 0..0);
+        let (uv_map, positions) = (UvMap::Mesh, 0..0);
         self.shapes.push(ShapeOutput { entity: occurrence.entity, shape, uv_map, positions });
         Ok(())
     }

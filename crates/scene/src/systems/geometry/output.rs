@@ -18,8 +18,8 @@ pub struct ShapeOutput {
     pub entity: Entity,
     /// The shape.
     pub shape: Shape,
-    /// The map from its points to texture coordinates, for a texture.
-    pub uv_map: Option<UvMap>,
+    /// The map from its points to texture coordinates.
+    pub uv_map: UvMap,
     /// Its own positions, in the order of shapes.
     pub positions: Range<u32>,
 }

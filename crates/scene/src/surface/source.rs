@@ -1,0 +1,63 @@
+//! Where the image of a texture is: a file, or bytes within the scene file.
+
+use std::fs::File;
+use std::hash::{Hash, Hasher};
+use std::io::{self, BufRead, BufReader, Seek};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// The source of a texture's image.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum TextureSource {
+    /// A separate file: the path, already joined to the scene file's folder.
+    File(PathBuf),
+    /// Within the scene file.
+    Embedded {
+        /// The place in the file, such as `images[2]`: unique for each image.
+        place: String,
+        /// An image file of any format.
+        bytes: Arc<[u8]>,
+    },
+}
+
+impl TextureSource {
+    /// Its path, or its place in the scene file.
+    pub fn name(&self) -> String {
+        match self {
+            Self::File(path) => path.display().to_string(),
+            Self::Embedded { place, .. } => place.clone(),
+        }
+    }
+
+    /// The separate file, if it is one.
+    pub fn file(&self) -> Option<&Path> {
+        match self {
+            Self::File(path) => Some(path),
+            Self::Embedded { .. } => None,
+        }
+    }
+
+    /// Opens the image file.
+    pub(crate) fn open(&self) -> io::Result<Box<dyn Content + '_>> {
+        Ok(match self {
+            // Opening a pipe can wait forever.
+            Self::File(path) if !path.metadata()?.is_file() => {
+                return Err(io::Error::other("not a regular file"));
+            }
+            Self::File(path) => Box::new(BufReader::new(File::open(path)?)),
+            Self::Embedded { bytes, .. } => Box::new(io::Cursor::new(bytes)),
+        })
+    }
+}
+
+/// The content of an image file.
+pub(crate) trait Content: BufRead + Seek {}
+
+impl<T: BufRead + Seek> Content for T {}
+
+/// Without the bytes: no two images have the same name.
+impl Hash for TextureSource {
+    fn hash<H: Hasher>(&self, state: &mut H) {
+        self.name().hash(state);
+    }
+}
