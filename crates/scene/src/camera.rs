@@ -48,7 +48,7 @@ pub(crate) const CAMERAS: Variants = Variants {
             "pinhole",
             "a pinhole camera",
             "A pinhole camera: everything is in focus.",
-            &[Declaration::of::<Pinhole>(), Declaration::of::<View>(), PINHOLE_PATH],
+            &[Declaration::of::<View>(), PINHOLE_PATH],
         ),
         Kind::entity(
             "thinlens",
@@ -59,22 +59,8 @@ pub(crate) const CAMERAS: Variants = Variants {
     ],
 };
 
-/// A camera all of whose rays pass through its location.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Pinhole;
-
-impl Declared for Pinhole {
-    const KEYS: &'static [Key] = &[];
-
-    fn read(_: &Object<'_>) -> Result<Option<Self>> {
-        Ok(Some(Self))
-    }
-
-    fn write(&self, _: &mut Writer<'_>) {}
-}
-
 component! {
-    /// A camera with a lens, in focus in one plane.
+    /// The lens of a camera, in focus in one plane. Without it all rays pass through the camera's location.
     #[derive(Clone, Copy, Debug, PartialEq)]
     pub struct ThinLens {
         /// Diameter of the lens; 0 is a pinhole.
