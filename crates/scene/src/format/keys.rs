@@ -55,18 +55,9 @@ pub(crate) struct Kind {
 impl Kind {
     /// A kind with these keys.
     pub(crate) const fn new(name: &'static str, about: &'static str, keys: &'static [Key]) -> Self {
-        let (word, discriminator, without) = ("", "", "");
-        Self {
-            name,
-            about,
-            word,
-            discriminator,
-            keys,
-            without,
-            components: &[],
-            more: &[],
-            unread: &[],
-        }
+        let (word, discriminator, without, components): (_, _, _, &[Declaration]) =
+            ("", "", "", &[]);
+        Self { name, about, word, discriminator, keys, without, components, more: &[], unread: &[] }
     }
 
     /// A kind whose objects become entities with these components.

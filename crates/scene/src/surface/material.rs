@@ -6,9 +6,6 @@ use crate::format::{Declared, Key, Kind, Object, Range, Writer, component, keys}
 use crate::scene_file::warn_above_1;
 use wavecrest_base::error::Result;
 
-/// Exponents of the highlight. At a million it is a fraction of a pixel wide.
-const EXPONENT: Range = Range::new(0.0, 1e6);
-
 component! {
     /// Blinn-Phong, with a mirror.
     #[derive(Clone, Copy, Debug, PartialEq)]
@@ -18,7 +15,8 @@ component! {
         /// Weight of the diffuse part, 0 to 1.
         pub kd: f64 = "kd": Number(Range::NOT_NEGATIVE), Required;
         /// Sharpness of the highlight.
-        pub specular_exponent: f64 = "specularexponent": Number(EXPONENT), Required;
+        pub specular_exponent: f64 =
+            "specularexponent": Number(Range::new(0.0, Self::SHARPEST)), Required;
         /// Colour of the diffuse part, unless a texture replaces it.
         pub diffuse_color: DVec3 = "diffusecolor": Color, Required;
         /// Weight of the mirror ray, 0 to 1.
@@ -31,6 +29,20 @@ component! {
 }
 
 impl Material {
+    /// The largest exponent of a highlight, which is then a fraction of a pixel wide.
+    pub(crate) const SHARPEST: f64 = 1e6;
+
+    /// White, without a highlight and a mirror.
+    pub const MATTE: Self = Self {
+        ks: 0.0,
+        kd: 1.0,
+        specular_exponent: 1.0,
+        diffuse_color: DVec3::ONE,
+        kr: 0.0,
+        emission: DVec3::ZERO,
+        specular_color: DVec3::ONE,
+    };
+
     /// The object of a material.
     pub(crate) const OBJECT: Kind =
         Kind::new("a material", "A Blinn-Phong material with mirror reflection.", Self::FIELDS);
