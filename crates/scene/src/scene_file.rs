@@ -209,11 +209,11 @@ fn warn_of_darkness(scene: &Object<'_>, world: &World) {
     }
 }
 
-/// Warns of a colour with a channel above 1. Invalid colours are reported when they are read.
+/// Warns of a number, or a channel of a colour, above 1. Invalid values are reported when they are read.
 pub(crate) fn warn_above_1(object: &Object<'_>, key: &'static str, message: &str, remedy: &str) {
-    if let Some(cursor) = object.get(key)
-        && cursor.color().is_ok_and(|color| color.max_element() > 1.0)
-    {
+    let Some(cursor) = object.get(key) else { return };
+    let number = cursor.value().as_f64();
+    if number.or(cursor.color().ok().map(DVec3::max_element)).is_some_and(|x| x > 1.0) {
         cursor.warn(message, remedy);
     }
 }

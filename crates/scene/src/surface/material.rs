@@ -67,15 +67,8 @@ impl Declared for Material {
 
 /// Weights above 1 are allowed but rarely meant. Invalid values are reported when they are read.
 fn warn_of_gain(object: &Object<'_>) {
-    let remedy = "use 0 to 1";
     let message = "is above 1, so the surface reflects more light than it receives";
-    for key in ["ks", "kd", "kr"] {
-        if let Some(cursor) =
-            object.get(key).filter(|c| c.value().as_f64().is_some_and(|x| x > 1.0))
-        {
-            cursor.warn(message, remedy);
-        }
+    for key in ["ks", "kd", "kr", "diffusecolor", "specularcolor"] {
+        warn_above_1(object, key, message, "use 0 to 1");
     }
-    warn_above_1(object, "diffusecolor", message, remedy);
-    warn_above_1(object, "specularcolor", message, remedy);
 }
