@@ -53,7 +53,7 @@
 //!
 //! ```
 //! use wavecrest_api::components::{
-//!     Ambient, Encoding, Falloff, FovAxis, Material, Order, Pinhole, PointLight, Sampling,
+//!     Ambient, Encoding, Falloff, FovAxis, Material, Order, PointLight, Sampling,
 //!     Settings, Shading, Sides, Sphere, View,
 //! };
 //! use wavecrest_api::glam::DVec3;
@@ -79,7 +79,7 @@
 //!     antialias: 1,
 //!     sampling: Sampling::Jittered,
 //! };
-//! world.spawn((Pinhole, view));
+//! world.spawn((view,));
 //! let (position, color) = (DVec3::new(2.0, 3.0, 5.0), DVec3::ONE);
 //! world.spawn((Order(0), PointLight { intensity: 60.0, position, color, falloff: Falloff::Linear }));
 //! let material = Material {

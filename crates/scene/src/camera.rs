@@ -48,33 +48,19 @@ pub(crate) const CAMERAS: Variants = Variants {
             "pinhole",
             "a pinhole camera",
             "A pinhole camera: everything is in focus.",
-            &[Declaration::of::<Pinhole>(), Declaration::of::<View>(), PINHOLE_PATH],
+            &[Declaration::of::<View>(), Moving::<false>::PATH],
         ),
         Kind::entity(
             "thinlens",
             "a thin-lens camera",
             "A camera with a lens: one plane is in focus.",
-            &[Declaration::of::<ThinLens>(), Declaration::of::<View>(), LENS_PATH],
+            &[Declaration::of::<ThinLens>(), Declaration::of::<View>(), Moving::<true>::PATH],
         ),
     ],
 };
 
-/// A camera all of whose rays pass through its location.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Pinhole;
-
-impl Declared for Pinhole {
-    const KEYS: &'static [Key] = &[];
-
-    fn read(_: &Object<'_>) -> Result<Option<Self>> {
-        Ok(Some(Self))
-    }
-
-    fn write(&self, _: &mut Writer<'_>) {}
-}
-
 component! {
-    /// A camera with a lens, in focus in one plane.
+    /// The lens of a camera, in focus in one plane. Without it all rays pass through the camera's location.
     #[derive(Clone, Copy, Debug, PartialEq)]
     pub struct ThinLens {
         /// Diameter of the lens; 0 is a pinhole.
@@ -180,106 +166,86 @@ component! {
     }
 }
 
-const LENS_FRAME: Kind = Kind::new(
-    "a keyframe of a camera path",
-    "The camera at a frame; keys left out keep the values of the camera.",
-    CameraKey::FIELDS,
-);
+/// The path of a camera with a `LENS`, or without.
+struct Moving<const LENS: bool>;
 
-/// The same without the last key, for the lens.
-const PINHOLE_FRAME: Kind =
-    Kind { keys: CameraKey::FIELDS.split_at(CameraKey::FIELDS.len() - 1).0, ..LENS_FRAME };
-
-const INTERPOLATION: Declaration = Declaration::of_keys(keys! {
-    /// Interpolation between the keys.
-    "interpolation": word::<Interpolation>(), Says("smooth");
-});
-
-/// A path with these keys of frames.
-const fn path_kind(keys: &'static [Key]) -> Kind {
-    Kind {
-        components: &[INTERPOLATION],
-        ..Kind::new("a camera path", "The motion of the camera, frame by frame.", keys)
-    }
-}
-
-const PINHOLE_MOTION: Kind = path_kind(keys! {
-    /// The camera at some frames, in their order.
-    "keys": AtLeast(1, &Object(&PINHOLE_FRAME)), Required;
-});
-
-const LENS_MOTION: Kind = path_kind(keys! {
-    /// The camera at some frames, in their order.
-    "keys": AtLeast(1, &Object(&LENS_FRAME)), Required;
-});
-
-/// A declaration of the path of a camera with this key.
-const fn moving(keys: &'static [Key]) -> Declaration {
-    Declaration { read: read_path, write: write_path, ..Declaration::of_keys(keys) }
-}
-
-const PINHOLE_PATH: Declaration = moving(keys! {
-    /// The motion of the camera, frame by frame.
-    "path": Object(&PINHOLE_MOTION);
-});
-
-const LENS_PATH: Declaration = moving(keys! {
-    /// The motion of the camera, frame by frame.
-    "path": Object(&LENS_MOTION);
-});
-
-/// Reads the path of a camera, whose other components it has already.
-fn read_path(object: &Object<'_>, entity: &mut EntityBuilder) -> Result<()> {
-    let Some(cursor) = object.get("path") else { return Ok(()) };
-    let lens = entity.get::<&ThinLens>().copied();
-    let (motion, frame) = match lens {
-        Some(_) => (LENS_MOTION, LENS_FRAME),
-        None => (PINHOLE_MOTION, PINHOLE_FRAME),
+impl<const LENS: bool> Moving<LENS> {
+    const FRAME: Kind = Kind {
+        without: if LENS { "" } else { "focal" },
+        ..Kind::new(
+            "a keyframe of a camera path",
+            "The camera at a frame; keys left out keep the values of the camera.",
+            CameraKey::FIELDS,
+        )
     };
-    // Its errors are recorded already.
-    let Some(view) = entity.get::<&View>().copied() else { return Ok(()) };
-    let View { location, look, up, fov_degrees, .. } = view;
-    let focal = lens.map_or(1.0, |lens| lens.focal);
-    let usual = CameraKey { frame: 0, location, look, up, fov_degrees, focal };
-    let object = cursor.object(motion)?;
-    let what = "an array of keys, at least one";
-    let list = object.need("keys", what)?;
-    let mut keys: Vec<CameraKey> = Vec::new();
-    for item in list.items(list.array(what)?) {
-        let key = CameraKey::fields(&item.object(frame)?, Some(&usual));
-        if key.look == key.location {
-            let error = item.error("the camera looks at its own location");
-            return Err(error.remedy("move \"look\" away from \"location\""));
-        }
-        if keys.last().is_some_and(|last| last.frame >= key.frame) {
-            let error = item.error("the frame must be greater than the one before");
-            return Err(error.remedy("sort the keys by frame"));
-        }
-        keys.push(key);
-    }
-    if keys.is_empty() {
-        return Err(list.error(format!("must be {what}")));
-    }
-    entity.add(CameraPath { keys, interpolation: object.read("interpolation") });
-    Ok(())
-}
 
-fn write_path(entity: EntityRef<'_>, to: &mut Writer<'_>) {
-    let Some(path) = entity.get::<&CameraPath>() else { return };
-    let has_lens = entity.has::<ThinLens>();
-    to.object("path", |to| {
-        to.put("interpolation", path.interpolation);
-        let key = |key: &CameraKey| {
-            let mut one = to.inner();
-            key.write_fields(&mut one);
-            if !has_lens {
-                one.remove("focal");
+    const MOTION: Kind = Kind::new(
+        "a camera path",
+        "The motion of the camera, frame by frame.",
+        keys! {
+            /// The camera at some frames, in their order.
+            "keys": AtLeast(1, &Object(&Self::FRAME)), Required;
+            /// Interpolation between the keys.
+            "interpolation": word::<Interpolation>(), Says("smooth");
+        },
+    );
+
+    const PATH: Declaration = Declaration {
+        read: Self::read,
+        write: Self::write,
+        ..Declaration::of_keys(keys! {
+            /// The motion of the camera, frame by frame.
+            "path": Object(&Self::MOTION);
+        })
+    };
+
+    /// Reads the path of a camera, whose other components it has already.
+    fn read(object: &Object<'_>, entity: &mut EntityBuilder) -> Result<()> {
+        let Some(cursor) = object.get("path") else { return Ok(()) };
+        // Its errors are recorded already.
+        let Some(view) = entity.get::<&View>().copied() else { return Ok(()) };
+        let View { location, look, up, fov_degrees, .. } = view;
+        let focal = entity.get::<&ThinLens>().map_or(1.0, |lens| lens.focal);
+        let usual = CameraKey { frame: 0, location, look, up, fov_degrees, focal };
+        let object = cursor.object(Self::MOTION)?;
+        let what = "an array of keys, at least one";
+        let list = object.need("keys", what)?;
+        let mut keys: Vec<CameraKey> = Vec::new();
+        for item in list.items(list.array(what)?) {
+            let key = CameraKey::fields(&item.object(Self::FRAME)?, Some(&usual));
+            if key.look == key.location {
+                let error = item.error("the camera looks at its own location");
+                return Err(error.remedy("move \"look\" away from \"location\""));
             }
-            one.end()
-        };
-        let keys: Vec<_> = path.keys.iter().map(key).collect();
-        to.set("keys", keys);
-    });
+            if keys.last().is_some_and(|last| last.frame >= key.frame) {
+                let error = item.error("the frame must be greater than the one before");
+                return Err(error.remedy("sort the keys by frame"));
+            }
+            keys.push(key);
+        }
+        if keys.is_empty() {
+            return Err(list.error(format!("must be {what}")));
+        }
+        entity.add(CameraPath { keys, interpolation: object.read("interpolation") });
+        Ok(())
+    }
+
+    fn write(entity: EntityRef<'_>, to: &mut Writer<'_>) {
+        let Some(path) = entity.get::<&CameraPath>() else { return };
+        to.object("path", |to| {
+            to.put("interpolation", path.interpolation);
+            let key = |key: &CameraKey| {
+                let mut one = to.inner();
+                key.write_fields(&mut one);
+                if !LENS {
+                    one.remove("focal");
+                }
+                one.end()
+            };
+            let keys: Vec<_> = path.keys.iter().map(key).collect();
+            to.set("keys", keys);
+        });
+    }
 }
 
 /// Reads the camera as components of an `entity`. The size in the `options` overrides the file's.

@@ -4,14 +4,14 @@
 //! [`Triangle`] or [`Mesh`], and [`Material`], [`Sides`], [`Shading`]; optionally [`Facing`], [`Transform`],
 //! [`TextureRef`], [`Maps`], [`CutOut`], [`Name`]. A point light is an entity with [`PointLight`],
 //! which [`Spot`] narrows to a cone. A distant light has [`DirectionalLight`]. An area light has
-//! [`AreaLight`] and the geometry of its shape. The camera has [`View`] and [`Pinhole`] or
-//! [`ThinLens`]. One entity holds [`Settings`].
+//! [`AreaLight`] and the geometry of its shape. The camera has [`View`], and [`ThinLens`] unless it is
+//! a pinhole. One entity holds [`Settings`].
 //!
 //! Lengths are in the scene's own unit; colours are linear, 0 to 1. Numbers keep the precision of
 //! the file; the systems round them once, after the transform.
 
 pub use crate::camera::{
-    CameraKey, CameraPath, Falloff, FovAxis, Interpolation, Pinhole, Sampling, ThinLens, View,
+    CameraKey, CameraPath, Falloff, FovAxis, Interpolation, Sampling, ThinLens, View,
 };
 pub use crate::lights::{AreaLight, DirectionalLight, PointLight, Spot};
 pub use crate::scene_file::{Ambient, Settings};

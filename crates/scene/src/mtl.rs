@@ -113,9 +113,6 @@ const MIRRORS: [u32; 3] = [3, 5, 8];
 /// The models without a highlight.
 const MATT: [u32; 2] = [0, 1];
 
-/// The sharpest highlight.
-const SHARPEST: f64 = 1e6;
-
 /// The appearance of a surface.
 #[derive(Clone, Debug)]
 pub(crate) struct Look {
@@ -129,7 +126,7 @@ pub(crate) struct Look {
 /// The material, with its images at the paths that `find` returns.
 pub(crate) fn surface(mtl: &Mtl, mut find: impl FnMut(&str) -> Option<PathBuf>) -> Look {
     let is_model = |models: &[u32]| mtl.illum.is_some_and(|model| models.contains(&model));
-    let exponent = mtl.ns.unwrap_or(0.0).min(SHARPEST);
+    let exponent = mtl.ns.unwrap_or(0.0).min(Material::SHARPEST);
     let gloss = mtl.ks.map_or(0.0, |ks| ks.element_sum() / 3.0).min(1.0);
     let kr = if is_model(&MIRRORS) { gloss } else { 0.0 };
     // An exponent of 0 would be a highlight everywhere.

@@ -21,7 +21,7 @@ use wavecrest_base::error::Result;
 const MOST_BOUNCES: u32 = 10_000;
 
 /// The report's "low value" by which a surface in shadow is multiplied.
-const AMBIENT: f64 = 0.08;
+pub(crate) const AMBIENT: f64 = 0.08;
 
 /// The whole file.
 pub(crate) const FILE: Kind = Kind::new(

@@ -42,6 +42,8 @@ pub(crate) struct Kind {
     pub(crate) discriminator: &'static str,
     /// Its own keys.
     pub(crate) keys: &'static [Key],
+    /// The name of a key that objects of this kind do without; empty if there is none.
+    pub(crate) without: &'static str,
     /// The components that its other keys become. The first tells that an entity is of this kind.
     pub(crate) components: &'static [Declaration],
     /// More components, which other kinds have too.
@@ -53,8 +55,9 @@ pub(crate) struct Kind {
 impl Kind {
     /// A kind with these keys.
     pub(crate) const fn new(name: &'static str, about: &'static str, keys: &'static [Key]) -> Self {
-        let (word, discriminator, components): (_, _, &[Declaration]) = ("", "", &[]);
-        Self { name, about, word, discriminator, keys, components, more: &[], unread: &[] }
+        let (word, discriminator, without, components): (_, _, _, &[Declaration]) =
+            ("", "", "", &[]);
+        Self { name, about, word, discriminator, keys, without, components, more: &[], unread: &[] }
     }
 
     /// A kind whose objects become entities with these components.
@@ -84,7 +87,8 @@ impl Kind {
         let keys = keys.chain(self.declarations().flat_map(|component| component.keys));
         let unread = self.unread.iter().flat_map(|component| component.keys);
         let ignored = |key: &Key| Key { takes: Takes::Anything, absent: Absent::Open, ..*key };
-        keys.copied().chain(unread.map(ignored))
+        let without = self.without;
+        keys.copied().chain(unread.map(ignored)).filter(move |key| key.name != without)
     }
 }
 

@@ -1,5 +1,6 @@
 //! JSON objects with known keys.
 
+use glam::DVec3;
 use hecs::EntityBuilder;
 use serde_json::{Map, Value};
 
@@ -74,11 +75,13 @@ impl<'a> Object<'a> {
         self.kind.key(key).is_some_and(|key| key.names().any(|name| self.map.contains_key(name)))
     }
 
-    /// Warns of a colour with a channel above 1. Invalid colours are reported when they are read.
+    /// Warns of a number, or a channel of a colour, above 1. Invalid values are reported when they are
+    /// read.
     pub(crate) fn warn_above_1(&self, key: &'static str, message: &str, remedy: &str) {
-        if let Some(cursor) = self.get(key)
-            && cursor.color().is_ok_and(|color| color.max_element() > 1.0)
-        {
+        let Some(cursor) = self.get(key) else { return };
+        let number = cursor.value().as_f64();
+        let greatest = number.or_else(|| cursor.color().ok().map(DVec3::max_element));
+        if greatest.is_some_and(|x| x > 1.0) {
             cursor.warn(message, remedy);
         }
     }

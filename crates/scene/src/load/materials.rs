@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 
 use hecs::{Entity, EntityBuilder, World};
 
-use crate::components::{JsonPath, Maps, Mesh, Name, Order};
+use crate::components::{JsonPath, Maps, Material, Mesh, Name, Order};
 use crate::folder::{Denied, Folder, last_part};
 use crate::format::{Declaration, Notes};
 use crate::mesh::{MeshData, NamedMaterials};
@@ -50,8 +50,11 @@ pub(super) fn split(
             PLACED.iter().for_each(|component| (component.copy)(whole, &mut entity));
             (Declaration::of::<Maps>().copy)(whole, &mut entity);
             // Without coordinates there is no look-up.
-            let own = if data.uvs.is_some() { &SURFACE[..] } else { &SURFACE[..1] };
-            let own = if known.is_some() { &[] } else { own };
+            let own: &[Declaration] = match (known, &data.uvs) {
+                (Some(_), _) => &[],
+                (None, Some(_)) => &SURFACE,
+                (None, None) => &[Declaration::of::<Material>()],
+            };
             own.iter().for_each(|component| (component.copy)(whole, &mut entity));
         }
         if let Some(&(name, (mtl, from))) = known {

@@ -21,9 +21,7 @@ const MATERIAL: Material = Material {
     kd: 0.85,
     specular_exponent: 40.0,
     diffuse_color: DVec3::splat(0.7),
-    emission: DVec3::ZERO,
-    specular_color: DVec3::ONE,
-    kr: 0.0,
+    ..Material::MATTE
 };
 
 /// The mesh that `read` returns as a scene, with a description of the choices made for the user.

@@ -21,7 +21,8 @@ pub(crate) const INSTANCE: Kind = Kind {
         /// The name of the shape.
         "shape": Text, Required;
     },
-    components: &[Declaration::of::<Name>(), Declaration::of::<Transform>(), OWN_MATERIAL],
+    components: &[Declaration::of::<Name>(), Declaration::of::<Transform>()],
+    more: &[&[OWN_MATERIAL]],
     ..Kind::new("an instance", "A copy of a shape.", &[])
 };
 
@@ -93,9 +94,11 @@ pub(crate) fn write(world: &World, entity: Entity, mut to: Writer<'_>) -> Value 
         && let Ok(shape) = world.entity(of.0)
     {
         to.set("shape", to.name(of.0));
-        let is_own = instance.get::<&Material>().as_deref() != shape.get::<&Material>().as_deref();
-        let left_out = usize::from(!is_own);
-        let components = INSTANCE.components.iter().rev().skip(left_out);
+        if instance.get::<&Material>().as_deref() != shape.get::<&Material>().as_deref() {
+            (OWN_MATERIAL.write)(instance, &mut to);
+        }
+        // In the order of earlier versions.
+        let components = INSTANCE.components.iter().rev();
         components.for_each(|component| (component.write)(instance, &mut to));
     }
     to.end()

@@ -16,7 +16,7 @@ use super::room::{self, Room};
 use super::upward::{self, Upward};
 use super::{Contents, Sphere};
 use crate::camera;
-use crate::components::{CameraKey, CameraPath, FovAxis, Interpolation, Pinhole, View};
+use crate::components::{CameraKey, CameraPath, FovAxis, Interpolation, View};
 use crate::options::LoadOptions;
 use crate::options::framing::{Fov, Framing, Side, Up};
 
@@ -90,7 +90,7 @@ impl Framed {
     /// Adds the camera to a `world`.
     pub(crate) fn spawn(self, world: &mut World) {
         let mut camera = EntityBuilder::new();
-        camera.add_bundle((self.view, Pinhole));
+        camera.add(self.view);
         self.path.map(|path| camera.add(path));
         world.spawn(camera.build());
     }

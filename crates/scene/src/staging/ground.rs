@@ -60,15 +60,7 @@ pub(super) fn spawn(
         return;
     }
     let arriving: DVec3 = lamps.iter().map(|lamp| lamp.color * mean_cosine(lamp, up)).sum();
-    let material = Material {
-        ks: 0.0,
-        kd: 1.0,
-        specular_exponent: 1.0,
-        diffuse_color: colors.0 / (arriving + colors.1),
-        emission: DVec3::ZERO,
-        specular_color: DVec3::ONE,
-        kr: 0.0,
-    };
+    let material = Material { diffuse_color: colors.0 / (arriving + colors.1), ..Material::MATTE };
     let triangles = (1..corners.len() as u32 - 1).map(|i| [0, i, i + 1]).collect();
     let data = MeshData { positions: corners, triangles, ..MeshData::default() };
     // Behind all shapes of the file.

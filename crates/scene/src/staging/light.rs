@@ -19,6 +19,7 @@ use crate::components::{
 use crate::corners::{direction, quad_has_area};
 use crate::mesh::MeshData;
 use crate::options::lighting::{Background, Lighting, Rig};
+use crate::scene_file::AMBIENT;
 
 /// Mirror bounces: after four, little mirrored light is left.
 const BOUNCES: u32 = 4;
@@ -27,8 +28,6 @@ const BOUNCES: u32 = 4;
 const DARK: DVec3 = DVec3::splat(0.05);
 /// Background of other files: lighter than any light grey surface, but not white.
 const LIGHT: DVec3 = DVec3::new(0.86, 0.87, 0.88);
-/// The ambient part of all lights together, as in scene files with one light.
-const AMBIENT: f64 = 0.08;
 
 /// A lamp of the studio.
 struct Lamp {
@@ -130,7 +129,7 @@ fn from_sky([sky, below]: [DVec3; 2], up: DVec3, normal: DVec3) -> DVec3 {
 /// The other settings of a file with this number of lights of its own.
 pub(crate) fn settings(file: &Path, lights: usize, lighting: &Lighting) -> Settings {
     let background = lighting.background.map_or(DARK, Background::color);
-    // Each light adds it.
+    // Each light adds it: all together, as in scene files with one light.
     settings_of(file, background, Ambient::Even(AMBIENT / lights.max(1) as f64))
 }
 

@@ -5,9 +5,6 @@ use glam::DVec3;
 use crate::format::{Declared, Key, Kind, Object, Range, Writer, component, keys};
 use wavecrest_base::error::Result;
 
-/// Exponents of the highlight. At a million it is a fraction of a pixel wide.
-const EXPONENT: Range = Range::new(0.0, 1e6);
-
 component! {
     /// Blinn-Phong, with a mirror.
     #[derive(Clone, Copy, Debug, PartialEq)]
@@ -17,7 +14,8 @@ component! {
         /// Weight of the diffuse part, 0 to 1.
         pub kd: f64 = "kd": Number(Range::NOT_NEGATIVE), Required;
         /// Sharpness of the highlight.
-        pub specular_exponent: f64 = "specularexponent": Number(EXPONENT), Required;
+        pub specular_exponent: f64 =
+            "specularexponent": Number(Range::new(0.0, Self::SHARPEST)), Required;
         /// Colour of the diffuse part, unless a texture replaces it.
         pub diffuse_color: DVec3 = "diffusecolor": Color, Required;
         /// Weight of the mirror ray, 0 to 1.
@@ -30,6 +28,20 @@ component! {
 }
 
 impl Material {
+    /// The largest exponent of a highlight, which is then a fraction of a pixel wide.
+    pub(crate) const SHARPEST: f64 = 1e6;
+
+    /// White, without a highlight and a mirror.
+    pub const MATTE: Self = Self {
+        ks: 0.0,
+        kd: 1.0,
+        specular_exponent: 1.0,
+        diffuse_color: DVec3::ONE,
+        kr: 0.0,
+        emission: DVec3::ZERO,
+        specular_color: DVec3::ONE,
+    };
+
     /// The object of a material.
     pub(crate) const OBJECT: Kind =
         Kind::new("a material", "A Blinn-Phong material with mirror reflection.", Self::FIELDS);
@@ -54,15 +66,8 @@ impl Declared for Material {
 
 /// Weights above 1 are allowed but rarely meant. Invalid values are reported when they are read.
 fn warn_of_gain(object: &Object<'_>) {
-    let remedy = "use 0 to 1";
     let message = "is above 1, so the surface reflects more light than it receives";
-    for key in ["ks", "kd", "kr"] {
-        if let Some(cursor) =
-            object.get(key).filter(|c| c.value().as_f64().is_some_and(|x| x > 1.0))
-        {
-            cursor.warn(message, remedy);
-        }
+    for key in ["ks", "kd", "kr", "diffusecolor", "specularcolor"] {
+        object.warn_above_1(key, message, "use 0 to 1");
     }
-    object.warn_above_1("diffusecolor", message, remedy);
-    object.warn_above_1("specularcolor", message, remedy);
 }

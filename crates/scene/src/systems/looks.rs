@@ -25,12 +25,9 @@ pub fn ground(world: &World) -> Option<Entity> {
 pub fn clay(world: &mut World) {
     let ground = ground(world);
     for (entity, material) in world.query_mut::<(Entity, &mut Material)>() {
-        if Some(entity) == ground {
-            continue;
+        if Some(entity) != ground {
+            *material = Material { diffuse_color: CLAY, ..Material::MATTE };
         }
-        (material.diffuse_color, material.emission) = (CLAY, DVec3::ZERO);
-        (material.kd, material.ks, material.kr) = (1.0, 0.0, 0.0);
-        material.specular_color = DVec3::ONE;
     }
     world.query_mut::<&mut Mesh>().into_iter().for_each(|mesh| mesh.data.colors = None);
     let all: Vec<Entity> =

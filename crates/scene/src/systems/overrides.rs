@@ -3,8 +3,7 @@
 use hecs::{Entity, World};
 
 use crate::components::{
-    AreaLight, DirectionalLight, Filter, Maps, Pinhole, PointLight, Settings, TextureRef, ThinLens,
-    View,
+    AreaLight, DirectionalLight, Filter, Maps, PointLight, Settings, TextureRef, ThinLens, View,
 };
 
 /// Overrides of the file's values; `None` keeps them.
@@ -59,7 +58,7 @@ impl Layer {
             Self::Mirrors => {
                 world.query_mut::<&mut Settings>().into_iter().for_each(|s| s.bounces = 0);
             }
-            Self::Textures => drop(remove::<TextureRef>(world)),
+            Self::Textures => remove::<TextureRef>(world),
             Self::SoftShadows => {
                 world.query_mut::<&mut AreaLight>().into_iter().for_each(|l| l.samples = 1);
                 let distant = world.query_mut::<&mut DirectionalLight>();
@@ -71,12 +70,7 @@ impl Layer {
                 let distant = world.query_mut::<&mut DirectionalLight>();
                 distant.into_iter().for_each(|l| l.intensity = 0.0);
             }
-            Self::Lens => {
-                for camera in remove::<ThinLens>(world) {
-                    // The entity exists: it had a lens.
-                    let _ = world.insert_one(camera, Pinhole);
-                }
-            }
+            Self::Lens => remove::<ThinLens>(world),
             Self::Antialiasing => {
                 world.query_mut::<&mut View>().into_iter().for_each(|v| v.antialias = 1);
             }
@@ -84,9 +78,9 @@ impl Layer {
     }
 }
 
-/// Removes every `T`, and returns the entities that had one.
-fn remove<T: hecs::Component>(world: &mut World) -> Vec<Entity> {
+/// Removes every `T`.
+fn remove<T: hecs::Component>(world: &mut World) {
     let those = world.query_mut::<(Entity, &T)>().into_iter().map(|(entity, _)| entity);
     let those: Vec<Entity> = those.collect();
-    those.into_iter().filter(|entity| world.remove_one::<T>(*entity).is_ok()).collect()
+    those.into_iter().for_each(|entity| drop(world.remove_one::<T>(entity)));
 }

@@ -27,7 +27,6 @@ fn parts(scene: &LoadedScene) -> Parts {
     for part in [
         part::<Settings>,
         part::<View>,
-        part::<Pinhole>,
         part::<ThinLens>,
         part::<Order>,
         part::<PointLight>,

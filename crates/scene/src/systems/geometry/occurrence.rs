@@ -7,13 +7,10 @@ use glam::{DAffine3, DMat3, DVec3, Vec3};
 use hecs::Entity;
 
 use crate::components::{Disk, Facing, Quad, Sides, Sphere, Triangle};
+use crate::mesh::MAX_COUNT;
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_core::math::float::MAX_COORDINATE;
 use wavecrest_core::prepared::Shape;
-
-/// Numbers of primitives and vertices stay below this, so that they fit 32 bits and leave one value
-/// for "none".
-const MAX_NUMBER: usize = u32::MAX as usize - 1;
 
 /// The geometry of a shape in its own space.
 #[derive(Clone, Copy, Debug)]
@@ -129,13 +126,13 @@ impl Occurrence<'_> {
     }
 
     pub(super) fn check_count(&self, count: usize, what: &str) -> Result<()> {
-        if count <= MAX_NUMBER {
+        if count as u64 <= MAX_COUNT {
             return Ok(());
         }
         Err(Error::new(ErrorKind::Limit, format!("the scene has too many {what}"))
             .at(self.place)
             .value(count)
-            .remedy(format!("at most {MAX_NUMBER} are allowed")))
+            .remedy(format!("at most {MAX_COUNT} are allowed")))
     }
 }
 

@@ -92,7 +92,7 @@ fn the_first_position_moved_too_far_is_reported() {
     data.positions[50_000].x = MAX_COORDINATE;
     let entity = spawn(&mut world, 0, data);
     world.insert_one(entity, Transform(DAffine3::from_scale(DVec3::splat(4.0)))).unwrap();
-    let error = run(&mut world, DVec3::ZERO, false).unwrap_err().to_string();
+    let error = run(&world, DVec3::ZERO, false).unwrap_err().to_string();
     let value = format!("found a coordinate of {:e}", f64::from(MAX_COORDINATE) * 2.0);
     assert!(error.starts_with("scene.shapes[0].transform: ") && error.contains(&value), "{error}");
 }
