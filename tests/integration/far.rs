@@ -134,10 +134,9 @@ fn mesh_file(kind: &str, by: DVec3) -> Vec<u8> {
         "ply\nformat {kind} 1.0\nelement vertex 4\nproperty double x\nproperty double y\nproperty double z\n\
          element face 3\nproperty list uchar uint vertex_indices\nend_header\n"
     );
-    let (double, int): (fn(f64) -> [u8; 8], fn(u32) -> [u8; 4]) = match kind {
-        "binary_big_endian" => (f64::to_be_bytes, u32::to_be_bytes),
-        _ => (f64::to_le_bytes, u32::to_le_bytes),
-    };
+    let is_big = kind == "binary_big_endian";
+    let double = |x: f64| if is_big { x.to_be_bytes() } else { x.to_le_bytes() };
+    let int = |x: u32| if is_big { x.to_be_bytes() } else { x.to_le_bytes() };
     let (vertices, faces) = if kind == "ascii" {
         let vertices = points.map(|p| format!("{} {} {}\n", p.x, p.y, p.z)).concat();
         let faces = faces.map(|[a, b, c]| format!("3 {a} {b} {c}\n")).concat();
