@@ -40,7 +40,8 @@ fn film(scene: LoadedScene) -> Film {
 }
 
 fn loaded(path: &Path) -> LoadedScene {
-    load(path, &LoadOptions::default()).unwrap_or_else(|error| panic!("{error}"))
+    let options = LoadOptions { width: Some(24), height: Some(18), ..LoadOptions::default() };
+    load(path, &options).unwrap_or_else(|error| panic!("{error}"))
 }
 
 /// A scene that shows the OBJ file from straight before it, under ambient light alone, with an instance above.
