@@ -190,7 +190,7 @@ pub(super) struct Picture {
     pub(super) like: Option<Value>,
     /// The number of lights that are at a surface; `None` if that is open.
     pub(super) at_surface: Option<u64>,
-    /// Whether to keep what nobody sees.
+    /// Whether shapes, lights and textures that no ray of the camera reaches are kept too.
     pub(super) whole: bool,
 }
 
