@@ -75,7 +75,16 @@ fn summary(scene: &PreparedScene) -> Vec<(&'static str, String)> {
     let [spheres, disks] = geometry.spheres_and_disks();
     vec![
         ("image", format!("{width} x {height}, {rays} per pixel")),
-        ("shapes", (scene.appearance.shapes.len() - geometry.lights.len()).to_string()),
+        (
+            "shapes",
+            scene
+                .appearance
+                .shapes
+                .iter()
+                .filter(|shape| shape.light.is_none())
+                .count()
+                .to_string(),
+        ),
         ("triangles", geometry.triangles.len().to_string()),
         ("zero-area", scene.dropped.degenerate.to_string()),
         ("vertices", geometry.positions.len().to_string()),

@@ -10,6 +10,9 @@ mod area;
 // Silhouettes, angles of view, lenses.
 mod camera;
 
+// What goes through surfaces.
+mod transparency;
+
 // Textures, transforms, sides of surfaces, units of length.
 mod surfaces;
 

@@ -37,8 +37,9 @@ pub struct Geometry {
     pub quads: Vec<[u32; 4]>,
     /// Spheres and disks.
     pub quadrics: Vec<Quadric>,
-    /// Primitives that are shapes of lights, by number, in rising order: shadow rays ignore them.
-    pub lights: Vec<Range<u32>>,
+    /// Primitives that shadow rays pass, by number, in rising order: shapes of lights, and
+    /// transparent ones.
+    pub passed: Vec<Range<u32>>,
     /// Primitives with holes.
     pub cutouts: Cutouts,
     /// Precision of the tests.
@@ -240,14 +241,14 @@ impl Geometry {
         numbers.filter(|&number| self.is_degenerate(number)).count() as u64
     }
 
-    /// Whether the primitive is a light's shape.
+    /// Whether shadow rays pass the primitive.
     #[inline]
-    pub fn is_light(&self, number: u32) -> bool {
-        if self.lights.is_empty() {
+    pub fn is_passed(&self, number: u32) -> bool {
+        if self.passed.is_empty() {
             return false;
         }
-        let after = self.lights.partition_point(|range| range.start <= number);
-        after > 0 && self.lights[after - 1].contains(&number)
+        let after = self.passed.partition_point(|range| range.start <= number);
+        after > 0 && self.passed[after - 1].contains(&number)
     }
 
     /// The t at which the ray hits the primitive: the least within its range, rounded once.

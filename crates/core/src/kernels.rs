@@ -18,4 +18,5 @@ pub mod slab;
 pub mod sphere;
 pub mod surface;
 pub mod texture;
+pub mod transmission;
 pub mod triangle;

@@ -57,6 +57,8 @@ wavecrest_base::choices! {
         AreaLights = "area lights",
         /// Mirror rays.
         Mirrors = "mirrors",
+        /// Surfaces that let light through: straight on, or refracted.
+        Transparency = "transparency",
     }
 }
 
@@ -111,7 +113,7 @@ impl Plan {
 
     /// Why the pass runs or not: the decisions on the effects that it needs.
     pub fn reason(&self, pass: &Pass) -> String {
-        let effects = pass.needs.effects();
+        let effects: Vec<Effect> = pass.needs.effects().collect();
         if effects.is_empty() {
             return "every scene needs it".to_owned();
         }

@@ -7,6 +7,7 @@ mod footprint;
 mod interaction;
 mod normal_map;
 mod resample;
+mod transmission;
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -19,8 +20,10 @@ pub use footprint::MirrorPoint;
 pub use interaction::{Face, Group, Interaction, lanes, surface};
 pub use normal_map::NormalMap;
 pub use resample::{Original, Samples};
+pub use transmission::{Branch, Trail};
 
 use crate::accel::Accel;
+use crate::counters::Counters;
 use crate::kernels::blinn_phong::Material;
 use crate::kernels::camera::Camera;
 use crate::kernels::camera::path::Path;
@@ -82,6 +85,15 @@ pub struct LookUps {
     /// Footprints of rays: one for each look-up in a trilinear texture, and one for each mirror ray
     /// if there are such textures.
     pub footprints: u64,
+}
+
+impl LookUps {
+    /// Adds them to the counters.
+    pub fn add_to(self, counters: &mut Counters) {
+        counters.colors += self.colors;
+        counters.texels += self.texels;
+        counters.footprints += self.footprints;
+    }
 }
 
 /// The appearance of the primitives: shapes, materials and textures.

@@ -188,7 +188,7 @@ impl Recorder<'_> {
         let mut hit = accel.closest(ray, &mut self.traversal);
         // Shapes of lights do not block light.
         let mut rest = *ray;
-        while !hit.is_miss() && accel.geometry().is_light(hit.primitive) {
+        while !hit.is_miss() && accel.geometry().is_passed(hit.primitive) {
             rest.t_min = hit.t;
             hit = accel.closest(&rest, &mut self.traversal);
         }

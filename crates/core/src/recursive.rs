@@ -1,9 +1,9 @@
 //! The recursive tracer: one path at a time, depth first, over the same kernels as the wavefront.
 //! It is the wavefront's competitor and its reference.
 //!
-//! Each hit spawns at most one mirror ray, so the recursion of Whitted (1980) is a loop that
-//! carries its throughput: any number of bounces needs no stack. Light is added in the wavefront's
-//! order: by hit, light and sample.
+//! The recursion of Whitted (1980) is a loop over the rays of a path, each with its throughput. At
+//! a transparent surface a path divides, and the other rays wait on a stack. Light is added in the
+//! wavefront's order: by ray, light and sample.
 
 use std::marker::PhantomData;
 use std::time::Instant;
@@ -13,16 +13,14 @@ use glam::Vec3;
 use crate::accel::{Hit, Traversal};
 use crate::counters::TestCounts;
 use crate::counters::{Counters, Sample};
-use crate::kernels::differential::Differential;
 use crate::kernels::light::{Light, LightPoint};
 use crate::kernels::precision::Arithmetic;
 use crate::kernels::shade::{self, ShadingPoint, ShadowRequest};
 use crate::math::random::Stream;
 use crate::math::ray::Ray;
 use crate::math::vector::Line;
-use crate::plan::Effect;
 use crate::plan::schedule::Schedule;
-use crate::prepared::{Interaction, LookUps, MirrorPoint, PreparedScene};
+use crate::prepared::{Branch, Interaction, LookUps, MirrorPoint, PreparedScene, Trail};
 use crate::tile::{TIMED, TraceSettings, Tracer, Unit, add_sample};
 
 /// The tracer.
@@ -31,8 +29,12 @@ pub struct Recursive<P> {
     seed: u64,
     schedule: Schedule,
     traversal: Traversal,
-    /// Whether mirror rays have differentials.
+    /// Whether rays after the first have differentials.
     differentials: bool,
+    /// The rays of the path that wait.
+    waiting: Vec<Branch>,
+    /// The hits of a shadow ray on transparent surfaces.
+    passed: Vec<Hit>,
     look_ups: LookUps,
     counters: Counters,
     seconds: f64,
@@ -48,6 +50,8 @@ impl<P: Arithmetic> Tracer for Recursive<P> {
             schedule: scene.plan.schedule(),
             traversal: scene.accel.traversal(),
             differentials: scene.carries_differentials(),
+            waiting: Vec::new(),
+            passed: Vec::new(),
             look_ups: LookUps::default(),
             counters: Counters::default(),
             seconds: 0.0,
@@ -58,7 +62,7 @@ impl<P: Arithmetic> Tracer for Recursive<P> {
 
     fn render(&mut self, scene: &PreparedScene, unit: &Unit, sums: &mut [[f64; 3]]) {
         let start = Instant::now();
-        self.traversal.without_t = !scene.plan.has(Effect::RayDifferentials);
+        self.traversal.without_t = !scene.needs_t();
         match self.passes {
             None => self.paths(scene, unit, sums, &mut ()),
             Some(seconds) => {
@@ -178,7 +182,7 @@ pub enum End {
     Light,
     /// The largest number of bounces is reached.
     LastBounce,
-    /// The surface is not a mirror, or its mirror ray could add nothing.
+    /// The surface is neither a mirror nor transparent, or rays from there could add nothing.
     NoMirror,
 }
 
@@ -212,46 +216,58 @@ impl<P: Arithmetic> Recursive<P> {
         mut stream: Stream,
         observer: &mut impl Observer,
     ) -> Vec3 {
-        let mut ray = scene.camera.ray(x, y, &stream);
+        let ray = scene.camera.ray(x, y, &stream);
         self.counters.primary_rays += 1;
         self.counters.lens_samples += u64::from(scene.camera.has_lens());
         observer.camera();
         let shadows = self.schedule.has_shadows();
+        let transmits = self.schedule.has_transmission();
         let bounces = if self.schedule.has_mirrors() { scene.bounces } else { 0 };
-        let mut throughput = Vec3::ONE;
         let mut radiance = Vec3::ZERO;
-        // For mirror rays; the differential of a camera ray follows from its direction.
-        let mut carried: Option<Differential> = None;
+        let mut at =
+            Branch { ray, throughput: Vec3::ONE, trail: Trail::default(), differential: None };
         loop {
+            let Branch { ray, throughput, trail, .. } = at;
             let before = self.traversal.tests;
             let hit = scene.accel.search::<P>().closest(&ray, &mut self.traversal);
             observer.ray(&ray, &hit, self.traversal.tests - before);
             let differential =
-                || carried.unwrap_or_else(|| scene.camera.differential(ray.direction));
+                || at.differential.unwrap_or_else(|| scene.camera.differential(ray.direction));
+            let waiting = self.waiting.len();
             let end = match scene.interaction::<P>(&ray, &hit, &differential, &mut self.look_ups) {
                 Interaction::Surface(point) => {
+                    let transparency =
+                        if transmits { scene.transparency(hit.primitive) } else { None };
+                    let divided = transparency.map(|transparency| {
+                        scene.divide(&at, &hit, transparency, &point, &mut self.look_ups)
+                    });
+                    let own = divided.map_or(throughput, |(own, _)| own);
                     let local = point.local_light(scene.ambient, scene.hemisphere.as_ref());
-                    radiance += throughput * Vec3::from(local);
+                    radiance += own * Vec3::from(local);
                     observer.surface(&point, radiance);
                     if shadows && point.lit {
-                        let gathered = (throughput, &mut radiance);
+                        let gathered = (own, &mut radiance);
                         self.direct_light(scene, &point, &stream, gathered, observer);
                     }
-                    if stream.bounce == bounces {
+                    if let Some((_, branches)) = divided {
+                        self.waiting.extend(branches.into_iter().rev().flatten());
+                        End::NoMirror
+                    } else if trail.bounces == bounces {
                         End::LastBounce
-                    } else if let Some(next) = mirror_ray(&point, throughput) {
-                        observer.done(radiance, None);
-                        self.counters.secondary_rays += 1;
-                        if self.differentials {
-                            let found = &mut self.look_ups;
-                            let mirror = MirrorPoint::of(&point);
-                            let from = differential();
-                            carried = Some(scene.mirrored(&from, &ray, &hit, &mirror, found));
-                        }
-                        (ray, throughput) = next;
-                        stream.bounce += 1;
-                        continue;
                     } else {
+                        if let Some((next, throughput)) = mirror_ray(&point, throughput) {
+                            let differential = self.differentials.then(|| {
+                                let (mirror, found) = (MirrorPoint::of(&point), &mut self.look_ups);
+                                scene.mirrored(&differential(), &ray, &hit, &mirror, found)
+                            });
+                            let trail = trail.mirrored();
+                            self.waiting.push(Branch {
+                                ray: next,
+                                throughput,
+                                trail,
+                                differential,
+                            });
+                        }
                         End::NoMirror
                     }
                 }
@@ -260,17 +276,17 @@ impl<P: Arithmetic> Recursive<P> {
                     End::Light
                 }
                 Interaction::Nothing => {
-                    if stream.bounce == 0 {
-                        radiance += scene.background;
-                    } else if let Some(hemisphere) = &scene.hemisphere {
-                        let sky = hemisphere.at::<f32>(ray.direction.into());
-                        radiance += throughput * Vec3::from(sky);
+                    if let Some(color) = scene.beyond(ray.direction, trail.mirrored) {
+                        radiance += throughput * color;
                     }
                     End::Nothing
                 }
             };
-            observer.done(radiance, Some(end));
-            return radiance;
+            observer.done(radiance, (self.waiting.len() == waiting).then_some(end));
+            let Some(next) = self.waiting.pop() else { return radiance };
+            self.counters.secondary_rays += 1;
+            stream.bounce += 1;
+            at = next;
         }
     }
 
@@ -300,10 +316,23 @@ impl<P: Arithmetic> Recursive<P> {
                     scene.accel.search::<P>().occluded(&request.ray(), &mut self.traversal);
                 observer.light(place, &target, Some((&request, occluded)));
                 if !occluded {
-                    *radiance += Vec3::from(request.contribution);
+                    let contribution = Vec3::from(request.contribution);
+                    *radiance += if self.schedule.has_transmission() {
+                        contribution * self.passed(scene, &request.ray())
+                    } else {
+                        contribution
+                    };
                 }
             }
         }
+    }
+}
+
+impl<P: Arithmetic> Recursive<P> {
+    /// The share of light that passes along a shadow ray.
+    fn passed(&mut self, scene: &PreparedScene, ray: &Ray) -> Vec3 {
+        scene.accel.search::<P>().passed(ray, &mut self.passed, &mut self.traversal);
+        scene.passed::<P>(ray, &mut self.passed, &mut self.look_ups)
     }
 }
 

@@ -23,7 +23,6 @@ use std::time::Instant;
 use crate::accel::Traversal;
 use crate::counters::Counters;
 use crate::kernels::precision::Arithmetic;
-use crate::plan::Effect;
 use crate::plan::schedule::Schedule;
 use crate::prepared::PreparedScene;
 use crate::tile::{TIMED, TraceSettings, Tracer, Unit};
@@ -74,7 +73,7 @@ impl<P: Arithmetic> Tracer for Wavefront<P> {
     }
 
     fn render(&mut self, scene: &PreparedScene, unit: &Unit, sums: &mut [[f64; 3]]) {
-        self.traversal.without_t = !scene.plan.has(Effect::RayDifferentials);
+        self.traversal.without_t = !scene.needs_t();
         self.render_watched(scene, unit, sums, |_, _| {});
     }
 
@@ -108,17 +107,17 @@ impl<P: Arithmetic> Wavefront<P> {
         while start < paths {
             let end = paths.min(start + self.batch.capacity() as u64);
             self.generate(scene, unit, start..end);
-            for bounce in 0..=scene.bounces {
+            for bounce in 0.. {
                 self.intersect(scene);
                 self.shade(scene, bounce);
                 if self.schedule.has_shadows() {
                     self.shadow(scene, bounce);
                 }
                 watch(bounce, &self.batch);
-                let mirrors = self.schedule.has_mirrors();
-                if !(mirrors && self.batch.advance()) {
+                if !(self.schedule.goes_on() && self.batch.advance()) {
                     break;
                 }
+                self.counters.secondary_rays += self.batch.rays.len() as u64;
             }
             self.resolve(sums);
             start = end;

@@ -2,7 +2,7 @@
 //!
 //! A shape is an entity with [`Order`], [`JsonPath`], one of [`Sphere`], [`Disk`], [`Quad`],
 //! [`Triangle`] or [`Mesh`], and [`Material`], [`Sides`], [`Shading`]; optionally [`Facing`], [`Transform`],
-//! [`TextureRef`], [`Maps`], [`CutOut`], [`Name`]. A point light is an entity with [`PointLight`],
+//! [`Transparency`], [`TextureRef`], [`Maps`], [`CutOut`], [`Name`]. A point light is an entity with [`PointLight`],
 //! which [`Spot`] narrows to a cone. A distant light has [`DirectionalLight`]. An area light has
 //! [`AreaLight`] and the geometry of its shape. The camera has [`View`], and [`ThinLens`] unless it is
 //! a pinhole. One entity holds [`Settings`].
@@ -21,7 +21,7 @@ pub use crate::shapes::{
 };
 pub use crate::surface::{
     CutOut, Encoding, Filter, LookUp, Maps, Material, MetalMap, Placing, StrengthMap,
-    SurfaceComponents, TextureRef, TextureSource, Wrap,
+    SurfaceComponents, TextureRef, TextureSource, Transparency, Wrap,
 };
 
 /// The place of the entity in the scene file, such as `scene.shapes[3]`, for messages.

@@ -3,6 +3,7 @@
 mod material;
 mod source;
 mod textures;
+mod transparency;
 
 use hecs::{Entity, View};
 
@@ -10,15 +11,17 @@ use crate::components::{AreaLight, JsonPath, Name};
 use crate::format::Declaration;
 
 pub use material::Material;
+pub(crate) use material::{MATERIAL, OBJECT as MATERIAL_OBJECT};
 pub use source::TextureSource;
 pub use textures::{
     CutOut, Encoding, Filter, LookUp, Maps, MetalMap, Placing, StrengthMap, TextureRef, Wrap,
 };
 pub(crate) use textures::{THRESHOLD, existing_file};
+pub use transparency::Transparency;
 
 /// The components of a surface.
 pub(crate) const SURFACE: [Declaration; 5] = [
-    Declaration::of::<Material>(),
+    MATERIAL,
     Declaration::of::<TextureRef>(),
     textures::LOOK_UP,
     Declaration::of::<CutOut>(),
@@ -30,6 +33,8 @@ pub(crate) const SURFACE: [Declaration; 5] = [
 pub struct SurfaceComponents<'w> {
     /// The material; shapes of lights have neither one nor textures.
     pub material: Option<&'w Material>,
+    /// The light that goes through it.
+    pub transparency: Option<&'w Transparency>,
     /// The texture of its diffuse colour.
     pub texture: Option<&'w TextureRef>,
     /// Its other textures.
@@ -46,6 +51,7 @@ pub struct SurfaceComponents<'w> {
 pub(crate) type Columns<'w> = (
     Option<&'w AreaLight>,
     Option<&'w Material>,
+    Option<&'w Transparency>,
     Option<&'w TextureRef>,
     Option<&'w Maps>,
     Option<&'w CutOut>,
@@ -57,11 +63,12 @@ impl<'w> SurfaceComponents<'w> {
     /// Those of an entity: shapes are looked up in the order of their primitives, which the world
     /// does not keep.
     pub(crate) fn of(columns: &'w View<'_, Columns<'_>>, entity: Entity) -> Self {
-        let (light, material, texture, maps, cut_out, place, name) =
+        let (light, material, transparency, texture, maps, cut_out, place, name) =
             columns.get(entity).unwrap_or_default();
         let is_surface = light.is_none();
         Self {
             material: material.filter(|_| is_surface),
+            transparency: transparency.filter(|_| is_surface),
             texture: texture.filter(|_| is_surface),
             maps: maps.filter(|_| is_surface).unwrap_or(&Maps::NONE),
             cut_out: cut_out.filter(|_| is_surface),

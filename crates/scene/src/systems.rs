@@ -45,6 +45,7 @@ use crate::lights::unit;
 use crate::query;
 use crate::surface::Columns;
 use geometry::ShapeOutput;
+use reach::Faces;
 use textures::Images;
 use wavecrest_base::error::{Error, ErrorKind, Result, Warning, Warnings};
 use wavecrest_base::memory::Stage;
@@ -106,7 +107,13 @@ pub fn extract(world: World, options: Options<'_>) -> Result<Extracted> {
     let lights = lights::run(world, &extracted, &settings, origin)?;
     let (ambient, hemisphere) = ambient(&settings, lights.len());
     let possible = materials::possible(&surfaces, &materials);
-    let shows_others = |shape: usize| settings.bounces > 0 && possible[shape].kr > 0.0;
+    let transparent = |surface: &SurfaceComponents<'_>| {
+        surface.transparency.is_some_and(|transparency| transparency.single().is_some())
+    };
+    let transparent: Vec<bool> = surfaces.iter().map(transparent).collect();
+    let shows_others = |shape: usize, faces: Faces| {
+        transparent[shape] || faces.any() && settings.bounces > 0 && possible[shape].kr > 0.0
+    };
     let in_view = view::run(&camera::places(world, origin)?, &extracted, shows_others);
     let census = census::Census {
         world,
@@ -117,6 +124,7 @@ pub fn extract(world: World, options: Options<'_>) -> Result<Extracted> {
         lights: &lights,
         has_ambient: ambient > 0.0,
         hemisphere: hemisphere.as_ref(),
+        transparent: &transparent,
         in_view: &in_view,
     };
     let mut masks = cutouts::Images::of_scene(&file);
@@ -129,8 +137,15 @@ pub fn extract(world: World, options: Options<'_>) -> Result<Extracted> {
     }
     let mut images = Images::default();
     textures::run(&surfaces, schedule, &found.shows, &mut images, &mut extracted.shapes);
-    let details =
-        details::run(&surfaces, schedule, &found.shows, &mut images, &mut extracted.shapes);
+    let details = details::run(
+        &surfaces,
+        schedule,
+        &found.shows,
+        &found.transparent,
+        &mut images,
+        &mut extracted.shapes,
+    );
+    extracted.pass(&found.transparent);
     let images = images.prepare(&file)?;
     let cutouts = cutouts::run(&surfaces, &found.holes, &masks, &mut extracted);
     extracted.drop_unused(schedule, &in_view, &details);
@@ -158,7 +173,7 @@ pub fn extract(world: World, options: Options<'_>) -> Result<Extracted> {
         background: settings.background.as_vec3(),
         ambient,
         hemisphere,
-        bounces: if schedule.has_mirrors() { settings.bounces } else { 0 },
+        bounces: if schedule.goes_on() { settings.bounces } else { 0 },
         dropped: Dropped::default(),
     };
     Ok(Extracted { scene, file })

@@ -18,7 +18,7 @@ pub(super) fn hit<Q: Query, P: Arithmetic>(
         if let Some(t) = geometry.hit::<P>(primitive, ray, tests)
             && let hit = (Hit { t, primitive })
             && hit.precedes(&best)
-            && !(Q::ANY && geometry.is_light(primitive))
+            && !(Q::ANY && geometry.is_passed(primitive))
         {
             best = hit;
             if Q::ANY {

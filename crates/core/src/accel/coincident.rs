@@ -129,7 +129,7 @@ fn ordered(geometry: &Geometry, mut members: Vec<(Single, Aabb)>) -> Vec<(Single
         let mut corners = corners.map(bits);
         corners.sort_unstable();
         // Shadow rays pass the triangles of lights.
-        known.insert((corners, geometry.is_light(single.number)))
+        known.insert((corners, geometry.is_passed(single.number)))
     });
     members.sort_by(|(_, a), (_, b)| a.half_area().total_cmp(&b.half_area()));
     members
@@ -247,7 +247,7 @@ mod tests {
         }
         assert!(compare("copies", &geometry, &rays(&mut numbers)) > 50);
         // Shadow rays pass lights: the first copy that is none counts for them.
-        geometry.lights = vec![0..300, 500..1000];
+        geometry.passed = vec![0..300, 500..1000];
         assert_eq!(listed(&geometry, Preset::VeryFast), 2);
         assert!(compare("lights", &geometry, &rays(&mut numbers)) > 50);
     }

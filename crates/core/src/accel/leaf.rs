@@ -50,7 +50,7 @@ fn visit_list<Q: Query, P: Arithmetic>(
     let mut is_closer = false;
     let numbers = searched.tree.arena.view().list(place);
     for (entry, &number) in numbers.iter().enumerate() {
-        if Q::ANY && searched.geometry.is_light(number) {
+        if Q::ANY && searched.geometry.is_passed(number) {
             continue;
         }
         let Some(t) = searched.geometry.hit::<P>(number, ray, tests) else { continue };
@@ -108,7 +108,7 @@ pub(super) fn take<S: Lanes, Q: Query, P: Arithmetic>(
     best: &mut Best,
     tests: &mut TestCounts,
 ) -> bool {
-    if Q::ANY && searched.without_lights(place, hits.certain) != 0 {
+    if Q::ANY && searched.without_passed(place, hits.certain) != 0 {
         *best = Best::of(ANY_HIT);
         return true;
     }
@@ -122,7 +122,7 @@ pub(super) fn take<S: Lanes, Q: Query, P: Arithmetic>(
             settle(simd, arena, ray, place, &mut hits);
         }
         settle_each(arena, ray, place, &mut hits, tests);
-        if Q::ANY && searched.without_lights(place, hits.certain) != 0 {
+        if Q::ANY && searched.without_passed(place, hits.certain) != 0 {
             *best = Best::of(ANY_HIT);
             return true;
         }
@@ -238,8 +238,8 @@ pub(super) fn corners<S: Lanes>(
 impl Searched<'_> {
     /// The `triangles` of a leaf, a bit each, that do not belong to lights.
     #[inline(always)]
-    pub(super) fn without_lights(&self, leaf: Ref, triangles: u32) -> u32 {
-        if self.geometry.lights.is_empty() {
+    pub(super) fn without_passed(&self, leaf: Ref, triangles: u32) -> u32 {
+        if self.geometry.passed.is_empty() {
             return triangles;
         }
         let (mut kept, mut rest) = (triangles, triangles);
@@ -247,7 +247,7 @@ impl Searched<'_> {
             let lane = rest.trailing_zeros();
             rest &= rest - 1;
             let number = self.tree.arena.view().number_of(leaf, lane as usize);
-            kept &= !(u32::from(self.geometry.is_light(number)) << lane);
+            kept &= !(u32::from(self.geometry.is_passed(number)) << lane);
         }
         kept
     }

@@ -52,6 +52,20 @@ impl<P: Arithmetic> Search<'_, P> {
         self.many::<Occluded>(rays.into(), answers, traversal);
     }
 
+    /// TEMPORARY.
+    pub fn passed(&self, ray: &Ray, hits: &mut Vec<Hit>, traversal: &mut Traversal) {
+        hits.clear();
+        let mut rest = *ray;
+        loop {
+            let hit = self.closest(&rest, traversal);
+            if hit.is_miss() {
+                return;
+            }
+            hits.push(hit);
+            rest.t_min = hit.t;
+        }
+    }
+
     #[inline(always)]
     fn one<Q: Query>(&self, ray: &Ray, traversal: &mut Traversal) -> Q::Answer {
         if self.accel.kernel == KernelChoice::Reference {

@@ -56,6 +56,29 @@ impl Differential {
         });
         Self { origin: steps, direction: turned }
     }
+
+    /// The differential of the ray that `ray` becomes by refraction: see [`Self::reflected`]. It
+    /// has the unit direction `bent`, and `ratio` is the index of refraction before over that
+    /// behind.
+    pub fn refracted(
+        &self,
+        ray: &Ray,
+        steps: [Vec3; 2],
+        normal: Vec3,
+        turns: [Vec3; 2],
+        (bent, ratio): (Vec3, f64),
+    ) -> Self {
+        let (direction, normal) = (ray.direction.as_dvec3(), normal.as_dvec3());
+        let (before, behind) = (dot_f64(direction, normal), dot_f64(bent.as_dvec3(), normal));
+        let along = ratio * before - behind;
+        let turned = [0, 1].map(|axis| {
+            let (change, turn) = (self.direction[axis].as_dvec3(), turns[axis].as_dvec3());
+            let cosine_changes = dot_f64(change, normal) + dot_f64(direction, turn);
+            let along_changes = (ratio - ratio * ratio * before / behind) * cosine_changes;
+            (change * ratio - (turn * along + normal * along_changes)).as_vec3()
+        });
+        Self { origin: steps, direction: turned }
+    }
 }
 
 /// How the interpolated normal of a triangle changes with the point.

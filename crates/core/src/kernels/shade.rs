@@ -38,8 +38,12 @@ pub struct ShadingPoint<F: Single> {
     pub reflection: Reflection<F>,
     /// Weight of the mirror ray.
     pub kr: F,
+    /// Share of the light that comes from the surface, not from straight behind it.
+    pub opacity: F,
     /// Whether lights reach this side.
     pub lit: F::Mask,
+    /// Whether this side is the back.
+    pub inside: F::Mask,
 }
 
 impl ShadingPoint<f32> {
@@ -57,7 +61,9 @@ impl ShadingPoint<f32> {
             emission: Vec3::ZERO.into(),
             reflection: material.reflection(),
             kr: material.kr,
+            opacity: 1.0,
             lit: true,
+            inside: false,
         }
     }
 }
@@ -78,7 +84,9 @@ impl<F: Single> ShadingPoint<F> {
             emission: self.emission.lane(i).into(),
             reflection: Reflection { ks, kd, exponent, tint: tint.lane(i).into() },
             kr: self.kr.lane(i),
+            opacity: self.opacity.lane(i),
             lit: self.lit.bits() >> i & 1 == 1,
+            inside: self.inside.bits() >> i & 1 == 1,
         }
     }
 
@@ -93,6 +101,7 @@ impl<F: Single> ShadingPoint<F> {
         self.reflection.exponent.set_lane(i, of.reflection.exponent);
         self.reflection.tint.set_lane(i, of.reflection.tint.into());
         self.kr.set_lane(i, of.kr);
+        self.opacity.set_lane(i, of.opacity);
     }
 
     /// The light of a hit before any further ray: the ambient part of all lights together, the

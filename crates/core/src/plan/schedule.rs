@@ -28,6 +28,8 @@ wavecrest_base::choices! {
         NextRays = "next rays",
         /// Differentials of mirror rays, of this bounce and of the next.
         Differentials = "differentials",
+        /// What the rays of this bounce and of the next went through, and the rays that wait.
+        Branches = "branches",
     }
 }
 
@@ -62,6 +64,8 @@ pub enum Step {
     Collect,
     /// Mirror rays.
     Mirror,
+    /// Rays through surfaces, and the mirror rays of these.
+    Transmit,
     /// Their differentials.
     Differentials,
     /// Shadow rays and the light they carry.
@@ -79,8 +83,8 @@ pub enum Needs {
     Nothing,
     /// It runs if any of these effects is present, for what shows them.
     Any(&'static [Effect]),
-    /// It runs if all of these effects are present.
-    All(&'static [Effect]),
+    /// It runs if one of the first and one of the second effects are present.
+    Both(&'static [Effect], &'static [Effect]),
 }
 
 impl Needs {
@@ -89,16 +93,20 @@ impl Needs {
         match self {
             Self::Nothing => true,
             Self::Any(effects) => effects.iter().any(|&effect| present(effect)),
-            Self::All(effects) => effects.iter().all(|&effect| present(effect)),
+            Self::Both(ones, others) => {
+                [ones, others].iter().all(|any| any.iter().any(|&effect| present(effect)))
+            }
         }
     }
 
     /// The named effects.
-    pub fn effects(self) -> &'static [Effect] {
-        match self {
-            Self::Nothing => &[],
-            Self::Any(effects) | Self::All(effects) => effects,
-        }
+    pub fn effects(self) -> impl Iterator<Item = Effect> {
+        let [ones, others]: [&[Effect]; 2] = match self {
+            Self::Nothing => [&[], &[]],
+            Self::Any(effects) => [effects, &[]],
+            Self::Both(ones, others) => [ones, others],
+        };
+        ones.iter().chain(others).copied()
     }
 }
 
@@ -127,12 +135,17 @@ const LIGHTS: Needs = Needs::Any(&[
     Effect::AreaLights,
 ]);
 
+/// The effects that send rays on from surfaces.
+const NEXT: &[Effect] = &[Effect::Mirrors, Effect::Transparency];
+
 /// The passes in order of execution, each followed by its parts.
 ///
 /// Kinds of shapes have no row: no pass depends on a kind, so an absent kind costs nothing as it
 /// has no primitives. Nor has the hemispheric light, which a scene has or has not.
-pub const PASSES: [Pass; 18] = {
-    use Column::{Differentials, Hits, LitPoints, NextRays, Paths, Rays, ShadowRays, Tints};
+pub const PASSES: [Pass; 19] = {
+    use Column::{
+        Branches, Differentials, Hits, LitPoints, NextRays, Paths, Rays, ShadowRays, Tints,
+    };
     [
         pass(Step::Generate, "generate", Needs::Nothing, &[], &[Paths, Rays]),
         part(Step::Jitter, "jitter", Step::Generate, &[Effect::Antialiasing], &[], &[Rays]),
@@ -152,18 +165,26 @@ pub const PASSES: [Pass; 18] = {
             ..pass(Step::Collect, "lit points", LIGHTS, &[Rays, Hits], &[LitPoints])
         },
         part(Step::Mirror, "mirror", Step::Shade, &[Effect::Mirrors], &[Rays, Hits], &[NextRays]),
+        part(
+            Step::Transmit,
+            "transmission",
+            Step::Shade,
+            &[Effect::Transparency],
+            &[Rays, Hits, Branches],
+            &[NextRays, Branches],
+        ),
         Pass {
             part_of: Some(Step::Shade),
             ..pass(
                 Step::Differentials,
                 "differentials",
-                Needs::All(&[Effect::RayDifferentials, Effect::Mirrors]),
+                Needs::Both(&[Effect::RayDifferentials], NEXT),
                 &[Rays, Hits, Differentials],
                 &[Differentials],
             )
         },
         pass(Step::Shadow, "shadow", LIGHTS, &[LitPoints, ShadowRays], &[ShadowRays, Paths]),
-        pass(Step::Advance, "advance", Needs::Any(&[Effect::Mirrors]), &[NextRays], &[Rays]),
+        pass(Step::Advance, "advance", Needs::Any(NEXT), &[NextRays], &[Rays]),
         pass(Step::Resolve, "resolve", Needs::Nothing, &[Paths], &[]),
     ]
 };
@@ -254,6 +275,18 @@ impl Schedule {
     #[inline(always)]
     pub fn has_mirrors(self) -> bool {
         self.runs(Step::Mirror) && self.runs(Step::Advance)
+    }
+
+    /// Whether rays go through surfaces.
+    #[inline(always)]
+    pub fn has_transmission(self) -> bool {
+        self.runs(Step::Transmit) && self.runs(Step::Advance)
+    }
+
+    /// Whether any rays go on from surfaces.
+    #[inline(always)]
+    pub fn goes_on(self) -> bool {
+        self.has_mirrors() || self.has_transmission()
     }
 
     /// Whether the column has storage.

@@ -13,6 +13,7 @@ use crate::kernels::differential::Differential;
 use crate::kernels::metal;
 use crate::kernels::shade::ShadingPoint;
 use crate::kernels::surface::Surface;
+use crate::kernels::transmission::Transparency;
 use crate::math::ray::Ray;
 use crate::math::real::Single;
 
@@ -31,6 +32,8 @@ pub struct Detail {
     pub occlusion: Option<Occlusion>,
     /// Change of the shading normal.
     pub normal: Option<NormalMap>,
+    /// How it lets light through.
+    pub transparency: Option<Transparency>,
 }
 
 /// A texture of metalness, in blue, and of roughness, in green.
@@ -63,6 +66,7 @@ impl Default for Detail {
             metal: None,
             occlusion: None,
             normal: None,
+            transparency: None,
         }
     }
 }
@@ -120,6 +124,11 @@ impl Appearance {
         }
         if let Some(Occlusion { texture, strength }) = &detail.occlusion {
             point.occlusion = 1.0 + strength * (at(texture).x - 1.0);
+        }
+        if let Some(transparency) = &detail.transparency {
+            point.opacity = transparency.opacity;
+            // Light that is refracted is not scattered.
+            point.occlusion *= (1.0 - transparency.kt).max(0.0);
         }
         if let Some(normal) = &detail.normal {
             normal.turn(at(&normal.texture), self, place, point);

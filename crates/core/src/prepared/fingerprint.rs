@@ -107,7 +107,7 @@ impl PreparedScene {
             hasher.list(&geometry.positions);
             hasher.list(&geometry.triangles);
             hasher.list(&geometry.quads);
-            let _ = write!(hasher, "{:?}{:?}", geometry.quadrics, geometry.lights);
+            let _ = write!(hasher, "{:?}{:?}", geometry.quadrics, geometry.passed);
             for prototype in &geometry.prototypes {
                 hasher.list(&prototype.positions);
                 hasher.list(&prototype.triangles);

@@ -11,6 +11,7 @@ use crate::kernels::differential::{Differential, turn_between, uv_change};
 use crate::kernels::shade::{self, ShadingPoint};
 use crate::kernels::surface::Surface;
 use crate::kernels::texture::sphere_uv_change;
+use crate::kernels::transmission::Refracted;
 use crate::math::float::{dot, normalize};
 use crate::math::ray::Ray;
 use crate::plan::schedule::Step;
@@ -85,14 +86,46 @@ impl PreparedScene {
         point: &MirrorPoint,
         look_ups: &mut LookUps,
     ) -> Differential {
-        look_ups.footprints += 1;
         let MirrorPoint { normal, shading_normal, .. } = *point;
-        let steps = differential.at(ray, hit.t, normal);
         let view = -ray.direction;
         let (_, smooth) = shade::mirrored::<f32>(view.into(), shading_normal.into(), normal.into());
         let about = if smooth { shading_normal } else { normal };
-        let turns = steps.map(|step| self.turn(hit.primitive, point, step, smooth));
+        let (steps, turns) = self.turns(differential, (ray, hit), point, smooth, look_ups);
         differential.reflected(ray, steps, about, turns)
+    }
+
+    /// The differential of the ray that goes on behind `point`, with this refraction, or straight.
+    pub(super) fn transmitted(
+        &self,
+        differential: &Differential,
+        (ray, hit): (&Ray, &Hit),
+        point: &MirrorPoint,
+        refracted: Option<&Refracted>,
+        look_ups: &mut LookUps,
+    ) -> Differential {
+        let smooth = refracted.is_some_and(|refracted| refracted.smooth);
+        let (steps, turns) = self.turns(differential, (ray, hit), point, smooth, look_ups);
+        let about = if smooth { point.shading_normal } else { point.normal };
+        match refracted {
+            Some(&Refracted { direction, ratio, .. }) if direction != ray.direction => {
+                differential.refracted(ray, steps, about, turns, (direction, ratio))
+            }
+            _ => Differential { origin: steps, ..*differential },
+        }
+    }
+
+    /// The changes of a point, and of its interpolated or geometric normal, with the ray.
+    fn turns(
+        &self,
+        differential: &Differential,
+        (ray, hit): (&Ray, &Hit),
+        point: &MirrorPoint,
+        smooth: bool,
+        look_ups: &mut LookUps,
+    ) -> ([Vec3; 2], [Vec3; 2]) {
+        look_ups.footprints += 1;
+        let steps = differential.at(ray, hit.t, point.normal);
+        (steps, steps.map(|step| self.turn(hit.primitive, point, step, smooth)))
     }
 
     /// The change of the mirror's normal with its point.

@@ -306,7 +306,9 @@ impl<F: Single> Group<F> {
             emission: Vector::splat(token, Vec3::ZERO),
             reflection: Reflection { ks, kd, exponent, tint: Vector::splat(token, Vec3::ONE) },
             kr: F::load(token, &self.kr),
+            opacity: F::splat(token, 1.0),
             lit: F::mask(token, self.used) & (F::mask(token, self.two_sided) | !at_back),
+            inside: at_back,
         };
         if self.detailed & self.used != 0 {
             // Copies, so that the point stays in registers if there are no details.

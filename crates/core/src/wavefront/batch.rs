@@ -5,6 +5,7 @@
 
 #[macro_use]
 mod columns;
+mod branches;
 mod lit;
 
 use glam::Vec3;
@@ -17,9 +18,10 @@ use crate::math::real::{Mask, Single};
 use crate::math::simd::LANES;
 use crate::math::vector::Vector;
 use crate::plan::schedule::Column as Group;
-use crate::prepared::PreparedScene;
+use crate::prepared::{Branch, PreparedScene};
 use columns::Column;
 
+pub use branches::{Trails, Waiting};
 pub use columns::Vectors;
 pub use lit::{LitPoints, Tints};
 
@@ -239,6 +241,12 @@ pub struct Batch {
     pub differentials: Differentials,
     /// The differentials of the next rays.
     pub next_differentials: Differentials,
+    /// The trails of the rays, after the first bounce.
+    pub trails: Trails,
+    /// The trails of the next rays.
+    pub next_trails: Trails,
+    /// Rays that wait until the rays before them on their path are done.
+    pub waiting: Waiting,
 }
 
 impl Batch {
@@ -259,6 +267,9 @@ impl Batch {
             next: Rays::with_capacity(room(Group::NextRays)),
             differentials: Differentials::with_capacity(room(Group::Differentials)),
             next_differentials: Differentials::with_capacity(room(Group::Differentials)),
+            trails: Trails::with_capacity(room(Group::Branches)),
+            next_trails: Trails::with_capacity(room(Group::Branches)),
+            waiting: Waiting::with_capacity(room(Group::Branches)),
         }
     }
 
@@ -267,8 +278,24 @@ impl Batch {
         self.capacity
     }
 
-    /// Makes the next bounce's rays the current ones. Returns whether there are any.
+    /// Appends a next ray.
+    pub fn push_next(&mut self, branch: &Branch, path: u32) {
+        self.next.provide();
+        self.next.push(&branch.ray, branch.throughput, path);
+        self.next_trails.provide();
+        self.next_trails.push(branch.trail);
+        if let Some(differential) = &branch.differential {
+            self.next_differentials.provide();
+            self.next_differentials.push(differential);
+        }
+    }
+
+    /// Makes the next rays the current ones: paths without one go on with a ray that waits. Returns
+    /// whether there are any.
     pub fn advance(&mut self) -> bool {
+        if !self.waiting.is_empty() {
+            self.wake();
+        }
         // Without mirrors the next rays have no storage and must not become the current ones.
         if self.next.is_empty() {
             return false;
@@ -277,7 +304,20 @@ impl Batch {
         self.next.clear();
         std::mem::swap(&mut self.differentials, &mut self.next_differentials);
         self.next_differentials.clear();
+        std::mem::swap(&mut self.trails, &mut self.next_trails);
+        self.next_trails.clear();
         true
+    }
+
+    /// Appends the last waiting ray of every path of this bounce that has no next ray.
+    fn wake(&mut self) {
+        self.waiting.mark(&self.next.path[..self.next.len()]);
+        for i in 0..self.rays.len() {
+            let path = self.rays.path[i];
+            if let Some(branch) = self.waiting.pop_unmarked(path) {
+                self.push_next(&branch, path);
+            }
+        }
     }
 
     /// Bytes for each path of the columns with storage in `scene`, by the name of the group.
@@ -304,8 +344,9 @@ impl Batch {
         let lit = lit.bytes() + tints.bytes();
         let groups = [paths.bytes(), rays.bytes(), hits.bytes(), lit, shadows.bytes()];
         let differentials = [&self.differentials, &self.next_differentials].map(|d| d.bytes());
-        let all = groups.into_iter().chain(differentials).sum::<usize>() + next.bytes();
-        all as u64
+        let trails = [&self.trails, &self.next_trails].map(|trails| trails.bytes());
+        let all = groups.into_iter().chain(differentials).chain(trails).sum::<usize>();
+        (all + next.bytes() + self.waiting.bytes()) as u64
     }
 }
 
@@ -320,5 +361,6 @@ fn row_bytes(group: Group) -> usize {
         Group::ShadowRays => ShadowRays::ROW_BYTES,
         // For this bounce and the next.
         Group::Differentials => 2 * Differentials::ROW_BYTES,
+        Group::Branches => 2 * Trails::ROW_BYTES + Waiting::ROW_BYTES,
     }
 }

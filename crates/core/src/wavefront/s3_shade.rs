@@ -21,7 +21,9 @@ use crate::math::real::{Mask, Single};
 use crate::math::simd::{LANES, Pass, dispatch_pass};
 use crate::math::vector::{Line, Vector};
 use crate::plan::schedule::Step;
-use crate::prepared::{Face, Group, LookUps, MirrorPoint, PreparedScene, lanes};
+use crate::prepared::{
+    Branch, Face, Group, Interaction, LookUps, MirrorPoint, PreparedScene, Trail, lanes,
+};
 use faces::Faces;
 
 /// Adds background, emission and ambient light to the paths; collects lit points and, while bounces
@@ -36,6 +38,7 @@ pub(super) fn run<P: Arithmetic>(
     batch.tints.clear();
     batch.next.clear();
     batch.next_differentials.clear();
+    batch.next_trails.clear();
     let schedule = scene.plan.schedule();
     let steps =
         [Step::Normals, Step::Colors, Step::Texels, Step::NormalMaps, Step::Maps, Step::Emission];
@@ -47,12 +50,13 @@ pub(super) fn run<P: Arithmetic>(
         batch,
         counters,
         has_any: schedule.has_shadows()
-            || schedule.has_mirrors()
+            || schedule.goes_on()
             || appearance
             || scene.hemisphere.is_some(),
         shadows: schedule.has_shadows(),
         tints: schedule.runs(Step::Tints),
-        mirrors: schedule.has_mirrors() && bounce < scene.bounces,
+        mirrors: schedule.has_mirrors() && (bounce < scene.bounces || schedule.has_transmission()),
+        transmits: schedule.has_transmission(),
         precision: PhantomData,
     };
     dispatch_pass(scene.accel.level, shade);
@@ -70,6 +74,8 @@ struct Shade<'a, P> {
     /// Whether to collect lit points, and mirror rays.
     shadows: bool,
     mirrors: bool,
+    /// Whether surfaces let light through.
+    transmits: bool,
     /// Whether highlights are coloured.
     tints: bool,
     precision: PhantomData<P>,
@@ -99,6 +105,10 @@ impl<P: Arithmetic> Pass for Shade<'_, P> {
                 self.light(i, color);
                 continue;
             }
+            if self.transmits && self.scene.transparency(primitive).is_some() {
+                self.transparent(i);
+                continue;
+            }
             let kind = geometry.kind(primitive);
             let faces = match (kind, &mut instances) {
                 (Kind::Instances, Some(instances)) => instances,
@@ -120,12 +130,64 @@ impl<P: Arithmetic> Pass for Shade<'_, P> {
 impl<P: Arithmetic> Shade<'_, P> {
     #[inline(always)]
     fn miss(&mut self, i: usize) {
-        let (rays, radiance) = (&self.batch.rays, &mut self.batch.paths.radiance);
-        if self.bounce == 0 {
-            radiance.add(rays.path[i] as usize, self.scene.background);
-        } else if let Some(hemisphere) = &self.scene.hemisphere {
-            let sky = hemisphere.at::<f32>(rays.direction.get(i).into());
-            radiance.add(rays.path[i] as usize, rays.throughput.get(i) * Vec3::from(sky));
+        let mirrored = self.trail(i).mirrored;
+        let rays = &self.batch.rays;
+        if let Some(color) = self.scene.beyond(rays.direction.get(i), mirrored) {
+            let path = rays.path[i] as usize;
+            self.batch.paths.radiance.add(path, rays.throughput.get(i) * color);
+        }
+    }
+
+    /// What the ray with that number went through.
+    #[inline(always)]
+    fn trail(&self, i: usize) -> Trail {
+        match self.transmits {
+            true if self.bounce > 0 => self.batch.trails.get(i),
+            _ => Trail { bounces: self.bounce, mirrored: self.bounce > 0 },
+        }
+    }
+
+    /// Shades a hit on a transparent surface.
+    #[inline(never)]
+    fn transparent(&mut self, i: usize) {
+        let (differential, ray, hit) = self.arriving(i as u32);
+        let (throughput, path) = (self.batch.rays.throughput.get(i), self.batch.rays.path[i]);
+        let arriving =
+            Branch { ray, throughput, trail: self.trail(i), differential: Some(differential) };
+        let mut look_ups = LookUps::default();
+        let scene = self.scene;
+        let found = scene.interaction::<P>(&ray, &hit, &|| differential, &mut look_ups);
+        let (Interaction::Surface(point), Some(transparency)) =
+            (found, scene.transparency(hit.primitive))
+        else {
+            return;
+        };
+        let (own, branches) = scene.divide(&arriving, &hit, transparency, &point, &mut look_ups);
+        look_ups.add_to(self.counters);
+        let local = point.local_light(scene.ambient, scene.hemisphere.as_ref());
+        self.batch.paths.radiance.add(path as usize, own * Vec3::from(local));
+        if self.shadows && point.lit {
+            self.collect(&point, own.into(), &[path; LANES]);
+        }
+        let mut branches = branches.into_iter().flatten();
+        let Some(first) = branches.next() else { return };
+        self.batch.push_next(&first, path);
+        branches.rev().for_each(|branch| self.batch.waiting.push(path, branch));
+    }
+
+    /// Appends the lit points.
+    #[inline(always)]
+    fn collect<F: Single>(
+        &mut self,
+        point: &ShadingPoint<F>,
+        throughput: Vector<F>,
+        path: &[u32; LANES],
+    ) {
+        self.batch.lit.provide();
+        self.batch.lit.push_lanes(point, throughput, path);
+        if self.tints {
+            self.batch.tints.provide();
+            self.batch.tints.push_lanes(point);
         }
     }
 
@@ -169,22 +231,21 @@ impl<P: Arithmetic> Shade<'_, P> {
         let arriving = |lane: usize| self.arriving(group.faces[lane].ray);
         let point = group.shading_points::<P>(kind, &line, t, self.scene, arriving, &mut look_ups);
         look_ups.colors = group.colored();
-        self.count(look_ups);
+        look_ups.add_to(self.counters);
         let local = point.local_light(self.scene.ambient, self.scene.hemisphere.as_ref());
         self.add(group.used, &path, throughput * local);
         if self.shadows && point.lit.any() {
-            self.batch.lit.provide();
-            self.batch.lit.push_lanes(&point, throughput, &path);
-            if self.tints {
-                self.batch.tints.provide();
-                self.batch.tints.push_lanes(&point);
-            }
+            self.collect(&point, throughput, &path);
         }
         if self.mirrors
-            && let Some(next) = mirror_request(&point, throughput)
+            && let Some(mut next) = mirror_request(&point, throughput)
         {
             self.batch.next.provide();
-            self.counters.secondary_rays += self.batch.next.push_lanes(&next, &path) as u64;
+            if self.transmits {
+                next.asked =
+                    next.asked & F::mask(token, self.mirror_trails(&numbers, next.asked.bits()));
+            }
+            self.batch.next.push_lanes(&next, &path);
             if self.differentials {
                 self.mirror_differentials(&numbers, &point, next.asked.bits());
             }
@@ -217,6 +278,20 @@ impl<P: Arithmetic> Shade<'_, P> {
         }
     }
 
+    /// Appends the trails of the lanes with a mirror ray that have bounces left. Returns these lanes.
+    #[inline(never)]
+    fn mirror_trails(&mut self, rays: &[u32; LANES], asked: u32) -> u32 {
+        self.batch.next_trails.provide();
+        lanes(asked).fold(0, |kept, lane| {
+            let trail = self.trail(rays[lane] as usize);
+            if trail.bounces >= self.scene.bounces {
+                return kept;
+            }
+            self.batch.next_trails.push(trail.mirrored());
+            kept | 1 << lane
+        })
+    }
+
     /// Appends the differentials of the lanes with a mirror ray.
     #[inline(never)]
     fn mirror_differentials<F: Single>(
@@ -237,7 +312,7 @@ impl<P: Arithmetic> Shade<'_, P> {
             let next = self.scene.mirrored(&differential, &ray, &hit, &point, &mut look_ups);
             self.batch.next_differentials.push(&next);
         }
-        self.count(look_ups);
+        look_ups.add_to(self.counters);
     }
 
     /// The ray with that number, with its differential and its hit.
@@ -249,12 +324,6 @@ impl<P: Arithmetic> Shade<'_, P> {
             _ => self.scene.camera.differential(ray.direction),
         };
         (differential, ray, hit)
-    }
-
-    fn count(&mut self, look_ups: LookUps) {
-        self.counters.colors += look_ups.colors;
-        self.counters.texels += look_ups.texels;
-        self.counters.footprints += look_ups.footprints;
     }
 }
 

@@ -6,7 +6,7 @@
 //! light.
 
 use super::batch::{Batch, ShadowRays};
-use crate::accel::Traversal;
+use crate::accel::{Rays, Traversal};
 use crate::counters::Counters;
 use crate::kernels::light::{Light, LightPoint};
 use crate::kernels::precision::Arithmetic;
@@ -16,7 +16,7 @@ use crate::math::real::{Mask, Single};
 use crate::math::simd::{Pass, dispatch_pass};
 use crate::math::vector::Vector;
 use crate::plan::schedule::Step;
-use crate::prepared::PreparedScene;
+use crate::prepared::{LookUps, PreparedScene};
 
 /// Adds every light's contributions to the paths.
 pub(super) fn run<P: Arithmetic>(
@@ -31,9 +31,10 @@ pub(super) fn run<P: Arithmetic>(
     for light in &scene.lights {
         let mut next = Next::default();
         while next.index < light.samples() && !batch.lit.is_empty() {
-            let request = Request { light, seed, bounce, tinted, batch, counters, next };
+            let request =
+                Request { light, seed, bounce, tinted, batch, counters: &mut *counters, next };
             next = dispatch_pass(scene.accel.level, request);
-            trace::<P>(scene, batch, traversal);
+            trace::<P>(scene, batch, traversal, counters);
         }
     }
 }
@@ -131,14 +132,41 @@ fn targets<F: Single>(
 }
 
 /// Traces the queue and adds the unoccluded contributions.
-fn trace<P: Arithmetic>(scene: &PreparedScene, batch: &mut Batch, traversal: &mut Traversal) {
+fn trace<P: Arithmetic>(
+    scene: &PreparedScene,
+    batch: &mut Batch,
+    traversal: &mut Traversal,
+    counters: &mut Counters,
+) {
     let mut occluded = std::mem::take(&mut batch.shadows.occluded);
     let answers = &mut occluded[..batch.shadows.len()];
     scene.accel.search::<P>().occluded_of(&batch.shadows, answers, traversal);
+    if scene.plan.schedule().has_transmission() {
+        weaken::<P>(scene, &mut batch.shadows, answers, traversal, counters);
+    }
     let shadows: &ShadowRays = &batch.shadows;
     for (i, _) in answers.iter().enumerate().filter(|(_, occluded)| !**occluded) {
         batch.paths.radiance.add(shadows.path[i] as usize, shadows.contribution.get(i));
     }
     batch.shadows.occluded = occluded;
     batch.shadows.clear();
+}
+
+/// Takes the light from unoccluded shadow rays that transparent surfaces keep.
+#[inline(never)]
+fn weaken<P: Arithmetic>(
+    scene: &PreparedScene,
+    shadows: &mut ShadowRays,
+    occluded: &[bool],
+    traversal: &mut Traversal,
+    counters: &mut Counters,
+) {
+    let (mut hits, mut look_ups) = (Vec::new(), LookUps::default());
+    for (i, _) in occluded.iter().enumerate().filter(|(_, occluded)| !**occluded) {
+        let ray = Rays::from(&*shadows).ray(i);
+        scene.accel.search::<P>().passed(&ray, &mut hits, traversal);
+        let passed = scene.passed::<P>(&ray, &mut hits, &mut look_ups);
+        shadows.contribution.set(i, shadows.contribution.get(i) * passed);
+    }
+    look_ups.add_to(counters);
 }

@@ -122,6 +122,17 @@ impl Field for u32 {
     }
 }
 
+impl Field for bool {
+    fn read(object: &Object<'_>, key: &Key, usual: Option<Self>) -> Self {
+        let what = || "true or false".to_owned();
+        object.value(key, what, usual.or(Some(false)), false, |cursor| cursor.truth())
+    }
+
+    fn to_json(self) -> Value {
+        self.into()
+    }
+}
+
 impl Field for DVec3 {
     fn read(object: &Object<'_>, key: &Key, usual: Option<Self>) -> Self {
         let own = match key.absent {

@@ -37,8 +37,13 @@ impl<'a> Writer<'a> {
 
     /// The object of an `entity` with the components of a `kind`.
     pub(crate) fn of(mut self, kind: &Kind, entity: EntityRef<'_>) -> Value {
-        kind.declarations().for_each(|component| (component.write)(entity, &mut self));
+        self.components(kind, entity);
         self.end()
+    }
+
+    /// Writes the components of an `entity` of a `kind`.
+    pub(crate) fn components(&mut self, kind: &Kind, entity: EntityRef<'_>) {
+        kind.declarations().for_each(|component| (component.write)(entity, self));
     }
 
     /// The same for the kind that its components tell: of several, the one with the most.

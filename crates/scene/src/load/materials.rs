@@ -9,13 +9,13 @@ use std::path::{Path, PathBuf};
 
 use hecs::{Entity, EntityBuilder, World};
 
-use crate::components::{JsonPath, Maps, Material, Mesh, Name, Order};
+use crate::components::{JsonPath, Maps, Mesh, Name, Order};
 use crate::folder::{Denied, Folder, last_part};
 use crate::format::{Declaration, Notes};
 use crate::mesh::{MeshData, NamedMaterials};
 use crate::mtl::{Library, Look, Mtl, surface};
 use crate::shapes::PLACED;
-use crate::surface::SURFACE;
+use crate::surface::{MATERIAL, SURFACE};
 use crate::systems::textures;
 use wavecrest_base::error::{Error, ErrorKind};
 
@@ -53,7 +53,7 @@ pub(super) fn split(
             let own: &[Declaration] = match (known, &data.uvs) {
                 (Some(_), _) => &[],
                 (None, Some(_)) => &SURFACE,
-                (None, None) => &[Declaration::of::<Material>()],
+                (None, None) => &[MATERIAL],
             };
             own.iter().for_each(|component| (component.copy)(whole, &mut entity));
         }

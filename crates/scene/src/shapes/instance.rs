@@ -2,13 +2,14 @@
 
 use std::collections::HashMap;
 
-use hecs::{Entity, EntityBuilder, World};
+use hecs::{Entity, EntityBuilder, EntityRef, World};
 use serde_json::Value;
 
 use super::transform::keeps_round;
 use super::{Disk, Name, Sphere, Transform};
-use crate::components::Material;
+use crate::components::{Material, Transparency};
 use crate::format::{Cursor, Declaration, Kind, Writer, keys};
+use crate::surface::{MATERIAL, MATERIAL_OBJECT};
 use wavecrest_base::error::{Result, did_you_mean};
 
 /// The prototype of an instance: an entity with a sphere, disk, quad, triangle or mesh, which is stored
@@ -29,13 +30,13 @@ pub(crate) const INSTANCE: Kind = Kind {
 const OWN_MATERIAL: Declaration = Declaration {
     keys: keys! {
         /// Replaces the shape's own material.
-        "material": Object(&Material::OBJECT);
+        "material": Object(&MATERIAL_OBJECT);
     },
     read: |object, entity| match object.get("material") {
-        Some(_) => (Declaration::of::<Material>().read)(object, entity),
+        Some(_) => (MATERIAL.read)(object, entity),
         None => Ok(()),
     },
-    ..Declaration::of::<Material>()
+    ..MATERIAL
 };
 
 /// The shapes of a file by name. An ambiguous name refers to none.
@@ -94,7 +95,12 @@ pub(crate) fn write(world: &World, entity: Entity, mut to: Writer<'_>) -> Value 
         && let Ok(shape) = world.entity(of.0)
     {
         to.set("shape", to.name(of.0));
-        if instance.get::<&Material>().as_deref() != shape.get::<&Material>().as_deref() {
+        let of = |entity: EntityRef<'_>| {
+            let transparency = entity.get::<&Transparency>().map(|of| *of);
+            let material = entity.get::<&Material>().map(|of| *of);
+            (material, transparency.unwrap_or(Transparency::OPAQUE))
+        };
+        if of(instance) != of(shape) {
             (OWN_MATERIAL.write)(instance, &mut to);
         }
         // In the order of earlier versions.

@@ -2,8 +2,8 @@
 
 use glam::DVec3;
 
-use crate::format::{Declared, Key, Kind, Object, Range, Writer, component, keys};
-use wavecrest_base::error::Result;
+use super::Transparency;
+use crate::format::{Declaration, Kind, Object, Range, component, declared, keys};
 
 component! {
     /// Blinn-Phong, with a mirror.
@@ -42,32 +42,34 @@ impl Material {
         specular_color: DVec3::ONE,
     };
 
-    /// The object of a material.
-    pub(crate) const OBJECT: Kind =
-        Kind::new("a material", "A Blinn-Phong material with mirror reflection.", Self::FIELDS);
+    /// Weights above 1 are allowed but rarely meant. Invalid values are reported when they are read.
+    pub(super) fn warn_of_gain(object: &Object<'_>, keys: &[&'static str]) {
+        let message = "is above 1, so the surface reflects more light than it receives";
+        keys.iter().for_each(|key| object.warn_above_1(key, message, "use 0 to 1"));
+    }
 }
 
-impl Declared for Material {
-    const KEYS: &'static [Key] = keys! {
+declared!(Material, |_: &mut Self, object: &Object<'_>| {
+    Self::warn_of_gain(object, &["ks", "kd", "kr", "diffusecolor", "specularcolor"]);
+    Ok(())
+});
+
+/// The object of a material.
+pub(crate) const OBJECT: Kind = Kind {
+    components: &[Declaration::of::<Material>(), Declaration::of::<Transparency>()],
+    ..Kind::new("a material", "A Blinn-Phong material with mirror reflection and refraction.", &[])
+};
+
+/// The components of a material, which have an object of their own.
+pub(crate) const MATERIAL: Declaration = Declaration {
+    keys: keys! {
         /// The material.
-        "material": Object(&Material::OBJECT), Required;
-    };
-
-    fn read(object: &Object<'_>) -> Result<Option<Self>> {
-        let object = object.need("material", "an object { ... }")?.object(Self::OBJECT)?;
-        warn_of_gain(&object);
-        Ok(Some(Self::fields(&object, None)))
-    }
-
-    fn write(&self, to: &mut Writer<'_>) {
-        to.object("material", |to| self.write_fields(to));
-    }
-}
-
-/// Weights above 1 are allowed but rarely meant. Invalid values are reported when they are read.
-fn warn_of_gain(object: &Object<'_>) {
-    let message = "is above 1, so the surface reflects more light than it receives";
-    for key in ["ks", "kd", "kr", "diffusecolor", "specularcolor"] {
-        object.warn_above_1(key, message, "use 0 to 1");
-    }
-}
+        "material": Object(&OBJECT), Required;
+    },
+    read: |object, entity| {
+        object.need("material", "an object { ... }")?.object(OBJECT)?.components(entity)
+    },
+    write: |entity, to| to.object("material", |to| to.components(&OBJECT, entity)),
+    copy: |from, to| OBJECT.declarations().for_each(|component| (component.copy)(from, to)),
+    is_in: |entity| entity.has::<Material>(),
+};

@@ -43,6 +43,8 @@ pub struct Census<'a> {
     pub has_ambient: bool,
     /// The hemispheric light.
     pub hemisphere: Option<&'a Hemisphere>,
+    /// For each shape, whether its material lets light through.
+    pub transparent: &'a [bool],
     /// For each shape in view, its visible sides that lights can reach.
     pub in_view: &'a [Option<Faces>],
 }
@@ -58,6 +60,8 @@ pub struct Findings {
     pub reached: Vec<bool>,
     /// For each shape, which properties of its material are visible.
     pub shows: Vec<Shows>,
+    /// For each shape, whether light goes through it where rays may meet it.
+    pub transparent: Vec<bool>,
     /// For each shape, whether rays may meet it: camera rays, or those to lights.
     pub met: Vec<bool>,
     /// For each shape, whether it has holes that rays may meet.
@@ -77,11 +81,13 @@ pub fn run(
     let cut = |i: usize| facts.solid[i] && facts.met[i] && census.surfaces[i].cut_out.is_some();
     let asked: Vec<bool> = (0..facts.solid.len()).map(cut).collect();
     facts.holes = if asked.contains(&true) { has_holes(&asked)? } else { asked };
+    let transparent =
+        (0..facts.solid.len()).map(|i| facts.is_transparent(i) && facts.met[i]).collect();
     let decisions = Effect::ALL.into_iter().map(|effect| facts.decide(effect)).collect();
     let Facts { visible, shown, reached, shows, met, holes, .. } = facts;
     let seen = |(seen, shows): (&bool, Shows)| if *seen { shows } else { Shows::default() };
     let shows = visible.iter().zip(shows).map(seen).collect();
-    Ok(Findings { decisions, shown, reached, shows, met, holes })
+    Ok(Findings { decisions, shown, reached, shows, transparent, met, holes })
 }
 
 /// The facts behind the decisions.
@@ -215,6 +221,7 @@ impl<'a> Facts<'a> {
                 )
             }),
             Effect::Mirrors => self.mirrors(),
+            Effect::Transparency => self.transparency(),
             Effect::DepthOfField => self.depth_of_field(),
             Effect::Antialiasing => self.antialiasing(),
         };
@@ -243,7 +250,8 @@ impl<'a> Facts<'a> {
         let shapes = &self.census.extracted.shapes;
         let none = "no mesh asks for smooth shading";
         let found = self.surfaces(|i| shapes[i].shape.smooth, "smooth mesh", none);
-        if found.0 && !self.is_lit() && !self.mirrors().0 && !self.hemisphere().0 {
+        let sends_rays = self.mirrors().0 || self.transparency().0;
+        if found.0 && !self.is_lit() && !sends_rays && !self.hemisphere().0 {
             return (false, "no light and no mirror needs normals".to_owned());
         }
         found
@@ -338,11 +346,25 @@ impl<'a> Facts<'a> {
         (present, reason)
     }
 
+    fn is_transparent(&self, i: usize) -> bool {
+        self.solid[i] && self.census.transparent[i]
+    }
+
+    fn transparency(&self) -> (bool, String) {
+        let none = "no material lets light through";
+        let found = self.surfaces(|i| self.is_transparent(i), "transparent shape", none);
+        match found.0 || !(0..self.met.len()).any(|i| self.is_transparent(i) && self.met[i]) {
+            true => found,
+            // Shadow rays may meet it.
+            false => (true, format!("{}, but in the way of light", found.1)),
+        }
+    }
+
     fn hemisphere(&self) -> (bool, String) {
         match self.census.hemisphere {
             None => (false, "ambient light is the same from all sides".to_owned()),
             Some(light) if light.is_black() => (false, "sky and ground are black".to_owned()),
-            Some(_) if !self.shows_ambient && !self.mirrors().0 => {
+            Some(_) if !self.shows_ambient && !self.mirrors().0 && !self.transparency().0 => {
                 (false, "no surface in view shows it".to_owned())
             }
             Some(_) => (true, "ambient light from a sky and a ground".to_owned()),

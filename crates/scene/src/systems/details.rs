@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use super::census::Shows;
 use super::geometry::ShapeOutput;
 use super::textures::Images;
-use crate::components::{Material, MetalMap, StrengthMap, SurfaceComponents};
+use crate::components::{Material, MetalMap, StrengthMap, SurfaceComponents, Transparency};
 use wavecrest_core::plan::schedule::{Schedule, Step};
 use wavecrest_core::prepared::{Detail, Metal, NormalMap, Occlusion, UvMap};
 
@@ -15,6 +15,7 @@ pub fn run(
     surfaces: &[SurfaceComponents<'_>],
     schedule: Schedule,
     shows: &[Shows],
+    transparent: &[bool],
     images: &mut Images,
     shapes: &mut [ShapeOutput],
 ) -> Vec<Detail> {
@@ -22,10 +23,16 @@ pub fn run(
     // As text, numbers are as good as their bits.
     let mut known: HashMap<String, u32> = HashMap::new();
     let all = Shows::required(schedule);
-    for ((output, surface), shows) in shapes.iter_mut().zip(surfaces).zip(shows) {
+    let all_shown = shows.iter().zip(transparent);
+    for ((output, surface), (shows, transparent)) in shapes.iter_mut().zip(surfaces).zip(all_shown)
+    {
         let shows = shows.or(all).within(schedule);
-        let Some(material) = surface.material.filter(|_| shows.any_detail()) else { continue };
-        let detail = detail(material, surface, shows, images, output.uv_map);
+        let has_any = shows.any_detail() || *transparent;
+        let Some(material) = surface.material.filter(|_| has_any) else { continue };
+        let mut detail = detail(material, surface, shows, images, output.uv_map);
+        if *transparent {
+            detail.transparency = surface.transparency.and_then(Transparency::single);
+        }
         let next = || {
             details.push(detail.clone());
             details.len() as u32 - 1

@@ -24,12 +24,12 @@ const MOST_TESTS: usize = 1 << 22;
 const FIRST: usize = 64;
 
 /// For each shape in view of `cameras` its visible sides that lights can reach; `None` for others.
-/// There is a camera for each frame, or none if there are too many. A shape `is_mirror` if its lit
-/// sides show others.
+/// There is a camera for each frame, or none if there are too many. A shape
+/// `shows_others` if these sides mirror them, or let them through.
 pub fn run(
     cameras: &[Camera],
     output: &Output,
-    is_mirror: impl Fn(usize) -> bool,
+    shows_others: impl Fn(usize, Faces) -> bool,
 ) -> Vec<Option<Faces>> {
     let Output { geometry, shapes, .. } = output;
     let all = || shapes.iter().map(|output| Some(Faces::lit(&output.shape))).collect();
@@ -51,7 +51,7 @@ pub fn run(
         is_seen.then(|| visible_faces(&output.shape, &pupils, geometry, &mut tests))
     };
     let in_view: Vec<Option<Faces>> = shapes.iter().map(&mut of).collect();
-    let shows = |shape: usize| in_view[shape].is_some_and(Faces::any) && is_mirror(shape);
+    let shows = |shape: usize| in_view[shape].is_some_and(|faces| shows_others(shape, faces));
     if (0..shapes.len()).any(shows) { all() } else { in_view }
 }
 

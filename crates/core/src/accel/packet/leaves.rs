@@ -91,7 +91,7 @@ impl<Q: Query, P: Arithmetic> Batch<'_, Q, P> {
         self.tests.count_triangles(count, quads, rays.count_ones());
         let mut used = leaf::first_lanes(count);
         if Q::ANY {
-            used = self.searched.without_lights(place, used);
+            used = self.searched.without_passed(place, used);
         }
         tile.frame(simd);
         let prepared = tile.frame.prepare::<S, P>(simd, arena, place, used);
@@ -170,7 +170,7 @@ impl<Q: Query, P: Arithmetic> Batch<'_, Q, P> {
             || {
                 let Searched { tree, geometry, .. } = *searched;
                 for (entry, &number) in tree.arena.view().list(place).iter().enumerate() {
-                    if Q::ANY && geometry.is_light(number) {
+                    if Q::ANY && geometry.is_passed(number) {
                         continue;
                     }
                     let at = (place, entry);

@@ -26,7 +26,7 @@ fn scene(n: u32) -> Geometry {
     ]);
     geometry.quads.push([first, first + 1, first + 2, first + 3]);
     let (triangles, all) = (geometry.triangles.len() as u32, geometry.len() as u32);
-    geometry.lights = vec![1..triangles / 3, triangles..triangles + 1, all - 1..all];
+    geometry.passed = vec![1..triangles / 3, triangles..triangles + 1, all - 1..all];
     geometry
 }
 

@@ -78,7 +78,9 @@ impl LitPoints {
             emission: Vector::splat(token, Vec3::ZERO),
             reflection: Reflection { ks, kd, exponent, tint: Vector::splat(token, Vec3::ONE) },
             kr: F::splat(token, 0.0),
+            opacity: F::splat(token, 1.0),
             lit: F::mask(token, used),
+            inside: F::mask(token, 0),
         };
         (point, self.throughput.load(token, i))
     }

@@ -55,7 +55,7 @@ impl Shows {
                 && is_colored,
             tint: is_tinted && (is_lit && may.ks > 0.0 || mirrors),
             normal: normal.as_ref().is_some_and(StrengthMap::has_effect)
-                && (is_lit || mirrors || by_normal),
+                && (is_lit || mirrors || by_normal || census.transparent[i]),
         }
     }
 

@@ -137,7 +137,7 @@ impl Builder {
 
     pub(super) fn finish(mut self) -> Output {
         self.shapes.sort_by_key(|s| s.shape.primitives.start);
-        self.geometry.lights = lights(&self.shapes);
+        self.geometry.passed = lights(&self.shapes);
         let Self { geometry, shapes, meshes, .. } = self;
         Output { geometry, shapes, meshes }
     }

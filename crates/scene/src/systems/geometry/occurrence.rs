@@ -33,6 +33,8 @@ pub(crate) struct Occurrence<'w> {
     pub(super) form: Form<'w>,
     /// The colour of the light whose shape it is.
     pub(super) light: Option<Vec3>,
+    /// Whether shadow rays pass it, as a shape of a light or with less light.
+    pub(super) is_passed: bool,
     pub(super) transform: DAffine3,
     pub(super) facing: Option<Facing>,
     pub(super) sides: Sides,

@@ -2,7 +2,8 @@
 //!
 //! A mesh with two places or more is stored once, in its own space, and becomes a prototype with
 //! instances. Other prototypes are a few numbers, and a mesh with one place is best stored there:
-//! these become primitives of the scene's own. So do shapes of lights, whose triangles are sampled.
+//! these become primitives of the scene's own. So do shapes of lights, whose triangles are sampled,
+//! and transparent ones, all of which a shadow ray must find.
 
 use std::collections::HashMap;
 
@@ -12,7 +13,7 @@ use hecs::{Entity, Query, Satisfies, View, World};
 use super::occurrence::{Form, Occurrence};
 use crate::components::{
     AreaLight, CutOut, Disk, Facing, Hidden, InstanceOf, JsonPath, Maps, Mesh, Order, Quad,
-    Shading, Sides, Sphere, StrengthMap, TextureRef, Transform, Triangle,
+    Shading, Sides, Sphere, StrengthMap, TextureRef, Transform, Transparency, Triangle,
 };
 
 /// What a shape or an instance has of its own.
@@ -26,7 +27,7 @@ pub(super) type Shown<'w> = (
     Option<&'w Transform>,
     Option<&'w Sides>,
     Option<&'w Shading>,
-    (Satisfies<&'w TextureRef>, Satisfies<&'w CutOut>, Option<&'w Maps>),
+    (Satisfies<&'w TextureRef>, Satisfies<&'w CutOut>, Option<&'w Maps>, Option<&'w Transparency>),
 );
 
 /// The geometry of a prototype.
@@ -54,7 +55,7 @@ pub(super) struct Occurrences<'w> {
 pub(super) struct Use {
     /// How many more times it will be taken.
     left: usize,
-    /// Number of its instances, without shapes of lights.
+    /// Number of its instances, without those that shadow rays pass.
     instances: usize,
     is_shared: bool,
     /// Whether any of them asks for normals, for texture coordinates, and has a normal map.
@@ -95,13 +96,15 @@ impl<'w> Occurrences<'w> {
                     }
                     transform.translation -= origin;
                     let is_surface = light.is_none();
-                    let (has_texture, is_cut_out, maps) = worn;
+                    let (has_texture, is_cut_out, maps, transparency) = worn;
                     let normal = maps.and_then(|maps| maps.normal.as_ref());
                     let occurrence = Occurrence {
                         entity,
                         prototype,
                         form,
                         light: light.map(|light| light.color.as_vec3()),
+                        is_passed: light.is_some()
+                            || transparency.is_some_and(|of| of.single().is_some()),
                         transform,
                         facing: facing.copied(),
                         sides: sides.copied().unwrap_or(Sides::Both),
@@ -123,8 +126,8 @@ impl<'w> Occurrences<'w> {
             of.smooth |= occurrence.smooth;
             of.textured |= occurrence.textured;
             of.normal_mapped |= occurrence.normal_mapped;
-            of.instances += usize::from(occurrence.light.is_none());
-            if of.instances < 2 || occurrence.light.is_some() || flatten {
+            of.instances += usize::from(!occurrence.is_passed);
+            if of.instances < 2 || occurrence.is_passed || flatten {
                 of.left += 1;
             } else if !of.is_shared {
                 of.is_shared = true;
@@ -136,8 +139,7 @@ impl<'w> Occurrences<'w> {
 
     /// Whether the occurrence is an instance of a mesh that is stored once.
     pub(super) fn is_instance(&self, occurrence: &Occurrence<'_>) -> bool {
-        occurrence.light.is_none()
-            && self.uses.get(&occurrence.prototype).is_some_and(|of| of.is_shared)
+        !occurrence.is_passed && self.uses.get(&occurrence.prototype).is_some_and(|of| of.is_shared)
     }
 
     /// The mesh of `prototype` and its uses: moved out at its last use, copied before.

@@ -86,13 +86,21 @@ impl Output {
         geometry.triangles.shrink_to_fit();
         (geometry.quads, geometry.quadrics) = (kept.quads, kept.quadrics);
         geometry.instances = kept.instances;
-        geometry.lights = lights(shapes);
+        geometry.passed = lights(shapes);
         let is_shown = |number| geometry.instances.iter().any(|of| of.prototype() == number);
         let unused = (0..geometry.prototypes.len()).filter(|&number| !is_shown(number));
         for number in unused.collect::<Vec<_>>() {
             let precision = geometry.precision;
             geometry.prototypes[number] = Geometry { precision, ..Geometry::default() };
         }
+    }
+
+    /// Lets shadow rays pass these shapes, and those of lights.
+    pub(in crate::systems) fn pass(&mut self, transparent: &[bool]) {
+        let shapes = self.shapes.iter().zip(transparent);
+        let passed = shapes.filter(|(output, passed)| **passed || output.shape.light.is_some());
+        let ranges = passed.map(|(output, _)| output.shape.primitives.clone());
+        self.geometry.passed = ranges.filter(|range| !range.is_empty()).collect();
     }
 
     /// Drops data that no pass of the schedule reads: normals and colours of meshes that are not in

@@ -1,0 +1,147 @@
+//! Transparent surfaces: light that goes straight on, and light that is refracted.
+//!
+//! Refraction is that of Whitted, *An Improved Illumination Model for Shaded Display* (1980), with
+//! the reflectance of smooth dielectrics by Fresnel's equations for unpolarised light. Both sides
+//! are told apart by the side of the surface that a ray meets: its front is outside, in air. So
+//! each surface is one between its material and air, also where two of them touch.
+
+use glam::{DVec3, Vec3};
+
+use super::shade::ShadingPoint;
+use crate::math::float::{dot_f64, normalize_f64};
+
+/// How a surface lets light through.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Transparency {
+    /// The share of a ray's light that comes from the surface, 0 to 1: the rest comes from straight
+    /// behind it.
+    pub opacity: f32,
+    /// Weight of the light that is not scattered at the surface, but refracted and mirrored by
+    /// Fresnel's equations.
+    pub kt: f32,
+    /// Index of refraction of the inside, relative to the outside.
+    pub ior: f32,
+    /// Colour of refracted light.
+    pub color: Vec3,
+    /// Light absorbed inside, by channel, per scene unit (Beer's law).
+    pub absorption: Vec3,
+    /// Whether the surface is a thin sheet of its material, both sides of which are met at once: no
+    /// ray changes its direction there.
+    pub thin: bool,
+}
+
+/// What a transparent surface does to the light along a ray.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Split {
+    /// Weight of the mirrored light by Fresnel's equations alone.
+    pub mirrored: f32,
+    /// The refracted light; `None` if all light is mirrored.
+    pub refracted: Option<Refracted>,
+}
+
+/// Refracted light.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Refracted {
+    /// Its weight.
+    pub weight: Vec3,
+    /// The direction away from the viewer that it comes from, of unit length: that of the ray, to
+    /// the last bit, where nothing bends it.
+    pub direction: Vec3,
+    /// Whether it was bent about the shading normal, not the geometric one.
+    pub smooth: bool,
+    /// The index of refraction on the viewer's side over that beyond.
+    pub ratio: f64,
+}
+
+impl Transparency {
+    /// Rays with less weight in every channel than this half of one of 255 levels end.
+    pub const LEAST_WEIGHT: f32 = 0.5 / 255.0;
+
+    /// What remains of light along a way of this length inside.
+    pub fn remaining(&self, length: f64) -> DVec3 {
+        // Length is negative if a solid has no front where a ray enters: nothing gains light.
+        let exponent = self.absorption.as_dvec3() * -length.max(0.0);
+        DVec3::new(libm::exp(exponent.x), libm::exp(exponent.y), libm::exp(exponent.z))
+    }
+
+    /// How light along `point.view`, towards the viewer, is made up.
+    pub fn split(&self, point: &ShadingPoint<f32>) -> Split {
+        let [view, normal, smooth] =
+            [point.view, point.normal, point.shading_normal].map(|v| Vec3::from(v).as_dvec3());
+        let through = |normal| self.through(view, normal, point.inside);
+        // An interpolated normal may bend a ray to its own side.
+        let leaves = |direction: DVec3| dot_f64(direction, normal) < 0.0;
+        let ((mirrored, direction), is_smooth) = match through(smooth) {
+            (_, Some(direction)) if !leaves(direction) => (through(normal), false),
+            found => (found, true),
+        };
+        let weight = f64::from(self.kt) * (1.0 - mirrored);
+        let refracted = direction.filter(|&direction| weight > 0.0 && leaves(direction));
+        Split {
+            mirrored: (f64::from(self.kt) * mirrored) as f32,
+            refracted: refracted.map(|direction| Refracted {
+                weight: self.color * weight as f32,
+                direction: direction.as_vec3(),
+                smooth: is_smooth,
+                ratio: self.ratio(point.inside),
+            }),
+        }
+    }
+
+    /// The share of light that is mirrored, and the unit direction from which the rest comes.
+    fn through(&self, view: DVec3, normal: DVec3, inside: bool) -> (f64, Option<DVec3>) {
+        // Rounding, and interpolated normals, may give a little less than 0.
+        let cosine = dot_f64(view, normal).clamp(0.0, 1.0);
+        let ratio = self.ratio(inside && !self.thin);
+        let mirrored = self.reflectance(cosine, ratio);
+        // Unbent, a ray keeps its direction to the last bit.
+        if self.thin || ratio == 1.0 {
+            return (mirrored, Some(-view));
+        }
+        let beyond = cosine_beyond(cosine, ratio);
+        let bent =
+            beyond.map(|beyond| normalize_f64(normal * (ratio * cosine - beyond) - view * ratio));
+        (mirrored, bent)
+    }
+
+    /// The index of refraction on the side of the viewer over that beyond.
+    fn ratio(&self, inside: bool) -> f64 {
+        let ior = f64::from(self.ior);
+        if inside { ior } else { 1.0 / ior }
+    }
+
+    /// The share of mirrored light for the `cosine` of the angle to the normal. A thin sheet
+    /// mirrors at both sides, again and again: 2 F / (1 + F).
+    fn reflectance(&self, cosine: f64, ratio: f64) -> f64 {
+        if ratio == 1.0 {
+            return 0.0;
+        }
+        let once = fresnel(cosine, ratio);
+        if self.thin { 2.0 * once / (1.0 + once) } else { once }
+    }
+
+    /// The share of each channel of light that passes the surface straight, at the `cosine` to its
+    /// normal: shadow rays are not bent. Whatever side it meets, the light is mirrored as it is outside.
+    pub fn passed(&self, opacity: f32, cosine: f32) -> DVec3 {
+        let mirrored = self.reflectance(f64::from(cosine.abs().min(1.0)), self.ratio(false));
+        let refracted = f64::from(self.kt) * (1.0 - mirrored);
+        let opacity = f64::from(opacity);
+        DVec3::splat(1.0 - opacity) + self.color.as_dvec3() * (opacity * refracted)
+    }
+}
+
+/// The cosine of the refracted ray's angle to the normal by Snell's law; `None` for total internal
+/// reflection.
+fn cosine_beyond(cosine: f64, ratio: f64) -> Option<f64> {
+    let square = 1.0 - ratio * ratio * (1.0 - cosine * cosine);
+    (square > 0.0).then(|| square.sqrt())
+}
+
+/// The reflectance of a smooth dielectric, by Fresnel's equations for unpolarised light: `cosine` of
+/// the angle to the normal, `ratio` of the index of refraction on this side over that beyond.
+pub fn fresnel(cosine: f64, ratio: f64) -> f64 {
+    let Some(beyond) = cosine_beyond(cosine, ratio) else { return 1.0 };
+    let across = (ratio * cosine - beyond) / (ratio * cosine + beyond);
+    let along = (ratio * beyond - cosine) / (ratio * beyond + cosine);
+    (across * across + along * along) / 2.0
+}

@@ -1,0 +1,166 @@
+//! Transparent surfaces: where a path divides, and where shadow rays lose light.
+//!
+//! A path follows one ray at a time in both tracers. At a transparent surface that is the mirror
+//! ray, then the refracted ray, then the one that goes straight on, each to its end before the
+//! next. So contributions are added in this order, and no more than two rays for each bounce wait.
+
+use glam::{DVec3, Vec3};
+
+use super::{Interaction, LookUps, MirrorPoint, PreparedScene};
+use crate::accel::Hit;
+use crate::kernels::differential::Differential;
+use crate::kernels::precision::Arithmetic;
+use crate::kernels::shade::{self, ShadingPoint};
+use crate::kernels::transmission::{Split, Transparency};
+use crate::math::float::dot;
+use crate::math::ray::Ray;
+use crate::plan::Effect;
+
+/// What a ray went through on its path.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Trail {
+    /// How often it was mirrored or refracted.
+    pub bounces: u32,
+    /// Whether it was mirrored: it then sees no background.
+    pub mirrored: bool,
+}
+
+impl Trail {
+    /// The trail of a mirror ray from here.
+    pub fn mirrored(self) -> Self {
+        Self { bounces: self.bounces + 1, mirrored: true }
+    }
+
+    /// The trail of a refracted ray from here.
+    fn refracted(self) -> Self {
+        Self { bounces: self.bounces + 1, ..self }
+    }
+}
+
+/// A ray of a path.
+#[derive(Clone, Copy, Debug)]
+pub struct Branch {
+    /// The ray, of unit direction.
+    pub ray: Ray,
+    /// Its throughput.
+    pub throughput: Vec3,
+    /// What it went through.
+    pub trail: Trail,
+    /// Its differential; that of a camera ray follows from its direction.
+    pub differential: Option<Differential>,
+}
+
+impl PreparedScene {
+    /// How the surface of the primitive lets light through; `None` if it does not.
+    #[inline]
+    pub fn transparency(&self, primitive: u32) -> Option<&Transparency> {
+        let shape = &self.appearance.shapes[self.appearance.shape_of(primitive)];
+        self.appearance.details.get(shape.detail? as usize)?.transparency.as_ref()
+    }
+
+    /// Whether the exact t of hits is needed: for footprints, and for light absorbed on the way.
+    pub fn needs_t(&self) -> bool {
+        self.plan.has(Effect::RayDifferentials) || self.plan.schedule().has_transmission()
+    }
+
+    /// The colour along a ray that meets nothing: only what was mirrored does not see the background.
+    #[inline(always)]
+    pub fn beyond(&self, direction: Vec3, mirrored: bool) -> Option<Vec3> {
+        match &self.hemisphere {
+            _ if !mirrored => Some(self.background),
+            Some(hemisphere) => Some(hemisphere.at::<f32>(direction.into()).into()),
+            None => None,
+        }
+    }
+
+    /// The throughput of the light that `point` of a transparent surface sends to the arriving ray
+    /// itself, and the rays that go on from there, in the order in which they are followed.
+    #[inline(never)]
+    pub fn divide(
+        &self,
+        arriving: &Branch,
+        hit: &Hit,
+        transparency: &Transparency,
+        point: &ShadingPoint<f32>,
+        look_ups: &mut LookUps,
+    ) -> (Vec3, [Option<Branch>; 3]) {
+        let Branch { ray, trail, mut throughput, .. } = *arriving;
+        if point.inside && transparency.absorption != Vec3::ZERO {
+            throughput *= transparency.remaining(f64::from(hit.t)).as_vec3();
+        }
+        let own = throughput * point.opacity;
+        let Split { mirrored, refracted } = transparency.split(point);
+        let kr = if point.lit { point.kr } else { 0.0 };
+        let mirror = Vec3::from(point.reflection.tint) * kr + Vec3::splat(mirrored);
+        let (direction, _) = shade::mirrored(point.view, point.shading_normal, point.normal);
+        let next = |trail: Trail, direction: Vec3, throughput: Vec3| {
+            let origin = point.point.offset_origin(point.error, point.normal, direction.into());
+            let ray = Ray::new(origin.into(), direction);
+            let counts = throughput.max_element() >= Transparency::LEAST_WEIGHT;
+            let goes_on = counts && trail.bounces <= self.bounces && ray.is_valid();
+            goes_on.then_some(Branch { ray, throughput, trail, differential: None })
+        };
+        let mut branches = [
+            next(trail.mirrored(), direction.into(), own * mirror),
+            refracted
+                .and_then(|found| next(trail.refracted(), found.direction, own * found.weight)),
+            next(trail, ray.direction, throughput * (1.0 - point.opacity)),
+        ];
+        if self.carries_differentials() {
+            let from =
+                arriving.differential.unwrap_or_else(|| self.camera.differential(ray.direction));
+            let at = MirrorPoint::of(point);
+            let [mirror, bent, straight] = &mut branches;
+            if let Some(mirror) = mirror {
+                mirror.differential = Some(self.mirrored(&from, &ray, hit, &at, look_ups));
+            }
+            for (branch, refracted) in [(bent, refracted.as_ref()), (straight, None)] {
+                if let Some(branch) = branch {
+                    let found = self.transmitted(&from, (&ray, hit), &at, refracted, look_ups);
+                    branch.differential = Some(found);
+                }
+            }
+        }
+        (own, branches)
+    }
+
+    /// The share of light that passes all transparent surfaces along a shadow ray, which meets them
+    /// at these `hits`, in any order.
+    ///
+    /// What is absorbed inside follows from all surfaces together: a way inside begins at a front
+    /// and ends at a back.
+    #[inline(never)]
+    pub fn passed<P: Arithmetic>(
+        &self,
+        ray: &Ray,
+        hits: &mut [Hit],
+        look_ups: &mut LookUps,
+    ) -> Vec3 {
+        hits.sort_unstable_by(|a, b| a.t.total_cmp(&b.t).then(a.primitive.cmp(&b.primitive)));
+        let length = f64::from(dot(ray.direction, ray.direction)).sqrt();
+        let unit = Ray { direction: (ray.direction.as_dvec3() / length).as_vec3(), ..*ray };
+        let mut passed = DVec3::ONE;
+        let mut ways: Vec<(&Transparency, f64)> = Vec::new();
+        for hit in hits.iter() {
+            let Some(transparency) = self.transparency(hit.primitive) else { continue };
+            let along = Hit { t: (f64::from(hit.t) * length) as f32, ..*hit };
+            let Interaction::Surface(point) =
+                self.interaction::<P>(&unit, &along, &Differential::default, look_ups)
+            else {
+                continue;
+            };
+            let cosine = Vec3::from(point.view).dot(point.normal.into());
+            passed *= transparency.passed(point.opacity, cosine);
+            let t = f64::from(hit.t) * length;
+            let way = if point.inside { t } else { -t };
+            match ways.iter_mut().find(|(known, _)| std::ptr::eq(*known, transparency)) {
+                Some((_, sum)) => *sum += way,
+                None => ways.push((transparency, way)),
+            }
+        }
+        for (transparency, way) in ways {
+            passed *= transparency.remaining(way);
+        }
+        passed.as_vec3()
+    }
+}

@@ -1,0 +1,113 @@
+//! What rays went through, and rays that wait, if surfaces let light through.
+
+use super::columns::Column;
+use crate::prepared::{Branch, Trail};
+
+columns! {
+    /// The trails of rays after the first, a row for each of [`Rays`](super::Rays). Written and read
+    /// by shade.
+    Trails {
+        /// How often the ray was mirrored or refracted.
+        bounces: Vec<u32>,
+        /// Whether it was mirrored.
+        mirrored: Vec<bool>,
+    }
+}
+
+impl Trails {
+    /// The `i`th trail.
+    #[inline(always)]
+    pub fn get(&self, i: usize) -> Trail {
+        Trail { bounces: self.bounces[i], mirrored: self.mirrored[i] }
+    }
+
+    /// Appends a trail.
+    #[inline(always)]
+    pub fn push(&mut self, trail: Trail) {
+        let i = self.rows;
+        (self.bounces[i], self.mirrored[i]) = (trail.bounces, trail.mirrored);
+        self.rows += 1;
+    }
+}
+
+/// Rays that wait until the rays before them on their path are done: a stack for each path.
+#[derive(Clone, Debug, Default)]
+pub struct Waiting {
+    /// For each path, one more than the index of its last entry, or 0.
+    last: Vec<u32>,
+    /// Whether a path has a next ray.
+    marked: Vec<bool>,
+    entries: Vec<Entry>,
+    /// One more than the index of an unused entry, or 0.
+    unused: u32,
+    /// Number of rays that wait.
+    rays: usize,
+    paths: usize,
+}
+
+/// A ray that waits.
+#[derive(Clone, Copy, Debug)]
+struct Entry {
+    branch: Branch,
+    /// The entry below it on the stack, or the next unused one, as in [`Waiting::last`].
+    below: u32,
+}
+
+impl Waiting {
+    /// Bytes that a path takes, for as many rays as most paths leave.
+    pub const ROW_BYTES: usize = size_of::<u32>() + size_of::<bool>() + 2 * size_of::<Entry>();
+
+    /// None yet, of up to `paths` paths.
+    pub fn with_capacity(paths: usize) -> Self {
+        Self { paths, ..Self::default() }
+    }
+
+    /// Whether no ray waits.
+    #[inline(always)]
+    pub fn is_empty(&self) -> bool {
+        self.rays == 0
+    }
+
+    /// Adds a ray to the stack of its path.
+    pub fn push(&mut self, path: u32, branch: Branch) {
+        if self.last.is_empty() {
+            self.last = vec![0; self.paths];
+            self.marked = vec![false; self.paths];
+        }
+        let last = &mut self.last[path as usize];
+        let entry = Entry { branch, below: *last };
+        self.rays += 1;
+        if let Some(free) = self.unused.checked_sub(1) {
+            *last = self.unused;
+            self.unused = std::mem::replace(&mut self.entries[free as usize], entry).below;
+        } else {
+            self.entries.push(entry);
+            *last = self.entries.len() as u32;
+        }
+    }
+
+    /// Marks these paths, and no others.
+    pub fn mark(&mut self, paths: &[u32]) {
+        self.marked.fill(false);
+        for &path in paths {
+            self.marked[path as usize] = true;
+        }
+    }
+
+    /// Removes the last ray of the path if it is not marked.
+    pub fn pop_unmarked(&mut self, path: u32) -> Option<Branch> {
+        let last = &mut self.last[path as usize];
+        let index = last.checked_sub(1).filter(|_| !self.marked[path as usize])?;
+        let entry = &mut self.entries[index as usize];
+        (*last, entry.below, self.unused) = (entry.below, self.unused, *last);
+        self.rays -= 1;
+        Some(entry.branch)
+    }
+
+    /// Bytes held.
+    pub fn bytes(&self) -> usize {
+        size_of_val(self.last.as_slice())
+            + size_of_val(self.marked.as_slice())
+            + self.entries.capacity() * size_of::<Entry>()
+    }
+}

@@ -1,0 +1,85 @@
+//! Transparent materials.
+
+use glam::DVec3;
+
+use super::Material;
+use crate::format::{Declared, Key, Object, Range, Writer, component};
+use wavecrest_base::error::Result;
+use wavecrest_core::kernels::transmission;
+
+component! {
+    /// Light that goes through a surface: straight on, or refracted.
+    #[derive(Clone, Copy, Debug, PartialEq)]
+    pub struct Transparency {
+        /// Share of the light that comes from the surface; the rest comes from straight behind it.
+        pub opacity: f64 = "opacity": Number(Range::UNIT), Is(1.0);
+        /// Weight of the light that is refracted, or mirrored by Fresnel's equations, 0 to 1.
+        pub kt: f64 = "kt": Number(Range::NOT_NEGATIVE), Is(0.0);
+        /// Index of refraction of the inside, which the front of the surface encloses.
+        pub ior: f64 = "ior": Number(Range::new(0.1, 10.0)), Is(1.5);
+        /// Whether the surface is a thin sheet, which bends no ray.
+        pub thin: bool = "thin": Truth, Off;
+        /// Colour of refracted light.
+        pub color: DVec3 = "transmissioncolor": Color, Are([1.0; 3]);
+        /// Colour that light has left after the attenuation distance inside.
+        pub attenuation_color: DVec3 = "attenuationcolor": Color, Are([1.0; 3]);
+        /// The distance, in scene units; 0 if light stays as it is.
+        pub attenuation_distance: f64 = "attenuationdistance": Number(Range::NOT_NEGATIVE), Is(0.0);
+    }
+}
+
+impl Declared for Transparency {
+    const KEYS: &'static [Key] = Self::FIELDS;
+
+    fn read(object: &Object<'_>) -> Result<Option<Self>> {
+        Material::warn_of_gain(object, &["kt", "transmissioncolor", "attenuationcolor"]);
+        Ok(Some(Self::fields(object, None)))
+    }
+
+    fn write(&self, to: &mut Writer<'_>) {
+        if *self != Self::OPAQUE {
+            self.write_fields(to);
+        }
+    }
+}
+
+impl Transparency {
+    /// Lets nothing through.
+    pub const OPAQUE: Self = Self {
+        opacity: 1.0,
+        kt: 0.0,
+        ior: 1.5,
+        thin: false,
+        color: DVec3::ONE,
+        attenuation_color: DVec3::ONE,
+        attenuation_distance: 0.0,
+    };
+
+    /// In single precision; `None` if nothing goes through.
+    pub(crate) fn single(&self) -> Option<transmission::Transparency> {
+        let (opacity, kt) = (self.opacity as f32, self.kt as f32);
+        let is_refracted = kt > 0.0 && opacity > 0.0;
+        (opacity < 1.0 || is_refracted).then(|| transmission::Transparency {
+            opacity,
+            kt,
+            ior: self.ior as f32,
+            color: self.color.as_vec3(),
+            absorption: self.absorption().as_vec3(),
+            thin: self.thin,
+        })
+    }
+
+    /// Light absorbed inside, by channel, per scene unit.
+    fn absorption(&self) -> DVec3 {
+        if self.attenuation_distance == 0.0 {
+            return DVec3::ZERO;
+        }
+        // As much as can be told from 0, so that no product is infinity times zero.
+        let left = self.attenuation_color.clamp(DVec3::splat(LEAST), DVec3::ONE);
+        let of = |left: f64| -libm::log(left) / self.attenuation_distance;
+        DVec3::new(of(left.x), of(left.y), of(left.z))
+    }
+}
+
+/// Less light than this counts as none: a millionth is below every step of an image.
+const LEAST: f64 = 1e-6;
