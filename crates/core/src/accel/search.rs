@@ -5,7 +5,7 @@ use std::marker::PhantomData;
 use super::query::{Closest, Occluded, Query};
 use super::rays::Rays;
 use super::tree::{Searched, Tree};
-use super::{Accel, Hit, KernelChoice, Traversal, brute, compiled};
+use super::{Accel, Hit, KernelChoice, Traversal, brute, compiled, crossings};
 use crate::kernels::precision::Arithmetic;
 use crate::math::ray::Ray;
 use crate::math::simd::is_wide;
@@ -50,6 +50,26 @@ impl<P: Arithmetic> Search<'_, P> {
         traversal: &mut Traversal,
     ) {
         self.many::<Occluded>(rays.into(), answers, traversal);
+    }
+
+    /// See [`Accel::crossings`].
+    pub fn crossings(&self, ray: &Ray, traversal: &mut Traversal, hits: &mut Vec<Hit>) {
+        hits.clear();
+        if !ray.is_valid() {
+            return;
+        }
+        let Accel { geometry, tree, level, .. } = self.accel;
+        match tree {
+            Some(tree) => {
+                let searched = self.own(tree, traversal);
+                compiled::crossings::<P>(*level, searched, ray, traversal, hits);
+            }
+            None => {
+                let all = 0..geometry.own() as u32;
+                crossings::each(geometry, all, ray, (hits, &mut traversal.tests));
+            }
+        }
+        hits.sort_unstable_by(|a, b| a.t.total_cmp(&b.t).then(a.primitive.cmp(&b.primitive)));
     }
 
     #[inline(always)]
