@@ -28,22 +28,46 @@ impl Source {
         scene: &Bound<'_, PyAny>,
         faces: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
-        if let Some(faces) = faces {
-            return Ok(Self::Mesh(mesh(scene, faces)?));
+        if let Some(mesh) = mesh(scene, faces)? {
+            return Ok(Self::Mesh(mesh));
         }
         if scene.is_instance_of::<PyDict>() {
             let json = scene.py().import("json")?.call_method1("dumps", (scene,))?;
             return Ok(Self::Json(json.extract()?));
         }
-        needed("scene", "a path, a dict, or vertices with faces", scene, |path| path.extract())
-            .map(Self::File)
+        needed("scene", "a path, a dict, a mesh, or vertices with faces", scene, |path| {
+            path.extract()
+        })
+        .map(Self::File)
     }
 }
 
-/// A mesh from arrays of the shapes (N, 3) and (M, 3).
-fn mesh(vertices: &Bound<'_, PyAny>, faces: &Bound<'_, PyAny>) -> PyResult<api::MeshData> {
-    let positions = array::<f32>("vertices", vertices, "float32", "(N, 3)")?;
-    let positions = collected(rows(&positions)?.iter().map(|&row| Ok(Vec3::from(row))))?;
+/// A mesh from arrays of the shapes (N, 3) and (M, 3), or from an object that has them, such as one of
+/// trimesh; `None` for anything else.
+pub(crate) fn mesh(
+    vertices: &Bound<'_, PyAny>,
+    faces: Option<&Bound<'_, PyAny>>,
+) -> PyResult<Option<api::MeshData>> {
+    match faces {
+        Some(faces) => from_arrays(vertices, faces).map(Some),
+        None if vertices.hasattr("faces")? => {
+            from_arrays(&vertices.getattr("vertices")?, &vertices.getattr("faces")?).map(Some)
+        }
+        None => Ok(None),
+    }
+}
+
+/// As [`mesh`]. Coordinates in double precision that are far from zero are kept relative to an origin,
+/// as those of files.
+fn from_arrays(vertices: &Bound<'_, PyAny>, faces: &Bound<'_, PyAny>) -> PyResult<api::MeshData> {
+    let vertices = Points::new("vertices", vertices)?;
+    let vertices = vertices.rows()?;
+    let origin = match vertices {
+        Rows::Double([first, ..]) => api::mesh::origin(DVec3::from(*first)),
+        _ => DVec3::ZERO,
+    };
+    let position = |i| Ok(api::mesh::relative(vertices.get(i), origin));
+    let positions = collected((0..vertices.len()).map(position))?;
     let faces = array::<i64>("faces", faces, "int64", "(M, 3)")?;
     let count = positions.len();
     let triangle = |(number, face): (usize, &[i64; 3])| {
@@ -58,7 +82,55 @@ fn mesh(vertices: &Bound<'_, PyAny>, faces: &Bound<'_, PyAny>) -> PyResult<api::
         Ok([a.map_err(wrong)?, b.map_err(wrong)?, c.map_err(wrong)?])
     };
     let triangles = collected(rows(&faces)?.iter().enumerate().map(triangle))?;
-    Ok(api::MeshData { positions, triangles, ..api::MeshData::default() })
+    Ok(api::MeshData { positions, origin, triangles, ..api::MeshData::default() })
+}
+
+/// Points or vectors in an array of the shape (N, 3).
+pub(crate) enum Points<'py> {
+    Single(PyReadonlyArrayDyn<'py, f32>),
+    Double(PyReadonlyArrayDyn<'py, f64>),
+}
+
+impl<'py> Points<'py> {
+    /// Those of anything that NumPy accepts: float32 and float64 as they are, others as float64.
+    pub(crate) fn new(name: &str, value: &Bound<'py, PyAny>) -> PyResult<Self> {
+        let is_single = value.extract::<PyReadonlyArrayDyn<'_, f32>>().is_ok();
+        Ok(match is_single {
+            true => Self::Single(array(name, value, "float32", "(N, 3)")?),
+            false => Self::Double(array(name, value, "float64", "(N, 3)")?),
+        })
+    }
+
+    pub(crate) fn rows(&self) -> PyResult<Rows<'_>> {
+        Ok(match self {
+            Self::Single(array) => Rows::Single(rows(array)?),
+            Self::Double(array) => Rows::Double(rows(array)?),
+        })
+    }
+}
+
+/// The values of [`Points`].
+#[derive(Clone, Copy)]
+pub(crate) enum Rows<'a> {
+    Single(&'a [[f32; 3]]),
+    Double(&'a [[f64; 3]]),
+}
+
+impl Rows<'_> {
+    pub(crate) fn len(&self) -> usize {
+        match self {
+            Self::Single(rows) => rows.len(),
+            Self::Double(rows) => rows.len(),
+        }
+    }
+
+    #[inline]
+    pub(crate) fn get(&self, i: usize) -> DVec3 {
+        match self {
+            Self::Single(rows) => Vec3::from(rows[i]).as_dvec3(),
+            Self::Double(rows) => DVec3::from(rows[i]),
+        }
+    }
 }
 
 /// An array from anything that NumPy accepts, with elements of the type `kind`, without rounding
@@ -71,6 +143,7 @@ fn array<'py, T: Element>(
 ) -> PyResult<PyReadonlyArrayDyn<'py, T>> {
     let py = value.py();
     let rules = [("casting", "same_kind"), ("order", "C")].into_py_dict(py)?;
+    rules.set_item("copy", false)?;
     let array = py.import("numpy")?.call_method1("asarray", (value,))?;
     let cast = array.call_method("astype", (kind,), Some(&rules));
     let wrong = |error: PyErr| match error.is_instance_of::<PyTypeError>(py) {
@@ -92,7 +165,7 @@ fn rows<'a, T: Element>(array: &'a PyReadonlyArrayDyn<'_, T>) -> PyResult<&'a [[
 }
 
 /// The values as a list, or an exception if the system refuses the memory.
-fn collected<T>(values: impl ExactSizeIterator<Item = PyResult<T>>) -> PyResult<Vec<T>> {
+pub(crate) fn collected<T>(values: impl ExactSizeIterator<Item = PyResult<T>>) -> PyResult<Vec<T>> {
     let mut list = Vec::new();
     let refused = |error: TryReserveError| PyMemoryError::new_err(error.to_string());
     list.try_reserve_exact(values.len()).map_err(refused)?;

@@ -3,6 +3,9 @@
 //! The image is that of the command, bit for bit. `wavecrest.pyi` has the types.
 
 mod input;
+mod mesh;
+mod rays;
+mod trimesh;
 mod work;
 
 use std::path::PathBuf;
@@ -22,6 +25,16 @@ pyo3::create_exception!(
 /// The exception of an error.
 fn exception(error: &api::Error) -> PyErr {
     Error::new_err(error.to_string())
+}
+
+/// Issues warnings.
+fn warn(py: Python<'_>, warnings: Vec<api::Warning>) -> PyResult<()> {
+    let category = py.get_type::<PyUserWarning>();
+    for warning in warnings {
+        let text = std::ffi::CString::new(warning.to_string().replace('\0', "\u{fffd}"))?;
+        PyErr::warn(py, &category, &text, 1)?;
+    }
+    Ok(())
 }
 
 /// Renders a scene to an array of shape (height, width, 3), top row first.
@@ -91,11 +104,7 @@ fn render<'py>(
     let job = work::Job { source, options, precision, seed: seed.unwrap_or_default() };
     let threads = work::threads(("threads", threads.as_ref()))?;
     let work::Done { film, warnings } = work::run(py, job, threads)?;
-    let category = py.get_type::<PyUserWarning>();
-    for warning in warnings {
-        let text = std::ffi::CString::new(warning.to_string().replace('\0', "\u{fffd}"))?;
-        PyErr::warn(py, &category, &text, 1)?;
-    }
+    warn(py, warnings)?;
     let [height, width] = [film.height(), film.width()].map(|side| side as usize);
     film.into_pixels().into_flattened().into_pyarray(py).reshape([height, width, 3])
 }
@@ -123,6 +132,8 @@ fn save(
 fn wavecrest(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
     module.add("Error", module.py().get_type::<Error>())?;
+    module.add_class::<mesh::Mesh>()?;
+    module.add_class::<trimesh::RayMeshIntersector>()?;
     module.add_function(wrap_pyfunction!(render, module)?)?;
     module.add_function(wrap_pyfunction!(save, module)?)
 }

@@ -6,11 +6,13 @@
 
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::thread;
 use std::time::Duration;
 
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
+use rayon::ThreadPool;
 use wavecrest_api as api;
 use wavecrest_api::memory::{Asked, Estimate, Images, estimate, estimate_extracted};
 
@@ -94,11 +96,38 @@ pub(crate) fn threads(argument: Argument<'_, '_>) -> PyResult<Option<u16>> {
     })
 }
 
+/// The threads of queries of rays, which stay. Those of a parent process do not run in one that was
+/// forked from it, which gets its own.
+static POOL: Mutex<Option<(u32, Arc<ThreadPool>)>> = Mutex::new(None);
+
+/// The threads of queries, one for each core.
+pub(crate) fn pool() -> PyResult<Arc<ThreadPool>> {
+    let mut known = POOL.lock().unwrap_or_else(PoisonError::into_inner);
+    let process = std::process::id();
+    match &*known {
+        Some((owner, pool)) if *owner == process => Ok(Arc::clone(pool)),
+        _ => {
+            let pool = Arc::new(start(0)?);
+            // Threads of another process cannot be told to end.
+            std::mem::forget(known.replace((process, Arc::clone(&pool))));
+            Ok(pool)
+        }
+    }
+}
+
+/// This number of threads, one for each core if 0.
+fn start(threads: usize) -> PyResult<ThreadPool> {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+    pool.map_err(|error| cannot_start(&error))
+}
+
+fn cannot_start(error: &dyn std::error::Error) -> PyErr {
+    Error::new_err(format!("cannot start the threads: {error}"))
+}
+
 /// Does the job on this number of threads, one for each core if `None`.
 pub(crate) fn run(py: Python<'_>, job: Job, threads: Option<u16>) -> PyResult<Done> {
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.map_or(0, usize::from)).build();
-    let cannot_start = |error| Error::new_err(format!("cannot start the threads: {error}"));
-    let pool = pool.map_err(|error| cannot_start(error.to_string()))?;
+    let pool = start(threads.map_or(0, usize::from))?;
     let (cancel, waiting, finished) =
         (Cancel::default(), thread::current(), AtomicBool::new(false));
     thread::scope(|scope| {
@@ -109,7 +138,7 @@ pub(crate) fn run(py: Python<'_>, job: Job, threads: Option<u16>) -> PyResult<Do
             done
         };
         let worker = thread::Builder::new().spawn_scoped(scope, work);
-        let worker = worker.map_err(|error| cannot_start(error.to_string()))?;
+        let worker = worker.map_err(|error| cannot_start(&error))?;
         let mut signal = Ok(());
         // A panic leaves `finished` as it is.
         while !(finished.load(Ordering::Acquire) || worker.is_finished()) {

@@ -127,7 +127,7 @@ class Wavecrest(unittest.TestCase):
         for key, value in wrong_types.items():
             with self.assertRaisesRegex(TypeError, f"{key}: must be .*, found {value!r}"):
                 wavecrest.render(VERTICES, FACES, **{key: value})
-        with self.assertRaisesRegex(TypeError, "scene: must be a path, a dict, or vertices with faces, found 7"):
+        with self.assertRaisesRegex(TypeError, "scene: must be a path, a dict, a mesh, or vertices with faces, found 7"):
             wavecrest.render(7)
         with self.assertRaisesRegex(TypeError, "path: must be a path, found 7"):
             wavecrest.save(7, np.zeros((1, 1, 3)))

@@ -191,7 +191,7 @@ pub use wavecrest_scene::load::{
 pub use wavecrest_scene::mesh::MeshData;
 pub use wavecrest_scene::survey::Survey;
 pub use wavecrest_scene::systems::{Extracted, Options as ExtractOptions, extract, warnings};
-pub use wavecrest_scene::{components, hecs, memory};
+pub use wavecrest_scene::{components, hecs, memory, mesh};
 
 // From a prepared scene to pixels.
 pub use wavecrest_core::counters::Counters;
