@@ -22,6 +22,9 @@ pub(crate) struct RayMeshIntersector {
 /// Faces, rays, and places of hits.
 type Hits<'py> = (Column<'py, i64>, Column<'py, i64>, Option<Table<'py, f64>>);
 
+/// Places, rays, and faces of hits.
+type Located<'py> = (Option<Table<'py, f64>>, Column<'py, i64>, Column<'py, i64>);
+
 impl RayMeshIntersector {
     pub(crate) fn of(mesh: Py<Mesh>) -> Self {
         Self { mesh }
@@ -112,7 +115,7 @@ impl RayMeshIntersector {
         ray_directions: &Bound<'py, PyAny>,
         multiple_hits: bool,
         max_hits: Option<&Bound<'py, PyAny>>,
-    ) -> PyResult<(Option<Table<'py, f64>>, Column<'py, i64>, Column<'py, i64>)> {
+    ) -> PyResult<Located<'py>> {
         let most = most(multiple_hits, max_hits)?;
         let given = given(ray_origins, ray_directions)?;
         let (faces, rays, locations) = self.hits(&given, most, (py, true))?;

@@ -13,8 +13,11 @@ use std::time::Duration;
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use rayon::ThreadPool;
-use wavecrest_api as api;
+use wavecrest_api::components::{CameraPath, View};
+use wavecrest_api::glam::DMat4;
+use wavecrest_api::hecs::{Entity, World};
 use wavecrest_api::memory::{Asked, Estimate, Images, estimate, estimate_extracted};
+use wavecrest_api::{self as api, Watch};
 
 use super::input::{self, Argument, Source};
 use super::{Error, exception};
@@ -31,11 +34,15 @@ pub(crate) struct Job {
     pub(crate) options: api::LoadOptions,
     pub(crate) precision: api::Precision,
     pub(crate) seed: u64,
+    /// The place and the axes of the camera, instead of its own.
+    pub(crate) pose: Option<DMat4>,
+    pub(crate) layers: Vec<api::Layer>,
 }
 
 /// An image with its warnings.
 pub(crate) struct Done {
     pub(crate) film: api::Film,
+    pub(crate) channels: Vec<api::Channel>,
     pub(crate) warnings: Vec<api::Warning>,
 }
 
@@ -43,7 +50,7 @@ pub(crate) struct Done {
 #[derive(Default)]
 struct Cancel(AtomicBool);
 
-impl api::Watch for Cancel {
+impl Watch for Cancel {
     fn cancelled(&self) -> bool {
         self.0.load(Ordering::Relaxed)
     }
@@ -73,6 +80,9 @@ impl Job {
                 api::load_mesh(mesh, Path::new("vertices and faces"), &self.options)
             }
         }?;
+        if let Some(pose) = self.pose {
+            place_camera(&mut loaded.world, pose);
+        }
         let options = api::ExtractOptions { precision: self.precision, ..Default::default() };
         let extracted = api::extract(loaded.world, options)?;
         let (preset, file) = (extracted.preset(), extracted.file().to_owned());
@@ -82,8 +92,25 @@ impl Job {
         let scene = extracted.build(preset);
         loaded.warnings.extend(api::warnings(&scene, &file));
         let film = api::render(&scene, &rendering, cancel)?.film;
-        Ok(Done { film, warnings: loaded.warnings })
+        let (layers, seed) = (&self.layers[..], self.seed);
+        let request = api::LayerRequest { layers, crop: None, seed, invalid: 0 };
+        let channels = match cancel.cancelled() {
+            true => Vec::new(),
+            false => api::layers(&scene, &request)?.channels,
+        };
+        Ok(Done { film, channels, warnings: loaded.warnings })
     }
+}
+
+/// Puts the camera at another place, where it stays.
+fn place_camera(world: &mut World, pose: DMat4) {
+    let mut cameras = Vec::new();
+    for (entity, view) in world.query_mut::<(Entity, &mut View)>() {
+        let [y, z, place] = [pose.y_axis, pose.z_axis, pose.w_axis].map(|axis| axis.truncate());
+        (view.location, view.look, view.up) = (place, place - z.normalize_or_zero(), y);
+        cameras.push(entity);
+    }
+    cameras.into_iter().for_each(|camera| drop(world.remove_one::<CameraPath>(camera)));
 }
 
 /// The number of threads.
