@@ -84,3 +84,53 @@ class RayMeshIntersector:
     def intersects_any(self, ray_origins: ArrayLike, ray_directions: ArrayLike) -> NDArray[bool_]: ...
     # (P,)
     def contains_points(self, points: ArrayLike) -> NDArray[bool_]: ...
+
+@overload
+def render(
+    scene: str | PathLike[str] | dict[str, Any] | _Mesh | ArrayLike,
+    faces: ArrayLike | None = None,
+    *,
+    width: int | None = None,
+    height: int | None = None,
+    camera: str | ArrayLike | None = None,
+    view: str | None = None,
+    up: str | None = None,
+    fov: float | None = None,
+    lights: Literal["studio", "headlight", "none"] | None = None,
+    background: tuple[float, float, float] | None = None,
+    crease: float | None = None,
+    seed: int | None = None,
+    precision: Literal["fast", "exact"] | None = None,
+    threads: int | None = None,
+    normals: ArrayLike | None = None,
+    colors: ArrayLike | None = None,
+    layers: None = None,
+) -> NDArray[float32]: ...
+# With layers: an image (height, width, 3), and arrays (height, width) or (height, width, 3)
+@overload
+def render(
+    scene: str | PathLike[str] | dict[str, Any] | _Mesh | ArrayLike,
+    faces: ArrayLike | None = None,
+    *,
+    width: int | None = None,
+    height: int | None = None,
+    camera: str | ArrayLike | None = None,
+    view: str | None = None,
+    up: str | None = None,
+    fov: float | None = None,
+    lights: Literal["studio", "headlight", "none"] | None = None,
+    background: tuple[float, float, float] | None = None,
+    crease: float | None = None,
+    seed: int | None = None,
+    precision: Literal["fast", "exact"] | None = None,
+    threads: int | None = None,
+    normals: ArrayLike | None = None,
+    colors: ArrayLike | None = None,
+    layers: list[_Layer],
+) -> tuple[NDArray[float32], dict[_Layer, NDArray[float32] | NDArray[uint32]]]: ...
+def save(
+    path: str | PathLike[str],
+    image: ArrayLike,
+    *,
+    transfer: Literal["srgb", "linear"] | None = None,
+) -> None: ...

@@ -1,6 +1,8 @@
 """Queries of rays, against trimesh and against exact arithmetic: python -m unittest discover python/tests."""
 
 import multiprocessing
+import re
+import subprocess
 import sys
 import tempfile
 import unittest
@@ -194,6 +196,17 @@ class Rays(unittest.TestCase):
 
 def mesh_any(origins):
     return wavecrest.Mesh(CORNERS, CUBE).any(origins, -origins)
+
+
+@unittest.skipUnless(trimesh, WITHOUT)
+class Readme(unittest.TestCase):
+    def test_examples_run_as_they_are(self):
+        text = (Path(__file__).parents[1] / "README.md").read_text()
+        examples = re.findall("```python\n(.*?)```", text, re.DOTALL)
+        self.assertEqual(len(examples), 3)
+        for example in examples:
+            with tempfile.TemporaryDirectory() as folder:
+                subprocess.run([sys.executable, "-W", "error", "-c", example], check=True, cwd=folder)
 
 
 @unittest.skipUnless(trimesh, WITHOUT)
