@@ -142,7 +142,7 @@ class Wavecrest(unittest.TestCase):
         self.assertTrue(red[20, 30, 0] > 2 * red[20, 30, 1])
         self.assert_refused("colors: must have the shape of vertices, [5, 3], found [4, 3]", VERTICES, FACES,
                             colors=np.zeros((4, 3)))
-        self.assert_refused("colors[4]: must be finite", VERTICES, FACES, colors=np.eye(5, 3) - np.eye(5, 3, -2) * 2)
+        self.assert_refused("colors[2]: must be finite", VERTICES, FACES, colors=np.eye(5, 3) - np.eye(5, 3, -2) * 2)
         self.assert_refused("normals: only for vertices with faces", SCENE, normals=normals)
 
     def test_errors_are_exceptions_that_say_where(self):
@@ -165,7 +165,7 @@ class Wavecrest(unittest.TestCase):
         for key, value in [("width", -1), ("height", 2**40), ("seed", -1), ("threads", -2), ("threads", 5000)]:
             self.assert_refused(f"{key}: must be a whole number", SCENE, **{key: value})
         self.assert_refused("found -1", SCENE, width=-1)
-        self.assert_refused("found 'sideways'", VERTICES, FACES, view="sideways")
+        self.assert_refused('found "sideways"', VERTICES, FACES, view="sideways")
         self.assert_refused("background: must be three numbers, found (1, 2)", VERTICES, FACES, background=(1, 2))
         wrong_types = {"width": "wide", "camera": 3, "view": 3, "up": 1, "fov": "wide", "lights": 2,
                        "background": 7, "crease": "sharp", "seed": 0.5, "precision": 1, "threads": "many"}
