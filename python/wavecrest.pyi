@@ -1,20 +1,98 @@
 from os import PathLike
-from typing import Any, Literal
+from typing import Any, Literal, Protocol, overload
 
-from numpy import float32
+from numpy import bool_, float32, float64, int64, uint32
 from numpy.typing import ArrayLike, NDArray
 
 __version__: str
 
 class Error(ValueError): ...
 
+class _Mesh(Protocol):
+    """Such as trimesh.Trimesh."""
+
+    @property
+    def vertices(self) -> Any: ...
+    @property
+    def faces(self) -> Any: ...
+
+_Bvh = Literal["brute", "on-demand", "fastest", "very-fast", "fast", "medium", "slow", "very-slow"]
+_Layer = Literal["depth", "normal", "albedo", "position", "object", "material", "alpha", "samples", "invalid"]
+
+class Mesh:
+    # vertices (N, 3), faces (M, 3)
+    @overload
+    def __init__(self, vertices: ArrayLike, faces: ArrayLike, *, bvh: _Bvh | None = None) -> None: ...
+    @overload
+    def __init__(self, vertices: str | PathLike[str] | _Mesh, *, bvh: _Bvh | None = None) -> None: ...
+    @staticmethod
+    def load(path: str | PathLike[str], *, bvh: _Bvh | None = None) -> Mesh: ...
+    # (N, 3)
+    @property
+    def vertices(self) -> NDArray[float64]: ...
+    # (M, 3)
+    @property
+    def faces(self) -> NDArray[int64]: ...
+    @property
+    def ray(self) -> RayMeshIntersector: ...
+    # origins and directions (R, 3): faces (R,), distances (R,)
+    def closest(
+        self, origins: ArrayLike, directions: ArrayLike, *, t_max: float | None = None
+    ) -> tuple[NDArray[int64], NDArray[float32]]: ...
+    # (R,)
+    def any(self, origins: ArrayLike, directions: ArrayLike, *, t_max: float | None = None) -> NDArray[bool_]: ...
+    # rays (H,), faces (H,), distances (H,)
+    def all(
+        self, origins: ArrayLike, directions: ArrayLike, *, t_max: float | None = None
+    ) -> tuple[NDArray[int64], NDArray[int64], NDArray[float32]]: ...
+    # points (P, 3): (P,)
+    def contains(self, points: ArrayLike) -> NDArray[bool_]: ...
+
+class RayMeshIntersector:
+    def __init__(self, mesh: Mesh | _Mesh | str | PathLike[str]) -> None: ...
+    # index_tri (H,), index_ray (H,), locations (H, 3)
+    @overload
+    def intersects_id(
+        self,
+        ray_origins: ArrayLike,
+        ray_directions: ArrayLike,
+        multiple_hits: bool = True,
+        max_hits: int | None = None,
+        return_locations: Literal[False] = False,
+    ) -> tuple[NDArray[int64], NDArray[int64]]: ...
+    @overload
+    def intersects_id(
+        self,
+        ray_origins: ArrayLike,
+        ray_directions: ArrayLike,
+        multiple_hits: bool = True,
+        max_hits: int | None = None,
+        *,
+        return_locations: Literal[True],
+    ) -> tuple[NDArray[int64], NDArray[int64], NDArray[float64]]: ...
+    # locations (H, 3), index_ray (H,), index_tri (H,)
+    def intersects_location(
+        self,
+        ray_origins: ArrayLike,
+        ray_directions: ArrayLike,
+        multiple_hits: bool = True,
+        max_hits: int | None = None,
+    ) -> tuple[NDArray[float64], NDArray[int64], NDArray[int64]]: ...
+    # (R,)
+    def intersects_first(self, ray_origins: ArrayLike, ray_directions: ArrayLike) -> NDArray[int64]: ...
+    # (R,)
+    def intersects_any(self, ray_origins: ArrayLike, ray_directions: ArrayLike) -> NDArray[bool_]: ...
+    # (P,)
+    def contains_points(self, points: ArrayLike) -> NDArray[bool_]: ...
+
+@overload
 def render(
-    scene: str | PathLike[str] | dict[str, Any] | ArrayLike,
+    scene: str | PathLike[str] | dict[str, Any] | _Mesh | ArrayLike,
     faces: ArrayLike | None = None,
     *,
     width: int | None = None,
     height: int | None = None,
-    camera: str | None = None,
+    camera: str | ArrayLike | None = None,
     view: str | None = None,
     up: str | None = None,
     fov: float | None = None,
@@ -24,8 +102,32 @@ def render(
     seed: int | None = None,
     precision: Literal["fast", "exact"] | None = None,
     threads: int | None = None,
+    normals: ArrayLike | None = None,
+    colors: ArrayLike | None = None,
+    layers: None = None,
 ) -> NDArray[float32]: ...
-
+# With layers: an image (height, width, 3), and arrays (height, width) or (height, width, 3)
+@overload
+def render(
+    scene: str | PathLike[str] | dict[str, Any] | _Mesh | ArrayLike,
+    faces: ArrayLike | None = None,
+    *,
+    width: int | None = None,
+    height: int | None = None,
+    camera: str | ArrayLike | None = None,
+    view: str | None = None,
+    up: str | None = None,
+    fov: float | None = None,
+    lights: Literal["studio", "headlight", "none"] | None = None,
+    background: tuple[float, float, float] | None = None,
+    crease: float | None = None,
+    seed: int | None = None,
+    precision: Literal["fast", "exact"] | None = None,
+    threads: int | None = None,
+    normals: ArrayLike | None = None,
+    colors: ArrayLike | None = None,
+    layers: list[_Layer],
+) -> tuple[NDArray[float32], dict[_Layer, NDArray[float32] | NDArray[uint32]]]: ...
 def save(
     path: str | PathLike[str],
     image: ArrayLike,

@@ -7,8 +7,8 @@ use std::str::FromStr;
 use numpy::{Element, PyReadonlyArrayDyn, PyUntypedArrayMethods};
 use pyo3::exceptions::{PyMemoryError, PyTypeError};
 use pyo3::prelude::*;
-use pyo3::types::{IntoPyDict, PyDict};
-use wavecrest_api::glam::{DVec3, Vec3};
+use pyo3::types::{IntoPyDict, PyDict, PyString};
+use wavecrest_api::glam::{DMat4, DVec3, DVec4, Vec3};
 use wavecrest_api::{self as api, Choice};
 
 use super::{Error, exception};
@@ -24,26 +24,97 @@ pub(crate) enum Source {
 }
 
 impl Source {
+    /// Of `attributes`, the normals and the colours of vertices.
     pub(crate) fn new(
         scene: &Bound<'_, PyAny>,
         faces: Option<&Bound<'_, PyAny>>,
+        attributes: [Argument<'_, '_>; 2],
     ) -> PyResult<Self> {
-        if let Some(faces) = faces {
-            return Ok(Self::Mesh(mesh(scene, faces)?));
+        if let Some(mesh) = mesh(scene, faces)? {
+            return with_attributes(mesh, attributes).map(Self::Mesh);
+        }
+        if let Some((key, _)) = attributes.iter().find(|(_, value)| value.is_some()) {
+            return Err(Error::new_err(format!("{key}: only for vertices with faces")));
         }
         if scene.is_instance_of::<PyDict>() {
             let json = scene.py().import("json")?.call_method1("dumps", (scene,))?;
             return Ok(Self::Json(json.extract()?));
         }
-        needed("scene", "a path, a dict, or vertices with faces", scene, |path| path.extract())
-            .map(Self::File)
+        needed("scene", "a path, a dict, a mesh, or vertices with faces", scene, |path| {
+            path.extract()
+        })
+        .map(Self::File)
     }
 }
 
-/// A mesh from arrays of the shapes (N, 3) and (M, 3).
-fn mesh(vertices: &Bound<'_, PyAny>, faces: &Bound<'_, PyAny>) -> PyResult<api::MeshData> {
-    let positions = array::<f32>("vertices", vertices, "float32", "(N, 3)")?;
-    let positions = collected(rows(&positions)?.iter().map(|&row| Ok(Vec3::from(row))))?;
+/// A mesh from arrays of the shapes (N, 3) and (M, 3), or from an object that has them, such as one of
+/// trimesh; `None` for anything else.
+pub(crate) fn mesh(
+    vertices: &Bound<'_, PyAny>,
+    faces: Option<&Bound<'_, PyAny>>,
+) -> PyResult<Option<api::MeshData>> {
+    match faces {
+        Some(faces) => from_arrays(vertices, faces).map(Some),
+        None if vertices.hasattr("faces")? => {
+            from_arrays(&vertices.getattr("vertices")?, &vertices.getattr("faces")?).map(Some)
+        }
+        None => Ok(None),
+    }
+}
+
+/// The mesh with these normals and colours of its vertices.
+fn with_attributes(
+    mut mesh: api::MeshData,
+    [normals, colors]: [Argument<'_, '_>; 2],
+) -> PyResult<api::MeshData> {
+    let count = mesh.positions.len();
+    mesh.normals = by_vertex(normals, count, |normal| normal.is_finite())?
+        .map(|values| api::Attribute { values, indices: None });
+    mesh.colors =
+        by_vertex(colors, count, |color| color.is_finite() && color.min_element() >= 0.0)?;
+    if let (Some(colors), Some(value)) = (&mut mesh.colors, colors.1)
+        && has_type::<u8>(value)?
+    {
+        colors.iter_mut().for_each(|color| *color /= f32::from(u8::MAX));
+    }
+    Ok(mesh)
+}
+
+/// An argument with a row for each of so many vertices.
+fn by_vertex(
+    (key, value): Argument<'_, '_>,
+    count: usize,
+    is_right: impl Fn(Vec3) -> bool,
+) -> PyResult<Option<Vec<Vec3>>> {
+    let Some(value) = value else { return Ok(None) };
+    let points = Points::new(key, value)?;
+    let rows = points.rows()?;
+    if rows.len() != count {
+        let found = rows.len();
+        let message =
+            format!("{key}: must have the shape of vertices, [{count}, 3], found [{found}, 3]");
+        return Err(Error::new_err(message));
+    }
+    let row = |i: usize| match rows.get(i).as_vec3() {
+        row if is_right(row) => Ok(row),
+        row => Err(Error::new_err(format!(
+            "{key}[{i}]: must be finite, and colours at least 0, found {row}"
+        ))),
+    };
+    collected((0..count).map(row)).map(Some)
+}
+
+/// As [`mesh`]. Coordinates in double precision that are far from zero are kept relative to an origin,
+/// as those of files.
+fn from_arrays(vertices: &Bound<'_, PyAny>, faces: &Bound<'_, PyAny>) -> PyResult<api::MeshData> {
+    let vertices = Points::new("vertices", vertices)?;
+    let vertices = vertices.rows()?;
+    let origin = match vertices {
+        Rows::Double([first, ..]) => api::mesh::origin(DVec3::from(*first)),
+        _ => DVec3::ZERO,
+    };
+    let position = |i| Ok(api::mesh::relative(vertices.get(i), origin));
+    let positions = collected((0..vertices.len()).map(position))?;
     let faces = array::<i64>("faces", faces, "int64", "(M, 3)")?;
     let count = positions.len();
     let triangle = |(number, face): (usize, &[i64; 3])| {
@@ -58,7 +129,54 @@ fn mesh(vertices: &Bound<'_, PyAny>, faces: &Bound<'_, PyAny>) -> PyResult<api::
         Ok([a.map_err(wrong)?, b.map_err(wrong)?, c.map_err(wrong)?])
     };
     let triangles = collected(rows(&faces)?.iter().enumerate().map(triangle))?;
-    Ok(api::MeshData { positions, triangles, ..api::MeshData::default() })
+    Ok(api::MeshData { positions, origin, triangles, ..api::MeshData::default() })
+}
+
+/// Points or vectors in an array of the shape (N, 3).
+pub(crate) enum Points<'py> {
+    Single(PyReadonlyArrayDyn<'py, f32>),
+    Double(PyReadonlyArrayDyn<'py, f64>),
+}
+
+impl<'py> Points<'py> {
+    /// Those of anything that NumPy accepts: float32 and float64 as they are, others as float64.
+    pub(crate) fn new(name: &str, value: &Bound<'py, PyAny>) -> PyResult<Self> {
+        Ok(match has_type::<f32>(value)? {
+            true => Self::Single(array(name, value, "float32", "(N, 3)")?),
+            false => Self::Double(array(name, value, "float64", "(N, 3)")?),
+        })
+    }
+
+    pub(crate) fn rows(&self) -> PyResult<Rows<'_>> {
+        Ok(match self {
+            Self::Single(array) => Rows::Single(rows(array)?),
+            Self::Double(array) => Rows::Double(rows(array)?),
+        })
+    }
+}
+
+/// The values of [`Points`].
+#[derive(Clone, Copy)]
+pub(crate) enum Rows<'a> {
+    Single(&'a [[f32; 3]]),
+    Double(&'a [[f64; 3]]),
+}
+
+impl Rows<'_> {
+    pub(crate) fn len(&self) -> usize {
+        match self {
+            Self::Single(rows) => rows.len(),
+            Self::Double(rows) => rows.len(),
+        }
+    }
+
+    #[inline]
+    pub(crate) fn get(&self, i: usize) -> DVec3 {
+        match self {
+            Self::Single(rows) => Vec3::from(rows[i]).as_dvec3(),
+            Self::Double(rows) => DVec3::from(rows[i]),
+        }
+    }
 }
 
 /// An array from anything that NumPy accepts, with elements of the type `kind`, without rounding
@@ -71,6 +189,7 @@ fn array<'py, T: Element>(
 ) -> PyResult<PyReadonlyArrayDyn<'py, T>> {
     let py = value.py();
     let rules = [("casting", "same_kind"), ("order", "C")].into_py_dict(py)?;
+    rules.set_item("copy", false)?;
     let array = py.import("numpy")?.call_method1("asarray", (value,))?;
     let cast = array.call_method("astype", (kind,), Some(&rules));
     let wrong = |error: PyErr| match error.is_instance_of::<PyTypeError>(py) {
@@ -92,7 +211,7 @@ fn rows<'a, T: Element>(array: &'a PyReadonlyArrayDyn<'_, T>) -> PyResult<&'a [[
 }
 
 /// The values as a list, or an exception if the system refuses the memory.
-fn collected<T>(values: impl ExactSizeIterator<Item = PyResult<T>>) -> PyResult<Vec<T>> {
+pub(crate) fn collected<T>(values: impl ExactSizeIterator<Item = PyResult<T>>) -> PyResult<Vec<T>> {
     let mut list = Vec::new();
     let refused = |error: TryReserveError| PyMemoryError::new_err(error.to_string());
     list.try_reserve_exact(values.len()).map_err(refused)?;
@@ -102,12 +221,34 @@ fn collected<T>(values: impl ExactSizeIterator<Item = PyResult<T>>) -> PyResult<
     Ok(list)
 }
 
-/// An array of linear colours as an image.
-pub(crate) fn film(image: &Bound<'_, PyAny>) -> PyResult<api::Film> {
-    let array = array::<f32>("image", image, "float32", "(height, width, 3)")?;
+/// An array of linear colours, or of levels with a transfer curve, as an image.
+pub(crate) fn film(image: &Bound<'_, PyAny>, transfer: api::Transfer) -> PyResult<api::Film> {
+    let expected = "(height, width, 3)";
+    if has_type::<u8>(image)? {
+        let levels = array::<u8>("image", image, "uint8", expected)?;
+        let value = |level: u8| match (f32::from(level) / f32::from(u8::MAX), transfer) {
+            (value, api::Transfer::Linear) => value,
+            (value, api::Transfer::Srgb) => api::srgb_decode(value),
+        };
+        let values: Vec<f32> = (0..=u8::MAX).map(value).collect();
+        return film_of(&levels, |row| row.map(|level| values[usize::from(level)]));
+    }
+    film_of(&array::<f32>("image", image, "float32", expected)?, |row| row)
+}
+
+fn film_of<T: Element + Copy>(
+    array: &PyReadonlyArrayDyn<'_, T>,
+    color: impl Fn([T; 3]) -> [f32; 3],
+) -> PyResult<api::Film> {
     let side = |i: usize| u32::try_from(array.shape()[i]).unwrap_or(u32::MAX);
-    let pixels = collected(rows(&array)?.iter().map(|&row| Ok(row)))?;
+    let pixels = collected(rows(array)?.iter().map(|&row| Ok(color(row))))?;
     api::Film::from_pixels(side(1), side(0), pixels).map_err(|e| exception(&e))
+}
+
+/// Whether it is an array of these elements for NumPy.
+fn has_type<T: Element>(value: &Bound<'_, PyAny>) -> PyResult<bool> {
+    let array = value.py().import("numpy")?.call_method1("asarray", (value,))?;
+    Ok(array.extract::<PyReadonlyArrayDyn<'_, T>>().is_ok())
 }
 
 /// An optional argument: its name, and its value.
@@ -156,6 +297,13 @@ pub(crate) fn named<T: Choice>(argument: Argument<'_, '_>) -> PyResult<Option<T>
     T::by_name(&name).map(Some).ok_or_else(wrong)
 }
 
+/// The values with the names of a list.
+pub(crate) fn all_named<T: Choice>((key, names): Argument<'_, '_>) -> PyResult<Vec<T>> {
+    let names = given((key, names), "a list of names", |names| names.extract::<Vec<_>>())?;
+    let named = |name| named((key, Some(&name)));
+    names.into_iter().flatten().filter_map(|name| named(name).transpose()).collect()
+}
+
 /// The value of the text.
 pub(crate) fn parsed<T: FromStr<Err = String>>(
     key: &str,
@@ -164,6 +312,26 @@ pub(crate) fn parsed<T: FromStr<Err = String>>(
     let Some(text) = text else { return Ok(None) };
     let wrong = |remedy| Error::new_err(format!("{key}: {remedy}, found {text:?}"));
     text.parse().map(Some).map_err(wrong)
+}
+
+/// A camera: its name in the file, or the matrix that takes its space, where it looks along -z and y is
+/// up, to that of the scene.
+pub(crate) fn camera(
+    camera: Option<&Bound<'_, PyAny>>,
+) -> PyResult<(Option<String>, Option<DMat4>)> {
+    let Some(value) = camera else { return Ok((None, None)) };
+    if value.is_instance_of::<PyString>() {
+        return Ok((text(("camera", camera))?, None));
+    }
+    let what =
+        "a name, or a 4 x 4 matrix of a right-handed camera, with 0, 0, 0, 1 as its last row";
+    let pose = needed("camera", what, value, |value| {
+        let pose = DMat4::from_cols_array_2d(&value.extract()?).transpose();
+        let [x, y, z] = [pose.x_axis, pose.y_axis, pose.z_axis].map(|axis| axis.truncate());
+        let is_right = pose.is_finite() && pose.row(3) == DVec4::W && x.dot(y.cross(z)) > 0.0;
+        is_right.then_some(pose).ok_or_else(|| Error::new_err(""))
+    })?;
+    Ok((None, Some(pose)))
 }
 
 /// The lighting of a file without lights.

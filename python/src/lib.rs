@@ -1,15 +1,20 @@
-//! The Python module `wavecrest`: renders a scene, a file or arrays to an array.
+//! The Python module `wavecrest`: renders a scene, a file or arrays to an array, and traces arrays of
+//! rays.
 //!
 //! The image is that of the command, bit for bit. `wavecrest.pyi` has the types.
 
 mod input;
+mod mesh;
+mod rays;
+mod trimesh;
 mod work;
 
 use std::path::PathBuf;
 
-use numpy::{IntoPyArray, PyArray3, PyArrayMethods};
+use numpy::{IntoPyArray, PyArrayMethods};
 use pyo3::exceptions::{PyUserWarning, PyValueError};
 use pyo3::prelude::*;
+use pyo3::types::PyDict;
 use wavecrest_api as api;
 
 pyo3::create_exception!(
@@ -24,12 +29,30 @@ fn exception(error: &api::Error) -> PyErr {
     Error::new_err(error.to_string())
 }
 
+/// Issues warnings.
+fn warn(py: Python<'_>, warnings: Vec<api::Warning>) -> PyResult<()> {
+    let category = py.get_type::<PyUserWarning>();
+    for warning in warnings {
+        let text = std::ffi::CString::new(warning.to_string().replace('\0', "\u{fffd}"))?;
+        PyErr::warn(py, &category, &text, 1)?;
+    }
+    Ok(())
+}
+
 /// Renders a scene to an array of shape (height, width, 3), top row first.
 ///
 /// scene is the path of a scene file, a glTF file or a mesh (PLY, OBJ, STL); a scene as a dict, with paths relative
-/// to the current folder; or the vertices of a mesh, shape (N, 3), with the vertex indices of its triangles as faces,
-/// shape (M, 3). A mesh is shown whole under studio lights; view, up, fov, lights and crease change this, like the
+/// to the current folder; a mesh of trimesh; or the vertices of a mesh, shape (N, 3), with the vertex indices of its
+/// triangles as faces, shape (M, 3), and perhaps the normals and colors of its vertices, of the same shape as these:
+/// colours are from 0 to 1, or uint8, with the sRGB curve. A mesh is shown whole under studio lights; view, up, fov, lights and crease change this, like the
 /// options of the command. background is a linear colour; precision is "fast" or "exact" (default).
+///
+/// camera is the name of one in a glTF file, or its pose: a matrix of 4 x 4 numbers from the space of the camera, which
+/// looks along -z with y up, to that of the scene.
+///
+/// With layers, such as ["depth", "normal", "object"], returns the image and a dict of arrays: depth along the view,
+/// shape (height, width), shading normals, shape (height, width, 3), numbers of shapes from 1, and others as in the
+/// guide. Depth and object are 0 where there is nothing.
 ///
 /// Values are linear red, green and blue; 8-bit formats store 0 to 1. The number of threads does not change them.
 ///
@@ -40,7 +63,8 @@ fn exception(error: &api::Error) -> PyErr {
 /// >>> wavecrest.save("mesh.png", image)
 #[pyfunction]
 #[pyo3(signature = (scene, faces=None, *, width=None, height=None, camera=None, view=None, up=None, fov=None,
-                    lights=None, background=None, crease=None, seed=None, precision=None, threads=None))]
+                    lights=None, background=None, crease=None, seed=None, precision=None, threads=None,
+                    normals=None, colors=None, layers=None))]
 #[allow(clippy::too_many_arguments, reason = "they are keywords in Python")]
 fn render<'py>(
     py: Python<'py>,
@@ -58,7 +82,10 @@ fn render<'py>(
     seed: Option<Bound<'py, PyAny>>,
     precision: Option<Bound<'py, PyAny>>,
     threads: Option<Bound<'py, PyAny>>,
-) -> PyResult<Bound<'py, PyArray3<f32>>> {
+    normals: Option<Bound<'py, PyAny>>,
+    colors: Option<Bound<'py, PyAny>>,
+    layers: Option<Bound<'py, PyAny>>,
+) -> PyResult<Bound<'py, PyAny>> {
     let side = |key, value| {
         input::given((key, value), "a whole number of pixels", |value| value.extract())
     };
@@ -74,10 +101,11 @@ fn render<'py>(
         fov: input::parsed("fov", fov.map(|degrees| degrees.to_string()))?,
         ..api::Framing::default()
     };
+    let (camera, pose) = input::camera(camera.as_ref())?;
     let options = api::LoadOptions {
         width: side("width", width.as_ref())?,
         height: side("height", height.as_ref())?,
-        camera: input::text(("camera", camera.as_ref()))?,
+        camera,
         framing,
         lighting: input::lighting(
             ("lights", lights.as_ref()),
@@ -87,22 +115,59 @@ fn render<'py>(
         ..api::LoadOptions::default()
     };
     let precision = input::named(("precision", precision.as_ref()))?.unwrap_or_default();
-    let source = input::Source::new(&scene, faces.as_ref())?;
-    let job = work::Job { source, options, precision, seed: seed.unwrap_or_default() };
+    let attributes = [("normals", normals.as_ref()), ("colors", colors.as_ref())];
+    let source = input::Source::new(&scene, faces.as_ref(), attributes)?;
+    let named = input::all_named::<api::Layer>(("layers", layers.as_ref()))?;
+    let seed = seed.unwrap_or_default();
+    let job = work::Job { source, options, precision, seed, pose, layers: named.clone() };
     let threads = work::threads(("threads", threads.as_ref()))?;
-    let work::Done { film, warnings } = work::run(py, job, threads)?;
-    let category = py.get_type::<PyUserWarning>();
-    for warning in warnings {
-        let text = std::ffi::CString::new(warning.to_string().replace('\0', "\u{fffd}"))?;
-        PyErr::warn(py, &category, &text, 1)?;
-    }
+    let work::Done { film, channels, warnings } = work::run(py, job, threads)?;
+    warn(py, warnings)?;
     let [height, width] = [film.height(), film.width()].map(|side| side as usize);
-    film.into_pixels().into_flattened().into_pyarray(py).reshape([height, width, 3])
+    let image = film.into_pixels().into_flattened().into_pyarray(py);
+    let image = image.reshape([height, width, 3])?.into_any();
+    match layers {
+        Some(_) => Ok((image, arrays(py, &named, channels, [height, width])?)
+            .into_pyobject(py)?
+            .into_any()),
+        None => Ok(image),
+    }
+}
+
+/// An array for each layer, by its name.
+fn arrays<'py>(
+    py: Python<'py>,
+    layers: &[api::Layer],
+    channels: Vec<api::Channel>,
+    size: [usize; 2],
+) -> PyResult<Bound<'py, PyDict>> {
+    let numpy = py.import("numpy")?;
+    let arrays = PyDict::new(py);
+    let mut channels = channels.into_iter();
+    for layer in api::Layer::ALL.into_iter().filter(|layer| layers.contains(layer)) {
+        let own =
+            channels.by_ref().take(layer.channels().len()).map(|channel| match channel.values {
+                api::Values::Floats(values) => {
+                    Ok(values.into_pyarray(py).reshape(size)?.into_any())
+                }
+                api::Values::Integers(values) => {
+                    Ok(values.into_pyarray(py).reshape(size)?.into_any())
+                }
+            });
+        let own = own.collect::<PyResult<Vec<_>>>()?;
+        let array = match &own[..] {
+            [only] => only.clone(),
+            _ => numpy.call_method1("stack", (&own, -1))?,
+        };
+        arrays.set_item(layer.name(), array)?;
+    }
+    Ok(arrays)
 }
 
 /// Writes an image returned by render to a .png, .ppm, .exr or .pfm file.
 ///
-/// 8-bit formats use the transfer curve "srgb" (default) or "linear"; .exr and .pfm are always linear.
+/// 8-bit formats use the transfer curve "srgb" (default) or "linear"; .exr and .pfm are always linear. An image of
+/// uint8 has been through that curve: its values are stored as they are in 8-bit formats.
 ///
 /// Raises wavecrest.Error if the file cannot be written.
 #[pyfunction]
@@ -114,15 +179,17 @@ fn save(
 ) -> PyResult<()> {
     let path: PathBuf = input::needed("path", "a path", &path, |path| path.extract())?;
     let transfer = input::named(("transfer", transfer.as_ref()))?.unwrap_or(api::Transfer::Srgb);
-    let film = input::film(&image)?;
+    let film = input::film(&image, transfer)?;
     image.py().detach(|| api::write_image(&film, &path, transfer)).map_err(|e| exception(&e))
 }
 
-/// Renders scenes, mesh files and arrays to NumPy arrays: render and save.
+/// Renders scenes, mesh files and arrays to NumPy arrays: render and save. Queries of rays: Mesh.
 #[pymodule]
 fn wavecrest(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
     module.add("Error", module.py().get_type::<Error>())?;
+    module.add_class::<mesh::Mesh>()?;
+    module.add_class::<trimesh::RayMeshIntersector>()?;
     module.add_function(wrap_pyfunction!(render, module)?)?;
     module.add_function(wrap_pyfunction!(save, module)?)
 }

@@ -6,13 +6,18 @@
 
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::thread;
 use std::time::Duration;
 
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
-use wavecrest_api as api;
+use rayon::ThreadPool;
+use wavecrest_api::components::{CameraPath, View};
+use wavecrest_api::glam::DMat4;
+use wavecrest_api::hecs::{Entity, World};
 use wavecrest_api::memory::{Asked, Estimate, Images, estimate, estimate_extracted};
+use wavecrest_api::{self as api, Watch};
 
 use super::input::{self, Argument, Source};
 use super::{Error, exception};
@@ -29,11 +34,15 @@ pub(crate) struct Job {
     pub(crate) options: api::LoadOptions,
     pub(crate) precision: api::Precision,
     pub(crate) seed: u64,
+    /// The place and the axes of the camera, instead of its own.
+    pub(crate) pose: Option<DMat4>,
+    pub(crate) layers: Vec<api::Layer>,
 }
 
 /// An image with its warnings.
 pub(crate) struct Done {
     pub(crate) film: api::Film,
+    pub(crate) channels: Vec<api::Channel>,
     pub(crate) warnings: Vec<api::Warning>,
 }
 
@@ -41,7 +50,7 @@ pub(crate) struct Done {
 #[derive(Default)]
 struct Cancel(AtomicBool);
 
-impl api::Watch for Cancel {
+impl Watch for Cancel {
     fn cancelled(&self) -> bool {
         self.0.load(Ordering::Relaxed)
     }
@@ -71,6 +80,9 @@ impl Job {
                 api::load_mesh(mesh, Path::new("vertices and faces"), &self.options)
             }
         }?;
+        if let Some(pose) = self.pose {
+            place_camera(&mut loaded.world, pose);
+        }
         let options = api::ExtractOptions { precision: self.precision, ..Default::default() };
         let extracted = api::extract(loaded.world, options)?;
         let (preset, file) = (extracted.preset(), extracted.file().to_owned());
@@ -80,8 +92,25 @@ impl Job {
         let scene = extracted.build(preset);
         loaded.warnings.extend(api::warnings(&scene, &file));
         let film = api::render(&scene, &rendering, cancel)?.film;
-        Ok(Done { film, warnings: loaded.warnings })
+        let (layers, seed) = (&self.layers[..], self.seed);
+        let request = api::LayerRequest { layers, crop: None, seed, invalid: 0 };
+        let channels = match cancel.cancelled() {
+            true => Vec::new(),
+            false => api::layers(&scene, &request)?.channels,
+        };
+        Ok(Done { film, channels, warnings: loaded.warnings })
     }
+}
+
+/// Puts the camera at another place, where it stays.
+fn place_camera(world: &mut World, pose: DMat4) {
+    let mut cameras = Vec::new();
+    for (entity, view) in world.query_mut::<(Entity, &mut View)>() {
+        let [y, z, place] = [pose.y_axis, pose.z_axis, pose.w_axis].map(|axis| axis.truncate());
+        (view.location, view.look, view.up) = (place, place - z.normalize_or_zero(), y);
+        cameras.push(entity);
+    }
+    cameras.into_iter().for_each(|camera| drop(world.remove_one::<CameraPath>(camera)));
 }
 
 /// The number of threads.
@@ -94,11 +123,38 @@ pub(crate) fn threads(argument: Argument<'_, '_>) -> PyResult<Option<u16>> {
     })
 }
 
+/// The threads of queries of rays, which stay. Those of a parent process do not run in one that was
+/// forked from it, which gets its own.
+static POOL: Mutex<Option<(u32, Arc<ThreadPool>)>> = Mutex::new(None);
+
+/// The threads of queries, one for each core.
+pub(crate) fn pool() -> PyResult<Arc<ThreadPool>> {
+    let mut known = POOL.lock().unwrap_or_else(PoisonError::into_inner);
+    let process = std::process::id();
+    match &*known {
+        Some((owner, pool)) if *owner == process => Ok(Arc::clone(pool)),
+        _ => {
+            let pool = Arc::new(start(0)?);
+            // Threads of another process cannot be told to end.
+            std::mem::forget(known.replace((process, Arc::clone(&pool))));
+            Ok(pool)
+        }
+    }
+}
+
+/// This number of threads, one for each core if 0.
+fn start(threads: usize) -> PyResult<ThreadPool> {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
+    pool.map_err(|error| cannot_start(&error))
+}
+
+fn cannot_start(error: &dyn std::error::Error) -> PyErr {
+    Error::new_err(format!("cannot start the threads: {error}"))
+}
+
 /// Does the job on this number of threads, one for each core if `None`.
 pub(crate) fn run(py: Python<'_>, job: Job, threads: Option<u16>) -> PyResult<Done> {
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.map_or(0, usize::from)).build();
-    let cannot_start = |error| Error::new_err(format!("cannot start the threads: {error}"));
-    let pool = pool.map_err(|error| cannot_start(error.to_string()))?;
+    let pool = start(threads.map_or(0, usize::from))?;
     let (cancel, waiting, finished) =
         (Cancel::default(), thread::current(), AtomicBool::new(false));
     thread::scope(|scope| {
@@ -109,7 +165,7 @@ pub(crate) fn run(py: Python<'_>, job: Job, threads: Option<u16>) -> PyResult<Do
             done
         };
         let worker = thread::Builder::new().spawn_scoped(scope, work);
-        let worker = worker.map_err(|error| cannot_start(error.to_string()))?;
+        let worker = worker.map_err(|error| cannot_start(&error))?;
         let mut signal = Ok(());
         // A panic leaves `finished` as it is.
         while !(finished.load(Ordering::Acquire) || worker.is_finished()) {

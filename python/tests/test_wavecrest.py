@@ -100,6 +100,51 @@ class Wavecrest(unittest.TestCase):
         with self.assertRaisesRegex(wavecrest.Error, "shape"):
             wavecrest.save(ours, image[..., 0])
 
+    def test_eight_bits_are_saved_as_they_are(self):
+        levels = np.arange(256 * 3, dtype=np.uint8).reshape(16, 16, 3)
+        path = self.folder / "levels.ppm"
+        for transfer in ("srgb", "linear"):
+            wavecrest.save(path, levels, transfer=transfer)
+            self.assertEqual(path.read_bytes()[-levels.size:], levels.tobytes())
+        wavecrest.save(path.with_suffix(".pfm"), levels, transfer="linear")
+        np.testing.assert_allclose(read_pfm(path.with_suffix(".pfm")), levels / 255, atol=1e-7)
+        wavecrest.save(path, np.asfortranarray(levels)[::-1])
+        self.assertEqual(path.read_bytes()[-levels.size:], levels[::-1].tobytes())
+
+    def test_a_matrix_is_the_camera(self):
+        pose = np.array([[1, 0, 0, 0], [0, 0.8, 0.6, 3], [0, -0.6, 0.8, 4], [0, 0, 0, 1]])
+        scene = json.loads(json.dumps(SCENE))
+        scene["camera"].update(location=[0, 3, 4], look=[0, 2.4, 3.2], up=[0, 0.8, -0.6])
+        np.testing.assert_array_equal(wavecrest.render(scene), wavecrest.render(SCENE, camera=pose))
+        for wrong in (np.eye(3), -np.eye(4), np.full((4, 4), np.nan), pose.T):
+            self.assert_refused("camera: must be a name, or a 4 x 4 matrix", SCENE, camera=wrong)
+
+    def test_layers_come_with_the_image(self):
+        names = ["object", "depth", "normal"]
+        image, layers = wavecrest.render(SCENE, layers=names)
+        np.testing.assert_array_equal(image, wavecrest.render(SCENE))
+        self.assertEqual({name: (array.shape, array.dtype) for name, array in layers.items()}, {
+            "depth": ((48, 64), np.float32), "normal": ((48, 64, 3), np.float32), "object": ((48, 64), np.uint32)})
+        self.assertEqual((layers["object"][0, 0], layers["object"][24, 32], layers["depth"][0, 0]), (0, 1, 0))
+        self.assertAlmostEqual(layers["depth"][24, 32], np.sqrt(26) - 1, delta=0.01)
+        np.testing.assert_allclose(layers["normal"][24, 32], np.array([0, 1, 5]) / np.sqrt(26), atol=0.05)
+        self.assertEqual(wavecrest.render(SCENE, layers=[])[1], {})
+        self.assert_refused("layers: must be one of depth, normal", SCENE, layers=["depths"])
+
+    def test_vertices_have_normals_and_colors(self):
+        options = {"width": 60, "height": 40}
+        plain = wavecrest.render(VERTICES, FACES, **options)
+        normals = np.array(VERTICES) - [0, 0.5, 0]
+        self.assertGreater(np.abs(wavecrest.render(VERTICES, FACES, normals=normals, **options) - plain).max(), 0.01)
+        levels = np.tile(np.array([255, 0, 0], np.uint8), (5, 1))
+        red = wavecrest.render(VERTICES, FACES, colors=levels, **options)
+        np.testing.assert_array_equal(red, wavecrest.render(VERTICES, FACES, colors=levels / 255, **options))
+        self.assertTrue(red[20, 30, 0] > 2 * red[20, 30, 1])
+        self.assert_refused("colors: must have the shape of vertices, [5, 3], found [4, 3]", VERTICES, FACES,
+                            colors=np.zeros((4, 3)))
+        self.assert_refused("colors[2]: must be finite", VERTICES, FACES, colors=np.eye(5, 3) - np.eye(5, 3, -2) * 2)
+        self.assert_refused("normals: only for vertices with faces", SCENE, normals=normals)
+
     def test_errors_are_exceptions_that_say_where(self):
         self.assert_refused("missing.ply", "missing.ply")
         wrong = json.loads(json.dumps(SCENE))
@@ -120,14 +165,14 @@ class Wavecrest(unittest.TestCase):
         for key, value in [("width", -1), ("height", 2**40), ("seed", -1), ("threads", -2), ("threads", 5000)]:
             self.assert_refused(f"{key}: must be a whole number", SCENE, **{key: value})
         self.assert_refused("found -1", SCENE, width=-1)
-        self.assert_refused("found 'sideways'", VERTICES, FACES, view="sideways")
+        self.assert_refused('found "sideways"', VERTICES, FACES, view="sideways")
         self.assert_refused("background: must be three numbers, found (1, 2)", VERTICES, FACES, background=(1, 2))
         wrong_types = {"width": "wide", "camera": 3, "view": 3, "up": 1, "fov": "wide", "lights": 2,
                        "background": 7, "crease": "sharp", "seed": 0.5, "precision": 1, "threads": "many"}
         for key, value in wrong_types.items():
             with self.assertRaisesRegex(TypeError, f"{key}: must be .*, found {value!r}"):
                 wavecrest.render(VERTICES, FACES, **{key: value})
-        with self.assertRaisesRegex(TypeError, "scene: must be a path, a dict, or vertices with faces, found 7"):
+        with self.assertRaisesRegex(TypeError, "scene: must be a path, a dict, a mesh, or vertices with faces, found 7"):
             wavecrest.render(7)
         with self.assertRaisesRegex(TypeError, "path: must be a path, found 7"):
             wavecrest.save(7, np.zeros((1, 1, 3)))

@@ -188,10 +188,10 @@ pub use wavecrest_scene::load::lighting::{Background, Lighting, Rig};
 pub use wavecrest_scene::load::{
     LoadOptions, LoadedScene, load, load_mesh, load_str, survey, survey_mesh,
 };
-pub use wavecrest_scene::mesh::MeshData;
+pub use wavecrest_scene::mesh::{Attribute, MeshData};
 pub use wavecrest_scene::survey::Survey;
 pub use wavecrest_scene::systems::{Extracted, Options as ExtractOptions, extract, warnings};
-pub use wavecrest_scene::{components, hecs, memory};
+pub use wavecrest_scene::{components, hecs, memory, mesh};
 
 // From a prepared scene to pixels.
 pub use wavecrest_core::counters::Counters;
@@ -203,6 +203,7 @@ pub use wavecrest_core::tile::Tile;
 pub use wavecrest_image::aov::{Layer, Layers, Request as LayerRequest, layers};
 
 // Image files and their metadata.
+pub use wavecrest_core::math::srgb::srgb_decode;
 pub use wavecrest_image::metadata::{Channel, Entry, Extras, Provenance, Values};
 pub use wavecrest_image::read::read as read_image;
 pub use wavecrest_image::write::{

@@ -16,6 +16,7 @@ pub mod build;
 mod choice;
 mod coincident;
 mod compiled;
+mod crossings;
 mod demand;
 mod hit;
 mod instances;
@@ -162,6 +163,15 @@ impl Accel {
     /// Whether `ray` is occluded; light shapes do not occlude.
     pub fn occluded(&self, ray: &Ray, traversal: &mut Traversal) -> bool {
         with_precision!(self.geometry.precision, P => self.search::<P>().occluded(ray, traversal))
+    }
+
+    /// Everything on `ray`: the primitives that it crosses, those of lights too, but not those of instances, by t and then by number, in place of what `hits` held. Of the triangles around an
+    /// edge or a corner, [`crossing`](crate::kernels::triangle::crossing) says which. Cut-outs have no
+    /// holes here, and of a pile of dozens of triangles with the same corners the first counts.
+    pub fn crossings(&self, ray: &Ray, traversal: &mut Traversal, hits: &mut Vec<Hit>) {
+        with_precision!(self.geometry.precision, P => {
+            self.search::<P>().crossings(ray, traversal, hits);
+        });
     }
 
     /// The closest hits on many rays, including light shapes.

@@ -331,8 +331,8 @@ impl<P: Arithmetic> Recursive<P> {
 impl<P: Arithmetic> Recursive<P> {
     /// The share of light that passes along a shadow ray.
     fn passed(&mut self, scene: &PreparedScene, ray: &Ray) -> Vec3 {
-        scene.accel.search::<P>().passed(ray, &mut self.passed, &mut self.traversal);
-        scene.passed::<P>(ray, &mut self.passed, &mut self.look_ups)
+        scene.accel.search::<P>().crossings(ray, &mut self.traversal, &mut self.passed);
+        scene.passed::<P>(ray, &self.passed, &mut self.look_ups)
     }
 }
 

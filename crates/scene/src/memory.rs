@@ -3,11 +3,12 @@
 use crate::survey::{Survey, SurveyedMesh};
 use crate::systems::{Extracted, textures};
 use wavecrest_base::error::Result;
-use wavecrest_base::memory::reserve;
 use wavecrest_core::accel::build::{CHUNK, Preset};
 use wavecrest_core::prepared::{PreparedScene, largest};
 use wavecrest_core::render::batch_size;
 use wavecrest_core::wavefront::batch::Batch;
+
+pub use wavecrest_base::memory::reserve;
 
 /// Bytes by use.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
@@ -38,7 +39,7 @@ pub struct Estimate {
 /// of the current pool: measured on meshes of 1, 4 and 18 million triangles. A tree in several
 /// chunks takes hardly more than itself and each thread's memory for a chunk; one chunk is held with
 /// boxes, hierarchy and costs at once.
-fn build_bytes(preset: Preset, primitives: u64) -> u64 {
+pub fn build_bytes(preset: Preset, primitives: u64) -> u64 {
     let chunk = CHUNK as u64;
     match preset {
         Preset::Brute => 0,

@@ -33,6 +33,7 @@ use wavecrest_base::error::{Error, ErrorKind, Result, Warning};
 
 pub use data::{Attribute, LoadedMesh, MAX_COUNT, MeshData, NO_VALUE, NamedMaterials};
 pub use join::first_of_each;
+pub use origin::{origin, relative};
 pub use survey::Survey;
 pub use validate::validate;
 pub(crate) use validate::{bad_position, is_good_position};

@@ -5,7 +5,7 @@ use std::marker::PhantomData;
 use super::query::{Closest, Occluded, Query};
 use super::rays::Rays;
 use super::tree::{Searched, Tree};
-use super::{Accel, Hit, KernelChoice, Traversal, brute, compiled};
+use super::{Accel, Hit, KernelChoice, Traversal, brute, compiled, crossings};
 use crate::kernels::precision::Arithmetic;
 use crate::math::ray::Ray;
 use crate::math::simd::is_wide;
@@ -52,18 +52,24 @@ impl<P: Arithmetic> Search<'_, P> {
         self.many::<Occluded>(rays.into(), answers, traversal);
     }
 
-    /// TEMPORARY.
-    pub fn passed(&self, ray: &Ray, hits: &mut Vec<Hit>, traversal: &mut Traversal) {
+    /// See [`Accel::crossings`].
+    pub fn crossings(&self, ray: &Ray, traversal: &mut Traversal, hits: &mut Vec<Hit>) {
         hits.clear();
-        let mut rest = *ray;
-        loop {
-            let hit = self.closest(&rest, traversal);
-            if hit.is_miss() {
-                return;
-            }
-            hits.push(hit);
-            rest.t_min = hit.t;
+        if !ray.is_valid() {
+            return;
         }
+        let Accel { geometry, tree, level, .. } = self.accel;
+        match tree {
+            Some(tree) => {
+                let searched = self.own(tree, traversal);
+                compiled::crossings::<P>(*level, searched, ray, traversal, hits);
+            }
+            None => {
+                let all = 0..geometry.own() as u32;
+                crossings::each::<P>(geometry, all, ray, (hits, &mut traversal.tests));
+            }
+        }
+        hits.sort_unstable_by(|a, b| a.t.total_cmp(&b.t).then(a.primitive.cmp(&b.primitive)));
     }
 
     #[inline(always)]

@@ -42,6 +42,32 @@ pub fn intersect_exactly(ray: &Ray, center: Vec3, radius: f32) -> Option<f32> {
     [near, far].iter().find(|root| root.is_within(range)).map(Comparable::rounded)
 }
 
+/// Both t within the range of a ray at which it meets a sphere. `first` returns the first t in a range.
+///
+/// The near one lies before the middle of the ray in the sphere and the far one behind it; where
+/// rounding leaves that open, exact arithmetic decides.
+pub fn crossings(
+    ray: &Ray,
+    center: Vec3,
+    radius: f32,
+    first: impl Fn([f32; 2]) -> Option<f32>,
+) -> [Option<f32>; 2] {
+    let (direction, from) = (ray.direction.as_dvec3(), (center.as_dvec3() - ray.origin.as_dvec3()));
+    let middle = (from.dot(direction) / direction.dot(direction)) as f32;
+    if ray.t_min < middle && middle < ray.t_max {
+        let found = [first([ray.t_min, middle]), first([middle, ray.t_max])];
+        // Neither t is at the middle itself, so that both are in the right part of the range.
+        if let [Some(near), Some(far)] = found
+            && near < middle
+            && middle < far
+        {
+            return found;
+        }
+    }
+    let within = |root: Root| root.is_within([ray.t_min, ray.t_max]).then(|| root.rounded());
+    Root::both(ray, center, radius).map_or([None; 2], |roots| roots.map(within))
+}
+
 /// A root of a t^2 - 2 b t + c with real roots, and positive a.
 struct Root {
     a: Expansion,

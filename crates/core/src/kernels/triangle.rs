@@ -11,6 +11,8 @@
 //!   computes the t of hits.
 //! - [`exact`] decides the rest. It takes microseconds a pair, and happens for a few rays in
 //!   millions, unless rays are aimed at edges.
+//!
+//! A ray through an edge meets both triangles there, and [crosses](crossing()) one of them.
 
 mod area;
 pub mod exact;
@@ -19,8 +21,8 @@ pub(crate) mod settle;
 
 pub use area::{is_degenerate, normal};
 pub use filter::{LaneHits, ShearedSpace};
-pub use settle::meet;
 pub(crate) use settle::settled;
+pub use settle::{crossing, meet};
 
 /// The least normal number: a bound on what underflow adds to a sum of a few products, far above
 /// the true error, as processors divide subnormal numbers a hundred times slower.

@@ -124,24 +124,18 @@ impl PreparedScene {
         (own, branches)
     }
 
-    /// The share of light that passes all transparent surfaces along a shadow ray, which meets them
-    /// at these `hits`, in any order.
+    /// The share of light that passes all transparent surfaces along a shadow ray, which crosses
+    /// them at these `hits`.
     ///
     /// What is absorbed inside follows from all surfaces together: a way inside begins at a front
     /// and ends at a back.
     #[inline(never)]
-    pub fn passed<P: Arithmetic>(
-        &self,
-        ray: &Ray,
-        hits: &mut [Hit],
-        look_ups: &mut LookUps,
-    ) -> Vec3 {
-        hits.sort_unstable_by(|a, b| a.t.total_cmp(&b.t).then(a.primitive.cmp(&b.primitive)));
+    pub fn passed<P: Arithmetic>(&self, ray: &Ray, hits: &[Hit], look_ups: &mut LookUps) -> Vec3 {
         let length = f64::from(dot(ray.direction, ray.direction)).sqrt();
         let unit = Ray { direction: (ray.direction.as_dvec3() / length).as_vec3(), ..*ray };
         let mut passed = DVec3::ONE;
         let mut ways: Vec<(&Transparency, f64)> = Vec::new();
-        for hit in hits.iter() {
+        for hit in hits {
             let Some(transparency) = self.transparency(hit.primitive) else { continue };
             let along = Hit { t: (f64::from(hit.t) * length) as f32, ..*hit };
             let Interaction::Surface(point) =

@@ -11,13 +11,13 @@ const FAR: f64 = 1024.0;
 
 /// The origin of a mesh with this `first` vertex, in its own space: near the vertex if that is far
 /// from zero, and otherwise zero. A whole number, so that positions with few digits stay exact.
-pub(super) fn origin(first: DVec3) -> DVec3 {
+pub fn origin(first: DVec3) -> DVec3 {
     let is_far = (FAR..f64::from(MAX_COORDINATE)).contains(&first.abs().max_element());
     if first.is_finite() && is_far { first.round() } else { DVec3::ZERO }
 }
 
 /// The position of a `point` relative to the `origin`.
-pub(super) fn relative(point: DVec3, origin: DVec3) -> Vec3 {
+pub fn relative(point: DVec3, origin: DVec3) -> Vec3 {
     (point - origin).as_vec3()
 }
 

@@ -51,6 +51,16 @@ impl Pair {
         [(b, c), (c, a), (a, b)].map(|(p, q)| determinant(p, q, &self.direction))
     }
 
+    /// On which side of the edge opposite to a corner a ray that meets its line passes, once its
+    /// origin is moved: see [`crossing`].
+    fn moved_side(&self, corner: usize) -> Ordering {
+        let [p, q] = [1, 2].map(|next| &self.corners[(corner + next) % 3]);
+        let along = [0, 1, 2].map(|k| &p[k] - &q[k]);
+        let d = &self.direction;
+        let component = |i: usize, j: usize| (&(&along[i] * &d[j]) - &(&along[j] * &d[i])).sign();
+        component(1, 2).then_with(|| component(2, 0)).then_with(|| component(0, 1))
+    }
+
     /// t at the triangle's plane, given the sides; `None` if the ray is parallel to it.
     fn t(&self, [a, b, c]: &[Expansion; 3]) -> Option<Quotient> {
         let [u, v, w] = &self.corners;
@@ -74,6 +84,23 @@ pub fn meeting(ray: &Ray, triangle: &[Vec3; 3]) -> Option<Quotient> {
 pub fn meet(ray: &Ray, triangle: &[Vec3; 3]) -> Option<f32> {
     let t = meeting(ray, triangle)?;
     t.is_within([ray.t_min, ray.t_max]).then(|| t.rounded())
+}
+
+/// The t at which `ray` crosses `triangle` within its range, rounded once: it meets it still if its
+/// origin is moved by an infinitesimal step along x, by an infinitesimal part of that along y, and by
+/// such a part again along z (Edelsbrunner and Mücke, *Simulation of Simplicity*, 1990).
+///
+/// The moved ray passes no edge and no corner, so of the triangles around one the ray crosses those
+/// that it would cross beside it: a closed surface is left as often as it is entered. The step e adds
+/// e . ((p - q) x d) to the determinant of the edge from p to q, which is zero only for an edge along
+/// the ray, whose triangle the ray does not meet.
+pub fn crossing(ray: &Ray, triangle: &[Vec3; 3]) -> Option<f32> {
+    let pair = Pair::new(ray, triangle);
+    let sides = pair.sides();
+    let range = [ray.t_min, ray.t_max];
+    let t = pair.t(&sides).filter(|t| t.is_within(range))?;
+    let sign = |edge: usize| sides[edge].sign().then_with(|| pair.moved_side(edge));
+    (sign(0) == sign(1) && sign(1) == sign(2)).then(|| t.rounded())
 }
 
 /// The t at which `ray` meets the plane of `triangle`, rounded once, without regard to its range;

@@ -204,3 +204,15 @@ pub fn meet(ray: &Ray, triangle: &[Vec3; 3]) -> Option<f32> {
         Verdict::Open => super::exact::meet(ray, triangle),
     }
 }
+
+/// The t at which `ray` crosses `triangle` within its range, rounded once: see
+/// [`crossing`](super::exact::crossing).
+#[inline]
+pub fn crossing(ray: &Ray, triangle: &[Vec3; 3]) -> Option<f32> {
+    match settled(ray, triangle) {
+        // It passes beside every edge.
+        Verdict::Hit(t) => Some(t),
+        Verdict::Miss => None,
+        Verdict::Open => super::exact::crossing(ray, triangle),
+    }
+}

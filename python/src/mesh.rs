@@ -1,0 +1,316 @@
+//! The class `Mesh`: queries of many rays at once.
+
+use std::path::{Path, PathBuf};
+
+use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods};
+use pyo3::prelude::*;
+use wavecrest_api::glam::DVec3;
+use wavecrest_api::memory::{build_bytes, reserve};
+use wavecrest_api::{self as api, Accel, Geometry, MeshData, Preset};
+
+use super::input::{self, Points};
+use super::rays::{self, Crossings, Rays};
+use super::trimesh::RayMeshIntersector;
+use super::{Error, exception, work};
+
+/// A mesh of triangles, for queries of rays and points.
+///
+/// Mesh(vertices, faces) takes arrays of the shapes (N, 3) and (M, 3), Mesh(mesh) one of trimesh or another object
+/// with vertices and faces, Mesh(path) and Mesh.load(path) a file (PLY, OBJ, STL). bvh is the quality of the search
+/// tree, "fast" by default: "fastest" is built sooner, "on-demand" pays for fewer rays than faces.
+///
+/// Coordinates have single precision, as do rays: float64 is rounded once. If the first vertex, in float64, is more
+/// than 1024 from zero, vertices and origins are moved there first, in double precision.
+///
+/// Hits are exact for these numbers: no ray slips between two faces. Faces have two sides. Only hits after the origin
+/// and before t_max count. A distance is in lengths of the direction, rounded once to float32. Rays that are not
+/// finite or have no direction hit nothing. Work is done on all cores, without the GIL.
+///
+/// >>> mesh = wavecrest.Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
+/// >>> faces, distances = mesh.closest([[0.2, 0.2, 5]], [[0, 0, -1]])
+/// >>> print(faces, distances)
+/// [0] [5.]
+#[pyclass(frozen, module = "wavecrest")]
+pub(crate) struct Mesh {
+    accel: Accel,
+    /// The origin of the vertices.
+    origin: DVec3,
+}
+
+/// An array of one value for each ray or hit.
+pub(crate) type Column<'py, T> = Bound<'py, PyArray1<T>>;
+
+/// An array of points.
+pub(crate) type Table<'py, T> = Bound<'py, PyArray2<T>>;
+
+#[pymethods]
+impl Mesh {
+    #[new]
+    #[pyo3(signature = (vertices, faces=None, *, bvh=None))]
+    pub(crate) fn new(
+        py: Python<'_>,
+        vertices: &Bound<'_, PyAny>,
+        faces: Option<&Bound<'_, PyAny>>,
+        bvh: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Self> {
+        let Some(mesh) = input::mesh(vertices, faces)? else {
+            return Self::load(py, vertices, bvh);
+        };
+        api::mesh::validate(&mesh, Path::new("vertices and faces")).map_err(|e| exception(&e))?;
+        Self::build(py, mesh, bvh)
+    }
+
+    /// The mesh of a file: PLY, OBJ or STL.
+    #[staticmethod]
+    #[pyo3(signature = (path, *, bvh=None))]
+    fn load(
+        py: Python<'_>,
+        path: &Bound<'_, PyAny>,
+        bvh: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Self> {
+        let what = "a path, a mesh, or vertices with faces";
+        let path: PathBuf = input::needed("vertices", what, path, |path| path.extract())?;
+        let load = || {
+            room(api::mesh::survey(&path)?.bytes(), "the mesh")?;
+            api::mesh::load(&path)
+        };
+        let pool = work::pool()?;
+        let loaded = py.detach(|| pool.install(load)).map_err(|e| exception(&e))?;
+        super::warn(py, loaded.warnings)?;
+        Self::build(py, loaded.mesh, bvh)
+    }
+
+    /// The vertices, shape (N, 3).
+    #[getter]
+    fn vertices<'py>(&self, py: Python<'py>) -> PyResult<Table<'py, f64>> {
+        let positions = self.accel.geometry().positions.iter();
+        let position = |p: &api::glam::Vec3| Ok((p.as_dvec3() + self.origin).to_array());
+        table(py, input::collected(positions.map(position))?)
+    }
+
+    /// The vertex indices of the faces, shape (M, 3).
+    #[getter]
+    fn faces<'py>(&self, py: Python<'py>) -> PyResult<Table<'py, i64>> {
+        let triangles = self.accel.geometry().triangles.iter();
+        table(py, input::collected(triangles.map(|face| Ok(face.map(i64::from))))?)
+    }
+
+    /// The same queries with the names, arguments and results of trimesh.
+    #[getter]
+    fn ray(this: Bound<'_, Self>) -> RayMeshIntersector {
+        RayMeshIntersector::of(this.unbind())
+    }
+
+    /// The closest hits of rays: faces and distances. A miss has the face -1 and the distance inf.
+    ///
+    /// Of faces at the same distance, as at an edge, the one with the lowest number is hit.
+    #[pyo3(signature = (origins, directions, *, t_max=None))]
+    fn closest<'py>(
+        &self,
+        py: Python<'py>,
+        origins: &Bound<'py, PyAny>,
+        directions: &Bound<'py, PyAny>,
+        t_max: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<(Column<'py, i64>, Column<'py, f32>)> {
+        let given = Given::new(["origins", "directions"], origins, directions)?.until(t_max)?;
+        let (faces, distances) = self.closest_of(py, &given)?;
+        Ok((faces.into_pyarray(py), distances.into_pyarray(py)))
+    }
+
+    /// Whether rays hit anything.
+    #[pyo3(signature = (origins, directions, *, t_max=None))]
+    fn any<'py>(
+        &self,
+        py: Python<'py>,
+        origins: &Bound<'py, PyAny>,
+        directions: &Bound<'py, PyAny>,
+        t_max: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Column<'py, bool>> {
+        let given = Given::new(["origins", "directions"], origins, directions)?.until(t_max)?;
+        Ok(self.any_of(py, &given)?.into_pyarray(py))
+    }
+
+    /// Every surface on rays, once: for each the number of the ray, the face and the distance, in the order of rays,
+    /// then of distances, then of faces.
+    ///
+    /// A ray that meets an edge or a corner crosses those of the faces around it that it would cross if its origin
+    /// were moved by an infinitesimal step, the same for all rays: one where it passes through a surface, none or two
+    /// where it only touches one. So a closed mesh is left as often as it is entered. Where closest reports another
+    /// face around that edge, the distance is the same. Of dozens of copies of a face, one may count for all.
+    #[pyo3(signature = (origins, directions, *, t_max=None))]
+    fn all<'py>(
+        &self,
+        py: Python<'py>,
+        origins: &Bound<'py, PyAny>,
+        directions: &Bound<'py, PyAny>,
+        t_max: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<(Column<'py, i64>, Column<'py, i64>, Column<'py, f32>)> {
+        let given = Given::new(["origins", "directions"], origins, directions)?.until(t_max)?;
+        let (rays, faces, distances) = self.all_of(py, &given, usize::MAX)?;
+        Ok((rays.into_pyarray(py), faces.into_pyarray(py), distances.into_pyarray(py)))
+    }
+
+    /// Whether points are inside a closed mesh: rays from there cross it an odd number of times, as all counts. Points
+    /// on the surface are inside or outside.
+    fn contains<'py>(
+        &self,
+        py: Python<'py>,
+        points: &Bound<'py, PyAny>,
+    ) -> PyResult<Column<'py, bool>> {
+        self.contains_of(py, "points", points)
+    }
+}
+
+impl Mesh {
+    fn build(py: Python<'_>, mesh: MeshData, bvh: Option<&Bound<'_, PyAny>>) -> PyResult<Self> {
+        let preset = input::named(("bvh", bvh))?.unwrap_or(Preset::Fast);
+        let MeshData { positions, origin, triangles, .. } = mesh;
+        let count = triangles.len() as u64;
+        let geometry = Geometry { positions, triangles, ..Geometry::default() };
+        let build = || {
+            room(build_bytes(preset, count), "the search tree")?;
+            Ok(Accel::new(geometry, preset))
+        };
+        let pool = work::pool()?;
+        let accel = py.detach(|| pool.install(build)).map_err(|e| exception(&e))?;
+        Ok(Self { accel, origin })
+    }
+
+    /// The closest hits: faces and distances.
+    pub(crate) fn closest_of(
+        &self,
+        py: Python<'_>,
+        given: &Given<'_>,
+    ) -> PyResult<(Vec<i64>, Vec<f32>)> {
+        let rays = given.rays(self)?;
+        let mut faces = zeros(rays.len())?;
+        let mut distances = zeros(rays.len())?;
+        in_stretches(py, rays.len(), |part| {
+            let answers = (&mut faces[part.clone()], &mut distances[part.clone()]);
+            rays::closest(&self.accel, &rays, part.start, answers);
+            Ok(())
+        })?;
+        Ok((faces, distances))
+    }
+
+    pub(crate) fn any_of(&self, py: Python<'_>, given: &Given<'_>) -> PyResult<Vec<bool>> {
+        let rays = given.rays(self)?;
+        let mut found = zeros(rays.len())?;
+        in_stretches(py, rays.len(), |part| {
+            rays::any(&self.accel, &rays, part.start, &mut found[part.clone()]);
+            Ok(())
+        })?;
+        Ok(found)
+    }
+
+    /// Crossings, for each ray at most this many.
+    pub(crate) fn all_of(
+        &self,
+        py: Python<'_>,
+        given: &Given<'_>,
+        most: usize,
+    ) -> PyResult<Crossings> {
+        let rays = given.rays(self)?;
+        let mut found = Crossings::default();
+        in_stretches(py, rays.len(), |part| rays::all(&self.accel, &rays, part, most, &mut found))?;
+        Ok(found)
+    }
+
+    pub(crate) fn contains_of<'py>(
+        &self,
+        py: Python<'py>,
+        name: &str,
+        points: &Bound<'py, PyAny>,
+    ) -> PyResult<Column<'py, bool>> {
+        let given =
+            Given { origins: Points::new(name, points)?, directions: None, t_max: f32::INFINITY };
+        let points = given.rays(self)?;
+        let mut inside = zeros(points.len())?;
+        in_stretches(py, points.len(), |part| {
+            rays::contains(&self.accel, &points, part.start, &mut inside[part.clone()]);
+            Ok(())
+        })?;
+        Ok(inside.into_pyarray(py))
+    }
+}
+
+/// Rays as given, or points.
+pub(crate) struct Given<'py> {
+    pub(crate) origins: Points<'py>,
+    pub(crate) directions: Option<Points<'py>>,
+    t_max: f32,
+}
+
+impl<'py> Given<'py> {
+    /// Rays from arrays with these names.
+    pub(crate) fn new(
+        [origins, directions]: [&str; 2],
+        from: &Bound<'py, PyAny>,
+        along: &Bound<'py, PyAny>,
+    ) -> PyResult<Self> {
+        let (from, along) = (Points::new(origins, from)?, Points::new(directions, along)?);
+        let counts = [from.rows()?.len(), along.rows()?.len()];
+        if counts[0] != counts[1] {
+            let [expected, found] = counts.map(|count| format!("[{count}, 3]"));
+            let message = format!(
+                "{directions}: must have the shape of {origins}, {expected}, found {found}"
+            );
+            return Err(Error::new_err(message));
+        }
+        Ok(Self { origins: from, directions: Some(along), t_max: f32::INFINITY })
+    }
+
+    /// The rays up to `t_max`.
+    fn until(self, t_max: Option<&Bound<'py, PyAny>>) -> PyResult<Self> {
+        let what = "a number of at least 0";
+        let t_max = input::given(("t_max", t_max), what, |value| {
+            let t_max: f64 = value.extract()?;
+            (t_max >= 0.0).then_some(t_max as f32).ok_or_else(|| Error::new_err(""))
+        })?;
+        Ok(Self { t_max: t_max.unwrap_or(self.t_max), ..self })
+    }
+
+    fn rays(&self, mesh: &Mesh) -> PyResult<Rays<'_>> {
+        let directions = self.directions.as_ref().map(Points::rows).transpose()?;
+        Ok(Rays { origins: self.origins.rows()?, directions, t_max: self.t_max, from: mesh.origin })
+    }
+}
+
+/// Rays traced between two checks for Ctrl-C: a fraction of a second.
+const STRETCH: usize = 1 << 20;
+
+/// Does `work` for parts of `count` rays or hits, on all threads and without the GIL.
+fn in_stretches(
+    py: Python<'_>,
+    count: usize,
+    mut work: impl FnMut(std::ops::Range<usize>) -> api::Result<()> + Send,
+) -> PyResult<()> {
+    let pool = work::pool()?;
+    for start in (0..count).step_by(STRETCH) {
+        let part = start..count.min(start + STRETCH);
+        py.detach(|| pool.install(|| work(part))).map_err(|e| exception(&e))?;
+        py.check_signals()?;
+    }
+    Ok(())
+}
+
+/// An array with rows of three.
+pub(crate) fn table<'py, T: numpy::Element>(
+    py: Python<'py>,
+    rows: Vec<[T; 3]>,
+) -> PyResult<Table<'py, T>> {
+    let count = rows.len();
+    rows.into_flattened().into_pyarray(py).reshape([count, 3])
+}
+
+fn zeros<T: Copy + Default>(count: usize) -> PyResult<Vec<T>> {
+    rays::zeros(count).map_err(|e| exception(&e))
+}
+
+/// An error if the system refuses this many bytes.
+fn room(bytes: u64, what: &str) -> api::Result<()> {
+    let room = reserve::<u8>(usize::try_from(bytes).unwrap_or(usize::MAX), what)?;
+    // The compiler may leave out an allocation that nothing reads.
+    std::hint::black_box(room.as_ptr());
+    Ok(())
+}
