@@ -13,6 +13,7 @@
 //! Any-hit queries first try the leaf that ended the last tile: shadow rays often end at one wall.
 
 mod beam;
+mod columns;
 mod frame;
 mod leaves;
 mod load;
@@ -34,8 +35,9 @@ use crate::counters::TestCounts;
 use crate::geometry::PreparedRay;
 use crate::kernels::precision::Arithmetic;
 use crate::math::simd::{Lanes, entry, outlined};
+use columns::{number_of, numbers};
 use remaining::{Handed, Remaining};
-use tile::{Tile, number_of, numbers};
+use tile::Tile;
 
 /// Tiles traversed in turn, step by step, so that one computes while another waits.
 const TILES_ON_THEIR_WAY: usize = 4;
@@ -264,7 +266,7 @@ impl<Q: Query, P: Arithmetic> Batch<'_, Q, P> {
         if !self.choice.packs(count, self.judged.is_coherent()) {
             return false;
         }
-        (self.block, self.left) = (self.next, tile::first(count));
+        (self.block, self.left) = (self.next, columns::first(count));
         self.next += count.min(TILE);
         let ahead = self.next + (AHEAD - 1) * TILE;
         self.rays.prefetch(ahead..(ahead + TILE).min(self.rays.count()));

@@ -8,7 +8,7 @@ use glam::Vec3A;
 use obvhs::aabb::Aabb;
 use obvhs::ploc::morton::morton_encode_u32;
 
-use super::piece::{Members, Single};
+use super::entries::Entry;
 use crate::accel::wide::{Shared, as_patch};
 use crate::math::simd::LANES;
 
@@ -45,17 +45,21 @@ pub(super) struct Leaf {
 }
 
 impl Finder {
-    /// Replaces the `boxes` of single primitives, which come first, by those of their leaves. A
+    /// Moves `singles` into `leaves`, and replaces their `boxes`, which come first, by those of the leaves. A
     /// triangle may join one of the last `N` leaves, of which there are a power of two.
-    pub(super) fn find<const N: usize>(&mut self, members: &mut Members, boxes: &mut Vec<Aabb>) {
-        let Members { singles, leaves, .. } = members;
+    pub(super) fn find<const N: usize>(
+        &mut self,
+        singles: &mut Vec<Entry>,
+        leaves: &mut Vec<Leaf>,
+        boxes: &mut Vec<Aabb>,
+    ) {
         let (own, heaps) = boxes.split_at(singles.len());
         sort(own, &mut self.keys, &mut self.spare);
         self.leaves.clear();
         let mut open = Open::<N>::default();
         for &key in &self.keys {
             let index = key as u32 as usize;
-            let (Single { number, corners }, bounds) = (singles[index], own[index]);
+            let (Entry { number, corners }, bounds) = (singles[index], own[index]);
             let mut keys = open.keys(&bounds);
             let joined = corners.and_then(|corners| {
                 loop {

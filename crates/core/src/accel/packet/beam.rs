@@ -3,7 +3,7 @@
 use fearless_simd::prelude::*;
 use fearless_simd::{f32x8, f32x16, mask32x8, mask32x16};
 
-use super::tile::{Column, GROUPS, WIDTH, load};
+use super::columns::{Column, GROUPS, WIDTH, load};
 use crate::accel::arena::Node;
 use crate::accel::node::widened;
 use crate::accel::rays::RayLanes;

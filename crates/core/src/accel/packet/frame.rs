@@ -37,7 +37,7 @@ mod triangles;
 use fearless_simd::f32x16;
 use fearless_simd::prelude::*;
 
-use super::tile::{Column, GROUPS, WIDTH, load};
+use super::columns::{Column, GROUPS, WIDTH, load};
 use crate::kernels::triangle::filter::ORDERS;
 use crate::math::float::max;
 use crate::math::simd::Lanes;

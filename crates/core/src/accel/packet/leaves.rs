@@ -3,8 +3,9 @@
 use fearless_simd::f32x8;
 use fearless_simd::prelude::*;
 
+use super::columns::{GROUPS, WIDTH, load};
 use super::frame::Met;
-use super::tile::{GROUPS, Tile, WIDTH, load};
+use super::tile::{Open, Pair, Tile};
 use super::{Batch, TILE};
 use crate::accel::arena::{Kind, Ref};
 use crate::accel::best::{Best, Pairs};
@@ -186,26 +187,6 @@ impl<Q: Query, P: Arithmetic> Batch<'_, Q, P> {
             },
         );
     }
-}
-
-/// A ray of the tile and a triangle of a leaf.
-#[derive(Clone, Copy, Debug)]
-struct Pair {
-    ray: usize,
-    leaf: Ref,
-    entry: usize,
-}
-
-/// Pairs that single precision leaves open: double precision takes eight at a time.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Open {
-    pairs: [Pair; LANES],
-    count: usize,
-}
-
-impl Open {
-    pub(super) const NONE: Self =
-        Self { pairs: [Pair { ray: 0, leaf: Ref::ROOT, entry: 0 }; LANES], count: 0 };
 }
 
 /// What [`Tile::take`] did.

@@ -5,7 +5,8 @@ use fearless_simd::{f32x16, mask32x16};
 
 use super::TILE;
 use super::beam::{Beam, Extents};
-use super::tile::{Column, GROUPS, Tile, WIDTH, first, load, number_of};
+use super::columns::{Column, GROUPS, WIDTH, first, load, number_of};
+use super::tile::Tile;
 use crate::accel::rays::{BLOCK_EDGE, RayLanes, Rays};
 use crate::math::simd::Lanes;
 

@@ -5,7 +5,8 @@ use fearless_simd::{f32x16, u32x8};
 
 use super::Visit;
 use super::beam::Met;
-use super::tile::{Column, GROUPS, Tile, WIDTH, load};
+use super::columns::{Column, GROUPS, WIDTH, load};
+use super::tile::Tile;
 use crate::accel::arena::{Node, Ref, View, child_of};
 use crate::accel::node::{distance, widened};
 use crate::accel::query::Query;

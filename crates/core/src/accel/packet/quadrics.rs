@@ -3,7 +3,8 @@
 use fearless_simd::f32x8;
 
 use super::TILE;
-use super::tile::{Column, GROUPS, Tile, WIDTH};
+use super::columns::{Column, GROUPS, WIDTH};
+use super::tile::Tile;
 use crate::accel::arena::Ref;
 use crate::accel::best::Best;
 use crate::accel::query::Query;

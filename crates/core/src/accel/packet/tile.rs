@@ -5,8 +5,8 @@ use fearless_simd::{f32x8, f32x16, mask32x16, u32x8, u32x16};
 use glam::Vec3;
 
 use super::beam::Beam;
+use super::columns::{Column, GROUPS, WIDTH, half, load, number_of, numbers};
 use super::frame::Frame;
-use super::leaves::Open;
 use super::{TILE, Visit};
 use crate::accel::arena::{Ref, View};
 use crate::accel::best::{Best, exact_t};
@@ -20,15 +20,6 @@ use crate::math::ray::Ray;
 use crate::math::real::{Mask, Single};
 use crate::math::simd::{LANES, Lanes};
 use crate::math::vector::{Line, Vector};
-
-/// Rays tested at a time.
-pub(super) const WIDTH: usize = 16;
-
-/// Groups of [`WIDTH`] rays in a tile.
-pub(super) const GROUPS: usize = TILE / WIDTH;
-
-/// A number for each ray of a tile.
-pub(super) type Column = [[f32; WIDTH]; GROUPS];
 
 /// A tile's rays, in columns. The order of fields keeps vectors within cache lines.
 #[derive(Clone, Debug)]
@@ -65,33 +56,24 @@ pub(super) struct Tile {
     pub(super) height: usize,
 }
 
-/// The index in a tile's row of groups of ray number `number`, counted row by row: each group is a
-/// block of 4 by 4, which meets less than one of 8 by 2.
-#[inline(always)]
-pub(super) fn index_of(number: usize) -> usize {
-    number & 0b100011 | (number & 0b011000) >> 1 | (number & 0b000100) << 2
+/// A ray of the tile and a triangle of a leaf.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Pair {
+    pub(super) ray: usize,
+    pub(super) leaf: Ref,
+    pub(super) entry: usize,
 }
 
-/// The inverse of [`index_of`].
-#[inline(always)]
-pub(super) fn number_of(index: usize) -> usize {
-    index & 0b100011 | (index & 0b001100) << 1 | (index & 0b010000) >> 2
+/// Pairs that single precision leaves open: double precision takes eight at a time.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Open {
+    pub(super) pairs: [Pair; LANES],
+    pub(super) count: usize,
 }
 
-/// The first `count` rays of a block, or all, a bit each.
-#[inline(always)]
-pub(super) fn first(count: usize) -> u64 {
-    (count..TILE).fold(u64::MAX, |rays, number| rays & !(1 << index_of(number)))
-}
-
-/// The numbers of `rays`, a bit each, of the block that starts at `block`.
-#[inline(always)]
-pub(super) fn numbers(block: usize, mut rays: u64) -> impl Iterator<Item = usize> {
-    std::iter::from_fn(move || {
-        let i = rays.trailing_zeros() as usize;
-        rays &= rays.wrapping_sub(1);
-        (i < TILE).then(|| block + number_of(i))
-    })
+impl Open {
+    const NONE: Self =
+        Self { pairs: [Pair { ray: 0, leaf: Ref::ROOT, entry: 0 }; LANES], count: 0 };
 }
 
 impl Default for Tile {
@@ -341,16 +323,4 @@ impl Tile {
         self.leaf[g] = mask.select(u32x16::splat(simd, leaf.bits()), leaves).into();
         self.entry[g] = mask.select(u32x16::splat(simd, entry as u32), entries).into();
     }
-}
-
-/// A group's row of a column.
-#[inline(always)]
-pub(super) fn load<S: Lanes>(simd: S, column: &Column, g: usize) -> f32x16<S> {
-    column[g].simd_into(simd)
-}
-
-/// Half a group's row of a column, from `l` on.
-#[inline(always)]
-fn half<S: Lanes>(simd: S, column: &Column, g: usize, l: usize) -> f32x8<S> {
-    <f32x8<S> as Single>::from_slice(simd, &column[g][l..])
 }

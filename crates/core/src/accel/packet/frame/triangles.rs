@@ -6,7 +6,7 @@ use fearless_simd::{f32x8, f32x16, mask32x8};
 use super::{Frame, Sizes, cross, three};
 use crate::accel::arena::{Ref, View};
 use crate::accel::leaf;
-use crate::accel::packet::tile::GROUPS;
+use crate::accel::packet::columns::GROUPS;
 use crate::kernels::precision::Arithmetic;
 use crate::math::float::UNIT_ROUNDOFF;
 use crate::math::real::Mask;
