@@ -12,7 +12,7 @@ use super::input::{Extent, SceneOptions};
 use wavecrest_base::error::Result;
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::kernels::precision::Precision;
-use wavecrest_core::plan::schedule::{Column, PASSES, Pass};
+use wavecrest_core::plan::schedule::{ColumnGroup, PASSES, Pass};
 use wavecrest_core::prepared::PreparedScene;
 use wavecrest_core::render::{RenderOptions, Rendered, render};
 use wavecrest_core::wavefront::DEFAULT_BATCH;
@@ -187,9 +187,9 @@ impl Explanation<'_> {
 
 fn buffers(scene: &PreparedScene) -> Vec<Buffer> {
     let held = Batch::bytes_per_path(scene);
-    let buffer = |column: Column| {
+    let buffer = |column: ColumnGroup| {
         let name = column.name();
-        let by = |columns: fn(&Pass) -> &'static [Column]| {
+        let by = |columns: fn(&Pass) -> &'static [ColumnGroup]| {
             let passes = PASSES.iter().filter(|pass| columns(pass).contains(&column));
             passes.map(|pass| pass.name).collect()
         };
@@ -200,7 +200,7 @@ fn buffers(scene: &PreparedScene) -> Vec<Buffer> {
             read_by: by(|pass| pass.reads),
         }
     };
-    Column::ALL.into_iter().map(buffer).collect()
+    ColumnGroup::ALL.into_iter().map(buffer).collect()
 }
 
 fn choice(extracted: &Extracted, requested: Option<Preset>) -> BvhChoice {

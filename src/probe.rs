@@ -7,7 +7,9 @@ use glam::Vec3;
 use super::common::{SearchOptions, numbers, print, rounded, to_json, whole};
 use super::input::{Extent, SceneOptions};
 use wavecrest_base::error::{Error, ErrorKind, Result};
-use wavecrest_core::probe::{Bounce, Light, Met, Path, PixelRecord, Surface, Verdict, pixel};
+use wavecrest_core::probe::{
+    Bounce, Light, PixelRecord, RecordedHit, RecordedPath, RecordedSurface, Visibility, pixel,
+};
 use wavecrest_core::recursive::End;
 use wavecrest_core::wavefront::DEFAULT_BATCH;
 use wavecrest_scene::memory::{Images, film_bytes};
@@ -91,10 +93,10 @@ fn check(args: &ProbeArgs, [width, height]: [u32; 2], samples: u32) -> Result<()
 fn text(record: &PixelRecord) -> String {
     let mut text = String::new();
     let [x, y] = record.pixel;
-    let mut rest: Vec<&Path> = record.paths.iter().collect();
+    let mut rest: Vec<&RecordedPath> = record.paths.iter().collect();
     // Samples with the same hits are printed once.
     while let Some(&first) = rest.first() {
-        let (same, others): (Vec<&Path>, Vec<&Path>) =
+        let (same, others): (Vec<&RecordedPath>, Vec<&RecordedPath>) =
             rest.iter().partition(|path| outline(path) == outline(first));
         let radiance = three(first.radiance);
         text += &format!("pixel {x},{y}, sample {}: radiance {radiance}\n", first.sample);
@@ -116,8 +118,8 @@ fn text(record: &PixelRecord) -> String {
 /// For each bounce of a path the primitive that it hits, and for each point of a light whether it is visible.
 type Outline = Vec<(Option<u32>, Vec<(usize, bool)>)>;
 
-fn outline(path: &Path) -> Outline {
-    let light = |light: &Light| (light.light, light.verdict == Verdict::Visible);
+fn outline(path: &RecordedPath) -> Outline {
+    let light = |light: &Light| (light.light, light.verdict == Visibility::Visible);
     let bounce = |bounce: &Bounce| match &bounce.met {
         Some(met) => (Some(met.primitive), met.lights.iter().map(light).collect()),
         None => (None, Vec::new()),
@@ -153,7 +155,7 @@ fn bounce(number: usize, bounce: &Bounce) -> String {
     )
 }
 
-fn met(met: &Met) -> String {
+fn met(met: &RecordedHit) -> String {
     let name = met.name.as_ref().map_or_else(String::new, |name| format!(" ({name})"));
     let bound = met.t_error.map_or("no bound".to_owned(), |e| format!("\u{b1}{e:.1e}"));
     let [u, v] = met.uv.map(number);
@@ -180,7 +182,9 @@ fn met(met: &Met) -> String {
     text + &met.lights.iter().map(light).collect::<String>()
 }
 
-fn surface(Surface { color, texture, ks, kd, exponent, kr, emission }: &Surface) -> String {
+fn surface(
+    RecordedSurface { color, texture, ks, kd, exponent, kr, emission }: &RecordedSurface,
+) -> String {
     let from = texture.as_ref().map_or_else(String::new, |file| format!(" from {file}"));
     let [kd, ks, exponent] = [*kd, *ks, *exponent].map(number);
     let color = three(*color);
@@ -208,13 +212,13 @@ fn within(x: f64, error: Option<f32>) -> String {
 
 fn light(light: &Light) -> String {
     let verdict = match &light.verdict {
-        Verdict::Behind => "behind the surface".to_owned(),
-        Verdict::NotReflected => "reflects nothing".to_owned(),
-        Verdict::Visible => format!("visible, adds {}", three(light.adds)),
-        Verdict::Occluded { primitive: Some(primitive), shape, t } => {
+        Visibility::Behind => "behind the surface".to_owned(),
+        Visibility::NotReflected => "reflects nothing".to_owned(),
+        Visibility::Visible => format!("visible, adds {}", three(light.adds)),
+        Visibility::Occluded { primitive: Some(primitive), shape, t } => {
             format!("blocked by primitive {primitive} of {shape}, at {} of the way", number(*t))
         }
-        Verdict::Occluded { primitive: None, .. } => "blocked".to_owned(),
+        Visibility::Occluded { primitive: None, .. } => "blocked".to_owned(),
     };
     let Light { light, index, distance, .. } = light;
     let distance = distance.map_or("infinitely far".to_owned(), |d| format!("{} away", number(d)));

@@ -15,7 +15,7 @@ const DEEPEST: usize = 64;
 
 /// A node, or a leaf.
 #[derive(Clone, Copy, Debug)]
-struct Node {
+struct InstanceNode {
     bounds: Aabb,
     /// The first of two children, or the instance of a leaf.
     index: u32,
@@ -26,7 +26,7 @@ struct Node {
 #[derive(Clone, Debug, Default)]
 pub(super) struct Tlas {
     /// The root first; siblings are adjacent.
-    nodes: Vec<Node>,
+    nodes: Vec<InstanceNode>,
     /// The factor, relative to other boxes, by which the origins of rays are moved.
     widening: f32,
     depth: usize,
@@ -79,7 +79,7 @@ impl Tlas {
     pub(super) fn outline(&self) -> impl Iterator<Item = (Aabb, f32)> + use<> {
         /// Number of boxes from which on none is divided.
         const ENOUGH: usize = 32;
-        let mut open: Vec<Node> = self.nodes.first().copied().into_iter().collect();
+        let mut open: Vec<InstanceNode> = self.nodes.first().copied().into_iter().collect();
         while open.len() < ENOUGH
             && let Some(place) = open.iter().position(|node| !node.is_leaf)
         {
@@ -105,7 +105,7 @@ impl Tlas {
         if items.is_empty() {
             return;
         }
-        let empty = Node { bounds: Aabb::EMPTY, index: 0, is_leaf: true };
+        let empty = InstanceNode { bounds: Aabb::EMPTY, index: 0, is_leaf: true };
         self.nodes.push(empty);
         let mut waiting = vec![(0, 0..items.len(), 0)];
         while let Some((place, range, depth)) = waiting.pop() {
@@ -113,12 +113,12 @@ impl Tlas {
             let here = &mut items[range.clone()];
             let bounds = here.iter().fold(Aabb::EMPTY, |all, item| all.union(item.bounds));
             if let [item] = here {
-                self.nodes[place] = Node { bounds, index: item.instance, is_leaf: true };
+                self.nodes[place] = InstanceNode { bounds, index: item.instance, is_leaf: true };
                 continue;
             }
             let middle = range.start + divide(here, depth);
             let children = self.nodes.len();
-            self.nodes[place] = Node { bounds, index: children as u32, is_leaf: false };
+            self.nodes[place] = InstanceNode { bounds, index: children as u32, is_leaf: false };
             self.nodes.extend([empty; 2]);
             waiting.push((children, range.start..middle, depth + 1));
             waiting.push((children + 1, middle..range.end, depth + 1));

@@ -11,7 +11,7 @@ use super::{Decision, Effect};
 wavecrest_base::choices! {
     /// A group of columns in the wavefront's batch, which defines their widths, in the order of the batch.
     #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-    pub enum Column {
+    pub enum ColumnGroup {
         /// Radiance gathered by paths, and their pixels.
         Paths = "paths",
         /// The rays of this bounce.
@@ -114,9 +114,9 @@ pub struct Pass {
     /// The effects it serves.
     pub needs: Needs,
     /// The columns that it reads.
-    pub reads: &'static [Column],
+    pub reads: &'static [ColumnGroup],
     /// The columns that it writes.
-    pub writes: &'static [Column],
+    pub writes: &'static [ColumnGroup],
 }
 
 /// All lights: points of every kind are sampled in the same way.
@@ -132,7 +132,7 @@ const LIGHTS: Needs = Needs::Any(&[
 /// Kinds of shapes have no row: no pass depends on a kind, so an absent kind costs nothing as it
 /// has no primitives. Nor has the hemispheric light, which a scene has or has not.
 pub const PASSES: [Pass; 18] = {
-    use Column::{Differentials, Hits, LitPoints, NextRays, Paths, Rays, ShadowRays, Tints};
+    use ColumnGroup::{Differentials, Hits, LitPoints, NextRays, Paths, Rays, ShadowRays, Tints};
     [
         pass(Step::Generate, "generate", Needs::Nothing, &[], &[Paths, Rays]),
         part(Step::Jitter, "jitter", Step::Generate, &[Effect::Antialiasing], &[], &[Rays]),
@@ -172,8 +172,8 @@ const fn pass(
     step: Step,
     name: &'static str,
     needs: Needs,
-    reads: &'static [Column],
-    writes: &'static [Column],
+    reads: &'static [ColumnGroup],
+    writes: &'static [ColumnGroup],
 ) -> Pass {
     Pass { step, name, part_of: None, needs, reads, writes }
 }
@@ -183,8 +183,8 @@ const fn part(
     name: &'static str,
     of: Step,
     needs: &'static [Effect],
-    reads: &'static [Column],
-    writes: &'static [Column],
+    reads: &'static [ColumnGroup],
+    writes: &'static [ColumnGroup],
 ) -> Pass {
     let needs = Needs::Any(needs);
     Pass { step, name, part_of: Some(of), needs, reads, writes }
@@ -203,7 +203,7 @@ pub struct Schedule {
     running: u32,
     /// Steps that run for every scene.
     unconditional: u32,
-    /// A bit for each [`Column`].
+    /// A bit for each [`ColumnGroup`].
     columns: u16,
     /// An error of the table for these effects.
     flaw: Option<Flaw>,
@@ -215,7 +215,7 @@ pub struct Flaw {
     /// The step with the error.
     pub step: Step,
     /// Its column.
-    pub column: Column,
+    pub column: ColumnGroup,
 }
 
 impl Schedule {
@@ -257,13 +257,13 @@ impl Schedule {
     }
 
     /// Whether the column has storage.
-    pub fn has(self, column: Column) -> bool {
+    pub fn has(self, column: ColumnGroup) -> bool {
         self.columns >> column as u16 & 1 == 1
     }
 
     /// The columns that have storage.
-    pub fn columns(self) -> impl Iterator<Item = Column> {
-        Column::ALL.into_iter().filter(move |&column| self.has(column))
+    pub fn columns(self) -> impl Iterator<Item = ColumnGroup> {
+        ColumnGroup::ALL.into_iter().filter(move |&column| self.has(column))
     }
 
     /// An error of the table for these effects, which would make the image wrong.
@@ -277,7 +277,7 @@ fn steps<'a>(passes: impl Iterator<Item = &'a Pass>) -> u32 {
 }
 
 fn flaw(running: &[&Pass]) -> Option<Flaw> {
-    let any = |columns: fn(&Pass) -> &'static [Column], column| {
+    let any = |columns: fn(&Pass) -> &'static [ColumnGroup], column| {
         running.iter().any(|pass| columns(pass).contains(column))
     };
     running.iter().find_map(|pass| {

@@ -6,7 +6,7 @@ use hecs::World;
 use crate::components::{CameraKey, CameraPath, ThinLens, View};
 use crate::query::missing;
 use wavecrest_base::error::Result;
-use wavecrest_core::kernels::camera::path::{Key, Path};
+use wavecrest_core::kernels::camera::path::{Keyframe, Path};
 use wavecrest_core::kernels::camera::{Camera, Lens, Placement};
 use wavecrest_core::math::sampling::Sampling;
 use wavecrest_core::plan::schedule::{Schedule, Step};
@@ -57,7 +57,7 @@ fn of_world(
         fov_axis: view.fov_axis,
         size: [view.width, view.height],
     };
-    let key = |key: &CameraKey| Key {
+    let key = |key: &CameraKey| Keyframe {
         frame: key.frame,
         placement: Placement {
             location: key.location - origin,

@@ -13,7 +13,7 @@ use std::sync::OnceLock;
 use bytemuck::Zeroable;
 
 use super::Preset;
-use super::piece::{Piece, Plan};
+use super::piece::{BuildPlan, Piece};
 use crate::accel::arena::{Arena, Kind, Ref, Unit};
 use crate::accel::tree::{Chunk, Demand, Searched};
 use crate::accel::wide::Part;
@@ -30,7 +30,7 @@ impl Demand {
     pub(super) const MOST_UNITS: usize = 3;
 
     /// Chunks of these entries, of which none is built.
-    pub(super) fn new(plan: &Plan, chunks: Vec<(Range<usize>, Aabb)>) -> Self {
+    pub(super) fn new(plan: &BuildPlan, chunks: Vec<(Range<usize>, Aabb)>) -> Self {
         let chunk = |(entries, _)| Chunk { entries, built: OnceLock::new() };
         let chunks = chunks.into_iter().map(chunk).collect();
         Self { extents: plan.extents, chunks }
@@ -53,7 +53,7 @@ impl Demand {
     fn root(&self, arena: &Arena, geometry: &Geometry, chunk: usize) -> Option<Ref> {
         let Chunk { entries, built } = self.chunks.get(chunk)?;
         let build = |piece: &mut Piece| {
-            let plan = Plan::new(geometry, Preset::OnDemand, self.extents);
+            let plan = BuildPlan::new(geometry, Preset::OnDemand, self.extents);
             let parts = piece.parts(&plan, arena.numbers(), entries.clone(), 1);
             let kind = parts.first().map(|part| part.kind);
             let whole =

@@ -9,7 +9,7 @@ use obvhs::aabb::Aabb;
 use obvhs::ploc::morton::morton_encode_u32;
 
 use super::entries::Entry;
-use crate::accel::wide::{Shared, as_patch};
+use crate::accel::wide::{SharedVertices, as_patch};
 use crate::math::simd::LANES;
 
 /// How much more a joint leaf may cost than two separate ones, as a share of the smaller one's
@@ -36,9 +36,9 @@ pub(super) struct Finder {
 
 /// A leaf.
 #[derive(Clone, Copy)]
-pub(super) struct Leaf {
+pub(super) struct FoundLeaf {
     /// The vertices of triangles; other primitives are alone.
-    pub(super) shared: Option<Shared>,
+    pub(super) shared: Option<SharedVertices>,
     /// The numbers of its primitives; the first `count` are used.
     pub(super) numbers: [u32; LANES],
     pub(super) count: usize,
@@ -50,13 +50,13 @@ impl Finder {
     pub(super) fn find<const N: usize>(
         &mut self,
         singles: &mut Vec<Entry>,
-        leaves: &mut Vec<Leaf>,
+        leaves: &mut Vec<FoundLeaf>,
         boxes: &mut Vec<Aabb>,
     ) {
         let (own, heaps) = boxes.split_at(singles.len());
         sort(own, &mut self.keys, &mut self.spare);
         self.leaves.clear();
-        let mut open = Open::<N>::default();
+        let mut open = LastLeaves::<N>::default();
         for &key in &self.keys {
             let index = key as u32 as usize;
             let (Entry { number, corners }, bounds) = (singles[index], own[index]);
@@ -84,8 +84,8 @@ impl Finder {
                 let lane = leaves.len() % N;
                 open.leaves[lane] = leaves.len();
                 open.put(lane, &bounds, if corners.is_some() { 1 } else { LANES });
-                let shared = corners.map(Shared::of);
-                leaves.push(Leaf { shared, numbers: [number; LANES], count: 1 });
+                let shared = corners.map(SharedVertices::of);
+                leaves.push(FoundLeaf { shared, numbers: [number; LANES], count: 1 });
                 self.leaves.push(bounds);
             }
         }
@@ -96,7 +96,7 @@ impl Finder {
 }
 
 /// The last leaves, which a triangle may join, for the curve soon comes back.
-struct Open<const N: usize> {
+struct LastLeaves<const N: usize> {
     /// The numbers of the leaves.
     leaves: [usize; N],
     /// Their boxes, an axis a row.
@@ -109,7 +109,7 @@ struct Open<const N: usize> {
     fuller: [f32; N],
 }
 
-impl<const N: usize> Default for Open<N> {
+impl<const N: usize> Default for LastLeaves<N> {
     fn default() -> Self {
         let (zero, none) = ([0.0; N], [f32::INFINITY; N]);
         let leaves = [0; N];
@@ -117,7 +117,7 @@ impl<const N: usize> Default for Open<N> {
     }
 }
 
-impl<const N: usize> Open<N> {
+impl<const N: usize> LastLeaves<N> {
     /// Puts a leaf of `count` triangles into a lane.
     fn put(&mut self, lane: usize, bounds: &Aabb, count: usize) {
         for axis in 0..3 {

@@ -9,7 +9,7 @@ use obvhs::ploc::PlocBuilder;
 
 use super::coincident::Heaps;
 use super::entries::Entry;
-use super::leaves::{Finder, Leaf};
+use super::leaves::{Finder, FoundLeaf};
 use super::weld::Welder;
 use super::{Preset, WELD_ABOVE};
 use crate::accel::arena::put;
@@ -19,7 +19,7 @@ use crate::kernels::slab::Aabb;
 use crate::math::simd::LANES;
 
 /// The scene, and how to build its pieces.
-pub(super) struct Plan<'a> {
+pub(super) struct BuildPlan<'a> {
     pub(super) geometry: &'a Geometry,
     pub(super) preset: Preset,
     /// A box around everything.
@@ -28,7 +28,7 @@ pub(super) struct Plan<'a> {
     pub(super) weld: bool,
 }
 
-impl<'a> Plan<'a> {
+impl<'a> BuildPlan<'a> {
     pub(super) fn new(geometry: &'a Geometry, preset: Preset, extents: Aabb) -> Self {
         let weld = geometry.positions.len() > WELD_ABOVE * geometry.triangles.len() / 4;
         Self { geometry, preset, extents, weld }
@@ -56,7 +56,7 @@ pub(super) struct Piece {
 struct Members {
     singles: Vec<Entry>,
     heaps: Heaps,
-    leaves: Vec<Leaf>,
+    leaves: Vec<FoundLeaf>,
 }
 
 impl Members {
@@ -90,7 +90,7 @@ impl Piece {
     /// output in about `parts` parts. The numbers of its leaves take the place of the entries.
     pub(super) fn parts(
         &mut self,
-        plan: &Plan,
+        plan: &BuildPlan,
         numbers: &[AtomicU32],
         entries: Range<usize>,
         parts: usize,
@@ -111,7 +111,7 @@ impl Piece {
     }
 
     /// Builds the hierarchy over the entries, and decides its conversion.
-    fn build(&mut self, plan: &Plan) {
+    fn build(&mut self, plan: &BuildPlan) {
         self.gather(plan);
         let Members { singles, heaps, leaves } = &mut self.members;
         heaps.gather(plan.geometry, &to_obvhs(plan.extents), (singles, &mut self.boxes));
@@ -142,7 +142,7 @@ impl Piece {
     }
 
     /// Computes a box for each entry.
-    fn gather(&mut self, plan: &Plan) {
+    fn gather(&mut self, plan: &BuildPlan) {
         let entries = &self.entries;
         let geometry = plan.geometry;
         let Members { singles, leaves, .. } = &mut self.members;
@@ -173,7 +173,7 @@ impl Piece {
     /// Parts are nodes and leaves as in the whole piece, so that a tree with other nodes above them
     /// has about the same below. The largest boxes are opened first, so that a large triangle does
     /// not share a box with small ones.
-    fn emit(&mut self, plan: &Plan, parts: usize) -> Vec<Part> {
+    fn emit(&mut self, plan: &BuildPlan, parts: usize) -> Vec<Part> {
         let part = |place: u32| {
             let (unit, owner) = (self.output.units.len(), |owner| self.members.owner(owner));
             let output = &mut self.output;

@@ -14,7 +14,7 @@ pub(super) const WIDTH: usize = 16;
 pub(super) const GROUPS: usize = TILE / WIDTH;
 
 /// A number for each ray of a tile.
-pub(super) type Column = [[f32; WIDTH]; GROUPS];
+pub(super) type TileColumn = [[f32; WIDTH]; GROUPS];
 
 /// The index in a tile's row of groups of ray number `number`, counted row by row: each group is a
 /// block of 4 by 4, which meets less than one of 8 by 2.
@@ -47,12 +47,12 @@ pub(super) fn numbers(block: usize, mut rays: u64) -> impl Iterator<Item = usize
 
 /// A group's row of a column.
 #[inline(always)]
-pub(super) fn load<S: Lanes>(simd: S, column: &Column, g: usize) -> f32x16<S> {
+pub(super) fn load<S: Lanes>(simd: S, column: &TileColumn, g: usize) -> f32x16<S> {
     column[g].simd_into(simd)
 }
 
 /// Half a group's row of a column, from `l` on.
 #[inline(always)]
-pub(super) fn half<S: Lanes>(simd: S, column: &Column, g: usize, l: usize) -> f32x8<S> {
+pub(super) fn half<S: Lanes>(simd: S, column: &TileColumn, g: usize, l: usize) -> f32x8<S> {
     <f32x8<S> as Single>::from_slice(simd, &column[g][l..])
 }

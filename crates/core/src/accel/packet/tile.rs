@@ -5,10 +5,10 @@ use fearless_simd::{f32x8, f32x16, mask32x16, u32x8, u32x16};
 use glam::Vec3;
 
 use super::beam::Beam;
-use super::columns::{Column, GROUPS, WIDTH, half, load, number_of, numbers};
+use super::columns::{GROUPS, TileColumn, WIDTH, half, load, number_of, numbers};
 use super::frame::Frame;
 use super::{TILE, Visit};
-use crate::accel::arena::{Ref, View};
+use crate::accel::arena::{ArenaView, Ref};
 use crate::accel::best::{Best, exact_t};
 use crate::accel::node::widened;
 use crate::accel::query::Query;
@@ -24,15 +24,15 @@ use crate::math::vector::{Line, Vector};
 /// A tile's rays, in columns. The order of fields keeps vectors within cache lines.
 #[derive(Clone, Debug)]
 #[repr(C, align(64))]
-pub(super) struct Tile {
-    pub(super) origin: [Column; 3],
-    pub(super) direction: [Column; 3],
-    pub(super) t_min: Column,
-    pub(super) t_max: Column,
-    pub(super) reciprocal: [Column; 3],
+pub(super) struct RayTile {
+    pub(super) origin: [TileColumn; 3],
+    pub(super) direction: [TileColumn; 3],
+    pub(super) t_min: TileColumn,
+    pub(super) t_max: TileColumn,
+    pub(super) reciprocal: [TileColumn; 3],
     /// The best hits: see [`Best`].
-    pub(super) low: Column,
-    pub(super) high: Column,
+    pub(super) low: TileColumn,
+    pub(super) high: TileColumn,
     pub(super) leaf: [[u32; WIDTH]; GROUPS],
     pub(super) entry: [[u32; WIDTH]; GROUPS],
     /// For triangles, once many rays meet one.
@@ -42,7 +42,7 @@ pub(super) struct Tile {
     spaces: [ShearedSpace; TILE],
     pub(super) has_space: u64,
     pub(super) beam: Beam,
-    pub(super) open: Open,
+    pub(super) open: OpenPairs,
     /// The number of the first ray of its block.
     pub(super) block: usize,
     /// The rays of the block that it has, a bit each. The others' columns repeat one of them.
@@ -58,7 +58,7 @@ pub(super) struct Tile {
 
 /// A ray of the tile and a triangle of a leaf.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Pair {
+pub(super) struct OpenPair {
     pub(super) ray: usize,
     pub(super) leaf: Ref,
     pub(super) entry: usize,
@@ -66,17 +66,17 @@ pub(super) struct Pair {
 
 /// Pairs that single precision leaves open: double precision takes eight at a time.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Open {
-    pub(super) pairs: [Pair; LANES],
+pub(super) struct OpenPairs {
+    pub(super) pairs: [OpenPair; LANES],
     pub(super) count: usize,
 }
 
-impl Open {
+impl OpenPairs {
     const NONE: Self =
-        Self { pairs: [Pair { ray: 0, leaf: Ref::ROOT, entry: 0 }; LANES], count: 0 };
+        Self { pairs: [OpenPair { ray: 0, leaf: Ref::ROOT, entry: 0 }; LANES], count: 0 };
 }
 
-impl Default for Tile {
+impl Default for RayTile {
     fn default() -> Self {
         let column = [[0.0; WIDTH]; GROUPS];
         Self {
@@ -94,7 +94,7 @@ impl Default for Tile {
             spaces: [ShearedSpace::new(&Ray::new(Vec3::ZERO, Vec3::X)); TILE],
             has_space: 0,
             beam: Beam::EMPTY,
-            open: Open::NONE,
+            open: OpenPairs::NONE,
             block: 0,
             rays: 0,
             done: 0,
@@ -105,7 +105,7 @@ impl Default for Tile {
     }
 }
 
-impl Tile {
+impl RayTile {
     /// Clears earlier rays' hits. Not where rays are loaded: many tiles meet nothing.
     #[inline(always)]
     pub(super) fn clear(&mut self) {
@@ -219,7 +219,12 @@ impl Tile {
 
     /// The t of the hits of eight rays from the `first`th on, and those that lacked it, a bit each.
     #[inline(always)]
-    fn finished<S: Lanes>(&self, simd: S, arena: View<'_>, first: usize) -> ([f32; LANES], u32) {
+    fn finished<S: Lanes>(
+        &self,
+        simd: S,
+        arena: ArenaView<'_>,
+        first: usize,
+    ) -> ([f32; LANES], u32) {
         let (g, l) = (first / WIDTH % GROUPS, first % WIDTH);
         let t = half(simd, &self.low, g, l);
         let open = t.simd_ne(half(simd, &self.high, g, l)).bits();
@@ -285,7 +290,7 @@ impl Tile {
     #[inline(always)]
     pub(super) fn ray(&self, i: usize) -> Ray {
         let (g, l) = (i / WIDTH % GROUPS, i % WIDTH);
-        let at = |[x, y, z]: &[Column; 3]| Vec3::new(x[g][l], y[g][l], z[g][l]);
+        let at = |[x, y, z]: &[TileColumn; 3]| Vec3::new(x[g][l], y[g][l], z[g][l]);
         Ray {
             origin: at(&self.origin),
             t_min: self.t_min[g][l],
