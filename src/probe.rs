@@ -5,14 +5,14 @@ use std::path::PathBuf;
 use glam::Vec3;
 
 use super::common::{SearchOptions, numbers, print, rounded, to_json, whole};
-use super::input::{Extent, SceneOptions};
+use super::input::{MemoryNeeds, SceneOptions};
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_core::probe::{
     Bounce, Light, PixelRecord, RecordedHit, RecordedPath, RecordedSurface, Visibility, pixel,
 };
 use wavecrest_core::recursive::End;
 use wavecrest_core::wavefront::DEFAULT_BATCH;
-use wavecrest_scene::memory::{Images, film_bytes};
+use wavecrest_scene::memory::{ImageBytes, film_bytes};
 
 /// Follow the rays of a pixel: what they hit, its material, and what each light adds.
 ///
@@ -54,8 +54,8 @@ pub(crate) fn run(args: &ProbeArgs) -> Result<bool> {
     args.search.check(args.scene_options.precision)?;
     args.scene_options.threads.run(|| {
         // A single pixel, not written.
-        let images = |_| Images { film: film_bytes(1), writing: 0 };
-        let extent = &Extent { images: Box::new(images), batch: DEFAULT_BATCH };
+        let images = |_| ImageBytes { film: film_bytes(1), writing: 0 };
+        let extent = &MemoryNeeds { images: Box::new(images), batch: DEFAULT_BATCH };
         let loaded = args.scene_options.load(&args.scene, extent, &[])?;
         let extracted = args.scene_options.extract(loaded, extent)?;
         let preset = args.scene_options.preset(&extracted);
@@ -116,9 +116,9 @@ fn text(record: &PixelRecord) -> String {
 }
 
 /// For each bounce of a path the primitive that it hits, and for each point of a light whether it is visible.
-type Outline = Vec<(Option<u32>, Vec<(usize, bool)>)>;
+type PathOutcome = Vec<(Option<u32>, Vec<(usize, bool)>)>;
 
-fn outline(path: &RecordedPath) -> Outline {
+fn outline(path: &RecordedPath) -> PathOutcome {
     let light = |light: &Light| (light.light, light.verdict == Visibility::Visible);
     let bounce = |bounce: &Bounce| match &bounce.met {
         Some(met) => (Some(met.primitive), met.lights.iter().map(light).collect()),

@@ -12,7 +12,7 @@ use std::time::Duration;
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use wavecrest_api as api;
-use wavecrest_api::memory::{Asked, Estimate, Images, estimate, estimate_extracted};
+use wavecrest_api::memory::{Asked, Estimate, ImageBytes, estimate, estimate_extracted};
 
 use super::input::{self, Argument, Source};
 use super::{Error, exception};
@@ -61,7 +61,7 @@ impl Job {
         let rendering = api::RenderOptions { seed: self.seed, ..Default::default() };
         if let Some(survey) = self.survey()? {
             let batch = rendering.batch;
-            let asked = Asked { images: &Images::whole, preset: None, batch, flat: false };
+            let asked = Asked { images: &ImageBytes::whole, preset: None, batch, flat: false };
             estimate(&survey, asked).check_room()?;
         }
         let mut loaded = match self.source {

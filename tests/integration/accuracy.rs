@@ -14,7 +14,7 @@ use wavecrest_report::accuracy::findings::{ERRORS, Point};
 use wavecrest_report::accuracy::pilot::target::reach;
 use wavecrest_report::accuracy::pilot::{Pilot, error};
 use wavecrest_report::accuracy::setting::{Facts, Family, Series, Setting, Structure};
-use wavecrest_report::accuracy::store::{FILE, Header, Record, Store};
+use wavecrest_report::accuracy::store::{FILE, Record, Store, SweepHeader};
 use wavecrest_report::accuracy::subject::Subject;
 use wavecrest_report::accuracy::sweep::run;
 use wavecrest_report::accuracy::{Findings, page};
@@ -25,11 +25,11 @@ use crate::support::{
     repository, scene, sphere, thin_lens, wall, wavecrest, with,
 };
 
-fn header(longest: u32, most: u32, least: u32) -> Header {
-    Header { version: "1".to_owned(), longest, most, least }
+fn header(longest: u32, most: u32, least: u32) -> SweepHeader {
+    SweepHeader { version: "1".to_owned(), longest, most, least }
 }
 
-fn findings(header: &Header, seeds: u32, file: &Path, folder: &Path) -> Findings {
+fn findings(header: &SweepHeader, seeds: u32, file: &Path, folder: &Path) -> Findings {
     let mut store = Store::open(folder, header).expect("a folder");
     let swept = run(&[file.to_owned()], seeds, &mut store, &|_| {}).expect("a sweep");
     Findings::new(seeds, &store, &swept, &ERRORS)

@@ -13,7 +13,7 @@ use wavecrest_core::plan::{Effect, Plan};
 use wavecrest_core::prepared::PreparedScene;
 use wavecrest_core::render::{RenderOptions, Rendered, TracerKind, camera_rays, render};
 use wavecrest_core::wavefront::batch::Batch;
-use wavecrest_report::effects::scenes::{Variant, variants};
+use wavecrest_report::effects::scenes::{SceneVariant, variants};
 use wavecrest_report::expected::Estimated;
 use wavecrest_scene::systems::Options;
 
@@ -291,8 +291,8 @@ fn columns_are_as_large_as_estimated() {
 }
 
 /// The scenes of the price list, smaller.
-fn price_list(folder: &Path) -> Vec<Variant> {
-    let smaller = |mut variant: Variant| {
+fn price_list(folder: &Path) -> Vec<SceneVariant> {
+    let smaller = |mut variant: SceneVariant| {
         variant.scene["camera"]["width"] = 32.into();
         variant.scene["camera"]["height"] = 24.into();
         variant

@@ -24,7 +24,7 @@ use std::process::Command;
 use serde::Serialize;
 
 use findings::SceneFindings;
-use store::{Circumstances, Header, Store, all};
+use store::{Circumstances, Store, SweepHeader, all};
 
 use crate::bench::Machine;
 use crate::files::write_json;
@@ -32,7 +32,7 @@ use wavecrest_base::error::Result;
 
 /// The progress of a sweep. Work is counted in points of pixels: a rough measure, by which the time to go is estimated.
 #[derive(Clone, Copy, Debug)]
-pub enum Progress<'a> {
+pub enum SweepProgress<'a> {
     /// The sweep starts, with this much work.
     Start(u64),
     /// The next stage starts.
@@ -46,7 +46,7 @@ pub enum Progress<'a> {
 pub struct Findings {
     /// The sweep.
     #[serde(flatten)]
-    pub header: Header,
+    pub header: SweepHeader,
     /// Renders of each setting.
     pub seeds: u32,
     /// Circumstances: an entry for each start or resumption of the sweep.

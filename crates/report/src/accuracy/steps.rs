@@ -6,7 +6,7 @@
 use std::hint::black_box;
 use std::time::Instant;
 
-use super::Progress;
+use super::SweepProgress;
 use super::layers::LayersFindings;
 use super::setting::{Setting, Structure};
 use super::store::{Record, StepRecord, StepsRecord, Store, all};
@@ -35,13 +35,13 @@ const SHORT: f64 = 0.5;
 pub fn run(
     subject: &mut Subject,
     store: &mut Store,
-    progress: &dyn Fn(Progress<'_>),
+    progress: &dyn Fn(SweepProgress<'_>),
 ) -> Result<()> {
     let scene = subject.record.scene.clone();
     if all(&store.records).any(|s: &StepsRecord| s.scene == scene) {
         return Ok(());
     }
-    progress(Progress::Stage(&format!("{scene}: steps to exact hits")));
+    progress(SweepProgress::Stage(&format!("{scene}: steps to exact hits")));
     let c = subject.render(&Setting::default(), 0)?.counters;
     let rays = Rays::from(&c).all();
     let mut prices = prices(&subject.prepare(&Structure::default())?.scene);

@@ -12,7 +12,7 @@ use super::primitive::{COLORS, Mode, Primitive};
 use super::texture::coordinates;
 
 /// Reads primitives, and counts the bytes read.
-pub(super) struct Reader<'a> {
+pub(super) struct PrimitiveReader<'a> {
     document: &'a Document,
     notes: &'a Notes<'a>,
     /// Bytes that may still be read. Accessors may share bytes: without a limit, a small file could
@@ -27,7 +27,7 @@ const READ_ANYHOW: u64 = 1 << 26;
 const READ_AGAIN: u64 = 64;
 
 /// The vertices of a primitive.
-struct Vertices<'p> {
+struct PrimitiveVertices<'p> {
     of: &'p Primitive,
     count: usize,
     /// Those at corners, if most are at none.
@@ -42,7 +42,7 @@ const UNSIGNED: &Types = &[(Component::F32, false), (Component::U8, true), (Comp
 /// The types of normals in quantised meshes; the first one of normals and positions in others.
 const SIGNED: &Types = &[(Component::F32, false), (Component::I8, true), (Component::I16, true)];
 
-impl<'a> Reader<'a> {
+impl<'a> PrimitiveReader<'a> {
     /// Reads primitives of a file.
     pub(super) fn new(document: &'a Document, notes: &'a Notes<'a>) -> Self {
         let again = READ_AGAIN.saturating_mul(document.storage.len() as u64);
@@ -71,7 +71,7 @@ impl<'a> Reader<'a> {
             return Ok(None);
         }
         triangles.shrink_to_fit();
-        let vertices = Vertices { of: primitive, count, used };
+        let vertices = PrimitiveVertices { of: primitive, count, used };
         let normals = self.normals(&vertices)?;
         let uvs = set.map_or(Ok(None), |set| self.uvs(&vertices, set))?;
         let positions = self.positions(&vertices)?;
@@ -127,7 +127,7 @@ impl<'a> Reader<'a> {
     /// converts them.
     fn attribute<T: Send, const N: usize>(
         &mut self,
-        Vertices { of, count, used }: &Vertices<'_>,
+        PrimitiveVertices { of, count, used }: &PrimitiveVertices<'_>,
         name: &str,
         (width, types): (usize, &Types),
         make: impl Fn([f64; N]) -> T + Sync + Send,
@@ -151,7 +151,7 @@ impl<'a> Reader<'a> {
         Ok(Some(self.document.storage.elements(index).each(used.as_deref(), make)))
     }
 
-    fn positions(&mut self, vertices: &Vertices<'_>) -> Result<Vec<Vec3>> {
+    fn positions(&mut self, vertices: &PrimitiveVertices<'_>) -> Result<Vec<Vec3>> {
         let points = self.attribute(vertices, "POSITION", (3, &SIGNED[..1]), vec3)?;
         let points = points.unwrap_or_default();
         let Some(bad) = points.iter().position(|p| !is_good_position(*p)) else {
@@ -162,7 +162,7 @@ impl<'a> Reader<'a> {
         Err(bad_position(points[bad]).in_file(self.notes.file()).at(place))
     }
 
-    fn normals(&mut self, vertices: &Vertices<'_>) -> Result<Option<Attribute<Vec3>>> {
+    fn normals(&mut self, vertices: &PrimitiveVertices<'_>) -> Result<Option<Attribute<Vec3>>> {
         let types = if self.document.is_quantized { SIGNED } else { &SIGNED[..1] };
         let values = self.attribute(vertices, "NORMAL", (3, types), |normal| {
             // A zero vector is an unknown normal.
@@ -175,7 +175,11 @@ impl<'a> Reader<'a> {
         Ok(values.map(|values| Attribute { values, indices: None }))
     }
 
-    fn uvs(&mut self, vertices: &Vertices<'_>, set: u32) -> Result<Option<Attribute<Vec2>>> {
+    fn uvs(
+        &mut self,
+        vertices: &PrimitiveVertices<'_>,
+        set: u32,
+    ) -> Result<Option<Attribute<Vec2>>> {
         let name = format!("TEXCOORD_{set}");
         let values = self.attribute(vertices, &name, (2, UNSIGNED), |uv| {
             Some(coordinates(uv)).filter(|uv| uv.is_finite()).unwrap_or(Vec2::ZERO)
@@ -189,7 +193,7 @@ impl<'a> Reader<'a> {
     }
 
     /// Colours without their alpha.
-    fn colors(&mut self, vertices: &Vertices<'_>) -> Result<Option<Vec<Vec3>>> {
+    fn colors(&mut self, vertices: &PrimitiveVertices<'_>) -> Result<Option<Vec<Vec3>>> {
         let accessor = vertices.of.attributes.get(COLORS).map(|&index| self.accessor(index));
         let width = accessor.map_or(3, |accessor| accessor.width.clamp(3, 4));
         let part = |x: f64| if x.is_finite() { x.max(0.0) as f32 } else { 1.0 };
