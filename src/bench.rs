@@ -7,7 +7,7 @@ use std::time::Instant;
 use super::common::{
     SearchOptions, choice, not_negative, print, tell, to_json, warn, whole, with_bar, write_text,
 };
-use super::input::{MemoryNeeds, SceneOptions};
+use super::input::{Made, SceneOptions};
 use wavecrest_base::error::{Error, Result};
 use wavecrest_base::replace::{check_differs, check_replaceable};
 use wavecrest_core::accel::build::Preset;
@@ -16,7 +16,7 @@ use wavecrest_core::render::{RenderOptions, TracerKind, render};
 use wavecrest_core::wavefront::DEFAULT_BATCH;
 use wavecrest_report::bench::page::{machine, overview, page, scene, write_figures};
 use wavecrest_report::bench::variant::{BATCHES, Varied};
-use wavecrest_report::bench::{BenchPlan, BenchReport, BenchSettings, Preparation, SceneBench};
+use wavecrest_report::bench::{BenchPlan, BenchReport, BenchSetting, Preparation, SceneBench};
 use wavecrest_report::effects::scenes::{SceneVariant, variants};
 use wavecrest_report::effects::{self, EffectScene};
 use wavecrest_report::measure::RoundLimits;
@@ -179,9 +179,9 @@ fn bench(args: &BenchArgs, path: &Path) -> Result<SceneBench> {
 /// The bar of rounds.
 const ROUNDS: &str = "{wide_bar} {pos} of {len} rounds, {eta} left";
 
-fn prepare(args: &BenchArgs, path: &Path) -> Result<(PreparedScene, BenchSettings)> {
+fn prepare(args: &BenchArgs, path: &Path) -> Result<(PreparedScene, BenchSetting)> {
     let start = Instant::now();
-    let extent = &MemoryNeeds::whole(args.batch);
+    let extent = &Made::whole(args.batch);
     let loaded = args.scene_options.load(path, extent, &[])?;
     let extracted = args.scene_options.extract(loaded, extent)?;
     // Neither tracer should wait for an image.
@@ -200,17 +200,8 @@ fn prepare(args: &BenchArgs, path: &Path) -> Result<(PreparedScene, BenchSetting
     let SearchOptions { simd, kernel } = args.search;
     let seed = args.seed;
     let precision = args.scene_options.precision;
-    let setting = BenchSettings {
-        scene: name,
-        seed,
-        batch,
-        simd,
-        kernel,
-        precision,
-        preset,
-        time,
-        predicted,
-    };
+    let setting =
+        BenchSetting { scene: name, seed, batch, simd, kernel, precision, preset, time, predicted };
     Ok((scene, setting))
 }
 
@@ -252,7 +243,7 @@ fn price_effects(args: &BenchArgs) -> Result<bool> {
         .collect::<Result<_>>()?;
     let SearchOptions { simd, kernel } = args.search;
     let precision = args.scene_options.precision;
-    let setting = effects::EffectSettings { simd, kernel, precision, batch: args.batch as usize };
+    let setting = effects::EffectSetting { simd, kernel, precision, batch: args.batch as usize };
     let trace = |scene: &_, tracer| render(scene, &args.options(tracer), &());
     let list = with_bar(args.scene_options.quiet, ROUNDS, |progress| {
         effects::measure(&entries, setting, &args.schedule(), trace, progress)
@@ -273,7 +264,7 @@ fn prepare_effect(args: &BenchArgs, variant: SceneVariant, folder: &Path) -> Res
     let options = LoadOptions { strict: true, width, height, ..LoadOptions::default() };
     // Warnings would be about built-in scenes.
     let loaded = load_str(&variant.scene.to_string(), &folder.join("effect.json"), &options)?;
-    let extracted = args.scene_options.extract(loaded, &MemoryNeeds::whole(args.batch))?;
+    let extracted = args.scene_options.extract(loaded, &Made::whole(args.batch))?;
     extracted.scene().appearance.decode()?;
     // The same for all, so that no effect has a better tree.
     let preset = args.scene_options.bvh.unwrap_or(Preset::Medium);

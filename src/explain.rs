@@ -8,7 +8,7 @@ use serde::Serialize;
 use serde_json::{Value, json};
 
 use super::common::{grouped, known, print, rounded, size, to_json, warn, whole};
-use super::input::{MemoryNeeds, SceneOptions};
+use super::input::{Made, SceneOptions};
 use wavecrest_base::error::Result;
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::kernels::precision::Precision;
@@ -90,7 +90,7 @@ struct ColumnMemory {
 /// If the scene cannot be rendered.
 pub(crate) fn run(args: &ExplainArgs) -> Result<()> {
     args.scene_options.threads.run(|| {
-        let extent = &MemoryNeeds::whole(args.batch);
+        let extent = &Made::whole(args.batch);
         let estimated = args.scene_options.estimate(&args.scene, extent)?;
         let start = Instant::now();
         let loaded = args.scene_options.load(&args.scene, extent, &[])?;

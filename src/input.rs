@@ -194,7 +194,7 @@ impl SceneOptions {
     pub(crate) fn load(
         &self,
         scene: &Path,
-        extent: &MemoryNeeds<'_>,
+        extent: &Made<'_>,
         outputs: &[&Path],
     ) -> Result<LoadedScene> {
         self.input.check(scene)?;
@@ -210,7 +210,7 @@ impl SceneOptions {
     }
 
     /// Estimates the memory of a render of this `extent` before anything large is read.
-    pub(crate) fn estimate(&self, scene: &Path, extent: &MemoryNeeds<'_>) -> Result<Estimate> {
+    pub(crate) fn estimate(&self, scene: &Path, extent: &Made<'_>) -> Result<Estimate> {
         let survey = survey(scene, &self.load_options())?;
         let asked = memory::Asked {
             images: &*extent.images,
@@ -227,22 +227,14 @@ impl SceneOptions {
     }
 
     /// Runs all systems but the last on `loaded`, for a render of this `extent`.
-    pub(crate) fn extract(
-        &self,
-        loaded: LoadedScene,
-        extent: &MemoryNeeds<'_>,
-    ) -> Result<Extracted> {
+    pub(crate) fn extract(&self, loaded: LoadedScene, extent: &Made<'_>) -> Result<Extracted> {
         let (precision, flat) = (self.precision, self.flatten);
         let options = systems::Options { precision, flat, ..Default::default() };
         self.checked(systems::extract(loaded.world, options)?, extent)
     }
 
     /// Refuses a scene that has no tree yet if a render of this `extent` would take more memory than is allowed.
-    pub(crate) fn checked(
-        &self,
-        extracted: Extracted,
-        extent: &MemoryNeeds<'_>,
-    ) -> Result<Extracted> {
+    pub(crate) fn checked(&self, extracted: Extracted, extent: &Made<'_>) -> Result<Extracted> {
         let Some(limit) = self.memory_limit else { return Ok(extracted) };
         let preset = self.preset(&extracted);
         limit::check(extracted.file(), &extent.estimate(&extracted, preset), limit)?;
@@ -269,14 +261,14 @@ impl SceneOptions {
 }
 
 /// What a command makes of a scene, as far as it affects memory.
-pub(crate) struct MemoryNeeds<'a> {
+pub(crate) struct Made<'a> {
     /// The memory of the images, if the whole image has this width and height in pixels.
     pub(crate) images: Box<dyn Fn([u32; 2]) -> ImageBytes + 'a>,
     /// Paths in a batch.
     pub(crate) batch: usize,
 }
 
-impl MemoryNeeds<'_> {
+impl Made<'_> {
     /// Estimates the memory of a render of an extracted scene.
     pub(crate) fn estimate(&self, extracted: &Extracted, preset: Preset) -> Estimate {
         let ImageBytes { film, writing } = (self.images)(extracted.scene().camera.size());

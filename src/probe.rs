@@ -5,10 +5,10 @@ use std::path::PathBuf;
 use glam::Vec3;
 
 use super::common::{SearchOptions, numbers, print, rounded, to_json, whole};
-use super::input::{MemoryNeeds, SceneOptions};
+use super::input::{Made, SceneOptions};
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_core::probe::{
-    Bounce, Light, PixelRecord, RecordedHit, RecordedPath, RecordedSurface, Visibility, pixel,
+    Bounce, HitRecord, Light, PathRecord, PixelRecord, SurfaceRecord, Visibility, pixel,
 };
 use wavecrest_core::recursive::End;
 use wavecrest_core::wavefront::DEFAULT_BATCH;
@@ -55,7 +55,7 @@ pub(crate) fn run(args: &ProbeArgs) -> Result<bool> {
     args.scene_options.threads.run(|| {
         // A single pixel, not written.
         let images = |_| ImageBytes { film: film_bytes(1), writing: 0 };
-        let extent = &MemoryNeeds { images: Box::new(images), batch: DEFAULT_BATCH };
+        let extent = &Made { images: Box::new(images), batch: DEFAULT_BATCH };
         let loaded = args.scene_options.load(&args.scene, extent, &[])?;
         let extracted = args.scene_options.extract(loaded, extent)?;
         let preset = args.scene_options.preset(&extracted);
@@ -93,10 +93,10 @@ fn check(args: &ProbeArgs, [width, height]: [u32; 2], samples: u32) -> Result<()
 fn text(record: &PixelRecord) -> String {
     let mut text = String::new();
     let [x, y] = record.pixel;
-    let mut rest: Vec<&RecordedPath> = record.paths.iter().collect();
+    let mut rest: Vec<&PathRecord> = record.paths.iter().collect();
     // Samples with the same hits are printed once.
     while let Some(&first) = rest.first() {
-        let (same, others): (Vec<&RecordedPath>, Vec<&RecordedPath>) =
+        let (same, others): (Vec<&PathRecord>, Vec<&PathRecord>) =
             rest.iter().partition(|path| outline(path) == outline(first));
         let radiance = three(first.radiance);
         text += &format!("pixel {x},{y}, sample {}: radiance {radiance}\n", first.sample);
@@ -118,7 +118,7 @@ fn text(record: &PixelRecord) -> String {
 /// For each bounce of a path the primitive that it hits, and for each point of a light whether it is visible.
 type PathOutcome = Vec<(Option<u32>, Vec<(usize, bool)>)>;
 
-fn outline(path: &RecordedPath) -> PathOutcome {
+fn outline(path: &PathRecord) -> PathOutcome {
     let light = |light: &Light| (light.light, light.verdict == Visibility::Visible);
     let bounce = |bounce: &Bounce| match &bounce.met {
         Some(met) => (Some(met.primitive), met.lights.iter().map(light).collect()),
@@ -155,7 +155,7 @@ fn bounce(number: usize, bounce: &Bounce) -> String {
     )
 }
 
-fn met(met: &RecordedHit) -> String {
+fn met(met: &HitRecord) -> String {
     let name = met.name.as_ref().map_or_else(String::new, |name| format!(" ({name})"));
     let bound = met.t_error.map_or("no bound".to_owned(), |e| format!("\u{b1}{e:.1e}"));
     let [u, v] = met.uv.map(number);
@@ -183,7 +183,7 @@ fn met(met: &RecordedHit) -> String {
 }
 
 fn surface(
-    RecordedSurface { color, texture, ks, kd, exponent, kr, emission }: &RecordedSurface,
+    SurfaceRecord { color, texture, ks, kd, exponent, kr, emission }: &SurfaceRecord,
 ) -> String {
     let from = texture.as_ref().map_or_else(String::new, |file| format!(" from {file}"));
     let [kd, ks, exponent] = [*kd, *ks, *exponent].map(number);

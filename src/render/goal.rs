@@ -16,8 +16,7 @@ use wavecrest_core::render::Rendered;
 use wavecrest_report::accuracy::pilot::budget::{Budget, Overhead, Pace, in_time};
 use wavecrest_report::accuracy::pilot::target::{Reached, reach};
 use wavecrest_report::accuracy::pilot::{
-    MOST_SIDE, MeasuredError, Pilot, SampleChoice, error, is_sampled, leaves_out_aliasing,
-    measured_share,
+    Chosen, MOST_SIDE, MeasuredError, Pilot, error, is_sampled, leaves_out_aliasing, measured_share,
 };
 use wavecrest_report::plot::number::figure;
 
@@ -131,7 +130,7 @@ impl Aimed<'_> {
 
     /// Takes the samples of `choice`, and the tree that the expected rays are worth, unless a preset
     /// was requested.
-    fn choose(&mut self, choice: &SampleChoice) {
+    fn choose(&mut self, choice: &Chosen) {
         self.scene.resample(&self.original, &choice.samples());
         if self.rendering.args.scene_options.bvh.is_some() {
             return;
@@ -144,7 +143,7 @@ impl Aimed<'_> {
         }
     }
 
-    fn trace(&self, choice: &SampleChoice, pace: Option<&Pace<'_>>) -> Result<Rendered> {
+    fn trace(&self, choice: &Chosen, pace: Option<&Pace<'_>>) -> Result<Rendered> {
         self.say(&format!("chosen: {choice}"));
         trace_once(self.rendering, self.scene, pace).map(|(rendered, _)| rendered)
     }
@@ -183,7 +182,7 @@ fn measured(error: Option<MeasuredError>, without_aliasing: bool) -> String {
     }
 }
 
-fn unreached(target: f64, choice: &SampleChoice) -> Error {
+fn unreached(target: f64, choice: &Chosen) -> Error {
     let message = format!("the target error {target} was not reached");
     let remedy = match choice.points.side {
         MOST_SIDE => "the image has as many points as possible; choose a larger error",
@@ -193,12 +192,7 @@ fn unreached(target: f64, choice: &SampleChoice) -> Error {
 }
 
 /// The goal and its outcome, for the statistics.
-fn goal(
-    requested: String,
-    choice: &SampleChoice,
-    found: Option<MeasuredError>,
-    renders: u32,
-) -> Value {
+fn goal(requested: String, choice: &Chosen, found: Option<MeasuredError>, renders: u32) -> Value {
     json!({
         "asked": requested,
         "samples": choice.to_string(),

@@ -24,7 +24,7 @@ use crate::wavefront::{DEFAULT_BATCH, Wavefront};
 use crate::with_precision;
 
 pub use record::{
-    Bounce, Invalid, Light, PixelRecord, RecordedHit, RecordedPath, RecordedSurface, Visibility,
+    Bounce, HitRecord, Invalid, Light, PathRecord, PixelRecord, SurfaceRecord, Visibility,
 };
 
 /// Finds where a sample becomes not finite, by tracing it once more.
@@ -54,7 +54,7 @@ pub fn pixel(scene: &PreparedScene, pixel: [u32; 2], seed: u64) -> PixelRecord {
 }
 
 /// Traces one sample.
-fn sample(scene: &PreparedScene, sample: Sample, seed: u64) -> RecordedPath {
+fn sample(scene: &PreparedScene, sample: Sample, seed: u64) -> PathRecord {
     let width = scene.camera.size()[0];
     let pixel = [sample.pixel % width, sample.pixel / width];
     with_precision!(scene.accel.geometry().precision, P => {
@@ -82,13 +82,13 @@ fn follow<P: Arithmetic>(
     pixel: [u32; 2],
     sample: u32,
     seed: u64,
-) -> (RecordedPath, Vec<TracedBounce>) {
+) -> (PathRecord, Vec<TracedBounce>) {
     let number = pixel[1] * scene.camera.size()[0] + pixel[0];
     let stream = Stream { seed, pixel: number, sample, bounce: 0 };
     let mut recorder = Recorder {
         scene,
         traversal: scene.accel.traversal(),
-        path: RecordedPath { sample, ..RecordedPath::default() },
+        path: PathRecord { sample, ..PathRecord::default() },
         steps: Vec::new(),
     };
     recorder.path.radiance = tracer.path(scene, pixel, stream, &mut recorder);
@@ -137,7 +137,7 @@ struct Recorder<'a> {
     scene: &'a PreparedScene,
     /// For the recorder's own rays, which are not counted.
     traversal: Traversal,
-    path: RecordedPath,
+    path: PathRecord,
     steps: Vec<TracedBounce>,
 }
 
@@ -159,10 +159,10 @@ impl Recorder<'_> {
         Some(appearance.images.get(texture.image as usize)?.name().to_owned())
     }
 
-    fn met(&self, ray: &Ray, hit: &Hit) -> RecordedHit {
+    fn met(&self, ray: &Ray, hit: &Hit) -> HitRecord {
         let geometry = self.scene.accel.geometry();
         let found = with_precision!(geometry.precision, P => crate::prepared::surface::<P>(geometry, ray, hit));
-        RecordedHit {
+        HitRecord {
             primitive: hit.primitive,
             kind: kind(geometry, hit.primitive),
             shape: self.place_of(hit.primitive),
@@ -180,7 +180,7 @@ impl Recorder<'_> {
         }
     }
 
-    fn last_met(&mut self) -> Option<&mut RecordedHit> {
+    fn last_met(&mut self) -> Option<&mut HitRecord> {
         self.path.bounces.last_mut()?.met.as_mut()
     }
 
@@ -222,7 +222,7 @@ impl Observer for Recorder<'_> {
         let Some(met) = self.last_met() else { return };
         (met.normal, met.shading_normal) = (point.normal.into(), point.shading_normal.into());
         met.lit = point.lit;
-        met.surface = Some(RecordedSurface {
+        met.surface = Some(SurfaceRecord {
             color: point.color.into(),
             texture,
             ks: point.reflection.ks,

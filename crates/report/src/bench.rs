@@ -59,5 +59,5 @@ pub mod variant;
 
 pub use compare::Ratio;
 pub use machine::{Cache, Machine};
-pub use report::{BenchPlan, BenchReport, BenchSettings, Preparation, SceneBench};
+pub use report::{BenchPlan, BenchReport, BenchSetting, Preparation, SceneBench};
 pub use run::Run;

@@ -38,7 +38,7 @@ use wavecrest_core::prepared::PreparedScene;
 use wavecrest_core::render::{Rendered, TracerKind};
 use wavecrest_core::wavefront::batch::Batch;
 
-pub use list::{Cost, EffectSettings, Price, PriceList, blocks, text};
+pub use list::{Cost, EffectSetting, Price, PriceList, blocks, text};
 
 /// A prepared scene of the list.
 #[derive(Debug)]
@@ -58,7 +58,7 @@ const TRACERS: [TracerKind; 2] = [TracerKind::Wavefront, TracerKind::Recursive];
 /// Those of `trace`.
 pub fn measure(
     entries: &[EffectScene],
-    setting: EffectSettings,
+    setting: EffectSetting,
     schedule: &RoundLimits,
     mut trace: impl FnMut(&PreparedScene, TracerKind) -> Result<Rendered>,
     progress: &mut dyn FnMut(u64, u64),

@@ -119,7 +119,7 @@ pub fn extract(world: World, options: Options<'_>) -> Result<Extracted> {
         hemisphere: hemisphere.as_ref(),
         in_view: &in_view,
     };
-    let mut masks = cutouts::CutoutImages::of_scene(&file);
+    let mut masks = cutouts::Masks::of_scene(&file);
     let found = census::run(census, |asked| cutouts::look(&surfaces, asked, &mut masks))?;
     let plan = Plan::of(found.decisions.clone(), passes);
     let schedule = plan.schedule();

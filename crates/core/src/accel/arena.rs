@@ -96,9 +96,9 @@ pub struct Arena {
     numbers: Vec<AtomicU32>,
 }
 
-/// The contents of an arena.
+/// What an arena holds.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Contents {
+pub struct Held {
     /// Inner nodes.
     pub nodes: u64,
     /// Children of inner nodes.
@@ -122,7 +122,7 @@ impl Arena {
         mut units: Units,
         numbers: Vec<AtomicU32>,
         root: Ref,
-    ) -> Option<(Self, Contents)> {
+    ) -> Option<(Self, Held)> {
         if units.len() > MAX_UNITS {
             return None;
         }
@@ -133,12 +133,7 @@ impl Arena {
 
     /// Adds another part of the tree, with its root first, of this `kind`. Returns its place and
     /// contents; `None` if the proof fails, if it is deeper than `most`, or if there is no room.
-    pub(super) fn extend(
-        &self,
-        units: &[Unit],
-        kind: Kind,
-        most: usize,
-    ) -> Option<(Ref, Contents)> {
+    pub(super) fn extend(&self, units: &[Unit], kind: Kind, most: usize) -> Option<(Ref, Held)> {
         let proof = proof::Proof { units, numbers: self.numbers.len() };
         let (census, _) = proof.below((root_of(kind), 1))?;
         if census.depth > most {

@@ -78,7 +78,7 @@ struct ChildEntries([u64; LANES]);
 
 /// The children of the nodes of a round, and a bit for each that is met.
 #[derive(Clone, Copy, Debug)]
-struct RoundChildren {
+struct Met {
     children: [ChildEntries; FLIGHT],
     masks: [u8; FLIGHT],
 }
@@ -193,7 +193,7 @@ pub(super) fn trace<S: Lanes, Q: Query, P: Arithmetic>(
         next: &mut next,
         precision: PhantomData,
     };
-    let mut met = RoundChildren { children: [ChildEntries::default(); FLIGHT], masks: [0; FLIGHT] };
+    let mut met = Met { children: [ChildEntries::default(); FLIGHT], masks: [0; FLIGHT] };
     let mut found = [LaneHits::default(); FLIGHT];
     for slot in 0..FLIGHT {
         if !rounds.begin(slot) {
@@ -247,11 +247,7 @@ impl<Q: Query, P: Arithmetic, R: RaySource<Q, P>> FlightRounds<'_, Q, P, R> {
 
     /// Takes all steps to nodes: first finds the met children, then the next step.
     #[inline(always)]
-    fn visit_nodes<S: Lanes>(
-        &mut self,
-        simd: S,
-        RoundChildren { children, masks }: &mut RoundChildren,
-    ) {
+    fn visit_nodes<S: Lanes>(&mut self, simd: S, Met { children, masks }: &mut Met) {
         let nodes = self.next.take(Kind::Node);
         self.tests.nodes += nodes as u64;
         for (i, (children, met)) in

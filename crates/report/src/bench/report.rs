@@ -35,7 +35,7 @@ pub struct BenchReport {
 #[derive(Clone, Debug, Serialize)]
 pub struct SceneBench {
     #[serde(flatten)]
-    pub setting: BenchSettings,
+    pub setting: BenchSetting,
     pub image: ImageSize,
     pub triangles: usize,
     pub quads: usize,
@@ -63,7 +63,7 @@ pub struct Preparation {
 
 /// The settings: everything known before the first ray.
 #[derive(Clone, Debug, Serialize)]
-pub struct BenchSettings {
+pub struct BenchSetting {
     pub scene: String,
     pub seed: u64,
     pub batch: usize,
@@ -109,7 +109,7 @@ impl SceneBench {
     /// If the scene cannot be rendered, or threads cannot be started.
     pub fn measure(
         scene: &mut PreparedScene,
-        setting: BenchSettings,
+        setting: BenchSetting,
         plan: &BenchPlan,
         progress: &mut dyn FnMut(u64, u64),
     ) -> Result<Self> {
@@ -138,7 +138,7 @@ impl SceneBench {
     }
 
     /// The report before the first comparison.
-    pub(super) fn unmeasured(scene: &PreparedScene, setting: BenchSettings) -> Self {
+    pub(super) fn unmeasured(scene: &PreparedScene, setting: BenchSetting) -> Self {
         let geometry = scene.accel.geometry();
         let [spheres, disks] = geometry.spheres_and_disks();
         Self {

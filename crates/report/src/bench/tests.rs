@@ -36,8 +36,8 @@ fn prepared() -> PreparedScene {
     systems::extract(loaded.world, Default::default()).unwrap().build(Preset::Fast)
 }
 
-fn setting(name: &str) -> BenchSettings {
-    BenchSettings {
+fn setting(name: &str) -> BenchSetting {
+    BenchSetting {
         scene: name.to_owned(),
         seed: 3,
         batch: 64,

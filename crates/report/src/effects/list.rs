@@ -22,7 +22,7 @@ pub struct PriceList {
     pub machine: Machine,
     pub image: Option<ImageSize>,
     #[serde(flatten)]
-    pub setting: EffectSettings,
+    pub setting: EffectSetting,
     #[serde(flatten)]
     pub rounds: Rounds,
     pub difference: Option<RunDifference>,
@@ -31,7 +31,7 @@ pub struct PriceList {
 
 /// The settings of the renders.
 #[derive(Clone, Copy, Debug, Serialize)]
-pub struct EffectSettings {
+pub struct EffectSetting {
     pub simd: Level,
     pub kernel: KernelChoice,
     pub precision: Precision,

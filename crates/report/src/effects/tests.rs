@@ -10,8 +10,8 @@ fn schedule() -> RoundLimits {
     RoundLimits { warmup: 1, most: 2, seconds: 0.0 }
 }
 
-fn setting() -> EffectSettings {
-    EffectSettings {
+fn setting() -> EffectSetting {
+    EffectSetting {
         simd: Level::best(),
         kernel: KernelChoice::default(),
         precision: Precision::default(),

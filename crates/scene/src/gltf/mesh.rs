@@ -27,7 +27,7 @@ const READ_ANYHOW: u64 = 1 << 26;
 const READ_AGAIN: u64 = 64;
 
 /// The vertices of a primitive.
-struct PrimitiveVertices<'p> {
+struct Vertices<'p> {
     of: &'p Primitive,
     count: usize,
     /// Those at corners, if most are at none.
@@ -71,7 +71,7 @@ impl<'a> PrimitiveReader<'a> {
             return Ok(None);
         }
         triangles.shrink_to_fit();
-        let vertices = PrimitiveVertices { of: primitive, count, used };
+        let vertices = Vertices { of: primitive, count, used };
         let normals = self.normals(&vertices)?;
         let uvs = set.map_or(Ok(None), |set| self.uvs(&vertices, set))?;
         let positions = self.positions(&vertices)?;
@@ -127,7 +127,7 @@ impl<'a> PrimitiveReader<'a> {
     /// converts them.
     fn attribute<T: Send, const N: usize>(
         &mut self,
-        PrimitiveVertices { of, count, used }: &PrimitiveVertices<'_>,
+        Vertices { of, count, used }: &Vertices<'_>,
         name: &str,
         (width, types): (usize, &Types),
         make: impl Fn([f64; N]) -> T + Sync + Send,
@@ -151,7 +151,7 @@ impl<'a> PrimitiveReader<'a> {
         Ok(Some(self.document.storage.elements(index).each(used.as_deref(), make)))
     }
 
-    fn positions(&mut self, vertices: &PrimitiveVertices<'_>) -> Result<Vec<Vec3>> {
+    fn positions(&mut self, vertices: &Vertices<'_>) -> Result<Vec<Vec3>> {
         let points = self.attribute(vertices, "POSITION", (3, &SIGNED[..1]), vec3)?;
         let points = points.unwrap_or_default();
         let Some(bad) = points.iter().position(|p| !is_good_position(*p)) else {
@@ -162,7 +162,7 @@ impl<'a> PrimitiveReader<'a> {
         Err(bad_position(points[bad]).in_file(self.notes.file()).at(place))
     }
 
-    fn normals(&mut self, vertices: &PrimitiveVertices<'_>) -> Result<Option<Attribute<Vec3>>> {
+    fn normals(&mut self, vertices: &Vertices<'_>) -> Result<Option<Attribute<Vec3>>> {
         let types = if self.document.is_quantized { SIGNED } else { &SIGNED[..1] };
         let values = self.attribute(vertices, "NORMAL", (3, types), |normal| {
             // A zero vector is an unknown normal.
@@ -175,11 +175,7 @@ impl<'a> PrimitiveReader<'a> {
         Ok(values.map(|values| Attribute { values, indices: None }))
     }
 
-    fn uvs(
-        &mut self,
-        vertices: &PrimitiveVertices<'_>,
-        set: u32,
-    ) -> Result<Option<Attribute<Vec2>>> {
+    fn uvs(&mut self, vertices: &Vertices<'_>, set: u32) -> Result<Option<Attribute<Vec2>>> {
         let name = format!("TEXCOORD_{set}");
         let values = self.attribute(vertices, &name, (2, UNSIGNED), |uv| {
             Some(coordinates(uv)).filter(|uv| uv.is_finite()).unwrap_or(Vec2::ZERO)
@@ -193,7 +189,7 @@ impl<'a> PrimitiveReader<'a> {
     }
 
     /// Colours without their alpha.
-    fn colors(&mut self, vertices: &PrimitiveVertices<'_>) -> Result<Option<Vec<Vec3>>> {
+    fn colors(&mut self, vertices: &Vertices<'_>) -> Result<Option<Vec<Vec3>>> {
         let accessor = vertices.of.attributes.get(COLORS).map(|&index| self.accessor(index));
         let width = accessor.map_or(3, |accessor| accessor.width.clamp(3, 4));
         let part = |x: f64| if x.is_finite() { x.max(0.0) as f32 } else { 1.0 };

@@ -19,7 +19,7 @@ use super::light;
 use super::material::Surface;
 use super::mesh::PrimitiveReader;
 use super::node::PlacedNode;
-use super::spawn::{NodeUse, ShownPrimitive, extent};
+use super::spawn::{NodeUse, Spawned, extent};
 use super::transform::flattens;
 
 /// Makes a scene from a document, and reports the choices made for the user.
@@ -90,11 +90,10 @@ pub(super) fn world(
 /// Largest number of triangles of lights: each node that shows one holds a copy.
 const MOST_LIGHT_TRIANGLES: usize = 1 << 22;
 
-fn check_lights(primitives: &[ShownPrimitive], notes: &Notes<'_>) -> Result<()> {
+fn check_lights(primitives: &[Spawned], notes: &Notes<'_>) -> Result<()> {
     let lights = primitives.iter().filter(|primitive| primitive.surface.is_light());
-    let triangles = |primitive: &ShownPrimitive| {
-        primitive.mesh.triangles.len().saturating_mul(primitive.uses.len())
-    };
+    let triangles =
+        |primitive: &Spawned| primitive.mesh.triangles.len().saturating_mul(primitive.uses.len());
     let all = lights.map(triangles).fold(0, usize::saturating_add);
     if all <= MOST_LIGHT_TRIANGLES {
         return Ok(());
@@ -119,11 +118,11 @@ fn told(has_camera: bool, chosen: &str, light: Option<String>, exposure: f64) ->
 }
 
 /// The primitives that the nodes of the scene show, in the order of the nodes. Errors are recorded.
-fn primitives(document: &Document, notes: &Notes<'_>) -> Vec<ShownPrimitive> {
+fn primitives(document: &Document, notes: &Notes<'_>) -> Vec<Spawned> {
     let mut reader = PrimitiveReader::new(document, notes);
     // The primitives of each mesh that is read already.
     let mut known: Vec<Option<Range<usize>>> = vec![None; document.meshes.len()];
-    let mut primitives: Vec<ShownPrimitive> = Vec::new();
+    let mut primitives: Vec<Spawned> = Vec::new();
     for PlacedNode { node, world } in &document.placed {
         let Some(mesh) = document.nodes[*node].mesh else { continue };
         let place = format!("nodes[{node}]");
@@ -196,7 +195,7 @@ fn is_left_out(document: &Document) -> bool {
 }
 
 /// Adds a node to the uses of the primitives of its mesh.
-fn add_uses(primitives: &mut [ShownPrimitive], node: &NodeUse) {
+fn add_uses(primitives: &mut [Spawned], node: &NodeUse) {
     let is_only = primitives.len() == 1;
     for primitive in primitives {
         let path = match is_only {
@@ -227,7 +226,7 @@ fn read(
     mesh: usize,
     reader: &mut PrimitiveReader<'_>,
     notes: &Notes<'_>,
-    primitives: &mut Vec<ShownPrimitive>,
+    primitives: &mut Vec<Spawned>,
 ) {
     let parts = &document.meshes[mesh];
     for primitive in &parts.primitives {
@@ -248,7 +247,7 @@ fn read(
             is_mask: false,
             threshold,
         });
-        primitives.push(ShownPrimitive {
+        primitives.push(Spawned {
             path: primitive.path.clone(),
             name: parts.name.clone(),
             cutout,
@@ -286,7 +285,7 @@ const MOST_POINTS: usize = 1 << 24;
 
 /// Corners of a box that replaces a primitive shown so often that checking every point would take too
 /// long; empty for others.
-fn corners(primitive: &ShownPrimitive) -> Vec<Vec3> {
+fn corners(primitive: &Spawned) -> Vec<Vec3> {
     let points = 3 * primitive.mesh.triangles.len();
     let uses = primitive.uses.len();
     match points.saturating_mul(uses) > MOST_POINTS && uses > 1 {
@@ -296,11 +295,8 @@ fn corners(primitive: &ShownPrimitive) -> Vec<Vec3> {
 }
 
 /// Everything visible.
-fn placed<'a>(
-    primitives: &'a [ShownPrimitive],
-    corners: &'a [Vec<Vec3>],
-) -> Vec<staging::Placed<'a>> {
-    let placed = |(primitive, corners): (&'a ShownPrimitive, &'a Vec<Vec3>)| {
+fn placed<'a>(primitives: &'a [Spawned], corners: &'a [Vec<Vec3>]) -> Vec<staging::Placed<'a>> {
+    let placed = |(primitive, corners): (&'a Spawned, &'a Vec<Vec3>)| {
         let mesh = &primitive.mesh;
         let placed = match &corners[..] {
             [] => staging::Placed::new(&mesh.positions, &mesh.triangles, DAffine3::IDENTITY),
@@ -337,9 +333,9 @@ fn lights(document: &Document, notes: &Notes<'_>) -> Vec<EntityBuilder> {
 }
 
 /// The radiance of a white surface in the middle under all emissive meshes.
-fn emitted(primitives: &[ShownPrimitive], bounds: &BoundingSphere) -> f64 {
+fn emitted(primitives: &[Spawned], bounds: &BoundingSphere) -> f64 {
     let lights = primitives.iter().filter(|primitive| primitive.surface.is_light());
-    let radiance = |primitive: &ShownPrimitive, world: &DAffine3| {
+    let radiance = |primitive: &Spawned, world: &DAffine3| {
         let (area, middle) = extent(&primitive.mesh, world);
         let strength = primitive.surface.emission * area;
         light::radiance(strength, middle, bounds)

@@ -16,7 +16,7 @@ use crate::mesh::MeshData;
 const LIGHT_SAMPLES: u32 = 3;
 
 /// A primitive with triangles, and the nodes that show it.
-pub(super) struct ShownPrimitive {
+pub(super) struct Spawned {
     pub(super) path: String,
     pub(super) name: Option<String>,
     pub(super) mesh: MeshData,
@@ -35,7 +35,7 @@ pub(super) struct NodeUse {
     pub(super) world: DAffine3,
 }
 
-impl ShownPrimitive {
+impl Spawned {
     /// Adds a shape of the `file` if one node shows the primitive, otherwise a hidden shape and an
     /// instance for each node.
     pub(super) fn add_shapes(

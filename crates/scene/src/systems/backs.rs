@@ -2,7 +2,7 @@
 //! an error.
 
 use super::camera::frames_of;
-use super::reach::{Faces, LightExtent, is_faced};
+use super::reach::{Extent, Faces, is_faced};
 use wavecrest_base::error::{Error, ErrorKind};
 use wavecrest_core::math::random::Stream;
 use wavecrest_core::prepared::PreparedScene;
@@ -31,7 +31,7 @@ pub(super) fn warning(scene: &PreparedScene) -> Option<Error> {
 /// it would look different from the front.
 fn from_behind(scene: &PreparedScene) -> Vec<bool> {
     let cameras = frames_of(&scene.camera, scene.path.as_ref());
-    let pupils: Vec<LightExtent> = cameras.iter().map(LightExtent::of_pupil).collect();
+    let pupils: Vec<Extent> = cameras.iter().map(Extent::of_pupil).collect();
     let geometry = scene.accel.geometry();
     let mut tests = 0;
     let shapes = scene.appearance.shapes.iter().zip(&scene.appearance.materials);

@@ -23,7 +23,7 @@ use wavecrest_core::math::float::UNIT_ROUNDOFF;
 pub fn look(
     surfaces: &[SurfaceComponents<'_>],
     asked: &[bool],
-    images: &mut CutoutImages<'_>,
+    images: &mut Masks<'_>,
 ) -> Result<Vec<bool>> {
     let those = || {
         let those = surfaces.iter().zip(asked);
@@ -40,7 +40,7 @@ pub fn look(
 pub fn run(
     surfaces: &[SurfaceComponents<'_>],
     holes: &[bool],
-    images: &CutoutImages<'_>,
+    images: &Masks<'_>,
     extracted: &mut Output,
 ) -> Vec<Arc<LazyImage>> {
     let (mut own, mut of_prototypes) =
@@ -103,7 +103,7 @@ fn prototype(geometry: &Geometry, shape: &ShapeOutput) -> Option<(usize, u32)> {
 type ImageKey = (TextureSource, bool);
 
 /// The images of cut-outs.
-pub struct CutoutImages<'a> {
+pub struct Masks<'a> {
     /// The scene's file, for messages.
     file: &'a Path,
     /// `None` for images without alpha.
@@ -117,7 +117,7 @@ struct AlphaImage {
     range: [f32; 2],
 }
 
-impl<'a> CutoutImages<'a> {
+impl<'a> Masks<'a> {
     /// No images, of the scene in `file`.
     pub fn of_scene(file: &'a Path) -> Self {
         Self { file, known: Vec::new() }

@@ -78,8 +78,7 @@ pub struct Reached {
 
 /// Which of `lights` reach any of `surfaces`, and which of these they reach.
 pub fn run(lights: &[&Light], surfaces: &[Surface<'_>], geometry: &Geometry) -> Reached {
-    let extents: Vec<LightExtent> =
-        lights.iter().map(|light| LightExtent::of(&light.emitter)).collect();
+    let extents: Vec<Extent> = lights.iter().map(|light| Extent::of(&light.emitter)).collect();
     let (mut tests, mut pairs) = (0, 0);
     let mut reaches = |light: usize, surface: &Surface<'_>| {
         reflects(surface, lights[light])
@@ -112,7 +111,7 @@ fn reflects(surface: &Surface<'_>, light: &Light) -> bool {
 pub(super) fn is_faced(
     shape: &Shape,
     faces: Faces,
-    light: &LightExtent,
+    light: &Extent,
     geometry: &Geometry,
     tests: &mut u64,
 ) -> bool {
@@ -131,13 +130,7 @@ pub(super) fn is_faced(
 
 /// Whether any of the light may be on one of these sides of the primitive, unless its cone misses
 /// it.
-fn may_face(
-    shape: &Shape,
-    faces: Faces,
-    light: &LightExtent,
-    geometry: &Geometry,
-    number: u32,
-) -> bool {
+fn may_face(shape: &Shape, faces: Faces, light: &Extent, geometry: &Geometry, number: u32) -> bool {
     let may_face = |corners: &[Vec3; 3]| {
         let normal = triangle::normal(corners);
         let front = if shape.flipped { -normal } else { normal };
@@ -168,7 +161,7 @@ fn may_face(
 }
 
 /// The extent of a light: the points within `radius` of a box, or a distant patch.
-pub(super) struct LightExtent {
+pub(super) struct Extent {
     /// For a distant light, the unit vector towards it.
     center: DVec3,
     half: DVec3,
@@ -179,7 +172,7 @@ pub(super) struct LightExtent {
     cone: Option<Cone>,
 }
 
-impl LightExtent {
+impl Extent {
     fn of(emitter: &Emitter) -> Self {
         let point = |center: Vec3, radius: f32| Self {
             center: center.as_dvec3(),

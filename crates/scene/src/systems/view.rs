@@ -10,7 +10,7 @@ use rayon::prelude::*;
 
 use super::bounds::around;
 use super::geometry::{Output, ShapeOutput};
-use super::reach::{Faces, LightExtent, is_faced};
+use super::reach::{Extent, Faces, is_faced};
 use wavecrest_core::geometry::{Geometry, Primitive, Quadric};
 use wavecrest_core::kernels::camera::Camera;
 use wavecrest_core::kernels::precision::Precision;
@@ -38,7 +38,7 @@ pub fn run(
     if cameras.is_empty() || tests > MOST_TESTS || geometry.precision == Precision::Fast {
         return all();
     }
-    let pupils: Vec<LightExtent> = cameras.iter().map(LightExtent::of_pupil).collect();
+    let pupils: Vec<Extent> = cameras.iter().map(Extent::of_pupil).collect();
     let walls = Walls::of(&pupils, geometry);
     let sees = |bounds: &Aabb, widening| {
         cameras.iter().any(|camera| camera.may_see(bounds, widening)) && !walls.hide(bounds)
@@ -56,12 +56,7 @@ pub fn run(
 }
 
 /// The sides of the shape that lights can reach and that face a pupil.
-fn visible_faces(
-    shape: &Shape,
-    pupils: &[LightExtent],
-    geometry: &Geometry,
-    tests: &mut u64,
-) -> Faces {
+fn visible_faces(shape: &Shape, pupils: &[Extent], geometry: &Geometry, tests: &mut u64) -> Faces {
     let lit = Faces::lit(shape);
     // Large meshes that both sides are lit of mostly show both.
     if shape.two_sided && shape.primitives.len() > FIRST {
@@ -104,18 +99,18 @@ struct Walls {
 }
 
 impl Walls {
-    fn of(pupils: &[LightExtent], geometry: &Geometry) -> Self {
-        let those = |are: fn(&LightExtent, Vec3, f32) -> bool| {
+    fn of(pupils: &[Extent], geometry: &Geometry) -> Self {
+        let those = |are: fn(&Extent, Vec3, f32) -> bool| {
             let all = |&(center, radius): &(Vec3, f32)| {
                 pupils.iter().all(|pupil| are(pupil, center, radius))
             };
             geometry.quadrics.iter().filter_map(Quadric::sphere).filter(all).collect()
         };
-        Self { outside: those(LightExtent::is_beyond), within: those(LightExtent::is_within) }
+        Self { outside: those(Extent::is_beyond), within: those(Extent::is_within) }
     }
 
     fn hide(&self, bounds: &Aabb) -> bool {
-        let extent = LightExtent::of_box(bounds);
+        let extent = Extent::of_box(bounds);
         self.outside.iter().any(|&(center, radius)| extent.is_within(center, radius))
             || self.within.iter().any(|&(center, radius)| extent.is_beyond(center, radius))
     }

@@ -5,7 +5,7 @@ use super::faces::Faces;
 use super::header::{Element, Header, PropertyType};
 use super::layout::{ListLayout, SLOTS, VertexLayout};
 use super::numbers::{Numbers, malformed};
-use super::vertices::Vertices;
+use super::vertices::VertexArrays;
 use crate::mesh::data::{Attribute, MeshData, Read};
 use crate::mesh::faults::{check_count, no_triangles, syntax, too_few_corners};
 use crate::mesh::polygon::{self, Polygon};
@@ -33,7 +33,7 @@ pub(super) fn read<'a>(header: &'a Header, mut numbers: Numbers<'a>) -> Result<R
 struct Body {
     /// Number of vertices declared: faces may come before them.
     vertex_count: usize,
-    vertices: Vertices,
+    vertices: VertexArrays,
     faces: Faces,
     /// The corners of the current face.
     corners: Vec<u32>,
@@ -42,7 +42,7 @@ struct Body {
 
 /// What the rows of an element are.
 enum RowKind {
-    Vertices(VertexLayout),
+    VertexArrays(VertexLayout),
     /// Faces, or strips of triangles.
     Lists(ListLayout),
     /// Unused ones.
@@ -52,7 +52,7 @@ enum RowKind {
 impl RowKind {
     fn of(element: &Element) -> Result<Self> {
         Ok(match element.name.as_str() {
-            "vertex" => Self::Vertices(VertexLayout::of(element)?),
+            "vertex" => Self::VertexArrays(VertexLayout::of(element)?),
             "face" | "tristrips" if element.count > 0 => Self::Lists(ListLayout::of(element)?),
             _ => Self::Other,
         })
@@ -75,7 +75,7 @@ impl Body {
         }
         match rows {
             // Rows that were read together have been checked.
-            RowKind::Vertices(_) if first < element.count => {
+            RowKind::VertexArrays(_) if first < element.count => {
                 check_positions(&self.vertices.positions)
             }
             _ => Ok(()),
@@ -91,8 +91,8 @@ impl Body {
         numbers: &mut Numbers<'_>,
     ) -> Result<u64> {
         match rows {
-            RowKind::Vertices(layout) => {
-                self.vertices = Vertices::new(self.vertex_count, layout);
+            RowKind::VertexArrays(layout) => {
+                self.vertices = VertexArrays::new(self.vertex_count, layout);
                 self.vertices.read(layout, numbers)
             }
             RowKind::Lists(layout) if !layout.is_strip => {
@@ -117,7 +117,7 @@ impl Body {
         let mut values = [0.0; SLOTS];
         for (property, p) in element.properties.iter().enumerate() {
             match rows {
-                RowKind::Vertices(layout) => match layout.columns[property] {
+                RowKind::VertexArrays(layout) => match layout.columns[property] {
                     Some(column) => values[column.slot] = numbers.value(column.kind)?,
                     None => skip(p.shape, numbers)?,
                 },
@@ -129,7 +129,7 @@ impl Body {
         }
         numbers.end_row()?;
         match rows {
-            RowKind::Vertices(layout) => self.vertices.set(index as usize, layout, values),
+            RowKind::VertexArrays(layout) => self.vertices.set(index as usize, layout, values),
             RowKind::Lists(layout) if layout.is_strip => {
                 // Every index but two makes a triangle at most.
                 self.faces.triangles.reserve(self.corners.len().saturating_sub(2));
@@ -192,7 +192,7 @@ impl Body {
         if self.faces.triangles.is_empty() {
             return Err(no_triangles());
         }
-        let Vertices { positions, origin, mut normals, mut uvs, mut colors } = self.vertices;
+        let VertexArrays { positions, origin, mut normals, mut uvs, mut colors } = self.vertices;
         let Faces { mut triangles, polygons } = self.faces;
         self.notes.extend(polygon::split(&polygons, &positions, &mut triangles, &mut []));
         self.notes.extend(mend(&mut normals, &mut uvs, &mut colors));

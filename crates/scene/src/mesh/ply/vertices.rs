@@ -17,7 +17,7 @@ use wavecrest_base::error::Result;
 
 /// The vertices while they are read. All rows exist from the start, as zeros.
 #[derive(Debug, Default)]
-pub(super) struct Vertices {
+pub(super) struct VertexArrays {
     /// Relative to the origin.
     pub(super) positions: Vec<Vec3>,
     pub(super) origin: DVec3,
@@ -27,7 +27,7 @@ pub(super) struct Vertices {
     pub(super) colors: Vec<Vec3>,
 }
 
-impl Vertices {
+impl VertexArrays {
     /// Room for `count` vertices. The caller has checked the count against the size of the file.
     pub(super) fn new(count: usize, layout: &VertexLayout) -> Self {
         let of = |first| if layout.has(first) { count } else { 0 };
@@ -98,7 +98,7 @@ struct RowBlock<'a> {
 
 impl VertexRows {
     /// Reads blocks; returns the number of rows before the first block with an error, or of all.
-    fn read_all<const BIG: bool>(&self, from: &Numbers<'_>, to: &mut Vertices) -> usize {
+    fn read_all<const BIG: bool>(&self, from: &Numbers<'_>, to: &mut VertexArrays) -> usize {
         let (count, place) = (to.positions.len(), from.place());
         if self.is_double && count > 0 {
             let mut first = vec![0; self.stride];
