@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use super::advice;
 use super::compare::{BenchComparison, VariantBench, compare};
-use super::machine::Machine;
+use super::machine::{Machine, commit};
 use super::run::Runner;
 use super::variant::{Variant, Varied};
 use crate::measure::RoundLimits;
@@ -91,7 +91,7 @@ pub struct BenchPlan {
 impl BenchReport {
     /// An empty report by this program on this machine.
     pub fn new(command: Vec<String>) -> Self {
-        let (machine, commit) = (Machine::this(), crate::accuracy::commit());
+        let (machine, commit) = (Machine::this(), commit());
         Self { version: env!("CARGO_PKG_VERSION"), command, commit, machine, scenes: Vec::new() }
     }
 
