@@ -28,7 +28,7 @@ pub(crate) const FILE: Kind = Kind::new(
     "a scene",
     "A scene: camera, lights and shapes.",
     keys! {
-        /// The address of this schema, for editors.
+        /// The address of the JSON Schema that `wavecrest schema` prints, for editors.
         "$schema": Text;
         /// Largest number of mirror bounces after the camera ray.
         "nbounces": Integer(0, MOST_BOUNCES), Required;
@@ -36,7 +36,7 @@ pub(crate) const FILE: Kind = Kind::new(
         "camera": Variants(&CAMERAS), Required;
         /// The contents of the scene.
         "scene": Object(&SCENE), Required;
-        /// Transfer curve of 8-bit images, unless one is requested.
+        /// Transfer curve of 8-bit images; `--transfer` overrides it.
         "transfer": word::<Encoding>(), Says("linear");
     },
 );
@@ -46,13 +46,14 @@ const SCENE: Kind = Kind::new(
     "the scene",
     "Lights, shapes and background.",
     keys! {
-        /// Colour of camera rays that hit nothing.
+        /// Colour of camera rays that hit nothing. Mirror rays that hit nothing add nothing.
         "backgroundcolor": Color, Required;
         /// The lights.
         "lightsources": AtLeast(0, &Variants(&LIGHTS));
         /// The shapes.
         "shapes": AtLeast(0, &Variants(&SHAPES));
-        /// Share of the diffuse colour that each light adds everywhere, visible or not; or light from a sky and the ground.
+        /// Share of the diffuse colour that each light adds everywhere, visible or not; or light
+        /// from a sky and the ground.
         "ambient": Either(&Object(&HEMISPHERE), &Number(Range::NOT_NEGATIVE)), Is(AMBIENT);
         /// Further copies of shapes.
         "instances": AtLeast(0, &Object(&INSTANCE));

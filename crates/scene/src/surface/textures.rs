@@ -144,9 +144,9 @@ wavecrest_base::choices! {
 pub(crate) const LOOK_UP: Declaration = Declaration::of_keys(keys! {
     /// Filtering between texels.
     "filter": word::<Filter>(), Says("bilinear");
-    /// Wrap mode of coordinates outside 0 to 1.
+    /// How the image continues outside of coordinates 0 to 1; `mirror` mirrors every second copy.
     "wrap": word::<Wrap>(), Says("repeat");
-    /// Encoding of the image's values.
+    /// Encoding of the image's values; `srgb` is decoded.
     "encoding": word::<Encoding>(), Says("linear");
     /// Transform of the texture coordinates before the look-up: two rows that act on [u, v, 1].
     "uvtransform": Exactly(2, &Exactly(3, &Number(Range::COORDINATE)));
@@ -156,7 +156,7 @@ impl Declared for TextureRef {
     const KEYS: &'static [Key] = keys! {
         /// An image that replaces the diffuse colour: a path from the scene's folder.
         "texture": Text;
-        /// Factor on the colours of the texture.
+        /// Colour that multiplies each decoded texel.
         "tint": Color, Are([1.0; 3]);
     };
 
@@ -218,7 +218,8 @@ pub(crate) const THRESHOLD: f64 = 0.5;
 
 impl Declared for CutOut {
     const KEYS: &'static [Key] = keys! {
-        /// Parts of the shape where the alpha of the texture, or of the image alpha, is lower are cut out.
+        /// Parts of the shape where the alpha of the texture, or of the image `alpha`, is lower are
+        /// cut out; 0.5 by default with an `alpha`.
         "alphacutoff": Number(Range::NOT_NEGATIVE);
         /// An image whose alpha, or brightness if it has none, cuts out the shape.
         "alpha": Text;
@@ -276,7 +277,8 @@ const STRENGTH_MAP: Kind = map(
     "a map",
     "An image of numbers, and its strength.",
     &[Declaration::of_keys(keys! {
-        /// Strength of the map.
+        /// Strength s: the share of ambient light is 1 + s (red - 1), and red and green of a normal
+        /// are multiplied by s.
         "strength": Number(Range::COORDINATE), Is(1.0);
     })],
 );
@@ -285,7 +287,7 @@ const METAL_MAP: Kind = map(
     "a metal map",
     "An image with roughness in green and metalness in blue, which set the material.",
     &[Declaration::of_keys(keys! {
-        /// Factor on the metalness.
+        /// Factor on the metallic share.
         "metallic": Number(Range::UNIT), Is(1.0);
         /// Factor on the roughness.
         "roughness": Number(Range::UNIT), Is(1.0);
@@ -296,11 +298,13 @@ impl Declared for Maps {
     const KEYS: &'static [Key] = keys! {
         /// Colours that multiply the material's emission.
         "emissionmap": Object(&COLOR_MAP);
-        /// Metalness and roughness, which determine the rest of the material together with the colour.
+        /// Green is the roughness and blue the metallic share. With the colour they determine
+        /// `ks`, `kd`, `kr`, `specularexponent` and `specularcolor`.
         "metalmap": Object(&METAL_MAP);
         /// The share of ambient light that arrives, in the red channel.
         "occlusionmap": Object(&STRENGTH_MAP);
-        /// Normals: red along u, green along v, blue along the surface normal.
+        /// Normals in tangent space: red along u, green along v, blue along the surface normal; a
+        /// value x stands for 2 x - 1.
         "normalmap": Object(&STRENGTH_MAP);
     };
 
