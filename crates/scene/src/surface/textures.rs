@@ -45,6 +45,12 @@ pub struct LookUp {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Placing(pub [[f64; 3]; 2]);
 
+/// The keys of [`Maps`].
+pub(crate) const EMISSION_MAP: &str = "emissionmap";
+pub(crate) const METAL_MAP: &str = "metalmap";
+pub(crate) const OCCLUSION_MAP: &str = "occlusionmap";
+pub(crate) const NORMAL_MAP: &str = "normalmap";
+
 /// Textures of properties other than the diffuse colour. None is tinted.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Maps {
@@ -62,13 +68,14 @@ pub struct Maps {
 impl Maps {
     pub(crate) const NONE: Self =
         Self { emission: None, metal: None, occlusion: None, normal: None };
+
     /// The maps that are set, with their keys in a scene file.
     pub fn all(&self) -> impl Iterator<Item = (&'static str, &TextureRef)> {
         let all = [
-            ("emissionmap", self.emission.as_ref()),
-            ("metalmap", self.metal.as_ref().map(|map| &map.texture)),
-            ("occlusionmap", self.occlusion.as_ref().map(|map| &map.texture)),
-            ("normalmap", self.normal.as_ref().map(|map| &map.texture)),
+            (EMISSION_MAP, self.emission.as_ref()),
+            (METAL_MAP, self.metal.as_ref().map(|map| &map.texture)),
+            (OCCLUSION_MAP, self.occlusion.as_ref().map(|map| &map.texture)),
+            (NORMAL_MAP, self.normal.as_ref().map(|map| &map.texture)),
         ];
         all.into_iter().filter_map(|(key, texture)| Some((key, texture?)))
     }
@@ -271,9 +278,9 @@ const fn map(name: &'static str, about: &'static str, components: &'static [Decl
     Kind { components, more: &[&[LOOK_UP]], ..Kind::new(name, about, FILE) }
 }
 
-const COLOR_MAP: Kind = map("a map", "An image of colours.", &[]);
+const OF_COLORS: Kind = map("a map", "An image of colours.", &[]);
 
-const STRENGTH_MAP: Kind = map(
+const WITH_STRENGTH: Kind = map(
     "a map",
     "An image of numbers, and its strength.",
     &[Declaration::of_keys(keys! {
@@ -283,7 +290,7 @@ const STRENGTH_MAP: Kind = map(
     })],
 );
 
-const METAL_MAP: Kind = map(
+const OF_METAL: Kind = map(
     "a metal map",
     "An image with roughness in green and metalness in blue, which set the material.",
     &[Declaration::of_keys(keys! {
@@ -297,27 +304,27 @@ const METAL_MAP: Kind = map(
 impl Declared for Maps {
     const KEYS: &'static [Key] = keys! {
         /// Colours that multiply the material's emission.
-        "emissionmap": Object(&COLOR_MAP);
+        EMISSION_MAP: Object(&OF_COLORS);
         /// Green is the roughness and blue the metallic share. With the colour they determine
         /// `ks`, `kd`, `kr`, `specularexponent` and `specularcolor`.
-        "metalmap": Object(&METAL_MAP);
+        METAL_MAP: Object(&OF_METAL);
         /// The share of ambient light that arrives, in the red channel.
-        "occlusionmap": Object(&STRENGTH_MAP);
+        OCCLUSION_MAP: Object(&WITH_STRENGTH);
         /// Normals in tangent space: red along u, green along v, blue along the surface normal; a
         /// value x stands for 2 x - 1.
-        "normalmap": Object(&STRENGTH_MAP);
+        NORMAL_MAP: Object(&WITH_STRENGTH);
     };
 
     fn read(object: &Object<'_>) -> Result<Option<Self>> {
         let maps = Self {
-            emission: texture_of(object, "emissionmap", COLOR_MAP, |texture, _| texture)?,
-            metal: texture_of(object, "metalmap", METAL_MAP, |texture, map| MetalMap {
+            emission: texture_of(object, EMISSION_MAP, OF_COLORS, |texture, _| texture)?,
+            metal: texture_of(object, METAL_MAP, OF_METAL, |texture, map| MetalMap {
                 texture,
                 metallic: map.read("metallic"),
                 roughness: map.read("roughness"),
             })?,
-            occlusion: texture_of(object, "occlusionmap", STRENGTH_MAP, StrengthMap::read)?,
-            normal: texture_of(object, "normalmap", STRENGTH_MAP, StrengthMap::read)?,
+            occlusion: texture_of(object, OCCLUSION_MAP, WITH_STRENGTH, StrengthMap::read)?,
+            normal: texture_of(object, NORMAL_MAP, WITH_STRENGTH, StrengthMap::read)?,
         };
         Ok((maps != Self::default()).then_some(maps))
     }
@@ -329,11 +336,11 @@ impl Declared for Maps {
                 to.put("encoding", texture.encoding);
                 texture.look_up.write(to);
                 match (key, &self.metal, &self.occlusion, &self.normal) {
-                    ("metalmap", Some(map), ..) => {
+                    (METAL_MAP, Some(map), ..) => {
                         to.put("metallic", map.metallic);
                         to.put("roughness", map.roughness);
                     }
-                    ("occlusionmap", _, Some(map), _) | ("normalmap", .., Some(map)) => {
+                    (OCCLUSION_MAP, _, Some(map), _) | (NORMAL_MAP, .., Some(map)) => {
                         to.put("strength", map.strength);
                     }
                     _ => {}
