@@ -12,7 +12,7 @@ use wavecrest_core::prepared::{Detail, Metal, NormalMap, Occlusion, UvMap};
 
 /// Assigns details to shapes; shapes with equal ones share a detail. Invisible properties are left
 /// out, unless the schedule requires them.
-pub fn run(
+pub(crate) fn run(
     surfaces: &[SurfaceComponents<'_>],
     schedule: Schedule,
     shows: &[Shows],

@@ -9,7 +9,7 @@ use wavecrest_core::plan::schedule::Step;
 
 /// Which properties of a shape's material are visible.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Shows {
+pub(crate) struct Shows {
     /// The texture of its colour.
     pub texture: bool,
     /// Emission.
