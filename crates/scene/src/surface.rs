@@ -14,7 +14,9 @@ pub use source::TextureSource;
 pub use textures::{
     CutOut, Encoding, Filter, LookUp, Maps, MetalMap, Placing, StrengthMap, TextureRef, Wrap,
 };
-pub(crate) use textures::{THRESHOLD, existing_file};
+pub(crate) use textures::{
+    EMISSION_MAP, METAL_MAP, NORMAL_MAP, OCCLUSION_MAP, THRESHOLD, existing_file,
+};
 
 /// The components of a surface.
 pub(crate) const SURFACE: [Declaration; 5] = [

@@ -19,12 +19,16 @@ const MOST_FRAMES: u32 = 1 << 12;
 
 /// The camera of the world, moved by `-origin`, and its path if it has one. A lens of aperture 0 is
 /// a pinhole, to the last bit.
-pub fn run(world: &World, origin: DVec3, schedule: Schedule) -> Result<(Camera, Option<Path>)> {
+pub(crate) fn run(
+    world: &World,
+    origin: DVec3,
+    schedule: Schedule,
+) -> Result<(Camera, Option<Path>)> {
     of_world(world, origin, schedule.runs(Step::Lens), schedule.runs(Step::Jitter))
 }
 
 /// The camera of the world in every place that it may render from; empty if there are too many.
-pub fn places(world: &World, origin: DVec3) -> Result<Vec<Camera>> {
+pub(crate) fn places(world: &World, origin: DVec3) -> Result<Vec<Camera>> {
     let (camera, path) = of_world(world, origin, true, false)?;
     Ok(frames_of(&camera, path.as_ref()))
 }

@@ -20,7 +20,7 @@ use wavecrest_core::math::float::UNIT_ROUNDOFF;
 
 /// For each of `surfaces` whether it is one of those `asked` and its cut-out removes anything. Their
 /// images are added to `images`.
-pub fn look(
+pub(crate) fn look(
     surfaces: &[SurfaceComponents<'_>],
     asked: &[bool],
     images: &mut Masks<'_>,
@@ -37,7 +37,7 @@ pub fn look(
 }
 
 /// Adds the cut-outs of the shapes that have `holes` to the geometry, and returns their images.
-pub fn run(
+pub(crate) fn run(
     surfaces: &[SurfaceComponents<'_>],
     holes: &[bool],
     images: &Masks<'_>,
@@ -103,7 +103,7 @@ fn prototype(geometry: &Geometry, shape: &ShapeOutput) -> Option<(usize, u32)> {
 type ImageKey = (TextureSource, bool);
 
 /// The images of cut-outs.
-pub struct Masks<'a> {
+pub(crate) struct Masks<'a> {
     /// The scene's file, for messages.
     file: &'a Path,
     /// `None` for images without alpha.
@@ -119,7 +119,7 @@ struct AlphaImage {
 
 impl<'a> Masks<'a> {
     /// No images, of the scene in `file`.
-    pub fn of_scene(file: &'a Path) -> Self {
+    pub(crate) fn of_scene(file: &'a Path) -> Self {
         Self { file, known: Vec::new() }
     }
 

@@ -24,11 +24,11 @@ use occurrences::{Geometries, Occurrences, Shown};
 use wavecrest_base::error::Result;
 
 pub(crate) use occurrence::{Occurrence, Round};
-pub use output::{Output, ShapeOutput};
+pub(crate) use output::{Output, ShapeOutput};
 
 /// Converts every shape to primitives, and moves all by `-origin`. A mesh with several instances is
 /// stored once, unless `flat`.
-pub fn run(world: &World, origin: DVec3, flat: bool) -> Result<Output> {
+pub(crate) fn run(world: &World, origin: DVec3, flat: bool) -> Result<Output> {
     let (mut shown, mut geometries) = (world.query::<Shown<'_>>(), world.query::<Geometries<'_>>());
     let geometries = geometries.view();
     let mut occurrences = Occurrences::of(shown.iter(), &geometries, origin, flat);
