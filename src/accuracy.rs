@@ -6,8 +6,8 @@ use super::common::{Threads, above_zero, print, progress_bar, tell, whole};
 use wavecrest_base::error::Result;
 use wavecrest_report::accuracy::findings::ERRORS;
 use wavecrest_report::accuracy::pilot;
-use wavecrest_report::accuracy::store::{Circumstances, Header, Record, Store};
-use wavecrest_report::accuracy::{Findings, Progress, page, sweep};
+use wavecrest_report::accuracy::store::{Circumstances, Record, Store, SweepHeader};
+use wavecrest_report::accuracy::{Findings, SweepProgress, page, sweep};
 use wavecrest_report::regression::Regression;
 use wavecrest_report::text::text;
 use wavecrest_scene::load::{LoadOptions, load};
@@ -123,7 +123,7 @@ const EXTENTS: [[u32; 3]; 2] = [[8, 256, 1024], [16, 2025, 5041]];
 fn run_sweep(args: &AccuracyArgs, folder: &Path) -> Result<()> {
     let [seeds, most, reference] = EXTENTS[usize::from(args.full)];
     let seeds = args.seeds.unwrap_or(seeds);
-    let header = Header {
+    let header = SweepHeader {
         version: env!("CARGO_PKG_VERSION").to_owned(),
         longest: args.side_pixels,
         most: args.most.unwrap_or(most),
@@ -133,9 +133,9 @@ fn run_sweep(args: &AccuracyArgs, folder: &Path) -> Result<()> {
     store.add(Record::Circumstances(Circumstances::here()))?;
     let bar = progress_bar(args.quiet, PROGRESS);
     let mut swept = sweep::run(&args.scenes, seeds, &mut store, &|progress| match progress {
-        Progress::Start(work) => bar.set_length(work),
-        Progress::Stage(name) => bar.set_message(name.to_owned()),
-        Progress::Step(work) => bar.inc(work),
+        SweepProgress::Start(work) => bar.set_length(work),
+        SweepProgress::Stage(name) => bar.set_message(name.to_owned()),
+        SweepProgress::Step(work) => bar.inc(work),
     })?;
     bar.finish_and_clear();
     let findings = Findings::new(seeds, &store, &swept, &args.errors);

@@ -7,7 +7,7 @@ use std::time::Instant;
 use super::common::{
     SearchOptions, choice, not_negative, print, tell, to_json, warn, whole, with_bar, write_text,
 };
-use super::input::{Extent, SceneOptions};
+use super::input::{Made, SceneOptions};
 use wavecrest_base::error::{Error, Result};
 use wavecrest_base::replace::{check_differs, check_replaceable};
 use wavecrest_core::accel::build::Preset;
@@ -15,11 +15,11 @@ use wavecrest_core::prepared::PreparedScene;
 use wavecrest_core::render::{RenderOptions, TracerKind, render};
 use wavecrest_core::wavefront::DEFAULT_BATCH;
 use wavecrest_report::bench::page::{machine, overview, page, scene, write_figures};
-use wavecrest_report::bench::variant::{Axis, BATCHES};
-use wavecrest_report::bench::{BenchReport, Plan, Preparation, SceneBench, Setting};
-use wavecrest_report::effects::scenes::{Variant, variants};
-use wavecrest_report::effects::{self, Entry};
-use wavecrest_report::measure::Schedule;
+use wavecrest_report::bench::variant::{BATCHES, Varied};
+use wavecrest_report::bench::{BenchPlan, BenchReport, BenchSetting, Preparation, SceneBench};
+use wavecrest_report::effects::scenes::{SceneVariant, variants};
+use wavecrest_report::effects::{self, EffectScene};
+use wavecrest_report::measure::RoundLimits;
 use wavecrest_report::page::Block;
 use wavecrest_report::text::text;
 use wavecrest_scene::load::{LoadOptions, load, load_str};
@@ -51,8 +51,8 @@ pub(crate) struct BenchArgs {
     pub(crate) min_time: f64,
     /// Also compare the wavefront tracer across kernels, the steps to it across instruction sets, batch sizes,
     /// both tracers across threads, or with every pass forced on (plan); comma-separated
-    #[arg(long, value_name = "WHAT", value_parser = choice::<Axis>(), value_delimiter = ',')]
-    pub(crate) compare: Vec<Axis>,
+    #[arg(long, value_name = "WHAT", value_parser = choice::<Varied>(), value_delimiter = ',')]
+    pub(crate) compare: Vec<Varied>,
     /// Compare these batch sizes, such as 16,64,1024,65536
     #[arg(long, value_name = "PATHS", value_parser = whole(1..=1_u32 << 20), value_delimiter = ',',
           conflicts_with = "effects")]
@@ -91,20 +91,20 @@ impl BenchArgs {
     }
 
     /// Number and duration of timed rounds.
-    fn schedule(&self) -> Schedule {
+    fn schedule(&self) -> RoundLimits {
         let (warmup, most) = (usize::from(self.warmup), usize::from(self.repeats));
-        Schedule { warmup, most, seconds: self.min_time }
+        RoundLimits { warmup, most, seconds: self.min_time }
     }
 
     /// What to compare.
-    fn plan(&self) -> Plan {
+    fn plan(&self) -> BenchPlan {
         let mut axes = self.compare.clone();
         let named: Vec<usize> = self.batches.iter().map(|paths| *paths as usize).collect();
-        if !named.is_empty() && !axes.contains(&Axis::Batches) {
-            axes.push(Axis::Batches);
+        if !named.is_empty() && !axes.contains(&Varied::Batches) {
+            axes.push(Varied::Batches);
         }
         let batches = if named.is_empty() { BATCHES.to_vec() } else { named };
-        Plan { axes, batches, schedule: self.schedule() }
+        BenchPlan { axes, batches, schedule: self.schedule() }
     }
 
     /// The render options with `tracer`.
@@ -179,9 +179,9 @@ fn bench(args: &BenchArgs, path: &Path) -> Result<SceneBench> {
 /// The bar of rounds.
 const ROUNDS: &str = "{wide_bar} {pos} of {len} rounds, {eta} left";
 
-fn prepare(args: &BenchArgs, path: &Path) -> Result<(PreparedScene, Setting)> {
+fn prepare(args: &BenchArgs, path: &Path) -> Result<(PreparedScene, BenchSetting)> {
     let start = Instant::now();
-    let extent = &Extent::whole(args.batch);
+    let extent = &Made::whole(args.batch);
     let loaded = args.scene_options.load(path, extent, &[])?;
     let extracted = args.scene_options.extract(loaded, extent)?;
     // Neither tracer should wait for an image.
@@ -201,7 +201,7 @@ fn prepare(args: &BenchArgs, path: &Path) -> Result<(PreparedScene, Setting)> {
     let seed = args.seed;
     let precision = args.scene_options.precision;
     let setting =
-        Setting { scene: name, seed, batch, simd, kernel, precision, preset, time, predicted };
+        BenchSetting { scene: name, seed, batch, simd, kernel, precision, preset, time, predicted };
     Ok((scene, setting))
 }
 
@@ -238,12 +238,12 @@ fn price_effects(args: &BenchArgs) -> Result<bool> {
         Error::io("cannot create a folder for the texture", std::env::temp_dir(), e)
     })?;
     let variants = variants(folder.path())?.into_iter();
-    let entries: Vec<Entry> = variants
+    let entries: Vec<EffectScene> = variants
         .map(|variant| prepare_effect(args, variant, folder.path()))
         .collect::<Result<_>>()?;
     let SearchOptions { simd, kernel } = args.search;
     let precision = args.scene_options.precision;
-    let setting = effects::Setting { simd, kernel, precision, batch: args.batch as usize };
+    let setting = effects::EffectSetting { simd, kernel, precision, batch: args.batch as usize };
     let trace = |scene: &_, tracer| render(scene, &args.options(tracer), &());
     let list = with_bar(args.scene_options.quiet, ROUNDS, |progress| {
         effects::measure(&entries, setting, &args.schedule(), trace, progress)
@@ -259,18 +259,18 @@ fn price_effects(args: &BenchArgs) -> Result<bool> {
     Ok(list.difference.is_none())
 }
 
-fn prepare_effect(args: &BenchArgs, variant: Variant, folder: &Path) -> Result<Entry> {
+fn prepare_effect(args: &BenchArgs, variant: SceneVariant, folder: &Path) -> Result<EffectScene> {
     let (width, height) = (args.scene_options.input.width, args.scene_options.input.height);
     let options = LoadOptions { strict: true, width, height, ..LoadOptions::default() };
     // Warnings would be about built-in scenes.
     let loaded = load_str(&variant.scene.to_string(), &folder.join("effect.json"), &options)?;
-    let extracted = args.scene_options.extract(loaded, &Extent::whole(args.batch))?;
+    let extracted = args.scene_options.extract(loaded, &Made::whole(args.batch))?;
     extracted.scene().appearance.decode()?;
     // The same for all, so that no effect has a better tree.
     let preset = args.scene_options.bvh.unwrap_or(Preset::Medium);
     let mut scene = args.scene_options.build(extracted, preset)?;
     args.search.apply(&mut scene.accel);
-    Ok(Entry { variant, scene })
+    Ok(EffectScene { variant, scene })
 }
 
 #[cfg(test)]
@@ -287,12 +287,12 @@ mod tests {
         assert_eq!(args.compare, []);
         assert_eq!((args.plan().axes, args.plan().batches), (Vec::new(), BATCHES.to_vec()));
         let compared = parse("a --compare kernels,batches --compare levels").unwrap().compare;
-        assert_eq!(compared, [Axis::Kernels, Axis::Batches, Axis::Levels]);
+        assert_eq!(compared, [Varied::Kernels, Varied::Batches, Varied::Levels]);
         let plan = parse("a --compare threads --batches 16,65536").unwrap().plan();
-        assert_eq!(plan.axes, [Axis::Threads, Axis::Batches]);
+        assert_eq!(plan.axes, [Varied::Threads, Varied::Batches]);
         assert_eq!(plan.batches, [16, 65536]);
         assert_eq!(args.scenes, ["a.json", "b.json"].map(PathBuf::from));
-        assert_eq!(args.schedule(), Schedule { warmup: 1, most: 3, seconds: 0.5 });
+        assert_eq!(args.schedule(), RoundLimits { warmup: 1, most: 3, seconds: 0.5 });
         for bad in [
             "",
             "a --repeats 0",

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use glam::{DVec3, Vec3};
 
 use super::common::{print, rounded, size, warn};
-use super::input::{Extent, SceneOptions};
+use super::input::{Made, SceneOptions};
 use wavecrest_base::error::Result;
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::kernels::texture::Image;
@@ -30,7 +30,7 @@ pub(crate) struct CheckArgs {
 /// If the scene cannot be rendered.
 pub(crate) fn run(args: &CheckArgs) -> Result<()> {
     args.scene_options.threads.run(|| {
-        let extent = &Extent::whole(DEFAULT_BATCH as u32);
+        let extent = &Made::whole(DEFAULT_BATCH as u32);
         let mut loaded = args.scene_options.load(&args.scene, extent, &[])?;
         // The contents are those of the file.
         if let Some(ground) = looks::ground(&loaded.world) {

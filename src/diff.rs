@@ -114,7 +114,7 @@ pub(crate) fn run(args: &DiffArgs) -> Result<bool> {
     let comparison = compare(&a, &b).map_err(|e| e.in_file(&args.b))?;
     let perceived = perceived(args, &a, &b)?;
     let beyond = pixels_beyond(&a, &b, args.limits.tolerance())?;
-    let report = Report::new(args, comparison, beyond, &perceived);
+    let report = DiffReport::new(args, comparison, beyond, &perceived);
     if let Some(output) = &args.output {
         let gain = args.gain as f32;
         let map = match args.map {
@@ -144,7 +144,7 @@ fn decoded(film: &Film) -> Film {
 
 /// The output. The keys of the JSON are the names here.
 #[derive(Serialize)]
-struct Report<'a> {
+struct DiffReport<'a> {
     a: &'a Path,
     b: &'a Path,
     #[serde(flatten)]
@@ -157,10 +157,10 @@ struct Report<'a> {
     /// Number of pixels with a value that differs by more than the tolerance.
     pixels_beyond_tolerance: u64,
     /// The deciding limits.
-    limits: Vec<Verdict>,
+    limits: Vec<CheckedLimit>,
 }
 
-impl<'a> Report<'a> {
+impl<'a> DiffReport<'a> {
     /// The report on two images with `beyond` pixels beyond the tolerance.
     fn new(args: &'a DiffArgs, comparison: Comparison, beyond: u64, perceived: &Flip) -> Self {
         let tolerance = args.limits.tolerance();
@@ -220,7 +220,7 @@ impl<'a> Report<'a> {
         }
         let within = self.is_within_limits();
         let decisive = self.limits.iter().filter(|verdict| verdict.within == within);
-        let words: Vec<String> = decisive.map(Verdict::words).collect();
+        let words: Vec<String> = decisive.map(CheckedLimit::words).collect();
         let answer = if within { "equal within limits" } else { "different" };
         format!("{answer}: {}", words.join(", "))
     }
@@ -250,7 +250,7 @@ fn decibels(value: f64) -> String {
 
 /// A limit, and whether it holds.
 #[derive(Serialize)]
-struct Verdict {
+struct CheckedLimit {
     /// The limited quantity.
     of: &'static str,
     found: f64,
@@ -259,7 +259,7 @@ struct Verdict {
     within: bool,
 }
 
-impl Verdict {
+impl CheckedLimit {
     fn new(of: &'static str, found: f64, limit: f64) -> Self {
         // NaN is not within a limit.
         Self { of, found, limit, within: found <= limit }
@@ -286,7 +286,7 @@ impl Limits {
 
     /// The verdicts on a comparison: `flip` is the mean FLIP, and `beyond` the number of pixels
     /// beyond the tolerance.
-    fn verdicts(&self, found: &Comparison, flip: f64, beyond: u64) -> Vec<Verdict> {
+    fn verdicts(&self, found: &Comparison, flip: f64, beyond: u64) -> Vec<CheckedLimit> {
         let all = u64::from(found.width) * u64::from(found.height);
         let most = self.max_pixels.map(|pixels| match pixels {
             Pixels::Count(count) => count as f64,
@@ -306,7 +306,7 @@ impl Limits {
         ];
         limits
             .into_iter()
-            .filter_map(|(of, value, most)| Some(Verdict::new(of, value, most?)))
+            .filter_map(|(of, value, most)| Some(CheckedLimit::new(of, value, most?)))
             .collect()
     }
 }

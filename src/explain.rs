@@ -8,11 +8,11 @@ use serde::Serialize;
 use serde_json::{Value, json};
 
 use super::common::{grouped, known, print, rounded, size, to_json, warn, whole};
-use super::input::{Extent, SceneOptions};
+use super::input::{Made, SceneOptions};
 use wavecrest_base::error::Result;
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::kernels::precision::Precision;
-use wavecrest_core::plan::schedule::{Column, PASSES, Pass};
+use wavecrest_core::plan::schedule::{ColumnGroup, PASSES, Pass};
 use wavecrest_core::prepared::PreparedScene;
 use wavecrest_core::render::{RenderOptions, Rendered, render};
 use wavecrest_core::wavefront::DEFAULT_BATCH;
@@ -74,7 +74,7 @@ struct BvhChoice {
 
 /// A group of columns of the wavefront's batch.
 #[derive(Serialize)]
-struct Buffer {
+struct ColumnMemory {
     name: &'static str,
     /// For each path; 0 without storage.
     bytes: usize,
@@ -90,7 +90,7 @@ struct Buffer {
 /// If the scene cannot be rendered.
 pub(crate) fn run(args: &ExplainArgs) -> Result<()> {
     args.scene_options.threads.run(|| {
-        let extent = &Extent::whole(args.batch);
+        let extent = &Made::whole(args.batch);
         let estimated = args.scene_options.estimate(&args.scene, extent)?;
         let start = Instant::now();
         let loaded = args.scene_options.load(&args.scene, extent, &[])?;
@@ -185,22 +185,22 @@ impl Explanation<'_> {
     }
 }
 
-fn buffers(scene: &PreparedScene) -> Vec<Buffer> {
+fn buffers(scene: &PreparedScene) -> Vec<ColumnMemory> {
     let held = Batch::bytes_per_path(scene);
-    let buffer = |column: Column| {
+    let buffer = |column: ColumnGroup| {
         let name = column.name();
-        let by = |columns: fn(&Pass) -> &'static [Column]| {
+        let by = |columns: fn(&Pass) -> &'static [ColumnGroup]| {
             let passes = PASSES.iter().filter(|pass| columns(pass).contains(&column));
             passes.map(|pass| pass.name).collect()
         };
-        Buffer {
+        ColumnMemory {
             name,
             bytes: held.iter().find(|(held, _)| *held == name).map_or(0, |(_, bytes)| *bytes),
             written_by: by(|pass| pass.writes),
             read_by: by(|pass| pass.reads),
         }
     };
-    Column::ALL.into_iter().map(buffer).collect()
+    ColumnGroup::ALL.into_iter().map(buffer).collect()
 }
 
 fn choice(extracted: &Extracted, requested: Option<Preset>) -> BvhChoice {
@@ -249,7 +249,7 @@ fn text(e: &Explanation<'_>) -> String {
     }
     text += "buffers of the wavefront tracer, in bytes per path\n";
     let buffers = buffers(e.scene);
-    for Buffer { name, bytes, written_by, read_by } in &buffers {
+    for ColumnMemory { name, bytes, written_by, read_by } in &buffers {
         let (written, read) = (written_by.join(", "), read_by.join(", "));
         let by = format!("{bytes:>6}  written by {written}; read by {read}");
         let unused = format!("{bytes:>6}  not needed");

@@ -16,7 +16,7 @@ use wavecrest_core::prepared::PreparedScene;
 use wavecrest_scene::load::framing::{Fit, Fov, Framing, Sheet, Side, Up};
 use wavecrest_scene::load::lighting::{Background, Lighting, Rig};
 use wavecrest_scene::load::{FileFormat, LONGEST_SIDE, LoadOptions, LoadedScene, load, survey};
-use wavecrest_scene::memory::{self, Estimate, Images};
+use wavecrest_scene::memory::{self, Estimate, ImageBytes};
 use wavecrest_scene::systems::{self, Extracted};
 
 /// Options of every command that reads a scene, a glTF file or a mesh.
@@ -194,7 +194,7 @@ impl SceneOptions {
     pub(crate) fn load(
         &self,
         scene: &Path,
-        extent: &Extent<'_>,
+        extent: &Made<'_>,
         outputs: &[&Path],
     ) -> Result<LoadedScene> {
         self.input.check(scene)?;
@@ -210,7 +210,7 @@ impl SceneOptions {
     }
 
     /// Estimates the memory of a render of this `extent` before anything large is read.
-    pub(crate) fn estimate(&self, scene: &Path, extent: &Extent<'_>) -> Result<Estimate> {
+    pub(crate) fn estimate(&self, scene: &Path, extent: &Made<'_>) -> Result<Estimate> {
         let survey = survey(scene, &self.load_options())?;
         let asked = memory::Asked {
             images: &*extent.images,
@@ -227,14 +227,14 @@ impl SceneOptions {
     }
 
     /// Runs all systems but the last on `loaded`, for a render of this `extent`.
-    pub(crate) fn extract(&self, loaded: LoadedScene, extent: &Extent<'_>) -> Result<Extracted> {
+    pub(crate) fn extract(&self, loaded: LoadedScene, extent: &Made<'_>) -> Result<Extracted> {
         let (precision, flat) = (self.precision, self.flatten);
         let options = systems::Options { precision, flat, ..Default::default() };
         self.checked(systems::extract(loaded.world, options)?, extent)
     }
 
     /// Refuses a scene that has no tree yet if a render of this `extent` would take more memory than is allowed.
-    pub(crate) fn checked(&self, extracted: Extracted, extent: &Extent<'_>) -> Result<Extracted> {
+    pub(crate) fn checked(&self, extracted: Extracted, extent: &Made<'_>) -> Result<Extracted> {
         let Some(limit) = self.memory_limit else { return Ok(extracted) };
         let preset = self.preset(&extracted);
         limit::check(extracted.file(), &extent.estimate(&extracted, preset), limit)?;
@@ -261,24 +261,24 @@ impl SceneOptions {
 }
 
 /// What a command makes of a scene, as far as it affects memory.
-pub(crate) struct Extent<'a> {
+pub(crate) struct Made<'a> {
     /// The memory of the images, if the whole image has this width and height in pixels.
-    pub(crate) images: Box<dyn Fn([u32; 2]) -> Images + 'a>,
+    pub(crate) images: Box<dyn Fn([u32; 2]) -> ImageBytes + 'a>,
     /// Paths in a batch.
     pub(crate) batch: usize,
 }
 
-impl Extent<'_> {
+impl Made<'_> {
     /// Estimates the memory of a render of an extracted scene.
     pub(crate) fn estimate(&self, extracted: &Extracted, preset: Preset) -> Estimate {
-        let Images { film, writing } = (self.images)(extracted.scene().camera.size());
+        let ImageBytes { film, writing } = (self.images)(extracted.scene().camera.size());
         let usual = memory::estimate_extracted(extracted, extracted.pixels(), preset, self.batch);
         Estimate { film, writing, ..usual }
     }
 
     /// The whole image, not written, in batches of this number of paths.
     pub(crate) fn whole(batch: u32) -> Self {
-        Self { images: Box::new(Images::whole), batch: batch as usize }
+        Self { images: Box::new(ImageBytes::whole), batch: batch as usize }
     }
 }
 

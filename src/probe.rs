@@ -5,12 +5,14 @@ use std::path::PathBuf;
 use glam::Vec3;
 
 use super::common::{SearchOptions, numbers, print, rounded, to_json, whole};
-use super::input::{Extent, SceneOptions};
+use super::input::{Made, SceneOptions};
 use wavecrest_base::error::{Error, ErrorKind, Result};
-use wavecrest_core::probe::{Bounce, Light, Met, Path, PixelRecord, Surface, Verdict, pixel};
+use wavecrest_core::probe::{
+    Bounce, HitRecord, Light, PathRecord, PixelRecord, SurfaceRecord, Visibility, pixel,
+};
 use wavecrest_core::recursive::End;
 use wavecrest_core::wavefront::DEFAULT_BATCH;
-use wavecrest_scene::memory::{Images, film_bytes};
+use wavecrest_scene::memory::{ImageBytes, film_bytes};
 
 /// Follow the rays of a pixel: what they hit, its material, and what each light adds.
 ///
@@ -52,8 +54,8 @@ pub(crate) fn run(args: &ProbeArgs) -> Result<bool> {
     args.search.check(args.scene_options.precision)?;
     args.scene_options.threads.run(|| {
         // A single pixel, not written.
-        let images = |_| Images { film: film_bytes(1), writing: 0 };
-        let extent = &Extent { images: Box::new(images), batch: DEFAULT_BATCH };
+        let images = |_| ImageBytes { film: film_bytes(1), writing: 0 };
+        let extent = &Made { images: Box::new(images), batch: DEFAULT_BATCH };
         let loaded = args.scene_options.load(&args.scene, extent, &[])?;
         let extracted = args.scene_options.extract(loaded, extent)?;
         let preset = args.scene_options.preset(&extracted);
@@ -91,10 +93,10 @@ fn check(args: &ProbeArgs, [width, height]: [u32; 2], samples: u32) -> Result<()
 fn text(record: &PixelRecord) -> String {
     let mut text = String::new();
     let [x, y] = record.pixel;
-    let mut rest: Vec<&Path> = record.paths.iter().collect();
+    let mut rest: Vec<&PathRecord> = record.paths.iter().collect();
     // Samples with the same hits are printed once.
     while let Some(&first) = rest.first() {
-        let (same, others): (Vec<&Path>, Vec<&Path>) =
+        let (same, others): (Vec<&PathRecord>, Vec<&PathRecord>) =
             rest.iter().partition(|path| outline(path) == outline(first));
         let radiance = three(first.radiance);
         text += &format!("pixel {x},{y}, sample {}: radiance {radiance}\n", first.sample);
@@ -114,10 +116,10 @@ fn text(record: &PixelRecord) -> String {
 }
 
 /// For each bounce of a path the primitive that it hits, and for each point of a light whether it is visible.
-type Outline = Vec<(Option<u32>, Vec<(usize, bool)>)>;
+type PathOutcome = Vec<(Option<u32>, Vec<(usize, bool)>)>;
 
-fn outline(path: &Path) -> Outline {
-    let light = |light: &Light| (light.light, light.verdict == Verdict::Visible);
+fn outline(path: &PathRecord) -> PathOutcome {
+    let light = |light: &Light| (light.light, light.verdict == Visibility::Visible);
     let bounce = |bounce: &Bounce| match &bounce.met {
         Some(met) => (Some(met.primitive), met.lights.iter().map(light).collect()),
         None => (None, Vec::new()),
@@ -153,7 +155,7 @@ fn bounce(number: usize, bounce: &Bounce) -> String {
     )
 }
 
-fn met(met: &Met) -> String {
+fn met(met: &HitRecord) -> String {
     let name = met.name.as_ref().map_or_else(String::new, |name| format!(" ({name})"));
     let bound = met.t_error.map_or("no bound".to_owned(), |e| format!("\u{b1}{e:.1e}"));
     let [u, v] = met.uv.map(number);
@@ -180,7 +182,9 @@ fn met(met: &Met) -> String {
     text + &met.lights.iter().map(light).collect::<String>()
 }
 
-fn surface(Surface { color, texture, ks, kd, exponent, kr, emission }: &Surface) -> String {
+fn surface(
+    SurfaceRecord { color, texture, ks, kd, exponent, kr, emission }: &SurfaceRecord,
+) -> String {
     let from = texture.as_ref().map_or_else(String::new, |file| format!(" from {file}"));
     let [kd, ks, exponent] = [*kd, *ks, *exponent].map(number);
     let color = three(*color);
@@ -208,13 +212,13 @@ fn within(x: f64, error: Option<f32>) -> String {
 
 fn light(light: &Light) -> String {
     let verdict = match &light.verdict {
-        Verdict::Behind => "behind the surface".to_owned(),
-        Verdict::NotReflected => "reflects nothing".to_owned(),
-        Verdict::Visible => format!("visible, adds {}", three(light.adds)),
-        Verdict::Occluded { primitive: Some(primitive), shape, t } => {
+        Visibility::Behind => "behind the surface".to_owned(),
+        Visibility::NotReflected => "reflects nothing".to_owned(),
+        Visibility::Visible => format!("visible, adds {}", three(light.adds)),
+        Visibility::Occluded { primitive: Some(primitive), shape, t } => {
             format!("blocked by primitive {primitive} of {shape}, at {} of the way", number(*t))
         }
-        Verdict::Occluded { primitive: None, .. } => "blocked".to_owned(),
+        Visibility::Occluded { primitive: None, .. } => "blocked".to_owned(),
     };
     let Light { light, index, distance, .. } = light;
     let distance = distance.map_or("infinitely far".to_owned(), |d| format!("{} away", number(d)));

@@ -18,7 +18,7 @@ pub(crate) use args::RenderArgs;
 use outputs::Outputs;
 use ready::{Ready, timed};
 use show::{Rendering, Reporter, Stage};
-use summary::Summary;
+use summary::Totals;
 
 use super::interrupt;
 use wavecrest_base::error::Result;
@@ -70,9 +70,12 @@ fn one(
     // Until here there was nothing to lose: a signal ended the process.
     interrupt::record();
     let rendering = &Rendering { args, outputs, reporter };
-    let mut summary = Summary::since(start);
+    let mut summary = Totals::since(start);
     if let Some(shard) = shard {
-        return parts::write_shard(rendering, shard, &ready.scene, summary);
+        let (counters, seconds) = parts::write_shard(rendering, shard, &ready.scene)?;
+        summary.add(&counters, seconds);
+        summary.print(args, &outputs.name(), &format!("shard {shard}"));
+        return Ok(());
     }
     let Ready { scene, time, preset, .. } = &mut ready;
     let traced = timed(&mut time.trace, || goal::trace(rendering, scene, *preset, start))?;

@@ -59,7 +59,7 @@ struct Trial {
 
 /// A case with its outcomes.
 #[derive(Serialize)]
-struct Row {
+struct CaseRow {
     case: u32,
     name: &'static str,
     bound: &'static str,
@@ -146,7 +146,7 @@ fn named(numbers: &[u32]) -> Result<Vec<&'static Case>> {
 }
 
 /// The case in each precision; `step` is called after each.
-fn row(case: &Case, efforts: &[Effort], step: impl Fn()) -> Row {
+fn row(case: &Case, efforts: &[Effort], step: impl Fn()) -> CaseRow {
     let start = Instant::now();
     let trial = |effort: &Effort| {
         let outcome = case.run(effort);
@@ -155,7 +155,7 @@ fn row(case: &Case, efforts: &[Effort], step: impl Fn()) -> Row {
     };
     let trials = efforts.iter().map(trial).collect();
     let Case { number, name, bound, .. } = *case;
-    Row { case: number, name, bound, trials, seconds: start.elapsed().as_secs_f64() }
+    CaseRow { case: number, name, bound, trials, seconds: start.elapsed().as_secs_f64() }
 }
 
 /// The errors in all situations.
@@ -171,14 +171,14 @@ fn errors_of_hits(efforts: &[Effort]) -> Vec<Yield> {
 }
 
 /// The whole text.
-fn table_and_failures(rows: &[Row], args: &SelftestArgs) -> String {
+fn table_and_failures(rows: &[CaseRow], args: &SelftestArgs) -> String {
     let precisions: Vec<Precision> =
         rows.first().map_or_else(Vec::new, |row| row.trials.iter().map(|t| t.precision).collect());
     verdict(rows, &precisions) + &table(rows, &precisions) + &failures(rows, &precisions, args)
 }
 
 /// The number of passed cases in each precision, and the share that fast misses.
-fn verdict(rows: &[Row], precisions: &[Precision]) -> String {
+fn verdict(rows: &[CaseRow], precisions: &[Precision]) -> String {
     let all = rows.len();
     let cases = if all == 1 { "case" } else { "cases" };
     let mut text = String::new();
@@ -197,7 +197,7 @@ fn verdict(rows: &[Row], precisions: &[Precision]) -> String {
 }
 
 /// A row for each case.
-fn table(rows: &[Row], precisions: &[Precision]) -> String {
+fn table(rows: &[CaseRow], precisions: &[Precision]) -> String {
     let widest = rows.iter().map(|row| row.name.len()).max().unwrap_or(0);
     let mut text = format!("\ncase  {:<widest$}", "input");
     precisions.iter().for_each(|precision| text += &format!("  {:>9}", precision.name()));
@@ -228,7 +228,7 @@ fn answers(Trial { precision, holds, outcome, .. }: &Trial) -> String {
 
 /// Failures, and how to repeat them. Those in fast precision are listed only if no other precision
 /// was tested.
-fn failures(rows: &[Row], precisions: &[Precision], args: &SelftestArgs) -> String {
+fn failures(rows: &[CaseRow], precisions: &[Precision], args: &SelftestArgs) -> String {
     let mut text = String::new();
     let full = if args.full { " --full" } else { "" };
     for row in rows {

@@ -95,7 +95,7 @@ fn run_here(args: &TraceArgs) -> Result<()> {
     let answers = time_passes(&accel, &file, args.tracer, args.repeats);
     let per_ray = |count: u64| count as f64 / rays.max(1) as f64;
     let Counters { tests, kernels, .. } = answers.work;
-    let report = Report {
+    let report = TraceReport {
         rays,
         any_hit: file.any_hit,
         hits: answers.hits(file.any_hit),
@@ -231,7 +231,7 @@ const AGREEMENT: f32 = 1.0 / 16384.0;
 
 /// The output.
 #[derive(Serialize)]
-struct Report {
+struct TraceReport {
     rays: usize,
     any_hit: bool,
     hits: usize,
@@ -321,7 +321,7 @@ impl Compared {
     }
 }
 
-impl Report {
+impl TraceReport {
     /// In words.
     fn text(&self) -> String {
         let kind = if self.any_hit { "any hit" } else { "closest hit" };

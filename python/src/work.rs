@@ -16,7 +16,7 @@ use rayon::ThreadPool;
 use wavecrest_api::components::{CameraPath, View};
 use wavecrest_api::glam::DMat4;
 use wavecrest_api::hecs::{Entity, World};
-use wavecrest_api::memory::{Asked, Estimate, Images, estimate, estimate_extracted};
+use wavecrest_api::memory::{Asked, Estimate, ImageBytes, estimate, estimate_extracted};
 use wavecrest_api::{self as api, Watch};
 
 use super::input::{self, Argument, Source};
@@ -70,7 +70,7 @@ impl Job {
         let rendering = api::RenderOptions { seed: self.seed, ..Default::default() };
         if let Some(survey) = self.survey()? {
             let batch = rendering.batch;
-            let asked = Asked { images: &Images::whole, preset: None, batch, flat: false };
+            let asked = Asked { images: &ImageBytes::whole, preset: None, batch, flat: false };
             estimate(&survey, asked).check_room()?;
         }
         let mut loaded = match self.source {

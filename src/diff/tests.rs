@@ -8,12 +8,12 @@ fn parse(words: &[&str]) -> std::result::Result<DiffArgs, clap::Error> {
     crate::common::parse(&words.join(" "))
 }
 
-fn report(args: &DiffArgs, changed: f32) -> Report<'_> {
+fn report(args: &DiffArgs, changed: f32) -> DiffReport<'_> {
     let a = Film::new(2, 2).unwrap();
     let mut b = a.clone();
     b.pixels_mut()[2][1] = changed;
     let beyond = pixels_beyond(&a, &b, args.limits.tolerance()).unwrap();
-    Report::new(args, compare(&a, &b).unwrap(), beyond, &perceived(args, &a, &b).unwrap())
+    DiffReport::new(args, compare(&a, &b).unwrap(), beyond, &perceived(args, &a, &b).unwrap())
 }
 
 /// Of texts after the first, lines that are others.

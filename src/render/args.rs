@@ -8,7 +8,7 @@ use std::time::Duration;
 
 use crate::common::{SearchOptions, above_zero, choice, numbers, output, whole};
 use crate::image_options::{DevelopOptions, MetadataOptions};
-use crate::input::{Extent, SceneOptions};
+use crate::input::{Made, SceneOptions};
 use array::ShardChoice;
 use wavecrest_base::choice::Choice as _;
 use wavecrest_base::error::{Result, did_you_mean};
@@ -129,8 +129,8 @@ impl RenderArgs {
     }
 
     /// The extent of the image to render.
-    pub(super) fn extent(&self) -> Extent<'_> {
-        Extent { images: Box::new(|size| self.images(size)), batch: self.batch as usize }
+    pub(super) fn extent(&self) -> Made<'_> {
+        Made { images: Box::new(|size| self.images(size)), batch: self.batch as usize }
     }
 
     /// The file to write.

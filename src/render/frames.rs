@@ -7,7 +7,7 @@ use super::args::{Frames, RenderArgs};
 use super::outputs::Outputs;
 use super::ready::Ready;
 use super::show::{Rendering, Reporter, Stage};
-use super::summary::Summary;
+use super::summary::Totals;
 use super::{parts, watched};
 use crate::interrupt;
 use wavecrest_base::error::{Error, ErrorKind, Result};
@@ -76,7 +76,7 @@ pub(super) struct Sequence<'a> {
     args: &'a RenderArgs,
     reporter: &'a Reporter,
     pub(super) ready: Ready,
-    summary: Summary,
+    summary: Totals,
     /// The number of frames to render, and of those that are finished.
     frames: usize,
     finished: usize,
@@ -98,7 +98,7 @@ impl<'a> Sequence<'a> {
         let start = Instant::now();
         let ready = Ready::prepare(args, outputs, reporter, start, false)?;
         interrupt::record();
-        let summary = Summary::since(start);
+        let summary = Totals::since(start);
         Ok(Self { args, reporter, ready, summary, frames, finished: 0, numbered: false })
     }
 

@@ -16,7 +16,7 @@ use wavecrest_core::render::Rendered;
 use wavecrest_report::accuracy::pilot::budget::{Budget, Overhead, Pace, in_time};
 use wavecrest_report::accuracy::pilot::target::{Reached, reach};
 use wavecrest_report::accuracy::pilot::{
-    Choice, MOST_SIDE, Measured, Pilot, error, is_sampled, leaves_out_aliasing, measured_share,
+    Chosen, MOST_SIDE, MeasuredError, Pilot, error, is_sampled, leaves_out_aliasing, measured_share,
 };
 use wavecrest_report::plot::number::figure;
 
@@ -69,12 +69,12 @@ struct Aimed<'a> {
 }
 
 /// A render, and its goal if it is finished.
-type Aim = (Rendered, Option<Value>);
+type AimedRender = (Rendered, Option<Value>);
 
 impl Aimed<'_> {
     /// Renders, and repeats with more points while the error is above `target`. `None` without a
     /// choice.
-    fn for_error(&mut self, target: f64) -> Result<Option<Aim>> {
+    fn for_error(&mut self, target: f64) -> Result<Option<AimedRender>> {
         let pilot = Pilot::run(self.scene, &self.original, self.rendering.args.seed)?;
         let reached = reach(&pilot, target, |choice| {
             self.choose(choice);
@@ -93,7 +93,7 @@ impl Aimed<'_> {
     }
 
     /// Renders within `budget`, of so many seconds. `None` without a choice.
-    fn in_time(&mut self, budget: &Budget<'_>, seconds: f64) -> Result<Option<Aim>> {
+    fn in_time(&mut self, budget: &Budget<'_>, seconds: f64) -> Result<Option<AimedRender>> {
         let args = self.rendering.args;
         let pilot = Pilot::within(self.scene, &self.original, args.seed, &budget.for_pilot())?;
         if let Some(choice) = pilot.for_time(budget.left()) {
@@ -130,7 +130,7 @@ impl Aimed<'_> {
 
     /// Takes the samples of `choice`, and the tree that the expected rays are worth, unless a preset
     /// was requested.
-    fn choose(&mut self, choice: &Choice) {
+    fn choose(&mut self, choice: &Chosen) {
         self.scene.resample(&self.original, &choice.samples());
         if self.rendering.args.scene_options.bvh.is_some() {
             return;
@@ -143,13 +143,13 @@ impl Aimed<'_> {
         }
     }
 
-    fn trace(&self, choice: &Choice, pace: Option<&Pace<'_>>) -> Result<Rendered> {
+    fn trace(&self, choice: &Chosen, pace: Option<&Pace<'_>>) -> Result<Rendered> {
         self.say(&format!("chosen: {choice}"));
         trace_once(self.rendering, self.scene, pace).map(|(rendered, _)| rendered)
     }
 
     /// The measured error, if there is one.
-    fn measure(&self, rendered: &Rendered) -> Result<Option<Measured>> {
+    fn measure(&self, rendered: &Rendered) -> Result<Option<MeasuredError>> {
         let found = match is_sampled(self.scene) {
             true => Some(error(self.scene, Some(&rendered.film), self.rendering.args.seed)?),
             false => None,
@@ -168,13 +168,13 @@ impl Aimed<'_> {
 }
 
 /// The measured error in words, and whether it leaves out what one ray a pixel misses at edges.
-fn measured(error: Option<Measured>, without_aliasing: bool) -> String {
+fn measured(error: Option<MeasuredError>, without_aliasing: bool) -> String {
     match error {
-        Some(Measured { error, .. }) if without_aliasing => format!(
+        Some(MeasuredError { error, .. }) if without_aliasing => format!(
             "measured error: {}, without the aliasing of one ray through the centre of each pixel",
             figure(error)
         ),
-        Some(Measured { error, .. }) => format!("measured error: {}", figure(error)),
+        Some(MeasuredError { error, .. }) => format!("measured error: {}", figure(error)),
         None => {
             "error not measured: one ray through the centre of each pixel, without random samples"
                 .to_owned()
@@ -182,7 +182,7 @@ fn measured(error: Option<Measured>, without_aliasing: bool) -> String {
     }
 }
 
-fn unreached(target: f64, choice: &Choice) -> Error {
+fn unreached(target: f64, choice: &Chosen) -> Error {
     let message = format!("the target error {target} was not reached");
     let remedy = match choice.points.side {
         MOST_SIDE => "the image has as many points as possible; choose a larger error",
@@ -192,7 +192,7 @@ fn unreached(target: f64, choice: &Choice) -> Error {
 }
 
 /// The goal and its outcome, for the statistics.
-fn goal(requested: String, choice: &Choice, found: Option<Measured>, renders: u32) -> Value {
+fn goal(requested: String, choice: &Chosen, found: Option<MeasuredError>, renders: u32) -> Value {
     json!({
         "asked": requested,
         "samples": choice.to_string(),

@@ -6,7 +6,6 @@ use std::time::Instant;
 use super::args::RenderArgs;
 use super::look;
 use super::show::{Rendering, Show, Stage};
-use super::summary::Summary;
 use crate::common::tell;
 use crate::interrupt;
 use wavecrest_base::error::{Error, ErrorKind, Result};
@@ -57,19 +56,18 @@ pub(super) fn trace(
     Ok((rendered, session.resumed()))
 }
 
-/// Renders a shard and writes its part.
+/// Renders a shard and writes its part; returns what was counted, and the seconds of tracing.
 pub(super) fn write_shard(
     rendering: &Rendering<'_>,
     shard: Shard,
     scene: &PreparedScene,
-    mut summary: Summary,
-) -> Result<()> {
+) -> Result<(Counters, f64)> {
     let Rendering { args, outputs, reporter } = *rendering;
     let session = session(rendering, scene, Some(shard))?;
     let show = Show::begin(rendering, scene, None);
     let start = Instant::now();
     let done = session.render_units(&show, &warn)?;
-    summary.add(&done.counters, start.elapsed().as_secs_f64());
+    let seconds = start.elapsed().as_secs_f64();
     drop(show);
     if session.share() < 1.0 {
         let what = outputs.untouched();
@@ -78,10 +76,9 @@ pub(super) fn write_shard(
     let first = find_invalid(args, scene, &done.counters)?;
     report_invalid(&done.counters, first.as_ref());
     session.write(outputs.first())?;
-    summary.print(args, &outputs.name(), &format!("shard {shard}"));
     reporter.note("write", || outputs.name());
     reporter.stage(Stage::Done);
-    Ok(())
+    Ok((done.counters, seconds))
 }
 
 /// The work on the image, or on a shard of it; says what a checkpoint held.

@@ -35,7 +35,7 @@ pub(super) struct Rendering<'a> {
 
 /// Reports on a command from its start to its end.
 pub(super) struct Reporter {
-    progress: Progress,
+    progress: ProgressDisplay,
     pub(super) log: Log,
 }
 
@@ -46,7 +46,7 @@ impl Reporter {
     /// If the log cannot be written to.
     pub(super) fn begin(args: &RenderArgs) -> Result<Self> {
         let log = Log::open(args.log.as_deref())?;
-        let progress = Progress::new(args.progress, args.scene_options.quiet);
+        let progress = ProgressDisplay::new(args.progress, args.scene_options.quiet);
         Ok(Self { progress, log })
     }
 
@@ -80,7 +80,7 @@ impl Reporter {
 pub(super) struct Show<'a> {
     rendering: &'a Rendering<'a>,
     live: Option<Live>,
-    saver: Option<Saver<'a>>,
+    saver: Option<ImageSaver<'a>>,
     pace: Option<&'a Pace<'a>>,
 }
 
@@ -101,7 +101,7 @@ impl<'a> Show<'a> {
             .and_then(|address| reporter.or_warn(Live::connect(address, &outputs.name(), window)));
         let saver = args
             .save_every
-            .and_then(|seconds| reporter.or_warn(Saver::new(outputs, scene, window, seconds)));
+            .and_then(|seconds| reporter.or_warn(ImageSaver::new(outputs, scene, window, seconds)));
         Self { rendering, live, saver, pace }
     }
 }
@@ -168,7 +168,7 @@ wavecrest_base::choices! {
 /// `all` (pixels; `all` is null until it is known), `seconds` since the start, and `left`, the
 /// estimated remaining seconds of tracing (null if unknown). Each stage starts with a line; tracing
 /// prints at most ten a second, and one at the end.
-struct Progress {
+struct ProgressDisplay {
     bar: ProgressBar,
     lines: Option<Mutex<Lines>>,
 }
@@ -184,7 +184,7 @@ struct Lines {
     all: Option<u64>,
 }
 
-impl Progress {
+impl ProgressDisplay {
     fn new(style: Style, quiet: bool) -> Self {
         let has_bar = style == Style::Bar || (style == Style::Auto && !quiet);
         let now = Instant::now();
@@ -255,23 +255,23 @@ fn milliseconds(seconds: f64) -> f64 {
 ///
 /// Each time the outputs are replaced atomically, as at the end, so that a reader never sees a part
 /// of a file; unrendered parts of the image are black.
-struct Saver<'a> {
+struct ImageSaver<'a> {
     outputs: &'a Outputs<'a>,
     entries: Vec<Entry>,
     window: Tile,
     every: Duration,
-    kept: Mutex<Kept>,
+    kept: Mutex<KeptTiles>,
     /// Whether a thread is writing.
     writing: AtomicBool,
 }
 
-struct Kept {
+struct KeptTiles {
     film: Film,
     pixels: usize,
     saved: Instant,
 }
 
-impl<'a> Saver<'a> {
+impl<'a> ImageSaver<'a> {
     /// Writes `outputs` at this interval in seconds.
     ///
     /// # Errors
@@ -283,7 +283,7 @@ impl<'a> Saver<'a> {
         seconds: f64,
     ) -> Result<Self> {
         let film = Film::new(window.width, window.height)?;
-        let kept = Mutex::new(Kept { film, pixels: 0, saved: Instant::now() });
+        let kept = Mutex::new(KeptTiles { film, pixels: 0, saved: Instant::now() });
         // Intervals that are too long mean never.
         let every = Duration::try_from_secs_f64(seconds).unwrap_or(Duration::MAX);
         let entries = outputs.entries(scene)?;

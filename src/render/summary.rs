@@ -18,13 +18,13 @@ use wavecrest_report::statistics::{Bvh, KernelUse, Memory, Rays, Samples, Tests,
 use wavecrest_scene::memory;
 
 /// The totals so far.
-pub(super) struct Summary {
+pub(super) struct Totals {
     start: Instant,
     rays: u64,
     traced_seconds: f64,
 }
 
-impl Summary {
+impl Totals {
     /// Empty totals of a command that began at `start`.
     pub(super) fn since(start: Instant) -> Self {
         Self { start, rays: 0, traced_seconds: 0.0 }
@@ -130,7 +130,7 @@ mod tests {
 
     #[test]
     fn it_is_one_line_with_units() {
-        let mut summary = Summary::since(Instant::now());
+        let mut summary = Totals::since(Instant::now());
         let counters = Counters {
             primary_rays: 900_000,
             secondary_rays: 21_000,

@@ -13,7 +13,7 @@ use wavecrest_core::kernels::precision::Precision;
 use wavecrest_core::plan::schedule::{PASSES, unplanned};
 use wavecrest_core::render::{RenderOptions, TracerKind, render};
 use wavecrest_report::selftest::agreement::agreement;
-use wavecrest_report::selftest::examine::{Shape, Trial, shape, trial};
+use wavecrest_report::selftest::examine::{GeometryFacts, SceneTrial, shape, trial};
 use wavecrest_report::selftest::{Effort, Outcome};
 use wavecrest_scene::load::{LoadOptions, load};
 use wavecrest_scene::mesh;
@@ -26,7 +26,7 @@ const IMAGE_SIDE: u32 = 128;
 #[derive(Serialize)]
 pub(super) struct Examined {
     file: String,
-    shape: Shape,
+    shape: GeometryFacts,
     trials: Vec<Tried>,
 }
 
@@ -35,7 +35,7 @@ pub(super) struct Examined {
 struct Tried {
     precision: Precision,
     #[serde(flatten)]
-    trial: Trial,
+    trial: SceneTrial,
     /// The hits of every kernel, compared with those of the reference; `None` for fast precision.
     #[serde(skip_serializing_if = "Option::is_none")]
     agreement: Option<Outcome>,
@@ -48,7 +48,7 @@ impl Examined {
     /// Whether there is no failure, except in fast precision.
     pub(super) fn holds(&self) -> bool {
         self.trials.iter().filter(|tried| tried.precision != Precision::Fast).all(|tried| {
-            let Trial { leaks, self_hits, .. } = &tried.trial;
+            let SceneTrial { leaks, self_hits, .. } = &tried.trial;
             let differing = tried.agreement.as_ref().map_or(0, |outcome| outcome.failed);
             leaks.failed + self_hits.failed + differing + tried.invalid.unwrap_or(0) == 0
         })
@@ -63,8 +63,8 @@ impl Examined {
 
     /// The shapes in words.
     fn described(&self) -> String {
-        let Shape { triangles, quads, spheres, disks, instanced, .. } = self.shape;
-        let Shape { dropped, slivers, longest, borders, crowded, .. } = self.shape;
+        let GeometryFacts { triangles, quads, spheres, disks, instanced, .. } = self.shape;
+        let GeometryFacts { dropped, slivers, longest, borders, crowded, .. } = self.shape;
         let counts = [
             (triangles, "triangles"),
             (quads, "quads"),
@@ -94,7 +94,7 @@ impl Tried {
     /// In words.
     fn text(&self) -> String {
         let Self { precision, trial, agreement, invalid } = self;
-        let Trial { leaks, self_hits, errors } = trial;
+        let SceneTrial { leaks, self_hits, errors } = trial;
         let mut text = format!("    {:<7}", precision.name());
         if self_hits.tried > 0 {
             let _ = write!(

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use serde_json::{Value, json};
 use wavecrest_core::accel::build::Preset;
-use wavecrest_core::accel::steps::Step;
+use wavecrest_core::accel::steps::HitStep;
 use wavecrest_core::math::sampling::{Points, Sampling};
 use wavecrest_core::prepared::{PreparedScene, Samples};
 use wavecrest_core::render::RenderOptions;
@@ -14,7 +14,7 @@ use wavecrest_report::accuracy::findings::{ERRORS, Point};
 use wavecrest_report::accuracy::pilot::target::reach;
 use wavecrest_report::accuracy::pilot::{Pilot, error};
 use wavecrest_report::accuracy::setting::{Facts, Family, Series, Setting, Structure};
-use wavecrest_report::accuracy::store::{FILE, Header, Record, Store};
+use wavecrest_report::accuracy::store::{FILE, Record, Store, SweepHeader};
 use wavecrest_report::accuracy::subject::Subject;
 use wavecrest_report::accuracy::sweep::run;
 use wavecrest_report::accuracy::{Findings, page};
@@ -25,11 +25,11 @@ use crate::support::{
     repository, scene, sphere, thin_lens, wall, wavecrest, with,
 };
 
-fn header(longest: u32, most: u32, least: u32) -> Header {
-    Header { version: "1".to_owned(), longest, most, least }
+fn header(longest: u32, most: u32, least: u32) -> SweepHeader {
+    SweepHeader { version: "1".to_owned(), longest, most, least }
 }
 
-fn findings(header: &Header, seeds: u32, file: &Path, folder: &Path) -> Findings {
+fn findings(header: &SweepHeader, seeds: u32, file: &Path, folder: &Path) -> Findings {
     let mut store = Store::open(folder, header).expect("a folder");
     let swept = run(&[file.to_owned()], seeds, &mut store, &|_| {}).expect("a sweep");
     Findings::new(seeds, &store, &swept, &ERRORS)
@@ -121,7 +121,7 @@ fn a_sweep_resumes_where_it_stopped() {
 fn a_wrong_sampler_fails_the_comparison_of_two_sweeps() {
     let (folder, file) = (folder(), repository("scenes/testareajitter.json"));
     let [before, after] = ["before", "after"].map(|name| folder.path().join(name));
-    findings(&header(24, 64, 1024), 8, &file, &before);
+    findings(&header(24, 16, 256), 8, &file, &before);
     std::fs::create_dir(&after).expect("a folder");
     for entry in std::fs::read_dir(&before).expect("a folder") {
         let path = entry.expect("an entry").path();
@@ -332,8 +332,8 @@ fn exactness_has_a_price_list() {
     let rendered = swept[0].subject.render(&Setting::default(), 0);
     let counters = rendered.expect("a film").counters;
     assert_eq!(prices.rays, counters.primary_rays + counters.secondary_rays + counters.shadow_rays);
-    assert_eq!(prices.steps.len(), Step::ALL.len());
-    for (price, step) in prices.steps.iter().zip(Step::ALL) {
+    assert_eq!(prices.steps.len(), HitStep::ALL.len());
+    for (price, step) in prices.steps.iter().zip(HitStep::ALL) {
         let expected = (step.name(), step.count(&counters.tests));
         assert_eq!((&*price.step, price.count), expected);
         assert!(price.nanoseconds > 0.0, "{price:?}");

@@ -43,7 +43,8 @@ struct Setting {
 /// Sizes of batches about those of vectors, tiles and the usual batch.
 const BATCHES: [usize; 10] = [1, 3, 7, 8, 9, 64, 65, 1001, 1024, 5000];
 
-/// One thing after the other; every size of batch with every level where `all` are asked for.
+/// One thing after the other; every size of batch with every level where `all` are asked for. The recursive tracer has no
+/// batches.
 fn settings(all: bool) -> Vec<Setting> {
     let (batch, level) = (options().batch, Level::best());
     let usual = Setting {
@@ -53,16 +54,15 @@ fn settings(all: bool) -> Vec<Setting> {
         level,
         kernel: KernelChoice::Auto,
     };
+    let recursive = Setting { tracer: TracerKind::Recursive, ..usual };
+    let some = if all { &BATCHES[..] } else { &[13, 1024] };
     let mut settings: Vec<Setting> = BATCHES.map(|batch| Setting { batch, ..usual }).into();
-    for tracer in TRACERS {
-        settings.extend([2, 3].map(|threads| Setting { tracer, threads, ..usual }));
-        for level in Level::available() {
-            let batches = if all { &BATCHES[..] } else { &[13, 1024] };
-            let of = |&batch| Setting { tracer, level, batch, ..usual };
-            settings.extend(batches.iter().map(of));
-        }
+    settings.extend([usual, recursive].map(|usual| Setting { threads: 3, ..usual }));
+    for level in Level::available() {
+        settings.push(Setting { level, ..recursive });
+        settings.extend(some.iter().map(|&batch| Setting { level, batch, ..usual }));
     }
-    for kernel in KernelChoice::ALL {
+    for kernel in KernelChoice::ALL.into_iter().filter(|&kernel| kernel != usual.kernel) {
         settings.extend([13, 1024].map(|batch| Setting { kernel, batch, ..usual }));
     }
     settings
@@ -154,10 +154,10 @@ fn check_seeds(scene: &PreparedScene) -> Result<(), String> {
 /// Any tree, and any plan, gives the image of testing and running everything.
 fn check_trees_and_plans(path: &Path) -> Result<(), String> {
     // Without a tree every ray tests every primitive, so that fewer rays must do.
-    let build = |preset| extract_small(path, LONGEST, MOST_RAYS / 4).build(preset);
-    let brute = film(&build(Preset::Brute), options());
+    let mut scene = extract_small(path, LONGEST, MOST_RAYS / 4).build(Preset::Brute);
+    let brute = film(&scene, options());
     for preset in Preset::ALL.into_iter().filter(|&preset| preset != Preset::Brute) {
-        let scene = build(preset);
+        scene.accel.rebuild(preset);
         for tracer in TRACERS {
             same(&brute, &film(&scene, RenderOptions { tracer, ..options() }), (preset, tracer))?;
         }

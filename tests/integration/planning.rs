@@ -13,7 +13,7 @@ use wavecrest_core::plan::{Effect, Plan};
 use wavecrest_core::prepared::PreparedScene;
 use wavecrest_core::render::{RenderOptions, Rendered, TracerKind, camera_rays, render};
 use wavecrest_core::wavefront::batch::Batch;
-use wavecrest_report::effects::scenes::{Variant, variants};
+use wavecrest_report::effects::scenes::{SceneVariant, variants};
 use wavecrest_report::expected::Estimated;
 use wavecrest_scene::systems::Options;
 
@@ -128,6 +128,8 @@ impl Set {
             shape["material"] = material.clone();
             for (effects, place, value) in [
                 (&[Effect::Mirrors][..], "/material/kr", json!(0.5)),
+                (&[Effect::Transparency], "/material/kt", json!(0.4)),
+                (&[Effect::Transparency], "/material/opacity", json!(0.8)),
                 (&[Effect::Emission], "/material/emission", json!([0.1, 0.2, 0.3])),
                 (&[Effect::CutOuts], "/alpha", image.clone()),
                 (&[Effect::TintedHighlights], "/material/specularcolor", json!([1.0, 0.5, 0.25])),
@@ -172,6 +174,7 @@ impl Set {
             | Effect::Emission
             | Effect::MaterialTextures
             | Effect::Mirrors
+            | Effect::Transparency
             | Effect::HemisphereLight => self.has(effect) && surfaces,
             Effect::VertexColors => self.has(effect) && self.has(Effect::Triangles),
             _ if LIGHTS.contains(&effect) => self.has(effect) && surfaces,
@@ -181,8 +184,8 @@ impl Set {
                 self.has(effect) && surfaces && asking.any(|asks| self.has(asks))
             }
             Effect::SmoothShading | Effect::NormalMaps => {
-                let mut asking =
-                    LIGHTS.into_iter().chain([Effect::Mirrors, Effect::HemisphereLight]);
+                let others = [Effect::Mirrors, Effect::Transparency, Effect::HemisphereLight];
+                let mut asking = LIGHTS.into_iter().chain(others);
                 let is_asked_for = asking.any(|asks| self.has(asks));
                 let shown_by = match effect {
                     Effect::SmoothShading => self.has(Effect::Triangles),
@@ -291,8 +294,8 @@ fn columns_are_as_large_as_estimated() {
 }
 
 /// The scenes of the price list, smaller.
-fn price_list(folder: &Path) -> Vec<Variant> {
-    let smaller = |mut variant: Variant| {
+fn price_list(folder: &Path) -> Vec<SceneVariant> {
+    let smaller = |mut variant: SceneVariant| {
         variant.scene["camera"]["width"] = 32.into();
         variant.scene["camera"]["height"] = 24.into();
         variant
@@ -342,15 +345,16 @@ fn table(of: impl Fn(&Pass) -> bool, change: impl Fn(Needs) -> Needs) -> Vec<Pas
     PASSES.into_iter().map(row).collect()
 }
 
-/// `needs` but `effect`; those of which all must be met never are without it.
+/// `needs` but `effect`.
 fn without(needs: Needs, effect: Effect) -> Needs {
-    let effects = match needs {
-        Needs::All(effects) if effects.contains(&effect) => return Needs::Any(&[]),
-        Needs::Any(effects) => effects,
-        Needs::All(_) | Needs::Nothing => return needs,
+    let others = |effects: &[Effect]| -> &'static [Effect] {
+        Vec::leak(effects.iter().copied().filter(|&e| e != effect).collect())
     };
-    let others: Vec<Effect> = effects.iter().copied().filter(|&e| e != effect).collect();
-    Needs::Any(Vec::leak(others))
+    match needs {
+        Needs::Nothing => needs,
+        Needs::Any(effects) => Needs::Any(others(effects)),
+        Needs::Both(some, more) => Needs::Both(others(some), others(more)),
+    }
 }
 
 /// A scene that shows `effect` and whatever else `needs` must have, of shapes of every kind and, unless
@@ -359,8 +363,8 @@ fn scene_of(effect: Effect, needs: Needs, folder: &Path) -> Value {
     let light = if LIGHTS.contains(&effect) { effect } else { Effect::PointLights };
     let mut effects = vec![Effect::Triangles, Effect::Quads, Effect::Spheres, Effect::Disks, light];
     effects.extend((effect != light).then_some(effect));
-    if let Needs::All(all) = needs {
-        effects.extend(all.iter().copied().filter(|&other| other != effect));
+    if let Needs::Both(some, more) = needs {
+        effects.push(if some.contains(&effect) { more[0] } else { some[0] });
         effects.push(Effect::Textures);
     }
     Set::of(&effects).scene(folder)
@@ -380,7 +384,7 @@ fn a_need_taken_out_of_the_table_is_missed() {
     put_texture(folder.path());
     let mut needs = 0;
     for pass in PASSES {
-        for &effect in pass.needs.effects() {
+        for effect in pass.needs.effects() {
             let json = scene_of(effect, pass.needs, folder.path());
             let [right, _] = films(&PASSES, &json).expect("the table is right");
             let differs = |passes: &[Pass]| {
@@ -397,7 +401,7 @@ fn a_need_taken_out_of_the_table_is_missed() {
             needs += 1;
         }
     }
-    assert_eq!(needs, 21);
+    assert_eq!(needs, 24);
 }
 
 /// What a scene costs that shows nothing of it.

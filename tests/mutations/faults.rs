@@ -44,7 +44,7 @@ pub(crate) const FAULTS: &[Fault] = faults! {
         "distance(entry) > ray.slab.reach(best.high)" => "distance(entry) > best.high";
     "a tile answers for rays that it has not", 49, "crates/core/src/accel/packet/tile.rs":
         "self.rays >> i & 1 == 1" => "i < TILE";
-    "rays of a tile change places", 3, "crates/core/src/accel/packet/tile.rs":
+    "rays of a tile change places", 3, "crates/core/src/accel/packet/columns.rs":
         "index & 0b100011 | (index & 0b001100) << 1 | (index & 0b010000) >> 2" => "index";
 
     "the last triangle of a leaf is lost", 1, "crates/core/src/accel/leaf.rs":

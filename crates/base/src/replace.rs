@@ -26,7 +26,7 @@ pub type Sink<'a> = BufWriter<&'a File>;
 /// folder, a device or read-only. The error names the file.
 pub fn replace_file(path: &Path, fill: impl FnOnce(&mut Sink<'_>) -> Result<()>) -> Result<()> {
     Stage::Write.begin();
-    let target = Target::new(path)?;
+    let target = OutputFile::new(path)?;
     let temporary = target.temporary()?;
     let _listed = Listed::new(temporary.path());
     let mut sink = BufWriter::new(temporary.as_file());
@@ -43,7 +43,7 @@ pub fn replace_file(path: &Path, fill: impl FnOnce(&mut Sink<'_>) -> Result<()>)
 /// As [`replace_file`], except for a full disk.
 pub fn check_replaceable(path: &Path) -> Result<()> {
     // Dropping the temporary file removes it.
-    Target::new(path)?.temporary().map(drop)
+    OutputFile::new(path)?.temporary().map(drop)
 }
 
 /// Refuses to write `file` over `other`; `what` describes the other file.
@@ -136,7 +136,7 @@ fn temporary() -> MutexGuard<'static, Vec<PathBuf>> {
 }
 
 /// A file to create or replace; not a folder or device.
-struct Target<'a> {
+struct OutputFile<'a> {
     /// The path as given, for messages.
     given: &'a Path,
     /// The path with symbolic links followed.
@@ -147,7 +147,7 @@ struct Target<'a> {
     existing: Option<Metadata>,
 }
 
-impl<'a> Target<'a> {
+impl<'a> OutputFile<'a> {
     fn new(given: &'a Path) -> Result<Self> {
         let path = followed(given)?;
         let folder = folder_of(&path);

@@ -66,7 +66,7 @@ pub enum Primitive {
 
 /// Primitives that are shaded alike.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Kind {
+pub enum ShadingKind {
     /// Triangles and quads.
     Flat,
     /// Spheres and disks.
@@ -149,14 +149,14 @@ impl Geometry {
 
     /// The shading kind of the primitive with that number.
     #[inline(always)]
-    pub fn kind(&self, number: u32) -> Kind {
+    pub fn kind(&self, number: u32) -> ShadingKind {
         let index = number as usize;
         if index >= self.own() {
-            Kind::Instances
+            ShadingKind::Instances
         } else if index >= self.triangles.len() + self.quads.len() {
-            Kind::Quadrics
+            ShadingKind::Quadrics
         } else {
-            Kind::Flat
+            ShadingKind::Flat
         }
     }
 

@@ -23,7 +23,9 @@ use crate::tile::{Tile, TraceSettings, Tracer, Unit};
 use crate::wavefront::{DEFAULT_BATCH, Wavefront};
 use crate::with_precision;
 
-pub use record::{Bounce, Invalid, Light, Met, Path, PixelRecord, Surface, Verdict};
+pub use record::{
+    Bounce, HitRecord, Invalid, Light, PathRecord, PixelRecord, SurfaceRecord, Visibility,
+};
 
 /// Finds where a sample becomes not finite, by tracing it once more.
 pub fn name_invalid(scene: &PreparedScene, at: Sample, seed: u64) -> Invalid {
@@ -44,7 +46,7 @@ pub fn name_invalid(scene: &PreparedScene, at: Sample, seed: u64) -> Invalid {
 
 /// The values on which both tracers must agree: for each bounce the ray, the hit, and the light
 /// gathered.
-type Step = (Ray, Hit, Vec3);
+type TracedBounce = (Ray, Hit, Vec3);
 
 /// Records the rays of a pixel.
 pub fn pixel(scene: &PreparedScene, pixel: [u32; 2], seed: u64) -> PixelRecord {
@@ -52,7 +54,7 @@ pub fn pixel(scene: &PreparedScene, pixel: [u32; 2], seed: u64) -> PixelRecord {
 }
 
 /// Traces one sample.
-fn sample(scene: &PreparedScene, sample: Sample, seed: u64) -> Path {
+fn sample(scene: &PreparedScene, sample: Sample, seed: u64) -> PathRecord {
     let width = scene.camera.size()[0];
     let pixel = [sample.pixel % width, sample.pixel / width];
     with_precision!(scene.accel.geometry().precision, P => {
@@ -80,13 +82,13 @@ fn follow<P: Arithmetic>(
     pixel: [u32; 2],
     sample: u32,
     seed: u64,
-) -> (Path, Vec<Step>) {
+) -> (PathRecord, Vec<TracedBounce>) {
     let number = pixel[1] * scene.camera.size()[0] + pixel[0];
     let stream = Stream { seed, pixel: number, sample, bounce: 0 };
     let mut recorder = Recorder {
         scene,
         traversal: scene.accel.traversal(),
-        path: Path { sample, ..Path::default() },
+        path: PathRecord { sample, ..PathRecord::default() },
         steps: Vec::new(),
     };
     recorder.path.radiance = tracer.path(scene, pixel, stream, &mut recorder);
@@ -98,7 +100,7 @@ fn wavefront_steps<P: Arithmetic>(
     scene: &PreparedScene,
     [x, y]: [u32; 2],
     settings: &TraceSettings,
-) -> Vec<Vec<Step>> {
+) -> Vec<Vec<TracedBounce>> {
     let mut steps = vec![Vec::new(); scene.camera.rays_per_pixel() as usize];
     let pixel = Unit::whole(scene, Tile { x, y, width: 1, height: 1 });
     let mut tracer = Wavefront::<P>::new(scene, settings);
@@ -113,10 +115,10 @@ fn wavefront_steps<P: Arithmetic>(
 }
 
 /// The first sample and bounce at which the tracers differ.
-fn difference(ones: &[Vec<Step>], others: &[Vec<Step>]) -> Option<[u32; 2]> {
+fn difference(ones: &[Vec<TracedBounce>], others: &[Vec<TracedBounce>]) -> Option<[u32; 2]> {
     let pairs = ones.iter().zip(others).enumerate();
     pairs.into_iter().find_map(|(sample, (one, other))| {
-        let same = |(a, b): (&Step, &Step)| {
+        let same = |(a, b): (&TracedBounce, &TracedBounce)| {
             // Bits, so that NaN equals itself.
             (a.0, a.1) == (b.0, b.1) && bits(a.2) == bits(b.2)
         };
@@ -135,8 +137,8 @@ struct Recorder<'a> {
     scene: &'a PreparedScene,
     /// For the recorder's own rays, which are not counted.
     traversal: Traversal,
-    path: Path,
-    steps: Vec<Step>,
+    path: PathRecord,
+    steps: Vec<TracedBounce>,
 }
 
 impl Recorder<'_> {
@@ -157,10 +159,10 @@ impl Recorder<'_> {
         Some(appearance.images.get(texture.image as usize)?.name().to_owned())
     }
 
-    fn met(&self, ray: &Ray, hit: &Hit) -> Met {
+    fn met(&self, ray: &Ray, hit: &Hit) -> HitRecord {
         let geometry = self.scene.accel.geometry();
         let found = with_precision!(geometry.precision, P => crate::prepared::surface::<P>(geometry, ray, hit));
-        Met {
+        HitRecord {
             primitive: hit.primitive,
             kind: kind(geometry, hit.primitive),
             shape: self.place_of(hit.primitive),
@@ -178,12 +180,12 @@ impl Recorder<'_> {
         }
     }
 
-    fn last_met(&mut self) -> Option<&mut Met> {
+    fn last_met(&mut self) -> Option<&mut HitRecord> {
         self.path.bounces.last_mut()?.met.as_mut()
     }
 
     /// The occluder of a shadow ray.
-    fn occluder(&mut self, ray: &Ray) -> Verdict {
+    fn occluder(&mut self, ray: &Ray) -> Visibility {
         let accel: &Accel = &self.scene.accel;
         let mut hit = accel.closest(ray, &mut self.traversal);
         // Shapes of lights do not block light.
@@ -194,7 +196,7 @@ impl Recorder<'_> {
         }
         let primitive = (!hit.is_miss()).then_some(hit.primitive);
         let shape = primitive.map_or_else(String::new, |number| self.place_of(number));
-        Verdict::Occluded { primitive, shape, t: hit.t }
+        Visibility::Occluded { primitive, shape, t: hit.t }
     }
 }
 
@@ -220,7 +222,7 @@ impl Observer for Recorder<'_> {
         let Some(met) = self.last_met() else { return };
         (met.normal, met.shading_normal) = (point.normal.into(), point.shading_normal.into());
         met.lit = point.lit;
-        met.surface = Some(Surface {
+        met.surface = Some(SurfaceRecord {
             color: point.color.into(),
             texture,
             ks: point.reflection.ks,
@@ -247,10 +249,10 @@ impl Observer for Recorder<'_> {
         let distance = if is_distant { None } else { Some(towards.length()) };
         let behind = met.normal.dot(normalize(towards)) <= 0.0;
         let (verdict, adds) = match (request, occluder) {
-            (None, _) if behind => (Verdict::Behind, Vec3::ZERO),
-            (None, _) => (Verdict::NotReflected, Vec3::ZERO),
+            (None, _) if behind => (Visibility::Behind, Vec3::ZERO),
+            (None, _) => (Visibility::NotReflected, Vec3::ZERO),
             (Some(_), Some(occluded)) => (occluded, Vec3::ZERO),
-            (Some((request, _)), None) => (Verdict::Visible, request.contribution.into()),
+            (Some((request, _)), None) => (Visibility::Visible, request.contribution.into()),
         };
         met.lights.push(Light { light, index, distance, verdict, adds });
     }

@@ -66,7 +66,7 @@ impl<P: Arithmetic> Tracer for Recursive<P> {
         match self.passes {
             None => self.paths(scene, unit, sums, &mut ()),
             Some(seconds) => {
-                let mut clock = Clock { seconds, last: start };
+                let mut clock = StepClock { seconds, last: start };
                 self.paths(scene, unit, sums, &mut clock);
                 self.passes = Some(clock.seconds);
             }
@@ -125,13 +125,13 @@ impl Observer for () {}
 
 /// Times the steps of paths, each as the pass of the wavefront that does the same. It looks at the
 /// clock several times a ray, which takes a considerable part of the time.
-struct Clock {
+struct StepClock {
     seconds: [f64; TIMED.len()],
     /// When the last step ended.
     last: Instant,
 }
 
-impl Clock {
+impl StepClock {
     /// Adds the time since the last step to the `index`th of [`TIMED`].
     #[inline]
     fn lap(&mut self, index: usize) {
@@ -141,7 +141,7 @@ impl Clock {
     }
 }
 
-impl Observer for Clock {
+impl Observer for StepClock {
     fn camera(&mut self) {
         self.lap(0);
     }

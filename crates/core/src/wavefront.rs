@@ -39,17 +39,17 @@ pub struct Wavefront<P> {
     batch: Batch,
     traversal: Traversal,
     counters: Counters,
-    clock: Clock,
+    clock: PassClock,
     precision: PhantomData<P>,
 }
 
 /// Time spent in each pass.
 #[derive(Debug, Default)]
-struct Clock {
+struct PassClock {
     seconds: [f64; TIMED.len()],
 }
 
-impl Clock {
+impl PassClock {
     /// Runs `pass` and adds its time to the `index`th of [`TIMED`].
     #[inline]
     fn time(&mut self, index: usize, pass: impl FnOnce()) {
@@ -67,7 +67,7 @@ impl<P: Arithmetic> Tracer for Wavefront<P> {
             batch: Batch::new(scene, settings.batch),
             traversal: scene.accel.traversal(),
             counters: Counters::default(),
-            clock: Clock::default(),
+            clock: PassClock::default(),
             precision: PhantomData,
         }
     }

@@ -41,7 +41,7 @@ use wavecrest_core::render::work::tracer;
 use wavecrest_core::render::{self, TracerKind};
 use wavecrest_core::tile::{Tile, TraceSettings, Unit};
 
-use names::Names;
+use names::ShapeNumbers;
 
 wavecrest_base::choices! {
     /// A layer.
@@ -123,7 +123,7 @@ pub fn layers(scene: &PreparedScene, request: &Request<'_>) -> Result<Layers> {
     layers.sort_unstable();
     layers.dedup();
     let window = render::window(scene, request.crop)?;
-    let names = Names::of(scene);
+    let names = ShapeNumbers::of(scene);
     let axes = |&layer: &Layer| (0..layer.channels().len()).map(move |axis| (layer, axis));
     let places: Vec<(Layer, usize)> = layers.iter().flat_map(axes).collect();
     let room = |&(layer, _): &(Layer, usize)| room(layer, window.len());
@@ -131,7 +131,7 @@ pub fn layers(scene: &PreparedScene, request: &Request<'_>) -> Result<Layers> {
     if layers.iter().any(|layer| !matches!(layer, Layer::Samples | Layer::Invalid)) {
         let samples = scene.camera.rays_per_pixel();
         let rays = CameraRays { scene, window, seed: request.seed };
-        rays.run(&Pass { scene, names: &names }, &mut |at, sums| {
+        rays.run(&HitSums { scene, names: &names }, &mut |at, sums| {
             for (&(layer, axis), channel) in places.iter().zip(&mut channels) {
                 let value = value(layer, axis, sums, samples);
                 match channel {
@@ -219,12 +219,12 @@ struct Sums {
 
 /// Sums the hits of camera rays.
 #[derive(Clone, Copy)]
-struct Pass<'a> {
+struct HitSums<'a> {
     scene: &'a PreparedScene,
-    names: &'a Names<'a>,
+    names: &'a ShapeNumbers<'a>,
 }
 
-impl Gather for Pass<'_> {
+impl Gather for HitSums<'_> {
     type Sums = Sums;
 
     fn add<P: Arithmetic>(&self, ray: &Ray, hit: &Hit, is_first: bool, sums: &mut Sums) {

@@ -139,10 +139,10 @@ fn filtered<'a>(
 }
 
 /// Filters a row, given the one above it.
-type Filter = fn(&[u8], &[u8], &mut [u8]);
+type RowFilter = fn(&[u8], &[u8], &mut [u8]);
 
 /// With their numbers. The format has two more, none and the mean, which are rarely the best.
-const FILTERS: [(u8, Filter); 3] = [(1, sub), (2, up), (4, paeth)];
+const FILTERS: [(u8, RowFilter); 3] = [(1, sub), (2, up), (4, paeth)];
 
 /// The sum of the magnitudes.
 fn rest(bytes: &[u8]) -> u64 {

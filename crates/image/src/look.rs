@@ -70,9 +70,9 @@ pub fn film(scene: &PreparedScene, look: Look, crop: Option<Tile>, seed: u64) ->
     let window = render::window(scene, crop)?;
     // The range is that of the whole image, so that a part has the same colours.
     let shown = if look == Look::Depth { render::window(scene, None)? } else { window };
-    let mut found = vec![Painted::default(); shown.len()];
+    let mut found = vec![PixelSums::default(); shown.len()];
     let rays = CameraRays { scene, window: shown, seed };
-    rays.run(&Paint { scene, look }, &mut |at, painted| found[at] = *painted);
+    rays.run(&SamplePainter { scene, look }, &mut |at, painted| found[at] = *painted);
     scene.appearance.check()?;
     let samples = scene.camera.rays_per_pixel();
     let range = range(&found);
@@ -92,17 +92,17 @@ pub fn bytes(look: Look, pixels: u64, whole: u64) -> u64 {
         Look::Depth => whole,
         _ => pixels,
     };
-    shown.saturating_mul(size_of::<Painted>() as u64)
+    shown.saturating_mul(size_of::<PixelSums>() as u64)
 }
 
 /// The smallest and largest mean depth of the pixels.
-fn range(found: &[Painted]) -> [f64; 2] {
-    let depths = found.iter().filter_map(Painted::mean_depth);
+fn range(found: &[PixelSums]) -> [f64; 2] {
+    let depths = found.iter().filter_map(PixelSums::mean_depth);
     depths.fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], depth| [a.min(depth), b.max(depth)])
 }
 
 /// The colour of a pixel; samples without a hit show the background.
-fn color(painted: &Painted, look: Look, [near, far]: [f64; 2], samples: u32) -> [f32; 3] {
+fn color(painted: &PixelSums, look: Look, [near, far]: [f64; 2], samples: u32) -> [f32; 3] {
     let covered = f64::from(painted.hits) / f64::from(samples);
     let color = match (look, painted.mean_depth()) {
         (_, None) => [0.0; 3],
@@ -137,31 +137,31 @@ pub fn draw_edges(
 }
 
 /// Colours each sample.
-struct Paint<'a> {
+struct SamplePainter<'a> {
     scene: &'a PreparedScene,
     look: Look,
 }
 
 /// The sums of a pixel's samples.
 #[derive(Clone, Copy, Debug, Default)]
-struct Painted {
+struct PixelSums {
     /// Number of samples that hit something.
     hits: u32,
     color: [f64; 3],
     depth: f64,
 }
 
-impl Painted {
+impl PixelSums {
     /// The mean over samples that hit something; `None` if none does.
     fn mean_depth(&self) -> Option<f64> {
         (self.hits > 0).then(|| self.depth / f64::from(self.hits))
     }
 }
 
-impl Gather for Paint<'_> {
-    type Sums = Painted;
+impl Gather for SamplePainter<'_> {
+    type Sums = PixelSums;
 
-    fn add<P: Arithmetic>(&self, ray: &Ray, hit: &Hit, _: bool, sums: &mut Painted) {
+    fn add<P: Arithmetic>(&self, ray: &Ray, hit: &Hit, _: bool, sums: &mut PixelSums) {
         let Some(seen) = VisibleHit::of::<P>(self.scene, ray, hit) else { return };
         let [_, _, forward] = self.scene.camera.basis();
         sums.hits += 1;
@@ -176,7 +176,7 @@ impl Gather for Paint<'_> {
     }
 }
 
-impl Paint<'_> {
+impl SamplePainter<'_> {
     /// The number of the object that was hit, or of the triangle if there is only one object.
     fn number(&self, hit: &Hit) -> u32 {
         let appearance = &self.scene.appearance;

@@ -55,7 +55,7 @@ pub(super) fn is_netpbm(start: &[u8]) -> bool {
 
 /// Reads a binary PGM or PPM (as 0 to 1) or a PFM (unchanged) from a file of `length` bytes.
 pub(super) fn read(source: &mut impl BufRead, length: u64) -> Result<Film> {
-    let mut header = Header { source, taken: 0 };
+    let mut header = HeaderReader { source, taken: 0 };
     let magic = header.word()?;
     let (width, height) = (header.number("width")?, header.number("height")?);
     let last = header.word()?;
@@ -85,7 +85,7 @@ pub(super) fn read(source: &mut impl BufRead, length: u64) -> Result<Film> {
         }));
     }
     let mut film = Film::from_pixels(width, height, pixels)?;
-    if !matches!(sample, Sample::Integer(_)) {
+    if !matches!(sample, NumberFormat::Integer(_)) {
         turn_upside_down(&mut film);
     }
     Ok(film)
@@ -99,7 +99,7 @@ fn turn_upside_down(film: &mut Film) {
 }
 
 /// The storage of a number.
-enum Sample {
+enum NumberFormat {
     /// An integer of one or two bytes, big-endian, with this value for white.
     Integer(u16),
     /// A little-endian float.
@@ -108,7 +108,7 @@ enum Sample {
     Big,
 }
 
-impl Sample {
+impl NumberFormat {
     fn bytes(&self) -> usize {
         match self {
             Self::Integer(..=255) => 1,
@@ -132,28 +132,28 @@ fn fraction(value: u16, white: u16) -> f32 {
     f32::from(value.min(white)) / f32::from(white)
 }
 
-fn white_value(word: &str) -> Result<Sample> {
+fn white_value(word: &str) -> Result<NumberFormat> {
     match word.parse() {
-        Ok(white) if white > 0 => Ok(Sample::Integer(white)),
+        Ok(white) if white > 0 => Ok(NumberFormat::Integer(white)),
         _ => Err(syntax("the maximum value must be an integer from 1 to 65535").value(word)),
     }
 }
 
-fn byte_order(word: &str) -> Result<Sample> {
+fn byte_order(word: &str) -> Result<NumberFormat> {
     match word.parse::<f32>() {
-        Ok(scale) if scale < 0.0 => Ok(Sample::Little),
-        Ok(scale) if scale > 0.0 => Ok(Sample::Big),
+        Ok(scale) if scale < 0.0 => Ok(NumberFormat::Little),
+        Ok(scale) if scale > 0.0 => Ok(NumberFormat::Big),
         _ => Err(syntax("the scale of a PFM image must be a number other than 0").value(word)),
     }
 }
 
 /// Reads the words of a header and counts its bytes.
-struct Header<'a, R> {
+struct HeaderReader<'a, R> {
     source: &'a mut R,
     taken: u64,
 }
 
-impl<R: BufRead> Header<'_, R> {
+impl<R: BufRead> HeaderReader<'_, R> {
     /// The next word, including the white space that ends it: after the last word the numbers
     /// follow at once. A `#` before a word starts a comment.
     fn word(&mut self) -> Result<String> {

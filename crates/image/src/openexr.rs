@@ -27,14 +27,14 @@ const SOFTWARE: &str = "software";
 /// `film` and its extras, as the bytes of a file.
 pub(super) fn encode(film: &Film, extras: &Extras<'_>) -> Result<Vec<u8>, ImageError> {
     let size = (film.width() as usize, film.height() as usize);
-    let color = |(name, i)| AnyChannel::new(name, Samples::Color(film, i));
+    let color = |(name, i)| AnyChannel::new(name, ChannelValues::Color(film, i));
     let colors = [("R", 0), ("G", 1), ("B", 2)].map(color);
-    let mut channels: SmallVec<[AnyChannel<Samples<'_>>; 4]> = colors.into_iter().collect();
+    let mut channels: SmallVec<[AnyChannel<ChannelValues<'_>>; 4]> = colors.into_iter().collect();
     for channel in extras.channels {
         if channel.values.len() != film.pixels().len() {
             return Err(failed(format!("{} has another size", channel.name)));
         }
-        let samples = Samples::Channel(&channel.values, size.0);
+        let samples = ChannelValues::Channel(&channel.values, size.0);
         let own = AnyChannel::new(text(&channel.name), samples);
         channels.push(AnyChannel { quantize_linearly: false, ..own });
     }
@@ -55,14 +55,14 @@ fn failed(cause: impl Into<Box<dyn std::error::Error + Send + Sync>>) -> ImageEr
 
 /// The values of a channel.
 #[derive(Clone, Copy)]
-enum Samples<'a> {
+enum ChannelValues<'a> {
     /// One of the three colours of each pixel.
     Color(&'a Film, usize),
     /// Further values, in an image of this width.
     Channel(&'a Values, usize),
 }
 
-impl<'a> WritableSamples<'_> for Samples<'a> {
+impl<'a> WritableSamples<'_> for ChannelValues<'a> {
     fn sample_type(&self) -> SampleType {
         match self {
             Self::Color(..) | Self::Channel(Values::Floats(_), _) => SampleType::F32,
@@ -74,14 +74,14 @@ impl<'a> WritableSamples<'_> for Samples<'a> {
         (LevelMode::Singular, RoundingMode::Down)
     }
 
-    type Writer = Samples<'a>;
+    type Writer = ChannelValues<'a>;
 
     fn create_samples_writer(&self, _: &Header) -> Self {
         *self
     }
 }
 
-impl SamplesWriter for Samples<'_> {
+impl SamplesWriter for ChannelValues<'_> {
     fn extract_line(&self, line: LineRefMut<'_>) {
         let at = line.location.position;
         let width = match *self {

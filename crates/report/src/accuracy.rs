@@ -19,20 +19,19 @@ pub mod subject;
 pub mod sweep;
 
 use std::path::Path;
-use std::process::Command;
 
 use serde::Serialize;
 
 use findings::SceneFindings;
-use store::{Circumstances, Header, Store, all};
+use store::{Circumstances, Store, SweepHeader, all};
 
-use crate::bench::Machine;
+use crate::bench::{Machine, commit};
 use crate::files::write_json;
 use wavecrest_base::error::Result;
 
 /// The progress of a sweep. Work is counted in points of pixels: a rough measure, by which the time to go is estimated.
 #[derive(Clone, Copy, Debug)]
-pub enum Progress<'a> {
+pub enum SweepProgress<'a> {
     /// The sweep starts, with this much work.
     Start(u64),
     /// The next stage starts.
@@ -46,7 +45,7 @@ pub enum Progress<'a> {
 pub struct Findings {
     /// The sweep.
     #[serde(flatten)]
-    pub header: Header,
+    pub header: SweepHeader,
     /// Renders of each setting.
     pub seeds: u32,
     /// Circumstances: an entry for each start or resumption of the sweep.
@@ -85,21 +84,4 @@ impl Findings {
     pub fn write(&self, folder: &Path) -> Result<()> {
         write_json(&folder.join("accuracy.json"), self)
     }
-}
-
-/// The commit of the checkout that contains this program, with a `+` if its files are modified;
-/// `None` outside a checkout, or without git.
-pub(crate) fn commit() -> Option<String> {
-    let program = std::env::current_exe().ok()?;
-    let folder = program.parent()?;
-    let head = git(folder, &["rev-parse", "HEAD"])?;
-    let changed = git(folder, &["status", "--porcelain", "--untracked-files=no"])?;
-    Some(if changed.is_empty() { head } else { head + "+" })
-}
-
-/// The output of git in `folder`.
-fn git(folder: &Path, arguments: &[&str]) -> Option<String> {
-    let output = Command::new("git").arg("-C").arg(folder).args(arguments).output().ok()?;
-    let text = String::from_utf8(output.stdout).ok()?;
-    output.status.success().then(|| text.trim().to_owned())
 }

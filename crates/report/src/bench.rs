@@ -29,7 +29,7 @@
 //! | `comparisons` | | one entry for each list, the ladder first: |
 //! | `.of` | | `ladder`, `kernels`, `levels`, `batches`, `threads` or `plan` |
 //! | `.rounds`, `.left_out`, `.busy` | | timed rounds, each of one run of every variant; rounds left out because other programs used the processors, and those not left out nevertheless: see [`crate::measure`] |
-//! | `.difference` | | the variant whose image differs, and how, or `null`: see [`equal::Difference`] |
+//! | `.difference` | | the variant whose image differs, and how, or `null`: see [`equal::RunDifference`] |
 //! | `.variants` | | one entry for each, empty if images differ: |
 //! | `..label` | | its name in the list |
 //! | `..tracer`, `.time_passes`, `.kernel`, `.simd`, `.batch`, `.threads`, `.planned` | | the variant: see [`variant::Variant`] |
@@ -58,6 +58,7 @@ mod tests;
 pub mod variant;
 
 pub use compare::Ratio;
+pub(crate) use machine::commit;
 pub use machine::{Cache, Machine};
-pub use report::{BenchReport, Plan, Preparation, SceneBench, Setting};
+pub use report::{BenchPlan, BenchReport, BenchSetting, Preparation, SceneBench};
 pub use run::Run;

@@ -12,7 +12,7 @@
 //! | `image.width`, `.height`, `.samples_per_pixel` | pixels, rays | the size of all images |
 //! | `simd`, `kernel`, `precision`, `batch` | | the settings |
 //! | `rounds`, `left_out`, `busy` | | timed rounds, each of one run of every scene with each tracer; others as in [`super::bench`] |
-//! | `difference` | | the difference that ended the measurement, or `null`: see [`Difference`] |
+//! | `difference` | | the difference that ended the measurement, or `null`: see [`RunDifference`] |
 //! | `effects` | | one entry for each scene, empty if images differ: |
 //! | `.effect`, `.added_to` | | the effect, and the scene that it was added to (`null` for the first scenes) |
 //! | `.reached` | | whether anything shows it |
@@ -27,24 +27,24 @@
 mod list;
 pub mod scenes;
 
-use crate::bench::equal::Difference;
+use crate::bench::equal::RunDifference;
 use crate::bench::{Machine, Ratio};
-use crate::measure::{Rounds, Schedule, Timing};
+use crate::measure::{RoundLimits, Rounds, Timing};
 use crate::statistics::Rays;
 use crate::summary::Summary;
-use scenes::Variant;
+use scenes::SceneVariant;
 use wavecrest_base::error::Result;
 use wavecrest_core::prepared::PreparedScene;
 use wavecrest_core::render::{Rendered, TracerKind};
 use wavecrest_core::wavefront::batch::Batch;
 
-pub use list::{Cost, Price, PriceList, Setting, blocks, text};
+pub use list::{Cost, EffectSetting, Price, PriceList, blocks, text};
 
 /// A prepared scene of the list.
 #[derive(Debug)]
-pub struct Entry {
+pub struct EffectScene {
     /// Its effect.
-    pub variant: Variant,
+    pub variant: SceneVariant,
     /// The scene.
     pub scene: PreparedScene,
 }
@@ -57,9 +57,9 @@ const TRACERS: [TracerKind; 2] = [TracerKind::Wavefront, TracerKind::Recursive];
 /// # Errors
 /// Those of `trace`.
 pub fn measure(
-    entries: &[Entry],
-    setting: Setting,
-    schedule: &Schedule,
+    entries: &[EffectScene],
+    setting: EffectSetting,
+    schedule: &RoundLimits,
     mut trace: impl FnMut(&PreparedScene, TracerKind) -> Result<Rendered>,
     progress: &mut dyn FnMut(u64, u64),
 ) -> Result<PriceList> {
@@ -75,7 +75,7 @@ pub fn measure(
     };
     let run = |variant: usize| {
         let (index, tracer) = (variant / TRACERS.len(), TRACERS[variant % TRACERS.len()]);
-        let Entry { variant, scene } = &entries[index];
+        let EffectScene { variant, scene } = &entries[index];
         let (rendered, timing) = Timing::of(|| trace(scene, tracer));
         let rendered = rendered?;
         let timing = timing.lasting(rendered.seconds);
@@ -86,7 +86,7 @@ pub fn measure(
         // What nothing shows must look like the scene without it.
         let expected = if variant.reached { index } else { variant.added_to.unwrap_or(index) };
         let names = [&*format!("{} ({tracer:?})", variant.name), "the first render"];
-        list.difference = Difference::of(names, &rendered, &firsts[expected]);
+        list.difference = RunDifference::of(names, &rendered, &firsts[expected]);
         Ok(list.difference.is_none().then_some((timing, ())))
     };
     let measured = crate::measure::measure(TRACERS.len() * entries.len(), schedule, run, progress)?;
@@ -102,8 +102,13 @@ pub fn measure(
     Ok(list)
 }
 
-fn price(entries: &[Entry], seconds: &[Vec<f64>], index: usize, first: &Rendered) -> Option<Price> {
-    let Entry { variant, scene } = &entries[index];
+fn price(
+    entries: &[EffectScene],
+    seconds: &[Vec<f64>],
+    index: usize,
+    first: &Rendered,
+) -> Option<Price> {
+    let EffectScene { variant, scene } = &entries[index];
     let rays = Rays::from(&first.counters);
     let cost = |tracer: usize| {
         let place = |entry: usize| entry * TRACERS.len() + tracer;

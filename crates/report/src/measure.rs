@@ -20,7 +20,7 @@ use wavecrest_base::error::Result;
 
 /// Number and duration of timed rounds.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Schedule {
+pub struct RoundLimits {
     /// Untimed rounds at the start, at least 1.
     pub warmup: usize,
     /// Largest number of timed rounds, without busy ones.
@@ -79,7 +79,7 @@ const TRIES: usize = 2;
 /// Those of `run`.
 pub fn measure<T>(
     variants: usize,
-    schedule: &Schedule,
+    schedule: &RoundLimits,
     mut run: impl FnMut(usize) -> Result<Option<(Timing, T)>>,
     progress: &mut dyn FnMut(u64, u64),
 ) -> Result<Option<Measured<T>>> {
@@ -138,7 +138,7 @@ pub fn quiet(rounds: &[Timing]) -> Vec<bool> {
         .collect()
 }
 
-impl Schedule {
+impl RoundLimits {
     /// The estimated total number of rounds after `done` of them, in which the fastest variant took
     /// `shortest` seconds: enough for an interval, and for the requested seconds.
     fn planned(&self, done: usize, shortest: f64) -> usize {

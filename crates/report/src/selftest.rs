@@ -36,7 +36,7 @@ mod ways;
 mod whole;
 
 pub use case::{Count, Effort, Outcome};
-use parts::Part::{self, Images, Rays, Values};
+use parts::CasePart::{self, Images, Rays, Values};
 
 /// A hard case.
 #[derive(Clone, Copy, Debug)]
@@ -47,7 +47,7 @@ pub struct Case {
     pub name: &'static str,
     /// The requirement.
     pub bound: &'static str,
-    parts: &'static [Part],
+    parts: &'static [CasePart],
 }
 
 impl Case {
@@ -55,7 +55,7 @@ impl Case {
         number: u32,
         name: &'static str,
         bound: &'static str,
-        parts: &'static [Part],
+        parts: &'static [CasePart],
     ) -> Self {
         Self { number, name, bound, parts }
     }

@@ -67,13 +67,14 @@ component! {
         pub aperture: f64 = "aperture": Number(Range::NOT_NEGATIVE), Required;
         /// Distance of the plane in focus, along the view.
         pub focal: f64 = "focal": Number(Range::POSITIVE), Required;
-        /// Distribution of rays over the lens.
+        /// `jittered` divides the lens into `nsamplesx` angles by `nsamplesy` radii of equal area;
+        /// `sobol` also draws the points in the pixel from its sequence, which are jittered
+        /// otherwise.
         pub sampling: Sampling = "sampling": word::<Sampling>(), Says("jittered");
-        /// Points on the lens: angles. Their product with nsamplesy is the number of rays for each
-        /// pixel.
+        /// Points on the lens: angles. Their product with `nsamplesy` is the number of rays for
+        /// each pixel, or with `antialias` for each point in it.
         pub samples_x: u32 = "nsamplesx": Integer(1, MOST_LENS_SAMPLES), Is(LENS_SAMPLES);
-        /// Points on the lens: radii. Their product with nsamplesx is the number of rays for each
-        /// pixel.
+        /// Points on the lens: radii.
         pub samples_y: u32 = "nsamplesy": Integer(1, MOST_LENS_SAMPLES), Is(LENS_SAMPLES);
     }
 }
@@ -84,23 +85,24 @@ component! {
     /// Position and direction of the camera, and the size of its image.
     #[derive(Clone, Copy, Debug, PartialEq)]
     pub struct View {
-        /// Width of the image, in pixels.
+        /// Width of the image, in pixels; `--width` or `--height` alone keeps the proportions.
         pub width: u32 = "width": Integer(1, LONGEST_SIDE), Required;
         /// Height of the image, in pixels.
         pub height: u32 = "height": Integer(1, LONGEST_SIDE), Required;
-        /// Full angle of view across one side of the image, in degrees.
+        /// Full angle of view across the side that `fovaxis` names, in degrees.
         pub fov_degrees: f64 = "fov": Number(FOV), Required;
-        /// The side across which fov is measured.
+        /// The side of the image across which `fov` is measured.
         pub fov_axis: FovAxis = "fovaxis": word::<FovAxis>(), Says("smaller");
         /// Position of the camera.
         pub location: DVec3 = "location" | "position": Point, Required;
         /// The point at the centre of the image.
         pub look: DVec3 = "look" | "lookat" | "lookAt": Point, Required;
-        /// Up in the image, not necessarily perpendicular to the view.
+        /// Up in the image. If it is parallel to the view, the axis least aligned with the view
+        /// replaces it, with a warning.
         pub up: DVec3 = "up": Direction("[0, 1, 0]"), Are([0.0, 1.0, 0.0]);
         /// Side of the grid of rays in each pixel; 1 is one ray through its centre.
         pub antialias: u32 = "antialias": Integer(1, MOST_ANTIALIAS), Is(1.0);
-        /// Distribution of rays: over the pixel for a pinhole, over its lens for a thin lens.
+        /// Distribution of a pinhole's rays over the pixel.
         pub sampling: Sampling = "sampling": word::<Sampling>(), Says("jittered");
     }
 }

@@ -49,7 +49,7 @@ fn exceeds_rounding(cross: DVec3, a: DVec3, b: DVec3, largest: f64) -> bool {
 ///
 /// A quad that is not planar is rendered as two triangles. The measure is the distance between its
 /// diagonals, so that all corners count alike.
-pub fn quad_is_planar(points: &[DVec3; 4]) -> bool {
+pub(crate) fn quad_is_planar(points: &[DVec3; 4]) -> bool {
     let Some(normal) = direction(quad_normal(points)) else { return false };
     let apart = (points[1] - points[0]).dot(normal).abs();
     apart <= PLANAR_ULPS * f64::from(f32::EPSILON) * largest(points)

@@ -5,7 +5,6 @@
 //! world as a scene file.
 
 pub mod components;
-pub mod corners;
 pub mod generate;
 pub mod load;
 pub mod memory;
@@ -14,6 +13,7 @@ pub mod mtl;
 pub mod survey;
 
 mod camera;
+mod corners;
 mod folder;
 mod format;
 mod gltf;

@@ -36,7 +36,7 @@ pub(crate) const LIGHTS: Variants = Variants {
 
 /// A light of the world.
 #[derive(Debug)]
-pub struct Found {
+pub(crate) struct Found {
     /// Its entity.
     pub(crate) entity: Entity,
     /// Its index among the lights of the file.

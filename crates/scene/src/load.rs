@@ -270,11 +270,11 @@ fn check_length(path: &Path, length: u64) -> Result<()> {
 fn warn_of_equal_names(world: &World, notes: &Notes<'_>) {
     let mut owners = HashMap::new();
     for shape in query::shapes(world) {
-        let mut found = world.query_one::<(&Name, &JsonPath)>(shape);
-        let Ok((Name(name), JsonPath(place))) = found.get() else { continue };
-        if let Some(owner) = owners.insert(name.clone(), place.clone()) {
-            let message = format!("{owner} has the same name, {name:?}");
-            notes.note(place, &message, "use a different name for each shape");
+        let named = (shape.get::<&Name>(), shape.get::<&JsonPath>());
+        let (Some(name), Some(place)) = named else { continue };
+        if let Some(owner) = owners.insert(name.0.clone(), place.0.clone()) {
+            let message = format!("{owner} has the same name, {:?}", name.0);
+            notes.note(&place.0, &message, "use a different name for each shape");
         }
     }
 }

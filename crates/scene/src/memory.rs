@@ -106,14 +106,14 @@ pub const fn film_bytes(pixels: u64) -> u64 {
 
 /// Bytes of a render's images.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Images {
+pub struct ImageBytes {
     /// Those in memory from tracing to writing: [`Estimate::film`].
     pub film: u64,
     /// [`Estimate::writing`].
     pub writing: u64,
 }
 
-impl Images {
+impl ImageBytes {
     /// A whole image of this width and height in pixels, not written.
     pub fn whole([width, height]: [u32; 2]) -> Self {
         Self { film: film_bytes(u64::from(width) * u64::from(height)), writing: 0 }
@@ -150,7 +150,7 @@ pub fn estimate_extracted(
 #[derive(Clone, Copy)]
 pub struct Asked<'a> {
     /// The images, from the width and height of the whole image in pixels.
-    pub images: &'a dyn Fn([u32; 2]) -> Images,
+    pub images: &'a dyn Fn([u32; 2]) -> ImageBytes,
     /// The preset; the default choice if `None`.
     pub preset: Option<Preset>,
     /// Paths in a batch.
@@ -161,7 +161,7 @@ pub struct Asked<'a> {
 
 /// Memory of the meshes of a survey.
 #[derive(Default)]
-struct Meshes {
+struct MeshBytes {
     primitives: u64,
     /// Bytes of positions and triangles, and of attributes, in the scene.
     geometry: u64,
@@ -174,7 +174,7 @@ struct Meshes {
     copy: u64,
 }
 
-impl Meshes {
+impl MeshBytes {
     fn of(meshes: &[SurveyedMesh], flat: bool) -> Self {
         let mut all = Self::default();
         let mut own = 0;
@@ -204,7 +204,7 @@ impl Meshes {
 /// Estimates the peak of a render before any mesh or texture is read, on the threads of the current
 /// pool.
 pub fn estimate(survey: &Survey, asked: Asked<'_>) -> Estimate {
-    let meshes = Meshes::of(&survey.meshes, asked.flat);
+    let meshes = MeshBytes::of(&survey.meshes, asked.flat);
     let mut found = Estimate {
         program: program_bytes(),
         geometry: meshes.geometry.saturating_add(survey.instances * INSTANCE_BYTES),
@@ -228,7 +228,7 @@ pub fn estimate(survey: &Survey, asked: Asked<'_>) -> Estimate {
     let preset = asked.preset.unwrap_or_else(|| Preset::choose(primitives, expected_rays(survey)));
     found.tree = primitives.saturating_mul(tree_bytes(preset));
     found.build = build_bytes(preset, primitives);
-    Images { film: found.film, writing: found.writing } = (asked.images)(survey.size);
+    ImageBytes { film: found.film, writing: found.writing } = (asked.images)(survey.size);
     found.batches = Batch::bytes_at_most(asked.batch) * rayon::current_num_threads() as u64;
     found
 }

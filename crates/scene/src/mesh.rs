@@ -50,7 +50,7 @@ use place::ReadAt;
 /// format, [`ErrorKind::Mesh`] if its contents do not form a mesh and [`ErrorKind::Limit`] if it is
 /// too large.
 pub fn load(path: &Path) -> Result<LoadedMesh> {
-    let format = Format::of(path)?;
+    let format = MeshFormat::of(path)?;
     let (file, length) = open(path)?;
     read(format, &file, length, None, path)
 }
@@ -66,7 +66,7 @@ pub(crate) fn checked(mesh: MeshData, name: &Path) -> Result<LoadedMesh> {
 
 /// Whether `path` has the extension of a mesh file.
 pub fn is_mesh_name(path: &Path) -> bool {
-    Format::of(path).is_ok()
+    MeshFormat::of(path).is_ok()
 }
 
 /// As [`load`], for a file with these `bytes`, read in portions of about `portion` bytes. The
@@ -77,7 +77,7 @@ pub fn is_mesh_name(path: &Path) -> bool {
 /// As [`load`].
 #[doc(hidden)]
 pub fn load_bytes(path: &Path, bytes: &[u8], portion: usize) -> Result<LoadedMesh> {
-    read(Format::of(path)?, &bytes, bytes.len() as u64, Some(portion.max(1)), path)
+    read(MeshFormat::of(path)?, &bytes, bytes.len() as u64, Some(portion.max(1)), path)
 }
 
 /// Surveys the contents of the mesh file at `path`.
@@ -85,12 +85,12 @@ pub fn load_bytes(path: &Path, bytes: &[u8], portion: usize) -> Result<LoadedMes
 /// # Errors
 /// If the system refuses, or a header does not state the contents.
 pub fn survey(path: &Path) -> Result<Survey> {
-    let format = Format::of(path)?;
+    let format = MeshFormat::of(path)?;
     let (file, length) = open(path)?;
     let found = match format {
-        Format::Ply => ply::survey(&file, length),
-        Format::Obj => obj::survey(&file, length),
-        Format::Stl => stl::survey(&file, length),
+        MeshFormat::Ply => ply::survey(&file, length),
+        MeshFormat::Obj => obj::survey(&file, length),
+        MeshFormat::Stl => stl::survey(&file, length),
     };
     found.map_err(|error| error.in_file(path))
 }
@@ -100,7 +100,7 @@ const BUFFER: usize = 1 << 17;
 
 /// Reads a file of `length` bytes, in portions of about this size if it is given.
 fn read(
-    format: Format,
+    format: MeshFormat,
     file: &dyn ReadAt,
     length: u64,
     portion: Option<usize>,
@@ -110,9 +110,9 @@ fn read(
     let (block, piece) = portion.map_or((obj::BLOCK, BUFFER), |size| (size, size.div_ceil(4)));
     let plain = |read| (read, NamedMaterials::default());
     let loaded = match format {
-        Format::Ply => ply::read(file, length, buffer).map(plain),
-        Format::Obj => obj::read(file, length, block, piece),
-        Format::Stl => stl::read(file, length, buffer).map(plain),
+        MeshFormat::Ply => ply::read(file, length, buffer).map(plain),
+        MeshFormat::Obj => obj::read(file, length, block, piece),
+        MeshFormat::Stl => stl::read(file, length, buffer).map(plain),
     };
     let ((mesh, notes), materials) = loaded.map_err(|error| error.in_file(path))?;
     let warnings = notes.into_iter().map(|n| Warning::from_error(&n.in_file(path))).collect();
@@ -121,13 +121,13 @@ fn read(
 
 /// A supported mesh format.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Format {
+enum MeshFormat {
     Ply,
     Obj,
     Stl,
 }
 
-impl Format {
+impl MeshFormat {
     /// The format for the extension of `path`.
     fn of(path: &Path) -> Result<Self> {
         let extension = path.extension().unwrap_or_default().to_string_lossy();
@@ -208,11 +208,11 @@ mod tests {
 
     #[test]
     fn the_extension_chooses_the_format_in_any_case() {
-        assert_eq!(Format::of(Path::new("a/b.PLY")).unwrap(), Format::Ply);
-        assert_eq!(Format::of(Path::new("b.x.Obj")).unwrap(), Format::Obj);
-        assert_eq!(Format::of(Path::new("b.STL")).unwrap(), Format::Stl);
+        assert_eq!(MeshFormat::of(Path::new("a/b.PLY")).unwrap(), MeshFormat::Ply);
+        assert_eq!(MeshFormat::of(Path::new("b.x.Obj")).unwrap(), MeshFormat::Obj);
+        assert_eq!(MeshFormat::of(Path::new("b.STL")).unwrap(), MeshFormat::Stl);
         for name in ["b.off", "ply", "b.", "b"] {
-            let error = Format::of(Path::new(name)).unwrap_err().to_string();
+            let error = MeshFormat::of(Path::new(name)).unwrap_err().to_string();
             let named = [".ply", ".obj", ".stl"].iter().all(|known| error.contains(known));
             assert!(named, "{error}");
         }

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use hecs::{Entity, Or, World};
+use hecs::{Entity, EntityRef, Or, World};
 
 use crate::components::{
     AreaLight, CutOut, DirectionalLight, Disk, InstanceOf, JsonPath, Maps, Mesh, MeshFile, Order,
@@ -11,15 +11,11 @@ use crate::components::{
 use wavecrest_base::error::{Error, ErrorKind, Result};
 
 /// The entities that have what `Q` takes, in the order of the file.
-pub(crate) fn ordered<Q: hecs::Query>(world: &World) -> Vec<Entity> {
-    let mut found: Vec<(Order, Entity)> = world
-        .query::<(Entity, &Order)>()
-        .with::<Q>()
-        .iter()
-        .map(|(entity, order)| (*order, entity))
-        .collect();
-    found.sort_unstable_by_key(|(order, _)| *order);
-    found.into_iter().map(|(_, entity)| entity).collect()
+pub(crate) fn ordered<Q: hecs::Query>(world: &World) -> Vec<EntityRef<'_>> {
+    let those = world.iter().filter(EntityRef::satisfies::<(&Order, Q)>);
+    let mut those: Vec<EntityRef<'_>> = those.collect();
+    those.sort_by_key(|entity| entity.get::<&Order>().map(|order| *order));
+    those
 }
 
 /// Any light.
@@ -30,12 +26,12 @@ type AnyGeometry<'w> =
     Or<Or<Or<&'w Sphere, &'w Disk>, &'w Quad>, Or<&'w Triangle, Or<&'w Mesh, &'w MeshFile>>>;
 
 /// The lights, in the order of the file.
-pub(crate) fn lights(world: &World) -> Vec<Entity> {
+pub(crate) fn lights(world: &World) -> Vec<EntityRef<'_>> {
     ordered::<AnyLight<'_>>(world)
 }
 
 /// The shapes, without those of lights and without instances, in the order of the file.
-pub(crate) fn shapes(world: &World) -> Vec<Entity> {
+pub(crate) fn shapes(world: &World) -> Vec<EntityRef<'_>> {
     ordered::<hecs::Without<AnyGeometry<'_>, Or<&AreaLight, &InstanceOf>>>(world)
 }
 
@@ -51,7 +47,12 @@ pub(crate) fn view(world: &World) -> Result<View> {
 
 /// The place of the entity in the scene file; empty if unknown.
 pub(crate) fn json_path(world: &World, entity: Entity) -> String {
-    world.get::<&JsonPath>(entity).map_or_else(|_| String::new(), |path| path.0.clone())
+    world.entity(entity).map_or_else(|_| String::new(), place_of)
+}
+
+/// As [`json_path`], of an entity that is at hand.
+pub(crate) fn place_of(entity: EntityRef<'_>) -> String {
+    entity.get::<&JsonPath>().map_or_else(String::new, |path| path.0.clone())
 }
 
 /// All images that the surface of an entity names.

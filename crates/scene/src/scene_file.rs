@@ -28,7 +28,7 @@ pub(crate) const FILE: Kind = Kind::new(
     "a scene",
     "A scene: camera, lights and shapes.",
     keys! {
-        /// The address of this schema, for editors.
+        /// The address of the JSON Schema that `wavecrest schema` prints, for editors.
         "$schema": Text;
         /// Largest number of mirror bounces after the camera ray.
         "nbounces": Integer(0, MOST_BOUNCES), Required;
@@ -36,7 +36,7 @@ pub(crate) const FILE: Kind = Kind::new(
         "camera": Variants(&CAMERAS), Required;
         /// The contents of the scene.
         "scene": Object(&SCENE), Required;
-        /// Transfer curve of 8-bit images, unless one is requested.
+        /// Transfer curve of 8-bit images; `--transfer` overrides it.
         "transfer": word::<Encoding>(), Says("linear");
     },
 );
@@ -46,13 +46,14 @@ const SCENE: Kind = Kind::new(
     "the scene",
     "Lights, shapes and background.",
     keys! {
-        /// Colour of camera rays that hit nothing.
+        /// Colour of camera rays that hit nothing. Mirror rays that hit nothing add nothing.
         "backgroundcolor": Color, Required;
         /// The lights.
         "lightsources": AtLeast(0, &Variants(&LIGHTS));
         /// The shapes.
         "shapes": AtLeast(0, &Variants(&SHAPES));
-        /// Share of the diffuse colour that each light adds everywhere, visible or not; or light from a sky and the ground.
+        /// Share of the diffuse colour that each light adds everywhere, visible or not; or light
+        /// from a sky and the ground.
         "ambient": Either(&Object(&HEMISPHERE), &Number(Range::NOT_NEGATIVE)), Is(AMBIENT);
         /// Further copies of shapes.
         "instances": AtLeast(0, &Object(&INSTANCE));
@@ -138,20 +139,15 @@ fn contents(scene: &Object<'_>, world: &mut World) -> Result<()> {
     let lights = list(scene, "lightsources", "an array of lights", world, |cursor, entity, _| {
         cursor.variant(&LIGHTS)?.components(entity)
     });
-    let shapes = list(scene, "shapes", "an array of shapes", world, |cursor, entity, _| {
+    list(scene, "shapes", "an array of shapes", world, |cursor, entity, _| {
         shapes::read(cursor, &SHAPES, entity)
     })?;
-    let mut names = Names::default();
-    for &shape in &shapes {
-        if let Ok(name) = world.get::<&Name>(shape) {
-            names.add(&name, shape);
-        }
-    }
+    let names = Names::of(query::shapes(world));
     let instance = |cursor: &Cursor<'_>, entity: &mut EntityBuilder, world: &World| {
         shapes::instance(cursor, (&names, world), entity)
     };
     list(scene, "instances", "an array of instances", world, instance)?;
-    lights.map(drop)
+    lights
 }
 
 /// An optional array, empty by default. Each of its elements becomes an entity.
@@ -161,17 +157,18 @@ fn list(
     what: &str,
     world: &mut World,
     read: impl Fn(&Cursor<'_>, &mut EntityBuilder, &World) -> Result<()>,
-) -> Result<Vec<Entity>> {
-    let Some(cursor) = scene.get(key) else { return Ok(Vec::new()) };
+) -> Result<()> {
+    let Some(cursor) = scene.get(key) else { return Ok(()) };
     let mut order = (0..).map(Order);
     let one = |item: Cursor<'_>| {
         let mut entity = EntityBuilder::new();
         entity.add(JsonPath(item.path()));
         order.next().map(|order| entity.add(order));
         read(&item, &mut entity, world)?;
-        Ok(world.spawn(entity.build()))
+        world.spawn(entity.build());
+        Ok(())
     };
-    cursor.notes().part(|| cursor.every(what, one))
+    cursor.notes().part(|| cursor.every(what, one)).map(drop)
 }
 
 fn settings(scene: &Object<'_>, bounces: u32, transfer: Encoding) -> Result<Settings> {
@@ -216,13 +213,12 @@ fn warn_of_darkness(scene: &Object<'_>, world: &World) {
 pub(crate) fn write(world: &World, beside: &mut Beside) -> Result<Value> {
     let settings = query::settings(world)?;
     let names = names(world);
-    let mut all = |entities: Vec<Entity>, one: &dyn Fn(EntityRef<'_>, Writer<'_>) -> Value| {
-        let known = entities.into_iter().filter_map(|entity| world.entity(entity).ok());
+    let mut all = |those: Vec<EntityRef<'_>>, one: &dyn Fn(EntityRef<'_>, Writer<'_>) -> Value| {
         let each =
             |entity: EntityRef<'_>| one(entity, Writer::new(entity.entity(), beside, &names));
-        known.map(each).collect::<Vec<Value>>()
+        those.into_iter().map(each).collect::<Vec<Value>>()
     };
-    let views = world.query::<hecs::With<Entity, &View>>().iter().collect();
+    let views = world.iter().filter(EntityRef::has::<View>).collect();
     let camera = all(views, &|one, to| to.variant(&CAMERAS, one));
     let lights = all(query::lights(world), &|one, to| to.variant(&LIGHTS, one));
     let shapes = all(query::shapes(world), &|one, to| {
@@ -231,7 +227,7 @@ pub(crate) fn write(world: &World, beside: &mut Beside) -> Result<Value> {
         shape
     });
     let instances = query::ordered::<&InstanceOf>(world);
-    let instances = all(instances, &|one, to| shapes::write(world, one.entity(), to));
+    let instances = all(instances, &|one, to| shapes::write(world, one, to));
     let ambient = match settings.ambient {
         Ambient::Even(factor) => factor.into(),
         Ambient::Hemisphere { sky, ground, up } => {
@@ -262,9 +258,9 @@ fn names(world: &World) -> HashMap<Entity, String> {
     let (mut used, mut last) = (HashSet::new(), HashMap::new());
     let mut names = HashMap::new();
     for shape in query::shapes(world) {
-        let own = world.get::<&Name>(shape).map(|name| name.0.clone());
-        let needs_one = prototypes.contains(&shape) || world.get::<&Hidden>(shape).is_ok();
-        let Some(wanted) = own.ok().or_else(|| needs_one.then(|| "shape".to_owned())) else {
+        let own = shape.get::<&Name>().map(|name| name.0.clone());
+        let needs_one = prototypes.contains(&shape.entity()) || shape.has::<Hidden>();
+        let Some(wanted) = own.or_else(|| needs_one.then(|| "shape".to_owned())) else {
             continue;
         };
         let mut name = wanted.clone();
@@ -274,7 +270,7 @@ fn names(world: &World) -> HashMap<Entity, String> {
             *number += 1;
             name = format!("{wanted}-{number}");
         }
-        names.insert(shape, name);
+        names.insert(shape.entity(), name);
     }
     names
 }

@@ -24,7 +24,7 @@ pub(crate) use upward::Upward;
 
 /// A bounding sphere.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Sphere {
+pub(crate) struct BoundingSphere {
     pub(crate) center: DVec3,
     /// Above 0.
     pub(crate) radius: f64,
@@ -85,34 +85,35 @@ fn uses_all(points: usize, triangles: &[[u32; 3]]) -> bool {
 }
 
 /// The ends of a box.
-type Ends = (DVec3, DVec3);
+type BoxEnds = (DVec3, DVec3);
 
 /// The empty box.
-const EMPTY: Ends = (DVec3::INFINITY, DVec3::NEG_INFINITY);
+const EMPTY: BoxEnds = (DVec3::INFINITY, DVec3::NEG_INFINITY);
 
 /// The box around two boxes.
-fn joined(a: Ends, b: Ends) -> Ends {
+fn joined(a: BoxEnds, b: BoxEnds) -> BoxEnds {
     (a.0.min(b.0), a.1.max(b.1))
 }
 
 /// Everything visible in a file.
-pub(crate) struct Contents<'a> {
+pub(crate) struct Scenery<'a> {
     pub(crate) all: Vec<Placed<'a>>,
     /// The ends of the box around all points; infinite without points.
-    ends: Ends,
+    ends: BoxEnds,
     /// The sphere around the centre of that box; without points of radius 1 around the origin.
-    pub(crate) sphere: Sphere,
+    pub(crate) sphere: BoundingSphere,
 }
 
-impl<'a> Contents<'a> {
+impl<'a> Scenery<'a> {
     pub(crate) fn new(all: Vec<Placed<'a>>) -> Self {
         let mut contents =
-            Self { all, ends: EMPTY, sphere: Sphere { center: DVec3::ZERO, radius: 1.0 } };
+            Self { all, ends: EMPTY, sphere: BoundingSphere { center: DVec3::ZERO, radius: 1.0 } };
         let Some((low, high)) = contents.extent(|point| point) else { return contents };
         let center = (low + high) / 2.0;
         let radius = contents.reduce(0.0, |point| point.distance(center), f64::max);
         // A single point has no extent; it is seen from one unit away.
-        contents.sphere = Sphere { center, radius: if radius > 0.0 { radius } else { 1.0 } };
+        contents.sphere =
+            BoundingSphere { center, radius: if radius > 0.0 { radius } else { 1.0 } };
         contents.ends = (low, high);
         contents
     }
@@ -128,7 +129,7 @@ impl<'a> Contents<'a> {
     }
 
     /// The box around what `of` makes of all points; `None` without points.
-    fn extent(&self, of: impl Fn(DVec3) -> DVec3 + Sync) -> Option<Ends> {
+    fn extent(&self, of: impl Fn(DVec3) -> DVec3 + Sync) -> Option<BoxEnds> {
         let ends = self.reduce(EMPTY, |point| (of(point), of(point)), joined);
         (ends.0.is_finite() && ends.1.is_finite()).then_some(ends)
     }
@@ -145,7 +146,7 @@ pub(crate) fn corners(points: &[Vec3]) -> Vec<Vec3> {
 }
 
 /// A corner of a box: at the high end of each axis whose bit is set in `i`, from 0 to 7.
-fn corner((low, high): &Ends, i: u32) -> DVec3 {
+fn corner((low, high): &BoxEnds, i: u32) -> DVec3 {
     let is_high = |axis: u32| i >> axis & 1 == 1;
     DVec3::select([is_high(0), is_high(1), is_high(2)].into(), *high, *low)
 }
@@ -174,8 +175,8 @@ mod tests {
     }
 
     /// What such a mesh is staged as.
-    pub(super) fn contents((points, triangles): &Solid) -> Contents<'_> {
-        Contents::new(vec![Placed::new(points, triangles, DAffine3::IDENTITY)])
+    pub(super) fn contents((points, triangles): &Solid) -> Scenery<'_> {
+        Scenery::new(vec![Placed::new(points, triangles, DAffine3::IDENTITY)])
     }
 
     #[test]
@@ -183,13 +184,16 @@ mod tests {
         let points = [Vec3::ZERO, Vec3::X * 2.0, Vec3::Y, Vec3::Z];
         let placed = |world| Placed::new(&points, &[], world);
         let moved = placed(DAffine3::from_translation(DVec3::X * 10.0));
-        let sphere = Contents::new(vec![placed(DAffine3::IDENTITY), moved]).sphere;
+        let sphere = Scenery::new(vec![placed(DAffine3::IDENTITY), moved]).sphere;
         assert_eq!(sphere.center, DVec3::new(6.0, 0.5, 0.5));
         assert!((sphere.radius - 36.5_f64.sqrt()).abs() < 1e-12, "{}", sphere.radius);
-        assert_eq!(Contents::new(vec![]).sphere, Sphere { center: DVec3::ZERO, radius: 1.0 });
+        assert_eq!(
+            Scenery::new(vec![]).sphere,
+            BoundingSphere { center: DVec3::ZERO, radius: 1.0 }
+        );
         assert_eq!(corners(&points).len(), 8);
         // A point that no triangle uses is invisible.
         let seen = Placed::new(&points, &[[0, 2, 3]], DAffine3::IDENTITY);
-        assert_eq!(Contents::new(vec![seen]).sphere.center, DVec3::new(0.0, 0.5, 0.5));
+        assert_eq!(Scenery::new(vec![seen]).sphere.center, DVec3::new(0.0, 0.5, 0.5));
     }
 }

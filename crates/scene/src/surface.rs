@@ -16,7 +16,9 @@ pub use source::TextureSource;
 pub use textures::{
     CutOut, Encoding, Filter, LookUp, Maps, MetalMap, Placing, StrengthMap, TextureRef, Wrap,
 };
-pub(crate) use textures::{THRESHOLD, existing_file};
+pub(crate) use textures::{
+    EMISSION_MAP, METAL_MAP, NORMAL_MAP, OCCLUSION_MAP, THRESHOLD, existing_file,
+};
 pub use transparency::Transparency;
 
 /// The components of a surface.

@@ -2,7 +2,7 @@
 
 use std::collections::{HashMap, HashSet};
 
-use hecs::{Entity, World};
+use hecs::{Entity, EntityRef, World};
 
 use super::components::{
     AreaLight, CutOut, DirectionalLight, Filter, Hidden, InstanceOf, LookUp, Maps, Materials, Mesh,
@@ -96,17 +96,17 @@ pub(super) fn of(world: &World, text: u64, notes: &Notes<'_>) -> Result<Survey> 
         ..Survey::default()
     };
     for shape in query::shapes(world) {
-        let own = u64::from(world.get::<&Hidden>(shape).is_err());
-        survey.add(world, shape, own + uses.get(&shape).unwrap_or(&0), notes)?;
+        let own = u64::from(!shape.has::<Hidden>());
+        survey.add(shape, own + uses.get(&shape.entity()).unwrap_or(&0), notes)?;
     }
     survey.light_samples = world.query::<&PointLight>().iter().count() as u64;
     let mut all = world.query::<&DirectionalLight>();
     survey.light_samples +=
         all.iter().map(|light| points(light.sampling, light.samples)).sum::<u64>();
     for light in query::ordered::<&AreaLight>(world) {
-        let points = world.get::<&AreaLight>(light).map(|l| points(l.sampling, l.samples));
+        let points = light.get::<&AreaLight>().map(|l| points(l.sampling, l.samples));
         survey.light_samples += points.unwrap_or(0);
-        survey.add(world, light, 1, notes)?;
+        survey.add(light, 1, notes)?;
     }
     Ok(survey)
 }
@@ -122,8 +122,8 @@ type Surveyed<'w> = (
 );
 
 impl Survey {
-    fn add(&mut self, world: &World, shape: Entity, uses: u64, notes: &Notes<'_>) -> Result<()> {
-        let mut found = world.query_one::<Surveyed<'_>>(shape);
+    fn add(&mut self, shape: EntityRef<'_>, uses: u64, notes: &Notes<'_>) -> Result<()> {
+        let mut found = shape.query::<Surveyed<'_>>();
         let Ok((mesh, file, shading, texture, maps, cutout)) = found.get() else { return Ok(()) };
         if uses == 0 {
             return Ok(());
@@ -132,7 +132,7 @@ impl Survey {
         let holds = match (mesh, file) {
             (Some(mesh), _) => of_mesh(&mesh.data),
             (None, Some(file)) => mesh::survey(&file.file)
-                .map_err(|cause| error_of(cause, &query::json_path(world, shape), notes))?,
+                .map_err(|cause| error_of(cause, &query::place_of(shape), notes))?,
             (None, None) => {
                 self.others += uses;
                 return Ok(());

@@ -2,16 +2,16 @@
 //!
 //! | system | reads | output |
 //! |---|---|---|
-//! | [`frame`] | the view | the offset of the scene's origin |
-//! | [`geometry`] | shapes, transforms | positions, triangles, quads, spheres, mesh attributes |
-//! | [`materials`] | materials | one row of numbers for each shape |
-//! | [`lights`] | lights and their shapes | emitters with sampling data |
-//! | [`view`] | shapes, the camera in all frames | which shapes are visible, and from which side |
-//! | [`census`] | all of these | the plan: which effects the scene needs |
-//! | [`textures`] | visible texture references | images to decode, each once |
-//! | [`details`] | visible materials and maps | properties of shapes other than colour |
-//! | [`cutouts`] | cut-outs | primitives with holes, and their images |
-//! | [`camera`] | the view, pinhole or thin lens | the ray generator |
+//! | `frame` | the view | the offset of the scene's origin |
+//! | `geometry` | shapes, transforms | positions, triangles, quads, spheres, mesh attributes |
+//! | `materials` | materials | one row of numbers for each shape |
+//! | `lights` | lights and their shapes | emitters with sampling data |
+//! | `view` | shapes, the camera in all frames | which shapes are visible, and from which side |
+//! | `census` | all of these | the plan: which effects the scene needs |
+//! | `textures` | visible texture references | images to decode, each once |
+//! | `details` | visible materials and maps | properties of shapes other than colour |
+//! | `cutouts` | cut-outs | primitives with holes, and their images |
+//! | `camera` | the view, pinhole or thin lens | the ray generator |
 //! | [`wavecrest_core::accel`] | the geometry | the tree |
 //!
 //! What the plan skips goes no further than the census: lights that reach nothing in view, textures
@@ -21,20 +21,20 @@
 
 mod backs;
 pub mod bounds;
-pub mod camera;
-pub mod census;
-pub mod cutouts;
-pub mod details;
-pub mod frame;
-pub mod geometry;
-pub mod lights;
+pub(crate) mod camera;
+pub(crate) mod census;
+pub(crate) mod cutouts;
+pub(crate) mod details;
+pub(crate) mod frame;
+pub(crate) mod geometry;
+pub(crate) mod lights;
 pub mod looks;
-pub mod materials;
+pub(crate) mod materials;
 pub mod overrides;
-pub mod reach;
-pub mod textures;
+pub(crate) mod reach;
+pub(crate) mod textures;
 mod unseen;
-pub mod view;
+pub(crate) mod view;
 
 use std::path::{Path, PathBuf};
 
@@ -127,7 +127,7 @@ pub fn extract(world: World, options: Options<'_>) -> Result<Extracted> {
         transparent: &transparent,
         in_view: &in_view,
     };
-    let mut masks = cutouts::Images::of_scene(&file);
+    let mut masks = cutouts::Masks::of_scene(&file);
     let found = census::run(census, |asked| cutouts::look(&surfaces, asked, &mut masks))?;
     let plan = Plan::of(found.decisions.clone(), passes);
     let schedule = plan.schedule();

@@ -8,6 +8,7 @@ mod changes;
 mod corners;
 mod files;
 mod limits;
+mod tables;
 mod walk;
 
 use std::path::Path;

@@ -22,12 +22,12 @@ use wavecrest_report::statistics::{Bvh, Rays, Time};
 use wavecrest_scene::systems::Extracted;
 
 /// The destination of lines.
-type Sink = Box<dyn Write + Send>;
+type LogSink = Box<dyn Write + Send>;
 
 /// A log, if requested.
 pub(in crate::render) struct Log {
     start: Instant,
-    sink: Option<Mutex<Sink>>,
+    sink: Option<Mutex<LogSink>>,
 }
 
 impl Log {
@@ -36,7 +36,7 @@ impl Log {
     /// # Errors
     /// If it cannot be written to, or holds something other than a log.
     pub(super) fn open(file: Option<&Path>) -> Result<Self> {
-        let open = |file: &Path| -> Result<Sink> {
+        let open = |file: &Path| -> Result<LogSink> {
             if file == Path::new("-") {
                 return Ok(Box::new(std::io::stdout()));
             }

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use serde_json::Value;
 use wavecrest_core::kernels::precision::Precision;
-use wavecrest_report::selftest::examine::{Trial, trial};
+use wavecrest_report::selftest::examine::{SceneTrial, trial};
 use wavecrest_report::selftest::{Count, Effort};
 use wavecrest_scene::load::{LoadOptions, load};
 use wavecrest_scene::systems::{Options, extract};
@@ -126,7 +126,7 @@ fn every_scene_is_tried() {
             let accel = extracted.build(preset).accel;
             let effort = Effort { precision, seed: 1, count: Count::Brief };
             let has_shapes = !accel.geometry().is_empty();
-            let Trial { leaks, self_hits, .. } = trial(&accel, &effort);
+            let SceneTrial { leaks, self_hits, .. } = trial(&accel, &effort);
             assert_eq!(self_hits.tried > 0, has_shapes, "{}", file.display());
             asked += leaks.tried;
             for outcome in [leaks, self_hits] {

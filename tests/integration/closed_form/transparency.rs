@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use glam::{DQuat, DVec3};
 use serde_json::{Value, json};
 use wavecrest_core::prepared::PreparedScene;
-use wavecrest_core::probe::{self, Path};
+use wavecrest_core::probe::{self, PathRecord};
 
 use crate::support::{
     assert_near, image, pinhole, pixel, places, point_light, prepare, scene, sphere, wall, with,
@@ -37,7 +37,7 @@ fn slab(angle: f64, material: &Value) -> [Value; 2] {
 }
 
 /// The only pixel's path, along the z axis from z = 9.
-fn path(bounces: u32, shapes: &[Value]) -> Path {
+fn path(bounces: u32, shapes: &[Value]) -> PathRecord {
     let prepared = seen(bounces, &[], shapes);
     let record = probe::pixel(&prepared, [0, 0], 0);
     assert_eq!(record.differs, None, "both tracers agree");

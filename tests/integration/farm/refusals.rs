@@ -10,7 +10,7 @@ use wavecrest_core::prepared::PreparedScene;
 use wavecrest_core::render::RenderOptions;
 use wavecrest_core::tile::Tile;
 use wavecrest_image::farm::merge::merge;
-use wavecrest_image::farm::part::Reader;
+use wavecrest_image::farm::part::PartReader;
 use wavecrest_scene::systems::Options;
 
 use super::{EndAfter, begin, checkpoint, no_warning, shard, write_part, write_parts};
@@ -27,7 +27,7 @@ fn two_parts() -> (TempDir, Vec<PathBuf>) {
 
 /// What reading all of a part comes to.
 fn read(file: &Path) -> Result<usize, Error> {
-    let mut reader = Reader::open(file)?;
+    let mut reader = PartReader::open(file)?;
     let mut units = 0;
     while reader.next_unit()?.is_some() {
         units += 1;

@@ -96,9 +96,9 @@ pub struct Arena {
     numbers: Vec<AtomicU32>,
 }
 
-/// The contents of an arena.
+/// What an arena holds.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Census {
+pub struct Held {
     /// Inner nodes.
     pub nodes: u64,
     /// Children of inner nodes.
@@ -122,7 +122,7 @@ impl Arena {
         mut units: Units,
         numbers: Vec<AtomicU32>,
         root: Ref,
-    ) -> Option<(Self, Census)> {
+    ) -> Option<(Self, Held)> {
         if units.len() > MAX_UNITS {
             return None;
         }
@@ -133,7 +133,7 @@ impl Arena {
 
     /// Adds another part of the tree, with its root first, of this `kind`. Returns its place and
     /// contents; `None` if the proof fails, if it is deeper than `most`, or if there is no room.
-    pub(super) fn extend(&self, units: &[Unit], kind: Kind, most: usize) -> Option<(Ref, Census)> {
+    pub(super) fn extend(&self, units: &[Unit], kind: Kind, most: usize) -> Option<(Ref, Held)> {
         let proof = proof::Proof { units, numbers: self.numbers.len() };
         let (census, _) = proof.below((root_of(kind), 1))?;
         if census.depth > most {
@@ -155,8 +155,8 @@ impl Arena {
 
     /// The arena as kernels see it.
     #[inline(always)]
-    pub(super) fn view(&self) -> View<'_> {
-        View { units: self.units.as_ptr(), numbers: &self.numbers, arena: PhantomData }
+    pub(super) fn view(&self) -> ArenaView<'_> {
+        ArenaView { units: self.units.as_ptr(), numbers: &self.numbers, arena: PhantomData }
     }
 }
 
@@ -167,13 +167,13 @@ pub(super) fn put(numbers: &[AtomicU32], new: &[u32]) {
 
 /// A proved arena, for kernels.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct View<'a> {
+pub(super) struct ArenaView<'a> {
     units: *const Unit,
     numbers: &'a [AtomicU32],
     arena: PhantomData<&'a Arena>,
 }
 
-impl<'a> View<'a> {
+impl<'a> ArenaView<'a> {
     /// The node at `place`.
     #[inline(always)]
     pub(super) fn node(self, place: Ref) -> &'a Node {

@@ -7,7 +7,7 @@
 
 use glam::Vec3;
 
-use super::arena::{Ref, View};
+use super::arena::{ArenaView, Ref};
 use super::tree::Searched;
 use super::{Hit, NO_PRIMITIVE};
 use crate::counters::TestCounts;
@@ -94,7 +94,7 @@ impl Best {
 
     /// The number of the primitive.
     #[inline(always)]
-    pub(super) fn number(&self, arena: View<'_>) -> u32 {
+    pub(super) fn number(&self, arena: ArenaView<'_>) -> u32 {
         if self.leaf == Self::NUMBERED {
             return self.entry;
         }
@@ -120,7 +120,7 @@ impl Best {
 
     /// The hit with its exact t.
     #[inline(always)]
-    pub(super) fn finished(&self, arena: View<'_>, ray: &Ray) -> Hit {
+    pub(super) fn finished(&self, arena: ArenaView<'_>, ray: &Ray) -> Hit {
         if self.is_none() {
             return Hit::MISS;
         }
@@ -157,7 +157,7 @@ impl Pairs {
         &mut self,
         lane: usize,
         ray: &Ray,
-        arena: View<'_>,
+        arena: ArenaView<'_>,
         (leaf, entry): (Ref, usize),
     ) {
         let lane = lane % LANES;

@@ -10,7 +10,7 @@ use std::marker::PhantomData;
 use fearless_simd::Level;
 
 use super::best::Best;
-use super::packet::Memory;
+use super::packet::TileMemory;
 use super::query::Query;
 use super::rays::Rays;
 use super::tree::Searched;
@@ -120,7 +120,7 @@ impl<Q: Query, P: Arithmetic> Kernel for Many<'_, Q, P> {
     fn run<S: Lanes>(self, simd: S) {
         let Traversal { flight, packets, stack, tests, kernels, .. } = self.traversal;
         let Self { searched, rays, answers, choice, .. } = self;
-        let memory = Memory { packets, flight, stack };
+        let memory = TileMemory { packets, flight, stack };
         let counts = Counts { tests, kernel: Q::counts(kernels) };
         packet::trace::<S, Q, P>(simd, searched, (rays, choice), answers, memory, counts);
     }

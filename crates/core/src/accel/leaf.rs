@@ -3,7 +3,7 @@
 use fearless_simd::f32x8;
 use fearless_simd::prelude::*;
 
-use super::arena::{Kind, Ref, View};
+use super::arena::{ArenaView, Kind, Ref};
 use super::best::Best;
 use super::query::{ANY_HIT, Query};
 use super::tree::Searched;
@@ -67,7 +67,7 @@ fn visit_list<Q: Query, P: Arithmetic>(
 #[inline(always)]
 pub(super) fn test<S: Lanes, P: Arithmetic>(
     simd: S,
-    arena: View<'_>,
+    arena: ArenaView<'_>,
     (ray, space): (&Ray, &ShearedSpace),
     place: Ref,
     reach: f32,
@@ -167,7 +167,7 @@ fn open_overlapping(reach: f32, hits: &mut LaneHits) {
 /// Decides the open triangles one by one.
 #[inline(never)]
 fn settle_each(
-    arena: View<'_>,
+    arena: ArenaView<'_>,
     ray: &Ray,
     place: Ref,
     hits: &mut LaneHits,
@@ -194,7 +194,7 @@ fn settle_each(
 
 /// Decides the open triangles at once, as far as double precision can.
 #[inline(always)]
-fn settle<S: Lanes>(simd: S, arena: View<'_>, ray: &Ray, place: Ref, hits: &mut LaneHits) {
+fn settle<S: Lanes>(simd: S, arena: ArenaView<'_>, ray: &Ray, place: Ref, hits: &mut LaneHits) {
     outlined(
         simd,
         #[inline(always)]
@@ -211,7 +211,7 @@ fn settle<S: Lanes>(simd: S, arena: View<'_>, ray: &Ray, place: Ref, hits: &mut 
 #[inline(always)]
 pub(super) fn corners<S: Lanes>(
     simd: S,
-    arena: View<'_>,
+    arena: ArenaView<'_>,
     place: Ref,
     [x, y, z]: [usize; 3],
 ) -> [[f32x8<S>; 3]; 3] {

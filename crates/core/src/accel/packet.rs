@@ -13,6 +13,7 @@
 //! Any-hit queries first try the leaf that ended the last tile: shadow rays often end at one wall.
 
 mod beam;
+mod columns;
 mod frame;
 mod leaves;
 mod load;
@@ -34,8 +35,9 @@ use crate::counters::TestCounts;
 use crate::geometry::PreparedRay;
 use crate::kernels::precision::Arithmetic;
 use crate::math::simd::{Lanes, entry, outlined};
+use columns::{number_of, numbers};
 use remaining::{Handed, Remaining};
-use tile::{Tile, number_of, numbers};
+use tile::RayTile;
 
 /// Tiles traversed in turn, step by step, so that one computes while another waits.
 const TILES_ON_THEIR_WAY: usize = 4;
@@ -76,7 +78,7 @@ const FIRST: u32 = u32::MAX;
 /// The memory of a thread's packets.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Packets {
-    tiles: Vec<Tile>,
+    tiles: Vec<RayTile>,
     handed: Vec<Handed>,
     /// For each ray of the batch its last place, and the number of places.
     last: Vec<(u32, u32)>,
@@ -85,7 +87,7 @@ pub(super) struct Packets {
 }
 
 /// A thread's memory for many rays.
-pub(super) struct Memory<'a> {
+pub(super) struct TileMemory<'a> {
     pub(super) packets: &'a mut Packets,
     pub(super) flight: &'a mut Flight,
     pub(super) stack: &'a mut [u64],
@@ -98,7 +100,7 @@ pub(super) fn trace<S: Lanes, Q: Query, P: Arithmetic>(
     searched: Searched<'_>,
     (rays, choice): (Rays<'_>, KernelChoice),
     answers: &mut [Q::Answer],
-    Memory { packets, flight, stack }: Memory<'_>,
+    TileMemory { packets, flight, stack }: TileMemory<'_>,
     counts: Counts<'_>,
 ) {
     let Some(root) = searched.tree.root() else {
@@ -108,7 +110,7 @@ pub(super) fn trace<S: Lanes, Q: Query, P: Arithmetic>(
     };
     packets.prepare(searched.tree, rays.count());
     let Packets { tiles, handed, last, queue } = packets;
-    let mut batch = Batch::<Q, P> {
+    let mut batch = TileBatch::<Q, P> {
         searched,
         rays,
         choice,
@@ -126,7 +128,7 @@ pub(super) fn trace<S: Lanes, Q: Query, P: Arithmetic>(
         query: PhantomData,
     };
     batch.trace(simd, tiles, answers);
-    let Batch { next, judged, .. } = batch;
+    let TileBatch { next, judged, .. } = batch;
     counts.kernel.packet += judged.fit;
     counts.kernel.handed_over += queue.len() as u64 - judged.unfit;
     counts.kernel.stream += rays.count() as u64 - judged.fit;
@@ -142,7 +144,7 @@ pub(super) fn trace<S: Lanes, Q: Query, P: Arithmetic>(
 impl Packets {
     /// Makes room for this many rays in the tree, and clears earlier rays.
     fn prepare(&mut self, tree: &Tree, rays: usize) {
-        self.tiles.resize_with(TILES_ON_THEIR_WAY, Tile::default);
+        self.tiles.resize_with(TILES_ON_THEIR_WAY, RayTile::default);
         for tile in &mut self.tiles {
             tile.visits.resize(tree.stack_entries(), Visit::NONE);
         }
@@ -173,7 +175,7 @@ impl Judged {
 }
 
 /// The tiles of a batch of rays.
-struct Batch<'a, Q, P> {
+struct TileBatch<'a, Q, P> {
     searched: Searched<'a>,
     rays: Rays<'a>,
     choice: KernelChoice,
@@ -194,10 +196,10 @@ struct Batch<'a, Q, P> {
     query: PhantomData<(Q, P)>,
 }
 
-impl<Q: Query, P: Arithmetic> Batch<'_, Q, P> {
+impl<Q: Query, P: Arithmetic> TileBatch<'_, Q, P> {
     /// Traverses tiles as long as packets are to take them.
     #[inline(always)]
-    fn trace<S: Lanes>(&mut self, simd: S, tiles: &mut [Tile], answers: &mut [Q::Answer]) {
+    fn trace<S: Lanes>(&mut self, simd: S, tiles: &mut [RayTile], answers: &mut [Q::Answer]) {
         self.rays.prefetch(0..(AHEAD * TILE).min(self.rays.count()));
         let mut count = 0;
         while count < tiles.len() && self.begin(simd, &mut tiles[count], answers) {
@@ -225,7 +227,7 @@ impl<Q: Query, P: Arithmetic> Batch<'_, Q, P> {
 
     /// Starts the next tile that can meet anything. Returns whether there is one.
     #[inline(always)]
-    fn begin<S: Lanes>(&mut self, simd: S, tile: &mut Tile, answers: &mut [Q::Answer]) -> bool {
+    fn begin<S: Lanes>(&mut self, simd: S, tile: &mut RayTile, answers: &mut [Q::Answer]) -> bool {
         outlined(
             simd,
             #[inline(always)]
@@ -264,7 +266,7 @@ impl<Q: Query, P: Arithmetic> Batch<'_, Q, P> {
         if !self.choice.packs(count, self.judged.is_coherent()) {
             return false;
         }
-        (self.block, self.left) = (self.next, tile::first(count));
+        (self.block, self.left) = (self.next, columns::first(count));
         self.next += count.min(TILE);
         let ahead = self.next + (AHEAD - 1) * TILE;
         self.rays.prefetch(ahead..(ahead + TILE).min(self.rays.count()));
@@ -285,7 +287,7 @@ impl<Q: Query, P: Arithmetic> Batch<'_, Q, P> {
 
     /// Whether all rays of the tile are done at the leaf that ended the last tile.
     #[inline(always)]
-    fn ends_as_before<S: Lanes>(&mut self, simd: S, tile: &mut Tile) -> bool {
+    fn ends_as_before<S: Lanes>(&mut self, simd: S, tile: &mut RayTile) -> bool {
         let Some(place) = self.ending.filter(|_| Q::ANY) else { return false };
         tile.clear();
         self.visit_leaf(simd, tile, place, tile.rays);
@@ -298,7 +300,7 @@ impl<Q: Query, P: Arithmetic> Batch<'_, Q, P> {
 
     /// Takes a tile through leaves and one node. Returns whether anything may be left.
     #[inline(always)]
-    fn step<S: Lanes>(&mut self, simd: S, tile: &mut Tile) -> bool {
+    fn step<S: Lanes>(&mut self, simd: S, tile: &mut RayTile) -> bool {
         let arena = self.searched.tree.arena.view();
         while let Some(Visit { entry, rays }) = tile.pop() {
             let rays = rays & !tile.done;
@@ -338,7 +340,7 @@ impl<Q: Query, P: Arithmetic> Batch<'_, Q, P> {
 
     /// Hands `rays` over, to continue from `place`.
     #[inline(always)]
-    fn hand_over<S: Lanes>(&mut self, simd: S, tile: &mut Tile, place: u64, rays: u64) {
+    fn hand_over<S: Lanes>(&mut self, simd: S, tile: &mut RayTile, place: u64, rays: u64) {
         tile.is_left = true;
         let mut rest = rays;
         while rest != 0 {
@@ -361,7 +363,7 @@ impl<Q: Query, P: Arithmetic> Batch<'_, Q, P> {
 
     /// Traverses the subtree at `place` with the `i`th ray alone.
     #[inline(always)]
-    fn go_on<S: Lanes>(&mut self, simd: S, tile: &mut Tile, place: u64, i: usize) {
+    fn go_on<S: Lanes>(&mut self, simd: S, tile: &mut RayTile, place: u64, i: usize) {
         outlined(
             simd,
             #[inline(always)]

@@ -156,7 +156,7 @@ fn row<S: Lanes>(simd: S, rays: &[Ray]) -> (f32x16<S>, f32x16<S>) {
 }
 
 /// Eight vectors.
-type Eight<V> = (V, V, V, V, V, V, V, V);
+type EightVectors<V> = (V, V, V, V, V, V, V, V);
 
 /// The numbers at even positions of all vectors, then those at odd positions.
 #[inline(always)]
@@ -170,7 +170,7 @@ fn part<S: Lanes>(
     f: f32x16<S>,
     g: f32x16<S>,
     h: f32x16<S>,
-) -> Eight<f32x16<S>> {
+) -> EightVectors<f32x16<S>> {
     (
         a.unzip_low(b),
         c.unzip_low(d),

@@ -6,7 +6,7 @@ use std::marker::PhantomData;
 
 use fearless_simd::{Level, f32x8};
 
-use super::arena::{Kind, Ref, View, child_of};
+use super::arena::{ArenaView, Kind, Ref, child_of};
 use super::best::{Best, Pairs};
 use super::tree::{Tree, child_box};
 use super::{Accel, leaf};
@@ -23,7 +23,7 @@ use crate::with_precision;
 wavecrest_base::choices! {
     /// A step to an exact hit.
     #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-    pub enum Step {
+    pub enum HitStep {
         /// A pair of a ray and a triangle of a leaf in single precision.
         Filter = "filter",
         /// An open pair in double precision, eight at a time.
@@ -35,7 +35,7 @@ wavecrest_base::choices! {
     }
 }
 
-impl Step {
+impl HitStep {
     /// How often it was taken.
     pub fn count(self, tests: &TestCounts) -> u64 {
         match self {
@@ -49,8 +49,8 @@ impl Step {
 
 /// A ray at a leaf.
 #[derive(Clone, Copy, Debug)]
-struct Visit<'a> {
-    arena: View<'a>,
+struct LeafVisit<'a> {
+    arena: ArenaView<'a>,
     ray: PreparedRay,
     leaf: Ref,
     /// The t of the ray's closest hit, or the end of its range.
@@ -61,9 +61,9 @@ struct Visit<'a> {
 #[derive(Debug)]
 pub struct Steps<'a> {
     level: Level,
-    visits: Vec<Visit<'a>>,
+    visits: Vec<LeafVisit<'a>>,
     /// Visits, each with an entry of the leaf.
-    hits: Vec<(Visit<'a>, usize)>,
+    hits: Vec<(LeafVisit<'a>, usize)>,
 }
 
 impl<'a> Steps<'a> {
@@ -109,7 +109,7 @@ impl<'a> Steps<'a> {
                 }
                 Kind::List => waiting.extend(tree.known(place)),
                 Kind::Patch | Kind::Soup => {
-                    let visit = Visit { arena, ray, leaf: place, reach };
+                    let visit = LeafVisit { arena, ray, leaf: place, reach };
                     self.visits.push(visit);
                     let is_hit = |&entry: &usize| {
                         arena.number_of(place, entry) == number
@@ -123,9 +123,9 @@ impl<'a> Steps<'a> {
     }
 
     /// The number of times that [`Self::run`] takes a step.
-    pub fn count(&self, step: Step) -> u64 {
+    pub fn count(&self, step: HitStep) -> u64 {
         match step {
-            Step::Filter => {
+            HitStep::Filter => {
                 self.visits.iter().map(|visit| visit.arena.count(visit.leaf) as u64).sum()
             }
             _ => self.hits.len() as u64,
@@ -136,20 +136,20 @@ impl<'a> Steps<'a> {
     /// Returns a sum of bits, so that nothing is optimised away.
     // Not generic: other crates are optimised less.
     #[inline(never)]
-    pub fn run(&self, step: Step, precision: Precision) -> u64 {
+    pub fn run(&self, step: HitStep, precision: Precision) -> u64 {
         with_precision!(precision, P =>
-            dispatch(self.level, Run { steps: self, step, precision: PhantomData::<P> }))
+            dispatch(self.level, StepRun { steps: self, step, precision: PhantomData::<P> }))
     }
 }
 
 /// See [`Steps::run`].
-struct Run<'a, P> {
+struct StepRun<'a, P> {
     steps: &'a Steps<'a>,
-    step: Step,
+    step: HitStep,
     precision: PhantomData<P>,
 }
 
-impl<P: Arithmetic> Kernel for Run<'_, P> {
+impl<P: Arithmetic> Kernel for StepRun<'_, P> {
     type Output = u64;
 
     #[inline(always)]
@@ -157,17 +157,18 @@ impl<P: Arithmetic> Kernel for Run<'_, P> {
         let Self { steps: Steps { visits, hits, .. }, step, .. } = self;
         let (mut sum, mut tests) = (0, TestCounts::default());
         match step {
-            Step::Filter => {
-                for Visit { arena, ray, leaf, reach } in visits {
+            HitStep::Filter => {
+                for LeafVisit { arena, ray, leaf, reach } in visits {
                     let ray = (&ray.ray, &ray.space);
                     let found = leaf::test::<S, P>(simd, *arena, ray, *leaf, *reach, &mut tests);
                     sum += u64::from(black_box(&found).certain);
                 }
             }
-            Step::Settle => {
+            HitStep::Settle => {
                 for pairs in hits.chunks(LANES) {
                     let mut gathered = Pairs::default();
-                    for (lane, (Visit { arena, ray, leaf, .. }, entry)) in pairs.iter().enumerate()
+                    for (lane, (LeafVisit { arena, ray, leaf, .. }, entry)) in
+                        pairs.iter().enumerate()
                     {
                         gathered.set(lane, &ray.ray, *arena, (*leaf, *entry));
                     }
@@ -177,14 +178,14 @@ impl<P: Arithmetic> Kernel for Run<'_, P> {
                     sum += u64::from(black_box(settle::settle(&line, &corners, range)).hit);
                 }
             }
-            Step::Exact => {
-                for (Visit { arena, ray, leaf, .. }, entry) in hits {
+            HitStep::Exact => {
+                for (LeafVisit { arena, ray, leaf, .. }, entry) in hits {
                     let t = exact::meet(&ray.ray, &arena.triangle(*leaf, *entry));
                     sum += u64::from(t.unwrap_or_default().to_bits());
                 }
             }
-            Step::T => {
-                for (Visit { arena, ray, leaf, .. }, entry) in hits {
+            HitStep::T => {
+                for (LeafVisit { arena, ray, leaf, .. }, entry) in hits {
                     let best = Best::in_leaf(*leaf, *entry, [0.0, f32::MAX]);
                     sum += u64::from(best.finished(*arena, &ray.ray).t.to_bits());
                 }
@@ -226,16 +227,16 @@ mod tests {
         let (accel, rays, hits) = traced(Precision::Exact);
         let steps = Steps::new(&accel, &rays);
         let run = |step| steps.run(step, Precision::Exact);
-        for step in [Step::Settle, Step::Exact, Step::T] {
+        for step in [HitStep::Settle, HitStep::Exact, HitStep::T] {
             assert_eq!(steps.count(step), hits.len() as u64);
         }
         let t = hits.iter().map(|hit| u64::from(hit.t.to_bits())).sum::<u64>();
-        assert_eq!((run(Step::T), run(Step::Exact)), (t, t));
-        assert!(steps.count(Step::Filter) > steps.count(Step::T));
+        assert_eq!((run(HitStep::T), run(HitStep::Exact)), (t, t));
+        assert!(steps.count(HitStep::Filter) > steps.count(HitStep::T));
         // Every hit is certain in one lane of a leaf, at least, and nearly all are so in double
         // precision.
-        assert!(run(Step::Filter) >= hits.len() as u64);
-        assert!(run(Step::Settle) > 0);
+        assert!(run(HitStep::Filter) >= hits.len() as u64);
+        assert!(run(HitStep::Settle) > 0);
     }
 
     #[test]

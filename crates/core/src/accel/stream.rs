@@ -15,7 +15,7 @@ use std::marker::PhantomData;
 use fearless_simd::prelude::*;
 use glam::Vec3;
 
-use super::arena::{Kind, View};
+use super::arena::{ArenaView, Kind};
 use super::best::Best;
 use super::node::{self, distance, place};
 use super::query::Query;
@@ -28,7 +28,7 @@ use crate::kernels::precision::Arithmetic;
 use crate::kernels::triangle::LaneHits;
 use crate::math::ray::Ray;
 use crate::math::simd::{LANES, Lanes, entry};
-use next::Next;
+use next::NextSteps;
 
 /// The largest number of places handed over with a ray.
 pub(super) const MOST_HANDED: usize = 24;
@@ -74,12 +74,12 @@ impl Slot {
 /// Stack entries of the children of a node.
 #[derive(Clone, Copy, Debug, Default)]
 #[repr(align(64))]
-struct Children([u64; LANES]);
+struct ChildEntries([u64; LANES]);
 
 /// The children of the nodes of a round, and a bit for each that is met.
 #[derive(Clone, Copy, Debug)]
 struct Met {
-    children: [Children; FLIGHT],
+    children: [ChildEntries; FLIGHT],
     masks: [u8; FLIGHT],
 }
 
@@ -123,7 +123,7 @@ impl Default for Flight {
 }
 
 /// A source of rays.
-pub(super) trait Source<Q: Query, P: Arithmetic> {
+pub(super) trait RaySource<Q: Query, P: Arithmetic> {
     /// Fills `slot` with the next ray to trace and `stack` with its first entries, and returns
     /// their number. Rays that need no tracing are answered on the way.
     fn next(
@@ -141,7 +141,7 @@ pub(super) struct FromRoot<'a> {
     pub(super) root: Root,
 }
 
-impl<Q: Query, P: Arithmetic> Source<Q, P> for FromRoot<'_> {
+impl<Q: Query, P: Arithmetic> RaySource<Q, P> for FromRoot<'_> {
     #[inline(always)]
     fn next(
         &mut self,
@@ -171,16 +171,16 @@ impl<Q: Query, P: Arithmetic> Source<Q, P> for FromRoot<'_> {
 pub(super) fn trace<S: Lanes, Q: Query, P: Arithmetic>(
     simd: S,
     searched: Searched<'_>,
-    source: &mut impl Source<Q, P>,
+    source: &mut impl RaySource<Q, P>,
     answers: &mut [Q::Answer],
     flight: &mut Flight,
     counts: Counts<'_>,
 ) {
     let Counts { tests, kernel } = counts;
     let Flight { slots, stacks, tops, stride } = flight;
-    let mut next = Next::NONE;
+    let mut next = NextSteps::NONE;
     // Only references and no array, so that everything stays in registers.
-    let mut rounds = Rounds::<Q, P, _> {
+    let mut rounds = FlightRounds::<Q, P, _> {
         searched,
         arena: searched.tree.arena.view(),
         source,
@@ -193,7 +193,7 @@ pub(super) fn trace<S: Lanes, Q: Query, P: Arithmetic>(
         next: &mut next,
         precision: PhantomData,
     };
-    let mut met = Met { children: [Children::default(); FLIGHT], masks: [0; FLIGHT] };
+    let mut met = Met { children: [ChildEntries::default(); FLIGHT], masks: [0; FLIGHT] };
     let mut found = [LaneHits::default(); FLIGHT];
     for slot in 0..FLIGHT {
         if !rounds.begin(slot) {
@@ -213,9 +213,9 @@ pub(super) fn trace<S: Lanes, Q: Query, P: Arithmetic>(
 
 /// Rays in flight, round by round. Lists of steps are read from the front while later steps are
 /// written there.
-struct Rounds<'a, Q: Query, P, R> {
+struct FlightRounds<'a, Q: Query, P, R> {
     searched: Searched<'a>,
-    arena: View<'a>,
+    arena: ArenaView<'a>,
     source: &'a mut R,
     answers: &'a mut [Q::Answer],
     slots: &'a mut [Slot; FLIGHT],
@@ -224,11 +224,11 @@ struct Rounds<'a, Q: Query, P, R> {
     tops: &'a mut [usize; FLIGHT],
     stride: usize,
     tests: &'a mut TestCounts,
-    next: &'a mut Next,
+    next: &'a mut NextSteps,
     precision: PhantomData<P>,
 }
 
-impl<Q: Query, P: Arithmetic, R: Source<Q, P>> Rounds<'_, Q, P, R> {
+impl<Q: Query, P: Arithmetic, R: RaySource<Q, P>> FlightRounds<'_, Q, P, R> {
     /// Fills a slot with the next ray of the source, and takes its first step. Returns whether
     /// there is one.
     #[inline(always)]
@@ -258,10 +258,10 @@ impl<Q: Query, P: Arithmetic, R: Source<Q, P>> Rounds<'_, Q, P, R> {
             let Slot { ray, best, .. } = &self.slots[step.slot()];
             let node = self.arena.node(at);
             let (near, mask) = node::children(simd, node, &ray.slab, [ray.ray.t_min, best.high]);
-            *children = Children(simd.entries(near, node::places(simd, node, at)));
+            *children = ChildEntries(simd.entries(near, node::places(simd, node, at)));
             *met = mask.to_bitmask() as u8;
         }
-        for (i, (Children(entries), mask)) in
+        for (i, (ChildEntries(entries), mask)) in
             children.iter().zip(masks.iter()).enumerate().take(nodes)
         {
             let index = self.next.get(Kind::Node, i).slot();

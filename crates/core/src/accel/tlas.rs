@@ -15,7 +15,7 @@ const DEEPEST: usize = 64;
 
 /// A node, or a leaf.
 #[derive(Clone, Copy, Debug)]
-struct Node {
+struct InstanceNode {
     bounds: Aabb,
     /// The first of two children, or the instance of a leaf.
     index: u32,
@@ -26,7 +26,7 @@ struct Node {
 #[derive(Clone, Debug, Default)]
 pub(super) struct Tlas {
     /// The root first; siblings are adjacent.
-    nodes: Vec<Node>,
+    nodes: Vec<InstanceNode>,
     /// The factor, relative to other boxes, by which the origins of rays are moved.
     widening: f32,
     depth: usize,
@@ -34,7 +34,7 @@ pub(super) struct Tlas {
 
 /// An instance that a ray may meet, or a node above one.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Entry {
+pub(super) struct Waiting {
     /// The earliest t at which the ray enters its box.
     near: f32,
     node: u32,
@@ -79,7 +79,7 @@ impl Tlas {
     pub(super) fn outline(&self) -> impl Iterator<Item = (Aabb, f32)> + use<> {
         /// Number of boxes from which on none is divided.
         const ENOUGH: usize = 32;
-        let mut open: Vec<Node> = self.nodes.first().copied().into_iter().collect();
+        let mut open: Vec<InstanceNode> = self.nodes.first().copied().into_iter().collect();
         while open.len() < ENOUGH
             && let Some(place) = open.iter().position(|node| !node.is_leaf)
         {
@@ -105,7 +105,7 @@ impl Tlas {
         if items.is_empty() {
             return;
         }
-        let empty = Node { bounds: Aabb::EMPTY, index: 0, is_leaf: true };
+        let empty = InstanceNode { bounds: Aabb::EMPTY, index: 0, is_leaf: true };
         self.nodes.push(empty);
         let mut waiting = vec![(0, 0..items.len(), 0)];
         while let Some((place, range, depth)) = waiting.pop() {
@@ -113,12 +113,12 @@ impl Tlas {
             let here = &mut items[range.clone()];
             let bounds = here.iter().fold(Aabb::EMPTY, |all, item| all.union(item.bounds));
             if let [item] = here {
-                self.nodes[place] = Node { bounds, index: item.instance, is_leaf: true };
+                self.nodes[place] = InstanceNode { bounds, index: item.instance, is_leaf: true };
                 continue;
             }
             let middle = range.start + divide(here, depth);
             let children = self.nodes.len();
-            self.nodes[place] = Node { bounds, index: children as u32, is_leaf: false };
+            self.nodes[place] = InstanceNode { bounds, index: children as u32, is_leaf: false };
             self.nodes.extend([empty; 2]);
             waiting.push((children, range.start..middle, depth + 1));
             waiting.push((children + 1, middle..range.end, depth + 1));
@@ -138,7 +138,7 @@ pub(super) struct Walk {
 impl Walk {
     /// The ray before its first instance.
     #[inline]
-    pub(super) fn new(tlas: &Tlas, ray: &Ray, best: Hit, stack: &mut [Entry]) -> Self {
+    pub(super) fn new(tlas: &Tlas, ray: &Ray, best: Hit, stack: &mut [Waiting]) -> Self {
         let slab = SlabRay::widened(ray, tlas.widening);
         let mut walk = Self { ray: *ray, best, slab, height: 0 };
         if !tlas.nodes.is_empty() {
@@ -149,10 +149,10 @@ impl Walk {
 
     /// The next instance that the ray may meet before its closest hit, usually nearer ones first.
     #[inline]
-    pub(super) fn next(&mut self, tlas: &Tlas, stack: &mut [Entry]) -> Option<u32> {
+    pub(super) fn next(&mut self, tlas: &Tlas, stack: &mut [Waiting]) -> Option<u32> {
         while self.height > 0 {
             self.height -= 1;
-            let Entry { near, node } = stack[self.height as usize];
+            let Waiting { near, node } = stack[self.height as usize];
             if near > self.slab.reach(self.reach()) {
                 continue;
             }
@@ -179,11 +179,11 @@ impl Walk {
 
     /// Pushes a node if the ray meets its box.
     #[inline]
-    fn push(&mut self, tlas: &Tlas, node: u32, stack: &mut [Entry]) {
+    fn push(&mut self, tlas: &Tlas, node: u32, stack: &mut [Waiting]) {
         let interval = self.slab.interval(&tlas.nodes[node as usize].bounds);
         let near = max(interval.near, self.ray.t_min);
         if near <= min(interval.far, self.slab.reach(self.reach())) {
-            stack[self.height as usize] = Entry { near, node };
+            stack[self.height as usize] = Waiting { near, node };
             self.height += 1;
         }
     }

@@ -19,7 +19,7 @@ use obvhs::bvh2::Bvh2;
 use super::arena::{Kind, Unit, list_units};
 use crate::kernels::slab::Aabb;
 use crate::math::simd::LANES;
-pub(super) use shared::Shared;
+pub(super) use shared::SharedVertices;
 
 /// Costs of visits, in visits of a node.
 mod cost {
@@ -46,7 +46,7 @@ pub(super) enum Owner<'a> {
     /// A triangle, and the numbers of its vertices.
     Triangle(u32, [u32; 3]),
     /// Triangles that become a patch, and their numbers.
-    Patch(&'a Shared, &'a [u32]),
+    Patch(&'a SharedVertices, &'a [u32]),
     /// A primitive of another kind.
     Other(u32),
     /// A part of the tree that is already in the arena.
@@ -66,7 +66,7 @@ pub(super) struct Part {
 
 /// The cheapest division of a subtree.
 #[derive(Clone, Copy, Debug)]
-struct Best {
+struct Division {
     /// Cost with up to 1, 2, ... slots.
     cost: [f32; SLOTS],
     /// Whether it becomes a leaf if it has one slot.
@@ -75,7 +75,7 @@ struct Best {
 
 /// The content of a subtree as a leaf.
 #[derive(Clone, Copy, Debug)]
-struct Content {
+struct LeafContent {
     /// The vertices of its triangles, each once; unused ones repeat the first.
     vertices: [u32; LANES],
     /// Number of vertices, or [`TOO_MANY`].
@@ -129,8 +129,8 @@ pub(super) struct Converter {
     /// The nodes depth first, left children first.
     order: Vec<u32>,
     waiting: Vec<u32>,
-    best: Vec<Best>,
-    contents: Vec<Content>,
+    best: Vec<Division>,
+    contents: Vec<LeafContent>,
 }
 
 impl Converter {
@@ -138,7 +138,7 @@ impl Converter {
     pub(super) fn evaluate<'a>(&mut self, tree: &Bvh2, owner: impl Fn(u32) -> Owner<'a>) {
         self.put_in_order(tree);
         if self.best.len() < tree.nodes.len() {
-            self.best.resize(tree.nodes.len(), Best { cost: [0.0; SLOTS], leaf: true });
+            self.best.resize(tree.nodes.len(), Division { cost: [0.0; SLOTS], leaf: true });
         }
         self.contents.clear();
         for &place in self.order.iter().rev() {
@@ -148,7 +148,7 @@ impl Converter {
                 let (content, cost) =
                     alone(owner(tree.primitive_indices[node.first_index as usize]), area);
                 self.contents.push(content);
-                self.best[place as usize] = Best { cost: [cost; SLOTS], leaf: true };
+                self.best[place as usize] = Division { cost: [cost; SLOTS], leaf: true };
                 continue;
             }
             // Children were visited just before, the left one last.
@@ -190,12 +190,12 @@ impl Converter {
 }
 
 /// The content and cost of a binary leaf.
-fn alone(owner: Owner, area: f32) -> (Content, f32) {
-    let other = |kinds| Content { vertices: [0; LANES], count: TOO_MANY, leaves: 1, kinds };
+fn alone(owner: Owner, area: f32) -> (LeafContent, f32) {
+    let other = |kinds| LeafContent { vertices: [0; LANES], count: TOO_MANY, leaves: 1, kinds };
     match owner {
         Owner::Triangle(_, [a, b, c]) => {
             let vertices = [a, b, c, a, a, a, a, a];
-            let content = Content { vertices, count: 3, leaves: 1, kinds: TRIANGLES };
+            let content = LeafContent { vertices, count: 3, leaves: 1, kinds: TRIANGLES };
             (content, area * cost::PATCH)
         }
         Owner::Patch(_, numbers) => (other(ALONE), area * as_patch(numbers.len())),
@@ -206,10 +206,10 @@ fn alone(owner: Owner, area: f32) -> (Content, f32) {
 
 /// The union of both.
 #[inline]
-fn merge(left: &Content, right: &Content) -> Content {
+fn merge(left: &LeafContent, right: &LeafContent) -> LeafContent {
     let leaves = (left.leaves + right.leaves).min(TOO_MANY);
     let kinds = left.kinds | right.kinds;
-    let mut merged = Content { leaves, kinds, ..*left };
+    let mut merged = LeafContent { leaves, kinds, ..*left };
     if leaves == TOO_MANY || left.count == TOO_MANY || right.count == TOO_MANY {
         merged.count = TOO_MANY;
         return merged;
@@ -236,7 +236,7 @@ pub(super) fn as_patch(triangles: usize) -> f32 {
 }
 
 /// The cost of visiting a leaf with this content; infinite if it cannot be a leaf.
-fn as_leaf(content: &Content) -> f32 {
+fn as_leaf(content: &LeafContent) -> f32 {
     match (content.leaves, content.kinds) {
         (TOO_MANY, _) => f32::INFINITY,
         (_, TRIANGLES) if content.count != TOO_MANY => as_patch(content.leaves.into()),
@@ -248,7 +248,7 @@ fn as_leaf(content: &Content) -> f32 {
 
 /// The best divisions of an inner node's slots among its children, whose best divisions are known.
 #[inline]
-fn divide(left: &Best, right: &Best, area: f32, content: &Content) -> Best {
+fn divide(left: &Division, right: &Division, area: f32, content: &LeafContent) -> Division {
     let (l, r) = (&left.cost, &right.cost);
     let leaf = area * as_leaf(content);
     if content.leaves == 2 {
@@ -256,7 +256,7 @@ fn divide(left: &Best, right: &Best, area: f32, content: &Content) -> Best {
         let apart = l[0] + r[0];
         let node = area * cost::NODE + apart;
         let one = lesser(leaf, node);
-        let mut best = Best { cost: [lesser(apart, one); SLOTS], leaf: leaf <= node };
+        let mut best = Division { cost: [lesser(apart, one); SLOTS], leaf: leaf <= node };
         best.cost[0] = one;
         return best;
     }
@@ -269,7 +269,7 @@ fn divide(left: &Best, right: &Best, area: f32, content: &Content) -> Best {
     }
     let node = area * cost::NODE + apart[SLOTS - 1];
     let one = lesser(leaf, node);
-    let mut best = Best { cost: [one; SLOTS], leaf: leaf <= node };
+    let mut best = Division { cost: [one; SLOTS], leaf: leaf <= node };
     for slots in 2..=SLOTS {
         best.cost[slots - 1] = lesser(apart[slots - 2], one);
     }

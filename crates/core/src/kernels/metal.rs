@@ -9,7 +9,7 @@ use glam::DVec3;
 /// The Blinn-Phong parameters for a base colour, metalness and roughness. The diffuse colour is the
 /// base colour.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Look {
+pub struct MetalParameters {
     /// Weight of the highlight.
     pub ks: f64,
     /// Weight of the diffuse reflection.
@@ -40,14 +40,14 @@ const LEAST_MIRROR: f64 = 0.5 / 255.0;
 /// - exponent n = 2 / r^4 - 2, rounded, at most 10 000: the width of the highlight of physically based models
 ///   (Karis, *Specular BRDF Reference*, 2013),
 /// - ks = (1 - r) min(1, f (n + 2) / 8): the height of that highlight, reduced with roughness.
-pub fn look(color: DVec3, metallic: f64, roughness: f64) -> Look {
+pub fn look(color: DVec3, metallic: f64, roughness: f64) -> MetalParameters {
     let straight = DVec3::splat(DIELECTRIC * (1.0 - metallic)) + color * metallic;
     let greatest = straight.max_element();
     let mirrored = metallic * (1.0 - roughness) * (1.0 - roughness);
     let kr = mirrored * greatest;
     let alpha = roughness * roughness;
     let exponent = (2.0 / (alpha * alpha) - 2.0).min(GREATEST_EXPONENT).round();
-    Look {
+    MetalParameters {
         ks: (1.0 - roughness) * (greatest * (exponent + 2.0) / 8.0).min(1.0),
         kd: 1.0 - mirrored,
         exponent,
@@ -81,7 +81,8 @@ mod tests {
         for color in [DVec3::ZERO, gold, DVec3::ONE] {
             for metallic in [0.0, 0.3, 1.0] {
                 for roughness in [0.0, 1e-9, 0.2, 0.7, 1.0] {
-                    let Look { ks, kd, exponent, kr, tint } = look(color, metallic, roughness);
+                    let MetalParameters { ks, kd, exponent, kr, tint } =
+                        look(color, metallic, roughness);
                     assert!((0.0..=1.0).contains(&ks) && (0.0..=1.0).contains(&kr));
                     assert!(kd >= 0.0 && kd + kr <= 1.0 + 1e-12, "{color} {metallic} {roughness}");
                     assert!((0.0..=10_000.0).contains(&exponent));

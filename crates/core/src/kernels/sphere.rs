@@ -38,7 +38,7 @@ pub fn intersect(ray: &Ray, center: Vec3, radius: f32) -> Option<f32> {
 #[inline(never)]
 pub fn intersect_exactly(ray: &Ray, center: Vec3, radius: f32) -> Option<f32> {
     let range = [ray.t_min, ray.t_max];
-    let [near, far] = Root::both(ray, center, radius)?;
+    let [near, far] = QuadraticRoot::both(ray, center, radius)?;
     [near, far].iter().find(|root| root.is_within(range)).map(Comparable::rounded)
 }
 
@@ -64,19 +64,20 @@ pub fn crossings(
             return found;
         }
     }
-    let within = |root: Root| root.is_within([ray.t_min, ray.t_max]).then(|| root.rounded());
-    Root::both(ray, center, radius).map_or([None; 2], |roots| roots.map(within))
+    let within =
+        |root: QuadraticRoot| root.is_within([ray.t_min, ray.t_max]).then(|| root.rounded());
+    QuadraticRoot::both(ray, center, radius).map_or([None; 2], |roots| roots.map(within))
 }
 
 /// A root of a t^2 - 2 b t + c with real roots, and positive a.
-struct Root {
+struct QuadraticRoot {
     a: Expansion,
     b: Expansion,
     c: Expansion,
     is_far: bool,
 }
 
-impl Root {
+impl QuadraticRoot {
     /// The t of both meetings of the line of a ray with a sphere, if it meets it.
     fn both(ray: &Ray, center: Vec3, radius: f32) -> Option<[Self; 2]> {
         let (d, o, center) = (exact(ray.direction), exact(ray.origin), exact(center));
@@ -92,7 +93,7 @@ impl Root {
     }
 }
 
-impl Comparable for Root {
+impl Comparable for QuadraticRoot {
     fn compare(&self, other: f64) -> Ordering {
         let x = Expansion::from(other);
         let ax = &self.a * &x;

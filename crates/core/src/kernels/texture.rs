@@ -7,7 +7,7 @@ mod wrap;
 
 use glam::{DVec2, Vec2, Vec3};
 
-use pyramid::Level;
+use pyramid::MipLevel;
 use wrap::{below, neighbours, position};
 
 pub use coordinates::{Placing, PlanarMap, UvMap, sphere_directions, sphere_uv, sphere_uv_change};
@@ -51,7 +51,7 @@ pub struct Image {
     /// `width` times `height` texels.
     pub texels: Texels,
     /// The levels of the pyramid above the texels, down to one texel; empty if it is not built.
-    levels: Vec<Level>,
+    levels: Vec<MipLevel>,
 }
 
 impl Image {
@@ -77,7 +77,7 @@ impl Image {
             }
             Texels::Floats(texels) => size_of_val(texels.as_slice()),
         };
-        texels + self.levels.iter().map(Level::bytes).sum::<usize>()
+        texels + self.levels.iter().map(MipLevel::bytes).sum::<usize>()
     }
 
     /// The coarsest level of detail: 0 without a pyramid.

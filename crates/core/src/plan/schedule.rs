@@ -11,7 +11,7 @@ use super::{Decision, Effect};
 wavecrest_base::choices! {
     /// A group of columns in the wavefront's batch, which defines their widths, in the order of the batch.
     #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-    pub enum Column {
+    pub enum ColumnGroup {
         /// Radiance gathered by paths, and their pixels.
         Paths = "paths",
         /// The rays of this bounce.
@@ -122,9 +122,9 @@ pub struct Pass {
     /// The effects it serves.
     pub needs: Needs,
     /// The columns that it reads.
-    pub reads: &'static [Column],
+    pub reads: &'static [ColumnGroup],
     /// The columns that it writes.
-    pub writes: &'static [Column],
+    pub writes: &'static [ColumnGroup],
 }
 
 /// All lights: points of every kind are sampled in the same way.
@@ -143,7 +143,7 @@ const NEXT: &[Effect] = &[Effect::Mirrors, Effect::Transparency];
 /// Kinds of shapes have no row: no pass depends on a kind, so an absent kind costs nothing as it
 /// has no primitives. Nor has the hemispheric light, which a scene has or has not.
 pub const PASSES: [Pass; 19] = {
-    use Column::{
+    use ColumnGroup::{
         Branches, Differentials, Hits, LitPoints, NextRays, Paths, Rays, ShadowRays, Tints,
     };
     [
@@ -193,8 +193,8 @@ const fn pass(
     step: Step,
     name: &'static str,
     needs: Needs,
-    reads: &'static [Column],
-    writes: &'static [Column],
+    reads: &'static [ColumnGroup],
+    writes: &'static [ColumnGroup],
 ) -> Pass {
     Pass { step, name, part_of: None, needs, reads, writes }
 }
@@ -204,8 +204,8 @@ const fn part(
     name: &'static str,
     of: Step,
     needs: &'static [Effect],
-    reads: &'static [Column],
-    writes: &'static [Column],
+    reads: &'static [ColumnGroup],
+    writes: &'static [ColumnGroup],
 ) -> Pass {
     let needs = Needs::Any(needs);
     Pass { step, name, part_of: Some(of), needs, reads, writes }
@@ -224,7 +224,7 @@ pub struct Schedule {
     running: u32,
     /// Steps that run for every scene.
     unconditional: u32,
-    /// A bit for each [`Column`].
+    /// A bit for each [`ColumnGroup`].
     columns: u16,
     /// An error of the table for these effects.
     flaw: Option<Flaw>,
@@ -236,7 +236,7 @@ pub struct Flaw {
     /// The step with the error.
     pub step: Step,
     /// Its column.
-    pub column: Column,
+    pub column: ColumnGroup,
 }
 
 impl Schedule {
@@ -290,13 +290,13 @@ impl Schedule {
     }
 
     /// Whether the column has storage.
-    pub fn has(self, column: Column) -> bool {
+    pub fn has(self, column: ColumnGroup) -> bool {
         self.columns >> column as u16 & 1 == 1
     }
 
     /// The columns that have storage.
-    pub fn columns(self) -> impl Iterator<Item = Column> {
-        Column::ALL.into_iter().filter(move |&column| self.has(column))
+    pub fn columns(self) -> impl Iterator<Item = ColumnGroup> {
+        ColumnGroup::ALL.into_iter().filter(move |&column| self.has(column))
     }
 
     /// An error of the table for these effects, which would make the image wrong.
@@ -310,7 +310,7 @@ fn steps<'a>(passes: impl Iterator<Item = &'a Pass>) -> u32 {
 }
 
 fn flaw(running: &[&Pass]) -> Option<Flaw> {
-    let any = |columns: fn(&Pass) -> &'static [Column], column| {
+    let any = |columns: fn(&Pass) -> &'static [ColumnGroup], column| {
         running.iter().any(|pass| columns(pass).contains(column))
     };
     running.iter().find_map(|pass| {

@@ -83,7 +83,7 @@ impl Detail {
 
 /// The place of a look-up.
 #[derive(Clone, Copy)]
-pub(super) struct Place<'a> {
+pub(super) struct TexturePlace<'a> {
     /// The shape.
     pub shape: &'a Shape,
     /// Its primitive.
@@ -108,7 +108,7 @@ impl Appearance {
     pub(super) fn add_detail(
         &self,
         detail: &Detail,
-        place: Place<'_>,
+        place: TexturePlace<'_>,
         point: &mut ShadingPoint<f32>,
         look_ups: &mut LookUps,
     ) {
@@ -137,8 +137,8 @@ impl Appearance {
 
     /// The colour of the texture at the place.
     #[inline(never)]
-    fn texel(&self, texture: &Texture, place: Place<'_>, look_ups: &mut LookUps) -> Vec3 {
-        let Place { shape, primitive, geometry, surface, arriving } = place;
+    fn texel(&self, texture: &Texture, place: TexturePlace<'_>, look_ups: &mut LookUps) -> Vec3 {
+        let TexturePlace { shape, primitive, geometry, surface, arriving } = place;
         self.texture_at(texture, (shape, primitive), geometry, surface, arriving, look_ups)
     }
 }
@@ -160,7 +160,7 @@ impl<F: Single> Group<F> {
             let shape = &appearance.shapes[shape as usize];
             let Some(detail) = shape.detail else { continue };
             let (surface, arriving) = (&surfaces.lane(lane), &|| arriving(lane));
-            let place = Place { shape, primitive, geometry, surface, arriving };
+            let place = TexturePlace { shape, primitive, geometry, surface, arriving };
             let mut one = point.lane(lane);
             appearance.add_detail(&appearance.details[detail as usize], place, &mut one, look_ups);
             point.set_material(lane, &one);

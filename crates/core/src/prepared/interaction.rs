@@ -7,7 +7,7 @@ use glam::Vec3;
 
 use super::{Appearance, LookUps, PreparedScene, Shape};
 use crate::accel::Hit;
-use crate::geometry::{Geometry, Kind, Primitive};
+use crate::geometry::{Geometry, Primitive, ShadingKind};
 use crate::kernels::blinn_phong::{Material, Reflection};
 use crate::kernels::differential::Differential;
 use crate::kernels::precision::Arithmetic;
@@ -41,7 +41,7 @@ pub struct Face {
 }
 
 /// A row for each axis.
-type Rows<F> = [<F as Single>::Row; 3];
+type AxisRows<F> = [<F as Single>::Row; 3];
 
 /// The data of hits of one kind, up to as many as there are lanes.
 #[derive(Clone, Copy, Debug)]
@@ -64,19 +64,19 @@ pub struct Group<F: Single> {
     quads: u32,
     /// Corners of the triangles, in the prototype's space for instances; or centres of spheres,
     /// with their radii in each row of the second.
-    corners: [Rows<F>; 3],
+    corners: [AxisRows<F>; 3],
     /// Origins and directions of rays at instances, in the space of the prototype.
-    carried: [Rows<F>; 2],
+    carried: [AxisRows<F>; 2],
     /// Normals at the corners, if any.
-    normals: [Rows<F>; 3],
+    normals: [AxisRows<F>; 3],
     /// Colours at the corners, if any.
-    tints: [Rows<F>; 3],
+    tints: [AxisRows<F>; 3],
     /// -1 if the winding is clockwise on the front, else 1.
     side: F::Row,
     /// Diffuse colours of materials.
-    color: Rows<F>,
+    color: AxisRows<F>,
     /// Weights of the highlight and of the diffuse part, and the highlight's exponent.
-    reflection: Rows<F>,
+    reflection: AxisRows<F>,
     /// Weight of the mirror ray.
     kr: F::Row,
 }
@@ -211,7 +211,7 @@ impl<F: Single> Group<F> {
     #[inline(always)]
     pub fn surfaces<P: Arithmetic>(
         &self,
-        kind: Kind,
+        kind: ShadingKind,
         line: &Line<F>,
         t: F,
         geometry: &Geometry,
@@ -219,7 +219,7 @@ impl<F: Single> Group<F> {
         let token = t.token();
         let corners = three(token, &self.corners);
         match kind {
-            Kind::Flat => {
+            ShadingKind::Flat => {
                 let mut found = surface::triangle_at::<F, P>(line, t, &corners);
                 if self.quads != 0 {
                     let quads = F::mask(token, self.quads);
@@ -229,8 +229,8 @@ impl<F: Single> Group<F> {
                 }
                 found
             }
-            Kind::Quadrics => surface::quadric_at::<F, P>(line, t, &corners),
-            Kind::Instances => {
+            ShadingKind::Quadrics => surface::quadric_at::<F, P>(line, t, &corners),
+            ShadingKind::Instances => {
                 let [origin, direction] = &self.carried;
                 let origin = Vector::load(token, origin);
                 let carried = Line { origin, direction: Vector::load(token, direction) };
@@ -259,7 +259,7 @@ impl<F: Single> Group<F> {
     #[inline(always)]
     pub fn shading_points<P: Arithmetic>(
         &self,
-        kind: Kind,
+        kind: ShadingKind,
         line: &Line<F>,
         t: F,
         scene: &PreparedScene,
@@ -323,17 +323,17 @@ impl<F: Single> Group<F> {
 /// The vectors of three rows. Written out, like other arrays of vectors here: `map` is not inlined,
 /// and vectors stored in pieces stall when they are reloaded.
 #[inline(always)]
-fn three<F: Single>(token: F::Token, [a, b, c]: &[Rows<F>; 3]) -> [Vector<F>; 3] {
+fn three<F: Single>(token: F::Token, [a, b, c]: &[AxisRows<F>; 3]) -> [Vector<F>; 3] {
     [Vector::load(token, a), Vector::load(token, b), Vector::load(token, c)]
 }
 
 #[inline(always)]
-fn set<F: Single>([x, y, z]: &mut Rows<F>, lane: usize, v: Vec3) {
+fn set<F: Single>([x, y, z]: &mut AxisRows<F>, lane: usize, v: Vec3) {
     (x.as_mut()[lane], y.as_mut()[lane], z.as_mut()[lane]) = (v.x, v.y, v.z);
 }
 
 #[inline(always)]
-fn set_three<F: Single>(rows: &mut [Rows<F>; 3], lane: usize, [a, b, c]: [Vec3; 3]) {
+fn set_three<F: Single>(rows: &mut [AxisRows<F>; 3], lane: usize, [a, b, c]: [Vec3; 3]) {
     let [in_a, in_b, in_c] = rows;
     set::<F>(in_a, lane, a);
     set::<F>(in_b, lane, b);

@@ -7,7 +7,7 @@
 
 use glam::Vec3;
 
-use super::detail::Place;
+use super::detail::TexturePlace;
 use super::{Appearance, Texture, UvMap};
 use crate::kernels::shade::ShadingPoint;
 use crate::kernels::texture::sphere_directions;
@@ -30,7 +30,7 @@ impl NormalMap {
         &self,
         texel: Vec3,
         appearance: &Appearance,
-        place: Place<'_>,
+        place: TexturePlace<'_>,
         point: &mut ShadingPoint<f32>,
     ) {
         if self.strength == 0.0 {
@@ -52,8 +52,8 @@ impl NormalMap {
 
 impl Appearance {
     /// The normal on the front, interpolated on smooth shapes; not of unit length.
-    fn front_normal(&self, place: Place<'_>) -> Vec3 {
-        let Place { shape, primitive, geometry, surface, .. } = place;
+    fn front_normal(&self, place: TexturePlace<'_>) -> Vec3 {
+        let TexturePlace { shape, primitive, geometry, surface, .. } = place;
         let smooth = shape.smooth.then(|| self.normals(shape, geometry, primitive)).flatten();
         if let Some(corners) = smooth {
             return between(corners, surface.barycentric);
@@ -63,8 +63,8 @@ impl Appearance {
     }
 
     /// The directions in which u and v grow, of about unit length; zero if they do not.
-    fn tangents(&self, map: &UvMap, place: Place<'_>, normal: Vec3) -> [Vec3; 2] {
-        let Place { shape, primitive, geometry, surface, .. } = place;
+    fn tangents(&self, map: &UvMap, place: TexturePlace<'_>, normal: Vec3) -> [Vec3; 2] {
+        let TexturePlace { shape, primitive, geometry, surface, .. } = place;
         match map {
             UvMap::Planar(map) => map.directions(),
             UvMap::Sphere(to_own) => {

@@ -7,7 +7,7 @@ use crate::recursive::End;
 
 /// A recorded path.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
-pub struct Path {
+pub struct PathRecord {
     /// The camera ray within the pixel.
     pub sample: u32,
     /// Its bounces, from the camera on.
@@ -30,7 +30,7 @@ pub struct Bounce {
     /// Primitives of all kinds tested.
     pub primitives: u64,
     /// The hit, if any.
-    pub met: Option<Met>,
+    pub met: Option<HitRecord>,
     /// The radiance gathered up to the end of this bounce.
     pub radiance: Vec3,
     /// Why the path ends here; `None` if it continues.
@@ -39,7 +39,7 @@ pub struct Bounce {
 
 /// A hit.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Met {
+pub struct HitRecord {
     /// The primitive, by its number in the scene.
     pub primitive: u32,
     /// Triangle, quad, sphere or disk.
@@ -49,7 +49,7 @@ pub struct Met {
     /// The shape's name, if it has one.
     pub name: Option<String>,
     /// The appearance of the surface; `None` for lights.
-    pub surface: Option<Surface>,
+    pub surface: Option<SurfaceRecord>,
     /// Distance along the ray, in lengths of its direction.
     pub t: f32,
     /// Bound on the error of t; `None` in fast precision.
@@ -72,7 +72,7 @@ pub struct Met {
 
 /// The material at a hit, with its textures looked up.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Surface {
+pub struct SurfaceRecord {
     /// Diffuse colour, linear: the material's, or the texture's.
     pub color: Vec3,
     /// The file of the image that gives the colour.
@@ -99,7 +99,7 @@ pub struct Light {
     /// Its distance in scene units; `None` if it is infinitely far away.
     pub distance: Option<f32>,
     /// Whether its light arrives.
-    pub verdict: Verdict,
+    pub verdict: Visibility,
     /// Its contribution to the path.
     pub adds: Vec3,
 }
@@ -107,7 +107,7 @@ pub struct Light {
 /// Whether the light of a point arrives.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Verdict {
+pub enum Visibility {
     /// The point is behind the surface.
     Behind,
     /// None of its light would be reflected to the viewer.
@@ -159,7 +159,7 @@ pub struct PixelRecord {
     /// Column and row.
     pub pixel: [u32; 2],
     /// Its paths, sample by sample.
-    pub paths: Vec<Path>,
+    pub paths: Vec<PathRecord>,
     /// The first sample and bounce at which the wavefront differs; `None` if both agree.
     pub differs: Option<[u32; 2]>,
 }

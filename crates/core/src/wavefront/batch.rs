@@ -17,7 +17,7 @@ use crate::math::ray::Ray;
 use crate::math::real::{Mask, Single};
 use crate::math::simd::LANES;
 use crate::math::vector::Vector;
-use crate::plan::schedule::Column as Group;
+use crate::plan::schedule::ColumnGroup;
 use crate::prepared::{Branch, PreparedScene};
 use columns::Column;
 
@@ -255,21 +255,21 @@ impl Batch {
     pub fn new(scene: &PreparedScene, capacity: usize) -> Self {
         let capacity = capacity.max(1);
         let schedule = scene.plan.schedule();
-        let room = |group: Group| if schedule.has(group) { capacity } else { 0 };
+        let room = |group: ColumnGroup| if schedule.has(group) { capacity } else { 0 };
         Self {
             capacity,
-            paths: Paths::with_capacity(room(Group::Paths)),
-            rays: Rays::with_capacity(room(Group::Rays)),
-            hits: Hits::with_capacity(room(Group::Hits)),
-            lit: LitPoints::with_capacity(room(Group::LitPoints)),
-            tints: Tints::with_capacity(room(Group::Tints)),
-            shadows: ShadowRays::with_capacity(room(Group::ShadowRays)),
-            next: Rays::with_capacity(room(Group::NextRays)),
-            differentials: Differentials::with_capacity(room(Group::Differentials)),
-            next_differentials: Differentials::with_capacity(room(Group::Differentials)),
-            trails: Trails::with_capacity(room(Group::Branches)),
-            next_trails: Trails::with_capacity(room(Group::Branches)),
-            waiting: Waiting::with_capacity(room(Group::Branches)),
+            paths: Paths::with_capacity(room(ColumnGroup::Paths)),
+            rays: Rays::with_capacity(room(ColumnGroup::Rays)),
+            hits: Hits::with_capacity(room(ColumnGroup::Hits)),
+            lit: LitPoints::with_capacity(room(ColumnGroup::LitPoints)),
+            tints: Tints::with_capacity(room(ColumnGroup::Tints)),
+            shadows: ShadowRays::with_capacity(room(ColumnGroup::ShadowRays)),
+            next: Rays::with_capacity(room(ColumnGroup::NextRays)),
+            differentials: Differentials::with_capacity(room(ColumnGroup::Differentials)),
+            next_differentials: Differentials::with_capacity(room(ColumnGroup::Differentials)),
+            trails: Trails::with_capacity(room(ColumnGroup::Branches)),
+            next_trails: Trails::with_capacity(room(ColumnGroup::Branches)),
+            waiting: Waiting::with_capacity(room(ColumnGroup::Branches)),
         }
     }
 
@@ -334,7 +334,7 @@ impl Batch {
 
     /// Upper bound on the bytes of the columns of a batch of up to `capacity` paths, in any scene.
     pub fn bytes_at_most(capacity: usize) -> u64 {
-        let row: usize = Group::ALL.into_iter().map(row_bytes).sum();
+        let row: usize = ColumnGroup::ALL.into_iter().map(row_bytes).sum();
         (row * columns::room(capacity.max(1))) as u64
     }
 
@@ -351,16 +351,16 @@ impl Batch {
 }
 
 /// Bytes of one row of a group of columns.
-fn row_bytes(group: Group) -> usize {
+fn row_bytes(group: ColumnGroup) -> usize {
     match group {
-        Group::Paths => Paths::ROW_BYTES,
-        Group::Rays | Group::NextRays => Rays::ROW_BYTES,
-        Group::Hits => Hits::ROW_BYTES,
-        Group::LitPoints => LitPoints::ROW_BYTES,
-        Group::Tints => Tints::ROW_BYTES,
-        Group::ShadowRays => ShadowRays::ROW_BYTES,
+        ColumnGroup::Paths => Paths::ROW_BYTES,
+        ColumnGroup::Rays | ColumnGroup::NextRays => Rays::ROW_BYTES,
+        ColumnGroup::Hits => Hits::ROW_BYTES,
+        ColumnGroup::LitPoints => LitPoints::ROW_BYTES,
+        ColumnGroup::Tints => Tints::ROW_BYTES,
+        ColumnGroup::ShadowRays => ShadowRays::ROW_BYTES,
         // For this bounce and the next.
-        Group::Differentials => 2 * Differentials::ROW_BYTES,
-        Group::Branches => 2 * Trails::ROW_BYTES + Waiting::ROW_BYTES,
+        ColumnGroup::Differentials => 2 * Differentials::ROW_BYTES,
+        ColumnGroup::Branches => 2 * Trails::ROW_BYTES + Waiting::ROW_BYTES,
     }
 }

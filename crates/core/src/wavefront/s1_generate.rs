@@ -13,10 +13,10 @@ use crate::math::real::Single;
 use crate::math::simd::{Pass, dispatch_pass};
 use crate::prepared::PreparedScene;
 use crate::tile::{Tile, Unit};
-use order::Walk;
+use order::TileWalk;
 
 /// Fills the batch with the camera rays of the unit's `paths`, numbered by pixel in the order of
-/// [`Walk`] and by sample within a pixel.
+/// [`TileWalk`] and by sample within a pixel.
 pub(super) fn run(
     scene: &PreparedScene,
     unit: &Unit,
@@ -31,7 +31,7 @@ pub(super) fn run(
     batch.paths.clear();
     batch.rays.clear();
     let count = paths.end - paths.start;
-    let next = Next::new(unit, paths.start);
+    let next = NextPath::new(unit, paths.start);
     let tile = &unit.tile;
     dispatch_pass(
         scene.accel.level,
@@ -42,18 +42,18 @@ pub(super) fn run(
 }
 
 /// The next path, computed by incrementing: divisions would take longer than the ray.
-struct Next {
-    walk: Walk,
+struct NextPath {
+    walk: TileWalk,
     /// Its sample in the pixel.
     sample: u32,
     samples: Range<u32>,
 }
 
-impl Next {
+impl NextPath {
     fn new(unit: &Unit, path: u64) -> Self {
         let Unit { tile, samples } = unit;
         let each = samples.len() as u64;
-        let walk = Walk::new([tile.width, tile.height], (path / each) as u32);
+        let walk = TileWalk::new([tile.width, tile.height], (path / each) as u32);
         let sample = samples.start + (path % each) as u32;
         Self { walk, sample, samples: samples.clone() }
     }
@@ -73,7 +73,7 @@ struct Generate<'a> {
     tile: &'a Tile,
     seed: u64,
     count: usize,
-    next: Next,
+    next: NextPath,
     batch: &'a mut Batch,
 }
 
@@ -116,7 +116,7 @@ impl Generate<'_> {
     /// Appends the next path. Returns its pixel and its random stream.
     #[inline(always)]
     fn path(&mut self) -> (u32, u32, Stream) {
-        let Next { walk, sample, .. } = &self.next;
+        let NextPath { walk, sample, .. } = &self.next;
         let sample = *sample;
         let [x, y] = [self.tile.x + walk.pixel[0], self.tile.y + walk.pixel[1]];
         let pixel = y * self.scene.camera.size()[0] + x;

@@ -12,7 +12,7 @@ use glam::Vec3;
 use super::batch::{Batch, Vectors};
 use crate::accel::{Hit, NO_PRIMITIVE};
 use crate::counters::Counters;
-use crate::geometry::Kind;
+use crate::geometry::ShadingKind;
 use crate::kernels::differential::Differential;
 use crate::kernels::precision::Arithmetic;
 use crate::kernels::shade::{ShadingPoint, mirror_request};
@@ -24,7 +24,7 @@ use crate::plan::schedule::Step;
 use crate::prepared::{
     Branch, Face, Group, Interaction, LookUps, MirrorPoint, PreparedScene, Trail, lanes,
 };
-use faces::Faces;
+use faces::WaitingHits;
 
 /// Adds background, emission and ambient light to the paths; collects lit points and, while bounces
 /// are left, mirror rays.
@@ -88,8 +88,8 @@ impl<P: Arithmetic> Pass for Shade<'_, P> {
     fn run<F: Single>(mut self, token: F::Token) {
         let appearance = &self.scene.appearance;
         let geometry = self.scene.accel.geometry();
-        let (mut flat, mut quadrics) = (Faces::<F>::new(), Faces::new());
-        let mut instances = (!geometry.instances.is_empty()).then(Faces::new);
+        let (mut flat, mut quadrics) = (WaitingHits::<F>::new(), WaitingHits::new());
+        let mut instances = (!geometry.instances.is_empty()).then(WaitingHits::new);
         // The last shape hit: the next hit is likely on it too.
         let mut last = 0;
         for i in 0..self.batch.rays.len() {
@@ -111,18 +111,18 @@ impl<P: Arithmetic> Pass for Shade<'_, P> {
             }
             let kind = geometry.kind(primitive);
             let faces = match (kind, &mut instances) {
-                (Kind::Instances, Some(instances)) => instances,
-                (Kind::Quadrics, _) => &mut quadrics,
+                (ShadingKind::Instances, Some(instances)) => instances,
+                (ShadingKind::Quadrics, _) => &mut quadrics,
                 _ => &mut flat,
             };
             if faces.push(Face { ray: i as u32, primitive, shape: last as u32 }) {
                 self.block(token, faces, kind);
             }
         }
-        self.block(token, &mut flat, Kind::Flat);
-        self.block(token, &mut quadrics, Kind::Quadrics);
+        self.block(token, &mut flat, ShadingKind::Flat);
+        self.block(token, &mut quadrics, ShadingKind::Quadrics);
         if let Some(instances) = &mut instances {
-            self.block(token, instances, Kind::Instances);
+            self.block(token, instances, ShadingKind::Instances);
         }
     }
 }
@@ -198,7 +198,7 @@ impl<P: Arithmetic> Shade<'_, P> {
     }
 
     /// Shades the waiting hits.
-    fn block<F: Single>(&mut self, token: F::Token, faces: &mut Faces<F>, kind: Kind) {
+    fn block<F: Single>(&mut self, token: F::Token, faces: &mut WaitingHits<F>, kind: ShadingKind) {
         F::outlined(
             token,
             #[inline(always)]
@@ -214,7 +214,7 @@ impl<P: Arithmetic> Shade<'_, P> {
 
     /// Shades hits on surfaces of one kind.
     #[inline(always)]
-    fn group<F: Single>(&mut self, token: F::Token, group: &Group<F>, kind: Kind) {
+    fn group<F: Single>(&mut self, token: F::Token, group: &Group<F>, kind: ShadingKind) {
         let rays = &self.batch.rays;
         let numbers = group.faces.map(|face| face.ray);
         let throughput = fetch(token, &rays.throughput, &numbers);
@@ -254,9 +254,9 @@ impl<P: Arithmetic> Shade<'_, P> {
 
     /// The t of the hits, where it matters: exact points of triangles follow from the rays alone.
     #[inline(always)]
-    fn distances<F: Single>(&self, token: F::Token, kind: Kind, rays: &[u32; LANES]) -> F {
+    fn distances<F: Single>(&self, token: F::Token, kind: ShadingKind, rays: &[u32; LANES]) -> F {
         let mut t = F::splat(token, 0.0);
-        if P::IS_FAST || kind == Kind::Quadrics {
+        if P::IS_FAST || kind == ShadingKind::Quadrics {
             for (lane, &ray) in rays.iter().enumerate().take(F::LANES) {
                 t.set_lane(lane, self.batch.hits.hit[ray as usize].t);
             }

@@ -29,10 +29,17 @@ pub(super) fn run<P: Arithmetic>(
 ) {
     let tinted = scene.plan.schedule().runs(Step::Tints);
     for light in &scene.lights {
-        let mut next = Next::default();
+        let mut next = NextRequest::default();
         while next.index < light.samples() && !batch.lit.is_empty() {
-            let request =
-                Request { light, seed, bounce, tinted, batch, counters: &mut *counters, next };
+            let request = ShadowRequests {
+                light,
+                seed,
+                bounce,
+                tinted,
+                batch,
+                counters: &mut *counters,
+                next,
+            };
             next = dispatch_pass(scene.accel.level, request);
             trace::<P>(scene, batch, traversal, counters);
         }
@@ -42,14 +49,14 @@ pub(super) fn run<P: Arithmetic>(
 /// The place to continue the requests for a light: its sample point, and the first of a group of
 /// lit points.
 #[derive(Clone, Copy, Default)]
-struct Next {
+struct NextRequest {
     index: u32,
     point: usize,
 }
 
 /// Queues shadow rays to a light until the queue is full. Returns the place to continue, which is
 /// past the light's last point once all are queued.
-struct Request<'a> {
+struct ShadowRequests<'a> {
     light: &'a Light,
     seed: u64,
     bounce: u32,
@@ -57,14 +64,14 @@ struct Request<'a> {
     tinted: bool,
     batch: &'a mut Batch,
     counters: &'a mut Counters,
-    next: Next,
+    next: NextRequest,
 }
 
-impl Pass for Request<'_> {
-    type Output = Next;
+impl Pass for ShadowRequests<'_> {
+    type Output = NextRequest;
 
     #[inline(always)]
-    fn run<F: Single>(self, token: F::Token) -> Next {
+    fn run<F: Single>(self, token: F::Token) -> NextRequest {
         let Self { light, counters, batch, mut next, .. } = self;
         let capacity = batch.capacity();
         let Batch { lit, tints, paths, shadows, .. } = batch;
@@ -96,7 +103,7 @@ impl Pass for Request<'_> {
                 let at_light = (request.at_light & request.asked).bits();
                 counters.lights_at_surface += u64::from(at_light.count_ones());
             }
-            next = Next { index: next.index + 1, point: 0 };
+            next = NextRequest { index: next.index + 1, point: 0 };
         }
         next
     }

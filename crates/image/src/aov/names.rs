@@ -7,7 +7,7 @@ use serde_json::{Map, Value};
 use wavecrest_core::prepared::{Appearance, PreparedScene};
 
 /// The numbers of a scene's shapes and materials.
-pub(super) struct Names<'a> {
+pub(super) struct ShapeNumbers<'a> {
     appearance: &'a Appearance,
     /// For each shape the number of its material; 0 for lights.
     materials: Vec<u32>,
@@ -17,7 +17,7 @@ pub(super) struct Names<'a> {
     counts: HashMap<&'a str, usize>,
 }
 
-impl<'a> Names<'a> {
+impl<'a> ShapeNumbers<'a> {
     pub(super) fn of(scene: &'a PreparedScene) -> Self {
         let appearance = &scene.appearance;
         let mut names =

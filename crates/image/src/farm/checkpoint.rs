@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-use super::part::{self, Header, Reader, Unit};
+use super::part::{self, PartHeader, PartReader, UnitSums};
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_core::render::work::{Summed, Task};
 
@@ -28,13 +28,13 @@ impl Checkpoint {
     /// # Errors
     /// If the file is damaged or of another render, or if it exists but resuming was not requested:
     /// no work is discarded.
-    pub(super) fn load(&self, header: &Header) -> Result<Option<Store>> {
+    pub(super) fn load(&self, header: &PartHeader) -> Result<Option<UnitStore>> {
         if !self.check()? {
             return Ok(None);
         }
-        let mut reader = Reader::open(&self.file)?;
+        let mut reader = PartReader::open(&self.file)?;
         check_same(&self.file, reader.header(), header)?;
-        let store = Store::default();
+        let store = UnitStore::default();
         while let Some(unit) = reader.next_unit()? {
             if unit.invalid == 0 {
                 store.put(unit);
@@ -61,7 +61,7 @@ impl Checkpoint {
 }
 
 /// Refuses a checkpoint of another render.
-fn check_same(file: &Path, found: &Header, header: &Header) -> Result<()> {
+fn check_same(file: &Path, found: &PartHeader, header: &PartHeader) -> Result<()> {
     let refuse = |message: String| Error::new(ErrorKind::Usage, message).in_file(file);
     if let Some((what, values)) = found.identity.difference(&header.identity) {
         return Err(match values {
@@ -79,7 +79,7 @@ fn check_same(file: &Path, found: &Header, header: &Header) -> Result<()> {
         });
     }
     if found.shard != header.shard {
-        let name = |header: &Header| {
+        let name = |header: &PartHeader| {
             header.shard.map_or("the whole image".to_owned(), |shard| format!("shard {shard}"))
         };
         return Err(refuse("the checkpoint belongs to another shard".to_owned())
@@ -97,21 +97,21 @@ fn check_same(file: &Path, found: &Header, header: &Header) -> Result<()> {
 const PAUSE_FACTOR: u32 = 10;
 
 /// Saves the checkpoint when it is due.
-pub(super) struct Saver<'a> {
+pub(super) struct CheckpointSaver<'a> {
     checkpoint: &'a Checkpoint,
-    header: &'a Header,
+    header: &'a PartHeader,
     /// The time of the last save, and how long to wait for the next.
     last: Mutex<(Instant, Duration)>,
 }
 
-impl<'a> Saver<'a> {
-    pub(super) fn new(checkpoint: &'a Checkpoint, header: &'a Header) -> Self {
+impl<'a> CheckpointSaver<'a> {
+    pub(super) fn new(checkpoint: &'a Checkpoint, header: &'a PartHeader) -> Self {
         let last = Mutex::new((Instant::now(), checkpoint.every));
         Self { checkpoint, header, last }
     }
 
     /// Saves the current state if it is due. Other threads continue; none of them saves too.
-    pub(super) fn save_if_due(&self, store: &Store) -> Result<()> {
+    pub(super) fn save_if_due(&self, store: &UnitStore) -> Result<()> {
         let Ok(mut last) = self.last.try_lock() else { return Ok(()) };
         let (at, pause) = *last;
         if at.elapsed() < pause {
@@ -125,30 +125,30 @@ impl<'a> Saver<'a> {
     }
 
     /// Saves the current state.
-    pub(super) fn save(&self, store: &Store) -> Result<()> {
+    pub(super) fn save(&self, store: &UnitStore) -> Result<()> {
         let _last = self.last.lock().unwrap_or_else(PoisonError::into_inner);
         store.write(&self.checkpoint.file, self.header)
     }
 }
 
 /// The start of a unit: its tile, and its first block.
-type Key = (u32, u32);
+type UnitStart = (u32, u32);
 
 /// Finished units in memory, at most one for each start, saved while others are rendered.
 #[derive(Debug, Default)]
-pub(super) struct Store {
-    units: Mutex<BTreeMap<Key, Arc<Unit>>>,
+pub(super) struct UnitStore {
+    units: Mutex<BTreeMap<UnitStart, Arc<UnitSums>>>,
 }
 
-impl Store {
+impl UnitStore {
     /// Stores a unit; it replaces a shorter one with the same start.
-    pub(super) fn put(&self, unit: Unit) {
+    pub(super) fn put(&self, unit: UnitSums) {
         self.units().insert((unit.tile, unit.blocks.start), Arc::new(unit));
     }
 
-    /// As [`Store::put`], from the render loop.
+    /// As [`UnitStore::put`], from the render loop.
     pub(super) fn keep(&self, summed: &Summed<'_>) {
-        self.put(Unit {
+        self.put(UnitSums {
             tile: summed.tile,
             blocks: summed.blocks.clone(),
             invalid: summed.invalid,
@@ -157,14 +157,14 @@ impl Store {
     }
 
     /// Writes the current units as a part with this header.
-    pub(super) fn write(&self, path: &Path, header: &Header) -> Result<()> {
+    pub(super) fn write(&self, path: &Path, header: &PartHeader) -> Result<()> {
         let units = self.all();
-        let header = Header { units: units.len() as u64, ..header.clone() };
+        let header = PartHeader { units: units.len() as u64, ..header.clone() };
         part::write(path, &header, units.iter().map(|unit| &**unit))
     }
 
     /// The current units, in order. They are shared, not copied.
-    pub(super) fn all(&self) -> Vec<Arc<Unit>> {
+    pub(super) fn all(&self) -> Vec<Arc<UnitSums>> {
         self.units().values().cloned().collect()
     }
 
@@ -181,7 +181,7 @@ impl Store {
         })
     }
 
-    fn units(&self) -> MutexGuard<'_, BTreeMap<Key, Arc<Unit>>> {
+    fn units(&self) -> MutexGuard<'_, BTreeMap<UnitStart, Arc<UnitSums>>> {
         self.units.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }

@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 use xxhash_rust::xxh3::xxh3_64;
 
 use super::identity::Identity;
-use super::part::{Header, Reader, Unit};
+use super::part::{PartHeader, PartReader, UnitSums};
 use super::shard::Shard;
 use crate::transfer::Transfer;
 use wavecrest_base::error::{Error, ErrorKind, Result};
@@ -46,10 +46,10 @@ pub fn merge(paths: &[PathBuf]) -> Result<Merged> {
         return Err(Error::new(ErrorKind::Usage, "there is nothing to merge")
             .remedy("name the parts that render --shard wrote"));
     };
-    let header = Reader::open(first)?.header().clone();
+    let header = PartReader::open(first)?.header().clone();
     let mut shards = vec![header.shard];
     for path in rest {
-        let other = Reader::open(path)?.header().clone();
+        let other = PartReader::open(path)?.header().clone();
         check_same(path, &other, first, &header)?;
         shards.push(other.shard);
     }
@@ -75,7 +75,7 @@ pub fn merge(paths: &[PathBuf]) -> Result<Merged> {
         invalid: 0,
     };
     for (number, path) in paths.iter().enumerate() {
-        let mut reader = Reader::open(path)?;
+        let mut reader = PartReader::open(path)?;
         check_same(path, reader.header(), first, &header)?;
         while let Some(unit) = reader.next_unit()? {
             mosaic.put(number, unit)?;
@@ -86,7 +86,7 @@ pub fn merge(paths: &[PathBuf]) -> Result<Merged> {
     Ok(Merged { identity: header.identity, transfer: header.transfer, film, invalid })
 }
 
-fn check_same(path: &Path, other: &Header, first: &Path, header: &Header) -> Result<()> {
+fn check_same(path: &Path, other: &PartHeader, first: &Path, header: &PartHeader) -> Result<()> {
     let Some((what, values)) = other.identity.difference(&header.identity) else {
         return Ok(());
     };
@@ -145,7 +145,7 @@ struct Mosaic<'a> {
     /// their sums, and the number of their part.
     units: BTreeMap<(u32, u32), (u32, u64, usize)>,
     /// Tiles whose blocks are in several units.
-    waiting: BTreeMap<u32, Waiting>,
+    waiting: BTreeMap<u32, UnfinishedTile>,
     /// Number of finished tiles.
     finished: u64,
     invalid: u64,
@@ -153,17 +153,17 @@ struct Mosaic<'a> {
 
 /// The blocks of a tile so far.
 #[derive(Default)]
-struct Waiting {
+struct UnfinishedTile {
     /// Number of blocks added up, from the first on.
     ready: u32,
     sums: Vec<[f64; 3]>,
     /// Later blocks, by the first of each unit.
-    later: BTreeMap<u32, Unit>,
+    later: BTreeMap<u32, UnitSums>,
 }
 
 impl Mosaic<'_> {
     /// Adds a unit of the `number`th part.
-    fn put(&mut self, number: usize, unit: Unit) -> Result<()> {
+    fn put(&mut self, number: usize, unit: UnitSums) -> Result<()> {
         if self.is_known(number, &unit)? {
             return Ok(());
         }
@@ -191,8 +191,8 @@ impl Mosaic<'_> {
     }
 
     /// Whether the same unit was read already, to the last bit; records it if not.
-    fn is_known(&mut self, number: usize, unit: &Unit) -> Result<bool> {
-        let Unit { tile, blocks: Range { start, end }, .. } = *unit;
+    fn is_known(&mut self, number: usize, unit: &UnitSums) -> Result<bool> {
+        let UnitSums { tile, blocks: Range { start, end }, .. } = *unit;
         let hash = xxh3_64(bytemuck::cast_slice(&unit.sums));
         let others = self.units.range((tile, 0)..(tile, end));
         let Some((&(_, from), &(to, known, part))) = others.rev().find(|(_, unit)| unit.0 > start)
@@ -231,7 +231,7 @@ impl Mosaic<'_> {
     }
 }
 
-impl Waiting {
+impl UnfinishedTile {
     /// Adds the blocks whose turn has come.
     fn add_up(&mut self) {
         while let Some(unit) = self.later.remove(&self.ready) {

@@ -5,7 +5,7 @@
 //! | 8 | `WAVEPART` |
 //! | 4 | the format's version, 1 |
 //! | 4 | the length of the header |
-//! | ... | the [`Header`], in JSON |
+//! | ... | the [`PartHeader`], in JSON |
 //! | 8 | the hash of everything above |
 //! | | then for each unit, in the order of tiles and, within a tile, of blocks: |
 //! | 4, 4, 4, 4 | tile, first block, end of the blocks (exclusive), number of pixels |
@@ -45,7 +45,7 @@ const UNIT_BYTES: u64 = 4 * 4 + 8 + 8;
 
 /// The header of a part.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Header {
+pub struct PartHeader {
     /// The image that it belongs to.
     pub identity: Identity,
     /// The shard to render; `None` for all.
@@ -62,7 +62,7 @@ pub struct Header {
 
 /// Blocks of samples of a tile, summed for each pixel.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Unit {
+pub struct UnitSums {
     /// The tile's number in [`Identity::grid`].
     pub tile: u32,
     /// The blocks: all up to some block, or a single one.
@@ -79,8 +79,8 @@ pub struct Unit {
 /// As [`replace_file`].
 pub fn write<'a>(
     path: &Path,
-    header: &Header,
-    units: impl IntoIterator<Item = &'a Unit>,
+    header: &PartHeader,
+    units: impl IntoIterator<Item = &'a UnitSums>,
 ) -> Result<()> {
     replace_file(path, |sink| {
         let json = serde_json::to_vec(header).map_err(|error| {
@@ -100,7 +100,7 @@ fn put(sink: &mut Sink<'_>, path: &Path, seed: u64, bytes: &[u8]) -> Result<u64>
     written.map(|()| hash).map_err(|error| write_error(path, error))
 }
 
-impl Unit {
+impl UnitSums {
     fn bytes(&self) -> Vec<u8> {
         let Self { tile, blocks, invalid, sums } = self;
         let numbers = [*tile, blocks.start, blocks.end, sums.len() as u32];
@@ -113,9 +113,9 @@ impl Unit {
 
 /// A part read unit by unit.
 #[derive(Debug)]
-pub struct Reader {
+pub struct PartReader {
     path: PathBuf,
-    header: Header,
+    header: PartHeader,
     grid: Grid,
     blocks: Blocks,
     file: BufReader<File>,
@@ -126,7 +126,7 @@ pub struct Reader {
     last: Option<(u32, u32)>,
 }
 
-impl Reader {
+impl PartReader {
     /// Reads the header of the part at `path`.
     ///
     /// # Errors
@@ -151,7 +151,7 @@ impl Reader {
     }
 
     /// The header.
-    pub fn header(&self) -> &Header {
+    pub fn header(&self) -> &PartHeader {
         &self.header
     }
 
@@ -159,12 +159,12 @@ impl Reader {
     ///
     /// # Errors
     /// If the file is truncated or damaged, or continues after its last unit.
-    pub fn next_unit(&mut self) -> Result<Option<Unit>> {
+    pub fn next_unit(&mut self) -> Result<Option<UnitSums>> {
         let place = format!("unit {} of {}", self.read + 1, self.header.units);
         self.read_unit().map_err(|error| error.in_file(&self.path).at(place))
     }
 
-    fn read_unit(&mut self) -> Result<Option<Unit>> {
+    fn read_unit(&mut self) -> Result<Option<UnitSums>> {
         if self.read == self.header.units {
             let mut more = [0];
             return match self.file.read(&mut more) {
@@ -186,7 +186,7 @@ impl Reader {
         let sums = bytes[start..].chunks_exact(size_of::<[f64; 3]>()).map(sum).collect();
         self.read += 1;
         self.last = Some((tile, end));
-        Ok(Some(Unit { tile, blocks: first..end, invalid, sums }))
+        Ok(Some(UnitSums { tile, blocks: first..end, invalid, sums }))
     }
 
     /// The number of pixels of a unit, if such a unit is possible at this place.
@@ -205,7 +205,7 @@ impl Reader {
 }
 
 /// The header and its hash, from a file of `length` bytes.
-fn header(file: &mut BufReader<File>, length: u64) -> Result<(Header, u64)> {
+fn header(file: &mut BufReader<File>, length: u64) -> Result<(PartHeader, u64)> {
     let foreign = || {
         Error::new(ErrorKind::Syntax, "this is not a part of a render")
             .remedy("use a file that wavecrest wrote with --shard or --checkpoint")
@@ -230,7 +230,7 @@ fn header(file: &mut BufReader<File>, length: u64) -> Result<(Header, u64)> {
     bytes.resize(16 + json as usize, 0);
     fill(file, &mut bytes[16..])?;
     let hash = check_hash(file, &bytes, 0)?;
-    let header: Header = serde_json::from_slice(&bytes[16..]).map_err(|error| {
+    let header: PartHeader = serde_json::from_slice(&bytes[16..]).map_err(|error| {
         Error::new(ErrorKind::Syntax, format!("the header is malformed: {error}"))
             .remedy("render it again")
             .because(error)

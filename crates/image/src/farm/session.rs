@@ -4,9 +4,9 @@
 use std::path::Path;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use super::checkpoint::{Checkpoint, Saver, Store};
+use super::checkpoint::{Checkpoint, CheckpointSaver, UnitStore};
 use super::identity::Identity;
-use super::part::{Header, Unit};
+use super::part::{PartHeader, UnitSums};
 use super::shard::Shard;
 use crate::transfer::Transfer;
 use wavecrest_base::error::{Error, Result};
@@ -19,11 +19,11 @@ use wavecrest_core::render::{Canvas, RenderOptions, Rendered, Watch};
 pub struct Session<'a> {
     scene: &'a PreparedScene,
     options: RenderOptions,
-    header: Header,
+    header: PartHeader,
     checkpoint: Option<Checkpoint>,
     grid: Grid,
     blocks: Blocks,
-    store: Store,
+    store: UnitStore,
     todo: Vec<Task>,
     /// Pixels times blocks: all, and those finished.
     all: u64,
@@ -60,7 +60,7 @@ impl<'a> Session<'a> {
         let Author { scene: file, command, transfer } = author;
         let identity = Identity::of(scene, &options)?;
         let (grid, blocks) = (identity.grid(), identity.blocks());
-        let header = Header { identity, shard, scene: file, command, transfer, units: 0 };
+        let header = PartHeader { identity, shard, scene: file, command, transfer, units: 0 };
         let held = checkpoint.as_ref().map_or(Ok(None), |checkpoint| checkpoint.load(&header))?;
         let has_checkpoint = held.is_some();
         let store = held.unwrap_or_default();
@@ -117,7 +117,7 @@ impl<'a> Session<'a> {
     pub fn render(&self, watch: &dyn Watch, warn: &(dyn Fn(&Error) + Sync)) -> Result<Rendered> {
         let canvas = Canvas::new(self.grid, self.blocks, watch)?;
         for unit in self.store.all() {
-            let Unit { tile, blocks, invalid, sums } = &*unit;
+            let UnitSums { tile, blocks, invalid, sums } = &*unit;
             let blocks = blocks.clone();
             canvas.keep(&Summed { tile: *tile, blocks, invalid: *invalid, sums });
         }
@@ -151,7 +151,10 @@ impl<'a> Session<'a> {
         warn: &(dyn Fn(&Error) + Sync),
         finished: &(dyn Fn(&Summed<'_>) + Sync),
     ) -> Result<Done> {
-        let saver = self.checkpoint.as_ref().map(|checkpoint| Saver::new(checkpoint, &self.header));
+        let saver = self
+            .checkpoint
+            .as_ref()
+            .map(|checkpoint| CheckpointSaver::new(checkpoint, &self.header));
         let keep = |summed: &Summed<'_>| {
             self.store.keep(summed);
             let pixels = self.grid.tile(summed.tile).len() as u64;

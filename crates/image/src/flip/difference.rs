@@ -22,12 +22,12 @@ pub(super) struct Features {
 }
 
 /// Compares two pixels; stores the constants.
-pub(super) struct Difference {
+pub(super) struct PixelComparer {
     /// The largest colour difference, raised to the exponent.
     largest: f64,
 }
 
-impl Difference {
+impl PixelComparer {
     pub(super) fn new() -> Self {
         let hunted = |rgb| hunt(xyz_to_lab(rgb_to_xyz(rgb)));
         // Green and blue are farthest apart.

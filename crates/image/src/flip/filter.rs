@@ -34,13 +34,13 @@ const LANES: usize = 8;
 /// against green, and of yellow against blue, a sum of two filters, each applied along rows and
 /// columns; then the Gaussian of the detectors, its first derivative, which finds edges, and its
 /// second, which finds points.
-pub(super) struct Filters(pub(super) [Filter; FILTERS]);
+pub(super) struct Filters(pub(super) [Weights; FILTERS]);
 
 /// The number of filters.
 pub(super) const FILTERS: usize = 7;
 
 /// An odd number of weights, the middle one for the pixel itself.
-pub(super) struct Filter(Vec<f64>);
+pub(super) struct Weights(Vec<f64>);
 
 impl Filters {
     pub(super) fn new(pixels_per_degree: f64) -> Self {
@@ -51,11 +51,11 @@ impl Filters {
 
     /// The reach of the widest filter to each side, in pixels.
     pub(super) fn radius(&self) -> usize {
-        self.0.iter().map(Filter::radius).max().unwrap_or(0)
+        self.0.iter().map(Weights::radius).max().unwrap_or(0)
     }
 }
 
-impl Filter {
+impl Weights {
     /// Its reach to each side, in pixels.
     pub(super) fn radius(&self) -> usize {
         self.0.len() / 2
@@ -131,18 +131,18 @@ impl Sensitivity {
 
 /// The filters of lightness, red against green, and yellow against blue. All reach as far as the
 /// widest; each has the sum 1.
-fn of_the_eye(pixels_per_degree: f64) -> [Filter; 4] {
+fn of_the_eye(pixels_per_degree: f64) -> [Weights; 4] {
     let widest = YELLOW_BLUE[0].deviation();
     let radius = (REACH * widest * pixels_per_degree).ceil() as i32;
     let single = |part: &Sensitivity| {
-        let filter = Filter::sampled(radius, |x| part.at(x / pixels_per_degree));
+        let filter = Weights::sampled(radius, |x| part.at(x / pixels_per_degree));
         let sum = filter.sum();
         filter.scaled(1.0 / sum)
     };
     // Applied along rows and columns, each factor counts twice.
     let double = YELLOW_BLUE.map(|part| {
         let root = part.height().sqrt();
-        Filter::sampled(radius, |x| part.at(x / pixels_per_degree) / root)
+        Weights::sampled(radius, |x| part.at(x / pixels_per_degree) / root)
     });
     let sum = double.iter().map(|filter| filter.sum() * filter.sum()).sum::<f64>().sqrt();
     let [first, second] = double.map(|filter| filter.scaled(1.0 / sum));
@@ -151,14 +151,14 @@ fn of_the_eye(pixels_per_degree: f64) -> [Filter; 4] {
 
 /// The Gaussian with this standard deviation in pixels and the sum 1, and its first and second
 /// derivatives, whose positive weights have the sum 1 and whose negative ones -1.
-fn of_features(deviation: f64) -> [Filter; 3] {
+fn of_features(deviation: f64) -> [Weights; 3] {
     let radius = (REACH * deviation).ceil() as i32;
     let squared = deviation * deviation;
     let gaussian = |x: f64| libm::exp(-x * x / (2.0 * squared));
-    let smooth = Filter::sampled(radius, gaussian);
+    let smooth = Weights::sampled(radius, gaussian);
     let sum = smooth.sum();
-    let edge = Filter::sampled(radius, |x| -x * gaussian(x));
-    let point = Filter::sampled(radius, |x| (x * x / squared - 1.0) * gaussian(x));
+    let edge = Weights::sampled(radius, |x| -x * gaussian(x));
+    let point = Weights::sampled(radius, |x| (x * x / squared - 1.0) * gaussian(x));
     [smooth.scaled(1.0 / sum), edge.balanced(), point.balanced()]
 }
 
@@ -174,7 +174,7 @@ mod tests {
     fn a_constant_picture_stays_as_it_is_and_has_no_features() {
         for pixels_per_degree in BOUNDS {
             let filters = Filters::new(pixels_per_degree);
-            let is = |filter: &Filter, sum: f64| assert!((filter.sum() - sum).abs() < 1e-14);
+            let is = |filter: &Weights, sum: f64| assert!((filter.sum() - sum).abs() < 1e-14);
             let [lightness, red_green, a, b, smooth, edge, point] = &filters.0;
             is(lightness, 1.0);
             is(red_green, 1.0);
@@ -189,7 +189,7 @@ mod tests {
     fn derivatives_have_the_sum_1_on_either_side() {
         for pixels_per_degree in BOUNDS {
             let Filters([.., edge, point]) = Filters::new(pixels_per_degree);
-            for Filter(weights) in [edge, point] {
+            for Weights(weights) in [edge, point] {
                 let positive: f64 = weights.iter().filter(|w| **w > 0.0).sum();
                 assert!((positive - 1.0).abs() < 1e-14, "{pixels_per_degree}: {positive}");
                 assert!(weights.iter().all(|w| w.is_finite()));
@@ -208,7 +208,7 @@ mod tests {
 
     #[test]
     fn sums_of_neighbours_are_those_found_by_hand() {
-        let filter = Filter(vec![1.0, 10.0, 100.0]);
+        let filter = Weights(vec![1.0, 10.0, 100.0]);
         for length in [1, 7, 8, 9, 20] {
             let values: Vec<f64> = (0..length + 2).map(f64::from).collect();
             let mut out = vec![0.0; length as usize];

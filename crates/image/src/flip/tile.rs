@@ -3,8 +3,8 @@
 //! Each tile reads its pixels and those that filters reach around it, filters the rows once for all
 //! filters, then the columns, and compares. The image's edge pixels are repeated beyond its edge.
 
-use super::difference::{Difference, Features, shown};
-use super::filter::{FILTERS, Filter, Filters};
+use super::difference::{Features, PixelComparer, shown};
+use super::filter::{FILTERS, Filters, Weights};
 use wavecrest_core::film::Film;
 
 /// The smallest side of a tile in pixels: its memory then stays in a core's cache.
@@ -13,7 +13,7 @@ const MIN_SIDE: usize = 64;
 /// Two images, compared tile by tile.
 pub(super) struct Tiles<'a> {
     filters: Filters,
-    difference: Difference,
+    difference: PixelComparer,
     films: [&'a Film; 2],
 }
 
@@ -34,7 +34,7 @@ type Filtered = [Vec<f64>; FILTERS];
 const ALONG_ROWS: [usize; FILTERS] = [0, 1, 2, 2, 0, 0, 0];
 
 /// A row of an image after both passes: values for each pixel.
-type Row = [Vec<f64>; ALONG_COLUMNS.len()];
+type PixelRow = [Vec<f64>; ALONG_COLUMNS.len()];
 
 /// The filter along columns, and the plane filtered along rows that it reads: for the colour, whose
 /// last two are terms of a sum, and for edges and points along x and along y.
@@ -43,7 +43,7 @@ const ALONG_COLUMNS: [[usize; 2]; 8] =
 
 impl<'a> Tiles<'a> {
     pub(super) fn new(filters: Filters, films: [&'a Film; 2]) -> Self {
-        Self { filters, difference: Difference::new(), films }
+        Self { filters, difference: PixelComparer::new(), films }
     }
 
     /// The side of a tile in pixels: at least the reach of the filters, or most of the work would
@@ -55,7 +55,7 @@ impl<'a> Tiles<'a> {
     /// Fills the rows of a band of tiles, `band` bands from the top.
     pub(super) fn band(&self, band: usize, out: &mut [f32]) {
         let width = self.films[0].width() as usize;
-        let (mut filtered, mut rows) = (<[Filtered; 2]>::default(), <[Row; 2]>::default());
+        let (mut filtered, mut rows) = (<[Filtered; 2]>::default(), <[PixelRow; 2]>::default());
         for x in (0..width).step_by(self.side()) {
             let place = TileArea {
                 x,
@@ -96,7 +96,7 @@ impl<'a> Tiles<'a> {
     }
 
     /// The pass along columns, for the tile's row `y`.
-    fn along_columns(&self, from: &Filtered, place: TileArea, y: usize, out: &mut Row) {
+    fn along_columns(&self, from: &Filtered, place: TileArea, y: usize, out: &mut PixelRow) {
         for ([filter, plane], out) in ALONG_COLUMNS.into_iter().zip(out) {
             let filter = &self.filters.0[filter];
             out.resize(place.width, 0.0);
@@ -105,7 +105,7 @@ impl<'a> Tiles<'a> {
         }
     }
 
-    fn compare(&self, [a, b]: &[Row; 2], out: &mut [f32]) {
+    fn compare(&self, [a, b]: &[PixelRow; 2], out: &mut [f32]) {
         for (x, out) in out.iter_mut().enumerate() {
             let colors = self.difference.of_colors(color(a, x), color(b, x));
             let features = self.difference.of_features(features(a, x), features(b, x));
@@ -121,16 +121,16 @@ impl<'a> Tiles<'a> {
     }
 
     /// The number of pixels before a tile that `filter` does not reach.
-    fn before(&self, filter: &Filter) -> usize {
+    fn before(&self, filter: &Weights) -> usize {
         self.filters.radius() - filter.radius()
     }
 }
 
-fn color(row: &Row, x: usize) -> [f64; 3] {
+fn color(row: &PixelRow, x: usize) -> [f64; 3] {
     [row[0][x], row[1][x], row[2][x] + row[3][x]]
 }
 
-fn features(row: &Row, x: usize) -> Features {
+fn features(row: &PixelRow, x: usize) -> Features {
     let strength = |along_x: f64, along_y: f64| {
         // Lightness ranges from -16 to 100; the filters cancel constants.
         (along_x * along_x + along_y * along_y).sqrt() / 116.0

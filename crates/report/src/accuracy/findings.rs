@@ -31,7 +31,7 @@ use std::collections::BTreeSet;
 
 use serde::Serialize;
 
-use super::fit::{self, Interval, bootstrap, of};
+use super::fit::{self, Uncertain, bootstrap, of};
 use super::layers::{self, LayersFindings};
 use super::reference::FLOOR;
 use super::setting::{self, Axis, Family, Series, Setting, Target, converges};
@@ -71,7 +71,7 @@ pub struct Point {
     pub label: String,
     pub key: String,
     pub seconds: MedianInterval,
-    pub rmse: Interval,
+    pub rmse: Uncertain,
     pub mse: f64,
     pub relative_mse: f64,
     pub psnr: Option<f64>,
@@ -107,7 +107,7 @@ impl SceneFindings {
     /// Summarises the `records` of a scene.
     pub fn of(
         subject: &Subject,
-        families: &[Family<setting::Point>],
+        families: &[Family<setting::CountedSetting>],
         records: &[Record],
         errors: &[f64],
     ) -> Self {
@@ -157,14 +157,14 @@ impl SceneFindings {
 
     fn summary(
         &self,
-        family: &Family<setting::Point>,
+        family: &Family<setting::CountedSetting>,
         records: &[Record],
         busy: &BTreeSet<u64>,
     ) -> Family<Point> {
         let &Family { name, title, counted, target, .. } = family;
         let floor = self.floor(target);
-        let line = |line: &Series<setting::Point>| {
-            let point = |point: &setting::Point| {
+        let line = |line: &Series<setting::CountedSetting>| {
+            let point = |point: &setting::CountedSetting| {
                 let (scene, key) = (&self.scene.scene, point.2.key());
                 let is_it =
                     |p: &&PointRecord| p.scene == *scene && p.target == target && p.key == key;
@@ -184,7 +184,7 @@ impl SceneFindings {
 impl Point {
     /// The findings of a setting; times are those of rounds that were not busy.
     fn of(
-        (x, label, setting): &setting::Point,
+        (x, label, setting): &setting::CountedSetting,
         renders: &[&PointRecord],
         floor: f64,
         busy: &BTreeSet<u64>,
@@ -235,7 +235,7 @@ pub struct AtError {
     pub points: Option<u64>,
     pub seconds: Option<f64>,
     pub tracing: Option<f64>,
-    pub times_as_fast: Option<Interval>,
+    pub times_as_fast: Option<Uncertain>,
     pub at_least: bool,
 }
 
@@ -278,7 +278,7 @@ impl Answer {
 }
 
 /// The ratio of the times of one setting to those of another.
-fn ratio(one: &Point, other: &Point) -> Option<Interval> {
+fn ratio(one: &Point, other: &Point) -> Option<Uncertain> {
     let time = |p: &Point, seeds: &[usize]| median(&of(seeds, &p.times).collect::<Vec<_>>());
     let rounds = one.times.len().min(other.times.len());
     bootstrap(rounds, |seeds| Some(time(one, seeds) / time(other, seeds)))

@@ -19,7 +19,7 @@ pub const CONFIDENCE: f64 = 0.95;
 
 /// A value with its interval of [`CONFIDENCE`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub struct Interval {
+pub struct Uncertain {
     /// The estimate.
     pub value: f64,
     /// The lower end.
@@ -61,7 +61,7 @@ pub fn student(chance: f64, freedom: f64) -> f64 {
 
 /// The percentile interval of a statistic of seeds, given by their indices. `None` if it is undefined
 /// for all seeds.
-pub fn bootstrap(seeds: usize, statistic: impl Fn(&[usize]) -> Option<f64>) -> Option<Interval> {
+pub fn bootstrap(seeds: usize, statistic: impl Fn(&[usize]) -> Option<f64>) -> Option<Uncertain> {
     let value = statistic(&(0..seeds).collect::<Vec<_>>())?;
     let mut random = generator(1);
     let draw =
@@ -75,11 +75,11 @@ pub fn bootstrap(seeds: usize, statistic: impl Fn(&[usize]) -> Option<f64>) -> O
     let n = seeds.max(2) as f64;
     let deviations = (n / (n - 1.0)).sqrt() * student(1.0 - CONFIDENCE, n - 1.0);
     let outside = chance_beyond(deviations) / 2.0;
-    Some(Interval { value, low: at(outside), high: at(1.0 - outside) })
+    Some(Uncertain { value, low: at(outside), high: at(1.0 - outside) })
 }
 
 /// The root of the mean squared error, from one squared error for each seed.
-pub fn rmse(mse: &[f64]) -> Interval {
+pub fn rmse(mse: &[f64]) -> Uncertain {
     bootstrap(mse.len(), |seeds| Some(mean(seeds, mse).sqrt())).unwrap_or_default()
 }
 
@@ -96,7 +96,7 @@ fn mean(seeds: &[usize], values: &[f64]) -> f64 {
 ///
 /// `points` are counts with a value for each seed, whose mean is used. `None` for fewer than three
 /// points, or if one is not above 0.
-pub fn slope<V: AsRef<[f64]>>(points: &[(f64, V)]) -> Option<Interval> {
+pub fn slope<V: AsRef<[f64]>>(points: &[(f64, V)]) -> Option<Uncertain> {
     let least = points.iter().map(|(_, values)| values.as_ref().len()).min();
     bootstrap(least.filter(|_| points.len() > 2)?, |seeds| {
         let logs = points.iter().map(|(x, values)| [*x, mean(seeds, values.as_ref())]);

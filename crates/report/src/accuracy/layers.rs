@@ -15,9 +15,9 @@
 
 use serde::Serialize;
 
-use super::Progress;
+use super::SweepProgress;
 use super::setting::{Setting, Structure};
-use super::store::{LayersRecord, PreparedRecord, Record, Step, Store, all};
+use super::store::{LayerSeconds, LayersRecord, PreparedRecord, Record, Store, all};
 use super::subject::Subject;
 use crate::bench::Preparation;
 use crate::measure::rounds;
@@ -57,10 +57,10 @@ pub struct PartFindings {
 pub fn run(
     subject: &mut Subject,
     store: &mut Store,
-    progress: &dyn Fn(Progress<'_>),
+    progress: &dyn Fn(SweepProgress<'_>),
 ) -> Result<()> {
     let scene = subject.record.scene.clone();
-    progress(Progress::Stage(&format!("{scene}: time by effect")));
+    progress(SweepProgress::Stage(&format!("{scene}: time by effect")));
     for precision in Precision::ALL {
         let name = precision.name();
         let is_it = |l: &LayersRecord| l.scene == scene && l.precision == name;
@@ -74,7 +74,7 @@ pub fn run(
 }
 
 /// The least time of several renders in each pass, as other programs can only add to a time.
-fn steps(subject: &mut Subject, precision: Precision) -> Result<Vec<Step>> {
+fn steps(subject: &mut Subject, precision: Precision) -> Result<Vec<LayerSeconds>> {
     let facts = subject.facts;
     let present = Layer::ALL.into_iter().filter(|layer| facts.has(*layer)).map(Some);
     let without: Vec<Option<Layer>> = std::iter::once(None).chain(present).collect();

@@ -8,7 +8,7 @@ use std::path::Path;
 
 use super::Findings;
 use super::findings::{Answer, AtError, SceneFindings};
-use super::fit::Interval;
+use super::fit::Uncertain;
 use super::store::Circumstances;
 use super::sweep::Swept;
 use crate::bench::page::{command, recorded};
@@ -148,8 +148,8 @@ fn row(scene: &SceneFindings, answer: &Answer, at: &AtError) -> Vec<Cell> {
 }
 
 /// The time of random points relative to the answer's, or a lower bound.
-fn times(at: &AtError, ratio: &Interval) -> String {
-    let &Interval { value, low, high } = ratio;
+fn times(at: &AtError, ratio: &Uncertain) -> String {
+    let &Uncertain { value, low, high } = ratio;
     match at.at_least {
         true if value >= 1.0 => format!("over {value:.1} times; not reached"),
         true => "not reached".to_owned(),

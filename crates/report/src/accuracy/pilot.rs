@@ -26,7 +26,7 @@ use wavecrest_core::math::sampling::{Points, Sampling};
 use wavecrest_core::prepared::{Original, PreparedScene, Samples};
 use wavecrest_core::render::{RenderOptions, render};
 
-pub use measured::{Measured, error, is_sampled, leaves_out_aliasing, measured_share};
+pub use measured::{MeasuredError, error, is_sampled, leaves_out_aliasing, measured_share};
 use measured::{OTHERS, pilot_seed};
 
 /// Sides of the sample grids that the pilot tries.
@@ -68,7 +68,7 @@ pub struct Curve {
 
 /// A choice of samples.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Choice {
+pub struct Chosen {
     /// Distribution of the points, and the side of their grid.
     pub points: Points,
     /// The kind of samples.
@@ -86,14 +86,14 @@ pub struct Pilot {
     pub curves: Vec<Curve>,
 }
 
-impl Choice {
+impl Chosen {
     /// The samples of the render.
     pub fn samples(&self) -> Samples {
         self.axis.samples(self.points)
     }
 }
 
-impl fmt::Display for Choice {
+impl fmt::Display for Chosen {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { points, axis, error, seconds } = self;
         let points = axis.counted(*points);
@@ -121,21 +121,21 @@ impl Curve {
         last * libm::pow(count / m, slope)
     }
 
-    fn choice(&self, side: u32) -> Choice {
+    fn choice(&self, side: u32) -> Chosen {
         let points = Points { sampling: self.sampling, side };
         let count = f64::from(points.count());
         let seconds = self.seconds[0] + self.seconds[1] * count;
-        Choice { points, axis: self.axis, error: self.error(count), seconds }
+        Chosen { points, axis: self.axis, error: self.error(count), seconds }
     }
 
     /// The fewest points for `error`; the largest number if none suffices.
-    pub fn for_error(&self, error: f64) -> Choice {
+    pub fn for_error(&self, error: f64) -> Chosen {
         let choices = (self.axis.least_side()..=MOST_SIDE).map(|side| self.choice(side));
         choices.into_iter().find(|c| c.error * MARGIN <= error).unwrap_or(self.choice(MOST_SIDE))
     }
 
     /// The most points for `seconds`; one if there is no time for more.
-    pub fn for_time(&self, seconds: f64) -> Choice {
+    pub fn for_time(&self, seconds: f64) -> Chosen {
         let choices = (1..=MOST_SIDE).rev().map(|side| self.choice(side));
         choices.into_iter().find(|c| c.seconds <= seconds).unwrap_or(self.choice(1))
     }
@@ -182,7 +182,7 @@ impl Pilot {
     }
 
     /// The choice that reaches `error` in the least time.
-    pub fn for_error(&self, error: f64) -> Option<Choice> {
+    pub fn for_error(&self, error: f64) -> Option<Chosen> {
         let choices = || self.curves.iter().map(|curve| curve.for_error(error));
         let reaching = choices().filter(|choice| choice.error <= error);
         let fastest = reaching.min_by(|a, b| a.seconds.total_cmp(&b.seconds));
@@ -190,7 +190,7 @@ impl Pilot {
     }
 
     /// The choice with the least error in `seconds`.
-    pub fn for_time(&self, seconds: f64) -> Option<Choice> {
+    pub fn for_time(&self, seconds: f64) -> Option<Chosen> {
         let choices = self.curves.iter().map(|curve| curve.for_time(seconds));
         choices.min_by(|a, b| a.error.total_cmp(&b.error))
     }

@@ -7,7 +7,7 @@
 //! enough for the comparisons, or until there are [`MOST_REPLICATES`].
 
 use super::pilot::measured::variance;
-use super::setting::{Axis, Facts, Family, Point, Setting, Target, converges};
+use super::setting::{Axis, CountedSetting, Facts, Family, Setting, Target, converges};
 use super::store::{Record, ReferenceRecord, Store, known};
 use super::subject::Subject;
 use wavecrest_base::error::Result;
@@ -37,7 +37,7 @@ const FIRST_SEED: u64 = 1 << 63;
 /// If the scene can no longer be rendered, or the reference can be neither read nor written.
 pub fn reference(
     subject: &mut Subject,
-    families: &[Family<Point>],
+    families: &[Family<CountedSetting>],
     target: Target,
     least: u32,
     store: &mut Store,

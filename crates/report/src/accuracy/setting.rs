@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::fit::Interval;
+use super::fit::Uncertain;
 use wavecrest_core::kernels::precision::Precision;
 use wavecrest_core::math::sampling::{Points, Sampling};
 use wavecrest_core::prepared::{PreparedScene, Samples};
@@ -125,13 +125,13 @@ pub struct Series<P> {
     /// Their common properties.
     pub name: String,
     /// The exponent of the mean squared error as a function of the count, once it is found.
-    pub slope: Option<Interval>,
+    pub slope: Option<Uncertain>,
     /// The settings.
     pub points: Vec<P>,
 }
 
 /// A count, its label, and the setting.
-pub type Point = (f64, String, Setting);
+pub type CountedSetting = (f64, String, Setting);
 
 impl<P> Family<P> {
     /// The settings of all series.
@@ -265,7 +265,7 @@ const FAMILIES: [(&str, &str, &str, Target); 6] = [
 const MOST_BOUNCES: u32 = 16;
 
 /// The families of a scene with these `facts`, with up to `most` points of a kind.
-pub fn families(facts: &Facts, most: u32) -> Vec<Family<Point>> {
+pub fn families(facts: &Facts, most: u32) -> Vec<Family<CountedSetting>> {
     let lights = |points| Samples { lights: Some(points), ..Samples::default() };
     let lens = |points| Samples { lens: Some(points), ..Samples::default() };
     let all = [
@@ -283,7 +283,7 @@ pub fn families(facts: &Facts, most: u32) -> Vec<Family<Point>> {
 }
 
 /// A series for each sampler, with up to `most` of the points from which `samples` are made.
-fn sampled(most: u32, samples: fn(Points) -> Samples) -> Vec<Series<Point>> {
+fn sampled(most: u32, samples: fn(Points) -> Samples) -> Vec<Series<CountedSetting>> {
     let line = |sampling: Sampling| {
         let sides = SIDES.into_iter().filter(|side| side * side <= most);
         let point = |side| {
@@ -295,7 +295,7 @@ fn sampled(most: u32, samples: fn(Points) -> Samples) -> Vec<Series<Point>> {
     Sampling::ALL.map(line).to_vec()
 }
 
-fn bounces(all: u32) -> Vec<Series<Point>> {
+fn bounces(all: u32) -> Vec<Series<CountedSetting>> {
     let counts = (0..all).step_by(all.div_ceil(MOST_BOUNCES) as usize).chain([all]);
     let point = |n: u32| {
         let overrides = Overrides { bounces: Some(n), ..Overrides::default() };
@@ -305,7 +305,7 @@ fn bounces(all: u32) -> Vec<Series<Point>> {
     vec![series("bounces", counts.map(point))]
 }
 
-fn precisions() -> Vec<Series<Point>> {
+fn precisions() -> Vec<Series<CountedSetting>> {
     let point = |(i, precision): (u32, Precision)| {
         let structure = Structure { precision, ..Structure::default() };
         (f64::from(i), precision.name().to_owned(), Setting { structure, ..Setting::default() })
@@ -313,7 +313,7 @@ fn precisions() -> Vec<Series<Point>> {
     vec![series("precision", (0..).zip(Precision::ALL).map(point))]
 }
 
-fn filters() -> Vec<Series<Point>> {
+fn filters() -> Vec<Series<CountedSetting>> {
     let line = |filter: Filter| {
         let overrides = Overrides { filter: Some(filter), ..Overrides::default() };
         let structure = Structure { overrides, ..Structure::default() };
@@ -327,11 +327,11 @@ fn filters() -> Vec<Series<Point>> {
     Filter::ALL.map(line).to_vec()
 }
 
-fn counted(points: Points, setting: Setting) -> Point {
+fn counted(points: Points, setting: Setting) -> CountedSetting {
     (f64::from(points.count()), points.count().to_string(), setting)
 }
 
-fn series(name: &str, points: impl IntoIterator<Item = Point>) -> Series<Point> {
+fn series(name: &str, points: impl IntoIterator<Item = CountedSetting>) -> Series<CountedSetting> {
     Series { name: name.to_owned(), slope: None, points: points.into_iter().collect() }
 }
 

@@ -6,7 +6,7 @@
 use std::hint::black_box;
 use std::time::Instant;
 
-use super::Progress;
+use super::SweepProgress;
 use super::layers::LayersFindings;
 use super::setting::{Setting, Structure};
 use super::store::{Record, StepRecord, StepsRecord, Store, all};
@@ -15,7 +15,7 @@ use crate::measure::rounds;
 use crate::selftest::agreement::leaving;
 use crate::statistics::Rays;
 use wavecrest_base::error::Result;
-use wavecrest_core::accel::steps::{Step, Steps};
+use wavecrest_core::accel::steps::{HitStep, Steps};
 use wavecrest_core::kernels::precision::Precision;
 use wavecrest_core::math::random::Stream;
 use wavecrest_core::math::ray::Ray;
@@ -35,23 +35,23 @@ const SHORT: f64 = 0.5;
 pub fn run(
     subject: &mut Subject,
     store: &mut Store,
-    progress: &dyn Fn(Progress<'_>),
+    progress: &dyn Fn(SweepProgress<'_>),
 ) -> Result<()> {
     let scene = subject.record.scene.clone();
     if all(&store.records).any(|s: &StepsRecord| s.scene == scene) {
         return Ok(());
     }
-    progress(Progress::Stage(&format!("{scene}: steps to exact hits")));
+    progress(SweepProgress::Stage(&format!("{scene}: steps to exact hits")));
     let c = subject.render(&Setting::default(), 0)?.counters;
     let rays = Rays::from(&c).all();
     let mut prices = prices(&subject.prepare(&Structure::default())?.scene);
     let fast_filter = prices.pop().unwrap_or_default();
-    let step = |(step, nanoseconds): (Step, f64)| StepRecord {
+    let step = |(step, nanoseconds): (HitStep, f64)| StepRecord {
         step: step.name().to_owned(),
         count: step.count(&c.tests),
         nanoseconds,
     };
-    let steps = Step::ALL.into_iter().zip(prices).map(step).collect();
+    let steps = HitStep::ALL.into_iter().zip(prices).map(step).collect();
     store.add(Record::Steps(StepsRecord { scene, rays, steps, fast_filter }))?;
     Ok(())
 }
@@ -100,8 +100,8 @@ const TRACING: [&str; 2] = ["intersect", "shadow"];
 fn prices(scene: &PreparedScene) -> Vec<f64> {
     let rays: Vec<Ray> = rays(scene).collect();
     let steps = Steps::new(&scene.accel, &rays);
-    let exact = Step::ALL.map(|step| (step, Precision::Exact));
-    let all = exact.into_iter().chain([(Step::Filter, Precision::Fast)]);
+    let exact = HitStep::ALL.map(|step| (step, Precision::Exact));
+    let all = exact.into_iter().chain([(HitStep::Filter, Precision::Fast)]);
     let mut least: Vec<_> = all.map(|taken| (taken, f64::INFINITY)).collect();
     for _ in rounds(ROUNDS, SHORT) {
         for ((step, precision), least) in &mut least {

@@ -48,7 +48,7 @@ pub struct Store {
     /// The folder.
     pub folder: PathBuf,
     /// What all records share.
-    pub header: Header,
+    pub header: SweepHeader,
     /// All records, in the order of their creation.
     pub records: Vec<Record>,
     file: File,
@@ -59,7 +59,7 @@ pub struct Store {
 ///
 /// # Errors
 /// If there is no sweep, or its records cannot be read.
-pub fn read(folder: &Path) -> Result<(Header, Vec<Record>)> {
+pub fn read(folder: &Path) -> Result<(SweepHeader, Vec<Record>)> {
     let path = folder.join(FILE);
     let text = std::fs::read_to_string(&path)
         .map_err(|e| Error::io("cannot read the records of a sweep", path.as_path(), e))?;
@@ -109,7 +109,7 @@ impl Store {
     ///
     /// # Errors
     /// If the folder has the records of a sweep with another `header`, or cannot be written.
-    pub fn open(folder: &Path, header: &Header) -> Result<Self> {
+    pub fn open(folder: &Path, header: &SweepHeader) -> Result<Self> {
         std::fs::create_dir_all(folder)
             .map_err(|e| Error::io("cannot create the folder", folder, e))?;
         let path = folder.join(FILE);

@@ -24,12 +24,12 @@ pub struct Subject {
     pub record: SceneRecord,
     /// The properties that can be varied.
     pub facts: Facts,
-    prepared: HashMap<Structure, Prepared>,
+    prepared: HashMap<Structure, PreparedSubject>,
 }
 
 /// A scene prepared in one structure.
 #[derive(Debug)]
-pub struct Prepared {
+pub struct PreparedSubject {
     /// The scene, with the samples of the last render.
     pub scene: PreparedScene,
     /// Its original samples.
@@ -72,7 +72,7 @@ impl Subject {
     ///
     /// # Errors
     /// If it can no longer be loaded or prepared.
-    pub fn prepare(&mut self, structure: &Structure) -> Result<&mut Prepared> {
+    pub fn prepare(&mut self, structure: &Structure) -> Result<&mut PreparedSubject> {
         let prepared = match self.prepared.remove(structure) {
             Some(prepared) => prepared,
             None => {
@@ -87,7 +87,7 @@ impl Subject {
     ///
     /// # Errors
     /// If it can no longer be loaded or prepared.
-    pub fn build(&self, structure: &Structure) -> Result<Prepared> {
+    pub fn build(&self, structure: &Structure) -> Result<PreparedSubject> {
         let [width, height] = self.record.size.map(Some);
         let start = Instant::now();
         let mut loaded =
@@ -102,7 +102,7 @@ impl Subject {
         let scene = extracted.build(Preset::Fast);
         let build = start.elapsed().as_secs_f64();
         let original = scene.original();
-        Ok(Prepared { scene, original, time: Preparation { load, build } })
+        Ok(PreparedSubject { scene, original, time: Preparation { load, build } })
     }
 
     /// Renders it.
@@ -123,7 +123,7 @@ impl Subject {
         setting: &Setting,
         seed: u64,
     ) -> Result<Rendered> {
-        let Prepared { scene, original, .. } = self.prepare(&setting.structure)?;
+        let PreparedSubject { scene, original, .. } = self.prepare(&setting.structure)?;
         scene.resample(original, &setting.samples);
         let usual = std::mem::replace(&mut scene.accel.kernel, kernel);
         let options = RenderOptions { seed, ..RenderOptions::default() };
@@ -154,7 +154,7 @@ impl Subject {
 
     /// Drops prepared scenes until another one fits.
     fn make_room(&mut self) {
-        let bytes = |prepared: &Prepared| prepared.scene.bytes();
+        let bytes = |prepared: &PreparedSubject| prepared.scene.bytes();
         let largest = self.prepared.values().map(bytes).max().unwrap_or(0);
         while self.prepared.values().map(bytes).sum::<u64>() + largest > MOST_BYTES {
             let Some(&first) = self.prepared.keys().next() else { return };

@@ -9,12 +9,12 @@ use std::path::PathBuf;
 use rand::seq::SliceRandom;
 
 use super::fit::generator;
-use super::setting::{Family, Point, Setting, Structure, Target, families};
+use super::setting::{CountedSetting, Family, Setting, Structure, Target, families};
 use super::store::{
-    Errors, Header, PointRecord, PreparedRecord, Record, Store, TrialRecord, all, busy_rounds,
+    Errors, PointRecord, PreparedRecord, Record, Store, SweepHeader, TrialRecord, all, busy_rounds,
 };
 use super::subject::Subject;
-use super::{Progress, layers, reference, steps};
+use super::{SweepProgress, layers, reference, steps};
 use crate::measure::{rounds, yardstick};
 use crate::selftest::examine::trial;
 use crate::selftest::{Count, Effort};
@@ -31,7 +31,7 @@ pub struct Swept {
     /// The scene.
     pub subject: Subject,
     /// The variations.
-    pub families: Vec<Family<Point>>,
+    pub families: Vec<Family<CountedSetting>>,
     /// The references of the errors.
     pub references: BTreeMap<Target, Film>,
 }
@@ -45,9 +45,9 @@ pub fn run(
     files: &[PathBuf],
     seeds: u32,
     store: &mut Store,
-    progress: &dyn Fn(Progress<'_>),
+    progress: &dyn Fn(SweepProgress<'_>),
 ) -> Result<Vec<Swept>> {
-    let Header { longest, most, least, .. } = store.header;
+    let SweepHeader { longest, most, least, .. } = store.header;
     let open = |file: &PathBuf| {
         let subject = Subject::open(file, longest)?;
         let families = families(&subject.facts, most);
@@ -60,16 +60,16 @@ pub fn run(
         let references = Target::ALL.len() as u64 * of_reference;
         swept.subject.pixels() * (references + u64::from(seeds) * points)
     };
-    progress(Progress::Start(all.iter().map(work).sum()));
+    progress(SweepProgress::Start(all.iter().map(work).sum()));
     for swept in &mut all {
         store.admit(swept.subject.record.clone())?;
         for target in Target::ALL {
             let Swept { subject, families, references } = &mut *swept;
             let stage = format!("{}: reference ({target})", subject.record.scene);
-            progress(Progress::Stage(&stage));
+            progress(SweepProgress::Stage(&stage));
             let film = reference::reference(subject, families, target, least, store)?;
             references.insert(target, film);
-            progress(Progress::Step(subject.pixels() * of_reference));
+            progress(SweepProgress::Step(subject.pixels() * of_reference));
         }
         points(swept, seeds as usize, store, progress)?;
         layers::run(&mut swept.subject, store, progress)?;
@@ -80,7 +80,7 @@ pub fn run(
 }
 
 /// Each setting of the families once, with its target and its key.
-fn settings(families: &[Family<Point>]) -> Vec<((Target, String), Setting)> {
+fn settings(families: &[Family<CountedSetting>]) -> Vec<((Target, String), Setting)> {
     let all = families.iter().flat_map(|f| f.points().map(|(.., s)| ((f.target, s.key()), *s)));
     all.collect::<BTreeMap<_, _>>().into_iter().collect()
 }
@@ -93,12 +93,12 @@ fn points(
     Swept { subject, families, references }: &mut Swept,
     seeds: usize,
     store: &mut Store,
-    progress: &dyn Fn(Progress<'_>),
+    progress: &dyn Fn(SweepProgress<'_>),
 ) -> Result<()> {
     let scene = subject.record.scene.clone();
     let mut all = settings(families);
     note_preparation(subject, all.iter().map(|(_, setting)| setting), store)?;
-    progress(Progress::Stage(&scene));
+    progress(SweepProgress::Stage(&scene));
     for seed in 0.. {
         // Busy rounds are measured again, with other seeds.
         let (rounds, busy) = busy_rounds(&scene, &store.records);
@@ -127,7 +127,7 @@ fn points(
                     error: errors(&rendered.film, &references[target])?,
                 }))?;
             }
-            progress(Progress::Step(subject.pixels() * setting.work()));
+            progress(SweepProgress::Step(subject.pixels() * setting.work()));
         }
     }
     Ok(())
@@ -173,10 +173,14 @@ pub fn errors(film: &Film, reference: &Film) -> Result<Errors> {
 }
 
 /// Tests every precision at the edges and on the faces of the scene's triangles.
-fn trials(subject: &mut Subject, store: &mut Store, progress: &dyn Fn(Progress<'_>)) -> Result<()> {
+fn trials(
+    subject: &mut Subject,
+    store: &mut Store,
+    progress: &dyn Fn(SweepProgress<'_>),
+) -> Result<()> {
     let scene = subject.record.scene.clone();
     let done = all(&store.records).filter(|t: &&TrialRecord| t.scene == scene).count();
-    progress(Progress::Stage(&format!("{scene}: leaks and self-hits")));
+    progress(SweepProgress::Stage(&format!("{scene}: leaks and self-hits")));
     for precision in Precision::ALL.into_iter().skip(done) {
         let structure = Structure { precision, ..Structure::default() };
         let accel = &subject.prepare(&structure)?.scene.accel;

@@ -3,7 +3,7 @@
 //! The kinds of warnings are those of hyperfine (Peter, *hyperfine*, 2018-): runs too short, a slow
 //! first run, outliers. Each names the observation and the option that helps.
 
-use super::compare::{Comparison, VariantBench};
+use super::compare::{BenchComparison, VariantBench};
 use crate::measure::Rounds;
 use crate::plot::number::plural;
 use crate::summary::{CONFIDENCE, ENOUGH};
@@ -24,7 +24,7 @@ const SLOW_SHARE: f64 = 0.1;
 const LEAST_SHARE: f64 = 0.75;
 
 /// The warnings about a comparison.
-pub fn warnings(found: &Comparison) -> Vec<String> {
+pub fn warnings(found: &BenchComparison) -> Vec<String> {
     let mut warnings = Vec::new();
     let mut warn = |is_so: bool, text: String| warnings.extend(is_so.then_some(text));
     warn(cfg!(debug_assertions), "this is a debug build: build with --release".to_owned());

@@ -7,10 +7,10 @@
 
 use serde::{Serialize, Serializer};
 
-use super::equal::Difference;
+use super::equal::RunDifference;
 use super::run::Run;
-use super::variant::{Axis, Choice, Variant};
-use crate::measure::{Measured, Rounds, Schedule, Timing, measure};
+use super::variant::{ListedVariant, Variant, Varied};
+use crate::measure::{Measured, RoundLimits, Rounds, Timing, measure};
 use crate::page::Cell;
 use crate::statistics::{KernelUse, Rays, Tests};
 use crate::summary::{MedianInterval, Summary, median};
@@ -19,13 +19,13 @@ use wavecrest_core::counters::Counters;
 
 /// The results of a list.
 #[derive(Clone, Debug, Serialize)]
-pub struct Comparison {
-    pub of: Axis,
+pub struct BenchComparison {
+    pub of: Varied,
     #[serde(flatten)]
     pub rounds: Rounds,
     /// Empty if images differ.
     pub variants: Vec<VariantBench>,
-    pub difference: Option<Difference>,
+    pub difference: Option<RunDifference>,
     /// The work of one run; tests are those of the first variant.
     #[serde(skip)]
     pub counters: Counters,
@@ -98,7 +98,7 @@ pub struct Gain {
 }
 
 /// What is kept of a run.
-struct Kept {
+struct KeptRun {
     passes: Vec<(&'static str, f64)>,
     counters: Counters,
     columns: u64,
@@ -109,30 +109,30 @@ struct Kept {
 /// # Errors
 /// Those of `trace`.
 pub fn compare(
-    of: Axis,
-    choices: &[Choice],
-    schedule: &Schedule,
+    of: Varied,
+    choices: &[ListedVariant],
+    schedule: &RoundLimits,
     mut trace: impl FnMut(&Variant) -> Result<Run>,
     progress: &mut dyn FnMut(u64, u64),
-) -> Result<Comparison> {
+) -> Result<BenchComparison> {
     let (mut first, mut difference) = (None, None);
     let run = |variant: usize| {
         let choice = &choices[variant];
         let Run { timing, rendered } = trace(&choice.variant)?;
         let first = first.get_or_insert_with(|| rendered.clone());
         // Without the plan there is more work, for the same image.
-        let counts = |found: &Difference| of != Axis::Plan || found.is_image;
+        let counts = |found: &RunDifference| of != Varied::Plan || found.is_image;
         let names = [&*choice.label, &choices[0].label];
-        difference = Difference::of(names, &rendered, first).filter(counts);
+        difference = RunDifference::of(names, &rendered, first).filter(counts);
         if difference.is_some() {
             return Ok(None);
         }
         let (passes, columns) = (rendered.pass_seconds, rendered.columns);
-        Ok(Some((timing, Kept { passes, counters: rendered.counters, columns })))
+        Ok(Some((timing, KeptRun { passes, counters: rendered.counters, columns })))
     };
     let none = Measured { variants: Vec::new(), rounds: Rounds::default() };
     let measured = measure(choices.len(), schedule, run, progress)?.unwrap_or(none);
-    Ok(Comparison {
+    Ok(BenchComparison {
         of,
         rounds: measured.rounds,
         variants: variants(choices, &measured.variants),
@@ -142,11 +142,11 @@ pub fn compare(
 }
 
 /// The results of each variant, given its runs.
-fn variants(choices: &[Choice], measured: &[Vec<(Timing, Kept)>]) -> Vec<VariantBench> {
-    let seconds = |runs: &Vec<(Timing, Kept)>| runs.iter().map(|(t, _)| t.seconds).collect();
+fn variants(choices: &[ListedVariant], measured: &[Vec<(Timing, KeptRun)>]) -> Vec<VariantBench> {
+    let seconds = |runs: &Vec<(Timing, KeptRun)>| runs.iter().map(|(t, _)| t.seconds).collect();
     let seconds: Vec<Vec<f64>> = measured.iter().map(seconds).collect();
-    let one = |(index, runs): (usize, &Vec<(Timing, Kept)>)| {
-        let Choice { label, variant, over, step } = &choices[index];
+    let one = |(index, runs): (usize, &Vec<(Timing, KeptRun)>)| {
+        let ListedVariant { label, variant, over, step } = &choices[index];
         let gain = step.and_then(|(from, of)| {
             let ratio = Ratio::of(&seconds, from, index)?;
             Some(Gain { of, from: choices[from].label.clone(), ratio })
@@ -174,7 +174,7 @@ fn variants(choices: &[Choice], measured: &[Vec<(Timing, Kept)>]) -> Vec<Variant
 }
 
 /// Median seconds of each pass.
-fn passes(runs: &[(Timing, Kept)]) -> Vec<(&'static str, f64)> {
+fn passes(runs: &[(Timing, KeptRun)]) -> Vec<(&'static str, f64)> {
     let names = runs.first().into_iter().flat_map(|(_, kept)| &kept.passes).map(|(name, _)| *name);
     let each = |pass: usize| runs.iter().map(|(_, kept)| kept.passes[pass].1).collect::<Vec<_>>();
     names.enumerate().map(|(pass, name)| (name, median(&each(pass)))).collect()

@@ -9,7 +9,7 @@ use wavecrest_core::render::Rendered;
 
 /// A difference of a run from the first.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Difference {
+pub struct RunDifference {
     /// What differs.
     pub label: String,
     /// The first run.
@@ -24,7 +24,7 @@ pub struct Difference {
     pub found: String,
 }
 
-impl Difference {
+impl RunDifference {
     /// The difference of `run` from the `first`, if any. In fast precision kernels and levels may
     /// differ at edges, so nothing is compared.
     pub(crate) fn of([label, over]: [&str; 2], run: &Rendered, first: &Rendered) -> Option<Self> {

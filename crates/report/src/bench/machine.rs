@@ -1,8 +1,9 @@
-//! The machine of a benchmark.
+//! The machine of a benchmark, and the commit of its program.
 
 #![allow(missing_docs, reason = "the tables of crate::bench say it once")]
 
 use std::path::Path;
+use std::process::Command;
 
 use serde::Serialize;
 
@@ -77,4 +78,21 @@ fn processors_in(list: &str) -> Option<usize> {
         last.parse::<usize>().ok()?.checked_sub(first.parse().ok()?).map(|more| more + 1)
     };
     list.split(',').map(count).sum()
+}
+
+/// The commit of the checkout that contains this program, with a `+` if its files are modified;
+/// `None` outside a checkout, or without git.
+pub(crate) fn commit() -> Option<String> {
+    let program = std::env::current_exe().ok()?;
+    let folder = program.parent()?;
+    let head = git(folder, &["rev-parse", "HEAD"])?;
+    let changed = git(folder, &["status", "--porcelain", "--untracked-files=no"])?;
+    Some(if changed.is_empty() { head } else { head + "+" })
+}
+
+/// The output of git in `folder`.
+fn git(folder: &Path, arguments: &[&str]) -> Option<String> {
+    let output = Command::new("git").arg("-C").arg(folder).args(arguments).output().ok()?;
+    let text = String::from_utf8(output.stdout).ok()?;
+    output.status.success().then(|| text.trim().to_owned())
 }

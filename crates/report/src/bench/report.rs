@@ -5,11 +5,11 @@
 use serde::{Deserialize, Serialize};
 
 use super::advice;
-use super::compare::{Comparison, VariantBench, compare};
-use super::machine::Machine;
+use super::compare::{BenchComparison, VariantBench, compare};
+use super::machine::{Machine, commit};
 use super::run::Runner;
-use super::variant::{Axis, Variant};
-use crate::measure::Schedule;
+use super::variant::{Variant, Varied};
+use crate::measure::RoundLimits;
 use crate::statistics::{ImageSize, Memory, Rays};
 use wavecrest_base::error::Result;
 use wavecrest_core::accel::KernelChoice;
@@ -35,7 +35,7 @@ pub struct BenchReport {
 #[derive(Clone, Debug, Serialize)]
 pub struct SceneBench {
     #[serde(flatten)]
-    pub setting: Setting,
+    pub setting: BenchSetting,
     pub image: ImageSize,
     pub triangles: usize,
     pub quads: usize,
@@ -48,7 +48,7 @@ pub struct SceneBench {
     pub equal: bool,
     pub rays: Rays,
     pub invalid: u64,
-    pub comparisons: Vec<Comparison>,
+    pub comparisons: Vec<BenchComparison>,
     pub warnings: Vec<String>,
 }
 
@@ -63,7 +63,7 @@ pub struct Preparation {
 
 /// The settings: everything known before the first ray.
 #[derive(Clone, Debug, Serialize)]
-pub struct Setting {
+pub struct BenchSetting {
     pub scene: String,
     pub seed: u64,
     pub batch: usize,
@@ -79,19 +79,19 @@ pub struct Setting {
 
 /// What to compare, and how often.
 #[derive(Clone, Debug)]
-pub struct Plan {
+pub struct BenchPlan {
     /// The lists. The ladder is always the first.
-    pub axes: Vec<Axis>,
+    pub axes: Vec<Varied>,
     /// Batch sizes to compare.
     pub batches: Vec<usize>,
     /// Number and duration of rounds.
-    pub schedule: Schedule,
+    pub schedule: RoundLimits,
 }
 
 impl BenchReport {
     /// An empty report by this program on this machine.
     pub fn new(command: Vec<String>) -> Self {
-        let (machine, commit) = (Machine::this(), crate::accuracy::commit());
+        let (machine, commit) = (Machine::this(), commit());
         Self { version: env!("CARGO_PKG_VERSION"), command, commit, machine, scenes: Vec::new() }
     }
 
@@ -109,8 +109,8 @@ impl SceneBench {
     /// If the scene cannot be rendered, or threads cannot be started.
     pub fn measure(
         scene: &mut PreparedScene,
-        setting: Setting,
-        plan: &Plan,
+        setting: BenchSetting,
+        plan: &BenchPlan,
         progress: &mut dyn FnMut(u64, u64),
     ) -> Result<Self> {
         let usual = Variant {
@@ -124,8 +124,8 @@ impl SceneBench {
         };
         let mut report = Self::unmeasured(scene, setting);
         let mut runner = Runner::new(scene, report.setting.seed);
-        let others = plan.axes.iter().copied().filter(|axis| *axis != Axis::Ladder);
-        for axis in std::iter::once(Axis::Ladder).chain(others) {
+        let others = plan.axes.iter().copied().filter(|axis| *axis != Varied::Ladder);
+        for axis in std::iter::once(Varied::Ladder).chain(others) {
             let choices = axis.choices(usual, &plan.batches);
             let trace = |variant: &Variant| runner.run(variant);
             report.add(compare(axis, &choices, &plan.schedule, trace, progress)?);
@@ -138,7 +138,7 @@ impl SceneBench {
     }
 
     /// The report before the first comparison.
-    pub(super) fn unmeasured(scene: &PreparedScene, setting: Setting) -> Self {
+    pub(super) fn unmeasured(scene: &PreparedScene, setting: BenchSetting) -> Self {
         let geometry = scene.accel.geometry();
         let [spheres, disks] = geometry.spheres_and_disks();
         Self {
@@ -160,7 +160,7 @@ impl SceneBench {
     }
 
     /// Adds a comparison.
-    pub(super) fn add(&mut self, found: Comparison) {
+    pub(super) fn add(&mut self, found: BenchComparison) {
         if self.comparisons.is_empty() {
             (self.rays, self.invalid) = ((&found.counters).into(), found.counters.invalid);
         }
@@ -176,7 +176,7 @@ impl SceneBench {
     }
 
     /// The ladder, if its images are equal.
-    pub fn ladder(&self) -> Option<&Comparison> {
+    pub fn ladder(&self) -> Option<&BenchComparison> {
         self.comparisons.first().filter(|ladder| !ladder.variants.is_empty())
     }
 

@@ -7,13 +7,13 @@ use std::path::Path;
 
 use serde_json::{Value, json};
 
-use super::compare::{Comparison, compare};
-use super::equal::Difference;
+use super::compare::{BenchComparison, compare};
+use super::equal::RunDifference;
 use super::machine::{caches, processor};
 use super::page::{gains, overview, page, scene, write_figures};
-use super::variant::{Axis, BATCHES, Choice, Variant};
+use super::variant::{BATCHES, ListedVariant, Variant, Varied};
 use super::*;
-use crate::measure::{Schedule, Timing};
+use crate::measure::{RoundLimits, Timing};
 use crate::page::{Block, Page, Section};
 use crate::plot::Chart;
 use crate::text::text;
@@ -36,8 +36,8 @@ fn prepared() -> PreparedScene {
     systems::extract(loaded.world, Default::default()).unwrap().build(Preset::Fast)
 }
 
-fn setting(name: &str) -> Setting {
-    Setting {
+fn setting(name: &str) -> BenchSetting {
+    BenchSetting {
         scene: name.to_owned(),
         seed: 3,
         batch: 64,
@@ -62,18 +62,18 @@ fn usual() -> Variant {
     }
 }
 
-fn schedule(most: usize) -> Schedule {
-    Schedule { warmup: 1, most, seconds: 0.0 }
+fn schedule(most: usize) -> RoundLimits {
+    RoundLimits { warmup: 1, most, seconds: 0.0 }
 }
 
 /// What is compared, with the `seconds` given, by variant and run, both by their number; `spoil`
 /// changes a run of the variant with this number.
 fn compared(
-    of: Axis,
+    of: Varied,
     rounds: usize,
     seconds: impl Fn(usize, usize) -> f64,
     spoil: impl Fn(usize, &mut Run),
-) -> Comparison {
+) -> BenchComparison {
     let (scene, choices) = (prepared(), of.choices(usual(), &BATCHES));
     let mut runs = vec![0; choices.len()];
     let trace = |variant: &Variant| -> Result<Run> {
@@ -90,7 +90,7 @@ fn compared(
 }
 
 /// A report with this ladder.
-fn report(name: &str, ladder: Comparison) -> SceneBench {
+fn report(name: &str, ladder: BenchComparison) -> SceneBench {
     let mut report = SceneBench::unmeasured(&prepared(), setting(name));
     report.add(ladder);
     report
@@ -99,7 +99,7 @@ fn report(name: &str, ladder: Comparison) -> SceneBench {
 /// Each step takes 0.8 of the time of the one before.
 fn steady() -> SceneBench {
     let seconds = |variant: usize, _| 0.125 * 0.8_f64.powi(variant as i32);
-    report("ball.json", compared(Axis::Ladder, 6, seconds, |_, _| {}))
+    report("ball.json", compared(Varied::Ladder, 6, seconds, |_, _| {}))
 }
 
 /// A report in which the first step changes a pixel.
@@ -109,16 +109,16 @@ fn different() -> SceneBench {
             run.rendered.film.pixel_mut(5, 2).unwrap()[1] = 0.5;
         }
     };
-    report("b.json", compared(Axis::Ladder, 6, |_, _| 0.1, spoil))
+    report("b.json", compared(Varied::Ladder, 6, |_, _| 0.1, spoil))
 }
 
-fn labels(choices: &[Choice]) -> Vec<&str> {
+fn labels(choices: &[ListedVariant]) -> Vec<&str> {
     choices.iter().map(|choice| choice.label.as_str()).collect()
 }
 
 #[test]
 fn the_ladder_goes_from_the_recursive_tracer_to_the_usual_kernel() {
-    let of = |kernel| Axis::Ladder.choices(Variant { kernel, ..usual() }, &[]);
+    let of = |kernel| Varied::Ladder.choices(Variant { kernel, ..usual() }, &[]);
     let ladder = of(KernelChoice::Auto);
     assert!(ladder.iter().all(|choice| choice.over == 0));
     assert_eq!(ladder[0].variant, Variant { tracer: TracerKind::Recursive, ..usual() });
@@ -144,7 +144,7 @@ fn the_ladder_goes_from_the_recursive_tracer_to_the_usual_kernel() {
 
 #[test]
 fn lists_have_each_variant_once_and_say_what_it_is_compared_with() {
-    for of in Axis::ALL {
+    for of in Varied::ALL {
         let choices = of.choices(usual(), &BATCHES);
         for (number, choice) in choices.iter().enumerate() {
             let before = &choices[..number];
@@ -154,22 +154,22 @@ fn lists_have_each_variant_once_and_say_what_it_is_compared_with() {
         }
         assert!(choices.iter().any(|choice| choice.variant == usual()), "{of:?}");
     }
-    let levels = Axis::Levels.choices(usual(), &[]);
+    let levels = Varied::Levels.choices(usual(), &[]);
     for choice in &levels {
         let over = &levels[choice.over].variant;
         assert_eq!((over.tracer, over.simd), (TracerKind::Recursive, choice.variant.simd));
     }
     assert_eq!(
-        labels(&Axis::Batches.choices(usual(), &[1 << 20, 16])),
+        labels(&Varied::Batches.choices(usual(), &[1 << 20, 16])),
         ["recursive", "16", "1024", "1048576"]
     );
-    let threads = Axis::Threads.choices(Variant { threads: 6, ..usual() }, &[]);
+    let threads = Varied::Threads.choices(Variant { threads: 6, ..usual() }, &[]);
     assert_eq!(
         threads.iter().map(|c| c.variant.threads).collect::<Vec<_>>(),
         [1, 1, 2, 2, 4, 4, 6, 6]
     );
-    assert_eq!(Axis::Kernels.choices(usual(), &[]).len(), KernelChoice::FOR_RENDERS.len());
-    let plan = Axis::Plan.choices(usual(), &[]);
+    assert_eq!(Varied::Kernels.choices(usual(), &[]).len(), KernelChoice::FOR_RENDERS.len());
+    let plan = Varied::Plan.choices(usual(), &[]);
     assert_eq!(plan.iter().map(|c| c.variant.planned).collect::<Vec<_>>(), [true, false]);
 }
 
@@ -179,7 +179,7 @@ fn gains_multiply_to_the_ratio_of_the_last_variant() {
     let noise =
         |variant: usize, run: usize| 1.0 + ((7 * run + 5 * variant * run) % 11) as f64 / 50.0;
     let seconds = |variant: usize, run: usize| noise(variant, run) / (1.0 + variant as f64);
-    for of in [Axis::Ladder, Axis::Levels] {
+    for of in [Varied::Ladder, Varied::Levels] {
         let found = compared(of, 9, seconds, |_, _| {});
         let mut product = 1.0;
         for each in &found.variants {
@@ -216,13 +216,14 @@ fn the_json_has_the_documented_keys() {
 /// The scene is rendered as every variant says, on pools of their own.
 #[test]
 fn all_variants_of_all_lists_give_one_image() {
-    let plan = Plan { axes: Axis::ALL.to_vec(), batches: vec![7, 65536], schedule: schedule(1) };
+    let plan =
+        BenchPlan { axes: Varied::ALL.to_vec(), batches: vec![7, 65536], schedule: schedule(1) };
     let pool = rayon::ThreadPoolBuilder::new().num_threads(3).build().unwrap();
     let mut scene = prepared();
     let measure =
         || SceneBench::measure(&mut scene, setting("ball.json"), &plan, &mut |_, _| {}).unwrap();
     let found = pool.install(measure);
-    assert!(found.equal && found.comparisons.len() == Axis::ALL.len(), "{found:?}");
+    assert!(found.equal && found.comparisons.len() == Varied::ALL.len(), "{found:?}");
     let [recursive, wavefront] = found.tracers().unwrap();
     let primary = found.rays.primary as f64;
     // Tiles of background alone cast none.
@@ -260,17 +261,17 @@ fn work_that_differs_ends_a_comparison_unless_all_passes_run() {
         run.rendered.counters.tests.nodes = variant as u64;
         run.rendered.counters.footprints = variant as u64;
     };
-    let found = compared(Axis::Kernels, 2, |_, _| 0.1, spoil).difference.unwrap();
+    let found = compared(Varied::Kernels, 2, |_, _| 0.1, spoil).difference.unwrap();
     let [first, expected, found_there] = ["footprints", "0", "1"].map(str::to_owned);
     let (label, over) = ("packet".to_owned(), found.over.clone());
     let difference =
-        Difference { label, over, is_image: false, first, expected, found: found_there };
+        RunDifference { label, over, is_image: false, first, expected, found: found_there };
     assert_eq!(found, difference);
-    assert_eq!(compared(Axis::Plan, 2, |_, _| 0.1, spoil).difference, None);
+    assert_eq!(compared(Varied::Plan, 2, |_, _| 0.1, spoil).difference, None);
     let spoil = |variant: usize, run: &mut Run| {
         run.rendered.film.pixel_mut(4, 5).unwrap()[0] = variant as f32;
     };
-    assert!(compared(Axis::Plan, 2, |_, _| 0.1, spoil).difference.is_some());
+    assert!(compared(Varied::Plan, 2, |_, _| 0.1, spoil).difference.is_some());
 }
 
 #[test]
@@ -303,7 +304,7 @@ fn the_text_has_the_answer_first_and_work_beside_time() {
 #[test]
 fn warnings_say_what_to_do() {
     let told = |rounds, seconds: fn(usize, usize) -> f64, words: &str| {
-        let found = report("a", compared(Axis::Ladder, rounds, seconds, |_, _| {}));
+        let found = report("a", compared(Varied::Ladder, rounds, seconds, |_, _| {}));
         found.warnings.iter().any(|warning| warning.contains(words))
     };
     for words in ["--warmup", "close other programs", "--repeats", "--width"] {
@@ -370,7 +371,7 @@ fn charts(section: &Section, bars: bool) -> Vec<&Chart> {
 fn the_page_has_the_figures_of_the_report() {
     let mut measured = steady();
     let batches = |variant: usize, _| [1.0, 2.0, 1.0, 0.5, 0.5, 0.5][variant];
-    measured.add(compared(Axis::Batches, 6, batches, |_, _| {}));
+    measured.add(compared(Varied::Batches, 6, batches, |_, _| {}));
     let report = report_of(vec![measured]);
     let [_, wavefront] = report.scenes[0].tracers().unwrap();
     let page = page(&report);
@@ -410,7 +411,7 @@ fn the_page_has_the_figures_of_the_report() {
 
 #[test]
 fn the_page_tells_of_several_scenes_and_of_those_that_differ() {
-    let slow = report("slow.json", compared(Axis::Ladder, 6, |v, _| 0.1 + v as f64, |_, _| {}));
+    let slow = report("slow.json", compared(Varied::Ladder, 6, |v, _| 0.1 + v as f64, |_, _| {}));
     let scenes = vec![steady(), slow, different()];
     let found = page(&report_of(scenes.clone()));
     assert!(found.lead.starts_with("In 2 scenes, the wavefront is 0."), "{}", found.lead);

@@ -27,7 +27,7 @@ pub struct Variant {
 
 /// A variant in a list.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Choice {
+pub struct ListedVariant {
     /// Its name among the others.
     pub label: String,
     /// The variant.
@@ -43,7 +43,7 @@ wavecrest_base::choices! {
     /// The property that differs between the variants of a list.
     #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
     #[serde(rename_all = "kebab-case")]
-    pub enum Axis {
+    pub enum Varied {
         /// From the recursive tracer to the wavefront in steps.
         Ladder = "ladder",
         /// Traversal kernels.
@@ -70,11 +70,11 @@ const STEPS: [(KernelChoice, &str, &str); 3] = [
     (KernelChoice::Auto, "packets", "packets"),
 ];
 
-impl Axis {
+impl Varied {
     /// The variants that differ from the `usual` one in this property, and those that they are
     /// compared with. `batches` are the batch sizes to compare.
-    pub fn choices(self, usual: Variant, batches: &[usize]) -> Vec<Choice> {
-        let mut list = List::default();
+    pub fn choices(self, usual: Variant, batches: &[usize]) -> Vec<ListedVariant> {
+        let mut list = VariantList::default();
         match self {
             Self::Ladder => {
                 list.ladder(usual, "");
@@ -123,9 +123,9 @@ fn recursive(usual: Variant) -> Variant {
 }
 
 #[derive(Default)]
-struct List(Vec<Choice>);
+struct VariantList(Vec<ListedVariant>);
 
-impl List {
+impl VariantList {
     fn add(
         &mut self,
         label: String,
@@ -133,7 +133,7 @@ impl List {
         over: usize,
         step: Option<(usize, &'static str)>,
     ) {
-        self.0.push(Choice { label, variant, over, step });
+        self.0.push(ListedVariant { label, variant, over, step });
     }
 
     /// The recursive tracer, then the wavefront with one kernel after another, up to the usual one.

@@ -4,7 +4,7 @@
 
 use serde::Serialize;
 
-use crate::bench::equal::Difference;
+use crate::bench::equal::RunDifference;
 use crate::bench::page::machine;
 use crate::bench::{Machine, Ratio};
 use crate::measure::Rounds;
@@ -22,16 +22,16 @@ pub struct PriceList {
     pub machine: Machine,
     pub image: Option<ImageSize>,
     #[serde(flatten)]
-    pub setting: Setting,
+    pub setting: EffectSetting,
     #[serde(flatten)]
     pub rounds: Rounds,
-    pub difference: Option<Difference>,
+    pub difference: Option<RunDifference>,
     pub effects: Vec<Price>,
 }
 
 /// The settings of the renders.
 #[derive(Clone, Copy, Debug, Serialize)]
-pub struct Setting {
+pub struct EffectSetting {
     pub simd: Level,
     pub kernel: KernelChoice,
     pub precision: Precision,

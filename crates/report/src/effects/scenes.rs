@@ -17,7 +17,7 @@ use wavecrest_image::write::{Transfer, write};
 
 /// A scene of the list.
 #[derive(Clone, Debug)]
-pub struct Variant {
+pub struct SceneVariant {
     /// The effect that it adds.
     pub name: String,
     /// The index of the scene that it is added to.
@@ -30,7 +30,7 @@ pub struct Variant {
 
 /// The contents of `scenes.json`.
 #[derive(Deserialize)]
-struct List {
+struct SceneList {
     bases: Vec<(String, String, Value)>,
     reached: Vec<(String, String, Value)>,
     unreached: Vec<(String, String, Value)>,
@@ -50,16 +50,16 @@ const SQUARE: u32 = 8;
 ///
 /// # Errors
 /// If it cannot be written.
-pub fn variants(folder: &Path) -> Result<Vec<Variant>> {
+pub fn variants(folder: &Path) -> Result<Vec<SceneVariant>> {
     let picture = folder.join("checkers.png");
     write(&checkers()?, &picture, Transfer::Linear)?;
     let mut text = include_str!("scenes.json").replace("\"$picture\"", &json!(picture).to_string());
     for (name, numbers) in field() {
         text = text.replace(&format!("\"${name}\""), &numbers.to_string());
     }
-    let List { bases, reached, unreached } = serde_json::from_str(&text)
+    let SceneList { bases, reached, unreached } = serde_json::from_str(&text)
         .map_err(|e| Error::new(ErrorKind::Io, format!("the scenes are not JSON: {e}")))?;
-    let mut variants: Vec<Variant> = Vec::new();
+    let mut variants: Vec<SceneVariant> = Vec::new();
     for (rows, is_priced, reached) in
         [(bases, false, true), (reached, true, true), (unreached, true, false)]
     {
@@ -67,7 +67,7 @@ pub fn variants(folder: &Path) -> Result<Vec<Variant>> {
             let base = variants.iter().position(|variant| variant.name == base);
             let scene = with(base.map_or(Value::Null, |base| variants[base].scene.clone()), patch);
             let added_to = base.filter(|_| is_priced);
-            variants.push(Variant { name, added_to, reached, scene });
+            variants.push(SceneVariant { name, added_to, reached, scene });
         }
     }
     Ok(variants)

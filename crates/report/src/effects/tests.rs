@@ -6,12 +6,12 @@ use wavecrest_core::kernels::precision::Precision;
 use wavecrest_core::math::simd::Level;
 use wavecrest_core::render::{RenderOptions, render};
 
-fn schedule() -> Schedule {
-    Schedule { warmup: 1, most: 2, seconds: 0.0 }
+fn schedule() -> RoundLimits {
+    RoundLimits { warmup: 1, most: 2, seconds: 0.0 }
 }
 
-fn setting() -> Setting {
-    Setting {
+fn setting() -> EffectSetting {
+    EffectSetting {
         simd: Level::best(),
         kernel: KernelChoice::default(),
         precision: Precision::default(),
@@ -20,10 +20,10 @@ fn setting() -> Setting {
 }
 
 /// The list's scenes, some pixels large.
-fn entries() -> Vec<Entry> {
+fn entries() -> Vec<EffectScene> {
     let folder = tempfile::tempdir().expect("a folder");
     let variants = scenes::variants(folder.path()).expect("scenes");
-    let prepare = |mut variant: Variant| {
+    let prepare = |mut variant: SceneVariant| {
         for (side, pixels) in [("width", 16), ("height", 12)] {
             variant.scene["camera"][side] = pixels.into();
         }
@@ -35,7 +35,7 @@ fn entries() -> Vec<Entry> {
         let scene = extracted.build(Preset::Fast);
         // The folder is gone before the first look-up.
         scene.appearance.decode().expect("textures");
-        Entry { variant, scene }
+        EffectScene { variant, scene }
     };
     variants.into_iter().map(prepare).collect()
 }

@@ -9,8 +9,8 @@ struct Turn {
     round: usize,
 }
 
-fn schedule(warmup: usize, most: usize, seconds: f64) -> Schedule {
-    Schedule { warmup, most, seconds }
+fn schedule(warmup: usize, most: usize, seconds: f64) -> RoundLimits {
+    RoundLimits { warmup, most, seconds }
 }
 
 /// A run of this duration whose threads got these processors.
@@ -20,7 +20,7 @@ fn timing(seconds: f64, processors: f64) -> Timing {
 
 /// The variants in the order in which they ran, and what was measured: of each run its turn.
 fn run(
-    schedule: Schedule,
+    schedule: RoundLimits,
     timing: impl Fn(Turn) -> Timing,
 ) -> (String, Measured<Turn>, Vec<(u64, u64)>) {
     let (mut log, mut reported) = (String::new(), Vec::new());

@@ -55,7 +55,7 @@ pub(super) fn outline(text: &str, size: f64, [mut x, y]: [f64; 2]) -> Option<Pat
     let face = face()?;
     let mut path = PathBuilder::new();
     for letter in text.chars().map(Letter::of) {
-        let mut outline = Outline(PathBuilder::new());
+        let mut outline = LetterOutline(PathBuilder::new());
         letter.glyph.map(|glyph| face.outline_glyph(glyph, &mut outline));
         // The font's y axis points up.
         let unit = (size * letter.scale / f64::from(face.units_per_em())) as f32;
@@ -70,9 +70,9 @@ pub(super) fn outline(text: &str, size: f64, [mut x, y]: [f64; 2]) -> Option<Pat
 }
 
 /// The outline of a letter in the font's units.
-struct Outline(PathBuilder);
+struct LetterOutline(PathBuilder);
 
-impl OutlineBuilder for Outline {
+impl OutlineBuilder for LetterOutline {
     fn move_to(&mut self, x: f32, y: f32) {
         self.0.move_to(x, y);
     }

@@ -18,7 +18,7 @@ use crate::accuracy::fit::slope;
 use crate::accuracy::reference::FLOOR;
 use crate::accuracy::setting::{Target, converges, series_of, words_of};
 use crate::accuracy::store::{
-    Circumstances, Header, PointRecord, PreparedRecord, Record, SceneRecord, TrialRecord, all,
+    Circumstances, PointRecord, PreparedRecord, Record, SceneRecord, SweepHeader, TrialRecord, all,
     busy_rounds, known, read,
 };
 use crate::summary::median;
@@ -37,7 +37,7 @@ const LEAST_TIME: f64 = 0.001;
 /// The records of a sweep.
 struct Sweep<'a> {
     folder: &'a Path,
-    header: Header,
+    header: SweepHeader,
     records: Vec<Record>,
 }
 
@@ -45,7 +45,7 @@ struct Sweep<'a> {
 type Renders<'a> = BTreeMap<u64, &'a PointRecord>;
 
 /// The renders of a scene on one side: by series, then key.
-type Series<'a> = BTreeMap<(Target, String), BTreeMap<&'a str, Renders<'a>>>;
+type SeriesRenders<'a> = BTreeMap<(Target, String), BTreeMap<&'a str, Renders<'a>>>;
 
 /// The logarithms of ratios at one setting, round by round.
 type Logs = Vec<Vec<f64>>;
@@ -171,8 +171,8 @@ fn units(scene: &str, records: &[Record]) -> BTreeMap<u64, f64> {
     rounds.into_iter().map(|(seed, yardsticks)| (seed, median(&yardsticks))).collect()
 }
 
-fn series<'a>(scene: &str, records: &'a [Record]) -> Series<'a> {
-    let mut series = Series::new();
+fn series<'a>(scene: &str, records: &'a [Record]) -> SeriesRenders<'a> {
+    let mut series = SeriesRenders::new();
     for point in all::<PointRecord>(records).filter(|point| point.scene == scene) {
         let keys = series.entry((point.target, series_of(&point.key))).or_default();
         keys.entry(&point.key).or_default().insert(point.seed, point);

@@ -10,7 +10,7 @@ use crate::accuracy::fit::generator;
 use crate::accuracy::setting::Target;
 use crate::accuracy::store::tests::sample;
 use crate::accuracy::store::{
-    Errors, Header, PointRecord, PreparedRecord, Record, ReferenceRecord, SceneRecord, Store,
+    Errors, PointRecord, PreparedRecord, Record, ReferenceRecord, SceneRecord, Store, SweepHeader,
 };
 use crate::bench::Preparation;
 use crate::measure::Timing;
@@ -70,7 +70,7 @@ const USUAL: Program = Program {
 };
 
 fn sweep(folder: &Path, program: Program) {
-    let header = Header { version: "1".into(), longest: 8, most: 256, least: 16 };
+    let header = SweepHeader { version: "1".into(), longest: 8, most: 256, least: 16 };
     let mut store = Store::open(folder, &header).unwrap();
     let name = "a".to_owned();
     let file = "a.json".into();

@@ -1,6 +1,6 @@
 //! Every kernel against the reference, on a user's own scene: rays aimed at edges and vertices.
 
-use super::aim::{Extent, any_corners, rays};
+use super::aim::{BoundingBall, any_corners, rays};
 use super::prelude::*;
 use super::ways::{hits, in_order, with_every_kernel};
 use wavecrest_core::accel::KernelChoice;
@@ -24,7 +24,7 @@ const TOGETHER_AIMED: [u32; 2] = [103, 1];
 /// exact precision they must be those of the reference to the last bit.
 pub fn agreement(accel: Accel, effort: &Effort) -> Outcome {
     let presets = effort.either(&[][..], &[Preset::OnDemand, Preset::Slow]);
-    let extent = Extent::of(accel.geometry());
+    let extent = BoundingBall::of(accel.geometry());
     let rays = (0..rays(accel.geometry(), effort, RAYS)).into_par_iter();
     let numbers = |n| Numbers::new(effort, AGREEING, n);
     let aimed = rays.map(|n| aim(accel.geometry(), &extent, numbers(n), TOGETHER_AIMED));
@@ -68,16 +68,16 @@ pub(super) fn aimed(numbers: &mut Numbers) -> World {
         let center = Vec3::Y * numbers.about(1.0) as f32;
         add_sheet(&mut geometry, corners(center, Vec3::X * half, Vec3::Z * half));
     }
-    let (extent, packets) = (Extent::of(&geometry), [49, numbers.bits()]);
+    let (extent, packets) = (BoundingBall::of(&geometry), [49, numbers.bits()]);
     World::like(Preset::Fastest, geometry.clone(), move |numbers| {
         aim(&geometry, &extent, numbers.clone(), packets)
     })
 }
 
 /// Of a ray the closest hit, its primitive where no t is asked for, and whether there is any.
-type Answer = (Hit, u32, bool);
+type RayAnswer = (Hit, u32, bool);
 
-fn answers(accel: &Accel, rays: &[Ray]) -> Vec<Answer> {
+fn answers(accel: &Accel, rays: &[Ray]) -> Vec<RayAnswer> {
     let mut traversal = accel.traversal();
     traversal.without_t = true;
     let (without_t, _) = hits(accel, rays, &mut traversal);
@@ -88,7 +88,7 @@ fn answers(accel: &Accel, rays: &[Ray]) -> Vec<Answer> {
 }
 
 /// Compares the answers of every kernel at every level with the expected ones.
-fn compare(accel: &mut Accel, asked: &[(&[Ray], Vec<Answer>)]) -> Outcome {
+fn compare(accel: &mut Accel, asked: &[(&[Ray], Vec<RayAnswer>)]) -> Outcome {
     with_every_kernel(accel, |accel| {
         in_order(asked.par_iter().map(|(rays, expected)| {
             let mut outcome = Outcome::default();
@@ -103,7 +103,7 @@ fn compare(accel: &mut Accel, asked: &[(&[Ray], Vec<Answer>)]) -> Outcome {
 /// A ray of a packet from one point at one primitive: along an edge, around a vertex or inside; or
 /// from there at edges of primitives everywhere. Some end where they are aimed. `packets` is the
 /// stream of random numbers of what they share.
-fn aim(geometry: &Geometry, extent: &Extent, mut numbers: Numbers, packets: [u32; 2]) -> Ray {
+fn aim(geometry: &Geometry, extent: &BoundingBall, mut numbers: Numbers, packets: [u32; 2]) -> Ray {
     let place = numbers.index % TOGETHER;
     let mut shared = Numbers::new(&numbers.effort, packets, numbers.index / TOGETHER);
     let from = if shared.below(3) > 0 {
@@ -136,7 +136,7 @@ const START: f32 = 1.0 / 1024.0;
 /// Rays from points of primitives to points around them all.
 pub(crate) fn leaving(geometry: &Geometry, count: usize) -> impl Iterator<Item = Ray> {
     let effort = Effort { precision: Precision::Exact, seed: 1, count: Count::Quick };
-    let extent = Extent::of(geometry);
+    let extent = BoundingBall::of(geometry);
     let count = if geometry.is_empty() { 0 } else { count };
     (0..count).map(move |n| {
         let mut numbers = Numbers::new(&effort, AGREEING, n);

@@ -19,7 +19,7 @@ pub(super) fn rays(geometry: &Geometry, effort: &Effort, [quick, full]: [usize; 
 }
 
 /// The centre of a geometry's box, and half of its diagonal.
-pub(super) struct Extent {
+pub(super) struct BoundingBall {
     middle: DVec3,
     half: f64,
 }
@@ -30,7 +30,7 @@ pub(super) fn around(geometry: &Geometry) -> Aabb {
     own.fold(Aabb::EMPTY, Aabb::union)
 }
 
-impl Extent {
+impl BoundingBall {
     pub(super) fn of(geometry: &Geometry) -> Self {
         let of_prototypes: Vec<Aabb> = geometry.prototypes.iter().map(around).collect();
         let instances = geometry.instances.iter();
@@ -64,7 +64,7 @@ pub(super) fn any_corners(geometry: &Geometry, numbers: &mut Numbers) -> [Vec3; 
 }
 
 /// A ray at a point of a primitive, from a random point around them all.
-pub(super) fn at_any(geometry: &Geometry, extent: &Extent, numbers: &mut Numbers) -> Ray {
+pub(super) fn at_any(geometry: &Geometry, extent: &BoundingBall, numbers: &mut Numbers) -> Ray {
     let corners = any_corners(geometry, numbers);
     let (target, from) = (numbers.within(corners).as_vec3(), extent.around(numbers));
     Ray::new(from, normalize(target - from))

@@ -3,7 +3,7 @@
 
 use super::prelude::*;
 use super::shapes::{add_cube, cubes};
-use super::whole::Triangles;
+use super::whole::WholeTriangles;
 
 /// Rays at integer coordinates, with the hits computed in integers; everything is scaled then.
 fn in_integers(
@@ -11,12 +11,12 @@ fn in_integers(
     scale: f32,
     ray: impl Fn(&mut Numbers) -> Ray + Send + Sync + 'static,
 ) -> World {
-    let whole = Triangles::of(&geometry);
+    let whole = WholeTriangles::of(&geometry);
     let positions = geometry.positions.iter().map(|&p| p * scale).collect();
     World::new(Geometry { positions, ..geometry }, move |numbers| {
         let ray = ray(numbers);
         let scaled = Ray { origin: ray.origin * scale, direction: ray.direction * scale, ..ray };
-        ray.is_valid().then(|| (scaled, Expected::exactly(whole.met_by(&ray))))
+        ray.is_valid().then(|| (scaled, ExpectedHit::exactly(whole.met_by(&ray))))
     })
 }
 
@@ -88,7 +88,7 @@ pub(super) fn along_axes(_: &mut Numbers) -> World {
         origin[k] = if sign > 0.0 { steps - before } else { 7.0 - steps + before };
         let mut direction = Vec3::splat(numbers.among([0.0, -0.0]));
         direction[k] = sign;
-        Some((Ray::new(origin, direction), Expected::ANYTHING))
+        Some((Ray::new(origin, direction), ExpectedHit::ANYTHING))
     })
 }
 
@@ -124,7 +124,7 @@ pub(super) fn tiny_components(_: &mut Numbers) -> World {
         // across the ray by far less than a tenth of the cube.
         let mut origin = target - direction.as_dvec3() * t;
         origin[k] = origin[k].round();
-        Some((Ray::new(origin.as_vec3(), direction), Expected::ANYTHING))
+        Some((Ray::new(origin.as_vec3(), direction), ExpectedHit::ANYTHING))
     })
 }
 
@@ -156,7 +156,7 @@ pub(super) fn in_the_plane(numbers: &mut Numbers) -> World {
     let geometry = of_triangles([[corner, corner + a, corner + b]]);
     World::new(geometry, move |numbers| {
         let mut along = || a * whole(numbers, 10) + b * whole(numbers, 10);
-        Some((Ray::new(corner + along(), along()), Expected::NOTHING))
+        Some((Ray::new(corner + along(), along()), ExpectedHit::NOTHING))
     })
 }
 

@@ -40,7 +40,7 @@ fn from_inside(numbers: &mut Numbers, target: fn(&mut Numbers, [Vec3; 3]) -> DVe
         let origin = closed.inside(numbers);
         let corners = closed.geometry.triangle(numbers.below(closed.geometry.triangles.len()));
         let target = target(numbers, corners).as_vec3();
-        Some((Ray::new(origin, target - origin), Expected::until(BEYOND)))
+        Some((Ray::new(origin, target - origin), ExpectedHit::until(BEYOND)))
     })
 }
 
@@ -52,7 +52,7 @@ pub(super) fn needles(numbers: &mut Numbers) -> World {
     World::new(closed.geometry.clone(), move |numbers| {
         let origin = closed.inside(numbers);
         let target = (numbers.direction() * scale).as_vec3();
-        Some((Ray::new(origin, target - origin), Expected::ANYTHING))
+        Some((Ray::new(origin, target - origin), ExpectedHit::ANYTHING))
     })
 }
 
@@ -82,7 +82,7 @@ pub(super) fn from_afar(_: &mut Numbers) -> World {
         let is_steep = |&face: &usize| height(&mesh, face, origin.as_dvec3()) > 0.2 * away * RADIUS;
         let ray = Ray::new(origin, (target - origin.as_dvec3()).as_vec3());
         // A chord at that angle is at least 0.4 radii long: this t is before the centre.
-        let expected = Expected::until(1.0 + 0.2 / away);
+        let expected = ExpectedHit::until(1.0 + 0.2 / away);
         around[face].iter().all(is_steep).then_some((ray, expected))
     })
 }
@@ -122,6 +122,6 @@ pub(super) fn scans(numbers: &mut Numbers) -> World {
             .map(|vertex| geometry.positions[vertex as usize]);
         let s = [0.0, numbers.one() as f32][numbers.below(2)];
         let target = a + (b - a) * s;
-        Some((Ray::new(scanner, target - scanner), Expected::near(1.0, OFF)))
+        Some((Ray::new(scanner, target - scanner), ExpectedHit::near(1.0, OFF)))
     })
 }

@@ -148,11 +148,11 @@ pub(super) fn ulp(value: f64) -> f64 {
 pub struct Situation {
     /// The difficulty.
     pub name: &'static str,
-    place: fn(&mut Numbers) -> Placed,
+    place: fn(&mut Numbers) -> Pose,
 }
 
 /// The position of a triangle and a ray, in units of the triangle's size.
-struct Placed {
+struct Pose {
     /// The triangle's height, at length 1.
     height: f64,
     /// The sine of the angle at which the ray meets its plane.
@@ -163,29 +163,29 @@ struct Placed {
     away: f64,
 }
 
-const PLAIN: Placed = Placed { height: 1.0, sine: 0.7, distance: 2.0, away: 0.0 };
+const PLAIN: Pose = Pose { height: 1.0, sine: 0.7, distance: 2.0, away: 0.0 };
 
-const fn situation(name: &'static str, place: fn(&mut Numbers) -> Placed) -> Situation {
+const fn situation(name: &'static str, place: fn(&mut Numbers) -> Pose) -> Situation {
     Situation { name, place }
 }
 
 /// All situations.
 pub const SITUATIONS: &[Situation] = &[
     situation("ordinary triangles", |_| PLAIN),
-    situation("grazing angles, down to 1e-6", |n| Placed { sine: n.magnitude(1e-6, 0.1), ..PLAIN }),
-    situation("far from the origin, up to 1e5 times the size", |n| Placed {
+    situation("grazing angles, down to 1e-6", |n| Pose { sine: n.magnitude(1e-6, 0.1), ..PLAIN }),
+    situation("far from the origin, up to 1e5 times the size", |n| Pose {
         away: n.magnitude(1e2, 1e5),
         ..PLAIN
     }),
-    situation("slivers, aspect ratio up to 100 000", |n| Placed {
+    situation("slivers, aspect ratio up to 100 000", |n| Pose {
         height: n.magnitude(1e-5, 0.1),
         ..PLAIN
     }),
-    situation("large triangles, up to 1e5 times the distance", |n| Placed {
+    situation("large triangles, up to 1e5 times the distance", |n| Pose {
         distance: n.magnitude(1e-5, 0.1),
         ..PLAIN
     }),
-    situation("small triangles, down to 1e-5 of the distance", |n| Placed {
+    situation("small triangles, down to 1e-5 of the distance", |n| Pose {
         distance: n.magnitude(1e2, 1e5),
         ..PLAIN
     }),
@@ -214,7 +214,7 @@ impl Situation {
 
     /// A ray and the triangle at which it is aimed.
     fn make(&self, numbers: &mut Numbers) -> (Ray, [Vec3; 3]) {
-        let Placed { height, sine, distance, away } = (self.place)(numbers);
+        let Pose { height, sine, distance, away } = (self.place)(numbers);
         let size = numbers.magnitude(1e-3, 1e3);
         let normal = numbers.direction();
         let (u, v) = normal.any_orthonormal_pair();

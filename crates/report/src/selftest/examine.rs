@@ -6,7 +6,7 @@ use std::iter::Sum;
 use glam::DAffine3;
 use serde::Serialize;
 
-use super::aim::{Extent, at_any, is_outside, rays};
+use super::aim::{BoundingBall, at_any, is_outside, rays};
 use super::errors::HitErrors;
 use super::prelude::*;
 use super::topology::Topology;
@@ -27,7 +27,7 @@ const HITTING: [u32; 2] = [110, 1];
 
 /// Properties of a geometry, independent of the precision.
 #[derive(Clone, Debug, Serialize)]
-pub struct Shape {
+pub struct GeometryFacts {
     /// Triangles, including degenerate ones.
     pub triangles: usize,
     /// Quads.
@@ -52,7 +52,7 @@ pub struct Shape {
 
 /// The outcome in one precision.
 #[derive(Clone, Debug, Serialize)]
-pub struct Trial {
+pub struct SceneTrial {
     /// Rays at edges between two triangles on opposite sides as seen by the ray, where a ray that
     /// passes between them has leaked, and rays into spheres.
     pub leaks: Outcome,
@@ -63,7 +63,7 @@ pub struct Trial {
 }
 
 /// Describes a geometry.
-pub fn shape(geometry: &Geometry, accel: &Accel) -> Shape {
+pub fn shape(geometry: &Geometry, accel: &Accel) -> GeometryFacts {
     let Topology { borders, crowded, .. } = Topology::new(geometry);
     let ratios = (0..geometry.triangles.len()).into_par_iter().map(|i| {
         let [a, b, c] = geometry.triangle(i).map(|v| v.as_dvec3());
@@ -77,7 +77,7 @@ pub fn shape(geometry: &Geometry, accel: &Accel) -> Shape {
     let (slivers, longest) =
         ratios.map(of).reduce(|| (0, 0.0), |a, b| (a.0 + b.0, f64::max(a.1, b.1)));
     let [spheres, disks] = geometry.spheres_and_disks();
-    Shape {
+    GeometryFacts {
         triangles: geometry.triangles.len(),
         quads: geometry.quads.len(),
         spheres,
@@ -92,10 +92,10 @@ pub fn shape(geometry: &Geometry, accel: &Accel) -> Shape {
 }
 
 /// Tests the primitives of `accel`, in its precision.
-pub fn trial(accel: &Accel, effort: &Effort) -> Trial {
+pub fn trial(accel: &Accel, effort: &Effort) -> SceneTrial {
     let geometry = accel.geometry();
-    let extent = Extent::of(geometry);
-    let meshes = Meshes::of(geometry);
+    let extent = BoundingBall::of(geometry);
+    let meshes = MeshEdges::of(geometry);
     let count = rays(geometry, effort, [RAYS / 25, RAYS]);
     let leaks = ask(
         accel,
@@ -126,7 +126,7 @@ pub fn trial(accel: &Accel, effort: &Effort) -> Trial {
             is_on_triangle.then(errors).unwrap_or_default()
         },
     );
-    Trial { leaks, self_hits, errors }
+    SceneTrial { leaks, self_hits, errors }
 }
 
 /// A ray that hits something after this part of its way to a target has passed the target.
@@ -137,13 +137,13 @@ const BEYOND: f32 = 1.0 + 1.0 / 1024.0;
 const LEAST_DISTANCE: f64 = 32.0;
 
 /// A geometry with the edges of its own faces, and of those of each prototype.
-struct Meshes<'a> {
+struct MeshEdges<'a> {
     geometry: &'a Geometry,
     own: Topology,
     prototypes: Vec<Topology>,
 }
 
-impl<'a> Meshes<'a> {
+impl<'a> MeshEdges<'a> {
     fn of(geometry: &'a Geometry) -> Self {
         let prototypes = geometry.prototypes.iter().map(Topology::new).collect();
         Self { geometry, own: Topology::new(geometry), prototypes }
@@ -162,7 +162,7 @@ impl<'a> Meshes<'a> {
 
     /// A ray from around the geometry at an edge or into a sphere, with the numbers of the
     /// primitives there, which have no holes.
-    fn aimed(&self, extent: &Extent, numbers: &mut Numbers) -> Option<(Ray, [u32; 2])> {
+    fn aimed(&self, extent: &BoundingBall, numbers: &mut Numbers) -> Option<(Ray, [u32; 2])> {
         let from = extent.around(numbers);
         let number = numbers.below(self.geometry.len()) as u32;
         let primitive = self.geometry.primitive(number);
@@ -217,7 +217,7 @@ const LOWEST: f64 = 2e-3;
 /// graze it, at an angle with the cosine `lowest`.
 pub(super) fn left(
     accel: &Accel,
-    extent: &Extent,
+    extent: &BoundingBall,
     numbers: &mut Numbers,
     traversal: &mut Traversal,
     lowest: f64,

@@ -17,7 +17,7 @@ pub(super) fn sealed(_: &mut Numbers) -> World {
         let [a, b, _] = faces.triangle(numbers.below(faces.triangles.len()));
         let origin = numbers.ball(500.0).as_vec3();
         let target = a.as_dvec3().lerp(b.as_dvec3(), numbers.one());
-        Some((Ray::new(origin, target.as_vec3() - origin), Expected::ANYTHING))
+        Some((Ray::new(origin, target.as_vec3() - origin), ExpectedHit::ANYTHING))
     })
 }
 
@@ -43,7 +43,7 @@ pub(super) fn slivers(numbers: &mut Numbers) -> World {
         // Where the ray is in the box, enlarged by that.
         let [p, q] = [low - off, high + off].map(|corner| (corner - origin) / direction);
         let t = [p.min(q).max_element(), p.max(q).min_element()];
-        Some((ray, Expected { or_nothing: true, t, ..Expected::ANYTHING }))
+        Some((ray, ExpectedHit { or_nothing: true, t, ..ExpectedHit::ANYTHING }))
     })
 }
 
@@ -92,7 +92,7 @@ pub(super) fn crooked_quads(numbers: &mut Numbers) -> World {
             let ray = Ray::new(origin, a.lerp(b, s).as_vec3() - origin);
             // Without the warning no answer is right.
             let off = if is_warned { 1e-3 } else { f64::NAN };
-            Some((ray, Expected::near(1.0, off)))
+            Some((ray, ExpectedHit::near(1.0, off)))
         }
     })
 }
@@ -123,7 +123,7 @@ pub(super) fn floors(numbers: &mut Numbers) -> World {
         let down = Ray::new(eye, place(u, v, 0.0) - eye);
         let (_, [point, error, normal]) = met(&accel, &down, &mut accel.traversal())?;
         let origin = offset_origin(point, error, normal, light - point);
-        Some((Ray { t_max: 1.0, ..Ray::new(origin, light - origin) }, Expected::NOTHING))
+        Some((Ray { t_max: 1.0, ..Ray::new(origin, light - origin) }, ExpectedHit::NOTHING))
     })
 }
 
@@ -160,7 +160,7 @@ pub(super) fn copies(numbers: &mut Numbers) -> World {
         let ray = Ray::new(origin, (target - origin.as_dvec3()).as_vec3());
         // A ray almost in the plane may meet it beyond the triangle, after its target is rounded.
         let is_steep = ray.direction[k].abs() > 1e-3 * ray.direction.length();
-        is_steep.then(|| (ray, Expected::of(0..1)))
+        is_steep.then(|| (ray, ExpectedHit::of(0..1)))
     })
 }
 
@@ -205,6 +205,6 @@ pub(super) fn from_just_above(numbers: &mut Numbers) -> World {
         let t = origin.dot(normal) / -direction.dot(normal);
         let place = origin + direction * t;
         let is_within = |axis: DVec3| place.dot(axis).abs() < 0.9 * half * axis.length_squared();
-        (t > 0.0 && is_within(u) && is_within(v)).then_some((ray, Expected::ANYTHING))
+        (t > 0.0 && is_within(u) && is_within(v)).then_some((ray, ExpectedHit::ANYTHING))
     })
 }

@@ -76,7 +76,8 @@ pub(super) fn cut_out(numbers: &mut Numbers) -> World {
         let solid = solid[y as usize * TEXELS + x as usize].then_some(&sheet);
         let first = solid.into_iter().chain(&copy).min_by_key(|primitives| primitives.start);
         let wall = (is_behind && t_max.is_infinite()).then_some(&wall);
-        let expected = first.or(wall).map_or(Expected::NOTHING, |all| Expected::of(all.clone()));
+        let expected =
+            first.or(wall).map_or(ExpectedHit::NOTHING, |all| ExpectedHit::of(all.clone()));
         (is_inner(x) && is_inner(y)).then_some((ray, expected))
     })
 }

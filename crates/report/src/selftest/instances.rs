@@ -57,7 +57,7 @@ pub(super) fn never_left(numbers: &mut Numbers) -> World {
         let (instance, target) = on_edge(numbers, &geometry, &closed);
         let origin = instance.point(closed.inside(numbers));
         let ray = Ray::new(origin, (target - origin.as_dvec3()).as_vec3());
-        Some((ray, Expected::until(BEYOND)))
+        Some((ray, ExpectedHit::until(BEYOND)))
     })
 }
 
@@ -99,8 +99,8 @@ pub(super) fn between_numbers(numbers: &mut Numbers) -> World {
             let [x, y, z] = [0, 1, 2].map(|k| DVec3::AXES[(k + turn) % 3] * numbers.sign());
             let ray = Ray::new((z * along).as_vec3(), y.as_vec3());
             let t = f64::from(distance as f32);
-            let expected = Expected::of(2 * number..2 * number + 2);
-            aimed.push((ray, Expected { t: [t; 2], ..expected }));
+            let expected = ExpectedHit::of(2 * number..2 * number + 2);
+            aimed.push((ray, ExpectedHit { t: [t; 2], ..expected }));
             let axes = DMat3::from_cols(x, y, z);
             let translation = axes * DVec3::new(-beside, distance, along);
             DAffine3 { matrix3: axes * shear, translation }

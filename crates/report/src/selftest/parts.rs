@@ -9,12 +9,12 @@ use std::ops::Range;
 
 use super::agreement::agree;
 use super::prelude::*;
-use super::scenes::{self, Prepared};
+use super::scenes::{self, WarnedScene};
 use super::ways::{RAYS_OF_A_TASK, blocks, hits, in_order, with_every_kernel};
 
 /// A part of a case.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Part {
+pub(super) enum CasePart {
     /// Worlds, and the number of rays in all of them together, in full.
     Rays(usize, usize, fn(&mut Numbers) -> World),
     /// The numbers of inputs, quick and in full, and the images of each.
@@ -23,7 +23,7 @@ pub(super) enum Part {
     Values([usize; 2], fn(&mut Numbers) -> Outcome),
 }
 
-impl Part {
+impl CasePart {
     /// Runs part number `part` of the case with that number.
     pub(super) fn run(self, effort: &Effort, case: u32, part: u32) -> Outcome {
         let numbers = |place: u32, n| Numbers::new(effort, [case, part << 16 | place], n);
@@ -78,7 +78,7 @@ const TASKS: usize = 1 << 10;
 
 /// What a ray must meet.
 #[derive(Clone, Debug)]
-pub(super) struct Expected {
+pub(super) struct ExpectedHit {
     /// Whether it may also meet nothing.
     pub(super) or_nothing: bool,
     /// One of these primitives,
@@ -87,7 +87,7 @@ pub(super) struct Expected {
     pub(super) t: [f64; 2],
 }
 
-impl Expected {
+impl ExpectedHit {
     pub(super) const NOTHING: Self = Self { or_nothing: true, of: 0..0, t: [0.0; 2] };
 
     pub(super) const ANYTHING: Self =
@@ -124,7 +124,7 @@ impl Expected {
 }
 
 /// A ray of an input, and what it must meet; `None` for inputs that are skipped.
-type Aim = Box<dyn Fn(&mut Numbers) -> Option<(Ray, Expected)> + Send + Sync>;
+type Aim = Box<dyn Fn(&mut Numbers) -> Option<(Ray, ExpectedHit)> + Send + Sync>;
 
 /// Primitives, and rays at them.
 pub(super) struct World {
@@ -139,15 +139,18 @@ impl World {
     /// Rays with what they must meet.
     pub(super) fn new(
         geometry: Geometry,
-        aim: impl Fn(&mut Numbers) -> Option<(Ray, Expected)> + Send + Sync + 'static,
+        aim: impl Fn(&mut Numbers) -> Option<(Ray, ExpectedHit)> + Send + Sync + 'static,
     ) -> Self {
         Self { geometry, like: None, aim: Ok(Box::new(aim)) }
     }
 
     /// The world of a scene, with the rays that `aim` makes for it.
-    pub(super) fn of_scene<A>(prepared: Result<Prepared>, aim: impl FnOnce(&Prepared) -> A) -> Self
+    pub(super) fn of_scene<A>(
+        prepared: Result<WarnedScene>,
+        aim: impl FnOnce(&WarnedScene) -> A,
+    ) -> Self
     where
-        A: Fn(&mut Numbers) -> Option<(Ray, Expected)> + Send + Sync + 'static,
+        A: Fn(&mut Numbers) -> Option<(Ray, ExpectedHit)> + Send + Sync + 'static,
     {
         match prepared {
             Ok(prepared) => Self::new(prepared.scene.accel.geometry().clone(), aim(&prepared)),
@@ -161,13 +164,13 @@ impl World {
         geometry: Geometry,
         ray: impl Fn(&mut Numbers) -> Ray + Send + Sync + 'static,
     ) -> Self {
-        let aim = move |numbers: &mut Numbers| Some((ray(numbers), Expected::ANYTHING));
+        let aim = move |numbers: &mut Numbers| Some((ray(numbers), ExpectedHit::ANYTHING));
         Self { like: Some(like), ..Self::new(geometry, aim) }
     }
 }
 
 /// Checks the closest hits of these rays, and that what is hit blocks shadow rays.
-fn ask(accel: &Accel, rays: &[Ray], expected: &[Expected]) -> Outcome {
+fn ask(accel: &Accel, rays: &[Ray], expected: &[ExpectedHit]) -> Outcome {
     let (hits, blocked) = hits(accel, rays, &mut accel.traversal());
     let mut outcome = Outcome::default();
     for (((ray, expected), hit), blocked) in rays.iter().zip(expected).zip(hits).zip(blocked) {
@@ -180,12 +183,12 @@ fn ask(accel: &Accel, rays: &[Ray], expected: &[Expected]) -> Outcome {
 }
 
 /// Whether the pixel in this column and row is right; `None` if that is open.
-type Shows = Box<dyn Fn(u32, u32, [f32; 3]) -> Option<bool> + Send + Sync>;
+type PixelCheck = Box<dyn Fn(u32, u32, [f32; 3]) -> Option<bool> + Send + Sync>;
 
 /// A scene, and what its image must show.
 pub(super) struct Picture {
     pub(super) scene: Value,
-    pub(super) shows: Shows,
+    pub(super) shows: PixelCheck,
     /// The scene that has the same image, by brute force.
     pub(super) like: Option<Value>,
     /// The number of lights that are at a surface; `None` if that is open.

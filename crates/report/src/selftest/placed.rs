@@ -2,7 +2,7 @@
 //! others.
 
 use super::prelude::*;
-use super::scenes::Prepared;
+use super::scenes::WarnedScene;
 use super::shapes::{face_at, height};
 
 /// The grid of vertices: at coordinates of 2^17 it is the resolution of single precision. Halves of
@@ -45,7 +45,7 @@ fn as_triangles(mesh: &Geometry, by: DVec3) -> Vec<Value> {
 }
 
 /// Every pixel of the globe's scene shows the face that is there, which has the number `of_face`.
-fn faces(numbers: &Numbers, scene: &Value, of_face: impl Fn(&Prepared, usize) -> u32) -> World {
+fn faces(numbers: &Numbers, scene: &Value, of_face: impl Fn(&WarnedScene, usize) -> u32) -> World {
     let (mesh, still) = (globe(), eye(&numbers.effort, DVec3::ZERO));
     let prepared = scenes::prepare_whole(&numbers.effort, scene);
     World::of_scene(prepared, |prepared| {
@@ -55,7 +55,7 @@ fn faces(numbers: &Numbers, scene: &Value, of_face: impl Fn(&Prepared, usize) ->
             let (x, y) = (i % width, i / width);
             let face = of_face(prepared, face_at(&mesh, EYE, still.direction(x, y))?);
             let ray = prepared.scene.camera.ray(x, y, &stream);
-            Some((ray, Expected::of(face..face + 1)))
+            Some((ray, ExpectedHit::of(face..face + 1)))
         });
         let aimed: Vec<_> = aimed.collect();
         move |numbers: &mut Numbers| Some(aimed[numbers.below(aimed.len())].clone())

@@ -8,7 +8,7 @@ pub(super) use super::aim::met;
 pub(super) use super::case::{Count, Effort, Outcome};
 pub(super) use super::errors::ulp;
 pub(super) use super::numbers::Numbers;
-pub(super) use super::parts::{Expected, Picture, World};
+pub(super) use super::parts::{ExpectedHit, Picture, World};
 pub(super) use super::scenes::{self, Eye};
 pub(super) use super::shapes::{add_sheet, add_triangle, convex, corners, of_triangles};
 pub(super) use wavecrest_base::error::{Error, ErrorKind, Result};

@@ -11,29 +11,29 @@ use wavecrest_scene::load::{LoadOptions, load_str};
 use wavecrest_scene::systems;
 
 /// A prepared scene with its warnings, one after another.
-pub(super) struct Prepared {
+pub(super) struct WarnedScene {
     pub(super) scene: PreparedScene,
     pub(super) warnings: String,
 }
 
-fn prepare_by(options: systems::Options<'_>, json: &str) -> Result<Prepared> {
+fn prepare_by(options: systems::Options<'_>, json: &str) -> Result<WarnedScene> {
     let loaded = load_str(json, "scene.json".as_ref(), &LoadOptions::default())?;
     let extracted = systems::extract(loaded.world, options)?;
     let file = extracted.file().to_owned();
     let scene = extracted.build(Preset::VeryFast);
     let more = systems::warnings(&scene, &file);
     let warnings = loaded.warnings.iter().chain(&more).map(ToString::to_string).collect();
-    Ok(Prepared { scene, warnings })
+    Ok(WarnedScene { scene, warnings })
 }
 
 /// The prepared `scene`.
-pub(super) fn prepare(effort: &Effort, scene: &Value) -> Result<Prepared> {
+pub(super) fn prepare(effort: &Effort, scene: &Value) -> Result<WarnedScene> {
     let options = systems::Options { precision: effort.precision, ..Default::default() };
     prepare_by(options, &scene.to_string())
 }
 
 /// The prepared `scene` with all of its shapes: for rays from anywhere, and not from its camera alone.
-pub(super) fn prepare_whole(effort: &Effort, scene: &Value) -> Result<Prepared> {
+pub(super) fn prepare_whole(effort: &Effort, scene: &Value) -> Result<WarnedScene> {
     let passes = unplanned(&PASSES);
     let precision = effort.precision;
     let options = systems::Options { precision, passes: &passes, ..Default::default() };

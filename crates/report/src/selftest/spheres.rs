@@ -5,12 +5,12 @@ use wavecrest_core::geometry::Quadric;
 
 /// A sphere, in double precision.
 #[derive(Clone, Copy)]
-struct Sphere {
+struct DoubleSphere {
     center: DVec3,
     radius: f64,
 }
 
-impl Sphere {
+impl DoubleSphere {
     /// A random one not far from the origin.
     fn any(numbers: &mut Numbers) -> Self {
         let center = (numbers.direction() * numbers.magnitude(1e-3, 1e3)).as_vec3();
@@ -45,7 +45,7 @@ impl Sphere {
     /// The sphere with rays at it.
     fn world(
         self,
-        aim: impl Fn(&mut Numbers, Self) -> Option<(Ray, Expected)> + Send + Sync + 'static,
+        aim: impl Fn(&mut Numbers, Self) -> Option<(Ray, ExpectedHit)> + Send + Sync + 'static,
     ) -> World {
         let sphere = Quadric::Sphere(self.center.as_vec3(), self.radius as f32);
         let geometry = Geometry { quadrics: vec![sphere], ..Geometry::default() };
@@ -55,18 +55,18 @@ impl Sphere {
 
 /// Case 13.
 pub(super) fn far_away(numbers: &mut Numbers) -> World {
-    Sphere::any(numbers).world(|numbers, sphere| {
+    DoubleSphere::any(numbers).world(|numbers, sphere| {
         let (impact, distance) = (numbers.one(), numbers.magnitude(2.0, 1e5));
         let ray = sphere.passed(numbers, impact, distance);
         let t = sphere.meets(&ray)?;
-        Some((ray, Expected::near(t, 4.0 * ulp(t))))
+        Some((ray, ExpectedHit::near(t, 4.0 * ulp(t))))
     })
 }
 
 /// Case 14. Rounding may put the origin below the surface, where the ray meets the far side.
 pub(super) fn from_just_above(numbers: &mut Numbers) -> World {
     let radius = f64::from(numbers.magnitude(1.0, 1e6) as f32);
-    Sphere { center: DVec3::ZERO, radius }.world(|numbers, sphere| {
+    DoubleSphere { center: DVec3::ZERO, radius }.world(|numbers, sphere| {
         let up = numbers.direction();
         let origin = (up * (sphere.radius + numbers.magnitude(1e-6, 1.0))).as_vec3();
         // Downward, with at most the same amount sideways.
@@ -74,30 +74,30 @@ pub(super) fn from_just_above(numbers: &mut Numbers) -> World {
         let ray = Ray::new(origin, (aside - up).as_vec3());
         let (t, length) = (sphere.meets(&ray)?, f64::from(ray.direction.length()));
         let largest = (t * length).max(sphere.radius);
-        Some((ray, Expected::near(t, 4.0 * ulp(largest) / length)))
+        Some((ray, ExpectedHit::near(t, 4.0 * ulp(largest) / length)))
     })
 }
 
 /// Case 15.
 pub(super) fn grazing(numbers: &mut Numbers) -> World {
-    Sphere::any(numbers).world(|numbers, sphere| {
+    DoubleSphere::any(numbers).world(|numbers, sphere| {
         let (impact, distance) = (1.0 + numbers.about(1e-6), numbers.magnitude(2.0, 100.0));
         let t = [f64::MIN_POSITIVE, f64::MAX];
-        let expected = Expected { or_nothing: true, t, ..Expected::ANYTHING };
+        let expected = ExpectedHit { or_nothing: true, t, ..ExpectedHit::ANYTHING };
         Some((sphere.passed(numbers, impact, distance), expected))
     })
 }
 
 /// Case 16.
 pub(super) fn from_inside(numbers: &mut Numbers) -> World {
-    Sphere::any(numbers).world(|numbers, sphere| {
+    DoubleSphere::any(numbers).world(|numbers, sphere| {
         // One in four from the exact centre.
         let away = if numbers.once_in(4) { 0.0 } else { 0.999 * numbers.one() };
         let origin = (sphere.center + numbers.direction() * (away * sphere.radius)).as_vec3();
         let length = numbers.magnitude(1e-3, 1e3);
         let ray = Ray::new(origin, (numbers.direction() * length).as_vec3());
         let off = 4.0 * ulp(sphere.radius) / f64::from(ray.direction.length());
-        let expected = Expected::near(sphere.meets(&ray)?, off);
+        let expected = ExpectedHit::near(sphere.meets(&ray)?, off);
         // Rounding can move the origin out of a sphere far smaller than its distance from zero.
         sphere.is_around(origin).then_some((ray, expected))
     })

@@ -1,6 +1,6 @@
 //! Rays that start or end on a surface.
 
-use super::aim::Extent;
+use super::aim::BoundingBall;
 use super::examine::left;
 use super::prelude::*;
 use super::ways::hits;
@@ -26,11 +26,11 @@ pub(super) fn leaving(numbers: &mut Numbers) -> World {
         let quadric = numbers.among([Quadric::Sphere(center, radius), disk]);
         Geometry { quadrics: vec![quadric], ..Geometry::default() }
     };
-    let extent = Extent::of(&geometry);
+    let extent = BoundingBall::of(&geometry);
     let accel = numbers.effort.accel(geometry.clone(), Preset::VeryFast);
     World::new(geometry, move |numbers| {
         let (ray, _) = left(&accel, &extent, numbers, &mut accel.traversal(), 1e-4)?;
-        Some((ray, Expected::NOTHING))
+        Some((ray, ExpectedHit::NOTHING))
     })
 }
 
@@ -57,11 +57,11 @@ pub(super) fn contact(numbers: &mut Numbers) -> World {
     add_sheet(&mut geometry, corners(axis * height, u * height, v * height));
     let lower = numbers.effort.accel(geometry.clone(), Preset::VeryFast);
     let expected = if numbers.index.is_multiple_of(2) {
-        Expected::NOTHING
+        ExpectedHit::NOTHING
     } else {
         let wide = 2.0 * height;
         add_sheet(&mut geometry, corners(axis * (height + gap), u * wide, v * wide));
-        Expected::ANYTHING
+        ExpectedHit::ANYTHING
     };
     World::new(geometry, move |numbers| {
         let [point, error, normal] = struck(&lower, numbers)?;
@@ -143,6 +143,6 @@ pub(super) fn just_before_a_light(numbers: &mut Numbers) -> World {
         let light = axis * height + u * about(height) + v * about(height);
         let from = axis * about(0.5 * height) + u * about(height) + v * about(height);
         let ray = Ray { t_max: SHADOW_END, ..Ray::new(from, light - from) };
-        Some((ray, Expected::ANYTHING))
+        Some((ray, ExpectedHit::ANYTHING))
     })
 }

@@ -5,15 +5,15 @@ use wavecrest_core::kernels::triangle::is_degenerate;
 use wavecrest_scene::mesh::first_of_each;
 
 /// A triangle at an edge: the vertex opposite to the edge, and the primitive's number.
-pub(super) type Face = (u32, u32);
+pub(super) type EdgeFace = (u32, u32);
 
 /// An edge of a face: the numbers of its ends, the lower first.
-type Side = ([u32; 2], Face);
+type FaceEdge = ([u32; 2], EdgeFace);
 
 /// The edges of a mesh's triangles and of the halves of its quads, without degenerate ones.
 pub(super) struct Topology {
     /// Sorted by the numbers of their ends.
-    sides: Vec<Side>,
+    sides: Vec<FaceEdge>,
     /// Edges of only one face: the border of the mesh.
     pub(super) borders: u64,
     /// Edges of more than two.
@@ -28,7 +28,7 @@ impl Topology {
         let quads = (first..).zip(&geometry.quads);
         let all = triangles.chain(quads.flat_map(|(i, quad)| halves(quad).map(|half| (i, half))));
         let all: Vec<(u32, [u32; 3])> = all.collect();
-        let mut sides: Vec<Side> = all
+        let mut sides: Vec<FaceEdge> = all
             .into_par_iter()
             .filter(|(_, face)| !is_degenerate(&face.map(|v| geometry.positions[v as usize])))
             .flat_map_iter(|(primitive, face)| {
@@ -38,7 +38,7 @@ impl Topology {
             })
             .collect();
         sides.par_sort_unstable();
-        let groups = sides.chunk_by(|a, b| a.0 == b.0).map(<[Side]>::len);
+        let groups = sides.chunk_by(|a, b| a.0 == b.0).map(<[FaceEdge]>::len);
         let (borders, crowded) = groups.fold((0, 0), |(borders, crowded), faces| {
             (borders + u64::from(faces == 1), crowded + u64::from(faces > 2))
         });
@@ -52,7 +52,7 @@ impl Topology {
 
     /// The ends of the edge at an index, as the first vertex at each position, and the faces there;
     /// `None` if there are not two.
-    pub(super) fn edge(&self, place: usize) -> Option<([u32; 2], [Face; 2])> {
+    pub(super) fn edge(&self, place: usize) -> Option<([u32; 2], [EdgeFace; 2])> {
         let (ends, _) = self.sides[place];
         let first = self.sides.partition_point(|side| side.0 < ends);
         let count = self.sides[first..].iter().take_while(|side| side.0 == ends).count();

@@ -11,14 +11,14 @@ use super::prelude::*;
 const LARGEST: f32 = 32_768.0;
 
 /// Triangles with integer corners.
-pub(super) struct Triangles(Vec<[I64Vec3; 3]>);
+pub(super) struct WholeTriangles(Vec<[I64Vec3; 3]>);
 
 fn whole(v: Vec3) -> I64Vec3 {
     debug_assert!(v == v.round() && v.abs().max_element() < LARGEST, "{v}");
     v.as_i64vec3()
 }
 
-impl Triangles {
+impl WholeTriangles {
     /// The triangles of a geometry.
     pub(super) fn of(geometry: &Geometry) -> Self {
         let corners = |i| geometry.triangle(i).map(whole);
@@ -66,7 +66,7 @@ mod tests {
     fn the_first_at_the_least_t_is_expected() {
         let triangle = |z| [[-9.0, -9.0, z], [9.0, -9.0, z], [0.0, 9.0, z]].map(Vec3::from);
         let geometry = of_triangles([4.0, 3.0, 3.0, -3.0].map(triangle));
-        let triangles = Triangles::of(&geometry);
+        let triangles = WholeTriangles::of(&geometry);
         let met = |x: f32, y: f32| triangles.met_by(&Ray::new(Vec3::new(x, y, 0.0), Vec3::Z * 2.0));
         assert_eq!(met(0.0, 0.0), Hit { t: 1.5, primitive: 1 });
         assert_eq!(met(9.0, 9.0), Hit::MISS);

@@ -93,6 +93,10 @@ impl Definitions {
     fn object(&mut self, kind: &Kind) -> Value {
         let (mut properties, mut conditions) = (Map::new(), Vec::new());
         for key in kind.all_keys() {
+            // A lens has a key of its view too.
+            if properties.contains_key(key.name) {
+                continue;
+            }
             let mut value = self.property(&key);
             if key.name == "type" {
                 value["const"] = kind.word.into();

@@ -7,17 +7,17 @@ use super::cursor::Range;
 use super::declared::Declaration;
 use wavecrest_base::choice::Choice;
 
-/// A table of keys: above each its description, then its name, others for it, its values, and its
-/// default.
+/// A table of keys: above each its description, then its name or a constant with it, others for it,
+/// its values, and its default.
 macro_rules! keys {
     ($(
         $(#[doc = $about:literal])+
-        $name:literal $(| $old:literal)*: $takes:expr $(, $absent:expr)?;
+        $($name:literal)? $($named:ident)? $(| $old:literal)*: $takes:expr $(, $absent:expr)?;
     )*) => {{
         #[allow(unused_imports, reason = "tables use what they need")]
         use $crate::format::{word, Absent::*, Takes::*};
         &[$( $crate::format::Key {
-            name: $name,
+            name: $($name)? $($named)?,
             synonyms: &[$($old),*],
             takes: $takes,
             absent: $crate::format::keys!(@ $($absent)?),

@@ -5,7 +5,7 @@ use glam::DVec3;
 use super::surface::{Surface, cell_triangle};
 
 /// A point for each pair of numbers from 0 to 1.
-pub(super) type Shape = Box<dyn Fn(f64, f64) -> DVec3 + Send + Sync>;
+pub(super) type PointAt = Box<dyn Fn(f64, f64) -> DVec3 + Send + Sync>;
 
 /// How a grid ends.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -24,7 +24,7 @@ pub(super) struct Grid {
     pub(super) cells: [u64; 2],
     pub(super) ends: Ends,
     /// Its points. The front is where the cross product of the two derivatives points.
-    pub(super) shape: Shape,
+    pub(super) shape: PointAt,
 }
 
 impl Grid {

@@ -35,7 +35,7 @@ pub(super) const RINGS_PER_SIDE: u64 = 20;
 const FREQUENCY: f64 = 6.0;
 
 /// A point of the centre line, and the two directions perpendicular to it that span the tube.
-struct Frame {
+struct TubeFrame {
     centre: DVec3,
     normal: DVec3,
     binormal: DVec3,
@@ -55,7 +55,7 @@ pub(super) fn knot(sides: u64, displacement: f64, seed: u64) -> Grid {
 }
 
 /// The centre line's frame at `angle`, which runs from 0 to tau along the whole knot.
-fn frame(angle: f64) -> Frame {
+fn frame(angle: f64) -> TubeFrame {
     let (sin_turn, cos_turn) = libm::sincos(TURNS * angle);
     let (sin_wind, cos_wind) = libm::sincos(WINDS * angle);
     let outward = DVec3::new(cos_turn, sin_turn, 0.0);
@@ -64,7 +64,7 @@ fn frame(angle: f64) -> Frame {
     let normal = outward * cos_wind + DVec3::Z * sin_wind;
     let velocity =
         forward * (TURNS * distance) + (DVec3::Z * cos_wind - outward * sin_wind) * (MINOR * WINDS);
-    Frame {
+    TubeFrame {
         centre: outward * distance + DVec3::Z * (MINOR * sin_wind),
         normal,
         binormal: velocity.normalize().cross(normal),

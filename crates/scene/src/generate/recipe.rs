@@ -113,7 +113,7 @@ impl Recipe {
         let Self { triangles, seed, displacement, .. } = *self;
         let steps = self.model.grid().map_or(0, |(one, _)| self.steps(one));
         Ok(match self.model {
-            Model::Sphere => Box::new(sphere::Sphere::new(steps, displacement, seed)),
+            Model::Sphere => Box::new(sphere::SphereGrid::new(steps, displacement, seed)),
             Model::Terrain => Box::new(terrain::Terrain::new(steps, displacement, seed)),
             Model::Knot => Box::new(knot::knot(steps, displacement, seed)),
             Model::Room => Box::new(room::Room::new(triangles, displacement, seed)),

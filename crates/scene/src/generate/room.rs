@@ -16,9 +16,13 @@
 mod builder;
 mod cloth;
 mod colour;
+mod facets;
 mod furniture;
+mod leaf;
+mod place;
 mod plants;
 mod profiles;
+mod random;
 mod solids;
 #[cfg(test)]
 mod tests;
@@ -28,7 +32,8 @@ mod walls;
 use glam::{DVec2, DVec3, Vec2};
 
 use super::surface::Surface;
-use builder::{Builder, Piece, Place};
+use builder::{Builder, Piece};
+use place::Place;
 
 /// One in this many triangles belongs to a leaf.
 const LEAF_SHARE: u64 = 5;

@@ -26,7 +26,7 @@ const FACES: [[[u64; 3]; 3]; 6] = [
 ];
 
 /// The sphere as a grid of `n` steps along each edge of the cube.
-pub(super) struct Sphere {
+pub(super) struct SphereGrid {
     n: u64,
     /// The positions of the grid lines on [-1, 1], at equal angles: `n` + 1 numbers.
     lines: Vec<f64>,
@@ -34,7 +34,7 @@ pub(super) struct Sphere {
     fractal: Fractal,
 }
 
-impl Sphere {
+impl SphereGrid {
     pub(super) fn new(n: u64, displacement: f64, seed: u64) -> Self {
         let edge = std::f64::consts::FRAC_PI_2 / n as f64;
         let lines = (0..=n).map(|i| line(i, n)).collect();
@@ -109,7 +109,7 @@ fn line(i: u64, n: u64) -> f64 {
     }
 }
 
-impl Surface for Sphere {
+impl Surface for SphereGrid {
     fn vertices(&self) -> u64 {
         6 * self.n * self.n + 2
     }
@@ -154,7 +154,7 @@ mod tests {
 
     #[test]
     fn triangles_are_even() {
-        let sphere = Sphere::new(40, 0.0, 0);
+        let sphere = SphereGrid::new(40, 0.0, 0);
         let areas: Vec<f64> = (0..sphere.triangles())
             .map(|t| {
                 let [a, b, c] = sphere.triangle(t).map(|v| sphere.position(u64::from(v)));
@@ -168,7 +168,7 @@ mod tests {
 
     #[test]
     fn without_displacement_it_is_round() {
-        let sphere = Sphere::new(5, 0.0, 3);
+        let sphere = SphereGrid::new(5, 0.0, 3);
         for v in 0..sphere.vertices() {
             assert!((sphere.position(v).length() - 1.0).abs() < 1e-15);
             assert!(sphere.normal(v).dot(sphere.position(v)) > 1.0 - 1e-12);

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 use wavecrest_base::error::Result;
 
-use super::buffer::{Buffer, View};
+use super::buffer::{Buffer, BufferView};
 use super::fields::Fields;
 
 /// The type of a number.
@@ -84,7 +84,7 @@ const TYPES: [(&str, usize); 7] =
 
 /// Evenly spaced elements in a view.
 #[derive(Clone, Debug)]
-struct Rows {
+struct Strided {
     view: usize,
     offset: usize,
     stride: usize,
@@ -95,13 +95,13 @@ struct Rows {
 struct Sparse {
     /// Their indices, in rising order.
     which: Vec<u32>,
-    values: Rows,
+    values: Strided,
 }
 
 /// A list of elements with several components each.
 #[derive(Clone, Debug)]
 pub(super) struct Accessor {
-    rows: Option<Rows>,
+    rows: Option<Strided>,
     sparse: Option<Sparse>,
     pub(super) count: usize,
     pub(super) component: Component,
@@ -113,7 +113,7 @@ pub(super) struct Accessor {
 /// The bytes of a file, and the accessors to them.
 pub(super) struct Storage {
     buffers: Vec<Buffer>,
-    views: Vec<View>,
+    views: Vec<BufferView>,
     pub(super) accessors: Vec<Accessor>,
 }
 
@@ -126,7 +126,7 @@ impl Storage {
             number += 1;
             Buffer::read(fields, binary.filter(|_| number == 1), needed)
         })?;
-        let views = top.list("bufferViews", "a buffer view", |f| View::read(f, &buffers))?;
+        let views = top.list("bufferViews", "a buffer view", |f| BufferView::read(f, &buffers))?;
         let mut own = Self { buffers, views, accessors: Vec::new() };
         own.accessors = top.list("accessors", "an accessor", |f| Accessor::read(f, &own))?;
         Ok(own)
@@ -138,7 +138,7 @@ impl Storage {
     }
 
     /// A view with its buffer.
-    pub(super) fn view(&self, number: usize) -> (&View, &Buffer) {
+    pub(super) fn view(&self, number: usize) -> (&BufferView, &Buffer) {
         let view = &self.views[number];
         (view, &self.buffers[view.buffer])
     }
@@ -210,8 +210,8 @@ fn rows(
     (view, offset): (usize, u64),
     size: usize,
     count: u64,
-) -> Result<Rows> {
-    let View { stride, range, .. } = &storage.views[view];
+) -> Result<Strided> {
+    let BufferView { stride, range, .. } = &storage.views[view];
     let stride = stride.unwrap_or(size);
     // All are at most 2^53.
     let last = u128::from(count.saturating_sub(1)) * stride as u128;
@@ -221,7 +221,7 @@ fn rows(
         let error = fields.error(format!("needs {end} bytes of a buffer view that has {there}"));
         return Err(error.remedy("check that the file is whole, or export it again"));
     }
-    Ok(Rows { view, offset: offset as usize, stride })
+    Ok(Strided { view, offset: offset as usize, stride })
 }
 
 fn sparse(

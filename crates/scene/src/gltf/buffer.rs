@@ -10,17 +10,17 @@ use crate::format::Cursor;
 use wavecrest_base::error::{ErrorKind, Result};
 
 use super::fields::Fields;
-use super::uri::{self, Target};
+use super::uri::{self, UriTarget};
 
 /// A buffer: a range of bytes, which may be shared with the file itself.
 #[derive(Clone, Debug)]
 pub(super) struct Buffer {
-    source: Source,
+    source: BufferSource,
     range: Range<usize>,
 }
 
 #[derive(Clone, Debug)]
-enum Source {
+enum BufferSource {
     Bytes(Arc<Vec<u8>>),
     /// A file that a survey does not read.
     Unread(PathBuf),
@@ -29,7 +29,7 @@ enum Source {
 impl Buffer {
     /// The bytes of `range` of a file.
     pub(super) fn part(bytes: Arc<Vec<u8>>, range: Range<usize>) -> Self {
-        Self { source: Source::Bytes(bytes), range }
+        Self { source: BufferSource::Bytes(bytes), range }
     }
 
     fn whole(bytes: Vec<u8>) -> Self {
@@ -42,7 +42,7 @@ impl Buffer {
         let regular = path.metadata().ok().filter(|metadata| metadata.is_file());
         let end =
             regular.map_or(0, |metadata| usize::try_from(metadata.len()).unwrap_or(usize::MAX));
-        Self { source: Source::Unread(path), range: start.min(end)..end }
+        Self { source: BufferSource::Unread(path), range: start.min(end)..end }
     }
 
     /// How many bytes it has.
@@ -52,14 +52,14 @@ impl Buffer {
 
     /// Whether its bytes are read.
     pub(super) fn is_read(&self) -> bool {
-        matches!(self.source, Source::Bytes(_))
+        matches!(self.source, BufferSource::Bytes(_))
     }
 
     /// Its bytes; none if they are not read.
     fn bytes(&self) -> &[u8] {
         match &self.source {
-            Source::Bytes(bytes) => &bytes[self.range.clone()],
-            Source::Unread(_) => &[],
+            BufferSource::Bytes(bytes) => &bytes[self.range.clone()],
+            BufferSource::Unread(_) => &[],
         }
     }
 
@@ -69,9 +69,9 @@ impl Buffer {
         let length = fields.need_count("byteLength")?;
         let mut found = match (fields.get("uri"), binary) {
             (Some(uri), _) => match uri::target(&uri)? {
-                Target::Bytes(bytes) => Self::whole(bytes),
-                Target::File(path) if needed => Self::whole(beginning(&uri, &path, length)?),
-                Target::File(path) => Self::unread(path, 0),
+                UriTarget::Bytes(bytes) => Self::whole(bytes),
+                UriTarget::File(path) if needed => Self::whole(beginning(&uri, &path, length)?),
+                UriTarget::File(path) => Self::unread(path, 0),
             },
             (None, Some(binary)) => binary.clone(),
             (None, None) => {
@@ -119,14 +119,14 @@ fn part(path: &Path, start: u64, length: u64) -> io::Result<Vec<u8>> {
 
 /// A part of a buffer.
 #[derive(Clone, Debug)]
-pub(super) struct View {
+pub(super) struct BufferView {
     pub(super) buffer: usize,
     pub(super) range: Range<usize>,
     /// Bytes from one element to the next, if the view states them.
     pub(super) stride: Option<usize>,
 }
 
-impl View {
+impl BufferView {
     /// Reads an element of `bufferViews`.
     pub(super) fn read(fields: &Fields<'_>, buffers: &[Buffer]) -> Result<Self> {
         let buffer = fields.need_index("buffer", "buffers")?;
@@ -156,7 +156,7 @@ impl View {
     /// A copy of its bytes in its `buffer`, read now if that is not read and if they can be.
     pub(super) fn copied(&self, buffer: &Buffer) -> Arc<[u8]> {
         match &buffer.source {
-            Source::Unread(path) if !self.range.is_empty() => {
+            BufferSource::Unread(path) if !self.range.is_empty() => {
                 let start = (buffer.range.start + self.range.start) as u64;
                 part(path, start, self.range.len() as u64).unwrap_or_default().into()
             }

@@ -7,7 +7,7 @@ use crate::corners::direction;
 use crate::format::{Notes, Range};
 use crate::options::LoadOptions;
 use crate::options::framing::FOV;
-use crate::staging::{self, Sphere};
+use crate::staging::{self, BoundingSphere};
 use wavecrest_base::error::{Error, ErrorKind, Result};
 
 use super::fields::Fields;
@@ -22,13 +22,13 @@ pub(super) struct Camera {
     pub(super) name: Option<String>,
     /// Its place in the file.
     path: String,
-    lens: Lens,
+    lens: Projection,
     /// Width by height, if the file states it.
     aspect: Option<f64>,
 }
 
 #[derive(Clone, Copy, Debug)]
-enum Lens {
+enum Projection {
     /// The full angle from bottom to top, in radians.
     Perspective(f64),
     /// Half the height of the view.
@@ -53,11 +53,11 @@ impl Camera {
                 }
             };
             let (x, y) = (size("xmag")?, size("ymag")?);
-            (Lens::Orthographic(y), Some(x / y))
+            (Projection::Orthographic(y), Some(x / y))
         } else {
             let aspect = own.get("aspectRatio").map(|c| c.number(Range::POSITIVE)).transpose()?;
             let fov = own.need("yfov", "a number above 0")?.number(Range::POSITIVE)?;
-            (Lens::Perspective(fov), aspect)
+            (Projection::Perspective(fov), aspect)
         };
         Ok(Self { name: fields.text("name")?, path: fields.path(), lens, aspect })
     }
@@ -73,7 +73,12 @@ pub(super) struct Shot<'d> {
 }
 
 impl Shot<'_> {
-    fn view(&self, bounds: &Sphere, options: &LoadOptions, notes: &Notes<'_>) -> Result<View> {
+    fn view(
+        &self,
+        bounds: &BoundingSphere,
+        options: &LoadOptions,
+        notes: &Notes<'_>,
+    ) -> Result<View> {
         let Self { camera: Camera { path, lens, aspect, .. }, world, .. } = self;
         let axes = [world.matrix3.z_axis, world.matrix3.y_axis].map(direction);
         let [Some(back), Some(up)] = axes else {
@@ -88,10 +93,10 @@ impl Shot<'_> {
         let position = world.translation;
         let ahead = (position - bounds.center).dot(back);
         let (location, distance, fov) = match *lens {
-            Lens::Perspective(fov) => {
+            Projection::Perspective(fov) => {
                 (position, if ahead > 0.0 { ahead } else { bounds.radius }, fov)
             }
-            Lens::Orthographic(half) => {
+            Projection::Orthographic(half) => {
                 let message = "an orthographic camera is approximated by a distant one";
                 notes.note(path, message, "its rays are nearly parallel");
                 let distance = PARALLEL_DISTANCE * bounds.radius.max(half);
@@ -118,7 +123,7 @@ impl Shot<'_> {
 /// If the requested camera is not in the scene, or cannot be used.
 pub(super) fn chosen(
     all: &[Shot<'_>],
-    bounds: &Sphere,
+    bounds: &BoundingSphere,
     options: &LoadOptions,
     notes: &Notes<'_>,
 ) -> Result<Option<View>> {
@@ -133,7 +138,7 @@ pub(super) fn chosen(
         }
         None => {
             let has_perspective =
-                |shot: &&Shot<'_>| matches!(shot.camera.lens, Lens::Perspective(_));
+                |shot: &&Shot<'_>| matches!(shot.camera.lens, Projection::Perspective(_));
             all.iter().find(has_perspective).or(all.first())
         }
     };

@@ -31,10 +31,10 @@ pub(super) fn json_length(start: &[u8]) -> Option<u32> {
 }
 
 /// The ranges of the JSON and of the binary chunk of a GLB file, if it has one.
-pub(super) type Parts = (Range<usize>, Option<Range<usize>>);
+pub(super) type GlbParts = (Range<usize>, Option<Range<usize>>);
 
 /// Finds the parts of a file.
-pub(super) fn parts(bytes: &[u8]) -> Result<Parts> {
+pub(super) fn parts(bytes: &[u8]) -> Result<GlbParts> {
     if bytes.is_empty() {
         return Err(broken("the file is empty").remedy("export it again"));
     }
@@ -52,7 +52,7 @@ pub(super) fn parts(bytes: &[u8]) -> Result<Parts> {
     Ok((0..bytes.len(), None))
 }
 
-fn glb(bytes: &[u8]) -> Result<Parts> {
+fn glb(bytes: &[u8]) -> Result<GlbParts> {
     check_header(bytes)?;
     let (kind, json) = chunk(bytes, HEADER_BYTES)?;
     if kind != JSON {

@@ -8,7 +8,7 @@ use super::camera::Camera;
 use super::fields::{Fields, LIGHTS};
 use super::light::Light;
 use super::material::Surface;
-use super::node::{self, Node, Placed};
+use super::node::{self, Node, PlacedNode};
 use super::primitive::MeshParts;
 use super::texture::Textures;
 
@@ -33,7 +33,7 @@ pub(super) struct Document {
     pub(super) lights: Vec<Option<Light>>,
     pub(super) nodes: Vec<Node>,
     /// The nodes of the scene.
-    pub(super) placed: Vec<Placed>,
+    pub(super) placed: Vec<PlacedNode>,
     /// Whether attributes may be integers: the extension `KHR_mesh_quantization`.
     pub(super) is_quantized: bool,
 }

@@ -23,7 +23,7 @@ use hecs::EntityBuilder;
 use crate::components::{DirectionalLight, Falloff, JsonPath, PointLight, Sampling, Spot};
 use crate::corners::direction;
 use crate::format::Range;
-use crate::staging::Sphere;
+use crate::staging::BoundingSphere;
 use wavecrest_base::error::Result;
 
 use super::fields::Fields;
@@ -36,7 +36,7 @@ const LARGEST_ANGLE: f64 = 2.0 * PI;
 
 /// The kind of a light.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Kind {
+enum LightKind {
     Point,
     /// With half angles in radians.
     Spot {
@@ -49,7 +49,7 @@ enum Kind {
 /// An element of the extension's `lights`.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Light {
-    kind: Kind,
+    kind: LightKind,
     color: DVec3,
     /// In candela, or in lux.
     intensity: f64,
@@ -60,8 +60,8 @@ impl Light {
     pub(super) fn read(fields: &Fields<'_>) -> Result<Option<Self>> {
         let kind = fields.need("type", "\"point\", \"spot\" or \"directional\"")?;
         let kind = match kind.value().as_str() {
-            Some("point") => Kind::Point,
-            Some("directional") => Kind::Sun,
+            Some("point") => LightKind::Point,
+            Some("directional") => LightKind::Sun,
             Some("spot") => spot(fields)?,
             Some(_) => {
                 let message = "the type of the light is unknown";
@@ -93,13 +93,13 @@ impl Light {
         let mut entity = EntityBuilder::new();
         entity.add(JsonPath(path));
         match kind {
-            Kind::Point => entity.add(light),
-            Kind::Spot { inner, outer } => {
+            LightKind::Point => entity.add(light),
+            LightKind::Spot { inner, outer } => {
                 let [inner_degrees, outer_degrees] = [inner, outer].map(degrees);
                 let spot = Spot { direction: direction()?, inner_degrees, outer_degrees };
                 entity.add(light).add(spot)
             }
-            Kind::Sun => entity.add(DirectionalLight {
+            LightKind::Sun => entity.add(DirectionalLight {
                 intensity: intensity / PI,
                 color,
                 direction: direction()?,
@@ -113,14 +113,14 @@ impl Light {
 }
 
 /// The cone of a spot: `inner` from 0 to below `outer`, and `outer` up to a right angle.
-fn spot(fields: &Fields<'_>) -> Result<Kind> {
+fn spot(fields: &Fields<'_>) -> Result<LightKind> {
     let angles = fields.object("spot")?;
     let angle = |key: &str, default: f64| {
         angles
             .map_or(Ok(default), |own| own.number_or(key, Range::new(0.0, LARGEST_ANGLE), default))
     };
     let outer = angle("outerConeAngle", USUAL)?.min(WIDEST);
-    Ok(Kind::Spot { inner: angle("innerConeAngle", 0.0)?.min(outer), outer })
+    Ok(LightKind::Spot { inner: angle("innerConeAngle", 0.0)?.min(outer), outer })
 }
 
 /// In degrees; in single precision a right angle may be slightly larger.
@@ -131,13 +131,13 @@ fn degrees(radians: f64) -> f64 {
 /// The radiance of a white matte surface in the middle of the scene that faces a light of this
 /// strength at `position`, with the inverse square of the distance. Lights within half the scene's
 /// radius count as that far away.
-pub(super) fn radiance(strength: DVec3, position: DVec3, bounds: &Sphere) -> f64 {
+pub(super) fn radiance(strength: DVec3, position: DVec3, bounds: &BoundingSphere) -> f64 {
     let distance = position.distance(bounds.center).max(bounds.radius / 2.0);
     strength.max_element() * (1.0 / (4.0 * PI * distance * distance))
 }
 
 /// The same for a light that is not a mesh. The middle counts as inside the cone of every spot.
-pub(super) fn radiance_of(light: &EntityBuilder, bounds: &Sphere) -> f64 {
+pub(super) fn radiance_of(light: &EntityBuilder, bounds: &BoundingSphere) -> f64 {
     let point = light.get::<&PointLight>();
     let point = point.map(|light| radiance(light.color * light.intensity, light.position, bounds));
     let sun = light.get::<&DirectionalLight>();

@@ -10,7 +10,7 @@ use crate::components::{Encoding, Maps, Material, MetalMap, Sides, StrengthMap, 
 use crate::format::Range;
 use crate::surface::THRESHOLD;
 use wavecrest_base::error::Result;
-use wavecrest_core::kernels::metal::{Look, look};
+use wavecrest_core::kernels::metal::{MetalParameters, look};
 
 use super::fields::Fields;
 use super::texture::TextureInfo;
@@ -97,7 +97,7 @@ impl Surface {
 
     /// The material, with or without an emission texture.
     pub(super) fn material(&self, glow: Option<&TextureRef>) -> Material {
-        let of = |look: Look, diffuse_color: DVec3, emission: DVec3| Material {
+        let of = |look: MetalParameters, diffuse_color: DVec3, emission: DVec3| Material {
             ks: look.ks,
             kd: look.kd,
             specular_exponent: look.exponent,
@@ -108,7 +108,7 @@ impl Surface {
         };
         if self.is_unlit {
             let matte = look(DVec3::ZERO, 0.0, 1.0);
-            return of(Look { kd: 0.0, ..matte }, DVec3::ZERO, self.base_color);
+            return of(MetalParameters { kd: 0.0, ..matte }, DVec3::ZERO, self.base_color);
         }
         // Such a texture is usually mostly black: without it, even emission would be wrong.
         let emission =

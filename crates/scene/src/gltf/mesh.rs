@@ -12,7 +12,7 @@ use super::primitive::{COLORS, Mode, Primitive};
 use super::texture::coordinates;
 
 /// Reads primitives, and counts the bytes read.
-pub(super) struct Reader<'a> {
+pub(super) struct PrimitiveReader<'a> {
     document: &'a Document,
     notes: &'a Notes<'a>,
     /// Bytes that may still be read. Accessors may share bytes: without a limit, a small file could
@@ -42,7 +42,7 @@ const UNSIGNED: &Types = &[(Component::F32, false), (Component::U8, true), (Comp
 /// The types of normals in quantised meshes; the first one of normals and positions in others.
 const SIGNED: &Types = &[(Component::F32, false), (Component::I8, true), (Component::I16, true)];
 
-impl<'a> Reader<'a> {
+impl<'a> PrimitiveReader<'a> {
     /// Reads primitives of a file.
     pub(super) fn new(document: &'a Document, notes: &'a Notes<'a>) -> Self {
         let again = READ_AGAIN.saturating_mul(document.storage.len() as u64);

@@ -79,7 +79,7 @@ fn translation_rotation_scale(fields: &Fields<'_>) -> Result<DAffine3> {
 
 /// A node of the scene with its transform.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Placed {
+pub(super) struct PlacedNode {
     /// The index of the node.
     pub(super) node: usize,
     /// The transform from its own space to the world.
@@ -90,17 +90,17 @@ pub(super) struct Placed {
 ///
 /// # Errors
 /// If the nodes do not form a tree.
-pub(super) fn placed(top: &Fields<'_>, nodes: &[Node]) -> Result<Vec<Placed>> {
+pub(super) fn placed(top: &Fields<'_>, nodes: &[Node]) -> Result<Vec<PlacedNode>> {
     let parents = parents(top, nodes)?;
     let mut found = Vec::new();
     // Nodes still to visit, the next one last.
-    let identity = |node| Placed { node, world: DAffine3::IDENTITY };
-    let mut left: Vec<Placed> = roots(top, &parents)?.into_iter().rev().map(identity).collect();
-    while let Some(Placed { node, world: parent }) = left.pop() {
+    let identity = |node| PlacedNode { node, world: DAffine3::IDENTITY };
+    let mut left: Vec<PlacedNode> = roots(top, &parents)?.into_iter().rev().map(identity).collect();
+    while let Some(PlacedNode { node, world: parent }) = left.pop() {
         let world = parent * nodes[node].local;
         check_place(top, node, &world)?;
-        found.push(Placed { node, world });
-        left.extend(nodes[node].children.iter().rev().map(|&node| Placed { node, world }));
+        found.push(PlacedNode { node, world });
+        left.extend(nodes[node].children.iter().rev().map(|&node| PlacedNode { node, world }));
     }
     Ok(found)
 }

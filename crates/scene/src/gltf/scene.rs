@@ -10,16 +10,16 @@ use crate::format::Notes;
 use crate::options::LoadOptions;
 use crate::options::framing::{Framing, Up};
 use crate::options::lighting::Rig;
-use crate::staging::{self, Contents, Framed, Sphere, Upward};
+use crate::staging::{self, BoundingSphere, Framed, Scenery, Upward};
 use wavecrest_base::error::{ErrorKind, Result};
 
 use super::camera::{self, Shot};
 use super::document::Document;
 use super::light;
 use super::material::Surface;
-use super::mesh::Reader;
-use super::node::Placed;
-use super::spawn::{Primitive, Use, extent};
+use super::mesh::PrimitiveReader;
+use super::node::PlacedNode;
+use super::spawn::{NodeUse, Spawned, extent};
 use super::transform::flattens;
 
 /// Makes a scene from a document, and reports the choices made for the user.
@@ -30,7 +30,7 @@ pub(super) fn world(
 ) -> Result<(World, String)> {
     let primitives = notes.whole(|| Ok(primitives(document, notes)))?;
     let corners: Vec<Vec<Vec3>> = primitives.iter().map(corners).collect();
-    let contents = Contents::new(placed(&primitives, &corners));
+    let contents = Scenery::new(placed(&primitives, &corners));
     let bounds = contents.sphere;
     let own = match options.framing == Framing::default() {
         true => camera::chosen(&shots(document), &bounds, options, notes)?,
@@ -90,10 +90,10 @@ pub(super) fn world(
 /// Largest number of triangles of lights: each node that shows one holds a copy.
 const MOST_LIGHT_TRIANGLES: usize = 1 << 22;
 
-fn check_lights(primitives: &[Primitive], notes: &Notes<'_>) -> Result<()> {
+fn check_lights(primitives: &[Spawned], notes: &Notes<'_>) -> Result<()> {
     let lights = primitives.iter().filter(|primitive| primitive.surface.is_light());
     let triangles =
-        |primitive: &Primitive| primitive.mesh.triangles.len().saturating_mul(primitive.uses.len());
+        |primitive: &Spawned| primitive.mesh.triangles.len().saturating_mul(primitive.uses.len());
     let all = lights.map(triangles).fold(0, usize::saturating_add);
     if all <= MOST_LIGHT_TRIANGLES {
         return Ok(());
@@ -118,12 +118,12 @@ fn told(has_camera: bool, chosen: &str, light: Option<String>, exposure: f64) ->
 }
 
 /// The primitives that the nodes of the scene show, in the order of the nodes. Errors are recorded.
-fn primitives(document: &Document, notes: &Notes<'_>) -> Vec<Primitive> {
-    let mut reader = Reader::new(document, notes);
+fn primitives(document: &Document, notes: &Notes<'_>) -> Vec<Spawned> {
+    let mut reader = PrimitiveReader::new(document, notes);
     // The primitives of each mesh that is read already.
     let mut known: Vec<Option<Range<usize>>> = vec![None; document.meshes.len()];
-    let mut primitives: Vec<Primitive> = Vec::new();
-    for Placed { node, world } in &document.placed {
+    let mut primitives: Vec<Spawned> = Vec::new();
+    for PlacedNode { node, world } in &document.placed {
         let Some(mesh) = document.nodes[*node].mesh else { continue };
         let place = format!("nodes[{node}]");
         let places = notes.part(|| places(document, *node, world, &place, notes));
@@ -137,7 +137,7 @@ fn primitives(document: &Document, notes: &Notes<'_>) -> Vec<Primitive> {
             }
         };
         for (path, world) in places {
-            let node = Use { path, name: document.nodes[*node].name.clone(), world };
+            let node = NodeUse { path, name: document.nodes[*node].name.clone(), world };
             add_uses(&mut primitives[numbers.clone()], &node);
         }
     }
@@ -195,14 +195,14 @@ fn is_left_out(document: &Document) -> bool {
 }
 
 /// Adds a node to the uses of the primitives of its mesh.
-fn add_uses(primitives: &mut [Primitive], node: &Use) {
+fn add_uses(primitives: &mut [Spawned], node: &NodeUse) {
     let is_only = primitives.len() == 1;
     for primitive in primitives {
         let path = match is_only {
             true => node.path.clone(),
             false => format!("{}, {}", node.path, primitive.path),
         };
-        primitive.uses.push(Use { path, ..node.clone() });
+        primitive.uses.push(NodeUse { path, ..node.clone() });
     }
 }
 
@@ -210,7 +210,7 @@ fn add_uses(primitives: &mut [Primitive], node: &Use) {
 fn check_unused(
     document: &Document,
     known: &[Option<Range<usize>>],
-    reader: &mut Reader<'_>,
+    reader: &mut PrimitiveReader<'_>,
     notes: &Notes<'_>,
 ) {
     for mesh in (0..known.len()).filter(|&mesh| known[mesh].is_none()) {
@@ -224,9 +224,9 @@ fn check_unused(
 fn read(
     document: &Document,
     mesh: usize,
-    reader: &mut Reader<'_>,
+    reader: &mut PrimitiveReader<'_>,
     notes: &Notes<'_>,
-    primitives: &mut Vec<Primitive>,
+    primitives: &mut Vec<Spawned>,
 ) {
     let parts = &document.meshes[mesh];
     for primitive in &parts.primitives {
@@ -247,7 +247,7 @@ fn read(
             is_mask: false,
             threshold,
         });
-        primitives.push(Primitive {
+        primitives.push(Spawned {
             path: primitive.path.clone(),
             name: parts.name.clone(),
             cutout,
@@ -285,7 +285,7 @@ const MOST_POINTS: usize = 1 << 24;
 
 /// Corners of a box that replaces a primitive shown so often that checking every point would take too
 /// long; empty for others.
-fn corners(primitive: &Primitive) -> Vec<Vec3> {
+fn corners(primitive: &Spawned) -> Vec<Vec3> {
     let points = 3 * primitive.mesh.triangles.len();
     let uses = primitive.uses.len();
     match points.saturating_mul(uses) > MOST_POINTS && uses > 1 {
@@ -295,8 +295,8 @@ fn corners(primitive: &Primitive) -> Vec<Vec3> {
 }
 
 /// Everything visible.
-fn placed<'a>(primitives: &'a [Primitive], corners: &'a [Vec<Vec3>]) -> Vec<staging::Placed<'a>> {
-    let placed = |(primitive, corners): (&'a Primitive, &'a Vec<Vec3>)| {
+fn placed<'a>(primitives: &'a [Spawned], corners: &'a [Vec<Vec3>]) -> Vec<staging::Placed<'a>> {
+    let placed = |(primitive, corners): (&'a Spawned, &'a Vec<Vec3>)| {
         let mesh = &primitive.mesh;
         let placed = match &corners[..] {
             [] => staging::Placed::new(&mesh.positions, &mesh.triangles, DAffine3::IDENTITY),
@@ -309,7 +309,7 @@ fn placed<'a>(primitives: &'a [Primitive], corners: &'a [Vec<Vec3>]) -> Vec<stag
 
 /// The cameras of the scene's nodes.
 fn shots(document: &Document) -> Vec<Shot<'_>> {
-    let shot = |&Placed { node, world }: &Placed| {
+    let shot = |&PlacedNode { node, world }: &PlacedNode| {
         let number = document.nodes[node].camera?;
         let (camera, node) = (&document.cameras[number], document.nodes[node].name.as_deref());
         Some(Shot { number, camera, node, world })
@@ -319,7 +319,7 @@ fn shots(document: &Document) -> Vec<Shot<'_>> {
 
 /// The lights of the scene's nodes.
 fn lights(document: &Document, notes: &Notes<'_>) -> Vec<EntityBuilder> {
-    let placed = |place: &Placed| {
+    let placed = |place: &PlacedNode| {
         let light = document.lights[document.nodes[place.node].light?]?;
         let path = format!("nodes[{}]", place.node);
         let found = light.placed(path.clone(), &place.world);
@@ -333,9 +333,9 @@ fn lights(document: &Document, notes: &Notes<'_>) -> Vec<EntityBuilder> {
 }
 
 /// The radiance of a white surface in the middle under all emissive meshes.
-fn emitted(primitives: &[Primitive], bounds: &Sphere) -> f64 {
+fn emitted(primitives: &[Spawned], bounds: &BoundingSphere) -> f64 {
     let lights = primitives.iter().filter(|primitive| primitive.surface.is_light());
-    let radiance = |primitive: &Primitive, world: &DAffine3| {
+    let radiance = |primitive: &Spawned, world: &DAffine3| {
         let (area, middle) = extent(&primitive.mesh, world);
         let strength = primitive.surface.emission * area;
         light::radiance(strength, middle, bounds)

@@ -16,7 +16,7 @@ use crate::mesh::MeshData;
 const LIGHT_SAMPLES: u32 = 3;
 
 /// A primitive with triangles, and the nodes that show it.
-pub(super) struct Primitive {
+pub(super) struct Spawned {
     pub(super) path: String,
     pub(super) name: Option<String>,
     pub(super) mesh: MeshData,
@@ -24,18 +24,18 @@ pub(super) struct Primitive {
     pub(super) texture: Option<TextureRef>,
     pub(super) cutout: Option<CutOut>,
     pub(super) maps: Maps,
-    pub(super) uses: Vec<Use>,
+    pub(super) uses: Vec<NodeUse>,
 }
 
 /// A node that shows a primitive.
 #[derive(Clone)]
-pub(super) struct Use {
+pub(super) struct NodeUse {
     pub(super) path: String,
     pub(super) name: Option<String>,
     pub(super) world: DAffine3,
 }
 
-impl Primitive {
+impl Spawned {
     /// Adds a shape of the `file` if one node shows the primitive, otherwise a hidden shape and an
     /// instance for each node.
     pub(super) fn add_shapes(
@@ -59,7 +59,7 @@ impl Primitive {
         let name = |entity: &mut EntityBuilder, name: Option<String>| {
             name.map(|name| entity.add(Name(name)));
         };
-        match <[Use; 1]>::try_from(self.uses) {
+        match <[NodeUse; 1]>::try_from(self.uses) {
             Ok([one]) => {
                 name(&mut shape, one.name);
                 shape.add_bundle((JsonPath(one.path), Transform(one.world)));
@@ -87,7 +87,7 @@ impl Primitive {
         order: &mut impl Iterator<Item = Order>,
         world: &mut World,
     ) {
-        for Use { path, name, world: place } in self.uses {
+        for NodeUse { path, name, world: place } in self.uses {
             let (area, _) = extent(&self.mesh, &place);
             let data = MeshData { normals: None, uvs: None, colors: None, ..self.mesh.clone() };
             let mesh = Mesh { data, points: None, file: Some(file.to_owned()) };

@@ -99,10 +99,10 @@ fn of(document: &Document, mut survey: Survey) -> Survey {
 }
 
 /// The images to decode: by their numbers, and what is made of them, or `None` for their alpha.
-type Images = BTreeMap<(usize, Option<String>), Filter>;
+type ImageUses = BTreeMap<(usize, Option<String>), Filter>;
 
 /// Adds the visible images of a surface.
-fn add_images(document: &Document, surface: &Surface, images: &mut Images) {
+fn add_images(document: &Document, surface: &Surface, images: &mut ImageUses) {
     let textures = &document.textures;
     surface.textures(|info, encoding, tint| {
         let filter = textures.filter(info);

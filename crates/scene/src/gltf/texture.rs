@@ -8,17 +8,17 @@ use wavecrest_base::error::Result;
 
 use super::accessor::Storage;
 use super::fields::Fields;
-use super::uri::{self, Target};
+use super::uri::{self, UriTarget};
 
 /// An element of `images`.
 #[derive(Clone, Debug)]
-enum Image {
+enum ImageElement {
     Known(TextureSource),
     /// In a view of a buffer that a survey does not read, at this place of the file.
     Unread(usize, String),
 }
 
-impl Image {
+impl ImageElement {
     /// Reads an element of `images`; no image is decoded here.
     fn read(fields: &Fields<'_>, storage: &Storage) -> Result<Self> {
         let place = fields.path();
@@ -31,8 +31,8 @@ impl Image {
         }
         let uri = fields.need("uri", "the name of an image, or give a bufferView")?;
         Ok(Self::Known(match uri::target(&uri)? {
-            Target::Bytes(bytes) => TextureSource::Embedded { place, bytes: bytes.into() },
-            Target::File(path) => TextureSource::File(path),
+            UriTarget::Bytes(bytes) => TextureSource::Embedded { place, bytes: bytes.into() },
+            UriTarget::File(path) => TextureSource::File(path),
         }))
     }
 }
@@ -74,12 +74,12 @@ impl Sampler {
 
 /// An element of `textures`.
 #[derive(Clone, Copy, Debug)]
-struct Texture {
+struct TextureElement {
     image: Option<usize>,
     sampler: Option<usize>,
 }
 
-impl Texture {
+impl TextureElement {
     /// Reads an element of `textures`.
     fn read(fields: &Fields<'_>) -> Result<Self> {
         Ok(Self {
@@ -121,18 +121,18 @@ impl TextureInfo {
 
 /// The textures of a file, with their images and samplers.
 pub(super) struct Textures {
-    images: Vec<Image>,
+    images: Vec<ImageElement>,
     samplers: Vec<Sampler>,
-    textures: Vec<Texture>,
+    textures: Vec<TextureElement>,
 }
 
 impl Textures {
     /// Reads the lists of a file. Without `storage`, images are left out.
     pub(super) fn read(top: &Fields<'_>, storage: Option<&Storage>) -> Result<Self> {
-        let image = |storage| top.list("images", "an image", |f| Image::read(f, storage));
+        let image = |storage| top.list("images", "an image", |f| ImageElement::read(f, storage));
         let images = storage.map_or(Ok(Vec::new()), image);
         let samplers = top.list("samplers", "a sampler", Sampler::read);
-        let textures = top.list("textures", "a texture", Texture::read)?;
+        let textures = top.list("textures", "a texture", TextureElement::read)?;
         Ok(Self { images: images?, samplers: samplers?, textures })
     }
 
@@ -149,7 +149,7 @@ impl Textures {
             notes.note("textures", "the image of a texture cannot be read", left_out);
             return None;
         };
-        let Some(Image::Known(source)) = self.images.get(image) else { return None };
+        let Some(ImageElement::Known(source)) = self.images.get(image) else { return None };
         if let Some(path) = source.file().filter(|path| !path.is_file()) {
             let message = format!("the image {} is missing", path.display());
             notes.note(&format!("images[{image}]"), &message, left_out);
@@ -180,8 +180,8 @@ impl Textures {
     /// The source of an image, read now if it is in an unread buffer.
     pub(super) fn source(&self, image: usize, storage: &Storage) -> Option<TextureSource> {
         Some(match self.images.get(image)? {
-            Image::Known(source) => source.clone(),
-            Image::Unread(view, place) => {
+            ImageElement::Known(source) => source.clone(),
+            ImageElement::Unread(view, place) => {
                 let (view, buffer) = storage.view(*view);
                 TextureSource::Embedded { place: place.clone(), bytes: view.copied(buffer) }
             }

@@ -15,7 +15,7 @@ use wavecrest_base::error::Result;
 
 /// The target of a URI.
 #[derive(Debug, PartialEq, Eq)]
-pub(super) enum Target {
+pub(super) enum UriTarget {
     /// A file.
     File(PathBuf),
     /// The content of a data URI.
@@ -23,10 +23,10 @@ pub(super) enum Target {
 }
 
 /// Resolves the URI in the value of `cursor`.
-pub(super) fn target(cursor: &Cursor<'_>) -> Result<Target> {
+pub(super) fn target(cursor: &Cursor<'_>) -> Result<UriTarget> {
     let uri = cursor.text("a file name or a data: URI")?;
     if let Some(data) = uri.strip_prefix("data:") {
-        return data_uri(cursor, data).map(Target::Bytes);
+        return data_uri(cursor, data).map(UriTarget::Bytes);
     }
     let name = decoded(uri)
         .ok_or_else(|| cursor.error("is not UTF-8 after decoding").remedy("rename the file"))?;
@@ -43,9 +43,9 @@ pub(super) fn target(cursor: &Cursor<'_>) -> Result<Target> {
     };
     // Some exporters do not escape %.
     match find(&name).or_else(|denied| find(uri).or_else(|_| of_another_machine(denied))) {
-        Ok(path) => Ok(Target::File(path)),
+        Ok(path) => Ok(UriTarget::File(path)),
         // Reading it reports the error.
-        Err(Denied::Missing) => Ok(Target::File(folder.path().join(name))),
+        Err(Denied::Missing) => Ok(UriTarget::File(folder.path().join(name))),
         Err(Denied::Outside) => {
             let error = cursor.error("is outside the folder of the glTF file");
             Err(error.remedy("copy it there, or allow others with --allow-outside"))
@@ -107,7 +107,7 @@ mod tests {
     use super::*;
     use crate::format::{Notes, Place};
 
-    fn follow(uri: &str) -> std::result::Result<Target, String> {
+    fn follow(uri: &str) -> std::result::Result<UriTarget, String> {
         let notes = Notes::new(Path::new("a/b.gltf"), false);
         let value = serde_json::Value::from(uri);
         target(&Cursor::new(&value, Place::Top, &notes)).map_err(|e| e.to_string())
@@ -115,7 +115,7 @@ mod tests {
 
     #[test]
     fn names_are_decoded_and_stay_beside_the_file() {
-        let file = |name: &str| Ok(Target::File(Path::new("a").join(name)));
+        let file = |name: &str| Ok(UriTarget::File(Path::new("a").join(name)));
         assert_eq!(follow("c%20d.bin"), file("c d.bin"));
         assert_eq!(follow("%C3%A9.bin"), file("\u{e9}.bin"));
         assert_eq!(follow("100%.bin"), file("100%.bin"));
@@ -132,7 +132,7 @@ mod tests {
 
     #[test]
     fn data_is_decoded_with_and_without_padding() {
-        let bytes = |bytes: &[u8]| Ok(Target::Bytes(bytes.to_vec()));
+        let bytes = |bytes: &[u8]| Ok(UriTarget::Bytes(bytes.to_vec()));
         assert_eq!(follow("data:application/octet-stream;base64,AAE="), bytes(&[0, 1]));
         assert_eq!(follow("data:;base64,AAE"), bytes(&[0, 1]));
         assert_eq!(follow("data:,a%00b"), bytes(b"a\0b"));

@@ -29,7 +29,7 @@ pub(super) const KIND: Kind = Kind {
 };
 
 const UNUSED: &[Key] = keys! {
-    /// Position of a point light. An area light has the position of its shape.
+    /// Has no effect: the light is where its shape is.
     "position": Point;
 };
 
@@ -38,15 +38,17 @@ component! {
     /// return its colour.
     #[derive(Clone, Copy, Debug, PartialEq)]
     pub struct AreaLight {
-        /// Strength, shared by its samples.
+        /// Strength; with the default falloff 40 to 100 suits distances of 10 to 20.
         pub intensity: f64 = "intensity": Number(Range::NOT_NEGATIVE), Required;
         /// The colour of the light.
         pub color: DVec3 = "color": Color, Required;
         /// At distance d: 1/(4 pi d), 1/(4 pi d^2), or 1.
         pub falloff: Falloff = "falloff": word::<Falloff>(), Says("linear");
-        /// Distribution of the points on the light: random, one in each cell of a grid, or Sobol.
+        /// Distribution of the points on the light: random, one in each cell of a grid of equal
+        /// areas, or of an Owen-scrambled Sobol sequence through all rays of a pixel.
         pub sampling: Sampling = "sampling": word::<Sampling>(), Says("jittered");
-        /// Points on the light; with jittered sampling, along each side of the grid.
+        /// Points on the light, which share its strength; with jittered sampling, along each side
+        /// of the grid.
         pub samples: u32 = "samples": Integer(1, MOST_SAMPLES), Is(4.0);
     }
 }
@@ -87,7 +89,7 @@ const SHAPE: Declaration = Declaration {
         to.set("shape", shape);
     },
     ..Declaration::of_keys(keys! {
-        /// The shape that emits the light; it needs no material.
+        /// The shape that emits the light: any shape, which needs no material.
         "shape": Variants(&shapes::LIT), Required;
     })
 };

@@ -24,7 +24,7 @@ component! {
     /// A light infinitely far away.
     #[derive(Clone, Copy, Debug, PartialEq)]
     pub struct DirectionalLight {
-        /// Strength everywhere, shared by its samples.
+        /// Strength, the same everywhere.
         pub intensity: f64 = "intensity": Number(Range::NOT_NEGATIVE), Required;
         /// The colour of the light.
         pub color: DVec3 = "color": Color, Required;
@@ -36,7 +36,7 @@ component! {
         /// Distribution of the directions to the light: random, one in each cell of a grid, or
         /// Sobol.
         pub sampling: Sampling = "sampling": word::<Sampling>(), Says("sobol");
-        /// Directions to the light; with jittered sampling, along each side of the grid.
+        /// Directions to the light, which share its strength; with jittered sampling, along each side of the grid.
         pub samples: u32 = "samples": Integer(1, MOST_SAMPLES), Is(1.0);
     }
 }

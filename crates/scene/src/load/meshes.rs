@@ -4,7 +4,7 @@
 use std::collections::{HashMap, HashSet};
 use std::path::Path;
 
-use hecs::{Component, Entity, EntityBuilder, World};
+use hecs::{Component, Entity, EntityBuilder, EntityRef, World};
 
 use super::materials::split;
 use crate::components::{
@@ -13,7 +13,7 @@ use crate::components::{
 };
 use crate::format::{Declaration, Notes};
 use crate::mesh::{LoadedMesh, MeshData, NamedMaterials};
-use crate::query::{images_of, json_path, ordered, shapes};
+use crate::query::{images_of, json_path, ordered, place_of, shapes};
 use crate::shapes::INSTANCE;
 use crate::surface::SURFACE;
 use crate::survey::error_of;
@@ -27,13 +27,13 @@ pub(super) fn complete(
 ) -> Result<()> {
     notes.whole(|| {
         let mut sound = Ok(());
-        for light in ordered::<&AreaLight>(world) {
+        for light in ids(ordered::<&AreaLight>(world)) {
             sound = notes.part(|| complete_light(world, light, notes, &read_mesh)).and(sound);
         }
         leave_out_unseen(world, notes);
         let mut order = (0..).map(Order);
         let mut parts_of: HashMap<Entity, Vec<Entity>> = HashMap::new();
-        for shape in shapes(world) {
+        for shape in ids(shapes(world)) {
             match notes.part(|| complete_shape(world, shape, notes, &read_mesh)) {
                 Ok(parts) => {
                     for (&part, order) in parts.iter().zip(&mut order) {
@@ -45,11 +45,16 @@ pub(super) fn complete(
             }
         }
         sound?;
-        for instance in ordered::<&InstanceOf>(world) {
+        for instance in ids(ordered::<&InstanceOf>(world)) {
             complete_instance(world, instance, &parts_of, &mut order);
         }
         Ok(())
     })
+}
+
+/// The entities, to change their world.
+fn ids(those: Vec<EntityRef<'_>>) -> Vec<Entity> {
+    those.into_iter().map(|entity| entity.entity()).collect()
 }
 
 /// Adds a component to an entity that exists.
@@ -61,17 +66,20 @@ fn insert(world: &mut World, entity: Entity, component: impl Component) {
 /// Leaves out shapes that are hidden and have no instance: their meshes are not read. Warns of them.
 fn leave_out_unseen(world: &mut World, notes: &Notes<'_>) {
     let prototypes: HashSet<Entity> = world.query::<&InstanceOf>().iter().map(|of| of.0).collect();
-    let hidden = ordered::<&Hidden>(world).into_iter();
-    for shape in hidden.filter(|shape| !prototypes.contains(shape)) {
+    let mut hidden = ordered::<&Hidden>(world);
+    hidden.retain(|shape| !prototypes.contains(&shape.entity()));
+    for shape in &hidden {
         let message = "the shape is hidden and has no instance";
-        notes.note(&json_path(world, shape), message, "add an instance, or remove \"hidden\"");
+        notes.note(&place_of(*shape), message, "add an instance, or remove \"hidden\"");
         type Files<'w> =
             (Option<&'w MeshFile>, Option<&'w TextureRef>, Option<&'w Maps>, Option<&'w CutOut>);
-        if let Ok((mesh, texture, maps, cutout)) = world.query_one::<Files<'_>>(shape).get() {
+        if let Ok((mesh, texture, maps, cutout)) = shape.query::<Files<'_>>().get() {
             mesh.into_iter().for_each(|mesh| notes.reads(&mesh.file));
             let files = images_of(texture, maps, cutout).filter_map(TextureSource::file);
             files.for_each(|file| notes.reads(file));
         }
+    }
+    for shape in ids(hidden) {
         let gone = world.despawn(shape);
         debug_assert!(gone.is_ok(), "the shape exists");
     }

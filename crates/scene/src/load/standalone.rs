@@ -13,7 +13,7 @@ use crate::format::Notes;
 use crate::mesh::{LoadedMesh, crease};
 use crate::options::LoadOptions;
 use crate::options::framing::Up;
-use crate::staging::{self, Contents, Placed, Upward};
+use crate::staging::{self, Placed, Scenery, Upward};
 
 /// A light grey with a faint highlight.
 const MATERIAL: Material = Material {
@@ -47,7 +47,7 @@ pub(super) fn world(
         mesh.normals = Some(crease::normals(&mesh.positions, &mesh.triangles, crease));
     }
     let world = glam::DAffine3::from_translation(mesh.origin);
-    let contents = Contents::new(vec![Placed::new(&mesh.positions, &mesh.triangles, world)]);
+    let contents = Scenery::new(vec![Placed::new(&mesh.positions, &mesh.triangles, world)]);
     let framed = staging::framed(&contents, usual_up(path), options)?;
     let mut world = World::new();
     let (settings, told) = staging::light(&mut world, &contents, &framed, path, &options.lighting);

@@ -39,7 +39,7 @@ const MOST_LOOKS: usize = 4;
 /// The first normal of a vertex has the vertex's number. Others, at creases, come after.
 pub(crate) fn normals(positions: &[Vec3], triangles: &[[u32; 3]], degrees: f64) -> Attribute<Vec3> {
     let joined = joined(positions, triangles);
-    let mesh = Mesh {
+    let mesh = CreaseMesh {
         positions,
         triangles: joined.as_deref().unwrap_or(triangles),
         least: libm::cos((degrees - ROUNDING).max(0.0).to_radians()),
@@ -56,7 +56,7 @@ pub(crate) fn normals(positions: &[Vec3], triangles: &[[u32; 3]], degrees: f64) 
     let further: Vec<Further> = values
         .par_chunks_mut(size)
         .enumerate()
-        .map_init(Room::default, |room, (range, values)| {
+        .map_init(CreaseMemory::default, |room, (range, values)| {
             let first = range * size;
             let mut further = Further::default();
             room.look(&mesh, &blocks_of[range], first..first + values.len());
@@ -87,8 +87,8 @@ pub(crate) fn bytes(positions: u64, triangles: u64) -> u64 {
     ranges.saturating_add(joining)
 }
 
-/// Bytes of a [`Face`].
-const FACE_BYTES: u64 = size_of::<Face>() as u64;
+/// Bytes of a [`CreaseFace`].
+const FACE_BYTES: u64 = size_of::<CreaseFace>() as u64;
 
 /// The triangles with vertices at the same position merged; `None` if vertices are shared already:
 /// then there are about half as many as triangles.
@@ -116,14 +116,14 @@ fn range_size(vertices: usize, blocks: &[[u32; 2]]) -> usize {
     size
 }
 
-struct Mesh<'a> {
+struct CreaseMesh<'a> {
     positions: &'a [Vec3],
     triangles: &'a [[u32; 3]],
     /// The smallest cosine between normals of faces that meet smoothly.
     least: f64,
 }
 
-impl Mesh<'_> {
+impl CreaseMesh<'_> {
     /// The lowest and the highest vertex of each block of triangles.
     fn blocks(&self) -> Vec<[u32; 2]> {
         let ends = |block: &[[u32; 3]]| {
@@ -134,7 +134,7 @@ impl Mesh<'_> {
     }
 
     /// The face of a triangle; `None` without area.
-    fn face(&self, number: u32, vertices: [u32; 3]) -> Option<Face> {
+    fn face(&self, number: u32, vertices: [u32; 3]) -> Option<CreaseFace> {
         let [a, b, c] = vertices.map(|v| self.positions[v as usize].as_dvec3());
         let mut edges = [b - a, c - b, a - c];
         if edges[0].cross(edges[1]).length_squared() < UNDERFLOW {
@@ -148,7 +148,7 @@ impl Mesh<'_> {
         let units = edges.map(|edge| edge * (1.0 / edge.length()));
         let angle = |next: usize, last: usize| angle(-units[next].dot(units[last]));
         let angles = [angle(0, 2), angle(1, 0), angle(2, 1)];
-        Some(Face { number, vertices, normal: cross * (1.0 / area), angles })
+        Some(CreaseFace { number, vertices, normal: cross * (1.0 / area), angles })
     }
 }
 
@@ -180,7 +180,7 @@ fn angle(cosine: f64) -> f64 {
 }
 
 /// A triangle with area.
-struct Face {
+struct CreaseFace {
     number: u32,
     vertices: [u32; 3],
     /// Of unit length.
@@ -214,8 +214,8 @@ struct Corner {
 
 /// Memory for a range of vertices, and for the corners around one.
 #[derive(Default)]
-struct Room {
-    faces: Vec<Face>,
+struct CreaseMemory {
+    faces: Vec<CreaseFace>,
     /// The start of each vertex's corners, with the end appended.
     starts: Vec<u32>,
     /// Corners by vertex: three times the index of a face, plus its index there.
@@ -225,10 +225,10 @@ struct Room {
     edges: Vec<(u32, usize)>,
 }
 
-impl Room {
+impl CreaseMemory {
     /// Finds the faces and corners around a range of vertices, in `blocks` of triangles. Corners are
     /// sorted by counting (Knuth, *The Art of Computer Programming*, volume 3, section 5.2).
-    fn look(&mut self, mesh: &Mesh<'_>, blocks: &[usize], range: Range<usize>) {
+    fn look(&mut self, mesh: &CreaseMesh<'_>, blocks: &[usize], range: Range<usize>) {
         let Self { faces, starts, about, .. } = self;
         let (first, count) = (range.start as u32, range.len() as u32);
         faces.clear();

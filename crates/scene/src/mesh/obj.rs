@@ -5,7 +5,7 @@
 //! entirely in memory. A block is cut into pieces, which are read in parallel ([`Contents`])
 //! without knowledge of earlier ones. If a piece needs that, for an index that counts backward or
 //! for the line of an error, it is read once more after the statements before it have been counted
-//! ([`Count`]). The pieces are then joined in order; the result does not depend on the cuts.
+//! ([`LineCounts`]). The pieces are then joined in order; the result does not depend on the cuts.
 //!
 //! The crate `tobj` reads the same format on one thread. It is not used because its errors name no
 //! line, and because it makes one mesh of each group.
@@ -24,7 +24,7 @@ use super::place::ReadAt;
 use super::polygon;
 use super::survey::Survey;
 use super::validate::{mend, scale_byte_colors};
-use contents::{Contents, Count, NO_VALUES, WHITE};
+use contents::{Contents, LineCounts, NO_VALUES, WHITE};
 use lines::{Keyword, cut, each_block, statements, words};
 use wavecrest_base::error::{Error, ErrorKind, Result};
 
@@ -37,14 +37,14 @@ pub(super) fn read(
     block: usize,
     piece: usize,
 ) -> Result<(Read, NamedMaterials)> {
-    let mut parts = Parts::default();
+    let mut parts = UnfinishedMesh::default();
     each_block(file, length, block, |text| parts.add_block(text, piece))?;
     // An index may refer to later values.
     let indices = parts.all.indices.each_ref().map(|all| all.as_flattened());
     if let Some(error) = parts.start.first_beyond(indices) {
         // Its line is found by reading the file again: storing the line of every face for a rare
         // error would cost memory in every load.
-        let (mut start, origin) = (Count::default(), parts.origin.unwrap_or_default());
+        let (mut start, origin) = (LineCounts::default(), parts.origin.unwrap_or_default());
         each_block(file, length, block, |text| {
             let (count, piece) = Contents::read(text, Some(start), origin, Some(&parts.start));
             start = count;
@@ -57,20 +57,20 @@ pub(super) fn read(
 
 /// The mesh so far.
 #[derive(Debug, Default)]
-struct Parts {
+struct UnfinishedMesh {
     /// The counts before the next block.
-    start: Count,
+    start: LineCounts,
     /// Known from the first position on.
     origin: Option<DVec3>,
     all: Contents,
 }
 
-impl Parts {
+impl UnfinishedMesh {
     fn add_block(&mut self, text: &[u8], piece: usize) -> Result<()> {
         self.origin = self.origin.or_else(|| contents::first_position(text).map(origin));
         let origin = self.origin.unwrap_or_default();
         let pieces = cut(text, piece);
-        let read: Vec<(Count, Result<Contents>)> =
+        let read: Vec<(LineCounts, Result<Contents>)> =
             pieces.par_iter().map(|text| Contents::read(text, None, origin, None)).collect();
         let mut starts = Vec::with_capacity(read.len());
         for (count, _) in &read {
@@ -81,7 +81,7 @@ impl Parts {
         for (what, count) in plurals.into_iter().zip(self.start.values) {
             check_count(what, count)?;
         }
-        let again = |(((_, piece), text), start): (((_, Result<Contents>), &&[u8]), Count)| {
+        let again = |(((_, piece), text), start): (((_, Result<Contents>), &&[u8]), LineCounts)| {
             piece.or_else(|_| Contents::read(text, Some(start), origin, None).1)
         };
         let read: Vec<Result<Contents>> =

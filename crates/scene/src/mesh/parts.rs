@@ -14,13 +14,13 @@ impl MeshData {
         if let Some(only) = triangles.iter().position(whole) {
             return vec![(only as u32, self)];
         }
-        let mut numbers = Numbers::default();
+        let mut numbers = NewIndices::default();
         let used = (0..).zip(&triangles).filter(|(_, of)| !of.is_empty());
         used.map(|(number, of)| (number, self.part(of, &mut numbers))).collect()
     }
 
     /// The part with these triangles.
-    fn part(&self, which: &[u32], numbers: &mut Numbers) -> Self {
+    fn part(&self, which: &[u32], numbers: &mut NewIndices) -> Self {
         let (triangles, used) = numbers.renumbered(which, &self.triangles, self.positions.len());
         Self {
             positions: picked(&self.positions, &used),
@@ -39,9 +39,9 @@ fn picked<T: Copy>(values: &[T], which: &[u32]) -> Vec<T> {
 
 /// The new indices of values in a part; the memory is reused for the next.
 #[derive(Default)]
-struct Numbers(Vec<u32>);
+struct NewIndices(Vec<u32>);
 
-impl Numbers {
+impl NewIndices {
     /// The corners of the triangles in `which` with new indices, and the old indices, of `count`,
     /// in rising order.
     fn renumbered(

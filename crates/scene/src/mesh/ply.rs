@@ -25,7 +25,7 @@ use super::BUFFER;
 use super::data::Read;
 use super::place::{ReadAt, Section, each_line};
 use super::survey::Survey;
-use header::{Element, Encoding, Header};
+use header::{BodyEncoding, Element, Header};
 use layout::{COLOR, ListLayout, NORMAL, UV, VertexLayout};
 use numbers::Numbers;
 use wavecrest_base::error::Result;
@@ -50,7 +50,7 @@ pub(super) fn survey(file: &dyn ReadAt, length: u64) -> Result<Survey> {
         (survey.normals, survey.uvs, survey.colors) = (of(NORMAL), of(UV), of(COLOR));
     }
     let corners = match header.encoding {
-        Encoding::Ascii => in_text(&header, Section::new(file, header.bytes, length))?,
+        BodyEncoding::Ascii => in_text(&header, Section::new(file, header.bytes, length))?,
         _ => header.elements.iter().find(is_list).map_or(0, |element| {
             let others = header.elements.iter().filter(|other| other.name != element.name);
             in_rows(element, left.saturating_sub(others.map(fixed_bytes).sum()))

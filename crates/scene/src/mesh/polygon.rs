@@ -68,7 +68,7 @@ pub(super) fn split(
     // In batches, so that the replacements are never large compared with the mesh.
     for batch in polygons.chunks(SPLIT_AT_ONCE) {
         for (polygon, outcome) in repair_all(batch, positions, triangles) {
-            let Outcome::Replace(split) = outcome else {
+            let FanOutcome::Replace(split) = outcome else {
                 too_large += 1;
                 continue;
             };
@@ -94,17 +94,17 @@ fn repair_all(
     polygons: &[Polygon],
     positions: &[Vec3],
     fans: &[[u32; 3]],
-) -> Vec<(Polygon, Outcome)> {
+) -> Vec<(Polygon, FanOutcome)> {
     polygons
         .par_iter()
         .map_init(Earcut::new, |earcut, &p| (p, repair(earcut, p, positions, fans)))
-        .filter(|(_, outcome)| !matches!(outcome, Outcome::KeepFan))
+        .filter(|(_, outcome)| !matches!(outcome, FanOutcome::KeepFan))
         .collect()
 }
 
 /// The outcome for the fan of a polygon.
 #[derive(Debug, PartialEq)]
-enum Outcome {
+enum FanOutcome {
     /// It is right, or no triangulation is better.
     KeepFan,
     /// It is wrong, but the polygon has too many corners.
@@ -118,18 +118,18 @@ fn repair(
     polygon: Polygon,
     positions: &[Vec3],
     fans: &[[u32; 3]],
-) -> Outcome {
+) -> FanOutcome {
     let corners = polygon.corners_of(fans);
     let Some(flat) = flatten(corners.iter().map(|&i| positions[i as usize].as_dvec3())) else {
-        return Outcome::KeepFan;
+        return FanOutcome::KeepFan;
     };
     if fan(&flat).all(|t| orientation(t) > 0.0) {
-        return Outcome::KeepFan;
+        return FanOutcome::KeepFan;
     }
     if corners.len() > MAX_EAR_CORNERS {
-        return Outcome::TooLarge;
+        return FanOutcome::TooLarge;
     }
-    cut_ears(earcut, &flat).map_or(Outcome::KeepFan, Outcome::Replace)
+    cut_ears(earcut, &flat).map_or(FanOutcome::KeepFan, FanOutcome::Replace)
 }
 
 /// The corners in the coordinate plane that the polygon faces most, counter-clockwise there. `None`

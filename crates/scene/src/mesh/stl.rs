@@ -44,13 +44,13 @@ const LONGEST_LINE: u64 = 1 << 16;
 const FRAME: [&str; 5] = ["solid", "endsolid", "facet", "outer", "endfacet"];
 
 /// The corners of a file's triangles, and warnings.
-type Corners = (Vec<[Vec3; 3]>, Vec<Error>);
+type StlTriangles = (Vec<[Vec3; 3]>, Vec<Error>);
 
 /// Reads a file of `length` bytes.
 pub(super) fn read(file: &dyn ReadAt, length: u64, buffer: usize) -> Result<Read> {
     let (corners, notes) = match form(file, length)? {
-        Form::Binary(head) => read_binary(file, &head, length, buffer)?,
-        Form::Text => read_text(file, length, buffer)?,
+        StlForm::Binary(head) => read_binary(file, &head, length, buffer)?,
+        StlForm::Text => read_text(file, length, buffer)?,
     };
     if corners.is_empty() {
         return Err(no_triangles());
@@ -62,21 +62,21 @@ pub(super) fn read(file: &dyn ReadAt, length: u64, buffer: usize) -> Result<Read
 /// Surveys a file of `length` bytes. The number of shared corners is unknown and taken as 0.
 pub(super) fn survey(file: &dyn ReadAt, length: u64) -> Result<Survey> {
     let triangles = match form(file, length)? {
-        Form::Binary(head) => count(&head).min(room(length)),
-        Form::Text => text_count(file, length)?,
+        StlForm::Binary(head) => count(&head).min(room(length)),
+        StlForm::Text => text_count(file, length)?,
     };
     Ok(Survey { positions: 3 * triangles, triangles, ..Survey::default() })
 }
 
 /// The form of a file.
-enum Form {
+enum StlForm {
     /// With its header.
     Binary([u8; HEAD]),
     Text,
 }
 
 /// The form of a file of `length` bytes.
-fn form(file: &dyn ReadAt, length: u64) -> Result<Form> {
+fn form(file: &dyn ReadAt, length: u64) -> Result<StlForm> {
     if length == 0 {
         return Err(syntax("the file is empty").remedy("export it again"));
     }
@@ -87,13 +87,13 @@ fn form(file: &dyn ReadAt, length: u64) -> Result<Form> {
     let first = head.trim_ascii_start().get(..5);
     let begins_as_text = first.is_some_and(|word| word.eq_ignore_ascii_case(b"solid"));
     if begins_as_text && !is_whole && !head[..there].contains(&0) {
-        return Ok(Form::Text);
+        return Ok(StlForm::Text);
     }
     if there < HEAD {
         let remedy = format!("begin it with \"solid\", or with a binary header of {HEAD} bytes");
         return Err(syntax("the file is too short for STL").value(length).remedy(remedy));
     }
-    Ok(Form::Binary(head))
+    Ok(StlForm::Binary(head))
 }
 
 /// Checks that the corners of this number of triangles can be numbered.
@@ -129,7 +129,7 @@ fn read_binary(
     head: &[u8; HEAD],
     length: u64,
     buffer: usize,
-) -> Result<Corners> {
+) -> Result<StlTriangles> {
     let count = count(head);
     if count > room(length) {
         return Err(syntax(format!("the file has room for {} triangles", room(length)))
@@ -181,7 +181,7 @@ fn vector(row: &[u8], at: usize) -> Vec3 {
 }
 
 /// Reads a text.
-fn read_text(file: &dyn ReadAt, length: u64, buffer: usize) -> Result<Corners> {
+fn read_text(file: &dyn ReadAt, length: u64, buffer: usize) -> Result<StlTriangles> {
     let mut text = Text::default();
     each_line(file, length, buffer, |line| text.line(line))?;
     if !text.corners.is_empty() {

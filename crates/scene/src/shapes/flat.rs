@@ -123,7 +123,7 @@ pub enum Facing {
 
 impl Declared for Facing {
     const KEYS: &'static [Key] = keys! {
-        /// -1 swaps front and back; a vector points to the front.
+        /// -1 turns the front to the other side; a vector selects the side that it points to.
         "normal": Either(&Point, &OneOf(&[1, -1]));
     };
 

@@ -40,13 +40,19 @@ const OWN_MATERIAL: Declaration = Declaration {
 };
 
 /// The shapes of a file by name. An ambiguous name refers to none.
-#[derive(Default)]
 pub(crate) struct Names(HashMap<String, Option<Entity>>);
 
 impl Names {
-    /// Adds a shape.
-    pub(crate) fn add(&mut self, name: &Name, shape: Entity) {
-        self.0.entry(name.0.clone()).and_modify(|one| *one = None).or_insert(Some(shape));
+    /// The names of these shapes.
+    pub(crate) fn of(shapes: Vec<EntityRef<'_>>) -> Self {
+        let mut all = HashMap::new();
+        for shape in shapes {
+            if let Some(name) = shape.get::<&Name>() {
+                let entry = all.entry(name.0.clone()).and_modify(|one| *one = None);
+                entry.or_insert(Some(shape.entity()));
+            }
+        }
+        Self(all)
     }
 
     /// The shape that the value of a key `shape` names.
@@ -89,9 +95,8 @@ pub(crate) fn instance(
 }
 
 /// Writes an instance; its material only if it is not the shape's.
-pub(crate) fn write(world: &World, entity: Entity, mut to: Writer<'_>) -> Value {
-    if let Ok(instance) = world.entity(entity)
-        && let Some(of) = instance.get::<&InstanceOf>()
+pub(crate) fn write(world: &World, instance: EntityRef<'_>, mut to: Writer<'_>) -> Value {
+    if let Some(of) = instance.get::<&InstanceOf>()
         && let Ok(shape) = world.entity(of.0)
     {
         to.set("shape", to.name(of.0));

@@ -34,7 +34,7 @@ pub(super) const INDEXED: Kind = Kind {
     keys: keys! {
         /// Triangles, as indices of their points from 0, clockwise as seen from the front.
         "indices": INDICES_TAKE, Required;
-        /// A mesh file: a path from the scene's folder.
+        /// A mesh file, PLY, OBJ or STL: a path from the scene's folder.
         "file": Text;
     },
     ..Kind::entity("trimesh", "a trimesh with indices", "A mesh.", &[Declaration::of::<Mesh>()])
@@ -43,11 +43,11 @@ pub(super) const INDEXED: Kind = Kind {
 // Includes the keys of other kinds of mesh: a misspelt key may mean one of them.
 pub(super) const STRIP: Kind = Kind {
     keys: keys! {
-        /// For each triangle of a strip 0 to keep its winding or -1 to reverse it.
+        /// For each triangle of a strip, 0 to keep its winding or -1 to reverse it.
         "normal": AtLeast(1, &OneOf(&[0, -1]));
         /// Triangles, as indices of their points from 0, clockwise as seen from the front.
         "indices": INDICES_TAKE;
-        /// A mesh file: a path from the scene's folder.
+        /// A mesh file, PLY, OBJ or STL: a path from the scene's folder.
         "file": Text;
     },
     ..Kind::entity(
@@ -101,9 +101,9 @@ pub struct MeshFile {
 
 impl Declared for MeshFile {
     const KEYS: &'static [Key] = keys! {
-        /// A mesh file: a path from the scene's folder.
+        /// A mesh file, PLY, OBJ or STL: a path from the scene's folder.
         "file": Text, Required;
-        /// Encoding of the vertex colours.
+        /// Encoding of the vertex colours; `none` ignores them.
         "vertexcolors": word::<VertexColors>(), Says("srgb");
         /// Source of the materials of an OBJ file's faces: the shape's, or the MTL files' if there
         /// are any.
@@ -172,11 +172,12 @@ impl Declared for Mesh {
     const KEYS: &'static [Key] = keys! {
         /// The number of points, for a check.
         "size": Integer(0, u32::MAX);
-        /// The points of the mesh.
+        /// The points of the mesh. Without `indices` it is a strip: triangle i has the points i, i+1,
+        /// i+2, and every second triangle is turned so that one side of the strip faces out.
         "points": AtLeast(3, &Point), Required;
-        /// Texture coordinates, for each point.
+        /// Texture coordinates for each point.
         "uvs": AtLeast(3, &Exactly(2, &Number(Range::COORDINATE)));
-        /// Normals for smooth shading, for each point.
+        /// Normals for each point, for smooth shading.
         "normals": AtLeast(3, &Point);
         /// Colours for each point, which multiply the diffuse colour.
         "colors": AtLeast(3, &Color);

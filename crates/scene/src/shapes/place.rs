@@ -47,7 +47,7 @@ pub struct Hidden;
 
 impl Declared for Hidden {
     const KEYS: &'static [Key] = keys! {
-        /// Whether only its instances are visible.
+        /// Whether only its instances are rendered; without any, its files are not read.
         "hidden": Truth, Off;
     };
 
@@ -77,7 +77,8 @@ wavecrest_base::choices! {
 impl Declared for Sides {
     const KEYS: &'static [Key] = keys! {
         /// The sides that lights illuminate; by default both for spheres and for meshes without
-        /// `normal`, and the front for others.
+        /// `normal`, and the front for others. The back of a shape with `front` shows ambient light
+        /// only and mirrors nothing.
         "sides": word::<Sides>();
     };
 
@@ -106,7 +107,7 @@ wavecrest_base::choices! {
 
 impl Declared for Shading {
     const KEYS: &'static [Key] = keys! {
-        /// Whether a mesh is shaded with its triangles' normals or with its own.
+        /// Whether a mesh is shaded with the normals of its triangles or with its own.
         "shading": word::<Shading>(), Says("flat");
     };
 

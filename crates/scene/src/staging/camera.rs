@@ -14,7 +14,7 @@ use super::fit::{self, NEAREST, PARALLEL};
 use super::grid::Grid;
 use super::room::{self, Room};
 use super::upward::{self, Upward};
-use super::{Contents, Sphere};
+use super::{BoundingSphere, Scenery};
 use crate::camera;
 use crate::components::{CameraKey, CameraPath, FovAxis, Interpolation, View};
 use crate::options::LoadOptions;
@@ -101,7 +101,7 @@ impl Framed {
 /// # Errors
 /// As [`size`].
 pub(crate) fn framed(
-    contents: &Contents<'_>,
+    contents: &Scenery<'_>,
     usual: Upward,
     options: &LoadOptions,
 ) -> Result<Framed> {
@@ -116,7 +116,7 @@ pub(crate) fn framed(
         || (framing.up.is_none() && matches!(usual, Upward::Guessed(_)));
     let grid = if needs_grid { Grid::of(contents) } else { None };
     let (up, told) = upward(contents, grid.as_ref(), framing.up.map_or(usual, Upward::Stated));
-    let stage = Stage { contents, grid, up, framing };
+    let stage = ToFrame { contents, grid, up, framing };
     let mut views = sides.iter().map(|side| stage.seen_from(*side, view(width, height)));
     let (view, room) = views.next().unwrap_or_else(|| stage.seen_from(None, view(width, height)));
     let told = told + room.map_or("", Room::told);
@@ -150,7 +150,7 @@ fn path(views: &[View]) -> CameraPath {
 }
 
 /// The up axis, and a description for the user.
-fn upward(contents: &Contents<'_>, grid: Option<&Grid>, axis: Upward) -> (Up, String) {
+fn upward(contents: &Scenery<'_>, grid: Option<&Grid>, axis: Upward) -> (Up, String) {
     let (up, why) = match axis {
         Upward::Stated(up) => return (up, String::new()),
         Upward::Usual(up) => (up, None),
@@ -161,14 +161,14 @@ fn upward(contents: &Contents<'_>, grid: Option<&Grid>, axis: Upward) -> (Up, St
 }
 
 /// What to frame, and how.
-struct Stage<'a> {
-    contents: &'a Contents<'a>,
+struct ToFrame<'a> {
+    contents: &'a Scenery<'a>,
     grid: Option<Grid>,
     up: Up,
     framing: &'a Framing,
 }
 
-impl Stage<'_> {
+impl ToFrame<'_> {
     /// The view from the given or default side, of the size of `view`; and the room, if it is seen
     /// from inside.
     fn seen_from(&self, side: Option<Side>, mut view: View) -> (View, Option<Room>) {
@@ -215,7 +215,7 @@ impl Stage<'_> {
     fn stand_back(&self, view: &mut View, back: DVec3) {
         let right = view.up.cross(back).normalize();
         let axes = DMat3::from_cols(right, back.cross(right), back);
-        let Sphere { center, radius } = self.contents.sphere;
+        let BoundingSphere { center, radius } = self.contents.sphere;
         let least = radius * NEAREST;
         let place = fit::place(self.contents, &axes, self.tangents(view), least);
         let greatest = DVec3::splat(f64::from(MAX_COORDINATE));

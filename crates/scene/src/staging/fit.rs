@@ -9,7 +9,7 @@ use std::cmp::Ordering;
 
 use glam::{DMat3, DVec3};
 
-use super::Contents;
+use super::Scenery;
 use crate::components::View;
 
 /// Smallest distance of the camera from an object seen from outside, as a share of its radius.
@@ -21,7 +21,7 @@ pub(super) const PARALLEL: f64 = 1e-3;
 /// `axes` point right, up and back from the object. `None` without points; `least` is the smallest
 /// distance to one.
 pub(super) fn place(
-    contents: &Contents<'_>,
+    contents: &Scenery<'_>,
     axes: &DMat3,
     tangents: [f64; 2],
     least: f64,
@@ -57,7 +57,7 @@ const CENTRED: u32 = 3;
 
 /// The position along the `axis` across the view, for a camera at `place`, at which the outermost
 /// points on both sides are equally far from the centre of the image.
-fn centred(contents: &Contents<'_>, into: &DMat3, place: &DVec3, axis: usize) -> f64 {
+fn centred(contents: &Scenery<'_>, into: &DMat3, place: &DVec3, axis: usize) -> f64 {
     // The tangent of the angle, the point's position and its distance.
     let none = [[f64::NEG_INFINITY, 0.0, 1.0]; 2];
     let of = |point: DVec3| {
@@ -81,12 +81,7 @@ fn centred(contents: &Contents<'_>, into: &DMat3, place: &DVec3, axis: usize) ->
 /// A point at distance r from the axis and at height h moves along a circle; its outermost
 /// positions on each side follow in closed form, with e the elevation and t the tangent of half an
 /// angle of view.
-pub(super) fn around(
-    view: &View,
-    contents: &Contents<'_>,
-    tangents: [f64; 2],
-    axis: DVec3,
-) -> View {
+pub(super) fn around(view: &View, contents: &Scenery<'_>, tangents: [f64; 2], axis: DVec3) -> View {
     let back = (view.location - view.look).normalize();
     let [across, along] = tangents;
     let sine = back.dot(axis).clamp(-1.0, 1.0);

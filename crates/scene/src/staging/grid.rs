@@ -11,7 +11,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::Contents;
+use super::Scenery;
 
 /// Columns along each side of a face of the box.
 pub(super) const COLUMNS: usize = 24;
@@ -22,7 +22,7 @@ const MOST_TESTS: u64 = 1 << 28;
 
 /// Where a ray meets a triangle.
 #[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
-pub(super) struct Met {
+pub(super) struct MetTriangle {
     /// From 0 at the low end of the box to 1 at the high end.
     pub(super) at: f64,
     /// Whether the front faces the high end.
@@ -31,22 +31,22 @@ pub(super) struct Met {
 
 /// The hits of the ray through the centre of a column.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Column {
+pub(super) struct ColumnHits {
     /// Nearest to the low end, and to the high end.
-    pub(super) ends: Option<[Met; 2]>,
+    pub(super) ends: Option<[MetTriangle; 2]>,
     /// Nearest to the centre of the box, below it and above.
-    pub(super) below: Option<Met>,
-    pub(super) above: Option<Met>,
+    pub(super) below: Option<MetTriangle>,
+    pub(super) above: Option<MetTriangle>,
 }
 
 /// The columns along x, y and z.
 pub(super) struct Grid {
-    columns: Vec<Column>,
+    columns: Vec<ColumnHits>,
 }
 
 impl Grid {
     /// The grid of the box around the `contents`. `None` without points, or if it takes too long.
-    pub(super) fn of(contents: &Contents<'_>) -> Option<Self> {
+    pub(super) fn of(contents: &Scenery<'_>) -> Option<Self> {
         let (low, high) = contents.ends;
         let size = high - low;
         if !size.is_finite() {
@@ -78,11 +78,11 @@ impl Grid {
     }
 
     fn empty() -> Self {
-        Self { columns: vec![Column::default(); 3 * COLUMNS * COLUMNS] }
+        Self { columns: vec![ColumnHits::default(); 3 * COLUMNS * COLUMNS] }
     }
 
     /// The columns along an axis, in rows of the next axis but one.
-    pub(super) fn along(&self, axis: usize) -> &[Column] {
+    pub(super) fn along(&self, axis: usize) -> &[ColumnHits] {
         let count = COLUMNS * COLUMNS;
         &self.columns[axis * count..(axis + 1) * count]
     }
@@ -123,7 +123,7 @@ impl Grid {
                 let weights = [(1, 2), (2, 0), (0, 1)].map(|(i, j)| edge(i, j, x, y) / area);
                 if weights.iter().all(|&weight| weight >= 0.0) {
                     let at = (0..3).map(|i| weights[i] * corners[i][axis]).sum();
-                    let met = Met { at, faces_high: area > 0.0 };
+                    let met = MetTriangle { at, faces_high: area > 0.0 };
                     self.columns[(axis * COLUMNS + row) * COLUMNS + column].meet(met);
                 }
             }
@@ -150,10 +150,10 @@ fn rays_within(x: [f64; 3]) -> Option<Range<usize>> {
     (low < high).then_some(low..high)
 }
 
-impl Column {
+impl ColumnHits {
     /// Records a hit of the ray. The order does not matter.
-    fn meet(&mut self, met: Met) {
-        let sorted = |a: Met, b: Met| if a <= b { [a, b] } else { [b, a] };
+    fn meet(&mut self, met: MetTriangle) {
+        let sorted = |a: MetTriangle, b: MetTriangle| if a <= b { [a, b] } else { [b, a] };
         let ends = self.ends.map(|[low, high]| [sorted(low, met)[0], sorted(high, met)[1]]);
         self.ends = Some(ends.unwrap_or([met; 2]));
         if met.at <= 0.5 {
@@ -175,7 +175,7 @@ mod tests {
         // The lower and the upper side along z.
         mesh.1.drain(..8);
         let grid = Grid::of(&contents(&mesh)).unwrap();
-        let is = |met: Met, at: f64, faces_high| {
+        let is = |met: MetTriangle, at: f64, faces_high| {
             (met.at - at).abs() < 1e-12 && met.faces_high == faces_high
         };
         for column in grid.along(2) {

@@ -10,7 +10,7 @@ use hecs::{EntityBuilder, World};
 use wavecrest_core::math::float::MAX_COORDINATE;
 
 use super::camera::Framed;
-use super::{Contents, Ends, Sphere, corner};
+use super::{BoundingSphere, BoxEnds, Scenery, corner};
 use crate::components::{
     DirectionalLight, JsonPath, Material, Mesh, Name, Order, Shading, Sides, Transform,
 };
@@ -35,7 +35,7 @@ const SIDES: u32 = 8;
 /// none if the camera would be below it, or too much of it too far out.
 pub(super) fn spawn(
     world: &mut World,
-    contents: &Contents<'_>,
+    contents: &Scenery<'_>,
     framed: &Framed,
     axes: &DMat3,
     lamps: &[DirectionalLight],
@@ -48,7 +48,7 @@ pub(super) fn spawn(
     if keys.chain([framed.view.location]).any(|location| location.dot(up) <= height) {
         return;
     }
-    let Sphere { center, radius } = contents.sphere;
+    let BoundingSphere { center, radius } = contents.sphere;
     // Far from the origin single precision would round the gap away.
     let is_far = center.abs().max_element() > FAR * radius;
     let origin = if is_far { center } else { DVec3::ZERO };
@@ -75,7 +75,7 @@ pub(super) fn spawn(
 }
 
 /// Points around all shadows that a box casts on the plane at this height, to the right and back.
-fn shadows(lamps: &[DirectionalLight], axes: &DMat3, ends: &Ends, height: f64) -> Vec<DVec2> {
+fn shadows(lamps: &[DirectionalLight], axes: &DMat3, ends: &BoxEnds, height: f64) -> Vec<DVec2> {
     let slopes: Vec<DVec2> = lamps.iter().flat_map(|lamp| slopes(lamp, axes)).collect();
     let of = |i: u32| {
         let corner = corner(ends, i);

@@ -11,7 +11,7 @@ use glam::{DMat3, DVec3};
 use hecs::World;
 
 use super::camera::Framed;
-use super::{Contents, ground};
+use super::{Scenery, ground};
 use crate::components::{
     Ambient, AreaLight, DirectionalLight, Encoding, Falloff, JsonPath, Mesh, Order, PointLight,
     Sampling, Settings, View,
@@ -83,7 +83,7 @@ const STEEP: f64 = 1e-3;
 /// camera is below it. Returns the other settings, and a description of the choices.
 pub(crate) fn light(
     world: &mut World,
-    contents: &Contents<'_>,
+    contents: &Scenery<'_>,
     framed: &Framed,
     file: &Path,
     lighting: &Lighting,

@@ -7,8 +7,8 @@
 
 use glam::DVec3;
 
-use super::Ends;
-use super::grid::{COLUMNS, Column, Grid};
+use super::BoxEnds;
+use super::grid::{COLUMNS, ColumnHits, Grid};
 use crate::options::framing::Up;
 
 /// Largest distance of a wall from the end of the box, as a share of the room's length.
@@ -55,7 +55,7 @@ impl Room {
 }
 
 /// One side of the box around a file.
-struct Side {
+struct BoxSide {
     axis: usize,
     is_high: bool,
     /// The share of it that a wall covers.
@@ -64,7 +64,7 @@ struct Side {
     inward: f64,
 }
 
-impl Side {
+impl BoxSide {
     fn of(grid: &Grid, axis: usize, is_high: bool) -> Self {
         let (mut wall, mut inward) = (0u32, 0u32);
         for met in grid.along(axis).iter().filter_map(|c| c.ends).map(|e| e[usize::from(is_high)]) {
@@ -91,11 +91,11 @@ impl Side {
 }
 
 /// The room in the box with these `ends`, if it is one.
-pub(super) fn find(grid: &Grid, ends: &Ends, up: Up) -> Option<Room> {
+pub(super) fn find(grid: &Grid, ends: &BoxEnds, up: Up) -> Option<Room> {
     let upward = up.axes().y_axis;
-    let sides = [0, 1, 2].map(|axis| [false, true].map(|is_high| Side::of(grid, axis, is_high)));
+    let sides = [0, 1, 2].map(|axis| [false, true].map(|is_high| BoxSide::of(grid, axis, is_high)));
     let sides = sides.as_flattened();
-    let is_floor = |side: &&Side| side.normal() == -upward;
+    let is_floor = |side: &&BoxSide| side.normal() == -upward;
     let around = || sides.iter().filter(|side| side.normal().dot(upward) == 0.0);
     let walls = || sides.iter().filter(|side| side.is_wall());
     let inward = walls().map(|side| side.inward).sum::<f64>() / walls().count().max(1) as f64;
@@ -103,7 +103,7 @@ pub(super) fn find(grid: &Grid, ends: &Ends, up: Up) -> Option<Room> {
     if !sides.iter().find(is_floor)?.is_wall() || (inward < BACKS && !is_thick()) {
         return None;
     }
-    let open: Vec<&Side> = around().filter(|side| !side.is_wall()).collect();
+    let open: Vec<&BoxSide> = around().filter(|side| !side.is_wall()).collect();
     match open[..] {
         [] => Some(inside(grid, ends, upward)),
         [side] if side.covered <= OPEN => Some(Room::Open(side.normal())),
@@ -128,7 +128,7 @@ fn is_furnished(grid: &Grid) -> bool {
 }
 
 /// The view from one end of the longer axis to the other, along the freest line near the middle.
-pub(super) fn inside(grid: &Grid, &(low, high): &Ends, upward: DVec3) -> Room {
+pub(super) fn inside(grid: &Grid, &(low, high): &BoxEnds, upward: DVec3) -> Room {
     let size = high - low;
     let vertical = if upward.x != 0.0 { 0 } else { 1 + usize::from(upward.y == 0.0) };
     let across = [(vertical + 1) % 3, (vertical + 2) % 3];
@@ -174,7 +174,7 @@ fn lamp(grid: &Grid, low: DVec3, size: DVec3, look: DVec3, upward: DVec3) -> [DV
     });
     let [columns, rows] = cells;
     let up_is_high = upward[vertical] > 0.0;
-    let height = |column: &Column| match up_is_high {
+    let height = |column: &ColumnHits| match up_is_high {
         true => column.above.map_or(1.0, |met| met.at),
         false => column.below.map_or(1.0, |met| 1.0 - met.at),
     };
@@ -195,7 +195,7 @@ fn lamp(grid: &Grid, low: DVec3, size: DVec3, look: DVec3, upward: DVec3) -> [DV
 }
 
 /// The free range of a column around its centre.
-fn free(column: &Column) -> [f64; 2] {
+fn free(column: &ColumnHits) -> [f64; 2] {
     [column.below.map_or(0.0, |met| met.at), column.above.map_or(1.0, |met| met.at)]
 }
 

@@ -8,8 +8,8 @@
 
 use glam::{DVec2, DVec3};
 
-use super::Contents;
-use super::grid::{Column, Grid};
+use super::Scenery;
+use super::grid::{ColumnHits, Grid};
 use crate::options::framing::Up;
 
 /// The up axis of a file unless the user states one.
@@ -43,7 +43,7 @@ const NEARLY_ALL: f64 = 0.9;
 const TERRAIN_COVERS: f64 = 0.6;
 
 /// The up axis, y or z; and the reason if it is not the `usual` one.
-pub(super) fn guess(contents: &Contents<'_>, grid: &Grid, usual: Up) -> (Up, Option<&'static str>) {
+pub(super) fn guess(contents: &Scenery<'_>, grid: &Grid, usual: Up) -> (Up, Option<&'static str>) {
     let size = contents.ends.1 - contents.ends.0;
     let (own, (other, axis)) = match usual {
         Up::Z => (2, (Up::Y, 1)),
@@ -66,7 +66,7 @@ pub(super) fn guess(contents: &Contents<'_>, grid: &Grid, usual: Up) -> (Up, Opt
 }
 
 /// Whether hits from below are on the outside.
-fn is_closed(columns: &[Column]) -> bool {
+fn is_closed(columns: &[ColumnHits]) -> bool {
     let ends = columns.iter().filter_map(|column| column.ends);
     let (count, outside) = ends.fold((0u32, 0u32), |(count, outside), [low, _]| {
         (count + 1, outside + u32::from(!low.faces_high))
@@ -75,7 +75,7 @@ fn is_closed(columns: &[Column]) -> bool {
 }
 
 /// The share of the bounding rectangle that the support polygon covers; 0 if its centre is outside.
-fn support(contents: &Contents<'_>, size: DVec3, axis: usize) -> f64 {
+fn support(contents: &Scenery<'_>, size: DVec3, axis: usize) -> f64 {
     let sides = [(axis + 1) % 3, (axis + 2) % 3];
     if sides.iter().any(|&side| size[side] <= 0.0) {
         return 0.0;
@@ -108,7 +108,7 @@ fn support(contents: &Contents<'_>, size: DVec3, axis: usize) -> f64 {
 }
 
 /// Whether there is one layer that faces up, wide and low.
-fn is_terrain(columns: &[Column], size: DVec3, axis: usize) -> bool {
+fn is_terrain(columns: &[ColumnHits], size: DVec3, axis: usize) -> bool {
     let sides = [(axis + 1) % 3, (axis + 2) % 3].map(|side| size[side]);
     let is_low = size[axis] <= TERRAIN_HEIGHT * sides[0].min(sides[1]);
     let met = columns.iter().filter_map(|column| column.ends);

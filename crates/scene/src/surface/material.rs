@@ -16,13 +16,14 @@ component! {
         /// Sharpness of the highlight.
         pub specular_exponent: f64 =
             "specularexponent": Number(Range::new(0.0, Self::SHARPEST)), Required;
-        /// Colour of the diffuse part, unless a texture replaces it.
+        /// Diffuse colour D, unless a texture replaces it.
         pub diffuse_color: DVec3 = "diffusecolor": Color, Required;
         /// Weight of the mirror ray, 0 to 1.
         pub kr: f64 = "kr": Number(Range::NOT_NEGATIVE), Is(0.0);
-        /// Emission, visible but without effect on other surfaces.
+        /// Colour that the surface emits, visible from both sides. It does not light other
+        /// surfaces: use an area light for that.
         pub emission: DVec3 = "emission": Color, Are([0.0; 3]);
-        /// Colour of the highlight and of mirrored light.
+        /// Colour S of the highlight and of mirrored light.
         pub specular_color: DVec3 = "specularcolor": Color, Are([1.0; 3]);
     }
 }

@@ -45,6 +45,12 @@ pub struct LookUp {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Placing(pub [[f64; 3]; 2]);
 
+/// The keys of [`Maps`].
+pub(crate) const EMISSION_MAP: &str = "emissionmap";
+pub(crate) const METAL_MAP: &str = "metalmap";
+pub(crate) const OCCLUSION_MAP: &str = "occlusionmap";
+pub(crate) const NORMAL_MAP: &str = "normalmap";
+
 /// Textures of properties other than the diffuse colour. None is tinted.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Maps {
@@ -62,13 +68,14 @@ pub struct Maps {
 impl Maps {
     pub(crate) const NONE: Self =
         Self { emission: None, metal: None, occlusion: None, normal: None };
+
     /// The maps that are set, with their keys in a scene file.
     pub fn all(&self) -> impl Iterator<Item = (&'static str, &TextureRef)> {
         let all = [
-            ("emissionmap", self.emission.as_ref()),
-            ("metalmap", self.metal.as_ref().map(|map| &map.texture)),
-            ("occlusionmap", self.occlusion.as_ref().map(|map| &map.texture)),
-            ("normalmap", self.normal.as_ref().map(|map| &map.texture)),
+            (EMISSION_MAP, self.emission.as_ref()),
+            (METAL_MAP, self.metal.as_ref().map(|map| &map.texture)),
+            (OCCLUSION_MAP, self.occlusion.as_ref().map(|map| &map.texture)),
+            (NORMAL_MAP, self.normal.as_ref().map(|map| &map.texture)),
         ];
         all.into_iter().filter_map(|(key, texture)| Some((key, texture?)))
     }
@@ -144,9 +151,9 @@ wavecrest_base::choices! {
 pub(crate) const LOOK_UP: Declaration = Declaration::of_keys(keys! {
     /// Filtering between texels.
     "filter": word::<Filter>(), Says("bilinear");
-    /// Wrap mode of coordinates outside 0 to 1.
+    /// How the image continues outside of coordinates 0 to 1; `mirror` mirrors every second copy.
     "wrap": word::<Wrap>(), Says("repeat");
-    /// Encoding of the image's values.
+    /// Encoding of the image's values; `srgb` is decoded.
     "encoding": word::<Encoding>(), Says("linear");
     /// Transform of the texture coordinates before the look-up: two rows that act on [u, v, 1].
     "uvtransform": Exactly(2, &Exactly(3, &Number(Range::COORDINATE)));
@@ -156,7 +163,7 @@ impl Declared for TextureRef {
     const KEYS: &'static [Key] = keys! {
         /// An image that replaces the diffuse colour: a path from the scene's folder.
         "texture": Text;
-        /// Factor on the colours of the texture.
+        /// Colour that multiplies each decoded texel.
         "tint": Color, Are([1.0; 3]);
     };
 
@@ -218,7 +225,8 @@ pub(crate) const THRESHOLD: f64 = 0.5;
 
 impl Declared for CutOut {
     const KEYS: &'static [Key] = keys! {
-        /// Parts of the shape where the alpha of the texture, or of the image alpha, is lower are cut out.
+        /// Parts of the shape where the alpha of the texture, or of the image `alpha`, is lower are
+        /// cut out; 0.5 by default with an `alpha`.
         "alphacutoff": Number(Range::NOT_NEGATIVE);
         /// An image whose alpha, or brightness if it has none, cuts out the shape.
         "alpha": Text;
@@ -270,22 +278,23 @@ const fn map(name: &'static str, about: &'static str, components: &'static [Decl
     Kind { components, more: &[&[LOOK_UP]], ..Kind::new(name, about, FILE) }
 }
 
-const COLOR_MAP: Kind = map("a map", "An image of colours.", &[]);
+const OF_COLORS: Kind = map("a map", "An image of colours.", &[]);
 
-const STRENGTH_MAP: Kind = map(
+const WITH_STRENGTH: Kind = map(
     "a map",
     "An image of numbers, and its strength.",
     &[Declaration::of_keys(keys! {
-        /// Strength of the map.
+        /// Strength s: the share of ambient light is 1 + s (red - 1), and red and green of a normal
+        /// are multiplied by s.
         "strength": Number(Range::COORDINATE), Is(1.0);
     })],
 );
 
-const METAL_MAP: Kind = map(
+const OF_METAL: Kind = map(
     "a metal map",
     "An image with roughness in green and metalness in blue, which set the material.",
     &[Declaration::of_keys(keys! {
-        /// Factor on the metalness.
+        /// Factor on the metallic share.
         "metallic": Number(Range::UNIT), Is(1.0);
         /// Factor on the roughness.
         "roughness": Number(Range::UNIT), Is(1.0);
@@ -295,25 +304,27 @@ const METAL_MAP: Kind = map(
 impl Declared for Maps {
     const KEYS: &'static [Key] = keys! {
         /// Colours that multiply the material's emission.
-        "emissionmap": Object(&COLOR_MAP);
-        /// Metalness and roughness, which determine the rest of the material together with the colour.
-        "metalmap": Object(&METAL_MAP);
+        EMISSION_MAP: Object(&OF_COLORS);
+        /// Green is the roughness and blue the metallic share. With the colour they determine
+        /// `ks`, `kd`, `kr`, `specularexponent` and `specularcolor`.
+        METAL_MAP: Object(&OF_METAL);
         /// The share of ambient light that arrives, in the red channel.
-        "occlusionmap": Object(&STRENGTH_MAP);
-        /// Normals: red along u, green along v, blue along the surface normal.
-        "normalmap": Object(&STRENGTH_MAP);
+        OCCLUSION_MAP: Object(&WITH_STRENGTH);
+        /// Normals in tangent space: red along u, green along v, blue along the surface normal; a
+        /// value x stands for 2 x - 1.
+        NORMAL_MAP: Object(&WITH_STRENGTH);
     };
 
     fn read(object: &Object<'_>) -> Result<Option<Self>> {
         let maps = Self {
-            emission: texture_of(object, "emissionmap", COLOR_MAP, |texture, _| texture)?,
-            metal: texture_of(object, "metalmap", METAL_MAP, |texture, map| MetalMap {
+            emission: texture_of(object, EMISSION_MAP, OF_COLORS, |texture, _| texture)?,
+            metal: texture_of(object, METAL_MAP, OF_METAL, |texture, map| MetalMap {
                 texture,
                 metallic: map.read("metallic"),
                 roughness: map.read("roughness"),
             })?,
-            occlusion: texture_of(object, "occlusionmap", STRENGTH_MAP, StrengthMap::read)?,
-            normal: texture_of(object, "normalmap", STRENGTH_MAP, StrengthMap::read)?,
+            occlusion: texture_of(object, OCCLUSION_MAP, WITH_STRENGTH, StrengthMap::read)?,
+            normal: texture_of(object, NORMAL_MAP, WITH_STRENGTH, StrengthMap::read)?,
         };
         Ok((maps != Self::default()).then_some(maps))
     }
@@ -325,11 +336,11 @@ impl Declared for Maps {
                 to.put("encoding", texture.encoding);
                 texture.look_up.write(to);
                 match (key, &self.metal, &self.occlusion, &self.normal) {
-                    ("metalmap", Some(map), ..) => {
+                    (METAL_MAP, Some(map), ..) => {
                         to.put("metallic", map.metallic);
                         to.put("roughness", map.roughness);
                     }
-                    ("occlusionmap", _, Some(map), _) | ("normalmap", .., Some(map)) => {
+                    (OCCLUSION_MAP, _, Some(map), _) | (NORMAL_MAP, .., Some(map)) => {
                         to.put("strength", map.strength);
                     }
                     _ => {}

@@ -51,23 +51,26 @@ fn seen(scene: &PreparedScene, those: &[bool]) -> Vec<usize> {
         return Vec::new();
     }
     let mut met = vec![false; those.len()];
-    let mut traversal = scene.accel.traversal();
-    let [width, height] = scene.camera.size();
-    for y in places(height) {
-        for x in places(width) {
-            let stream = Stream { seed: 0, pixel: y * width + x, sample: 0, bounce: 0 };
-            let hit = scene.accel.closest(&scene.camera.ray(x, y, &stream), &mut traversal);
-            if !hit.is_miss() {
-                met[scene.appearance.shape_of(hit.primitive)] = true;
-            }
-        }
-    }
+    test_rays(scene).for_each(|shape| met[shape] = true);
     (0..those.len()).filter(|&shape| those[shape] && met[shape]).collect()
 }
 
-/// Evenly spaced pixels along a side.
-pub(super) fn places(side: u32) -> impl DoubleEndedIterator<Item = u32> + ExactSizeIterator {
+/// The shapes that test rays hit first. The rays start in the middle of the image, where the first
+/// one mostly hits something.
+pub(super) fn test_rays(scene: &PreparedScene) -> impl Iterator<Item = usize> {
+    let mut traversal = scene.accel.traversal();
+    let [width, height] = scene.camera.size();
+    let pixels = middle_first(height).flat_map(move |y| middle_first(width).map(move |x| (x, y)));
+    pixels.filter_map(move |(x, y)| {
+        let stream = Stream { seed: 0, pixel: y * width + x, sample: 0, bounce: 0 };
+        let hit = scene.accel.closest(&scene.camera.ray(x, y, &stream), &mut traversal);
+        (!hit.is_miss()).then(|| scene.appearance.shape_of(hit.primitive))
+    })
+}
+
+/// Evenly spaced pixels along a side, from the middle to the end, then from there to the start.
+fn middle_first(side: u32) -> impl Iterator<Item = u32> {
     let count = side.min(RAYS);
-    (0..count)
-        .map(move |i| ((u64::from(i) * 2 + 1) * u64::from(side) / u64::from(count * 2)) as u32)
+    let place = move |i| ((u64::from(i) * 2 + 1) * u64::from(side) / u64::from(count * 2)) as u32;
+    (count / 2..count).chain((0..count / 2).rev()).map(place)
 }

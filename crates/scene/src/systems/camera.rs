@@ -6,7 +6,7 @@ use hecs::World;
 use crate::components::{CameraKey, CameraPath, ThinLens, View};
 use crate::query::missing;
 use wavecrest_base::error::Result;
-use wavecrest_core::kernels::camera::path::{Key, Path};
+use wavecrest_core::kernels::camera::path::{Keyframe, Path};
 use wavecrest_core::kernels::camera::{Camera, Lens, Placement};
 use wavecrest_core::math::sampling::Sampling;
 use wavecrest_core::plan::schedule::{Schedule, Step};
@@ -19,12 +19,16 @@ const MOST_FRAMES: u32 = 1 << 12;
 
 /// The camera of the world, moved by `-origin`, and its path if it has one. A lens of aperture 0 is
 /// a pinhole, to the last bit.
-pub fn run(world: &World, origin: DVec3, schedule: Schedule) -> Result<(Camera, Option<Path>)> {
+pub(crate) fn run(
+    world: &World,
+    origin: DVec3,
+    schedule: Schedule,
+) -> Result<(Camera, Option<Path>)> {
     of_world(world, origin, schedule.runs(Step::Lens), schedule.runs(Step::Jitter))
 }
 
 /// The camera of the world in every place that it may render from; empty if there are too many.
-pub fn places(world: &World, origin: DVec3) -> Result<Vec<Camera>> {
+pub(crate) fn places(world: &World, origin: DVec3) -> Result<Vec<Camera>> {
     let (camera, path) = of_world(world, origin, true, false)?;
     Ok(frames_of(&camera, path.as_ref()))
 }
@@ -57,7 +61,7 @@ fn of_world(
         fov_axis: view.fov_axis,
         size: [view.width, view.height],
     };
-    let key = |key: &CameraKey| Key {
+    let key = |key: &CameraKey| Keyframe {
         frame: key.frame,
         placement: Placement {
             location: key.location - origin,

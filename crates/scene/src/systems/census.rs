@@ -16,7 +16,7 @@ use super::reach;
 use super::reach::Faces;
 use crate::components::{Settings, SurfaceComponents, TextureRef};
 use crate::lights::Found;
-pub use shows::Shows;
+pub(crate) use shows::Shows;
 use wavecrest_base::error::Result;
 use wavecrest_core::kernels::blinn_phong::Material;
 use wavecrest_core::kernels::hemisphere::Hemisphere;
@@ -26,7 +26,7 @@ use wavecrest_core::plan::{Decision, Effect};
 
 /// The inputs of the census: the world, and the output of earlier systems.
 #[derive(Clone, Copy)]
-pub struct Census<'a> {
+pub(crate) struct Census<'a> {
     /// The entities.
     pub world: &'a World,
     /// The components of each shape's surface.
@@ -51,7 +51,7 @@ pub struct Census<'a> {
 
 /// The results of the census.
 #[derive(Clone, Debug, Default)]
-pub struct Findings {
+pub(crate) struct Findings {
     /// One for each effect.
     pub decisions: Vec<Decision>,
     /// For each light, whether it adds more than its ambient part to a surface in view.
@@ -73,7 +73,7 @@ pub struct Findings {
 ///
 /// # Errors
 /// If an image cannot be decoded.
-pub fn run(
+pub(crate) fn run(
     census: Census<'_>,
     has_holes: impl FnOnce(&[bool]) -> Result<Vec<bool>>,
 ) -> Result<Findings> {

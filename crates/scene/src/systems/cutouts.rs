@@ -20,10 +20,10 @@ use wavecrest_core::math::float::UNIT_ROUNDOFF;
 
 /// For each of `surfaces` whether it is one of those `asked` and its cut-out removes anything. Their
 /// images are added to `images`.
-pub fn look(
+pub(crate) fn look(
     surfaces: &[SurfaceComponents<'_>],
     asked: &[bool],
-    images: &mut Images<'_>,
+    images: &mut Masks<'_>,
 ) -> Result<Vec<bool>> {
     let those = || {
         let those = surfaces.iter().zip(asked);
@@ -37,10 +37,10 @@ pub fn look(
 }
 
 /// Adds the cut-outs of the shapes that have `holes` to the geometry, and returns their images.
-pub fn run(
+pub(crate) fn run(
     surfaces: &[SurfaceComponents<'_>],
     holes: &[bool],
-    images: &Images<'_>,
+    images: &Masks<'_>,
     extracted: &mut Output,
 ) -> Vec<Arc<LazyImage>> {
     let (mut own, mut of_prototypes) =
@@ -48,7 +48,7 @@ pub fn run(
     let mut used: Vec<Arc<LazyImage>> = Vec::new();
     for ((shape, surface), holes) in extracted.shapes.iter().zip(surfaces).zip(holes) {
         let Some(found) = surface.cut_out.filter(|_| *holes) else { continue };
-        let Some(Mask { image, .. }) = images.of(found) else { continue };
+        let Some(AlphaImage { image, .. }) = images.of(found) else { continue };
         if !used.iter().any(|known| Arc::ptr_eq(known, image)) {
             used.push(Arc::clone(image));
         }
@@ -100,26 +100,26 @@ fn prototype(geometry: &Geometry, shape: &ShapeOutput) -> Option<(usize, u32)> {
 }
 
 /// The key of an image: its source, and whether brightness stands for alpha.
-type Key = (TextureSource, bool);
+type ImageKey = (TextureSource, bool);
 
 /// The images of cut-outs.
-pub struct Images<'a> {
+pub(crate) struct Masks<'a> {
     /// The scene's file, for messages.
     file: &'a Path,
     /// `None` for images without alpha.
-    known: Vec<(Key, Option<Mask>)>,
+    known: Vec<(ImageKey, Option<AlphaImage>)>,
 }
 
 /// An image with alpha.
-struct Mask {
+struct AlphaImage {
     image: Arc<LazyImage>,
     /// The lowest and the highest alpha of its texels, from 0 to 1, once it is decoded.
     range: [f32; 2],
 }
 
-impl<'a> Images<'a> {
+impl<'a> Masks<'a> {
     /// No images, of the scene in `file`.
-    pub fn of_scene(file: &'a Path) -> Self {
+    pub(crate) fn of_scene(file: &'a Path) -> Self {
         Self { file, known: Vec::new() }
     }
 
@@ -136,7 +136,7 @@ impl<'a> Images<'a> {
             let (name, content) = (source.name(), content(&source));
             let decode = move || decode(&source, file, place);
             let image = LazyImage::new(name, head.mask_bytes(), decode).made_of(content);
-            Mask { image: Arc::new(image), range: [0.0; 2] }
+            AlphaImage { image: Arc::new(image), range: [0.0; 2] }
         });
         self.known.push((key, mask));
         Ok(())
@@ -144,7 +144,8 @@ impl<'a> Images<'a> {
 
     /// Decodes all images, and finds their lowest and highest alpha.
     fn decode(&mut self) -> Result<()> {
-        let masks: Vec<&mut Mask> = self.known.iter_mut().filter_map(|(_, m)| m.as_mut()).collect();
+        let masks: Vec<&mut AlphaImage> =
+            self.known.iter_mut().filter_map(|(_, m)| m.as_mut()).collect();
         let ranges = masks.into_par_iter().map(|mask| {
             mask.range = range(mask.image.get()?);
             Ok(())
@@ -153,15 +154,18 @@ impl<'a> Images<'a> {
         ranges.collect::<Vec<Result<()>>>().into_iter().collect()
     }
 
-    fn of(&self, found: &CutOut) -> Option<&Mask> {
-        let is_it =
-            |(source, is_mask): &Key| *source == found.look_up.source && *is_mask == found.is_mask;
+    fn of(&self, found: &CutOut) -> Option<&AlphaImage> {
+        let is_it = |(source, is_mask): &ImageKey| {
+            *source == found.look_up.source && *is_mask == found.is_mask
+        };
         self.known.iter().find(|(key, _)| is_it(key))?.1.as_ref()
     }
 
     /// Whether any look-up may give less alpha than the threshold.
     fn has_holes(&self, found: &CutOut) -> bool {
-        let Some(Mask { range: [lowest, highest], .. }) = self.of(found) else { return false };
+        let Some(AlphaImage { range: [lowest, highest], .. }) = self.of(found) else {
+            return false;
+        };
         // Between equal texels alpha is theirs. Between others three weighted means, with fewer
         // than 4 roundings each, may give less than the lowest.
         let rounding = if lowest == highest { 0.0 } else { 12.0 * UNIT_ROUNDOFF };

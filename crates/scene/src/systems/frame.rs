@@ -17,7 +17,7 @@ use wavecrest_core::kernels::precision::Precision;
 const FAR_CAMERA: f64 = 1024.0;
 
 /// The offset to subtract from all positions, in scene units: zero in most scenes.
-pub fn run(world: &World, precision: Precision) -> Result<DVec3> {
+pub(crate) fn run(world: &World, precision: Precision) -> Result<DVec3> {
     // Fast precision uses coordinates unchanged.
     if precision == Precision::Fast {
         return Ok(DVec3::ZERO);

@@ -17,23 +17,23 @@ use glam::DVec3;
 use hecs::World;
 
 use crate::components::{Quad, Triangle};
-use builder::Builder;
-use meshes::Room;
+use builder::GeometryBuilder;
+use meshes::ArrayLengths;
 use occurrence::Form;
 use occurrences::{Geometries, Occurrences, Shown};
 use wavecrest_base::error::Result;
 
 pub(crate) use occurrence::{Occurrence, Round};
-pub use output::{Output, ShapeOutput};
+pub(crate) use output::{Output, ShapeOutput};
 
 /// Converts every shape to primitives, and moves all by `-origin`. A mesh with several instances is
 /// stored once, unless `flat`.
-pub fn run(world: &World, origin: DVec3, flat: bool) -> Result<Output> {
+pub(crate) fn run(world: &World, origin: DVec3, flat: bool) -> Result<Output> {
     let (mut shown, mut geometries) = (world.query::<Shown<'_>>(), world.query::<Geometries<'_>>());
     let geometries = geometries.view();
     let mut occurrences = Occurrences::of(shown.iter(), &geometries, origin, flat);
-    let room = Room::of(world, &occurrences);
-    let mut builder = Builder { room, ..Builder::default() };
+    let room = ArrayLengths::of(world, &occurrences);
+    let mut builder = GeometryBuilder { room, ..GeometryBuilder::default() };
     // Numbers of primitives follow their kinds: triangles, quads, quadrics.
     for i in 0..occurrences.all.len() {
         let occurrence = occurrences.all[i];

@@ -14,7 +14,7 @@ use wavecrest_core::kernels::light::Light;
 use wavecrest_core::plan::schedule::{Schedule, Step};
 
 /// The lights of the world in the order of the file, moved by `-origin` like its shapes.
-pub fn run(
+pub(crate) fn run(
     world: &World,
     extracted: &Output,
     settings: &Settings,
@@ -35,7 +35,7 @@ pub fn run(
 /// A light that reaches nothing draws its numbers, if any, after all others, so that its presence
 /// changes none of theirs. Visibility changes no numbers: the noise stays the same when the camera
 /// turns.
-pub fn keep(
+pub(crate) fn keep(
     world: &World,
     settings: &Settings,
     schedule: Schedule,

@@ -8,7 +8,7 @@ use wavecrest_core::kernels::metal;
 
 /// The material of each surface. Shapes of lights get an unused one. Metal maps whose texels do not
 /// count give their material here.
-pub fn run(surfaces: &[SurfaceComponents<'_>]) -> Vec<Material> {
+pub(crate) fn run(surfaces: &[SurfaceComponents<'_>]) -> Vec<Material> {
     let of = |surface: &SurfaceComponents<'_>| {
         let material = surface.material.map_or(BLACK, |m| Material {
             ks: m.ks as f32,
@@ -33,7 +33,10 @@ fn smooth_nonmetal(material: Material) -> Material {
 }
 
 /// Bounds on the materials of surfaces in any texel: each weight as large as a metal map can make it.
-pub fn possible(surfaces: &[SurfaceComponents<'_>], materials: &[Material]) -> Vec<Material> {
+pub(crate) fn possible(
+    surfaces: &[SurfaceComponents<'_>],
+    materials: &[Material],
+) -> Vec<Material> {
     let may = |(surface, material): (&SurfaceComponents<'_>, &Material)| match &surface.maps.metal {
         Some(map) if !map.is_constant() => {
             let kr = if map.metallic > 0.0 { 1.0 } else { 0.0 };

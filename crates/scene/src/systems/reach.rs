@@ -32,7 +32,7 @@ const MOST_TESTS: u64 = 1 << 22;
 
 /// Sides of a surface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Faces {
+pub(crate) struct Faces {
     /// The front.
     pub front: bool,
     /// The back.
@@ -49,14 +49,14 @@ impl Faces {
     }
 
     /// Whether there is any.
-    pub fn any(self) -> bool {
+    pub(crate) fn any(self) -> bool {
         self.front || self.back
     }
 }
 
 /// A surface that does not belong to a light.
 #[derive(Clone, Copy, Debug)]
-pub struct Surface<'a> {
+pub(crate) struct Surface<'a> {
     /// The shape.
     pub shape: &'a Shape,
     /// What it is made of.
@@ -69,7 +69,7 @@ pub struct Surface<'a> {
 
 /// What [`run`] finds.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Reached {
+pub(crate) struct Reached {
     /// For each light, whether it reaches any surface.
     pub lights: Vec<bool>,
     /// For each surface, whether any light reaches it.
@@ -77,7 +77,7 @@ pub struct Reached {
 }
 
 /// Which of `lights` reach any of `surfaces`, and which of these they reach.
-pub fn run(lights: &[&Light], surfaces: &[Surface<'_>], geometry: &Geometry) -> Reached {
+pub(crate) fn run(lights: &[&Light], surfaces: &[Surface<'_>], geometry: &Geometry) -> Reached {
     let extents: Vec<Extent> = lights.iter().map(|light| Extent::of(&light.emitter)).collect();
     let (mut tests, mut pairs) = (0, 0);
     let mut reaches = |light: usize, surface: &Surface<'_>| {

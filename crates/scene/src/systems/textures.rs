@@ -32,7 +32,7 @@ const MAX_METADATA: u64 = 8 << 20;
 
 /// Assigns to each shape the image of its colour. Images that are not shown are not opened, unless
 /// the schedule requires them.
-pub fn run(
+pub(crate) fn run(
     surfaces: &[SurfaceComponents<'_>],
     schedule: Schedule,
     shows: &[Shows],
@@ -53,7 +53,7 @@ pub fn run(
 
 /// The images of shapes, each once.
 #[derive(Default)]
-pub struct Images {
+pub(crate) struct Images {
     /// Each with the place in the scene file that names it first.
     all: Vec<(TextureRef, String)>,
     /// Their numbers, by what they are made of; the tint in bits.
@@ -125,12 +125,12 @@ pub(super) fn content(source: &TextureSource) -> impl FnOnce() -> Vec<u8> + Send
 
 /// Bytes of a texture, and additional bytes while it is decoded, from the header of its file; 0 if
 /// that cannot be read, which is reported when the scene is prepared.
-pub fn survey(source: &TextureSource, filter: Filter) -> [u64; 2] {
+pub(crate) fn survey(source: &TextureSource, filter: Filter) -> [u64; 2] {
     Head::of(source).map_or([0; 2], |head| head.bytes(filter))
 }
 
 /// As [`survey`], for the image of a cut-out.
-pub fn survey_mask(source: &TextureSource) -> [u64; 2] {
+pub(crate) fn survey_mask(source: &TextureSource) -> [u64; 2] {
     Head::of(source).map_or([0; 2], Head::mask_bytes)
 }
 

@@ -2,10 +2,9 @@
 
 use glam::Vec3;
 
-use super::backs::places;
+use super::backs::test_rays;
 use crate::staging::GROUND;
 use wavecrest_base::error::{Error, ErrorKind};
-use wavecrest_core::math::random::Stream;
 use wavecrest_core::prepared::PreparedScene;
 
 /// One in this many triangles may be an outlier.
@@ -32,29 +31,11 @@ pub(super) fn warning(scene: &PreparedScene) -> Option<Error> {
     Some(Error::new(ErrorKind::Scene, message).remedy(remedy))
 }
 
-/// Whether a test ray meets anything but the ground, or there is nothing else. Rays start in the
-/// middle of the image, where the first one mostly does.
+/// Whether a test ray meets anything but the ground, or there is nothing else.
 fn sees_some(scene: &PreparedScene) -> bool {
+    let places = &scene.appearance.places;
     let is_own = |place: &String| place != GROUND;
-    if !scene.appearance.places.iter().any(is_own) {
-        return true;
-    }
-    let mut traversal = scene.accel.traversal();
-    let [width, height] = scene.camera.size();
-    let middle_first = |side: u32| {
-        let all: Vec<u32> = places(side).collect();
-        let (low, high) = all.split_at(all.len() / 2);
-        high.iter().chain(low.iter().rev()).copied().collect::<Vec<_>>()
-    };
-    let columns = middle_first(width);
-    middle_first(height).into_iter().any(|y| {
-        columns.iter().any(|&x| {
-            let stream = Stream { seed: 0, pixel: y * width + x, sample: 0, bounce: 0 };
-            let hit = scene.accel.closest(&scene.camera.ray(x, y, &stream), &mut traversal);
-            !hit.is_miss()
-                && is_own(&scene.appearance.places[scene.appearance.shape_of(hit.primitive)])
-        })
-    })
+    !places.iter().any(is_own) || test_rays(scene).any(|shape| is_own(&places[shape]))
 }
 
 /// The number of triangles much farther from the middle than nearly all.

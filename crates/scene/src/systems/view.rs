@@ -26,7 +26,7 @@ const FIRST: usize = 64;
 /// For each shape in view of `cameras` its visible sides that lights can reach; `None` for others.
 /// There is a camera for each frame, or none if there are too many. A shape
 /// `shows_others` if these sides mirror them, or let them through.
-pub fn run(
+pub(crate) fn run(
     cameras: &[Camera],
     output: &Output,
     shows_others: impl Fn(usize, Faces) -> bool,

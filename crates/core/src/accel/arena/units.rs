@@ -17,7 +17,7 @@ pub struct Unit(pub [u32; 32]);
 /// read what is there.
 #[derive(Debug, Default)]
 pub(in crate::accel) struct Units {
-    memory: Memory,
+    memory: UnitMemory,
     /// The number of all units, and of those in use, which are the first.
     room: usize,
     used: AtomicUsize,
@@ -26,21 +26,21 @@ pub(in crate::accel) struct Units {
 }
 
 #[derive(Debug, Default)]
-enum Memory {
+enum UnitMemory {
     #[default]
     None,
     Mapped(memmap2::MmapRaw),
     /// For systems that map no memory.
-    Owned(Box<[Shared]>),
+    Owned(Box<[SharedUnit]>),
 }
 
 /// A unit that is written through a shared reference.
 #[derive(Debug)]
 #[repr(transparent)]
-struct Shared(UnsafeCell<Unit>);
+struct SharedUnit(UnsafeCell<Unit>);
 
 // SAFETY: `Units::append` gives each unit to one thread, once.
-unsafe impl Sync for Shared {}
+unsafe impl Sync for SharedUnit {}
 
 impl Units {
     /// Room for `room` units, of which the first `used` are in use, and zero. `None` if the system
@@ -54,14 +54,14 @@ impl Units {
         // A hint: if it is refused, pages are small.
         #[cfg(target_os = "linux")]
         let _ = map.advise(memmap2::Advice::HugePage);
-        Some(Self { memory: Memory::Mapped(map.into()), room, used: used.into(), start: 0 })
+        Some(Self { memory: UnitMemory::Mapped(map.into()), room, used: used.into(), start: 0 })
     }
 
     /// As [`Self::mapped`], on any system.
     pub(in crate::accel) fn zeroed(room: usize, used: usize) -> Self {
         Self::mapped(room, used).unwrap_or_else(|| {
-            let units = (0..room).map(|_| Shared(UnsafeCell::new(Unit::zeroed()))).collect();
-            Self { memory: Memory::Owned(units), room, used: used.into(), start: 0 }
+            let units = (0..room).map(|_| SharedUnit(UnsafeCell::new(Unit::zeroed()))).collect();
+            Self { memory: UnitMemory::Owned(units), room, used: used.into(), start: 0 }
         })
     }
 
@@ -79,9 +79,9 @@ impl Units {
     #[inline(always)]
     fn base(&self) -> *mut Unit {
         match &self.memory {
-            Memory::None => std::ptr::dangling_mut(),
-            Memory::Mapped(map) => map.as_mut_ptr().cast(),
-            Memory::Owned(units) => units.as_ptr().cast::<Unit>().cast_mut(),
+            UnitMemory::None => std::ptr::dangling_mut(),
+            UnitMemory::Mapped(map) => map.as_mut_ptr().cast(),
+            UnitMemory::Owned(units) => units.as_ptr().cast::<Unit>().cast_mut(),
         }
     }
 

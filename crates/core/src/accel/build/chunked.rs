@@ -10,18 +10,17 @@ use rayon::prelude::*;
 
 use super::join::join;
 use super::order::Chunks;
-use super::piece::{Piece, Plan};
+use super::piece::{BuildPlan, Piece};
 use super::{Cut, ROOM_OF_LISTED};
 use crate::accel::arena::{self, Arena, MAX_UNITS, NODE_UNITS, Unit, Units};
-use crate::accel::demand::Demand;
-use crate::accel::tree::{Root, Tree};
+use crate::accel::tree::{Demand, Root, Tree};
 use crate::accel::wide::Part;
 use crate::kernels::slab::Aabb;
 use crate::math::simd::LANES;
 
 /// Builds the tree; there is none over nothing, nor over a scene that needs more room than `cut`
 /// gives.
-pub(super) fn build(plan: &Plan, chunks: Chunks, cut: Cut) -> Option<Tree> {
+pub(super) fn build(plan: &BuildPlan, chunks: Chunks, cut: Cut) -> Option<Tree> {
     let Chunks { entries, chunks } = chunks;
     let parts = if chunks.len() == 1 { 1 } else { cut.parts };
     // A piece may open its last node for more parts than were asked for.
@@ -43,7 +42,7 @@ pub(super) fn build(plan: &Plan, chunks: Chunks, cut: Cut) -> Option<Tree> {
 
 /// A tree whose chunks are built by the rays that reach them; `None` if there is no room for it and
 /// as much for everything else.
-pub(super) fn on_demand(plan: &Plan, chunks: Chunks) -> Option<Tree> {
+pub(super) fn on_demand(plan: &BuildPlan, chunks: Chunks) -> Option<Tree> {
     let Chunks { entries, chunks } = chunks;
     let ahead = ahead(chunks.len());
     let room = chunks.len() + entries.len() * Demand::MOST_UNITS;
@@ -69,7 +68,7 @@ fn ahead(parts: usize) -> usize {
 
 /// The tree of `parts`, which are in `units` behind the room `ahead`.
 fn joined(
-    plan: &Plan,
+    plan: &BuildPlan,
     mut units: Units,
     numbers: Vec<AtomicU32>,
     ahead: usize,

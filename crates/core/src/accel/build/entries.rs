@@ -4,6 +4,14 @@ use crate::geometry::Geometry;
 use crate::kernels::quad;
 use crate::kernels::slab::Aabb;
 
+/// A primitive alone, or a half of a quad.
+#[derive(Clone, Copy)]
+pub(super) struct Entry {
+    pub(super) number: u32,
+    /// The vertices, if it is tested in lanes: neither a quadric nor a cut-out.
+    pub(super) corners: Option<[u32; 3]>,
+}
+
 impl Geometry {
     /// Number of entries.
     pub(super) fn entries(&self) -> usize {

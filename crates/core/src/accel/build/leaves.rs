@@ -8,8 +8,8 @@ use glam::Vec3A;
 use obvhs::aabb::Aabb;
 use obvhs::ploc::morton::morton_encode_u32;
 
-use super::piece::{Members, Single};
-use crate::accel::wide::{Shared, as_patch};
+use super::entries::Entry;
+use crate::accel::wide::{SharedVertices, as_patch};
 use crate::math::simd::LANES;
 
 /// How much more a joint leaf may cost than two separate ones, as a share of the smaller one's
@@ -36,26 +36,30 @@ pub(super) struct Finder {
 
 /// A leaf.
 #[derive(Clone, Copy)]
-pub(super) struct Leaf {
+pub(super) struct FoundLeaf {
     /// The vertices of triangles; other primitives are alone.
-    pub(super) shared: Option<Shared>,
+    pub(super) shared: Option<SharedVertices>,
     /// The numbers of its primitives; the first `count` are used.
     pub(super) numbers: [u32; LANES],
     pub(super) count: usize,
 }
 
 impl Finder {
-    /// Replaces the `boxes` of single primitives, which come first, by those of their leaves. A
+    /// Moves `singles` into `leaves`, and replaces their `boxes`, which come first, by those of the leaves. A
     /// triangle may join one of the last `N` leaves, of which there are a power of two.
-    pub(super) fn find<const N: usize>(&mut self, members: &mut Members, boxes: &mut Vec<Aabb>) {
-        let Members { singles, leaves, .. } = members;
+    pub(super) fn find<const N: usize>(
+        &mut self,
+        singles: &mut Vec<Entry>,
+        leaves: &mut Vec<FoundLeaf>,
+        boxes: &mut Vec<Aabb>,
+    ) {
         let (own, heaps) = boxes.split_at(singles.len());
         sort(own, &mut self.keys, &mut self.spare);
         self.leaves.clear();
-        let mut open = Open::<N>::default();
+        let mut open = LastLeaves::<N>::default();
         for &key in &self.keys {
             let index = key as u32 as usize;
-            let (Single { number, corners }, bounds) = (singles[index], own[index]);
+            let (Entry { number, corners }, bounds) = (singles[index], own[index]);
             let mut keys = open.keys(&bounds);
             let joined = corners.and_then(|corners| {
                 loop {
@@ -80,8 +84,8 @@ impl Finder {
                 let lane = leaves.len() % N;
                 open.leaves[lane] = leaves.len();
                 open.put(lane, &bounds, if corners.is_some() { 1 } else { LANES });
-                let shared = corners.map(Shared::of);
-                leaves.push(Leaf { shared, numbers: [number; LANES], count: 1 });
+                let shared = corners.map(SharedVertices::of);
+                leaves.push(FoundLeaf { shared, numbers: [number; LANES], count: 1 });
                 self.leaves.push(bounds);
             }
         }
@@ -92,7 +96,7 @@ impl Finder {
 }
 
 /// The last leaves, which a triangle may join, for the curve soon comes back.
-struct Open<const N: usize> {
+struct LastLeaves<const N: usize> {
     /// The numbers of the leaves.
     leaves: [usize; N],
     /// Their boxes, an axis a row.
@@ -105,7 +109,7 @@ struct Open<const N: usize> {
     fuller: [f32; N],
 }
 
-impl<const N: usize> Default for Open<N> {
+impl<const N: usize> Default for LastLeaves<N> {
     fn default() -> Self {
         let (zero, none) = ([0.0; N], [f32::INFINITY; N]);
         let leaves = [0; N];
@@ -113,7 +117,7 @@ impl<const N: usize> Default for Open<N> {
     }
 }
 
-impl<const N: usize> Open<N> {
+impl<const N: usize> LastLeaves<N> {
     /// Puts a leaf of `count` triangles into a lane.
     fn put(&mut self, lane: usize, bounds: &Aabb, count: usize) {
         for axis in 0..3 {

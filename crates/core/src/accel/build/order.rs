@@ -49,7 +49,7 @@ pub(super) fn chunks(
     extents: &Aabb,
     (most, with_boxes): (usize, bool),
 ) -> Chunks {
-    let order = Order { geometry, most, with_boxes };
+    let order = EntryOrder { geometry, most, with_boxes };
     if geometry.entries() > most {
         return order.arrange(None, extents);
     }
@@ -60,7 +60,7 @@ pub(super) fn chunks(
 }
 
 /// How to order the entries of a scene.
-struct Order<'a> {
+struct EntryOrder<'a> {
     geometry: &'a Geometry,
     most: usize,
     with_boxes: bool,
@@ -77,7 +77,7 @@ struct Block {
     boxes: Vec<Aabb>,
 }
 
-impl Order<'_> {
+impl EntryOrder<'_> {
     #[inline(always)]
     fn is_met(&self, entry: u32) -> bool {
         let index = entry as usize;

@@ -1,7 +1,7 @@
 //! The tree against brute force, and the hard cases of building.
 
 use super::*;
-use crate::accel::arena::Census;
+use crate::accel::arena::Held;
 use crate::accel::tests::{brute, check, shells};
 use crate::accel::{Accel, Hit};
 use crate::geometry::{Primitive, Quadric};
@@ -195,7 +195,7 @@ fn hc23_a_chunk_that_is_too_deep_is_a_list() {
     check("spheres", &mut accel, &rays, &brute(&geometry, &rays));
     let tree = accel.tree.as_ref().expect("it has one");
     tree.build_all(&geometry);
-    let Census { nodes, lists, .. } = tree.census();
+    let Held { nodes, lists, .. } = tree.census();
     assert_eq!((nodes, lists), (1, 4), "only lists are below the root");
 }
 

@@ -3,7 +3,7 @@
 use fearless_simd::prelude::*;
 use fearless_simd::{f32x8, f32x16, mask32x8, mask32x16};
 
-use super::tile::{Column, GROUPS, WIDTH, load};
+use super::columns::{GROUPS, TileColumn, WIDTH, load};
 use crate::accel::arena::Node;
 use crate::accel::node::widened;
 use crate::accel::rays::RayLanes;
@@ -156,7 +156,7 @@ fn is_one_sign([low, high]: [f32; 2]) -> bool {
 }
 
 /// The children of a node that a beam meets.
-pub(super) struct Met<S: Lanes> {
+pub(super) struct MetChildren<S: Lanes> {
     /// The least t at which a ray can enter each child's box.
     pub(super) near: f32x8<S>,
     /// The children that some ray may meet.
@@ -179,7 +179,7 @@ impl Beam {
 
     /// The children that it meets.
     #[inline(always)]
-    pub(super) fn children<S: Lanes>(&self, simd: S, node: &Node) -> Met<S> {
+    pub(super) fn children<S: Lanes>(&self, simd: S, node: &Node) -> MetChildren<S> {
         if self.has_one_origin {
             self.children_of::<S, true>(simd, node)
         } else {
@@ -188,7 +188,7 @@ impl Beam {
     }
 
     #[inline(always)]
-    fn children_of<S: Lanes, const ONE: bool>(&self, simd: S, node: &Node) -> Met<S> {
+    fn children_of<S: Lanes, const ONE: bool>(&self, simd: S, node: &Node) -> MetChildren<S> {
         let x = self.axis::<S, ONE>(simd, &node.planes[0], 0);
         let y = self.axis::<S, ONE>(simd, &node.planes[1], 1);
         let z = self.axis::<S, ONE>(simd, &node.planes[2], 2);
@@ -197,7 +197,7 @@ impl Beam {
         let last = x.near[1].max(y.near[1]).max(z.near[1].max(f32x8::splat(simd, self.t_min[1])));
         let first = x.far[1].min(y.far[1]).min(z.far[1].min(f32x8::splat(simd, self.reach[0])));
         let some = near.simd_le(widened(simd, far, self.slack));
-        Met { near, some, all: last.simd_le(first) & some }
+        MetChildren { near, some, all: last.simd_le(first) & some }
     }
 
     /// Whether some ray may meet the box.
@@ -256,7 +256,7 @@ struct Crossing<S: Lanes> {
 
 /// The smallest and largest, of the `rays` of a tile.
 #[inline(always)]
-pub(super) fn extent<S: Lanes>(simd: S, column: &Column, rays: u64) -> [f32; 2] {
+pub(super) fn extent<S: Lanes>(simd: S, column: &TileColumn, rays: u64) -> [f32; 2] {
     let mut low = f32x16::splat(simd, f32::INFINITY);
     let mut high = f32x16::splat(simd, f32::NEG_INFINITY);
     for g in 0..GROUPS {

@@ -37,11 +37,11 @@ mod triangles;
 use fearless_simd::f32x16;
 use fearless_simd::prelude::*;
 
-use super::tile::{Column, GROUPS, WIDTH, load};
+use super::columns::{GROUPS, TileColumn, WIDTH, load};
 use crate::kernels::triangle::filter::ORDERS;
 use crate::math::float::max;
 use crate::math::simd::Lanes;
-pub(super) use triangles::Met;
+pub(super) use triangles::GroupTest;
 
 /// The middle of a tile, by index.
 const MIDDLE: usize = 39;
@@ -51,10 +51,10 @@ const MIDDLE: usize = 39;
 #[derive(Clone, Debug)]
 #[repr(C, align(64))]
 pub(super) struct Frame {
-    direction: [Column; 3],
+    direction: [TileColumn; 3],
     /// Origins and moments, unless all rays have one origin.
-    origin: [Column; 3],
-    moment: [Column; 3],
+    origin: [TileColumn; 3],
+    moment: [TileColumn; 3],
     order: [usize; 3],
     middle: [f32; 3],
     /// Of x and y along z.
@@ -137,11 +137,11 @@ impl Frame {
     pub(super) fn set<S: Lanes>(
         &mut self,
         simd: S,
-        origin: &[Column; 3],
-        direction: &[Column; 3],
+        origin: &[TileColumn; 3],
+        direction: &[TileColumn; 3],
         has_one_origin: bool,
     ) {
-        let at = |columns: &[Column; 3]| {
+        let at = |columns: &[TileColumn; 3]| {
             [0, 1, 2].map(|k: usize| columns[k][MIDDLE / WIDTH][MIDDLE % WIDTH])
         };
         let [x, y, z] = at(direction).map(f32::abs);
@@ -173,7 +173,7 @@ impl Frame {
     }
 
     #[inline(always)]
-    fn set_moments<S: Lanes>(&mut self, simd: S, origin: &[Column; 3]) {
+    fn set_moments<S: Lanes>(&mut self, simd: S, origin: &[TileColumn; 3]) {
         let (mut origins, mut moments) = (Spans::none(simd), Spans::none(simd));
         for g in 0..GROUPS {
             let o = self.sheared(simd, origin, g, self.middle);
@@ -195,7 +195,7 @@ impl Frame {
     fn sheared<S: Lanes>(
         &self,
         simd: S,
-        columns: &[Column; 3],
+        columns: &[TileColumn; 3],
         g: usize,
         [x, y, z]: [f32; 3],
     ) -> [f32x16<S>; 3] {
@@ -221,6 +221,6 @@ fn cross<S: Lanes, F: SimdFloat<S>>(u: &[F; 3], v: &[F; 3]) -> [F; 3] {
 
 /// A group's vectors.
 #[inline(always)]
-fn three<S: Lanes>(simd: S, [x, y, z]: &[Column; 3], g: usize) -> [f32x16<S>; 3] {
+fn three<S: Lanes>(simd: S, [x, y, z]: &[TileColumn; 3], g: usize) -> [f32x16<S>; 3] {
     [load(simd, x, g), load(simd, y, g), load(simd, z, g)]
 }

@@ -3,9 +3,10 @@
 use fearless_simd::f32x8;
 use fearless_simd::prelude::*;
 
-use super::frame::Met;
-use super::tile::{GROUPS, Tile, WIDTH, load};
-use super::{Batch, TILE};
+use super::columns::{GROUPS, WIDTH, load};
+use super::frame::GroupTest;
+use super::tile::{OpenPair, OpenPairs, RayTile};
+use super::{TILE, TileBatch};
 use crate::accel::arena::{Kind, Ref};
 use crate::accel::best::{Best, Pairs};
 use crate::accel::leaf;
@@ -22,10 +23,16 @@ use crate::math::simd::{LANES, Lanes, outlined};
 /// Up to this many rays are tested one by one, each with eight triangles.
 const ALONE: u32 = 6;
 
-impl<Q: Query, P: Arithmetic> Batch<'_, Q, P> {
+impl<Q: Query, P: Arithmetic> TileBatch<'_, Q, P> {
     /// Tests the primitives of the leaf at `place` with `rays` of the tile.
     #[inline(always)]
-    pub(super) fn visit_leaf<S: Lanes>(&mut self, simd: S, tile: &mut Tile, place: Ref, rays: u64) {
+    pub(super) fn visit_leaf<S: Lanes>(
+        &mut self,
+        simd: S,
+        tile: &mut RayTile,
+        place: Ref,
+        rays: u64,
+    ) {
         self.tests.leaves += u64::from(rays.count_ones());
         let is_closer = if place.kind() == Kind::List {
             self.visit_list(simd, tile, place, rays);
@@ -45,7 +52,7 @@ impl<Q: Query, P: Arithmetic> Batch<'_, Q, P> {
     fn test_alone<S: Lanes>(
         &mut self,
         simd: S,
-        tile: &mut Tile,
+        tile: &mut RayTile,
         place: Ref,
         mut rays: u64,
     ) -> bool {
@@ -76,7 +83,13 @@ impl<Q: Query, P: Arithmetic> Batch<'_, Q, P> {
 
     /// Tests the rays together. Returns whether any has a closer hit.
     #[inline(always)]
-    fn test_together<S: Lanes>(&mut self, simd: S, tile: &mut Tile, place: Ref, rays: u64) -> bool {
+    fn test_together<S: Lanes>(
+        &mut self,
+        simd: S,
+        tile: &mut RayTile,
+        place: Ref,
+        rays: u64,
+    ) -> bool {
         let arena = self.searched.tree.arena.view();
         let (count, quads) = if place.kind() == Kind::Patch {
             let leaf = arena.patch(place);
@@ -132,11 +145,11 @@ impl<Q: Query, P: Arithmetic> Batch<'_, Q, P> {
     fn leave_open<S: Lanes>(
         &mut self,
         simd: S,
-        tile: &mut Tile,
+        tile: &mut RayTile,
         ray: usize,
         (leaf, entry): (Ref, usize),
     ) -> bool {
-        tile.open.pairs[tile.open.count % LANES] = Pair { ray, leaf, entry };
+        tile.open.pairs[tile.open.count % LANES] = OpenPair { ray, leaf, entry };
         tile.open.count += 1;
         tile.open.count == LANES && {
             self.settle(simd, tile);
@@ -147,7 +160,7 @@ impl<Q: Query, P: Arithmetic> Batch<'_, Q, P> {
     /// Decides on the open pairs in double precision, and where that does not suffice in exact
     /// arithmetic.
     #[inline(always)]
-    pub(super) fn settle<S: Lanes>(&mut self, simd: S, tile: &mut Tile) {
+    pub(super) fn settle<S: Lanes>(&mut self, simd: S, tile: &mut RayTile) {
         let Self { searched, tests, .. } = self;
         if tile.open.count == 0 {
             return;
@@ -162,7 +175,7 @@ impl<Q: Query, P: Arithmetic> Batch<'_, Q, P> {
 
     /// Tests the primitives of a list with the rays.
     #[inline(always)]
-    fn visit_list<S: Lanes>(&mut self, simd: S, tile: &mut Tile, place: Ref, rays: u64) {
+    fn visit_list<S: Lanes>(&mut self, simd: S, tile: &mut RayTile, place: Ref, rays: u64) {
         let Self { searched, tests, .. } = self;
         outlined(
             simd,
@@ -188,34 +201,14 @@ impl<Q: Query, P: Arithmetic> Batch<'_, Q, P> {
     }
 }
 
-/// A ray of the tile and a triangle of a leaf.
-#[derive(Clone, Copy, Debug)]
-struct Pair {
-    ray: usize,
-    leaf: Ref,
-    entry: usize,
-}
-
-/// Pairs that single precision leaves open: double precision takes eight at a time.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Open {
-    pairs: [Pair; LANES],
-    count: usize,
-}
-
-impl Open {
-    pub(super) const NONE: Self =
-        Self { pairs: [Pair { ray: 0, leaf: Ref::ROOT, entry: 0 }; LANES], count: 0 };
-}
-
-/// What [`Tile::take`] did.
+/// What [`RayTile::take`] did.
 struct Left {
     is_closer: bool,
     /// The rays that are not decided, a bit each.
     open: u32,
 }
 
-impl Tile {
+impl RayTile {
     /// Takes the hits of the `g`th group that certainly come first.
     #[inline(always)]
     fn take<S: Lanes, Q: Query, P: Arithmetic>(
@@ -223,7 +216,7 @@ impl Tile {
         simd: S,
         g: usize,
         at: (Ref, usize),
-        Met { t: [low, high], inside, open }: &Met<S>,
+        GroupTest { t: [low, high], inside, open }: &GroupTest<S>,
     ) -> Left {
         let (t_min, t_max) = (load(simd, &self.t_min, g), load(simd, &self.t_max, g));
         let within = (low.simd_gt(t_min) & high.simd_lt(t_max)).bits();
@@ -254,20 +247,20 @@ impl Tile {
     }
 }
 
-/// See [`Batch::settle`].
+/// See [`TileBatch::settle`].
 #[inline(always)]
 fn settle_pairs<S: Lanes, Q: Query>(
     simd: S,
     searched: Searched<'_>,
-    tile: &mut Tile,
+    tile: &mut RayTile,
     tests: &mut TestCounts,
 ) {
-    let Open { pairs, count } = tile.open;
+    let OpenPairs { pairs, count } = tile.open;
     let pairs = &pairs[..count.min(LANES)];
     tests.settled += pairs.len() as u64;
     let arena = searched.tree.arena.view();
     let (mut gathered, mut range) = (Pairs::default(), [[0.0; LANES]; 2]);
-    for (lane, &Pair { ray, leaf, entry }) in pairs.iter().enumerate().take(LANES) {
+    for (lane, &OpenPair { ray, leaf, entry }) in pairs.iter().enumerate().take(LANES) {
         let ray = tile.ray(ray);
         gathered.set(lane, &ray, arena, (leaf, entry));
         (range[0][lane], range[1][lane]) = (ray.t_min, ray.t_max);
@@ -276,7 +269,7 @@ fn settle_pairs<S: Lanes, Q: Query>(
     let [t_min, t_max] = &range;
     let range = [<f32x8<S> as Single>::load(simd, t_min), <f32x8<S> as Single>::load(simd, t_max)];
     let Settled { t, hit, miss } = settle::settle(&line, &corners, range);
-    for (lane, &Pair { ray, leaf, entry }) in pairs.iter().enumerate().take(LANES) {
+    for (lane, &OpenPair { ray, leaf, entry }) in pairs.iter().enumerate().take(LANES) {
         let t = if hit >> lane & 1 == 1 {
             Some(t.lane(lane))
         } else if miss >> lane & 1 == 1 {
@@ -296,7 +289,7 @@ fn settle_pairs<S: Lanes, Q: Query>(
 #[inline(never)]
 fn ask_each<Q: Query, P: Arithmetic>(
     searched: Searched<'_>,
-    tile: &mut Tile,
+    tile: &mut RayTile,
     number: u32,
     (place, entry): (Ref, usize),
     mut rays: u64,

@@ -5,7 +5,8 @@ use fearless_simd::{f32x16, mask32x16};
 
 use super::TILE;
 use super::beam::{Beam, Extents};
-use super::tile::{Column, GROUPS, Tile, WIDTH, first, load, number_of};
+use super::columns::{GROUPS, TileColumn, WIDTH, first, load, number_of};
+use super::tile::RayTile;
 use crate::accel::rays::{BLOCK_EDGE, RayLanes, Rays};
 use crate::math::simd::Lanes;
 
@@ -16,7 +17,7 @@ const FEWEST: u32 = 20;
 /// Rays along an edge of a tile.
 const TILE_EDGE: usize = 8;
 
-impl Tile {
+impl RayTile {
     /// Loads rays of the block that starts at `block`, of which some are `left`, a bit each: all, or
     /// those with the signs of the first. Returns them, and whether they are fit for a packet: many,
     /// all valid, with one sign along each axis.
@@ -97,7 +98,7 @@ impl Tile {
         let mut extents = Extents::new(simd);
         for g in 0..GROUPS {
             let own = mask32x16::from_bitmask(simd, self.rays >> (g * WIDTH) & 0xFFFF);
-            let pick = |column: &Column, other: f32| {
+            let pick = |column: &TileColumn, other: f32| {
                 own.select(load(simd, column, g), f32x16::splat(simd, other))
             };
             let ([ox, oy, oz], [dx, dy, dz]) = (&self.origin, &self.direction);

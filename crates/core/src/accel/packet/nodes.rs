@@ -4,9 +4,10 @@ use fearless_simd::prelude::*;
 use fearless_simd::{f32x16, u32x8};
 
 use super::Visit;
-use super::beam::Met;
-use super::tile::{Column, GROUPS, Tile, WIDTH, load};
-use crate::accel::arena::{Node, Ref, View, child_of};
+use super::beam::MetChildren;
+use super::columns::{GROUPS, TileColumn, WIDTH, load};
+use super::tile::RayTile;
+use crate::accel::arena::{ArenaView, Node, Ref, child_of};
 use crate::accel::node::{distance, widened};
 use crate::accel::query::Query;
 use crate::math::simd::{LANES, Lanes, entry};
@@ -16,13 +17,13 @@ use crate::math::simd::{LANES, Lanes, entry};
 #[inline(always)]
 pub(super) fn visit<S: Lanes, Q: Query>(
     simd: S,
-    tile: &mut Tile,
-    arena: View<'_>,
+    tile: &mut RayTile,
+    arena: ArenaView<'_>,
     place: Ref,
     rays: u64,
 ) {
     let node = arena.node(place);
-    let Met { near, some, all } = tile.beam.children(simd, node);
+    let MetChildren { near, some, all } = tile.beam.children(simd, node);
     let lanes: u32x8<S> = [0, 1, 2, 3, 4, 5, 6, 7].simd_into(simd);
     let mut met = [0; LANES];
     let some = some.to_bitmask() as u8;
@@ -53,7 +54,7 @@ pub(super) fn visit<S: Lanes, Q: Query>(
 #[inline(always)]
 fn rays_in<S: Lanes, const ONE: bool>(
     simd: S,
-    tile: &Tile,
+    tile: &RayTile,
     node: &Node,
     lane: usize,
     rays: u64,
@@ -90,7 +91,7 @@ fn beyond<S: Lanes, const ONE: bool>(
     simd: S,
     plane: f32,
     [one, _]: [f32; 2],
-    origins: &Column,
+    origins: &TileColumn,
     g: usize,
 ) -> f32x16<S> {
     if ONE {

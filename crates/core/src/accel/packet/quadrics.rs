@@ -3,7 +3,8 @@
 use fearless_simd::f32x8;
 
 use super::TILE;
-use super::tile::{Column, GROUPS, Tile, WIDTH};
+use super::columns::{GROUPS, TileColumn, WIDTH};
+use super::tile::RayTile;
 use crate::accel::arena::Ref;
 use crate::accel::best::Best;
 use crate::accel::query::Query;
@@ -14,7 +15,7 @@ use crate::math::real::{Mask, Real, Single};
 use crate::math::simd::{LANES, Lanes};
 use crate::math::vector::{Line, Vector};
 
-impl Tile {
+impl RayTile {
     /// Tests the quadric of an entry in a list against some `rays`, a bit each.
     #[inline(always)]
     pub(super) fn meet_quadric<S: Lanes, Q: Query, P: Arithmetic>(
@@ -31,8 +32,9 @@ impl Tile {
                 continue;
             }
             let (g, l) = (first / WIDTH % GROUPS, first % WIDTH);
-            let load = |column: &Column| <f32x8<S> as Single>::from_slice(simd, &column[g][l..]);
-            let vector = |[x, y, z]: &[Column; 3]| Vector::new(load(x), load(y), load(z));
+            let load =
+                |column: &TileColumn| <f32x8<S> as Single>::from_slice(simd, &column[g][l..]);
+            let vector = |[x, y, z]: &[TileColumn; 3]| Vector::new(load(x), load(y), load(z));
             let line = Line { origin: vector(&self.origin), direction: vector(&self.direction) };
             let range = [load(&self.t_min), load(&self.t_max)];
             let (t, is_hit) = quadric.meet::<_, P>(&line, range);

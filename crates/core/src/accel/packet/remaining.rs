@@ -3,7 +3,7 @@
 use crate::accel::node::distance;
 use crate::accel::query::Query;
 use crate::accel::rays::Rays;
-use crate::accel::stream::{FromRoot, Slot, Source};
+use crate::accel::stream::{FromRoot, RaySource, Slot};
 use crate::geometry::PreparedRay;
 use crate::kernels::precision::Arithmetic;
 
@@ -23,7 +23,7 @@ pub(super) struct Remaining<'a> {
     pub(super) rest: FromRoot<'a>,
 }
 
-impl<Q: Query, P: Arithmetic> Source<Q, P> for Remaining<'_> {
+impl<Q: Query, P: Arithmetic> RaySource<Q, P> for Remaining<'_> {
     #[inline(always)]
     fn next(
         &mut self,
@@ -53,6 +53,6 @@ impl<Q: Query, P: Arithmetic> Source<Q, P> for Remaining<'_> {
                 return Some(entries);
             }
         }
-        <FromRoot<'_> as Source<Q, P>>::next(&mut self.rest, answers, stack, slot)
+        <FromRoot<'_> as RaySource<Q, P>>::next(&mut self.rest, answers, stack, slot)
     }
 }

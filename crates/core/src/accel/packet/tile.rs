@@ -5,10 +5,10 @@ use fearless_simd::{f32x8, f32x16, mask32x16, u32x8, u32x16};
 use glam::Vec3;
 
 use super::beam::Beam;
+use super::columns::{GROUPS, TileColumn, WIDTH, half, load, number_of, numbers};
 use super::frame::Frame;
-use super::leaves::Open;
 use super::{TILE, Visit};
-use crate::accel::arena::{Ref, View};
+use crate::accel::arena::{ArenaView, Ref};
 use crate::accel::best::{Best, exact_t};
 use crate::accel::node::widened;
 use crate::accel::query::Query;
@@ -21,27 +21,18 @@ use crate::math::real::{Mask, Single};
 use crate::math::simd::{LANES, Lanes};
 use crate::math::vector::{Line, Vector};
 
-/// Rays tested at a time.
-pub(super) const WIDTH: usize = 16;
-
-/// Groups of [`WIDTH`] rays in a tile.
-pub(super) const GROUPS: usize = TILE / WIDTH;
-
-/// A number for each ray of a tile.
-pub(super) type Column = [[f32; WIDTH]; GROUPS];
-
 /// A tile's rays, in columns. The order of fields keeps vectors within cache lines.
 #[derive(Clone, Debug)]
 #[repr(C, align(64))]
-pub(super) struct Tile {
-    pub(super) origin: [Column; 3],
-    pub(super) direction: [Column; 3],
-    pub(super) t_min: Column,
-    pub(super) t_max: Column,
-    pub(super) reciprocal: [Column; 3],
+pub(super) struct RayTile {
+    pub(super) origin: [TileColumn; 3],
+    pub(super) direction: [TileColumn; 3],
+    pub(super) t_min: TileColumn,
+    pub(super) t_max: TileColumn,
+    pub(super) reciprocal: [TileColumn; 3],
     /// The best hits: see [`Best`].
-    pub(super) low: Column,
-    pub(super) high: Column,
+    pub(super) low: TileColumn,
+    pub(super) high: TileColumn,
     pub(super) leaf: [[u32; WIDTH]; GROUPS],
     pub(super) entry: [[u32; WIDTH]; GROUPS],
     /// For triangles, once many rays meet one.
@@ -51,7 +42,7 @@ pub(super) struct Tile {
     spaces: [ShearedSpace; TILE],
     pub(super) has_space: u64,
     pub(super) beam: Beam,
-    pub(super) open: Open,
+    pub(super) open: OpenPairs,
     /// The number of the first ray of its block.
     pub(super) block: usize,
     /// The rays of the block that it has, a bit each. The others' columns repeat one of them.
@@ -65,36 +56,27 @@ pub(super) struct Tile {
     pub(super) height: usize,
 }
 
-/// The index in a tile's row of groups of ray number `number`, counted row by row: each group is a
-/// block of 4 by 4, which meets less than one of 8 by 2.
-#[inline(always)]
-pub(super) fn index_of(number: usize) -> usize {
-    number & 0b100011 | (number & 0b011000) >> 1 | (number & 0b000100) << 2
+/// A ray of the tile and a triangle of a leaf.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct OpenPair {
+    pub(super) ray: usize,
+    pub(super) leaf: Ref,
+    pub(super) entry: usize,
 }
 
-/// The inverse of [`index_of`].
-#[inline(always)]
-pub(super) fn number_of(index: usize) -> usize {
-    index & 0b100011 | (index & 0b001100) << 1 | (index & 0b010000) >> 2
+/// Pairs that single precision leaves open: double precision takes eight at a time.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct OpenPairs {
+    pub(super) pairs: [OpenPair; LANES],
+    pub(super) count: usize,
 }
 
-/// The first `count` rays of a block, or all, a bit each.
-#[inline(always)]
-pub(super) fn first(count: usize) -> u64 {
-    (count..TILE).fold(u64::MAX, |rays, number| rays & !(1 << index_of(number)))
+impl OpenPairs {
+    const NONE: Self =
+        Self { pairs: [OpenPair { ray: 0, leaf: Ref::ROOT, entry: 0 }; LANES], count: 0 };
 }
 
-/// The numbers of `rays`, a bit each, of the block that starts at `block`.
-#[inline(always)]
-pub(super) fn numbers(block: usize, mut rays: u64) -> impl Iterator<Item = usize> {
-    std::iter::from_fn(move || {
-        let i = rays.trailing_zeros() as usize;
-        rays &= rays.wrapping_sub(1);
-        (i < TILE).then(|| block + number_of(i))
-    })
-}
-
-impl Default for Tile {
+impl Default for RayTile {
     fn default() -> Self {
         let column = [[0.0; WIDTH]; GROUPS];
         Self {
@@ -112,7 +94,7 @@ impl Default for Tile {
             spaces: [ShearedSpace::new(&Ray::new(Vec3::ZERO, Vec3::X)); TILE],
             has_space: 0,
             beam: Beam::EMPTY,
-            open: Open::NONE,
+            open: OpenPairs::NONE,
             block: 0,
             rays: 0,
             done: 0,
@@ -123,7 +105,7 @@ impl Default for Tile {
     }
 }
 
-impl Tile {
+impl RayTile {
     /// Clears earlier rays' hits. Not where rays are loaded: many tiles meet nothing.
     #[inline(always)]
     pub(super) fn clear(&mut self) {
@@ -237,7 +219,12 @@ impl Tile {
 
     /// The t of the hits of eight rays from the `first`th on, and those that lacked it, a bit each.
     #[inline(always)]
-    fn finished<S: Lanes>(&self, simd: S, arena: View<'_>, first: usize) -> ([f32; LANES], u32) {
+    fn finished<S: Lanes>(
+        &self,
+        simd: S,
+        arena: ArenaView<'_>,
+        first: usize,
+    ) -> ([f32; LANES], u32) {
         let (g, l) = (first / WIDTH % GROUPS, first % WIDTH);
         let t = half(simd, &self.low, g, l);
         let open = t.simd_ne(half(simd, &self.high, g, l)).bits();
@@ -303,7 +290,7 @@ impl Tile {
     #[inline(always)]
     pub(super) fn ray(&self, i: usize) -> Ray {
         let (g, l) = (i / WIDTH % GROUPS, i % WIDTH);
-        let at = |[x, y, z]: &[Column; 3]| Vec3::new(x[g][l], y[g][l], z[g][l]);
+        let at = |[x, y, z]: &[TileColumn; 3]| Vec3::new(x[g][l], y[g][l], z[g][l]);
         Ray {
             origin: at(&self.origin),
             t_min: self.t_min[g][l],
@@ -341,16 +328,4 @@ impl Tile {
         self.leaf[g] = mask.select(u32x16::splat(simd, leaf.bits()), leaves).into();
         self.entry[g] = mask.select(u32x16::splat(simd, entry as u32), entries).into();
     }
-}
-
-/// A group's row of a column.
-#[inline(always)]
-pub(super) fn load<S: Lanes>(simd: S, column: &Column, g: usize) -> f32x16<S> {
-    column[g].simd_into(simd)
-}
-
-/// Half a group's row of a column, from `l` on.
-#[inline(always)]
-fn half<S: Lanes>(simd: S, column: &Column, g: usize, l: usize) -> f32x8<S> {
-    <f32x8<S> as Single>::from_slice(simd, &column[g][l..])
 }

@@ -1,16 +1,16 @@
 //! The next steps of rays in flight.
 
 use super::FLIGHT;
-use crate::accel::arena::{Kind, Ref, View};
+use crate::accel::arena::{ArenaView, Kind, Ref};
 
 /// This many steps to leaves of a kind are worth a loop.
 const ENOUGH_STEPS: usize = 16;
 
 /// A ray in flight, by its slot, and its next place.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Step(u64);
+pub(super) struct StreamStep(u64);
 
-impl Step {
+impl StreamStep {
     #[inline(always)]
     fn new(slot: usize, place: Ref) -> Self {
         Self(u64::from(place.bits()) << 32 | slot as u64)
@@ -29,14 +29,14 @@ impl Step {
 
 /// The next steps of all rays in flight, by kind of place.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Next {
-    steps: [[Step; FLIGHT]; 4],
+pub(super) struct NextSteps {
+    steps: [[StreamStep; FLIGHT]; 4],
     counts: [usize; 4],
 }
 
-impl Next {
+impl NextSteps {
     /// No steps.
-    pub(super) const NONE: Self = Self { steps: [[Step(0); FLIGHT]; 4], counts: [0; 4] };
+    pub(super) const NONE: Self = Self { steps: [[StreamStep(0); FLIGHT]; 4], counts: [0; 4] };
 
     /// The number of rays in flight.
     pub(super) fn count(&self) -> usize {
@@ -46,17 +46,17 @@ impl Next {
     /// Adds the step of a ray, and prefetches its place. Without a branch, which would be
     /// mispredicted.
     #[inline(always)]
-    pub(super) fn push(&mut self, arena: View<'_>, slot: usize, then: Ref) {
+    pub(super) fn push(&mut self, arena: ArenaView<'_>, slot: usize, then: Ref) {
         arena.prefetch(then);
         let kind = then.kind() as usize;
         let count = self.counts[kind];
-        self.steps[kind][count & (FLIGHT - 1)] = Step::new(slot, then);
+        self.steps[kind][count & (FLIGHT - 1)] = StreamStep::new(slot, then);
         self.counts[kind] = count + 1;
     }
 
     /// The `i`th step to a place of this `kind`.
     #[inline(always)]
-    pub(super) fn get(&self, kind: Kind, i: usize) -> Step {
+    pub(super) fn get(&self, kind: Kind, i: usize) -> StreamStep {
         self.steps[kind as usize][i & (FLIGHT - 1)]
     }
 
@@ -67,7 +67,7 @@ impl Next {
         std::mem::take(&mut self.counts[kind as usize]).min(FLIGHT)
     }
 
-    /// As [`Next::take`], if there are enough steps, or none of the kinds before.
+    /// As [`NextSteps::take`], if there are enough steps, or none of the kinds before.
     #[inline(always)]
     pub(super) fn take_enough(&mut self, kind: Kind) -> usize {
         let is_first = self.counts[..kind as usize].iter().all(|&count| count == 0);

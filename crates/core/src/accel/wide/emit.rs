@@ -3,7 +3,7 @@
 use bytemuck::Zeroable;
 use obvhs::bvh2::Bvh2;
 
-use super::{Converter, Output, Owner, SLOTS, Shared};
+use super::{Converter, Output, Owner, SLOTS, SharedVertices};
 use crate::accel::arena::{Kind, NODE_UNITS, Node, Patch, Soup, Unit, relative};
 use crate::geometry::Geometry;
 use crate::math::simd::LANES;
@@ -18,7 +18,7 @@ impl Converter {
         root: u32,
         output: &mut Output,
     ) -> Kind {
-        let mut emitter = Emitter { geometry, converter: self, tree, owner, output };
+        let mut emitter = UnitWriter { geometry, converter: self, tree, owner, output };
         if self.is_leaf(root) {
             return emitter.leaf(root).1;
         }
@@ -73,7 +73,7 @@ impl Converter {
 }
 
 /// Writes nodes and leaves to an output.
-struct Emitter<'a, F> {
+struct UnitWriter<'a, F> {
     geometry: &'a Geometry,
     converter: &'a Converter,
     tree: &'a Bvh2,
@@ -97,13 +97,13 @@ impl Children {
 
 /// The triangles of a leaf.
 #[derive(Default)]
-struct Triangles {
+struct LeafTriangles {
     numbers: [u32; LANES],
     corners: [[u32; 3]; LANES],
     count: usize,
 }
 
-impl<'b, F: Fn(u32) -> Owner<'b>> Emitter<'_, F> {
+impl<'b, F: Fn(u32) -> Owner<'b>> UnitWriter<'_, F> {
     /// Writes an inner node and everything below.
     fn nodes(&mut self, root: u32) {
         // Waiting inner nodes, and the place of their parent's entry.
@@ -151,7 +151,7 @@ impl<'b, F: Fn(u32) -> Owner<'b>> Emitter<'_, F> {
     /// Writes the leaf that the subtree at `place` becomes, and returns its place and kind.
     fn leaf(&mut self, place: u32) -> (usize, Kind) {
         let start = self.output.units.len();
-        let mut triangles = Triangles::default();
+        let mut triangles = LeafTriangles::default();
         let (mut others, mut other_count) = ([0; LANES], 0);
         // At most eight leaves are below, or this one alone.
         let mut waiting = [place; LANES + 1];
@@ -190,8 +190,8 @@ impl<'b, F: Fn(u32) -> Owner<'b>> Emitter<'_, F> {
     }
 
     /// A patch if the triangles have few vertices, else a soup.
-    fn triangles(&mut self, triangles: &Triangles) -> Kind {
-        let mut shared = Shared::default();
+    fn triangles(&mut self, triangles: &LeafTriangles) -> Kind {
+        let mut shared = SharedVertices::default();
         for (lane, &corners) in triangles.corners[..triangles.count].iter().enumerate() {
             if !shared.add(lane, corners) {
                 self.soup(triangles);
@@ -202,8 +202,8 @@ impl<'b, F: Fn(u32) -> Owner<'b>> Emitter<'_, F> {
         Kind::Patch
     }
 
-    fn patch(&mut self, shared: &Shared, numbers: &[u32]) {
-        let Shared { vertices, count, corners } = *shared;
+    fn patch(&mut self, shared: &SharedVertices, numbers: &[u32]) {
+        let SharedVertices { vertices, count, corners } = *shared;
         let mut positions = [[0.0; LANES]; 3];
         for lane in 0..LANES {
             // Unused lanes repeat the first.
@@ -222,7 +222,7 @@ impl<'b, F: Fn(u32) -> Owner<'b>> Emitter<'_, F> {
         numbers.iter().map(|&number| u32::from(number >= first)).sum()
     }
 
-    fn soup(&mut self, triangles: &Triangles) {
+    fn soup(&mut self, triangles: &LeafTriangles) {
         let mut corners = [[[0.0; LANES]; 3]; 3];
         for (lane, triangle) in triangles.corners[..triangles.count].iter().enumerate() {
             for (corner, &v) in triangle.iter().enumerate() {

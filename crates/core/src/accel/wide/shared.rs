@@ -6,7 +6,7 @@ use crate::math::simd::LANES;
 
 /// The vertices of up to eight triangles, each once.
 #[derive(Clone, Copy, Debug, Default)]
-pub(in crate::accel) struct Shared {
+pub(in crate::accel) struct SharedVertices {
     /// The first `count` are used.
     pub(super) vertices: [u32; LANES],
     /// Number of vertices.
@@ -15,7 +15,7 @@ pub(in crate::accel) struct Shared {
     pub(super) corners: [u32; 3],
 }
 
-impl Shared {
+impl SharedVertices {
     /// One triangle.
     pub(in crate::accel) fn of(triangle: [u32; 3]) -> Self {
         let mut shared = Self::default();

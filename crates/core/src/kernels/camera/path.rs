@@ -26,7 +26,7 @@ wavecrest_base::choices! {
 
 /// The camera at a frame.
 #[derive(Clone, Copy, Debug)]
-pub struct Key {
+pub struct Keyframe {
     /// The frame.
     pub frame: u32,
     /// Position and view.
@@ -38,7 +38,7 @@ pub struct Key {
 /// The path of a camera.
 #[derive(Clone, Debug)]
 pub struct Path {
-    keys: Vec<Key>,
+    keys: Vec<Keyframe>,
     interpolation: Interpolation,
     antialias: u32,
     sampling: Sampling,
@@ -49,7 +49,7 @@ impl Path {
     /// The path through `keys`, at least one, in the order of their frames, of a camera with the
     /// other properties of [`Camera::new`].
     pub fn new(
-        keys: Vec<Key>,
+        keys: Vec<Keyframe>,
         interpolation: Interpolation,
         (antialias, sampling): (u32, Sampling),
         lens: Option<Lens>,
@@ -59,7 +59,7 @@ impl Path {
 
     /// The frames from the first key to the last. Before and after, the camera stands still.
     pub fn frames(&self) -> RangeInclusive<u32> {
-        let frame = |key: Option<&Key>| key.map_or(0, |key| key.frame);
+        let frame = |key: Option<&Keyframe>| key.map_or(0, |key| key.frame);
         frame(self.keys.first())..=frame(self.keys.last())
     }
 
@@ -74,7 +74,7 @@ impl Path {
         } else {
             (f64::from(frame) - f64::from(first.frame)) / length
         };
-        let point = |of: &dyn Fn(&Key) -> DVec3| self.point(a, b, part, of);
+        let point = |of: &dyn Fn(&Keyframe) -> DVec3| self.point(a, b, part, of);
         let between = |a: f64, b: f64| a + (b - a) * part;
         let location = point(&|key| key.placement.location);
         let look = point(&|key| key.placement.look);
@@ -92,12 +92,12 @@ impl Path {
         Some(Camera::new(&placement, self.antialias, self.sampling, lens))
     }
 
-    fn line(&self, a: usize, b: usize, part: f64, of: &dyn Fn(&Key) -> DVec3) -> DVec3 {
+    fn line(&self, a: usize, b: usize, part: f64, of: &dyn Fn(&Keyframe) -> DVec3) -> DVec3 {
         let (from, to) = (of(&self.keys[a]), of(&self.keys[b]));
         from + (to - from) * part
     }
 
-    fn point(&self, a: usize, b: usize, part: f64, of: &dyn Fn(&Key) -> DVec3) -> DVec3 {
+    fn point(&self, a: usize, b: usize, part: f64, of: &dyn Fn(&Keyframe) -> DVec3) -> DVec3 {
         if a == b || self.interpolation == Interpolation::Linear {
             return self.line(a, b, part, of);
         }
@@ -113,7 +113,7 @@ impl Path {
     }
 
     /// The movement of a point per frame at the key.
-    fn tangent(&self, key: usize, of: &dyn Fn(&Key) -> DVec3) -> DVec3 {
+    fn tangent(&self, key: usize, of: &dyn Fn(&Keyframe) -> DVec3) -> DVec3 {
         let speed = |a: usize, b: usize| {
             let frames = f64::from(self.keys[b].frame) - f64::from(self.keys[a].frame);
             (of(&self.keys[b]) - of(&self.keys[a])) / frames
@@ -153,7 +153,7 @@ mod tests {
     use crate::kernels::camera::FovAxis;
 
     fn path(points: &[(u32, [f64; 3])], interpolation: Interpolation) -> Path {
-        let key = |&(frame, at): &(u32, [f64; 3])| Key {
+        let key = |&(frame, at): &(u32, [f64; 3])| Keyframe {
             frame,
             placement: Placement {
                 location: at.into(),

@@ -15,14 +15,14 @@ use glam::{DVec3, Vec3};
 
 /// A level above the image itself.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Level {
+pub(super) struct MipLevel {
     /// Width and height in texels, at least 1.
     pub(super) size: [u32; 2],
     /// Row by row, top row first; linear.
     texels: Vec<[f32; 3]>,
 }
 
-impl Level {
+impl MipLevel {
     #[inline]
     pub(super) fn texel(&self, x: u32, y: u32) -> Vec3 {
         Vec3::from(self.texels[y as usize * self.size[0] as usize + x as usize])
@@ -35,8 +35,8 @@ impl Level {
 }
 
 /// The levels above an image of this size, from the finest to one of a single texel.
-pub(super) fn levels(width: u32, height: u32, texel: impl Fn(u32, u32) -> Vec3) -> Vec<Level> {
-    let mut levels: Vec<Level> = Vec::new();
+pub(super) fn levels(width: u32, height: u32, texel: impl Fn(u32, u32) -> Vec3) -> Vec<MipLevel> {
+    let mut levels: Vec<MipLevel> = Vec::new();
     let mut size = [width, height];
     while size != [1, 1] {
         let next = match levels.last() {
@@ -50,7 +50,7 @@ pub(super) fn levels(width: u32, height: u32, texel: impl Fn(u32, u32) -> Vec3) 
 }
 
 /// The level above a level of this size.
-fn coarser(size: [u32; 2], texel: impl Fn(u32, u32) -> Vec3) -> Level {
+fn coarser(size: [u32; 2], texel: impl Fn(u32, u32) -> Vec3) -> MipLevel {
     let half = size.map(|side| (side / 2).max(1));
     let mut texels = Vec::with_capacity(half[0] as usize * half[1] as usize);
     for y in 0..half[1] {
@@ -59,7 +59,7 @@ fn coarser(size: [u32; 2], texel: impl Fn(u32, u32) -> Vec3) -> Level {
             texels.push(mean(y, size[1], half[1], row).as_vec3().to_array());
         }
     }
-    Level { size: half, texels }
+    MipLevel { size: half, texels }
 }
 
 /// The mean over the `index`th of `half` equal parts of `count` values in a row.

@@ -32,12 +32,12 @@ fn determinant(u: &Expansion3, v: &Expansion3, w: &Expansion3) -> Expansion {
 }
 
 /// A ray and a triangle, as seen from the origin of the ray.
-struct Pair {
+struct ShiftedPair {
     direction: Expansion3,
     corners: [Expansion3; 3],
 }
 
-impl Pair {
+impl ShiftedPair {
     fn new(ray: &Ray, triangle: &[Vec3; 3]) -> Self {
         Self {
             direction: exact(ray.direction),
@@ -70,7 +70,7 @@ impl Pair {
 
 /// The t at which the line of `ray` meets the closed `triangle`.
 pub fn meeting(ray: &Ray, triangle: &[Vec3; 3]) -> Option<Quotient> {
-    let pair = Pair::new(ray, triangle);
+    let pair = ShiftedPair::new(ray, triangle);
     let sides = pair.sides();
     let any = |sign| sides.iter().any(|side| side.sign() == sign);
     if any(Ordering::Less) && any(Ordering::Greater) {
@@ -95,7 +95,7 @@ pub fn meet(ray: &Ray, triangle: &[Vec3; 3]) -> Option<f32> {
 /// e . ((p - q) x d) to the determinant of the edge from p to q, which is zero only for an edge along
 /// the ray, whose triangle the ray does not meet.
 pub fn crossing(ray: &Ray, triangle: &[Vec3; 3]) -> Option<f32> {
-    let pair = Pair::new(ray, triangle);
+    let pair = ShiftedPair::new(ray, triangle);
     let sides = pair.sides();
     let range = [ray.t_min, ray.t_max];
     let t = pair.t(&sides).filter(|t| t.is_within(range))?;
@@ -106,14 +106,14 @@ pub fn crossing(ray: &Ray, triangle: &[Vec3; 3]) -> Option<f32> {
 /// The t at which `ray` meets the plane of `triangle`, rounded once, without regard to its range;
 /// `None` if they are parallel.
 pub fn plane(ray: &Ray, triangle: &[Vec3; 3]) -> Option<f32> {
-    let pair = Pair::new(ray, triangle);
+    let pair = ShiftedPair::new(ray, triangle);
     pair.t(&pair.sides()).map(|t| t.rounded())
 }
 
 /// Barycentric coordinates of the point at which the line of a ray meets a triangle's plane, each
 /// within a few ulp; `None` if they are parallel.
 pub fn barycentric(ray: &Ray, triangle: &[Vec3; 3]) -> Option<DVec3> {
-    let sides = Pair::new(ray, triangle).sides();
+    let sides = ShiftedPair::new(ray, triangle).sides();
     let sum = (&(&sides[0] + &sides[1]) + &sides[2]).value();
     (sum != 0.0).then(|| DVec3::from(sides.map(|side| side.value())) / sum)
 }

@@ -48,7 +48,7 @@ pub(crate) struct Settled<F: Single> {
 }
 
 /// t at the planes of triangles: an interval, for lanes where it is known.
-struct Interval<D> {
+struct PlaneT<D> {
     low: D,
     high: D,
 }
@@ -111,7 +111,7 @@ impl<D: Real<Element = f64>> Seen<D> {
 
     /// The interval of t; in lanes where it is unknown, comparisons with it are false.
     #[inline(always)]
-    fn t(&self) -> Interval<D> {
+    fn t(&self) -> PlaneT<D> {
         let normal = Cross::of(self.edges[0], self.edges[1]);
         let (height, height_size) = normal.dot(self.corners[0]);
         let (slope, slope_size) = normal.dot(self.direction);
@@ -120,11 +120,11 @@ impl<D: Real<Element = f64>> Seen<D> {
         let error = (height_size + t.abs() * slope_size).times(T_ERROR) * part.abs();
         let is_known = slope.abs().gt(slope_size.times(KNOWN));
         let error = D::select(is_known, error, error.same(f64::NAN));
-        Interval { low: t - error, high: t + error }
+        PlaneT { low: t - error, high: t + error }
     }
 }
 
-impl<D: Real<Element = f64>> Interval<D> {
+impl<D: Real<Element = f64>> PlaneT<D> {
     /// The exact t, rounded, and the lanes in which it is known.
     #[inline(always)]
     fn rounded<F: Single<Double = D>>(&self) -> (F, F::Mask) {

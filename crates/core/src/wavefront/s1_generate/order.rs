@@ -15,7 +15,7 @@ const BLOCK: u32 = SIDE * SIDE;
 ///
 /// Blocks cut by the tile's edges come last, so that all others start at a multiple of their size.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Walk {
+pub(super) struct TileWalk {
     /// Width and height of the tile.
     tile: [u32; 2],
     block: u32,
@@ -28,7 +28,7 @@ pub(super) struct Walk {
     pub(super) pixel: [u32; 2],
 }
 
-impl Walk {
+impl TileWalk {
     /// A walk over a tile of this size, after `taken` pixels.
     pub(super) fn new(tile: [u32; 2], taken: u32) -> Self {
         let mut walk = Self { tile, block: 0, first: [0; 2], size: [0; 2], step: 0, pixel: [0; 2] };

@@ -16,13 +16,13 @@ const GROUPS: usize = 8;
 const WAITING: usize = GROUPS * LANES;
 
 /// Hits that wait for a full block.
-pub(super) struct Faces<F: Single> {
+pub(super) struct WaitingHits<F: Single> {
     waiting: [Face; WAITING],
     count: usize,
     groups: [Group<F>; GROUPS],
 }
 
-impl<F: Single> Faces<F> {
+impl<F: Single> WaitingHits<F> {
     /// Hits in a block.
     const BLOCK: usize = GROUPS * F::LANES;
 

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use super::{Choice, Measured, Pilot, error};
+use super::{Chosen, MeasuredError, Pilot, error};
 use crate::plot::number::figure;
 use wavecrest_base::error::Result;
 use wavecrest_core::prepared::{Original, PreparedScene, Samples};
@@ -12,9 +12,9 @@ use wavecrest_core::render::{RenderOptions, render};
 #[derive(Clone, Copy, Debug)]
 pub struct Advice {
     /// The choice, as the pilot expects it.
-    pub choice: Choice,
+    pub choice: Chosen,
     /// Seconds of tracing the image, and its error; `None` if the choice takes too long to try.
-    pub measured: Option<(f64, Measured)>,
+    pub measured: Option<(f64, MeasuredError)>,
 }
 
 /// Choices that take longer than this in seconds are not tried.

@@ -7,7 +7,7 @@
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use super::{Choice, Pilot};
+use super::{Chosen, Pilot};
 use wavecrest_base::error::Result;
 
 /// Seconds since the start of the work.
@@ -77,7 +77,7 @@ pub struct Pace<'a> {
 }
 
 impl<'a> Pace<'a> {
-    fn new(budget: &Budget<'a>, choice: &Choice, overhead: Overhead) -> Self {
+    fn new(budget: &Budget<'a>, choice: &Chosen, overhead: Overhead) -> Self {
         let seconds = budget.left() / (1.0 + overhead.measuring);
         Self {
             clock: budget.clock,
@@ -132,8 +132,8 @@ pub fn in_time<T>(
     pilot: &Pilot,
     budget: &Budget<'_>,
     overhead: Overhead,
-    mut render: impl FnMut(&Choice, &Pace<'_>) -> Result<(T, bool)>,
-) -> Result<Option<(Choice, T)>> {
+    mut render: impl FnMut(&Chosen, &Pace<'_>) -> Result<(T, bool)>,
+) -> Result<Option<(Chosen, T)>> {
     let (mut slower, mut most) = (1.0, f64::INFINITY);
     loop {
         let seconds = budget.left() * PLANNED_SHARE / (1.0 + overhead.measuring);

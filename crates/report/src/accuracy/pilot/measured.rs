@@ -44,7 +44,7 @@ pub fn measured_share(size: [u32; 2]) -> f64 {
 
 /// An error measured in windows: root mean squared error of linear values.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Measured {
+pub struct MeasuredError {
     /// The estimate.
     pub error: f64,
     /// The error that the image has at most, with [`CONFIDENCE`]: from the differences between
@@ -52,7 +52,7 @@ pub struct Measured {
     pub at_most: f64,
 }
 
-/// The confidence of [`Measured::at_most`], as standard errors of a normal distribution: 0.975.
+/// The confidence of [`MeasuredError::at_most`], as standard errors of a normal distribution: 0.975.
 const CONFIDENCE: f64 = 1.96;
 
 /// Renders of each window beside the image that is measured.
@@ -64,7 +64,7 @@ pub(super) const OTHERS: u64 = 2;
 ///
 /// # Errors
 /// If there is no memory for a window.
-pub fn error(scene: &PreparedScene, film: Option<&Film>, seed: u64) -> Result<Measured> {
+pub fn error(scene: &PreparedScene, film: Option<&Film>, seed: u64) -> Result<MeasuredError> {
     // A window is one tile: all threads have work only if there are several windows at once.
     let tiles = windows(scene.camera.size(), pilot_seed(seed, u64::from(film.is_some())));
     let found = tiles.into_par_iter().map(|tile| {
@@ -80,7 +80,7 @@ pub fn error(scene: &PreparedScene, film: Option<&Film>, seed: u64) -> Result<Me
     });
     let found: Vec<f64> = found.collect::<Result<_>>()?;
     let (mean, deviation) = mean_and_error(&found);
-    Ok(Measured { error: mean.sqrt(), at_most: (mean + CONFIDENCE * deviation).sqrt() })
+    Ok(MeasuredError { error: mean.sqrt(), at_most: (mean + CONFIDENCE * deviation).sqrt() })
 }
 
 /// The variance of a value between images of one size: the mean over all their values.

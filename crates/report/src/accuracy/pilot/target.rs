@@ -1,7 +1,7 @@
 //! Renders for a target error: as a pilot chooses, then with more points while the error that the
 //! image may have is above the target.
 
-use super::{Choice, MOST_SIDE, Measured, Pilot};
+use super::{Chosen, MOST_SIDE, MeasuredError, Pilot};
 use wavecrest_base::error::Result;
 use wavecrest_core::math::sampling::Points;
 
@@ -12,11 +12,11 @@ const MOST_RENDERS: u32 = 4;
 #[derive(Clone, Debug)]
 pub struct Reached<T> {
     /// Its choice of samples.
-    pub choice: Choice,
+    pub choice: Chosen,
     /// What `render` returned.
     pub rendered: T,
     /// Its error, if it can be measured.
-    pub found: Option<Measured>,
+    pub found: Option<MeasuredError>,
     /// The number of renders.
     pub renders: u32,
 }
@@ -30,7 +30,7 @@ pub struct Reached<T> {
 pub fn reach<T>(
     pilot: &Pilot,
     target: f64,
-    mut render: impl FnMut(&Choice) -> Result<(T, Option<Measured>)>,
+    mut render: impl FnMut(&Chosen) -> Result<(T, Option<MeasuredError>)>,
 ) -> Result<Option<Reached<T>>> {
     let Some(mut choice) = pilot.for_error(target) else { return Ok(None) };
     let mut renders = 0;
@@ -47,14 +47,14 @@ pub fn reach<T>(
 
 /// More points after an error `excess` times the target, as for independent points: this suffices
 /// for any sampler. `None` if there are as many as possible.
-fn finer(choice: &Choice, excess: f64) -> Option<Choice> {
+fn finer(choice: &Chosen, excess: f64) -> Option<Chosen> {
     let now = choice.points.side;
     let side = ((f64::from(now) * excess).ceil() as u32).clamp(now, MOST_SIDE);
     let points = Points { side: side.max(MOST_SIDE.min(now + 1)), ..choice.points };
     let more = f64::from(points.count()) / f64::from(choice.points.count());
     let error = choice.error / more.sqrt();
     let seconds = choice.seconds * more;
-    (points.side > now).then_some(Choice { points, error, seconds, ..*choice })
+    (points.side > now).then_some(Chosen { points, error, seconds, ..*choice })
 }
 
 #[cfg(test)]
@@ -67,7 +67,7 @@ mod tests {
     fn a_target_out_of_reach_ends_at_the_most_points() {
         let points = |side| Points { sampling: Sampling::Sobol, side };
         let choice =
-            |side| Choice { axis: Axis::Pixel, points: points(side), error: 0.5, seconds: 2.0 };
+            |side| Chosen { axis: Axis::Pixel, points: points(side), error: 0.5, seconds: 2.0 };
         let next = finer(&choice(4), 1.5).unwrap();
         assert_eq!((next.points.side, next.seconds), (6, 4.5));
         assert_eq!(finer(&choice(4), 1.0001).unwrap().points.side, 5);

@@ -13,7 +13,7 @@ use crate::selftest::errors::HitErrors;
 
 /// The values shared by all records of a file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Header {
+pub struct SweepHeader {
     /// The program's version.
     pub version: String,
     /// Largest length of the longer side of images in pixels.
@@ -119,7 +119,7 @@ pub struct Errors {
 }
 
 /// The last removed layer, and the seconds in each pass without it and those before it.
-pub type Step = (Option<String>, Vec<(String, f64)>);
+pub type LayerSeconds = (Option<String>, Vec<(String, f64)>);
 
 /// Renders of the scene with layers removed one after another: see
 /// [`layers`](crate::accuracy::layers).
@@ -130,7 +130,7 @@ pub struct LayersRecord {
     /// The precision.
     pub precision: String,
     /// The layers in the order of removal, after the whole scene.
-    pub steps: Vec<Step>,
+    pub steps: Vec<LayerSeconds>,
 }
 
 /// A test of a precision on a scene's triangles.
@@ -201,7 +201,7 @@ macro_rules! records {
 }
 
 records! {
-    Header(Header),
+    Header(SweepHeader),
     Circumstances(Circumstances),
     Scene(SceneRecord),
     Prepared(PreparedRecord),

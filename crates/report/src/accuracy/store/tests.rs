@@ -1,8 +1,8 @@
 use super::*;
 use crate::measure::Timing;
 
-fn header() -> Header {
-    Header { version: "1".into(), longest: 8, most: 4, least: 16 }
+fn header() -> SweepHeader {
+    SweepHeader { version: "1".into(), longest: 8, most: 4, least: 16 }
 }
 
 /// Of the scene `a`, whose times are known.
@@ -84,7 +84,7 @@ fn another_sweep_or_scene_is_refused() {
     );
     assert_eq!(store.records.len(), 2);
     drop(store);
-    let other = Header { most: 9, ..header() };
+    let other = SweepHeader { most: 9, ..header() };
     let error = Store::open(folder.path(), &other).unwrap_err().to_string();
     assert!(error.contains("results of another sweep"), "{error}");
 }

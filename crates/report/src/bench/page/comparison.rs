@@ -1,9 +1,9 @@
 //! The blocks of one comparison.
 
 use super::size;
-use crate::bench::compare::{Comparison, VariantBench};
+use crate::bench::compare::{BenchComparison, VariantBench};
 use crate::bench::machine::Machine;
-use crate::bench::variant::Axis as Compared;
+use crate::bench::variant::Varied;
 use crate::page::{Block, Cell, Table};
 use crate::plot::number::{plural, time_unit};
 use crate::plot::{Axis, Chart, Draw, Guide, Point, Scale, Series};
@@ -11,21 +11,21 @@ use crate::statistics::Rays;
 use wavecrest_core::render::TracerKind;
 
 /// A comparison: heading, and what its speeds are relative to.
-fn words(of: Compared) -> [&'static str; 2] {
+fn words(of: Varied) -> [&'static str; 2] {
     match of {
-        Compared::Ladder => ["From the recursive tracer to the wavefront", "the recursive tracer"],
-        Compared::Kernels => ["Wavefront by kernel", "the default"],
-        Compared::Levels => {
+        Varied::Ladder => ["From the recursive tracer to the wavefront", "the recursive tracer"],
+        Varied::Kernels => ["Wavefront by kernel", "the default"],
+        Varied::Levels => {
             ["Steps by instruction set", "the recursive tracer with the same instructions"]
         }
-        Compared::Batches => ["Wavefront by batch size", "the recursive tracer"],
-        Compared::Threads => ["Both tracers by threads", "the recursive tracer on as many threads"],
-        Compared::Plan => ["Wavefront with all passes", "the plan, which skips what is not needed"],
+        Varied::Batches => ["Wavefront by batch size", "the recursive tracer"],
+        Varied::Threads => ["Both tracers by threads", "the recursive tracer on as many threads"],
+        Varied::Plan => ["Wavefront with all passes", "the plan, which skips what is not needed"],
     }
 }
 
 /// The results of a list.
-pub(super) fn comparison(found: &Comparison, rays: &Rays, machine: &Machine) -> Vec<Block> {
+pub(super) fn comparison(found: &BenchComparison, rays: &Rays, machine: &Machine) -> Vec<Block> {
     let [title, over] = words(found.of);
     let mut blocks = vec![Block::Heading(title.to_owned())];
     if let Some(different) = &found.difference {
@@ -53,10 +53,10 @@ pub(super) fn comparison(found: &Comparison, rays: &Rays, machine: &Machine) -> 
 }
 
 /// The speed of each variant but those that others are compared with, and those with a clock.
-fn speeds_of(found: &Comparison) -> (Axis, Series) {
+fn speeds_of(found: &BenchComparison) -> (Axis, Series) {
     let shown = found.variants.iter().filter(|v| v.over != v.label && !v.variant.time_passes);
     let shown: Vec<&VariantBench> = shown.collect();
-    if found.of == Compared::Batches {
+    if found.of == Varied::Batches {
         let axis = Axis::new("paths in a batch", "", Scale::Log);
         let points = shown.iter().map(|v| point(v.variant.batch as f64, v)).collect();
         return (axis, Series { draw: Draw::Line, points, ..Series::default() });
@@ -85,7 +85,7 @@ pub(super) fn speeds(title: &str, caption: &str, x: Axis, series: Series) -> Cha
 }
 
 /// Times, and ratios of speeds.
-fn times(found: &Comparison, over: &str, note: &str) -> Table {
+fn times(found: &BenchComparison, over: &str, note: &str) -> Table {
     let longest = found.variants.iter().map(|v| v.seconds.median).fold(0.0, f64::max);
     let (scale, second) = time_unit(longest);
     let caption = format!(
@@ -112,7 +112,7 @@ fn times(found: &Comparison, over: &str, note: &str) -> Table {
 }
 
 /// Time by pass. A recursive tracer without a clock has no passes.
-fn passes(found: &Comparison, title: &str) -> Block {
+fn passes(found: &BenchComparison, title: &str) -> Block {
     let is_timed =
         |v: &&VariantBench| v.variant.time_passes || v.variant.tracer == TracerKind::Wavefront;
     let bar = |v: &VariantBench| {
@@ -132,9 +132,9 @@ fn passes(found: &Comparison, title: &str) -> Block {
 }
 
 /// Tests and rays per second, rays that are traced together, and the memory of a batch.
-fn work(found: &Comparison, rays: &Rays, machine: &Machine) -> Table {
+fn work(found: &BenchComparison, rays: &Rays, machine: &Machine) -> Table {
     let caption = match found.of {
-        Compared::Ladder => {
+        Varied::Ladder => {
             "Nodes visited and primitives tested for a ray; millions of rays of each kind in a second of the whole run; \
              closest-hit rays that are traced together, of a packet at a node and in flight; and the ray state of a \
              batch, with the nearest cache that holds it for all threads."
@@ -163,7 +163,7 @@ fn work(found: &Comparison, rays: &Rays, machine: &Machine) -> Table {
 
 /// A table with a row for each variant; cells beyond the columns are left out.
 fn table(
-    found: &Comparison,
+    found: &BenchComparison,
     caption: &str,
     names: &[&str],
     cells: impl Fn(&VariantBench) -> Vec<Cell>,

@@ -1,14 +1,12 @@
-//! Collects the pieces of furniture, and what they are made with: places and random numbers.
-
-use std::f64::consts::TAU;
+//! Collects the pieces of furniture.
 
 use glam::DVec3;
 
 use super::colour::Colour;
-use super::plants::{LEAF_TRIANGLES, Leaf};
-use super::solids::{Facets, Soup};
+use super::facets::{Facets, Soup};
+use super::leaf::{LEAF_TRIANGLES, Leaf};
+use super::random::Random;
 use crate::generate::grid::{Ends, Grid};
-use crate::generate::noise::mix;
 use crate::generate::surface::Surface;
 
 /// A surface of one colour.
@@ -120,99 +118,5 @@ impl Builder {
             });
             self.add(Soup { sides: 3, facets, facet }, plant.colour);
         }
-    }
-}
-
-/// A frame: the origin and the three axes of a space, in the room.
-#[derive(Clone, Copy)]
-pub(super) struct Place {
-    origin: DVec3,
-    axes: [DVec3; 3],
-}
-
-impl Place {
-    /// The room's axes at a point.
-    pub(super) fn at(x: f64, y: f64, z: f64) -> Self {
-        Self { origin: DVec3::new(x, y, z), axes: DVec3::AXES }
-    }
-
-    /// A point of this space, in the room.
-    pub(super) fn point(&self, p: DVec3) -> DVec3 {
-        self.origin + self.direction(p)
-    }
-
-    /// A direction of this space, in the room.
-    pub(super) fn direction(&self, d: DVec3) -> DVec3 {
-        self.axes[0] * d.x + self.axes[1] * d.y + self.axes[2] * d.z
-    }
-
-    /// Moved along its own axes.
-    pub(super) fn moved(self, x: f64, y: f64, z: f64) -> Self {
-        Self { origin: self.point(DVec3::new(x, y, z)), ..self }
-    }
-
-    /// Scaled in its own space.
-    pub(super) fn scaled(self, factor: f64) -> Self {
-        Self { axes: self.axes.map(|axis| axis * factor), ..self }
-    }
-
-    /// Turned about its own x axis, in degrees: y towards z.
-    pub(super) fn pitched(self, degrees: f64) -> Self {
-        self.rotated(1, 2, degrees)
-    }
-
-    /// Turned about its own y axis, in degrees: z towards x.
-    pub(super) fn turned(self, degrees: f64) -> Self {
-        self.rotated(2, 0, degrees)
-    }
-
-    /// Turned about its own z axis, in degrees: x towards y.
-    pub(super) fn rolled(self, degrees: f64) -> Self {
-        self.rotated(0, 1, degrees)
-    }
-
-    /// Turned so that axis `from` goes towards axis `to`.
-    fn rotated(mut self, from: usize, to: usize, degrees: f64) -> Self {
-        let (sin, cos) = libm::sincos(degrees.to_radians());
-        let (a, b) = (self.axes[from], self.axes[to]);
-        self.axes[from] = a * cos + b * sin;
-        self.axes[to] = b * cos - a * sin;
-        self
-    }
-}
-
-/// A sequence of random numbers.
-#[derive(Clone, Copy)]
-pub(super) struct Random(u64);
-
-impl Random {
-    /// Sequence `which` of `seed`.
-    pub(super) fn new(seed: u64, which: u64) -> Self {
-        Self(mix(mix(seed) ^ which))
-    }
-
-    /// Uniform in \[0, 1).
-    pub(super) fn unit(&mut self) -> f64 {
-        self.0 = mix(self.0);
-        // The 53 bits of a mantissa.
-        (self.0 >> 11) as f64 / (1_u64 << 53) as f64
-    }
-
-    /// Uniform between two numbers.
-    pub(super) fn between(&mut self, low: f64, high: f64) -> f64 {
-        low + (high - low) * self.unit()
-    }
-
-    /// One of several, equally likely.
-    pub(super) fn one_of<T: Copy>(&mut self, all: &[T]) -> T {
-        all[(self.unit() * all.len() as f64) as usize]
-    }
-
-    /// Uniform on the unit sphere.
-    pub(super) fn direction(&mut self) -> DVec3 {
-        let y = self.between(-1.0, 1.0);
-        let (sin, cos) = libm::sincos(self.between(0.0, TAU));
-        let radius = (1.0 - y * y).sqrt();
-        DVec3::new(radius * cos, y, radius * sin)
     }
 }

@@ -4,8 +4,9 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 
 use glam::{DVec2, DVec3};
 
-use super::builder::{Builder, Place};
+use super::builder::Builder;
 use super::colour::Colour;
+use super::place::Place;
 use super::solids::MM;
 use crate::generate::grid::Ends;
 use crate::generate::noise::Fractal;

@@ -4,9 +4,11 @@ use std::f64::consts::PI;
 
 use glam::{DVec2, DVec3};
 
-use super::builder::{Builder, Place, Random};
+use super::builder::Builder;
 use super::colour::Colour;
+use super::place::Place;
 use super::profiles::{BOWL, DOOR, DRAWER, GLASS, LEG, PLATE, VASE};
+use super::random::Random;
 use super::solids::{BEVEL, FINE, MM, TURNED};
 use crate::generate::grid::Ends;
 

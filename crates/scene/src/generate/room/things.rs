@@ -4,8 +4,9 @@ use std::f64::consts::PI;
 
 use glam::DVec3;
 
-use super::builder::{Builder, Place};
+use super::builder::Builder;
 use super::colour::Colour;
+use super::place::Place;
 use super::profiles::{
     BOWL, CANDLE, CANDLESTICK, CUP, HANGING_SHADE, KNOB, POT_OF_TEA, SHADE, STAND,
 };

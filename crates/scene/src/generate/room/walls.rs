@@ -2,12 +2,14 @@
 
 use glam::DVec2;
 
-use super::builder::{Builder, Place};
+use super::builder::Builder;
 use super::colour::Colour;
+use super::facets::{Facets, rectangle};
+use super::place::Place;
 use super::profiles::{
     ARCHITRAVE, DOOR, MOUNT, PICTURE_FRAME, PLAIN, PRINT, Profile, WINDOW_FRAME,
 };
-use super::solids::{BEVEL, Facets, MM, rectangle};
+use super::solids::{BEVEL, MM};
 
 /// Half the size of the room in x and z, in metres.
 pub(super) const HALF: DVec2 = DVec2::new(3.0, 2.5);

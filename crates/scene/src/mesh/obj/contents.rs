@@ -26,13 +26,13 @@ pub(super) const NO_VALUES: [u32; 3] = [NO_VALUE; 3];
 
 /// The number of lines and values in some text.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Count {
+pub(super) struct LineCounts {
     pub(super) lines: u64,
     /// By [`KINDS`], as are the first keywords.
     pub(super) values: [u64; 3],
 }
 
-impl Count {
+impl LineCounts {
     fn add(&mut self, keyword: Keyword) {
         if let Some(count) = self.values.get_mut(keyword as usize) {
             *count += 1;
@@ -81,12 +81,12 @@ impl Contents {
     /// wrong. If the `whole` file has been counted, an index beyond is an error.
     pub(super) fn read(
         text: &[u8],
-        start: Option<Count>,
+        start: Option<LineCounts>,
         origin: DVec3,
-        whole: Option<&Count>,
-    ) -> (Count, Result<Self>) {
+        whole: Option<&LineCounts>,
+    ) -> (LineCounts, Result<Self>) {
         let mut piece = Ok(Self { origin, ..Self::default() });
-        let mut corners = Corners::default();
+        let mut corners = FaceCorners::default();
         let mut count = start.unwrap_or_default();
         let before = count.lines;
         let mut all = statements(text);
@@ -131,9 +131,9 @@ impl Contents {
     fn statement(
         &mut self,
         Statement { keyword, rest, .. }: Statement,
-        count: Option<&Count>,
-        whole: Option<&Count>,
-        corners: &mut Corners,
+        count: Option<&LineCounts>,
+        whole: Option<&LineCounts>,
+        corners: &mut FaceCorners,
     ) -> Result<()> {
         match keyword {
             Keyword::Position => self.push_position(rest)?,
@@ -145,7 +145,7 @@ impl Contents {
             Keyword::Face => {
                 corners.read(rest, count)?;
                 let beyond =
-                    |whole: &Count| whole.first_beyond(corners.0.each_ref().map(|c| &c[..]));
+                    |whole: &LineCounts| whole.first_beyond(corners.0.each_ref().map(|c| &c[..]));
                 if let Some(error) = whole.and_then(beyond) {
                     return Err(error);
                 }
@@ -177,7 +177,7 @@ impl Contents {
         Ok(())
     }
 
-    fn push_face(&mut self, Corners(lists): &Corners) {
+    fn push_face(&mut self, FaceCorners(lists): &FaceCorners) {
         let (before, corners) = (self.indices[0].len(), lists[0].len());
         if corners > 3 {
             // A piece is in memory, so its triangles are fewer than 2^32; the sum over the pieces
@@ -262,12 +262,12 @@ fn numbers<'a, const N: usize>(
 
 /// The indices of a face's corners, a list for each of [`KINDS`]; [`NO_VALUE`] for none.
 #[derive(Debug, Default)]
-struct Corners([Vec<u32>; 3]);
+struct FaceCorners([Vec<u32>; 3]);
 
-impl Corners {
+impl FaceCorners {
     /// Reads the corners of a face after `count` values; if the count is unknown, indices must not
     /// count backward.
-    fn read(&mut self, mut rest: &[u8], count: Option<&Count>) -> Result<()> {
+    fn read(&mut self, mut rest: &[u8], count: Option<&LineCounts>) -> Result<()> {
         self.0.iter_mut().for_each(Vec::clear);
         while let Some(word) = first_word(rest) {
             let (corner, length) = match quick(word) {
@@ -313,7 +313,7 @@ fn quick(text: &[u8]) -> Option<([u32; 3], usize)> {
 }
 
 /// The corner in a `word`, in any form.
-fn corner(word: &[u8], count: Option<&Count>) -> Result<[u32; 3]> {
+fn corner(word: &[u8], count: Option<&LineCounts>) -> Result<[u32; 3]> {
     let fault = || malformed("a corner of a face", word, "write it as 1, 1/2, 1//3 or 1/2/3");
     let mut parts = word.split(|&b| b == b'/');
     let mut corner = [NO_VALUE; 3];

@@ -2,10 +2,10 @@
 //! kept, others are skipped.
 
 use super::faces::Faces;
-use super::header::{Element, Header, Shape};
+use super::header::{Element, Header, PropertyType};
 use super::layout::{ListLayout, SLOTS, VertexLayout};
 use super::numbers::{Numbers, malformed};
-use super::vertices::Vertices;
+use super::vertices::VertexArrays;
 use crate::mesh::data::{Attribute, MeshData, Read};
 use crate::mesh::faults::{check_count, no_triangles, syntax, too_few_corners};
 use crate::mesh::polygon::{self, Polygon};
@@ -33,7 +33,7 @@ pub(super) fn read<'a>(header: &'a Header, mut numbers: Numbers<'a>) -> Result<R
 struct Body {
     /// Number of vertices declared: faces may come before them.
     vertex_count: usize,
-    vertices: Vertices,
+    vertices: VertexArrays,
     faces: Faces,
     /// The corners of the current face.
     corners: Vec<u32>,
@@ -41,18 +41,18 @@ struct Body {
 }
 
 /// What the rows of an element are.
-enum Rows {
-    Vertices(VertexLayout),
+enum RowKind {
+    VertexArrays(VertexLayout),
     /// Faces, or strips of triangles.
     Lists(ListLayout),
     /// Unused ones.
     Other,
 }
 
-impl Rows {
+impl RowKind {
     fn of(element: &Element) -> Result<Self> {
         Ok(match element.name.as_str() {
-            "vertex" => Self::Vertices(VertexLayout::of(element)?),
+            "vertex" => Self::VertexArrays(VertexLayout::of(element)?),
             "face" | "tristrips" if element.count > 0 => Self::Lists(ListLayout::of(element)?),
             _ => Self::Other,
         })
@@ -61,7 +61,7 @@ impl Rows {
 
 impl Body {
     fn element(&mut self, element: &Element, numbers: &mut Numbers<'_>) -> Result<()> {
-        let rows = Rows::of(element)?;
+        let rows = RowKind::of(element)?;
         if element.properties.is_empty() {
             return Ok(());
         }
@@ -75,7 +75,9 @@ impl Body {
         }
         match rows {
             // Rows that were read together have been checked.
-            Rows::Vertices(_) if first < element.count => check_positions(&self.vertices.positions),
+            RowKind::VertexArrays(_) if first < element.count => {
+                check_positions(&self.vertices.positions)
+            }
             _ => Ok(()),
         }
     }
@@ -84,16 +86,16 @@ impl Body {
     /// number.
     fn many_rows(
         &mut self,
-        rows: &Rows,
+        rows: &RowKind,
         element: &Element,
         numbers: &mut Numbers<'_>,
     ) -> Result<u64> {
         match rows {
-            Rows::Vertices(layout) => {
-                self.vertices = Vertices::new(self.vertex_count, layout);
+            RowKind::VertexArrays(layout) => {
+                self.vertices = VertexArrays::new(self.vertex_count, layout);
                 self.vertices.read(layout, numbers)
             }
-            Rows::Lists(layout) if !layout.is_strip => {
+            RowKind::Lists(layout) if !layout.is_strip => {
                 let likely = likely_triangles(element, *layout, numbers);
                 let first = self.faces.read(element, *layout, self.vertex_count, numbers)?;
                 if first < element.count {
@@ -107,7 +109,7 @@ impl Body {
 
     fn row(
         &mut self,
-        rows: &Rows,
+        rows: &RowKind,
         element: &Element,
         index: u64,
         numbers: &mut Numbers<'_>,
@@ -115,11 +117,11 @@ impl Body {
         let mut values = [0.0; SLOTS];
         for (property, p) in element.properties.iter().enumerate() {
             match rows {
-                Rows::Vertices(layout) => match layout.columns[property] {
+                RowKind::VertexArrays(layout) => match layout.columns[property] {
                     Some(column) => values[column.slot] = numbers.value(column.kind)?,
                     None => skip(p.shape, numbers)?,
                 },
-                Rows::Lists(layout) if layout.property == property => {
+                RowKind::Lists(layout) if layout.property == property => {
                     self.read_corners(*layout, numbers)?;
                 }
                 _ => skip(p.shape, numbers)?,
@@ -127,16 +129,16 @@ impl Body {
         }
         numbers.end_row()?;
         match rows {
-            Rows::Vertices(layout) => self.vertices.set(index as usize, layout, values),
-            Rows::Lists(layout) if layout.is_strip => {
+            RowKind::VertexArrays(layout) => self.vertices.set(index as usize, layout, values),
+            RowKind::Lists(layout) if layout.is_strip => {
                 // Every index but two makes a triangle at most.
                 self.faces.triangles.reserve(self.corners.len().saturating_sub(2));
                 for strip in self.corners.split(|&i| i == STRIP_END) {
                     self.faces.triangles.extend(strip_triangles(strip));
                 }
             }
-            Rows::Lists(_) => self.push_face()?,
-            Rows::Other => {}
+            RowKind::Lists(_) => self.push_face()?,
+            RowKind::Other => {}
         }
         Ok(())
     }
@@ -190,7 +192,7 @@ impl Body {
         if self.faces.triangles.is_empty() {
             return Err(no_triangles());
         }
-        let Vertices { positions, origin, mut normals, mut uvs, mut colors } = self.vertices;
+        let VertexArrays { positions, origin, mut normals, mut uvs, mut colors } = self.vertices;
         let Faces { mut triangles, polygons } = self.faces;
         self.notes.extend(polygon::split(&polygons, &positions, &mut triangles, &mut []));
         self.notes.extend(mend(&mut normals, &mut uvs, &mut colors));
@@ -231,10 +233,10 @@ fn attribute<T>(values: Vec<T>) -> Option<Attribute<T>> {
 }
 
 /// Skips a property.
-fn skip(shape: Shape, numbers: &mut Numbers<'_>) -> Result<()> {
+fn skip(shape: PropertyType, numbers: &mut Numbers<'_>) -> Result<()> {
     match shape {
-        Shape::One(kind) => numbers.skip(kind, 1),
-        Shape::List { count, item } => {
+        PropertyType::One(kind) => numbers.skip(kind, 1),
+        PropertyType::List { count, item } => {
             let length = numbers.value(count)?;
             let length = list_length(length).map_err(|_| malformed(length))?;
             numbers.skip(item, length)

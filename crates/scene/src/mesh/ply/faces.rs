@@ -7,7 +7,7 @@
 
 use rayon::prelude::*;
 
-use super::header::{Element, Encoding, Scalar, with_type};
+use super::header::{BodyEncoding, Element, Scalar, with_type};
 use super::layout::{ListLayout, stride};
 use super::numbers::Numbers;
 use crate::mesh::data::MAX_COUNT;
@@ -40,7 +40,7 @@ impl Faces {
             return Ok(0);
         }
         let read = match from.encoding {
-            Encoding::BigEndian => read::<true>(from, element, layout, vertices, self),
+            BodyEncoding::BigEndian => read::<true>(from, element, layout, vertices, self),
             _ => read::<false>(from, element, layout, vertices, self),
         };
         let (faces, bytes) = read.unwrap_or_default();
@@ -51,7 +51,7 @@ impl Faces {
 
 /// The layout of a row.
 #[derive(Clone, Copy, Debug)]
-struct Row {
+struct FaceRow {
     stride: usize,
     /// The offset of the list.
     list: usize,
@@ -60,7 +60,7 @@ struct Row {
     limit: u32,
 }
 
-impl Row {
+impl FaceRow {
     /// The layout of the first face, at `place`. `None` if rows vary in length even for equal lists
     /// of corners, if counts and indices are not integers, or if it is not a valid face.
     fn first<const BIG: bool>(
@@ -116,13 +116,13 @@ fn read<const BIG: bool>(
     vertices: usize,
     into: &mut Faces,
 ) -> Option<(u64, u64)> {
-    let row = Row::first::<BIG>(from.file, from.place(), element, layout, vertices)?;
+    let row = FaceRow::first::<BIG>(from.file, from.place(), element, layout, vertices)?;
     let triangles = element.count.checked_mul(row.fan() as u64)?;
     if (row.stride as u64).checked_mul(element.count)? > from.left || triangles > MAX_COUNT {
         return None;
     }
     // Sizes alone matter: there is one function for each pair of them.
-    let decode: Decode = with_type!(layout.count, C => with_type!(layout.item, I => {
+    let decode: ReadRows = with_type!(layout.count, C => with_type!(layout.item, I => {
         decode::<{ size_of::<C>() }, { size_of::<I>() }, BIG>
     }));
     let (file, start) = (from.file, from.place());
@@ -153,15 +153,15 @@ fn read<const BIG: bool>(
 
 /// Reads rows; returns the number of rows before the first that is not a valid face of this many
 /// corners.
-type Decode = fn(&[u8], Row, &mut [[u32; 3]]) -> usize;
+type ReadRows = fn(&[u8], FaceRow, &mut [[u32; 3]]) -> usize;
 
 fn decode<const C: usize, const I: usize, const BIG: bool>(
     rows: &[u8],
-    row: Row,
+    row: FaceRow,
     to: &mut [[u32; 3]],
 ) -> usize {
     // If a row is only a triangle's list, the compiler knows every offset.
-    let packed = Row { stride: C + TRIANGLE * I, list: 0, corners: TRIANGLE, ..row };
+    let packed = FaceRow { stride: C + TRIANGLE * I, list: 0, corners: TRIANGLE, ..row };
     if (row.stride, row.corners) == (packed.stride, packed.corners) {
         decode_rows::<C, I, BIG>(rows, packed, to)
     } else {
@@ -172,7 +172,7 @@ fn decode<const C: usize, const I: usize, const BIG: bool>(
 #[inline(always)]
 fn decode_rows<const C: usize, const I: usize, const BIG: bool>(
     rows: &[u8],
-    row: Row,
+    row: FaceRow,
     to: &mut [[u32; 3]],
 ) -> usize {
     let is_good = |(to, bytes): (&mut [[u32; 3]], &[u8])| {

@@ -15,7 +15,7 @@ const MAX_HEADER: u64 = 1 << 20;
 
 /// The encoding of the body.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Encoding {
+pub(super) enum BodyEncoding {
     Ascii,
     LittleEndian,
     BigEndian,
@@ -78,7 +78,7 @@ impl Scalar {
 
 /// The content of a property.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Shape {
+pub(super) enum PropertyType {
     One(Scalar),
     List { count: Scalar, item: Scalar },
 }
@@ -87,7 +87,7 @@ pub(super) enum Shape {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Property {
     pub(super) name: String,
-    pub(super) shape: Shape,
+    pub(super) shape: PropertyType,
 }
 
 /// A table of the body: `count` rows of the same properties.
@@ -103,7 +103,7 @@ pub(super) struct Element {
 /// A whole header.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Header {
-    pub(super) encoding: Encoding,
+    pub(super) encoding: BodyEncoding,
     pub(super) elements: Vec<Element>,
     /// Its length, the offset of the body.
     pub(super) bytes: u64,
@@ -121,7 +121,7 @@ impl Element {
     /// empty lists.
     pub(super) fn least_row(&self, least: impl Fn(Scalar) -> u64) -> u64 {
         let of = |property: &Property| match property.shape {
-            Shape::One(kind) | Shape::List { count: kind, .. } => least(kind),
+            PropertyType::One(kind) | PropertyType::List { count: kind, .. } => least(kind),
         };
         self.properties.iter().map(of).sum()
     }
@@ -184,7 +184,7 @@ fn end_missing(bytes: u64) -> Error {
 fn statement(
     words: &[&str],
     line: u64,
-    encoding: &mut Option<Encoding>,
+    encoding: &mut Option<BodyEncoding>,
     elements: &mut Vec<Element>,
 ) -> Result<()> {
     match words {
@@ -206,11 +206,11 @@ fn statement(
     Ok(())
 }
 
-fn format(words: &[&str]) -> Result<Encoding> {
+fn format(words: &[&str]) -> Result<BodyEncoding> {
     let encoding = match words {
-        ["ascii", _] => Encoding::Ascii,
-        ["binary_little_endian", _] => Encoding::LittleEndian,
-        ["binary_big_endian", _] => Encoding::BigEndian,
+        ["ascii", _] => BodyEncoding::Ascii,
+        ["binary_little_endian", _] => BodyEncoding::LittleEndian,
+        ["binary_big_endian", _] => BodyEncoding::BigEndian,
         _ => {
             let right = "use ascii, binary_little_endian or binary_big_endian, and then 1.0";
             return Err(syntax("the format is unknown").value(words.join(" ")).remedy(right));
@@ -252,9 +252,9 @@ fn element(words: &[&str], line: u64, before: &[Element]) -> Result<Element> {
 fn property(words: &[&str]) -> Result<Property> {
     let (name, shape) = match words {
         ["list", count, item, name] => {
-            (name, Shape::List { count: scalar(count)?, item: scalar(item)? })
+            (name, PropertyType::List { count: scalar(count)?, item: scalar(item)? })
         }
-        [kind, name] => (name, Shape::One(scalar(kind)?)),
+        [kind, name] => (name, PropertyType::One(scalar(kind)?)),
         _ => {
             return Err(syntax("a property needs a type and a name")
                 .value(words.join(" "))
@@ -300,13 +300,13 @@ mod tests {
                     element  vertex 7\r\nproperty\tfloat32 x\r\n  property list uint8  int w\r\n\
                     comment b\r\nelement face 0\r\n end_header \r\nBODY";
         let header = parse(text).unwrap();
-        assert_eq!(header.encoding, Encoding::BigEndian);
+        assert_eq!(header.encoding, BodyEncoding::BigEndian);
         assert_eq!((header.bytes, header.lines), (text.len() as u64 - 4, 11));
         assert_eq!(header.elements.len(), 2);
         let vertex = &header.elements[0];
         assert_eq!((vertex.name.as_str(), vertex.count, vertex.line), ("vertex", 7, 6));
-        assert_eq!(vertex.properties[0].shape, Shape::One(Scalar::F32));
-        let list = Shape::List { count: Scalar::U8, item: Scalar::I32 };
+        assert_eq!(vertex.properties[0].shape, PropertyType::One(Scalar::F32));
+        let list = PropertyType::List { count: Scalar::U8, item: Scalar::I32 };
         assert_eq!(vertex.properties[1], Property { name: "w".into(), shape: list });
     }
 

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use super::header::{Element, Header, Property, Scalar, Shape, place};
+use super::header::{Element, Header, Property, PropertyType, Scalar, place};
 use crate::mesh::faults::syntax;
 use wavecrest_base::error::{Error, ErrorKind, Result};
 
@@ -28,7 +28,7 @@ const LISTS: [&str; 2] = ["vertex_indices", "vertex_index"];
 
 /// The source of a number of a vertex.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Column {
+pub(super) struct NumberSource {
     /// The slot: 0 to 2 are the position, 3 to 5 the normal, 6 and 7 the texture coordinates, 8 to
     /// 10 the colour.
     pub(super) slot: usize,
@@ -43,7 +43,7 @@ pub(super) struct Column {
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct VertexLayout {
     /// For each property its column, if it is used.
-    pub(super) columns: Vec<Option<Column>>,
+    pub(super) columns: Vec<Option<NumberSource>>,
     /// The length of a binary row, if it is constant.
     pub(super) stride: Option<usize>,
     /// Whether positions are in double precision.
@@ -73,10 +73,10 @@ impl VertexLayout {
     /// Assigns the `properties` to the slots from `first` on.
     fn add(&mut self, element: &Element, properties: &[usize], first: usize) {
         for (slot, &p) in (first..).zip(properties) {
-            let Shape::One(kind) = element.properties[p].shape else { continue };
+            let PropertyType::One(kind) = element.properties[p].shape else { continue };
             let offset = stride(&element.properties[..p]).unwrap_or(0);
             let scale = scale(slot, kind);
-            self.columns[p] = Some(Column { slot, kind, offset, scale });
+            self.columns[p] = Some(NumberSource { slot, kind, offset, scale });
         }
     }
 
@@ -86,14 +86,14 @@ impl VertexLayout {
     }
 
     /// The columns of some slots, in order: none if the file lacks them.
-    pub(super) fn slots(&self, slots: Range<usize>) -> Vec<Column> {
+    pub(super) fn slots(&self, slots: Range<usize>) -> Vec<NumberSource> {
         let column = |slot| self.columns.iter().flatten().find(|c| c.slot == slot).copied();
         slots.filter_map(column).collect()
     }
 
     /// Whether a binary row is exactly three floats, x, y, z.
     pub(super) fn is_packed(&self) -> bool {
-        let place = |(slot, column): (usize, &Option<Column>)| {
+        let place = |(slot, column): (usize, &Option<NumberSource>)| {
             column.is_some_and(|column| (column.slot, column.kind) == (slot, Scalar::F32))
         };
         self.columns.len() == 3 && self.columns.iter().enumerate().all(place)
@@ -126,7 +126,7 @@ fn find(element: &Element, name: &str) -> Result<Option<usize>> {
             .remedy("rename one of the two"));
     }
     match first.map(|i| element.properties[i].shape) {
-        Some(Shape::List { .. }) => Err(syntax("a vertex property must be a single number")
+        Some(PropertyType::List { .. }) => Err(syntax("a vertex property must be a single number")
             .value(format_args!("a list \"{name}\""))
             .remedy(format!("declare it as \"property float {name}\""))),
         _ => Ok(first),
@@ -143,8 +143,8 @@ fn no_position(element: &Element) -> Error {
 /// The binary length of these properties, if none is a list.
 pub(super) fn stride(properties: &[Property]) -> Option<usize> {
     let size = |p: &Property| match p.shape {
-        Shape::One(kind) => Some(kind.size()),
-        Shape::List { .. } => None,
+        PropertyType::One(kind) => Some(kind.size()),
+        PropertyType::List { .. } => None,
     };
     properties.iter().map(size).sum()
 }
@@ -181,7 +181,7 @@ pub(super) struct ListLayout {
 impl ListLayout {
     pub(super) fn of(element: &Element) -> Result<Self> {
         let mut lists = (0..).zip(&element.properties).filter_map(|(property, p)| {
-            let Shape::List { count, item } = p.shape else { return None };
+            let PropertyType::List { count, item } = p.shape else { return None };
             let layout = Self { property, count, item, is_strip: element.name == "tristrips" };
             LISTS.contains(&p.name.as_str()).then_some(layout)
         });

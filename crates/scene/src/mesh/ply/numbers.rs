@@ -4,7 +4,7 @@
 //! rows: a row that ends inside a line means that the header does not fit the body, and everything
 //! after it would be misread.
 
-use super::header::{Element, Encoding, Header, Scalar, with_type};
+use super::header::{BodyEncoding, Element, Header, Scalar, with_type};
 use crate::mesh::faults::{read_failure, syntax};
 use crate::mesh::number;
 use crate::mesh::place::ReadAt;
@@ -18,7 +18,7 @@ pub(super) struct Numbers<'a> {
     pub(super) file: &'a dyn ReadAt,
     /// Whose rows are read, for messages.
     pub(super) element: Option<&'a Element>,
-    pub(super) encoding: Encoding,
+    pub(super) encoding: BodyEncoding,
     /// Bytes that a thread reads at once where many rows can be read together; 0 for never.
     pub(super) block: usize,
     /// Bytes of the body, of which those before `at` are read.
@@ -42,7 +42,7 @@ impl<'a> Numbers<'a> {
             file,
             element: None,
             encoding,
-            block: if encoding == Encoding::Ascii { 0 } else { buffer },
+            block: if encoding == BodyEncoding::Ascii { 0 } else { buffer },
             buffer: Vec::new(),
             at: 0,
             most: buffer.max(2 * LONGEST),
@@ -55,7 +55,7 @@ impl<'a> Numbers<'a> {
     /// The next number, of the type `kind`. `f64` represents every value of every type.
     #[allow(clippy::useless_conversion, reason = "one of the types is f64")]
     pub(super) fn value(&mut self, kind: Scalar) -> Result<f64> {
-        if self.encoding != Encoding::Ascii {
+        if self.encoding != BodyEncoding::Ascii {
             return Ok(with_type!(kind, N => f64::from(N::from_le_bytes(self.bytes()?))));
         }
         if let Some(value) = self.quick(kind)? {
@@ -68,7 +68,7 @@ impl<'a> Numbers<'a> {
     /// Skips `count` numbers of the type `kind`.
     pub(super) fn skip(&mut self, kind: Scalar, count: u64) -> Result<()> {
         match self.encoding {
-            Encoding::Ascii => (0..count).try_for_each(|_| self.word().map(drop)),
+            BodyEncoding::Ascii => (0..count).try_for_each(|_| self.word().map(drop)),
             _ => self.advance(self.least(kind, count)),
         }
     }
@@ -84,7 +84,7 @@ impl<'a> Numbers<'a> {
 
     /// Checks that a row of a text ends here.
     pub(super) fn end_row(&mut self) -> Result<()> {
-        let is_over = self.encoding != Encoding::Ascii
+        let is_over = self.encoding != BodyEncoding::Ascii
             || self.skip_while(|b| is_blank(b) && b != b'\n')?.is_none_or(|next| next == b'\n');
         is_over.then_some(()).ok_or_else(|| {
             syntax("the line has too many values").remedy(
@@ -96,19 +96,19 @@ impl<'a> Numbers<'a> {
     /// The smallest number of bytes of `count` numbers of the type `kind`: in a text a digit and a
     /// blank each. The last number may lack its blank, but one byte does not matter.
     pub(super) fn least(&self, kind: Scalar, count: u64) -> u64 {
-        let one = if self.encoding == Encoding::Ascii { 2 } else { kind.size() as u64 };
+        let one = if self.encoding == BodyEncoding::Ascii { 2 } else { kind.size() as u64 };
         count.saturating_mul(one)
     }
 
     /// The number of meaningful bytes after the end of the body.
     pub(super) fn trailing(&mut self) -> Result<u64> {
-        let is_blank = self.encoding == Encoding::Ascii && self.skip_while(is_blank)?.is_none();
+        let is_blank = self.encoding == BodyEncoding::Ascii && self.skip_while(is_blank)?.is_none();
         Ok(if is_blank { 0 } else { self.left })
     }
 
     /// The current line, in a text.
     pub(super) fn line(&self) -> Option<u64> {
-        (self.encoding == Encoding::Ascii).then_some(self.line)
+        (self.encoding == BodyEncoding::Ascii).then_some(self.line)
     }
 
     /// The offset of the next number in the file.
@@ -134,7 +134,7 @@ impl<'a> Numbers<'a> {
     fn bytes<const N: usize>(&mut self) -> Result<[u8; N]> {
         let Some(&(mut bytes)) = self.ahead()?.first_chunk() else { return Err(self.cut_off()) };
         self.consume(N as u64);
-        if self.encoding == Encoding::BigEndian {
+        if self.encoding == BodyEncoding::BigEndian {
             bytes.reverse();
         }
         Ok(bytes)

@@ -7,8 +7,8 @@
 use glam::{DVec3, Vec2, Vec3};
 use rayon::prelude::*;
 
-use super::header::{Encoding, Scalar, with_type};
-use super::layout::{COLOR, Column, NORMAL, SLOTS, UV, VertexLayout};
+use super::header::{BodyEncoding, Scalar, with_type};
+use super::layout::{COLOR, NORMAL, NumberSource, SLOTS, UV, VertexLayout};
 use super::numbers::Numbers;
 use crate::mesh::origin::{origin, relative};
 use crate::mesh::place::{ReadAt, part};
@@ -17,7 +17,7 @@ use wavecrest_base::error::Result;
 
 /// The vertices while they are read. All rows exist from the start, as zeros.
 #[derive(Debug, Default)]
-pub(super) struct Vertices {
+pub(super) struct VertexArrays {
     /// Relative to the origin.
     pub(super) positions: Vec<Vec3>,
     pub(super) origin: DVec3,
@@ -27,7 +27,7 @@ pub(super) struct Vertices {
     pub(super) colors: Vec<Vec3>,
 }
 
-impl Vertices {
+impl VertexArrays {
     /// Room for `count` vertices. The caller has checked the count against the size of the file.
     pub(super) fn new(count: usize, layout: &VertexLayout) -> Self {
         let of = |first| if layout.has(first) { count } else { 0 };
@@ -51,7 +51,7 @@ impl Vertices {
             }
             values[..3].copy_from_slice(&(point - self.origin).to_array());
         }
-        for &Column { slot, scale, .. } in layout.columns.iter().flatten() {
+        for &NumberSource { slot, scale, .. } in layout.columns.iter().flatten() {
             let value = values[slot] as f32 * scale;
             match slot {
                 ..NORMAL => self.positions[row][slot] = value,
@@ -69,9 +69,9 @@ impl Vertices {
         let columns =
             [0..NORMAL, NORMAL..UV, UV..COLOR, COLOR..SLOTS].map(|slots| layout.slots(slots));
         let is_packed = layout.is_packed();
-        let rows = Rows { stride, is_packed, is_double: layout.is_double, columns };
+        let rows = VertexRows { stride, is_packed, is_double: layout.is_double, columns };
         let count = match from.encoding {
-            Encoding::BigEndian => rows.read_all::<true>(from, self),
+            BodyEncoding::BigEndian => rows.read_all::<true>(from, self),
             _ => rows.read_all::<false>(from, self),
         };
         from.advance((stride * count) as u64)?;
@@ -80,25 +80,25 @@ impl Vertices {
 }
 
 /// The layout of a row.
-struct Rows {
+struct VertexRows {
     stride: usize,
     is_packed: bool,
     /// Whether positions are in double precision.
     is_double: bool,
     /// The columns of positions, normals, texture coordinates and colours: none if there are none.
-    columns: [Vec<Column>; 4],
+    columns: [Vec<NumberSource>; 4],
 }
 
 /// A block of rows and its destination: the numbers of the four arrays.
-struct Task<'a> {
+struct RowBlock<'a> {
     first: usize,
     place: u64,
     arrays: [&'a mut [f32]; 4],
 }
 
-impl Rows {
+impl VertexRows {
     /// Reads blocks; returns the number of rows before the first block with an error, or of all.
-    fn read_all<const BIG: bool>(&self, from: &Numbers<'_>, to: &mut Vertices) -> usize {
+    fn read_all<const BIG: bool>(&self, from: &Numbers<'_>, to: &mut VertexArrays) -> usize {
         let (count, place) = (to.positions.len(), from.place());
         if self.is_double && count > 0 {
             let mut first = vec![0; self.stride];
@@ -114,9 +114,9 @@ impl Rows {
             bytemuck::cast_slice_mut(&mut to.uvs).chunks_mut(per_task * 2),
             bytemuck::cast_slice_mut(&mut to.colors).chunks_mut(per_task * 3),
         ];
-        let mut tasks: Vec<Task> = (0..count)
+        let mut tasks: Vec<RowBlock> = (0..count)
             .step_by(per_task)
-            .map(|first| Task {
+            .map(|first| RowBlock {
                 first,
                 place: place + (first * self.stride) as u64,
                 arrays: chunks.each_mut().map(|chunks| chunks.next().unwrap_or_default()),
@@ -134,7 +134,7 @@ impl Rows {
     fn read<const BIG: bool>(
         &self,
         file: &dyn ReadAt,
-        task: &mut Task<'_>,
+        task: &mut RowBlock<'_>,
         origin: DVec3,
         buffer: &mut Vec<u8>,
     ) -> std::io::Result<()> {
@@ -181,7 +181,7 @@ impl Rows {
 fn take_columns<const N: usize, const BIG: bool>(
     rows: &[u8],
     stride: usize,
-    columns: [Column; N],
+    columns: [NumberSource; N],
     to: &mut [f32],
 ) {
     let rows = || rows.chunks_exact(stride);
@@ -194,7 +194,7 @@ fn take_columns<const N: usize, const BIG: bool>(
         }
         return;
     }
-    for (number, Column { kind, offset, scale, .. }) in columns.into_iter().enumerate() {
+    for (number, NumberSource { kind, offset, scale, .. }) in columns.into_iter().enumerate() {
         // The type is matched once, not for every row.
         with_type!(kind, T => for (to, row) in to.iter_mut().zip(rows()) {
             to[number] = T::from_le_bytes(part::<_, BIG>(row, offset)) as f32 * scale;

@@ -4,10 +4,12 @@ use glam::{DVec3, Vec3};
 
 use super::{Census, Faces};
 use crate::components::{Filter, Maps, StrengthMap, SurfaceComponents, TextureRef};
+use crate::surface::{EMISSION_MAP, METAL_MAP, OCCLUSION_MAP};
+use wavecrest_core::plan::schedule::Step;
 
 /// Which properties of a shape's material are visible.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Shows {
+pub(crate) struct Shows {
     /// The texture of its colour.
     pub texture: bool,
     /// Emission.
@@ -59,14 +61,26 @@ impl Shows {
         }
     }
 
+    /// The properties after a change of each, with the step that looks it up.
+    pub(in crate::systems) fn map(self, change: impl Fn(Step, bool) -> bool) -> Self {
+        Self {
+            texture: change(Step::Texels, self.texture),
+            emission: change(Step::Emission, self.emission),
+            metal: change(Step::Maps, self.metal),
+            occlusion: change(Step::Maps, self.occlusion),
+            tint: change(Step::Tints, self.tint),
+            normal: change(Step::NormalMaps, self.normal),
+        }
+    }
+
     /// Whether any visible texture of the `i`th shape is trilinear.
     pub(super) fn trilinear(self, census: Census<'_>, i: usize) -> bool {
         let SurfaceComponents { texture, maps, .. } = census.surfaces[i];
         let is_trilinear = |texture: &TextureRef| texture.look_up.filter == Filter::Trilinear;
         let shows = |key: &str| match key {
-            "emissionmap" => self.emission,
-            "metalmap" => self.metal,
-            "occlusionmap" => self.occlusion,
+            EMISSION_MAP => self.emission,
+            METAL_MAP => self.metal,
+            OCCLUSION_MAP => self.occlusion,
             _ => self.normal,
         };
         self.texture && texture.is_some_and(is_trilinear)

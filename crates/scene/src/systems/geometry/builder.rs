@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use glam::DVec3;
 
-use super::meshes::{Room, append, transform_mesh};
+use super::meshes::{ArrayLengths, append, transform_mesh};
 use super::occurrence::Occurrence;
 use super::output::{Output, ShapeOutput, lights};
 use super::tangents::tangents;
@@ -17,14 +17,14 @@ use wavecrest_core::kernels::texture::PlanarMap;
 use wavecrest_core::prepared::{CornerValues, MeshAttributes, Shape, UvMap};
 
 #[derive(Default)]
-pub(super) struct Builder {
-    pub(super) room: Room,
+pub(super) struct GeometryBuilder {
+    pub(super) room: ArrayLengths,
     pub(super) geometry: Geometry,
     pub(super) shapes: Vec<ShapeOutput>,
     pub(super) meshes: Vec<MeshAttributes>,
 }
 
-impl Builder {
+impl GeometryBuilder {
     pub(super) fn add_triangle(
         &mut self,
         occurrence: &Occurrence<'_>,
@@ -59,7 +59,7 @@ impl Builder {
         occurrence.check_count(first_triangle + mesh.triangles.len(), "triangles")?;
         // All numbers were just checked to fit.
         let before = first_position as u32;
-        let Room { positions, triangles } = self.room;
+        let ArrayLengths { positions, triangles } = self.room;
         append(&mut geometry.positions, mesh.positions, positions, before, |p, _| p);
         append(&mut geometry.triangles, mesh.triangles, triangles, before, |t, before| {
             t.map(|v| v + before)

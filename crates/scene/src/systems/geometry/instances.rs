@@ -7,7 +7,7 @@ use glam::{DAffine3, DVec3, Vec3, Vec4};
 use hecs::{Entity, World};
 use rayon::prelude::*;
 
-use super::builder::{Builder, by_position, corner_values};
+use super::builder::{GeometryBuilder, by_position, corner_values};
 use super::occurrence::Occurrence;
 use super::occurrences::Occurrences;
 use super::output::ShapeOutput;
@@ -36,7 +36,7 @@ struct Prototype {
     mesh: Option<u32>,
 }
 
-impl Builder {
+impl GeometryBuilder {
     /// Adds the meshes with several instances, and these instances.
     pub(super) fn add_instances(
         &mut self,

@@ -15,12 +15,12 @@ use wavecrest_core::prepared::CornerValues;
 
 /// The final length of the arrays.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Room {
+pub(super) struct ArrayLengths {
     pub(super) positions: usize,
     pub(super) triangles: usize,
 }
 
-impl Room {
+impl ArrayLengths {
     /// For everything in the world except instances. Meshes are looked up for each occurrence.
     pub(super) fn of(world: &World, occurrences: &Occurrences<'_>) -> Self {
         let mut meshes = world.query::<&Mesh>();

@@ -45,14 +45,14 @@ pub(super) type Geometries<'w> = (
 #[derive(Debug)]
 pub(super) struct Occurrences<'w> {
     pub(super) all: Vec<Occurrence<'w>>,
-    uses: HashMap<Entity, Use>,
+    uses: HashMap<Entity, MeshUses>,
     /// Meshes with several instances, in the order of each one's second instance.
     pub(super) shared: Vec<Entity>,
 }
 
 /// The uses of a mesh.
 #[derive(Debug, Default)]
-pub(super) struct Use {
+pub(super) struct MeshUses {
     /// How many more times it will be taken.
     left: usize,
     /// Number of its instances, without those that shadow rays pass.
@@ -119,7 +119,7 @@ impl<'w> Occurrences<'w> {
             .collect();
         all.sort_by_key(|(order, occurrence)| (occurrence.light.is_some(), *order));
         let all: Vec<Occurrence<'_>> = all.into_iter().map(|(_, occurrence)| occurrence).collect();
-        let mut uses: HashMap<Entity, Use> = HashMap::new();
+        let mut uses: HashMap<Entity, MeshUses> = HashMap::new();
         let mut shared = Vec::new();
         for occurrence in all.iter().filter(|occurrence| occurrence.is_mesh()) {
             let of = uses.entry(occurrence.prototype).or_default();
@@ -143,7 +143,7 @@ impl<'w> Occurrences<'w> {
     }
 
     /// The mesh of `prototype` and its uses: moved out at its last use, copied before.
-    pub(super) fn take(&mut self, world: &World, prototype: Entity) -> (Mesh, &Use) {
+    pub(super) fn take(&mut self, world: &World, prototype: Entity) -> (Mesh, &MeshUses) {
         let of = self.uses.entry(prototype).or_default();
         let Ok(mut mesh) = world.get::<&mut Mesh>(prototype) else { return (Mesh::default(), of) };
         of.left = of.left.saturating_sub(1);

@@ -13,7 +13,7 @@ use crate::systems::reach::Faces;
 
 /// A shape with its entity.
 #[derive(Debug)]
-pub struct ShapeOutput {
+pub(crate) struct ShapeOutput {
     /// The entity.
     pub entity: Entity,
     /// The shape.
@@ -26,7 +26,7 @@ pub struct ShapeOutput {
 
 /// The output of this system.
 #[derive(Debug)]
-pub struct Output {
+pub(crate) struct Output {
     /// The primitives.
     pub geometry: Geometry,
     /// The shapes, by the number of their first primitive.

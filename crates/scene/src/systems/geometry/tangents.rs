@@ -27,7 +27,7 @@ impl Ops for Libm {
 }
 
 /// A mesh, and the tangents at the corners of its triangles.
-struct Corners<'a> {
+struct CornerTangents<'a> {
     mesh: &'a MeshData,
     uvs: &'a Attribute<Vec2>,
     found: Vec<[Vec4; 3]>,
@@ -38,7 +38,7 @@ struct Corners<'a> {
 pub(super) fn tangents(mesh: &MeshData) -> Option<CornerValues<Vec4>> {
     let uvs = mesh.uvs.as_ref()?;
     let found = vec![[Vec4::ZERO; 3]; mesh.triangles.len()];
-    let mut corners = Corners { mesh, uvs, found };
+    let mut corners = CornerTangents { mesh, uvs, found };
     // The crate should not panic, but an odd mesh must not end the program.
     let result = catch_unwind(AssertUnwindSafe(|| generate_tangents(&mut corners)));
     result.ok()?.ok()?;
@@ -74,7 +74,7 @@ fn value<T: Copy>(
     attribute.values.get(indices.get(face)?[corner] as usize).copied()
 }
 
-impl bevy_mikktspace::Geometry<Libm> for Corners<'_> {
+impl bevy_mikktspace::Geometry<Libm> for CornerTangents<'_> {
     fn num_faces(&self) -> usize {
         self.mesh.triangles.len()
     }

@@ -4,16 +4,16 @@ use fearless_simd::prelude::*;
 use fearless_simd::{f32x8, f32x16, mask32x8};
 
 use super::{Frame, Sizes, cross, three};
-use crate::accel::arena::{Ref, View};
+use crate::accel::arena::{ArenaView, Ref};
 use crate::accel::leaf;
-use crate::accel::packet::tile::GROUPS;
+use crate::accel::packet::columns::GROUPS;
 use crate::kernels::precision::Arithmetic;
 use crate::math::float::UNIT_ROUNDOFF;
 use crate::math::real::Mask;
 use crate::math::simd::{LANES, Lanes};
 
 /// The triangles of a leaf in a frame, an axis a row.
-pub(in crate::accel::packet) struct Prepared {
+pub(in crate::accel::packet) struct FramedTriangles {
     /// The normals of the sides opposite to the corners.
     sides: [[[f32; LANES]; 3]; 3],
     /// The edges there, unless all rays have one origin.
@@ -29,7 +29,7 @@ pub(in crate::accel::packet) struct Prepared {
 }
 
 /// What the rays of a group do at a triangle, a bit each.
-pub(in crate::accel::packet) struct Met<S: Lanes> {
+pub(in crate::accel::packet) struct GroupTest<S: Lanes> {
     /// Bounds on t.
     pub(in crate::accel::packet) t: [f32x16<S>; 2],
     /// The rays that certainly pass through, or that may.
@@ -57,10 +57,10 @@ impl Frame {
     pub(in crate::accel::packet) fn prepare<S: Lanes, P: Arithmetic>(
         &self,
         simd: S,
-        arena: View<'_>,
+        arena: ArenaView<'_>,
         place: Ref,
         used: u32,
-    ) -> Prepared {
+    ) -> FramedTriangles {
         let corners = leaf::corners(simd, arena, place, self.order);
         self.prepare_corners::<S, P>(simd, &corners, used)
     }
@@ -71,7 +71,7 @@ impl Frame {
         simd: S,
         [a, b, c]: &[[f32x8<S>; 3]; 3],
         used: u32,
-    ) -> Prepared {
+    ) -> FramedTriangles {
         // Differences before they are sheared, which keeps those of near corners accurate.
         let edges = [
             self.shear(simd, minus(c, b)),
@@ -103,7 +103,7 @@ impl Frame {
         let some_negative = first[1].min(second[1]).min(third[1]).simd_lt(least);
         let all = (low.simd_gt(most) | high.simd_lt(least)).bits() & used;
         let some = used & !(some_positive & some_negative).bits();
-        Prepared {
+        FramedTriangles {
             sides: [rows(sides[0]), rows(sides[1]), rows(sides[2])],
             edges: [rows(edges[0]), rows(edges[1]), rows(edges[2])],
             normal: rows(normal),
@@ -173,10 +173,10 @@ impl Frame {
     pub(in crate::accel::packet) fn meet<S: Lanes, P: Arithmetic>(
         &self,
         simd: S,
-        prepared: &Prepared,
+        prepared: &FramedTriangles,
         triangle: usize,
         (g, active): (usize, u32),
-    ) -> Option<Met<S>> {
+    ) -> Option<GroupTest<S>> {
         let (triangle, g) = (triangle % LANES, g % GROUPS);
         let d = three(simd, &self.direction, g);
         let (mut inside, mut open) = (active, 0);
@@ -221,10 +221,10 @@ impl Frame {
         }
         let t = height * part;
         if P::IS_FAST {
-            return Some(Met { t: [t, t], inside, open });
+            return Some(GroupTest { t: [t, t], inside, open });
         }
         let error = part.abs() * prepared.errors[1][triangle] + f32::MIN_POSITIVE;
-        Some(Met { t: [t - error, t + error], inside, open })
+        Some(GroupTest { t: [t - error, t + error], inside, open })
     }
 }
 

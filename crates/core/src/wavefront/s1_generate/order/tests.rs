@@ -1,7 +1,7 @@
 use super::*;
 
 fn pixels(tile: [u32; 2]) -> Vec<[u32; 2]> {
-    let mut walk = Walk::new(tile, 0);
+    let mut walk = TileWalk::new(tile, 0);
     let step = |_| {
         let pixel = walk.pixel;
         walk.advance();
@@ -25,7 +25,7 @@ fn every_pixel_is_taken_once() {
 fn a_walk_can_begin_anywhere() {
     let tile = [29, 21];
     for (taken, pixel) in pixels(tile).into_iter().enumerate() {
-        let walk = Walk::new(tile, taken as u32);
+        let walk = TileWalk::new(tile, taken as u32);
         assert_eq!((walk.pixel, walk.place()), (pixel, pixel[1] * 29 + pixel[0]), "{taken}");
     }
 }

@@ -7,7 +7,7 @@ use std::sync::LazyLock;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
 use super::super::body;
-use super::super::header::{Scalar, Shape, TYPE_NAMES};
+use super::super::header::{PropertyType, Scalar, TYPE_NAMES};
 use super::*;
 
 /// As [`read`], number by number.
@@ -70,31 +70,33 @@ fn random_file(kind: Kind) -> Vec<u8> {
     let names = ["x", "y", "z", "nx", "ny", "nz", "s", "t"];
     let kept = dice.of(&[3, 6, 8]);
     let floats = dice.one_in(2);
-    let mut vertex: Vec<(String, Shape)> = Vec::new();
+    let mut vertex: Vec<(String, PropertyType)> = Vec::new();
     for name in &names[..kept] {
         let scalar = if floats { Scalar::F32 } else { dice.of(&TYPE_NAMES).2 };
         if kind.extra && dice.one_in(3) {
-            vertex.push((format!("e{}", vertex.len()), Shape::One(dice.of(&TYPE_NAMES).2)));
+            vertex.push((format!("e{}", vertex.len()), PropertyType::One(dice.of(&TYPE_NAMES).2)));
         }
-        vertex.push(((*name).to_owned(), Shape::One(scalar)));
+        vertex.push(((*name).to_owned(), PropertyType::One(scalar)));
     }
     let mut face = Vec::new();
     let (count, item) = (dice.of(&TYPE_NAMES[WHOLE]).2, dice.of(&TYPE_NAMES[WHOLE]).2);
     if kind.extra && dice.one_in(2) {
-        face.push(("flag".to_owned(), Shape::One(dice.of(&TYPE_NAMES).2)));
+        face.push(("flag".to_owned(), PropertyType::One(dice.of(&TYPE_NAMES).2)));
     }
-    face.push(("vertex_indices".to_owned(), Shape::List { count, item }));
+    face.push(("vertex_indices".to_owned(), PropertyType::List { count, item }));
     if kind.extra && dice.one_in(2) {
-        let list =
-            Shape::List { count: dice.of(&TYPE_NAMES[WHOLE]).2, item: dice.of(&TYPE_NAMES).2 };
-        face.push(("more".to_owned(), dice.of(&[Shape::One(Scalar::F32), list])));
+        let list = PropertyType::List {
+            count: dice.of(&TYPE_NAMES[WHOLE]).2,
+            item: dice.of(&TYPE_NAMES).2,
+        };
+        face.push(("more".to_owned(), dice.of(&[PropertyType::One(Scalar::F32), list])));
     }
     let vertices = 1 + dice.below(120);
     let faces = dice.below(300);
     let mut body = Bytes::new(kind.big);
     for _ in 0..vertices {
         for (_, shape) in &vertex {
-            let Shape::One(scalar) = *shape else { continue };
+            let PropertyType::One(scalar) = *shape else { continue };
             let bad = kind.wrong > 0 && dice.one_in(4 * kind.wrong);
             put(&mut body, scalar, if bad { f64::NAN } else { dice.below(100) as f64 });
         }
@@ -102,16 +104,16 @@ fn random_file(kind: Kind) -> Vec<u8> {
     for _ in 0..faces {
         for (name, shape) in &face {
             let (length, item) = match *shape {
-                Shape::One(scalar) => {
+                PropertyType::One(scalar) => {
                     put(&mut body, scalar, dice.below(9) as f64);
                     continue;
                 }
-                Shape::List { count, item } if name == "more" => {
+                PropertyType::List { count, item } if name == "more" => {
                     let length = dice.below(4);
                     put(&mut body, count, length as f64);
                     (length, item)
                 }
-                Shape::List { count, item } => {
+                PropertyType::List { count, item } => {
                     let [low, high] = kind.corners;
                     let bad = kind.wrong > 0 && dice.one_in(kind.wrong);
                     let length = if bad { dice.below(3) } else { low + dice.below(high - low + 1) };
@@ -126,11 +128,11 @@ fn random_file(kind: Kind) -> Vec<u8> {
             }
         }
     }
-    let declare = |name: &str, count, rows: &[(String, Shape)]| {
+    let declare = |name: &str, count, rows: &[(String, PropertyType)]| {
         let one = |scalar| TYPE_NAMES.iter().find(|k| k.2 == scalar).unwrap().0;
-        let line = |(name, shape): &(String, Shape)| match *shape {
-            Shape::One(scalar) => format!("property {} {name}\n", one(scalar)),
-            Shape::List { count, item } => {
+        let line = |(name, shape): &(String, PropertyType)| match *shape {
+            PropertyType::One(scalar) => format!("property {} {name}\n", one(scalar)),
+            PropertyType::List { count, item } => {
                 format!("property list {} {} {name}\n", one(count), one(item))
             }
         };

@@ -17,7 +17,7 @@ use obvhs::aabb::Aabb;
 use obvhs::bvh2::Bvh2;
 use obvhs::bvh2::node::Bvh2Node;
 
-use super::build::Single;
+use super::entries::Entry;
 use crate::geometry::Geometry;
 use crate::math::simd::LANES;
 
@@ -37,7 +37,7 @@ const MOST_COUNTERS: usize = 1 << 16;
 #[derive(Default)]
 pub(super) struct Heaps {
     /// The members of all heaps, with their boxes.
-    pub(super) members: Vec<(Single, Aabb)>,
+    pub(super) members: Vec<(Entry, Aabb)>,
     /// The members of each heap.
     ranges: Vec<Range<usize>>,
 }
@@ -49,7 +49,7 @@ impl Heaps {
         &mut self,
         geometry: &Geometry,
         whole: &Aabb,
-        (singles, boxes): (&mut Vec<Single>, &mut Vec<Aabb>),
+        (singles, boxes): (&mut Vec<Entry>, &mut Vec<Aabb>),
     ) {
         self.members.clear();
         self.ranges.clear();
@@ -119,7 +119,7 @@ impl Heaps {
 
 /// The members of a heap by size, without copies. Around one another, the outer ones hide the
 /// inner.
-fn ordered(geometry: &Geometry, mut members: Vec<(Single, Aabb)>) -> Vec<(Single, Aabb)> {
+fn ordered(geometry: &Geometry, mut members: Vec<(Entry, Aabb)>) -> Vec<(Entry, Aabb)> {
     members.sort_unstable_by_key(|(single, _)| single.number);
     let mut known = HashSet::new();
     members.retain(|(single, _)| {

@@ -12,29 +12,13 @@ use std::sync::OnceLock;
 
 use bytemuck::Zeroable;
 
-use super::arena::{Arena, Census, Kind, Ref, Unit};
-use super::build::{Piece, Plan, Preset};
-use super::tree::{Searched, Tree};
-use super::wide::Part;
+use super::Preset;
+use super::piece::{BuildPlan, Piece};
+use crate::accel::arena::{Arena, Kind, Ref, Unit};
+use crate::accel::tree::{Chunk, Demand, Searched};
+use crate::accel::wide::Part;
 use crate::geometry::Geometry;
 use crate::kernels::slab::Aabb;
-
-/// The chunks of a tree.
-#[derive(Debug)]
-pub(super) struct Demand {
-    preset: Preset,
-    /// A box around everything.
-    extents: Aabb,
-    chunks: Vec<Chunk>,
-}
-
-#[derive(Debug)]
-struct Chunk {
-    /// Where its entries are among the numbers of the arena.
-    entries: Range<usize>,
-    /// Its root and contents, once it is built.
-    built: OnceLock<(Ref, Census)>,
-}
 
 thread_local! {
     static PIECE: RefCell<Piece> = RefCell::default();
@@ -45,15 +29,11 @@ impl Demand {
     /// units of a soup hold at least three triangles.
     pub(super) const MOST_UNITS: usize = 3;
 
-    /// The largest number of inner nodes on a path in a chunk. Memory for rays is taken before it is
-    /// built. Measured: 7 in scans.
-    pub(super) const MOST_DEPTH: usize = 24;
-
     /// Chunks of these entries, of which none is built.
-    pub(super) fn new(plan: &Plan, chunks: Vec<(Range<usize>, Aabb)>) -> Self {
+    pub(super) fn new(plan: &BuildPlan, chunks: Vec<(Range<usize>, Aabb)>) -> Self {
         let chunk = |(entries, _)| Chunk { entries, built: OnceLock::new() };
         let chunks = chunks.into_iter().map(chunk).collect();
-        Self { preset: plan.preset, extents: plan.extents, chunks }
+        Self { extents: plan.extents, chunks }
     }
 
     /// What stands for a chunk in the tree.
@@ -69,26 +49,11 @@ impl Demand {
         Part { bounds, kind: Kind::List, unit, cost: 0.0 }
     }
 
-    /// The contents of the chunks that are built.
-    pub(super) fn built(&self) -> impl Iterator<Item = Census> {
-        self.chunks.iter().filter_map(|chunk| Some(chunk.built.get()?.1))
-    }
-
-    /// The number of chunks.
-    pub(super) fn len(&self) -> usize {
-        self.chunks.len()
-    }
-
-    /// The root of a chunk that is built.
-    fn known(&self, chunk: usize) -> Option<Ref> {
-        Some(self.chunks.get(chunk)?.built.get()?.0)
-    }
-
     /// The root of a chunk, which is built first if need be; `None` if there is no such chunk.
     fn root(&self, arena: &Arena, geometry: &Geometry, chunk: usize) -> Option<Ref> {
         let Chunk { entries, built } = self.chunks.get(chunk)?;
         let build = |piece: &mut Piece| {
-            let plan = Plan::new(geometry, self.preset, self.extents);
+            let plan = BuildPlan::new(geometry, Preset::OnDemand, self.extents);
             let parts = piece.parts(&plan, arena.numbers(), entries.clone(), 1);
             let kind = parts.first().map(|part| part.kind);
             let whole =
@@ -110,20 +75,13 @@ impl Demand {
     }
 }
 
-impl Tree {
-    /// The root of the chunk that the list at `place` stands for, if it is built.
-    pub(super) fn known(&self, place: Ref) -> Option<Ref> {
-        let demand = self.demand.as_ref().filter(|_| place.kind() == Kind::List)?;
-        demand.known(self.arena.view().chunk(place)?)
-    }
-}
-
 #[cfg(test)]
-impl Tree {
+impl crate::accel::tree::Tree {
     /// Builds every chunk.
     pub(super) fn build_all(&self, geometry: &Geometry) {
         if let Some(demand) = &self.demand {
-            (0..demand.len()).for_each(|chunk| _ = demand.root(&self.arena, geometry, chunk));
+            (0..demand.chunks.len())
+                .for_each(|chunk| _ = demand.root(&self.arena, geometry, chunk));
         }
     }
 }
@@ -131,7 +89,7 @@ impl Tree {
 impl Searched<'_> {
     /// The root of the chunk that `place` stands for; `None` for other places.
     #[inline(always)]
-    pub(super) fn chunk(&self, place: Ref) -> Option<Ref> {
+    pub(in crate::accel) fn chunk(&self, place: Ref) -> Option<Ref> {
         let demand = self.tree.demand.as_ref().filter(|_| place.kind() == Kind::List)?;
         self.root_of(demand, place)
     }
