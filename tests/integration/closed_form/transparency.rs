@@ -123,8 +123,11 @@ fn a_ball_lens_has_its_focus() {
         let ball = sphere([off, 0.0, 0.0], radius, clear(&json!({"kt": 1, "ior": ior})));
         let far = wall(50.0, -10.0, clear(&json!({"emission": [1, 1, 1]})));
         let path = path(2, &[ball, far]);
-        let out =
-            path.bounces.iter().find(|b| b.met.as_ref().is_some_and(|met| met.point.z < -9.0));
+        let out = path
+            .bounces
+            .iter()
+            .rev()
+            .find(|b| b.met.as_ref().is_some_and(|met| met.point.z < -9.0));
         let out = out.expect("it reaches the wall").direction.as_dvec3();
         let (before, within) = ((off / radius).asin(), (off / radius / ior).asin());
         let turned = 2.0 * (before - within);
