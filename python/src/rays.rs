@@ -51,10 +51,33 @@ struct Worker {
 }
 
 impl Worker {
-    /// The rays from the `first` on.
+    /// Takes the rays from the `first` on, as [`Rays::get`] gives them: all origins, then all
+    /// directions, each in a loop over one type.
     fn take(&mut self, rays: &Rays<'_>, first: usize, count: usize) {
-        self.rays.clear();
-        self.rays.extend((first..first + count).map(|i| rays.get(i)));
+        self.rays.resize(count, Ray { t_max: rays.t_max, ..Ray::new(Vec3::ZERO, ASIDE) });
+        let (part, from) = (first..first + count, rays.from);
+        let into = self.rays.iter_mut();
+        match rays.origins {
+            Rows::Single(rows) if from == DVec3::ZERO => {
+                into.zip(&rows[part.clone()]).for_each(|(ray, &row)| ray.origin = Vec3::from(row));
+            }
+            Rows::Single(rows) => into.zip(&rows[part.clone()]).for_each(|(ray, &row)| {
+                ray.origin = api::mesh::relative(Vec3::from(row).as_dvec3(), from);
+            }),
+            Rows::Double(rows) => into.zip(&rows[part.clone()]).for_each(|(ray, &row)| {
+                ray.origin = api::mesh::relative(DVec3::from(row), from);
+            }),
+        }
+        let into = self.rays.iter_mut();
+        match rays.directions {
+            Some(Rows::Single(rows)) => {
+                into.zip(&rows[part]).for_each(|(ray, &row)| ray.direction = Vec3::from(row));
+            }
+            Some(Rows::Double(rows)) => into.zip(&rows[part]).for_each(|(ray, &row)| {
+                ray.direction = DVec3::from(row).as_vec3();
+            }),
+            None => {}
+        }
     }
 }
 
