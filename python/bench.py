@@ -3,15 +3,14 @@
     python python/bench.py [--rays 1000000] [--repeats 5] [--write python/README.md]
 
 Needs wavecrest, numpy, trimesh, embreex, rtree, and the command wavecrest on the path for the rate of `trace`. In each
-round every program answers the same rays; the table has medians, in millions of rays per second. Answers are compared:
-with the command's they must be equal, with the others' but for one ray in ten thousand, at edges and by rounding.
+round every program answers the same rays; the table has the fastest, in millions of rays per second. Answers are compared:
+they must be equal to the command's, and to the others' but for neighbours at an edge and for one ray in ten thousand.
 """
 
 import argparse
 import json
 import os
 import platform
-import statistics
 import struct
 import subprocess
 import sys
@@ -27,20 +26,22 @@ from embreex.mesh_construction import TriangleMesh
 from embreex.rtcore_scene import EmbreeScene
 from trimesh.ray import ray_pyembree, ray_triangle
 
-# The share of answers in which programs that round may differ.
+# The share of rays for which programs that round may answer otherwise: those that lose a hit at an edge.
 DIFFER = 1e-4
+# Faces whose planes a ray meets at distances that differ by less than this part are neighbours at an edge.
+NEAR = 1e-4
 # Rays for trimesh's own intersector, which takes milliseconds for each.
-FEW = 300
+FEW = 40
 BEGIN, END = "<!-- bench.py -->\n", "<!-- end -->\n"
 
 
 def meshes():
     """A closed surface with bumps, and a landscape."""
-    ball = trimesh.creation.icosphere(subdivisions=7)
+    ball = trimesh.creation.icosphere(subdivisions=6)
     x, y, z = ball.vertices.T
     bumps = 1 + 0.05 * np.sin(9 * x) * np.sin(11 * y) + 0.02 * np.sin(40 * z)
     ball = trimesh.Trimesh((ball.vertices * bumps[:, None]).astype(np.float32), ball.faces, process=False)
-    n = 700
+    n = 500
     x, y = np.meshgrid(np.linspace(-1, 1, n + 1), np.linspace(-1, 1, n + 1))
     z = 0.2 * np.sin(4 * x) * np.cos(3 * y) + 0.03 * np.sin(40 * x + 9 * y) + 0.01 * np.sin(90 * y)
     a = (np.arange(n)[:, None] * (n + 1) + np.arange(n)).ravel()
@@ -78,7 +79,7 @@ def seconds(work):
 
 
 def on_one_thread(folder, repeats):
-    """The medians of a process with one thread."""
+    """The fastest rounds of a process with one thread."""
     command = [sys.executable, __file__, "--child", folder, str(repeats)]
     run = subprocess.run(command, env={**os.environ, "RAYON_NUM_THREADS": "1"}, check=True, capture_output=True)
     return json.loads(run.stdout)
@@ -89,11 +90,11 @@ def child(folder, repeats):
     mesh = wavecrest.Mesh(Path(folder, "mesh.ply"))
     timed = {name: [seconds(lambda: query(data["o"], data["d"]))[0] for _ in range(int(repeats))]
              for name, query in ours(mesh).items()}
-    print(json.dumps({name: statistics.median(all) for name, all in timed.items()}))
+    print(json.dumps({name: min(all) for name, all in timed.items()}))
 
 
-def trace(folder, mesh, origins, directions, any_hit, answers, repeats):
-    """The seconds of `wavecrest trace`, whose answers must be these."""
+def trace(folder, mesh, origins, directions, any_hit, answers):
+    """The seconds of a pass of `wavecrest trace`, whose answers must be these."""
     faces, distances = answers
     count = len(origins)
     row = np.zeros((count, 8), "<f4")
@@ -104,7 +105,7 @@ def trace(folder, mesh, origins, directions, any_hit, answers, repeats):
         for part in (row, distances.astype("<f4"), faces.astype("<i4"), (faces >= 0).astype("u1")):
             file.write(part.tobytes())
     command = ["wavecrest", "trace", "--mesh", Path(folder, "mesh.ply"), "--rays", path, "--bvh", "fast", "--json",
-               "--repeats", str(repeats)]
+               "--repeats", "1"]
     report = json.loads(subprocess.run(command, check=True, capture_output=True).stdout)
     assert not any(report["compared"].values()), report["compared"]
     return report["seconds"]
@@ -119,6 +120,19 @@ def embree(mesh):
 
 def counted(index_ray, count):
     return np.bincount(index_ray, minlength=count)
+
+
+def at_edges(mesh, origins, directions, got, expected, distances):
+    """The faces `got`, where those that were expected are as far and take their place."""
+    differ = np.flatnonzero((got != expected) & (got >= 0) & (expected >= 0))
+    a, b, c = mesh.vertices[mesh.faces[got[differ]]].astype(float).transpose(1, 0, 2)
+    normals = np.cross(b - a, c - a)
+    slope = (normals * directions[differ]).sum(axis=1)
+    t = (normals * (a - origins[differ])).sum(axis=1) / slope
+    near = differ[np.abs(t - distances[differ]) <= NEAR * t]
+    same = got.copy()
+    same[near] = expected[near]
+    return same
 
 
 def check(name, got, expected):
@@ -148,26 +162,31 @@ def measure(mesh, origins, directions, repeats, folder):
         for key, work in programs.items():
             spent, answers[key] = seconds(work)
             times[key].append(spent)
-    result = {key: statistics.median(all) for key, all in times.items()}
+        faces, distances = answers["wavecrest", "closest"]
+        for any_hit, name in enumerate(("closest", "any")):
+            spent = trace(folder, mesh, origins, directions, any_hit, (faces, distances))
+            times.setdefault(("trace", name), []).append(spent)
+    result = {key: min(all) for key, all in times.items()}
     for name, query in {"closest": slow.intersects_first, "any": slow.intersects_any,
                         "all": lambda o, d: slow.intersects_id(o, d)[1]}.items():
         spent, answers["trimesh", name] = seconds(lambda: query(*few))
         result["trimesh", name] = spent * count / len(few[0])
     for name, spent in on_one_thread(folder, repeats).items():
         result["wavecrest, 1 thread", name] = spent
-    faces, distances = answers["wavecrest", "closest"]
-    for any_hit, name in enumerate(("closest", "any")):
-        result["trace", name] = trace(folder, mesh, origins, directions, any_hit, (faces, distances), repeats)
     assert ((faces >= 0) == answers["wavecrest", "any"]).all()
-    check("embreex", answers["embreex", "closest"], faces)
+    for name in ("embreex", "trimesh, embreex"):
+        check(name, at_edges(mesh, origins, directions, answers[name, "closest"], faces, distances), faces)
     check("embreex, any", answers["embreex", "any"] != -1, faces >= 0)
-    check("trimesh with embreex", answers["trimesh, embreex", "closest"], faces)
     crossings = counted(answers["wavecrest", "all"][0], count)
     check("trimesh with embreex, all", counted(answers["trimesh, embreex", "all"], count), crossings)
     step = count // FEW
     assert (answers["trimesh", "closest"] == faces[::step]).mean() > 0.99
     assert (counted(answers["trimesh", "all"], len(few[0])) == crossings[::step]).mean() > 0.99
     return result
+
+
+def rate(value):
+    return np.format_float_positional(value, precision=3, fractional=False, trim="-")
 
 
 def table(count, repeats):
@@ -181,7 +200,7 @@ def table(count, repeats):
                 result = measure(mesh, origins, directions, repeats, folder)
             for query in ("closest", "any", "all"):
                 cells = [result.get((program, query)) for program in programs]
-                rates = ["" if spent is None else f"{len(origins) / spent / 1e6:.3g}" for spent in cells]
+                rates = ["" if spent is None else rate(len(origins) / spent / 1e6) for spent in cells]
                 ratio = "" if cells[-1] is None else f"{cells[-1] / cells[0]:.2f}"
                 first = f"{name} ({len(mesh.faces):,}), {kind}" if query == "closest" else ""
                 lines.append("| " + " | ".join([first, query, *rates, ratio]) + " |")

@@ -1,6 +1,7 @@
 //! Converts Python values for the library.
 
 use std::collections::TryReserveError;
+use std::ops::Range;
 use std::path::PathBuf;
 use std::str::FromStr;
 
@@ -167,6 +168,25 @@ impl Rows<'_> {
         match self {
             Self::Single(rows) => rows.len(),
             Self::Double(rows) => rows.len(),
+        }
+    }
+
+    /// Calls `with` for each value with the row of a part that belongs to it.
+    #[inline]
+    pub(crate) fn each<T>(
+        &self,
+        part: Range<usize>,
+        values: &mut [T],
+        with: impl Fn(&mut T, DVec3),
+    ) {
+        let values = values.iter_mut();
+        match self {
+            Self::Single(rows) => values
+                .zip(&rows[part])
+                .for_each(|(value, &row)| with(value, Vec3::from(row).as_dvec3())),
+            Self::Double(rows) => {
+                values.zip(&rows[part]).for_each(|(value, &row)| with(value, DVec3::from(row)));
+            }
         }
     }
 

@@ -32,14 +32,6 @@ impl Rays<'_> {
     pub(crate) fn len(&self) -> usize {
         self.origins.len()
     }
-
-    /// The ray as it is traced: relative to the origin of the mesh, then rounded once.
-    #[inline]
-    fn get(&self, i: usize) -> Ray {
-        let direction = self.directions.map_or(ASIDE, |rows| rows.get(i).as_vec3());
-        let origin = api::mesh::relative(self.origins.get(i), self.from);
-        Ray { t_max: self.t_max, ..Ray::new(origin, direction) }
-    }
 }
 
 /// The memory of a thread.
@@ -51,10 +43,19 @@ struct Worker {
 }
 
 impl Worker {
-    /// The rays from the `first` on.
-    fn take(&mut self, rays: &Rays<'_>, first: usize, count: usize) {
-        self.rays.clear();
-        self.rays.extend((first..first + count).map(|i| rays.get(i)));
+    /// Takes a part of the rays: relative to the origin of the mesh, then rounded once.
+    fn take(&mut self, rays: &Rays<'_>, part: Range<usize>) {
+        let blank = Ray { t_max: rays.t_max, ..Ray::new(Vec3::ZERO, ASIDE) };
+        self.rays.resize(part.len(), blank);
+        let from = rays.from;
+        rays.origins.each(part.clone(), &mut self.rays, |ray, origin| {
+            ray.origin = api::mesh::relative(origin, from);
+        });
+        if let Some(directions) = rays.directions {
+            directions.each(part, &mut self.rays, |ray, direction| {
+                ray.direction = direction.as_vec3();
+            });
+        }
     }
 }
 
@@ -75,6 +76,12 @@ fn on_threads<T: Send>(
     });
 }
 
+/// The numbers of a block's rays, of which there are `count`.
+fn part(first: usize, block: usize, count: usize) -> Range<usize> {
+    let start = first + block * BLOCK;
+    start..start + count
+}
+
 /// The number of the face that is hit, or -1.
 fn face(hit: Hit) -> i64 {
     if hit.is_miss() { -1 } else { hit.primitive.into() }
@@ -89,7 +96,7 @@ pub(crate) fn closest(
 ) {
     let blocks = faces.chunks_mut(BLOCK).zip(distances.chunks_mut(BLOCK)).enumerate();
     on_threads(accel, blocks, |worker, (number, (faces, distances))| {
-        worker.take(rays, first + number * BLOCK, faces.len());
+        worker.take(rays, part(first, number, faces.len()));
         worker.hits.resize(faces.len(), Hit::MISS);
         accel.closest_of(&worker.rays[..], &mut worker.hits, &mut worker.traversal);
         for ((hit, into), distance) in worker.hits.iter().zip(faces).zip(distances) {
@@ -101,7 +108,7 @@ pub(crate) fn closest(
 /// Whether the rays from the `first` on hit anything.
 pub(crate) fn any(accel: &Accel, rays: &Rays<'_>, first: usize, found: &mut [bool]) {
     on_threads(accel, found.chunks_mut(BLOCK).enumerate(), |worker, (number, found)| {
-        worker.take(rays, first + number * BLOCK, found.len());
+        worker.take(rays, part(first, number, found.len()));
         accel.occluded_of(&worker.rays[..], found, &mut worker.traversal);
     });
 }
@@ -110,10 +117,11 @@ pub(crate) fn any(accel: &Accel, rays: &Rays<'_>, first: usize, found: &mut [boo
 /// of times.
 pub(crate) fn contains(accel: &Accel, points: &Rays<'_>, first: usize, inside: &mut [bool]) {
     on_threads(accel, inside.chunks_mut(BLOCK).enumerate(), |worker, (number, inside)| {
-        for (i, inside) in inside.iter_mut().enumerate() {
-            let ray = points.get(first + number * BLOCK + i);
-            accel.crossings(&ray, &mut worker.traversal, &mut worker.hits);
-            *inside = !worker.hits.len().is_multiple_of(2);
+        worker.take(points, part(first, number, inside.len()));
+        let Worker { traversal, rays, hits } = worker;
+        for (ray, inside) in rays.iter().zip(inside) {
+            accel.crossings(ray, traversal, hits);
+            *inside = !hits.len().is_multiple_of(2);
         }
     });
 }
@@ -155,12 +163,14 @@ fn block(
     most: usize,
     worker: &mut Worker,
 ) -> api::Result<Vec<(i64, Hit)>> {
+    worker.take(rays, numbers.clone());
+    let Worker { traversal, rays, hits } = worker;
     let mut found = Vec::new();
-    for number in numbers {
-        accel.crossings(&rays.get(number), &mut worker.traversal, &mut worker.hits);
-        worker.hits.truncate(most);
-        grow(&mut found, worker.hits.len())?;
-        found.extend(worker.hits.iter().map(|&hit| (number as i64, hit)));
+    for (number, ray) in numbers.zip(&*rays) {
+        accel.crossings(ray, traversal, hits);
+        hits.truncate(most);
+        grow(&mut found, hits.len())?;
+        found.extend(hits.iter().map(|&hit| (number as i64, hit)));
     }
     Ok(found)
 }
