@@ -20,7 +20,7 @@ pub use crate::shapes::{
     Sphere, Transform, Triangle, VertexColors,
 };
 pub use crate::surface::{
-    CutOut, Encoding, Filter, LookUp, Maps, Material, MetalMap, Placing, StrengthMap,
+    Channels, CutOut, Encoding, Filter, LookUp, Maps, Material, MetalMap, Placing, StrengthMap,
     SurfaceComponents, TextureRef, TextureSource, Transparency, Wrap,
 };
 

@@ -10,7 +10,8 @@ use std::path::PathBuf;
 use glam::DVec3;
 
 use crate::components::{
-    CutOut, Encoding, Filter, LookUp, Material, TextureRef, TextureSource, Wrap,
+    Channels, CutOut, Encoding, Filter, LookUp, Material, TextureRef, TextureSource, Transparency,
+    Wrap,
 };
 use crate::format::Range;
 use crate::surface::THRESHOLD;
@@ -31,6 +32,12 @@ pub(crate) struct Mtl {
     map_kd: Option<Map>,
     /// Opacity, from 0 to 1.
     d: Option<f64>,
+    /// What is missing from opacity, from 0 to 1.
+    tr: Option<f64>,
+    /// Colour of refracted light.
+    tf: Option<DVec3>,
+    /// Index of refraction.
+    ni: Option<f64>,
     map_d: Option<Map>,
 }
 
@@ -50,8 +57,8 @@ pub(crate) struct Library {
 /// Largest number of malformed lines to name.
 const NAMED: usize = 3;
 
-/// Statements without effect here: ambient colour, refraction, filters, sharpness of maps.
-const NEEDLESS: [&str; 6] = ["ka", "ni", "tf", "tr", "map_ka", "sharpness"];
+/// Statements without effect here: ambient colour, sharpness of maps.
+const NEEDLESS: [&str; 3] = ["ka", "map_ka", "sharpness"];
 
 impl Library {
     /// Adds the materials in the text of a file called `name`.
@@ -96,6 +103,9 @@ impl Library {
             "ns" => set(&mut mtl.ns, number(rest)),
             "illum" => set(&mut mtl.illum, rest.parse().ok()),
             "d" => set(&mut mtl.d, number(rest.trim_start_matches("-halo "))),
+            "tr" => set(&mut mtl.tr, number(rest)),
+            "tf" => set(&mut mtl.tf, color(rest)),
+            "ni" => set(&mut mtl.ni, number(rest)),
             "map_d" => set(&mut mtl.map_d, Map::read(rest, &mut self.options)),
             "map_kd" => set(&mut mtl.map_kd, Map::read(rest, &mut self.options)),
             needless if NEEDLESS.contains(&needless) => true,
@@ -110,6 +120,9 @@ impl Library {
 /// The lighting models with mirrors: with ray tracing, glass, and Fresnel without ray tracing.
 const MIRRORS: [u32; 3] = [3, 5, 8];
 
+/// The models with refraction.
+const GLASS: [u32; 2] = [6, 7];
+
 /// The models without a highlight.
 const MATT: [u32; 2] = [0, 1];
 
@@ -117,6 +130,7 @@ const MATT: [u32; 2] = [0, 1];
 #[derive(Clone, Debug)]
 pub(crate) struct Look {
     pub(crate) material: Material,
+    pub(crate) transparency: Transparency,
     pub(crate) texture: Option<TextureRef>,
     pub(crate) cutout: Option<CutOut>,
     /// Whether any of it is opaque.
@@ -141,28 +155,41 @@ pub(crate) fn surface(mtl: &Mtl, mut find: impl FnMut(&str) -> Option<PathBuf>) 
     let texture = found(&mtl.map_kd, Filter::Trilinear).map(|look_up| TextureRef {
         look_up,
         encoding: Encoding::Srgb,
+        channels: Channels::Color,
         // Many programs write black if there is an image.
         tint: if kd == DVec3::ZERO { DVec3::ONE } else { kd },
     });
-    let d = mtl.d.unwrap_or(1.0);
-    let mask = found(&mtl.map_d, Filter::Bilinear).filter(|_| d >= THRESHOLD);
+    // Some programs write 1 for opaque surfaces.
+    let tr = mtl.tr.filter(|&tr| tr < 1.0);
+    let d = mtl.d.or(tr.map(|tr| 1.0 - tr)).unwrap_or(1.0).min(1.0);
+    let is_glass = is_model(&GLASS) && d < 1.0;
+    let mask = found(&mtl.map_d, Filter::Bilinear);
     let cutout = mask.map(|own| CutOut {
         // In a scene file both share the wrap mode.
         look_up: LookUp { wrap: texture.as_ref().map_or(own.wrap, |t| t.look_up.wrap), ..own },
         is_mask: true,
-        // d multiplies the image's alpha.
-        threshold: THRESHOLD / d,
+        threshold: THRESHOLD,
     });
     let material = Material {
         ks: if has_highlight { gloss } else { 0.0 },
-        kd: 1.0 - kr,
+        kd: (1.0 - kr) * if is_glass { d } else { 1.0 },
         specular_exponent: exponent,
         diffuse_color: kd,
         kr,
         emission: mtl.ke.unwrap_or(DVec3::ZERO),
         specular_color: DVec3::ONE,
     };
-    Look { material, texture, cutout, is_there: d >= THRESHOLD }
+    let transparency = Transparency {
+        opacity: if is_glass { 1.0 } else { d },
+        kt: if is_glass { 1.0 - d } else { 0.0 },
+        ior: mtl
+            .ni
+            .filter(|&ni| Transparency::IOR.contains(ni))
+            .unwrap_or(Transparency::OPAQUE.ior),
+        color: mtl.tf.unwrap_or(DVec3::ONE),
+        ..Transparency::OPAQUE
+    };
+    Look { material, transparency, texture, cutout, is_there: d > 0.0 }
 }
 
 /// The materials of a text by name, as if every image existed: for tests.

@@ -14,10 +14,11 @@ pub use material::Material;
 pub(crate) use material::{MATERIAL, OBJECT as MATERIAL_OBJECT};
 pub use source::TextureSource;
 pub use textures::{
-    CutOut, Encoding, Filter, LookUp, Maps, MetalMap, Placing, StrengthMap, TextureRef, Wrap,
+    Channels, CutOut, Encoding, Filter, LookUp, Maps, MetalMap, Placing, StrengthMap, TextureRef,
+    Wrap,
 };
 pub(crate) use textures::{
-    EMISSION_MAP, METAL_MAP, NORMAL_MAP, OCCLUSION_MAP, THRESHOLD, existing_file,
+    EMISSION_MAP, METAL_MAP, NORMAL_MAP, OCCLUSION_MAP, OPACITY_MAP, THRESHOLD, existing_file,
 };
 pub use transparency::Transparency;
 

@@ -107,10 +107,7 @@ pub fn extract(world: World, options: Options<'_>) -> Result<Extracted> {
     let lights = lights::run(world, &extracted, &settings, origin)?;
     let (ambient, hemisphere) = ambient(&settings, lights.len());
     let possible = materials::possible(&surfaces, &materials);
-    let transparent = |surface: &SurfaceComponents<'_>| {
-        surface.transparency.is_some_and(|transparency| transparency.single().is_some())
-    };
-    let transparent: Vec<bool> = surfaces.iter().map(transparent).collect();
+    let transparent: Vec<bool> = surfaces.iter().map(details::is_transparent).collect();
     let shows_others = |shape: usize, faces: Faces| {
         transparent[shape] || faces.any() && settings.bounces > 0 && possible[shape].kr > 0.0
     };

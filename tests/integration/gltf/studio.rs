@@ -80,7 +80,7 @@ fn an_empty_image_is_told_with_the_reason() {
         "{found}"
     );
     let mut faint = square();
-    faint.json["materials"][0]["alphaMode"] = "BLEND".into();
+    faint.json["materials"][0]["alphaMode"] = "MASK".into();
     faint.json["materials"][0]["pbrMetallicRoughness"]["baseColorFactor"][3] = json!(0.4);
     let found = told(&faint);
     assert!(

@@ -34,6 +34,8 @@ pub struct Detail {
     pub normal: Option<NormalMap>,
     /// How it lets light through.
     pub transparency: Option<Transparency>,
+    /// A texture that multiplies its opacity, in red.
+    pub opacity: Option<Texture>,
 }
 
 /// A texture of metalness, in blue, and of roughness, in green.
@@ -67,6 +69,7 @@ impl Default for Detail {
             occlusion: None,
             normal: None,
             transparency: None,
+            opacity: None,
         }
     }
 }
@@ -77,7 +80,8 @@ impl Detail {
         let metal = self.metal.as_ref().map(|metal| &metal.texture);
         let occlusion = self.occlusion.as_ref().map(|occlusion| &occlusion.texture);
         let normal = self.normal.as_ref().map(|normal| &normal.texture);
-        [self.emission_texture.as_ref(), metal, occlusion, normal].into_iter().flatten()
+        let plain = [self.emission_texture.as_ref(), self.opacity.as_ref()];
+        plain.into_iter().chain([metal, occlusion, normal]).flatten()
     }
 }
 
@@ -127,6 +131,9 @@ impl Appearance {
         }
         if let Some(transparency) = &detail.transparency {
             point.opacity = transparency.opacity;
+            if let Some(texture) = &detail.opacity {
+                point.opacity *= at(texture).x;
+            }
             // Light that is refracted is not scattered.
             point.occlusion *= (1.0 - transparency.kt).max(0.0);
         }

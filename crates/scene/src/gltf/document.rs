@@ -13,11 +13,14 @@ use super::primitive::MeshParts;
 use super::texture::Textures;
 
 /// The supported extensions.
-const EXTENSIONS: [&str; 6] = [
+const EXTENSIONS: [&str; 9] = [
     "EXT_mesh_gpu_instancing",
     LIGHTS,
     "KHR_materials_emissive_strength",
+    "KHR_materials_ior",
+    "KHR_materials_transmission",
     "KHR_materials_unlit",
+    "KHR_materials_volume",
     "KHR_mesh_quantization",
     "KHR_texture_transform",
 ];

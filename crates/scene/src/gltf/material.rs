@@ -6,7 +6,9 @@
 
 use glam::DVec3;
 
-use crate::components::{Encoding, Maps, Material, MetalMap, Sides, StrengthMap, TextureRef};
+use crate::components::{
+    Channels, Encoding, Maps, Material, MetalMap, Sides, StrengthMap, TextureRef, Transparency,
+};
 use crate::format::Range;
 use crate::surface::THRESHOLD;
 use wavecrest_base::error::Result;
@@ -21,8 +23,12 @@ pub(super) struct Surface {
     base_color: DVec3,
     /// The alpha of the base colour, a factor on that of its texture.
     alpha: f64,
-    /// The lowest opaque alpha; 0 if alpha is ignored.
+    /// The lowest opaque alpha; 0 if alpha is ignored or blends.
     cutoff: f64,
+    /// Whether alpha is opacity.
+    blends: bool,
+    /// Light that goes through, but for its opacity and colour.
+    transparency: Transparency,
     /// The texture of the base colour.
     pub(super) texture: Option<TextureInfo>,
     metallic: f64,
@@ -48,6 +54,8 @@ impl Surface {
         base_color: DVec3::ONE,
         alpha: 1.0,
         cutoff: 0.0,
+        blends: false,
+        transparency: Transparency::OPAQUE,
         texture: None,
         metallic: 1.0,
         roughness: 1.0,
@@ -62,7 +70,8 @@ impl Surface {
 
     /// Reads an element of `materials`.
     pub(super) fn read(fields: &Fields<'_>) -> Result<Self> {
-        let cutoff = cutoff(fields)?;
+        let cutoff = fields.number_or("alphaCutoff", Range::NOT_NEGATIVE, THRESHOLD)?;
+        let mode = fields.get("alphaMode").and_then(|cursor| cursor.value().as_str());
         let sides = if fields.flag("doubleSided")? { Sides::Both } else { Sides::Front };
         let texture = |of: &Fields<'_>, key: &str| -> Result<Option<TextureInfo>> {
             of.object(key)?.map(|found| TextureInfo::read(&found)).transpose()
@@ -73,7 +82,9 @@ impl Surface {
             Ok(Some((TextureInfo::read(&found)?, scale)))
         };
         let own = Self {
-            cutoff,
+            cutoff: if mode == Some("MASK") { cutoff } else { 0.0 },
+            blends: mode == Some("BLEND"),
+            transparency: transparency(fields)?,
             sides,
             emission: emission(fields)?,
             is_unlit: fields.extension("KHR_materials_unlit", |_| Ok(()))?.is_some(),
@@ -113,7 +124,20 @@ impl Surface {
         // Such a texture is usually mostly black: without it, even emission would be wrong.
         let emission =
             if glow.is_some() == self.glow.is_some() { self.emission } else { DVec3::ZERO };
-        of(look(self.base_color, self.metallic, self.roughness), self.base_color, emission)
+        let look = look(self.base_color, self.metallic, self.roughness);
+        // Light that goes through is not scattered.
+        let kd = look.kd * (1.0 - self.transparency().kt);
+        of(MetalParameters { kd, ..look }, self.base_color, emission)
+    }
+
+    /// The light that goes through it: metals let none through.
+    pub(super) fn transparency(&self) -> Transparency {
+        Transparency {
+            opacity: if self.blends { self.alpha } else { 1.0 },
+            kt: if self.is_unlit { 0.0 } else { self.transparency.kt * (1.0 - self.metallic) },
+            color: self.base_color,
+            ..self.transparency
+        }
     }
 
     /// The textures of the colour and of other properties, as far as `texture` returns them for
@@ -125,9 +149,11 @@ impl Surface {
         let mut of = |info: &Option<TextureInfo>, encoding, tint| {
             info.as_ref().and_then(|info| texture(info, encoding, tint))
         };
+        let alpha = of(&self.texture.filter(|_| self.blends), Encoding::Linear, DVec3::ONE);
+        let opacity = alpha.map(|texture| TextureRef { channels: Channels::Alpha, ..texture });
         if self.is_unlit {
             let emission = of(&self.texture, Encoding::Srgb, DVec3::ONE);
-            return (None, Maps { emission, ..Maps::default() });
+            return (None, Maps { emission, opacity, ..Maps::default() });
         }
         let color = of(&self.texture, Encoding::Srgb, self.base_color);
         let shows_light = self.emission != DVec3::ZERO;
@@ -141,7 +167,7 @@ impl Surface {
         };
         let (occlusion, normal) = (scaled(self.occlusion), scaled(self.normal));
         let emission = of(&glow, Encoding::Srgb, DVec3::ONE);
-        (color, Maps { emission, metal, occlusion, normal })
+        (color, Maps { emission, metal, occlusion, normal, opacity })
     }
 
     /// The lowest opaque alpha of its texture; 0 if everything is opaque, `None` if nothing is.
@@ -170,16 +196,34 @@ fn emission(fields: &Fields<'_>) -> Result<DVec3> {
     Ok(factor * strength.unwrap_or(1.0))
 }
 
-/// The lowest opaque alpha: blended surfaces are cut out.
-fn cutoff(fields: &Fields<'_>) -> Result<f64> {
-    let cutoff = fields.number_or("alphaCutoff", Range::NOT_NEGATIVE, THRESHOLD)?;
-    match fields.get("alphaMode").and_then(|cursor| cursor.value().as_str()) {
-        Some("MASK") => Ok(cutoff),
-        Some("BLEND") => {
-            let message = "alpha blending is not supported";
-            fields.warn(message, "the surface is cut out where alpha is below 0.5");
-            Ok(THRESHOLD)
+/// Light that goes through the surface: without a volume, it is a thin sheet.
+fn transparency(fields: &Fields<'_>) -> Result<Transparency> {
+    let usual = Transparency { thin: true, ..Transparency::OPAQUE };
+    let kt = fields.extension("KHR_materials_transmission", |found| {
+        if found.get("transmissionTexture").is_some() {
+            found.warn("the texture of transmission is ignored", "its factor is used");
         }
-        _ => Ok(0.0),
-    }
+        found.number_or("transmissionFactor", Range::UNIT, 0.0)
+    })?;
+    let ior = fields.extension("KHR_materials_ior", |found| {
+        found.number_or("ior", Transparency::IOR, usual.ior)
+    })?;
+    let volume = fields.extension("KHR_materials_volume", |found| {
+        Ok(Transparency {
+            thin: found.number_or("thicknessFactor", Range::NOT_NEGATIVE, 0.0)? == 0.0,
+            attenuation_color: found.vector_or("attenuationColor", Range::UNIT, DVec3::ONE)?,
+            // Without a distance, nothing is absorbed.
+            attenuation_distance: found.number_or(
+                "attenuationDistance",
+                Range::NOT_NEGATIVE,
+                0.0,
+            )?,
+            ..usual
+        })
+    })?;
+    Ok(Transparency {
+        kt: kt.unwrap_or(0.0),
+        ior: ior.unwrap_or(usual.ior),
+        ..volume.unwrap_or(usual)
+    })
 }

@@ -84,6 +84,7 @@ pub(super) fn world(
             primitive.add_shapes(notes.file(), order, &mut world);
         }
     }
+    staging::allow_for_glass(&mut world);
     Ok((world, told))
 }
 

@@ -47,9 +47,13 @@ impl Spawned {
         let is_smooth = self.mesh.normals.is_some();
         let shading = if is_smooth { Shading::Smooth } else { Shading::Flat };
         let material = self.surface.material(self.maps.emission.as_ref());
+        let transparency = self.surface.transparency();
         let mesh = Mesh { data: self.mesh, points: None, file: Some(file.to_owned()) };
         let mut shape = EntityBuilder::new();
         shape.add_bundle((self.surface.sides, shading, material, mesh));
+        if transparency.has_effect() {
+            shape.add(transparency);
+        }
         self.texture.map(|texture| shape.add(texture));
         self.cutout.map(|cutout| shape.add(cutout));
         if self.maps != Maps::default() {

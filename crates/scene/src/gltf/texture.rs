@@ -2,7 +2,9 @@
 
 use glam::{DVec3, Vec2};
 
-use crate::components::{Encoding, Filter, LookUp, Placing, TextureRef, TextureSource, Wrap};
+use crate::components::{
+    Channels, Encoding, Filter, LookUp, Placing, TextureRef, TextureSource, Wrap,
+};
 use crate::format::{Notes, Range};
 use wavecrest_base::error::Result;
 
@@ -158,7 +160,7 @@ impl Textures {
         let Sampler { filter, wrap } = self.sampler(info);
         let (source, placing) = (source.clone(), info.placing);
         let look_up = LookUp { source, filter, wrap, placing };
-        Some(TextureRef { look_up, encoding, tint })
+        Some(TextureRef { look_up, encoding, tint, channels: Channels::Color })
     }
 
     /// The image of a material's texture.

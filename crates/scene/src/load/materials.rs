@@ -58,16 +58,19 @@ pub(super) fn split(
             own.iter().for_each(|component| (component.copy)(whole, &mut entity));
         }
         if let Some(&(name, (mtl, from))) = known {
-            let Look { material, texture, cutout, is_there } =
+            let Look { material, transparency, texture, cutout, is_there } =
                 surface(mtl, |image| reader.image(from, image));
             if !is_there {
                 let message = format!("faces with the material {name} are left out");
-                let remedy = "its opacity (d) is below 0.5, and blending is not supported";
+                let remedy = "its opacity (d) is 0";
                 reader.warn(&message, remedy);
                 continue;
             }
             let has_uvs = texture.is_none() && cutout.is_none() || reader.has_uvs(&data);
             entity.add(material);
+            if transparency.has_effect() {
+                entity.add(transparency);
+            }
             texture.filter(|_| has_uvs).map(|texture| entity.add(texture));
             cutout.filter(|_| has_uvs).map(|cutout| entity.add(cutout));
             if let Some(own) = entity.get_mut::<&mut Name>() {

@@ -59,6 +59,7 @@ pub(super) fn world(
     let place = JsonPath("the mesh".into());
     let shape = world.spawn((Order(0), place, Name(name), MATERIAL, Sides::Both, shading));
     split(&mut world, shape, mesh, &materials, path, notes);
+    staging::allow_for_glass(&mut world);
     Ok((world, told))
 }
 

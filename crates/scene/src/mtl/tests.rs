@@ -1,4 +1,5 @@
 use super::*;
+use crate::components::Transparency;
 
 fn read(text: &str) -> Library {
     let mut library = Library::default();
@@ -100,6 +101,22 @@ fn half_transparent_surfaces_are_cut_out() {
     assert!(looked("").cutout.is_none() && looked("").is_there);
     let of = |text: &str| looked(text).cutout.map(|cutout| (cutout.threshold, cutout.is_mask));
     assert_eq!(of("map_d a.png"), Some((0.5, true)));
-    assert_eq!(of("d 0.8\nmap_d -clamp on a.png"), Some((0.625, true)));
-    assert!(looked("d 0.5").is_there && !looked("d 0.49").is_there);
+    assert_eq!(of("d 0.8\nmap_d -clamp on a.png"), Some((0.5, true)));
+    assert!(looked("d 0.01").is_there && !looked("d 0").is_there);
+}
+
+#[test]
+fn opacity_and_glass_follow_the_statements() {
+    let of = |text: &str| {
+        let Transparency { opacity, kt, ior, .. } = looked(text).transparency;
+        (opacity, kt, ior)
+    };
+    assert_eq!(of(""), (1.0, 0.0, 1.5));
+    assert_eq!(of("d 0.25"), (0.25, 0.0, 1.5));
+    assert_eq!(of("Tr 0.25\nNi 9999"), (0.75, 0.0, 1.5));
+    assert_eq!(of("Tr 1"), (1.0, 0.0, 1.5), "some programs write it for opaque surfaces");
+    assert_eq!(of("Tr 1\nd 0.5"), (0.5, 0.0, 1.5));
+    assert_eq!(of("illum 7\nd 0.25\nNi 1.33"), (1.0, 0.75, 1.33));
+    assert_eq!(looked("illum 6\nd 0.5\nTf 1 0.5 0").transparency.color, DVec3::new(1.0, 0.5, 0.0));
+    assert_eq!(looked("illum 6\nd 0.25").material.kd, 0.25);
 }

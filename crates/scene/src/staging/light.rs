@@ -14,7 +14,7 @@ use super::camera::Framed;
 use super::{Scenery, ground};
 use crate::components::{
     Ambient, AreaLight, DirectionalLight, Encoding, Falloff, JsonPath, Mesh, Order, PointLight,
-    Sampling, Settings, View,
+    Sampling, Settings, Transparency, View,
 };
 use crate::corners::{direction, quad_has_area};
 use crate::mesh::MeshData;
@@ -23,6 +23,9 @@ use crate::scene_file::AMBIENT;
 
 /// Mirror bounces: after four, little mirrored light is left.
 const BOUNCES: u32 = 4;
+/// Bounces in files with glass: a ray through a vessel goes through four surfaces, and on through
+/// another.
+const GLASS_BOUNCES: u32 = 8;
 /// Background of files with lights: a dark grey, before which black and white surfaces are both
 /// visible.
 const DARK: DVec3 = DVec3::splat(0.05);
@@ -136,6 +139,14 @@ pub(crate) fn settings(file: &Path, lights: usize, lighting: &Lighting) -> Setti
 fn settings_of(file: &Path, background: DVec3, ambient: Ambient) -> Settings {
     let (file, transfer) = (file.to_owned(), Encoding::Srgb);
     Settings { file, bounces: BOUNCES, background, ambient, transfer }
+}
+
+/// Gives rays in a world with glass enough bounces to pass through.
+pub(crate) fn allow_for_glass(world: &mut World) {
+    if world.query_mut::<&Transparency>().into_iter().any(|transparency| transparency.kt > 0.0) {
+        let settings = world.query_mut::<&mut Settings>().into_iter();
+        settings.for_each(|settings| settings.bounces = GLASS_BOUNCES);
+    }
 }
 
 /// Largest number of shadow rays for each hit of the added lights.

@@ -12,7 +12,7 @@ use wavecrest_base::error::{ErrorKind, Result};
 
 pub use wavecrest_core::kernels::texture::{Filter, Wrap};
 
-words!(Filter, Wrap, Encoding);
+words!(Filter, Wrap, Encoding, Channels);
 
 /// What a path of an image is.
 const IMAGE: &str = "the path of an image";
@@ -26,6 +26,20 @@ pub struct TextureRef {
     pub encoding: Encoding,
     /// A linear factor on every texel.
     pub tint: DVec3,
+    /// The channels that are looked up.
+    pub channels: Channels,
+}
+
+wavecrest_base::choices! {
+    /// The channels of an image that are looked up.
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+    pub enum Channels {
+        /// Red, green and blue.
+        #[default]
+        Color = "color",
+        /// Alpha in place of each of them, 1 without alpha.
+        Alpha = "alpha",
+    }
 }
 
 /// An image, and how it is looked up.
@@ -50,6 +64,7 @@ pub(crate) const EMISSION_MAP: &str = "emissionmap";
 pub(crate) const METAL_MAP: &str = "metalmap";
 pub(crate) const OCCLUSION_MAP: &str = "occlusionmap";
 pub(crate) const NORMAL_MAP: &str = "normalmap";
+pub(crate) const OPACITY_MAP: &str = "opacitymap";
 
 /// Textures of properties other than the diffuse colour. None is tinted.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -63,11 +78,13 @@ pub struct Maps {
     /// Normals: red along u, green along v, blue along the surface normal; a value x stands for 2 x
     /// - 1.
     pub normal: Option<StrengthMap>,
+    /// Multiplies the opacity, in the red channel.
+    pub opacity: Option<TextureRef>,
 }
 
 impl Maps {
     pub(crate) const NONE: Self =
-        Self { emission: None, metal: None, occlusion: None, normal: None };
+        Self { emission: None, metal: None, occlusion: None, normal: None, opacity: None };
 
     /// The maps that are set, with their keys in a scene file.
     pub fn all(&self) -> impl Iterator<Item = (&'static str, &TextureRef)> {
@@ -76,6 +93,7 @@ impl Maps {
             (METAL_MAP, self.metal.as_ref().map(|map| &map.texture)),
             (OCCLUSION_MAP, self.occlusion.as_ref().map(|map| &map.texture)),
             (NORMAL_MAP, self.normal.as_ref().map(|map| &map.texture)),
+            (OPACITY_MAP, self.opacity.as_ref()),
         ];
         all.into_iter().filter_map(|(key, texture)| Some((key, texture?)))
     }
@@ -85,7 +103,8 @@ impl Maps {
         let metal = self.metal.as_mut().map(|map| &mut map.texture);
         let occlusion = self.occlusion.as_mut().map(|map| &mut map.texture);
         let normal = self.normal.as_mut().map(|map| &mut map.texture);
-        [self.emission.as_mut(), metal, occlusion, normal].into_iter().flatten()
+        let plain = [self.emission.as_mut(), self.opacity.as_mut()];
+        plain.into_iter().chain([metal, occlusion, normal]).flatten()
     }
 }
 
@@ -174,7 +193,7 @@ impl Declared for TextureRef {
             return Ok(None);
         };
         let (encoding, look_up) = LookUp::read(object, existing_file(&cursor, IMAGE)?)?;
-        Ok(Some(Self { look_up, encoding, tint }))
+        Ok(Some(Self { look_up, encoding, tint, channels: Channels::Color }))
     }
 
     fn write(&self, to: &mut Writer<'_>) {
@@ -228,13 +247,17 @@ impl Declared for CutOut {
         /// Parts of the shape where the alpha of the texture, or of the image `alpha`, is lower are
         /// cut out; 0.5 by default with an `alpha`.
         "alphacutoff": Number(Range::NOT_NEGATIVE);
-        /// An image whose alpha, or brightness if it has none, cuts out the shape.
+        /// An image whose alpha, or brightness if it has none, cuts out the shape; or "blend", for
+        /// the alpha of the texture as opacity.
         "alpha": Text;
     };
 
     /// A threshold of 0 cuts nothing out.
     fn read(object: &Object<'_>) -> Result<Option<Self>> {
         let threshold = object.read_or("alphacutoff", Some(THRESHOLD));
+        if blends(object) {
+            return Ok(None);
+        }
         let image = |key| object.get(key).map(|cursor| existing_file(&cursor, IMAGE)).transpose();
         let mask = image("alpha")?;
         let is_mask = mask.is_some();
@@ -268,6 +291,24 @@ impl Declared for CutOut {
     }
 }
 
+/// Whether the alpha of the texture is the shape's opacity.
+fn blends(object: &Object<'_>) -> bool {
+    object.get("alpha").is_some_and(|alpha| alpha.value().as_str() == Some("blend"))
+}
+
+/// The alpha of the object's texture.
+fn alpha_of_texture(object: &Object<'_>) -> Result<Option<TextureRef>> {
+    let Some(cursor) = object.get("texture") else {
+        if let Some(alpha) = object.get("alpha") {
+            alpha.warn("has no effect without a texture", "add \"texture\", or remove it");
+        }
+        return Ok(None);
+    };
+    let (_, look_up) = LookUp::read(object, existing_file(&cursor, IMAGE)?)?;
+    let (encoding, channels) = (Encoding::Linear, Channels::Alpha);
+    Ok(Some(TextureRef { look_up, encoding, tint: DVec3::ONE, channels }))
+}
+
 const FILE: &[Key] = keys! {
     /// The image: a path from the scene's folder.
     "file": Text, Required;
@@ -287,6 +328,15 @@ const WITH_STRENGTH: Kind = map(
         /// Strength s: the share of ambient light is 1 + s (red - 1), and red and green of a normal
         /// are multiplied by s.
         "strength": Number(Range::COORDINATE), Is(1.0);
+    })],
+);
+
+const OF_OPACITY: Kind = map(
+    "a map",
+    "An image of opacity.",
+    &[Declaration::of_keys(keys! {
+        /// `color` for the red channel, or `alpha`.
+        "channels": word::<Channels>(), Says("color");
     })],
 );
 
@@ -313,6 +363,8 @@ impl Declared for Maps {
         /// Normals in tangent space: red along u, green along v, blue along the surface normal; a
         /// value x stands for 2 x - 1.
         NORMAL_MAP: Object(&WITH_STRENGTH);
+        /// The opacity, in the red channel or in alpha, which multiplies the material's.
+        OPACITY_MAP: Object(&OF_OPACITY);
     };
 
     fn read(object: &Object<'_>) -> Result<Option<Self>> {
@@ -325,6 +377,13 @@ impl Declared for Maps {
             })?,
             occlusion: texture_of(object, OCCLUSION_MAP, WITH_STRENGTH, StrengthMap::read)?,
             normal: texture_of(object, NORMAL_MAP, WITH_STRENGTH, StrengthMap::read)?,
+            opacity: match texture_of(object, OPACITY_MAP, OF_OPACITY, |texture, map| TextureRef {
+                channels: map.read("channels"),
+                ..texture
+            })? {
+                None if blends(object) => alpha_of_texture(object)?,
+                own => own,
+            },
         };
         Ok((maps != Self::default()).then_some(maps))
     }
@@ -335,6 +394,9 @@ impl Declared for Maps {
                 to.image("file", &texture.look_up.source);
                 to.put("encoding", texture.encoding);
                 texture.look_up.write(to);
+                if texture.channels != Channels::Color {
+                    to.put("channels", texture.channels);
+                }
                 match (key, &self.metal, &self.occlusion, &self.normal) {
                     (METAL_MAP, Some(map), ..) => {
                         to.put("metallic", map.metallic);
@@ -367,7 +429,8 @@ fn texture_of<T>(
     let map = cursor.object(kind)?;
     let path = existing_file(&map.need("file", IMAGE)?, IMAGE)?;
     let (encoding, look_up) = LookUp::read(&map, path)?;
-    Ok(Some(read(TextureRef { look_up, encoding, tint: DVec3::ONE }, &map)))
+    let (tint, channels) = (DVec3::ONE, Channels::Color);
+    Ok(Some(read(TextureRef { look_up, encoding, tint, channels }, &map)))
 }
 
 /// The path of an existing file, joined to the scene file's folder; `what` describes it. Instead of

@@ -16,7 +16,7 @@ component! {
         /// Weight of the light that is refracted, or mirrored by Fresnel's equations, 0 to 1.
         pub kt: f64 = "kt": Number(Range::NOT_NEGATIVE), Is(0.0);
         /// Index of refraction of the inside, which the front of the surface encloses.
-        pub ior: f64 = "ior": Number(Range::new(0.1, 10.0)), Is(1.5);
+        pub ior: f64 = "ior": Number(Self::IOR), Is(1.5);
         /// Whether the surface is a thin sheet, which bends no ray.
         pub thin: bool = "thin": Truth, Off;
         /// Colour of refracted light.
@@ -44,6 +44,9 @@ impl Declared for Transparency {
 }
 
 impl Transparency {
+    /// Indices of refraction: those of all materials, and of the empty inside of denser ones.
+    pub(crate) const IOR: Range = Range::new(0.1, 10.0);
+
     /// Lets nothing through.
     pub const OPAQUE: Self = Self {
         opacity: 1.0,
@@ -55,18 +58,22 @@ impl Transparency {
         attenuation_distance: 0.0,
     };
 
-    /// In single precision; `None` if nothing goes through.
-    pub(crate) fn single(&self) -> Option<transmission::Transparency> {
-        let (opacity, kt) = (self.opacity as f32, self.kt as f32);
-        let is_refracted = kt > 0.0 && opacity > 0.0;
-        (opacity < 1.0 || is_refracted).then(|| transmission::Transparency {
-            opacity,
-            kt,
+    /// Whether anything goes through.
+    pub(crate) fn has_effect(&self) -> bool {
+        let transmission::Transparency { opacity, kt, .. } = self.in_single_precision();
+        opacity < 1.0 || kt > 0.0
+    }
+
+    /// As tracers read it.
+    pub(crate) fn in_single_precision(&self) -> transmission::Transparency {
+        transmission::Transparency {
+            opacity: self.opacity as f32,
+            kt: self.kt as f32,
             ior: self.ior as f32,
             color: self.color.as_vec3(),
             absorption: self.absorption().as_vec3(),
             thin: self.thin,
-        })
+        }
     }
 
     /// Light absorbed inside, by channel, per scene unit.

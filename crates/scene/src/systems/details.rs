@@ -4,9 +4,11 @@ use std::collections::HashMap;
 
 use super::census::Shows;
 use super::geometry::ShapeOutput;
-use super::textures::Images;
-use crate::components::{Material, MetalMap, StrengthMap, SurfaceComponents, Transparency};
-use crate::surface::{EMISSION_MAP, METAL_MAP, NORMAL_MAP, OCCLUSION_MAP};
+use super::textures::{Images, has_alpha};
+use crate::components::{
+    Channels, Material, MetalMap, StrengthMap, SurfaceComponents, TextureRef, Transparency,
+};
+use crate::surface::{EMISSION_MAP, METAL_MAP, NORMAL_MAP, OCCLUSION_MAP, OPACITY_MAP};
 use wavecrest_core::plan::schedule::{Schedule, Step};
 use wavecrest_core::prepared::{Detail, Metal, NormalMap, Occlusion, UvMap};
 
@@ -35,7 +37,11 @@ pub(crate) fn run(
         let Some(material) = surface.material.filter(|_| has_detail) else { continue };
         let mut detail = detail(material, surface, shows, images, output.uv_map);
         if *transparent {
-            detail.transparency = surface.transparency.and_then(Transparency::single);
+            let own = surface.transparency.unwrap_or(&Transparency::OPAQUE);
+            let place = (surface.place, OPACITY_MAP);
+            let map = surface.maps.opacity.as_ref();
+            detail.transparency = Some(own.in_single_precision());
+            detail.opacity = map.map(|map| images.texture(map, place, output.uv_map));
         }
         let next = || {
             details.push(detail.clone());
@@ -44,6 +50,14 @@ pub(crate) fn run(
         output.shape.detail = Some(*known.entry(format!("{detail:?}")).or_insert_with(next));
     }
     details
+}
+
+/// Whether light may go through a surface, as far as the headers of images tell.
+pub(crate) fn is_transparent(surface: &SurfaceComponents<'_>) -> bool {
+    let may_vary =
+        |map: &TextureRef| map.channels == Channels::Color || has_alpha(&map.look_up.source);
+    surface.transparency.is_some_and(Transparency::has_effect)
+        || surface.maps.opacity.as_ref().is_some_and(may_vary)
 }
 
 /// The visible part of a shape's detail.

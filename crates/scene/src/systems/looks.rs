@@ -6,7 +6,7 @@ use glam::DVec3;
 use hecs::{Entity, World};
 
 use crate::components::{
-    Encoding, Filter, InstanceOf, JsonPath, LookUp, Maps, Material, Mesh, TextureRef,
+    Channels, Encoding, Filter, InstanceOf, JsonPath, LookUp, Maps, Material, Mesh, TextureRef,
     TextureSource, Wrap,
 };
 use crate::staging::GROUND;
@@ -51,6 +51,7 @@ pub fn show_uvs(world: &mut World) {
         },
         encoding: Encoding::Linear,
         tint: DVec3::ONE,
+        channels: Channels::Color,
     };
     let shapes: Vec<(Entity, Entity)> = world
         .query_mut::<(Entity, &Material, Option<&InstanceOf>)>()

@@ -11,7 +11,9 @@ use image::{DynamicImage, ImageDecoder, ImageError, ImageFormat, ImageReader, Im
 
 use super::census::Shows;
 use super::geometry::ShapeOutput;
-use crate::components::{self, Encoding, LookUp, SurfaceComponents, TextureRef, TextureSource};
+use crate::components::{
+    self, Channels, Encoding, LookUp, SurfaceComponents, TextureRef, TextureSource,
+};
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_core::kernels::texture::{Filter, Image, Texels};
 use wavecrest_core::math::srgb::srgb_decode;
@@ -57,7 +59,7 @@ pub(crate) struct Images {
     /// Each with the place in the scene file that names it first.
     all: Vec<(TextureRef, String)>,
     /// Their numbers, by what they are made of; the tint in bits.
-    numbers: HashMap<(TextureSource, Encoding, [u64; 3]), u32>,
+    numbers: HashMap<(TextureSource, Encoding, [u64; 3], Channels), u32>,
 }
 
 impl Images {
@@ -71,7 +73,7 @@ impl Images {
     ) -> Texture {
         let LookUp { source, filter, wrap, placing: placed } = &reference.look_up;
         let tint = reference.tint.to_array().map(f64::to_bits);
-        let made_of = (source.clone(), reference.encoding, tint);
+        let made_of = (source.clone(), reference.encoding, tint, reference.channels);
         let number = *self.numbers.entry(made_of).or_insert_with(|| {
             self.all.push((reference.clone(), format!("{place}.{key}")));
             self.all.len() as u32 - 1
@@ -101,8 +103,12 @@ fn lazy(texture: TextureRef, file: PathBuf, place: String) -> Result<LazyImage> 
     let LookUp { source, filter, .. } = texture.look_up.clone();
     let head = Head::of(&source).map_err(|e| e.in_file(&file).at(&place))?;
     let (name, content) = (source.name(), content(&source));
-    let (encoding, tint) = (texture.encoding, texture.tint);
-    let made_of = move || [content(), format!("{encoding:?}{tint:?}{filter:?}").into()].concat();
+    let TextureRef { encoding, tint, channels, .. } = texture;
+    let read = match channels {
+        Channels::Color => format!("{encoding:?}{tint:?}{filter:?}"),
+        Channels::Alpha => format!("{channels:?}{filter:?}"),
+    };
+    let made_of = move || [content(), read.into()].concat();
     let decode = move || {
         let mut image = decode(&texture).map_err(|e| e.in_file(file).at(place))?;
         if filter == Filter::Trilinear {
@@ -127,6 +133,12 @@ pub(super) fn content(source: &TextureSource) -> impl FnOnce() -> Vec<u8> + Send
 /// that cannot be read, which is reported when the scene is prepared.
 pub(crate) fn survey(source: &TextureSource, filter: Filter) -> [u64; 2] {
     Head::of(source).map_or([0; 2], |head| head.bytes(filter))
+}
+
+/// Whether the image has an alpha channel; if its header cannot be read, which is reported when the
+/// scene is prepared, it may have one.
+pub(crate) fn has_alpha(source: &TextureSource) -> bool {
+    Head::of(source).map_or(true, |head| head.has_alpha)
 }
 
 /// As [`survey`], for the image of a cut-out.
@@ -242,7 +254,14 @@ fn decode(texture: &TextureRef) -> Result<Image> {
     let decoded = decoding(source, |decoder| DynamicImage::from_decoder(decoder))?;
     let (width, height) = (decoded.width(), decoded.height());
     check_size(source, (width, height))?;
-    Ok(Image::new(width, height, texels(decoded, texture.encoding, texture.tint)))
+    let texels = match texture.channels {
+        Channels::Color => texels(decoded, texture.encoding, texture.tint),
+        Channels::Alpha => {
+            let alpha = decoded.into_rgba8();
+            Texels::Bytes(alpha.pixels().map(|pixel| [pixel.0[3]; 4]).collect())
+        }
+    };
+    Ok(Image::new(width, height, texels))
 }
 
 fn check_size(source: &TextureSource, (width, height): (u32, u32)) -> Result<()> {

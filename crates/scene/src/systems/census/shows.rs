@@ -4,7 +4,7 @@ use glam::{DVec3, Vec3};
 
 use super::{Census, Faces};
 use crate::components::{Filter, Maps, StrengthMap, SurfaceComponents, TextureRef};
-use crate::surface::{EMISSION_MAP, METAL_MAP, OCCLUSION_MAP};
+use crate::surface::{EMISSION_MAP, METAL_MAP, OCCLUSION_MAP, OPACITY_MAP};
 use wavecrest_core::plan::schedule::Step;
 
 /// Which properties of a shape's material are visible.
@@ -81,6 +81,7 @@ impl Shows {
             EMISSION_MAP => self.emission,
             METAL_MAP => self.metal,
             OCCLUSION_MAP => self.occlusion,
+            OPACITY_MAP => census.transparent[i],
             _ => self.normal,
         };
         self.texture && texture.is_some_and(is_trilinear)

@@ -104,7 +104,8 @@ impl<'w> Occurrences<'w> {
                         form,
                         light: light.map(|light| light.color.as_vec3()),
                         is_passed: light.is_some()
-                            || transparency.is_some_and(|of| of.single().is_some()),
+                            || transparency.is_some_and(Transparency::has_effect)
+                            || maps.is_some_and(|maps| maps.opacity.is_some()),
                         transform,
                         facing: facing.copied(),
                         sides: sides.copied().unwrap_or(Sides::Both),
