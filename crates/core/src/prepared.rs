@@ -30,6 +30,7 @@ use crate::kernels::camera::path::Path;
 pub use crate::kernels::corners::{CornerValues, NO_VALUE};
 use crate::kernels::hemisphere::Hemisphere;
 use crate::kernels::light::Light;
+use crate::kernels::slab::Aabb;
 use crate::kernels::texture::{Filter, Wrap};
 pub use crate::kernels::texture::{LazyImage, Placing, UvMap};
 use crate::plan::Plan;
@@ -62,6 +63,8 @@ pub struct PreparedScene {
     /// Hemispheric ambient light, which is also the colour of mirror rays that hit nothing; `None`
     /// if the plan has none.
     pub hemisphere: Option<Hemisphere>,
+    /// Boxes that together contain all transparent surfaces.
+    pub transparent: Vec<Aabb>,
     /// Largest number of mirror bounces; 0 if the plan has no mirrors.
     pub bounces: u32,
     /// Counts of dropped parts of the file.

@@ -318,21 +318,15 @@ impl<P: Arithmetic> Recursive<P> {
                 if !occluded {
                     let contribution = Vec3::from(request.contribution);
                     *radiance += if self.schedule.has_transmission() {
-                        contribution * self.passed(scene, &request.ray())
+                        let ray = request.ray();
+                        let Self { passed, traversal, look_ups, .. } = &mut *self;
+                        contribution * scene.passed::<P>(&ray, passed, traversal, look_ups)
                     } else {
                         contribution
                     };
                 }
             }
         }
-    }
-}
-
-impl<P: Arithmetic> Recursive<P> {
-    /// The share of light that passes along a shadow ray.
-    fn passed(&mut self, scene: &PreparedScene, ray: &Ray) -> Vec3 {
-        scene.accel.search::<P>().crossings(ray, &mut self.traversal, &mut self.passed);
-        scene.passed::<P>(ray, &self.passed, &mut self.look_ups)
     }
 }
 

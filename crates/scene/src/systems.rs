@@ -142,7 +142,7 @@ pub fn extract(world: World, options: Options<'_>) -> Result<Extracted> {
         &mut images,
         &mut extracted.shapes,
     );
-    extracted.pass(&found.transparent);
+    let transparent = extracted.pass(&found.transparent);
     let images = images.prepare(&file)?;
     let cutouts = cutouts::run(&surfaces, &found.holes, &masks, &mut extracted);
     extracted.drop_unused(schedule, &in_view, &details);
@@ -170,6 +170,7 @@ pub fn extract(world: World, options: Options<'_>) -> Result<Extracted> {
         background: settings.background.as_vec3(),
         ambient,
         hemisphere,
+        transparent,
         bounces: if schedule.goes_on() { settings.bounces } else { 0 },
         dropped: Dropped::default(),
     };

@@ -7,12 +7,13 @@
 use glam::{DVec3, Vec3};
 
 use super::{Interaction, LookUps, MirrorPoint, PreparedScene};
-use crate::accel::Hit;
+use crate::accel::{Hit, Traversal};
 use crate::kernels::differential::Differential;
 use crate::kernels::precision::Arithmetic;
 use crate::kernels::shade::{self, ShadingPoint};
+use crate::kernels::slab::{Aabb, SlabRay};
 use crate::kernels::transmission::{Split, Transparency};
-use crate::math::float::dot;
+use crate::math::float::{dot, max, min};
 use crate::math::ray::Ray;
 use crate::plan::Effect;
 
@@ -124,18 +125,33 @@ impl PreparedScene {
         (own, branches)
     }
 
-    /// The share of light that passes all transparent surfaces along a shadow ray, which crosses
-    /// them at these `hits`.
+    /// The share of light that passes all transparent surfaces along a shadow ray that nothing
+    /// else blocks; `hits` is memory for those that it crosses.
     ///
     /// What is absorbed inside follows from all surfaces together: a way inside begins at a front
     /// and ends at a back.
     #[inline(never)]
-    pub fn passed<P: Arithmetic>(&self, ray: &Ray, hits: &[Hit], look_ups: &mut LookUps) -> Vec3 {
+    pub fn passed<P: Arithmetic>(
+        &self,
+        ray: &Ray,
+        hits: &mut Vec<Hit>,
+        traversal: &mut Traversal,
+        look_ups: &mut LookUps,
+    ) -> Vec3 {
+        let slab = SlabRay::new(ray);
+        let is_near = |bounds: &Aabb| {
+            let met = slab.interval(bounds);
+            max(met.near, ray.t_min) <= min(met.far, slab.reach(ray.t_max))
+        };
+        if !self.transparent.iter().any(is_near) {
+            return Vec3::ONE;
+        }
+        self.accel.search::<P>().crossings(ray, traversal, hits);
         let length = f64::from(dot(ray.direction, ray.direction)).sqrt();
         let unit = Ray { direction: (ray.direction.as_dvec3() / length).as_vec3(), ..*ray };
         let mut passed = DVec3::ONE;
         let mut ways: Vec<(&Transparency, f64)> = Vec::new();
-        for hit in hits {
+        for hit in hits.iter() {
             let Some(transparency) = self.transparency(hit.primitive) else { continue };
             let along = Hit { t: (f64::from(hit.t) * length) as f32, ..*hit };
             let Interaction::Surface(point) =

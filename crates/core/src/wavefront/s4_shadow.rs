@@ -171,8 +171,7 @@ fn weaken<P: Arithmetic>(
     let (mut hits, mut look_ups) = (Vec::new(), LookUps::default());
     for (i, _) in occluded.iter().enumerate().filter(|(_, occluded)| !**occluded) {
         let ray = Rays::from(&*shadows).ray(i);
-        scene.accel.search::<P>().crossings(&ray, traversal, &mut hits);
-        let passed = scene.passed::<P>(&ray, &hits, &mut look_ups);
+        let passed = scene.passed::<P>(&ray, &mut hits, traversal, &mut look_ups);
         shadows.contribution.set(i, shadows.contribution.get(i) * passed);
     }
     look_ups.add_to(counters);

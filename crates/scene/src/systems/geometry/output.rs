@@ -6,6 +6,7 @@ use hecs::Entity;
 use rayon::prelude::*;
 
 use wavecrest_core::geometry::{Geometry, Primitive};
+use wavecrest_core::kernels::slab::Aabb;
 use wavecrest_core::plan::schedule::{Schedule, Step};
 use wavecrest_core::prepared::{Detail, MeshAttributes, Shape, UvMap};
 
@@ -95,12 +96,27 @@ impl Output {
         }
     }
 
-    /// Lets shadow rays pass these shapes, and those of lights.
-    pub(in crate::systems) fn pass(&mut self, transparent: &[bool]) {
-        let shapes = self.shapes.iter().zip(transparent);
-        let passed = shapes.filter(|(output, passed)| **passed || output.shape.light.is_some());
-        let ranges = passed.map(|(output, _)| output.shape.primitives.clone());
-        self.geometry.passed = ranges.filter(|range| !range.is_empty()).collect();
+    /// Lets shadow rays pass these shapes, and those of lights. Returns boxes around the shapes.
+    pub(in crate::systems) fn pass(&mut self, transparent: &[bool]) -> Vec<Aabb> {
+        /// Number of boxes from which on one around all is tested faster.
+        const MOST_BOXES: usize = 16;
+        let (mut passed, mut boxes) = (Vec::new(), Vec::new());
+        for (ShapeOutput { shape, .. }, is_transparent) in self.shapes.iter().zip(transparent) {
+            let primitives = shape.primitives.clone();
+            if primitives.is_empty() || !is_transparent && shape.light.is_none() {
+                continue;
+            }
+            passed.push(primitives.clone());
+            if *is_transparent {
+                let bounds = primitives.into_par_iter().map(|number| self.geometry.bounds(number));
+                boxes.push(bounds.reduce(|| Aabb::EMPTY, Aabb::union));
+            }
+        }
+        self.geometry.passed = passed;
+        if boxes.len() > MOST_BOXES {
+            boxes = vec![boxes.into_iter().fold(Aabb::EMPTY, Aabb::union)];
+        }
+        boxes
     }
 
     /// Drops data that no pass of the schedule reads: normals and colours of meshes that are not in
