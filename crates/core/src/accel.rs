@@ -163,9 +163,10 @@ impl Accel {
         with_precision!(self.geometry.precision, P => self.search::<P>().occluded(ray, traversal))
     }
 
-    /// Everything on `ray`: the primitives that it crosses, those of lights too, but not those of instances, by t and then by number, in place of what `hits` held. Of the triangles around an
-    /// edge or a corner, [`crossing`](crate::kernels::triangle::crossing) says which. Cut-outs have no
-    /// holes here, and of a pile of dozens of triangles with the same corners the first counts.
+    /// Everything on `ray`: the primitives that it crosses, those of lights too, but not those of
+    /// instances, by t and then by number, in place of what `hits` held. Of the triangles around an
+    /// edge or a corner, [`crossing`](crate::kernels::triangle::crossing) says which; a sphere may be
+    /// crossed twice. Of a pile of dozens of triangles with the same corners the first counts.
     pub fn crossings(&self, ray: &Ray, traversal: &mut Traversal, hits: &mut Vec<Hit>) {
         with_precision!(self.geometry.precision, P => {
             self.search::<P>().crossings(ray, traversal, hits);

@@ -6,9 +6,11 @@ use glam::{DQuat, DVec3};
 use serde_json::{Value, json};
 use wavecrest_core::prepared::PreparedScene;
 use wavecrest_core::probe::{self, PathRecord};
+use wavecrest_scene::systems::Options;
 
 use crate::support::{
-    assert_near, image, pinhole, pixel, places, point_light, prepare, scene, sphere, wall, with,
+    assert_near, folder, image, image_of, pinhole, pixel, places, point_light, prepare, prepare_in,
+    scene, sphere, wall, with,
 };
 
 /// Nothing but what goes through it is seen of such a surface.
@@ -217,4 +219,27 @@ fn shadow_rays_lose_what_surfaces_keep() {
     let way = 2.0 / 0.3_f64.cos();
     close(passed[0], once * once * 0.5_f64.powf(way / 4.0), "absorbed");
     close(passed[1], once * once * 0.25, "coloured");
+}
+
+/// The alpha of a texture, and a map of either channel, multiply the opacity.
+#[test]
+fn images_give_opacity() {
+    let folder = folder();
+    let texel = |_, _| image::Rgba([51, 255, 255, 102]);
+    let saved = image::RgbaImage::from_fn(2, 2, texel).save(folder.path().join("t.png"));
+    saved.expect("an image");
+    let pane = |key: &str, value: Value| {
+        let pane = wall(20.0, 0.0, clear(&json!({"opacity": 0.5})));
+        with(with(pane, "texture", "t.png"), key, value)
+    };
+    for (pane, opacity) in [
+        (pane("alpha", json!("blend")), 0.5 * 0.4),
+        (pane("opacitymap", json!({"file": "t.png"})), 0.5 * 0.2),
+        (pane("opacitymap", json!({"file": "t.png", "channels": "alpha"})), 0.5 * 0.4),
+    ] {
+        let scene = scene(0, &pinhole([1, 1], 1e-3, 9.0), &[], &[pane, shining_wall()]);
+        let prepared = prepare_in(folder.path(), &scene, Options::default());
+        let found = pixel(&image_of(&prepared, 0), 0, 0);
+        close(found[0], 1.0 - opacity, "red");
+    }
 }

@@ -97,25 +97,24 @@ pub(super) fn each<P: Arithmetic>(
     (hits, tests): (&mut Vec<Hit>, &mut TestCounts),
 ) {
     for primitive in numbers {
-        let t = match geometry.primitive(primitive) {
+        let found = match geometry.primitive(primitive) {
             Primitive::Triangle(i) => {
                 tests.triangles += 1;
-                triangle::crossing(ray, &geometry.triangle(i))
+                [triangle::crossing(ray, &geometry.triangle(i)), None]
             }
             Primitive::Quad(i) => {
                 tests.quads += 2;
                 let halves = quad::halves(&geometry.quad(i));
-                halves.iter().find_map(|half| triangle::crossing(ray, half))
+                halves.map(|half| triangle::crossing(ray, &half))
             }
             Primitive::Quadric(i) => {
                 geometry.quadrics[i].count(tests, 1);
-                let found = geometry.quadrics[i].crossings::<P>(ray);
-                hits.extend(found.into_iter().flatten().map(|t| Hit { t, primitive }));
-                None
+                geometry.quadrics[i].crossings::<P>(ray)
             }
-            Primitive::Instanced(_) => None,
+            Primitive::Instanced(_) => [None; 2],
         };
-        hits.extend(t.map(|t| Hit { t, primitive }));
+        let is_there = |t: &f32| !geometry.is_cut_out::<P>(primitive, ray, *t, tests);
+        hits.extend(found.into_iter().flatten().filter(is_there).map(|t| Hit { t, primitive }));
     }
 }
 
@@ -127,6 +126,9 @@ mod tests {
     use super::super::{Accel, KernelChoice};
     use super::*;
     use crate::accel::build::Preset;
+    use crate::geometry::Quadric;
+    use crate::kernels::disk::{self, Disk};
+    use crate::kernels::sphere;
     use crate::math::simd::Level;
 
     fn crossings(accel: &Accel, ray: &Ray) -> Vec<Hit> {
@@ -195,6 +197,46 @@ mod tests {
         }
         assert!(skipped > 500, "{skipped}");
         assert!(all.iter().flatten().any(|hit| hit.primitive as usize == geometry.triangles.len()));
+    }
+
+    /// Spheres are entered and left, also by rays that touch them or start inside.
+    #[test]
+    fn hc05_spheres_are_crossed_twice_and_disks_once() {
+        let mut numbers = Numbers(130_000);
+        let mut geometry = Geometry::default();
+        let mut point = || Vec3::from([0; 3].map(|_| numbers.below(5) as f32));
+        for i in 0..60 {
+            let (center, normal) = (point(), (point() - 2.0).normalize_or(Vec3::X));
+            geometry.quadrics.push(match i % 2 {
+                0 => Quadric::Sphere(center, 1.0),
+                _ => Quadric::Disk(Disk { center, normal, radius: 1.0 }),
+            });
+        }
+        let rays: Vec<Ray> = (0..600)
+            .map(|i| {
+                let (from, to) = (point(), point());
+                let t_max = if i % 4 == 0 { 1.0 } else { f32::INFINITY };
+                Ray { t_max, ..Ray::new(from, to - from) }
+            })
+            .filter(Ray::is_valid)
+            .collect();
+        let mut twice = 0;
+        for (ray, hits) in rays.iter().zip(checked(&geometry, &rays)) {
+            for (number, quadric) in (0..).zip(&geometry.quadrics) {
+                let found = hits.iter().filter(|hit| hit.primitive == number);
+                let found: Vec<f32> = found.map(|hit| hit.t).collect();
+                let expected = match *quadric {
+                    Quadric::Sphere(center, radius) => {
+                        sphere::crossings(ray, center, radius, |_| None)
+                    }
+                    Quadric::Disk(disk) => [disk::intersect_exactly(ray, &disk), None],
+                };
+                let expected: Vec<f32> = expected.into_iter().flatten().collect();
+                assert_eq!(found, expected, "{ray} {quadric:?}");
+                twice += usize::from(found.len() == 2);
+            }
+        }
+        assert!(twice > 500, "{twice}");
     }
 
     /// From outside, rays through corners and edges enter a closed surface as often as they leave

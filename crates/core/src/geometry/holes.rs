@@ -14,7 +14,7 @@ use crate::math::vector::{Line, Vector};
 impl Geometry {
     /// Whether the ray, which meets the primitive at t, passes through a hole.
     #[inline(always)]
-    pub(super) fn is_cut_out<P: Arithmetic>(
+    pub(crate) fn is_cut_out<P: Arithmetic>(
         &self,
         number: u32,
         ray: &Ray,

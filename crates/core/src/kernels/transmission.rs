@@ -145,3 +145,24 @@ pub fn fresnel(cosine: f64, ratio: f64) -> f64 {
     let along = (ratio * beyond - cosine) / (ratio * beyond + cosine);
     (across * across + along * along) / 2.0
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn reflectance_has_its_known_values() {
+        let straight = fresnel(1.0, 1.0 / 1.5);
+        assert!((straight - 0.04).abs() < 1e-12);
+        assert!((fresnel(1.0, 1.5) - straight).abs() < 1e-12, "the same from both sides");
+        assert_eq!(fresnel(0.0, 1.0 / 1.5), 1.0, "edge on");
+        // Beyond the critical angle, whose sine is 1 / 1.5.
+        let critical = (1.0_f64 - 1.0 / 2.25).sqrt();
+        assert_eq!(fresnel(critical - 1e-9, 1.5), 1.0);
+        assert!(fresnel(critical + 1e-9, 1.5) < 1.0);
+        // At Brewster's angle half of the rest is what is polarised across.
+        let brewster = 1.5_f64.atan().cos();
+        let across = ((1.0 - 2.25) / (1.0 + 2.25_f64)).powi(2);
+        assert!((fresnel(brewster, 1.0 / 1.5) - across / 2.0).abs() < 1e-12);
+    }
+}

@@ -111,3 +111,50 @@ impl Waiting {
             + self.entries.capacity() * size_of::<Entry>()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use glam::Vec3;
+
+    use super::*;
+    use crate::math::ray::Ray;
+
+    /// Pushed and popped in any order, each path has its own stack, and memory is used again.
+    #[test]
+    fn rays_wait_in_a_stack_for_each_path() {
+        let mut waiting = Waiting::with_capacity(3);
+        let branch = |number: u32| Branch {
+            ray: Ray::new(Vec3::ZERO, Vec3::X),
+            throughput: Vec3::splat(number as f32),
+            trail: Trail { bounces: number, mirrored: false },
+            differential: None,
+        };
+        let mut stacks: [Vec<u32>; 3] = Default::default();
+        for number in 0..200_u32 {
+            let path = number.wrapping_mul(0x9E37_79B9) >> 30;
+            let stack = &mut stacks[(path % 3) as usize];
+            if number % 5 < 3 {
+                waiting.push(path % 3, branch(number));
+                stack.push(number);
+            } else {
+                waiting.mark(&[(path + 1) % 3]);
+                assert!(waiting.pop_unmarked((path + 1) % 3).is_none());
+                let found = waiting.pop_unmarked(path % 3).map(|branch| branch.trail.bounces);
+                assert_eq!(found, stack.pop());
+            }
+        }
+        let left: usize = stacks.iter().map(Vec::len).sum();
+        assert!(left > 10 && waiting.rays == left);
+        waiting.mark(&[]);
+        for (path, stack) in (0..).zip(&mut stacks) {
+            while let Some(number) = stack.pop() {
+                assert_eq!(
+                    waiting.pop_unmarked(path).map(|branch| branch.trail.bounces),
+                    Some(number)
+                );
+            }
+        }
+        assert!(waiting.is_empty());
+        assert!(waiting.entries.len() < 120, "{}", waiting.entries.len());
+    }
+}
