@@ -161,7 +161,7 @@ fn a_ball_without_refraction_is_not_there() {
                        "material": {"ks": 0.3, "kd": 0.7, "specularexponent": 20,
                                     "diffusecolor": [0.8, 0.6, 0.4]}});
     let light = point_light(90.0, [2.0, 4.0, 3.0], [1.0; 3]);
-    let of = |shapes: &[Value]| image(&scene(4, &camera(), &[light.clone()], shapes));
+    let of = |shapes: &[Value]| image(&scene(4, &camera(), std::slice::from_ref(&light), shapes));
     let (with, without) = (of(&[floor.clone(), ball]), of(&[floor]));
     for (x, y) in places(24, 16) {
         assert_near(pixel(&with, x, y), pixel(&without, x, y), 1e-5, &format!("{x} {y}"));
@@ -197,7 +197,7 @@ fn shadow_rays_lose_what_surfaces_keep() {
         // From beside what the light passes.
         let camera = json!({"type": "pinhole", "width": 1, "height": 1, "fov": 1e-3,
                             "location": [60, 0, -2.5], "look": [0, 0, -3]});
-        pixel(&image(&scene(4, &camera, &[light.clone()], &all)), 0, 0)
+        pixel(&image(&scene(4, &camera, std::slice::from_ref(&light), &all)), 0, 0)
     };
     let free = lit(&[]);
     assert!(free[0] > 0.1);

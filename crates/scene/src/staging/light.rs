@@ -21,8 +21,8 @@ use crate::mesh::MeshData;
 use crate::options::lighting::{Background, Lighting, Rig};
 use crate::scene_file::AMBIENT;
 
-/// Mirror bounces: after four, little mirrored light is left.
-const BOUNCES: u32 = 4;
+/// Bounces: after four, little mirrored light is left.
+pub(crate) const BOUNCES: u32 = 4;
 /// Background of files with lights: a dark grey, before which black and white surfaces are both
 /// visible.
 const DARK: DVec3 = DVec3::splat(0.05);
