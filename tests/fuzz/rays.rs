@@ -176,7 +176,7 @@ fn lights(geometry: &mut Geometry, bytes: &mut Bytes<'_>) {
         start += bytes.below(32) as u32;
         let end = (start + 1 + bytes.below(16) as u32).min(geometry.len() as u32);
         if start < end {
-            geometry.lights.push(start..end);
+            geometry.passed.push(start..end);
         }
         start = end.max(start);
     }

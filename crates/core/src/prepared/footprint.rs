@@ -1,6 +1,7 @@
 //! Ray differentials at hits: the footprint in a texture, or the differential of the next ray.
 //!
-//! Both tracers call these functions hit by hit, only for trilinear textures and for mirrors.
+//! Both tracers call these functions hit by hit, only for trilinear textures and for rays that may
+//! show them.
 
 use glam::{Vec2, Vec3};
 

@@ -296,7 +296,7 @@ impl Batch {
         if !self.waiting.is_empty() {
             self.wake();
         }
-        // Without mirrors the next rays have no storage and must not become the current ones.
+        // Where no ray goes on, the next rays have no storage and must not become the current ones.
         if self.next.is_empty() {
             return false;
         }
