@@ -280,7 +280,7 @@ fn verdict(e: &Explanation<'_>) -> String {
     };
     let Rays { primary, secondary, shadow } = e.expected.rays;
     let about = |n: u64| grouped(rounded(n as f64, 3) as u64);
-    let kinds = [(primary, "camera"), (secondary, "mirror"), (shadow, "shadow")];
+    let kinds = [(primary, "camera"), (secondary, "secondary"), (shadow, "shadow")];
     let kinds = kinds.into_iter().filter(|(n, _)| *n > 0);
     let kinds: Vec<_> = kinds.map(|(n, kind)| format!("{} {kind}", about(n))).collect();
     let (all, kinds) = (about(e.expected.rays.all()), kinds.join(", "));
@@ -300,7 +300,7 @@ fn row(name: &str, [first, second]: [&str; 2], found: Option<&str>) -> String {
 fn work(e: &Explanation<'_>) -> String {
     const NAMES: [&str; 6] = [
         "    camera rays",
-        "    mirror rays",
+        "    secondary rays",
         "    shadow rays",
         "    points on the lens",
         "    points on lights",
@@ -308,7 +308,12 @@ fn work(e: &Explanation<'_>) -> String {
     ];
     let counts = |rays: &Rays, samples: &Samples| {
         let Rays { primary, secondary, shadow } = *rays;
-        [primary, secondary, shadow, samples.lens, samples.light, samples.texels].map(grouped)
+        [primary, secondary, shadow, samples.lens, samples.light, samples.texels].map(|count| {
+            match count {
+                u64::MAX => "no bound".to_owned(),
+                _ => grouped(count),
+            }
+        })
     };
     let most = counts(&e.estimated.rays, &e.estimated.samples);
     let expected = counts(&e.expected.rays, &e.expected.samples);

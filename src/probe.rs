@@ -8,7 +8,7 @@ use super::common::{SearchOptions, numbers, print, rounded, to_json, whole};
 use super::input::{Made, SceneOptions};
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_core::probe::{
-    Bounce, HitRecord, Light, PathRecord, PixelRecord, SurfaceRecord, Visibility, pixel,
+    Bounce, HitRecord, Light, PathRecord, PixelRecord, RayKind, SurfaceRecord, Visibility, pixel,
 };
 use wavecrest_core::recursive::End;
 use wavecrest_core::wavefront::DEFAULT_BATCH;
@@ -110,16 +110,18 @@ fn text(record: &PixelRecord) -> String {
     text + &match record.differs {
         None => "Both tracers agree to the last bit.\n".to_owned(),
         Some([sample, bounce]) => {
-            format!("THE TRACERS DIFFER from sample {sample}, bounce {bounce} on.\n")
+            format!("THE TRACERS DIFFER from sample {sample}, ray {bounce} on.\n")
         }
     }
 }
 
-/// For each bounce of a path the primitive that it hits, and for each point of a light whether it is visible.
+/// For each ray of a path the primitive that it hits, and for each point of a light whether its light arrives.
 type PathOutcome = Vec<(Option<u32>, Vec<(usize, bool)>)>;
 
 fn outline(path: &PathRecord) -> PathOutcome {
-    let light = |light: &Light| (light.light, light.verdict == Visibility::Visible);
+    let arrives =
+        |light: &Light| matches!(light.verdict, Visibility::Visible | Visibility::Weakened { .. });
+    let light = |light: &Light| (light.light, arrives(light));
     let bounce = |bounce: &Bounce| match &bounce.met {
         Some(met) => (Some(met.primitive), met.lights.iter().map(light).collect()),
         None => (None, Vec::new()),
@@ -138,19 +140,28 @@ fn three(v: Vec3) -> String {
 }
 
 fn bounce(number: usize, bounce: &Bounce) -> String {
-    let what = if number == 0 { "camera ray".to_owned() } else { format!("mirror ray {number}") };
+    let what = match (bounce.kind, bounce.from.unwrap_or(0)) {
+        (RayKind::Camera, _) => "camera ray".to_owned(),
+        (RayKind::Mirrored, from) => format!("ray {number}, mirrored where ray {from} ends,"),
+        (RayKind::Refracted, from) => format!("ray {number}, refracted where ray {from} ends,"),
+        (RayKind::Straight, from) => format!("ray {number}, straight on where ray {from} ends,"),
+    };
     let Bounce { nodes, leaves, primitives, .. } = bounce;
+    let throughput = match bounce.kind {
+        RayKind::Camera => String::new(),
+        _ => format!(", throughput {}", three(bounce.throughput)),
+    };
     let (direction, radiance) = (three(bounce.direction), three(bounce.radiance));
     let origin = bounce.origin.to_array().map(|x| rounded(x, 7).to_string()).join(" ");
     let hit = bounce.met.as_ref().map_or("    hits nothing\n".to_owned(), met);
-    let end = bounce.end.map_or("continues from the mirror", |end| match end {
+    let end = bounce.end.map_or("goes on", |end| match end {
         End::Nothing => "ends at the background",
         End::Light => "ends at a light",
         End::LastBounce => "ends: no bounces left",
-        End::NoMirror => "ends: not a mirror",
+        End::NoMirror => "ends: neither mirrored nor let through",
     });
     format!(
-        "  {what} from {origin}, direction {direction}\n    visits: nodes {nodes}, leaves {leaves}; \
+        "  {what} from {origin}, direction {direction}{throughput}\n    visits: nodes {nodes}, leaves {leaves}; \
          primitives tested: {primitives}\n{hit}    radiance so far {radiance}; {end}\n"
     )
 }
@@ -183,7 +194,7 @@ fn met(met: &HitRecord) -> String {
 }
 
 fn surface(
-    SurfaceRecord { color, texture, ks, kd, exponent, kr, emission }: &SurfaceRecord,
+    SurfaceRecord { color, texture, ks, kd, exponent, kr, opacity, kt, ior, emission }: &SurfaceRecord,
 ) -> String {
     let from = texture.as_ref().map_or_else(String::new, |file| format!(" from {file}"));
     let [kd, ks, exponent] = [*kd, *ks, *exponent].map(number);
@@ -191,6 +202,12 @@ fn surface(
     let mut text = format!("    colour {color}{from}; kd {kd}, ks {ks}, exponent {exponent}");
     if *kr > 0.0 {
         text += &format!(", kr {}", number(*kr));
+    }
+    if *opacity < 1.0 {
+        text += &format!(", opacity {}", number(*opacity));
+    }
+    if *kt > 0.0 {
+        text += &format!(", kt {}, ior {}", number(*kt), number(*ior));
     }
     if *emission != Vec3::ZERO {
         text += &format!(", emission {}", three(*emission));
@@ -215,6 +232,9 @@ fn light(light: &Light) -> String {
         Visibility::Behind => "behind the surface".to_owned(),
         Visibility::NotReflected => "reflects nothing".to_owned(),
         Visibility::Visible => format!("visible, adds {}", three(light.adds)),
+        Visibility::Weakened { passed } => {
+            format!("weakened to {}, adds {}", three(*passed), three(light.adds))
+        }
         Visibility::Occluded { primitive: Some(primitive), shape, t } => {
             format!("blocked by primitive {primitive} of {shape}, at {} of the way", number(*t))
         }

@@ -24,7 +24,7 @@ use crate::rays::{Question, question};
 const MOST_PRIMITIVES: usize = 1000;
 const MOST_RAYS: u64 = 4000;
 
-/// The most mirror bounces.
+/// The most bounces.
 const MOST_BOUNCES: u32 = 3;
 
 /// One thread: to hand small inputs to others takes longer than to read them.

@@ -230,7 +230,7 @@ pub(crate) fn check_work(
     let looks_up = !scene.appearance.images.is_empty()
         && LOOK_UPS.iter().any(|&effect| scene.plan.has(effect));
     for (counted, most, called_for) in [
-        (c.secondary_rays, rays.secondary, schedule.has_mirrors()),
+        (c.secondary_rays, rays.secondary, schedule.goes_on()),
         (c.shadow_rays, rays.shadow, schedule.has_shadows()),
         (c.light_samples, samples.light, draws_lights),
         (c.colors, samples.colors, scene.plan.has(Effect::VertexColors)),
@@ -284,11 +284,15 @@ fn columns_are_as_large_as_estimated() {
     let folder = folder();
     put_texture(folder.path());
     let all = Set(Set::NUMBER - 1);
+    let opaque = Set(all.0 & !Set::of(&[Effect::Transparency]).0);
     let sphere = [Effect::Spheres, Effect::PointLights];
-    for set in [Set::of(&sphere[..1]), Set::of(&sphere), all] {
+    for set in [Set::of(&sphere[..1]), Set::of(&sphere), opaque, all] {
         let scene = prepare_by(&PASSES, &set.scene(folder.path()));
         let [wavefront, recursive] = both_alone(&scene);
-        assert_eq!(wavefront.columns, Batch::estimated_bytes(&scene, ODD));
+        let estimated = Batch::estimated_bytes(&scene, ODD);
+        // Few paths wait with as many rays as they may.
+        let least = if set.has(Effect::Transparency) { estimated / 2 } else { estimated };
+        assert!((least..=estimated).contains(&wavefront.columns), "{estimated}: {wavefront:?}");
         assert_eq!(recursive.columns, 0);
     }
 }

@@ -117,4 +117,8 @@ cases! {
     54 hc54_cut_lenses hc54_cut_lenses_full;
     55 hc55_a_million_samples hc55_a_million_samples_full;
     56 hc56_samplers hc56_samplers_full;
+    57 hc57_unbent_balls hc57_unbent_balls_full;
+    58 hc58_panes hc58_panes_full;
+    59 hc59_transparent_edges hc59_transparent_edges_full;
+    60 hc60_white_light hc60_white_light_full;
 }

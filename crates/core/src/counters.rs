@@ -9,7 +9,7 @@ use bytemuck::{Pod, Zeroable};
 pub struct Counters {
     /// Camera rays.
     pub primary_rays: u64,
-    /// Mirror rays.
+    /// Rays that go on from surfaces: mirrored, refracted, or straight on.
     pub secondary_rays: u64,
     /// Shadow rays.
     pub shadow_rays: u64,
@@ -22,7 +22,7 @@ pub struct Counters {
     /// Texels read.
     pub texels: u64,
     /// Footprints of rays on surfaces: one for each look-up in a trilinear texture, and one for
-    /// each mirror ray if there are such textures.
+    /// each ray that goes on from a surface if there are such textures.
     pub footprints: u64,
     /// Tests of boxes and primitives.
     pub tests: TestCounts,
@@ -156,7 +156,7 @@ fn average(sum: u64, count: u64) -> Option<f64> {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
 #[repr(C)]
 pub struct Kernels {
-    /// For closest-hit rays: camera and mirror rays.
+    /// For closest-hit rays: all but shadow rays.
     pub closest: KernelCounts,
     /// For any-hit rays: shadow rays.
     pub shadow: KernelCounts,

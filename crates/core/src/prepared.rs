@@ -55,7 +55,7 @@ pub struct PreparedScene {
     /// The lights that can add more than their ambient part, in the order of the file.
     /// Contributions are added in this order.
     pub lights: Vec<Light>,
-    /// Colour of camera rays that hit nothing.
+    /// Colour of rays that hit nothing and were not mirrored.
     pub background: Vec3,
     /// Factor on the diffuse colour for the ambient part of all lights together, including lights
     /// without power.
@@ -65,7 +65,7 @@ pub struct PreparedScene {
     pub hemisphere: Option<Hemisphere>,
     /// Boxes that together contain all transparent surfaces.
     pub transparent: Vec<Aabb>,
-    /// Largest number of mirror bounces; 0 if the plan has no mirrors.
+    /// How often a ray may be mirrored or refracted; 0 if the plan has neither.
     pub bounces: u32,
     /// Counts of dropped parts of the file.
     pub dropped: Dropped,
@@ -85,8 +85,8 @@ pub struct LookUps {
     pub colors: u64,
     /// Texels read.
     pub texels: u64,
-    /// Footprints of rays: one for each look-up in a trilinear texture, and one for each mirror ray
-    /// if there are such textures.
+    /// Footprints of rays: one for each look-up in a trilinear texture, and one for each ray that
+    /// goes on from a surface if there are such textures.
     pub footprints: u64,
 }
 

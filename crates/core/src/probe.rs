@@ -17,14 +17,14 @@ use crate::kernels::shade::{ShadingPoint, ShadowRequest};
 use crate::math::float::{UNIT_ROUNDOFF, normalize};
 use crate::math::random::Stream;
 use crate::math::ray::Ray;
-use crate::prepared::PreparedScene;
+use crate::prepared::{Branch, PreparedScene, Trail};
 use crate::recursive::{End, Observer, Recursive};
 use crate::tile::{Tile, TraceSettings, Tracer, Unit};
 use crate::wavefront::{DEFAULT_BATCH, Wavefront};
 use crate::with_precision;
 
 pub use record::{
-    Bounce, HitRecord, Invalid, Light, PathRecord, PixelRecord, SurfaceRecord, Visibility,
+    Bounce, HitRecord, Invalid, Light, PathRecord, PixelRecord, RayKind, SurfaceRecord, Visibility,
 };
 
 /// Finds where a sample becomes not finite, by tracing it once more.
@@ -44,8 +44,8 @@ pub fn name_invalid(scene: &PreparedScene, at: Sample, seed: u64) -> Invalid {
     }
 }
 
-/// The values on which both tracers must agree: for each bounce the ray, the hit, and the light
-/// gathered.
+/// The values on which both tracers must agree: for each ray the ray itself, its hit, and the light
+/// gathered up to there.
 type TracedBounce = (Ray, Hit, Vec3);
 
 /// Records the rays of a pixel.
@@ -90,6 +90,8 @@ fn follow<P: Arithmetic>(
         traversal: scene.accel.traversal(),
         path: PathRecord { sample, ..PathRecord::default() },
         steps: Vec::new(),
+        waiting: Vec::new(),
+        trail: Trail::default(),
     };
     recorder.path.radiance = tracer.path(scene, pixel, stream, &mut recorder);
     (recorder.path, recorder.steps)
@@ -114,7 +116,7 @@ fn wavefront_steps<P: Arithmetic>(
     steps
 }
 
-/// The first sample and bounce at which the tracers differ.
+/// The first sample, and the first of its rays, at which the tracers differ.
 fn difference(ones: &[Vec<TracedBounce>], others: &[Vec<TracedBounce>]) -> Option<[u32; 2]> {
     let pairs = ones.iter().zip(others).enumerate();
     pairs.into_iter().find_map(|(sample, (one, other))| {
@@ -139,6 +141,10 @@ struct Recorder<'a> {
     traversal: Traversal,
     path: PathRecord,
     steps: Vec<TracedBounce>,
+    /// Where the waiting rays of the tracer come from, and their kinds.
+    waiting: Vec<(usize, RayKind)>,
+    /// What the last ray went through.
+    trail: Trail,
 }
 
 impl Recorder<'_> {
@@ -184,16 +190,9 @@ impl Recorder<'_> {
         self.path.bounces.last_mut()?.met.as_mut()
     }
 
-    /// The occluder of a shadow ray.
-    fn occluder(&mut self, ray: &Ray) -> Visibility {
-        let accel: &Accel = &self.scene.accel;
-        let mut hit = accel.closest(ray, &mut self.traversal);
-        // Shapes of lights do not block light.
-        let mut rest = *ray;
-        while !hit.is_miss() && accel.geometry().is_passed(hit.primitive) {
-            rest.t_min = hit.t;
-            hit = accel.closest(&rest, &mut self.traversal);
-        }
+    /// What a shadow ray is blocked by.
+    fn blocked(&mut self, ray: &Ray) -> Visibility {
+        let hit = occluder(&self.scene.accel, ray, &mut self.traversal);
         let primitive = (!hit.is_miss()).then_some(hit.primitive);
         let shape = primitive.map_or_else(String::new, |number| self.place_of(number));
         Visibility::Occluded { primitive, shape, t: hit.t }
@@ -201,10 +200,16 @@ impl Recorder<'_> {
 }
 
 impl Observer for Recorder<'_> {
-    fn ray(&mut self, ray: &Ray, hit: &Hit, tests: TestCounts) {
+    fn ray(&mut self, branch: &Branch, hit: &Hit, tests: TestCounts) {
+        let Branch { ray, throughput, trail, .. } = branch;
         let met = (!hit.is_miss()).then(|| self.met(ray, hit));
         self.steps.push((*ray, *hit, Vec3::ZERO));
+        self.trail = *trail;
+        let (from, kind) = self.waiting.pop().unzip();
         self.path.bounces.push(Bounce {
+            kind: kind.unwrap_or(RayKind::Camera),
+            from,
+            throughput: *throughput,
             origin: ray.origin.as_dvec3() + self.scene.origin,
             direction: ray.direction,
             nodes: tests.nodes,
@@ -219,6 +224,8 @@ impl Observer for Recorder<'_> {
     fn surface(&mut self, point: &ShadingPoint<f32>, _: Vec3) {
         let primitive = self.last_met().map(|met| met.primitive);
         let texture = primitive.and_then(|primitive| self.texture_of(primitive));
+        let transparency = primitive.and_then(|primitive| self.scene.transparency(primitive));
+        let (kt, ior) = transparency.map_or((0.0, 1.0), |of| (of.kt, of.ior));
         let Some(met) = self.last_met() else { return };
         (met.normal, met.shading_normal) = (point.normal.into(), point.shading_normal.into());
         met.lit = point.lit;
@@ -229,6 +236,9 @@ impl Observer for Recorder<'_> {
             kd: point.reflection.kd,
             exponent: point.reflection.exponent,
             kr: point.kr,
+            opacity: point.opacity,
+            kt,
+            ior,
             emission: point.emission.into(),
         });
     }
@@ -237,10 +247,16 @@ impl Observer for Recorder<'_> {
         &mut self,
         [light, index]: [usize; 2],
         target: &LightPoint<f32>,
-        request: Option<(&ShadowRequest<f32>, bool)>,
+        request: Option<(&ShadowRequest<f32>, Option<Vec3>)>,
     ) {
-        let occluder =
-            request.filter(|(_, is)| *is).map(|(request, _)| self.occluder(&request.ray()));
+        let arrives = request.map(|(request, passed)| {
+            let all = Vec3::from(request.contribution);
+            match passed {
+                None => (self.blocked(&request.ray()), Vec3::ZERO),
+                Some(Vec3::ONE) => (Visibility::Visible, all),
+                Some(passed) => (Visibility::Weakened { passed }, all * passed),
+            }
+        });
         let origin = self.scene.origin;
         let is_distant = self.scene.lights[light].emitter.is_distant();
         let Some(met) = self.last_met() else { return };
@@ -248,20 +264,38 @@ impl Observer for Recorder<'_> {
         let towards = Vec3::from(target.position) - from;
         let distance = if is_distant { None } else { Some(towards.length()) };
         let behind = met.normal.dot(normalize(towards)) <= 0.0;
-        let (verdict, adds) = match (request, occluder) {
-            (None, _) if behind => (Visibility::Behind, Vec3::ZERO),
-            (None, _) => (Visibility::NotReflected, Vec3::ZERO),
-            (Some(_), Some(occluded)) => (occluded, Vec3::ZERO),
-            (Some((request, _)), None) => (Visibility::Visible, request.contribution.into()),
-        };
+        let none = if behind { Visibility::Behind } else { Visibility::NotReflected };
+        let (verdict, adds) = arrives.unwrap_or((none, Vec3::ZERO));
         met.lights.push(Light { light, index, distance, verdict, adds });
     }
 
-    fn done(&mut self, radiance: Vec3, end: Option<End>) {
+    fn done(&mut self, radiance: Vec3, next: &[Branch], end: End) {
+        let from = self.path.bounces.len().saturating_sub(1);
+        let normal = self.last_met().map_or(Vec3::ZERO, |met| met.normal);
+        let kind = |branch: &Branch| match branch {
+            _ if branch.trail == self.trail => RayKind::Straight,
+            _ if branch.ray.direction.dot(normal) < 0.0 => RayKind::Refracted,
+            _ => RayKind::Mirrored,
+        };
+        self.waiting.extend(next.iter().map(|branch| (from, kind(branch))));
         if let (Some(bounce), Some(step)) = (self.path.bounces.last_mut(), self.steps.last_mut()) {
-            (bounce.radiance, bounce.end) = (radiance, end);
+            (bounce.radiance, bounce.end) = (radiance, next.is_empty().then_some(end));
             step.2 = radiance;
         }
+    }
+}
+
+/// The closest hit of a shadow ray on what it does not pass. What is hidden by something that it
+/// passes, within the rounding of t, may be left out.
+fn occluder(accel: &Accel, ray: &Ray, traversal: &mut Traversal) -> Hit {
+    let mut rest = *ray;
+    loop {
+        let hit = accel.closest(&rest, traversal);
+        if hit.is_miss() || !accel.geometry().is_passed(hit.primitive) {
+            return hit;
+        }
+        // The exact t may be above the rounded one: then the same hit is found again from there.
+        rest.t_min = if hit.t > rest.t_min { hit.t } else { rest.t_min.next_up() };
     }
 }
 
@@ -279,4 +313,35 @@ fn kind(geometry: &Geometry, primitive: u32) -> &'static str {
 /// Bound on the error of a hit's t.
 fn t_error(geometry: &Geometry, hit: &Hit) -> Option<f32> {
     (geometry.precision != Precision::Fast).then_some(UNIT_ROUNDOFF * hit.t.abs())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::accel::build::Preset;
+
+    /// A triangle across the z axis.
+    fn across(geometry: &mut Geometry, z: f32) {
+        let first = geometry.positions.len() as u32;
+        let corners = [[-1.0, -1.0], [1.0, -1.0], [0.0, 1.0]];
+        geometry.positions.extend(corners.map(|[x, y]| Vec3::new(x, y, z)));
+        geometry.triangles.push([first, first + 1, first + 2]);
+    }
+
+    #[test]
+    fn hits_whose_t_is_rounded_down_are_passed() {
+        let ray = Ray { t_max: 1.0, ..Ray::new(Vec3::ZERO, Vec3::Z * 10.0) };
+        let mut geometry = Geometry::default();
+        // 0.7 is above its nearest number, 0.3 below.
+        for z in [3.0, 7.0, 7.0, 9.0] {
+            across(&mut geometry, z);
+        }
+        for (passed, found) in [(0..3, 3), (0..1, 1), (0..4, u32::MAX)] {
+            geometry.passed = vec![passed.clone()];
+            let accel = Accel::new(geometry.clone(), Preset::VeryFast);
+            let hit = occluder(&accel, &ray, &mut accel.traversal());
+            assert_eq!(hit.primitive, if found == u32::MAX { Hit::MISS.primitive } else { found });
+            assert_eq!(hit.is_miss(), !accel.occluded(&ray, &mut accel.traversal()), "{passed:?}");
+        }
+    }
 }

@@ -98,24 +98,25 @@ pub trait Observer {
     /// A camera ray was made.
     fn camera(&mut self) {}
 
-    /// A ray was traced to this hit, with this work.
-    fn ray(&mut self, _: &Ray, _: &Hit, _: TestCounts) {}
+    /// This ray of the path was traced to this hit, with this work.
+    fn ray(&mut self, _: &Branch, _: &Hit, _: TestCounts) {}
 
     /// It hits a surface; the light without further rays is added.
     fn surface(&mut self, _: &ShadingPoint<f32>, _: Vec3) {}
 
-    /// The contribution of the `index`th point of the `light`th light to the surface, and whether
-    /// its shadow ray, if any, is blocked.
+    /// The contribution of the `index`th point of the `light`th light to the surface, and the share
+    /// of it that passes along its shadow ray, if there is one: `None` if that is blocked.
     fn light(
         &mut self,
         _: [usize; 2],
         _: &LightPoint<f32>,
-        _: Option<(&ShadowRequest<f32>, bool)>,
+        _: Option<(&ShadowRequest<f32>, Option<Vec3>)>,
     ) {
     }
 
-    /// The bounce is over: the radiance gathered so far, and why the path ends if it does.
-    fn done(&mut self, _: Vec3, _: Option<End>) {}
+    /// All is done at the hit: the radiance gathered so far, the rays that go on from here, the next
+    /// one last, and why none does if there is none.
+    fn done(&mut self, _: Vec3, _: &[Branch], _: End) {}
 
     /// The radiance of the path was added to its pixel's sum.
     fn added(&mut self) {}
@@ -146,7 +147,7 @@ impl Observer for StepClock {
         self.lap(0);
     }
 
-    fn ray(&mut self, _: &Ray, _: &Hit, _: TestCounts) {
+    fn ray(&mut self, _: &Branch, _: &Hit, _: TestCounts) {
         self.lap(1);
     }
 
@@ -158,12 +159,12 @@ impl Observer for StepClock {
         &mut self,
         _: [usize; 2],
         _: &LightPoint<f32>,
-        _: Option<(&ShadowRequest<f32>, bool)>,
+        _: Option<(&ShadowRequest<f32>, Option<Vec3>)>,
     ) {
         self.lap(3);
     }
 
-    fn done(&mut self, _: Vec3, _: Option<End>) {
+    fn done(&mut self, _: Vec3, _: &[Branch], _: End) {
         self.lap(2);
     }
 
@@ -172,7 +173,7 @@ impl Observer for StepClock {
     }
 }
 
-/// Why a path ends.
+/// Why no ray goes on from a hit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum End {
@@ -230,7 +231,7 @@ impl<P: Arithmetic> Recursive<P> {
             let Branch { ray, throughput, trail, .. } = at;
             let before = self.traversal.tests;
             let hit = scene.accel.search::<P>().closest(&ray, &mut self.traversal);
-            observer.ray(&ray, &hit, self.traversal.tests - before);
+            observer.ray(&at, &hit, self.traversal.tests - before);
             let differential =
                 || at.differential.unwrap_or_else(|| scene.camera.differential(ray.direction));
             let waiting = self.waiting.len();
@@ -251,8 +252,8 @@ impl<P: Arithmetic> Recursive<P> {
                     }
                     if let Some((_, branches)) = divided {
                         self.waiting.extend(branches.into_iter().rev().flatten());
-                        End::NoMirror
-                    } else if trail.bounces == bounces {
+                        if trail.bounces >= scene.bounces { End::LastBounce } else { End::NoMirror }
+                    } else if trail.bounces >= bounces {
                         End::LastBounce
                     } else {
                         if let Some((next, throughput)) = mirror_ray(&point, throughput) {
@@ -282,7 +283,7 @@ impl<P: Arithmetic> Recursive<P> {
                     End::Nothing
                 }
             };
-            observer.done(radiance, (self.waiting.len() == waiting).then_some(end));
+            observer.done(radiance, &self.waiting[waiting..], end);
             let Some(next) = self.waiting.pop() else { return radiance };
             self.counters.secondary_rays += 1;
             stream.bounce += 1;
@@ -314,16 +315,16 @@ impl<P: Arithmetic> Recursive<P> {
                 self.counters.lights_at_surface += u64::from(request.at_light);
                 let occluded =
                     scene.accel.search::<P>().occluded(&request.ray(), &mut self.traversal);
-                observer.light(place, &target, Some((&request, occluded)));
-                if !occluded {
-                    let contribution = Vec3::from(request.contribution);
-                    *radiance += if self.schedule.has_transmission() {
-                        let ray = request.ray();
+                let passed = (!occluded).then(|| match self.schedule.has_transmission() {
+                    true => {
                         let Self { passed, traversal, look_ups, .. } = &mut *self;
-                        contribution * scene.passed::<P>(&ray, passed, traversal, look_ups)
-                    } else {
-                        contribution
-                    };
+                        scene.passed::<P>(&request.ray(), passed, traversal, look_ups)
+                    }
+                    false => Vec3::ONE,
+                });
+                observer.light(place, &target, Some((&request, passed)));
+                if let Some(passed) = passed {
+                    *radiance += Vec3::from(request.contribution) * passed;
                 }
             }
         }

@@ -4,7 +4,7 @@
 //! [`crate::plan::schedule::PASSES`] lists the passes with their needs, reads and writes;
 //! [`s1_generate`], [`s2_intersect`], [`s3_shade`], [`s4_shadow`] and [`s5_resolve`] implement
 //! them. Passes outside the schedule do not run and have no columns: no lit points without lights,
-//! no next rays without mirrors.
+//! no next rays without mirrors and transparent surfaces.
 //!
 //! A batch has [`DEFAULT_BATCH`] paths by default, so that its columns stay in the second-level
 //! cache. All passes but the last process eight rows at a time, as vectors.
@@ -136,7 +136,7 @@ impl<P: Arithmetic> Wavefront<P> {
         clock.time(1, || s2_intersect::run::<P>(scene, batch, traversal));
     }
 
-    /// Adds the light of hits without further rays, and collects lit points and mirror rays.
+    /// Adds the light of hits without further rays, and collects lit points and the next rays.
     pub fn shade(&mut self, scene: &PreparedScene, bounce: u32) {
         let Self { batch, counters, clock, .. } = self;
         clock.time(2, || s3_shade::run::<P>(scene, bounce, batch, counters));

@@ -15,7 +15,8 @@ use wavecrest_core::render::units::Blocks;
 use wavecrest_core::render::{RenderOptions, batch_size, camera_rays, work};
 use wavecrest_core::tile::{Tile, TraceSettings, Unit};
 
-/// Upper bounds on the counts of a render; they are 0 only for work that cannot occur.
+/// Upper bounds on the counts of a render; they are 0 only for work that cannot occur. Where surfaces
+/// let light through there is no bound on the rays that go on from them, and [`u64::MAX`] stands for it.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct Estimated {
     /// Rays by kind.
@@ -30,7 +31,10 @@ impl Estimated {
     /// on the shape whose textures read the most texels.
     pub fn of(scene: &PreparedScene, pixels: u64) -> Self {
         let primary = pixels * u64::from(scene.camera.rays_per_pixel());
-        let secondary = primary.saturating_mul(u64::from(scene.bounces));
+        let secondary = match scene.plan.schedule().has_transmission() {
+            true => u64::MAX,
+            false => primary.saturating_mul(u64::from(scene.bounces)),
+        };
         let hits = primary.saturating_add(secondary);
         let points = |sampled_alone: bool| -> u64 {
             let lights = scene.lights.iter().filter(|l| !sampled_alone || l.is_sampled());

@@ -31,6 +31,7 @@ mod sums;
 mod surfaces;
 mod textures;
 mod topology;
+mod transparency;
 mod views;
 mod ways;
 mod whole;
@@ -175,6 +176,14 @@ pub const CASES: &[Case] = &[
         &[Images([2, 20], sums::a_million)]),
     Case::new(56, "estimates by every sampler over 48 seeds", "no bias, and no correlation, beyond 6 standard errors",
         &[Values([1, 1], sums::samplers)]),
+    Case::new(57, "transparent balls that bend no ray, in and through each other", "each surface counts once, and none casts a shadow",
+        &[Images([20, 1000], transparency::unbent), Images([6, 200], transparency::unshadowed)]),
+    Case::new(58, "up to 30 panes behind each other, and seen edge-on", "within 1e-5 of the product of their shares",
+        &[Images([20, 1000], transparency::panes)]),
+    Case::new(59, "shadow rays through edges and vertices of transparent meshes", "each surface takes light once",
+        &[Values([100, 10_000], transparency::shadow_rays)]),
+    Case::new(60, "transparent balls of any material in white light", "no brighter than the light, by every way to render",
+        &[Images([10, 500], transparency::in_white_light)]),
 ];
 
 /// The case with that number.

@@ -5,17 +5,17 @@
 //! | `version`, `scene`, `tracer`, `threads`, `seed` | | the settings |
 //! | `simd`, `kernel`, `precision` | | the instruction level, the kernel for batches of rays, and the precision of hits |
 //! | `image.width`, `.height`, `.samples_per_pixel` | pixels, rays | the image, or the part of it |
-//! | `rays.primary`, `.secondary`, `.shadow` | rays | camera, mirror and shadow rays traced |
+//! | `rays.primary`, `.secondary`, `.shadow` | rays | camera rays, rays that go on from surfaces, and shadow rays traced |
 //! | `samples.lens`, `.light`, `.texels` | | points sampled on the lens and on area lights; texels read |
 //! | `samples.colors` | | hits whose colour was interpolated between vertices |
-//! | `samples.footprints` | | footprints of rays on surfaces, for trilinear textures and for mirrors that may show them |
+//! | `samples.footprints` | | footprints of rays on surfaces, for trilinear textures and for rays from surfaces that may show them |
 //! | `textures.images`, `.decoded`, `.bytes` | | images that may be visible, those decoded for a look-up, and their bytes |
-//! | `estimated.rays`, `.samples` | | upper bounds on these before the first ray: see [`Estimated`](crate::expected::Estimated) |
+//! | `estimated.rays`, `.samples` | | upper bounds on these before the first ray, 2^64 - 1 for none: see [`Estimated`](crate::expected::Estimated) |
 //! | `tests.nodes` | nodes | inner nodes visited, by one ray or several together, each testing eight boxes |
 //! | `tests.instances` | visits | of an instance by a ray that meets its box |
 //! | `tests.cutouts` | tests | hits on cut-outs, each with a look-up of alpha |
 //! | `tests.primitives.triangles`, `.quads`, `.spheres`, `.disks` | tests | tests of primitives; a quad counts once for each half |
-//! | `kernels.closest.packet`, `.stream`, `.single` | rays | camera and mirror rays by their first kernel: a packet, many in flight, one alone |
+//! | `kernels.closest.packet`, `.stream`, `.single` | rays | all but shadow rays by their first kernel: a packet, many in flight, one alone |
 //! | `kernels.closest.handed_over` | rays | rays that packets handed over to the kernel in flight |
 //! | `kernels.closest.rays_a_node`, `.rays_a_round` | rays | average number of rays of a packet at a visited node, and in flight in a round (`null` without any) |
 //! | `kernels.shadow.…` | | the same for shadow rays |

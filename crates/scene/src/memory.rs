@@ -229,16 +229,17 @@ pub fn estimate(survey: &Survey, asked: Asked<'_>) -> Estimate {
     found.tree = primitives.saturating_mul(tree_bytes(preset));
     found.build = build_bytes(preset, primitives);
     ImageBytes { film: found.film, writing: found.writing } = (asked.images)(survey.size);
-    found.batches = Batch::bytes_at_most(asked.batch) * rayon::current_num_threads() as u64;
+    let batch = Batch::bytes_at_most(asked.batch, survey.bounces);
+    found.batches = batch * rayon::current_num_threads() as u64;
     found
 }
 
-/// Upper bound on the rays of a render, like
+/// About the largest number of rays of a render, like
 /// [`PreparedScene::expected_rays`](wavecrest_core::prepared::PreparedScene::expected_rays).
 fn expected_rays(survey: &Survey) -> u64 {
     let pixels: u64 = survey.size.map(u64::from).iter().product();
     let paths = pixels.saturating_mul(survey.rays_per_pixel);
-    let hits = paths.saturating_mul(1 + u64::from(survey.bounces));
+    let hits = paths.saturating_mul(1 + u64::from(survey.bounces.min(1)));
     hits.saturating_mul(1 + survey.light_samples)
 }
 

@@ -17,7 +17,7 @@ use crate::query;
 use crate::shapes::{self, Hidden, INSTANCE, InstanceOf, Name, Names, SHAPES};
 use wavecrest_base::error::Result;
 
-/// Largest number of mirror bounces. After 10 000 mirrors no light is left.
+/// Largest number of bounces. After 10 000 mirrors no light is left.
 const MOST_BOUNCES: u32 = 10_000;
 
 /// The report's "low value" by which a surface in shadow is multiplied.
@@ -30,7 +30,7 @@ pub(crate) const FILE: Kind = Kind::new(
     keys! {
         /// The address of the JSON Schema that `wavecrest schema` prints, for editors.
         "$schema": Text;
-        /// Largest number of mirror bounces after the camera ray.
+        /// How often a ray may be mirrored or refracted after the camera ray.
         "nbounces": Integer(0, MOST_BOUNCES), Required;
         /// The camera.
         "camera": Variants(&CAMERAS), Required;
@@ -46,7 +46,7 @@ const SCENE: Kind = Kind::new(
     "the scene",
     "Lights, shapes and background.",
     keys! {
-        /// Colour of camera rays that hit nothing. Mirror rays that hit nothing add nothing.
+        /// Colour of rays that hit nothing. After a mirror they add nothing.
         "backgroundcolor": Color, Required;
         /// The lights.
         "lightsources": AtLeast(0, &Variants(&LIGHTS));
@@ -79,9 +79,9 @@ const HEMISPHERE: Kind = Kind::new(
 pub struct Settings {
     /// The scene file: relative paths start from its folder.
     pub file: PathBuf,
-    /// Largest number of mirror bounces after the camera ray.
+    /// How often a ray may be mirrored or refracted after the camera ray.
     pub bounces: u32,
-    /// Colour of camera rays that hit nothing.
+    /// Colour of rays that hit nothing and were not mirrored.
     pub background: DVec3,
     /// Ambient light.
     pub ambient: Ambient,

@@ -58,8 +58,8 @@ pub struct Survey {
     pub rays_per_pixel: u64,
     /// Largest number of shadow rays for each hit.
     pub light_samples: u64,
-    /// Whether there are mirror bounces.
-    pub bounces: bool,
+    /// Largest number of bounces after the camera ray.
+    pub bounces: u32,
 }
 
 /// Surveys a standalone mesh, for an image of this size; `is_smoothed` if it gets normals when it
@@ -92,7 +92,7 @@ pub(super) fn of(world: &World, text: u64, notes: &Notes<'_>) -> Result<Survey> 
         instances: uses.values().sum(),
         size: [view.width, view.height],
         rays_per_pixel: u64::from(view.antialias).pow(2).saturating_mul(on_lens),
-        bounces: settings.bounces > 0,
+        bounces: settings.bounces,
         ..Survey::default()
     };
     for shape in query::shapes(world) {

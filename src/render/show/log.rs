@@ -141,7 +141,7 @@ impl Log {
             let speed = rays.all() as f64 / seconds.max(f64::MIN_POSITIVE) / 1e6;
             let Rays { primary, secondary, shadow } = rays;
             format!(
-                "{primary} camera rays, {secondary} mirror rays, {shadow} shadow rays, \
+                "{primary} camera rays, {secondary} secondary rays, {shadow} shadow rays, \
                  in {seconds:.3} s: {speed:.2} million a second"
             )
         });

@@ -18,7 +18,7 @@ pub struct Stream {
     pub pixel: u32,
     /// The camera ray within the pixel.
     pub sample: u32,
-    /// The number of mirror bounces so far.
+    /// The number of rays of the path before this one.
     pub bounce: u32,
 }
 

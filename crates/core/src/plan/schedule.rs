@@ -26,7 +26,7 @@ wavecrest_base::choices! {
         ShadowRays = "shadow rays",
         /// The rays of the next bounce.
         NextRays = "next rays",
-        /// Differentials of mirror rays, of this bounce and of the next.
+        /// Differentials of rays from surfaces, of this bounce and of the next.
         Differentials = "differentials",
         /// What the rays of this bounce and of the next went through, and the rays that wait.
         Branches = "branches",

@@ -1,6 +1,7 @@
-//! Ray differentials at hits: the footprint in a texture, or the differential of a mirror ray.
+//! Ray differentials at hits: the footprint in a texture, or the differential of the next ray.
 //!
-//! Both tracers call these functions hit by hit, only for trilinear textures and for mirrors.
+//! Both tracers call these functions hit by hit, only for trilinear textures and for rays that may
+//! show them.
 
 use glam::{Vec2, Vec3};
 
@@ -69,11 +70,12 @@ impl Appearance {
 }
 
 impl PreparedScene {
-    /// Whether mirror rays have differentials. Those of camera rays follow from their directions
+    /// Whether rays from surfaces have differentials. Those of camera rays follow from their directions
     /// ([`Camera::differential`](crate::kernels::camera::Camera::differential)) and are never
     /// stored.
     pub fn carries_differentials(&self) -> bool {
-        self.bounces > 0 && self.plan.schedule().runs(Step::Differentials)
+        let schedule = self.plan.schedule();
+        (self.bounces > 0 || schedule.has_transmission()) && schedule.runs(Step::Differentials)
     }
 
     /// The differential of the mirror ray at `point`, from that of `ray`, which arrives there with

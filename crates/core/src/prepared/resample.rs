@@ -29,14 +29,14 @@ impl PreparedScene {
         Original { camera: self.camera, lights: self.lights.clone() }
     }
 
-    /// An upper bound on the rays of a render, from which the preset is chosen.
+    /// About the largest number of rays of a render, from which the preset is chosen.
     pub fn expected_rays(&self) -> u64 {
         let lights: u64 = self.lights.iter().map(|l| u64::from(l.samples())).sum();
         let pixels: u64 = self.camera.size().map(u64::from).iter().product();
-        // Mirrors beyond the first bounce are rare.
-        let bounces = u64::from(self.bounces.min(1));
+        // Rays beyond the first surface are rare.
+        let goes_on = self.bounces > 0 || self.plan.schedule().has_transmission();
         let paths = pixels.saturating_mul(u64::from(self.camera.rays_per_pixel()));
-        paths.saturating_mul(1 + lights).saturating_mul(1 + bounces)
+        paths.saturating_mul(1 + lights).saturating_mul(1 + u64::from(goes_on))
     }
 
     /// Changes the sampling of the scene, whose file had `original`, to `samples`. The image is to

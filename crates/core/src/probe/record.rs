@@ -10,15 +10,35 @@ use crate::recursive::End;
 pub struct PathRecord {
     /// The camera ray within the pixel.
     pub sample: u32,
-    /// Its bounces, from the camera on.
+    /// Its rays in order, from the camera's on.
     pub bounces: Vec<Bounce>,
     /// Its radiance: linear red, green and blue.
     pub radiance: Vec3,
 }
 
+/// The kind of a ray of a path.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum RayKind {
+    /// It starts at the camera.
+    Camera,
+    /// It is mirrored at a surface.
+    Mirrored,
+    /// It is refracted there.
+    Refracted,
+    /// It goes straight on behind the surface.
+    Straight,
+}
+
 /// A ray and its interaction.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Bounce {
+    /// Its kind.
+    pub kind: RayKind,
+    /// The number of the ray in the path at whose hit it starts; `None` for the camera's.
+    pub from: Option<usize>,
+    /// The share of its light that reaches the camera.
+    pub throughput: Vec3,
     /// Origin, in scene units.
     pub origin: DVec3,
     /// Unit direction.
@@ -31,9 +51,9 @@ pub struct Bounce {
     pub primitives: u64,
     /// The hit, if any.
     pub met: Option<HitRecord>,
-    /// The radiance gathered up to the end of this bounce.
+    /// The radiance gathered by this ray and those before.
     pub radiance: Vec3,
-    /// Why the path ends here; `None` if it continues.
+    /// Why no ray goes on from here; `None` if one does.
     pub end: Option<End>,
 }
 
@@ -85,6 +105,12 @@ pub struct SurfaceRecord {
     pub exponent: f32,
     /// Weight of the mirror ray.
     pub kr: f32,
+    /// Share of the light that does not come from straight behind.
+    pub opacity: f32,
+    /// Weight of refracted light.
+    pub kt: f32,
+    /// Index of refraction; 1 where nothing is refracted.
+    pub ior: f32,
     /// Emission of the material, linear.
     pub emission: Vec3,
 }
@@ -123,6 +149,11 @@ pub enum Visibility {
     },
     /// The light arrives.
     Visible,
+    /// A part of it arrives through transparent surfaces.
+    Weakened {
+        /// Its share by channel.
+        passed: Vec3,
+    },
 }
 
 /// The place of a sample that is not finite.
@@ -134,7 +165,7 @@ pub struct Invalid {
     pub y: u32,
     /// The camera ray within the pixel.
     pub sample: u32,
-    /// The number of mirror bounces before the value that is not finite.
+    /// The number of rays of the path before the one whose value is not finite.
     pub bounce: usize,
     /// The primitive that was hit there, by its number.
     pub primitive: Option<u32>,
@@ -145,7 +176,7 @@ pub struct Invalid {
 impl std::fmt::Display for Invalid {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let Self { x, y, sample, bounce, primitive, shape } = self;
-        write!(f, "pixel {x},{y}, sample {sample}, bounce {bounce}")?;
+        write!(f, "pixel {x},{y}, sample {sample}, ray {bounce}")?;
         match primitive {
             Some(number) => write!(f, ", primitive {number} of {shape}"),
             None => Ok(()),
@@ -160,6 +191,7 @@ pub struct PixelRecord {
     pub pixel: [u32; 2],
     /// Its paths, sample by sample.
     pub paths: Vec<PathRecord>,
-    /// The first sample and bounce at which the wavefront differs; `None` if both agree.
+    /// The first sample, and the number of its ray, at which the wavefront differs; `None` if both
+    /// agree.
     pub differs: Option<[u32; 2]>,
 }

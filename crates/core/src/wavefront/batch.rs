@@ -26,7 +26,7 @@ pub use columns::Vectors;
 pub use lit::{LitPoints, Tints};
 
 columns! {
-    /// Rays from the camera or from mirrors, t from 0 to infinity. Written by generate and shade,
+    /// Rays from the camera or from surfaces, t from 0 to infinity. Written by generate and shade,
     /// read by intersect and shade.
     Rays {
         /// World space.
@@ -111,7 +111,7 @@ impl Rays {
 }
 
 columns! {
-    /// Differentials of mirror rays, a row for each of [`Rays`], if the scene needs them. Those of
+    /// Differentials of rays from surfaces, a row for each of [`Rays`], if the scene needs them. Those of
     /// camera rays follow from their directions and have no rows. Written and read by shade.
     Differentials {
         /// Change of the origin for a step to the right, in scene units.
@@ -296,7 +296,7 @@ impl Batch {
         if !self.waiting.is_empty() {
             self.wake();
         }
-        // Without mirrors the next rays have no storage and must not become the current ones.
+        // Where no ray goes on, the next rays have no storage and must not become the current ones.
         if self.next.is_empty() {
             return false;
         }
@@ -323,18 +323,20 @@ impl Batch {
     /// Bytes for each path of the columns with storage in `scene`, by the name of the group.
     pub fn bytes_per_path(scene: &PreparedScene) -> Vec<(&'static str, usize)> {
         let groups = scene.plan.schedule().columns();
-        groups.map(|group| (group.name(), row_bytes(group))).collect()
+        groups.map(|group| (group.name(), row_bytes(group, scene.bounces))).collect()
     }
 
     /// Estimated bytes of the columns of a batch of up to `capacity` paths.
     pub fn estimated_bytes(scene: &PreparedScene, capacity: usize) -> u64 {
-        let row: usize = scene.plan.schedule().columns().map(row_bytes).sum();
+        let groups = scene.plan.schedule().columns();
+        let row: usize = groups.map(|group| row_bytes(group, scene.bounces)).sum();
         (row * columns::room(capacity.max(1))) as u64
     }
 
-    /// Upper bound on the bytes of the columns of a batch of up to `capacity` paths, in any scene.
-    pub fn bytes_at_most(capacity: usize) -> u64 {
-        let row: usize = ColumnGroup::ALL.into_iter().map(row_bytes).sum();
+    /// Upper bound on the bytes of the columns of a batch of up to `capacity` paths, in any scene
+    /// with up to this number of `bounces`.
+    pub fn bytes_at_most(capacity: usize, bounces: u32) -> u64 {
+        let row: usize = ColumnGroup::ALL.into_iter().map(|group| row_bytes(group, bounces)).sum();
         (row * columns::room(capacity.max(1))) as u64
     }
 
@@ -350,8 +352,8 @@ impl Batch {
     }
 }
 
-/// Bytes of one row of a group of columns.
-fn row_bytes(group: ColumnGroup) -> usize {
+/// Bytes of one row of a group of columns, with up to this number of bounces.
+fn row_bytes(group: ColumnGroup, bounces: u32) -> usize {
     match group {
         ColumnGroup::Paths => Paths::ROW_BYTES,
         ColumnGroup::Rays | ColumnGroup::NextRays => Rays::ROW_BYTES,
@@ -361,6 +363,6 @@ fn row_bytes(group: ColumnGroup) -> usize {
         ColumnGroup::ShadowRays => ShadowRays::ROW_BYTES,
         // For this bounce and the next.
         ColumnGroup::Differentials => 2 * Differentials::ROW_BYTES,
-        ColumnGroup::Branches => 2 * Trails::ROW_BYTES + Waiting::ROW_BYTES,
+        ColumnGroup::Branches => 2 * Trails::ROW_BYTES + Waiting::row_bytes(bounces),
     }
 }

@@ -27,7 +27,7 @@ use crate::prepared::{
 use faces::WaitingHits;
 
 /// Adds background, emission and ambient light to the paths; collects lit points and, while bounces
-/// are left, mirror rays.
+/// are left, the next rays.
 pub(super) fn run<P: Arithmetic>(
     scene: &PreparedScene,
     bounce: u32,
@@ -65,7 +65,7 @@ pub(super) fn run<P: Arithmetic>(
 struct Shade<'a, P> {
     scene: &'a PreparedScene,
     bounce: u32,
-    /// Whether mirror rays have differentials.
+    /// Whether rays from surfaces have differentials.
     differentials: bool,
     batch: &'a mut Batch,
     counters: &'a mut Counters,

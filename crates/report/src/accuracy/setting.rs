@@ -5,6 +5,7 @@ use serde::Serialize;
 use super::fit::Uncertain;
 use wavecrest_core::kernels::precision::Precision;
 use wavecrest_core::math::sampling::{Points, Sampling};
+use wavecrest_core::plan::Effect;
 use wavecrest_core::prepared::{PreparedScene, Samples};
 use wavecrest_scene::components::Filter;
 use wavecrest_scene::systems::overrides::{Layer, Overrides};
@@ -80,7 +81,7 @@ pub fn words_of(key: &str, target: Target) -> String {
         (_, Some(pixel), ..) if target == Target::Pixel => points(pixel, "rays in a pixel"),
         (.., Some(lights), _) => points(lights, "points on lights"),
         (.., Some(lens)) => points(lens, "points on the lens"),
-        _ if rest.starts_with("bounces") => "mirror bounces".to_owned(),
+        _ if rest.starts_with("bounces") => "bounces".to_owned(),
         _ => return format!("the scene as it is, {precision}"),
     };
     if precision == Precision::default().name() { words } else { format!("{words}, {precision}") }
@@ -155,7 +156,11 @@ pub struct Facts {
     pub has_textures: bool,
     /// Side of the grid of rays in a pixel.
     pub antialias: u32,
-    /// Largest number of mirror bounces in use.
+    /// Whether a surface lets light through.
+    pub has_transparency: bool,
+    /// Whether a surface is a mirror.
+    pub has_mirrors: bool,
+    /// Largest number of bounces in use.
     pub bounces: u32,
 }
 
@@ -168,6 +173,8 @@ impl Facts {
             has_points: scene.lights.iter().any(|l| l.is_sampled() && l.samples() > 1),
             has_lens: scene.camera.has_lens(),
             has_textures: !scene.appearance.images.is_empty(),
+            has_transparency: scene.plan.has(Effect::Transparency),
+            has_mirrors: scene.plan.has(Effect::Mirrors),
             antialias: scene.camera.antialias(),
             bounces: scene.bounces,
         }
@@ -176,7 +183,8 @@ impl Facts {
     /// Whether removing `layer` changes the scene.
     pub fn has(&self, layer: Layer) -> bool {
         match layer {
-            Layer::Mirrors => self.bounces > 0,
+            Layer::Transparency => self.has_transparency,
+            Layer::Mirrors => self.has_mirrors,
             Layer::Textures => self.has_textures,
             Layer::SoftShadows => self.has_points,
             Layer::Lights => self.has_lights,
@@ -256,7 +264,7 @@ const FAMILIES: [(&str, &str, &str, Target); 6] = [
     ("lights", "Points on area lights", "points on each light", Target::Scene),
     ("lens", "Points on the lens", "points on the lens", Target::Scene),
     ("pixel", "Rays in a pixel", "rays a pixel", Target::Pixel),
-    ("bounces", "Mirror bounces", "bounces", Target::Scene),
+    ("bounces", "Bounces", "bounces", Target::Scene),
     ("precision", "Precision", "precision", Target::Scene),
     ("filter", "Texture filters", "rays a pixel", Target::Pixel),
 ];
@@ -355,7 +363,7 @@ mod tests {
             (pixel, Target::Pixel, "64 sobol rays in a pixel"),
             (fast.key(), Target::Scene, "the scene as it is, fast"),
             (filter.key(), Target::Pixel, "nearest texture filter, fast"),
-            ("exact bounces".to_owned(), Target::Scene, "mirror bounces"),
+            ("exact bounces".to_owned(), Target::Scene, "bounces"),
         ] {
             assert_eq!(words_of(&key, target), expected);
         }

@@ -41,7 +41,7 @@ pub(crate) fn survey(path: &Path, options: &LoadOptions) -> Result<Survey> {
         size: [width, height],
         rays_per_pixel: staging::rays_per_pixel(),
         light_samples: staging::samples(),
-        bounces: true,
+        bounces: staging::GLASS_BOUNCES,
         ..Survey::default()
     };
     let notes = options.notes(path);

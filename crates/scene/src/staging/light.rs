@@ -21,11 +21,11 @@ use crate::mesh::MeshData;
 use crate::options::lighting::{Background, Lighting, Rig};
 use crate::scene_file::AMBIENT;
 
-/// Mirror bounces: after four, little mirrored light is left.
+/// Bounces: after four, little mirrored light is left.
 const BOUNCES: u32 = 4;
 /// Bounces in files with glass: a ray through a vessel goes through four surfaces, and on through
 /// another.
-const GLASS_BOUNCES: u32 = 8;
+pub(crate) const GLASS_BOUNCES: u32 = 8;
 /// Background of files with lights: a dark grey, before which black and white surfaces are both
 /// visible.
 const DARK: DVec3 = DVec3::splat(0.05);

@@ -3,13 +3,14 @@
 use hecs::{Entity, World};
 
 use crate::components::{
-    AreaLight, DirectionalLight, Filter, Maps, PointLight, Settings, TextureRef, ThinLens, View,
+    AreaLight, DirectionalLight, Filter, Maps, PointLight, Settings, TextureRef, ThinLens,
+    Transparency, View,
 };
 
 /// Overrides of the file's values; `None` keeps them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct Overrides {
-    /// Largest number of mirror bounces.
+    /// Largest number of bounces.
     pub bounces: Option<u32>,
     /// The filter of every texture.
     pub filter: Option<Filter>,
@@ -22,6 +23,8 @@ wavecrest_base::choices! {
     /// their removal.
     #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
     pub enum Layer {
+        /// Light through surfaces, which become opaque.
+        Transparency = "transparency",
         /// Mirror rays.
         Mirrors = "mirrors",
         /// Textures: the diffuse colour takes their place.
@@ -55,6 +58,7 @@ impl Layer {
     /// Removes the layer from the world.
     fn leave(self, world: &mut World) {
         match self {
+            Self::Transparency => remove::<Transparency>(world),
             Self::Mirrors => {
                 world.query_mut::<&mut Settings>().into_iter().for_each(|s| s.bounces = 0);
             }

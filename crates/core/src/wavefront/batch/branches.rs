@@ -1,6 +1,7 @@
 //! What rays went through, and rays that wait, if surfaces let light through.
 
 use super::columns::Column;
+use crate::kernels::transmission::Transparency;
 use crate::prepared::{Branch, Trail};
 
 columns! {
@@ -53,9 +54,18 @@ struct Entry {
     below: u32,
 }
 
+/// Largest number of rays of a path that wait if no surface sends on more light than it receives:
+/// in each of three channels their throughputs add up to 1 at most, and each ray has at least the
+/// least weight in one.
+const MOST_RAYS: usize = (3.0 / Transparency::LEAST_WEIGHT) as usize;
+
 impl Waiting {
-    /// Bytes that a path takes, for as many rays as most paths leave.
-    pub const ROW_BYTES: usize = size_of::<u32>() + size_of::<bool>() + 2 * size_of::<Entry>();
+    /// Bytes that a path with up to this number of bounces takes at most: it waits with up to two
+    /// rays for each.
+    pub fn row_bytes(bounces: u32) -> usize {
+        let rays = MOST_RAYS.min(2 * bounces as usize);
+        size_of::<u32>() + size_of::<bool>() + rays * size_of::<Entry>()
+    }
 
     /// None yet, of up to `paths` paths.
     pub fn with_capacity(paths: usize) -> Self {
@@ -81,6 +91,10 @@ impl Waiting {
             *last = self.unused;
             self.unused = std::mem::replace(&mut self.entries[free as usize], entry).below;
         } else {
+            if self.entries.len() == self.entries.capacity() {
+                // No more than all paths need.
+                self.entries.reserve_exact(self.paths);
+            }
             self.entries.push(entry);
             *last = self.entries.len() as u32;
         }

@@ -65,7 +65,7 @@ pub(super) fn against_time(family: &Family<Point>, scene: &SceneFindings) -> Cha
 }
 
 fn bounces(family: &Family<Point>) -> Chart {
-    let title = "Error against the number of mirror bounces".to_owned();
+    let title = "Error against the number of bounces".to_owned();
     let caption = "With the scene's own samples. The last point has all bounces: only sampling contributes to its \
                    error.";
     let axis = Axis::new(family.counted, "", Scale::Linear);
