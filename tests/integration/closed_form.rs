@@ -10,6 +10,9 @@ mod area;
 // Silhouettes, angles of view, lenses.
 mod camera;
 
+// What is all around.
+mod environment;
+
 // What goes through surfaces.
 mod transparency;
 

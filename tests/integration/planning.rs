@@ -145,6 +145,9 @@ impl Set {
         }
         let mut scene = scene(2, &camera, &lights, &shapes);
         scene["scene"]["ambient"] = ambient;
+        if self.has(Effect::Environment) {
+            scene["scene"]["environment"] = json!({"up": [1, 3, 1], "horizon": [0.2, 0.5, 0.1]});
+        }
         scene
     }
 

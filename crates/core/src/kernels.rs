@@ -8,6 +8,7 @@ pub mod camera;
 pub mod corners;
 pub mod differential;
 pub mod disk;
+pub mod environment;
 pub mod hemisphere;
 pub mod light;
 pub mod metal;

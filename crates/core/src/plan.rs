@@ -47,6 +47,8 @@ wavecrest_base::choices! {
         RayDifferentials = "ray differentials",
         /// Hemispheric ambient light.
         HemisphereLight = "hemisphere light",
+        /// An image or a gradient all around.
+        Environment = "environment",
         /// Point lights, with a shadow ray each.
         PointLights = "point lights",
         /// Spot lights, with a shadow ray each.

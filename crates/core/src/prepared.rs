@@ -28,6 +28,7 @@ use crate::kernels::blinn_phong::Material;
 use crate::kernels::camera::Camera;
 use crate::kernels::camera::path::Path;
 pub use crate::kernels::corners::{CornerValues, NO_VALUE};
+use crate::kernels::environment::Environment;
 use crate::kernels::hemisphere::Hemisphere;
 use crate::kernels::light::Light;
 use crate::kernels::slab::Aabb;
@@ -63,6 +64,9 @@ pub struct PreparedScene {
     /// Hemispheric ambient light, which is also the colour of mirror rays that hit nothing; `None`
     /// if the plan has none.
     pub hemisphere: Option<Hemisphere>,
+    /// What is around the scene; `None` if the plan has nothing, and rays that hit nothing see the
+    /// background or the hemispheric light.
+    pub environment: Option<Environment>,
     /// Boxes that together contain all transparent surfaces.
     pub transparent: Vec<Aabb>,
     /// How often a ray may be mirrored or refracted; 0 if the plan has neither.

@@ -13,6 +13,7 @@
 pub use crate::camera::{
     CameraKey, CameraPath, Falloff, FovAxis, Interpolation, Sampling, ThinLens, View,
 };
+pub use crate::environment::{Environment, Surroundings};
 pub use crate::lights::{AreaLight, DirectionalLight, PointLight, Spot};
 pub use crate::scene_file::{Ambient, Settings};
 pub use crate::shapes::{

@@ -14,6 +14,7 @@ pub mod survey;
 
 mod camera;
 mod corners;
+mod environment;
 mod folder;
 mod format;
 mod gltf;

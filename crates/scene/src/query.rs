@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 use hecs::{Entity, EntityRef, Or, World};
 
 use crate::components::{
-    AreaLight, CutOut, DirectionalLight, Disk, InstanceOf, JsonPath, Maps, Mesh, MeshFile, Order,
-    PointLight, Quad, Settings, Sphere, TextureRef, TextureSource, Triangle, View,
+    AreaLight, CutOut, DirectionalLight, Disk, Environment, InstanceOf, JsonPath, Maps, Mesh,
+    MeshFile, Order, PointLight, Quad, Settings, Sphere, TextureRef, TextureSource, Triangle, View,
 };
 use wavecrest_base::error::{Error, ErrorKind, Result};
 
@@ -70,7 +70,11 @@ pub(crate) fn images_of<'a>(
 pub(crate) fn images(world: &World) -> Vec<PathBuf> {
     let mut query = world.query::<(Option<&TextureRef>, Option<&Maps>, Option<&CutOut>)>();
     let sources = query.iter().flat_map(|(texture, maps, cutout)| images_of(texture, maps, cutout));
-    let mut files: Vec<PathBuf> = sources.filter_map(|s| s.file().map(Path::to_owned)).collect();
+    let file = |source: &TextureSource| source.file().map(Path::to_owned);
+    let mut files: Vec<PathBuf> = sources.filter_map(file).collect();
+    let mut around = world.query::<&Environment>();
+    let images = around.iter().filter_map(|around| around.image.as_ref());
+    files.extend(images.filter_map(|image| file(&image.look_up.source)));
     files.sort_unstable();
     files.dedup();
     files

@@ -10,6 +10,7 @@ use serde_json::{Value, json};
 
 use crate::camera::{self, CAMERAS};
 use crate::components::{Encoding, JsonPath, Order, View};
+use crate::environment::{self, Environment};
 use crate::format::{Beside, Cursor, Field, Kind, Object, Range, Writer, keys};
 use crate::lights::LIGHTS;
 use crate::options::LoadOptions;
@@ -48,6 +49,8 @@ const SCENE: Kind = Kind::new(
     keys! {
         /// Colour of rays that hit nothing. After a mirror they add nothing.
         "backgroundcolor": Color, Required;
+        /// What rays see that hit nothing, in place of the background.
+        "environment": Object(&environment::OBJECT);
         /// The lights.
         "lightsources": AtLeast(0, &Variants(&LIGHTS));
         /// The shapes.
@@ -125,6 +128,9 @@ pub(crate) fn read(top: &Cursor<'_>, options: &LoadOptions) -> Result<World> {
             let scene = &cursor.object(SCENE)?;
             let settings = cursor.notes().part(|| settings(scene, bounces, transfer));
             contents(scene, &mut world)?;
+            if let Some(cursor) = scene.get("environment") {
+                world.spawn((Environment::read(&cursor.object(environment::OBJECT)?)?,));
+            }
             world.spawn((settings?,));
             warn_of_darkness(scene, &world);
             Ok(())
@@ -240,6 +246,14 @@ pub(crate) fn write(world: &World, beside: &mut Beside) -> Result<Value> {
         "lightsources": lights,
         "shapes": shapes,
     });
+    let around = world.iter().find(EntityRef::has::<Environment>);
+    if let Some((entity, around)) =
+        around.and_then(|entity| Some((entity, entity.get::<&Environment>()?)))
+    {
+        let mut to = Writer::new(entity.entity(), beside, &names);
+        around.write(&mut to);
+        scene["environment"] = to.end();
+    }
     if !instances.is_empty() {
         scene["instances"] = instances.into();
     }

@@ -5,8 +5,8 @@ use std::collections::{HashMap, HashSet};
 use hecs::{Entity, EntityRef, World};
 
 use super::components::{
-    AreaLight, CutOut, DirectionalLight, Filter, Hidden, InstanceOf, LookUp, Maps, Materials, Mesh,
-    MeshFile, PointLight, Shading, TextureRef, TextureSource, ThinLens,
+    AreaLight, CutOut, DirectionalLight, Environment, Filter, Hidden, InstanceOf, LookUp, Maps,
+    Materials, Mesh, MeshFile, PointLight, Shading, TextureRef, TextureSource, ThinLens,
 };
 use super::format::Notes;
 use super::lights::points;
@@ -99,6 +99,8 @@ pub(super) fn of(world: &World, text: u64, notes: &Notes<'_>) -> Result<Survey> 
         let own = u64::from(!shape.has::<Hidden>());
         survey.add(shape, own + uses.get(&shape.entity()).unwrap_or(&0), notes)?;
     }
+    let mut around = world.query::<&Environment>();
+    around.iter().for_each(|around| survey.add_images(around.image.as_ref(), None, None));
     survey.light_samples = world.query::<&PointLight>().iter().count() as u64;
     let mut all = world.query::<&DirectionalLight>();
     survey.light_samples +=

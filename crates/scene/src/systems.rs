@@ -41,6 +41,7 @@ use std::path::{Path, PathBuf};
 use hecs::World;
 
 use crate::components::{Ambient, Settings, SurfaceComponents};
+use crate::environment;
 use crate::lights::unit;
 use crate::query;
 use crate::surface::Columns;
@@ -143,6 +144,8 @@ pub fn extract(world: World, options: Options<'_>) -> Result<Extracted> {
         &mut extracted.shapes,
     );
     let transparent = extracted.pass(&found.transparent);
+    let environment =
+        if plan.has(Effect::Environment) { environment::system(world, &mut images) } else { None };
     let images = images.prepare(&file)?;
     let cutouts = cutouts::run(&surfaces, &found.holes, &masks, &mut extracted);
     extracted.drop_unused(schedule, &in_view, &details);
@@ -170,6 +173,7 @@ pub fn extract(world: World, options: Options<'_>) -> Result<Extracted> {
         background: settings.background.as_vec3(),
         ambient,
         hemisphere,
+        environment,
         transparent,
         bounces: if schedule.goes_on() { settings.bounces } else { 0 },
         dropped: Dropped::default(),

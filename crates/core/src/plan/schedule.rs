@@ -141,7 +141,8 @@ const NEXT: &[Effect] = &[Effect::Mirrors, Effect::Transparency];
 /// The passes in order of execution, each followed by its parts.
 ///
 /// Kinds of shapes have no row: no pass depends on a kind, so an absent kind costs nothing as it
-/// has no primitives. Nor has the hemispheric light, which a scene has or has not.
+/// has no primitives. Nor have the hemispheric light and the environment, which a scene has or has
+/// not.
 pub const PASSES: [Pass; 19] = {
     use ColumnGroup::{
         Branches, Differentials, Hits, LitPoints, NextRays, Paths, Rays, ShadowRays, Tints,

@@ -97,6 +97,9 @@ impl PreparedScene {
                 if let Some(hemisphere) = &self.hemisphere {
                     let _ = write!(hasher, "{hemisphere:?}");
                 }
+                if let Some(environment) = &self.environment {
+                    let _ = write!(hasher, "{environment:?}");
+                }
             }),
         }
     }

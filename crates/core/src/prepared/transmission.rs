@@ -67,6 +67,10 @@ impl PreparedScene {
     /// The colour along a ray that meets nothing: only what was mirrored does not see the background.
     #[inline(always)]
     pub fn beyond(&self, direction: Vec3, mirrored: bool) -> Option<Vec3> {
+        if let Some(environment) = &self.environment {
+            let image = |number: u32| self.appearance.images[number as usize].look_up();
+            return Some(environment.at(direction, image));
+        }
         match &self.hemisphere {
             _ if !mirrored => Some(self.background),
             Some(hemisphere) => Some(hemisphere.at::<f32>(direction.into()).into()),

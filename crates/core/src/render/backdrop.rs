@@ -22,7 +22,8 @@ impl<'a> Backdrop<'a> {
     pub(super) fn of(scene: &'a PreparedScene) -> Self {
         let (camera, color) = (&scene.camera, scene.background);
         // A sample that is not finite is counted, and has to be traced for it.
-        let boxes = scene.accel.outline().filter(|_| color.is_finite());
+        let is_even = color.is_finite() && scene.environment.is_none();
+        let boxes = scene.accel.outline().filter(|_| is_even);
         Self { camera, boxes, color }
     }
 

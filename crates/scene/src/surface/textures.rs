@@ -205,6 +205,13 @@ impl Declared for TextureRef {
 }
 
 impl LookUp {
+    /// The image at the path of a key, bilinear.
+    pub(crate) fn plain(cursor: &Cursor<'_>) -> Result<Self> {
+        let source = TextureSource::File(existing_file(cursor, IMAGE)?);
+        let (filter, wrap) = (Filter::Bilinear, Wrap::Repeat);
+        Ok(Self { source, filter, wrap, placing: None })
+    }
+
     /// The image at `path`, with the keys of the object. The encoding is checked for cut-outs too.
     fn read(object: &Object<'_>, path: PathBuf) -> Result<(Encoding, Self)> {
         let (encoding, source) = (object.read("encoding"), TextureSource::File(path));

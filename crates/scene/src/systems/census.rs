@@ -14,7 +14,7 @@ mod shows;
 use super::geometry::{self, ShapeOutput};
 use super::reach;
 use super::reach::Faces;
-use crate::components::{Settings, SurfaceComponents, TextureRef};
+use crate::components::{Environment, Settings, SurfaceComponents, TextureRef};
 use crate::lights::Found;
 pub(crate) use shows::Shows;
 use wavecrest_base::error::Result;
@@ -173,7 +173,9 @@ impl<'a> Facts<'a> {
         let shows_ambient = has_ambient && !surfaces.iter().all(is_black);
         let is_bright = |shape: &ShapeOutput| shape.shape.light.is_some_and(|c| c != Vec3::ZERO);
         let glows = shows.iter().any(|shows| shows.emission);
-        let has_sky = census.hemisphere.is_some_and(|sky| !sky.is_black());
+        let mut around = census.world.query::<&Environment>();
+        let has_sky = census.hemisphere.is_some_and(|sky| !sky.is_black())
+            || around.iter().any(Environment::is_bright);
         let shines = is_lit || glows || shapes.iter().any(is_bright) || shows_ambient || has_sky;
         Self {
             census,
@@ -207,6 +209,7 @@ impl<'a> Facts<'a> {
             Effect::CutOuts => self.cut_outs(),
             Effect::RayDifferentials => self.ray_differentials(),
             Effect::HemisphereLight => self.hemisphere(),
+            Effect::Environment => self.environment(),
             Effect::PointLights => {
                 self.lights("point light", |emitter| matches!(emitter, Emitter::Point(_)))
             }
@@ -368,6 +371,16 @@ impl<'a> Facts<'a> {
                 (false, "no surface in view shows it".to_owned())
             }
             Some(_) => (true, "ambient light from a sky and a ground".to_owned()),
+        }
+    }
+
+    fn environment(&self) -> (bool, String) {
+        let mut found = self.census.world.query::<&Environment>();
+        match found.iter().next() {
+            None => (false, "the scene has no environment".to_owned()),
+            Some(around) if !around.is_bright() => (false, "the environment is black".to_owned()),
+            Some(around) if around.image.is_some() => (true, "an image all around".to_owned()),
+            Some(_) => (true, "a gradient all around".to_owned()),
         }
     }
 

@@ -65,7 +65,7 @@ pub(crate) struct Images {
 impl Images {
     /// The texture of a `reference`, which is under a `key` of the shape at `place`, with texture
     /// coordinates from `map`.
-    pub(super) fn texture(
+    pub(crate) fn texture(
         &mut self,
         reference: &TextureRef,
         (place, key): (&str, &str),

@@ -1,0 +1,110 @@
+//! The environment: what rays see that hit nothing.
+
+use glam::{DMat3, DVec3};
+use hecs::World;
+
+use crate::components::{Channels, Encoding, TextureRef};
+use crate::format::{Key, Kind, Object, Range, Writer, component, keys};
+use crate::lights::unit;
+use crate::surface::LookUp;
+use crate::systems::textures::Images;
+use wavecrest_base::error::Result;
+use wavecrest_core::kernels::environment::{self, Surrounding};
+use wavecrest_core::prepared::UvMap;
+
+component! {
+    /// A gradient around the scene, and its direction.
+    #[derive(Clone, Copy, Debug, PartialEq)]
+    pub struct Surroundings {
+        /// The colour straight up, without an image.
+        pub zenith: DVec3 = "zenith": Color, Are([0.35, 0.5, 0.8]);
+        /// The colour at the horizon.
+        pub horizon: DVec3 = "horizon": Color, Are([0.85, 0.9, 0.95]);
+        /// The colour straight down.
+        pub nadir: DVec3 = "nadir": Color, Are([0.3, 0.28, 0.25]);
+        /// Factor on all colours.
+        pub intensity: f64 = "intensity": Number(Range::NOT_NEGATIVE), Is(1.0);
+        /// The direction of the zenith.
+        pub up: DVec3 = "up": Direction("[0, 1, 0]"), Are([0.0, 1.0, 0.0]);
+        /// Turn about it, in degrees, counter-clockwise as seen from above.
+        pub turn: f64 = "turn": Number(Range::COORDINATE), Is(0.0);
+    }
+}
+
+/// What is around the scene.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Environment {
+    /// The gradient, and the direction of either.
+    pub around: Surroundings,
+    /// The image in place of the gradient.
+    pub image: Option<TextureRef>,
+}
+
+const IMAGE: &[Key] = keys! {
+    /// An image by longitude and latitude, in place of the gradient: its centre is in the direction
+    /// -z, and its upper edge at the zenith.
+    "file": Text;
+    /// Encoding of the image's values.
+    "encoding": word::<Encoding>(), Says("linear");
+};
+
+/// The object of an environment.
+pub(crate) const OBJECT: Kind = Kind {
+    keys: Surroundings::FIELDS,
+    more: &[&[crate::format::Declaration::of_keys(IMAGE)]],
+    ..Kind::new("an environment", "What rays see that hit nothing: an image or a gradient.", &[])
+};
+
+impl Environment {
+    /// Reads an environment.
+    pub(crate) fn read(object: &Object<'_>) -> Result<Self> {
+        let around = Surroundings::fields(object, None);
+        let encoding = object.read("encoding");
+        let image = match object.get("file") {
+            Some(file) => {
+                let look_up = LookUp::plain(&file)?;
+                let tint = DVec3::splat(around.intensity);
+                Some(TextureRef { look_up, encoding, tint, channels: Channels::Color })
+            }
+            None => None,
+        };
+        Ok(Self { around, image })
+    }
+
+    /// Writes it.
+    pub(crate) fn write(&self, to: &mut Writer<'_>) {
+        self.around.write_fields(to);
+        if let Some(image) = &self.image {
+            to.image("file", &image.look_up.source);
+            to.put("encoding", image.encoding);
+        }
+    }
+}
+
+/// The environment of a world, unless it is black.
+pub(crate) fn system(world: &World, images: &mut Images) -> Option<environment::Environment> {
+    let mut query = world.query::<&Environment>();
+    let Environment { around, image } = query.iter().find(|found| found.is_bright())?;
+    let &Surroundings { zenith, horizon, nadir, intensity, up, turn } = around;
+    let gradient = [zenith, horizon, nadir].map(|color| (color * intensity).as_vec3());
+    let colors = match image {
+        None => Surrounding::Gradient(gradient),
+        Some(image) => {
+            let place = ("scene.environment", "file");
+            Surrounding::Image(images.texture(image, place, UvMap::Mesh).image)
+        }
+    };
+    // The shortest rotation from the zenith to +y, after the turn about it.
+    let to_own = glam::DQuat::from_rotation_y(-turn.to_radians())
+        * glam::DQuat::from_rotation_arc(unit(up), DVec3::Y);
+    Some(environment::Environment { to_own: DMat3::from_quat(to_own).as_mat3(), colors })
+}
+
+impl Environment {
+    /// Whether it adds anything.
+    pub(crate) fn is_bright(&self) -> bool {
+        let Surroundings { zenith, horizon, nadir, intensity, .. } = self.around;
+        let is_colored = [zenith, horizon, nadir].iter().any(|color| *color != DVec3::ZERO);
+        intensity > 0.0 && (self.image.is_some() || is_colored)
+    }
+}
