@@ -8,9 +8,9 @@ use crate::systems::camera;
 const NOTHING: &str = "no shape is in view";
 
 impl Facts<'_> {
-    /// Whether any shape is in view, also a light's.
+    /// Whether rays of a pixel may see different things: shapes, also of lights, or an environment.
     fn sees_any(&self) -> bool {
-        self.census.in_view.iter().any(Option::is_some)
+        self.census.in_view.iter().any(Option::is_some) || self.environment().0
     }
 
     pub(super) fn depth_of_field(&self) -> (bool, String) {
