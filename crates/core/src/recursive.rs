@@ -228,10 +228,14 @@ impl<P: Arithmetic> Recursive<P> {
         let mut at =
             Branch { ray, throughput: Vec3::ONE, trail: Trail::default(), differential: None };
         loop {
-            let Branch { ray, throughput, trail, .. } = at;
+            let Branch { ray, trail, .. } = at;
             let before = self.traversal.tests;
             let hit = scene.accel.search::<P>().closest(&ray, &mut self.traversal);
             observer.ray(&at, &hit, self.traversal.tests - before);
+            if let Some(remaining) = trail.remaining(hit.t) {
+                at.throughput *= remaining;
+            }
+            let throughput = at.throughput;
             let differential =
                 || at.differential.unwrap_or_else(|| scene.camera.differential(ray.direction));
             let waiting = self.waiting.len();

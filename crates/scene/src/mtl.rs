@@ -162,7 +162,13 @@ pub(crate) fn surface(mtl: &Mtl, mut find: impl FnMut(&str) -> Option<PathBuf>) 
     // Some programs write 1 for opaque surfaces.
     let tr = mtl.tr.filter(|&tr| tr < 1.0);
     let d = mtl.d.or(tr.map(|tr| 1.0 - tr)).unwrap_or(1.0).min(1.0);
-    let is_glass = is_model(&GLASS) && d < 1.0;
+    // A filter tells of glass, too.
+    let is_glass = is_model(&GLASS) && (d < 1.0 || mtl.tf.is_some_and(|tf| tf != DVec3::ZERO));
+    let kt = match is_glass {
+        true if d < 1.0 => 1.0 - d,
+        true => 1.0,
+        false => 0.0,
+    };
     let mask = found(&mtl.map_d, Filter::Bilinear);
     let cutout = mask.map(|own| CutOut {
         // In a scene file both share the wrap mode.
@@ -172,7 +178,7 @@ pub(crate) fn surface(mtl: &Mtl, mut find: impl FnMut(&str) -> Option<PathBuf>) 
     });
     let material = Material {
         ks: if has_highlight { gloss } else { 0.0 },
-        kd: (1.0 - kr) * if is_glass { d } else { 1.0 },
+        kd: (1.0 - kr) * (1.0 - kt),
         specular_exponent: exponent,
         diffuse_color: kd,
         kr,
@@ -181,7 +187,7 @@ pub(crate) fn surface(mtl: &Mtl, mut find: impl FnMut(&str) -> Option<PathBuf>) 
     };
     let transparency = Transparency {
         opacity: if is_glass { 1.0 } else { d },
-        kt: if is_glass { 1.0 - d } else { 0.0 },
+        kt,
         ior: mtl
             .ni
             .filter(|&ni| Transparency::IOR.contains(ni))
@@ -189,7 +195,7 @@ pub(crate) fn surface(mtl: &Mtl, mut find: impl FnMut(&str) -> Option<PathBuf>) 
         color: mtl.tf.unwrap_or(DVec3::ONE),
         ..Transparency::OPAQUE
     };
-    Look { material, transparency, texture, cutout, is_there: d > 0.0 }
+    Look { material, transparency, texture, cutout, is_there: d > 0.0 || is_glass }
 }
 
 /// The materials of a text by name, as if every image existed: for tests.

@@ -6,6 +6,7 @@ use super::query::{Closest, Occluded, Query};
 use super::rays::Rays;
 use super::tree::{Searched, Tree};
 use super::{Accel, Hit, KernelChoice, Traversal, brute, compiled, crossings};
+use crate::geometry::Primitive;
 use crate::kernels::precision::Arithmetic;
 use crate::math::ray::Ray;
 use crate::math::simd::is_wide;
@@ -70,6 +71,9 @@ impl<P: Arithmetic> Search<'_, P> {
             }
         }
         hits.sort_unstable_by(|a, b| a.t.total_cmp(&b.t).then(a.primitive.cmp(&b.primitive)));
+        // Lists hold a quad for each of its halves; a sphere may be touched, which counts twice.
+        let is_quad = |hit: &Hit| matches!(geometry.primitive(hit.primitive), Primitive::Quad(_));
+        hits.dedup_by(|a, b| a == b && is_quad(a));
     }
 
     #[inline(always)]

@@ -3,7 +3,8 @@
 //! Refraction is that of Whitted, *An Improved Illumination Model for Shaded Display* (1980), with
 //! the reflectance of smooth dielectrics by Fresnel's equations for unpolarised light. Both sides
 //! are told apart by the side of the surface that a ray meets: its front is outside, in air. So
-//! each surface is one between its material and air, also where two of them touch.
+//! each surface is one between its material and air. What is inside of several solids is absorbed
+//! by each of them.
 
 use glam::{DVec3, Vec3};
 
@@ -56,13 +57,6 @@ pub struct Refracted {
 impl Transparency {
     /// Rays with less weight in every channel than this half of one of 255 levels end.
     pub const LEAST_WEIGHT: f32 = 0.5 / 255.0;
-
-    /// What remains of light along a way of this length inside.
-    pub fn remaining(&self, length: f64) -> DVec3 {
-        // Length is negative if a solid has no front where a ray enters: nothing gains light.
-        let exponent = self.absorption.as_dvec3() * -length.max(0.0);
-        DVec3::new(libm::exp(exponent.x), libm::exp(exponent.y), libm::exp(exponent.z))
-    }
 
     /// How light along `point.view`, towards the viewer, is made up.
     pub fn split(&self, point: &ShadingPoint<f32>) -> Split {
@@ -128,6 +122,12 @@ impl Transparency {
         let opacity = f64::from(opacity);
         DVec3::splat(1.0 - opacity) + self.color.as_dvec3() * (opacity * refracted)
     }
+}
+
+/// What remains of light along a way of this length with this absorption (Beer's law).
+pub fn remaining(absorption: Vec3, length: f64) -> DVec3 {
+    let exponent = absorption.as_dvec3() * -length;
+    DVec3::new(libm::exp(exponent.x), libm::exp(exponent.y), libm::exp(exponent.z))
 }
 
 /// The cosine of the refracted ray's angle to the normal by Snell's law; `None` for total internal

@@ -125,6 +125,9 @@ impl Appearance {
         point.emission = emission.into();
         if let Some(metal) = &detail.metal {
             metal.apply(at(&metal.texture), point);
+            // As for the material's own weight, which is replaced.
+            let kt = detail.transparency.as_ref().map_or(0.0, |transparency| transparency.kt);
+            point.reflection.kd *= 1.0 - kt;
         }
         if let Some(Occlusion { texture, strength }) = &detail.occlusion {
             point.occlusion = 1.0 + strength * (at(texture).x - 1.0);

@@ -12,29 +12,39 @@ use crate::kernels::differential::Differential;
 use crate::kernels::precision::Arithmetic;
 use crate::kernels::shade::{self, ShadingPoint};
 use crate::kernels::slab::{Aabb, SlabRay};
-use crate::kernels::transmission::{Split, Transparency};
+use crate::kernels::transmission::{self, Split, Transparency};
 use crate::math::float::{dot, max, min};
 use crate::math::ray::Ray;
 use crate::plan::Effect;
 
 /// What a ray went through on its path.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Trail {
     /// How often it was mirrored or refracted.
     pub bounces: u32,
     /// Whether it was mirrored: it then sees no background.
     pub mirrored: bool,
+    /// Light absorbed on its way, by channel, per scene unit: the sum over all that it is inside of.
+    pub absorption: Vec3,
 }
 
 impl Trail {
     /// The trail of a mirror ray from here.
     pub fn mirrored(self) -> Self {
-        Self { bounces: self.bounces + 1, mirrored: true }
+        Self { bounces: self.bounces + 1, mirrored: true, ..self }
     }
 
-    /// The trail of a refracted ray from here.
-    fn refracted(self) -> Self {
-        Self { bounces: self.bounces + 1, ..self }
+    /// The trail behind a surface with this `absorption` inside, which is entered or left.
+    fn behind(self, absorption: Vec3, leaves: bool) -> Self {
+        let sum = self.absorption + if leaves { -absorption } else { absorption };
+        Self { absorption: sum.max(Vec3::ZERO), ..self }
+    }
+
+    /// The share of light that remains of what is met at `t`.
+    #[inline]
+    pub fn remaining(&self, t: f32) -> Option<Vec3> {
+        let absorbs = self.absorption != Vec3::ZERO && t.is_finite();
+        absorbs.then(|| transmission::remaining(self.absorption, t.into()).as_vec3())
     }
 }
 
@@ -90,12 +100,15 @@ impl PreparedScene {
         look_ups: &mut LookUps,
     ) -> (Vec3, [Option<Branch>; 3]) {
         let Branch { ray, trail, mut throughput, .. } = *arriving;
-        if point.inside && transparency.absorption != Vec3::ZERO {
-            throughput *= transparency.remaining(f64::from(hit.t)).as_vec3();
+        if point.inside {
+            // A path that began inside did not meet the front.
+            let more = (transparency.absorption - trail.absorption).max(Vec3::ZERO);
+            throughput *= transmission::remaining(more, hit.t.into()).as_vec3();
         }
+        let behind = trail.behind(transparency.absorption, point.inside);
         let own = throughput * point.opacity;
         let Split { mirrored, refracted } = transparency.split(point);
-        let kr = if point.lit { point.kr } else { 0.0 };
+        let kr = if point.lit { point.kr * (1.0 - transparency.kt) } else { 0.0 };
         let mirror = Vec3::from(point.reflection.tint) * kr + Vec3::splat(mirrored);
         let (direction, _) = shade::mirrored(point.view, point.shading_normal, point.normal);
         let next = |trail: Trail, direction: Vec3, throughput: Vec3| {
@@ -107,9 +120,11 @@ impl PreparedScene {
         };
         let mut branches = [
             next(trail.mirrored(), direction.into(), own * mirror),
-            refracted
-                .and_then(|found| next(trail.refracted(), found.direction, own * found.weight)),
-            next(trail, ray.direction, throughput * (1.0 - point.opacity)),
+            refracted.and_then(|found| {
+                let refracted = Trail { bounces: behind.bounces + 1, ..behind };
+                next(refracted, found.direction, own * found.weight)
+            }),
+            next(behind, ray.direction, throughput * (1.0 - point.opacity)),
         ];
         if self.carries_differentials() {
             let from =
@@ -153,8 +168,10 @@ impl PreparedScene {
         self.accel.search::<P>().crossings(ray, traversal, hits);
         let length = f64::from(dot(ray.direction, ray.direction)).sqrt();
         let unit = Ray { direction: (ray.direction.as_dvec3() / length).as_vec3(), ..*ray };
+        let end = f64::from(ray.t_max) * length;
         let mut passed = DVec3::ONE;
-        let mut ways: Vec<(&Transparency, f64)> = Vec::new();
+        // For each absorption the way inside, and by how much fronts outnumber backs.
+        let mut ways: Vec<(Vec3, f64, i32)> = Vec::new();
         for hit in hits.iter() {
             let Some(transparency) = self.transparency(hit.primitive) else { continue };
             let along = Hit { t: (f64::from(hit.t) * length) as f32, ..*hit };
@@ -165,15 +182,17 @@ impl PreparedScene {
             };
             let cosine = Vec3::from(point.view).dot(point.normal.into());
             passed *= transparency.passed(point.opacity, cosine);
-            let t = f64::from(hit.t) * length;
-            let way = if point.inside { t } else { -t };
-            match ways.iter_mut().find(|(known, _)| std::ptr::eq(*known, transparency)) {
-                Some((_, sum)) => *sum += way,
-                None => ways.push((transparency, way)),
+            let (sign, absorption) = (if point.inside { -1 } else { 1 }, transparency.absorption);
+            let way = -f64::from(sign) * f64::from(hit.t) * length;
+            match ways.iter_mut().find(|(known, ..)| *known == absorption) {
+                Some((_, sum, depth)) => (*sum, *depth) = (*sum + way, *depth + sign),
+                None => ways.push((absorption, way, sign)),
             }
         }
-        for (transparency, way) in ways {
-            passed *= transparency.remaining(way);
+        for (absorption, way, depth) in ways {
+            // What is entered and not left contains the light.
+            let inside = way + f64::from(depth.max(0)) * end;
+            passed *= transmission::remaining(absorption, inside.max(0.0));
         }
         passed.as_vec3()
     }

@@ -98,6 +98,9 @@ impl<P: Arithmetic> Pass for Shade<'_, P> {
                 self.miss(i);
                 continue;
             }
+            if self.transmits {
+                self.absorb(i);
+            }
             if !appearance.shapes[last].primitives.contains(&primitive) {
                 last = appearance.shape_of(primitive);
             }
@@ -143,7 +146,15 @@ impl<P: Arithmetic> Shade<'_, P> {
     fn trail(&self, i: usize) -> Trail {
         match self.transmits {
             true if self.bounce > 0 => self.batch.trails.get(i),
-            _ => Trail { bounces: self.bounce, mirrored: self.bounce > 0 },
+            _ => Trail { bounces: self.bounce, mirrored: self.bounce > 0, absorption: Vec3::ZERO },
+        }
+    }
+
+    /// Takes the light of a hit that is absorbed on the way from there.
+    fn absorb(&mut self, i: usize) {
+        if let Some(remaining) = self.trail(i).remaining(self.batch.hits.hit[i].t) {
+            let throughput = &mut self.batch.rays.throughput;
+            throughput.set(i, throughput.get(i) * remaining);
         }
     }
 

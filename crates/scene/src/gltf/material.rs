@@ -134,7 +134,12 @@ impl Surface {
     pub(super) fn transparency(&self) -> Transparency {
         Transparency {
             opacity: if self.blends { self.alpha } else { 1.0 },
-            kt: if self.is_unlit { 0.0 } else { self.transparency.kt * (1.0 - self.metallic) },
+            kt: match &self.metal {
+                _ if self.is_unlit => 0.0,
+                // The texture is mostly that of the roughness.
+                Some(_) => self.transparency.kt,
+                None => self.transparency.kt * (1.0 - self.metallic),
+            },
             color: self.base_color,
             ..self.transparency
         }

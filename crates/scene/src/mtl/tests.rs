@@ -119,4 +119,6 @@ fn opacity_and_glass_follow_the_statements() {
     assert_eq!(of("illum 7\nd 0.25\nNi 1.33"), (1.0, 0.75, 1.33));
     assert_eq!(looked("illum 6\nd 0.5\nTf 1 0.5 0").transparency.color, DVec3::new(1.0, 0.5, 0.0));
     assert_eq!(looked("illum 6\nd 0.25").material.kd, 0.25);
+    assert_eq!(of("illum 7\nTf 1 1 1\nNi 1.5").1, 1.0);
+    assert_eq!(of("illum 7\nTf 0 0 0").1, 0.0);
 }

@@ -13,8 +13,8 @@ component! {
     pub struct Transparency {
         /// Share of the light that comes from the surface; the rest comes from straight behind it.
         pub opacity: f64 = "opacity": Number(Range::UNIT), Is(1.0);
-        /// Weight of the light that is refracted, or mirrored by Fresnel's equations, 0 to 1.
-        pub kt: f64 = "kt": Number(Range::NOT_NEGATIVE), Is(0.0);
+        /// Share of the light that is refracted, or mirrored by Fresnel's equations; of `kr`, the rest is left.
+        pub kt: f64 = "kt": Number(Range::UNIT), Is(0.0);
         /// Index of refraction of the inside, which the front of the surface encloses.
         pub ior: f64 = "ior": Number(Self::IOR), Is(1.5);
         /// Whether the surface is a thin sheet, which bends no ray.
@@ -32,7 +32,7 @@ impl Declared for Transparency {
     const KEYS: &'static [Key] = Self::FIELDS;
 
     fn read(object: &Object<'_>) -> Result<Option<Self>> {
-        Material::warn_of_gain(object, &["kt", "transmissioncolor", "attenuationcolor"]);
+        Material::warn_of_gain(object, &["transmissioncolor"]);
         Ok(Some(Self::fields(object, None)))
     }
 
@@ -78,12 +78,13 @@ impl Transparency {
 
     /// Light absorbed inside, by channel, per scene unit.
     fn absorption(&self) -> DVec3 {
-        if self.attenuation_distance == 0.0 {
+        // A thin sheet has no inside.
+        if self.thin || self.attenuation_distance == 0.0 {
             return DVec3::ZERO;
         }
-        // As much as can be told from 0, so that no product is infinity times zero.
         let left = self.attenuation_color.clamp(DVec3::splat(LEAST), DVec3::ONE);
-        let of = |left: f64| -libm::log(left) / self.attenuation_distance;
+        // Finite in single precision, so that no product is infinity times zero.
+        let of = |left: f64| (-libm::log(left) / self.attenuation_distance).min(f32::MAX.into());
         DVec3::new(of(left.x), of(left.y), of(left.z))
     }
 }

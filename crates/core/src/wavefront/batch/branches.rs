@@ -1,6 +1,6 @@
 //! What rays went through, and rays that wait, if surfaces let light through.
 
-use super::columns::Column;
+use super::columns::{Column, Vectors};
 use crate::kernels::transmission::Transparency;
 use crate::prepared::{Branch, Trail};
 
@@ -12,6 +12,8 @@ columns! {
         bounces: Vec<u32>,
         /// Whether it was mirrored.
         mirrored: Vec<bool>,
+        /// Light absorbed on its way, by channel, per scene unit.
+        absorption: Vectors,
     }
 }
 
@@ -19,7 +21,8 @@ impl Trails {
     /// The `i`th trail.
     #[inline(always)]
     pub fn get(&self, i: usize) -> Trail {
-        Trail { bounces: self.bounces[i], mirrored: self.mirrored[i] }
+        let absorption = self.absorption.get(i);
+        Trail { bounces: self.bounces[i], mirrored: self.mirrored[i], absorption }
     }
 
     /// Appends a trail.
@@ -27,6 +30,7 @@ impl Trails {
     pub fn push(&mut self, trail: Trail) {
         let i = self.rows;
         (self.bounces[i], self.mirrored[i]) = (trail.bounces, trail.mirrored);
+        self.absorption.set(i, trail.absorption);
         self.rows += 1;
     }
 }
@@ -140,7 +144,7 @@ mod tests {
         let branch = |number: u32| Branch {
             ray: Ray::new(Vec3::ZERO, Vec3::X),
             throughput: Vec3::splat(number as f32),
-            trail: Trail { bounces: number, mirrored: false },
+            trail: Trail { bounces: number, ..Trail::default() },
             differential: None,
         };
         let mut stacks: [Vec<u32>; 3] = Default::default();
