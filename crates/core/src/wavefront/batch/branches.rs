@@ -125,3 +125,41 @@ impl Waiting {
             + self.entries.capacity() * size_of::<Entry>()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use glam::Vec3;
+
+    use super::*;
+    use crate::math::ray::Ray;
+
+    fn branch(bounces: u32) -> Branch {
+        let (ray, trail) = (Ray::new(Vec3::ZERO, Vec3::Z), Trail { bounces, mirrored: false });
+        Branch { ray, throughput: Vec3::ONE, trail, differential: None }
+    }
+
+    #[test]
+    fn rays_wait_on_a_stack_in_the_memory_that_was_estimated() {
+        const PATHS: u32 = 13;
+        for bounces in [1, 3, 8] {
+            let mut waiting = Waiting::with_capacity(PATHS as usize);
+            for _ in 0..2 {
+                for number in 0..2 * bounces {
+                    (0..PATHS).for_each(|path| waiting.push(path, branch(number)));
+                }
+                waiting.mark(&[0]);
+                for path in 1..PATHS {
+                    let left = std::iter::from_fn(|| waiting.pop_unmarked(path));
+                    let left: Vec<u32> = left.map(|branch| branch.trail.bounces).collect();
+                    assert_eq!(left, (0..2 * bounces).rev().collect::<Vec<_>>());
+                }
+                assert!(waiting.pop_unmarked(0).is_none() && !waiting.is_empty());
+                waiting.mark(&[]);
+                while waiting.pop_unmarked(0).is_some() {}
+                assert!(waiting.is_empty());
+                // What was left is used again.
+                assert_eq!(waiting.bytes(), PATHS as usize * Waiting::row_bytes(bounces));
+            }
+        }
+    }
+}
