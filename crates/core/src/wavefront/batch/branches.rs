@@ -137,42 +137,33 @@ mod tests {
     use super::*;
     use crate::math::ray::Ray;
 
-    /// Pushed and popped in any order, each path has its own stack, and memory is used again.
+    fn branch(bounces: u32) -> Branch {
+        let (ray, trail) = (Ray::new(Vec3::ZERO, Vec3::Z), Trail { bounces, ..Trail::default() });
+        Branch { ray, throughput: Vec3::ONE, trail, differential: None }
+    }
+
     #[test]
-    fn rays_wait_in_a_stack_for_each_path() {
-        let mut waiting = Waiting::with_capacity(3);
-        let branch = |number: u32| Branch {
-            ray: Ray::new(Vec3::ZERO, Vec3::X),
-            throughput: Vec3::splat(number as f32),
-            trail: Trail { bounces: number, ..Trail::default() },
-            differential: None,
-        };
-        let mut stacks: [Vec<u32>; 3] = Default::default();
-        for number in 0..200_u32 {
-            let path = number.wrapping_mul(0x9E37_79B9) >> 30;
-            let stack = &mut stacks[(path % 3) as usize];
-            if number % 5 < 3 {
-                waiting.push(path % 3, branch(number));
-                stack.push(number);
-            } else {
-                waiting.mark(&[(path + 1) % 3]);
-                assert!(waiting.pop_unmarked((path + 1) % 3).is_none());
-                let found = waiting.pop_unmarked(path % 3).map(|branch| branch.trail.bounces);
-                assert_eq!(found, stack.pop());
+    fn rays_wait_on_a_stack_in_the_memory_that_was_estimated() {
+        const PATHS: u32 = 13;
+        for bounces in [1, 3, 8] {
+            let mut waiting = Waiting::with_capacity(PATHS as usize);
+            for _ in 0..2 {
+                for number in 0..2 * bounces {
+                    (0..PATHS).for_each(|path| waiting.push(path, branch(number)));
+                }
+                waiting.mark(&[0]);
+                for path in 1..PATHS {
+                    let left = std::iter::from_fn(|| waiting.pop_unmarked(path));
+                    let left: Vec<u32> = left.map(|branch| branch.trail.bounces).collect();
+                    assert_eq!(left, (0..2 * bounces).rev().collect::<Vec<_>>());
+                }
+                assert!(waiting.pop_unmarked(0).is_none() && !waiting.is_empty());
+                waiting.mark(&[]);
+                while waiting.pop_unmarked(0).is_some() {}
+                assert!(waiting.is_empty());
+                // What was left is used again.
+                assert_eq!(waiting.bytes(), PATHS as usize * Waiting::row_bytes(bounces));
             }
         }
-        let left: usize = stacks.iter().map(Vec::len).sum();
-        assert!(left > 10 && waiting.rays == left);
-        waiting.mark(&[]);
-        for (path, stack) in (0..).zip(&mut stacks) {
-            while let Some(number) = stack.pop() {
-                assert_eq!(
-                    waiting.pop_unmarked(path).map(|branch| branch.trail.bounces),
-                    Some(number)
-                );
-            }
-        }
-        assert!(waiting.is_empty());
-        assert!(waiting.entries.len() < 120, "{}", waiting.entries.len());
     }
 }
