@@ -1,5 +1,6 @@
 //! Options, output and progress shared by several commands.
 
+use std::ffi::OsStr;
 use std::fmt::Display;
 use std::io::{ErrorKind as IoKind, IsTerminal, Write};
 use std::ops::RangeInclusive;
@@ -9,7 +10,7 @@ use std::sync::{Mutex, PoisonError};
 
 use bytesize::ByteSize;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
-use indicatif::{ProgressBar, ProgressState, ProgressStyle};
+use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::Value;
 
 use wavecrest_base::choice::Choice;
@@ -20,14 +21,23 @@ use wavecrest_core::math::simd::Level;
 pub(crate) use wavecrest_report::files::{to_json, write_text};
 use wavecrest_scene::load::LoadedScene;
 
+/// Sections of the help, in the order of their first options.
+pub(crate) const IMAGE: &str = "Image";
+pub(crate) const VIEW: &str = "View and lights of a mesh or a glTF file";
+pub(crate) const FRAMES: &str = "Frames";
+pub(crate) const LONG: &str = "Long renders";
+pub(crate) const FILES: &str = "Files";
+pub(crate) const SPEED: &str = "Speed and memory";
+
 /// Options on how the tree is searched, which change no answer.
 #[derive(Clone, Copy, Debug, clap::Args)]
 pub(crate) struct SearchOptions {
     /// Instruction set: auto (the best available), sse2, sse42, avx2, avx512 or neon; does not change the image
-    #[arg(long, value_name = "LEVEL", default_value = "auto", value_parser = simd)]
+    #[arg(long, help_heading = SPEED, value_name = "LEVEL", default_value = "auto", hide_possible_values = true,
+          value_parser = with_names(&["auto", "sse2", "sse42", "avx2", "avx512", "neon"], simd))]
     pub(crate) simd: Level,
     /// Traversal kernel; does not change the image
-    #[arg(long, value_name = "KERNEL", value_parser = choice::<KernelChoice>(), default_value_t)]
+    #[arg(long, help_heading = SPEED, value_name = "KERNEL", value_parser = choice::<KernelChoice>(), default_value_t)]
     pub(crate) kernel: KernelChoice,
 }
 
@@ -72,7 +82,7 @@ fn simd(text: &str) -> std::result::Result<Level, String> {
 #[derive(Clone, Copy, Debug, clap::Args)]
 pub(crate) struct Threads {
     /// Number of threads [default: one per core]
-    #[arg(long, value_name = "N", value_parser = whole(1..=4096_u16))]
+    #[arg(long, help_heading = SPEED, value_name = "N", value_parser = whole(1..=4096_u16))]
     pub(crate) threads: Option<u16>,
 }
 
@@ -99,10 +109,19 @@ pub(crate) fn print(text: &str) -> Result<()> {
     }
 }
 
-/// Writes a line to standard error. If that is closed, the line is lost.
+/// Writes a line to standard error, above the bar of [`tell_around`]. If that is closed, the line is lost.
 pub(crate) fn tell(line: &str) {
-    let _ = writeln!(std::io::stderr(), "{line}");
+    let bar = SHOWN.lock().unwrap_or_else(PoisonError::into_inner).clone();
+    let write = || drop(writeln!(std::io::stderr(), "{line}"));
+    bar.map_or_else(write, |bar| bar.suspend(write));
 }
+
+/// The bar that stands below further lines, if any.
+pub(crate) fn tell_around(bar: Option<ProgressBar>) {
+    *SHOWN.lock().unwrap_or_else(PoisonError::into_inner) = bar;
+}
+
+static SHOWN: Mutex<Option<ProgressBar>> = Mutex::new(None);
 
 /// Prints the warnings of a scene, and its notes unless `quiet`.
 pub(crate) fn tell_all(loaded: &LoadedScene, quiet: bool) {
@@ -130,17 +149,13 @@ fn tell_of(kind: &str, warning: &Warning) {
     }
 }
 
-/// A progress bar on a terminal, otherwise hidden. Besides the keys of indicatif, `template` may
-/// have `millions`: millions per second.
+/// A progress bar on a terminal, otherwise hidden.
 pub(crate) fn progress_bar(quiet: bool, template: &str) -> ProgressBar {
     if quiet || !std::io::stderr().is_terminal() {
         return ProgressBar::hidden();
     }
-    let style = ProgressStyle::with_template(template)
-        .unwrap_or_else(|_| ProgressStyle::default_bar())
-        .with_key("millions", |state: &ProgressState, text: &mut dyn std::fmt::Write| {
-            let _ = write!(text, "{:.2}", state.per_sec() / 1e6);
-        });
+    let style =
+        ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar());
     ProgressBar::new(0).with_style(style)
 }
 
@@ -206,6 +221,35 @@ pub(crate) fn choice<T: Choice>() -> impl TypedValueParser<Value = T> {
     });
     PossibleValuesParser::new(listed)
         .try_map(|name| T::by_name(&name).ok_or("not one of the possible values"))
+}
+
+/// A parser of values of which these have `names`, which shells complete.
+#[derive(Clone)]
+struct WithNames<P>(&'static [&'static str], P);
+
+impl<P: TypedValueParser> TypedValueParser for WithNames<P> {
+    type Value = P::Value;
+
+    fn parse_ref(
+        &self,
+        command: &clap::Command,
+        arg: Option<&clap::Arg>,
+        value: &OsStr,
+    ) -> std::result::Result<P::Value, clap::Error> {
+        self.1.parse_ref(command, arg, value)
+    }
+
+    fn possible_values(&self) -> Option<Box<dyn Iterator<Item = PossibleValue> + '_>> {
+        Some(Box::new(self.0.iter().map(PossibleValue::new)))
+    }
+}
+
+/// As `parser`, with the names of some values for shells to complete.
+pub(crate) fn with_names<P: TypedValueParser>(
+    names: &'static [&'static str],
+    parser: P,
+) -> impl TypedValueParser<Value = P::Value> {
+    WithNames(names, parser)
 }
 
 /// The file to write, named as an option or by its place.

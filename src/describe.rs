@@ -44,8 +44,73 @@ pub(crate) fn completions(args: &CompletionsArgs, mut program: Command) -> Resul
     generate(args.shell, &mut program, name, &mut script);
     let text = String::from_utf8(script)
         .map_err(|cause| Error::new(ErrorKind::Usage, "the script is not UTF-8").because(cause))?;
-    print(&text)
+    let commands: Vec<&str> = program.get_subcommands().map(Command::get_name).collect();
+    print(&without_command(args.shell, &text).replace("COMMANDS", &commands.join(" ")))
 }
+
+/// The script with `render` understood where the first word is none of the `COMMANDS`, which clap does not know of: it is
+/// a file or an option of `render`. Files are offered beside the commands.
+fn without_command(shell: Shell, script: &str) -> String {
+    match shell {
+        Shell::Bash => {
+            let (functions, registered) = script.rsplit_once("\nif ").unwrap_or((script, ""));
+            let registered = registered.replace("-F _wavecrest ", "-F _wavecrest_or_render ");
+            format!("{functions}\n{BASH}\nif {registered}")
+        }
+        Shell::Zsh => {
+            let commands = "_describe -t commands 'wavecrest commands' commands \"$@\"";
+            let or_files =
+                format!("{commands} && local found=0\n    _files || return ${{found:-1}}");
+            let start = "_wavecrest() {\n";
+            script.replacen(start, &format!("{start}{ZSH}"), 1).replace(commands, &or_files)
+        }
+        Shell::Fish => format!("{script}{FISH}"),
+        _ => script.to_owned(),
+    }
+}
+
+/// Options are offered after a dash only, so that files can be.
+const BASH: &str = r#"_wavecrest_or_render() {
+    local word=${COMP_WORDS[1]} first=$((COMP_CWORD == 1)) found
+    if [[ $first == 0 || $word == -* ]] && [[ " COMMANDS " != *" $word "* ]]; then
+        COMP_WORDS=("$1" render "${COMP_WORDS[@]:1}")
+        COMP_CWORD=$((COMP_CWORD + 1))
+    fi
+    _wavecrest "$@"
+    if [[ $2 != -* && $3 != -* ]]; then
+        found=("${COMPREPLY[@]}")
+        COMPREPLY=()
+        for word in "${found[@]}"; do
+            [[ $word == -* ]] || COMPREPLY+=("$word")
+        done
+    fi
+    if [[ $first == 1 && $2 != -* ]]; then
+        local IFS=$'\n'
+        compopt -o filenames 2>/dev/null
+        COMPREPLY+=($(compgen -f -- "$2"))
+    fi
+}
+"#;
+
+const ZSH: &str = r#"    if [[ $CURRENT -gt 2 || $words[2] == -* ]] && [[ " COMMANDS " != *" $words[2] "* ]]; then
+        words=("$words[1]" render "${(@)words[2,-1]}")
+        (( CURRENT++ ))
+    fi
+"#;
+
+/// Replaces two functions of the script.
+const FISH: &str = r#"
+function __fish_wavecrest_needs_command
+    test (count (commandline -opc)) -eq 1
+end
+function __fish_wavecrest_using_subcommand
+    set -l words (commandline -opc)
+    contains -- "$words[2]" COMMANDS
+    or set words[2] render
+    contains -- $words[2] $argv
+end
+complete -c wavecrest -n __fish_wavecrest_needs_command -F
+"#;
 
 /// Print a manual page, or write all pages to a folder.
 #[derive(Clone, Debug, clap::Args)]

@@ -5,7 +5,7 @@ use std::path::Path;
 
 use clap::ValueEnum;
 
-use super::common::{choice, number};
+use super::common::{FILES, IMAGE, choice, number};
 use wavecrest_image::farm::Identity;
 use wavecrest_image::metadata::{Entry, Extras, Provenance};
 use wavecrest_image::write::{Develop, Format, Tone};
@@ -14,10 +14,10 @@ use wavecrest_image::write::{Develop, Format, Tone};
 #[derive(Clone, Copy, Debug, clap::Args)]
 pub(crate) struct MetadataOptions {
     /// Metadata to write
-    #[arg(long, value_enum, default_value_t)]
+    #[arg(long, help_heading = FILES, value_enum, default_value_t)]
     pub(crate) metadata: MetadataKind,
     /// Write no metadata; the same as --metadata none
-    #[arg(long, conflicts_with = "metadata")]
+    #[arg(long, help_heading = FILES, conflicts_with = "metadata")]
     pub(crate) no_metadata: bool,
 }
 
@@ -73,10 +73,10 @@ const STOPS: f32 = 64.0;
 #[derive(Clone, Copy, Debug, clap::Args)]
 pub(crate) struct DevelopOptions {
     /// Exposure of 8-bit images in stops; each doubles the light
-    #[arg(long, value_name = "STOPS", default_value_t = 0.0, value_parser = stops, allow_hyphen_values = true)]
+    #[arg(long, help_heading = IMAGE, value_name = "STOPS", default_value_t = 0.0, value_parser = stops, allow_hyphen_values = true)]
     pub(crate) exposure: f32,
     /// Tone mapping of 8-bit images
-    #[arg(long, value_name = "CURVE", value_parser = choice::<Tone>(), default_value_t)]
+    #[arg(long, help_heading = IMAGE, value_name = "CURVE", value_parser = choice::<Tone>(), default_value_t)]
     pub(crate) tone: Tone,
 }
 

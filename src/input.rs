@@ -1,12 +1,15 @@
 //! Input options of a file: image size, camera, lights.
 
 use std::path::Path;
+use std::str::FromStr;
 
 use glam::DVec3;
 
 use bytesize::ByteSize;
 
-use crate::common::{Threads, choice, number, tell_all, whole};
+use crate::common::{
+    FILES, FRAMES, IMAGE, SPEED, Threads, VIEW, choice, number, tell_all, whole, with_names,
+};
 use crate::limit;
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_core::accel::build::Preset;
@@ -15,62 +18,75 @@ use wavecrest_core::math::srgb::srgb_decode;
 use wavecrest_core::prepared::PreparedScene;
 use wavecrest_scene::load::framing::{Fit, Fov, Framing, Sheet, Side, Up};
 use wavecrest_scene::load::lighting::{Background, Lighting, Rig};
-use wavecrest_scene::load::{FileFormat, LONGEST_SIDE, LoadOptions, LoadedScene, load, survey};
+use wavecrest_scene::load::{
+    FileFormat, LONGEST_SIDE, LoadOptions, LoadedScene, MOST_ANTIALIAS, load, survey,
+};
 use wavecrest_scene::memory::{self, Estimate, ImageBytes};
 use wavecrest_scene::systems::{self, Extracted};
 
 /// Options of every command that reads a scene, a glTF file or a mesh.
 #[derive(Clone, Debug, clap::Args)]
 pub(crate) struct InputOptions {
-    /// Width of the image in pixels [default: in proportion to --height, or that of the scene; 1024 for a mesh]
-    #[arg(long, value_name = "PIXELS", value_parser = side)]
+    /// Size of the image in pixels, such as 1280x720 [default: that of the scene; 1024x768 for a mesh]
+    #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = size,
+          conflicts_with_all = ["width", "height"])]
+    pub(crate) size: Option<[u32; 2]>,
+    /// Rays per pixel, in a square grid: 1, 4, 9, ..., 4096; other numbers are rounded up. 4 is "antialias": 2 in a
+    /// scene; a lens multiplies them by its own [default: those of the scene; 4 for a mesh]
+    #[arg(long, value_name = "N", value_parser = whole(1..=MOST_SAMPLES))]
+    pub(crate) samples: Option<u32>,
+    /// Width of the image in pixels; the height follows in proportion
+    #[arg(long, help_heading = IMAGE, value_name = "PIXELS", value_parser = side)]
     pub(crate) width: Option<u32>,
-    /// Height of the image in pixels [default: in proportion to --width, or that of the scene; 768 for a mesh]
-    #[arg(long, value_name = "PIXELS", value_parser = side)]
+    /// Height of the image in pixels; the width follows in proportion
+    #[arg(long, help_heading = IMAGE, value_name = "PIXELS", value_parser = side)]
     pub(crate) height: Option<u32>,
     /// Camera of a glTF file, by name or number [default: the first]
-    #[arg(long, value_name = "NAME")]
+    #[arg(long, help_heading = VIEW, value_name = "NAME")]
     pub(crate) camera: Option<String>,
     /// Also read files outside the folder of the glTF or OBJ file that names them
-    #[arg(long)]
+    #[arg(long, help_heading = FILES)]
     pub(crate) allow_outside: bool,
     /// View of a mesh or a glTF file, instead of its own camera: front, back, left, right, top, bottom, iso,
     /// inside, or two angles in degrees (from the front to the right, and up)
     #[arg(
-        long,
+        long, help_heading = VIEW,
         value_name = "SIDE|AZIMUTH,ELEVATION",
         allow_hyphen_values = true,
+        hide_possible_values = true,
+        value_parser = with_names(&SIDES, <Side as FromStr>::from_str),
         conflicts_with = "camera"
     )]
     pub(crate) view: Option<Side>,
     /// Up axis of a mesh or a glTF file [default: y; z for STL, and for PLY that stands only along z]
-    #[arg(long, value_name = "AXIS", value_parser = choice::<Up>(), allow_hyphen_values = true,
+    #[arg(long, help_heading = VIEW, value_name = "AXIS", value_parser = choice::<Up>(), allow_hyphen_values = true,
           conflicts_with = "camera")]
     pub(crate) up: Option<Up>,
     /// Angle of view of a mesh or a glTF file, across the shorter side of the image [default: 40; 60 in rooms]
-    #[arg(long, value_name = "DEGREES", conflicts_with = "camera")]
+    #[arg(long, help_heading = VIEW, value_name = "DEGREES", conflicts_with = "camera")]
     pub(crate) fov: Option<Fov>,
     /// Share of the image that a mesh or a glTF file fills, 0 to 1 [default: 0.92]
-    #[arg(long, value_name = "SHARE", conflicts_with = "camera")]
+    #[arg(long, help_heading = VIEW, value_name = "SHARE", conflicts_with = "camera")]
     pub(crate) fit: Option<Fit>,
     /// Turn once around a mesh or a glTF file in this many frames, numbered from 1
-    #[arg(long, value_name = "FRAMES", value_parser = whole(2..=3600_u32), conflicts_with = "camera")]
+    #[arg(long, help_heading = FRAMES, value_name = "FRAMES", value_parser = whole(2..=3600_u32), conflicts_with = "camera")]
     pub(crate) turntable: Option<u32>,
     /// Show a mesh or a glTF file from several sides in one image, with a name under each
-    #[arg(long, value_name = "SIDE,SIDE,...", allow_hyphen_values = true,
+    #[arg(long, help_heading = VIEW, value_name = "SIDE,SIDE,...", allow_hyphen_values = true,
           conflicts_with_all = ["camera", "view", "turntable"])]
     pub(crate) sheet: Option<Sheet>,
     /// Lights of a mesh, or of a glTF file in place of its own [default: studio where it has none]
-    #[arg(long, value_name = "RIG", value_parser = choice::<Rig>())]
+    #[arg(long, help_heading = VIEW, value_name = "RIG", value_parser = choice::<Rig>())]
     pub(crate) lights: Option<Rig>,
     /// Whether the lights put up no ground, which a look would show
     #[arg(skip)]
     pub(crate) without_ground: bool,
     /// Background: a colour in sRGB such as #ffffff, or transparent
-    #[arg(long, value_name = "COLOR", value_parser = background)]
+    #[arg(long, help_heading = IMAGE, value_name = "COLOR", hide_possible_values = true,
+          value_parser = with_names(&["transparent"], background))]
     pub(crate) background: Option<Background>,
     /// Smooth the edges of a mesh without normals up to this angle between faces; 0 for flat faces [default: 30]
-    #[arg(long, value_name = "DEGREES", value_parser = degrees)]
+    #[arg(long, help_heading = VIEW, value_name = "DEGREES", value_parser = degrees)]
     pub(crate) crease: Option<f64>,
 }
 
@@ -82,7 +98,8 @@ impl InputOptions {
 
     /// The options for the loader.
     pub(crate) fn load_options(&self) -> LoadOptions {
-        let Self { width, height, allow_outside, up, fov, fit, turntable, .. } = *self;
+        let Self { allow_outside, up, fov, fit, turntable, .. } = *self;
+        let [width, height] = self.size.map_or([self.width, self.height], |size| size.map(Some));
         let sheet = self.sheet.clone().unwrap_or_default();
         let usual = Lighting::default();
         let lighting = Lighting {
@@ -98,6 +115,7 @@ impl InputOptions {
             strict: false,
             width,
             height,
+            antialias: self.samples.map(antialias),
             camera: self.camera.clone(),
             allow_outside,
             framing: Framing { side: self.view, up, fov, fit, turntable, sheet },
@@ -128,15 +146,35 @@ impl InputOptions {
     }
 }
 
+/// The most rays per pixel, of the largest grid.
+const MOST_SAMPLES: u32 = MOST_ANTIALIAS * MOST_ANTIALIAS;
+
+/// The side of the smallest grid of this number of rays or more.
+fn antialias(samples: u32) -> u32 {
+    let side = samples.isqrt();
+    if side * side < samples { side + 1 } else { side }
+}
+
+/// Named views.
+const SIDES: [&str; 8] = ["front", "back", "left", "right", "top", "bottom", "iso", "inside"];
+
+/// The size of an image in pixels.
+fn size(text: &str) -> std::result::Result<[u32; 2], String> {
+    let sides = text.split_once(['x', 'X']).map(|(width, height)| [width, height].map(side));
+    match sides {
+        Some([Ok(width), Ok(height)]) => Ok([width, height]),
+        Some([Err(wrong), _] | [_, Err(wrong)]) => Err(wrong),
+        None => Err("write width and height in pixels, such as 1280x720".to_owned()),
+    }
+}
+
 /// A side of an image in pixels.
 fn side(text: &str) -> std::result::Result<u32, String> {
-    let pixels = |text: &str| text.parse().ok().filter(|side| (1..=LONGEST_SIDE).contains(side));
-    if let Some((Some(width), Some(height))) =
-        text.split_once(['x', 'X']).map(|(width, height)| (pixels(width), pixels(height)))
-    {
-        return Err(format!("use --width {width} --height {height}"));
+    if text.contains(['x', 'X']) && size(text).is_ok() {
+        return Err(format!("use --size {text}"));
     }
-    pixels(text).ok_or_else(|| format!("use a whole number from 1 to {LONGEST_SIDE}"))
+    let wrong = format!("use a whole number from 1 to {LONGEST_SIDE}");
+    number(text, |side| (1..=LONGEST_SIDE).contains(side), &wrong)
 }
 
 /// A colour such as #ff8000, or none.
@@ -162,23 +200,23 @@ fn degrees(text: &str) -> std::result::Result<f64, String> {
 /// Options on what scene is read and how.
 #[derive(Clone, Debug, clap::Args)]
 pub(crate) struct SceneOptions {
-    /// Treat unknown keys in a scene file as errors
-    #[arg(long)]
-    pub(crate) strict: bool,
     /// What is shown of the file
     #[command(flatten)]
     pub(crate) input: InputOptions,
+    /// Treat unknown keys in a scene file as errors
+    #[arg(long, help_heading = FILES)]
+    pub(crate) strict: bool,
     /// Quality of the BVH [default: chosen from the numbers of triangles and rays]
-    #[arg(long, value_name = "PRESET", value_parser = choice::<Preset>())]
+    #[arg(long, help_heading = SPEED, value_name = "PRESET", value_parser = choice::<Preset>())]
     pub(crate) bvh: Option<Preset>,
     /// Precision of intersections: fast can leak at edges
-    #[arg(long, value_name = "PRECISION", value_parser = choice::<Precision>(), default_value_t)]
+    #[arg(long, help_heading = SPEED, value_name = "PRECISION", value_parser = choice::<Precision>(), default_value_t)]
     pub(crate) precision: Precision,
     /// Copy instanced meshes into world space instead of keeping them once
-    #[arg(long)]
+    #[arg(long, help_heading = SPEED)]
     pub(crate) flatten: bool,
     /// Refuse a scene that needs more memory than this, such as 8GiB; checked before reading and after each stage
-    #[arg(long, value_name = "SIZE", value_parser = limit::bytes)]
+    #[arg(long, help_heading = SPEED, value_name = "SIZE", value_parser = limit::bytes)]
     pub(crate) memory_limit: Option<ByteSize>,
     /// Threads
     #[command(flatten)]
@@ -287,9 +325,21 @@ mod tests {
     use super::*;
 
     #[test]
+    fn rays_per_pixel_are_rounded_up_to_squares() {
+        let squares = [(1, 1), (2, 2), (4, 2), (5, 3), (16, 4), (17, 5), (MOST_SAMPLES, 64)];
+        for (samples, side) in squares {
+            assert_eq!(antialias(samples), side, "{samples}");
+        }
+    }
+
+    #[test]
     fn a_wrong_side_says_what_to_write() {
         assert_eq!(side("300"), Ok(300));
-        assert_eq!(side("300x200").unwrap_err(), "use --width 300 --height 200");
+        assert_eq!(side("300x200").unwrap_err(), "use --size 300x200");
+        assert_eq!((size("300x200"), size("3X2")), (Ok([300, 200]), Ok([3, 2])));
+        for wrong in ["300", "0x5", "5x0", "axb", "x"] {
+            assert!(size(wrong).is_err(), "{wrong}");
+        }
         for wrong in ["0", "-5", "1.5", "65537", "300x0", "wide"] {
             assert_eq!(side(wrong).unwrap_err(), "use a whole number from 1 to 65536", "{wrong}");
         }

@@ -19,6 +19,7 @@ mod interrupt;
 mod limit;
 mod merge;
 mod probe;
+mod progress;
 mod render;
 mod selftest;
 mod trace;
@@ -27,6 +28,7 @@ use std::ffi::OsString;
 use std::path::Path;
 use std::process::ExitCode;
 
+use clap::error::{ContextKind, ContextValue};
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 
 use common::{Threads, tell};
@@ -34,10 +36,11 @@ use wavecrest_base::error::{Error, ErrorKind, Result, did_you_mean};
 
 /// A ray tracer for large triangle meshes.
 ///
-/// `wavecrest SCENE OUTPUT` is short for `wavecrest render SCENE OUTPUT`.
+/// Renders a scene (.json), a glTF file (.gltf, .glb) or a mesh (.ply, .obj, .stl) to an image. `wavecrest render --help`
+/// lists the options.
 #[derive(Debug, Parser)]
 #[command(name = "wavecrest", version, arg_required_else_help = true)]
-#[command(override_usage = "wavecrest [OPTIONS] <SCENE> <OUTPUT>\n       wavecrest <COMMAND>")]
+#[command(override_usage = "wavecrest scene.json image.png [OPTIONS]\n       wavecrest <COMMAND>")]
 struct Cli {
     #[command(subcommand)]
     command: Command,
@@ -68,7 +71,13 @@ fn main() -> ExitCode {
         Ok(arguments) => arguments,
         Err(error) => return failed(&error),
     };
-    let matches = program().get_matches_from(arguments);
+    let matches = match program().try_get_matches_from(&arguments) {
+        Ok(matches) => matches,
+        Err(error) => match other_name(&error, arguments.get(1)) {
+            Some(error) => return failed(&error),
+            None => error.exit(),
+        },
+    };
     let cli = Cli::from_arg_matches(&matches).unwrap_or_else(|error| error.exit());
     match dispatch(&cli.command) {
         Ok(true) => ExitCode::SUCCESS,
@@ -103,6 +112,32 @@ fn program() -> clap::Command {
     Cli::command()
         .mut_subcommands(|command| command.mut_args(negative))
         .after_help(format!("Exit codes:{}", codes.concat()))
+}
+
+/// What other renderers call an option, and what it is here.
+const OTHER_NAMES: [(&str, &[&str]); 9] = [
+    ("--samples N", &["--spp", "--sample", "--samples-per-pixel", "--aa", "--antialias"]),
+    ("--size WIDTHxHEIGHT", &["--resolution", "--res", "--dimensions", "--image-size"]),
+    ("--width PIXELS", &["-w", "-W"]),
+    ("--height PIXELS", &["-H"]),
+    ("--threads N", &["--jobs", "--cores", "--num-threads", "--nthreads", "--cpus", "-j", "-t"]),
+    ("--output FILE", &["--out", "--outfile", "--output-file"]),
+    ("--crop X,Y,WIDTH,HEIGHT", &["--region", "--window", "--crop-window"]),
+    ("--background COLOR", &["--bg", "--background-color"]),
+    ("--log -", &["--verbose", "-v"]),
+];
+
+/// The error that an option of another renderer is not here, with the one that is, if the `command` has it.
+fn other_name(error: &clap::Error, command: Option<&OsString>) -> Option<Error> {
+    let ContextValue::String(given) = error.get(ContextKind::InvalidArg)? else { return None };
+    let is_given = |(_, others): &&(&str, &[&str])| others.contains(&given.as_str());
+    let (usage, _) = OTHER_NAMES.iter().find(is_given)?;
+    let name = usage.split(' ').next()?.trim_start_matches('-');
+    let commands = Cli::command();
+    let mut options = commands.find_subcommand(command?)?.get_arguments();
+    options.find(|option| option.get_long() == Some(name))?;
+    let message = format!("there is no {given}");
+    Some(Error::new(ErrorKind::Usage, message).remedy(format!("use {usage}")))
 }
 
 /// The arguments, with `render` inserted if they name no command.

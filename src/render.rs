@@ -17,10 +17,11 @@ use std::time::Instant;
 pub(crate) use args::RenderArgs;
 use outputs::Outputs;
 use ready::{Ready, timed};
-use show::{Rendering, Reporter, Stage};
+use show::{Rendering, Reporter};
 use summary::Totals;
 
 use super::interrupt;
+use super::progress::Stage;
 use wavecrest_base::error::Result;
 use wavecrest_image::farm::Shard;
 use wavecrest_report::statistics::pass_map;

@@ -6,9 +6,12 @@ use std::ops::RangeInclusive;
 use std::path::PathBuf;
 use std::time::Duration;
 
-use crate::common::{SearchOptions, above_zero, choice, numbers, output, whole};
+use crate::common::{
+    FILES, FRAMES, IMAGE, LONG, SPEED, SearchOptions, above_zero, choice, numbers, output, whole,
+};
 use crate::image_options::{DevelopOptions, MetadataOptions};
 use crate::input::{Made, SceneOptions};
+use crate::progress::Style;
 use array::ShardChoice;
 use wavecrest_base::choice::Choice as _;
 use wavecrest_base::error::{Result, did_you_mean};
@@ -23,7 +26,7 @@ use wavecrest_image::write::Transfer;
 
 /// Render a scene to an image.
 #[derive(Clone, Debug, clap::Args)]
-#[command(override_usage = "wavecrest [render] [OPTIONS] <SCENE> <OUTPUT>")]
+#[command(override_usage = "wavecrest [render] <SCENE> <OUTPUT> [OPTIONS]")]
 pub(crate) struct RenderArgs {
     /// Scene (.json), glTF file (.gltf, .glb) or mesh (.ply, .obj, .stl)
     pub(crate) scene: PathBuf,
@@ -33,91 +36,91 @@ pub(crate) struct RenderArgs {
     /// Image to write, as an option
     #[arg(short, long, value_name = "OUTPUT", conflicts_with = "image")]
     pub(crate) output: Option<PathBuf>,
-    /// Tracer; does not change the image
-    #[arg(long, value_parser = choice::<TracerKind>(), default_value_t)]
-    pub(crate) tracer: TracerKind,
-    /// Render only this part of the image, in pixels from the top left
-    #[arg(long, value_name = "X,Y,WIDTH,HEIGHT", value_parser = crop, allow_hyphen_values = true)]
-    pub(crate) crop: Option<Tile>,
-    /// Seed of the random numbers
-    #[arg(long, value_name = "N", default_value_t = 0, value_parser = whole(0..=u64::MAX))]
-    pub(crate) seed: u64,
-    /// Paths in a batch of the wavefront tracer; does not change the image
-    #[arg(long, value_name = "PATHS", default_value_t = DEFAULT_BATCH as u32,
-          value_parser = whole(1..=1_u32 << 20))]
-    pub(crate) batch: u32,
-    /// Traversal
-    #[command(flatten)]
-    pub(crate) search: SearchOptions,
-    /// Stop with an error if a sample is not finite; by default it counts as black
-    #[arg(long)]
-    pub(crate) trap_invalid: bool,
     /// Transfer function of 8-bit images (.ppm, .png) [default: that of the scene; srgb for glTF files
     /// and meshes]
-    #[arg(long, value_parser = choice::<Transfer>())]
+    #[arg(long, help_heading = IMAGE, value_parser = choice::<Transfer>())]
     pub(crate) transfer: Option<Transfer>,
     /// Render geometry or materials instead of lighting
-    #[arg(long = "as", value_name = "LOOK", value_parser = choice::<Look>(),
+    #[arg(long = "as", help_heading = IMAGE, value_name = "LOOK", value_parser = choice::<Look>(),
           conflicts_with_all = ["checkpoint", "target_error", "time_budget"])]
     pub(crate) look: Option<Look>,
     /// Exposure and tone mapping
     #[command(flatten)]
     pub(crate) develop: DevelopOptions,
+    /// Render only this part of the image, in pixels from the top left
+    #[arg(long, help_heading = IMAGE, value_name = "X,Y,WIDTH,HEIGHT", value_parser = crop, allow_hyphen_values = true)]
+    pub(crate) crop: Option<Tile>,
     /// Also write the image to this file; can be given several times
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, help_heading = IMAGE, value_name = "FILE")]
     pub(crate) also: Vec<PathBuf>,
     /// Layers to add to .exr outputs, comma-separated: depth, normal, albedo, position, object, material, samples,
     /// invalid, all (these), or alpha (colours then count as premultiplied)
-    #[arg(long, value_name = "LAYERS", value_parser = layers)]
+    #[arg(long, help_heading = IMAGE, value_name = "LAYERS", value_parser = layers)]
     pub(crate) aov: Option<LayerList>,
-    /// Metadata
-    #[command(flatten)]
-    pub(crate) metadata: MetadataOptions,
-    /// How to show progress on standard error
-    #[arg(long, value_enum, default_value_t)]
-    pub(crate) progress: Style,
-    /// Append a log to this file; - for standard output
-    #[arg(long, value_name = "FILE")]
-    pub(crate) log: Option<PathBuf>,
-    /// Write the unfinished image at this interval
-    #[arg(long, value_name = "SECONDS", value_parser = above_zero)]
-    pub(crate) save_every: Option<f64>,
-    /// Show the image in the viewer tev while rendering
-    #[arg(long, value_name = "HOST:PORT", num_args = 0..=1, require_equals = true,
-          default_missing_value = TEV)]
-    pub(crate) tev: Option<String>,
     /// Choose sampler and sample count to reach this error (RMSE of linear values)
-    #[arg(long, value_name = "ERROR", value_parser = above_zero, conflicts_with_all = ["crop", "time_budget"])]
+    #[arg(long, help_heading = IMAGE, value_name = "ERROR", value_parser = above_zero, conflicts_with_all = ["crop", "time_budget", "samples"])]
     pub(crate) target_error: Option<f64>,
     /// Choose sampler and sample count to finish within this time
-    #[arg(long, value_name = "SECONDS", value_parser = above_zero, conflicts_with = "crop")]
+    #[arg(long, help_heading = IMAGE, value_name = "SECONDS", value_parser = above_zero, conflicts_with_all = ["crop", "samples"])]
     pub(crate) time_budget: Option<f64>,
-    /// Write statistics as JSON
-    #[arg(long, value_name = "FILE")]
-    pub(crate) stats: Option<PathBuf>,
-    /// Save finished work to this file at intervals, and when SIGINT or SIGTERM stops the render
-    #[arg(long, value_name = "FILE", conflicts_with_all = ["target_error", "time_budget"])]
-    pub(crate) checkpoint: Option<PathBuf>,
-    /// Interval between checkpoints, in seconds [default: 60]
-    #[arg(long, value_name = "SECONDS", requires = "checkpoint", value_parser = above_zero)]
-    pub(crate) every: Option<f64>,
-    /// Resume from the checkpoint, if it exists
-    #[arg(long, requires = "checkpoint")]
-    pub(crate) resume: bool,
-    /// Render shard I of N to a .part file for `wavecrest merge`; auto or auto/N takes I from the scheduler's
-    /// array job
-    #[arg(long, value_name = "I/N", conflicts_with_all = ["target_error", "time_budget", "stats", "also", "aov", "save_every"])]
-    pub(crate) shard: Option<ShardChoice>,
-    /// Render this frame of the camera's path
-    #[arg(long, value_name = "N", value_parser = whole(0..=u32::MAX))]
-    pub(crate) frame: Option<u32>,
-    /// Render frames A to B, one image each; every # in the output's name stands for a digit of the frame number.
-    /// With --shard, each shard renders whole frames
-    #[arg(long, value_name = "A..B", value_parser = frames, conflicts_with_all = ["frame", "stats", "checkpoint", "target_error", "time_budget", "save_every"])]
-    pub(crate) frames: Option<Frames>,
+    /// Seed of the random numbers
+    #[arg(long, help_heading = IMAGE, value_name = "N", default_value_t = 0, value_parser = whole(0..=u64::MAX))]
+    pub(crate) seed: u64,
     /// Scene
     #[command(flatten)]
     pub(crate) scene_options: SceneOptions,
+    /// Render this frame of the camera's path
+    #[arg(long, help_heading = FRAMES, value_name = "N", value_parser = whole(0..=u32::MAX))]
+    pub(crate) frame: Option<u32>,
+    /// Render frames A to B, one image each; every # in the output's name stands for a digit of the frame number.
+    /// With --shard, each shard renders whole frames
+    #[arg(long, help_heading = FRAMES, value_name = "A..B", value_parser = frames, conflicts_with_all = ["frame", "stats", "checkpoint", "target_error", "time_budget", "save_every"])]
+    pub(crate) frames: Option<Frames>,
+    /// How to show progress on standard error
+    #[arg(long, help_heading = LONG, value_enum, default_value_t)]
+    pub(crate) progress: Style,
+    /// Append a log to this file; - for standard output
+    #[arg(long, help_heading = LONG, value_name = "FILE")]
+    pub(crate) log: Option<PathBuf>,
+    /// Write the unfinished image at this interval
+    #[arg(long, help_heading = LONG, value_name = "SECONDS", value_parser = above_zero)]
+    pub(crate) save_every: Option<f64>,
+    /// Show the image in the viewer tev while rendering
+    #[arg(long, help_heading = LONG, value_name = "HOST:PORT", num_args = 0..=1, require_equals = true,
+          default_missing_value = TEV)]
+    pub(crate) tev: Option<String>,
+    /// Save finished work to this file at intervals, and when SIGINT or SIGTERM stops the render
+    #[arg(long, help_heading = LONG, value_name = "FILE", conflicts_with_all = ["target_error", "time_budget"])]
+    pub(crate) checkpoint: Option<PathBuf>,
+    /// Interval between checkpoints, in seconds [default: 60]
+    #[arg(long, help_heading = LONG, value_name = "SECONDS", requires = "checkpoint", value_parser = above_zero)]
+    pub(crate) every: Option<f64>,
+    /// Resume from the checkpoint, if it exists
+    #[arg(long, help_heading = LONG, requires = "checkpoint")]
+    pub(crate) resume: bool,
+    /// Render shard I of N to a .part file for `wavecrest merge`; auto or auto/N takes I from the scheduler's
+    /// array job
+    #[arg(long, help_heading = LONG, value_name = "I/N", conflicts_with_all = ["target_error", "time_budget", "stats", "also", "aov", "save_every"])]
+    pub(crate) shard: Option<ShardChoice>,
+    /// Metadata
+    #[command(flatten)]
+    pub(crate) metadata: MetadataOptions,
+    /// Write statistics as JSON
+    #[arg(long, help_heading = FILES, value_name = "FILE")]
+    pub(crate) stats: Option<PathBuf>,
+    /// Stop with an error if a sample is not finite; by default it counts as black
+    #[arg(long, help_heading = FILES)]
+    pub(crate) trap_invalid: bool,
+    /// Tracer; does not change the image
+    #[arg(long, help_heading = SPEED, value_parser = choice::<TracerKind>(), default_value_t)]
+    pub(crate) tracer: TracerKind,
+    /// Traversal
+    #[command(flatten)]
+    pub(crate) search: SearchOptions,
+    /// Paths in a batch of the wavefront tracer; does not change the image
+    #[arg(long, help_heading = SPEED, value_name = "PATHS", default_value_t = DEFAULT_BATCH as u32,
+          value_parser = whole(1..=1_u32 << 20))]
+    pub(crate) batch: u32,
 }
 
 impl RenderArgs {
@@ -180,20 +183,6 @@ const USUAL_PAUSE: f64 = 60.0;
 
 /// Where tev listens by default.
 const TEV: &str = "127.0.0.1:14158";
-
-/// How progress is shown.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
-pub(crate) enum Style {
-    /// A bar if standard error is a terminal, unless --quiet is given
-    #[default]
-    Auto,
-    /// A bar if standard error is a terminal
-    Bar,
-    /// Lines of JSON, at most ten a second
-    Json,
-    /// Nothing
-    None,
-}
 
 /// `x,y,width,height` in pixels.
 fn crop(text: &str) -> std::result::Result<Tile, String> {

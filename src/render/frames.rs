@@ -6,10 +6,11 @@ use std::time::Instant;
 use super::args::{Frames, RenderArgs};
 use super::outputs::Outputs;
 use super::ready::Ready;
-use super::show::{Rendering, Reporter, Stage};
+use super::show::{Rendering, Reporter};
 use super::summary::Totals;
 use super::{parts, watched};
 use crate::interrupt;
+use crate::progress::Stage;
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_core::prepared::PreparedScene;
 use wavecrest_core::render::Rendered;
@@ -112,6 +113,7 @@ impl<'a> Sequence<'a> {
         if interrupt::signal().is_some() {
             return Err(self.interrupted(outputs, 0.0));
         }
+        self.reporter.progress.frame(self.finished as u64 + 1, self.frames as u64);
         let rendering = Rendering { args: self.args, outputs, reporter: self.reporter };
         let (rendered, _) = parts::trace(&rendering, &self.ready.scene, None)?;
         if !rendered.finished {

@@ -5,9 +5,10 @@ use std::time::Instant;
 
 use super::args::RenderArgs;
 use super::look;
-use super::show::{Rendering, Show, Stage};
+use super::show::{Rendering, Show};
 use crate::common::tell;
 use crate::interrupt;
+use crate::progress::Stage;
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_base::replace::{check_differs, check_replaceable};
 use wavecrest_core::counters::Counters;

@@ -5,8 +5,9 @@ use std::time::Instant;
 
 use super::args::RenderArgs;
 use super::look;
-use super::show::{Reporter, Stage};
+use super::show::Reporter;
 use crate::common::warn;
+use crate::progress::Stage;
 use wavecrest_base::error::Result;
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::prepared::PreparedScene;

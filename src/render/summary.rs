@@ -5,10 +5,11 @@ use std::time::Instant;
 
 use serde_json::json;
 
-use super::args::{RenderArgs, Style};
+use super::args::RenderArgs;
 use super::goal::Traced;
 use super::ready::Ready;
 use crate::common::{grouped, tell, to_json, write_text};
+use crate::progress::Style;
 use wavecrest_base::error::Result;
 use wavecrest_core::counters::Counters;
 use wavecrest_core::probe::Invalid;

@@ -1,7 +1,8 @@
 //! The foundation of all crates of wavecrest: errors that name file, place, value and remedy;
-//! atomic replacement of files; options with named values; memory and its purpose.
+//! atomic replacement of files; options with named values; memory and its purpose; progress.
 
 pub mod choice;
 pub mod error;
 pub mod memory;
+pub mod progress;
 pub mod replace;

@@ -19,6 +19,7 @@ use image::error::{EncodingError, ImageFormatHint};
 use image::{ImageError, ImageFormat};
 
 use super::metadata::{Entry, Extras, Values, full_name};
+use wavecrest_base::progress;
 use wavecrest_core::film::Film;
 
 /// The entry with a standard name in the format.
@@ -90,6 +91,9 @@ impl SamplesWriter for ChannelValues<'_> {
         };
         let start = at.y() * width + at.x();
         let range = start..start + line.location.sample_count;
+        if matches!(self, Self::Color(_, 0)) {
+            progress::add(range.len() as u64);
+        }
         let written = match *self {
             Self::Color(film, i) => line.write_samples(|n| film.pixels()[start + n][i]),
             Self::Channel(Values::Floats(all), _) => line.write_samples_from_slice(&all[range]),

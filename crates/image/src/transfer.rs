@@ -1,5 +1,6 @@
 //! Conversion of linear values to the levels of 8-bit formats.
 
+use wavecrest_base::progress;
 use wavecrest_core::film::Film;
 use wavecrest_core::math::srgb::srgb_encode;
 
@@ -85,6 +86,7 @@ pub(super) fn levels(film: &Film, transfer: Transfer) -> Vec<u8> {
 
 /// A row of pixels as 8-bit values.
 pub(super) fn row_to_bytes(row: &[[f32; 3]], transfer: Transfer) -> Vec<u8> {
+    progress::add(row.len() as u64);
     let values = row.as_flattened().iter();
     match transfer {
         Transfer::Linear => values.map(|&value| linear_level(value)).collect(),

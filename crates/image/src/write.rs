@@ -15,6 +15,7 @@ use super::metadata::{ALPHA, Entry, Extras, Values, full_name};
 use super::transfer::{levels, linear_level, row_to_bytes};
 use super::{netpbm, openexr};
 use wavecrest_base::error::{Error, ErrorKind, Result, did_you_mean};
+use wavecrest_base::progress;
 use wavecrest_base::replace::{Sink, check_replaceable, replace_file, write_error};
 use wavecrest_core::film::Film;
 
@@ -87,6 +88,7 @@ pub fn write(film: &Film, path: &Path, transfer: Transfer) -> Result<()> {
 /// As [`write()`], and if a channel does not have one value for each pixel of the film.
 pub fn write_with(film: &Film, path: &Path, transfer: Transfer, extras: &Extras<'_>) -> Result<()> {
     let format = Format::from_path(path)?;
+    progress::expect(film.pixels().len() as u64);
     replace_file(path, |sink| {
         encode(sink, film, format, transfer, extras).map_err(|error| encode_error(path, error))
     })

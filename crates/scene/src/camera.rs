@@ -30,7 +30,7 @@ const MOST_PIXELS: u64 = 1 << 28;
 /// Largest number of rays through each pixel, 2^24.
 const MOST_RAYS: u64 = 1 << 24;
 /// Largest side of the grid of rays in each pixel.
-const MOST_ANTIALIAS: u32 = 64;
+pub const MOST_ANTIALIAS: u32 = 64;
 /// Largest number of angles or radii of points on the lens.
 const MOST_LENS_SAMPLES: u32 = 4_096;
 /// Default number of points on the lens along each side of the grid.
@@ -100,7 +100,7 @@ component! {
         /// Up in the image. If it is parallel to the view, the axis least aligned with the view
         /// replaces it, with a warning.
         pub up: DVec3 = "up": Direction("[0, 1, 0]"), Are([0.0, 1.0, 0.0]);
-        /// Side of the grid of rays in each pixel; 1 is one ray through its centre.
+        /// Side of the grid of rays in each pixel; 1 is one ray through its centre. `--samples` sets its square.
         pub antialias: u32 = "antialias": Integer(1, MOST_ANTIALIAS), Is(1.0);
         /// Distribution of a pinhole's rays over the pixel.
         pub sampling: Sampling = "sampling": word::<Sampling>(), Says("jittered");
@@ -250,7 +250,7 @@ impl<const LENS: bool> Moving<LENS> {
     }
 }
 
-/// Reads the camera as components of an `entity`. The size in the `options` overrides the file's.
+/// Reads the camera as components of an `entity`. Size and antialias in the `options` override the file's.
 pub(crate) fn camera(
     cursor: &Cursor<'_>,
     options: &LoadOptions,
@@ -265,6 +265,7 @@ pub(crate) fn camera(
     let Some(view) = entity.get_mut::<&mut View>() else { return Ok(()) };
     // The file's must be valid even if others are requested.
     (view.width, view.height) = in_proportion(options, [view.width, view.height].map(f64::from));
+    view.antialias = options.antialias_or(view.antialias);
     check_size(view.width, view.height)
         .and_then(|()| check_rays(view, lens.as_ref()))
         .map_err(|error| error.in_file(cursor.notes().file()).at(cursor.path()))

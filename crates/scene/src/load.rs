@@ -19,8 +19,8 @@ use wavecrest_base::error::{Error, ErrorKind, Result, Warning};
 use wavecrest_base::memory::Stage;
 use wavecrest_base::replace::check_differs;
 
-pub use super::camera::LONGEST_SIDE;
-use super::components::{Encoding, JsonPath, Name, Settings};
+pub use super::camera::{LONGEST_SIDE, MOST_ANTIALIAS};
+use super::components::{Encoding, JsonPath, Name, Settings, View};
 use super::folder::Folder;
 use super::format::{Cursor, Notes, Place, json};
 use super::gltf;
@@ -62,7 +62,10 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<LoadedScene> {
     match FileFormat::of(path)? {
         FileFormat::Scene => load_str(&read_text(path)?, path, options),
         FileFormat::Gltf => load_gltf(gltf::read(path)?, path, options),
-        FileFormat::Mesh => load_standalone(path, options, || mesh::load(path)),
+        FileFormat::Mesh => {
+            mesh::announce(path);
+            load_standalone(path, options, || mesh::load(path))
+        }
     }
 }
 
@@ -73,7 +76,8 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<LoadedScene> {
 #[doc(hidden)]
 pub fn load_gltf(bytes: Vec<u8>, path: &Path, options: &LoadOptions) -> Result<LoadedScene> {
     let notes = options.notes(path);
-    let (world, told) = gltf::world(bytes, options, &notes)?;
+    let (mut world, told) = gltf::world(bytes, options, &notes)?;
+    resample(&mut world, options);
     loaded(world, notes, Some(told), mesh::load)
 }
 
@@ -83,7 +87,8 @@ fn load_standalone(
     read: impl FnOnce() -> Result<LoadedMesh>,
 ) -> Result<LoadedScene> {
     let notes = options.notes(path);
-    let (world, told) = standalone::world(path, options, &notes, read)?;
+    let (mut world, told) = standalone::world(path, options, &notes, read)?;
+    resample(&mut world, options);
     loaded(world, notes, Some(told), mesh::load)
 }
 
@@ -197,6 +202,12 @@ impl LoadedScene {
     }
 }
 
+/// Sets the requested rays per pixel of an added camera, or that of a glTF file.
+fn resample(world: &mut World, options: &LoadOptions) {
+    let views = world.query_mut::<&mut View>().into_iter();
+    views.for_each(|view| view.antialias = options.antialias_or(view.antialias));
+}
+
 fn refuse_camera(file: &Path, options: &LoadOptions) -> Result<()> {
     if options.framing != framing::Framing::default() {
         let error = Error::new(ErrorKind::Usage, "a scene file has its own camera");
@@ -214,10 +225,16 @@ fn refuse_camera(file: &Path, options: &LoadOptions) -> Result<()> {
 /// As [`load`], as far as the scene file itself and the headers of meshes go.
 pub fn survey(path: &Path, options: &LoadOptions) -> Result<Survey> {
     Stage::Read.begin();
+    let without_lens = |found: Survey| {
+        let rays = options.antialias_or(found.rays_per_pixel.isqrt() as u32);
+        Survey { rays_per_pixel: u64::from(rays).pow(2), ..found }
+    };
     match FileFormat::of(path)? {
         FileFormat::Scene => {}
-        FileFormat::Gltf => return gltf::survey(path, options),
-        FileFormat::Mesh => return survey_standalone(mesh::survey(path)?, options),
+        FileFormat::Gltf => return gltf::survey(path, options).map(without_lens),
+        FileFormat::Mesh => {
+            return survey_standalone(mesh::survey(path)?, options).map(without_lens);
+        }
     }
     let notes = options.notes(path);
     let text = read_text(path)?;

@@ -30,6 +30,7 @@ use std::fs::File;
 use std::path::Path;
 
 use wavecrest_base::error::{Error, ErrorKind, Result, Warning};
+use wavecrest_base::progress;
 
 pub use data::{Attribute, LoadedMesh, MAX_COUNT, MeshData, NO_VALUE, NamedMaterials};
 pub use join::first_of_each;
@@ -53,6 +54,11 @@ pub fn load(path: &Path) -> Result<LoadedMesh> {
     let format = MeshFormat::of(path)?;
     let (file, length) = open(path)?;
     read(format, &file, length, None, path)
+}
+
+/// Announces to the progress that the file at `path` will be read.
+pub(crate) fn announce(path: &Path) {
+    progress::expect(path.metadata().map_or(0, |data| data.len()));
 }
 
 /// The mesh, checked like one from a file; errors use `name` for the file.

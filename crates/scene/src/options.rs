@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use super::camera::MOST_ANTIALIAS;
 use super::format::Notes;
 use framing::Framing;
 use lighting::Lighting;
@@ -18,6 +19,8 @@ pub struct LoadOptions {
     pub width: Option<u32>,
     /// The height of the image in pixels, overriding the file's.
     pub height: Option<u32>,
+    /// The side of the grid of rays in each pixel, overriding the file's.
+    pub antialias: Option<u32>,
     /// The camera to use in files with several, by its name or number.
     pub camera: Option<String>,
     /// Whether glTF and OBJ files may refer to files outside their folder.
@@ -29,6 +32,11 @@ pub struct LoadOptions {
 }
 
 impl LoadOptions {
+    /// The side of the grid of rays in each pixel: the requested one, within the limits, or the file's `own`.
+    pub(crate) fn antialias_or(&self, own: u32) -> u32 {
+        self.antialias.map_or(own, |side| side.clamp(1, MOST_ANTIALIAS))
+    }
+
     /// Empty notes on `file`.
     pub(crate) fn notes<'a>(&self, file: &'a Path) -> Notes<'a> {
         Notes::new(file, self.strict).reading_outside(self.allow_outside)

@@ -50,30 +50,79 @@ fn every_shell_has_a_script_with_the_commands_and_their_options() {
     }
 }
 
+/// What is offered after a line, in the folder with the scripts. Each takes the line as its argument.
+const ASK: [(&str, &str); 3] = [
+    (
+        "bash",
+        r#"source ./bash.script; read -ra COMP_WORDS <<<"$0"; [[ $0 == *' ' ]] && COMP_WORDS+=('')
+           COMP_CWORD=$((${#COMP_WORDS[@]} - 1)); ask=$(complete -p wavecrest); ask=${ask##*-F }
+           ${ask%% *} wavecrest "${COMP_WORDS[COMP_CWORD]}" "${COMP_WORDS[COMP_CWORD - 1]}"
+           [[ ${#COMPREPLY[@]} == 0 ]] && COMPREPLY=($(compgen -f -- "${COMP_WORDS[COMP_CWORD]}"))
+           printf 'offer:%s\n' "${COMPREPLY[@]}""#,
+    ),
+    (
+        "zsh",
+        // In a terminal: completion needs the line editor. What is offered is printed before it is taken.
+        r#"zmodload zsh/zpty; zpty shell env PS1=ready: zsh -f -i; zpty -r -m shell text '*ready:*'
+           zpty -w shell 'autoload -U compinit; compinit -u -D; source ./zsh.script; compadd() { local -a hits
+               builtin compadd -O hits "$@"; [[ " $* " == *" -[OAD] "* ]] || print -rl -- "offer:"$^hits
+               builtin compadd "$@" }; offered() { _main_complete; print end:offers }
+               zle -C offered complete-word offered; bindkey "^I" offered; print be""gin'
+           zpty -r -m shell text '*begin*'; zpty -w -n shell "$0"$'\t'
+           zpty -r -m shell text '*end:offers*'; print -r -- "$text""#,
+    ),
+    (
+        "fish",
+        "source fish.script; complete -C $argv[1] | string split --fields 1 \\t | string replace -r '^' offer:",
+    ),
+];
+
+/// Lines, and what is offered at their ends.
+const OFFERED: [(&str, &[&str]); 9] = [
+    ("wavecrest render --tr", &["--tracer", "--transfer", "--trap-invalid"]),
+    // Without a command, a file is rendered.
+    ("wavecrest ball.json --tr", &["--tracer", "--transfer", "--trap-invalid"]),
+    ("wavecrest --tr", &["--tracer", "--transfer", "--trap-invalid"]),
+    ("wavecrest ball.json --tracer ", &["recursive", "wavefront"]),
+    ("wavecrest ball.json out.png --simd avx", &["avx2", "avx512"]),
+    ("wavecrest -q ball.json --view to", &["top"]),
+    ("wavecrest check --stri", &["--strict"]),
+    ("wavecrest ch", &["chart.json", "check"]),
+    ("wavecrest ball.json out", &["out.png"]),
+];
+
 #[test]
 #[cfg(unix)]
-fn bash_takes_its_script() {
+fn shells_complete_files_options_and_values() {
     let folder = folder();
-    put(folder.path(), "c.bash", printed(folder.path(), &["completions", "bash"]));
-    let has_bash = Command::new("bash").arg("--version").stdout(Stdio::null()).status().is_ok();
-    if !has_bash {
-        return;
+    for file in ["ball.json", "chart.json", "out.png"] {
+        put(folder.path(), file, "");
     }
-    let bash = |arguments: &[&str]| {
-        let output = Command::new("bash").args(arguments).current_dir(folder.path()).output();
-        let output = output.expect("bash runs");
-        assert_eq!((output.status.code(), text(&output.stderr)), (Some(0), ""));
-        text(&output.stdout).to_owned()
-    };
-    bash(&["-n", "c.bash"]);
-    // What is offered after `wavecrest render --tr`.
-    let ask = "source ./c.bash; COMP_WORDS=(wavecrest render --tr); COMP_CWORD=2; \
-               _wavecrest wavecrest --tr render; echo ${COMPREPLY[@]}";
-    let offered = bash(&["-c", ask]);
-    assert_eq!(
-        offered.split_whitespace().collect::<Vec<_>>(),
-        ["--tracer", "--trap-invalid", "--transfer"]
-    );
+    for (shell, ask) in ASK {
+        put(
+            folder.path(),
+            &format!("{shell}.script"),
+            printed(folder.path(), &["completions", shell]),
+        );
+        if Command::new(shell).arg("--version").stdout(Stdio::null()).status().is_err() {
+            eprintln!("there is no {shell}: its completions are not tried");
+            continue;
+        }
+        for (line, expected) in OFFERED {
+            let output = Command::new(shell)
+                .args(["-c", ask, line])
+                .current_dir(folder.path())
+                .output()
+                .expect("the shell runs");
+            let said = String::from_utf8_lossy(&output.stdout);
+            let offers = said.lines().filter_map(|line| line.split_once("offer:"));
+            let mut offered: Vec<&str> = offers.map(|(_, word)| word.trim()).collect();
+            offered.sort_unstable();
+            offered.dedup();
+            let told = String::from_utf8_lossy(&output.stderr);
+            assert_eq!(offered, expected, "{shell}: {line}: {said}{told}");
+        }
+    }
 }
 
 #[test]

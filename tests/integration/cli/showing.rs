@@ -10,7 +10,7 @@ use serde_json::{Value, json};
 use wavecrest_core::film::Film;
 
 use super::{ball, run_silently, with_ball, with_scene};
-use crate::support::{bytes, edited, film, image, run, text};
+use crate::support::{bytes, edited, film, folder, image, put, run, text};
 
 /// The ball in so many pixels.
 fn of_size(width: u32, height: u32) -> Value {
@@ -39,7 +39,77 @@ fn progress_is_printed_as_lines_of_json() {
     assert_eq!(last["left"], 0.0);
     for line in &lines {
         let keys: Vec<_> = line.as_object().expect("an object").keys().collect();
-        assert_eq!(keys, ["stage", "done", "all", "seconds", "left"]);
+        assert_eq!(keys, ["stage", "frame", "frames", "done", "all", "seconds", "left"]);
+        assert_eq!([&line["frame"], &line["frames"]], [&Value::Null; 2]);
+    }
+}
+
+/// The lines of progress of a command that succeeds.
+fn progress(folder: &Path, line: &str) -> Vec<Value> {
+    let arguments: Vec<&str> = line.split(' ').collect();
+    let output = run(folder, &[&arguments[..], &["--progress", "json"]].concat());
+    assert_eq!(output.status.code(), Some(0), "{line}: {}", text(&output.stderr));
+    let lines = text(&output.stderr).lines();
+    // Notes are no JSON.
+    lines.filter_map(|line| serde_json::from_str(line).ok()).collect()
+}
+
+#[test]
+fn progress_names_the_frame_of_animations_and_sheets() {
+    let folder = folder();
+    put(folder.path(), "t.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    for views in ["a.gif --turntable 3", "a#.png --turntable 3", "a.png --sheet front,top,left"] {
+        let lines = progress(folder.path(), &format!("t.obj {views} --size 64x48"));
+        let traced = lines.iter().filter(|line| line["stage"] == "trace");
+        let mut frames: Vec<_> = traced.map(|line| (&line["frame"], &line["frames"])).collect();
+        frames.dedup();
+        let expected = [json!(1), json!(2), json!(3)];
+        assert_eq!(frames, expected.each_ref().map(|frame| (frame, &expected[2])), "{views}");
+    }
+}
+
+#[test]
+fn reading_and_building_are_counted() {
+    let folder = folder();
+    run_silently(folder.path(), &["generate", "knot", "mesh.ply", "-n", "300k", "-q"]);
+    let bytes = bytes(folder.path(), "mesh.ply").len();
+    let lines = progress(folder.path(), "mesh.ply a.png --size 8x6 --bvh very-slow --log log.txt");
+    for (stage, all) in [("load", bytes), ("build", 300_000)] {
+        let of_stage: Vec<_> = lines.iter().filter(|line| line["stage"] == stage).collect();
+        let last = of_stage[of_stage.len() - 1];
+        assert!(of_stage.len() > 1, "{stage} takes longer than a tenth of a second: {lines:?}");
+        let found = last["all"].as_u64().expect("a number") as usize;
+        assert!((all..all + all / 50).contains(&found), "{stage}: {found}, not {all}");
+        let done = of_stage.iter().map(|line| line["done"].as_u64());
+        assert!(done.is_sorted() && last["done"].as_u64() > Some(0), "{of_stage:?}");
+    }
+}
+
+/// What a command prints on a terminal; none where no program gives it one.
+fn on_a_terminal(folder: &Path, arguments: &str) -> Option<String> {
+    let mut script = Command::new("script");
+    let command = format!("{} {arguments}", env!("CARGO_BIN_EXE_wavecrest"));
+    script.args(["-qec", &command, "/dev/null"]).current_dir(folder).stdin(Stdio::null());
+    let output = script.output().ok()?;
+    Some(String::from_utf8_lossy(&output.stdout).into_owned())
+}
+
+#[test]
+#[cfg(target_os = "linux")]
+fn a_terminal_shows_each_stage_and_frame_from_the_start() {
+    let folder = with_ball();
+    put(folder.path(), "t.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    for (arguments, expected) in [
+        ("ball.json a.png", &["reading the scene", "building the BVH", "writing files"][..]),
+        ("t.obj a.gif --size 8x6 --turntable 2", &["reading", "frame 1 of 2", "frame 2 of 2"]),
+        ("ball.json a.png -q", &[]),
+    ] {
+        let Some(shown) = on_a_terminal(folder.path(), arguments) else {
+            eprintln!("there is no program script: bars are not tried");
+            return;
+        };
+        assert!(expected.iter().all(|words| shown.contains(words)), "{arguments}: {shown}");
+        assert!(!expected.is_empty() || shown.is_empty(), "{arguments}: {shown}");
     }
 }
 

@@ -92,9 +92,7 @@ fn a_converted_mesh_has_the_same_image() {
         std::fs::write(&path, text).expect("a file");
         let alone = load(&path, &small());
         assert!(
-            alone.as_ref().is_ok_and(|scene| scene.notes[0]
-                .to_string()
-                .contains("default camera and material"))
+            alone.as_ref().is_ok_and(|scene| scene.notes[0].to_string().contains("studio lights"))
         );
         let (film, _) = converted(&path);
         let alone = rendered(alone);

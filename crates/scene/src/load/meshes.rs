@@ -12,7 +12,7 @@ use crate::components::{
     Shading, Sides, TextureRef, TextureSource, VertexColors,
 };
 use crate::format::{Declaration, Notes};
-use crate::mesh::{LoadedMesh, MeshData, NamedMaterials};
+use crate::mesh::{LoadedMesh, MeshData, NamedMaterials, announce};
 use crate::query::{images_of, json_path, ordered, place_of, shapes};
 use crate::shapes::INSTANCE;
 use crate::surface::SURFACE;
@@ -31,6 +31,7 @@ pub(super) fn complete(
             sound = notes.part(|| complete_light(world, light, notes, &read_mesh)).and(sound);
         }
         leave_out_unseen(world, notes);
+        world.query::<&MeshFile>().iter().for_each(|mesh| announce(&mesh.file));
         let mut order = (0..).map(Order);
         let mut parts_of: HashMap<Entity, Vec<Entity>> = HashMap::new();
         for shape in ids(shapes(world)) {

@@ -51,7 +51,7 @@ pub(super) fn world(
     let framed = staging::framed(&contents, usual_up(path), options)?;
     let mut world = World::new();
     let (settings, told) = staging::light(&mut world, &contents, &framed, path, &options.lighting);
-    let told = format!("{}default camera and material; no lights: {told}", framed.told);
+    let told = framed.told.clone() + told;
     world.spawn((settings,));
     framed.spawn(&mut world);
     let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();

@@ -11,6 +11,7 @@ use rayon::prelude::*;
 
 use super::faults::read_failure;
 use wavecrest_base::error::Result;
+use wavecrest_base::progress;
 
 /// A source that can be read at any offset.
 pub(super) trait ReadAt: Sync {
@@ -41,12 +42,12 @@ pub(super) trait ReadAt: Sync {
 impl ReadAt for File {
     #[cfg(unix)]
     fn read_at(&self, to: &mut [u8], place: u64) -> io::Result<usize> {
-        std::os::unix::fs::FileExt::read_at(self, to, place)
+        std::os::unix::fs::FileExt::read_at(self, to, place).inspect(count)
     }
 
     #[cfg(windows)]
     fn read_at(&self, to: &mut [u8], place: u64) -> io::Result<usize> {
-        std::os::windows::fs::FileExt::seek_read(self, to, place)
+        std::os::windows::fs::FileExt::seek_read(self, to, place).inspect(count)
     }
 
     /// Elsewhere a file has a single position: threads take turns.
@@ -56,8 +57,13 @@ impl ReadAt for File {
         let _turn = TURN.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
         let mut file = self;
         io::Seek::seek(&mut file, io::SeekFrom::Start(place))?;
-        file.read(to)
+        file.read(to).inspect(count)
     }
+}
+
+/// Counts bytes that are read, for the progress.
+fn count(bytes: &usize) {
+    progress::add(*bytes as u64);
 }
 
 impl ReadAt for &[u8] {

@@ -17,6 +17,7 @@ use crate::accel::tree::{Demand, Root, Tree};
 use crate::accel::wide::Part;
 use crate::kernels::slab::Aabb;
 use crate::math::simd::LANES;
+use wavecrest_base::progress;
 
 /// Builds the tree; there is none over nothing, nor over a scene that needs more room than `cut`
 /// gives.
@@ -30,8 +31,11 @@ pub(super) fn build(plan: &BuildPlan, chunks: Chunks, cut: Cut) -> Option<Tree> 
     let few_shared = if plan.weld { 2 } else { 1 };
     let room = (entries.len() * cut.room * few_shared + listed).div_ceil(size_of::<Unit>());
     let units = Units::zeroed(ahead + room, ahead);
+    progress::expect(entries.len() as u64);
     let build = |piece: &mut Piece, (own, _): (Range<usize>, Aabb)| {
+        let count = own.len() as u64;
         let mut own = piece.parts(plan, &entries, own, parts);
+        progress::add(count);
         let place = units.append(&piece.output.units)?;
         own.iter_mut().for_each(|part| part.unit += place);
         Some(own)
