@@ -23,7 +23,6 @@ pub use resample::{Original, Samples};
 pub use transmission::{Branch, Trail};
 
 use crate::accel::Accel;
-use crate::counters::Counters;
 use crate::kernels::blinn_phong::Material;
 use crate::kernels::camera::Camera;
 use crate::kernels::camera::path::Path;
@@ -92,15 +91,6 @@ pub struct LookUps {
     /// Footprints of rays: one for each look-up in a trilinear texture, and one for each ray that
     /// goes on from a surface if there are such textures.
     pub footprints: u64,
-}
-
-impl LookUps {
-    /// Adds them to the counters.
-    pub fn add_to(self, counters: &mut Counters) {
-        counters.colors += self.colors;
-        counters.texels += self.texels;
-        counters.footprints += self.footprints;
-    }
 }
 
 /// The appearance of the primitives: shapes, materials and textures.

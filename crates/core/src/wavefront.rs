@@ -24,7 +24,7 @@ use crate::accel::Traversal;
 use crate::counters::Counters;
 use crate::kernels::precision::Arithmetic;
 use crate::plan::schedule::Schedule;
-use crate::prepared::PreparedScene;
+use crate::prepared::{LookUps, PreparedScene};
 use crate::tile::{TIMED, TraceSettings, Tracer, Unit};
 use batch::Batch;
 
@@ -153,4 +153,11 @@ impl<P: Arithmetic> Wavefront<P> {
         let Self { batch, counters, clock, .. } = self;
         clock.time(4, || s5_resolve::run(batch, sums, counters));
     }
+}
+
+/// Adds look-ups to the counters.
+fn count(look_ups: LookUps, counters: &mut Counters) {
+    counters.colors += look_ups.colors;
+    counters.texels += look_ups.texels;
+    counters.footprints += look_ups.footprints;
 }

@@ -1,5 +1,6 @@
 //! The surface of a shape: its material and its textures.
 
+mod maps;
 mod material;
 mod source;
 mod textures;
@@ -10,16 +11,13 @@ use hecs::{Entity, View};
 use crate::components::{AreaLight, JsonPath, Name};
 use crate::format::Declaration;
 
+pub(crate) use maps::{EMISSION_MAP, METAL_MAP, NORMAL_MAP, OCCLUSION_MAP, OPACITY_MAP};
+pub use maps::{Maps, MetalMap, StrengthMap};
 pub use material::Material;
 pub(crate) use material::{MATERIAL, OBJECT as MATERIAL_OBJECT};
 pub use source::TextureSource;
-pub use textures::{
-    Channels, CutOut, Encoding, Filter, LookUp, Maps, MetalMap, Placing, StrengthMap, TextureRef,
-    Wrap,
-};
-pub(crate) use textures::{
-    EMISSION_MAP, METAL_MAP, NORMAL_MAP, OCCLUSION_MAP, OPACITY_MAP, THRESHOLD, existing_file,
-};
+pub use textures::{Channels, CutOut, Encoding, Filter, LookUp, Placing, TextureRef, Wrap};
+pub(crate) use textures::{THRESHOLD, existing_file};
 pub use transparency::Transparency;
 
 /// The components of a surface.

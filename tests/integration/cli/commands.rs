@@ -83,10 +83,14 @@ fn explain_lists_the_passes_with_reasons() {
     }
     write_scene(folder.path(), &mirror_ball(0.0));
     let (_, found) = answer(folder.path(), &["explain", "s.json"]);
-    assert!(found.contains("  - advance             no material has kr above 0\n"), "{found}");
+    assert!(
+        found.contains(
+            "  - advance             no material has kr above 0, no material lets light through\n"
+        ),
+        "{found}"
+    );
     assert!(found.contains("  - next rays                0  not needed\n"), "{found}");
-    let part =
-        "  -   differentials     no visible texture is trilinear, no material has kr above 0\n";
+    let part = "  -   differentials     no visible texture is trilinear, no material has kr above 0, no material lets light through\n";
     assert!(found.contains(part), "{found}");
     let verdict: Vec<&str> = found.lines().take(3).collect();
     assert!(verdict[0].starts_with("about ") && verdict[0].ends_with(" s to trace"), "{found}");
@@ -144,7 +148,7 @@ fn explain_prints_counts_beside_the_estimates() {
     // The pilot has looked at every pixel of so small an image.
     assert_eq!(line("camera rays"), ["camera", "rays", "192", "192", "192"]);
     let mirrored = counted("secondary").to_string();
-    assert_eq!(line("mirror rays")[3..], [mirrored.clone(), mirrored]);
+    assert_eq!(line("secondary rays")[3..], [mirrored.clone(), mirrored]);
 }
 
 #[test]

@@ -98,10 +98,11 @@ fn on_a_terminal(folder: &Path, arguments: &str) -> Option<String> {
 #[cfg(target_os = "linux")]
 fn a_terminal_shows_each_stage_and_frame_from_the_start() {
     let folder = with_ball();
-    put(folder.path(), "t.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    // Each stage takes longer than a bar takes to be drawn again.
+    run_silently(folder.path(), &["generate", "knot", "mesh.ply", "-n", "300k", "-q"]);
     for (arguments, expected) in [
-        ("ball.json a.png", &["reading the scene", "building the BVH", "writing files"][..]),
-        ("t.obj a.gif --size 8x6 --turntable 2", &["reading", "frame 1 of 2", "frame 2 of 2"]),
+        ("mesh.ply a.png --size 8x6 --bvh very-slow", &["reading", "building the BVH"][..]),
+        ("mesh.ply a.gif --size 300x200 --turntable 2", &["frame 1 of 2", "frame 2 of 2"]),
         ("ball.json a.png -q", &[]),
     ] {
         let Some(shown) = on_a_terminal(folder.path(), arguments) else {

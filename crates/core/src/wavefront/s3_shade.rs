@@ -10,6 +10,7 @@ use std::marker::PhantomData;
 use glam::Vec3;
 
 use super::batch::{Batch, Vectors};
+use super::count;
 use crate::accel::{Hit, NO_PRIMITIVE};
 use crate::counters::Counters;
 use crate::geometry::ShadingKind;
@@ -174,7 +175,7 @@ impl<P: Arithmetic> Shade<'_, P> {
             return;
         };
         let (own, branches) = scene.divide(&arriving, &hit, transparency, &point, &mut look_ups);
-        look_ups.add_to(self.counters);
+        count(look_ups, self.counters);
         let local = point.local_light(scene.ambient, scene.hemisphere.as_ref());
         self.batch.paths.radiance.add(path as usize, own * Vec3::from(local));
         if self.shadows && point.lit {
@@ -242,7 +243,7 @@ impl<P: Arithmetic> Shade<'_, P> {
         let arriving = |lane: usize| self.arriving(group.faces[lane].ray);
         let point = group.shading_points::<P>(kind, &line, t, self.scene, arriving, &mut look_ups);
         look_ups.colors = group.colored();
-        look_ups.add_to(self.counters);
+        count(look_ups, self.counters);
         let local = point.local_light(self.scene.ambient, self.scene.hemisphere.as_ref());
         self.add(group.used, &path, throughput * local);
         if self.shadows && point.lit.any() {
@@ -323,7 +324,7 @@ impl<P: Arithmetic> Shade<'_, P> {
             let next = self.scene.mirrored(&differential, &ray, &hit, &point, &mut look_ups);
             self.batch.next_differentials.push(&next);
         }
-        look_ups.add_to(self.counters);
+        count(look_ups, self.counters);
     }
 
     /// The ray with that number, with its differential and its hit.

@@ -6,6 +6,7 @@
 //! light.
 
 use super::batch::{Batch, ShadowRays};
+use super::count;
 use crate::accel::{Rays, Traversal};
 use crate::counters::Counters;
 use crate::kernels::light::{Light, LightPoint};
@@ -174,5 +175,5 @@ fn weaken<P: Arithmetic>(
         let passed = scene.passed::<P>(&ray, &mut hits, traversal, &mut look_ups);
         shadows.contribution.set(i, shadows.contribution.get(i) * passed);
     }
-    look_ups.add_to(counters);
+    count(look_ups, counters);
 }

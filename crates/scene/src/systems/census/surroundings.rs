@@ -1,0 +1,27 @@
+//! What is around the scene.
+
+use super::Facts;
+use crate::components::Environment;
+
+impl Facts<'_> {
+    pub(super) fn hemisphere(&self) -> (bool, String) {
+        match self.census.hemisphere {
+            None => (false, "ambient light is the same from all sides".to_owned()),
+            Some(light) if light.is_black() => (false, "sky and ground are black".to_owned()),
+            Some(_) if !self.shows_ambient && !self.mirrors().0 && !self.transparency().0 => {
+                (false, "no surface in view shows it".to_owned())
+            }
+            Some(_) => (true, "ambient light from a sky and a ground".to_owned()),
+        }
+    }
+
+    pub(super) fn environment(&self) -> (bool, String) {
+        let mut found = self.census.world.query::<&Environment>();
+        match found.iter().next() {
+            None => (false, "the scene has no environment".to_owned()),
+            Some(around) if !around.is_bright() => (false, "the environment is black".to_owned()),
+            Some(around) if around.image.is_some() => (true, "an image all around".to_owned()),
+            Some(_) => (true, "a gradient all around".to_owned()),
+        }
+    }
+}
