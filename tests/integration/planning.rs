@@ -431,11 +431,9 @@ fn a_row_that_runs_without_need_costs_something_and_shows_nothing() {
     };
     let planned: Vec<_> = list.iter().map(|variant| rendered_by(&PASSES, &variant.scene)).collect();
     for pass in PASSES.into_iter().filter(|pass| pass.needs != Needs::Nothing) {
-        // With those that serve one of the same effects, so that no queue is left without a reader.
-        let shares = |other: &Pass| {
-            other.needs.effects().any(|effect| pass.needs.effects().any(|own| own == effect))
-        };
-        let passes = table(shares, |_| Needs::Nothing);
+        // With those that serve one of its effects, so that no queue is left without a reader.
+        let serves = |effect| pass.needs.effects().any(|own| own == effect);
+        let passes = table(|other| other.needs.effects().any(serves), |_| Needs::Nothing);
         let mut dearer = 0;
         for (variant, planned) in list.iter().zip(&planned) {
             let found = rendered_by(&passes, &variant.scene);
