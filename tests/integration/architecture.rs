@@ -18,7 +18,7 @@ const ARROWS: [(&str, &str); 13] = [
     ("counters", ""),
     ("geometry", "counters kernels math"),
     ("accel", "counters geometry kernels math"),
-    ("prepared", "accel counters geometry kernels math plan"),
+    ("prepared", "accel geometry kernels math plan"),
     ("tile", "counters prepared"),
     ("wavefront", "accel counters geometry kernels math plan prepared tile"),
     ("recursive", "accel counters kernels math plan prepared tile"),
