@@ -32,6 +32,11 @@ impl Declared for Transparency {
     const KEYS: &'static [Key] = Self::FIELDS;
 
     fn read(object: &Object<'_>) -> Result<Option<Self>> {
+        // Most materials have none of the keys, and there may be many.
+        let is_given = |key: &Key| object.cursor().value().get(key.name).is_some();
+        if !Self::FIELDS.iter().any(is_given) {
+            return Ok(Some(Self::OPAQUE));
+        }
         Material::warn_of_gain(object, &["transmissioncolor"]);
         Ok(Some(Self::fields(object, None)))
     }
