@@ -1,10 +1,9 @@
 //! Transparent surfaces: light that goes straight on, and light that is refracted.
 //!
 //! Refraction is that of Whitted, *An Improved Illumination Model for Shaded Display* (1980), with
-//! the reflectance of smooth dielectrics by Fresnel's equations for unpolarised light. Both sides
-//! are told apart by the side of the surface that a ray meets: its front is outside, in air. So
-//! each surface is one between its material and air. What is inside of several solids is absorbed
-//! by each of them.
+//! the reflectance of smooth dielectrics by Fresnel's equations for unpolarised light. The front
+//! of a surface is its exterior and its back the interior, and each surface is an interface
+//! between its own medium and air. Where solids overlap, the media of all of them absorb.
 
 use glam::{DVec3, Vec3};
 
