@@ -90,7 +90,8 @@ impl Set {
         }
         let mut shapes = Vec::new();
         let ambient = if self.has(Effect::HemisphereLight) {
-            json!({"sky": [0.3, 0.4, 0.5], "ground": [0.2, 0.1, 0.05], "up": [1, 2, 1]})
+            json!({"sky": [0.3, 0.4, 0.5], "ground": [0.2, 0.1, 0.05], "up": [1, 2, 1],
+                   "samples": if self.has(Effect::AmbientOcclusion) { 2 } else { 0 }})
         } else {
             0.08.into()
         };
@@ -180,6 +181,9 @@ impl Set {
             | Effect::Mirrors
             | Effect::Transparency
             | Effect::HemisphereLight => self.has(effect) && surfaces,
+            Effect::AmbientOcclusion => {
+                self.has(effect) && self.has(Effect::HemisphereLight) && surfaces
+            }
             Effect::VertexColors => self.has(effect) && self.has(Effect::Triangles),
             _ if LIGHTS.contains(&effect) => self.has(effect) && surfaces,
             Effect::RayDifferentials => self.has(effect) && self.has(Effect::Textures) && surfaces,

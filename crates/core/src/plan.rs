@@ -47,6 +47,8 @@ wavecrest_base::choices! {
         RayDifferentials = "ray differentials",
         /// Hemispheric ambient light.
         HemisphereLight = "hemisphere light",
+        /// What is near a surface and in the way of ambient light, with a shadow ray for each sample.
+        AmbientOcclusion = "ambient occlusion",
         /// An image or a gradient all around.
         Environment = "environment",
         /// Point lights, with a shadow ray each.

@@ -11,7 +11,7 @@ use crate::accel::{Accel, Hit, Traversal};
 use crate::counters::Sample;
 use crate::counters::TestCounts;
 use crate::geometry::{Geometry, Primitive, Quadric};
-use crate::kernels::light::LightPoint;
+use crate::kernels::light::{Emitter, LightPoint};
 use crate::kernels::precision::{Arithmetic, Precision};
 use crate::kernels::shade::{ShadingPoint, ShadowRequest};
 use crate::math::float::{UNIT_ROUNDOFF, normalize};
@@ -258,12 +258,14 @@ impl Observer for Recorder<'_> {
             }
         });
         let origin = self.scene.origin;
-        let is_distant = self.scene.lights[light].emitter.is_distant();
+        let emitter = &self.scene.lights[light].emitter;
+        let is_around = matches!(emitter, Emitter::Around(..));
+        let is_distant = emitter.is_distant() || is_around;
         let Some(met) = self.last_met() else { return };
         let from = if is_distant { Vec3::ZERO } else { (met.point - origin).as_vec3() };
         let towards = Vec3::from(target.position) - from;
         let distance = if is_distant { None } else { Some(towards.length()) };
-        let behind = met.normal.dot(normalize(towards)) <= 0.0;
+        let behind = !is_around && met.normal.dot(normalize(towards)) <= 0.0;
         let none = if behind { Visibility::Behind } else { Visibility::NotReflected };
         let (verdict, adds) = arrives.unwrap_or((none, Vec3::ZERO));
         met.lights.push(Light { light, index, distance, verdict, adds });

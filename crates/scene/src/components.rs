@@ -4,7 +4,7 @@
 //! [`Triangle`] or [`Mesh`], and [`Material`], [`Sides`], [`Shading`]; optionally [`Facing`], [`Transform`],
 //! [`Transparency`], [`TextureRef`], [`Maps`], [`CutOut`], [`Name`]. A point light is an entity with [`PointLight`],
 //! which [`Spot`] narrows to a cone. A distant light has [`DirectionalLight`]. An area light has
-//! [`AreaLight`] and the geometry of its shape. The camera has [`View`], and [`ThinLens`] unless it is
+//! [`AreaLight`] and the geometry of its shape. Ambient light from a sky is an entity with [`Sky`]. The camera has [`View`], and [`ThinLens`] unless it is
 //! a pinhole. One entity holds [`Settings`].
 //!
 //! Lengths are in the scene's own unit; colours are linear, 0 to 1. Numbers keep the precision of
@@ -14,8 +14,8 @@ pub use crate::camera::{
     CameraKey, CameraPath, Falloff, FovAxis, Interpolation, Sampling, ThinLens, View,
 };
 pub use crate::environment::{Environment, Surroundings};
-pub use crate::lights::{AreaLight, DirectionalLight, PointLight, Spot};
-pub use crate::scene_file::{Ambient, Settings};
+pub use crate::lights::{AreaLight, DirectionalLight, PointLight, Sky, Spot};
+pub use crate::scene_file::Settings;
 pub use crate::shapes::{
     Disk, Facing, Hidden, InstanceOf, Materials, Mesh, MeshFile, Name, Quad, Shading, Sides,
     Sphere, Transform, Triangle, VertexColors,

@@ -5,6 +5,7 @@
 mod area;
 mod directional;
 mod point;
+mod sky;
 mod spot;
 
 use glam::{DVec3, Vec3};
@@ -13,13 +14,17 @@ use hecs::{Entity, World};
 use crate::components::{Order, Sampling, Settings};
 use crate::corners::direction;
 use crate::format::{Object, Variants};
+use crate::systems::bounds;
 use crate::systems::geometry::Output;
 use wavecrest_base::error::{ErrorKind, Result};
+use wavecrest_core::geometry::Geometry;
 use wavecrest_core::kernels::light::Light;
 
 pub use area::AreaLight;
 pub use directional::DirectionalLight;
 pub use point::PointLight;
+pub(crate) use sky::SKY;
+pub use sky::Sky;
 pub use spot::Spot;
 
 /// Largest value of `samples`.
@@ -55,8 +60,8 @@ pub(crate) struct Surroundings<'a> {
 }
 
 /// The systems that find the lights of each kind.
-pub(crate) const SYSTEMS: [System; 4] =
-    [point::emitters, spot::emitters, directional::emitters, area::emitters];
+pub(crate) const SYSTEMS: [System; 5] =
+    [point::emitters, spot::emitters, directional::emitters, area::emitters, sky::emitters];
 
 /// Adds the lights of a kind in the world to those found.
 type System = fn(&World, &Surroundings<'_>, &mut Vec<Found>) -> Result<()>;
@@ -106,6 +111,11 @@ fn grid(sampling: Sampling, samples: u32) -> [u32; 2] {
 /// Number of points on a light with this value of `samples`.
 pub(crate) fn points(sampling: Sampling, samples: u32) -> u64 {
     grid(sampling, samples).map(u64::from).iter().product()
+}
+
+/// Upper bound on the distance between any two points of the scene.
+fn diameter(geometry: &Geometry) -> f64 {
+    bounds::of(geometry).map_or(0.0, |[low, high]| (high - low).length())
 }
 
 fn power(intensity: f64, color: DVec3) -> Vec3 {

@@ -12,7 +12,7 @@ use crate::camera::{self, CAMERAS};
 use crate::components::{Encoding, JsonPath, Order, View};
 use crate::environment::{self, Environment};
 use crate::format::{Beside, Cursor, Field, Kind, Object, Range, Writer, keys};
-use crate::lights::LIGHTS;
+use crate::lights::{LIGHTS, SKY, Sky};
 use crate::options::LoadOptions;
 use crate::query;
 use crate::shapes::{self, Hidden, INSTANCE, InstanceOf, Name, Names, SHAPES};
@@ -57,23 +57,9 @@ const SCENE: Kind = Kind::new(
         "shapes": AtLeast(0, &Variants(&SHAPES));
         /// Share of the diffuse colour that each light adds everywhere, visible or not; or light
         /// from a sky and the ground.
-        "ambient": Either(&Object(&HEMISPHERE), &Number(Range::NOT_NEGATIVE)), Is(AMBIENT);
+        "ambient": Either(&Object(&SKY), &Number(Range::NOT_NEGATIVE)), Is(AMBIENT);
         /// Further copies of shapes.
         "instances": AtLeast(0, &Object(&INSTANCE));
-    },
-);
-
-/// Ambient light by the normal.
-const HEMISPHERE: Kind = Kind::new(
-    "ambient light (or a number)",
-    "Ambient light from a sky and the ground, by the direction of the normal.",
-    keys! {
-        /// The light on a surface that faces up.
-        "sky": Color, Required;
-        /// The light on a surface that faces down.
-        "ground": Color, Required;
-        /// Direction of the sky.
-        "up": Direction("[0, 1, 0]"), Are([0.0, 1.0, 0.0]);
     },
 );
 
@@ -86,26 +72,11 @@ pub struct Settings {
     pub bounces: u32,
     /// Colour of rays that hit nothing and were not mirrored.
     pub background: DVec3,
-    /// Ambient light.
-    pub ambient: Ambient,
+    /// A factor on the diffuse colour, added once for each light, visible or not; 0 if the world has
+    /// a [`Sky`](crate::components::Sky).
+    pub ambient: f64,
     /// Transfer curve of 8-bit images, unless one is requested.
     pub transfer: Encoding,
-}
-
-/// Ambient light.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Ambient {
-    /// A factor on the diffuse colour, added once for each light, visible or not.
-    Even(f64),
-    /// Light from a sky and from the ground, added once, weighted by the normal.
-    Hemisphere {
-        /// The colour on a surface that faces up.
-        sky: DVec3,
-        /// The colour on a surface that faces down.
-        ground: DVec3,
-        /// Direction of the sky, of any length above 0.
-        up: DVec3,
-    },
 }
 
 /// Reads a whole file from its top into a world.
@@ -126,7 +97,7 @@ pub(crate) fn read(top: &Cursor<'_>, options: &LoadOptions) -> Result<World> {
         world.spawn(entity.build());
         object.part("scene", an_object, |cursor| {
             let scene = &cursor.object(SCENE)?;
-            let settings = cursor.notes().part(|| settings(scene, bounces, transfer));
+            let settings = cursor.notes().part(|| settings(scene, bounces, transfer, &mut world));
             contents(scene, &mut world)?;
             if let Some(cursor) = scene.get("environment") {
                 world.spawn((Environment::read(&cursor.object(environment::OBJECT)?)?,));
@@ -177,34 +148,40 @@ fn list(
     cursor.notes().part(|| cursor.every(what, one)).map(drop)
 }
 
-fn settings(scene: &Object<'_>, bounces: u32, transfer: Encoding) -> Result<Settings> {
+fn settings(
+    scene: &Object<'_>,
+    bounces: u32,
+    transfer: Encoding,
+    world: &mut World,
+) -> Result<Settings> {
     let message = "is above 1, which images of 8 bits cannot show";
     scene.warn_above_1("backgroundcolor", message, "use colours from 0 to 1");
     Ok(Settings {
         file: scene.cursor().notes().file().to_owned(),
         bounces,
         background: scene.read("backgroundcolor"),
-        ambient: ambient(scene)?,
+        ambient: ambient(scene, world)?,
         transfer,
     })
 }
 
 /// The key `ambient`: a number, or a sky and a ground.
-fn ambient(scene: &Object<'_>) -> Result<Ambient> {
-    let Some(cursor) = scene.get("ambient") else { return Ok(Ambient::Even(AMBIENT)) };
+fn ambient(scene: &Object<'_>, world: &mut World) -> Result<f64> {
+    let Some(cursor) = scene.get("ambient") else { return Ok(AMBIENT) };
     if !cursor.value().is_object() {
-        return Ok(Ambient::Even(cursor.number(Range::NOT_NEGATIVE)?));
+        return cursor.number(Range::NOT_NEGATIVE);
     }
-    let object = cursor.object(HEMISPHERE)?;
-    let (sky, ground) = (object.read("sky"), object.read("ground"));
-    Ok(Ambient::Hemisphere { sky, ground, up: object.read("up") })
+    let mut entity = EntityBuilder::new();
+    entity.add(JsonPath(cursor.path()));
+    cursor.object(SKY)?.components(&mut entity)?;
+    world.spawn(entity.build());
+    Ok(0.0)
 }
 
 /// Warns of shapes without any light.
 fn warn_of_darkness(scene: &Object<'_>, world: &World) {
-    let has_sky = |settings: &Settings| !matches!(settings.ambient, Ambient::Even(_));
-    let is_lit = query::settings(world).is_ok_and(|settings| has_sky(&settings))
-        || !query::lights(world).is_empty();
+    let has_sky = world.query::<&Sky>().iter().next().is_some();
+    let is_lit = has_sky || !query::lights(world).is_empty();
     if !is_lit && !query::shapes(world).is_empty() {
         let notes = scene.cursor().notes();
         let message = "there is no light, so every shape is black";
@@ -234,12 +211,9 @@ pub(crate) fn write(world: &World, beside: &mut Beside) -> Result<Value> {
     });
     let instances = query::ordered::<&InstanceOf>(world);
     let instances = all(instances, &|one, to| shapes::write(world, one, to));
-    let ambient = match settings.ambient {
-        Ambient::Even(factor) => factor.into(),
-        Ambient::Hemisphere { sky, ground, up } => {
-            json!({ "sky": sky.to_json(), "ground": ground.to_json(), "up": up.to_json() })
-        }
-    };
+    let skies = world.iter().filter(EntityRef::has::<Sky>).collect();
+    let sky = all(skies, &|one, to| to.of(&SKY, one));
+    let ambient = sky.into_iter().next().unwrap_or_else(|| settings.ambient.into());
     let mut scene = json!({
         "backgroundcolor": settings.background.to_json(),
         "ambient": ambient,

@@ -6,7 +6,7 @@ use hecs::{Entity, EntityRef, World};
 
 use super::components::{
     AreaLight, CutOut, DirectionalLight, Environment, Filter, Hidden, InstanceOf, LookUp, Maps,
-    Materials, Mesh, MeshFile, PointLight, Shading, TextureRef, TextureSource, ThinLens,
+    Materials, Mesh, MeshFile, PointLight, Shading, Sky, TextureRef, TextureSource, ThinLens,
 };
 use super::format::Notes;
 use super::lights::points;
@@ -105,6 +105,8 @@ pub(super) fn of(world: &World, text: u64, notes: &Notes<'_>) -> Result<Survey> 
     let mut all = world.query::<&DirectionalLight>();
     survey.light_samples +=
         all.iter().map(|light| points(light.sampling, light.samples)).sum::<u64>();
+    let mut all = world.query::<&Sky>();
+    survey.light_samples += all.iter().map(|sky| points(sky.sampling, sky.samples)).sum::<u64>();
     for light in query::ordered::<&AreaLight>(world) {
         let points = light.get::<&AreaLight>().map(|l| points(l.sampling, l.samples));
         survey.light_samples += points.unwrap_or(0);

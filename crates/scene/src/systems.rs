@@ -40,9 +40,8 @@ use std::path::{Path, PathBuf};
 
 use hecs::World;
 
-use crate::components::{Ambient, Settings, SurfaceComponents};
+use crate::components::{Sky, SurfaceComponents};
 use crate::environment;
-use crate::lights::unit;
 use crate::query;
 use crate::surface::Columns;
 use geometry::ShapeOutput;
@@ -53,7 +52,6 @@ use wavecrest_base::memory::Stage;
 use wavecrest_core::accel::Accel;
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::geometry::Geometry;
-use wavecrest_core::kernels::hemisphere::Hemisphere;
 use wavecrest_core::kernels::precision::Precision;
 use wavecrest_core::plan::schedule::{PASSES, Pass, Step};
 use wavecrest_core::plan::{Effect, Plan};
@@ -106,7 +104,8 @@ pub fn extract(world: World, options: Options<'_>) -> Result<Extracted> {
     let surfaces: Vec<SurfaceComponents<'_>> = extracted.shapes.iter().map(surface).collect();
     let materials = materials::run(&surfaces);
     let lights = lights::run(world, &extracted, &settings, origin)?;
-    let (ambient, hemisphere) = ambient(&settings, lights.len());
+    let ambient = settings.ambient as f32 * lights.len() as f32;
+    let hemisphere = world.query::<&Sky>().iter().next().map(Sky::hemisphere);
     let possible = materials::possible(&surfaces, &materials);
     let transparent: Vec<bool> = surfaces.iter().map(details::is_transparent).collect();
     let shows_others = |shape: usize, faces: Faces| {
@@ -179,17 +178,6 @@ pub fn extract(world: World, options: Options<'_>) -> Result<Extracted> {
         dropped: Dropped::default(),
     };
     Ok(Extracted { scene, file })
-}
-
-/// Factor on the diffuse colour for the ambient part of this number of lights together, and the
-/// hemispheric light.
-fn ambient(settings: &Settings, lights: usize) -> (f32, Option<Hemisphere>) {
-    match settings.ambient {
-        Ambient::Even(factor) => (factor as f32 * lights as f32, None),
-        Ambient::Hemisphere { sky, ground, up } => {
-            (0.0, Some(Hemisphere::new(sky, ground, unit(up))))
-        }
-    }
 }
 
 impl Extracted {

@@ -33,7 +33,7 @@ fn a_sweep_writes_a_page_and_the_same_figures_in_other_forms() {
     for heading in [
         "Soft shadows at ",
         "What each time buys",
-        "Points on area lights",
+        "Points on lights",
         "Rays in a pixel",
         "Cost and accuracy of each precision",
     ] {

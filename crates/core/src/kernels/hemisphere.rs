@@ -1,7 +1,8 @@
 //! Hemispheric ambient light: a sky of one colour and a ground of another.
 //!
 //! For a normal n, the sky's share is (1 + n . up) / 2, the unoccluded diffuse reflection of both.
-//! Mirror rays that leave the scene show the same colours, with n their direction.
+//! Mirror rays that leave the scene show the same colours, with n their direction. If it is traced,
+//! shadow rays tell how much of it arrives.
 
 use glam::{DVec3, Vec3};
 
@@ -17,13 +18,15 @@ pub struct Hemisphere {
     middle: Vec3,
     /// The sky's colour minus the mean.
     more: Vec3,
+    /// Whether lit sides receive it along shadow rays, from a light of its own.
+    pub traced: bool,
 }
 
 impl Hemisphere {
     /// Light with these linear colours; the unit vector `up` points to the sky.
     pub fn new(sky: DVec3, ground: DVec3, up: DVec3) -> Self {
         let [middle, more] = [(sky + ground) / 2.0, (sky - ground) / 2.0].map(|v| v.as_vec3());
-        Self { up: up.as_vec3(), middle, more }
+        Self { up: up.as_vec3(), middle, more, traced: false }
     }
 
     /// Whether it adds nothing anywhere.

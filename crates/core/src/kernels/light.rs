@@ -11,6 +11,7 @@ pub use distant::Distant;
 pub use spot::Cone;
 
 use super::disk::Disk;
+use super::hemisphere::Hemisphere;
 use super::triangle;
 use crate::math::float::{dot_f64, max, max_abs, normalize_f64};
 use crate::math::random::Stream;
@@ -65,6 +66,9 @@ pub enum Emitter {
     Disk(Disk, [DVec3; 2]),
     /// Triangles, of a quad or of a mesh.
     Triangles(Triangles),
+    /// A sky and the ground, as far as nothing nearer than a distance is in the way: ambient light
+    /// with occlusion.
+    Around(Hemisphere, f32),
 }
 
 /// Triangles whose points are chosen uniformly by area.
@@ -141,7 +145,9 @@ impl Emitter {
 /// A point of a light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LightPoint<F> {
-    /// In world space; for distant lights, a vector from any point towards the light.
+    /// In world space; for distant lights, a vector from any point towards the light. For light from
+    /// all around, a point of the unit sphere: with the normal added, directions to it are spread
+    /// by their cosine with the normal.
     pub position: Vector<F>,
     /// Bound on the distance of `position` to the exact shape, for each coordinate.
     pub error: Vector<F>,
@@ -172,7 +178,8 @@ impl LightPoint<f32> {
 pub struct Light {
     /// The source.
     pub emitter: Emitter,
-    /// Intensity times colour, linear.
+    /// Intensity times colour, linear. Of light from all around, the larger of both colours in each
+    /// channel.
     pub power: Vec3,
     /// Falloff with distance.
     pub falloff: Falloff,
@@ -207,9 +214,9 @@ impl Light {
         self.emitter.only_point().is_none()
     }
 
-    /// The unit-square position of its `index`th point.
+    /// The position on the unit square of its `index`th point, sampled so.
     #[inline(always)]
-    fn square(&self, index: u32, stream: &Stream) -> Vec2 {
+    fn square(&self, sampling: Sampling, index: u32, stream: &Stream) -> Vec2 {
         let random = || {
             let [u, v, ..] = stream.uniform(self.dimension + index);
             [u, v]
@@ -218,25 +225,60 @@ impl Light {
         // well as many.
         let number = stream.sample.wrapping_mul(self.samples()).wrapping_add(index);
         let scramble = || stream.scramble(self.dimension);
-        self.sampling.point((index, number), self.grid, random, scramble)
+        sampling.point((index, number), self.grid, random, scramble)
     }
 
-    /// Its `index`th point. Inlined, so that callers with several streams share the branches and
-    /// divisions.
+    /// The positions on the unit square of its `index`th point for all pairs of a pixel and a
+    /// sample of a `stream`.
+    #[inline(always)]
+    pub fn squares<const N: usize>(
+        &self,
+        index: u32,
+        stream: Stream,
+        places: &[[u32; N]; 2],
+    ) -> [Vec2; N] {
+        match self.sampling {
+            Sampling::Random => self.squares_of(Sampling::Random, index, stream, places),
+            Sampling::Jittered => self.squares_of(Sampling::Jittered, index, stream, places),
+            Sampling::Sobol => self.squares_of(Sampling::Sobol, index, stream, places),
+        }
+    }
+
+    /// Free of branches for each known sampling, so that compilers use vector instructions.
+    #[inline(always)]
+    fn squares_of<const N: usize>(
+        &self,
+        sampling: Sampling,
+        index: u32,
+        stream: Stream,
+        [pixels, samples]: &[[u32; N]; 2],
+    ) -> [Vec2; N] {
+        let mut squares = [Vec2::ZERO; N];
+        for ((square, &pixel), &sample) in squares.iter_mut().zip(pixels).zip(samples) {
+            *square = self.square(sampling, index, &Stream { pixel, sample, ..stream });
+        }
+        squares
+    }
+
+    /// Its `index`th point.
     #[inline(always)]
     pub fn point(&self, index: u32, stream: &Stream) -> LightPoint<f32> {
+        match self.emitter.only_point() {
+            Some(position) => LightPoint::of_point((), position),
+            None => self.at(self.square(self.sampling, index, stream)),
+        }
+    }
+
+    /// Its point at this position on the unit square.
+    #[inline(always)]
+    pub fn at(&self, square: Vec2) -> LightPoint<f32> {
         match &self.emitter {
             Emitter::Point(position) | Emitter::Spot(position, _) => {
                 LightPoint::of_point((), *position)
             }
-            Emitter::Distant(distant) if distant.is_parallel() => {
-                LightPoint::of_point((), distant.middle())
-            }
-            Emitter::Distant(distant) => {
-                LightPoint::of_point((), distant.at(self.square(index, stream)))
-            }
+            Emitter::Distant(distant) => LightPoint::of_point((), distant.at(square)),
             Emitter::Sphere { center, radius } => {
-                let normal = sampling::sphere(self.square(index, stream));
+                let normal = sampling::sphere(square);
                 // Normalised again: a length that is not quite 1 would move the point off the
                 // sphere.
                 let outward = normalize_f64(normal.as_dvec3());
@@ -244,12 +286,13 @@ impl Light {
                 LightPoint::new(position, max(max_abs(*center), *radius), normal)
             }
             Emitter::Disk(Disk { center, normal, radius }, [x, y]) => {
-                let at = sampling::disk(self.square(index, stream)).as_dvec2();
+                let at = sampling::disk(square).as_dvec2();
                 let offset = (*x * at.x + *y * at.y) * f64::from(*radius);
                 let size = max(max_abs(*center), *radius);
                 LightPoint::new(center.as_dvec3() + offset, size, *normal)
             }
-            Emitter::Triangles(triangles) => triangles.point(self.square(index, stream)),
+            Emitter::Triangles(triangles) => triangles.point(square),
+            Emitter::Around(..) => LightPoint::of_point((), sampling::sphere(square)),
         }
     }
 }

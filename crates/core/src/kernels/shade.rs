@@ -9,7 +9,7 @@ use glam::Vec3;
 
 use super::blinn_phong::{self, Material, Reflection};
 use super::hemisphere::Hemisphere;
-use super::light::{Light, LightPoint};
+use super::light::{Emitter, Light, LightPoint};
 use crate::math::float::gamma;
 use crate::math::ray::Ray;
 use crate::math::real::{Mask, Single};
@@ -112,7 +112,11 @@ impl<F: Single> ShadingPoint<F> {
         match hemisphere {
             None => even,
             Some(hemisphere) => {
-                let arriving = hemisphere.at(self.shading_normal).scale(self.occlusion);
+                let mut arriving = hemisphere.at(self.shading_normal).scale(self.occlusion);
+                if hemisphere.traced {
+                    let none = Vector::splat(self.kr.token(), Vec3::ZERO);
+                    arriving = Vector::select(self.lit, none, arriving);
+                }
                 even + self.color * arriving
             }
         }
@@ -163,6 +167,9 @@ pub fn shadow_request<F: Single>(
     light: &Light,
     target: &LightPoint<F>,
 ) -> Option<ShadowRequest<F>> {
+    if let Emitter::Around(sky, distance) = &light.emitter {
+        return ambient_request(point, throughput, (sky, *distance), light.samples(), target);
+    }
     let zero = point.kr.zero();
     let is_distant = light.emitter.is_distant();
     let towards = if is_distant { target.position } else { target.position - point.point };
@@ -197,6 +204,32 @@ pub fn shadow_request<F: Single>(
     let at_light = distance.lt(if is_distant { zero } else { least });
     let request = ShadowRequest { line, contribution, at_light, asked };
     asked.any().then_some(request)
+}
+
+/// The ray that finds whether anything up to a distance is in the way of ambient light; `target` is
+/// a point of the unit sphere. All rays together have the contribution that
+/// [`ShadingPoint::local_light`] adds without them, so light that arrives has no noise.
+///
+/// Directions below the surface, for which the shading normal leans, are mirrored at it.
+#[inline(always)]
+fn ambient_request<F: Single>(
+    point: &ShadingPoint<F>,
+    throughput: Vector<F>,
+    (sky, distance): (&Hemisphere, f32),
+    samples: u32,
+    target: &LightPoint<F>,
+) -> Option<ShadowRequest<F>> {
+    let zero = point.kr.zero();
+    let direction = (point.shading_normal + target.position).normalize_in_single();
+    let height = direction.dot(point.normal);
+    let above = direction - point.normal.scale((height + height).min(zero));
+    let arriving = sky.at(point.shading_normal).over(zero.same(samples as f32));
+    let contribution = throughput * (point.color * arriving);
+    let origin = point.point.offset_origin(point.error, point.normal, above);
+    let line = Line { origin, direction: above.scale(zero.same(distance)) };
+    let asked = point.lit & contribution.is_not_zero() & line.is_valid();
+    let at_light = F::mask(zero.token(), 0);
+    asked.any().then_some(ShadowRequest { line, contribution, at_light, asked })
 }
 
 /// A mirror ray and its throughput.

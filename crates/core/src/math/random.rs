@@ -38,7 +38,7 @@ impl Stream {
 
     /// Seeds that scramble the points shared by all samples of this pixel and bounce: the numbers
     /// of a sample index that no camera ray has.
-    #[inline]
+    #[inline(always)]
     pub fn scramble(&self, dimension: u32) -> [u32; 3] {
         let [a, b, c, _] = Self { sample: u32::MAX, ..*self }.words(dimension);
         [a, b, c]

@@ -16,37 +16,34 @@ use super::random::unit_interval;
 
 /// Point `index` of the set scrambled by `seeds`, each coordinate in \[0, 1). The first seed
 /// shuffles the order, the second scrambles x, the third y.
-#[inline]
+#[inline(always)]
 pub fn point(index: u32, seeds: [u32; 3]) -> Vec2 {
     // The reversed bits of the shuffled index: van der Corput's sequence.
     let first = permute(index.reverse_bits(), seeds[0]);
     let second = second_dimension(first.reverse_bits());
     Vec2::new(
         unit_interval(permute(first.reverse_bits(), seeds[1]).reverse_bits()),
-        unit_interval(permute(second.reverse_bits(), seeds[2]).reverse_bits()),
+        unit_interval(permute(second, seeds[2]).reverse_bits()),
     )
 }
 
-/// The second dimension of Sobol's sequence, in units of 2^-32. Its direction numbers are the rows
-/// of Pascal's triangle modulo 2.
-#[inline]
+/// The second dimension of Sobol's sequence, in units of 2^-32, with reversed bits. Its direction
+/// numbers are the rows of Pascal's triangle modulo 2: a polynomial with the bits of the index, at
+/// 1 + x in place of x. As (1 + x)^16 is 1 + x^16, its upper half is added to its lower half, and so
+/// on in each half.
+#[inline(always)]
 fn second_dimension(mut index: u32) -> u32 {
-    let mut direction = 1_u32 << 31;
-    let mut sum = 0;
-    while index != 0 {
-        if index & 1 == 1 {
-            sum ^= direction;
-        }
-        direction ^= direction >> 1;
-        index >>= 1;
-    }
-    sum
+    index ^= index >> 16;
+    index ^= index >> 8 & 0x00FF_00FF;
+    index ^= index >> 4 & 0x0F0F_0F0F;
+    index ^= index >> 2 & 0x3333_3333;
+    index ^ (index >> 1 & 0x5555_5555)
 }
 
 /// A permutation in which each bit depends only on lower bits (Laine and Karras, *Stratified
 /// Sampling for Stochastic Transparency*, 2011). Applied to a fraction with reversed bits it is
 /// Owen's scrambling.
-#[inline]
+#[inline(always)]
 fn permute(mut x: u32, seed: u32) -> u32 {
     x ^= x.wrapping_mul(0x3D20_ADEA);
     x = x.wrapping_add(seed);
@@ -103,7 +100,7 @@ mod tests {
     #[test]
     fn the_directions_are_sobols() {
         let first: Vec<f64> =
-            (0..8).map(|i| f64::from(second_dimension(i)) / 4_294_967_296.0).collect();
+            (0..8).map(|i| f64::from(second_dimension(i).reverse_bits()) / 4_294_967_296.0).collect();
         assert_eq!(first, [0.0, 0.5, 0.75, 0.25, 0.625, 0.125, 0.375, 0.875]);
     }
 

@@ -133,6 +133,7 @@ const LIGHTS: Needs = Needs::Any(&[
     Effect::SpotLights,
     Effect::DirectionalLights,
     Effect::AreaLights,
+    Effect::AmbientOcclusion,
 ]);
 
 /// The effects that send rays on from surfaces.

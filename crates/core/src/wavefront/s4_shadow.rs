@@ -14,7 +14,7 @@ use crate::kernels::precision::Arithmetic;
 use crate::kernels::shade::shadow_request;
 use crate::math::random::Stream;
 use crate::math::real::{Mask, Single};
-use crate::math::simd::{Pass, dispatch_pass};
+use crate::math::simd::{LANES, Pass, dispatch_pass};
 use crate::math::vector::Vector;
 use crate::plan::schedule::Step;
 use crate::prepared::{LookUps, PreparedScene};
@@ -89,12 +89,13 @@ impl Pass for ShadowRequests<'_> {
                     points.reflection.tint = tints.tint.load(token, next.point);
                 }
                 let path = &lit.path[next.point..next.point + F::LANES];
-                let stream = |lane: usize| {
+                let mut places = [[0; LANES]; 2];
+                for lane in 0..if sampled { count } else { 0 } {
                     let path = path[lane] as usize;
-                    let (pixel, sample) = (paths.pixel[path], paths.sample[path]);
-                    Stream { seed: self.seed, pixel, sample, bounce: self.bounce }
-                };
-                let targets = targets::<F>(token, light, next.index, count, stream);
+                    (places[0][lane], places[1][lane]) = (paths.pixel[path], paths.sample[path]);
+                }
+                let stream = Stream { seed: self.seed, pixel: 0, sample: 0, bounce: self.bounce };
+                let targets = targets::<F>(token, light, next.index, stream, &places);
                 counters.light_samples += if sampled { count as u64 } else { 0 };
                 next.point += F::LANES;
                 let request = shadow_request(&points, throughput, light, &targets);
@@ -110,21 +111,22 @@ impl Pass for ShadowRequests<'_> {
     }
 }
 
-/// The light's `index`th point for each of `count` lanes.
+/// The light's `index`th point for the pixel and the sample of each lane.
 #[inline(always)]
 fn targets<F: Single>(
     token: F::Token,
     light: &Light,
     index: u32,
-    count: usize,
-    stream: impl Fn(usize) -> Stream,
+    stream: Stream,
+    places: &[[u32; LANES]; 2],
 ) -> LightPoint<F> {
     if let Some(position) = light.emitter.only_point() {
         return LightPoint::of_point(token, position);
     }
     let mut rows = <[[F::Row; 3]; 3]>::default();
-    for lane in 0..count {
-        let target = light.point(index, &stream(lane));
+    let squares = light.squares(index, stream, places);
+    for (lane, &square) in squares.iter().enumerate().take(F::LANES) {
+        let target = light.at(square);
         let values = [target.position, target.error, target.normal];
         for ([x, y, z], value) in rows.iter_mut().zip(values) {
             (x.as_mut()[lane], y.as_mut()[lane], z.as_mut()[lane]) = (value.x, value.y, value.z);

@@ -160,6 +160,8 @@ pub struct Facts {
     pub has_transparency: bool,
     /// Whether a surface is a mirror.
     pub has_mirrors: bool,
+    /// Whether ambient light may be blocked.
+    pub has_occlusion: bool,
     /// Largest number of bounces in use.
     pub bounces: u32,
 }
@@ -175,6 +177,7 @@ impl Facts {
             has_textures: !scene.appearance.images.is_empty(),
             has_transparency: scene.plan.has(Effect::Transparency),
             has_mirrors: scene.plan.has(Effect::Mirrors),
+            has_occlusion: scene.plan.has(Effect::AmbientOcclusion),
             antialias: scene.camera.antialias(),
             bounces: scene.bounces,
         }
@@ -186,6 +189,7 @@ impl Facts {
             Layer::Transparency => self.has_transparency,
             Layer::Mirrors => self.has_mirrors,
             Layer::Textures => self.has_textures,
+            Layer::Occlusion => self.has_occlusion,
             Layer::SoftShadows => self.has_points,
             Layer::Lights => self.has_lights,
             Layer::Lens => self.has_lens,
@@ -204,7 +208,7 @@ wavecrest_base::choices! {
     /// in which a sweep varies them.
     #[derive(Clone, Copy, Debug, PartialEq, Eq)]
     pub enum Axis {
-        /// Points on area lights, for one ray a pixel.
+        /// Points on lights, for one ray a pixel.
         Lights = "lights",
         /// Rays through the lens.
         Lens = "lens",
@@ -261,7 +265,7 @@ const FILTER_SIDES: [u32; 3] = [1, 2, 4];
 
 /// The families: name, title, what is counted, and the target.
 const FAMILIES: [(&str, &str, &str, Target); 6] = [
-    ("lights", "Points on area lights", "points on each light", Target::Scene),
+    ("lights", "Points on lights", "points on each light", Target::Scene),
     ("lens", "Points on the lens", "points on the lens", Target::Scene),
     ("pixel", "Rays in a pixel", "rays a pixel", Target::Pixel),
     ("bounces", "Bounces", "bounces", Target::Scene),

@@ -4,13 +4,11 @@ use glam::DVec3;
 use hecs::{Entity, World};
 
 use super::{
-    Found, MOST_SAMPLES, Surroundings, check_samples, grid, power, unit, warn_of_strength,
+    Found, MOST_SAMPLES, Surroundings, check_samples, diameter, grid, power, unit, warn_of_strength,
 };
 use crate::components::{Falloff, Order, Sampling};
 use crate::format::{Declaration, Kind, Object, Range, component, declared};
-use crate::systems::bounds;
 use wavecrest_base::error::Result;
-use wavecrest_core::geometry::Geometry;
 use wavecrest_core::kernels::light::{Distant, Emitter, Light};
 
 pub(super) const KIND: Kind = Kind::entity(
@@ -72,9 +70,4 @@ pub(super) fn emitters(
         found.push(Found { entity, order, light });
     }
     Ok(())
-}
-
-/// Upper bound on the distance between any two points of the scene.
-fn diameter(geometry: &Geometry) -> f64 {
-    bounds::of(geometry).map_or(0.0, |[low, high]| (high - low).length())
 }

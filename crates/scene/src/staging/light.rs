@@ -13,8 +13,8 @@ use hecs::World;
 use super::camera::Framed;
 use super::{Scenery, ground};
 use crate::components::{
-    Ambient, AreaLight, DirectionalLight, Encoding, Falloff, JsonPath, Mesh, Order, PointLight,
-    Sampling, Settings, Transparency, View,
+    AreaLight, DirectionalLight, Encoding, Falloff, JsonPath, Mesh, Order, PointLight,
+    Sampling, Settings, Sky, Transparency, View,
 };
 use crate::corners::{direction, quad_has_area};
 use crate::mesh::MeshData;
@@ -52,7 +52,7 @@ const STUDIO: [Lamp; 2] = [
         side: DVec3::new(-0.7, 1.0, 0.6),
         color: DVec3::new(0.84, 0.82, 0.79),
         angle: 14.0,
-        samples: 4,
+        samples: 2,
     },
     Lamp {
         name: "the rim",
@@ -68,6 +68,10 @@ pub(crate) const MOST_LAMPS: u32 = STUDIO.len() as u32;
 
 /// The sky of a lit scene, and the light from the ground below it.
 const SKY: [DVec3; 2] = [DVec3::new(0.235, 0.25, 0.27), DVec3::new(0.1, 0.095, 0.09)];
+/// Rays for each hit that look for what is in the way of its light, and how far they look, as a
+/// share of the camera's distance. A room has walls all around: only what is near darkens it.
+const SKY_SAMPLES: u32 = 4;
+const NEAR: f64 = 0.25;
 /// Direction of the sky in a studio, to the right, up, and back: it leans to the side that the key
 /// leaves dark, and so fills it without a ray.
 const LEANING: DVec3 = DVec3::new(0.6, 1.0, 0.5);
@@ -76,7 +80,7 @@ const ROOM: [DVec3; 2] = [DVec3::splat(0.3), DVec3::splat(0.26)];
 /// The light of a room's lamp on a white surface that faces it, at any distance.
 const CEILING: f64 = 0.66;
 /// Shadow rays to it for each hit.
-const CEILING_SAMPLES: u32 = 4;
+const CEILING_SAMPLES: u32 = 2;
 /// The light of the camera's lamp on a white surface that faces it.
 const HEADLIGHT: DVec3 = DVec3::splat(0.65);
 /// Sine of the largest angle off the vertical of a view from directly above.
@@ -92,16 +96,19 @@ pub(crate) fn light(
     lighting: &Lighting,
 ) -> (Settings, &'static str) {
     let background = lighting.background.map_or(LIGHT, Background::color);
-    let under = |[sky, ground]: [DVec3; 2], up| {
-        settings_of(file, background, Ambient::Hemisphere { sky, ground, up })
+    let distance = framed.view.location.distance(framed.view.look) * NEAR;
+    let under = |world: &mut World, [sky, ground]: [DVec3; 2], up, samples| {
+        let sampling = Sampling::Sobol;
+        world.spawn((Sky { sky, ground, up, samples, sampling, distance },));
+        settings_of(file, background, 0.0)
     };
     match lighting.rig {
-        Rig::None => (under([DVec3::ONE; 2], framed.up), "unlit colours"),
+        Rig::None => (under(world, [DVec3::ONE; 2], framed.up, 0), "unlit colours"),
         Rig::Studio => {
             // A room without extent has no place for a lamp.
             if let Some(corners) = framed.lamp.filter(quad_has_area) {
                 world.spawn(ceiling(corners));
-                return (under(ROOM, framed.up), "a light under the ceiling is added");
+                return (under(world, ROOM, framed.up, SKY_SAMPLES), "a light under the ceiling is added");
             }
             let axes = axes(framed);
             let lamps = STUDIO.each_ref().map(|lamp| lamp.light(&axes));
@@ -114,12 +121,12 @@ pub(crate) fn light(
             for ((lamp, light), order) in STUDIO.iter().zip(lamps).zip(0..) {
                 world.spawn((Order(order), JsonPath(lamp.name.to_owned()), light));
             }
-            (under(SKY, leaning), "studio lights and a ground are added")
+            (under(world, SKY, leaning, SKY_SAMPLES), "studio lights and a ground are added")
         }
         Rig::Headlight => {
             world.spawn((Order(0), JsonPath("the light".to_owned()), headlight(&framed.view)));
             let light = if framed.lamp.is_some() { ROOM } else { SKY };
-            (under(light, framed.up), "a light at the camera and a sky are added")
+            (under(world, light, framed.up, 0), "a light at the camera and a sky are added")
         }
     }
 }
@@ -133,10 +140,10 @@ fn from_sky([sky, below]: [DVec3; 2], up: DVec3, normal: DVec3) -> DVec3 {
 pub(crate) fn settings(file: &Path, lights: usize, lighting: &Lighting) -> Settings {
     let background = lighting.background.map_or(DARK, Background::color);
     // Each light adds it: all together, as in scene files with one light.
-    settings_of(file, background, Ambient::Even(AMBIENT / lights.max(1) as f64))
+    settings_of(file, background, AMBIENT / lights.max(1) as f64)
 }
 
-fn settings_of(file: &Path, background: DVec3, ambient: Ambient) -> Settings {
+fn settings_of(file: &Path, background: DVec3, ambient: f64) -> Settings {
     let (file, transfer) = (file.to_owned(), Encoding::Srgb);
     Settings { file, bounces: BOUNCES, background, ambient, transfer }
 }
@@ -151,7 +158,8 @@ pub(crate) fn allow_for_glass(world: &mut World) {
 
 /// Largest number of shadow rays for each hit of the added lights.
 pub(crate) fn samples() -> u64 {
-    STUDIO.iter().map(|lamp| u64::from(lamp.samples)).sum()
+    let lamps = STUDIO.iter().map(|lamp| u64::from(lamp.samples));
+    lamps.sum::<u64>() + u64::from(SKY_SAMPLES)
 }
 
 /// A lamp at the camera.

@@ -219,6 +219,7 @@ impl<'a> Facts<'a> {
                 self.lights("spot light", |emitter| matches!(emitter, Emitter::Spot(..)))
             }
             Effect::DirectionalLights => self.lights("directional light", Emitter::is_distant),
+            Effect::AmbientOcclusion => self.occlusion(),
             Effect::AreaLights => self.lights("area light", |emitter| {
                 matches!(
                     emitter,

@@ -3,7 +3,7 @@
 use hecs::{Entity, World};
 
 use crate::components::{
-    AreaLight, DirectionalLight, Filter, Maps, PointLight, Settings, TextureRef, ThinLens,
+    AreaLight, DirectionalLight, Filter, Maps, PointLight, Settings, Sky, TextureRef, ThinLens,
     Transparency, View,
 };
 
@@ -29,6 +29,8 @@ wavecrest_base::choices! {
         Mirrors = "mirrors",
         /// Textures: the diffuse colour takes their place.
         Textures = "textures",
+        /// What is in the way of ambient light.
+        Occlusion = "ambient occlusion",
         /// Points on area lights: all but one.
         SoftShadows = "soft shadows",
         /// Lights and their shadows. What shines is still seen, and ambient light stays.
@@ -63,6 +65,9 @@ impl Layer {
                 world.query_mut::<&mut Settings>().into_iter().for_each(|s| s.bounces = 0);
             }
             Self::Textures => remove::<TextureRef>(world),
+            Self::Occlusion => {
+                world.query_mut::<&mut Sky>().into_iter().for_each(|sky| sky.samples = 0);
+            }
             Self::SoftShadows => {
                 world.query_mut::<&mut AreaLight>().into_iter().for_each(|l| l.samples = 1);
                 let distant = world.query_mut::<&mut DirectionalLight>();

@@ -72,7 +72,7 @@ pub(crate) struct Surface<'a> {
 pub(crate) struct Reached {
     /// For each light, whether it reaches any surface.
     pub lights: Vec<bool>,
-    /// For each surface, whether any light reaches it.
+    /// For each surface, whether any light but ambient light reaches it.
     pub surfaces: Vec<bool>,
 }
 
@@ -86,7 +86,10 @@ pub(crate) fn run(lights: &[&Light], surfaces: &[Surface<'_>], geometry: &Geomet
     };
     let mut of_light = |light: usize| surfaces.iter().any(|surface| reaches(light, surface));
     let reaching: Vec<bool> = (0..lights.len()).map(&mut of_light).collect();
-    let useful: Vec<usize> = (0..lights.len()).filter(|&light| reaching[light]).collect();
+    // Ambient light shows nothing but diffuse colour.
+    let is_useful =
+        |&light: &usize| reaching[light] && !matches!(lights[light].emitter, Emitter::Around(..));
+    let useful: Vec<usize> = (0..lights.len()).filter(is_useful).collect();
     let of_surface = |surface: &Surface<'_>| {
         useful.iter().any(|&light| {
             pairs += 1;
@@ -100,6 +103,8 @@ pub(crate) fn run(lights: &[&Light], surfaces: &[Surface<'_>], geometry: &Geomet
 /// nothing.
 fn reflects(surface: &Surface<'_>, light: &Light) -> bool {
     let &Material { ks, kd, color, .. } = surface.material;
+    // Ambient light shows diffuse colour for any kd.
+    let kd = if matches!(light.emitter, Emitter::Around(..)) { 1.0 } else { kd };
     // Infinite power adds something, if only a NaN.
     let shines = light.power.cmpgt(Vec3::ZERO);
     let colored = color.cmpgt(Vec3::ZERO) & shines;
@@ -194,6 +199,8 @@ impl Extent {
             Emitter::Sphere { center, radius } | Emitter::Disk(Disk { center, radius, .. }, _) => {
                 point(*center, *radius)
             }
+            // All of it is certainly behind nothing.
+            Emitter::Around(..) => Self { is_distant: true, ..point(Vec3::ZERO, 2.0) },
             Emitter::Triangles(triangles) => {
                 let corners = triangles.corners().iter().map(|corners| Aabb::around(*corners));
                 Self::of_box(&corners.fold(Aabb::EMPTY, Aabb::union))

@@ -23,14 +23,19 @@ impl Distant {
     pub fn new(towards: DVec3, angle: f64, diameter: f64) -> Self {
         let right = normalize_f64(towards.any_orthogonal_vector());
         let half_sine = libm::sin((angle / 4.0).to_radians());
-        // A scene of one point may have any diameter.
-        let (_, exponent) = libm::frexp(if diameter > 0.0 { diameter } else { 1.0 });
         Self {
             axes: [towards, right, towards.cross(right)],
             height: 2.0 * half_sine * half_sine,
-            // At least twice the diameter, as a shadow ray skips the last part of its way.
-            reach: libm::ldexp(1.0, exponent + 1),
+            reach: Self::reach(diameter),
         }
+    }
+
+    /// The length of a vector that leaves a scene of this `diameter`: at least twice that, as a
+    /// shadow ray skips the last part of its way.
+    pub fn reach(diameter: f64) -> f64 {
+        // A scene of one point may have any diameter.
+        let (_, exponent) = libm::frexp(if diameter > 0.0 { diameter } else { 1.0 });
+        libm::ldexp(1.0, exponent + 1)
     }
 
     /// Whether all its rays are parallel.

@@ -54,6 +54,8 @@ impl Shows {
             metal: varied.is_some() && (is_lit || mirrors),
             occlusion: occlusion.as_ref().is_some_and(StrengthMap::has_effect)
                 && has_ambient
+                // Rays find what is in the way.
+                && !census.hemisphere.is_some_and(|light| light.traced)
                 && is_colored,
             tint: is_tinted && (is_lit && may.ks > 0.0 || mirrors),
             normal: normal.as_ref().is_some_and(StrengthMap::has_effect)

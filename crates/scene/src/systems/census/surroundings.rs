@@ -2,6 +2,7 @@
 
 use super::Facts;
 use crate::components::Environment;
+use wavecrest_core::kernels::light::Emitter;
 
 impl Facts<'_> {
     pub(super) fn hemisphere(&self) -> (bool, String) {
@@ -12,6 +13,17 @@ impl Facts<'_> {
                 (false, "no surface in view shows it".to_owned())
             }
             Some(_) => (true, "ambient light from a sky and a ground".to_owned()),
+        }
+    }
+
+    pub(super) fn occlusion(&self) -> (bool, String) {
+        let found = self.lights("sky", |emitter| matches!(emitter, Emitter::Around(..)));
+        match (self.census.hemisphere, found) {
+            (Some(light), _) if !light.traced => {
+                (false, "nothing is in the way of ambient light".to_owned())
+            }
+            (Some(_), (true, _)) => (true, "rays look for what is in its way".to_owned()),
+            (_, found) => found,
         }
     }
 

@@ -1,0 +1,79 @@
+//! Ambient light from a sky and the ground.
+
+use glam::DVec3;
+use hecs::{Entity, World};
+
+use super::{Found, MOST_SAMPLES, Surroundings, check_samples, diameter, grid, unit};
+use crate::components::{Falloff, Order, Sampling};
+use crate::format::{Declaration, Kind, Object, Range, component, declared};
+use wavecrest_base::error::Result;
+use wavecrest_core::kernels::hemisphere::Hemisphere;
+use wavecrest_core::kernels::light::{Distant, Emitter, Light};
+
+/// The object of ambient light.
+pub(crate) const SKY: Kind = Kind {
+    components: &[Declaration::of::<Sky>()],
+    ..Kind::new(
+        "ambient light (or a number)",
+        "Ambient light from a sky and the ground, by the direction of the normal.",
+        &[],
+    )
+};
+
+component! {
+    /// Ambient light from a sky and the ground, added once, weighted by the normal.
+    #[derive(Clone, Copy, Debug, PartialEq)]
+    pub struct Sky {
+        /// The light on a surface that faces up.
+        pub sky: DVec3 = "sky": Color, Required;
+        /// The light on a surface that faces down.
+        pub ground: DVec3 = "ground": Color, Required;
+        /// Direction of the sky.
+        pub up: DVec3 = "up": Direction("[0, 1, 0]"), Are([0.0, 1.0, 0.0]);
+        /// Directions in which rays look for what is in the way of this light; with jittered
+        /// sampling, along each side of the grid. At 0 nothing is in the way.
+        pub samples: u32 = "samples": Integer(0, MOST_SAMPLES), Is(0.0);
+        /// Distribution of the directions: random, one in each cell of a grid, or Sobol.
+        pub sampling: Sampling = "sampling": word::<Sampling>(), Says("sobol");
+        /// How far rays look; at 0, to the end of the scene.
+        pub distance: f64 = "distance": Number(Range::NOT_NEGATIVE), Is(0.0);
+    }
+}
+
+declared!(Sky, check);
+
+fn check(sky: &mut Sky, object: &Object<'_>) -> Result<()> {
+    check_samples(object, sky.sampling, sky.samples)
+}
+
+impl Sky {
+    /// The light on a surface by its normal.
+    pub(crate) fn hemisphere(&self) -> Hemisphere {
+        let mut light = Hemisphere::new(self.sky, self.ground, unit(self.up));
+        light.traced = self.samples > 0;
+        light
+    }
+}
+
+/// Ambient light that shadow rays look for.
+pub(super) fn emitters(
+    world: &World,
+    scene: &Surroundings<'_>,
+    found: &mut Vec<Found>,
+) -> Result<()> {
+    for (entity, sky) in world.query::<(Entity, &Sky)>().iter().filter(|(_, sky)| sky.samples > 0) {
+        let all = || Distant::reach(diameter(&scene.extracted.geometry));
+        let reach = if sky.distance > 0.0 { sky.distance } else { all() };
+        let light = Light {
+            emitter: Emitter::Around(sky.hemisphere(), reach as f32),
+            power: sky.sky.max(sky.ground).as_vec3(),
+            falloff: Falloff::None,
+            sampling: sky.sampling,
+            grid: grid(sky.sampling, sky.samples),
+            dimension: 0,
+        };
+        // After the lights of the file, whose random numbers it leaves as they are.
+        found.push(Found { entity, order: Order(u32::MAX), light });
+    }
+    Ok(())
+}
