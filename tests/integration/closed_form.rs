@@ -13,6 +13,9 @@ mod camera;
 // What is all around.
 mod environment;
 
+// How much of the ambient light arrives.
+mod ambient;
+
 // What goes through surfaces.
 mod transparency;
 

@@ -91,7 +91,7 @@ impl Set {
         let mut shapes = Vec::new();
         let ambient = if self.has(Effect::HemisphereLight) {
             json!({"sky": [0.3, 0.4, 0.5], "ground": [0.2, 0.1, 0.05], "up": [1, 2, 1],
-                   "samples": if self.has(Effect::AmbientOcclusion) { 2 } else { 0 }})
+                   "samples": if self.is_traced() { 2 } else { 0 }})
         } else {
             0.08.into()
         };
@@ -165,6 +165,11 @@ impl Set {
         }
     }
 
+    /// Whether rays look for what is in the way of ambient light.
+    fn is_traced(self) -> bool {
+        self.has(Effect::AmbientOcclusion) && self.has(Effect::HemisphereLight)
+    }
+
     /// Which of them a plan has to find: those that something leads to.
     fn expected(self, effect: Effect) -> bool {
         let kinds = [Effect::Triangles, Effect::Quads, Effect::Disks, Effect::Spheres];
@@ -177,13 +182,12 @@ impl Set {
             Effect::Textures
             | Effect::CutOuts
             | Effect::Emission
-            | Effect::MaterialTextures
             | Effect::Mirrors
             | Effect::Transparency
             | Effect::HemisphereLight => self.has(effect) && surfaces,
-            Effect::AmbientOcclusion => {
-                self.has(effect) && self.has(Effect::HemisphereLight) && surfaces
-            }
+            Effect::AmbientOcclusion => self.is_traced() && surfaces,
+            // Rays find what the map would tell.
+            Effect::MaterialTextures => self.has(effect) && surfaces && !self.is_traced(),
             Effect::VertexColors => self.has(effect) && self.has(Effect::Triangles),
             _ if LIGHTS.contains(&effect) => self.has(effect) && surfaces,
             Effect::RayDifferentials => self.has(effect) && self.has(Effect::Textures) && surfaces,
@@ -372,9 +376,11 @@ fn without(needs: Needs, effect: Effect) -> Needs {
 /// A scene that shows `effect` and whatever else `needs` must have, of shapes of every kind and, unless
 /// that is the effect, under a light.
 fn scene_of(effect: Effect, needs: Needs, folder: &Path) -> Value {
-    let light = if LIGHTS.contains(&effect) { effect } else { Effect::PointLights };
+    let is_light = LIGHTS.contains(&effect) || effect == Effect::AmbientOcclusion;
+    let light = if is_light { effect } else { Effect::PointLights };
     let mut effects = vec![Effect::Triangles, Effect::Quads, Effect::Spheres, Effect::Disks, light];
     effects.extend((effect != light).then_some(effect));
+    effects.extend((effect == Effect::AmbientOcclusion).then_some(Effect::HemisphereLight));
     if let Needs::Both(some, more) = needs {
         effects.push(if some.contains(&effect) { more[0] } else { some[0] });
         effects.push(Effect::Textures);
@@ -413,7 +419,7 @@ fn a_need_taken_out_of_the_table_is_missed() {
             needs += 1;
         }
     }
-    assert_eq!(needs, 24);
+    assert_eq!(needs, 26);
 }
 
 /// What a scene costs that shows nothing of it.

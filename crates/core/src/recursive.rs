@@ -13,6 +13,7 @@ use glam::Vec3;
 use crate::accel::{Hit, Traversal};
 use crate::counters::TestCounts;
 use crate::counters::{Counters, Sample};
+use crate::kernels::hemisphere::Hemisphere;
 use crate::kernels::light::{Light, LightPoint};
 use crate::kernels::precision::Arithmetic;
 use crate::kernels::shade::{self, ShadingPoint, ShadowRequest};
@@ -310,7 +311,8 @@ impl<P: Arithmetic> Recursive<P> {
                 let place = [number, index as usize];
                 let target = light.point(index, stream);
                 self.counters.light_samples += u64::from(light.is_sampled());
-                let request = shadow_request(point, throughput, light, &target);
+                let ambient = scene.hemisphere.as_ref();
+                let request = shadow_request(point, throughput, light, &target, ambient);
                 let Some(request) = request else {
                     observer.light(place, &target, None);
                     continue;
@@ -342,8 +344,9 @@ fn shadow_request(
     throughput: Vec3,
     light: &Light,
     target: &LightPoint<f32>,
+    ambient: Option<&Hemisphere>,
 ) -> Option<ShadowRequest<f32>> {
-    shade::shadow_request(point, throughput.into(), light, target)
+    shade::shadow_request(point, throughput.into(), light, target, ambient)
 }
 
 /// The mirror ray of a point and its throughput, if there is one.

@@ -173,7 +173,11 @@ fn ambient(scene: &Object<'_>, world: &mut World) -> Result<f64> {
     }
     let mut entity = EntityBuilder::new();
     entity.add(JsonPath(cursor.path()));
-    cursor.object(SKY)?.components(&mut entity)?;
+    let object = cursor.object(SKY)?;
+    if !scene.has("environment") {
+        object.need("sky", "the light of the sky, [r, g, b], or the scene an \"environment\"")?;
+    }
+    object.components(&mut entity)?;
     world.spawn(entity.build());
     Ok(0.0)
 }

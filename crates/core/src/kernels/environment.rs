@@ -3,8 +3,11 @@
 //! The image's centre is in the direction -z and its upper edge at +y, so that it is seen upright
 //! and not mirrored from within.
 
-use glam::{Mat3, Vec2, Vec3};
+use std::f64::consts::PI;
 
+use glam::{DVec3, Mat3, Vec2, Vec3};
+
+use super::hemisphere::Hemisphere;
 use super::texture::{Filter, Image, Wrap, sphere_uv};
 use crate::math::float::normalize;
 
@@ -27,7 +30,35 @@ pub enum Surrounding {
     Image(u32),
 }
 
+/// Rows of samples of a gradient.
+const GRADIENT_ROWS: u32 = 128;
+
 impl Environment {
+    /// The ambient light that it gives.
+    pub fn ambient<'a>(&self, image: impl Fn(u32) -> Option<&'a Image>) -> Hemisphere {
+        let rows = match self.colors {
+            Surrounding::Gradient(_) => GRADIENT_ROWS,
+            Surrounding::Image(number) => image(number).map_or(1, |image| image.height),
+        };
+        let to_world = self.to_own.transpose();
+        let ends = |row: u32| libm::cos(PI * f64::from(row) / f64::from(rows));
+        let parts = (0..rows).flat_map(|row| {
+            let [top, bottom] = [ends(row), ends(row + 1)];
+            let height = (top + bottom) / 2.0;
+            let angle = 2.0 * PI * (top - bottom) / f64::from(2 * rows);
+            (0..2 * rows).map(move |column| {
+                let turn = PI * (f64::from(column) + 0.5) / f64::from(rows);
+                let (sin, cos) = libm::sincos(turn);
+                let across = (1.0 - height * height).sqrt();
+                (DVec3::new(across * sin, height, across * cos).as_vec3(), angle)
+            })
+        });
+        Hemisphere::around(parts.map(|(own, angle)| {
+            let direction = to_world * own;
+            (direction, self.at(direction, &image).as_dvec3() * angle)
+        }))
+    }
+
     /// The colour in a direction; `image` returns the image with an index.
     pub fn at<'a>(&self, direction: Vec3, image: impl FnOnce(u32) -> Option<&'a Image>) -> Vec3 {
         let own = normalize(self.to_own * direction);

@@ -1,53 +1,109 @@
-//! Hemispheric ambient light: a sky of one colour and a ground of another.
+//! Ambient light by the normal: that of a sky of one colour and a ground of another, or of an
+//! environment.
 //!
-//! For a normal n, the sky's share is (1 + n . up) / 2, the unoccluded diffuse reflection of both.
-//! Mirror rays that leave the scene show the same colours, with n their direction. If it is traced,
-//! shadow rays tell how much of it arrives.
+//! Of a sky and a ground, the sky's share is (1 + n . up) / 2 for a normal n, the unoccluded diffuse
+//! reflection of both. Mirror rays that leave the scene show the same colours, with n their
+//! direction. The light of an environment is that of its nine lowest spherical harmonics, which
+//! hold all but a few per cent of it: Ramamoorthi and Hanrahan, *An Efficient Representation for
+//! Irradiance Environment Maps* (SIGGRAPH 2001). If light is traced, shadow rays tell how much of it
+//! arrives.
+
+use std::f64::consts::PI;
 
 use glam::{DVec3, Vec3};
 
 use crate::math::real::Single;
 use crate::math::vector::Vector;
 
-/// The light of a sky and of the ground below it.
+/// Ambient light by the normal.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hemisphere {
-    /// Direction of the sky, of unit length.
-    up: Vec3,
-    /// The mean of both colours.
-    middle: Vec3,
-    /// The sky's colour minus the mean.
-    more: Vec3,
+    light: Ambient,
     /// Whether lit sides receive it along shadow rays, from a light of its own.
     pub traced: bool,
 }
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Ambient {
+    Sky {
+        /// Direction of the sky, of unit length.
+        up: Vec3,
+        /// The mean of both colours.
+        middle: Vec3,
+        /// The sky's colour minus the mean.
+        more: Vec3,
+    },
+    /// The factors of [`harmonics`].
+    Harmonics([Vec3; 9]),
+}
+
+/// The nine lowest spherical harmonics of a direction, up to factors.
+#[inline(always)]
+fn harmonics<F: Single>(Vector { x, y, z }: Vector<F>) -> [F; 9] {
+    let one = x.same(1.0);
+    [one, x, y, z, x * y, y * z, x * z, (z * z).times(3.0) - one, x * x - y * y]
+}
+
+/// For each of them, the square of its factor, times the share of its order that a diffuse surface
+/// reflects.
+const REFLECTED: [f64; 9] = {
+    let (zeroth, first) = (1.0 / (4.0 * PI), 3.0 / (4.0 * PI) * (2.0 / 3.0));
+    let second = 15.0 / (4.0 * PI) / 4.0;
+    [zeroth, first, first, first, second, second, second, second / 12.0, second / 4.0]
+};
 
 impl Hemisphere {
     /// Light with these linear colours; the unit vector `up` points to the sky.
     pub fn new(sky: DVec3, ground: DVec3, up: DVec3) -> Self {
         let [middle, more] = [(sky + ground) / 2.0, (sky - ground) / 2.0].map(|v| v.as_vec3());
-        Self { up: up.as_vec3(), middle, more, traced: false }
+        Self { light: Ambient::Sky { up: up.as_vec3(), middle, more }, traced: false }
+    }
+
+    /// The light of surroundings in parts: for each a unit vector to it, and its colour times its
+    /// solid angle.
+    pub fn around(parts: impl Iterator<Item = (Vec3, DVec3)>) -> Self {
+        let mut sums = [DVec3::ZERO; 9];
+        for (direction, light) in parts {
+            let values = harmonics::<f32>(direction.into());
+            sums.iter_mut().zip(values).for_each(|(sum, value)| *sum += light * f64::from(value));
+        }
+        let mut factors = [Vec3::ZERO; 9];
+        for ((factor, sum), reflected) in factors.iter_mut().zip(sums).zip(REFLECTED) {
+            *factor = (sum * reflected).as_vec3();
+        }
+        Self { light: Ambient::Harmonics(factors), traced: false }
     }
 
     /// Whether it adds nothing anywhere.
     pub fn is_black(&self) -> bool {
-        self.middle == Vec3::ZERO
+        match self.light {
+            Ambient::Sky { middle, .. } => middle == Vec3::ZERO,
+            Ambient::Harmonics(factors) => factors == [Vec3::ZERO; 9],
+        }
     }
 
-    /// The light that arrives at a surface with this unit normal, or along a mirror ray in this
-    /// direction.
+    /// The light that arrives at a surface with this unit normal, or of a sky and a ground along a
+    /// mirror ray in this direction.
     #[inline(always)]
     pub fn at<F: Single>(&self, normal: Vector<F>) -> Vector<F> {
         let token = normal.x.token();
-        let [up, middle, more] = [
-            Vector::splat(token, self.up),
-            Vector::splat(token, self.middle),
-            Vector::splat(token, self.more),
-        ];
-        // Clamped to the range of exact arithmetic, so that no light is negative.
-        let one = normal.x.same(1.0);
-        let height = normal.dot(up).min(one).max(-one);
-        middle + more.scale(height)
+        match self.light {
+            Ambient::Sky { up, middle, more } => {
+                let [up, middle, more] = [up, middle, more].map(|v| Vector::splat(token, v));
+                // Clamped to the range of exact arithmetic, so that no light is negative.
+                let one = normal.x.same(1.0);
+                let height = normal.dot(up).min(one).max(-one);
+                middle + more.scale(height)
+            }
+            Ambient::Harmonics(factors) => {
+                let zero = Vector::splat(token, Vec3::ZERO);
+                let terms = factors.into_iter().zip(harmonics(normal));
+                let Vector { x, y, z } = terms.fold(zero, |sum, (factor, value)| {
+                    sum + Vector::splat(token, factor).scale(value)
+                });
+                Vector::new(x.max(zero.x), y.max(zero.x), z.max(zero.x))
+            }
+        }
     }
 }
 

@@ -11,7 +11,6 @@ pub use distant::Distant;
 pub use spot::Cone;
 
 use super::disk::Disk;
-use super::hemisphere::Hemisphere;
 use super::triangle;
 use crate::math::float::{dot_f64, max, max_abs, normalize_f64};
 use crate::math::random::Stream;
@@ -66,9 +65,8 @@ pub enum Emitter {
     Disk(Disk, [DVec3; 2]),
     /// Triangles, of a quad or of a mesh.
     Triangles(Triangles),
-    /// A sky and the ground, as far as nothing nearer than a distance is in the way: ambient light
-    /// with occlusion.
-    Around(Hemisphere, f32),
+    /// Ambient light from all around, as far as nothing nearer than this distance is in its way.
+    Around(f32),
 }
 
 /// Triangles whose points are chosen uniformly by area.
@@ -178,8 +176,7 @@ impl LightPoint<f32> {
 pub struct Light {
     /// The source.
     pub emitter: Emitter,
-    /// Intensity times colour, linear. Of light from all around, the larger of both colours in each
-    /// channel.
+    /// Intensity times colour, linear. Of light from all around, 1 in channels that have any.
     pub power: Vec3,
     /// Falloff with distance.
     pub falloff: Falloff,

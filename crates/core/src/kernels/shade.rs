@@ -112,11 +112,13 @@ impl<F: Single> ShadingPoint<F> {
         match hemisphere {
             None => even,
             Some(hemisphere) => {
-                let mut arriving = hemisphere.at(self.shading_normal).scale(self.occlusion);
-                if hemisphere.traced {
+                let all = hemisphere.at(self.shading_normal);
+                let arriving = if hemisphere.traced {
                     let none = Vector::splat(self.kr.token(), Vec3::ZERO);
-                    arriving = Vector::select(self.lit, none, arriving);
-                }
+                    Vector::select(self.lit, none, all)
+                } else {
+                    all.scale(self.occlusion)
+                };
                 even + self.color * arriving
             }
         }
@@ -154,8 +156,8 @@ impl ShadowRequest<f32> {
 /// still met.
 pub const SHADOW_END: f32 = 1.0 - 16.0 * gamma(2);
 
-/// The shadow ray from a lit point with weight `throughput` to `target`, a point of `light`; `None`
-/// if no lane has a request. Lanes without a possible contribution have none: the light is behind
+/// The shadow ray from a lit point with weight `throughput` to `target`, a point of `light`, which
+/// may be that of the `ambient` light; `None` if no lane has a request. Lanes without a possible contribution have none: the light is behind
 /// the surface, has no strength, or is not reflected to the viewer.
 ///
 /// A light on the surface itself would be infinitely strong. Its distance counts as at least the
@@ -166,9 +168,11 @@ pub fn shadow_request<F: Single>(
     throughput: Vector<F>,
     light: &Light,
     target: &LightPoint<F>,
+    ambient: Option<&Hemisphere>,
 ) -> Option<ShadowRequest<F>> {
-    if let Emitter::Around(sky, distance) = &light.emitter {
-        return ambient_request(point, throughput, (sky, *distance), light.samples(), target);
+    if let Emitter::Around(distance) = light.emitter {
+        let ambient = ambient?.at(point.shading_normal).over(point.kr.same(light.samples() as f32));
+        return ambient_request(point, throughput * ambient, distance, target);
     }
     let zero = point.kr.zero();
     let is_distant = light.emitter.is_distant();
@@ -206,25 +210,23 @@ pub fn shadow_request<F: Single>(
     asked.any().then_some(request)
 }
 
-/// The ray that finds whether anything up to a distance is in the way of ambient light; `target` is
-/// a point of the unit sphere. All rays together have the contribution that
+/// The ray that finds whether anything up to a `distance` is in the way of ambient light; `target`
+/// is a point of the unit sphere. All rays together have the contribution that
 /// [`ShadingPoint::local_light`] adds without them, so light that arrives has no noise.
 ///
 /// Directions below the surface, for which the shading normal leans, are mirrored at it.
 #[inline(always)]
 fn ambient_request<F: Single>(
     point: &ShadingPoint<F>,
-    throughput: Vector<F>,
-    (sky, distance): (&Hemisphere, f32),
-    samples: u32,
+    arriving: Vector<F>,
+    distance: f32,
     target: &LightPoint<F>,
 ) -> Option<ShadowRequest<F>> {
     let zero = point.kr.zero();
     let direction = (point.shading_normal + target.position).normalize_in_single();
     let height = direction.dot(point.normal);
     let above = direction - point.normal.scale((height + height).min(zero));
-    let arriving = sky.at(point.shading_normal).over(zero.same(samples as f32));
-    let contribution = throughput * (point.color * arriving);
+    let contribution = arriving * point.color;
     let origin = point.point.offset_origin(point.error, point.normal, above);
     let line = Line { origin, direction: above.scale(zero.same(distance)) };
     let asked = point.lit & contribution.is_not_zero() & line.is_valid();
@@ -314,7 +316,7 @@ mod tests {
         let light = light(target);
         let stream = Stream { seed: 0, pixel: 0, sample: 0, bounce: 0 };
         let target = light.point(0, &stream);
-        shadow_request(point, Vec3::ONE.into(), &light, &target)
+        shadow_request(point, Vec3::ONE.into(), &light, &target, None)
     }
 
     #[test]

@@ -99,8 +99,9 @@ mod tests {
     /// Without scrambling: the sequence as Sobol published it, in the order of the van der Corput sequence.
     #[test]
     fn the_directions_are_sobols() {
-        let first: Vec<f64> =
-            (0..8).map(|i| f64::from(second_dimension(i).reverse_bits()) / 4_294_967_296.0).collect();
+        let first: Vec<f64> = (0..8)
+            .map(|i| f64::from(second_dimension(i).reverse_bits()) / 4_294_967_296.0)
+            .collect();
         assert_eq!(first, [0.0, 0.5, 0.75, 0.25, 0.625, 0.125, 0.375, 0.875]);
     }
 

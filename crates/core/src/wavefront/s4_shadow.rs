@@ -9,6 +9,7 @@ use super::batch::{Batch, ShadowRays};
 use super::count;
 use crate::accel::{Rays, Traversal};
 use crate::counters::Counters;
+use crate::kernels::hemisphere::Hemisphere;
 use crate::kernels::light::{Light, LightPoint};
 use crate::kernels::precision::Arithmetic;
 use crate::kernels::shade::shadow_request;
@@ -34,6 +35,7 @@ pub(super) fn run<P: Arithmetic>(
         while next.index < light.samples() && !batch.lit.is_empty() {
             let request = ShadowRequests {
                 light,
+                ambient: scene.hemisphere.as_ref(),
                 seed,
                 bounce,
                 tinted,
@@ -59,6 +61,7 @@ struct NextRequest {
 /// past the light's last point once all are queued.
 struct ShadowRequests<'a> {
     light: &'a Light,
+    ambient: Option<&'a Hemisphere>,
     seed: u64,
     bounce: u32,
     /// Whether highlights are coloured.
@@ -73,7 +76,7 @@ impl Pass for ShadowRequests<'_> {
 
     #[inline(always)]
     fn run<F: Single>(self, token: F::Token) -> NextRequest {
-        let Self { light, counters, batch, mut next, .. } = self;
+        let Self { light, ambient, counters, batch, mut next, .. } = self;
         let capacity = batch.capacity();
         let Batch { lit, tints, paths, shadows, .. } = batch;
         let (samples, sampled) = (light.samples(), light.is_sampled());
@@ -98,7 +101,7 @@ impl Pass for ShadowRequests<'_> {
                 let targets = targets::<F>(token, light, next.index, stream, &places);
                 counters.light_samples += if sampled { count as u64 } else { 0 };
                 next.point += F::LANES;
-                let request = shadow_request(&points, throughput, light, &targets);
+                let request = shadow_request(&points, throughput, light, &targets, ambient);
                 let Some(request) = request else { continue };
                 shadows.provide();
                 counters.shadow_rays += shadows.push_lanes(&request, path) as u64;

@@ -35,7 +35,7 @@ fn shadow_ray(
     let power = Vec3::splat(POWER);
     let light = Light { emitter, power, falloff, sampling, grid: [1, 1], dimension: 1 };
     let stream = Stream { seed: 0, pixel: numbers.below(1 << 20) as u32, sample: 0, bounce: 0 };
-    let request = shadow_request(point, Vec3::ONE.into(), &light, &light.point(0, &stream));
+    let request = shadow_request(point, Vec3::ONE.into(), &light, &light.point(0, &stream), None);
     let is_valid = request.as_ref().is_none_or(|request| {
         let contribution = Vec3::from(request.contribution);
         let is_valid = contribution.is_finite() && contribution.min_element() >= 0.0;

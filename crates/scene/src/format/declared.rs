@@ -80,7 +80,7 @@ pub(crate) trait Field: Copy {
     /// continues with some value.
     fn read(object: &Object<'_>, key: &Key, usual: Option<Self>) -> Self;
 
-    /// The value as it is written.
+    /// The value as it is written; null if it is not.
     fn to_json(self) -> Value;
 }
 
@@ -150,6 +150,17 @@ impl Field for DVec3 {
 
     fn to_json(self) -> Value {
         self.to_array().to_vec().into()
+    }
+}
+
+impl<T: Field> Field for Option<T> {
+    fn read(object: &Object<'_>, key: &Key, usual: Option<Self>) -> Self {
+        let usual = usual.flatten();
+        (usual.is_some() || object.has(key.name)).then(|| T::read(object, key, usual))
+    }
+
+    fn to_json(self) -> Value {
+        self.map_or(Value::Null, T::to_json)
     }
 }
 

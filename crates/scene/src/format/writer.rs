@@ -61,7 +61,10 @@ impl<'a> Writer<'a> {
 
     /// Writes a field.
     pub(crate) fn put(&mut self, key: &str, value: impl Field) {
-        self.set(key, value.to_json());
+        let value = value.to_json();
+        if !value.is_null() {
+            self.set(key, value);
+        }
     }
 
     /// Writes a value.

@@ -1,6 +1,6 @@
 //! Ambient light from a sky and the ground.
 
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 use hecs::{Entity, World};
 
 use super::{Found, MOST_SAMPLES, Surroundings, check_samples, diameter, grid, unit};
@@ -24,10 +24,10 @@ component! {
     /// Ambient light from a sky and the ground, added once, weighted by the normal.
     #[derive(Clone, Copy, Debug, PartialEq)]
     pub struct Sky {
-        /// The light on a surface that faces up.
-        pub sky: DVec3 = "sky": Color, Required;
-        /// The light on a surface that faces down.
-        pub ground: DVec3 = "ground": Color, Required;
+        /// The light on a surface that faces up; by default that of the environment, from everywhere.
+        pub sky: Option<DVec3> = "sky": Color;
+        /// The light on a surface that faces down; by default the same.
+        pub ground: Option<DVec3> = "ground": Color;
         /// Direction of the sky.
         pub up: DVec3 = "up": Direction("[0, 1, 0]"), Are([0.0, 1.0, 0.0]);
         /// Directions in which rays look for what is in the way of this light; with jittered
@@ -35,21 +35,26 @@ component! {
         pub samples: u32 = "samples": Integer(0, MOST_SAMPLES), Is(0.0);
         /// Distribution of the directions: random, one in each cell of a grid, or Sobol.
         pub sampling: Sampling = "sampling": word::<Sampling>(), Says("sobol");
-        /// How far rays look; at 0, to the end of the scene.
-        pub distance: f64 = "distance": Number(Range::NOT_NEGATIVE), Is(0.0);
+        /// How far rays look; by default to the end of the scene.
+        pub distance: Option<f64> = "distance": Number(Range::POSITIVE);
     }
 }
 
 declared!(Sky, check);
 
 fn check(sky: &mut Sky, object: &Object<'_>) -> Result<()> {
+    if sky.sky.is_none() && sky.ground.is_some() {
+        object.need("sky", "the light of the sky too, [r, g, b]")?;
+    }
     check_samples(object, sky.sampling, sky.samples)
 }
 
 impl Sky {
-    /// The light on a surface by its normal.
-    pub(crate) fn hemisphere(&self) -> Hemisphere {
-        let mut light = Hemisphere::new(self.sky, self.ground, unit(self.up));
+    /// The light on a surface by its normal. That of the environment is found later; until then it
+    /// is white, if there is any.
+    pub(crate) fn hemisphere(&self, environment: bool) -> Hemisphere {
+        let sky = self.sky.unwrap_or(if environment { DVec3::ONE } else { DVec3::ZERO });
+        let mut light = Hemisphere::new(sky, self.ground.unwrap_or(sky), unit(self.up));
         light.traced = self.samples > 0;
         light
     }
@@ -63,10 +68,12 @@ pub(super) fn emitters(
 ) -> Result<()> {
     for (entity, sky) in world.query::<(Entity, &Sky)>().iter().filter(|(_, sky)| sky.samples > 0) {
         let all = || Distant::reach(diameter(&scene.extracted.geometry));
-        let reach = if sky.distance > 0.0 { sky.distance } else { all() };
+        let sums = sky.sky.map(|color| color + sky.ground.unwrap_or(color));
         let light = Light {
-            emitter: Emitter::Around(sky.hemisphere(), reach as f32),
-            power: sky.sky.max(sky.ground).as_vec3(),
+            emitter: Emitter::Around(sky.distance.unwrap_or_else(all) as f32),
+            power: sums.map_or(Vec3::ONE, |sums| {
+                Vec3::select(sums.as_vec3().cmpgt(Vec3::ZERO), Vec3::ONE, Vec3::ZERO)
+            }),
             falloff: Falloff::None,
             sampling: sky.sampling,
             grid: grid(sky.sampling, sky.samples),

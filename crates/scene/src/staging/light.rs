@@ -13,8 +13,8 @@ use hecs::World;
 use super::camera::Framed;
 use super::{Scenery, ground};
 use crate::components::{
-    AreaLight, DirectionalLight, Encoding, Falloff, JsonPath, Mesh, Order, PointLight,
-    Sampling, Settings, Sky, Transparency, View,
+    AreaLight, DirectionalLight, Encoding, Falloff, JsonPath, Mesh, Order, PointLight, Sampling,
+    Settings, Sky, Transparency, View,
 };
 use crate::corners::{direction, quad_has_area};
 use crate::mesh::MeshData;
@@ -96,9 +96,10 @@ pub(crate) fn light(
     lighting: &Lighting,
 ) -> (Settings, &'static str) {
     let background = lighting.background.map_or(LIGHT, Background::color);
-    let distance = framed.view.location.distance(framed.view.look) * NEAR;
+    let distance = Some(framed.view.location.distance(framed.view.look) * NEAR);
     let under = |world: &mut World, [sky, ground]: [DVec3; 2], up, samples| {
         let sampling = Sampling::Sobol;
+        let (sky, ground) = (Some(sky), Some(ground));
         world.spawn((Sky { sky, ground, up, samples, sampling, distance },));
         settings_of(file, background, 0.0)
     };
@@ -108,7 +109,10 @@ pub(crate) fn light(
             // A room without extent has no place for a lamp.
             if let Some(corners) = framed.lamp.filter(quad_has_area) {
                 world.spawn(ceiling(corners));
-                return (under(world, ROOM, framed.up, SKY_SAMPLES), "a light under the ceiling is added");
+                return (
+                    under(world, ROOM, framed.up, SKY_SAMPLES),
+                    "a light under the ceiling is added",
+                );
             }
             let axes = axes(framed);
             let lamps = STUDIO.each_ref().map(|lamp| lamp.light(&axes));

@@ -31,6 +31,7 @@ fn parts(scene: &LoadedScene) -> Parts {
         part::<Order>,
         part::<PointLight>,
         part::<AreaLight>,
+        part::<Sky>,
         part::<Sphere>,
         part::<Quad>,
         part::<Triangle>,

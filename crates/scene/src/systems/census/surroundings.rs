@@ -12,7 +12,7 @@ impl Facts<'_> {
             Some(_) if !self.shows_ambient && !self.mirrors().0 && !self.transparency().0 => {
                 (false, "no surface in view shows it".to_owned())
             }
-            Some(_) => (true, "ambient light from a sky and a ground".to_owned()),
+            Some(_) => (true, "ambient light by the normal".to_owned()),
         }
     }
 

@@ -56,7 +56,7 @@ fn asks(light: &Light, at: surface::Surface<f32>, flipped: bool, ray: &Ray, inde
     let point = ShadingPoint::plain([point, error, normal.into()], -ray.direction, &WHITE);
     let point = ShadingPoint { shading_normal: outward, lit: is_front, ..point };
     let stream = Stream { seed: 5, pixel: index, sample: 0, bounce: 0 };
-    shadow_request(&point, Vec3::ONE.into(), light, &light.point(0, &stream)).is_some()
+    shadow_request(&point, Vec3::ONE.into(), light, &light.point(0, &stream), None).is_some()
 }
 
 /// A light near the plane of a triangle somewhere, on either side: at a point, on a sphere, on a triangle.

@@ -1,0 +1,122 @@
+//! Ambient light by the normal, and what is in its way.
+
+use std::f64::consts::PI;
+
+use serde_json::{Value, json};
+
+use crate::support::{assert_near, image, matte, pinhole, pixel, scene, sphere, wall, with};
+
+/// White light from everywhere, as `more` has it.
+fn white(more: Value) -> Value {
+    let mut ambient = json!({"sky": [1, 1, 1]});
+    more.as_object().into_iter().flatten().for_each(|(key, value)| ambient[key] = value.clone());
+    ambient
+}
+
+/// What a white floor shows below `place`, with these shapes on it.
+fn on_floor(place: [f64; 2], shapes: &[Value], ambient: &Value) -> f64 {
+    let camera = with(pinhole([1, 1], 1e-3, 5.0), "location", json!([place[0], place[1], 5]));
+    let camera = with(camera, "look", json!([place[0], place[1], 0]));
+    let floor = wall(50.0, 0.0, matte(0.0, [1.0; 3]));
+    let shapes: Vec<Value> = shapes.iter().cloned().chain([floor]).collect();
+    let mut scene = scene(0, &camera, &[], &shapes);
+    scene["scene"]["ambient"] = ambient.clone();
+    pixel(&image(&scene), 0, 0)[0]
+}
+
+/// A black wall on the floor, above the line through the origin and `along`.
+fn upright(along: [f64; 2], height: f64) -> Value {
+    let end = |sign: f64, z: f64| [sign * along[0], sign * along[1], z];
+    let points = [end(-1e5, 0.0), end(1e5, 0.0), end(1e5, height), end(-1e5, height)];
+    json!({"type": "plane", "points": points, "sides": "both", "material": matte(0.0, [0.0; 3])})
+}
+
+/// Every way to spread 4096 rays, with the error that it may have.
+fn samplers() -> [(Value, f64); 3] {
+    [("random", 4096, 0.03), ("jittered", 64, 0.004), ("sobol", 4096, 0.003)].map(
+        |(sampling, samples, error)| (json!({"sampling": sampling, "samples": samples}), error),
+    )
+}
+
+/// A long wall of the height h at the distance x hides (1 - x / sqrt(x^2 + h^2)) / 2.
+#[test]
+fn a_wall_hides_its_part_of_the_sky_above_a_floor() {
+    for (samples, error) in samplers() {
+        for (distance, height) in [(1.0, 1.0), (0.5, 2.0), (2.0, 0.5), (1.0, 1e5)] {
+            let hidden = 0.5 * (1.0 - distance / f64::hypot(distance, height));
+            let wall = upright([0.0, 1.0], height);
+            let found = on_floor([distance, 0.0], &[wall], &white(samples.clone()));
+            let what = format!("{samples}: {distance} from a wall of {height}");
+            assert!(
+                (found - (1.0 - hidden)).abs() < error,
+                "{what}: {found}, not {}",
+                1.0 - hidden
+            );
+        }
+    }
+}
+
+#[test]
+fn a_corner_of_two_walls_leaves_a_quarter_and_of_a_sharp_one_an_eighth() {
+    for (samples, error) in samplers() {
+        for (degrees, place) in [(90.0_f64, [1.0, 2.0]), (45.0, [2.0, 1.0])] {
+            let other = [degrees.to_radians().cos(), degrees.to_radians().sin()];
+            let walls = [upright([1.0, 0.0], 1e5), upright(other, 1e5)];
+            let found = on_floor(place, &walls, &white(samples.clone()));
+            assert!((found - degrees / 360.0).abs() < error, "{samples}, {degrees}: {found}");
+        }
+    }
+}
+
+/// Of a wall at the distance x, rays of the length d meet what is above the chord at x / d of the
+/// unit disk, in which directions by their cosine are spread evenly.
+#[test]
+fn rays_look_no_farther_than_their_distance() {
+    for (samples, error) in samplers() {
+        let wall = [upright([0.0, 1.0], 1e5)];
+        for (length, error) in [(0.99, 1e-6), (1.25, error), (2.0, error), (40.0, error)] {
+            let chord = f64::min(1.0 / length, 1.0);
+            let hidden = (chord.acos() - chord * f64::sqrt(1.0 - chord * chord)) / PI;
+            let ambient = with(white(samples.clone()), "distance", length);
+            let found = on_floor([1.0, 0.0], &wall, &ambient);
+            assert!((found - (1.0 - hidden)).abs() < error, "{samples}, {length}: {found}");
+        }
+    }
+}
+
+/// A ball without anything near it, with few rays: to their rounding as bright as without rays.
+#[test]
+fn light_that_arrives_has_no_noise() {
+    let ambient = json!({"sky": [0.9, 0.6, 0.3], "ground": [0.1, 0.2, 0.3], "up": [1, 2, 3]});
+    let ball = sphere([0.0; 3], 1.0, matte(0.0, [0.5, 0.7, 0.9]));
+    let mut scene = scene(0, &pinhole([16, 16], 40.0, 4.0), &[], &[ball]);
+    let mut film = |samples: u32| {
+        scene["scene"]["ambient"] = with(ambient.clone(), "samples", samples);
+        image(&scene)
+    };
+    let (plain, traced) = (film(0), film(3));
+    for (x, y) in (0..16).flat_map(|y| (0..16).map(move |x| (x, y))) {
+        assert_near(pixel(&traced, x, y), pixel(&plain, x, y), 1e-6, &format!("{x}, {y}"));
+    }
+}
+
+/// Surroundings a + b h, by the height h of a direction, are reflected as a + (2 / 3) b n.up.
+#[test]
+fn surroundings_light_surfaces_by_their_normals() {
+    for (up, height) in [([0.0, 0.0, 1.0], 1.0), ([0.0, 3.0, 4.0], 0.8), ([0.0, 0.0, -1.0], -1.0)] {
+        for (zenith, horizon, nadir) in [(0.5, 0.5, 0.5), (1.0, 0.6, 0.2)] {
+            let gray = |value: f64| [value; 3];
+            let around = json!({"zenith": gray(zenith), "horizon": gray(horizon),
+                                "nadir": gray(nadir), "up": up});
+            let floor = wall(50.0, 0.0, matte(0.0, [0.5; 3]));
+            let mut scene = scene(0, &pinhole([1, 1], 40.0, 5.0), &[], &[floor]);
+            scene["scene"]["environment"] = around;
+            for samples in [0, 2] {
+                scene["scene"]["ambient"] = json!({"samples": samples});
+                let expected = 0.5 * (horizon + (zenith - horizon) * height * 2.0 / 3.0);
+                let found = pixel(&image(&scene), 0, 0);
+                assert_near(found, [expected; 3], 2e-4, &format!("{up:?} {zenith} {samples}"));
+            }
+        }
+    }
+}
