@@ -192,7 +192,9 @@ fn a_layer_that_is_taken_away_leaves_the_others() {
     let mut ball = sphere([0.0, 0.3, 0.5], 1.0, material);
     ball["texture"] = json!(repository("textures/uvgrid.png"));
     let lights = [square_light("jittered", 2), point_light(20.0, [3.0, 2.0, 4.0], [1.0; 3])];
-    let all = scene(1, &camera, &lights, &[ball, wall(5.0, -1.5, matte(0.8, [0.3, 0.5, 0.9]))]);
+    let walls = [ball, wall(5.0, -1.5, matte(0.8, [0.3, 0.5, 0.9]))];
+    let mut all = scene(1, &camera, &lights, &walls);
+    all["scene"]["ambient"] = json!({"sky": [0.2, 0.3, 0.4], "samples": 2});
     std::fs::write(&file, all.to_string()).expect("a file");
     let mut subject = Subject::open(&file, 40).expect("a scene");
     let pixels = subject.pixels();

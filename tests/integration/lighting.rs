@@ -6,6 +6,7 @@ use std::path::Path;
 use hecs::World;
 
 use wavecrest_core::film::Film;
+use wavecrest_core::kernels::light::Emitter;
 use wavecrest_core::math::random::Stream;
 use wavecrest_core::math::srgb::srgb_encode;
 use wavecrest_core::prepared::PreparedScene;
@@ -86,7 +87,9 @@ fn shadow_background_and_dark_sides_are_of_different_tones() {
     let share = |levels: &[f32], share: f64| levels[(share * (levels.len() - 1) as f64) as usize];
     let (mesh, ground) = (levels(&scene, &film, MESH), levels(&scene, &film, GROUND));
     let (dark, light) = (share(&mesh, 0.02), share(&mesh, 0.9));
-    let (shadow, bare) = (share(&ground, 0.02), share(&ground, 0.95));
+    // Below the ball it is darker still.
+    let (touched, shadow, bare) = (ground[0], share(&ground, 0.06), share(&ground, 0.95));
+    assert!(touched + 0.1 < dark, "where they touch {touched}, dark sides {dark}");
     assert!((bare - background).abs() < 0.01, "the ground ends nowhere: {bare}, {background}");
     assert!(dark + 0.08 < shadow, "dark sides {dark}, shadow {shadow}");
     assert!(shadow + 0.1 < background, "shadow {shadow}, background {background}");
@@ -180,7 +183,8 @@ fn a_room_alone_is_lit_by_a_lamp_under_its_ceiling() {
     run_well(folder.path(), &["generate", "room", "room.ply", "--triangles", "80k"]);
     let options = LoadOptions { width: Some(64), height: Some(48), ..LoadOptions::default() };
     let scene = ready(load(&path, &options));
-    let [light] = &scene.lights[..] else { panic!("{:?}", scene.lights) };
+    let [light, sky] = &scene.lights[..] else { panic!("{:?}", scene.lights) };
+    assert!(matches!(sky.emitter, Emitter::Around(_)), "what is near darkens it");
     assert!(light.is_sampled() && light.samples() > 1, "its shadows are soft");
     // The ceiling of the room is at 2.7 metres.
     let stream = Stream { seed: 0, pixel: 0, sample: 0, bounce: 0 };

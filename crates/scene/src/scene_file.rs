@@ -174,8 +174,8 @@ fn ambient(scene: &Object<'_>, world: &mut World) -> Result<f64> {
     let mut entity = EntityBuilder::new();
     entity.add(JsonPath(cursor.path()));
     let object = cursor.object(SKY)?;
-    if !scene.has("environment") {
-        object.need("sky", "the light of the sky, [r, g, b], or the scene an \"environment\"")?;
+    if !object.has("sky") && (object.has("ground") || !scene.has("environment")) {
+        cursor.warn("has no \"sky\"", "add one, or an \"environment\" of the scene for its light");
     }
     object.components(&mut entity)?;
     world.spawn(entity.build());

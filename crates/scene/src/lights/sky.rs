@@ -43,9 +43,6 @@ component! {
 declared!(Sky, check);
 
 fn check(sky: &mut Sky, object: &Object<'_>) -> Result<()> {
-    if sky.sky.is_none() && sky.ground.is_some() {
-        object.need("sky", "the light of the sky too, [r, g, b]")?;
-    }
     check_samples(object, sky.sampling, sky.samples)
 }
 
