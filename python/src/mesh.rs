@@ -1,15 +1,16 @@
 //! The class `Mesh`: queries of many rays at once.
 
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods};
+use numpy::{Element, IntoPyArray, PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 use wavecrest_api::glam::DVec3;
 use wavecrest_api::memory::{build_bytes, reserve};
 use wavecrest_api::{self as api, Accel, Geometry, MeshData, Preset};
 
 use super::input::{self, Points};
-use super::rays::{self, Crossings, Rays};
+use super::rays::{Crossings, Rays};
 use super::trimesh::RayMeshIntersector;
 use super::{Error, exception, work};
 
@@ -107,27 +108,22 @@ impl Mesh {
     #[pyo3(signature = (origins, directions, *, t_max=None))]
     fn closest<'py>(
         &self,
-        py: Python<'py>,
         origins: &Bound<'py, PyAny>,
         directions: &Bound<'py, PyAny>,
         t_max: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<(Column<'py, i64>, Column<'py, f32>)> {
-        let given = Given::new(["origins", "directions"], origins, directions)?.until(t_max)?;
-        let (faces, distances) = self.closest_of(py, &given)?;
-        Ok((faces.into_pyarray(py), distances.into_pyarray(py)))
+        self.closest_of(&Given::new(NAMES, [origins, directions], t_max)?)
     }
 
     /// Whether rays hit anything.
     #[pyo3(signature = (origins, directions, *, t_max=None))]
     fn any<'py>(
         &self,
-        py: Python<'py>,
         origins: &Bound<'py, PyAny>,
         directions: &Bound<'py, PyAny>,
         t_max: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Column<'py, bool>> {
-        let given = Given::new(["origins", "directions"], origins, directions)?.until(t_max)?;
-        Ok(self.any_of(py, &given)?.into_pyarray(py))
+        self.any_of(&Given::new(NAMES, [origins, directions], t_max)?)
     }
 
     /// Every surface on rays, once: for each the number of the ray, the face and the distance, in the order of rays,
@@ -140,24 +136,22 @@ impl Mesh {
     #[pyo3(signature = (origins, directions, *, t_max=None))]
     fn all<'py>(
         &self,
-        py: Python<'py>,
         origins: &Bound<'py, PyAny>,
         directions: &Bound<'py, PyAny>,
         t_max: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<(Column<'py, i64>, Column<'py, i64>, Column<'py, f32>)> {
-        let given = Given::new(["origins", "directions"], origins, directions)?.until(t_max)?;
-        let (rays, faces, distances) = self.all_of(py, &given, usize::MAX)?;
+        let py = origins.py();
+        let given = Given::new(NAMES, [origins, directions], t_max)?;
+        let (rays, faces, distances) = self.all_of(&given, usize::MAX)?;
         Ok((rays.into_pyarray(py), faces.into_pyarray(py), distances.into_pyarray(py)))
     }
 
     /// Whether points are inside a closed mesh: rays from there cross it an odd number of times, as all counts. Points
     /// on the surface are inside or outside.
-    fn contains<'py>(
-        &self,
-        py: Python<'py>,
-        points: &Bound<'py, PyAny>,
-    ) -> PyResult<Column<'py, bool>> {
-        self.contains_of(py, "points", points)
+    pub(crate) fn contains<'py>(&self, points: &Bound<'py, PyAny>) -> PyResult<Column<'py, bool>> {
+        let origins = Points::new("points", points)?;
+        let given = Given { py: points.py(), origins, directions: None, t_max: f32::INFINITY };
+        self.answers(&given, |rays, part, inside| rays.contains(part, inside))
     }
 }
 
@@ -177,77 +171,72 @@ impl Mesh {
     }
 
     /// The closest hits: faces and distances.
-    pub(crate) fn closest_of(
+    pub(crate) fn closest_of<'py>(
         &self,
-        py: Python<'_>,
-        given: &Given<'_>,
-    ) -> PyResult<(Vec<i64>, Vec<f32>)> {
+        given: &Given<'py>,
+    ) -> PyResult<(Column<'py, i64>, Column<'py, f32>)> {
         let rays = given.rays(self)?;
-        let mut faces = zeros(rays.len())?;
-        let mut distances = zeros(rays.len())?;
-        in_stretches(py, rays.len(), |part| {
-            let answers = (&mut faces[part.clone()], &mut distances[part.clone()]);
-            rays::closest(&self.accel, &rays, part.start, answers);
+        let faces = column(given.py, "empty", rays.len())?;
+        let distances = column(given.py, "empty", rays.len())?;
+        let (mut into, mut at) = (faces.readwrite(), distances.readwrite());
+        let (into, at) = (into.as_slice_mut()?, at.as_slice_mut()?);
+        in_stretches(given.py, rays.len(), |part| {
+            rays.closest(part.clone(), &mut into[part.clone()], &mut at[part]);
             Ok(())
         })?;
         Ok((faces, distances))
     }
 
-    pub(crate) fn any_of(&self, py: Python<'_>, given: &Given<'_>) -> PyResult<Vec<bool>> {
+    pub(crate) fn any_of<'py>(&self, given: &Given<'py>) -> PyResult<Column<'py, bool>> {
+        self.answers(given, |rays, part, found| rays.any(part, found))
+    }
+
+    /// The answer of a query for each ray.
+    fn answers<'py>(
+        &self,
+        given: &Given<'py>,
+        query: impl Fn(&Rays<'_>, Range<usize>, &mut [bool]) + Sync,
+    ) -> PyResult<Column<'py, bool>> {
         let rays = given.rays(self)?;
-        let mut found = zeros(rays.len())?;
-        in_stretches(py, rays.len(), |part| {
-            rays::any(&self.accel, &rays, part.start, &mut found[part.clone()]);
+        // Bytes other than 0 and 1 are no bools, even before they are written.
+        let answers = column(given.py, "zeros", rays.len())?;
+        let mut into = answers.readwrite();
+        let into = into.as_slice_mut()?;
+        in_stretches(given.py, rays.len(), |part| {
+            query(&rays, part.clone(), &mut into[part]);
             Ok(())
         })?;
-        Ok(found)
+        Ok(answers)
     }
 
     /// Crossings, for each ray at most this many.
-    pub(crate) fn all_of(
-        &self,
-        py: Python<'_>,
-        given: &Given<'_>,
-        most: usize,
-    ) -> PyResult<Crossings> {
+    pub(crate) fn all_of(&self, given: &Given<'_>, most: usize) -> PyResult<Crossings> {
         let rays = given.rays(self)?;
         let mut found = Crossings::default();
-        in_stretches(py, rays.len(), |part| rays::all(&self.accel, &rays, part, most, &mut found))?;
+        in_stretches(given.py, rays.len(), |part| rays.all(part, most, &mut found))?;
         Ok(found)
-    }
-
-    pub(crate) fn contains_of<'py>(
-        &self,
-        py: Python<'py>,
-        name: &str,
-        points: &Bound<'py, PyAny>,
-    ) -> PyResult<Column<'py, bool>> {
-        let given =
-            Given { origins: Points::new(name, points)?, directions: None, t_max: f32::INFINITY };
-        let points = given.rays(self)?;
-        let mut inside = zeros(points.len())?;
-        in_stretches(py, points.len(), |part| {
-            rays::contains(&self.accel, &points, part.start, &mut inside[part.clone()]);
-            Ok(())
-        })?;
-        Ok(inside.into_pyarray(py))
     }
 }
 
+/// The names of arguments.
+const NAMES: [&str; 2] = ["origins", "directions"];
+
 /// Rays as given, or points.
 pub(crate) struct Given<'py> {
+    py: Python<'py>,
     pub(crate) origins: Points<'py>,
     pub(crate) directions: Option<Points<'py>>,
     t_max: f32,
 }
 
 impl<'py> Given<'py> {
-    /// Rays from arrays with these names.
+    /// Rays up to `t_max` from arrays with these names.
     pub(crate) fn new(
         [origins, directions]: [&str; 2],
-        from: &Bound<'py, PyAny>,
-        along: &Bound<'py, PyAny>,
+        [from, along]: [&Bound<'py, PyAny>; 2],
+        t_max: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Self> {
+        let py = from.py();
         let (from, along) = (Points::new(origins, from)?, Points::new(directions, along)?);
         let counts = [from.rows()?.len(), along.rows()?.len()];
         if counts[0] != counts[1] {
@@ -257,22 +246,18 @@ impl<'py> Given<'py> {
             );
             return Err(Error::new_err(message));
         }
-        Ok(Self { origins: from, directions: Some(along), t_max: f32::INFINITY })
-    }
-
-    /// The rays up to `t_max`.
-    fn until(self, t_max: Option<&Bound<'py, PyAny>>) -> PyResult<Self> {
-        let what = "a number of at least 0";
-        let t_max = input::given(("t_max", t_max), what, |value| {
+        let t_max = input::given(("t_max", t_max), "a number of at least 0", |value| {
             let t_max: f64 = value.extract()?;
             (t_max >= 0.0).then_some(t_max as f32).ok_or_else(|| Error::new_err(""))
         })?;
-        Ok(Self { t_max: t_max.unwrap_or(self.t_max), ..self })
+        let t_max = t_max.unwrap_or(f32::INFINITY);
+        Ok(Self { py, origins: from, directions: Some(along), t_max })
     }
 
-    fn rays(&self, mesh: &Mesh) -> PyResult<Rays<'_>> {
+    fn rays<'a>(&'a self, mesh: &'a Mesh) -> PyResult<Rays<'a>> {
         let directions = self.directions.as_ref().map(Points::rows).transpose()?;
-        Ok(Rays { origins: self.origins.rows()?, directions, t_max: self.t_max, from: mesh.origin })
+        let (origins, t_max) = (self.origins.rows()?, self.t_max);
+        Ok(Rays { accel: &mesh.accel, origins, directions, t_max, from: mesh.origin })
     }
 }
 
@@ -283,7 +268,7 @@ const STRETCH: usize = 1 << 20;
 fn in_stretches(
     py: Python<'_>,
     count: usize,
-    mut work: impl FnMut(std::ops::Range<usize>) -> api::Result<()> + Send,
+    mut work: impl FnMut(Range<usize>) -> api::Result<()> + Send,
 ) -> PyResult<()> {
     let pool = work::pool()?;
     for start in (0..count).step_by(STRETCH) {
@@ -295,7 +280,7 @@ fn in_stretches(
 }
 
 /// An array with rows of three.
-pub(crate) fn table<'py, T: numpy::Element>(
+pub(crate) fn table<'py, T: Element>(
     py: Python<'py>,
     rows: Vec<[T; 3]>,
 ) -> PyResult<Table<'py, T>> {
@@ -303,8 +288,10 @@ pub(crate) fn table<'py, T: numpy::Element>(
     rows.into_flattened().into_pyarray(py).reshape([count, 3])
 }
 
-fn zeros<T: Copy + Default>(count: usize) -> PyResult<Vec<T>> {
-    rays::zeros(count).map_err(|e| exception(&e))
+/// An array that NumPy makes: "zeros", or "empty", which is left for threads to write first.
+fn column<'py, T: Element>(py: Python<'py>, how: &str, count: usize) -> PyResult<Column<'py, T>> {
+    let array = py.import("numpy")?.call_method1(how, (count, T::get_dtype(py)))?;
+    Ok(array.cast_into()?)
 }
 
 /// An error if the system refuses this many bytes.

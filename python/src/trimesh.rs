@@ -1,6 +1,6 @@
 //! The queries of a mesh with the interface of trimesh.
 
-use numpy::IntoPyArray;
+use numpy::{IntoPyArray, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyTuple;
 use wavecrest_api::glam::DVec3;
@@ -30,23 +30,26 @@ impl RayMeshIntersector {
         Self { mesh }
     }
 
+    /// The hits of rays: at most this many for each, or the closest alone.
     fn hits<'py>(
         &self,
-        given: &Given<'py>,
-        most: Option<usize>,
-        (py, with_locations): (Python<'py>, bool),
+        rays: [&Bound<'py, PyAny>; 2],
+        (multiple, max_hits): (bool, Option<&Bound<'py, PyAny>>),
+        with_locations: bool,
     ) -> PyResult<Hits<'py>> {
-        let mesh = self.mesh.get();
-        let (rays, faces, distances) = match most {
-            Some(most) => mesh.all_of(py, given, most)?,
-            None => {
-                let (mut faces, mut distances) = mesh.closest_of(py, given)?;
-                let mut rays = input::collected((0..faces.len()).map(|ray| Ok(ray as i64)))?;
-                rays.retain(|&ray| faces[ray as usize] >= 0);
-                faces.retain(|&face| face >= 0);
-                distances.retain(|distance| distance.is_finite());
-                (rays, faces, distances)
-            }
+        let (py, mesh) = (rays[0].py(), self.mesh.get());
+        let most = input::given(("max_hits", max_hits), "a whole number", |most| most.extract())?;
+        let given = Given::new(NAMES, rays, None)?;
+        let (rays, faces, distances) = if multiple {
+            mesh.all_of(&given, most.unwrap_or(usize::MAX))?
+        } else {
+            let (faces, distances) = mesh.closest_of(&given)?;
+            let (mut faces, mut distances) = (faces.to_vec()?, distances.to_vec()?);
+            let mut rays = input::collected((0..faces.len()).map(|ray| Ok(ray as i64)))?;
+            rays.retain(|&ray| faces[ray as usize] >= 0);
+            faces.retain(|&face| face >= 0);
+            distances.retain(|distance| distance.is_finite());
+            (rays, faces, distances)
         };
         let directions = given.directions.as_ref().map(|rows| rows.rows()).transpose()?;
         let locations = match (with_locations, directions) {
@@ -65,15 +68,8 @@ impl RayMeshIntersector {
     }
 }
 
-fn given<'py>(origins: &Bound<'py, PyAny>, directions: &Bound<'py, PyAny>) -> PyResult<Given<'py>> {
-    Given::new(["ray_origins", "ray_directions"], origins, directions)
-}
-
-/// The number of hits of a ray; `None` for the closest alone.
-fn most(multiple: bool, max_hits: Option<&Bound<'_, PyAny>>) -> PyResult<Option<usize>> {
-    let most = input::given(("max_hits", max_hits), "a whole number", |value| value.extract())?;
-    Ok(multiple.then(|| most.unwrap_or(usize::MAX)))
-}
+/// The names of arguments.
+const NAMES: [&str; 2] = ["ray_origins", "ray_directions"];
 
 #[pymethods]
 impl RayMeshIntersector {
@@ -98,9 +94,8 @@ impl RayMeshIntersector {
         max_hits: Option<&Bound<'py, PyAny>>,
         return_locations: bool,
     ) -> PyResult<Bound<'py, PyTuple>> {
-        let most = most(multiple_hits, max_hits)?;
-        let given = given(ray_origins, ray_directions)?;
-        match self.hits(&given, most, (py, return_locations))? {
+        let (rays, most) = ([ray_origins, ray_directions], (multiple_hits, max_hits));
+        match self.hits(rays, most, return_locations)? {
             (faces, rays, Some(locations)) => (faces, rays, locations).into_pyobject(py),
             (faces, rays, None) => (faces, rays).into_pyobject(py),
         }
@@ -110,46 +105,37 @@ impl RayMeshIntersector {
     #[pyo3(signature = (ray_origins, ray_directions, multiple_hits=true, max_hits=None))]
     fn intersects_location<'py>(
         &self,
-        py: Python<'py>,
         ray_origins: &Bound<'py, PyAny>,
         ray_directions: &Bound<'py, PyAny>,
         multiple_hits: bool,
         max_hits: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Located<'py>> {
-        let most = most(multiple_hits, max_hits)?;
-        let given = given(ray_origins, ray_directions)?;
-        let (faces, rays, locations) = self.hits(&given, most, (py, true))?;
+        let (rays, most) = ([ray_origins, ray_directions], (multiple_hits, max_hits));
+        let (faces, rays, locations) = self.hits(rays, most, true)?;
         Ok((locations, rays, faces))
     }
 
     /// The first face that each ray hits, or -1.
     fn intersects_first<'py>(
         &self,
-        py: Python<'py>,
         ray_origins: &Bound<'py, PyAny>,
         ray_directions: &Bound<'py, PyAny>,
     ) -> PyResult<Column<'py, i64>> {
-        let given = given(ray_origins, ray_directions)?;
-        Ok(self.mesh.get().closest_of(py, &given)?.0.into_pyarray(py))
+        let given = Given::new(NAMES, [ray_origins, ray_directions], None)?;
+        Ok(self.mesh.get().closest_of(&given)?.0)
     }
 
     /// Whether each ray hits anything.
     fn intersects_any<'py>(
         &self,
-        py: Python<'py>,
         ray_origins: &Bound<'py, PyAny>,
         ray_directions: &Bound<'py, PyAny>,
     ) -> PyResult<Column<'py, bool>> {
-        let given = given(ray_origins, ray_directions)?;
-        Ok(self.mesh.get().any_of(py, &given)?.into_pyarray(py))
+        self.mesh.get().any_of(&Given::new(NAMES, [ray_origins, ray_directions], None)?)
     }
 
     /// Whether each point is inside the mesh.
-    fn contains_points<'py>(
-        &self,
-        py: Python<'py>,
-        points: &Bound<'py, PyAny>,
-    ) -> PyResult<Column<'py, bool>> {
-        self.mesh.get().contains_of(py, "points", points)
+    fn contains_points<'py>(&self, points: &Bound<'py, PyAny>) -> PyResult<Column<'py, bool>> {
+        self.mesh.get().contains(points)
     }
 }
