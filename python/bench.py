@@ -26,6 +26,9 @@ from embreex.mesh_construction import TriangleMesh
 from embreex.rtcore_scene import EmbreeScene
 from trimesh.ray import ray_pyembree, ray_triangle
 
+sys.path.insert(0, str(Path(__file__).with_name("tests")))
+from test_rays import ten_meshes
+
 # The share of rays for which programs that round may answer otherwise: those that lose a hit at an edge.
 DIFFER = 1e-4
 # Faces whose planes a ray meets at distances that differ by less than this part are neighbours at an edge.
@@ -35,8 +38,8 @@ FEW = 40
 BEGIN, END = "<!-- bench.py -->\n", "<!-- end -->\n"
 
 
-def meshes():
-    """A closed surface with bumps, and a landscape."""
+def cases():
+    """Meshes with a kind of rays and the queries to list: a closed surface with bumps, a landscape, and small ones."""
     ball = trimesh.creation.icosphere(subdivisions=6)
     x, y, z = ball.vertices.T
     bumps = 1 + 0.05 * np.sin(9 * x) * np.sin(11 * y) + 0.02 * np.sin(40 * z)
@@ -47,7 +50,11 @@ def meshes():
     a = (np.arange(n)[:, None] * (n + 1) + np.arange(n)).ravel()
     faces = np.vstack([np.stack([a, a + 1, a + n + 2], 1), np.stack([a, a + n + 2, a + n + 1], 1)])
     points = np.stack([x, y, z], -1).reshape(-1, 3).astype(np.float32)
-    return {"ball": ball, "landscape": trimesh.Trimesh(points, faces, process=False)}
+    for name, mesh in {"ball": ball, "landscape": trimesh.Trimesh(points, faces, process=False)}.items():
+        for kind in ("camera", "random"):
+            yield name, mesh, kind, ("closest", "any", "all")
+    for name, mesh in ten_meshes().items():
+        yield name, mesh, "random", ("closest",)
 
 
 def rays(kind, count):
@@ -193,17 +200,16 @@ def table(count, repeats):
     programs = ["wavecrest", "wavecrest, 1 thread", "embreex", "trimesh, embreex", "trimesh", "trace"]
     lines = ["| mesh, rays | query | " + " | ".join(programs) + " | wavecrest / trace |",
              "|---|---|" + "--:|" * (len(programs) + 1)]
-    for name, mesh in meshes().items():
-        for kind in ("camera", "random"):
-            origins, directions = rays(kind, count)
-            with tempfile.TemporaryDirectory() as folder:
-                result = measure(mesh, origins, directions, repeats, folder)
-            for query in ("closest", "any", "all"):
-                cells = [result.get((program, query)) for program in programs]
-                rates = ["" if spent is None else rate(len(origins) / spent / 1e6) for spent in cells]
-                ratio = "" if cells[-1] is None else f"{cells[-1] / cells[0]:.2f}"
-                first = f"{name} ({len(mesh.faces):,}), {kind}" if query == "closest" else ""
-                lines.append("| " + " | ".join([first, query, *rates, ratio]) + " |")
+    for name, mesh, kind, queries in cases():
+        origins, directions = rays(kind, count)
+        with tempfile.TemporaryDirectory() as folder:
+            result = measure(mesh, origins, directions, repeats, folder)
+        for query in queries:
+            cells = [result.get((program, query)) for program in programs]
+            rates = ["" if spent is None else rate(len(origins) / spent / 1e6) for spent in cells]
+            ratio = "" if cells[-1] is None else f"{cells[-1] / cells[0]:.2f}"
+            first = f"{name} ({len(mesh.faces):,}), {kind}" if query == "closest" else ""
+            lines.append("| " + " | ".join([first, query, *rates, ratio]) + " |")
     return "\n".join(lines) + "\n"
 
 
