@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use numpy::{Element, IntoPyArray, PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 use wavecrest_api::glam::DVec3;
-use wavecrest_api::memory::{build_bytes, reserve};
+use wavecrest_api::memory::{build_bytes, check_room};
 use wavecrest_api::{self as api, Accel, Geometry, MeshData, Preset};
 
 use super::input::{self, Points};
@@ -72,7 +72,7 @@ impl Mesh {
         let what = "a path, a mesh, or vertices with faces";
         let path: PathBuf = input::needed("vertices", what, path, |path| path.extract())?;
         let load = || {
-            room(api::mesh::survey(&path)?.bytes(), "the mesh")?;
+            check_room(api::mesh::survey(&path)?.bytes(), "the mesh")?;
             api::mesh::load(&path)
         };
         let pool = work::pool()?;
@@ -162,7 +162,7 @@ impl Mesh {
         let count = triangles.len() as u64;
         let geometry = Geometry { positions, triangles, ..Geometry::default() };
         let build = || {
-            room(build_bytes(preset, count), "the search tree")?;
+            check_room(build_bytes(preset, count), "the search tree")?;
             Ok(Accel::new(geometry, preset))
         };
         let pool = work::pool()?;
@@ -292,12 +292,4 @@ pub(crate) fn table<'py, T: Element>(
 fn column<'py, T: Element>(py: Python<'py>, how: &str, count: usize) -> PyResult<Column<'py, T>> {
     let array = py.import("numpy")?.call_method1(how, (count, T::get_dtype(py)))?;
     Ok(array.cast_into()?)
-}
-
-/// An error if the system refuses this many bytes.
-fn room(bytes: u64, what: &str) -> api::Result<()> {
-    let room = reserve::<u8>(usize::try_from(bytes).unwrap_or(usize::MAX), what)?;
-    // The compiler may leave out an allocation that nothing reads.
-    std::hint::black_box(room.as_ptr());
-    Ok(())
 }

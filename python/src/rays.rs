@@ -13,7 +13,7 @@ use super::input::Rows;
 /// Rays for each task, as in the command.
 const BLOCK: usize = 4096;
 
-/// The direction in which [`contains`] looks. Any would do; along an axis, rays would run along the
+/// The direction in which [`Rays::contains`] looks. Any would do; along an axis, rays would run along the
 /// sides of boxes, where exact arithmetic decides.
 const ASIDE: Vec3 = Vec3::new(0.36, 0.48, 0.8);
 

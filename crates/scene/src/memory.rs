@@ -84,19 +84,26 @@ impl Estimate {
         Self { tree: bytes, build: self.build.saturating_sub(self.tree) + bytes, ..self }
     }
 
-    /// Allocates as much memory as the total, and frees it again. Programs with Rust's own allocator,
-    /// which aborts if memory is refused, can check before they begin.
+    /// [`check_room`] for the total.
     ///
     /// # Errors
     /// If the system refuses that much.
     pub fn check_room(&self) -> Result<()> {
-        let bytes = usize::try_from(self.total()).unwrap_or(usize::MAX);
-        let room = reserve::<u8>(bytes, "the render")
-            .map_err(|error| error.remedy("free some, or use a smaller scene or image"))?;
-        // The compiler may leave out an allocation that nothing reads.
-        std::hint::black_box(room.as_ptr());
-        Ok(())
+        check_room(self.total(), "the render")
+            .map_err(|error| error.remedy("free some, or use a smaller scene or image"))
     }
+}
+
+/// Allocates as much memory, and frees it again. Programs with Rust's own allocator, which aborts if
+/// memory is refused, can check before they begin.
+///
+/// # Errors
+/// If the system refuses that much.
+pub fn check_room(bytes: u64, what: &str) -> Result<()> {
+    let room = reserve::<u8>(usize::try_from(bytes).unwrap_or(usize::MAX), what)?;
+    // The compiler may leave out an allocation that nothing reads.
+    std::hint::black_box(room.as_ptr());
+    Ok(())
 }
 
 /// Bytes of an image of this number of pixels.
