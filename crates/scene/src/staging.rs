@@ -12,10 +12,17 @@ mod light;
 mod room;
 mod upward;
 
+use std::borrow::Cow;
+use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use glam::{DAffine3, DVec3, Vec3};
+use hecs::EntityBuilder;
 use rayon::prelude::*;
+
+use crate::components::{CutOut, Maps, Mesh};
+use crate::mesh::MeshData;
+use crate::systems::cutouts;
 
 pub(crate) use camera::{Framed, framed, rays_per_pixel, size, view};
 pub(crate) use ground::GROUND;
@@ -30,20 +37,66 @@ pub(crate) struct BoundingSphere {
     pub(crate) radius: f64,
 }
 
+/// The parts of a mesh that are not cut away.
+pub(crate) struct Shown<'a> {
+    points: Cow<'a, [Vec3]>,
+    triangles: Cow<'a, [[u32; 3]]>,
+}
+
+impl<'a> Shown<'a> {
+    pub(crate) fn new(mesh: &'a MeshData, cutout: Option<&CutOut>, maps: Option<&Maps>) -> Self {
+        // The alpha of a texture as opacity.
+        let fading = maps.and_then(|maps| maps.opacity.as_ref()).map(|texture| CutOut {
+            look_up: texture.look_up.clone(),
+            is_mask: false,
+            threshold: LEAST_ALPHA,
+        });
+        let left = cutout.or(fading.as_ref()).and_then(|cutout| cutouts::left(mesh, cutout));
+        let is_gone = left.as_ref().is_some_and(Vec::is_empty);
+        Self {
+            points: if is_gone { &[][..] } else { &mesh.positions }.into(),
+            triangles: left.map_or(Cow::Borrowed(&mesh.triangles), Cow::Owned),
+        }
+    }
+
+    /// Those of an entity, if it has a mesh.
+    pub(crate) fn of(entity: &'a EntityBuilder) -> Option<Self> {
+        let mesh = &entity.get::<&Mesh>()?.data;
+        Some(Self::new(mesh, entity.get::<&CutOut>(), entity.get::<&Maps>()))
+    }
+
+    /// The box around a mesh in its place.
+    pub(crate) fn boxed(mesh: &MeshData) -> Self {
+        Self { points: corners(&mesh.positions).into(), triangles: (&[]).into() }
+    }
+
+    /// It at each of these places.
+    pub(crate) fn placed(
+        &self,
+        places: impl Iterator<Item = DAffine3>,
+    ) -> impl Iterator<Item = Placed<'_>> {
+        let own = Placed::new(&self.points, &self.triangles, DAffine3::IDENTITY);
+        places.map(move |world| Placed { world, ..own.clone() })
+    }
+}
+
+/// Half of the lowest alpha above 0, of 255 levels.
+const LEAST_ALPHA: f64 = 0.5 / 255.0;
+
 /// Visible geometry and its transform.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct Placed<'a> {
     pub(crate) points: &'a [Vec3],
     pub(crate) triangles: &'a [[u32; 3]],
     pub(crate) world: DAffine3,
-    /// Whether all points are visible: those that no triangle uses are not. Without triangles all
-    /// count.
-    pub(crate) shows_all: bool,
+    /// The visible points, a bit each, unless all are: those that no triangle with an area uses are
+    /// not. Without triangles all count.
+    seen: Option<Arc<Vec<AtomicU64>>>,
 }
 
 impl<'a> Placed<'a> {
     pub(crate) fn new(points: &'a [Vec3], triangles: &'a [[u32; 3]], world: DAffine3) -> Self {
-        Self { points, triangles, world, shows_all: uses_all(points.len(), triangles) }
+        Self { points, triangles, world, seen: seen(points, triangles) }
     }
 
     /// Reduces the results of `of` for each visible point by `merge`, in any order.
@@ -56,32 +109,39 @@ impl<'a> Placed<'a> {
         // Blocks, because a reduction of single points calls its functions for each.
         const BLOCK: usize = 1 << 12;
         let point = |p: &Vec3| of(self.world.transform_point3(p.as_dvec3()));
-        if self.shows_all {
-            let block = |points: &[Vec3]| points.iter().map(point).fold(none, &merge);
-            return self.points.par_chunks(BLOCK).map(block).reduce(|| none, &merge);
-        }
-        let corner = |i: &u32| point(&self.points[*i as usize]);
-        let block =
-            |corners: &[[u32; 3]]| corners.as_flattened().iter().map(corner).fold(none, &merge);
-        self.triangles.par_chunks(BLOCK).map(block).reduce(|| none, &merge)
+        let block = |(block, points): (usize, &[Vec3])| {
+            let Some(seen) = &self.seen else {
+                return points.iter().map(point).fold(none, &merge);
+            };
+            let numbered = (block * BLOCK..).zip(points);
+            let shown = numbered.filter(|(i, _)| is_set(seen, *i));
+            shown.map(|(_, p)| point(p)).fold(none, &merge)
+        };
+        self.points.par_chunks(BLOCK).enumerate().map(block).reduce(|| none, &merge)
     }
 }
 
-/// Whether each of `points` is a corner of a triangle, or there are no triangles.
-fn uses_all(points: usize, triangles: &[[u32; 3]]) -> bool {
-    if triangles.is_empty() {
-        return true;
-    }
-    let used: Vec<AtomicU64> = (0..points.div_ceil(64)).map(|_| AtomicU64::new(0)).collect();
-    triangles.as_flattened().par_iter().for_each(|&point| {
-        let (word, bit) = (&used[point as usize / 64], 1 << (point % 64));
-        // A read is cheaper, and most corners are not the first at their point.
-        if word.load(Ordering::Relaxed) & bit == 0 {
-            word.fetch_or(bit, Ordering::Relaxed);
+/// Whether a bit is set.
+fn is_set(bits: &[AtomicU64], i: usize) -> bool {
+    bits[i / 64].load(Ordering::Relaxed) >> (i % 64) & 1 == 1
+}
+
+/// Which of the `points` are corners of a triangle with an area, a bit each; `None` if all are, or
+/// there are no triangles.
+fn seen(points: &[Vec3], triangles: &[[u32; 3]]) -> Option<Arc<Vec<AtomicU64>>> {
+    let seen: Vec<AtomicU64> = (0..points.len().div_ceil(64)).map(|_| AtomicU64::new(0)).collect();
+    triangles.par_iter().for_each(|triangle| {
+        // Reads are cheaper, and most triangles have no corner that is the first at its point.
+        let corners = triangle.map(|i| i as usize);
+        let [a, b, c] = corners.map(|i| points[i].as_dvec3());
+        if !corners.iter().all(|&i| is_set(&seen, i)) && (b - a).cross(c - a) != DVec3::ZERO {
+            for i in corners {
+                seen[i / 64].fetch_or(1 << (i % 64), Ordering::Relaxed);
+            }
         }
     });
-    let count = |word: AtomicU64| word.into_inner().count_ones() as usize;
-    used.into_iter().map(count).sum::<usize>() == points
+    let count: u32 = seen.iter().map(|word| word.load(Ordering::Relaxed).count_ones()).sum();
+    (!triangles.is_empty() && (count as usize) < points.len()).then(|| Arc::new(seen))
 }
 
 /// The ends of a box.
@@ -136,7 +196,7 @@ impl<'a> Scenery<'a> {
 }
 
 /// The eight corners of the box around some points; empty without points.
-pub(crate) fn corners(points: &[Vec3]) -> Vec<Vec3> {
+fn corners(points: &[Vec3]) -> Vec<Vec3> {
     if points.is_empty() {
         return Vec::new();
     }

@@ -178,7 +178,7 @@ impl Surface {
     /// The lowest opaque alpha of its texture; 0 if everything is opaque, `None` if nothing is.
     pub(super) fn threshold(&self) -> Option<f64> {
         match self.cutoff {
-            0.0 => Some(0.0),
+            0.0 => (!self.blends || self.alpha > 0.0).then_some(0.0),
             // The alpha of its texture is at most 1.
             cutoff => (cutoff <= self.alpha).then(|| cutoff / self.alpha),
         }

@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use glam::{DAffine3, Vec3};
+use glam::DAffine3;
 use hecs::{EntityBuilder, World};
 
 use crate::components::{CutOut, Maps, Order, TextureRef};
@@ -10,7 +10,7 @@ use crate::format::Notes;
 use crate::options::LoadOptions;
 use crate::options::framing::{Framing, Up};
 use crate::options::lighting::Rig;
-use crate::staging::{self, BoundingSphere, Framed, Scenery, Upward};
+use crate::staging::{self, BoundingSphere, Framed, Scenery, Shown, Upward};
 use wavecrest_base::error::{ErrorKind, Result};
 
 use super::camera::{self, Shot};
@@ -29,8 +29,10 @@ pub(super) fn world(
     notes: &Notes<'_>,
 ) -> Result<(World, String)> {
     let primitives = notes.whole(|| Ok(primitives(document, notes)))?;
-    let corners: Vec<Vec<Vec3>> = primitives.iter().map(corners).collect();
-    let contents = Scenery::new(placed(&primitives, &corners));
+    let shown: Vec<Shown<'_>> = primitives.iter().map(shown).collect();
+    let uses = primitives.iter().map(|primitive| primitive.uses.iter().map(|one| one.world));
+    let placed = shown.iter().zip(uses).flat_map(|(shown, uses)| shown.placed(uses));
+    let contents = Scenery::new(placed.collect());
     let bounds = contents.sphere;
     let own = match options.framing == Framing::default() {
         true => camera::chosen(&shots(document), &bounds, options, notes)?,
@@ -69,6 +71,7 @@ pub(super) fn world(
         }
     };
     drop(contents);
+    drop(shown);
     let told = told(has_camera, &framed.told, told_light, exposure);
     world.spawn((settings,));
     framed.spawn(&mut world);
@@ -235,7 +238,7 @@ fn read(
         let (texture, maps, set) = textures(document, surface, notes);
         let Some(threshold) = surface.threshold() else {
             let message = "an invisible surface is left out";
-            notes.note(&primitive.path, message, "its alpha is below the cutoff everywhere");
+            notes.note(&primitive.path, message, "its alpha is 0 or below the cutoff everywhere");
             continue;
         };
         let mesh = notes.part(|| reader.mesh(primitive, set));
@@ -284,28 +287,15 @@ fn textures(
 /// Largest number of points to check for one primitive, in all its places.
 const MOST_POINTS: usize = 1 << 24;
 
-/// Corners of a box that replaces a primitive shown so often that checking every point would take too
-/// long; empty for others.
-fn corners(primitive: &Spawned) -> Vec<Vec3> {
+/// What is visible of a primitive; of one that is shown so often that checking every point would
+/// take too long, its box.
+fn shown(primitive: &Spawned) -> Shown<'_> {
     let points = 3 * primitive.mesh.triangles.len();
     let uses = primitive.uses.len();
     match points.saturating_mul(uses) > MOST_POINTS && uses > 1 {
-        true => staging::corners(&primitive.mesh.positions),
-        false => vec![],
+        true => Shown::boxed(&primitive.mesh),
+        false => Shown::new(&primitive.mesh, primitive.cutout.as_ref(), Some(&primitive.maps)),
     }
-}
-
-/// Everything visible.
-fn placed<'a>(primitives: &'a [Spawned], corners: &'a [Vec<Vec3>]) -> Vec<staging::Placed<'a>> {
-    let placed = |(primitive, corners): (&'a Spawned, &'a Vec<Vec3>)| {
-        let mesh = &primitive.mesh;
-        let placed = match &corners[..] {
-            [] => staging::Placed::new(&mesh.positions, &mesh.triangles, DAffine3::IDENTITY),
-            corners => staging::Placed::new(corners, &[], DAffine3::IDENTITY),
-        };
-        primitive.uses.iter().map(move |one| staging::Placed { world: one.world, ..placed })
-    };
-    primitives.iter().zip(corners).flat_map(placed).collect()
 }
 
 /// The cameras of the scene's nodes.

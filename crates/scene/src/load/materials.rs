@@ -7,7 +7,7 @@ use std::fs::File;
 use std::io::Read as _;
 use std::path::{Path, PathBuf};
 
-use hecs::{Entity, EntityBuilder, World};
+use hecs::{EntityBuilder, EntityRef};
 
 use crate::components::{JsonPath, Maps, Mesh, Name, Order};
 use crate::folder::{Denied, Folder, last_part};
@@ -25,16 +25,15 @@ const LONGEST_FILE: u64 = 1 << 26;
 /// Largest number of MTL files.
 const MOST_FILES: usize = 64;
 
-/// Splits `shape`, whose `mesh` was read from `file`: into a shape for each material of its faces,
-/// and one for the faces without a known material.
+/// Splits the shape `whole`, whose `mesh` was read from `file`: into a shape for each material of its
+/// faces, and one for the faces without a known material.
 pub(super) fn split(
-    world: &mut World,
-    shape: Entity,
+    whole: EntityRef<'_>,
     mesh: MeshData,
     named: &NamedMaterials,
     file: &Path,
     notes: &Notes<'_>,
-) -> Vec<Entity> {
+) -> Vec<EntityBuilder> {
     let folder = Folder::of(file, notes.reads_outside());
     let mut reader = Reader { file, folder, notes, images: HashMap::new() };
     let library = reader.library(&named.libraries);
@@ -44,19 +43,17 @@ pub(super) fn split(
     for (number, data) in mesh.split(&part, names.len() + 1) {
         let mut entity = EntityBuilder::new();
         let known = (number as usize).checked_sub(1).map(|i| &names[i]);
-        if let Ok(whole) = world.entity(shape) {
-            whole.get::<&Order>().map(|order| entity.add(*order));
-            whole.get::<&JsonPath>().map(|path| entity.add(JsonPath::clone(&path)));
-            PLACED.iter().for_each(|component| (component.copy)(whole, &mut entity));
-            (Declaration::of::<Maps>().copy)(whole, &mut entity);
-            // Without coordinates there is no look-up.
-            let own: &[Declaration] = match (known, &data.uvs) {
-                (Some(_), _) => &[],
-                (None, Some(_)) => &SURFACE,
-                (None, None) => &[MATERIAL],
-            };
-            own.iter().for_each(|component| (component.copy)(whole, &mut entity));
-        }
+        whole.get::<&Order>().map(|order| entity.add(*order));
+        whole.get::<&JsonPath>().map(|path| entity.add(JsonPath::clone(&path)));
+        PLACED.iter().for_each(|component| (component.copy)(whole, &mut entity));
+        (Declaration::of::<Maps>().copy)(whole, &mut entity);
+        // Without coordinates there is no look-up.
+        let own: &[Declaration] = match (known, &data.uvs) {
+            (Some(_), _) => &[],
+            (None, Some(_)) => &SURFACE,
+            (None, None) => &[MATERIAL],
+        };
+        own.iter().for_each(|component| (component.copy)(whole, &mut entity));
         if let Some(&(name, (mtl, from))) = known {
             let Look { material, transparency, texture, cutout, is_there } =
                 surface(mtl, |image| reader.image(from, image));
@@ -78,14 +75,12 @@ pub(super) fn split(
             }
         }
         entity.add(Mesh { data, file: Some(file.to_owned()), ..Mesh::default() });
-        parts.push(world.spawn(entity.build()));
+        parts.push(entity);
     }
     if parts.is_empty() {
         let message = "nothing is left of the mesh: all its materials are invisible";
         reader.warn(message, "set d to 1 in its MTL file, or remove the mtllib statement");
     }
-    let gone = world.despawn(shape);
-    debug_assert!(gone.is_ok(), "the shape exists");
     parts
 }
 

@@ -115,7 +115,11 @@ fn complete_shape(
     if let Ok(file) = world.remove_one::<MeshFile>(shape) {
         let (mesh, named) = read(&file, &json_path(world, shape), notes, read_mesh)?;
         if file.materials == Materials::File {
-            parts = split(world, shape, mesh.data, &named, &file.file, notes);
+            let Ok(whole) = world.entity(shape) else { return Ok(Vec::new()) };
+            let split = split(whole, mesh.data, &named, &file.file, notes);
+            parts = split.into_iter().map(|mut part| world.spawn(part.build())).collect();
+            let gone = world.despawn(shape);
+            debug_assert!(gone.is_ok(), "the shape exists");
         } else {
             insert(world, shape, mesh);
         }

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use glam::DVec3;
+use glam::{DAffine3, DVec3};
 use hecs::World;
 
 use wavecrest_base::error::{Error, ErrorKind, Result};
@@ -13,7 +13,7 @@ use crate::format::Notes;
 use crate::mesh::{LoadedMesh, crease};
 use crate::options::LoadOptions;
 use crate::options::framing::Up;
-use crate::staging::{self, Placed, Scenery, Upward};
+use crate::staging::{self, Scenery, Shown, Upward};
 
 /// A light grey with a faint highlight.
 const MATERIAL: Material = Material {
@@ -46,31 +46,33 @@ pub(super) fn world(
     if mesh.normals.is_none() && crease > 0.0 {
         mesh.normals = Some(crease::normals(&mesh.positions, &mesh.triangles, crease));
     }
-    let world = glam::DAffine3::from_translation(mesh.origin);
-    let contents = Scenery::new(vec![Placed::new(&mesh.positions, &mesh.triangles, world)]);
-    let framed = staging::framed(&contents, usual_up(path), options)?;
+    let origin = DAffine3::from_translation(mesh.origin);
     let mut world = World::new();
+    let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    let shading = if mesh.normals.is_some() { Shading::Smooth } else { Shading::Flat };
+    let place = JsonPath("the mesh".into());
+    let whole = world.spawn((Order(0), place, Name(name), MATERIAL, Sides::Both, shading));
+    let parts = world.entity(whole).map(|whole| split(whole, mesh, &materials, path, notes));
+    let mut parts = parts.unwrap_or_default();
+    world.clear();
+    let shown: Vec<Shown<'_>> = parts.iter().filter_map(Shown::of).collect();
+    let placed = shown.iter().flat_map(|shown| shown.placed(std::iter::once(origin)));
+    let contents = Scenery::new(placed.collect());
+    let framed = staging::framed(&contents, usual_up(path), options)?;
     let (settings, told) = staging::light(&mut world, &contents, &framed, path, &options.lighting);
     let told = framed.told.clone() + told;
     world.spawn((settings,));
     framed.spawn(&mut world);
-    let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-    let shading = if mesh.normals.is_some() { Shading::Smooth } else { Shading::Flat };
-    let place = JsonPath("the mesh".into());
-    let shape = world.spawn((Order(0), place, Name(name), MATERIAL, Sides::Both, shading));
-    split(&mut world, shape, mesh, &materials, path, notes);
+    for part in &mut parts {
+        world.spawn(part.build());
+    }
     staging::allow_for_glass(&mut world);
     Ok((world, told))
 }
 
-/// The up axis of a mesh, whose format states none.
+/// The up axis of a mesh, whose format states none: in files from CAD programs and for printers
+/// mostly z.
 fn usual_up(path: &Path) -> Upward {
-    let extension = path.extension().unwrap_or_default().to_ascii_lowercase();
-    match extension.to_str() {
-        // From CAD programs and for printers.
-        Some("stl") => Upward::Guessed(Up::Z),
-        // Arrays have no file.
-        Some("ply" | "") => Upward::Guessed(Up::Y),
-        _ => Upward::Usual(Up::Y),
-    }
+    let is_stl = path.extension().is_some_and(|name| name.eq_ignore_ascii_case("stl"));
+    Upward::Guessed(if is_stl { Up::Z } else { Up::Y })
 }

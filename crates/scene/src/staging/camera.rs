@@ -149,15 +149,13 @@ fn path(views: &[View]) -> CameraPath {
     CameraPath { keys: (1..).zip(views).map(key).collect(), interpolation: Interpolation::Linear }
 }
 
-/// The up axis, and a description for the user.
+/// The up axis, and a description for the user if the shape suggests another than usual.
 fn upward(contents: &Scenery<'_>, grid: Option<&Grid>, axis: Upward) -> (Up, String) {
-    let (up, why) = match axis {
-        Upward::Stated(up) => return (up, String::new()),
-        Upward::Usual(up) => (up, None),
-        Upward::Guessed(up) => grid.map_or((up, None), |grid| upward::guess(contents, grid, up)),
-    };
-    let why = why.map_or_else(String::new, |why| format!(", because {why}"));
-    (up, format!("{} is up{why} (change with --up); ", up.name()))
+    let (Upward::Stated(up) | Upward::Guessed(up)) = axis;
+    let (Upward::Guessed(_), Some(grid)) = (axis, grid) else { return (up, String::new()) };
+    let (up, why) = upward::guess(contents, grid, up);
+    let told = |why| format!("{} is up, because {why} (change with --up); ", up.name());
+    (up, why.map_or_else(String::new, told))
 }
 
 /// What to frame, and how.

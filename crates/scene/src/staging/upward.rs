@@ -1,15 +1,17 @@
 //! Guesses the up axis of a mesh, if neither its format nor its user states it.
 //!
-//! Scans and printed parts have y or z up. Only two features count as evidence against the usual
-//! axis of a format: the mesh would stand along the other axis, and would fall over along the usual
-//! one; or it is a wide, thin surface of one layer that faces along the other, as terrain does. A
-//! mesh stands if its centre is above its support polygon, the convex hull of its lowest points:
-//! so a chair stands on its legs.
+//! Scans, printed parts and models have y or z up. Three features count as evidence against the
+//! usual axis of a format. The mesh would stand along the other axis, and would fall over along the
+//! usual one, or is its own mirror image along it: animals, furniture and courtyards have a left
+//! and a right that are alike, but no top that is like the bottom. Or such a mesh, as a fish or an
+//! aeroplane, stands on nothing. Or it is a wide, thin surface of one layer that faces along the
+//! other axis, as terrain does. A mesh stands if its centre is above its support polygon, the convex
+//! hull of its lowest points: so a chair stands on its legs.
 
 use glam::{DVec2, DVec3};
 
 use super::Scenery;
-use super::grid::{ColumnHits, Grid};
+use super::grid::{ColumnHits, Grid, MetTriangle};
 use crate::options::framing::Up;
 
 /// The up axis of a file unless the user states one.
@@ -17,9 +19,7 @@ use crate::options::framing::Up;
 pub(crate) enum Upward {
     /// That of the format.
     Stated(Up),
-    /// That of most files of a format that states none.
-    Usual(Up),
-    /// The same, unless the shape suggests another.
+    /// That of most files of a format that states none, unless the shape suggests another.
     Guessed(Up),
 }
 
@@ -28,15 +28,22 @@ const BASE_DEPTH: f64 = 0.02;
 /// Smallest share of the bounding rectangle that a support polygon covers: along the usual axis,
 /// where little is enough to leave a mesh as it is,
 const COULD_STAND: f64 = 0.1;
-/// and along another.
-const STANDS: f64 = 0.25;
-/// Smallest share of hits from below on the outside of a mesh that stands: an open mesh that lies
-/// on its rim is not a closed one on its base.
-const CLOSED: f64 = 0.9;
+/// and along another: the feet of a figure with its arms spread out cover no more.
+const STANDS: f64 = 0.15;
+/// Smallest share of hits from below on the outside or on the base of a mesh that stands: an open
+/// mesh that lies on its rim is not a closed one on its base.
+const CLOSED: f64 = 0.75;
+/// Largest mean difference between a mesh and its mirror image, as a share of its length: that of
+/// left and right is below a twelfth, of top and bottom above a fifth.
+const MIRRORED: f64 = 0.1;
+/// The difference from which on the bottom and the top are taken for such without a support.
+const UNLIKE: f64 = 0.2;
+/// Largest height of what is set up without a support, as a share of its shorter side: swords lie.
+const TALLEST: f64 = 3.0;
 /// Number of directions in which the outermost points make up a support polygon.
 const SIDES: usize = 16;
-/// Largest height of terrain, as a share of its shorter side.
-const TERRAIN_HEIGHT: f64 = 0.35;
+/// Largest height of what lies flat, as a share of its shorter side.
+const FLAT: f64 = 0.35;
 /// Share of the hits from above with a single layer.
 const NEARLY_ALL: f64 = 0.9;
 /// Smallest share of its bounding rectangle that terrain covers.
@@ -49,29 +56,53 @@ pub(super) fn guess(contents: &Scenery<'_>, grid: &Grid, usual: Up) -> (Up, Opti
         Up::Z => (2, (Up::Y, 1)),
         _ => (1, (Up::Z, 2)),
     };
-    let field = |axis| is_terrain(grid.along(axis), size, axis);
-    let support = |axis| support(contents, size, axis);
-    let is_field = field(axis) && !field(own);
-    let stands = || is_closed(grid.along(axis)) && support(axis) >= STANDS;
-    // Terrain would also stand on its edge.
-    if !is_field && (!stands() || support(own) >= COULD_STAND) {
+    let height = |axis: usize| size[axis] / size[(axis + 1) % 3].min(size[(axis + 2) % 3]);
+    // Without any height, it is a figure as well.
+    let is_low = |axis| height(axis) > 0.0 && height(axis) <= FLAT;
+    let is_field = |axis| is_low(axis) && is_terrain(grid.along(axis));
+    if is_field(axis) && !is_field(own) {
+        return (other, Some("the mesh is wide and low, as terrain is"));
+    }
+    let (columns, unlike) = (grid.along(own), unlike(grid.along(axis)));
+    if height(own) <= FLAT || unlike < MIRRORED {
         return (usual, None);
     }
-    let why = if is_field {
-        "the mesh is wide and low, as terrain is"
-    } else {
-        "the mesh stands along it, and would fall over along the other"
-    };
-    (other, Some(why))
+    let is_mirrored = self::unlike(columns) < MIRRORED && !is_prism(columns);
+    let support = |axis| support(contents, size, axis);
+    let stands = is_closed(grid.along(axis)) && support(axis) >= STANDS;
+    if stands && (is_mirrored || support(own) < COULD_STAND) {
+        return (other, Some("the mesh stands along it, and would fall over along the other"));
+    }
+    if is_mirrored && unlike >= UNLIKE && height(axis) <= TALLEST {
+        return (other, Some("the mesh is its own mirror image along the other"));
+    }
+    (usual, None)
 }
 
-/// Whether hits from below are on the outside.
+/// The share of the columns with hits whose outermost hits are such.
+fn share(columns: &[ColumnHits], is: impl Fn(&ColumnHits, [MetTriangle; 2]) -> bool) -> f64 {
+    let met = || columns.iter().filter_map(|column| Some((column, column.ends?)));
+    met().filter(|(column, ends)| is(column, *ends)).count() as f64 / met().count() as f64
+}
+
+/// Whether hits from below are on the outside, or on a floor.
 fn is_closed(columns: &[ColumnHits]) -> bool {
-    let ends = columns.iter().filter_map(|column| column.ends);
-    let (count, outside) = ends.fold((0u32, 0u32), |(count, outside), [low, _]| {
-        (count + 1, outside + u32::from(!low.faces_high))
-    });
-    f64::from(outside) >= CLOSED * f64::from(count)
+    share(columns, |_, [low, _]| !low.faces_high || low.at <= BASE_DEPTH) >= CLOSED
+}
+
+/// The mean difference between a mesh and its mirror image along the columns.
+fn unlike(columns: &[ColumnHits]) -> f64 {
+    let met = || columns.iter().filter_map(|column| column.ends);
+    met().map(|[low, high]| (low.at + high.at - 1.0).abs()).sum::<f64>() / met().count() as f64
+}
+
+/// Whether it is a block with a flat bottom and top, as a building may be.
+fn is_prism(columns: &[ColumnHits]) -> bool {
+    let is_solid = |column: &ColumnHits, ends: [MetTriangle; 2]| {
+        ends[1].at - ends[0].at >= 1.0 - BASE_DEPTH
+            && [column.below, column.above] == ends.map(Some)
+    };
+    share(columns, is_solid) >= NEARLY_ALL
 }
 
 /// The share of the bounding rectangle that the support polygon covers; 0 if its centre is outside.
@@ -107,16 +138,12 @@ fn support(contents: &Scenery<'_>, size: DVec3, axis: usize) -> f64 {
     if edges.clone().all(|area| area >= 0.0) { edges.sum::<f64>() / 2.0 } else { 0.0 }
 }
 
-/// Whether there is one layer that faces up, wide and low.
-fn is_terrain(columns: &[ColumnHits], size: DVec3, axis: usize) -> bool {
-    let sides = [(axis + 1) % 3, (axis + 2) % 3].map(|side| size[side]);
-    let is_low = size[axis] <= TERRAIN_HEIGHT * sides[0].min(sides[1]);
-    let met = columns.iter().filter_map(|column| column.ends);
-    let (all, upward) = met.fold((0u32, 0u32), |(all, upward), [low, high]| {
-        (all + 1, upward + u32::from(low.at == high.at && high.faces_high))
-    });
-    let (all, upward) = (f64::from(all), f64::from(upward));
-    is_low && all >= TERRAIN_COVERS * columns.len() as f64 && upward >= NEARLY_ALL * all
+/// Whether there is one layer that faces up, and covers most of the ground.
+fn is_terrain(columns: &[ColumnHits]) -> bool {
+    let covered = columns.iter().filter(|column| column.ends.is_some()).count() as f64;
+    let is_layer =
+        |_: &ColumnHits, [low, high]: [MetTriangle; 2]| low.at == high.at && high.faces_high;
+    covered >= TERRAIN_COVERS * columns.len() as f64 && share(columns, is_layer) >= NEARLY_ALL
 }
 
 #[cfg(test)]
