@@ -13,7 +13,7 @@ use wavecrest_core::math::sampling::Sampling;
 use super::fit::{self, NEAREST, PARALLEL};
 use super::grid::Grid;
 use super::room::{self, Room};
-use super::upward::{self, Upward};
+use super::upward::{self, FLAT, Upward};
 use super::{BoundingSphere, Scenery};
 use crate::camera;
 use crate::components::{CameraKey, CameraPath, FovAxis, Interpolation, View};
@@ -34,6 +34,8 @@ const ROOM_FOV_DEGREES: f64 = 60.0;
 const LONG: f64 = 1.25;
 /// Direction of the default camera from the centre: in front, above and slightly to the right.
 const CAMERA_SIDE: DVec3 = DVec3::new(0.5, 0.4, 1.0);
+/// The same for what lies flat, as a courtyard: over its walls.
+const OVERHEAD: DVec3 = DVec3::new(0.5, 0.8, 1.0);
 
 /// Width and height of the image: as requested; otherwise with this `aspect`, width by height, or 4
 /// by 3.
@@ -200,11 +202,13 @@ impl ToFrame<'_> {
     }
 
     /// The default direction of the camera from the object: an object that is deeper than wide is
-    /// seen from the side.
+    /// seen from the side, a wide and low one from farther above.
     fn usual_side(&self) -> DVec3 {
         let (low, high) = self.contents.ends;
         let size = (self.up.axes().transpose() * (high - low)).abs();
-        let DVec3 { x: side, y: up, z: front } = CAMERA_SIDE.normalize();
+        let is_low = size.y <= FLAT * size.x.min(size.z);
+        let side = if is_low { OVERHEAD } else { CAMERA_SIDE };
+        let DVec3 { x: side, y: up, z: front } = side.normalize();
         let is_long = size.z > LONG * size.x;
         if is_long { DVec3::new(front, up, side) } else { DVec3::new(side, up, front) }
     }

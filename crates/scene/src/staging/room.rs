@@ -1,9 +1,10 @@
 //! Recognises rooms: files that should be seen from inside.
 //!
-//! A room has walls at the ends of its box, which show their backs outward, or which are thick and
-//! have something between them that faces the centre. A solid block has such walls too, but they
-//! face the other way. If one wall is missing, as in a doll's house or in the Cornell box, the room
-//! is seen from outside through the open side.
+//! A room has walls at the ends of its box. What decides is what is between them: something, and
+//! room to look at it, whichever way the walls face. Where nothing is, a room must show the backs of
+//! its walls outward and be open somewhere: a box is closed, and a solid block shows its fronts. If
+//! one wall is missing, as in a doll's house or in the Cornell box, the room is seen from outside
+//! through the open side.
 
 use glam::DVec3;
 
@@ -19,8 +20,11 @@ const WALL: f64 = 0.6;
 const OPEN: f64 = 0.25;
 /// Smallest share of outer hits that show their back.
 const BACKS: f64 = 0.6;
-/// Smallest share of hits from the centre that show their front, for thick walls.
-const FRONTS: f64 = 0.6;
+/// Smallest covered share of each side of a closed box.
+const CLOSED: f64 = 0.98;
+/// Smallest length of the free way through the centre, as a share of the room's, in half of the
+/// columns.
+const FREE: f64 = 0.5;
 /// Hits farther from both ends than this share of the distance are furniture,
 const FURNITURE_DEPTH: f64 = 0.15;
 /// which must be in at least this share of the columns.
@@ -99,8 +103,10 @@ pub(super) fn find(grid: &Grid, ends: &BoxEnds, up: Up) -> Option<Room> {
     let around = || sides.iter().filter(|side| side.normal().dot(upward) == 0.0);
     let walls = || sides.iter().filter(|side| side.is_wall());
     let inward = walls().map(|side| side.inward).sum::<f64>() / walls().count().max(1) as f64;
-    let is_thick = || walls().count() == sides.len() && is_furnished(grid);
-    if !sides.iter().find(is_floor)?.is_wall() || (inward < BACKS && !is_thick()) {
+    let is_closed = sides.iter().all(|side| side.covered >= CLOSED);
+    let shows_backs = inward >= BACKS && !is_closed;
+    let is_furnished = || walls().count() == sides.len() && is_furnished(grid);
+    if !sides.iter().find(is_floor)?.is_wall() || !(shows_backs || is_furnished()) {
         return None;
     }
     let open: Vec<&BoxSide> = around().filter(|side| !side.is_wall()).collect();
@@ -111,20 +117,15 @@ pub(super) fn find(grid: &Grid, ends: &BoxEnds, up: Up) -> Option<Room> {
     }
 }
 
-/// Whether hits from the centre mostly face it, and some are not walls.
+/// Whether there is something that is no wall, and room around the centre.
 fn is_furnished(grid: &Grid) -> bool {
-    let (mut all, mut fronts, mut furniture) = (0u32, 0u32, 0u32);
-    for column in (0..3).flat_map(|axis| grid.along(axis)) {
-        let below = column.below.map(|met| (met.faces_high, met.at));
-        let above = column.above.map(|met| (!met.faces_high, 1.0 - met.at));
-        for (is_front, from_end) in below.into_iter().chain(above) {
-            all += 1;
-            fronts += u32::from(is_front);
-            furniture += u32::from(from_end > FURNITURE_DEPTH);
-        }
-    }
-    let all = f64::from(all);
-    f64::from(fronts) >= FRONTS * all && f64::from(furniture) >= FURNITURE * all
+    let columns = || (0..3).flat_map(|axis| grid.along(axis));
+    let share = |is: &dyn Fn([f64; 2]) -> bool| {
+        let count = columns().filter(|column| is(free(column))).count();
+        count as f64 / columns().count() as f64
+    };
+    let is_met = |[from, to]: [f64; 2]| from.max(1.0 - to) > FURNITURE_DEPTH;
+    share(&is_met) >= FURNITURE && share(&|[from, to]| to - from >= FREE) >= 0.5
 }
 
 /// The view from one end of the longer axis to the other, along the freest line near the middle.
@@ -209,17 +210,33 @@ mod tests {
         find(&Grid::of(&contents).unwrap(), &contents.ends, Up::Y)
     }
 
-    /// The sides of a box of 4 by 2 by 6, turned inward or outward, without those left out.
-    fn walls(inward: bool, left_out: &[usize]) -> Option<Room> {
-        let (points, triangles) = boxes(&[([0.0; 3], [4.0, 2.0, 6.0])]);
+    /// The sides of a box of 4 by 2 by 6, turned inward or outward, without those left out, and a
+    /// table in it.
+    fn furnished(inward: bool, left_out: &[usize], furniture: &[Corners]) -> Option<Room> {
+        let walls = ([0.0; 3], [4.0, 2.0, 6.0]);
+        let (points, triangles) = boxes(&[&[walls], furniture].concat());
         let sides = triangles.into_iter().enumerate().filter(|(i, _)| !left_out.contains(&(i / 2)));
-        let turned = |(_, [a, b, c]): (_, [u32; 3])| if inward { [a, c, b] } else { [a, b, c] };
+        let turned = |(i, [a, b, c]): (usize, [u32; 3])| match inward && i < 12 {
+            true => [a, c, b],
+            false => [a, b, c],
+        };
         found(&(points, sides.map(turned).collect()))
     }
 
+    /// The lowest and the highest corner of a box.
+    type Corners = ([f32; 3], [f32; 3]);
+
+    fn walls(inward: bool, left_out: &[usize]) -> Option<Room> {
+        furnished(inward, left_out, &[])
+    }
+
+    const TABLE: Corners = ([1.0, 0.0, 1.0], [2.5, 0.7, 4.0]);
+
     #[test]
     fn a_closed_room_is_seen_along_its_longer_way() {
-        let Some(Room::Closed { eye, look, lamp }) = walls(true, &[]) else { panic!("no room") };
+        let Some(Room::Closed { eye, look, lamp }) = furnished(true, &[], &[TABLE]) else {
+            panic!("no room")
+        };
         assert!(eye.z > 5.5 && eye.z < 6.0 && look.z == 3.0, "{eye} {look}");
         assert!((eye.x - 2.0).abs() < 0.1 && eye.x == look.x);
         assert!(eye.y == look.y && eye.y > 1.0 && eye.y < 1.4);
@@ -237,22 +254,15 @@ mod tests {
         assert_eq!(walls(true, &[1]), Some(Room::Open(DVec3::X)));
     }
 
-    /// Cubes about the origin, with these half sides, turned inward or outward.
-    fn nested(cubes: &[(f32, bool)]) -> Option<Room> {
-        let sides: Vec<_> = cubes.iter().map(|&(half, _)| ([-half; 3], [half; 3])).collect();
-        let (points, mut triangles) = boxes(&sides);
-        for (sides, (_, inward)) in triangles.chunks_mut(12).zip(cubes) {
-            sides.iter_mut().filter(|_| *inward).for_each(|triangle| triangle.swap(1, 2));
-        }
-        found(&(points, triangles))
-    }
-
     #[test]
-    fn thick_walls_make_a_room_where_something_is_within() {
-        assert_eq!(nested(&[(1.0, false), (0.95, true)]), None, "an empty shell");
-        let table = (0.5, true);
-        assert!(nested(&[(1.0, false), (0.95, true), table]).is_some());
-        assert_eq!(nested(&[(1.0, false), (0.95, false), (0.3, false)]), None, "blocks in a block");
+    fn a_box_is_a_room_if_there_is_something_in_it_and_room_to_look_at_it() {
+        for inward in [true, false] {
+            assert_eq!(walls(inward, &[]), None, "an empty box");
+            assert!(furnished(inward, &[], &[TABLE]).is_some(), "a room with a table");
+            let full = ([0.2; 3], [3.8, 1.8, 5.8]);
+            assert_eq!(furnished(inward, &[], &[full]), None, "a block in a box");
+        }
+        assert_eq!(furnished(false, &[4], &[TABLE]), None, "a cupboard");
     }
 
     #[test]

@@ -2,11 +2,11 @@
 //!
 //! Scans, printed parts and models have y or z up. Three features count as evidence against the
 //! usual axis of a format. The mesh would stand along the other axis, and would fall over along the
-//! usual one, or is its own mirror image along it: animals, furniture and courtyards have a left
-//! and a right that are alike, but no top that is like the bottom. Or such a mesh, as a fish or an
-//! aeroplane, stands on nothing. Or it is a wide, thin surface of one layer that faces along the
-//! other axis, as terrain does. A mesh stands if its centre is above its support polygon, the convex
-//! hull of its lowest points: so a chair stands on its legs.
+//! usual one. Or it is its own mirror image along the usual axis alone, and would fall over along it,
+//! as a fish or an aeroplane, or has a ground along the other, as a courtyard: left and right may be
+//! alike, top and bottom hardly ever are. Or it is a wide, thin surface of one layer that faces along
+//! the other axis, as terrain does. A mesh stands if its centre is above its support polygon, the
+//! convex hull of its lowest points: so a chair stands on its legs.
 
 use glam::{DVec2, DVec3};
 
@@ -38,12 +38,17 @@ const CLOSED: f64 = 0.75;
 const MIRRORED: f64 = 0.1;
 /// The difference from which on the bottom and the top are taken for such without a support.
 const UNLIKE: f64 = 0.2;
-/// Largest height of what is set up without a support, as a share of its shorter side: swords lie.
-const TALLEST: f64 = 3.0;
+/// Smallest height of what is set up without a support, as a share of its height so far: masks and
+/// shields are not laid down.
+const LOWER: f64 = 0.7;
+/// Largest height of what is set up for its two sides, as a share of its shorter side: swords lie.
+const TALLEST: f64 = 5.0;
+/// Smallest share of hits from below on a ground: faces of one half may be turned over.
+const GROUND: f64 = 1.0 / 3.0;
 /// Number of directions in which the outermost points make up a support polygon.
 const SIDES: usize = 16;
 /// Largest height of what lies flat, as a share of its shorter side.
-const FLAT: f64 = 0.35;
+pub(super) const FLAT: f64 = 0.35;
 /// Share of the hits from above with a single layer.
 const NEARLY_ALL: f64 = 0.9;
 /// Smallest share of its bounding rectangle that terrain covers.
@@ -63,31 +68,33 @@ pub(super) fn guess(contents: &Scenery<'_>, grid: &Grid, usual: Up) -> (Up, Opti
     if is_field(axis) && !is_field(own) {
         return (other, Some("the mesh is wide and low, as terrain is"));
     }
-    let (columns, unlike) = (grid.along(own), unlike(grid.along(axis)));
-    if height(own) <= FLAT || unlike < MIRRORED {
+    let (columns, unlike) = (grid.along(axis), unlike(grid.along(axis)));
+    let is_mirrored = self::unlike(grid.along(own)) < MIRRORED && height(axis) <= TALLEST;
+    let lies = height(own) <= FLAT && !is_mirrored;
+    if lies || unlike < MIRRORED || !is_closed(columns) {
         return (usual, None);
     }
-    let is_mirrored = self::unlike(columns) < MIRRORED && !is_prism(columns);
-    let support = |axis| support(contents, size, axis);
-    let stands = is_closed(grid.along(axis)) && support(axis) >= STANDS;
-    if stands && (is_mirrored || support(own) < COULD_STAND) {
+    let falls = support(contents, size, own) < COULD_STAND;
+    let stands = support(contents, size, axis) >= STANDS;
+    if stands && falls {
         return (other, Some("the mesh stands along it, and would fall over along the other"));
     }
-    if is_mirrored && unlike >= UNLIKE && height(axis) <= TALLEST {
+    let is_set_up = || unlike >= UNLIKE && size[axis] >= LOWER * size[own];
+    if is_mirrored && (stands && has_ground(columns) || falls && is_set_up()) {
         return (other, Some("the mesh is its own mirror image along the other"));
     }
     (usual, None)
 }
 
 /// The share of the columns with hits whose outermost hits are such.
-fn share(columns: &[ColumnHits], is: impl Fn(&ColumnHits, [MetTriangle; 2]) -> bool) -> f64 {
-    let met = || columns.iter().filter_map(|column| Some((column, column.ends?)));
-    met().filter(|(column, ends)| is(column, *ends)).count() as f64 / met().count() as f64
+fn share(columns: &[ColumnHits], is: impl Fn([MetTriangle; 2]) -> bool) -> f64 {
+    let met = || columns.iter().filter_map(|column| column.ends);
+    met().filter(|ends| is(*ends)).count() as f64 / met().count() as f64
 }
 
 /// Whether hits from below are on the outside, or on a floor.
 fn is_closed(columns: &[ColumnHits]) -> bool {
-    share(columns, |_, [low, _]| !low.faces_high || low.at <= BASE_DEPTH) >= CLOSED
+    share(columns, |[low, _]| !low.faces_high || low.at <= BASE_DEPTH) >= CLOSED
 }
 
 /// The mean difference between a mesh and its mirror image along the columns.
@@ -96,13 +103,10 @@ fn unlike(columns: &[ColumnHits]) -> f64 {
     met().map(|[low, high]| (low.at + high.at - 1.0).abs()).sum::<f64>() / met().count() as f64
 }
 
-/// Whether it is a block with a flat bottom and top, as a building may be.
-fn is_prism(columns: &[ColumnHits]) -> bool {
-    let is_solid = |column: &ColumnHits, ends: [MetTriangle; 2]| {
-        ends[1].at - ends[0].at >= 1.0 - BASE_DEPTH
-            && [column.below, column.above] == ends.map(Some)
-    };
-    share(columns, is_solid) >= NEARLY_ALL
+/// Whether the base is a sheet that faces up, as the ground of a courtyard does, and no back of a
+/// cupboard.
+fn has_ground(columns: &[ColumnHits]) -> bool {
+    share(columns, |[low, _]| low.faces_high && low.at <= BASE_DEPTH) >= GROUND
 }
 
 /// The share of the bounding rectangle that the support polygon covers; 0 if its centre is outside.
@@ -141,8 +145,7 @@ fn support(contents: &Scenery<'_>, size: DVec3, axis: usize) -> f64 {
 /// Whether there is one layer that faces up, and covers most of the ground.
 fn is_terrain(columns: &[ColumnHits]) -> bool {
     let covered = columns.iter().filter(|column| column.ends.is_some()).count() as f64;
-    let is_layer =
-        |_: &ColumnHits, [low, high]: [MetTriangle; 2]| low.at == high.at && high.faces_high;
+    let is_layer = |[low, high]: [MetTriangle; 2]| low.at == high.at && high.faces_high;
     covered >= TERRAIN_COVERS * columns.len() as f64 && share(columns, is_layer) >= NEARLY_ALL
 }
 
@@ -173,9 +176,70 @@ mod tests {
         assert_eq!(guessed(&mesh, Up::Z), (Up::Z, false));
         mesh.0.iter_mut().for_each(|p| *p = Vec3::new(p.x, p.z, -p.y));
         assert_eq!(guessed(&mesh, Up::Z), (Up::Y, true));
-        // Without its base there is no evidence.
+        // Without its base there is no evidence: it could lie on its rim.
         mesh.1.drain(..2);
         assert_eq!(guessed(&mesh, Up::Z), (Up::Z, false));
+    }
+
+    /// The points as in a file with y up.
+    fn turned((points, triangles): Solid) -> Solid {
+        (points.iter().map(|p| Vec3::new(p.x, p.z, -p.y)).collect(), triangles)
+    }
+
+    /// A body of 3 by 1 on four legs, with a head at one end; upright along z.
+    fn horse() -> Solid {
+        let leg = |x: f32, y: f32| ([x, y, 0.0], [x + 0.2, y + 0.2, 1.0]);
+        let legs = [leg(0.3, 0.0), leg(2.4, 0.0), leg(0.3, 0.5), leg(2.4, 0.5)];
+        // The stirrups keep it from lying on its flank.
+        let stirrups = ([1.2, -0.1, 1.0], [1.4, 0.8, 1.2]);
+        let body = ([0.0, 0.0, 1.0], [3.0, 0.7, 1.8]);
+        let rest = [body, ([2.8, 0.2, 1.5], [3.6, 0.5, 2.4]), stirrups];
+        boxes(&[&legs[..], &rest].concat())
+    }
+
+    #[test]
+    fn a_horse_stands_on_its_legs_and_is_never_laid_down() {
+        assert_eq!(guessed(&horse(), Up::Y), (Up::Z, true));
+        assert_eq!(guessed(&horse(), Up::Z), (Up::Z, false));
+        assert_eq!(guessed(&turned(horse()), Up::Y), (Up::Y, false));
+        assert_eq!(guessed(&turned(horse()), Up::Z), (Up::Y, true));
+    }
+
+    /// The ground and the walls of a courtyard of 6 by 10; upright along z.
+    fn courtyard() -> Solid {
+        let mut mesh = boxes(&[
+            ([0.0; 3], [6.0, 10.0, 0.0]),
+            ([0.0; 3], [0.5, 10.0, 2.0]),
+            ([5.5, 0.0, 0.0], [6.0, 10.0, 2.0]),
+            ([0.5, 0.0, 0.0], [5.5, 0.5, 2.0]),
+            ([0.5, 9.5, 0.0], [5.5, 10.0, 2.0]),
+        ]);
+        // The upper side of the ground alone.
+        mesh.1.drain(..10);
+        mesh
+    }
+
+    #[test]
+    fn a_courtyard_lies_on_its_ground_and_a_cupboard_stands_on_its_base() {
+        assert_eq!(guessed(&courtyard(), Up::Y), (Up::Z, true));
+        assert_eq!(guessed(&courtyard(), Up::Z), (Up::Z, false));
+        assert_eq!(guessed(&turned(courtyard()), Up::Y), (Up::Y, false));
+        // A cupboard without doors has the same walls, and a back that is seen from behind.
+        let mut cupboard = courtyard();
+        cupboard.1.iter_mut().take(2).for_each(|triangle| triangle.swap(1, 2));
+        assert_eq!(guessed(&cupboard, Up::Y), (Up::Y, false));
+    }
+
+    #[test]
+    fn a_bird_in_flight_is_upright_by_its_sides() {
+        // A body, a head at one end of it and a tail at the other, seen from its left.
+        let bird = boxes(&[
+            ([0.0, 0.4, 0.5], [2.0, 1.1, 1.2]),
+            ([1.8, 0.6, 1.0], [2.4, 0.9, 1.6]),
+            ([0.7, 0.0, 1.1], [1.2, 1.5, 1.2]),
+        ]);
+        assert_eq!(guessed(&bird, Up::Y), (Up::Z, true));
+        assert_eq!(guessed(&bird, Up::Z), (Up::Z, false));
     }
 
     /// A seat on four legs, with a back; upright along z, seen from -y.
