@@ -108,11 +108,12 @@ fn check_extensions(top: &Fields<'_>) -> Result<Vec<String>> {
         let message = "the file requires unsupported extensions";
         let error = Error::new(ErrorKind::Scene, message).in_file(top.cursor().notes().file());
         let error = error.at("extensionsRequired").value(missing.join(", "));
-        let is_packed =
-            missing.iter().any(|name| name.contains("compression") || name.contains("basisu"));
-        return Err(error.remedy(match is_packed {
-            true => "export it without compression",
-            false => "export it without them",
+        let holds = |word: &str| missing.iter().any(|name| name.contains(word));
+        // Each command of the glTF-Transform project writes what it reads unpacked.
+        return Err(error.remedy(match (holds("basisu"), holds("compression")) {
+            (true, _) => "unpack it: gltf-transform ktxdecompress IN OUT",
+            (_, true) => "unpack it: gltf-transform copy IN OUT",
+            _ => "export it without them",
         }));
     }
     let ignored = unknown(&used);

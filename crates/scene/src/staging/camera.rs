@@ -176,7 +176,7 @@ impl ToFrame<'_> {
         let room = self.grid.as_ref().and_then(|grid| match side {
             Some(Side::Around { .. }) => None,
             Some(Side::Inside) => Some(room::inside(grid, ends, upward)),
-            None => room::find(grid, ends, self.up),
+            None => room::find(grid, self.contents, self.up),
         });
         view.up = upward;
         let usual =

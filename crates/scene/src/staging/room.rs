@@ -8,8 +8,8 @@
 
 use glam::DVec3;
 
-use super::BoxEnds;
 use super::grid::{COLUMNS, ColumnHits, Grid};
+use super::{BoxEnds, Scenery};
 use crate::options::framing::Up;
 
 /// Largest distance of a wall from the end of the box, as a share of the room's length.
@@ -94,8 +94,9 @@ impl BoxSide {
     }
 }
 
-/// The room in the box with these `ends`, if it is one.
-pub(super) fn find(grid: &Grid, ends: &BoxEnds, up: Up) -> Option<Room> {
+/// The room that the `contents` are, if they are one.
+pub(super) fn find(grid: &Grid, contents: &Scenery<'_>, up: Up) -> Option<Room> {
+    let ends = &contents.ends;
     let upward = up.axes().y_axis;
     let sides = [0, 1, 2].map(|axis| [false, true].map(|is_high| BoxSide::of(grid, axis, is_high)));
     let sides = sides.as_flattened();
@@ -104,7 +105,7 @@ pub(super) fn find(grid: &Grid, ends: &BoxEnds, up: Up) -> Option<Room> {
     let walls = || sides.iter().filter(|side| side.is_wall());
     let inward = walls().map(|side| side.inward).sum::<f64>() / walls().count().max(1) as f64;
     let is_closed = sides.iter().all(|side| side.covered >= CLOSED);
-    let shows_backs = inward >= BACKS && !is_closed;
+    let shows_backs = inward >= BACKS && !(is_closed && is_empty(contents));
     let is_furnished = || walls().count() == sides.len() && is_furnished(grid);
     if !sides.iter().find(is_floor)?.is_wall() || !(shows_backs || is_furnished()) {
         return None;
@@ -115,6 +116,16 @@ pub(super) fn find(grid: &Grid, ends: &BoxEnds, up: Up) -> Option<Room> {
         [side] if side.covered <= OPEN => Some(Room::Open(side.normal())),
         _ => None,
     }
+}
+
+/// Whether everything is near the walls.
+fn is_empty(contents: &Scenery<'_>) -> bool {
+    let (low, high) = contents.ends;
+    let is_near = |point: DVec3| {
+        let share = (point - low) / (high - low);
+        share.min(1.0 - share).min_element() <= FURNITURE_DEPTH
+    };
+    contents.reduce(true, is_near, |a, b| a && b)
 }
 
 /// Whether there is something that is no wall, and room around the centre.
@@ -207,7 +218,7 @@ mod tests {
 
     fn found(mesh: &Solid) -> Option<Room> {
         let contents = contents(mesh);
-        find(&Grid::of(&contents).unwrap(), &contents.ends, Up::Y)
+        find(&Grid::of(&contents).unwrap(), &contents, Up::Y)
     }
 
     /// The sides of a box of 4 by 2 by 6, turned inward or outward, without those left out, and a

@@ -30,8 +30,8 @@ const BASE_DEPTH: f64 = 0.02;
 const COULD_STAND: f64 = 0.1;
 /// and along another: the feet of a figure with its arms spread out cover no more.
 const STANDS: f64 = 0.15;
-/// Smallest share of hits from below on the outside or on the base of a mesh that stands: an open
-/// mesh that lies on its rim is not a closed one on its base.
+/// Smallest share of hits from below on the outside of a mesh that stands: an open mesh that lies on
+/// its rim is not a closed one on its base.
 const CLOSED: f64 = 0.75;
 /// Largest mean difference between a mesh and its mirror image, as a share of its length: that of
 /// left and right is below a twelfth, of top and bottom above a fifth.
@@ -62,25 +62,25 @@ pub(super) fn guess(contents: &Scenery<'_>, grid: &Grid, usual: Up) -> (Up, Opti
         _ => (1, (Up::Z, 2)),
     };
     let height = |axis: usize| size[axis] / size[(axis + 1) % 3].min(size[(axis + 2) % 3]);
-    // Without any height, it is a figure as well.
-    let is_low = |axis| height(axis) > 0.0 && height(axis) <= FLAT;
-    let is_field = |axis| is_low(axis) && is_terrain(grid.along(axis));
-    if is_field(axis) && !is_field(own) {
+    let is_field = |axis| height(axis) <= FLAT && is_terrain(grid.along(axis));
+    if size[axis] > 0.0 && is_field(axis) && !is_field(own) {
         return (other, Some("the mesh is wide and low, as terrain is"));
     }
     let (columns, unlike) = (grid.along(axis), unlike(grid.along(axis)));
     let is_mirrored = self::unlike(grid.along(own)) < MIRRORED && height(axis) <= TALLEST;
     let lies = height(own) <= FLAT && !is_mirrored;
-    if lies || unlike < MIRRORED || !is_closed(columns) {
+    // What is flat is a figure.
+    if lies || unlike < MIRRORED || size[axis] <= 0.0 {
         return (usual, None);
     }
     let falls = support(contents, size, own) < COULD_STAND;
     let stands = support(contents, size, axis) >= STANDS;
-    if stands && falls {
+    let is_closed = is_closed(columns);
+    if is_closed && stands && falls {
         return (other, Some("the mesh stands along it, and would fall over along the other"));
     }
-    let is_set_up = || unlike >= UNLIKE && size[axis] >= LOWER * size[own];
-    if is_mirrored && (stands && has_ground(columns) || falls && is_set_up()) {
+    let is_set_up = is_closed && falls && unlike >= UNLIKE && size[axis] >= LOWER * size[own];
+    if is_mirrored && (is_set_up || stands && has_ground(columns)) {
         return (other, Some("the mesh is its own mirror image along the other"));
     }
     (usual, None)
@@ -92,9 +92,9 @@ fn share(columns: &[ColumnHits], is: impl Fn([MetTriangle; 2]) -> bool) -> f64 {
     met().filter(|ends| is(*ends)).count() as f64 / met().count() as f64
 }
 
-/// Whether hits from below are on the outside, or on a floor.
+/// Whether hits from below are on the outside.
 fn is_closed(columns: &[ColumnHits]) -> bool {
-    share(columns, |[low, _]| !low.faces_high || low.at <= BASE_DEPTH) >= CLOSED
+    share(columns, |[low, _]| !low.faces_high) >= CLOSED
 }
 
 /// The mean difference between a mesh and its mirror image along the columns.
