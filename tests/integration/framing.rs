@@ -60,6 +60,26 @@ fn what_is_seen_fills_the_image_from_every_side_and_at_every_aspect() {
     }
 }
 
+/// Faces of a material that is left out, others that are cut away, and one without an area, all of them far away.
+const UNSEEN: &str = "\
+mtllib a.mtl\nv 90 0 0\nv 0 90 0\nv 0 0 90\nv 91 0 0\nv 92 0 0\nvt 0 0\nvt 1 0\nvt 1 1\n\
+f 18 21 22\nusemtl clear\nf 18 19 20\nusemtl cut\nf 18/1 19/2 20/3\n";
+
+#[test]
+fn what_is_not_seen_is_not_framed() {
+    let folder = with_block();
+    let at = folder.path();
+    put(at, "a.mtl", "newmtl clear\nd 0\nnewmtl cut\nmap_d black.pgm\n");
+    put(at, "black.pgm", "P2 2 2 255 0 0 0 0\n");
+    put(at, "more.obj", format!("{BLOCK}{UNSEEN}"));
+    let [block, more] = ["block", "more"].map(|name| {
+        let (scene, image) = (format!("{name}.obj"), format!("{name}.pfm"));
+        run_well(at, &[&scene, &image, "-q", "--width", "40", "--height", "30"]);
+        film(at, &image)
+    });
+    assert!(more.same_bits(&block));
+}
+
 /// A square, a line and a single point: there is a view of each from every side, along its plane too.
 #[test]
 fn flat_objects_have_all_views() {

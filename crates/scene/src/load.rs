@@ -171,7 +171,9 @@ fn loaded(
     told: Option<String>,
     read_mesh: impl Fn(&Path) -> Result<LoadedMesh>,
 ) -> Result<LoadedScene> {
-    let told = told.map(|text| Warning::from_error(&notes.error(ErrorKind::Scene, "", text)));
+    let told = told
+        .filter(|text| !text.is_empty())
+        .map(|text| Warning::from_error(&notes.error(ErrorKind::Scene, "", text)));
     meshes::complete(&mut world, &notes, read_mesh)?;
     let (file, folder) = (notes.file().to_owned(), notes.folder());
     let (warnings, files) = notes.into_parts();

@@ -79,13 +79,15 @@ fn an_empty_image_is_told_with_the_reason() {
         found.contains("the image looks empty: the camera sees nothing of the scene"),
         "{found}"
     );
-    let mut faint = square();
-    faint.json["materials"][0]["alphaMode"] = "MASK".into();
-    faint.json["materials"][0]["pbrMetallicRoughness"]["baseColorFactor"][3] = json!(0.4);
-    let found = told(&faint);
-    assert!(
-        found.contains("nothing is left of the scene: all its surfaces are left out"),
-        "{found}"
-    );
-    assert!(!found.contains("no node of the scene"), "{found}");
+    for (mode, alpha) in [("MASK", 0.4), ("BLEND", 0.0)] {
+        let mut faint = square();
+        faint.json["materials"][0]["alphaMode"] = mode.into();
+        faint.json["materials"][0]["pbrMetallicRoughness"]["baseColorFactor"][3] = json!(alpha);
+        let found = told(&faint);
+        assert!(
+            found.contains("nothing is left of the scene: all its surfaces are left out"),
+            "{found}"
+        );
+        assert!(!found.contains("no node of the scene"), "{found}");
+    }
 }

@@ -72,7 +72,11 @@ pub(super) fn world(
     };
     drop(contents);
     drop(shown);
-    let told = told(has_camera, &framed.told, told_light, exposure);
+    let told = match primitives.is_empty() {
+        // Nothing is seen of the choices.
+        true => String::new(),
+        false => told(has_camera, &framed.told, told_light, exposure),
+    };
     world.spawn((settings,));
     framed.spawn(&mut world);
     // Without lights, a lamp is a surface that shows its emission.

@@ -60,7 +60,8 @@ pub(super) fn world(
     let contents = Scenery::new(placed.collect());
     let framed = staging::framed(&contents, usual_up(path), options)?;
     let (settings, told) = staging::light(&mut world, &contents, &framed, path, &options.lighting);
-    let told = framed.told.clone() + told;
+    // Nothing is seen of the choices without a mesh.
+    let told = if shown.is_empty() { String::new() } else { framed.told.clone() + told };
     world.spawn((settings,));
     framed.spawn(&mut world);
     for part in &mut parts {
