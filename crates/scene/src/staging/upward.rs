@@ -35,9 +35,9 @@ const STANDS: f64 = 0.15;
 const CLOSED: f64 = 0.75;
 /// Largest mean difference between a mesh and its mirror image, as a share of its length: that of
 /// left and right is below a twelfth, of top and bottom above a fifth.
-const MIRRORED: f64 = 0.1;
+const SYMMETRIC: f64 = 0.1;
 /// The difference from which on the bottom and the top are taken for such without a support.
-const UNLIKE: f64 = 0.2;
+const ASYMMETRIC: f64 = 0.2;
 /// Smallest height of what is set up without a support, as a share of its height so far: masks and
 /// shields are not laid down.
 const LOWER: f64 = 0.7;
@@ -62,25 +62,27 @@ pub(super) fn guess(contents: &Scenery<'_>, grid: &Grid, usual: Up) -> (Up, Opti
         _ => (1, (Up::Z, 2)),
     };
     let height = |axis: usize| size[axis] / size[(axis + 1) % 3].min(size[(axis + 2) % 3]);
-    let is_field = |axis| height(axis) <= FLAT && is_terrain(grid.along(axis));
+    let is_flat = |axis| height(axis) <= FLAT;
+    let is_field = |axis| is_flat(axis) && is_terrain(grid.along(axis));
     if size[axis] > 0.0 && is_field(axis) && !is_field(own) {
         return (other, Some("the mesh is wide and low, as terrain is"));
     }
-    let (columns, unlike) = (grid.along(axis), unlike(grid.along(axis)));
-    let is_mirrored = self::unlike(grid.along(own)) < MIRRORED && height(axis) <= TALLEST;
-    let lies = height(own) <= FLAT && !is_mirrored;
+    let (columns, asymmetry) = (grid.along(axis), asymmetry(grid.along(axis)));
+    let is_symmetric = self::asymmetry(grid.along(own)) < SYMMETRIC && height(axis) <= TALLEST;
+    let lies = is_flat(own) && !is_symmetric;
     // What is flat is a figure.
-    if lies || unlike < MIRRORED || size[axis] <= 0.0 {
+    if lies || asymmetry < SYMMETRIC || size[axis] <= 0.0 {
         return (usual, None);
     }
-    let falls = support(contents, size, own) < COULD_STAND;
-    let stands = support(contents, size, axis) >= STANDS;
+    let falls = || support(contents, size, own) < COULD_STAND;
+    let stands = || support(contents, size, axis) >= STANDS;
     let is_closed = is_closed(columns);
-    if is_closed && stands && falls {
+    if is_closed && stands() && falls() {
         return (other, Some("the mesh stands along it, and would fall over along the other"));
     }
-    let is_set_up = is_closed && falls && unlike >= UNLIKE && size[axis] >= LOWER * size[own];
-    if is_mirrored && (is_set_up || stands && has_ground(columns)) {
+    let is_set_up = is_closed && asymmetry >= ASYMMETRIC && size[axis] >= LOWER * size[own];
+    let has_ground = is_flat(axis) && has_ground(columns);
+    if is_symmetric && (is_set_up && falls() || has_ground && stands()) {
         return (other, Some("the mesh is its own mirror image along the other"));
     }
     (usual, None)
@@ -98,7 +100,7 @@ fn is_closed(columns: &[ColumnHits]) -> bool {
 }
 
 /// The mean difference between a mesh and its mirror image along the columns.
-fn unlike(columns: &[ColumnHits]) -> f64 {
+fn asymmetry(columns: &[ColumnHits]) -> f64 {
     let met = || columns.iter().filter_map(|column| column.ends);
     met().map(|[low, high]| (low.at + high.at - 1.0).abs()).sum::<f64>() / met().count() as f64
 }
@@ -228,6 +230,14 @@ mod tests {
         let mut cupboard = courtyard();
         cupboard.1.iter_mut().take(2).for_each(|triangle| triangle.swap(1, 2));
         assert_eq!(guessed(&cupboard, Up::Y), (Up::Y, false));
+    }
+
+    #[test]
+    fn a_room_with_an_open_front_is_not_laid_on_its_back() {
+        let mut mesh = boxes(&[([0.0; 3], [4.0, 3.0, 4.0]), ([1.0, 0.0, 1.0], [2.0, 1.0, 2.0])]);
+        mesh.1.drain(10..12);
+        mesh.1.iter_mut().take(10).for_each(|triangle| triangle.swap(1, 2));
+        assert_eq!(guessed(&mesh, Up::Y), (Up::Y, false));
     }
 
     #[test]
