@@ -22,7 +22,7 @@ use rayon::prelude::*;
 
 use crate::components::{CutOut, Maps, Mesh};
 use crate::mesh::MeshData;
-use crate::systems::cutouts;
+use crate::systems::cutouts::{Masks, left};
 
 pub(crate) use camera::{Framed, framed, rays_per_pixel, size, view};
 pub(crate) use ground::GROUND;
@@ -44,14 +44,19 @@ pub(crate) struct Shown<'a> {
 }
 
 impl<'a> Shown<'a> {
-    pub(crate) fn new(mesh: &'a MeshData, cutout: Option<&CutOut>, maps: Option<&Maps>) -> Self {
+    pub(crate) fn new(
+        mesh: &'a MeshData,
+        cutout: Option<&CutOut>,
+        maps: Option<&Maps>,
+        images: &mut Masks<'_>,
+    ) -> Self {
         // The alpha of a texture as opacity.
         let fading = maps.and_then(|maps| maps.opacity.as_ref()).map(|texture| CutOut {
             look_up: texture.look_up.clone(),
             is_mask: false,
             threshold: LEAST_ALPHA,
         });
-        let left = cutout.or(fading.as_ref()).and_then(|cutout| cutouts::left(mesh, cutout));
+        let left = cutout.or(fading.as_ref()).and_then(|cutout| left(mesh, cutout, images));
         let is_gone = left.as_ref().is_some_and(Vec::is_empty);
         Self {
             points: if is_gone { &[][..] } else { &mesh.positions }.into(),
@@ -60,9 +65,9 @@ impl<'a> Shown<'a> {
     }
 
     /// Those of an entity, if it has a mesh.
-    pub(crate) fn of(entity: &'a EntityBuilder) -> Option<Self> {
+    pub(crate) fn of(entity: &'a EntityBuilder, images: &mut Masks<'_>) -> Option<Self> {
         let mesh = &entity.get::<&Mesh>()?.data;
-        Some(Self::new(mesh, entity.get::<&CutOut>(), entity.get::<&Maps>()))
+        Some(Self::new(mesh, entity.get::<&CutOut>(), entity.get::<&Maps>(), images))
     }
 
     /// The box around a mesh in its place.
@@ -133,8 +138,11 @@ fn seen(points: &[Vec3], triangles: &[[u32; 3]]) -> Option<Arc<Vec<AtomicU64>>> 
     triangles.par_iter().for_each(|triangle| {
         // Reads are cheaper, and most triangles have no corner that is the first at its point.
         let corners = triangle.map(|i| i as usize);
+        if corners.iter().all(|&i| is_set(&seen, i)) {
+            return;
+        }
         let [a, b, c] = corners.map(|i| points[i].as_dvec3());
-        if !corners.iter().all(|&i| is_set(&seen, i)) && (b - a).cross(c - a) != DVec3::ZERO {
+        if (b - a).cross(c - a) != DVec3::ZERO {
             for i in corners {
                 seen[i / 64].fetch_or(1 << (i % 64), Ordering::Relaxed);
             }

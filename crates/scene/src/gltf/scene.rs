@@ -11,6 +11,7 @@ use crate::options::LoadOptions;
 use crate::options::framing::{Framing, Up};
 use crate::options::lighting::Rig;
 use crate::staging::{self, BoundingSphere, Framed, Scenery, Shown, Upward};
+use crate::systems::cutouts::Masks;
 use wavecrest_base::error::{ErrorKind, Result};
 
 use super::camera::{self, Shot};
@@ -29,7 +30,8 @@ pub(super) fn world(
     notes: &Notes<'_>,
 ) -> Result<(World, String)> {
     let primitives = notes.whole(|| Ok(primitives(document, notes)))?;
-    let shown: Vec<Shown<'_>> = primitives.iter().map(shown).collect();
+    let mut images = Masks::of_scene(notes.file());
+    let shown: Vec<Shown<'_>> = primitives.iter().map(|one| shown(one, &mut images)).collect();
     let uses = primitives.iter().map(|primitive| primitive.uses.iter().map(|one| one.world));
     let placed = shown.iter().zip(uses).flat_map(|(shown, uses)| shown.placed(uses));
     let contents = Scenery::new(placed.collect());
@@ -293,12 +295,15 @@ const MOST_POINTS: usize = 1 << 24;
 
 /// What is visible of a primitive; of one that is shown so often that checking every point would
 /// take too long, its box.
-fn shown(primitive: &Spawned) -> Shown<'_> {
+fn shown<'a>(primitive: &'a Spawned, images: &mut Masks<'_>) -> Shown<'a> {
     let points = 3 * primitive.mesh.triangles.len();
     let uses = primitive.uses.len();
     match points.saturating_mul(uses) > MOST_POINTS && uses > 1 {
         true => Shown::boxed(&primitive.mesh),
-        false => Shown::new(&primitive.mesh, primitive.cutout.as_ref(), Some(&primitive.maps)),
+        false => {
+            let maps = Some(&primitive.maps);
+            Shown::new(&primitive.mesh, primitive.cutout.as_ref(), maps, images)
+        }
     }
 }
 

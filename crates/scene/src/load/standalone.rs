@@ -14,6 +14,7 @@ use crate::mesh::{LoadedMesh, crease};
 use crate::options::LoadOptions;
 use crate::options::framing::Up;
 use crate::staging::{self, Scenery, Shown, Upward};
+use crate::systems::cutouts::Masks;
 
 /// A light grey with a faint highlight.
 const MATERIAL: Material = Material {
@@ -55,7 +56,9 @@ pub(super) fn world(
     let parts = world.entity(whole).map(|whole| split(whole, mesh, &materials, path, notes));
     let mut parts = parts.unwrap_or_default();
     world.clear();
-    let shown: Vec<Shown<'_>> = parts.iter().filter_map(Shown::of).collect();
+    let mut images = Masks::of_scene(path);
+    let shown: Vec<Shown<'_>> =
+        parts.iter().filter_map(|part| Shown::of(part, &mut images)).collect();
     let placed = shown.iter().flat_map(|shown| shown.placed(std::iter::once(origin)));
     let contents = Scenery::new(placed.collect());
     let framed = staging::framed(&contents, usual_up(path), options)?;

@@ -74,12 +74,16 @@ pub(crate) fn run(
 /// Points along each side of a triangle at which cut-outs are tried: leaves are not much smaller.
 const TRIED: u32 = 32;
 
-/// The triangles of a mesh of which a cut-out leaves something, if not all.
-pub(crate) fn left(mesh: &MeshData, found: &CutOut) -> Option<Vec<[u32; 3]>> {
-    let mut images = Masks::of_scene(Path::new(""));
-    // Errors are reported when the scene is prepared.
-    images.add(found, "").and_then(|()| images.decode()).ok()?;
-    let image = &images.of(found).filter(|_| images.has_holes(found))?.image;
+/// The triangles of a mesh of which a cut-out with one of these `images` leaves something, if not all.
+/// Errors are reported when the scene is prepared.
+pub(crate) fn left(
+    mesh: &MeshData,
+    found: &CutOut,
+    images: &mut Masks<'_>,
+) -> Option<Vec<[u32; 3]>> {
+    images.add(found, "").ok()?;
+    let image = &images.of(found)?.image;
+    image.get().ok()?;
     let cutout = cutout(0..0, found, image, UvMap::Mesh, None);
     let uvs = mesh.uvs.as_ref()?;
     let corners = uvs.indices.as_ref().unwrap_or(&mesh.triangles);
