@@ -17,10 +17,9 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use glam::{DAffine3, DVec3, Vec3};
-use hecs::EntityBuilder;
 use rayon::prelude::*;
 
-use crate::components::{CutOut, Maps, Mesh};
+use crate::components::CutOut;
 use crate::mesh::MeshData;
 use crate::systems::cutouts::{Masks, left};
 
@@ -44,30 +43,13 @@ pub(crate) struct Shown<'a> {
 }
 
 impl<'a> Shown<'a> {
-    pub(crate) fn new(
-        mesh: &'a MeshData,
-        cutout: Option<&CutOut>,
-        maps: Option<&Maps>,
-        images: &mut Masks<'_>,
-    ) -> Self {
-        // The alpha of a texture as opacity.
-        let fading = maps.and_then(|maps| maps.opacity.as_ref()).map(|texture| CutOut {
-            look_up: texture.look_up.clone(),
-            is_mask: false,
-            threshold: LEAST_ALPHA,
-        });
-        let left = cutout.or(fading.as_ref()).and_then(|cutout| left(mesh, cutout, images));
+    pub(crate) fn new(mesh: &'a MeshData, cutout: Option<&CutOut>, images: &mut Masks<'_>) -> Self {
+        let left = cutout.and_then(|cutout| left(mesh, cutout, images));
         let is_gone = left.as_ref().is_some_and(Vec::is_empty);
         Self {
             points: if is_gone { &[][..] } else { &mesh.positions }.into(),
             triangles: left.map_or(Cow::Borrowed(&mesh.triangles), Cow::Owned),
         }
-    }
-
-    /// Those of an entity, if it has a mesh.
-    pub(crate) fn of(entity: &'a EntityBuilder, images: &mut Masks<'_>) -> Option<Self> {
-        let mesh = &entity.get::<&Mesh>()?.data;
-        Some(Self::new(mesh, entity.get::<&CutOut>(), entity.get::<&Maps>(), images))
     }
 
     /// The box around a mesh in its place.
@@ -84,9 +66,6 @@ impl<'a> Shown<'a> {
         places.map(move |world| Placed { world, ..own.clone() })
     }
 }
-
-/// Half of the lowest alpha above 0, of 255 levels.
-const LEAST_ALPHA: f64 = 0.5 / 255.0;
 
 /// Visible geometry and its transform.
 #[derive(Clone, Debug)]

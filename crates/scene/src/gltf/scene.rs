@@ -298,14 +298,19 @@ const MOST_POINTS: usize = 1 << 24;
 fn shown<'a>(primitive: &'a Spawned, images: &mut Masks<'_>) -> Shown<'a> {
     let points = 3 * primitive.mesh.triangles.len();
     let uses = primitive.uses.len();
-    match points.saturating_mul(uses) > MOST_POINTS && uses > 1 {
-        true => Shown::boxed(&primitive.mesh),
-        false => {
-            let maps = Some(&primitive.maps);
-            Shown::new(&primitive.mesh, primitive.cutout.as_ref(), maps, images)
-        }
+    if points.saturating_mul(uses) > MOST_POINTS && uses > 1 {
+        return Shown::boxed(&primitive.mesh);
     }
+    let fading = primitive.maps.opacity.as_ref().map(|texture| CutOut {
+        look_up: texture.look_up.clone(),
+        is_mask: false,
+        threshold: LEAST_ALPHA,
+    });
+    Shown::new(&primitive.mesh, primitive.cutout.as_ref().or(fading.as_ref()), images)
 }
+
+/// Half of the lowest alpha above 0, of 255 levels.
+const LEAST_ALPHA: f64 = 0.5 / 255.0;
 
 /// The cameras of the scene's nodes.
 fn shots(document: &Document) -> Vec<Shot<'_>> {

@@ -8,7 +8,9 @@ use hecs::World;
 use wavecrest_base::error::{Error, ErrorKind, Result};
 
 use super::materials::split;
-use crate::components::{JsonPath, Material, Name, Order, Shading, Sides, VertexColors};
+use crate::components::{
+    CutOut, JsonPath, Material, Mesh, Name, Order, Shading, Sides, VertexColors,
+};
 use crate::format::Notes;
 use crate::mesh::{LoadedMesh, crease};
 use crate::options::LoadOptions;
@@ -57,8 +59,10 @@ pub(super) fn world(
     let mut parts = parts.unwrap_or_default();
     world.clear();
     let mut images = Masks::of_scene(path);
-    let shown: Vec<Shown<'_>> =
-        parts.iter().filter_map(|part| Shown::of(part, &mut images)).collect();
+    let shown = parts.iter().filter_map(|part| {
+        Some(Shown::new(&part.get::<&Mesh>()?.data, part.get::<&CutOut>(), &mut images))
+    });
+    let shown: Vec<Shown<'_>> = shown.collect();
     let placed = shown.iter().flat_map(|shown| shown.placed(std::iter::once(origin)));
     let contents = Scenery::new(placed.collect());
     let framed = staging::framed(&contents, usual_up(path), options)?;

@@ -3,21 +3,21 @@
 //! They are decoded before the first ray, and only those of shapes that rays may meet: an image
 //! without a transparent texel cuts nothing out, and its shapes are like any others.
 
-use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use glam::Vec2;
 use image::DynamicImage;
 use rayon::prelude::*;
 
 use super::geometry::{Output, ShapeOutput};
 use super::textures::{Head, content, decoding, placing};
-use crate::components::{CutOut, SurfaceComponents, TextureSource};
+use crate::components::{CutOut, LookUp, SurfaceComponents, TextureSource};
 use crate::mesh::MeshData;
 use wavecrest_base::error::Result;
 use wavecrest_core::geometry::cutouts::{Cutout, Cutouts, MeshUvs};
 use wavecrest_core::geometry::{Geometry, Primitive};
-use wavecrest_core::kernels::texture::{Image, LazyImage, Texels, UvMap};
+use wavecrest_core::kernels::texture::{Image, LazyImage, Texels};
 use wavecrest_core::math::float::UNIT_ROUNDOFF;
 
 /// For each of `surfaces` whether it is one of those `asked` and its cut-out removes anything. Their
@@ -54,8 +54,8 @@ pub(crate) fn run(
         if !used.iter().any(|known| Arc::ptr_eq(known, image)) {
             used.push(Arc::clone(image));
         }
-        let (primitives, uvs) = (shape.shape.primitives.clone(), coordinates(shape, extracted));
-        let cutout = cutout(primitives, found, image, shape.uv_map, uvs);
+        let image = Arc::clone(image);
+        let cutout = cutout(shape, found, image, extracted);
         match prototype(&extracted.geometry, shape) {
             None => own.push(cutout),
             // All instances of a prototype have the same cut-out.
@@ -71,59 +71,50 @@ pub(crate) fn run(
     used
 }
 
-/// Points along each side of a triangle at which cut-outs are tried: leaves are not much smaller.
-const TRIED: u32 = 32;
-
-/// The triangles of a mesh of which a cut-out with one of these `images` leaves something, if not all.
-/// Errors are reported when the scene is prepared.
-pub(crate) fn left(
-    mesh: &MeshData,
-    found: &CutOut,
-    images: &mut Masks<'_>,
-) -> Option<Vec<[u32; 3]>> {
-    images.add(found, "").ok()?;
-    let image = &images.of(found)?.image;
-    image.get().ok()?;
-    let cutout = cutout(0..0, found, image, UvMap::Mesh, None);
-    let uvs = mesh.uvs.as_ref()?;
-    let corners = uvs.indices.as_ref().unwrap_or(&mesh.triangles);
-    let shows = |corners: &[u32; 3]| {
-        let [a, b, c] = corners.map(|i| uvs.values.get(i as usize).copied().unwrap_or_default());
-        let share = |i: u32| i as f32 / TRIED as f32;
-        let uv = |i, j| a + (b - a) * share(i) + (c - a) * share(j);
-        (0..=TRIED).any(|i| (0..=TRIED - i).any(|j| !cutout.is_hole(uv(i, j))))
-    };
-    let all = mesh.triangles.par_iter().zip(corners);
-    let left: Vec<_> = all.filter(|(_, at)| shows(at)).map(|(triangle, _)| *triangle).collect();
-    (left.len() < mesh.triangles.len()).then_some(left)
-}
-
-fn cutout(
-    primitives: Range<u32>,
-    found: &CutOut,
-    image: &Arc<LazyImage>,
-    map: UvMap,
-    mesh: Option<MeshUvs>,
-) -> Cutout {
+fn cutout(shape: &ShapeOutput, found: &CutOut, image: Arc<LazyImage>, from: &Output) -> Cutout {
+    let attributes = shape.shape.mesh.and_then(|mesh| from.meshes.get(mesh as usize));
+    let mesh = attributes.and_then(|attributes| {
+        Some(MeshUvs {
+            first_triangle: attributes.first_triangle,
+            first_position: attributes.first_position,
+            uvs: Arc::clone(attributes.uvs.as_ref()?),
+        })
+    });
     Cutout {
-        primitives,
+        primitives: shape.shape.primitives.clone(),
         threshold: found.threshold as f32,
-        image: Arc::clone(image),
+        image,
         filter: found.look_up.filter,
         wrap: found.look_up.wrap,
-        map,
+        map: shape.uv_map,
         placing: found.look_up.placing.map(placing),
         mesh,
     }
 }
 
-fn coordinates(shape: &ShapeOutput, from: &Output) -> Option<MeshUvs> {
-    let attributes = from.meshes.get(shape.shape.mesh? as usize)?;
-    Some(MeshUvs {
-        first_triangle: attributes.first_triangle,
-        first_position: attributes.first_position,
-        uvs: Arc::clone(attributes.uvs.as_ref()?),
-    })
+/// Points along each side of a triangle at which cut-outs are tried: leaves are not much smaller.
+const TRIED: u32 = 32;
+
+/// The triangles of a mesh of which a cut-out with one of these `images` leaves something, if not all.
+/// Errors are reported when the scene is prepared.
+pub(crate) fn left(mesh: &MeshData, found: &CutOut, images: &mut Masks) -> Option<Vec<[u32; 3]>> {
+    images.add(found, "").ok()?;
+    let image = images.of(found)?.image.get().ok()?;
+    let LookUp { filter, wrap, placing: placed, .. } = found.look_up;
+    let shows = |uv: Vec2| {
+        let uv = placed.map_or(uv, |placed| placing(placed).apply(uv));
+        image.look_up(uv, filter, wrap).x >= found.threshold as f32
+    };
+    let uvs = mesh.uvs.as_ref()?;
+    let is_left = |corners: &[u32; 3]| {
+        let [a, b, c] = corners.map(|i| uvs.values.get(i as usize).copied().unwrap_or_default());
+        let share = |i: u32| i as f32 / TRIED as f32;
+        let uv = |i, j| a + (b - a) * share(i) + (c - a) * share(j);
+        (0..=TRIED).any(|i| (0..=TRIED - i).any(|j| shows(uv(i, j))))
+    };
+    let all = mesh.triangles.par_iter().zip(uvs.indices.as_ref().unwrap_or(&mesh.triangles));
+    let left: Vec<_> = all.filter(|(_, at)| is_left(at)).map(|(triangle, _)| *triangle).collect();
+    (left.len() < mesh.triangles.len()).then_some(left)
 }
 
 /// The prototype of an instance, and its number of triangles.
