@@ -70,7 +70,7 @@ pub(crate) const MOST_LAMPS: u32 = STUDIO.len() as u32;
 const SKY: [DVec3; 2] = [DVec3::new(0.235, 0.25, 0.27), DVec3::new(0.1, 0.095, 0.09)];
 /// Rays for each hit that look for what is in the way of its light, and how far they look, as a
 /// share of the camera's distance. A room has walls all around: only what is near darkens it.
-const SKY_SAMPLES: u32 = 4;
+const SKY_SAMPLES: u32 = 2;
 const NEAR: f64 = 0.25;
 /// Direction of the sky in a studio, to the right, up, and back: it leans to the side that the key
 /// leaves dark, and so fills it without a ray.

@@ -7,7 +7,7 @@ use crate::load::LoadOptions;
 
 /// Where more than one type of value is right.
 fn takes_several_types(path: &str) -> bool {
-    path.ends_with(".transform") || path.ends_with(".normal") || path.ends_with(".scale")
+    [".transform", ".normal", ".scale", ".ambient"].iter().any(|key| path.ends_with(key))
 }
 
 /// Whether a message at `place` tells the reader of `path` where to look: it is the value's own
