@@ -259,13 +259,13 @@ impl Observer for Recorder<'_> {
         });
         let origin = self.scene.origin;
         let emitter = &self.scene.lights[light].emitter;
-        let is_around = matches!(emitter, Emitter::Around(..));
-        let is_distant = emitter.is_distant() || is_around;
+        let around = if let Emitter::Around(reach) = *emitter { Some(reach) } else { None };
+        let is_distant = emitter.is_distant();
         let Some(met) = self.last_met() else { return };
         let from = if is_distant { Vec3::ZERO } else { (met.point - origin).as_vec3() };
         let towards = Vec3::from(target.position) - from;
-        let distance = if is_distant { None } else { Some(towards.length()) };
-        let behind = !is_around && met.normal.dot(normalize(towards)) <= 0.0;
+        let distance = if is_distant { None } else { around.or(Some(towards.length())) };
+        let behind = around.is_none() && met.normal.dot(normalize(towards)) <= 0.0;
         let none = if behind { Visibility::Behind } else { Visibility::NotReflected };
         let (verdict, adds) = arrives.unwrap_or((none, Vec3::ZERO));
         met.lights.push(Light { light, index, distance, verdict, adds });

@@ -4,7 +4,7 @@
 //! [`Triangle`] or [`Mesh`], and [`Material`], [`Sides`], [`Shading`]; optionally [`Facing`], [`Transform`],
 //! [`Transparency`], [`TextureRef`], [`Maps`], [`CutOut`], [`Name`]. A point light is an entity with [`PointLight`],
 //! which [`Spot`] narrows to a cone. A distant light has [`DirectionalLight`]. An area light has
-//! [`AreaLight`] and the geometry of its shape. Ambient light from a sky is an entity with [`Sky`]. The camera has [`View`], and [`ThinLens`] unless it is
+//! [`AreaLight`] and the geometry of its shape. Ambient light by the normal is an entity with [`Sky`]. The camera has [`View`], and [`ThinLens`] unless it is
 //! a pinhole. One entity holds [`Settings`].
 //!
 //! Lengths are in the scene's own unit; colours are linear, 0 to 1. Numbers keep the precision of

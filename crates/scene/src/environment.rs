@@ -10,7 +10,8 @@ use crate::surface::LookUp;
 use crate::systems::textures::Images;
 use wavecrest_base::error::Result;
 use wavecrest_core::kernels::environment::{self, Surrounding};
-use wavecrest_core::prepared::UvMap;
+use wavecrest_core::kernels::hemisphere::Hemisphere;
+use wavecrest_core::prepared::{LazyImage, UvMap};
 
 component! {
     /// A gradient around the scene, and its direction.
@@ -98,6 +99,27 @@ pub(crate) fn system(world: &World, images: &mut Images) -> Option<environment::
     let to_own = glam::DQuat::from_rotation_y(-turn.to_radians())
         * glam::DQuat::from_rotation_arc(unit(up), DVec3::Y);
     Some(environment::Environment { to_own: DMat3::from_quat(to_own).as_mat3(), colors })
+}
+
+/// Whether a world has an environment that adds anything.
+pub(crate) fn is_bright(world: &World) -> bool {
+    world.query::<&Environment>().iter().any(Environment::is_bright)
+}
+
+/// The ambient light of an environment.
+///
+/// # Errors
+/// If its image cannot be decoded.
+pub(crate) fn ambient(
+    around: &environment::Environment,
+    images: &[LazyImage],
+    traced: bool,
+) -> Result<Hemisphere> {
+    if let Surrounding::Image(number) = around.colors {
+        images[number as usize].get()?;
+    }
+    let light = around.ambient(|number| images[number as usize].get().ok());
+    Ok(light.traced(traced))
 }
 
 impl Environment {

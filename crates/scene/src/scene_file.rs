@@ -175,7 +175,10 @@ fn ambient(scene: &Object<'_>, world: &mut World) -> Result<f64> {
     entity.add(JsonPath(cursor.path()));
     let object = cursor.object(SKY)?;
     if !object.has("sky") && (object.has("ground") || !scene.has("environment")) {
-        cursor.warn("has no \"sky\"", "add one, or an \"environment\" of the scene for its light");
+        cursor.warn(
+            "has no \"sky\"",
+            "add one: without it, ambient light is that of an environment alone",
+        );
     }
     object.components(&mut entity)?;
     world.spawn(entity.build());

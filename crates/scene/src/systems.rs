@@ -40,7 +40,7 @@ use std::path::{Path, PathBuf};
 
 use hecs::World;
 
-use crate::components::{Environment, Sky, SurfaceComponents};
+use crate::components::{Sky, SurfaceComponents};
 use crate::environment;
 use crate::query;
 use crate::surface::Columns;
@@ -52,7 +52,6 @@ use wavecrest_base::memory::Stage;
 use wavecrest_core::accel::Accel;
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::geometry::Geometry;
-use wavecrest_core::kernels::environment::Surrounding;
 use wavecrest_core::kernels::precision::Precision;
 use wavecrest_core::plan::schedule::{PASSES, Pass, Step};
 use wavecrest_core::plan::{Effect, Plan};
@@ -106,10 +105,8 @@ pub fn extract(world: World, options: Options<'_>) -> Result<Extracted> {
     let materials = materials::run(&surfaces);
     let lights = lights::run(world, &extracted, &settings, origin)?;
     let ambient = settings.ambient as f32 * lights.len() as f32;
-    let mut around = world.query::<&Environment>();
-    let is_bright = around.iter().any(Environment::is_bright);
     let sky = world.query::<&Sky>().iter().next().copied();
-    let hemisphere = sky.map(|sky| sky.hemisphere(is_bright));
+    let hemisphere = sky.map(|sky| sky.hemisphere(world));
     let possible = materials::possible(&surfaces, &materials);
     let transparent: Vec<bool> = surfaces.iter().map(details::is_transparent).collect();
     let shows_others = |shape: usize, faces: Faces| {
@@ -154,12 +151,7 @@ pub fn extract(world: World, options: Options<'_>) -> Result<Extracted> {
     if let (Some(light), Some(environment)) = (&mut hemisphere, &environment)
         && sky.is_some_and(|sky| sky.sky.is_none())
     {
-        if let Surrounding::Image(number) = environment.colors {
-            images[number as usize].get()?;
-        }
-        let traced = light.traced;
-        *light = environment.ambient(|number| images[number as usize].get().ok());
-        light.traced = traced;
+        *light = environment::ambient(environment, &images, light.traced)?;
     }
     let cutouts = cutouts::run(&surfaces, &found.holes, &masks, &mut extracted);
     extracted.drop_unused(schedule, &in_view, &details);

@@ -4,7 +4,12 @@ use std::f64::consts::PI;
 
 use serde_json::{Value, json};
 
-use crate::support::{assert_near, image, matte, pinhole, pixel, scene, sphere, wall, with};
+use wavecrest_scene::systems::Options;
+
+use crate::support::{
+    assert_near, folder, image, image_of, matte, pinhole, pixel, prepare_in, scene, sphere, wall,
+    with,
+};
 
 /// White light from everywhere, as `more` has it.
 fn white(more: Value) -> Value {
@@ -117,6 +122,55 @@ fn surroundings_light_surfaces_by_their_normals() {
                 let found = pixel(&image(&scene), 0, 0);
                 assert_near(found, [expected; 3], 2e-4, &format!("{up:?} {zenith} {samples}"));
             }
+        }
+    }
+}
+
+/// White surroundings give white light, however few texels they have.
+#[test]
+fn images_of_any_size_light_surfaces() {
+    let folder = folder();
+    for (width, height) in [(1, 1), (2, 1), (64, 1), (4, 4), (31, 300)] {
+        let image = image::RgbImage::from_pixel(width, height, image::Rgb([255; 3]));
+        image.save(folder.path().join("sky.png")).expect("an image");
+        let ball = sphere([0.0; 3], 1.0, matte(0.0, [0.5; 3]));
+        let mut scene = scene(0, &pinhole([5, 5], 20.0, 4.0), &[], &[ball]);
+        scene["scene"]["environment"] = json!({"file": "sky.png", "turn": 77, "up": [1, 2, 3]});
+        scene["scene"]["ambient"] = json!({});
+        let film = image_of(&prepare_in(folder.path(), &scene, Options::default()), 0);
+        for (x, y) in [(2, 2), (1, 2), (2, 1), (3, 3)] {
+            assert_near(pixel(&film, x, y), [0.5; 3], 2e-4, &format!("{width} x {height}"));
+        }
+    }
+}
+
+/// An image that is 1 / 2 + d.k / 2 in the direction d is reflected as 1 / 2 + n.k / 3: on a ball
+/// more to the right, above, or in front.
+#[test]
+fn light_of_an_image_comes_from_where_it_is_seen() {
+    let folder = folder();
+    for axis in 0..3 {
+        let texel = |x: u32, y: u32| {
+            let around = (f64::from(x) + 0.5) / 128.0 * 2.0 * PI - PI;
+            let up = PI / 2.0 - (f64::from(y) + 0.5) / 64.0 * PI;
+            let towards = [around.sin() * up.cos(), up.sin(), -around.cos() * up.cos()];
+            image::Rgb([(127.5 + 127.5 * towards[axis]).round() as u8; 3])
+        };
+        let image = image::RgbImage::from_fn(128, 64, texel);
+        image.save(folder.path().join("sky.png")).expect("an image");
+        let ball = sphere([0.0; 3], 1.0, matte(0.0, [1.0; 3]));
+        let mut scene = scene(0, &pinhole([3, 3], 1.0, 50.0), &[], &[ball]);
+        scene["camera"]["fov"] = 2.0.into();
+        scene["scene"]["environment"] = json!({"file": "sky.png"});
+        scene["scene"]["ambient"] = json!({});
+        let film = image_of(&prepare_in(folder.path(), &scene, Options::default()), 0);
+        // Rays through the middles of pixels are a third of the image apart.
+        let off = 50.0 * (f64::to_radians(1.0)).tan() * 2.0 / 3.0;
+        for (x, y) in [(1, 1), (0, 1), (2, 1), (1, 0), (1, 2)] {
+            let [right, above] = [f64::from(x) - 1.0, 1.0 - f64::from(y)].map(|n| n * off);
+            let normal = [right, above, f64::sqrt(1.0 - right * right - above * above)];
+            let expected = 0.5 + normal[axis] / 3.0;
+            assert_near(pixel(&film, x, y), [expected; 3], 0.01, &format!("{axis}: {x}, {y}"));
         }
     }
 }

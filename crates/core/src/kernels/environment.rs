@@ -3,9 +3,10 @@
 //! The image's centre is in the direction -z and its upper edge at +y, so that it is seen upright
 //! and not mirrored from within.
 
-use std::f64::consts::PI;
+use std::f64::consts::{PI, TAU};
 
 use glam::{DVec3, Mat3, Vec2, Vec3};
+use rayon::prelude::*;
 
 use super::hemisphere::Hemisphere;
 use super::texture::{Filter, Image, Wrap, sphere_uv};
@@ -30,45 +31,30 @@ pub enum Surrounding {
     Image(u32),
 }
 
-/// Rows of samples of a gradient.
-const GRADIENT_ROWS: u32 = 128;
+/// The least number of rows of its parts that give the ambient light, with twice as many columns.
+const ROWS: u32 = 128;
 
 impl Environment {
-    /// The ambient light that it gives.
-    pub fn ambient<'a>(&self, image: impl Fn(u32) -> Option<&'a Image>) -> Hemisphere {
-        let rows = match self.colors {
-            Surrounding::Gradient(_) => GRADIENT_ROWS,
-            Surrounding::Image(number) => image(number).map_or(1, |image| image.height),
-        };
-        let to_world = self.to_own.transpose();
-        let ends = |row: u32| libm::cos(PI * f64::from(row) / f64::from(rows));
-        let parts = (0..rows).flat_map(|row| {
-            let [top, bottom] = [ends(row), ends(row + 1)];
-            let height = (top + bottom) / 2.0;
-            let angle = 2.0 * PI * (top - bottom) / f64::from(2 * rows);
-            (0..2 * rows).map(move |column| {
-                let turn = PI * (f64::from(column) + 0.5) / f64::from(rows);
-                let (sin, cos) = libm::sincos(turn);
-                let across = (1.0 - height * height).sqrt();
-                (DVec3::new(across * sin, height, across * cos).as_vec3(), angle)
-            })
-        });
-        Hemisphere::around(parts.map(|(own, angle)| {
-            let direction = to_world * own;
-            (direction, self.at(direction, &image).as_dvec3() * angle)
-        }))
-    }
-
     /// The colour in a direction; `image` returns the image with an index.
     pub fn at<'a>(&self, direction: Vec3, image: impl FnOnce(u32) -> Option<&'a Image>) -> Vec3 {
         let own = normalize(self.to_own * direction);
+        self.color(own.y, || sphere_uv(Vec3::new(own.x, own.y, -own.z)), image)
+    }
+
+    /// The colour in a direction of this height, which is at `uv` of an image.
+    fn color<'a>(
+        &self,
+        height: f32,
+        uv: impl FnOnce() -> Vec2,
+        image: impl FnOnce(u32) -> Option<&'a Image>,
+    ) -> Vec3 {
         match self.colors {
             Surrounding::Gradient([up, level, down]) => {
-                let end = if own.y < 0.0 { down } else { up };
-                level + (end - level) * own.y.abs().min(1.0)
+                let end = if height < 0.0 { down } else { up };
+                level + (end - level) * height.abs().min(1.0)
             }
             Surrounding::Image(number) => image(number).map_or(Vec3::ZERO, |image| {
-                let Vec2 { x, y } = sphere_uv(Vec3::new(own.x, own.y, -own.z));
+                let Vec2 { x, y } = uv();
                 // The upper edge has no neighbour at the lower one.
                 let half = 0.5 / image.height as f32;
                 image.look_up(
@@ -78,5 +64,35 @@ impl Environment {
                 )
             }),
         }
+    }
+
+    /// The ambient light that it gives.
+    pub fn ambient<'a>(&self, image: impl Fn(u32) -> Option<&'a Image> + Sync) -> Hemisphere {
+        let found = match self.colors {
+            Surrounding::Gradient(_) => None,
+            Surrounding::Image(number) => image(number),
+        };
+        let [width, height] = found.map_or([0, 0], |image| [image.width, image.height]);
+        let (rows, columns) = (height.max(ROWS), width.max(2 * ROWS));
+        let to_world = self.to_own.transpose();
+        let turns = (0..columns).map(|column| {
+            let u = (f64::from(column) + 0.5) / f64::from(columns);
+            (u as f32, libm::sincos(TAU * (u - 0.5)))
+        });
+        let turns: Vec<(f32, (f64, f64))> = turns.collect();
+        let end = |row: u32| libm::cos(PI * f64::from(row) / f64::from(rows));
+        let row = |row: u32| {
+            let (top, bottom) = (end(row), end(row + 1));
+            let (height, angle) = ((top + bottom) / 2.0, TAU * (top - bottom) / f64::from(columns));
+            let v = 1.0 - (f64::from(row) + 0.5) / f64::from(rows);
+            let across = (1.0 - height * height).sqrt();
+            Hemisphere::sums(turns.iter().map(|&(u, (sin, cos))| {
+                let own = DVec3::new(across * sin, height, -across * cos).as_vec3();
+                let color = self.color(own.y, || Vec2::new(u, v as f32), &image);
+                (to_world * own, color.as_dvec3() * angle)
+            }))
+        };
+        let sums: Vec<[DVec3; 9]> = (0..rows).into_par_iter().map(row).collect();
+        Hemisphere::around(&sums)
     }
 }

@@ -1,12 +1,12 @@
 //! Ambient light by the normal: that of a sky of one colour and a ground of another, or of an
 //! environment.
 //!
-//! Of a sky and a ground, the sky's share is (1 + n . up) / 2 for a normal n, the unoccluded diffuse
-//! reflection of both. Mirror rays that leave the scene show the same colours, with n their
-//! direction. The light of an environment is that of its nine lowest spherical harmonics, which
-//! hold all but a few per cent of it: Ramamoorthi and Hanrahan, *An Efficient Representation for
-//! Irradiance Environment Maps* (SIGGRAPH 2001). If light is traced, shadow rays tell how much of it
-//! arrives.
+//! Of a sky and a ground, the sky's share is (1 + n . up) / 2 for a normal n, the unoccluded
+//! diffuse reflection of both. Mirror rays that leave the scene show the same colours, with n their
+//! direction. The light of an environment is that of its nine lowest spherical harmonics, which hold
+//! all but a few per cent of it, though less of a small sun: Ramamoorthi and Hanrahan, *An Efficient
+//! Representation for Irradiance Environment Maps* (SIGGRAPH 2001). If light is traced, shadow rays
+//! tell how much of it arrives.
 
 use std::f64::consts::PI;
 
@@ -59,27 +59,41 @@ impl Hemisphere {
         Self { light: Ambient::Sky { up: up.as_vec3(), middle, more }, traced: false }
     }
 
-    /// The light of surroundings in parts: for each a unit vector to it, and its colour times its
+    /// The light of surroundings, in `sums` over parts of them.
+    pub fn around(sums: &[[DVec3; 9]]) -> Self {
+        let factor =
+            |i: usize| (sums.iter().map(|sum| sum[i]).sum::<DVec3>() * REFLECTED[i]).as_vec3();
+        Self { light: Ambient::Harmonics(std::array::from_fn(factor)), traced: false }
+    }
+
+    /// Sums over parts of the surroundings: for each a unit vector to it, and its colour times its
     /// solid angle.
-    pub fn around(parts: impl Iterator<Item = (Vec3, DVec3)>) -> Self {
-        let mut sums = [DVec3::ZERO; 9];
-        for (direction, light) in parts {
+    pub fn sums(parts: impl Iterator<Item = (Vec3, DVec3)>) -> [DVec3; 9] {
+        parts.fold([DVec3::ZERO; 9], |mut sums, (direction, light)| {
             let values = harmonics::<f32>(direction.into());
             sums.iter_mut().zip(values).for_each(|(sum, value)| *sum += light * f64::from(value));
-        }
-        let mut factors = [Vec3::ZERO; 9];
-        for ((factor, sum), reflected) in factors.iter_mut().zip(sums).zip(REFLECTED) {
-            *factor = (sum * reflected).as_vec3();
-        }
-        Self { light: Ambient::Harmonics(factors), traced: false }
+            sums
+        })
+    }
+
+    /// The same light, traced or not.
+    #[must_use]
+    pub fn traced(self, traced: bool) -> Self {
+        Self { traced, ..self }
+    }
+
+    /// 1 in the channels that it has, 0 in the others.
+    pub fn channels(&self) -> Vec3 {
+        let mean = match self.light {
+            Ambient::Sky { middle, .. } => middle,
+            Ambient::Harmonics(factors) => factors[0],
+        };
+        Vec3::select(mean.cmpgt(Vec3::ZERO), Vec3::ONE, Vec3::ZERO)
     }
 
     /// Whether it adds nothing anywhere.
     pub fn is_black(&self) -> bool {
-        match self.light {
-            Ambient::Sky { middle, .. } => middle == Vec3::ZERO,
-            Ambient::Harmonics(factors) => factors == [Vec3::ZERO; 9],
-        }
+        self.channels() == Vec3::ZERO
     }
 
     /// The light that arrives at a surface with this unit normal, or of a sky and a ground along a

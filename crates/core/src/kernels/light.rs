@@ -176,7 +176,7 @@ impl LightPoint<f32> {
 pub struct Light {
     /// The source.
     pub emitter: Emitter,
-    /// Intensity times colour, linear. Of light from all around, 1 in channels that have any.
+    /// Intensity times colour, linear. Of light from all around, 1 in channels that may have any.
     pub power: Vec3,
     /// Falloff with distance.
     pub falloff: Falloff,

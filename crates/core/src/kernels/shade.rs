@@ -157,8 +157,9 @@ impl ShadowRequest<f32> {
 pub const SHADOW_END: f32 = 1.0 - 16.0 * gamma(2);
 
 /// The shadow ray from a lit point with weight `throughput` to `target`, a point of `light`, which
-/// may be that of the `ambient` light; `None` if no lane has a request. Lanes without a possible contribution have none: the light is behind
-/// the surface, has no strength, or is not reflected to the viewer.
+/// may be that of the `ambient` light; `None` if no lane has a request. Lanes without a possible
+/// contribution have none: the light is behind the surface, has no strength, or is not reflected to
+/// the viewer.
 ///
 /// A light on the surface itself would be infinitely strong. Its distance counts as at least the
 /// point's error bound; a light at distance zero has no direction and adds nothing.

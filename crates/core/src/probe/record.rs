@@ -122,7 +122,8 @@ pub struct Light {
     pub light: usize,
     /// The index of the point.
     pub index: usize,
-    /// Its distance in scene units; `None` if it is infinitely far away.
+    /// Its distance in scene units, or how far a ray to ambient light looks; `None` if it is
+    /// infinitely far away.
     pub distance: Option<f32>,
     /// Whether its light arrives.
     pub verdict: Visibility,

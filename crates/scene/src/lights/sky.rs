@@ -1,10 +1,11 @@
-//! Ambient light from a sky and the ground.
+//! Ambient light from a sky and the ground, or from the environment.
 
-use glam::{DVec3, Vec3};
+use glam::DVec3;
 use hecs::{Entity, World};
 
 use super::{Found, MOST_SAMPLES, Surroundings, check_samples, diameter, grid, unit};
 use crate::components::{Falloff, Order, Sampling};
+use crate::environment;
 use crate::format::{Declaration, Kind, Object, Range, component, declared};
 use wavecrest_base::error::Result;
 use wavecrest_core::kernels::hemisphere::Hemisphere;
@@ -15,13 +16,14 @@ pub(crate) const SKY: Kind = Kind {
     components: &[Declaration::of::<Sky>()],
     ..Kind::new(
         "ambient light (or a number)",
-        "Ambient light from a sky and the ground, by the direction of the normal.",
+        "Ambient light from a sky and the ground, or from the environment, by the direction of the normal.",
         &[],
     )
 };
 
 component! {
-    /// Ambient light from a sky and the ground, added once, weighted by the normal.
+    /// Ambient light from a sky and the ground, or from the environment, added once, weighted by the
+    /// normal.
     #[derive(Clone, Copy, Debug, PartialEq)]
     pub struct Sky {
         /// The light on a surface that faces up; by default that of the environment, from everywhere.
@@ -49,11 +51,11 @@ fn check(sky: &mut Sky, object: &Object<'_>) -> Result<()> {
 impl Sky {
     /// The light on a surface by its normal. That of the environment is found later; until then it
     /// is white, if there is any.
-    pub(crate) fn hemisphere(&self, environment: bool) -> Hemisphere {
-        let sky = self.sky.unwrap_or(if environment { DVec3::ONE } else { DVec3::ZERO });
-        let mut light = Hemisphere::new(sky, self.ground.unwrap_or(sky), unit(self.up));
-        light.traced = self.samples > 0;
-        light
+    pub(crate) fn hemisphere(&self, world: &World) -> Hemisphere {
+        let around = || if environment::is_bright(world) { DVec3::ONE } else { DVec3::ZERO };
+        let sky = self.sky.unwrap_or_else(around);
+        let light = Hemisphere::new(sky, self.ground.unwrap_or(sky), unit(self.up));
+        light.traced(self.samples > 0)
     }
 }
 
@@ -65,12 +67,10 @@ pub(super) fn emitters(
 ) -> Result<()> {
     for (entity, sky) in world.query::<(Entity, &Sky)>().iter().filter(|(_, sky)| sky.samples > 0) {
         let all = || Distant::reach(diameter(&scene.extracted.geometry));
-        let sums = sky.sky.map(|color| color + sky.ground.unwrap_or(color));
+        let reach = sky.distance.unwrap_or_else(all) as f32;
         let light = Light {
-            emitter: Emitter::Around(sky.distance.unwrap_or_else(all) as f32),
-            power: sums.map_or(Vec3::ONE, |sums| {
-                Vec3::select(sums.as_vec3().cmpgt(Vec3::ZERO), Vec3::ONE, Vec3::ZERO)
-            }),
+            emitter: Emitter::Around(reach.max(f32::MIN_POSITIVE)),
+            power: sky.hemisphere(world).channels(),
             falloff: Falloff::None,
             sampling: sky.sampling,
             grid: grid(sky.sampling, sky.samples),

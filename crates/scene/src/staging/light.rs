@@ -13,8 +13,8 @@ use hecs::World;
 use super::camera::Framed;
 use super::{Scenery, ground};
 use crate::components::{
-    AreaLight, DirectionalLight, Encoding, Falloff, JsonPath, Mesh, Order, PointLight, Sampling,
-    Settings, Sky, Transparency, View,
+    AreaLight, DirectionalLight, Encoding, Falloff, JsonPath, Maps, Mesh, Order, PointLight,
+    Sampling, Settings, Sky, Transparency, View,
 };
 use crate::corners::{direction, quad_has_area};
 use crate::mesh::MeshData;
@@ -63,17 +63,17 @@ const STUDIO: [Lamp; 2] = [
     },
 ];
 
-/// The largest number of lights that are added.
+/// The largest number of lamps that are added.
 pub(crate) const MOST_LAMPS: u32 = STUDIO.len() as u32;
 
 /// The sky of a lit scene, and the light from the ground below it.
 const SKY: [DVec3; 2] = [DVec3::new(0.235, 0.25, 0.27), DVec3::new(0.1, 0.095, 0.09)];
 /// Rays for each hit that look for what is in the way of its light, and how far they look, as a
-/// share of the camera's distance. A room has walls all around: only what is near darkens it.
+/// share of the radius of all that is there. A room has walls all around: only what is near darkens it.
 const SKY_SAMPLES: u32 = 2;
-const NEAR: f64 = 0.25;
+const NEAR: f64 = 0.3;
 /// Direction of the sky in a studio, to the right, up, and back: it leans to the side that the key
-/// leaves dark, and so fills it without a ray.
+/// leaves dark, and so fills it.
 const LEANING: DVec3 = DVec3::new(0.6, 1.0, 0.5);
 /// The same for a room: light reflected by its walls.
 const ROOM: [DVec3; 2] = [DVec3::splat(0.3), DVec3::splat(0.26)];
@@ -96,7 +96,10 @@ pub(crate) fn light(
     lighting: &Lighting,
 ) -> (Settings, &'static str) {
     let background = lighting.background.map_or(LIGHT, Background::color);
-    let distance = Some(framed.view.location.distance(framed.view.look) * NEAR);
+    let distance = Some(contents.sphere.radius * NEAR);
+    // Maps tell of cavities that meshes lack.
+    let is_mapped = world.query_mut::<&Maps>().into_iter().any(|maps| maps.occlusion.is_some());
+    let sky_samples = if is_mapped { 0 } else { SKY_SAMPLES };
     let under = |world: &mut World, [sky, ground]: [DVec3; 2], up, samples| {
         let sampling = Sampling::Sobol;
         let (sky, ground) = (Some(sky), Some(ground));
@@ -110,7 +113,7 @@ pub(crate) fn light(
             if let Some(corners) = framed.lamp.filter(quad_has_area) {
                 world.spawn(ceiling(corners));
                 return (
-                    under(world, ROOM, framed.up, SKY_SAMPLES),
+                    under(world, ROOM, framed.up, sky_samples),
                     "a light under the ceiling is added",
                 );
             }
@@ -125,7 +128,7 @@ pub(crate) fn light(
             for ((lamp, light), order) in STUDIO.iter().zip(lamps).zip(0..) {
                 world.spawn((Order(order), JsonPath(lamp.name.to_owned()), light));
             }
-            (under(world, SKY, leaning, SKY_SAMPLES), "studio lights and a ground are added")
+            (under(world, SKY, leaning, sky_samples), "studio lights and a ground are added")
         }
         Rig::Headlight => {
             world.spawn((Order(0), JsonPath("the light".to_owned()), headlight(&framed.view)));

@@ -103,8 +103,9 @@ pub(crate) fn run(lights: &[&Light], surfaces: &[Surface<'_>], geometry: &Geomet
 /// nothing.
 fn reflects(surface: &Surface<'_>, light: &Light) -> bool {
     let &Material { ks, kd, color, .. } = surface.material;
-    // Ambient light shows diffuse colour for any kd.
-    let kd = if matches!(light.emitter, Emitter::Around(..)) { 1.0 } else { kd };
+    // Ambient light shows diffuse colour alone, for any kd.
+    let is_ambient = matches!(light.emitter, Emitter::Around(..));
+    let (ks, kd) = if is_ambient { (0.0, 1.0) } else { (ks, kd) };
     // Infinite power adds something, if only a NaN.
     let shines = light.power.cmpgt(Vec3::ZERO);
     let colored = color.cmpgt(Vec3::ZERO) & shines;

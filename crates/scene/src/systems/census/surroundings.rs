@@ -8,7 +8,7 @@ impl Facts<'_> {
     pub(super) fn hemisphere(&self) -> (bool, String) {
         match self.census.hemisphere {
             None => (false, "ambient light is the same from all sides".to_owned()),
-            Some(light) if light.is_black() => (false, "sky and ground are black".to_owned()),
+            Some(light) if light.is_black() => (false, "ambient light is black".to_owned()),
             Some(_) if !self.shows_ambient && !self.mirrors().0 && !self.transparency().0 => {
                 (false, "no surface in view shows it".to_owned())
             }
