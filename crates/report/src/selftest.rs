@@ -184,6 +184,8 @@ pub const CASES: &[Case] = &[
         &[Values([100, 10_000], transparency::shadow_rays)]),
     Case::new(60, "transparent balls of any material in white light", "no brighter than the light, by every way to render",
         &[Images([10, 500], transparency::in_white_light)]),
+    Case::new(61, "a sky over plates, and outside of closed meshes", "all of its light arrives, and none of it",
+        &[Images([20, 1000], lights::under_the_sky)]),
 ];
 
 /// The case with that number.

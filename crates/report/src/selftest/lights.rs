@@ -1,6 +1,7 @@
 //! Lights at extreme positions, and reflection at extreme angles and exponents.
 
 use super::prelude::*;
+use super::shapes::Closed;
 use super::surfaces::struck;
 use wavecrest_core::kernels::blinn_phong::{Material, reflect};
 use wavecrest_core::kernels::light::{Emitter, Falloff, Light, Triangles};
@@ -302,4 +303,30 @@ pub(super) fn along_the_floor(numbers: &mut Numbers) -> Vec<Picture> {
         Some((0.0..=most).contains(&pixel[0]) && (angle < 1.0 || pixel[0] > 0.0))
     };
     vec![Picture::new(scene, shows)]
+}
+
+/// Case 61: inside a closed mesh nothing of a sky arrives, and on a plate alone all of it.
+pub(super) fn under_the_sky(numbers: &mut Numbers) -> Vec<Picture> {
+    let size = numbers.magnitude(1e-3, 1e5);
+    let middle = numbers.direction() * (size * numbers.among([0.0, 1.0, 100.0]));
+    let closed = Closed::new(numbers, [8, 12], 0.5, (DVec3::splat(size), middle.as_vec3()));
+    let points: Vec<DVec3> = closed.geometry.positions.iter().map(|p| p.as_dvec3()).collect();
+    let globe = scenes::mesh(&points, &closed.geometry.triangles, scenes::white());
+    let (u, v) = numbers.direction().any_orthonormal_pair();
+    let plate = scenes::square([middle, u * size, v * size], scenes::white());
+    let [inside, before] =
+        [closed.inside(numbers).as_dvec3(), middle + numbers.direction() * (3.0 * size)];
+    let sampling = numbers.among(["random", "sobol"]);
+    let sky = json!({"scene": {"ambient": {"sky": [1, 1, 1], "samples": 8, "sampling": sampling}}});
+    [(inside, inside + u * size, globe, 0.0), (before, middle, plate, 1.0)]
+        .map(|(from, look, shape, right)| {
+            let eye = Eye { look, ..Eye::at(from, 60.0, [8, 8]) };
+            let scene = scenes::with(scenes::scene(&eye, &[], &[shape]), sky.clone());
+            let shows = move |_, _, pixel: [f32; 3]| {
+                let is_met = pixel != scenes::BACKGROUND.map(|value| value as f32);
+                is_met.then(|| (pixel[0] - right).abs() < 1e-6)
+            };
+            Picture::new(scene, shows).like_itself()
+        })
+        .into()
 }

@@ -27,9 +27,10 @@ impl CasePart {
     /// Runs part number `part` of the case with that number.
     pub(super) fn run(self, effort: &Effort, case: u32, part: u32) -> Outcome {
         let numbers = |place: u32, n| Numbers::new(effort, [case, part << 16 | place], n);
-        let each = |[quick, full]: [usize; 2], ask: &(dyn Fn(&mut Numbers) -> Outcome + Sync)| {
+        type Ask<'a> = &'a (dyn Fn(&mut Numbers) -> Outcome + Sync);
+        let each = |[quick, full]: [usize; 2], tasks: usize, ask: Ask<'_>| {
             let count = effort.either(quick, full);
-            in_order(blocks(count, count.div_ceil(TASKS)).map(|block| {
+            in_order(blocks(count, count.div_ceil(tasks)).map(|block| {
                 let one = |n| ask(&mut numbers(0, n)).with_context(|| format!("input {n}"));
                 block.map(one).sum()
             }))
@@ -58,11 +59,11 @@ impl CasePart {
                 };
                 in_order((0..worlds).into_par_iter().map(of_world))
             }
-            Self::Images(count, pictures) => each(count, &|numbers| {
+            Self::Images(count, pictures) => each(count, TASKS_OF_IMAGES, &|numbers| {
                 let pictures = (numbers.index..).zip(pictures(numbers));
                 pictures.map(|(n, picture)| picture.shown(effort, preset_of(n))).sum()
             }),
-            Self::Values(count, value) => each(count, &value),
+            Self::Values(count, value) => each(count, TASKS, &value),
         }
     }
 }
@@ -75,6 +76,9 @@ fn preset_of(n: usize) -> Preset {
 
 /// The most tasks for the inputs of a part.
 const TASKS: usize = 1 << 10;
+
+/// The same for images: a thread that waits for a render takes up others, which all need its stack.
+const TASKS_OF_IMAGES: usize = 16;
 
 /// What a ray must meet.
 #[derive(Clone, Debug)]
