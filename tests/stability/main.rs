@@ -121,4 +121,5 @@ cases! {
     58 hc58_panes hc58_panes_full;
     59 hc59_transparent_edges hc59_transparent_edges_full;
     60 hc60_white_light hc60_white_light_full;
+    61 hc61_sky hc61_sky_full;
 }
