@@ -53,7 +53,7 @@
 //!
 //! ```
 //! use wavecrest_api::components::{
-//!     Ambient, Encoding, Falloff, FovAxis, Material, Order, PointLight, Sampling,
+//!     Encoding, Falloff, FovAxis, Material, Order, PointLight, Sampling,
 //!     Settings, Shading, Sides, Sphere, View,
 //! };
 //! use wavecrest_api::glam::DVec3;
@@ -65,7 +65,7 @@
 //!     file: "ball".into(),
 //!     bounces: 0,
 //!     background: DVec3::ZERO,
-//!     ambient: Ambient::Even(0.1),
+//!     ambient: 0.1,
 //!     transfer: Encoding::Srgb,
 //! },));
 //! let view = View {

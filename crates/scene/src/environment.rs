@@ -115,11 +115,11 @@ pub(crate) fn ambient(
     images: &[LazyImage],
     traced: bool,
 ) -> Result<Hemisphere> {
-    if let Surrounding::Image(number) = around.colors {
-        images[number as usize].get()?;
-    }
-    let light = around.ambient(|number| images[number as usize].get().ok());
-    Ok(light.traced(traced))
+    let image = match around.colors {
+        Surrounding::Gradient(_) => None,
+        Surrounding::Image(number) => Some(images[number as usize].get()?),
+    };
+    Ok(around.ambient(image).traced(traced))
 }
 
 impl Environment {

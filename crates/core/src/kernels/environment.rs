@@ -66,13 +66,9 @@ impl Environment {
         }
     }
 
-    /// The ambient light that it gives.
-    pub fn ambient<'a>(&self, image: impl Fn(u32) -> Option<&'a Image> + Sync) -> Hemisphere {
-        let found = match self.colors {
-            Surrounding::Gradient(_) => None,
-            Surrounding::Image(number) => image(number),
-        };
-        let [width, height] = found.map_or([0, 0], |image| [image.width, image.height]);
+    /// The ambient light that it gives, with its `image` if it has one.
+    pub fn ambient(&self, image: Option<&Image>) -> Hemisphere {
+        let [width, height] = image.map_or([0, 0], |image| [image.width, image.height]);
         let (rows, columns) = (height.max(ROWS), width.max(2 * ROWS));
         let to_world = self.to_own.transpose();
         let turns = (0..columns).map(|column| {
@@ -88,7 +84,7 @@ impl Environment {
             let across = (1.0 - height * height).sqrt();
             Hemisphere::sums(turns.iter().map(|&(u, (sin, cos))| {
                 let own = DVec3::new(across * sin, height, -across * cos).as_vec3();
-                let color = self.color(own.y, || Vec2::new(u, v as f32), &image);
+                let color = self.color(own.y, || Vec2::new(u, v as f32), |_| image);
                 (to_world * own, color.as_dvec3() * angle)
             }))
         };
