@@ -25,7 +25,7 @@ use crate::systems::cutouts::{Masks, left};
 
 pub(crate) use camera::{Framed, framed, rays_per_pixel, size, view};
 pub(crate) use ground::GROUND;
-pub(crate) use light::{GLASS_BOUNCES, MOST_LAMPS, allow_for_glass, light, samples, settings};
+pub(crate) use light::{GLASS_BOUNCES, MOST_LAMPS, allow_for_surfaces, light, samples, settings};
 pub(crate) use upward::Upward;
 
 /// A bounding sphere.

@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 use wavecrest_core::film::Film;
-use wavecrest_scene::components::AreaLight;
+use wavecrest_scene::components::{AreaLight, Sky};
 
 use super::converted::converted;
 use super::images::png;
@@ -88,6 +88,19 @@ fn occlusion_takes_away_ambient_light_alone() {
             std::array::from_fn(|i| plain[i] - lost * 0.08 * [0.8, 0.2, 0.1][i]);
         assert_near(found, expected, 1e-5, "less of the ambient part");
     }
+}
+
+/// In the studio rays look for what is near, unless a map tells of more than the mesh has.
+#[test]
+fn a_map_of_occlusion_takes_the_place_of_rays() {
+    let samples = |file: File| {
+        let dark = file.with("/extensions/KHR_lights_punctual/lights/0/intensity", 0);
+        let world = &mut loaded(&dark).expect("it is right").world;
+        world.query_mut::<&Sky>().into_iter().map(|sky| sky.samples).collect::<Vec<_>>()
+    };
+    assert_eq!(samples(square()), [2]);
+    let info = json!({"index": 0});
+    assert_eq!(samples(mapped([0; 3], own(json!({"occlusionTexture": info})))), [0]);
 }
 
 /// The square lit with a normal map all of one texel, with these coordinates.

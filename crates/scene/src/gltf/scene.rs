@@ -93,7 +93,7 @@ pub(super) fn world(
             primitive.add_shapes(notes.file(), order, &mut world);
         }
     }
-    staging::allow_for_glass(&mut world);
+    staging::allow_for_surfaces(&mut world);
     Ok((world, told))
 }
 

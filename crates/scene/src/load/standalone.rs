@@ -74,7 +74,7 @@ pub(super) fn world(
     for part in &mut parts {
         world.spawn(part.build());
     }
-    staging::allow_for_glass(&mut world);
+    staging::allow_for_surfaces(&mut world);
     Ok((world, told))
 }
 

@@ -69,7 +69,8 @@ pub(crate) const MOST_LAMPS: u32 = STUDIO.len() as u32;
 /// The sky of a lit scene, and the light from the ground below it.
 const SKY: [DVec3; 2] = [DVec3::new(0.235, 0.25, 0.27), DVec3::new(0.1, 0.095, 0.09)];
 /// Rays for each hit that look for what is in the way of its light, and how far they look, as a
-/// share of the radius of all that is there. A room has walls all around: only what is near darkens it.
+/// share of the radius of all that is there. A room has walls all around: only what is near
+/// darkens it.
 const SKY_SAMPLES: u32 = 2;
 const NEAR: f64 = 0.3;
 /// Direction of the sky in a studio, to the right, up, and back: it leans to the side that the key
@@ -97,9 +98,6 @@ pub(crate) fn light(
 ) -> (Settings, &'static str) {
     let background = lighting.background.map_or(LIGHT, Background::color);
     let distance = Some(contents.sphere.radius * NEAR);
-    // Maps tell of cavities that meshes lack.
-    let is_mapped = world.query_mut::<&Maps>().into_iter().any(|maps| maps.occlusion.is_some());
-    let sky_samples = if is_mapped { 0 } else { SKY_SAMPLES };
     let under = |world: &mut World, [sky, ground]: [DVec3; 2], up, samples| {
         let sampling = Sampling::Sobol;
         let (sky, ground) = (Some(sky), Some(ground));
@@ -112,10 +110,8 @@ pub(crate) fn light(
             // A room without extent has no place for a lamp.
             if let Some(corners) = framed.lamp.filter(quad_has_area) {
                 world.spawn(ceiling(corners));
-                return (
-                    under(world, ROOM, framed.up, sky_samples),
-                    "a light under the ceiling is added",
-                );
+                let settings = under(world, ROOM, framed.up, SKY_SAMPLES);
+                return (settings, "a light under the ceiling is added");
             }
             let axes = axes(framed);
             let lamps = STUDIO.each_ref().map(|lamp| lamp.light(&axes));
@@ -128,7 +124,7 @@ pub(crate) fn light(
             for ((lamp, light), order) in STUDIO.iter().zip(lamps).zip(0..) {
                 world.spawn((Order(order), JsonPath(lamp.name.to_owned()), light));
             }
-            (under(world, SKY, leaning, sky_samples), "studio lights and a ground are added")
+            (under(world, SKY, leaning, SKY_SAMPLES), "studio lights and a ground are added")
         }
         Rig::Headlight => {
             world.spawn((Order(0), JsonPath("the light".to_owned()), headlight(&framed.view)));
@@ -155,8 +151,12 @@ fn settings_of(file: &Path, background: DVec3, ambient: f64) -> Settings {
     Settings { file, bounces: BOUNCES, background, ambient, transfer }
 }
 
-/// Gives rays in a world with glass enough bounces to pass through.
-pub(crate) fn allow_for_glass(world: &mut World) {
+/// Adapts the settings to the surfaces of a world: with glass, rays have enough bounces to pass
+/// through; with an occlusion map, which tells of cavities that meshes lack, none look for others.
+pub(crate) fn allow_for_surfaces(world: &mut World) {
+    if world.query_mut::<&Maps>().into_iter().any(|maps| maps.occlusion.is_some()) {
+        world.query_mut::<&mut Sky>().into_iter().for_each(|sky| sky.samples = 0);
+    }
     if world.query_mut::<&Transparency>().into_iter().any(|transparency| transparency.kt > 0.0) {
         let settings = world.query_mut::<&mut Settings>().into_iter();
         settings.for_each(|settings| settings.bounces = GLASS_BOUNCES);
