@@ -19,11 +19,12 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use glam::{DAffine3, DVec3, Vec3};
 use rayon::prelude::*;
 
-use crate::components::CutOut;
+use crate::components::{CutOut, View};
 use crate::mesh::MeshData;
 use crate::systems::cutouts::{Masks, left};
 
 pub(crate) use camera::{Framed, framed, rays_per_pixel, size, view};
+use grid::Grid;
 pub(crate) use ground::GROUND;
 pub(crate) use light::{GLASS_BOUNCES, MOST_LAMPS, allow_for_surfaces, light, samples, settings};
 pub(crate) use upward::Upward;
@@ -163,6 +164,11 @@ impl<'a> Scenery<'a> {
             BoundingSphere { center, radius: if radius > 0.0 { radius } else { 1.0 } };
         contents.ends = (low, high);
         contents
+    }
+
+    /// Points all over an image, with normals of any length; none if it takes too long.
+    pub(crate) fn seen(&self, view: &View) -> Vec<[DVec3; 2]> {
+        Grid::seen(self, view).unwrap_or_default()
     }
 
     /// Reduces the results of `of` for each visible point by `merge`, in any order.

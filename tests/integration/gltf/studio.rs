@@ -7,7 +7,7 @@ use wavecrest_scene::load::lighting::{Lighting, Rig};
 use wavecrest_scene::load::load_gltf as load_bytes;
 use wavecrest_scene::systems;
 
-use super::{File, loaded, small, square};
+use super::{File, image, loaded, small, square};
 use crate::support::ready;
 
 /// The numbers of lamps of the studio, of point lights and of emissive meshes; and the note.
@@ -49,6 +49,24 @@ fn weak_lamps_and_dead_lights_leave_the_studio_on() {
     let (counts, note) = lights(&dead, None);
     assert_eq!(counts, [2, 0, 0]);
     assert!(note.contains("no lights with power: studio lights"), "{note}");
+}
+
+/// A lamp near a corner of the square, as bright as it may be: only there is anything white, and the rest
+/// is as bright as that allows.
+#[test]
+fn a_lamp_near_a_surface_leaves_it_its_shape() {
+    for (height, intensity) in [(0.3, 9.0), (0.3, 5e6), (1.0, 0.002), (30.0, 100.0)] {
+        let white = json!([1, 1, 1, 1]);
+        let mut file = square().with("/materials/0/pbrMetallicRoughness/baseColorFactor", white);
+        file.json["nodes"][2]["translation"] = json!([0.8, 0.8, height]);
+        file.json["extensions"]["KHR_lights_punctual"]["lights"][0]["intensity"] = json!(intensity);
+        let film = image(&file);
+        let pixels = film.pixels().iter().map(|pixel| f64::from(pixel[0]));
+        let mut seen: Vec<f64> = pixels.filter(|&value| value > 0.05).collect();
+        seen.sort_by(f64::total_cmp);
+        let (most, brightest) = (seen[seen.len() * 95 / 100], seen[seen.len() - 1]);
+        assert!(most <= 1.0 && brightest > 0.9, "{height}: {most} {brightest}");
+    }
 }
 
 #[test]

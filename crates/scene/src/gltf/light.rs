@@ -12,18 +12,20 @@
 //!
 //! The last is exact for a closed convex surface, averaged over all directions: its flux is pi L A.
 //! One factor, the exposure, multiplies all of them and the colours of the surfaces: the sun's 100
-//! 000 lux would leave nothing but white. With it, a white matte surface in the middle of the scene
-//! that faces every light at once shows 1.
+//! 000 lux would leave nothing but white. With it, white matte surfaces show at most 1 but for those
+//! next to lamps.
 
 use std::f64::consts::PI;
 
 use glam::{DAffine3, DVec3};
 use hecs::EntityBuilder;
+use rayon::prelude::*;
 
-use crate::components::{DirectionalLight, Falloff, JsonPath, PointLight, Sampling, Spot};
+use crate::components::{DirectionalLight, Falloff, JsonPath, PointLight, Sampling, Spot, View};
 use crate::corners::direction;
 use crate::format::Range;
-use crate::staging::BoundingSphere;
+use crate::scene_file::AMBIENT;
+use crate::staging::{BoundingSphere, Scenery};
 use wavecrest_base::error::Result;
 
 use super::fields::Fields;
@@ -128,21 +130,67 @@ fn degrees(radians: f64) -> f64 {
     if radians >= WIDEST { 90.0 } else { radians.to_degrees().min(90.0) }
 }
 
-/// The radiance of a white matte surface in the middle of the scene that faces a light of this
-/// strength at `position`, with the inverse square of the distance. Lights within half the scene's
-/// radius count as that far away.
-pub(super) fn radiance(strength: DVec3, position: DVec3, bounds: &BoundingSphere) -> f64 {
-    let distance = position.distance(bounds.center).max(bounds.radius / 2.0);
-    strength.max_element() * (1.0 / (4.0 * PI * distance * distance))
+/// A lamp ends at this multiple of the radius of a ball with its area.
+const LAMP: f64 = 1.1;
+
+/// What a light adds to surfaces, without shadows.
+pub(super) struct Source {
+    /// The greatest channel of its intensity and colour.
+    strength: f64,
+    /// `None` for a sun.
+    position: Option<DVec3>,
+    /// The direction of its light, and the least cosine of an angle to it that is lit.
+    axis: DVec3,
+    least: f64,
+    /// What is nearer is the lamp itself.
+    nearest: f64,
 }
 
-/// The same for a light that is not a mesh. The middle counts as inside the cone of every spot.
-pub(super) fn radiance_of(light: &EntityBuilder, bounds: &BoundingSphere) -> f64 {
-    let point = light.get::<&PointLight>();
-    let point = point.map(|light| radiance(light.color * light.intensity, light.position, bounds));
-    let sun = light.get::<&DirectionalLight>();
-    let sun = sun.map(|light| (light.color * light.intensity).max_element());
-    point.or(sun).unwrap_or(0.0)
+impl Source {
+    /// A mesh of this emission, area and centre.
+    pub(super) fn glowing(emission: DVec3, area: f64, middle: DVec3) -> Self {
+        let strength = (emission * area).max_element();
+        let nearest = LAMP * (area / (4.0 * PI)).sqrt();
+        Self { strength, position: Some(middle), axis: DVec3::ZERO, least: -1.0, nearest }
+    }
+
+    /// A light that is not a mesh.
+    pub(super) fn of(light: &EntityBuilder) -> Self {
+        let around = (DVec3::ZERO, -1.0);
+        let cone = |spot: &Spot| (spot.direction, libm::cos(spot.outer_degrees.to_radians()));
+        let spot = light.get::<&Spot>().map_or(around, cone);
+        let (position, color, (axis, least)) =
+            match (light.get::<&PointLight>(), light.get::<&DirectionalLight>()) {
+                (Some(light), _) => (Some(light.position), light.intensity * light.color, spot),
+                (None, Some(sun)) => (None, sun.intensity * sun.color, (sun.direction, -1.0)),
+                (None, None) => (None, DVec3::ZERO, around),
+            };
+        Self { strength: color.max_element(), position, axis, least, nearest: 0.0 }
+    }
+
+    /// The radiance of a white matte surface that faces the light at this distance.
+    fn facing(&self, distance: f64) -> f64 {
+        match self.position {
+            Some(_) => self.strength / (4.0 * PI * distance * distance),
+            None => self.strength,
+        }
+    }
+
+    /// The same in the middle of the scene. Lights within half its radius count as that far away.
+    fn in_middle(&self, bounds: &BoundingSphere) -> f64 {
+        let distance = self.position.map_or(0.0, |position| position.distance(bounds.center));
+        self.facing(distance.max(bounds.radius / 2.0))
+    }
+
+    /// The same at a point with a normal, on the side that is lit.
+    fn on(&self, [point, normal]: [DVec3; 2]) -> f64 {
+        let from = self.position.map_or(self.axis, |position| point - position);
+        let (way, normal) = (from.normalize_or_zero(), normal.normalize_or_zero());
+        match from.length() >= self.nearest && way.dot(self.axis) >= self.least {
+            true => self.facing(from.length()) * way.dot(normal).abs(),
+            false => 0.0,
+        }
+    }
 }
 
 /// Multiplies the intensity of a light that is not a mesh.
@@ -152,45 +200,55 @@ pub(super) fn expose(light: &mut EntityBuilder, exposure: f64) {
     sun.into_iter().for_each(|light| light.intensity *= exposure);
 }
 
-/// The lights of a file, and the radiance of a white surface in the middle under them.
+/// The lights of a file.
 pub(super) struct Own {
-    /// Number of lights that are not meshes.
-    pub(super) count: usize,
-    /// The radiance under these,
-    pub(super) radiance: f64,
-    /// and under emissive meshes.
-    pub(super) emitted: f64,
+    /// Those that are not meshes,
+    pub(super) lights: Vec<Source>,
+    /// and emissive meshes.
+    pub(super) glowing: Vec<Source>,
 }
 
 /// Smallest radiance from emissive meshes that alone light a file: headlights and diodes give less
 /// than a hundredth, the lamp of a room more than a half.
 const ENOUGH: f64 = 0.1;
 
+/// The share of the lit surfaces in view that must not be white: others are beside a lamp, and
+/// an image that shows these well is dark.
+const NOT_WHITE: f64 = 0.97;
+
 impl Own {
     /// The reason to add lights, in place of those that are not meshes; `None` to add none.
-    pub(super) fn why_more(&self, replaces: bool) -> Option<&'static str> {
-        let has_lights = self.count > 0;
-        match self.emitted > 0.0 {
+    pub(super) fn why_more(&self, bounds: &BoundingSphere, replaces: bool) -> Option<&'static str> {
+        let emitted: f64 = self.glowing.iter().map(|source| source.in_middle(bounds)).sum();
+        let has_lights = !self.lights.is_empty();
+        match emitted > 0.0 {
             false if !has_lights => Some("no lights"),
             _ if replaces && has_lights => Some("the lights of the file are replaced"),
             true if replaces => Some("no lights but emission"),
-            _ if self.radiance > 0.0 || self.emitted >= ENOUGH => None,
+            _ if self.lights.iter().any(|source| source.strength > 0.0) || emitted >= ENOUGH => {
+                None
+            }
             _ if has_lights => Some("no lights with power"),
             _ => Some("no lights but weak emission"),
         }
     }
 
-    /// The factor that scales the radiance under all lights to 1; beside added lights, that under
-    /// emissive meshes is only scaled down.
-    pub(super) fn exposure(&self, has_more: bool) -> f64 {
-        match has_more {
-            true => exposure(self.emitted).min(1.0),
-            false => exposure(self.radiance + self.emitted),
+    /// The factor at which white matte surfaces in `view` become white, but for the brightest; where
+    /// none is lit, one in the middle. Beside added lights, emissive meshes are only scaled down.
+    pub(super) fn exposure(&self, contents: &Scenery<'_>, view: &View, has_more: bool) -> f64 {
+        let lights = if has_more { &[] } else { &self.lights[..] };
+        let sources = || lights.iter().chain(&self.glowing);
+        if sources().count() == 0 {
+            return 1.0;
         }
+        let on = |surface: &[DVec3; 2]| sources().map(|source| source.on(*surface)).sum();
+        let seen = contents.seen(view);
+        let mut lit: Vec<f64> = seen.par_iter().map(on).filter(|&sum: &f64| sum > 0.0).collect();
+        lit.sort_by(f64::total_cmp);
+        let bright = lit.get((lit.len() as f64 * NOT_WHITE) as usize).copied();
+        let middle = || sources().map(|source| source.in_middle(&contents.sphere)).sum();
+        let exposure = (1.0 - AMBIENT) / bright.unwrap_or_else(middle);
+        let is_usable = exposure.is_finite() && exposure > 0.0;
+        if is_usable && !(has_more && exposure > 1.0) { exposure } else { 1.0 }
     }
-}
-
-fn exposure(radiance: f64) -> f64 {
-    let exposure = 1.0 / radiance;
-    if exposure.is_finite() && exposure > 0.0 { exposure } else { 1.0 }
 }

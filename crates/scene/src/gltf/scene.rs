@@ -10,13 +10,13 @@ use crate::format::Notes;
 use crate::options::LoadOptions;
 use crate::options::framing::{Framing, Up};
 use crate::options::lighting::Rig;
-use crate::staging::{self, BoundingSphere, Framed, Scenery, Shown, Upward};
+use crate::staging::{self, Framed, Scenery, Shown, Upward};
 use crate::systems::cutouts::Masks;
 use wavecrest_base::error::{ErrorKind, Result};
 
 use super::camera::{self, Shot};
 use super::document::Document;
-use super::light;
+use super::light::{self, Source};
 use super::material::Surface;
 use super::mesh::PrimitiveReader;
 use super::node::PlacedNode;
@@ -35,9 +35,8 @@ pub(super) fn world(
     let uses = primitives.iter().map(|primitive| primitive.uses.iter().map(|one| one.world));
     let placed = shown.iter().zip(uses).flat_map(|(shown, uses)| shown.placed(uses));
     let contents = Scenery::new(placed.collect());
-    let bounds = contents.sphere;
     let own = match options.framing == Framing::default() {
-        true => camera::chosen(&shots(document), &bounds, options, notes)?,
+        true => camera::chosen(&shots(document), &contents.sphere, options, notes)?,
         false => None,
     };
     let has_camera = own.is_some();
@@ -46,16 +45,12 @@ pub(super) fn world(
         None => staging::framed(&contents, Upward::Stated(Up::Y), options)?,
     };
     let mut lights = lights(document, notes);
-    let glowing: usize =
-        primitives.iter().filter(|f| f.surface.is_light()).map(|f| f.uses.len()).sum();
+    let glowing = glowing(&primitives);
+    let count = lights.len() + glowing.len();
     check_lights(&primitives, notes)?;
-    let own = light::Own {
-        count: lights.len(),
-        radiance: lights.iter().map(|light| light::radiance_of(light, &bounds)).sum(),
-        emitted: emitted(&primitives, &bounds),
-    };
-    let added = own.why_more(options.lighting.replaces);
-    let exposure = own.exposure(added.is_some());
+    let own = light::Own { lights: lights.iter().map(Source::of).collect(), glowing };
+    let added = own.why_more(&contents.sphere, options.lighting.replaces);
+    let exposure = own.exposure(&contents, &framed.view, added.is_some());
     let mut world = World::new();
     let (settings, told_light) = match added {
         Some(why) => {
@@ -68,7 +63,6 @@ pub(super) fn world(
                 light::expose(light, exposure);
                 world.spawn(light.add(Order(order)).build());
             }
-            let count = lights.len() + glowing;
             (staging::settings(notes.file(), count, &options.lighting), None)
         }
     };
@@ -337,13 +331,14 @@ fn lights(document: &Document, notes: &Notes<'_>) -> Vec<EntityBuilder> {
     document.placed.iter().filter_map(placed).collect()
 }
 
-/// The radiance of a white surface in the middle under all emissive meshes.
-fn emitted(primitives: &[Spawned], bounds: &BoundingSphere) -> f64 {
+/// The emissive meshes as lights.
+fn glowing(primitives: &[Spawned]) -> Vec<Source> {
     let lights = primitives.iter().filter(|primitive| primitive.surface.is_light());
-    let radiance = |primitive: &Spawned, world: &DAffine3| {
+    let source = |primitive: &Spawned, world: &DAffine3| {
         let (area, middle) = extent(&primitive.mesh, world);
-        let strength = primitive.surface.emission * area;
-        light::radiance(strength, middle, bounds)
+        Source::glowing(primitive.surface.emission, area, middle)
     };
-    lights.flat_map(|light| light.uses.iter().map(move |found| radiance(light, &found.world))).sum()
+    lights
+        .flat_map(|light| light.uses.iter().map(move |found| source(light, &found.world)))
+        .collect()
 }

@@ -247,17 +247,28 @@ impl ToFrame<'_> {
 
     /// The tangents of half the angles to fill, horizontally and vertically.
     fn tangents(&self, view: &View) -> [f64; 2] {
-        let placement = Placement {
-            location: view.location,
-            look: view.look,
-            up: view.up,
-            fov_degrees: view.fov_degrees,
-            fov_axis: view.fov_axis,
-            size: [view.width, view.height],
-        };
         let share = self.framing.fit.unwrap_or_default().share();
-        half_extent(&placement).map(|tangent| tangent * share)
+        half_extent(&placement(view)).map(|tangent| tangent * share)
     }
+}
+
+/// Where a view is, for its angles.
+pub(super) fn placement(view: &View) -> Placement {
+    Placement {
+        location: view.location,
+        look: view.look,
+        up: view.up,
+        fov_degrees: view.fov_degrees,
+        fov_axis: view.fov_axis,
+        size: [view.width, view.height],
+    }
+}
+
+/// The axes of a view: right, up, and back from the object.
+pub(super) fn axes(view: &View) -> DMat3 {
+    let back = (view.location - view.look).normalize();
+    let right = view.up.cross(back).normalize();
+    DMat3::from_cols(right, back.cross(right), back)
 }
 
 /// The direction of a camera from the object, and up in its image if it looks straight down or up;

@@ -1,9 +1,9 @@
 //! Hits of parallel rays through a file along its axes: enough to tell a room from a statue, and a
-//! floor from a wall.
+//! floor from a wall; and of the rays of a camera: enough to tell how bright lamps make its image.
 //!
-//! The box around the file is cut into columns along each axis. The triangles that meet the ray
-//! through the centre of each column are found triangle by triangle, so that no tree is needed and
-//! every triangle is read once.
+//! The box around the file, or the pyramid before the camera, is cut into columns. The triangles
+//! that meet the ray through the centre of each column are found triangle by triangle, so that no
+//! tree is needed and every triangle is read once.
 
 use std::ops::Range;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -12,6 +12,10 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::Scenery;
+use super::camera::{axes, placement};
+use super::fit::NEAREST;
+use crate::components::View;
+use wavecrest_core::kernels::camera::half_extent;
 
 /// Columns along each side of a face of the box.
 pub(super) const COLUMNS: usize = 24;
@@ -27,6 +31,8 @@ pub(super) struct MetTriangle {
     pub(super) at: f64,
     /// Whether the front faces the high end.
     pub(super) faces_high: bool,
+    /// Normal to it in the file, of any length.
+    normal: [f64; 3],
 }
 
 /// The hits of the ray through the centre of a column.
@@ -54,17 +60,56 @@ impl Grid {
         }
         let unit = |x: f64| if x > 0.0 { 1.0 / x } else { 0.0 };
         let scale = DVec3::new(unit(size.x), unit(size.y), unit(size.z));
+        let into = |point| (point - low) * scale;
+        Self::filled(contents, |part, corners, normal| part.add(&corners.map(into), normal))
+    }
+
+    /// Points that a camera sees, one in each cell of its image, with normals of any length. `None` if
+    /// it takes too long.
+    pub(super) fn seen(contents: &Scenery<'_>, view: &View) -> Option<Vec<[DVec3; 2]>> {
+        let axes = axes(view);
+        let [across, along] = half_extent(&placement(view));
+        let near = contents.sphere.radius * NEAREST;
+        let into = |point: DVec3| {
+            let DVec3 { x, y, z } = axes.transpose() * (point - view.location);
+            DVec3::new(x / across, y / along, -z)
+        };
+        // Planes remain planes: the high end of the unit cube is the nearest.
+        let project = |DVec3 { x, y, z }: DVec3| {
+            DVec3::new((x / z + 1.0) / 2.0, (y / z + 1.0) / 2.0, near / z)
+        };
+        let grid = Self::filled(contents, |part, corners, normal| {
+            let parts = clipped(corners.map(into), near);
+            parts.map(|part| part.map(project)).map(|corners| part.add(&corners, normal)).sum()
+        })?;
+        let center = |cell: usize| (cell as f64 + 0.5) / COLUMNS as f64 * 2.0 - 1.0;
+        let point = |(i, column): (usize, &ColumnHits)| {
+            let [_, nearest] = column.ends?;
+            let (x, y) = (center(i % COLUMNS), center(i / COLUMNS));
+            let way = axes * DVec3::new(x * across, y * along, -1.0);
+            Some([view.location + way * (near / nearest.at), nearest.normal.into()])
+        };
+        Some(grid.along(2).iter().enumerate().filter_map(point).collect())
+    }
+
+    /// The grid that `add` fills with each triangle, given with its normal; it returns the number of
+    /// rays tested. `None` if it takes too long.
+    fn filled(
+        contents: &Scenery<'_>,
+        add: impl Fn(&mut Self, [DVec3; 3], DVec3) -> u64 + Sync,
+    ) -> Option<Self> {
         let tests = AtomicU64::new(0);
         let mut grid = Self::empty();
         for placed in &contents.all {
-            let point = |&i: &u32| {
-                let point = placed.world.transform_point3(placed.points[i as usize].as_dvec3());
-                (point - low) * scale
-            };
+            let point =
+                |i: u32| placed.world.transform_point3(placed.points[i as usize].as_dvec3());
             let found = placed.triangles.par_chunks(BATCH).map(|triangles| {
                 let mut part = Self::empty();
                 if tests.load(Ordering::Relaxed) <= MOST_TESTS {
-                    let add = |triangle: &[u32; 3]| part.add(&triangle.each_ref().map(point));
+                    let add = |triangle: &[u32; 3]| {
+                        let [a, b, c] = triangle.map(point);
+                        add(&mut part, [a, b, c], (b - a).cross(c - a))
+                    };
                     let count = triangles.iter().map(add).sum();
                     tests.fetch_add(count, Ordering::Relaxed);
                 }
@@ -88,7 +133,7 @@ impl Grid {
     }
 
     /// Adds a triangle of the unit cube; returns the number of rays tested.
-    fn add(&mut self, corners: &[DVec3; 3]) -> u64 {
+    fn add(&mut self, corners: &[DVec3; 3], normal: DVec3) -> u64 {
         let cells = corners.map(|p| p * COLUMNS as f64 - 0.5);
         // None for most triangles of a large mesh: they are between the rays.
         let rays = [0, 1, 2].map(|axis| rays_within(cells.map(|p| p[axis])));
@@ -97,7 +142,8 @@ impl Grid {
             let [next, last] = [(axis + 1) % 3, (axis + 2) % 3];
             if let (Some(columns), Some(rows)) = (&rays[next], &rays[last]) {
                 let uv = [next, last].map(|i| cells.map(|p| p[i]));
-                tests += self.add_along(axis, corners, uv, [columns.clone(), rows.clone()]);
+                let cells = [columns.clone(), rows.clone()];
+                tests += self.add_along(axis, corners, normal, uv, cells);
             }
         }
         tests
@@ -107,6 +153,7 @@ impl Grid {
         &mut self,
         axis: usize,
         corners: &[DVec3; 3],
+        normal: DVec3,
         [u, v]: [[f64; 3]; 2],
         [columns, rows]: [Range<usize>; 2],
     ) -> u64 {
@@ -123,7 +170,7 @@ impl Grid {
                 let weights = [(1, 2), (2, 0), (0, 1)].map(|(i, j)| edge(i, j, x, y) / area);
                 if weights.iter().all(|&weight| weight >= 0.0) {
                     let at = (0..3).map(|i| weights[i] * corners[i][axis]).sum();
-                    let met = MetTriangle { at, faces_high: area > 0.0 };
+                    let met = MetTriangle { at, faces_high: area > 0.0, normal: normal.into() };
                     self.columns[(axis * COLUMNS + row) * COLUMNS + column].meet(met);
                 }
             }
@@ -138,6 +185,26 @@ impl Grid {
         }
         self
     }
+}
+
+/// The parts of a triangle where z is at least `near`: none, one or two triangles.
+fn clipped(corners: [DVec3; 3], near: f64) -> impl Iterator<Item = [DVec3; 3]> {
+    let (mut polygon, mut count) = ([DVec3::ZERO; 4], 0);
+    let mut push = |point| {
+        polygon[count] = point;
+        count += 1;
+    };
+    let is_before = |point: DVec3| point.z >= near;
+    for i in 0..3 {
+        let (from, to) = (corners[i], corners[(i + 1) % 3]);
+        if is_before(from) {
+            push(from);
+        }
+        if is_before(from) != is_before(to) {
+            push(from.lerp(to, (near - from.z) / (to.z - from.z)));
+        }
+    }
+    (2..count).map(move |i| [polygon[0], polygon[i - 1], polygon[i]])
 }
 
 /// The rays at whole numbers between the least and the greatest of `x`. By conversions: rounding
@@ -167,6 +234,7 @@ impl ColumnHits {
 #[cfg(test)]
 mod tests {
     use super::super::tests::{boxes, contents};
+    use super::super::view;
     use super::*;
 
     #[test]
@@ -184,5 +252,37 @@ mod tests {
             assert_eq!((column.below, column.above), (Some(low), Some(high)));
         }
         assert!(grid.along(0).iter().chain(grid.along(1)).all(|column| column.ends.is_none()));
+    }
+
+    /// In the middle of a cube in a cube: its side in front, and those beside it, which go on behind
+    /// the camera.
+    #[test]
+    fn a_camera_sees_the_nearest_surfaces_with_their_normals() {
+        let mesh = boxes(&[([-2.0; 3], [2.0; 3]), ([-1.0; 3], [1.0; 3])]);
+        let view =
+            View { location: DVec3::ZERO, look: -DVec3::Z, fov_degrees: 100.0, ..view(40, 30) };
+        let seen = Grid::seen(&contents(&mesh), &view).unwrap();
+        assert_eq!(seen.len(), COLUMNS * COLUMNS);
+        let mut counts = [0; 3];
+        for [point, normal] in seen {
+            let axis = point.abs().max_position();
+            assert!((point.abs()[axis] - 1.0).abs() < 1e-9 && point.z < 0.0, "{point}");
+            assert!(normal.normalize().abs()[axis] > 0.999, "{point} {normal}");
+            counts[axis] += 1;
+        }
+        assert!(counts.iter().all(|&count| count > 50), "{counts:?}");
+    }
+
+    #[test]
+    fn a_triangle_is_cut_where_it_passes_the_camera() {
+        let [a, b, c] = [DVec3::Z * 3.0, DVec3::new(2.0, 0.0, 3.0), DVec3::new(0.0, 1.0, -1.0)];
+        let count = |corners| clipped(corners, 1.0).count();
+        assert_eq!(
+            [count([a, b, c]), count([a, c, c]), count([a, b, b]), count([c, c, c])],
+            [2, 1, 1, 0]
+        );
+        let area = |[a, b, c]: [DVec3; 3]| (b - a).cross(c - a).length() / 2.0;
+        let (whole, left) = (area([a, b, c]), clipped([a, b, c], 1.0).map(area).sum::<f64>());
+        assert!((left / whole - 0.75).abs() < 1e-12, "half of its height is a quarter of its area");
     }
 }
