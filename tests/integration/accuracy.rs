@@ -12,7 +12,7 @@ use wavecrest_core::render::RenderOptions;
 use wavecrest_image::compare::compare;
 use wavecrest_report::accuracy::findings::{ERRORS, Point};
 use wavecrest_report::accuracy::pilot::target::reach;
-use wavecrest_report::accuracy::pilot::{Pilot, error};
+use wavecrest_report::accuracy::pilot::{Pilot, measured};
 use wavecrest_report::accuracy::setting::{Facts, Family, Series, Setting, Structure};
 use wavecrest_report::accuracy::store::{FILE, Record, Store, SweepHeader};
 use wavecrest_report::accuracy::subject::Subject;
@@ -297,20 +297,19 @@ fn errors_are_reached(asked: f64, seeds: u64) {
     let (mut runs, mut missed) = (0, Vec::new());
     for (name, mut scene) in scenes {
         let original = scene.original();
-        let pilot = Pilot::run(&mut scene, &original, 99).expect("a pilot");
+        let pilot = Pilot::run(&mut scene, &original, 99, &()).expect("a pilot");
         let reference = pilot.for_error(asked / 12.0).expect("samples");
         scene.resample(&original, &reference.samples());
         let reference = render_on(2, &scene, &RenderOptions { seed: 99, ..options() }).film;
         for seed in 0..seeds {
-            let pilot = Pilot::run(&mut scene, &original, seed).expect("a pilot");
-            let reached = reach(&pilot, asked, |choice| {
-                scene.resample(&original, &choice.samples());
-                let film = image_of(&scene, seed);
-                let found = error(&scene, Some(&film), seed)?;
-                Ok((film, Some(found)))
+            scene.resample(&original, &Samples::default());
+            let reached = reach(&mut scene, None, (asked, seed), &(), |scene, _| {
+                let rendered = render_on(2, scene, &RenderOptions { seed, ..options() });
+                let found = measured(scene, &rendered, seed, &())?;
+                Ok((rendered, found))
             });
             let reached = reached.expect("renders").expect("samples");
-            let made = compare(&reached.rendered, &reference).expect("a comparison").rmse;
+            let made = compare(&reached.rendered.film, &reference).expect("a comparison").rmse;
             runs += 1;
             if made > asked {
                 missed.push(format!("{name}, seed {seed}: {made}, {}", reached.choice));

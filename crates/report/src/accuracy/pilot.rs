@@ -22,11 +22,12 @@ use std::time::Instant;
 use super::setting::{Axis, Facts};
 use crate::plot::number::figure;
 use wavecrest_base::error::Result;
+use wavecrest_core::accel::build::Preset;
 use wavecrest_core::math::sampling::{Points, Sampling};
 use wavecrest_core::prepared::{Original, PreparedScene, Samples};
-use wavecrest_core::render::{RenderOptions, render};
+use wavecrest_core::render::{RenderOptions, Watch, render};
 
-pub use measured::{MeasuredError, error, is_sampled, leaves_out_aliasing, measured_share};
+pub use measured::{MeasuredError, error, leaves_out_aliasing, measured, measured_share};
 use measured::{OTHERS, pilot_seed};
 
 /// Sides of the sample grids that the pilot tries.
@@ -91,6 +92,24 @@ impl Chosen {
     pub fn samples(&self) -> Samples {
         self.axis.samples(self.points)
     }
+
+    /// Gives `scene`, whose file had `original`, these samples, and the tree that the expected rays
+    /// are worth if that with `preset` may be replaced.
+    pub fn apply(
+        &self,
+        scene: &mut PreparedScene,
+        original: &Original,
+        preset: Option<&mut Preset>,
+    ) {
+        scene.resample(original, &self.samples());
+        let Some(preset) = preset else { return };
+        let (held, rays) = (scene.accel.geometry().held(), scene.expected_rays());
+        let best = Preset::choose(held as u64, rays);
+        if best != *preset {
+            scene.accel.rebuild(best);
+            *preset = best;
+        }
+    }
 }
 
 impl fmt::Display for Chosen {
@@ -143,12 +162,18 @@ impl Curve {
 
 impl Pilot {
     /// Tests every sampler on `scene`, whose file had `original`, and restores the scene. The
-    /// random numbers follow from `seed`, and differ from those of a render with that seed.
+    /// random numbers follow from `seed`, and differ from those of a render with that seed. If
+    /// `watch` ends the pilot, it has no curve.
     ///
     /// # Errors
     /// If there is no memory for an image.
-    pub fn run(scene: &mut PreparedScene, original: &Original, seed: u64) -> Result<Self> {
-        Self::within(scene, original, seed, &|_| true)
+    pub fn run(
+        scene: &mut PreparedScene,
+        original: &Original,
+        seed: u64,
+        watch: &dyn Watch,
+    ) -> Result<Self> {
+        Self::within(scene, original, seed, &|_| true, watch)
     }
 
     /// As [`Pilot::run`], while `fits` allows work of some seconds. At least the time of one point
@@ -161,7 +186,9 @@ impl Pilot {
         original: &Original,
         seed: u64,
         fits: &dyn Fn(f64) -> bool,
+        watch: &dyn Watch,
     ) -> Result<Self> {
+        let fits: &dyn Fn(f64) -> bool = &|seconds| !watch.cancelled() && fits(seconds);
         // No timed render should wait for an image.
         scene.appearance.decode()?;
         let axis = Axis::of(&Facts::of(scene));
@@ -173,8 +200,11 @@ impl Pilot {
                 break;
             }
             let start = Instant::now();
-            curves.push(curve(scene, original, (sampling, axis), seed, fits)?);
+            curves.push(curve(scene, original, (sampling, axis), seed, fits, watch)?);
             seconds = f64::max(seconds, start.elapsed().as_secs_f64());
+        }
+        if watch.cancelled() {
+            curves.clear();
         }
         curves.reverse();
         scene.resample(original, &Samples::default());
@@ -202,6 +232,7 @@ fn curve(
     (sampling, axis): (Sampling, Axis),
     seed: u64,
     fits: &dyn Fn(f64) -> bool,
+    watch: &dyn Watch,
 ) -> Result<Curve> {
     let resample = |scene: &mut PreparedScene, side| {
         let points = Points { sampling, side };
@@ -211,7 +242,7 @@ fn curve(
     let seconds = cost(fits, |side| {
         resample(scene, side);
         let options = RenderOptions { seed: pilot_seed(seed, 0), ..RenderOptions::default() };
-        render(scene, &options, &()).map(|rendered| rendered.seconds)
+        render(scene, &options, watch).map(|rendered| rendered.seconds)
     })?;
     let mut errors = Vec::new();
     for side in SIDES {
@@ -220,7 +251,7 @@ fn curve(
         if !fits(OTHERS as f64 * share * (seconds[0] + seconds[1] * count)) {
             break;
         }
-        errors.push((count, error(scene, None, seed)?.error));
+        errors.push((count, error(scene, None, seed, watch)?.error));
     }
     Ok(Curve { sampling, axis, errors, seconds })
 }

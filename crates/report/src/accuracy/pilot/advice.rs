@@ -31,7 +31,7 @@ pub fn advise(
     error: f64,
     seed: u64,
 ) -> Result<Vec<Advice>> {
-    let pilot = Pilot::run(scene, original, seed)?;
+    let pilot = Pilot::run(scene, original, seed, &())?;
     let mut advice = Vec::new();
     for curve in &pilot.curves {
         let choice = curve.for_error(error);
@@ -41,7 +41,7 @@ pub fn advise(
             let options = RenderOptions { seed, ..RenderOptions::default() };
             let rendered = render(scene, &options, &())?;
             let again = render(scene, &options, &())?.seconds;
-            let error = self::error(scene, Some(&rendered.film), seed)?;
+            let error = self::error(scene, Some(&rendered.film), seed, &())?;
             measured = Some((rendered.seconds.min(again), error));
         }
         advice.push(Advice { choice, measured });

@@ -11,7 +11,7 @@ use crate::summary::mean_and_error;
 use wavecrest_base::error::Result;
 use wavecrest_core::film::Film;
 use wavecrest_core::prepared::PreparedScene;
-use wavecrest_core::render::{RenderOptions, render};
+use wavecrest_core::render::{RenderOptions, Rendered, Watch, render};
 use wavecrest_core::tile::Tile;
 
 /// Side of a window, in pixels.
@@ -23,12 +23,6 @@ const WINDOWS: u32 = 12;
 /// Seeds of pilots, apart from those of renders.
 pub(super) fn pilot_seed(seed: u64, number: u64) -> u64 {
     seed ^ (0x5EED << 40) ^ (number << 32)
-}
-
-/// Whether renders of `scene` show the error of its samples: with one ray through the centre of
-/// each pixel and nothing else left to chance, they are all equal.
-pub fn is_sampled(scene: &PreparedScene) -> bool {
-    Facts::of(scene).is_sampled(Target::Scene)
 }
 
 /// Whether the error of `scene` leaves out what one ray through the centre of each pixel misses.
@@ -58,13 +52,33 @@ const CONFIDENCE: f64 = 1.96;
 /// Renders of each window beside the image that is measured.
 pub(super) const OTHERS: u64 = 2;
 
+/// The error of an image of `scene` with its current samples. `None` if it is not finished, or if
+/// renders do not show their error: with one ray through the centre of each pixel and nothing else
+/// left to chance, they are all equal.
+///
+/// # Errors
+/// As [`error`].
+pub fn measured(
+    scene: &PreparedScene,
+    rendered: &Rendered,
+    seed: u64,
+    watch: &dyn Watch,
+) -> Result<Option<MeasuredError>> {
+    let is_shown = rendered.finished && Facts::of(scene).is_sampled(Target::Scene);
+    is_shown.then(|| error(scene, Some(&rendered.film), seed, watch)).transpose()
+}
+
 /// The error of `scene` with its current samples, in windows, from the variance of some renders and
-/// of `film`, the whole image, if there is one. Without random samples all are equal, and say
-/// nothing of the error: see [`is_sampled`].
+/// of `film`, the whole image, if there is one; without a meaning if `watch` ends it.
 ///
 /// # Errors
 /// If there is no memory for a window.
-pub fn error(scene: &PreparedScene, film: Option<&Film>, seed: u64) -> Result<MeasuredError> {
+pub fn error(
+    scene: &PreparedScene,
+    film: Option<&Film>,
+    seed: u64,
+    watch: &dyn Watch,
+) -> Result<MeasuredError> {
     // A window is one tile: all threads have work only if there are several windows at once.
     let tiles = windows(scene.camera.size(), pilot_seed(seed, u64::from(film.is_some())));
     let found = tiles.into_par_iter().map(|tile| {
@@ -74,7 +88,7 @@ pub fn error(scene: &PreparedScene, film: Option<&Film>, seed: u64) -> Result<Me
         for number in 1..=OTHERS {
             let seed = pilot_seed(seed, number);
             let options = RenderOptions { seed, crop: Some(tile), ..RenderOptions::default() };
-            films.push(render(scene, &options, &())?.film);
+            films.push(render(scene, &options, watch)?.film);
         }
         Ok(variance(&films))
     });

@@ -1,42 +1,68 @@
 //! Renders for a target error: as a pilot chooses, then with more points while the error that the
 //! image may have is above the target.
 
+use std::path::Path;
+
 use super::{Chosen, MOST_SIDE, MeasuredError, Pilot};
-use wavecrest_base::error::Result;
+use wavecrest_base::error::{Error, ErrorKind, Result, Warning};
+use wavecrest_core::accel::build::Preset;
 use wavecrest_core::math::sampling::Points;
+use wavecrest_core::prepared::PreparedScene;
+use wavecrest_core::render::{Rendered, Watch};
 
 /// Largest number of renders for one target error.
 const MOST_RENDERS: u32 = 4;
 
 /// The last render for a target error.
 #[derive(Clone, Debug)]
-pub struct Reached<T> {
+pub struct Reached {
     /// Its choice of samples.
     pub choice: Chosen,
     /// What `render` returned.
-    pub rendered: T,
-    /// Its error, if it can be measured.
+    pub rendered: Rendered,
+    /// Its error, if it is finished.
     pub found: Option<MeasuredError>,
     /// The number of renders.
     pub renders: u32,
 }
 
-/// Renders until the error is at most `target`, as far as its measurement can tell, or cannot become
-/// smaller. `render` returns the error of its image; without one, no other render follows. `None` if
-/// the pilot has no choice.
+impl Reached {
+    /// The warning that the error is still above `target`, if so.
+    pub fn unreached(&self, target: f64, file: &Path) -> Option<Warning> {
+        self.found.filter(|found| found.error > target)?;
+        let remedy = match self.choice.points.side {
+            MOST_SIDE => "the image has as many points as possible; choose a larger error",
+            _ => {
+                "the image is the last and best; choose a larger error, or more points in the scene"
+            }
+        };
+        let message = format!("the target error {target} was not reached");
+        let error = Error::new(ErrorKind::Usage, message).remedy(remedy).in_file(file);
+        Some(Warning::from_error(&error))
+    }
+}
+
+/// Renders `scene`, with its tree or the better one, as for [`Chosen::apply`], until the error is at
+/// most `target`, as far as its measurement can tell, or cannot become smaller. `render` returns the
+/// image with its error; without one, no other render follows. `None` if `watch` ends the pilot.
 ///
 /// # Errors
-/// As `render`.
-pub fn reach<T>(
-    pilot: &Pilot,
-    target: f64,
-    mut render: impl FnMut(&Chosen) -> Result<(T, Option<MeasuredError>)>,
-) -> Result<Option<Reached<T>>> {
+/// As [`Pilot::run`] and `render`.
+pub fn reach(
+    scene: &mut PreparedScene,
+    mut preset: Option<&mut Preset>,
+    (target, seed): (f64, u64),
+    watch: &dyn Watch,
+    mut render: impl FnMut(&PreparedScene, &Chosen) -> Result<(Rendered, Option<MeasuredError>)>,
+) -> Result<Option<Reached>> {
+    let original = scene.original();
+    let pilot = Pilot::run(scene, &original, seed, watch)?;
     let Some(mut choice) = pilot.for_error(target) else { return Ok(None) };
     let mut renders = 0;
     loop {
         renders += 1;
-        let (rendered, found) = render(&choice)?;
+        choice.apply(scene, &original, preset.as_deref_mut());
+        let (rendered, found) = render(scene, &choice)?;
         let missed = found.filter(|found| found.at_most > target && renders < MOST_RENDERS);
         match missed.and_then(|found| finer(&choice, found.at_most / target)) {
             Some(next) => choice = next,
