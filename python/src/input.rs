@@ -283,6 +283,18 @@ pub(crate) fn given<'py, T>(
     value.map(|value| needed(key, what, value, read)).transpose()
 }
 
+/// As [`given`], for a value that `fits`.
+pub(crate) fn fitting<'py, T: FromPyObjectOwned<'py>>(
+    argument: Argument<'_, 'py>,
+    what: &str,
+    fits: impl FnOnce(&T) -> bool,
+) -> PyResult<Option<T>> {
+    given(argument, what, |value| {
+        let found = value.extract().map_err(Into::into)?;
+        fits(&found).then_some(found).ok_or_else(|| Error::new_err(""))
+    })
+}
+
 /// As [`given`], for an argument that is not optional.
 pub(crate) fn needed<'py, T>(
     key: &str,
@@ -361,24 +373,14 @@ pub(crate) fn lighting(
     crease: Argument<'_, '_>,
 ) -> PyResult<api::Lighting> {
     let usual = api::Lighting::USUAL;
-    let crease = given(crease, "a number of degrees", |value| value.extract())?;
-    let crease_degrees = crease.unwrap_or(usual.crease_degrees);
-    if !(0.0..=180.0).contains(&crease_degrees) {
-        let message = format!("crease: must be from 0 to 180 degrees, found {crease_degrees}");
-        return Err(Error::new_err(message));
-    }
-    let read = |value: &Bound<'_, PyAny>| value.extract::<[f64; 3]>();
-    let background = given(background, "three numbers", read)?.map(DVec3::from);
-    if let Some(color) =
-        background.filter(|color| !(color.is_finite() && color.min_element() >= 0.0))
-    {
-        let message = format!("background: must be three numbers of at least 0, found {color}");
-        return Err(Error::new_err(message));
-    }
+    let is_angle = |degrees: &f64| (0.0..=180.0).contains(degrees);
+    let crease = fitting(crease, "a number of degrees from 0 to 180", is_angle)?;
+    let is_color = |color: &[f64; 3]| color.iter().all(|c| c.is_finite() && *c >= 0.0);
+    let background = fitting(background, "three finite numbers of at least 0", is_color)?;
     Ok(api::Lighting {
         replaces: lights.1.is_some(),
         rig: named(lights)?.unwrap_or(usual.rig),
-        background: background.map(api::Background::Color),
-        crease_degrees,
+        background: background.map(|color| api::Background::Color(color.into())),
+        crease_degrees: crease.unwrap_or(usual.crease_degrees),
     })
 }

@@ -54,6 +54,10 @@ fn warn(py: Python<'_>, warnings: Vec<api::Warning>) -> PyResult<()> {
 /// shape (height, width), shading normals, shape (height, width, 3), numbers of shapes from 1, and others as in the
 /// guide. Depth and object are 0 where there is nothing.
 ///
+/// target_error chooses sampler and samples, instead of those of the scene, for an image with at most this error (RMSE
+/// of linear values). It is measured, without what one ray through the centre of each pixel misses at edges where
+/// points on lights or the lens are chosen; a warning says if it cannot be reached.
+///
 /// Values are linear red, green and blue; 8-bit formats store 0 to 1. The number of threads does not change them.
 ///
 /// Raises wavecrest.Error if the input cannot be rendered, or if the system refuses the memory that the render is
@@ -63,8 +67,8 @@ fn warn(py: Python<'_>, warnings: Vec<api::Warning>) -> PyResult<()> {
 /// >>> wavecrest.save("mesh.png", image)
 #[pyfunction]
 #[pyo3(signature = (scene, faces=None, *, width=None, height=None, camera=None, view=None, up=None, fov=None,
-                    lights=None, background=None, crease=None, seed=None, precision=None, threads=None,
-                    normals=None, colors=None, layers=None))]
+                    lights=None, background=None, crease=None, seed=None, target_error=None, precision=None,
+                    threads=None, normals=None, colors=None, layers=None))]
 #[allow(clippy::too_many_arguments, reason = "they are keywords in Python")]
 fn render<'py>(
     py: Python<'py>,
@@ -80,6 +84,7 @@ fn render<'py>(
     background: Option<Bound<'py, PyAny>>,
     crease: Option<Bound<'py, PyAny>>,
     seed: Option<Bound<'py, PyAny>>,
+    target_error: Option<Bound<'py, PyAny>>,
     precision: Option<Bound<'py, PyAny>>,
     threads: Option<Bound<'py, PyAny>>,
     normals: Option<Bound<'py, PyAny>>,
@@ -95,6 +100,11 @@ fn render<'py>(
         input::given(("seed", seed.as_ref()), "a whole number from 0 to 2^64 - 1", |value| {
             value.extract()
         })?;
+    let target_error = input::fitting(
+        ("target_error", target_error.as_ref()),
+        "a finite number above 0",
+        |error: &f64| error.is_finite() && *error > 0.0,
+    )?;
     let framing = api::Framing {
         side: input::parsed("view", input::text(("view", view.as_ref()))?)?,
         up: input::named(("up", up.as_ref()))?,
@@ -119,7 +129,8 @@ fn render<'py>(
     let source = input::Source::new(&scene, faces.as_ref(), attributes)?;
     let named = input::all_named::<api::Layer>(("layers", layers.as_ref()))?;
     let seed = seed.unwrap_or_default();
-    let job = work::Job { source, options, precision, seed, pose, layers: named.clone() };
+    let job =
+        work::Job { source, options, precision, seed, target_error, pose, layers: named.clone() };
     let threads = work::threads(("threads", threads.as_ref()))?;
     let work::Done { film, channels, warnings } = work::run(py, job, threads)?;
     warn(py, warnings)?;

@@ -18,6 +18,8 @@ use wavecrest_api::glam::DMat4;
 use wavecrest_api::hecs::{Entity, World};
 use wavecrest_api::memory::{Asked, Estimate, ImageBytes, estimate, estimate_extracted};
 use wavecrest_api::{self as api, Watch};
+use wavecrest_report::accuracy::pilot::measured;
+use wavecrest_report::accuracy::pilot::target::reach;
 
 use super::input::{self, Argument, Source};
 use super::{Error, exception};
@@ -34,6 +36,8 @@ pub(crate) struct Job {
     pub(crate) options: api::LoadOptions,
     pub(crate) precision: api::Precision,
     pub(crate) seed: u64,
+    /// The error for which samples are chosen.
+    pub(crate) target_error: Option<f64>,
     /// The place and the axes of the camera, instead of its own.
     pub(crate) pose: Option<DMat4>,
     pub(crate) layers: Vec<api::Layer>,
@@ -89,9 +93,11 @@ impl Job {
         let estimated = estimate_extracted(&extracted, extracted.pixels(), preset, rendering.batch);
         // These parts are in memory by now.
         Estimate { geometry: 0, program: 0, loading: 0, ..estimated }.check_room()?;
-        let scene = extracted.build(preset);
+        let mut scene = extracted.build(preset);
         loaded.warnings.extend(api::warnings(&scene, &file));
-        let film = api::render(&scene, &rendering, cancel)?.film;
+        let (film, warning) =
+            trace(&mut scene, preset, &rendering, self.target_error, &file, cancel)?;
+        loaded.warnings.extend(warning);
         let (layers, seed) = (&self.layers[..], self.seed);
         let request = api::LayerRequest { layers, crop: None, seed, invalid: 0 };
         let channels = match cancel.cancelled() {
@@ -100,6 +106,32 @@ impl Job {
         };
         Ok(Done { film, channels, warnings: loaded.warnings })
     }
+}
+
+/// Renders `scene`, whose tree has `preset`, with its own samples or those for an error; the warning says
+/// that it is not reached.
+fn trace(
+    scene: &mut api::PreparedScene,
+    mut preset: api::Preset,
+    rendering: &api::RenderOptions,
+    target_error: Option<f64>,
+    file: &Path,
+    cancel: &Cancel,
+) -> api::Result<(api::Film, Option<api::Warning>)> {
+    let render = |scene: &api::PreparedScene| api::render(scene, rendering, cancel);
+    if let Some(target) = target_error {
+        let aim = (target, rendering.seed);
+        let reached = reach(scene, Some(&mut preset), aim, cancel, |scene, _| {
+            let rendered = render(scene)?;
+            let found = measured(scene, &rendered, rendering.seed, cancel)?;
+            Ok((rendered, found))
+        })?;
+        if let Some(reached) = reached {
+            let warning = reached.unreached(target, file);
+            return Ok((reached.rendered.film, warning));
+        }
+    }
+    Ok((render(scene)?.film, None))
 }
 
 /// Puts the camera at another place, where it stays.
@@ -116,11 +148,7 @@ fn place_camera(world: &mut World, pose: DMat4) {
 /// The number of threads.
 pub(crate) fn threads(argument: Argument<'_, '_>) -> PyResult<Option<u16>> {
     let what = format!("a whole number from 1 to {MOST_THREADS}");
-    input::given(argument, &what, |value| {
-        let threads = value.extract()?;
-        let is_right = (1..=MOST_THREADS).contains(&threads);
-        is_right.then_some(threads).ok_or_else(|| Error::new_err(""))
-    })
+    input::fitting(argument, &what, |threads| (1..=MOST_THREADS).contains(threads))
 }
 
 /// The threads of queries of rays, which stay. Those of a parent process do not run in one that was
