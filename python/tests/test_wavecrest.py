@@ -29,6 +29,21 @@ SCENE = {
     },
 }
 
+# The scene under a square light, with one point on it.
+CORNERS = [[-1, 4, -1], [-1, 4, 1], [1, 4, 1], [1, 4, -1]]
+FLOOR = {"type": "plane", "points": [[-5, -1, 5], [-5, -1, -5], [5, -1, -5], [5, -1, 5]],
+         "material": {"ks": 0, "kd": 0.8, "specularexponent": 1, "diffusecolor": [0.2, 0.3, 0.6]}}
+SOFT = {**SCENE, "scene": {
+    "backgroundcolor": [0, 0, 0.25],
+    "lightsources": [{"type": "arealight", "intensity": 60, "color": [1, 1, 1], "sampling": "jittered", "samples": 1,
+                      "shape": {"type": "plane", "points": CORNERS}}],
+    "shapes": [*SCENE["scene"]["shapes"], FLOOR],
+}}
+
+
+def rmse(image, reference):
+    return np.sqrt(np.mean((image.astype(float) - reference) ** 2))
+
 
 def read_pfm(path):
     """The rows of a PFM file, which has the lowest first."""
@@ -145,6 +160,37 @@ class Wavecrest(unittest.TestCase):
         self.assert_refused("colors[2]: must be finite", VERTICES, FACES, colors=np.eye(5, 3) - np.eye(5, 3, -2) * 2)
         self.assert_refused("normals: only for vertices with faces", SCENE, normals=normals)
 
+    def test_samples_for_an_error_are_those_of_the_command(self):
+        path, out = self.folder / "soft.json", self.folder / "out.pfm"
+        path.write_text(json.dumps(SOFT))
+        command = ["wavecrest", "-q", path, out, "--target-error", "0.005", "--seed", "3"]
+        # The sampler is the fastest that reaches the error, as far as a busy machine shows it.
+        for _ in range(5):
+            subprocess.run(command, check=True)
+            image, layers = wavecrest.render(path, target_error=0.005, seed=3, layers=["samples", "depth"])
+            if np.array_equal(image, read_pfm(out)):
+                break
+        np.testing.assert_array_equal(image, read_pfm(out))
+        self.assertTrue((layers["samples"] == 1).all(), "of rays in a pixel")
+
+    def test_an_error_is_reached(self):
+        fine = json.loads(json.dumps(SOFT))
+        fine["scene"]["lightsources"][0].update(samples=4096, sampling="sobol")
+        reference = wavecrest.render(fine, seed=7)
+        coarse, better = (rmse(wavecrest.render(SOFT, target_error=e), reference) for e in (0.05, 0.005))
+        self.assertTrue(better < coarse / 2 and better < 0.005, (coarse, better))
+
+    def test_an_error_out_of_reach_is_a_warning(self):
+        with self.assertWarnsRegex(UserWarning, "the target error 0.0000001 was not reached"):
+            wavecrest.render(SOFT, width=2, height=2, target_error=1e-7)
+
+    def test_rays_in_a_pixel_are_chosen_where_nothing_else_is_random(self):
+        image = wavecrest.render(SCENE, target_error=0.01)
+        self.assertGreater(rmse(image, wavecrest.render(SCENE)), 0.001)
+        np.testing.assert_array_equal(image[0, 0], [0, 0, 0.25])
+        empty = {**SCENE, "scene": {**SCENE["scene"], "shapes": []}}
+        np.testing.assert_array_equal(wavecrest.render(empty, target_error=0.01), wavecrest.render(empty))
+
     def test_errors_are_exceptions_that_say_where(self):
         self.assert_refused("missing.ply", "missing.ply")
         wrong = json.loads(json.dumps(SCENE))
@@ -160,15 +206,20 @@ class Wavecrest(unittest.TestCase):
         self.assert_refused("crease", VERTICES, FACES, crease=200)
         self.assert_refused("fov", VERTICES, FACES, fov=180)
         self.assert_refused("threads", SCENE, threads=0)
+        for value in (0, -0.01, float("inf"), float("nan"), 10**400):
+            self.assert_refused(f"target_error: must be a finite number above 0, found {str(value)[:80]}", SCENE,
+                                target_error=value)
         with self.assertRaisesRegex(TypeError, "faces: .*float64"):
             wavecrest.render(VERTICES, np.array(FACES) + 0.5)
         for key, value in [("width", -1), ("height", 2**40), ("seed", -1), ("threads", -2), ("threads", 5000)]:
             self.assert_refused(f"{key}: must be a whole number", SCENE, **{key: value})
         self.assert_refused("found -1", SCENE, width=-1)
         self.assert_refused('found "sideways"', VERTICES, FACES, view="sideways")
-        self.assert_refused("background: must be three numbers, found (1, 2)", VERTICES, FACES, background=(1, 2))
+        self.assert_refused("background: must be three finite numbers of at least 0, found (1, 2)", VERTICES, FACES,
+                            background=(1, 2))
         wrong_types = {"width": "wide", "camera": 3, "view": 3, "up": 1, "fov": "wide", "lights": 2,
-                       "background": 7, "crease": "sharp", "seed": 0.5, "precision": 1, "threads": "many"}
+                       "background": 7, "crease": "sharp", "seed": 0.5, "target_error": "fine", "precision": 1,
+                       "threads": "many"}
         for key, value in wrong_types.items():
             with self.assertRaisesRegex(TypeError, f"{key}: must be .*, found {value!r}"):
                 wavecrest.render(VERTICES, FACES, **{key: value})
@@ -200,15 +251,17 @@ wavecrest.render(sys.argv[1], threads=1)"""
                 wavecrest.render(odd)
 
     def test_interrupt_ends_a_render(self):
-        code = "import sys, wavecrest; print(flush=True); wavecrest.render(sys.argv[1], width=8000, height=8000)"
-        process = subprocess.Popen([sys.executable, "-c", code, self.ply()], stdout=subprocess.PIPE,
-                                   stderr=subprocess.PIPE, text=True)
-        process.stdout.readline()
-        with self.assertRaises(subprocess.TimeoutExpired):
-            process.wait(0.5)
-        process.send_signal(signal.SIGINT)
-        _, told = process.communicate(timeout=20)
-        self.assertIn("KeyboardInterrupt", told)
+        for more in ("", ", target_error=0.01"):
+            code = "import sys, wavecrest; print(flush=True); "
+            code += f"wavecrest.render(sys.argv[1], width=8000, height=8000{more})"
+            process = subprocess.Popen([sys.executable, "-c", code, self.ply()], stdout=subprocess.PIPE,
+                                       stderr=subprocess.PIPE, text=True)
+            process.stdout.readline()
+            with self.assertRaises(subprocess.TimeoutExpired):
+                process.wait(0.5)
+            process.send_signal(signal.SIGINT)
+            _, told = process.communicate(timeout=20)
+            self.assertIn("KeyboardInterrupt", told)
 
 
 if __name__ == "__main__":

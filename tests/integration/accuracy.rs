@@ -8,7 +8,7 @@ use wavecrest_core::accel::build::Preset;
 use wavecrest_core::accel::steps::HitStep;
 use wavecrest_core::math::sampling::{Points, Sampling};
 use wavecrest_core::prepared::{PreparedScene, Samples};
-use wavecrest_core::render::RenderOptions;
+use wavecrest_core::render::{RenderOptions, Watch};
 use wavecrest_image::compare::compare;
 use wavecrest_report::accuracy::findings::{ERRORS, Point};
 use wavecrest_report::accuracy::pilot::target::reach;
@@ -320,6 +320,19 @@ fn errors_are_reached(asked: f64, seeds: u64) {
         }
     }
     assert!(missed.len() * 20 <= runs, "more than one of twenty: {missed:#?}");
+}
+
+#[test]
+fn a_pilot_that_is_ended_has_no_choice() {
+    struct Ended;
+    impl Watch for Ended {
+        fn cancelled(&self) -> bool {
+            true
+        }
+    }
+    let mut scene = extract_small(&repository("scenes/DoF.json"), 64, u64::MAX).build(Preset::Fast);
+    let reached = reach(&mut scene, None, (0.01, 0), &Ended, |_, _| panic!("nothing to render"));
+    assert!(reached.expect("no error").is_none());
 }
 
 /// The price list has the counts of a render, and the page shows it.
