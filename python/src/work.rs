@@ -100,10 +100,7 @@ impl Job {
         loaded.warnings.extend(warning);
         let (layers, seed) = (&self.layers[..], self.seed);
         let request = api::LayerRequest { layers, crop: None, seed, invalid: 0 };
-        let channels = match cancel.cancelled() {
-            true => Vec::new(),
-            false => api::layers(&scene, &request)?.channels,
-        };
+        let channels = api::layers(&scene, &request, cancel)?.channels;
         Ok(Done { film, channels, warnings: loaded.warnings })
     }
 }

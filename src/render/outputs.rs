@@ -183,7 +183,7 @@ impl<'a> Outputs<'a> {
         }
         let RenderArgs { crop, seed, .. } = *self.args;
         let invalid = rendered.counters.invalid;
-        aov::layers(scene, &aov::Request { layers, crop, seed, invalid })
+        aov::layers(scene, &aov::Request { layers, crop, seed, invalid }, &())
     }
 
     /// The metadata of the image, as far as requested and as any file can store it.

@@ -14,7 +14,7 @@ use crate::support::{
 
 fn made(scene: &PreparedScene, threads: usize, request: &Request<'_>) -> Layers {
     let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
-    pool.install(|| layers(scene, request)).unwrap_or_else(|error| panic!("{error}"))
+    pool.install(|| layers(scene, request, &())).unwrap_or_else(|error| panic!("{error}"))
 }
 
 fn all(scene: &PreparedScene) -> Layers {
@@ -210,7 +210,7 @@ fn layers_are_in_one_order_and_once_each() {
     assert_eq!(names, ["depth.Z", "object.id"]);
     let beyond = Tile { x: 2, y: 0, width: 3, height: 1 };
     let request = Request { layers: &asked, crop: Some(beyond), seed: 0, invalid: 0 };
-    let told = layers(&scene, &request).expect_err("the crop is too wide").to_string();
+    let told = layers(&scene, &request, &()).expect_err("the crop is too wide").to_string();
     assert!(told.contains("lie within the image"), "{told}");
 }
 

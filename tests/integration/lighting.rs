@@ -60,7 +60,7 @@ fn lit_after(lighting: Lighting, change: impl Fn(&mut World)) -> PreparedScene {
 fn levels(scene: &PreparedScene, film: &Film, number: u32) -> Vec<f32> {
     let all = [Layer::Object, Layer::Alpha, Layer::Albedo];
     let request = Request { layers: &all, crop: None, seed: 0, invalid: 0 };
-    let found = layers(scene, &request).expect("layers").channels;
+    let found = layers(scene, &request, &()).expect("layers").channels;
     let numbers =
         match &found.iter().find(|channel| channel.name == "object.id").expect("it").values {
             Values::Integers(numbers) => numbers.clone(),

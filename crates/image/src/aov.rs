@@ -38,7 +38,7 @@ use wavecrest_core::math::float::dot;
 use wavecrest_core::math::ray::Ray;
 use wavecrest_core::prepared::{Interaction, LookUps, PreparedScene, surface};
 use wavecrest_core::render::work::tracer;
-use wavecrest_core::render::{self, TracerKind};
+use wavecrest_core::render::{self, TracerKind, Watch};
 use wavecrest_core::tile::{Tile, TraceSettings, Unit};
 
 use names::ShapeNumbers;
@@ -113,12 +113,13 @@ pub struct Layers {
     pub entries: Vec<Entry>,
 }
 
-/// Computes the layers of `scene` on the threads of the current rayon pool.
+/// Computes the layers of `scene` on the threads of the current rayon pool. If `watch` cancels that,
+/// they have no meaning.
 ///
 /// # Errors
 /// If the crop is not within the image, there is no memory for the channels, or an image cannot be
 /// decoded.
-pub fn layers(scene: &PreparedScene, request: &Request<'_>) -> Result<Layers> {
+pub fn layers(scene: &PreparedScene, request: &Request<'_>, watch: &dyn Watch) -> Result<Layers> {
     let mut layers = request.layers.to_vec();
     layers.sort_unstable();
     layers.dedup();
@@ -130,7 +131,7 @@ pub fn layers(scene: &PreparedScene, request: &Request<'_>) -> Result<Layers> {
     let mut channels = places.iter().map(room).collect::<Result<Vec<Values>>>()?;
     if layers.iter().any(|layer| !matches!(layer, Layer::Samples | Layer::Invalid)) {
         let samples = scene.camera.rays_per_pixel();
-        let rays = CameraRays { scene, window, seed: request.seed };
+        let rays = CameraRays { scene, window, seed: request.seed, watch };
         rays.run(&HitSums { scene, names: &names }, &mut |at, sums| {
             for (&(layer, axis), channel) in places.iter().zip(&mut channels) {
                 let value = value(layer, axis, sums, samples);

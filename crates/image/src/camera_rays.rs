@@ -10,6 +10,7 @@ use wavecrest_core::kernels::precision::Arithmetic;
 use wavecrest_core::math::random::Stream;
 use wavecrest_core::math::ray::Ray;
 use wavecrest_core::prepared::PreparedScene;
+use wavecrest_core::render::Watch;
 use wavecrest_core::render::units::Grid;
 use wavecrest_core::tile::Tile;
 use wavecrest_core::with_precision;
@@ -36,6 +37,8 @@ pub(crate) struct CameraRays<'a> {
     pub(crate) window: Tile,
     /// The seed of the render.
     pub(crate) seed: u64,
+    /// Ends the pass early.
+    pub(crate) watch: &'a dyn Watch,
 }
 
 impl CameraRays<'_> {
@@ -69,6 +72,9 @@ impl CameraRays<'_> {
         let samples = u64::from(self.scene.camera.rays_per_pixel());
         let all = tile.len() as u64 * samples;
         for first in (0..all).step_by(BATCH_RAYS) {
+            if self.watch.cancelled() {
+                break;
+            }
             let paths = first..all.min(first + BATCH_RAYS as u64);
             rays.clear();
             rays.extend(paths.clone().map(|path| self.camera_ray(tile, path)));

@@ -71,7 +71,7 @@ pub fn film(scene: &PreparedScene, look: Look, crop: Option<Tile>, seed: u64) ->
     // The range is that of the whole image, so that a part has the same colours.
     let shown = if look == Look::Depth { render::window(scene, None)? } else { window };
     let mut found = vec![PixelSums::default(); shown.len()];
-    let rays = CameraRays { scene, window: shown, seed };
+    let rays = CameraRays { scene, window: shown, seed, watch: &() };
     rays.run(&SamplePainter { scene, look }, &mut |at, painted| found[at] = *painted);
     scene.appearance.check()?;
     let samples = scene.camera.rays_per_pixel();
@@ -128,11 +128,14 @@ pub fn draw_edges(
     let window = render::window(scene, crop)?;
     let samples = f64::from(scene.camera.rays_per_pixel());
     let pixels = picture.pixels_mut();
-    CameraRays { scene, window, seed }.run(&Wires { scene }, &mut |at, covered: &f64| {
-        let part = (covered / samples) as f32;
-        let mixed = |i: usize| pixels[at][i] + (LINE[i] - pixels[at][i]) * part;
-        pixels[at] = [mixed(0), mixed(1), mixed(2)];
-    });
+    CameraRays { scene, window, seed, watch: &() }.run(
+        &Wires { scene },
+        &mut |at, covered: &f64| {
+            let part = (covered / samples) as f32;
+            let mixed = |i: usize| pixels[at][i] + (LINE[i] - pixels[at][i]) * part;
+            pixels[at] = [mixed(0), mixed(1), mixed(2)];
+        },
+    );
     Ok(())
 }
 
