@@ -95,13 +95,13 @@ impl Job {
         Estimate { geometry: 0, program: 0, loading: 0, ..estimated }.check_room()?;
         let mut scene = extracted.build(preset);
         loaded.warnings.extend(api::warnings(&scene, &file));
-        let (film, warning) =
+        let (rendered, warning) =
             trace(&mut scene, preset, &rendering, self.target_error, &file, cancel)?;
         loaded.warnings.extend(warning);
-        let (layers, seed) = (&self.layers[..], self.seed);
-        let request = api::LayerRequest { layers, crop: None, seed, invalid: 0 };
+        let (layers, seed, invalid) = (&self.layers[..], self.seed, rendered.counters.invalid);
+        let request = api::LayerRequest { layers, crop: None, seed, invalid };
         let channels = api::layers(&scene, &request, cancel)?.channels;
-        Ok(Done { film, channels, warnings: loaded.warnings })
+        Ok(Done { film: rendered.film, channels, warnings: loaded.warnings })
     }
 }
 
@@ -114,7 +114,7 @@ fn trace(
     target_error: Option<f64>,
     file: &Path,
     cancel: &Cancel,
-) -> api::Result<(api::Film, Option<api::Warning>)> {
+) -> api::Result<(api::Rendered, Option<api::Warning>)> {
     let render = |scene: &api::PreparedScene| api::render(scene, rendering, cancel);
     if let Some(target) = target_error {
         let aim = (target, rendering.seed);
@@ -125,10 +125,10 @@ fn trace(
         })?;
         if let Some(reached) = reached {
             let warning = reached.unreached(target, file);
-            return Ok((reached.rendered.film, warning));
+            return Ok((reached.rendered, warning));
         }
     }
-    Ok((render(scene)?.film, None))
+    Ok((render(scene)?, None))
 }
 
 /// Puts the camera at another place, where it stays.

@@ -101,7 +101,7 @@ fn within(
 ) -> Result<Option<AimedRender>> {
     let args = rendering.args;
     let original = scene.original();
-    let pilot = Pilot::within(scene, &original, args.seed, &budget.for_pilot(), &UntilSignal)?;
+    let pilot = Pilot::run(scene, &original, args.seed, &budget.for_pilot(), &UntilSignal)?;
     if let Some(choice) = pilot.for_time(budget.left()) {
         choice.apply(scene, &original, tree);
     }

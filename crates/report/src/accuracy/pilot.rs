@@ -161,27 +161,14 @@ impl Curve {
 }
 
 impl Pilot {
-    /// Tests every sampler on `scene`, whose file had `original`, and restores the scene. The
+    /// Tests samplers on `scene`, whose file had `original`, and restores the scene: all of them as
+    /// far as `fits` allows work of some seconds, and at least the time of one point with the best. The
     /// random numbers follow from `seed`, and differ from those of a render with that seed. If
     /// `watch` ends the pilot, it has no curve.
     ///
     /// # Errors
     /// If there is no memory for an image.
     pub fn run(
-        scene: &mut PreparedScene,
-        original: &Original,
-        seed: u64,
-        watch: &dyn Watch,
-    ) -> Result<Self> {
-        Self::within(scene, original, seed, &|_| true, watch)
-    }
-
-    /// As [`Pilot::run`], while `fits` allows work of some seconds. At least the time of one point
-    /// with the best sampler is measured.
-    ///
-    /// # Errors
-    /// As [`Pilot::run`].
-    pub fn within(
         scene: &mut PreparedScene,
         original: &Original,
         seed: u64,
