@@ -366,6 +366,9 @@ pub(crate) fn camera(
     Ok((None, Some(pose)))
 }
 
+/// The largest number in scene files: 2^40.
+const LARGEST: f64 = (1_u64 << 40) as f64;
+
 /// The lighting of a file without lights.
 pub(crate) fn lighting(
     lights: Argument<'_, '_>,
@@ -375,8 +378,8 @@ pub(crate) fn lighting(
     let usual = api::Lighting::USUAL;
     let is_angle = |degrees: &f64| (0.0..=180.0).contains(degrees);
     let crease = fitting(crease, "a number of degrees from 0 to 180", is_angle)?;
-    let is_color = |color: &[f64; 3]| color.iter().all(|c| c.is_finite() && *c >= 0.0);
-    let background = fitting(background, "three finite numbers of at least 0", is_color)?;
+    let is_color = |color: &[f64; 3]| color.iter().all(|value| (0.0..=LARGEST).contains(value));
+    let background = fitting(background, "three numbers from 0 to 2^40", is_color)?;
     Ok(api::Lighting {
         replaces: lights.1.is_some(),
         rig: named(lights)?.unwrap_or(usual.rig),

@@ -144,6 +144,8 @@ class Wavecrest(unittest.TestCase):
         self.assertAlmostEqual(layers["depth"][24, 32], np.sqrt(26) - 1, delta=0.01)
         np.testing.assert_allclose(layers["normal"][24, 32], np.array([0, 1, 5]) / np.sqrt(26), atol=0.05)
         self.assertEqual(wavecrest.render(SCENE, layers=[])[1], {})
+        bright = {"colors": np.full((5, 3), 3e38), "layers": ["invalid"]}
+        self.assertTrue(wavecrest.render(VERTICES, FACES, width=60, height=40, **bright)[1]["invalid"].any())
         self.assert_refused("layers: must be one of depth, normal", SCENE, layers=["depths"])
 
     def test_vertices_have_normals_and_colors(self):
@@ -182,7 +184,7 @@ class Wavecrest(unittest.TestCase):
 
     def test_an_error_out_of_reach_is_a_warning(self):
         with self.assertWarnsRegex(UserWarning, "the target error .* was not reached; the image has as many points"):
-            wavecrest.render(SOFT, width=2, height=2, target_error=1e-12)
+            wavecrest.render(SOFT, width=3, height=2, target_error=1e-7)
 
     def test_rays_in_a_pixel_are_chosen_where_nothing_else_is_random(self):
         image = wavecrest.render(SCENE, target_error=0.01)
@@ -203,6 +205,7 @@ class Wavecrest(unittest.TestCase):
         self.assert_refused("vertex 4", VERTICES[:4] + [[np.nan, 0, 0]], FACES)
         self.assert_refused("precision: must be one of fast, exact", SCENE, precision="best")
         self.assert_refused("background", VERTICES, FACES, background=(1, -1, 0))
+        self.assert_refused("background", VERTICES, FACES, background=(1, 1e13, 0))
         self.assert_refused("crease", VERTICES, FACES, crease=200)
         self.assert_refused("fov", VERTICES, FACES, fov=180)
         self.assert_refused("threads", SCENE, threads=0)
@@ -215,7 +218,7 @@ class Wavecrest(unittest.TestCase):
             self.assert_refused(f"{key}: must be a whole number", SCENE, **{key: value})
         self.assert_refused("found -1", SCENE, width=-1)
         self.assert_refused('found "sideways"', VERTICES, FACES, view="sideways")
-        self.assert_refused("background: must be three finite numbers of at least 0, found (1, 2)", VERTICES, FACES,
+        self.assert_refused("background: must be three numbers from 0 to 2^40, found (1, 2)", VERTICES, FACES,
                             background=(1, 2))
         wrong_types = {"width": "wide", "camera": 3, "view": 3, "up": 1, "fov": "wide", "lights": 2,
                        "background": 7, "crease": "sharp", "seed": 0.5, "target_error": "fine", "precision": 1,
