@@ -105,8 +105,8 @@ impl Job {
     }
 }
 
-/// Renders `scene`, whose tree has `preset`, with its own samples or those for an error; the warning says
-/// that it is not reached.
+/// Renders `scene`, whose tree has `preset`, with its own samples or those for an error; the warning
+/// says that it is not reached.
 fn trace(
     scene: &mut api::PreparedScene,
     mut preset: api::Preset,

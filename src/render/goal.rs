@@ -68,8 +68,8 @@ pub(super) fn trace(
 /// A render, and its goal if it is finished.
 type AimedRender = (Rendered, Option<Value>);
 
-/// Renders, and repeats with more points while the error is above `target`. The tree with the preset
-/// `tree` may be replaced. `None` without a choice.
+/// Renders, and repeats with more points while the error is above `target`. The tree with the
+/// preset `tree` may be replaced. `None` without a choice.
 fn for_error(
     rendering: &Rendering<'_>,
     scene: &mut PreparedScene,
