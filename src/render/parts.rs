@@ -135,8 +135,11 @@ pub(super) fn share(rendered: &Rendered) -> f64 {
 
 /// How to resume, if possible.
 fn go_on(args: &RenderArgs) -> String {
-    match &args.checkpoint {
+    let RenderArgs { checkpoint, target_error, time_budget, look, .. } = args;
+    match checkpoint {
         Some(file) => format!("; resume with --checkpoint {} --resume", file.display()),
+        // These have none.
+        None if target_error.is_some() || time_budget.is_some() || look.is_some() => String::new(),
         None => "; use --checkpoint FILE to be able to resume".to_owned(),
     }
 }
