@@ -1,6 +1,9 @@
 //! What each part of a file becomes, as its image shows it.
 
+use std::io::Cursor;
+
 use glam::{Quat, Vec3};
+use image::{ImageFormat, Rgba, RgbaImage};
 use serde_json::{Value, json};
 use wavecrest_scene::components::{AreaLight, Hidden, InstanceOf, Mesh, Order, View};
 use wavecrest_scene::load::{LoadOptions, load};
@@ -368,6 +371,36 @@ fn without_camera_and_light_all_is_seen() {
     let film = image(&file);
     let [square, background] = [pixel(&film, 12, 9)[0], pixel(&film, 0, 0)[0]];
     assert!(0.1 < square && square < background && background < 1.0, "{square}, {background}");
+}
+
+#[test]
+fn what_a_texture_blends_to_nothing_is_not_framed() {
+    let mut file = square();
+    file.json["scenes"][0]["nodes"] = json!([0]);
+    let alone = image(&file);
+    let clear = RgbaImage::from_pixel(2, 2, Rgba([255, 255, 255, 0]));
+    let mut png = Cursor::new(Vec::new());
+    clear.write_to(&mut png, ImageFormat::Png).expect("a PNG");
+    let view = file.view(png.get_ref());
+    file.json["images"] = json!([{"bufferView": view, "mimeType": "image/png"}]);
+    file.json["textures"] = json!([{"source": 0}]);
+    let texture = json!({"metallicFactor": 0, "baseColorTexture": {"index": 0}});
+    let material =
+        file.push("materials", json!({"alphaMode": "BLEND", "pbrMetallicRoughness": texture}));
+    let mut primitive = file.json["meshes"][0]["primitives"][0].clone();
+    primitive["material"] = material.into();
+    let mesh = file.push("meshes", json!({"primitives": [primitive]}));
+    file.node(json!({"mesh": mesh, "translation": [9, 0, 0]}));
+    assert!(image(&file).same_bits(&alone));
+    let opaque = format!("/materials/{material}/alphaMode");
+    assert!(!image(&file.with(&opaque, "OPAQUE")).same_bits(&alone));
+}
+
+#[test]
+fn an_empty_file_is_not_told_its_camera_and_lights() {
+    let empty = loaded(&File::new()).expect("it is right");
+    let told: Vec<String> = empty.notes.iter().map(ToString::to_string).collect();
+    assert!(told.is_empty(), "{told:?}");
 }
 
 #[test]

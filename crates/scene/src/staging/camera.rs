@@ -295,6 +295,7 @@ fn sin_cos(degrees: f64) -> (f64, f64) {
 
 #[cfg(test)]
 mod tests {
+    use super::super::tests::{boxes, contents};
     use super::*;
 
     #[test]
@@ -310,5 +311,16 @@ mod tests {
         assert_eq!(asked(None, Some(9), Some(1e30)).unwrap(), (65_536, 9));
         assert!(asked(Some(0), None, None).is_err() && asked(Some(70_000), None, None).is_err());
         assert!(asked(Some(65_536), Some(65_536), None).is_err());
+    }
+
+    #[test]
+    fn what_is_wide_and_low_is_seen_from_farther_above() {
+        let elevation = |height| {
+            let mesh = boxes(&[([0.0; 3], [10.0, height, 10.0])]);
+            let options = LoadOptions::default();
+            let view = framed(&contents(&mesh), Upward::Stated(Up::Y), &options).unwrap().view;
+            (view.location - view.look).normalize().y.asin().to_degrees()
+        };
+        assert!((elevation(1.0) - 35.6).abs() < 0.1 && (elevation(10.0) - 19.7).abs() < 0.1);
     }
 }
