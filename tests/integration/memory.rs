@@ -4,6 +4,7 @@ use std::path::Path;
 
 use serde_json::{Value, json};
 use wavecrest_scene::generate::{self, Model, Recipe};
+use wavecrest_scene::load::{self, LoadOptions};
 use wavecrest_scene::mesh::{self, MeshData, Survey};
 
 use crate::support::{bytes, folder, matte, pinhole, point_light, put, run, run_json, scene, text};
@@ -21,6 +22,7 @@ fn held(data: &MeshData) -> Survey {
         uvs: data.uvs.as_ref().map_or(0, |n| n.values.len() as u64),
         normal_indices: data.normals.as_ref().is_some_and(|n| n.indices.is_some()),
         colors: data.colors.as_ref().map_or(0, |colors| colors.len() as u64),
+        materials: false,
         uv_indices: data.uvs.as_ref().is_some_and(|n| n.indices.is_some()),
     }
 }
@@ -80,6 +82,17 @@ fn a_survey_counts_the_contents_of_a_mesh_file() {
     let path = folder.path().join("knot.ply");
     generate::write_ply(&knot, &path, &mut |_, _| {}).expect("it can be written");
     assert_eq!(mesh::survey(&path).expect("a survey"), held(&mesh));
+}
+
+/// Rays that wait at glass take memory, which a mesh without materials does not need.
+#[test]
+fn a_survey_counts_the_bounces_of_a_mesh_with_materials() {
+    let folder = folder();
+    for (name, head, bounces) in [("plain.obj", "", 0), ("glass.obj", "mtllib glass.mtl\n", 8)] {
+        put(folder.path(), name, [head, OBJ].concat());
+        let found = load::survey(&folder.path().join(name), &LoadOptions::default());
+        assert_eq!(found.expect("a survey").bounces, bounces, "{name}");
+    }
 }
 
 /// What a header claims is held against the size of its file.

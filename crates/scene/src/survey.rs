@@ -73,8 +73,10 @@ pub(super) fn standalone(mut holds: mesh::Survey, size: [u32; 2], is_smoothed: b
     }
     let mesh = SurveyedMesh { holds, normals: true, uvs: true, tangents: false, uses: 1 };
     let (rays_per_pixel, light_samples) = (staging::rays_per_pixel(), staging::samples());
+    // Only glass has rays wait, two at each bounce.
+    let bounces = if holds.materials { staging::GLASS_BOUNCES } else { 0 };
     let meshes = vec![mesh];
-    Survey { meshes, size, rays_per_pixel, light_samples, creasing, ..Survey::default() }
+    Survey { meshes, size, rays_per_pixel, light_samples, bounces, creasing, ..Survey::default() }
 }
 
 /// Surveys a world whose mesh files are not read yet, and whose scene file has `text` bytes.
@@ -186,5 +188,6 @@ pub(super) fn of_mesh(data: &MeshData) -> mesh::Survey {
         normal_indices: data.normals.as_ref().is_some_and(|n| n.indices.is_some()),
         colors: data.colors.as_ref().map_or(0, |colors| colors.len() as u64),
         uv_indices: data.uvs.as_ref().is_some_and(|uv| uv.indices.is_some()),
+        materials: false,
     }
 }

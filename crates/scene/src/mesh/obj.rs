@@ -176,7 +176,8 @@ fn surveyed(text: &[u8]) -> Survey {
             Keyword::Uv => found.uvs += 1,
             Keyword::Normal => found.normals += 1,
             Keyword::Face => face(statement.rest, &mut found),
-            Keyword::Material | Keyword::Library | Keyword::Other => {}
+            Keyword::Library => found.materials = true,
+            Keyword::Material | Keyword::Other => {}
         }
     }
     found

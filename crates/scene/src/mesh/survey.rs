@@ -17,6 +17,8 @@ pub struct Survey {
     pub uvs: u64,
     /// Colours of vertices.
     pub colors: u64,
+    /// Whether it may have materials of its own.
+    pub materials: bool,
     /// Whether corners have separate indices of normals.
     pub normal_indices: bool,
     /// Whether corners have separate indices of texture coordinates.
@@ -38,6 +40,7 @@ impl Survey {
             normals: self.normals + other.normals,
             uvs: self.uvs + other.uvs,
             colors: self.colors + other.colors,
+            materials: self.materials || other.materials,
             normal_indices: self.normal_indices || other.normal_indices,
             uv_indices: self.uv_indices || other.uv_indices,
         }
