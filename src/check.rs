@@ -8,6 +8,7 @@ use super::common::{print, rounded, size, warn};
 use super::input::{Made, SceneOptions};
 use wavecrest_base::error::Result;
 use wavecrest_core::accel::build::Preset;
+use wavecrest_core::kernels::light::{Emitter, Light};
 use wavecrest_core::kernels::texture::Image;
 use wavecrest_core::plan::schedule::{PASSES, unplanned};
 use wavecrest_core::prepared::PreparedScene;
@@ -71,6 +72,9 @@ fn summary(scene: &PreparedScene) -> Vec<(&'static str, String)> {
         n => format!("{n} rays"),
     };
     let lights = scene.lights.iter().filter(|light| light.power != Vec3::ZERO);
+    let is_ambient = |light: &&Light| matches!(light.emitter, Emitter::Around(..));
+    let (around, lights): (Vec<_>, Vec<_>) = lights.partition(is_ambient);
+    let around = if around.is_empty() { "" } else { " and ambient light" };
     let [low, high, size] = extent(scene);
     let [spheres, disks] = geometry.spheres_and_disks();
     vec![
@@ -91,7 +95,7 @@ fn summary(scene: &PreparedScene) -> Vec<(&'static str, String)> {
         ("quads", geometry.quads.len().to_string()),
         ("spheres", spheres.to_string()),
         ("disks", disks.to_string()),
-        ("lights", lights.count().to_string()),
+        ("lights", format!("{}{around}", lights.len())),
         ("textures", scene.appearance.images.len().to_string()),
         ("bounces", scene.bounces.to_string()),
         ("lowest corner", low),

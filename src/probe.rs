@@ -240,7 +240,8 @@ fn light(light: &Light) -> String {
         }
         Visibility::Occluded { primitive: None, .. } => "blocked".to_owned(),
     };
-    let Light { light, index, distance, .. } = light;
+    let Light { light, ambient, index, distance, .. } = light;
+    let name = if *ambient { "ambient light".to_owned() } else { format!("light {light}") };
     let distance = distance.map_or("infinitely far".to_owned(), |d| format!("{} away", number(d)));
-    format!("    light {light}, point {index}, {distance}: {verdict}\n")
+    format!("    {name}, point {index}, {distance}: {verdict}\n")
 }

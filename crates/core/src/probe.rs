@@ -268,7 +268,8 @@ impl Observer for Recorder<'_> {
         let behind = around.is_none() && met.normal.dot(normalize(towards)) <= 0.0;
         let none = if behind { Visibility::Behind } else { Visibility::NotReflected };
         let (verdict, adds) = arrives.unwrap_or((none, Vec3::ZERO));
-        met.lights.push(Light { light, index, distance, verdict, adds });
+        let ambient = around.is_some();
+        met.lights.push(Light { light, ambient, index, distance, verdict, adds });
     }
 
     fn done(&mut self, radiance: Vec3, next: &[Branch], end: End) {

@@ -4,7 +4,7 @@ use serde_json::{Value, json};
 
 use super::with_ball;
 use crate::support::{
-    self, bytes, json_in, pinhole, point_light, put, run, run_json, sphere, with,
+    self, bytes, edited, json_in, pinhole, point_light, put, run, run_json, sphere, with,
 };
 
 /// A ball on a mirror, of some size; one light is behind them.
@@ -67,6 +67,26 @@ fn the_story_in_words_has_the_radiance_that_is_rendered() {
         "Both tracers",
     ] {
         assert!(words.contains(part), "{part} in {words}");
+    }
+}
+
+/// Ambient light for which rays look is none of the numbered lights.
+#[test]
+fn ambient_light_is_told_from_other_lights() {
+    let folder = with_ball();
+    let ball = json_in(folder.path(), "ball.json");
+    let sky = edited(ball, "/scene/ambient {\"sky\": [1, 1, 1], \"samples\": 2}");
+    put(folder.path(), "sky.json", sky.to_string());
+    for (file, lights) in [("ball.json", "  1\n"), ("sky.json", "  1 and ambient light\n")] {
+        let output = run(folder.path(), &["check", file]);
+        let words = support::text(&output.stdout);
+        let line = words.lines().find(|line| line.starts_with("  lights")).unwrap();
+        assert!(format!("{line}\n").ends_with(lights), "{words}");
+        let output = run(folder.path(), &["probe", file, "--pixel", "8,6", "--sample", "0"]);
+        let words = support::text(&output.stdout);
+        assert!(words.contains("    light 0, point 0, "), "{words}");
+        assert_eq!(words.contains("    ambient light, point 1, "), file == "sky.json", "{words}");
+        assert!(!words.contains("light 1"), "{words}");
     }
 }
 

@@ -120,6 +120,8 @@ pub struct SurfaceRecord {
 pub struct Light {
     /// The index of the light among those that can add more than an ambient part.
     pub light: usize,
+    /// Whether it is ambient light, for which rays look.
+    pub ambient: bool,
     /// The index of the point.
     pub index: usize,
     /// Its distance in scene units, or how far a ray to ambient light looks; `None` if it is
