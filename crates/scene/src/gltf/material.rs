@@ -211,9 +211,17 @@ fn transparency(fields: &Fields<'_>) -> Result<Transparency> {
         found.number_or("transmissionFactor", Range::UNIT, 0.0)
     })?;
     let ior = fields.extension("KHR_materials_ior", |found| {
+        // Stands for a mirror at any angle, in materials converted from specular and gloss.
+        if found.get("ior").is_some_and(|ior| ior.value().as_f64() == Some(0.0)) {
+            found.warn("an index of refraction of 0 is ignored", "1.5 is used");
+            return Ok(usual.ior);
+        }
         found.number_or("ior", Transparency::IOR, usual.ior)
     })?;
     let volume = fields.extension("KHR_materials_volume", |found| {
+        if found.get("thicknessTexture").is_some() {
+            found.warn("the texture of thickness is ignored", "its factor is used");
+        }
         Ok(Transparency {
             thin: found.number_or("thicknessFactor", Range::NOT_NEGATIVE, 0.0)? == 0.0,
             attenuation_color: found.vector_or("attenuationColor", Range::UNIT, DVec3::ONE)?,
