@@ -71,6 +71,7 @@ fn summary(scene: &PreparedScene) -> Vec<(&'static str, String)> {
         1 => "1 ray".to_owned(),
         n => format!("{n} rays"),
     };
+    let shapes = scene.appearance.shapes.iter().filter(|shape| shape.light.is_none());
     let lights = scene.lights.iter().filter(|light| light.power != Vec3::ZERO);
     let is_ambient = |light: &&Light| matches!(light.emitter, Emitter::Around(..));
     let (around, lights): (Vec<_>, Vec<_>) = lights.partition(is_ambient);
@@ -79,16 +80,7 @@ fn summary(scene: &PreparedScene) -> Vec<(&'static str, String)> {
     let [spheres, disks] = geometry.spheres_and_disks();
     vec![
         ("image", format!("{width} x {height}, {rays} per pixel")),
-        (
-            "shapes",
-            scene
-                .appearance
-                .shapes
-                .iter()
-                .filter(|shape| shape.light.is_none())
-                .count()
-                .to_string(),
-        ),
+        ("shapes", shapes.count().to_string()),
         ("triangles", geometry.triangles.len().to_string()),
         ("zero-area", scene.dropped.degenerate.to_string()),
         ("vertices", geometry.positions.len().to_string()),

@@ -4,7 +4,7 @@ use glam::{DMat3, DVec3};
 use hecs::World;
 
 use crate::components::{Channels, Encoding, TextureRef};
-use crate::format::{Key, Kind, Object, Range, Writer, component, keys};
+use crate::format::{Declaration, Declared, Key, Kind, Object, Range, Writer, component, keys};
 use crate::lights::unit;
 use crate::surface::LookUp;
 use crate::systems::textures::Images;
@@ -28,7 +28,7 @@ component! {
         /// The direction of the zenith.
         pub up: DVec3 = "up": Direction("[0, 1, 0]"), Are([0.0, 1.0, 0.0]);
         /// Turn about it, in degrees, counter-clockwise as seen from above.
-        pub turn: f64 = "turn": Number(Range::COORDINATE), Is(0.0);
+        pub turn: f64 = "turn": Number(Range::COORDINATE), Is(0.0) => "file";
     }
 }
 
@@ -41,24 +41,23 @@ pub struct Environment {
     pub image: Option<TextureRef>,
 }
 
-const IMAGE: &[Key] = keys! {
-    /// An image by longitude and latitude, in place of the gradient: its centre is in the direction
-    /// -z, and its upper edge at the zenith.
-    "file": Text;
-    /// Encoding of the image's values.
-    "encoding": word::<Encoding>(), Says("linear");
-};
-
 /// The object of an environment.
 pub(crate) const OBJECT: Kind = Kind {
     keys: Surroundings::FIELDS,
-    more: &[&[crate::format::Declaration::of_keys(IMAGE)]],
+    components: &[Declaration::of::<Environment>()],
     ..Kind::new("an environment", "What rays see that hit nothing: an image or a gradient.", &[])
 };
 
-impl Environment {
-    /// Reads an environment.
-    pub(crate) fn read(object: &Object<'_>) -> Result<Self> {
+impl Declared for Environment {
+    const KEYS: &'static [Key] = keys! {
+        /// An image by longitude and latitude, in place of the gradient: its centre is in the
+        /// direction -z, and its upper edge at the zenith.
+        "file": Text;
+        /// Encoding of the image's values.
+        "encoding": word::<Encoding>(), Says("linear") => "file";
+    };
+
+    fn read(object: &Object<'_>) -> Result<Option<Self>> {
         let around = Surroundings::fields(object, None);
         let encoding = object.read("encoding");
         let image = match object.get("file") {
@@ -69,11 +68,10 @@ impl Environment {
             }
             None => None,
         };
-        Ok(Self { around, image })
+        Ok(Some(Self { around, image }))
     }
 
-    /// Writes it.
-    pub(crate) fn write(&self, to: &mut Writer<'_>) {
+    fn write(&self, to: &mut Writer<'_>) {
         self.around.write_fields(to);
         if let Some(image) = &self.image {
             to.image("file", &image.look_up.source);
@@ -95,6 +93,8 @@ pub(crate) fn system(world: &World, images: &mut Images) -> Option<environment::
             Surrounding::Image(images.texture(image, place, UvMap::Mesh).image)
         }
     };
+    // A gradient is the same all around, but for roundings.
+    let turn = if image.is_some() { turn } else { 0.0 };
     // The shortest rotation from the zenith to +y, after the turn about it.
     let to_own = glam::DQuat::from_rotation_y(-turn.to_radians())
         * glam::DQuat::from_rotation_arc(unit(up), DVec3::Y);

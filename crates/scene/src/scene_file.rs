@@ -11,7 +11,7 @@ use serde_json::{Value, json};
 use crate::camera::{self, CAMERAS};
 use crate::components::{Encoding, JsonPath, Order, View};
 use crate::environment::{self, Environment};
-use crate::format::{Beside, Cursor, Field, Kind, Object, Range, Writer, keys};
+use crate::format::{Beside, Cursor, Declared, Field, Kind, Object, Range, Writer, keys};
 use crate::lights::{LIGHTS, SKY, Sky};
 use crate::options::LoadOptions;
 use crate::query;
@@ -100,7 +100,8 @@ pub(crate) fn read(top: &Cursor<'_>, options: &LoadOptions) -> Result<World> {
             let settings = cursor.notes().part(|| settings(scene, bounces, transfer, &mut world));
             contents(scene, &mut world)?;
             if let Some(cursor) = scene.get("environment") {
-                world.spawn((Environment::read(&cursor.object(environment::OBJECT)?)?,));
+                let around = Environment::read(&cursor.object(environment::OBJECT)?)?;
+                around.map(|around| world.spawn((around,)));
             }
             world.spawn((settings?,));
             warn_of_darkness(scene, &world);
@@ -220,6 +221,8 @@ pub(crate) fn write(world: &World, beside: &mut Beside) -> Result<Value> {
     let instances = all(instances, &|one, to| shapes::write(world, one, to));
     let skies = world.iter().filter(EntityRef::has::<Sky>).collect();
     let sky = all(skies, &|one, to| to.of(&SKY, one));
+    let around = world.iter().filter(EntityRef::has::<Environment>).collect();
+    let mut around = all(around, &|one, to| to.of(&environment::OBJECT, one));
     let ambient = sky.into_iter().next().unwrap_or_else(|| settings.ambient.into());
     let mut scene = json!({
         "backgroundcolor": settings.background.to_json(),
@@ -227,13 +230,8 @@ pub(crate) fn write(world: &World, beside: &mut Beside) -> Result<Value> {
         "lightsources": lights,
         "shapes": shapes,
     });
-    let around = world.iter().find(EntityRef::has::<Environment>);
-    if let Some((entity, around)) =
-        around.and_then(|entity| Some((entity, entity.get::<&Environment>()?)))
-    {
-        let mut to = Writer::new(entity.entity(), beside, &names);
-        around.write(&mut to);
-        scene["environment"] = to.end();
+    if let Some(around) = around.pop() {
+        scene["environment"] = around;
     }
     if !instances.is_empty() {
         scene["instances"] = instances.into();

@@ -10,7 +10,9 @@ use wavecrest_scene::write::write;
 
 use super::images::textured;
 use super::{loaded, rendered, small, square};
-use crate::support::{files_in, folder, scene_files, wavecrest};
+use crate::support::{
+    edited, files_in, folder, matte, pinhole, repository, scene, scene_files, wall, wavecrest,
+};
 
 /// What a file is rendered to, once it has been converted in a folder of its own.
 pub(super) fn converted(file: &Path) -> (Film, Value) {
@@ -45,6 +47,41 @@ fn every_scene_survives_being_written() {
             assert!(same, "{}: {}", file.display(), written.display());
         }
         assert!(rendered(Ok(scene)).same_bits(&rendered(Ok(again))), "{}", file.display());
+    }
+}
+
+/// What has no effect is told once, and not written.
+#[test]
+fn keys_without_an_effect_are_left_out_of_what_is_written() {
+    let white = json!([1, 1, 1]);
+    let matte = matte(0.8, [0.5; 3]);
+    let sheet = edited(
+        matte.clone(),
+        "/opacity 0.5\n/thin true\n/transmissioncolor [1, 0, 0]\n/attenuationdistance 2",
+    );
+    let [a, b, c] = [[-1.0, -1.0, 1.0], [1.0, -1.0, 1.0], [0.0, 1.0, 1.0]];
+    let strip =
+        json!({"type": "trimesh", "points": [a, b, c], "normals": [a, b, c], "material": sheet});
+    let sun = json!({"type": "directionallight", "intensity": 1, "color": white, "direction": [0, 0, -1],
+                     "samples": 9, "sampling": "random"});
+    let idle = scene(1, &pinhole([24, 18], 50.0, 5.0), &[sun], &[wall(1.0, 0.0, matte), strip]);
+    let folder = folder();
+    let picture = folder.path().join("t.png");
+    std::fs::copy(repository("textures/checker.png"), picture).expect("a copy");
+    let path = folder.path().join("a.json");
+    for (around, lines) in [
+        (r#"{"file": "t.png", "turn": 20, "encoding": "srgb"}"#, 8),
+        (r#"{"turn": 20, "encoding": "srgb"}"#, 10),
+    ] {
+        let sky = r#"{"up": [0, 0, 1], "sampling": "random", "distance": 1}"#;
+        let places = format!("/scene/environment {around}\n/scene/ambient {sky}");
+        std::fs::write(&path, edited(idle.clone(), &places).to_string()).expect("a file");
+        let read = load(&path, &small()).expect("a scene");
+        let told = read.warnings.iter().filter(|one| one.to_string().contains("has no effect"));
+        assert_eq!((told.count(), read.warnings.len()), (lines, lines), "{:?}", read.warnings);
+        let (film, json) = converted(&path);
+        assert!(film.same_bits(&rendered(Ok(read))));
+        assert_eq!(json["scene"]["ambient"], json!({"samples": 0}));
     }
 }
 

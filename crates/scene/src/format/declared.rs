@@ -196,8 +196,8 @@ macro_rules! words {
 }
 pub(crate) use words;
 
-/// Declares a component: above each field its description, then its key, its values and its
-/// default.
+/// Declares a component: above each field its description, then its key, its values, its default,
+/// and the keys that it needs.
 macro_rules! component {
     (
         $(#[$attribute:meta])*
@@ -205,7 +205,8 @@ macro_rules! component {
             $(
                 $(#[doc = $about:literal])+
                 pub $field:ident: $type:ty =
-                    $key:literal $(| $old:literal)*: $takes:expr $(, $absent:expr)?;
+                    $key:literal $(| $old:literal)*: $takes:expr $(, $absent:expr)?
+                    $(=> $($need:literal)|+)?;
             )+
         }
     ) => {
@@ -216,7 +217,7 @@ macro_rules! component {
 
         impl $Name {
             pub(crate) const FIELDS: &'static [$crate::format::Key] = $crate::format::keys! {
-                $( $(#[doc = $about])+ $key $(| $old)*: $takes $(, $absent)?; )+
+                $( $(#[doc = $about])+ $key $(| $old)*: $takes $(, $absent)? $(=> $($need)|+)?; )+
             };
 
             /// Reads the fields; those left out are those of `usual`, or the keys' own defaults.

@@ -3,16 +3,19 @@
 //! There is one table for each component and each nested object, shared by the reader, the writer
 //! and the JSON schema.
 
+use serde_json::{Map, Value};
+
 use super::cursor::Range;
 use super::declared::Declaration;
 use wavecrest_base::choice::Choice;
 
 /// A table of keys: above each its description, then its name or a constant with it, others for it,
-/// its values, and its default.
+/// its values, its default, and after an arrow the keys of which it needs one.
 macro_rules! keys {
     ($(
         $(#[doc = $about:literal])+
-        $($name:literal)? $($named:ident)? $(| $old:literal)*: $takes:expr $(, $absent:expr)?;
+        $($name:literal)? $($named:ident)? $(| $old:literal)*: $takes:expr $(, $absent:expr)?
+            $(=> $need:literal $(| $or:literal)*)?;
     )*) => {{
         #[allow(unused_imports, reason = "tables use what they need")]
         use $crate::format::{word, Absent::*, Takes::*};
@@ -21,7 +24,10 @@ macro_rules! keys {
             synonyms: &[$($old),*],
             takes: $takes,
             absent: $crate::format::keys!(@ $($absent)?),
-            about: concat!($($about),+).trim_ascii(),
+            needs: &[$($need $(, $or)*)?],
+            about: concat!(
+                $($about),+ $(, " Has no effect without `", $need, $("` or `", $or,)* "`.")?
+            ).trim_ascii(),
         } ),*]
     }};
     (@) => { Open };
@@ -126,6 +132,8 @@ pub(crate) struct Key {
     pub(crate) takes: Takes,
     /// The default.
     pub(crate) absent: Absent,
+    /// Other keys: without any of them it has no effect.
+    pub(crate) needs: &'static [&'static str],
     /// Its description, for editors.
     pub(crate) about: &'static str,
 }
@@ -134,6 +142,15 @@ impl Key {
     /// Its name, and others for it.
     pub(crate) fn names(&self) -> impl Iterator<Item = &'static str> + use<> {
         [self.name].into_iter().chain(self.synonyms.iter().copied())
+    }
+
+    /// Whether it is set in an object, but none of the keys that it needs. 0 and false are as good
+    /// as nothing.
+    pub(super) fn is_idle(&self, object: &Map<String, Value>) -> bool {
+        let is_set = |name: &&str| {
+            object.get(*name).is_some_and(|value| *value != false && value.as_f64() != Some(0.0))
+        };
+        !self.needs.is_empty() && is_set(&self.name) && !self.needs.iter().any(is_set)
     }
 }
 

@@ -75,6 +75,11 @@ impl<'a> Object<'a> {
         self.kind.key(key).is_some_and(|key| key.names().any(|name| self.map.contains_key(name)))
     }
 
+    /// Warns of the value of a `key`, if it is there.
+    pub(crate) fn warn(&self, key: &'static str, message: &str, remedy: &str) {
+        self.get(key).into_iter().for_each(|cursor| cursor.warn(message, remedy));
+    }
+
     /// Warns of a number, or a channel of a colour, above 1. Invalid values are reported when they are
     /// read.
     pub(crate) fn warn_above_1(&self, key: &'static str, message: &str, remedy: &str) {
@@ -113,10 +118,12 @@ impl<'a> Object<'a> {
         self.map.keys().map(String::as_str).filter(|key| self.kind.key(key).is_none())
     }
 
-    /// Warns of unknown keys; if strict, they are errors. So are synonyms of one key.
+    /// Warns of unknown keys; if strict, they are errors. So are synonyms of one key. Warns of keys
+    /// without those that they need.
     fn check_keys(&self) {
         let notes = self.cursor.notes();
-        for key in self.kind.all_keys().filter(|key| !key.synonyms.is_empty()) {
+        let has_others = |key: &Key| !key.synonyms.is_empty() || !key.needs.is_empty();
+        for key in self.kind.all_keys().filter(has_others) {
             let given: Vec<_> = key.names().filter(|name| self.map.contains_key(*name)).collect();
             if let [first, other, ..] = given[..] {
                 let place = Place::Key(self.cursor.place(), other);
@@ -124,6 +131,11 @@ impl<'a> Object<'a> {
                 let error =
                     second.error(format!("means the same as {first:?}, which is also given"));
                 notes.fail(error.remedy(format!("keep {first:?} or {other:?}, not both")));
+            }
+            if key.is_idle(self.map) {
+                let needs = key.needs.join("\" or \"");
+                let message = format!("has no effect without \"{needs}\"");
+                self.warn(key.name, &message, &format!("add \"{needs}\", or remove it"));
             }
         }
         for key in self.unknown_keys() {

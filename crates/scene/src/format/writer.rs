@@ -41,9 +41,12 @@ impl<'a> Writer<'a> {
         self.end()
     }
 
-    /// Writes the components of an `entity` of a `kind`.
+    /// Writes the components of an `entity` of a `kind`, without keys of no effect.
     pub(crate) fn components(&mut self, kind: &Kind, entity: EntityRef<'_>) {
         kind.declarations().for_each(|component| (component.write)(entity, self));
+        while let Some(idle) = kind.all_keys().find(|key| key.is_idle(&self.map)) {
+            self.remove(idle.name);
+        }
     }
 
     /// The same for the kind that its components tell: of several, the one with the most.

@@ -33,9 +33,9 @@ component! {
         pub angle_degrees: f64 = "angle": Number(Range::new(0.0, 180.0)), Is(0.0);
         /// Distribution of the directions to the light: random, one in each cell of a grid, or
         /// Sobol.
-        pub sampling: Sampling = "sampling": word::<Sampling>(), Says("sobol");
+        pub sampling: Sampling = "sampling": word::<Sampling>(), Says("sobol") => "angle";
         /// Directions to the light, which share its strength; with jittered sampling, along each side of the grid.
-        pub samples: u32 = "samples": Integer(1, MOST_SAMPLES), Is(1.0);
+        pub samples: u32 = "samples": Integer(1, MOST_SAMPLES), Is(1.0) => "angle";
     }
 }
 

@@ -31,14 +31,14 @@ component! {
         /// The light on a surface that faces down; by default the same.
         pub ground: Option<DVec3> = "ground": Color;
         /// Direction of the sky.
-        pub up: DVec3 = "up": Direction("[0, 1, 0]"), Are([0.0, 1.0, 0.0]);
+        pub up: DVec3 = "up": Direction("[0, 1, 0]"), Are([0.0, 1.0, 0.0]) => "sky" | "ground";
         /// Directions in which rays look for what is in the way of this light; with jittered
         /// sampling, along each side of the grid. At 0 nothing is in the way.
         pub samples: u32 = "samples": Integer(0, MOST_SAMPLES), Is(0.0);
         /// Distribution of the directions: random, one in each cell of a grid, or Sobol.
-        pub sampling: Sampling = "sampling": word::<Sampling>(), Says("sobol");
+        pub sampling: Sampling = "sampling": word::<Sampling>(), Says("sobol") => "samples";
         /// How far rays look; by default to the end of the scene.
-        pub distance: Option<f64> = "distance": Number(Range::POSITIVE);
+        pub distance: Option<f64> = "distance": Number(Range::POSITIVE) => "samples";
     }
 }
 

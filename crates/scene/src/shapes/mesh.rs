@@ -178,7 +178,7 @@ impl Declared for Mesh {
         /// Texture coordinates for each point.
         "uvs": AtLeast(3, &Exactly(2, &Number(Range::COORDINATE)));
         /// Normals for each point, for smooth shading.
-        "normals": AtLeast(3, &Point);
+        "normals": AtLeast(3, &Point) => "shading";
         /// Colours for each point, which multiply the diffuse colour.
         "colors": AtLeast(3, &Color);
     };

@@ -55,6 +55,18 @@ impl Maps {
         let plain = [self.emission.as_mut(), self.opacity.as_mut()];
         plain.into_iter().chain([metal, occlusion, normal]).flatten()
     }
+
+    /// Warns of images that something else keeps from having an effect.
+    fn warn_of_idle(&self, object: &Object<'_>) {
+        if self.opacity.is_some() && blends(object) && object.has(OPACITY_MAP) {
+            object.warn("alpha", "has no effect with an opacity map", "remove one of them");
+        }
+        let material = self.emission.as_ref().and_then(|_| object.get("material"));
+        if material.is_some_and(|material| material.value().get("emission").is_none()) {
+            let remedy = "add \"emission\" to the material, or remove it";
+            object.warn(EMISSION_MAP, "has no effect without emission", remedy);
+        }
+    }
 }
 
 /// A texture of metalness, in blue, and of roughness, in green.
@@ -94,9 +106,7 @@ impl StrengthMap {
 /// The alpha of the object's texture.
 fn alpha_of_texture(object: &Object<'_>) -> Result<Option<TextureRef>> {
     let Some(cursor) = object.get("texture") else {
-        if let Some(alpha) = object.get("alpha") {
-            alpha.warn("has no effect without a texture", "add \"texture\", or remove it");
-        }
+        object.warn("alpha", "has no effect without a texture", "add \"texture\", or remove it");
         return Ok(None);
     };
     let (_, look_up) = LookUp::read(object, existing_file(&cursor, IMAGE)?)?;
@@ -180,6 +190,7 @@ impl Declared for Maps {
                 own => own,
             },
         };
+        maps.warn_of_idle(object);
         Ok((maps != Self::default()).then_some(maps))
     }
 

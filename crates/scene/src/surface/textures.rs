@@ -150,8 +150,8 @@ fn warn_without_texture(object: &Object<'_>) {
     // Alpha is looked up like a texture.
     let of_both: &[&str] =
         if object.get("alpha").is_some() { &[] } else { &["filter", "wrap", "uvtransform"] };
-    for cursor in ["encoding", "tint"].iter().chain(of_both).filter_map(|key| object.get(key)) {
-        cursor.warn("has no effect without a texture", "add \"texture\", or remove it");
+    for key in ["encoding", "tint"].iter().chain(of_both) {
+        object.warn(key, "has no effect without a texture", "add \"texture\", or remove it");
     }
 }
 
@@ -170,7 +170,7 @@ impl Declared for CutOut {
     const KEYS: &'static [Key] = keys! {
         /// Parts of the shape where the alpha of the texture, or of the image `alpha`, is lower are
         /// cut out; 0.5 by default with an `alpha`.
-        "alphacutoff": Number(Range::NOT_NEGATIVE);
+        "alphacutoff": Number(Range::NOT_NEGATIVE) => "texture" | "alpha";
         /// An image whose alpha, or brightness if it has none, cuts out the shape; or "blend", for
         /// the alpha of the texture as opacity.
         "alpha": Text;
@@ -180,22 +180,16 @@ impl Declared for CutOut {
     fn read(object: &Object<'_>) -> Result<Option<Self>> {
         let threshold = object.read_or("alphacutoff", Some(THRESHOLD));
         if blends(object) {
+            let message = "has no effect with \"blend\" as \"alpha\"";
+            object.warn("alphacutoff", message, "remove one of them");
             return Ok(None);
         }
         let image = |key| object.get(key).map(|cursor| existing_file(&cursor, IMAGE)).transpose();
         let mask = image("alpha")?;
         let is_mask = mask.is_some();
-        let path = match (mask, object.get("alphacutoff")) {
-            (Some(mask), _) => Some(mask),
-            (None, None) => None,
-            (None, Some(cursor)) => {
-                let texture = image("texture")?;
-                if texture.is_none() {
-                    let remedy = "add \"texture\" or \"alpha\", or remove it";
-                    cursor.warn("has no effect without an image with alpha", remedy);
-                }
-                texture
-            }
+        let path = match mask {
+            None if object.has("alphacutoff") => image("texture")?,
+            mask => mask,
         };
         let Some(path) = path else { return Ok(None) };
         let (_, look_up) = LookUp::read(object, path)?;

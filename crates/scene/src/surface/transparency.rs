@@ -16,15 +16,17 @@ component! {
         /// Share of the light that is refracted, or mirrored by Fresnel's equations; of `kr`, the rest is left.
         pub kt: f64 = "kt": Number(Range::UNIT), Is(0.0);
         /// Index of refraction of the inside, which the front of the surface encloses.
-        pub ior: f64 = "ior": Number(Self::IOR), Is(1.5);
+        pub ior: f64 = "ior": Number(Self::IOR), Is(1.5) => "kt";
         /// Whether the surface is a thin sheet, which bends no ray.
-        pub thin: bool = "thin": Truth, Off;
+        pub thin: bool = "thin": Truth, Off => "kt" | "attenuationdistance";
         /// Colour of refracted light.
-        pub color: DVec3 = "transmissioncolor": Color, Are([1.0; 3]);
+        pub color: DVec3 = "transmissioncolor": Color, Are([1.0; 3]) => "kt";
         /// Colour that light has left after the attenuation distance inside.
-        pub attenuation_color: DVec3 = "attenuationcolor": Color, Are([1.0; 3]);
+        pub attenuation_color: DVec3 = "attenuationcolor": Color, Are([1.0; 3])
+            => "attenuationdistance";
         /// The distance, in scene units; 0 if light stays as it is.
-        pub attenuation_distance: f64 = "attenuationdistance": Number(Range::NOT_NEGATIVE), Is(0.0);
+        pub attenuation_distance: f64 = "attenuationdistance": Number(Range::NOT_NEGATIVE), Is(0.0)
+            => "attenuationcolor";
     }
 }
 
