@@ -241,13 +241,14 @@ impl Own {
         if sources().count() == 0 {
             return 1.0;
         }
+        let middle: f64 = sources().map(|source| source.in_middle(&contents.sphere)).sum();
         let on = |surface: &[DVec3; 2]| sources().map(|source| source.on(*surface)).sum();
-        let seen = contents.seen(view);
-        let mut lit: Vec<f64> = seen.par_iter().map(on).filter(|&sum: &f64| sum > 0.0).collect();
+        let mut lit: Vec<f64> = contents.seen(view).par_iter().map(on).collect();
+        // Surfaces in whose plane a light is are lit by roundings.
+        lit.retain(|sum| *sum > middle * f64::from(f32::EPSILON));
         lit.sort_by(f64::total_cmp);
-        let bright = lit.get((lit.len() as f64 * NOT_WHITE) as usize).copied();
-        let middle = || sources().map(|source| source.in_middle(&contents.sphere)).sum();
-        let exposure = (1.0 - AMBIENT) / bright.unwrap_or_else(middle);
+        let bright = lit.get((lit.len() as f64 * NOT_WHITE) as usize);
+        let exposure = (1.0 - AMBIENT) / bright.copied().unwrap_or(middle);
         let is_usable = exposure.is_finite() && exposure > 0.0;
         if is_usable && !(has_more && exposure > 1.0) { exposure } else { 1.0 }
     }
