@@ -363,14 +363,10 @@ fn table(of: impl Fn(&Pass) -> bool, change: impl Fn(Needs) -> Needs) -> Vec<Pas
 
 /// `needs` but `effect`.
 fn without(needs: Needs, effect: Effect) -> Needs {
-    let others = |effects: &[Effect]| -> &'static [Effect] {
+    let others = |effects: &&[Effect]| -> &'static [Effect] {
         Vec::leak(effects.iter().copied().filter(|&e| e != effect).collect())
     };
-    match needs {
-        Needs::Nothing => needs,
-        Needs::Any(effects) => Needs::Any(others(effects)),
-        Needs::Both(some, more) => Needs::Both(others(some), others(more)),
-    }
+    Vec::leak(needs.iter().map(others).collect())
 }
 
 /// A scene that shows `effect` and whatever else `needs` must have, of shapes of every kind and, unless
@@ -381,7 +377,7 @@ fn scene_of(effect: Effect, needs: Needs, folder: &Path) -> Value {
     let mut effects = vec![Effect::Triangles, Effect::Quads, Effect::Spheres, Effect::Disks, light];
     effects.extend((effect != light).then_some(effect));
     effects.extend((effect == Effect::AmbientOcclusion).then_some(Effect::HemisphereLight));
-    if let Needs::Both(some, more) = needs {
+    if let [some, more] = needs {
         effects.push(if some.contains(&effect) { more[0] } else { some[0] });
         effects.push(Effect::Textures);
     }
@@ -402,7 +398,7 @@ fn a_need_taken_out_of_the_table_is_missed() {
     put_texture(folder.path());
     let mut needs = 0;
     for pass in PASSES {
-        for effect in pass.needs.effects() {
+        for effect in pass.effects() {
             let json = scene_of(effect, pass.needs, folder.path());
             let [right, _] = films(&PASSES, &json).expect("the table is right");
             let differs = |passes: &[Pass]| {
@@ -440,10 +436,10 @@ fn a_row_that_runs_without_need_costs_something_and_shows_nothing() {
         both_alone(&scene).map(|rendered| (cost(&scene, &rendered), rendered.film))
     };
     let planned: Vec<_> = list.iter().map(|variant| rendered_by(&PASSES, &variant.scene)).collect();
-    for pass in PASSES.into_iter().filter(|pass| pass.needs != Needs::Nothing) {
+    for pass in PASSES.into_iter().filter(|pass| !pass.needs.is_empty()) {
         // With those that serve one of its effects, so that no queue is left without a reader.
-        let serves = |effect| pass.needs.effects().any(|own| own == effect);
-        let passes = table(|other| other.needs.effects().any(serves), |_| Needs::Nothing);
+        let serves = |effect| pass.effects().any(|own| own == effect);
+        let passes = table(|other| other.effects().any(serves), |_| &[]);
         let mut dearer = 0;
         for (variant, planned) in list.iter().zip(&planned) {
             let found = rendered_by(&passes, &variant.scene);
@@ -465,7 +461,7 @@ fn a_queue_without_a_reader_is_refused() {
     let folder = folder();
     let scene = Set::of(&[Effect::Spheres, Effect::Mirrors]).scene(folder.path());
     for name in ["mirror", "advance"] {
-        let passes = table(|pass| pass.name == name, |_| Needs::Any(&[]));
+        let passes = table(|pass| pass.name == name, |_| &[&[]]);
         let scene = prepare_by(&passes, &scene);
         for tracer in TRACERS {
             let error = try_render(&scene, tracer).expect_err("a queue is left over").to_string();

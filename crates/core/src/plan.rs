@@ -117,7 +117,7 @@ impl Plan {
 
     /// Why the pass runs or not: the decisions on the effects that it needs.
     pub fn reason(&self, pass: &Pass) -> String {
-        let effects: Vec<Effect> = pass.needs.effects().collect();
+        let effects: Vec<Effect> = pass.effects().collect();
         if effects.is_empty() {
             return "every scene needs it".to_owned();
         }

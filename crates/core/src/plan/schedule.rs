@@ -76,39 +76,9 @@ pub enum Step {
     Resolve,
 }
 
-/// The effects that a step serves.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Needs {
-    /// It runs in every scene, for everything in it.
-    Nothing,
-    /// It runs if any of these effects is present, for what shows them.
-    Any(&'static [Effect]),
-    /// It runs if one of the first and one of the second effects are present.
-    Both(&'static [Effect], &'static [Effect]),
-}
-
-impl Needs {
-    /// Whether the needs are met.
-    pub fn met(self, present: impl Fn(Effect) -> bool) -> bool {
-        match self {
-            Self::Nothing => true,
-            Self::Any(effects) => effects.iter().any(|&effect| present(effect)),
-            Self::Both(ones, others) => {
-                [ones, others].iter().all(|any| any.iter().any(|&effect| present(effect)))
-            }
-        }
-    }
-
-    /// The named effects.
-    pub fn effects(self) -> impl Iterator<Item = Effect> {
-        let [ones, others]: [&[Effect]; 2] = match self {
-            Self::Nothing => [&[], &[]],
-            Self::Any(effects) => [effects, &[]],
-            Self::Both(ones, others) => [ones, others],
-        };
-        ones.iter().chain(others).copied()
-    }
-}
+/// The effects that a step serves. It runs if one of each list is present, for what shows them; without
+/// lists it runs in every scene, for everything in it.
+pub type Needs = &'static [&'static [Effect]];
 
 /// A row of [`PASSES`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -127,14 +97,26 @@ pub struct Pass {
     pub writes: &'static [ColumnGroup],
 }
 
+impl Pass {
+    /// Whether its needs are met.
+    pub fn is_needed(&self, present: impl Fn(Effect) -> bool) -> bool {
+        self.needs.iter().all(|any| any.iter().any(|&effect| present(effect)))
+    }
+
+    /// The effects that it serves.
+    pub fn effects(self) -> impl Iterator<Item = Effect> {
+        self.needs.iter().copied().flatten().copied()
+    }
+}
+
 /// All lights: points of every kind are sampled in the same way.
-const LIGHTS: Needs = Needs::Any(&[
+const LIGHTS: &[Effect] = &[
     Effect::PointLights,
     Effect::SpotLights,
     Effect::DirectionalLights,
     Effect::AreaLights,
     Effect::AmbientOcclusion,
-]);
+];
 
 /// The effects that send rays on from surfaces.
 const NEXT: &[Effect] = &[Effect::Mirrors, Effect::Transparency];
@@ -149,45 +131,47 @@ pub const PASSES: [Pass; 19] = {
         Branches, Differentials, Hits, LitPoints, NextRays, Paths, Rays, ShadowRays, Tints,
     };
     [
-        pass(Step::Generate, "generate", Needs::Nothing, &[], &[Paths, Rays]),
-        part(Step::Jitter, "jitter", Step::Generate, &[Effect::Antialiasing], &[], &[Rays]),
-        part(Step::Lens, "lens", Step::Generate, &[Effect::DepthOfField], &[], &[Rays]),
-        pass(Step::Intersect, "intersect", Needs::Nothing, &[Rays], &[Hits]),
-        pass(Step::Shade, "shade", Needs::Nothing, &[Paths, Rays, Hits], &[Paths]),
-        part(Step::Normals, "normals", Step::Shade, &[Effect::SmoothShading], &[Hits], &[]),
-        part(Step::Colors, "colors", Step::Shade, &[Effect::VertexColors], &[Hits], &[]),
-        part(Step::Texels, "texels", Step::Shade, &[Effect::Textures], &[Hits], &[]),
-        part(Step::NormalMaps, "normal maps", Step::Shade, &[Effect::NormalMaps], &[Hits], &[]),
-        part(Step::Maps, "maps", Step::Shade, &[Effect::MaterialTextures], &[Hits], &[]),
+        pass(Step::Generate, "generate", &[], &[], &[Paths, Rays]),
+        part(Step::Jitter, "jitter", Step::Generate, &[&[Effect::Antialiasing]], &[], &[Rays]),
+        part(Step::Lens, "lens", Step::Generate, &[&[Effect::DepthOfField]], &[], &[Rays]),
+        pass(Step::Intersect, "intersect", &[], &[Rays], &[Hits]),
+        pass(Step::Shade, "shade", &[], &[Paths, Rays, Hits], &[Paths]),
+        part(Step::Normals, "normals", Step::Shade, &[&[Effect::SmoothShading]], &[Hits], &[]),
+        part(Step::Colors, "colors", Step::Shade, &[&[Effect::VertexColors]], &[Hits], &[]),
+        part(Step::Texels, "texels", Step::Shade, &[&[Effect::Textures]], &[Hits], &[]),
+        part(Step::NormalMaps, "normal maps", Step::Shade, &[&[Effect::NormalMaps]], &[Hits], &[]),
+        part(Step::Maps, "maps", Step::Shade, &[&[Effect::MaterialTextures]], &[Hits], &[]),
         // For mirrors alone, no row is written.
-        part(Step::Tints, "tints", Step::Shade, &[Effect::TintedHighlights], &[Tints], &[Tints]),
-        part(Step::Emission, "emission", Step::Shade, &[Effect::Emission], &[Hits], &[Paths]),
-        Pass {
-            part_of: Some(Step::Shade),
-            ..pass(Step::Collect, "lit points", LIGHTS, &[Rays, Hits], &[LitPoints])
-        },
-        part(Step::Mirror, "mirror", Step::Shade, &[Effect::Mirrors], &[Rays, Hits], &[NextRays]),
+        part(Step::Tints, "tints", Step::Shade, &[&[Effect::TintedHighlights]], &[Tints], &[Tints]),
+        part(Step::Emission, "emission", Step::Shade, &[&[Effect::Emission]], &[Hits], &[Paths]),
+        part(Step::Collect, "lit points", Step::Shade, &[LIGHTS], &[Rays, Hits], &[LitPoints]),
+        part(
+            Step::Mirror,
+            "mirror",
+            Step::Shade,
+            &[&[Effect::Mirrors]],
+            &[Rays, Hits],
+            &[NextRays],
+        ),
         part(
             Step::Transmit,
             "transmission",
             Step::Shade,
-            &[Effect::Transparency],
+            &[&[Effect::Transparency]],
             &[Rays, Hits, Branches],
             &[NextRays, Branches],
         ),
-        Pass {
-            part_of: Some(Step::Shade),
-            ..pass(
-                Step::Differentials,
-                "differentials",
-                Needs::Both(&[Effect::RayDifferentials], NEXT),
-                &[Rays, Hits, Differentials],
-                &[Differentials],
-            )
-        },
-        pass(Step::Shadow, "shadow", LIGHTS, &[LitPoints, ShadowRays], &[ShadowRays, Paths]),
-        pass(Step::Advance, "advance", Needs::Any(NEXT), &[NextRays], &[Rays]),
-        pass(Step::Resolve, "resolve", Needs::Nothing, &[Paths], &[]),
+        part(
+            Step::Differentials,
+            "differentials",
+            Step::Shade,
+            &[&[Effect::RayDifferentials], NEXT],
+            &[Rays, Hits, Differentials],
+            &[Differentials],
+        ),
+        pass(Step::Shadow, "shadow", &[LIGHTS], &[LitPoints, ShadowRays], &[ShadowRays, Paths]),
+        pass(Step::Advance, "advance", &[NEXT], &[NextRays], &[Rays]),
+        pass(Step::Resolve, "resolve", &[], &[Paths], &[]),
     ]
 };
 
@@ -205,18 +189,17 @@ const fn part(
     step: Step,
     name: &'static str,
     of: Step,
-    needs: &'static [Effect],
+    needs: Needs,
     reads: &'static [ColumnGroup],
     writes: &'static [ColumnGroup],
 ) -> Pass {
-    let needs = Needs::Any(needs);
     Pass { step, name, part_of: Some(of), needs, reads, writes }
 }
 
 /// `passes` without needs: every scene does all work. The image is the same, since effects that a
 /// scene lacks add nothing to it.
 pub fn unplanned(passes: &[Pass]) -> Vec<Pass> {
-    passes.iter().map(|&pass| Pass { needs: Needs::Nothing, ..pass }).collect()
+    passes.iter().map(|&pass| Pass { needs: &[], ..pass }).collect()
 }
 
 /// The steps that run, and the columns that have storage.
@@ -245,9 +228,9 @@ impl Schedule {
     /// The steps of `passes` that run with these decisions.
     pub(super) fn new(passes: &[Pass], decisions: &[Decision]) -> Self {
         let present = |effect| decisions.iter().any(|d| d.effect == effect && d.present);
-        let runs = |pass: &&Pass| pass.needs.met(present);
+        let runs = |pass: &&Pass| pass.is_needed(present);
         let running: Vec<&Pass> = passes.iter().filter(runs).collect();
-        let is_unconditional = |pass: &&&Pass| pass.needs == Needs::Nothing;
+        let is_unconditional = |pass: &&&Pass| pass.needs.is_empty();
         Self {
             running: steps(running.iter().copied()),
             unconditional: steps(running.iter().filter(is_unconditional).copied()),
