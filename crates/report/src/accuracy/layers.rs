@@ -75,7 +75,7 @@ pub fn run(
 
 /// The least time of several renders in each pass, as other programs can only add to a time.
 fn steps(subject: &mut Subject, precision: Precision) -> Result<Vec<LayerSeconds>> {
-    let facts = subject.facts;
+    let facts = &subject.facts;
     let present = Layer::ALL.into_iter().filter(|layer| facts.has(*layer)).map(Some);
     let without: Vec<Option<Layer>> = std::iter::once(None).chain(present).collect();
     let mut steps: Vec<_> =

@@ -142,26 +142,11 @@ impl<P> Family<P> {
 }
 
 /// The properties of a scene that can be varied.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct Facts {
-    /// Whether any light reaches a visible surface.
-    pub has_lights: bool,
-    /// Whether any light has a shape.
+    layers: Vec<Layer>,
+    /// Whether points on any light are sampled.
     pub has_area_lights: bool,
-    /// Whether any light has more than one point.
-    pub has_points: bool,
-    /// Whether the camera has a lens with an aperture.
-    pub has_lens: bool,
-    /// Whether a surface has a texture.
-    pub has_textures: bool,
-    /// Side of the grid of rays in a pixel.
-    pub antialias: u32,
-    /// Whether a surface lets light through.
-    pub has_transparency: bool,
-    /// Whether a surface is a mirror.
-    pub has_mirrors: bool,
-    /// Whether ambient light may be blocked.
-    pub has_occlusion: bool,
     /// Largest number of bounces in use.
     pub bounces: u32,
 }
@@ -169,37 +154,34 @@ pub struct Facts {
 impl Facts {
     /// The facts of a scene.
     pub fn of(scene: &PreparedScene) -> Self {
+        let has = |layer: &Layer| match layer {
+            Layer::Transparency => scene.plan.has(Effect::Transparency),
+            Layer::Mirrors => scene.plan.has(Effect::Mirrors),
+            Layer::Textures => !scene.appearance.images.is_empty(),
+            Layer::Occlusion => scene.plan.has(Effect::AmbientOcclusion),
+            Layer::SoftShadows => scene.lights.iter().any(|l| l.is_sampled() && l.samples() > 1),
+            Layer::Lights => !scene.lights.is_empty(),
+            Layer::Lens => scene.camera.has_lens(),
+            Layer::Antialiasing => scene.camera.antialias() > 1,
+        };
         Self {
-            has_lights: !scene.lights.is_empty(),
+            layers: Layer::ALL.into_iter().filter(has).collect(),
             has_area_lights: scene.lights.iter().any(|light| light.is_sampled()),
-            has_points: scene.lights.iter().any(|l| l.is_sampled() && l.samples() > 1),
-            has_lens: scene.camera.has_lens(),
-            has_textures: !scene.appearance.images.is_empty(),
-            has_transparency: scene.plan.has(Effect::Transparency),
-            has_mirrors: scene.plan.has(Effect::Mirrors),
-            has_occlusion: scene.plan.has(Effect::AmbientOcclusion),
-            antialias: scene.camera.antialias(),
             bounces: scene.bounces,
         }
     }
 
     /// Whether removing `layer` changes the scene.
     pub fn has(&self, layer: Layer) -> bool {
-        match layer {
-            Layer::Transparency => self.has_transparency,
-            Layer::Mirrors => self.has_mirrors,
-            Layer::Textures => self.has_textures,
-            Layer::Occlusion => self.has_occlusion,
-            Layer::SoftShadows => self.has_points,
-            Layer::Lights => self.has_lights,
-            Layer::Lens => self.has_lens,
-            Layer::Antialiasing => self.antialias > 1,
-        }
+        self.layers.contains(&layer)
     }
 
     /// Whether `target` has any random samples.
     pub fn is_sampled(&self, target: Target) -> bool {
-        self.has_area_lights || self.has_lens || self.antialias > 1 || target == Target::Pixel
+        self.has_area_lights
+            || self.has(Layer::Lens)
+            || self.has(Layer::Antialiasing)
+            || target == Target::Pixel
     }
 }
 
@@ -221,8 +203,8 @@ impl Axis {
     /// The axis of a scene. Without other random samples it is the pixel, as edges alias.
     pub fn of(facts: &Facts) -> Self {
         match facts {
-            Facts { antialias: 2.., .. } => Self::Pixel,
-            Facts { has_lens: true, .. } => Self::Lens,
+            _ if facts.has(Layer::Antialiasing) => Self::Pixel,
+            _ if facts.has(Layer::Lens) => Self::Lens,
             Facts { has_area_lights: true, .. } => Self::Lights,
             _ => Self::Pixel,
         }
@@ -282,11 +264,11 @@ pub fn families(facts: &Facts, most: u32) -> Vec<Family<CountedSetting>> {
     let lens = |points| Samples { lens: Some(points), ..Samples::default() };
     let all = [
         facts.has_area_lights.then(|| sampled(most, lights)),
-        facts.has_lens.then(|| sampled(most, lens)),
+        facts.has(Layer::Lens).then(|| sampled(most, lens)),
         Some(sampled(most, |points| Axis::Pixel.samples(points))),
         (facts.bounces > 0).then(|| bounces(facts.bounces)),
         Some(precisions()),
-        facts.has_textures.then(filters),
+        facts.has(Layer::Textures).then(filters),
     ];
     let family = |((name, title, counted, target), series): (_, Option<_>)| {
         Some(Family { name, title, counted, target, series: series? })
