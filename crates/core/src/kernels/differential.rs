@@ -4,7 +4,7 @@
 //! A differential is a pair of derivatives, for a step to the right and a step down in the image.
 //! Each function here differentiates a stage of the ray's path: the camera creates the differential
 //! ([`Camera::differential`]), the transfer to a surface moves it ([`Differential::at`]), and
-//! reflection turns it ([`Differential::reflected`]). At a surface, the change of the point becomes
+//! reflection or refraction turns it ([`Differential::turned`]). At a surface, the change of the point becomes
 //! a change of texture coordinates: [`PlanarMap::change`], [`sphere_uv_change`] and [`uv_change`].
 //!
 //! Each step is computed in double precision and rounded once. At grazing angles the derivative is
@@ -44,37 +44,30 @@ impl Differential {
         })
     }
 
-    /// The differential of the mirror ray of `ray` about the unit vector `normal`, if points change
-    /// by `steps` and the normal by `turns`.
-    pub fn reflected(&self, ray: &Ray, steps: [Vec3; 2], normal: Vec3, turns: [Vec3; 2]) -> Self {
-        let (direction, normal) = (ray.direction.as_dvec3(), normal.as_dvec3());
-        let along = dot_f64(direction, normal);
-        let turned = [0, 1].map(|axis| {
-            let (change, turn) = (self.direction[axis].as_dvec3(), turns[axis].as_dvec3());
-            let along_changes = dot_f64(change, normal) + dot_f64(direction, turn);
-            (change - (turn * along + normal * along_changes) * 2.0).as_vec3()
-        });
-        Self { origin: steps, direction: turned }
-    }
-
-    /// The differential of the ray that `ray` becomes by refraction: see [`Self::reflected`]. It
-    /// has the unit direction `bent`, and `ratio` is the index of refraction before over that
-    /// behind.
-    pub fn refracted(
+    /// The differential of the ray that `ray` becomes about the unit vector `normal`, if points change
+    /// by `steps` and the normal by `turns`: mirrored, or refracted with this unit direction and this
+    /// ratio of the index of refraction before to that behind.
+    pub fn turned(
         &self,
         ray: &Ray,
         steps: [Vec3; 2],
         normal: Vec3,
         turns: [Vec3; 2],
-        (bent, ratio): (Vec3, f64),
+        refracted: Option<(Vec3, f64)>,
     ) -> Self {
         let (direction, normal) = (ray.direction.as_dvec3(), normal.as_dvec3());
-        let (before, behind) = (dot_f64(direction, normal), dot_f64(bent.as_dvec3(), normal));
-        let along = ratio * before - behind;
+        let before = dot_f64(direction, normal);
+        // What the direction, with this weight, moves along the normal, and how that changes with
+        // `before`. Mirrored, it leaves as far from the plane as it arrives.
+        let (ratio, along, change_along) =
+            refracted.map_or((1.0, 2.0 * before, 2.0), |(bent, ratio)| {
+                let behind = dot_f64(bent.as_dvec3(), normal);
+                (ratio, ratio * before - behind, ratio - ratio * ratio * before / behind)
+            });
         let turned = [0, 1].map(|axis| {
             let (change, turn) = (self.direction[axis].as_dvec3(), turns[axis].as_dvec3());
             let cosine_changes = dot_f64(change, normal) + dot_f64(direction, turn);
-            let along_changes = (ratio - ratio * ratio * before / behind) * cosine_changes;
+            let along_changes = change_along * cosine_changes;
             (change * ratio - (turn * along + normal * along_changes)).as_vec3()
         });
         Self { origin: steps, direction: turned }

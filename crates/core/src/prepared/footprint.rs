@@ -91,9 +91,8 @@ impl PreparedScene {
         let MirrorPoint { normal, shading_normal, .. } = *point;
         let view = -ray.direction;
         let (_, smooth) = shade::mirrored::<f32>(view.into(), shading_normal.into(), normal.into());
-        let about = if smooth { shading_normal } else { normal };
-        let (steps, turns) = self.turns(differential, (ray, hit), point, smooth, look_ups);
-        differential.reflected(ray, steps, about, turns)
+        look_ups.footprints += 1;
+        self.turned(differential, (ray, hit), point, smooth, None)
     }
 
     /// The differential of the ray that goes on behind `point`, with this refraction, or straight.
@@ -105,29 +104,31 @@ impl PreparedScene {
         refracted: Option<&Refracted>,
         look_ups: &mut LookUps,
     ) -> Differential {
-        let smooth = refracted.is_some_and(|refracted| refracted.smooth);
-        let (steps, turns) = self.turns(differential, (ray, hit), point, smooth, look_ups);
-        let about = if smooth { point.shading_normal } else { point.normal };
+        look_ups.footprints += 1;
         match refracted {
-            Some(&Refracted { direction, ratio, .. }) if direction != ray.direction => {
-                differential.refracted(ray, steps, about, turns, (direction, ratio))
+            Some(&Refracted { direction, ratio, smooth, .. }) if direction != ray.direction => {
+                self.turned(differential, (ray, hit), point, smooth, Some((direction, ratio)))
             }
-            _ => Differential { origin: steps, ..*differential },
+            _ => {
+                Differential { origin: differential.at(ray, hit.t, point.normal), ..*differential }
+            }
         }
     }
 
-    /// The changes of a point, and of its interpolated or geometric normal, with the ray.
-    fn turns(
+    /// The differential of the ray that turns at `point` about its interpolated normal if `smooth`, else
+    /// about its geometric one: see [`Differential::turned`].
+    fn turned(
         &self,
         differential: &Differential,
         (ray, hit): (&Ray, &Hit),
         point: &MirrorPoint,
         smooth: bool,
-        look_ups: &mut LookUps,
-    ) -> ([Vec3; 2], [Vec3; 2]) {
-        look_ups.footprints += 1;
+        refracted: Option<(Vec3, f64)>,
+    ) -> Differential {
         let steps = differential.at(ray, hit.t, point.normal);
-        (steps, steps.map(|step| self.turn(hit.primitive, point, step, smooth)))
+        let turns = steps.map(|step| self.turn(hit.primitive, point, step, smooth));
+        let about = if smooth { point.shading_normal } else { point.normal };
+        differential.turned(ray, steps, about, turns, refracted)
     }
 
     /// The change of the mirror's normal with its point.

@@ -282,7 +282,8 @@ fn hits_and_mirror_rays_change_as_their_neighbours_say() {
             let single = Ray::new(ray.0.as_vec3(), ray.1.as_vec3());
             let steps = differential.at(&single, meeting.t as f32, meeting.geometric.as_vec3());
             let turns = steps.map(|step| mirror.turn(&meeting, step));
-            differential = differential.reflected(&single, steps, meeting.normal.as_vec3(), turns);
+            differential =
+                differential.turned(&single, steps, meeting.normal.as_vec3(), turns, None);
             for (k, axis) in AXES.into_iter().enumerate() {
                 let what = format!("ray {index}, {mirrors:?}, axis {k}");
                 let (origin, direction) = central(|p| follow(&view, p, &mirrors), at, axis);
