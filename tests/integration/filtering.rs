@@ -9,7 +9,7 @@ use wavecrest_core::kernels::shade;
 use wavecrest_core::math::random::Stream;
 use wavecrest_core::math::ray::Ray;
 use wavecrest_core::math::vector::Line;
-use wavecrest_core::prepared::{Interaction, LookUps, MirrorPoint, PreparedScene};
+use wavecrest_core::prepared::{Interaction, LookUps, PreparedScene};
 use wavecrest_scene::load::{LoadOptions, load_str};
 use wavecrest_scene::memory::estimate_extracted;
 use wavecrest_scene::systems::{Options, extract};
@@ -208,8 +208,7 @@ fn mirror_ray(scene: &PreparedScene, x: u32, y: u32) -> (Ray, [Vec3; 2], [Vec3; 
     let request = shade::mirror_request(&point, Vec3::ONE.into()).expect("a mirror ray");
     let Line { origin, direction } = request.line;
     let next = Ray::new(origin.into(), direction.into());
-    let mirror = MirrorPoint::of(&point);
-    let found = scene.mirrored(&differential, &ray, &hit, &mirror, &mut look_ups);
+    let found = scene.mirrored(&differential, &ray, &hit, &point, &mut look_ups);
     (next, found.origin, found.direction)
 }
 

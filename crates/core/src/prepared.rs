@@ -16,7 +16,6 @@ use glam::{DVec3, Vec2, Vec3, Vec4};
 
 pub use detail::{Detail, Metal, Occlusion};
 pub use fingerprint::Fingerprints;
-pub use footprint::MirrorPoint;
 pub use interaction::{Face, Group, Interaction, lanes, surface};
 pub use normal_map::NormalMap;
 pub use resample::{Original, Samples};

@@ -21,7 +21,7 @@ use crate::math::random::Stream;
 use crate::math::ray::Ray;
 use crate::math::vector::Line;
 use crate::plan::schedule::Schedule;
-use crate::prepared::{Branch, Interaction, LookUps, MirrorPoint, PreparedScene, Trail};
+use crate::prepared::{Branch, Interaction, LookUps, PreparedScene, Trail};
 use crate::tile::{TIMED, TraceSettings, Tracer, Unit, add_sample};
 
 /// The tracer.
@@ -263,8 +263,8 @@ impl<P: Arithmetic> Recursive<P> {
                     } else {
                         if let Some((next, throughput)) = mirror_ray(&point, throughput) {
                             let differential = self.differentials.then(|| {
-                                let (mirror, found) = (MirrorPoint::of(&point), &mut self.look_ups);
-                                scene.mirrored(&differential(), &ray, &hit, &mirror, found)
+                                let found = &mut self.look_ups;
+                                scene.mirrored(&differential(), &ray, &hit, &point, found)
                             });
                             let trail = trail.mirrored();
                             self.waiting.push(Branch {

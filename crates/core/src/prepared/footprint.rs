@@ -17,26 +17,6 @@ use crate::math::float::{dot, normalize};
 use crate::math::ray::Ray;
 use crate::plan::schedule::Step;
 
-/// A point of a mirror.
-#[derive(Clone, Copy, Debug)]
-pub struct MirrorPoint {
-    /// In world space.
-    pub point: Vec3,
-    /// Geometric unit normal on the viewer's side.
-    pub normal: Vec3,
-    /// Shading unit normal on the viewer's side.
-    pub shading_normal: Vec3,
-}
-
-impl MirrorPoint {
-    /// The inputs of a mirror's differentials, from `point`.
-    pub fn of(point: &ShadingPoint<f32>) -> Self {
-        let ShadingPoint { point, normal, shading_normal, .. } = *point;
-        let [point, normal, shading_normal] = [point, normal, shading_normal].map(Vec3::from);
-        Self { point, normal, shading_normal }
-    }
-}
-
 impl Appearance {
     /// The changes of texture coordinates if the point `surface` of the shape's primitive moves by
     /// `steps`. Not finite if a step is not.
@@ -85,12 +65,11 @@ impl PreparedScene {
         differential: &Differential,
         ray: &Ray,
         hit: &Hit,
-        point: &MirrorPoint,
+        point: &ShadingPoint<f32>,
         look_ups: &mut LookUps,
     ) -> Differential {
-        let MirrorPoint { normal, shading_normal, .. } = *point;
         let view = -ray.direction;
-        let (_, smooth) = shade::mirrored::<f32>(view.into(), shading_normal.into(), normal.into());
+        let (_, smooth) = shade::mirrored(view.into(), point.shading_normal, point.normal);
         look_ups.footprints += 1;
         self.turned(differential, (ray, hit), point, smooth, None)
     }
@@ -100,7 +79,7 @@ impl PreparedScene {
         &self,
         differential: &Differential,
         (ray, hit): (&Ray, &Hit),
-        point: &MirrorPoint,
+        point: &ShadingPoint<f32>,
         refracted: Option<&Refracted>,
         look_ups: &mut LookUps,
     ) -> Differential {
@@ -109,9 +88,10 @@ impl PreparedScene {
             Some(&Refracted { direction, ratio, smooth, .. }) if direction != ray.direction => {
                 self.turned(differential, (ray, hit), point, smooth, Some((direction, ratio)))
             }
-            _ => {
-                Differential { origin: differential.at(ray, hit.t, point.normal), ..*differential }
-            }
+            _ => Differential {
+                origin: differential.at(ray, hit.t, point.normal.into()),
+                ..*differential
+            },
         }
     }
 
@@ -121,24 +101,24 @@ impl PreparedScene {
         &self,
         differential: &Differential,
         (ray, hit): (&Ray, &Hit),
-        point: &MirrorPoint,
+        point: &ShadingPoint<f32>,
         smooth: bool,
         refracted: Option<(Vec3, f64)>,
     ) -> Differential {
-        let steps = differential.at(ray, hit.t, point.normal);
+        let steps = differential.at(ray, hit.t, point.normal.into());
         let turns = steps.map(|step| self.turn(hit.primitive, point, step, smooth));
         let about = if smooth { point.shading_normal } else { point.normal };
-        differential.turned(ray, steps, about, turns, refracted)
+        differential.turned(ray, steps, about.into(), turns, refracted)
     }
 
     /// The change of the mirror's normal with its point.
-    fn turn(&self, primitive: u32, point: &MirrorPoint, step: Vec3, smooth: bool) -> Vec3 {
+    fn turn(&self, primitive: u32, point: &ShadingPoint<f32>, step: Vec3, smooth: bool) -> Vec3 {
         let geometry = self.accel.geometry();
         match geometry.primitive(primitive) {
             Primitive::Quadric(i) => {
                 let turn = turn_of_sphere(geometry, primitive, step);
-                let outward = point.point - geometry.quadrics[i].parts().0;
-                if dot(outward, point.normal) < 0.0 { -turn } else { turn }
+                let outward = Vec3::from(point.point) - geometry.quadrics[i].parts().0;
+                if dot(outward, point.normal.into()) < 0.0 { -turn } else { turn }
             }
             Primitive::Triangle(_) | Primitive::Instanced(_) if smooth => {
                 let shape = &self.appearance.shapes[self.appearance.shape_of(primitive)];
@@ -148,7 +128,8 @@ impl PreparedScene {
                     .flatten();
                 let corners = geometry.mesh_triangle(primitive);
                 normals.zip(corners).map_or(Vec3::ZERO, |(normals, corners)| {
-                    turn_between(&corners, &normals, point.point, step, point.shading_normal)
+                    let [at, normal] = [point.point, point.shading_normal].map(Vec3::from);
+                    turn_between(&corners, &normals, at, step, normal)
                 })
             }
             Primitive::Triangle(_) | Primitive::Quad(_) | Primitive::Instanced(_) => Vec3::ZERO,

@@ -6,7 +6,7 @@
 
 use glam::{DVec3, Vec3};
 
-use super::{Interaction, LookUps, MirrorPoint, PreparedScene};
+use super::{Interaction, LookUps, PreparedScene};
 use crate::accel::{Hit, Traversal};
 use crate::kernels::differential::Differential;
 use crate::kernels::precision::Arithmetic;
@@ -129,14 +129,13 @@ impl PreparedScene {
         if self.carries_differentials() {
             let from =
                 arriving.differential.unwrap_or_else(|| self.camera.differential(ray.direction));
-            let at = MirrorPoint::of(point);
             let [mirror, bent, straight] = &mut branches;
             if let Some(mirror) = mirror {
-                mirror.differential = Some(self.mirrored(&from, &ray, hit, &at, look_ups));
+                mirror.differential = Some(self.mirrored(&from, &ray, hit, point, look_ups));
             }
             for (branch, refracted) in [(bent, refracted.as_ref()), (straight, None)] {
                 if let Some(branch) = branch {
-                    let found = self.transmitted(&from, (&ray, hit), &at, refracted, look_ups);
+                    let found = self.transmitted(&from, (&ray, hit), point, refracted, look_ups);
                     branch.differential = Some(found);
                 }
             }

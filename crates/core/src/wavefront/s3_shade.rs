@@ -22,9 +22,7 @@ use crate::math::real::{Mask, Single};
 use crate::math::simd::{LANES, Pass, dispatch_pass};
 use crate::math::vector::{Line, Vector};
 use crate::plan::schedule::Step;
-use crate::prepared::{
-    Branch, Face, Group, Interaction, LookUps, MirrorPoint, PreparedScene, Trail, lanes,
-};
+use crate::prepared::{Branch, Face, Group, Interaction, LookUps, PreparedScene, Trail, lanes};
 use faces::WaitingHits;
 
 /// Adds background, emission and ambient light to the paths; collects lit points and, while bounces
@@ -316,11 +314,7 @@ impl<P: Arithmetic> Shade<'_, P> {
         self.batch.next_differentials.provide();
         for lane in lanes(asked) {
             let (differential, ray, hit) = self.arriving(rays[lane]);
-            let point = MirrorPoint {
-                point: points.point.lane(lane),
-                normal: points.normal.lane(lane),
-                shading_normal: points.shading_normal.lane(lane),
-            };
+            let point = points.lane(lane);
             let next = self.scene.mirrored(&differential, &ray, &hit, &point, &mut look_ups);
             self.batch.next_differentials.push(&next);
         }
