@@ -18,10 +18,10 @@ use crate::math::real::{Mask, Single};
 use crate::math::simd::LANES;
 use crate::math::vector::Vector;
 use crate::plan::schedule::ColumnGroup;
-use crate::prepared::{Branch, PreparedScene};
+use crate::prepared::{Branch, PreparedScene, Trail};
 use columns::Column;
 
-pub use branches::{Trails, Waiting};
+pub use branches::Waiting;
 pub use columns::Vectors;
 pub use lit::{LitPoints, Tints};
 
@@ -96,53 +96,15 @@ impl Rays {
         self.rows += count;
     }
 
-    /// Appends the lanes with a mirror ray, of these paths. Returns their number.
+    /// Appends the lanes with a mirror ray, of these paths.
     #[inline(always)]
-    pub fn push_lanes<F: Single>(&mut self, rays: &MirrorRequest<F>, path: &[u32; LANES]) -> usize {
+    pub fn push_lanes<F: Single>(&mut self, rays: &MirrorRequest<F>, path: &[u32; LANES]) {
         let (i, asked) = (self.rows, rays.asked);
         self.origin.pack(i, rays.line.origin, asked);
         self.direction.pack(i, rays.line.direction, asked);
         self.throughput.pack(i, rays.throughput, asked);
         F::pack_words(rays.throughput.x.token(), path, asked, &mut self.path[i..i + F::LANES]);
-        let count = asked.bits().count_ones() as usize;
-        self.rows += count;
-        count
-    }
-}
-
-columns! {
-    /// Differentials of rays from surfaces, a row for each of [`Rays`], if the scene needs them. Those of
-    /// camera rays follow from their directions and have no rows. Written and read by shade.
-    Differentials {
-        /// Change of the origin for a step to the right, in scene units.
-        origin_right: Vectors,
-        /// The same for a step down.
-        origin_down: Vectors,
-        /// Change of the direction for a step to the right.
-        direction_right: Vectors,
-        /// The same for a step down.
-        direction_down: Vectors,
-    }
-}
-
-impl Differentials {
-    /// The `i`th differential.
-    pub fn get(&self, i: usize) -> Differential {
-        Differential {
-            origin: [self.origin_right.get(i), self.origin_down.get(i)],
-            direction: [self.direction_right.get(i), self.direction_down.get(i)],
-        }
-    }
-
-    /// Appends a differential.
-    pub fn push(&mut self, differential: &Differential) {
-        let i = self.rows;
-        let Differential { origin, direction } = *differential;
-        self.origin_right.set(i, origin[0]);
-        self.origin_down.set(i, origin[1]);
-        self.direction_right.set(i, direction[0]);
-        self.direction_down.set(i, direction[1]);
-        self.rows += 1;
+        self.rows += asked.bits().count_ones() as usize;
     }
 }
 
@@ -237,14 +199,16 @@ pub struct Batch {
     pub shadows: ShadowRays,
     /// The rays of the next bounce.
     pub next: Rays,
-    /// The differentials of the rays, after the first bounce.
-    pub differentials: Differentials,
+    /// The differentials of the rays after the first bounce, if the scene needs them. Those of camera
+    /// rays follow from their directions and have no rows. Written and read by shade.
+    pub differentials: Vec<Differential>,
     /// The differentials of the next rays.
-    pub next_differentials: Differentials,
-    /// The trails of the rays, after the first bounce.
-    pub trails: Trails,
+    pub next_differentials: Vec<Differential>,
+    /// The trails of the rays after the first bounce, if surfaces let light through. Written and read
+    /// by shade.
+    pub trails: Vec<Trail>,
     /// The trails of the next rays.
-    pub next_trails: Trails,
+    pub next_trails: Vec<Trail>,
     /// Rays that wait until the rays before them on their path are done.
     pub waiting: Waiting,
 }
@@ -265,10 +229,10 @@ impl Batch {
             tints: Tints::with_capacity(room(ColumnGroup::Tints)),
             shadows: ShadowRays::with_capacity(room(ColumnGroup::ShadowRays)),
             next: Rays::with_capacity(room(ColumnGroup::NextRays)),
-            differentials: Differentials::with_capacity(room(ColumnGroup::Differentials)),
-            next_differentials: Differentials::with_capacity(room(ColumnGroup::Differentials)),
-            trails: Trails::with_capacity(room(ColumnGroup::Branches)),
-            next_trails: Trails::with_capacity(room(ColumnGroup::Branches)),
+            differentials: Vec::new(),
+            next_differentials: Vec::new(),
+            trails: Vec::new(),
+            next_trails: Vec::new(),
             waiting: Waiting::with_capacity(room(ColumnGroup::Branches)),
         }
     }
@@ -282,12 +246,20 @@ impl Batch {
     pub fn push_next(&mut self, branch: &Branch, path: u32) {
         self.next.provide();
         self.next.push(&branch.ray, branch.throughput, path);
-        self.next_trails.provide();
-        self.next_trails.push(branch.trail);
-        if let Some(differential) = &branch.differential {
-            self.next_differentials.provide();
-            self.next_differentials.push(differential);
+        self.push_trail(branch.trail);
+        if let Some(differential) = branch.differential {
+            self.push_differential(differential);
         }
+    }
+
+    /// Appends the trail of a next ray.
+    pub fn push_trail(&mut self, trail: Trail) {
+        append(&mut self.next_trails, self.capacity, trail);
+    }
+
+    /// Appends the differential of a next ray.
+    pub fn push_differential(&mut self, differential: Differential) {
+        append(&mut self.next_differentials, self.capacity, differential);
     }
 
     /// Makes the next rays the current ones: paths without one go on with a ray that waits. Returns
@@ -311,10 +283,15 @@ impl Batch {
 
     /// Appends the last waiting ray of every path of this bounce that has no next ray.
     fn wake(&mut self) {
-        self.waiting.mark(&self.next.path[..self.next.len()]);
+        let mut goes_on = vec![false; self.capacity];
+        for &path in &self.next.path[..self.next.len()] {
+            goes_on[path as usize] = true;
+        }
         for i in 0..self.rays.len() {
             let path = self.rays.path[i];
-            if let Some(branch) = self.waiting.pop_unmarked(path) {
+            if !goes_on[path as usize]
+                && let Some(branch) = self.waiting.pop(path)
+            {
                 self.push_next(&branch, path);
             }
         }
@@ -345,11 +322,19 @@ impl Batch {
         let Self { capacity: _, paths, rays, hits, lit, tints, shadows, next, .. } = self;
         let lit = lit.bytes() + tints.bytes();
         let groups = [paths.bytes(), rays.bytes(), hits.bytes(), lit, shadows.bytes()];
-        let differentials = [&self.differentials, &self.next_differentials].map(|d| d.bytes());
-        let trails = [&self.trails, &self.next_trails].map(|trails| trails.bytes());
-        let all = groups.into_iter().chain(differentials).chain(trails).sum::<usize>();
-        (all + next.bytes() + self.waiting.bytes()) as u64
+        let differentials = self.differentials.capacity() + self.next_differentials.capacity();
+        let trails = self.trails.capacity() + self.next_trails.capacity();
+        let lists = differentials * size_of::<Differential>() + trails * size_of::<Trail>();
+        (groups.iter().sum::<usize>() + next.bytes() + lists + self.waiting.bytes()) as u64
     }
+}
+
+/// Appends a row to a list that has room for all `paths` from its first row on.
+fn append<T>(rows: &mut Vec<T>, paths: usize, row: T) {
+    if rows.is_empty() {
+        rows.reserve_exact(columns::room(paths));
+    }
+    rows.push(row);
 }
 
 /// Bytes of one row of a group of columns, with up to this number of bounces.
@@ -362,7 +347,7 @@ fn row_bytes(group: ColumnGroup, bounces: u32) -> usize {
         ColumnGroup::Tints => Tints::ROW_BYTES,
         ColumnGroup::ShadowRays => ShadowRays::ROW_BYTES,
         // For this bounce and the next.
-        ColumnGroup::Differentials => 2 * Differentials::ROW_BYTES,
-        ColumnGroup::Branches => 2 * Trails::ROW_BYTES + Waiting::row_bytes(bounces),
+        ColumnGroup::Differentials => 2 * size_of::<Differential>(),
+        ColumnGroup::Branches => 2 * size_of::<Trail>() + Waiting::row_bytes(bounces),
     }
 }

@@ -144,7 +144,7 @@ impl<P: Arithmetic> Shade<'_, P> {
     #[inline(always)]
     fn trail(&self, i: usize) -> Trail {
         match self.transmits {
-            true if self.bounce > 0 => self.batch.trails.get(i),
+            true if self.bounce > 0 => self.batch.trails[i],
             _ => Trail { bounces: self.bounce, mirrored: self.bounce > 0, absorption: Vec3::ZERO },
         }
     }
@@ -291,13 +291,12 @@ impl<P: Arithmetic> Shade<'_, P> {
     /// Appends the trails of the lanes with a mirror ray that have bounces left. Returns these lanes.
     #[inline(never)]
     fn mirror_trails(&mut self, rays: &[u32; LANES], asked: u32) -> u32 {
-        self.batch.next_trails.provide();
         lanes(asked).fold(0, |kept, lane| {
             let trail = self.trail(rays[lane] as usize);
             if trail.bounces >= self.scene.bounces {
                 return kept;
             }
-            self.batch.next_trails.push(trail.mirrored());
+            self.batch.push_trail(trail.mirrored());
             kept | 1 << lane
         })
     }
@@ -311,12 +310,11 @@ impl<P: Arithmetic> Shade<'_, P> {
         asked: u32,
     ) {
         let mut look_ups = LookUps::default();
-        self.batch.next_differentials.provide();
         for lane in lanes(asked) {
             let (differential, ray, hit) = self.arriving(rays[lane]);
             let point = points.lane(lane);
             let next = self.scene.mirrored(&differential, &ray, &hit, &point, &mut look_ups);
-            self.batch.next_differentials.push(&next);
+            self.batch.push_differential(next);
         }
         count(look_ups, self.counters);
     }
@@ -326,7 +324,7 @@ impl<P: Arithmetic> Shade<'_, P> {
         let number = ray as usize;
         let (ray, hit) = (self.batch.rays.ray(number), self.batch.hits.hit[number]);
         let differential = match self.bounce {
-            1.. if self.differentials => self.batch.differentials.get(number),
+            1.. if self.differentials => self.batch.differentials[number],
             _ => self.scene.camera.differential(ray.direction),
         };
         (differential, ray, hit)

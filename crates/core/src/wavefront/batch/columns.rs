@@ -134,11 +134,6 @@ pub struct Vectors {
 }
 
 impl Vectors {
-    /// Number of allocated rows.
-    pub fn room(&self) -> usize {
-        self.x.len()
-    }
-
     /// The `i`th vector.
     #[inline(always)]
     pub fn get(&self, i: usize) -> Vec3 {
