@@ -1,7 +1,6 @@
 //! Converts Python values for the library.
 
 use std::collections::TryReserveError;
-use std::ops::Range;
 use std::path::PathBuf;
 use std::str::FromStr;
 
@@ -171,25 +170,6 @@ impl Rows<'_> {
         }
     }
 
-    /// Calls `with` for each value with the row of a part that belongs to it.
-    #[inline]
-    pub(crate) fn each<T>(
-        &self,
-        part: Range<usize>,
-        values: &mut [T],
-        with: impl Fn(&mut T, DVec3),
-    ) {
-        let values = values.iter_mut();
-        match self {
-            Self::Single(rows) => values
-                .zip(&rows[part])
-                .for_each(|(value, &row)| with(value, Vec3::from(row).as_dvec3())),
-            Self::Double(rows) => {
-                values.zip(&rows[part]).for_each(|(value, &row)| with(value, DVec3::from(row)));
-            }
-        }
-    }
-
     #[inline]
     pub(crate) fn get(&self, i: usize) -> DVec3 {
         match self {
@@ -274,28 +254,28 @@ fn has_type<T: Element>(value: &Bound<'_, PyAny>) -> PyResult<bool> {
 /// An optional argument: its name, and its value.
 pub(crate) type Argument<'a, 'py> = (&'static str, Option<&'a Bound<'py, PyAny>>);
 
-/// The value of an argument as `read` converts it; `what` describes it.
-pub(crate) fn given<'py, T>(
-    (key, value): Argument<'_, 'py>,
+/// The value of an argument, if it is given; `what` describes it.
+pub(crate) fn given<'py, T: FromPyObjectOwned<'py>>(
+    argument: Argument<'_, 'py>,
     what: &str,
-    read: impl FnOnce(&Bound<'py, PyAny>) -> PyResult<T>,
 ) -> PyResult<Option<T>> {
-    value.map(|value| needed(key, what, value, read)).transpose()
+    fitting(argument, what, |_| true)
 }
 
 /// As [`given`], for a value that `fits`.
 pub(crate) fn fitting<'py, T: FromPyObjectOwned<'py>>(
-    argument: Argument<'_, 'py>,
+    (key, value): Argument<'_, 'py>,
     what: &str,
-    fits: impl FnOnce(&T) -> bool,
+    fits: impl Fn(&T) -> bool,
 ) -> PyResult<Option<T>> {
-    given(argument, what, |value| {
+    let read = |value: &Bound<'py, PyAny>| {
         let found = value.extract().map_err(Into::into)?;
         fits(&found).then_some(found).ok_or_else(|| Error::new_err(""))
-    })
+    };
+    value.map(|value| needed(key, what, value, read)).transpose()
 }
 
-/// As [`given`], for an argument that is not optional.
+/// The value of an argument that is not optional, as `read` converts it.
 pub(crate) fn needed<'py, T>(
     key: &str,
     what: &str,
@@ -318,7 +298,7 @@ const LONGEST_VALUE: usize = 80;
 
 /// A text.
 pub(crate) fn text(argument: Argument<'_, '_>) -> PyResult<Option<String>> {
-    given(argument, "a text", |value| value.extract())
+    given(argument, "a text")
 }
 
 /// The value with that name.
@@ -331,7 +311,7 @@ pub(crate) fn named<T: Choice>(argument: Argument<'_, '_>) -> PyResult<Option<T>
 
 /// The values with the names of a list.
 pub(crate) fn all_named<T: Choice>((key, names): Argument<'_, '_>) -> PyResult<Vec<T>> {
-    let names = given((key, names), "a list of names", |names| names.extract::<Vec<_>>())?;
+    let names: Option<Vec<_>> = given((key, names), "a list of names")?;
     let named = |name| named((key, Some(&name)));
     names.into_iter().flatten().filter_map(|name| named(name).transpose()).collect()
 }

@@ -91,15 +91,9 @@ fn render<'py>(
     colors: Option<Bound<'py, PyAny>>,
     layers: Option<Bound<'py, PyAny>>,
 ) -> PyResult<Bound<'py, PyAny>> {
-    let side = |key, value| {
-        input::given((key, value), "a whole number of pixels", |value| value.extract())
-    };
-    let fov =
-        input::given(("fov", fov.as_ref()), "a number of degrees", |value| value.extract::<f64>())?;
-    let seed =
-        input::given(("seed", seed.as_ref()), "a whole number from 0 to 2^64 - 1", |value| {
-            value.extract()
-        })?;
+    let side = |key, value| input::given((key, value), "a whole number of pixels");
+    let fov: Option<f64> = input::given(("fov", fov.as_ref()), "a number of degrees")?;
+    let seed = input::given(("seed", seed.as_ref()), "a whole number from 0 to 2^64 - 1")?;
     let target_error = input::fitting(
         ("target_error", target_error.as_ref()),
         "a finite number above 0",
@@ -158,12 +152,8 @@ fn arrays<'py>(
     for layer in api::Layer::ALL.into_iter().filter(|layer| layers.contains(layer)) {
         let own =
             channels.by_ref().take(layer.channels().len()).map(|channel| match channel.values {
-                api::Values::Floats(values) => {
-                    Ok(values.into_pyarray(py).reshape(size)?.into_any())
-                }
-                api::Values::Integers(values) => {
-                    Ok(values.into_pyarray(py).reshape(size)?.into_any())
-                }
+                api::Values::Floats(all) => Ok(all.into_pyarray(py).reshape(size)?.into_any()),
+                api::Values::Integers(all) => Ok(all.into_pyarray(py).reshape(size)?.into_any()),
             });
         let own = own.collect::<PyResult<Vec<_>>>()?;
         let array = match &own[..] {

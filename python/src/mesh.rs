@@ -246,11 +246,9 @@ impl<'py> Given<'py> {
             );
             return Err(Error::new_err(message));
         }
-        let t_max = input::given(("t_max", t_max), "a number of at least 0", |value| {
-            let t_max: f64 = value.extract()?;
-            (t_max >= 0.0).then_some(t_max as f32).ok_or_else(|| Error::new_err(""))
-        })?;
-        let t_max = t_max.unwrap_or(f32::INFINITY);
+        let is_far = |t_max: &f64| *t_max >= 0.0;
+        let t_max = input::fitting(("t_max", t_max), "a number of at least 0", is_far)?;
+        let t_max = t_max.map_or(f32::INFINITY, |t_max| t_max as f32);
         Ok(Self { py, origins: from, directions: Some(along), t_max })
     }
 

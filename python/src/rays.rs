@@ -40,17 +40,15 @@ struct Worker {
 impl Worker {
     /// Takes a part of the rays: relative to the origin of the mesh, then rounded once.
     fn take(&mut self, rays: &Rays<'_>, part: Range<usize>) {
-        let blank = Ray { t_max: rays.t_max, ..Ray::new(Vec3::ZERO, ASIDE) };
-        self.rays.resize(part.len(), blank);
-        let from = rays.from;
-        rays.origins.each(part.clone(), &mut self.rays, |ray, origin| {
-            ray.origin = api::mesh::relative(origin, from);
-        });
-        if let Some(directions) = rays.directions {
-            directions.each(part, &mut self.rays, |ray, direction| {
-                ray.direction = direction.as_vec3();
-            });
-        }
+        let (origins, directions, from) = (rays.origins, rays.directions, rays.from);
+        self.rays.clear();
+        self.rays.extend(part.map(|i| Ray {
+            t_max: rays.t_max,
+            ..Ray::new(
+                api::mesh::relative(origins.get(i), from),
+                directions.map_or(ASIDE, |rows| rows.get(i).as_vec3()),
+            )
+        }));
     }
 }
 

@@ -38,7 +38,7 @@ impl RayMeshIntersector {
         with_locations: bool,
     ) -> PyResult<Hits<'py>> {
         let (py, mesh) = (rays[0].py(), self.mesh.get());
-        let most = input::given(("max_hits", max_hits), "a whole number", |most| most.extract())?;
+        let most = input::given(("max_hits", max_hits), "a whole number")?;
         let given = Given::new(NAMES, rays, None)?;
         let (rays, faces, distances) = if multiple {
             mesh.all_of(&given, most.unwrap_or(usize::MAX))?
