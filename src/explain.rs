@@ -137,8 +137,8 @@ impl Explanation<'_> {
         let Self { scene, bvh, expected, .. } = self;
         let pass = |pass: &Pass| {
             known(json!({
-                "name": pass.name,
-                "part_of": pass.part_of.map(|whole| PASSES[whole as usize].name),
+                "name": pass.step.name(),
+                "part_of": pass.part_of.map(|whole| whole.name()),
                 "runs": scene.plan.schedule().runs(pass.step),
                 "reason": scene.plan.reason(pass),
             }))
@@ -191,7 +191,7 @@ fn buffers(scene: &PreparedScene) -> Vec<ColumnMemory> {
         let name = column.name();
         let by = |columns: fn(&Pass) -> &'static [ColumnGroup]| {
             let passes = PASSES.iter().filter(|pass| columns(pass).contains(&column));
-            passes.map(|pass| pass.name).collect()
+            passes.map(|pass| pass.step.name()).collect()
         };
         ColumnMemory {
             name,
@@ -227,7 +227,8 @@ fn text(e: &Explanation<'_>) -> String {
     let mut text = verdict(e) + "passes (+ runs, - skipped)\n";
     let plan = &e.scene.plan;
     for pass in &PASSES {
-        let name = format!("{}{}", if pass.part_of.is_some() { "  " } else { "" }, pass.name);
+        let name =
+            format!("{}{}", if pass.part_of.is_some() { "  " } else { "" }, pass.step.name());
         text += &marked(plan.schedule().runs(pass.step), &name, &plan.reason(pass));
     }
     text += "effects (+ simulated, - skipped)\n";

@@ -408,7 +408,7 @@ fn a_need_taken_out_of_the_table_is_missed() {
             };
             // In this row alone; then in all, so that no queue is left without a reader.
             let one = table(|other| other.step == pass.step, |needs| without(needs, effect));
-            let what = format!("{}: {}", pass.name, effect.name());
+            let what = format!("{}: {}", pass.step.name(), effect.name());
             assert!(differs(&one).1, "{what} is not missed");
             let all = table(|_| true, |needs| without(needs, effect));
             assert_eq!(differs(&all), (true, true), "{what} is not missed in any row");
@@ -444,15 +444,15 @@ fn a_row_that_runs_without_need_costs_something_and_shows_nothing() {
         for (variant, planned) in list.iter().zip(&planned) {
             let found = rendered_by(&passes, &variant.scene);
             for ((cost, film), (usual, right)) in found.iter().zip(planned) {
-                let what = format!("{}, {}", pass.name, variant.name);
+                let what = format!("{}, {}", pass.step.name(), variant.name);
                 assert!(film.same_bits(right), "{what}");
                 assert!(cost.iter().zip(usual).all(|(cost, usual)| cost >= usual), "{what}");
                 dearer += usize::from(cost != usual);
             }
         }
         // A grid of one ray a pixel is the ray through its centre, which draws no number.
-        let is_free = pass.name == "jitter";
-        assert_eq!(dearer == 0, is_free, "{}", pass.name);
+        let is_free = pass.step.name() == "jitter";
+        assert_eq!(dearer == 0, is_free, "{}", pass.step.name());
     }
 }
 
@@ -461,7 +461,7 @@ fn a_queue_without_a_reader_is_refused() {
     let folder = folder();
     let scene = Set::of(&[Effect::Spheres, Effect::Mirrors]).scene(folder.path());
     for name in ["mirror", "advance"] {
-        let passes = table(|pass| pass.name == name, |_| &[&[]]);
+        let passes = table(|pass| pass.step.name() == name, |_| &[&[]]);
         let scene = prepare_by(&passes, &scene);
         for tracer in TRACERS {
             let error = try_render(&scene, tracer).expect_err("a queue is left over").to_string();

@@ -33,47 +33,49 @@ wavecrest_base::choices! {
     }
 }
 
-/// A pass, or a part of one, that a scene may skip.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Step {
-    /// Camera rays.
-    Generate,
-    /// Points of rays within their pixel.
-    Jitter,
-    /// Points of rays on the lens.
-    Lens,
-    /// Closest hits.
-    Intersect,
-    /// Light of hits without further rays.
-    Shade,
-    /// Interpolated normals.
-    Normals,
-    /// Interpolated vertex colours.
-    Colors,
-    /// Texture look-ups.
-    Texels,
-    /// Normals from textures.
-    NormalMaps,
-    /// Look-ups in material textures.
-    Maps,
-    /// Highlight colours.
-    Tints,
-    /// Emission of materials.
-    Emission,
-    /// Points to light.
-    Collect,
-    /// Mirror rays.
-    Mirror,
-    /// Rays through surfaces, and the mirror rays of these.
-    Transmit,
-    /// Their differentials.
-    Differentials,
-    /// Shadow rays and the light they carry.
-    Shadow,
-    /// The next bounce.
-    Advance,
-    /// Sums of pixels.
-    Resolve,
+wavecrest_base::choices! {
+    /// A pass, or a part of one, that a scene may skip. Names are those in messages.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+    pub enum Step {
+        /// Camera rays.
+        Generate = "generate",
+        /// Points of rays within their pixel.
+        Jitter = "jitter",
+        /// Points of rays on the lens.
+        Lens = "lens",
+        /// Closest hits.
+        Intersect = "intersect",
+        /// Light of hits without further rays.
+        Shade = "shade",
+        /// Interpolated normals.
+        Normals = "normals",
+        /// Interpolated vertex colours.
+        Colors = "colors",
+        /// Texture look-ups.
+        Texels = "texels",
+        /// Normals from textures.
+        NormalMaps = "normal maps",
+        /// Look-ups in material textures.
+        Maps = "maps",
+        /// Highlight colours.
+        Tints = "tints",
+        /// Emission of materials.
+        Emission = "emission",
+        /// Points to light.
+        Collect = "lit points",
+        /// Mirror rays.
+        Mirror = "mirror",
+        /// Rays through surfaces, and the mirror rays of these.
+        Transmit = "transmission",
+        /// Their differentials.
+        Differentials = "differentials",
+        /// Shadow rays and the light they carry.
+        Shadow = "shadow",
+        /// The next bounce.
+        Advance = "advance",
+        /// Sums of pixels.
+        Resolve = "resolve",
+    }
 }
 
 /// The effects that a step serves. It runs if one of each list is present, for what shows them; without
@@ -85,8 +87,6 @@ pub type Needs = &'static [&'static [Effect]];
 pub struct Pass {
     /// The work.
     pub step: Step,
-    /// Its name in messages.
-    pub name: &'static str,
     /// The pass that it is a part of; `None` for passes.
     pub part_of: Option<Step>,
     /// The effects it serves.
@@ -131,31 +131,23 @@ pub const PASSES: [Pass; 19] = {
         Branches, Differentials, Hits, LitPoints, NextRays, Paths, Rays, ShadowRays, Tints,
     };
     [
-        pass(Step::Generate, "generate", &[], &[], &[Paths, Rays]),
-        part(Step::Jitter, "jitter", Step::Generate, &[&[Effect::Antialiasing]], &[], &[Rays]),
-        part(Step::Lens, "lens", Step::Generate, &[&[Effect::DepthOfField]], &[], &[Rays]),
-        pass(Step::Intersect, "intersect", &[], &[Rays], &[Hits]),
-        pass(Step::Shade, "shade", &[], &[Paths, Rays, Hits], &[Paths]),
-        part(Step::Normals, "normals", Step::Shade, &[&[Effect::SmoothShading]], &[Hits], &[]),
-        part(Step::Colors, "colors", Step::Shade, &[&[Effect::VertexColors]], &[Hits], &[]),
-        part(Step::Texels, "texels", Step::Shade, &[&[Effect::Textures]], &[Hits], &[]),
-        part(Step::NormalMaps, "normal maps", Step::Shade, &[&[Effect::NormalMaps]], &[Hits], &[]),
-        part(Step::Maps, "maps", Step::Shade, &[&[Effect::MaterialTextures]], &[Hits], &[]),
+        pass(Step::Generate, &[], &[], &[Paths, Rays]),
+        part(Step::Jitter, Step::Generate, &[&[Effect::Antialiasing]], &[], &[Rays]),
+        part(Step::Lens, Step::Generate, &[&[Effect::DepthOfField]], &[], &[Rays]),
+        pass(Step::Intersect, &[], &[Rays], &[Hits]),
+        pass(Step::Shade, &[], &[Paths, Rays, Hits], &[Paths]),
+        part(Step::Normals, Step::Shade, &[&[Effect::SmoothShading]], &[Hits], &[]),
+        part(Step::Colors, Step::Shade, &[&[Effect::VertexColors]], &[Hits], &[]),
+        part(Step::Texels, Step::Shade, &[&[Effect::Textures]], &[Hits], &[]),
+        part(Step::NormalMaps, Step::Shade, &[&[Effect::NormalMaps]], &[Hits], &[]),
+        part(Step::Maps, Step::Shade, &[&[Effect::MaterialTextures]], &[Hits], &[]),
         // For mirrors alone, no row is written.
-        part(Step::Tints, "tints", Step::Shade, &[&[Effect::TintedHighlights]], &[Tints], &[Tints]),
-        part(Step::Emission, "emission", Step::Shade, &[&[Effect::Emission]], &[Hits], &[Paths]),
-        part(Step::Collect, "lit points", Step::Shade, &[LIGHTS], &[Rays, Hits], &[LitPoints]),
-        part(
-            Step::Mirror,
-            "mirror",
-            Step::Shade,
-            &[&[Effect::Mirrors]],
-            &[Rays, Hits],
-            &[NextRays],
-        ),
+        part(Step::Tints, Step::Shade, &[&[Effect::TintedHighlights]], &[Tints], &[Tints]),
+        part(Step::Emission, Step::Shade, &[&[Effect::Emission]], &[Hits], &[Paths]),
+        part(Step::Collect, Step::Shade, &[LIGHTS], &[Rays, Hits], &[LitPoints]),
+        part(Step::Mirror, Step::Shade, &[&[Effect::Mirrors]], &[Rays, Hits], &[NextRays]),
         part(
             Step::Transmit,
-            "transmission",
             Step::Shade,
             &[&[Effect::Transparency]],
             &[Rays, Hits, Branches],
@@ -163,37 +155,34 @@ pub const PASSES: [Pass; 19] = {
         ),
         part(
             Step::Differentials,
-            "differentials",
             Step::Shade,
             &[&[Effect::RayDifferentials], NEXT],
             &[Rays, Hits, Differentials],
             &[Differentials],
         ),
-        pass(Step::Shadow, "shadow", &[LIGHTS], &[LitPoints, ShadowRays], &[ShadowRays, Paths]),
-        pass(Step::Advance, "advance", &[NEXT], &[NextRays], &[Rays]),
-        pass(Step::Resolve, "resolve", &[], &[Paths], &[]),
+        pass(Step::Shadow, &[LIGHTS], &[LitPoints, ShadowRays], &[ShadowRays, Paths]),
+        pass(Step::Advance, &[NEXT], &[NextRays], &[Rays]),
+        pass(Step::Resolve, &[], &[Paths], &[]),
     ]
 };
 
 const fn pass(
     step: Step,
-    name: &'static str,
     needs: Needs,
     reads: &'static [ColumnGroup],
     writes: &'static [ColumnGroup],
 ) -> Pass {
-    Pass { step, name, part_of: None, needs, reads, writes }
+    Pass { step, part_of: None, needs, reads, writes }
 }
 
 const fn part(
     step: Step,
-    name: &'static str,
     of: Step,
     needs: Needs,
     reads: &'static [ColumnGroup],
     writes: &'static [ColumnGroup],
 ) -> Pass {
-    Pass { step, name, part_of: Some(of), needs, reads, writes }
+    Pass { step, part_of: Some(of), needs, reads, writes }
 }
 
 /// `passes` without needs: every scene does all work. The image is the same, since effects that a

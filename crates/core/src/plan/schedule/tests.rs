@@ -16,7 +16,7 @@ fn every_step_has_one_row_and_parts_follow_their_pass() {
         assert_eq!(pass.step as usize, index, "bits are steps in the order of the table");
         if let Some(whole) = pass.part_of {
             let before = PASSES[..index].iter().rev().find(|other| other.part_of.is_none());
-            assert_eq!(before.map(|pass| pass.step), Some(whole), "{}", pass.name);
+            assert_eq!(before.map(|pass| pass.step), Some(whole), "{}", pass.step.name());
         }
     }
 }
@@ -43,7 +43,8 @@ fn no_combination_of_effects_runs_anything_in_vain() {
 #[test]
 fn only_passes_of_every_scene_run_without_effects() {
     let found = schedule(&PASSES, |_| false);
-    let running: Vec<_> = PASSES.iter().filter(|p| found.runs(p.step)).map(|p| p.name).collect();
+    let running: Vec<_> =
+        PASSES.iter().filter(|p| found.runs(p.step)).map(|p| p.step.name()).collect();
     assert_eq!(running, ["generate", "intersect", "shade", "resolve"]);
     assert_eq!(
         found.columns().collect::<Vec<_>>(),
