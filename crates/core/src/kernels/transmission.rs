@@ -30,15 +30,6 @@ pub struct Transparency {
     pub thin: bool,
 }
 
-/// What a transparent surface does to the light along a ray.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Split {
-    /// Weight of the mirrored light by Fresnel's equations alone.
-    pub mirrored: f32,
-    /// The refracted light; `None` if all light is mirrored.
-    pub refracted: Option<Refracted>,
-}
-
 /// Refracted light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Refracted {
@@ -57,28 +48,27 @@ impl Transparency {
     /// Rays with less weight in every channel than this half of one of 255 levels end.
     pub const LEAST_WEIGHT: f32 = 0.5 / 255.0;
 
-    /// How light along `point.view`, towards the viewer, is made up.
-    pub fn split(&self, point: &ShadingPoint<f32>) -> Split {
-        let [view, normal, smooth] =
+    /// How light along `point.view`, towards the viewer, is made up: the weight of mirrored light by
+    /// Fresnel's equations alone, and refracted light, if not all is mirrored.
+    pub fn split(&self, point: &ShadingPoint<f32>) -> (f32, Option<Refracted>) {
+        let [view, normal, shading] =
             [point.view, point.normal, point.shading_normal].map(|v| Vec3::from(v).as_dvec3());
         let through = |normal| self.through(view, normal, point.inside);
         // An interpolated normal may bend a ray to its own side.
         let leaves = |direction: DVec3| dot_f64(direction, normal) < 0.0;
-        let ((mirrored, direction), is_smooth) = match through(smooth) {
+        let ((mirrored, direction), smooth) = match through(shading) {
             (_, Some(direction)) if !leaves(direction) => (through(normal), false),
             found => (found, true),
         };
         let weight = f64::from(self.kt) * (1.0 - mirrored);
         let refracted = direction.filter(|&direction| weight > 0.0 && leaves(direction));
-        Split {
-            mirrored: (f64::from(self.kt) * mirrored) as f32,
-            refracted: refracted.map(|direction| Refracted {
-                weight: self.color * weight as f32,
-                direction: direction.as_vec3(),
-                smooth: is_smooth,
-                ratio: self.ratio(point.inside),
-            }),
-        }
+        let refracted = refracted.map(|direction| Refracted {
+            weight: self.color * weight as f32,
+            direction: direction.as_vec3(),
+            smooth,
+            ratio: self.ratio(point.inside),
+        });
+        ((f64::from(self.kt) * mirrored) as f32, refracted)
     }
 
     /// The share of light that is mirrored, and the unit direction from which the rest comes.

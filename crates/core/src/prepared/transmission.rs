@@ -12,7 +12,7 @@ use crate::kernels::differential::Differential;
 use crate::kernels::precision::Arithmetic;
 use crate::kernels::shade::{self, ShadingPoint};
 use crate::kernels::slab::{Aabb, SlabRay};
-use crate::kernels::transmission::{self, Split, Transparency};
+use crate::kernels::transmission::{self, Transparency};
 use crate::math::float::{dot, max, min};
 use crate::math::ray::Ray;
 use crate::plan::Effect;
@@ -107,7 +107,7 @@ impl PreparedScene {
         }
         let behind = trail.behind(transparency.absorption, point.inside);
         let own = throughput * point.opacity;
-        let Split { mirrored, refracted } = transparency.split(point);
+        let (mirrored, refracted) = transparency.split(point);
         let kr = if point.lit { point.kr * (1.0 - transparency.kt) } else { 0.0 };
         let mirror = Vec3::from(point.reflection.tint) * kr + Vec3::splat(mirrored);
         let (direction, _) = shade::mirrored(point.view, point.shading_normal, point.normal);
