@@ -119,7 +119,7 @@ pub(crate) fn ambient(
         Surrounding::Gradient(_) => None,
         Surrounding::Image(number) => Some(images[number as usize].get()?),
     };
-    Ok(around.ambient(image).traced(traced))
+    Ok(around.ambient(image, traced))
 }
 
 impl Environment {

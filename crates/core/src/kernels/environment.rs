@@ -66,8 +66,8 @@ impl Environment {
         }
     }
 
-    /// The ambient light that it gives, with its `image` if it has one.
-    pub fn ambient(&self, image: Option<&Image>) -> Hemisphere {
+    /// The ambient light that it gives, `traced` or not, with its `image` if it has one.
+    pub fn ambient(&self, image: Option<&Image>, traced: bool) -> Hemisphere {
         let [width, height] = image.map_or([0, 0], |image| [image.width, image.height]);
         let (rows, columns) = (height.max(ROWS), width.max(2 * ROWS));
         let to_world = self.to_own.transpose();
@@ -89,6 +89,6 @@ impl Environment {
             }))
         };
         let sums: Vec<[DVec3; 9]> = (0..rows).into_par_iter().map(row).collect();
-        Hemisphere::around(&sums)
+        Hemisphere::around(&sums, traced)
     }
 }

@@ -53,17 +53,17 @@ const REFLECTED: [f64; 9] = {
 };
 
 impl Hemisphere {
-    /// Light with these linear colours; the unit vector `up` points to the sky.
-    pub fn new(sky: DVec3, ground: DVec3, up: DVec3) -> Self {
+    /// Light with these linear colours, `traced` or not; the unit vector `up` points to the sky.
+    pub fn new(sky: DVec3, ground: DVec3, up: DVec3, traced: bool) -> Self {
         let [middle, more] = [(sky + ground) / 2.0, (sky - ground) / 2.0].map(|v| v.as_vec3());
-        Self { light: Ambient::Sky { up: up.as_vec3(), middle, more }, traced: false }
+        Self { light: Ambient::Sky { up: up.as_vec3(), middle, more }, traced }
     }
 
     /// The light of surroundings, in `sums` over parts of them.
-    pub fn around(sums: &[[DVec3; 9]]) -> Self {
+    pub fn around(sums: &[[DVec3; 9]], traced: bool) -> Self {
         let factor =
             |i: usize| (sums.iter().map(|sum| sum[i]).sum::<DVec3>() * REFLECTED[i]).as_vec3();
-        Self { light: Ambient::Harmonics(std::array::from_fn(factor)), traced: false }
+        Self { light: Ambient::Harmonics(std::array::from_fn(factor)), traced }
     }
 
     /// Sums over parts of the surroundings: for each a unit vector to it, and its colour times its
@@ -74,12 +74,6 @@ impl Hemisphere {
             sums.iter_mut().zip(values).for_each(|(sum, value)| *sum += light * f64::from(value));
             sums
         })
-    }
-
-    /// The same light, traced or not.
-    #[must_use]
-    pub fn traced(self, traced: bool) -> Self {
-        Self { traced, ..self }
     }
 
     /// 1 in the channels that it has, 0 in the others.
@@ -128,7 +122,7 @@ mod tests {
     #[test]
     fn the_colour_goes_from_the_grounds_to_the_skys() {
         let (sky, ground) = (DVec3::new(0.5, 0.75, 1.0), DVec3::new(0.25, 0.125, 0.0));
-        let light = Hemisphere::new(sky, ground, DVec3::Z);
+        let light = Hemisphere::new(sky, ground, DVec3::Z, false);
         let at = |normal: Vec3| Vec3::from(light.at::<f32>(normal.into()));
         assert_eq!(at(Vec3::Z), sky.as_vec3());
         assert_eq!(at(Vec3::NEG_Z), ground.as_vec3());

@@ -54,8 +54,8 @@ impl Sky {
     pub(crate) fn hemisphere(&self, world: &World) -> Hemisphere {
         let around = || if environment::is_bright(world) { DVec3::ONE } else { DVec3::ZERO };
         let sky = self.sky.unwrap_or_else(around);
-        let light = Hemisphere::new(sky, self.ground.unwrap_or(sky), unit(self.up));
-        light.traced(self.samples > 0)
+        let (ground, traced) = (self.ground.unwrap_or(sky), self.samples > 0);
+        Hemisphere::new(sky, ground, unit(self.up), traced)
     }
 }
 
