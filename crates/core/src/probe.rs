@@ -13,12 +13,12 @@ use crate::counters::TestCounts;
 use crate::geometry::{Geometry, Primitive, Quadric};
 use crate::kernels::light::{Emitter, LightPoint};
 use crate::kernels::precision::{Arithmetic, Precision};
-use crate::kernels::shade::{ShadingPoint, ShadowRequest};
+use crate::kernels::shade::ShadingPoint;
 use crate::math::float::{UNIT_ROUNDOFF, normalize};
 use crate::math::random::Stream;
 use crate::math::ray::Ray;
 use crate::prepared::{Branch, PreparedScene, Trail};
-use crate::recursive::{End, Observer, Recursive};
+use crate::recursive::{Arriving, End, Observer, Recursive};
 use crate::tile::{Tile, TraceSettings, Tracer, Unit};
 use crate::wavefront::{DEFAULT_BATCH, Wavefront};
 use crate::with_precision;
@@ -247,7 +247,7 @@ impl Observer for Recorder<'_> {
         &mut self,
         [light, index]: [usize; 2],
         target: &LightPoint<f32>,
-        request: Option<(&ShadowRequest<f32>, Option<Vec3>)>,
+        request: Arriving<'_>,
     ) {
         let arrives = request.map(|(request, passed)| {
             let all = Vec3::from(request.contribution);

@@ -94,6 +94,10 @@ impl<P: Arithmetic> Tracer for Recursive<P> {
     }
 }
 
+/// The contribution of a light's point, and the share of it that passes along its shadow ray, if there
+/// is one: `None` if that is blocked.
+pub type Arriving<'a> = Option<(&'a ShadowRequest<f32>, Option<Vec3>)>;
+
 /// Receives the steps of a path, for a record or a clock. A usual render has no observer.
 pub trait Observer {
     /// A camera ray was made.
@@ -105,15 +109,8 @@ pub trait Observer {
     /// It hits a surface; the light without further rays is added.
     fn surface(&mut self, _: &ShadingPoint<f32>, _: Vec3) {}
 
-    /// The contribution of the `index`th point of the `light`th light to the surface, and the share
-    /// of it that passes along its shadow ray, if there is one: `None` if that is blocked.
-    fn light(
-        &mut self,
-        _: [usize; 2],
-        _: &LightPoint<f32>,
-        _: Option<(&ShadowRequest<f32>, Option<Vec3>)>,
-    ) {
-    }
+    /// What arrives at the surface from the `index`th point of the `light`th light.
+    fn light(&mut self, _: [usize; 2], _: &LightPoint<f32>, _: Arriving<'_>) {}
 
     /// All is done at the hit: the radiance gathered so far, the rays that go on from here, the next
     /// one last, and why none does if there is none.
@@ -156,12 +153,7 @@ impl Observer for StepClock {
         self.lap(2);
     }
 
-    fn light(
-        &mut self,
-        _: [usize; 2],
-        _: &LightPoint<f32>,
-        _: Option<(&ShadowRequest<f32>, Option<Vec3>)>,
-    ) {
+    fn light(&mut self, _: [usize; 2], _: &LightPoint<f32>, _: Arriving<'_>) {
         self.lap(3);
     }
 
