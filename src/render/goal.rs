@@ -15,9 +15,7 @@ use wavecrest_core::prepared::PreparedScene;
 use wavecrest_core::render::{Rendered, Watch};
 use wavecrest_report::accuracy::pilot::budget::{Budget, Overhead, Pace, in_time};
 use wavecrest_report::accuracy::pilot::target::{Reached, reach};
-use wavecrest_report::accuracy::pilot::{
-    Chosen, MeasuredError, Pilot, leaves_out_aliasing, measured, measured_share,
-};
+use wavecrest_report::accuracy::pilot::{Chosen, MeasuredError, Pilot, measured, measured_share};
 use wavecrest_report::plot::number::figure;
 
 /// A render with its preset and its choice of samples.
@@ -150,7 +148,7 @@ fn measure(
 ) -> Result<Option<MeasuredError>> {
     let found = measured(scene, rendered, rendering.args.seed, &())?;
     if rendered.finished {
-        say(rendering, &told(found, leaves_out_aliasing(scene)));
+        say(rendering, &told(found, scene.camera.antialias() == 1));
     }
     Ok(found)
 }

@@ -27,7 +27,7 @@ use wavecrest_core::math::sampling::{Points, Sampling};
 use wavecrest_core::prepared::{Original, PreparedScene, Samples};
 use wavecrest_core::render::{RenderOptions, Watch, render};
 
-pub use measured::{MeasuredError, error, leaves_out_aliasing, measured, measured_share};
+pub use measured::{MeasuredError, error, measured, measured_share};
 use measured::{OTHERS, pilot_seed};
 
 /// Sides of the sample grids that the pilot tries.

@@ -25,11 +25,6 @@ pub(super) fn pilot_seed(seed: u64, number: u64) -> u64 {
     seed ^ (0x5EED << 40) ^ (number << 32)
 }
 
-/// Whether the error of `scene` leaves out what one ray through the centre of each pixel misses.
-pub fn leaves_out_aliasing(scene: &PreparedScene) -> bool {
-    scene.camera.antialias() == 1
-}
-
 /// The share of an image of this size that is in windows.
 pub fn measured_share(size: [u32; 2]) -> f64 {
     let pixels: usize = windows(size, 0).iter().map(Tile::len).sum();
