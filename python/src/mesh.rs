@@ -99,7 +99,7 @@ impl Mesh {
     /// The same queries with the names, arguments and results of trimesh.
     #[getter]
     fn ray(this: Bound<'_, Self>) -> RayMeshIntersector {
-        RayMeshIntersector::of(this.unbind())
+        RayMeshIntersector { mesh: this.unbind() }
     }
 
     /// The closest hits of rays: faces and distances. A miss has the face -1 and the distance inf.

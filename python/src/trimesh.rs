@@ -16,7 +16,7 @@ use super::mesh::{Column, Given, Mesh, Table, table};
 /// >>> mesh.ray = wavecrest.RayMeshIntersector(mesh)  # a mesh of trimesh
 #[pyclass(frozen, module = "wavecrest")]
 pub(crate) struct RayMeshIntersector {
-    mesh: Py<Mesh>,
+    pub(crate) mesh: Py<Mesh>,
 }
 
 /// Faces, rays, and places of hits.
@@ -26,10 +26,6 @@ type Hits<'py> = (Column<'py, i64>, Column<'py, i64>, Option<Table<'py, f64>>);
 type Located<'py> = (Option<Table<'py, f64>>, Column<'py, i64>, Column<'py, i64>);
 
 impl RayMeshIntersector {
-    pub(crate) fn of(mesh: Py<Mesh>) -> Self {
-        Self { mesh }
-    }
-
     /// The hits of rays: at most this many for each, or the closest alone.
     fn hits<'py>(
         &self,
@@ -76,9 +72,9 @@ impl RayMeshIntersector {
     #[new]
     fn new(py: Python<'_>, mesh: &Bound<'_, PyAny>) -> PyResult<Self> {
         if let Ok(mesh) = mesh.cast::<Mesh>() {
-            return Ok(Self::of(mesh.clone().unbind()));
+            return Ok(Self { mesh: mesh.clone().unbind() });
         }
-        Ok(Self::of(Py::new(py, Mesh::new(py, mesh, None, None)?)?))
+        Ok(Self { mesh: Py::new(py, Mesh::new(py, mesh, None, None)?)? })
     }
 
     /// The hits of rays: index_tri, index_ray, and with return_locations the locations.
