@@ -1,7 +1,7 @@
 //! Tree searches, compiled for each instruction level.
 //!
-//! These functions are the only place where searches are compiled, once for each level, so they are
-//! never inlined. A call costs less than a node visit. The single-ray kernel exists for every
+//! With [`Search::crossings`](super::Search::crossings), these functions are the only place where
+//! searches are compiled, once for each level, so they are never inlined. A call costs less than a node visit. The single-ray kernel exists for every
 //! level; batch kernels exist for levels with vectors of eight numbers, which justify the code
 //! size. At other levels each ray is searched alone.
 
@@ -14,7 +14,7 @@ use super::packet::TileMemory;
 use super::query::Query;
 use super::rays::Rays;
 use super::tree::Searched;
-use super::{Counts, Hit, KernelChoice, Traversal, crossings, packet, single};
+use super::{Counts, Hit, KernelChoice, Traversal, packet, single};
 use crate::geometry::PreparedRay;
 use crate::kernels::precision::Arithmetic;
 use crate::math::ray::Ray;
@@ -30,19 +30,6 @@ pub(super) fn one<Q: Query, P: Arithmetic>(
 ) -> Hit {
     let query = PhantomData::<(Q, P)>;
     dispatch(level, One { searched, ray, traversal, query })
-}
-
-/// Adds the crossings of `ray` to `hits`.
-#[inline(never)]
-pub(super) fn crossings<P: Arithmetic>(
-    level: Level,
-    searched: Searched<'_>,
-    ray: &Ray,
-    traversal: &mut Traversal,
-    hits: &mut Vec<Hit>,
-) {
-    let precision = PhantomData::<P>;
-    dispatch(level, Crossings { searched, ray, traversal, hits, precision });
 }
 
 /// Searches many rays with the kernel of `choice`. The level must have batch kernels.
@@ -79,27 +66,6 @@ impl<Q: Query, P: Arithmetic> Kernel for One<'_, Q, P> {
         let stack = (stack.as_mut_slice(), height);
         let best = single::trace::<S, Q, P>(simd, self.searched, ray, best, stack, tests);
         best.answer(self.searched, self.ray, tests)
-    }
-}
-
-/// One ray and all that it crosses.
-struct Crossings<'a, P> {
-    searched: Searched<'a>,
-    ray: &'a Ray,
-    traversal: &'a mut Traversal,
-    hits: &'a mut Vec<Hit>,
-    precision: PhantomData<P>,
-}
-
-impl<P: Arithmetic> Kernel for Crossings<'_, P> {
-    type Output = ();
-
-    #[inline(always)]
-    fn run<S: Lanes>(self, simd: S) {
-        let Self { searched, ray, traversal: Traversal { stack, tests, .. }, hits, .. } = self;
-        let height = single::start(searched.tree, stack);
-        let stack = (stack.as_mut_slice(), height);
-        crossings::trace::<S, P>(simd, searched, &PreparedRay::new(ray), stack, (hits, tests));
     }
 }
 

@@ -1,59 +1,72 @@
 //! Traversal by one ray that ends at no hit: every leaf whose box the ray meets is visited, and every
 //! triangle that it crosses is kept.
 
-use super::Hit;
+use std::marker::PhantomData;
+
 use super::arena::{Kind, Ref};
 use super::best::Best;
 use super::leaf;
 use super::node::{self, place};
 use super::query::Occluded;
 use super::tree::Searched;
+use super::{Hit, Traversal, single};
 use crate::counters::TestCounts;
 use crate::geometry::{Geometry, PreparedRay, Primitive};
 use crate::kernels::precision::Arithmetic;
 use crate::kernels::{quad, triangle};
 use crate::math::ray::Ray;
-use crate::math::simd::Lanes;
+use crate::math::simd::{Kernel, Lanes};
 
-/// Adds what `ray` crosses, in any order, starting with the first `height` entries of `stack`.
-#[inline(always)]
-pub(super) fn trace<S: Lanes, P: Arithmetic>(
-    simd: S,
-    searched: Searched<'_>,
-    ray: &PreparedRay,
-    (stack, mut height): (&mut [u64], usize),
-    (hits, tests): (&mut Vec<Hit>, &mut TestCounts),
-) {
-    let arena = searched.tree.arena.view();
-    let range = [ray.ray.t_min, ray.ray.t_max];
-    while height > 0 {
-        height -= 1;
-        let mut next = Some(place(stack[height]));
-        while let Some(at) = next {
-            next = match at.kind() {
-                Kind::Node => {
-                    tests.nodes += 1;
-                    let node = arena.node(at);
-                    // Like an any-hit query: no hit cuts the range.
-                    let entered;
-                    (entered, height) =
-                        node::enter::<S, Occluded>(simd, node, at, &ray.slab, range, stack, height);
-                    entered
-                }
-                Kind::List => {
-                    let chunk = searched.chunk(at);
-                    if chunk.is_none() {
-                        tests.leaves += 1;
-                        let numbers = arena.list(at).iter().copied();
-                        each::<P>(searched.geometry, numbers, &ray.ray, (hits, tests));
+/// One ray and all that it crosses, in any order.
+pub(super) struct Crossings<'a, P> {
+    pub(super) searched: Searched<'a>,
+    pub(super) ray: &'a Ray,
+    pub(super) traversal: &'a mut Traversal,
+    pub(super) hits: &'a mut Vec<Hit>,
+    pub(super) precision: PhantomData<P>,
+}
+
+impl<P: Arithmetic> Kernel for Crossings<'_, P> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<S: Lanes>(self, simd: S) {
+        let Self { searched, traversal: Traversal { stack, tests, .. }, hits, .. } = self;
+        let ray = &PreparedRay::new(self.ray);
+        let mut height = single::start(searched.tree, stack);
+        let stack = stack.as_mut_slice();
+        let arena = searched.tree.arena.view();
+        let range = [ray.ray.t_min, ray.ray.t_max];
+        while height > 0 {
+            height -= 1;
+            let mut next = Some(place(stack[height]));
+            while let Some(at) = next {
+                next = match at.kind() {
+                    Kind::Node => {
+                        tests.nodes += 1;
+                        let node = arena.node(at);
+                        // Like an any-hit query: no hit cuts the range.
+                        let entered;
+                        (entered, height) = node::enter::<S, Occluded>(
+                            simd, node, at, &ray.slab, range, stack, height,
+                        );
+                        entered
                     }
-                    chunk
-                }
-                Kind::Patch | Kind::Soup => {
-                    visit::<S, P>(simd, searched, ray, at, (hits, tests));
-                    None
-                }
-            };
+                    Kind::List => {
+                        let chunk = searched.chunk(at);
+                        if chunk.is_none() {
+                            tests.leaves += 1;
+                            let numbers = arena.list(at).iter().copied();
+                            each::<P>(searched.geometry, numbers, &ray.ray, (hits, tests));
+                        }
+                        chunk
+                    }
+                    Kind::Patch | Kind::Soup => {
+                        visit::<S, P>(simd, searched, ray, at, (hits, tests));
+                        None
+                    }
+                };
+            }
         }
     }
 }

@@ -2,6 +2,7 @@
 
 use std::marker::PhantomData;
 
+use super::crossings::Crossings;
 use super::query::{Closest, Occluded, Query};
 use super::rays::Rays;
 use super::tree::{Searched, Tree};
@@ -9,7 +10,7 @@ use super::{Accel, Hit, KernelChoice, Traversal, brute, compiled, crossings};
 use crate::geometry::Primitive;
 use crate::kernels::precision::Arithmetic;
 use crate::math::ray::Ray;
-use crate::math::simd::is_wide;
+use crate::math::simd::{dispatch, is_wide};
 
 /// The searches of an [`Accel`] whose geometry has precision `P`.
 #[derive(Clone, Copy, Debug)]
@@ -54,6 +55,7 @@ impl<P: Arithmetic> Search<'_, P> {
     }
 
     /// See [`Accel::crossings`].
+    #[inline(never)]
     pub fn crossings(&self, ray: &Ray, traversal: &mut Traversal, hits: &mut Vec<Hit>) {
         hits.clear();
         if !ray.is_valid() {
@@ -62,8 +64,8 @@ impl<P: Arithmetic> Search<'_, P> {
         let Accel { geometry, tree, level, .. } = self.accel;
         match tree {
             Some(tree) => {
-                let searched = self.own(tree, traversal);
-                compiled::crossings::<P>(*level, searched, ray, traversal, hits);
+                let (searched, precision) = (self.own(tree, traversal), PhantomData::<P>);
+                dispatch(*level, Crossings { searched, ray, traversal, hits, precision });
             }
             None => {
                 let all = 0..geometry.own() as u32;
