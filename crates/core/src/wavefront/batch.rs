@@ -18,7 +18,7 @@ use crate::math::real::{Mask, Single};
 use crate::math::simd::LANES;
 use crate::math::vector::Vector;
 use crate::plan::schedule::ColumnGroup;
-use crate::prepared::{Branch, PreparedScene, Trail};
+use crate::prepared::{PreparedScene, Trail};
 use columns::Column;
 
 pub use branches::Waiting;
@@ -242,16 +242,6 @@ impl Batch {
         self.capacity
     }
 
-    /// Appends a next ray.
-    pub fn push_next(&mut self, branch: &Branch, path: u32) {
-        self.next.provide();
-        self.next.push(&branch.ray, branch.throughput, path);
-        self.push_trail(branch.trail);
-        if let Some(differential) = branch.differential {
-            self.push_differential(differential);
-        }
-    }
-
     /// Appends the trail of a next ray.
     pub fn push_trail(&mut self, trail: Trail) {
         append(&mut self.next_trails, self.capacity, trail);
@@ -292,7 +282,12 @@ impl Batch {
             if !goes_on[path as usize]
                 && let Some(branch) = self.waiting.pop(path)
             {
-                self.push_next(&branch, path);
+                self.next.provide();
+                self.next.push(&branch.ray, branch.throughput, path);
+                self.push_trail(branch.trail);
+                if let Some(differential) = branch.differential {
+                    self.push_differential(differential);
+                }
             }
         }
     }

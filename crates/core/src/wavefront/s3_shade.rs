@@ -179,10 +179,8 @@ impl<P: Arithmetic> Shade<'_, P> {
         if self.shadows && point.lit {
             self.collect(&point, own.into(), &[path; LANES]);
         }
-        let mut branches = branches.into_iter().flatten();
-        let Some(first) = branches.next() else { return };
-        self.batch.push_next(&first, path);
-        branches.rev().for_each(|branch| self.batch.waiting.push(path, branch));
+        let branches = branches.into_iter().rev().flatten();
+        branches.for_each(|branch| self.batch.waiting.push(path, branch));
     }
 
     /// Appends the lit points.

@@ -7,8 +7,6 @@ use crate::prepared::Branch;
 #[derive(Clone, Debug, Default)]
 pub struct Waiting {
     stacks: Vec<Vec<Branch>>,
-    /// Number of rays that wait.
-    rays: usize,
     paths: usize,
 }
 
@@ -18,10 +16,10 @@ pub struct Waiting {
 const MOST_RAYS: usize = (3.0 / Transparency::LEAST_WEIGHT) as usize;
 
 impl Waiting {
-    /// Bytes that a path with up to this number of bounces takes at most: it waits with up to two
-    /// rays for each.
+    /// Bytes that a path with up to this number of bounces takes at most: up to two rays for each wait,
+    /// and the one that is next.
     pub fn row_bytes(bounces: u32) -> usize {
-        let rays = MOST_RAYS.min(2 * bounces as usize);
+        let rays = MOST_RAYS.min(2 * bounces as usize + 1);
         size_of::<Vec<Branch>>() + rays * size_of::<Branch>()
     }
 
@@ -30,10 +28,9 @@ impl Waiting {
         Self { paths, ..Self::default() }
     }
 
-    /// Whether no ray waits.
-    #[inline(always)]
+    /// Whether no ray ever waited.
     pub fn is_empty(&self) -> bool {
-        self.rays == 0
+        self.stacks.is_empty()
     }
 
     /// Adds a ray to the stack of its path.
@@ -45,14 +42,11 @@ impl Waiting {
         // No more than the path needs; later paths in its place take the same memory.
         stack.reserve_exact(1);
         stack.push(branch);
-        self.rays += 1;
     }
 
     /// Removes the last ray of the path.
     pub fn pop(&mut self, path: u32) -> Option<Branch> {
-        let branch = self.stacks[path as usize].pop()?;
-        self.rays -= 1;
-        Some(branch)
+        self.stacks[path as usize].pop()
     }
 
     /// Bytes held.
@@ -82,16 +76,14 @@ mod tests {
         for bounces in [1, 3, 8] {
             let mut waiting = Waiting::with_capacity(PATHS as usize);
             for _ in 0..2 {
-                for number in 0..2 * bounces {
+                for number in 0..=2 * bounces {
                     (0..PATHS).for_each(|path| waiting.push(path, branch(number)));
                 }
                 for path in 0..PATHS {
-                    assert!(!waiting.is_empty());
                     let left = std::iter::from_fn(|| waiting.pop(path));
                     let left: Vec<u32> = left.map(|branch| branch.trail.bounces).collect();
-                    assert_eq!(left, (0..2 * bounces).rev().collect::<Vec<_>>());
+                    assert_eq!(left, (0..=2 * bounces).rev().collect::<Vec<_>>());
                 }
-                assert!(waiting.is_empty());
                 // What was left is used again.
                 assert_eq!(waiting.bytes(), PATHS as usize * Waiting::row_bytes(bounces));
             }
