@@ -12,7 +12,7 @@ use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_base::replace::{check_differs, check_replaceable};
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::accel::tree::{Tree, Visits};
-use wavecrest_core::accel::{Accel, Hit, KernelChoice, Traversal};
+use wavecrest_core::accel::{Accel, Hit, KernelChoice, Traversal, rays_at_once};
 use wavecrest_core::counters::Counters;
 use wavecrest_core::geometry::Geometry;
 use wavecrest_core::kernels::precision::Precision;
@@ -138,9 +138,6 @@ fn check_belongs(args: &TraceArgs, file: &RayFile, triangles: usize) -> Result<(
         .remedy(format!("{} has {triangles}", args.mesh.display())))
 }
 
-/// Rays for each task.
-const BLOCK_RAYS: usize = 4096;
-
 /// The answers and times.
 struct Answers {
     closest: Vec<Hit>,
@@ -202,7 +199,8 @@ fn pass<A: Send>(
     many: impl Fn(&[Ray], &mut [A], &mut Traversal) + Sync,
     one: impl Fn(&Ray, &mut Traversal) -> A + Sync,
 ) -> Counters {
-    let blocks = Mutex::new(answers.chunks_mut(BLOCK_RAYS).zip(rays.chunks(BLOCK_RAYS)));
+    let count = rays_at_once(rays.len());
+    let blocks = Mutex::new(answers.chunks_mut(count).zip(rays.chunks(count)));
     let next = || blocks.lock().unwrap_or_else(PoisonError::into_inner).next();
     let work = traversals.par_iter_mut().with_max_len(1).map(|traversal| {
         (traversal.tests, traversal.kernels) = Default::default();

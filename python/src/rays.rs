@@ -10,9 +10,6 @@ use wavecrest_api::{self as api, Accel, Hit, Ray, Traversal};
 
 use super::input::Rows;
 
-/// Rays for each task, as in the command.
-const BLOCK: usize = 4096;
-
 /// The direction in which [`Rays::contains`] looks. Any would do; along an axis, rays would run along the
 /// sides of boxes, where exact arithmetic decides.
 const ASIDE: Vec3 = Vec3::new(0.36, 0.48, 0.8);
@@ -52,6 +49,11 @@ impl Worker {
     }
 }
 
+/// The number of rays in a block of a part.
+fn block(part: &Range<usize>) -> usize {
+    api::rays_at_once(part.len())
+}
+
 /// The number of the face that is hit, or -1.
 fn face(hit: Hit) -> i64 {
     if hit.is_miss() { -1 } else { hit.primitive.into() }
@@ -72,7 +74,8 @@ impl Rays<'_> {
         blocks: impl Iterator<Item = T> + Send,
         work: impl Fn(&mut Worker, T) + Sync,
     ) {
-        let starts = part.clone().step_by(BLOCK);
+        let count = block(&part);
+        let starts = part.clone().step_by(count);
         let traversal = self.accel.traversal();
         let worker = Worker { traversal, rays: Vec::new(), hits: Vec::new() };
         let mut workers = vec![worker; rayon::current_num_threads().min(starts.len())];
@@ -80,7 +83,7 @@ impl Rays<'_> {
         let next = || blocks.lock().unwrap_or_else(PoisonError::into_inner).next();
         workers.par_iter_mut().with_max_len(1).for_each(|worker| {
             while let Some((start, block)) = next() {
-                worker.take(self, start..part.end.min(start + BLOCK));
+                worker.take(self, start..part.end.min(start + count));
                 work(worker, block);
             }
         });
@@ -88,7 +91,8 @@ impl Rays<'_> {
 
     /// The closest hits of a part: faces and distances.
     pub(crate) fn closest(&self, part: Range<usize>, faces: &mut [i64], distances: &mut [f32]) {
-        let blocks = faces.chunks_mut(BLOCK).zip(distances.chunks_mut(BLOCK));
+        let count = block(&part);
+        let blocks = faces.chunks_mut(count).zip(distances.chunks_mut(count));
         self.on_threads(part, blocks, |worker, (faces, distances)| {
             worker.hits.resize(faces.len(), Hit::MISS);
             self.accel.closest_of(&worker.rays[..], &mut worker.hits, &mut worker.traversal);
@@ -100,14 +104,16 @@ impl Rays<'_> {
 
     /// Whether the rays of a part hit anything.
     pub(crate) fn any(&self, part: Range<usize>, found: &mut [bool]) {
-        self.on_threads(part, found.chunks_mut(BLOCK), |worker, found| {
+        let blocks = found.chunks_mut(block(&part));
+        self.on_threads(part, blocks, |worker, found| {
             self.accel.occluded_of(&worker.rays[..], found, &mut worker.traversal);
         });
     }
 
     /// Whether the points of a part are inside: rays from there cross the mesh an odd number of times.
     pub(crate) fn contains(&self, part: Range<usize>, inside: &mut [bool]) {
-        self.on_threads(part, inside.chunks_mut(BLOCK), |worker, inside| {
+        let blocks = inside.chunks_mut(block(&part));
+        self.on_threads(part, blocks, |worker, inside| {
             let Worker { traversal, rays, hits } = worker;
             for (ray, inside) in rays.iter().zip(inside) {
                 self.accel.crossings(ray, traversal, hits);
@@ -124,7 +130,7 @@ impl Rays<'_> {
         (numbers, faces, distances): &mut Crossings,
     ) -> api::Result<()> {
         let mut blocks: Vec<_> =
-            part.clone().step_by(BLOCK).map(|first| (first, Ok(Vec::new()))).collect();
+            part.clone().step_by(block(&part)).map(|first| (first, Ok(Vec::new()))).collect();
         self.on_threads(part, blocks.iter_mut(), |worker, (first, found)| {
             *found = self.crossed(*first, most, worker);
         });

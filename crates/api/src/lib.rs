@@ -131,7 +131,8 @@
 //! assert!(accel.closest(&away, &mut traversal).is_miss());
 //! ```
 //!
-//! [`Accel::closest_of`] is faster for many rays.
+//! [`Accel::closest_of`] is faster for many rays; [`rays_at_once`] tells into how many to divide them
+//! for threads.
 //!
 //! # Progress and cancellation
 //!
@@ -217,7 +218,7 @@ pub use wavecrest_image::flip::{DEFAULT_PIXELS_PER_DEGREE, Flip, flip};
 // Rays against a prepared scene, or against your own primitives.
 pub use wavecrest_core::accel::build::Preset;
 pub use wavecrest_core::accel::{
-    Accel, Hit, KernelChoice, NO_PRIMITIVE, RayColumns, Rays, Traversal,
+    Accel, Hit, KernelChoice, NO_PRIMITIVE, RayColumns, Rays, Traversal, rays_at_once,
 };
 pub use wavecrest_core::counters::TestCounts;
 pub use wavecrest_core::geometry::{Geometry, Primitive};

@@ -50,7 +50,7 @@ use tree::Tree;
 
 pub use choice::KernelChoice;
 pub use hit::{Hit, NO_PRIMITIVE};
-pub use rays::{RayColumns, Rays};
+pub use rays::{RayColumns, Rays, rays_at_once};
 pub use search::Search;
 
 /// Scratch memory of a thread: stacks that fit the tree, and counters.

@@ -33,6 +33,17 @@ pub struct RayColumns<'a> {
     pub t_max: f32,
 }
 
+/// Most and fewest rays for a thread to trace at once, and how often it should come for more: so
+/// that kernels have enough, and threads end together.
+const MOST_AT_ONCE: usize = 4096;
+const LEAST_AT_ONCE: usize = 1024;
+const TURNS: usize = 32;
+
+/// Out of this `count` of rays, how many a thread of the current rayon pool should trace at once.
+pub fn rays_at_once(count: usize) -> usize {
+    (count / (TURNS * rayon::current_num_threads())).clamp(LEAST_AT_ONCE, MOST_AT_ONCE)
+}
+
 impl<'a> From<&'a [Ray]> for Rays<'a> {
     fn from(rays: &'a [Ray]) -> Self {
         Self::Rows(rays)
