@@ -3,10 +3,12 @@
 use glam::{DMat3, DVec3};
 use hecs::World;
 
-use crate::components::{Channels, Encoding, TextureRef};
-use crate::format::{Declaration, Declared, Key, Kind, Object, Range, Writer, component, keys};
+use crate::components::{Encoding, TextureRef};
+use crate::format::{
+    Cursor, Declaration, Declared, Key, Kind, Object, Range, Writer, component, keys,
+};
 use crate::lights::unit;
-use crate::surface::LookUp;
+use crate::surface::{IMAGE, existing_file};
 use crate::systems::textures::Images;
 use wavecrest_base::error::Result;
 use wavecrest_core::kernels::environment::{self, Surrounding};
@@ -60,14 +62,11 @@ impl Declared for Environment {
     fn read(object: &Object<'_>) -> Result<Option<Self>> {
         let around = Surroundings::fields(object, None);
         let encoding = object.read("encoding");
-        let image = match object.get("file") {
-            Some(file) => {
-                let look_up = LookUp::plain(&file)?;
-                let tint = DVec3::splat(around.intensity);
-                Some(TextureRef { look_up, encoding, tint, channels: Channels::Color })
-            }
-            None => None,
+        let image = |file: Cursor<'_>| -> Result<TextureRef> {
+            let texture = TextureRef::plain(object, existing_file(&file, IMAGE)?)?;
+            Ok(TextureRef { encoding, tint: DVec3::splat(around.intensity), ..texture })
         };
+        let image = object.get("file").map(image).transpose()?;
         Ok(Some(Self { around, image }))
     }
 

@@ -17,7 +17,7 @@ pub use material::Material;
 pub(crate) use material::{MATERIAL, OBJECT as MATERIAL_OBJECT};
 pub use source::TextureSource;
 pub use textures::{Channels, CutOut, Encoding, Filter, LookUp, Placing, TextureRef, Wrap};
-pub(crate) use textures::{THRESHOLD, existing_file};
+pub(crate) use textures::{IMAGE, THRESHOLD, existing_file};
 pub use transparency::Transparency;
 
 /// The components of a surface.

@@ -1,10 +1,6 @@
 //! Maps: textures of properties other than the diffuse colour.
 
-use glam::DVec3;
-
-use super::textures::{
-    Channels, Encoding, IMAGE, LOOK_UP, LookUp, TextureRef, blends, existing_file,
-};
+use super::textures::{Channels, Encoding, IMAGE, LOOK_UP, TextureRef, blends, existing_file};
 use crate::format::{Declaration, Declared, Key, Kind, Object, Range, Writer, keys};
 use wavecrest_base::error::Result;
 
@@ -109,9 +105,8 @@ fn alpha_of_texture(object: &Object<'_>) -> Result<Option<TextureRef>> {
         object.warn("alpha", "has no effect without a texture", "add \"texture\", or remove it");
         return Ok(None);
     };
-    let (_, look_up) = LookUp::read(object, existing_file(&cursor, IMAGE)?)?;
-    let (encoding, channels) = (Encoding::Linear, Channels::Alpha);
-    Ok(Some(TextureRef { look_up, encoding, tint: DVec3::ONE, channels }))
+    let texture = TextureRef::plain(object, existing_file(&cursor, IMAGE)?)?;
+    Ok(Some(TextureRef { encoding: Encoding::Linear, channels: Channels::Alpha, ..texture }))
 }
 
 const FILE: &[Key] = keys! {
@@ -234,7 +229,5 @@ fn texture_of<T>(
     let Some(cursor) = object.get(key) else { return Ok(None) };
     let map = cursor.object(kind)?;
     let path = existing_file(&map.need("file", IMAGE)?, IMAGE)?;
-    let (encoding, look_up) = LookUp::read(&map, path)?;
-    let (tint, channels) = (DVec3::ONE, Channels::Color);
-    Ok(Some(read(TextureRef { look_up, encoding, tint, channels }, &map)))
+    Ok(Some(read(TextureRef::plain(&map, path)?, &map)))
 }

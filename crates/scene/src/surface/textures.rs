@@ -15,7 +15,7 @@ pub use wavecrest_core::kernels::texture::{Filter, Wrap};
 words!(Filter, Wrap, Encoding, Channels);
 
 /// What a path of an image is.
-pub(super) const IMAGE: &str = "the path of an image";
+pub(crate) const IMAGE: &str = "the path of an image";
 
 /// A texture that replaces the diffuse colour.
 #[derive(Clone, Debug, PartialEq)]
@@ -109,8 +109,7 @@ impl Declared for TextureRef {
             warn_without_texture(object);
             return Ok(None);
         };
-        let (encoding, look_up) = LookUp::read(object, existing_file(&cursor, IMAGE)?)?;
-        Ok(Some(Self { look_up, encoding, tint, channels: Channels::Color }))
+        Ok(Some(Self { tint, ..Self::plain(object, existing_file(&cursor, IMAGE)?)? }))
     }
 
     fn write(&self, to: &mut Writer<'_>) {
@@ -121,21 +120,21 @@ impl Declared for TextureRef {
     }
 }
 
+impl TextureRef {
+    /// The colours of the image at `path`, with the look-up keys that the object has.
+    pub(crate) fn plain(object: &Object<'_>, path: PathBuf) -> Result<Self> {
+        let (encoding, tint) = (object.read("encoding"), DVec3::ONE);
+        let look_up = LookUp {
+            source: TextureSource::File(path),
+            filter: object.read_or("filter", Some(Filter::Bilinear)),
+            wrap: object.read_or("wrap", Some(Wrap::Repeat)),
+            placing: placing(object)?,
+        };
+        Ok(Self { look_up, encoding, tint, channels: Channels::Color })
+    }
+}
+
 impl LookUp {
-    /// The image at the path of a key, bilinear.
-    pub(crate) fn plain(cursor: &Cursor<'_>) -> Result<Self> {
-        let source = TextureSource::File(existing_file(cursor, IMAGE)?);
-        let (filter, wrap) = (Filter::Bilinear, Wrap::Repeat);
-        Ok(Self { source, filter, wrap, placing: None })
-    }
-
-    /// The image at `path`, with the keys of the object. The encoding is checked for cut-outs too.
-    pub(super) fn read(object: &Object<'_>, path: PathBuf) -> Result<(Encoding, Self)> {
-        let (encoding, source) = (object.read("encoding"), TextureSource::File(path));
-        let (filter, wrap) = (object.read("filter"), object.read("wrap"));
-        Ok((encoding, Self { source, filter, wrap, placing: placing(object)? }))
-    }
-
     /// Writes all but the image.
     pub(super) fn write(&self, to: &mut Writer<'_>) {
         to.put("filter", self.filter);
@@ -157,7 +156,10 @@ fn warn_without_texture(object: &Object<'_>) {
 
 fn placing(object: &Object<'_>) -> Result<Option<Placing>> {
     let what = "two rows of three numbers, [[a, b, c], [d, e, f]]";
-    let Some(cursor) = object.get("uvtransform") else { return Ok(None) };
+    if !object.has("uvtransform") {
+        return Ok(None);
+    }
+    let cursor = object.need("uvtransform", what)?;
     let rows = cursor.each(what, |row| row.numbers::<3>(what, Range::COORDINATE))?;
     let rows = rows.try_into().map_err(|_| cursor.error(format!("must be {what}")))?;
     Ok(Some(Placing(rows)))
@@ -192,7 +194,8 @@ impl Declared for CutOut {
             mask => mask,
         };
         let Some(path) = path else { return Ok(None) };
-        let (_, look_up) = LookUp::read(object, path)?;
+        // The encoding is checked all the same.
+        let look_up = TextureRef::plain(object, path)?.look_up;
         Ok((threshold > 0.0).then_some(Self { look_up, is_mask, threshold }))
     }
 
