@@ -3,21 +3,22 @@
 //! They are decoded before the first ray, and only those of shapes that rays may meet: an image
 //! without a transparent texel cuts nothing out, and its shapes are like any others.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 
-use glam::Vec2;
-use image::DynamicImage;
+use glam::{DVec3, Vec2};
 use rayon::prelude::*;
 
 use super::geometry::{Output, ShapeOutput};
-use super::textures::{Head, content, decoding, placing};
-use crate::components::{CutOut, LookUp, SurfaceComponents, TextureSource};
+use super::textures::{Head, lazy, placing};
+use crate::components::{
+    Channels, CutOut, Encoding, LookUp, SurfaceComponents, TextureRef, TextureSource,
+};
 use crate::mesh::MeshData;
 use wavecrest_base::error::Result;
 use wavecrest_core::geometry::cutouts::{Cutout, Cutouts, MeshUvs};
 use wavecrest_core::geometry::{Geometry, Primitive};
-use wavecrest_core::kernels::texture::{Image, LazyImage, Texels};
+use wavecrest_core::kernels::texture::{Filter, Image, LazyImage, Texels};
 use wavecrest_core::math::float::UNIT_ROUNDOFF;
 
 /// For each of `surfaces` whether it is one of those `asked` and its cut-out removes anything. Their
@@ -152,17 +153,17 @@ impl<'a> Masks<'a> {
 
     /// Adds the image of a cut-out, after checking the header of its file.
     fn add(&mut self, found: &CutOut, place: &str) -> Result<()> {
-        let source = found.look_up.source.clone();
-        let key = (source.clone(), found.is_mask);
+        let look_up = LookUp { filter: Filter::Bilinear, ..found.look_up.clone() };
+        let key = (look_up.source.clone(), found.is_mask);
         if self.known.iter().any(|(known, _)| *known == key) {
             return Ok(());
         }
-        let head = Head::of(&source).map_err(|error| error.in_file(self.file).at(place))?;
+        let head = Head::of(&look_up.source).map_err(|error| error.in_file(self.file).at(place))?;
         let mask = (head.has_alpha || found.is_mask).then(|| {
-            let (file, place) = (self.file.to_owned(), place.to_owned());
-            let (name, content) = (source.name(), content(&source));
-            let decode = move || decode(&source, file, place);
-            let image = LazyImage::new(name, head.mask_bytes(), decode).made_of(content);
+            let (encoding, channels) = (Encoding::Linear, Channels::Alpha);
+            let texture = TextureRef { look_up, encoding, tint: DVec3::ONE, channels };
+            let place = (self.file.to_owned(), place.to_owned());
+            let image = lazy(texture, found.is_mask, head, place);
             AlphaImage { image: Arc::new(image), range: [0.0; 2] }
         });
         self.known.push((key, mask));
@@ -207,16 +208,4 @@ fn range(image: &Image) -> [f32; 2] {
     let (lowest, highest) = (values.clone().min().unwrap_or(0), values.max().unwrap_or(u8::MAX));
     // As in look-ups.
     [lowest, highest].map(|value| f32::from(value) / 255.0)
-}
-
-/// The alpha of an image in each channel, or its brightness if it has none.
-fn decode(source: &TextureSource, file: PathBuf, place: String) -> Result<Image> {
-    let decoded = decoding(source, |decoder| DynamicImage::from_decoder(decoder));
-    let decoded = decoded.map_err(|error| error.in_file(file).at(place))?;
-    let (width, height) = (decoded.width(), decoded.height());
-    let alpha: Vec<[u8; 4]> = match decoded.color().has_alpha() {
-        true => decoded.into_rgba8().pixels().map(|pixel| [pixel.0[3]; 4]).collect(),
-        false => decoded.into_luma8().pixels().map(|pixel| [pixel.0[0]; 4]).collect(),
-    };
-    Ok(Image::new(width, height, Texels::Bytes(alpha)))
 }

@@ -88,7 +88,11 @@ impl Images {
     /// Reads the headers of all images: each is decoded at its first look-up, with a pyramid if any
     /// shape uses it with the trilinear filter. `file` is the scene's, for messages.
     pub(super) fn prepare(self, file: &Path) -> Result<Vec<LazyImage>> {
-        self.all.into_iter().map(|(texture, place)| lazy(texture, file.to_owned(), place)).collect()
+        let image = |(texture, place): (TextureRef, String)| {
+            let head = Head::of(&texture.look_up.source).map_err(|e| e.in_file(file).at(&place))?;
+            Ok(lazy(texture, false, head, (file.to_owned(), place)))
+        };
+        self.all.into_iter().map(image).collect()
     }
 }
 
@@ -98,41 +102,42 @@ pub(super) fn placing(components::Placing([u, v]): components::Placing) -> Placi
     Placing { turned: [vec2(u[0], u[1]), vec2(v[0], v[1])], moved: vec2(u[2], v[2]) }
 }
 
-/// The image of a texture, after checking the header of its file.
-fn lazy(texture: TextureRef, file: PathBuf, place: String) -> Result<LazyImage> {
-    let LookUp { source, filter, .. } = texture.look_up.clone();
-    let head = Head::of(&source).map_err(|e| e.in_file(&file).at(&place))?;
-    let (name, content) = (source.name(), content(&source));
-    let TextureRef { encoding, tint, channels, .. } = texture;
+/// The image of a texture whose file has this `head`; in a mask, brightness replaces missing alpha.
+pub(super) fn lazy(
+    texture: TextureRef,
+    is_mask: bool,
+    head: Head,
+    (file, place): (PathBuf, String),
+) -> LazyImage {
+    let TextureRef { look_up: LookUp { source, filter, .. }, encoding, tint, channels } =
+        texture.clone();
     let read = match channels {
         Channels::Color => format!("{encoding:?}{tint:?}{filter:?}"),
-        Channels::Alpha => format!("{channels:?}{filter:?}"),
+        Channels::Alpha => format!("{channels:?}{filter:?}{is_mask}"),
     };
-    let made_of = move || [content(), read.into()].concat();
+    let name = source.name();
+    let made_of = move || [content(&source), read.into()].concat();
     let decode = move || {
-        let mut image = decode(&texture).map_err(|e| e.in_file(file).at(place))?;
+        let mut image = decode(&texture, is_mask).map_err(|e| e.in_file(file).at(place))?;
         if filter == Filter::Trilinear {
             image.build_pyramid();
         }
         Ok(image)
     };
-    Ok(LazyImage::new(name, head.bytes(filter), decode).made_of(made_of))
+    LazyImage::new(name, head.bytes(filter, channels), decode).made_of(made_of)
 }
 
-/// Reads the file content of an image, for fingerprints: nothing if that fails.
-pub(super) fn content(source: &TextureSource) -> impl FnOnce() -> Vec<u8> + Send + use<> {
-    let source = source.clone();
-    move || {
-        let mut bytes = Vec::new();
-        let read = source.open().and_then(|mut content| content.read_to_end(&mut bytes));
-        read.map_or(Vec::new(), |_| bytes)
-    }
+/// The file content of an image, for fingerprints: nothing if it cannot be read.
+fn content(source: &TextureSource) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    let read = source.open().and_then(|mut content| content.read_to_end(&mut bytes));
+    read.map_or(Vec::new(), |_| bytes)
 }
 
 /// Bytes of a texture, and additional bytes while it is decoded, from the header of its file; 0 if
 /// that cannot be read, which is reported when the scene is prepared.
 pub(crate) fn survey(source: &TextureSource, filter: Filter) -> [u64; 2] {
-    Head::of(source).map_or([0; 2], |head| head.bytes(filter))
+    Head::of(source).map_or([0; 2], |head| head.bytes(filter, Channels::Color))
 }
 
 /// Whether the image has an alpha channel; if its header cannot be read, which is reported when the
@@ -143,7 +148,7 @@ pub(crate) fn has_alpha(source: &TextureSource) -> bool {
 
 /// As [`survey`], for the image of a cut-out.
 pub(crate) fn survey_mask(source: &TextureSource) -> [u64; 2] {
-    Head::of(source).map_or([0; 2], Head::mask_bytes)
+    Head::of(source).map_or([0; 2], |head| head.bytes(Filter::Bilinear, Channels::Alpha))
 }
 
 /// Checks that the image at `path` can be decoded, as far as its header tells.
@@ -197,7 +202,8 @@ impl Head {
 
     /// Refuses an image that is too large, or larger than a file of this `length` can be.
     fn check_bytes(self, source: &TextureSource, length: u64) -> Result<()> {
-        let ([held, _], (width, height)) = (self.bytes(Filter::Nearest), self.size);
+        let [held, _] = self.bytes(Filter::Nearest, Channels::Color);
+        let (width, height) = self.size;
         let refused = |message: &str, found: String| {
             let message = format!("the texture {} {message}", source.name());
             Error::new(ErrorKind::Limit, message).value(found)
@@ -216,24 +222,15 @@ impl Head {
         Ok(())
     }
 
-    /// As [`survey`].
-    fn bytes(self, filter: Filter) -> [u64; 2] {
-        let texel = if self.is_bytes { size_of::<[u8; 4]>() } else { size_of::<[f32; 3]>() };
-        let coarser = if filter == Filter::Trilinear { pyramid_bytes(self.size) } else { 0 };
-        self.bytes_of(texel, coarser)
-    }
-
-    /// As [`survey_mask`].
-    pub(super) fn mask_bytes(self) -> [u64; 2] {
-        self.bytes_of(size_of::<[u8; 4]>(), 0)
-    }
-
-    /// Bytes of texels with this size each, and of a pyramid; and the additional bytes while they
-    /// are made: as decoded, and one more copy.
-    fn bytes_of(self, texel: usize, coarser: u64) -> [u64; 2] {
-        let Self { size, decoded, scratch, embedded, .. } = self;
-        let finest =
-            u64::from(size.0).saturating_mul(u64::from(size.1)).saturating_mul(texel as u64);
+    /// Bytes of these channels, with a pyramid if the filter needs one; and the additional bytes while
+    /// they are made: as decoded, and one more copy.
+    fn bytes(self, filter: Filter, channels: Channels) -> [u64; 2] {
+        let Self { size: (width, height), decoded, scratch, embedded, .. } = self;
+        let is_bytes = self.is_bytes || channels == Channels::Alpha;
+        let texel = if is_bytes { size_of::<[u8; 4]>() } else { size_of::<[f32; 3]>() };
+        let coarser = if filter == Filter::Trilinear { pyramid_bytes((width, height)) } else { 0 };
+        let texels = u64::from(width).saturating_mul(u64::from(height));
+        let finest = texels.saturating_mul(texel as u64);
         let all = [finest, coarser, embedded].into_iter().fold(0, u64::saturating_add);
         [all, decoded.saturating_add(finest.max(scratch))]
     }
@@ -249,16 +246,18 @@ fn pyramid_bytes((width, height): (u32, u32)) -> u64 {
 }
 
 /// Decodes the image of a texture, in any format of the `image` crate.
-fn decode(texture: &TextureRef) -> Result<Image> {
+fn decode(texture: &TextureRef, is_mask: bool) -> Result<Image> {
     let source = &texture.look_up.source;
     let decoded = decoding(source, |decoder| DynamicImage::from_decoder(decoder))?;
     let (width, height) = (decoded.width(), decoded.height());
     check_size(source, (width, height))?;
     let texels = match texture.channels {
         Channels::Color => texels(decoded, texture.encoding, texture.tint),
+        Channels::Alpha if is_mask && !decoded.color().has_alpha() => {
+            Texels::Bytes(decoded.into_luma8().pixels().map(|pixel| [pixel.0[0]; 4]).collect())
+        }
         Channels::Alpha => {
-            let alpha = decoded.into_rgba8();
-            Texels::Bytes(alpha.pixels().map(|pixel| [pixel.0[3]; 4]).collect())
+            Texels::Bytes(decoded.into_rgba8().pixels().map(|pixel| [pixel.0[3]; 4]).collect())
         }
     };
     Ok(Image::new(width, height, texels))
@@ -286,7 +285,7 @@ fn cannot_read(name: &str, error: ImageError) -> Error {
 }
 
 /// Runs `work` with the decoder of an image, which has read only its header.
-pub(super) fn decoding<R>(
+fn decoding<R>(
     source: &TextureSource,
     work: impl FnOnce(Box<dyn ImageDecoder + '_>) -> ImageResult<R>,
 ) -> Result<R> {
