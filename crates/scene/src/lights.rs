@@ -11,14 +11,14 @@ mod spot;
 use glam::{DVec3, Vec3};
 use hecs::{Entity, World};
 
-use crate::components::{Order, Sampling, Settings};
+use crate::components::{Falloff, Order, Sampling, Settings};
 use crate::corners::direction;
 use crate::format::{Object, Variants};
 use crate::systems::bounds;
 use crate::systems::geometry::Output;
 use wavecrest_base::error::{ErrorKind, Result};
 use wavecrest_core::geometry::Geometry;
-use wavecrest_core::kernels::light::Light;
+use wavecrest_core::kernels::light::{Emitter, Light};
 
 pub use area::AreaLight;
 pub use directional::DirectionalLight;
@@ -116,6 +116,17 @@ pub(crate) fn points(sampling: Sampling, samples: u32) -> u64 {
 /// Upper bound on the distance between any two points of the scene.
 fn diameter(geometry: &Geometry) -> f64 {
     bounds::of(geometry).map_or(0.0, |[low, high]| (high - low).length())
+}
+
+/// A light, of whose points so many are looked at.
+fn light(
+    emitter: Emitter,
+    power: Vec3,
+    falloff: Falloff,
+    (sampling, samples): (Sampling, u32),
+) -> Light {
+    let grid = grid(sampling, samples);
+    Light { emitter, power, falloff, sampling, grid, dimension: 0 }
 }
 
 fn power(intensity: f64, color: DVec3) -> Vec3 {

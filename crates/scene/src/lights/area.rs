@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use glam::{DVec3, Vec3};
 use hecs::{Entity, EntityBuilder, World};
 
-use super::{Found, MOST_SAMPLES, Surroundings, check_samples, grid, power, warn_of_power};
+use super::{Found, MOST_SAMPLES, Surroundings, check_samples, power, warn_of_power};
 use crate::components::{Falloff, Order, Sampling, Settings};
 use crate::format::{Declaration, Key, Kind, Object, Range, component, declared, keys};
 use crate::query::json_path;
@@ -13,7 +13,7 @@ use crate::shapes;
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_core::geometry::{Geometry, Primitive, Quadric};
 use wavecrest_core::kernels::disk::Disk;
-use wavecrest_core::kernels::light::{Emitter, Light, Triangles};
+use wavecrest_core::kernels::light::{Emitter, Triangles};
 use wavecrest_core::kernels::quad;
 use wavecrest_core::prepared::Shape;
 
@@ -112,14 +112,9 @@ pub(super) fn emitters(
         let emitter = shape
             .and_then(|shape| emitter(&extracted.geometry, shape))
             .ok_or_else(|| no_area(world, entity, settings))?;
-        let light = Light {
-            emitter,
-            power: power(light.intensity, light.color),
-            falloff: light.falloff,
-            sampling: light.sampling,
-            grid: grid(light.sampling, light.samples),
-            dimension: 0,
-        };
+        let &AreaLight { intensity, color, falloff, sampling, samples } = light;
+        let power = power(intensity, color);
+        let light = super::light(emitter, power, falloff, (sampling, samples));
         found.push(Found { entity, order, light });
     }
     Ok(())

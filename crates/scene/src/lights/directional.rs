@@ -4,12 +4,12 @@ use glam::DVec3;
 use hecs::{Entity, World};
 
 use super::{
-    Found, MOST_SAMPLES, Surroundings, check_samples, diameter, grid, power, unit, warn_of_strength,
+    Found, MOST_SAMPLES, Surroundings, check_samples, diameter, power, unit, warn_of_strength,
 };
 use crate::components::{Falloff, Order, Sampling};
 use crate::format::{Declaration, Kind, Object, Range, component, declared};
 use wavecrest_base::error::Result;
-use wavecrest_core::kernels::light::{Distant, Emitter, Light};
+use wavecrest_core::kernels::light::{Distant, Emitter};
 
 pub(super) const KIND: Kind = Kind::entity(
     "directionallight",
@@ -59,14 +59,9 @@ pub(super) fn emitters(
         let distant = Distant::new(-unit(light.direction), light.angle_degrees, size);
         // Parallel rays need only one sample.
         let samples = if distant.is_parallel() { 1 } else { light.samples };
-        let light = Light {
-            emitter: Emitter::Distant(distant),
-            power: power(light.intensity, light.color),
-            falloff: Falloff::None,
-            sampling: light.sampling,
-            grid: grid(light.sampling, samples),
-            dimension: 0,
-        };
+        let power = power(light.intensity, light.color);
+        let points = (light.sampling, samples);
+        let light = super::light(Emitter::Distant(distant), power, Falloff::None, points);
         found.push(Found { entity, order, light });
     }
     Ok(())

@@ -55,13 +55,7 @@ pub(super) fn emitters(
 impl PointLight {
     /// The light as this emitter.
     pub(super) fn with(&self, emitter: Emitter) -> Light {
-        Light {
-            emitter,
-            power: power(self.intensity, self.color),
-            falloff: self.falloff,
-            sampling: Sampling::Random,
-            grid: [1, 1],
-            dimension: 0,
-        }
+        let power = power(self.intensity, self.color);
+        super::light(emitter, power, self.falloff, (Sampling::Random, 1))
     }
 }

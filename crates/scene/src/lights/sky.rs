@@ -3,13 +3,13 @@
 use glam::DVec3;
 use hecs::{Entity, World};
 
-use super::{Found, MOST_SAMPLES, Surroundings, check_samples, diameter, grid, unit};
+use super::{Found, MOST_SAMPLES, Surroundings, check_samples, diameter, unit};
 use crate::components::{Falloff, Order, Sampling};
 use crate::environment;
 use crate::format::{Declaration, Kind, Object, Range, component, declared};
 use wavecrest_base::error::Result;
 use wavecrest_core::kernels::hemisphere::Hemisphere;
-use wavecrest_core::kernels::light::{Distant, Emitter, Light};
+use wavecrest_core::kernels::light::{Distant, Emitter};
 
 /// The object of ambient light.
 pub(crate) const SKY: Kind = Kind {
@@ -68,14 +68,10 @@ pub(super) fn emitters(
     for (entity, sky) in world.query::<(Entity, &Sky)>().iter().filter(|(_, sky)| sky.samples > 0) {
         let all = || Distant::reach(diameter(&scene.extracted.geometry));
         let reach = sky.distance.unwrap_or_else(all) as f32;
-        let light = Light {
-            emitter: Emitter::Around(reach.max(f32::MIN_POSITIVE)),
-            power: sky.hemisphere(world).channels(),
-            falloff: Falloff::None,
-            sampling: sky.sampling,
-            grid: grid(sky.sampling, sky.samples),
-            dimension: 0,
-        };
+        let emitter = Emitter::Around(reach.max(f32::MIN_POSITIVE));
+        let power = sky.hemisphere(world).channels();
+        let points = (sky.sampling, sky.samples);
+        let light = super::light(emitter, power, Falloff::None, points);
         // After the lights of the file, whose random numbers it leaves as they are.
         found.push(Found { entity, order: Order(u32::MAX), light });
     }
