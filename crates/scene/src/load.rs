@@ -75,10 +75,7 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<LoadedScene> {
 /// As [`load`].
 #[doc(hidden)]
 pub fn load_gltf(bytes: Vec<u8>, path: &Path, options: &LoadOptions) -> Result<LoadedScene> {
-    let notes = options.notes(path);
-    let (mut world, told) = gltf::world(bytes, options, &notes)?;
-    resample(&mut world, options);
-    loaded(world, notes, Some(told), mesh::load)
+    completed(path, options, |notes| gltf::world(bytes, options, notes))
 }
 
 fn load_standalone(
@@ -86,9 +83,21 @@ fn load_standalone(
     options: &LoadOptions,
     read: impl FnOnce() -> Result<LoadedMesh>,
 ) -> Result<LoadedScene> {
+    completed(path, options, |notes| standalone::world(path, options, notes, read))
+}
+
+/// The scene that `read` makes of a file at `path` that is no whole scene.
+fn completed(
+    path: &Path,
+    options: &LoadOptions,
+    read: impl FnOnce(&Notes<'_>) -> Result<(World, String)>,
+) -> Result<LoadedScene> {
     let notes = options.notes(path);
-    let (mut world, told) = standalone::world(path, options, &notes, read)?;
-    resample(&mut world, options);
+    let (mut world, told) = read(&notes)?;
+    // The requested rays per pixel.
+    query::change(&mut world, |view: &mut View| {
+        view.antialias = options.antialias_or(view.antialias);
+    });
     loaded(world, notes, Some(told), mesh::load)
 }
 
@@ -155,8 +164,8 @@ pub(super) fn load_with(
     let value = json::parse(json, file)?;
     let mut world = scene_file::read(&Cursor::new(&value, Place::Top, &notes), options)?;
     if let Some(background) = options.lighting.background {
-        let all = world.query_mut::<&mut Settings>().into_iter();
-        all.for_each(|settings| settings.background = background.color());
+        let color = background.color();
+        query::change(&mut world, |settings: &mut Settings| settings.background = color);
     }
     // A mesh written out in JSON is many times larger there than as arrays.
     drop(value);
@@ -202,12 +211,6 @@ impl LoadedScene {
         let mut parts = self.files.iter().chain(&images);
         parts.try_for_each(|part| check_differs(output, part, &what))
     }
-}
-
-/// Sets the requested rays per pixel of an added camera, or that of a glTF file.
-fn resample(world: &mut World, options: &LoadOptions) {
-    let views = world.query_mut::<&mut View>().into_iter();
-    views.for_each(|view| view.antialias = options.antialias_or(view.antialias));
 }
 
 fn refuse_camera(file: &Path, options: &LoadOptions) -> Result<()> {

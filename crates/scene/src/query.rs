@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use hecs::{Entity, EntityRef, Or, World};
+use hecs::{Component, Entity, EntityRef, Or, World};
 
 use crate::components::{
     AreaLight, CutOut, DirectionalLight, Disk, Environment, InstanceOf, JsonPath, Maps, Mesh,
@@ -43,6 +43,11 @@ pub(crate) fn settings(world: &World) -> Result<Settings> {
 /// The view of the camera.
 pub(crate) fn view(world: &World) -> Result<View> {
     world.query::<&View>().iter().next().copied().ok_or_else(|| missing("View"))
+}
+
+/// Changes every `C`.
+pub(crate) fn change<C: Component>(world: &mut World, change: impl FnMut(&mut C)) {
+    world.query_mut::<&mut C>().into_iter().for_each(change);
 }
 
 /// The place of the entity in the scene file; empty if unknown.

@@ -19,6 +19,7 @@ use crate::components::{
 use crate::corners::{direction, quad_has_area};
 use crate::mesh::MeshData;
 use crate::options::lighting::{Background, Lighting, Rig};
+use crate::query::change;
 use crate::scene_file::AMBIENT;
 
 /// Bounces: after four, little mirrored light is left.
@@ -155,11 +156,10 @@ fn settings_of(file: &Path, background: DVec3, ambient: f64) -> Settings {
 /// through; with an occlusion map, which tells of cavities that meshes lack, none look for others.
 pub(crate) fn allow_for_surfaces(world: &mut World) {
     if world.query_mut::<&Maps>().into_iter().any(|maps| maps.occlusion.is_some()) {
-        world.query_mut::<&mut Sky>().into_iter().for_each(|sky| sky.samples = 0);
+        change(world, |sky: &mut Sky| sky.samples = 0);
     }
     if world.query_mut::<&Transparency>().into_iter().any(|transparency| transparency.kt > 0.0) {
-        let settings = world.query_mut::<&mut Settings>().into_iter();
-        settings.for_each(|settings| settings.bounces = GLASS_BOUNCES);
+        change(world, |settings: &mut Settings| settings.bounces = GLASS_BOUNCES);
     }
 }
 

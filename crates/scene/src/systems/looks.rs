@@ -9,6 +9,7 @@ use crate::components::{
     Channels, Encoding, Filter, InstanceOf, JsonPath, LookUp, Maps, Material, Mesh, TextureRef,
     TextureSource, Wrap,
 };
+use crate::query::change;
 use crate::staging::GROUND;
 
 /// The reflectance of clay.
@@ -29,7 +30,7 @@ pub fn clay(world: &mut World) {
             *material = Material { diffuse_color: CLAY, ..Material::MATTE };
         }
     }
-    world.query_mut::<&mut Mesh>().into_iter().for_each(|mesh| mesh.data.colors = None);
+    change(world, |mesh: &mut Mesh| mesh.data.colors = None);
     let all: Vec<Entity> =
         world.query_mut::<(Entity, &Material)>().into_iter().map(|(entity, _)| entity).collect();
     for entity in all {

@@ -6,6 +6,7 @@ use crate::components::{
     AreaLight, DirectionalLight, Filter, Maps, PointLight, Settings, Sky, TextureRef, ThinLens,
     Transparency, View,
 };
+use crate::query::change;
 
 /// Overrides of the file's values; `None` keeps them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -45,12 +46,13 @@ wavecrest_base::choices! {
 /// Applies `overrides` to the world, before the systems run.
 pub fn apply(world: &mut World, overrides: &Overrides) {
     if let Some(bounces) = overrides.bounces {
-        world.query_mut::<&mut Settings>().into_iter().for_each(|s| s.bounces = bounces);
+        change(world, |settings: &mut Settings| settings.bounces = bounces);
     }
     if let Some(filter) = overrides.filter {
-        world.query_mut::<&mut TextureRef>().into_iter().for_each(|t| t.look_up.filter = filter);
-        let all = world.query_mut::<&mut Maps>().into_iter().flat_map(Maps::all_mut);
-        all.for_each(|texture| texture.look_up.filter = filter);
+        change(world, |texture: &mut TextureRef| texture.look_up.filter = filter);
+        change(world, |maps: &mut Maps| {
+            maps.all_mut().for_each(|texture| texture.look_up.filter = filter);
+        });
     }
     let last = overrides.without;
     Layer::ALL.into_iter().filter(|layer| Some(*layer) <= last).for_each(|l| l.leave(world));
@@ -61,28 +63,20 @@ impl Layer {
     fn leave(self, world: &mut World) {
         match self {
             Self::Transparency => remove::<Transparency>(world),
-            Self::Mirrors => {
-                world.query_mut::<&mut Settings>().into_iter().for_each(|s| s.bounces = 0);
-            }
+            Self::Mirrors => change(world, |settings: &mut Settings| settings.bounces = 0),
             Self::Textures => remove::<TextureRef>(world),
-            Self::Occlusion => {
-                world.query_mut::<&mut Sky>().into_iter().for_each(|sky| sky.samples = 0);
-            }
+            Self::Occlusion => change(world, |sky: &mut Sky| sky.samples = 0),
             Self::SoftShadows => {
-                world.query_mut::<&mut AreaLight>().into_iter().for_each(|l| l.samples = 1);
-                let distant = world.query_mut::<&mut DirectionalLight>();
-                distant.into_iter().for_each(|l| l.samples = 1);
+                change(world, |light: &mut AreaLight| light.samples = 1);
+                change(world, |light: &mut DirectionalLight| light.samples = 1);
             }
             Self::Lights => {
-                world.query_mut::<&mut AreaLight>().into_iter().for_each(|l| l.intensity = 0.0);
-                world.query_mut::<&mut PointLight>().into_iter().for_each(|l| l.intensity = 0.0);
-                let distant = world.query_mut::<&mut DirectionalLight>();
-                distant.into_iter().for_each(|l| l.intensity = 0.0);
+                change(world, |light: &mut AreaLight| light.intensity = 0.0);
+                change(world, |light: &mut PointLight| light.intensity = 0.0);
+                change(world, |light: &mut DirectionalLight| light.intensity = 0.0);
             }
             Self::Lens => remove::<ThinLens>(world),
-            Self::Antialiasing => {
-                world.query_mut::<&mut View>().into_iter().for_each(|v| v.antialias = 1);
-            }
+            Self::Antialiasing => change(world, |view: &mut View| view.antialias = 1),
         }
     }
 }
