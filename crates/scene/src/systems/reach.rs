@@ -180,23 +180,13 @@ pub(super) struct Extent {
 
 impl Extent {
     fn of(emitter: &Emitter) -> Self {
-        let point = |center: Vec3, radius: f32| Self {
-            center: center.as_dvec3(),
-            half: DVec3::ZERO,
-            radius: f64::from(radius),
-            is_distant: false,
-            cone: None,
-        };
+        let point = |center: Vec3, radius: f32| Self::around(center.as_dvec3(), radius.into());
         match emitter {
             Emitter::Point(position) => point(*position, 0.0),
             Emitter::Spot(position, cone) => Self { cone: Some(*cone), ..point(*position, 0.0) },
-            Emitter::Distant(distant) => Self {
-                center: distant.towards(),
-                half: DVec3::ZERO,
-                radius: distant.spread(),
-                is_distant: true,
-                cone: None,
-            },
+            Emitter::Distant(distant) => {
+                Self { is_distant: true, ..Self::around(distant.towards(), distant.spread()) }
+            }
             Emitter::Sphere { center, radius } | Emitter::Disk(Disk { center, radius, .. }, _) => {
                 point(*center, *radius)
             }
@@ -212,6 +202,10 @@ impl Extent {
     /// The origins of a camera's rays.
     pub(super) fn of_pupil(camera: &Camera) -> Self {
         let (center, radius) = camera.pupil();
+        Self::around(center, radius)
+    }
+
+    fn around(center: DVec3, radius: f64) -> Self {
         Self { center, half: DVec3::ZERO, radius, is_distant: false, cone: None }
     }
 
@@ -219,7 +213,7 @@ impl Extent {
     pub(super) fn of_box(bounds: &Aabb) -> Self {
         let (low, high) = (bounds.low.as_dvec3(), bounds.high.as_dvec3());
         let (center, half) = ((low + high) / 2.0, (high - low) / 2.0);
-        Self { center, half, radius: 0.0, is_distant: false, cone: None }
+        Self { half, ..Self::around(center, 0.0) }
     }
 
     /// Bound on the coordinates of its points.
