@@ -16,7 +16,8 @@ mod surroundings;
 use super::geometry::{self, ShapeOutput};
 use super::reach;
 use super::reach::Faces;
-use crate::components::{Environment, Settings, SurfaceComponents, TextureRef};
+use crate::components::{Settings, SurfaceComponents, TextureRef};
+use crate::environment;
 use crate::lights::Found;
 pub(crate) use shows::Shows;
 use wavecrest_base::error::Result;
@@ -175,9 +176,8 @@ impl<'a> Facts<'a> {
         let shows_ambient = has_ambient && !surfaces.iter().all(is_black);
         let is_bright = |shape: &ShapeOutput| shape.shape.light.is_some_and(|c| c != Vec3::ZERO);
         let glows = shows.iter().any(|shows| shows.emission);
-        let mut around = census.world.query::<&Environment>();
         let has_sky = census.hemisphere.is_some_and(|sky| !sky.is_black())
-            || around.iter().any(Environment::is_bright);
+            || environment::is_bright(census.world);
         let shines = is_lit || glows || shapes.iter().any(is_bright) || shows_ambient || has_sky;
         Self {
             census,
@@ -196,6 +196,8 @@ impl<'a> Facts<'a> {
     }
 
     fn decide(&self, effect: Effect) -> Decision {
+        let shows =
+            |is: fn(Shows) -> bool, thing, none| self.surfaces(|i| is(self.shows[i]), thing, none);
         let (present, reason) = match effect {
             Effect::Triangles => self.triangles(),
             Effect::Quads => self.quads(),
@@ -204,12 +206,22 @@ impl<'a> Facts<'a> {
             Effect::SmoothShading => self.smooth_shading(),
             Effect::VertexColors => self.vertex_colors(),
             Effect::Textures => self.textures(),
-            Effect::NormalMaps => self.normal_maps(),
-            Effect::MaterialTextures => self.maps(),
-            Effect::TintedHighlights => self.tints(),
-            Effect::Emission => self.emission(),
+            Effect::NormalMaps => {
+                shows(|s| s.normal, "shape with a normal map", "no normal map is visible")
+            }
+            Effect::MaterialTextures => {
+                let none = "no material map is visible";
+                shows(|s| s.metal || s.occlusion, "shape with material maps", none)
+            }
+            Effect::TintedHighlights => {
+                shows(|s| s.tint, "shape with a specular colour", "no highlight has a colour")
+            }
+            Effect::Emission => shows(|s| s.emission, "emissive shape", "no material is emissive"),
             Effect::CutOuts => self.cut_outs(),
-            Effect::RayDifferentials => self.ray_differentials(),
+            Effect::RayDifferentials => {
+                let is_trilinear = |i: usize| self.shows[i].trilinear(self.census, i);
+                self.surfaces(is_trilinear, "trilinear texture", "no visible texture is trilinear")
+            }
             Effect::HemisphereLight => self.hemisphere(),
             Effect::Environment => self.environment(),
             Effect::PointLights => {
@@ -283,11 +295,6 @@ impl<'a> Facts<'a> {
         self.surfaces(|i| self.shows[i].texture, "textured shape", none)
     }
 
-    fn emission(&self) -> (bool, String) {
-        let none = "no material is emissive";
-        self.surfaces(|i| self.shows[i].emission, "emissive shape", none)
-    }
-
     fn cut_outs(&self) -> (bool, String) {
         let is = |i: usize| self.census.surfaces[i].cut_out.is_some();
         let is_cut = |i: usize| is(i) && (self.holes[i] || !self.met[i]);
@@ -295,37 +302,8 @@ impl<'a> Facts<'a> {
             true => "no image of a cut-out has a transparent texel",
             false => "no shape has cut-outs",
         };
-        let (found, reason) = self.surfaces(is_cut, "shape with cut-outs", none);
-        match found || !self.holes.contains(&true) {
-            true => (found, reason),
-            // Shadow rays may meet it.
-            false => (true, format!("{reason}, but in the way of light")),
-        }
-    }
-
-    fn ray_differentials(&self) -> (bool, String) {
-        let none = "no visible texture is trilinear";
-        let is_trilinear = |i: usize| self.shows[i].trilinear(self.census, i);
-        self.surfaces(is_trilinear, "trilinear texture", none)
-    }
-
-    fn normal_maps(&self) -> (bool, String) {
-        let none = "no normal map is visible";
-        self.surfaces(|i| self.shows[i].normal, "shape with a normal map", none)
-    }
-
-    fn maps(&self) -> (bool, String) {
-        let none = "no material map is visible";
-        self.surfaces(
-            |i| self.shows[i].metal || self.shows[i].occlusion,
-            "shape with material maps",
-            none,
-        )
-    }
-
-    fn tints(&self) -> (bool, String) {
-        let none = "no highlight has a colour";
-        self.surfaces(|i| self.shows[i].tint, "shape with a specular colour", none)
+        let found = self.surfaces(is_cut, "shape with cut-outs", none);
+        or_in_the_way(found, self.holes.contains(&true))
     }
 
     fn lights(&self, thing: &str, is: impl Fn(&Emitter) -> bool) -> (bool, String) {
@@ -360,6 +338,14 @@ fn is_solid(ShapeOutput { shape, .. }: &ShapeOutput, census: Census<'_>) -> bool
     let may_be_hit =
         |number| geometry.precision == Precision::Fast || !geometry.is_degenerate(number);
     shape.light.is_none() && shape.primitives.clone().any(may_be_hit)
+}
+
+/// What is `found` in view, or else is met by shadow rays.
+fn or_in_the_way((found, reason): (bool, String), is_met: bool) -> (bool, String) {
+    match found || !is_met {
+        true => (found, reason),
+        false => (true, format!("{reason}, but in the way of light")),
+    }
 }
 
 /// `n` of a thing, or the reason for none.

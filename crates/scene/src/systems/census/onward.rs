@@ -1,6 +1,6 @@
 //! Rays that go on from surfaces.
 
-use super::{Faces, Facts};
+use super::{Faces, Facts, or_in_the_way};
 
 impl Facts<'_> {
     pub(super) fn is_transparent(&self, i: usize) -> bool {
@@ -10,11 +10,8 @@ impl Facts<'_> {
     pub(super) fn transparency(&self) -> (bool, String) {
         let none = "no material lets light through";
         let found = self.surfaces(|i| self.is_transparent(i), "transparent shape", none);
-        match found.0 || !(0..self.met.len()).any(|i| self.is_transparent(i) && self.met[i]) {
-            true => found,
-            // Shadow rays may meet it.
-            false => (true, format!("{}, but in the way of light", found.1)),
-        }
+        let is_met = (0..self.met.len()).any(|i| self.is_transparent(i) && self.met[i]);
+        or_in_the_way(found, is_met)
     }
 
     pub(super) fn mirrors(&self) -> (bool, String) {
