@@ -215,8 +215,7 @@ impl ToFrame<'_> {
 
     /// Moves the camera in the direction `back` until everything fills its share of the image.
     fn stand_back(&self, view: &mut View, back: DVec3) {
-        let right = view.up.cross(back).normalize();
-        let axes = DMat3::from_cols(right, back.cross(right), back);
+        let axes = axes(view.up, back);
         let BoundingSphere { center, radius } = self.contents.sphere;
         let least = radius * NEAREST;
         let place = fit::place(self.contents, &axes, self.tangents(view), least);
@@ -264,10 +263,9 @@ pub(super) fn placement(view: &View) -> Placement {
     }
 }
 
-/// The axes of a view: right, up, and back from the object.
-pub(super) fn axes(view: &View) -> DMat3 {
-    let back = (view.location - view.look).normalize();
-    let right = view.up.cross(back).normalize();
+/// The axes of a view: right, up, and `back` from the object, where `up` is up in the image.
+pub(super) fn axes(up: DVec3, back: DVec3) -> DMat3 {
+    let right = up.cross(back).normalize();
     DMat3::from_cols(right, back.cross(right), back)
 }
 

@@ -61,13 +61,16 @@ impl Grid {
         let unit = |x: f64| if x > 0.0 { 1.0 / x } else { 0.0 };
         let scale = DVec3::new(unit(size.x), unit(size.y), unit(size.z));
         let into = |point| (point - low) * scale;
-        Self::filled(contents, |part, corners, normal| part.add(&corners.map(into), normal))
+        Self::filled(contents, |part, corners, normal| {
+            let corners = corners.map(into);
+            (0..3).map(|axis| part.add(axis, &corners, normal)).sum()
+        })
     }
 
     /// Points that a camera sees, one in each cell of its image, with normals of any length. `None` if
     /// it takes too long.
     pub(super) fn seen(contents: &Scenery<'_>, view: &View) -> Option<Vec<[DVec3; 2]>> {
-        let axes = axes(view);
+        let axes = axes(view.up, (view.location - view.look).normalize());
         let [across, along] = half_extent(&placement(view));
         let near = contents.sphere.radius * NEAREST;
         let into = |point: DVec3| {
@@ -80,7 +83,7 @@ impl Grid {
         };
         let grid = Self::filled(contents, |part, corners, normal| {
             let parts = clipped(corners.map(into), near);
-            parts.map(|part| part.map(project)).map(|corners| part.add(&corners, normal)).sum()
+            parts.map(|corners| part.add(2, &corners.map(project), normal)).sum()
         })?;
         let center = |cell: usize| (cell as f64 + 0.5) / COLUMNS as f64 * 2.0 - 1.0;
         let point = |(i, column): (usize, &ColumnHits)| {
@@ -132,31 +135,12 @@ impl Grid {
         &self.columns[axis * count..(axis + 1) * count]
     }
 
-    /// Adds a triangle of the unit cube; returns the number of rays tested.
-    fn add(&mut self, corners: &[DVec3; 3], normal: DVec3) -> u64 {
-        let cells = corners.map(|p| p * COLUMNS as f64 - 0.5);
+    /// Adds a triangle of the unit cube to the columns along an axis; returns the number of rays
+    /// tested.
+    fn add(&mut self, axis: usize, corners: &[DVec3; 3], normal: DVec3) -> u64 {
+        let [u, v] = across(axis).map(|side| corners.map(|p| p[side] * COLUMNS as f64 - 0.5));
         // None for most triangles of a large mesh: they are between the rays.
-        let rays = [0, 1, 2].map(|axis| rays_within(cells.map(|p| p[axis])));
-        let mut tests = 0;
-        for axis in 0..3 {
-            let [next, last] = [(axis + 1) % 3, (axis + 2) % 3];
-            if let (Some(columns), Some(rows)) = (&rays[next], &rays[last]) {
-                let uv = [next, last].map(|i| cells.map(|p| p[i]));
-                let cells = [columns.clone(), rows.clone()];
-                tests += self.add_along(axis, corners, normal, uv, cells);
-            }
-        }
-        tests
-    }
-
-    fn add_along(
-        &mut self,
-        axis: usize,
-        corners: &[DVec3; 3],
-        normal: DVec3,
-        [u, v]: [[f64; 3]; 2],
-        [columns, rows]: [Range<usize>; 2],
-    ) -> u64 {
+        let (Some(columns), Some(rows)) = (rays_within(u), rays_within(v)) else { return 0 };
         let edge = |i: usize, j: usize, x: f64, y: f64| {
             (u[j] - u[i]) * (y - v[i]) - (v[j] - v[i]) * (x - u[i])
         };
@@ -185,6 +169,11 @@ impl Grid {
         }
         self
     }
+}
+
+/// The axes next to an axis, and next but one.
+pub(super) fn across(axis: usize) -> [usize; 2] {
+    [(axis + 1) % 3, (axis + 2) % 3]
 }
 
 /// The parts of a triangle where z is at least `near`: none, one or two triangles.

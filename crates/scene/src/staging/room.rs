@@ -8,7 +8,7 @@
 
 use glam::DVec3;
 
-use super::grid::{COLUMNS, ColumnHits, Grid};
+use super::grid::{COLUMNS, ColumnHits, Grid, across};
 use super::{BoxEnds, Scenery};
 use crate::options::framing::Up;
 
@@ -142,8 +142,8 @@ fn is_furnished(grid: &Grid) -> bool {
 /// The view from one end of the longer axis to the other, along the freest line near the middle.
 pub(super) fn inside(grid: &Grid, &(low, high): &BoxEnds, upward: DVec3) -> Room {
     let size = high - low;
-    let vertical = if upward.x != 0.0 { 0 } else { 1 + usize::from(upward.y == 0.0) };
-    let across = [(vertical + 1) % 3, (vertical + 2) % 3];
+    let vertical = upward.abs().max_position();
+    let across = across(vertical);
     let is_first = size[across[0]] > size[across[1]];
     let [long, side] = if is_first { across } else { [across[1], across[0]] };
     let height = 0.5 + (EYE - 0.5) * upward[vertical].signum();
@@ -177,7 +177,7 @@ pub(super) fn inside(grid: &Grid, &(low, high): &BoxEnds, upward: DVec3) -> Room
 /// A lamp under the ceiling, above the point `look`.
 fn lamp(grid: &Grid, low: DVec3, size: DVec3, look: DVec3, upward: DVec3) -> [DVec3; 4] {
     let vertical = upward.abs().max_position();
-    let across = [(vertical + 1) % 3, (vertical + 2) % 3];
+    let across = across(vertical);
     let end = 1.0 - LAMP / 2.0;
     let middle = ((look - low) / size).clamp(DVec3::splat(1.0 - end), DVec3::splat(end));
     let cells = across.map(|axis| {

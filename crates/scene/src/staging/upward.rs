@@ -11,7 +11,7 @@
 use glam::{DVec2, DVec3};
 
 use super::Scenery;
-use super::grid::{ColumnHits, Grid, MetTriangle};
+use super::grid::{ColumnHits, Grid, MetTriangle, across};
 use crate::options::framing::Up;
 
 /// The up axis of a file unless the user states one.
@@ -113,7 +113,7 @@ fn has_ground(columns: &[ColumnHits]) -> bool {
 
 /// The share of the bounding rectangle that the support polygon covers; 0 if its centre is outside.
 fn support(contents: &Scenery<'_>, size: DVec3, axis: usize) -> f64 {
-    let sides = [(axis + 1) % 3, (axis + 2) % 3];
+    let sides = across(axis);
     if sides.iter().any(|&side| size[side] <= 0.0) {
         return 0.0;
     }
