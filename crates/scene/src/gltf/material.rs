@@ -37,9 +37,9 @@ pub(super) struct Surface {
     metal: Option<TextureInfo>,
     /// The texture of the emission.
     glow: Option<TextureInfo>,
-    /// The textures of ambient light and of normals, with their strengths.
-    occlusion: Option<(TextureInfo, f64)>,
-    pub(super) normal: Option<(TextureInfo, f64)>,
+    /// The textures of ambient light and of normals.
+    occlusion: Option<TextureInfo>,
+    pub(super) normal: Option<TextureInfo>,
     /// Whether it shows its plain colour under any light.
     pub(super) is_unlit: bool,
     /// Which sides lights reach.
@@ -73,14 +73,10 @@ impl Surface {
         let cutoff = fields.number_or("alphaCutoff", Range::NOT_NEGATIVE, THRESHOLD)?;
         let mode = fields.get("alphaMode").and_then(|cursor| cursor.value().as_str());
         let sides = if fields.flag("doubleSided")? { Sides::Both } else { Sides::Front };
-        let texture = |of: &Fields<'_>, key: &str| -> Result<Option<TextureInfo>> {
-            of.object(key)?.map(|found| TextureInfo::read(&found)).transpose()
+        let scaled = |of: &Fields<'_>, key: &str, scale| {
+            of.object(key)?.map(|found| TextureInfo::read(&found, scale)).transpose()
         };
-        let scaled = |key: &str, scale: &str| -> Result<Option<(TextureInfo, f64)>> {
-            let Some(found) = fields.object(key)? else { return Ok(None) };
-            let scale = found.number_or(scale, Range::COORDINATE, 1.0)?;
-            Ok(Some((TextureInfo::read(&found)?, scale)))
-        };
+        let texture = |of: &Fields<'_>, key: &str| scaled(of, key, None);
         let own = Self {
             cutoff: if mode == Some("MASK") { cutoff } else { 0.0 },
             blends: mode == Some("BLEND"),
@@ -89,8 +85,8 @@ impl Surface {
             emission: emission(fields)?,
             is_unlit: fields.extension("KHR_materials_unlit", |_| Ok(()))?.is_some(),
             glow: texture(fields, "emissiveTexture")?,
-            occlusion: scaled("occlusionTexture", "strength")?,
-            normal: scaled("normalTexture", "scale")?,
+            occlusion: scaled(fields, "occlusionTexture", Some("strength"))?,
+            normal: scaled(fields, "normalTexture", Some("scale"))?,
             ..Self::DEFAULT
         };
         let Some(model) = fields.object("pbrMetallicRoughness")? else { return Ok(own) };
@@ -166,9 +162,8 @@ impl Surface {
         let mut plain = |info: Option<TextureInfo>| of(&info, Encoding::Linear, DVec3::ONE);
         let (metallic, roughness) = (self.metallic, self.roughness);
         let metal = plain(self.metal).map(|texture| MetalMap { texture, metallic, roughness });
-        let mut scaled = |map: Option<(TextureInfo, f64)>| {
-            let (info, strength) = map?;
-            Some(StrengthMap { texture: plain(Some(info))?, strength })
+        let mut scaled = |map: Option<TextureInfo>| {
+            Some(StrengthMap { texture: plain(map)?, strength: map?.strength })
         };
         let (occlusion, normal) = (scaled(self.occlusion), scaled(self.normal));
         let emission = of(&glow, Encoding::Srgb, DVec3::ONE);

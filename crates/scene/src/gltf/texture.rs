@@ -104,20 +104,24 @@ pub(super) struct TextureInfo {
     pub(super) set: u32,
     /// A change of the coordinates before the look-up: the extension `KHR_texture_transform`.
     placing: Option<Placing>,
+    /// The strength of a map of occlusion or of normals.
+    pub(super) strength: f64,
 }
 
 /// Largest number of sets of texture coordinates.
 const MOST_SETS: f64 = 1024.0;
 
 impl TextureInfo {
-    /// Reads a reference to a texture.
-    pub(super) fn read(fields: &Fields<'_>) -> Result<Self> {
+    /// Reads a reference to a texture, whose strength has this key, if any.
+    pub(super) fn read(fields: &Fields<'_>, scale: Option<&str>) -> Result<Self> {
+        let strength =
+            scale.map_or(Ok(1.0), |key| fields.number_or(key, Range::COORDINATE, 1.0))?;
         let texture = fields.need_index("index", "textures")?;
         let own_set = set(fields)?.unwrap_or(0);
         let changed = fields
             .extension("KHR_texture_transform", |found| Ok((set(found)?, placing(found)?)))?;
         let (other_set, placing) = changed.unwrap_or((None, None));
-        Ok(Self { texture, set: other_set.unwrap_or(own_set), placing })
+        Ok(Self { texture, set: other_set.unwrap_or(own_set), placing, strength })
     }
 }
 
