@@ -48,33 +48,26 @@ pub struct SurfaceComponents<'w> {
     pub name: Option<&'w Name>,
 }
 
-/// [`SurfaceComponents`] as a query.
-pub(crate) type Columns<'w> = (
-    Option<&'w AreaLight>,
+/// [`SurfaceComponents`] as a query, with those of its material and textures together.
+pub(crate) type Columns<'w> =
+    (Option<&'w AreaLight>, Surface<'w>, Option<&'w JsonPath>, Option<&'w Name>);
+
+type Surface<'w> = (
     Option<&'w Material>,
     Option<&'w Transparency>,
     Option<&'w TextureRef>,
     Option<&'w Maps>,
     Option<&'w CutOut>,
-    Option<&'w JsonPath>,
-    Option<&'w Name>,
 );
 
 impl<'w> SurfaceComponents<'w> {
     /// Those of an entity: shapes are looked up in the order of their primitives, which the world
     /// does not keep.
     pub(crate) fn of(columns: &'w View<'_, Columns<'_>>, entity: Entity) -> Self {
-        let (light, material, transparency, texture, maps, cut_out, place, name) =
-            columns.get(entity).unwrap_or_default();
-        let is_surface = light.is_none();
-        Self {
-            material: material.filter(|_| is_surface),
-            transparency: transparency.filter(|_| is_surface),
-            texture: texture.filter(|_| is_surface),
-            maps: maps.filter(|_| is_surface).unwrap_or(&Maps::NONE),
-            cut_out: cut_out.filter(|_| is_surface),
-            place: place.map_or("", |place| &place.0),
-            name,
-        }
+        let (light, surface, place, name) = columns.get(entity).unwrap_or_default();
+        let surface = if light.is_none() { surface } else { Default::default() };
+        let (material, transparency, texture, maps, cut_out) = surface;
+        let (maps, place) = (maps.unwrap_or(&Maps::NONE), place.map_or("", |place| &place.0));
+        Self { material, transparency, texture, maps, cut_out, place, name }
     }
 }
