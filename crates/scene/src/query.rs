@@ -6,7 +6,7 @@ use hecs::{Component, Entity, EntityRef, Or, World};
 
 use crate::components::{
     AreaLight, CutOut, DirectionalLight, Disk, Environment, InstanceOf, JsonPath, Maps, Mesh,
-    MeshFile, Order, PointLight, Quad, Settings, Sphere, TextureRef, TextureSource, Triangle, View,
+    MeshFile, Order, PointLight, Quad, Settings, Sphere, TextureRef, Triangle, View,
 };
 use wavecrest_base::error::{Error, ErrorKind, Result};
 
@@ -60,26 +60,29 @@ pub(crate) fn place_of(entity: EntityRef<'_>) -> String {
     entity.get::<&JsonPath>().map_or_else(String::new, |path| path.0.clone())
 }
 
-/// All images that the surface of an entity names.
-pub(crate) fn images_of<'a>(
-    texture: Option<&'a TextureRef>,
-    maps: Option<&'a Maps>,
-    cutout: Option<&'a CutOut>,
-) -> impl Iterator<Item = &'a TextureSource> {
+/// What names images: a surface, or the environment.
+pub(crate) type Pictured<'w> =
+    (Option<&'w TextureRef>, Option<&'w Maps>, Option<&'w Environment>, Option<&'w CutOut>);
+
+/// The textures that an entity names, but for its cut-out.
+pub(crate) fn textures_of<'w>(
+    (texture, maps, around, _): Pictured<'w>,
+) -> impl Iterator<Item = &'w TextureRef> + use<'w> {
     let maps = maps.into_iter().flat_map(Maps::all).map(|(_, map)| map);
-    let textures = texture.into_iter().chain(maps).map(|texture| &texture.look_up);
-    textures.chain(cutout.map(|cutout| &cutout.look_up)).map(|look_up| &look_up.source)
+    texture.into_iter().chain(maps).chain(around.and_then(|around| around.image.as_ref()))
 }
 
-/// The files of all images that surfaces name.
+/// The files of all images that an entity names.
+pub(crate) fn images_of<'w>(found: Pictured<'w>) -> impl Iterator<Item = &'w Path> + use<'w> {
+    let textures = textures_of(found).map(|texture| &texture.look_up);
+    let all = textures.chain(found.3.map(|cutout| &cutout.look_up));
+    all.filter_map(|look_up| look_up.source.file())
+}
+
+/// The files of all images that a world names.
 pub(crate) fn images(world: &World) -> Vec<PathBuf> {
-    let mut query = world.query::<(Option<&TextureRef>, Option<&Maps>, Option<&CutOut>)>();
-    let sources = query.iter().flat_map(|(texture, maps, cutout)| images_of(texture, maps, cutout));
-    let file = |source: &TextureSource| source.file().map(Path::to_owned);
-    let mut files: Vec<PathBuf> = sources.filter_map(file).collect();
-    let mut around = world.query::<&Environment>();
-    let images = around.iter().filter_map(|around| around.image.as_ref());
-    files.extend(images.filter_map(|image| file(&image.look_up.source)));
+    let mut query = world.query::<Pictured<'_>>();
+    let mut files: Vec<PathBuf> = query.iter().flat_map(images_of).map(Path::to_owned).collect();
     files.sort_unstable();
     files.dedup();
     files

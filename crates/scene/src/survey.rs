@@ -5,13 +5,13 @@ use std::collections::{HashMap, HashSet};
 use hecs::{Entity, EntityRef, World};
 
 use super::components::{
-    AreaLight, CutOut, DirectionalLight, Environment, Filter, Hidden, InstanceOf, LookUp, Maps,
-    Materials, Mesh, MeshFile, PointLight, Shading, Sky, TextureRef, TextureSource, ThinLens,
+    AreaLight, DirectionalLight, Environment, Filter, Hidden, InstanceOf, LookUp, Materials, Mesh,
+    MeshFile, PointLight, Shading, Sky, TextureSource, ThinLens,
 };
 use super::format::Notes;
 use super::lights::points;
 use super::mesh::{self, MeshData};
-use super::query;
+use super::query::{self, Pictured, textures_of};
 use super::staging;
 use wavecrest_base::error::{Error, Result};
 
@@ -101,8 +101,11 @@ pub(super) fn of(world: &World, text: u64, notes: &Notes<'_>) -> Result<Survey> 
         let own = u64::from(!shape.has::<Hidden>());
         survey.add(shape, own + uses.get(&shape.entity()).unwrap_or(&0), notes)?;
     }
-    let mut around = world.query::<&Environment>();
-    around.iter().for_each(|around| survey.add_images(around.image.as_ref(), None, None));
+    world
+        .query::<Pictured<'_>>()
+        .with::<&Environment>()
+        .iter()
+        .for_each(|it| survey.add_images(it));
     survey.light_samples = world.query::<&PointLight>().iter().count() as u64;
     let mut all = world.query::<&DirectionalLight>();
     survey.light_samples +=
@@ -118,23 +121,16 @@ pub(super) fn of(world: &World, text: u64, notes: &Notes<'_>) -> Result<Survey> 
 }
 
 /// What a survey looks at in a shape.
-type Surveyed<'w> = (
-    Option<&'w Mesh>,
-    Option<&'w MeshFile>,
-    Option<&'w Shading>,
-    Option<&'w TextureRef>,
-    Option<&'w Maps>,
-    Option<&'w CutOut>,
-);
+type Surveyed<'w> = (Option<&'w Mesh>, Option<&'w MeshFile>, Option<&'w Shading>, Pictured<'w>);
 
 impl Survey {
     fn add(&mut self, shape: EntityRef<'_>, uses: u64, notes: &Notes<'_>) -> Result<()> {
         let mut found = shape.query::<Surveyed<'_>>();
-        let Ok((mesh, file, shading, texture, maps, cutout)) = found.get() else { return Ok(()) };
+        let Ok((mesh, file, shading, pictured)) = found.get() else { return Ok(()) };
         if uses == 0 {
             return Ok(());
         }
-        self.add_images(texture, maps, cutout);
+        self.add_images(pictured);
         let holds = match (mesh, file) {
             (Some(mesh), _) => of_mesh(&mesh.data),
             (None, Some(file)) => mesh::survey(&file.file)
@@ -145,6 +141,7 @@ impl Survey {
             }
         };
         let normals = shading.is_some_and(|shading| *shading == Shading::Smooth);
+        let (texture, maps, _, cutout) = pictured;
         let uvs = texture.is_some()
             || maps.is_some()
             || cutout.is_some()
@@ -154,21 +151,15 @@ impl Survey {
         Ok(())
     }
 
-    fn add_images(
-        &mut self,
-        texture: Option<&TextureRef>,
-        maps: Option<&Maps>,
-        cutout: Option<&CutOut>,
-    ) {
-        let maps = maps.into_iter().flat_map(Maps::all).map(|(_, map)| map);
-        for texture in texture.into_iter().chain(maps) {
+    fn add_images(&mut self, pictured: Pictured<'_>) {
+        for texture in textures_of(pictured) {
             let LookUp { source, filter, .. } = &texture.look_up;
             let known = self.textures.entry(source.clone()).or_insert(*filter);
             if *filter == Filter::Trilinear {
                 *known = *filter;
             }
         }
-        self.masks.extend(cutout.map(|cutout| cutout.look_up.source.clone()));
+        self.masks.extend(pictured.3.map(|cutout| cutout.look_up.source.clone()));
     }
 }
 

@@ -9,11 +9,11 @@ use hecs::{Component, Entity, EntityBuilder, EntityRef, World};
 use super::materials::split;
 use crate::components::{
     AreaLight, CutOut, Hidden, InstanceOf, JsonPath, Maps, Materials, Mesh, MeshFile, Order,
-    Shading, Sides, TextureRef, TextureSource, VertexColors,
+    Shading, Sides, TextureRef, VertexColors,
 };
 use crate::format::{Declaration, Notes};
 use crate::mesh::{LoadedMesh, MeshData, NamedMaterials, announce};
-use crate::query::{images_of, json_path, ordered, place_of, shapes};
+use crate::query::{Pictured, images_of, json_path, ordered, place_of, shapes};
 use crate::shapes::INSTANCE;
 use crate::surface::SURFACE;
 use crate::survey::error_of;
@@ -72,12 +72,9 @@ fn leave_out_unseen(world: &mut World, notes: &Notes<'_>) {
     for shape in &hidden {
         let message = "the shape is hidden and has no instance";
         notes.note(&place_of(*shape), message, "add an instance, or remove \"hidden\"");
-        type Files<'w> =
-            (Option<&'w MeshFile>, Option<&'w TextureRef>, Option<&'w Maps>, Option<&'w CutOut>);
-        if let Ok((mesh, texture, maps, cutout)) = shape.query::<Files<'_>>().get() {
+        if let Ok((mesh, pictured)) = shape.query::<(Option<&MeshFile>, Pictured<'_>)>().get() {
             mesh.into_iter().for_each(|mesh| notes.reads(&mesh.file));
-            let files = images_of(texture, maps, cutout).filter_map(TextureSource::file);
-            files.for_each(|file| notes.reads(file));
+            images_of(pictured).for_each(|file| notes.reads(file));
         }
     }
     for shape in ids(hidden) {
