@@ -12,7 +12,7 @@ use crate::components::{AreaLight, JsonPath, Name};
 use crate::format::Declaration;
 
 pub(crate) use maps::{EMISSION_MAP, METAL_MAP, NORMAL_MAP, OCCLUSION_MAP, OPACITY_MAP};
-pub use maps::{Maps, MetalMap, StrengthMap};
+pub use maps::{Map, Maps};
 pub use material::Material;
 pub(crate) use material::{MATERIAL, OBJECT as MATERIAL_OBJECT};
 pub use source::TextureSource;

@@ -6,9 +6,7 @@
 
 use glam::DVec3;
 
-use crate::components::{
-    Channels, Encoding, Maps, Material, MetalMap, Sides, StrengthMap, TextureRef, Transparency,
-};
+use crate::components::{Channels, Encoding, Map, Maps, Material, Sides, TextureRef, Transparency};
 use crate::format::Range;
 use crate::surface::THRESHOLD;
 use wavecrest_base::error::Result;
@@ -103,7 +101,7 @@ impl Surface {
     }
 
     /// The material, with or without an emission texture.
-    pub(super) fn material(&self, glow: Option<&TextureRef>) -> Material {
+    pub(super) fn material(&self, glow: Option<&Map>) -> Material {
         let of = |look: MetalParameters, diffuse_color: DVec3, emission: DVec3| Material {
             ks: look.ks,
             kd: look.kd,
@@ -151,22 +149,23 @@ impl Surface {
             info.as_ref().and_then(|info| texture(info, encoding, tint))
         };
         let alpha = of(&self.texture.filter(|_| self.blends), Encoding::Linear, DVec3::ONE);
-        let opacity = alpha.map(|texture| TextureRef { channels: Channels::Alpha, ..texture });
+        let opacity =
+            alpha.map(|texture| TextureRef { channels: Channels::Alpha, ..texture }.into());
         if self.is_unlit {
-            let emission = of(&self.texture, Encoding::Srgb, DVec3::ONE);
+            let emission = of(&self.texture, Encoding::Srgb, DVec3::ONE).map(Map::from);
             return (None, Maps { emission, opacity, ..Maps::default() });
         }
         let color = of(&self.texture, Encoding::Srgb, self.base_color);
         let shows_light = self.emission != DVec3::ZERO;
         let glow = self.glow.filter(|_| shows_light);
-        let mut plain = |info: Option<TextureInfo>| of(&info, Encoding::Linear, DVec3::ONE);
-        let (metallic, roughness) = (self.metallic, self.roughness);
-        let metal = plain(self.metal).map(|texture| MetalMap { texture, metallic, roughness });
-        let mut scaled = |map: Option<TextureInfo>| {
-            Some(StrengthMap { texture: plain(map)?, strength: map?.strength })
+        let mut plain = |info: Option<TextureInfo>| -> Option<Map> {
+            let texture = of(&info, Encoding::Linear, DVec3::ONE)?;
+            Some(Map { strength: info?.strength, ..texture.into() })
         };
-        let (occlusion, normal) = (scaled(self.occlusion), scaled(self.normal));
-        let emission = of(&glow, Encoding::Srgb, DVec3::ONE);
+        let (metallic, roughness) = (self.metallic, self.roughness);
+        let metal = plain(self.metal).map(|map| Map { metallic, roughness, ..map });
+        let (occlusion, normal) = (plain(self.occlusion), plain(self.normal));
+        let emission = of(&glow, Encoding::Srgb, DVec3::ONE).map(Map::from);
         (color, Maps { emission, metal, occlusion, normal, opacity })
     }
 

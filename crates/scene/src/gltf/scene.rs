@@ -245,7 +245,8 @@ fn read(
         let Some(mesh) = mesh.ok().flatten() else { continue };
         let has_uvs = mesh.uvs.is_some();
         // An unlit surface shows its texture as emission.
-        let base = texture.as_ref().or(maps.emission.as_ref().filter(|_| surface.is_unlit));
+        let glow = maps.emission.as_ref().filter(|_| surface.is_unlit).map(|map| &map.texture);
+        let base = texture.as_ref().or(glow);
         let cutout = base.filter(|_| has_uvs && threshold > 0.0).map(|t| CutOut {
             look_up: t.look_up.clone(),
             is_mask: false,
@@ -295,8 +296,8 @@ fn shown<'a>(primitive: &'a Spawned, images: &mut Masks<'_>) -> Shown<'a> {
     if points.saturating_mul(uses) > MOST_POINTS && uses > 1 {
         return Shown::boxed(&primitive.mesh);
     }
-    let fading = primitive.maps.opacity.as_ref().map(|texture| CutOut {
-        look_up: texture.look_up.clone(),
+    let fading = primitive.maps.opacity.as_ref().map(|map| CutOut {
+        look_up: map.texture.look_up.clone(),
         is_mask: false,
         threshold: LEAST_ALPHA,
     });

@@ -15,16 +15,17 @@ pub(crate) const OPACITY_MAP: &str = "opacitymap";
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Maps {
     /// Multiplies the material's emission.
-    pub emission: Option<TextureRef>,
-    /// Metalness and roughness, which determine the rest of the material together with the colour.
-    pub metal: Option<MetalMap>,
+    pub emission: Option<Map>,
+    /// Metalness, in blue, and roughness, in green, which determine the rest of the material together
+    /// with the colour.
+    pub metal: Option<Map>,
     /// The share of ambient light that arrives, in the red channel.
-    pub occlusion: Option<StrengthMap>,
+    pub occlusion: Option<Map>,
     /// Normals: red along u, green along v, blue along the surface normal; a value x stands for 2 x
     /// - 1.
-    pub normal: Option<StrengthMap>,
+    pub normal: Option<Map>,
     /// Multiplies the opacity, in the red channel.
-    pub opacity: Option<TextureRef>,
+    pub opacity: Option<Map>,
 }
 
 impl Maps {
@@ -32,24 +33,22 @@ impl Maps {
         Self { emission: None, metal: None, occlusion: None, normal: None, opacity: None };
 
     /// The maps that are set, with their keys in a scene file.
-    pub fn all(&self) -> impl Iterator<Item = (&'static str, &TextureRef)> {
+    pub fn all(&self) -> impl Iterator<Item = (&'static str, &Map)> {
+        let Self { emission, metal, occlusion, normal, opacity } = self;
         let all = [
-            (EMISSION_MAP, self.emission.as_ref()),
-            (METAL_MAP, self.metal.as_ref().map(|map| &map.texture)),
-            (OCCLUSION_MAP, self.occlusion.as_ref().map(|map| &map.texture)),
-            (NORMAL_MAP, self.normal.as_ref().map(|map| &map.texture)),
-            (OPACITY_MAP, self.opacity.as_ref()),
+            (EMISSION_MAP, emission),
+            (METAL_MAP, metal),
+            (OCCLUSION_MAP, occlusion),
+            (NORMAL_MAP, normal),
+            (OPACITY_MAP, opacity),
         ];
-        all.into_iter().filter_map(|(key, texture)| Some((key, texture?)))
+        all.into_iter().filter_map(|(key, map)| Some((key, map.as_ref()?)))
     }
 
     /// As [`Maps::all`], mutable.
-    pub fn all_mut(&mut self) -> impl Iterator<Item = &mut TextureRef> {
-        let metal = self.metal.as_mut().map(|map| &mut map.texture);
-        let occlusion = self.occlusion.as_mut().map(|map| &mut map.texture);
-        let normal = self.normal.as_mut().map(|map| &mut map.texture);
-        let plain = [self.emission.as_mut(), self.opacity.as_mut()];
-        plain.into_iter().chain([metal, occlusion, normal]).flatten()
+    pub fn all_mut(&mut self) -> impl Iterator<Item = &mut Map> {
+        let Self { emission, metal, occlusion, normal, opacity } = self;
+        [emission, metal, occlusion, normal, opacity].into_iter().flatten()
     }
 
     /// Warns of images that something else keeps from having an effect.
@@ -65,48 +64,91 @@ impl Maps {
     }
 }
 
-/// A texture of metalness, in blue, and of roughness, in green.
+/// A texture with factors, of which each kind of map has its own; the others are 1.
 #[derive(Clone, Debug, PartialEq)]
-pub struct MetalMap {
+pub struct Map {
     /// The texture.
     pub texture: TextureRef,
+    /// Of ambient light and of normals: 0 for no effect, 1 for the full effect.
+    pub strength: f64,
     /// Factor on the metalness, 0 to 1.
     pub metallic: f64,
     /// Factor on the roughness, 0 to 1.
     pub roughness: f64,
 }
 
-impl MetalMap {
+impl From<TextureRef> for Map {
+    fn from(texture: TextureRef) -> Self {
+        Self { texture, strength: 1.0, metallic: 1.0, roughness: 1.0 }
+    }
+}
+
+impl Map {
     /// Whether all texels give the same material.
     pub(crate) fn is_constant(&self) -> bool {
         [self.metallic, self.roughness].iter().all(|&factor| factor as f32 == 0.0)
     }
-}
 
-/// A texture with a strength.
-#[derive(Clone, Debug, PartialEq)]
-pub struct StrengthMap {
-    /// The texture.
-    pub texture: TextureRef,
-    /// 0 for no effect, 1 for the full effect.
-    pub strength: f64,
-}
-
-impl StrengthMap {
     /// Whether the texture changes anything.
     pub(crate) fn has_effect(&self) -> bool {
         self.strength as f32 != 0.0
     }
+
+    /// The map under a key, if it is given.
+    fn read(object: &Object<'_>, key: &'static str) -> Result<Option<Self>> {
+        let Some(cursor) = object.get(key) else { return Ok(None) };
+        let map = cursor.object(*kind(key))?;
+        let plain = TextureRef::plain(&map, existing_file(&map.need("file", IMAGE)?, IMAGE)?)?;
+        let channels = map.read_or("channels", Some(Channels::Color));
+        let factor = |key| map.read_or(key, Some(1.0));
+        Ok(Some(Self {
+            texture: TextureRef { channels, ..plain },
+            strength: factor("strength"),
+            metallic: factor("metallic"),
+            roughness: factor("roughness"),
+        }))
+    }
+
+    /// Writes the map under a key.
+    fn write(&self, key: &'static str, to: &mut Writer<'_>) {
+        let Self { texture, strength, metallic, roughness } = self;
+        to.object(key, |to| {
+            to.image("file", &texture.look_up.source);
+            to.put("encoding", texture.encoding);
+            texture.look_up.write(to);
+            if texture.channels != Channels::Color {
+                to.put("channels", texture.channels);
+            }
+            let factors =
+                [("metallic", metallic), ("roughness", roughness), ("strength", strength)];
+            for (name, factor) in factors {
+                if kind(key).key(name).is_some() {
+                    to.put(name, *factor);
+                }
+            }
+        });
+    }
+}
+
+/// The kind of the map under a key.
+fn kind(key: &str) -> &'static Kind {
+    match key {
+        METAL_MAP => &OF_METAL,
+        OCCLUSION_MAP | NORMAL_MAP => &WITH_STRENGTH,
+        OPACITY_MAP => &OF_OPACITY,
+        _ => &OF_COLORS,
+    }
 }
 
 /// The alpha of the object's texture.
-fn alpha_of_texture(object: &Object<'_>) -> Result<Option<TextureRef>> {
+fn alpha_of_texture(object: &Object<'_>) -> Result<Option<Map>> {
     let Some(cursor) = object.get("texture") else {
         object.warn("alpha", "has no effect without a texture", "add \"texture\", or remove it");
         return Ok(None);
     };
     let texture = TextureRef::plain(object, existing_file(&cursor, IMAGE)?)?;
-    Ok(Some(TextureRef { encoding: Encoding::Linear, channels: Channels::Alpha, ..texture }))
+    let (encoding, channels) = (Encoding::Linear, Channels::Alpha);
+    Ok(Some(TextureRef { encoding, channels, ..texture }.into()))
 }
 
 const FILE: &[Key] = keys! {
@@ -168,19 +210,13 @@ impl Declared for Maps {
     };
 
     fn read(object: &Object<'_>) -> Result<Option<Self>> {
+        let map = |key| Map::read(object, key);
         let maps = Self {
-            emission: texture_of(object, EMISSION_MAP, OF_COLORS, |texture, _| texture)?,
-            metal: texture_of(object, METAL_MAP, OF_METAL, |texture, map| MetalMap {
-                texture,
-                metallic: map.read("metallic"),
-                roughness: map.read("roughness"),
-            })?,
-            occlusion: texture_of(object, OCCLUSION_MAP, WITH_STRENGTH, StrengthMap::read)?,
-            normal: texture_of(object, NORMAL_MAP, WITH_STRENGTH, StrengthMap::read)?,
-            opacity: match texture_of(object, OPACITY_MAP, OF_OPACITY, |texture, map| TextureRef {
-                channels: map.read("channels"),
-                ..texture
-            })? {
+            emission: map(EMISSION_MAP)?,
+            metal: map(METAL_MAP)?,
+            occlusion: map(OCCLUSION_MAP)?,
+            normal: map(NORMAL_MAP)?,
+            opacity: match map(OPACITY_MAP)? {
                 None if blends(object) => alpha_of_texture(object)?,
                 own => own,
             },
@@ -190,44 +226,6 @@ impl Declared for Maps {
     }
 
     fn write(&self, to: &mut Writer<'_>) {
-        for (key, texture) in self.all() {
-            to.object(key, |to| {
-                to.image("file", &texture.look_up.source);
-                to.put("encoding", texture.encoding);
-                texture.look_up.write(to);
-                if texture.channels != Channels::Color {
-                    to.put("channels", texture.channels);
-                }
-                match (key, &self.metal, &self.occlusion, &self.normal) {
-                    (METAL_MAP, Some(map), ..) => {
-                        to.put("metallic", map.metallic);
-                        to.put("roughness", map.roughness);
-                    }
-                    (OCCLUSION_MAP, _, Some(map), _) | (NORMAL_MAP, .., Some(map)) => {
-                        to.put("strength", map.strength);
-                    }
-                    _ => {}
-                }
-            });
-        }
+        self.all().for_each(|(key, map)| map.write(key, to));
     }
-}
-
-impl StrengthMap {
-    fn read(texture: TextureRef, map: &Object<'_>) -> Self {
-        Self { texture, strength: map.read("strength") }
-    }
-}
-
-/// The map under a key, if it is given, with its own keys read by `read`.
-fn texture_of<T>(
-    object: &Object<'_>,
-    key: &'static str,
-    kind: Kind,
-    read: impl FnOnce(TextureRef, &Object<'_>) -> T,
-) -> Result<Option<T>> {
-    let Some(cursor) = object.get(key) else { return Ok(None) };
-    let map = cursor.object(kind)?;
-    let path = existing_file(&map.need("file", IMAGE)?, IMAGE)?;
-    Ok(Some(read(TextureRef::plain(&map, path)?, &map)))
 }

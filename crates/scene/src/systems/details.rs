@@ -5,9 +5,7 @@ use std::collections::HashMap;
 use super::census::Shows;
 use super::geometry::ShapeOutput;
 use super::textures::{Images, has_alpha};
-use crate::components::{
-    Channels, Material, MetalMap, StrengthMap, SurfaceComponents, TextureRef, Transparency,
-};
+use crate::components::{Channels, Map, Material, SurfaceComponents, Transparency};
 use crate::surface::{EMISSION_MAP, METAL_MAP, NORMAL_MAP, OCCLUSION_MAP, OPACITY_MAP};
 use wavecrest_core::plan::schedule::{Schedule, Step};
 use wavecrest_core::prepared::{Detail, Metal, NormalMap, Occlusion, UvMap};
@@ -41,7 +39,7 @@ pub(crate) fn run(
             let place = (surface.place, OPACITY_MAP);
             let map = surface.maps.opacity.as_ref();
             detail.transparency = Some(own.in_single_precision());
-            detail.opacity = map.map(|map| images.texture(map, place, output.uv_map));
+            detail.opacity = map.map(|map| images.texture(&map.texture, place, output.uv_map));
         }
         let next = || {
             details.push(detail.clone());
@@ -54,8 +52,9 @@ pub(crate) fn run(
 
 /// Whether light may go through a surface, as far as the headers of images tell.
 pub(crate) fn is_transparent(surface: &SurfaceComponents<'_>) -> bool {
-    let may_vary =
-        |map: &TextureRef| map.channels == Channels::Color || has_alpha(&map.look_up.source);
+    let may_vary = |map: &Map| {
+        map.texture.channels == Channels::Color || has_alpha(&map.texture.look_up.source)
+    };
     surface.transparency.is_some_and(Transparency::has_effect)
         || surface.maps.opacity.as_ref().is_some_and(may_vary)
 }
@@ -66,34 +65,26 @@ fn detail(
     SurfaceComponents { maps, place, .. }: &SurfaceComponents<'_>,
     shows: Shows,
     images: &mut Images,
-    map: UvMap,
+    uv_map: UvMap,
 ) -> Detail {
-    let mut texture = |of, key| images.texture(of, (place, key), map);
+    let mut shown = |map: &Option<Map>, is_shown, key| {
+        let map = map.as_ref().filter(|_| is_shown)?;
+        let factors = [map.metallic, map.roughness, map.strength].map(|factor| factor as f32);
+        Some((images.texture(&map.texture, (place, key), uv_map), factors))
+    };
     let mut detail = Detail::default();
     if shows.emission {
         detail.emission = material.emission.as_vec3();
-        detail.emission_texture = maps.emission.as_ref().map(|map| texture(map, EMISSION_MAP));
+        detail.emission_texture = shown(&maps.emission, true, EMISSION_MAP).map(|(map, _)| map);
     }
     if shows.tint {
         detail.tint = material.specular_color.as_vec3();
     }
-    if let Some(MetalMap { texture: map, metallic, roughness }) =
-        maps.metal.as_ref().filter(|_| shows.metal)
-    {
-        let (metallic, roughness) = (*metallic as f32, *roughness as f32);
-        detail.metal = Some(Metal { texture: texture(map, METAL_MAP), metallic, roughness });
-    }
-    if let Some(StrengthMap { texture: map, strength }) =
-        maps.occlusion.as_ref().filter(|_| shows.occlusion)
-    {
-        let strength = *strength as f32;
-        detail.occlusion = Some(Occlusion { texture: texture(map, OCCLUSION_MAP), strength });
-    }
-    if let Some(StrengthMap { texture: map, strength }) =
-        maps.normal.as_ref().filter(|_| shows.normal)
-    {
-        let strength = *strength as f32;
-        detail.normal = Some(NormalMap { texture: texture(map, NORMAL_MAP), strength });
-    }
+    detail.metal = shown(&maps.metal, shows.metal, METAL_MAP)
+        .map(|(texture, [metallic, roughness, _])| Metal { texture, metallic, roughness });
+    detail.occlusion = shown(&maps.occlusion, shows.occlusion, OCCLUSION_MAP)
+        .map(|(texture, [.., strength])| Occlusion { texture, strength });
+    detail.normal = shown(&maps.normal, shows.normal, NORMAL_MAP)
+        .map(|(texture, [.., strength])| NormalMap { texture, strength });
     detail
 }

@@ -2,7 +2,7 @@
 
 use glam::Vec3;
 
-use crate::components::{MetalMap, SurfaceComponents};
+use crate::components::{Map, SurfaceComponents};
 use wavecrest_core::kernels::blinn_phong::Material;
 use wavecrest_core::kernels::metal;
 
@@ -17,7 +17,7 @@ pub(crate) fn run(surfaces: &[SurfaceComponents<'_>]) -> Vec<Material> {
             color: m.diffuse_color.as_vec3(),
             kr: m.kr as f32,
         });
-        match surface.maps.metal.as_ref().is_some_and(MetalMap::is_constant) {
+        match surface.maps.metal.as_ref().is_some_and(Map::is_constant) {
             true => smooth_nonmetal(material),
             false => material,
         }

@@ -51,7 +51,7 @@ pub fn apply(world: &mut World, overrides: &Overrides) {
     if let Some(filter) = overrides.filter {
         change(world, |texture: &mut TextureRef| texture.look_up.filter = filter);
         change(world, |maps: &mut Maps| {
-            maps.all_mut().for_each(|texture| texture.look_up.filter = filter);
+            maps.all_mut().for_each(|map| map.texture.look_up.filter = filter);
         });
     }
     let last = overrides.without;

@@ -3,7 +3,7 @@
 use glam::{DVec3, Vec3};
 
 use super::{Census, Faces};
-use crate::components::{Filter, Maps, StrengthMap, SurfaceComponents, TextureRef};
+use crate::components::{Filter, Map, Maps, SurfaceComponents, TextureRef};
 use crate::surface::{EMISSION_MAP, METAL_MAP, OCCLUSION_MAP, OPACITY_MAP};
 use wavecrest_core::plan::schedule::Step;
 
@@ -52,13 +52,13 @@ impl Shows {
                 && (has_ambient || is_lit && may.kd > 0.0 || mirrors && varied.is_some()),
             emission: material.is_some_and(|m| m.emission.as_vec3() != Vec3::ZERO),
             metal: varied.is_some() && (is_lit || mirrors),
-            occlusion: occlusion.as_ref().is_some_and(StrengthMap::has_effect)
+            occlusion: occlusion.as_ref().is_some_and(Map::has_effect)
                 && has_ambient
                 // Rays find what is in the way.
                 && !census.hemisphere.is_some_and(|light| light.traced)
                 && is_colored,
             tint: is_tinted && (is_lit && may.ks > 0.0 || mirrors),
-            normal: normal.as_ref().is_some_and(StrengthMap::has_effect)
+            normal: normal.as_ref().is_some_and(Map::has_effect)
                 && (is_lit || mirrors || by_normal || census.transparent[i]),
         }
     }
@@ -87,6 +87,6 @@ impl Shows {
             _ => self.normal,
         };
         self.texture && texture.is_some_and(is_trilinear)
-            || maps.all().any(|(key, map)| shows(key) && is_trilinear(map))
+            || maps.all().any(|(key, map)| shows(key) && is_trilinear(&map.texture))
     }
 }

@@ -12,8 +12,8 @@ use hecs::{Entity, Query, Satisfies, View, World};
 
 use super::occurrence::{Form, Occurrence};
 use crate::components::{
-    AreaLight, CutOut, Disk, Facing, Hidden, InstanceOf, JsonPath, Maps, Mesh, Order, Quad,
-    Shading, Sides, Sphere, StrengthMap, TextureRef, Transform, Transparency, Triangle,
+    AreaLight, CutOut, Disk, Facing, Hidden, InstanceOf, JsonPath, Map, Maps, Mesh, Order, Quad,
+    Shading, Sides, Sphere, TextureRef, Transform, Transparency, Triangle,
 };
 
 /// What a shape or an instance has of its own.
@@ -111,7 +111,7 @@ impl<'w> Occurrences<'w> {
                         sides: sides.copied().unwrap_or(Sides::Both),
                         smooth: is_surface && shading == Some(&Shading::Smooth),
                         textured: is_surface && (has_texture || is_cut_out || maps.is_some()),
-                        normal_mapped: is_surface && normal.is_some_and(StrengthMap::has_effect),
+                        normal_mapped: is_surface && normal.is_some_and(Map::has_effect),
                         place: place.map_or("", |path| &path.0),
                     };
                     Some((order.copied().unwrap_or(Order(u32::MAX)), occurrence))
