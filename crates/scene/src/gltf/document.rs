@@ -30,6 +30,8 @@ pub(super) struct Document {
     pub(super) storage: Storage,
     pub(super) textures: Textures,
     pub(super) materials: Vec<Surface>,
+    /// The material of primitives without one.
+    pub(super) usual: Surface,
     pub(super) meshes: Vec<MeshParts>,
     pub(super) cameras: Vec<Camera>,
     /// `None` for lights of an unknown type.
@@ -69,6 +71,7 @@ impl Document {
             storage,
             textures: textures?,
             materials: materials?,
+            usual: Surface::read(&top.nothing())?,
             meshes: meshes?,
             cameras: cameras?,
             lights: lights?.unwrap_or_default(),

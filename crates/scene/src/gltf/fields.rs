@@ -35,6 +35,12 @@ impl<'a> Fields<'a> {
         Err(cursor.error(format!("must be {what}, an object {{ ... }}")))
     }
 
+    /// An object without members.
+    pub(super) fn nothing(&self) -> Self {
+        let cursor = Cursor::new(&Value::Null, Place::Top, self.cursor.notes());
+        Self { cursor, file: self.file }
+    }
+
     /// The object as a value.
     pub(super) fn cursor(&self) -> &Cursor<'a> {
         &self.cursor

@@ -47,26 +47,8 @@ pub(super) struct Surface {
 }
 
 impl Surface {
-    /// The format's default material: white, and fully rough.
-    pub(super) const DEFAULT: Self = Self {
-        base_color: DVec3::ONE,
-        alpha: 1.0,
-        cutoff: 0.0,
-        blends: false,
-        transparency: Transparency::OPAQUE,
-        texture: None,
-        metallic: 1.0,
-        roughness: 1.0,
-        metal: None,
-        glow: None,
-        occlusion: None,
-        normal: None,
-        is_unlit: false,
-        sides: Sides::Front,
-        emission: DVec3::ZERO,
-    };
-
-    /// Reads an element of `materials`.
+    /// Reads an element of `materials`; of nothing, the format's default material: white, and fully
+    /// rough.
     pub(super) fn read(fields: &Fields<'_>) -> Result<Self> {
         let cutoff = fields.number_or("alphaCutoff", Range::NOT_NEGATIVE, THRESHOLD)?;
         let mode = fields.get("alphaMode").and_then(|cursor| cursor.value().as_str());
@@ -75,28 +57,30 @@ impl Surface {
             of.object(key)?.map(|found| TextureInfo::read(&found, scale)).transpose()
         };
         let texture = |of: &Fields<'_>, key: &str| scaled(of, key, None);
-        let own = Self {
-            cutoff: if mode == Some("MASK") { cutoff } else { 0.0 },
-            blends: mode == Some("BLEND"),
-            transparency: transparency(fields)?,
-            sides,
-            emission: emission(fields)?,
-            is_unlit: fields.extension("KHR_materials_unlit", |_| Ok(()))?.is_some(),
-            glow: texture(fields, "emissiveTexture")?,
-            occlusion: scaled(fields, "occlusionTexture", Some("strength"))?,
-            normal: scaled(fields, "normalTexture", Some("scale"))?,
-            ..Self::DEFAULT
-        };
-        let Some(model) = fields.object("pbrMetallicRoughness")? else { return Ok(own) };
+        let transparency = transparency(fields)?;
+        let emission = emission(fields)?;
+        let is_unlit = fields.extension("KHR_materials_unlit", |_| Ok(()))?.is_some();
+        let glow = texture(fields, "emissiveTexture")?;
+        let occlusion = scaled(fields, "occlusionTexture", Some("strength"))?;
+        let normal = scaled(fields, "normalTexture", Some("scale"))?;
+        let model = fields.object("pbrMetallicRoughness")?.unwrap_or(fields.nothing());
         let [r, g, b, alpha] = model.numbers("baseColorFactor", Range::UNIT)?.unwrap_or([1.0; 4]);
         Ok(Self {
-            alpha,
             base_color: DVec3::new(r, g, b),
+            alpha,
+            cutoff: if mode == Some("MASK") { cutoff } else { 0.0 },
+            blends: mode == Some("BLEND"),
+            transparency,
             texture: texture(&model, "baseColorTexture")?,
             metal: texture(&model, "metallicRoughnessTexture")?,
             metallic: model.number_or("metallicFactor", Range::UNIT, 1.0)?,
             roughness: model.number_or("roughnessFactor", Range::UNIT, 1.0)?,
-            ..own
+            glow,
+            occlusion,
+            normal,
+            is_unlit,
+            sides,
+            emission,
         })
     }
 

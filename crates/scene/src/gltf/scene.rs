@@ -234,7 +234,7 @@ fn read(
 ) {
     let parts = &document.meshes[mesh];
     for primitive in &parts.primitives {
-        let surface = primitive.material.map_or(&Surface::DEFAULT, |i| &document.materials[i]);
+        let surface = primitive.material.map_or(&document.usual, |i| &document.materials[i]);
         let (texture, maps, set) = textures(document, surface, notes);
         let Some(threshold) = surface.threshold() else {
             let message = "an invisible surface is left out";
