@@ -81,16 +81,16 @@ pub(crate) fn run(
     has_holes: impl FnOnce(&[bool]) -> Result<Vec<bool>>,
 ) -> Result<Findings> {
     let mut facts = Facts::new(census);
-    let cut = |i: usize| facts.solid[i] && facts.met[i] && census.surfaces[i].cut_out.is_some();
+    let cut =
+        |i: usize| facts.solid[i] && facts.found.met[i] && census.surfaces[i].cut_out.is_some();
     let asked: Vec<bool> = (0..facts.solid.len()).map(cut).collect();
-    facts.holes = if asked.contains(&true) { has_holes(&asked)? } else { asked };
-    let transparent =
-        (0..facts.solid.len()).map(|i| facts.is_transparent(i) && facts.met[i]).collect();
+    facts.found.holes = if asked.contains(&true) { has_holes(&asked)? } else { asked };
     let decisions = Effect::ALL.into_iter().map(|effect| facts.decide(effect)).collect();
-    let Facts { visible, shown, reached, shows, met, holes, .. } = facts;
-    let seen = |(seen, shows): (&bool, Shows)| if *seen { shows } else { Shows::default() };
-    let shows = visible.iter().zip(shows).map(seen).collect();
-    Ok(Findings { decisions, shown, reached, shows, transparent, met, holes })
+    let transparent =
+        (0..facts.solid.len()).map(|i| facts.is_transparent(i) && facts.found.met[i]).collect();
+    let seen = |(seen, shows): (&bool, &Shows)| if *seen { *shows } else { Shows::default() };
+    let shows = facts.visible.iter().zip(&facts.found.shows).map(seen).collect();
+    Ok(Findings { decisions, shows, transparent, ..facts.found })
 }
 
 /// The facts behind the decisions.
@@ -100,15 +100,10 @@ struct Facts<'a> {
     /// traced.
     solid: Vec<bool>,
     visible: Vec<bool>,
-    shown: Vec<bool>,
-    reached: Vec<bool>,
     /// For each shape, whether its diffuse colour is visible where the shape is.
     shows_color: Vec<bool>,
-    /// For each shape, which properties of its material are visible where the shape is.
-    shows: Vec<Shows>,
-    /// As in [`Findings`].
-    met: Vec<bool>,
-    holes: Vec<bool>,
+    /// What is known of the results; properties of a material that are visible where the shape is.
+    found: Findings,
     /// Whether there is ambient light, and whether any surface in view shows it.
     has_ambient: bool,
     shows_ambient: bool,
@@ -179,25 +174,14 @@ impl<'a> Facts<'a> {
         let has_sky = census.hemisphere.is_some_and(|sky| !sky.is_black())
             || environment::is_bright(census.world);
         let shines = is_lit || glows || shapes.iter().any(is_bright) || shows_ambient || has_sky;
-        Self {
-            census,
-            solid,
-            visible,
-            shown,
-            reached,
-            shows_color,
-            shows,
-            met,
-            holes: Vec::new(),
-            shines,
-            has_ambient,
-            shows_ambient,
-        }
+        let found = Findings { shown, reached, shows, met, ..Findings::default() };
+        Self { census, solid, visible, shows_color, found, shines, has_ambient, shows_ambient }
     }
 
     fn decide(&self, effect: Effect) -> Decision {
-        let shows =
-            |is: fn(Shows) -> bool, thing, none| self.surfaces(|i| is(self.shows[i]), thing, none);
+        let shows = |is: fn(Shows) -> bool, thing, none| {
+            self.surfaces(|i| is(self.found.shows[i]), thing, none)
+        };
         let (present, reason) = match effect {
             Effect::Triangles => self.triangles(),
             Effect::Quads => self.quads(),
@@ -219,7 +203,7 @@ impl<'a> Facts<'a> {
             Effect::Emission => shows(|s| s.emission, "emissive shape", "no material is emissive"),
             Effect::CutOuts => self.cut_outs(),
             Effect::RayDifferentials => {
-                let is_trilinear = |i: usize| self.shows[i].trilinear(self.census, i);
+                let is_trilinear = |i: usize| self.found.shows[i].trilinear(self.census, i);
                 self.surfaces(is_trilinear, "trilinear texture", "no visible texture is trilinear")
             }
             Effect::HemisphereLight => self.hemisphere(),
@@ -261,7 +245,7 @@ impl<'a> Facts<'a> {
     }
 
     fn is_lit(&self) -> bool {
-        self.shown.contains(&true)
+        self.found.shown.contains(&true)
     }
 
     fn smooth_shading(&self) -> (bool, String) {
@@ -292,18 +276,19 @@ impl<'a> Facts<'a> {
             (true, false) => "no light reaches a texture",
             (true, true) => "no surface uses the colour of its texture",
         };
-        self.surfaces(|i| self.shows[i].texture, "textured shape", none)
+        self.surfaces(|i| self.found.shows[i].texture, "textured shape", none)
     }
 
     fn cut_outs(&self) -> (bool, String) {
         let is = |i: usize| self.census.surfaces[i].cut_out.is_some();
-        let is_cut = |i: usize| is(i) && (self.holes[i] || !self.met[i]);
-        let none = match (0..self.met.len()).any(|i| self.met[i] && self.solid[i] && is(i)) {
-            true => "no image of a cut-out has a transparent texel",
-            false => "no shape has cut-outs",
-        };
+        let is_cut = |i: usize| is(i) && (self.found.holes[i] || !self.found.met[i]);
+        let none =
+            match (0..self.found.met.len()).any(|i| self.found.met[i] && self.solid[i] && is(i)) {
+                true => "no image of a cut-out has a transparent texel",
+                false => "no shape has cut-outs",
+            };
         let found = self.surfaces(is_cut, "shape with cut-outs", none);
-        or_in_the_way(found, self.holes.contains(&true))
+        or_in_the_way(found, self.found.holes.contains(&true))
     }
 
     fn lights(&self, thing: &str, is: impl Fn(&Emitter) -> bool) -> (bool, String) {
@@ -313,7 +298,7 @@ impl<'a> Facts<'a> {
             lights.filter(|(found, counts)| **counts && of_kind(found)).count()
         };
         let all = self.census.lights.iter().filter(|found| of_kind(found)).count();
-        let (shown, reached) = (number(&self.shown), number(&self.reached));
+        let (shown, reached) = (number(&self.found.shown), number(&self.found.reached));
         let has_power = |found: &Found| found.light.power != Vec3::ZERO;
         let none = match all {
             0 => format!("there is no {thing}"),

@@ -17,7 +17,7 @@ impl Facts<'_> {
         let is_one = move |shape: &&Shape| {
             shape.primitives.clone().next().is_some_and(|first| is(geometry.primitive(first)))
         };
-        let shapes = self.census.extracted.shapes.iter().zip(&self.met);
+        let shapes = self.census.extracted.shapes.iter().zip(&self.found.met);
         let those = shapes.filter(move |(_, is_met)| **is_met == met);
         those.map(|(output, _)| &output.shape).filter(is_one)
     }

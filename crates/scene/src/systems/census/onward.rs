@@ -10,7 +10,7 @@ impl Facts<'_> {
     pub(super) fn transparency(&self) -> (bool, String) {
         let none = "no material lets light through";
         let found = self.surfaces(|i| self.is_transparent(i), "transparent shape", none);
-        let is_met = (0..self.met.len()).any(|i| self.is_transparent(i) && self.met[i]);
+        let is_met = (0..self.found.met.len()).any(|i| self.is_transparent(i) && self.found.met[i]);
         or_in_the_way(found, is_met)
     }
 
