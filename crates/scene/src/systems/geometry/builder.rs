@@ -6,7 +6,7 @@ use glam::DVec3;
 
 use super::meshes::{ArrayLengths, append, transform_mesh};
 use super::occurrence::Occurrence;
-use super::output::{Output, ShapeOutput, lights};
+use super::output::{Output, ShapeOutput};
 use super::tangents::tangents;
 use crate::components::Mesh;
 use crate::corners;
@@ -137,7 +137,6 @@ impl GeometryBuilder {
 
     pub(super) fn finish(mut self) -> Output {
         self.shapes.sort_by_key(|s| s.shape.primitives.start);
-        self.geometry.passed = lights(&self.shapes);
         let Self { geometry, shapes, meshes, .. } = self;
         Output { geometry, shapes, meshes }
     }

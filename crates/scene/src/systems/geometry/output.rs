@@ -87,7 +87,6 @@ impl Output {
         geometry.triangles.shrink_to_fit();
         (geometry.quads, geometry.quadrics) = (kept.quads, kept.quadrics);
         geometry.instances = kept.instances;
-        geometry.passed = lights(shapes);
         let is_shown = |number| geometry.instances.iter().any(|of| of.prototype() == number);
         let unused = (0..geometry.prototypes.len()).filter(|&number| !is_shown(number));
         for number in unused.collect::<Vec<_>>() {
@@ -154,11 +153,4 @@ impl Output {
             mesh.tangents = mesh.tangents.take().filter(|_| turned);
         }
     }
-}
-
-/// The primitives of lights' shapes.
-pub(super) fn lights(shapes: &[ShapeOutput]) -> Vec<Range<u32>> {
-    let lights = shapes.iter().filter(|output| output.shape.light.is_some());
-    let ranges = lights.map(|output| output.shape.primitives.clone());
-    ranges.filter(|range| !range.is_empty()).collect()
 }
