@@ -11,6 +11,7 @@ use crate::format::{
 use crate::options::LoadOptions;
 use crate::options::framing::FOV;
 use wavecrest_base::error::{Error, ErrorKind, Result};
+use wavecrest_core::kernels::camera::Placement;
 use wavecrest_core::kernels::camera::path::least_aligned_axis;
 
 pub use wavecrest_core::kernels::camera::FovAxis;
@@ -104,6 +105,20 @@ component! {
         pub antialias: u32 = "antialias": Integer(1, MOST_ANTIALIAS), Is(1.0);
         /// Distribution of a pinhole's rays over the pixel.
         pub sampling: Sampling = "sampling": word::<Sampling>(), Says("jittered");
+    }
+}
+
+impl View {
+    /// Where it is, for its angles.
+    pub(crate) fn placement(&self) -> Placement {
+        Placement {
+            location: self.location,
+            look: self.look,
+            up: self.up,
+            fov_degrees: self.fov_degrees,
+            fov_axis: self.fov_axis,
+            size: [self.width, self.height],
+        }
     }
 }
 

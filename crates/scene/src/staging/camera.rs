@@ -6,7 +6,7 @@ use glam::{DMat3, DQuat, DVec3};
 use hecs::{EntityBuilder, World};
 
 use wavecrest_base::error::Result;
-use wavecrest_core::kernels::camera::{Placement, half_extent};
+use wavecrest_core::kernels::camera::half_extent;
 use wavecrest_core::math::float::MAX_COORDINATE;
 use wavecrest_core::math::sampling::Sampling;
 
@@ -247,19 +247,7 @@ impl ToFrame<'_> {
     /// The tangents of half the angles to fill, horizontally and vertically.
     fn tangents(&self, view: &View) -> [f64; 2] {
         let share = self.framing.fit.unwrap_or_default().share();
-        half_extent(&placement(view)).map(|tangent| tangent * share)
-    }
-}
-
-/// Where a view is, for its angles.
-pub(super) fn placement(view: &View) -> Placement {
-    Placement {
-        location: view.location,
-        look: view.look,
-        up: view.up,
-        fov_degrees: view.fov_degrees,
-        fov_axis: view.fov_axis,
-        size: [view.width, view.height],
+        half_extent(&view.placement()).map(|tangent| tangent * share)
     }
 }
 

@@ -12,7 +12,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::Scenery;
-use super::camera::{axes, placement};
+use super::camera::axes;
 use super::fit::NEAREST;
 use crate::components::View;
 use wavecrest_core::kernels::camera::half_extent;
@@ -71,7 +71,7 @@ impl Grid {
     /// it takes too long.
     pub(super) fn seen(contents: &Scenery<'_>, view: &View) -> Option<Vec<[DVec3; 2]>> {
         let axes = axes(view.up, (view.location - view.look).normalize());
-        let [across, along] = half_extent(&placement(view));
+        let [across, along] = half_extent(&view.placement());
         let near = contents.sphere.radius * NEAREST;
         let into = |point: DVec3| {
             let DVec3 { x, y, z } = axes.transpose() * (point - view.location);

@@ -53,14 +53,8 @@ fn of_world(
     let (view, lens, path) = query.iter().next().ok_or_else(|| missing("View"))?;
     let lens = lens_runs.then(|| lens.map_or(PINHOLE, of_extent));
     let antialias = if jitter_runs { view.antialias } else { 1 };
-    let still = Placement {
-        location: view.location - origin,
-        look: view.look - origin,
-        up: view.up,
-        fov_degrees: view.fov_degrees,
-        fov_axis: view.fov_axis,
-        size: [view.width, view.height],
-    };
+    let (location, look) = (view.location - origin, view.look - origin);
+    let still = Placement { location, look, ..view.placement() };
     let key = |key: &CameraKey| Keyframe {
         frame: key.frame,
         placement: Placement {
