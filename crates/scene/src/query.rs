@@ -50,6 +50,13 @@ pub(crate) fn change<C: Component>(world: &mut World, change: impl FnMut(&mut C)
     world.query_mut::<&mut C>().into_iter().for_each(change);
 }
 
+/// Removes every `C`.
+pub(crate) fn remove<C: Component>(world: &mut World) {
+    let those = world.query_mut::<(Entity, &C)>().into_iter().map(|(entity, _)| entity);
+    let those: Vec<Entity> = those.collect();
+    those.into_iter().for_each(|entity| drop(world.remove_one::<C>(entity)));
+}
+
 /// The place of the entity in the scene file; empty if unknown.
 pub(crate) fn json_path(world: &World, entity: Entity) -> String {
     world.entity(entity).map_or_else(|_| String::new(), place_of)

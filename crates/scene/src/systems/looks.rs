@@ -9,7 +9,7 @@ use crate::components::{
     Channels, Encoding, Filter, InstanceOf, JsonPath, LookUp, Maps, Material, Mesh, TextureRef,
     TextureSource, Wrap,
 };
-use crate::query::change;
+use crate::query::{change, remove};
 use crate::staging::GROUND;
 
 /// The reflectance of clay.
@@ -31,13 +31,8 @@ pub fn clay(world: &mut World) {
         }
     }
     change(world, |mesh: &mut Mesh| mesh.data.colors = None);
-    let all: Vec<Entity> =
-        world.query_mut::<(Entity, &Material)>().into_iter().map(|(entity, _)| entity).collect();
-    for entity in all {
-        // Missing components are fine.
-        let _ = world.remove_one::<TextureRef>(entity);
-        let _ = world.remove_one::<Maps>(entity);
-    }
+    remove::<TextureRef>(world);
+    remove::<Maps>(world);
 }
 
 /// Shows the texture coordinates of every surface as colours; surfaces without are grey.

@@ -1,12 +1,12 @@
 //! Overrides of a scene file's global settings, for comparisons.
 
-use hecs::{Entity, World};
+use hecs::World;
 
 use crate::components::{
     AreaLight, DirectionalLight, Filter, Maps, PointLight, Settings, Sky, TextureRef, ThinLens,
     Transparency, View,
 };
-use crate::query::change;
+use crate::query::{change, remove};
 
 /// Overrides of the file's values; `None` keeps them.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -79,11 +79,4 @@ impl Layer {
             Self::Antialiasing => change(world, |view: &mut View| view.antialias = 1),
         }
     }
-}
-
-/// Removes every `T`.
-fn remove<T: hecs::Component>(world: &mut World) {
-    let those = world.query_mut::<(Entity, &T)>().into_iter().map(|(entity, _)| entity);
-    let those: Vec<Entity> = those.collect();
-    those.into_iter().for_each(|entity| drop(world.remove_one::<T>(entity)));
 }
