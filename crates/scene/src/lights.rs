@@ -63,8 +63,8 @@ pub(crate) struct Surroundings<'a> {
 pub(crate) const SYSTEMS: [System; 5] =
     [point::emitters, spot::emitters, directional::emitters, area::emitters, sky::emitters];
 
-/// Adds the lights of a kind in the world to those found.
-type System = fn(&World, &Surroundings<'_>, &mut Vec<Found>) -> Result<()>;
+/// Finds the lights of a kind in the world.
+type System = fn(&World, &Surroundings<'_>) -> Result<Vec<Found>>;
 
 /// Warns of a light without any but its ambient part.
 fn warn_of_power(object: &Object<'_>) {

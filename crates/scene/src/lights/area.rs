@@ -99,11 +99,8 @@ fn read_shape(object: &Object<'_>, entity: &mut EntityBuilder) -> Result<()> {
 }
 
 /// The area lights.
-pub(super) fn emitters(
-    world: &World,
-    scene: &Surroundings<'_>,
-    found: &mut Vec<Found>,
-) -> Result<()> {
+pub(super) fn emitters(world: &World, scene: &Surroundings<'_>) -> Result<Vec<Found>> {
+    let mut found = Vec::new();
     let Surroundings { settings, extracted, .. } = scene;
     let shapes: HashMap<Entity, &Shape> =
         extracted.shapes.iter().map(|output| (output.entity, &output.shape)).collect();
@@ -117,7 +114,7 @@ pub(super) fn emitters(
         let light = super::light(emitter, power, falloff, (sampling, samples));
         found.push(Found { entity, order, light });
     }
-    Ok(())
+    Ok(found)
 }
 
 /// The shape of a light, as an emitter.

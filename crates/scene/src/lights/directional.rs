@@ -7,7 +7,7 @@ use super::{
     Found, MOST_SAMPLES, Surroundings, check_samples, diameter, power, unit, warn_of_strength,
 };
 use crate::components::{Falloff, Order, Sampling};
-use crate::format::{Declaration, Kind, Object, Range, component, declared};
+use crate::format::{Declaration, Kind, Range, component, declared};
 use wavecrest_base::error::Result;
 use wavecrest_core::kernels::light::{Distant, Emitter};
 
@@ -39,19 +39,14 @@ component! {
     }
 }
 
-declared!(DirectionalLight, check);
-
-fn check(light: &mut DirectionalLight, object: &Object<'_>) -> Result<()> {
+declared!(DirectionalLight, |light: &mut Self, object| {
     warn_of_strength(object);
     check_samples(object, light.sampling, light.samples)
-}
+});
 
 /// The directional lights.
-pub(super) fn emitters(
-    world: &World,
-    scene: &Surroundings<'_>,
-    found: &mut Vec<Found>,
-) -> Result<()> {
+pub(super) fn emitters(world: &World, scene: &Surroundings<'_>) -> Result<Vec<Found>> {
+    let mut found = Vec::new();
     let mut size = None;
     for (entity, &order, light) in world.query::<(Entity, &Order, &DirectionalLight)>().iter() {
         // A pass over every position, only if there is such a light.
@@ -64,5 +59,5 @@ pub(super) fn emitters(
         let light = super::light(Emitter::Distant(distant), power, Falloff::None, points);
         found.push(Found { entity, order, light });
     }
-    Ok(())
+    Ok(found)
 }

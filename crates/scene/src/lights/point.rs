@@ -5,7 +5,7 @@ use hecs::{Entity, World};
 
 use super::{Found, Spot, Surroundings, power, warn_of_strength};
 use crate::components::{Falloff, Order, Sampling};
-use crate::format::{Declaration, Kind, Object, Range, component, declared};
+use crate::format::{Declaration, Kind, Range, component, declared};
 use wavecrest_base::error::Result;
 use wavecrest_core::kernels::light::{Emitter, Light};
 
@@ -31,25 +31,19 @@ component! {
     }
 }
 
-declared!(PointLight, check);
-
-fn check(_: &mut PointLight, object: &Object<'_>) -> Result<()> {
+declared!(PointLight, |_: &mut Self, object| {
     warn_of_strength(object);
     Ok(())
-}
+});
 
 /// The point lights that are no spots.
-pub(super) fn emitters(
-    world: &World,
-    scene: &Surroundings<'_>,
-    found: &mut Vec<Found>,
-) -> Result<()> {
+pub(super) fn emitters(world: &World, scene: &Surroundings<'_>) -> Result<Vec<Found>> {
     let mut query = world.query::<(Entity, &Order, &PointLight)>().without::<&Spot>();
-    found.extend(query.iter().map(|(entity, &order, light)| {
+    let found = query.iter().map(|(entity, &order, light)| {
         let emitter = Emitter::Point((light.position - scene.origin).as_vec3());
         Found { entity, order, light: light.with(emitter) }
-    }));
-    Ok(())
+    });
+    Ok(found.collect())
 }
 
 impl PointLight {

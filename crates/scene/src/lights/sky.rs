@@ -6,7 +6,7 @@ use hecs::{Entity, World};
 use super::{Found, MOST_SAMPLES, Surroundings, check_samples, diameter, unit};
 use crate::components::{Falloff, Order, Sampling};
 use crate::environment;
-use crate::format::{Declaration, Kind, Object, Range, component, declared};
+use crate::format::{Declaration, Kind, Range, component, declared};
 use wavecrest_base::error::Result;
 use wavecrest_core::kernels::hemisphere::Hemisphere;
 use wavecrest_core::kernels::light::{Distant, Emitter};
@@ -42,11 +42,7 @@ component! {
     }
 }
 
-declared!(Sky, check);
-
-fn check(sky: &mut Sky, object: &Object<'_>) -> Result<()> {
-    check_samples(object, sky.sampling, sky.samples)
-}
+declared!(Sky, |sky: &mut Self, object| check_samples(object, sky.sampling, sky.samples));
 
 impl Sky {
     /// The light on a surface by its normal. That of the environment is found later; until then it
@@ -60,11 +56,8 @@ impl Sky {
 }
 
 /// Ambient light that shadow rays look for.
-pub(super) fn emitters(
-    world: &World,
-    scene: &Surroundings<'_>,
-    found: &mut Vec<Found>,
-) -> Result<()> {
+pub(super) fn emitters(world: &World, scene: &Surroundings<'_>) -> Result<Vec<Found>> {
+    let mut found = Vec::new();
     for (entity, sky) in world.query::<(Entity, &Sky)>().iter().filter(|(_, sky)| sky.samples > 0) {
         let all = || Distant::reach(diameter(&scene.extracted.geometry));
         let reach = sky.distance.unwrap_or_else(all) as f32;
@@ -75,5 +68,5 @@ pub(super) fn emitters(
         // After the lights of the file, whose random numbers it leaves as they are.
         found.push(Found { entity, order: Order(u32::MAX), light });
     }
-    Ok(())
+    Ok(found)
 }

@@ -50,13 +50,9 @@ fn check(spot: &mut Spot, object: &Object<'_>) -> Result<()> {
 }
 
 /// The spots.
-pub(super) fn emitters(
-    world: &World,
-    scene: &Surroundings<'_>,
-    found: &mut Vec<Found>,
-) -> Result<()> {
+pub(super) fn emitters(world: &World, scene: &Surroundings<'_>) -> Result<Vec<Found>> {
     let mut query = world.query::<(Entity, &Order, &PointLight, &Spot)>();
-    found.extend(query.iter().map(|(entity, &order, light, spot)| {
+    let found = query.iter().map(|(entity, &order, light, spot)| {
         let cone = Cone::new(unit(spot.direction), spot.inner_degrees, spot.outer_degrees);
         let position = (light.position - scene.origin).as_vec3();
         let mut light = light.with(Emitter::Spot(position, cone));
@@ -64,6 +60,6 @@ pub(super) fn emitters(
             light.power = Vec3::ZERO;
         }
         Found { entity, order, light }
-    }));
-    Ok(())
+    });
+    Ok(found.collect())
 }

@@ -23,7 +23,7 @@ pub(crate) fn run(
     let mut found: Vec<Found> = Vec::new();
     let scene = Surroundings { settings, extracted, origin };
     for system in SYSTEMS {
-        system(world, &scene, &mut found)?;
+        found.extend(system(world, &scene)?);
     }
     found.sort_by_key(|found| found.order);
     Ok(found)
