@@ -21,6 +21,7 @@ use crate::environment;
 use crate::lights::Found;
 pub(crate) use shows::Shows;
 use wavecrest_base::error::Result;
+use wavecrest_core::geometry::Primitive;
 use wavecrest_core::kernels::blinn_phong::Material;
 use wavecrest_core::kernels::hemisphere::Hemisphere;
 use wavecrest_core::kernels::light::Emitter;
@@ -184,9 +185,15 @@ impl<'a> Facts<'a> {
         };
         let (present, reason) = match effect {
             Effect::Triangles => self.triangles(),
-            Effect::Quads => self.quads(),
-            Effect::Spheres => self.spheres(),
-            Effect::Disks => self.disks(),
+            Effect::Quads => {
+                self.kind(|one| matches!(one, Primitive::Quad(_)), "quad", "no shape is a plane")
+            }
+            Effect::Spheres => {
+                self.quadrics(|one| one.sphere().is_some(), "sphere", "no shape is a sphere")
+            }
+            Effect::Disks => {
+                self.quadrics(|one| one.sphere().is_none(), "disk", "no shape is a disk")
+            }
             Effect::SmoothShading => self.smooth_shading(),
             Effect::VertexColors => self.vertex_colors(),
             Effect::Textures => self.textures(),

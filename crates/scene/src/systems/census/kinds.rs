@@ -23,7 +23,7 @@ impl Facts<'_> {
     }
 
     /// The number of primitives of a kind that rays may meet, or the reason for none.
-    fn kind(
+    pub(super) fn kind(
         &self,
         is: impl Fn(Primitive) -> bool + Copy,
         thing: &str,
@@ -65,22 +65,12 @@ impl Facts<'_> {
         (true, format!("{own}{instanced} in {instances} of {meshes}; {held} are stored"))
     }
 
-    pub(super) fn quads(&self) -> (bool, String) {
-        let is_quad = |primitive| matches!(primitive, Primitive::Quad(_));
-        self.kind(is_quad, "quad", "no shape is a plane")
-    }
-
-    pub(super) fn spheres(&self) -> (bool, String) {
-        let is_sphere = |quadric: &Quadric| quadric.sphere().is_some();
-        self.quadrics(is_sphere, "sphere", "no shape is a sphere")
-    }
-
-    pub(super) fn disks(&self) -> (bool, String) {
-        let is_disk = |quadric: &Quadric| quadric.sphere().is_none();
-        self.quadrics(is_disk, "disk", "no shape is a disk")
-    }
-
-    fn quadrics(&self, is: fn(&Quadric) -> bool, thing: &str, none: &str) -> (bool, String) {
+    pub(super) fn quadrics(
+        &self,
+        is: fn(&Quadric) -> bool,
+        thing: &str,
+        none: &str,
+    ) -> (bool, String) {
         let quadrics = &self.census.extracted.geometry.quadrics;
         self.kind(|one| matches!(one, Primitive::Quadric(i) if is(&quadrics[i])), thing, none)
     }
