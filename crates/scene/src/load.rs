@@ -20,7 +20,7 @@ use wavecrest_base::memory::Stage;
 use wavecrest_base::replace::check_differs;
 
 pub use super::camera::{LONGEST_SIDE, MOST_ANTIALIAS};
-use super::components::{Encoding, JsonPath, Name, Settings, View};
+use super::components::{Encoding, JsonPath, Name, Settings};
 use super::folder::Folder;
 use super::format::{Cursor, Notes, Place, json};
 use super::gltf;
@@ -28,7 +28,6 @@ use super::mesh::{self, LoadedMesh, MeshData};
 pub use super::options::{LoadOptions, framing, lighting};
 use super::query;
 use super::scene_file;
-use super::staging;
 use super::survey::{self, Survey};
 
 /// Largest length of a scene file in bytes, 256 MiB. While it is read, JSON takes up to 25 times
@@ -75,7 +74,9 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<LoadedScene> {
 /// As [`load`].
 #[doc(hidden)]
 pub fn load_gltf(bytes: Vec<u8>, path: &Path, options: &LoadOptions) -> Result<LoadedScene> {
-    completed(path, options, |notes| gltf::world(bytes, options, notes))
+    let notes = options.notes(path);
+    let (world, told) = gltf::world(bytes, options, &notes)?;
+    loaded(world, notes, Some(told), mesh::load)
 }
 
 fn load_standalone(
@@ -83,21 +84,8 @@ fn load_standalone(
     options: &LoadOptions,
     read: impl FnOnce() -> Result<LoadedMesh>,
 ) -> Result<LoadedScene> {
-    completed(path, options, |notes| standalone::world(path, options, notes, read))
-}
-
-/// The scene that `read` makes of a file at `path` that is no whole scene.
-fn completed(
-    path: &Path,
-    options: &LoadOptions,
-    read: impl FnOnce(&Notes<'_>) -> Result<(World, String)>,
-) -> Result<LoadedScene> {
     let notes = options.notes(path);
-    let (mut world, told) = read(&notes)?;
-    // The requested rays per pixel.
-    query::change(&mut world, |view: &mut View| {
-        view.antialias = options.antialias_or(view.antialias);
-    });
+    let (world, told) = standalone::world(path, options, &notes, read)?;
     loaded(world, notes, Some(told), mesh::load)
 }
 
@@ -230,16 +218,10 @@ fn refuse_camera(file: &Path, options: &LoadOptions) -> Result<()> {
 /// As [`load`], as far as the scene file itself and the headers of meshes go.
 pub fn survey(path: &Path, options: &LoadOptions) -> Result<Survey> {
     Stage::Read.begin();
-    let without_lens = |found: Survey| {
-        let rays = options.antialias_or(found.rays_per_pixel.isqrt() as u32);
-        Survey { rays_per_pixel: u64::from(rays).pow(2), ..found }
-    };
     match FileFormat::of(path)? {
         FileFormat::Scene => {}
-        FileFormat::Gltf => return gltf::survey(path, options).map(without_lens),
-        FileFormat::Mesh => {
-            return survey_standalone(mesh::survey(path)?, options).map(without_lens);
-        }
+        FileFormat::Gltf => return gltf::survey(path, options),
+        FileFormat::Mesh => return survey::standalone(mesh::survey(path)?, options),
     }
     let notes = options.notes(path);
     let text = read_text(path)?;
@@ -254,12 +236,7 @@ pub fn survey(path: &Path, options: &LoadOptions) -> Result<Survey> {
 /// # Errors
 /// If the size of the image is not allowed.
 pub fn survey_mesh(mesh: &MeshData, options: &LoadOptions) -> Result<Survey> {
-    survey_standalone(survey::of_mesh(mesh), options)
-}
-
-fn survey_standalone(holds: mesh::Survey, options: &LoadOptions) -> Result<Survey> {
-    let (width, height) = staging::size(options, None)?;
-    Ok(survey::standalone(holds, [width, height], options.lighting.crease_degrees > 0.0))
+    survey::standalone(survey::of_mesh(mesh), options)
 }
 
 fn read_text(path: &Path) -> Result<String> {

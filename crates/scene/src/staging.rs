@@ -23,7 +23,7 @@ use crate::components::{CutOut, View};
 use crate::mesh::MeshData;
 use crate::systems::cutouts::{Masks, left};
 
-pub(crate) use camera::{Framed, framed, rays_per_pixel, size, view};
+pub(crate) use camera::{Framed, framed, view};
 use grid::Grid;
 pub(crate) use ground::GROUND;
 pub(crate) use light::{GLASS_BOUNCES, MOST_LAMPS, allow_for_surfaces, light, samples, settings};

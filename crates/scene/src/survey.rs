@@ -11,6 +11,7 @@ use super::components::{
 use super::format::Notes;
 use super::lights::points;
 use super::mesh::{self, MeshData};
+use super::options::LoadOptions;
 use super::query::{self, Pictured, textures_of};
 use super::staging;
 use wavecrest_base::error::{Error, Result};
@@ -62,21 +63,33 @@ pub struct Survey {
     pub bounces: u32,
 }
 
-/// Surveys a standalone mesh, for an image of this size; `is_smoothed` if it gets normals when it
-/// has none.
-pub(super) fn standalone(mut holds: mesh::Survey, size: [u32; 2], is_smoothed: bool) -> Survey {
-    let mut creasing = 0;
-    if is_smoothed && holds.normals == 0 {
+/// The survey of a file that gets a camera and lights, and may have glass: without its contents.
+pub(super) fn staged(options: &LoadOptions) -> Result<Survey> {
+    let view = staging::view(options, None)?;
+    Ok(Survey {
+        size: [view.width, view.height],
+        rays_per_pixel: u64::from(view.antialias).pow(2),
+        light_samples: staging::samples(),
+        bounces: staging::GLASS_BOUNCES,
+        ..Survey::default()
+    })
+}
+
+/// Surveys a standalone mesh.
+pub(super) fn standalone(mut holds: mesh::Survey, options: &LoadOptions) -> Result<Survey> {
+    let mut survey = staged(options)?;
+    if options.lighting.crease_degrees > 0.0 && holds.normals == 0 {
         // About as many as positions, unless every edge is a crease.
         (holds.normals, holds.normal_indices) = (holds.positions, true);
-        creasing = mesh::crease::bytes(holds.positions, holds.triangles);
+        survey.creasing = mesh::crease::bytes(holds.positions, holds.triangles);
+    }
+    // Only glass has rays wait, two at each bounce.
+    if !holds.materials {
+        survey.bounces = 0;
     }
     let mesh = SurveyedMesh { holds, normals: true, uvs: true, tangents: false, uses: 1 };
-    let (rays_per_pixel, light_samples) = (staging::rays_per_pixel(), staging::samples());
-    // Only glass has rays wait, two at each bounce.
-    let bounces = if holds.materials { staging::GLASS_BOUNCES } else { 0 };
-    let meshes = vec![mesh];
-    Survey { meshes, size, rays_per_pixel, light_samples, bounces, creasing, ..Survey::default() }
+    survey.meshes.push(mesh);
+    Ok(survey)
 }
 
 /// Surveys a world whose mesh files are not read yet, and whose scene file has `text` bytes.

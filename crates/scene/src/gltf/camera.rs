@@ -89,7 +89,7 @@ impl Shot<'_> {
             );
             return Err(error.remedy("give the node a scale other than 0"));
         };
-        let (width, height) = staging::size(options, *aspect)?;
+        let view = staging::view(options, *aspect)?;
         let position = world.translation;
         let ahead = (position - bounds.center).dot(back);
         let (location, distance, fov) = match *lens {
@@ -112,7 +112,6 @@ impl Shot<'_> {
             return Err(error.value(format!("{fov_degrees} degrees")));
         }
         let look = location - back * distance;
-        let view = staging::view(width, height);
         Ok(View { location, look, up, fov_degrees, fov_axis: FovAxis::Y, ..view })
     }
 }

@@ -19,8 +19,7 @@ use super::primitive::{COLORS, Mode, Primitive};
 use crate::components::Filter;
 use crate::mesh;
 use crate::options::LoadOptions;
-use crate::staging;
-use crate::survey::{Survey, SurveyedMesh};
+use crate::survey::{Survey, SurveyedMesh, staged};
 use crate::systems::textures;
 use wavecrest_base::error::{Error, Result};
 
@@ -30,7 +29,7 @@ use wavecrest_base::error::{Error, Result};
 /// If it cannot be read.
 pub(crate) fn survey(path: &Path, options: &LoadOptions) -> Result<Survey> {
     let (text, is_binary) = json(path).map_err(|e| Error::io("cannot read the scene", path, e))?;
-    let (width, height) = staging::size(options, None)?;
+    let staged = staged(options)?;
     let value: Value = serde_json::from_slice(&text).unwrap_or_default();
     let buffers = value["buffers"].as_array().into_iter().flatten();
     let lengths = buffers.filter_map(|buffer| buffer["byteLength"].as_u64());
@@ -38,11 +37,7 @@ pub(crate) fn survey(path: &Path, options: &LoadOptions) -> Result<Survey> {
     let survey = Survey {
         text: text.len() as u64,
         raw: lengths.fold(length, u64::saturating_add),
-        size: [width, height],
-        rays_per_pixel: staging::rays_per_pixel(),
-        light_samples: staging::samples(),
-        bounces: staging::GLASS_BOUNCES,
-        ..Survey::default()
+        ..staged
     };
     let notes = options.notes(path);
     let binary = is_binary.then(|| Buffer::unread(path.to_owned(), BINARY_START + text.len()));

@@ -42,7 +42,7 @@ const OVERHEAD: DVec3 = DVec3::new(0.5, 0.8, 1.0);
 ///
 /// # Errors
 /// If the requested size is too large or zero.
-pub(crate) fn size(options: &LoadOptions, aspect: Option<f64>) -> Result<(u32, u32)> {
+fn size(options: &LoadOptions, aspect: Option<f64>) -> Result<(u32, u32)> {
     let (aspect, longer) = (aspect.unwrap_or(ASPECT), f64::from(LONGER_SIDE));
     let own = [longer * aspect.min(1.0), longer / aspect.max(1.0)];
     let (width, height) = camera::in_proportion(options, own);
@@ -50,14 +50,13 @@ pub(crate) fn size(options: &LoadOptions, aspect: Option<f64>) -> Result<(u32, u
     Ok((width, height))
 }
 
-/// Rays for each pixel.
-pub(crate) fn rays_per_pixel() -> u64 {
-    u64::from(ANTIALIAS).pow(2)
-}
-
-/// A view of this size without a position yet.
-pub(crate) fn view(width: u32, height: u32) -> View {
-    View {
+/// A view without a position yet, of a size as for [`size`].
+///
+/// # Errors
+/// As [`size`].
+pub(crate) fn view(options: &LoadOptions, aspect: Option<f64>) -> Result<View> {
+    let (width, height) = size(options, aspect)?;
+    Ok(View {
         location: DVec3::Z,
         look: DVec3::ZERO,
         up: DVec3::Y,
@@ -65,9 +64,9 @@ pub(crate) fn view(width: u32, height: u32) -> View {
         fov_axis: FovAxis::Smaller,
         width,
         height,
-        antialias: ANTIALIAS,
+        antialias: options.antialias_or(ANTIALIAS),
         sampling: Sampling::Jittered,
-    }
+    })
 }
 
 /// The chosen camera, and a description for the user.
@@ -107,7 +106,7 @@ pub(crate) fn framed(
     usual: Upward,
     options: &LoadOptions,
 ) -> Result<Framed> {
-    let (width, height) = size(options, None)?;
+    let blank = view(options, None)?;
     let framing = &options.framing;
     let mut sides: Vec<_> = framing.sheet.0.iter().map(|(_, side)| Some(*side)).collect();
     if sides.is_empty() {
@@ -119,8 +118,8 @@ pub(crate) fn framed(
     let grid = if needs_grid { Grid::of(contents) } else { None };
     let (up, told) = upward(contents, grid.as_ref(), framing.up.map_or(usual, Upward::Stated));
     let stage = ToFrame { contents, grid, up, framing };
-    let mut views = sides.iter().map(|side| stage.seen_from(*side, view(width, height)));
-    let (view, room) = views.next().unwrap_or_else(|| stage.seen_from(None, view(width, height)));
+    let mut views = sides.iter().map(|side| stage.seen_from(*side, blank));
+    let (view, room) = views.next().unwrap_or_else(|| stage.seen_from(None, blank));
     let told = told + room.map_or("", Room::told);
     let lamp = match room {
         Some(Room::Closed { lamp, .. }) => Some(lamp),

@@ -225,6 +225,7 @@ mod tests {
     use super::super::tests::{boxes, contents};
     use super::super::view;
     use super::*;
+    use crate::options::LoadOptions;
 
     #[test]
     fn rays_meet_both_ends_of_a_box() {
@@ -248,8 +249,9 @@ mod tests {
     #[test]
     fn a_camera_sees_the_nearest_surfaces_with_their_normals() {
         let mesh = boxes(&[([-2.0; 3], [2.0; 3]), ([-1.0; 3], [1.0; 3])]);
-        let view =
-            View { location: DVec3::ZERO, look: -DVec3::Z, fov_degrees: 100.0, ..view(40, 30) };
+        let options = LoadOptions { width: Some(40), height: Some(30), ..LoadOptions::default() };
+        let view = view(&options, None).unwrap();
+        let view = View { location: DVec3::ZERO, look: -DVec3::Z, fov_degrees: 100.0, ..view };
         let seen = Grid::seen(&contents(&mesh), &view).unwrap();
         assert_eq!(seen.len(), COLUMNS * COLUMNS);
         let mut counts = [0; 3];
