@@ -86,7 +86,19 @@ impl Surface {
 
     /// The material, with or without an emission texture.
     pub(super) fn material(&self, glow: Option<&Map>) -> Material {
-        let of = |look: MetalParameters, diffuse_color: DVec3, emission: DVec3| Material {
+        let (look, diffuse_color, emission) = if self.is_unlit {
+            let matte = look(DVec3::ZERO, 0.0, 1.0);
+            (MetalParameters { kd: 0.0, ..matte }, DVec3::ZERO, self.base_color)
+        } else {
+            let look = look(self.base_color, self.metallic, self.roughness);
+            // Light that goes through is not scattered.
+            let kd = look.kd * (1.0 - self.transparency().kt);
+            // Such a texture is usually mostly black: without it, even emission would be wrong.
+            let is_whole = glow.is_some() == self.glow.is_some();
+            let emission = if is_whole { self.emission } else { DVec3::ZERO };
+            (MetalParameters { kd, ..look }, self.base_color, emission)
+        };
+        Material {
             ks: look.ks,
             kd: look.kd,
             specular_exponent: look.exponent,
@@ -94,18 +106,7 @@ impl Surface {
             kr: look.kr,
             emission,
             specular_color: look.tint,
-        };
-        if self.is_unlit {
-            let matte = look(DVec3::ZERO, 0.0, 1.0);
-            return of(MetalParameters { kd: 0.0, ..matte }, DVec3::ZERO, self.base_color);
         }
-        // Such a texture is usually mostly black: without it, even emission would be wrong.
-        let emission =
-            if glow.is_some() == self.glow.is_some() { self.emission } else { DVec3::ZERO };
-        let look = look(self.base_color, self.metallic, self.roughness);
-        // Light that goes through is not scattered.
-        let kd = look.kd * (1.0 - self.transparency().kt);
-        of(MetalParameters { kd, ..look }, self.base_color, emission)
     }
 
     /// The light that goes through it: metals let none through.

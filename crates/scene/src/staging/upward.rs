@@ -88,10 +88,15 @@ pub(super) fn guess(contents: &Scenery<'_>, grid: &Grid, usual: Up) -> (Up, Opti
     (usual, None)
 }
 
+/// The mean of what `of` makes of the outermost hits, over the columns with hits.
+fn mean(columns: &[ColumnHits], of: impl Fn([MetTriangle; 2]) -> f64) -> f64 {
+    let met = || columns.iter().filter_map(|column| column.ends);
+    met().map(of).sum::<f64>() / met().count() as f64
+}
+
 /// The share of the columns with hits whose outermost hits are such.
 fn share(columns: &[ColumnHits], is: impl Fn([MetTriangle; 2]) -> bool) -> f64 {
-    let met = || columns.iter().filter_map(|column| column.ends);
-    met().filter(|ends| is(*ends)).count() as f64 / met().count() as f64
+    mean(columns, |ends| f64::from(u8::from(is(ends))))
 }
 
 /// Whether hits from below are on the outside.
@@ -101,8 +106,7 @@ fn is_closed(columns: &[ColumnHits]) -> bool {
 
 /// The mean difference between a mesh and its mirror image along the columns.
 fn asymmetry(columns: &[ColumnHits]) -> f64 {
-    let met = || columns.iter().filter_map(|column| column.ends);
-    met().map(|[low, high]| (low.at + high.at - 1.0).abs()).sum::<f64>() / met().count() as f64
+    mean(columns, |[low, high]| (low.at + high.at - 1.0).abs())
 }
 
 /// Whether the base is a sheet that faces up, as the ground of a courtyard does, and no back of a
