@@ -8,8 +8,7 @@
 //! | `lights` | lights and their shapes | emitters with sampling data |
 //! | `view` | shapes, the camera in all frames | which shapes are visible, and from which side |
 //! | `census` | all of these | the plan: which effects the scene needs |
-//! | `textures` | visible texture references | images to decode, each once |
-//! | `details` | visible materials and maps | properties of shapes other than colour |
+//! | `details` | visible textures, materials and maps | images to decode, each once; properties of shapes |
 //! | `cutouts` | cut-outs | primitives with holes, and their images |
 //! | `camera` | the view, pinhole or thin lens | the ray generator |
 //! | [`wavecrest_core::accel`] | the geometry | the tree |
@@ -134,7 +133,6 @@ pub fn extract(world: World, options: Options<'_>) -> Result<Extracted> {
         extracted.drop_unmet(&found.met);
     }
     let mut images = Images::default();
-    textures::run(&surfaces, schedule, &found.shows, &mut images, &mut extracted.shapes);
     let details = details::run(
         &surfaces,
         schedule,

@@ -1,4 +1,4 @@
-//! Details: properties of shapes other than colour.
+//! Textures of colours, and details: properties of shapes other than colour.
 
 use std::collections::HashMap;
 
@@ -10,8 +10,8 @@ use crate::surface::{EMISSION_MAP, METAL_MAP, NORMAL_MAP, OCCLUSION_MAP, OPACITY
 use wavecrest_core::plan::schedule::{Schedule, Step};
 use wavecrest_core::prepared::{Detail, Metal, NormalMap, Occlusion, UvMap};
 
-/// Assigns details to shapes; shapes with equal ones share a detail. Invisible properties are left
-/// out, unless the schedule requires them.
+/// Assigns textures and details to shapes; shapes with equal ones share a detail. Invisible ones are
+/// left out, and their images not opened, unless the schedule requires them.
 pub(crate) fn run(
     surfaces: &[SurfaceComponents<'_>],
     schedule: Schedule,
@@ -27,10 +27,17 @@ pub(crate) fn run(
         let is_for_mirrors = step == Step::Tints && schedule.has_mirrors();
         (is_shown || schedule.is_unconditional(step)) && (schedule.runs(step) || is_for_mirrors)
     };
-    let shown = shows.iter().zip(transparent);
+    let shows: Vec<Shows> = shows.iter().map(|shows| shows.map(is_needed)).collect();
+    for ((output, surface), shows) in shapes.iter_mut().zip(surfaces).zip(&shows) {
+        if let Some(texture) = surface.texture.filter(|_| shows.texture) {
+            let place = (surface.place, "texture");
+            output.shape.texture = Some(images.texture(texture, place, output.uv_map));
+        }
+    }
+    let shown = shows.into_iter().zip(transparent);
     for ((output, surface), (shows, transparent)) in shapes.iter_mut().zip(surfaces).zip(shown) {
         // The texture of its colour is no detail.
-        let shows = Shows { texture: false, ..shows.map(is_needed) };
+        let shows = Shows { texture: false, ..shows };
         let has_detail = *transparent || shows != Shows::default();
         let Some(material) = surface.material.filter(|_| has_detail) else { continue };
         let mut detail = detail(material, surface, shows, images, output.uv_map);

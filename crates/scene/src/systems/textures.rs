@@ -1,5 +1,5 @@
-//! Textures: connects shapes with images, each decoded once, at its first look-up. A scene without
-//! visible textures opens no image.
+//! Textures: the images of shapes, each decoded once, at its first look-up. A scene without visible
+//! textures opens no image.
 
 use std::collections::HashMap;
 use std::io::{BufRead, Read as _, Seek};
@@ -9,15 +9,10 @@ use std::path::{Path, PathBuf};
 use glam::{DVec3, Vec2, Vec3};
 use image::{DynamicImage, ImageDecoder, ImageError, ImageFormat, ImageReader, ImageResult};
 
-use super::census::Shows;
-use super::geometry::ShapeOutput;
-use crate::components::{
-    self, Channels, Encoding, LookUp, SurfaceComponents, TextureRef, TextureSource,
-};
+use crate::components::{self, Channels, Encoding, LookUp, TextureRef, TextureSource};
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_core::kernels::texture::{Filter, Image, Texels};
 use wavecrest_core::math::srgb::srgb_decode;
-use wavecrest_core::plan::schedule::{Schedule, Step};
 use wavecrest_core::prepared::{LazyImage, Placing, Texture, UvMap};
 
 /// Largest decoded image, in texels on a side.
@@ -31,27 +26,6 @@ const SMALL_BYTES: u64 = 64 << 20;
 const LARGEST_RATIO: u64 = 4096;
 /// Largest unpacked size of an image's header in bytes: larger colour profiles are ignored.
 const MAX_METADATA: u64 = 8 << 20;
-
-/// Assigns to each shape the image of its colour. Images that are not shown are not opened, unless
-/// the schedule requires them.
-pub(crate) fn run(
-    surfaces: &[SurfaceComponents<'_>],
-    schedule: Schedule,
-    shows: &[Shows],
-    images: &mut Images,
-    shapes: &mut [ShapeOutput],
-) {
-    if !schedule.runs(Step::Texels) {
-        return;
-    }
-    let all = schedule.is_unconditional(Step::Texels);
-    for ((shape, surface), shows) in shapes.iter_mut().zip(surfaces).zip(shows) {
-        if let Some(reference) = surface.texture.filter(|_| shows.texture || all) {
-            let place = (surface.place, "texture");
-            shape.shape.texture = Some(images.texture(reference, place, shape.uv_map));
-        }
-    }
-}
 
 /// The images of shapes, each once.
 #[derive(Default)]
