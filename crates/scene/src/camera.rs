@@ -109,6 +109,12 @@ component! {
 }
 
 impl View {
+    /// The number of rays for each pixel, with or without a lens.
+    pub(crate) fn rays(&self, lens: Option<&ThinLens>) -> u64 {
+        let on_lens = lens.map_or(1, |lens| u64::from(lens.samples_x) * u64::from(lens.samples_y));
+        u64::from(self.antialias).pow(2).saturating_mul(on_lens)
+    }
+
     /// Where it is, for its angles.
     pub(crate) fn placement(&self) -> Placement {
         Placement {
@@ -336,7 +342,7 @@ fn check_rays(view: &View, lens: Option<&ThinLens>) -> Result<()> {
     let (x, y) = lens.map_or((1, 1), |lens| (lens.samples_x, lens.samples_y));
     let n = view.antialias;
     // At most 64 * 64 * 4096 * 4096 = 2^36.
-    let rays = u64::from(n) * u64::from(n) * u64::from(x) * u64::from(y);
+    let rays = view.rays(lens);
     if rays <= MOST_RAYS {
         return Ok(());
     }

@@ -68,7 +68,7 @@ pub(super) fn staged(options: &LoadOptions) -> Result<Survey> {
     let view = staging::view(options, None)?;
     Ok(Survey {
         size: [view.width, view.height],
-        rays_per_pixel: u64::from(view.antialias).pow(2),
+        rays_per_pixel: view.rays(None),
         light_samples: staging::samples(),
         bounces: staging::GLASS_BOUNCES,
         ..Survey::default()
@@ -95,18 +95,13 @@ pub(super) fn standalone(mut holds: mesh::Survey, options: &LoadOptions) -> Resu
 /// Surveys a world whose mesh files are not read yet, and whose scene file has `text` bytes.
 pub(super) fn of(world: &World, text: u64, notes: &Notes<'_>) -> Result<Survey> {
     let (settings, view) = (query::settings(world)?, query::view(world)?);
-    let on_lens = world
-        .query::<&ThinLens>()
-        .iter()
-        .next()
-        .map_or(1, |lens| u64::from(lens.samples_x) * u64::from(lens.samples_y));
     let mut uses: HashMap<Entity, u64> = HashMap::new();
     world.query::<&InstanceOf>().iter().for_each(|of| *uses.entry(of.0).or_default() += 1);
     let mut survey = Survey {
         text,
         instances: uses.values().sum(),
         size: [view.width, view.height],
-        rays_per_pixel: u64::from(view.antialias).pow(2).saturating_mul(on_lens),
+        rays_per_pixel: view.rays(world.query::<&ThinLens>().iter().next()),
         bounces: settings.bounces,
         ..Survey::default()
     };
@@ -114,11 +109,8 @@ pub(super) fn of(world: &World, text: u64, notes: &Notes<'_>) -> Result<Survey> 
         let own = u64::from(!shape.has::<Hidden>());
         survey.add(shape, own + uses.get(&shape.entity()).unwrap_or(&0), notes)?;
     }
-    world
-        .query::<Pictured<'_>>()
-        .with::<&Environment>()
-        .iter()
-        .for_each(|it| survey.add_images(it));
+    let mut around = world.query::<Pictured<'_>>().with::<&Environment>();
+    around.iter().for_each(|pictured| survey.add_images(pictured));
     survey.light_samples = world.query::<&PointLight>().iter().count() as u64;
     let mut all = world.query::<&DirectionalLight>();
     survey.light_samples +=

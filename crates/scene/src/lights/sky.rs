@@ -12,14 +12,12 @@ use wavecrest_core::kernels::hemisphere::Hemisphere;
 use wavecrest_core::kernels::light::{Distant, Emitter};
 
 /// The object of ambient light.
-pub(crate) const SKY: Kind = Kind {
-    components: &[Declaration::of::<Sky>()],
-    ..Kind::new(
-        "ambient light (or a number)",
-        "Ambient light from a sky and the ground, or from the environment, by the direction of the normal.",
-        &[],
-    )
-};
+pub(crate) const SKY: Kind = Kind::entity(
+    "",
+    "ambient light (or a number)",
+    "Ambient light from a sky and the ground, or from the environment, by the direction of the normal.",
+    &[Declaration::of::<Sky>()],
+);
 
 component! {
     /// Ambient light from a sky and the ground, or from the environment, added once, weighted by the
