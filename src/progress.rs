@@ -155,10 +155,9 @@ impl Shown {
             // A render for a target error starts again. Frames are equally large.
             let [done, all] = &self.traced;
             done.store(0, Ordering::Relaxed);
-            all.store(
-                if is_later_frame { all.load(Ordering::Relaxed) } else { 0 },
-                Ordering::Relaxed,
-            );
+            if !is_later_frame {
+                all.store(0, Ordering::Relaxed);
+            }
         }
         // Frames have a pace of their own, which includes their writing.
         if state.frame.is_none() || (stage == Stage::Trace && !is_later_frame) {

@@ -163,16 +163,13 @@ fn say(rendering: &Rendering<'_>, words: &str) {
 
 /// The measured error in words, and whether it leaves out what one ray a pixel misses at edges.
 fn told(error: Option<MeasuredError>, without_aliasing: bool) -> String {
-    match error {
-        Some(MeasuredError { error, .. }) if without_aliasing => format!(
-            "measured error: {}, without the aliasing of one ray through the centre of each pixel",
-            figure(error)
-        ),
-        Some(MeasuredError { error, .. }) => format!("measured error: {}", figure(error)),
-        None => {
-            "error not measured: one ray through the centre of each pixel, without random samples"
-                .to_owned()
+    const CENTRE: &str = "one ray through the centre of each pixel";
+    match error.map(|found| figure(found.error)) {
+        Some(error) if without_aliasing => {
+            format!("measured error: {error}, without the aliasing of {CENTRE}")
         }
+        Some(error) => format!("measured error: {error}"),
+        None => format!("error not measured: {CENTRE}, without random samples"),
     }
 }
 
