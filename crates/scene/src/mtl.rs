@@ -185,13 +185,11 @@ pub(crate) fn surface(mtl: &Mtl, mut find: impl FnMut(&str) -> Option<PathBuf>) 
         emission: mtl.ke.unwrap_or(DVec3::ZERO),
         specular_color: DVec3::ONE,
     };
+    let ior = mtl.ni.filter(|&ni| Transparency::IOR.contains(ni));
     let transparency = Transparency {
         opacity: if is_glass { 1.0 } else { d },
         kt,
-        ior: mtl
-            .ni
-            .filter(|&ni| Transparency::IOR.contains(ni))
-            .unwrap_or(Transparency::OPAQUE.ior),
+        ior: ior.unwrap_or(Transparency::OPAQUE.ior),
         color: mtl.tf.unwrap_or(DVec3::ONE),
         ..Transparency::OPAQUE
     };

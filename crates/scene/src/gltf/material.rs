@@ -182,40 +182,33 @@ fn emission(fields: &Fields<'_>) -> Result<DVec3> {
 
 /// Light that goes through the surface: without a volume, it is a thin sheet.
 fn transparency(fields: &Fields<'_>) -> Result<Transparency> {
-    let usual = Transparency { thin: true, ..Transparency::OPAQUE };
-    let kt = fields.extension("KHR_materials_transmission", |found| {
+    let mut own = Transparency { thin: true, ..Transparency::OPAQUE };
+    fields.extension("KHR_materials_transmission", |found| {
         if found.get("transmissionTexture").is_some() {
             found.warn("the texture of transmission is ignored", "its factor is used");
         }
-        found.number_or("transmissionFactor", Range::UNIT, 0.0)
+        own.kt = found.number_or("transmissionFactor", Range::UNIT, own.kt)?;
+        Ok(())
     })?;
-    let ior = fields.extension("KHR_materials_ior", |found| {
+    fields.extension("KHR_materials_ior", |found| {
         // Stands for a mirror at any angle, in materials converted from specular and gloss.
         if found.get("ior").is_some_and(|ior| ior.value().as_f64() == Some(0.0)) {
             found.warn("an index of refraction of 0 is ignored", "1.5 is used");
-            return Ok(usual.ior);
+        } else {
+            own.ior = found.number_or("ior", Transparency::IOR, own.ior)?;
         }
-        found.number_or("ior", Transparency::IOR, usual.ior)
+        Ok(())
     })?;
-    let volume = fields.extension("KHR_materials_volume", |found| {
+    fields.extension("KHR_materials_volume", |found| {
         if found.get("thicknessTexture").is_some() {
             found.warn("the texture of thickness is ignored", "its factor is used");
         }
-        Ok(Transparency {
-            thin: found.number_or("thicknessFactor", Range::NOT_NEGATIVE, 0.0)? == 0.0,
-            attenuation_color: found.vector_or("attenuationColor", Range::UNIT, DVec3::ONE)?,
-            // Without a distance, nothing is absorbed.
-            attenuation_distance: found.number_or(
-                "attenuationDistance",
-                Range::NOT_NEGATIVE,
-                0.0,
-            )?,
-            ..usual
-        })
+        let number = |key| found.number_or(key, Range::NOT_NEGATIVE, 0.0);
+        own.thin = number("thicknessFactor")? == 0.0;
+        own.attenuation_color = found.vector_or("attenuationColor", Range::UNIT, DVec3::ONE)?;
+        // Without a distance, nothing is absorbed.
+        own.attenuation_distance = number("attenuationDistance")?;
+        Ok(())
     })?;
-    Ok(Transparency {
-        kt: kt.unwrap_or(0.0),
-        ior: ior.unwrap_or(usual.ior),
-        ..volume.unwrap_or(usual)
-    })
+    Ok(own)
 }
