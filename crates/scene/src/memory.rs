@@ -1,5 +1,6 @@
 //! Peak memory of a render, estimated and measured.
 
+use crate::components::{Channels, Filter};
 use crate::survey::{Survey, SurveyedMesh};
 use crate::systems::{Extracted, textures};
 use wavecrest_base::error::Result;
@@ -218,9 +219,10 @@ pub fn estimate(survey: &Survey, asked: Asked<'_>) -> Estimate {
         appearance: meshes.appearance,
         ..Estimate::default()
     };
-    let texture = |(source, &filter)| textures::survey(source, filter);
+    let texture = |(source, &filter)| textures::survey(source, filter, Channels::Color);
+    let mask = |source| textures::survey(source, Filter::Bilinear, Channels::Alpha);
     let images: Vec<[u64; 2]> = (survey.textures.iter().map(texture))
-        .chain(survey.masks.iter().map(textures::survey_mask))
+        .chain(survey.masks.iter().map(mask))
         .chain(survey.embedded.iter().copied())
         .collect();
     let held = images.iter().map(|[held, _]| *held);

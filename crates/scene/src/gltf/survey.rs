@@ -16,7 +16,7 @@ use super::document::Document;
 use super::fields::Fields;
 use super::material::Surface;
 use super::primitive::{COLORS, Mode, Primitive};
-use crate::components::Filter;
+use crate::components::{Channels, Filter};
 use crate::mesh;
 use crate::options::LoadOptions;
 use crate::survey::{Survey, SurveyedMesh, staged};
@@ -84,10 +84,8 @@ fn of(document: &Document, mut survey: Survey) -> Survey {
     // They are read in turn, and none is kept.
     let bytes = |((image, made), filter): ((usize, Option<String>), Filter)| {
         let source = document.textures.source(image, &document.storage)?;
-        Some(match made {
-            Some(_) => textures::survey(&source, filter),
-            None => textures::survey_mask(&source),
-        })
+        let channels = if made.is_some() { Channels::Color } else { Channels::Alpha };
+        Some(textures::survey(&source, filter, channels))
     };
     survey.embedded = images.into_iter().filter_map(bytes).collect();
     survey

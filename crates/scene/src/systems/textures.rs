@@ -87,7 +87,7 @@ pub(super) fn lazy(
         texture.clone();
     let read = match channels {
         Channels::Color => format!("{encoding:?}{tint:?}{filter:?}"),
-        Channels::Alpha => format!("{channels:?}{filter:?}{is_mask}"),
+        Channels::Alpha => format!("{channels:?}{filter:?}"),
     };
     let name = source.name();
     let made_of = move || [content(&source), read.into()].concat();
@@ -108,21 +108,16 @@ fn content(source: &TextureSource) -> Vec<u8> {
     read.map_or(Vec::new(), |_| bytes)
 }
 
-/// Bytes of a texture, and additional bytes while it is decoded, from the header of its file; 0 if
-/// that cannot be read, which is reported when the scene is prepared.
-pub(crate) fn survey(source: &TextureSource, filter: Filter) -> [u64; 2] {
-    Head::of(source).map_or([0; 2], |head| head.bytes(filter, Channels::Color))
+/// Bytes of these channels of an image, and additional bytes while it is decoded, from the header of
+/// its file; 0 if that cannot be read, which is reported when the scene is prepared.
+pub(crate) fn survey(source: &TextureSource, filter: Filter, channels: Channels) -> [u64; 2] {
+    Head::of(source).map_or([0; 2], |head| head.bytes(filter, channels))
 }
 
 /// Whether the image has an alpha channel; if its header cannot be read, which is reported when the
 /// scene is prepared, it may have one.
 pub(crate) fn has_alpha(source: &TextureSource) -> bool {
     Head::of(source).map_or(true, |head| head.has_alpha)
-}
-
-/// As [`survey`], for the image of a cut-out.
-pub(crate) fn survey_mask(source: &TextureSource) -> [u64; 2] {
-    Head::of(source).map_or([0; 2], |head| head.bytes(Filter::Bilinear, Channels::Alpha))
 }
 
 /// Checks that the image at `path` can be decoded, as far as its header tells.
