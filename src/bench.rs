@@ -189,8 +189,7 @@ fn prepare(args: &BenchArgs, path: &Path) -> Result<(PreparedScene, BenchSetting
     let load = start.elapsed().as_secs_f64();
     let preset = args.scene_options.bvh.unwrap_or_else(|| extracted.preset().at_once());
     let batch = args.batch as usize;
-    let predicted =
-        memory::estimate_extracted(&extracted, extracted.pixels(), preset, batch).total();
+    let predicted = memory::estimate_extracted(&extracted, preset, batch).total();
     let start = Instant::now();
     let mut scene = args.scene_options.build(extracted, preset)?;
     let time = Preparation { load, build: start.elapsed().as_secs_f64() };

@@ -108,7 +108,7 @@ fn explain(
     let load = start.elapsed().as_secs_f64();
     let bvh = choice(&extracted, args.scene_options.bvh);
     let (pixels, batch) = (extracted.pixels(), args.batch as usize);
-    let memory = memory::estimate_extracted(&extracted, pixels, bvh.preset, batch);
+    let memory = memory::estimate_extracted(&extracted, bvh.preset, batch);
     let start = Instant::now();
     let scene = &args.scene_options.build(extracted, bvh.preset)?;
     let build = start.elapsed().as_secs_f64();

@@ -310,7 +310,7 @@ impl Made<'_> {
     /// Estimates the memory of a render of an extracted scene.
     pub(crate) fn estimate(&self, extracted: &Extracted, preset: Preset) -> Estimate {
         let ImageBytes { film, writing } = (self.images)(extracted.scene().camera.size());
-        let usual = memory::estimate_extracted(extracted, extracted.pixels(), preset, self.batch);
+        let usual = memory::estimate_extracted(extracted, preset, self.batch);
         Estimate { film, writing, ..usual }
     }
 

@@ -90,7 +90,7 @@ impl Job {
         let options = api::ExtractOptions { precision: self.precision, ..Default::default() };
         let extracted = api::extract(loaded.world, options)?;
         let (preset, file) = (extracted.preset(), extracted.file().to_owned());
-        let estimated = estimate_extracted(&extracted, extracted.pixels(), preset, rendering.batch);
+        let estimated = estimate_extracted(&extracted, preset, rendering.batch);
         // These parts are in memory by now.
         Estimate { geometry: 0, program: 0, loading: 0, ..estimated }.check_room()?;
         let mut scene = extracted.build(preset);

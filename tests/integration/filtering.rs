@@ -182,7 +182,7 @@ fn pyramids_are_built_where_a_shape_is_trilinear_and_nowhere_else() {
             .unwrap_or_else(|error| panic!("{error}"));
         let extracted =
             extract(loaded.world, Default::default()).unwrap_or_else(|error| panic!("{error}"));
-        let estimated = estimate_extracted(&extracted, 64, extracted.preset(), 64).appearance;
+        let estimated = estimate_extracted(&extracted, extracted.preset(), 64).appearance;
         let appearance = &extracted.scene().appearance;
         assert_eq!(appearance.bytes(), 0, "nothing was looked up");
         appearance.decode().unwrap_or_else(|error| panic!("{error}"));

@@ -128,14 +128,9 @@ impl ImageBytes {
     }
 }
 
-/// Estimates the peak of a render of `pixels` of an extracted scene, with `preset` and batches of
-/// `batch` paths, on the threads of the current pool.
-pub fn estimate_extracted(
-    extracted: &Extracted,
-    pixels: u64,
-    preset: Preset,
-    batch: usize,
-) -> Estimate {
+/// Estimates the peak of a render of a whole extracted scene, with `preset` and batches of `batch`
+/// paths, on the threads of the current pool.
+pub fn estimate_extracted(extracted: &Extracted, preset: Preset, batch: usize) -> Estimate {
     let scene: &PreparedScene = extracted.scene();
     let geometry = extracted.geometry();
     let primitives = geometry.held() as u64;
@@ -145,7 +140,7 @@ pub fn estimate_extracted(
         appearance: scene.appearance.expected_bytes(),
         tree: primitives * tree_bytes(preset),
         build: build_bytes(preset, primitives),
-        film: film_bytes(pixels),
+        film: film_bytes(extracted.pixels()),
         batches: Batch::estimated_bytes(scene, batch_size(scene, batch)) * threads,
         decoding: scene.appearance.decoding_bytes(threads as usize),
         writing: 0,
