@@ -41,6 +41,7 @@ use hecs::World;
 
 use crate::components::{Sky, SurfaceComponents};
 use crate::environment;
+use crate::lights::Surroundings;
 use crate::query;
 use crate::surface::Columns;
 use geometry::ShapeOutput;
@@ -102,7 +103,8 @@ pub fn extract(world: World, options: Options<'_>) -> Result<Extracted> {
     let surface = |shape: &ShapeOutput| SurfaceComponents::of(&columns, shape.entity);
     let surfaces: Vec<SurfaceComponents<'_>> = extracted.shapes.iter().map(surface).collect();
     let materials = materials::run(&surfaces);
-    let lights = lights::run(world, &extracted, &settings, origin)?;
+    let around = Surroundings { settings: &settings, extracted: &extracted, origin };
+    let lights = lights::run(world, &around)?;
     let ambient = settings.ambient as f32 * lights.len() as f32;
     let sky = world.query::<&Sky>().iter().next().copied();
     let hemisphere = sky.map(|sky| sky.hemisphere(world));
@@ -133,14 +135,7 @@ pub fn extract(world: World, options: Options<'_>) -> Result<Extracted> {
         extracted.drop_unmet(&found.met);
     }
     let mut images = Images::default();
-    let details = details::run(
-        &surfaces,
-        schedule,
-        &found.shows,
-        &found.transparent,
-        &mut images,
-        &mut extracted.shapes,
-    );
+    let details = details::run(&surfaces, schedule, &found, &mut images, &mut extracted.shapes);
     let transparent = extracted.pass(&found.transparent);
     let environment =
         if plan.has(Effect::Environment) { environment::system(world, &mut images) } else { None };

@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use super::census::Shows;
+use super::census::{Findings, Shows};
 use super::geometry::ShapeOutput;
 use super::textures::{Images, has_alpha};
 use crate::components::{Channels, Map, Material, SurfaceComponents, Transparency};
@@ -15,8 +15,7 @@ use wavecrest_core::prepared::{Detail, Metal, NormalMap, Occlusion, UvMap};
 pub(crate) fn run(
     surfaces: &[SurfaceComponents<'_>],
     schedule: Schedule,
-    shows: &[Shows],
-    transparent: &[bool],
+    found: &Findings,
     images: &mut Images,
     shapes: &mut [ShapeOutput],
 ) -> Vec<Detail> {
@@ -27,14 +26,14 @@ pub(crate) fn run(
         let is_for_mirrors = step == Step::Tints && schedule.has_mirrors();
         (is_shown || schedule.is_unconditional(step)) && (schedule.runs(step) || is_for_mirrors)
     };
-    let shows: Vec<Shows> = shows.iter().map(|shows| shows.map(is_needed)).collect();
+    let shows: Vec<Shows> = found.shows.iter().map(|shows| shows.map(is_needed)).collect();
     for ((output, surface), shows) in shapes.iter_mut().zip(surfaces).zip(&shows) {
         if let Some(texture) = surface.texture.filter(|_| shows.texture) {
             let place = (surface.place, "texture");
             output.shape.texture = Some(images.texture(texture, place, output.uv_map));
         }
     }
-    let shown = shows.into_iter().zip(transparent);
+    let shown = shows.into_iter().zip(&found.transparent);
     for ((output, surface), (shows, transparent)) in shapes.iter_mut().zip(surfaces).zip(shown) {
         // The texture of its colour is no detail.
         let shows = Shows { texture: false, ..shows };

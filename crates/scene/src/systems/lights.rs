@@ -1,10 +1,8 @@
 //! Lights: emitters with sampling data, in the order of the file.
 
-use glam::DVec3;
 use hecs::{Entity, World};
 
 use super::census::Findings;
-use super::geometry::Output;
 use crate::components::Settings;
 use crate::lights::{Found, SYSTEMS, Surroundings};
 use crate::query::json_path;
@@ -13,17 +11,11 @@ use wavecrest_core::kernels::camera;
 use wavecrest_core::kernels::light::Light;
 use wavecrest_core::plan::schedule::{Schedule, Step};
 
-/// The lights of the world in the order of the file, moved by `-origin` like its shapes.
-pub(crate) fn run(
-    world: &World,
-    extracted: &Output,
-    settings: &Settings,
-    origin: DVec3,
-) -> Result<Vec<Found>> {
+/// The lights of the world in the order of the file, moved like its shapes.
+pub(crate) fn run(world: &World, scene: &Surroundings<'_>) -> Result<Vec<Found>> {
     let mut found: Vec<Found> = Vec::new();
-    let scene = Surroundings { settings, extracted, origin };
     for system in SYSTEMS {
-        found.extend(system(world, &scene)?);
+        found.extend(system(world, scene)?);
     }
     found.sort_by_key(|found| found.order);
     Ok(found)
@@ -39,14 +31,13 @@ pub(crate) fn keep(
     world: &World,
     settings: &Settings,
     schedule: Schedule,
-    found: Vec<Found>,
+    mut found: Vec<Found>,
     Findings { shown, reached, .. }: &Findings,
 ) -> Result<Vec<Light>> {
     if !schedule.has_shadows() {
         return Ok(Vec::new());
     }
     let all = schedule.is_unconditional(Step::Shadow);
-    let mut found = found;
     let mut dimension = camera::DIMENSION + 1;
     for turn in [true, false] {
         let of_turn = found.iter_mut().zip(reached).filter(|(_, reached)| **reached == turn);
