@@ -8,7 +8,7 @@
 //! | `lights` | lights and their shapes | emitters with sampling data |
 //! | `view` | shapes, the camera in all frames | which shapes are visible, and from which side |
 //! | `census` | all of these | the plan: which effects the scene needs |
-//! | `details` | visible textures, materials and maps | images to decode, each once; properties of shapes |
+//! | `details` | visible textures and materials | images, each once; properties of shapes |
 //! | `cutouts` | cut-outs | primitives with holes, and their images |
 //! | `camera` | the view, pinhole or thin lens | the ray generator |
 //! | [`wavecrest_core::accel`] | the geometry | the tree |

@@ -138,9 +138,13 @@ impl Grid {
     /// Adds a triangle of the unit cube to the columns along an axis; returns the number of rays
     /// tested.
     fn add(&mut self, axis: usize, corners: &[DVec3; 3], normal: DVec3) -> u64 {
-        let [u, v] = across(axis).map(|side| corners.map(|p| p[side] * COLUMNS as f64 - 0.5));
-        // None for most triangles of a large mesh: they are between the rays.
-        let (Some(columns), Some(rows)) = (rays_within(u), rays_within(v)) else { return 0 };
+        let [next, last] = across(axis);
+        let cells = |side: usize| corners.map(|p| p[side] * COLUMNS as f64 - 0.5);
+        // None for most triangles of a large mesh: they are between the rays, mostly on both sides.
+        let u = cells(next);
+        let Some(columns) = rays_within(u) else { return 0 };
+        let v = cells(last);
+        let Some(rows) = rays_within(v) else { return 0 };
         let edge = |i: usize, j: usize, x: f64, y: f64| {
             (u[j] - u[i]) * (y - v[i]) - (v[j] - v[i]) * (x - u[i])
         };
