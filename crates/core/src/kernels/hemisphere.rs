@@ -97,7 +97,9 @@ impl Hemisphere {
         let token = normal.x.token();
         match self.light {
             Ambient::Sky { up, middle, more } => {
-                let [up, middle, more] = [up, middle, more].map(|v| Vector::splat(token, v));
+                // Each by itself: `map` would become a call, with vectors in memory.
+                let (up, middle) = (Vector::splat(token, up), Vector::splat(token, middle));
+                let more = Vector::splat(token, more);
                 // Clamped to the range of exact arithmetic, so that no light is negative.
                 let one = normal.x.same(1.0);
                 let height = normal.dot(up).min(one).max(-one);
