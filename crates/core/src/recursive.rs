@@ -232,20 +232,22 @@ impl<P: Arithmetic> Recursive<P> {
             let differential =
                 || at.differential.unwrap_or_else(|| scene.camera.differential(ray.direction));
             let waiting = self.waiting.len();
-            let end = match scene.interaction::<P>(&ray, &hit, &differential, &mut self.look_ups) {
+            let found = scene.interaction::<P>(&ray, &hit, &differential, &mut self.look_ups);
+            // By reference: a copy of a shading point takes time.
+            let end = match &found {
                 Interaction::Surface(point) => {
                     let transparency =
                         if transmits { scene.transparency(hit.primitive) } else { None };
                     let divided = transparency.map(|transparency| {
-                        scene.divide(&at, &hit, transparency, &point, &mut self.look_ups)
+                        scene.divide(&at, &hit, transparency, point, &mut self.look_ups)
                     });
                     let own = divided.map_or(throughput, |(own, _)| own);
                     let local = point.local_light(scene.ambient, scene.hemisphere.as_ref());
                     radiance += own * Vec3::from(local);
-                    observer.surface(&point, radiance);
+                    observer.surface(point, radiance);
                     if shadows && point.lit {
                         let gathered = (own, &mut radiance);
-                        self.direct_light(scene, &point, &stream, gathered, observer);
+                        self.direct_light(scene, point, &stream, gathered, observer);
                     }
                     if let Some((_, branches)) = divided {
                         self.waiting.extend(branches.into_iter().rev().flatten());
@@ -253,10 +255,10 @@ impl<P: Arithmetic> Recursive<P> {
                     } else if trail.bounces >= bounces {
                         End::LastBounce
                     } else {
-                        if let Some((next, throughput)) = mirror_ray(&point, throughput) {
+                        if let Some((next, throughput)) = mirror_ray(point, throughput) {
                             let differential = self.differentials.then(|| {
                                 let found = &mut self.look_ups;
-                                scene.mirrored(&differential(), &ray, &hit, &point, found)
+                                scene.mirrored(&differential(), &ray, &hit, point, found)
                             });
                             let trail = trail.mirrored();
                             self.waiting.push(Branch {
@@ -270,7 +272,7 @@ impl<P: Arithmetic> Recursive<P> {
                     }
                 }
                 Interaction::Light(color) => {
-                    radiance += throughput * color;
+                    radiance += throughput * *color;
                     End::Light
                 }
                 Interaction::Nothing => {

@@ -260,10 +260,10 @@ impl Light {
     /// Its `index`th point.
     #[inline(always)]
     pub fn point(&self, index: u32, stream: &Stream) -> LightPoint<f32> {
-        match self.emitter.only_point() {
-            Some(position) => LightPoint::of_point((), position),
-            None => self.at(self.square(self.sampling, index, stream)),
+        if let Some(position) = self.emitter.only_point() {
+            return LightPoint::of_point((), position);
         }
+        self.at(self.square(self.sampling, index, stream))
     }
 
     /// Its point at this position on the unit square.
