@@ -2,7 +2,7 @@
 //!
 //! Each part of the file becomes an entity with the components of [`components`](super::components).
 //! Then its mesh files are read ([`meshes`]). Files that are not complete scenes are completed
-//! ([`staging`]).
+//! ([`crate::staging`]).
 
 mod materials;
 mod meshes;
