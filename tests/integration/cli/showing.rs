@@ -71,10 +71,10 @@ fn progress_names_the_frame_of_animations_and_sheets() {
 #[test]
 fn reading_and_building_are_counted() {
     let folder = folder();
-    run_silently(folder.path(), &["generate", "knot", "mesh.ply", "-n", "300k", "-q"]);
+    run_silently(folder.path(), &["generate", "knot", "mesh.ply", "-n", "1M", "-q"]);
     let bytes = bytes(folder.path(), "mesh.ply").len();
-    let lines = progress(folder.path(), "mesh.ply a.png --size 8x6 --bvh very-slow --log log.txt");
-    for (stage, all) in [("load", bytes), ("build", 300_000)] {
+    let lines = progress(folder.path(), "mesh.ply a.png --size 8x6 --bvh fast --log log.txt");
+    for (stage, all) in [("load", bytes), ("build", 1_000_000)] {
         let of_stage: Vec<_> = lines.iter().filter(|line| line["stage"] == stage).collect();
         let last = of_stage[of_stage.len() - 1];
         assert!(of_stage.len() > 1, "{stage} takes longer than a tenth of a second: {lines:?}");
@@ -99,7 +99,7 @@ fn on_a_terminal(folder: &Path, arguments: &str) -> Option<String> {
 fn a_terminal_shows_each_stage_and_frame_from_the_start() {
     let folder = with_ball();
     // Each stage takes longer than a bar takes to be drawn again.
-    run_silently(folder.path(), &["generate", "knot", "mesh.ply", "-n", "300k", "-q"]);
+    run_silently(folder.path(), &["generate", "knot", "mesh.ply", "-n", "1M", "-q"]);
     for (arguments, expected) in [
         ("mesh.ply a.png --size 8x6 --bvh very-slow", &["reading", "building the BVH"][..]),
         ("mesh.ply a.gif --size 300x200 --turntable 2", &["frame 1 of 2", "frame 2 of 2"]),
