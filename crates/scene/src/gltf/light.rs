@@ -130,7 +130,8 @@ fn degrees(radians: f64) -> f64 {
     if radians >= WIDEST { 90.0 } else { radians.to_degrees().min(90.0) }
 }
 
-/// A lamp ends at this multiple of the radius of a ball with its area.
+/// A lamp ends at this multiple of the radius of a ball with its area: the corners of a ball's mesh
+/// lie outside of that.
 const LAMP: f64 = 1.1;
 
 /// What a light adds to surfaces, without shadows.
