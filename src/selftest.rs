@@ -1,9 +1,10 @@
 //! `selftest`: the hard cases, on this machine.
 
+mod built_in;
 mod examine;
 
 use std::fmt::Write as _;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use serde::Serialize;
@@ -13,14 +14,15 @@ use self::examine::Examined;
 use super::common::{Threads, choice, known, print, progress_bar, rounded, to_json, whole};
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_core::kernels::precision::Precision;
-use wavecrest_report::selftest::errors::{Distribution, HitErrors, SITUATIONS, Situation, ulps};
-use wavecrest_report::selftest::{CASES, Case, Count, Effort, Outcome, case};
+use wavecrest_core::math::simd::Level;
+use wavecrest_report::selftest::{CASES, Case, Count, Effort, Losses, Part, SEED, case};
 use wavecrest_scene::load::{LoadOptions, survey};
 
-/// Test cases that break ray tracers, on every kernel and instruction set of this machine.
+/// Test that this machine finds the recorded bits in cases that break ray tracers.
 ///
-/// The exit code is 1 if a case fails in exact precision. Failures of fast precision are expected,
-/// and printed.
+/// Hits and images in exact precision are the same on every machine. Each case is traced by every
+/// kernel, tracer and instruction set, and compared with the hash that is recorded for it; the exit
+/// code is 1 if one differs. Of fast precision, the rays that it loses are counted.
 #[derive(Clone, Debug, clap::Args)]
 pub(crate) struct SelftestArgs {
     /// Also test this scene or mesh for leaks, self-intersections and samples that are not finite
@@ -31,11 +33,11 @@ pub(crate) struct SelftestArgs {
     /// Test only this precision; can be given several times
     #[arg(long, value_name = "PRECISION", value_parser = choice::<Precision>())]
     pub(crate) precision: Vec<Precision>,
-    /// Run as many trials as each bound states: minutes instead of seconds
+    /// Trace a hundred times as many rays, for minutes, and compare them with the reference kernel
     #[arg(long)]
     pub(crate) full: bool,
-    /// Seed of the inputs; the same seed repeats a failure
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = whole(0..=u64::MAX))]
+    /// Seed of the inputs; bits are recorded for the default, others are compared with the reference kernel
+    #[arg(long, value_name = "N", default_value_t = SEED, value_parser = whole(0..=u64::MAX))]
     pub(crate) seed: u64,
     /// Print JSON
     #[arg(long)]
@@ -48,38 +50,31 @@ pub(crate) struct SelftestArgs {
     pub(crate) threads: Threads,
 }
 
-/// The outcome of a case in a precision.
-#[derive(Serialize)]
-struct Trial {
-    precision: Precision,
-    holds: bool,
-    #[serde(flatten)]
-    outcome: Outcome,
-}
-
-/// A case with its outcomes.
+/// What was found in a case.
 #[derive(Serialize)]
 struct CaseRow {
     case: u32,
     name: &'static str,
-    bound: &'static str,
-    trials: Vec<Trial>,
+    /// What is the same or differs in exact precision; absent if that is not tested.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    exact: Option<Vec<Part>>,
+    /// What fast precision loses; absent if that is not tested, or the case has no rays.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    fast: Option<Losses>,
     seconds: f64,
 }
 
-/// The errors of a precision in a situation.
-#[derive(Serialize)]
-struct Yield {
-    situation: &'static str,
-    precision: Precision,
-    #[serde(flatten)]
-    errors: HitErrors,
+impl CaseRow {
+    /// The parts in exact precision that are not the same.
+    fn failed(&self) -> impl Iterator<Item = &Part> {
+        self.exact.iter().flatten().filter(|part| !part.outcome.holds())
+    }
 }
 
 /// Runs the cases that the arguments name. Returns whether all pass.
 ///
 /// # Errors
-/// If there is no such case, or standard output cannot be written.
+/// If there is no such case, a file cannot be read, or standard output cannot be written.
 pub(crate) fn run(args: &SelftestArgs) -> Result<bool> {
     let cases = named(&args.cases)?;
     // A file that cannot be read is an error now, not after the cases.
@@ -90,43 +85,47 @@ pub(crate) fn run(args: &SelftestArgs) -> Result<bool> {
         precisions.extend(Precision::ALL);
     }
     let bar = progress_bar(args.quiet, "{wide_bar} {pos}/{len} {msg}, {eta} left");
-    bar.set_length((cases.len() * precisions.len()) as u64);
+    bar.set_length(cases.len() as u64);
     let effort = |&precision: &Precision| Effort { precision, seed: args.seed, count };
     let efforts: Vec<Effort> = precisions.iter().map(effort).collect();
-    let (rows, errors, scene) = args.threads.run(|| {
+    let folder = built_in::unpacked()?;
+    let (rows, scene) = args.threads.run(|| {
         let rows = cases.iter().map(|case| {
             bar.set_message(case.name);
-            row(case, &efforts, || bar.inc(1))
+            let row = row(case, &efforts, &folder.path().join("scenes"));
+            bar.inc(1);
+            row
         });
         let rows = rows.collect::<Vec<_>>();
-        bar.set_message("errors of hits");
-        let errors = if args.cases.is_empty() { errors_of_hits(&efforts) } else { Vec::new() };
         bar.set_message("the scene");
         let scene = args.scene.as_deref().map(|file| examine::run(file, &efforts));
-        Ok((rows, errors, scene.transpose()?))
+        Ok((rows, scene.transpose()?))
     })?;
     bar.finish_and_clear();
-    let mut trials = rows.iter().flat_map(|row| &row.trials);
-    let all_hold = trials.all(|trial| trial.holds || trial.precision == Precision::Fast)
+    let all_hold = rows.iter().all(|row| row.failed().next().is_none())
         && scene.as_ref().is_none_or(Examined::holds);
     let text = if args.json {
         to_json(&known(json!({
             "version": env!("CARGO_PKG_VERSION"),
             "seed": args.seed,
             "full": args.full,
+            "levels": levels(),
             "cases": rows,
-            // Errors of hits, in ulp; none if cases are named.
-            "errors": Some(errors).filter(|errors| !errors.is_empty()),
             "scene": scene,
         })))?
     } else {
-        let errors = if errors.is_empty() { String::new() } else { text_of_errors(&errors) };
-        table_and_failures(&rows, args)
-            + &errors
+        verdict(&rows, args)
+            + &table(&rows)
+            + &failures(&rows, args)
             + &scene.as_ref().map_or_else(String::new, Examined::text)
     };
     print(&text)?;
     Ok(all_hold)
+}
+
+/// The instruction levels of this machine.
+fn levels() -> Vec<&'static str> {
+    Level::available().into_iter().map(Level::name).collect()
 }
 
 /// The cases with these numbers, or all.
@@ -145,126 +144,87 @@ fn named(numbers: &[u32]) -> Result<Vec<&'static Case>> {
     numbers.iter().map(find).collect()
 }
 
-/// The case in each precision; `step` is called after each.
-fn row(case: &Case, efforts: &[Effort], step: impl Fn()) -> CaseRow {
+fn row(case: &Case, efforts: &[Effort], scenes: &Path) -> CaseRow {
     let start = Instant::now();
-    let trial = |effort: &Effort| {
-        let outcome = case.run(effort);
-        step();
-        Trial { precision: effort.precision, holds: outcome.holds(), outcome }
-    };
-    let trials = efforts.iter().map(trial).collect();
-    let Case { number, name, bound, .. } = *case;
-    CaseRow { case: number, name, bound, trials, seconds: start.elapsed().as_secs_f64() }
+    let effort = |precision| efforts.iter().find(|effort| effort.precision == precision);
+    let exact = effort(Precision::Exact).map(|effort| case.exact(effort, scenes));
+    let fast = effort(Precision::Fast).and_then(|effort| case.fast(effort));
+    let Case { number, name, .. } = *case;
+    CaseRow { case: number, name, exact, fast, seconds: start.elapsed().as_secs_f64() }
 }
 
-/// The errors in all situations.
-fn errors_of_hits(efforts: &[Effort]) -> Vec<Yield> {
-    let of = |situation: &'static Situation| {
-        efforts.iter().map(move |effort| Yield {
-            situation: situation.name,
-            precision: effort.precision,
-            errors: situation.errors(effort),
-        })
-    };
-    SITUATIONS.iter().flat_map(of).collect()
-}
-
-/// The whole text.
-fn table_and_failures(rows: &[CaseRow], args: &SelftestArgs) -> String {
-    let precisions: Vec<Precision> =
-        rows.first().map_or_else(Vec::new, |row| row.trials.iter().map(|t| t.precision).collect());
-    verdict(rows, &precisions) + &table(rows, &precisions) + &failures(rows, &precisions, args)
-}
-
-/// The number of passed cases in each precision, and the share that fast misses.
-fn verdict(rows: &[CaseRow], precisions: &[Precision]) -> String {
-    let all = rows.len();
-    let cases = if all == 1 { "case" } else { "cases" };
+/// What the rows say together.
+fn verdict(rows: &[CaseRow], args: &SelftestArgs) -> String {
     let mut text = String::new();
-    for (index, precision) in precisions.iter().enumerate() {
-        let failing = rows.iter().filter(|row| !row.trials[index].holds).count();
-        let name = precision.name();
-        let _ = match (failing, precision) {
-            (0, _) => writeln!(text, "{name} passes all {all} {cases}"),
-            (_, Precision::Fast) => {
-                writeln!(text, "{name} fails in {failing} of {all} {cases}, as expected")
-            }
-            _ => writeln!(text, "{name} FAILS in {failing} of {all} {cases}"),
-        };
+    let cases = |count: usize| format!("{count} {}", if count == 1 { "case" } else { "cases" });
+    let is_recorded = args.seed == SEED && !args.full;
+    let bits = if is_recorded { "recorded bits" } else { "bits of the reference kernel" };
+    let all = cases(rows.iter().filter(|row| row.exact.is_some()).count());
+    let failing = rows.iter().filter(|row| row.failed().next().is_some()).count();
+    let _ = match failing {
+        _ if !rows.iter().any(|row| row.exact.is_some()) => Ok(()),
+        0 => writeln!(
+            text,
+            "exact finds the {bits} in all {all}, by every kernel and tracer with {}",
+            levels().join(", ")
+        ),
+        _ => writeln!(text, "exact DIFFERS from the {bits} in {failing} of {all}"),
+    };
+    let fast: Vec<Losses> = rows.iter().filter_map(|row| row.fast).collect();
+    if !fast.is_empty() {
+        let losing = fast.iter().filter(|found| found.leaks + found.false_hits > 0).count();
+        let all = cases(fast.len());
+        let _ = writeln!(text, "fast loses rays in {losing} of {all}, as expected");
     }
     text
 }
 
 /// A row for each case.
-fn table(rows: &[CaseRow], precisions: &[Precision]) -> String {
+fn table(rows: &[CaseRow]) -> String {
     let widest = rows.iter().map(|row| row.name.len()).max().unwrap_or(0);
-    let mut text = format!("\ncase  {:<widest$}", "input");
-    precisions.iter().for_each(|precision| text += &format!("  {:>9}", precision.name()));
-    text.push('\n');
+    let line = |case: &str, input: &str, [exact, leaks, false_hits]: [&str; 3]| {
+        let row = format!("{case:>4}  {input:<widest$}  {exact:>7}  {leaks:>8}  {false_hits:>10}");
+        row.trim_end().to_owned() + "\n"
+    };
+    let mut text = format!("\n{}", line("case", "input", ["exact", "leaks", "false hits"]));
     for row in rows {
-        let _ = write!(text, "{:>4}  {:<widest$}", row.case, row.name);
-        row.trials.iter().for_each(|trial| text += &format!("  {:>9}", answers(trial)));
-        text.truncate(text.trim_end().len());
-        text.push('\n');
+        let exact = match row.exact {
+            None => "",
+            Some(_) if row.failed().next().is_some() => "DIFFERS",
+            Some(_) => "same",
+        };
+        let share = |count: fn(Losses) -> u64| {
+            let per_cent = |fast: Losses| 100.0 * count(fast) as f64 / fast.tried.max(1) as f64;
+            let text = |share: f64| match share {
+                0.0 => "0".to_owned(),
+                share => format!("{} %", rounded(share, 2)),
+            };
+            row.fast.map(per_cent).map(text).unwrap_or_default()
+        };
+        let [leaks, false_hits] = [share(|fast| fast.leaks), share(|fast| fast.false_hits)];
+        text += &line(&row.case.to_string(), row.name, [exact, &leaks, &false_hits]);
     }
-    if text.contains('%') {
-        text += "%: share of wrong answers\n";
+    if rows.iter().any(|row| row.fast.is_some()) {
+        text += "leaks: rays of fast precision that pass what they meet; false hits: those that meet what\n\
+                 is not there, such as the surface that they leave\n";
     }
     text
 }
 
-/// Whether a case passes, or the share of wrong answers.
-fn answers(Trial { precision, holds, outcome, .. }: &Trial) -> String {
-    match (holds, precision) {
-        (true, _) => "pass".to_owned(),
-        (false, Precision::Fast) => {
-            let share = 100.0 * outcome.failed as f64 / outcome.tried.max(1) as f64;
-            format!("{} %", rounded(share, 2))
-        }
-        (false, _) => "FAIL".to_owned(),
-    }
-}
-
-/// Failures, and how to repeat them. Those in fast precision are listed only if no other precision
-/// was tested.
-fn failures(rows: &[CaseRow], precisions: &[Precision], args: &SelftestArgs) -> String {
+/// Failures, and how to repeat them.
+fn failures(rows: &[CaseRow], args: &SelftestArgs) -> String {
     let mut text = String::new();
+    let seed = if args.seed == SEED { String::new() } else { format!(" --seed {}", args.seed) };
     let full = if args.full { " --full" } else { "" };
     for row in rows {
-        for trial in row.trials.iter().filter(|trial| !trial.holds) {
-            if trial.precision == Precision::Fast && precisions != [Precision::Fast] {
-                continue;
-            }
-            let Outcome { tried, failed, first, .. } = &trial.outcome;
-            let precision = trial.precision.name();
-            let first = first.as_deref().unwrap_or("nothing was tested");
+        for Part { name, outcome, .. } in row.failed() {
+            let first = outcome.first.as_deref().unwrap_or("nothing was tested");
             let _ = writeln!(
                 text,
-                "\n{} in {precision}: {failed} of {tried} wrong; {}\n  the first: {first}\n  again: wavecrest \
-                 selftest --case {} --precision {precision} --seed {}{full}",
-                row.name, row.bound, row.case, args.seed
+                "\n{name}: {} of {} answers differ\n  the first: {first}\n  again: wavecrest selftest --case {}{seed}{full}",
+                outcome.failed, outcome.tried, row.case
             );
         }
-    }
-    text
-}
-
-/// A row for each, with the bound for 999 of 1000 hits.
-fn text_of_errors(yields: &[Yield]) -> String {
-    let widest = yields.iter().map(|row| row.situation.len()).max().unwrap_or(0);
-    let mut text = format!(
-        "\n{:<widest$}  {:<9}  {:>12}  {:>12}  {:>12}  {:>20}\n",
-        "error of 999 in 1000 hits", "precision", "t", "point", "normal", "worst t"
-    );
-    for Yield { situation, precision, errors } in yields {
-        let most = |e: &Distribution| e.within(0.999).map_or_else(|| "-".to_owned(), ulps);
-        let [t, point, normal] = [&errors.t, &errors.point, &errors.normal].map(most);
-        let (name, worst) = (precision.name(), ulps(errors.t.worst));
-        let _ = writeln!(
-            text,
-            "{situation:<widest$}  {name:<9}  {t:>12}  {point:>12}  {normal:>12}  {worst:>20}"
-        );
     }
     text
 }

@@ -1,7 +1,7 @@
 //! Faults in the sources, each of which a hard case must catch: a case that cannot fail proves nothing.
 //!
 //! A fault is planted in a copy of the sources: a wrong expression in place of the right one. All of them are in one
-//! copy, each behind a switch, so that it is built once; a run has one fault turned on, or none.
+//! copy, each behind a switch, so that it is built once; a run of its self-test has one fault turned on, or none.
 //!
 //! `cargo test --test mutations -- --ignored --nocapture` runs the list and prints what caught each.
 //! `WAVECREST_FAULT=NAME` runs those alone whose name begins so.
@@ -47,15 +47,13 @@ fn every_fault_is_caught() {
         let output = planted.run(0, case);
         let said = String::from_utf8_lossy(&output.stdout);
         assert!(output.status.success(), "case {case} fails without a fault:\n{said}");
-        assert!(!said.contains("running 0 tests"), "there is no case {case}");
     }
     let mut missed = Vec::new();
     for (number, fault) in faults() {
         let start = Instant::now();
         let output = planted.run(number, fault.case);
         let said = String::from_utf8_lossy(&output.stdout);
-        let failure = said.lines().find(|line| line.contains(" failed; the first: "));
-        let said = match failure {
+        let said = match said.lines().find(|line| line.contains(" answers differ")) {
             Some(line) => line,
             None if output.status.success() => {
                 missed.push(fault.name);

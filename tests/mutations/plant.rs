@@ -1,4 +1,4 @@
-//! A copy of the sources with all faults in it, each behind a switch, and the hard cases built from it.
+//! A copy of the sources with all faults in it, each behind a switch, and the command built from it.
 
 use std::fs;
 use std::ops::Range;
@@ -30,11 +30,14 @@ const ONE_LEVEL: [(&str, &str); 3] =
     [("cfg!(fuzzing)", "true"), ("not(fuzzing)", "any()"), ("all(fuzzing, ", "all(")];
 
 /// What the copy holds.
-const PARTS: [&str; 7] =
-    ["Cargo.toml", "Cargo.lock", "benches", "crates", "python", "src", "tests"];
+const PARTS: [&str; 8] =
+    ["Cargo.toml", "Cargo.lock", "benches", "crates", "python", "scenes", "src", "tests"];
 
-/// Kinds of files that are copied: sources and what they include. Images are not.
+/// Kinds of files that are copied: sources and what they include.
 const KINDS: [&str; 7] = ["rs", "toml", "lock", "css", "js", "json", "txt"];
+
+/// Images, which are linked to.
+const IMAGES: &str = "textures";
 
 /// The repository.
 fn repository() -> PathBuf {
@@ -87,7 +90,7 @@ fn read(path: &Path) -> String {
     fs::read_to_string(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
 }
 
-/// The hard cases, as a program that has all faults in it.
+/// The command with all faults in it.
 pub(crate) struct Planted {
     program: PathBuf,
 }
@@ -100,36 +103,32 @@ impl Planted {
         for part in PARTS {
             copy(&repository().join(part), &tree, Path::new(part));
         }
+        let images = repository().join(IMAGES).canonicalize().expect("a folder");
+        let link = tree.join(IMAGES);
+        let is_linked = link.exists() || std::os::unix::fs::symlink(images, link).is_ok();
+        assert!(is_linked, "images are linked to");
         let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
-        let output = Command::new(cargo)
-            .args(["test", "--no-run", "--locked", "--message-format=json"])
-            .args(["--package=wavecrest-report", "--test=stability"])
-            // Not the usual directory: cargo knows crates by their place in the workspace, and would mix up the two.
-            .arg("--target-dir")
-            .arg(scratch.join("planted-target"))
+        // Not the usual directory: cargo knows crates by their place in the workspace, and would mix up the two.
+        let target = scratch.join("planted-target");
+        let status = Command::new(cargo)
+            .args(["build", "--locked", "--quiet", "--package=wavecrest", "--target-dir"])
+            .arg(&target)
             .current_dir(&tree)
-            .output()
+            .status()
             .expect("cargo starts");
-        let errors = String::from_utf8_lossy(&output.stderr);
-        assert!(output.status.success(), "the faults do not compile:\n{errors}");
-        let program = String::from_utf8_lossy(&output.stdout).lines().find_map(program_of);
-        Self { program: program.expect("cargo names what it built") }
+        assert!(status.success(), "the faults do not compile");
+        Self { program: target.join("debug/wavecrest") }
     }
 
-    /// What the case of that number says with the fault turned on.
+    /// What the self-test says of a case, or of all for number 0, with the fault turned on.
     pub(crate) fn run(&self, fault: usize, case: u32) -> Output {
-        Command::new(&self.program)
-            .arg(format!("hc{case:02}_"))
-            .env(SWITCH, fault.to_string())
-            .output()
-            .expect("the hard cases start")
+        let mut command = Command::new(&self.program);
+        command.args(["selftest", "--quiet", "--precision", "exact"]);
+        if case > 0 {
+            command.arg("--case").arg(case.to_string());
+        }
+        command.env(SWITCH, fault.to_string()).output().expect("the command starts")
     }
-}
-
-/// The program that a line of cargo's says was built.
-fn program_of(line: &str) -> Option<PathBuf> {
-    let message: serde_json::Value = serde_json::from_str(line).ok()?;
-    Some(PathBuf::from(message["executable"].as_str()?))
 }
 
 /// Copies what is at `from` to its place in the tree. What has not changed is left as it is, and not built again.

@@ -22,28 +22,29 @@ const TOGETHER_AIMED: [u32; 2] = [103, 1];
 /// Asks every kernel at every instruction level, in full with several trees, for the hits of rays
 /// aimed at edges, vertices and points of primitives, from outside and from other primitives. In
 /// exact precision they must be those of the reference to the last bit.
-pub fn agreement(accel: Accel, effort: &Effort) -> Outcome {
+pub fn agreement(mut accel: Accel, effort: &Effort) -> Outcome {
     let presets = effort.either(&[][..], &[Preset::OnDemand, Preset::Slow]);
     let extent = BoundingBall::of(accel.geometry());
     let rays = (0..rays(accel.geometry(), effort, RAYS)).into_par_iter();
     let numbers = |n| Numbers::new(effort, AGREEING, n);
     let aimed = rays.map(|n| aim(accel.geometry(), &extent, numbers(n), TOGETHER_AIMED));
     let aimed: Vec<Ray> = aimed.collect();
-    agree(accel, &aimed, presets)
-}
-
-/// Asks every kernel, with the tree of `accel` and those of `presets`, for what the reference
-/// answers with the tree of `accel`.
-pub(super) fn agree(mut accel: Accel, rays: &[Ray], presets: &[Preset]) -> Outcome {
-    accel.kernel = KernelChoice::Reference;
-    let expected = rays.par_chunks(RAYS_OF_A_CALL).map(|rays| (rays, answers(&accel, rays)));
-    let expected: Vec<_> = expected.collect();
+    let expected = by_reference(&mut accel, &aimed);
     let mut outcome = compare(&mut accel, &expected);
     for preset in presets {
         accel.rebuild(*preset);
         outcome.add(compare(&mut accel, &expected).with_context(|| preset.name().to_owned()));
     }
     outcome
+}
+
+/// Rays that are asked together, with what the reference answers.
+pub(super) type Answered<'a> = Vec<(&'a [Ray], Vec<RayAnswer>)>;
+
+/// What the reference answers with the tree of `accel`.
+pub(super) fn by_reference<'a>(accel: &mut Accel, rays: &'a [Ray]) -> Answered<'a> {
+    accel.kernel = KernelChoice::Reference;
+    rays.par_chunks(RAYS_OF_A_CALL).map(|rays| (rays, answers(accel, rays))).collect()
 }
 
 /// Case 49. Slivers, sheets a few ulp apart and wide planes, with rays aimed at their edges and
@@ -65,17 +66,19 @@ pub(super) fn aimed(numbers: &mut Numbers) -> World {
     }
     for _ in 0..8 {
         let half = numbers.magnitude(1.0, 1e6) as f32;
+        let first = geometry.positions.len() as u32;
         let center = Vec3::Y * numbers.about(1.0) as f32;
-        add_sheet(&mut geometry, corners(center, Vec3::X * half, Vec3::Z * half));
+        geometry.positions.extend(corners(center, Vec3::X * half, Vec3::Z * half));
+        geometry.quads.push([0, 1, 2, 3].map(|corner| first + corner));
     }
     let (extent, packets) = (BoundingBall::of(&geometry), [49, numbers.bits()]);
-    World::like(Preset::Fastest, geometry.clone(), move |numbers| {
-        aim(&geometry, &extent, numbers.clone(), packets)
+    World::new(geometry.clone(), move |numbers| {
+        Some(aim(&geometry, &extent, numbers.clone(), packets))
     })
 }
 
 /// Of a ray the closest hit, its primitive where no t is asked for, and whether there is any.
-type RayAnswer = (Hit, u32, bool);
+pub(super) type RayAnswer = (Hit, u32, bool);
 
 fn answers(accel: &Accel, rays: &[Ray]) -> Vec<RayAnswer> {
     let mut traversal = accel.traversal();
@@ -88,7 +91,7 @@ fn answers(accel: &Accel, rays: &[Ray]) -> Vec<RayAnswer> {
 }
 
 /// Compares the answers of every kernel at every level with the expected ones.
-fn compare(accel: &mut Accel, asked: &[(&[Ray], Vec<RayAnswer>)]) -> Outcome {
+pub(super) fn compare(accel: &mut Accel, asked: &Answered<'_>) -> Outcome {
     with_every_kernel(accel, |accel| {
         in_order(asked.par_iter().map(|(rays, expected)| {
             let mut outcome = Outcome::default();

@@ -1,7 +1,7 @@
 //! Rays at shared edges and vertices. Random rays find no leaks, as these have no width.
 
 use super::prelude::*;
-use super::shapes::{Closed, height};
+use super::shapes::Closed;
 
 /// Rings and segments, and the variation of radii.
 const GLOBES: [([u32; 2], f64); 5] =
@@ -18,30 +18,33 @@ const PLACES: [(f64, Vec3); 4] = [
 /// Worlds of cases 1 and 2.
 pub(super) const CLOSED: usize = GLOBES.len() * PLACES.len();
 
-/// A ray from inside that hits something later than this, relative to its target, has leaked: the
-/// target is rounded, and faces seen at a low angle are hit slightly later, but not by this much.
-pub(super) const BEYOND: f64 = 1.1;
+/// A closed mesh, by the number of the world.
+fn globe(numbers: &mut Numbers) -> Closed {
+    let (size, bumps) = GLOBES[numbers.index % GLOBES.len()];
+    let (scale, offset) = PLACES[numbers.index / GLOBES.len() % PLACES.len()];
+    Closed::new(numbers, size, bumps, (DVec3::splat(scale), offset))
+}
 
 /// Case 1.
 pub(super) fn edges(numbers: &mut Numbers) -> World {
-    from_inside(numbers, Numbers::on_edge)
+    let closed = globe(numbers);
+    World::new(closed.geometry.clone(), move |numbers| {
+        let origin = closed.inside(numbers);
+        let corners = closed.geometry.triangle(numbers.below(closed.geometry.triangles.len()));
+        Some(Ray::new(origin, numbers.on_edge(corners).as_vec3() - origin))
+    })
+    .always_met()
 }
 
 /// Case 2.
 pub(super) fn vertices(numbers: &mut Numbers) -> World {
-    from_inside(numbers, |numbers, corners| numbers.among(corners).as_dvec3())
-}
-
-fn from_inside(numbers: &mut Numbers, target: fn(&mut Numbers, [Vec3; 3]) -> DVec3) -> World {
-    let (size, bumps) = GLOBES[numbers.index % GLOBES.len()];
-    let (scale, offset) = PLACES[numbers.index / GLOBES.len()];
-    let closed = Closed::new(numbers, size, bumps, (DVec3::splat(scale), offset));
+    let closed = globe(numbers);
     World::new(closed.geometry.clone(), move |numbers| {
         let origin = closed.inside(numbers);
-        let corners = closed.geometry.triangle(numbers.below(closed.geometry.triangles.len()));
-        let target = target(numbers, corners).as_vec3();
-        Some((Ray::new(origin, target - origin), ExpectedHit::until(BEYOND)))
+        let positions = &closed.geometry.positions;
+        Some(Ray::new(origin, positions[numbers.below(positions.len())] - origin))
     })
+    .always_met()
 }
 
 /// Case 39: globes with one axis up to 1e12 times as long as another.
@@ -52,38 +55,21 @@ pub(super) fn needles(numbers: &mut Numbers) -> World {
     World::new(closed.geometry.clone(), move |numbers| {
         let origin = closed.inside(numbers);
         let target = (numbers.direction() * scale).as_vec3();
-        Some((Ray::new(origin, target - origin), ExpectedHit::ANYTHING))
+        Some(Ray::new(origin, target - origin))
     })
+    .always_met()
 }
 
-/// The radius of the mesh of case 43.
-const RADIUS: f64 = 64.0;
-
-/// Case 43. Rays from up to 10 000 radii away, at edges and vertices of a closed mesh whose
-/// surrounding faces are all visible.
-pub(super) fn from_afar(_: &mut Numbers) -> World {
-    let mesh = convex(6, RADIUS, 1.0 / 64.0);
-    let all = 0..mesh.triangles.len();
-    // For each face, those around the ends of its first edge.
-    let touches =
-        |[a, b, _]: [Vec3; 3], other| mesh.triangle(other).iter().any(|v| [a, b].contains(v));
-    let around = |face| all.clone().filter(|&other| touches(mesh.triangle(face), other)).collect();
-    let around: Vec<Vec<usize>> = all.clone().map(around).collect();
+/// Case 43. Rays from up to 10 000 radii away, at edges and vertices of a closed mesh.
+pub(super) fn from_afar(numbers: &mut Numbers) -> World {
+    const RADIUS: f64 = 64.0;
+    let mesh = Closed::new(numbers, [9, 16], 0.0, (DVec3::splat(RADIUS), Vec3::ZERO)).geometry;
     World::new(mesh.clone(), move |numbers| {
-        let face = numbers.below(mesh.triangles.len());
-        let corners = mesh.triangle(face);
-        let [a, b, _] = corners.map(|v| v.as_dvec3());
-        let s = [0.0, numbers.one(), numbers.magnitude(1e-7, 1.0)][numbers.below(3)];
-        let target = a + (b - a) * s;
-        let away = numbers.magnitude(10.0, 1e4);
-        // Towards the camera, on the side of the edge.
+        let corners = mesh.triangle(numbers.below(mesh.triangles.len()));
+        let target = numbers.on_edge(corners);
         let towards = (target.normalize() + numbers.ball(1.0)).normalize();
-        let origin = (towards * (away * RADIUS)).as_vec3();
-        let is_steep = |&face: &usize| height(&mesh, face, origin.as_dvec3()) > 0.2 * away * RADIUS;
-        let ray = Ray::new(origin, (target - origin.as_dvec3()).as_vec3());
-        // A chord at that angle is at least 0.4 radii long: this t is before the centre.
-        let expected = ExpectedHit::until(1.0 + 0.2 / away);
-        around[face].iter().all(is_steep).then_some((ray, expected))
+        let origin = (towards * (numbers.magnitude(10.0, 1e4) * RADIUS)).as_vec3();
+        Some(Ray::new(origin, (target - origin.as_dvec3()).as_vec3()))
     })
 }
 
@@ -91,10 +77,6 @@ pub(super) fn from_afar(_: &mut Numbers) -> World {
 /// from it.
 const POINTS: u32 = 48;
 const BETWEEN: f64 = 1.0 / 64.0;
-
-/// The greatest distance of a hit from the point that was scanned, relative to its distance from
-/// the scanner: triangles at jumps are seen at angles down to a few thousandths.
-const OFF: f64 = 0.1;
 
 /// Case 51. A depth image as a mesh, seen from where it was taken: every vertex and every edge is
 /// exactly on a ray of the scanner, and jumps of the depth are triangles along such rays.
@@ -120,8 +102,8 @@ pub(super) fn scans(numbers: &mut Numbers) -> World {
         let first = inner(numbers) + inner(numbers) * POINTS;
         let [a, b] = [first, first + numbers.among([1, POINTS, POINTS + 1])]
             .map(|vertex| geometry.positions[vertex as usize]);
-        let s = [0.0, numbers.one() as f32][numbers.below(2)];
-        let target = a + (b - a) * s;
-        Some((Ray::new(scanner, target - scanner), ExpectedHit::near(1.0, OFF)))
+        let target = a.lerp(b, [0.0, numbers.one() as f32][numbers.below(2)]);
+        Some(Ray::new(scanner, target - scanner))
     })
+    .always_met()
 }

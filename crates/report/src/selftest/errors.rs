@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 use super::aim::surface_at;
 use super::prelude::*;
 use crate::plot::number::figure;
-use wavecrest_core::kernels::triangle::{self, exact, filter};
+use wavecrest_core::kernels::triangle::exact;
 use wavecrest_core::math::exact::Comparable;
 use wavecrest_core::math::float::max_abs;
 
@@ -143,120 +143,9 @@ pub(super) fn ulp(value: f64) -> f64 {
     f64::from(value.next_up()) - f64::from(value)
 }
 
-/// A position of a ray and a triangle that is difficult for rounding.
-#[derive(Clone, Copy, Debug)]
-pub struct Situation {
-    /// The difficulty.
-    pub name: &'static str,
-    place: fn(&mut Numbers) -> Pose,
-}
-
-/// The position of a triangle and a ray, in units of the triangle's size.
-struct Pose {
-    /// The triangle's height, at length 1.
-    height: f64,
-    /// The sine of the angle at which the ray meets its plane.
-    sine: f64,
-    /// The distance from which the ray starts.
-    distance: f64,
-    /// The distance of everything from the origin.
-    away: f64,
-}
-
-const PLAIN: Pose = Pose { height: 1.0, sine: 0.7, distance: 2.0, away: 0.0 };
-
-const fn situation(name: &'static str, place: fn(&mut Numbers) -> Pose) -> Situation {
-    Situation { name, place }
-}
-
-/// All situations.
-pub const SITUATIONS: &[Situation] = &[
-    situation("ordinary triangles", |_| PLAIN),
-    situation("grazing angles, down to 1e-6", |n| Pose { sine: n.magnitude(1e-6, 0.1), ..PLAIN }),
-    situation("far from the origin, up to 1e5 times the size", |n| Pose {
-        away: n.magnitude(1e2, 1e5),
-        ..PLAIN
-    }),
-    situation("slivers, aspect ratio up to 100 000", |n| Pose {
-        height: n.magnitude(1e-5, 0.1),
-        ..PLAIN
-    }),
-    situation("large triangles, up to 1e5 times the distance", |n| Pose {
-        distance: n.magnitude(1e-5, 0.1),
-        ..PLAIN
-    }),
-    situation("small triangles, down to 1e-5 of the distance", |n| Pose {
-        distance: n.magnitude(1e2, 1e5),
-        ..PLAIN
-    }),
-];
-
-/// Rays of a situation, in full.
-const RAYS: usize = 1_000_000;
-
-/// The stream of random numbers, in place of a case's number and a part's place.
-const SITUATED: [u32; 2] = [110, 0];
-
-impl Situation {
-    /// The errors in a precision.
-    pub fn errors(&self, effort: &Effort) -> HitErrors {
-        let errors = (0..effort.of(RAYS)).into_par_iter().map(|i| {
-            let (ray, corners) = self.make(&mut Numbers::new(effort, SITUATED, i));
-            let t = match effort.precision {
-                Precision::Fast => filter::fast(&ray, &corners),
-                Precision::Exact => triangle::meet(&ray, &corners),
-            };
-            let geometry = Geometry { precision: effort.precision, ..of_triangles([corners]) };
-            HitErrors::of(&geometry, &ray, 0, t)
-        });
-        errors.sum()
-    }
-
-    /// A ray and the triangle at which it is aimed.
-    fn make(&self, numbers: &mut Numbers) -> (Ray, [Vec3; 3]) {
-        let Pose { height, sine, distance, away } = (self.place)(numbers);
-        let size = numbers.magnitude(1e-3, 1e3);
-        let normal = numbers.direction();
-        let (u, v) = normal.any_orthonormal_pair();
-        let place = numbers.direction() * (away * size);
-        let at = |x: f64, y: f64| (place + (u * x + v * y) * size).as_vec3();
-        let corners = [at(-0.5, -0.3 * height), at(0.5, -0.4 * height), at(0.1, 0.6 * height)];
-        let target = numbers.within(corners);
-        let turn = numbers.one() * std::f64::consts::TAU;
-        let along = u * libm::cos(turn) + v * libm::sin(turn);
-        let way = along * (1.0 - sine * sine).sqrt() + normal * (sine * numbers.sign());
-        let origin = (target - way * (distance * size)).as_vec3();
-        (Ray::new(origin, normalize((target - origin.as_dvec3()).as_vec3())), corners)
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    fn errors(precision: Precision) -> Vec<HitErrors> {
-        let effort = Effort { precision, seed: 3, count: Count::Quick };
-        SITUATIONS.iter().map(|situation| situation.errors(&effort)).collect()
-    }
-
-    #[test]
-    fn exact_hits_keep_their_bound_in_every_situation() {
-        for found in errors(Precision::Exact) {
-            assert!(found.t.total() > 9_000, "{found:?}");
-            // Rounded once; what it is compared with is rounded to double precision.
-            assert!(found.t.worst <= 0.500_001, "{found:?}");
-            assert_eq!((found.lost, found.extra), (0, 0), "{found:?}");
-            assert!(found.point.worst <= 1.0 && found.normal.worst <= 1.0, "{found:?}");
-        }
-    }
-
-    #[test]
-    fn fast_hits_are_farther_off_where_it_is_hard() {
-        let (fast, exact) = (errors(Precision::Fast), errors(Precision::Exact));
-        let low_angle = 1;
-        assert!(fast[low_angle].t.worst > 100.0 * exact[low_angle].t.worst);
-        assert!(fast.iter().any(|found| found.lost + found.extra > 0));
-    }
 
     #[test]
     fn sizes_are_counted_up_to_their_bounds() {

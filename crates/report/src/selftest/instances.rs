@@ -3,7 +3,6 @@
 use glam::{DAffine3, DMat3};
 
 use super::aim::around;
-use super::edges::BEYOND;
 use super::prelude::*;
 use super::shapes::Closed;
 use wavecrest_core::geometry::instance::Instance;
@@ -11,6 +10,11 @@ use wavecrest_core::geometry::instance::Instance;
 /// Places of instances in a world, and instances at a place.
 const PLACES: u32 = 6;
 const COPIES: usize = 2;
+
+/// Case 44.
+pub(super) fn any(numbers: &mut Numbers) -> World {
+    [never_left, from_afar, between_numbers][numbers.index % 3](numbers)
+}
 
 /// Instances of `prototype` at these places.
 fn instances(prototype: Geometry, places: impl IntoIterator<Item = DAffine3>) -> Geometry {
@@ -50,26 +54,26 @@ fn on_edge<'a>(
     (instance, instance.to_world().transform_point3(numbers.on_edge(corners)))
 }
 
-/// Case 44: rays from inside at points of edges.
-pub(super) fn never_left(numbers: &mut Numbers) -> World {
+/// Rays from inside at points of edges.
+fn never_left(numbers: &mut Numbers) -> World {
     let (geometry, closed) = closed(numbers);
     World::new(geometry.clone(), move |numbers| {
         let (instance, target) = on_edge(numbers, &geometry, &closed);
         let origin = instance.point(closed.inside(numbers));
-        let ray = Ray::new(origin, (target - origin.as_dvec3()).as_vec3());
-        Some((ray, ExpectedHit::until(BEYOND)))
+        Some(Ray::new(origin, (target - origin.as_dvec3()).as_vec3()))
     })
+    .always_met()
 }
 
-/// Case 44: boxes lose no hits at the extreme points, from anywhere.
-pub(super) fn from_afar(numbers: &mut Numbers) -> World {
+/// Boxes lose no hits at the extreme points, from anywhere.
+fn from_afar(numbers: &mut Numbers) -> World {
     let (geometry, closed) = closed(numbers);
-    World::like(Preset::Brute, geometry.clone(), move |numbers| {
+    World::new(geometry.clone(), move |numbers| {
         let (_, target) = on_edge(numbers, &geometry, &closed);
         let elsewhere = &geometry.instances[numbers.below(geometry.instances.len())];
         let from = elsewhere.to_world().translation + numbers.direction() * target.length();
         let origin = from.as_vec3();
-        Ray::new(origin, (target - origin.as_dvec3()).as_vec3())
+        Some(Ray::new(origin, (target - origin.as_dvec3()).as_vec3()))
     })
 }
 
@@ -77,12 +81,12 @@ pub(super) fn from_afar(numbers: &mut Numbers) -> World {
 const HALF: f32 = 8.0;
 const PLATES: u32 = 512;
 
-/// Case 44: plates that are met because a ray is rounded in their space.
+/// Plates that are met because a ray is rounded in their space.
 ///
 /// A shear takes the origin of a ray to where numbers of single precision are 16 apart. So a ray
 /// that passes the plate by up to 6 in the world meets it in its own space, at the same t, for its
 /// direction there is of small integers.
-pub(super) fn between_numbers(numbers: &mut Numbers) -> World {
+fn between_numbers(numbers: &mut Numbers) -> World {
     let mut plate = Geometry::default();
     let along = Vec3::X * (HALF + 0.5);
     add_sheet(&mut plate, corners(Vec3::X * (0.5 - HALF), along, Vec3::Z * HALF));
@@ -97,16 +101,12 @@ pub(super) fn between_numbers(numbers: &mut Numbers) -> World {
             // The axes in any order and in either direction.
             let turn = numbers.below(3);
             let [x, y, z] = [0, 1, 2].map(|k| DVec3::AXES[(k + turn) % 3] * numbers.sign());
-            let ray = Ray::new((z * along).as_vec3(), y.as_vec3());
-            let t = f64::from(distance as f32);
-            let expected = ExpectedHit::of(2 * number..2 * number + 2);
-            aimed.push((ray, ExpectedHit { t: [t; 2], ..expected }));
+            aimed.push(Ray::new((z * along).as_vec3(), y.as_vec3()));
             let axes = DMat3::from_cols(x, y, z);
             let translation = axes * DVec3::new(-beside, distance, along);
             DAffine3 { matrix3: axes * shear, translation }
         })
         .collect();
-    World::new(instances(plate, places), move |numbers| {
-        Some(aimed[numbers.index % aimed.len()].clone())
-    })
+    World::new(instances(plate, places), move |numbers| Some(aimed[numbers.index % aimed.len()]))
+        .always_met()
 }

@@ -1,7 +1,9 @@
-//! Every kernel at every instruction level.
+//! Every kernel at every instruction level, and the hash of what they find.
 
 use std::iter::Sum;
 use std::ops::Range;
+
+use xxhash_rust::xxh3::Xxh3;
 
 use super::prelude::*;
 use wavecrest_core::accel::{KernelChoice, Traversal};
@@ -10,15 +12,9 @@ use wavecrest_core::math::simd::Level;
 /// Rays for each task: several packets.
 pub(super) const RAYS_OF_A_TASK: usize = 1 << 8;
 
-/// Checks `accel` with every kernel and at all instruction levels. The reference is asked once, as
-/// exact arithmetic is the same at every level; in fast precision it is the single kernel.
+/// Checks `accel` with every kernel but the reference, at all instruction levels.
 pub(super) fn with_every_kernel(accel: &mut Accel, check: impl Fn(&Accel) -> Outcome) -> Outcome {
     let mut outcome = Outcome::default();
-    if accel.geometry().precision == Precision::Exact {
-        accel.kernel = KernelChoice::Reference;
-        let context = || KernelChoice::Reference.name().to_owned();
-        outcome.add(check(accel).with_context(context));
-    }
     for level in Level::available() {
         let Some(token) = level.token() else { continue };
         accel.level = token;
@@ -59,4 +55,11 @@ pub(super) fn blocks(
 /// The sum of all outcomes; the first failure is that of the first failed test.
 pub(super) fn in_order<T: Send + Sum>(outcomes: impl ParallelIterator<Item = T>) -> T {
     outcomes.collect::<Vec<_>>().into_iter().sum()
+}
+
+/// The hash of these words, in their order.
+pub(super) fn hash(words: impl Iterator<Item = u32>) -> u64 {
+    let mut hash = Xxh3::new();
+    words.for_each(|word| hash.update(&word.to_le_bytes()));
+    hash.digest()
 }

@@ -1,0 +1,149 @@
+//! Primitives with rays at them: what they meet in exact precision, and what fast precision loses.
+
+use serde::Serialize;
+
+use super::agreement::{by_reference, compare};
+use super::prelude::*;
+use super::ways::hash;
+
+/// A ray; `None` for inputs that are skipped.
+type Aim = Box<dyn Fn(&mut Numbers) -> Option<Ray> + Send + Sync>;
+
+/// Primitives, and rays at them.
+pub(super) struct World {
+    geometry: Geometry,
+    aim: Aim,
+    /// Whether every ray meets something, or none; `None` if that is open.
+    is_met: Option<bool>,
+}
+
+/// The worlds of a case.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Worlds {
+    /// Their number.
+    pub(super) worlds: usize,
+    /// The number of rays in all of them together, in full.
+    pub(super) rays: usize,
+    pub(super) make: fn(&mut Numbers) -> World,
+}
+
+/// What fast precision loses.
+#[derive(Clone, Copy, Debug, Default, Serialize)]
+pub struct Losses {
+    /// Rays.
+    pub tried: u64,
+    /// Those that pass what they meet.
+    pub leaks: u64,
+    /// Those that meet what is not there, such as the surface that they leave.
+    pub false_hits: u64,
+}
+
+/// A hit farther than another by this part of t is another one, and not rounded otherwise.
+const BEYOND: f32 = 1.0 / 1024.0;
+
+impl World {
+    pub(super) fn new(
+        geometry: Geometry,
+        aim: impl Fn(&mut Numbers) -> Option<Ray> + Send + Sync + 'static,
+    ) -> Self {
+        Self { geometry, aim: Box::new(aim), is_met: None }
+    }
+
+    /// Every ray meets something.
+    pub(super) fn always_met(self) -> Self {
+        Self { is_met: Some(true), ..self }
+    }
+
+    /// No ray meets anything.
+    pub(super) fn never_met(self) -> Self {
+        Self { is_met: Some(false), ..self }
+    }
+}
+
+impl Worlds {
+    /// Each world with its rays, and the tree in which they are searched.
+    fn each<T: Send>(
+        self,
+        effort: &Effort,
+        case: u32,
+        of: impl Fn(World, Vec<Ray>, Preset) -> T + Sync,
+    ) -> Vec<T> {
+        let one = |n: usize| {
+            let world = (self.make)(&mut Numbers::new(effort, [case, 0], n));
+            let preset = preset_of(n);
+            let slower = if preset == Preset::Brute { 10 } else { 1 };
+            let rays = (0..effort.of(self.rays) / self.worlds / slower).into_par_iter();
+            let aim = |i| (world.aim)(&mut Numbers::new(effort, [case, 1 + n as u32], i));
+            let rays = rays.filter_map(aim).collect();
+            of(world, rays, preset)
+        };
+        (0..self.worlds).into_par_iter().map(one).collect()
+    }
+
+    /// Every kernel at every level must answer as the reference; returns the hash of its answers.
+    pub(super) fn exact(self, effort: &Effort, case: u32) -> (Outcome, u64) {
+        let answers = self.each(effort, case, |world, rays, preset| {
+            let mut accel = effort.accel(world.geometry, preset);
+            let answered = by_reference(&mut accel, &rays);
+            let mut outcome = compare(&mut accel, &answered);
+            let hits = answered.iter().flat_map(|(_, answers)| answers).map(|(hit, ..)| hit);
+            for (ray, hit) in rays.iter().zip(hits.clone()) {
+                let is_right = world.is_met.is_none_or(|is_met| is_met != hit.is_miss());
+                outcome.check(is_right, || format!("{ray}: {hit:?}"));
+            }
+            let bits = hash(hits.flat_map(|hit| [hit.t.to_bits(), hit.primitive]));
+            (outcome.with_context(|| preset.name().to_owned()), bits)
+        });
+        let bits = hash(answers.iter().flat_map(|(_, bits)| [*bits as u32, (bits >> 32) as u32]));
+        (answers.into_iter().map(|(outcome, _)| outcome).sum(), bits)
+    }
+
+    /// The worlds' trees and rays in exact precision, for tests that know what the rays meet.
+    pub(super) fn inputs(self, effort: &Effort, case: u32) -> Vec<(Accel, Vec<Ray>)> {
+        let accel = |world: World, rays, preset| (effort.accel(world.geometry, preset), rays);
+        self.each(effort, case, accel)
+    }
+
+    /// What fast precision loses.
+    pub(super) fn fast(self, effort: &Effort, case: u32) -> Losses {
+        let effort = Effort { precision: Precision::Fast, ..*effort };
+        let exact = Effort { precision: Precision::Exact, ..effort };
+        let losses = self.each(&effort, case, |world, rays, preset| {
+            let hits = |effort: &Effort| {
+                let accel = effort.accel(world.geometry.clone(), preset);
+                let mut hits = vec![Hit::MISS; rays.len()];
+                accel.closest_of(&rays[..], &mut hits, &mut accel.traversal());
+                hits
+            };
+            let (exact, fast) = (hits(&exact), hits(&effort));
+            let count = |of: fn(&(&Hit, &Hit)) -> bool, is_met| {
+                let wrong = |pair: &(&Hit, &Hit)| {
+                    of(pair) || world.is_met == Some(is_met) && pair.1.is_miss() == is_met
+                };
+                exact.iter().zip(&fast).filter(wrong).count() as u64
+            };
+            Losses {
+                tried: rays.len() as u64,
+                leaks: count(|(exact, fast)| is_beyond(fast, exact), true),
+                false_hits: count(|(exact, fast)| is_beyond(exact, fast), false),
+            }
+        });
+        losses.into_iter().fold(Losses::default(), |all, one| Losses {
+            tried: all.tried + one.tried,
+            leaks: all.leaks + one.leaks,
+            false_hits: all.false_hits + one.false_hits,
+        })
+    }
+}
+
+/// Whether `hit` is behind another.
+fn is_beyond(hit: &Hit, other: &Hit) -> bool {
+    let is_behind = hit.is_miss() || hit.t - other.t > other.t.abs() * BEYOND;
+    !other.is_miss() && is_behind
+}
+
+/// The tree of the `n`th world: each in turn, starting with the next in every round, so that worlds
+/// of each kind have all. Brute force, which is slow, gets a tenth of the rays.
+fn preset_of(n: usize) -> Preset {
+    Preset::ALL[(n + n / Preset::ALL.len()) % Preset::ALL.len()]
+}
