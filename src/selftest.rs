@@ -155,26 +155,23 @@ fn row(case: &Case, efforts: &[Effort], scenes: &Path) -> CaseRow {
 
 /// What the rows say together.
 fn verdict(rows: &[CaseRow], args: &SelftestArgs) -> String {
-    let mut text = String::new();
     let cases = |count: usize| format!("{count} {}", if count == 1 { "case" } else { "cases" });
     let is_recorded = args.seed == SEED && !args.full;
     let bits = if is_recorded { "recorded bits" } else { "bits of the reference kernel" };
-    let all = cases(rows.iter().filter(|row| row.exact.is_some()).count());
+    let exact = rows.iter().filter(|row| row.exact.is_some()).count();
     let failing = rows.iter().filter(|row| row.failed().next().is_some()).count();
-    let _ = match failing {
-        _ if !rows.iter().any(|row| row.exact.is_some()) => Ok(()),
-        0 => writeln!(
-            text,
-            "exact finds the {bits} in all {all}, by every kernel and tracer with {}",
-            levels().join(", ")
+    let (all, levels) = (cases(exact), levels().join(", "));
+    let mut text = match failing {
+        _ if exact == 0 => String::new(),
+        0 => format!(
+            "exact finds the {bits} in all {all}, by every kernel and tracer with {levels}\n"
         ),
-        _ => writeln!(text, "exact DIFFERS from the {bits} in {failing} of {all}"),
+        _ => format!("exact DIFFERS from the {bits} in {failing} of {all}\n"),
     };
     let fast: Vec<Losses> = rows.iter().filter_map(|row| row.fast).collect();
+    let losing = fast.iter().filter(|found| found.leaks + found.false_hits > 0).count();
     if !fast.is_empty() {
-        let losing = fast.iter().filter(|found| found.leaks + found.false_hits > 0).count();
-        let all = cases(fast.len());
-        let _ = writeln!(text, "fast loses rays in {losing} of {all}, as expected");
+        text += &format!("fast loses rays in {losing} of {}, as expected\n", cases(fast.len()));
     }
     text
 }

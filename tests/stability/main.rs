@@ -93,7 +93,6 @@ cases! {
     19 hc19_slivers;
     20 hc20_in_the_plane;
     21 hc21_duplicates;
-    22 hc22_one_centroid;
     23 hc23_nested;
     26 hc26_invalid_rays;
     34 hc34_crooked_quads;

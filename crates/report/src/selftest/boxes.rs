@@ -161,24 +161,6 @@ pub(super) fn duplicates(numbers: &mut Numbers) -> World {
     World::new(Geometry { triangles, ..base }, |numbers| Some(between_points(numbers)))
 }
 
-/// Case 22. Triangles around one point, of all sizes: in full a million in the last of three
-/// worlds.
-pub(super) fn one_centroid(numbers: &mut Numbers) -> World {
-    let largest = numbers.effort.of(1_000_000);
-    let count = [100, largest / 10, largest][numbers.index % 3];
-    let geometry = of_triangles((0..count).map(|_| {
-        let [a, b] = [(); 2].map(|()| numbers.direction().as_vec3());
-        let size = numbers.magnitude(64.0, 6400.0) as f32;
-        // The middle of the box is the origin.
-        let a = (a * size).round();
-        [a, -a, (b * (0.1 * size)).round()]
-    }));
-    World::new(geometry, |numbers| {
-        let origin = (numbers.direction().as_vec3() * 12_800.0).round();
-        Some(Ray::new(origin, (numbers.direction().as_vec3() * 640.0).round() - origin))
-    })
-}
-
 /// Number of triangles in case 23, and the ratio of consecutive sizes.
 const NESTED: usize = 500;
 const LARGER: f64 = 1.1;

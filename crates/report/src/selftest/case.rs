@@ -2,7 +2,6 @@
 
 use std::iter::Sum;
 
-use wavecrest_base::error::Result;
 use wavecrest_core::accel::Accel;
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::geometry::Geometry;
@@ -98,12 +97,5 @@ impl Sum for Outcome {
             all.add(one);
             all
         })
-    }
-}
-
-/// A test that could not run counts as one failure.
-impl From<Result<Self>> for Outcome {
-    fn from(result: Result<Self>) -> Self {
-        result.unwrap_or_else(|error| Self::of(false, || error.to_string()))
     }
 }

@@ -13,7 +13,7 @@ const COPIES: usize = 2;
 
 /// Case 44.
 pub(super) fn any(numbers: &mut Numbers) -> World {
-    [never_left, from_afar, between_numbers][numbers.index % 3](numbers)
+    [never_left, between_numbers][numbers.index % 2](numbers)
 }
 
 /// Instances of `prototype` at these places.
@@ -43,38 +43,17 @@ fn closed(numbers: &mut Numbers) -> (Geometry, Closed) {
     (instances(closed.geometry.clone(), places.repeat(COPIES)), closed)
 }
 
-/// An instance, and a point of one of its edges.
-fn on_edge<'a>(
-    numbers: &mut Numbers,
-    geometry: &'a Geometry,
-    closed: &Closed,
-) -> (&'a Instance, DVec3) {
-    let instance = &geometry.instances[numbers.below(geometry.instances.len())];
-    let corners = closed.geometry.triangle(numbers.below(closed.geometry.triangles.len()));
-    (instance, instance.to_world().transform_point3(numbers.on_edge(corners)))
-}
-
 /// Rays from inside at points of edges.
 fn never_left(numbers: &mut Numbers) -> World {
     let (geometry, closed) = closed(numbers);
     World::new(geometry.clone(), move |numbers| {
-        let (instance, target) = on_edge(numbers, &geometry, &closed);
+        let instance = &geometry.instances[numbers.below(geometry.instances.len())];
+        let corners = closed.geometry.triangle(numbers.below(closed.geometry.triangles.len()));
+        let target = instance.to_world().transform_point3(numbers.on_edge(corners));
         let origin = instance.point(closed.inside(numbers));
         Some(Ray::new(origin, (target - origin.as_dvec3()).as_vec3()))
     })
     .always_met()
-}
-
-/// Boxes lose no hits at the extreme points, from anywhere.
-fn from_afar(numbers: &mut Numbers) -> World {
-    let (geometry, closed) = closed(numbers);
-    World::new(geometry.clone(), move |numbers| {
-        let (_, target) = on_edge(numbers, &geometry, &closed);
-        let elsewhere = &geometry.instances[numbers.below(geometry.instances.len())];
-        let from = elsewhere.to_world().translation + numbers.direction() * target.length();
-        let origin = from.as_vec3();
-        Some(Ray::new(origin, (target - origin.as_dvec3()).as_vec3()))
-    })
 }
 
 /// Half the length of a plate of [`between_numbers`], and the number of plates.
