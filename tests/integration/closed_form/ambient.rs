@@ -105,6 +105,39 @@ fn light_that_arrives_has_no_noise() {
     }
 }
 
+/// A pane before a background B that refracts the share t, has the opacity o and, where it is lit, the
+/// mirror m, in light A from everywhere: o (1 - t) (A + m A) + o t (R A + (1 - R) B) + (1 - o) B, where it
+/// mirrors R = 2 F / (1 + F).
+#[test]
+fn of_ambient_light_a_pane_scatters_what_it_does_not_refract() {
+    let (light, beyond) = ([0.5, 0.4, 0.3], [0.1, 0.2, 0.9]);
+    let once = f64::powi(0.5 / 2.5, 2);
+    let mirrored = 2.0 * once / (1.0 + once);
+    let corners = [[-9, -9, 0], [9, -9, 0], [9, 9, 0], [-9, 9, 0]];
+    for (t, opacity) in [(0.0, 0.4), (0.25, 1.0), (0.7, 0.6), (1.0, 0.5), (1.0, 1.0)] {
+        for (normal, mirror) in [(1, 0.3), (-1, 0.0)] {
+            let mut pane = json!({"type": "plane", "points": corners, "normal": [0, 0, normal],
+                                  "material": matte(0.5, [1.0; 3])});
+            let more = json!({"kr": 0.3, "kt": t, "opacity": opacity, "thin": true});
+            let more = more.as_object().into_iter().flatten();
+            more.for_each(|(key, value)| pane["material"][key] = value.clone());
+            let mut scene = scene(1, &pinhole([1, 1], 1e-3, 5.0), &[], &[pane]);
+            scene["scene"]["backgroundcolor"] = json!(beyond);
+            let expected = std::array::from_fn(|i| {
+                let (around, behind) = (light[i], beyond[i]);
+                let refracted = mirrored * around + (1.0 - mirrored) * behind;
+                let own = (1.0 - t) * (1.0 + mirror) * around + t * refracted;
+                opacity * own + (1.0 - opacity) * behind
+            });
+            for samples in [0, 3] {
+                scene["scene"]["ambient"] = json!({"sky": light, "samples": samples});
+                let what = format!("{t} refracted, {opacity} opaque, {normal}, {samples} rays");
+                assert_near(pixel(&image(&scene), 0, 0), expected, 1e-6, &what);
+            }
+        }
+    }
+}
+
 /// Surroundings a + b h, by the height h of a direction, are reflected as a + (2 / 3) b n.up.
 #[test]
 fn surroundings_light_surfaces_by_their_normals() {

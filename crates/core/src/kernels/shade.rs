@@ -30,7 +30,8 @@ pub struct ShadingPoint<F: Single> {
     pub view: Vector<F>,
     /// Diffuse colour, from the material or a texture.
     pub color: Vector<F>,
-    /// Share of the ambient light that arrives at the point.
+    /// Share of the ambient light that the surface scatters: less in cavities, of which textures
+    /// tell, and less what is refracted.
     pub occlusion: F,
     /// Emission of the material.
     pub emission: Vector<F>,
@@ -112,16 +113,21 @@ impl<F: Single> ShadingPoint<F> {
         match hemisphere {
             None => even,
             Some(hemisphere) => {
-                let all = hemisphere.at(self.shading_normal);
-                let arriving = if hemisphere.traced {
+                let mut arriving = self.arriving(hemisphere);
+                if hemisphere.traced {
                     let none = Vector::splat(self.kr.token(), Vec3::ZERO);
-                    Vector::select(self.lit, none, all)
-                } else {
-                    all.scale(self.occlusion)
-                };
+                    arriving = Vector::select(self.lit, none, arriving);
+                }
                 even + self.color * arriving
             }
         }
+    }
+
+    /// The hemisphere's light that the surface scatters if nothing is in its way, before the
+    /// diffuse colour.
+    #[inline(always)]
+    fn arriving(&self, hemisphere: &Hemisphere) -> Vector<F> {
+        hemisphere.at(self.shading_normal).scale(self.occlusion)
     }
 }
 
@@ -172,7 +178,7 @@ pub fn shadow_request<F: Single>(
     ambient: Option<&Hemisphere>,
 ) -> Option<ShadowRequest<F>> {
     if let Emitter::Around(distance) = light.emitter {
-        let ambient = ambient?.at(point.shading_normal).over(point.kr.same(light.samples() as f32));
+        let ambient = point.arriving(ambient?).over(point.kr.same(light.samples() as f32));
         return ambient_request(point, throughput * ambient, distance, target);
     }
     let zero = point.kr.zero();

@@ -107,11 +107,12 @@ impl Appearance {
         shape.texture.iter().chain(detail.into_iter().flat_map(Detail::textures))
     }
 
-    /// Applies the shape's detail to `point`.
+    /// Applies the shape's detail to `point`; `traced` if rays find what is in the way of ambient
+    /// light, which its texture then does not tell.
     #[inline(never)]
-    pub(super) fn add_detail(
+    fn add_detail(
         &self,
-        detail: &Detail,
+        (detail, traced): (&Detail, bool),
         place: TexturePlace<'_>,
         point: &mut ShadingPoint<f32>,
         look_ups: &mut LookUps,
@@ -129,7 +130,9 @@ impl Appearance {
             let kt = detail.transparency.as_ref().map_or(0.0, |transparency| transparency.kt);
             point.reflection.kd *= 1.0 - kt;
         }
-        if let Some(Occlusion { texture, strength }) = &detail.occlusion {
+        if let Some(Occlusion { texture, strength }) = &detail.occlusion
+            && !traced
+        {
             point.occlusion = 1.0 + strength * (at(texture).x - 1.0);
         }
         if let Some(transparency) = &detail.transparency {
@@ -165,6 +168,7 @@ impl<F: Single> Group<F> {
         look_ups: &mut LookUps,
     ) {
         let (appearance, geometry) = (&scene.appearance, scene.accel.geometry());
+        let traced = scene.hemisphere.is_some_and(|hemisphere| hemisphere.traced);
         for lane in lanes(self.detailed & self.used) {
             let Face { primitive, shape, .. } = self.faces[lane];
             let shape = &appearance.shapes[shape as usize];
@@ -172,7 +176,8 @@ impl<F: Single> Group<F> {
             let (surface, arriving) = (&surfaces.lane(lane), &|| arriving(lane));
             let place = TexturePlace { shape, primitive, geometry, surface, arriving };
             let mut one = point.lane(lane);
-            appearance.add_detail(&appearance.details[detail as usize], place, &mut one, look_ups);
+            let detail = (&appearance.details[detail as usize], traced);
+            appearance.add_detail(detail, place, &mut one, look_ups);
             point.set_material(lane, &one);
         }
     }

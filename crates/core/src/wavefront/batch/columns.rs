@@ -117,6 +117,10 @@ impl Blank for u32 {
     const BLANK: Self = 0;
 }
 
+impl Blank for f32 {
+    const BLANK: Self = 0.0;
+}
+
 impl Blank for bool {
     const BLANK: Self = false;
 }

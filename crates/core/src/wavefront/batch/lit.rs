@@ -28,6 +28,8 @@ columns! {
         throughput: Vectors,
         /// Weights of the highlight and of the diffuse part, and the highlight's exponent.
         reflection: Vectors,
+        /// Share of the ambient light that the surface scatters.
+        occlusion: Vec<f32>,
         /// The path, by its number in the batch.
         path: Vec<u32>,
     }
@@ -52,6 +54,7 @@ impl LitPoints {
         self.color.pack(i, p.color, lit);
         self.throughput.pack(i, throughput, lit);
         self.reflection.pack(i, Vector::new(ks, kd, exponent), lit);
+        p.occlusion.pack(lit, &mut self.occlusion[i..i + F::LANES]);
         F::pack_words(p.kr.token(), path, lit, &mut self.path[i..i + F::LANES]);
         self.rows += lit.bits().count_ones() as usize;
     }
@@ -73,8 +76,8 @@ impl LitPoints {
             shading_normal: self.shading_normal.load(token, i),
             view: self.view.load(token, i),
             color: self.color.load(token, i),
+            occlusion: F::from_slice(token, &self.occlusion[i..i + F::LANES]),
             // Added by shade.
-            occlusion: F::splat(token, 0.0),
             emission: Vector::splat(token, Vec3::ZERO),
             reflection: Reflection { ks, kd, exponent, tint: Vector::splat(token, Vec3::ONE) },
             kr: F::splat(token, 0.0),
