@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 use wavecrest_base::error::Result;
 use wavecrest_scene::load::LoadedScene;
 
-use super::{File, SQUARE, SQUARE_UVS, load_bytes, loaded, small, square};
+use super::{File, SQUARE, SQUARE_UVS, image, load_bytes, loaded, small, square};
 use crate::support::{edited, folder, put};
 use crate::transcript;
 
@@ -76,6 +76,22 @@ fn files_that_are_wrong_are_told_with_the_places() {
         }
         _ => panic!("{input}"),
     });
+}
+
+/// Whatever else names it and in whatever order, a child is where its first parent places it.
+#[test]
+fn a_node_that_is_named_twice_is_shown_once() {
+    let mut file = square();
+    file.push("nodes", json!({"children": [0], "translation": [0.5, 0.25, 0]}));
+    file.push("nodes", json!({"children": [0, 0], "scale": [2, 2, 2]}));
+    let of = |roots: Value| image(&file.with("/scenes/0/nodes", roots));
+    let expected = of(json!([3, 1, 2]));
+    for roots in [json!([0, 3, 1, 2, 3]), json!([1, 3, 4, 0, 2]), json!([3, 1, 2, 4])] {
+        assert!(of(roots.clone()).same_bits(&expected), "{roots}");
+    }
+    let without_parent = of(json!([0, 1, 2]));
+    assert!(without_parent.same_bits(&image(&square())));
+    assert!(!without_parent.same_bits(&expected));
 }
 
 /// A small file that names the same bytes again and again.

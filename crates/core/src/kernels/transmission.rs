@@ -145,6 +145,11 @@ mod tests {
         assert!((straight - 0.04).abs() < 1e-12);
         assert!((fresnel(1.0, 1.5) - straight).abs() < 1e-12, "the same from both sides");
         assert_eq!(fresnel(0.0, 1.0 / 1.5), 1.0, "edge on");
+        // What is dense enough mirrors all.
+        for cosine in [0.0, 0.1, 1.0] {
+            let ratio = f64::from(crate::math::float::MAX_COORDINATE);
+            assert!([ratio, 1.0 / ratio].iter().all(|&r| (fresnel(cosine, r) - 1.0).abs() < 1e-9));
+        }
         // Beyond the critical angle, whose sine is 1 / 1.5.
         let critical = (1.0_f64 - 1.0 / 2.25).sqrt();
         assert_eq!(fresnel(critical - 1e-9, 1.5), 1.0);

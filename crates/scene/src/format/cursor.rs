@@ -27,7 +27,7 @@ impl Range {
     /// Any number: a coordinate.
     pub(crate) const COORDINATE: Self = Self::new(-LARGEST, LARGEST);
     /// 0 or more: a weight, a colour.
-    pub(crate) const NOT_NEGATIVE: Self = Self::new(0.0, LARGEST);
+    pub(crate) const NOT_NEGATIVE: Self = Self::at_least(0.0);
     /// A share.
     pub(crate) const UNIT: Self = Self::new(0.0, 1.0);
     /// Above 0: a length.
@@ -36,6 +36,11 @@ impl Range {
     /// From `low` to `high`, both included.
     pub(crate) const fn new(low: f64, high: f64) -> Self {
         Self { low, high, open: false }
+    }
+
+    /// `low` or more.
+    pub(crate) const fn at_least(low: f64) -> Self {
+        Self::new(low, LARGEST)
     }
 
     /// Whether a number is in the range.

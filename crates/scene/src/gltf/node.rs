@@ -1,8 +1,7 @@
 //! Nodes: the tree that places meshes, cameras and lights.
 //!
-//! The format requires a tree; invalid files may contain loops, or a node with two parents. Both
-//! are refused before the tree is walked. The walk keeps its own list, so that no depth of a file
-//! overflows the stack.
+//! The format requires a tree; invalid files may contain circles, which are refused, or name a node
+//! twice. Walks keep their own list, so that no depth of a file overflows the stack.
 
 use glam::{DAffine3, DMat3, DVec3};
 
@@ -86,85 +85,77 @@ pub(super) struct PlacedNode {
     pub(super) world: DAffine3,
 }
 
-/// The nodes of the scene, each before its children, in the order of the file.
+/// The nodes of the scene, each before its children, in the order of the file. A node that is named
+/// twice is shown once: below the first of its parents, if it has any in the scene.
 ///
 /// # Errors
-/// If the nodes do not form a tree.
+/// If a node is its own descendant.
 pub(super) fn placed(top: &Fields<'_>, nodes: &[Node]) -> Result<Vec<PlacedNode>> {
-    let parents = parents(top, nodes)?;
+    check_circles(top, nodes)?;
+    let note = |node: usize, message, remedy| {
+        top.cursor().notes().note(&format!("nodes[{node}]"), message, remedy);
+    };
     let mut found = Vec::new();
-    // Nodes still to visit, the next one last.
-    let identity = |node| PlacedNode { node, world: DAffine3::IDENTITY };
-    let mut left: Vec<PlacedNode> = roots(top, &parents)?.into_iter().rev().map(identity).collect();
-    while let Some(PlacedNode { node, world: parent }) = left.pop() {
-        let world = parent * nodes[node].local;
-        check_place(top, node, &world)?;
-        found.push(PlacedNode { node, world });
-        left.extend(nodes[node].children.iter().rev().map(|&node| PlacedNode { node, world }));
+    let mut is_found = vec![false; nodes.len()];
+    for (root, is_child) in roots(top, nodes)? {
+        if is_child && !is_found[root] {
+            let message = "the parent of a root is not in the scene";
+            note(root, message, "list the parent, or the node's transform is all that it gets");
+        }
+        // Nodes still to visit, the next one last.
+        let mut left = vec![PlacedNode { node: root, world: DAffine3::IDENTITY }];
+        while let Some(PlacedNode { node, world: parent }) = left.pop() {
+            if std::mem::replace(&mut is_found[node], true) {
+                let message = "a node that is named twice is shown once";
+                note(node, message, "name it as a root of the scene or as a child, once");
+                continue;
+            }
+            let world = parent * nodes[node].local;
+            check_place(top, node, &world)?;
+            found.push(PlacedNode { node, world });
+            left.extend(nodes[node].children.iter().rev().map(|&node| PlacedNode { node, world }));
+        }
     }
     Ok(found)
 }
 
-/// The root nodes: those of the default scene, or of the first one, or all nodes without a parent.
-fn roots(top: &Fields<'_>, parents: &[Option<usize>]) -> Result<Vec<usize>> {
+/// The root nodes: those of the default scene, or of the first one, or all nodes without a parent. Those
+/// that are children of others come last, and are marked.
+fn roots(top: &Fields<'_>, nodes: &[Node]) -> Result<Vec<(usize, bool)>> {
     let chosen = top.index("scene", "scenes")?;
-    let scenes = top.list("scenes", "a scene", |scene| {
-        let roots = scene.indices("nodes", "nodes")?;
-        check_roots(scene, &roots, parents)?;
-        Ok(roots)
-    })?;
-    let all = || (0..parents.len()).filter(|&node| parents[node].is_none()).collect();
-    Ok(scenes.into_iter().nth(chosen.unwrap_or(0)).unwrap_or_else(all))
+    let scenes = top.list("scenes", "a scene", |scene| scene.indices("nodes", "nodes"))?;
+    let mut is_child = vec![false; nodes.len()];
+    nodes.iter().flat_map(|node| &node.children).for_each(|&child| is_child[child] = true);
+    let all = || (0..nodes.len()).filter(|&node| !is_child[node]).collect();
+    let roots: Vec<usize> = scenes.into_iter().nth(chosen.unwrap_or(0)).unwrap_or_else(all);
+    let mut roots: Vec<_> = roots.into_iter().map(|root| (root, is_child[root])).collect();
+    roots.sort_by_key(|&(_, is_child)| is_child);
+    Ok(roots)
 }
 
-/// Refuses a root that a scene names twice or that is a child of another node: it would be shown
-/// twice.
-fn check_roots(scene: &Fields<'_>, roots: &[usize], parents: &[Option<usize>]) -> Result<()> {
-    let mut sorted = roots.to_vec();
-    sorted.sort_unstable();
-    let twice = sorted.windows(2).find(|pair| pair[0] == pair[1]).map(|pair| pair[0]);
-    let held = || roots.iter().copied().find(|&root| parents[root].is_some());
-    match twice.or_else(held) {
-        None => Ok(()),
-        Some(node) => Err(scene
-            .error(format!("node {node} must appear once, as a root of the scene"))
-            .remedy("list each root once, and no child of another node")),
-    }
-}
-
-/// The parent of each node.
-///
-/// # Errors
-/// If a node has several, or is its own descendant.
-fn parents(top: &Fields<'_>, nodes: &[Node]) -> Result<Vec<Option<usize>>> {
-    let mut parents: Vec<Option<usize>> = vec![None; nodes.len()];
-    for (number, node) in nodes.iter().enumerate() {
-        for (place, &child) in node.children.iter().enumerate() {
-            if let Some(other) = parents[child] {
-                let message = format!("node {child} is already a child of node {other}");
-                return Err(at(top, &format!("nodes[{number}].children[{place}]"), message)
-                    .remedy("give each node one parent; a mesh may be used by several nodes"));
-            }
-            parents[child] = Some(number);
-        }
-    }
-    // Each has one parent at most. Nodes in a circle, or below one, never reach a root.
-    let mut is_sound = vec![false; nodes.len()];
-    for start in 0..nodes.len() {
-        let mut path = Vec::new();
-        let mut next = Some(start);
-        while let Some(node) = next.filter(|&node| !is_sound[node]) {
-            if path.len() == nodes.len() {
+/// Refuses a node that is its own descendant.
+fn check_circles(top: &Fields<'_>, nodes: &[Node]) -> Result<()> {
+    // Whether all below a node is known to be sound; some of it is not, while it is visited.
+    let mut is_sound = vec![None; nodes.len()];
+    // Nodes to enter, and to leave, the next one last.
+    let mut left: Vec<(usize, bool)> = (0..nodes.len()).rev().map(|node| (node, true)).collect();
+    while let Some((node, enters)) = left.pop() {
+        match (enters, is_sound[node]) {
+            (false, _) => is_sound[node] = Some(true),
+            (true, Some(true)) => {}
+            (true, Some(false)) => {
                 let message = "the node is its own descendant".to_owned();
                 return Err(at(top, &format!("nodes[{node}]"), message)
                     .remedy("remove it from the children of its descendants"));
             }
-            path.push(node);
-            next = parents[node];
+            (true, None) => {
+                is_sound[node] = Some(false);
+                left.push((node, false));
+                left.extend(nodes[node].children.iter().map(|&child| (child, true)));
+            }
         }
-        path.into_iter().for_each(|node| is_sound[node] = true);
     }
-    Ok(parents)
+    Ok(())
 }
 
 fn at(top: &Fields<'_>, place: &str, message: String) -> Error {

@@ -51,8 +51,9 @@ impl Declared for Transparency {
 }
 
 impl Transparency {
-    /// Indices of refraction: those of all materials, and of the empty inside of denser ones.
-    pub(crate) const IOR: Range = Range::new(0.1, 10.0);
+    /// Indices of refraction: from that of the empty inside of the densest material. Converters write
+    /// large ones for what mirrors all.
+    pub(crate) const IOR: Range = Range::at_least(0.1);
 
     /// Lets nothing through.
     pub const OPAQUE: Self = Self {
