@@ -155,7 +155,9 @@ fn s3_shade(bencher: Bencher<'_, '_>, name: &str) {
 
 #[divan::bench(args = SCENES)]
 fn s4_shadow(bencher: Bencher<'_, '_>, name: &str) {
-    time_pass(bencher, name, 3, |wavefront, scene| wavefront.shadow(scene, 0));
+    time_pass(bencher, name, 3, |wavefront, scene| {
+        wavefront.shadow(scene, 0, &|| false);
+    });
 }
 
 #[divan::bench(args = SCENES)]

@@ -27,7 +27,7 @@ pub(super) struct Traced {
     pub(super) resumed: f64,
 }
 
-/// Ends a pilot on a signal.
+/// Ends a pilot, or a measurement, on a signal.
 struct UntilSignal;
 
 impl Watch for UntilSignal {
@@ -140,13 +140,16 @@ fn trace_chosen(
     trace_once(rendering, scene, pace).map(|(rendered, _)| rendered)
 }
 
-/// The measured error of a finished render, if there is one.
+/// The measured error of a finished render, if there is one and no signal ends the measurement.
 fn measure(
     rendering: &Rendering<'_>,
     scene: &PreparedScene,
     rendered: &Rendered,
 ) -> Result<Option<MeasuredError>> {
-    let found = measured(scene, rendered, rendering.args.seed, &())?;
+    let found = measured(scene, rendered, rendering.args.seed, &UntilSignal)?;
+    if interrupt::signal().is_some() {
+        return Ok(None);
+    }
     if rendered.finished {
         say(rendering, &told(found, scene.camera.antialias() == 1));
     }

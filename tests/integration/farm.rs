@@ -3,12 +3,11 @@
 mod refusals;
 
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Duration;
 
 use wavecrest_base::error::{Error, Result};
 use wavecrest_core::prepared::PreparedScene;
-use wavecrest_core::render::{RenderOptions, Watch};
+use wavecrest_core::render::{RenderOptions, Rendered, Watch};
 use wavecrest_core::tile::Tile;
 use wavecrest_image::farm::checkpoint::Checkpoint;
 use wavecrest_image::farm::merge::merge;
@@ -17,22 +16,19 @@ use wavecrest_image::farm::{Author, Identity, Session, Shard};
 use crate::parts::ball;
 use crate::support::{TRACERS, folder, options, prepare, render_on};
 
-/// Ends a render after so many units.
-struct EndAfter {
-    asked: AtomicUsize,
-    most: usize,
-}
+/// Ends a session once this share of it is finished.
+struct EndAt<'a>(&'a Session<'a>, f64);
 
-impl EndAfter {
-    fn new(most: usize) -> Self {
-        Self { asked: AtomicUsize::new(0), most }
-    }
-}
-
-impl Watch for EndAfter {
+impl Watch for EndAt<'_> {
     fn cancelled(&self) -> bool {
-        self.asked.fetch_add(1, Ordering::Relaxed) >= self.most
+        self.0.share() >= self.1
     }
+}
+
+/// Renders until that share is finished, on one thread: no other is amid a unit.
+fn render_until(session: &Session<'_>, share: f64) -> Rendered {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a pool");
+    pool.install(|| session.render(&EndAt(session, share), &no_warning)).expect("a film")
 }
 
 /// A warning would be a checkpoint that cannot be written.
@@ -79,17 +75,18 @@ fn write_parts(
 fn write_part_in_two(scene: &PreparedScene, shard: Shard, file: &Path) {
     let options = options();
     let at = |resume| checkpoint(&file.with_extension("kept"), resume);
-    let go = |checkpoint: &Checkpoint, watch: &dyn Watch| {
+    let go = |checkpoint: &Checkpoint, share: f64| {
         let session = begin(scene, &options, Some(shard), Some(checkpoint)).expect("a session");
-        let done = session.render_units(watch, &no_warning).expect("the units");
+        let watch = EndAt(&session, share);
+        let done = session.render_units(&watch, &no_warning).expect("the units");
         (session.share(), session.write(file), done.counters.primary_rays)
     };
-    let (share, _, first) = go(&at(false), &EndAfter::new(1));
+    let (share, _, first) = go(&at(false), 1e-9);
     assert!(share > 0.0, "one unit is there");
-    let (share, written, second) = go(&at(true), &());
+    let (share, written, second) = go(&at(true), 2.0);
     assert_eq!(share, 1.0);
     written.expect("a part");
-    let (_, _, third) = go(&at(true), &());
+    let (_, _, third) = go(&at(true), 2.0);
     assert_eq!(third, 0, "everything is there");
     assert!(first > 0, "{first} rays, then {second}");
 }
@@ -191,24 +188,24 @@ fn a_stopped_render_resumes_to_the_same_bits() {
             let whole = render_on(1, scene, &options);
             let folder = folder();
             let file = folder.path().join("a.kept");
-            let go = |resume, most| {
+            let go = |resume, share| {
                 let checkpoint = checkpoint(&file, resume);
                 let session = begin(scene, &options, None, Some(&checkpoint));
                 let session = session.unwrap_or_else(|error| panic!("{error}"));
-                session.render(&EndAfter::new(most), &no_warning).expect("a film")
+                render_until(&session, share)
             };
             let mut rays = 0;
-            for (resume, most) in [(false, 2), (true, 3), (true, 0), (true, usize::MAX)] {
-                let rendered = go(resume, most);
+            for (resume, share) in [(false, 0.2), (true, 0.5), (true, 0.0), (true, 2.0)] {
+                let rendered = go(resume, share);
                 rays += rendered.counters.primary_rays;
-                assert_eq!(rendered.finished, most == usize::MAX);
+                assert_eq!(rendered.finished, share > 1.0);
                 assert!(!rendered.finished || rendered.film.same_bits(&whole.film), "{tracer:?}");
             }
             let at_once = begin(scene, &options, None, None)
                 .and_then(|session| session.render(&(), &no_warning));
             assert_eq!(rays, at_once.expect("a film").counters.primary_rays);
             let before = std::fs::read(&file).expect("a checkpoint");
-            let again = go(true, usize::MAX);
+            let again = go(true, 2.0);
             assert_eq!(again.counters.primary_rays, 0);
             assert!(again.finished && again.film.same_bits(&whole.film));
             assert_eq!(std::fs::read(&file).expect("a checkpoint"), before);

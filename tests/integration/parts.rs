@@ -3,7 +3,7 @@
 
 use std::collections::BTreeSet;
 use std::sync::Mutex;
-use std::sync::atomic::{AtomicU64, AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicU64, Ordering};
 
 use serde_json::Value;
 use wavecrest_core::film::Film;
@@ -30,7 +30,6 @@ struct Collector {
     film: Mutex<Film>,
     tiles: Mutex<Vec<Tile>>,
     done: AtomicU64,
-    asked: AtomicUsize,
     most: usize,
 }
 
@@ -40,7 +39,6 @@ impl Collector {
             film: Mutex::new(Film::new(width, height).expect("a film")),
             tiles: Mutex::default(),
             done: AtomicU64::new(0),
-            asked: AtomicUsize::new(0),
             most,
         }
     }
@@ -63,7 +61,7 @@ impl Watch for Collector {
     }
 
     fn cancelled(&self) -> bool {
-        self.asked.fetch_add(1, Ordering::Relaxed) >= self.most
+        self.tiles.lock().expect("no panic").len() >= self.most
     }
 }
 
@@ -95,7 +93,8 @@ fn a_render_that_is_cancelled_keeps_what_was_finished() {
         let watch = Collector::new(size, most);
         let part = pool.install(|| render(&scene, &options(), &watch)).expect("a part");
         assert!(!part.finished);
-        assert_eq!(part.tiles.len(), most);
+        // The other thread may finish its tile.
+        assert!((most..=most + usize::from(most > 0)).contains(&part.tiles.len()));
         let there: BTreeSet<(u32, u32)> = pixels_of(&part).collect();
         for (x, y) in places(45, 37) {
             let expected = if there.contains(&(x, y)) { whole.pixel(x, y) } else { Some([0.0; 3]) };

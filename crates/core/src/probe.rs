@@ -93,7 +93,7 @@ fn follow<P: Arithmetic>(
         waiting: Vec::new(),
         trail: Trail::default(),
     };
-    recorder.path.radiance = tracer.path(scene, pixel, stream, &mut recorder);
+    recorder.path.radiance = tracer.path(scene, pixel, stream, &|| false, &mut recorder);
     (recorder.path, recorder.steps)
 }
 
@@ -106,7 +106,7 @@ fn wavefront_steps<P: Arithmetic>(
     let mut steps = vec![Vec::new(); scene.camera.rays_per_pixel() as usize];
     let pixel = Unit::whole(scene, Tile { x, y, width: 1, height: 1 });
     let mut tracer = Wavefront::<P>::new(scene, settings);
-    tracer.render_watched(scene, &pixel, &mut [[0.0; 3]], |_, batch| {
+    tracer.render_watched(scene, &pixel, &mut [[0.0; 3]], &|| false, |_, batch| {
         for i in 0..batch.rays.len() {
             let path = batch.rays.path[i] as usize;
             let step = (batch.rays.ray(i), batch.hits.hit[i], batch.paths.radiance.get(path));

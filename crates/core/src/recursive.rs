@@ -39,6 +39,10 @@ pub struct Recursive<P> {
     look_ups: LookUps,
     counters: Counters,
     seconds: f64,
+    /// Rays and points on lights so far.
+    steps: u32,
+    /// Whether the render was cancelled.
+    ended: bool,
     /// Seconds by pass, if they are timed.
     passes: Option<[f64; TIMED.len()]>,
     precision: PhantomData<P>,
@@ -56,23 +60,33 @@ impl<P: Arithmetic> Tracer for Recursive<P> {
             look_ups: LookUps::default(),
             counters: Counters::default(),
             seconds: 0.0,
+            steps: 0,
+            ended: false,
             passes: settings.time_passes.then(Default::default),
             precision: PhantomData,
         }
     }
 
-    fn render(&mut self, scene: &PreparedScene, unit: &Unit, sums: &mut [[f64; 3]]) {
+    fn render(
+        &mut self,
+        scene: &PreparedScene,
+        unit: &Unit,
+        sums: &mut [[f64; 3]],
+        cancelled: &dyn Fn() -> bool,
+    ) -> bool {
         let start = Instant::now();
         self.traversal.without_t = !scene.needs_t();
+        self.ended = false;
         match self.passes {
-            None => self.paths(scene, unit, sums, &mut ()),
+            None => self.paths(scene, unit, sums, cancelled, &mut ()),
             Some(seconds) => {
                 let mut clock = StepClock { seconds, last: start };
-                self.paths(scene, unit, sums, &mut clock);
+                self.paths(scene, unit, sums, cancelled, &mut clock);
                 self.passes = Some(clock.seconds);
             }
         }
         self.seconds += start.elapsed().as_secs_f64();
+        !self.ended
     }
 
     /// A path is a few numbers on the stack.
@@ -180,13 +194,28 @@ pub enum End {
     NoMirror,
 }
 
+/// The number of steps, each a ray or a point on a light, after which to ask whether the render is
+/// cancelled.
+const STEPS: u32 = 1024;
+
 impl<P: Arithmetic> Recursive<P> {
-    /// Adds all paths of the unit to their pixels' `sums`.
+    /// Whether to end, before a step.
+    #[inline]
+    fn ends(&mut self, cancelled: &dyn Fn() -> bool) -> bool {
+        self.steps = self.steps.wrapping_add(1);
+        if self.steps.is_multiple_of(STEPS) {
+            self.ended |= cancelled();
+        }
+        self.ended
+    }
+
+    /// Adds all paths of the unit to their pixels' `sums`, unless it ends before.
     fn paths(
         &mut self,
         scene: &PreparedScene,
         unit: &Unit,
         sums: &mut [[f64; 3]],
+        cancelled: &dyn Fn() -> bool,
         observer: &mut impl Observer,
     ) {
         let width = scene.camera.size()[0];
@@ -194,7 +223,10 @@ impl<P: Arithmetic> Recursive<P> {
             let (x, y) = unit.tile.pixel(index as u32);
             for sample in unit.samples.clone() {
                 let stream = Stream { seed: self.seed, pixel: y * width + x, sample, bounce: 0 };
-                let radiance = self.path(scene, [x, y], stream, observer);
+                let radiance = self.path(scene, [x, y], stream, cancelled, observer);
+                if self.ended {
+                    return;
+                }
                 let sample = Sample { pixel: stream.pixel, sample };
                 add_sample(sum, radiance.to_array(), sample, &mut self.counters);
                 observer.added();
@@ -202,12 +234,14 @@ impl<P: Arithmetic> Recursive<P> {
         }
     }
 
-    /// The radiance along the camera ray of `stream`, through the pixel (`x`, `y`).
+    /// The radiance along the camera ray of `stream`, through the pixel (`x`, `y`), without a meaning
+    /// if it is `cancelled`.
     pub fn path(
         &mut self,
         scene: &PreparedScene,
         [x, y]: [u32; 2],
         mut stream: Stream,
+        cancelled: &dyn Fn() -> bool,
         observer: &mut impl Observer,
     ) -> Vec3 {
         let ray = scene.camera.ray(x, y, &stream);
@@ -247,7 +281,7 @@ impl<P: Arithmetic> Recursive<P> {
                     observer.surface(point, radiance);
                     if shadows && point.lit {
                         let gathered = (own, &mut radiance);
-                        self.direct_light(scene, point, &stream, gathered, observer);
+                        self.direct_light(scene, point, &stream, gathered, cancelled, observer);
                     }
                     if let Some((_, branches)) = divided {
                         self.waiting.extend(branches.into_iter().rev().flatten());
@@ -283,6 +317,9 @@ impl<P: Arithmetic> Recursive<P> {
                 }
             };
             observer.done(radiance, &self.waiting[waiting..], end);
+            if self.ends(cancelled) {
+                self.waiting.clear();
+            }
             let Some(next) = self.waiting.pop() else { return radiance };
             self.counters.secondary_rays += 1;
             stream.bounce += 1;
@@ -298,10 +335,14 @@ impl<P: Arithmetic> Recursive<P> {
         point: &ShadingPoint<f32>,
         stream: &Stream,
         (throughput, radiance): (Vec3, &mut Vec3),
+        cancelled: &dyn Fn() -> bool,
         observer: &mut impl Observer,
     ) {
         for (number, light) in scene.lights.iter().enumerate() {
             for index in 0..light.samples() {
+                if self.ends(cancelled) {
+                    return;
+                }
                 let place = [number, index as usize];
                 let target = light.point(index, stream);
                 self.counters.light_samples += u64::from(light.is_sampled());

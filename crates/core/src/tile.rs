@@ -80,7 +80,16 @@ pub trait Tracer: Send {
 
     /// Adds the unit's samples of each pixel to `sums`, in the order of the samples: red, green and
     /// blue, in linear radiance. There is one sum for each pixel of its tile, row by row.
-    fn render(&mut self, scene: &PreparedScene, unit: &Unit, sums: &mut [[f64; 3]]);
+    ///
+    /// Whether it is `cancelled` is asked every some thousand rays. Returns whether it was finished:
+    /// without that, sums have no meaning.
+    fn render(
+        &mut self,
+        scene: &PreparedScene,
+        unit: &Unit,
+        sums: &mut [[f64; 3]],
+        cancelled: &dyn Fn() -> bool,
+    ) -> bool;
 
     /// Bytes of its columns.
     fn bytes(&self) -> u64;

@@ -52,10 +52,11 @@ struct PassClock {
 impl PassClock {
     /// Runs `pass` and adds its time to the `index`th of [`TIMED`].
     #[inline]
-    fn time(&mut self, index: usize, pass: impl FnOnce()) {
+    fn time<T>(&mut self, index: usize, pass: impl FnOnce() -> T) -> T {
         let start = Instant::now();
-        pass();
+        let found = pass();
         self.seconds[index] += start.elapsed().as_secs_f64();
+        found
     }
 }
 
@@ -72,9 +73,15 @@ impl<P: Arithmetic> Tracer for Wavefront<P> {
         }
     }
 
-    fn render(&mut self, scene: &PreparedScene, unit: &Unit, sums: &mut [[f64; 3]]) {
+    fn render(
+        &mut self,
+        scene: &PreparedScene,
+        unit: &Unit,
+        sums: &mut [[f64; 3]],
+        cancelled: &dyn Fn() -> bool,
+    ) -> bool {
         self.traversal.without_t = !scene.needs_t();
-        self.render_watched(scene, unit, sums, |_, _| {});
+        self.render_watched(scene, unit, sums, cancelled, |_, _| {})
     }
 
     fn bytes(&self) -> u64 {
@@ -100,8 +107,9 @@ impl<P: Arithmetic> Wavefront<P> {
         scene: &PreparedScene,
         unit: &Unit,
         sums: &mut [[f64; 3]],
+        cancelled: &dyn Fn() -> bool,
         mut watch: impl FnMut(u32, &Batch),
-    ) {
+    ) -> bool {
         let paths = unit.paths();
         let mut start = 0;
         while start < paths {
@@ -110,10 +118,12 @@ impl<P: Arithmetic> Wavefront<P> {
             for bounce in 0.. {
                 self.intersect(scene);
                 self.shade(scene, bounce);
-                if self.schedule.has_shadows() {
-                    self.shadow(scene, bounce);
-                }
+                let is_lit = !self.schedule.has_shadows() || self.shadow(scene, bounce, cancelled);
                 watch(bounce, &self.batch);
+                if !is_lit || cancelled() {
+                    self.batch.waiting.clear();
+                    return false;
+                }
                 if !(self.schedule.goes_on() && self.batch.advance()) {
                     break;
                 }
@@ -122,6 +132,7 @@ impl<P: Arithmetic> Wavefront<P> {
             self.resolve(sums);
             start = end;
         }
+        true
     }
 
     /// Fills the batch with the camera rays of the unit's `paths`, at most its capacity.
@@ -142,10 +153,17 @@ impl<P: Arithmetic> Wavefront<P> {
         clock.time(2, || s3_shade::run::<P>(scene, bounce, batch, counters));
     }
 
-    /// Adds the light of unoccluded shadow rays.
-    pub fn shadow(&mut self, scene: &PreparedScene, bounce: u32) {
+    /// Adds the light of unoccluded shadow rays. Returns whether it did so for all: it was not
+    /// `cancelled`.
+    pub fn shadow(
+        &mut self,
+        scene: &PreparedScene,
+        bounce: u32,
+        cancelled: &dyn Fn() -> bool,
+    ) -> bool {
         let Self { seed, batch, traversal, counters, clock, .. } = self;
-        clock.time(3, || s4_shadow::run::<P>(scene, *seed, bounce, batch, traversal, counters));
+        let place = (*seed, bounce);
+        clock.time(3, || s4_shadow::run::<P>(scene, place, batch, traversal, counters, cancelled))
     }
 
     /// Adds the paths to their pixels' `sums`.

@@ -148,7 +148,7 @@ pub fn layers(scene: &PreparedScene, request: &Request<'_>, watch: &dyn Watch) -
         match (layer, channel) {
             (Layer::Samples, Values::Integers(all)) => all.fill(scene.camera.rays_per_pixel()),
             (Layer::Invalid, Values::Floats(mask)) if request.invalid > 0 => {
-                mark_invalid(scene, &window, request, mask);
+                mark_invalid(scene, &window, request, watch, mask);
             }
             (Layer::Object, Values::Integers(numbers)) => {
                 entries.push(Entry { name: "objects", text: names.objects(numbers) });
@@ -286,7 +286,13 @@ fn add_to(sum: &mut [f64; 3], value: [f64; 3]) {
 /// A render only counts them. To find their pixels, the recursive tracer renders the pixels once
 /// more, with the same results as the wavefront: only if the count is not 0, and only until that
 /// many are found.
-fn mark_invalid(scene: &PreparedScene, window: &Tile, request: &Request<'_>, mask: &mut [f32]) {
+fn mark_invalid(
+    scene: &PreparedScene,
+    window: &Tile,
+    request: &Request<'_>,
+    watch: &dyn Watch,
+    mask: &mut [f32],
+) {
     let left = AtomicU64::new(request.invalid);
     // One path at a time: the recursive tracer ignores the batch.
     let settings = TraceSettings { seed: request.seed, batch: 1, time_passes: false };
@@ -300,7 +306,7 @@ fn mark_invalid(scene: &PreparedScene, window: &Tile, request: &Request<'_>, mas
             let (x, y) = (window.x + column as u32, window.y + row as u32);
             let pixel = Unit::whole(scene, Tile { x, y, width: 1, height: 1 });
             let before = tracer.counters().invalid;
-            tracer.render(scene, &pixel, &mut [[0.0; 3]]);
+            tracer.render(scene, &pixel, &mut [[0.0; 3]], &|| watch.cancelled());
             let found = tracer.counters().invalid - before;
             if found > 0 {
                 *marked = 1.0;

@@ -174,7 +174,7 @@ fn trace(
         let mut tracer = work::tracer(scene, options.tracer, &settings);
         let start = Instant::now();
         let mut sums = vec![[0.0; 3]; tile.len()];
-        tracer.render(scene, &Unit { tile: *tile, samples: 0..samples }, &mut sums);
+        tracer.render(scene, &Unit { tile: *tile, samples: 0..samples }, &mut sums, &|| false);
         (tracer.counters(), start.elapsed().as_secs_f64())
     };
     let add = |(mut counters, seconds): (Counters, f64), (more, longer)| {

@@ -13,7 +13,7 @@ use wavecrest_image::farm::merge::merge;
 use wavecrest_image::farm::part::PartReader;
 use wavecrest_scene::systems::Options;
 
-use super::{EndAfter, begin, checkpoint, no_warning, shard, write_part, write_parts};
+use super::{begin, checkpoint, no_warning, render_until, shard, write_part, write_parts};
 use crate::parts::ball;
 use crate::support::{edited, folder, options, prepare, prepare_in, put, repository};
 use crate::transcript;
@@ -136,7 +136,7 @@ fn unfinished_parts_are_refused_with_their_place() {
     let (scene, options) = (prepare(&ball([80, 80], 1)), options());
     let kept = checkpoint(&folder.path().join("a.kept"), false);
     let session = begin(&scene, &options, None, Some(&kept)).expect("a session");
-    session.render(&EndAfter::new(99), &no_warning).expect("a part");
+    assert!(!render_until(&session, 0.985).finished);
     let error = merge(&[kept.file]).expect_err("a gap").to_string();
     let words = "the parts do not make a whole image, found 1 tiles missing, the first at ";
     assert!(error.starts_with(words), "{error}");

@@ -12,8 +12,8 @@ pub trait Watch: Sync {
     /// any order, each once.
     fn tile(&self, _tile: &Tile, _pixels: &[[f32; 3]]) {}
 
-    /// Whether to stop rendering: called before each tile, and in tiles with very many samples
-    /// before each block.
+    /// Whether to stop rendering: called before each tile, and within it after a batch
+    /// or some thousand rays.
     fn cancelled(&self) -> bool {
         false
     }

@@ -147,8 +147,11 @@ impl Worker {
         let is_backdrop = backdrop.fills(&tile);
         let render = |tracer: &mut dyn Tracer, unit: &Unit, sums: &mut [[f64; 3]]| match is_backdrop
         {
-            true => backdrop.add(unit, sums),
-            false => tracer.render(scene, unit, sums),
+            true => {
+                backdrop.add(unit, sums);
+                true
+            }
+            false => tracer.render(scene, unit, sums, &|| watch.cancelled()),
         };
         for number in task.blocks.clone() {
             // The loop over tasks has checked before the first block.
@@ -156,14 +159,13 @@ impl Worker {
                 return;
             }
             let unit = Unit { tile, samples: job.blocks.range(number) };
-            if number == first {
-                sums.fill([0.0; 3]);
-                render(&mut **tracer, &unit, sums);
-            } else {
-                let block = &mut block[..tile.len()];
-                block.fill([0.0; 3]);
-                render(&mut **tracer, &unit, block);
-                add(sums, block);
+            let own = if number == first { &mut *sums } else { &mut block[..tile.len()] };
+            own.fill([0.0; 3]);
+            if !render(&mut **tracer, &unit, own) {
+                return;
+            }
+            if number != first {
+                add(sums, &block[..tile.len()]);
             }
             let invalid = tracer.counters().invalid - invalid;
             keep(&Summed { tile: task.tile, blocks: first..number + 1, invalid, sums });

@@ -20,15 +20,15 @@ use crate::math::vector::Vector;
 use crate::plan::schedule::Step;
 use crate::prepared::{LookUps, PreparedScene};
 
-/// Adds every light's contributions to the paths.
+/// Adds every light's contributions to the paths. Returns whether it added all: it was not `cancelled`.
 pub(super) fn run<P: Arithmetic>(
     scene: &PreparedScene,
-    seed: u64,
-    bounce: u32,
+    (seed, bounce): (u64, u32),
     batch: &mut Batch,
     traversal: &mut Traversal,
     counters: &mut Counters,
-) {
+    cancelled: &dyn Fn() -> bool,
+) -> bool {
     let tinted = scene.plan.schedule().runs(Step::Tints);
     for light in &scene.lights {
         let mut next = NextRequest::default();
@@ -45,9 +45,17 @@ pub(super) fn run<P: Arithmetic>(
             };
             next = dispatch_pass(scene.accel.level, request);
             trace::<P>(scene, batch, traversal, counters);
+            if cancelled() {
+                return false;
+            }
         }
     }
+    true
 }
+
+/// Most pairs of lit points and points of a light until the queue is traced: where light reaches none, it does
+/// not fill.
+const MOST_POINTS: usize = 1 << 20;
 
 /// The place to continue the requests for a light: its sample point, and the first of a group of
 /// lit points.
@@ -80,11 +88,13 @@ impl Pass for ShadowRequests<'_> {
         let capacity = batch.capacity();
         let Batch { lit, tints, paths, shadows, .. } = batch;
         let (samples, sampled) = (light.samples(), light.is_sampled());
+        let mut seen = 0;
         while next.index < samples {
             while next.point < lit.len() {
-                if shadows.len() >= capacity {
+                if shadows.len() >= capacity || seen >= MOST_POINTS {
                     return next;
                 }
+                seen += F::LANES;
                 let count = F::LANES.min(lit.len() - next.point);
                 let used = (1_u64 << count) - 1;
                 let (mut points, throughput) = lit.load::<F>(token, next.point, used as u32);

@@ -8,7 +8,7 @@ use serde_json::json;
 use tempfile::TempDir;
 
 use super::{bytes, files, folder, long, run_silently, text, with_scene};
-use crate::support::{film, matte, pinhole, point_light, put, scene};
+use crate::support::{edited, film, matte, pinhole, point_light, put, scene, wall, with};
 
 /// How long to wait for a file, at most: machines may be slow.
 const PATIENCE: Duration = Duration::from_secs(120);
@@ -242,9 +242,9 @@ fn an_animation_and_a_sheet_that_a_signal_ends_are_not_written() {
     }
 }
 
-/// A scene of which one tile takes minutes.
+/// A scene of one pixel that takes minutes: of its light.
 fn endless() -> String {
-    let mut scene = crate::parts::ball([8, 8], 64);
+    let mut scene = crate::parts::ball([1, 1], 64);
     let corners = [[-1.0, 4.0, -1.0], [-1.0, 4.0, 1.0], [1.0, 4.0, 1.0], [1.0, 4.0, -1.0]];
     scene["scene"]["lightsources"][0] = json!({
         "type": "arealight", "intensity": 40.0, "position": [0.0, 4.0, 0.0], "color": [1.0, 1.0, 1.0],
@@ -253,27 +253,61 @@ fn endless() -> String {
     scene.to_string()
 }
 
+/// A scene of one ray whose number doubles at every bounce: panes that send on more light than they receive.
+fn doubling() -> String {
+    let glass = edited(matte(0.0, [0.0; 3]), "/kr 2\n/kt 0.5\n/thin true");
+    let pane = |z: f64| with(wall(1000.0, z, glass.clone()), "sides", "both");
+    scene(64, &pinhole([1, 1], 1.0, 5.0), &[], &[0.0, -0.5, -1.0, -1.5].map(pane)).to_string()
+}
+
+/// The exit code of a command to which signals are sent while it traces rays. Before the first ray, the first signal ends
+/// the process: then it was sent too early.
+fn ended_by(folder: &Path, arguments: &[&str], signals: &[&str]) -> Option<i32> {
+    [0.5, 2.0, 8.0, 30.0].into_iter().find_map(|wait| {
+        let running = Running::start(folder, arguments);
+        std::thread::sleep(Duration::from_secs_f64(wait));
+        signals.iter().for_each(|signal| running.signal(signal));
+        let start = Instant::now();
+        let output = running.finish();
+        assert!(start.elapsed() < Duration::from_secs(20), "{arguments:?}: {:?}", start.elapsed());
+        output.status.code()
+    })
+}
+
+#[test]
+fn a_signal_ends_a_render_within_a_pixel() {
+    for scene in [endless(), doubling()] {
+        let folder = with_scene(&scene);
+        for more in [["--tracer", "wavefront"], ["--tracer", "recursive"], ["--time-budget", "900"]]
+        {
+            let render = [&["ball.json", "out.exr"][..], &more].concat();
+            assert_eq!(ended_by(folder.path(), &render, &["TERM"]), Some(143), "{more:?}");
+        }
+        assert_eq!(files(folder.path()), ["ball.json"]);
+    }
+}
+
+/// What has nothing to write is ended by the signal itself.
+#[test]
+fn a_signal_ends_other_commands_within_a_pixel() {
+    let folder = with_scene(&doubling());
+    for arguments in [&["explain", "ball.json"][..], &["probe", "ball.json", "--pixel", "0,0"]] {
+        let running = Running::start(folder.path(), arguments);
+        std::thread::sleep(Duration::from_millis(500));
+        running.signal("TERM");
+        let start = Instant::now();
+        assert_eq!(running.finish().status.code(), None, "a signal ended it");
+        assert!(start.elapsed() < Duration::from_secs(20), "{:?}", start.elapsed());
+    }
+}
+
+/// Both wait until the process goes on, and come in this order.
 #[test]
 fn a_second_signal_ends_the_process_at_once() {
     let folder = with_scene(&endless());
-    // Before the first ray, the first signal ends the process: then it was sent too early.
-    for wait in [0.5, 2.0, 8.0, 30.0] {
-        let mut running = Running::start(folder.path(), &["ball.json", "out.exr"]);
-        std::thread::sleep(Duration::from_secs_f64(wait));
-        running.signal("INT");
-        std::thread::sleep(Duration::from_millis(300));
-        if running.0.try_wait().expect("a child").is_some() {
-            assert_eq!(running.finish().status.code(), None, "a signal ended it");
-            continue;
-        }
-        let start = Instant::now();
-        running.signal("TERM");
-        assert_eq!(running.finish().status.code(), Some(143));
-        assert!(start.elapsed() < Duration::from_secs(20), "{:?}", start.elapsed());
-        assert_eq!(files(folder.path()), ["ball.json"]);
-        return;
-    }
-    panic!("no ray was traced in half a minute");
+    let signals = ["STOP", "INT", "TERM", "CONT"];
+    assert_eq!(ended_by(folder.path(), &["ball.json", "out.exr"], &signals), Some(143));
+    assert_eq!(files(folder.path()), ["ball.json"]);
 }
 
 #[test]

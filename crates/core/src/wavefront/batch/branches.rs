@@ -49,6 +49,11 @@ impl Waiting {
         self.stacks[path as usize].pop()
     }
 
+    /// Forgets all rays.
+    pub fn clear(&mut self) {
+        self.stacks.clear();
+    }
+
     /// Bytes held.
     pub fn bytes(&self) -> usize {
         let stack =
