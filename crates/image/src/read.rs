@@ -41,7 +41,7 @@ pub fn read(path: &Path) -> Result<Film> {
 }
 
 fn read_unnamed(path: &Path) -> Result<Film> {
-    let mut source = BufReader::new(open(path)?);
+    let mut source = BufReader::new(open(path, "image")?);
     let length = source.get_ref().metadata().map_err(|e| read_error(path, e))?.len();
     let start = source.fill_buf().map_err(|e| read_error(path, e))?;
     if start.is_empty() {
@@ -62,23 +62,24 @@ fn read_unnamed(path: &Path) -> Result<Film> {
     })
 }
 
-fn open(path: &Path) -> Result<File> {
-    let data = path.metadata().map_err(|error| read_error(path, error))?;
+/// Opens a regular file; `what` names its kind in messages. A pipe is refused before it is opened, which would
+/// wait for a writer.
+///
+/// # Errors
+/// If it is no regular file, or cannot be opened.
+pub(crate) fn open(path: &Path, what: &str) -> Result<File> {
+    let cannot = format!("cannot read the {what}");
+    let data = path.metadata().map_err(|error| Error::io(&*cannot, path, error))?;
     if !data.is_file() {
-        let what = if data.is_dir() { "a folder" } else { "not a regular file" };
-        return Err(Error::new(ErrorKind::Io, format!("cannot read the image: this is {what}"))
-            .remedy("name an image file"));
+        let found = if data.is_dir() { "a folder" } else { "not a regular file" };
+        return Err(Error::new(ErrorKind::Io, format!("{cannot}: this is {found}"))
+            .remedy("name a regular file"));
     }
-    File::open(path).map_err(|error| read_error(path, error))
+    File::open(path).map_err(|error| Error::io(cannot, path, error))
 }
 
 fn read_error(path: &Path, error: std::io::Error) -> Error {
-    let remedy = match error.kind() {
-        std::io::ErrorKind::NotFound => "check the name",
-        std::io::ErrorKind::PermissionDenied => "check its permissions",
-        _ => "check the file",
-    };
-    Error::io("cannot read the image", path, error).remedy(remedy)
+    Error::io("cannot read the image", path, error).remedy("check the file")
 }
 
 fn damaged(cause: impl std::fmt::Display) -> Error {
@@ -226,14 +227,14 @@ mod tests {
         assert_eq!(
             text,
             format!(
-                "{}: cannot read the image: there is no such file; check the name",
+                "{}: cannot read the image: there is no such file; check the path",
                 path.display()
             )
         );
         assert_eq!(
             read(folder.path()).unwrap_err().to_string(),
             format!(
-                "{}: cannot read the image: this is a folder; name an image file",
+                "{}: cannot read the image: this is a folder; name a regular file",
                 folder.path().display()
             )
         );

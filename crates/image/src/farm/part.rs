@@ -26,6 +26,7 @@ use xxhash_rust::xxh3::xxh3_64_with_seed;
 
 use super::identity::Identity;
 use super::shard::Shard;
+use crate::read::open;
 use crate::transfer::Transfer;
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_base::replace::{Sink, replace_file, write_error};
@@ -136,14 +137,10 @@ impl PartReader {
     }
 
     fn open_it(path: &Path) -> Result<Self> {
-        let file = File::open(path).map_err(|e| Error::io("cannot read the part", path, e))?;
-        let data = file.metadata().map_err(|e| Error::io("cannot read the part", path, e))?;
-        if !data.is_file() {
-            let message = "cannot read the part: this is not a regular file";
-            return Err(Error::new(ErrorKind::Io, message).remedy("name a part"));
-        }
+        let file = open(path, "part")?;
+        let length = file.metadata().map_err(read_error)?.len();
         let mut file = BufReader::new(file);
-        let (header, seed) = header(&mut file, data.len())?;
+        let (header, seed) = header(&mut file, length)?;
         header.identity.check()?;
         let (grid, blocks) = (header.identity.grid(), header.identity.blocks());
         let path = path.to_owned();

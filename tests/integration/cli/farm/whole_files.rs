@@ -3,9 +3,9 @@
 #![cfg(target_os = "linux")]
 
 use std::path::Path;
-use std::process::Command;
+use std::process::{Command, Stdio};
 
-use super::{bytes, files, run, run_silently, text, with_ball, with_scene};
+use super::{bytes, files, folder, run, run_silently, text, with_ball, with_scene};
 
 /// Runs `script` where `disk` is a disk of 64 KiB, or says why not.
 #[allow(clippy::print_stdout, reason = "a test that is skipped says so")]
@@ -99,4 +99,33 @@ fn an_unwritable_file_is_an_error_before_the_scene_is_read() {
         assert!(is_placed && told.contains(words), "{told}");
     }
     assert_eq!(files(folder.path()), ["ball.json"]);
+}
+
+/// Opened, a pipe would wait for a writer, and its length is not known.
+#[test]
+fn pipes_are_no_images_and_no_parts() {
+    let folder = folder();
+    let made = Command::new("mkfifo").arg(folder.path().join("pipe")).status();
+    assert!(made.expect("mkfifo runs").success());
+    for (arguments, what) in [
+        (&["merge", "pipe", "-o", "out.png"][..], "part"),
+        (&["merge", "/dev/stdin", "-o", "out.png"], "part"),
+        (&["diff", "pipe", "pipe"], "image"),
+        (&["diff", "/dev/stdin", "pipe"], "image"),
+    ] {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_wavecrest"));
+        command.current_dir(folder.path()).args(arguments);
+        command.stdin(Stdio::piped()).stderr(Stdio::piped());
+        let mut child = command.spawn().expect("the command runs");
+        let _open = child.stdin.take();
+        let output = child.wait_with_output().expect("a child");
+        let file = arguments[1];
+        let words = "this is not a regular file; name a regular file";
+        assert_eq!(
+            text(&output.stderr),
+            format!("error: {file}: cannot read the {what}: {words}\n")
+        );
+        assert_eq!(output.status.code(), Some(2));
+    }
+    assert_eq!(files(folder.path()), ["pipe"]);
 }
