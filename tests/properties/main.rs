@@ -32,6 +32,9 @@ mod numbers;
 // Texture look-ups.
 mod texture;
 
+// Light at extreme places, and reflection of it.
+mod shading;
+
 // Neither the order of triangles and rays nor the octant decides.
 mod order;
 

@@ -57,6 +57,17 @@ fn wrap() -> impl Strategy<Value = Wrap> {
     prop_oneof![Just(Wrap::Repeat), Just(Wrap::Clamp), Just(Wrap::Mirror)]
 }
 
+/// Where a coordinate is in an image of `count` texels, from 0 to that.
+fn place(coordinate: f32, count: u32, wrap: Wrap) -> f64 {
+    let exact = if coordinate.is_finite() { f64::from(coordinate) } else { 0.0 };
+    let place = match wrap {
+        Wrap::Repeat => exact - exact.floor(),
+        Wrap::Clamp => exact.clamp(0.0, 1.0),
+        Wrap::Mirror => 1.0 - (exact.rem_euclid(2.0) - 1.0).abs(),
+    };
+    (place * f64::from(count)).min(f64::from(count - 1))
+}
+
 proptest! {
     #![proptest_config(crate::config())]
 
@@ -101,6 +112,39 @@ proptest! {
             let corner = image.look_up(Vec2::new(1.0, 0.0), filter, Wrap::Clamp);
             prop_assert_eq!(beyond, corner);
         }
+    }
+
+    /// At whatever place, a look-up is within a texel of the one that double precision finds, in which the fraction of
+    /// a coordinate is exact. Rows start at the top, where v is 1.
+    #[test]
+    fn hc30_a_look_up_is_off_by_at_most_a_texel(
+        size in (1_u32..100, 1_u32..100), uv in (coordinate(), coordinate()), wrap in wrap(),
+        far in prop_oneof![Just(1.0), Just(1e4), Just(1e6)],
+    ) {
+        let (width, height) = size;
+        let ramp = (0..width * height).map(|i| [(i % width) as f32, (i / width) as f32, 0.0]);
+        let image = Image::new(width, height, Texels::Floats(ramp.collect()));
+        let uv = Vec2::new(uv.0, 1.0 - uv.1) * far;
+        let right = [place(uv.x, width, wrap), place(1.0 - uv.y, height, wrap)];
+        let found = image.look_up(uv, Filter::Nearest, wrap).to_array();
+        for ((right, found), count) in right.into_iter().zip(found).zip([width, height]) {
+            let off = (right.floor() - f64::from(found)).abs();
+            // At 1 a repeated image restarts: the texel on either side is right.
+            let round = if wrap == Wrap::Repeat { f64::from(count) - off } else { off };
+            prop_assert!(off.min(round) <= 1.0, "{}: {} and not {}", uv, found, right);
+        }
+    }
+
+    /// The level of detail of a footprint of any size, also infinite, is within the pyramid.
+    #[test]
+    fn hc52_every_footprint_has_a_level(mut image in image(), sides in [bits(), bits(), bits(), bits()]) {
+        image.build_pyramid();
+        let [a, b, c, d] = sides;
+        let level = image.level(&[Vec2::new(a, b), Vec2::new(c, d)]);
+        let coarsest = image.coarsest() as f32;
+        prop_assert!((0.0..=coarsest).contains(&level), "{}", level);
+        let is_finite = sides.iter().all(|side| side.is_finite());
+        prop_assert!(is_finite || level == coarsest, "{} of {}", level, coarsest);
     }
 
     #[test]

@@ -182,7 +182,7 @@ fn a_hall_of_mirrors_shows_a_geometric_series() {
     ];
     // A light of no strength: each mirror then shows its colour as ambient light, and no more.
     let dark = point_light(0.0, [0.0, 0.0, 3.0], [1.0; 3]);
-    for bounces in 0..=50 {
+    for bounces in (0..=50).chain([1000]) {
         let mut scene = scene(bounces, &EYE.json(), std::slice::from_ref(&dark), &shapes);
         scene["scene"]["ambient"] = 1.0.into();
         let film = image(&scene);
