@@ -17,16 +17,17 @@ macro_rules! files {
 
 #[rustfmt::skip]
 const SCENES: &[(&str, &[u8])] = files! { "scenes/"
-    "hard/aperture-zero.json" "hard/axis-parallel.json" "hard/cones.json" "hard/contact.json"
-    "hard/coplanar-duplicates.json" "hard/cut-outs.json" "hard/degenerate-triangles.json" "hard/edge-on-light.json"
-    "hard/emission-alone.json" "hard/empty.json" "hard/exponents.json" "hard/facing-mirrors.json"
-    "hard/far-from-origin.json" "hard/far-spheres.json" "hard/grazing-sphere.json" "hard/huge-sphere.json"
-    "hard/inside-mesh.json" "hard/inside-sphere.json" "hard/light-at-surface.json" "hard/nested-boxes.json"
-    "hard/no-lights.json" "hard/no-numbers.json" "hard/nonplanar-quad.json" "hard/normal-maps.json"
-    "hard/occluded-light.json" "hard/pole-texture.json" "hard/shared-centroid.json" "hard/slivers.json"
-    "hard/smooth-terminator.json" "hard/thin-image.json" "hard/tiny-scene.json" "hard/up-parallel.json"
-    "hard/vertex-colors.json" "hard/vertex-fan.json" "hard/wide-fov.json" "DoF-sobol.json" "glass.json"
-    "hemisphere.json" "instances.json" "materialmaps.json" "occlusion.json" "testareajitter.json" "texturefilter.json"
+    "hard/aperture-zero.json" "hard/axis-parallel.json" "hard/cone-without-angle.json" "hard/cones.json"
+    "hard/contact.json" "hard/coplanar-duplicates.json" "hard/cut-outs.json" "hard/degenerate-triangles.json"
+    "hard/edge-on-light.json" "hard/emission-alone.json" "hard/empty.json" "hard/exponents.json"
+    "hard/facing-mirrors.json" "hard/far-from-origin.json" "hard/far-spheres.json" "hard/grazing-sphere.json"
+    "hard/huge-sphere.json" "hard/inside-mesh.json" "hard/inside-sphere.json" "hard/light-at-surface.json"
+    "hard/nested-boxes.json" "hard/no-lights.json" "hard/no-numbers.json" "hard/nonplanar-quad.json"
+    "hard/normal-maps.json" "hard/occluded-light.json" "hard/pole-texture.json" "hard/shared-centroid.json"
+    "hard/slivers.json" "hard/smooth-terminator.json" "hard/thin-image.json" "hard/tiny-scene.json"
+    "hard/under-a-ceiling.json" "hard/up-parallel.json" "hard/vertex-colors.json" "hard/vertex-fan.json"
+    "hard/wide-fov.json" "DoF-sobol.json" "glass.json" "hemisphere.json" "instances.json" "materialmaps.json"
+    "occlusion.json" "testareajitter.json" "texturefilter.json"
 };
 
 /// A small image stands for photographs, which would make the program larger and test nothing more.

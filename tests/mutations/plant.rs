@@ -1,4 +1,4 @@
-//! A copy of the sources with all faults in it, each behind a switch, and the command built from it.
+//! A copy of the sources with all faults in it, each behind a switch, and what is built from it.
 
 use std::fs;
 use std::ops::Range;
@@ -90,9 +90,10 @@ fn read(path: &Path) -> String {
     fs::read_to_string(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
 }
 
-/// The command with all faults in it.
+/// The command with all faults in it, and the tests of properties.
 pub(crate) struct Planted {
-    program: PathBuf,
+    command: PathBuf,
+    properties: PathBuf,
 }
 
 impl Planted {
@@ -107,28 +108,45 @@ impl Planted {
         let link = tree.join(IMAGES);
         let is_linked = link.exists() || std::os::unix::fs::symlink(images, link).is_ok();
         assert!(is_linked, "images are linked to");
-        let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
         // Not the usual directory: cargo knows crates by their place in the workspace, and would mix up the two.
         let target = scratch.join("planted-target");
-        let status = Command::new(cargo)
-            .args(["build", "--locked", "--quiet", "--package=wavecrest", "--target-dir"])
-            .arg(&target)
-            .current_dir(&tree)
-            .status()
-            .expect("cargo starts");
-        assert!(status.success(), "the faults do not compile");
-        Self { program: target.join("debug/wavecrest") }
+        let built = |arguments: &[&str]| {
+            let output = Command::new(std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into()))
+                .args(arguments)
+                .args(["--locked", "--message-format=json", "--target-dir"])
+                .arg(&target)
+                .current_dir(&tree)
+                .output()
+                .expect("cargo starts");
+            let errors = String::from_utf8_lossy(&output.stderr);
+            assert!(output.status.success(), "the faults do not compile:\n{errors}");
+            let program = String::from_utf8_lossy(&output.stdout).lines().find_map(program_of);
+            program.expect("cargo names what it built")
+        };
+        let properties = ["test", "--no-run", "--package=wavecrest-core", "--test=properties"];
+        Self { command: built(&["build", "--package=wavecrest"]), properties: built(&properties) }
     }
 
-    /// What the self-test says of a case, or of all for number 0, with the fault turned on.
-    pub(crate) fn run(&self, fault: usize, case: u32) -> Output {
-        let mut command = Command::new(&self.program);
-        command.args(["selftest", "--quiet", "--precision", "exact"]);
-        if case > 0 {
-            command.arg("--case").arg(case.to_string());
-        }
+    /// What the self-test says of a case with the fault turned on.
+    pub(crate) fn selftest(&self, fault: usize, case: u32) -> Output {
+        let case = case.to_string();
+        let mut command = Command::new(&self.command);
+        command.args(["selftest", "--quiet", "--precision", "exact", "--case", &case]);
         command.env(SWITCH, fault.to_string()).output().expect("the command starts")
     }
+
+    /// What the properties of a case say.
+    pub(crate) fn properties(&self, fault: usize, case: u32) -> Output {
+        let mut command = Command::new(&self.properties);
+        command.arg(format!("hc{case:02}_"));
+        command.env(SWITCH, fault.to_string()).output().expect("the tests start")
+    }
+}
+
+/// The program that a line of cargo's says was built.
+fn program_of(line: &str) -> Option<PathBuf> {
+    let message: serde_json::Value = serde_json::from_str(line).ok()?;
+    Some(PathBuf::from(message["executable"].as_str()?))
 }
 
 /// Copies what is at `from` to its place in the tree. What has not changed is left as it is, and not built again.

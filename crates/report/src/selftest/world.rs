@@ -80,7 +80,8 @@ impl Worlds {
         (0..self.worlds).into_par_iter().map(one).collect()
     }
 
-    /// Every kernel at every level must answer as the reference; returns the hash of its answers.
+    /// Every kernel at every level must answer as the reference; returns the hash of its answers, and
+    /// of the number of degenerate triangles.
     pub(super) fn exact(self, effort: &Effort, case: u32) -> (Outcome, u64) {
         let answers = self.each(effort, case, |world, rays, preset| {
             let mut accel = effort.accel(world.geometry, preset);
@@ -91,7 +92,8 @@ impl Worlds {
                 let is_right = world.is_met.is_none_or(|is_met| is_met != hit.is_miss());
                 outcome.check(is_right, || format!("{ray}: {hit:?}"));
             }
-            let bits = hash(hits.flat_map(|hit| [hit.t.to_bits(), hit.primitive]));
+            let bits = hits.flat_map(|hit| [hit.t.to_bits(), hit.primitive]);
+            let bits = hash(bits.chain([accel.left_out() as u32]));
             (outcome.with_context(|| preset.name().to_owned()), bits)
         });
         let bits = hash(answers.iter().flat_map(|(_, bits)| [*bits as u32, (bits >> 32) as u32]));
