@@ -2,13 +2,12 @@
 
 use std::path::{Path, PathBuf};
 
-use super::common::{Threads, above_zero, print, progress_bar, tell, whole};
+use super::common::{Threads, above_zero, print, progress_bar, whole};
 use wavecrest_base::error::Result;
 use wavecrest_report::accuracy::findings::ERRORS;
 use wavecrest_report::accuracy::pilot;
 use wavecrest_report::accuracy::store::{Circumstances, Record, Store, SweepHeader};
 use wavecrest_report::accuracy::{Findings, SweepProgress, page, sweep};
-use wavecrest_report::regression::Regression;
 use wavecrest_report::text::text;
 use wavecrest_scene::load::{LoadOptions, load};
 use wavecrest_scene::systems::extract;
@@ -22,15 +21,11 @@ const PROGRESS: &str = "{msg} {wide_bar} {percent}%, {eta} left";
 #[derive(Clone, Debug, clap::Args)]
 pub(crate) struct AccuracyArgs {
     /// Scenes
-    #[arg(required_unless_present = "compare")]
+    #[arg(required = true)]
     pub(crate) scenes: Vec<PathBuf>,
     /// Folder for results and report
-    #[arg(short, long, value_name = "FOLDER", required_unless_present_any = ["advise", "compare"])]
+    #[arg(short, long, value_name = "FOLDER", required_unless_present = "advise")]
     pub(crate) output: Option<PathBuf>,
-    /// Compare the sweeps in two folders; the exit code is 1 if anything became slower or less accurate. With --output,
-    /// also write a page and JSON
-    #[arg(long, num_args = 2, value_names = ["BEFORE", "AFTER"], conflicts_with_all = ["scenes", "advise"])]
-    pub(crate) compare: Vec<PathBuf>,
     /// Only estimate, from a short pilot render, how many points each sampler needs for --target-error and which is
     /// fastest
     #[arg(long, requires = "target_error", conflicts_with = "output")]
@@ -67,33 +62,16 @@ pub(crate) struct AccuracyArgs {
     pub(crate) quiet: bool,
 }
 
-/// Runs the sweep or comparison. Returns whether nothing became worse in a comparison.
+/// Runs the sweep, or advises.
 ///
 /// # Errors
 /// If a scene cannot be rendered, the folder has the results of another sweep, or results cannot be
 /// read or written.
-pub(crate) fn run(args: &AccuracyArgs) -> Result<bool> {
-    if let [before, after] = args.compare.as_slice() {
-        return compare(args, before, after);
-    }
+pub(crate) fn run(args: &AccuracyArgs) -> Result<()> {
     args.threads.run(|| match (&args.output, args.target_error) {
         (Some(folder), _) => run_sweep(args, folder),
         (None, error) => advise(args, error.unwrap_or_default()),
-    })?;
-    Ok(true)
-}
-
-/// Compares two runs, and returns whether nothing became worse.
-fn compare(args: &AccuracyArgs, before: &Path, after: &Path) -> Result<bool> {
-    let found = Regression::of(before, after)?;
-    if let Some(folder) = &args.output {
-        found.write(folder)?;
-    }
-    if !args.quiet {
-        found.warnings.iter().for_each(|warning| tell(&format!("warning: {warning}")));
-        print(&found.text())?;
-    }
-    Ok(!found.is_worse())
+    })
 }
 
 /// Prints the cost of an error with each sampler.

@@ -183,7 +183,7 @@ fn dispatch(command: &Command) -> Result<bool> {
         Command::Diff(args) => pooled(|| diff::run(args)),
         Command::Bench(args) => bench::run(args),
         Command::Selftest(args) => selftest::run(args),
-        Command::Accuracy(args) => accuracy::run(args),
+        Command::Accuracy(args) => accuracy::run(args).map(|()| true),
         Command::Schema(args) => describe::schema(args).map(|()| true),
         Command::Completions(args) => describe::completions(args, program()).map(|()| true),
         Command::Man(args) => describe::man(args, program()).map(|()| true),

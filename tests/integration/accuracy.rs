@@ -22,7 +22,7 @@ use wavecrest_scene::systems::overrides::{Layer, Overrides};
 
 use crate::support::{
     extract_small, folder, image_of, matte, options, pinhole, point_light, prepare, render_on,
-    repository, scene, sphere, thin_lens, wall, wavecrest, with,
+    repository, scene, sphere, thin_lens, wall, with,
 };
 
 fn header(longest: u32, most: u32, least: u32) -> SweepHeader {
@@ -114,51 +114,6 @@ fn a_sweep_resumes_where_it_stopped() {
     let records: Vec<Record> =
         text.lines().map(|line| serde_json::from_str(line).expect("a record")).collect();
     assert!(matches!(records[0], Record::Header(_)));
-}
-
-/// The command compares what sweeps write, and its exit code is the answer.
-#[test]
-fn a_wrong_sampler_fails_the_comparison_of_two_sweeps() {
-    let (folder, file) = (folder(), repository("scenes/testareajitter.json"));
-    let [before, after] = ["before", "after"].map(|name| folder.path().join(name));
-    findings(&header(24, 16, 256), 8, &file, &before);
-    std::fs::create_dir(&after).expect("a folder");
-    for entry in std::fs::read_dir(&before).expect("a folder") {
-        let path = entry.expect("an entry").path();
-        std::fs::copy(&path, after.join(path.file_name().expect("a name"))).expect("a copy");
-    }
-    let compare = |code: i32, options: &[&str]| -> String {
-        let mut command = wavecrest(folder.path());
-        let run = command.args(["accuracy", "--compare", "before", "after"]).args(options);
-        let output = run.assert().code(code).get_output().clone();
-        String::from_utf8(output.stdout).expect("text")
-    };
-    let text = compare(0, &["-o", "page"]);
-    assert!(text.contains("No change in "), "{text}");
-    // Whether effects were measured one by one is no matter, nor what they took.
-    let path = after.join(FILE);
-    let records = std::fs::read_to_string(&path).expect("records");
-    let others = records.lines().filter(|line| !line.contains("\"layers\""));
-    let others: Vec<&str> = others.collect();
-    assert_eq!(others.len(), records.lines().count() - 2, "one for each precision");
-    std::fs::write(&path, others.join("\n") + "\n").expect("records");
-    assert_eq!(compare(0, &[]), text);
-    // What is called Sobol draws independent points.
-    let kept = records.lines().filter(|line| !line.contains("=sobol:"));
-    let swapped = records.lines().filter(|line| line.contains("=random:"));
-    let swapped = swapped.map(|line| line.replace("=random:", "=sobol:"));
-    let wrong: Vec<String> = kept.map(str::to_owned).chain(swapped).collect();
-    std::fs::write(&path, wrong.join("\n") + "\n").expect("records");
-    let text = compare(1, &["-o", "page"]);
-    let worse: Vec<&str> = text.lines().filter(|line| line.starts_with("  worse")).collect();
-    assert!(worse.iter().any(|line| line.contains("sobol points on lights")), "{text}");
-    assert!(!worse.iter().any(|line| line.contains("jittered")), "{text}");
-    let json = std::fs::read_to_string(folder.path().join("page/compare.json")).expect("JSON");
-    let json: Value = serde_json::from_str(&json).expect("JSON");
-    let ratios = json["ratios"].as_array().expect("ratios");
-    assert_eq!(ratios.iter().filter(|r| r["verdict"] == "worse").count(), worse.len());
-    let html = std::fs::read_to_string(folder.path().join("page/compare.html")).expect("a page");
-    assert!(html.contains("became worse"), "{html}");
 }
 
 /// A square light above a ball: seen from the side, its shadow is soft.

@@ -11,7 +11,6 @@ pub mod page;
 mod patch;
 pub mod plot;
 pub mod ray_file;
-pub mod regression;
 pub mod selftest;
 pub mod statistics;
 pub mod summary;

@@ -36,20 +36,20 @@ pub fn generator(seed: u64) -> Generator {
 /// The number of standard deviations with the same probability under the normal distribution as `t`
 /// under Student's with `freedom` degrees of freedom (Wallace, *Bounds on Normal Approximations to
 /// Student's and the Chi-square Distributions*, 1959).
-pub fn normal_of(t: f64, freedom: f64) -> f64 {
+fn normal_of(t: f64, freedom: f64) -> f64 {
     let ratio = (8.0 * freedom + 1.0) / (8.0 * freedom + 3.0);
     ratio * (freedom * libm::log1p(t * t / freedom)).sqrt()
 }
 
 /// The probability that a normal value is farther from its mean than this many standard deviations,
 /// on either side.
-pub fn chance_beyond(deviations: f64) -> f64 {
+fn chance_beyond(deviations: f64) -> f64 {
     libm::erfc(deviations / std::f64::consts::SQRT_2)
 }
 
 /// Half the width of an interval in standard errors, if the true value is outside with this
 /// `chance`.
-pub fn student(chance: f64, freedom: f64) -> f64 {
+fn student(chance: f64, freedom: f64) -> f64 {
     let (mut low, mut high) = (0.0, 1e3);
     for _ in 0..60 {
         let middle = (low + high) / 2.0;

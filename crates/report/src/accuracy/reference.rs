@@ -8,7 +8,7 @@
 
 use super::pilot::measured::variance;
 use super::setting::{Axis, CountedSetting, Facts, Family, Setting, Target, converges};
-use super::store::{Record, ReferenceRecord, Store, known};
+use super::store::{Record, ReferenceRecord, Store, all};
 use super::subject::Subject;
 use wavecrest_base::error::Result;
 use wavecrest_core::accel::KernelChoice;
@@ -43,7 +43,8 @@ pub fn reference(
     store: &mut Store,
 ) -> Result<Film> {
     let scene = subject.record.scene.clone();
-    if let Some(known) = known(&store.records, &scene, target) {
+    let is_it = |known: &&ReferenceRecord| known.scene == scene && known.target == target;
+    if let Some(known) = all(&store.records).find(is_it) {
         return read(&store.folder.join(&known.file));
     }
     let approached = families.iter().filter(|family| family.target == target);

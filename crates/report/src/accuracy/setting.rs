@@ -56,37 +56,6 @@ impl Setting {
     }
 }
 
-/// A [key](Setting::key) without its counts: settings of one series differ only in these.
-pub fn series_of(key: &str) -> String {
-    let uncounted = |word: &'_ str| {
-        let is_digit = |c: char| c.is_ascii_digit();
-        word.trim_end_matches(is_digit).trim_end_matches([':', '=']).to_owned()
-    };
-    key.split(' ').map(uncounted).collect::<Vec<_>>().join(" ")
-}
-
-/// A [key](Setting::key) or a [series](series_of) in words: "64 random points on lights".
-pub fn words_of(key: &str, target: Target) -> String {
-    let (precision, rest) = key.split_once(' ').unwrap_or((key, ""));
-    let value = |name: &str| rest.split(' ').find_map(|w| w.strip_prefix(name)?.strip_prefix('='));
-    let points = |value: &str, of: &str| match value.split_once(':') {
-        Some((sampling, side)) => {
-            let count = side.parse::<u32>().map_or(0, |side| side * side);
-            format!("{count} {sampling} {of}")
-        }
-        None => format!("{value} {of}"),
-    };
-    let words = match (value("filter"), value("pixel"), value("lights"), value("lens")) {
-        (Some(filter), ..) => format!("{filter} texture filter"),
-        (_, Some(pixel), ..) if target == Target::Pixel => points(pixel, "rays in a pixel"),
-        (.., Some(lights), _) => points(lights, "points on lights"),
-        (.., Some(lens)) => points(lens, "points on the lens"),
-        _ if rest.starts_with("bounces") => "bounces".to_owned(),
-        _ => return format!("the scene as it is, {precision}"),
-    };
-    if precision == Precision::default().name() { words } else { format!("{words}, {precision}") }
-}
-
 /// Whether the error of a setting with this [key](Setting::key) converges to 0 with more points.
 pub fn converges(key: &str) -> bool {
     key.contains(':') && !key.contains("filter=")
@@ -327,31 +296,4 @@ fn counted(points: Points, setting: Setting) -> CountedSetting {
 
 fn series(name: &str, points: impl IntoIterator<Item = CountedSetting>) -> Series<CountedSetting> {
     Series { name: name.to_owned(), slope: None, points: points.into_iter().collect() }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_key_is_told_in_words() {
-        let points = Some(Points { sampling: Sampling::Sobol, side: 8 });
-        let with = |samples| Setting { samples, ..Setting::default() }.key();
-        let lights = with(Samples { lights: points, ..Samples::default() });
-        let pixel = with(Samples { lights: points, lens: points, pixel: points });
-        let mut fast = Setting::default();
-        fast.structure.precision = Precision::Fast;
-        let mut filter = fast;
-        filter.structure.overrides.filter = Some(Filter::Nearest);
-        for (key, target, expected) in [
-            (lights.clone(), Target::Scene, "64 sobol points on lights"),
-            (series_of(&lights), Target::Scene, "sobol points on lights"),
-            (pixel, Target::Pixel, "64 sobol rays in a pixel"),
-            (fast.key(), Target::Scene, "the scene as it is, fast"),
-            (filter.key(), Target::Pixel, "nearest texture filter, fast"),
-            ("exact bounces".to_owned(), Target::Scene, "bounces"),
-        ] {
-            assert_eq!(words_of(&key, target), expected);
-        }
-    }
 }

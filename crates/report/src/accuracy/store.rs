@@ -21,20 +21,11 @@ pub fn all<T: 'static>(records: &[Record]) -> impl Iterator<Item = &T> {
     records.iter().filter_map(Record::of)
 }
 
-/// The reference of `target` among `records`.
-pub(crate) fn known<'a>(
-    records: &'a [Record],
-    scene: &str,
-    target: Target,
-) -> Option<&'a ReferenceRecord> {
-    all(records).find(|r: &&ReferenceRecord| r.scene == scene && r.target == target)
-}
-
 /// The number of rounds of a scene, and the seeds of those that were busy.
 pub(crate) fn busy_rounds(scene: &str, records: &[Record]) -> (usize, BTreeSet<u64>) {
     let mut rounds: BTreeMap<u64, Vec<Timing>> = BTreeMap::new();
     for point in all::<PointRecord>(records).filter(|point| point.scene == scene) {
-        rounds.entry(point.seed).or_default().extend(point.timing);
+        rounds.entry(point.seed).or_default().push(point.timing);
     }
     let sums: Vec<Timing> = rounds.values().map(|all| all.iter().copied().sum()).collect();
     let quiet = quiet(&sums);
@@ -52,39 +43,6 @@ pub struct Store {
     /// All records, in the order of their creation.
     pub records: Vec<Record>,
     file: File,
-}
-
-/// All records of the sweep in `folder`, and its header. Those of older versions name precisions as
-/// this one does, so that sweeps can be compared.
-///
-/// # Errors
-/// If there is no sweep, or its records cannot be read.
-pub fn read(folder: &Path) -> Result<(SweepHeader, Vec<Record>)> {
-    let path = folder.join(FILE);
-    let text = std::fs::read_to_string(&path)
-        .map_err(|e| Error::io("cannot read the records of a sweep", path.as_path(), e))?;
-    let mut records = records(&renamed(text), &path)?.0.into_iter();
-    match records.next() {
-        Some(Record::Header(header)) => Ok((header, records.collect())),
-        _ => Err(Error::new(ErrorKind::Io, "the header of the results is missing")
-            .in_file(&path)
-            .remedy("use a folder that `accuracy --output` wrote")),
-    }
-}
-
-/// Gives precisions their present names. Where one is called `robust`, that is now `exact`, and the
-/// `exact` beside it is now the reference kernel.
-fn renamed(mut text: String) -> String {
-    // A key begins with its precision. No other text has quotes as they are.
-    let fields = ["\"key\":\"", "\"precision\":\""];
-    if fields.iter().any(|field| text.contains(&format!("{field}robust"))) {
-        for (old, new) in [("exact", "reference"), ("robust", "exact")] {
-            for field in fields {
-                text = text.replace(&format!("{field}{old}"), &format!("{field}{new}"));
-            }
-        }
-    }
-    text
 }
 
 /// The records in `text`, the contents of `path`, and the length of its whole lines in bytes.
@@ -173,4 +131,4 @@ impl Store {
 }
 
 #[cfg(test)]
-pub(crate) mod tests;
+mod tests;

@@ -15,7 +15,7 @@ use super::store::{
 };
 use super::subject::Subject;
 use super::{SweepProgress, layers, reference, steps};
-use crate::measure::{rounds, yardstick};
+use crate::measure::rounds;
 use crate::selftest::examine::trial;
 use crate::selftest::{Count, Effort};
 use crate::statistics::Rays;
@@ -111,7 +111,6 @@ fn points(
             if !store.has(&scene, *target, key, seed) {
                 // No timed render should wait for its tree.
                 subject.prepare(&setting.structure)?;
-                let yardstick = yardstick();
                 let (rendered, timing) = subject.timed(setting, seed)?;
                 let passes = rendered.pass_seconds.iter();
                 store.add(Record::Point(PointRecord {
@@ -120,8 +119,7 @@ fn points(
                     key: key.clone(),
                     seed,
                     seconds: rendered.seconds,
-                    yardstick,
-                    timing: Some(timing),
+                    timing,
                     passes: passes.map(|(name, s)| ((*name).to_owned(), *s)).collect(),
                     rays: Rays::from(&rendered.counters).all(),
                     error: errors(&rendered.film, &references[target])?,
@@ -193,7 +191,7 @@ fn trials(
             precision: precision.name().to_owned(),
             leaks: [found.leaks.tried, found.leaks.failed],
             self_hits: [found.self_hits.tried, found.self_hits.failed],
-            errors: Some(Box::new(found.errors)),
+            errors: Box::new(found.errors),
         }))?;
     }
     Ok(())

@@ -97,7 +97,7 @@ pub(super) fn precision(scene: &SceneFindings) -> Vec<Block> {
     let row = |p: &Point| {
         let trial = scene.trials.iter().find(|trial| trial.precision == p.label);
         let missing = || Cell::text("no triangles");
-        let errors = trial.and_then(|trial| trial.errors.as_deref());
+        let errors = trial.map(|trial| &*trial.errors);
         let worst = |of: fn(&HitErrors) -> &Distribution| {
             errors.map_or_else(missing, |e| Cell::number(of(e).worst, ulps(of(e).worst)))
         };

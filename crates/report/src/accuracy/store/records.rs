@@ -88,14 +88,8 @@ pub struct PointRecord {
     pub seed: u64,
     /// Seconds from the first ray to the last.
     pub seconds: f64,
-    /// Seconds of a [yardstick](crate::measure::yardstick) just before: the speed of the machine. Older
-    /// sweeps have none.
-    #[serde(default)]
-    pub yardstick: f64,
-    /// Wall-clock and processor time of all repetitions, of which the fastest counts; older sweeps
-    /// have none.
-    #[serde(default)]
-    pub timing: Option<Timing>,
+    /// Wall-clock and processor time of all repetitions, of which the fastest counts.
+    pub timing: Timing,
     /// Seconds in each pass, summed over threads.
     pub passes: Vec<(String, f64)>,
     /// Rays of every kind.
@@ -144,10 +138,8 @@ pub struct TrialRecord {
     pub leaks: [u64; 2],
     /// Rays that leave a triangle, and the number that hit it again.
     pub self_hits: [u64; 2],
-    /// Errors of hits against the exact ones; `None` in records of versions that did not measure
-    /// them.
-    #[serde(default)]
-    pub errors: Option<Box<HitErrors>>,
+    /// Errors of hits against the exact ones.
+    pub errors: Box<HitErrors>,
 }
 
 /// The steps to the exact hits of a scene: see [`steps`](crate::accuracy::steps).
@@ -183,9 +175,6 @@ macro_rules! records {
         #[allow(missing_docs, reason = "each says what it is")]
         pub enum Record {
             $($name($kind),)+
-            /// A kind that only older versions wrote.
-            #[serde(other)]
-            Other,
         }
 
         impl Record {
@@ -193,7 +182,6 @@ macro_rules! records {
             pub(super) fn of<T: 'static>(&self) -> Option<&T> {
                 match self {
                     $(Self::$name(found) => (found as &dyn Any).downcast_ref(),)+
-                    Self::Other => None,
                 }
             }
         }

@@ -6,15 +6,14 @@ fn header() -> SweepHeader {
 }
 
 /// Of the scene `a`, whose times are known.
-pub(crate) fn sample(seed: u64) -> PointRecord {
+fn sample(seed: u64) -> PointRecord {
     PointRecord {
         scene: "a".into(),
         target: Target::Scene,
         key: "exact".into(),
         seed,
         seconds: 0.1,
-        yardstick: 0.001,
-        timing: Some(Timing { seconds: 0.1, processor: Some(0.2) }),
+        timing: Timing { seconds: 0.1, processor: Some(0.2) },
         passes: vec![("shade".into(), 0.05)],
         rays: 7,
         error: Errors { mse: 0.25, relative_mse: 0.5, bias: -0.1, flip: 0.3 },
@@ -45,26 +44,6 @@ fn records_are_found_again_and_a_cut_line_is_not() {
 }
 
 #[test]
-fn older_sweeps_are_read_with_the_names_of_today() {
-    let folder = tempfile::tempdir().unwrap();
-    let layers = |precision: &str| {
-        let (scene, steps) = ("robust".to_owned(), Vec::new());
-        Record::Layers(LayersRecord { scene, precision: precision.to_owned(), steps })
-    };
-    let keyed = |key: &str| Record::Point(PointRecord { key: key.to_owned(), ..sample(1) });
-    let old = [keyed("robust lights=sobol:2"), layers("fast"), layers("exact")];
-    let new = [keyed("exact lights=sobol:2"), layers("fast"), layers("reference")];
-    let mut store = Store::open(folder.path(), &header()).unwrap();
-    old.into_iter().for_each(|record| store.add(record).unwrap());
-    assert_eq!(read(folder.path()).unwrap().1, new);
-    // Without the old name, `exact` is what it says.
-    let folder = tempfile::tempdir().unwrap();
-    let mut store = Store::open(folder.path(), &header()).unwrap();
-    store.add(layers("exact")).unwrap();
-    assert_eq!(read(folder.path()).unwrap().1, [layers("exact")]);
-}
-
-#[test]
 fn another_sweep_or_scene_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     let mut store = Store::open(folder.path(), &header()).unwrap();
@@ -92,7 +71,7 @@ fn another_sweep_or_scene_is_refused() {
 #[test]
 fn a_round_with_less_of_the_processors_is_busy() {
     let point = |(seed, processor)| {
-        let timing = Some(Timing { seconds: 0.5, processor: Some(processor) });
+        let timing = Timing { seconds: 0.5, processor: Some(processor) };
         Record::Point(PointRecord { timing, ..sample(seed) })
     };
     // Two settings in each round, of which another program disturbs the second of seed 2.
