@@ -92,7 +92,7 @@ fn stops(text: &str) -> std::result::Result<f32, String> {
 }
 
 /// The command of this process, quoted so that it can be typed again.
-pub(super) fn command() -> String {
+fn command() -> String {
     let word = |word: OsString| {
         let word = word.to_string_lossy();
         let is_plain = |c: char| c.is_alphanumeric() || "-_./,:=+@%".contains(c);

@@ -124,7 +124,7 @@ const OTHER_NAMES: [(&str, &[&str]); 9] = [
     ("--output FILE", &["--out", "--outfile", "--output-file"]),
     ("--crop X,Y,WIDTH,HEIGHT", &["--region", "--window", "--crop-window"]),
     ("--background COLOR", &["--bg", "--background-color"]),
-    ("--log -", &["--verbose", "-v"]),
+    ("--progress json", &["--verbose", "-v"]),
 ];
 
 /// The error that an option of another renderer is not here, with the one that is, if the `command` has it.

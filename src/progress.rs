@@ -27,7 +27,7 @@ const BAR: &str = "{msg} {wide_bar} {prefix}";
 const INTERVAL: Duration = Duration::from_millis(100);
 
 wavecrest_base::choices! {
-    /// A stage of a render. Names are those in lines of progress and in the log.
+    /// A stage of a render. Names are those in lines of progress.
     #[derive(Clone, Copy, Debug, PartialEq, Eq)]
     pub enum Stage {
         /// Reading the scene and its meshes.

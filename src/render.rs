@@ -17,11 +17,11 @@ use std::time::Instant;
 pub(crate) use args::RenderArgs;
 use outputs::Outputs;
 use ready::{Ready, timed};
-use show::{Rendering, Reporter};
+use show::Rendering;
 use summary::Totals;
 
 use super::interrupt;
-use super::progress::Stage;
+use super::progress::{Display, Stage};
 use wavecrest_base::error::Result;
 use wavecrest_image::farm::Shard;
 use wavecrest_report::statistics::pass_map;
@@ -44,33 +44,31 @@ pub(crate) fn run(args: &RenderArgs) -> Result<()> {
     parts::check(args, output)?;
     look::check(args)?;
     let outputs = Outputs::check(args, args.paths()?, shard.is_some())?;
-    watched(args, |reporter| one(args, &outputs, reporter, shard))
+    watched(args, |progress| one(args, &outputs, progress, shard))
 }
 
-/// Runs `work` on the requested threads, and reports its failure.
-fn watched(args: &RenderArgs, work: impl FnOnce(&Reporter) -> Result<()> + Send) -> Result<()> {
-    let reporter = Reporter::begin(args)?;
-    let done = args.scene_options.threads.run(|| work(&reporter));
-    done.inspect_err(|error| reporter.note("error", || error.to_string()))
+/// Runs `work` on the requested threads, with its progress shown.
+fn watched(args: &RenderArgs, work: impl FnOnce(&Display) -> Result<()> + Send) -> Result<()> {
+    let progress = Display::new(args.progress, args.scene_options.quiet);
+    args.scene_options.threads.run(|| work(&progress))
 }
 
 /// Renders one image, or a shard of it.
 fn one(
     args: &RenderArgs,
     outputs: &Outputs<'_>,
-    reporter: &Reporter,
+    progress: &Display,
     shard: Option<Shard>,
 ) -> Result<()> {
     let start = Instant::now();
-    reporter.log.started(args);
-    let mut ready = Ready::prepare(args, &outputs.all(), reporter, start, true)?;
+    let mut ready = Ready::prepare(args, &outputs.all(), progress, start)?;
     outputs.made_of(ready.encoding);
     if let Some(frame) = args.frame {
         frames::place(&mut ready.scene, frame, &args.scene)?;
     }
     // Until here there was nothing to lose: a signal ended the process.
     interrupt::record();
-    let rendering = &Rendering { args, outputs, reporter };
+    let rendering = &Rendering { args, outputs, progress };
     let mut summary = Totals::since(start);
     if let Some(shard) = shard {
         let (counters, seconds) = parts::write_shard(rendering, shard, &ready.scene)?;
@@ -82,18 +80,16 @@ fn one(
     let traced = timed(&mut time.trace, || goal::trace(rendering, scene, *preset, start))?;
     let (scene, time, rendered) = (&ready.scene, &mut ready.time, &traced.rendered);
     let counters = &rendered.counters;
-    reporter.log.traced(rendered, scene, time.trace);
     if !rendered.finished {
         return Err(parts::interrupted(rendering, scene, rendered));
     }
     args.scene_options.check_taken(&args.scene)?;
     let invalid = parts::find_invalid(args, scene, counters)?;
-    reporter.stage(Stage::Write);
+    progress.stage(Stage::Write);
     timed(&mut time.write, || outputs.write(scene, rendered))?;
     time.total = start.elapsed().as_secs_f64();
     time.passes = pass_map(&rendered.pass_seconds);
-    reporter.log.wrote(&outputs.paths, time);
-    reporter.stage(Stage::Done);
+    progress.stage(Stage::Done);
     parts::report_invalid(counters, invalid.as_ref());
     summary.add(counters, time.trace);
     let [width, height] = [rendered.film.width(), rendered.film.height()];

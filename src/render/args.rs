@@ -79,9 +79,6 @@ pub(crate) struct RenderArgs {
     /// How to show progress on standard error
     #[arg(long, help_heading = LONG, value_enum, default_value_t)]
     pub(crate) progress: Style,
-    /// Append a log to this file; - for standard output
-    #[arg(long, help_heading = LONG, value_name = "FILE")]
-    pub(crate) log: Option<PathBuf>,
     /// Write the unfinished image at this interval
     #[arg(long, help_heading = LONG, value_name = "SECONDS", value_parser = above_zero)]
     pub(crate) save_every: Option<f64>,

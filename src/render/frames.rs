@@ -6,11 +6,11 @@ use std::time::Instant;
 use super::args::{Frames, RenderArgs};
 use super::outputs::Outputs;
 use super::ready::Ready;
-use super::show::{Rendering, Reporter};
+use super::show::Rendering;
 use super::summary::Totals;
 use super::{parts, watched};
 use crate::interrupt;
-use crate::progress::Stage;
+use crate::progress::{Display, Stage};
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_core::prepared::PreparedScene;
 use wavecrest_core::render::Rendered;
@@ -54,19 +54,18 @@ pub(super) fn run(args: &RenderArgs, frames: Frames, shard: Option<Shard>) -> Re
         Ok((frame, Outputs::check(args, paths, false)?))
     };
     let all: Vec<(u32, Outputs<'_>)> = share(frames, shard).map(of_frame).collect::<Result<_>>()?;
-    watched(args, |reporter| {
+    watched(args, |progress| {
         let files: Vec<&Path> = all.iter().flat_map(|(_, outputs)| outputs.all()).collect();
-        let mut sequence = Sequence::prepare(args, &files, all.len(), reporter)?;
+        let mut sequence = Sequence::prepare(args, &files, all.len(), progress)?;
         sequence.numbered = true;
         let mut size = [0; 2];
         for (frame, outputs) in &all {
             let rendered = sequence.frame(*frame, outputs)?;
-            reporter.stage(Stage::Write);
+            progress.stage(Stage::Write);
             outputs.write(&sequence.ready.scene, &rendered)?;
             size = [rendered.film.width(), rendered.film.height()];
-            reporter.note("frame", || format!("{frame}: {}", outputs.name()));
         }
-        reporter.stage(Stage::Done);
+        progress.stage(Stage::Done);
         sequence.finish(&args.output()?.display().to_string(), size);
         Ok(())
     })
@@ -75,7 +74,7 @@ pub(super) fn run(args: &RenderArgs, frames: Frames, shard: Option<Shard>) -> Re
 /// A scene of which several frames are rendered.
 pub(super) struct Sequence<'a> {
     args: &'a RenderArgs,
-    reporter: &'a Reporter,
+    progress: &'a Display,
     pub(super) ready: Ready,
     summary: Totals,
     /// The number of frames to render, and of those that are finished.
@@ -94,13 +93,13 @@ impl<'a> Sequence<'a> {
         args: &'a RenderArgs,
         outputs: &[&Path],
         frames: usize,
-        reporter: &'a Reporter,
+        progress: &'a Display,
     ) -> Result<Self> {
         let start = Instant::now();
-        let ready = Ready::prepare(args, outputs, reporter, start, false)?;
+        let ready = Ready::prepare(args, outputs, progress, start)?;
         interrupt::record();
         let summary = Totals::since(start);
-        Ok(Self { args, reporter, ready, summary, frames, finished: 0, numbered: false })
+        Ok(Self { args, progress, ready, summary, frames, finished: 0, numbered: false })
     }
 
     /// Renders a frame.
@@ -113,8 +112,8 @@ impl<'a> Sequence<'a> {
         if interrupt::signal().is_some() {
             return Err(self.interrupted(outputs, 0.0));
         }
-        self.reporter.progress.frame(self.finished as u64 + 1, self.frames as u64);
-        let rendering = Rendering { args: self.args, outputs, reporter: self.reporter };
+        self.progress.frame(self.finished as u64 + 1, self.frames as u64);
+        let rendering = Rendering { args: self.args, outputs, progress: self.progress };
         let (rendered, _) = parts::trace(&rendering, &self.ready.scene, None)?;
         if !rendered.finished {
             return Err(self.interrupted(outputs, parts::share(&rendered)));

@@ -156,9 +156,8 @@ fn measure(
     Ok(found)
 }
 
-/// Prints a note, and adds it to the log.
+/// Prints a note.
 fn say(rendering: &Rendering<'_>, words: &str) {
-    rendering.reporter.note("choice", || words.to_owned());
     if !rendering.args.scene_options.quiet {
         tell(words);
     }

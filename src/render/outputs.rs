@@ -43,7 +43,7 @@ impl<'a> Outputs<'a> {
                 .iter()
                 .try_for_each(|other| check_differs(path, other, "another output"))?;
         }
-        let reports = [&args.stats, &args.log, &args.checkpoint];
+        let reports = [&args.stats, &args.checkpoint];
         for report in reports.into_iter().flatten() {
             paths.iter().try_for_each(|path| check_differs(report, path, "the image"))?;
             check_differs(report, &args.scene, "the scene")?;
@@ -64,14 +64,10 @@ impl<'a> Outputs<'a> {
     /// As [`Outputs::check`], for one animated file.
     ///
     /// # Errors
-    /// If it cannot be written, or is the scene or the log.
+    /// If it cannot be written, or is the scene.
     pub(super) fn of_one(args: &'a RenderArgs, path: &Path) -> Result<Self> {
         check_replaceable(path)?;
         check_differs(path, &args.scene, "the scene")?;
-        if let Some(log) = &args.log {
-            check_differs(log, path, "the animation")?;
-            check_differs(log, &args.scene, "the scene")?;
-        }
         Ok(Self { args, paths: vec![path.to_owned()], encoding: OnceLock::new() })
     }
 

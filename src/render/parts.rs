@@ -63,7 +63,7 @@ pub(super) fn write_shard(
     shard: Shard,
     scene: &PreparedScene,
 ) -> Result<(Counters, f64)> {
-    let Rendering { args, outputs, reporter } = *rendering;
+    let Rendering { args, outputs, progress } = *rendering;
     let session = session(rendering, scene, Some(shard))?;
     let show = Show::begin(rendering, scene, None);
     let start = Instant::now();
@@ -77,8 +77,7 @@ pub(super) fn write_shard(
     let first = find_invalid(args, scene, &done.counters)?;
     report_invalid(&done.counters, first.as_ref());
     session.write(outputs.first())?;
-    reporter.note("write", || outputs.name());
-    reporter.stage(Stage::Done);
+    progress.stage(Stage::Done);
     Ok((done.counters, seconds))
 }
 
@@ -144,9 +143,9 @@ fn go_on(args: &RenderArgs) -> String {
     }
 }
 
-/// A checkpoint that cannot be written does not end a render; the warning is printed even with
+/// A failure that does not end a render, such as of a checkpoint that cannot be written: the warning is printed even with
 /// `--quiet`.
-fn warn(error: &Error) {
+pub(super) fn warn(error: &Error) {
     tell(&format!("warning: {error}"));
 }
 

@@ -5,9 +5,8 @@ use std::time::Instant;
 
 use super::args::RenderArgs;
 use super::look;
-use super::show::Reporter;
 use crate::common::warn;
-use crate::progress::Stage;
+use crate::progress::{Display, Stage};
 use wavecrest_base::error::Result;
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::prepared::PreparedScene;
@@ -33,40 +32,30 @@ pub(super) struct Ready {
 
 impl Ready {
     /// Loads the scene, none of whose files may be among the `outputs`, and builds its tree. `start`
-    /// is the start of the command. The details are logged of a single image only.
+    /// is the start of the command.
     ///
     /// # Errors
     /// If it cannot be loaded or prepared.
     pub(super) fn prepare(
         args: &RenderArgs,
         outputs: &[&Path],
-        reporter: &Reporter,
+        progress: &Display,
         start: Instant,
-        is_single: bool,
     ) -> Result<Self> {
         let (options, extent) = (&args.scene_options, &args.extent());
         let mut time = Time::default();
-        reporter.stage(Stage::Load);
+        progress.stage(Stage::Load);
         let estimate = || options.estimate(&args.scene, extent);
         let estimated = args.stats.is_some().then(estimate).transpose()?;
         let loaded = options.load(&args.scene, extent, outputs)?;
-        reporter.log.warnings(&loaded.warnings);
         let encoding = loaded.transfer();
         let extracted = look::extract(args, loaded)?;
         let preset = options.preset(&extracted);
         let predicted = extent.estimate(&extracted, preset);
         time.load = start.elapsed().as_secs_f64();
-        if is_single {
-            reporter.log.loaded(&extracted, time.load);
-        }
-        reporter.stage(Stage::Build);
+        progress.stage(Stage::Build);
         let mut scene = timed(&mut time.build, || options.build(extracted, preset))?;
-        let dropped = systems::warnings(&scene, &args.scene);
-        warn(&dropped);
-        if is_single {
-            reporter.log.warnings(&dropped);
-            reporter.log.built(args, &scene, preset, time.build);
-        }
+        warn(&systems::warnings(&scene, &args.scene));
         args.search.apply(&mut scene.accel);
         Ok(Self { scene, preset, encoding, time, estimated, predicted })
     }

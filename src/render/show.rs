@@ -1,9 +1,8 @@
-//! Log, viewer and unfinished image of a render, beside its [progress](crate::progress).
+//! Viewer and unfinished image of a render, beside its [progress](crate::progress).
 //!
 //! Failures here never end a render: they are warnings at most.
 
 mod live;
-mod log;
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, PoisonError};
@@ -11,12 +10,11 @@ use std::time::{Duration, Instant};
 
 use super::args::RenderArgs;
 use super::outputs::Outputs;
-use crate::common::tell;
+use super::parts::warn;
 use crate::interrupt;
 use crate::progress::{Display, Stage};
 use live::Live;
-use log::Log;
-use wavecrest_base::error::{Error, Result};
+use wavecrest_base::error::Result;
 use wavecrest_core::film::Film;
 use wavecrest_core::prepared::PreparedScene;
 use wavecrest_core::render::Watch;
@@ -28,52 +26,10 @@ use wavecrest_report::accuracy::pilot::budget::Pace;
 pub(super) struct Rendering<'a> {
     pub(super) args: &'a RenderArgs,
     pub(super) outputs: &'a Outputs<'a>,
-    pub(super) reporter: &'a Reporter,
+    pub(super) progress: &'a Display,
 }
 
-/// Reports on a command from its start to its end.
-pub(super) struct Reporter {
-    pub(super) progress: Display,
-    pub(super) log: Log,
-}
-
-impl Reporter {
-    /// Starts the requested reports.
-    ///
-    /// # Errors
-    /// If the log cannot be written to.
-    pub(super) fn begin(args: &RenderArgs) -> Result<Self> {
-        let log = Log::open(args.log.as_deref())?;
-        let progress = Display::new(args.progress, args.scene_options.quiet);
-        Ok(Self { progress, log })
-    }
-
-    /// A stage starts.
-    pub(super) fn stage(&self, stage: Stage) {
-        self.progress.stage(stage);
-        if stage != Stage::Done {
-            self.log.note(stage.name(), || "begins".to_owned());
-        }
-    }
-
-    /// An entry for the log only.
-    pub(super) fn note(&self, topic: &str, text: impl FnOnce() -> String) {
-        self.log.note(topic, text);
-    }
-
-    /// The value, or a warning with the reason for none.
-    fn or_warn<T>(&self, made: Result<T>) -> Option<T> {
-        made.map_err(|error| self.warn(&error)).ok()
-    }
-
-    /// A warning, printed even with `--quiet`.
-    pub(super) fn warn(&self, error: &Error) {
-        tell(&format!("warning: {error}"));
-        self.note("warning", || error.to_string());
-    }
-}
-
-/// Shows one render on the requested channels: the reporter's, the viewer and the file. Ends it on a
+/// Shows one render on the requested channels: progress, the viewer and the file. Ends it on a
 /// signal, or if it is too slow.
 pub(super) struct Show<'a> {
     rendering: &'a Rendering<'a>,
@@ -89,24 +45,29 @@ impl<'a> Show<'a> {
         scene: &PreparedScene,
         pace: Option<&'a Pace<'a>>,
     ) -> Self {
-        let Rendering { args, outputs, reporter } = *rendering;
-        reporter.stage(Stage::Trace);
+        let Rendering { args, outputs, progress } = *rendering;
+        progress.stage(Stage::Trace);
         let [width, height] = scene.camera.size();
         let window = args.crop.unwrap_or(Tile { x: 0, y: 0, width, height });
         let live = args
             .tev
             .as_ref()
-            .and_then(|address| reporter.or_warn(Live::connect(address, &outputs.name(), window)));
+            .and_then(|address| or_warn(Live::connect(address, &outputs.name(), window)));
         let saver = args
             .save_every
-            .and_then(|seconds| reporter.or_warn(ImageSaver::new(outputs, scene, window, seconds)));
+            .and_then(|seconds| or_warn(ImageSaver::new(outputs, scene, window, seconds)));
         Self { rendering, live, saver, pace }
     }
 }
 
+/// The value, or a warning with the reason for none.
+fn or_warn<T>(made: Result<T>) -> Option<T> {
+    made.map_err(|error| warn(&error)).ok()
+}
+
 impl Watch for Show<'_> {
     fn progress(&self, done: u64, all: u64) {
-        self.rendering.reporter.progress.traced(done, all);
+        self.rendering.progress.traced(done, all);
         if let Some(pace) = self.pace {
             pace.progress(done, all);
         }
@@ -119,7 +80,7 @@ impl Watch for Show<'_> {
         if let Some(saver) = &self.saver
             && let Err(error) = saver.keep(tile, pixels)
         {
-            self.rendering.reporter.warn(&error);
+            warn(&error);
         }
     }
 
@@ -130,9 +91,9 @@ impl Watch for Show<'_> {
 
 impl Drop for Show<'_> {
     fn drop(&mut self) {
-        self.rendering.reporter.progress.finish();
+        self.rendering.progress.finish();
         if let Some(error) = self.live.take().and_then(Live::finish) {
-            self.rendering.reporter.warn(&error);
+            warn(&error);
         }
     }
 }

@@ -6,9 +6,8 @@ use super::args::RenderArgs;
 use super::frames::{self, Sequence};
 use super::outputs::{Outputs, animated};
 use super::rows::Rows;
-use super::show::Reporter;
 use super::watched;
-use crate::progress::Stage;
+use crate::progress::{Display, Stage};
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_image::animation::{Animated, Animation};
 use wavecrest_image::farm::Shard;
@@ -27,7 +26,7 @@ pub(super) fn run(args: &RenderArgs, shard: Option<Shard>) -> Result<bool> {
     if let Some(sheet) = &input.sheet {
         refuse("--sheet", output, &[of_frame(args), of_image(args, shard)].concat())?;
         let outputs = Outputs::check(args, args.paths()?, false)?;
-        watched(args, |reporter| draw_sheet(args, sheet, &outputs, reporter))?;
+        watched(args, |progress| draw_sheet(args, sheet, &outputs, progress))?;
         return Ok(true);
     }
     let Some(count) = input.turntable else { return Ok(false) };
@@ -39,7 +38,7 @@ pub(super) fn run(args: &RenderArgs, shard: Option<Shard>) -> Result<bool> {
         Some(format) => {
             refuse("--turntable", output, &[of_frame(args), of_image(args, shard)].concat())?;
             let outputs = Outputs::of_one(args, output)?;
-            watched(args, |reporter| animate(args, count, &outputs, format, reporter))?;
+            watched(args, |progress| animate(args, count, &outputs, format, progress))?;
         }
     }
     Ok(true)
@@ -81,10 +80,10 @@ fn animate(
     count: u32,
     outputs: &Outputs<'_>,
     format: Animated,
-    reporter: &Reporter,
+    progress: &Display,
 ) -> Result<()> {
     let output = outputs.first();
-    let mut sequence = Sequence::prepare(args, &outputs.all(), count as usize, reporter)?;
+    let mut sequence = Sequence::prepare(args, &outputs.all(), count as usize, progress)?;
     outputs.made_of(sequence.ready.encoding);
     let size =
         args.crop.map_or(sequence.ready.scene.camera.size(), |crop| [crop.width, crop.height]);
@@ -99,8 +98,7 @@ fn animate(
         rendered.map(|one| one.film).inspect_err(|error| failed = Some(error.clone()))
     };
     animation.write(&mut film).map_err(|error| failed.unwrap_or(error))?;
-    reporter.note("write", || output.display().to_string());
-    reporter.stage(Stage::Done);
+    progress.stage(Stage::Done);
     sequence.finish(&output.display().to_string(), size);
     Ok(())
 }
@@ -110,9 +108,9 @@ fn draw_sheet(
     args: &RenderArgs,
     Sheet(sides): &Sheet,
     outputs: &Outputs<'_>,
-    reporter: &Reporter,
+    progress: &Display,
 ) -> Result<()> {
-    let mut sequence = Sequence::prepare(args, &outputs.all(), sides.len(), reporter)?;
+    let mut sequence = Sequence::prepare(args, &outputs.all(), sides.len(), progress)?;
     let mut rows = Rows::new(sides.len());
     let mut last = None;
     for (frame, (name, _)) in (1..).zip(sides) {
@@ -122,9 +120,9 @@ fn draw_sheet(
     }
     let (Some(mut rendered), Some(film)) = (last, rows.film) else { return Ok(()) };
     rendered.film = film;
-    reporter.stage(Stage::Write);
+    progress.stage(Stage::Write);
     outputs.write(&sequence.ready.scene, &rendered)?;
-    reporter.stage(Stage::Done);
+    progress.stage(Stage::Done);
     let size = [rendered.film.width(), rendered.film.height()];
     sequence.finish(&outputs.name(), size);
     Ok(())

@@ -27,7 +27,7 @@ mod probing;
 // The command that tries hard cases.
 mod selftest;
 
-// Progress, the log, the image while it is not finished, and a viewer.
+// Progress, the image while it is not finished, and a viewer.
 mod showing;
 
 // Scripts for shells, and the manual.

@@ -1,4 +1,4 @@
-//! Progress, the log, the image while it is not finished, and a viewer.
+//! Progress, the image while it is not finished, and a viewer.
 
 use std::io::{Read, Write as _};
 use std::net::{TcpListener, TcpStream};
@@ -73,7 +73,7 @@ fn reading_and_building_are_counted() {
     let folder = folder();
     run_silently(folder.path(), &["generate", "knot", "mesh.ply", "-n", "1M", "-q"]);
     let bytes = bytes(folder.path(), "mesh.ply").len();
-    let lines = progress(folder.path(), "mesh.ply a.png --size 8x6 --bvh fast --log log.txt");
+    let lines = progress(folder.path(), "mesh.ply a.png --size 8x6 --bvh fast");
     for (stage, all) in [("load", bytes), ("build", 1_000_000)] {
         let of_stage: Vec<_> = lines.iter().filter(|line| line["stage"] == stage).collect();
         let last = of_stage[of_stage.len() - 1];
@@ -120,59 +120,6 @@ fn a_bar_is_for_terminals() {
     for style in ["auto", "bar", "none"] {
         run_silently(folder.path(), &["ball.json", "out.exr", "--progress", style]);
     }
-}
-
-fn log(folder: &Path) -> Vec<String> {
-    let text = std::fs::read_to_string(folder.join("log.txt")).expect("a log");
-    text.lines().map(str::to_owned).collect()
-}
-
-/// What a line of the log is about.
-fn topic(line: &str) -> &str {
-    line.split_whitespace().nth(2).expect("a topic")
-}
-
-#[test]
-fn the_log_has_stages_choices_and_results() {
-    let mut scene = ball();
-    scene["camera"]["colour"] = json!(1);
-    let folder = with_scene(&scene.to_string());
-    let arguments = ["ball.json", "out.exr", "--log", "log.txt", "-q"];
-    assert!(run(folder.path(), &arguments).status.success());
-    let lines = log(folder.path());
-    let mut topics: Vec<&str> = lines.iter().map(|line| topic(line)).collect();
-    topics.dedup();
-    let expected = [
-        "program", "machine", "choice", "load", "warning", "load", "effect", "build", "choice",
-        "build", "trace", "write", "done",
-    ];
-    assert_eq!(topics, expected);
-    let has = |words: &str| lines.iter().any(|line| line.contains(words));
-    for words in [
-        "ball.json out.exr --log log.txt -q",
-        "wavefront tracer, exact precision",
-        "ball.json: 16 x 12 pixels, rays per pixel: 1; triangles: 0, quads: 1, spheres: 1, disks: 0, lights: 1; ",
-        "camera.colour: is not a key of a pinhole camera",
-        "+ mirrors: 1 mirror",
-        "192 camera rays",
-        "out.exr: ",
-    ] {
-        assert!(has(words), "{words}\n{}", lines.join("\n"));
-    }
-    // The next render adds its lines, a failure too.
-    let output = run(folder.path(), &[&arguments[..], &["--crop", "9,9,99,9"]].concat());
-    assert_eq!(output.status.code(), Some(2));
-    let more = log(folder.path());
-    assert_eq!(more[..lines.len()], lines);
-    assert!(topic(&more[more.len() - 1]) == "error" && more[more.len() - 1].contains("the crop"));
-}
-
-#[test]
-fn a_log_may_go_to_standard_output() {
-    let folder = with_ball();
-    let output = run(folder.path(), &["ball.json", "out.exr", "--log", "-", "-q"]);
-    assert_eq!((output.status.code(), text(&output.stderr)), (Some(0), ""));
-    assert!(text(&output.stdout).lines().last().is_some_and(|line| topic(line) == "done"));
 }
 
 /// A child that is killed when the test ends.
