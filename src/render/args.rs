@@ -95,7 +95,7 @@ pub(crate) struct RenderArgs {
     /// Resume from the checkpoint, if it exists
     #[arg(long, help_heading = LONG, requires = "checkpoint")]
     pub(crate) resume: bool,
-    /// Render shard I of N to a .part file for `wavecrest merge`; auto or auto/N takes I from the scheduler's
+    /// Render shard I of N to a .part file for `wavecrest merge`; auto or auto/N takes I from Slurm's
     /// array job
     #[arg(long, help_heading = LONG, value_name = "I/N", conflicts_with_all = ["target_error", "time_budget", "stats", "also", "aov", "save_every"])]
     pub(crate) shard: Option<ShardChoice>,
