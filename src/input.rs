@@ -71,7 +71,7 @@ pub(crate) struct InputOptions {
     /// Turn once around a mesh or a glTF file in this many frames, numbered from 1
     #[arg(long, help_heading = FRAMES, value_name = "FRAMES", value_parser = whole(2..=3600_u32), conflicts_with = "camera")]
     pub(crate) turntable: Option<u32>,
-    /// Show a mesh or a glTF file from several sides in one image, with a name under each
+    /// Show a mesh or a glTF file from several sides in one image, in rows in this order
     #[arg(long, help_heading = VIEW, value_name = "SIDE,SIDE,...", allow_hyphen_values = true,
           conflicts_with_all = ["camera", "view", "turntable"])]
     pub(crate) sheet: Option<Sheet>,

@@ -1,4 +1,4 @@
-//! Several views of a file: a turntable as an animation, or a sheet with names.
+//! Several views of a file: a turntable as an animation, or a sheet.
 
 use std::path::Path;
 
@@ -113,9 +113,9 @@ fn draw_sheet(
     let mut sequence = Sequence::prepare(args, &outputs.all(), sides.len(), progress)?;
     let mut rows = Rows::new(sides.len());
     let mut last = None;
-    for (frame, (name, _)) in (1..).zip(sides) {
+    for frame in 1..=sides.len() as u32 {
         let rendered = sequence.frame(frame, outputs)?;
-        rows.add(name, &rendered.film)?;
+        rows.add(&rendered.film)?;
         last = Some(rendered);
     }
     let (Some(mut rendered), Some(film)) = (last, rows.film) else { return Ok(()) };

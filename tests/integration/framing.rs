@@ -146,9 +146,9 @@ fn a_turn_is_one_file_that_moves_and_sides_are_one_picture() {
     run_well(at, &[&["block.obj", "sheet.pfm", "--sheet", "front,30,20,top"], &size[..]].concat());
     run_well(at, &[&["block.obj", "top.pfm", "--view", "top"], &size[..]].concat());
     let (sheet, top) = (film(at, "sheet.pfm"), film(at, "top.pfm"));
-    assert_eq!((sheet.width(), sheet.height()), (80, 84));
+    assert_eq!((sheet.width(), sheet.height()), (80, 60));
     for (x, y) in [(3, 3), (20, 15), (11, 7), (30, 20)] {
-        let (found, expected) = (sheet.pixel(x, 42 + y), top.pixel(x, y));
+        let (found, expected) = (sheet.pixel(x, 30 + y), top.pixel(x, y));
         let background = top.pixel(0, 0);
         // Light stays where it is for the first side.
         assert_eq!(found == background, expected == background, "{x} {y}");

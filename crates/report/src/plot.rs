@@ -11,7 +11,6 @@ mod axis;
 mod chart;
 mod field;
 mod font;
-pub mod label;
 mod marks;
 pub mod number;
 mod paint;

@@ -23,9 +23,9 @@ pub struct Framing {
     pub sheet: Sheet,
 }
 
-/// Sides to show in turn, with their names.
+/// Sides to show in turn.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Sheet(pub Vec<(String, Side)>);
+pub struct Sheet(pub Vec<Side>);
 
 impl FromStr for Sheet {
     type Err = String;
@@ -37,8 +37,8 @@ impl FromStr for Sheet {
             // Two numbers are one side.
             let is_number = word.parse::<f64>().is_ok();
             let second = if is_number { words.next() } else { None };
-            let name = second.map_or(word.to_owned(), |second| format!("{word},{second}"));
-            sides.push((name.clone(), name.parse()?));
+            let side = second.map_or(word.to_owned(), |second| format!("{word},{second}"));
+            sides.push(side.parse()?);
         }
         if sides.len() > MOST_SIDES {
             return Err(format!("name at most {MOST_SIDES} sides"));
@@ -209,9 +209,7 @@ mod tests {
     #[test]
     fn a_sheet_has_names_and_angles() {
         let found = "front, 30,20,iso".parse::<Sheet>().unwrap().0;
-        let names: Vec<&str> = found.iter().map(|(name, _)| name.as_str()).collect();
-        assert_eq!(names, ["front", "30,20", "iso"]);
-        assert_eq!(found[1].1, Side::Around { azimuth: 30.0, elevation: 20.0 });
+        assert_eq!(found, ["front", "30,20", "iso"].map(|side| side.parse().unwrap()));
         for wrong in ["", "front,", "30", "front,up"] {
             assert!(wrong.parse::<Sheet>().is_err(), "{wrong}");
         }

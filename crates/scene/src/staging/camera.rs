@@ -108,7 +108,7 @@ pub(crate) fn framed(
 ) -> Result<Framed> {
     let blank = view(options, None)?;
     let framing = &options.framing;
-    let mut sides: Vec<_> = framing.sheet.0.iter().map(|(_, side)| Some(*side)).collect();
+    let mut sides: Vec<_> = framing.sheet.0.iter().copied().map(Some).collect();
     if sides.is_empty() {
         sides.push(framing.side);
     }
