@@ -13,12 +13,10 @@ use wavecrest_image::compare::compare;
 use wavecrest_report::accuracy::findings::{ERRORS, Point};
 use wavecrest_report::accuracy::pilot::target::reach;
 use wavecrest_report::accuracy::pilot::{Pilot, measured};
-use wavecrest_report::accuracy::setting::{Facts, Family, Series, Setting, Structure};
+use wavecrest_report::accuracy::setting::{Family, Series, Setting};
 use wavecrest_report::accuracy::store::{FILE, Record, Store, SweepHeader};
-use wavecrest_report::accuracy::subject::Subject;
 use wavecrest_report::accuracy::sweep::run;
 use wavecrest_report::accuracy::{Findings, page};
-use wavecrest_scene::systems::overrides::{Layer, Overrides};
 
 use crate::support::{
     extract_small, folder, image_of, matte, options, pinhole, point_light, prepare, render_on,
@@ -135,46 +133,6 @@ fn lens(sampling: &str, side: u32) -> Value {
 fn shown(camera: &Value, lights: &[Value]) -> Value {
     let ball = sphere([0.0, 0.3, 0.5], 1.0, matte(0.8, [0.9, 0.4, 0.2]));
     scene(0, camera, lights, &[ball, wall(5.0, -1.5, matte(0.8, [0.3, 0.5, 0.9]))])
-}
-
-/// What is taken from a scene is gone from it, with its rays, and nothing else is.
-#[test]
-fn a_layer_that_is_taken_away_leaves_the_others() {
-    let folder = folder();
-    let file = folder.path().join("all.json");
-    let camera = with(lens("jittered", 2), "antialias", 2);
-    let material = with(with(matte(0.8, [0.9, 0.4, 0.2]), "kr", 0.5), "opacity", 0.75);
-    let mut ball = sphere([0.0, 0.3, 0.5], 1.0, material);
-    ball["texture"] = json!(repository("textures/uvgrid.png"));
-    let lights = [square_light("jittered", 2), point_light(20.0, [3.0, 2.0, 4.0], [1.0; 3])];
-    let walls = [ball, wall(5.0, -1.5, matte(0.8, [0.3, 0.5, 0.9]))];
-    let mut all = scene(1, &camera, &lights, &walls);
-    all["scene"]["ambient"] = json!({"sky": [0.2, 0.3, 0.4], "samples": 2});
-    std::fs::write(&file, all.to_string()).expect("a file");
-    let mut subject = Subject::open(&file, 40).expect("a scene");
-    let pixels = subject.pixels();
-    let mut shadows = u64::MAX;
-    for without in std::iter::once(None).chain(Layer::ALL.map(Some)) {
-        let overrides = Overrides { without, ..Overrides::default() };
-        let structure = Structure { overrides, ..Structure::default() };
-        let prepared = subject.prepare(&structure).expect("a scene");
-        let facts = Facts::of(&prepared.scene);
-        for layer in Layer::ALL {
-            assert_eq!(facts.has(layer), Some(layer) > without, "{layer} without {without:?}");
-        }
-        let setting = Setting { structure, ..Setting::default() };
-        let counters = subject.render(&setting, 0).expect("a film").counters;
-        let rays = match without {
-            Some(Layer::Antialiasing) => 1,
-            Some(Layer::Lens) => 4,
-            _ => 16,
-        };
-        assert_eq!(counters.primary_rays, rays * pixels, "{without:?}");
-        assert_eq!(counters.secondary_rays > 0, without < Some(Layer::Mirrors), "{without:?}");
-        assert_eq!(counters.shadow_rays > 0, without < Some(Layer::Lights), "{without:?}");
-        assert!(counters.shadow_rays <= shadows, "{without:?}");
-        shadows = counters.shadow_rays;
-    }
 }
 
 /// A scene that is sampled anew is the scene whose file says so.
@@ -320,7 +278,7 @@ fn exactness_has_a_price_list() {
         let each = format!("{:.1}", step.nanoseconds);
         assert!(html.contains(&step.step) && html.contains(&each), "{step:?}");
     }
-    let words = prices.sentence(&found.scenes[0].layers);
+    let words = prices.sentence();
     assert!(html.contains(words.split('`').next().expect("a part")), "{words}");
     // Where there are spheres alone, none is taken.
     let folder = self::folder();

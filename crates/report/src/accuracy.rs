@@ -8,7 +8,6 @@
 
 pub mod findings;
 pub mod fit;
-pub mod layers;
 pub mod page;
 pub mod pilot;
 pub mod reference;

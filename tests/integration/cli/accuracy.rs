@@ -49,28 +49,6 @@ fn a_sweep_writes_a_page_and_the_same_figures_in_other_forms() {
         assert!(csv.contains(&format!("{value}")), "{value}\n{csv}");
     }
     assert!(read("ball-lights-time.svg").starts_with("<svg"));
-    // Where the time goes: every part has its row, and those of a precision add up to its time.
-    let layers = found["scenes"][0]["layers"].as_array().expect("layers");
-    let effects = |layer: &Value| -> Vec<String> {
-        let parts = layer["parts"].as_array().expect("parts").iter();
-        parts.map(|part| part["effect"].as_str().expect("a name").to_owned()).collect()
-    };
-    assert_eq!(layers.len(), 2);
-    for layer in layers {
-        let expected = ["camera rays", "lights and shadows", "soft shadows"];
-        assert_eq!(effects(layer), expected);
-        let shadow = |part: usize| {
-            let passes = layer["parts"][part]["passes"].as_array().expect("passes");
-            passes
-                .iter()
-                .find(|pass| pass[0] == "shadow")
-                .map_or(0.0, |p| p[1].as_f64().expect("seconds"))
-        };
-        assert!(shadow(0) == 0.0 && shadow(1) > 0.0, "{layer}");
-    }
-    assert!(page.contains("ball: time by precision, effect and pass"));
-    let csv = read("ball-layers.csv");
-    assert!(csv.starts_with("series,bar,time (") && csv.contains("\r\nload,\"fast, before\","));
     // With other options the folder has another sweep.
     let output = run(folder.path(), &["accuracy", "ball.json", "-o", "out", "--most", "4", "-q"]);
     assert_eq!(output.status.code(), Some(2));

@@ -21,7 +21,6 @@
 //! | `.points[].mse`, `.relative_mse`, `.psnr`, `.flip`, `.bias` | | means over seeds; see [`wavecrest_image::compare`] |
 //! | `.points[].rays` | rays | of every kind, mean over seeds |
 //! | `.points[].above_noise` | | whether the error is at least three standard errors of the reference |
-//! | `layers` | | time by precision, effect and pass: see [`layers`] |
 //! | `trials` | | for each precision: rays aimed at edges and leaks, rays that leave a surface and self-hits, errors of t, points and normals in ulp ([`HitErrors`](crate::selftest::errors::HitErrors)) |
 //! | `steps` | | what exact hits cost: `rays` of a render, `steps` with their counts there and nanoseconds each, and the nanoseconds of a pair in the filter of `fast`; see [`steps`](super::steps) |
 
@@ -32,16 +31,15 @@ use std::collections::BTreeSet;
 use serde::Serialize;
 
 use super::fit::{self, Uncertain, bootstrap, of};
-use super::layers::{self, LayersFindings};
 use super::reference::FLOOR;
 use super::setting::{self, Axis, Family, Series, Setting, Target, converges};
 use super::store::{
-    PointRecord, Record, ReferenceRecord, SceneRecord, StepsRecord, TrialRecord, all, busy_rounds,
+    PointRecord, PreparedRecord, Record, ReferenceRecord, SceneRecord, StepsRecord, TrialRecord,
+    all, busy_rounds,
 };
 use super::subject::Subject;
 use crate::plot::number::{figure, seconds};
 use crate::summary::{ENOUGH, MedianInterval, median};
-use wavecrest_core::kernels::precision::Precision;
 use wavecrest_core::math::sampling::Sampling;
 use wavecrest_image::compare::psnr;
 
@@ -59,7 +57,6 @@ pub struct SceneFindings {
     pub answer: Answer,
     pub references: Vec<ReferenceRecord>,
     pub families: Vec<Family<Point>>,
-    pub layers: Vec<LayersFindings>,
     pub trials: Vec<TrialRecord>,
     pub steps: Option<StepsRecord>,
 }
@@ -125,16 +122,15 @@ impl SceneFindings {
                 .cloned()
                 .collect(),
             families: Vec::new(),
-            layers: layers::of(name, records),
             trials: all(records).filter(|t: &&TrialRecord| t.scene == name).cloned().collect(),
             steps: all(records).find(|s: &&StepsRecord| s.scene == name).cloned(),
         };
         let left = if left_out { busy } else { BTreeSet::new() };
         found.families = families.iter().map(|f| found.summary(f, records, &left)).collect();
         let varied = found.family(Axis::of(&subject.facts).name());
-        let before = found.layers(Precision::default()).map(|layers| layers.before);
-        let before = before.map_or(0.0, |before| before.load + before.build);
-        let answer = varied.map(|f| Answer::of(f, before, errors));
+        let prepared = all(records).filter(|p: &&PreparedRecord| p.scene == name);
+        let before: Vec<f64> = prepared.map(|p| p.time.load + p.time.build).collect();
+        let answer = varied.map(|f| Answer::of(f, median(&before), errors));
         found.answer = answer.unwrap_or_default();
         found
     }
@@ -143,11 +139,6 @@ impl SceneFindings {
     pub fn floor(&self, target: Target) -> f64 {
         let of = self.references.iter().find(|reference| reference.target == target);
         of.map_or(0.0, |reference| FLOOR * reference.standard_error)
-    }
-
-    /// The layers in this precision.
-    pub fn layers(&self, precision: Precision) -> Option<&LayersFindings> {
-        self.layers.iter().find(|layers| layers.precision == precision.name())
     }
 
     /// The family of this name.

@@ -95,10 +95,6 @@ fn section(scene: &SceneFindings, folder: &Path) -> Result<Section> {
         }
         blocks.extend(tables::of(family));
     }
-    blocks.push(Block::Heading("Where the time goes".to_owned()));
-    let time = charts::time(scene);
-    time.write(folder, &format!("{}-layers", scene.scene.scene))?;
-    blocks.push(Block::Chart(time));
     blocks.push(Block::Heading("Cost and accuracy of each precision".to_owned()));
     blocks.extend(tables::precision(scene));
     blocks.extend(tables::steps(scene));

@@ -5,10 +5,9 @@ use serde::Serialize;
 use super::fit::Uncertain;
 use wavecrest_core::kernels::precision::Precision;
 use wavecrest_core::math::sampling::{Points, Sampling};
-use wavecrest_core::plan::Effect;
 use wavecrest_core::prepared::{PreparedScene, Samples};
 use wavecrest_scene::components::Filter;
-use wavecrest_scene::systems::overrides::{Layer, Overrides};
+use wavecrest_scene::systems::overrides::Overrides;
 
 /// Choices made before a scene is prepared.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -41,14 +40,13 @@ impl Setting {
     pub fn key(&self) -> String {
         let points = |p: Points| format!("{}:{}", p.sampling.name(), p.side);
         let Samples { lights, lens, pixel } = self.samples;
-        let Overrides { bounces, filter, without } = self.structure.overrides;
+        let Overrides { bounces, filter } = self.structure.overrides;
         let values = [
             ("lights", lights.map(points)),
             ("lens", lens.map(points)),
             ("pixel", pixel.map(points)),
             ("bounces", bounces.map(|n| n.to_string())),
             ("filter", filter.map(|filter| filter.name().to_owned())),
-            ("without", without.map(|layer| layer.name().replace(' ', "-"))),
         ];
         let words = values.into_iter().filter_map(|(name, value)| Some((name, value?)));
         let key = self.structure.precision.name().to_owned();
@@ -113,7 +111,12 @@ impl<P> Family<P> {
 /// The properties of a scene that can be varied.
 #[derive(Clone, Debug)]
 pub struct Facts {
-    layers: Vec<Layer>,
+    /// Whether there is an image of a texture.
+    pub has_textures: bool,
+    /// Whether the camera has a lens.
+    pub has_lens: bool,
+    /// Whether a pixel has several rays.
+    pub is_antialiased: bool,
     /// Whether points on any light are sampled.
     pub has_area_lights: bool,
     /// Largest number of bounces in use.
@@ -123,34 +126,18 @@ pub struct Facts {
 impl Facts {
     /// The facts of a scene.
     pub fn of(scene: &PreparedScene) -> Self {
-        let has = |layer: &Layer| match layer {
-            Layer::Transparency => scene.plan.has(Effect::Transparency),
-            Layer::Mirrors => scene.plan.has(Effect::Mirrors),
-            Layer::Textures => !scene.appearance.images.is_empty(),
-            Layer::Occlusion => scene.plan.has(Effect::AmbientOcclusion),
-            Layer::SoftShadows => scene.lights.iter().any(|l| l.is_sampled() && l.samples() > 1),
-            Layer::Lights => !scene.lights.is_empty(),
-            Layer::Lens => scene.camera.has_lens(),
-            Layer::Antialiasing => scene.camera.antialias() > 1,
-        };
         Self {
-            layers: Layer::ALL.into_iter().filter(has).collect(),
+            has_textures: !scene.appearance.images.is_empty(),
+            has_lens: scene.camera.has_lens(),
+            is_antialiased: scene.camera.antialias() > 1,
             has_area_lights: scene.lights.iter().any(|light| light.is_sampled()),
             bounces: scene.bounces,
         }
     }
 
-    /// Whether removing `layer` changes the scene.
-    pub fn has(&self, layer: Layer) -> bool {
-        self.layers.contains(&layer)
-    }
-
     /// Whether `target` has any random samples.
     pub fn is_sampled(&self, target: Target) -> bool {
-        self.has_area_lights
-            || self.has(Layer::Lens)
-            || self.has(Layer::Antialiasing)
-            || target == Target::Pixel
+        self.has_area_lights || self.has_lens || self.is_antialiased || target == Target::Pixel
     }
 }
 
@@ -172,8 +159,8 @@ impl Axis {
     /// The axis of a scene. Without other random samples it is the pixel, as edges alias.
     pub fn of(facts: &Facts) -> Self {
         match facts {
-            _ if facts.has(Layer::Antialiasing) => Self::Pixel,
-            _ if facts.has(Layer::Lens) => Self::Lens,
+            Facts { is_antialiased: true, .. } => Self::Pixel,
+            Facts { has_lens: true, .. } => Self::Lens,
             Facts { has_area_lights: true, .. } => Self::Lights,
             _ => Self::Pixel,
         }
@@ -233,11 +220,11 @@ pub fn families(facts: &Facts, most: u32) -> Vec<Family<CountedSetting>> {
     let lens = |points| Samples { lens: Some(points), ..Samples::default() };
     let all = [
         facts.has_area_lights.then(|| sampled(most, lights)),
-        facts.has(Layer::Lens).then(|| sampled(most, lens)),
+        facts.has_lens.then(|| sampled(most, lens)),
         Some(sampled(most, |points| Axis::Pixel.samples(points))),
         (facts.bounces > 0).then(|| bounces(facts.bounces)),
         Some(precisions()),
-        facts.has(Layer::Textures).then(filters),
+        facts.has_textures.then(filters),
     ];
     let family = |((name, title, counted, target), series): (_, Option<_>)| {
         Some(Family { name, title, counted, target, series: series? })

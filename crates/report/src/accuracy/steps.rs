@@ -7,7 +7,6 @@ use std::hint::black_box;
 use std::time::Instant;
 
 use super::SweepProgress;
-use super::layers::LayersFindings;
 use super::setting::{Setting, Structure};
 use super::store::{Record, StepRecord, StepsRecord, Store, all};
 use super::subject::Subject;
@@ -72,28 +71,15 @@ impl StepsRecord {
         self.steps.iter().any(|step| step.count > 0)
     }
 
-    /// The steps beside the whole, of which there are the `layers`, in words.
-    pub fn sentence(&self, layers: &[LayersFindings]) -> String {
-        let traced = |precision: Precision| {
-            let layers = layers.iter().find(|layers| layers.precision == precision.name());
-            let parts = layers.into_iter().flat_map(|layers| &layers.parts);
-            let passes = parts.flat_map(|part| &part.passes);
-            let traced = passes.filter(|pass| TRACING.contains(&&*pass.0)).map(|pass| pass.1);
-            traced.sum::<f64>() * 1e9 / self.rays.max(1) as f64
-        };
+    /// All steps together, in words.
+    pub fn sentence(&self) -> String {
         format!(
-            "These steps take {:.1} ns a ray, of {:.1} ns in which a ray is traced; `fast` traces it in {:.1} ns, with a \
-             filter of {:.1} ns a pair.",
+            "These steps take {:.1} ns a ray; the filter of `fast` takes {:.1} ns a pair.",
             self.steps.iter().map(|step| self.nanoseconds(step)).sum::<f64>(),
-            traced(Precision::Exact),
-            traced(Precision::Fast),
             self.fast_filter
         )
     }
 }
-
-/// The passes that trace rays.
-const TRACING: [&str; 2] = ["intersect", "shadow"];
 
 /// The least nanoseconds of each step, then of the filter in fast precision; 0 for steps that no ray
 /// takes. Other programs can only add to a time.

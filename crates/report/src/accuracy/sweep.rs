@@ -14,7 +14,7 @@ use super::store::{
     Errors, PointRecord, PreparedRecord, Record, Store, SweepHeader, TrialRecord, all, busy_rounds,
 };
 use super::subject::Subject;
-use super::{SweepProgress, layers, reference, steps};
+use super::{SweepProgress, reference, steps};
 use crate::measure::rounds;
 use crate::selftest::examine::trial;
 use crate::selftest::{Count, Effort};
@@ -72,7 +72,6 @@ pub fn run(
             progress(SweepProgress::Step(subject.pixels() * of_reference));
         }
         points(swept, seeds as usize, store, progress)?;
-        layers::run(&mut swept.subject, store, progress)?;
         trials(&mut swept.subject, store, progress)?;
         steps::run(&mut swept.subject, store, progress)?;
     }
@@ -97,7 +96,7 @@ fn points(
 ) -> Result<()> {
     let scene = subject.record.scene.clone();
     let mut all = settings(families);
-    note_preparation(subject, all.iter().map(|(_, setting)| setting), store)?;
+    note_preparation(subject, store)?;
     progress(SweepProgress::Stage(&scene));
     for seed in 0.. {
         // Busy rounds are measured again, with other seeds.
@@ -112,7 +111,6 @@ fn points(
                 // No timed render should wait for its tree.
                 subject.prepare(&setting.structure)?;
                 let (rendered, timing) = subject.timed(setting, seed)?;
-                let passes = rendered.pass_seconds.iter();
                 store.add(Record::Point(PointRecord {
                     scene: scene.clone(),
                     target: *target,
@@ -120,7 +118,6 @@ fn points(
                     seed,
                     seconds: rendered.seconds,
                     timing,
-                    passes: passes.map(|(name, s)| ((*name).to_owned(), *s)).collect(),
                     rays: Rays::from(&rendered.counters).all(),
                     error: errors(&rendered.film, &references[target])?,
                 }))?;
@@ -131,31 +128,20 @@ fn points(
     Ok(())
 }
 
-/// Number of preparations of a structure for the median of its time, and the seconds after which no
-/// further one starts.
+/// Number of preparations for the median of their time, and the seconds after which no further one
+/// starts.
 const PREPARED: usize = 7;
 const SHORT: f64 = 4.0;
 
-/// Records the preparation time of each structure of `settings`, unless done already.
-fn note_preparation<'a>(
-    subject: &mut Subject,
-    settings: impl Iterator<Item = &'a Setting>,
-    store: &mut Store,
-) -> Result<()> {
-    let scene = subject.record.scene.clone();
-    for setting in settings {
-        let key = Setting { samples: Default::default(), ..*setting }.key();
-        if all(&store.records).any(|p: &PreparedRecord| p.scene == scene && p.key == key) {
-            continue;
-        }
-        for round in rounds(PREPARED, SHORT) {
-            let time = match round {
-                0 => subject.prepare(&setting.structure)?.time,
-                _ => subject.build(&setting.structure)?.time,
-            };
-            let (scene, key) = (scene.clone(), key.clone());
-            store.add(Record::Prepared(PreparedRecord { scene, key, time }))?;
-        }
+/// Records the preparation time of the scene as it is, unless done already.
+fn note_preparation(subject: &Subject, store: &mut Store) -> Result<()> {
+    let scene = &subject.record.scene;
+    if all(&store.records).any(|p: &PreparedRecord| p.scene == *scene) {
+        return Ok(());
+    }
+    for _ in rounds(PREPARED, SHORT) {
+        let time = subject.build(&Structure::default())?.time;
+        store.add(Record::Prepared(PreparedRecord { scene: scene.clone(), time }))?;
     }
     Ok(())
 }

@@ -1,9 +1,7 @@
 //! Findings as charts.
 
 use crate::accuracy::findings::{Point, SceneFindings};
-use crate::accuracy::layers::{LayersFindings, PartFindings};
 use crate::accuracy::setting::Family;
-use crate::bench::Preparation;
 use crate::plot::number::plural;
 use crate::plot::{self, Axis, Chart, Draw, Guide, Scale, Series};
 
@@ -95,23 +93,4 @@ fn mark(p: &Point, x: f64) -> plot::Point {
     let points = plural(p.x as usize, "point");
     let label = format!("{points}, {:.3} ms{noise}", p.seconds.median * 1e3);
     plot::Point { x, y: p.rmse.value, low: Some(p.rmse.low), high: Some(p.rmse.high), label }
-}
-
-/// Seconds by precision, effect and pass, with the time before the first ray.
-pub(super) fn time(scene: &SceneFindings) -> Chart {
-    let mut bars = Vec::new();
-    for LayersFindings { precision, before: Preparation { load, build }, parts } in &scene.layers {
-        let stages = vec![("load".to_owned(), *load), ("build".to_owned(), *build)];
-        bars.push((format!("{precision}, before"), stages));
-        let bar =
-            |part: &PartFindings| (format!("{precision}, {}", part.effect), part.passes.clone());
-        bars.extend(parts.iter().map(bar));
-    }
-    Chart::bars(
-        format!("{}: time by precision, effect and pass", scene.scene.scene),
-        "With the scene's own samples. Each effect shows the time that it adds to the effects above it; `camera rays` is \
-         one ray through the centre of each pixel, without lights. Passes are summed over threads; loading and building \
-         are wall-clock times.",
-        &bars,
-    )
 }

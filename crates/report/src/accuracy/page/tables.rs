@@ -119,7 +119,7 @@ pub(super) fn precision(scene: &SceneFindings) -> Vec<Block> {
     vec![Block::Table(Table::new(caption, header, points.iter().map(row).collect()))]
 }
 
-/// What each step to an exact hit costs, and all of them beside the whole.
+/// What each step to an exact hit costs, and all of them together.
 pub(super) fn steps(scene: &SceneFindings) -> Vec<Block> {
     let Some(found) = &scene.steps else { return Vec::new() };
     if !found.has_any() {
@@ -140,5 +140,5 @@ pub(super) fn steps(scene: &SceneFindings) -> Vec<Block> {
                    packets share more";
     let header = "step|>times a ray|>ns each|>ns a ray";
     let table = Table::new(caption, header, found.steps.iter().map(row).collect());
-    vec![Block::Table(table), Block::Paragraph(found.sentence(&scene.layers))]
+    vec![Block::Table(table), Block::Paragraph(found.sentence())]
 }

@@ -55,8 +55,6 @@ pub struct SceneRecord {
 pub struct PreparedRecord {
     /// The scene's name.
     pub scene: String,
-    /// A setting with this structure.
-    pub key: String,
     /// The time of each stage.
     #[serde(flatten)]
     pub time: Preparation,
@@ -90,8 +88,6 @@ pub struct PointRecord {
     pub seconds: f64,
     /// Wall-clock and processor time of all repetitions, of which the fastest counts.
     pub timing: Timing,
-    /// Seconds in each pass, summed over threads.
-    pub passes: Vec<(String, f64)>,
     /// Rays of every kind.
     pub rays: u64,
     /// Errors against the reference, as in [`wavecrest_image::compare`].
@@ -110,21 +106,6 @@ pub struct Errors {
     pub bias: f64,
     /// Mean FLIP.
     pub flip: f64,
-}
-
-/// The last removed layer, and the seconds in each pass without it and those before it.
-pub type LayerSeconds = (Option<String>, Vec<(String, f64)>);
-
-/// Renders of the scene with layers removed one after another: see
-/// [`layers`](crate::accuracy::layers).
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct LayersRecord {
-    /// The scene's name.
-    pub scene: String,
-    /// The precision.
-    pub precision: String,
-    /// The layers in the order of removal, after the whole scene.
-    pub steps: Vec<LayerSeconds>,
 }
 
 /// A test of a precision on a scene's triangles.
@@ -197,5 +178,4 @@ records! {
     Point(PointRecord),
     Trial(TrialRecord),
     Steps(StepsRecord),
-    Layers(LayersRecord),
 }

@@ -14,7 +14,6 @@ fn sample(seed: u64) -> PointRecord {
         seed,
         seconds: 0.1,
         timing: Timing { seconds: 0.1, processor: Some(0.2) },
-        passes: vec![("shade".into(), 0.05)],
         rays: 7,
         error: Errors { mse: 0.25, relative_mse: 0.5, bias: -0.1, flip: 0.3 },
     }
