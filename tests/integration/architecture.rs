@@ -244,20 +244,6 @@ fn no_file_is_longer_than_a_reader_can_bear() {
     }
 }
 
-/// Bands of a PNG are joined by how fdeflate ends its streams: those of the version that png, which reads them, uses.
-#[test]
-fn there_is_one_fdeflate_and_png_uses_it() {
-    let lock = std::fs::read_to_string(repository("Cargo.lock")).expect("the lock file");
-    let package = |name: &str| {
-        let is_it = |text: &&str| text.starts_with(&format!("name = \"{name}\"\n"));
-        lock.split("[[package]]\n").filter(is_it).collect::<Vec<_>>()
-    };
-    assert_eq!(package("fdeflate").len(), 1, "versions of fdeflate");
-    for user in ["png", "wavecrest-image"] {
-        assert!(package(user).iter().all(|text| text.contains(" \"fdeflate\",\n")), "{user}");
-    }
-}
-
 /// The reader of imports must see what it is there to see.
 #[test]
 fn imports_are_found_in_every_form() {

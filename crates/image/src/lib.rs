@@ -13,7 +13,6 @@
 //! * [`farm`]: images rendered in parts.
 //! * `color`: colour spaces.
 //! * `transfer`: from linear values to 8-bit levels.
-//! * `idat`: the pixels of a PNG, compressed in bands.
 //! * `netpbm`: the byte layouts of PPM and PFM.
 //! * `openexr`: colours and further channels as EXR.
 
@@ -26,7 +25,6 @@ pub mod compare;
 pub mod error_map;
 pub mod farm;
 pub mod flip;
-mod idat;
 pub mod look;
 pub mod metadata;
 mod netpbm;

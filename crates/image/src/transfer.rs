@@ -1,5 +1,6 @@
 //! Conversion of linear values to the levels of 8-bit formats.
 
+use rayon::prelude::*;
 use wavecrest_base::progress;
 use wavecrest_core::film::Film;
 use wavecrest_core::math::srgb::srgb_encode;
@@ -79,9 +80,14 @@ impl Tone {
 /// Light above this is treated as infinite: its square is still finite.
 const BRIGHTEST: f32 = 1e18;
 
-/// A film as 8-bit values.
+/// A film as 8-bit values, found on all threads.
 pub(super) fn levels(film: &Film, transfer: Transfer) -> Vec<u8> {
-    film.rows().flat_map(|row| row_to_bytes(row, transfer)).collect()
+    let width = film.width() as usize;
+    let mut levels = vec![0; size_of::<[u8; 3]>() * film.pixels().len()];
+    let rows = levels.par_chunks_exact_mut(size_of::<[u8; 3]>() * width);
+    rows.zip(film.pixels().par_chunks_exact(width))
+        .for_each(|(levels, row)| levels.copy_from_slice(&row_to_bytes(row, transfer)));
+    levels
 }
 
 /// A row of pixels as 8-bit values.

@@ -10,7 +10,6 @@ use std::path::Path;
 
 use image::ImageError;
 
-use super::idat::compressed;
 use super::metadata::{ALPHA, Entry, Extras, Values, full_name};
 use super::transfer::{levels, linear_level, row_to_bytes};
 use super::{netpbm, openexr};
@@ -101,10 +100,8 @@ pub fn bytes_to_write(format: Format, pixels: u64, values: u64) -> u64 {
     let each = match format {
         // Row by row.
         Format::Ppm | Format::Pfm => 0,
-        // The bands and the stream that joins them.
-        Format::Png if values == 0 => 2 * rgb,
         // The levels, with alpha if it is among the channels, and their stream.
-        Format::Png => 2 * rgba,
+        Format::Png => 2 * if values == 0 { rgb } else { rgba },
         // The file.
         Format::Exr => size_of::<[f32; 3]>() as u64 + values * size_of::<f32>() as u64,
     };
@@ -130,18 +127,14 @@ fn encode_png(
     transfer: Transfer,
     entries: &[Entry],
 ) -> std::result::Result<(), png::EncodingError> {
-    let (color, compression, compressed) = match alpha {
-        None => (png::ColorType::Rgb, png::Compression::NoCompression, compressed(film, transfer)?),
-        Some(_) => (png::ColorType::Rgba, png::Compression::Fast, None),
+    let (color, levels) = match alpha {
+        None => (png::ColorType::Rgb, levels(film, transfer)),
+        Some(alpha) => (png::ColorType::Rgba, straight_levels(film, alpha, transfer)),
     };
     let mut encoder = png_encoder(sink, [film.width(), film.height()], color, entries)?;
-    encoder.set_compression(compression);
+    encoder.set_compression(png::Compression::Fast);
     let mut writer = encoder.write_header()?;
-    match (compressed, alpha) {
-        (Some(bytes), _) => writer.write_chunk(png::chunk::IDAT, &bytes)?,
-        (None, None) => writer.write_image_data(&levels(film, transfer))?,
-        (None, Some(alpha)) => writer.write_image_data(&straight_levels(film, alpha, transfer))?,
-    }
+    writer.write_image_data(&levels)?;
     writer.finish()
 }
 
