@@ -23,6 +23,12 @@ use wavecrest_core::math::simd::Level;
 use wavecrest_core::wavefront::DEFAULT_BATCH;
 use wavecrest_scene::generate::{self, Model, Recipe};
 
+// The room of the example.
+#[path = "../examples/room/furniture.rs"]
+mod furniture;
+#[path = "../examples/room/solids.rs"]
+mod solids;
+
 /// Coherent rays in each row and column; there are as many random ones.
 const SIDE: u32 = 128;
 
@@ -39,17 +45,17 @@ static MESHES: [LazyLock<Mutex<Accel>>; 2] = [
 ];
 
 fn geometry(mesh: Mesh) -> Geometry {
-    let model = match mesh {
-        Mesh::Scan => Model::Sphere,
-        Mesh::Room => Model::Room,
-    };
     let triangles = std::env::var("WAVECREST_BENCH_TRIANGLES");
     let triangles = triangles.ok().and_then(|n| n.parse().ok()).unwrap_or(100_000);
-    // If this fails, the check below reports it.
-    let mesh = generate::mesh(&Recipe::new(model, triangles)).unwrap_or_default();
+    let mesh = match mesh {
+        Mesh::Scan => generate::mesh(&Recipe::new(Model::Sphere, triangles)),
+        Mesh::Room => furniture::room(triangles as usize),
+    };
+    // If this failed, the check below reports it.
+    let mesh = mesh.unwrap_or_default();
     let (positions, triangles) = (mesh.positions, mesh.triangles);
     let geometry = Geometry { positions, triangles, ..Geometry::default() };
-    assert!(!geometry.triangles.is_empty(), "the {model} could not be made");
+    assert!(!geometry.triangles.is_empty(), "the mesh could not be made");
     geometry
 }
 

@@ -32,7 +32,7 @@ pub(crate) struct GenerateArgs {
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = whole(0..=u64::MAX))]
     pub(crate) seed: u64,
 
-    /// Displacement: a share of the radius (sphere, knot), a height (terrain) or the depth of folds (room)
+    /// Displacement: a share of the radius (sphere, knot), or a height (terrain)
     #[arg(long, value_name = "NUMBER")]
     pub(crate) displacement: Option<f64>,
 

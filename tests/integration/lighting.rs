@@ -179,8 +179,17 @@ fn what_no_ray_hits_is_transparent() {
 #[test]
 fn a_room_alone_is_lit_by_a_lamp_under_its_ceiling() {
     let folder = folder();
-    let path = folder.path().join("room.ply");
-    run_well(folder.path(), &["generate", "room", "room.ply", "--triangles", "80k"]);
+    let path = folder.path().join("room.obj");
+    let block = |x: [f64; 2], y: [f64; 2], z: [f64; 2]| -> String {
+        let corner = |i: usize| format!("v {} {} {}\n", x[i & 1], y[i >> 1 & 1], z[i >> 2]);
+        (0..8).map(corner).collect()
+    };
+    let sides = "f -8 -6 -5 -7\nf -4 -3 -1 -2\nf -8 -4 -2 -6\nf -7 -5 -1 -3\n\
+                 f -8 -7 -3 -4\nf -6 -2 -1 -5\n";
+    // Walls face inward: from the right to the left.
+    let walls = block([3.0, -3.0], [0.0, 2.7], [-2.5, 2.5]);
+    let table = block([-0.7, 1.0], [0.0, 0.76], [-0.4, 0.6]);
+    put(folder.path(), "room.obj", &[&walls, sides, &table, sides].concat());
     let options = LoadOptions { width: Some(64), height: Some(48), ..LoadOptions::default() };
     let scene = ready(load(&path, &options));
     let [light, sky] = &scene.lights[..] else { panic!("{:?}", scene.lights) };

@@ -10,12 +10,10 @@
 //! square roots and the functions of the `libm` crate, and rounded to 32 bits at the end, so the
 //! bits are equal on every machine and for every number of threads.
 
-mod grid;
 mod knot;
 mod noise;
 mod ply;
 mod recipe;
-mod room;
 mod sphere;
 mod surface;
 mod terrain;
@@ -43,11 +41,7 @@ pub fn mesh(recipe: &Recipe) -> Result<MeshData> {
         values: each(surface.vertices(), |v| rounded(surface.normal(v))),
         indices: None,
     });
-    let uvs = surface.uv(0).map(|_| Attribute {
-        values: each(surface.vertices(), |v| surface.uv(v).unwrap_or_default()),
-        indices: None,
-    });
-    Ok(MeshData { positions, triangles, normals, uvs, ..MeshData::default() })
+    Ok(MeshData { positions, triangles, normals, ..MeshData::default() })
 }
 
 /// `item` of 0, 1, ... `count` - 1, computed in parallel and kept in order.

@@ -246,9 +246,8 @@ fn diff_writes_maps_of_errors_in_colours() {
 #[test]
 fn a_generated_mesh_can_be_rendered() {
     let folder = folder();
-    for (model, triangles) in [("sphere", "3k"), ("knot", "3k"), ("terrain", "3k"), ("room", "80k")]
-    {
-        let arguments = ["generate", model, "mesh.ply", "-n", triangles, "--normals"];
+    for model in ["sphere", "knot", "terrain"] {
+        let arguments = ["generate", model, "mesh.ply", "-n", "3k", "--normals"];
         let output = run(folder.path(), &arguments);
         assert_eq!((output.status.code(), text(&output.stdout)), (Some(0), ""));
         let told = text(&output.stderr);

@@ -13,8 +13,8 @@ use std::f64::consts::TAU;
 
 use glam::DVec3;
 
-use super::grid::{Ends, Grid};
 use super::noise::Fractal;
+use super::surface::{Surface, cell_triangle};
 
 /// Turns about the axis of the torus.
 const TURNS: f64 = 3.0;
@@ -41,17 +41,65 @@ struct TubeFrame {
     binormal: DVec3,
 }
 
-/// The knot as a grid of `sides` steps around the tube.
-pub(super) fn knot(sides: u64, displacement: f64, seed: u64) -> Grid {
-    let fractal = Fractal::new(seed, FREQUENCY, TAU * TUBE / sides as f64);
-    let shape = move |around: f64, along: f64| {
-        let frame = frame(TAU * along);
-        let (sin, cos) = libm::sincos(TAU * around);
+/// The knot as a grid of rings, closed in both directions.
+pub(super) struct Knot {
+    /// Steps around the tube.
+    sides: u64,
+    rings: u64,
+    displacement: f64,
+    fractal: Fractal,
+}
+
+impl Knot {
+    pub(super) fn new(sides: u64, displacement: f64, seed: u64) -> Self {
+        let fractal = Fractal::new(seed, FREQUENCY, TAU * TUBE / sides as f64);
+        Self { sides, rings: sides * RINGS_PER_SIDE, displacement, fractal }
+    }
+
+    /// The point at step `i` around the tube and at ring `j`.
+    fn point(&self, i: f64, j: f64) -> DVec3 {
+        let frame = frame(TAU * (j / self.rings as f64));
+        let (sin, cos) = libm::sincos(TAU * (i / self.sides as f64));
         let outward = frame.normal * cos + frame.binormal * sin;
         let plain = frame.centre + outward * TUBE;
-        frame.centre + outward * (TUBE * (1.0 + displacement * fractal.sum(plain)))
-    };
-    Grid { cells: [sides, sides * RINGS_PER_SIDE], ends: Ends::Joined, shape: Box::new(shape) }
+        frame.centre + outward * (TUBE * (1.0 + self.displacement * self.fractal.sum(plain)))
+    }
+
+    /// The step and the ring of vertex `v`.
+    fn place(&self, v: u64) -> (f64, f64) {
+        ((v % self.sides) as f64, (v / self.sides) as f64)
+    }
+}
+
+impl Surface for Knot {
+    fn vertices(&self) -> u64 {
+        self.sides * self.rings
+    }
+
+    fn triangles(&self) -> u64 {
+        2 * self.vertices()
+    }
+
+    fn position(&self, v: u64) -> DVec3 {
+        let (i, j) = self.place(v);
+        self.point(i, j)
+    }
+
+    fn normal(&self, v: u64) -> DVec3 {
+        let (i, j) = self.place(v);
+        let around = self.point(i + 1.0, j) - self.point(i - 1.0, j);
+        let along = self.point(i, j + 1.0) - self.point(i, j - 1.0);
+        around.cross(along).normalize()
+    }
+
+    fn triangle(&self, t: u64) -> [u32; 3] {
+        let (i, j) = (t / 2 % self.sides, t / 2 / self.sides);
+        let (next_i, next_j) = ((i + 1) % self.sides, (j + 1) % self.rings);
+        let corner = |i: u64, j: u64| (j * self.sides + i) as u32;
+        let corners = [corner(i, j), corner(next_i, j), corner(next_i, next_j), corner(i, next_j)];
+        // All diagonals run along with the rings.
+        cell_triangle(corners, true, t % 2)
+    }
 }
 
 /// The centre line's frame at `angle`, which runs from 0 to tau along the whole knot.

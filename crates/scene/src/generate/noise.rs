@@ -149,7 +149,7 @@ fn lattice_gradient(x: i64, y: i64, z: i64, seed: u64) -> DVec3 {
 
 /// Spreads every bit of `x` over the whole word: the finaliser of Steele, Lea and Flood's
 /// SplitMix (2014).
-pub(super) fn mix(x: u64) -> u64 {
+fn mix(x: u64) -> u64 {
     let x = x.wrapping_add(0x9E37_79B9_7F4A_7C15);
     let x = (x ^ (x >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
     let x = (x ^ (x >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);

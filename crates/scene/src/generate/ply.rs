@@ -50,15 +50,14 @@ pub fn write_ply(
     let surface = recipe.surface()?;
     let (vertices, triangles) = (surface.vertices(), surface.triangles());
     let header = header(recipe, &*surface);
-    let numbers = 3 + if recipe.normals { 3 } else { 0 } + surface.uv(0).map_or(0, |_| 2);
+    let numbers = if recipe.normals { 6 } else { 3 };
     let bytes = header.len() as u64
         + vertices * (numbers * NUMBER_BYTES) as u64
         + triangles * FACE_BYTES as u64;
     let vertex = |v: u64, record: &mut [u8]| {
         let normal = recipe.normals.then(|| rounded(surface.normal(v)).to_array());
         let vectors = [Some(rounded(surface.position(v)).to_array()), normal];
-        let uv = surface.uv(v).map(|uv| uv.to_array());
-        let numbers = vectors.into_iter().flatten().flatten().chain(uv.into_iter().flatten());
+        let numbers = vectors.into_iter().flatten().flatten();
         for (to, number) in record.as_chunks_mut::<NUMBER_BYTES>().0.iter_mut().zip(numbers) {
             *to = number.to_le_bytes();
         }
@@ -106,7 +105,7 @@ fn header(recipe: &Recipe, surface: &dyn Surface) -> String {
         "comment wavecrest generate {model} --triangles {asked} --seed {seed} \
          --displacement {displacement}{flag}\n"
     );
-    let groups = [normals.then_some("nx ny nz"), surface.uv(0).map(|_| "u v"), None];
+    let groups = [normals.then_some("nx ny nz"), None, None];
     ply_header(&comment, [surface.vertices(), surface.triangles()], "float", groups, "int")
 }
 

@@ -1,7 +1,7 @@
 //! The recipe of a generated mesh.
 
 use super::surface::Surface;
-use super::{knot, room, sphere, terrain};
+use super::{knot, sphere, terrain};
 use wavecrest_base::error::{Error, ErrorKind, Result};
 
 /// Largest number of triangles: the range of signed indices in a PLY file. Every model has fewer
@@ -18,8 +18,6 @@ wavecrest_base::choices! {
         Terrain = "terrain",
         /// A finely displaced tube along a torus knot: closed, without self-intersections.
         Knot = "knot",
-        /// A furnished room, 6 by 5 metres and y up: triangles of all sizes, with a palette's coordinates.
-        Room = "room",
     }
 }
 
@@ -31,7 +29,6 @@ impl Model {
             Self::Sphere => [0.25, 0.9],
             Self::Terrain => [0.4, 10.0],
             Self::Knot => [0.3, knot::MOST_DISPLACEMENT],
-            Self::Room => [0.035, room::MOST_FOLDS],
         }
     }
 
@@ -40,28 +37,27 @@ impl Model {
         self.displacements()[0]
     }
 
-    /// For models of a single grid, the number of triangles with one step (`n` steps have `n * n`
-    /// times as many), and the smallest number of steps that still resembles the model.
-    pub(super) fn grid(self) -> Option<(u64, u64)> {
+    /// The number of triangles with one step of the grid (`n` steps have `n * n` times as many),
+    /// and the smallest number of steps that still resembles the model.
+    pub(super) fn grid(self) -> (u64, u64) {
         match self {
-            Self::Sphere => Some((12, 2)),
-            Self::Terrain => Some((2, 4)),
-            Self::Knot => Some((2 * knot::RINGS_PER_SIDE, 8)),
-            Self::Room => None,
+            Self::Sphere => (12, 2),
+            Self::Terrain => (2, 4),
+            Self::Knot => (2 * knot::RINGS_PER_SIDE, 8),
         }
     }
 
     /// The smallest number of triangles that may be requested.
     pub fn fewest_triangles(self) -> u64 {
-        self.grid().map_or_else(room::fewest_triangles, |(one, steps)| one * steps.pow(2))
+        let (one, steps) = self.grid();
+        one * steps.pow(2)
     }
 
     /// The largest number of triangles that may be requested: that of the finest grid within
-    /// [`MOST_TRIANGLES`]. A room has at most half of that, as its leaves have three vertices for
-    /// each triangle.
+    /// [`MOST_TRIANGLES`].
     pub fn most_triangles(self) -> u64 {
-        self.grid()
-            .map_or(MOST_TRIANGLES / 2, |(one, _)| one * (MOST_TRIANGLES / one).isqrt().pow(2))
+        let (one, _) = self.grid();
+        one * (MOST_TRIANGLES / one).isqrt().pow(2)
     }
 }
 
@@ -77,14 +73,14 @@ impl Model {
 pub struct Recipe {
     /// The subject of the mesh.
     pub model: Model,
-    /// The requested number of triangles. A grid has the next number that it allows, and a room
-    /// exactly this number: see [`Recipe::counts`].
+    /// The requested number of triangles. The mesh has the next number that its grid allows: see
+    /// [`Recipe::counts`].
     pub triangles: u64,
     /// Seed of the noise.
     pub seed: u64,
     /// The displacement of the surface: for the sphere and the knot as a share of their radius (for
     /// the knot, of the tube), in both directions; for the terrain the height of the highest
-    /// crests; for the room the depth of folds in cloth, in metres.
+    /// crests.
     pub displacement: f64,
     /// Whether vertices have normals.
     pub normals: bool,
@@ -110,18 +106,18 @@ impl Recipe {
     pub(super) fn surface(&self) -> Result<Box<dyn Surface>> {
         self.check_triangles()?;
         self.check_displacement()?;
-        let Self { triangles, seed, displacement, .. } = *self;
-        let steps = self.model.grid().map_or(0, |(one, _)| self.steps(one));
+        let Self { seed, displacement, .. } = *self;
+        let steps = self.steps();
         Ok(match self.model {
             Model::Sphere => Box::new(sphere::SphereGrid::new(steps, displacement, seed)),
             Model::Terrain => Box::new(terrain::Terrain::new(steps, displacement, seed)),
-            Model::Knot => Box::new(knot::knot(steps, displacement, seed)),
-            Model::Room => Box::new(room::Room::new(triangles, displacement, seed)),
+            Model::Knot => Box::new(knot::Knot::new(steps, displacement, seed)),
         })
     }
 
-    /// The steps of the coarsest grid with at least the requested triangles, if one step has `one`.
-    fn steps(&self, one: u64) -> u64 {
+    /// The steps of the coarsest grid with at least the requested triangles.
+    fn steps(&self) -> u64 {
+        let (one, _) = self.model.grid();
         let squares = self.triangles.div_ceil(one);
         let root = squares.isqrt();
         if root * root < squares { root + 1 } else { root }

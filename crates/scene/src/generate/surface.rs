@@ -1,6 +1,6 @@
 //! Surfaces: pure functions of the number of a vertex or of a triangle.
 
-use glam::{DVec3, Vec2, Vec3};
+use glam::{DVec3, Vec3};
 
 /// Rounds to the nearest 32-bit values: the only place where positions and normals lose precision.
 pub(super) fn rounded(v: DVec3) -> Vec3 {
@@ -18,10 +18,6 @@ pub(super) trait Surface: Sync {
     /// The unit normal at vertex `v`, on the front, from central differences over one step of the
     /// grid: the normal of the surface at the resolution of the mesh.
     fn normal(&self, v: u64) -> DVec3;
-    /// The texture coordinates at vertex `v`, in [0, 1]; either all vertices have them or none.
-    fn uv(&self, _v: u64) -> Option<Vec2> {
-        None
-    }
     /// The vertices of triangle `t`, counter-clockwise as seen from the front.
     fn triangle(&self, t: u64) -> [u32; 3];
 }
