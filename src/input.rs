@@ -21,7 +21,7 @@ use wavecrest_scene::load::lighting::{Background, Lighting, Rig};
 use wavecrest_scene::load::{
     FileFormat, LONGEST_SIDE, LoadOptions, LoadedScene, MOST_ANTIALIAS, load, survey,
 };
-use wavecrest_scene::memory::{self, Estimate, ImageBytes};
+use wavecrest_scene::memory::{self, Estimate, film_bytes};
 use wavecrest_scene::systems::{self, Extracted};
 
 /// Options of every command that reads a scene, a glTF file or a mesh.
@@ -249,14 +249,9 @@ impl SceneOptions {
 
     /// Estimates the memory of a render of this `extent` before anything large is read.
     pub(crate) fn estimate(&self, scene: &Path, extent: &Made<'_>) -> Result<Estimate> {
-        let survey = survey(scene, &self.load_options())?;
-        let asked = memory::Asked {
-            images: &*extent.images,
-            preset: self.bvh,
-            batch: extent.batch,
-            flat: self.flatten,
-        };
-        Ok(memory::estimate(&survey, asked))
+        let survey = survey(scene, &self.load_options(), self.flatten)?;
+        let (images, preset) = ((extent.images)(survey.size), self.bvh.unwrap_or(Preset::Fast));
+        Ok(memory::estimate(&survey, images, preset, extent.batch))
     }
 
     /// The options for loading a scene.
@@ -300,8 +295,9 @@ impl SceneOptions {
 
 /// What a command makes of a scene, as far as it affects memory.
 pub(crate) struct Made<'a> {
-    /// The memory of the images, if the whole image has this width and height in pixels.
-    pub(crate) images: Box<dyn Fn([u32; 2]) -> ImageBytes + 'a>,
+    /// Bytes of the images, and additional ones while they are written, if the whole image has this width and height
+    /// in pixels.
+    pub(crate) images: Box<dyn Fn([u32; 2]) -> [u64; 2] + 'a>,
     /// Paths in a batch.
     pub(crate) batch: usize,
 }
@@ -309,14 +305,16 @@ pub(crate) struct Made<'a> {
 impl Made<'_> {
     /// Estimates the memory of a render of an extracted scene.
     pub(crate) fn estimate(&self, extracted: &Extracted, preset: Preset) -> Estimate {
-        let ImageBytes { film, writing } = (self.images)(extracted.scene().camera.size());
+        let [film, writing] = (self.images)(extracted.scene().camera.size());
         let usual = memory::estimate_extracted(extracted, preset, self.batch);
         Estimate { film, writing, ..usual }
     }
 
     /// The whole image, not written, in batches of this number of paths.
     pub(crate) fn whole(batch: u32) -> Self {
-        Self { images: Box::new(ImageBytes::whole), batch: batch as usize }
+        let images =
+            |[width, height]: [u32; 2]| [film_bytes(u64::from(width) * u64::from(height)), 0];
+        Self { images: Box::new(images), batch: batch as usize }
     }
 }
 

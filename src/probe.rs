@@ -12,7 +12,7 @@ use wavecrest_core::probe::{
 };
 use wavecrest_core::recursive::End;
 use wavecrest_core::wavefront::DEFAULT_BATCH;
-use wavecrest_scene::memory::{ImageBytes, film_bytes};
+use wavecrest_scene::memory::film_bytes;
 
 /// Follow the rays of a pixel: what they hit, its material, and what each light adds.
 ///
@@ -54,7 +54,7 @@ pub(crate) fn run(args: &ProbeArgs) -> Result<bool> {
     args.search.check(args.scene_options.precision)?;
     args.scene_options.threads.run(|| {
         // A single pixel, not written.
-        let images = |_| ImageBytes { film: film_bytes(1), writing: 0 };
+        let images = |_| [film_bytes(1), 0];
         let extent = &Made { images: Box::new(images), batch: DEFAULT_BATCH };
         let loaded = args.scene_options.load(&args.scene, extent, &[])?;
         let extracted = args.scene_options.extract(loaded, extent)?;

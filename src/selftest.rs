@@ -78,7 +78,7 @@ impl CaseRow {
 pub(crate) fn run(args: &SelftestArgs) -> Result<bool> {
     let cases = named(&args.cases)?;
     // A file that cannot be read is an error now, not after the cases.
-    args.scene.as_deref().map(|file| survey(file, &LoadOptions::default())).transpose()?;
+    args.scene.as_deref().map(|file| survey(file, &LoadOptions::default(), false)).transpose()?;
     let count = if args.full { Count::Full } else { Count::Quick };
     let mut precisions = args.precision.clone();
     if precisions.is_empty() {

@@ -72,7 +72,8 @@ impl Mesh {
         let what = "a path, a mesh, or vertices with faces";
         let path: PathBuf = input::needed("vertices", what, path, |path| path.extract())?;
         let load = || {
-            check_room(api::mesh::survey(&path)?.bytes(), "the mesh")?;
+            let found = api::mesh::survey(&path)?;
+            check_room(found.geometry() + found.attributes, "the mesh")?;
             api::mesh::load(&path)
         };
         let pool = work::pool()?;

@@ -16,7 +16,7 @@ use rayon::ThreadPool;
 use wavecrest_api::components::{CameraPath, View};
 use wavecrest_api::glam::DMat4;
 use wavecrest_api::hecs::{Entity, World};
-use wavecrest_api::memory::{Asked, Estimate, ImageBytes, estimate, estimate_extracted};
+use wavecrest_api::memory::{Estimate, check_room, estimate, estimate_extracted, film_bytes};
 use wavecrest_api::{self as api, Watch};
 use wavecrest_report::accuracy::pilot::measured;
 use wavecrest_report::accuracy::pilot::target::reach;
@@ -64,7 +64,9 @@ impl Job {
     /// What the input contains; `None` for text, and for a file that can be read only once.
     fn survey(&self) -> api::Result<Option<api::Survey>> {
         match &self.source {
-            Source::File(path) if path.is_file() => api::survey(path, &self.options).map(Some),
+            Source::File(path) if path.is_file() => {
+                api::survey(path, &self.options, false).map(Some)
+            }
             Source::Mesh(mesh) => api::survey_mesh(mesh, &self.options).map(Some),
             _ => Ok(None),
         }
@@ -73,9 +75,9 @@ impl Job {
     fn run(self, cancel: &Cancel) -> api::Result<Done> {
         let rendering = api::RenderOptions { seed: self.seed, ..Default::default() };
         if let Some(survey) = self.survey()? {
-            let batch = rendering.batch;
-            let asked = Asked { images: &ImageBytes::whole, preset: None, batch, flat: false };
-            estimate(&survey, asked).check_room()?;
+            let images = [film_bytes(survey.size.map(u64::from).iter().product()), 0];
+            let estimated = estimate(&survey, images, api::Preset::Fast, rendering.batch);
+            check_room(estimated.total(), "the render")?;
         }
         let mut loaded = match self.source {
             Source::File(path) => api::load(&path, &self.options),
@@ -92,7 +94,8 @@ impl Job {
         let (preset, file) = (extracted.preset(), extracted.file().to_owned());
         let estimated = estimate_extracted(&extracted, preset, rendering.batch);
         // These parts are in memory by now.
-        Estimate { geometry: 0, program: 0, loading: 0, ..estimated }.check_room()?;
+        let more = Estimate { geometry: 0, program: 0, loading: 0, ..estimated };
+        check_room(more.total(), "the render")?;
         let mut scene = extracted.build(preset);
         loaded.warnings.extend(api::warnings(&scene, &file));
         let (rendered, warning) =

@@ -18,7 +18,7 @@ use wavecrest_image::write::{Format, Transfer, bytes_to_write, check_writable, w
 use wavecrest_image::{aov, look};
 use wavecrest_scene::components::Encoding;
 use wavecrest_scene::load::framing::Sheet;
-use wavecrest_scene::memory::{ImageBytes, film_bytes};
+use wavecrest_scene::memory::film_bytes;
 
 /// The outputs of a render, checked to be writable.
 pub(super) struct Outputs<'a> {
@@ -224,25 +224,24 @@ fn is_exr(path: &Path) -> bool {
 }
 
 impl RenderArgs {
-    /// Upper bound on the memory of the images, if the whole image has this width and height in pixels.
-    pub(super) fn images(&self, size: [u32; 2]) -> ImageBytes {
+    /// Upper bounds on the bytes of the images, and on additional ones while they are written, if the whole image has
+    /// this width and height in pixels.
+    pub(super) fn images(&self, size: [u32; 2]) -> [u64; 2] {
         let input = &self.scene_options.input;
         let image = self.crop.map_or(size, |crop| [crop.width, crop.height]);
         let pixels = area(image);
         let film = film_bytes(pixels) + self.beside(pixels, area(size));
         let animated = self.output().ok().and_then(|path| animated(path));
         match (&input.sheet, input.turntable, animated) {
-            _ if self.frame.is_some() => ImageBytes { film, writing: self.writing(pixels) },
+            _ if self.frame.is_some() => [film, self.writing(pixels)],
             (Some(Sheet(sides)), ..) => {
                 let sheet = area(Rows::new(sides.len()).size(image));
                 // The last image is kept while the next is traced.
                 let film = film + film_bytes(pixels) + film_bytes(sheet);
-                ImageBytes { film, writing: self.writing(sheet) }
+                [film, self.writing(sheet)]
             }
-            (None, Some(_), Some(format)) => {
-                ImageBytes { film, writing: animation::bytes_to_write(format, pixels) }
-            }
-            _ => ImageBytes { film, writing: self.writing(pixels) },
+            (None, Some(_), Some(format)) => [film, animation::bytes_to_write(format, pixels)],
+            _ => [film, self.writing(pixels)],
         }
     }
 

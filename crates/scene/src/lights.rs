@@ -108,11 +108,6 @@ fn grid(sampling: Sampling, samples: u32) -> [u32; 2] {
     }
 }
 
-/// Number of points on a light with this value of `samples`.
-pub(crate) fn points(sampling: Sampling, samples: u32) -> u64 {
-    grid(sampling, samples).map(u64::from).iter().product()
-}
-
 /// Upper bound on the distance between any two points of the scene.
 fn diameter(geometry: &Geometry) -> f64 {
     bounds::of(geometry).map_or(0.0, |[low, high]| (high - low).length())

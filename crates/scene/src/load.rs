@@ -29,6 +29,7 @@ pub use super::options::{LoadOptions, framing, lighting};
 use super::query;
 use super::scene_file;
 use super::survey::{self, Survey};
+pub(crate) use meshes::error_of;
 
 /// Largest length of a scene file in bytes, 256 MiB. While it is read, JSON takes up to 25 times
 /// its length in memory; a larger mesh belongs in a separate file.
@@ -212,15 +213,16 @@ fn refuse_camera(file: &Path, options: &LoadOptions) -> Result<()> {
     Err(error.in_file(file).value(camera).remedy("leave out --camera"))
 }
 
-/// Surveys the scene at `path` without reading a mesh or a texture into memory.
+/// Surveys the scene at `path` without reading a mesh or a texture into memory; meshes count once for each of their
+/// instances if it will be `flat`.
 ///
 /// # Errors
 /// As [`load`], as far as the scene file itself and the headers of meshes go.
-pub fn survey(path: &Path, options: &LoadOptions) -> Result<Survey> {
+pub fn survey(path: &Path, options: &LoadOptions, flat: bool) -> Result<Survey> {
     Stage::Read.begin();
     match FileFormat::of(path)? {
         FileFormat::Scene => {}
-        FileFormat::Gltf => return gltf::survey(path, options),
+        FileFormat::Gltf => return gltf::survey(path, options, flat),
         FileFormat::Mesh => return survey::standalone(mesh::survey(path)?, options),
     }
     let notes = options.notes(path);
@@ -228,7 +230,7 @@ pub fn survey(path: &Path, options: &LoadOptions) -> Result<Survey> {
     let value = json::parse(&text, path)?;
     let world = scene_file::read(&Cursor::new(&value, Place::Top, &notes), options)?;
     drop(value);
-    survey::of(&world, text.len() as u64, &notes)
+    survey::of(&world, &text, flat, &notes)
 }
 
 /// Surveys a mesh in memory, which [`load_mesh`] would take.
@@ -236,7 +238,7 @@ pub fn survey(path: &Path, options: &LoadOptions) -> Result<Survey> {
 /// # Errors
 /// If the size of the image is not allowed.
 pub fn survey_mesh(mesh: &MeshData, options: &LoadOptions) -> Result<Survey> {
-    survey::standalone(survey::of_mesh(mesh), options)
+    survey::standalone(mesh::Survey::of(mesh), options)
 }
 
 fn read_text(path: &Path) -> Result<String> {

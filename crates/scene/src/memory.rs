@@ -1,11 +1,10 @@
 //! Peak memory of a render, estimated and measured.
 
-use crate::components::{Channels, Filter};
-use crate::survey::{Survey, SurveyedMesh};
-use crate::systems::{Extracted, textures};
+use crate::survey::Survey;
+use crate::systems::Extracted;
 use wavecrest_base::error::Result;
 use wavecrest_core::accel::build::{CHUNK, Preset};
-use wavecrest_core::prepared::{PreparedScene, largest};
+use wavecrest_core::prepared::largest;
 use wavecrest_core::render::batch_size;
 use wavecrest_core::wavefront::batch::Batch;
 
@@ -37,40 +36,32 @@ pub struct Estimate {
 }
 
 /// Peak bytes of building a tree over this number of primitives, including the tree, on the threads
-/// of the current pool: measured on meshes of 1, 4 and 18 million triangles. A tree in several
-/// chunks takes hardly more than itself and each thread's memory for a chunk; one chunk is held with
-/// boxes, hierarchy and costs at once.
+/// of the current pool: measured on meshes of 1, 4 and 18 million triangles. It takes hardly more than
+/// the tree and each thread's memory for a chunk, with boxes, hierarchy and costs at once.
 pub fn build_bytes(preset: Preset, primitives: u64) -> u64 {
-    let chunk = CHUNK as u64;
-    match preset {
-        Preset::Brute => 0,
-        _ if primitives > chunk => {
-            let threads = (rayon::current_num_threads() as u64).min(primitives.div_ceil(chunk));
-            primitives * (tree_bytes(preset) + ORDER_BYTES) + threads * chunk * 600
-        }
-        _ => primitives * 320,
+    if preset == Preset::Brute {
+        return 0;
     }
+    let in_chunks = primitives.min(rayon::current_num_threads() as u64 * CHUNK as u64);
+    primitives * TREE_BYTES + in_chunks * 600
 }
 
-/// Bytes for each primitive of the order along a curve.
-const ORDER_BYTES: u64 = 6;
-
-/// Bytes of nodes and leaves for each primitive, measured: a leaf holds three to five triangles.
-const fn tree_bytes(preset: Preset) -> u64 {
-    match preset {
-        Preset::Brute => 0,
-        Preset::OnDemand | Preset::Fastest => 45,
-        Preset::VeryFast => 50,
-        _ => 47,
-    }
-}
-
-/// Measured bytes of the program with an empty scene, and of each of its threads.
-fn program_bytes() -> u64 {
-    (13 << 20) + (rayon::current_num_threads() as u64) * (64 << 10)
-}
+/// Bytes of nodes, leaves and order for each primitive: measured up to 56, and more where leaves are not full.
+const TREE_BYTES: u64 = 70;
 
 impl Estimate {
+    /// The program and a tree, on the threads of the current pool: measured, with an empty scene.
+    fn of(preset: Preset, primitives: u64, [film, writing]: [u64; 2]) -> Self {
+        Self {
+            tree: if preset == Preset::Brute { 0 } else { primitives * TREE_BYTES },
+            build: build_bytes(preset, primitives),
+            film,
+            writing,
+            program: (13 << 20) + (rayon::current_num_threads() as u64) * (64 << 10),
+            ..Self::default()
+        }
+    }
+
     /// The peak over reading, building and tracing.
     pub fn total(&self) -> u64 {
         let lasting = self.geometry + self.appearance + self.program;
@@ -84,15 +75,6 @@ impl Estimate {
     pub fn with_tree(self, bytes: u64) -> Self {
         Self { tree: bytes, build: self.build.saturating_sub(self.tree) + bytes, ..self }
     }
-
-    /// [`check_room`] for the total.
-    ///
-    /// # Errors
-    /// If the system refuses that much.
-    pub fn check_room(&self) -> Result<()> {
-        check_room(self.total(), "the render")
-            .map_err(|error| error.remedy("free some, or use a smaller scene or image"))
-    }
 }
 
 /// Allocates as much memory, and frees it again. Programs with Rust's own allocator, which aborts if
@@ -101,7 +83,8 @@ impl Estimate {
 /// # Errors
 /// If the system refuses that much.
 pub fn check_room(bytes: u64, what: &str) -> Result<()> {
-    let room = reserve::<u8>(usize::try_from(bytes).unwrap_or(usize::MAX), what)?;
+    let room = reserve::<u8>(usize::try_from(bytes).unwrap_or(usize::MAX), what)
+        .map_err(|error| error.remedy("free some, or use a smaller mesh, scene or image"))?;
     // The compiler may leave out an allocation that nothing reads.
     std::hint::black_box(room.as_ptr());
     Ok(())
@@ -112,149 +95,41 @@ pub const fn film_bytes(pixels: u64) -> u64 {
     pixels.saturating_mul(size_of::<[f32; 3]>() as u64)
 }
 
-/// Bytes of a render's images.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct ImageBytes {
-    /// Those in memory from tracing to writing: [`Estimate::film`].
-    pub film: u64,
-    /// [`Estimate::writing`].
-    pub writing: u64,
-}
-
-impl ImageBytes {
-    /// A whole image of this width and height in pixels, not written.
-    pub fn whole([width, height]: [u32; 2]) -> Self {
-        Self { film: film_bytes(u64::from(width) * u64::from(height)), writing: 0 }
+/// Estimates the peak of a render before any mesh or texture is read, on the threads of the current
+/// pool: with `preset`, batches of `batch` paths, and images of so many bytes, first those in memory
+/// from tracing to writing, then additional ones while they are written.
+pub fn estimate(survey: &Survey, images: [u64; 2], preset: Preset, batch: usize) -> Estimate {
+    let threads = rayon::current_num_threads();
+    let (geometry, attributes) = (survey.meshes.geometry(), survey.meshes.attributes);
+    let found = Estimate::of(preset, survey.meshes.triangles, images);
+    Estimate {
+        geometry,
+        appearance: attributes + survey.images.iter().map(|[held, _]| held).sum::<u64>(),
+        batches: Batch::bytes_at_most(batch, survey.bounces) * threads as u64,
+        decoding: largest(survey.images.iter().map(|[_, more]| *more), threads),
+        loading: found.program + survey.reading + READ_TIMES * (geometry + attributes),
+        ..found
     }
 }
+
+/// A mesh is there as read and as the scene takes it over, and its normals are found in lists of about as much.
+const READ_TIMES: u64 = 4;
 
 /// Estimates the peak of a render of a whole extracted scene, with `preset` and batches of `batch`
 /// paths, on the threads of the current pool.
 pub fn estimate_extracted(extracted: &Extracted, preset: Preset, batch: usize) -> Estimate {
-    let scene: &PreparedScene = extracted.scene();
-    let geometry = extracted.geometry();
-    let primitives = geometry.held() as u64;
-    let threads = rayon::current_num_threads() as u64;
+    let (scene, geometry) = (extracted.scene(), extracted.geometry());
+    let images = [film_bytes(extracted.pixels()), 0];
+    let threads = rayon::current_num_threads();
     Estimate {
         geometry: geometry.bytes(),
         appearance: scene.appearance.expected_bytes(),
-        tree: primitives * tree_bytes(preset),
-        build: build_bytes(preset, primitives),
-        film: film_bytes(extracted.pixels()),
-        batches: Batch::estimated_bytes(scene, batch_size(scene, batch)) * threads,
-        decoding: scene.appearance.decoding_bytes(threads as usize),
-        writing: 0,
-        program: program_bytes(),
+        batches: Batch::estimated_bytes(scene, batch_size(scene, batch)) * threads as u64,
+        decoding: scene.appearance.decoding_bytes(threads),
         loading: peak().unwrap_or(0),
+        ..Estimate::of(preset, geometry.held() as u64, images)
     }
 }
-
-/// The options of a render that affect its memory.
-#[derive(Clone, Copy)]
-pub struct Asked<'a> {
-    /// The images, from the width and height of the whole image in pixels.
-    pub images: &'a dyn Fn([u32; 2]) -> ImageBytes,
-    /// The preset; the default choice if `None`.
-    pub preset: Option<Preset>,
-    /// Paths in a batch.
-    pub batch: usize,
-    /// Whether meshes are copied for each of their instances.
-    pub flat: bool,
-}
-
-/// Memory of the meshes of a survey.
-#[derive(Default)]
-struct MeshBytes {
-    primitives: u64,
-    /// Bytes of positions and triangles, and of attributes, in the scene.
-    geometry: u64,
-    appearance: u64,
-    /// Bytes of all meshes as read.
-    read: u64,
-    /// Bytes of the last copy. All meshes are read before the scene takes over the first one's
-    /// arrays and extends them for the others; the last of these still exists when its copy is
-    /// complete.
-    copy: u64,
-}
-
-impl MeshBytes {
-    fn of(meshes: &[SurveyedMesh], flat: bool) -> Self {
-        let mut all = Self::default();
-        let mut own = 0;
-        for SurveyedMesh { holds, normals, uvs, tangents, uses } in meshes {
-            let is_shared = *uses > 1 && !flat;
-            let copies = if is_shared { 1 } else { *uses };
-            let add =
-                |to: &mut u64, each: u64| *to = to.saturating_add(each.saturating_mul(copies));
-            add(&mut all.primitives, holds.triangles);
-            add(&mut all.geometry, holds.prototype_bytes());
-            add(&mut all.appearance, if *normals { holds.normal_bytes() } else { 0 });
-            add(&mut all.appearance, if *uvs { holds.uv_bytes() } else { 0 });
-            add(&mut all.appearance, holds.color_bytes());
-            let by_vertex = holds.positions.saturating_mul(size_of::<[f32; 4]>() as u64);
-            add(&mut all.appearance, if *tangents { by_vertex } else { 0 });
-            all.read = all.read.saturating_add(holds.bytes());
-            if !is_shared {
-                own += 1;
-                all.copy = all.copy.max(holds.prototype_bytes());
-            }
-        }
-        all.copy = if own > 1 { all.copy } else { 0 };
-        all
-    }
-}
-
-/// Estimates the peak of a render before any mesh or texture is read, on the threads of the current
-/// pool.
-pub fn estimate(survey: &Survey, asked: Asked<'_>) -> Estimate {
-    let meshes = MeshBytes::of(&survey.meshes, asked.flat);
-    let mut found = Estimate {
-        program: program_bytes(),
-        geometry: meshes.geometry.saturating_add(survey.instances * INSTANCE_BYTES),
-        appearance: meshes.appearance,
-        ..Estimate::default()
-    };
-    let texture = |(source, &filter)| textures::survey(source, filter, Channels::Color);
-    let mask = |source| textures::survey(source, Filter::Bilinear, Channels::Alpha);
-    let images: Vec<[u64; 2]> = (survey.textures.iter().map(texture))
-        .chain(survey.masks.iter().map(mask))
-        .chain(survey.embedded.iter().copied())
-        .collect();
-    let held = images.iter().map(|[held, _]| *held);
-    found.appearance = held.fold(found.appearance, u64::saturating_add);
-    found.decoding = largest(images.iter().map(|[_, more]| *more), rayon::current_num_threads());
-    let text = survey.text.saturating_mul(JSON_BYTES_PER_BYTE);
-    let lasting = found.geometry.saturating_add(found.appearance).saturating_add(found.program);
-    let read = [survey.raw, meshes.read.min(READER_BYTES), found.program, text, survey.creasing];
-    let read = read.into_iter().fold(meshes.read, u64::saturating_add);
-    found.loading = read.max(lasting.saturating_add(meshes.copy));
-    let primitives = survey.others.saturating_add(meshes.primitives);
-    let preset = asked.preset.unwrap_or_else(|| Preset::choose(primitives, expected_rays(survey)));
-    found.tree = primitives.saturating_mul(tree_bytes(preset));
-    found.build = build_bytes(preset, primitives);
-    ImageBytes { film: found.film, writing: found.writing } = (asked.images)(survey.size);
-    let batch = Batch::bytes_at_most(asked.batch, survey.bounces);
-    found.batches = batch * rayon::current_num_threads() as u64;
-    found
-}
-
-/// About the largest number of rays of a render, like
-/// [`PreparedScene::expected_rays`](wavecrest_core::prepared::PreparedScene::expected_rays).
-fn expected_rays(survey: &Survey) -> u64 {
-    let pixels: u64 = survey.size.map(u64::from).iter().product();
-    let paths = pixels.saturating_mul(survey.rays_per_pixel);
-    let hits = paths.saturating_mul(1 + u64::from(survey.bounces.min(1)));
-    hits.saturating_mul(1 + survey.light_samples)
-}
-
-/// Bytes of an instance: its transforms, its shape and material, its node of the tree over instances.
-const INSTANCE_BYTES: u64 = 600;
-
-/// Bytes that readers hold beyond their results: blocks of text and their parsed values.
-const READER_BYTES: u64 = 24 << 20;
-
-/// Upper bound on the bytes that JSON takes for each byte of its text while it is read.
-const JSON_BYTES_PER_BYTE: u64 = 25;
 
 /// The peak memory of this process so far in bytes, if the system reports it.
 pub fn peak() -> Option<u64> {

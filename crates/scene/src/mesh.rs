@@ -36,6 +36,7 @@ pub use data::{Attribute, LoadedMesh, MAX_COUNT, MeshData, NO_VALUE, NamedMateri
 pub use join::first_of_each;
 pub use origin::{origin, relative};
 pub use survey::Survey;
+pub(crate) use survey::{TRIPLE, UV};
 pub use validate::validate;
 pub(crate) use validate::{bad_position, is_good_position};
 

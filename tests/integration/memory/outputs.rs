@@ -44,29 +44,35 @@ fn what_is_written_is_in_the_estimate() {
     }
 }
 
+/// Of an image that is cut, only what is left has memory.
 #[test]
 fn outputs_that_need_more_than_is_allowed_are_refused() {
     let folder = folder();
     put(folder.path(), "t.obj", TRIANGLE);
     let sides = ["front"; 36].join(",");
     let told = |options: &[&str]| {
-        let size = ["t.obj", "--width", "800", "--height", "600", "--lights", "none"];
-        let limits = ["--threads", "1", "-q", "--memory-limit", "60MB"];
-        let found = run(folder.path(), &[&size[..], &limits, options].concat());
+        let limits =
+            ["t.obj", "--lights", "none", "--threads", "1", "-q", "--memory-limit", "60MB"];
+        let found = run(folder.path(), &[&limits[..], options].concat());
         (found.status.code(), text(&found.stderr).to_owned())
     };
-    assert_eq!(told(&["plain.ppm"]), (Some(0), String::new()));
-    for options in [
-        &["o.exr", "--aov", "all"][..],
-        &["o.ppm", "--also", "o.exr", "--aov", "all"],
-        &["o.png", "--sheet", &sides],
-        &["o#.exr", "--turntable", "2", "--aov", "all"],
+    let (small, large) = (["--size", "800x600"], ["--size", "16000x16000"]);
+    assert_eq!(told(&[&small[..], &["plain.ppm"]].concat()), (Some(0), String::new()));
+    let cut = ["cut.ppm", "--crop", "7000,7000,64,64"];
+    assert_eq!(told(&[&large[..], &cut].concat()), (Some(0), String::new()));
+    for (size, options, words) in [
+        (large, &["o.ppm"][..], "the image 2.9 GiB"),
+        (large, &["o.ppm", "--crop", "7000,7000,6000,6000"], "the image 412.0 MiB"),
+        (small, &["o.exr", "--aov", "all"], "writing files "),
+        (small, &["o.ppm", "--also", "o.exr", "--aov", "all"], "writing files "),
+        (small, &["o.png", "--sheet", &sides], "writing files "),
+        (small, &["o#.exr", "--turntable", "2", "--aov", "all"], "writing files "),
     ] {
-        let (code, text) = told(options);
+        let (code, text) = told(&[&size[..], options].concat());
         assert_eq!(code, Some(2), "{options:?}: {text}");
         assert!(text.contains("the render needs more memory than 57.2 MiB"), "{text}");
-        assert!(text.contains("writing files "), "{text}");
+        assert!(text.contains(words), "{text}");
     }
     let left = std::fs::read_dir(folder.path()).expect("a folder");
-    assert_eq!(left.count(), 2, "nothing is written");
+    assert_eq!(left.count(), 3, "nothing is written");
 }

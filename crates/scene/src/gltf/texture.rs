@@ -178,11 +178,6 @@ impl Textures {
         sampler.and_then(|i| self.samplers.get(i)).copied().unwrap_or_default()
     }
 
-    /// The filter of a material's texture.
-    pub(super) fn filter(&self, info: &TextureInfo) -> Filter {
-        self.sampler(info).filter
-    }
-
     /// The source of an image, read now if it is in an unread buffer.
     pub(super) fn source(&self, image: usize, storage: &Storage) -> Option<TextureSource> {
         Some(match self.images.get(image)? {

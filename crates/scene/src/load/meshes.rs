@@ -16,8 +16,7 @@ use crate::mesh::{LoadedMesh, MeshData, NamedMaterials, announce};
 use crate::query::{Pictured, images_of, json_path, ordered, place_of, shapes};
 use crate::shapes::INSTANCE;
 use crate::surface::SURFACE;
-use crate::survey::error_of;
-use wavecrest_base::error::{ErrorKind, Result};
+use wavecrest_base::error::{Error, ErrorKind, Result};
 
 /// Completes the `world`, with mesh files read by `read_mesh`.
 pub(super) fn complete(
@@ -192,4 +191,10 @@ fn complete_instance(
     }
     let gone = world.despawn(instance);
     debug_assert!(gone.is_ok(), "the instance exists");
+}
+
+/// The error of a mesh reader, prefixed with the place in the scene that names the mesh.
+pub(crate) fn error_of(cause: Error, place: &str, notes: &Notes<'_>) -> Error {
+    let message = format!("cannot read the mesh: {cause}");
+    notes.error(cause.kind(), &format!("{place}.file"), message).because(cause)
 }

@@ -78,18 +78,6 @@ pub(crate) fn normals(positions: &[Vec3], triangles: &[[u32; 3]], degrees: f64) 
     Attribute { values, indices }
 }
 
-/// Largest number of bytes that [`normals`] holds beyond mesh and result if few edges are creases.
-pub(crate) fn bytes(positions: u64, triangles: u64) -> u64 {
-    // With shared vertices, a range for each thread in the worst case: offsets, faces and corners.
-    let ranges = (4 * positions).saturating_add((12 + FACE_BYTES) * triangles);
-    // Else keys, first vertices and triangles.
-    let joining = if positions <= triangles { 0 } else { 12 * positions + 12 * triangles };
-    ranges.saturating_add(joining)
-}
-
-/// Bytes of a [`CreaseFace`].
-const FACE_BYTES: u64 = size_of::<CreaseFace>() as u64;
-
 /// The triangles with vertices at the same position merged; `None` if vertices are shared already:
 /// then there are about half as many as triangles.
 fn joined(positions: &[Vec3], triangles: &[[u32; 3]]) -> Option<Vec<[u32; 3]>> {

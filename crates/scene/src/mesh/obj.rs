@@ -22,7 +22,7 @@ use super::faults::{check_count, no_triangles};
 use super::origin::origin;
 use super::place::ReadAt;
 use super::polygon;
-use super::survey::Survey;
+use super::survey::{Survey, TRIPLE, UV};
 use super::validate::{mend, scale_byte_colors};
 use contents::{Contents, LineCounts, NO_VALUES, WHITE};
 use lines::{Keyword, cut, each_block, statements, words};
@@ -156,42 +156,33 @@ pub(super) fn survey(file: &dyn ReadAt, length: u64) -> Result<Survey> {
     each_block(file, length, BLOCK, |text| {
         let parts = cut(text, BUFFER);
         let found = parts.par_iter().map(|part| surveyed(part));
-        all = all.plus(found.reduce(Survey::default, Survey::plus));
+        all = all.plus(found.reduce(Survey::default, |one, other| one.plus(other, 1)), 1);
         Ok(())
     })?;
-    Ok(Survey { colors: if all.colors > 0 { all.positions } else { 0 }, ..all })
+    Ok(all.indexed())
 }
 
-/// The contents of a part, but a colour if its first position has one: that shows whether all have.
+/// The contents of a part.
 fn surveyed(text: &[u8]) -> Survey {
     let mut found = Survey::default();
     for statement in statements(text) {
         match statement.keyword {
             Keyword::Position => {
                 found.positions += 1;
-                if found.positions == 1 {
-                    found.colors = u64::from(words(statement.rest).count() >= WITH_COLOR);
-                }
+                let has_color = words(statement.rest).count() >= WITH_COLOR;
+                found.attributes += if has_color { TRIPLE } else { 0 };
             }
-            Keyword::Uv => found.uvs += 1,
-            Keyword::Normal => found.normals += 1,
-            Keyword::Face => face(statement.rest, &mut found),
-            Keyword::Library => found.materials = true,
-            Keyword::Material | Keyword::Other => {}
+            Keyword::Uv => found.attributes += UV,
+            Keyword::Normal => found.attributes += TRIPLE,
+            // A face has two corners more than triangles.
+            Keyword::Face => {
+                let corners = words(statement.rest).take_while(|word| !word.starts_with(b"#"));
+                found.triangles += (corners.count() as u64).saturating_sub(2);
+            }
+            Keyword::Library | Keyword::Material | Keyword::Other => {}
         }
     }
     found
-}
-
-/// A face has two corners more than triangles. Its first corner shows which indices its corners
-/// have.
-fn face(rest: &[u8], found: &mut Survey) {
-    let mut corners = words(rest).take_while(|word| !word.starts_with(b"#"));
-    let Some(first) = corners.next() else { return };
-    let mut numbers = first.split(|&byte| byte == b'/').skip(1);
-    found.uv_indices |= numbers.next().is_some_and(|number| !number.is_empty());
-    found.normal_indices |= numbers.next().is_some_and(|number| !number.is_empty());
-    found.triangles += (corners.count() as u64).saturating_sub(1);
 }
 
 #[cfg(test)]

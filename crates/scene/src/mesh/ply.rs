@@ -24,7 +24,7 @@ mod vertices;
 use super::BUFFER;
 use super::data::Read;
 use super::place::{ReadAt, Section, each_line};
-use super::survey::Survey;
+use super::survey::{self, Survey};
 use header::{BodyEncoding, Element, Header};
 use layout::{COLOR, ListLayout, NORMAL, UV, VertexLayout};
 use numbers::Numbers;
@@ -40,14 +40,15 @@ pub(super) fn read(file: &dyn ReadAt, length: u64, buffer: usize) -> Result<Read
 pub(super) fn survey(file: &dyn ReadAt, length: u64) -> Result<Survey> {
     let header = header::read(file, length)?;
     let left = length.saturating_sub(header.bytes);
-    let mut survey = Survey::default();
+    let mut found = Survey::default();
     if let Some(vertex) = header.elements.iter().find(|element| element.name == "vertex") {
         let layout = VertexLayout::of(vertex)?;
         // A row has at least one byte for each property.
         let most = left / (vertex.properties.len() as u64).max(1);
-        survey.positions = vertex.count.min(most);
-        let of = |first| if layout.has(first) { survey.positions } else { 0 };
-        (survey.normals, survey.uvs, survey.colors) = (of(NORMAL), of(UV), of(COLOR));
+        found.positions = vertex.count.min(most);
+        let kinds = [(NORMAL, survey::TRIPLE), (UV, survey::UV), (COLOR, survey::TRIPLE)];
+        let there = kinds.into_iter().filter(|(first, _)| layout.has(*first));
+        found.attributes = found.positions * there.map(|(_, bytes)| bytes).sum::<u64>();
     }
     let corners = match header.encoding {
         BodyEncoding::Ascii => in_text(&header, Section::new(file, header.bytes, length))?,
@@ -56,8 +57,8 @@ pub(super) fn survey(file: &dyn ReadAt, length: u64) -> Result<Survey> {
             in_rows(element, left.saturating_sub(others.map(fixed_bytes).sum()))
         }),
     };
-    survey.triangles = corners;
-    Ok(survey)
+    found.triangles = corners;
+    Ok(found)
 }
 
 /// Whether the rows of an element are lists of corners.

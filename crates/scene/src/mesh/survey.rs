@@ -4,73 +4,58 @@
 //! block, and its words are counted but not parsed: they are checked when the mesh is loaded. An
 //! invalid file has a survey too, limited by its size.
 
-/// The contents of a mesh.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize)]
+use super::data::MeshData;
+
+/// The contents of a mesh, or as many as there may be.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Survey {
     /// Positions.
     pub positions: u64,
     /// Triangles, after triangulation.
     pub triangles: u64,
-    /// Normals.
-    pub normals: u64,
-    /// Texture coordinates.
-    pub uvs: u64,
-    /// Colours of vertices.
-    pub colors: u64,
-    /// Whether it may have materials of its own.
-    pub materials: bool,
-    /// Whether corners have separate indices of normals.
-    pub normal_indices: bool,
-    /// Whether corners have separate indices of texture coordinates.
-    pub uv_indices: bool,
+    /// Bytes of normals, colours, texture coordinates, and indices of corners.
+    pub attributes: u64,
 }
 
 /// Bytes of a position, a normal, a colour or the three indices of a triangle.
-const TRIPLE: u64 = size_of::<[u32; 3]>() as u64;
+pub(crate) const TRIPLE: u64 = size_of::<[u32; 3]>() as u64;
 
-/// Bytes of a pair of texture coordinates.
-const PAIR: u64 = size_of::<[f32; 2]>() as u64;
+/// Bytes of a pair of texture coordinates, and of the tangent there that a normal map needs.
+pub(crate) const UV: u64 = size_of::<[f32; 2 + 4]>() as u64;
+
+/// The most that is counted of anything: a file may claim more than there are numbers for.
+const MOST: u64 = 1 << 44;
 
 impl Survey {
-    /// The contents of two parts.
-    pub(super) fn plus(self, other: Self) -> Self {
+    /// The contents of a mesh in memory.
+    pub(crate) fn of(mesh: &MeshData) -> Self {
+        let normals = mesh.normals.as_ref().map_or(0, |normals| normals.values.len() as u64);
+        let uvs = mesh.uvs.as_ref().map_or(0, |uvs| uvs.values.len() as u64);
+        let colors = mesh.colors.as_ref().map_or(0, |colors| colors.len() as u64);
+        let attributes = TRIPLE * (normals + colors) + UV * uvs;
+        let [positions, triangles] =
+            [mesh.positions.len(), mesh.triangles.len()].map(|count| count as u64);
+        Self { positions, triangles, attributes }.indexed()
+    }
+
+    /// The same if corners have indices of their own for two attributes.
+    pub(super) fn indexed(self) -> Self {
+        let indices = if self.attributes > 0 { 2 * TRIPLE * self.triangles } else { 0 };
+        Self { attributes: self.attributes + indices, ..self }
+    }
+
+    /// The contents together with so many times the `other` ones.
+    pub(crate) fn plus(self, other: Self, times: u64) -> Self {
+        let sum = |own: u64, each: u64| own.saturating_add(each.saturating_mul(times)).min(MOST);
         Self {
-            positions: self.positions + other.positions,
-            triangles: self.triangles + other.triangles,
-            normals: self.normals + other.normals,
-            uvs: self.uvs + other.uvs,
-            colors: self.colors + other.colors,
-            materials: self.materials || other.materials,
-            normal_indices: self.normal_indices || other.normal_indices,
-            uv_indices: self.uv_indices || other.uv_indices,
+            positions: sum(self.positions, other.positions),
+            triangles: sum(self.triangles, other.triangles),
+            attributes: sum(self.attributes, other.attributes),
         }
     }
 
     /// Bytes of positions and triangles.
-    pub fn prototype_bytes(&self) -> u64 {
-        TRIPLE.saturating_mul(self.positions.saturating_add(self.triangles))
-    }
-
-    /// Bytes of normals.
-    pub fn normal_bytes(&self) -> u64 {
-        let indices = if self.normal_indices { self.triangles } else { 0 };
-        TRIPLE.saturating_mul(self.normals.saturating_add(indices))
-    }
-
-    /// Bytes of texture coordinates.
-    pub fn uv_bytes(&self) -> u64 {
-        let indices = if self.uv_indices { self.triangles } else { 0 };
-        PAIR.saturating_mul(self.uvs).saturating_add(TRIPLE.saturating_mul(indices))
-    }
-
-    /// Bytes of colours.
-    pub fn color_bytes(&self) -> u64 {
-        TRIPLE.saturating_mul(self.colors)
-    }
-
-    /// Bytes of the whole mesh after reading.
-    pub fn bytes(&self) -> u64 {
-        let others = [self.normal_bytes(), self.uv_bytes(), self.color_bytes()];
-        others.into_iter().fold(self.prototype_bytes(), u64::saturating_add)
+    pub fn geometry(&self) -> u64 {
+        TRIPLE * (self.positions + self.triangles)
     }
 }

@@ -163,12 +163,6 @@ pub(crate) fn allow_for_surfaces(world: &mut World) {
     }
 }
 
-/// Largest number of shadow rays for each hit of the added lights.
-pub(crate) fn samples() -> u64 {
-    let lamps = STUDIO.iter().map(|lamp| u64::from(lamp.samples));
-    lamps.sum::<u64>() + u64::from(SKY_SAMPLES)
-}
-
 /// A lamp at the camera.
 fn headlight(view: &View) -> PointLight {
     PointLight { intensity: 1.0, position: view.location, color: HEADLIGHT, falloff: Falloff::None }

@@ -192,7 +192,7 @@ impl Head {
     }
 
     /// Bytes of these channels, with a pyramid if the filter needs one; and the additional bytes while
-    /// they are made: as decoded, and one more copy.
+    /// they are made: by the decoder before they are there, as decoded, or as one more copy.
     fn bytes(self, filter: Filter, channels: Channels) -> [u64; 2] {
         let Self { size: (width, height), decoded, scratch, embedded, .. } = self;
         let is_bytes = self.is_bytes || channels == Channels::Alpha;
@@ -201,7 +201,8 @@ impl Head {
         let texels = u64::from(width).saturating_mul(u64::from(height));
         let finest = texels.saturating_mul(texel as u64);
         let all = [finest, coarser, embedded].into_iter().fold(0, u64::saturating_add);
-        [all, decoded.saturating_add(finest.max(scratch))]
+        let before = decoded.saturating_add(scratch).saturating_sub(finest);
+        [all, before.max(decoded).max(finest)]
     }
 }
 
