@@ -100,5 +100,5 @@ fn what_is_estimated_before_reading_is_near_what_is_held() {
     // Without optimisation the program itself is larger.
     let (estimated, peak) = (number("/estimated_total"), number("/rendered/peak"));
     assert!(peak < estimated + 20e6, "{peak} bytes where {estimated} were estimated");
-    assert!(peak > estimated * 0.6, "{peak} bytes where {estimated} were estimated");
+    assert!(peak > estimated * 0.4, "{peak} bytes where {estimated} were estimated");
 }

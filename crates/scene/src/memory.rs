@@ -43,11 +43,11 @@ pub fn build_bytes(preset: Preset, primitives: u64) -> u64 {
         return 0;
     }
     let in_chunks = primitives.min(rayon::current_num_threads() as u64 * CHUNK as u64);
-    primitives * TREE_BYTES + in_chunks * 600
+    primitives * TREE_BYTES + in_chunks * 750
 }
 
-/// Bytes of nodes, leaves and order for each primitive: measured up to 56, and more where leaves are not full.
-const TREE_BYTES: u64 = 70;
+/// Bytes of nodes, leaves and order for each primitive: measured up to 80 for grids, and more where triangles overlap.
+const TREE_BYTES: u64 = 80;
 
 impl Estimate {
     /// The program and a tree, on the threads of the current pool: measured, with an empty scene.
@@ -113,7 +113,7 @@ pub fn estimate(survey: &Survey, images: [u64; 2], preset: Preset, batch: usize)
 }
 
 /// A mesh is there as read and as the scene takes it over, and its normals are found in lists of about as much.
-const READ_TIMES: u64 = 4;
+const READ_TIMES: u64 = 3;
 
 /// Estimates the peak of a render of a whole extracted scene, with `preset` and batches of `batch`
 /// paths, on the threads of the current pool.

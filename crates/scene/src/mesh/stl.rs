@@ -20,7 +20,7 @@ use rayon::prelude::*;
 use super::data::{MeshData, Read};
 use super::faults::{self, no_triangles, read_failure, syntax};
 use super::place::{self, ReadAt, Section, part};
-use super::survey::Survey;
+use super::survey::{Survey, TRIPLE};
 use super::validate::{bad_position, is_good_position};
 use super::{BUFFER, join, number};
 use wavecrest_base::error::{Error, ErrorKind, Result};
@@ -65,7 +65,9 @@ pub(super) fn survey(file: &dyn ReadAt, length: u64) -> Result<Survey> {
         StlForm::Binary(head) => count(&head).min(room(length)),
         StlForm::Text => text_count(file, length)?,
     };
-    Ok(Survey { positions: 3 * triangles, triangles, ..Survey::default() })
+    let positions = 3 * triangles;
+    // Equal corners are found in a list of their own.
+    Ok(Survey { positions, triangles, attributes: TRIPLE * positions })
 }
 
 /// The form of a file.
