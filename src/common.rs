@@ -301,10 +301,3 @@ pub(crate) fn above_zero(text: &str) -> std::result::Result<f64, String> {
     let fits = |value: &f64| value.is_finite() && *value > 0.0;
     number(text, fits, "use a number above 0, such as 0.01")
 }
-
-/// Parses the arguments of a command, for tests.
-#[cfg(test)]
-pub(crate) fn parse<A: clap::Args>(line: &str) -> std::result::Result<A, clap::Error> {
-    let command = A::augment_args(clap::Command::new("command").no_binary_name(true));
-    A::from_arg_matches(&command.try_get_matches_from(line.split_whitespace())?)
-}

@@ -310,6 +310,3 @@ impl Limits {
             .collect()
     }
 }
-
-#[cfg(test)]
-mod tests;

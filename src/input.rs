@@ -317,29 +317,3 @@ impl Made<'_> {
         Self { images: Box::new(images), batch: batch as usize }
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn rays_per_pixel_are_rounded_up_to_squares() {
-        let squares = [(1, 1), (2, 2), (4, 2), (5, 3), (16, 4), (17, 5), (MOST_SAMPLES, 64)];
-        for (samples, side) in squares {
-            assert_eq!(antialias(samples), side, "{samples}");
-        }
-    }
-
-    #[test]
-    fn a_wrong_side_says_what_to_write() {
-        assert_eq!(side("300"), Ok(300));
-        assert_eq!(side("300x200").unwrap_err(), "use --size 300x200");
-        assert_eq!((size("300x200"), size("3X2")), (Ok([300, 200]), Ok([3, 2])));
-        for wrong in ["300", "0x5", "5x0", "axb", "x"] {
-            assert!(size(wrong).is_err(), "{wrong}");
-        }
-        for wrong in ["0", "-5", "1.5", "65537", "300x0", "wide"] {
-            assert_eq!(side(wrong).unwrap_err(), "use a whole number from 1 to 65536", "{wrong}");
-        }
-    }
-}

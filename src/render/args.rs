@@ -231,16 +231,3 @@ fn frames(text: &str) -> std::result::Result<Frames, String> {
         format!("write the first frame and the last, such as 1..24; at most {MAX_FRAMES}")
     })
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn wrong_ranges_of_frames_are_refused() {
-        assert_eq!(frames("3..12"), Ok(3..=12));
-        for wrong in ["12..3", "1", "a..b", "0..1000000", "-1..3"] {
-            assert!(frames(wrong).is_err(), "{wrong}");
-        }
-    }
-}

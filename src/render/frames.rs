@@ -159,24 +159,3 @@ fn numbered(path: &Path, frame: u32) -> PathBuf {
     let extension = path.extension().map(|e| format!(".{}", e.to_string_lossy()));
     path.with_file_name(format!("{stem}.{number}{}", extension.unwrap_or_default()))
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn shards_take_every_frame_once() {
-        let mut all: Vec<u32> =
-            (1..=4).flat_map(|i| share(3..=12, Some(Shard::new(i, 4).unwrap()))).collect();
-        all.sort_unstable();
-        assert_eq!(all, (3..=12).collect::<Vec<_>>());
-    }
-
-    #[test]
-    fn a_frame_has_its_number_in_its_name() {
-        let name = |path: &str| numbered(Path::new(path), 37).display().to_string();
-        assert_eq!(name("a/b.png"), "a/b.0037.png");
-        assert_eq!(name("a#/b##x###.png"), "a#/b##x037.png");
-        assert_eq!(name("#.exr"), "37.exr");
-    }
-}

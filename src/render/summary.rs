@@ -124,25 +124,3 @@ pub(super) fn write_statistics(
     });
     write_text(file, &to_json(&statistics)?)
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn it_is_one_line_with_units() {
-        let mut summary = Totals::since(Instant::now());
-        let counters = Counters {
-            primary_rays: 900_000,
-            secondary_rays: 21_000,
-            shadow_rays: 600,
-            ..Counters::default()
-        };
-        summary.add(&counters, 0.181);
-        let line = summary.line("out.png", "1280x720", 0.5101, Some(107_300_000));
-        assert_eq!(line, "out.png  1280x720  921 600 rays  0.18 s traced, 0.51 s in all  108 MB");
-        summary.add(&counters, 200.0);
-        let line = summary.line("a.part", "shard 1/3", 0.0123, None);
-        assert_eq!(line, "a.part  shard 1/3  1 843 200 rays  200 s traced, 0.012 s in all");
-    }
-}

@@ -3,17 +3,11 @@
 // Arguments, formats, what changes the image and what does not, names of files.
 mod rendering;
 
-// Several outputs, layers, and what files say of how they were made.
+// Layers of parts, merged parts, and statistics.
 mod outputs;
 
 // Shards, merge, checkpoints, signals.
 mod farm;
-
-// The JSON of `--stats`.
-mod statistics;
-
-// The other commands: check, explain, diff, generate; help.
-mod commands;
 
 // The commands that measure: bench, trace.
 mod measuring;
@@ -34,13 +28,15 @@ mod showing;
 mod shells;
 
 use std::path::Path;
+use std::process::{Command, Stdio};
 
+use exr::prelude::{AttributeValue, FlatSamples, read_first_flat_layer_from_file};
 use serde_json::{Value, json};
 use tempfile::TempDir;
 
 use crate::support::{
-    bytes, edited, folder, matte, pinhole, point_light, put, put_image, repository, run, scene,
-    text, wall, wavecrest, with,
+    bytes, edited, film, folder, json_in, matte, pinhole, point_light, put, put_image, repository,
+    run, scene, text, wall, wavecrest, with,
 };
 use crate::transcript;
 
@@ -71,9 +67,20 @@ fn run_silently(folder: &Path, arguments: &[&str]) {
     assert_eq!(output.status.code(), Some(0), "{arguments:?}");
 }
 
-/// Whether a line is the one that a render or a merge prints after success.
+/// Whether a line is the one that a render or a merge prints after success: names, counts in groups of three digits, times.
 fn is_summary(line: &str) -> bool {
-    line.contains("  ") && (line.contains(" s in all") || line.ends_with(" parts"))
+    let is_number = |text: &str| text.parse::<f64>().is_ok();
+    let is_count = |text: &str| {
+        let mut groups = text.split(' ');
+        groups.next().is_some_and(|first| is_number(first) && first.len() <= 3)
+            && groups.all(|group| is_number(group) && group.len() == 3)
+    };
+    line.split("  ").skip(1).any(|part| match part.split_once(" s traced, ") {
+        Some((traced, all)) => {
+            is_number(traced) && all.strip_suffix(" s in all").is_some_and(is_number)
+        }
+        None => part.ends_with(" parts"),
+    }) && line.split("  ").filter_map(|part| part.strip_suffix(" rays")).all(is_count)
 }
 
 /// The names of the files in a folder.
@@ -86,7 +93,7 @@ fn files(folder: &Path) -> Vec<String> {
 }
 
 /// A command as in a shell: variables of its environment, `wavecrest`, and arguments.
-fn command(folder: &Path, line: &str) -> assert_cmd::Command {
+fn command(folder: &Path, line: &str) -> Command {
     let mut command = wavecrest(folder);
     // That of an array job in which the tests may run.
     command.env_remove("SLURM_ARRAY_TASK_ID");
@@ -117,12 +124,70 @@ fn with_files() -> TempDir {
     );
     put(at, "s.mtl", "newmtl a\nmap_Kd s-image1.png\nnewmtl b\nmap_Kd s-image0.png\n");
     put(at, "t.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    // Pictures of one pixel of four that differs in green, from the first.
+    for (name, green) in
+        [("black.exr", 0.0), ("green.pfm", 0.5), ("more.pfm", 0.6), ("none.pfm", f32::NAN)]
+    {
+        put_image(at, name, [2, 2], |x, y| [0.0, if (x, y) == (0, 1) { green } else { 0.0 }, 0.0]);
+    }
     folder
 }
 
+/// What an EXR has beside its pixels: attributes of ours and of the program, and names of channels.
+fn said_by_exr(file: &Path) -> String {
+    let image = read_first_flat_layer_from_file(file).expect("an EXR");
+    let own = &image.layer_data.attributes;
+    let software = own.software_name.iter().map(|text| format!("software: {text}\n"));
+    let text = |value: &AttributeValue| match value {
+        AttributeValue::Text(text) => text.to_string(),
+        other => panic!("{other:?}"),
+    };
+    let others = own.other.iter().map(|(name, value)| format!("{name}: {}\n", text(value)));
+    let mut all: Vec<String> = software.chain(others).collect();
+    all.sort();
+    let channels =
+        image.layer_data.channel_data.list.iter().map(|channel| match channel.sample_data {
+            FlatSamples::U32(_) => format!("{} (integers)", channel.name),
+            _ => channel.name.to_string(),
+        });
+    all.concat() + &channels.collect::<Vec<_>>().join(", ")
+}
+
+/// What a file says of the program and its work: what an EXR has beside its pixels, the texts of a PNG, comments of others.
+fn said_by(file: &Path) -> String {
+    if file.extension().is_some_and(|extension| extension == "exr") {
+        return said_by_exr(file);
+    }
+    let content = std::fs::read(file).expect("a file");
+    let mut said = Vec::new();
+    for at in 4..content.len() {
+        let (before, rest) = content.split_at(at);
+        if let (Some(length), Some(text)) = (before.last_chunk(), rest.strip_prefix(b"tEXt")) {
+            let text = &text[..u32::from_be_bytes(*length) as usize];
+            said.push(String::from_utf8_lossy(text).replace('\0', ": "));
+        }
+    }
+    let lines = String::from_utf8_lossy(&content);
+    said.extend(lines.lines().filter(|line| line.starts_with("# ")).map(str::to_owned));
+    if said.is_empty() { "nothing".to_owned() } else { said.join("\n") }
+}
+
+/// A file of a folder, or, after `:`, what a JSON file has at a place.
+fn content(folder: &Path, of: &str) -> Vec<u8> {
+    match of.split_once(':') {
+        Some((file, place)) => {
+            let json = json_in(folder, file);
+            json.pointer(place).unwrap_or_else(|| panic!("{of}")).to_string().into_bytes()
+        }
+        None => bytes(folder, of),
+    }
+}
+
 /// Runs the commands of a transcript one after the other in one folder. An answer is what is printed, what becomes of the
-/// files there, and the exit code. Two commands are its own: `write NAME` makes a file of the lines that follow, and
-/// `scene NAME OF` one of the scene OF, edited as the lines say.
+/// files there, and the exit code; after `>` is the file that gets what is printed. Other lines are not for the command:
+/// `write NAME` makes a file of the lines that follow, `scene NAME OF` one of the scene OF, edited as the lines say, and
+/// `copy NAME OF` a copy; `same` tells whether files, or places in JSON files, are equal, `show` what is there, `pixel`
+/// what an image has at a place, and `said` what files say of how they were made.
 fn session(topic: &str) {
     let folder = with_files();
     let at = folder.path();
@@ -130,27 +195,53 @@ fn session(topic: &str) {
         let is_file = |name: &String| at.join(name).is_file();
         files(at).into_iter().filter(is_file).map(|name| (name.clone(), bytes(at, &name))).collect()
     };
+    let run = |line: &str, target: Option<&str>| {
+        let before = contents();
+        let output = command(at, line).output().expect("the command runs");
+        let after = contents();
+        let changed = after.iter().filter(|file| !before.contains(file));
+        let changed: String = changed.map(|(name, _)| format!("wrote {name}\n")).collect();
+        let gone = before.iter().filter(|file| !after.iter().any(|(n, _)| *n == file.0));
+        let gone: String = gone.map(|(name, _)| format!("removed {name}\n")).collect();
+        let code = output.status.code().expect("it ends by itself");
+        let mut printed = text(&output.stdout);
+        if let Some(target) = target {
+            put(at, target, std::mem::take(&mut printed));
+        }
+        let said = [printed, text(&output.stderr)].concat();
+        let said = said.split_inclusive('\n').filter(|line| !is_summary(line.trim_end()));
+        format!("{}{changed}{gone}exit {code}", said.collect::<String>())
+    };
     transcript::check(topic, |line, more| {
         match line.split(' ').collect::<Vec<_>>()[..] {
             ["write", name] => put(at, name, more),
             ["folder", name] => std::fs::create_dir(at.join(name)).expect("a folder"),
-            ["scene", name, of] => {
-                let of = serde_json::from_slice(&bytes(at, of)).expect("a scene");
-                put(at, name, edited(of, more).to_string());
+            ["scene", name, of] => put(at, name, edited(json_in(at, of), more).to_string()),
+            ["copy", name, of] => put(at, name, bytes(at, of)),
+            ["said", name] => return said_by(&at.join(name)),
+            ["same", first, ref others @ ..] => {
+                let first = content(at, first);
+                let differs = others.iter().find(|other| content(at, other) != first);
+                return differs.map_or("yes".to_owned(), |other| format!("no, {other} differs"));
+            }
+            ["show", ref all @ ..] => {
+                let shown = all.iter().map(|of| text(&content(at, of)).to_owned());
+                return shown.collect::<Vec<_>>().join("\n");
+            }
+            ["pixel", name, ref places @ ..] => {
+                let film = film(at, name);
+                let shown = places.iter().map(|place| {
+                    let (x, y) = place.split_once(',').expect("a place");
+                    let [x, y] = [x, y].map(|number| number.parse().expect("a number"));
+                    format!("{:?}", film.pixel(x, y).expect("a pixel"))
+                });
+                return shown.collect::<Vec<_>>().join("\n");
             }
             _ => {
-                let before = contents();
-                let output = command(at, line).output().expect("the command runs");
-                let after = contents();
-                let changed = after.iter().filter(|file| !before.contains(file));
-                let changed: String = changed.map(|(name, _)| format!("wrote {name}\n")).collect();
-                let gone = before.iter().filter(|file| !after.iter().any(|(n, _)| *n == file.0));
-                let gone: String = gone.map(|(name, _)| format!("removed {name}\n")).collect();
-                let code = output.status.code().expect("it ends by itself");
-                let said = [text(&output.stdout), text(&output.stderr)].concat();
-                let said = said.split_inclusive('\n').filter(|line| !is_summary(line.trim_end()));
-                let said: String = said.collect();
-                return format!("{said}{changed}{gone}exit {code}");
+                return match line.split_once(" > ") {
+                    Some((line, target)) => run(line, Some(target)),
+                    None => run(line, None),
+                };
             }
         }
         String::new()
@@ -170,6 +261,16 @@ fn no_command_writes_over_a_file_that_it_reads() {
 #[test]
 fn parts_that_cannot_be_are_refused_in_words() {
     session("parts");
+}
+
+#[test]
+fn renders_write_what_was_asked_for_and_say_how() {
+    session("renders");
+}
+
+#[test]
+fn commands_answer_alike_everywhere() {
+    session("answers");
 }
 
 #[test]
@@ -196,5 +297,23 @@ fn exit_codes_are_documented_alike_everywhere() {
         assert!(help.contains(&format!("{code} {meaning}")), "{help}");
         assert!(manual.contains(&format!(".TP {code} {meaning}")), "{manual}");
         assert!(guide.contains(&format!("\n| {code} | {meaning} |\n")), "{code} {meaning}");
+    }
+}
+
+/// A reader that has seen enough, such as `head`, closes the pipe: that is no error and no panic.
+#[test]
+fn standard_output_may_be_closed_early() {
+    let folder = with_ball();
+    for arguments in [["explain", "ball.json"], ["check", "ball.json"]] {
+        let mut child = Command::new(env!("CARGO_BIN_EXE_wavecrest"))
+            .args(arguments)
+            .current_dir(folder.path())
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .expect("the command starts");
+        drop(child.stdout.take());
+        let output = child.wait_with_output().expect("it ends");
+        assert_eq!((output.status.code(), text(&output.stderr)), (Some(0), ""), "{arguments:?}");
     }
 }

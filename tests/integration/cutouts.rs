@@ -83,20 +83,6 @@ fn camera_rays_shadow_rays_and_mirror_rays_pass_where_nothing_is() {
     }
 }
 
-#[test]
-fn a_mirror_shows_what_is_behind_a_hole() {
-    let folder = with_image();
-    let mirror = with(matte(0.0, [0.0; 3]), "kr", 1.0);
-    let back = with(wall(2.0, 4.0, matte(1.0, [0.5; 3])), "texture", "half.png");
-    let lamp = point_light(50.0, [0.0, 0.0, 3.0], [1.0; 3]);
-    let shapes = [wall(3.0, 0.0, mirror), cut_out(back)];
-    let camera = with(pinhole([16, 16], 30.0, 3.0), "location", json!([0, 0, 3]));
-    let film = image_of(&prepared(&scene(1, &camera, &[lamp], &shapes), folder.path()), 0);
-    // The square's left is to the right as the camera sees it in the mirror from before it, and x stays.
-    let green = (0..16).filter(|&x| pixel(&film, x, 8)[1] > 0.0).count();
-    assert!((4..=12).contains(&green), "{green}");
-}
-
 /// A sphere, and masks by their brightness.
 #[test]
 fn a_sphere_is_cut_out_by_a_mask() {
@@ -114,57 +100,6 @@ fn a_sphere_is_cut_out_by_a_mask() {
     // u runs around +y from behind: to the left half of the image the left half of the ball belongs, and on the
     // right its inside is seen.
     assert!(pixel(&film, 5, 8)[1] > pixel(&film, 10, 8)[1]);
-}
-
-#[test]
-fn instances_are_cut_out_as_copies_are() {
-    let folder = with_image();
-    let [_, mesh, _] = walls();
-    let mut json = scene(
-        0,
-        &pinhole([24, 24], 50.0, 9.0),
-        &[point_light(60.0, [1.0, 2.0, 6.0], [1.0; 3])],
-        &[with(cut_out(mesh), "name", "m"), wall(9.0, -3.0, matte(0.7, [1.0, 0.0, 0.0]))],
-    );
-    json["scene"]["instances"] = json!([
-        {"shape": "m", "transform": {"translate": [0.5, 0, -1]}},
-        {"shape": "m", "transform": {"rotate": [0, 0, 90], "translate": [0, 1, -2]}}
-    ]);
-    let [held, copied] = [false, true].map(|flat| prepared_as(&json, folder.path(), flat));
-    assert_eq!(held.accel.geometry().instances.len(), 3);
-    let [held, copied] = [&held, &copied].map(|scene| image_of(scene, 0));
-    let differing = held
-        .pixels()
-        .iter()
-        .zip(copied.pixels())
-        .filter(|(a, b)| a.iter().zip(b.iter()).any(|(a, b)| (a - b).abs() > 1e-3));
-    assert!(differing.count() <= 2);
-}
-
-/// A threshold of 0, and an image without alpha, cut nothing out and cost nothing.
-#[test]
-fn a_cut_out_that_removes_nothing_is_ignored() {
-    let folder = with_image();
-    let opaque = image::RgbImage::from_pixel(2, 2, image::Rgb([0, 255, 0]));
-    opaque.save(folder.path().join("opaque.png")).expect("an image");
-    let of = |texture: &str, cutoff: Value| {
-        let mut shape = with(wall(2.0, 0.0, matte(1.0, [0.5; 3])), "texture", texture);
-        if !cutoff.is_null() {
-            shape["alphacutoff"] = cutoff;
-        }
-        let lamp = point_light(50.0, [0.0, 0.0, 6.0], [1.0; 3]);
-        prepared(&scene(0, &pinhole([8, 8], 30.0, 6.0), &[lamp], &[shape]), folder.path())
-    };
-    let usual = of("half.png", Value::Null);
-    let zero = of("half.png", json!(0));
-    assert!(!zero.plan.has(Effect::CutOuts));
-    for tracer in TRACERS {
-        let [a, b] = [&usual, &zero]
-            .map(|scene| render_on(1, scene, &RenderOptions { tracer, ..options() }));
-        assert!(a.film.same_bits(&b.film) && a.counters == b.counters);
-    }
-    let opaque = of("opaque.png", json!(0.5));
-    assert!(opaque.accel.geometry().cutouts.is_empty());
 }
 
 /// Of glTF files, by their mode; of MTL files, by `map_d`. A converted file has the same image.

@@ -126,17 +126,6 @@ fn clay_leaves_the_ground_as_the_background() {
 }
 
 #[test]
-fn check_counts_the_file_without_the_added_ground() {
-    let folder = folder();
-    put(folder.path(), "a.obj", "v 0 0 0\nv 3 0 0\nv 0 2 0\nf 1 2 3\n");
-    let output = run(folder.path(), &["check", "a.obj"]);
-    let text = text(&output.stdout);
-    for line in ["shapes            1", "triangles         1", "size              3 x 2 x 0"] {
-        assert!(text.lines().any(|found| found.trim() == line), "{line}\n{text}");
-    }
-}
-
-#[test]
 fn other_lights_leave_the_ground_out_and_none_shows_colours_as_they_are() {
     let [headlight, none] =
         [Rig::Headlight, Rig::None].map(|rig| lit(Lighting { rig, ..Lighting::USUAL }));

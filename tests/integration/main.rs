@@ -39,9 +39,6 @@ mod framing;
 // Images agree with formulas worked out here in double precision.
 mod closed_form;
 
-// A scene pays for the effects that it shows and for no others; the counters prove it.
-mod effects;
-
 // Error against time: slopes, sweeps that go on, errors that come out as asked for.
 mod accuracy;
 
@@ -56,10 +53,10 @@ mod expected;
 // Far from the origin: positions are moved in double precision, and rounded once.
 mod far;
 
-// What is out of view is neither read nor stored nor simulated, and changes no bit.
+// Leaving out what is out of view changes no bit of any scene.
 mod view;
 
-// What cannot be seen costs nothing, by counts, bytes and opened files.
+// What cannot be seen costs nothing, by counts, bytes and opened files; what can, what it should.
 mod unseen;
 
 // The modules import each other in one direction alone, and files stay short.

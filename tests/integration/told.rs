@@ -4,7 +4,7 @@
 use std::path::Path;
 
 use serde_json::{Value, json};
-use wavecrest_base::error::{ErrorKind, Result};
+use wavecrest_base::error::Result;
 use wavecrest_core::film::Film;
 use wavecrest_scene::load::{LoadOptions, load_str};
 use wavecrest_scene::systems;
@@ -109,25 +109,6 @@ fn scenes_that_are_wrong_or_not_meant_so_are_told_with_place_and_remedy() {
 }
 
 #[test]
-fn a_binary_ply_file_that_was_cut_off_is_refused_wherever_it_ends() {
-    let folder = folder();
-    let mut whole = ply("3", "1", "").replace("ascii", "binary_little_endian").into_bytes();
-    for value in [0.0_f32, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0] {
-        whole.extend(value.to_le_bytes());
-    }
-    whole.push(3);
-    [0_i32, 1, 2].iter().for_each(|i| whole.extend(i.to_le_bytes()));
-    let read = |bytes: &[u8]| {
-        put(folder.path(), "m.ply", bytes);
-        render(&mesh_scene("m.ply"), folder.path()).map_err(|error| error.kind())
-    };
-    assert!(read(&whole).is_ok_and(|(_, dropped, _)| dropped == 0), "the whole file is right");
-    for length in 0..whole.len() {
-        assert_eq!(read(&whole[..length]).err(), Some(ErrorKind::Syntax), "{length} bytes");
-    }
-}
-
-#[test]
 fn smooth_shading_without_normals_is_flat() {
     let folder = folder();
     put(folder.path(), "m.obj", "v -1 -1 0\nv 1 -1 0\nv 0 1 0\nf 1 2 3\n");
@@ -171,18 +152,4 @@ fn hc18_triangles_without_area_are_counted_and_leave_no_trace_in_the_image() {
     assert!(mixed.same_bits(&clean));
     let covered = clean.pixels().iter().filter(|p| p.map(f64::from) != BACKGROUND).count();
     assert!(covered > 50, "the mesh is to be seen: {covered}");
-}
-
-#[test]
-fn hc18_collinear_corners_are_without_area_in_scenes_too() {
-    let points = json!([[-1, -1, 0], [-1, 1, 0], [1, 1, 0], [0, 0, 0]]);
-    let mesh = |indices: Value| {
-        let mesh = with_shape(json!({"type": "trimesh", "points": points, "indices": indices,
-                                     "material": matte(0.8, [1.0; 3])}));
-        render(&mesh, folder().path()).expect("a scene")
-    };
-    let (clean, none, _) = mesh(json!([[0, 1, 2]]));
-    let (mixed, dropped, _) = mesh(json!([[0, 3, 2], [0, 1, 2], [2, 0, 3]]));
-    assert_eq!((none, dropped), (0, 2));
-    assert!(mixed.same_bits(&clean));
 }

@@ -142,27 +142,6 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_new_film_is_black() {
-        let film = Film::new(3, 2).unwrap();
-        assert_eq!((film.width(), film.height()), (3, 2));
-        assert_eq!(film.pixels(), &[[0.0; 3]; 6]);
-    }
-
-    #[test]
-    fn the_top_row_comes_first() {
-        let mut film = Film::new(3, 2).unwrap();
-        *film.pixel_mut(2, 1).unwrap() = [1.0, 2.0, 3.0];
-        assert_eq!(film.pixels()[5], [1.0, 2.0, 3.0]);
-        assert_eq!(film.pixel(2, 1), Some([1.0, 2.0, 3.0]));
-        assert_eq!(film.pixel(3, 0), None);
-        assert_eq!(film.pixel(0, 2), None);
-        assert_eq!(film.rows().nth(1).unwrap()[2], [1.0, 2.0, 3.0]);
-        film.rows_mut().next().unwrap()[0] = [4.0; 3];
-        film.pixels_mut()[1] = [5.0; 3];
-        assert_eq!(film.into_pixels()[..2], [[4.0; 3], [5.0; 3]]);
-    }
-
-    #[test]
     fn a_size_out_of_bounds_is_refused_before_allocating() {
         let text = |w, h| Film::new(w, h).unwrap_err().to_string();
         assert_eq!(

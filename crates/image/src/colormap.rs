@@ -148,17 +148,6 @@ mod tests {
     }
 
     #[test]
-    fn magma_rises_in_lightness_at_an_even_pace() {
-        let colors: Vec<[f64; 3]> = (0..=32).map(|i| lab(magma(i as f32 / 32.0))).collect();
-        let steps: Vec<f64> = colors.windows(2).map(|pair| pair[1][0] - pair[0][0]).collect();
-        let pace = steps.iter().sum::<f64>() / 32.0;
-        // The lightness scale stretches dark colours: steps are measured differently there.
-        assert!(steps.iter().all(|rise| *rise > 0.0), "{steps:?}");
-        assert!(steps[2..].iter().all(|rise| (0.8..1.4).contains(&(rise / pace))), "{steps:?}");
-        assert!(colors[0][0] < 0.5 && colors[32][0] > 97.0);
-    }
-
-    #[test]
     fn magma_meets_its_table_and_goes_straight_between() {
         for (i, &color) in MAGMA.iter().enumerate() {
             let found = magma(i as f32 / 255.0);
@@ -200,17 +189,5 @@ mod tests {
                 assert!((found - expected as f32).abs() < 1.5, "{t}: {found} {expected}");
             }
         }
-    }
-
-    #[test]
-    fn the_diverging_map_is_as_light_on_either_side_and_even() {
-        let step = |i: i32| lab(diverging(i as f32 / 16.0));
-        for i in 1..=16 {
-            assert!((step(i)[0] - step(-i)[0]).abs() < 0.2, "{i}");
-            assert!(step(i)[0] < step(i - 1)[0]);
-        }
-        let paces: Vec<f64> = (-16..16).map(|i| apart(step(i), step(i + 1))).collect();
-        let mean = paces.iter().sum::<f64>() / 32.0;
-        assert!(paces.iter().all(|pace| (0.75..1.25).contains(&(pace / mean))), "{paces:?}");
     }
 }

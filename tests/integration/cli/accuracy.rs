@@ -2,7 +2,7 @@
 
 use serde_json::{Value, json};
 
-use super::{with_ball, with_scene};
+use super::with_scene;
 use crate::support::{json_in, matte, pinhole, run, run_well, scene, sphere, text, wall};
 
 /// A ball under a square light.
@@ -71,19 +71,6 @@ fn a_render_for_an_error_prints_its_choice_and_the_measured_error() {
         run_well(folder.path(), &["ball.json", "out.exr", "--time-budget", "0.5", "-q"]),
         ""
     );
-}
-
-#[test]
-fn no_error_is_claimed_for_an_image_without_random_samples() {
-    let folder = with_ball();
-    let arguments = ["ball.json", "out.exr", "--time-budget", "1e-6", "--stats", "s.json"];
-    let said = run_well(folder.path(), &arguments);
-    assert!(said.contains(" ray per pixel: unknown error"), "{said}");
-    assert!(
-        said.contains("error not measured: one ray through the centre of each pixel"),
-        "{said}"
-    );
-    assert_eq!(json_in(folder.path(), "s.json")["goal"]["found_error"], Value::Null);
 }
 
 #[test]

@@ -114,14 +114,6 @@ fn a_terminal_shows_each_stage_and_frame_from_the_start() {
     }
 }
 
-#[test]
-fn a_bar_is_for_terminals() {
-    let folder = with_ball();
-    for style in ["auto", "bar", "none"] {
-        run_silently(folder.path(), &["ball.json", "out.exr", "--progress", style]);
-    }
-}
-
 /// A child that is killed when the test ends.
 struct Killed(Child);
 

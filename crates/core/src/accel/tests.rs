@@ -33,11 +33,6 @@ impl Numbers {
         (self.one() * end as f32) as usize % end
     }
 
-    /// Three integers below `end`.
-    fn integers(&mut self, end: usize) -> Vec3 {
-        Vec3::from([0; 3].map(|_| self.below(end) as f32))
-    }
-
     fn four(&mut self) -> [f32; 4] {
         self.0 += 1;
         Stream { seed: 5, pixel: self.0, sample: 0, bounce: 0 }.uniform(0)
@@ -160,31 +155,6 @@ fn rays_that_leave_a_tile_keep_their_hits() {
     assert_eq!(compare("small behind large", &geometry, &rays), rays.len());
 }
 
-#[test]
-fn hc03_directions_of_any_length_are_answered_as_by_brute_force() {
-    let mut numbers = Numbers(0);
-    let geometry = cloud(&mut numbers, 1.0);
-    let mut hits = 0;
-    for exponent in [-45, -40, -39, -38, -37, -36, -20, 20, 37, 38] {
-        let length = 10.0_f64.powi(exponent);
-        let rays: Vec<Ray> = (0..600)
-            .map(|i| {
-                let vertex = geometry.positions[numbers.below(1200)];
-                let origin = if i % 4 == 0 { vertex } else { numbers.vector() * 2.0 };
-                let lean = if i % 3 == 0 { 10.0_f32.powf(-6.0 * numbers.one()) } else { 1.0 };
-                let direction = (numbers.vector() - origin) * Vec3::new(lean, 1.0, 1.0);
-                let mut ray = Ray::new(origin, direction * length as f32);
-                if i % 5 == 0 {
-                    ray.t_max = (f64::from(numbers.one()) / length) as f32;
-                }
-                ray
-            })
-            .collect();
-        hits += compare(&format!("1e{exponent}"), &geometry, &rays);
-    }
-    assert!(hits > 2000, "{hits}");
-}
-
 /// The reciprocal of 1e-40 is infinite, and where it meets a coordinate of 0, not a number.
 #[test]
 fn hc03_a_triangle_with_a_corner_at_the_height_of_a_tiny_rays_origin_is_met() {
@@ -194,99 +164,6 @@ fn hc03_a_triangle_with_a_corner_at_the_height_of_a_tiny_rays_origin_is_met() {
         add_triangle(&mut geometry, [0, 1, 2].map(|i| corners[(i + turn) % 3]));
         let ray = Ray::new(Vec3::ZERO, Vec3::new(0.0, 0.0, 1e-40));
         assert_eq!(compare("corner", &geometry, &[ray]), 1);
-    }
-}
-
-#[test]
-fn hc03_origins_and_scenes_of_any_size_are_answered_as_by_brute_force() {
-    let mut numbers = Numbers(10_000);
-    for (size, far) in
-        [(1e-40, 2.0), (1e-36, 2.0), (1.0, 1e6), (1.0, 1e20), (1e12, 2.0), (1e12, 1e8)]
-    {
-        let geometry = cloud(&mut numbers, size);
-        let rays: Vec<Ray> = (0..100)
-            .map(|i| {
-                let origin = numbers.vector() * size * far;
-                let to = numbers.vector() * size - origin;
-                Ray::new(origin, if i % 2 == 0 { to } else { to / (size * far) })
-            })
-            .collect();
-        compare(&format!("{size} {far}"), &geometry, &rays);
-    }
-}
-
-/// From so far away, edge functions are no numbers.
-#[test]
-fn hc03_a_ray_far_beside_a_triangle_misses_it_whatever_overflows() {
-    let mut numbers = Numbers(20_000);
-    let geometry = cloud(&mut numbers, 1e12);
-    for far in [1e19, 1e20, 1e22, 1e25, 1e30, 1e38] {
-        let rays: Vec<Ray> =
-            (0..300).map(|_| Ray::new(numbers.vector() * far, numbers.vector())).collect();
-        compare(&format!("{far}"), &geometry, &rays);
-    }
-}
-
-/// Ties, rays in planes and along edges, ranges that end at hits.
-#[test]
-fn hc03_ties_on_a_grid_are_answered_as_by_brute_force() {
-    let mut numbers = Numbers(30_000);
-    for shift in [0.0, 1e6] {
-        let mut geometry = Geometry::default();
-        for _ in 0..400 {
-            let corners = [0; 3].map(|_| numbers.integers(9) + shift);
-            add_triangle(&mut geometry, corners);
-        }
-        for _ in 0..60 {
-            let (a, u, v) = (numbers.integers(7) + shift, numbers.integers(3), numbers.integers(3));
-            if u.cross(v) != Vec3::ZERO {
-                let first = geometry.positions.len() as u32;
-                geometry.positions.extend([a, a + u, a + u + v, a + v]);
-                geometry.quads.push([first, first + 1, first + 2, first + 3]);
-            }
-            let radius = 1.0 + numbers.below(3) as f32;
-            geometry.quadrics.push(Quadric::Sphere(a, radius));
-            let normal = [Vec3::X, Vec3::NEG_Y, Vec3::Z][numbers.below(3)];
-            geometry.quadrics.push(Quadric::Disk(Disk { center: a, normal, radius }));
-        }
-        let rays: Vec<Ray> = (0..3000)
-            .map(|i| {
-                let (a, b) = (numbers.integers(9), numbers.integers(9));
-                let divisor = if i % 2 == 0 { 1.0 } else { 3.0 + numbers.below(9) as f32 };
-                let mut ray = Ray::new(a + shift, (b - a) / divisor);
-                ray.t_max = if i % 4 == 0 { 1.0 } else { ray.t_max };
-                ray.t_min = [0.0, 0.5, -1.0, -0.0, 0.0][i % 5];
-                ray
-            })
-            .collect();
-        assert!(compare("grid", &geometry, &rays) > 1000);
-    }
-}
-
-/// Planes that hold the ray but for a billionth and less: even in double precision t has few digits.
-#[test]
-fn hc03_triangles_seen_edge_on_are_met_as_by_brute_force() {
-    let mut numbers = Numbers(50_000);
-    for height in [1e-9, 1e-11, 1e-13, 1e-14, 1e-15] {
-        let mut geometry = Geometry::default();
-        for _ in 0..1500 {
-            let [b, c] = [0; 2].map(|_| {
-                let steps = (1 + numbers.below(60)) as f32;
-                Vec3::new(100.0 * numbers.vector().x, 7.0 * steps, 11.0 * steps)
-            });
-            let [x, y, _] = numbers.vector().to_array();
-            add_triangle(&mut geometry, [Vec3::new(100.0 * x, height * y, 0.0), b, c]);
-        }
-        let rays: Vec<Ray> = (0..250)
-            .map(|_| {
-                let (start, scale) =
-                    (-(numbers.below(30) as f32), [1.0, 3.0, 13.0][numbers.below(3)]);
-                let [x, d, _] = numbers.vector().to_array();
-                let origin = Vec3::new(100.0 * x, 7.0 * start, 11.0 * start);
-                Ray::new(origin, Vec3::new(10.0 * d, 7.0, 11.0) * scale)
-            })
-            .collect();
-        compare(&format!("{height}"), &geometry, &rays);
     }
 }
 
@@ -331,20 +208,6 @@ fn through(numbers: &mut Numbers, count: usize) -> Vec<Ray> {
 }
 
 #[test]
-fn hc03_hits_of_the_reference_are_those_of_brute_force_and_of_other_kernels() {
-    let mut numbers = Numbers(0);
-    let geometry = cloud(&mut numbers, 1.0);
-    let rays = through(&mut numbers, 2000);
-    let expected = brute(&geometry, &rays);
-    assert!(expected.0.iter().filter(|hit| !hit.is_miss()).count() > 1000);
-    for preset in [Preset::Brute, Preset::Slow] {
-        let mut accel = Accel::new(geometry.clone(), preset);
-        accel.kernel = KernelChoice::Reference;
-        check(&format!("reference {preset:?}"), &mut accel, &rays, &expected);
-    }
-}
-
-#[test]
 fn fast_hits_are_nearly_the_exact_ones_in_every_way() {
     let mut numbers = Numbers(50);
     let mut geometry = cloud(&mut numbers, 1.0);
@@ -379,7 +242,7 @@ fn hc26_rays_from_the_farthest_places_there_are_come_to_an_end() {
             let direction = if i.is_multiple_of(2) { -origin } else { numbers.vector() - origin };
             Ray::new(origin, direction)
         };
-        (0..300).map(&mut ray).collect()
+        (0..64).map(&mut ray).collect()
     };
     assert_eq!(compare("too far", &geometry, &from(f32::MAX)), 0);
     // From here single precision places vertices anywhere: any hit is right that all agree on.

@@ -327,13 +327,6 @@ mod tests {
     }
 
     #[test]
-    fn a_light_overhead_adds_its_falloff() {
-        let r = request(&point(), Vec3::Y * 2.0).expect("a request");
-        assert!((r.contribution.x - 10.0 / (16.0 * std::f32::consts::PI)).abs() < 1e-6);
-        assert!(!r.at_light && r.line.origin.y > 0.0 && r.ray().t_max < 1.0);
-    }
-
-    #[test]
     fn no_ray_is_cast_that_could_add_nothing() {
         assert!(request(&point(), Vec3::NEG_Y).is_none(), "behind");
         assert!(request(&ShadingPoint { lit: false, ..point() }, Vec3::Y).is_none(), "unlit side");

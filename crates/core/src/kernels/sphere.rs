@@ -328,29 +328,6 @@ mod tests {
     }
 
     #[test]
-    fn hc13_a_far_sphere_is_not_missed() {
-        for distance in [1e3_f32, 1e4, 1e5, 1e6] {
-            for i in 0..1000 {
-                let impact = 0.99 * i as f32 / 1000.0;
-                let ray = Ray::new(Vec3::new(impact, 0.0, distance), Vec3::NEG_Z);
-                let t = intersect(&ray, Vec3::ZERO, 1.0).expect("a hit");
-                let exact = f64::from(distance) - (1.0 - f64::from(impact).powi(2)).sqrt();
-                assert!((f64::from(t) - exact).abs() <= f64::from(distance.next_up() - distance));
-            }
-        }
-    }
-
-    #[test]
-    fn hc14_a_huge_sphere_is_met_from_just_above() {
-        for radius in [1.0_f32, 1e3, 1e6] {
-            let origin = Vec3::new(0.0, 0.0, radius.next_up());
-            let height = f64::from(origin.z) - f64::from(radius);
-            let t = intersect(&Ray::new(origin, Vec3::NEG_Z), Vec3::ZERO, radius).expect("a hit");
-            assert!((f64::from(t) / height - 1.0).abs() < 1e-6, "{radius}: {t} {height}");
-        }
-    }
-
-    #[test]
     fn a_near_hit_before_t_min_does_not_hide_the_far_one() {
         let ray = Ray::new(Vec3::new(0.0, 0.0, 5.0), Vec3::NEG_Z);
         for (t_min, expected) in [(0.0, Some(3.5)), (3.5, Some(6.5)), (5.0, Some(6.5)), (6.5, None)]

@@ -149,20 +149,6 @@ mod tests {
     }
 
     #[test]
-    fn numbers_lie_in_the_unit_interval_and_average_to_a_half() {
-        assert_eq!(unit_interval(0), 0.0);
-        assert!(unit_interval(u32::MAX) < 1.0);
-        let n = 40_000;
-        let sum: f64 = (0..n)
-            .flat_map(|pixel| Stream { seed: 1, pixel, sample: 0, bounce: 0 }.uniform(0))
-            .map(f64::from)
-            .sum();
-        // Five standard errors of the mean of 4 n numbers of variance 1/12.
-        let bound = 5.0 / (12.0 * 4.0 * f64::from(n)).sqrt();
-        assert!((sum / (4.0 * f64::from(n)) - 0.5).abs() < bound);
-    }
-
-    #[test]
     fn the_generator_hands_out_the_same_words() {
         let stream = Stream { seed: 3, pixel: 1, sample: 4, bounce: 1 };
         let mut generator = stream.generator(5);

@@ -55,66 +55,6 @@ fn what_is_said_of_an_image_changes_no_pixel() {
 }
 
 #[test]
-fn one_pixel_is_image_enough() {
-    let film = Film::from_pixels(1, 1, vec![[1.0, 0.0, 0.2]]).unwrap();
-    for format in Format::ALL {
-        let back = written(&format!("a.{}", format.name()), &film, Transfer::Linear);
-        assert!(back.same_bits(&film), "{format:?}");
-    }
-}
-
-#[test]
-fn the_extension_names_the_format_in_either_case() {
-    for (name, format) in [
-        ("a.ppm", Format::Ppm),
-        ("b.c.PNG", Format::Png),
-        ("/x/a.Exr", Format::Exr),
-        ("a.pFm", Format::Pfm),
-    ] {
-        assert_eq!(Format::from_path(Path::new(name)).unwrap(), format);
-        assert_eq!(format.is_float(), matches!(format, Format::Exr | Format::Pfm));
-    }
-}
-
-#[test]
-fn other_names_have_their_messages() {
-    let text = |name: &str| Format::from_path(Path::new(name)).unwrap_err().to_string();
-    assert_eq!(
-        text("out.pmp"),
-        "out.pmp: unknown image format, found .pmp; \
-         did you mean .ppm? use .ppm, .png, .exr or .pfm"
-    );
-    assert_eq!(
-        text("out.JPEG"),
-        "out.JPEG: unknown image format, found .JPEG; use .ppm, .png, .exr or .pfm"
-    );
-    assert_eq!(
-        text("out"),
-        "out: the name of an image must end in its format; use .ppm, .png, .exr or .pfm"
-    );
-    assert_eq!(
-        text("-"),
-        "-: an image cannot be written to standard output; \
-         name a file that ends in .ppm, .png, .exr or .pfm"
-    );
-    assert_eq!(Format::from_path(Path::new("a")).unwrap_err().kind(), ErrorKind::Usage);
-}
-
-#[test]
-fn a_missing_folder_is_found_before_and_after_the_render() {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("no").join("a.png");
-    let text = format!(
-        "{}: cannot write the file: there is no folder {}; \
-         create it first or name one that exists",
-        path.display(),
-        path.parent().unwrap().display()
-    );
-    assert_eq!(check_writable(&path).unwrap_err().to_string(), text);
-    assert_eq!(write(&film(), &path, Transfer::Linear).unwrap_err().to_string(), text);
-}
-
-#[test]
 fn a_failed_write_leaves_the_old_image() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.ppm");

@@ -173,32 +173,6 @@ fn lists_have_each_variant_once_and_say_what_it_is_compared_with() {
     assert_eq!(plan.iter().map(|c| c.variant.planned).collect::<Vec<_>>(), [true, false]);
 }
 
-/// Times of several variants, each with its own noise.
-#[test]
-fn gains_multiply_to_the_ratio_of_the_last_variant() {
-    let noise =
-        |variant: usize, run: usize| 1.0 + ((7 * run + 5 * variant * run) % 11) as f64 / 50.0;
-    let seconds = |variant: usize, run: usize| noise(variant, run) / (1.0 + variant as f64);
-    for of in [Varied::Ladder, Varied::Levels] {
-        let found = compared(of, 9, seconds, |_, _| {});
-        let mut product = 1.0;
-        for each in &found.variants {
-            let Some(gain) = &each.gain else {
-                product = 1.0;
-                continue;
-            };
-            product *= gain.ratio.interval.median;
-            let ratio = each.ratio.interval.median;
-            assert!((product / ratio - 1.0).abs() < 1e-12, "{product} {ratio}");
-            let i = &gain.ratio.interval;
-            assert!(i.low <= i.median && i.median <= i.high);
-        }
-        assert!(
-            found.variants.iter().any(|each| each.ratio.interval.low < each.ratio.interval.high)
-        );
-    }
-}
-
 #[test]
 fn the_json_has_the_documented_keys() {
     let mut report = BenchReport::new(vec!["bench".to_owned()]);
@@ -211,31 +185,6 @@ fn the_json_has_the_documented_keys() {
     });
     let ladder = &json["report"]["scenes"][0]["comparisons"][0];
     assert_eq!((&ladder["of"], &ladder["difference"]), (&json!("ladder"), &Value::Null));
-}
-
-/// The scene is rendered as every variant says, on pools of their own.
-#[test]
-fn all_variants_of_all_lists_give_one_image() {
-    let plan =
-        BenchPlan { axes: Varied::ALL.to_vec(), batches: vec![7, 65536], schedule: schedule(1) };
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(3).build().unwrap();
-    let mut scene = prepared();
-    let measure =
-        || SceneBench::measure(&mut scene, setting("ball.json"), &plan, &mut |_, _| {}).unwrap();
-    let found = pool.install(measure);
-    assert!(found.equal && found.comparisons.len() == Varied::ALL.len(), "{found:?}");
-    let [recursive, wavefront] = found.tracers().unwrap();
-    let primary = found.rays.primary as f64;
-    // Tiles of background alone cast none.
-    assert!(primary > 0.0 && primary <= 24.0 * 16.0);
-    assert_eq!(wavefront.mrays_s, found.rays.all() as f64 / wavefront.seconds.median / 1e6);
-    assert_eq!(wavefront.tests.nodes, 0, "one sphere needs no inner node");
-    assert!(recursive.tests.primitives.all() > 0 && wavefront.batch_bytes > 0);
-    let timed = found.comparisons[0].variants.last().unwrap();
-    assert_eq!(timed.passes.iter().map(|(name, _)| *name).collect::<Vec<_>>(), TIMED);
-    let sum: f64 = timed.passes.iter().map(|(_, seconds)| *seconds).sum();
-    let longest = timed.seconds.each.iter().copied().fold(0.0, f64::max);
-    assert!(sum > 0.0 && sum <= 3.0 * longest, "{sum} {:?}", timed.seconds);
 }
 
 #[test]

@@ -116,12 +116,6 @@ fn the_parts_have_names_that_lead_to_them() {
     assert_eq!(ids.len(), distinct.len(), "{ids:?}");
 }
 
-#[test]
-fn pictures_have_their_words() {
-    let tag = "<img class=\"pixels\" alt=\"words\" src=\"data:image/png";
-    assert_eq!(page("words").html().matches(tag).count(), 2);
-}
-
 /// The figures that can be saved are those of the chart.
 #[test]
 fn figures_can_be_saved() {
@@ -139,21 +133,4 @@ fn figures_can_be_saved() {
     };
     assert_eq!(saved("data:text/csv;charset=utf-8;base64,"), chart.csv());
     assert!(html.contains("download=\"words.csv\""));
-}
-
-#[test]
-fn an_empty_page_is_a_page() {
-    let html = Page::default().html();
-    assert!(html.starts_with("<!doctype html>") && html.ends_with("</html>\n"));
-    assert!(!html.contains("<nav"), "there is nothing to lead to");
-}
-
-#[test]
-fn a_page_replaces_another_whole() {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("page.html");
-    std::fs::write(&path, "old").unwrap();
-    page("words").write(&path).unwrap();
-    assert_eq!(std::fs::read_to_string(&path).unwrap(), page("words").html());
-    assert!(page("words").write(&folder.path().join("no/page.html")).is_err());
 }

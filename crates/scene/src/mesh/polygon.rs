@@ -283,21 +283,6 @@ mod tests {
     }
 
     #[test]
-    fn repeated_corners_and_crossing_outlines_give_valid_indices() {
-        let p = |x: f32, y: f32| Vec3::new(x, y, 0.0);
-        let repeated =
-            [p(0., 0.), p(2., 0.), p(2., 0.), p(1., 0.2), p(2., 2.), p(0., 2.), p(0., 2.)];
-        let crossing = [p(0., 0.), p(3., 3.), p(3., 0.), p(0., 2.), p(1., 4.), p(1., -1.)];
-        for points in [&repeated[..], &crossing[..]] {
-            let triangles = triangulate(points);
-            assert_eq!(triangles.len(), points.len() - 2);
-            assert!(triangles.iter().flatten().all(|&i| (i as usize) < points.len()));
-        }
-        let (_, total) = area(&repeated, &triangulate(&repeated));
-        assert!((total - 3.1).abs() < 0.11, "{total}");
-    }
-
-    #[test]
     fn attributes_follow_their_corners() {
         let points = star(4, |u, v| Vec3::new(u, v, 0.0));
         let corners: Vec<u32> = (0..8).collect();

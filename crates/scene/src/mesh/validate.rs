@@ -159,13 +159,6 @@ mod tests {
     }
 
     #[test]
-    fn a_sound_mesh_passes_at_any_size() {
-        for count in [1, 100, 70_000] {
-            validate(&strip(count), Path::new("m.ply")).unwrap();
-        }
-    }
-
-    #[test]
     fn the_first_bad_vertex_is_named() {
         for (index, value) in [(3, f32::NAN), (69_999, f32::INFINITY), (40_000, 1.2e12)] {
             let mut mesh = strip(70_000);
@@ -176,15 +169,6 @@ mod tests {
             assert_eq!(error.place(), Some(format!("vertex {index}").as_str()));
             assert_eq!(error.file(), Some(Path::new("m.ply")));
         }
-    }
-
-    #[test]
-    fn the_greatest_coordinate_passes() {
-        let mut mesh = strip(1);
-        mesh.positions[0] = Vec3::splat(-MAX_COORDINATE);
-        validate(&mesh, Path::new("m")).unwrap();
-        mesh.positions[0].x = MAX_COORDINATE.next_up();
-        validate(&mesh, Path::new("m")).unwrap_err();
     }
 
     #[test]

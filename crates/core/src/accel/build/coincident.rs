@@ -178,7 +178,7 @@ fn hash(cell: [i32; 3]) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::accel::tests::{Numbers, add_triangle, compare, shells};
+    use crate::accel::tests::shells;
     use crate::accel::{Accel, Preset};
     use crate::math::ray::Ray;
     use glam::Vec3;
@@ -206,59 +206,6 @@ mod tests {
         let mut boxes = vec![cube(Vec3A::ZERO, 1e7)];
         boxes.extend((0..10_000).map(|i| cube(Vec3A::new(i as f32 * 1e-4, 0.0, 0.0), 1e-4)));
         assert!(heaps(&boxes).is_empty());
-    }
-
-    /// Copies of a triangle whose corners are off by up to `error`, each turned otherwise.
-    fn stack(numbers: &mut Numbers, copies: usize, error: f32) -> Geometry {
-        let corners = [Vec3::new(-1.0, -1.0, 0.0), Vec3::X, Vec3::new(0.0, 1.0, 0.3)];
-        let mut geometry = Geometry::default();
-        for copy in 0..copies {
-            let mut turned = corners.map(|corner| corner + numbers.vector() * error);
-            turned.rotate_left(copy % 3);
-            add_triangle(&mut geometry, turned);
-        }
-        geometry
-    }
-
-    /// Rays through or beside a stack, some of which end near it.
-    fn rays(numbers: &mut Numbers) -> Vec<Ray> {
-        let ray = |i: usize| {
-            let (from, to) = (numbers.vector() * 3.0, numbers.vector() * 0.6);
-            let ray = Ray::new(from, to * Vec3::new(1.0, 1.0, 0.3) - from);
-            Ray { t_max: if i.is_multiple_of(4) { 1.0 } else { ray.t_max }, ..ray }
-        };
-        (0..300).map(ray).collect()
-    }
-
-    fn listed(geometry: &Geometry, preset: Preset) -> usize {
-        let accel = Accel::new(geometry.clone(), preset);
-        let mut count = 0;
-        let tree = accel.tree.as_ref().expect("it has one");
-        tree.for_each_leaf(|_, numbers| count += numbers.len());
-        count
-    }
-
-    #[test]
-    fn hc22_of_copies_the_first_is_met_and_the_others_cost_nothing() {
-        let mut numbers = Numbers(70_000);
-        let mut geometry = stack(&mut numbers, 1000, 0.0);
-        for preset in [Preset::Fastest, Preset::VeryFast] {
-            assert_eq!(listed(&geometry, preset), 1, "{preset:?}");
-        }
-        assert!(compare("copies", &geometry, &rays(&mut numbers)) > 50);
-        // Shadow rays pass lights: the first copy that is none counts for them.
-        geometry.passed = vec![0..300, 500..1000];
-        assert_eq!(listed(&geometry, Preset::VeryFast), 2);
-        assert!(compare("lights", &geometry, &rays(&mut numbers)) > 50);
-    }
-
-    #[test]
-    fn hc22_nearly_equal_triangles_are_answered_as_by_brute_force() {
-        let mut numbers = Numbers(80_000);
-        for error in [1e-7, 1e-6, 1e-4] {
-            let geometry = stack(&mut numbers, 300, error);
-            assert!(compare(&format!("{error}"), &geometry, &rays(&mut numbers)) > 50);
-        }
     }
 
     /// The outermost hides the others, so that the tree saves nearly all tests.

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::accel::arena::Held;
-use crate::accel::tests::{brute, check, shells};
+use crate::accel::tests::{brute, check};
 use crate::accel::{Accel, Hit};
 use crate::geometry::{Primitive, Quadric};
 use crate::kernels::quad;
@@ -56,17 +56,6 @@ fn rays() -> Vec<Ray> {
     (0..400).map(ray).collect()
 }
 
-#[test]
-fn hc03_every_preset_answers_as_brute_force_does() {
-    let (geometry, rays) = (mixture(3000), rays());
-    let expected = brute(&geometry, &rays);
-    assert!(expected.0.iter().filter(|hit| !hit.is_miss()).count() > 100);
-    assert!(expected.1.contains(&true) && expected.1.contains(&false));
-    for preset in Preset::ALL {
-        check(preset.name(), &mut Accel::new(geometry.clone(), preset), &rays, &expected);
-    }
-}
-
 const fn cut(chunk: usize, parts: usize, room: usize) -> Cut {
     Cut { chunk, parts, room }
 }
@@ -116,14 +105,6 @@ fn check_leaves(tree: &Tree, geometry: &Geometry) {
             _ => i32::from(!geometry.is_degenerate(number)),
         };
         assert_eq!(times, expected, "{number}");
-    }
-}
-
-#[test]
-fn children_lie_within_their_parents() {
-    let geometry = mixture(2000);
-    for preset in Preset::ALL.into_iter().filter(|&p| p != Preset::Brute) {
-        check_leaves(&build(&geometry, preset), &geometry);
     }
 }
 
@@ -236,55 +217,6 @@ fn the_heuristic_expects_what_areas_say() {
     let apart = (2.0 * 12.0_f64 / 52.0 * 1e4).round() / 1e4;
     let two = [Vec3::ZERO, Vec3::X * 10.0].map(|center| Quadric::Sphere(center, 1.0));
     assert_eq!(expected(two.to_vec()), [1.0, apart]);
-}
-
-#[test]
-fn hc24_nothing_and_one_thing() {
-    for preset in Preset::ALL {
-        let empty = Accel::new(Geometry::default(), preset);
-        let down = Ray::new(Vec3::Z * 5.0, Vec3::NEG_Z);
-        assert!(empty.closest(&down, &mut empty.traversal()).is_miss());
-        let one =
-            Geometry { quadrics: vec![Quadric::Sphere(Vec3::ZERO, 1.0)], ..Geometry::default() };
-        let one = Accel::new(one, preset);
-        assert_eq!(one.closest(&down, &mut one.traversal()), Hit { t: 4.0, primitive: 0 });
-    }
-}
-
-#[test]
-fn hc22_equal_centroids_build_and_trace() {
-    let ray = Ray::new(Vec3::Z * 1e4, Vec3::NEG_Z);
-    let outermost = |accel: Accel| accel.closest(&ray, &mut accel.traversal()).primitive;
-    for (count, preset) in [100, 20_000].into_iter().flat_map(|n| Preset::ALL.map(|p| (n, p))) {
-        assert_eq!(outermost(Accel::new(shells(count), preset)), count - 1, "{}", preset.name());
-    }
-    for (preset, cut) in CHUNKED.into_iter().flat_map(|p| CUTS.map(|cut| (p, cut))) {
-        assert_eq!(outermost(cut_accel(&shells(1000), preset, cut)), 999, "{preset:?} {cut:?}");
-    }
-}
-
-#[test]
-fn hc23_nested_boxes_make_a_deep_tree() {
-    let sphere = |i| Quadric::Sphere(Vec3::X * 1.5_f32.powi(i) * 1e-9, 1.5_f32.powi(i) * 1e-9);
-    let geometry = Geometry { quadrics: (0..120).map(sphere).collect(), ..Geometry::default() };
-    let along = Ray::new(Vec3::new(-1.0, 0.0, 0.0), Vec3::X);
-    let rays = [&[along], &rays()[..]].concat();
-    let expected = brute(&geometry, &rays);
-    assert!(!expected.0[0].is_miss());
-    for preset in Preset::ALL {
-        check(preset.name(), &mut Accel::new(geometry.clone(), preset), &rays, &expected);
-    }
-}
-
-#[test]
-fn hc21_the_lowest_number_wins_among_equals() {
-    let positions = vec![Vec3::ZERO, Vec3::X, Vec3::Y];
-    let geometry = Geometry { positions, triangles: vec![[0, 1, 2]; 50], ..Geometry::default() };
-    for preset in Preset::ALL {
-        let accel = Accel::new(geometry.clone(), preset);
-        let ray = Ray::new(Vec3::new(0.2, 0.2, 1.0), Vec3::NEG_Z);
-        assert_eq!(accel.closest(&ray, &mut accel.traversal()).primitive, 0);
-    }
 }
 
 #[test]

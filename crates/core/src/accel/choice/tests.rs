@@ -4,7 +4,7 @@ use glam::Vec3;
 
 use crate::accel::build::Preset;
 use crate::accel::tests::{answers, bumpy_sphere};
-use crate::accel::{Accel, Hit, KernelChoice};
+use crate::accel::{Accel, KernelChoice};
 use crate::counters::{KernelCounts, Kernels};
 use crate::geometry::Geometry;
 use crate::kernels::precision::Precision;
@@ -130,21 +130,5 @@ fn the_reference_takes_rays_alone_and_is_the_single_kernel_of_fast_precision() {
             });
         assert!(any == any_reference);
         assert!(single == reference);
-    }
-}
-
-#[test]
-fn rays_are_counted_without_a_tree_and_without_primitives() {
-    let rays = random();
-    for preset in [Preset::Brute, Preset::Fast] {
-        for kernel in KernelChoice::ALL {
-            let mut accel = Accel::new(Geometry::default(), preset);
-            accel.kernel = kernel;
-            let mut traversal = accel.traversal();
-            let (hits, occluded) = answers(&accel, &rays, &mut traversal);
-            assert!(hits.iter().all(Hit::is_miss) && !occluded.contains(&true));
-            assert_eq!(traversal.kernels.both().rays(), 2 * rays.len() as u64);
-            assert_eq!(traversal.kernels.both().rays_a_round(), None);
-        }
     }
 }

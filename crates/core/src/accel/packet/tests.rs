@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use crate::accel::build::Preset;
-use crate::accel::tests::{Numbers, brute, bumpy_sphere, cloud, compare};
+use crate::accel::tests::{Numbers, bumpy_sphere, cloud};
 use crate::accel::{Accel, Hit};
 use crate::geometry::Geometry;
 use crate::math::ray::Ray;
@@ -30,28 +30,6 @@ fn scene(n: u32) -> Geometry {
     geometry
 }
 
-/// Rays of a camera, in tiles of 8 by 8 pixels; some are cut short, some start later.
-fn rays(eye: Vec3, edge: u32) -> Vec<Ray> {
-    let mut numbers = Numbers(0);
-    (0..edge * edge)
-        .map(|i| {
-            let (tile, within) = (i / 64, i % 64);
-            let across = edge / 8;
-            let x = tile % across * 8 + within % 8;
-            let y = tile / across * 8 + within / 8;
-            let target = Vec3::new(x as f32, y as f32, 0.0) * (3.6 / edge as f32) - 1.8;
-            let mut ray = Ray::new(eye, (target - eye).normalize());
-            if i % 5 == 0 {
-                ray.t_max = 3.5 + numbers.one();
-            }
-            if i % 7 == 0 {
-                ray.t_min = 3.0 + numbers.one();
-            }
-            ray
-        })
-        .collect()
-}
-
 #[test]
 fn rays_of_one_sign_along_each_axis_share_a_tile() {
     let accel = Accel::new(scene(12), Preset::Fast);
@@ -73,22 +51,5 @@ fn rays_of_one_sign_along_each_axis_share_a_tile() {
     assert_eq!(traversal.kernels.closest.stream, 1);
     for (ray, hit) in rays.iter().zip(&hits) {
         assert_eq!(accel.closest(ray, &mut traversal), *hit);
-    }
-}
-
-#[test]
-fn hc03_coherent_rays_are_answered_as_by_brute_force_at_every_level() {
-    for squares in [2, 12, 60] {
-        let geometry = scene(squares);
-        for eye in [Vec3::new(0.3, -0.2, 4.0), Vec3::new(5.0, 4.0, 3.0), Vec3::new(-6.0, 1.0, 2.0)]
-        {
-            let mut rays = rays(eye, 40);
-            // What no packet takes: beside the others, a ray that cannot be traced.
-            rays[700].direction = Vec3::ZERO;
-            rays.truncate(1590);
-            let (_, occluded) = brute(&geometry, &rays);
-            assert!(occluded.contains(&true) && occluded.contains(&false));
-            assert!(compare(&format!("{squares} {eye}"), &geometry, &rays) > 200);
-        }
     }
 }

@@ -6,8 +6,8 @@ use std::sync::Arc;
 use glam::{DAffine3, DQuat, DVec3, Vec3};
 
 use super::{Numbers, add_triangle, cloud, compare};
+use crate::accel::Accel;
 use crate::accel::build::Preset;
-use crate::accel::{Accel, Hit};
 use crate::geometry::Geometry;
 use crate::geometry::cutouts::{Cutout, Cutouts};
 use crate::geometry::instance::Instance;
@@ -99,37 +99,6 @@ fn instances_are_cut_out_as_their_prototype_is() {
     assert!(compare("instances", &geometry, &rays) > 1500);
 }
 
-/// With alpha 0 everywhere a primitive is absent, with alpha 1 it is as if nothing were said.
-#[test]
-fn thresholds_of_0_and_1_are_exact() {
-    let mut numbers = Numbers(60_000);
-    let mut geometry = cloud(&mut numbers, 1.0);
-    geometry.quadrics.clear();
-    let rays = rays(&mut numbers, &geometry);
-    let hits = |geometry: Geometry, preset| {
-        let accel = Accel::new(geometry, preset);
-        let mut hits = vec![Hit::MISS; rays.len()];
-        accel.closest_of(&rays[..], &mut hits, &mut accel.traversal());
-        hits
-    };
-    let with = |threshold, alpha: u8| {
-        let cutouts = Cutouts::new(vec![cutout(200..400, threshold, image(|_| alpha))]);
-        Geometry { cutouts, ..geometry.clone() }
-    };
-    let mut without = geometry.clone();
-    without.triangles.truncate(200);
-    for preset in [Preset::Brute, Preset::Fastest, Preset::Fast] {
-        let whole = hits(geometry.clone(), preset);
-        assert_eq!(hits(with(1.0, 255), preset), whole);
-        assert_eq!(hits(with(0.0, 0), preset), whole);
-        let absent = hits(without.clone(), preset);
-        assert_ne!(absent, whole);
-        for (threshold, alpha) in [(1.0, 254), (f32::MIN_POSITIVE, 0), (1.5, 255)] {
-            assert_eq!(hits(with(threshold, alpha), preset), absent, "{threshold} {alpha}");
-        }
-    }
-}
-
 /// Squares in the planes `z`, from -1 to 1.
 fn squares(z: &[f32]) -> Geometry {
     let mut geometry = Geometry::default();
@@ -139,33 +108,6 @@ fn squares(z: &[f32]) -> Geometry {
         add_triangle(&mut geometry, [corner(-1.0, -1.0), corner(1.0, 1.0), corner(-1.0, 1.0)]);
     }
     geometry
-}
-
-/// Of two surfaces in one plane the first is seen where it is there, and else the other; along the diagonal
-/// between two triangles there is no crack.
-#[test]
-fn a_cut_out_in_the_plane_of_a_solid_shows_it_through_its_holes() {
-    let mut geometry = squares(&[0.0, 0.0]);
-    let left = image(|i| if i % 8 < 4 { 255 } else { 0 });
-    let map =
-        UvMap::Planar(PlanarMap::new(Vec3::new(-1.0, -1.0, 0.0), Vec3::X * 2.0, Vec3::Y * 2.0));
-    let filter = Filter::Nearest;
-    geometry.cutouts = Cutouts::new(vec![Cutout { map, filter, ..cutout(0..2, 0.5, left) }]);
-    let place = |i: u32| (i as f32 + 0.5) / 16.0 - 1.0;
-    let target = |i: u32| match i {
-        // On the diagonal, and beside it.
-        0..32 => Vec3::new(place(i), place(i), 0.0),
-        _ => Vec3::new(place(i % 32), place(i / 32), 0.0),
-    };
-    let rays: Vec<Ray> = (0..1024)
-        .map(|i| Ray::new(Vec3::new(0.3, 0.2, 2.0), target(i) - Vec3::new(0.3, 0.2, 2.0)))
-        .collect();
-    assert_eq!(compare("one plane", &geometry, &rays), rays.len());
-    let accel = Accel::new(geometry, Preset::Fast);
-    for (i, ray) in (0..).zip(&rays) {
-        let hit = accel.closest(ray, &mut accel.traversal());
-        assert_eq!(hit.primitive < 2, target(i).x < 0.0, "{:?}", target(i));
-    }
 }
 
 #[test]
@@ -184,15 +126,4 @@ fn a_ray_passes_many_layers() {
     let mut traversal = accel.traversal();
     assert!(accel.closest(&rays[0], &mut traversal).primitive >= last);
     assert!(traversal.tests.cutouts >= 299, "{}", traversal.tests.cutouts);
-}
-
-#[test]
-fn a_scene_without_cut_outs_looks_nothing_up() {
-    let mut numbers = Numbers(70_000);
-    let geometry = cloud(&mut numbers, 1.0);
-    let rays = rays(&mut numbers, &geometry);
-    let accel = Accel::new(geometry, Preset::Fast);
-    let mut traversal = accel.traversal();
-    accel.closest_of(&rays[..], &mut vec![Hit::MISS; rays.len()], &mut traversal);
-    assert_eq!(traversal.tests.cutouts, 0);
 }

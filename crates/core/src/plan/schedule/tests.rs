@@ -41,31 +41,9 @@ fn no_combination_of_effects_runs_anything_in_vain() {
 }
 
 #[test]
-fn only_passes_of_every_scene_run_without_effects() {
-    let found = schedule(&PASSES, |_| false);
-    let running: Vec<_> =
-        PASSES.iter().filter(|p| found.runs(p.step)).map(|p| p.step.name()).collect();
-    assert_eq!(running, ["generate", "intersect", "shade", "resolve"]);
-    assert_eq!(
-        found.columns().collect::<Vec<_>>(),
-        [ColumnGroup::Paths, ColumnGroup::Rays, ColumnGroup::Hits]
-    );
-}
-
-#[test]
 fn without_needs_everything_runs_and_every_column_has_storage() {
     let found = schedule(&unplanned(&PASSES), |_| false);
     assert_eq!(found.flaw(), None);
     assert!(PASSES.iter().all(|pass| found.runs(pass.step) && found.is_unconditional(pass.step)));
     assert_eq!(found.columns().collect::<Vec<_>>(), ColumnGroup::ALL);
-}
-
-#[test]
-fn a_column_without_writer_or_reader_is_found() {
-    let one = |effect| effect == Effect::Mirrors;
-    for (left_out, found_at) in [(Step::Mirror, Step::Advance), (Step::Advance, Step::Mirror)] {
-        let passes: Vec<Pass> = PASSES.into_iter().filter(|p| p.step != left_out).collect();
-        let flaw = Flaw { step: found_at, column: ColumnGroup::NextRays };
-        assert_eq!(schedule(&passes, one).flaw(), Some(flaw));
-    }
 }

@@ -8,7 +8,6 @@ mod short_cuts;
 use super::*;
 use crate::mesh::tests::{Dice, alike};
 use crate::mesh::{BUFFER, MeshData};
-use wavecrest_base::error::ErrorKind;
 
 fn load(bytes: &[u8]) -> Result<Read> {
     // A small buffer, so that rows lie across its ends.
@@ -166,39 +165,6 @@ fn text_is_read() {
 }
 
 #[test]
-fn every_form_of_number_in_a_text_is_rounded_once() {
-    let mut dice = Dice(9);
-    let mut number = || {
-        let state = dice.bits();
-        let (a, b) = (state >> 40, (state >> 20) % 10_000_000);
-        match state >> 61 {
-            0 => format!("{a}e-{}", b % 12),
-            1 => format!("-{a}.{b}"),
-            2 => format!("+.{b}"),
-            3 => format!("{a}."),
-            4 => format!("{:.20}", a as f64 / 3e6),
-            _ => format!("{}.{b:06}", a % 10),
-        }
-    };
-    let words: Vec<String> = (0..6000).map(|_| number()).collect();
-    let blanks = [" ", "  ", "\t", " \r\n\n "];
-    let body: String =
-        words.iter().zip(blanks.iter().cycle()).map(|(w, b)| format!("{w}{b}")).collect();
-    // One vertex may lie on several lines, but not two on one.
-    let rows = words.chunks(3).map(|row| row.join(" ") + "\n").collect::<String>();
-    let header =
-        format!("element vertex 2000\n{XYZ}element face 1\nproperty list uchar int vertex_indices");
-    let right: Vec<f32> = words.iter().map(|w| w.parse().unwrap()).collect();
-    let read = mesh(&ascii(&header, &(rows + "3 0 1 2")));
-    assert_eq!(bytemuck::cast_slice::<_, f32>(&read.positions), right);
-    let one = format!(
-        "element vertex 1\n{XYZ}element junk 1\nproperty list int float w\n\
-                       element face 1\nproperty list uchar int vertex_indices"
-    );
-    assert!(load(&ascii(&one, &format!("0 0 0\n6000 {body}\n3 0 0 0"))).is_ok());
-}
-
-#[test]
 fn faces_before_vertices_are_split_all_the_same() {
     let header =
         format!("element face 1\nproperty list uchar int vertex_indices\nelement vertex 4\n{XYZ}");
@@ -215,35 +181,6 @@ fn strips_turn_every_second_triangle_and_skip_stitches() {
     assert_eq!(read.triangles, [[0, 1, 2], [2, 1, 3], [2, 1, 0]]);
     let error = message(&ascii(&header, "0 0 0\n1 0 0\n1 1 0\n0 1 0\n0 0 1\n3 0 1 -2"));
     assert!(error.contains("tristrips 0") && error.contains("-2"), "{error}");
-}
-
-#[test]
-fn bad_faces_name_their_number_in_text_and_binary() {
-    for (face, word) in [(&[0, 1, 4][..], "found 4"), (&[0, -1, 2], "-1"), (&[0, 1], "found 2")] {
-        for big in [false, true] {
-            let error = message(&packed(big, &[&[0, 1, 2], &[0, 1, 2, 3], face, &[0, 1, 2]]));
-            assert!(error.starts_with("face 2: ") && error.contains(word), "{error}");
-        }
-        let text: Vec<String> = face.iter().map(ToString::to_string).collect();
-        let body = format!("{SQUARE}3 0 1 2\n{} {}\n", face.len(), text.join(" "));
-        let error = message(&ascii(&square_header(2), &body));
-        assert!(error.starts_with("face 1 (line ") && error.contains(word), "{error}");
-    }
-}
-
-#[test]
-fn bad_vertices_name_their_number() {
-    for (word, told) in
-        [("nan", "NaN"), ("inf", "inf"), ("1e39", "inf"), ("-2e12", "-2000000000000")]
-    {
-        let error = message(&ascii(
-            &square_header(1),
-            &format!("0 0 0\n1 {word} 0\n1 1 1\n0 0 1\n3 0 1 2"),
-        ));
-        assert!(error.starts_with("vertex 1: ") && error.contains(told), "{error}");
-    }
-    let error = message(&ascii(&square_header(1), "0 0 0\n1 x 0\n1 1 1\n0 0 1\n3 0 1 2"));
-    assert!(error.starts_with("vertex 1 (line 11): ") && error.contains("found x"), "{error}");
 }
 
 #[test]
@@ -265,23 +202,6 @@ fn a_body_cut_anywhere_is_refused() {
 }
 
 #[test]
-fn counts_are_held_against_the_file_before_memory_is_set_aside() {
-    let header = format!(
-        "element vertex 4000000000\n{XYZ}element face 1\nproperty list uchar int vertex_index"
-    );
-    for format in ["ascii", "binary_little_endian", "binary_big_endian"] {
-        let error = message(&file(format, &header, &[b'1'; 100]));
-        assert!(error.contains("4000000000") && error.contains("there is room for"), "{error}");
-    }
-    let header = square_header(1).replace("uchar int", "uint int");
-    let error = message(&ascii(&header, &format!("{SQUARE}4000000000 0 1 2")));
-    assert!(error.starts_with("face 0") && error.contains("a list of 4000000000"), "{error}");
-    let many = "element vertex 4294967295\n";
-    let error = load(&ascii(many, "")).unwrap_err();
-    assert_eq!(error.kind(), ErrorKind::Limit);
-}
-
-#[test]
 fn what_follows_the_body_is_a_warning() {
     let mut bytes = packed(false, &[&[0, 1, 2]]);
     bytes.extend([1, 2, 3]);
@@ -295,46 +215,7 @@ fn what_follows_the_body_is_a_warning() {
 }
 
 #[test]
-fn a_header_that_does_not_fit_the_lines_is_refused() {
-    let error = message(&ascii(&square_header(1), "0 0 0 9\n1 0 0 9\n1 1 0 9\n0 1 0 9\n3 0 1 2\n"));
-    assert!(error.starts_with("vertex 0 (line 10): "), "{error}");
-}
-
-#[test]
-fn declarations_that_make_no_mesh_are_refused() {
-    let face = "element face 1\nproperty list uchar int vertex_indices";
-    for (header, word) in [
-        (face.to_owned(), "\"vertex\""),
-        (format!("element vertex 0\nproperty float x\nproperty float z\n{face}"), "found x, z"),
-        (format!("element vertex 1\n{XYZ}property float x\n{face}"), "twice"),
-        (format!("element vertex 1\n{}{face}", XYZ.replace("float y", "list int int y")), "list"),
-        (format!("element vertex 0\n{XYZ}element face 3"), "vertex_indices"),
-        (format!("element vertex 0\n{XYZ}{face}\nproperty list int int vertex_index"), "two"),
-        (
-            format!("element vertex 0\n{XYZ}element face 0\nproperty list int int vertex_index"),
-            "no triangles",
-        ),
-        (format!("element vertex 1\n{XYZ}"), "no triangles"),
-    ] {
-        let error = message(&ascii(&header, "0 0 0\n"));
-        assert!(error.contains(word), "{header}: {error}");
-    }
-}
-
-#[test]
 fn an_element_without_properties_takes_no_time() {
     let header = format!("element nothing 4294967294\n{}", square_header(1));
     assert_eq!(mesh(&ascii(&header, &format!("{SQUARE}3 0 1 2"))).triangles.len(), 1);
-}
-
-#[test]
-fn normals_that_are_not_finite_become_zero_with_a_warning() {
-    let header = format!(
-        "element vertex 3\n{XYZ}property float nx\nproperty float ny\nproperty float nz\n\
-         element face 1\nproperty list uchar int vertex_indices"
-    );
-    let body = "0 0 0 nan 0 1\n1 0 0 0 0 1\n0 1 0 0 0 1\n3 0 1 2";
-    let (read, notes) = load(&ascii(&header, body)).unwrap();
-    assert_eq!(read.normals.unwrap().values, [Vec3::ZERO, Vec3::Z, Vec3::Z]);
-    assert_eq!(notes.len(), 1);
 }

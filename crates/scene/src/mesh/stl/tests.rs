@@ -2,7 +2,6 @@
 
 use super::*;
 use crate::mesh::tests::alike;
-use wavecrest_base::error::ErrorKind;
 
 fn load(bytes: &[u8]) -> Result<Read> {
     // A small buffer, so that lines and triangles lie across its ends.
@@ -127,35 +126,6 @@ fn faults_name_their_place() {
     bytes[at..at + 4].copy_from_slice(&nan);
     bytes[at + 50..at + 54].copy_from_slice(&nan);
     assert!(message(&bytes).starts_with("triangle 2: "), "{}", message(&bytes));
-    let good = text();
-    for (from, to, line) in [
-        ("vertex 1 0 0", "vertex 1 x 0", 6),
-        ("vertex 1 0 0", "vertex 1 0", 6),
-        ("vertex 1 0 0", "vertex 1 inf 0", 6),
-        ("      vertex 1 0 0\n", "", 6),
-        ("    endloop\n", "vertex 0 0 0\n", 7),
-        ("endsolid", "end", 30),
-    ] {
-        let told = message(good.replacen(from, to, 1).as_bytes());
-        assert!(told.starts_with(&format!("line {line}: ")), "{told}");
-    }
-}
-
-#[test]
-fn truncated_and_empty_files_are_refused() {
-    let bytes = binary("", 0);
-    for length in [0, 1, 83, 84, 85, bytes.len() - 1] {
-        let error = load(&bytes[..length]).unwrap_err();
-        assert_eq!(error.kind(), ErrorKind::Syntax, "{length}: {error}");
-    }
-    assert_eq!(load(&head("", 0)).unwrap_err().kind(), ErrorKind::Mesh);
-    assert_eq!(load(b"solid\nendsolid\n").unwrap_err().kind(), ErrorKind::Mesh);
-    let text = text();
-    let cut = &text[..text.rfind("vertex").unwrap()];
-    assert!(message(cut.as_bytes()).contains("is incomplete"));
-    assert!(message(&head("", u32::MAX)).contains("room for 0 triangles"));
-    let long = format!("solid {}", "x".repeat(1 << 17));
-    assert!(message(long.as_bytes()).contains("65536 bytes"));
 }
 
 #[test]

@@ -205,49 +205,9 @@ fn surfaces_for_which_a_cone_is_left_out_are_in_its_dark() {
     tried.are_at_least(2000, 3000);
 }
 
-#[test]
-fn a_light_within_a_sphere_reaches_none_of_its_outside() {
-    let mut tried = Tried::default();
-    for index in 0..20_000 {
-        let radius = libm::exp2f(20.0 * random(index, 1).x);
-        let center = random(index, 2) * radius * libm::exp2f(16.0 * random(index, 3).x + 4.0);
-        let depth = libm::exp2f(-20.0 * (random(index, 4).x + 0.5));
-        let outward = normalize(random(index, 5));
-        let side = if index % 2 == 0 { 1.0 - depth } else { 1.0 + depth };
-        let light = light(Emitter::Point(center + outward * (radius * side)));
-        let geometry = of_quadric(Quadric::Sphere(center, radius));
-        tried.add(index, &light, &shape(false, false), &geometry, |turn| {
-            // Half of the hits are where the light is nearest.
-            let there = if turn % 2 == 0 { outward } else { normalize(random(index, 30 + turn)) };
-            let target = center + there * radius;
-            [target, target + (there + random(index, 40 + turn)) * radius]
-        });
-    }
-    tried.are_at_least(3000, 10_000);
-}
-
 /// A triangle in the plane z = 0 whose front, as in mesh files, is on +z.
 fn facing_z() -> Geometry {
     of_triangle([Vec3::ZERO, Vec3::X, Vec3::Y])
-}
-
-#[test]
-fn a_light_is_kept_unless_all_of_it_is_behind() {
-    let below = light(Emitter::Point(Vec3::new(0.2, 0.2, -1.0)));
-    assert!(!reaches(&below, &shape(false, false), &WHITE, &facing_z()));
-    assert!(reaches(&below, &shape(true, false), &WHITE, &facing_z()), "both sides");
-    assert!(reaches(&below, &shape(false, true), &WHITE, &facing_z()), "turned");
-    let fast = Geometry { precision: Precision::Fast, ..facing_z() };
-    assert!(reaches(&below, &shape(false, false), &WHITE, &fast), "nothing is certain");
-    let sphere = |radius| light(Emitter::Sphere { center: Vec3::NEG_Z, radius });
-    assert!(!reaches(&sphere(0.9), &shape(false, false), &WHITE, &facing_z()));
-    assert!(reaches(&sphere(1.1), &shape(false, false), &WHITE, &facing_z()), "a part of it");
-    let upright = |top| {
-        let corners = vec![[Vec3::NEG_Z, Vec3::new(1.0, 0.0, -1.0), Vec3::new(0.0, 0.0, top)]];
-        light(Emitter::Triangles(Triangles::new(corners).expect("an area")))
-    };
-    assert!(!reaches(&upright(-0.1), &shape(false, false), &WHITE, &facing_z()));
-    assert!(reaches(&upright(0.1), &shape(false, false), &WHITE, &facing_z()), "a corner of it");
 }
 
 #[test]

@@ -183,24 +183,6 @@ fn garbage_and_cut_files_are_refused_alike() {
     }
 }
 
-#[test]
-fn a_face_longer_than_a_window_is_read() {
-    let corners: Vec<i32> = (0..400).map(|i| i % 4).collect();
-    let header = square_header(4).replace("uchar", "ushort");
-    let mut body = Bytes::new(false);
-    square().iter().flat_map(|p| p.to_array()).for_each(|x| {
-        body.add(x.to_le_bytes());
-    });
-    for length in [3, 400, 4, 3] {
-        body.add((length as u16).to_le_bytes());
-        corners[..length].iter().for_each(|i| {
-            body.add(i.to_le_bytes());
-        });
-    }
-    let read = check(&file(body.format(), &header, &body.bytes), "long").unwrap();
-    assert_eq!(read.triangles.len(), 1 + 398 + 2 + 1);
-}
-
 /// What a file that another program cuts short looks like: its length is not true.
 #[test]
 fn a_file_that_shrinks_is_an_error() {

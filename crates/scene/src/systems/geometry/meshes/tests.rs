@@ -25,15 +25,6 @@ fn made(world: &mut World) -> Output {
 }
 
 #[test]
-fn a_single_mesh_is_moved() {
-    let (mut world, data) = (World::new(), strip(1000, 0.0));
-    let places = (data.positions.as_ptr(), data.triangles.as_ptr());
-    spawn(&mut world, 0, data);
-    let geometry = made(&mut world).geometry;
-    assert_eq!((geometry.positions.as_ptr(), geometry.triangles.as_ptr()), places);
-}
-
-#[test]
 fn several_meshes_stand_one_behind_the_other() {
     // An empty mesh and a triangle between them, and one in the place of the first.
     for empty_first in [false, true] {
