@@ -14,8 +14,8 @@ use wavecrest_scene::systems::Options;
 use wavecrest_scene::write::write;
 
 use crate::support::{
-    TRACERS, assert_near, folder, image_of, matte, options, pinhole, pixel, point_light, ready,
-    ready_by, render_on, scene, sphere, textured_square, wall, with,
+    assert_near, folder, image_of, matte, options, pinhole, pixel, point_light, ready, ready_by,
+    render_on, scene, sphere, textured_square, wall, with,
 };
 
 /// A folder with an image whose left half is there, green, and whose right half is not.

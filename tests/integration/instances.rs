@@ -4,7 +4,7 @@
 use glam::{DAffine3, DMat3, DVec3, Vec3};
 use serde_json::{Value, json};
 use wavecrest_core::accel::build::Preset;
-use wavecrest_core::accel::{Accel, Hit, KernelChoice};
+use wavecrest_core::accel::{Accel, KernelChoice};
 use wavecrest_core::geometry::Geometry;
 use wavecrest_core::geometry::instance::Instance;
 use wavecrest_core::kernels::precision::Exact;

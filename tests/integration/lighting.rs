@@ -16,7 +16,7 @@ use wavecrest_scene::load::lighting::{Background, Lighting, Rig};
 use wavecrest_scene::load::{LoadOptions, load};
 use wavecrest_scene::systems;
 
-use crate::support::{folder, image_of, put, ready, run, run_well, text};
+use crate::support::{folder, image_of, put, ready, run_well};
 
 /// A ball of so many faces along its equator, without normals.
 fn ball(path: &Path, faces: u32) {
@@ -178,7 +178,7 @@ fn a_room_alone_is_lit_by_a_lamp_under_its_ceiling() {
     // Walls face inward: from the right to the left.
     let walls = block([3.0, -3.0], [0.0, 2.7], [-2.5, 2.5]);
     let table = block([-0.7, 1.0], [0.0, 0.76], [-0.4, 0.6]);
-    put(folder.path(), "room.obj", &[&walls, sides, &table, sides].concat());
+    put(folder.path(), "room.obj", [&walls, sides, &table, sides].concat());
     let options = LoadOptions { width: Some(64), height: Some(48), ..LoadOptions::default() };
     let scene = ready(load(&path, &options));
     let [light, sky] = &scene.lights[..] else { panic!("{:?}", scene.lights) };

@@ -98,7 +98,6 @@ cases! {
     34 hc34_crooked_quads;
     39 hc39_needles;
     40 hc40_before_the_origin;
-    43 hc43_from_afar;
     44 hc44_instances;
     48 hc48_integer_ends;
     49 hc49_edges_of_slivers;

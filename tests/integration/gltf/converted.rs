@@ -4,14 +4,13 @@ use std::path::Path;
 
 use serde_json::{Value, json};
 use wavecrest_core::film::Film;
-use wavecrest_image::read::read;
 use wavecrest_scene::load::{LoadOptions, load};
 use wavecrest_scene::write::write;
 
 use super::images::textured;
 use super::{loaded, rendered, small, square};
 use crate::support::{
-    edited, files_in, folder, matte, pinhole, repository, scene, scene_files, wall, wavecrest,
+    edited, files_in, folder, matte, pinhole, repository, scene, scene_files, wall,
 };
 
 /// What a file is rendered to, once it has been converted in a folder of its own.

@@ -60,19 +60,6 @@ pub(super) fn needles(numbers: &mut Numbers) -> World {
     .always_met()
 }
 
-/// Case 43. Rays from up to 10 000 radii away, at edges and vertices of a closed mesh.
-pub(super) fn from_afar(numbers: &mut Numbers) -> World {
-    const RADIUS: f64 = 64.0;
-    let mesh = Closed::new(numbers, [9, 16], 0.0, (DVec3::splat(RADIUS), Vec3::ZERO)).geometry;
-    World::new(mesh.clone(), move |numbers| {
-        let corners = mesh.triangle(numbers.below(mesh.triangles.len()));
-        let target = numbers.on_edge(corners);
-        let towards = (target.normalize() + numbers.ball(1.0)).normalize();
-        let origin = (towards * (numbers.magnitude(10.0, 1e4) * RADIUS)).as_vec3();
-        Some(Ray::new(origin, (target - origin.as_dvec3()).as_vec3()))
-    })
-}
-
 /// Points of a scan along each side, and their distance as seen by the scanner, relative to theirs
 /// from it.
 const POINTS: u32 = 48;

@@ -41,10 +41,9 @@ fn edge_on(numbers: &mut Numbers, corners: [Vec3; 3], unit: f64) -> Ray {
     let [a, b, c] = corners.map(|v| v.as_dvec3());
     let target = numbers.within(corners);
     let normal = (b - a).cross(c - a).normalize();
-    let turned = numbers.direction();
     // Half of them along the sliver, too.
-    let along = (b - a).normalize() + turned * numbers.magnitude(1e-7, 1e-1);
-    let within = if numbers.once_in(2) { along } else { turned };
+    let any = numbers.direction() * if numbers.once_in(2) { 1.0 } else { 0.01 };
+    let within = (b - a).normalize() * 0.1 + any;
     let flat = within - normal * within.dot(normal);
     let direction = flat.normalize() + normal * (numbers.sign() * numbers.magnitude(1e-7, 1e-1));
     let origin = (target - direction * (unit * numbers.magnitude(1e-2, 10.0))).as_vec3();

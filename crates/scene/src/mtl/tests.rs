@@ -113,7 +113,7 @@ fn opacity_and_glass_follow_the_statements() {
     };
     assert_eq!(of(""), (1.0, 0.0, 1.5));
     assert_eq!(of("d 0.25"), (0.25, 0.0, 1.5));
-    assert_eq!(of("Tr 0.25\nNi 9999"), (0.75, 0.0, 1.5));
+    assert_eq!(of("Tr 0.25\nNi 9999"), (0.75, 0.0, 9999.0));
     assert_eq!(of("Tr 1"), (1.0, 0.0, 1.5), "some programs write it for opaque surfaces");
     assert_eq!(of("Tr 1\nd 0.5"), (0.5, 0.0, 1.5));
     assert_eq!(of("illum 7\nd 0.25\nNi 1.33"), (1.0, 0.75, 1.33));

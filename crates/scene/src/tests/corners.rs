@@ -2,10 +2,7 @@
 
 use glam::{DVec3, dvec3};
 
-use crate::corners::{
-    direction, quad_has_area, quad_is_planar, quad_is_simple, quad_normal, triangle_has_area,
-    triangle_normal,
-};
+use crate::corners::{quad_has_area, quad_is_planar, quad_is_simple, triangle_has_area};
 
 /// The unit square in front of the viewer, who looks along -z, in the order of the format.
 fn square() -> [DVec3; 4] {
