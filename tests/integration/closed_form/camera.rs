@@ -8,8 +8,8 @@ use wavecrest_core::film::Film;
 
 use super::Eye;
 use crate::support::{
-    BACKGROUND, assert_near, edited, image, matte, pixel, places, plain, point_light, scene,
-    sphere, wall, with,
+    self, BACKGROUND, assert_near, edited, image, matte, pinhole, pixel, places, plain,
+    point_light, scene, sphere, wall, with,
 };
 
 /// The image of shapes that show their diffuse colour and nothing else.
@@ -230,4 +230,13 @@ fn antialiasing_gives_an_edge_pixel_its_covered_share() {
         // Of 16 columns of cells none is cut: the edge runs between two of them.
         assert_near(pixel(&film, x, 4), [expected; 3], 1e-6, &format!("column {x}"));
     }
+}
+
+/// Sums of a pixel are in double precision: a quarter of a million rays through a lens add no error of their own.
+#[test]
+fn hc55_the_mean_of_many_rays_is_exact() {
+    let glowing = with(matte(0.0, [0.0; 3]), "emission", json!([0.7, 0.1, 0.3]));
+    let camera = support::thin_lens(pinhole([1, 1], 1.0, 5.0), 0.1, 5.0, [512, 512]);
+    let film = image(&scene(0, &camera, &[], &[wall(50.0, 0.0, glowing)]));
+    assert_near(pixel(&film, 0, 0), [0.7, 0.1, 0.3], 1e-7, "the mean");
 }

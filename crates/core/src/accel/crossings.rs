@@ -135,11 +135,13 @@ pub(super) fn each<P: Arithmetic>(
 mod tests {
     use glam::Vec3;
 
-    use super::super::tests::{Numbers, add_triangle};
+    use super::super::tests::{Numbers, add_triangle, bumpy_sphere};
     use super::super::{Accel, KernelChoice};
     use super::*;
     use crate::accel::build::Preset;
-
+    use crate::geometry::Quadric;
+    use crate::kernels::disk::{self, Disk};
+    use crate::kernels::sphere;
     use crate::math::simd::Level;
 
     fn crossings(accel: &Accel, ray: &Ray) -> Vec<Hit> {
@@ -208,5 +210,102 @@ mod tests {
         }
         assert!(skipped > 500, "{skipped}");
         assert!(all.iter().flatten().any(|hit| hit.primitive as usize == geometry.triangles.len()));
+    }
+
+    /// Spheres are entered and left, also by rays that touch them or start inside.
+    #[test]
+    fn hc05_spheres_are_crossed_twice_and_disks_once() {
+        let mut numbers = Numbers(130_000);
+        let mut geometry = Geometry::default();
+        let mut point = || Vec3::from([0; 3].map(|_| numbers.below(5) as f32));
+        for i in 0..60 {
+            let (center, normal) = (point(), (point() - 2.0).normalize_or(Vec3::X));
+            geometry.quadrics.push(match i % 2 {
+                0 => Quadric::Sphere(center, 1.0),
+                _ => Quadric::Disk(Disk { center, normal, radius: 1.0 }),
+            });
+        }
+        let rays: Vec<Ray> = (0..600)
+            .map(|i| {
+                let (from, to) = (point(), point());
+                let t_max = if i % 4 == 0 { 1.0 } else { f32::INFINITY };
+                Ray { t_max, ..Ray::new(from, to - from) }
+            })
+            .filter(Ray::is_valid)
+            .collect();
+        let mut twice = 0;
+        for (ray, hits) in rays.iter().zip(checked(&geometry, &rays)) {
+            for (number, quadric) in (0..).zip(&geometry.quadrics) {
+                let found = hits.iter().filter(|hit| hit.primitive == number);
+                let found: Vec<f32> = found.map(|hit| hit.t).collect();
+                let expected = match *quadric {
+                    Quadric::Sphere(center, radius) => {
+                        sphere::crossings(ray, center, radius, |_| None)
+                    }
+                    Quadric::Disk(disk) => [disk::intersect_exactly(ray, &disk), None],
+                };
+                let expected: Vec<f32> = expected.into_iter().flatten().collect();
+                assert_eq!(found, expected, "{ray} {quadric:?}");
+                twice += usize::from(found.len() == 2);
+            }
+        }
+        assert!(twice > 500, "{twice}");
+    }
+
+    /// From outside, rays through corners and edges enter a closed surface as often as they leave
+    /// it, alternately.
+    #[test]
+    fn hc01_hc02_a_closed_surface_is_left_as_often_as_it_is_entered() {
+        let mut numbers = Numbers(120_000);
+        for mut geometry in [cube(), bumpy_sphere(12)] {
+            if geometry.triangles.len() > 12 {
+                weld(&mut geometry, 12);
+            }
+            let mut target = |geometry: &Geometry, i: usize| {
+                let [a, b, c] = geometry.triangle(numbers.below(geometry.triangles.len()));
+                // A corner, the middle of an edge, a point inside.
+                [a, (a + b) * 0.5, (a + b + c) * 0.25][i % 3]
+            };
+            let rays: Vec<Ray> = (0..600)
+                .map(|i| {
+                    let (p, q) = (target(&geometry, i), target(&geometry, i / 3));
+                    let from = if i % 2 == 0 { p - (q - p) * 8.0 } else { p.with_z(-9.0) };
+                    Ray::new(from, p - from)
+                })
+                .collect();
+            let mut found = 0;
+            for (ray, hits) in rays.iter().zip(checked(&geometry, &rays)) {
+                let enters = |hit: &Hit| {
+                    let corners = geometry.triangle(hit.primitive as usize);
+                    triangle::normal(&corners).dot(ray.direction.as_dvec3()) < 0.0
+                };
+                let entered = hits.iter().filter(|hit| enters(hit)).count();
+                assert_eq!(2 * entered, hits.len(), "{ray}: {hits:?}");
+                found += hits.len();
+            }
+            assert!(found > 600, "{found}");
+        }
+    }
+
+    /// Of integers, with sides along the axes: many rays run in their planes or along edges.
+    fn cube() -> Geometry {
+        let corner = |i: u8| Vec3::from([0, 1, 2].map(|k| f32::from(i >> k & 1)));
+        let sides =
+            [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+        let halves = sides.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]);
+        Geometry {
+            positions: (0..8).map(corner).collect(),
+            triangles: halves.collect(),
+            ..Geometry::default()
+        }
+    }
+
+    /// Closes the seam and the poles of a sphere of `n` times `n` pairs.
+    fn weld(geometry: &mut Geometry, n: u32) {
+        for i in 0..geometry.positions.len() as u32 {
+            let (u, v) = (i % (n + 1), i / (n + 1));
+            let like = if v == 0 || v == n { v * (n + 1) } else { i - u + u % n };
+            geometry.positions[i as usize] = geometry.positions[like as usize];
+        }
     }
 }

@@ -25,6 +25,42 @@ fn in_folder(name: &str, bytes: &[u8]) -> (TempDir, PathBuf) {
 }
 
 #[test]
+fn text_that_is_no_scene_and_a_byte_order_mark_that_is_skipped() {
+    let deep = "[".repeat(100_000);
+    for (bytes, kind, message) in [
+        (
+            &b"{\n  \"nbounces\": ,\n}"[..],
+            ErrorKind::Syntax,
+            "line 2 column 15: a value is missing or malformed; \
+             write a number, a text in double quotes, true, false, a list or an object",
+        ),
+        (
+            b"",
+            ErrorKind::Syntax,
+            "the file is empty; write a scene in it, as SCENES.md describes, or render a .gltf, .glb, .ply, .obj or .stl file",
+        ),
+        (
+            b"{\"nbounces\": 1e999}",
+            ErrorKind::Syntax,
+            "line 1 column 18: the number is too large; use one below 1e308",
+        ),
+        (b"{\"nbounces\": NaN}", ErrorKind::Syntax, "a value is missing or malformed"),
+        (b"{} {}", ErrorKind::Syntax, "more after the end of the scene"),
+        (deep.as_bytes(), ErrorKind::Syntax, "nested too deeply"),
+        (
+            b"{\"a\": \"\xff\"}",
+            ErrorKind::Syntax,
+            "the scene is not text from byte 7 on; save it as UTF-8, or check that it is a scene",
+        ),
+        ("\u{feff}[]".as_bytes(), ErrorKind::Scene, "must be a scene, an object { ... }, found []"),
+    ] {
+        let (_folder, path) = in_folder("s.json", bytes);
+        let (found, text) = refused(&path);
+        assert!(found == kind && text.contains(message), "{text} and not {message}");
+    }
+}
+
+#[test]
 #[cfg(unix)]
 fn a_scene_file_that_is_too_long_is_not_read() {
     let (_folder, path) = in_folder("s.json", b"{}");
