@@ -43,7 +43,7 @@ fn family<'a>(findings: &'a Findings, name: &str) -> &'a Family<Point> {
 fn errors_fall_as_theory_has_it() {
     let folder = folder();
     let found = findings(
-        &header(24, 121, 2025),
+        &header(40, 121, 2025),
         4,
         &repository("scenes/testareajitter.json"),
         folder.path(),

@@ -217,8 +217,8 @@ fn effects_together_give_one_image_planned_or_not_with_either_tracer() {
 /// The scenes of the price list, smaller.
 fn price_list(folder: &Path) -> Vec<SceneVariant> {
     let smaller = |mut variant: SceneVariant| {
-        variant.scene["camera"]["width"] = 32.into();
-        variant.scene["camera"]["height"] = 24.into();
+        variant.scene["camera"]["width"] = 16.into();
+        variant.scene["camera"]["height"] = 12.into();
         variant
     };
     variants(folder).expect("scenes").into_iter().map(smaller).collect()

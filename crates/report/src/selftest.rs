@@ -43,7 +43,7 @@ use world::{World, Worlds};
 pub const SEED: u64 = 1;
 
 /// The rays of a case, in all of its worlds together, in full; a hundredth of them are quick.
-const MANY: usize = 2_000_000;
+const MANY: usize = 1_000_000;
 
 /// A hard case.
 #[derive(Clone, Copy, Debug)]
@@ -149,7 +149,7 @@ pub const CASES: &[Case] = &[
     Case::rays(20, "rays in a triangle's plane", (100, MANY, boxes::in_the_plane), &[]),
     Case::rays(21, "duplicate triangles, in any order", (6, MANY, boxes::duplicates), &["hard/coplanar-duplicates"]),
     Case::images(22, "160 triangles around one point", &["hard/shared-centroid"]),
-    Case::rays(23, "500 nested triangles", (6, MANY / 40, boxes::nested), &["hard/nested-boxes"]),
+    Case::rays(23, "500 nested triangles", (6, MANY / 20, boxes::nested), &["hard/nested-boxes"]),
     Case::images(24, "scenes without shapes, or without lights", &["hard/empty", "hard/no-lights"]),
     Case::rays(26, "rays that are not finite, or have no direction", (6, MANY, boxes::invalid), &[]),
     Case::images(27, "a camera that looks along its up direction", &["hard/up-parallel"]),
