@@ -52,3 +52,55 @@ impl Cone {
 fn cosine(degrees: f64) -> f64 {
     if degrees == 90.0 { 0.0 } else { libm::cos(degrees.to_radians()) }
 }
+
+#[cfg(test)]
+mod tests {
+    use glam::Vec3;
+
+    use super::*;
+
+    /// The share that arrives at `degrees` off the axis.
+    fn at(inner: f64, outer: f64, degrees: f64) -> f32 {
+        let (sin, cos) = libm::sincos(degrees.to_radians());
+        let from = DVec3::new(sin, -cos, 0.0).as_vec3();
+        Cone::new(DVec3::NEG_Y, inner, outer).at((-from * 7.0).into())
+    }
+
+    #[test]
+    fn light_falls_between_the_angles_by_the_formula() {
+        assert_eq!(
+            [at(20.0, 40.0, 0.0), at(20.0, 40.0, 19.9), at(20.0, 40.0, 40.1)],
+            [1.0, 1.0, 0.0]
+        );
+        let cos = |degrees: f64| degrees.to_radians().cos();
+        let part = (cos(30.0) - cos(40.0)) / (cos(20.0) - cos(40.0));
+        assert!((f64::from(at(20.0, 40.0, 30.0)) - part * part).abs() < 1e-6);
+    }
+
+    #[test]
+    fn a_hard_edge_is_at_its_angle_even_where_the_cone_is_a_needle() {
+        for outer in [1e-4, 0.01, 1.0, 45.0, 89.0] {
+            assert_eq!(
+                [at(outer, outer, outer * 0.999), at(outer, outer, outer * 1.001)],
+                [1.0, 0.0],
+                "{outer}"
+            );
+        }
+    }
+
+    #[test]
+    fn a_cone_of_90_degrees_ends_at_the_plane_and_one_of_0_is_dark() {
+        let half = Cone::new(DVec3::NEG_Y, 90.0, 90.0);
+        for (height, part) in [(1e-30, 1.0), (0.0, 0.0), (-1e-30, 0.0)] {
+            assert_eq!(half.at::<f32>(Vec3::new(1.0, height, 3.0).into()), part, "{height}");
+        }
+        assert_eq!(Cone::new(DVec3::NEG_Y, 0.0, 0.0).at::<f32>(Vec3::Y.into()), 0.0);
+    }
+
+    #[test]
+    fn a_light_in_the_point_itself_gives_a_number() {
+        for outer in [0.0, 30.0, 90.0] {
+            assert_eq!(Cone::new(DVec3::X, 0.0, outer).at::<f32>(Vec3::ZERO.into()), 0.0);
+        }
+    }
+}
