@@ -141,7 +141,7 @@ fn blinn_phong(bencher: Bencher<'_, '_>, kind: &str) {
         kd: 0.8,
         exponent: exponent.unwrap_or(1.0),
         color: Vec3::new(0.9, 0.5, 0.1),
-        kr: 0.0,
+        ..Material::BLACK
     };
     let inputs = inputs(|point| [0, 1, 2].map(|k| normalize(point(k) + Vec3::Z)));
     each(bencher, &inputs, |[normal, view, light]| {
@@ -159,7 +159,7 @@ fn texture() -> Image {
 fn texture_look_up(bencher: Bencher<'_, '_>, filter: Filter) {
     let image = texture();
     let inputs = inputs(|point| Vec2::new(point(0).x, point(0).y));
-    each(bencher, &inputs, |uv| image.look_up(*uv, filter, Wrap::Repeat));
+    each(bencher, &inputs, |uv| image.look_up(uv.to_array(), filter, Wrap::Repeat));
 }
 
 /// With the footprint's level: within one level, and between two.
@@ -167,7 +167,10 @@ fn texture_look_up(bencher: Bencher<'_, '_>, filter: Filter) {
 fn trilinear_look_up(bencher: Bencher<'_, '_>, texels: f32) {
     let mut image = texture();
     image.build_pyramid();
-    let footprint = [Vec2::X, Vec2::Y].map(|side| side * (texels / 256.0));
+    let side = texels / 256.0;
+    let footprint = [[side, 0.0], [0.0, side]];
     let inputs = inputs(|point| Vec2::new(point(0).x, point(0).y));
-    each(bencher, &inputs, |uv| image.look_up_at(*uv, image.level(&footprint), Wrap::Repeat).0);
+    each(bencher, &inputs, |uv| {
+        image.look_up_at(uv.to_array(), image.level(&footprint), Wrap::Repeat).0
+    });
 }

@@ -201,18 +201,19 @@ fn pyramids_are_built_where_a_shape_is_trilinear_and_nowhere_else() {
 /// The ray after so many mirrors on the way of the camera ray through a pixel, and its differential.
 fn mirrored(scene: &PreparedScene, [x, y]: [u32; 2], mirrors: usize) -> (Ray, Differential) {
     let mut ray = scene.camera.ray(x, y, &Stream { seed: 0, pixel: 0, sample: 0, bounce: 0 });
-    let mut differential = scene.camera.differential(ray.direction);
+    let mut differential = None;
     for _ in 0..mirrors {
         let hit = scene.accel.closest(&ray, &mut scene.accel.traversal());
         let mut look_ups = LookUps::default();
-        let met = scene.interaction::<Exact>(&ray, &hit, &|| differential, &mut look_ups);
-        let Interaction::Surface(point) = met else { panic!("({x}, {y}) meets no surface") };
+        let met = scene.interaction::<Exact>(&ray, &hit, differential, &mut look_ups);
+        let Interaction::Surface(point, _) = met else { panic!("({x}, {y}) meets no surface") };
         let request = shade::mirror_request(&point, Vec3::ONE.into()).expect("a mirror ray");
-        differential = scene.mirrored(&differential, &ray, &hit, &point, &mut look_ups);
+        differential = Some(scene.mirrored(differential, &ray, &hit, &point, &mut look_ups));
         let Line { origin, direction } = request.line;
         ray = Ray::new(origin.into(), direction.into());
     }
-    (ray, differential)
+    let camera = scene.camera.differential(ray.direction.into());
+    (ray, differential.unwrap_or(camera))
 }
 
 /// Of every kind of mirror, from either side, and of another around it: derivatives are the differences of the
@@ -254,6 +255,7 @@ fn rays_change_as_their_neighbours_say() {
                 let moved = (after.origin - before.origin) / (2.0 * samples);
                 let turned = (after.direction - before.direction) / (2.0 * samples);
                 for (exact, found) in [(moved, origin[k]), (turned, direction[k])] {
+                    let found = Vec3::from(found);
                     let is_near = exact.distance(found) <= 0.01 * exact.length();
                     assert!(
                         is_near,

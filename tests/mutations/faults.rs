@@ -155,10 +155,9 @@ pub(crate) const FAULTS: &[Fault] = faults! {
     "mirrors show what is below them", 50, "crates/core/src/kernels/shade.rs":
         "smooth.dot(normal).gt(view.x.zero())" => "smooth.dot(smooth).gt(view.x.zero())";
     "infinite footprints have a level", 52, "crates/core/src/kernels/texture.rs":
-        "(x.is_finite() && y.is_finite())" => "true";
+        "across.lt(infinity).bits() & down.lt(infinity).bits()" => "u32::MAX";
     "a sphere shows half of its image", 30, "crates/core/src/kernels/texture/coordinates.rs":
-        "0.5 + libm::atan2f(normal.x, normal.z) / TAU"
-            => "0.25 + libm::atan2f(normal.x, normal.z) / (2.0 * TAU)";
+        "0.5 + libm::atan2f(x, z) / TAU" => "0.25 + libm::atan2f(x, z) / (2.0 * TAU)";
     "texels that are no numbers are kept", 53, "crates/scene/src/systems/textures.rs":
         "if x.is_finite() { x } else { 0.0 }" => "x";
     "all rays of a lens start in its middle", 54, "crates/core/src/kernels/camera.rs":

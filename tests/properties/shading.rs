@@ -16,7 +16,8 @@ use crate::inputs::{magnitude, moderate, unit, vector};
 const POWER: f32 = 10.0;
 
 /// A material that reflects at most all of their light.
-const MATERIAL: Material = Material { ks: 0.5, kd: 0.5, exponent: 8.0, color: Vec3::ONE, kr: 0.0 };
+const MATERIAL: Material =
+    Material { ks: 0.5, kd: 0.5, exponent: 8.0, color: Vec3::ONE, ..Material::BLACK };
 
 /// A point of a surface, with its error, seen from the front; the normal for shading may be any.
 fn point() -> impl Strategy<Value = ShadingPoint<f32>> {

@@ -75,6 +75,11 @@ pub enum ShadingKind {
     Instances,
 }
 
+impl ShadingKind {
+    /// Every kind, in order.
+    pub const ALL: [Self; 3] = [Self::Flat, Self::Quadrics, Self::Instances];
+}
+
 /// A ray with values derived for the tests.
 #[derive(Clone, Copy, Debug)]
 pub struct PreparedRay {

@@ -1,11 +1,11 @@
 //! The scene as the tracers see it: dense arrays, a tree and a plan, immutable while rendering.
 
 mod appearance;
-mod detail;
+mod class;
+mod differential;
 mod fingerprint;
-mod footprint;
 mod interaction;
-mod normal_map;
+mod maps;
 mod resample;
 mod transmission;
 
@@ -14,15 +14,13 @@ use std::sync::Arc;
 
 use glam::{DVec3, Vec2, Vec3, Vec4};
 
-pub use detail::{Detail, Metal, Occlusion};
+pub use class::{Class, Map, Property};
 pub use fingerprint::Fingerprints;
 pub use interaction::{Face, Group, Interaction, lanes, surface};
-pub use normal_map::NormalMap;
 pub use resample::{Original, Samples};
 pub use transmission::{Branch, Trail};
 
 use crate::accel::Accel;
-use crate::kernels::blinn_phong::Material;
 use crate::kernels::camera::Camera;
 use crate::kernels::camera::path::Path;
 pub use crate::kernels::corners::{CornerValues, NO_VALUE};
@@ -87,8 +85,8 @@ pub struct LookUps {
     pub colors: u64,
     /// Texels read.
     pub texels: u64,
-    /// Footprints of rays: one for each look-up in a trilinear texture, and one for each ray that
-    /// goes on from a surface if there are such textures.
+    /// Footprints of rays: at each hit one for the coordinates of its trilinear textures, and one for
+    /// each ray that goes on from a surface if there are such textures.
     pub footprints: u64,
 }
 
@@ -97,14 +95,12 @@ pub struct LookUps {
 pub struct Appearance {
     /// The shapes by the number of their first primitive, in rising order.
     pub shapes: Vec<Shape>,
-    /// The materials, one for each shape.
-    pub materials: Vec<Material>,
+    /// The classes of shapes.
+    pub classes: Vec<Class>,
     /// For each shape the path of its entry in the scene file.
     pub places: Vec<String>,
     /// The names of shapes.
     pub names: Vec<Option<String>>,
-    /// Details, each shared by all shapes with the same.
-    pub details: Vec<Detail>,
     /// The images that may be visible, each once.
     pub images: Vec<LazyImage>,
     /// The images of cut-outs, which decide hits.
@@ -126,12 +122,10 @@ pub struct Shape {
     pub two_sided: bool,
     /// Whether it is shaded with the normals of its mesh.
     pub smooth: bool,
-    /// Whether vertex colours of its mesh multiply its diffuse colour.
+    /// Whether vertex colours of its mesh multiply its base colour.
     pub colored: bool,
-    /// The texture that replaces its diffuse colour.
-    pub texture: Option<Texture>,
-    /// Index of its detail in [`Appearance::details`].
-    pub detail: Option<u32>,
+    /// Index of its class in [`Appearance::classes`].
+    pub class: u32,
     /// Index of its mesh in [`Appearance::meshes`].
     pub mesh: Option<u32>,
 }
@@ -145,9 +139,16 @@ pub struct Texture {
     pub filter: Filter,
     /// Wrap mode of coordinates outside 0 to 1.
     pub wrap: Wrap,
-    /// The map from points to texture coordinates.
+    /// Its coordinates.
+    pub coordinates: Coordinates,
+}
+
+/// The texture coordinates of points.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Coordinates {
+    /// The map from points.
     pub map: UvMap,
-    /// A change of these coordinates, if any.
+    /// A change of its coordinates, if any.
     pub placing: Option<Placing>,
 }
 
@@ -176,6 +177,17 @@ impl Appearance {
         self.shapes.partition_point(|shape| shape.primitives.start <= primitive) - 1
     }
 
+    /// The class of a shape.
+    #[inline(always)]
+    pub fn class(&self, shape: &Shape) -> &Class {
+        &self.classes[shape.class as usize]
+    }
+
+    /// The class of the shape that contains the primitive.
+    pub fn class_of(&self, primitive: u32) -> &Class {
+        self.class(&self.shapes[self.shape_of(primitive)])
+    }
+
     /// The images of textures and of cut-outs.
     fn all_images(&self) -> impl Iterator<Item = &LazyImage> {
         self.images.iter().chain(self.cutouts.iter().map(Arc::as_ref))
@@ -198,12 +210,12 @@ impl Appearance {
         failure.cloned().map_or(Ok(()), Err)
     }
 
-    /// Bytes held by attributes, details and images.
+    /// Bytes held by attributes, classes and images.
     pub fn bytes(&self) -> u64 {
         self.attribute_bytes() + self.all_images().map(LazyImage::bytes).sum::<u64>()
     }
 
-    /// Bytes held by attributes and details, and by all images once they are decoded.
+    /// Bytes held by attributes and classes, and by all images once they are decoded.
     pub fn expected_bytes(&self) -> u64 {
         self.attribute_bytes() + self.all_images().map(LazyImage::expected_bytes).sum::<u64>()
     }
@@ -224,7 +236,7 @@ impl Appearance {
                     + mesh.tangents.as_ref().map_or(0, CornerValues::bytes)
             })
             .sum();
-        (meshes + size_of_val(self.details.as_slice())) as u64
+        (meshes + size_of_val(self.classes.as_slice())) as u64
     }
 }
 

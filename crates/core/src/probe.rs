@@ -161,7 +161,7 @@ impl Recorder<'_> {
     /// The file of the image that gives a primitive's colour.
     fn texture_of(&self, primitive: u32) -> Option<String> {
         let appearance = &self.scene.appearance;
-        let texture = appearance.shapes[appearance.shape_of(primitive)].texture.as_ref()?;
+        let texture = appearance.class_of(primitive).color()?;
         Some(appearance.images.get(texture.image as usize)?.name().to_owned())
     }
 
@@ -224,7 +224,8 @@ impl Observer for Recorder<'_> {
     fn surface(&mut self, point: &ShadingPoint<f32>, _: Vec3) {
         let primitive = self.last_met().map(|met| met.primitive);
         let texture = primitive.and_then(|primitive| self.texture_of(primitive));
-        let transparency = primitive.and_then(|primitive| self.scene.transparency(primitive));
+        let class = primitive.map(|primitive| self.scene.appearance.class_of(primitive));
+        let transparency = class.and_then(|class| class.transparency.as_ref());
         let (kt, ior) = transparency.map_or((0.0, 1.0), |of| (of.kt, of.ior));
         let Some(met) = self.last_met() else { return };
         (met.normal, met.shading_normal) = (point.normal.into(), point.shading_normal.into());

@@ -263,15 +263,12 @@ impl<P: Arithmetic> Recursive<P> {
                 at.throughput *= remaining;
             }
             let throughput = at.throughput;
-            let differential =
-                || at.differential.unwrap_or_else(|| scene.camera.differential(ray.direction));
             let waiting = self.waiting.len();
-            let found = scene.interaction::<P>(&ray, &hit, &differential, &mut self.look_ups);
+            let found = scene.interaction::<P>(&ray, &hit, at.differential, &mut self.look_ups);
             // By reference: a copy of a shading point takes time.
             let end = match &found {
-                Interaction::Surface(point) => {
-                    let transparency =
-                        if transmits { scene.transparency(hit.primitive) } else { None };
+                Interaction::Surface(point, class) => {
+                    let transparency = class.transparency.as_ref().filter(|_| transmits);
                     let divided = transparency.map(|transparency| {
                         scene.divide(&at, &hit, transparency, point, &mut self.look_ups)
                     });
@@ -292,7 +289,7 @@ impl<P: Arithmetic> Recursive<P> {
                         if let Some((next, throughput)) = mirror_ray(point, throughput) {
                             let differential = self.differentials.then(|| {
                                 let found = &mut self.look_ups;
-                                scene.mirrored(&differential(), &ray, &hit, point, found)
+                                scene.mirrored(at.differential, &ray, &hit, point, found)
                             });
                             let trail = trail.mirrored();
                             self.waiting.push(Branch {

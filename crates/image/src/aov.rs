@@ -258,10 +258,9 @@ pub(crate) struct VisibleHit {
 impl VisibleHit {
     /// The properties of this `hit` of `ray`.
     pub(crate) fn of<P: Arithmetic>(scene: &PreparedScene, ray: &Ray, hit: &Hit) -> Option<Self> {
-        let differential = || scene.camera.differential(ray.direction);
-        match scene.interaction::<P>(ray, hit, &differential, &mut LookUps::default()) {
+        match scene.interaction::<P>(ray, hit, None, &mut LookUps::default()) {
             Interaction::Nothing => None,
-            Interaction::Surface(at) => Some(Self {
+            Interaction::Surface(at, _) => Some(Self {
                 point: at.point.into(),
                 normal: at.shading_normal.into(),
                 albedo: at.color.into(),

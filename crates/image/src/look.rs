@@ -234,7 +234,9 @@ impl Wires<'_> {
     fn line(&self, ray: &Ray, t: f32, corners: &[Vec3]) -> f32 {
         let [a, b, c] = [corners[0], corners[1], corners[2]];
         let Some(normal) = (b - a).cross(c - a).try_normalize() else { return 0.0 };
-        let steps = self.scene.camera.differential(ray.direction).at(ray, t, normal);
+        let direction = ray.direction.into();
+        let steps = self.scene.camera.differential(direction).at(direction, t, normal.into());
+        let steps = steps.map(Vec3::from);
         let point = ray.origin + ray.direction * t;
         let ends = |i: usize| (corners[i], corners[(i + 1) % corners.len()]);
         let (mut nearest, mut lowest) = (f32::INFINITY, f32::INFINITY);

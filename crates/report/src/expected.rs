@@ -10,7 +10,7 @@ use crate::statistics::{Rays, Samples};
 use wavecrest_base::error::Result;
 use wavecrest_core::counters::Counters;
 use wavecrest_core::kernels::texture::Filter;
-use wavecrest_core::prepared::PreparedScene;
+use wavecrest_core::prepared::{Class, PreparedScene};
 use wavecrest_core::render::units::Blocks;
 use wavecrest_core::render::{RenderOptions, batch_size, camera_rays, work};
 use wavecrest_core::tile::{Tile, TraceSettings, Unit};
@@ -41,8 +41,8 @@ impl Estimated {
             lights.map(|light| u64::from(light.samples())).sum()
         };
         let most = |count: fn(Filter) -> u64| -> u64 {
-            let of = |shape| scene.appearance.textures(shape).map(|t| count(t.filter)).sum();
-            scene.appearance.shapes.iter().map(of).max().unwrap_or(0)
+            let of = |class: &Class| class.maps.iter().map(|map| count(map.texture.filter)).sum();
+            scene.appearance.classes.iter().map(of).max().unwrap_or(0)
         };
         let texels = most(|filter| filter.texels() * filter.levels());
         let spreads = most(|filter| u64::from(filter == Filter::Trilinear));

@@ -11,7 +11,7 @@ use hecs::{Entity, View};
 use crate::components::{AreaLight, JsonPath, Name};
 use crate::format::Declaration;
 
-pub(crate) use maps::{EMISSION_MAP, METAL_MAP, NORMAL_MAP, OCCLUSION_MAP, OPACITY_MAP};
+pub(crate) use maps::{EMISSION_MAP, METAL_MAP, OCCLUSION_MAP, OPACITY_MAP};
 pub use maps::{Map, Maps};
 pub use material::Material;
 pub(crate) use material::{MATERIAL, OBJECT as MATERIAL_OBJECT};

@@ -8,7 +8,7 @@
 //! | `lights` | lights and their shapes | emitters with sampling data |
 //! | `view` | shapes, the camera in all frames | which shapes are visible, and from which side |
 //! | `census` | all of these | the plan: which effects the scene needs |
-//! | `details` | visible textures and materials | images, each once; properties of shapes |
+//! | `classes` | visible materials and textures | classes, each once; images, each once |
 //! | `cutouts` | cut-outs | primitives with holes, and their images |
 //! | `camera` | the view, pinhole or thin lens | the ray generator |
 //! | [`wavecrest_core::accel`] | the geometry | the tree |
@@ -22,8 +22,8 @@ mod backs;
 pub mod bounds;
 pub(crate) mod camera;
 pub(crate) mod census;
+pub(crate) mod classes;
 pub(crate) mod cutouts;
-pub(crate) mod details;
 pub(crate) mod frame;
 pub(crate) mod geometry;
 pub(crate) mod lights;
@@ -109,7 +109,7 @@ pub fn extract(world: World, options: Options<'_>) -> Result<Extracted> {
     let sky = world.query::<&Sky>().iter().next().copied();
     let hemisphere = sky.map(|sky| sky.hemisphere(world));
     let possible = materials::possible(&surfaces, &materials);
-    let transparent: Vec<bool> = surfaces.iter().map(details::is_transparent).collect();
+    let transparent: Vec<bool> = surfaces.iter().map(classes::is_transparent).collect();
     let shows_others = |shape: usize, faces: Faces| {
         transparent[shape] || faces.any() && settings.bounces > 0 && possible[shape].kr > 0.0
     };
@@ -135,7 +135,8 @@ pub fn extract(world: World, options: Options<'_>) -> Result<Extracted> {
         extracted.drop_unmet(&found.met);
     }
     let mut images = Images::default();
-    let details = details::run(&surfaces, schedule, &found, &mut images, &mut extracted.shapes);
+    let shapes = &mut extracted.shapes;
+    let classes = classes::run(&surfaces, &materials, schedule, &found, &mut images, shapes);
     let transparent = extracted.pass(&found.transparent);
     let environment =
         if plan.has(Effect::Environment) { environment::system(world, &mut images) } else { None };
@@ -147,16 +148,15 @@ pub fn extract(world: World, options: Options<'_>) -> Result<Extracted> {
         *light = environment::ambient(environment, &images, light.traced)?;
     }
     let cutouts = cutouts::run(&surfaces, &found.holes, &masks, &mut extracted);
-    extracted.drop_unused(schedule, &in_view, &details);
+    extracted.drop_unused(schedule, &in_view, &classes);
     let (camera, path) = camera::run(world, origin, schedule)?;
     let geometry::Output { geometry, shapes, meshes } = extracted;
     let appearance = Appearance {
         shapes: shapes.into_iter().map(|output| output.shape).collect(),
-        materials,
+        classes,
         places: surfaces.iter().map(|surface| surface.place.to_owned()).collect(),
         names: surfaces.iter().map(|surface| surface.name.map(|name| name.0.clone())).collect(),
         meshes,
-        details,
         images,
         cutouts,
     };

@@ -81,7 +81,7 @@ impl Cutouts {
 
 impl Cutout {
     /// Whether there is a hole at these coordinates.
-    pub(super) fn is_hole(&self, uv: Vec2) -> bool {
+    pub(super) fn is_hole(&self, uv: [f32; 2]) -> bool {
         // An image that cannot be decoded ends the render.
         let Some(image) = self.image.look_up() else { return false };
         let uv = self.placing.map_or(uv, |placing| placing.apply(uv));

@@ -47,23 +47,23 @@ impl Geometry {
                 // Corners without coordinates have no hole.
                 let Some([a, b, c]) = mesh.uvs.corners(triangle, positions) else { return false };
                 let [y, z] = surface_of(self.triangle(i)).barycentric;
-                a * (1.0 - y - z) + b * y + c * z
+                (a * (1.0 - y - z) + b * y + c * z).to_array()
             }
             (Primitive::Triangle(i), UvMap::Planar(map), _) => {
-                map.uv(surface_of(self.triangle(i)).point.into())
+                map.uv(surface_of(self.triangle(i)).point)
             }
             (Primitive::Quad(i), UvMap::Planar(map), _) => {
-                map.uv(surface_of(surface::quad_half(ray, &self.quad(i))).point.into())
+                map.uv(surface_of(surface::quad_half(ray, &self.quad(i))).point)
             }
             (Primitive::Quadric(i), map, _) => match map {
                 UvMap::Sphere(to_own) => {
                     let origin = ray.origin.as_dvec3() - self.quadrics[i].parts().0.as_dvec3();
                     let outward = origin + ray.direction.as_dvec3() * f64::from(t);
-                    texture::sphere_uv(normalize(*to_own * outward.as_vec3()))
+                    texture::sphere_uv(normalize(*to_own * outward.as_vec3()).into())
                 }
                 UvMap::Planar(map) => {
                     let columns = self.quadrics[i].columns().map(Vector::from);
-                    map.uv(surface::quadric_at::<f32, P>(&line, t, &columns).point.into())
+                    map.uv(surface::quadric_at::<f32, P>(&line, t, &columns).point)
                 }
                 UvMap::Mesh => return false,
             },

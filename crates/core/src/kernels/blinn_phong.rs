@@ -6,7 +6,7 @@ use glam::Vec3;
 use crate::math::real::{Mask, Real, Single};
 use crate::math::vector::Vector;
 
-/// The parameters of a material.
+/// The constants of a material.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Material {
     /// Weight of the highlight.
@@ -15,10 +15,14 @@ pub struct Material {
     pub kd: f32,
     /// Exponent of the highlight.
     pub exponent: f32,
-    /// Diffuse colour, unless a texture replaces it.
+    /// Base colour, unless a texture replaces it: that of diffuse light.
     pub color: Vec3,
     /// Weight of the mirror ray.
     pub kr: f32,
+    /// Colour of the highlight and of mirrored light.
+    pub tint: Vec3,
+    /// Emission, which is visible but does not light other surfaces.
+    pub emission: Vec3,
 }
 
 /// The reflection parameters of a material.
@@ -108,10 +112,21 @@ fn whole_power<F: Real<Element = f64>>(base: F, whole: u32) -> F {
 }
 
 impl Material {
-    /// The reflection parameters, with white highlights.
+    /// Reflects and emits nothing.
+    pub const BLACK: Self = Self {
+        ks: 0.0,
+        kd: 0.0,
+        exponent: 0.0,
+        color: Vec3::ZERO,
+        kr: 0.0,
+        tint: Vec3::ONE,
+        emission: Vec3::ZERO,
+    };
+
+    /// The reflection parameters.
     pub fn reflection(&self) -> Reflection<f32> {
-        let tint = Vec3::ONE.into();
-        Reflection { ks: self.ks, kd: self.kd, exponent: self.exponent, tint }
+        let Self { ks, kd, exponent, tint, .. } = *self;
+        Reflection { ks, kd, exponent, tint: tint.into() }
     }
 }
 

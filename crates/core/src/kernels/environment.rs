@@ -5,7 +5,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use glam::{DVec3, Mat3, Vec2, Vec3};
+use glam::{DVec3, Mat3, Vec3};
 use rayon::prelude::*;
 
 use super::hemisphere::Hemisphere;
@@ -38,14 +38,14 @@ impl Environment {
     /// The colour in a direction; `image` returns the image with an index.
     pub fn at<'a>(&self, direction: Vec3, image: impl FnOnce(u32) -> Option<&'a Image>) -> Vec3 {
         let own = normalize(self.to_own * direction);
-        self.color(own.y, || sphere_uv(Vec3::new(own.x, own.y, -own.z)), image)
+        self.color(own.y, || sphere_uv(Vec3::new(own.x, own.y, -own.z).into()), image)
     }
 
     /// The colour in a direction of this height, which is at `uv` of an image.
     fn color<'a>(
         &self,
         height: f32,
-        uv: impl FnOnce() -> Vec2,
+        uv: impl FnOnce() -> [f32; 2],
         image: impl FnOnce(u32) -> Option<&'a Image>,
     ) -> Vec3 {
         match self.colors {
@@ -54,14 +54,11 @@ impl Environment {
                 level + (end - level) * height.abs().min(1.0)
             }
             Surrounding::Image(number) => image(number).map_or(Vec3::ZERO, |image| {
-                let Vec2 { x, y } = uv();
+                let [x, y] = uv();
                 // The upper edge has no neighbour at the lower one.
                 let half = 0.5 / image.height as f32;
-                image.look_up(
-                    Vec2::new(x, y.clamp(half, 1.0 - half)),
-                    Filter::Bilinear,
-                    Wrap::Repeat,
-                )
+                let uv = [x, y.clamp(half, 1.0 - half)];
+                image.look_up(uv, Filter::Bilinear, Wrap::Repeat).into()
             }),
         }
     }
@@ -84,7 +81,7 @@ impl Environment {
             let across = (1.0 - height * height).sqrt();
             Hemisphere::sums(turns.iter().map(|&(u, (sin, cos))| {
                 let own = DVec3::new(across * sin, height, -across * cos).as_vec3();
-                let color = self.color(own.y, || Vec2::new(u, v as f32), |_| image);
+                let color = self.color(own.y, || [u, v as f32], |_| image);
                 (to_world * own, color.as_dvec3() * angle)
             }))
         };

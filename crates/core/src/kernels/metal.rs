@@ -4,22 +4,23 @@
 //! The models differ, so the rule is our own; [`look`] states it. Both the readers of files and
 //! texture look-ups use it.
 
-use glam::DVec3;
+use crate::math::real::Real;
+use crate::math::vector::Vector;
 
-/// The Blinn-Phong parameters for a base colour, metalness and roughness. The diffuse colour is the
-/// base colour.
+/// The Blinn-Phong parameters for a base colour, metalness and roughness, or for those in each lane.
+/// The diffuse colour is the base colour.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct MetalParameters {
+pub struct MetalParameters<D = f64> {
     /// Weight of the highlight.
-    pub ks: f64,
+    pub ks: D,
     /// Weight of the diffuse reflection.
-    pub kd: f64,
+    pub kd: D,
     /// Exponent of the highlight, a whole number.
-    pub exponent: f64,
+    pub exponent: D,
     /// Weight of the mirror ray.
-    pub kr: f64,
+    pub kr: D,
     /// Colour of the highlight and of the mirror; its largest channel is 1.
-    pub tint: DVec3,
+    pub tint: Vector<D>,
 }
 
 /// Reflectance of smooth nonmetals at normal incidence.
@@ -40,25 +41,43 @@ const LEAST_MIRROR: f64 = 0.5 / 255.0;
 /// - exponent n = 2 / r^4 - 2, rounded, at most 10 000: the width of the highlight of physically based models
 ///   (Karis, *Specular BRDF Reference*, 2013),
 /// - ks = (1 - r) min(1, f (n + 2) / 8): the height of that highlight, reduced with roughness.
-pub fn look(color: DVec3, metallic: f64, roughness: f64) -> MetalParameters {
-    let straight = DVec3::splat(DIELECTRIC * (1.0 - metallic)) + color * metallic;
-    let greatest = straight.max_element();
-    let mirrored = metallic * (1.0 - roughness) * (1.0 - roughness);
+#[inline(always)]
+pub fn look<D: Real<Element = f64>>(
+    color: Vector<D>,
+    metallic: D,
+    roughness: D,
+) -> MetalParameters<D> {
+    let (one, zero) = (metallic.same(1.0), metallic.zero());
+    let dielectric = (one - metallic).times(DIELECTRIC);
+    let straight = Vector::new(dielectric, dielectric, dielectric) + color.scale(metallic);
+    let greatest = straight.x.max(straight.y.max(straight.z));
+    let mirrored = metallic * (one - roughness) * (one - roughness);
     let kr = mirrored * greatest;
     let alpha = roughness * roughness;
-    let exponent = (2.0 / (alpha * alpha) - 2.0).min(GREATEST_EXPONENT).round();
+    let exponent =
+        (one.same(2.0) / (alpha * alpha) - one.same(2.0)).min(one.same(GREATEST_EXPONENT));
+    let whole = exponent.floor();
+    let exponent = D::select((exponent - whole).lt(one.same(0.5)), whole, whole + one);
+    let height = (greatest * (exponent + one.same(2.0)) / one.same(8.0)).min(one);
+    let is_tinted = greatest.gt(zero);
     MetalParameters {
-        ks: (1.0 - roughness) * (greatest * (exponent + 2.0) / 8.0).min(1.0),
-        kd: 1.0 - mirrored,
+        ks: (one - roughness) * height,
+        kd: one - mirrored,
         exponent,
-        kr: if kr < LEAST_MIRROR { 0.0 } else { kr },
-        tint: if greatest > 0.0 { straight / greatest } else { DVec3::ONE },
+        kr: D::select(kr.lt(one.same(LEAST_MIRROR)), zero, kr),
+        tint: Vector::select(is_tinted, straight.over(greatest), Vector::new(one, one, one)),
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use glam::DVec3;
+
     use super::*;
+
+    fn look(color: DVec3, metallic: f64, roughness: f64) -> MetalParameters {
+        super::look(color.into(), metallic, roughness)
+    }
 
     #[test]
     fn looks_follow_the_rule() {
@@ -76,8 +95,8 @@ mod tests {
     #[test]
     fn metals_are_tinted_and_nothing_gains_light() {
         let gold = DVec3::new(0.9, 0.6, 0.3);
-        assert!((look(gold, 1.0, 0.2).tint - gold / 0.9).length() < 1e-12);
-        assert!((look(gold, 0.0, 0.2).tint - DVec3::ONE).length() < 1e-12);
+        assert!((DVec3::from(look(gold, 1.0, 0.2).tint) - gold / 0.9).length() < 1e-12);
+        assert!((DVec3::from(look(gold, 0.0, 0.2).tint) - DVec3::ONE).length() < 1e-12);
         for color in [DVec3::ZERO, gold, DVec3::ONE] {
             for metallic in [0.0, 0.3, 1.0] {
                 for roughness in [0.0, 1e-9, 0.2, 0.7, 1.0] {
@@ -86,6 +105,7 @@ mod tests {
                     assert!((0.0..=1.0).contains(&ks) && (0.0..=1.0).contains(&kr));
                     assert!(kd >= 0.0 && kd + kr <= 1.0 + 1e-12, "{color} {metallic} {roughness}");
                     assert!((0.0..=10_000.0).contains(&exponent));
+                    let tint = DVec3::from(tint);
                     assert!(tint.is_finite() && tint.max_element() <= 1.0);
                 }
             }

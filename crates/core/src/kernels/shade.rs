@@ -59,7 +59,7 @@ impl ShadingPoint<f32> {
             view: view.into(),
             color: material.color.into(),
             occlusion: 1.0,
-            emission: Vec3::ZERO.into(),
+            emission: material.emission.into(),
             reflection: material.reflection(),
             kr: material.kr,
             opacity: 1.0,
@@ -89,20 +89,6 @@ impl<F: Single> ShadingPoint<F> {
             lit: self.lit.bits() >> i & 1 == 1,
             inside: self.inside.bits() >> i & 1 == 1,
         }
-    }
-
-    /// Sets the properties of lane `i` that textures can change: all except the geometry and the
-    /// lit sides.
-    pub fn set_material(&mut self, i: usize, of: &ShadingPoint<f32>) {
-        self.shading_normal.set_lane(i, of.shading_normal.into());
-        self.occlusion.set_lane(i, of.occlusion);
-        self.emission.set_lane(i, of.emission.into());
-        self.reflection.ks.set_lane(i, of.reflection.ks);
-        self.reflection.kd.set_lane(i, of.reflection.kd);
-        self.reflection.exponent.set_lane(i, of.reflection.exponent);
-        self.reflection.tint.set_lane(i, of.reflection.tint.into());
-        self.kr.set_lane(i, of.kr);
-        self.opacity.set_lane(i, of.opacity);
     }
 
     /// The light of a hit before any further ray: the ambient part of all lights together, the
@@ -303,7 +289,7 @@ mod tests {
     use crate::math::sampling::Sampling;
 
     fn point() -> ShadingPoint<f32> {
-        let matte = Material { ks: 0.0, kd: 1.0, exponent: 1.0, color: Vec3::ONE, kr: 0.5 };
+        let matte = Material { kd: 1.0, color: Vec3::ONE, kr: 0.5, ..Material::BLACK };
         let surface = [Vec3::ZERO, Vec3::splat(1e-6), Vec3::Y];
         ShadingPoint::plain(surface, normalize(Vec3::new(1.0, 1.0, 0.0)), &matte)
     }

@@ -5,8 +5,10 @@ mod lazy;
 mod pyramid;
 mod wrap;
 
-use glam::{DVec2, Vec2, Vec3};
+use glam::Vec3;
 
+use crate::math::real::{Mask, Real, Single, both};
+use crate::math::vector::Vector;
 use pyramid::MipLevel;
 use wrap::{below, neighbours, position};
 
@@ -85,13 +87,13 @@ impl Image {
         self.levels.len() as u32
     }
 
-    #[inline]
+    #[inline(always)]
     fn texel(&self, x: u32, y: u32) -> Vec3 {
         let index = y as usize * self.width as usize + x as usize;
         match &self.texels {
             Texels::Bytes(texels) => {
-                let [r, g, b, _] = texels[index];
-                Vec3::new(f32::from(r), f32::from(g), f32::from(b)) / 255.0
+                let [r, g, b, _] = texels[index].map(usize::from);
+                Vec3::new(SHARES[r], SHARES[g], SHARES[b])
             }
             Texels::Levels(texels, values) => {
                 let [r, g, b, _] = texels[index].map(usize::from);
@@ -101,64 +103,147 @@ impl Image {
         }
     }
 
-    /// The colour at `uv`: u from left to right, v from bottom to top, both 0 to 1 across the
-    /// image. Coordinates that are not finite count as 0. Without a level, trilinear look-ups are
-    /// bilinear.
-    #[inline]
-    pub fn look_up(&self, uv: Vec2, filter: Filter, wrap: Wrap) -> Vec3 {
-        match filter {
-            Filter::Nearest => {
-                let x = position(uv.x, self.width, wrap);
-                let y = position(1.0 - uv.y, self.height, wrap);
-                self.texel(below(x, self.width), below(y, self.height))
-            }
-            Filter::Bilinear | Filter::Trilinear => {
-                bilinear([self.width, self.height], uv, wrap, |x, y| self.texel(x, y))
-            }
+    /// The texel of the level, of which 0 is the image itself.
+    #[inline(always)]
+    fn texel_in(&self, level: usize, x: u32, y: u32) -> Vec3 {
+        match level.checked_sub(1).and_then(|above| self.levels.get(above)) {
+            None => self.texel(x, y),
+            Some(level) => level.texel(x, y),
         }
     }
 
-    /// The level of detail for a look-up over a parallelogram with the sides `footprint` in texture
+    /// Width and height of the level.
+    #[inline(always)]
+    fn size_of(&self, level: usize) -> [u32; 2] {
+        let above = level.checked_sub(1).and_then(|above| self.levels.get(above));
+        above.map_or([self.width, self.height], |level| level.size)
+    }
+
+    /// The colours at `uv`: u from left to right, v from bottom to top, both 0 to 1 across the
+    /// image. Coordinates that are not finite count as 0. Without a level, trilinear look-ups are
+    /// bilinear.
+    #[inline(always)]
+    pub fn look_up<F: Single>(&self, uv: [F; 2], filter: Filter, wrap: Wrap) -> Vector<F> {
+        let [u, v] = uv;
+        let [width, height] = [self.width, self.height].map(|side| u.same(side as f32));
+        match filter {
+            Filter::Nearest => {
+                let x = below(position(u, width, wrap), width);
+                let y = below(position(u.same(1.0) - v, height, wrap), height);
+                texels(
+                    [x, y],
+                    #[inline(always)]
+                    |_, x, y| self.texel(x, y),
+                )
+            }
+            Filter::Bilinear | Filter::Trilinear => bilinear(
+                [width, height],
+                uv,
+                wrap,
+                #[inline(always)]
+                |_, x, y| self.texel(x, y),
+            ),
+        }
+    }
+
+    /// The levels of detail for look-ups over parallelograms with the sides `footprint` in texture
     /// coordinates: the binary logarithm of the longer side in texels, from 0 to
     /// [`Image::coarsest`] (Williams, *Pyramidal Parametrics*, SIGGRAPH 1983; the longer side as in
     /// Heckbert, *Survey of Texture Mapping*, 1986). Elongated footprints are thus blurred rather
     /// than aliased. If a side is not finite, as at grazing angles, the level is the coarsest.
-    pub fn level(&self, footprint: &[Vec2; 2]) -> f32 {
-        let coarsest = self.coarsest() as f32;
-        let size = DVec2::new(f64::from(self.width), f64::from(self.height));
-        // No square of a single-precision number overflows in double precision.
-        let [x, y] = footprint.map(|side| (side.as_dvec2() * size).length_squared());
-        if !(x.is_finite() && y.is_finite()) {
-            return coarsest;
+    #[inline(always)]
+    pub fn level<F: Single>(&self, footprint: &[[F; 2]; 2]) -> F {
+        let [across, down] = both(
+            *footprint,
+            #[inline(always)]
+            |[u, v]| {
+                // No square of a single-precision number overflows in double precision.
+                let u = u.widen().times(f64::from(self.width));
+                let v = v.widen().times(f64::from(self.height));
+                u * u + v * v
+            },
+        );
+        let mut longer = F::Double::select(across.gt(down), across, down);
+        for lane in 0..F::LANES {
+            longer.set_lane(lane, 0.5 * log2_from_1(longer.lane(lane)));
         }
-        let longer = if x > y { x } else { y };
-        // The logarithm of 0 is negative infinity, below every level.
-        (0.5 * libm::log2(longer)).clamp(0.0, f64::from(coarsest)) as f32
+        let coarsest = footprint[0][0].same(self.coarsest() as f32);
+        let level = F::narrow(longer).min(coarsest);
+        // Also if either is NaN.
+        let infinity = across.same(f64::INFINITY);
+        let is_finite = across.lt(infinity).bits() & down.lt(infinity).bits();
+        F::select(F::mask(level.token(), is_finite), level, coarsest)
     }
 
-    /// The colour at `uv`, bilinear in the level of detail and linear between two levels; with the
-    /// number of texels read, 4 or 8. Levels below 0 count as 0; levels above [`Image::coarsest`]
-    /// and NaN count as that.
-    pub fn look_up_at(&self, uv: Vec2, level: f32, wrap: Wrap) -> (Vec3, u64) {
-        let coarsest = self.coarsest() as f32;
-        let level = if level < coarsest { level.max(0.0) } else { coarsest };
-        let finer = level.floor();
-        let color = self.look_up_in(finer as usize, uv, wrap);
-        if level == finer {
-            return (color, TEXELS_BETWEEN);
+    /// The colours at `uv`, bilinear in the level of detail and linear between two levels; and the
+    /// lanes that read two levels, a bit each. Levels below 0 count as 0; levels above
+    /// [`Image::coarsest`] and NaN count as that.
+    #[inline(always)]
+    pub fn look_up_at<F: Single>(&self, uv: [F; 2], level: F, wrap: Wrap) -> (Vector<F>, u32) {
+        let coarsest = level.same(self.coarsest() as f32);
+        let level = F::select(level.lt(coarsest), level.max(level.zero()), coarsest);
+        let finer = Real::floor(level);
+        let color = self.look_up_in(finer, uv, wrap);
+        let between = level.ne(finer);
+        if !between.any() {
+            return (color, 0);
         }
-        let coarser = self.look_up_in(finer as usize + 1, uv, wrap);
-        (mix(color, coarser, level - finer), 2 * TEXELS_BETWEEN)
+        let next = F::select(between, finer + level.same(1.0), finer);
+        let both = mix(color, self.look_up_in(next, uv, wrap), level - finer);
+        (Vector::select(between, both, color), between.bits())
     }
 
-    /// As [`Image::look_up_at`], for a whole level.
-    #[inline]
-    fn look_up_in(&self, level: usize, uv: Vec2, wrap: Wrap) -> Vec3 {
-        match level.checked_sub(1).and_then(|above| self.levels.get(above)) {
-            None => self.look_up(uv, Filter::Bilinear, wrap),
-            Some(level) => bilinear(level.size, uv, wrap, |x, y| level.texel(x, y)),
+    /// As [`Image::look_up_at`], for whole levels.
+    #[inline(always)]
+    fn look_up_in<F: Single>(&self, level: F, uv: [F; 2], wrap: Wrap) -> Vector<F> {
+        let words = level.words();
+        let levels = words.as_ref();
+        let mut size = <[F::Row; 2]>::default();
+        let [width, height] = &mut size;
+        for (lane, &level) in levels.iter().enumerate() {
+            let [x, y] = self.size_of(level as usize);
+            (width.as_mut()[lane], height.as_mut()[lane]) = (x as f32, y as f32);
         }
+        let token = level.token();
+        let size = [F::load(token, width), F::load(token, height)];
+        bilinear(
+            size,
+            uv,
+            wrap,
+            #[inline(always)]
+            |lane, x, y| self.texel_in(levels[lane] as usize, x, y),
+        )
     }
+}
+
+/// The shares of 255.
+static SHARES: [f32; 256] = {
+    let (mut shares, mut byte) = ([0.0; 256], 0);
+    while byte < shares.len() {
+        shares[byte] = byte as f32 / 255.0;
+        byte += 1;
+    }
+    shares
+};
+
+/// The binary logarithm of `x`, and 0 below 1: within 4e-16 of its value, and 1e-15.
+///
+/// With x = 2^k m and m from the root of 1/2 to that of 2, it is k + 2 / ln 2 artanh s for
+/// s = (m - 1) / (m + 1), of which s^2 is below 0.0295: the terms after s^19 / 19 add less than
+/// 1e-17.
+#[inline(always)]
+fn log2_from_1(x: f64) -> f64 {
+    /// The bits of the root of 1/2.
+    const ROOT: u64 = std::f64::consts::FRAC_1_SQRT_2.to_bits();
+    let above = if x > 1.0 { x } else { 1.0 }.to_bits() - ROOT;
+    let m = f64::from_bits((above & ((1 << 52) - 1)) + ROOT);
+    let s = (m - 1.0) / (m + 1.0);
+    let square = s * s;
+    let mut sum = 0.0;
+    for term in (0..10).rev() {
+        sum = sum * square + 1.0 / f64::from(2 * term + 1);
+    }
+    (above >> 52) as f64 + s * sum * (2.0 / std::f64::consts::LN_2)
 }
 
 /// Texels that a bilinear look-up reads.
@@ -182,26 +267,41 @@ impl Filter {
     }
 }
 
-/// The four texels around `uv` in an image of this size, weighted.
-#[inline]
-fn bilinear(
-    [width, height]: [u32; 2],
-    uv: Vec2,
+/// The four texels around each `uv` in an image of this size, weighted.
+#[inline(always)]
+fn bilinear<F: Single>(
+    [width, height]: [F; 2],
+    [u, v]: [F; 2],
     wrap: Wrap,
-    texel: impl Fn(u32, u32) -> Vec3,
-) -> Vec3 {
-    let (x0, x1, fx) = neighbours(position(uv.x, width, wrap), width, wrap);
-    let (y0, y1, fy) = neighbours(position(1.0 - uv.y, height, wrap), height, wrap);
-    let top = mix(texel(x0, y0), texel(x1, y0), fx);
-    let bottom = mix(texel(x0, y1), texel(x1, y1), fx);
+    texel: impl Fn(usize, u32, u32) -> Vec3 + Copy,
+) -> Vector<F> {
+    let [x0, x1, fx] = neighbours(position(u, width, wrap), width, wrap);
+    let [y0, y1, fy] = neighbours(position(u.same(1.0) - v, height, wrap), height, wrap);
+    let top = mix(texels([x0, y0], texel), texels([x1, y0], texel), fx);
+    let bottom = mix(texels([x0, y1], texel), texels([x1, y1], texel), fx);
     mix(top, bottom, fy)
+}
+
+/// The texels in these columns and rows; `texel` takes the lane, the column and the row.
+#[inline(always)]
+fn texels<F: Single>([x, y]: [F; 2], texel: impl Fn(usize, u32, u32) -> Vec3) -> Vector<F> {
+    let mut found = <[F::Row; 3]>::default();
+    let [red, green, blue] = &mut found;
+    let (columns, rows) = (x.words(), y.words());
+    for (lane, (&column, &row)) in columns.as_ref().iter().zip(rows.as_ref()).enumerate() {
+        let Vec3 { x, y, z } = texel(lane, column, row);
+        (red.as_mut()[lane], green.as_mut()[lane], blue.as_mut()[lane]) = (x, y, z);
+    }
+    Vector::load(x.token(), &found)
 }
 
 /// From `a` to `b` by `fraction`, below 1. Between equal colours the result is that colour,
 /// although rounded weights need not add up to 1.
-#[inline]
-fn mix(a: Vec3, b: Vec3, fraction: f32) -> Vec3 {
-    if a == b { a } else { a.lerp(b, fraction) }
+#[inline(always)]
+fn mix<F: Single>(a: Vector<F>, b: Vector<F>, fraction: F) -> Vector<F> {
+    let between = a.scale(fraction.same(1.0) - fraction) + b.scale(fraction);
+    let differs = a.x.ne(b.x) | a.y.ne(b.y) | a.z.ne(b.z);
+    Vector::select(differs, between, a)
 }
 
 #[cfg(test)]

@@ -64,6 +64,9 @@ pub trait Real:
     /// The square root.
     fn sqrt(self) -> Self;
 
+    /// The largest whole number that is not above.
+    fn floor(self) -> Self;
+
     /// The magnitude of `self` with the sign of `sign`.
     fn copysign(self, sign: Self) -> Self;
 
@@ -124,6 +127,9 @@ pub trait Single: Real<Element = f32> {
     /// The same number of lanes in memory.
     type Row: Copy + Debug + Default + AsRef<[f32]> + AsMut<[f32]>;
 
+    /// The same number of integers in memory.
+    type Words: Copy + Debug + Default + AsRef<[u32]> + AsMut<[u32]>;
+
     /// The proof, from an existing number.
     fn token(self) -> Self::Token;
 
@@ -159,9 +165,19 @@ pub trait Single: Real<Element = f32> {
     /// several callers exists once.
     fn outlined<R>(token: Self::Token, work: impl FnOnce() -> R) -> R;
 
+    /// Whole numbers from 0 to 2^24 as integers.
+    fn words(self) -> Self::Words;
+
     /// The adjacent float of each number in the direction of the shift's sign, or the number itself
     /// if the shift is zero or the number is infinite.
     fn round_away(self, shift: Self) -> Self;
+}
+
+/// `of` each of two values. Unlike `map`, it is always inlined, and so are closures marked as such: code
+/// for lanes has no other way to their instructions.
+#[inline(always)]
+pub fn both<A, B>([a, b]: [A; 2], of: impl Fn(A) -> B) -> [B; 2] {
+    [of(a), of(b)]
 }
 
 macro_rules! one {
@@ -194,6 +210,11 @@ macro_rules! one {
             #[inline(always)]
             fn sqrt(self) -> Self {
                 <$float>::sqrt(self)
+            }
+
+            #[inline(always)]
+            fn floor(self) -> Self {
+                <$float>::floor(self)
             }
 
             #[inline(always)]
@@ -247,6 +268,7 @@ impl Single for f32 {
     type Double = f64;
     type Token = ();
     type Row = [Self; 1];
+    type Words = [u32; 1];
 
     #[inline(always)]
     fn token(self) {}
@@ -299,6 +321,11 @@ impl Single for f32 {
     #[inline(never)]
     fn outlined<R>((): (), work: impl FnOnce() -> R) -> R {
         work()
+    }
+
+    #[inline(always)]
+    fn words(self) -> [u32; 1] {
+        [self as u32]
     }
 
     #[inline(always)]

@@ -89,9 +89,7 @@ impl PreparedScene {
                 let _ = write!(hasher, "{:?}{:?}", self.camera, self.origin);
             }),
             appearance: hashed(|hasher| {
-                let _ =
-                    write!(hasher, "{:?}{:?}", self.appearance.shapes, self.appearance.materials);
-                let _ = write!(hasher, "{:?}", self.appearance.details);
+                let _ = write!(hasher, "{:?}{:?}", self.appearance.shapes, self.appearance.classes);
                 let _ = write!(hasher, "{:?}{:?}", self.lights, self.background);
                 let _ = write!(hasher, "{:?} {:?}", self.ambient, self.bounces);
                 if let Some(hemisphere) = &self.hemisphere {

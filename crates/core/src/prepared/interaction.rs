@@ -5,7 +5,8 @@
 
 use glam::Vec3;
 
-use super::{Appearance, LookUps, PreparedScene, Shape};
+use super::maps::Place;
+use super::{Appearance, Class, LookUps, PreparedScene, Shape};
 use crate::accel::Hit;
 use crate::geometry::{Geometry, Primitive, ShadingKind};
 use crate::kernels::blinn_phong::{Material, Reflection};
@@ -13,6 +14,7 @@ use crate::kernels::differential::Differential;
 use crate::kernels::precision::Arithmetic;
 use crate::kernels::shade::ShadingPoint;
 use crate::kernels::surface::{self, Surface};
+use crate::kernels::transmission::Transparency;
 use crate::math::ray::Ray;
 use crate::math::real::Single;
 use crate::math::simd::LANES;
@@ -20,13 +22,13 @@ use crate::math::vector::{Line, Vector};
 
 /// The surface interaction of a traced ray.
 #[derive(Clone, Copy, Debug)]
-pub enum Interaction {
+pub enum Interaction<'a> {
     /// Nothing.
     Nothing,
     /// The shape of a light, with its colour.
     Light(Vec3),
-    /// A surface.
-    Surface(ShadingPoint<f32>),
+    /// A surface, with its class.
+    Surface(ShadingPoint<f32>, &'a Class),
 }
 
 /// A hit on a surface.
@@ -43,7 +45,8 @@ pub struct Face {
 /// A row for each axis.
 type AxisRows<F> = [<F as Single>::Row; 3];
 
-/// The data of hits of one kind, up to as many as there are lanes.
+/// The data of hits of one kind, up to as many as there are lanes. If the first has a class that is
+/// not plain, the others have the same.
 #[derive(Clone, Copy, Debug)]
 pub struct Group<F: Single> {
     /// The hits, one in each lane; unused lanes repeat the last one.
@@ -52,14 +55,14 @@ pub struct Group<F: Single> {
     pub used: u32,
     /// Hits on shapes that are lit from both sides.
     two_sided: u32,
-    /// Hits on shapes with a texture.
-    textured: u32,
-    /// Hits on shapes with a detail.
-    pub(super) detailed: u32,
+    /// Hits on shapes that emit light or colour their highlights.
+    special: u32,
     /// Hits on triangles with normals.
     smooth: u32,
     /// Hits on triangles with vertex colours.
     colored: u32,
+    /// Hits on triangles with texture coordinates.
+    pub(super) has_uvs: u32,
     /// Hits on quads.
     quads: u32,
     /// Corners of the triangles, in the prototype's space for instances; or centres of spheres,
@@ -71,14 +74,19 @@ pub struct Group<F: Single> {
     normals: [AxisRows<F>; 3],
     /// Colours at the corners, if any.
     tints: [AxisRows<F>; 3],
+    /// Texture coordinates at the corners, if maps use them.
+    uvs: [[F::Row; 2]; 3],
     /// -1 if the winding is clockwise on the front, else 1.
     side: F::Row,
-    /// Diffuse colours of materials.
+    /// Base colours.
     color: AxisRows<F>,
     /// Weights of the highlight and of the diffuse part, and the highlight's exponent.
     reflection: AxisRows<F>,
     /// Weight of the mirror ray.
     kr: F::Row,
+    /// Colours of highlights, and emission, if any of the hits is special.
+    tint: AxisRows<F>,
+    emission: AxisRows<F>,
 }
 
 impl<F: Single> Default for Group<F> {
@@ -87,19 +95,22 @@ impl<F: Single> Default for Group<F> {
             faces: [Face::default(); LANES],
             used: 0,
             two_sided: 0,
-            textured: 0,
-            detailed: 0,
+            special: 0,
             smooth: 0,
             colored: 0,
+            has_uvs: 0,
             quads: 0,
             corners: Default::default(),
             carried: Default::default(),
             normals: Default::default(),
             tints: Default::default(),
+            uvs: Default::default(),
             side: F::Row::default(),
             color: Default::default(),
             reflection: Default::default(),
             kr: F::Row::default(),
+            tint: Default::default(),
+            emission: Default::default(),
         }
     }
 }
@@ -111,22 +122,27 @@ impl<F: Single> Group<F> {
     pub fn begin(&mut self, faces: &[Face], appearance: &Appearance) {
         let last = faces[faces.len() - 1];
         self.used = ((1_u64 << faces.len()) - 1) as u32;
-        (self.two_sided, self.textured, self.detailed) = (0, 0, 0);
-        (self.smooth, self.colored, self.quads) = (0, 0, 0);
+        (self.two_sided, self.special, self.smooth) = (0, 0, 0);
+        (self.colored, self.has_uvs, self.quads) = (0, 0, 0);
         for lane in 0..F::LANES {
             // Unused lanes compute harmless values.
             let face = faces.get(lane).copied().unwrap_or(last);
             self.faces[lane] = face;
             let shape = &appearance.shapes[face.shape as usize];
+            let Class { material, is_special, .. } = appearance.class(shape);
             self.two_sided |= u32::from(shape.two_sided) << lane;
-            self.textured |= u32::from(shape.texture.is_some()) << lane;
-            self.detailed |= u32::from(shape.detail.is_some()) << lane;
+            self.special |= u32::from(*is_special) << lane;
             self.side.as_mut()[lane] = if shape.flipped { -1.0 } else { 1.0 };
-            let material = &appearance.materials[face.shape as usize];
-            let Material { ks, kd, exponent, color, kr } = *material;
+            let Material { ks, kd, exponent, color, kr, .. } = *material;
             set::<F>(&mut self.color, lane, color);
             set::<F>(&mut self.reflection, lane, Vec3::new(ks, kd, exponent));
             self.kr.as_mut()[lane] = kr;
+        }
+        for lane in 0..if self.special != 0 { F::LANES } else { 0 } {
+            let shape = &appearance.shapes[self.faces[lane].shape as usize];
+            let Material { tint, emission, .. } = appearance.class(shape).material;
+            set::<F>(&mut self.tint, lane, tint);
+            set::<F>(&mut self.emission, lane, emission);
         }
     }
 
@@ -149,6 +165,13 @@ impl<F: Single> Group<F> {
         {
             self.colored |= 1 << lane;
             set_three::<F>(&mut self.tints, lane, colors);
+        }
+        if appearance.class(shape).looks_up_uvs {
+            let uvs = appearance.uvs(shape, geometry, primitive);
+            self.has_uvs |= u32::from(uvs.is_some()) << lane;
+            for ([u, v], at) in self.uvs.iter_mut().zip(uvs.unwrap_or_default()) {
+                (u.as_mut()[lane], v.as_mut()[lane]) = (at.x, at.y);
+            }
         }
         self.fetch_corners(lane, geometry, ray);
     }
@@ -201,10 +224,65 @@ impl<F: Single> Group<F> {
         (self.colored & self.used).count_ones().into()
     }
 
-    /// Diffuse colours of materials.
+    /// Base colours of materials.
     #[inline(always)]
     pub fn colors(&self, token: F::Token) -> Vector<F> {
         Vector::load(token, &self.color)
+    }
+
+    /// The class of all hits, unless it is plain.
+    #[inline(always)]
+    pub fn class<'a>(&self, appearance: &'a Appearance) -> Option<&'a Class> {
+        let shape = &appearance.shapes[self.faces[0].shape as usize];
+        Some(appearance.class(shape)).filter(|class| !class.is_plain())
+    }
+
+    /// Colours times those of vertices, where there are any.
+    #[inline(always)]
+    pub(super) fn with_vertex_colors(&self, color: Vector<F>, barycentric: [F; 2]) -> Vector<F> {
+        if self.colored == 0 {
+            return color;
+        }
+        let token = color.x.token();
+        let tint = surface::interpolated(&three(token, &self.tints), barycentric);
+        Vector::select(F::mask(token, self.colored), color * tint, color)
+    }
+
+    /// Normals on the front, interpolated on smooth triangles; not of unit length.
+    #[inline(always)]
+    pub(super) fn front_normals(&self, surfaces: &Surface<F>) -> Vector<F> {
+        let token = surfaces.normal.x.token();
+        let flat = surfaces.normal.scale(F::load(token, &self.side));
+        let smooth = surface::interpolated(&three(token, &self.normals), surfaces.barycentric);
+        Vector::select(F::mask(token, self.smooth), smooth, flat)
+    }
+
+    /// Texture coordinates at the corners.
+    #[inline(always)]
+    pub(super) fn uvs(&self, token: F::Token) -> [[F; 2]; 3] {
+        let [[au, av], [bu, bv], [cu, cv]] = &self.uvs;
+        [
+            [F::load(token, au), F::load(token, av)],
+            [F::load(token, bu), F::load(token, bv)],
+            [F::load(token, cu), F::load(token, cv)],
+        ]
+    }
+
+    /// The radii of spheres.
+    #[inline(always)]
+    pub(super) fn radii(&self, token: F::Token) -> F {
+        F::load(token, &self.corners[1][0])
+    }
+
+    /// The corners of triangles in the world.
+    #[inline(always)]
+    pub(super) fn corners_in_world(&self, token: F::Token, geometry: &Geometry) -> [Vector<F>; 3] {
+        let mut rows = self.corners;
+        for lane in 0..if geometry.instances.is_empty() { 0 } else { F::LANES } {
+            let corners = geometry.mesh_triangle(self.faces[lane].primitive);
+            set_three::<F>(&mut rows, lane, corners.unwrap_or_default());
+        }
+        three(token, &rows)
     }
 
     /// The points at `t` of `line` on the primitives that were hit.
@@ -254,45 +332,27 @@ impl<F: Single> Group<F> {
     }
 
     /// The shading points at `t` of `line`, of unit direction, on the primitives that were hit.
-    /// `arriving` returns the differential of a lane's ray, the ray and its hit; it is called only
-    /// if a texture needs them.
+    /// `carried` returns the differential of a lane's ray, unless it is a camera ray; it is called only
+    /// if a map needs it.
     #[inline(always)]
     pub fn shading_points<P: Arithmetic>(
         &self,
         kind: ShadingKind,
-        line: &Line<F>,
-        t: F,
+        (line, t): (&Line<F>, F),
         scene: &PreparedScene,
-        arriving: impl Fn(usize) -> (Differential, Ray, Hit),
+        carried: &dyn Fn(usize) -> Option<Differential>,
         look_ups: &mut LookUps,
     ) -> ShadingPoint<F> {
         let token = t.token();
         let (appearance, geometry) = (&scene.appearance, scene.accel.geometry());
         let surfaces = self.surfaces::<P>(kind, line, t, geometry);
-        let outward = surfaces.normal.scale(F::load(token, &self.side));
-        let at_back = outward.dot(line.direction).gt(t.zero());
-        let normal = Vector::select(at_back, -outward, outward);
+        let (normal, at_back) = self.sided_normals(line, &surfaces);
         let mut shading_normal = normal;
         if self.smooth != 0 {
             let corners = three(token, &self.normals);
             let smooth = F::mask(token, self.smooth);
             shading_normal =
                 surface::interpolated_normal(&corners, surfaces.barycentric, normal, smooth);
-        }
-        let mut color = self.colors(token);
-        for lane in lanes(self.textured & self.used) {
-            let Face { primitive, shape, .. } = self.faces[lane];
-            let shape = &appearance.shapes[shape as usize];
-            let Some(texture) = &shape.texture else { continue };
-            let (surface, arriving) = (surfaces.lane(lane), || arriving(lane));
-            let face = (shape, primitive);
-            let found =
-                appearance.texture_at(texture, face, geometry, &surface, arriving, look_ups);
-            color.set_lane(lane, found);
-        }
-        if self.colored != 0 {
-            let tint = surface::interpolated(&three(token, &self.tints), surfaces.barycentric);
-            color = Vector::select(F::mask(token, self.colored), color * tint, color);
         }
         let Vector { x: ks, y: kd, z: exponent } = Vector::load(token, &self.reflection);
         let mut point = ShadingPoint {
@@ -301,7 +361,7 @@ impl<F: Single> Group<F> {
             normal,
             shading_normal,
             view: -line.direction,
-            color,
+            color: self.colors(token),
             occlusion: F::splat(token, 1.0),
             emission: Vector::splat(token, Vec3::ZERO),
             reflection: Reflection { ks, kd, exponent, tint: Vector::splat(token, Vec3::ONE) },
@@ -310,25 +370,42 @@ impl<F: Single> Group<F> {
             lit: F::mask(token, self.used) & (F::mask(token, self.two_sided) | !at_back),
             inside: at_back,
         };
-        if self.detailed & self.used != 0 {
-            // Copies, so that the point stays in registers if there are no details.
-            let (mut detailed, surfaces) = (point, surfaces);
-            self.details(&mut detailed, &surfaces, scene, &arriving, look_ups);
-            point = detailed;
+        if self.special != 0 {
+            point.reflection.tint = Vector::load(token, &self.tint);
+            point.emission = Vector::load(token, &self.emission);
         }
-        point
+        let Some(class) = self.class(appearance) else {
+            point.color = self.with_vertex_colors(point.color, surfaces.barycentric);
+            return point;
+        };
+        point.occlusion = F::splat(token, class.scattered());
+        point.opacity = F::splat(token, class.opacity());
+        // Copies, so that the point stays in registers if there are no maps.
+        let (mut mapped, surfaces) = (point, surfaces);
+        let place = Place { group: self, surfaces: &surfaces, line, t, scene, carried };
+        place.apply(class, &mut mapped, look_ups);
+        mapped
+    }
+
+    /// The normals on the side of the rays' origins, and the lanes in which that is the back.
+    #[inline(always)]
+    fn sided_normals(&self, line: &Line<F>, surfaces: &Surface<F>) -> (Vector<F>, F::Mask) {
+        let zero = surfaces.normal.x.zero();
+        let outward = surfaces.normal.scale(F::load(zero.token(), &self.side));
+        let at_back = outward.dot(line.direction).gt(zero);
+        (Vector::select(at_back, -outward, outward), at_back)
     }
 }
 
 /// The vectors of three rows. Written out, like other arrays of vectors here: `map` is not inlined,
 /// and vectors stored in pieces stall when they are reloaded.
 #[inline(always)]
-fn three<F: Single>(token: F::Token, [a, b, c]: &[AxisRows<F>; 3]) -> [Vector<F>; 3] {
+pub(super) fn three<F: Single>(token: F::Token, [a, b, c]: &[AxisRows<F>; 3]) -> [Vector<F>; 3] {
     [Vector::load(token, a), Vector::load(token, b), Vector::load(token, c)]
 }
 
 #[inline(always)]
-fn set<F: Single>([x, y, z]: &mut AxisRows<F>, lane: usize, v: Vec3) {
+pub(super) fn set<F: Single>([x, y, z]: &mut AxisRows<F>, lane: usize, v: Vec3) {
     (x.as_mut()[lane], y.as_mut()[lane], z.as_mut()[lane]) = (v.x, v.y, v.z);
 }
 
@@ -359,31 +436,61 @@ pub fn surface<P: Arithmetic>(geometry: &Geometry, ray: &Ray, hit: &Hit) -> Surf
 }
 
 impl PreparedScene {
-    /// The surface interaction of `ray`, of unit direction, with `hit`. Its `differential` is
-    /// called only if a texture needs it.
-    // Not inlined, nor once for each caller's closure: a call for each hit costs nothing, a copy
-    // some 10 KB.
+    /// The surface interaction of `ray`, of unit direction, with `hit`. It has its own `differential`,
+    /// or that of a camera ray.
+    // Not inlined: a call for each hit costs nothing, a copy some 10 KB.
     #[inline(never)]
     pub fn interaction<P: Arithmetic>(
         &self,
         ray: &Ray,
         hit: &Hit,
-        differential: &dyn Fn() -> Differential,
+        differential: Option<Differential>,
         look_ups: &mut LookUps,
-    ) -> Interaction {
+    ) -> Interaction<'_> {
         if hit.is_miss() {
             return Interaction::Nothing;
         }
         let index = self.appearance.shape_of(hit.primitive);
-        if let Some(color) = self.appearance.shapes[index].light {
+        let shape = &self.appearance.shapes[index];
+        if let Some(color) = shape.light {
             return Interaction::Light(color);
         }
-        let arriving = |_| (differential(), *ray, *hit);
         let (kind, line) = (self.accel.geometry().kind(hit.primitive), Line::from(ray));
         let group = self.group(ray, hit, index);
-        let point = group.shading_points::<P>(kind, &line, hit.t, self, arriving, look_ups);
+        let place = (&line, hit.t);
+        let point = group.shading_points::<P>(kind, place, self, &|_| differential, look_ups);
         look_ups.colors += group.colored();
-        Interaction::Surface(point)
+        Interaction::Surface(point, self.appearance.class(shape))
+    }
+
+    /// What a shadow ray of unit direction meets with `hit` on a transparent surface: its class, the
+    /// opacity, the cosine of the angle to the normal, and whether this side is the back. `None` if
+    /// the surface is not transparent.
+    #[inline(never)]
+    pub(super) fn crossing<P: Arithmetic>(
+        &self,
+        ray: &Ray,
+        hit: &Hit,
+        look_ups: &mut LookUps,
+    ) -> Option<Crossing<'_>> {
+        let index = self.appearance.shape_of(hit.primitive);
+        let class = self.appearance.class(&self.appearance.shapes[index]);
+        let transparency = class.transparency.as_ref()?;
+        let (geometry, line) = (self.accel.geometry(), Line::from(ray));
+        let group = self.group(ray, hit, index);
+        let surfaces = group.surfaces::<P>(geometry.kind(hit.primitive), &line, hit.t, geometry);
+        let (normal, inside) = group.sided_normals(&line, &surfaces);
+        let place = Place {
+            group: &group,
+            surfaces: &surfaces,
+            line: &line,
+            t: hit.t,
+            scene: self,
+            carried: &|_| Some(Differential::none()),
+        };
+        let opacity = place.opacity(class, look_ups);
+        let cosine = (-ray.direction).dot(normal.into());
+        Some(Crossing { transparency, opacity, cosine, inside })
     }
 
     /// The group of one hit, on the shape at `index`.
@@ -395,4 +502,16 @@ impl PreparedScene {
         group.fetch(0, self.accel.geometry(), &self.appearance, || *ray);
         group
     }
+}
+
+/// A point at which a shadow ray crosses a transparent surface.
+pub(super) struct Crossing<'a> {
+    /// How the surface lets light through.
+    pub(super) transparency: &'a Transparency,
+    /// Its opacity there.
+    pub(super) opacity: f32,
+    /// The cosine of the angle to its normal.
+    pub(super) cosine: f32,
+    /// Whether the ray comes from behind.
+    pub(super) inside: bool,
 }

@@ -6,7 +6,8 @@
 
 use glam::{DVec3, Vec3};
 
-use super::{Interaction, LookUps, PreparedScene};
+use super::interaction::Crossing;
+use super::{LookUps, PreparedScene};
 use crate::accel::{Hit, Traversal};
 use crate::kernels::differential::Differential;
 use crate::kernels::precision::Arithmetic;
@@ -62,11 +63,9 @@ pub struct Branch {
 }
 
 impl PreparedScene {
-    /// How the surface of the primitive lets light through; `None` if it does not.
-    #[inline]
-    pub fn transparency(&self, primitive: u32) -> Option<&Transparency> {
-        let shape = &self.appearance.shapes[self.appearance.shape_of(primitive)];
-        self.appearance.details.get(shape.detail? as usize)?.transparency.as_ref()
+    /// Whether ambient light arrives along shadow rays.
+    pub(super) fn traces_ambient(&self) -> bool {
+        self.hemisphere.is_some_and(|hemisphere| hemisphere.traced)
     }
 
     /// Whether the exact t of hits is needed: for footprints, and for light absorbed on the way.
@@ -127,11 +126,10 @@ impl PreparedScene {
             next(behind, ray.direction, throughput * (1.0 - point.opacity)),
         ];
         if self.carries_differentials() {
-            let from =
-                arriving.differential.unwrap_or_else(|| self.camera.differential(ray.direction));
+            let from = self.arriving(arriving.differential, &ray);
             let [mirror, bent, straight] = &mut branches;
             if let Some(mirror) = mirror {
-                mirror.differential = Some(self.mirrored(&from, &ray, hit, point, look_ups));
+                mirror.differential = Some(self.mirrored(Some(from), &ray, hit, point, look_ups));
             }
             for (branch, refracted) in [(bent, refracted.as_ref()), (straight, None)] {
                 if let Some(branch) = branch {
@@ -172,16 +170,11 @@ impl PreparedScene {
         // For each absorption the way inside, and by how much fronts outnumber backs.
         let mut ways: Vec<(Vec3, f64, i32)> = Vec::new();
         for hit in hits.iter() {
-            let Some(transparency) = self.transparency(hit.primitive) else { continue };
             let along = Hit { t: (f64::from(hit.t) * length) as f32, ..*hit };
-            let Interaction::Surface(point) =
-                self.interaction::<P>(&unit, &along, &Differential::default, look_ups)
-            else {
-                continue;
-            };
-            let cosine = Vec3::from(point.view).dot(point.normal.into());
-            passed *= transparency.passed(point.opacity, cosine);
-            let (sign, absorption) = (if point.inside { -1 } else { 1 }, transparency.absorption);
+            let Some(found) = self.crossing::<P>(&unit, &along, look_ups) else { continue };
+            let Crossing { transparency, opacity, cosine, inside } = found;
+            passed *= transparency.passed(opacity, cosine);
+            let (sign, absorption) = (if inside { -1 } else { 1 }, transparency.absorption);
             let way = -f64::from(sign) * f64::from(hit.t) * length;
             match ways.iter_mut().find(|(known, ..)| *known == absorption) {
                 Some((_, sum, depth)) => (*sum, *depth) = (*sum + way, *depth + sign),

@@ -1,7 +1,7 @@
 //! Pass 3: adds the light of every hit and collects its requests.
 //!
-//! Hits are sorted by kind. Misses and lights are handled at once; hits on quadrics, on instances,
-//! and on triangles and quads wait in [`faces`] and are shaded together.
+//! Misses and lights are handled at once; other hits wait in [`faces`] and are shaded together: hits
+//! on plain classes by the kind of primitive, others by class and kind. So nothing branches by hit.
 
 mod faces;
 
@@ -11,19 +11,19 @@ use glam::Vec3;
 
 use super::batch::{Batch, Vectors};
 use super::count;
-use crate::accel::{Hit, NO_PRIMITIVE};
+use crate::accel::NO_PRIMITIVE;
 use crate::counters::Counters;
 use crate::geometry::ShadingKind;
 use crate::kernels::differential::Differential;
 use crate::kernels::precision::Arithmetic;
 use crate::kernels::shade::{ShadingPoint, mirror_request};
-use crate::math::ray::Ray;
+use crate::kernels::transmission::Transparency;
 use crate::math::real::{Mask, Single};
 use crate::math::simd::{LANES, Pass, dispatch_pass};
 use crate::math::vector::{Line, Vector};
 use crate::plan::schedule::Step;
-use crate::prepared::{Branch, Face, Group, Interaction, LookUps, PreparedScene, Trail, lanes};
-use faces::WaitingHits;
+use crate::prepared::{Branch, Face, Group, LookUps, PreparedScene, Trail, lanes};
+use faces::{Groups, SortedHits, WaitingHits};
 
 /// Adds background, emission and ambient light to the paths; collects lit points and, while bounces
 /// are left, the next rays.
@@ -56,6 +56,7 @@ pub(super) fn run<P: Arithmetic>(
         tints: schedule.runs(Step::Tints),
         mirrors: schedule.has_mirrors() && (bounce < scene.bounces || schedule.has_transmission()),
         transmits: schedule.has_transmission(),
+        needs_t: scene.needs_t(),
         precision: PhantomData,
     };
     dispatch_pass(scene.accel.level, shade);
@@ -77,6 +78,8 @@ struct Shade<'a, P> {
     transmits: bool,
     /// Whether highlights are coloured.
     tints: bool,
+    /// Whether the t of every hit is needed.
+    needs_t: bool,
     precision: PhantomData<P>,
 }
 
@@ -87,10 +90,12 @@ impl<P: Arithmetic> Pass for Shade<'_, P> {
     fn run<F: Single>(mut self, token: F::Token) {
         let appearance = &self.scene.appearance;
         let geometry = self.scene.accel.geometry();
-        let (mut flat, mut quadrics) = (WaitingHits::<F>::new(), WaitingHits::new());
-        let mut instances = (!geometry.instances.is_empty()).then(WaitingHits::new);
+        let mut groups = Groups::<F>::new();
+        let mut waiting = ShadingKind::ALL.map(|_| WaitingHits::new());
+        let is_mixed = appearance.classes.iter().any(|class| !class.is_plain());
+        let mut sorted = SortedHits::new(if is_mixed { appearance.classes.len() } else { 0 });
         // The last shape hit: the next hit is likely on it too.
-        let mut last = 0;
+        let (mut last, mut is_plain) = (usize::MAX, true);
         for i in 0..self.batch.rays.len() {
             let primitive = self.batch.hits.hit[i].primitive;
             if primitive == NO_PRIMITIVE {
@@ -100,32 +105,32 @@ impl<P: Arithmetic> Pass for Shade<'_, P> {
             if self.transmits {
                 self.absorb(i);
             }
-            if !appearance.shapes[last].primitives.contains(&primitive) {
+            let mut shape = appearance.shapes.get(last);
+            if !shape.is_some_and(|shape| shape.primitives.contains(&primitive)) {
                 last = appearance.shape_of(primitive);
+                shape = appearance.shapes.get(last);
+                is_plain = shape.is_none_or(|shape| appearance.class(shape).is_plain());
             }
-            if let Some(color) = appearance.shapes[last].light {
+            let Some(shape) = shape else { continue };
+            if let Some(color) = shape.light {
                 self.light(i, color);
                 continue;
             }
-            if self.transmits && self.scene.transparency(primitive).is_some() {
-                self.transparent(i);
-                continue;
-            }
             let kind = geometry.kind(primitive);
-            let faces = match (kind, &mut instances) {
-                (ShadingKind::Instances, Some(instances)) => instances,
-                (ShadingKind::Quadrics, _) => &mut quadrics,
-                _ => &mut flat,
-            };
-            if faces.push(Face { ray: i as u32, primitive, shape: last as u32 }) {
-                self.block(token, faces, kind);
+            let face = Face { ray: i as u32, primitive, shape: last as u32 };
+            if is_plain {
+                let waiting = &mut waiting[kind as usize];
+                if waiting.push(face, Groups::<F>::BLOCK) {
+                    self.block(token, &mut groups, waiting.take(), kind);
+                }
+            } else if sorted.push(face, shape.class, kind) {
+                self.spans(token, &mut groups, &mut sorted);
             }
         }
-        self.block(token, &mut flat, ShadingKind::Flat);
-        self.block(token, &mut quadrics, ShadingKind::Quadrics);
-        if let Some(instances) = &mut instances {
-            self.block(token, instances, ShadingKind::Instances);
+        for (waiting, kind) in waiting.iter_mut().zip(ShadingKind::ALL) {
+            self.block(token, &mut groups, waiting.take(), kind);
         }
+        self.spans(token, &mut groups, &mut sorted);
     }
 }
 
@@ -157,32 +162,6 @@ impl<P: Arithmetic> Shade<'_, P> {
         }
     }
 
-    /// Shades a hit on a transparent surface.
-    #[inline(never)]
-    fn transparent(&mut self, i: usize) {
-        let (differential, ray, hit) = self.arriving(i as u32);
-        let (throughput, path) = (self.batch.rays.throughput.get(i), self.batch.rays.path[i]);
-        let arriving =
-            Branch { ray, throughput, trail: self.trail(i), differential: Some(differential) };
-        let mut look_ups = LookUps::default();
-        let scene = self.scene;
-        let found = scene.interaction::<P>(&ray, &hit, &|| differential, &mut look_ups);
-        let (Interaction::Surface(point), Some(transparency)) =
-            (found, scene.transparency(hit.primitive))
-        else {
-            return;
-        };
-        let (own, branches) = scene.divide(&arriving, &hit, transparency, &point, &mut look_ups);
-        count(look_ups, self.counters);
-        let local = point.local_light(scene.ambient, scene.hemisphere.as_ref());
-        self.batch.paths.radiance.add(path as usize, own * Vec3::from(local));
-        if self.shadows && point.lit {
-            self.collect(&point, own.into(), &[path; LANES]);
-        }
-        let branches = branches.into_iter().rev().flatten();
-        branches.for_each(|branch| self.batch.waiting.push(path, branch));
-    }
-
     /// Appends the lit points.
     #[inline(always)]
     fn collect<F: Single>(
@@ -205,15 +184,39 @@ impl<P: Arithmetic> Shade<'_, P> {
         self.batch.paths.radiance.add(path, self.batch.rays.throughput.get(i) * color);
     }
 
-    /// Shades the waiting hits.
-    fn block<F: Single>(&mut self, token: F::Token, faces: &mut WaitingHits<F>, kind: ShadingKind) {
+    /// Shades hits, those of each class together.
+    fn spans<F: Single>(
+        &mut self,
+        token: F::Token,
+        groups: &mut Groups<F>,
+        sorted: &mut SortedHits,
+    ) {
+        for span in sorted.sort() {
+            for faces in sorted.faces(&span).chunks(Groups::<F>::BLOCK) {
+                self.block(token, groups, faces, span.kind);
+            }
+        }
+    }
+
+    /// Shades up to a block of hits of one kind.
+    fn block<F: Single>(
+        &mut self,
+        token: F::Token,
+        groups: &mut Groups<F>,
+        faces: &[Face],
+        kind: ShadingKind,
+    ) {
+        if faces.is_empty() {
+            return;
+        }
         F::outlined(
             token,
             #[inline(always)]
             || {
                 let rays = &self.batch.rays;
                 let (geometry, appearance) = (self.scene.accel.geometry(), &self.scene.appearance);
-                for group in faces.take(self.has_any, geometry, appearance, |i| rays.ray(i)) {
+                let ray = |i| rays.ray(i);
+                for group in groups.fetch(faces, self.has_any, geometry, appearance, ray) {
                     self.group(token, group, kind);
                 }
             },
@@ -236,16 +239,24 @@ impl<P: Arithmetic> Shade<'_, P> {
         let line = Line { origin, direction: fetch(token, &rays.direction, &numbers) };
         let t = self.distances::<F>(token, kind, &numbers);
         let mut look_ups = LookUps::default();
-        let arriving = |lane: usize| self.arriving(group.faces[lane].ray);
-        let point = group.shading_points::<P>(kind, &line, t, self.scene, arriving, &mut look_ups);
+        let carried = |lane: usize| self.carried_differential(numbers[lane] as usize);
+        let scene = self.scene;
+        let point = group.shading_points::<P>(kind, (&line, t), scene, &carried, &mut look_ups);
         look_ups.colors = group.colored();
+        let transparency = || group.class(&scene.appearance)?.transparency.as_ref();
+        let divided = if self.transmits { transparency() } else { None };
+        let throughput = match divided {
+            None => throughput,
+            Some(through) => self.divide(group, through, (&point, throughput), &mut look_ups),
+        };
         count(look_ups, self.counters);
-        let local = point.local_light(self.scene.ambient, self.scene.hemisphere.as_ref());
+        let local = point.local_light(scene.ambient, scene.hemisphere.as_ref());
         self.add(group.used, &path, throughput * local);
         if self.shadows && point.lit.any() {
             self.collect(&point, throughput, &path);
         }
         if self.mirrors
+            && divided.is_none()
             && let Some(mut next) = mirror_request(&point, throughput)
         {
             self.batch.next.provide();
@@ -260,11 +271,38 @@ impl<P: Arithmetic> Shade<'_, P> {
         }
     }
 
+    /// Divides the paths at points of transparent surfaces, with these throughputs. Returns those of
+    /// the light that the surfaces send to the rays themselves.
+    #[inline(never)]
+    fn divide<F: Single>(
+        &mut self,
+        group: &Group<F>,
+        transparency: &Transparency,
+        (points, mut throughputs): (&ShadingPoint<F>, Vector<F>),
+        look_ups: &mut LookUps,
+    ) -> Vector<F> {
+        for lane in lanes(group.used) {
+            let i = group.faces[lane].ray as usize;
+            let (ray, hit) = (self.batch.rays.ray(i), self.batch.hits.hit[i]);
+            let (throughput, trail) = (throughputs.lane(lane), self.trail(i));
+            let differential = self.carried_differential(i);
+            let arriving = Branch { ray, throughput, trail, differential };
+            let point = points.lane(lane);
+            let (own, branches) =
+                self.scene.divide(&arriving, &hit, transparency, &point, look_ups);
+            throughputs.set_lane(lane, own);
+            let path = self.batch.rays.path[i];
+            let branches = branches.into_iter().rev().flatten();
+            branches.for_each(|branch| self.batch.waiting.push(path, branch));
+        }
+        throughputs
+    }
+
     /// The t of the hits, where it matters: exact points of triangles follow from the rays alone.
     #[inline(always)]
     fn distances<F: Single>(&self, token: F::Token, kind: ShadingKind, rays: &[u32; LANES]) -> F {
         let mut t = F::splat(token, 0.0);
-        if P::IS_FAST || kind == ShadingKind::Quadrics {
+        if P::IS_FAST || kind == ShadingKind::Quadrics || self.needs_t {
             for (lane, &ray) in rays.iter().enumerate().take(F::LANES) {
                 t.set_lane(lane, self.batch.hits.hit[ray as usize].t);
             }
@@ -309,23 +347,20 @@ impl<P: Arithmetic> Shade<'_, P> {
     ) {
         let mut look_ups = LookUps::default();
         for lane in lanes(asked) {
-            let (differential, ray, hit) = self.arriving(rays[lane]);
+            let i = rays[lane] as usize;
+            let (ray, hit) = (self.batch.rays.ray(i), self.batch.hits.hit[i]);
+            let carried = self.carried_differential(i);
             let point = points.lane(lane);
-            let next = self.scene.mirrored(&differential, &ray, &hit, &point, &mut look_ups);
+            let next = self.scene.mirrored(carried, &ray, &hit, &point, &mut look_ups);
             self.batch.push_differential(next);
         }
         count(look_ups, self.counters);
     }
 
-    /// The ray with that number, with its differential and its hit.
-    fn arriving(&self, ray: u32) -> (Differential, Ray, Hit) {
-        let number = ray as usize;
-        let (ray, hit) = (self.batch.rays.ray(number), self.batch.hits.hit[number]);
-        let differential = match self.bounce {
-            1.. if self.differentials => self.batch.differentials[number],
-            _ => self.scene.camera.differential(ray.direction),
-        };
-        (differential, ray, hit)
+    /// The differential of the ray with that number, unless it is a camera ray.
+    #[inline(always)]
+    fn carried_differential(&self, ray: usize) -> Option<Differential> {
+        (self.bounce > 0 && self.differentials).then(|| self.batch.differentials[ray])
     }
 }
 

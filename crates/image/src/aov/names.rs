@@ -2,9 +2,9 @@
 
 use std::collections::{BTreeSet, HashMap};
 
-use serde_json::{Map, Value};
+use serde_json::Value;
 
-use wavecrest_core::prepared::{Appearance, PreparedScene};
+use wavecrest_core::prepared::{Appearance, Class, Map, PreparedScene};
 
 /// The numbers of a scene's shapes and materials.
 pub(super) struct ShapeNumbers<'a> {
@@ -28,10 +28,13 @@ impl<'a> ShapeNumbers<'a> {
                 names.materials.push(0);
                 continue;
             }
-            let texture = shape.texture.as_ref().map(|t| (t.image, t.filter, t.wrap));
+            let Class { material, transparency, maps, .. } = appearance.class(shape);
+            // Without coordinates, in which shapes differ.
+            let maps = maps.iter().map(|Map { property, texture: t }| {
+                format!("{property:?} {} {:?} {:?}", t.image, t.filter, t.wrap)
+            });
             // As text, numbers are as good as their bits.
-            let detail = shape.detail;
-            let text = format!("{:?} {texture:?} {detail:?}", appearance.materials.get(index));
+            let text = format!("{material:?} {transparency:?} {:?}", maps.collect::<Vec<_>>());
             let number = *known.entry(text).or_insert_with(|| {
                 names.first.push(index);
                 names.first.len() as u32
@@ -79,5 +82,5 @@ impl<'a> ShapeNumbers<'a> {
 fn table(numbers: &[u32], name: impl Fn(u32) -> String) -> String {
     let seen: BTreeSet<u32> = numbers.iter().copied().filter(|&number| number > 0).collect();
     let entries = seen.into_iter().map(|number| (number.to_string(), Value::from(name(number))));
-    Value::Object(entries.collect::<Map<_, _>>()).to_string()
+    Value::Object(entries.collect::<serde_json::Map<_, _>>()).to_string()
 }

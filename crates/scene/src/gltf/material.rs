@@ -87,10 +87,10 @@ impl Surface {
     /// The material, with or without an emission texture.
     pub(super) fn material(&self, glow: Option<&Map>) -> Material {
         let (look, diffuse_color, emission) = if self.is_unlit {
-            let matte = look(DVec3::ZERO, 0.0, 1.0);
+            let matte = look(DVec3::ZERO.into(), 0.0, 1.0);
             (MetalParameters { kd: 0.0, ..matte }, DVec3::ZERO, self.base_color)
         } else {
-            let look = look(self.base_color, self.metallic, self.roughness);
+            let look = look(self.base_color.into(), self.metallic, self.roughness);
             // Light that goes through is not scattered.
             let kd = look.kd * (1.0 - self.transparency().kt);
             // Such a texture is usually mostly black: without it, even emission would be wrong.
@@ -105,7 +105,7 @@ impl Surface {
             diffuse_color,
             kr: look.kr,
             emission,
-            specular_color: look.tint,
+            specular_color: look.tint.into(),
         }
     }
 

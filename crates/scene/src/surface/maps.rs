@@ -8,7 +8,7 @@ use wavecrest_base::error::Result;
 pub(crate) const EMISSION_MAP: &str = "emissionmap";
 pub(crate) const METAL_MAP: &str = "metalmap";
 pub(crate) const OCCLUSION_MAP: &str = "occlusionmap";
-pub(crate) const NORMAL_MAP: &str = "normalmap";
+const NORMAL_MAP: &str = "normalmap";
 pub(crate) const OPACITY_MAP: &str = "opacitymap";
 
 /// Textures of properties other than the diffuse colour. None is tinted.

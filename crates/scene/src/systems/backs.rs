@@ -5,7 +5,7 @@ use super::camera::frames_of;
 use super::reach::{Extent, Faces, is_faced};
 use wavecrest_base::error::{Error, ErrorKind};
 use wavecrest_core::math::random::Stream;
-use wavecrest_core::prepared::PreparedScene;
+use wavecrest_core::prepared::{Class, PreparedScene};
 
 /// Largest number of test rays along each side of the image.
 const RAYS: u32 = 64;
@@ -34,9 +34,10 @@ fn from_behind(scene: &PreparedScene) -> Vec<bool> {
     let pupils: Vec<Extent> = cameras.iter().map(Extent::of_pupil).collect();
     let geometry = scene.accel.geometry();
     let mut tests = 0;
-    let shapes = scene.appearance.shapes.iter().zip(&scene.appearance.materials);
+    let shapes = scene.appearance.shapes.iter();
     shapes
-        .map(|(shape, material)| {
+        .map(|shape| {
+            let Class { material, .. } = scene.appearance.class(shape);
             let shows_light = material.kd > 0.0 || material.ks > 0.0 || material.kr > 0.0;
             let is_candidate = shape.light.is_none() && shows_light && !pupils.is_empty();
             let faces = |pupil| is_faced(shape, Faces::lit(shape), pupil, geometry, &mut tests);

@@ -103,6 +103,7 @@ pub(crate) fn left(mesh: &MeshData, found: &CutOut, images: &mut Masks) -> Optio
     let image = images.of(found)?.image.get().ok()?;
     let LookUp { filter, wrap, placing: placed, .. } = found.look_up;
     let shows = |uv: Vec2| {
+        let uv = uv.to_array();
         let uv = placed.map_or(uv, |placed| placing(placed).apply(uv));
         image.look_up(uv, filter, wrap).x >= found.threshold as f32
     };

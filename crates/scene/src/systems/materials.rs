@@ -1,7 +1,5 @@
 //! Materials: one row of numbers for each shape.
 
-use glam::Vec3;
-
 use crate::components::{Map, SurfaceComponents};
 use wavecrest_core::kernels::blinn_phong::Material;
 use wavecrest_core::kernels::metal;
@@ -10,12 +8,14 @@ use wavecrest_core::kernels::metal;
 /// count give their material here.
 pub(crate) fn run(surfaces: &[SurfaceComponents<'_>]) -> Vec<Material> {
     let of = |surface: &SurfaceComponents<'_>| {
-        let material = surface.material.map_or(BLACK, |m| Material {
+        let material = surface.material.map_or(Material::BLACK, |m| Material {
             ks: m.ks as f32,
             kd: m.kd as f32,
             exponent: m.specular_exponent as f32,
             color: m.diffuse_color.as_vec3(),
             kr: m.kr as f32,
+            tint: m.specular_color.as_vec3(),
+            emission: m.emission.as_vec3(),
         });
         match surface.maps.metal.as_ref().is_some_and(Map::is_constant) {
             true => smooth_nonmetal(material),
@@ -27,7 +27,7 @@ pub(crate) fn run(surfaces: &[SurfaceComponents<'_>]) -> Vec<Material> {
 
 /// The material at every hit under a metal map whose factors are 0.
 fn smooth_nonmetal(material: Material) -> Material {
-    let look = metal::look(material.color.as_dvec3(), 0.0, 0.0);
+    let look = metal::look(material.color.as_dvec3().into(), 0.0, 0.0);
     let (ks, kd, exponent) = (look.ks as f32, look.kd as f32, look.exponent as f32);
     Material { ks, kd, exponent, kr: look.kr as f32, ..material }
 }
@@ -46,6 +46,3 @@ pub(crate) fn possible(
     };
     surfaces.iter().zip(materials).map(may).collect()
 }
-
-/// Reflects nothing.
-const BLACK: Material = Material { ks: 0.0, kd: 0.0, exponent: 0.0, color: Vec3::ZERO, kr: 0.0 };

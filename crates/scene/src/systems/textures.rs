@@ -13,7 +13,7 @@ use crate::components::{self, Channels, Encoding, LookUp, TextureRef, TextureSou
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_core::kernels::texture::{Filter, Image, Texels};
 use wavecrest_core::math::srgb::srgb_decode;
-use wavecrest_core::prepared::{LazyImage, Placing, Texture, UvMap};
+use wavecrest_core::prepared::{Coordinates, LazyImage, Placing, Texture, UvMap};
 
 /// Largest decoded image, in texels on a side.
 const MAX_SIDE: u32 = 1 << 16;
@@ -56,7 +56,7 @@ impl Images {
             self.all[number as usize].0.look_up.filter = *filter;
         }
         let (filter, wrap, placing) = (*filter, *wrap, placed.map(placing));
-        Texture { image: number, filter, wrap, map, placing }
+        Texture { image: number, filter, wrap, coordinates: Coordinates { map, placing } }
     }
 
     /// Reads the headers of all images: each is decoded at its first look-up, with a pyramid if any

@@ -1,13 +1,14 @@
 //! Ray differentials of camera rays.
 
-use glam::Vec3;
+use glam::{DVec3, Vec3};
 
 use super::Camera;
 use crate::kernels::differential::Differential;
-use crate::math::float::dot_f64;
+use crate::math::real::{Real, Single, both};
+use crate::math::vector::Vector;
 
 impl Camera {
-    /// The differential of the camera ray in this direction, for a step to the right and one down
+    /// The differentials of the camera rays in these directions, for a step to the right and one down
     /// to the next sample. With an antialias of n, a step is an n-th of a pixel.
     ///
     /// The differential of a lens ray is taken at a fixed point of the lens. The ray's direction is
@@ -15,17 +16,29 @@ impl Camera {
     /// the focus by f times its movement at depth 1, and |w| is f over the forward component of the
     /// direction. So f cancels: the derivative is that of a pinhole's ray in the same direction,
     /// and the origin does not change.
-    pub fn differential(&self, direction: Vec3) -> Differential {
-        let direction = direction.as_dvec3();
-        let ahead = dot_f64(direction, self.forward.as_dvec3());
+    #[inline(always)]
+    pub fn differential<F: Single>(&self, direction: Vector<F>) -> Differential<F> {
+        let direction = direction.widen();
+        let ahead = direction.dot(in_lanes(direction.x, self.forward.as_dvec3()));
         let [width, height] = self.size.map(f64::from);
         let [right, up] = self.half.map(|half| half.as_dvec3());
         let samples = f64::from(self.antialias);
-        let steps = [right * (2.0 / width / samples), up * (-2.0 / height / samples)];
-        let changes = steps.map(|step| {
-            let across = step - direction * dot_f64(direction, step);
-            (across * ahead).as_vec3()
-        });
-        Differential { origin: [Vec3::ZERO; 2], direction: changes }
+        let changes = both(
+            [right * (2.0 / width / samples), up * (-2.0 / height / samples)],
+            #[inline(always)]
+            |step| {
+                let step = in_lanes(direction.x, step);
+                let across = step - direction.scale(direction.dot(step));
+                Vector::<F>::narrow(across.scale(ahead))
+            },
+        );
+        let still = Vector::splat(changes[0].x.token(), Vec3::ZERO);
+        Differential { origin: [still; 2], direction: changes }
     }
+}
+
+/// The vector in each lane of a number like this one.
+#[inline(always)]
+fn in_lanes<D: Real<Element = f64>>(like: D, v: DVec3) -> Vector<D> {
+    Vector::new(like.same(v.x), like.same(v.y), like.same(v.z))
 }

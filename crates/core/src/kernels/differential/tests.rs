@@ -99,7 +99,7 @@ impl View {
 
     fn differential(&self, direction: Vec3) -> Differential {
         Camera::new(&self.placement, self.antialias, Sampling::Jittered, None)
-            .differential(direction)
+            .differential(direction.into())
     }
 }
 
@@ -226,7 +226,8 @@ fn follow(view: &View, sample: DVec2, mirrors: &[(Mirror, f64)]) -> Ray64 {
 
 /// By how much a derivative is off, in parts of its length.
 #[track_caller]
-fn check(found: Vec3, exact: DVec3, what: &str) {
+fn check(found: Vector<f32>, exact: DVec3, what: &str) {
+    let found = Vec3::from(found);
     let error = found.as_dvec3().distance(exact) / exact.length();
     assert!(error <= RELATIVE_ERROR, "{what}: {found} is off {exact} by {error:e}");
 }
@@ -248,7 +249,7 @@ fn camera_rays_of_a_pinhole_and_of_a_lens_change_as_their_neighbours_say() {
         let found = view.differential(view.ray(at).1.as_vec3());
         for (k, axis) in AXES.into_iter().enumerate() {
             let (origin, direction) = central(|p| view.ray(p), at, axis);
-            assert!(origin.length() < 1e-9 && found.origin[k] == Vec3::ZERO);
+            assert!(origin.length() < 1e-9 && Vec3::from(found.origin[k]) == Vec3::ZERO);
             check(found.direction[k], direction, &format!("camera {index}, axis {k}"));
         }
     }
@@ -280,8 +281,9 @@ fn hits_and_mirror_rays_change_as_their_neighbours_say() {
             }] += 1;
             mirrors.push((mirror, meeting.t));
             let single = Ray::new(ray.0.as_vec3(), ray.1.as_vec3());
-            let steps = differential.at(&single, meeting.t as f32, meeting.geometric.as_vec3());
-            let turns = steps.map(|step| mirror.turn(&meeting, step));
+            let (ahead, normal) = (single.direction.into(), meeting.geometric.as_vec3().into());
+            let steps = differential.at(ahead, meeting.t as f32, normal);
+            let turns = steps.map(|step| mirror.turn(&meeting, step.into()));
             differential =
                 differential.turned(&single, steps, meeting.normal.as_vec3(), turns, None);
             for (k, axis) in AXES.into_iter().enumerate() {
@@ -316,13 +318,17 @@ fn texture_coordinates_change_as_their_neighbours_say() {
             a * (1.0 - y - z) + b * y + c * z
         };
         let exact = uv_at(a + step) - uv_at(a);
-        let found = uv_change(&corners, &uvs, step.as_vec3());
+        let found = Vec2::from(uv_change(
+            &corners.map(Vector::from),
+            &uvs.map(|uv| uv.to_array()),
+            step.as_vec3().into(),
+        ));
         let size = uvs.iter().fold(0.0, |m: f32, uv| m.max(uv.length()));
         let error = found.as_dvec2().distance(exact) / f64::from(size);
         assert!(error < 1e-4, "{index}: {found} is off {exact} by {error:e}");
 
         let map = PlanarMap::new(corners[0], corners[1] - corners[0], corners[2] - corners[0]);
-        let whole = map.change(corners[1] - corners[0]).x;
+        let [whole, _] = map.change(Vector::from(corners[1] - corners[0]));
         assert!((whole - 1.0).abs() < 1e-5, "{whole}");
     }
 }
@@ -331,6 +337,10 @@ fn texture_coordinates_change_as_their_neighbours_say() {
 fn sphere_uv64(n: DVec3) -> DVec2 {
     let n = normalize_f64(n);
     DVec2::new(n.x.atan2(n.z), n.y.asin() * 2.0) / std::f64::consts::TAU
+}
+
+fn change_on_sphere(normal: Vec3, turn: Vec3) -> Vec2 {
+    sphere_uv_change(Vector::from(normal), turn.into()).into()
 }
 
 #[test]
@@ -349,7 +359,7 @@ fn coordinates_of_a_sphere_change_as_their_neighbours_say() {
         if exact.x.abs() > 0.25 {
             exact.x -= 0.5_f64.copysign(exact.x);
         }
-        let found = sphere_uv_change(normal.as_vec3(), turn.as_vec3()).as_dvec2();
+        let found = change_on_sphere(normal.as_vec3(), turn.as_vec3()).as_dvec2();
         let error = found.distance(exact) / exact.length();
         // A step of a thousandth, near the poles of a tenth of the way there.
         assert!(error < 1e-4 / (1.0 - normal.y * normal.y), "{index}, {normal}: {error:e}");
@@ -362,24 +372,23 @@ fn hc30_at_the_poles_of_a_sphere_coordinates_change_by_finite_amounts() {
         for beside in [0.0, 1e-45, 1e-30, 1e-20, 1e-7] {
             for step in [0.0, 1e-30, 1e-4, 1.0, 1e30] {
                 for turn in [Vec3::X, Vec3::Z, Vec3::new(-0.6, 0.0, 0.8)] {
-                    let found = sphere_uv_change(Vec3::new(beside, pole, -beside), turn * step);
+                    let found = change_on_sphere(Vec3::new(beside, pole, -beside), turn * step);
                     assert!(found.is_finite() && found.x.abs() <= 0.25, "{found}");
                 }
             }
         }
     }
     // A step away from the pole goes along a meridian, and by as much in v.
-    let [away, aside] = [Vec3::Z, Vec3::X].map(|turn| sphere_uv_change(Vec3::Y, turn * 0.01));
+    let [away, aside] = [Vec3::Z, Vec3::X].map(|turn| change_on_sphere(Vec3::Y, turn * 0.01));
     assert!((away.y.abs() * std::f32::consts::PI - 0.01).abs() < 1e-8 && away.x == 0.0, "{away}");
     assert!(aside == Vec2::new(0.25, 0.0), "{aside}");
 }
 
 #[test]
 fn a_grazing_ray_spreads_without_bound_and_never_silently() {
-    let ray = Ray::new(Vec3::ZERO, Vec3::X);
-    let differential =
-        Differential { origin: [Vec3::ZERO; 2], direction: [Vec3::Y * 0.1, Vec3::Z * 0.1] };
-    let [across, along] = differential.at(&ray, 10.0, Vec3::Y);
+    let direction = [Vec3::Y * 0.1, Vec3::Z * 0.1].map(Vector::from);
+    let differential = Differential { direction, ..Differential::none() };
+    let [across, along] = differential.at(Vec3::X.into(), 10.0, Vec3::Y.into()).map(Vec3::from);
     assert!(!across.is_finite(), "{across}");
     assert!(!along.is_finite() || along.distance(Vec3::Z) < 1e-6, "{along}");
 }

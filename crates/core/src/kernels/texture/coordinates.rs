@@ -2,47 +2,62 @@
 
 use std::f32::consts::{PI, TAU};
 
-use glam::{DVec2, DVec3, Mat3, Vec2, Vec3};
+use glam::{Mat3, Vec2, Vec3};
 
-use crate::math::float::{dot, dot_f64, normalize};
+use crate::math::float::{dot_f64, normalize};
+use crate::math::real::{Real, Single, both};
+use crate::math::vector::Vector;
 
-/// The coordinates of a point on a sphere, from its unit normal: u around +y from behind (-z), v
+/// The coordinates of points on a sphere, from their unit normals: u around +y from behind (-z), v
 /// up.
-#[inline]
-pub fn sphere_uv(normal: Vec3) -> Vec2 {
-    let u = 0.5 + libm::atan2f(normal.x, normal.z) / TAU;
-    let v = 0.5 + libm::asinf(normal.y.clamp(-1.0, 1.0)) / PI;
-    Vec2::new(u, v)
+#[inline(always)]
+pub fn sphere_uv<F: Single>(normal: Vector<F>) -> [F; 2] {
+    let [mut u, mut v] = [normal.x, normal.y];
+    for lane in 0..F::LANES {
+        let Vec3 { x, y, z } = normal.lane(lane);
+        u.set_lane(lane, 0.5 + libm::atan2f(x, z) / TAU);
+        v.set_lane(lane, 0.5 + libm::asinf(y.clamp(-1.0, 1.0)) / PI);
+    }
+    [u, v]
 }
 
-/// The change of the coordinates of [`sphere_uv`] if the unit normal changes by `turn`.
+/// The changes of the coordinates of [`sphere_uv`] if the unit normals change by `turn`.
 ///
 /// All u meet at a pole, so the derivative is unbounded nearby. The change of u is therefore the
 /// angle that `turn` subtends from the axis: the derivative if `turn` is short, and at most a
 /// quarter of a turn, the value for a step away from the pole itself. The seam of u behind the
 /// sphere does not matter here.
-pub fn sphere_uv_change(normal: Vec3, turn: Vec3) -> Vec2 {
-    let turn = turn.as_dvec3();
-    let (along_parallel, along_meridian, from_axis) = directions(normal);
-    let u = libm::atan2(dot_f64(turn, along_parallel), from_axis) / std::f64::consts::TAU;
-    let v = dot_f64(turn, along_meridian) / std::f64::consts::PI;
-    DVec2::new(u, v).as_vec2()
+#[inline(always)]
+pub fn sphere_uv_change<F: Single>(normal: Vector<F>, turn: Vector<F>) -> [F; 2] {
+    let turn = turn.widen();
+    let (along_parallel, along_meridian, from_axis) = directions::<F>(normal);
+    let mut u = turn.dot(along_parallel);
+    for lane in 0..F::LANES {
+        u.set_lane(lane, libm::atan2(u.lane(lane), from_axis.lane(lane)));
+    }
+    let v = turn.dot(along_meridian);
+    [F::narrow(u / u.same(std::f64::consts::TAU)), F::narrow(v / v.same(std::f64::consts::PI))]
 }
 
-/// The directions in which the coordinates of [`sphere_uv`] grow at a point with this unit normal:
-/// two orthogonal unit vectors, perpendicular to it. At a pole, where all u meet, that of u is +x.
-pub fn sphere_directions(normal: Vec3) -> [Vec3; 2] {
-    let (along_parallel, along_meridian, _) = directions(normal);
-    [along_parallel, along_meridian].map(|direction| direction.as_vec3())
+/// The directions in which the coordinates of [`sphere_uv`] grow at points with these unit normals:
+/// two orthogonal unit vectors, perpendicular to each. At a pole, where all u meet, that of u is +x.
+#[inline(always)]
+pub fn sphere_directions<F: Single>(normal: Vector<F>) -> [Vector<F>; 2] {
+    let (along_parallel, along_meridian, _) = directions::<F>(normal);
+    [Vector::narrow(along_parallel), Vector::narrow(along_meridian)]
 }
 
 /// The directions along the parallel and the meridian, and the distance from the axis.
-fn directions(normal: Vec3) -> (DVec3, DVec3, f64) {
-    let n = normal.as_dvec3();
+#[inline(always)]
+fn directions<F: Single>(normal: Vector<F>) -> (Vector<F::Double>, Vector<F::Double>, F::Double) {
+    let n = normal.widen();
+    let (zero, one) = (n.x.zero(), n.x.same(1.0));
     let from_axis = (n.x * n.x + n.z * n.z).sqrt();
-    let (sin, cos) = if from_axis > 0.0 { (n.x / from_axis, n.z / from_axis) } else { (0.0, 1.0) };
-    let along_meridian = DVec3::new(-sin * n.y, from_axis, -cos * n.y);
-    (DVec3::new(cos, 0.0, -sin), along_meridian, from_axis)
+    let is_aside = from_axis.gt(zero);
+    let sin = F::Double::select(is_aside, n.x / from_axis, zero);
+    let cos = F::Double::select(is_aside, n.z / from_axis, one);
+    let along_meridian = Vector::new(-sin * n.y, from_axis, -cos * n.y);
+    (Vector::new(cos, zero, -sin), along_meridian, from_axis)
 }
 
 /// How points of a shape become texture coordinates.
@@ -68,16 +83,17 @@ pub struct Placing {
 
 impl Placing {
     /// The coordinates for the look-up.
-    #[inline]
-    pub fn apply(&self, uv: Vec2) -> Vec2 {
-        self.change(uv) + self.moved
+    #[inline(always)]
+    pub fn apply<F: Single>(&self, uv: [F; 2]) -> [F; 2] {
+        let [u, v] = self.change(uv);
+        [u + u.same(self.moved.x), v + v.same(self.moved.y)]
     }
 
     /// The change of these coordinates with the surface's own.
-    #[inline]
-    pub fn change(&self, uv: Vec2) -> Vec2 {
-        let [u, v] = self.turned;
-        Vec2::new(u.x * uv.x + u.y * uv.y, v.x * uv.x + v.y * uv.y)
+    #[inline(always)]
+    pub fn change<F: Single>(&self, [u, v]: [F; 2]) -> [F; 2] {
+        let [along, up] = self.turned;
+        [u.times(along.x) + v.times(along.y), u.times(up.x) + v.times(up.y)]
     }
 }
 
@@ -105,15 +121,19 @@ impl PlanarMap {
         [normalize(self.u), normalize(self.v)]
     }
 
-    /// The coordinates of `point`.
-    #[inline]
-    pub fn uv(&self, point: Vec3) -> Vec2 {
-        self.change(point - self.origin)
+    /// The coordinates of points.
+    #[inline(always)]
+    pub fn uv<F: Single>(&self, point: Vector<F>) -> [F; 2] {
+        self.change(point - Vector::splat(point.x.token(), self.origin))
     }
 
-    /// The change of the coordinates for a step of the point.
-    #[inline]
-    pub fn change(&self, step: Vec3) -> Vec2 {
-        Vec2::new(dot(step, self.u), dot(step, self.v))
+    /// The changes of the coordinates for steps of the points.
+    #[inline(always)]
+    pub fn change<F: Single>(&self, step: Vector<F>) -> [F; 2] {
+        both(
+            [self.u, self.v],
+            #[inline(always)]
+            |edge| step.dot(Vector::splat(step.x.token(), edge)),
+        )
     }
 }

@@ -56,6 +56,11 @@ macro_rules! lanes {
             }
 
             #[inline(always)]
+            fn floor(self) -> Self {
+                SimdFloat::floor(self)
+            }
+
+            #[inline(always)]
             fn copysign(self, sign: Self) -> Self {
                 SimdFloat::copysign(self, sign)
             }
@@ -106,6 +111,7 @@ impl<S: Lanes> Single for f32x8<S> {
     type Double = f64x8<S>;
     type Token = S;
     type Row = [f32; LANES];
+    type Words = [u32; LANES];
 
     #[inline(always)]
     fn token(self) -> S {
@@ -161,6 +167,11 @@ impl<S: Lanes> Single for f32x8<S> {
     #[inline(always)]
     fn outlined<R>(simd: S, work: impl FnOnce() -> R) -> R {
         outlined(simd, work)
+    }
+
+    #[inline(always)]
+    fn words(self) -> [u32; LANES] {
+        SimdFloat::to_int::<u32x8<S>>(self).into()
     }
 
     #[inline(always)]

@@ -1,9 +1,12 @@
-//! Hits on surfaces of one kind, collected to be shaded together.
+//! Hits on surfaces, collected to be shaded together.
 //!
 //! The data of hits is spread over memory. It is fetched for a block of hits, loop by loop, so that
-//! many loads are in flight at a time, before any computation.
+//! many loads are in flight at a time, before any computation. Hits on classes with maps, or that
+//! are transparent, wait in larger numbers and are [sorted](SortedHits) before.
 
-use crate::geometry::Geometry;
+use std::ops::Range;
+
+use crate::geometry::{Geometry, ShadingKind};
 use crate::math::ray::Ray;
 use crate::math::real::Single;
 use crate::math::simd::LANES;
@@ -12,54 +15,137 @@ use crate::prepared::{Appearance, Face, Group};
 /// Groups of hits that are fetched together.
 const GROUPS: usize = 8;
 
-/// Largest number of waiting hits.
-const WAITING: usize = GROUPS * LANES;
+/// Largest number of hits in a block.
+const BLOCK: usize = GROUPS * LANES;
 
-/// Hits that wait for a full block.
-pub(super) struct WaitingHits<F: Single> {
-    waiting: [Face; WAITING],
-    count: usize,
-    groups: [Group<F>; GROUPS],
-}
+/// Groups of hits that are fetched together.
+pub(super) struct Groups<F: Single>([Group<F>; GROUPS]);
 
-impl<F: Single> WaitingHits<F> {
+impl<F: Single> Groups<F> {
     /// Hits in a block.
-    const BLOCK: usize = GROUPS * F::LANES;
+    pub(super) const BLOCK: usize = GROUPS * F::LANES;
 
     pub(super) fn new() -> Self {
-        Self { waiting: [Face::default(); WAITING], count: 0, groups: [Group::default(); GROUPS] }
+        Self([Group::default(); GROUPS])
     }
 
-    /// Adds a hit. Returns whether the block is full.
+    /// Fetches the data of a block of hits, with corners only if needed.
     #[inline(always)]
-    pub(super) fn push(&mut self, face: Face) -> bool {
-        self.waiting[self.count & (WAITING - 1)] = face;
-        self.count += 1;
-        self.count >= Self::BLOCK
-    }
-
-    /// Fetches the data of the hits, with corners only if needed, and empties the block.
-    #[inline(always)]
-    pub(super) fn take(
+    pub(super) fn fetch(
         &mut self,
+        faces: &[Face],
         with_corners: bool,
         geometry: &Geometry,
         appearance: &Appearance,
         ray: impl Fn(usize) -> Ray + Copy,
     ) -> &[Group<F>] {
-        let count = self.count.div_ceil(F::LANES).min(GROUPS);
-        let waiting = &self.waiting[..self.count.min(WAITING)];
-        for (group, faces) in self.groups.iter_mut().zip(waiting.chunks(F::LANES)) {
+        let count = faces.len().div_ceil(F::LANES).min(GROUPS);
+        for (group, faces) in self.0.iter_mut().zip(faces.chunks(F::LANES)) {
             group.begin(faces, appearance);
         }
         let asked = if with_corners { count } else { 0 };
-        for group in &mut self.groups[..asked] {
+        for group in &mut self.0[..asked] {
             for lane in 0..F::LANES {
                 let number = group.faces[lane].ray as usize;
                 group.fetch(lane, geometry, appearance, || ray(number));
             }
         }
-        self.count = 0;
-        &self.groups[..count]
+        &self.0[..count]
+    }
+}
+
+/// Hits of one kind that wait for a full block.
+pub(super) struct WaitingHits {
+    waiting: [Face; BLOCK],
+    count: usize,
+}
+
+impl WaitingHits {
+    pub(super) fn new() -> Self {
+        Self { waiting: [Face::default(); BLOCK], count: 0 }
+    }
+
+    /// Adds a hit. Returns whether there are `block` hits.
+    #[inline(always)]
+    pub(super) fn push(&mut self, face: Face, block: usize) -> bool {
+        self.waiting[self.count % BLOCK] = face;
+        self.count += 1;
+        self.count >= block
+    }
+
+    /// The hits, which are then forgotten.
+    #[inline(always)]
+    pub(super) fn take(&mut self) -> &[Face] {
+        let count = std::mem::take(&mut self.count);
+        &self.waiting[..count.min(BLOCK)]
+    }
+}
+
+/// Hits that wait to be sorted by class and kind: enough for long spans, and so few that what one
+/// span sends on starts near to what the next one does.
+const SORTED: usize = 1024;
+
+/// Hits that are sorted by class and kind.
+pub(super) struct SortedHits {
+    waiting: Vec<(u32, Face)>,
+    sorted: Vec<Face>,
+    /// For each class and kind the place of its next hit; a number of hits while these are counted.
+    places: Vec<u32>,
+    /// Classes and kinds that occur, in the order of their first hits.
+    found: Vec<u32>,
+}
+
+/// Hits of one class and kind.
+pub(super) struct Span {
+    /// The kind.
+    pub(super) kind: ShadingKind,
+    /// The hits.
+    pub(super) faces: Range<usize>,
+}
+
+impl SortedHits {
+    /// For hits on this number of classes.
+    pub(super) fn new(classes: usize) -> Self {
+        let places = vec![0; classes * ShadingKind::ALL.len()];
+        Self { waiting: Vec::new(), sorted: Vec::new(), places, found: Vec::new() }
+    }
+
+    /// Adds a hit. Returns whether to sort them.
+    #[inline(always)]
+    pub(super) fn push(&mut self, face: Face, class: u32, kind: ShadingKind) -> bool {
+        let key = class * ShadingKind::ALL.len() as u32 + kind as u32;
+        let hits = &mut self.places[key as usize];
+        if *hits == 0 {
+            self.found.push(key);
+        }
+        *hits += 1;
+        self.waiting.push((key, face));
+        self.waiting.len() == SORTED
+    }
+
+    /// Sorts the hits, those of a class in their order. Returns the spans.
+    pub(super) fn sort(&mut self) -> Vec<Span> {
+        let Self { waiting, sorted, places, found } = self;
+        let mut end = 0;
+        let spans = found.iter().map(|&key| {
+            let place = &mut places[key as usize];
+            let faces = end..end + *place as usize;
+            (*place, end) = (end as u32, faces.end);
+            Span { kind: ShadingKind::ALL[key as usize % ShadingKind::ALL.len()], faces }
+        });
+        let spans = spans.collect();
+        sorted.resize(waiting.len(), Face::default());
+        for (key, face) in waiting.drain(..) {
+            let place = &mut places[key as usize];
+            sorted[*place as usize] = face;
+            *place += 1;
+        }
+        found.drain(..).for_each(|key| places[key as usize] = 0);
+        spans
+    }
+
+    /// The hits of a span, after the last sort.
+    pub(super) fn faces(&self, span: &Span) -> &[Face] {
+        &self.sorted[span.faces.clone()]
     }
 }

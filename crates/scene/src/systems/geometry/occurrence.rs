@@ -82,8 +82,7 @@ impl Occurrence<'_> {
             two_sided: self.sides == Sides::Both,
             smooth: false,
             colored: false,
-            texture: None,
-            detail: None,
+            class: 0,
             mesh: None,
         }
     }

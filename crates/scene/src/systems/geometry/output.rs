@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use wavecrest_core::geometry::{Geometry, Primitive};
 use wavecrest_core::kernels::slab::Aabb;
 use wavecrest_core::plan::schedule::{Schedule, Step};
-use wavecrest_core::prepared::{Detail, MeshAttributes, Shape, UvMap};
+use wavecrest_core::prepared::{Class, MeshAttributes, Property, Shape, UvMap};
 
 use crate::systems::reach::Faces;
 
@@ -120,12 +120,12 @@ impl Output {
 
     /// Drops data that no pass of the schedule reads: normals and colours of meshes that are not in
     /// view, unless the schedule requires them, and texture coordinates and tangents that neither
-    /// textures nor `details` use.
+    /// maps of `classes` use.
     pub(in crate::systems) fn drop_unused(
         &mut self,
         schedule: Schedule,
         in_view: &[Option<Faces>],
-        details: &[Detail],
+        classes: &[Class],
     ) {
         // Whether the step's data of a shape is needed.
         let shows = |step, in_view: bool| {
@@ -138,12 +138,12 @@ impl Output {
             if let Some([smooth, textured, colored, turned]) =
                 shape.mesh.and_then(|i| used.get_mut(i as usize))
             {
-                let detail = shape.detail.and_then(|detail| details.get(detail as usize));
-                let looks_up = detail.is_some_and(|detail| detail.textures().next().is_some());
+                let Class { maps, .. } = &classes[shape.class as usize];
+                let is_normal = |property| matches!(property, Property::Normal { .. });
                 *smooth |= shape.smooth;
-                *textured |= shape.texture.is_some() || looks_up;
+                *textured |= !maps.is_empty();
                 *colored |= shape.colored;
-                *turned |= detail.is_some_and(|detail| detail.normal.is_some());
+                *turned |= maps.iter().any(|map| is_normal(map.property));
             }
         }
         for (mesh, [smooth, textured, colored, turned]) in self.meshes.iter_mut().zip(used) {

@@ -13,7 +13,8 @@ use wavecrest_core::math::ray::Ray;
 use wavecrest_core::math::sampling::Sampling;
 use wavecrest_core::math::vector::{Line, Vector};
 
-const WHITE: Material = Material { ks: 0.5, kd: 0.5, exponent: 8.0, color: Vec3::ONE, kr: 0.0 };
+const WHITE: Material =
+    Material { ks: 0.5, kd: 0.5, exponent: 8.0, color: Vec3::ONE, ..Material::BLACK };
 
 fn light(emitter: Emitter) -> Light {
     let (falloff, sampling) = (Falloff::Linear, Sampling::Random);
@@ -21,10 +22,10 @@ fn light(emitter: Emitter) -> Light {
 }
 
 fn shape(two_sided: bool, flipped: bool) -> Shape {
-    let (light, texture, detail, mesh) = (None, None, None, None);
     let (smooth, colored) = (false, false);
     let primitives = 0..1;
-    Shape { primitives, light, flipped, two_sided, smooth, colored, texture, detail, mesh }
+    let (light, class, mesh) = (None, 0, None);
+    Shape { primitives, light, flipped, two_sided, smooth, colored, class, mesh }
 }
 
 fn of_triangle(corners: [Vec3; 3]) -> Geometry {

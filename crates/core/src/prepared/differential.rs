@@ -1,53 +1,18 @@
-//! Ray differentials at hits: the footprint in a texture, or the differential of the next ray.
+//! The differentials of rays that go on from hits.
 //!
-//! Both tracers call these functions hit by hit, only for trilinear textures and for rays that may
-//! show them.
+//! Both tracers call these functions hit by hit, only for rays that may show trilinear textures.
 
-use glam::{Vec2, Vec3};
+use glam::Vec3;
 
-use super::{Appearance, LookUps, PreparedScene, Shape, Texture, UvMap};
+use super::{LookUps, PreparedScene};
 use crate::accel::Hit;
-use crate::geometry::{Geometry, Primitive};
-use crate::kernels::differential::{Differential, turn_between, uv_change};
+use crate::geometry::Primitive;
+use crate::kernels::differential::{Differential, turn_between};
 use crate::kernels::shade::{self, ShadingPoint};
-use crate::kernels::surface::Surface;
-use crate::kernels::texture::sphere_uv_change;
 use crate::kernels::transmission::Refracted;
-use crate::math::float::{dot, normalize};
+use crate::math::float::dot;
 use crate::math::ray::Ray;
 use crate::plan::schedule::Step;
-
-impl Appearance {
-    /// The changes of texture coordinates if the point `surface` of the shape's primitive moves by
-    /// `steps`. Not finite if a step is not.
-    pub fn footprint(
-        &self,
-        texture: &Texture,
-        geometry: &Geometry,
-        (shape, primitive): (&Shape, u32),
-        surface: &Surface<f32>,
-        steps: [Vec3; 2],
-    ) -> [Vec2; 2] {
-        let own = match &texture.map {
-            UvMap::Planar(map) => steps.map(|step| map.change(step)),
-            UvMap::Sphere(to_own) => {
-                let normal = normalize(*to_own * Vec3::from(surface.normal));
-                steps.map(|step| {
-                    let turn = turn_of_sphere(geometry, primitive, step);
-                    sphere_uv_change(normal, *to_own * turn)
-                })
-            }
-            UvMap::Mesh => {
-                let uvs = self.uvs(shape, geometry, primitive);
-                uvs.zip(geometry.mesh_triangle(primitive))
-                    .map_or([Vec2::ZERO; 2], |(uvs, corners)| {
-                        steps.map(|step| uv_change(&corners, &uvs, step))
-                    })
-            }
-        };
-        texture.placing.map_or(own, |placing| own.map(|change| placing.change(change)))
-    }
-}
 
 impl PreparedScene {
     /// Whether rays from surfaces have differentials. Those of camera rays follow from their directions
@@ -58,11 +23,16 @@ impl PreparedScene {
         (self.bounces > 0 || schedule.has_transmission()) && schedule.runs(Step::Differentials)
     }
 
+    /// The differential that a ray carries, or that of a camera ray.
+    pub(super) fn arriving(&self, carried: Option<Differential>, ray: &Ray) -> Differential {
+        carried.unwrap_or_else(|| self.camera.differential(ray.direction.into()))
+    }
+
     /// The differential of the mirror ray at `point`, from that of `ray`, which arrives there with
     /// `hit`.
     pub fn mirrored(
         &self,
-        differential: &Differential,
+        carried: Option<Differential>,
         ray: &Ray,
         hit: &Hit,
         point: &ShadingPoint<f32>,
@@ -71,7 +41,7 @@ impl PreparedScene {
         let view = -ray.direction;
         let (_, smooth) = shade::mirrored(view.into(), point.shading_normal, point.normal);
         look_ups.footprints += 1;
-        self.turned(differential, (ray, hit), point, smooth, None)
+        self.turned(&self.arriving(carried, ray), (ray, hit), point, smooth, None)
     }
 
     /// The differential of the ray that goes on behind `point`, with this refraction, or straight.
@@ -89,7 +59,7 @@ impl PreparedScene {
                 self.turned(differential, (ray, hit), point, smooth, Some((direction, ratio)))
             }
             _ => Differential {
-                origin: differential.at(ray, hit.t, point.normal.into()),
+                origin: differential.at(ray.direction.into(), hit.t, point.normal),
                 ..*differential
             },
         }
@@ -105,8 +75,8 @@ impl PreparedScene {
         smooth: bool,
         refracted: Option<(Vec3, f64)>,
     ) -> Differential {
-        let steps = differential.at(ray, hit.t, point.normal.into());
-        let turns = steps.map(|step| self.turn(hit.primitive, point, step, smooth));
+        let steps = differential.at(ray.direction.into(), hit.t, point.normal);
+        let turns = steps.map(|step| self.turn(hit.primitive, point, step.into(), smooth));
         let about = if smooth { point.shading_normal } else { point.normal };
         differential.turned(ray, steps, about.into(), turns, refracted)
     }
@@ -116,7 +86,7 @@ impl PreparedScene {
         let geometry = self.accel.geometry();
         match geometry.primitive(primitive) {
             Primitive::Quadric(i) => {
-                let turn = turn_of_sphere(geometry, primitive, step);
+                let turn = geometry.quadrics[i].sphere().map_or(Vec3::ZERO, |(_, r)| step / r);
                 let outward = Vec3::from(point.point) - geometry.quadrics[i].parts().0;
                 if dot(outward, point.normal.into()) < 0.0 { -turn } else { turn }
             }
@@ -135,10 +105,4 @@ impl PreparedScene {
             Primitive::Triangle(_) | Primitive::Quad(_) | Primitive::Instanced(_) => Vec3::ZERO,
         }
     }
-}
-
-/// The change of a sphere's outward normal with its point; zero for other primitives.
-fn turn_of_sphere(geometry: &Geometry, primitive: u32, step: Vec3) -> Vec3 {
-    let Primitive::Quadric(i) = geometry.primitive(primitive) else { return Vec3::ZERO };
-    geometry.quadrics[i].sphere().map_or(Vec3::ZERO, |(_, radius)| step / radius)
 }

@@ -1,0 +1,100 @@
+//! Classes: what surfaces look like, as constants and as maps that change them from point to point.
+//!
+//! A new property is a constant of [`Material`] or a [`Property`] with its case in
+//! `maps.rs`, and what shading makes of it.
+
+use super::{Texture, UvMap};
+use crate::kernels::blinn_phong::Material;
+use crate::kernels::transmission::Transparency;
+
+/// What surfaces look like. Shapes that look the same share a class.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Class {
+    /// The constants.
+    pub material: Material,
+    /// How light goes through it, if it does.
+    pub transparency: Option<Transparency>,
+    /// Textures that change the constants, in the order of [`Property`], one at most of each.
+    pub maps: Vec<Map>,
+    /// Whether it emits light or colours its highlights.
+    pub(super) is_special: bool,
+    /// Whether a map is looked up at the texture coordinates of a mesh.
+    pub(super) looks_up_uvs: bool,
+}
+
+/// A texture and the property that it changes.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Map {
+    /// The property.
+    pub property: Property,
+    /// The texture.
+    pub texture: Texture,
+}
+
+/// A property of a class that a texture changes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Property {
+    /// The texel replaces the base colour.
+    Color,
+    /// The texel multiplies the emission.
+    Emission,
+    /// Metalness, in blue, and roughness, in green: they determine all reflection parameters together
+    /// with the base colour.
+    Metal {
+        /// Factor on the metalness, 0 to 1.
+        metallic: f32,
+        /// Factor on the roughness, 0 to 1.
+        roughness: f32,
+    },
+    /// The share of ambient light that arrives, in red.
+    Occlusion {
+        /// Weight of the texture: 0 none, 1 full.
+        strength: f32,
+    },
+    /// The shading normal, in the frame of tangent, bitangent and normal: a value x stands for 2 x - 1.
+    Normal {
+        /// Factor on the tangential part.
+        strength: f32,
+    },
+    /// The opacity, in red, which multiplies the constant.
+    Opacity,
+}
+
+impl Class {
+    /// The class with these constants and maps.
+    pub fn new(material: Material, transparency: Option<Transparency>, maps: Vec<Map>) -> Self {
+        let Material { emission, tint, .. } = material;
+        let is_special = emission != Material::BLACK.emission || tint != Material::BLACK.tint;
+        let is_of_mesh = |map: &Map| map.texture.coordinates.map == UvMap::Mesh;
+        let looks_up_uvs = maps.iter().any(is_of_mesh);
+        Self { material, transparency, maps, is_special, looks_up_uvs }
+    }
+
+    /// Whether its hits are shaded together with those of other such classes: all that it has are
+    /// constants, and no path divides.
+    #[inline(always)]
+    pub fn is_plain(&self) -> bool {
+        self.maps.is_empty() && self.transparency.is_none()
+    }
+
+    /// The texture of its base colour.
+    pub fn color(&self) -> Option<&Texture> {
+        let map = self.maps.first().filter(|map| map.property == Property::Color)?;
+        Some(&map.texture)
+    }
+
+    /// The share of light that is refracted.
+    pub(super) fn kt(&self) -> f32 {
+        self.transparency.map_or(0.0, |transparency| transparency.kt)
+    }
+
+    /// The share of ambient light that it scatters: what is refracted is not scattered.
+    pub(super) fn scattered(&self) -> f32 {
+        (1.0 - self.kt()).max(0.0)
+    }
+
+    /// Its opacity.
+    pub(super) fn opacity(&self) -> f32 {
+        self.transparency.map_or(1.0, |transparency| transparency.opacity)
+    }
+}

@@ -1,0 +1,319 @@
+//! Look-ups in the maps of a class, at one hit or at eight.
+//!
+//! What several maps of a hit share is computed once: coordinates and footprints for each map of
+//! coordinates, the level of detail for each size of image.
+
+use glam::{Mat3, Vec3};
+
+use super::class::{Map, Property};
+use super::interaction::{Group, set, three};
+use super::{Class, Coordinates, LookUps, PreparedScene, Texture, UvMap};
+use crate::kernels::blinn_phong::Reflection;
+use crate::kernels::differential::{Differential, uv_change};
+use crate::kernels::metal;
+use crate::kernels::shade::ShadingPoint;
+use crate::kernels::surface::{self, Surface};
+use crate::kernels::texture::{Filter, Image, sphere_directions, sphere_uv, sphere_uv_change};
+use crate::math::real::{Real, Single, both};
+use crate::math::vector::{Line, Vector};
+
+/// Where a group of hits looks up maps.
+pub(super) struct Place<'a, F: Single> {
+    /// The hits.
+    pub(super) group: &'a Group<F>,
+    /// Their points.
+    pub(super) surfaces: &'a Surface<F>,
+    /// Their rays.
+    pub(super) line: &'a Line<F>,
+    /// Their t.
+    pub(super) t: F,
+    /// The scene.
+    pub(super) scene: &'a PreparedScene,
+    /// Returns the differential of the ray in a lane, unless it is a camera ray.
+    pub(super) carried: &'a dyn Fn(usize) -> Option<Differential>,
+}
+
+/// Look-ups at a place, with what earlier ones found.
+struct LookUp<'a, F: Single> {
+    place: &'a Place<'a, F>,
+    counts: &'a mut LookUps,
+    /// The changes of the points from one sample to the next.
+    steps: Option<[Vector<F>; 2]>,
+    coordinates: Option<(&'a Coordinates, [F; 2])>,
+    footprint: Option<(&'a Coordinates, [[F; 2]; 2])>,
+    /// For the last footprint, in images of a size and with this coarsest level.
+    level: Option<([u32; 3], F)>,
+}
+
+impl<'a, F: Single> Place<'a, F> {
+    /// Applies the maps of the class, and vertex colours after that of the base colour.
+    #[inline(always)]
+    pub(super) fn apply(
+        &'a self,
+        class: &'a Class,
+        point: &mut ShadingPoint<F>,
+        counts: &'a mut LookUps,
+    ) {
+        let mut look_up = LookUp::at(self, counts);
+        let (color, others) = class.maps.split_at(usize::from(class.color().is_some()));
+        if let [Map { texture, .. }] = color {
+            point.color = look_up.texel(texture);
+        }
+        point.color = self.group.with_vertex_colors(point.color, self.surfaces.barycentric);
+        for Map { property, texture } in others {
+            let texel = look_up.texel(texture);
+            let one = texel.x.same(1.0);
+            match *property {
+                Property::Color => {}
+                Property::Emission => point.emission = point.emission * texel,
+                Property::Metal { metallic, roughness } => {
+                    metal([texel.z.times(metallic), texel.y.times(roughness)], point);
+                    // As for the material's own weight, which is replaced.
+                    point.reflection.kd = point.reflection.kd.times(1.0 - class.kt());
+                }
+                // Rays find what is in the way, if they are traced.
+                Property::Occlusion { .. } if self.scene.traces_ambient() => {}
+                Property::Occlusion { strength } => {
+                    let arrives = one + (texel.x - one).times(strength);
+                    point.occlusion = point.occlusion * arrives;
+                }
+                Property::Opacity => point.opacity = point.opacity * texel.x,
+                Property::Normal { strength } => self.turn(texture, texel, strength, point),
+            }
+        }
+    }
+
+    /// The opacities alone.
+    #[inline(always)]
+    pub(super) fn opacity(&'a self, class: &'a Class, counts: &'a mut LookUps) -> F {
+        let opacity = self.t.same(class.opacity());
+        let map = class.maps.iter().find(|map| map.property == Property::Opacity);
+        map.map_or(opacity, |map| opacity * LookUp::at(self, counts).texel(&map.texture).x)
+    }
+
+    /// Turns the shading normals of the points by texels, in the tangent frames there: red along u,
+    /// green along v, blue along the normal. On meshes, tangents are interpolated from the corners and
+    /// give the bitangent, as in programs that bake normal maps (Mikkelsen, *Simulation of Wrinkled
+    /// Surfaces Revisited*, 2008). Normals are unchanged at a strength of 0, without tangents, as where
+    /// texture coordinates span no area, or if the result would have no direction.
+    #[inline(always)]
+    fn turn(
+        &self,
+        texture: &Texture,
+        texel: Vector<F>,
+        strength: f32,
+        point: &mut ShadingPoint<F>,
+    ) {
+        if strength == 0.0 {
+            return;
+        }
+        let sided = point.shading_normal;
+        // The texture belongs to the front, and so do the tangents.
+        let front = self.group.front_normals(self.surfaces);
+        let is_back = front.dot(sided).lt(texel.x.zero());
+        let normal = Vector::select(is_back, -sided, sided);
+        let [along_u, along_v] = self.tangents(&texture.coordinates.map, normal);
+        let one = texel.x.same(1.0);
+        let Vector { x, y, z } = texel.scale(texel.x.same(2.0)) - Vector::new(one, one, one);
+        let turned = along_u.scale(x.times(strength)) + along_v.scale(y.times(strength));
+        let turned = turned + normal.scale(z);
+        let turned = turned.normalize();
+        let is_turned = turned.is_not_zero() & along_u.is_not_zero();
+        let turned = Vector::select(is_back, -turned, turned);
+        point.shading_normal = Vector::select(is_turned, turned, sided);
+    }
+
+    /// The differentials of the rays.
+    #[inline(always)]
+    fn differential(&self) -> Differential<F> {
+        let mut found = self.scene.camera.differential(self.line.direction);
+        for lane in 0..F::LANES {
+            if let Some(carried) = (self.carried)(lane) {
+                found.set_lane(lane, &carried);
+            }
+        }
+        found
+    }
+
+    /// The directions in which u and v grow, of about unit length; zero if they do not.
+    #[inline(always)]
+    fn tangents(&self, map: &UvMap, normal: Vector<F>) -> [Vector<F>; 2] {
+        let token = self.t.token();
+        match map {
+            UvMap::Planar(map) => {
+                let [u, v] = map.directions();
+                [Vector::splat(token, u), Vector::splat(token, v)]
+            }
+            UvMap::Sphere(to_own) => {
+                let own = turned_by(to_own, self.surfaces.normal).normalize();
+                let [u, v] = sphere_directions(own);
+                let to_world = to_own.transpose();
+                [turned_by(&to_world, u), turned_by(&to_world, v)]
+            }
+            UvMap::Mesh => {
+                let (appearance, geometry) = (&self.scene.appearance, self.scene.accel.geometry());
+                let (mut rows, mut mirrored) = (<[[F::Row; 3]; 3]>::default(), 0);
+                for lane in 0..F::LANES {
+                    let face = self.group.faces[lane];
+                    let shape = &appearance.shapes[face.shape as usize];
+                    let found = appearance.corner_tangents(shape, geometry, face.primitive);
+                    let corners = found.unwrap_or_default();
+                    // All corners of a triangle are on the same side, except in inconsistent files.
+                    mirrored |= u32::from(corners[0].w < 0.0) << lane;
+                    for (row, corner) in rows.iter_mut().zip(corners) {
+                        set::<F>(row, lane, corner.truncate());
+                    }
+                }
+                let corners = three(token, &rows);
+                let tangent = surface::interpolated(&corners, self.surfaces.barycentric);
+                let across = normal.cross(tangent);
+                [tangent, Vector::select(F::mask(token, mirrored), -across, across)]
+            }
+        }
+    }
+}
+
+impl<'a, F: Single> LookUp<'a, F> {
+    #[inline(always)]
+    fn at(place: &'a Place<'a, F>, counts: &'a mut LookUps) -> Self {
+        Self { place, counts, steps: None, coordinates: None, footprint: None, level: None }
+    }
+
+    /// The colours of a texture; black if its image cannot be decoded, which ends a render.
+    #[inline(always)]
+    fn texel(&mut self, texture: &'a Texture) -> Vector<F> {
+        let Place { group, scene, t, .. } = self.place;
+        let Texture { image, filter, wrap, coordinates } = texture;
+        let uv = self.coordinates(coordinates);
+        let Some(image) = scene.appearance.images[*image as usize].look_up() else {
+            return Vector::splat(t.token(), Vec3::ZERO);
+        };
+        let read = |hits: u32| filter.texels() * u64::from((hits & group.used).count_ones());
+        self.counts.texels += read(u32::MAX);
+        if *filter != Filter::Trilinear {
+            return image.look_up(uv, *filter, *wrap);
+        }
+        let level = self.level(image, coordinates);
+        let (color, between) = image.look_up_at(uv, level, *wrap);
+        self.counts.texels += read(between);
+        color
+    }
+
+    #[inline(always)]
+    fn coordinates(&mut self, of: &'a Coordinates) -> [F; 2] {
+        if let Some((known, uv)) = self.coordinates
+            && known == of
+        {
+            return uv;
+        }
+        let Place { group, surfaces, .. } = self.place;
+        let own = match &of.map {
+            UvMap::Planar(map) => map.uv(surfaces.point),
+            UvMap::Sphere(to_own) => sphere_uv(turned_by(to_own, surfaces.normal).normalize()),
+            UvMap::Mesh => {
+                let [[au, av], [bu, bv], [cu, cv]] = group.uvs(self.place.t.token());
+                let [y, z] = surfaces.barycentric;
+                let x = y.same(1.0) - y - z;
+                [au * x + bu * y + cu * z, av * x + bv * y + cv * z]
+            }
+        };
+        let uv = if let Some(placing) = &of.placing { placing.apply(own) } else { own };
+        self.coordinates = Some((of, uv));
+        uv
+    }
+
+    /// The changes of texture coordinates from one sample to the next. Not finite where those of the
+    /// points are not.
+    #[inline(always)]
+    fn footprint(&mut self, of: &'a Coordinates) -> [[F; 2]; 2] {
+        if let Some((known, footprint)) = self.footprint
+            && known == of
+        {
+            return footprint;
+        }
+        let &Place { group, surfaces, line, t, scene, .. } = self.place;
+        self.counts.footprints += u64::from(group.used.count_ones());
+        let steps = match self.steps {
+            Some(steps) => steps,
+            None => self.place.differential().at(line.direction, t, surfaces.normal),
+        };
+        self.steps = Some(steps);
+        let [right, down] = steps;
+        let own = match &of.map {
+            UvMap::Planar(map) => [map.change(right), map.change(down)],
+            UvMap::Sphere(to_own) => {
+                let normal = turned_by(to_own, surfaces.normal).normalize();
+                let radius = group.radii(t.token());
+                both(
+                    steps,
+                    #[inline(always)]
+                    |step| sphere_uv_change(normal, turned_by(to_own, step.over(radius))),
+                )
+            }
+            UvMap::Mesh => {
+                let uvs = group.uvs(t.token());
+                let corners = group.corners_in_world(t.token(), scene.accel.geometry());
+                both(
+                    steps,
+                    #[inline(always)]
+                    |step| {
+                        let [u, v] = uv_change(&corners, &uvs, step);
+                        let is_known = F::mask(t.token(), group.has_uvs);
+                        [F::select(is_known, u, t.zero()), F::select(is_known, v, t.zero())]
+                    },
+                )
+            }
+        };
+        let [right, down] = own;
+        let own = match &of.placing {
+            None => own,
+            Some(placing) => [placing.change(right), placing.change(down)],
+        };
+        (self.footprint, self.level) = (Some((of, own)), None);
+        own
+    }
+
+    #[inline(always)]
+    fn level(&mut self, image: &Image, of: &'a Coordinates) -> F {
+        let footprint = self.footprint(of);
+        let size = [image.width, image.height, image.coarsest()];
+        if let Some((known, level)) = self.level
+            && known == size
+        {
+            return level;
+        }
+        let level = image.level(&footprint);
+        self.level = Some((size, level));
+        level
+    }
+}
+
+/// Replaces the reflection of points, which have their colours, by that of metalness and roughness.
+#[inline(always)]
+fn metal<F: Single>(of: [F; 2], point: &mut ShadingPoint<F>) {
+    let [metallic, roughness] = both(
+        of,
+        #[inline(always)]
+        |share| {
+            let share = share.widen();
+            share.max(share.zero()).min(share.same(1.0))
+        },
+    );
+    let look = metal::look(point.color.widen(), metallic, roughness);
+    point.reflection = Reflection {
+        ks: F::narrow(look.ks),
+        kd: F::narrow(look.kd),
+        exponent: F::narrow(look.exponent),
+        tint: Vector::narrow(look.tint),
+    };
+    point.kr = F::narrow(look.kr);
+}
+
+/// Vectors turned by a rotation.
+#[inline(always)]
+fn turned_by<F: Single>(by: &Mat3, v: Vector<F>) -> Vector<F> {
+    let token = v.x.token();
+    Vector::splat(token, by.x_axis).scale(v.x)
+        + Vector::splat(token, by.y_axis).scale(v.y)
+        + Vector::splat(token, by.z_axis).scale(v.z)
+}
