@@ -18,9 +18,7 @@
 
 use glam::Vec3;
 
-use crate::math::float::dot_f64;
-use crate::math::ray::Ray;
-use crate::math::real::{Single, both};
+use crate::math::real::{Real, Single, both};
 use crate::math::vector::Vector;
 
 /// The derivatives of a ray, or of a ray in each lane, for a step to the right and one down.
@@ -58,6 +56,53 @@ impl<F: Single> Differential<F> {
         let own = self.origin.iter_mut().chain(&mut self.direction);
         own.zip(origin.iter().chain(direction)).for_each(|(own, of)| own.set_lane(i, (*of).into()));
     }
+
+    /// The differentials of the rays that those in these directions become about the unit vectors
+    /// `normal`, if points change by `steps` and normals by `turns`: mirrored, or refracted with these
+    /// unit directions and ratios of the index of refraction before to that behind.
+    #[inline(always)]
+    pub fn turned(
+        &self,
+        direction: Vector<F>,
+        steps: [Vector<F>; 2],
+        normal: Vector<F>,
+        turns: [Vector<F>; 2],
+        refracted: Option<(Vector<F>, F::Double)>,
+    ) -> Self {
+        let (direction, normal) = (direction.widen(), normal.widen());
+        let before = direction.dot(normal);
+        // What the direction, with this weight, moves along the normal, and how that changes with
+        // `before`. Mirrored, it leaves as far from the plane as it arrives.
+        let two = before.same(2.0);
+        let (ratio, along, change_along) = match refracted {
+            None => (before.same(1.0), two * before, two),
+            Some((bent, ratio)) => {
+                let behind = bent.widen().dot(normal);
+                (ratio, ratio * before - behind, ratio - ratio * ratio * before / behind)
+            }
+        };
+        let ([right, down], [turn_right, turn_down]) = (self.direction, turns);
+        let direction = both(
+            [(right, turn_right), (down, turn_down)],
+            #[inline(always)]
+            |(change, turn)| {
+                let (change, turn) = (change.widen(), turn.widen());
+                let cosine_changes = change.dot(normal) + direction.dot(turn);
+                let moved = turn.scale(along) + normal.scale(change_along * cosine_changes);
+                Vector::narrow(change.scale(ratio) - moved)
+            },
+        );
+        Self { origin: steps, direction }
+    }
+
+    /// The differential in lane `i`.
+    pub fn lane(&self, i: usize) -> Differential {
+        let ([a, b], [c, d]) = (&self.origin, &self.direction);
+        Differential {
+            origin: [a.lane(i).into(), b.lane(i).into()],
+            direction: [c.lane(i).into(), d.lane(i).into()],
+        }
+    }
 }
 
 impl Differential {
@@ -66,62 +111,33 @@ impl Differential {
         let still = [Vec3::ZERO.into(); 2];
         Self { origin: still, direction: still }
     }
-
-    /// The differential of the ray that `ray` becomes about the unit vector `normal`, if points change
-    /// by `steps` and the normal by `turns`: mirrored, or refracted with this unit direction and this
-    /// ratio of the index of refraction before to that behind.
-    pub fn turned(
-        &self,
-        ray: &Ray,
-        steps: [Vector<f32>; 2],
-        normal: Vec3,
-        turns: [Vec3; 2],
-        refracted: Option<(Vec3, f64)>,
-    ) -> Self {
-        let (direction, normal) = (ray.direction.as_dvec3(), normal.as_dvec3());
-        let before = dot_f64(direction, normal);
-        // What the direction, with this weight, moves along the normal, and how that changes with
-        // `before`. Mirrored, it leaves as far from the plane as it arrives.
-        let (ratio, along, change_along) =
-            refracted.map_or((1.0, 2.0 * before, 2.0), |(bent, ratio)| {
-                let behind = dot_f64(bent.as_dvec3(), normal);
-                (ratio, ratio * before - behind, ratio - ratio * ratio * before / behind)
-            });
-        let turned = [0, 1].map(|axis| {
-            let change = Vec3::from(self.direction[axis]).as_dvec3();
-            let turn = turns[axis].as_dvec3();
-            let cosine_changes = dot_f64(change, normal) + dot_f64(direction, turn);
-            let along_changes = change_along * cosine_changes;
-            (change * ratio - (turn * along + normal * along_changes)).as_vec3().into()
-        });
-        Self { origin: steps, direction: turned }
-    }
 }
 
-/// How the interpolated normal of a triangle changes with the point.
+/// How the interpolated normals of triangles change with the point.
 ///
 /// `normals` are the values at the `corners`, and `normal` is the interpolated unit normal at
 /// `point`, on either side. Zero if the normals cancel out.
-pub fn turn_between(
-    corners: &[Vec3; 3],
-    normals: &[Vec3; 3],
-    point: Vec3,
-    step: Vec3,
-    normal: Vec3,
-) -> Vec3 {
-    let [a, b, c] = normals.map(|n| n.as_dvec3());
-    let corners = corners.map(Vector::from);
-    let [y, z] = weights(&corners, (point - Vec3::from(corners[0])).into());
-    let sum = a * (1.0 - y - z) + b * y + c * z;
-    let length = dot_f64(sum, sum).sqrt();
-    if length == 0.0 {
-        return Vec3::ZERO;
-    }
-    let [y, z] = weights(&corners, step.into());
-    let change = (b - a) * y + (c - a) * z;
-    let unit = sum / length;
-    let turn = (change - unit * dot_f64(unit, change)) / length;
-    if dot_f64(unit, normal.as_dvec3()) < 0.0 { -turn.as_vec3() } else { turn.as_vec3() }
+#[inline(always)]
+pub fn turn_between<F: Single>(
+    corners: &[Vector<F>; 3],
+    normals: &[Vector<F>; 3],
+    (point, normal): (Vector<F>, Vector<F>),
+    step: Vector<F>,
+) -> Vector<F> {
+    let [a, b, c] = normals;
+    let (a, b, c) = (a.widen(), b.widen(), c.widen());
+    let [y, z] = weights(corners, point - corners[0]);
+    let sum = a.scale(y.same(1.0) - y - z) + b.scale(y) + c.scale(z);
+    let length = sum.dot(sum).sqrt();
+    let [y, z] = weights(corners, step);
+    let change = (b - a).scale(y) + (c - a).scale(z);
+    let unit = sum.over(length);
+    let turn = (change - unit.scale(unit.dot(change))).over(length);
+    let zero = length.zero();
+    let is_behind = unit.dot(normal.widen()).lt(zero);
+    let turn = Vector::select(is_behind, -turn, turn);
+    let still = Vector::new(zero, zero, zero);
+    Vector::narrow(Vector::select(length.eq(zero), still, turn))
 }
 
 /// The changes of texture coordinates for a `step` on triangles with `uvs` at their `corners`.

@@ -1,17 +1,18 @@
 //! The differentials of rays that go on from hits.
 //!
-//! Both tracers call these functions hit by hit, only for rays that may show trilinear textures.
+//! Only rays that may show trilinear textures have any.
 
 use glam::Vec3;
 
-use super::{LookUps, PreparedScene};
+use super::{Group, LookUps, PreparedScene};
 use crate::accel::Hit;
-use crate::geometry::Primitive;
+use crate::geometry::ShadingKind;
 use crate::kernels::differential::{Differential, turn_between};
 use crate::kernels::shade::{self, ShadingPoint};
 use crate::kernels::transmission::Refracted;
-use crate::math::float::dot;
 use crate::math::ray::Ray;
+use crate::math::real::{Mask, Single, both};
+use crate::math::vector::{Line, Vector};
 use crate::plan::schedule::Step;
 
 impl PreparedScene {
@@ -23,13 +24,24 @@ impl PreparedScene {
         (self.bounces > 0 || schedule.has_transmission()) && schedule.runs(Step::Differentials)
     }
 
-    /// The differential that a ray carries, or that of a camera ray.
-    pub(super) fn arriving(&self, carried: Option<Differential>, ray: &Ray) -> Differential {
-        carried.unwrap_or_else(|| self.camera.differential(ray.direction.into()))
+    /// The differentials of rays, which carry one each or come from the camera.
+    #[inline(always)]
+    pub(super) fn arriving<F: Single>(
+        &self,
+        direction: Vector<F>,
+        carried: &dyn Fn(usize) -> Option<Differential>,
+    ) -> Differential<F> {
+        let mut found = self.camera.differential(direction);
+        for lane in 0..F::LANES {
+            if let Some(carried) = carried(lane) {
+                found.set_lane(lane, &carried);
+            }
+        }
+        found
     }
 
     /// The differential of the mirror ray at `point`, from that of `ray`, which arrives there with
-    /// `hit`.
+    /// `hit` and has its own differential, or that of a camera ray.
     pub fn mirrored(
         &self,
         carried: Option<Differential>,
@@ -38,10 +50,10 @@ impl PreparedScene {
         point: &ShadingPoint<f32>,
         look_ups: &mut LookUps,
     ) -> Differential {
-        let view = -ray.direction;
-        let (_, smooth) = shade::mirrored(view.into(), point.shading_normal, point.normal);
         look_ups.footprints += 1;
-        self.turned(&self.arriving(carried, ray), (ray, hit), point, smooth, None)
+        let (group, line) = (self.group(ray, hit), Line::from(ray));
+        let place = (self.accel.geometry().kind(hit.primitive), &line, hit.t);
+        group.mirrored(self, place, &|_| carried, point)
     }
 
     /// The differential of the ray that goes on behind `point`, with this refraction, or straight.
@@ -54,55 +66,91 @@ impl PreparedScene {
         look_ups: &mut LookUps,
     ) -> Differential {
         look_ups.footprints += 1;
+        let line = Line::from(ray);
         match refracted {
             Some(&Refracted { direction, ratio, smooth, .. }) if direction != ray.direction => {
-                self.turned(differential, (ray, hit), point, smooth, Some((direction, ratio)))
+                let place = (self.accel.geometry().kind(hit.primitive), &line, hit.t);
+                let refracted = Some((direction.into(), ratio));
+                self.group(ray, hit).turned(self, place, differential, (point, smooth), refracted)
             }
             _ => Differential {
-                origin: differential.at(ray.direction.into(), hit.t, point.normal),
+                origin: differential.at(line.direction, hit.t, point.normal),
                 ..*differential
             },
         }
     }
+}
 
-    /// The differential of the ray that turns at `point` about its interpolated normal if `smooth`, else
-    /// about its geometric one: see [`Differential::turned`].
-    fn turned(
+/// Where rays of a group meet surfaces of this kind.
+type Meeting<'a, F> = (ShadingKind, &'a Line<F>, F);
+
+impl<F: Single> Group<F> {
+    /// The differentials of the mirror rays at the points, of rays that carry differentials or come from the
+    /// camera.
+    #[inline(always)]
+    pub fn mirrored(
         &self,
-        differential: &Differential,
-        (ray, hit): (&Ray, &Hit),
-        point: &ShadingPoint<f32>,
-        smooth: bool,
-        refracted: Option<(Vec3, f64)>,
-    ) -> Differential {
-        let steps = differential.at(ray.direction.into(), hit.t, point.normal);
-        let turns = steps.map(|step| self.turn(hit.primitive, point, step.into(), smooth));
-        let about = if smooth { point.shading_normal } else { point.normal };
-        differential.turned(ray, steps, about.into(), turns, refracted)
+        scene: &PreparedScene,
+        meeting: Meeting<'_, F>,
+        carried: &dyn Fn(usize) -> Option<Differential>,
+        point: &ShadingPoint<F>,
+    ) -> Differential<F> {
+        let from = scene.arriving(meeting.1.direction, carried);
+        let (_, smooth) = shade::mirrored(point.view, point.shading_normal, point.normal);
+        self.turned(scene, meeting, &from, (point, smooth), None)
     }
 
-    /// The change of the mirror's normal with its point.
-    fn turn(&self, primitive: u32, point: &ShadingPoint<f32>, step: Vec3, smooth: bool) -> Vec3 {
-        let geometry = self.accel.geometry();
-        match geometry.primitive(primitive) {
-            Primitive::Quadric(i) => {
-                let turn = geometry.quadrics[i].sphere().map_or(Vec3::ZERO, |(_, r)| step / r);
-                let outward = Vec3::from(point.point) - geometry.quadrics[i].parts().0;
-                if dot(outward, point.normal.into()) < 0.0 { -turn } else { turn }
-            }
-            Primitive::Triangle(_) | Primitive::Instanced(_) if smooth => {
-                let shape = &self.appearance.shapes[self.appearance.shape_of(primitive)];
-                let normals = shape
-                    .smooth
-                    .then(|| self.appearance.normals(shape, geometry, primitive))
-                    .flatten();
-                let corners = geometry.mesh_triangle(primitive);
-                normals.zip(corners).map_or(Vec3::ZERO, |(normals, corners)| {
-                    let [at, normal] = [point.point, point.shading_normal].map(Vec3::from);
-                    turn_between(&corners, &normals, at, step, normal)
-                })
-            }
-            Primitive::Triangle(_) | Primitive::Quad(_) | Primitive::Instanced(_) => Vec3::ZERO,
+    /// The differentials of the rays that turn at the points about their interpolated normals if `smooth`,
+    /// else about the geometric ones: see [`Differential::turned`].
+    #[inline(always)]
+    fn turned(
+        &self,
+        scene: &PreparedScene,
+        (kind, line, t): Meeting<'_, F>,
+        from: &Differential<F>,
+        (point, smooth): (&ShadingPoint<F>, F::Mask),
+        refracted: Option<(Vector<F>, F::Double)>,
+    ) -> Differential<F> {
+        let steps = from.at(line.direction, t, point.normal);
+        let turns = self.turns(scene, kind, steps, (point, smooth));
+        let about = Vector::select(smooth, point.shading_normal, point.normal);
+        from.turned(line.direction, steps, about, turns, refracted)
+    }
+
+    /// The changes of the normals with the points.
+    #[inline(always)]
+    fn turns(
+        &self,
+        scene: &PreparedScene,
+        kind: ShadingKind,
+        steps: [Vector<F>; 2],
+        (point, smooth): (&ShadingPoint<F>, F::Mask),
+    ) -> [Vector<F>; 2] {
+        let token = point.kr.token();
+        let still = Vector::splat(token, Vec3::ZERO);
+        if kind == ShadingKind::Quadrics {
+            let [center, radius, front] = self.quadrics(token);
+            let is_behind = (point.point - center).dot(point.normal).lt(point.kr.zero());
+            return both(
+                steps,
+                #[inline(always)]
+                |step| {
+                    let turn = step.over(radius.x);
+                    let turn = Vector::select(is_behind, -turn, turn);
+                    Vector::select(front.is_not_zero(), still, turn)
+                },
+            );
         }
+        let (normals, smooth) = self.smooth_normals(token, smooth);
+        if !smooth.any() {
+            return [still; 2];
+        }
+        let corners = self.corners_in_world(token, scene.accel.geometry());
+        let at = (point.point, point.shading_normal);
+        both(
+            steps,
+            #[inline(always)]
+            |step| Vector::select(smooth, turn_between(&corners, &normals, at, step), still),
+        )
     }
 }

@@ -268,10 +268,21 @@ impl<F: Single> Group<F> {
         ]
     }
 
-    /// The radii of spheres.
+    /// The centres of spheres and disks, their radii along each axis, and their fronts: zero for
+    /// spheres.
     #[inline(always)]
-    pub(super) fn radii(&self, token: F::Token) -> F {
-        F::load(token, &self.corners[1][0])
+    pub(super) fn quadrics(&self, token: F::Token) -> [Vector<F>; 3] {
+        three(token, &self.corners)
+    }
+
+    /// The normals at the corners, and those of the lanes that have any.
+    #[inline(always)]
+    pub(super) fn smooth_normals(
+        &self,
+        token: F::Token,
+        lanes: F::Mask,
+    ) -> ([Vector<F>; 3], F::Mask) {
+        (three(token, &self.normals), lanes & F::mask(token, self.smooth))
     }
 
     /// The corners of triangles in the world.
@@ -383,7 +394,11 @@ impl<F: Single> Group<F> {
         // Copies, so that the point stays in registers if there are no maps.
         let (mut mapped, surfaces) = (point, surfaces);
         let place = Place { group: self, surfaces: &surfaces, line, t, scene, carried };
-        place.apply(class, &mut mapped, look_ups);
+        F::outlined(
+            token,
+            #[inline(always)]
+            || place.apply(class, &mut mapped, look_ups),
+        );
         mapped
     }
 
@@ -456,7 +471,7 @@ impl PreparedScene {
             return Interaction::Light(color);
         }
         let (kind, line) = (self.accel.geometry().kind(hit.primitive), Line::from(ray));
-        let group = self.group(ray, hit, index);
+        let group = self.group_on(ray, hit, index);
         let place = (&line, hit.t);
         let point = group.shading_points::<P>(kind, place, self, &|_| differential, look_ups);
         look_ups.colors += group.colored();
@@ -477,7 +492,7 @@ impl PreparedScene {
         let class = self.appearance.class(&self.appearance.shapes[index]);
         let transparency = class.transparency.as_ref()?;
         let (geometry, line) = (self.accel.geometry(), Line::from(ray));
-        let group = self.group(ray, hit, index);
+        let group = self.group_on(ray, hit, index);
         let surfaces = group.surfaces::<P>(geometry.kind(hit.primitive), &line, hit.t, geometry);
         let (normal, inside) = group.sided_normals(&line, &surfaces);
         let place = Place {
@@ -493,9 +508,14 @@ impl PreparedScene {
         Some(Crossing { transparency, opacity, cosine, inside })
     }
 
+    /// The group of one hit.
+    pub(super) fn group(&self, ray: &Ray, hit: &Hit) -> Group<f32> {
+        self.group_on(ray, hit, self.appearance.shape_of(hit.primitive))
+    }
+
     /// The group of one hit, on the shape at `index`.
     #[inline(always)]
-    fn group(&self, ray: &Ray, hit: &Hit, index: usize) -> Group<f32> {
+    fn group_on(&self, ray: &Ray, hit: &Hit, index: usize) -> Group<f32> {
         let face = Face { ray: 0, primitive: hit.primitive, shape: index as u32 };
         let mut group = Group::default();
         group.begin(&[face], &self.appearance);

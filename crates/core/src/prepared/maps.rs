@@ -123,18 +123,6 @@ impl<'a, F: Single> Place<'a, F> {
         point.shading_normal = Vector::select(is_turned, turned, sided);
     }
 
-    /// The differentials of the rays.
-    #[inline(always)]
-    fn differential(&self) -> Differential<F> {
-        let mut found = self.scene.camera.differential(self.line.direction);
-        for lane in 0..F::LANES {
-            if let Some(carried) = (self.carried)(lane) {
-                found.set_lane(lane, &carried);
-            }
-        }
-        found
-    }
-
     /// The directions in which u and v grow, of about unit length; zero if they do not.
     #[inline(always)]
     fn tangents(&self, map: &UvMap, normal: Vector<F>) -> [Vector<F>; 2] {
@@ -235,7 +223,10 @@ impl<'a, F: Single> LookUp<'a, F> {
         self.counts.footprints += u64::from(group.used.count_ones());
         let steps = match self.steps {
             Some(steps) => steps,
-            None => self.place.differential().at(line.direction, t, surfaces.normal),
+            None => {
+                let arriving = scene.arriving(line.direction, self.place.carried);
+                arriving.at(line.direction, t, surfaces.normal)
+            }
         };
         self.steps = Some(steps);
         let [right, down] = steps;
@@ -243,7 +234,7 @@ impl<'a, F: Single> LookUp<'a, F> {
             UvMap::Planar(map) => [map.change(right), map.change(down)],
             UvMap::Sphere(to_own) => {
                 let normal = turned_by(to_own, surfaces.normal).normalize();
-                let radius = group.radii(t.token());
+                let [_, Vector { x: radius, .. }, _] = group.quadrics(t.token());
                 both(
                     steps,
                     #[inline(always)]

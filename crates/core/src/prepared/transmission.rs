@@ -126,7 +126,7 @@ impl PreparedScene {
             next(behind, ray.direction, throughput * (1.0 - point.opacity)),
         ];
         if self.carries_differentials() {
-            let from = self.arriving(arriving.differential, &ray);
+            let from = self.arriving(ray.direction.into(), &|_| arriving.differential);
             let [mirror, bent, straight] = &mut branches;
             if let Some(mirror) = mirror {
                 mirror.differential = Some(self.mirrored(Some(from), &ray, hit, point, look_ups));

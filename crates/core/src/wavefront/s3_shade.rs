@@ -266,7 +266,16 @@ impl<P: Arithmetic> Shade<'_, P> {
             }
             self.batch.next.push_lanes(&next, &path);
             if self.differentials {
-                self.mirror_differentials(&numbers, &point, next.asked.bits());
+                let place = (kind, &line, t);
+                let carried = |lane: usize| self.carried_differential(numbers[lane] as usize);
+                let mirrored = F::outlined(
+                    token,
+                    #[inline(always)]
+                    || group.mirrored(scene, place, &carried, &point),
+                );
+                let asked = next.asked.bits();
+                self.counters.footprints += u64::from(asked.count_ones());
+                lanes(asked).for_each(|lane| self.batch.push_differential(mirrored.lane(lane)));
             }
         }
     }
@@ -335,26 +344,6 @@ impl<P: Arithmetic> Shade<'_, P> {
             self.batch.push_trail(trail.mirrored());
             kept | 1 << lane
         })
-    }
-
-    /// Appends the differentials of the lanes with a mirror ray.
-    #[inline(never)]
-    fn mirror_differentials<F: Single>(
-        &mut self,
-        rays: &[u32; LANES],
-        points: &ShadingPoint<F>,
-        asked: u32,
-    ) {
-        let mut look_ups = LookUps::default();
-        for lane in lanes(asked) {
-            let i = rays[lane] as usize;
-            let (ray, hit) = (self.batch.rays.ray(i), self.batch.hits.hit[i]);
-            let carried = self.carried_differential(i);
-            let point = points.lane(lane);
-            let next = self.scene.mirrored(carried, &ray, &hit, &point, &mut look_ups);
-            self.batch.push_differential(next);
-        }
-        count(look_ups, self.counters);
     }
 
     /// The differential of the ray with that number, unless it is a camera ray.

@@ -207,7 +207,9 @@ impl Mirror {
             }
             Self::Smooth { corners, normals } => {
                 let (point, normal) = (meeting.point.as_vec3(), meeting.normal.as_vec3());
-                turn_between(corners, normals, point, step, normal)
+                let at = (point.into(), normal.into());
+                let [corners, normals] = [corners, normals].map(|of| of.map(Vector::from));
+                turn_between(&corners, &normals, at, step.into()).into()
             }
         }
     }
@@ -280,12 +282,11 @@ fn hits_and_mirror_rays_change_as_their_neighbours_say() {
                 Mirror::Smooth { .. } => 2,
             }] += 1;
             mirrors.push((mirror, meeting.t));
-            let single = Ray::new(ray.0.as_vec3(), ray.1.as_vec3());
-            let (ahead, normal) = (single.direction.into(), meeting.geometric.as_vec3().into());
+            let (ahead, normal) = (ray.1.as_vec3().into(), meeting.geometric.as_vec3().into());
             let steps = differential.at(ahead, meeting.t as f32, normal);
-            let turns = steps.map(|step| mirror.turn(&meeting, step.into()));
+            let turns = steps.map(|step| mirror.turn(&meeting, step.into()).into());
             differential =
-                differential.turned(&single, steps, meeting.normal.as_vec3(), turns, None);
+                differential.turned(ahead, steps, meeting.normal.as_vec3().into(), turns, None);
             for (k, axis) in AXES.into_iter().enumerate() {
                 let what = format!("ray {index}, {mirrors:?}, axis {k}");
                 let (origin, direction) = central(|p| follow(&view, p, &mirrors), at, axis);
