@@ -16,6 +16,9 @@ mod inputs;
 // The ray-triangle test and the exact orientation.
 mod triangle;
 
+// The half of a quad that a ray meets.
+mod quad;
+
 // The slab test loses nothing.
 mod slab;
 

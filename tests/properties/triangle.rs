@@ -27,7 +27,7 @@ fn corners() -> impl Strategy<Value = [Vec3; 3]> {
 }
 
 /// The definition: the t at which the ray meets the closed triangle within its range.
-fn meeting(ray: &Ray, corners: &[Vec3; 3]) -> Option<Exact> {
+pub(crate) fn meeting(ray: &Ray, corners: &[Vec3; 3]) -> Option<Exact> {
     let (origin, direction) = (exact3(ray.origin), exact3(ray.direction));
     let [a, b, c] = corners.map(|corner| minus(&exact3(corner), &origin));
     let sides = [(&b, &c), (&c, &a), (&a, &b)].map(|(p, q)| dot(&cross(p, q), &direction));

@@ -241,10 +241,22 @@ fn disk<F: Single>(line: &Line<F>, t: F, [center, front]: [Vector<F>; 2], radius
     }
 }
 
-/// The half of the quad `corners` that `ray` meets first. The ray must hit the quad.
+/// The half of the quad `corners` that `ray` meets first; of halves met at the same t, the first. The
+/// ray must hit the quad.
 #[inline]
 pub fn quad_half(ray: &Ray, corners: &[Vec3; 4]) -> [Vec3; 3] {
     let [first, second] = quad::halves(corners);
+    match quad::missed_halves(&Line::from(ray), &corners.map(Vector::from)) {
+        [_, true] => first,
+        [true, false] => second,
+        [false, false] => nearer_half(ray, [first, second]),
+    }
+}
+
+/// As [`quad_half`], for any ray.
+#[cold]
+#[inline(never)]
+fn nearer_half(ray: &Ray, [first, second]: [[Vec3; 3]; 2]) -> [Vec3; 3] {
     match (triangle::meet(ray, &first), triangle::meet(ray, &second)) {
         (Some(s), Some(t)) if t < s => second,
         (None, Some(_)) => second,

@@ -55,14 +55,14 @@ struct PlaneT<D> {
 
 /// A cross product, with the magnitudes of the terms of each component.
 #[derive(Clone, Copy)]
-struct Cross<D> {
+pub(in crate::kernels) struct Cross<D> {
     value: Vector<D>,
     size: Vector<D>,
 }
 
 impl<D: Real<Element = f64>> Cross<D> {
     #[inline(always)]
-    fn of(p: Vector<D>, q: Vector<D>) -> Self {
+    pub(in crate::kernels) fn of(p: Vector<D>, q: Vector<D>) -> Self {
         let plus = Vector::new(p.y * q.z, p.z * q.x, p.x * q.y);
         let minus = Vector::new(p.z * q.y, p.x * q.z, p.y * q.x);
         Self { value: plus - minus, size: plus.abs() + minus.abs() }
@@ -76,7 +76,7 @@ impl<D: Real<Element = f64>> Cross<D> {
 
     /// The lanes in which the determinant with `d` is certainly positive, and negative.
     #[inline(always)]
-    fn signs(&self, d: Vector<D>) -> (D::Mask, D::Mask) {
+    pub(in crate::kernels) fn signs(&self, d: Vector<D>) -> (D::Mask, D::Mask) {
         let (value, size) = self.dot(d);
         let error = size.times(SIDE_ERROR);
         (value.gt(error), value.lt(-error))
