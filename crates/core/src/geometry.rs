@@ -256,7 +256,8 @@ impl Geometry {
         after > 0 && self.passed[after - 1].contains(&number)
     }
 
-    /// The t at which the ray hits the primitive: the least within its range, rounded once.
+    /// The t at which the ray hits the primitive: the least within its range, rounded once. None in a
+    /// hole.
     #[inline(always)]
     pub(crate) fn hit<P: Arithmetic>(
         &self,
@@ -264,7 +265,19 @@ impl Geometry {
         ray: &Ray,
         tests: &mut TestCounts,
     ) -> Option<f32> {
-        let t = match self.primitive(number) {
+        let t = self.meet::<P>(number, ray, tests)?;
+        (!self.is_hole::<P>(number, ray, t, tests)).then_some(t)
+    }
+
+    /// As [`Self::hit`], without regard to holes of the scene's own primitives.
+    #[inline(always)]
+    pub(crate) fn meet<P: Arithmetic>(
+        &self,
+        number: u32,
+        ray: &Ray,
+        tests: &mut TestCounts,
+    ) -> Option<f32> {
+        match self.primitive(number) {
             Primitive::Triangle(i) => {
                 tests.triangles += 1;
                 triangle::meet(ray, &self.triangle(i))
@@ -282,8 +295,7 @@ impl Geometry {
                 self.quadrics[i].hit::<P>(ray)
             }
             Primitive::Instanced(instanced) => self.hit_instanced::<P>(instanced, ray, tests),
-        }?;
-        (!self.is_cut_out::<P>(number, ray, t, tests)).then_some(t)
+        }
     }
 
     /// As [`Self::hit`], for a triangle of an instance: the ray is transformed into the space of the

@@ -11,6 +11,7 @@ use super::arena::{ArenaView, Ref};
 use super::tree::Searched;
 use super::{Hit, NO_PRIMITIVE};
 use crate::counters::TestCounts;
+use crate::kernels::precision::Arithmetic;
 use crate::kernels::triangle::{exact, settle};
 use crate::math::ray::Ray;
 use crate::math::real::Single;
@@ -65,15 +66,24 @@ impl Best {
         self.low == self.high
     }
 
-    /// Replaces the hit by `new`, of the same ray, if that comes first. Returns whether this one
-    /// changes.
+    /// Replaces the hit by `new`, of the same ray, if that comes first and is not in a hole. Returns
+    /// whether this one changes.
     #[inline(always)]
-    pub(super) fn offer(&mut self, searched: Searched<'_>, ray: &Ray, new: Self) -> bool {
+    pub(super) fn offer<P: Arithmetic>(
+        &mut self,
+        searched: Searched<'_>,
+        ray: &Ray,
+        new: Self,
+        tests: &mut TestCounts,
+    ) -> bool {
+        if new.low > self.high || searched.is_hole::<P>(ray, &new, tests) {
+            return false;
+        }
         if new.high < self.low {
             *self = new;
             return true;
         }
-        new.low <= self.high && self.contest(searched, ray, new)
+        self.contest(searched, ray, new)
     }
 
     /// As [`Self::offer`], for hits whose intervals overlap.

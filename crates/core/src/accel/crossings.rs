@@ -88,15 +88,17 @@ fn visit<S: Lanes, P: Arithmetic>(
     while met != 0 {
         let lane = met.trailing_zeros() as usize % 8;
         met &= met - 1;
-        if found.certain >> lane & 1 == 1 {
+        let hit = if found.certain >> lane & 1 == 1 {
             // It passes beside every edge.
-            let hit = Best::in_leaf(place, lane, [found.low[lane], found.high[lane]]);
-            hits.push(hit.finished(arena, &ray.ray));
+            Best::in_leaf(place, lane, [found.low[lane], found.high[lane]])
         } else {
             tests.settled += 1;
             let t = triangle::crossing(&ray.ray, &arena.triangle(place, lane));
-            let hit = |t| Hit { t, primitive: arena.number_of(place, lane) };
-            hits.extend(t.map(hit));
+            let Some(t) = t else { continue };
+            Best::in_leaf(place, lane, [t, t])
+        };
+        if !searched.is_hole::<P>(&ray.ray, &hit, tests) {
+            hits.push(hit.finished(arena, &ray.ray));
         }
     }
 }
@@ -126,7 +128,7 @@ pub(super) fn each<P: Arithmetic>(
             }
             Primitive::Instanced(_) => [None; 2],
         };
-        let is_there = |t: &f32| !geometry.is_cut_out::<P>(primitive, ray, *t, tests);
+        let is_there = |t: &f32| !geometry.is_hole::<P>(primitive, ray, *t, tests);
         hits.extend(found.into_iter().flatten().filter(is_there).map(|t| Hit { t, primitive }));
     }
 }

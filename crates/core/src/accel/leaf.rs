@@ -53,12 +53,16 @@ fn visit_list<Q: Query, P: Arithmetic>(
         if Q::ANY && searched.geometry.is_passed(number) {
             continue;
         }
-        let Some(t) = searched.geometry.hit::<P>(number, ray, tests) else { continue };
+        let Some(t) = searched.geometry.meet::<P>(number, ray, tests) else { continue };
+        let new = Best::in_leaf(place, entry, [t, t]);
         if Q::ANY {
-            *best = Best::of(ANY_HIT);
-            return true;
+            if !searched.is_hole::<P>(ray, &new, tests) {
+                *best = Best::of(ANY_HIT);
+                return true;
+            }
+        } else {
+            is_closer |= best.offer::<P>(searched, ray, new, tests);
         }
-        is_closer |= best.offer(searched, ray, Best::in_leaf(place, entry, [t, t]));
     }
     is_closer
 }
@@ -108,11 +112,11 @@ pub(super) fn take<S: Lanes, Q: Query, P: Arithmetic>(
     best: &mut Best,
     tests: &mut TestCounts,
 ) -> bool {
-    if Q::ANY && searched.without_passed(place, hits.certain) != 0 {
-        *best = Best::of(ANY_HIT);
+    if Q::ANY && take_any::<P>(searched, ray, (place, &mut hits), best, tests) {
         return true;
     }
-    if !Q::ANY && hits.certain.count_ones() > FEW {
+    // Of hits that may be in holes, none tells which others are behind.
+    if !Q::ANY && hits.certain.count_ones() > FEW && searched.geometry.cutouts.is_empty() {
         open_overlapping(best.high, &mut hits);
     }
     if hits.open != 0 {
@@ -122,8 +126,7 @@ pub(super) fn take<S: Lanes, Q: Query, P: Arithmetic>(
             settle(simd, arena, ray, place, &mut hits);
         }
         settle_each(arena, ray, place, &mut hits, tests);
-        if Q::ANY && searched.without_passed(place, hits.certain) != 0 {
-            *best = Best::of(ANY_HIT);
+        if Q::ANY && take_any::<P>(searched, ray, (place, &mut hits), best, tests) {
             return true;
         }
     }
@@ -135,9 +138,31 @@ pub(super) fn take<S: Lanes, Q: Query, P: Arithmetic>(
         let lane = hits.certain.trailing_zeros() as usize % 8;
         hits.certain &= hits.certain - 1;
         let new = Best::in_leaf(place, lane, [hits.low[lane], hits.high[lane]]);
-        is_closer |= best.offer(searched, ray, new);
+        is_closer |= best.offer::<P>(searched, ray, new, tests);
     }
     is_closer
+}
+
+/// Takes any of the certain hits, of which the others are removed. Returns whether there is one.
+#[inline(always)]
+fn take_any<P: Arithmetic>(
+    searched: Searched<'_>,
+    ray: &Ray,
+    (place, hits): (Ref, &mut LaneHits),
+    best: &mut Best,
+    tests: &mut TestCounts,
+) -> bool {
+    let mut certain = searched.without_passed(place, std::mem::take(&mut hits.certain));
+    while certain != 0 {
+        let lane = certain.trailing_zeros() as usize % 8;
+        certain &= certain - 1;
+        let hit = Best::in_leaf(place, lane, [hits.low[lane], hits.high[lane]]);
+        if !searched.is_hole::<P>(ray, &hit, tests) {
+            *best = Best::of(ANY_HIT);
+            return true;
+        }
+    }
+    false
 }
 
 /// Up to this many open triangles are settled one by one.
@@ -236,6 +261,19 @@ pub(super) fn corners<S: Lanes>(
 }
 
 impl Searched<'_> {
+    /// Whether the hit of `ray` is in a hole of a cut-out.
+    #[inline(always)]
+    pub(super) fn is_hole<P: Arithmetic>(
+        &self,
+        ray: &Ray,
+        hit: &Best,
+        tests: &mut TestCounts,
+    ) -> bool {
+        let Self { tree, geometry, .. } = self;
+        !geometry.cutouts.is_empty()
+            && geometry.is_hole::<P>(hit.number(tree.arena.view()), ray, hit.low, tests)
+    }
+
     /// The `triangles` of a leaf, a bit each, that do not belong to lights.
     #[inline(always)]
     pub(super) fn without_passed(&self, leaf: Ref, triangles: u32) -> u32 {

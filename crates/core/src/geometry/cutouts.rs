@@ -1,8 +1,8 @@
 //! Cut-outs: primitives with holes given by the alpha of an image.
 //!
 //! A hit on a cut-out counts if alpha is at least its threshold; otherwise the primitive counts as
-//! absent, for rays of every kind. Each hit is checked alone: leaves keep these primitives in
-//! lists, so that the tests in lanes ignore alpha, and scenes without cut-outs pay nothing.
+//! absent, for rays of every kind. The tests in lanes ignore alpha: only a hit that would replace a
+//! ray's best is checked, alone.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -70,12 +70,6 @@ impl Cutouts {
     pub(super) fn of(&self, number: u32) -> Option<&Cutout> {
         let after = self.0.partition_point(|cutout| cutout.primitives.start <= number);
         self.0[..after].last().filter(|cutout| cutout.primitives.contains(&number))
-    }
-
-    /// Whether the primitive has a cut-out.
-    #[inline(always)]
-    pub(crate) fn contains(&self, number: u32) -> bool {
-        !self.is_empty() && self.of(number).is_some()
     }
 }
 

@@ -14,7 +14,7 @@ use crate::math::vector::{Line, Vector};
 impl Geometry {
     /// Whether the ray, which meets the primitive at t, passes through a hole.
     #[inline(always)]
-    pub(crate) fn is_cut_out<P: Arithmetic>(
+    pub(crate) fn is_hole<P: Arithmetic>(
         &self,
         number: u32,
         ray: &Ray,
@@ -24,7 +24,7 @@ impl Geometry {
         !self.cutouts.is_empty() && self.passes_hole::<P>(number, ray, t, tests)
     }
 
-    /// As [`Self::is_cut_out`], for a scene that has cut-outs.
+    /// As [`Self::is_hole`], for a scene that has cut-outs.
     #[cold]
     #[inline(never)]
     fn passes_hole<P: Arithmetic>(

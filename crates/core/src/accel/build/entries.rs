@@ -8,7 +8,7 @@ use crate::kernels::slab::Aabb;
 #[derive(Clone, Copy)]
 pub(super) struct Entry {
     pub(super) number: u32,
-    /// The vertices, if it is tested in lanes: neither a quadric nor a cut-out.
+    /// The vertices; none of a quadric.
     pub(super) corners: Option<[u32; 3]>,
 }
 

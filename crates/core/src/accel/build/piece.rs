@@ -148,10 +148,9 @@ impl Piece {
         let Members { singles, leaves, .. } = &mut self.members;
         leaves.clear();
         singles.clear();
-        singles.extend(entries.iter().map(|&entry| {
-            let number = geometry.number_of(entry);
-            let corners = geometry.corners_of(entry);
-            Entry { number, corners: corners.filter(|_| !geometry.cutouts.contains(number)) }
+        singles.extend(entries.iter().map(|&entry| Entry {
+            number: geometry.number_of(entry),
+            corners: geometry.corners_of(entry),
         }));
         // In a separate loop, short enough for the processor to have many loads in flight.
         self.boxes.clear();

@@ -1,7 +1,7 @@
 //! A tile at a leaf.
 
-use fearless_simd::f32x8;
 use fearless_simd::prelude::*;
+use fearless_simd::{f32x8, f32x16};
 
 use super::columns::{GROUPS, WIDTH, load};
 use super::frame::GroupTest;
@@ -126,7 +126,9 @@ impl<Q: Query, P: Arithmetic> TileBatch<'_, Q, P> {
                 let Some(met) = tile.frame.meet::<S, P>(simd, &prepared, triangle, group) else {
                     continue;
                 };
-                let left = tile.take::<S, Q, P>(simd, g, (place, triangle), &met);
+                let at = (place, triangle);
+                let searched = self.searched;
+                let left = tile.take::<S, Q, P>(simd, searched, (g, at), &met, self.tests);
                 is_closer |= left.is_closer;
                 let mut open = left.open;
                 while open != 0 {
@@ -168,7 +170,7 @@ impl<Q: Query, P: Arithmetic> TileBatch<'_, Q, P> {
         outlined(
             simd,
             #[inline(always)]
-            || settle_pairs::<S, Q>(simd, *searched, tile, tests),
+            || settle_pairs::<S, Q, P>(simd, *searched, tile, tests),
         );
         tile.open.count = 0;
     }
@@ -188,10 +190,9 @@ impl<Q: Query, P: Arithmetic> TileBatch<'_, Q, P> {
                     }
                     let at = (place, entry);
                     match geometry.primitive(number) {
-                        Primitive::Quadric(i) if !geometry.cutouts.contains(number) => {
+                        Primitive::Quadric(i) => {
                             let quadric = &geometry.quadrics[i];
-                            quadric.count(tests, rays.count_ones());
-                            tile.meet_quadric::<S, Q, P>(simd, *searched, quadric, at, rays);
+                            tile.meet_quadric::<S, Q, P>(simd, *searched, quadric, at, rays, tests);
                         }
                         _ => ask_each::<Q, P>(*searched, tile, number, at, rays, tests),
                     }
@@ -214,9 +215,10 @@ impl RayTile {
     fn take<S: Lanes, Q: Query, P: Arithmetic>(
         &mut self,
         simd: S,
-        g: usize,
-        at: (Ref, usize),
+        searched: Searched<'_>,
+        (g, at): (usize, (Ref, usize)),
         GroupTest { t: [low, high], inside, open }: &GroupTest<S>,
+        tests: &mut TestCounts,
     ) -> Left {
         let (t_min, t_max) = (load(simd, &self.t_min, g), load(simd, &self.t_max, g));
         let within = (low.simd_gt(t_min) & high.simd_lt(t_max)).bits();
@@ -226,18 +228,58 @@ impl RayTile {
         if Q::ANY {
             let beyond = (high.simd_le(t_min) | low.simd_ge(t_max)).bits() & finite;
             let certain = inside & within;
-            self.done |= u64::from(certain) << (g * WIDTH);
             let open = if P::IS_FAST { 0 } else { (inside | open) & !(certain | beyond) };
+            let certain = self.without_holes::<S, P>(searched, (g, at), certain, *low, tests);
+            self.done |= u64::from(certain) << (g * WIDTH);
             return Left { is_closer: certain != 0, open };
         }
         let best = [load(simd, &self.low, g), load(simd, &self.high, g)];
         let beyond = (high.simd_le(t_min) | low.simd_gt(best[1])).bits() & finite;
         let closer = inside & within & high.simd_lt(best[0]).bits();
+        let open = if P::IS_FAST { 0 } else { (inside | open) & !(closer | beyond) };
+        let closer = self.without_holes::<S, P>(searched, (g, at), closer, *low, tests);
         if closer != 0 {
             self.set_group(simd, g, closer, at, [*low, *high]);
         }
-        let open = if P::IS_FAST { 0 } else { (inside | open) & !(closer | beyond) };
         Left { is_closer: closer != 0, open }
+    }
+
+    /// Those of `hits`, a bit for each ray of the `g`th group, that are not in holes.
+    #[inline(always)]
+    fn without_holes<S: Lanes, P: Arithmetic>(
+        &self,
+        searched: Searched<'_>,
+        (g, (leaf, entry)): (usize, (Ref, usize)),
+        hits: u32,
+        low: f32x16<S>,
+        tests: &mut TestCounts,
+    ) -> u32 {
+        if searched.geometry.cutouts.is_empty() {
+            return hits;
+        }
+        self.opaque::<P>(searched, (g, (leaf, entry)), hits, low.into(), tests)
+    }
+
+    /// As [`Self::without_holes`], for a scene with cut-outs.
+    #[cold]
+    #[inline(never)]
+    fn opaque<P: Arithmetic>(
+        &self,
+        searched: Searched<'_>,
+        (g, (leaf, entry)): (usize, (Ref, usize)),
+        mut hits: u32,
+        low: [f32; WIDTH],
+        tests: &mut TestCounts,
+    ) -> u32 {
+        let mut opaque = 0;
+        while hits != 0 {
+            let lane = hits.trailing_zeros() as usize % WIDTH;
+            hits &= hits - 1;
+            let hit = Best::in_leaf(leaf, entry, [low[lane]; 2]);
+            let is_hole = searched.is_hole::<P>(&self.ray(g * WIDTH + lane), &hit, tests);
+            opaque |= u32::from(!is_hole) << lane;
+        }
+        opaque
     }
 
     /// Updates the beam after closer hits.
@@ -249,7 +291,7 @@ impl RayTile {
 
 /// See [`TileBatch::settle`].
 #[inline(always)]
-fn settle_pairs<S: Lanes, Q: Query>(
+fn settle_pairs<S: Lanes, Q: Query, P: Arithmetic>(
     simd: S,
     searched: Searched<'_>,
     tile: &mut RayTile,
@@ -279,7 +321,7 @@ fn settle_pairs<S: Lanes, Q: Query>(
             exact::meet(&tile.ray(ray), &arena.triangle(leaf, entry))
         };
         if let Some(t) = t {
-            tile.offer::<Q>(searched, ray, Best::in_leaf(leaf, entry, [t, t]));
+            tile.offer::<Q, P>(searched, ray, Best::in_leaf(leaf, entry, [t, t]), tests);
         }
     }
 }
@@ -298,8 +340,8 @@ fn ask_each<Q: Query, P: Arithmetic>(
     while rays != 0 {
         let i = rays.trailing_zeros() as usize % TILE;
         rays &= rays - 1;
-        if let Some(t) = searched.geometry.hit::<P>(number, &tile.ray(i), tests) {
-            tile.offer::<Q>(searched, i, Best::in_leaf(place, entry, [t, t]));
+        if let Some(t) = searched.geometry.meet::<P>(number, &tile.ray(i), tests) {
+            tile.offer::<Q, P>(searched, i, Best::in_leaf(place, entry, [t, t]), tests);
         }
     }
 }

@@ -9,6 +9,7 @@ use crate::accel::arena::Ref;
 use crate::accel::best::Best;
 use crate::accel::query::Query;
 use crate::accel::tree::Searched;
+use crate::counters::TestCounts;
 use crate::geometry::Quadric;
 use crate::kernels::precision::Arithmetic;
 use crate::math::real::{Mask, Real, Single};
@@ -25,7 +26,10 @@ impl RayTile {
         quadric: &Quadric,
         (place, entry): (Ref, usize),
         rays: u64,
+        tests: &mut TestCounts,
     ) {
+        quadric.count(tests, rays.count_ones());
+        let certain = Q::ANY && searched.geometry.cutouts.is_empty();
         for first in (0..TILE).step_by(LANES) {
             let used = (rays >> first) as u32 & 0xFF;
             if used == 0 {
@@ -39,7 +43,7 @@ impl RayTile {
             let range = [load(&self.t_min), load(&self.t_max)];
             let (t, is_hit) = quadric.meet::<_, P>(&line, range);
             let mut hits = is_hit.bits() & used;
-            if Q::ANY {
+            if certain {
                 self.done |= u64::from(hits) << first;
                 continue;
             }
@@ -48,7 +52,7 @@ impl RayTile {
                 let lane = hits.trailing_zeros() as usize % LANES;
                 hits &= hits - 1;
                 let hit = Best::in_leaf(place, entry, [t.lane(lane); 2]);
-                self.offer::<Q>(searched, first + lane, hit);
+                self.offer::<Q, P>(searched, first + lane, hit, tests);
             }
         }
     }

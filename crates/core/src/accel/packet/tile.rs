@@ -15,6 +15,7 @@ use crate::accel::query::Query;
 use crate::accel::tree::Searched;
 use crate::accel::{Hit, NO_PRIMITIVE};
 use crate::counters::TestCounts;
+use crate::kernels::precision::Arithmetic;
 use crate::kernels::triangle::{ShearedSpace, settle};
 use crate::math::ray::Ray;
 use crate::math::real::{Mask, Single};
@@ -161,15 +162,23 @@ impl RayTile {
         (self.leaf[g][l], self.entry[g][l]) = (best.leaf, best.entry);
     }
 
-    /// Gives the `i`th ray a hit: any, or one that may come before its best.
+    /// Gives the `i`th ray a hit, unless that is in a hole: any, or one that may come before its
+    /// best.
     #[inline(always)]
-    pub(super) fn offer<Q: Query>(&mut self, searched: Searched<'_>, i: usize, hit: Best) {
+    pub(super) fn offer<Q: Query, P: Arithmetic>(
+        &mut self,
+        searched: Searched<'_>,
+        i: usize,
+        hit: Best,
+        tests: &mut TestCounts,
+    ) {
+        let ray = self.ray(i);
         if Q::ANY {
-            self.done |= 1 << i;
+            self.done |= u64::from(!searched.is_hole::<P>(&ray, &hit, tests)) << i;
             return;
         }
         let mut best = self.best(i);
-        if best.offer(searched, &self.ray(i), hit) {
+        if best.offer::<P>(searched, &ray, hit, tests) {
             self.set_best(i, best);
         }
     }
