@@ -1,8 +1,9 @@
 //! Hits within the holes of cut-outs.
 
-use glam::Vec3;
+use glam::Vec2;
 
-use super::{Geometry, Primitive};
+use super::cutouts::Cutout;
+use super::{Geometry, Primitive, Quadric};
 use crate::counters::TestCounts;
 use crate::kernels::precision::Arithmetic;
 use crate::kernels::surface;
@@ -34,41 +35,69 @@ impl Geometry {
         t: f32,
         tests: &mut TestCounts,
     ) -> bool {
-        let Some(cutout) = self.cutouts.of(number) else { return false };
+        let cutout = self.cutouts.of(number);
+        cutout.is_some_and(|cutout| self.is_hole_of::<P>(cutout, number, ray, t, tests))
+    }
+
+    /// As [`Self::is_hole`], for a primitive with this cut-out.
+    #[inline(never)]
+    pub(crate) fn is_hole_of<P: Arithmetic>(
+        &self,
+        cutout: &Cutout,
+        number: u32,
+        ray: &Ray,
+        t: f32,
+        tests: &mut TestCounts,
+    ) -> bool {
         tests.cutouts += 1;
-        let line = Line::from(ray);
-        let surface_of = |corners: [Vec3; 3]| {
-            surface::triangle_at::<f32, P>(&line, t, &corners.map(Vector::from))
+        // Corners without coordinates have no hole.
+        self.uv_at::<P>(cutout, number, ray, t).is_some_and(|uv| cutout.is_hole(uv))
+    }
+
+    /// The texture coordinates at which a ray meets a primitive at t, if there are any.
+    #[inline(always)]
+    fn uv_at<P: Arithmetic>(
+        &self,
+        cutout: &Cutout,
+        number: u32,
+        ray: &Ray,
+        t: f32,
+    ) -> Option<[f32; 2]> {
+        let corners = match self.primitive(number) {
+            Primitive::Triangle(i) => self.triangle(i),
+            Primitive::Quad(i) => surface::quad_half(ray, &self.quad(i)),
+            Primitive::Quadric(i) => {
+                return quadric_uv::<P>(&self.quadrics[i], &cutout.map, ray, t);
+            }
+            Primitive::Instanced(_) => return None,
         };
-        let uv = match (self.primitive(number), &cutout.map, &cutout.mesh) {
-            (Primitive::Triangle(i), UvMap::Mesh, Some(mesh)) => {
-                let positions = self.triangles[i].map(|vertex| vertex - mesh.first_position);
-                let triangle = (number - mesh.first_triangle) as usize;
-                // Corners without coordinates have no hole.
-                let Some([a, b, c]) = mesh.uvs.corners(triangle, positions) else { return false };
-                let [y, z] = surface_of(self.triangle(i)).barycentric;
-                (a * (1.0 - y - z) + b * y + c * z).to_array()
-            }
-            (Primitive::Triangle(i), UvMap::Planar(map), _) => {
-                map.uv(surface_of(self.triangle(i)).point)
-            }
-            (Primitive::Quad(i), UvMap::Planar(map), _) => {
-                map.uv(surface_of(surface::quad_half(ray, &self.quad(i))).point)
-            }
-            (Primitive::Quadric(i), map, _) => match map {
-                UvMap::Sphere(to_own) => {
-                    let origin = ray.origin.as_dvec3() - self.quadrics[i].parts().0.as_dvec3();
-                    let outward = origin + ray.direction.as_dvec3() * f64::from(t);
-                    texture::sphere_uv(normalize(*to_own * outward.as_vec3()).into())
-                }
-                UvMap::Planar(map) => {
-                    let columns = self.quadrics[i].columns().map(Vector::from);
-                    map.uv(surface::quadric_at::<f32, P>(&line, t, &columns).point)
-                }
-                UvMap::Mesh => return false,
-            },
-            _ => return false,
-        };
-        cutout.is_hole(uv)
+        let found = surface::triangle_at::<f32, P>(&Line::from(ray), t, &corners.map(Vector::from));
+        if let UvMap::Planar(map) = &cutout.map {
+            return Some(map.uv(found.point));
+        }
+        let mesh = cutout.mesh.as_ref()?;
+        let positions = self.triangles.get(number as usize)?;
+        let positions = positions.map(|vertex| vertex - mesh.first_position);
+        let triangle = (number - mesh.first_triangle) as usize;
+        let [a, b, c] = mesh.uvs.corners(triangle, positions)?;
+        let [y, z] = found.barycentric;
+        Some((a * (1.0 - y - z) + b * y + c * z).to_array())
+    }
+}
+
+/// The texture coordinates at which a ray meets a quadric at t.
+fn quadric_uv<P: Arithmetic>(quadric: &Quadric, map: &UvMap, ray: &Ray, t: f32) -> Option<[f32; 2]> {
+    match map {
+        UvMap::Sphere(to_own) => {
+            let origin = ray.origin.as_dvec3() - quadric.parts().0.as_dvec3();
+            let outward = origin + ray.direction.as_dvec3() * f64::from(t);
+            Some(texture::sphere_uv(normalize(*to_own * outward.as_vec3()).into()))
+        }
+        UvMap::Planar(map) => {
+            let columns = quadric.columns().map(Vector::from);
+            let found = surface::quadric_at::<f32, P>(&Line::from(ray), t, &columns);
+            Some(map.uv(found.point))
+        }
+        UvMap::Mesh => None,
     }
 }

@@ -271,12 +271,14 @@ impl RayTile {
         low: [f32; WIDTH],
         tests: &mut TestCounts,
     ) -> u32 {
+        let number = searched.tree.arena.view().number_of(leaf, entry);
+        let Some(cutout) = searched.geometry.cutouts.of(number) else { return hits };
         let mut opaque = 0;
         while hits != 0 {
             let lane = hits.trailing_zeros() as usize % WIDTH;
             hits &= hits - 1;
-            let hit = Best::in_leaf(leaf, entry, [low[lane]; 2]);
-            let is_hole = searched.is_hole::<P>(&self.ray(g * WIDTH + lane), &hit, tests);
+            let (ray, t) = (self.ray(g * WIDTH + lane), low[lane]);
+            let is_hole = searched.geometry.is_hole_of::<P>(cutout, number, &ray, t, tests);
             opaque |= u32::from(!is_hole) << lane;
         }
         opaque
