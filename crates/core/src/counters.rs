@@ -87,7 +87,7 @@ pub struct TestCounts {
     pub spheres: u64,
     /// Disks tested.
     pub disks: u64,
-    /// Hits on cut-outs, each with a look-up of alpha.
+    /// Hits on cut-outs that would replace the ray's best, each with a look-up of alpha.
     pub cutouts: u64,
     /// Instances visited, counted for each ray.
     pub instances: u64,

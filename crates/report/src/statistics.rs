@@ -13,7 +13,7 @@
 //! | `estimated.rays`, `.samples` | | upper bounds on these before the first ray, 2^64 - 1 for none: see [`Estimated`](crate::expected::Estimated) |
 //! | `tests.nodes` | nodes | inner nodes visited, by one ray or several together, each testing eight boxes |
 //! | `tests.instances` | visits | of an instance by a ray that meets its box |
-//! | `tests.cutouts` | tests | hits on cut-outs, each with a look-up of alpha |
+//! | `tests.cutouts` | tests | hits on cut-outs that would replace the ray's best, each with a look-up of alpha |
 //! | `tests.primitives.triangles`, `.quads`, `.spheres`, `.disks` | tests | tests of primitives; a quad counts once for each half |
 //! | `kernels.closest.packet`, `.stream`, `.single` | rays | all but shadow rays by their first kernel: a packet, many in flight, one alone |
 //! | `kernels.closest.handed_over` | rays | rays that packets handed over to the kernel in flight |

@@ -67,6 +67,8 @@ impl Cutouts {
     }
 
     /// The cut-out of the primitive with this number.
+    #[cold]
+    #[inline(never)]
     pub(crate) fn of(&self, number: u32) -> Option<&Cutout> {
         let after = self.0.partition_point(|cutout| cutout.primitives.start <= number);
         self.0[..after].last().filter(|cutout| cutout.primitives.contains(&number))

@@ -1,7 +1,5 @@
 //! Hits within the holes of cut-outs.
 
-use glam::Vec2;
-
 use super::cutouts::Cutout;
 use super::{Geometry, Primitive, Quadric};
 use crate::counters::TestCounts;
@@ -22,21 +20,8 @@ impl Geometry {
         t: f32,
         tests: &mut TestCounts,
     ) -> bool {
-        !self.cutouts.is_empty() && self.passes_hole::<P>(number, ray, t, tests)
-    }
-
-    /// As [`Self::is_hole`], for a scene that has cut-outs.
-    #[cold]
-    #[inline(never)]
-    fn passes_hole<P: Arithmetic>(
-        &self,
-        number: u32,
-        ray: &Ray,
-        t: f32,
-        tests: &mut TestCounts,
-    ) -> bool {
-        let cutout = self.cutouts.of(number);
-        cutout.is_some_and(|cutout| self.is_hole_of::<P>(cutout, number, ray, t, tests))
+        let is_hole = |cutout: &_| self.is_hole_of::<P>(cutout, number, ray, t, tests);
+        !self.cutouts.is_empty() && self.cutouts.of(number).is_some_and(is_hole)
     }
 
     /// As [`Self::is_hole`], for a primitive with this cut-out.
@@ -86,7 +71,12 @@ impl Geometry {
 }
 
 /// The texture coordinates at which a ray meets a quadric at t.
-fn quadric_uv<P: Arithmetic>(quadric: &Quadric, map: &UvMap, ray: &Ray, t: f32) -> Option<[f32; 2]> {
+fn quadric_uv<P: Arithmetic>(
+    quadric: &Quadric,
+    map: &UvMap,
+    ray: &Ray,
+    t: f32,
+) -> Option<[f32; 2]> {
     match map {
         UvMap::Sphere(to_own) => {
             let origin = ray.origin.as_dvec3() - quadric.parts().0.as_dvec3();

@@ -126,9 +126,8 @@ impl<Q: Query, P: Arithmetic> TileBatch<'_, Q, P> {
                 let Some(met) = tile.frame.meet::<S, P>(simd, &prepared, triangle, group) else {
                     continue;
                 };
-                let at = (place, triangle);
-                let searched = self.searched;
-                let left = tile.take::<S, Q, P>(simd, searched, (g, at), &met, self.tests);
+                let at = (g, (place, triangle));
+                let left = tile.take::<S, Q, P>(simd, self.searched, at, &met, self.tests);
                 is_closer |= left.is_closer;
                 let mut open = left.open;
                 while open != 0 {
