@@ -161,7 +161,7 @@ pub(crate) const FAULTS: &[Fault] = faults! {
     "texels that are no numbers are kept", 53, "crates/scene/src/systems/textures.rs":
         "if x.is_finite() { x } else { 0.0 }" => "x";
     "all rays of a lens start in its middle", 54, "crates/core/src/kernels/camera.rs":
-        "self.origin + offset" => "self.origin";
+        "origin + offset" => "origin";
     "samples are added up in single precision", 54, "crates/core/src/tile.rs":
         "f64::from(value)" => "f64::from(*sum as f32 + value) - *sum";
     "all pixels have the same random numbers", 54, "crates/core/src/math/random.rs":

@@ -1,4 +1,4 @@
-use glam::Vec2;
+use glam::{Vec2, Vec3};
 use proptest::prelude::*;
 use wavecrest_core::math::random::{Stream, philox_4x32_10, unit_interval};
 use wavecrest_core::math::sampling::{Sampling, disk, sphere, triangle};
@@ -8,8 +8,8 @@ fn fraction() -> impl Strategy<Value = f32> {
     prop_oneof![any::<u32>(), Just(0), Just(u32::MAX)].prop_map(unit_interval)
 }
 
-fn square() -> impl Strategy<Value = Vec2> {
-    (fraction(), fraction()).prop_map(Vec2::from)
+fn square() -> impl Strategy<Value = [f32; 2]> {
+    [fraction(), fraction()]
 }
 
 proptest! {
@@ -50,11 +50,11 @@ proptest! {
     #[test]
     fn maps_stay_on_their_shapes(square in square()) {
         let u = f64::from(f32::EPSILON);
-        let on_disk = disk(square).as_dvec2();
+        let on_disk = Vec2::from(disk(square)).as_dvec2();
         prop_assert!(on_disk.length() <= 1.0 + 4.0 * u, "{}", on_disk);
-        let on_sphere = sphere(square).as_dvec3();
+        let on_sphere = Vec3::from(sphere(square)).as_dvec3();
         prop_assert!((on_sphere.length() - 1.0).abs() <= 4.0 * u, "{}", on_sphere);
-        let in_triangle = triangle(square);
+        let in_triangle = Vec2::from(triangle(square));
         prop_assert!(in_triangle.min_element() >= 0.0, "{}", in_triangle);
         prop_assert!(in_triangle.as_dvec2().element_sum() <= 1.0 + 2.0 * u, "{}", in_triangle);
     }
@@ -63,12 +63,12 @@ proptest! {
     #[test]
     fn maps_keep_area_everywhere(square in square()) {
         let u = f64::from(f32::EPSILON);
-        let share = disk(square).as_dvec2().length_squared();
-        prop_assert!((share - f64::from(square.y)).abs() <= 8.0 * u, "{}", share);
+        let share = Vec2::from(disk(square)).as_dvec2().length_squared();
+        prop_assert!((share - f64::from(square[1])).abs() <= 8.0 * u, "{}", share);
         let share = 0.5 * (f64::from(sphere(square).y) + 1.0);
-        prop_assert!((share - f64::from(square.y)).abs() <= 8.0 * u, "{}", share);
-        let sum = triangle(square).as_dvec2().element_sum();
-        prop_assert!((sum * sum - f64::from(square.x)).abs() <= 8.0 * u, "{}", sum);
+        prop_assert!((share - f64::from(square[1])).abs() <= 8.0 * u, "{}", share);
+        let sum = Vec2::from(triangle(square)).as_dvec2().element_sum();
+        prop_assert!((sum * sum - f64::from(square[0])).abs() <= 8.0 * u, "{}", sum);
     }
 }
 

@@ -10,4 +10,5 @@ pub mod sampling;
 pub mod simd;
 pub mod sobol;
 pub mod srgb;
+pub mod trigonometry;
 pub mod vector;

@@ -7,14 +7,14 @@ mod differential;
 mod frustum;
 pub mod path;
 
-use glam::{DVec3, Vec2, Vec3};
+use glam::{DVec3, Vec3};
 
-use crate::math::float::{dot, normalize, normalize_f64};
+use crate::math::float::normalize_f64;
 use crate::math::random::Stream;
 use crate::math::ray::Ray;
 use crate::math::real::Single;
-use crate::math::sampling::{self, Points, Sampling};
-use crate::math::vector::Vector;
+use crate::math::sampling::{self, Points, Sampling, divide};
+use crate::math::vector::{Line, Vector};
 
 /// The dimension of [`Stream`] whose four numbers a camera ray may use: two for its point in the
 /// pixel, two for its point on the lens.
@@ -158,37 +158,55 @@ impl Camera {
     /// The `stream.sample`th ray through pixel (`x`, `y`), in world space, of unit direction.
     #[inline]
     pub fn ray(&self, x: u32, y: u32, stream: &Stream) -> Ray {
-        if self.antialias == 1 && self.lens.is_none() {
-            return Ray::new(self.origin, self.direction(x, y, Vec2::splat(0.5)));
-        }
-        let random = stream.uniform(DIMENSION);
-        let place = self.place_in_pixel(stream, || [random[0], random[1]]);
-        let direction = self.direction(x, y, place);
+        let places = [&[stream.pixel][..], &[stream.sample]];
+        let Line { origin, direction } = self.rays([x as f32, y as f32], *stream, places);
+        Ray::new(origin.into(), direction.into())
+    }
+
+    /// The rays through pixels in these columns and rows, of these numbers and samples; `stream` has
+    /// the seed.
+    #[inline(always)]
+    pub fn rays<F: Single>(&self, [x, y]: [F; 2], stream: Stream, places: [&[u32]; 2]) -> Line<F> {
+        let [across, down] = self.points_in_pixel(x.token(), stream, places);
+        let direction = self.directions(x + across, y + down);
         match &self.lens {
-            None => Ray::new(self.origin, direction),
+            None => Line { origin: Vector::splat(x.token(), self.origin), direction },
             Some(lens) => {
-                let index = (stream.sample % self.lens_points(), stream.sample);
-                let random = || [random[2], random[3]];
-                let scramble = || stream.scramble(LENS_DIMENSION);
-                let square = lens.sampling.point(index, lens.grid, random, scramble);
+                let point = |sampling: Sampling, stream: &Stream| {
+                    let (_, index) = divide(stream.sample, self.lens_points());
+                    let random = || {
+                        let [.., u, v] = stream.uniform(DIMENSION);
+                        [u, v]
+                    };
+                    let scramble = || stream.scramble(LENS_DIMENSION);
+                    sampling.point((index, stream.sample), lens.grid, random, scramble)
+                };
+                let square = lens.sampling.points(x.token(), stream, places, point);
                 self.through_lens(lens, direction, square)
             }
         }
     }
 
-    fn place_in_pixel(&self, stream: &Stream, random: impl FnOnce() -> [f32; 2]) -> Vec2 {
-        match self.antialias {
-            1 => Vec2::splat(0.5),
-            n => {
-                let index = (stream.sample / self.lens_points(), stream.sample);
-                self.sampling.point(index, [n, n], random, || stream.scramble(DIMENSION))
-            }
+    #[inline(always)]
+    fn points_in_pixel<F: Single>(
+        &self,
+        token: F::Token,
+        stream: Stream,
+        places: [&[u32]; 2],
+    ) -> [F; 2] {
+        let n = self.antialias;
+        if n == 1 {
+            return [F::splat(token, 0.5); 2];
         }
-    }
-
-    #[inline]
-    fn direction(&self, x: u32, y: u32, place: Vec2) -> Vec3 {
-        self.directions(x as f32 + place.x, y as f32 + place.y).into()
+        self.sampling.points(token, stream, places, |sampling, stream| {
+            let (index, _) = divide(stream.sample, self.lens_points());
+            let random = || {
+                let [u, v, ..] = stream.uniform(DIMENSION);
+                [u, v]
+            };
+            let scramble = || stream.scramble(DIMENSION);
+            sampling.point((index, stream.sample), [n, n], random, scramble)
+        })
     }
 
     /// The unit directions through the image positions (`x`, `y`) in pixels.
@@ -205,31 +223,26 @@ impl Camera {
         (forward + right + up).normalize()
     }
 
-    /// The common origin of all rays, if they have one.
-    #[inline]
-    pub fn pinhole(&self) -> Option<Vec3> {
-        self.lens.is_none().then_some(self.origin)
-    }
-
-    /// The point in its pixel, 0 to 1, of a pinhole's `stream.sample`th ray.
+    /// The rays from points of the lens, given by places on the unit square, to the points in focus on
+    /// the rays through its centre. A lens of radius 0 is a pinhole, to the last bit.
     #[inline(always)]
-    pub fn place_of(&self, stream: &Stream) -> Vec2 {
-        self.place_in_pixel(stream, || {
-            let [u, v, ..] = stream.uniform(DIMENSION);
-            [u, v]
-        })
-    }
-
-    /// The ray from the point `square` of the lens to the point in focus on the ray through its
-    /// centre. A lens of radius 0 is a pinhole, to the last bit.
-    fn through_lens(&self, lens: &Lens, direction: Vec3, square: Vec2) -> Ray {
+    fn through_lens<F: Single>(
+        &self,
+        lens: &Lens,
+        direction: Vector<F>,
+        square: [F; 2],
+    ) -> Line<F> {
+        let token = square[0].token();
+        let origin = Vector::splat(token, self.origin);
         if lens.radius == 0.0 {
-            return Ray::new(self.origin, direction);
+            return Line { origin, direction };
         }
-        let disk = sampling::disk(square) * lens.radius;
-        let offset = self.right * disk.x + self.up * disk.y;
-        let focus = direction * (lens.focal / dot(direction, self.forward));
-        Ray::new(self.origin + offset, normalize(focus - offset))
+        let [across, along] = sampling::disk(square);
+        let offset = Vector::splat(token, self.right).scale(across.times(lens.radius))
+            + Vector::splat(token, self.up).scale(along.times(lens.radius));
+        let ahead = direction.dot(Vector::splat(token, self.forward));
+        let focus = direction.scale(across.same(lens.focal) / ahead);
+        Line { origin: origin + offset, direction: (focus - offset).normalize() }
     }
 }
 

@@ -12,9 +12,9 @@ pub use spot::Cone;
 
 use super::disk::Disk;
 use super::triangle;
-use crate::math::float::{dot_f64, max, max_abs, normalize_f64};
+use crate::math::float::{dot_f64, max, max_abs};
 use crate::math::random::Stream;
-use crate::math::real::Single;
+use crate::math::real::{Mask, Real, Single};
 use crate::math::sampling::{self, Sampling};
 use crate::math::vector::Vector;
 
@@ -104,20 +104,40 @@ impl Triangles {
         &self.corners
     }
 
-    /// The point for `square`: its x chooses the triangle and, rescaled, a point on it.
+    /// The points for places on the unit square: x chooses the triangle and, rescaled, a point on it.
     #[inline(always)]
-    fn point(&self, square: Vec2) -> LightPoint<f32> {
-        let last = self.corners.len() - 1;
-        let index = self.cumulative.partition_point(|&end| end <= square.x).min(last);
-        let start = if index == 0 { 0.0 } else { self.cumulative[index - 1] };
-        let share = (self.cumulative[index] - start).max(f32::MIN_POSITIVE);
-        let within = ((square.x - start) / share).clamp(0.0, 1.0);
+    fn points<F: Single>(&self, [x, y]: [F; 2]) -> LightPoint<F> {
+        let token = x.token();
+        let mut points = LightPoint::of(Vector::splat(token, Vec3::ZERO));
+        let mut left = x.ge(x.zero());
+        // For each triangle that a lane has chosen: few, where neighbouring samples have neighbouring points.
+        while left.any() {
+            let lane = left.bits().trailing_zeros() as usize;
+            let chosen = x.lane(lane);
+            let last = self.corners.len() - 1;
+            let index = self.cumulative.partition_point(|&end| end <= chosen).min(last);
+            let start = if index == 0 { 0.0 } else { self.cumulative[index - 1] };
+            let share = (self.cumulative[index] - start).max(f32::MIN_POSITIVE);
+            let here = left & x.ge(x.same(start)) & x.lt(x.same(self.cumulative[index]));
+            let within = ((x - x.same(start)) / x.same(share)).max(x.zero()).min(x.same(1.0));
+            let point = self.point_of(index, [within, y]);
+            points = LightPoint::select(here, point, points);
+            left = left & !here & !F::mask(token, 1 << lane);
+        }
+        points
+    }
+
+    /// The points of a triangle for places on the unit square.
+    #[inline(always)]
+    fn point_of<F: Single>(&self, index: usize, square: [F; 2]) -> LightPoint<F> {
+        let [second, third] = sampling::triangle(square);
+        let (second, third) = (second.widen(), third.widen());
         let [a, b, c] = self.corners[index];
-        let at = sampling::triangle(Vec2::new(within, square.y));
         let size = max(max_abs(a), max(max_abs(b), max_abs(c)));
         let [a, b, c] = [a, b, c].map(|v| v.as_dvec3());
-        let position = a + (b - a) * f64::from(at.x) + (c - a) * f64::from(at.y);
-        LightPoint::new(position, size, self.normals[index])
+        let (ab, ac) = (Vector::alike(second, b - a), Vector::alike(second, c - a));
+        let position = Vector::alike(second, a) + ab.scale(second) + ac.scale(third);
+        LightPoint::new(position, size, Vector::splat(square[0].token(), self.normals[index]))
     }
 }
 
@@ -154,20 +174,28 @@ pub struct LightPoint<F> {
 }
 
 impl<F: Single> LightPoint<F> {
-    /// The point of a point light.
+    /// The points of lights without a shape.
     #[inline(always)]
-    pub fn of_point(token: F::Token, position: Vec3) -> Self {
-        let zero = Vector::splat(token, Vec3::ZERO);
-        Self { position: Vector::splat(token, position), error: zero, normal: zero }
+    fn of(position: Vector<F>) -> Self {
+        let zero = Vector::splat(position.x.token(), Vec3::ZERO);
+        Self { position, error: zero, normal: zero }
     }
-}
 
-impl LightPoint<f32> {
-    /// The point at `position`, computed from coordinates up to `size`.
+    /// The points at `position`, computed from coordinates up to `size`.
     #[inline(always)]
-    fn new(position: DVec3, size: f32, normal: Vec3) -> Self {
-        let position = Vector::from(position.as_vec3());
-        Self { position, error: position.rounding_error(size), normal: normal.into() }
+    fn new(position: Vector<F::Double>, size: f32, normal: Vector<F>) -> Self {
+        let position = Vector::<F>::narrow(position);
+        Self { position, error: position.rounding_error(position.x.same(size)), normal }
+    }
+
+    /// `a` in the lanes of `mask`, `b` in the others.
+    #[inline(always)]
+    fn select(mask: F::Mask, a: Self, b: Self) -> Self {
+        Self {
+            position: Vector::select(mask, a.position, b.position),
+            error: Vector::select(mask, a.error, b.error),
+            normal: Vector::select(mask, a.normal, b.normal),
+        }
     }
 }
 
@@ -225,71 +253,58 @@ impl Light {
         sampling.point((index, number), self.grid, random, scramble)
     }
 
-    /// The positions on the unit square of its `index`th point for all pairs of a pixel and a
-    /// sample of a `stream`.
+    /// Its `index`th point, for the pixel and the sample of each lane.
     #[inline(always)]
-    pub fn squares<const N: usize>(
+    pub fn points<F: Single>(
         &self,
+        token: F::Token,
         index: u32,
         stream: Stream,
-        places: &[[u32; N]; 2],
-    ) -> [Vec2; N] {
-        match self.sampling {
-            Sampling::Random => self.squares_of(Sampling::Random, index, stream, places),
-            Sampling::Jittered => self.squares_of(Sampling::Jittered, index, stream, places),
-            Sampling::Sobol => self.squares_of(Sampling::Sobol, index, stream, places),
+        places: [&[u32]; 2],
+    ) -> LightPoint<F> {
+        if let Some(position) = self.emitter.only_point() {
+            return LightPoint::of(Vector::splat(token, position));
         }
-    }
-
-    /// Free of branches for each known sampling, so that compilers use vector instructions.
-    #[inline(always)]
-    fn squares_of<const N: usize>(
-        &self,
-        sampling: Sampling,
-        index: u32,
-        stream: Stream,
-        [pixels, samples]: &[[u32; N]; 2],
-    ) -> [Vec2; N] {
-        let mut squares = [Vec2::ZERO; N];
-        for ((square, &pixel), &sample) in squares.iter_mut().zip(pixels).zip(samples) {
-            *square = self.square(sampling, index, &Stream { pixel, sample, ..stream });
-        }
-        squares
+        let square = |sampling, stream: &Stream| self.square(sampling, index, stream);
+        self.at(self.sampling.points(token, stream, places, square))
     }
 
     /// Its `index`th point.
     #[inline(always)]
     pub fn point(&self, index: u32, stream: &Stream) -> LightPoint<f32> {
-        if let Some(position) = self.emitter.only_point() {
-            return LightPoint::of_point((), position);
-        }
-        self.at(self.square(self.sampling, index, stream))
+        self.points((), index, *stream, [&[stream.pixel], &[stream.sample]])
     }
 
-    /// Its point at this position on the unit square.
+    /// Its points at places on the unit square.
     #[inline(always)]
-    pub fn at(&self, square: Vec2) -> LightPoint<f32> {
+    fn at<F: Single>(&self, square: [F; 2]) -> LightPoint<F> {
+        let token = square[0].token();
         match &self.emitter {
             Emitter::Point(position) | Emitter::Spot(position, _) => {
-                LightPoint::of_point((), *position)
+                LightPoint::of(Vector::splat(token, *position))
             }
-            Emitter::Distant(distant) => LightPoint::of_point((), distant.at(square)),
+            Emitter::Distant(distant) => LightPoint::of(distant.at(square)),
             Emitter::Sphere { center, radius } => {
                 let normal = sampling::sphere(square);
                 // Normalised again: a length that is not quite 1 would move the point off the
                 // sphere.
-                let outward = normalize_f64(normal.as_dvec3());
-                let position = center.as_dvec3() + outward * f64::from(*radius);
+                let outward = normal.widen().normalize_wide();
+                let out = outward.scale(outward.x.same(f64::from(*radius)));
+                let position = Vector::alike(out.x, center.as_dvec3()) + out;
                 LightPoint::new(position, max(max_abs(*center), *radius), normal)
             }
             Emitter::Disk(Disk { center, normal, radius }, [x, y]) => {
-                let at = sampling::disk(square).as_dvec2();
-                let offset = (*x * at.x + *y * at.y) * f64::from(*radius);
-                let size = max(max_abs(*center), *radius);
-                LightPoint::new(center.as_dvec3() + offset, size, *normal)
+                let [across, along] = sampling::disk(square);
+                let (across, along) = (across.widen(), along.widen());
+                let offset = Vector::alike(across, *x).scale(across)
+                    + Vector::alike(across, *y).scale(along);
+                let offset = offset.scale(across.same(f64::from(*radius)));
+                let position = Vector::alike(across, center.as_dvec3()) + offset;
+                let normal = Vector::splat(token, *normal);
+                LightPoint::new(position, max(max_abs(*center), *radius), normal)
             }
-            Emitter::Triangles(triangles) => triangles.point(square),
-            Emitter::Around(..) => LightPoint::of_point((), sampling::sphere(square)),
+            Emitter::Triangles(triangles) => triangles.points(square),
+            Emitter::Around(..) => LightPoint::of(sampling::sphere(square)),
         }
     }
 }
@@ -297,6 +312,7 @@ impl Light {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::math::float::normalize_f64;
 
     fn area_light(emitter: Emitter, sampling: Sampling, grid: [u32; 2]) -> Light {
         Light { emitter, power: Vec3::ONE, falloff: Falloff::Linear, sampling, grid, dimension: 1 }

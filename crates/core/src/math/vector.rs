@@ -105,6 +105,12 @@ impl<F: Real> Vector<F> {
 }
 
 impl<F: Real<Element = f64>> Vector<F> {
+    /// The same vector in each lane, as many as `like` has.
+    #[inline(always)]
+    pub fn alike(like: F, v: DVec3) -> Self {
+        Self::new(like.same(v.x), like.same(v.y), like.same(v.z))
+    }
+
     /// The vectors at length 1; zero vectors stay zero.
     #[inline(always)]
     pub fn normalize_wide(self) -> Self {

@@ -16,7 +16,7 @@ use crate::kernels::shade::{MirrorRequest, SHADOW_END, ShadowRequest};
 use crate::math::ray::Ray;
 use crate::math::real::{Mask, Single};
 use crate::math::simd::LANES;
-use crate::math::vector::Vector;
+use crate::math::vector::{Line, Vector};
 use crate::plan::schedule::ColumnGroup;
 use crate::prepared::{PreparedScene, Trail};
 use columns::Column;
@@ -79,16 +79,10 @@ impl Rays {
 
     /// Appends camera rays of the paths from `path` on; the first `count` lanes are used.
     #[inline(always)]
-    pub fn push_camera<F: Single>(
-        &mut self,
-        origin: Vec3,
-        direction: Vector<F>,
-        path: u32,
-        count: usize,
-    ) {
-        let (i, token) = (self.rows, direction.x.token());
-        self.origin.store::<F>(i, Vector::splat(token, origin));
-        self.direction.store(i, direction);
+    pub fn push_camera<F: Single>(&mut self, line: &Line<F>, path: u32, count: usize) {
+        let (i, token) = (self.rows, line.origin.x.token());
+        self.origin.store(i, line.origin);
+        self.direction.store(i, line.direction);
         self.throughput.store::<F>(i, Vector::splat(token, Vec3::ONE));
         for (row, path) in self.path[i..i + F::LANES].iter_mut().zip(path..) {
             *row = path;

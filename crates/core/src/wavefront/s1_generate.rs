@@ -4,13 +4,11 @@ mod order;
 
 use std::ops::Range;
 
-use glam::Vec3;
-
 use super::batch::Batch;
 use crate::counters::Counters;
 use crate::math::random::Stream;
 use crate::math::real::Single;
-use crate::math::simd::{Pass, dispatch_pass};
+use crate::math::simd::{LANES, Pass, dispatch_pass};
 use crate::prepared::PreparedScene;
 use crate::tile::{Tile, Unit};
 use order::TileWalk;
@@ -82,46 +80,34 @@ impl Pass for Generate<'_> {
 
     #[inline(always)]
     fn run<F: Single>(mut self, token: F::Token) {
-        match self.scene.camera.pinhole() {
-            Some(origin) => self.through_pinhole::<F>(token, origin),
-            None => {
-                for path in 0..self.count {
-                    let (x, y, stream) = self.path();
-                    let ray = self.scene.camera.ray(x, y, &stream);
-                    self.batch.rays.push(&ray, Vec3::ONE, path as u32);
-                }
+        let camera = &self.scene.camera;
+        let stream = Stream { seed: self.seed, pixel: 0, sample: 0, bounce: 0 };
+        for first in (0..self.count).step_by(F::LANES) {
+            let count = F::LANES.min(self.count - first);
+            let [mut x, mut y] = <[F::Row; 2]>::default();
+            let mut places = [[0; LANES]; 2];
+            for lane in 0..count {
+                let [column, row] = self.path(lane, &mut places);
+                (x.as_mut()[lane], y.as_mut()[lane]) = (column as f32, row as f32);
             }
+            let corner = [F::load(token, &x), F::load(token, &y)];
+            let rays = camera.rays(corner, stream, [&places[0], &places[1]]);
+            self.batch.rays.push_camera(&rays, first as u32, count);
         }
     }
 }
 
 impl Generate<'_> {
+    /// Appends the next path. Returns its pixel, of which it adds number and sample to `places`.
     #[inline(always)]
-    fn through_pinhole<F: Single>(&mut self, token: F::Token, origin: Vec3) {
-        let camera = &self.scene.camera;
-        for first in (0..self.count).step_by(F::LANES) {
-            let count = F::LANES.min(self.count - first);
-            let [mut x, mut y] = <[F::Row; 2]>::default();
-            for lane in 0..count {
-                let (column, row, stream) = self.path();
-                let place = camera.place_of(&stream);
-                x.as_mut()[lane] = column as f32 + place.x;
-                y.as_mut()[lane] = row as f32 + place.y;
-            }
-            let directions = camera.directions(F::load(token, &x), F::load(token, &y));
-            self.batch.rays.push_camera(origin, directions, first as u32, count);
-        }
-    }
-
-    /// Appends the next path. Returns its pixel and its random stream.
-    #[inline(always)]
-    fn path(&mut self) -> (u32, u32, Stream) {
+    fn path(&mut self, lane: usize, places: &mut [[u32; LANES]; 2]) -> [u32; 2] {
         let NextPath { walk, sample, .. } = &self.next;
         let sample = *sample;
         let [x, y] = [self.tile.x + walk.pixel[0], self.tile.y + walk.pixel[1]];
         let pixel = y * self.scene.camera.size()[0] + x;
         self.batch.paths.push(pixel, sample, walk.place());
         self.next.advance();
-        (x, y, Stream { seed: self.seed, pixel, sample, bounce: 0 })
+        (places[0][lane], places[1][lane]) = (pixel, sample);
+        [x, y]
     }
 }

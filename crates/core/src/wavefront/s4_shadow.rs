@@ -10,13 +10,12 @@ use super::count;
 use crate::accel::{Rays, Traversal};
 use crate::counters::Counters;
 use crate::kernels::hemisphere::Hemisphere;
-use crate::kernels::light::{Light, LightPoint};
+use crate::kernels::light::Light;
 use crate::kernels::precision::Arithmetic;
 use crate::kernels::shade::shadow_request;
 use crate::math::random::Stream;
 use crate::math::real::{Mask, Single};
 use crate::math::simd::{LANES, Pass, dispatch_pass};
-use crate::math::vector::Vector;
 use crate::plan::schedule::Step;
 use crate::prepared::{LookUps, PreparedScene};
 
@@ -108,7 +107,8 @@ impl Pass for ShadowRequests<'_> {
                     (places[0][lane], places[1][lane]) = (paths.pixel[path], paths.sample[path]);
                 }
                 let stream = Stream { seed: self.seed, pixel: 0, sample: 0, bounce: self.bounce };
-                let targets = targets::<F>(token, light, next.index, stream, &places);
+                let targets =
+                    light.points::<F>(token, next.index, stream, [&places[0], &places[1]]);
                 counters.light_samples += if sampled { count as u64 } else { 0 };
                 next.point += F::LANES;
                 let request = shadow_request(&points, throughput, light, &targets, ambient);
@@ -121,36 +121,6 @@ impl Pass for ShadowRequests<'_> {
             next = NextRequest { index: next.index + 1, point: 0 };
         }
         next
-    }
-}
-
-/// The light's `index`th point for the pixel and the sample of each lane.
-#[inline(always)]
-fn targets<F: Single>(
-    token: F::Token,
-    light: &Light,
-    index: u32,
-    stream: Stream,
-    places: &[[u32; LANES]; 2],
-) -> LightPoint<F> {
-    if let Some(position) = light.emitter.only_point() {
-        return LightPoint::of_point(token, position);
-    }
-    let mut rows = <[[F::Row; 3]; 3]>::default();
-    let squares = light.squares(index, stream, places);
-    for (lane, &square) in squares.iter().enumerate().take(F::LANES) {
-        let target = light.at(square);
-        let values = [target.position, target.error, target.normal];
-        for ([x, y, z], value) in rows.iter_mut().zip(values) {
-            (x.as_mut()[lane], y.as_mut()[lane], z.as_mut()[lane]) = (value.x, value.y, value.z);
-        }
-    }
-    // Written out: `map` is not inlined and passes vectors through memory.
-    let [position, error, normal] = &rows;
-    LightPoint {
-        position: Vector::load(token, position),
-        error: Vector::load(token, error),
-        normal: Vector::load(token, normal),
     }
 }
 

@@ -1,9 +1,11 @@
 //! Light from infinitely far away: parallel rays, or rays from a round patch of the sky.
 
-use glam::{DVec3, Vec2, Vec3};
+use glam::{DVec3, Vec3};
 
 use crate::math::float::normalize_f64;
+use crate::math::real::{Real, Single};
 use crate::math::sampling;
+use crate::math::vector::Vector;
 
 /// The direction and size of a distant light.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -60,12 +62,15 @@ impl Distant {
         (self.axes[0] * self.reach).as_vec3()
     }
 
-    /// The same towards the patch's point for `square`, which preserves areas.
+    /// The same towards the patch's points for places on the unit square, which preserves areas.
     #[inline(always)]
-    pub fn at(&self, square: Vec2) -> Vec3 {
-        let (sideways, below) = sampling::cap(square, self.height);
+    pub fn at<F: Single>(&self, square: [F; 2]) -> Vector<F> {
+        let ([across, along], below) = sampling::cap(square, self.height);
         let [towards, right, up] = self.axes;
-        let direction = towards * (1.0 - below) + right * sideways.x + up * sideways.y;
-        (direction * self.reach).as_vec3()
+        let axis = |axis: DVec3| Vector::alike(below, axis);
+        let direction = axis(towards).scale(below.same(1.0) - below)
+            + axis(right).scale(across)
+            + axis(up).scale(along);
+        Vector::narrow(direction.scale(below.same(self.reach)))
     }
 }

@@ -38,9 +38,7 @@ impl Cone {
     pub fn at<F: Single>(&self, towards: Vector<F>) -> F {
         let wide = towards.widen().normalize_wide();
         let zero = wide.x.zero();
-        let axis =
-            Vector::new(zero.same(self.axis.x), zero.same(self.axis.y), zero.same(self.axis.z));
-        let above = -wide.dot(axis) - zero.same(self.edge);
+        let above = -wide.dot(Vector::alike(zero, self.axis)) - zero.same(self.edge);
         let one = zero.same(1.0);
         // A hard edge has no ramp: everything inside has full strength.
         let part = if self.rise > 0.0 { (above / zero.same(self.rise)).min(one) } else { one };
