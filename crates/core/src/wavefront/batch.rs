@@ -163,15 +163,21 @@ columns! {
 }
 
 impl Paths {
-    /// Appends a path without radiance.
+    /// Appends paths without radiance, of these pixels, samples and places; the first `count` lanes
+    /// are used.
     #[inline(always)]
-    pub fn push(&mut self, pixel: u32, sample: u32, place: u32) {
-        let i = self.rows;
-        self.radiance.set(i, Vec3::ZERO);
-        self.pixel[i] = pixel;
-        self.sample[i] = sample;
-        self.place[i] = place;
-        self.rows += 1;
+    pub fn push_lanes<F: Single>(
+        &mut self,
+        token: F::Token,
+        [pixel, sample, place]: [&[u32; LANES]; 3],
+        count: usize,
+    ) {
+        let lanes = self.rows..self.rows + F::LANES;
+        self.radiance.store::<F>(self.rows, Vector::splat(token, Vec3::ZERO));
+        self.pixel[lanes.clone()].copy_from_slice(&pixel[..F::LANES]);
+        self.sample[lanes.clone()].copy_from_slice(&sample[..F::LANES]);
+        self.place[lanes].copy_from_slice(&place[..F::LANES]);
+        self.rows += count;
     }
 }
 

@@ -2,6 +2,7 @@
 
 mod order;
 
+use std::array::from_fn;
 use std::ops::Range;
 
 use super::batch::Batch;
@@ -29,7 +30,7 @@ pub(super) fn run(
     batch.paths.clear();
     batch.rays.clear();
     let count = paths.end - paths.start;
-    let next = NextPath::new(unit, paths.start);
+    let next = NextPaths::new(unit, paths.start);
     let tile = &unit.tile;
     dispatch_pass(
         scene.accel.level,
@@ -39,15 +40,15 @@ pub(super) fn run(
     counters.lens_samples += if scene.camera.has_lens() { count } else { 0 };
 }
 
-/// The next path, computed by incrementing: divisions would take longer than the ray.
-struct NextPath {
+/// The next paths, computed by incrementing: divisions would take longer than the ray.
+struct NextPaths {
     walk: TileWalk,
-    /// Its sample in the pixel.
+    /// The next one's sample in the pixel.
     sample: u32,
     samples: Range<u32>,
 }
 
-impl NextPath {
+impl NextPaths {
     fn new(unit: &Unit, path: u64) -> Self {
         let Unit { tile, samples } = unit;
         let each = samples.len() as u64;
@@ -56,9 +57,28 @@ impl NextPath {
         Self { walk, sample, samples: samples.clone() }
     }
 
+    /// Column and row in the tile, and the sample, of the next `count` paths.
     #[inline(always)]
-    fn advance(&mut self) {
-        self.sample += 1;
+    fn take(&mut self, count: usize) -> [[u32; LANES]; 3] {
+        let [column, row] = self.walk.pixel;
+        let mut next = [[column; LANES], [row; LANES], from_fn(|lane| self.sample + lane as u32)];
+        // At once where they are in one pixel: a vector of values stored one by one would wait for them.
+        let run = count.min((self.samples.end - self.sample) as usize);
+        self.skip(run as u32);
+        let [columns, rows, samples] = &mut next;
+        let left = columns.iter_mut().zip(rows).zip(samples).take(count).skip(run);
+        for ((column, row), sample) in left {
+            [*column, *row] = self.walk.pixel;
+            *sample = self.sample;
+            self.skip(1);
+        }
+        next
+    }
+
+    /// Moves on by samples of this pixel.
+    #[inline(always)]
+    fn skip(&mut self, samples: u32) {
+        self.sample += samples;
         if self.sample == self.samples.end {
             self.sample = self.samples.start;
             self.walk.advance();
@@ -71,7 +91,7 @@ struct Generate<'a> {
     tile: &'a Tile,
     seed: u64,
     count: usize,
-    next: NextPath,
+    next: NextPaths,
     batch: &'a mut Batch,
 }
 
@@ -82,32 +102,22 @@ impl Pass for Generate<'_> {
     fn run<F: Single>(mut self, token: F::Token) {
         let camera = &self.scene.camera;
         let stream = Stream { seed: self.seed, pixel: 0, sample: 0, bounce: 0 };
+        let (tile, width) = (self.tile, camera.size()[0]);
         for first in (0..self.count).step_by(F::LANES) {
             let count = F::LANES.min(self.count - first);
+            let [columns, rows, samples] = self.next.take(count);
+            let place: [u32; LANES] = from_fn(|lane| rows[lane] * tile.width + columns[lane]);
+            let pixel: [u32; LANES] =
+                from_fn(|lane| (tile.y + rows[lane]) * width + tile.x + columns[lane]);
             let [mut x, mut y] = <[F::Row; 2]>::default();
-            let mut places = [[0; LANES]; 2];
-            for lane in 0..count {
-                let [column, row] = self.path(lane, &mut places);
-                (x.as_mut()[lane], y.as_mut()[lane]) = (column as f32, row as f32);
+            for lane in 0..F::LANES {
+                x.as_mut()[lane] = (tile.x + columns[lane]) as f32;
+                y.as_mut()[lane] = (tile.y + rows[lane]) as f32;
             }
             let corner = [F::load(token, &x), F::load(token, &y)];
-            let rays = camera.rays(corner, stream, [&places[0], &places[1]]);
+            let rays = camera.rays(corner, stream, [&pixel, &samples]);
+            self.batch.paths.push_lanes::<F>(token, [&pixel, &samples, &place], count);
             self.batch.rays.push_camera(&rays, first as u32, count);
         }
-    }
-}
-
-impl Generate<'_> {
-    /// Appends the next path. Returns its pixel, of which it adds number and sample to `places`.
-    #[inline(always)]
-    fn path(&mut self, lane: usize, places: &mut [[u32; LANES]; 2]) -> [u32; 2] {
-        let NextPath { walk, sample, .. } = &self.next;
-        let sample = *sample;
-        let [x, y] = [self.tile.x + walk.pixel[0], self.tile.y + walk.pixel[1]];
-        let pixel = y * self.scene.camera.size()[0] + x;
-        self.batch.paths.push(pixel, sample, walk.place());
-        self.next.advance();
-        (places[0][lane], places[1][lane]) = (pixel, sample);
-        [x, y]
     }
 }

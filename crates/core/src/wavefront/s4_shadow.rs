@@ -1,9 +1,11 @@
 //! Pass 4: light at the lit points.
 //!
-//! For each light and sample, every point sends a shadow ray into a queue, which is traced when it
-//! is full. A path thus receives its contributions in the order of lights and samples for any size
-//! of the queue, and neighbouring rays in the queue go from neighbouring points to one part of the
-//! light.
+//! For each light, block of points and sample, every point sends a shadow ray into a queue, which is
+//! traced when it is full. A path thus receives its contributions in the order of lights and samples
+//! for any size of the queue and of the blocks, and neighbouring rays in the queue go from
+//! neighbouring points to one part of the light.
+
+use std::ops::Range;
 
 use super::batch::{Batch, ShadowRays};
 use super::count;
@@ -15,7 +17,7 @@ use crate::kernels::precision::Arithmetic;
 use crate::kernels::shade::shadow_request;
 use crate::math::random::Stream;
 use crate::math::real::{Mask, Single};
-use crate::math::simd::{LANES, Pass, dispatch_pass};
+use crate::math::simd::{Pass, dispatch_pass};
 use crate::plan::schedule::Step;
 use crate::prepared::{LookUps, PreparedScene};
 
@@ -31,7 +33,7 @@ pub(super) fn run<P: Arithmetic>(
     let tinted = scene.plan.schedule().runs(Step::Tints);
     for light in &scene.lights {
         let mut next = NextRequest::default();
-        while next.index < light.samples() && !batch.lit.is_empty() {
+        while next.block < batch.lit.len() {
             let request = ShadowRequests {
                 light,
                 ambient: scene.hemisphere.as_ref(),
@@ -56,10 +58,16 @@ pub(super) fn run<P: Arithmetic>(
 /// not fill.
 const MOST_POINTS: usize = 1 << 20;
 
-/// The place to continue the requests for a light: its sample point, and the first of a group of
-/// lit points.
+/// Lit points that send rays to all points of a light before the next ones do: few enough that they stay in
+/// the nearest cache, and enough that neighbouring rays in the queue go to one part of the light: with 16,
+/// rays of ambient light took half as long again; with 64 to 256, the same.
+const BLOCK: usize = 128;
+
+/// The place to continue the requests for a light: the first lit point of a block, the light's sample
+/// point, and the first of a group of lit points in the block.
 #[derive(Clone, Copy, Default)]
 struct NextRequest {
+    block: usize,
     index: u32,
     point: usize,
 }
@@ -82,45 +90,68 @@ impl Pass for ShadowRequests<'_> {
     type Output = NextRequest;
 
     #[inline(always)]
-    fn run<F: Single>(self, token: F::Token) -> NextRequest {
-        let Self { light, ambient, counters, batch, mut next, .. } = self;
-        let capacity = batch.capacity();
-        let Batch { lit, tints, paths, shadows, .. } = batch;
-        let (samples, sampled) = (light.samples(), light.is_sampled());
+    fn run<F: Single>(mut self, token: F::Token) -> NextRequest {
+        let capacity = self.batch.capacity();
         let mut seen = 0;
-        while next.index < samples {
-            while next.point < lit.len() {
-                if shadows.len() >= capacity || seen >= MOST_POINTS {
-                    return next;
+        while self.next.block < self.batch.lit.len() {
+            let block = self.next.block..self.batch.lit.len().min(self.next.block + BLOCK);
+            let places = self.places(block.clone());
+            while self.next.index < self.light.samples() {
+                while self.next.point < block.end {
+                    if self.batch.shadows.len() >= capacity || seen >= MOST_POINTS {
+                        return self.next;
+                    }
+                    seen += F::LANES;
+                    let lanes = self.next.point - block.start..;
+                    let places = [&places[0][lanes.clone()], &places[1][lanes]];
+                    self.queue::<F>(token, F::LANES.min(block.end - self.next.point), places);
+                    self.next.point += F::LANES;
                 }
-                seen += F::LANES;
-                let count = F::LANES.min(lit.len() - next.point);
-                let used = (1_u64 << count) - 1;
-                let (mut points, throughput) = lit.load::<F>(token, next.point, used as u32);
-                if self.tinted {
-                    points.reflection.tint = tints.tint.load(token, next.point);
-                }
-                let path = &lit.path[next.point..next.point + F::LANES];
-                let mut places = [[0; LANES]; 2];
-                for lane in 0..if sampled { count } else { 0 } {
-                    let path = path[lane] as usize;
-                    (places[0][lane], places[1][lane]) = (paths.pixel[path], paths.sample[path]);
-                }
-                let stream = Stream { seed: self.seed, pixel: 0, sample: 0, bounce: self.bounce };
-                let targets =
-                    light.points::<F>(token, next.index, stream, [&places[0], &places[1]]);
-                counters.light_samples += if sampled { count as u64 } else { 0 };
-                next.point += F::LANES;
-                let request = shadow_request(&points, throughput, light, &targets, ambient);
-                let Some(request) = request else { continue };
-                shadows.provide();
-                counters.shadow_rays += shadows.push_lanes(&request, path) as u64;
-                let at_light = (request.at_light & request.asked).bits();
-                counters.lights_at_surface += u64::from(at_light.count_ones());
+                self.next.index += 1;
+                self.next.point = block.start;
             }
-            next = NextRequest { index: next.index + 1, point: 0 };
+            self.next = NextRequest { block: block.end, index: 0, point: block.end };
         }
-        next
+        self.next
+    }
+}
+
+impl ShadowRequests<'_> {
+    /// The pixels and the samples of these lit points, if the light needs them.
+    #[inline(always)]
+    fn places(&self, points: Range<usize>) -> [[u32; BLOCK]; 2] {
+        let mut places = [[0; BLOCK]; 2];
+        if self.light.is_sampled() {
+            let Batch { lit, paths, .. } = &*self.batch;
+            for (i, &path) in lit.path[points].iter().enumerate() {
+                (places[0][i], places[1][i]) =
+                    (paths.pixel[path as usize], paths.sample[path as usize]);
+            }
+        }
+        places
+    }
+
+    /// Queues the rays of the next `count` lit points, at these places.
+    #[inline(always)]
+    fn queue<F: Single>(&mut self, token: F::Token, count: usize, places: [&[u32]; 2]) {
+        let NextRequest { index, point, .. } = self.next;
+        let Self { light, ambient, counters, batch, .. } = self;
+        let Batch { lit, tints, shadows, .. } = &mut **batch;
+        let used = (1_u64 << count) - 1;
+        let (mut points, throughput) = lit.load::<F>(token, point, used as u32);
+        if self.tinted {
+            points.reflection.tint = tints.tint.load(token, point);
+        }
+        let stream = Stream { seed: self.seed, pixel: 0, sample: 0, bounce: self.bounce };
+        let targets = light.points::<F>(token, index, stream, places);
+        counters.light_samples += if light.is_sampled() { count as u64 } else { 0 };
+        let request = shadow_request(&points, throughput, light, &targets, *ambient);
+        let Some(request) = request else { return };
+        shadows.provide();
+        let path = &lit.path[point..point + F::LANES];
+        counters.shadow_rays += shadows.push_lanes(&request, path) as u64;
+        let at_light = (request.at_light & request.asked).bits();
+        counters.lights_at_surface += u64::from(at_light.count_ones());
     }
 }
 

@@ -44,12 +44,6 @@ impl TileWalk {
         walk
     }
 
-    /// The pixel's number in the tile, row by row.
-    #[inline(always)]
-    pub(super) fn place(&self) -> u32 {
-        self.pixel[1] * self.tile[0] + self.pixel[0]
-    }
-
     /// Advances to the next pixel.
     #[inline(always)]
     pub(super) fn advance(&mut self) {
