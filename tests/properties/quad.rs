@@ -1,13 +1,20 @@
 use glam::Vec3;
 use proptest::prelude::*;
 use wavecrest_core::kernels::quad::halves;
-use wavecrest_core::kernels::surface::quad_half;
+use wavecrest_core::kernels::surface;
 use wavecrest_core::math::float::{MAX_COORDINATE, max_abs};
 use wavecrest_core::math::ray::Ray;
+use wavecrest_core::math::vector::{Line, Vector};
 
 use crate::exact::rounded_once;
 use crate::inputs::{coordinate, vector};
 use crate::triangle::meeting;
+
+/// The half that the ray meets first.
+fn quad_half(ray: &Ray, corners: &[Vec3; 4]) -> [Vec3; 3] {
+    let corners = corners.map(Vector::from);
+    surface::quad_halves(&Line::from(ray), &corners, 1, |_| *ray).map(Vec3::from)
+}
 
 /// Any corners, and such as lie in a plane or nearly so; or folded flat, with both halves on one side of
 /// the diagonal; or with a corner on the diagonal, or two at one place.

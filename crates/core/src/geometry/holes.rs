@@ -49,14 +49,17 @@ impl Geometry {
         t: f32,
     ) -> Option<[f32; 2]> {
         let corners = match self.primitive(number) {
-            Primitive::Triangle(i) => self.triangle(i),
-            Primitive::Quad(i) => surface::quad_half(ray, &self.quad(i)),
+            Primitive::Triangle(i) => self.triangle(i).map(Vector::from),
+            Primitive::Quad(i) => {
+                let corners = self.quad(i).map(Vector::from);
+                surface::quad_halves(&Line::from(ray), &corners, 1, |_| *ray)
+            }
             Primitive::Quadric(i) => {
                 return quadric_uv::<P>(&self.quadrics[i], &cutout.map, ray, t);
             }
             Primitive::Instanced(_) => return None,
         };
-        let found = surface::triangle_at::<f32, P>(&Line::from(ray), t, &corners.map(Vector::from));
+        let found = surface::triangle_at::<f32, P>(&Line::from(ray), t, &corners);
         if let UvMap::Planar(map) = &cutout.map {
             return Some(map.uv(found.point));
         }

@@ -241,19 +241,33 @@ fn disk<F: Single>(line: &Line<F>, t: F, [center, front]: [Vector<F>; 2], radius
     }
 }
 
-/// The half of the quad `corners` that `ray` meets first; of halves met at the same t, the first. The
-/// ray must hit the quad.
-#[inline]
-pub fn quad_half(ray: &Ray, corners: &[Vec3; 4]) -> [Vec3; 3] {
-    let [first, second] = quad::halves(corners);
-    match quad::missed_halves(&Line::from(ray), &corners.map(Vector::from)) {
-        [_, true] => first,
-        [true, false] => second,
-        [false, false] => nearer_half(ray, [first, second]),
+/// The halves of quads that rays meet first, in the lanes of `asked`; of halves met at the same t, the
+/// first. These rays must hit their quads; `ray` returns that of a lane, with its range.
+#[inline(always)]
+pub fn quad_halves<F: Single>(
+    line: &Line<F>,
+    corners: &[Vector<F>; 4],
+    asked: u32,
+    ray: impl Fn(usize) -> Ray,
+) -> [Vector<F>; 3] {
+    let [a, b, c, d] = *corners;
+    let [first, second] = quad::missed_halves(line, corners);
+    let (first, second) = (first.bits(), second.bits());
+    let is_second = F::mask(a.x.token(), first & !second);
+    let (mut next, mut last) = (Vector::select(is_second, c, b), Vector::select(is_second, d, c));
+    let mut open = asked & !(first | second);
+    while open != 0 {
+        let lane = open.trailing_zeros() as usize % F::LANES;
+        open &= open - 1;
+        let corners = [a.lane(lane), b.lane(lane), c.lane(lane), d.lane(lane)];
+        let [_, b, c] = nearer_half(&ray(lane), quad::halves(&corners));
+        next.set_lane(lane, b);
+        last.set_lane(lane, c);
     }
+    [a, next, last]
 }
 
-/// As [`quad_half`], for any ray.
+/// As [`quad_halves`], of one quad.
 #[cold]
 #[inline(never)]
 fn nearer_half(ray: &Ray, [first, second]: [[Vec3; 3]; 2]) -> [Vec3; 3] {

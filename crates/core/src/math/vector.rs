@@ -5,6 +5,7 @@ use std::ops::{Add, Mul, Neg, Sub};
 use glam::{DVec3, Vec3};
 
 use super::bounds::{DOUBLE_ROUNDINGS, STEEPEST_CREASE, gamma};
+use super::ray::Ray;
 use super::real::{Mask, Real, Single};
 
 /// 2^-100 and 2^100: squared lengths in this range have not overflowed, and their loss to underflow
@@ -270,6 +271,11 @@ pub struct Line<F> {
 }
 
 impl<F: Single> Line<F> {
+    /// The ray in lane `i`, from 0 to infinity.
+    pub fn ray(&self, i: usize) -> Ray {
+        Ray::new(self.origin.lane(i), self.direction.lane(i))
+    }
+
     /// The point at `t`.
     #[inline(always)]
     pub fn at(&self, t: F) -> Vector<F> {

@@ -68,6 +68,8 @@ pub struct Group<F: Single> {
     /// Corners of the triangles, in the prototype's space for instances; or centres of spheres,
     /// with their radii in each row of the second.
     corners: [AxisRows<F>; 3],
+    /// The fourth corners of quads; which half was hit is found for all lanes at once.
+    fourth: AxisRows<F>,
     /// Origins and directions of rays at instances, in the space of the prototype.
     carried: [AxisRows<F>; 2],
     /// Normals at the corners, if any.
@@ -101,6 +103,7 @@ impl<F: Single> Default for Group<F> {
             has_uvs: 0,
             quads: 0,
             corners: Default::default(),
+            fourth: Default::default(),
             carried: Default::default(),
             normals: Default::default(),
             tints: Default::default(),
@@ -187,8 +190,9 @@ impl<F: Single> Group<F> {
             }
             Primitive::Quad(i) => {
                 self.quads |= 1 << lane;
-                let half = surface::quad_half(&ray(), &geometry.quad(i));
-                set_three::<F>(&mut self.corners, lane, half);
+                let [a, b, c, d] = geometry.quad(i);
+                set_three::<F>(&mut self.corners, lane, [a, b, c]);
+                set::<F>(&mut self.fourth, lane, d);
             }
             Primitive::Instanced(instanced) => {
                 let (instance, prototype) = geometry.instance(instanced);
@@ -306,9 +310,17 @@ impl<F: Single> Group<F> {
         geometry: &Geometry,
     ) -> Surface<F> {
         let token = t.token();
-        let corners = three(token, &self.corners);
+        let mut corners = three(token, &self.corners);
         match kind {
             ShadingKind::Flat => {
+                if self.quads != 0 {
+                    let [a, b, c] = corners;
+                    let all = [a, b, c, Vector::load(token, &self.fourth)];
+                    let [_, next, last] =
+                        surface::quad_halves(line, &all, self.quads, |lane| line.ray(lane));
+                    let quads = F::mask(token, self.quads);
+                    corners = [a, Vector::select(quads, next, b), Vector::select(quads, last, c)];
+                }
                 let mut found = surface::triangle_at::<F, P>(line, t, &corners);
                 if self.quads != 0 {
                     let quads = F::mask(token, self.quads);
