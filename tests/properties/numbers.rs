@@ -34,10 +34,14 @@ proptest! {
 
     #[test]
     fn a_jittered_point_is_in_its_own_cell(
-        index: u32, columns in 1_u32..4096, rows in 1_u32..4096, random in [fraction(), fraction()],
+        index: u32, columns in 1_u32..4096, rows in 1_u32..4096, seed: u64,
     ) {
         let index = index % (columns * rows);
-        let p = Sampling::Jittered.point((index, 0), [columns, rows], || random, || [0; 3]).as_dvec2();
+        let draw = Draw { dimension: 0, first: 0, scramble: 0, grid: [columns, rows] };
+        let stream = Stream { seed, pixel: 0, sample: 0, bounce: 0 };
+        let number = |_| (index, 0);
+        let p = Sampling::Jittered.points::<f32>((), stream, [&[0], &[0]], draw, number);
+        let p = Vec2::from(p).as_dvec2();
         let (column, row) = (f64::from(index % columns), f64::from(index / columns));
         // Sum and quotient are rounded once each, relative to the result.
         let (w, h, u) = (f64::from(columns), f64::from(rows), f64::from(f32::EPSILON));

@@ -1,6 +1,6 @@
 use glam::Vec2;
 use wavecrest_core::math::random::Stream;
-use wavecrest_core::math::sampling::Sampling;
+use wavecrest_core::math::sampling::{Draw, Sampling};
 
 /// Seeds, points of a set along each side, and sets of each seed: of pixels beside each other.
 const SEEDS: u64 = 48;
@@ -60,12 +60,9 @@ fn in_standard_errors(value: &dyn Fn(u64, u32) -> f64) -> f64 {
 fn estimate(sampling: Sampling, stream: Stream, dimension: u32, of: fn(Vec2) -> f64) -> f64 {
     let count = SIDE * SIDE;
     let values = (0..count).map(|i| {
-        let stream = Stream { sample: i, ..stream };
-        let random = || {
-            let [x, y, ..] = stream.uniform(dimension);
-            [x, y]
-        };
-        of(sampling.point((i, i), [SIDE, SIDE], random, || stream.scramble(dimension)))
+        let draw = Draw { dimension, first: 0, scramble: dimension, grid: [SIDE, SIDE] };
+        let places = [&[stream.pixel][..], &[i]];
+        of(Vec2::from(sampling.points::<f32>((), stream, places, draw, |sample| (sample, sample))))
     });
     values.sum::<f64>() / f64::from(count)
 }

@@ -13,7 +13,7 @@ use crate::math::float::normalize_f64;
 use crate::math::random::Stream;
 use crate::math::ray::Ray;
 use crate::math::real::Single;
-use crate::math::sampling::{self, Points, Sampling, divide};
+use crate::math::sampling::{self, Draw, Points, Sampling, divide};
 use crate::math::vector::{Line, Vector};
 
 /// The dimension of [`Stream`] whose four numbers a camera ray may use: two for its point in the
@@ -172,16 +172,10 @@ impl Camera {
         match &self.lens {
             None => Line { origin: Vector::splat(x.token(), self.origin), direction },
             Some(lens) => {
-                let point = |sampling: Sampling, stream: &Stream| {
-                    let (_, index) = divide(stream.sample, self.lens_points());
-                    let random = || {
-                        let [.., u, v] = stream.uniform(DIMENSION);
-                        [u, v]
-                    };
-                    let scramble = || stream.scramble(LENS_DIMENSION);
-                    sampling.point((index, stream.sample), lens.grid, random, scramble)
-                };
-                let square = lens.sampling.points(x.token(), stream, places, point);
+                let (dimension, scramble) = (DIMENSION, LENS_DIMENSION);
+                let draw = Draw { dimension, first: 2, scramble, grid: lens.grid };
+                let index = |sample| (divide(sample, self.lens_points()).1, sample);
+                let square = lens.sampling.points(x.token(), stream, places, draw, index);
                 self.through_lens(lens, direction, square)
             }
         }
@@ -198,15 +192,9 @@ impl Camera {
         if n == 1 {
             return [F::splat(token, 0.5); 2];
         }
-        self.sampling.points(token, stream, places, |sampling, stream| {
-            let (index, _) = divide(stream.sample, self.lens_points());
-            let random = || {
-                let [u, v, ..] = stream.uniform(DIMENSION);
-                [u, v]
-            };
-            let scramble = || stream.scramble(DIMENSION);
-            sampling.point((index, stream.sample), [n, n], random, scramble)
-        })
+        let draw = Draw { dimension: DIMENSION, first: 0, scramble: DIMENSION, grid: [n, n] };
+        let index = |sample| (divide(sample, self.lens_points()).0, sample);
+        self.sampling.points(token, stream, places, draw, index)
     }
 
     /// The unit directions through the image positions (`x`, `y`) in pixels.

@@ -5,7 +5,7 @@ mod spot;
 
 use std::f32::consts::PI;
 
-use glam::{DVec3, Vec2, Vec3};
+use glam::{DVec3, Vec3};
 
 pub use distant::Distant;
 pub use spot::Cone;
@@ -15,7 +15,7 @@ use super::triangle;
 use crate::math::float::{dot_f64, max, max_abs};
 use crate::math::random::Stream;
 use crate::math::real::{Mask, Real, Single};
-use crate::math::sampling::{self, Sampling};
+use crate::math::sampling::{self, Draw, Sampling};
 use crate::math::vector::Vector;
 
 wavecrest_base::choices! {
@@ -239,20 +239,6 @@ impl Light {
         self.emitter.only_point().is_none()
     }
 
-    /// The position on the unit square of its `index`th point, sampled so.
-    #[inline(always)]
-    fn square(&self, sampling: Sampling, index: u32, stream: &Stream) -> Vec2 {
-        let random = || {
-            let [u, v, ..] = stream.uniform(self.dimension + index);
-            [u, v]
-        };
-        // All samples of the pixel share one sequence, so that few points for each sample do as
-        // well as many.
-        let number = stream.sample.wrapping_mul(self.samples()).wrapping_add(index);
-        let scramble = || stream.scramble(self.dimension);
-        sampling.point((index, number), self.grid, random, scramble)
-    }
-
     /// Its `index`th point, for the pixel and the sample of each lane.
     #[inline(always)]
     pub fn points<F: Single>(
@@ -265,8 +251,13 @@ impl Light {
         if let Some(position) = self.emitter.only_point() {
             return LightPoint::of(Vector::splat(token, position));
         }
-        let square = |sampling, stream: &Stream| self.square(sampling, index, stream);
-        self.at(self.sampling.points(token, stream, places, square))
+        let Self { dimension, grid, .. } = *self;
+        let draw = Draw { dimension: dimension + index, first: 0, scramble: dimension, grid };
+        // All samples of the pixel share one sequence, so that few points for each sample do as
+        // well as many.
+        let number = |sample: u32| sample.wrapping_mul(self.samples()).wrapping_add(index);
+        let index = |sample| (index, number(sample));
+        self.at(self.sampling.points(token, stream, places, draw, index))
     }
 
     /// Its `index`th point.

@@ -36,14 +36,6 @@ impl Stream {
         self.words(dimension).map(unit_interval)
     }
 
-    /// Seeds that scramble the points shared by all samples of this pixel and bounce: the numbers
-    /// of a sample index that no camera ray has.
-    #[inline(always)]
-    pub fn scramble(&self, dimension: u32) -> [u32; 3] {
-        let [a, b, c, _] = Self { sample: u32::MAX, ..*self }.words(dimension);
-        [a, b, c]
-    }
-
     /// A generator for the `rand` crate: the words from `dimension` on, in order.
     pub fn generator(self, dimension: u32) -> Generator {
         Generator { stream: self, dimension, words: [0; 4], used: 4 }

@@ -3,9 +3,7 @@
 
 use std::f32::consts::TAU;
 
-use glam::Vec2;
-
-use super::random::Stream;
+use super::random::{Stream, unit_interval};
 use super::real::{Real, Single};
 use super::sobol;
 use super::trigonometry::sin_cos;
@@ -24,64 +22,87 @@ wavecrest_base::choices! {
     }
 }
 
-impl Sampling {
-    /// Point number `index.0` of the `columns` times `rows` points that `stream` has at
-    /// `dimension`. Both coordinates are in \[0, 1).
-    ///
-    /// Random and jittered points use the two numbers `random` of the stream. The Sobol points of
-    /// all samples of a pixel form one sequence: `index.1` is the number of the point in it.
-    #[inline(always)]
-    pub fn point(
-        self,
-        index: (u32, u32),
-        [columns, rows]: [u32; 2],
-        random: impl FnOnce() -> [f32; 2],
-        seeds: impl FnOnce() -> [u32; 3],
-    ) -> Vec2 {
-        match self {
-            Self::Random => Vec2::from(random()),
-            Self::Jittered => {
-                let (row, column) = divide(index.0, columns);
-                let [x, y] = random();
-                Vec2::new(cell(column, columns, x), cell(row, rows, y))
-            }
-            Self::Sobol => sobol::point(index.1, seeds()),
-        }
-    }
+/// Where points take their random numbers from.
+#[derive(Clone, Copy, Debug)]
+pub struct Draw {
+    /// The dimension of the [`Stream`] with the numbers of random and jittered points.
+    pub dimension: u32,
+    /// The first of its four numbers to use, 0 or 2.
+    pub first: usize,
+    /// The dimension that scrambles Sobol points.
+    pub scramble: u32,
+    /// Columns and rows of the grid of jittered points.
+    pub grid: [u32; 2],
+}
 
-    /// The point that `point` finds for the pixel and the sample of each lane, by a stream with these.
-    /// Coordinates are apart: x, then y.
+impl Sampling {
+    /// A point for the pixel and the sample of each lane, by a stream with these: x and y, each in
+    /// \[0, 1). `index` returns for a sample the number of its point in the grid, and in the sequence
+    /// that the Sobol points of all samples of a pixel form.
+    // Loops of their own, each free of branches, so that compilers use vector instructions.
     #[inline(always)]
     pub fn points<F: Single>(
         self,
         token: F::Token,
         stream: Stream,
-        places: [&[u32]; 2],
-        point: impl Fn(Self, &Stream) -> Vec2,
+        [pixels, samples]: [&[u32]; 2],
+        draw: Draw,
+        index: impl Fn(u32) -> (u32, u32),
     ) -> [F; 2] {
-        match self {
-            Self::Random => each(token, stream, places, |stream| point(Self::Random, stream)),
-            Self::Jittered => each(token, stream, places, |stream| point(Self::Jittered, stream)),
-            Self::Sobol => each(token, stream, places, |stream| point(Self::Sobol, stream)),
+        let mut places = <[F::Words; 2]>::default();
+        places[0].as_mut().copy_from_slice(&pixels[..F::LANES]);
+        places[1].as_mut().copy_from_slice(&samples[..F::LANES]);
+        let mut square = <[F::Row; 2]>::default();
+        let [x, y] = &mut square;
+        if self == Self::Sobol {
+            // Of a sample that no camera ray has: all samples of the pixel share the sequence.
+            let [a, b, c, _] =
+                words::<F>(Stream { sample: u32::MAX, ..stream }, &places, true, draw.scramble);
+            for lane in 0..F::LANES {
+                let (_, number) = index(places[1].as_ref()[lane]);
+                let seeds = [a.as_ref()[lane], b.as_ref()[lane], c.as_ref()[lane]];
+                let point = sobol::point(number, seeds);
+                (x.as_mut()[lane], y.as_mut()[lane]) = (point.x, point.y);
+            }
+            return [F::load(token, x), F::load(token, y)];
         }
+        let words = words::<F>(stream, &places, false, draw.dimension);
+        let (across, along) = (words[draw.first], words[draw.first + 1]);
+        for lane in 0..F::LANES {
+            x.as_mut()[lane] = unit_interval(across.as_ref()[lane]);
+            y.as_mut()[lane] = unit_interval(along.as_ref()[lane]);
+        }
+        if self == Self::Jittered {
+            let [columns, rows] = draw.grid;
+            for lane in 0..F::LANES {
+                let (row, column) = divide(index(places[1].as_ref()[lane]).0, columns);
+                x.as_mut()[lane] = cell(column, columns, x.as_ref()[lane]);
+                y.as_mut()[lane] = cell(row, rows, y.as_ref()[lane]);
+            }
+        }
+        [F::load(token, x), F::load(token, y)]
     }
 }
 
-/// See [`Sampling::points`]. With `point` free of branches, compilers use vector instructions.
+/// The four random words of the dimension, for the pixel of each lane, and for its sample unless that of
+/// the stream is `shared`.
 #[inline(always)]
-fn each<F: Single>(
-    token: F::Token,
+fn words<F: Single>(
     stream: Stream,
-    [pixels, samples]: [&[u32]; 2],
-    point: impl Fn(&Stream) -> Vec2,
-) -> [F; 2] {
-    let [mut x, mut y] = <[F::Row; 2]>::default();
+    [pixels, samples]: &[F::Words; 2],
+    shared: bool,
+    dimension: u32,
+) -> [F::Words; 4] {
+    let mut words = <[F::Words; 4]>::default();
+    let [a, b, c, d] = &mut words;
     for lane in 0..F::LANES {
-        let stream = Stream { pixel: pixels[lane], sample: samples[lane], ..stream };
-        let Vec2 { x: across, y: along } = point(&stream);
-        (x.as_mut()[lane], y.as_mut()[lane]) = (across, along);
+        let sample = if shared { stream.sample } else { samples.as_ref()[lane] };
+        let stream = Stream { pixel: pixels.as_ref()[lane], sample, ..stream };
+        let found = stream.words(dimension);
+        (a.as_mut()[lane], b.as_mut()[lane]) = (found[0], found[1]);
+        (c.as_mut()[lane], d.as_mut()[lane]) = (found[2], found[3]);
     }
-    [F::load(token, &x), F::load(token, &y)]
+    words
 }
 
 /// Quotient and remainder of numbers up to 2^24, which single precision holds: vectors have its division.
