@@ -101,8 +101,7 @@ pub(crate) const FAULTS: &[Fault] = faults! {
     "of equal hits the last is the first", 21, "crates/core/src/accel/best.rs":
         "self.primitive < other.primitive" => "self.primitive > other.primitive";
     "surfaces in one plane are ordered by rounding", 21, "crates/core/src/accel/best.rs":
-        "new.low <= self.high && self.contest(searched, ray, new)"
-            => "new.low < self.low && self.contest(searched, ray, new)";
+        "new.low > self.high" => "new.low >= self.low";
     "the far root of a sphere is forgotten", 16, "crates/core/src/kernels/sphere.rs":
         "Real::select(is_first, roots.near, roots.far)" => "roots.near";
     "a quad has its other diagonal", 34, "crates/core/src/kernels/quad.rs":
@@ -152,6 +151,28 @@ pub(crate) const FAULTS: &[Fault] = faults! {
     "far scenes are not moved to the camera", 7, "crates/scene/src/systems/frame.rs":
         "if far { nearest(view.location, distance) } else { DVec3::ZERO }" => "DVec3::ZERO";
 
+    "emission maps are ignored", 50, "crates/core/src/prepared/maps.rs":
+        "point.emission * texel" => "point.emission";
+    "roughness is read from blue", 50, "crates/core/src/prepared/maps.rs":
+        "texel.y.times(roughness)" => "texel.z.times(roughness)";
+    "normal maps turn both sides alike", 50, "crates/core/src/prepared/maps.rs":
+        "Vector::select(is_back, -turned, turned)" => "turned";
+    "bitangents point backwards", 50, "crates/core/src/prepared/maps.rs":
+        "normal.cross(tangent)" => "tangent.cross(normal)";
+    "vertex colours are ignored", 46, "crates/core/src/prepared/interaction.rs":
+        "color * tint" => "color";
+    "levels are those of shorter sides", 52, "crates/core/src/kernels/texture.rs":
+        "across.gt(down)" => "down.gt(across)";
+    "repeated images end at their edges", 30, "crates/core/src/kernels/texture/wrap.rs":
+        "[last, zero]" => "[zero, last]";
+    "classes share a span", 50, "crates/core/src/wavefront/s3_shade/faces.rs":
+        "class * ShadingKind::ALL.len() as u32 + kind as u32" => "class.min(0) + kind as u32";
+    "spans end before their last hit", 50, "crates/core/src/wavefront/s3_shade/faces.rs":
+        "end..end + *place as usize" => "end..end + *place as usize - 1";
+    "sorted hits take each other's places", 50, "crates/core/src/wavefront/s3_shade/faces.rs":
+        "*place += 1" => "*place += 0";
+    "spans are of triangles", 50, "crates/core/src/wavefront/s3_shade/faces.rs":
+        "ShadingKind::ALL[key as usize % ShadingKind::ALL.len()]" => "ShadingKind::ALL[key as usize % 1]";
     "mirrors show what is below them", 50, "crates/core/src/kernels/shade.rs":
         "smooth.dot(normal).gt(view.x.zero())" => "smooth.dot(smooth).gt(view.x.zero())";
     "infinite footprints have a level", 52, "crates/core/src/kernels/texture.rs":
