@@ -102,8 +102,9 @@ pub(crate) fn stl(bytes: &[u8]) -> bool {
 pub(crate) fn mtl(bytes: &[u8]) -> bool {
     let materials = mtl::materials(bytes);
     for (_, material, texture, cutout) in &materials {
-        let Material { ks, kd, specular_exponent, diffuse_color, kr, emission, specular_color } =
-            *material;
+        let Material {
+            ks, kd, specular_exponent, diffuse_color, kr, emission, specular_color, ..
+        } = *material;
         assert!([ks, kd, kr].iter().all(|weight| (0.0..=1.0).contains(weight)), "{material:?}");
         assert!((0.0..=1e6).contains(&specular_exponent), "{material:?}");
         let threshold = cutout.as_ref().map_or(1.0, |cutout| cutout.threshold);

@@ -90,6 +90,8 @@
 //!     kr: 0.0,
 //!     emission: DVec3::ZERO,
 //!     specular_color: DVec3::ONE,
+//!     ambient: 1.0,
+//!     unlit: false,
 //! };
 //! let ball = Sphere { center: DVec3::ZERO, radius: 1.0 };
 //! world.spawn((Order(0), ball, material, Sides::Both, Shading::Flat));

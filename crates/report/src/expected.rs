@@ -41,7 +41,10 @@ impl Estimated {
             lights.map(|light| u64::from(light.samples())).sum()
         };
         let most = |count: fn(Filter) -> u64| -> u64 {
-            let of = |class: &Class| class.maps.iter().map(|map| count(map.texture.filter)).sum();
+            let of = |class: &Class| {
+                let textures = class.maps.iter().filter_map(|map| map.texture.as_ref());
+                textures.map(|texture| count(texture.filter)).sum()
+            };
             scene.appearance.classes.iter().map(of).max().unwrap_or(0)
         };
         let texels = most(|filter| filter.texels() * filter.levels());

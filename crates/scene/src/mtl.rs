@@ -183,7 +183,7 @@ pub(crate) fn surface(mtl: &Mtl, mut find: impl FnMut(&str) -> Option<PathBuf>) 
         diffuse_color: kd,
         kr,
         emission: mtl.ke.unwrap_or(DVec3::ZERO),
-        specular_color: DVec3::ONE,
+        ..Material::MATTE
     };
     let ior = mtl.ni.filter(|&ni| Transparency::IOR.contains(ni));
     let transparency = Transparency {

@@ -75,7 +75,7 @@ pub(crate) type Pictured<'w> =
 pub(crate) fn textures_of<'w>(
     (texture, maps, around, _): Pictured<'w>,
 ) -> impl Iterator<Item = &'w TextureRef> + use<'w> {
-    let maps = maps.into_iter().flat_map(Maps::all).map(|(_, map)| &map.texture);
+    let maps = maps.into_iter().flat_map(Maps::all).filter_map(|(_, map)| map.texture.as_ref());
     texture.into_iter().chain(maps).chain(around.and_then(|around| around.image.as_ref()))
 }
 

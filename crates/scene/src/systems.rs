@@ -102,7 +102,7 @@ pub fn extract(world: World, options: Options<'_>) -> Result<Extracted> {
     let columns = columns.view();
     let surface = |shape: &ShapeOutput| SurfaceComponents::of(&columns, shape.entity);
     let surfaces: Vec<SurfaceComponents<'_>> = extracted.shapes.iter().map(surface).collect();
-    let materials = materials::run(&surfaces);
+    let materials = materials::run(&surfaces, &extracted.shapes);
     let around = Surroundings { settings: &settings, extracted: &extracted, origin };
     let lights = lights::run(world, &around)?;
     let ambient = settings.ambient as f32 * lights.len() as f32;

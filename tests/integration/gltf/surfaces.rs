@@ -3,10 +3,12 @@
 use serde_json::{Value, json};
 use wavecrest_core::film::Film;
 use wavecrest_scene::components::{AreaLight, Sky};
+use wavecrest_scene::load::lighting::{Lighting, Rig};
+use wavecrest_scene::load::{LoadOptions, load_gltf as load_bytes};
 
 use super::converted::converted;
 use super::images::png;
-use super::{File, SQUARE_UVS, image, loaded, rendered, square};
+use super::{File, SQUARE_UVS, image, loaded, rendered, small, square};
 use crate::support::{assert_near, difference, folder, pixel, put};
 
 /// The square in this material, with a texture all of one colour.
@@ -169,13 +171,73 @@ fn a_texture_of_light_is_seen_and_lights_nothing() {
     assert_near(middle(&image(&file)), expected, 1e-5, "sRGB, times factor and strength");
 }
 
+/// The square before a wall, in a material whose base colour is red in each of these ways: as the
+/// factor, as a texture, as colours of the vertices, and as the product of all.
+fn reds(material: &Value) -> [File; 4] {
+    let white = [1.0; 3];
+    let red = [1.0, 0.0, 0.0];
+    [
+        (red, None, None),
+        (white, Some([255, 0, 0]), None),
+        (white, None, Some(red)),
+        ([1.0, 1.0, 0.5], Some([255, 0, 255]), Some([1.0, 1.0, 0.0])),
+    ]
+    .map(|([r, g, b], texel, colors)| {
+        let mut file = mapped(texel.unwrap_or_default(), material.clone());
+        let mut wall = file.json["meshes"][0].clone();
+        let matte = json!({"pbrMetallicRoughness": {"metallicFactor": 0}});
+        wall["primitives"][0]["material"] = file.push("materials", matte).into();
+        let wall = file.push("meshes", wall);
+        file.node(json!({"mesh": wall, "translation": [0, 0, -1], "scale": [4, 4, 1]}));
+        let model = &mut file.json["materials"][0]["pbrMetallicRoughness"];
+        model["baseColorFactor"] = json!([r, g, b, 1]);
+        if texel.is_some() {
+            model["baseColorTexture"] = json!({"index": 0});
+        }
+        if let Some(colors) = colors {
+            let colors = file.floats(&[colors.map(|x| x as f32); 4]);
+            file.json["meshes"][0]["primitives"][0]["attributes"]["COLOR_0"] = colors.into();
+        }
+        file
+    })
+}
+
+/// In diffuse light, mirrors, refraction, shadows of glass and what is unlit. In white surroundings
+/// nothing returns more than its colour, but for what glass mirrors on both of its sides.
 #[test]
-fn an_unlit_material_shows_its_texture_as_it_is() {
-    let model = json!({"baseColorFactor": [0.5, 1, 0.25, 1], "baseColorTexture": {"index": 0}});
-    let unlit = json!({"KHR_materials_unlit": {}});
-    let file = mapped([188, 0, 255], json!({"pbrMetallicRoughness": model, "extensions": unlit}));
-    let linear = ((188.0_f64 / 255.0 + 0.055) / 1.055).powf(2.4);
-    assert_near(middle(&image(&file)), [0.5 * linear, 0.0, 0.25], 1e-6, "neither lit nor shaded");
+fn a_base_colour_is_factor_times_texture_times_vertex_colours() {
+    let of = |metallic: f64, roughness: f64, extensions: Value| {
+        json!({"pbrMetallicRoughness": {"metallicFactor": metallic, "roughnessFactor": roughness},
+               "extensions": extensions})
+    };
+    let glass = json!({"KHR_materials_transmission": {"transmissionFactor": 1}});
+    let dielectric = 0.04;
+    let of_glass = 2.0 * dielectric / (1.0 + dielectric);
+    let mirrored = 0.7 * 0.6 * 0.6;
+    let rest = mirrored * 0.3 * dielectric;
+    for (material, expected) in [
+        (of(0.0, 1.0, json!({})), [1.0, 0.0]),
+        (of(1.0, 0.0, json!({})), [1.0, 0.0]),
+        (of(0.7, 0.4, json!({})), [1.0 - mirrored + mirrored * 0.7 + rest, rest]),
+        (of(0.0, 0.0, glass), [1.0, of_glass]),
+        (of(1.0, 0.0, json!({"KHR_materials_unlit": {}})), [1.0, 0.0]),
+    ] {
+        let files = reds(&material);
+        let lit = files.each_ref().map(image);
+        for (file, other) in files.iter().zip(&lit) {
+            let [red, rest] = expected;
+            let found = middle(&surrounded(file));
+            assert_near(found, [red, rest, rest], 1e-5, &material.to_string());
+            assert!(difference(&lit[0], other) < 1e-5, "{material}");
+        }
+    }
+}
+
+/// The image in white surroundings.
+fn surrounded(file: &File) -> Film {
+    let lighting = Lighting { rig: Rig::None, replaces: true, ..Lighting::USUAL };
+    let options = LoadOptions { lighting, ..small() };
+    rendered(load_bytes(file.glb(), "a.glb".as_ref(), &options))
 }
 
 /// Beyond its edge a mirrored image runs back.

@@ -23,6 +23,8 @@ pub struct Material {
     pub tint: Vec3,
     /// Emission, which is visible but does not light other surfaces.
     pub emission: Vec3,
+    /// The share of ambient light that is scattered: what is mirrored is not.
+    pub ambient: f32,
 }
 
 /// The reflection parameters of a material.
@@ -121,6 +123,7 @@ impl Material {
         kr: 0.0,
         tint: Vec3::ONE,
         emission: Vec3::ZERO,
+        ambient: 1.0,
     };
 
     /// The reflection parameters.

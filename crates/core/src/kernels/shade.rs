@@ -28,10 +28,10 @@ pub struct ShadingPoint<F: Single> {
     pub shading_normal: Vector<F>,
     /// Unit direction to the origin of the ray.
     pub view: Vector<F>,
-    /// Diffuse colour, from the material or a texture.
+    /// Base colour, from the material or a texture: that of diffuse light.
     pub color: Vector<F>,
     /// Share of the ambient light that the surface scatters: less in cavities, of which textures
-    /// tell, and less what is refracted.
+    /// tell, and less what is mirrored or refracted.
     pub occlusion: F,
     /// Emission of the material.
     pub emission: Vector<F>,
@@ -58,7 +58,7 @@ impl ShadingPoint<f32> {
             shading_normal: normal.into(),
             view: view.into(),
             color: material.color.into(),
-            occlusion: 1.0,
+            occlusion: material.ambient,
             emission: material.emission.into(),
             reflection: material.reflection(),
             kr: material.kr,

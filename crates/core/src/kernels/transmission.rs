@@ -23,6 +23,8 @@ pub struct Transparency {
     pub ior: f32,
     /// Colour of refracted light.
     pub color: Vec3,
+    /// Whether the base colour tints refracted light as well.
+    pub tinted: bool,
     /// Light absorbed inside, by channel, per scene unit (Beer's law).
     pub absorption: Vec3,
     /// Whether the surface is a thin sheet of its material, both sides of which are met at once: no
@@ -63,12 +65,17 @@ impl Transparency {
         let weight = f64::from(self.kt) * (1.0 - mirrored);
         let refracted = direction.filter(|&direction| weight > 0.0 && leaves(direction));
         let refracted = refracted.map(|direction| Refracted {
-            weight: self.color * weight as f32,
+            weight: self.tint(point.color.into()) * weight as f32,
             direction: direction.as_vec3(),
             smooth,
             ratio: self.ratio(point.inside),
         });
         ((f64::from(self.kt) * mirrored) as f32, refracted)
+    }
+
+    /// The colour of refracted light at a point with this base colour.
+    fn tint(&self, base: Vec3) -> Vec3 {
+        if self.tinted { self.color * base } else { self.color }
     }
 
     /// The share of light that is mirrored, and the unit direction from which the rest comes.
@@ -103,13 +110,14 @@ impl Transparency {
         if self.thin { 2.0 * once / (1.0 + once) } else { once }
     }
 
-    /// The share of each channel of light that passes the surface straight, at the `cosine` to its
-    /// normal: shadow rays are not bent. Whatever side it meets, the light is mirrored as it is outside.
-    pub fn passed(&self, opacity: f32, cosine: f32) -> DVec3 {
+    /// The share of each channel of light that passes the surface straight, where it has this `opacity`
+    /// and this `base` colour, at the `cosine` to its normal: shadow rays are not bent. Whatever side it
+    /// meets, the light is mirrored as it is outside.
+    pub fn passed(&self, opacity: f32, base: Vec3, cosine: f32) -> DVec3 {
         let mirrored = self.reflectance(f64::from(cosine.abs().min(1.0)), self.ratio(false));
         let refracted = f64::from(self.kt) * (1.0 - mirrored);
         let opacity = f64::from(opacity);
-        DVec3::splat(1.0 - opacity) + self.color.as_dvec3() * (opacity * refracted)
+        DVec3::splat(1.0 - opacity) + self.tint(base).as_dvec3() * (opacity * refracted)
     }
 }
 

@@ -14,24 +14,24 @@ pub struct Class {
     pub material: Material,
     /// How light goes through it, if it does.
     pub transparency: Option<Transparency>,
-    /// Textures that change the constants, in the order of [`Property`], one at most of each.
+    /// Maps that change the constants, in the order of [`Property`], one at most of each.
     pub maps: Vec<Map>,
-    /// Whether it emits light or colours its highlights.
+    /// Whether it emits light, colours its highlights or keeps ambient light from being scattered.
     pub(super) is_special: bool,
     /// Whether a map is looked up at the texture coordinates of a mesh.
     pub(super) looks_up_uvs: bool,
 }
 
-/// A texture and the property that it changes.
+/// A property that changes from point to point, and the texture that changes it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Map {
     /// The property.
     pub property: Property,
-    /// The texture.
-    pub texture: Texture,
+    /// The texture; `None` if every texel is white, and what changes is the base colour.
+    pub texture: Option<Texture>,
 }
 
-/// A property of a class that a texture changes.
+/// A property of a class that a map changes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Property {
     /// The texel replaces the base colour.
@@ -58,15 +58,18 @@ pub enum Property {
     },
     /// The opacity, in red, which multiplies the constant.
     Opacity,
+    /// Emission by the base colour, in place of diffuse light.
+    Unlit,
 }
 
 impl Class {
     /// The class with these constants and maps.
     pub fn new(material: Material, transparency: Option<Transparency>, maps: Vec<Map>) -> Self {
-        let Material { emission, tint, .. } = material;
-        let is_special = emission != Material::BLACK.emission || tint != Material::BLACK.tint;
-        let is_of_mesh = |map: &Map| map.texture.coordinates.map == UvMap::Mesh;
-        let looks_up_uvs = maps.iter().any(is_of_mesh);
+        let Material { emission, tint, ambient, .. } = Material::BLACK;
+        let is_special =
+            (material.emission, material.tint, material.ambient) != (emission, tint, ambient);
+        let is_of_mesh = |texture: &Texture| texture.coordinates.map == UvMap::Mesh;
+        let looks_up_uvs = maps.iter().filter_map(|map| map.texture.as_ref()).any(is_of_mesh);
         Self { material, transparency, maps, is_special, looks_up_uvs }
     }
 
@@ -79,8 +82,7 @@ impl Class {
 
     /// The texture of its base colour.
     pub fn color(&self) -> Option<&Texture> {
-        let map = self.maps.first().filter(|map| map.property == Property::Color)?;
-        Some(&map.texture)
+        self.maps.first().filter(|map| map.property == Property::Color)?.texture.as_ref()
     }
 
     /// The share of light that is refracted.
@@ -88,7 +90,7 @@ impl Class {
         self.transparency.map_or(0.0, |transparency| transparency.kt)
     }
 
-    /// The share of ambient light that it scatters: what is refracted is not scattered.
+    /// The share of light that is not refracted.
     pub(super) fn scattered(&self) -> f32 {
         (1.0 - self.kt()).max(0.0)
     }

@@ -55,7 +55,7 @@ pub struct Group<F: Single> {
     pub used: u32,
     /// Hits on shapes that are lit from both sides.
     two_sided: u32,
-    /// Hits on shapes that emit light or colour their highlights.
+    /// Hits on shapes with a class that is special.
     special: u32,
     /// Hits on triangles with normals.
     smooth: u32,
@@ -89,6 +89,8 @@ pub struct Group<F: Single> {
     /// Colours of highlights, and emission, if any of the hits is special.
     tint: AxisRows<F>,
     emission: AxisRows<F>,
+    /// Shares of ambient light that are scattered, if any of the hits is special.
+    ambient: F::Row,
 }
 
 impl<F: Single> Default for Group<F> {
@@ -114,6 +116,7 @@ impl<F: Single> Default for Group<F> {
             kr: F::Row::default(),
             tint: Default::default(),
             emission: Default::default(),
+            ambient: F::Row::default(),
         }
     }
 }
@@ -143,9 +146,10 @@ impl<F: Single> Group<F> {
         }
         for lane in 0..if self.special != 0 { F::LANES } else { 0 } {
             let shape = &appearance.shapes[self.faces[lane].shape as usize];
-            let Material { tint, emission, .. } = appearance.class(shape).material;
+            let Material { tint, emission, ambient, .. } = appearance.class(shape).material;
             set::<F>(&mut self.tint, lane, tint);
             set::<F>(&mut self.emission, lane, emission);
+            self.ambient.as_mut()[lane] = ambient;
         }
     }
 
@@ -396,12 +400,13 @@ impl<F: Single> Group<F> {
         if self.special != 0 {
             point.reflection.tint = Vector::load(token, &self.tint);
             point.emission = Vector::load(token, &self.emission);
+            point.occlusion = F::load(token, &self.ambient);
         }
         let Some(class) = self.class(appearance) else {
             point.color = self.with_vertex_colors(point.color, surfaces.barycentric);
             return point;
         };
-        point.occlusion = F::splat(token, class.scattered());
+        point.occlusion = point.occlusion.times(class.scattered());
         point.opacity = F::splat(token, class.opacity());
         // Copies, so that the point stays in registers if there are no maps.
         let (mut mapped, surfaces) = (point, surfaces);
@@ -490,9 +495,8 @@ impl PreparedScene {
         Interaction::Surface(point, self.appearance.class(shape))
     }
 
-    /// What a shadow ray of unit direction meets with `hit` on a transparent surface: its class, the
-    /// opacity, the cosine of the angle to the normal, and whether this side is the back. `None` if
-    /// the surface is not transparent.
+    /// What a shadow ray of unit direction meets with `hit` on a transparent surface; `None` if the
+    /// surface is not transparent.
     #[inline(never)]
     pub(super) fn crossing<P: Arithmetic>(
         &self,
@@ -515,9 +519,9 @@ impl PreparedScene {
             scene: self,
             carried: &|_| Some(Differential::none()),
         };
-        let opacity = place.opacity(class, look_ups);
+        let (opacity, color) = place.passing(class, look_ups);
         let cosine = (-ray.direction).dot(normal.into());
-        Some(Crossing { transparency, opacity, cosine, inside })
+        Some(Crossing { transparency, opacity, color: color.into(), cosine, inside })
     }
 
     /// The group of one hit.
@@ -542,6 +546,8 @@ pub(super) struct Crossing<'a> {
     pub(super) transparency: &'a Transparency,
     /// Its opacity there.
     pub(super) opacity: f32,
+    /// Its base colour there, if that tints refracted light.
+    pub(super) color: Vec3,
     /// The cosine of the angle to its normal.
     pub(super) cosine: f32,
     /// Whether the ray comes from behind.

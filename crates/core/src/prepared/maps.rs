@@ -55,19 +55,22 @@ impl<'a, F: Single> Place<'a, F> {
         counts: &'a mut LookUps,
     ) {
         let mut look_up = LookUp::at(self, counts);
-        let (color, others) = class.maps.split_at(usize::from(class.color().is_some()));
-        if let [Map { texture, .. }] = color {
-            point.color = look_up.texel(texture);
-        }
-        point.color = self.group.with_vertex_colors(point.color, self.surfaces.barycentric);
-        for Map { property, texture } in others {
-            let texel = look_up.texel(texture);
-            let one = texel.x.same(1.0);
+        point.color = self.color(class, &mut look_up);
+        for Map { property, texture } in &class.maps {
+            if *property == Property::Color {
+                continue;
+            }
+            let one = self.t.same(1.0);
+            let texel = match texture {
+                Some(texture) => look_up.texel(texture),
+                None => Vector::new(one, one, one),
+            };
             match *property {
                 Property::Color => {}
                 Property::Emission => point.emission = point.emission * texel,
                 Property::Metal { metallic, roughness } => {
                     metal([texel.z.times(metallic), texel.y.times(roughness)], point);
+                    point.occlusion = point.occlusion * point.reflection.kd;
                     // As for the material's own weight, which is replaced.
                     point.reflection.kd = point.reflection.kd.times(1.0 - class.kt());
                 }
@@ -78,17 +81,41 @@ impl<'a, F: Single> Place<'a, F> {
                     point.occlusion = point.occlusion * arrives;
                 }
                 Property::Opacity => point.opacity = point.opacity * texel.x,
-                Property::Normal { strength } => self.turn(texture, texel, strength, point),
+                Property::Normal { strength } => {
+                    if let Some(texture) = texture {
+                        self.turn(texture, texel, strength, point);
+                    }
+                }
+                Property::Unlit => {
+                    point.emission = point.emission + point.color;
+                    point.color = Vector::splat(one.token(), Vec3::ZERO);
+                }
             }
         }
     }
 
-    /// The opacities alone.
+    /// The base colours.
     #[inline(always)]
-    pub(super) fn opacity(&'a self, class: &'a Class, counts: &'a mut LookUps) -> F {
-        let opacity = self.t.same(class.opacity());
-        let map = class.maps.iter().find(|map| map.property == Property::Opacity);
-        map.map_or(opacity, |map| opacity * LookUp::at(self, counts).texel(&map.texture).x)
+    fn color(&'a self, class: &'a Class, look_up: &mut LookUp<'a, F>) -> Vector<F> {
+        let color = match class.color() {
+            Some(texture) => look_up.texel(texture),
+            None => self.group.colors(self.t.token()),
+        };
+        self.group.with_vertex_colors(color, self.surfaces.barycentric)
+    }
+
+    /// What of the class changes the light that passes straight: opacities, and base colours.
+    #[inline(always)]
+    pub(super) fn passing(&'a self, class: &'a Class, counts: &'a mut LookUps) -> (F, Vector<F>) {
+        let (mut look_up, mut opacity) = (LookUp::at(self, counts), self.t.same(class.opacity()));
+        for Map { property, texture } in &class.maps {
+            if let (Property::Opacity, Some(texture)) = (property, texture) {
+                opacity = opacity * look_up.texel(texture).x;
+            }
+        }
+        let is_tinted = class.transparency.is_some_and(|transparency| transparency.tinted);
+        let white = Vector::splat(self.t.token(), Vec3::ONE);
+        (opacity, if is_tinted { self.color(class, &mut look_up) } else { white })
     }
 
     /// Turns the shading normals of the points by texels, in the tangent frames there: red along u,

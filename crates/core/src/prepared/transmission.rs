@@ -172,8 +172,8 @@ impl PreparedScene {
         for hit in hits.iter() {
             let along = Hit { t: (f64::from(hit.t) * length) as f32, ..*hit };
             let Some(found) = self.crossing::<P>(&unit, &along, look_ups) else { continue };
-            let Crossing { transparency, opacity, cosine, inside } = found;
-            passed *= transparency.passed(opacity, cosine);
+            let Crossing { transparency, opacity, color, cosine, inside } = found;
+            passed *= transparency.passed(opacity, color, cosine);
             let (sign, absorption) = (if inside { -1 } else { 1 }, transparency.absorption);
             let way = -f64::from(sign) * f64::from(hit.t) * length;
             match ways.iter_mut().find(|(known, ..)| *known == absorption) {

@@ -51,6 +51,7 @@ pub(super) fn run<P: Arithmetic>(
         has_any: schedule.has_shadows()
             || schedule.goes_on()
             || appearance
+            || scene.appearance.classes.iter().any(|class| class.material.ambient != 1.0)
             || scene.hemisphere.is_some(),
         shadows: schedule.has_shadows(),
         tints: schedule.runs(Step::Tints),

@@ -30,8 +30,9 @@ impl<'a> ShapeNumbers<'a> {
             }
             let Class { material, transparency, maps, .. } = appearance.class(shape);
             // Without coordinates, in which shapes differ.
-            let maps = maps.iter().map(|Map { property, texture: t }| {
-                format!("{property:?} {} {:?} {:?}", t.image, t.filter, t.wrap)
+            let maps = maps.iter().map(|Map { property, texture }| {
+                let look_up = texture.as_ref().map(|t| (t.image, t.filter, t.wrap));
+                format!("{property:?} {look_up:?}")
             });
             // As text, numbers are as good as their bits.
             let text = format!("{material:?} {transparency:?} {:?}", maps.collect::<Vec<_>>());

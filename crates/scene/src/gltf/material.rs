@@ -10,7 +10,7 @@ use crate::components::{Channels, Encoding, Map, Maps, Material, Sides, TextureR
 use crate::format::Range;
 use crate::surface::THRESHOLD;
 use wavecrest_base::error::Result;
-use wavecrest_core::kernels::metal::{MetalParameters, look};
+use wavecrest_core::kernels::metal::look;
 
 use super::fields::Fields;
 use super::texture::TextureInfo;
@@ -86,31 +86,37 @@ impl Surface {
 
     /// The material, with or without an emission texture.
     pub(super) fn material(&self, glow: Option<&Map>) -> Material {
-        let (look, diffuse_color, emission) = if self.is_unlit {
-            let matte = look(DVec3::ZERO.into(), 0.0, 1.0);
-            (MetalParameters { kd: 0.0, ..matte }, DVec3::ZERO, self.base_color)
-        } else {
-            let look = look(self.base_color.into(), self.metallic, self.roughness);
-            // Light that goes through is not scattered.
-            let kd = look.kd * (1.0 - self.transparency().kt);
-            // Such a texture is usually mostly black: without it, even emission would be wrong.
-            let is_whole = glow.is_some() == self.glow.is_some();
-            let emission = if is_whole { self.emission } else { DVec3::ZERO };
-            (MetalParameters { kd, ..look }, self.base_color, emission)
-        };
+        if self.is_unlit {
+            let diffuse_color = self.base_color;
+            return Material { diffuse_color, unlit: true, ..Material::MATTE };
+        }
+        let look = look(self.base_color.into(), self.metallic, self.roughness);
+        // Such a texture is usually mostly black: without it, even emission would be wrong.
+        let is_whole = glow.is_some() == self.glow.is_some();
         Material {
             ks: look.ks,
-            kd: look.kd,
+            // Light that goes through is not scattered.
+            kd: look.kd * (1.0 - self.transparency(false).kt),
             specular_exponent: look.exponent,
-            diffuse_color,
+            diffuse_color: self.base_color,
             kr: look.kr,
-            emission,
+            emission: if is_whole { self.emission } else { DVec3::ZERO },
             specular_color: look.tint.into(),
+            ambient: look.kd,
+            unlit: false,
         }
     }
 
-    /// The light that goes through it: metals let none through.
-    pub(super) fn transparency(&self) -> Transparency {
+    /// The metal map of a base colour that varies, if it needs one in place of constants: fully rough
+    /// metals mirror nothing.
+    pub(super) fn metal_by_color(&self) -> Option<Map> {
+        let (metallic, roughness) = (self.metallic, self.roughness);
+        let is_seen = !self.is_unlit && metallic > 0.0 && roughness < 1.0;
+        is_seen.then_some(Map { texture: None, strength: 1.0, metallic, roughness })
+    }
+
+    /// The light that goes through it, tinted by the base colour, which may vary: metals let none through.
+    pub(super) fn transparency(&self, varies: bool) -> Transparency {
         Transparency {
             opacity: if self.blends { self.alpha } else { 1.0 },
             kt: match &self.metal {
@@ -119,7 +125,8 @@ impl Surface {
                 Some(_) => self.transparency.kt,
                 None => self.transparency.kt * (1.0 - self.metallic),
             },
-            color: self.base_color,
+            color: if varies { DVec3::ONE } else { self.base_color },
+            tinted: varies,
             ..self.transparency
         }
     }
@@ -136,11 +143,10 @@ impl Surface {
         let alpha = of(&self.texture.filter(|_| self.blends), Encoding::Linear, DVec3::ONE);
         let opacity =
             alpha.map(|texture| TextureRef { channels: Channels::Alpha, ..texture }.into());
-        if self.is_unlit {
-            let emission = of(&self.texture, Encoding::Srgb, DVec3::ONE).map(Map::from);
-            return (None, Maps { emission, opacity, ..Maps::default() });
-        }
         let color = of(&self.texture, Encoding::Srgb, self.base_color);
+        if self.is_unlit {
+            return (color, Maps { opacity, ..Maps::default() });
+        }
         let shows_light = self.emission != DVec3::ZERO;
         let glow = self.glow.filter(|_| shows_light);
         let mut plain = |info: Option<TextureInfo>| -> Option<Map> {

@@ -244,20 +244,21 @@ fn read(
         let mesh = notes.part(|| reader.mesh(primitive, set));
         let Some(mesh) = mesh.ok().flatten() else { continue };
         let has_uvs = mesh.uvs.is_some();
-        // An unlit surface shows its texture as emission.
-        let glow = maps.emission.as_ref().filter(|_| surface.is_unlit).map(|map| &map.texture);
-        let base = texture.as_ref().or(glow);
-        let cutout = base.filter(|_| has_uvs && threshold > 0.0).map(|t| CutOut {
+        let cutout = texture.as_ref().filter(|_| has_uvs && threshold > 0.0).map(|t| CutOut {
             look_up: t.look_up.clone(),
             is_mask: false,
             threshold,
         });
+        let mut maps = if has_uvs { maps } else { Maps::default() };
+        if maps.metal.is_none() && (has_uvs && texture.is_some() || mesh.colors.is_some()) {
+            maps.metal = surface.metal_by_color();
+        }
         primitives.push(Spawned {
             path: primitive.path.clone(),
             name: parts.name.clone(),
             cutout,
             texture: texture.filter(|_| has_uvs),
-            maps: if has_uvs { maps } else { Maps::default() },
+            maps,
             mesh,
             surface: surface.clone(),
             uses: Vec::new(),
@@ -296,10 +297,9 @@ fn shown<'a>(primitive: &'a Spawned, images: &mut Masks<'_>) -> Shown<'a> {
     if points.saturating_mul(uses) > MOST_POINTS && uses > 1 {
         return Shown::boxed(&primitive.mesh);
     }
-    let fading = primitive.maps.opacity.as_ref().map(|map| CutOut {
-        look_up: map.texture.look_up.clone(),
-        is_mask: false,
-        threshold: LEAST_ALPHA,
+    let fading = primitive.maps.opacity.as_ref().and_then(|map| {
+        let look_up = map.texture.as_ref()?.look_up.clone();
+        Some(CutOut { look_up, is_mask: false, threshold: LEAST_ALPHA })
     });
     Shown::new(&primitive.mesh, primitive.cutout.as_ref().or(fading.as_ref()), images)
 }

@@ -47,7 +47,8 @@ impl Spawned {
         let is_smooth = self.mesh.normals.is_some();
         let shading = if is_smooth { Shading::Smooth } else { Shading::Flat };
         let material = self.surface.material(self.maps.emission.as_ref());
-        let transparency = self.surface.transparency();
+        let varies = self.texture.is_some() || self.mesh.colors.is_some();
+        let transparency = self.surface.transparency(varies);
         let mesh = Mesh { data: self.mesh, points: None, file: Some(file.to_owned()) };
         let mut shape = EntityBuilder::new();
         shape.add_bundle((self.surface.sides, shading, material, mesh));

@@ -67,8 +67,8 @@ impl Maps {
 /// A texture with factors, of which each kind of map has its own; the others are 1.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Map {
-    /// The texture.
-    pub texture: TextureRef,
+    /// The texture; `None` if every texel is 1, for metal alone.
+    pub texture: Option<TextureRef>,
     /// Of ambient light and of normals: 0 for no effect, 1 for the full effect.
     pub strength: f64,
     /// Factor on the metalness, 0 to 1.
@@ -79,7 +79,7 @@ pub struct Map {
 
 impl From<TextureRef> for Map {
     fn from(texture: TextureRef) -> Self {
-        Self { texture, strength: 1.0, metallic: 1.0, roughness: 1.0 }
+        Self { texture: Some(texture), strength: 1.0, metallic: 1.0, roughness: 1.0 }
     }
 }
 
@@ -98,11 +98,17 @@ impl Map {
     fn read(object: &Object<'_>, key: &'static str) -> Result<Option<Self>> {
         let Some(cursor) = object.get(key) else { return Ok(None) };
         let map = cursor.object(*kind(key))?;
-        let plain = TextureRef::plain(&map, existing_file(&map.need("file", IMAGE)?, IMAGE)?)?;
-        let channels = map.read_or("channels", Some(Channels::Color));
+        let texture = match map.get("file") {
+            None if key == METAL_MAP => None,
+            _ => {
+                let file = existing_file(&map.need("file", IMAGE)?, IMAGE)?;
+                let channels = map.read_or("channels", Some(Channels::Color));
+                Some(TextureRef { channels, ..TextureRef::plain(&map, file)? })
+            }
+        };
         let factor = |key| map.read_or(key, Some(1.0));
         Ok(Some(Self {
-            texture: TextureRef { channels, ..plain },
+            texture,
             strength: factor("strength"),
             metallic: factor("metallic"),
             roughness: factor("roughness"),
@@ -113,11 +119,13 @@ impl Map {
     fn write(&self, key: &'static str, to: &mut Writer<'_>) {
         let Self { texture, strength, metallic, roughness } = self;
         to.object(key, |to| {
-            to.image("file", &texture.look_up.source);
-            to.put("encoding", texture.encoding);
-            texture.look_up.write(to);
-            if texture.channels != Channels::Color {
-                to.put("channels", texture.channels);
+            if let Some(TextureRef { look_up, encoding, channels, .. }) = texture {
+                to.image("file", &look_up.source);
+                to.put("encoding", *encoding);
+                look_up.write(to);
+                if *channels != Channels::Color {
+                    to.put("channels", *channels);
+                }
             }
             let factors =
                 [("metallic", metallic), ("roughness", roughness), ("strength", strength)];
@@ -161,6 +169,11 @@ const fn map(name: &'static str, about: &'static str, components: &'static [Decl
     Kind { components, more: &[&[LOOK_UP]], ..Kind::new(name, about, FILE) }
 }
 
+const METAL: &[Key] = keys! {
+    /// The image: a path from the scene's folder; without one, the factors alone are used.
+    "file": Text;
+};
+
 const OF_COLORS: Kind = map("a map", "An image of colours.", &[]);
 
 const WITH_STRENGTH: Kind = map(
@@ -182,23 +195,26 @@ const OF_OPACITY: Kind = map(
     })],
 );
 
-const OF_METAL: Kind = map(
-    "a metal map",
-    "An image with roughness in green and metalness in blue, which set the material.",
-    &[Declaration::of_keys(keys! {
-        /// Factor on the metallic share.
-        "metallic": Number(Range::UNIT), Is(1.0);
-        /// Factor on the roughness.
-        "roughness": Number(Range::UNIT), Is(1.0);
-    })],
-);
+const OF_METAL: Kind = Kind {
+    keys: METAL,
+    ..map(
+        "a metal map",
+        "An image with roughness in green and metalness in blue, which set the material.",
+        &[Declaration::of_keys(keys! {
+            /// Factor on the metallic share.
+            "metallic": Number(Range::UNIT), Is(1.0);
+            /// Factor on the roughness.
+            "roughness": Number(Range::UNIT), Is(1.0);
+        })],
+    )
+};
 
 impl Declared for Maps {
     const KEYS: &'static [Key] = keys! {
         /// Colours that multiply the material's emission.
         EMISSION_MAP: Object(&OF_COLORS);
         /// Green is the roughness and blue the metallic share. With the colour they determine
-        /// `ks`, `kd`, `kr`, `specularexponent` and `specularcolor`.
+        /// `ks`, `kd`, `kr`, `ka`, `specularexponent` and `specularcolor` at each point.
         METAL_MAP: Object(&OF_METAL);
         /// The share of ambient light that arrives, in the red channel.
         OCCLUSION_MAP: Object(&WITH_STRENGTH);

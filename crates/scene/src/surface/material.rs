@@ -25,6 +25,11 @@ component! {
         pub emission: DVec3 = "emission": Color, Are([0.0; 3]);
         /// Colour S of the highlight and of mirrored light.
         pub specular_color: DVec3 = "specularcolor": Color, Are([1.0; 3]);
+        /// Share of ambient light that is scattered.
+        pub ambient: f64 = "ka": Number(Range::UNIT), Is(1.0);
+        /// Whether it shows its base colour as it is, under any light: `diffusecolor`, or the texture,
+        /// times vertex colours.
+        pub unlit: bool = "unlit": Truth, Off;
     }
 }
 
@@ -41,6 +46,8 @@ impl Material {
         kr: 0.0,
         emission: DVec3::ZERO,
         specular_color: DVec3::ONE,
+        ambient: 1.0,
+        unlit: false,
     };
 
     /// Weights above 1 are allowed but rarely meant. Invalid values are reported when they are read.

@@ -21,6 +21,9 @@ component! {
         pub thin: bool = "thin": Truth, Off => "kt" | "attenuationdistance";
         /// Colour of refracted light.
         pub color: DVec3 = "transmissioncolor": Color, Are([1.0; 3]) => "kt";
+        /// Whether the base colour tints refracted light as well: `diffusecolor`, or the texture, times
+        /// vertex colours.
+        pub tinted: bool = "tinted": Truth, Off => "kt";
         /// Colour that light has left after the attenuation distance inside.
         pub attenuation_color: DVec3 = "attenuationcolor": Color, Are([1.0; 3])
             => "attenuationdistance";
@@ -62,6 +65,7 @@ impl Transparency {
         ior: 1.5,
         thin: false,
         color: DVec3::ONE,
+        tinted: false,
         attenuation_color: DVec3::ONE,
         attenuation_distance: 0.0,
     };
@@ -79,6 +83,7 @@ impl Transparency {
             kt: self.kt as f32,
             ior: self.ior as f32,
             color: self.color.as_vec3(),
+            tinted: self.tinted && self.kt as f32 > 0.0,
             absorption: self.absorption().as_vec3(),
             thin: self.thin,
         }

@@ -101,8 +101,6 @@ struct Facts<'a> {
     /// traced.
     solid: Vec<bool>,
     visible: Vec<bool>,
-    /// For each shape, whether its diffuse colour is visible where the shape is.
-    shows_color: Vec<bool>,
     /// What is known of the results; properties of a material that are visible where the shape is.
     found: Findings,
     /// Whether there is ambient light, and whether any surface in view shows it.
@@ -157,9 +155,6 @@ impl<'a> Facts<'a> {
         let (shown, reached) = (seen.lights, anywhere.lights);
         let is_lit = shown.contains(&true);
         let has_ambient = census.has_ambient || census.hemisphere.is_some_and(|h| !h.is_black());
-        // Diffuse colour is visible in ambient light, for any kd, and where it reflects light.
-        let shows_color = |i: usize| has_ambient || is_reached[i] && census.materials[i].kd > 0.0;
-        let shows_color: Vec<bool> = (0..shapes.len()).map(shows_color).collect();
         let shows_of = |i: usize| match solid[i] {
             true => Shows::of(census, i, (is_reached[i], faces[i]), has_ambient),
             false => Shows::default(),
@@ -167,7 +162,8 @@ impl<'a> Facts<'a> {
         let shows: Vec<Shows> = (0..shapes.len()).map(shows_of).collect();
         let met = census.in_view.iter().map(|seen| is_lit || seen.is_some()).collect();
         let is_black = |surface: &reach::Surface<'_>| {
-            !surface.textured && surface.material.color == Vec3::ZERO
+            let Material { color, ambient, .. } = surface.material;
+            *ambient == 0.0 || !surface.textured && *color == Vec3::ZERO
         };
         let shows_ambient = has_ambient && !surfaces.iter().all(is_black);
         let is_bright = |shape: &ShapeOutput| shape.shape.light.is_some_and(|c| c != Vec3::ZERO);
@@ -176,7 +172,7 @@ impl<'a> Facts<'a> {
             || environment::is_bright(census.world);
         let shines = is_lit || glows || shapes.iter().any(is_bright) || shows_ambient || has_sky;
         let found = Findings { shown, reached, shows, met, ..Findings::default() };
-        Self { census, solid, visible, shows_color, found, shines, has_ambient, shows_ambient }
+        Self { census, solid, visible, found, shines, has_ambient, shows_ambient }
     }
 
     fn decide(&self, effect: Effect) -> Decision {
@@ -268,12 +264,22 @@ impl<'a> Facts<'a> {
 
     fn vertex_colors(&self) -> (bool, String) {
         let is_colored = |i: usize| self.census.extracted.shapes[i].shape.colored;
-        let all = 0..self.shows_color.len();
-        let none = match all.into_iter().any(is_colored) {
+        let none = match (0..self.solid.len()).any(is_colored) {
             true => "no light reaches vertex colours",
             false => "no mesh has vertex colours",
         };
-        self.surfaces(|i| is_colored(i) && self.shows_color[i], "mesh with vertex colours", none)
+        let shows = |i: usize| is_colored(i) && self.found.shows[i].color;
+        let found = self.surfaces(shows, "mesh with vertex colours", none);
+        or_in_the_way(found, self.tints(is_colored))
+    }
+
+    /// Whether the base colour of such shapes tints the light that they let through.
+    fn tints(&self, is: impl Fn(usize) -> bool) -> bool {
+        let through = |i: usize| self.census.surfaces[i].transparency;
+        let tints = |i: usize| {
+            self.is_transparent(i) && self.found.met[i] && through(i).is_some_and(|t| t.tinted)
+        };
+        (0..self.solid.len()).any(|i| is(i) && tints(i))
     }
 
     fn textures(&self) -> (bool, String) {
@@ -283,7 +289,8 @@ impl<'a> Facts<'a> {
             (true, false) => "no light reaches a texture",
             (true, true) => "no surface uses the colour of its texture",
         };
-        self.surfaces(|i| self.found.shows[i].texture, "textured shape", none)
+        let found = self.surfaces(|i| self.found.shows[i].texture, "textured shape", none);
+        or_in_the_way(found, self.tints(|i| self.census.surfaces[i].texture.is_some()))
     }
 
     fn cut_outs(&self) -> (bool, String) {

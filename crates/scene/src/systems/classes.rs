@@ -43,13 +43,13 @@ pub(crate) fn run(
 
 /// What tells classes apart: the bits of their constants, and the rest as text, of which plain classes
 /// have none.
-type Key = ([u32; 13], String);
+type Key = ([u32; 14], String);
 
 fn key(Class { material, transparency, maps, .. }: &Class) -> Key {
-    let Material { ks, kd, exponent, color, kr, tint, emission } = material;
+    let Material { ks, kd, exponent, color, kr, tint, emission, ambient } = material;
     let [r, g, b] = color.to_array();
     let ([s, t, u], [e, f, h]) = (tint.to_array(), emission.to_array());
-    let constants = [*ks, *kd, *exponent, r, g, b, *kr, s, t, u, e, f, h];
+    let constants = [*ks, *kd, *exponent, r, g, b, *kr, s, t, u, e, f, h, *ambient];
     let is_plain = maps.is_empty() && transparency.is_none();
     // As text, numbers are as good as their bits.
     let rest = if is_plain { String::new() } else { format!("{transparency:?}{maps:?}") };
@@ -59,7 +59,10 @@ fn key(Class { material, transparency, maps, .. }: &Class) -> Key {
 /// Whether light may go through a surface, as far as the headers of images tell.
 pub(crate) fn is_transparent(surface: &SurfaceComponents<'_>) -> bool {
     let may_vary = |map: &components::Map| {
-        map.texture.channels == Channels::Color || has_alpha(&map.texture.look_up.source)
+        let may_vary = |texture: &TextureRef| {
+            texture.channels == Channels::Color || has_alpha(&texture.look_up.source)
+        };
+        map.texture.as_ref().is_some_and(may_vary)
     };
     surface.transparency.is_some_and(Transparency::has_effect)
         || surface.maps.opacity.as_ref().is_some_and(may_vary)
@@ -83,14 +86,18 @@ fn class(
     if !shows.emission {
         constants.emission = emission;
     }
+    let is_unlit = material.is_some_and(|material| material.unlit);
+    let mut through = transparency.unwrap_or(&Transparency::OPAQUE).in_single_precision();
+    // Of an unlit surface the base colour is emitted alone.
+    through.tinted &= !is_unlit;
     let mut found = Vec::new();
-    let mut add = |reference: &TextureRef, key, property| {
-        let texture = images.texture(reference, (place, key), output.uv_map);
+    let mut add = |reference: Option<&TextureRef>, key, property| {
+        let texture = reference.map(|found| images.texture(found, (place, key), output.uv_map));
         found.push(Map { property, texture });
     };
     // In the order in which they are applied.
-    if let Some(texture) = texture.filter(|_| shows.texture) {
-        add(texture, "texture", Property::Color);
+    if texture.is_some() && (shows.texture || is_transparent && through.tinted) {
+        add(*texture, "texture", Property::Color);
     }
     for (key, map) in maps.all().filter(|_| material.is_some()) {
         let factors = [map.metallic, map.roughness, map.strength].map(|factor| factor as f32);
@@ -103,9 +110,12 @@ fn class(
             _ => (shows.normal, Property::Normal { strength }),
         };
         if is_shown {
-            add(&map.texture, key, property);
+            add(map.texture.as_ref(), key, property);
         }
     }
-    let through = transparency.unwrap_or(&Transparency::OPAQUE);
-    Class::new(constants, is_transparent.then(|| through.in_single_precision()), found)
+    let varies = texture.is_some() || output.shape.colored;
+    if shows.emission && varies && is_unlit {
+        add(None, "", Property::Unlit);
+    }
+    Class::new(constants, is_transparent.then_some(through), found)
 }

@@ -1,14 +1,18 @@
 //! Materials: one row of numbers for each shape.
 
-use crate::components::{Map, SurfaceComponents};
+use glam::Vec3;
+
+use super::geometry::ShapeOutput;
+use crate::components::SurfaceComponents;
 use wavecrest_core::kernels::blinn_phong::Material;
 use wavecrest_core::kernels::metal;
 
 /// The material of each surface. Shapes of lights get an unused one. Metal maps whose texels do not
-/// count give their material here.
-pub(crate) fn run(surfaces: &[SurfaceComponents<'_>]) -> Vec<Material> {
-    let of = |surface: &SurfaceComponents<'_>| {
-        let material = surface.material.map_or(Material::BLACK, |m| Material {
+/// count give their material here, and so do unlit surfaces whose base colour is the same everywhere.
+pub(crate) fn run(surfaces: &[SurfaceComponents<'_>], shapes: &[ShapeOutput]) -> Vec<Material> {
+    let of = |(surface, output): (&SurfaceComponents<'_>, &ShapeOutput)| {
+        let Some(m) = surface.material else { return Material::BLACK };
+        let mut material = Material {
             ks: m.ks as f32,
             kd: m.kd as f32,
             exponent: m.specular_exponent as f32,
@@ -16,18 +20,29 @@ pub(crate) fn run(surfaces: &[SurfaceComponents<'_>]) -> Vec<Material> {
             kr: m.kr as f32,
             tint: m.specular_color.as_vec3(),
             emission: m.emission.as_vec3(),
-        });
-        match surface.maps.metal.as_ref().is_some_and(Map::is_constant) {
-            true => smooth_nonmetal(material),
-            false => material,
+            ambient: m.ambient as f32,
+        };
+        if let Some(map) = &surface.maps.metal {
+            material.ambient = 1.0;
+            if map.is_constant() {
+                material = looked(material, material.color, [0.0; 2]);
+            }
         }
+        if m.unlit {
+            (material.kd, material.ambient) = (0.0, 0.0);
+            if surface.texture.is_none() && !output.shape.colored {
+                material.emission += material.color;
+                material.color = Vec3::ZERO;
+            }
+        }
+        material
     };
-    surfaces.iter().map(of).collect()
+    surfaces.iter().zip(shapes).map(of).collect()
 }
 
-/// The material at every hit under a metal map whose factors are 0.
-fn smooth_nonmetal(material: Material) -> Material {
-    let look = metal::look(material.color.as_dvec3().into(), 0.0, 0.0);
+/// The material with the weights of a base colour, metalness and roughness.
+fn looked(material: Material, color: Vec3, [metallic, roughness]: [f64; 2]) -> Material {
+    let look = metal::look(color.as_dvec3().into(), metallic, roughness);
     let (ks, kd, exponent) = (look.ks as f32, look.kd as f32, look.exponent as f32);
     Material { ks, kd, exponent, kr: look.kr as f32, ..material }
 }
@@ -38,6 +53,10 @@ pub(crate) fn possible(
     materials: &[Material],
 ) -> Vec<Material> {
     let may = |(surface, material): (&SurfaceComponents<'_>, &Material)| match &surface.maps.metal {
+        // The brighter a base colour, the larger are its weights.
+        Some(map) if map.texture.is_none() => {
+            looked(*material, Vec3::ONE, [map.metallic, map.roughness])
+        }
         Some(map) if !map.is_constant() => {
             let kr = if map.metallic > 0.0 { 1.0 } else { 0.0 };
             Material { ks: 1.0, kd: 1.0, kr, ..*material }

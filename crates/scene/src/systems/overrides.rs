@@ -22,7 +22,8 @@ pub fn apply(world: &mut World, overrides: &Overrides) {
     if let Some(filter) = overrides.filter {
         change(world, |texture: &mut TextureRef| texture.look_up.filter = filter);
         change(world, |maps: &mut Maps| {
-            maps.all_mut().for_each(|map| map.texture.look_up.filter = filter);
+            let textures = maps.all_mut().filter_map(|map| map.texture.as_mut());
+            textures.for_each(|texture| texture.look_up.filter = filter);
         });
     }
 }

@@ -102,10 +102,10 @@ pub(crate) fn run(lights: &[&Light], surfaces: &[Surface<'_>], geometry: &Geomet
 /// Whether any of the light's colour is reflected: as in the shading step, a product of zero adds
 /// nothing.
 fn reflects(surface: &Surface<'_>, light: &Light) -> bool {
-    let &Material { ks, kd, color, .. } = surface.material;
+    let &Material { ks, kd, color, ambient, .. } = surface.material;
     // Ambient light shows diffuse colour alone, for any kd.
     let is_ambient = matches!(light.emitter, Emitter::Around(..));
-    let (ks, kd) = if is_ambient { (0.0, 1.0) } else { (ks, kd) };
+    let (ks, kd) = if is_ambient { (0.0, ambient) } else { (ks, kd) };
     // Infinite power adds something, if only a NaN.
     let shines = light.power.cmpgt(Vec3::ZERO);
     let colored = color.cmpgt(Vec3::ZERO) & shines;

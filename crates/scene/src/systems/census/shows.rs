@@ -10,6 +10,8 @@ use wavecrest_core::plan::schedule::Step;
 /// Which properties of a shape's material are visible.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Shows {
+    /// Its base colour, where vertex colours or a texture vary it.
+    pub color: bool,
     /// The texture of its colour.
     pub texture: bool,
     /// Emission.
@@ -34,7 +36,7 @@ impl Shows {
         (is_lit, faces): (bool, Faces),
         has_ambient: bool,
     ) -> Self {
-        let SurfaceComponents { material, texture, maps, .. } = census.surfaces[i];
+        let SurfaceComponents { material, transparency, texture, maps, .. } = census.surfaces[i];
         let wears = texture.is_some();
         // The bounds on its material in any texel.
         let may = &census.materials[i];
@@ -45,13 +47,21 @@ impl Shows {
         let by_normal = is_colored && census.hemisphere.is_some_and(|light| !light.is_black());
         let color = material.map_or(DVec3::ONE, |m| m.specular_color);
         let is_tinted = metal.as_ref().map_or(color != DVec3::ONE, |map| map.metallic > 0.0);
+        let is_unlit = material.is_some_and(|material| material.unlit);
+        let is_tinted_through = transparency.is_some_and(|found| found.tinted && found.kt > 0.0);
+        let has_ambient = has_ambient && may.ambient > 0.0;
+        // Base colour is visible in ambient light, for any kd, and where it reflects light; it also
+        // tints what metals mirror and what is refracted.
+        let color = has_ambient
+            || is_lit && may.kd > 0.0
+            || mirrors && varied.is_some()
+            || is_unlit
+            || is_tinted_through;
         Self {
-            // Diffuse colour is visible in ambient light, for any kd, and where it reflects light;
-            // it also tints what metals mirror.
-            texture: wears
-                && (has_ambient || is_lit && may.kd > 0.0 || mirrors && varied.is_some()),
-            emission: material.is_some_and(|m| m.emission.as_vec3() != Vec3::ZERO),
-            metal: varied.is_some() && (is_lit || mirrors),
+            color,
+            texture: wears && color,
+            emission: may.emission != Vec3::ZERO || is_unlit && is_colored,
+            metal: varied.is_some() && (is_lit || mirrors || has_ambient),
             occlusion: occlusion.as_ref().is_some_and(Map::has_effect)
                 && has_ambient
                 // Rays find what is in the way.
@@ -66,6 +76,7 @@ impl Shows {
     /// The properties after a change of each, with the step that looks it up.
     pub(in crate::systems) fn map(self, change: impl Fn(Step, bool) -> bool) -> Self {
         Self {
+            color: change(Step::Colors, self.color),
             texture: change(Step::Texels, self.texture),
             emission: change(Step::Emission, self.emission),
             metal: change(Step::Maps, self.metal),
@@ -87,6 +98,8 @@ impl Shows {
             _ => self.normal,
         };
         self.texture && texture.is_some_and(is_trilinear)
-            || maps.all().any(|(key, map)| shows(key) && is_trilinear(&map.texture))
+            || maps
+                .all()
+                .any(|(key, map)| shows(key) && map.texture.as_ref().is_some_and(is_trilinear))
     }
 }

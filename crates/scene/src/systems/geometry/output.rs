@@ -134,14 +134,15 @@ impl Output {
         let mut used = vec![[false; 4]; self.meshes.len()];
         for (ShapeOutput { shape, .. }, in_view) in self.shapes.iter_mut().zip(in_view) {
             shape.smooth &= shows(Step::Normals, in_view.is_some());
-            shape.colored &= shows(Step::Colors, in_view.is_some());
+            let Class { maps, transparency, .. } = &classes[shape.class as usize];
+            let is_tinted = transparency.is_some_and(|through| through.tinted);
+            shape.colored &= shows(Step::Colors, in_view.is_some() || is_tinted);
             if let Some([smooth, textured, colored, turned]) =
                 shape.mesh.and_then(|i| used.get_mut(i as usize))
             {
-                let Class { maps, .. } = &classes[shape.class as usize];
                 let is_normal = |property| matches!(property, Property::Normal { .. });
                 *smooth |= shape.smooth;
-                *textured |= !maps.is_empty();
+                *textured |= maps.iter().any(|map| map.texture.is_some());
                 *colored |= shape.colored;
                 *turned |= maps.iter().any(|map| is_normal(map.property));
             }
