@@ -77,7 +77,7 @@ impl File {
     /// An accessor of floats.
     fn floats<const N: usize>(&mut self, values: &[[f32; N]]) -> usize {
         let bytes: Vec<u8> = values.as_flattened().iter().flat_map(|x| x.to_le_bytes()).collect();
-        self.accessor(&bytes, 5126, values.len(), ["", "SCALAR", "VEC2", "VEC3"][N])
+        self.accessor(&bytes, 5126, values.len(), ["", "SCALAR", "VEC2", "VEC3", "VEC4"][N])
     }
 
     /// An accessor of indices of 16 bits.

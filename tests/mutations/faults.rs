@@ -116,8 +116,8 @@ pub(crate) const FAULTS: &[Fault] = faults! {
     "a leaf is smaller than its triangles", 1, "crates/core/src/accel/arena/layout.rs":
         "max(along(0), max(along(1), along(2))).next_up()" => "0.0";
     "alpha at its threshold is a hole", 45, "crates/core/src/geometry/cutouts.rs":
-        "image.look_up(uv, self.filter, self.wrap).x < self.threshold"
-            => "image.look_up(uv, self.filter, self.wrap).x <= self.threshold";
+        "image.look_up(uv, self.filter, self.wrap).x * alpha < self.threshold"
+            => "image.look_up(uv, self.filter, self.wrap).x * alpha <= self.threshold";
 
     "rays start on the surface that they leave", 9, "crates/core/src/math/vector.rs":
         "self.move_along(normal, direction, error.element_sum().times(STEEPEST_CREASE))" => "self";

@@ -172,7 +172,10 @@ pub(crate) fn surface(mtl: &Mtl, mut find: impl FnMut(&str) -> Option<PathBuf>) 
     let mask = found(&mtl.map_d, Filter::Bilinear);
     let cutout = mask.map(|own| CutOut {
         // In a scene file both share the wrap mode.
-        look_up: LookUp { wrap: texture.as_ref().map_or(own.wrap, |t| t.look_up.wrap), ..own },
+        look_up: Some(LookUp {
+            wrap: texture.as_ref().map_or(own.wrap, |t| t.look_up.wrap),
+            ..own
+        }),
         is_mask: true,
         threshold: THRESHOLD,
     });

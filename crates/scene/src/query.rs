@@ -82,7 +82,7 @@ pub(crate) fn textures_of<'w>(
 /// The files of all images that an entity names.
 pub(crate) fn images_of<'w>(found: Pictured<'w>) -> impl Iterator<Item = &'w Path> + use<'w> {
     let textures = textures_of(found).map(|texture| &texture.look_up);
-    let all = textures.chain(found.3.map(|cutout| &cutout.look_up));
+    let all = textures.chain(found.3.and_then(|cutout| cutout.look_up.as_ref()));
     all.filter_map(|look_up| look_up.source.file())
 }
 

@@ -102,6 +102,7 @@ fn holds(shape: EntityRef<'_>, notes: &Notes<'_>) -> Result<mesh::Survey> {
 /// The images of a shape or the environment.
 fn pictures(of: Pictured<'_>) -> Vec<Pictures> {
     let textures = textures_of(of).map(|texture| (&texture.look_up, Channels::Color));
-    let all = textures.chain(of.3.map(|cutout| (&cutout.look_up, Channels::Alpha)));
+    let cut_out = of.3.and_then(|cutout| cutout.look_up.as_ref());
+    let all = textures.chain(cut_out.map(|look_up| (look_up, Channels::Alpha)));
     all.map(|(look_up, channels)| (look_up.source.clone(), look_up.filter, channels)).collect()
 }

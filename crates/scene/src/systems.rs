@@ -127,7 +127,8 @@ pub fn extract(world: World, options: Options<'_>) -> Result<Extracted> {
         in_view: &in_view,
     };
     let mut masks = cutouts::Masks::of_scene(&file);
-    let found = census::run(census, |asked| cutouts::look(&surfaces, asked, &mut masks))?;
+    let found =
+        census::run(census, |asked| cutouts::look(&surfaces, asked, &extracted, &mut masks))?;
     let plan = Plan::of(found.decisions.clone(), passes);
     let schedule = plan.schedule();
     let lights = lights::keep(world, &settings, schedule, lights, &found)?;

@@ -1,9 +1,10 @@
 //! Textures of materials: metal and roughness, ambient light, normals, light of the material itself.
 
+use glam::DVec3;
 use serde_json::{Value, json};
 use wavecrest_core::film::Film;
 use wavecrest_scene::components::{AreaLight, Sky};
-use wavecrest_scene::load::lighting::{Lighting, Rig};
+use wavecrest_scene::load::lighting::{Background, Lighting, Rig};
 use wavecrest_scene::load::{LoadOptions, load_gltf as load_bytes};
 
 use super::converted::converted;
@@ -233,9 +234,47 @@ fn a_base_colour_is_factor_times_texture_times_vertex_colours() {
     }
 }
 
-/// The image in white surroundings.
+/// White, with alphas of the vertices from 0 on the left to 1 on the right, times that of the factor. The
+/// picture is converted to the same one.
+#[test]
+fn alphas_of_vertices_blend_and_are_cut_out() {
+    let size = 2.0 * 5.0 * 0.3_f64.tan() / 18.0;
+    for (mode, factor, is_textured) in
+        [("BLEND", 1.0, false), ("BLEND", 0.5, true), ("MASK", 1.0, false), ("MASK", 0.8, true)]
+    {
+        let mut model = json!({"baseColorFactor": [1, 1, 1, factor]});
+        if is_textured {
+            model["baseColorTexture"] = json!({"index": 0});
+        }
+        let mut file = mapped(
+            [255; 3],
+            json!({"pbrMetallicRoughness": model, "alphaMode": mode, "alphaCutoff": 0.5 * factor,
+                   "extensions": {"KHR_materials_unlit": {}}}),
+        );
+        let colors = file.floats(&SQUARE_UVS.map(|[u, _]| [1.0, 1.0, 1.0, u]));
+        file.json["meshes"][0]["primitives"][0]["attributes"]["COLOR_0"] = colors.into();
+        let film = surrounded(&file);
+        for column in 7..17 {
+            let alpha = 0.5 + (f64::from(column) + 0.5 - 12.0) * size / 2.0;
+            let expected = match mode {
+                "BLEND" => factor * alpha,
+                _ => f64::from(column / 12),
+            };
+            let what = format!("{mode} {factor} {column}");
+            // Its rays are in the quarters of the pixel, at random: on average up to a quarter off.
+            assert_near(pixel(&film, column, 9), [expected; 3], size / 8.0, &what);
+        }
+        let folder = folder();
+        put(folder.path(), "a.glb", file.glb());
+        let (film, _) = converted(&folder.path().join("a.glb"));
+        assert!(film.same_bits(&rendered(loaded(&file))), "{mode} {factor}");
+    }
+}
+
+/// The image in white surroundings, before black.
 fn surrounded(file: &File) -> Film {
-    let lighting = Lighting { rig: Rig::None, replaces: true, ..Lighting::USUAL };
+    let background = Some(Background::Color(DVec3::ZERO));
+    let lighting = Lighting { rig: Rig::None, replaces: true, background, ..Lighting::USUAL };
     let options = LoadOptions { lighting, ..small() };
     rendered(load_bytes(file.glb(), "a.glb".as_ref(), &options))
 }

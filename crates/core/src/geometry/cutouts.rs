@@ -23,8 +23,8 @@ pub struct Cutout {
     pub primitives: Range<u32>,
     /// The lowest alpha that is opaque, from 0 to 1.
     pub threshold: f32,
-    /// The image; each channel is alpha.
-    pub image: Arc<LazyImage>,
+    /// The image, each channel of which is alpha; `None` if that of vertices is all.
+    pub image: Option<Arc<LazyImage>>,
     /// Filtering between texels.
     pub filter: Filter,
     /// Wrap mode of coordinates outside 0 to 1.
@@ -37,15 +37,17 @@ pub struct Cutout {
     pub mesh: Option<MeshUvs>,
 }
 
-/// Texture coordinates of a mesh.
+/// Texture coordinates and alphas of a mesh.
 #[derive(Clone, Debug)]
 pub struct MeshUvs {
     /// The number of the mesh's first triangle.
     pub first_triangle: u32,
     /// The number of the mesh's first position.
     pub first_position: u32,
-    /// The coordinates.
+    /// The coordinates; empty if there are none.
     pub uvs: Arc<CornerValues<Vec2>>,
+    /// The alphas of vertex colours, which multiply that of the image.
+    pub alphas: Option<Arc<CornerValues<f32>>>,
 }
 
 impl Cutouts {
@@ -76,11 +78,12 @@ impl Cutouts {
 }
 
 impl Cutout {
-    /// Whether there is a hole at these coordinates.
-    pub(super) fn is_hole(&self, uv: [f32; 2]) -> bool {
+    /// Whether there is a hole at these coordinates, where vertices have this `alpha`.
+    pub(super) fn is_hole(&self, uv: [f32; 2], alpha: f32) -> bool {
+        let Some(image) = &self.image else { return alpha < self.threshold };
         // An image that cannot be decoded ends the render.
-        let Some(image) = self.image.look_up() else { return false };
+        let Some(image) = image.look_up() else { return false };
         let uv = self.placing.map_or(uv, |placing| placing.apply(uv));
-        image.look_up(uv, self.filter, self.wrap).x < self.threshold
+        image.look_up(uv, self.filter, self.wrap).x * alpha < self.threshold
     }
 }

@@ -36,10 +36,12 @@ impl Geometry {
     ) -> bool {
         tests.cutouts += 1;
         // Corners without coordinates have no hole.
-        self.uv_at::<P>(cutout, number, ray, t).is_some_and(|uv| cutout.is_hole(uv))
+        let found = self.uv_at::<P>(cutout, number, ray, t);
+        found.is_some_and(|(uv, alpha)| cutout.is_hole(uv, alpha))
     }
 
-    /// The texture coordinates at which a ray meets a primitive at t, if there are any.
+    /// The texture coordinates at which a ray meets a primitive at t, if there are any, and the alpha of
+    /// vertex colours there.
     #[inline(always)]
     fn uv_at<P: Arithmetic>(
         &self,
@@ -47,7 +49,7 @@ impl Geometry {
         number: u32,
         ray: &Ray,
         t: f32,
-    ) -> Option<[f32; 2]> {
+    ) -> Option<([f32; 2], f32)> {
         let corners = match self.primitive(number) {
             Primitive::Triangle(i) => self.triangle(i).map(Vector::from),
             Primitive::Quad(i) => {
@@ -55,21 +57,30 @@ impl Geometry {
                 surface::quad_halves(&Line::from(ray), &corners, 1, |_| *ray)
             }
             Primitive::Quadric(i) => {
-                return quadric_uv::<P>(&self.quadrics[i], &cutout.map, ray, t);
+                return Some((quadric_uv::<P>(&self.quadrics[i], &cutout.map, ray, t)?, 1.0));
             }
             Primitive::Instanced(_) => return None,
         };
         let found = surface::triangle_at::<f32, P>(&Line::from(ray), t, &corners);
         if let UvMap::Planar(map) = &cutout.map {
-            return Some(map.uv(found.point));
+            return Some((map.uv(found.point), 1.0));
         }
         let mesh = cutout.mesh.as_ref()?;
         let positions = self.triangles.get(number as usize)?;
         let positions = positions.map(|vertex| vertex - mesh.first_position);
         let triangle = (number - mesh.first_triangle) as usize;
-        let [a, b, c] = mesh.uvs.corners(triangle, positions)?;
         let [y, z] = found.barycentric;
-        Some((a * (1.0 - y - z) + b * y + c * z).to_array())
+        let mut alpha = 1.0;
+        if let Some(alphas) = &mesh.alphas {
+            let [a, b, c] = alphas.corners(triangle, positions).unwrap_or([1.0; 3]);
+            alpha = a * (1.0 - y - z) + b * y + c * z;
+        }
+        let uv = match mesh.uvs.corners(triangle, positions) {
+            Some([a, b, c]) => (a * (1.0 - y - z) + b * y + c * z).to_array(),
+            None if cutout.image.is_none() => [0.0; 2],
+            None => return None,
+        };
+        Some((uv, alpha))
     }
 }
 

@@ -30,6 +30,17 @@ impl Appearance {
         self.corners(shape, geometry, primitive, |mesh| mesh.colors.as_ref())
     }
 
+    /// The alphas at the corners of a triangle of a mesh.
+    #[inline(always)]
+    pub(super) fn alphas(
+        &self,
+        shape: &Shape,
+        geometry: &Geometry,
+        primitive: u32,
+    ) -> Option<[f32; 3]> {
+        self.corners(shape, geometry, primitive, |mesh| mesh.alphas.as_deref())
+    }
+
     /// The tangents at the corners of a triangle of a mesh.
     pub(super) fn corner_tangents(
         &self,

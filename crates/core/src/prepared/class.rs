@@ -20,6 +20,8 @@ pub struct Class {
     pub(super) is_special: bool,
     /// Whether a map is looked up at the texture coordinates of a mesh.
     pub(super) looks_up_uvs: bool,
+    /// Whether vertices have opacities.
+    pub(super) fades: bool,
 }
 
 /// A property that changes from point to point, and the texture that changes it.
@@ -58,6 +60,8 @@ pub enum Property {
     },
     /// The opacity, in red, which multiplies the constant.
     Opacity,
+    /// The alpha of vertex colours, which multiplies the opacity.
+    Alpha,
     /// Emission by the base colour, in place of diffuse light.
     Unlit,
 }
@@ -70,7 +74,8 @@ impl Class {
             (material.emission, material.tint, material.ambient) != (emission, tint, ambient);
         let is_of_mesh = |texture: &Texture| texture.coordinates.map == UvMap::Mesh;
         let looks_up_uvs = maps.iter().filter_map(|map| map.texture.as_ref()).any(is_of_mesh);
-        Self { material, transparency, maps, is_special, looks_up_uvs }
+        let fades = maps.iter().any(|map| map.property == Property::Alpha);
+        Self { material, transparency, maps, is_special, looks_up_uvs, fades }
     }
 
     /// Whether its hits are shaded together with those of other such classes: all that it has are

@@ -26,8 +26,9 @@ impl Hasher {
         if let Some(mesh) = mesh {
             self.list(&mesh.uvs.values);
             self.list(mesh.uvs.indices.as_deref().unwrap_or(&[]));
+            self.list(mesh.alphas.as_ref().map_or(&[], |alphas| &alphas.values));
         }
-        self.list(&[image.fingerprint()]);
+        self.list(&[image.as_ref().map_or(0, |image| image.fingerprint())]);
     }
 }
 
@@ -133,6 +134,9 @@ impl PreparedScene {
                 }
                 if let Some(colors) = &mesh.colors {
                     hasher.list(&colors.values);
+                }
+                if let Some(alphas) = &mesh.alphas {
+                    hasher.list(&alphas.values);
                 }
                 if let Some(tangents) = &mesh.tangents {
                     hasher.list(&tangents.values);

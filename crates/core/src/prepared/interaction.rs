@@ -76,6 +76,8 @@ pub struct Group<F: Single> {
     normals: [AxisRows<F>; 3],
     /// Colours at the corners, if any.
     tints: [AxisRows<F>; 3],
+    /// Opacities at the corners, if the class uses them.
+    alphas: AxisRows<F>,
     /// Texture coordinates at the corners, if maps use them.
     uvs: [[F::Row; 2]; 3],
     /// -1 if the winding is clockwise on the front, else 1.
@@ -109,6 +111,7 @@ impl<F: Single> Default for Group<F> {
             carried: Default::default(),
             normals: Default::default(),
             tints: Default::default(),
+            alphas: Default::default(),
             uvs: Default::default(),
             side: F::Row::default(),
             color: Default::default(),
@@ -173,7 +176,12 @@ impl<F: Single> Group<F> {
             self.colored |= 1 << lane;
             set_three::<F>(&mut self.tints, lane, colors);
         }
-        if appearance.class(shape).looks_up_uvs {
+        let class = appearance.class(shape);
+        if class.fades {
+            let alphas = appearance.alphas(shape, geometry, primitive).unwrap_or([1.0; 3]);
+            set::<F>(&mut self.alphas, lane, alphas.into());
+        }
+        if class.looks_up_uvs {
             let uvs = appearance.uvs(shape, geometry, primitive);
             self.has_uvs |= u32::from(uvs.is_some()) << lane;
             for ([u, v], at) in self.uvs.iter_mut().zip(uvs.unwrap_or_default()) {
@@ -274,6 +282,13 @@ impl<F: Single> Group<F> {
             [F::load(token, bu), F::load(token, bv)],
             [F::load(token, cu), F::load(token, cv)],
         ]
+    }
+
+    /// Opacities at the corners.
+    #[inline(always)]
+    pub(super) fn alphas(&self, token: F::Token) -> [F; 3] {
+        let [a, b, c] = &self.alphas;
+        [F::load(token, a), F::load(token, b), F::load(token, c)]
     }
 
     /// The centres of spheres and disks, their radii along each axis, and their fronts: zero for

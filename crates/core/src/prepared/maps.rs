@@ -81,6 +81,7 @@ impl<'a, F: Single> Place<'a, F> {
                     point.occlusion = point.occlusion * arrives;
                 }
                 Property::Opacity => point.opacity = point.opacity * texel.x,
+                Property::Alpha => point.opacity = point.opacity * self.alpha(),
                 Property::Normal { strength } => {
                     if let Some(texture) = texture {
                         self.turn(texture, texel, strength, point);
@@ -104,13 +105,25 @@ impl<'a, F: Single> Place<'a, F> {
         self.group.with_vertex_colors(color, self.surfaces.barycentric)
     }
 
+    /// The alphas of vertex colours.
+    #[inline(always)]
+    fn alpha(&self) -> F {
+        let [a, b, c] = self.group.alphas(self.t.token());
+        let [y, z] = self.surfaces.barycentric;
+        a * (y.same(1.0) - y - z) + b * y + c * z
+    }
+
     /// What of the class changes the light that passes straight: opacities, and base colours.
     #[inline(always)]
     pub(super) fn passing(&'a self, class: &'a Class, counts: &'a mut LookUps) -> (F, Vector<F>) {
         let (mut look_up, mut opacity) = (LookUp::at(self, counts), self.t.same(class.opacity()));
-        for Map { property, texture } in &class.maps {
-            if let (Property::Opacity, Some(texture)) = (property, texture) {
-                opacity = opacity * look_up.texel(texture).x;
+        for map in &class.maps {
+            match map {
+                Map { property: Property::Opacity, texture: Some(texture) } => {
+                    opacity = opacity * look_up.texel(texture).x;
+                }
+                Map { property: Property::Alpha, .. } => opacity = opacity * self.alpha(),
+                _ => {}
             }
         }
         let is_tinted = class.transparency.is_some_and(|transparency| transparency.tinted);

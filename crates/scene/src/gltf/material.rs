@@ -24,7 +24,7 @@ pub(super) struct Surface {
     /// The lowest opaque alpha; 0 if alpha is ignored or blends.
     cutoff: f64,
     /// Whether alpha is opacity.
-    blends: bool,
+    pub(super) blends: bool,
     /// Light that goes through, but for its opacity and colour.
     transparency: Transparency,
     /// The texture of the base colour.

@@ -1,6 +1,6 @@
 //! Primitives of meshes: from accessors to the arrays of a mesh.
 
-use glam::{Vec2, Vec3};
+use glam::{DVec3, Vec2, Vec3};
 
 use crate::format::Notes;
 use crate::mesh::{Attribute, MeshData, bad_position, is_good_position};
@@ -49,12 +49,13 @@ impl<'a> PrimitiveReader<'a> {
         Self { document, notes, left: READ_ANYHOW.saturating_add(again) }
     }
 
-    /// The arrays of a primitive, with a set of texture coordinates if a texture uses it. `None`
-    /// for primitives without triangles.
+    /// The arrays of a primitive, with a set of texture coordinates if a texture uses it, and the alphas
+    /// of vertices if the material does. `None` for primitives without triangles.
     pub(super) fn mesh(
         &mut self,
         primitive: &Primitive,
         set: Option<u32>,
+        uses_alpha: bool,
     ) -> Result<Option<MeshData>> {
         let note = |message, remedy| self.notes.note(&primitive.path, message, remedy);
         let Some(mode) = primitive.mode else { return Ok(None) };
@@ -76,7 +77,9 @@ impl<'a> PrimitiveReader<'a> {
         let uvs = set.map_or(Ok(None), |set| self.uvs(&vertices, set))?;
         let positions = self.positions(&vertices)?;
         let colors = self.colors(&vertices)?;
-        Ok(Some(MeshData { positions, triangles, normals, uvs, colors, ..MeshData::default() }))
+        let alphas = if uses_alpha { self.alphas(&vertices)? } else { None };
+        let origin = DVec3::ZERO;
+        Ok(Some(MeshData { positions, origin, triangles, normals, uvs, colors, alphas }))
     }
 
     fn accessor(&self, index: usize) -> &'a Accessor {
@@ -188,13 +191,25 @@ impl<'a> PrimitiveReader<'a> {
         Ok(values.map(|values| Attribute { values, indices: None }))
     }
 
-    /// Colours without their alpha.
+    /// Colours, without alpha.
     fn colors(&mut self, vertices: &Vertices<'_>) -> Result<Option<Vec<Vec3>>> {
         let accessor = vertices.of.attributes.get(COLORS).map(|&index| self.accessor(index));
         let width = accessor.map_or(3, |accessor| accessor.width.clamp(3, 4));
         let part = |x: f64| if x.is_finite() { x.max(0.0) as f32 } else { 1.0 };
         let color = |[r, g, b]: [f64; 3]| Vec3::new(part(r), part(g), part(b));
         self.attribute(vertices, COLORS, (width, UNSIGNED), color)
+    }
+
+    /// The alphas of colours, if some are below 1.
+    fn alphas(&mut self, vertices: &Vertices<'_>) -> Result<Option<Vec<f32>>> {
+        let accessor = vertices.of.attributes.get(COLORS).map(|&index| self.accessor(index));
+        if accessor.is_none_or(|accessor| accessor.width != 4) {
+            return Ok(None);
+        }
+        let alpha =
+            |[_, _, _, a]: [f64; 4]| if a.is_nan() { 1.0 } else { a.clamp(0.0, 1.0) as f32 };
+        let alphas = self.attribute(vertices, COLORS, (4, UNSIGNED), alpha)?;
+        Ok(alphas.filter(|alphas| alphas.iter().any(|&alpha| alpha < 1.0)))
     }
 
     fn error(&self, place: &str, message: &str) -> Error {

@@ -241,23 +241,26 @@ fn read(
             notes.note(&primitive.path, message, "its alpha is 0 or below the cutoff everywhere");
             continue;
         };
-        let mesh = notes.part(|| reader.mesh(primitive, set));
+        let uses_alpha = threshold > 0.0 || surface.blends;
+        let mesh = notes.part(|| reader.mesh(primitive, set, uses_alpha));
         let Some(mesh) = mesh.ok().flatten() else { continue };
         let has_uvs = mesh.uvs.is_some();
-        let cutout = texture.as_ref().filter(|_| has_uvs && threshold > 0.0).map(|t| CutOut {
-            look_up: t.look_up.clone(),
+        let texture = texture.filter(|_| has_uvs);
+        let is_cut = threshold > 0.0 && (texture.is_some() || mesh.alphas.is_some());
+        let cutout = is_cut.then(|| CutOut {
+            look_up: texture.as_ref().map(|texture| texture.look_up.clone()),
             is_mask: false,
             threshold,
         });
         let mut maps = if has_uvs { maps } else { Maps::default() };
-        if maps.metal.is_none() && (has_uvs && texture.is_some() || mesh.colors.is_some()) {
+        if maps.metal.is_none() && (texture.is_some() || mesh.colors.is_some()) {
             maps.metal = surface.metal_by_color();
         }
         primitives.push(Spawned {
             path: primitive.path.clone(),
             name: parts.name.clone(),
             cutout,
-            texture: texture.filter(|_| has_uvs),
+            texture,
             maps,
             mesh,
             surface: surface.clone(),
@@ -299,7 +302,7 @@ fn shown<'a>(primitive: &'a Spawned, images: &mut Masks<'_>) -> Shown<'a> {
     }
     let fading = primitive.maps.opacity.as_ref().and_then(|map| {
         let look_up = map.texture.as_ref()?.look_up.clone();
-        Some(CutOut { look_up, is_mask: false, threshold: LEAST_ALPHA })
+        Some(CutOut { look_up: Some(look_up), is_mask: false, threshold: LEAST_ALPHA })
     });
     Shown::new(&primitive.mesh, primitive.cutout.as_ref().or(fading.as_ref()), images)
 }

@@ -48,7 +48,8 @@ impl Spawned {
         let shading = if is_smooth { Shading::Smooth } else { Shading::Flat };
         let material = self.surface.material(self.maps.emission.as_ref());
         let varies = self.texture.is_some() || self.mesh.colors.is_some();
-        let transparency = self.surface.transparency(varies);
+        let mut transparency = self.surface.transparency(varies);
+        transparency.vertex_alpha = self.cutout.is_none() && self.mesh.alphas.is_some();
         let mesh = Mesh { data: self.mesh, points: None, file: Some(file.to_owned()) };
         let mut shape = EntityBuilder::new();
         shape.add_bundle((self.surface.sides, shading, material, mesh));
@@ -94,7 +95,11 @@ impl Spawned {
     ) {
         for NodeUse { path, name, world: place } in self.uses {
             let (area, _) = extent(&self.mesh, &place);
-            let data = MeshData { normals: None, uvs: None, colors: None, ..self.mesh.clone() };
+            let data = MeshData {
+                positions: self.mesh.positions.clone(),
+                triangles: self.mesh.triangles.clone(),
+                ..MeshData::default()
+            };
             let mesh = Mesh { data, points: None, file: Some(file.to_owned()) };
             if area == 0.0 || !mesh.has_area() {
                 continue;

@@ -154,7 +154,8 @@ fn check_attributes(world: &mut World, part: Entity, notes: &Notes<'_>) -> Resul
     let maps = maps.into_iter().flat_map(Maps::all);
     let maps = maps.filter(|(_, map)| map.texture.is_some()).map(|(key, _)| key);
     let mut keys = texture.map(|_| "texture").into_iter().chain(maps);
-    if let Some(key) = keys.next().or(cutout.map(|_| "alpha"))
+    if let Some(key) =
+        keys.next().or(cutout.and_then(|cutout| cutout.look_up.as_ref()).map(|_| "alpha"))
         && uvs.is_none()
     {
         let message = "the mesh has no texture coordinates".to_owned();

@@ -42,6 +42,8 @@ pub struct MeshData {
     /// A colour for each position, not negative: linear, or encoded as in the file until it is
     /// decoded.
     pub colors: Option<Vec<Vec3>>,
+    /// An alpha for each position, 0 to 1, which opacity or a cut-out uses; `None` if all are 1.
+    pub alphas: Option<Vec<f32>>,
 }
 
 impl MeshData {

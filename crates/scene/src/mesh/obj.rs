@@ -126,6 +126,7 @@ impl UnfinishedMesh {
             origin: self.origin.unwrap_or_default(),
             triangles,
             colors: (!all.colors.is_empty()).then_some(all.colors),
+            alphas: None,
         };
         Ok(((mesh, notes), all.materials))
     }

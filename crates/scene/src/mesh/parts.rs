@@ -26,6 +26,7 @@ impl MeshData {
             positions: picked(&self.positions, &used),
             origin: self.origin,
             colors: self.colors.as_ref().map(|colors| picked(colors, &used)),
+            alphas: self.alphas.as_ref().map(|alphas| picked(alphas, &used)),
             triangles,
             normals: self.normals.as_ref().map(|all| numbers.attribute(all, which, &used)),
             uvs: self.uvs.as_ref().map(|all| numbers.attribute(all, which, &used)),
@@ -95,6 +96,7 @@ mod tests {
                 indices: None,
             }),
             colors: Some(positions.iter().map(|p| *p + 1.0).collect()),
+            alphas: Some(positions.iter().map(|p| p.x).collect()),
             normals: Some(Attribute { values: normals, indices: Some(indices) }),
             triangles: (0..count).map(|i| [i, i + 1, i + 2]).collect(),
             positions,
@@ -109,7 +111,7 @@ mod tests {
             let i = mesh.triangles[t][k] as usize;
             let normal = normals.indices.as_ref().unwrap()[t][k] as usize;
             let uv = mesh.uvs.as_ref().unwrap().values[i];
-            let color = mesh.colors.as_ref().unwrap()[i];
+            let color = mesh.colors.as_ref().unwrap()[i] + mesh.alphas.as_ref().unwrap()[i];
             (mesh.positions[i], normals.values.get(normal).copied(), uv, color)
         };
         (0..3).map(at).collect()

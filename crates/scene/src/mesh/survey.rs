@@ -32,7 +32,8 @@ impl Survey {
         let normals = mesh.normals.as_ref().map_or(0, |normals| normals.values.len() as u64);
         let uvs = mesh.uvs.as_ref().map_or(0, |uvs| uvs.values.len() as u64);
         let colors = mesh.colors.as_ref().map_or(0, |colors| colors.len() as u64);
-        let attributes = TRIPLE * (normals + colors) + UV * uvs;
+        let alphas = mesh.alphas.as_ref().map_or(0, |alphas| size_of_val(alphas.as_slice()) as u64);
+        let attributes = TRIPLE * (normals + colors) + UV * uvs + alphas;
         let [positions, triangles] =
             [mesh.positions.len(), mesh.triangles.len()].map(|count| count as u64);
         Self { positions, triangles, attributes }.indexed()

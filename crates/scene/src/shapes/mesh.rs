@@ -181,6 +181,9 @@ impl Declared for Mesh {
         "normals": AtLeast(3, &Point) => "shading";
         /// Colours for each point, which multiply the diffuse colour.
         "colors": AtLeast(3, &Color);
+        /// Alphas for each point: they multiply what `alphacutoff` tests, and the opacity of a material
+        /// with `vertexalpha`.
+        "alphas": AtLeast(3, &Number(Range::UNIT));
     };
 
     fn read(object: &Object<'_>) -> Result<Option<Self>> {
@@ -194,14 +197,16 @@ impl Declared for Mesh {
         let uvs = object.get("uvs").map(|c| uvs(&c, points.len())).transpose()?;
         let normals = object.get("normals").map(|c| normals(&c, points.len())).transpose()?;
         let colors = object.get("colors").map(|c| colors(&c, points.len())).transpose()?;
-        let positions = points.iter().map(|p| p.as_vec3()).collect();
-        let data = MeshData { positions, triangles, normals, uvs, colors, ..MeshData::default() };
+        let alphas = object.get("alphas").map(|c| alphas(&c, points.len())).transpose()?;
+        let (positions, origin) = (points.iter().map(|p| p.as_vec3()).collect(), DVec3::ZERO);
+        let data = MeshData { positions, origin, triangles, normals, uvs, colors, alphas };
         let is_rounded = points.iter().any(|p| p.as_vec3().as_dvec3() != *p);
         Ok(Some(Self { data, points: is_rounded.then_some(points), file: None }))
     }
 
     fn write(&self, to: &mut Writer<'_>) {
-        if self.file.is_some() {
+        // Files of meshes have no alphas.
+        if self.file.is_some() && self.data.alphas.is_none() {
             let name = to.mesh();
             to.set("file", name);
             if self.data.colors.is_some() {
@@ -209,7 +214,7 @@ impl Declared for Mesh {
             }
             return;
         }
-        let MeshData { positions, triangles, normals, uvs, colors, .. } = &self.data;
+        let MeshData { positions, triangles, normals, uvs, colors, alphas, .. } = &self.data;
         to.set(
             "points",
             match &self.points {
@@ -228,6 +233,9 @@ impl Declared for Mesh {
         three("colors", colors.as_ref());
         if let Some(uvs) = uvs {
             to.set("uvs", json!(uvs.values.iter().map(Vec2::to_array).collect::<Vec<_>>()));
+        }
+        if let Some(alphas) = alphas {
+            to.set("alphas", json!(alphas));
         }
     }
 }
@@ -320,6 +328,11 @@ fn normals(cursor: &Cursor<'_>, points: usize) -> Result<Attribute<Vec3>> {
 
 fn colors(cursor: &Cursor<'_>, points: usize) -> Result<Vec<Vec3>> {
     attribute(cursor, "[r, g, b]", points, |item| Ok(item.color()?.as_vec3())).map(|all| all.values)
+}
+
+fn alphas(cursor: &Cursor<'_>, points: usize) -> Result<Vec<f32>> {
+    let read = |item: Cursor<'_>| Ok(item.number(Range::UNIT)? as f32);
+    attribute(cursor, "an alpha from 0 to 1", points, read).map(|all| all.values)
 }
 
 /// A value for each point.

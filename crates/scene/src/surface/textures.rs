@@ -62,8 +62,8 @@ pub struct Placing(pub [[f64; 3]; 2]);
 /// Holes in a surface, where the alpha of an image is low.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CutOut {
-    /// The image.
-    pub look_up: LookUp,
+    /// The image, whose alpha that of vertices multiplies; `None` for that of vertices alone.
+    pub look_up: Option<LookUp>,
     /// Whether brightness replaces a missing alpha channel; otherwise an image without alpha has no
     /// holes.
     pub is_mask: bool,
@@ -171,8 +171,8 @@ pub(crate) const THRESHOLD: f64 = 0.5;
 impl Declared for CutOut {
     const KEYS: &'static [Key] = keys! {
         /// Parts of the shape where the alpha of the texture, or of the image `alpha`, is lower are
-        /// cut out; 0.5 by default with an `alpha`.
-        "alphacutoff": Number(Range::NOT_NEGATIVE) => "texture" | "alpha";
+        /// cut out; 0.5 by default with an `alpha`. The mesh's `alphas` multiply it.
+        "alphacutoff": Number(Range::NOT_NEGATIVE) => "texture" | "alpha" | "alphas";
         /// An image whose alpha, or brightness if it has none, cuts out the shape; or "blend", for
         /// the alpha of the texture as opacity.
         "alpha": Text;
@@ -193,21 +193,25 @@ impl Declared for CutOut {
             None if object.has("alphacutoff") => image("texture")?,
             mask => mask,
         };
-        let Some(path) = path else { return Ok(None) };
+        if path.is_none() && !(object.has("alphacutoff") && object.has("alphas")) {
+            return Ok(None);
+        }
         // The encoding is checked all the same.
-        let look_up = TextureRef::plain(object, path)?.look_up;
+        let texture = path.map(|path| TextureRef::plain(object, path)).transpose()?;
+        let look_up = texture.map(|texture| texture.look_up);
         Ok((threshold > 0.0).then_some(Self { look_up, is_mask, threshold }))
     }
 
     fn write(&self, to: &mut Writer<'_>) {
         to.put("alphacutoff", self.threshold);
+        let Some(look_up) = &self.look_up else { return };
         let texture = to.get("texture").cloned();
-        to.image("alpha", &self.look_up.source);
+        to.image("alpha", &look_up.source);
         if !self.is_mask && texture.as_ref() == to.get("alpha") {
             to.remove("alpha");
         }
         if texture.is_none() {
-            self.look_up.write(to);
+            look_up.write(to);
         }
     }
 }

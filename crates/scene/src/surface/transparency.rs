@@ -13,6 +13,8 @@ component! {
     pub struct Transparency {
         /// Share of the light that comes from the surface; the rest comes from straight behind it.
         pub opacity: f64 = "opacity": Number(Range::UNIT), Is(1.0);
+        /// Whether the alpha of vertices, the mesh's `alphas`, multiplies the opacity.
+        pub vertex_alpha: bool = "vertexalpha": Truth, Off;
         /// Share of the light that is refracted, or mirrored by Fresnel's equations; of `kr`, the rest is left.
         pub kt: f64 = "kt": Number(Range::UNIT), Is(0.0);
         /// Index of refraction of the inside, which the front of the surface encloses.
@@ -61,6 +63,7 @@ impl Transparency {
     /// Lets nothing through.
     pub const OPAQUE: Self = Self {
         opacity: 1.0,
+        vertex_alpha: false,
         kt: 0.0,
         ior: 1.5,
         thin: false,
@@ -73,7 +76,7 @@ impl Transparency {
     /// Whether anything goes through.
     pub(crate) fn has_effect(&self) -> bool {
         let transmission::Transparency { opacity, kt, .. } = self.in_single_precision();
-        opacity < 1.0 || kt > 0.0
+        opacity < 1.0 || kt > 0.0 || self.vertex_alpha
     }
 
     /// As tracers read it.

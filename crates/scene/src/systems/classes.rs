@@ -113,6 +113,9 @@ fn class(
             add(map.texture.as_ref(), key, property);
         }
     }
+    if is_transparent && transparency.is_some_and(|through| through.vertex_alpha) {
+        add(None, "", Property::Alpha);
+    }
     let varies = texture.is_some() || output.shape.colored;
     if shows.emission && varies && is_unlit {
         add(None, "", Property::Unlit);

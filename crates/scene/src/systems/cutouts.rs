@@ -18,14 +18,16 @@ use crate::mesh::MeshData;
 use wavecrest_base::error::Result;
 use wavecrest_core::geometry::cutouts::{Cutout, Cutouts, MeshUvs};
 use wavecrest_core::geometry::{Geometry, Primitive};
-use wavecrest_core::kernels::texture::{Filter, Image, LazyImage, Texels};
+use wavecrest_core::kernels::texture::{Filter, Image, LazyImage, Texels, Wrap};
 use wavecrest_core::math::float::UNIT_ROUNDOFF;
+use wavecrest_core::prepared::{CornerValues, MeshAttributes};
 
-/// For each of `surfaces` whether it is one of those `asked` and its cut-out removes anything. Their
-/// images are added to `images`.
+/// For each of `surfaces` whether it is one of those `asked` and its cut-out removes anything, as alphas
+/// of vertices below 1 may. Their images are added to `images`.
 pub(crate) fn look(
     surfaces: &[SurfaceComponents<'_>],
     asked: &[bool],
+    extracted: &Output,
     images: &mut Masks<'_>,
 ) -> Result<Vec<bool>> {
     let those = || {
@@ -36,7 +38,11 @@ pub(crate) fn look(
         cut_out.map_or(Ok(()), |cut_out| images.add(cut_out, place))?;
     }
     images.decode()?;
-    Ok(those().map(|(found, _)| found.is_some_and(|found| images.has_holes(found))).collect())
+    let shapes = extracted.shapes.iter().zip(those());
+    let has_holes = shapes.map(|(shape, (found, _))| {
+        found.is_some_and(|found| alphas(shape, extracted).is_some() || images.has_holes(found))
+    });
+    Ok(has_holes.collect())
 }
 
 /// Adds the cut-outs of the shapes that have `holes` to the geometry, and returns their images.
@@ -51,11 +57,12 @@ pub(crate) fn run(
     let mut used: Vec<Arc<LazyImage>> = Vec::new();
     for ((shape, surface), holes) in extracted.shapes.iter().zip(surfaces).zip(holes) {
         let Some(found) = surface.cut_out.filter(|_| *holes) else { continue };
-        let Some(AlphaImage { image, .. }) = images.of(found) else { continue };
-        if !used.iter().any(|known| Arc::ptr_eq(known, image)) {
+        let image = images.of(found).map(|found| Arc::clone(&found.image));
+        if let Some(image) = &image
+            && !used.iter().any(|known| Arc::ptr_eq(known, image))
+        {
             used.push(Arc::clone(image));
         }
-        let image = Arc::clone(image);
         let cutout = cutout(shape, found, image, extracted);
         match prototype(&extracted.geometry, shape) {
             None => own.push(cutout),
@@ -72,23 +79,40 @@ pub(crate) fn run(
     used
 }
 
-fn cutout(shape: &ShapeOutput, found: &CutOut, image: Arc<LazyImage>, from: &Output) -> Cutout {
-    let attributes = shape.shape.mesh.and_then(|mesh| from.meshes.get(mesh as usize));
-    let mesh = attributes.and_then(|attributes| {
+/// The attributes of a shape's mesh.
+fn attributes<'a>(shape: &ShapeOutput, from: &'a Output) -> Option<&'a MeshAttributes> {
+    from.meshes.get(shape.shape.mesh? as usize)
+}
+
+/// The alphas of its vertices.
+fn alphas<'a>(shape: &ShapeOutput, from: &'a Output) -> Option<&'a Arc<CornerValues<f32>>> {
+    attributes(shape, from)?.alphas.as_ref()
+}
+
+fn cutout(
+    shape: &ShapeOutput,
+    found: &CutOut,
+    image: Option<Arc<LazyImage>>,
+    from: &Output,
+) -> Cutout {
+    let alphas = alphas(shape, from);
+    let mesh = attributes(shape, from).and_then(|attributes| {
+        let none = || alphas.map(|_| Arc::new(CornerValues { values: Vec::new(), indices: None }));
         Some(MeshUvs {
             first_triangle: attributes.first_triangle,
             first_position: attributes.first_position,
-            uvs: Arc::clone(attributes.uvs.as_ref()?),
+            uvs: attributes.uvs.as_ref().map(Arc::clone).or_else(none)?,
+            alphas: alphas.map(Arc::clone),
         })
     });
     Cutout {
         primitives: shape.shape.primitives.clone(),
         threshold: found.threshold as f32,
         image,
-        filter: found.look_up.filter,
-        wrap: found.look_up.wrap,
+        filter: found.look_up.as_ref().map_or(Filter::Nearest, |look_up| look_up.filter),
+        wrap: found.look_up.as_ref().map_or(Wrap::Repeat, |look_up| look_up.wrap),
         map: shape.uv_map,
-        placing: found.look_up.placing.map(placing),
+        placing: found.look_up.as_ref().and_then(|look_up| look_up.placing).map(placing),
         mesh,
     }
 }
@@ -101,7 +125,7 @@ const TRIED: u32 = 32;
 pub(crate) fn left(mesh: &MeshData, found: &CutOut, images: &mut Masks) -> Option<Vec<[u32; 3]>> {
     images.add(found, "").ok()?;
     let image = images.of(found)?.image.get().ok()?;
-    let LookUp { filter, wrap, placing: placed, .. } = found.look_up;
+    let &LookUp { filter, wrap, placing: placed, .. } = found.look_up.as_ref()?;
     let shows = |uv: Vec2| {
         let uv = uv.to_array();
         let uv = placed.map_or(uv, |placed| placing(placed).apply(uv));
@@ -154,7 +178,8 @@ impl<'a> Masks<'a> {
 
     /// Adds the image of a cut-out, after checking the header of its file.
     fn add(&mut self, found: &CutOut, place: &str) -> Result<()> {
-        let look_up = LookUp { filter: Filter::Bilinear, ..found.look_up.clone() };
+        let Some(look_up) = found.look_up.clone() else { return Ok(()) };
+        let look_up = LookUp { filter: Filter::Bilinear, ..look_up };
         let key = (look_up.source.clone(), found.is_mask);
         if self.known.iter().any(|(known, _)| *known == key) {
             return Ok(());
@@ -185,7 +210,8 @@ impl<'a> Masks<'a> {
 
     fn of(&self, found: &CutOut) -> Option<&AlphaImage> {
         let is_it = |(source, is_mask): &ImageKey| {
-            *source == found.look_up.source && *is_mask == found.is_mask
+            found.look_up.as_ref().is_some_and(|look_up| *source == look_up.source)
+                && *is_mask == found.is_mask
         };
         self.known.iter().find(|(key, _)| is_it(key))?.1.as_ref()
     }

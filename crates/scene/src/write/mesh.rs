@@ -100,6 +100,7 @@ fn with_vertices(mesh: &MeshData) -> MeshData {
         normals: mesh.normals.as_ref().map(|normals| by_vertex(normals, values(1))),
         uvs: mesh.uvs.as_ref().map(|uvs| by_vertex(uvs, values(2))),
         colors: mesh.colors.as_ref().map(|colors| values(0).map(|i| colors[i]).collect()),
+        alphas: None,
     }
 }
 

@@ -31,6 +31,7 @@ fn checkers() -> Arc<LazyImage> {
 fn cutout(primitives: Range<u32>, threshold: f32, image: Arc<LazyImage>) -> Cutout {
     let map = UvMap::Planar(PlanarMap::new(Vec3::ZERO, Vec3::X, Vec3::Y));
     let (filter, wrap) = (Filter::Bilinear, Wrap::Repeat);
+    let image = Some(image);
     Cutout { primitives, threshold, image, filter, wrap, map, placing: None, mesh: None }
 }
 

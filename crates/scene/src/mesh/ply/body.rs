@@ -204,6 +204,7 @@ impl Body {
             normals: attribute(normals),
             uvs: attribute(uvs),
             colors: (!colors.is_empty()).then_some(colors),
+            alphas: None,
         };
         Ok((mesh, self.notes))
     }

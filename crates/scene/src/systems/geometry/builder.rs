@@ -67,7 +67,7 @@ impl GeometryBuilder {
         let (smooth, colored) = (mesh.normals.is_some(), mesh.colors.is_some());
         let range = first_triangle as u32..self.geometry.triangles.len() as u32;
         let mut shape = Shape { smooth, colored, ..occurrence.shape(range, occurrence.mirrors()) };
-        if smooth || colored || occurrence.textured {
+        if smooth || colored || mesh.alphas.is_some() || occurrence.textured {
             shape.mesh = Some(self.meshes.len() as u32);
             self.meshes.push(MeshAttributes {
                 first_triangle: first_triangle as u32,
@@ -75,6 +75,7 @@ impl GeometryBuilder {
                 normals: mesh.normals.map(corner_values),
                 uvs: mesh.uvs.map(corner_values).map(Arc::new),
                 colors: mesh.colors.map(by_position),
+                alphas: mesh.alphas.map(by_position).map(Arc::new),
                 tangents,
             });
         }

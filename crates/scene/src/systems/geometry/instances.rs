@@ -80,7 +80,8 @@ impl GeometryBuilder {
                 None => positions.for_each(|p| *p = (p.as_dvec3() - origin).as_vec3()),
             }
         }
-        let attributes = mesh.normals.is_some() || mesh.uvs.is_some() || mesh.colors.is_some();
+        let colors = mesh.colors.is_some() || mesh.alphas.is_some();
+        let attributes = mesh.normals.is_some() || mesh.uvs.is_some() || colors;
         let prototype = Prototype {
             number: self.geometry.prototypes.len() as u32,
             triangles: mesh.triangles.len(),
@@ -93,6 +94,7 @@ impl GeometryBuilder {
                 normals: mesh.normals.map(corner_values),
                 uvs: mesh.uvs.map(corner_values).map(Arc::new),
                 colors: mesh.colors.map(by_position),
+                alphas: mesh.alphas.map(by_position).map(Arc::new),
                 tangents,
                 ..MeshAttributes::default()
             });

@@ -131,26 +131,28 @@ impl Output {
         let shows = |step, in_view: bool| {
             schedule.runs(step) && (in_view || schedule.is_unconditional(step))
         };
-        let mut used = vec![[false; 4]; self.meshes.len()];
+        let mut used = vec![[false; 5]; self.meshes.len()];
         for (ShapeOutput { shape, .. }, in_view) in self.shapes.iter_mut().zip(in_view) {
             shape.smooth &= shows(Step::Normals, in_view.is_some());
             let Class { maps, transparency, .. } = &classes[shape.class as usize];
             let is_tinted = transparency.is_some_and(|through| through.tinted);
             shape.colored &= shows(Step::Colors, in_view.is_some() || is_tinted);
-            if let Some([smooth, textured, colored, turned]) =
+            if let Some([smooth, textured, colored, turned, fades]) =
                 shape.mesh.and_then(|i| used.get_mut(i as usize))
             {
                 let is_normal = |property| matches!(property, Property::Normal { .. });
                 *smooth |= shape.smooth;
                 *textured |= maps.iter().any(|map| map.texture.is_some());
                 *colored |= shape.colored;
+                *fades |= maps.iter().any(|map| map.property == Property::Alpha);
                 *turned |= maps.iter().any(|map| is_normal(map.property));
             }
         }
-        for (mesh, [smooth, textured, colored, turned]) in self.meshes.iter_mut().zip(used) {
+        for (mesh, [smooth, textured, colored, turned, fades]) in self.meshes.iter_mut().zip(used) {
             mesh.normals = mesh.normals.take().filter(|_| smooth);
             mesh.uvs = mesh.uvs.take().filter(|_| textured);
             mesh.colors = mesh.colors.take().filter(|_| colored);
+            mesh.alphas = mesh.alphas.take().filter(|_| fades);
             mesh.tangents = mesh.tangents.take().filter(|_| turned);
         }
     }
