@@ -20,8 +20,8 @@ fn a_pilot_of_some_pixels_tells_the_rays_and_texels_of_all() {
             ("mirror rays", rays.secondary, c.secondary_rays),
             ("shadow rays", rays.shadow, c.shadow_rays),
             ("light numbers", samples.light, c.light_samples),
-            ("texels", samples.texels, c.texels),
-            ("footprints", samples.footprints, c.footprints),
+            ("texels", samples.texels, c.look_ups.texels),
+            ("footprints", samples.footprints, c.look_ups.footprints),
         ] {
             let off = found.abs_diff(counted) as f64 / counted.max(1) as f64;
             assert!(off < 0.15, "{name}, {what}: {found} expected, {counted} counted");

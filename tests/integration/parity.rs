@@ -80,9 +80,10 @@ fn same(expected: &Film, found: &Film, what: impl std::fmt::Debug) -> Result<(),
     Err(format!("{what:?}: {differing} pixels differ"))
 }
 
-/// All that is counted but how hits are searched for, which is each tracer's own affair.
+/// All that is counted but how hits are searched for and sorted, which is each tracer's own affair.
 pub(crate) fn work(counters: &Counters) -> Counters {
-    Counters { tests: Default::default(), kernels: Default::default(), ..*counters }
+    let Counters { tests, kernels, spans, .. } = Counters::default();
+    Counters { tests, kernels, spans, ..*counters }
 }
 
 /// Renders with every setting: one image, and the same work.
@@ -223,7 +224,7 @@ fn scenes_of_all_differentials_and_of_blocks_of_samples_have_one_image_too() {
     }
     let scene = prepare(&filtered());
     let usual = render_on(1, &scene, &options());
-    assert!(usual.counters.footprints > usual.counters.secondary_rays);
+    assert!(usual.counters.look_ups.footprints > usual.counters.secondary_rays);
     // The filter does something in this scene: bilinear is another image.
     let bilinear = filtered().to_string().replace("trilinear", "bilinear");
     let bilinear = image(&serde_json::from_str(&bilinear).expect("JSON"));

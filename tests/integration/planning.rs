@@ -10,7 +10,7 @@ use wavecrest_core::counters::Counters;
 use wavecrest_core::film::Film;
 use wavecrest_core::plan::schedule::{Needs, PASSES, Pass, unplanned};
 use wavecrest_core::plan::{Effect, Plan};
-use wavecrest_core::prepared::PreparedScene;
+use wavecrest_core::prepared::{LookUps, PreparedScene};
 use wavecrest_core::render::{RenderOptions, Rendered, TracerKind, camera_rays, render};
 use wavecrest_report::effects::scenes::{SceneVariant, variants};
 use wavecrest_report::expected::Estimated;
@@ -168,10 +168,10 @@ pub(crate) fn check_work(
         (c.secondary_rays, rays.secondary, schedule.goes_on()),
         (c.shadow_rays, rays.shadow, schedule.has_shadows()),
         (c.light_samples, samples.light, draws_lights),
-        (c.colors, samples.colors, scene.plan.has(Effect::VertexColors)),
-        (c.texels, samples.texels, looks_up),
+        (c.look_ups.colors, samples.colors, scene.plan.has(Effect::VertexColors)),
+        (c.look_ups.texels, samples.texels, looks_up),
         (c.lens_samples, samples.lens, scene.plan.has(Effect::DepthOfField)),
-        (c.footprints, u64::MAX, scene.plan.has(Effect::RayDifferentials)),
+        (c.look_ups.footprints, u64::MAX, scene.plan.has(Effect::RayDifferentials)),
         (c.tests.triangles, u64::MAX, scene.plan.has(Effect::Triangles)),
         (c.tests.quads, u64::MAX, scene.plan.has(Effect::Quads)),
         (c.tests.cutouts, u64::MAX, scene.plan.has(Effect::CutOuts)),
@@ -323,8 +323,8 @@ fn a_need_taken_out_of_the_table_is_missed() {
 fn cost(scene: &PreparedScene, rendered: &Rendered) -> [u64; 8] {
     let c = &rendered.counters;
     let (columns, appearance) = (rendered.columns, scene.appearance.bytes());
-    let Counters { lens_samples, light_samples, colors, texels, .. } = *c;
-    let Counters { footprints, secondary_rays, .. } = *c;
+    let Counters { lens_samples, light_samples, secondary_rays, .. } = *c;
+    let LookUps { colors, texels, footprints, .. } = c.look_ups;
     [lens_samples, light_samples, colors, texels, footprints, secondary_rays, columns, appearance]
 }
 

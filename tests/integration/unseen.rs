@@ -164,9 +164,9 @@ fn cost(scene: &PreparedScene, pixels: u64) -> String {
         ("shadow rays", counts.shadow_rays),
         ("points on lenses", counts.lens_samples),
         ("points on lights", counts.light_samples),
-        ("vertex colours", counts.colors),
-        ("texels", counts.texels),
-        ("footprints", counts.footprints),
+        ("vertex colours", counts.look_ups.colors),
+        ("texels", counts.look_ups.texels),
+        ("footprints", counts.look_ups.footprints),
     ];
     let by_pixel = by_pixel.iter().filter(|(_, count)| *count > 0);
     let by_pixel =

@@ -1,7 +1,7 @@
 use glam::{Vec2, Vec3};
 use proptest::prelude::*;
 use wavecrest_core::math::random::{Stream, philox_4x32_10, unit_interval};
-use wavecrest_core::math::sampling::{Sampling, disk, sphere, triangle};
+use wavecrest_core::math::sampling::{Draw, Sampling, disk, sphere, triangle};
 
 /// A number in \[0, 1), as streams give them; often the first or the last.
 fn fraction() -> impl Strategy<Value = f32> {

@@ -17,17 +17,14 @@ pub struct Counters {
     pub lens_samples: u64,
     /// Points sampled on area lights.
     pub light_samples: u64,
-    /// Hits whose colour was interpolated between vertices.
-    pub colors: u64,
-    /// Texels read.
-    pub texels: u64,
-    /// Footprints of rays on surfaces: one for each look-up in a trilinear texture, and one for
-    /// each ray that goes on from a surface if there are such textures.
-    pub footprints: u64,
+    /// Hits on surfaces, and what is looked up there.
+    pub look_ups: LookUps,
     /// Tests of boxes and primitives.
     pub tests: TestCounts,
     /// Rays by the kernel that traced them.
     pub kernels: Kernels,
+    /// How the wavefront shades mapped hits, by bounce: the last has the rest.
+    pub spans: [SpanCounts; 9],
     /// Samples that were not finite; they count as black.
     pub invalid: u64,
     /// The first of these in the order of pixels.
@@ -61,13 +58,62 @@ impl AddAssign for Counters {
         self.shadow_rays += other.shadow_rays;
         self.lens_samples += other.lens_samples;
         self.light_samples += other.light_samples;
-        self.colors += other.colors;
-        self.texels += other.texels;
-        self.footprints += other.footprints;
+        self.look_ups += other.look_ups;
         self.tests += other.tests;
         self.kernels += other.kernels;
+        self.spans = each(self.spans, other.spans, |a, b| a + b);
         self.add_invalid(other.invalid, other.first_invalid);
         self.lights_at_surface += other.lights_at_surface;
+    }
+}
+
+/// Exact counts of hits on surfaces, and of look-ups in textures and mesh attributes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
+#[repr(C)]
+pub struct LookUps {
+    /// Hits on surfaces whose look is constant and that are opaque.
+    pub plain: u64,
+    /// Other hits on surfaces: on those with maps, and on transparent ones.
+    pub mapped: u64,
+    /// Look-ups of maps at these hits, each of one map at one hit.
+    pub maps: u64,
+    /// Hits whose colour was interpolated between vertices.
+    pub colors: u64,
+    /// Texels read.
+    pub texels: u64,
+    /// Footprints of rays: at each hit one for the coordinates of its trilinear textures, and one for
+    /// each ray that goes on from a surface if there are such textures.
+    pub footprints: u64,
+}
+
+/// Exact counts of mapped hits, shaded together where they are of one class and kind of primitive.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
+#[repr(C)]
+pub struct SpanCounts {
+    /// The hits.
+    pub hits: u64,
+    /// Lanes of the vectors that hold them, in use or not.
+    pub lanes: u64,
+    /// Spans: hits of one class and kind, one after another.
+    pub spans: u64,
+}
+
+impl SpanCounts {
+    /// Counts a span of `hits`, in vectors of so many `lanes`.
+    pub(crate) fn add(&mut self, hits: usize, lanes: usize) {
+        self.hits += hits as u64;
+        self.lanes += hits.next_multiple_of(lanes) as u64;
+        self.spans += 1;
+    }
+
+    /// Share of lanes in use, 0 to 1; `None` without hits.
+    pub fn in_use(&self) -> Option<f64> {
+        average(self.hits, self.lanes)
+    }
+
+    /// Average number of hits of a span; `None` without any.
+    pub fn hits_a_span(&self) -> Option<f64> {
+        average(self.hits, self.spans)
     }
 }
 
@@ -187,7 +233,7 @@ macro_rules! sums {
     })+};
 }
 
-sums!(TestCounts, KernelCounts, Kernels);
+sums!(LookUps, TestCounts, KernelCounts, Kernels);
 
 impl Sub for TestCounts {
     type Output = Self;

@@ -21,6 +21,7 @@ pub use resample::{Original, Samples};
 pub use transmission::{Branch, Trail};
 
 use crate::accel::Accel;
+pub use crate::counters::LookUps;
 use crate::kernels::camera::Camera;
 use crate::kernels::camera::path::Path;
 pub use crate::kernels::corners::{CornerValues, NO_VALUE};
@@ -76,18 +77,6 @@ pub struct PreparedScene {
 pub struct Dropped {
     /// Triangles without area.
     pub degenerate: u64,
-}
-
-/// Counts of look-ups in textures and mesh attributes, for the statistics.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct LookUps {
-    /// Hits whose colour was interpolated between vertices.
-    pub colors: u64,
-    /// Texels read.
-    pub texels: u64,
-    /// Footprints of rays: at each hit one for the coordinates of its trilinear textures, and one for
-    /// each ray that goes on from a surface if there are such textures.
-    pub footprints: u64,
 }
 
 /// The appearance of the primitives: shapes, materials and textures.
@@ -183,11 +172,6 @@ impl Appearance {
     #[inline(always)]
     pub fn class(&self, shape: &Shape) -> &Class {
         &self.classes[shape.class as usize]
-    }
-
-    /// The class of the shape that contains the primitive.
-    pub fn class_of(&self, primitive: u32) -> &Class {
-        self.class(&self.shapes[self.shape_of(primitive)])
     }
 
     /// The images of textures and of cut-outs.

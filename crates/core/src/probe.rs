@@ -17,7 +17,7 @@ use crate::kernels::shade::ShadingPoint;
 use crate::math::float::{UNIT_ROUNDOFF, normalize};
 use crate::math::random::Stream;
 use crate::math::ray::Ray;
-use crate::prepared::{Branch, PreparedScene, Trail};
+use crate::prepared::{Branch, Class, PreparedScene, Trail};
 use crate::recursive::{Arriving, End, Observer, Recursive};
 use crate::tile::{Tile, TraceSettings, Tracer, Unit};
 use crate::wavefront::{DEFAULT_BATCH, Wavefront};
@@ -159,10 +159,9 @@ impl Recorder<'_> {
     }
 
     /// The file of the image that gives a primitive's colour.
-    fn texture_of(&self, primitive: u32) -> Option<String> {
-        let appearance = &self.scene.appearance;
-        let texture = appearance.class_of(primitive).color()?;
-        Some(appearance.images.get(texture.image as usize)?.name().to_owned())
+    fn texture_of(&self, class: &Class) -> Option<String> {
+        let image = self.scene.appearance.images.get(class.color()?.image as usize)?;
+        Some(image.name().to_owned())
     }
 
     fn met(&self, ray: &Ray, hit: &Hit) -> HitRecord {
@@ -221,11 +220,9 @@ impl Observer for Recorder<'_> {
         });
     }
 
-    fn surface(&mut self, point: &ShadingPoint<f32>, _: Vec3) {
-        let primitive = self.last_met().map(|met| met.primitive);
-        let texture = primitive.and_then(|primitive| self.texture_of(primitive));
-        let class = primitive.map(|primitive| self.scene.appearance.class_of(primitive));
-        let transparency = class.and_then(|class| class.transparency.as_ref());
+    fn surface(&mut self, point: &ShadingPoint<f32>, class: &Class, _: Vec3) {
+        let texture = self.texture_of(class);
+        let transparency = class.transparency.as_ref();
         let (kt, ior) = transparency.map_or((0.0, 1.0), |of| (of.kt, of.ior));
         let Some(met) = self.last_met() else { return };
         (met.normal, met.shading_normal) = (point.normal.into(), point.shading_normal.into());

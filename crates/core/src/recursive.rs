@@ -6,7 +6,6 @@
 //! wavefront's order: by ray, light and sample.
 
 use std::marker::PhantomData;
-use std::time::Instant;
 
 use glam::Vec3;
 
@@ -21,8 +20,8 @@ use crate::math::random::Stream;
 use crate::math::ray::Ray;
 use crate::math::vector::Line;
 use crate::plan::schedule::Schedule;
-use crate::prepared::{Branch, Interaction, LookUps, PreparedScene, Trail};
-use crate::tile::{TIMED, TraceSettings, Tracer, Unit, add_sample};
+use crate::prepared::{Branch, Class, Interaction, PreparedScene, Trail};
+use crate::tile::{PassClock, Timed, TraceSettings, Tracer, Unit, add_sample};
 
 /// The tracer.
 #[derive(Debug)]
@@ -36,15 +35,14 @@ pub struct Recursive<P> {
     waiting: Vec<Branch>,
     /// The hits of a shadow ray on transparent surfaces.
     passed: Vec<Hit>,
-    look_ups: LookUps,
     counters: Counters,
-    seconds: f64,
     /// Rays and points on lights so far.
     steps: u32,
     /// Whether the render was cancelled.
     ended: bool,
-    /// Seconds by pass, if they are timed.
-    passes: Option<[f64; TIMED.len()]>,
+    /// Seconds by pass, or all in the last one if they are not timed.
+    clock: PassClock,
+    time_passes: bool,
     precision: PhantomData<P>,
 }
 
@@ -57,12 +55,11 @@ impl<P: Arithmetic> Tracer for Recursive<P> {
             differentials: scene.carries_differentials(),
             waiting: Vec::new(),
             passed: Vec::new(),
-            look_ups: LookUps::default(),
             counters: Counters::default(),
-            seconds: 0.0,
             steps: 0,
             ended: false,
-            passes: settings.time_passes.then(Default::default),
+            clock: PassClock::new(),
+            time_passes: settings.time_passes,
             precision: PhantomData,
         }
     }
@@ -74,18 +71,17 @@ impl<P: Arithmetic> Tracer for Recursive<P> {
         sums: &mut [[f64; 3]],
         cancelled: &dyn Fn() -> bool,
     ) -> bool {
-        let start = Instant::now();
+        self.clock.start();
         self.traversal.without_t = !scene.needs_t();
         self.ended = false;
-        match self.passes {
-            None => self.paths(scene, unit, sums, cancelled, &mut ()),
-            Some(seconds) => {
-                let mut clock = StepClock { seconds, last: start };
-                self.paths(scene, unit, sums, cancelled, &mut clock);
-                self.passes = Some(clock.seconds);
-            }
+        if self.time_passes {
+            let mut steps = StepClock { clock: self.clock, shading: Timed::Shade };
+            self.paths(scene, unit, sums, cancelled, &mut steps);
+            self.clock = steps.clock;
+        } else {
+            self.paths(scene, unit, sums, cancelled, &mut ());
         }
-        self.seconds += start.elapsed().as_secs_f64();
+        self.clock.lap(Timed::Resolve);
         !self.ended
     }
 
@@ -96,15 +92,16 @@ impl<P: Arithmetic> Tracer for Recursive<P> {
 
     fn counters(&self) -> Counters {
         let Traversal { tests, kernels, .. } = self.traversal;
-        let LookUps { colors, texels, footprints } = self.look_ups;
-        Counters { tests, kernels, colors, texels, footprints, ..self.counters }
+        Counters { tests, kernels, ..self.counters }
     }
 
     fn pass_seconds(&self) -> Vec<(&'static str, f64)> {
-        match self.passes {
-            None => vec![("recursive", self.seconds)],
-            Some(passes) => TIMED.into_iter().zip(passes).collect(),
+        let mut passes = self.clock.by_name();
+        if !self.time_passes {
+            passes.drain(..Timed::Resolve as usize);
+            passes[0].0 = "recursive";
         }
+        passes
     }
 }
 
@@ -120,8 +117,8 @@ pub trait Observer {
     /// This ray of the path was traced to this hit, with this work.
     fn ray(&mut self, _: &Branch, _: &Hit, _: TestCounts) {}
 
-    /// It hits a surface; the light without further rays is added.
-    fn surface(&mut self, _: &ShadingPoint<f32>, _: Vec3) {}
+    /// It hits a surface of this class; the light without further rays is added.
+    fn surface(&mut self, _: &ShadingPoint<f32>, _: &Class, _: Vec3) {}
 
     /// What arrives at the surface from the `index`th point of the `light`th light.
     fn light(&mut self, _: [usize; 2], _: &LightPoint<f32>, _: Arriving<'_>) {}
@@ -139,44 +136,36 @@ impl Observer for () {}
 /// Times the steps of paths, each as the pass of the wavefront that does the same. It looks at the
 /// clock several times a ray, which takes a considerable part of the time.
 struct StepClock {
-    seconds: [f64; TIMED.len()],
-    /// When the last step ended.
-    last: Instant,
-}
-
-impl StepClock {
-    /// Adds the time since the last step to the `index`th of [`TIMED`].
-    #[inline]
-    fn lap(&mut self, index: usize) {
-        let now = Instant::now();
-        self.seconds[index] += (now - self.last).as_secs_f64();
-        self.last = now;
-    }
+    clock: PassClock,
+    /// The pass that shades the current hit.
+    shading: Timed,
 }
 
 impl Observer for StepClock {
     fn camera(&mut self) {
-        self.lap(0);
+        self.clock.lap(Timed::Generate);
     }
 
     fn ray(&mut self, _: &Branch, _: &Hit, _: TestCounts) {
-        self.lap(1);
+        self.clock.lap(Timed::Intersect);
+        self.shading = Timed::Shade;
     }
 
-    fn surface(&mut self, _: &ShadingPoint<f32>, _: Vec3) {
-        self.lap(2);
+    fn surface(&mut self, _: &ShadingPoint<f32>, class: &Class, _: Vec3) {
+        self.shading = if class.is_plain() { Timed::Shade } else { Timed::Maps };
+        self.clock.lap(self.shading);
     }
 
     fn light(&mut self, _: [usize; 2], _: &LightPoint<f32>, _: Arriving<'_>) {
-        self.lap(3);
+        self.clock.lap(Timed::Shadow);
     }
 
     fn done(&mut self, _: Vec3, _: &[Branch], _: End) {
-        self.lap(2);
+        self.clock.lap(self.shading);
     }
 
     fn added(&mut self) {
-        self.lap(4);
+        self.clock.lap(Timed::Resolve);
     }
 }
 
@@ -264,18 +253,19 @@ impl<P: Arithmetic> Recursive<P> {
             }
             let throughput = at.throughput;
             let waiting = self.waiting.len();
-            let found = scene.interaction::<P>(&ray, &hit, at.differential, &mut self.look_ups);
+            let found =
+                scene.interaction::<P>(&ray, &hit, at.differential, &mut self.counters.look_ups);
             // By reference: a copy of a shading point takes time.
             let end = match &found {
                 Interaction::Surface(point, class) => {
                     let transparency = class.transparency.as_ref().filter(|_| transmits);
                     let divided = transparency.map(|transparency| {
-                        scene.divide(&at, &hit, transparency, point, &mut self.look_ups)
+                        scene.divide(&at, &hit, transparency, point, &mut self.counters.look_ups)
                     });
                     let own = divided.map_or(throughput, |(own, _)| own);
                     let local = point.local_light(scene.ambient, scene.hemisphere.as_ref());
                     radiance += own * Vec3::from(local);
-                    observer.surface(point, radiance);
+                    observer.surface(point, class, radiance);
                     if shadows && point.lit {
                         let gathered = (own, &mut radiance);
                         self.direct_light(scene, point, &stream, gathered, cancelled, observer);
@@ -288,7 +278,7 @@ impl<P: Arithmetic> Recursive<P> {
                     } else {
                         if let Some((next, throughput)) = mirror_ray(point, throughput) {
                             let differential = self.differentials.then(|| {
-                                let found = &mut self.look_ups;
+                                let found = &mut self.counters.look_ups;
                                 scene.mirrored(at.differential, &ray, &hit, point, found)
                             });
                             let trail = trail.mirrored();
@@ -355,7 +345,8 @@ impl<P: Arithmetic> Recursive<P> {
                     scene.accel.search::<P>().occluded(&request.ray(), &mut self.traversal);
                 let passed = (!occluded).then(|| match self.schedule.has_transmission() {
                     true => {
-                        let Self { passed, traversal, look_ups, .. } = &mut *self;
+                        let Self { passed, traversal, counters, .. } = &mut *self;
+                        let look_ups = &mut counters.look_ups;
                         scene.passed::<P>(&request.ray(), passed, traversal, look_ups)
                     }
                     false => Vec3::ONE,

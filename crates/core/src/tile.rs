@@ -1,12 +1,77 @@
-//! Tiles, the units of work of a thread, and the trait of tracers.
+//! Tiles, the units of work of a thread, and the trait of tracers with the clock of their passes.
 
 use std::ops::Range;
+use std::time::Instant;
 
 use crate::counters::{Counters, Sample};
+use crate::kernels::texture::decoding;
 use crate::prepared::PreparedScene;
 
-/// The passes that are timed, in order, by their names in statistics.
-pub const TIMED: [&str; 5] = ["generate", "intersect", "shade", "shadow", "resolve"];
+wavecrest_base::choices! {
+    /// The passes that are timed, in order, by their names in statistics.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    pub enum Timed {
+        /// Making camera rays.
+        Generate = "generate",
+        /// Finding closest hits.
+        Intersect = "intersect",
+        /// Shading hits on plain surfaces, shapes of lights and nothing.
+        Shade = "shade",
+        /// Shading hits on surfaces with maps, or that let light through.
+        Maps = "maps",
+        /// The light that arrives at lit points.
+        Shadow = "shadow",
+        /// Summing paths into pixels.
+        Resolve = "resolve",
+        /// Decoding images at their first look-up, in whichever pass that is.
+        Decode = "decode",
+    }
+}
+
+/// Seconds in each pass.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct PassClock {
+    seconds: [f64; Timed::ALL.len()],
+    /// When the last pass ended, and the seconds of decoding by then.
+    last: Instant,
+    decoded: f64,
+}
+
+impl PassClock {
+    pub(crate) fn new() -> Self {
+        Self { seconds: Default::default(), last: Instant::now(), decoded: 0.0 }
+    }
+
+    /// Starts the first pass.
+    #[inline]
+    pub(crate) fn start(&mut self) {
+        (self.last, self.decoded) = (Instant::now(), decoding());
+    }
+
+    /// Ends a pass, and starts the next.
+    #[inline]
+    pub(crate) fn lap(&mut self, pass: Timed) {
+        let (now, decoded) = (Instant::now(), decoding());
+        let decoding = decoded - self.decoded;
+        self.seconds[pass as usize] += (now - self.last).as_secs_f64() - decoding;
+        self.seconds[Timed::Decode as usize] += decoding;
+        (self.last, self.decoded) = (now, decoded);
+    }
+
+    /// Runs `work` as a pass.
+    #[inline]
+    pub(crate) fn time<T>(&mut self, pass: Timed, work: impl FnOnce() -> T) -> T {
+        self.start();
+        let found = work();
+        self.lap(pass);
+        found
+    }
+
+    /// The seconds by the names of the passes.
+    pub(crate) fn by_name(&self) -> Vec<(&'static str, f64)> {
+        Timed::ALL.map(Timed::name).into_iter().zip(self.seconds).collect()
+    }
+}
 
 /// A rectangle of pixels of the image.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -97,8 +162,8 @@ pub trait Tracer: Send {
     /// The work done so far.
     fn counters(&self) -> Counters;
 
-    /// Seconds so far in each pass, by the pass's name ([`TIMED`]); or in all, by the name of the
-    /// tracer.
+    /// Seconds so far in each pass, by the pass's name ([`Timed`]); or in all but decoding, by the
+    /// name of the tracer.
     fn pass_seconds(&self) -> Vec<(&'static str, f64)>;
 }
 

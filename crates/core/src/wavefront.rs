@@ -18,14 +18,13 @@ mod s5_resolve;
 
 use std::marker::PhantomData;
 use std::ops::Range;
-use std::time::Instant;
 
 use crate::accel::Traversal;
 use crate::counters::Counters;
 use crate::kernels::precision::Arithmetic;
 use crate::plan::schedule::Schedule;
 use crate::prepared::{LookUps, PreparedScene};
-use crate::tile::{TIMED, TraceSettings, Tracer, Unit};
+use crate::tile::{PassClock, Timed, TraceSettings, Tracer, Unit};
 use batch::Batch;
 
 /// The default number of paths in a batch.
@@ -43,23 +42,6 @@ pub struct Wavefront<P> {
     precision: PhantomData<P>,
 }
 
-/// Time spent in each pass.
-#[derive(Debug, Default)]
-struct PassClock {
-    seconds: [f64; TIMED.len()],
-}
-
-impl PassClock {
-    /// Runs `pass` and adds its time to the `index`th of [`TIMED`].
-    #[inline]
-    fn time<T>(&mut self, index: usize, pass: impl FnOnce() -> T) -> T {
-        let start = Instant::now();
-        let found = pass();
-        self.seconds[index] += start.elapsed().as_secs_f64();
-        found
-    }
-}
-
 impl<P: Arithmetic> Tracer for Wavefront<P> {
     fn new(scene: &PreparedScene, settings: &TraceSettings) -> Self {
         Self {
@@ -68,7 +50,7 @@ impl<P: Arithmetic> Tracer for Wavefront<P> {
             batch: Batch::new(scene, settings.batch),
             traversal: scene.accel.traversal(),
             counters: Counters::default(),
-            clock: PassClock::default(),
+            clock: PassClock::new(),
             precision: PhantomData,
         }
     }
@@ -94,7 +76,7 @@ impl<P: Arithmetic> Tracer for Wavefront<P> {
     }
 
     fn pass_seconds(&self) -> Vec<(&'static str, f64)> {
-        TIMED.into_iter().zip(self.clock.seconds).collect()
+        self.clock.by_name()
     }
 }
 
@@ -138,19 +120,22 @@ impl<P: Arithmetic> Wavefront<P> {
     /// Fills the batch with the camera rays of the unit's `paths`, at most its capacity.
     pub fn generate(&mut self, scene: &PreparedScene, unit: &Unit, paths: Range<u64>) {
         let Self { seed, batch, counters, clock, .. } = self;
-        clock.time(0, || s1_generate::run(scene, unit, *seed, paths, batch, counters));
+        clock
+            .time(Timed::Generate, || s1_generate::run(scene, unit, *seed, paths, batch, counters));
     }
 
     /// Finds the closest hit of every ray.
     pub fn intersect(&mut self, scene: &PreparedScene) {
         let Self { batch, traversal, clock, .. } = self;
-        clock.time(1, || s2_intersect::run::<P>(scene, batch, traversal));
+        clock.time(Timed::Intersect, || s2_intersect::run::<P>(scene, batch, traversal));
     }
 
     /// Adds the light of hits without further rays, and collects lit points and the next rays.
     pub fn shade(&mut self, scene: &PreparedScene, bounce: u32) {
         let Self { batch, counters, clock, .. } = self;
-        clock.time(2, || s3_shade::run::<P>(scene, bounce, batch, counters));
+        clock.start();
+        s3_shade::run::<P>(scene, bounce, batch, counters, clock);
+        clock.lap(Timed::Shade);
     }
 
     /// Adds the light of unoccluded shadow rays. Returns whether it did so for all: it was not
@@ -163,19 +148,19 @@ impl<P: Arithmetic> Wavefront<P> {
     ) -> bool {
         let Self { seed, batch, traversal, counters, clock, .. } = self;
         let place = (*seed, bounce);
-        clock.time(3, || s4_shadow::run::<P>(scene, place, batch, traversal, counters, cancelled))
+        clock.time(Timed::Shadow, || {
+            s4_shadow::run::<P>(scene, place, batch, traversal, counters, cancelled)
+        })
     }
 
     /// Adds the paths to their pixels' `sums`.
     pub fn resolve(&mut self, sums: &mut [[f64; 3]]) {
         let Self { batch, counters, clock, .. } = self;
-        clock.time(4, || s5_resolve::run(batch, sums, counters));
+        clock.time(Timed::Resolve, || s5_resolve::run(batch, sums, counters));
     }
 }
 
 /// Adds look-ups to the counters.
 fn count(look_ups: LookUps, counters: &mut Counters) {
-    counters.colors += look_ups.colors;
-    counters.texels += look_ups.texels;
-    counters.footprints += look_ups.footprints;
+    counters.look_ups += look_ups;
 }

@@ -24,7 +24,7 @@
 //! | `first_invalid.x`, `.y`, `.sample`, `.bounce`, `.primitive`, `.shape` | | where the first of them becomes not finite (`null` without any) |
 //! | `lights_at_surface` | rays | to lights within the rounding error of the surface |
 //! | `time.load`, `.build`, `.trace`, `.write`, `.total` | seconds | wall-clock time by stage |
-//! | `time.passes` | seconds | by pass, summed over threads |
+//! | `time.passes` | seconds | by pass ([`Timed`](wavecrest_core::tile::Timed)), summed over threads; `maps` is the shading of mapped hits, and `decode` the decoding of images, wherever it is |
 //! | `memory.predicted`, `.peak` | bytes | peak of the process: estimated before a mesh or a texture is read, and measured (`null` if unknown) |
 //! | `columns.estimated`, `.held` | bytes | columns of the wavefront's batches on all threads: estimated, and allocated (the recursive tracer has none) |
 //! | `bvh.preset`, `.nodes`, `.depth`, `.bytes` | | the trees as they are at the end: all nodes, the largest depth |
@@ -40,7 +40,7 @@ use serde_json::{Map, Value};
 
 use wavecrest_core::accel::Accel;
 use wavecrest_core::accel::build::Preset;
-use wavecrest_core::counters::{Counters, KernelCounts, TestCounts};
+use wavecrest_core::counters::{Counters, KernelCounts, SpanCounts, TestCounts};
 use wavecrest_core::prepared::{Appearance, LazyImage, PreparedScene};
 
 /// Groups of counts, each with what it is taken from.
@@ -81,9 +81,16 @@ counts! {
     Samples(c: Counters) {
         lens: u64 = c.lens_samples,
         light: u64 = c.light_samples,
-        colors: u64 = c.colors,
-        texels: u64 = c.texels,
-        footprints: u64 = c.footprints,
+        colors: u64 = c.look_ups.colors,
+        texels: u64 = c.look_ups.texels,
+        footprints: u64 = c.look_ups.footprints,
+    }
+
+    /// Mapped hits at one bounce.
+    SpanUse(c: SpanCounts) {
+        hits: u64 = c.hits,
+        lanes_in_use: Option<f64> = c.in_use(),
+        hits_a_span: Option<f64> = c.hits_a_span(),
     }
 
     /// Images of textures.

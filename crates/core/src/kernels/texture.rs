@@ -14,6 +14,7 @@ use wrap::{below, neighbours, position};
 
 pub use coordinates::{Placing, PlanarMap, UvMap, sphere_directions, sphere_uv, sphere_uv_change};
 pub use lazy::LazyImage;
+pub(crate) use lazy::decoding;
 pub use wrap::Wrap;
 
 wavecrest_base::choices! {

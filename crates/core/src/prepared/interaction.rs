@@ -234,10 +234,13 @@ impl<F: Single> Group<F> {
         set_three::<F>(&mut self.normals, lane, normals);
     }
 
-    /// The number of hits in use with vertex colours.
+    /// Counts the hits, of this class if it is not plain.
     #[inline(always)]
-    pub fn colored(&self) -> u64 {
-        (self.colored & self.used).count_ones().into()
+    pub fn count(&self, class: &Class, counts: &mut LookUps) {
+        let hits = u64::from(self.used.count_ones());
+        *(if class.is_plain() { &mut counts.plain } else { &mut counts.mapped }) += hits;
+        counts.maps += hits * class.maps.len() as u64;
+        counts.colors += u64::from((self.colored & self.used).count_ones());
     }
 
     /// Base colours of materials.
@@ -246,11 +249,10 @@ impl<F: Single> Group<F> {
         Vector::load(token, &self.color)
     }
 
-    /// The class of all hits, unless it is plain.
+    /// The class of the first hit, and of all if it is not plain.
     #[inline(always)]
-    pub fn class<'a>(&self, appearance: &'a Appearance) -> Option<&'a Class> {
-        let shape = &appearance.shapes[self.faces[0].shape as usize];
-        Some(appearance.class(shape)).filter(|class| !class.is_plain())
+    pub fn class<'a>(&self, appearance: &'a Appearance) -> &'a Class {
+        appearance.class(&appearance.shapes[self.faces[0].shape as usize])
     }
 
     /// Colours times those of vertices, where there are any.
@@ -417,10 +419,11 @@ impl<F: Single> Group<F> {
             point.emission = Vector::load(token, &self.emission);
             point.occlusion = F::load(token, &self.ambient);
         }
-        let Some(class) = self.class(appearance) else {
+        let class = self.class(appearance);
+        if class.is_plain() {
             point.color = self.with_vertex_colors(point.color, surfaces.barycentric);
             return point;
-        };
+        }
         point.occlusion = point.occlusion.times(class.scattered());
         point.opacity = F::splat(token, class.opacity());
         // Copies, so that the point stays in registers if there are no maps.
@@ -506,8 +509,9 @@ impl PreparedScene {
         let group = self.group_on(ray, hit, index);
         let place = (&line, hit.t);
         let point = group.shading_points::<P>(kind, place, self, &|_| differential, look_ups);
-        look_ups.colors += group.colored();
-        Interaction::Surface(point, self.appearance.class(shape))
+        let class = self.appearance.class(shape);
+        group.count(class, look_ups);
+        Interaction::Surface(point, class)
     }
 
     /// What a shadow ray of unit direction meets with `hit` on a transparent surface; `None` if the

@@ -23,6 +23,7 @@ use crate::math::simd::{LANES, Pass, dispatch_pass};
 use crate::math::vector::{Line, Vector};
 use crate::plan::schedule::Step;
 use crate::prepared::{Branch, Face, Group, LookUps, PreparedScene, Trail, lanes};
+use crate::tile::{PassClock, Timed};
 use faces::{Groups, SortedHits, WaitingHits};
 
 /// Adds background, emission and ambient light to the paths; collects lit points and, while bounces
@@ -32,6 +33,7 @@ pub(super) fn run<P: Arithmetic>(
     bounce: u32,
     batch: &mut Batch,
     counters: &mut Counters,
+    clock: &mut PassClock,
 ) {
     batch.lit.clear();
     batch.tints.clear();
@@ -48,6 +50,7 @@ pub(super) fn run<P: Arithmetic>(
         differentials: scene.carries_differentials(),
         batch,
         counters,
+        clock,
         has_any: schedule.has_shadows()
             || schedule.goes_on()
             || appearance
@@ -70,6 +73,7 @@ struct Shade<'a, P> {
     differentials: bool,
     batch: &'a mut Batch,
     counters: &'a mut Counters,
+    clock: &'a mut PassClock,
     /// Whether hits need shading points: for rays, appearance or hemispheric light.
     has_any: bool,
     /// Whether to collect lit points, and mirror rays.
@@ -185,18 +189,25 @@ impl<P: Arithmetic> Shade<'_, P> {
         self.batch.paths.radiance.add(path, self.batch.rays.throughput.get(i) * color);
     }
 
-    /// Shades hits, those of each class together.
+    /// Shades hits, those of each class together: a pass of its own for the clock.
     fn spans<F: Single>(
         &mut self,
         token: F::Token,
         groups: &mut Groups<F>,
         sorted: &mut SortedHits,
     ) {
+        if sorted.is_empty() {
+            return;
+        }
+        self.clock.lap(Timed::Shade);
+        let bounce = (self.bounce as usize).min(self.counters.spans.len() - 1);
         for span in sorted.sort() {
+            self.counters.spans[bounce].add(span.faces.len(), F::LANES);
             for faces in sorted.faces(&span).chunks(Groups::<F>::BLOCK) {
                 self.block(token, groups, faces, span.kind);
             }
         }
+        self.clock.lap(Timed::Maps);
     }
 
     /// Shades up to a block of hits of one kind.
@@ -231,6 +242,8 @@ impl<P: Arithmetic> Shade<'_, P> {
         let numbers = group.faces.map(|face| face.ray);
         let throughput = fetch(token, &rays.throughput, &numbers);
         let path = numbers.map(|ray| rays.path[ray as usize]);
+        let class = group.class(&self.scene.appearance);
+        group.count(class, &mut self.counters.look_ups);
         if !self.has_any {
             let light = group.colors(token).scale(F::splat(token, self.scene.ambient));
             self.add(group.used, &path, throughput * light);
@@ -243,9 +256,7 @@ impl<P: Arithmetic> Shade<'_, P> {
         let carried = |lane: usize| self.carried_differential(numbers[lane] as usize);
         let scene = self.scene;
         let point = group.shading_points::<P>(kind, (&line, t), scene, &carried, &mut look_ups);
-        look_ups.colors = group.colored();
-        let transparency = || group.class(&scene.appearance)?.transparency.as_ref();
-        let divided = if self.transmits { transparency() } else { None };
+        let divided = class.transparency.as_ref().filter(|_| self.transmits);
         let throughput = match divided {
             None => throughput,
             Some(through) => self.divide(group, through, (&point, throughput), &mut look_ups),
@@ -275,7 +286,7 @@ impl<P: Arithmetic> Shade<'_, P> {
                     || group.mirrored(scene, place, &carried, &point),
                 );
                 let asked = next.asked.bits();
-                self.counters.footprints += u64::from(asked.count_ones());
+                self.counters.look_ups.footprints += u64::from(asked.count_ones());
                 lanes(asked).for_each(|lane| self.batch.push_differential(mirrored.lane(lane)));
             }
         }

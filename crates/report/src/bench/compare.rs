@@ -7,15 +7,17 @@
 
 use serde::{Serialize, Serializer};
 
+use super::costs::{Cost, costs};
 use super::equal::RunDifference;
 use super::run::Run;
 use super::variant::{ListedVariant, Variant, Varied};
 use crate::measure::{Measured, RoundLimits, Rounds, Timing, measure};
 use crate::page::Cell;
-use crate::statistics::{KernelUse, Rays, Tests};
+use crate::statistics::{KernelUse, Rays, SpanUse, Tests};
 use crate::summary::{MedianInterval, Summary, median};
 use wavecrest_base::error::Result;
-use wavecrest_core::counters::Counters;
+use wavecrest_core::counters::{Counters, SpanCounts};
+use wavecrest_core::render::TracerKind;
 
 /// The results of a list.
 #[derive(Clone, Debug, Serialize)]
@@ -29,6 +31,18 @@ pub struct BenchComparison {
     /// The work of one run; tests are those of the first variant.
     #[serde(skip)]
     pub counters: Counters,
+}
+
+impl BenchComparison {
+    /// The last variant of the wavefront.
+    pub(super) fn wavefront(&self) -> Option<&VariantBench> {
+        self.variants.iter().rfind(|v| v.variant.tracer == TracerKind::Wavefront)
+    }
+
+    /// The recursive tracer with a clock, if it is in the list.
+    pub(super) fn timed(&self) -> Option<&VariantBench> {
+        self.variants.iter().find(|v| v.variant.time_passes)
+    }
 }
 
 /// The results of one variant.
@@ -47,6 +61,8 @@ pub struct VariantBench {
     /// The median time in each, summed over threads, in seconds.
     #[serde(serialize_with = "as_map")]
     pub passes: Vec<(&'static str, f64)>,
+    pub costs: Vec<Cost>,
+    pub spans: Vec<SpanUse>,
     pub batch_bytes: u64,
     pub tests: Tests,
     pub kernels: KernelUse,
@@ -153,6 +169,12 @@ fn variants(choices: &[ListedVariant], measured: &[Vec<(Timing, KeptRun)>]) -> V
         });
         let (_, last) = runs.last()?;
         let summary = Summary::of(&seconds[index])?;
+        let mut passes = passes(runs);
+        if variant.time_passes {
+            // Looking at the clock takes time, in every pass.
+            let share = sum(&self::passes(&measured[*over])) / sum(&passes).max(f64::MIN_POSITIVE);
+            passes.iter_mut().for_each(|(_, seconds)| *seconds *= share);
+        }
         let together: Timing = runs.iter().map(|(timing, _)| *timing).sum();
         Some(VariantBench {
             label: label.clone(),
@@ -163,7 +185,9 @@ fn variants(choices: &[ListedVariant], measured: &[Vec<(Timing, KeptRun)>]) -> V
             processors: together.processors(),
             processor_seconds: runs.iter().map(|(timing, _)| timing.processor).collect(),
             mrays_s: Rays::from(&last.counters).all() as f64 / summary.median / 1e6,
-            passes: passes(runs),
+            costs: costs(&passes, &last.counters),
+            passes,
+            spans: spans(&last.counters.spans),
             batch_bytes: last.columns / variant.threads.max(1) as u64,
             tests: (&last.counters).into(),
             kernels: (&last.counters).into(),
@@ -178,6 +202,17 @@ fn passes(runs: &[(Timing, KeptRun)]) -> Vec<(&'static str, f64)> {
     let names = runs.first().into_iter().flat_map(|(_, kept)| &kept.passes).map(|(name, _)| *name);
     let each = |pass: usize| runs.iter().map(|(_, kept)| kept.passes[pass].1).collect::<Vec<_>>();
     names.enumerate().map(|(pass, name)| (name, median(&each(pass)))).collect()
+}
+
+/// The sum of the seconds of passes.
+pub(super) fn sum(passes: &[(&str, f64)]) -> f64 {
+    passes.iter().map(|(_, seconds)| seconds).sum()
+}
+
+/// Those up to the last bounce with hits.
+fn spans(all: &[SpanCounts]) -> Vec<SpanUse> {
+    let bounces = all.iter().rposition(|span| span.hits > 0).map_or(0, |last| last + 1);
+    all[..bounces].iter().map(SpanUse::from).collect()
 }
 
 fn as_map<S: Serializer>(passes: &[(&str, f64)], sink: S) -> std::result::Result<S::Ok, S::Error> {

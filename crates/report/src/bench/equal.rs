@@ -65,16 +65,19 @@ impl RunDifference {
 const OF_TILES: [&str; 2] = ["primary_rays", "lens_samples"];
 
 /// Every count except tests and kernels, which differ between the tracers.
-fn work(c: &Counters) -> [(&'static str, u64); 10] {
+fn work(c: &Counters) -> [(&'static str, u64); 13] {
     [
         ("primary_rays", c.primary_rays),
         ("secondary_rays", c.secondary_rays),
         ("shadow_rays", c.shadow_rays),
         ("lens_samples", c.lens_samples),
         ("light_samples", c.light_samples),
-        ("colors", c.colors),
-        ("texels", c.texels),
-        ("footprints", c.footprints),
+        ("plain", c.look_ups.plain),
+        ("mapped", c.look_ups.mapped),
+        ("maps", c.look_ups.maps),
+        ("colors", c.look_ups.colors),
+        ("texels", c.look_ups.texels),
+        ("footprints", c.look_ups.footprints),
         ("invalid", c.invalid),
         ("lights_at_surface", c.lights_at_surface),
     ]

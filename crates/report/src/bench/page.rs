@@ -8,7 +8,7 @@ use std::path::Path;
 use serde::Serialize;
 use serde_json::Value;
 
-use super::compare::{Ratio, VariantBench};
+use super::compare::{Ratio, VariantBench, sum};
 use super::machine::Machine;
 use super::report::{BenchReport, SceneBench};
 use crate::page::{Block, Cell, Fact, Page, Section, Table, file_name};
@@ -84,9 +84,10 @@ fn speed(scene: &SceneBench) -> Option<&Ratio> {
     scene.tracers().map(|[_, wavefront]| &wavefront.ratio)
 }
 
-/// The speed of the wavefront, and the gain of each step to it, in a sentence.
+/// The speed of the wavefront, the gain of each step to it, and what takes most of its time, in a sentence.
 fn answer(scene: &SceneBench) -> Option<String> {
-    let ratio = speed(scene)?;
+    let [_, wavefront] = scene.tracers()?;
+    let (ratio, most) = (&wavefront.ratio, largest(wavefront));
     let i = &ratio.interval;
     let steps = gains(&scene.ladder()?.variants);
     let steps = if steps.is_empty() { String::new() } else { format!(": {steps}") };
@@ -97,13 +98,23 @@ fn answer(scene: &SceneBench) -> Option<String> {
     };
     Some(format!(
         "The wavefront is {:.2} times as fast as the recursive tracer ({:.3} to {:.3} with {:.1}\u{a0}% confidence, {} \
-         rounds){steps}.{doubt}",
+         rounds){steps}{most}.{doubt}",
         i.median,
         i.low,
         i.high,
         100.0 * i.confidence,
         ratio.pairs
     ))
+}
+
+/// The pass that takes most of a variant's time, such as "; maps take 46 % of its time".
+fn largest(variant: &VariantBench) -> String {
+    let largest = variant.passes.iter().max_by(|(_, a), (_, b)| a.total_cmp(b));
+    largest.filter(|(_, seconds)| *seconds > 0.0).map_or_else(String::new, |(pass, seconds)| {
+        let take = if pass.ends_with('s') { "take" } else { "takes" };
+        let share = 100.0 * seconds / sum(&variant.passes);
+        format!("; {pass} {take} {share:.0}\u{a0}% of its time")
+    })
 }
 
 /// The gain of each step, such as "order 1.08, flight 1.31, packets 1.31". Their product is the

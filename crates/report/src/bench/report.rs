@@ -182,8 +182,7 @@ impl SceneBench {
 
     /// The two tracers: the recursive one, and the wavefront, whose ratio is the answer.
     pub fn tracers(&self) -> Option<[&VariantBench; 2]> {
-        let variants = &self.ladder()?.variants;
-        let wavefront = variants.iter().rfind(|v| v.variant.tracer == TracerKind::Wavefront)?;
-        Some([variants.first()?, wavefront])
+        let ladder = self.ladder()?;
+        Some([ladder.variants.first()?, ladder.wavefront()?])
     }
 }

@@ -51,7 +51,7 @@ fn a_visible_effect_that_should_be_hidden_ends_the_measurement() {
     let trace = |scene: &PreparedScene, tracer| {
         let mut run = trace(scene, tracer)?;
         if std::ptr::eq(scene, &raw const entries[spoilt].scene) {
-            run.counters.texels += 1;
+            run.counters.look_ups.texels += 1;
         }
         Ok(run)
     };

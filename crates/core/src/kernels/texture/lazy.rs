@@ -1,6 +1,8 @@
 //! Images that are decoded at their first look-up.
 
+use std::cell::Cell;
 use std::sync::LazyLock;
+use std::time::Instant;
 
 use xxhash_rust::xxh3::xxh3_128;
 
@@ -21,6 +23,15 @@ pub struct LazyImage {
     name: String,
     expected: u64,
     decoding: u64,
+}
+
+thread_local! {
+    static DECODING: Cell<f64> = const { Cell::new(0.0) };
+}
+
+/// Seconds in which look-ups by the current thread have decoded images, or waited for them.
+pub(crate) fn decoding() -> f64 {
+    DECODING.get()
 }
 
 impl LazyImage {
@@ -61,10 +72,22 @@ impl LazyImage {
     /// The image for a look-up, or `None` if it cannot be decoded, which ends a render.
     #[inline]
     pub(crate) fn look_up(&self) -> Option<&Image> {
-        self.image.as_ref().ok()
+        let decoded = self.decoded().unwrap_or_else(|| self.wait());
+        decoded.as_ref().ok()
+    }
+
+    /// Decodes the image, or waits until another thread has, and adds the time to [`decoding`].
+    #[cold]
+    #[inline(never)]
+    fn wait(&self) -> &Result<Image> {
+        let start = Instant::now();
+        let decoded = &*self.image;
+        DECODING.set(decoding() + start.elapsed().as_secs_f64());
+        decoded
     }
 
     /// The result of decoding, if the image has been looked up.
+    #[inline]
     pub fn decoded(&self) -> Option<&Result<Image>> {
         LazyLock::get(&self.image)
     }
@@ -95,6 +118,7 @@ impl LazyImage {
 mod tests {
     use std::sync::Arc;
     use std::sync::atomic::{AtomicU32, Ordering};
+    use std::time::Duration;
 
     use super::super::Texels;
     use super::*;
@@ -115,6 +139,22 @@ mod tests {
             }
         });
         assert_eq!((times.load(Ordering::Relaxed), image.bytes()), (1, 4));
+    }
+
+    #[test]
+    fn the_first_look_up_counts_as_decoding() {
+        let image = LazyImage::new("a.png".into(), [4, 8], || {
+            std::thread::sleep(Duration::from_millis(5));
+            Ok(Image::new(1, 1, Texels::Bytes(vec![[1, 2, 3, 0]])))
+        });
+        let before = decoding();
+        assert!(image.look_up().is_some());
+        let after = decoding();
+        assert!(after - before >= 0.005, "{before} {after}");
+        assert!(image.look_up().is_some() && decoding() == after);
+        std::thread::scope(|scope| {
+            scope.spawn(|| assert!(image.look_up().is_some() && decoding() == 0.0));
+        });
     }
 
     #[test]

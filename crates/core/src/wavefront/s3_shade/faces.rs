@@ -123,6 +123,11 @@ impl SortedHits {
         self.waiting.len() == SORTED
     }
 
+    /// Whether none waits.
+    pub(super) fn is_empty(&self) -> bool {
+        self.waiting.is_empty()
+    }
+
     /// Sorts the hits, those of a class in their order. Returns the spans.
     pub(super) fn sort(&mut self) -> Vec<Span> {
         let Self { waiting, sorted, places, found } = self;

@@ -7,7 +7,8 @@ use crate::bench::variant::Varied;
 use crate::page::{Block, Cell, Table};
 use crate::plot::number::{plural, time_unit};
 use crate::plot::{Axis, Chart, Draw, Guide, Point, Scale, Series};
-use crate::statistics::Rays;
+use crate::statistics::{Rays, SpanUse};
+use wavecrest_core::counters::Counters;
 use wavecrest_core::render::TracerKind;
 
 /// A comparison: heading, and what its speeds are relative to.
@@ -48,6 +49,12 @@ pub(super) fn comparison(found: &BenchComparison, rays: &Rays, machine: &Machine
         Block::Table(times(found, over, &note)),
         passes(found, title),
     ]);
+    if let (Some(wavefront), Some(recursive)) = (found.wavefront(), found.timed()) {
+        let spans = Some(spans(&wavefront.spans)).filter(|_| !wavefront.spans.is_empty());
+        blocks.extend(
+            [Some(costs(wavefront, recursive)), spans].into_iter().flatten().map(Block::Table),
+        );
+    }
     blocks.push(Block::Table(work(found, rays, machine)));
     blocks
 }
@@ -116,19 +123,54 @@ fn passes(found: &BenchComparison, title: &str) -> Block {
     let is_timed =
         |v: &&VariantBench| v.variant.time_passes || v.variant.tracer == TracerKind::Wavefront;
     let bar = |v: &VariantBench| {
-        let stages = v.passes.iter().map(|&(stage, seconds)| (stage.to_owned(), seconds));
-        (v.label.clone(), stages.collect())
+        let stages = v.passes.iter().filter(|(_, seconds)| *seconds > 0.0);
+        (v.label.clone(), stages.map(|&(stage, seconds)| (stage.to_owned(), seconds)).collect())
     };
-    let cost = found.variants.iter().find(|v| v.variant.time_passes).map(|v| {
+    let cost = found.timed().map(|v| {
         let times = 1.0 / v.ratio.interval.median;
         format!(
-            " The passes of the recursive tracer were timed in runs of their own: looking at the clock for each step of \
-             each ray makes them take {times:.2} times as long."
+            " The passes of the recursive tracer were timed in runs of their own. Looking at the clock for each step of \
+             each ray makes these take {times:.2} times as long: the passes are drawn at the length of runs without it."
         )
     });
     let caption = format!("Medians of the runs, summed over threads.{}", cost.unwrap_or_default());
     let bars: Vec<_> = found.variants.iter().filter(is_timed).map(bar).collect();
     Block::Chart(Chart::bars(format!("{title}: time by pass"), caption, &bars))
+}
+
+/// What passes of both tracers cost for each of what they handle.
+fn costs(wavefront: &VariantBench, recursive: &VariantBench) -> Table {
+    let caption = "Nanoseconds of each pass for one of what it handles, summed over threads. Plain hits are on opaque \
+                   surfaces without maps, mapped hits on all others: their time is told by the hit and by the look-up.";
+    let rows = wavefront.costs.iter().map(|cost| {
+        let same = recursive.costs.iter().find(|other| other.of == cost.of);
+        vec![
+            Cell::text(cost.pass),
+            Cell::text(cost.of),
+            Cell::figure(cost.count as f64),
+            Cell::decimals(cost.nanoseconds, 1),
+            optional(same.map(|same| same.nanoseconds), 1),
+        ]
+    });
+    Table::new(caption, "pass|of|>number|>wavefront, ns|>recursive, ns", rows.collect())
+}
+
+/// How the wavefront shades mapped hits, by bounce.
+fn spans(spans: &[SpanUse]) -> Table {
+    let caption = "Mapped hits of the wavefront by bounce, the share of lanes in use, and the length of spans: hits on \
+                   surfaces that look the same, shaded one after another.";
+    let rest = Counters::default().spans.len() - 1;
+    let row = |(bounce, span): (usize, &SpanUse)| {
+        let percent = span.lanes_in_use.map(|share| 100.0 * share);
+        vec![
+            Cell::text(if bounce == rest { format!("{rest} and on") } else { bounce.to_string() }),
+            Cell::figure(span.hits as f64),
+            optional(percent, 1),
+            optional(span.hits_a_span, 1),
+        ]
+    };
+    let rows = spans.iter().enumerate().map(row).collect();
+    Table::new(caption, "bounce|>mapped hits|>lanes in use, %|>hits a span", rows)
 }
 
 /// Tests and rays per second, rays that are traced together, and the memory of a batch.

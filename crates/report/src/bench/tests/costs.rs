@@ -1,0 +1,104 @@
+//! Time by pass: what passes handle, how long spans are, and which pass takes most.
+
+use wavecrest_core::film::Film;
+use wavecrest_image::write::{Transfer, write};
+
+use super::super::compare::{VariantBench, sum};
+use super::*;
+
+/// Two mirrors with two maps each, of two classes, that see each other beside the ball.
+fn with_maps(folder: &Path) -> PreparedScene {
+    let picture = folder.join("grey.png");
+    let mut film = Film::new(1, 1).unwrap();
+    film.pixels_mut()[0] = [0.5, 0.5, 0.9];
+    write(&film, &picture, Transfer::Linear).unwrap();
+    let mut scene: Value = serde_json::from_str(SCENE).unwrap();
+    let shapes = scene["scene"]["shapes"].as_array_mut().unwrap();
+    for (y, kr) in [(0.0, 0.4), (1.85, 0.5)] {
+        shapes.push(json!({
+            "type": "sphere", "center": [-2, y, 0], "radius": 0.9,
+            "texture": picture, "normalmap": {"file": picture},
+            "material": {"ks": 0.2, "kd": 0.5, "kr": kr, "specularexponent": 9,
+                         "diffusecolor": [1, 1, 1]},
+        }));
+    }
+    let prepared = prepared(&scene.to_string());
+    prepared.appearance.decode().unwrap();
+    prepared
+}
+
+#[test]
+fn passes_are_told_by_what_they_handle() {
+    let folder = tempfile::tempdir().unwrap();
+    let ladder = compared_in(&with_maps(folder.path()), Varied::Ladder, 2, |_, _| 0.1, |_, _| {});
+    assert_eq!(ladder.difference, None);
+    let [wavefront, timed] = [ladder.wavefront(), ladder.timed()].map(Option::unwrap);
+    let each = |v: &VariantBench| v.costs.iter().map(|cost| (cost.of, cost.count)).collect();
+    let [of_wavefront, of_timed]: [Vec<_>; 2] = [wavefront, timed].map(each);
+    assert_eq!(of_wavefront, of_timed);
+    let counts = ladder.counters;
+    let (hits, rays) = (counts.look_ups, counts.primary_rays + counts.secondary_rays);
+    assert!(hits.plain > 0 && hits.mapped > 0 && hits.plain + hits.mapped < rays, "{counts:?}");
+    assert_eq!(hits.maps, 2 * hits.mapped);
+    let expected = [
+        ("camera ray", counts.primary_rays),
+        ("ray", rays),
+        ("plain hit", hits.plain),
+        ("mapped hit", hits.mapped),
+        ("look-up of a map", hits.maps),
+        ("shadow ray", counts.shadow_rays),
+        ("sample", counts.primary_rays),
+    ];
+    assert_eq!(of_timed, expected);
+    for Cost { pass, count, nanoseconds, .. } in &wavefront.costs {
+        let (_, seconds) = wavefront.passes.iter().find(|(name, _)| name == pass).unwrap();
+        assert!((nanoseconds * *count as f64 / 1e9 / seconds - 1.0).abs() < 1e-9, "{pass}");
+        assert!(*nanoseconds > 0.0, "{pass}");
+    }
+    let untimed = &ladder.variants[0];
+    assert!(untimed.costs.is_empty() && timed.passes.len() == Timed::ALL.len());
+    assert!((sum(&timed.passes) / sum(&untimed.passes) - 1.0).abs() < 1e-9, "{:?}", timed.passes);
+}
+
+#[test]
+fn spans_are_told_by_bounce() {
+    let folder = tempfile::tempdir().unwrap();
+    let ladder = compared_in(&with_maps(folder.path()), Varied::Ladder, 2, |_, _| 0.1, |_, _| {});
+    let spans = &ladder.wavefront().unwrap().spans;
+    assert_eq!(spans.len(), 2, "{spans:?}");
+    let mapped: u64 = spans.iter().map(|span| span.hits).sum();
+    assert_eq!(mapped, ladder.counters.look_ups.mapped);
+    for span in spans {
+        let (share, length) = (span.lanes_in_use.unwrap(), span.hits_a_span.unwrap());
+        assert!(share > 0.0 && share <= 1.0 && length >= 1.0 && span.hits > 0, "{span:?}");
+        // A span fills at least one vector, but for its last.
+        assert!(share >= length / (length + 8.0), "{span:?}");
+    }
+    assert!(ladder.timed().unwrap().spans.is_empty());
+    let found = report("maps.json", ladder);
+    let shown = text(&scene(&found, &Machine::this()));
+    let words = shown.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(words.contains("drawn at the length of runs without"), "{words}");
+    for part in ["maps       look-up of a map", "lanes in use, %", "hits a span"] {
+        assert!(shown.contains(part), "{part}\n{shown}");
+    }
+    assert!(shown.lines().all(|line| line.chars().count() <= 100), "{shown}");
+}
+
+#[test]
+fn the_first_sentence_names_the_pass_that_takes_most() {
+    for (pass, words) in [
+        ("maps", "maps take 80\u{a0}% of its time."),
+        ("shade", "shade takes 80\u{a0}% of its time."),
+    ] {
+        let spoil = |_: usize, run: &mut Run| {
+            run.rendered.pass_seconds = vec![("generate", 0.1), (pass, 0.4)];
+        };
+        let found = report("a", compared(Varied::Ladder, 6, |_, _| 0.1, spoil));
+        let lead = page(&report_of(vec![found])).lead;
+        assert!(
+            lead.starts_with("The wavefront is 1.00 times as fast") && lead.contains(words),
+            "{lead}"
+        );
+    }
+}
