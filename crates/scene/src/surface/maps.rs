@@ -160,7 +160,7 @@ fn alpha_of_texture(object: &Object<'_>) -> Result<Option<Map>> {
 }
 
 const FILE: &[Key] = keys! {
-    /// The image: a path from the scene's folder. A metal map may do without: its factors alone count.
+    /// The image: a path from the scene's folder.
     "file": Text, Required;
 };
 
@@ -170,7 +170,7 @@ const fn map(name: &'static str, about: &'static str, components: &'static [Decl
 }
 
 const METAL: &[Key] = keys! {
-    /// The image: a path from the scene's folder. A metal map may do without: its factors alone count.
+    /// The image: a path from the scene's folder. Without one the factors alone count.
     "file": Text;
 };
 
