@@ -196,12 +196,12 @@ impl Appearance {
         failure.cloned().map_or(Ok(()), Err)
     }
 
-    /// Bytes held by attributes, classes and images.
+    /// Bytes held by attributes, maps and images.
     pub fn bytes(&self) -> u64 {
         self.attribute_bytes() + self.all_images().map(LazyImage::bytes).sum::<u64>()
     }
 
-    /// Bytes held by attributes and classes, and by all images once they are decoded.
+    /// Bytes held by attributes and maps, and by all images once they are decoded.
     pub fn expected_bytes(&self) -> u64 {
         self.attribute_bytes() + self.all_images().map(LazyImage::expected_bytes).sum::<u64>()
     }
@@ -223,7 +223,8 @@ impl Appearance {
                     + mesh.tangents.as_ref().map_or(0, CornerValues::bytes)
             })
             .sum();
-        (meshes + size_of_val(self.classes.as_slice())) as u64
+        let maps = self.classes.iter().map(|class| size_of_val(class.maps.as_slice()));
+        (meshes + maps.sum::<usize>()) as u64
     }
 }
 

@@ -257,7 +257,7 @@ fn the_text_has_the_answer_first_and_work_beside_time() {
     ] {
         assert!(shown.contains(part), "{part}\n{shown}");
     }
-    assert!(!shown.contains("secondary  "), "no column for what the scene has not:\n{shown}");
+    assert!(!shown.contains("look-up of a map"), "no row for what the scene has not:\n{shown}");
     assert!(shown.lines().all(|line| line.chars().count() <= 100), "{shown}");
 }
 

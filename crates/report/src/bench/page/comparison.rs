@@ -173,27 +173,20 @@ fn spans(spans: &[SpanUse]) -> Table {
     Table::new(caption, "bounce|>mapped hits|>lanes in use, %|>hits a span", rows)
 }
 
-/// Tests and rays per second, rays that are traced together, and the memory of a batch.
+/// Tests, rays that are traced together, and the memory of a batch.
 fn work(found: &BenchComparison, rays: &Rays, machine: &Machine) -> Table {
     let caption = match found.of {
         Varied::Ladder => {
-            "Nodes visited and primitives tested for a ray; millions of rays of each kind in a second of the whole run; \
-             closest-hit rays that are traced together, of a packet at a node and in flight; and the ray state of a \
-             batch, with the nearest cache that holds it for all threads."
+            "Nodes visited and primitives tested for a ray; closest-hit rays that are traced together, of a packet at a \
+             node and in flight; and the ray state of a batch, with the nearest cache that holds it for all threads."
         }
-        _ => "Work, rates and ray state, as above.",
+        _ => "Work and ray state, as above.",
     };
-    let kinds = [("primary", rays.primary), ("secondary", rays.secondary), ("shadow", rays.shadow)];
-    let kinds: Vec<(&str, u64)> = kinds.into_iter().filter(|(_, rays)| *rays > 0).collect();
-    let named: Vec<&str> = kinds.iter().map(|(name, _)| *name).collect();
-    let names = [&["nodes", "prims"][..], &named, &["a node", "flight", "batch", "in"]].concat();
-    table(found, caption, &names, |v| {
+    table(found, caption, &["nodes", "prims", "a node", "flight", "batch", "in"], |v| {
         let closest = &v.kernels.closest;
         let per_ray = |tests: u64| tests as f64 / rays.all().max(1) as f64;
         let tests = [v.tests.nodes, v.tests.primitives.all()].map(per_ray);
         let mut cells = tests.map(|tests| Cell::decimals(tests, 2)).to_vec();
-        let rate = |rays: u64| rays as f64 / v.seconds.median / 1e6;
-        cells.extend(kinds.iter().map(|(_, rays)| Cell::decimals(rate(*rays), 3)));
         cells.extend([closest.rays_a_node, closest.rays_a_round].map(|rays| optional(rays, 1)));
         let state = v.batch_bytes;
         let held = machine.holds(state, v.variant.threads).filter(|_| state > 0);
