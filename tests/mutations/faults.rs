@@ -159,7 +159,7 @@ pub(crate) const FAULTS: &[Fault] = faults! {
         "Vector::select(is_back, -turned, turned)" => "turned";
     "bitangents point backwards", 50, "crates/core/src/prepared/maps.rs":
         "normal.cross(tangent)" => "tangent.cross(normal)";
-    "vertex colours are ignored", 46, "crates/core/src/prepared/interaction.rs":
+    "vertex colours are ignored", 46, "crates/core/src/prepared/group.rs":
         "color * tint" => "color";
     "levels are those of shorter sides", 52, "crates/core/src/kernels/texture.rs":
         "across.gt(down)" => "down.gt(across)";

@@ -4,6 +4,7 @@ mod appearance;
 mod class;
 mod differential;
 mod fingerprint;
+mod group;
 mod interaction;
 mod maps;
 mod resample;
@@ -16,7 +17,8 @@ use glam::{DVec3, Vec2, Vec3, Vec4};
 
 pub use class::{Class, Map, Property};
 pub use fingerprint::Fingerprints;
-pub use interaction::{Face, Group, Interaction, lanes, surface};
+pub use group::{Face, Group, lanes};
+pub use interaction::{Interaction, surface};
 pub use resample::{Original, Samples};
 pub use transmission::{Branch, Trail};
 

@@ -6,7 +6,7 @@
 use glam::{Mat3, Vec3};
 
 use super::class::{Map, Property};
-use super::interaction::{Group, set, three};
+use super::group::{Group, set, three};
 use super::{Class, Coordinates, LookUps, PreparedScene, Texture, UvMap};
 use crate::kernels::blinn_phong::Reflection;
 use crate::kernels::differential::{Differential, uv_change};
