@@ -198,12 +198,12 @@ impl Appearance {
         failure.cloned().map_or(Ok(()), Err)
     }
 
-    /// Bytes held by attributes, maps and images.
+    /// Bytes held by attributes and images.
     pub fn bytes(&self) -> u64 {
         self.attribute_bytes() + self.all_images().map(LazyImage::bytes).sum::<u64>()
     }
 
-    /// Bytes held by attributes and maps, and by all images once they are decoded.
+    /// Bytes held by attributes, and by all images once they are decoded.
     pub fn expected_bytes(&self) -> u64 {
         self.attribute_bytes() + self.all_images().map(LazyImage::expected_bytes).sum::<u64>()
     }
@@ -225,8 +225,7 @@ impl Appearance {
                     + mesh.tangents.as_ref().map_or(0, CornerValues::bytes)
             })
             .sum();
-        let maps = self.classes.iter().map(|class| size_of_val(class.maps.as_slice()));
-        (meshes + maps.sum::<usize>()) as u64
+        meshes as u64
     }
 }
 

@@ -40,6 +40,15 @@ pub struct Reflection<F: Single> {
     pub tint: Vector<F>,
 }
 
+impl<F: Single> Reflection<F> {
+    /// The parameters in lane `i`.
+    pub fn lane(&self, i: usize) -> Reflection<f32> {
+        let Self { ks, kd, exponent, tint } = self;
+        let (ks, kd, exponent) = (ks.lane(i), kd.lane(i), exponent.lane(i));
+        Reflection { ks, kd, exponent, tint: tint.lane(i).into() }
+    }
+}
+
 /// Light from direction `to_light` reflected towards `view` (unit vectors away from the surface),
 /// for a light of strength 1: kd D max(0, N.L) + ks T max(0, N.H)^exponent.
 #[inline(always)]
@@ -125,6 +134,12 @@ impl Material {
         emission: Vec3::ZERO,
         ambient: 1.0,
     };
+
+    /// Whether it emits light, colours its highlights or scatters only a share of ambient light.
+    pub fn is_special(&self) -> bool {
+        let special = |of: &Self| (of.emission, of.tint, of.ambient);
+        special(self) != special(&Self::BLACK)
+    }
 
     /// The reflection parameters.
     pub fn reflection(&self) -> Reflection<f32> {

@@ -12,7 +12,7 @@
 //!
 //! With a, b, c and d the corners, o the origin and r the direction of the ray, p = (c - a) x r is
 //! normal to the plane through the diagonal along the ray, and the sides are the signs of p . (o - a),
-//! p . (b - a) and p . (d - a). In the terms of [`settle`], a component of p is off by 3 u m: a
+//! p . (b - a) and p . (d - a). In the terms of [`super::triangle`], a component of p is off by 3 u m: a
 //! difference, a product, and the difference of the products. The scalar product with another
 //! difference adds 4 u, so that it is off by at most 7 u m . |o - a|: the bound of sides holds.
 

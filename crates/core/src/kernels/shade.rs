@@ -72,8 +72,6 @@ impl ShadingPoint<f32> {
 impl<F: Single> ShadingPoint<F> {
     /// The shading point in lane `i`.
     pub fn lane(&self, i: usize) -> ShadingPoint<f32> {
-        let Reflection { ks, kd, exponent, tint } = self.reflection;
-        let (ks, kd, exponent) = (ks.lane(i), kd.lane(i), exponent.lane(i));
         ShadingPoint {
             point: self.point.lane(i).into(),
             error: self.error.lane(i).into(),
@@ -83,7 +81,7 @@ impl<F: Single> ShadingPoint<F> {
             color: self.color.lane(i).into(),
             occlusion: self.occlusion.lane(i),
             emission: self.emission.lane(i).into(),
-            reflection: Reflection { ks, kd, exponent, tint: tint.lane(i).into() },
+            reflection: self.reflection.lane(i),
             kr: self.kr.lane(i),
             opacity: self.opacity.lane(i),
             lit: self.lit.bits() >> i & 1 == 1,

@@ -69,9 +69,7 @@ pub enum Property {
 impl Class {
     /// The class with these constants and maps.
     pub fn new(material: Material, transparency: Option<Transparency>, maps: Vec<Map>) -> Self {
-        let Material { emission, tint, ambient, .. } = Material::BLACK;
-        let is_special =
-            (material.emission, material.tint, material.ambient) != (emission, tint, ambient);
+        let is_special = material.is_special();
         let is_of_mesh = |texture: &Texture| texture.coordinates.map == UvMap::Mesh;
         let looks_up_uvs = maps.iter().filter_map(|map| map.texture.as_ref()).any(is_of_mesh);
         let fades = maps.iter().any(|map| map.property == Property::Alpha);

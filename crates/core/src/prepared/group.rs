@@ -4,7 +4,8 @@ use glam::Vec3;
 
 use super::{Appearance, Class, LookUps, Shape};
 use crate::geometry::{Geometry, Primitive};
-use crate::kernels::blinn_phong::Material;
+use crate::kernels::blinn_phong::{Material, Reflection};
+use crate::kernels::shade::ShadingPoint;
 use crate::kernels::surface::{self, Surface};
 use crate::math::ray::Ray;
 use crate::math::real::Single;
@@ -238,6 +239,24 @@ impl<F: Single> Group<F> {
     #[inline(always)]
     pub fn class<'a>(&self, appearance: &'a Appearance) -> &'a Class {
         appearance.class(&appearance.shapes[self.faces[0].shape as usize])
+    }
+
+    /// The reflection parameters, with white highlights.
+    #[inline(always)]
+    pub(super) fn reflection(&self, token: F::Token) -> Reflection<F> {
+        let Vector { x: ks, y: kd, z: exponent } = Vector::load(token, &self.reflection);
+        Reflection { ks, kd, exponent, tint: Vector::splat(token, Vec3::ONE) }
+    }
+
+    /// Adds the constants that only special materials have.
+    #[inline(always)]
+    pub(super) fn add_special(&self, point: &mut ShadingPoint<F>) {
+        if self.special != 0 {
+            let token = point.kr.token();
+            point.reflection.tint = Vector::load(token, &self.tint);
+            point.emission = Vector::load(token, &self.emission);
+            point.occlusion = F::load(token, &self.ambient);
+        }
     }
 
     /// Colours times those of vertices, where there are any.

@@ -9,7 +9,6 @@ use super::maps::Place;
 use super::{Class, LookUps, PreparedScene};
 use crate::accel::Hit;
 use crate::geometry::{Geometry, Primitive, ShadingKind};
-use crate::kernels::blinn_phong::Reflection;
 use crate::kernels::differential::Differential;
 use crate::kernels::precision::Arithmetic;
 use crate::kernels::shade::ShadingPoint;
@@ -108,7 +107,6 @@ impl<F: Single> Group<F> {
             shading_normal =
                 surface::interpolated_normal(&corners, surfaces.barycentric, normal, smooth);
         }
-        let Vector { x: ks, y: kd, z: exponent } = Vector::load(token, &self.reflection);
         let mut point = ShadingPoint {
             point: surfaces.point,
             error: surfaces.error,
@@ -118,17 +116,13 @@ impl<F: Single> Group<F> {
             color: self.colors(token),
             occlusion: F::splat(token, 1.0),
             emission: Vector::splat(token, Vec3::ZERO),
-            reflection: Reflection { ks, kd, exponent, tint: Vector::splat(token, Vec3::ONE) },
+            reflection: self.reflection(token),
             kr: F::load(token, &self.kr),
             opacity: F::splat(token, 1.0),
             lit: F::mask(token, self.used) & (F::mask(token, self.two_sided) | !at_back),
             inside: at_back,
         };
-        if self.special != 0 {
-            point.reflection.tint = Vector::load(token, &self.tint);
-            point.emission = Vector::load(token, &self.emission);
-            point.occlusion = F::load(token, &self.ambient);
-        }
+        self.add_special(&mut point);
         let class = self.class(appearance);
         if class.is_plain() {
             point.color = self.with_vertex_colors(point.color, surfaces.barycentric);
