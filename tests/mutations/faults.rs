@@ -155,8 +155,6 @@ pub(crate) const FAULTS: &[Fault] = faults! {
         "point.emission * texel" => "point.emission";
     "roughness is read from blue", 50, "crates/core/src/prepared/maps.rs":
         "texel.y.times(roughness)" => "texel.z.times(roughness)";
-    "normal maps turn both sides alike", 50, "crates/core/src/prepared/maps.rs":
-        "Vector::select(is_back, -turned, turned)" => "turned";
     "bitangents point backwards", 50, "crates/core/src/prepared/maps.rs":
         "normal.cross(tangent)" => "tangent.cross(normal)";
     "vertex colours are ignored", 46, "crates/core/src/prepared/group.rs":
