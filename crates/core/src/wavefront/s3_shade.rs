@@ -97,8 +97,7 @@ impl<P: Arithmetic> Pass for Shade<'_, P> {
         let geometry = self.scene.accel.geometry();
         let mut groups = Groups::<F>::new();
         let mut waiting = ShadingKind::ALL.map(|_| WaitingHits::new());
-        let is_mixed = appearance.classes.iter().any(|class| !class.is_plain());
-        let mut sorted = SortedHits::new(if is_mixed { appearance.classes.len() } else { 0 });
+        let mut sorted = SortedHits::new(appearance.classes.len());
         // The last shape hit: the next hit is likely on it too.
         let (mut last, mut is_plain) = (usize::MAX, true);
         for i in 0..self.batch.rays.len() {

@@ -90,7 +90,9 @@ pub(super) struct SortedHits {
     waiting: Vec<(u32, Face)>,
     sorted: Vec<Face>,
     /// For each class and kind the place of its next hit; a number of hits while these are counted.
+    /// Empty before the first hit: there may be many classes, all of them plain.
     places: Vec<u32>,
+    classes: usize,
     /// Classes and kinds that occur, in the order of their first hits.
     found: Vec<u32>,
 }
@@ -106,14 +108,17 @@ pub(super) struct Span {
 impl SortedHits {
     /// For hits on this number of classes.
     pub(super) fn new(classes: usize) -> Self {
-        let places = vec![0; classes * ShadingKind::ALL.len()];
-        Self { waiting: Vec::new(), sorted: Vec::new(), places, found: Vec::new() }
+        let (waiting, sorted, found) = (Vec::new(), Vec::new(), Vec::new());
+        Self { waiting, sorted, places: Vec::new(), classes, found }
     }
 
     /// Adds a hit. Returns whether to sort them.
     #[inline(always)]
     pub(super) fn push(&mut self, face: Face, class: u32, kind: ShadingKind) -> bool {
         let key = class * ShadingKind::ALL.len() as u32 + kind as u32;
+        if self.places.is_empty() {
+            self.places.resize(self.classes * ShadingKind::ALL.len(), 0);
+        }
         let hits = &mut self.places[key as usize];
         if *hits == 0 {
             self.found.push(key);
@@ -130,7 +135,7 @@ impl SortedHits {
 
     /// Sorts the hits, those of a class in their order. Returns the spans.
     pub(super) fn sort(&mut self) -> Vec<Span> {
-        let Self { waiting, sorted, places, found } = self;
+        let Self { waiting, sorted, places, found, .. } = self;
         let mut end = 0;
         let spans = found.iter().map(|&key| {
             let place = &mut places[key as usize];

@@ -141,7 +141,7 @@ fn passes(found: &BenchComparison, title: &str) -> Block {
 /// What passes of both tracers cost for each of what they handle.
 fn costs(wavefront: &VariantBench, recursive: &VariantBench) -> Table {
     let caption = "Nanoseconds of each pass for one of what it handles, summed over threads. Plain hits are on opaque \
-                   surfaces without maps, mapped hits on all others: their time is told by the hit and by the look-up.";
+                   surfaces without maps, mapped hits on all others: their time is given for each hit and for each look-up.";
     let rows = wavefront.costs.iter().map(|cost| {
         let same = recursive.costs.iter().find(|other| other.of == cost.of);
         vec![
