@@ -35,6 +35,7 @@ pub const DEFAULT_BATCH: usize = 1024;
 pub struct Wavefront<P> {
     seed: u64,
     schedule: Schedule,
+    needs_points: bool,
     batch: Batch,
     traversal: Traversal,
     counters: Counters,
@@ -47,6 +48,7 @@ impl<P: Arithmetic> Tracer for Wavefront<P> {
         Self {
             seed: settings.seed,
             schedule: scene.plan.schedule(),
+            needs_points: scene.needs_points(),
             batch: Batch::new(scene, settings.batch),
             traversal: scene.accel.traversal(),
             counters: Counters::default(),
@@ -132,9 +134,9 @@ impl<P: Arithmetic> Wavefront<P> {
 
     /// Adds the light of hits without further rays, and collects lit points and the next rays.
     pub fn shade(&mut self, scene: &PreparedScene, bounce: u32) {
-        let Self { batch, counters, clock, .. } = self;
+        let Self { needs_points, batch, counters, clock, .. } = self;
         clock.start();
-        s3_shade::run::<P>(scene, bounce, batch, counters, clock);
+        s3_shade::run::<P>(scene, (bounce, *needs_points), batch, counters, clock);
         clock.lap(Timed::Shade);
     }
 

@@ -17,6 +17,7 @@ use crate::kernels::transmission::{self, Transparency};
 use crate::math::float::{dot, max, min};
 use crate::math::ray::Ray;
 use crate::plan::Effect;
+use crate::plan::schedule::Step;
 
 /// What a ray went through on its path.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -71,6 +72,25 @@ impl PreparedScene {
     /// Whether the exact t of hits is needed: for footprints, and for light absorbed on the way.
     pub fn needs_t(&self) -> bool {
         self.plan.has(Effect::RayDifferentials) || self.plan.schedule().has_transmission()
+    }
+
+    /// Whether hits need shading points: for rays, appearance, or ambient light that is not the same
+    /// everywhere.
+    pub fn needs_points(&self) -> bool {
+        const STEPS: [Step; 6] = [
+            Step::Normals,
+            Step::Colors,
+            Step::Texels,
+            Step::NormalMaps,
+            Step::Maps,
+            Step::Emission,
+        ];
+        let schedule = self.plan.schedule();
+        schedule.has_shadows()
+            || schedule.goes_on()
+            || STEPS.iter().any(|&step| schedule.runs(step))
+            || self.appearance.classes.iter().any(|class| class.material.ambient != 1.0)
+            || self.hemisphere.is_some()
     }
 
     /// The colour along a ray that meets nothing: only what was mirrored does not see the background.

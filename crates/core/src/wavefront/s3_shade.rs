@@ -30,7 +30,7 @@ use faces::{Groups, SortedHits, WaitingHits};
 /// are left, the next rays.
 pub(super) fn run<P: Arithmetic>(
     scene: &PreparedScene,
-    bounce: u32,
+    (bounce, needs_points): (u32, bool),
     batch: &mut Batch,
     counters: &mut Counters,
     clock: &mut PassClock,
@@ -41,21 +41,14 @@ pub(super) fn run<P: Arithmetic>(
     batch.next_differentials.clear();
     batch.next_trails.clear();
     let schedule = scene.plan.schedule();
-    let steps =
-        [Step::Normals, Step::Colors, Step::Texels, Step::NormalMaps, Step::Maps, Step::Emission];
-    let appearance = steps.iter().any(|&step| schedule.runs(step));
     let shade = Shade::<P> {
         scene,
         bounce,
         differentials: scene.carries_differentials(),
+        needs_points,
         batch,
         counters,
         clock,
-        has_any: schedule.has_shadows()
-            || schedule.goes_on()
-            || appearance
-            || scene.appearance.classes.iter().any(|class| class.material.ambient != 1.0)
-            || scene.hemisphere.is_some(),
         shadows: schedule.has_shadows(),
         tints: schedule.runs(Step::Tints),
         mirrors: schedule.has_mirrors() && (bounce < scene.bounces || schedule.has_transmission()),
@@ -71,11 +64,11 @@ struct Shade<'a, P> {
     bounce: u32,
     /// Whether rays from surfaces have differentials.
     differentials: bool,
+    /// See [`PreparedScene::needs_points`].
+    needs_points: bool,
     batch: &'a mut Batch,
     counters: &'a mut Counters,
     clock: &'a mut PassClock,
-    /// Whether hits need shading points: for rays, appearance or hemispheric light.
-    has_any: bool,
     /// Whether to collect lit points, and mirror rays.
     shadows: bool,
     mirrors: bool,
@@ -227,7 +220,7 @@ impl<P: Arithmetic> Shade<'_, P> {
                 let rays = &self.batch.rays;
                 let (geometry, appearance) = (self.scene.accel.geometry(), &self.scene.appearance);
                 let ray = |i| rays.ray(i);
-                for group in groups.fetch(faces, self.has_any, geometry, appearance, ray) {
+                for group in groups.fetch(faces, self.needs_points, geometry, appearance, ray) {
                     self.group(token, group, kind);
                 }
             },
@@ -243,7 +236,7 @@ impl<P: Arithmetic> Shade<'_, P> {
         let path = numbers.map(|ray| rays.path[ray as usize]);
         let class = group.class(&self.scene.appearance);
         group.count(class, &mut self.counters.look_ups);
-        if !self.has_any {
+        if !self.needs_points {
             let light = group.colors(token).scale(F::splat(token, self.scene.ambient));
             self.add(group.used, &path, throughput * light);
             return;
