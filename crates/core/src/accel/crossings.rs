@@ -143,6 +143,7 @@ mod tests {
     use crate::accel::build::Preset;
     use crate::geometry::Quadric;
     use crate::kernels::disk::{self, Disk};
+    use crate::kernels::precision::Reference;
     use crate::kernels::sphere;
     use crate::math::simd::Level;
 
@@ -242,7 +243,7 @@ mod tests {
                 let found: Vec<f32> = found.map(|hit| hit.t).collect();
                 let expected = match *quadric {
                     Quadric::Sphere(center, radius) => {
-                        sphere::crossings(ray, center, radius, |_| None)
+                        sphere::crossings::<Reference>(ray, center, radius)
                     }
                     Quadric::Disk(disk) => [disk::intersect_exactly(ray, &disk), None],
                 };

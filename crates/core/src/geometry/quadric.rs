@@ -78,14 +78,9 @@ impl Quadric {
 
     /// Every t within its range at which the ray crosses it: up to two for a sphere.
     pub(crate) fn crossings<P: Arithmetic>(&self, ray: &Ray) -> [Option<f32>; 2] {
-        let first = self.hit::<P>(ray);
-        match (self, first) {
-            (Self::Sphere(center, radius), Some(_)) => {
-                sphere::crossings(ray, *center, *radius, |range| {
-                    self.hit::<P>(&Ray { t_min: range[0], t_max: range[1], ..*ray })
-                })
-            }
-            _ => [first, None],
+        match self {
+            Self::Sphere(center, radius) => sphere::crossings::<P>(ray, *center, *radius),
+            Self::Disk(_) => [self.hit::<P>(ray), None],
         }
     }
 

@@ -42,31 +42,41 @@ pub fn intersect_exactly(ray: &Ray, center: Vec3, radius: f32) -> Option<f32> {
     [near, far].iter().find(|root| root.is_within(range)).map(Comparable::rounded)
 }
 
-/// Both t within the range of a ray at which it meets a sphere. `first` returns the first t in a range.
-///
-/// The near one lies before the middle of the ray in the sphere and the far one behind it; where
-/// rounding leaves that open, exact arithmetic decides.
-pub fn crossings(
-    ray: &Ray,
-    center: Vec3,
-    radius: f32,
-    first: impl Fn([f32; 2]) -> Option<f32>,
-) -> [Option<f32>; 2] {
-    let (direction, from) = (ray.direction.as_dvec3(), (center.as_dvec3() - ray.origin.as_dvec3()));
-    let middle = (from.dot(direction) / direction.dot(direction)) as f32;
-    if ray.t_min < middle && middle < ray.t_max {
-        let found = [first([ray.t_min, middle]), first([middle, ray.t_max])];
-        // Neither t is at the middle itself, so that both are in the right part of the range.
-        if let [Some(near), Some(far)] = found
-            && near < middle
-            && middle < far
+/// Both t within the range of a ray at which it meets a sphere, the nearer first.
+pub fn crossings<P: Arithmetic>(ray: &Ray, center: Vec3, radius: f32) -> [Option<f32>; 2] {
+    let line = Line::from(ray);
+    if !P::IS_REFERENCE {
+        if passes_by(&line, center.into(), radius) {
+            return [None; 2];
+        }
+        let Roots { near, near_error, far, far_error, known, miss } =
+            Roots::of::<f32>(&line, center.into(), radius);
+        if miss {
+            return [None; 2];
+        }
+        if known
+            && let Some(near) = crossed(ray, near, near_error)
+            && let Some(far) = crossed(ray, far, far_error)
         {
-            return found;
+            return [near, far];
         }
     }
     let within =
         |root: QuadraticRoot| root.is_within([ray.t_min, ray.t_max]).then(|| root.rounded());
     QuadraticRoot::both(ray, center, radius).map_or([None; 2], |roots| roots.map(within))
+}
+
+/// A root with this bound on its error, rounded, if it is within the range of the ray; `None` if the bound
+/// leaves that open, or how it is rounded.
+fn crossed(ray: &Ray, root: f64, error: f64) -> Option<Option<f32>> {
+    let (low, high) = (root - error, root + error);
+    let (start, end) = (f64::from(ray.t_min), f64::from(ray.t_max));
+    if high <= start || low >= end {
+        return Some(None);
+    }
+    let t = low as f32;
+    let is_known = low > start && high < end && t == high as f32 && t.abs() < f32::MAX;
+    is_known.then_some(Some(t))
 }
 
 /// A root of a t^2 - 2 b t + c with real roots, and positive a.
