@@ -163,13 +163,13 @@ pub(crate) const FAULTS: &[Fault] = faults! {
         "across.gt(down)" => "down.gt(across)";
     "repeated images end at their edges", 30, "crates/core/src/kernels/texture/wrap.rs":
         "[last, zero]" => "[zero, last]";
-    "classes share a span", 50, "crates/core/src/wavefront/s3_shade/faces.rs":
+    "classes share a span", 50, "crates/core/src/wavefront/faces.rs":
         "class * ShadingKind::ALL.len() as u32 + kind as u32" => "class.min(0) + kind as u32";
-    "spans end before their last hit", 50, "crates/core/src/wavefront/s3_shade/faces.rs":
+    "spans end before their last hit", 50, "crates/core/src/wavefront/faces.rs":
         "end..end + *place as usize" => "end..end + *place as usize - 1";
-    "sorted hits take each other's places", 50, "crates/core/src/wavefront/s3_shade/faces.rs":
+    "sorted hits take each other's places", 50, "crates/core/src/wavefront/faces.rs":
         "*place += 1" => "*place += 0";
-    "spans are of triangles", 50, "crates/core/src/wavefront/s3_shade/faces.rs":
+    "spans are of triangles", 50, "crates/core/src/wavefront/faces.rs":
         "ShadingKind::ALL[key as usize % ShadingKind::ALL.len()]" => "ShadingKind::ALL[key as usize % 1]";
     "mirrors show what is below them", 50, "crates/core/src/kernels/shade.rs":
         "smooth.dot(normal).gt(view.x.zero())" => "smooth.dot(smooth).gt(view.x.zero())";

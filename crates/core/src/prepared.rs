@@ -7,6 +7,7 @@ mod fingerprint;
 mod group;
 mod interaction;
 mod maps;
+mod passing;
 mod resample;
 mod transmission;
 
@@ -19,6 +20,7 @@ pub use class::{Class, Map, Property};
 pub use fingerprint::Fingerprints;
 pub use group::{Face, Group, lanes};
 pub use interaction::{Interaction, surface};
+pub use passing::{Crossing, Passing};
 pub use resample::{Original, Samples};
 pub use transmission::{Branch, Trail};
 
@@ -30,7 +32,6 @@ pub use crate::kernels::corners::{CornerValues, NO_VALUE};
 use crate::kernels::environment::Environment;
 use crate::kernels::hemisphere::Hemisphere;
 use crate::kernels::light::Light;
-use crate::kernels::slab::Aabb;
 use crate::kernels::texture::{Filter, Wrap};
 pub use crate::kernels::texture::{LazyImage, Placing, UvMap};
 use crate::plan::Plan;
@@ -66,8 +67,6 @@ pub struct PreparedScene {
     /// What is around the scene; `None` if the plan has nothing, and rays that hit nothing see the
     /// background or the hemispheric light.
     pub environment: Option<Environment>,
-    /// Boxes that together contain all transparent surfaces.
-    pub transparent: Vec<Aabb>,
     /// How often a ray may be mirrored or refracted; 0 if the plan has neither.
     pub bounces: u32,
     /// Counts of dropped parts of the file.
@@ -168,6 +167,15 @@ impl Appearance {
     #[inline]
     pub fn shape_of(&self, primitive: u32) -> usize {
         self.shapes.partition_point(|shape| shape.primitives.start <= primitive) - 1
+    }
+
+    /// As [`Self::shape_of`], of a primitive that is likely on the shape at this index.
+    #[inline(always)]
+    pub fn shape_beside(&self, shape: usize, primitive: u32) -> usize {
+        match self.shapes.get(shape) {
+            Some(known) if known.primitives.contains(&primitive) => shape,
+            _ => self.shape_of(primitive),
+        }
     }
 
     /// The class of a shape.

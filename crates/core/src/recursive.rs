@@ -20,7 +20,7 @@ use crate::math::random::Stream;
 use crate::math::ray::Ray;
 use crate::math::vector::Line;
 use crate::plan::schedule::Schedule;
-use crate::prepared::{Branch, Class, Interaction, PreparedScene, Trail};
+use crate::prepared::{Branch, Class, Interaction, Passing, PreparedScene, Trail};
 use crate::tile::{PassClock, Timed, TraceSettings, Tracer, Unit, add_sample};
 
 /// The tracer.
@@ -33,8 +33,8 @@ pub struct Recursive<P> {
     differentials: bool,
     /// The rays of the path that wait.
     waiting: Vec<Branch>,
-    /// The hits of a shadow ray on transparent surfaces.
-    passed: Vec<Hit>,
+    /// Memory for the transparent surfaces on a shadow ray.
+    passing: Passing,
     counters: Counters,
     /// Rays and points on lights so far.
     steps: u32,
@@ -54,7 +54,7 @@ impl<P: Arithmetic> Tracer for Recursive<P> {
             traversal: scene.accel.traversal(),
             differentials: scene.carries_differentials(),
             waiting: Vec::new(),
-            passed: Vec::new(),
+            passing: Passing::default(),
             counters: Counters::default(),
             steps: 0,
             ended: false,
@@ -345,9 +345,9 @@ impl<P: Arithmetic> Recursive<P> {
                     scene.accel.search::<P>().occluded(&request.ray(), &mut self.traversal);
                 let passed = (!occluded).then(|| match self.schedule.has_transmission() {
                     true => {
-                        let Self { passed, traversal, counters, .. } = &mut *self;
+                        let Self { passing, traversal, counters, .. } = &mut *self;
                         let look_ups = &mut counters.look_ups;
-                        scene.passed::<P>(&request.ray(), passed, traversal, look_ups)
+                        scene.passed::<P>(&request.ray(), passing, traversal, look_ups)
                     }
                     false => Vec3::ONE,
                 });

@@ -10,6 +10,7 @@
 //! cache. All passes but the last process eight rows at a time, as vectors.
 
 pub mod batch;
+mod faces;
 mod s1_generate;
 mod s2_intersect;
 mod s3_shade;

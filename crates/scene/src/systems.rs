@@ -138,7 +138,10 @@ pub fn extract(world: World, options: Options<'_>) -> Result<Extracted> {
     let mut images = Images::default();
     let shapes = &mut extracted.shapes;
     let classes = classes::run(&surfaces, &materials, schedule, &found, &mut images, shapes);
-    let transparent = extracted.pass(&found.transparent);
+    let mut transparent = extracted.pass(&found.transparent);
+    if !(schedule.has_shadows() && schedule.has_transmission()) {
+        transparent.clear();
+    }
     let environment =
         if plan.has(Effect::Environment) { environment::system(world, &mut images) } else { None };
     let images = images.prepare(&file)?;
@@ -166,14 +169,13 @@ pub fn extract(world: World, options: Options<'_>) -> Result<Extracted> {
         origin,
         camera,
         path,
-        accel: Accel::unbuilt(geometry),
+        accel: Accel::unbuilt(geometry).with_transparent(transparent),
         appearance,
         lights,
         background: settings.background.as_vec3(),
         ambient,
         hemisphere,
         environment,
-        transparent,
         bounces: if schedule.goes_on() { settings.bounces } else { 0 },
         dropped: Dropped::default(),
     };

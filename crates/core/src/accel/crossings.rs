@@ -1,5 +1,5 @@
-//! Traversal by one ray that ends at no hit: every leaf whose box the ray meets is visited, and every
-//! triangle that it crosses is kept.
+//! Traversal that ends at no hit: every leaf whose box a ray meets is visited, and every triangle that it
+//! crosses is kept. Rays are traced one by one, but many in a call.
 
 use std::marker::PhantomData;
 
@@ -8,65 +8,150 @@ use super::best::Best;
 use super::leaf;
 use super::node::{self, place};
 use super::query::Occluded;
-use super::tree::Searched;
+use super::rays::Rays;
+use super::tree::{Root, Searched};
 use super::{Hit, Traversal, single};
 use crate::counters::TestCounts;
 use crate::geometry::{Geometry, PreparedRay, Primitive};
 use crate::kernels::precision::Arithmetic;
+use crate::kernels::slab::SlabRay;
 use crate::kernels::{quad, triangle};
+use crate::math::float::{max, min};
 use crate::math::ray::Ray;
 use crate::math::simd::{Kernel, Lanes};
 
-/// One ray and all that it crosses, in any order.
-pub(super) struct Crossings<'a, P> {
+/// Some rays, in turn.
+#[derive(Clone, Copy)]
+pub(super) struct Asked<'a> {
+    pub(super) rays: Rays<'a>,
+    /// The number of the first.
+    pub(super) first: usize,
+    /// Which of all rays to leave out.
+    pub(super) left_out: &'a [bool],
+}
+
+impl Asked<'_> {
+    /// Calls `cross` for each ray, which adds what it crosses to `hits`, and `each` with its number and
+    /// its hits in order, if there are any, until that returns false. Returns the number of the next ray.
+    #[inline(always)]
+    pub(super) fn run(
+        self,
+        geometry: &Geometry,
+        hits: &mut Vec<Hit>,
+        mut cross: impl FnMut(&Ray, &mut Vec<Hit>),
+        each: &mut Each<'_>,
+    ) -> usize {
+        let Self { rays, first, left_out } = self;
+        for (number, _) in left_out.iter().enumerate().skip(first).filter(|(_, is_out)| !**is_out) {
+            hits.clear();
+            let ray = rays.ray(number);
+            if ray.is_valid() {
+                cross(&ray, hits);
+            }
+            if !hits.is_empty() {
+                order(geometry, hits);
+                if !each(number, hits) {
+                    return number + 1;
+                }
+            }
+        }
+        left_out.len()
+    }
+}
+
+/// Receives the number of a ray and its hits, and says whether to go on.
+pub(super) type Each<'a> = dyn FnMut(usize, &[Hit]) -> bool + 'a;
+
+/// Orders the hits of a ray by t and then by number.
+#[inline(never)]
+fn order(geometry: &Geometry, hits: &mut Vec<Hit>) {
+    hits.sort_unstable_by(|a, b| a.t.total_cmp(&b.t).then(a.primitive.cmp(&b.primitive)));
+    // Lists hold a quad for each of its halves; a sphere may be touched, which counts twice.
+    let is_quad = |hit: &Hit| matches!(geometry.primitive(hit.primitive), Primitive::Quad(_));
+    hits.dedup_by(|a, b| a == b && is_quad(a));
+}
+
+/// Rays and all that each crosses.
+pub(super) struct Crossings<'a, 'b, P> {
     pub(super) searched: Searched<'a>,
-    pub(super) ray: &'a Ray,
+    pub(super) asked: Asked<'a>,
     pub(super) traversal: &'a mut Traversal,
     pub(super) hits: &'a mut Vec<Hit>,
+    pub(super) each: &'a mut Each<'b>,
     pub(super) precision: PhantomData<P>,
 }
 
-impl<P: Arithmetic> Kernel for Crossings<'_, P> {
-    type Output = ();
+impl<P: Arithmetic> Kernel for Crossings<'_, '_, P> {
+    type Output = usize;
 
     #[inline(always)]
-    fn run<S: Lanes>(self, simd: S) {
-        let Self { searched, traversal: Traversal { stack, tests, .. }, hits, .. } = self;
-        let ray = &PreparedRay::new(self.ray);
-        let mut height = single::start(searched.tree, stack);
-        let stack = stack.as_mut_slice();
-        let arena = searched.tree.arena.view();
-        let range = [ray.ray.t_min, ray.ray.t_max];
-        while height > 0 {
-            height -= 1;
-            let mut next = Some(place(stack[height]));
-            while let Some(at) = next {
-                next = match at.kind() {
-                    Kind::Node => {
-                        tests.nodes += 1;
-                        let node = arena.node(at);
-                        // Like an any-hit query: no hit cuts the range.
-                        let entered;
-                        (entered, height) = node::enter::<S, Occluded>(
-                            simd, node, at, &ray.slab, range, stack, height,
-                        );
-                        entered
+    fn run<S: Lanes>(self, simd: S) -> usize {
+        let Self { searched, asked, hits, each, .. } = self;
+        let Traversal { stack, tests, .. } = self.traversal;
+        let Some(root) = searched.tree.root() else { return asked.left_out.len() };
+        asked.run(
+            searched.geometry,
+            hits,
+            #[inline(always)]
+            |ray, hits| {
+                if may_meet(&root, ray) {
+                    one::<S, P>(simd, searched, ray, stack, (hits, tests));
+                }
+            },
+            each,
+        )
+    }
+}
+
+/// Whether the ray may meet what is below the root.
+#[inline(always)]
+fn may_meet(root: &Root, ray: &Ray) -> bool {
+    let slab = SlabRay::new(ray);
+    let met = slab.interval(&root.bounds);
+    max(met.near, ray.t_min) <= min(met.far, slab.reach(ray.t_max))
+}
+
+/// Adds what the ray crosses.
+#[inline(always)]
+fn one<S: Lanes, P: Arithmetic>(
+    simd: S,
+    searched: Searched<'_>,
+    ray: &Ray,
+    stack: &mut [u64],
+    (hits, tests): (&mut Vec<Hit>, &mut TestCounts),
+) {
+    let ray = &PreparedRay::new(ray);
+    let mut height = single::start(searched.tree, stack);
+    let arena = searched.tree.arena.view();
+    let range = [ray.ray.t_min, ray.ray.t_max];
+    while height > 0 {
+        height -= 1;
+        let mut next = Some(place(stack[height]));
+        while let Some(at) = next {
+            next = match at.kind() {
+                Kind::Node => {
+                    tests.nodes += 1;
+                    let node = arena.node(at);
+                    // Like an any-hit query: no hit cuts the range.
+                    let entered;
+                    (entered, height) =
+                        node::enter::<S, Occluded>(simd, node, at, &ray.slab, range, stack, height);
+                    entered
+                }
+                Kind::List => {
+                    let chunk = searched.chunk(at);
+                    if chunk.is_none() {
+                        tests.leaves += 1;
+                        let numbers = arena.list(at).iter().copied();
+                        each::<P>(searched.geometry, numbers, &ray.ray, (hits, tests));
                     }
-                    Kind::List => {
-                        let chunk = searched.chunk(at);
-                        if chunk.is_none() {
-                            tests.leaves += 1;
-                            let numbers = arena.list(at).iter().copied();
-                            each::<P>(searched.geometry, numbers, &ray.ray, (hits, tests));
-                        }
-                        chunk
-                    }
-                    Kind::Patch | Kind::Soup => {
-                        visit::<S, P>(simd, searched, ray, at, (hits, tests));
-                        None
-                    }
-                };
-            }
+                    chunk
+                }
+                Kind::Patch | Kind::Soup => {
+                    visit::<S, P>(simd, searched, ray, at, (hits, tests));
+                    None
+                }
+            };
         }
     }
 }

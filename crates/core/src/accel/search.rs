@@ -1,13 +1,13 @@
 //! The queries of an [`Accel`]: for one ray or many, for the closest hit or any.
 
 use std::marker::PhantomData;
+use std::ops::Range;
 
-use super::crossings::Crossings;
+use super::crossings::{Asked, Crossings, Each};
 use super::query::{Closest, Occluded, Query};
 use super::rays::Rays;
 use super::tree::{Searched, Tree};
-use super::{Accel, Hit, KernelChoice, Traversal, brute, compiled, crossings};
-use crate::geometry::Primitive;
+use super::{Accel, Hit, KernelChoice, Transparent, Traversal, brute, compiled, crossings};
 use crate::kernels::precision::Arithmetic;
 use crate::math::ray::Ray;
 use crate::math::simd::{dispatch, is_wide};
@@ -57,25 +57,57 @@ impl<P: Arithmetic> Search<'_, P> {
     /// See [`Accel::crossings`].
     #[inline(never)]
     pub fn crossings(&self, ray: &Ray, traversal: &mut Traversal, hits: &mut Vec<Hit>) {
+        let rays = Rays::Rows(std::slice::from_ref(ray));
+        let asked = Asked { rays, first: 0, left_out: &[false] };
+        let Accel { geometry, tree, .. } = self.accel;
+        let all = 0..geometry.own() as u32;
+        let of = (tree.as_ref(), std::slice::from_ref(&all));
+        self.crossings_of(of, asked, traversal, hits, &mut |_, _| true);
+    }
+
+    /// As [`Accel::crossings`], of the transparent primitives alone, for rays from the number `first` on
+    /// but for those that are `left_out`. `each` receives the number of each ray that crosses any, with
+    /// its hits, and says whether to go on; `hits` is memory for these. Returns the number of the next
+    /// ray.
+    #[inline(never)]
+    pub fn transparent_crossings(
+        &self,
+        rays: Rays<'_>,
+        (first, left_out): (usize, &[bool]),
+        traversal: &mut Traversal,
+        hits: &mut Vec<Hit>,
+        each: &mut Each<'_>,
+    ) -> usize {
+        let Transparent { primitives, tree } = &self.accel.transparent;
+        if primitives.is_empty() {
+            return left_out.len();
+        }
+        let tree = tree.as_ref().or(self.accel.tree.as_ref());
+        let asked = Asked { rays, first, left_out };
+        self.crossings_of((tree, primitives), asked, traversal, hits, each)
+    }
+
+    /// What rays cross of these primitives, over which the tree is, if any.
+    fn crossings_of(
+        &self,
+        (tree, primitives): (Option<&Tree>, &[Range<u32>]),
+        asked: Asked<'_>,
+        traversal: &mut Traversal,
+        hits: &mut Vec<Hit>,
+        each: &mut Each<'_>,
+    ) -> usize {
         hits.clear();
-        if !ray.is_valid() {
-            return;
+        let Accel { geometry, level, .. } = self.accel;
+        if let Some(tree) = tree {
+            let (searched, precision) = (self.own(tree, traversal), PhantomData::<P>);
+            let found = Crossings { searched, asked, traversal, hits, each, precision };
+            return dispatch(*level, found);
         }
-        let Accel { geometry, tree, level, .. } = self.accel;
-        match tree {
-            Some(tree) => {
-                let (searched, precision) = (self.own(tree, traversal), PhantomData::<P>);
-                dispatch(*level, Crossings { searched, ray, traversal, hits, precision });
-            }
-            None => {
-                let all = 0..geometry.own() as u32;
-                crossings::each::<P>(geometry, all, ray, (hits, &mut traversal.tests));
-            }
-        }
-        hits.sort_unstable_by(|a, b| a.t.total_cmp(&b.t).then(a.primitive.cmp(&b.primitive)));
-        // Lists hold a quad for each of its halves; a sphere may be touched, which counts twice.
-        let is_quad = |hit: &Hit| matches!(geometry.primitive(hit.primitive), Primitive::Quad(_));
-        hits.dedup_by(|a, b| a == b && is_quad(a));
+        let cross = |ray: &Ray, hits: &mut Vec<Hit>| {
+            let numbers = primitives.iter().cloned().flatten();
+            crossings::each::<P>(geometry, numbers, ray, (hits, &mut traversal.tests));
+        };
+        asked.run(geometry, hits, cross, each)
     }
 
     #[inline(always)]

@@ -16,8 +16,6 @@
 //! [`sphere_uv_change`]: super::texture::sphere_uv_change
 //! [`Image::level`]: super::texture::Image::level
 
-use glam::Vec3;
-
 use crate::math::real::{Real, Single, both};
 use crate::math::vector::Vector;
 
@@ -102,14 +100,6 @@ impl<F: Single> Differential<F> {
             origin: [a.lane(i).into(), b.lane(i).into()],
             direction: [c.lane(i).into(), d.lane(i).into()],
         }
-    }
-}
-
-impl Differential {
-    /// That of a ray without width.
-    pub fn none() -> Self {
-        let still = [Vec3::ZERO.into(); 2];
-        Self { origin: still, direction: still }
     }
 }
 

@@ -22,6 +22,9 @@ pub struct Class {
     pub(super) looks_up_uvs: bool,
     /// Whether vertices have opacities.
     pub(super) fades: bool,
+    /// Whether what passes it straight depends on nothing but the angle: there are neither opacities nor
+    /// colours to look up.
+    pub(super) passes_evenly: bool,
 }
 
 /// A property that changes from point to point, and the texture that changes it.
@@ -73,7 +76,10 @@ impl Class {
         let is_of_mesh = |texture: &Texture| texture.coordinates.map == UvMap::Mesh;
         let looks_up_uvs = maps.iter().filter_map(|map| map.texture.as_ref()).any(is_of_mesh);
         let fades = maps.iter().any(|map| map.property == Property::Alpha);
-        Self { material, transparency, maps, is_special, looks_up_uvs, fades }
+        let is_even = |map: &Map| !matches!(map.property, Property::Opacity | Property::Alpha);
+        let passes_evenly =
+            maps.iter().all(is_even) && transparency.is_none_or(|through| !through.tinted);
+        Self { material, transparency, maps, is_special, looks_up_uvs, fades, passes_evenly }
     }
 
     /// Whether its hits are shaded together with those of other such classes: all that it has are

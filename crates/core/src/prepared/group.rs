@@ -137,6 +137,20 @@ impl<F: Single> Group<F> {
         }
     }
 
+    /// As [`Self::begin`], for [`super::Passing`]: without what reflects light.
+    #[inline(always)]
+    pub(super) fn begin_passing(&mut self, faces: &[Face], appearance: &Appearance) {
+        let last = faces[faces.len() - 1];
+        self.used = ((1_u64 << faces.len()) - 1) as u32;
+        (self.colored, self.has_uvs, self.quads) = (0, 0, 0);
+        for lane in 0..F::LANES {
+            let face = faces.get(lane).copied().unwrap_or(last);
+            self.faces[lane] = face;
+            let is_flipped = appearance.shapes[face.shape as usize].flipped;
+            self.side.as_mut()[lane] = if is_flipped { -1.0 } else { 1.0 };
+        }
+    }
+
     /// Fetches the corners and corner values of one hit of `ray`.
     #[inline(always)]
     pub fn fetch(
@@ -151,6 +165,20 @@ impl<F: Single> Group<F> {
         if shape.smooth {
             self.fetch_normals(lane, shape, primitive, geometry, appearance);
         }
+        self.fetch_values(lane, geometry, appearance);
+        self.fetch_corners(lane, geometry, ray);
+    }
+
+    /// Fetches colours, opacities and texture coordinates at the corners of one hit.
+    #[inline(always)]
+    pub(super) fn fetch_values(
+        &mut self,
+        lane: usize,
+        geometry: &Geometry,
+        appearance: &Appearance,
+    ) {
+        let Face { primitive, shape, .. } = self.faces[lane];
+        let shape = &appearance.shapes[shape as usize];
         if shape.colored
             && let Some(colors) = appearance.colors(shape, geometry, primitive)
         {
@@ -169,7 +197,6 @@ impl<F: Single> Group<F> {
                 (u.as_mut()[lane], v.as_mut()[lane]) = (at.x, at.y);
             }
         }
-        self.fetch_corners(lane, geometry, ray);
     }
 
     /// Fetches the corners of one hit of `ray`.

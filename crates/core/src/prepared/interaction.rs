@@ -13,7 +13,6 @@ use crate::kernels::differential::Differential;
 use crate::kernels::precision::Arithmetic;
 use crate::kernels::shade::ShadingPoint;
 use crate::kernels::surface::{self, Surface};
-use crate::kernels::transmission::Transparency;
 use crate::math::ray::Ray;
 use crate::math::real::Single;
 use crate::math::vector::{Line, Vector};
@@ -132,6 +131,7 @@ impl<F: Single> Group<F> {
         point.opacity = F::splat(token, class.opacity());
         // Copies, so that the point stays in registers if there are no maps.
         let (mut mapped, surfaces) = (point, surfaces);
+        let carried = Some(carried);
         let place = Place { group: self, surfaces: &surfaces, line, t, scene, carried };
         F::outlined(
             token,
@@ -143,7 +143,11 @@ impl<F: Single> Group<F> {
 
     /// The normals on the side of the rays' origins, and the lanes in which that is the back.
     #[inline(always)]
-    fn sided_normals(&self, line: &Line<F>, surfaces: &Surface<F>) -> (Vector<F>, F::Mask) {
+    pub(super) fn sided_normals(
+        &self,
+        line: &Line<F>,
+        surfaces: &Surface<F>,
+    ) -> (Vector<F>, F::Mask) {
         let zero = surfaces.normal.x.zero();
         let outward = surfaces.normal.scale(F::load(zero.token(), &self.side));
         let at_back = outward.dot(line.direction).gt(zero);
@@ -188,35 +192,6 @@ impl PreparedScene {
         Interaction::Surface(point, class)
     }
 
-    /// What a shadow ray of unit direction meets with `hit` on a transparent surface; `None` if the
-    /// surface is not transparent.
-    #[inline(never)]
-    pub(super) fn crossing<P: Arithmetic>(
-        &self,
-        ray: &Ray,
-        hit: &Hit,
-        look_ups: &mut LookUps,
-    ) -> Option<Crossing<'_>> {
-        let index = self.appearance.shape_of(hit.primitive);
-        let class = self.appearance.class(&self.appearance.shapes[index]);
-        let transparency = class.transparency.as_ref()?;
-        let (geometry, line) = (self.accel.geometry(), Line::from(ray));
-        let group = self.group_on(ray, hit, index);
-        let surfaces = group.surfaces::<P>(geometry.kind(hit.primitive), &line, hit.t, geometry);
-        let (normal, inside) = group.sided_normals(&line, &surfaces);
-        let place = Place {
-            group: &group,
-            surfaces: &surfaces,
-            line: &line,
-            t: hit.t,
-            scene: self,
-            carried: &|_| Some(Differential::none()),
-        };
-        let (opacity, color) = place.passing(class, look_ups);
-        let cosine = (-ray.direction).dot(normal.into());
-        Some(Crossing { transparency, opacity, color: color.into(), cosine, inside })
-    }
-
     /// The group of one hit.
     pub(super) fn group(&self, ray: &Ray, hit: &Hit) -> Group<f32> {
         self.group_on(ray, hit, self.appearance.shape_of(hit.primitive))
@@ -231,18 +206,4 @@ impl PreparedScene {
         group.fetch(0, self.accel.geometry(), &self.appearance, || *ray);
         group
     }
-}
-
-/// A point at which a shadow ray crosses a transparent surface.
-pub(super) struct Crossing<'a> {
-    /// How the surface lets light through.
-    pub(super) transparency: &'a Transparency,
-    /// Its opacity there.
-    pub(super) opacity: f32,
-    /// Its base colour there, if that tints refracted light.
-    pub(super) color: Vec3,
-    /// The cosine of the angle to its normal.
-    pub(super) cosine: f32,
-    /// Whether the ray comes from behind.
-    pub(super) inside: bool,
 }

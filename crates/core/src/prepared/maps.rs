@@ -17,6 +17,9 @@ use crate::kernels::texture::{Filter, Image, sphere_directions, sphere_uv, spher
 use crate::math::real::{Real, Single, both};
 use crate::math::vector::{Line, Vector};
 
+/// Returns the differential of the ray in a lane, unless it is a camera ray.
+type Carried<'a> = &'a dyn Fn(usize) -> Option<Differential>;
+
 /// Where a group of hits looks up maps.
 pub(super) struct Place<'a, F: Single> {
     /// The hits.
@@ -29,8 +32,8 @@ pub(super) struct Place<'a, F: Single> {
     pub(super) t: F,
     /// The scene.
     pub(super) scene: &'a PreparedScene,
-    /// Returns the differential of the ray in a lane, unless it is a camera ray.
-    pub(super) carried: &'a dyn Fn(usize) -> Option<Differential>,
+    /// Their differentials; `None` for rays without width, which see the finest level of every image.
+    pub(super) carried: Option<Carried<'a>>,
 }
 
 /// Look-ups at a place, with what earlier ones found.
@@ -100,7 +103,7 @@ impl<'a, F: Single> Place<'a, F> {
     fn color(&'a self, class: &'a Class, look_up: &mut LookUp<'a, F>) -> Vector<F> {
         let color = match class.color() {
             Some(texture) => look_up.texel(texture),
-            None => self.group.colors(self.t.token()),
+            None => Vector::splat(self.t.token(), class.material.color),
         };
         self.group.with_vertex_colors(color, self.surfaces.barycentric)
     }
@@ -221,7 +224,10 @@ impl<'a, F: Single> LookUp<'a, F> {
         if *filter != Filter::Trilinear {
             return image.look_up(uv, *filter, *wrap);
         }
-        let level = self.level(image, coordinates);
+        let level = match self.place.carried {
+            Some(carried) => self.level(image, coordinates, carried),
+            None => t.zero(),
+        };
         let (color, between) = image.look_up_at(uv, level, *wrap);
         self.counts.texels += read(between);
         color
@@ -253,7 +259,7 @@ impl<'a, F: Single> LookUp<'a, F> {
     /// The changes of texture coordinates from one sample to the next. Not finite where those of the
     /// points are not.
     #[inline(always)]
-    fn footprint(&mut self, of: &'a Coordinates) -> [[F; 2]; 2] {
+    fn footprint(&mut self, of: &'a Coordinates, carried: Carried<'_>) -> [[F; 2]; 2] {
         if let Some((known, footprint)) = self.footprint
             && known == of
         {
@@ -264,7 +270,7 @@ impl<'a, F: Single> LookUp<'a, F> {
         let steps = match self.steps {
             Some(steps) => steps,
             None => {
-                let arriving = scene.arriving(line.direction, self.place.carried);
+                let arriving = scene.arriving(line.direction, carried);
                 arriving.at(line.direction, t, surfaces.normal)
             }
         };
@@ -305,8 +311,8 @@ impl<'a, F: Single> LookUp<'a, F> {
     }
 
     #[inline(always)]
-    fn level(&mut self, image: &Image, of: &'a Coordinates) -> F {
-        let footprint = self.footprint(of);
+    fn level(&mut self, image: &Image, of: &'a Coordinates, carried: Carried<'_>) -> F {
+        let footprint = self.footprint(of, carried);
         let size = [image.width, image.height, image.coarsest()];
         if let Some((known, level)) = self.level
             && known == size

@@ -1,20 +1,16 @@
-//! Transparent surfaces: where a path divides, and where shadow rays lose light.
+//! Transparent surfaces: where a path divides.
 //!
 //! A path follows one ray at a time in both tracers. At a transparent surface that is the mirror
 //! ray, then the refracted ray, then the one that goes straight on, each to its end before the
 //! next. So contributions are added in this order, and no more than two rays for each bounce wait.
 
-use glam::{DVec3, Vec3};
+use glam::Vec3;
 
-use super::interaction::Crossing;
 use super::{LookUps, PreparedScene};
-use crate::accel::{Hit, Traversal};
+use crate::accel::Hit;
 use crate::kernels::differential::Differential;
-use crate::kernels::precision::Arithmetic;
 use crate::kernels::shade::{self, ShadingPoint};
-use crate::kernels::slab::{Aabb, SlabRay};
 use crate::kernels::transmission::{self, Transparency};
-use crate::math::float::{dot, max, min};
 use crate::math::ray::Ray;
 use crate::plan::Effect;
 use crate::plan::schedule::Step;
@@ -159,53 +155,5 @@ impl PreparedScene {
             }
         }
         (own, branches)
-    }
-
-    /// The share of light that passes all transparent surfaces along a shadow ray that nothing
-    /// else blocks; `hits` is memory for those that it crosses.
-    ///
-    /// What is absorbed inside follows from all surfaces together: a way inside begins at a front
-    /// and ends at a back.
-    #[inline(never)]
-    pub fn passed<P: Arithmetic>(
-        &self,
-        ray: &Ray,
-        hits: &mut Vec<Hit>,
-        traversal: &mut Traversal,
-        look_ups: &mut LookUps,
-    ) -> Vec3 {
-        let slab = SlabRay::new(ray);
-        let is_near = |bounds: &Aabb| {
-            let met = slab.interval(bounds);
-            max(met.near, ray.t_min) <= min(met.far, slab.reach(ray.t_max))
-        };
-        if !self.transparent.iter().any(is_near) {
-            return Vec3::ONE;
-        }
-        self.accel.search::<P>().crossings(ray, traversal, hits);
-        let length = f64::from(dot(ray.direction, ray.direction)).sqrt();
-        let unit = Ray { direction: (ray.direction.as_dvec3() / length).as_vec3(), ..*ray };
-        let end = f64::from(ray.t_max) * length;
-        let mut passed = DVec3::ONE;
-        // For each absorption the way inside, and by how much fronts outnumber backs.
-        let mut ways: Vec<(Vec3, f64, i32)> = Vec::new();
-        for hit in hits.iter() {
-            let along = Hit { t: (f64::from(hit.t) * length) as f32, ..*hit };
-            let Some(found) = self.crossing::<P>(&unit, &along, look_ups) else { continue };
-            let Crossing { transparency, opacity, color, cosine, inside } = found;
-            passed *= transparency.passed(opacity, color, cosine);
-            let (sign, absorption) = (if inside { -1 } else { 1 }, transparency.absorption);
-            let way = -f64::from(sign) * f64::from(hit.t) * length;
-            match ways.iter_mut().find(|(known, ..)| *known == absorption) {
-                Some((_, sum, depth)) => (*sum, *depth) = (*sum + way, *depth + sign),
-                None => ways.push((absorption, way, sign)),
-            }
-        }
-        for (absorption, way, depth) in ways {
-            // What is entered and not left contains the light.
-            let inside = way + f64::from(depth.max(0)) * end;
-            passed *= transmission::remaining(absorption, inside.max(0.0));
-        }
-        passed.as_vec3()
     }
 }

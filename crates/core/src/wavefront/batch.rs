@@ -18,7 +18,8 @@ use crate::math::real::{Mask, Single};
 use crate::math::simd::LANES;
 use crate::math::vector::{Line, Vector};
 use crate::plan::schedule::ColumnGroup;
-use crate::prepared::{PreparedScene, Trail};
+use crate::prepared::{Passing, PreparedScene, Trail};
+use crate::wavefront::faces::SortedHits;
 use columns::Column;
 
 pub use branches::Waiting;
@@ -211,6 +212,10 @@ pub struct Batch {
     pub next_trails: Vec<Trail>,
     /// Rays that wait until the rays before them on their path are done.
     pub waiting: Waiting,
+    /// Memory for sorting hits, for shade and shadow.
+    pub(super) sorted: SortedHits,
+    /// The transparent surfaces on shadow rays. Written and read by shadow.
+    pub passing: Passing,
 }
 
 impl Batch {
@@ -234,6 +239,8 @@ impl Batch {
             trails: Vec::new(),
             next_trails: Vec::new(),
             waiting: Waiting::with_capacity(room(ColumnGroup::Branches)),
+            sorted: SortedHits::new(scene.appearance.classes.len()),
+            passing: Passing::default(),
         }
     }
 

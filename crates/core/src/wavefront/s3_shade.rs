@@ -1,9 +1,7 @@
 //! Pass 3: adds the light of every hit and collects its requests.
 //!
-//! Misses and lights are handled at once; other hits wait in [`faces`] and are shaded together: hits
+//! Misses and lights are handled at once; other hits wait in [`faces`](super::faces) and are shaded together: hits
 //! on plain classes by the kind of primitive, others by class and kind. So nothing branches by hit.
-
-mod faces;
 
 use std::marker::PhantomData;
 
@@ -11,6 +9,7 @@ use glam::Vec3;
 
 use super::batch::{Batch, Vectors};
 use super::count;
+use super::faces::{Groups, SortedHits, WaitingHits};
 use crate::accel::NO_PRIMITIVE;
 use crate::counters::Counters;
 use crate::geometry::ShadingKind;
@@ -24,7 +23,6 @@ use crate::math::vector::{Line, Vector};
 use crate::plan::schedule::Step;
 use crate::prepared::{Branch, Face, Group, LookUps, PreparedScene, Trail, lanes};
 use crate::tile::{PassClock, Timed};
-use faces::{Groups, SortedHits, WaitingHits};
 
 /// Adds background, emission and ambient light to the paths; collects lit points and, while bounces
 /// are left, the next rays.
@@ -90,7 +88,7 @@ impl<P: Arithmetic> Pass for Shade<'_, P> {
         let geometry = self.scene.accel.geometry();
         let mut groups = Groups::<F>::new();
         let mut waiting = ShadingKind::ALL.map(|_| WaitingHits::new());
-        let mut sorted = SortedHits::new(appearance.classes.len());
+        let mut sorted = std::mem::take(&mut self.batch.sorted);
         // The last shape hit: the next hit is likely on it too.
         let (mut last, mut is_plain) = (usize::MAX, true);
         for i in 0..self.batch.rays.len() {
@@ -128,6 +126,7 @@ impl<P: Arithmetic> Pass for Shade<'_, P> {
             self.block(token, &mut groups, waiting.take(), kind);
         }
         self.spans(token, &mut groups, &mut sorted);
+        self.batch.sorted = sorted;
     }
 }
 
@@ -193,10 +192,10 @@ impl<P: Arithmetic> Shade<'_, P> {
         }
         self.clock.lap(Timed::Shade);
         let bounce = (self.bounce as usize).min(self.counters.spans.len() - 1);
-        for span in sorted.sort() {
-            self.counters.spans[bounce].add(span.faces.len(), F::LANES);
-            for faces in sorted.faces(&span).chunks(Groups::<F>::BLOCK) {
-                self.block(token, groups, faces, span.kind);
+        for (kind, faces) in sorted.sort() {
+            self.counters.spans[bounce].add(faces.len(), F::LANES);
+            for faces in faces.chunks(Groups::<F>::BLOCK) {
+                self.block(token, groups, faces, kind);
             }
         }
         self.clock.lap(Timed::Maps);

@@ -5,10 +5,11 @@
 //! for any size of the queue and of the blocks, and neighbouring rays in the queue go from
 //! neighbouring points to one part of the light.
 
+use std::marker::PhantomData;
 use std::ops::Range;
 
 use super::batch::{Batch, ShadowRays};
-use super::count;
+use super::faces::SortedHits;
 use crate::accel::{Rays, Traversal};
 use crate::counters::Counters;
 use crate::kernels::hemisphere::Hemisphere;
@@ -19,7 +20,7 @@ use crate::math::random::Stream;
 use crate::math::real::{Mask, Single};
 use crate::math::simd::{Pass, dispatch_pass};
 use crate::plan::schedule::Step;
-use crate::prepared::{LookUps, PreparedScene};
+use crate::prepared::{Group, LookUps, Passing, PreparedScene};
 
 /// Adds every light's contributions to the paths. Returns whether it added all: it was not `cancelled`.
 pub(super) fn run<P: Arithmetic>(
@@ -166,7 +167,7 @@ fn trace<P: Arithmetic>(
     let answers = &mut occluded[..batch.shadows.len()];
     scene.accel.search::<P>().occluded_of(&batch.shadows, answers, traversal);
     if scene.plan.schedule().has_transmission() {
-        weaken::<P>(scene, &mut batch.shadows, answers, traversal, counters);
+        weaken::<P>(scene, batch, answers, traversal, counters);
     }
     let shadows: &ShadowRays = &batch.shadows;
     for (i, _) in answers.iter().enumerate().filter(|(_, occluded)| !**occluded) {
@@ -180,16 +181,50 @@ fn trace<P: Arithmetic>(
 #[inline(never)]
 fn weaken<P: Arithmetic>(
     scene: &PreparedScene,
-    shadows: &mut ShadowRays,
+    batch: &mut Batch,
     occluded: &[bool],
     traversal: &mut Traversal,
     counters: &mut Counters,
 ) {
-    let (mut hits, mut look_ups) = (Vec::new(), LookUps::default());
-    for (i, _) in occluded.iter().enumerate().filter(|(_, occluded)| !**occluded) {
-        let ray = Rays::from(&*shadows).ray(i);
-        let passed = scene.passed::<P>(&ray, &mut hits, traversal, &mut look_ups);
-        shadows.contribution.set(i, shadows.contribution.get(i) * passed);
+    let Batch { shadows, passing, sorted, .. } = batch;
+    let mut next = 0;
+    while next < occluded.len() {
+        let rays = Rays::from(&*shadows);
+        next = scene.collect_crossings::<P>(rays, (next, occluded), passing, traversal);
+        let precision = PhantomData::<P>;
+        let look_ups = &mut counters.look_ups;
+        let crossings = EvaluatedCrossings { scene, passing, sorted, look_ups, precision };
+        dispatch_pass(scene.accel.level, crossings);
+        passing.passed(scene, |ray, passed| {
+            shadows.contribution.set(ray, shadows.contribution.get(ray) * passed);
+        });
     }
-    count(look_ups, counters);
+}
+
+/// Evaluates crossings, those of one class and kind of primitive together.
+struct EvaluatedCrossings<'a, P> {
+    scene: &'a PreparedScene,
+    passing: &'a mut Passing,
+    sorted: &'a mut SortedHits,
+    look_ups: &'a mut LookUps,
+    precision: PhantomData<P>,
+}
+
+impl<P: Arithmetic> Pass for EvaluatedCrossings<'_, P> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<F: Single>(self, token: F::Token) {
+        let Self { scene, passing, sorted, look_ups, .. } = self;
+        for i in 0..passing.len() {
+            let (face, kind) = passing.face(i, scene);
+            sorted.push(face, scene.appearance.shapes[face.shape as usize].class, kind);
+        }
+        let mut group = Group::<F>::default();
+        for (kind, faces) in sorted.sort() {
+            for faces in faces.chunks(F::LANES) {
+                passing.evaluate::<F, P>(token, scene, (kind, faces), &mut group, look_ups);
+            }
+        }
+    }
 }

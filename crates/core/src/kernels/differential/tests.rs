@@ -388,7 +388,7 @@ fn hc30_at_the_poles_of_a_sphere_coordinates_change_by_finite_amounts() {
 #[test]
 fn a_grazing_ray_spreads_without_bound_and_never_silently() {
     let direction = [Vec3::Y * 0.1, Vec3::Z * 0.1].map(Vector::from);
-    let differential = Differential { direction, ..Differential::none() };
+    let differential = Differential { origin: [Vec3::ZERO.into(); 2], direction };
     let [across, along] = differential.at(Vec3::X.into(), 10.0, Vec3::Y.into()).map(Vec3::from);
     assert!(!across.is_finite(), "{across}");
     assert!(!along.is_finite() || along.distance(Vec3::Z) < 1e-6, "{along}");

@@ -6,7 +6,6 @@ use hecs::Entity;
 use rayon::prelude::*;
 
 use wavecrest_core::geometry::{Geometry, Primitive};
-use wavecrest_core::kernels::slab::Aabb;
 use wavecrest_core::plan::schedule::{Schedule, Step};
 use wavecrest_core::prepared::{Class, MeshAttributes, Property, Shape, UvMap};
 
@@ -95,27 +94,24 @@ impl Output {
         }
     }
 
-    /// Lets shadow rays pass these shapes, and those of lights. Returns boxes around the shapes.
-    pub(in crate::systems) fn pass(&mut self, transparent: &[bool]) -> Vec<Aabb> {
-        /// Number of boxes from which on one around all is tested faster.
-        const MOST_BOXES: usize = 16;
-        let (mut passed, mut boxes) = (Vec::new(), Vec::new());
+    /// Lets shadow rays pass these shapes, and those of lights. Returns the primitives of the former, by
+    /// number.
+    pub(in crate::systems) fn pass(&mut self, transparent: &[bool]) -> Vec<Range<u32>> {
+        let (mut passed, mut found) = (Vec::new(), Vec::<Range<u32>>::new());
         for (ShapeOutput { shape, .. }, is_transparent) in self.shapes.iter().zip(transparent) {
             let primitives = shape.primitives.clone();
             if primitives.is_empty() || !is_transparent && shape.light.is_none() {
                 continue;
             }
             passed.push(primitives.clone());
-            if *is_transparent {
-                let bounds = primitives.into_par_iter().map(|number| self.geometry.bounds(number));
-                boxes.push(bounds.reduce(|| Aabb::EMPTY, Aabb::union));
+            match found.last_mut() {
+                _ if !is_transparent => {}
+                Some(last) if last.end == primitives.start => last.end = primitives.end,
+                _ => found.push(primitives),
             }
         }
         self.geometry.passed = passed;
-        if boxes.len() > MOST_BOXES {
-            boxes = vec![boxes.into_iter().fold(Aabb::EMPTY, Aabb::union)];
-        }
-        boxes
+        found
     }
 
     /// Drops data that no pass of the schedule reads: normals and colours of meshes that are not in

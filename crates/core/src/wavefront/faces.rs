@@ -86,6 +86,7 @@ impl WaitingHits {
 const SORTED: usize = 1024;
 
 /// Hits that are sorted by class and kind.
+#[derive(Debug, Default)]
 pub(super) struct SortedHits {
     waiting: Vec<(u32, Face)>,
     sorted: Vec<Face>,
@@ -95,21 +96,14 @@ pub(super) struct SortedHits {
     classes: usize,
     /// Classes and kinds that occur, in the order of their first hits.
     found: Vec<u32>,
-}
-
-/// Hits of one class and kind.
-pub(super) struct Span {
-    /// The kind.
-    pub(super) kind: ShadingKind,
-    /// The hits.
-    pub(super) faces: Range<usize>,
+    /// Memory for the spans, each with its kind.
+    spans: Vec<(ShadingKind, Range<usize>)>,
 }
 
 impl SortedHits {
     /// For hits on this number of classes.
     pub(super) fn new(classes: usize) -> Self {
-        let (waiting, sorted, found) = (Vec::new(), Vec::new(), Vec::new());
-        Self { waiting, sorted, places: Vec::new(), classes, found }
+        Self { classes, ..Self::default() }
     }
 
     /// Adds a hit. Returns whether to sort them.
@@ -133,17 +127,16 @@ impl SortedHits {
         self.waiting.is_empty()
     }
 
-    /// Sorts the hits, those of a class in their order. Returns the spans.
-    pub(super) fn sort(&mut self) -> Vec<Span> {
-        let Self { waiting, sorted, places, found, .. } = self;
+    /// Sorts the hits, those of a class in their order. Returns those of each class and kind.
+    pub(super) fn sort(&mut self) -> impl Iterator<Item = (ShadingKind, &[Face])> {
+        let Self { waiting, sorted, places, found, spans, .. } = self;
         let mut end = 0;
-        let spans = found.iter().map(|&key| {
+        spans.extend(found.iter().map(|&key| {
             let place = &mut places[key as usize];
             let faces = end..end + *place as usize;
             (*place, end) = (end as u32, faces.end);
-            Span { kind: ShadingKind::ALL[key as usize % ShadingKind::ALL.len()], faces }
-        });
-        let spans = spans.collect();
+            (ShadingKind::ALL[key as usize % ShadingKind::ALL.len()], faces)
+        }));
         sorted.resize(waiting.len(), Face::default());
         for (key, face) in waiting.drain(..) {
             let place = &mut places[key as usize];
@@ -151,11 +144,6 @@ impl SortedHits {
             *place += 1;
         }
         found.drain(..).for_each(|key| places[key as usize] = 0);
-        spans
-    }
-
-    /// The hits of a span, after the last sort.
-    pub(super) fn faces(&self, span: &Span) -> &[Face] {
-        &self.sorted[span.faces.clone()]
+        spans.drain(..).map(|(kind, faces)| (kind, &sorted[faces]))
     }
 }

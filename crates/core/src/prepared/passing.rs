@@ -1,0 +1,274 @@
+//! What shadow rays lose at transparent surfaces.
+//!
+//! The crossings of many rays are collected in one list ([`PreparedScene::collect_crossings`]), which
+//! finds the shape of each. Then those of one class and kind of primitive are evaluated together
+//! ([`Passing::evaluate`]), and at last those of each ray are folded in their order
+//! ([`Passing::passed`]). Memory is used again for the next rays.
+
+use glam::{DVec3, Vec3};
+
+use super::group::{Face, Group, set};
+use super::maps::Place;
+use super::{Class, LookUps, PreparedScene};
+use crate::accel::{Hit, Rays, Traversal};
+use crate::geometry::ShadingKind;
+use crate::kernels::precision::Arithmetic;
+use crate::kernels::transmission;
+use crate::math::float::dot;
+use crate::math::ray::Ray;
+use crate::math::real::{Mask, Single};
+use crate::math::vector::{Line, Vector};
+
+/// Crossings from which no more rays are added to the list: enough for long spans, and so few that
+/// they stay in the second-level cache.
+const MOST_CROSSINGS: usize = 1024;
+
+/// Shadow rays and the transparent surfaces that they cross.
+#[derive(Clone, Debug, Default)]
+pub struct Passing {
+    rays: Vec<PassingRay>,
+    crossings: Vec<Crossing>,
+    /// Memory for the hits of a ray.
+    hits: Vec<Hit>,
+    /// Memory for the ways of a ray.
+    ways: Vec<Way>,
+}
+
+/// A shadow ray that crosses transparent surfaces.
+#[derive(Clone, Copy, Debug)]
+struct PassingRay {
+    /// Its number among those that were given.
+    number: usize,
+    /// The end of its crossings in the list, which begin where those of the ray before end.
+    end: usize,
+    /// The ray, of unit direction.
+    unit: Ray,
+    /// The distance at which it ends, in scene units.
+    distance: f64,
+}
+
+/// A point at which a shadow ray crosses a transparent surface.
+#[derive(Clone, Copy, Debug)]
+pub struct Crossing {
+    /// The number of the primitive.
+    pub primitive: u32,
+    /// Its shape's index in [`Appearance::shapes`](super::Appearance::shapes).
+    pub shape: u32,
+    /// The ray's index in the list.
+    ray: u32,
+    /// The distance along the ray, in scene units: that of a hit, which is rounded to single precision.
+    pub distance: f64,
+    /// Opacity.
+    pub opacity: f32,
+    /// Base colour, if that tints refracted light; else white.
+    pub color: Vec3,
+    /// The cosine of the angle between the normal and the way back along the ray.
+    pub cosine: f32,
+    /// Bound on the distance of the point to the exact surface, in scene units: the sum over its
+    /// coordinates.
+    pub error: f32,
+    /// Whether the ray comes from behind.
+    pub inside: bool,
+}
+
+/// What a ray goes through of an absorption.
+#[derive(Clone, Copy, Debug)]
+struct Way {
+    /// By channel, per scene unit.
+    absorption: Vec3,
+    /// The way inside, if everything that was entered was also left.
+    length: f64,
+    /// By how much fronts outnumber backs.
+    depth: i32,
+}
+
+impl PreparedScene {
+    /// Replaces the list of `passing` by what rays from the number `first` on cross, but for those that
+    /// are `occluded`, until it is long enough. Returns the number of the next ray.
+    pub fn collect_crossings<P: Arithmetic>(
+        &self,
+        rays: Rays<'_>,
+        (first, occluded): (usize, &[bool]),
+        passing: &mut Passing,
+        traversal: &mut Traversal,
+    ) -> usize {
+        let Passing { rays: found, crossings, hits, .. } = passing;
+        found.clear();
+        crossings.clear();
+        let mut shape = 0;
+        let mut add = |number: usize, hits: &[Hit]| {
+            let ray = rays.ray(number);
+            let length = f64::from(dot(ray.direction, ray.direction)).sqrt();
+            let direction = (ray.direction.as_dvec3() / length).as_vec3();
+            let index = found.len() as u32;
+            crossings.extend(hits.iter().map(|hit| {
+                shape = self.appearance.shape_beside(shape, hit.primitive);
+                Crossing {
+                    primitive: hit.primitive,
+                    shape: shape as u32,
+                    ray: index,
+                    distance: f64::from(hit.t) * length,
+                    opacity: 1.0,
+                    color: Vec3::ONE,
+                    cosine: 1.0,
+                    error: 0.0,
+                    inside: false,
+                }
+            }));
+            let distance = f64::from(ray.t_max) * length;
+            let unit = Ray { direction, ..ray };
+            found.push(PassingRay { number, end: crossings.len(), unit, distance });
+            crossings.len() < MOST_CROSSINGS
+        };
+        let search = self.accel.search::<P>();
+        search.transparent_crossings(rays, (first, occluded), traversal, hits, &mut add)
+    }
+
+    /// The share of light that passes all transparent surfaces along a shadow ray that nothing else
+    /// blocks.
+    #[inline(never)]
+    pub fn passed<P: Arithmetic>(
+        &self,
+        ray: &Ray,
+        passing: &mut Passing,
+        traversal: &mut Traversal,
+        look_ups: &mut LookUps,
+    ) -> Vec3 {
+        let rays = Rays::Rows(std::slice::from_ref(ray));
+        self.collect_crossings::<P>(rays, (0, &[false]), passing, traversal);
+        if passing.is_empty() {
+            return Vec3::ONE;
+        }
+        let mut group = Group::<f32>::default();
+        for i in 0..passing.len() {
+            let (face, kind) = passing.face(i, self);
+            passing.evaluate::<f32, P>((), self, (kind, &[face]), &mut group, look_ups);
+        }
+        let mut all = Vec3::ONE;
+        passing.passed(self, |_, passed| all = passed);
+        all
+    }
+}
+
+impl Passing {
+    /// The number of crossings in the list.
+    pub fn len(&self) -> usize {
+        self.crossings.len()
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.crossings.is_empty()
+    }
+
+    /// The `i`th crossing, with `i` in place of its ray, and its kind.
+    #[inline(always)]
+    pub fn face(&self, i: usize, scene: &PreparedScene) -> (Face, ShadingKind) {
+        let Crossing { primitive, shape, .. } = self.crossings[i];
+        (Face { ray: i as u32, primitive, shape }, scene.accel.geometry().kind(primitive))
+    }
+
+    /// Evaluates the crossings of `faces`, at most one for each lane, all of them of one class and kind.
+    /// `group` is memory for their data.
+    #[inline(always)]
+    pub fn evaluate<F: Single, P: Arithmetic>(
+        &mut self,
+        token: F::Token,
+        scene: &PreparedScene,
+        (kind, faces): (ShadingKind, &[Face]),
+        group: &mut Group<F>,
+        look_ups: &mut LookUps,
+    ) {
+        let (appearance, geometry) = (&scene.appearance, scene.accel.geometry());
+        group.begin_passing(faces, appearance);
+        let class = group.class(appearance);
+        let [mut origins, mut directions] = <[[F::Row; 3]; 2]>::default();
+        let mut distances = F::Row::default();
+        for lane in 0..F::LANES {
+            let Crossing { ray, distance, .. } = self.crossings[group.faces[lane].ray as usize];
+            let unit = &self.rays[ray as usize].unit;
+            set::<F>(&mut origins, lane, unit.origin);
+            set::<F>(&mut directions, lane, unit.direction);
+            distances.as_mut()[lane] = distance as f32;
+            if !class.passes_evenly {
+                group.fetch_values(lane, geometry, appearance);
+            }
+            group.fetch_corners(lane, geometry, || *unit);
+        }
+        let origin = Vector::load(token, &origins);
+        let line = &Line { origin, direction: Vector::load(token, &directions) };
+        let t = F::load(token, &distances);
+        let surfaces = group.surfaces::<P>(kind, line, t, geometry);
+        let (normal, inside) = group.sided_normals(line, &surfaces);
+        let cosine = (-line.direction).dot_in_order(normal);
+        let error = surfaces.error.x + surfaces.error.y + surfaces.error.z;
+        let constant = (F::splat(token, class.opacity()), Vector::splat(token, Vec3::ONE));
+        let (opacity, color) = if class.passes_evenly {
+            constant
+        } else {
+            let place = Place { group, surfaces: &surfaces, line, t, scene, carried: None };
+            F::outlined(
+                token,
+                #[inline(always)]
+                || place.passing(class, look_ups),
+            )
+        };
+        for (lane, face) in faces.iter().enumerate() {
+            let crossing = &mut self.crossings[face.ray as usize];
+            crossing.opacity = opacity.lane(lane);
+            crossing.color = color.lane(lane);
+            crossing.cosine = cosine.lane(lane);
+            crossing.error = error.lane(lane);
+            crossing.inside = inside.bits() >> lane & 1 == 1;
+        }
+    }
+
+    /// Calls `each` with the number of each ray and the share of its light that passes.
+    pub fn passed(&mut self, scene: &PreparedScene, mut each: impl FnMut(usize, Vec3)) {
+        let Self { rays, crossings, ways, .. } = self;
+        let mut first = 0;
+        for ray in rays.iter() {
+            each(ray.number, passed(scene, ray.distance, &crossings[first..ray.end], ways));
+            first = ray.end;
+        }
+    }
+}
+
+/// The share of light that passes the `crossings` of a ray that ends at this `distance`; `ways` is memory.
+///
+/// What is absorbed inside follows from all surfaces together: a way inside begins at a front and ends
+/// at a back.
+fn passed(
+    scene: &PreparedScene,
+    distance: f64,
+    crossings: &[Crossing],
+    ways: &mut Vec<Way>,
+) -> Vec3 {
+    let mut passed = DVec3::ONE;
+    ways.clear();
+    for crossing in crossings {
+        let Crossing { opacity, color, cosine, inside, .. } = *crossing;
+        let class = scene.appearance.class(&scene.appearance.shapes[crossing.shape as usize]);
+        let Class { transparency: Some(transparency), .. } = class else { continue };
+        passed *= match transparency.kt {
+            0.0 => DVec3::splat(1.0 - f64::from(opacity)),
+            _ => transparency.passed(opacity, color, cosine),
+        };
+        let absorption = transparency.absorption;
+        if absorption == Vec3::ZERO {
+            continue;
+        }
+        let sign = if inside { -1 } else { 1 };
+        let length = -f64::from(sign) * crossing.distance;
+        match ways.iter_mut().find(|way| way.absorption == absorption) {
+            Some(way) => (way.length, way.depth) = (way.length + length, way.depth + sign),
+            None => ways.push(Way { absorption, length, depth: sign }),
+        }
+    }
+    for &Way { absorption, length, depth } in ways.iter() {
+        // What is entered and not left contains the light.
+        let inside = length + f64::from(depth.max(0)) * distance;
+        passed *= transmission::remaining(absorption, inside.max(0.0));
+    }
+    passed.as_vec3()
+}
