@@ -105,7 +105,7 @@ impl Mesh {
 
     /// The closest hits of rays: faces and distances. A miss has the face -1 and the distance inf.
     ///
-    /// Of faces at the same distance, as at an edge, the one with the lowest number is hit.
+    /// Of faces at the same exact distance, as at an edge, the one with the lowest number is hit.
     #[pyo3(signature = (origins, directions, *, t_max=None))]
     fn closest<'py>(
         &self,
@@ -128,7 +128,7 @@ impl Mesh {
     }
 
     /// Every surface on rays, once: for each the number of the ray, the face and the distance, in the order of rays,
-    /// then of distances, then of faces.
+    /// then of exact distances, then of faces.
     ///
     /// A ray that meets an edge or a corner crosses those of the faces around it that it would cross if its origin
     /// were moved by an infinitesimal step, the same for all rays: one where it passes through a surface, none or two

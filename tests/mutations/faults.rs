@@ -98,8 +98,11 @@ pub(crate) const FAULTS: &[Fault] = faults! {
         "self.ends_as_before(simd, tile)" => "Q::ANY && self.ending.is_some()";
     "triangles without area have one", 18, "crates/core/src/kernels/triangle/area.rs":
         "collinear(0, 1) && collinear(1, 2) && collinear(2, 0)" => "false";
-    "of equal hits the last is the first", 21, "crates/core/src/accel/best.rs":
-        "self.primitive < other.primitive" => "self.primitive > other.primitive";
+    "of equal hits the last is the first", 21, "crates/core/src/accel/order.rs":
+        "self.hit.primitive.cmp(&other.hit.primitive)"
+            => "other.hit.primitive.cmp(&self.hit.primitive)";
+    "of hits whose t round alike the first is closest", 49, "crates/core/src/accel/order.rs":
+        "self.order_of_t(other)" => "Ordering::Equal";
     "surfaces in one plane are ordered by rounding", 21, "crates/core/src/accel/best.rs":
         "new.low > self.high" => "new.low >= self.low";
     "the far root of a sphere is forgotten", 16, "crates/core/src/kernels/sphere.rs":

@@ -2,15 +2,15 @@ use glam::Vec3;
 use num_traits::{Signed, Zero};
 use proptest::prelude::*;
 use wavecrest_core::kernels::disk::{Disk, intersect_exactly, meet};
-use wavecrest_core::kernels::precision::Exact;
+use wavecrest_core::kernels::precision::Exact as ExactPrecision;
 use wavecrest_core::math::ray::Ray;
 use wavecrest_core::math::vector::Line;
 
-use crate::exact::{dot, exact, exact3, minus, rounded_once};
+use crate::exact::{Exact, dot, exact, exact3, is_within, minus, rounded_once};
 use crate::inputs::{magnitude, moderate, unit, vector};
 
-/// The t at which a ray meets a disk, rounded once, in rational numbers.
-fn defined(ray: &Ray, disk: &Disk) -> Option<f32> {
+/// The t at which a ray meets a disk within its range, in rational numbers.
+pub(crate) fn meeting(ray: &Ray, disk: &Disk) -> Option<Exact> {
     let (f, d) = (minus(&exact3(ray.origin), &exact3(disk.center)), exact3(ray.direction));
     let n = exact3(disk.normal);
     let along = dot(&n, &d);
@@ -20,8 +20,7 @@ fn defined(ray: &Ray, disk: &Disk) -> Option<f32> {
     let t = -dot(&n, &f) / along;
     let q = [0, 1, 2].map(|k| &f[k] + &d[k] * &t);
     let r = exact(disk.radius);
-    let is_within = t > exact(ray.t_min) && t < exact(ray.t_max.min(f32::MAX));
-    (is_within && !(dot(&q, &q) - &r * &r).is_positive()).then(|| rounded_once(&t))
+    (is_within(ray, &t) && !(dot(&q, &q) - &r * &r).is_positive()).then_some(t)
 }
 
 proptest! {
@@ -49,8 +48,8 @@ proptest! {
         prop_assume!(ray.is_valid());
         let disk = Disk { center, normal, radius };
         let (t, is_hit) =
-            meet::<f32, Exact>(&Line::from(&ray), &disk, [ray.t_min, ray.t_max]);
-        let defined = defined(&ray, &disk);
+            meet::<f32, ExactPrecision>(&Line::from(&ray), &disk, [ray.t_min, ray.t_max]);
+        let defined = meeting(&ray, &disk).map(|t| rounded_once(&t));
         prop_assert_eq!(is_hit.then_some(t), defined);
         prop_assert_eq!(intersect_exactly(&ray, &disk), defined);
     }

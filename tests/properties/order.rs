@@ -5,6 +5,7 @@ use wavecrest_core::accel::{Accel, Hit, KernelChoice};
 use wavecrest_core::geometry::Geometry;
 use wavecrest_core::math::ray::Ray;
 
+use crate::exact::meeting;
 use crate::inputs::{moderate, vector};
 
 type Corners = [Vec3; 3];
@@ -103,8 +104,10 @@ proptest! {
                 continue;
             }
             let moved = (other.primitive as usize + shift) % triangles.len();
-            // At one t the lower number wins, and numbers have changed.
-            prop_assert!(hit.primitive as usize <= moved, "ray {}", i);
+            // At one exact t the lower number wins, and numbers have changed.
+            let [t, other_t] =
+                [hit.primitive as usize, moved].map(|number| meeting(&rays[i], &triangles[number]));
+            prop_assert!(hit.primitive as usize <= moved && t == other_t, "ray {}", i);
         }
     }
 

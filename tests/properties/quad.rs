@@ -6,9 +6,8 @@ use wavecrest_core::math::float::{MAX_COORDINATE, max_abs};
 use wavecrest_core::math::ray::Ray;
 use wavecrest_core::math::vector::{Line, Vector};
 
-use crate::exact::rounded_once;
+use crate::exact::{meeting, rounded_once};
 use crate::inputs::{coordinate, vector};
-use crate::triangle::meeting;
 
 /// The half that the ray meets first.
 fn quad_half(ray: &Ray, corners: &[Vec3; 4]) -> [Vec3; 3] {

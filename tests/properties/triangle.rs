@@ -1,6 +1,6 @@
 use fearless_simd::Level;
 use glam::Vec3;
-use num_traits::{Signed, Zero};
+use num_traits::Zero;
 use proptest::prelude::*;
 use wavecrest_core::kernels::precision::Exact as ExactPrecision;
 use wavecrest_core::kernels::triangle::filter::{self, Range};
@@ -11,7 +11,7 @@ use wavecrest_core::math::float::max_abs;
 use wavecrest_core::math::ray::Ray;
 use wavecrest_core::math::simd::{Kernel, Lanes, dispatch};
 
-use crate::exact::{Exact, cross, dot, exact, exact3, minus, rounded_once};
+use crate::exact::{cross, exact, exact3, meeting, minus, rounded_once};
 use crate::inputs::{coordinate, vector};
 
 /// Three of a list: often ones that lie on a line.
@@ -24,24 +24,6 @@ fn corners() -> impl Strategy<Value = [Vec3; 3]> {
     prop_oneof![any, on_a_line].prop_filter("coordinates that may be", |corners| {
         corners.iter().all(|&c| max_abs(c) <= wavecrest_core::math::float::MAX_COORDINATE)
     })
-}
-
-/// The definition: the t at which the ray meets the closed triangle within its range.
-pub(crate) fn meeting(ray: &Ray, corners: &[Vec3; 3]) -> Option<Exact> {
-    let (origin, direction) = (exact3(ray.origin), exact3(ray.direction));
-    let [a, b, c] = corners.map(|corner| minus(&exact3(corner), &origin));
-    let sides = [(&b, &c), (&c, &a), (&a, &b)].map(|(p, q)| dot(&cross(p, q), &direction));
-    if sides.iter().any(Signed::is_negative) && sides.iter().any(Signed::is_positive) {
-        return None;
-    }
-    let normal = cross(&minus(&b, &a), &minus(&c, &a));
-    let slope = dot(&normal, &direction);
-    if slope.is_zero() {
-        return None;
-    }
-    let t = dot(&normal, &a) / slope;
-    let end = |t: f32| exact(t.clamp(f32::MIN, f32::MAX));
-    (t > end(ray.t_min) && t < end(ray.t_max)).then_some(t)
 }
 
 /// Rays aimed at a triangle: at points inside, on its edges, at its corners, and just beside them.

@@ -1,14 +1,13 @@
 //! The closest hit as it is defined, in rational numbers: of the closed triangles that a ray meets
-//! within its range, the one with the least t rounded once; of equal t the lowest number.
+//! within its range, the one with the least t; of equal t the lowest number.
 
 use glam::{DVec3, Vec3};
-use num_traits::{Signed, Zero};
 use wavecrest_core::accel::Hit;
 use wavecrest_core::geometry::Geometry;
 use wavecrest_core::kernels::quad::halves;
 use wavecrest_core::math::ray::Ray;
 
-use crate::exact::{cross, dot, exact, exact3, minus, rounded_once};
+use crate::exact::{Exact, meeting, rounded_once};
 
 /// A triangle or half of a quad: the number of its primitive, and its corners.
 type Numbered = (u32, [Vec3; 3]);
@@ -54,41 +53,27 @@ fn nearest(ray: &Ray, corners: &[Vec3; 3]) -> Option<f64> {
     Some(if whole.abs() > 2.0 * doubt { t - error - t.abs() * 1e-6 } else { f64::NEG_INFINITY })
 }
 
-/// The t at which a ray meets a triangle within its range, rounded once.
-fn meeting(ray: &Ray, corners: &[Vec3; 3]) -> Option<f32> {
-    let (origin, direction) = (exact3(ray.origin), exact3(ray.direction));
-    let [a, b, c] = corners.map(|corner| minus(&exact3(corner), &origin));
-    let sides = [(&b, &c), (&c, &a), (&a, &b)].map(|(p, q)| dot(&direction, &cross(p, q)));
-    let whole = &sides[0] + &sides[1] + &sides[2];
-    let is_outside = sides.iter().any(Signed::is_positive) && sides.iter().any(Signed::is_negative);
-    if is_outside || whole.is_zero() {
-        return None;
-    }
-    let t = dot(&a, &cross(&b, &c)) / whole;
-    let is_within = t > exact(ray.t_min) && t < exact(ray.t_max.min(f32::MAX));
-    is_within.then(|| rounded_once(&t))
-}
-
 /// The closest hit; a ray that is no ray meets nothing.
 pub(crate) fn closest(ray: &Ray, triangles: &[Numbered]) -> Hit {
-    let mut first = Hit::MISS;
+    let mut first: Option<(Exact, u32)> = None;
     if !ray.is_valid() {
-        return first;
+        return Hit::MISS;
     }
     let possible = triangles.iter().filter_map(|(number, corners)| {
         nearest(ray, corners).map(|nearest| (nearest, *number, corners))
     });
     let mut possible: Vec<_> = possible.collect();
     possible.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mut reach = f64::INFINITY;
     for (nearest, primitive, corners) in possible {
-        if nearest > f64::from(first.t) {
+        if nearest > reach {
             break;
         }
-        if let Some(t) =
-            meeting(ray, corners).filter(|&t| (t, primitive) < (first.t, first.primitive))
-        {
-            first = Hit { t, primitive };
+        let new = meeting(ray, corners).map(|t| (t, primitive));
+        if let Some(new) = new.filter(|new| first.as_ref().is_none_or(|first| new < first)) {
+            reach = f64::from(rounded_once(&new.0).next_up());
+            first = Some(new);
         }
     }
-    first
+    first.map_or(Hit::MISS, |(t, primitive)| Hit { t: rounded_once(&t), primitive })
 }

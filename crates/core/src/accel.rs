@@ -20,6 +20,7 @@ mod hit;
 mod instances;
 mod leaf;
 mod node;
+mod order;
 mod packet;
 mod query;
 mod rays;
@@ -183,7 +184,7 @@ impl Accel {
         Search { accel: self, precision: PhantomData }
     }
 
-    /// The closest hit on `ray`, including light shapes.
+    /// The closest hit on `ray`, including light shapes: see [`Hit`].
     pub fn closest(&self, ray: &Ray, traversal: &mut Traversal) -> Hit {
         with_precision!(self.geometry.precision, P => self.search::<P>().closest(ray, traversal))
     }
@@ -194,7 +195,8 @@ impl Accel {
     }
 
     /// Everything on `ray`: the primitives that it crosses, those of lights too, but not those of
-    /// instances, by t and then by number, in place of what `hits` held. Of the triangles around an
+    /// instances, in the order of their exact t, of equal t first those that shadow rays pass, then by
+    /// number, in place of what `hits` held. Of the triangles around an
     /// edge or a corner, [`crossing`](crate::kernels::triangle::crossing) says which; a sphere may be
     /// crossed twice. Of a pile of dozens of triangles with the same corners the first counts.
     pub fn crossings(&self, ray: &Ray, traversal: &mut Traversal, hits: &mut Vec<Hit>) {

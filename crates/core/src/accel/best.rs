@@ -2,8 +2,7 @@
 //!
 //! While a ray is traced, its best hit is an entry of a leaf with an interval for t: the number and
 //! the exact t are found once, when the ray is done ([`Best::finished`]). Intervals of two hits
-//! that do not overlap tell which comes first; of others, the exact t are compared, then the
-//! numbers.
+//! that do not overlap tell which comes first; for others see [`order`](super::order).
 
 use glam::Vec3;
 
@@ -13,6 +12,7 @@ use super::{Hit, NO_PRIMITIVE};
 use crate::counters::TestCounts;
 use crate::kernels::precision::Arithmetic;
 use crate::kernels::triangle::{exact, settle};
+use crate::math::exact::Comparable;
 use crate::math::ray::Ray;
 use crate::math::real::Single;
 use crate::math::simd::LANES;
@@ -98,7 +98,8 @@ impl Best {
         let arena = searched.tree.arena.view();
         let [old, new] = [&*self, &new].map(|hit| hit.finished(arena, ray));
         // Whichever it is, its t is known from now on.
-        *self = Self::of(if new.precedes(&old) { new } else { old });
+        let comes_first = searched.geometry.order(ray, new, old).is_lt();
+        *self = Self::of(if comes_first { new } else { old });
         *self != before
     }
 
@@ -142,13 +143,6 @@ impl Best {
         let (t, is_known) = settle::t_of(&Line::from(ray), &corners.map(Vector::from));
         let t = if is_known { t } else { exact_t(ray, &corners) };
         Hit { t, primitive }
-    }
-}
-
-impl Hit {
-    #[inline(always)]
-    pub(super) fn precedes(&self, other: &Self) -> bool {
-        self.t < other.t || (self.t == other.t && self.primitive < other.primitive)
     }
 }
 
@@ -199,5 +193,5 @@ fn put([x, y, z]: &mut [[f32; LANES]; 3], lane: usize, v: Vec3) {
 #[cold]
 #[inline(never)]
 pub(super) fn exact_t(ray: &Ray, corners: &[Vec3; 3]) -> f32 {
-    exact::plane(ray, corners).unwrap_or(f32::INFINITY)
+    exact::plane(ray, corners).map_or(f32::INFINITY, |t| t.rounded())
 }

@@ -17,7 +17,7 @@ pub(super) fn hit<Q: Query, P: Arithmetic>(
     for primitive in 0..geometry.len() as u32 {
         if let Some(t) = geometry.hit::<P>(primitive, ray, tests)
             && let hit = (Hit { t, primitive })
-            && hit.precedes(&best)
+            && geometry.order(ray, hit, best).is_lt()
             && !(Q::ANY && geometry.is_passed(primitive))
         {
             best = hit;

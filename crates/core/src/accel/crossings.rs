@@ -49,7 +49,7 @@ impl Asked<'_> {
                 cross(&ray, hits);
             }
             if !hits.is_empty() {
-                order(geometry, hits);
+                geometry.sort(&ray, hits);
                 if !each(number, hits) {
                     return number + 1;
                 }
@@ -61,15 +61,6 @@ impl Asked<'_> {
 
 /// Receives the number of a ray and its hits, and says whether to go on.
 pub(super) type Each<'a> = dyn FnMut(usize, &[Hit]) -> bool + 'a;
-
-/// Orders the hits of a ray by t and then by number.
-#[inline(never)]
-fn order(geometry: &Geometry, hits: &mut Vec<Hit>) {
-    hits.sort_unstable_by(|a, b| a.t.total_cmp(&b.t).then(a.primitive.cmp(&b.primitive)));
-    // Lists hold a quad for each of its halves; a sphere may be touched, which counts twice.
-    let is_quad = |hit: &Hit| matches!(geometry.primitive(hit.primitive), Primitive::Quad(_));
-    hits.dedup_by(|a, b| a == b && is_quad(a));
-}
 
 /// Rays and all that each crosses.
 pub(super) struct Crossings<'a, 'b, P> {

@@ -7,9 +7,10 @@ pub const NO_PRIMITIVE: u32 = u32::MAX;
 #[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
 #[repr(C)]
 pub struct Hit {
-    /// Distance along the ray, in lengths of its direction; infinite for a miss.
+    /// Distance along the ray, in lengths of its direction, rounded once; infinite for a miss.
     pub t: f32,
-    /// The primitive, at equal t the one with the lowest number. [`NO_PRIMITIVE`] for a miss.
+    /// The primitive: of several the one with the least exact t, of equal t first those that shadow
+    /// rays pass, then the one with the lowest number. [`NO_PRIMITIVE`] for a miss.
     pub primitive: u32,
 }
 

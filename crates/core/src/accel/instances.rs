@@ -7,13 +7,15 @@
 //!
 //! The answer is that of [`Geometry::hit`](crate::geometry::Geometry::hit) and does not depend on
 //! the order of visits: a ray is searched in a prototype up to its closest hit so far, and a new hit
-//! replaces that one only if it is closer, or equally close with a lower number.
+//! replaces that one only if it comes first. Shapes that shadow rays pass are no instances, so that
+//! the order in a prototype is that of the scene.
 
 use super::query::Query;
 use super::rays::Rays;
 use super::search::Search;
 use super::tlas::{Waiting, Walk};
 use super::{Hit, Traversal};
+use crate::geometry::Geometry;
 use crate::geometry::instance::Instance;
 use crate::kernels::precision::Arithmetic;
 use crate::math::float::min;
@@ -56,7 +58,7 @@ impl<P: Arithmetic> Search<'_, P> {
             let instance = &self.accel.geometry.instances[number as usize];
             let hit =
                 self.in_prototype::<Q>(instance.prototype(), &walk.carried(instance), traversal);
-            walk.offer(instance, hit);
+            walk.offer(&self.accel.geometry, instance, hit);
             if Q::ANY && !walk.best.is_miss() {
                 break;
             }
@@ -138,7 +140,8 @@ impl<P: Arithmetic> Search<'_, P> {
         let Walks { walks, visits, carried, .. } = memory;
         traversal.tests.instances += visits.len() as u64;
         for group in visits.chunk_by(|a, b| a.0 == b.0) {
-            let instance = &self.accel.geometry.instances[group[0].0 as usize];
+            let geometry = &self.accel.geometry;
+            let instance = &geometry.instances[group[0].0 as usize];
             let prototype = instance.prototype();
             carried.clear();
             carried
@@ -146,22 +149,22 @@ impl<P: Arithmetic> Search<'_, P> {
             if group.len() < FEWEST_TOGETHER {
                 for (&(_, place), ray) in group.iter().zip(carried.iter()) {
                     let hit = self.in_prototype::<Q>(prototype, ray, traversal);
-                    walks[place as usize].1.offer(instance, hit);
+                    walks[place as usize].1.offer(geometry, instance, hit);
                 }
                 continue;
             }
             answers.resize(carried.len(), Q::NONE);
             self.all_in_prototype::<Q>(prototype, carried, answers, traversal);
             for (&(_, place), &answer) in group.iter().zip(answers.iter()) {
-                walks[place as usize].1.offer(instance, Q::hit(answer));
+                walks[place as usize].1.offer(geometry, instance, Q::hit(answer));
             }
         }
     }
 }
 
 impl Walk {
-    /// The ray in the space of the instance's prototype, up to the closest hit: a hit whose t rounds
-    /// to the same number may have a lower number.
+    /// The ray in the space of the instance's prototype, up to the closest hit: one whose t rounds to
+    /// the same number may come first.
     #[inline]
     fn carried(&self, instance: &Instance) -> Ray {
         let ray = instance.carried(&self.ray);
@@ -171,16 +174,14 @@ impl Walk {
         Ray { t_max: min(ray.t_max, self.best.t.next_up()), ..ray }
     }
 
-    /// Accepts the `hit` in the prototype of `instance` if it is closer, or equally close with a
-    /// lower number.
+    /// Accepts the `hit` in the prototype of `instance` if it comes before the closest one so far.
     #[inline]
-    fn offer(&mut self, instance: &Instance, hit: Hit) {
+    fn offer(&mut self, geometry: &Geometry, instance: &Instance, hit: Hit) {
         if hit.is_miss() {
             return;
         }
         let hit = Hit { primitive: instance.first() + hit.primitive, ..hit };
-        let best = self.best;
-        if hit.precedes(&best) {
+        if geometry.order(&self.ray, hit, self.best).is_lt() {
             self.best = hit;
         }
     }

@@ -1,9 +1,9 @@
 //! The precision of hits and points, and its cost.
 //!
 //! - [`Exact`] is the default: every hit is that of exact arithmetic. Of the closed triangles that a
-//!   ray meets in exact arithmetic within its range, it is the one with the least t, rounded once;
-//!   of equal t, the lowest number. Filters in single precision with error bounds decide most hits,
-//!   and origins are moved off surfaces by a bound on their error.
+//!   ray meets in exact arithmetic within its range, it is the one with the least t; of equal t one
+//!   that shadow rays pass, then the lowest number. Filters in single precision with error bounds
+//!   decide most hits, and origins are moved off surfaces by a bound on their error.
 //! - [`Fast`] takes these filters as they are: single precision without error bounds, as in most
 //!   renderers, and origins moved by a fixed length.
 //! - [`Reference`] is no precision to choose but the reference for the hits of [`Exact`]: each pair

@@ -1,7 +1,7 @@
 //! The ray-sphere test of Haines, Günther and Akenine-Möller (*Precision Improvements for
 //! Ray/Sphere Intersection*, Ray Tracing Gems 2019, chapter 7), in double precision and with bounds.
 //!
-//! A hit is the least root of |o + t d - c|^2 = r^2 within the ray's range, rounded once. The
+//! A hit is the least root of |o + t d - c|^2 = r^2 within the ray's range, told rounded once. The
 //! discriminant comes from the distance of the centre to the ray, which keeps its precision for
 //! small and far spheres; the roots come from the stable quadratic. Single precision rejects most
 //! spheres that a ray misses. What double precision leaves open is decided in exact arithmetic.
@@ -14,13 +14,11 @@
 //! it exceeds 4 e, its root is off by a relative (e / discriminant + 4 u); and c = (f^2 - r^2) / d^2
 //! by 12 u (f^2 + r^2) / d^2. The errors of both roots follow.
 
-use std::cmp::Ordering;
-
 use glam::Vec3;
 
 use super::precision::Arithmetic;
-use crate::math::exact::{Comparable, Expansion, dot, exact};
-use crate::math::float::{gamma, stable_roots};
+use crate::math::exact::{Comparable, Expansion, QuadraticRoot, dot, exact};
+use crate::math::float::gamma;
 use crate::math::ray::Ray;
 use crate::math::real::{Mask, Real, Single};
 use crate::math::vector::{Line, Vector};
@@ -38,7 +36,7 @@ pub fn intersect(ray: &Ray, center: Vec3, radius: f32) -> Option<f32> {
 #[inline(never)]
 pub fn intersect_exactly(ray: &Ray, center: Vec3, radius: f32) -> Option<f32> {
     let range = [ray.t_min, ray.t_max];
-    let [near, far] = QuadraticRoot::both(ray, center, radius)?;
+    let [near, far] = roots(ray, center, radius)?;
     [near, far].iter().find(|root| root.is_within(range)).map(Comparable::rounded)
 }
 
@@ -63,7 +61,7 @@ pub fn crossings<P: Arithmetic>(ray: &Ray, center: Vec3, radius: f32) -> [Option
     }
     let within =
         |root: QuadraticRoot| root.is_within([ray.t_min, ray.t_max]).then(|| root.rounded());
-    QuadraticRoot::both(ray, center, radius).map_or([None; 2], |roots| roots.map(within))
+    roots(ray, center, radius).map_or([None; 2], |roots| roots.map(within))
 }
 
 /// A root with this bound on its error, rounded, if it is within the range of the ray; `None` if the bound
@@ -79,50 +77,13 @@ fn crossed(ray: &Ray, root: f64, error: f64) -> Option<Option<f32>> {
     is_known.then_some(Some(t))
 }
 
-/// A root of a t^2 - 2 b t + c with real roots, and positive a.
-struct QuadraticRoot {
-    a: Expansion,
-    b: Expansion,
-    c: Expansion,
-    is_far: bool,
-}
-
-impl QuadraticRoot {
-    /// The t of both meetings of the line of a ray with a sphere, if it meets it.
-    fn both(ray: &Ray, center: Vec3, radius: f32) -> Option<[Self; 2]> {
-        let (d, o, center) = (exact(ray.direction), exact(ray.origin), exact(center));
-        let f = [0, 1, 2].map(|k| &o[k] - &center[k]);
-        let radius = Expansion::from(radius);
-        let (a, b, c) = (dot(&d, &d), -dot(&f, &d), &dot(&f, &f) - &(&radius * &radius));
-        let discriminant = &(&b * &b) - &(&a * &c);
-        if discriminant.sign() == Ordering::Less {
-            return None;
-        }
-        let root = |is_far| Self { a: a.clone(), b: b.clone(), c: c.clone(), is_far };
-        Some([root(false), root(true)])
-    }
-}
-
-impl Comparable for QuadraticRoot {
-    fn compare(&self, other: f64) -> Ordering {
-        let x = Expansion::from(other);
-        let ax = &self.a * &x;
-        let value = &(&(&ax - &(&self.b + &self.b)) * &x) + &self.c;
-        // Between the roots the value is negative; the middle tells on which side of them x is.
-        match ((&ax - &self.b).sign(), self.is_far) {
-            (Ordering::Greater, false) => Ordering::Less,
-            (Ordering::Less, true) => Ordering::Greater,
-            (_, false) => value.sign(),
-            (_, true) => value.sign().reverse(),
-        }
-    }
-
-    fn approximate(&self) -> f64 {
-        let (a, b, c) = (self.a.value(), self.b.value(), self.c.value());
-        let discriminant = (&(&self.b * &self.b) - &(&self.a * &self.c)).value();
-        let (near, far) = stable_roots(b / a, c / a, discriminant.sqrt() / a);
-        if self.is_far { far } else { near }
-    }
+/// The t of both meetings of the line of a ray with a sphere, if it meets it. Those of one ray have
+/// the same a.
+pub fn roots(ray: &Ray, center: Vec3, radius: f32) -> Option<[QuadraticRoot; 2]> {
+    let (d, o, center) = (exact(ray.direction), exact(ray.origin), exact(center));
+    let f = [0, 1, 2].map(|k| &o[k] - &center[k]);
+    let radius = Expansion::from(radius);
+    QuadraticRoot::both(dot(&d, &d), -dot(&f, &d), &dot(&f, &f) - &(&radius * &radius))
 }
 
 /// The t of both meetings of a line and a closed surface in double precision, with bounds on their
@@ -174,6 +135,21 @@ impl<D: Real<Element = f64>> Roots<D> {
             miss: discriminant.lt(-error),
         }
     }
+}
+
+impl Roots<f64> {
+    /// Bounds on the t of both meetings; comparisons with unknown ones are false.
+    pub(super) fn intervals(&self) -> [[f64; 2]; 2] {
+        let around = |t: f64, error: f64| {
+            if self.known { [t - error, t + error] } else { [f64::NAN; 2] }
+        };
+        [around(self.near, self.near_error), around(self.far, self.far_error)]
+    }
+}
+
+/// Bounds on the t of both meetings of a ray and a sphere; comparisons with unknown ones are false.
+pub(crate) fn intervals(ray: &Ray, center: Vec3, radius: f32) -> [[f64; 2]; 2] {
+    Roots::of(&Line::from(ray), center.into(), radius).intervals()
 }
 
 /// The smallest of the `roots` within the range, and the lanes that have one. What double precision

@@ -1,9 +1,9 @@
 //! Where a ray meets a triangle.
 //!
 //! A hit is defined in exact arithmetic ([`exact`]): the ray and the corners are taken as the
-//! numbers of single precision that they are, the triangle is closed, and t is rounded once. Two
-//! triangles that share an edge leave no gap, whatever the ray, and coplanar triangles are met at
-//! the same t.
+//! numbers of single precision that they are, the triangle is closed, and t is rounded once when it
+//! is told. Two triangles that share an edge leave no gap, whatever the ray, and coplanar triangles
+//! are met at the same t.
 //!
 //! - [`filter`] tests one ray against the eight triangles of a leaf, in single precision and with
 //!   bounds: certain hits with an interval for t, certain misses, and open pairs.

@@ -6,8 +6,8 @@
 //! becomes a balanced tree ([`Heaps::open`]): its leaves are full, so that triangles are tested eight
 //! at a time.
 //!
-//! Of triangles with the same corners only the first enters the tree. A ray meets all of them at
-//! the same t, where the lowest number wins.
+//! Of triangles with the same corners only the first enters the tree, and the first that shadow rays
+//! pass. A ray meets all of them at the same t, where the lowest number wins.
 
 use std::collections::{HashMap, HashSet};
 use std::ops::Range;

@@ -10,7 +10,7 @@ use std::cmp::Ordering;
 
 use glam::{DVec3, Vec3};
 
-use crate::math::exact::{Comparable, Expansion, Quotient, exact};
+use crate::math::exact::{Comparable, Expansion, Quotient, cross, exact};
 use crate::math::ray::Ray;
 
 /// Three exact coordinates.
@@ -103,11 +103,11 @@ pub fn crossing(ray: &Ray, triangle: &[Vec3; 3]) -> Option<f32> {
     (sign(0) == sign(1) && sign(1) == sign(2)).then(|| t.rounded())
 }
 
-/// The t at which `ray` meets the plane of `triangle`, rounded once, without regard to its range;
-/// `None` if they are parallel.
-pub fn plane(ray: &Ray, triangle: &[Vec3; 3]) -> Option<f32> {
-    let pair = ShiftedPair::new(ray, triangle);
-    pair.t(&pair.sides()).map(|t| t.rounded())
+/// The t at which `ray` meets the plane of `triangle`, without regard to its range; `None` if they
+/// are parallel.
+pub fn plane(ray: &Ray, triangle: &[Vec3; 3]) -> Option<Quotient> {
+    let [a, b, c] = *triangle;
+    Quotient::at_plane(ray, &cross(&difference(b, a), &difference(c, a)), a)
 }
 
 /// Barycentric coordinates of the point at which the line of a ray meets a triangle's plane, each

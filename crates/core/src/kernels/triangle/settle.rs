@@ -164,6 +164,13 @@ pub(crate) fn t_of<F: Single>(line: &Line<F>, corners: &[Vector<F>; 3]) -> (F, F
     Seen::new(line, corners).t().rounded()
 }
 
+/// Bounds on the t at which a ray meets the plane of a triangle; comparisons with unknown ones are
+/// false.
+pub(crate) fn interval(ray: &Ray, triangle: &[Vec3; 3]) -> [f64; 2] {
+    let PlaneT { low, high } = Seen::new(&Line::from(ray), &triangle.map(Vector::from)).t();
+    [low, high]
+}
+
 /// What double precision says of a ray and a triangle.
 pub(crate) enum Verdict {
     /// They meet within the ray's range, at this t, which is the exact one rounded once.
