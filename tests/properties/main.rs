@@ -26,6 +26,9 @@ mod slab;
 mod disk;
 mod sphere;
 
+// Surfaces that nearly coincide, in the order of a ray.
+mod surfaces;
+
 // Moved origins leave the surface behind.
 mod offsets;
 
