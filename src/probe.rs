@@ -151,6 +151,7 @@ fn bounce(number: usize, bounce: &Bounce) -> String {
         RayKind::Camera => String::new(),
         _ => format!(", throughput {}", three(bounce.throughput)),
     };
+    let medium = bounce.medium.as_ref().map_or_else(String::new, |of| format!(", inside of {of}"));
     let (direction, radiance) = (three(bounce.direction), three(bounce.radiance));
     let origin = bounce.origin.to_array().map(|x| rounded(x, 7).to_string()).join(" ");
     let hit = bounce.met.as_ref().map_or("    hits nothing\n".to_owned(), met);
@@ -161,7 +162,7 @@ fn bounce(number: usize, bounce: &Bounce) -> String {
         End::NoMirror => "ends: neither mirrored nor let through",
     });
     format!(
-        "  {what} from {origin}, direction {direction}{throughput}\n    visits: nodes {nodes}, leaves {leaves}; \
+        "  {what} from {origin}, direction {direction}{throughput}{medium}\n    visits: nodes {nodes}, leaves {leaves}; \
          primitives tested: {primitives}\n{hit}    radiance so far {radiance}; {end}\n"
     )
 }

@@ -12,7 +12,7 @@ use crate::progress::Stage;
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_base::replace::{check_differs, check_replaceable};
 use wavecrest_core::counters::Counters;
-use wavecrest_core::prepared::PreparedScene;
+use wavecrest_core::prepared::{MOST_RAYS, PreparedScene};
 use wavecrest_core::probe::{self, Invalid};
 use wavecrest_core::render::Rendered;
 use wavecrest_image::farm::{Author, Session, Shard};
@@ -170,8 +170,15 @@ pub(super) fn find_invalid(
         .remedy(format!("see it with: wavecrest probe {scene} --pixel {x},{y}")))
 }
 
-/// Prints the number of samples that were not finite, and the first.
+/// Prints the number of samples that were not finite, and the first, and of those that were cut short.
 pub(super) fn report_invalid(counters: &Counters, first: Option<&Invalid>) {
+    if counters.cut_short > 0 {
+        tell(&format!(
+            "warning: paths ended at {MOST_RAYS} rays, in number {}: transparent surfaces send on more light than \
+             they receive, or hardly less; use a smaller kr, kt or nbounces",
+            counters.cut_short
+        ));
+    }
     if let Some(first) = first {
         let count = counters.invalid;
         tell(&format!(

@@ -108,6 +108,7 @@ pub(super) fn write_statistics(
         "invalid": counters.invalid,
         "first_invalid": invalid,
         "lights_at_surface": counters.lights_at_surface,
+        "cut_short": counters.cut_short,
         "time": time,
         "memory": Memory {
             predicted: estimated.as_ref().map_or(0, |estimated| estimated.total()),

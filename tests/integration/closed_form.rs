@@ -19,6 +19,9 @@ mod ambient;
 // What goes through surfaces.
 mod transparency;
 
+// Where surfaces touch, overlap or nest.
+mod interfaces;
+
 // Textures, transforms, sides of surfaces, units of length.
 mod surfaces;
 

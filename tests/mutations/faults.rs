@@ -133,8 +133,8 @@ pub(crate) const FAULTS: &[Fault] = faults! {
         "Ray { t_max: SHADOW_END, ..Ray::new(origin.into(), direction.into()) }"
             => "Ray { t_max: 1.0, ..Ray::new(origin.into(), direction.into()) }";
     "shadow rays of batches end on their light", 11, "crates/core/src/wavefront/batch.rs":
-        "columns_of(rays.rows, &rays.origin, &rays.direction, SHADOW_END)"
-            => "columns_of(rays.rows, &rays.origin, &rays.direction, 1.0)";
+        "(None, SHADOW_END)"
+            => "(None, 1.0)";
     "shadow rays end beyond the surface of their light", 11, "crates/core/src/kernels/shade.rs":
         "target.position.offset_end(target.error, target.normal, -to_light)" => "target.position";
     "the error of the end of a shadow ray has a sign", 11, "crates/core/src/math/vector.rs":

@@ -62,6 +62,8 @@ pub struct Traversal {
     flight: Flight,
     packets: Packets,
     walks: Walks,
+    /// What a ray crosses near a hit.
+    pub(crate) crossed: Vec<Hit>,
     /// Whether an upper bound may take the place of the t of closest hits on triangles and quads,
     /// which is computed last, and not needed for shading.
     pub without_t: bool,

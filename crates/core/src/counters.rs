@@ -32,6 +32,8 @@ pub struct Counters {
     /// Shadow rays to a light within the rounding error of the surface: its distance counts as that
     /// error.
     pub lights_at_surface: u64,
+    /// Paths that ended at the largest number of rays.
+    pub cut_short: u64,
 }
 
 /// A sample of a pixel.
@@ -64,6 +66,7 @@ impl AddAssign for Counters {
         self.spans = each(self.spans, other.spans, |a, b| a + b);
         self.add_invalid(other.invalid, other.first_invalid);
         self.lights_at_surface += other.lights_at_surface;
+        self.cut_short += other.cut_short;
     }
 }
 

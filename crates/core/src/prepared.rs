@@ -6,7 +6,9 @@ mod differential;
 mod fingerprint;
 mod group;
 mod interaction;
+mod interface;
 mod maps;
+mod media;
 mod passing;
 mod resample;
 mod transmission;
@@ -20,9 +22,10 @@ pub use class::{Class, Map, Property};
 pub use fingerprint::Fingerprints;
 pub use group::{Face, Group, lanes};
 pub use interaction::{Interaction, surface};
+pub use media::{Media, Solid};
 pub use passing::{Crossing, Passing};
 pub use resample::{Original, Samples};
-pub use transmission::{Branch, Trail};
+pub use transmission::{Branch, MOST_RAYS, Trail};
 
 use crate::accel::Accel;
 pub use crate::counters::LookUps;
@@ -67,6 +70,8 @@ pub struct PreparedScene {
     /// What is around the scene; `None` if the plan has nothing, and rays that hit nothing see the
     /// background or the hemispheric light.
     pub environment: Option<Environment>,
+    /// What is inside of shapes, in the order of priority where they overlap.
+    pub solids: Vec<Solid>,
     /// How often a ray may be mirrored or refracted; 0 if the plan has neither.
     pub bounces: u32,
     /// Counts of dropped parts of the file.
@@ -118,6 +123,8 @@ pub struct Shape {
     pub class: u32,
     /// Index of its mesh in [`Appearance::meshes`].
     pub mesh: Option<u32>,
+    /// Index in [`PreparedScene::solids`] of what its front encloses, if light goes through that.
+    pub solid: Option<u32>,
 }
 
 /// An image and its mapping to a shape.

@@ -17,7 +17,7 @@ use crate::kernels::shade::ShadingPoint;
 use crate::math::float::{UNIT_ROUNDOFF, normalize};
 use crate::math::random::Stream;
 use crate::math::ray::Ray;
-use crate::prepared::{Branch, Class, PreparedScene, Trail};
+use crate::prepared::{Branch, Class, PreparedScene};
 use crate::recursive::{Arriving, End, Observer, Recursive};
 use crate::tile::{Tile, TraceSettings, Tracer, Unit};
 use crate::wavefront::{DEFAULT_BATCH, Wavefront};
@@ -91,7 +91,7 @@ fn follow<P: Arithmetic>(
         path: PathRecord { sample, ..PathRecord::default() },
         steps: Vec::new(),
         waiting: Vec::new(),
-        trail: Trail::default(),
+        bounces: 0,
     };
     recorder.path.radiance = tracer.path(scene, pixel, stream, &|| false, &mut recorder);
     (recorder.path, recorder.steps)
@@ -109,7 +109,7 @@ fn wavefront_steps<P: Arithmetic>(
     tracer.render_watched(scene, &pixel, &mut [[0.0; 3]], &|| false, |_, batch| {
         for i in 0..batch.rays.len() {
             let path = batch.rays.path[i] as usize;
-            let step = (batch.rays.ray(i), batch.hits.hit[i], batch.paths.radiance.get(path));
+            let step = (batch.ray(i), batch.hits.hit[i], batch.paths.radiance.get(path));
             steps[batch.paths.sample[path] as usize].push(step);
         }
     });
@@ -143,8 +143,8 @@ struct Recorder<'a> {
     steps: Vec<TracedBounce>,
     /// Where the waiting rays of the tracer come from, and their kinds.
     waiting: Vec<(usize, RayKind)>,
-    /// What the last ray went through.
-    trail: Trail,
+    /// How often the last ray was mirrored or refracted.
+    bounces: u32,
 }
 
 impl Recorder<'_> {
@@ -156,6 +156,12 @@ impl Recorder<'_> {
     fn name_of(&self, primitive: u32) -> Option<String> {
         let appearance = &self.scene.appearance;
         appearance.names.get(appearance.shape_of(primitive)).cloned().flatten()
+    }
+
+    fn place_of_solid(&self, solid: u32) -> String {
+        let appearance = &self.scene.appearance;
+        let shape = appearance.shapes.iter().position(|shape| shape.solid == Some(solid));
+        shape.map_or_else(String::new, |shape| appearance.places[shape].clone())
     }
 
     /// The file of the image that gives a primitive's colour.
@@ -203,7 +209,7 @@ impl Observer for Recorder<'_> {
         let Branch { ray, throughput, trail, .. } = branch;
         let met = (!hit.is_miss()).then(|| self.met(ray, hit));
         self.steps.push((*ray, *hit, Vec3::ZERO));
-        self.trail = *trail;
+        self.bounces = trail.bounces;
         let (from, kind) = self.waiting.pop().unzip();
         self.path.bounces.push(Bounce {
             kind: kind.unwrap_or(RayKind::Camera),
@@ -211,6 +217,7 @@ impl Observer for Recorder<'_> {
             throughput: *throughput,
             origin: ray.origin.as_dvec3() + self.scene.origin,
             direction: ray.direction,
+            medium: trail.media.medium().map(|solid| self.place_of_solid(solid)),
             nodes: tests.nodes,
             leaves: tests.leaves,
             primitives: tests.triangles + tests.quads + tests.spheres + tests.disks,
@@ -274,7 +281,7 @@ impl Observer for Recorder<'_> {
         let from = self.path.bounces.len().saturating_sub(1);
         let normal = self.last_met().map_or(Vec3::ZERO, |met| met.normal);
         let kind = |branch: &Branch| match branch {
-            _ if branch.trail == self.trail => RayKind::Straight,
+            _ if branch.trail.bounces == self.bounces => RayKind::Straight,
             _ if branch.ray.direction.dot(normal) < 0.0 => RayKind::Refracted,
             _ => RayKind::Mirrored,
         };

@@ -20,7 +20,9 @@ use crate::math::random::Stream;
 use crate::math::ray::Ray;
 use crate::math::vector::Line;
 use crate::plan::schedule::Schedule;
-use crate::prepared::{Branch, Class, Interaction, Passing, PreparedScene, Trail};
+use crate::prepared::{
+    Branch, Class, Interaction, MOST_RAYS, Media, Passing, PreparedScene, Trail,
+};
 use crate::tile::{PassClock, Timed, TraceSettings, Tracer, Unit, add_sample};
 
 /// The tracer.
@@ -29,6 +31,8 @@ pub struct Recursive<P> {
     seed: u64,
     schedule: Schedule,
     traversal: Traversal,
+    /// What camera rays are inside of, as at the camera's position.
+    start: Media,
     /// Whether rays after the first have differentials.
     differentials: bool,
     /// The rays of the path that wait.
@@ -48,10 +52,12 @@ pub struct Recursive<P> {
 
 impl<P: Arithmetic> Tracer for Recursive<P> {
     fn new(scene: &PreparedScene, settings: &TraceSettings) -> Self {
+        let mut traversal = scene.accel.traversal();
         Self {
             seed: settings.seed,
             schedule: scene.plan.schedule(),
-            traversal: scene.accel.traversal(),
+            start: scene.media_at_camera::<P>(&mut traversal),
+            traversal,
             differentials: scene.carries_differentials(),
             waiting: Vec::new(),
             passing: Passing::default(),
@@ -238,18 +244,19 @@ impl<P: Arithmetic> Recursive<P> {
         self.counters.lens_samples += u64::from(scene.camera.has_lens());
         observer.camera();
         let shadows = self.schedule.has_shadows();
-        let transmits = self.schedule.has_transmission();
+        let (transmits, least) = (self.schedule.has_transmission(), scene.least_weight());
         let bounces = if self.schedule.has_mirrors() { scene.bounces } else { 0 };
         let mut radiance = Vec3::ZERO;
-        let mut at =
-            Branch { ray, throughput: Vec3::ONE, trail: Trail::default(), differential: None };
+        let trail = Trail { media: self.start, ..Trail::default() };
+        let mut at = Branch { ray, throughput: Vec3::ONE, trail, differential: None };
         loop {
             let Branch { ray, trail, .. } = at;
             let before = self.traversal.tests;
-            let hit = scene.accel.search::<P>().closest(&ray, &mut self.traversal);
+            let found = scene.accel.search::<P>().closest(&ray, &mut self.traversal);
+            let hit = if trail.next.is_miss() { found } else { trail.next };
             observer.ray(&at, &hit, self.traversal.tests - before);
-            if let Some(remaining) = trail.remaining(hit.t) {
-                at.throughput *= remaining;
+            if transmits {
+                at.throughput *= scene.remaining(&ray, &trail.media, hit.t);
             }
             let throughput = at.throughput;
             let waiting = self.waiting.len();
@@ -260,7 +267,8 @@ impl<P: Arithmetic> Recursive<P> {
                 Interaction::Surface(point, class) => {
                     let transparency = class.transparency.as_ref().filter(|_| transmits);
                     let divided = transparency.map(|transparency| {
-                        scene.divide(&at, &hit, transparency, point, &mut self.counters.look_ups)
+                        let memory = (&mut self.traversal, &mut self.counters.look_ups);
+                        scene.divide::<P>(&at, &hit, transparency, point, memory)
                     });
                     let own = divided.map_or(throughput, |(own, _)| own);
                     let local = point.local_light(scene.ambient, scene.hemisphere.as_ref());
@@ -268,7 +276,8 @@ impl<P: Arithmetic> Recursive<P> {
                     observer.surface(point, class, radiance);
                     if shadows && point.lit {
                         let gathered = (own, &mut radiance);
-                        self.direct_light(scene, point, &stream, gathered, cancelled, observer);
+                        let at = (point, trail.media);
+                        self.direct_light(scene, at, &stream, gathered, cancelled, observer);
                     }
                     if let Some((_, branches)) = divided {
                         self.waiting.extend(branches.into_iter().rev().flatten());
@@ -276,7 +285,7 @@ impl<P: Arithmetic> Recursive<P> {
                     } else if trail.bounces >= bounces {
                         End::LastBounce
                     } else {
-                        if let Some((next, throughput)) = mirror_ray(point, throughput) {
+                        if let Some((next, throughput)) = mirror_ray(point, throughput, least) {
                             let differential = self.differentials.then(|| {
                                 let found = &mut self.counters.look_ups;
                                 scene.mirrored(at.differential, &ray, &hit, point, found)
@@ -304,6 +313,10 @@ impl<P: Arithmetic> Recursive<P> {
                 }
             };
             observer.done(radiance, &self.waiting[waiting..], end);
+            if stream.bounce + 1 == MOST_RAYS && !self.waiting.is_empty() {
+                self.counters.cut_short += 1;
+                self.waiting.clear();
+            }
             if self.ends(cancelled) {
                 self.waiting.clear();
             }
@@ -319,7 +332,7 @@ impl<P: Arithmetic> Recursive<P> {
     fn direct_light(
         &mut self,
         scene: &PreparedScene,
-        point: &ShadingPoint<f32>,
+        (point, media): (&ShadingPoint<f32>, Media),
         stream: &Stream,
         (throughput, radiance): (Vec3, &mut Vec3),
         cancelled: &dyn Fn() -> bool,
@@ -347,7 +360,8 @@ impl<P: Arithmetic> Recursive<P> {
                     true => {
                         let Self { passing, traversal, counters, .. } = &mut *self;
                         let look_ups = &mut counters.look_ups;
-                        scene.passed::<P>(&request.ray(), passing, traversal, look_ups)
+                        let ray = (&request.ray(), media);
+                        scene.passed::<P>(ray, passing, traversal, look_ups)
                     }
                     false => Vec3::ONE,
                 });
@@ -374,8 +388,8 @@ fn shadow_request(
 
 /// The mirror ray of a point and its throughput, if there is one.
 #[inline(never)]
-fn mirror_ray(point: &ShadingPoint<f32>, throughput: Vec3) -> Option<(Ray, Vec3)> {
-    let request = shade::mirror_request(point, throughput.into())?;
+fn mirror_ray(point: &ShadingPoint<f32>, throughput: Vec3, least: f32) -> Option<(Ray, Vec3)> {
+    let request = shade::mirror_request(point, throughput.into(), least)?;
     let Line { origin, direction } = request.line;
     Some((Ray::new(origin.into(), direction.into()), request.throughput.into()))
 }

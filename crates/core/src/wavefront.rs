@@ -24,7 +24,7 @@ use crate::accel::Traversal;
 use crate::counters::Counters;
 use crate::kernels::precision::Arithmetic;
 use crate::plan::schedule::Schedule;
-use crate::prepared::{LookUps, PreparedScene};
+use crate::prepared::{LookUps, MOST_RAYS, Media, PreparedScene};
 use crate::tile::{PassClock, Timed, TraceSettings, Tracer, Unit};
 use batch::Batch;
 
@@ -37,6 +37,7 @@ pub struct Wavefront<P> {
     seed: u64,
     schedule: Schedule,
     needs_points: bool,
+    start: Media,
     batch: Batch,
     traversal: Traversal,
     counters: Counters,
@@ -46,12 +47,14 @@ pub struct Wavefront<P> {
 
 impl<P: Arithmetic> Tracer for Wavefront<P> {
     fn new(scene: &PreparedScene, settings: &TraceSettings) -> Self {
+        let mut traversal = scene.accel.traversal();
         Self {
             seed: settings.seed,
             schedule: scene.plan.schedule(),
             needs_points: scene.needs_points(),
+            start: scene.media_at_camera::<P>(&mut traversal),
             batch: Batch::new(scene, settings.batch),
-            traversal: scene.accel.traversal(),
+            traversal,
             counters: Counters::default(),
             clock: PassClock::new(),
             precision: PhantomData,
@@ -112,6 +115,11 @@ impl<P: Arithmetic> Wavefront<P> {
                 if !(self.schedule.goes_on() && self.batch.advance()) {
                     break;
                 }
+                if bounce + 1 == MOST_RAYS {
+                    self.counters.cut_short += self.batch.rays.len() as u64;
+                    self.batch.waiting.clear();
+                    break;
+                }
                 self.counters.secondary_rays += self.batch.rays.len() as u64;
             }
             self.resolve(sums);
@@ -135,9 +143,10 @@ impl<P: Arithmetic> Wavefront<P> {
 
     /// Adds the light of hits without further rays, and collects lit points and the next rays.
     pub fn shade(&mut self, scene: &PreparedScene, bounce: u32) {
-        let Self { needs_points, batch, counters, clock, .. } = self;
+        let Self { needs_points, start, batch, traversal, counters, clock, .. } = self;
         clock.start();
-        s3_shade::run::<P>(scene, (bounce, *needs_points), batch, counters, clock);
+        let given = (bounce, *needs_points, *start);
+        s3_shade::run::<P>(scene, given, batch, traversal, counters, clock);
         clock.lap(Timed::Shade);
     }
 

@@ -23,6 +23,7 @@
 //! | `invalid` | samples | not finite; they count as black |
 //! | `first_invalid.x`, `.y`, `.sample`, `.bounce`, `.primitive`, `.shape` | | where the first of them becomes not finite (`null` without any) |
 //! | `lights_at_surface` | rays | to lights within the rounding error of the surface |
+//! | `cut_short` | paths | that ended at 65 536 rays: their surfaces send on more light than they receive |
 //! | `time.load`, `.build`, `.trace`, `.write`, `.total` | seconds | wall-clock time by stage |
 //! | `time.passes` | seconds | by pass ([`Timed`](wavecrest_core::tile::Timed)), summed over threads; `maps` is the shading of mapped hits, and `decode` the decoding of images, wherever it is |
 //! | `memory.predicted`, `.peak` | bytes | peak of the process: estimated before a mesh or a texture is read, and measured (`null` if unknown) |

@@ -9,6 +9,7 @@
 //! | `view` | shapes, the camera in all frames | which shapes are visible, and from which side |
 //! | `census` | all of these | the plan: which effects the scene needs |
 //! | `classes` | visible materials and textures | classes, each once; images, each once |
+//! | `solids` | classes, boxes of shapes | what shapes enclose, by priority |
 //! | `cutouts` | cut-outs | primitives with holes, and their images |
 //! | `camera` | the view, pinhole or thin lens | the ray generator |
 //! | [`wavecrest_core::accel`] | the geometry | the tree |
@@ -31,6 +32,7 @@ pub mod looks;
 pub(crate) mod materials;
 pub mod overrides;
 pub(crate) mod reach;
+mod solids;
 pub(crate) mod textures;
 mod unseen;
 pub(crate) mod view;
@@ -138,6 +140,7 @@ pub fn extract(world: World, options: Options<'_>) -> Result<Extracted> {
     let mut images = Images::default();
     let shapes = &mut extracted.shapes;
     let classes = classes::run(&surfaces, &materials, schedule, &found, &mut images, shapes);
+    let solids = solids::run(&surfaces, &classes, &extracted.geometry, &mut extracted.shapes);
     let mut transparent = extracted.pass(&found.transparent);
     if !(schedule.has_shadows() && schedule.has_transmission()) {
         transparent.clear();
@@ -176,6 +179,7 @@ pub fn extract(world: World, options: Options<'_>) -> Result<Extracted> {
         ambient,
         hemisphere,
         environment,
+        solids,
         bounces: if schedule.goes_on() { settings.bounces } else { 0 },
         dropped: Dropped::default(),
     };

@@ -14,7 +14,7 @@ use crate::support::{
 };
 
 /// Nothing but what goes through it is seen of such a surface.
-fn clear(more: &Value) -> Value {
+pub(super) fn clear(more: &Value) -> Value {
     let mut material = json!({"ks": 0, "kd": 0, "specularexponent": 1, "diffusecolor": [0, 0, 0]});
     for (key, value) in more.as_object().expect("keys") {
         material[key] = value.clone();
@@ -51,7 +51,7 @@ fn seen(bounces: u32, lights: &[Value], shapes: &[Value]) -> PreparedScene {
 }
 
 /// Fresnel's reflectances from the angles, averaged.
-fn fresnel(angle: f64, ior: f64) -> f64 {
+pub(super) fn fresnel(angle: f64, ior: f64) -> f64 {
     if angle == 0.0 {
         return ((ior - 1.0) / (ior + 1.0)).powi(2);
     }
@@ -61,7 +61,7 @@ fn fresnel(angle: f64, ior: f64) -> f64 {
     (across * across + along * along) / 2.0
 }
 
-fn close(found: impl Into<f64>, expected: f64, what: &str) {
+pub(super) fn close(found: impl Into<f64>, expected: f64, what: &str) {
     let found = found.into();
     assert!(
         (found - expected).abs() < 2e-6 * expected.abs().max(1.0),

@@ -13,8 +13,18 @@ pub(super) fn hit<Q: Query, P: Arithmetic>(
     ray: &Ray,
     tests: &mut TestCounts,
 ) -> Hit {
+    hit_among::<Q, P>(geometry, 0..geometry.len() as u32, ray, tests)
+}
+
+/// As [`hit`], on primitives with these numbers.
+pub(super) fn hit_among<Q: Query, P: Arithmetic>(
+    geometry: &Geometry,
+    numbers: std::ops::Range<u32>,
+    ray: &Ray,
+    tests: &mut TestCounts,
+) -> Hit {
     let mut best = Hit::MISS;
-    for primitive in 0..geometry.len() as u32 {
+    for primitive in numbers {
         if let Some(t) = geometry.hit::<P>(primitive, ray, tests)
             && let hit = (Hit { t, primitive })
             && geometry.order(ray, hit, best).is_lt()

@@ -32,7 +32,7 @@ pub(super) struct Asked<'a> {
 
 impl Asked<'_> {
     /// Calls `cross` for each ray, which adds what it crosses to `hits`, and `each` with its number and
-    /// its hits in order, if there are any, until that returns false. Returns the number of the next ray.
+    /// its hits in order, until that returns false. Returns the number of the next ray.
     #[inline(always)]
     pub(super) fn run(
         self,
@@ -48,11 +48,11 @@ impl Asked<'_> {
             if ray.is_valid() {
                 cross(&ray, hits);
             }
-            if !hits.is_empty() {
+            if hits.len() > 1 {
                 geometry.sort(&ray, hits);
-                if !each(number, hits) {
-                    return number + 1;
-                }
+            }
+            if !each(number, hits) {
+                return number + 1;
             }
         }
         left_out.len()

@@ -20,7 +20,7 @@ pub enum Rays<'a> {
     Columns(RayColumns<'a>),
 }
 
-/// Rays in columns, with t from 0 to the same `t_max`.
+/// Rays in columns, with t to the same `t_max`.
 #[derive(Clone, Copy, Debug)]
 pub struct RayColumns<'a> {
     /// Number of rays: columns may be longer.
@@ -29,6 +29,8 @@ pub struct RayColumns<'a> {
     pub origin: [&'a [f32]; 3],
     /// The directions, an axis each.
     pub direction: [&'a [f32]; 3],
+    /// Hits at or before this t do not count: 0 if there is no column.
+    pub t_min: Option<&'a [f32]>,
     /// Hits at or after this t do not count.
     pub t_max: f32,
 }
@@ -65,9 +67,10 @@ impl Rays<'_> {
     pub fn ray(&self, i: usize) -> Ray {
         match self {
             Self::Rows(rays) => rays[i],
-            Self::Columns(RayColumns { origin, direction, t_max, .. }) => {
+            Self::Columns(RayColumns { origin, direction, t_min, t_max, .. }) => {
                 let at = |[x, y, z]: &[&[f32]; 3]| Vec3::new(x[i], y[i], z[i]);
-                Ray { t_max: *t_max, ..Ray::new(at(origin), at(direction)) }
+                let t_min = t_min.map_or(0.0, |t_min| t_min[i]);
+                Ray { t_min, t_max: *t_max, ..Ray::new(at(origin), at(direction)) }
             }
         }
     }
@@ -113,7 +116,7 @@ pub(super) struct RayLanes<S: Lanes> {
 #[inline(always)]
 fn of_columns<S: Lanes>(
     simd: S,
-    RayColumns { origin, direction, t_max, .. }: &RayColumns<'_>,
+    RayColumns { origin, direction, t_min, t_max, .. }: &RayColumns<'_>,
     i: usize,
     stride: usize,
 ) -> RayLanes<S> {
@@ -130,7 +133,10 @@ fn of_columns<S: Lanes>(
             four_rows(simd, dy, i, stride),
             four_rows(simd, dz, i, stride),
         ],
-        t_min: f32x16::splat(simd, 0.0),
+        t_min: match t_min {
+            Some(t_min) => four_rows(simd, t_min, i, stride),
+            None => f32x16::splat(simd, 0.0),
+        },
         t_max: f32x16::splat(simd, *t_max),
     }
 }

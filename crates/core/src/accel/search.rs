@@ -110,6 +110,19 @@ impl<P: Arithmetic> Search<'_, P> {
         asked.run(geometry, hits, cross, each)
     }
 
+    /// The closest hit on instances, which are not among [`Self::crossings`].
+    pub(crate) fn closest_instanced(&self, ray: &Ray, traversal: &mut Traversal) -> Hit {
+        let geometry = self.accel.geometry();
+        if geometry.instances.is_empty() || !ray.is_valid() {
+            return Hit::MISS;
+        }
+        if self.accel.tree.is_some() {
+            return self.among_instances::<Closest>(ray, Hit::MISS, traversal);
+        }
+        let numbers = geometry.own() as u32..geometry.len() as u32;
+        brute::hit_among::<Closest, P>(geometry, numbers, ray, &mut traversal.tests)
+    }
+
     #[inline(always)]
     fn one<Q: Query>(&self, ray: &Ray, traversal: &mut Traversal) -> Q::Answer {
         if self.accel.kernel == KernelChoice::Reference {

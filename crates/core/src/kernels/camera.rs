@@ -119,6 +119,11 @@ impl Camera {
         self.size
     }
 
+    /// The position, in world space: the centre of a lens.
+    pub fn origin(&self) -> Vec3 {
+        self.origin
+    }
+
     /// Right, up and forward: orthogonal unit vectors.
     pub fn basis(&self) -> [Vec3; 3] {
         [self.right, self.up, self.forward]

@@ -225,6 +225,10 @@ fn ambient_request<F: Single>(
     asked.any().then_some(ShadowRequest { line, contribution, at_light, asked })
 }
 
+/// Where light goes through solids, rays from surfaces with less weight in every channel than this half of
+/// one of 255 levels end.
+pub const LEAST_WEIGHT: f32 = 0.5 / 255.0;
+
 /// A mirror ray and its throughput.
 #[derive(Clone, Copy, Debug)]
 pub struct MirrorRequest<F: Single> {
@@ -237,11 +241,12 @@ pub struct MirrorRequest<F: Single> {
 }
 
 /// The mirror ray of a point with weight `throughput`, if this side of the surface is a mirror and
-/// the reflected light can still contribute.
+/// the reflected light can still contribute: it has at least the weight `least` in a channel.
 #[inline(always)]
 pub fn mirror_request<F: Single>(
     point: &ShadingPoint<F>,
     throughput: Vector<F>,
+    least: f32,
 ) -> Option<MirrorRequest<F>> {
     let asked = point.lit & point.kr.gt(point.kr.zero());
     if !asked.any() {
@@ -251,7 +256,8 @@ pub fn mirror_request<F: Single>(
     let throughput = throughput * point.reflection.tint.scale(point.kr);
     let origin = point.point.offset_origin(point.error, point.normal, direction);
     let line = Line { origin, direction };
-    let asked = asked & throughput.is_not_zero() & line.is_valid();
+    let counts = throughput.is_not_zero() & !throughput.max_abs().lt(point.kr.same(least));
+    let asked = asked & counts & line.is_valid();
     asked.any().then_some(MirrorRequest { line, throughput, asked })
 }
 

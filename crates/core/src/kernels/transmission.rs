@@ -2,8 +2,7 @@
 //!
 //! Refraction is that of Whitted, *An Improved Illumination Model for Shaded Display* (1980), with
 //! the reflectance of smooth dielectrics by Fresnel's equations for unpolarised light. The front
-//! of a surface is its exterior and its back the interior, and each surface is an interface
-//! between its own medium and air. Where solids overlap, the media of all of them absorb.
+//! of a surface is its exterior and its back the interior.
 
 use glam::{DVec3, Vec3};
 
@@ -47,15 +46,15 @@ pub struct Refracted {
 }
 
 impl Transparency {
-    /// Rays with less weight in every channel than this half of one of 255 levels end.
-    pub const LEAST_WEIGHT: f32 = 0.5 / 255.0;
-
     /// How light along `point.view`, towards the viewer, is made up: the weight of mirrored light by
-    /// Fresnel's equations alone, and refracted light, if not all is mirrored.
-    pub fn split(&self, point: &ShadingPoint<f32>) -> (f32, Option<Refracted>) {
+    /// Fresnel's equations alone, and refracted light, if not all is mirrored. `iors` are the indices of
+    /// refraction on the viewer's side and beyond, of which a thin sheet takes its own.
+    pub fn split(&self, point: &ShadingPoint<f32>, iors: [f32; 2]) -> (f32, Option<Refracted>) {
         let [view, normal, shading] =
             [point.view, point.normal, point.shading_normal].map(|v| Vec3::from(v).as_dvec3());
-        let through = |normal| self.through(view, normal, point.inside);
+        let [before, beyond] = if self.thin { [1.0, self.ior] } else { iors }.map(f64::from);
+        let ratio = before / beyond;
+        let through = |normal| self.through(view, normal, ratio);
         // An interpolated normal may bend a ray to its own side.
         let leaves = |direction: DVec3| dot_f64(direction, normal) < 0.0;
         let ((mirrored, direction), smooth) = match through(shading) {
@@ -68,21 +67,20 @@ impl Transparency {
             weight: self.tint(point.color.into()) * weight as f32,
             direction: direction.as_vec3(),
             smooth,
-            ratio: self.ratio(point.inside),
+            ratio,
         });
         ((f64::from(self.kt) * mirrored) as f32, refracted)
     }
 
     /// The colour of refracted light at a point with this base colour.
-    fn tint(&self, base: Vec3) -> Vec3 {
+    pub fn tint(&self, base: Vec3) -> Vec3 {
         if self.tinted { self.color * base } else { self.color }
     }
 
     /// The share of light that is mirrored, and the unit direction from which the rest comes.
-    fn through(&self, view: DVec3, normal: DVec3, inside: bool) -> (f64, Option<DVec3>) {
+    fn through(&self, view: DVec3, normal: DVec3, ratio: f64) -> (f64, Option<DVec3>) {
         // Rounding, and interpolated normals, may give a little less than 0.
         let cosine = dot_f64(view, normal).clamp(0.0, 1.0);
-        let ratio = self.ratio(inside && !self.thin);
         let mirrored = self.reflectance(cosine, ratio);
         // Unbent, a ray keeps its direction to the last bit.
         if self.thin || ratio == 1.0 {
@@ -92,12 +90,6 @@ impl Transparency {
         let bent =
             beyond.map(|beyond| normalize_f64(normal * (ratio * cosine - beyond) - view * ratio));
         (mirrored, bent)
-    }
-
-    /// The index of refraction on the side of the viewer over that beyond.
-    fn ratio(&self, inside: bool) -> f64 {
-        let ior = f64::from(self.ior);
-        if inside { ior } else { 1.0 / ior }
     }
 
     /// The share of mirrored light for the `cosine` of the angle to the normal. A thin sheet
@@ -111,18 +103,27 @@ impl Transparency {
     }
 
     /// The share of each channel of light that passes the surface straight, where it has this `opacity`
-    /// and this `base` colour, at the `cosine` to its normal: shadow rays are not bent. Whatever side it
-    /// meets, the light is mirrored as it is outside.
-    pub fn passed(&self, opacity: f32, base: Vec3, cosine: f32) -> DVec3 {
-        let mirrored = self.reflectance(f64::from(cosine.abs().min(1.0)), self.ratio(false));
+    /// and this `base` colour, at the `cosine` to its normal, between media of these indices: shadow rays
+    /// are not bent. Whatever side it meets, the light is mirrored as it is on the thinner one.
+    pub fn passed(&self, opacity: f32, base: Vec3, cosine: f32, iors: [f32; 2]) -> DVec3 {
+        if self.kt == 0.0 {
+            return DVec3::splat(1.0 - f64::from(opacity));
+        }
+        let [a, b] = if self.thin { [1.0, self.ior] } else { iors }.map(f64::from);
+        let cosine = f64::from(cosine.abs().min(1.0));
+        let mirrored = self.reflectance(cosine, a.min(b) / a.max(b));
         let refracted = f64::from(self.kt) * (1.0 - mirrored);
         let opacity = f64::from(opacity);
         DVec3::splat(1.0 - opacity) + self.tint(base).as_dvec3() * (opacity * refracted)
     }
 }
 
-/// What remains of light along a way of this length with this absorption (Beer's law).
+/// What remains of light along a way of this length with this absorption (Beer's law); all after an
+/// infinite one.
 pub fn remaining(absorption: Vec3, length: f64) -> DVec3 {
+    if absorption == Vec3::ZERO || !length.is_finite() {
+        return DVec3::ONE;
+    }
     let exponent = absorption.as_dvec3() * -length;
     DVec3::new(libm::exp(exponent.x), libm::exp(exponent.y), libm::exp(exponent.z))
 }

@@ -27,6 +27,12 @@ pub(super) const DOUBLE_ROUNDINGS: f32 = 16.0 * f64::EPSILON as f32;
 /// the angle between their normals.
 pub(super) const STEEPEST_CREASE: f32 = 4.0;
 
+/// The distance by which [`Vector::offset_origin`](super::vector::Vector::offset_origin) moves a point, whose
+/// coordinates have errors of this sum.
+pub const fn offset_of_error(sum: f32) -> f32 {
+    sum * STEEPEST_CREASE
+}
+
 /// The error of each coordinate for which
 /// [`Vector::offset_origin`](super::vector::Vector::offset_origin) moves a point by `distance`.
 pub const fn error_of_offset(distance: f32) -> f32 {

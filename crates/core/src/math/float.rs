@@ -5,7 +5,7 @@ use glam::{DVec3, Vec3};
 use super::real::Real;
 use super::vector::Vector;
 
-pub use super::bounds::{MAX_COORDINATE, UNIT_ROUNDOFF, error_of_offset, gamma};
+pub use super::bounds::{MAX_COORDINATE, UNIT_ROUNDOFF, error_of_offset, gamma, offset_of_error};
 
 /// The larger of two numbers, neither of them NaN: one instruction, unlike [`f32::max`].
 #[inline(always)]

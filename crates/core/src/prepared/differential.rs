@@ -56,28 +56,20 @@ impl PreparedScene {
         group.mirrored(self, place, &|_| carried, point)
     }
 
-    /// The differential of the ray that goes on behind `point`, with this refraction, or straight.
-    pub(super) fn transmitted(
+    /// The differential of the ray that is bent at `point`.
+    pub(super) fn refracted(
         &self,
         differential: &Differential,
         (ray, hit): (&Ray, &Hit),
         point: &ShadingPoint<f32>,
-        refracted: Option<&Refracted>,
+        &Refracted { direction, ratio, smooth, .. }: &Refracted,
         look_ups: &mut LookUps,
     ) -> Differential {
         look_ups.footprints += 1;
         let line = Line::from(ray);
-        match refracted {
-            Some(&Refracted { direction, ratio, smooth, .. }) if direction != ray.direction => {
-                let place = (self.accel.geometry().kind(hit.primitive), &line, hit.t);
-                let refracted = Some((direction.into(), ratio));
-                self.group(ray, hit).turned(self, place, differential, (point, smooth), refracted)
-            }
-            _ => Differential {
-                origin: differential.at(line.direction, hit.t, point.normal),
-                ..*differential
-            },
-        }
+        let place = (self.accel.geometry().kind(hit.primitive), &line, hit.t);
+        let refracted = Some((direction.into(), ratio));
+        self.group(ray, hit).turned(self, place, differential, (point, smooth), refracted)
     }
 }
 

@@ -192,6 +192,15 @@ impl PreparedScene {
         Interaction::Surface(point, class)
     }
 
+    /// The point at which `ray` meets a surface, and whether it comes from behind.
+    pub(super) fn surface_of<P: Arithmetic>(&self, ray: &Ray, hit: &Hit) -> (Surface<f32>, bool) {
+        let (geometry, line) = (self.accel.geometry(), Line::from(ray));
+        let group = self.group(ray, hit);
+        let found = group.surfaces::<P>(geometry.kind(hit.primitive), &line, hit.t, geometry);
+        let (_, leaves) = group.sided_normals(&line, &found);
+        (found, leaves)
+    }
+
     /// The group of one hit.
     pub(super) fn group(&self, ray: &Ray, hit: &Hit) -> Group<f32> {
         self.group_on(ray, hit, self.appearance.shape_of(hit.primitive))

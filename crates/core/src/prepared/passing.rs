@@ -8,13 +8,13 @@
 use glam::{DVec3, Vec3};
 
 use super::group::{Face, Group, set};
+use super::interface::{LEAST_COSINE, close_depth};
 use super::maps::Place;
-use super::{Class, LookUps, PreparedScene};
+use super::{LookUps, Media, PreparedScene, Shape};
 use crate::accel::{Hit, Rays, Traversal};
 use crate::geometry::ShadingKind;
 use crate::kernels::precision::Arithmetic;
-use crate::kernels::transmission;
-use crate::math::float::dot;
+use crate::math::float::{dot, max};
 use crate::math::ray::Ray;
 use crate::math::real::{Mask, Single};
 use crate::math::vector::{Line, Vector};
@@ -30,11 +30,9 @@ pub struct Passing {
     crossings: Vec<Crossing>,
     /// Memory for the hits of a ray.
     hits: Vec<Hit>,
-    /// Memory for the ways of a ray.
-    ways: Vec<Way>,
 }
 
-/// A shadow ray that crosses transparent surfaces.
+/// A shadow ray that crosses transparent surfaces, or starts where light is absorbed.
 #[derive(Clone, Copy, Debug)]
 struct PassingRay {
     /// Its number among those that were given.
@@ -45,6 +43,8 @@ struct PassingRay {
     unit: Ray,
     /// The distance at which it ends, in scene units.
     distance: f64,
+    /// What it is inside of where it starts.
+    media: Media,
 }
 
 /// A point at which a shadow ray crosses a transparent surface.
@@ -71,24 +71,15 @@ pub struct Crossing {
     pub inside: bool,
 }
 
-/// What a ray goes through of an absorption.
-#[derive(Clone, Copy, Debug)]
-struct Way {
-    /// By channel, per scene unit.
-    absorption: Vec3,
-    /// The way inside, if everything that was entered was also left.
-    length: f64,
-    /// By how much fronts outnumber backs.
-    depth: i32,
-}
-
 impl PreparedScene {
     /// Replaces the list of `passing` by what rays from the number `first` on cross, but for those that
-    /// are `occluded`, until it is long enough. Returns the number of the next ray.
+    /// are `occluded`, until it is long enough; `media` tells what a ray starts inside of. Returns the number
+    /// of the next ray.
     pub fn collect_crossings<P: Arithmetic>(
         &self,
         rays: Rays<'_>,
         (first, occluded): (usize, &[bool]),
+        media: &dyn Fn(usize) -> Media,
         passing: &mut Passing,
         traversal: &mut Traversal,
     ) -> usize {
@@ -97,6 +88,10 @@ impl PreparedScene {
         crossings.clear();
         let mut shape = 0;
         let mut add = |number: usize, hits: &[Hit]| {
+            let media = media(number);
+            if hits.is_empty() && self.medium(&media).absorption == Vec3::ZERO {
+                return true;
+            }
             let ray = rays.ray(number);
             let length = f64::from(dot(ray.direction, ray.direction)).sqrt();
             let direction = (ray.direction.as_dvec3() / length).as_vec3();
@@ -117,26 +112,26 @@ impl PreparedScene {
             }));
             let distance = f64::from(ray.t_max) * length;
             let unit = Ray { direction, ..ray };
-            found.push(PassingRay { number, end: crossings.len(), unit, distance });
-            crossings.len() < MOST_CROSSINGS
+            found.push(PassingRay { number, end: crossings.len(), unit, distance, media });
+            crossings.len().max(found.len()) < MOST_CROSSINGS
         };
         let search = self.accel.search::<P>();
         search.transparent_crossings(rays, (first, occluded), traversal, hits, &mut add)
     }
 
     /// The share of light that passes all transparent surfaces along a shadow ray that nothing else
-    /// blocks.
+    /// blocks, inside of `media` where it starts.
     #[inline(never)]
     pub fn passed<P: Arithmetic>(
         &self,
-        ray: &Ray,
+        (ray, media): (&Ray, Media),
         passing: &mut Passing,
         traversal: &mut Traversal,
         look_ups: &mut LookUps,
     ) -> Vec3 {
         let rays = Rays::Rows(std::slice::from_ref(ray));
-        self.collect_crossings::<P>(rays, (0, &[false]), passing, traversal);
-        if passing.is_empty() {
+        self.collect_crossings::<P>(rays, (0, &[false]), &|_| media, passing, traversal);
+        if passing.rays.is_empty() {
             return Vec3::ONE;
         }
         let mut group = Group::<f32>::default();
@@ -224,51 +219,60 @@ impl Passing {
     }
 
     /// Calls `each` with the number of each ray and the share of its light that passes.
-    pub fn passed(&mut self, scene: &PreparedScene, mut each: impl FnMut(usize, Vec3)) {
-        let Self { rays, crossings, ways, .. } = self;
+    pub fn passed(&self, scene: &PreparedScene, mut each: impl FnMut(usize, Vec3)) {
+        let Self { rays, crossings, .. } = self;
         let mut first = 0;
         for ray in rays.iter() {
-            each(ray.number, passed(scene, ray.distance, &crossings[first..ray.end], ways));
+            each(ray.number, passed(scene, ray, &crossings[first..ray.end]));
             first = ray.end;
         }
     }
 }
 
-/// The share of light that passes the `crossings` of a ray that ends at this `distance`; `ways` is memory.
+/// The share of light that passes the `crossings` of a ray.
 ///
-/// What is absorbed inside follows from all surfaces together: a way inside begins at a front and ends
-/// at a back.
-fn passed(
-    scene: &PreparedScene,
-    distance: f64,
-    crossings: &[Crossing],
-    ways: &mut Vec<Way>,
-) -> Vec3 {
-    let mut passed = DVec3::ONE;
-    ways.clear();
-    for crossing in crossings {
-        let Crossing { opacity, color, cosine, inside, .. } = *crossing;
-        let class = scene.appearance.class(&scene.appearance.shapes[crossing.shape as usize]);
-        let Class { transparency: Some(transparency), .. } = class else { continue };
-        passed *= match transparency.kt {
-            0.0 => DVec3::splat(1.0 - f64::from(opacity)),
-            _ => transparency.passed(opacity, color, cosine),
-        };
-        let absorption = transparency.absorption;
-        if absorption == Vec3::ZERO {
-            continue;
+/// As for other rays, each is an interface between two media, those at one place are one, and the medium
+/// absorbs.
+fn passed(scene: &PreparedScene, ray: &PassingRay, crossings: &[Crossing]) -> Vec3 {
+    let (mut media, mut from, mut passed) = (ray.media, 0.0, DVec3::ONE);
+    let shape = |crossing: &Crossing| &scene.appearance.shapes[crossing.shape as usize];
+    let through = |shape: &Shape| scene.appearance.class(shape).transparency;
+    let mut rest = crossings;
+    while let Some((first, behind)) = rest.split_first() {
+        rest = behind;
+        let own = shape(first);
+        let Some(transparency) = through(own) else { continue };
+        let mut sides = scene.sides(media, own, first.inside);
+        passed *= scene.absorbed(&media, first.distance - from);
+        if sides.before != media {
+            passed *= scene.more_absorbed([&media, &sides.before], first.distance);
         }
-        let sign = if inside { -1 } else { 1 };
-        let length = -f64::from(sign) * crossing.distance;
-        match ways.iter_mut().find(|way| way.absorption == absorption) {
-            Some(way) => (way.length, way.depth) = (way.length + length, way.depth + sign),
-            None => ways.push(Way { absorption, length, depth: sign }),
+        let mut last = *first;
+        while let Some((next, behind)) = rest.split_first().filter(|_| transparency.kt > 0.0) {
+            let through =
+                through(shape(next)).filter(|of| of.kt > 0.0 && shape(next).solid.is_some());
+            let Some(through) = through.filter(|_| own.solid.is_some() && last.is_close(next))
+            else {
+                break;
+            };
+            let leaves = next.inside || next.primitive == last.primitive;
+            sides.beyond = scene.sides(sides.beyond, shape(next), leaves).beyond;
+            passed *= through.color.as_dvec3() * f64::from(through.kt);
+            (last, rest) = (*next, behind);
         }
+        if own.solid.is_none() || scene.differ(&sides) {
+            let iors = [sides.before, sides.beyond].map(|media| scene.medium(&media).ior);
+            passed *= transparency.passed(first.opacity, first.color, first.cosine, iors);
+        }
+        (media, from) = (sides.beyond, last.distance);
     }
-    for &Way { absorption, length, depth } in ways.iter() {
-        // What is entered and not left contains the light.
-        let inside = length + f64::from(depth.max(0)) * distance;
-        passed *= transmission::remaining(absorption, inside.max(0.0));
+    (passed * scene.absorbed(&media, ray.distance - from)).as_vec3()
+}
+
+impl Crossing {
+    /// Whether the next one lies at the same place: see [`close_depth`].
+    fn is_close(&self, next: &Self) -> bool {
+        let way = (next.distance - self.distance) as f32;
+        way * max(self.cosine, LEAST_COSINE) <= close_depth(self.error)
     }
-    passed.as_vec3()
 }

@@ -6,45 +6,48 @@
 
 use glam::Vec3;
 
-use super::{LookUps, PreparedScene};
-use crate::accel::Hit;
+use super::interface::{Interface, Last, Meeting};
+use super::media::Sides;
+use super::{LookUps, Media, PreparedScene};
+use crate::accel::{Hit, Traversal};
 use crate::kernels::differential::Differential;
+use crate::kernels::precision::Arithmetic;
 use crate::kernels::shade::{self, ShadingPoint};
-use crate::kernels::transmission::{self, Transparency};
+use crate::kernels::transmission::Transparency;
 use crate::math::ray::Ray;
+use crate::math::vector::Vector;
 use crate::plan::Effect;
 use crate::plan::schedule::Step;
 
 /// What a ray went through on its path.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Trail {
     /// How often it was mirrored or refracted.
     pub bounces: u32,
     /// Whether it was mirrored: it then sees no background.
     pub mirrored: bool,
-    /// Light absorbed on its way, by channel, per scene unit: the sum over all that it is inside of.
-    pub absorption: Vec3,
+    /// What it is inside of.
+    pub media: Media,
+    /// The hit that it has if that is known: what lies where it starts. Else a miss.
+    pub next: Hit,
+}
+
+impl Default for Trail {
+    fn default() -> Self {
+        Self { bounces: 0, mirrored: false, media: Media::default(), next: Hit::MISS }
+    }
 }
 
 impl Trail {
     /// The trail of a mirror ray from here.
     pub fn mirrored(self) -> Self {
-        Self { bounces: self.bounces + 1, mirrored: true, ..self }
-    }
-
-    /// The trail behind a surface with this `absorption` inside, which is entered or left.
-    fn behind(self, absorption: Vec3, leaves: bool) -> Self {
-        let sum = self.absorption + if leaves { -absorption } else { absorption };
-        Self { absorption: sum.max(Vec3::ZERO), ..self }
-    }
-
-    /// The share of light that remains of what is met at `t`.
-    #[inline]
-    pub fn remaining(&self, t: f32) -> Option<Vec3> {
-        let absorbs = self.absorption != Vec3::ZERO && t.is_finite();
-        absorbs.then(|| transmission::remaining(self.absorption, t.into()).as_vec3())
+        Self { bounces: self.bounces + 1, mirrored: true, next: Hit::MISS, ..self }
     }
 }
+
+/// Most rays of a path: where surfaces send on all that they receive, and mirror it, a path divides again
+/// and again.
+pub const MOST_RAYS: u32 = 1 << 16;
 
 /// A ray of a path.
 #[derive(Clone, Copy, Debug)]
@@ -68,6 +71,12 @@ impl PreparedScene {
     /// Whether the exact t of hits is needed: for footprints, and for light absorbed on the way.
     pub fn needs_t(&self) -> bool {
         self.plan.has(Effect::RayDifferentials) || self.plan.schedule().has_transmission()
+    }
+
+    /// The least weight of mirror rays from opaque surfaces: where solids are, that of all others.
+    #[inline(always)]
+    pub fn least_weight(&self) -> f32 {
+        if self.solids.is_empty() { 0.0 } else { shade::LEAST_WEIGHT }
     }
 
     /// Whether hits need shading points: for rays, appearance, or ambient light that is not the same
@@ -103,55 +112,97 @@ impl PreparedScene {
         }
     }
 
+    /// The share of light that remains of what `ray`, inside of `media`, meets at `t`.
+    #[inline]
+    pub fn remaining(&self, ray: &Ray, media: &Media, t: f32) -> Vec3 {
+        self.absorbed(media, f64::from(t) - f64::from(ray.t_min)).as_vec3()
+    }
+
     /// The throughput of the light that `point` of a transparent surface sends to the arriving ray
     /// itself, and the rays that go on from there, in the order in which they are followed.
     #[inline(never)]
-    pub fn divide(
+    pub fn divide<P: Arithmetic>(
         &self,
         arriving: &Branch,
         hit: &Hit,
         transparency: &Transparency,
         point: &ShadingPoint<f32>,
-        look_ups: &mut LookUps,
+        (traversal, look_ups): (&mut Traversal, &mut LookUps),
     ) -> (Vec3, [Option<Branch>; 3]) {
         let Branch { ray, trail, mut throughput, .. } = *arriving;
-        if point.inside {
-            // A path that began inside did not meet the front.
-            let more = (transparency.absorption - trail.absorption).max(Vec3::ZERO);
-            throughput *= transmission::remaining(more, hit.t.into()).as_vec3();
+        let meeting = Meeting { ray: &ray, hit, point, media: trail.media };
+        let interface = self.interface::<P>(&meeting, transparency, traversal);
+        let Interface { sides: Sides { before, beyond }, last, close, .. } = interface;
+        if before != trail.media {
+            throughput *= self.more_absorbed([&trail.media, &before], hit.t.into()).as_vec3();
         }
-        let behind = trail.behind(transparency.absorption, point.inside);
+        let counts = |throughput: Vec3, trail: &Trail| {
+            let counts = throughput.max_element() >= shade::LEAST_WEIGHT;
+            counts && trail.bounces <= self.bounces
+        };
+        let from = self
+            .carries_differentials()
+            .then(|| self.arriving(ray.direction.into(), &|_| arriving.differential));
+        // The same ray, behind a hit.
+        let straight = |(hit, next): (Hit, Option<Hit>), trail: Trail, throughput: Vec3| {
+            let trail = Trail { next: next.unwrap_or(Hit::MISS), ..trail };
+            let ray = Ray { t_min: hit.t.next_up(), ..ray };
+            let branch = Branch { ray, throughput, trail, differential: from };
+            counts(throughput, &trail).then_some(branch)
+        };
+        let on = Trail { media: beyond, ..trail };
+        if !interface.is_there {
+            return (
+                Vec3::ZERO,
+                [None, None, straight((last.hit, interface.next), on, throughput)],
+            );
+        }
         let own = throughput * point.opacity;
-        let (mirrored, refracted) = transparency.split(point);
+        let iors = [before, beyond].map(|media| self.medium(&media).ior);
+        let (mirrored, refracted) = transparency.split(point, iors);
+        let turned = |place: [Vector<f32>; 3], trail: Trail, direction: Vec3, throughput: Vec3| {
+            let [point, error, side] = place;
+            let ray = Ray::new(point.offset_origin(error, side, side).into(), direction);
+            let goes_on = counts(throughput, &trail) && ray.is_valid();
+            goes_on.then_some(Branch { ray, throughput, trail, differential: None })
+        };
         let kr = if point.lit { point.kr * (1.0 - transparency.kt) } else { 0.0 };
         let mirror = Vec3::from(point.reflection.tint) * kr + Vec3::splat(mirrored);
         let (direction, _) = shade::mirrored(point.view, point.shading_normal, point.normal);
-        let next = |trail: Trail, direction: Vec3, throughput: Vec3| {
-            let origin = point.point.offset_origin(point.error, point.normal, direction.into());
-            let ray = Ray::new(origin.into(), direction);
-            let counts = throughput.max_element() >= Transparency::LEAST_WEIGHT;
-            let goes_on = counts && trail.bounces <= self.bounces && ray.is_valid();
-            goes_on.then_some(Branch { ray, throughput, trail, differential: None })
-        };
+        let trail = Trail { media: before, ..trail };
+        let place = [point.point, point.error, point.normal];
         let mut branches = [
-            next(trail.mirrored(), direction.into(), own * mirror),
+            turned(place, trail.mirrored(), direction.into(), own * mirror),
             refracted.and_then(|found| {
-                let refracted = Trail { bounces: behind.bounces + 1, ..behind };
-                next(refracted, found.direction, own * found.weight)
-            }),
-            next(behind, ray.direction, throughput * (1.0 - point.opacity)),
-        ];
-        if self.carries_differentials() {
-            let from = self.arriving(ray.direction.into(), &|_| arriving.differential);
-            let [mirror, bent, straight] = &mut branches;
-            if let Some(mirror) = mirror {
-                mirror.differential = Some(self.mirrored(Some(from), &ray, hit, point, look_ups));
-            }
-            for (branch, refracted) in [(bent, refracted.as_ref()), (straight, None)] {
-                if let Some(branch) = branch {
-                    let found = self.transmitted(&from, (&ray, hit), point, refracted, look_ups);
-                    branch.differential = Some(found);
+                let trail = Trail { bounces: trail.bounces + 1, ..on };
+                let throughput = own * found.weight * interface.tint;
+                if found.direction == ray.direction {
+                    return straight((last.hit, interface.next), trail, throughput);
                 }
+                let Last { point, error, normal, .. } = last;
+                let side = if close.is_some() { normal } else { -normal };
+                let mut bent = turned([point, error, side], trail, found.direction, throughput);
+                if let (Some(bent), Some(close)) = (&mut bent, close) {
+                    bent.trail.next = self.met_at_once::<P>(&bent.ray, close, traversal);
+                }
+                bent
+            }),
+            straight(
+                (*hit, interface.second),
+                Trail { media: interface.behind, ..trail },
+                throughput * (1.0 - point.opacity),
+            ),
+        ];
+        if let Some(from) = &from {
+            let [mirror, bent, _] = &mut branches;
+            if let Some(mirror) = mirror {
+                mirror.differential = Some(self.mirrored(Some(*from), &ray, hit, point, look_ups));
+            }
+            if let (Some(bent), Some(refracted)) = (bent, &refracted)
+                && bent.differential.is_none()
+            {
+                let found = self.refracted(from, (&ray, hit), point, refracted, look_ups);
+                bent.differential = Some(found);
             }
         }
         (own, branches)

@@ -43,6 +43,8 @@ pub struct Bounce {
     pub origin: DVec3,
     /// Unit direction.
     pub direction: Vec3,
+    /// The entry in the scene file of the shape whose inside it runs in; `None` in air.
+    pub medium: Option<String>,
     /// Inner nodes visited.
     pub nodes: u64,
     /// Leaves visited.

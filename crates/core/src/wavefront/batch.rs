@@ -18,7 +18,7 @@ use crate::math::real::{Mask, Single};
 use crate::math::simd::LANES;
 use crate::math::vector::{Line, Vector};
 use crate::plan::schedule::ColumnGroup;
-use crate::prepared::{Passing, PreparedScene, Trail};
+use crate::prepared::{Media, Passing, PreparedScene, Trail};
 use crate::wavefront::faces::SortedHits;
 use columns::Column;
 
@@ -49,21 +49,15 @@ impl Rays {
     }
 }
 
-impl<'a> From<&'a Rays> for AllRays<'a> {
-    fn from(rays: &'a Rays) -> Self {
-        columns_of(rays.rows, &rays.origin, &rays.direction, f32::INFINITY)
-    }
-}
-
-/// The rays in the form of kernels.
+/// Rays in the form of kernels.
 fn columns_of<'a>(
     count: usize,
     origin: &'a Vectors,
     direction: &'a Vectors,
-    t_max: f32,
+    (t_min, t_max): (Option<&'a [f32]>, f32),
 ) -> AllRays<'a> {
     let (origin, direction) = (origin.columns(), direction.columns());
-    AllRays::Columns(RayColumns { count, origin, direction, t_max })
+    AllRays::Columns(RayColumns { count, origin, direction, t_min, t_max })
 }
 
 impl Rays {
@@ -129,7 +123,7 @@ columns! {
 
 impl<'a> From<&'a ShadowRays> for AllRays<'a> {
     fn from(rays: &'a ShadowRays) -> Self {
-        columns_of(rays.rows, &rays.origin, &rays.direction, SHADOW_END)
+        columns_of(rays.rows, &rays.origin, &rays.direction, (None, SHADOW_END))
     }
 }
 
@@ -210,6 +204,14 @@ pub struct Batch {
     pub trails: Vec<Trail>,
     /// The trails of the next rays.
     pub next_trails: Vec<Trail>,
+    /// The least t of the rays after the first bounce, if surfaces let light through: those that go straight
+    /// on begin behind a hit. Written by shade, read by intersect and shade.
+    pub starts: Vec<f32>,
+    /// Those of the next rays.
+    pub next_starts: Vec<f32>,
+    /// For each path what its ray of this bounce is inside of, if surfaces let light through. Written by
+    /// shade, read by shadow.
+    pub media: Vec<Media>,
     /// Rays that wait until the rays before them on their path are done.
     pub waiting: Waiting,
     /// Memory for sorting hits, for shade and shadow.
@@ -238,6 +240,9 @@ impl Batch {
             next_differentials: Vec::new(),
             trails: Vec::new(),
             next_trails: Vec::new(),
+            starts: Vec::new(),
+            next_starts: Vec::new(),
+            media: Vec::new(),
             waiting: Waiting::with_capacity(room(ColumnGroup::Branches)),
             sorted: SortedHits::new(scene.appearance.classes.len()),
             passing: Passing::default(),
@@ -249,9 +254,35 @@ impl Batch {
         self.capacity
     }
 
-    /// Appends the trail of a next ray.
-    pub fn push_trail(&mut self, trail: Trail) {
+    /// The `i`th ray of this bounce.
+    #[inline(always)]
+    pub fn ray(&self, i: usize) -> Ray {
+        let t_min = if self.trails.is_empty() { 0.0 } else { self.starts[i] };
+        Ray { t_min, ..self.rays.ray(i) }
+    }
+
+    /// Keeps what the `i`th ray of this bounce is inside of, for shadow rays from its hit.
+    pub fn set_media(&mut self, i: usize, media: Media) {
+        if self.media.is_empty() {
+            self.media.resize(self.capacity, Media::default());
+        }
+        self.media[self.rays.path[i] as usize] = media;
+    }
+
+    /// The rays of this bounce in the form of kernels.
+    pub fn all_rays(&self) -> AllRays<'_> {
+        let Rays { rows, origin, direction, .. } = &self.rays;
+        let t_min = Some(self.starts.as_slice()).filter(|_| !self.trails.is_empty());
+        columns_of(*rows, origin, direction, (t_min, f32::INFINITY))
+    }
+
+    /// Appends the trail of a next ray, and its least t.
+    pub fn push_trail(&mut self, trail: Trail, t_min: f32) {
         append(&mut self.next_trails, self.capacity, trail);
+        if self.next_starts.is_empty() {
+            self.next_starts.resize(columns::room(self.capacity), 0.0);
+        }
+        self.next_starts[self.next_trails.len() - 1] = t_min;
     }
 
     /// Appends the differential of a next ray.
@@ -275,6 +306,7 @@ impl Batch {
         self.next_differentials.clear();
         std::mem::swap(&mut self.trails, &mut self.next_trails);
         self.next_trails.clear();
+        std::mem::swap(&mut self.starts, &mut self.next_starts);
         true
     }
 
@@ -291,7 +323,7 @@ impl Batch {
             {
                 self.next.provide();
                 self.next.push(&branch.ray, branch.throughput, path);
-                self.push_trail(branch.trail);
+                self.push_trail(branch.trail, branch.ray.t_min);
                 if let Some(differential) = branch.differential {
                     self.push_differential(differential);
                 }
@@ -326,7 +358,9 @@ impl Batch {
         let groups = [paths.bytes(), rays.bytes(), hits.bytes(), lit, shadows.bytes()];
         let differentials = self.differentials.capacity() + self.next_differentials.capacity();
         let trails = self.trails.capacity() + self.next_trails.capacity();
-        let lists = differentials * size_of::<Differential>() + trails * size_of::<Trail>();
+        let lists = differentials * size_of::<Differential>()
+            + trails * TRAIL_BYTES
+            + self.media.capacity() * size_of::<Media>();
         (groups.iter().sum::<usize>() + next.bytes() + lists + self.waiting.bytes()) as u64
     }
 }
@@ -339,6 +373,9 @@ fn append<T>(rows: &mut Vec<T>, paths: usize, row: T) {
     rows.push(row);
 }
 
+/// Bytes of a trail and a least t.
+const TRAIL_BYTES: usize = size_of::<Trail>() + size_of::<f32>();
+
 /// Bytes of one row of a group of columns, with up to this number of bounces.
 fn row_bytes(group: ColumnGroup, bounces: u32) -> usize {
     match group {
@@ -350,6 +387,6 @@ fn row_bytes(group: ColumnGroup, bounces: u32) -> usize {
         ColumnGroup::ShadowRays => ShadowRays::ROW_BYTES,
         // For this bounce and the next.
         ColumnGroup::Differentials => 2 * size_of::<Differential>(),
-        ColumnGroup::Branches => 2 * size_of::<Trail>() + Waiting::row_bytes(bounces),
+        ColumnGroup::Branches => 2 * TRAIL_BYTES + size_of::<Media>() + Waiting::row_bytes(bounces),
     }
 }

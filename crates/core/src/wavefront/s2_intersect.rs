@@ -11,6 +11,13 @@ pub(super) fn run<P: Arithmetic>(
     batch: &mut Batch,
     traversal: &mut Traversal,
 ) {
-    let hits = &mut batch.hits.hit[..batch.rays.len()];
-    scene.accel.search::<P>().closest_of(&batch.rays, hits, traversal);
+    let mut hits = std::mem::take(&mut batch.hits.hit);
+    let answers = &mut hits[..batch.rays.len()];
+    scene.accel.search::<P>().closest_of(batch.all_rays(), answers, traversal);
+    for (answer, trail) in answers.iter_mut().zip(&batch.trails) {
+        if !trail.next.is_miss() {
+            *answer = trail.next;
+        }
+    }
+    batch.hits.hit = hits;
 }

@@ -10,7 +10,7 @@ use glam::Vec3;
 use super::batch::{Batch, Vectors};
 use super::count;
 use super::faces::{Groups, SortedHits, WaitingHits};
-use crate::accel::NO_PRIMITIVE;
+use crate::accel::{Hit, NO_PRIMITIVE, Traversal};
 use crate::counters::Counters;
 use crate::geometry::ShadingKind;
 use crate::kernels::differential::Differential;
@@ -21,15 +21,16 @@ use crate::math::real::{Mask, Single};
 use crate::math::simd::{LANES, Pass, dispatch_pass};
 use crate::math::vector::{Line, Vector};
 use crate::plan::schedule::Step;
-use crate::prepared::{Branch, Face, Group, LookUps, PreparedScene, Trail, lanes};
+use crate::prepared::{Branch, Face, Group, LookUps, Media, PreparedScene, Trail, lanes};
 use crate::tile::{PassClock, Timed};
 
 /// Adds background, emission and ambient light to the paths; collects lit points and, while bounces
 /// are left, the next rays.
 pub(super) fn run<P: Arithmetic>(
     scene: &PreparedScene,
-    (bounce, needs_points): (u32, bool),
+    (bounce, needs_points, start): (u32, bool, Media),
     batch: &mut Batch,
+    traversal: &mut Traversal,
     counters: &mut Counters,
     clock: &mut PassClock,
 ) {
@@ -42,9 +43,11 @@ pub(super) fn run<P: Arithmetic>(
     let shade = Shade::<P> {
         scene,
         bounce,
+        start,
         differentials: scene.carries_differentials(),
         needs_points,
         batch,
+        traversal,
         counters,
         clock,
         shadows: schedule.has_shadows(),
@@ -60,11 +63,14 @@ pub(super) fn run<P: Arithmetic>(
 struct Shade<'a, P> {
     scene: &'a PreparedScene,
     bounce: u32,
-    /// Whether rays from surfaces have differentials.
-    differentials: bool,
+    /// What camera rays are inside of.
+    start: Media,
     /// See [`PreparedScene::needs_points`].
     needs_points: bool,
+    /// Whether rays from surfaces have differentials.
+    differentials: bool,
     batch: &'a mut Batch,
+    traversal: &'a mut Traversal,
     counters: &'a mut Counters,
     clock: &'a mut PassClock,
     /// Whether to collect lit points, and mirror rays.
@@ -146,16 +152,22 @@ impl<P: Arithmetic> Shade<'_, P> {
     fn trail(&self, i: usize) -> Trail {
         match self.transmits {
             true if self.bounce > 0 => self.batch.trails[i],
-            _ => Trail { bounces: self.bounce, mirrored: self.bounce > 0, absorption: Vec3::ZERO },
+            _ => Trail {
+                bounces: self.bounce,
+                mirrored: self.bounce > 0,
+                media: self.start,
+                next: Hit::MISS,
+            },
         }
     }
 
-    /// Takes the light of a hit that is absorbed on the way from there.
+    /// Takes the light of a hit that is absorbed on the way from there, and keeps what the ray is inside of.
     fn absorb(&mut self, i: usize) {
-        if let Some(remaining) = self.trail(i).remaining(self.batch.hits.hit[i].t) {
-            let throughput = &mut self.batch.rays.throughput;
-            throughput.set(i, throughput.get(i) * remaining);
-        }
+        let (ray, media) = (self.batch.ray(i), self.trail(i).media);
+        let remaining = self.scene.remaining(&ray, &media, self.batch.hits.hit[i].t);
+        let throughput = &mut self.batch.rays.throughput;
+        throughput.set(i, throughput.get(i) * remaining);
+        self.batch.set_media(i, media);
     }
 
     /// Appends the lit points.
@@ -260,7 +272,7 @@ impl<P: Arithmetic> Shade<'_, P> {
         }
         if self.mirrors
             && divided.is_none()
-            && let Some(mut next) = mirror_request(&point, throughput)
+            && let Some(mut next) = mirror_request(&point, throughput, self.scene.least_weight())
         {
             self.batch.next.provide();
             if self.transmits {
@@ -295,13 +307,14 @@ impl<P: Arithmetic> Shade<'_, P> {
     ) -> Vector<F> {
         for lane in lanes(group.used) {
             let i = group.faces[lane].ray as usize;
-            let (ray, hit) = (self.batch.rays.ray(i), self.batch.hits.hit[i]);
+            let (ray, hit) = (self.batch.ray(i), self.batch.hits.hit[i]);
             let (throughput, trail) = (throughputs.lane(lane), self.trail(i));
             let differential = self.carried_differential(i);
             let arriving = Branch { ray, throughput, trail, differential };
             let point = points.lane(lane);
+            let memory = (&mut *self.traversal, &mut *look_ups);
             let (own, branches) =
-                self.scene.divide(&arriving, &hit, transparency, &point, look_ups);
+                self.scene.divide::<P>(&arriving, &hit, transparency, &point, memory);
             throughputs.set_lane(lane, own);
             let path = self.batch.rays.path[i];
             let branches = branches.into_iter().rev().flatten();
@@ -344,7 +357,7 @@ impl<P: Arithmetic> Shade<'_, P> {
             if trail.bounces >= self.scene.bounces {
                 return kept;
             }
-            self.batch.push_trail(trail.mirrored());
+            self.batch.push_trail(trail.mirrored(), 0.0);
             kept | 1 << lane
         })
     }

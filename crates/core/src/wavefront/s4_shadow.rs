@@ -186,11 +186,13 @@ fn weaken<P: Arithmetic>(
     traversal: &mut Traversal,
     counters: &mut Counters,
 ) {
-    let Batch { shadows, passing, sorted, .. } = batch;
+    let Batch { shadows, passing, sorted, media, .. } = batch;
     let mut next = 0;
     while next < occluded.len() {
         let rays = Rays::from(&*shadows);
-        next = scene.collect_crossings::<P>(rays, (next, occluded), passing, traversal);
+        let path = &shadows.path;
+        let inside = |ray: usize| media[path[ray] as usize];
+        next = scene.collect_crossings::<P>(rays, (next, occluded), &inside, passing, traversal);
         let precision = PhantomData::<P>;
         let look_ups = &mut counters.look_ups;
         let crossings = EvaluatedCrossings { scene, passing, sorted, look_ups, precision };

@@ -65,7 +65,7 @@ impl RunDifference {
 const OF_TILES: [&str; 2] = ["primary_rays", "lens_samples"];
 
 /// Every count except tests and kernels, which differ between the tracers.
-fn work(c: &Counters) -> [(&'static str, u64); 13] {
+fn work(c: &Counters) -> [(&'static str, u64); 14] {
     [
         ("primary_rays", c.primary_rays),
         ("secondary_rays", c.secondary_rays),
@@ -80,6 +80,7 @@ fn work(c: &Counters) -> [(&'static str, u64); 13] {
         ("footprints", c.look_ups.footprints),
         ("invalid", c.invalid),
         ("lights_at_surface", c.lights_at_surface),
+        ("cut_short", c.cut_short),
     ]
 }
 

@@ -32,6 +32,8 @@ component! {
         /// The distance, in scene units; 0 if light stays as it is.
         pub attenuation_distance: f64 = "attenuationdistance": Number(Range::NOT_NEGATIVE), Is(0.0)
             => "attenuationcolor";
+        /// Of solids that overlap, the one with the highest priority is there; of equal ones the smallest.
+        pub priority: f64 = "priority": Number(Range::COORDINATE), Is(0.0) => "kt" | "attenuationdistance";
     }
 }
 
@@ -71,6 +73,7 @@ impl Transparency {
         tinted: false,
         attenuation_color: DVec3::ONE,
         attenuation_distance: 0.0,
+        priority: 0.0,
     };
 
     /// Whether anything goes through.

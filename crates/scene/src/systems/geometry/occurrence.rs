@@ -84,6 +84,7 @@ impl Occurrence<'_> {
             colored: false,
             class: 0,
             mesh: None,
+            solid: None,
         }
     }
 

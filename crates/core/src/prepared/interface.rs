@@ -1,0 +1,188 @@
+//! Interfaces: the surfaces that lie where a ray meets a transparent one.
+//!
+//! Surfaces along a ray have an order, and none is skipped. Those of solids that lie at one place, within
+//! the distance by which the origin of a bent ray is moved, are one interface between two media: that before
+//! the first and that behind the last of them. So touching solids leave no gap, and what is thinner than that
+//! distance is entered and left. An opaque surface there is seen as if it touched the medium: there is no
+//! interface. What else lies there is the next hit, which is known.
+
+use glam::Vec3;
+
+use super::media::Sides;
+use super::{Media, PreparedScene, Shape};
+use crate::accel::{Hit, Traversal};
+use crate::kernels::precision::Arithmetic;
+use crate::kernels::shade::ShadingPoint;
+use crate::kernels::surface::Surface;
+use crate::kernels::transmission::Transparency;
+use crate::math::float::{max, offset_of_error};
+use crate::math::ray::Ray;
+use crate::math::vector::Vector;
+
+/// A ray inside of `media` and its hit on a transparent surface.
+pub(super) struct Meeting<'a> {
+    pub(super) ray: &'a Ray,
+    pub(super) hit: &'a Hit,
+    pub(super) point: &'a ShadingPoint<f32>,
+    pub(super) media: Media,
+}
+
+/// What lies where a ray meets a transparent surface.
+pub(super) struct Interface {
+    /// The media on both sides.
+    pub(super) sides: Sides,
+    /// Whether the surface is there: it is none of a solid that is the medium on neither side.
+    pub(super) is_there: bool,
+    /// Its last surface.
+    pub(super) last: Last,
+    /// The weight of refracted light by the surfaces after the first.
+    pub(super) tint: Vec3,
+    /// What behind the last surface is so close that the origin of a bent ray would be beyond.
+    pub(super) close: Option<Hit>,
+    /// The next hit of the ray behind the last surface, if it is known.
+    pub(super) next: Option<Hit>,
+    /// The media behind the first surface, and the hit next to it, if it is known.
+    pub(super) behind: Media,
+    pub(super) second: Option<Hit>,
+}
+
+/// A hit and its place.
+#[derive(Clone, Copy)]
+pub(super) struct Last {
+    pub(super) hit: Hit,
+    /// See [`Surface`].
+    pub(super) point: Vector<f32>,
+    pub(super) error: Vector<f32>,
+    /// The unit normal on the side of the ray's origin.
+    pub(super) normal: Vector<f32>,
+    /// See [`close_depth`].
+    depth: f32,
+    /// Whether the ray comes from behind.
+    leaves: bool,
+}
+
+/// At smaller cosines of the angle to the normal, nothing farther along a ray is taken for close.
+pub(super) const LEAST_COSINE: f32 = 1.0 / 64.0;
+
+/// The largest depth below a surface, where points have errors of this sum, at which another one is close:
+/// twice that of the origin of a bent ray, which its own rounding moves too.
+pub(super) fn close_depth(error: f32) -> f32 {
+    2.0 * offset_of_error(error)
+}
+
+impl PreparedScene {
+    /// What lies where a ray meets a surface with this `transparency`.
+    pub(super) fn interface<P: Arithmetic>(
+        &self,
+        &Meeting { ray, hit, point, media }: &Meeting<'_>,
+        transparency: &Transparency,
+        traversal: &mut Traversal,
+    ) -> Interface {
+        let shape = self.shape(hit);
+        let [error, normal] = [point.error, point.normal];
+        let depth = close_depth(error.element_sum());
+        let mut last =
+            Last { hit: *hit, point: point.point, depth, error, normal, leaves: point.inside };
+        let (crossed, mut next) = self.crossed::<P>(ray, &last, traversal);
+        // Along an edge, what it encloses may not be entered.
+        let mut sides = Sides { before: media, beyond: media };
+        if let Some(crossed) = crossed {
+            let leaves =
+                if crossed == *hit { point.inside } else { self.surface_of::<P>(ray, &crossed).1 };
+            sides = self.sides(media, shape, leaves);
+        }
+        let (behind, second) = (sides.beyond, next);
+        let (mut tint, mut close) = (Vec3::ONE, None);
+        let bends = transparency.kt > 0.0 && shape.solid.is_some() && crossed.is_some();
+        while let Some(other) = next.filter(|_| bends) {
+            let found = self.place_of::<P>(ray, other, &last);
+            if (last.point - found.point).dot(last.normal) > last.depth {
+                break;
+            }
+            let shape = self.shape(&other);
+            let through = self.appearance.class(shape).transparency;
+            let Some(through) = through.filter(|_| shape.light.is_none()) else {
+                sides.beyond = sides.before;
+                break;
+            };
+            if through.kt == 0.0 || shape.solid.is_none() {
+                close = Some(other);
+                break;
+            }
+            sides.beyond = self.sides(sides.beyond, shape, found.leaves).beyond;
+            tint *= through.color * through.kt;
+            last = found;
+            next = self.crossed::<P>(ray, &last, traversal).1;
+        }
+        let is_there = crossed.is_some() && (shape.solid.is_none() || self.differ(&sides));
+        Interface { sides, is_there, last, tint, close, next, behind, second }
+    }
+
+    /// What `ray` crosses where it meets a surface, if it does not only touch it: of the triangles of
+    /// a shape around an edge or a corner, the one that counts. And what it meets behind, if that is close.
+    fn crossed<P: Arithmetic>(
+        &self,
+        ray: &Ray,
+        at: &Last,
+        traversal: &mut Traversal,
+    ) -> (Option<Hit>, Option<Hit>) {
+        let Last { hit, depth, .. } = *at;
+        let cosine = Vector::from(ray.direction).dot(at.normal).abs();
+        let end = hit.t + depth / max(cosine, LEAST_COSINE);
+        let near =
+            Ray { t_min: hit.t.next_down(), t_max: max(end, hit.t.next_up()).next_up(), ..*ray };
+        let mut hits = std::mem::take(&mut traversal.crossed);
+        let search = self.accel.search::<P>();
+        search.crossings(&near, traversal, &mut hits);
+        let instanced = search.closest_instanced(&near, traversal);
+        if !instanced.is_miss() {
+            let before = hits.partition_point(|other| other.t <= instanced.t);
+            hits.insert(before, instanced);
+        }
+        let is_hit = |other: &Hit| *other == hit;
+        // A ball may be crossed twice at one rounded t.
+        let place =
+            if at.leaves { hits.iter().rposition(is_hit) } else { hits.iter().position(is_hit) };
+        let shape = self.appearance.shape_of(hit.primitive);
+        let place = place.or_else(|| {
+            hits.iter().position(|other| {
+                other.t == hit.t && self.appearance.shape_of(other.primitive) == shape
+            })
+        });
+        let behind = place.map_or_else(
+            || hits.iter().position(|other| other.t >= hit.t).unwrap_or(hits.len()),
+            |place| place + 1,
+        );
+        let found = (place.map(|place| hits[place]), hits.get(behind).copied());
+        traversal.crossed = hits;
+        found
+    }
+
+    /// The place of a hit that `ray` has behind `before`.
+    fn place_of<P: Arithmetic>(&self, ray: &Ray, hit: Hit, before: &Last) -> Last {
+        let (Surface { point, error, normal, .. }, leaves) = self.surface_of::<P>(ray, &hit);
+        let depth = close_depth(error.element_sum());
+        let is_behind = normal.dot(ray.direction.into()) > 0.0;
+        let normal = if is_behind { -normal } else { normal };
+        // The two sides of a ball may have one rounded t.
+        let leaves = leaves || hit.primitive == before.hit.primitive;
+        Last { hit, point, depth, error, normal, leaves }
+    }
+
+    /// The hit of a ray that starts before a surface, close to it; a miss if it passes beside.
+    pub(super) fn met_at_once<P: Arithmetic>(
+        &self,
+        ray: &Ray,
+        close: Hit,
+        traversal: &mut Traversal,
+    ) -> Hit {
+        let geometry = self.accel.geometry();
+        let t = geometry.meet::<P>(close.primitive, ray, &mut traversal.tests);
+        t.map_or(Hit::MISS, |t| Hit { t, ..close })
+    }
+
+    /// The shape of a hit.
+    fn shape(&self, hit: &Hit) -> &Shape {
+        &self.appearance.shapes[self.appearance.shape_of(hit.primitive)]
+    }
+}

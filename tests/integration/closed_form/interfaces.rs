@@ -1,0 +1,278 @@
+//! Where surfaces touch, coincide, overlap or nest: each is an interface between two media, none is skipped,
+//! and neither the order of shapes in the file nor the instruction level counts.
+
+use serde_json::{Value, json};
+use wavecrest_core::math::simd::Level;
+use wavecrest_core::probe::{self, PathRecord};
+
+use super::transparency::{clear, close, fresnel};
+use crate::support::{
+    image_of, matte, pinhole, pixel, point_light, prepare, scene, sphere, wall, with,
+};
+
+fn glass(ior: f64) -> Value {
+    clear(&json!({"kt": 1, "ior": ior}))
+}
+
+/// Of which a unit leaves this much of each channel.
+const LEFT: [f64; 3] = [0.5, 0.6, 0.7];
+
+fn jelly(more: &Value) -> Value {
+    let mut jelly = clear(more);
+    jelly["attenuationcolor"] = json!(LEFT);
+    jelly["attenuationdistance"] = json!(1);
+    jelly
+}
+
+/// A closed block across the z axis, as wide as twice `half`.
+fn block(half: f64, [low, high]: [f64; 2], material: &Value) -> Value {
+    let corner = |i: usize| {
+        let side = |bit: usize, ends: [f64; 2]| ends[i >> bit & 1];
+        [side(0, [-half, half]), side(1, [-half, half]), side(2, [low, high])]
+    };
+    let corners: Vec<[f64; 3]> = (0..8).map(corner).collect();
+    let faces =
+        [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+    let halves: Vec<[i32; 3]> =
+        faces.iter().flat_map(|&[a, b, c, d]| [[a, c, b], [a, d, c]]).collect();
+    json!({"type": "trimesh", "points": corners, "indices": halves, "material": material})
+}
+
+/// The same block of six separate faces.
+fn faces(half: f64, [low, high]: [f64; 2], material: &Value) -> Vec<Value> {
+    let at = |axis: usize, side: f64| {
+        let ends = |k: usize, sign: f64| match (k, sign > 0.0) {
+            (2, true) => high,
+            (2, false) => low,
+            _ => sign * half,
+        };
+        let (u, v) = ((axis + 1) % 3, (axis + 2) % 3);
+        let corner = |[a, b]: [f64; 2]| {
+            let mut corner = [0.0; 3];
+            (corner[axis], corner[u], corner[v]) = (ends(axis, side), ends(u, a), ends(v, b));
+            corner
+        };
+        let corners = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0]].map(corner);
+        let mut normal = [0.0; 3];
+        normal[axis] = side;
+        json!({"type": "plane", "points": corners, "normal": normal, "material": material})
+    };
+    [0, 1, 2].iter().flat_map(|&axis| [at(axis, 1.0), at(axis, -1.0)]).collect()
+}
+
+fn shining(z: f64) -> Value {
+    wall(60.0, z, clear(&json!({"emission": [1, 1, 1]})))
+}
+
+/// A camera of one pixel that looks at the origin at this angle to the z axis, from 9 away.
+fn at_angle(angle: f64) -> Value {
+    let [x, z] = [angle.sin() * 9.0, angle.cos() * 9.0];
+    json!({"type": "pinhole", "width": 1, "height": 1, "fov": 1e-3, "location": [x, 0.01, z],
+           "look": [0, 0.01, 0]})
+}
+
+/// The path of the only pixel, which is the same in both tracers, at all levels, and for shapes in any order
+/// of the file.
+fn path(bounces: u32, camera: &Value, shapes: &[Value]) -> PathRecord {
+    let mut found: Option<PathRecord> = None;
+    for turn in 0..2 * shapes.len() {
+        let mut shapes = shapes.to_vec();
+        shapes.rotate_left(turn / 2);
+        if turn % 2 == 1 {
+            shapes.reverse();
+        }
+        let mut prepared = prepare(&scene(bounces, camera, &[], &shapes));
+        for level in Level::available() {
+            prepared.accel.level = level.token().expect("it is available");
+            let mut record = probe::pixel(&prepared, [0, 0], 0);
+            assert_eq!(record.differs, None, "both tracers agree");
+            let path = record.paths.remove(0);
+            let known = found.get_or_insert_with(|| path.clone());
+            assert_eq!(path.radiance, known.radiance, "{turn} {level:?}");
+        }
+    }
+    found.expect("a path")
+}
+
+fn straight(bounces: u32, shapes: &[Value]) -> PathRecord {
+    path(bounces, &at_angle(0.0), shapes)
+}
+
+#[test]
+fn what_lies_in_the_plane_of_a_surface_is_seen() {
+    let wall_of = |color: [f64; 3], z| wall(9.0, z, clear(&json!({"emission": color})));
+    let film = wall(4.0, 0.0, clear(&json!({"opacity": 0.5, "emission": [0, 1, 0]})));
+    let found = straight(0, &[wall_of([1.0, 0.0, 0.0], 0.0), film.clone()]);
+    assert_eq!(found.radiance.to_array(), [0.5, 0.5, 0.0], "a film on a wall");
+    let found = straight(0, &[film.clone(), film, wall_of([1.0, 0.0, 0.0], -1.0)]);
+    assert_eq!(found.radiance.to_array(), [0.25, 0.75, 0.0], "two films in one plane");
+    for angle in [0.0, 0.5, 1.0_f64] {
+        let table = shining(0.0);
+        for table in [table, block(40.0, [-1.0, 0.0], &clear(&json!({"emission": [1, 1, 1]})))] {
+            let block = block(20.0, [0.0, 1.0], &glass(1.5));
+            let found = path(1, &at_angle(angle), &[block, table]);
+            close(found.radiance.x, 1.0 - fresnel(angle, 1.5), "glass on a table");
+        }
+    }
+}
+
+/// Panes of one index that touch are one pane, also where light would leave none of them, and of any number.
+#[test]
+fn touching_panes_are_one() {
+    for angle in [0.0, 0.5, 1.1_f64] {
+        for count in [1, 2, 30] {
+            let pane = |i: u32| {
+                let z = f64::from(i) / f64::from(count);
+                block(40.0, [z - 1.0, z - 1.0 + 1.0 / f64::from(count)], &glass(1.5))
+            };
+            let mut shapes = vec![shining(-3.0)];
+            shapes.extend((0..count).map(pane));
+            if count > 2 {
+                // As they come, and from behind: more orders take long.
+                shapes.truncate(31);
+                for _ in 0..2 {
+                    shapes.reverse();
+                    let prepared = prepare(&scene(2, &at_angle(angle), &[], &shapes));
+                    let once = 1.0 - fresnel(angle, 1.5);
+                    close(pixel(&image_of(&prepared, 0), 0, 0)[0], once * once, "thirty panes");
+                }
+                continue;
+            }
+            let found = path(2, &at_angle(angle), &shapes);
+            close(found.radiance.x, (1.0 - fresnel(angle, 1.5)).powi(2), "panes");
+        }
+    }
+}
+
+#[test]
+fn light_is_absorbed_across_touching_solids() {
+    for ior in [1.0, 1.5] {
+        let jelly = jelly(&json!({"kt": 1, "ior": ior}));
+        let blocks = [block(9.0, [0.0, 1.0], &jelly), block(9.0, [-1.0, 0.0], &jelly)];
+        let found = straight(2, &[&blocks[..], &[shining(-3.0)]].concat());
+        let passed = (1.0 - fresnel(0.0, ior)).powi(2);
+        for (k, left) in LEFT.iter().enumerate() {
+            close(found.radiance.to_array()[k], passed * left * left, "two blocks");
+        }
+    }
+}
+
+/// At slabs in contact only the change of the index counts, and light is bent by each.
+#[test]
+fn slabs_in_contact_have_one_surface_between_them() {
+    let (angle, [one, other]) = (0.8_f64, [1.5, 1.8]);
+    let slabs = [block(50.0, [0.0, 1.0], &glass(one)), block(50.0, [-2.0, 0.0], &glass(other))];
+    let found = path(3, &at_angle(angle), &[&slabs[..], &[shining(-4.0)]].concat());
+    let within = |ior: f64| (angle.sin() / ior).asin();
+    let passed = (1.0 - fresnel(angle, one))
+        * (1.0 - fresnel(within(one), other / one))
+        * (1.0 - fresnel(angle, other));
+    close(found.radiance.x, passed, "light");
+    let met = found.bounces.iter().filter_map(|bounce| bounce.met.as_ref());
+    let end = met.min_by(|a, b| a.point.z.total_cmp(&b.point.z)).expect("the wall").point.x;
+    let expected = -(within(one).tan() + 2.0 * within(other).tan() + 2.0 * angle.tan());
+    // It enters above the origin, at z = 1.
+    assert!((end - angle.tan() - expected).abs() < 1e-4, "{end} {expected}");
+}
+
+#[test]
+fn bodies_that_overlap_are_one() {
+    let [a, b] = [[0.0, 1.0], [0.5, 1.5]].map(|ends| block(9.0, ends, &glass(1.5)));
+    let found = straight(4, &[a.clone(), b, shining(-3.0)]);
+    assert!((found.radiance.x - 0.9216).abs() < 2e-3 && found.bounces.len() > 4, "{found:?}");
+    let of_faces = faces(9.0, [0.5, 1.5], &glass(1.5));
+    let mut shapes = vec![a, shining(-3.0)];
+    shapes.extend(of_faces);
+    let prepared = prepare(&scene(2, &at_angle(0.0), &[], &shapes));
+    close(pixel(&image_of(&prepared, 0), 0, 0)[0], 0.9216, "a block of six faces");
+}
+
+/// The reflectance of each surface on the way, straight through.
+fn through(iors: &[f64]) -> f64 {
+    iors.windows(2).map(|pair| 1.0 - fresnel(0.0, pair[1] / pair[0])).product()
+}
+
+#[test]
+fn what_nests_has_its_own_medium() {
+    let light = || shining(-6.0);
+    // Each is left after all that is mirrored once: bounces end there.
+    let ball = sphere([0.0, 0.01, 0.0], 0.5, glass(1.0));
+    let found = straight(4, &[block(9.0, [-1.0, 1.0], &glass(1.5)), ball, light()]);
+    close(found.radiance.x, through(&[1.0, 1.5, 1.0, 1.5, 1.0]), "a ball of air in glass");
+    let water = block(4.0, [0.5, 1.0], &glass(1.333));
+    let found = straight(4, &[block(9.0, [0.0, 1.5], &glass(1.5)), water, light()]);
+    close(found.radiance.x, through(&[1.0, 1.5, 1.333, 1.5, 1.0]), "water in glass");
+    // A bottom of glass, water that reaches into it or touches it, and ice above and below the surface.
+    for bottom in [0.0, -0.25] {
+        let glass_below = block(9.0, [-1.0, 0.0], &glass(1.5));
+        let water = block(8.0, [bottom, 2.0], &glass(1.333));
+        let found = straight(3, &[glass_below.clone(), water.clone(), light()]);
+        close(found.radiance.x, through(&[1.0, 1.333, 1.5, 1.0]), "from above: 0.9372");
+        let ice = block(1.0, [1.0, 2.25], &glass(1.31));
+        let found = straight(4, &[glass_below, water, ice, light()]);
+        close(found.radiance.x, through(&[1.0, 1.31, 1.333, 1.5, 1.0]), "ice in water");
+    }
+}
+
+#[test]
+fn the_highest_priority_decides() {
+    let pair = |priority: f64| {
+        let inner = with(glass(1.2), "priority", priority);
+        [block(9.0, [-1.0, 1.0], &glass(1.6)), block(1.0, [-0.5, 0.5], &inner), shining(-6.0)]
+    };
+    close(straight(4, &pair(0.0)).radiance.x, through(&[1.0, 1.6, 1.2, 1.6, 1.0]), "nested");
+    close(straight(2, &pair(-1.0)).radiance.x, through(&[1.0, 1.6, 1.0]), "hidden");
+}
+
+/// Whatever is thinner than the distance by which the origin of a ray is moved is entered and left.
+#[test]
+fn a_thin_ball_is_entered_and_left() {
+    let thin = sphere([0.0, 0.01, 0.0], 1e-7, jelly(&json!({"kt": 1, "ior": 2})));
+    let ball = sphere([0.0, 0.01, 0.0], 1.0, jelly(&json!({"kt": 1, "ior": 1.5})));
+    let found = straight(2, &[thin, ball, shining(-6.0)]);
+    for (k, left) in LEFT.iter().enumerate() {
+        let passed = through(&[1.0, 1.5, 1.0]);
+        close(found.radiance.to_array()[k], passed * left * left, "a thin ball in a ball");
+    }
+}
+
+#[test]
+fn paths_know_what_they_start_inside_of() {
+    let inside = json!({"type": "pinhole", "width": 1, "height": 1, "fov": 1e-3,
+                        "location": [0, 0.01, 0], "look": [0, 0.01, -1]});
+    for more in [json!({"opacity": 0}), json!({"kt": 1, "ior": 1.33})] {
+        let ball = sphere([0.0; 3], 5.0, jelly(&more));
+        let found = path(1, &inside, &[ball, shining(-2.0)]);
+        for (k, left) in LEFT.iter().enumerate() {
+            close(found.radiance.to_array()[k], left * left, "a camera in water");
+        }
+    }
+    // The camera outside; the wall that it sees and the light that shines on it inside.
+    let ball = sphere([0.0; 3], 3.0, jelly(&json!({"opacity": 0})));
+    let seen = wall(2.0, -1.0, matte(1.0, [1.0; 3]));
+    let lamp = with(point_light(1.0, [0.0, 0.0, 1.0], [1.0; 3]), "falloff", "none");
+    let camera = with(pinhole([1, 1], 1e-3, 9.0), "location", json!([0, 0, 9]));
+    let prepared = |shapes: &[Value]| {
+        let mut json = scene(4, &camera, std::slice::from_ref(&lamp), shapes);
+        json["scene"]["ambient"] = json!(0);
+        pixel(&image_of(&prepare(&json), 0), 0, 0)
+    };
+    let (free, found) = (prepared(std::slice::from_ref(&seen)), prepared(&[ball, seen.clone()]));
+    for (k, left) in LEFT.iter().enumerate() {
+        close(found[k] / free[k], left.powi(4 + 2), "a light in water");
+    }
+}
+
+/// A mirror that is also glass sends on more than it receives: its rays double at every bounce.
+#[test]
+fn rays_that_double_are_counted_and_end() {
+    let pane = |i: u32| {
+        let of = clear(&json!({"kt": 0.5, "kr": 2, "thin": true}));
+        with(wall(90.0, -0.5 * f64::from(i), of), "sides", "both")
+    };
+    let mut shapes: Vec<Value> = (0..4).map(pane).collect();
+    shapes.push(shining(-9.0));
+    let prepared = prepare(&scene(64, &pinhole([1, 1], 1e-3, 9.0), &[], &shapes));
+    let path = &probe::pixel(&prepared, [0, 0], 0).paths[0];
+    assert_eq!(path.bounces.len(), wavecrest_core::prepared::MOST_RAYS as usize);
+}
