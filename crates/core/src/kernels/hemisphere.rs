@@ -107,11 +107,12 @@ impl Hemisphere {
             }
             Ambient::Harmonics(factors) => {
                 let zero = Vector::splat(token, Vec3::ZERO);
-                let terms = factors.into_iter().zip(harmonics(normal));
-                let Vector { x, y, z } = terms.fold(zero, |sum, (factor, value)| {
-                    sum + Vector::splat(token, factor).scale(value)
-                });
-                Vector::new(x.max(zero.x), y.max(zero.x), z.max(zero.x))
+                let mut sum = zero;
+                // No `fold`, which would become a call.
+                for (&factor, &value) in factors.iter().zip(&harmonics(normal)) {
+                    sum = sum + Vector::splat(token, factor).scale(value);
+                }
+                Vector::new(sum.x.max(zero.x), sum.y.max(zero.x), sum.z.max(zero.x))
             }
         }
     }
