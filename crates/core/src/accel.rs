@@ -22,6 +22,7 @@ mod leaf;
 mod node;
 mod order;
 mod packet;
+mod passed;
 mod query;
 mod rays;
 mod search;
@@ -33,7 +34,6 @@ pub mod tree;
 mod wide;
 
 use std::marker::PhantomData;
-use std::ops::Range;
 
 use rayon::prelude::*;
 
@@ -46,6 +46,7 @@ use crate::with_precision;
 use build::Preset;
 use instances::Walks;
 use packet::Packets;
+use passed::PassedLeaves;
 use stream::Flight;
 use tlas::Tlas;
 use tree::Tree;
@@ -62,8 +63,11 @@ pub struct Traversal {
     flight: Flight,
     packets: Packets,
     walks: Walks,
+    passed: PassedLeaves,
     /// What a ray crosses near a hit.
     pub(crate) crossed: Vec<Hit>,
+    /// Whether any-hit searches note where rays pass primitives, for [`Search::passed_of`].
+    pub(crate) notes_passed: bool,
     /// Whether an upper bound may take the place of the t of closest hits on triangles and quads,
     /// which is computed last, and not needed for shading.
     pub without_t: bool,
@@ -73,10 +77,11 @@ pub struct Traversal {
     pub kernels: Kernels,
 }
 
-/// The counters of a kernel.
-struct Counts<'a> {
+/// What a kernel counts and notes beside its answers.
+struct Notes<'a> {
     tests: &'a mut TestCounts,
     kernel: &'a mut KernelCounts,
+    passed: &'a mut PassedLeaves,
 }
 
 /// The primitives and their search structure.
@@ -89,20 +94,10 @@ pub struct Accel {
     blas: Vec<Tree>,
     /// The top-level tree, over the instances.
     tlas: Tlas,
-    transparent: Transparent,
     /// The instruction level; it does not affect answers.
     pub level: fearless_simd::Level,
     /// The kernel for batches of rays; it does not affect answers.
     pub kernel: KernelChoice,
-}
-
-/// The primitives that take light from shadow rays, which find all of these and nothing else.
-#[derive(Debug, Default)]
-struct Transparent {
-    /// By number, in rising order. None is of an instance.
-    primitives: Vec<Range<u32>>,
-    /// The tree over them alone; `None` if there are none, if there is nothing else, and for the reference.
-    tree: Option<Tree>,
 }
 
 impl Accel {
@@ -117,30 +112,17 @@ impl Accel {
     /// The primitives without a structure; not for searches yet.
     pub fn unbuilt(geometry: Geometry) -> Self {
         let (level, kernel) = (fearless_simd::Level::new(), KernelChoice::default());
-        let (blas, tlas, transparent) = (Vec::new(), Tlas::default(), Transparent::default());
-        Self { geometry, tree: None, blas, tlas, transparent, level, kernel }
-    }
-
-    /// The same with these transparent primitives: ranges of numbers, in rising order. Not for searches
-    /// yet.
-    #[must_use]
-    pub fn with_transparent(self, primitives: Vec<Range<u32>>) -> Self {
-        Self { transparent: Transparent { primitives, tree: None }, ..self }
+        Self { geometry, tree: None, blas: Vec::new(), tlas: Tlas::default(), level, kernel }
     }
 
     /// Builds another structure over the same primitives.
     pub fn rebuild(&mut self, preset: Preset) {
         (self.tree, self.blas, self.tlas) = (None, Vec::new(), Tlas::default());
-        self.transparent.tree = None;
         let geometry = &self.geometry;
         if preset == Preset::Brute {
             return;
         }
         self.tree = Some(build::build(geometry, preset));
-        // What it leaves out is left out of the other.
-        let over = |some| Tree { left_out: 0, ..build::build_over(geometry, some, preset) };
-        let tree = (self.in_two_trees() > 0).then(|| over(&self.transparent.primitives));
-        self.transparent.tree = tree;
         let prototypes = geometry.prototypes.par_iter();
         self.blas = prototypes.map(|prototype| build::build(prototype, preset)).collect();
         self.tlas = Tlas::new(&geometry.instances, |prototype| self.blas[prototype].upper_boxes());
@@ -155,12 +137,6 @@ impl Accel {
     /// The tree over the scene's own primitives, or `None` for the brute-force reference.
     pub fn tree(&self) -> Option<&Tree> {
         self.tree.as_ref()
-    }
-
-    /// Number of primitives that are in two trees: those that are transparent, unless all are.
-    pub fn in_two_trees(&self) -> usize {
-        let count = self.transparent.primitives.iter().map(Range::len).sum();
-        if count == self.geometry.own() { 0 } else { count }
     }
 
     /// The number of triangles without area that no ray can hit. Those of a prototype count once.
@@ -231,10 +207,9 @@ impl Accel {
             self.search::<P>().occluded_of(rays, answers, traversal));
     }
 
-    /// The tree over the scene's own primitives, if there is one, that over the transparent ones of
-    /// these, and those of prototypes.
+    /// The tree over the scene's own primitives, if there is one, and those of prototypes.
     pub fn trees(&self) -> impl Iterator<Item = &Tree> {
-        self.tree.iter().chain(&self.transparent.tree).chain(&self.blas)
+        self.tree.iter().chain(&self.blas)
     }
 
     /// Boxes that together contain every hit, some dozens at most, each with the factor by which the

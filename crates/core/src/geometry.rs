@@ -40,6 +40,8 @@ pub struct Geometry {
     /// Primitives that shadow rays pass, by number, in rising order: shapes of lights, and
     /// transparent ones.
     pub passed: Vec<Range<u32>>,
+    /// Those of them that are transparent.
+    pub transparent: Vec<Range<u32>>,
     /// Primitives with holes.
     pub cutouts: Cutouts,
     /// Precision of the tests.
@@ -249,11 +251,13 @@ impl Geometry {
     /// Whether shadow rays pass the primitive.
     #[inline]
     pub fn is_passed(&self, number: u32) -> bool {
-        if self.passed.is_empty() {
-            return false;
-        }
-        let after = self.passed.partition_point(|range| range.start <= number);
-        after > 0 && self.passed[after - 1].contains(&number)
+        is_among(&self.passed, number)
+    }
+
+    /// Whether the primitive takes light from shadow rays.
+    #[inline]
+    pub fn is_transparent(&self, number: u32) -> bool {
+        is_among(&self.transparent, number)
     }
 
     /// The t at which the ray hits the primitive: the least within its range, rounded once. None in a
@@ -325,4 +329,11 @@ impl Geometry {
             + size_of_val(self.instances.as_slice());
         own as u64 + self.prototypes.iter().map(Self::bytes).sum::<u64>()
     }
+}
+
+/// Whether a number is in one of these ranges, which are in rising order.
+#[inline]
+fn is_among(ranges: &[Range<u32>], number: u32) -> bool {
+    let after = ranges.partition_point(|range| range.start <= number);
+    after > 0 && ranges[after - 1].contains(&number)
 }

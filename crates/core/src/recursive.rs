@@ -52,10 +52,12 @@ pub struct Recursive<P> {
 
 impl<P: Arithmetic> Tracer for Recursive<P> {
     fn new(scene: &PreparedScene, settings: &TraceSettings) -> Self {
+        let schedule = scene.plan.schedule();
         let mut traversal = scene.accel.traversal();
+        traversal.notes_passed = schedule.has_transmission();
         Self {
             seed: settings.seed,
-            schedule: scene.plan.schedule(),
+            schedule,
             start: scene.media_at_camera::<P>(&mut traversal),
             traversal,
             differentials: scene.carries_differentials(),

@@ -47,10 +47,12 @@ pub struct Wavefront<P> {
 
 impl<P: Arithmetic> Tracer for Wavefront<P> {
     fn new(scene: &PreparedScene, settings: &TraceSettings) -> Self {
+        let schedule = scene.plan.schedule();
         let mut traversal = scene.accel.traversal();
+        traversal.notes_passed = schedule.has_transmission();
         Self {
             seed: settings.seed,
-            schedule: scene.plan.schedule(),
+            schedule,
             needs_points: scene.needs_points(),
             start: scene.media_at_camera::<P>(&mut traversal),
             batch: Batch::new(scene, settings.batch),

@@ -121,14 +121,13 @@ pub fn estimate_extracted(extracted: &Extracted, preset: Preset, batch: usize) -
     let (scene, geometry) = (extracted.scene(), extracted.geometry());
     let images = [film_bytes(extracted.pixels()), 0];
     let threads = rayon::current_num_threads();
-    let in_trees = geometry.held() + scene.accel.in_two_trees();
     Estimate {
         geometry: geometry.bytes(),
         appearance: scene.appearance.expected_bytes(),
         batches: Batch::estimated_bytes(scene, batch_size(scene, batch)) * threads as u64,
         decoding: scene.appearance.decoding_bytes(threads),
         loading: peak().unwrap_or(0),
-        ..Estimate::of(preset, in_trees as u64, images)
+        ..Estimate::of(preset, geometry.held() as u64, images)
     }
 }
 

@@ -141,10 +141,7 @@ pub fn extract(world: World, options: Options<'_>) -> Result<Extracted> {
     let shapes = &mut extracted.shapes;
     let classes = classes::run(&surfaces, &materials, schedule, &found, &mut images, shapes);
     let solids = solids::run(&surfaces, &classes, &extracted.geometry, &mut extracted.shapes);
-    let mut transparent = extracted.pass(&found.transparent);
-    if !(schedule.has_shadows() && schedule.has_transmission()) {
-        transparent.clear();
-    }
+    extracted.pass(&found.transparent);
     let environment =
         if plan.has(Effect::Environment) { environment::system(world, &mut images) } else { None };
     let images = images.prepare(&file)?;
@@ -172,7 +169,7 @@ pub fn extract(world: World, options: Options<'_>) -> Result<Extracted> {
         origin,
         camera,
         path,
-        accel: Accel::unbuilt(geometry).with_transparent(transparent),
+        accel: Accel::unbuilt(geometry),
         appearance,
         lights,
         background: settings.background.as_vec3(),

@@ -18,14 +18,11 @@ mod order;
 mod piece;
 mod weld;
 
-use std::ops::Range;
-
 use obvhs::BvhBuildParams;
 
 use super::arena::Unit;
 use super::tree::{Demand, Tree};
 use crate::geometry::Geometry;
-use order::Members;
 use piece::BuildPlan;
 
 /// Largest number of triangles in a chunk; halves of quads count as such. Measured: with 32 Ki and 64 Ki a build took a sixth
@@ -151,24 +148,17 @@ struct Cut {
 
 /// Builds the tree over every primitive that can be hit: all except triangles without area.
 pub fn build(geometry: &Geometry, preset: Preset) -> Tree {
-    build_over(geometry, std::slice::from_ref(&(0..geometry.own() as u32)), preset)
+    build_cut(geometry, preset, Cut { chunk: CHUNK, parts: PARTS, room: ROOM })
 }
 
-/// As [`build`], over some primitives alone: ranges of their numbers, in rising order.
-pub fn build_over(geometry: &Geometry, primitives: &[Range<u32>], preset: Preset) -> Tree {
-    build_cut((geometry, primitives), preset, Cut { chunk: CHUNK, parts: PARTS, room: ROOM })
-}
-
-fn build_cut((geometry, primitives): (&Geometry, &[Range<u32>]), preset: Preset, cut: Cut) -> Tree {
-    let entries = |range: &Range<u32>| geometry.entry_of(range.start)..geometry.entry_of(range.end);
-    let members = Members { geometry, entries: primitives.iter().map(entries).collect() };
-    let extents = members.extents();
+fn build_cut(geometry: &Geometry, preset: Preset, cut: Cut) -> Tree {
+    let extents = order::extents(geometry);
     let plan = BuildPlan::new(geometry, preset, extents);
-    let is_later = preset == Preset::OnDemand && members.count() > cut.chunk;
+    let is_later = preset == Preset::OnDemand && geometry.entries() > cut.chunk;
     let mut left_out = 0;
     let mut chunks = |with_boxes| {
-        let chunks = members.chunks(&extents, (cut.chunk, with_boxes));
-        left_out = members.count() - chunks.entries.len();
+        let chunks = order::chunks(geometry, &extents, (cut.chunk, with_boxes));
+        left_out = geometry.entries() - chunks.entries.len();
         Some(chunks).filter(|chunks| chunks.chunks.len() > usize::from(with_boxes))
     };
     let tree = is_later.then(|| chunked::on_demand(&plan, chunks(true)?)).flatten();

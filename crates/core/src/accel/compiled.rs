@@ -14,7 +14,7 @@ use super::packet::TileMemory;
 use super::query::Query;
 use super::rays::Rays;
 use super::tree::Searched;
-use super::{Counts, Hit, KernelChoice, Traversal, packet, single};
+use super::{Hit, KernelChoice, Notes, Traversal, packet, single};
 use crate::geometry::PreparedRay;
 use crate::kernels::precision::Arithmetic;
 use crate::math::ray::Ray;
@@ -59,12 +59,13 @@ impl<Q: Query, P: Arithmetic> Kernel for One<'_, Q, P> {
 
     #[inline(always)]
     fn run<S: Lanes>(self, simd: S) -> Hit {
-        let Traversal { stack, tests, .. } = self.traversal;
+        let Traversal { stack, passed, tests, .. } = self.traversal;
         let ray = &PreparedRay::new(self.ray);
         let height = single::start(self.searched.tree, stack);
         let best = Best::none(ray.ray.t_max);
         let stack = (stack.as_mut_slice(), height);
-        let best = single::trace::<S, Q, P>(simd, self.searched, ray, best, stack, tests);
+        let notes = (&mut *tests, passed);
+        let best = single::trace::<S, Q, P>(simd, self.searched, (ray, 0), best, stack, notes);
         best.answer(self.searched, self.ray, tests)
     }
 }
@@ -84,10 +85,10 @@ impl<Q: Query, P: Arithmetic> Kernel for Many<'_, Q, P> {
 
     #[inline(always)]
     fn run<S: Lanes>(self, simd: S) {
-        let Traversal { flight, packets, stack, tests, kernels, .. } = self.traversal;
+        let Traversal { flight, packets, passed, stack, tests, kernels, .. } = self.traversal;
         let Self { searched, rays, answers, choice, .. } = self;
         let memory = TileMemory { packets, flight, stack };
-        let counts = Counts { tests, kernel: Q::counts(kernels) };
-        packet::trace::<S, Q, P>(simd, searched, (rays, choice), answers, memory, counts);
+        let notes = Notes { tests, kernel: Q::counts(kernels), passed };
+        packet::trace::<S, Q, P>(simd, searched, (rays, choice), answers, memory, notes);
     }
 }

@@ -10,15 +10,16 @@ use super::node::{self, place};
 use super::query::Occluded;
 use super::rays::Rays;
 use super::tree::{Root, Searched};
-use super::{Hit, Traversal, single};
+use super::{Hit, Traversal};
 use crate::counters::TestCounts;
-use crate::geometry::{Geometry, PreparedRay, Primitive};
+use crate::geometry::{Geometry, Primitive};
 use crate::kernels::precision::Arithmetic;
+use crate::kernels::quad;
 use crate::kernels::slab::SlabRay;
-use crate::kernels::{quad, triangle};
+use crate::kernels::triangle::{self, ShearedSpace};
 use crate::math::float::{max, min};
 use crate::math::ray::Ray;
-use crate::math::simd::{Kernel, Lanes};
+use crate::math::simd::{Kernel, Lanes, entry};
 
 /// Some rays, in turn.
 #[derive(Clone, Copy)]
@@ -27,7 +28,9 @@ pub(super) struct Asked<'a> {
     /// The number of the first.
     pub(super) first: usize,
     /// Which of all rays to leave out.
-    pub(super) left_out: &'a [bool],
+    pub(super) occluded: &'a [bool],
+    /// Whether only what shadow rays pass is asked for.
+    pub(super) passed: bool,
 }
 
 impl Asked<'_> {
@@ -38,15 +41,15 @@ impl Asked<'_> {
         self,
         geometry: &Geometry,
         hits: &mut Vec<Hit>,
-        mut cross: impl FnMut(&Ray, &mut Vec<Hit>),
+        mut cross: impl FnMut(usize, &Ray, &mut Vec<Hit>),
         each: &mut Each<'_>,
     ) -> usize {
-        let Self { rays, first, left_out } = self;
-        for (number, _) in left_out.iter().enumerate().skip(first).filter(|(_, is_out)| !**is_out) {
+        let Self { rays, first, occluded, .. } = self;
+        for (number, _) in occluded.iter().enumerate().skip(first).filter(|(_, is)| !**is) {
             hits.clear();
             let ray = rays.ray(number);
             if ray.is_valid() {
-                cross(&ray, hits);
+                cross(number, &ray, hits);
             }
             if hits.len() > 1 {
                 geometry.sort(&ray, hits);
@@ -55,7 +58,7 @@ impl Asked<'_> {
                 return number + 1;
             }
         }
-        left_out.len()
+        occluded.len()
     }
 }
 
@@ -78,15 +81,19 @@ impl<P: Arithmetic> Kernel for Crossings<'_, '_, P> {
     #[inline(always)]
     fn run<S: Lanes>(self, simd: S) -> usize {
         let Self { searched, asked, hits, each, .. } = self;
-        let Traversal { stack, tests, .. } = self.traversal;
-        let Some(root) = searched.tree.root() else { return asked.left_out.len() };
+        let Traversal { stack, tests, passed, .. } = self.traversal;
+        let Some(root) = searched.tree.root() else { return asked.occluded.len() };
+        let wanted = asked.passed;
         asked.run(
             searched.geometry,
             hits,
             #[inline(always)]
-            |ray, hits| {
-                if may_meet(&root, ray) {
-                    one::<S, P>(simd, searched, ray, stack, (hits, tests));
+            |number, ray, hits| {
+                let mut ray = LazyRay { ray, slab: None, space: None };
+                let noted = passed.of(number).filter(|_| wanted);
+                let root = (noted.is_none() && ray.may_meet(&root)).then_some(root.place);
+                for from in noted.into_iter().flatten().chain(root) {
+                    one::<S, P>(simd, searched, (from, wanted), &mut ray, stack, (hits, tests));
                 }
             },
             each,
@@ -94,73 +101,90 @@ impl<P: Arithmetic> Kernel for Crossings<'_, '_, P> {
     }
 }
 
-/// Whether the ray may meet what is below the root.
-#[inline(always)]
-fn may_meet(root: &Root, ray: &Ray) -> bool {
-    let slab = SlabRay::new(ray);
-    let met = slab.interval(&root.bounds);
-    max(met.near, ray.t_min) <= min(met.far, slab.reach(ray.t_max))
+/// A ray, and what is derived from it once needed: lists need neither, leaves that were noted no slab.
+struct LazyRay<'a> {
+    ray: &'a Ray,
+    slab: Option<SlabRay>,
+    space: Option<ShearedSpace>,
 }
 
-/// Adds what the ray crosses.
+impl LazyRay<'_> {
+    #[inline(always)]
+    fn slab(&mut self) -> &SlabRay {
+        self.slab.get_or_insert_with(|| SlabRay::new(self.ray))
+    }
+
+    #[inline(always)]
+    fn space(&mut self) -> &ShearedSpace {
+        self.space.get_or_insert_with(|| ShearedSpace::new(self.ray))
+    }
+
+    /// Whether it may meet what is below the root.
+    #[inline(always)]
+    fn may_meet(&mut self, root: &Root) -> bool {
+        let &Ray { t_min, t_max, .. } = self.ray;
+        let slab = self.slab();
+        let met = slab.interval(&root.bounds);
+        max(met.near, t_min) <= min(met.far, slab.reach(t_max))
+    }
+}
+
+/// Adds what the ray crosses at or below a place, or only what shadow rays pass.
 #[inline(always)]
 fn one<S: Lanes, P: Arithmetic>(
     simd: S,
     searched: Searched<'_>,
-    ray: &Ray,
+    (first, passed): (Ref, bool),
+    ray: &mut LazyRay<'_>,
     stack: &mut [u64],
     (hits, tests): (&mut Vec<Hit>, &mut TestCounts),
 ) {
-    let ray = &PreparedRay::new(ray);
-    let mut height = single::start(searched.tree, stack);
     let arena = searched.tree.arena.view();
     let range = [ray.ray.t_min, ray.ray.t_max];
+    stack[0] = entry(f32::NEG_INFINITY, first.bits());
+    let mut height = 1;
     while height > 0 {
         height -= 1;
         let mut next = Some(place(stack[height]));
         while let Some(at) = next {
-            next = match at.kind() {
-                Kind::Node => {
-                    tests.nodes += 1;
-                    let node = arena.node(at);
-                    // Like an any-hit query: no hit cuts the range.
-                    let entered;
-                    (entered, height) =
-                        node::enter::<S, Occluded>(simd, node, at, &ray.slab, range, stack, height);
-                    entered
+            if at.kind() == Kind::List {
+                next = searched.chunk(at);
+                if next.is_none() {
+                    tests.leaves += 1;
+                    let numbers = arena.list(at).iter().copied();
+                    each::<P>(searched.geometry, (numbers, passed), ray.ray, hits, tests);
                 }
-                Kind::List => {
-                    let chunk = searched.chunk(at);
-                    if chunk.is_none() {
-                        tests.leaves += 1;
-                        let numbers = arena.list(at).iter().copied();
-                        each::<P>(searched.geometry, numbers, &ray.ray, (hits, tests));
-                    }
-                    chunk
-                }
-                Kind::Patch | Kind::Soup => {
-                    visit::<S, P>(simd, searched, ray, at, (hits, tests));
-                    None
-                }
-            };
+                continue;
+            }
+            if at.kind() != Kind::Node {
+                visit::<S, P>(simd, searched, ray, (at, passed), (hits, tests));
+                break;
+            }
+            tests.nodes += 1;
+            // Like an any-hit query: no hit cuts the range.
+            let (node, slab) = (arena.node(at), ray.slab());
+            (next, height) = node::enter::<S, Occluded>(simd, node, at, slab, range, stack, height);
         }
     }
 }
 
-/// Adds the triangles of a leaf that the ray crosses.
+/// Adds the triangles of a leaf that the ray crosses, or only what shadow rays pass.
 #[inline(always)]
 fn visit<S: Lanes, P: Arithmetic>(
     simd: S,
     searched: Searched<'_>,
-    ray: &PreparedRay,
-    place: Ref,
+    ray: &mut LazyRay<'_>,
+    (place, passed): (Ref, bool),
     (hits, tests): (&mut Vec<Hit>, &mut TestCounts),
 ) {
     tests.leaves += 1;
     let arena = searched.tree.arena.view();
-    let Ray { t_max, .. } = ray.ray;
-    let found = leaf::test::<S, P>(simd, arena, (&ray.ray, &ray.space), place, t_max, tests);
+    let (ray, space) = (ray.ray, ray.space());
+    let found = leaf::test::<S, P>(simd, arena, (ray, space), place, ray.t_max, tests);
     let mut met = found.certain | found.open;
+    if passed {
+        met = searched.transparent(place, met);
+    }
     while met != 0 {
         let lane = met.trailing_zeros() as usize % 8;
         met &= met - 1;
@@ -169,25 +193,27 @@ fn visit<S: Lanes, P: Arithmetic>(
             Best::in_leaf(place, lane, [found.low[lane], found.high[lane]])
         } else {
             tests.settled += 1;
-            let t = triangle::crossing(&ray.ray, &arena.triangle(place, lane));
+            let t = triangle::crossing(ray, &arena.triangle(place, lane));
             let Some(t) = t else { continue };
             Best::in_leaf(place, lane, [t, t])
         };
-        if !searched.is_hole::<P>(&ray.ray, &hit, tests) {
-            hits.push(hit.finished(arena, &ray.ray));
+        if !searched.is_hole::<P>(ray, &hit, tests) {
+            hits.push(hit.finished(arena, ray));
         }
     }
 }
 
-/// Adds those of the primitives with these numbers that the ray crosses, testing each.
+/// Adds those of the primitives with these numbers that the ray crosses, testing each, or each that shadow
+/// rays pass.
 #[inline(never)]
 pub(super) fn each<P: Arithmetic>(
     geometry: &Geometry,
-    numbers: impl Iterator<Item = u32>,
+    (numbers, passed): (impl Iterator<Item = u32>, bool),
     ray: &Ray,
-    (hits, tests): (&mut Vec<Hit>, &mut TestCounts),
+    hits: &mut Vec<Hit>,
+    tests: &mut TestCounts,
 ) {
-    for primitive in numbers {
+    for primitive in numbers.filter(|&number| !passed || geometry.is_transparent(number)) {
         let found = match geometry.primitive(primitive) {
             Primitive::Triangle(i) => {
                 tests.triangles += 1;
@@ -210,181 +236,4 @@ pub(super) fn each<P: Arithmetic>(
 }
 
 #[cfg(test)]
-mod tests {
-    use glam::Vec3;
-
-    use super::super::tests::{Numbers, add_triangle, bumpy_sphere};
-    use super::super::{Accel, KernelChoice};
-    use super::*;
-    use crate::accel::build::Preset;
-    use crate::geometry::Quadric;
-    use crate::kernels::disk::{self, Disk};
-    use crate::kernels::precision::Reference;
-    use crate::kernels::sphere;
-    use crate::math::simd::Level;
-
-    fn crossings(accel: &Accel, ray: &Ray) -> Vec<Hit> {
-        let mut hits = vec![Hit::MISS];
-        accel.crossings(ray, &mut accel.traversal(), &mut hits);
-        hits
-    }
-
-    /// The crossings of rays by brute force, which every tree and instruction level must find.
-    fn checked(geometry: &Geometry, rays: &[Ray]) -> Vec<Vec<Hit>> {
-        let brute = Accel::new(geometry.clone(), Preset::Brute);
-        let expected: Vec<_> = rays.iter().map(|ray| crossings(&brute, ray)).collect();
-        for preset in [Preset::OnDemand, Preset::VeryFast, Preset::Slow] {
-            let mut accel = Accel::new(geometry.clone(), preset);
-            for level in Level::available() {
-                accel.level = level.token().expect("it is available");
-                for (ray, expected) in rays.iter().zip(&expected) {
-                    assert_eq!(&crossings(&accel, ray), expected, "{preset:?} {level:?} {ray}");
-                }
-            }
-            accel.kernel = KernelChoice::Reference;
-            for (ray, expected) in rays.iter().zip(&expected) {
-                assert_eq!(&crossings(&accel, ray), expected, "{preset:?} reference {ray}");
-            }
-        }
-        expected
-    }
-
-    /// Ties, rays in planes and along edges.
-    #[test]
-    fn hc03_crossings_on_a_grid_are_those_of_brute_force_and_are_met() {
-        let mut numbers = Numbers(110_000);
-        let mut geometry = Geometry::default();
-        let mut point = || Vec3::from([0; 3].map(|_| numbers.below(7) as f32));
-        for _ in 0..300 {
-            add_triangle(&mut geometry, [point(), point(), point()]);
-        }
-        let first = geometry.positions.len() as u32;
-        geometry.positions.extend([
-            Vec3::ZERO,
-            Vec3::X * 6.0,
-            Vec3::ONE * 6.0,
-            Vec3::new(0.0, 6.0, 6.0),
-        ]);
-        geometry.quads.push([first, first + 1, first + 2, first + 3]);
-        let rays: Vec<Ray> = (0..600)
-            .map(|i| {
-                let (from, to) = (point(), point());
-                Ray {
-                    t_max: if i % 4 == 0 { 1.0 } else { f32::INFINITY },
-                    ..Ray::new(from, to - from)
-                }
-            })
-            .collect();
-        let all = checked(&geometry, &rays);
-        let mut skipped = 0;
-        for (ray, hits) in rays.iter().zip(&all) {
-            let met = (0..geometry.triangles.len() as u32).filter_map(|primitive| {
-                let t = triangle::meet(ray, &geometry.triangle(primitive as usize))?;
-                Some(Hit { t, primitive })
-            });
-            let met: Vec<Hit> = met.collect();
-            let own = hits.iter().filter(|hit| (hit.primitive as usize) < geometry.triangles.len());
-            assert!(own.clone().all(|hit| met.contains(hit)), "{ray}");
-            skipped += met.len() - own.count();
-        }
-        assert!(skipped > 500, "{skipped}");
-        assert!(all.iter().flatten().any(|hit| hit.primitive as usize == geometry.triangles.len()));
-    }
-
-    /// Spheres are entered and left, also by rays that touch them or start inside.
-    #[test]
-    fn hc05_spheres_are_crossed_twice_and_disks_once() {
-        let mut numbers = Numbers(130_000);
-        let mut geometry = Geometry::default();
-        let mut point = || Vec3::from([0; 3].map(|_| numbers.below(5) as f32));
-        for i in 0..60 {
-            let (center, normal) = (point(), (point() - 2.0).normalize_or(Vec3::X));
-            geometry.quadrics.push(match i % 2 {
-                0 => Quadric::Sphere(center, 1.0),
-                _ => Quadric::Disk(Disk { center, normal, radius: 1.0 }),
-            });
-        }
-        let rays: Vec<Ray> = (0..600)
-            .map(|i| {
-                let (from, to) = (point(), point());
-                let t_max = if i % 4 == 0 { 1.0 } else { f32::INFINITY };
-                Ray { t_max, ..Ray::new(from, to - from) }
-            })
-            .filter(Ray::is_valid)
-            .collect();
-        let mut twice = 0;
-        for (ray, hits) in rays.iter().zip(checked(&geometry, &rays)) {
-            for (number, quadric) in (0..).zip(&geometry.quadrics) {
-                let found = hits.iter().filter(|hit| hit.primitive == number);
-                let found: Vec<f32> = found.map(|hit| hit.t).collect();
-                let expected = match *quadric {
-                    Quadric::Sphere(center, radius) => {
-                        sphere::crossings::<Reference>(ray, center, radius)
-                    }
-                    Quadric::Disk(disk) => [disk::intersect_exactly(ray, &disk), None],
-                };
-                let expected: Vec<f32> = expected.into_iter().flatten().collect();
-                assert_eq!(found, expected, "{ray} {quadric:?}");
-                twice += usize::from(found.len() == 2);
-            }
-        }
-        assert!(twice > 500, "{twice}");
-    }
-
-    /// From outside, rays through corners and edges enter a closed surface as often as they leave
-    /// it, alternately.
-    #[test]
-    fn hc01_hc02_a_closed_surface_is_left_as_often_as_it_is_entered() {
-        let mut numbers = Numbers(120_000);
-        for mut geometry in [cube(), bumpy_sphere(12)] {
-            if geometry.triangles.len() > 12 {
-                weld(&mut geometry, 12);
-            }
-            let mut target = |geometry: &Geometry, i: usize| {
-                let [a, b, c] = geometry.triangle(numbers.below(geometry.triangles.len()));
-                // A corner, the middle of an edge, a point inside.
-                [a, (a + b) * 0.5, (a + b + c) * 0.25][i % 3]
-            };
-            let rays: Vec<Ray> = (0..600)
-                .map(|i| {
-                    let (p, q) = (target(&geometry, i), target(&geometry, i / 3));
-                    let from = if i % 2 == 0 { p - (q - p) * 8.0 } else { p.with_z(-9.0) };
-                    Ray::new(from, p - from)
-                })
-                .collect();
-            let mut found = 0;
-            for (ray, hits) in rays.iter().zip(checked(&geometry, &rays)) {
-                let enters = |hit: &Hit| {
-                    let corners = geometry.triangle(hit.primitive as usize);
-                    triangle::normal(&corners).dot(ray.direction.as_dvec3()) < 0.0
-                };
-                let entered = hits.iter().filter(|hit| enters(hit)).count();
-                assert_eq!(2 * entered, hits.len(), "{ray}: {hits:?}");
-                found += hits.len();
-            }
-            assert!(found > 600, "{found}");
-        }
-    }
-
-    /// Of integers, with sides along the axes: many rays run in their planes or along edges.
-    fn cube() -> Geometry {
-        let corner = |i: u8| Vec3::from([0, 1, 2].map(|k| f32::from(i >> k & 1)));
-        let sides =
-            [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
-        let halves = sides.iter().flat_map(|&[a, b, c, d]| [[a, b, c], [a, c, d]]);
-        Geometry {
-            positions: (0..8).map(corner).collect(),
-            triangles: halves.collect(),
-            ..Geometry::default()
-        }
-    }
-
-    /// Closes the seam and the poles of a sphere of `n` times `n` pairs.
-    fn weld(geometry: &mut Geometry, n: u32) {
-        for i in 0..geometry.positions.len() as u32 {
-            let (u, v) = (i % (n + 1), i / (n + 1));
-            let like = if v == 0 || v == n { v * (n + 1) } else { i - u + u % n };
-            geometry.positions[i as usize] = geometry.positions[like as usize];
-        }
-    }
-}
+mod tests;

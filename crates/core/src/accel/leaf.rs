@@ -5,6 +5,7 @@ use fearless_simd::prelude::*;
 
 use super::arena::{ArenaView, Kind, Ref};
 use super::best::Best;
+use super::passed::PassedLeaves;
 use super::query::{ANY_HIT, Query};
 use super::tree::Searched;
 use crate::counters::TestCounts;
@@ -18,22 +19,29 @@ use crate::math::simd::{Lanes, outlined};
 use crate::math::vector::Vector;
 
 /// Searches the leaf for the hit of query `Q`: replaces `best` by a hit that comes first, or by
-/// any. Returns whether it did.
+/// any. Returns whether it did. An any-hit query notes the leaf for the ray with that number, if it passes
+/// anything there.
 #[inline(always)]
 pub(super) fn visit<S: Lanes, Q: Query, P: Arithmetic>(
     simd: S,
     searched: Searched<'_>,
-    ray: &PreparedRay,
+    (ray, number): (&PreparedRay, usize),
     place: Ref,
     best: &mut Best,
-    tests: &mut TestCounts,
+    (tests, passed): (&mut TestCounts, &mut PassedLeaves),
 ) -> bool {
     if place.kind() == Kind::List {
+        if Q::ANY {
+            passed.note_list(searched, number, place);
+        }
         return visit_list::<Q, P>(searched, &ray.ray, place, best, tests);
     }
     tests.leaves += 1;
     let arena = searched.tree.arena.view();
     let hits = test::<S, P>(simd, arena, (&ray.ray, &ray.space), place, best.high, tests);
+    if Q::ANY {
+        passed.note_met(searched, number, (place, hits.certain | hits.open));
+    }
     take::<S, Q, P>(simd, searched, &ray.ray, (place, hits), best, tests)
 }
 
@@ -274,19 +282,31 @@ impl Searched<'_> {
             && geometry.is_hole::<P>(hit.number(tree.arena.view()), ray, hit.low, tests)
     }
 
-    /// The `triangles` of a leaf, a bit each, that do not belong to lights.
+    /// The `triangles` of a leaf, a bit each, that shadow rays do not pass.
     #[inline(always)]
     pub(super) fn without_passed(&self, leaf: Ref, triangles: u32) -> u32 {
         if self.geometry.passed.is_empty() {
             return triangles;
         }
-        let (mut kept, mut rest) = (triangles, triangles);
+        triangles & !self.those(leaf, triangles, |number| self.geometry.is_passed(number))
+    }
+
+    /// The `triangles` of a leaf, a bit each, that are transparent.
+    #[inline(always)]
+    pub(super) fn transparent(&self, leaf: Ref, triangles: u32) -> u32 {
+        self.those(leaf, triangles, |number| self.geometry.is_transparent(number))
+    }
+
+    /// The `triangles` of a leaf, a bit each, of whose numbers this holds.
+    #[inline(always)]
+    fn those(&self, leaf: Ref, triangles: u32, holds: impl Fn(u32) -> bool) -> u32 {
+        let (mut found, mut rest) = (0, triangles);
         while rest != 0 {
             let lane = rest.trailing_zeros();
             rest &= rest - 1;
             let number = self.tree.arena.view().number_of(leaf, lane as usize);
-            kept &= !(u32::from(self.geometry.is_passed(number)) << lane);
+            found |= u32::from(holds(number)) << lane;
         }
-        kept
+        found
     }
 }

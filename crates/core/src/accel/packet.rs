@@ -26,16 +26,16 @@ use std::marker::PhantomData;
 
 use super::arena::{Kind, Ref};
 use super::node::{distance, place};
+use super::passed::PassedLeaves;
 use super::query::Query;
 use super::rays::Rays;
-use super::stream::{self, Flight, FromRoot, MOST_HANDED};
+use super::stream::{self, Flight, FromRoot};
 use super::tree::{Root, Searched, Tree};
-use super::{Counts, KernelChoice, single};
+use super::{KernelChoice, Notes};
 use crate::counters::TestCounts;
-use crate::geometry::PreparedRay;
 use crate::kernels::precision::Arithmetic;
 use crate::math::simd::{Lanes, entry, outlined};
-use columns::{number_of, numbers};
+use columns::numbers;
 use remaining::{Handed, Remaining};
 use tile::RayTile;
 
@@ -101,11 +101,11 @@ pub(super) fn trace<S: Lanes, Q: Query, P: Arithmetic>(
     (rays, choice): (Rays<'_>, KernelChoice),
     answers: &mut [Q::Answer],
     TileMemory { packets, flight, stack }: TileMemory<'_>,
-    counts: Counts<'_>,
+    notes: Notes<'_>,
 ) {
     let Some(root) = searched.tree.root() else {
         answers.fill(Q::NONE);
-        counts.kernel.stream += rays.count() as u64;
+        notes.kernel.stream += rays.count() as u64;
         return;
     };
     packets.prepare(searched.tree, rays.count());
@@ -124,20 +124,22 @@ pub(super) fn trace<S: Lanes, Q: Query, P: Arithmetic>(
         last,
         queue,
         stack,
-        tests: counts.tests,
+        tests: notes.tests,
+        passed: notes.passed,
         query: PhantomData,
     };
     batch.trace(simd, tiles, answers);
     let TileBatch { next, judged, .. } = batch;
-    counts.kernel.packet += judged.fit;
-    counts.kernel.handed_over += queue.len() as u64 - judged.unfit;
-    counts.kernel.stream += rays.count() as u64 - judged.fit;
-    counts.kernel.packet_nodes += judged.visits;
-    counts.kernel.packet_rays += judged.rays;
+    let kernel = &mut *notes.kernel;
+    kernel.packet += judged.fit;
+    kernel.handed_over += queue.len() as u64 - judged.unfit;
+    kernel.stream += rays.count() as u64 - judged.fit;
+    kernel.packet_nodes += judged.visits;
+    kernel.packet_rays += judged.rays;
     if !queue.is_empty() || next < rays.count() {
         let rest = FromRoot { rays, next, root };
         let mut source = Remaining { queue, handed, last, rays, rest };
-        stream::trace::<S, Q, P>(simd, searched, &mut source, answers, flight, counts);
+        stream::trace::<S, Q, P>(simd, searched, &mut source, answers, flight, notes);
     }
 }
 
@@ -193,6 +195,7 @@ struct TileBatch<'a, Q, P> {
     queue: &'a mut Vec<u32>,
     stack: &'a mut [u64],
     tests: &'a mut TestCounts,
+    passed: &'a mut PassedLeaves,
     query: PhantomData<(Q, P)>,
 }
 
@@ -292,6 +295,8 @@ impl<Q: Query, P: Arithmetic> TileBatch<'_, Q, P> {
         tile.clear();
         self.visit_leaf(simd, tile, place, tile.rays);
         self.settle(simd, tile);
+        // They come there again.
+        tile.passing = 0;
         if !tile.is_done() {
             self.ending = None;
         }
@@ -317,6 +322,11 @@ impl<Q: Query, P: Arithmetic> TileBatch<'_, Q, P> {
                         continue;
                     }
                     self.visit_leaf(simd, tile, at, rays);
+                    if Q::ANY && tile.passing != 0 {
+                        for number in numbers(tile.block, std::mem::take(&mut tile.passing)) {
+                            self.passed.note(number, at);
+                        }
+                    }
                     if Q::ANY && tile.is_done() {
                         self.ending = Some(at);
                         return false;
@@ -337,56 +347,7 @@ impl<Q: Query, P: Arithmetic> TileBatch<'_, Q, P> {
         }
         false
     }
-
-    /// Hands `rays` over, to continue from `place`.
-    #[inline(always)]
-    fn hand_over<S: Lanes>(&mut self, simd: S, tile: &mut RayTile, place: u64, rays: u64) {
-        tile.is_left = true;
-        let mut rest = rays;
-        while rest != 0 {
-            let i = rest.trailing_zeros() as usize % TILE;
-            rest &= rest - 1;
-            let number = tile.block + number_of(i);
-            let (before, count) = self.last[number];
-            if count as usize == MOST_HANDED {
-                // Beyond that number the ray continues at once.
-                self.go_on(simd, tile, place, i);
-                continue;
-            }
-            if count == 0 {
-                self.queue.push(number as u32);
-            }
-            self.last[number] = (self.handed.len() as u32, count + 1);
-            self.handed.push(Handed { entry: place, before });
-        }
-    }
-
-    /// Traverses the subtree at `place` with the `i`th ray alone.
-    #[inline(always)]
-    fn go_on<S: Lanes>(&mut self, simd: S, tile: &mut RayTile, place: u64, i: usize) {
-        outlined(
-            simd,
-            #[inline(always)]
-            || {
-                let ray = PreparedRay::new(&tile.ray(i));
-                let before = tile.best(i);
-                self.stack[0] = place;
-                let (searched, stack) = (self.searched, (&mut *self.stack, 1));
-                let tests = &mut *self.tests;
-                let best = single::trace::<S, Q, P>(simd, searched, &ray, before, stack, tests);
-                if best == before {
-                    return;
-                }
-                if Q::ANY {
-                    tile.done |= 1 << i;
-                } else {
-                    tile.set_best(i, best);
-                    tile.tighten(simd);
-                }
-            },
-        );
-    }
 }
 
 #[cfg(test)]
-mod tests;
+pub(super) mod tests;

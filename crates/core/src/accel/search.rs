@@ -1,13 +1,12 @@
 //! The queries of an [`Accel`]: for one ray or many, for the closest hit or any.
 
 use std::marker::PhantomData;
-use std::ops::Range;
 
 use super::crossings::{Asked, Crossings, Each};
 use super::query::{Closest, Occluded, Query};
 use super::rays::Rays;
 use super::tree::{Searched, Tree};
-use super::{Accel, Hit, KernelChoice, Transparent, Traversal, brute, compiled, crossings};
+use super::{Accel, Hit, KernelChoice, Traversal, brute, compiled, crossings};
 use crate::kernels::precision::Arithmetic;
 use crate::math::ray::Ray;
 use crate::math::simd::{dispatch, is_wide};
@@ -58,54 +57,50 @@ impl<P: Arithmetic> Search<'_, P> {
     #[inline(never)]
     pub fn crossings(&self, ray: &Ray, traversal: &mut Traversal, hits: &mut Vec<Hit>) {
         let rays = Rays::Rows(std::slice::from_ref(ray));
-        let asked = Asked { rays, first: 0, left_out: &[false] };
-        let Accel { geometry, tree, .. } = self.accel;
-        let all = 0..geometry.own() as u32;
-        let of = (tree.as_ref(), std::slice::from_ref(&all));
-        self.crossings_of(of, asked, traversal, hits, &mut |_, _| true);
+        let asked = Asked { rays, first: 0, occluded: &[false], passed: false };
+        self.crossings_of(asked, traversal, hits, &mut |_, _| true);
     }
 
-    /// As [`Accel::crossings`], of the transparent primitives alone, for rays from the number `first` on
-    /// but for those that are `left_out`. `each` receives the number of each ray that crosses any, with
-    /// its hits, and says whether to go on; `hits` is memory for these. Returns the number of the next
-    /// ray.
+    /// As [`Accel::crossings`], of the primitives that shadow rays pass, for those `rays` from the number
+    /// `first` on that are not `occluded`: after [`Self::occluded_of`] without another search, if
+    /// [`Traversal::notes_passed`]. `each` receives the number of each ray, with its hits, and says
+    /// whether to go on; `hits` is memory for these. Returns the number of the next ray.
     #[inline(never)]
-    pub fn transparent_crossings(
+    pub fn passed_of(
         &self,
         rays: Rays<'_>,
-        (first, left_out): (usize, &[bool]),
+        (first, occluded): (usize, &[bool]),
         traversal: &mut Traversal,
         hits: &mut Vec<Hit>,
         each: &mut Each<'_>,
     ) -> usize {
-        let Transparent { primitives, tree } = &self.accel.transparent;
-        if primitives.is_empty() {
-            return left_out.len();
-        }
-        let tree = tree.as_ref().or(self.accel.tree.as_ref());
-        let asked = Asked { rays, first, left_out };
-        self.crossings_of((tree, primitives), asked, traversal, hits, each)
+        let asked = Asked { rays, first, occluded, passed: true };
+        self.crossings_of(asked, traversal, hits, each)
     }
 
-    /// What rays cross of these primitives, over which the tree is, if any.
     fn crossings_of(
         &self,
-        (tree, primitives): (Option<&Tree>, &[Range<u32>]),
         asked: Asked<'_>,
         traversal: &mut Traversal,
         hits: &mut Vec<Hit>,
         each: &mut Each<'_>,
     ) -> usize {
         hits.clear();
-        let Accel { geometry, level, .. } = self.accel;
+        let Accel { geometry, tree, level, .. } = self.accel;
         if let Some(tree) = tree {
             let (searched, precision) = (self.own(tree, traversal), PhantomData::<P>);
             let found = Crossings { searched, asked, traversal, hits, each, precision };
             return dispatch(*level, found);
         }
-        let cross = |ray: &Ray, hits: &mut Vec<Hit>| {
-            let numbers = primitives.iter().cloned().flatten();
-            crossings::each::<P>(geometry, numbers, ray, (hits, &mut traversal.tests));
+        let cross = |_, ray: &Ray, hits: &mut Vec<Hit>| {
+            let numbers = 0..geometry.own() as u32;
+            crossings::each::<P>(
+                geometry,
+                (numbers, asked.passed),
+                ray,
+                hits,
+                &mut traversal.tests,
+            );
         };
         asked.run(geometry, hits, cross, each)
     }
@@ -147,7 +142,11 @@ impl<P: Arithmetic> Search<'_, P> {
             return Q::answer(brute::hit::<Q, P>(geometry, ray, &mut traversal.tests));
         };
         let searched = self.own(tree, traversal);
+        if Q::ANY {
+            traversal.passed.begin(traversal.notes_passed, 1);
+        }
         let best = self.in_tree::<Q>(searched, ray, traversal);
+        traversal.passed.is_asked = false;
         if geometry.instances.is_empty() || Q::ANY && !best.is_miss() {
             return Q::answer(best);
         }
@@ -161,7 +160,9 @@ impl<P: Arithmetic> Search<'_, P> {
             self.each::<Q>(rays, answers, traversal);
             return;
         };
+        traversal.passed.begin(Q::ANY && traversal.notes_passed, rays.count());
         self.all_in_tree::<Q>(self.own(tree, traversal), rays, answers, traversal);
+        traversal.passed.is_asked = false;
         if !geometry.instances.is_empty() {
             self.all_among_instances::<Q>(rays, answers, traversal);
         }
@@ -183,6 +184,8 @@ impl<P: Arithmetic> Search<'_, P> {
             };
             *answer = self.one::<Q>(ray, traversal);
         }
+        // Those of the last ray alone.
+        traversal.passed.begin(false, 0);
     }
 
     /// Whether many rays are searched together. The reference has no use for lanes.

@@ -4,6 +4,7 @@ use super::arena::Kind;
 use super::best::Best;
 use super::leaf;
 use super::node::{self, distance, place};
+use super::passed::PassedLeaves;
 use super::query::Query;
 use super::tree::{Searched, Tree};
 use crate::counters::TestCounts;
@@ -12,15 +13,15 @@ use crate::kernels::precision::Arithmetic;
 use crate::math::simd::{Lanes, entry};
 
 /// The hit for query `Q`, starting with the first `height` entries of `stack`, the nearest last,
-/// and with `best`, the closest hit so far.
+/// and with `best`, the closest hit so far, for the ray with that number.
 #[inline(always)]
 pub(super) fn trace<S: Lanes, Q: Query, P: Arithmetic>(
     simd: S,
     searched: Searched<'_>,
-    ray: &PreparedRay,
+    (ray, number): (&PreparedRay, usize),
     mut best: Best,
     (stack, mut height): (&mut [u64], usize),
-    tests: &mut TestCounts,
+    (tests, passed): (&mut TestCounts, &mut PassedLeaves),
 ) -> Best {
     let arena = searched.tree.arena.view();
     while height > 0 {
@@ -43,7 +44,8 @@ pub(super) fn trace<S: Lanes, Q: Query, P: Arithmetic>(
             next = Some(root);
         }
         let Some(leaf) = next else { continue };
-        if leaf::visit::<S, Q, P>(simd, searched, ray, leaf, &mut best, tests) && Q::ANY {
+        let (ray, notes) = ((ray, number), (&mut *tests, &mut *passed));
+        if leaf::visit::<S, Q, P>(simd, searched, ray, leaf, &mut best, notes) && Q::ANY {
             break;
         }
     }

@@ -18,10 +18,11 @@ use glam::Vec3;
 use super::arena::{ArenaView, Kind};
 use super::best::Best;
 use super::node::{self, distance, place};
+use super::passed::PassedLeaves;
 use super::query::Query;
 use super::rays::Rays;
 use super::tree::{Root, Searched};
-use super::{Counts, leaf};
+use super::{Notes, leaf};
 use crate::counters::TestCounts;
 use crate::geometry::PreparedRay;
 use crate::kernels::precision::Arithmetic;
@@ -174,9 +175,9 @@ pub(super) fn trace<S: Lanes, Q: Query, P: Arithmetic>(
     source: &mut impl RaySource<Q, P>,
     answers: &mut [Q::Answer],
     flight: &mut Flight,
-    counts: Counts<'_>,
+    notes: Notes<'_>,
 ) {
-    let Counts { tests, kernel } = counts;
+    let Notes { tests, kernel, passed } = notes;
     let Flight { slots, stacks, tops, stride } = flight;
     let mut next = NextSteps::NONE;
     // Only references and no array, so that everything stays in registers.
@@ -190,6 +191,7 @@ pub(super) fn trace<S: Lanes, Q: Query, P: Arithmetic>(
         tops,
         stride: *stride,
         tests,
+        passed,
         next: &mut next,
         precision: PhantomData,
     };
@@ -224,6 +226,7 @@ struct FlightRounds<'a, Q: Query, P, R> {
     tops: &'a mut [usize; FLIGHT],
     stride: usize,
     tests: &'a mut TestCounts,
+    passed: &'a mut PassedLeaves,
     next: &'a mut NextSteps,
     precision: PhantomData<P>,
 }
@@ -286,8 +289,12 @@ impl<Q: Query, P: Arithmetic, R: RaySource<Q, P>> FlightRounds<'_, Q, P, R> {
         self.tests.leaves += patches as u64;
         for (i, hits) in found.iter().enumerate().take(patches) {
             let step = self.next.get(Kind::Patch, i);
-            let Slot { ray, best, .. } = &mut self.slots[step.slot()];
-            let is_closer = hits.certain | hits.open != 0 && {
+            let Slot { ray, best, number } = &mut self.slots[step.slot()];
+            let met = hits.certain | hits.open;
+            let is_closer = met != 0 && {
+                if Q::ANY {
+                    self.passed.note_met(self.searched, *number as usize, (step.place(), met));
+                }
                 let found = (step.place(), *hits);
                 leaf::take::<S, Q, P>(simd, self.searched, &ray.ray, found, best, self.tests)
             };
@@ -318,7 +325,8 @@ impl<Q: Query, P: Arithmetic, R: RaySource<Q, P>> FlightRounds<'_, Q, P, R> {
                 self.next.push(self.arena, index, root);
                 continue;
             }
-            let is_closer = leaf::visit::<S, Q, P>(simd, searched, ray, at, best, tests);
+            let (ray, notes) = ((&*ray, *number as usize), (tests, &mut *self.passed));
+            let is_closer = leaf::visit::<S, Q, P>(simd, searched, ray, at, best, notes);
             self.go_on(index, is_closer);
         }
     }

@@ -88,13 +88,8 @@ impl PreparedScene {
         crossings.clear();
         let mut shape = 0;
         let mut add = |number: usize, hits: &[Hit]| {
-            let media = media(number);
-            if hits.is_empty() && self.medium(&media).absorption == Vec3::ZERO {
-                return true;
-            }
-            let ray = rays.ray(number);
+            let (ray, media) = (rays.ray(number), media(number));
             let length = f64::from(dot(ray.direction, ray.direction)).sqrt();
-            let direction = (ray.direction.as_dvec3() / length).as_vec3();
             let index = found.len() as u32;
             crossings.extend(hits.iter().map(|hit| {
                 shape = self.appearance.shape_beside(shape, hit.primitive);
@@ -110,13 +105,16 @@ impl PreparedScene {
                     inside: false,
                 }
             }));
-            let distance = f64::from(ray.t_max) * length;
-            let unit = Ray { direction, ..ray };
-            found.push(PassingRay { number, end: crossings.len(), unit, distance, media });
+            if !hits.is_empty() || self.medium(&media).absorption != Vec3::ZERO {
+                let direction = (ray.direction.as_dvec3() / length).as_vec3();
+                let distance = f64::from(ray.t_max) * length;
+                let unit = Ray { direction, ..ray };
+                found.push(PassingRay { number, end: crossings.len(), unit, distance, media });
+            }
             crossings.len().max(found.len()) < MOST_CROSSINGS
         };
         let search = self.accel.search::<P>();
-        search.transparent_crossings(rays, (first, occluded), traversal, hits, &mut add)
+        search.passed_of(rays, (first, occluded), traversal, hits, &mut add)
     }
 
     /// The share of light that passes all transparent surfaces along a shadow ray that nothing else
@@ -149,6 +147,14 @@ impl Passing {
     /// The number of crossings in the list.
     pub fn len(&self) -> usize {
         self.crossings.len()
+    }
+
+    /// Bytes held.
+    pub fn bytes(&self) -> usize {
+        let Self { rays, crossings, hits } = self;
+        rays.capacity() * size_of::<PassingRay>()
+            + crossings.capacity() * size_of::<Crossing>()
+            + hits.capacity() * size_of::<Hit>()
     }
 
     /// Whether there are none.

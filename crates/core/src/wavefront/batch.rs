@@ -214,6 +214,8 @@ pub struct Batch {
     pub media: Vec<Media>,
     /// Rays that wait until the rays before them on their path are done.
     pub waiting: Waiting,
+    /// Memory for which paths have a next ray.
+    continued: Vec<bool>,
     /// Memory for sorting hits, for shade and shadow.
     pub(super) sorted: SortedHits,
     /// The transparent surfaces on shadow rays. Written and read by shadow.
@@ -244,6 +246,7 @@ impl Batch {
             next_starts: Vec::new(),
             media: Vec::new(),
             waiting: Waiting::with_capacity(room(ColumnGroup::Branches)),
+            continued: Vec::new(),
             sorted: SortedHits::new(scene.appearance.classes.len()),
             passing: Passing::default(),
         }
@@ -312,13 +315,15 @@ impl Batch {
 
     /// Appends the last waiting ray of every path of this bounce that has no next ray.
     fn wake(&mut self) {
-        let mut goes_on = vec![false; self.capacity];
-        for &path in &self.next.path[..self.next.len()] {
-            goes_on[path as usize] = true;
+        let Self { next, continued, paths, .. } = &mut *self;
+        continued.clear();
+        continued.resize(paths.len(), false);
+        for &path in &next.path[..next.len()] {
+            continued[path as usize] = true;
         }
         for i in 0..self.rays.len() {
             let path = self.rays.path[i];
-            if !goes_on[path as usize]
+            if !self.continued[path as usize]
                 && let Some(branch) = self.waiting.pop(path)
             {
                 self.next.provide();
@@ -360,7 +365,8 @@ impl Batch {
         let trails = self.trails.capacity() + self.next_trails.capacity();
         let lists = differentials * size_of::<Differential>()
             + trails * TRAIL_BYTES
-            + self.media.capacity() * size_of::<Media>();
+            + self.media.capacity() * size_of::<Media>()
+            + self.passing.bytes();
         (groups.iter().sum::<usize>() + next.bytes() + lists + self.waiting.bytes()) as u64
     }
 }

@@ -26,7 +26,7 @@ pub(super) fn build(plan: &BuildPlan, chunks: Chunks, cut: Cut) -> Option<Tree> 
     let parts = if chunks.len() == 1 { 1 } else { cut.parts };
     // A piece may open its last node for more parts than were asked for.
     let ahead = ahead((parts + LANES) * chunks.len());
-    let listed = plan.geometry.quadrics.len().min(entries.len()) * ROOM_OF_LISTED;
+    let listed = plan.geometry.quadrics.len() * ROOM_OF_LISTED;
     let few_shared = if plan.weld { 2 } else { 1 };
     let room = (entries.len() * cut.room * few_shared + listed).div_ceil(size_of::<Unit>());
     let units = Units::zeroed(ahead + room, ahead);

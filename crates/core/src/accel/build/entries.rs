@@ -24,12 +24,6 @@ impl Geometry {
         entry - behind.div_ceil(2).min(self.quads.len()) as u32
     }
 
-    /// The first entry of the primitive with that number.
-    pub(super) fn entry_of(&self, number: u32) -> u32 {
-        let behind = (number as usize).saturating_sub(self.triangles.len());
-        number + behind.min(self.quads.len()) as u32
-    }
-
     /// The vertices of a triangle, or of a half of a quad.
     #[inline(always)]
     pub(super) fn corners_of(&self, entry: u32) -> Option<[u32; 3]> {

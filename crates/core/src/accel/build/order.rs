@@ -36,50 +36,27 @@ pub(super) struct Chunks {
     pub(super) chunks: Vec<(Range<usize>, Aabb)>,
 }
 
-/// What a tree is built over: ranges of entries of a geometry, in rising order.
-pub(super) struct Members<'a> {
-    pub(super) geometry: &'a Geometry,
-    pub(super) entries: Vec<Range<u32>>,
+/// A box around everything that `geometry` holds itself.
+pub(super) fn extents(geometry: &Geometry) -> Aabb {
+    let quadrics = geometry.quadrics.par_iter().map(Quadric::bounds);
+    around(geometry.positions.par_iter().copied().map(point)).union(around(quadrics))
 }
 
-impl Members<'_> {
-    /// The number of entries.
-    pub(super) fn count(&self) -> usize {
-        self.entries.iter().map(Range::len).sum()
+/// Orders the entries that can be hit, all but triangles without area, and cuts them into chunks of
+/// at most `most`. Boxes of chunks are computed only `with_boxes`.
+pub(super) fn chunks(
+    geometry: &Geometry,
+    extents: &Aabb,
+    (most, with_boxes): (usize, bool),
+) -> Chunks {
+    let order = EntryOrder { geometry, most, with_boxes };
+    if geometry.entries() > most {
+        return order.arrange(None, extents);
     }
-
-    /// Whether they are all entries.
-    fn is_all(&self) -> bool {
-        self.count() == self.geometry.entries()
-    }
-
-    /// A box around everything.
-    pub(super) fn extents(&self) -> Aabb {
-        let geometry = self.geometry;
-        if self.is_all() {
-            let quadrics = geometry.quadrics.par_iter().map(Quadric::bounds);
-            return around(geometry.positions.par_iter().copied().map(point))
-                .union(around(quadrics));
-        }
-        let each = self.entries.par_iter().flat_map(|range| range.clone().into_par_iter());
-        around(each.map(|entry| geometry.box_of(entry)))
-    }
-
-    /// Orders the entries that can be hit, all but triangles without area, and cuts them into chunks of
-    /// at most `most`. Boxes of chunks are computed only `with_boxes`.
-    pub(super) fn chunks(&self, extents: &Aabb, (most, with_boxes): (usize, bool)) -> Chunks {
-        let order = EntryOrder { geometry: self.geometry, most, with_boxes };
-        if self.count() > most && self.is_all() {
-            return order.arrange(None, extents);
-        }
-        let entries = self.entries.iter().cloned().flatten().filter(|&entry| order.is_met(entry));
-        let entries: Vec<_> = entries.map(AtomicU32::new).collect();
-        match entries.len() {
-            0 => Chunks::default(),
-            count if count > most => order.arrange(Some(&entries), extents),
-            count => Chunks { entries, chunks: vec![(0..count, *extents)] },
-        }
-    }
+    let entries = (0..geometry.entries() as u32).filter(|&entry| order.is_met(entry));
+    let entries: Vec<_> = entries.map(AtomicU32::new).collect();
+    let chunks = if entries.is_empty() { Vec::new() } else { vec![(0..entries.len(), *extents)] };
+    Chunks { entries, chunks }
 }
 
 /// How to order the entries of a scene.

@@ -5,12 +5,10 @@ use crate::accel::arena::Held;
 use crate::accel::tests::{brute, check};
 use crate::accel::{Accel, Hit};
 use crate::geometry::{Primitive, Quadric};
-use crate::kernels::precision::Exact;
 use crate::kernels::quad;
 use crate::kernels::slab::Aabb;
 use crate::math::random::Stream;
 use crate::math::ray::Ray;
-use crate::math::simd::Level;
 use glam::Vec3;
 
 fn random(index: u32, dimension: u32) -> [f32; 4] {
@@ -69,12 +67,8 @@ const CUTS: [Cut; 3] = [cut(1, 1, 0), cut(37, 4, 40), cut(500, 50, 400)];
 const CHUNKED: [Preset; 5] =
     [Preset::OnDemand, Preset::Fastest, Preset::VeryFast, Preset::Fast, Preset::Slow];
 
-fn cut_tree(geometry: &Geometry, preset: Preset, cut: Cut) -> Tree {
-    build_cut((geometry, std::slice::from_ref(&(0..geometry.own() as u32))), preset, cut)
-}
-
 fn cut_accel(geometry: &Geometry, preset: Preset, cut: Cut) -> Accel {
-    let tree = Some(cut_tree(geometry, preset, cut));
+    let tree = Some(build_cut(geometry, preset, cut));
     Accel { tree, ..Accel::new(geometry.clone(), Preset::Brute) }
 }
 
@@ -85,15 +79,12 @@ fn hc03_a_tree_in_chunks_answers_as_brute_force_does() {
     for (preset, cut) in CHUNKED.into_iter().flat_map(|p| CUTS.map(|cut| (p, cut))) {
         let mut accel = cut_accel(&geometry, preset, cut);
         check(&format!("{preset:?} {cut:?}"), &mut accel, &rays, &expected);
-        let all = 0..geometry.len() as u32;
-        let tree = accel.tree.as_ref().expect("it has one");
-        check_leaves(tree, &geometry, std::slice::from_ref(&all));
+        check_leaves(accel.tree.as_ref().expect("it has one"), &geometry);
     }
 }
 
-/// Every one of the primitives is within the boxes of its leaves, and in as many as it has to be: a quad
-/// by halves. Nothing else is in any.
-fn check_leaves(tree: &Tree, geometry: &Geometry, primitives: &[Range<u32>]) {
+/// Every primitive is within the boxes of its leaves, and in as many as it has to be: a quad by halves.
+fn check_leaves(tree: &Tree, geometry: &Geometry) {
     let mut leaves = vec![0; geometry.len()];
     tree.build_all(geometry);
     tree.for_each_leaf(|bounds, numbers| {
@@ -110,7 +101,6 @@ fn check_leaves(tree: &Tree, geometry: &Geometry, primitives: &[Range<u32>]) {
     });
     for (number, times) in (0..).zip(leaves) {
         let expected = match geometry.primitive(number) {
-            _ if !primitives.iter().any(|range| range.contains(&number)) => 0,
             Primitive::Quad(_) => 2,
             _ => i32::from(!geometry.is_degenerate(number)),
         };
@@ -124,7 +114,7 @@ fn the_tree_is_the_same_on_any_number_of_threads() {
     let built = |threads: usize, preset: Preset| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
         let cut = cut(100, 8, if threads == 2 { 400 } else { 30 });
-        let tree = pool.install(|| cut_tree(&geometry, preset, cut));
+        let tree = pool.install(|| build_cut(&geometry, preset, cut));
         let mut leaves = Vec::new();
         tree.build_all(&geometry);
         tree.for_each_leaf(|bounds, numbers| leaves.push((*bounds, numbers.to_vec())));
@@ -158,67 +148,6 @@ fn a_chunk_is_built_once_whoever_comes_first() {
         tree.build_all(&geometry);
         let [built, all] = tree.chunks().expect("it is built on demand");
         assert!(built == all && before.nodes <= tree.census().nodes && before.nodes > 8);
-    }
-}
-
-/// Whatever is around them, and however it is built; also if the list of a ray is left and gone on with.
-#[test]
-fn hc03_what_is_crossed_of_some_primitives_is_what_they_are_of_everything_crossed() {
-    let (geometry, rays) = (mixture(1500), rays());
-    let [triangles, all] = [geometry.triangles.len() as u32, geometry.len() as u32];
-    let some = vec![3..4, 5..700, triangles - 9..triangles + 50, triangles + 70..all - 20];
-    let left_out: Vec<bool> = (0..rays.len()).map(|i| i % 7 == 3).collect();
-    let whole = Accel::new(geometry.clone(), Preset::Fast);
-    let (mut traversal, mut hits) = (whole.traversal(), Vec::new());
-    let mut crossed = |(number, _): (usize, _)| {
-        whole.crossings(&rays[number], &mut traversal, &mut hits);
-        hits.retain(|hit| some.iter().any(|range| range.contains(&hit.primitive)));
-        (number, hits.clone())
-    };
-    let asked = left_out.iter().enumerate().filter(|(_, is_out)| !**is_out);
-    let expected: Vec<_> = asked.map(&mut crossed).filter(|(_, hits)| !hits.is_empty()).collect();
-    let most = expected.iter().map(|(_, hits)| hits.len()).max();
-    assert!(expected.len() > 50 && most > Some(3), "{} {most:?}", expected.len());
-    let found = |accel: &Accel| {
-        let (mut traversal, mut hits, mut found) = (accel.traversal(), Vec::new(), Vec::new());
-        let (mut next, mut calls) = (0, 0);
-        while next < rays.len() {
-            let mut each = |number: usize, hits: &[Hit]| {
-                if !hits.is_empty() {
-                    found.push((number, hits.to_vec()));
-                }
-                !number.is_multiple_of(10)
-            };
-            let search = accel.search::<Exact>();
-            let asked = (next, &*left_out);
-            next = search.transparent_crossings(
-                (&*rays).into(),
-                asked,
-                &mut traversal,
-                &mut hits,
-                &mut each,
-            );
-            calls += 1;
-        }
-        assert!(calls > 5);
-        found
-    };
-    let compare = |name: &str, accel: &mut Accel| {
-        for level in Level::available() {
-            accel.level = level.token().expect("it is available");
-            assert!(found(accel) == expected, "{name} {level:?}");
-        }
-    };
-    for preset in Preset::ALL {
-        let mut accel = Accel::unbuilt(geometry.clone()).with_transparent(some.clone());
-        accel.rebuild(preset);
-        compare(&format!("{preset:?}"), &mut accel);
-        for cut in CUTS {
-            let tree = build_cut((&geometry, &some), preset, cut);
-            check_leaves(&tree, &geometry, &some);
-            accel.transparent.tree = Some(tree);
-            compare(&format!("{preset:?} {cut:?}"), &mut accel);
-        }
     }
 }
 
@@ -268,7 +197,7 @@ fn triangles_that_repeat_positions_share_leaves() {
         repeated.triangles.push([first, first + 1, first + 2]);
     }
     for cut in [CUTS[1], CUTS[2], cut(usize::MAX, 1, 0)] {
-        let census = |geometry| cut_tree(geometry, Preset::Fast, cut).census();
+        let census = |geometry| build_cut(geometry, Preset::Fast, cut).census();
         assert_eq!(census(&repeated), census(&shared), "{cut:?}");
         let mut accel = cut_accel(&repeated, Preset::Fast, cut);
         check("repeated", &mut accel, &rays(), &brute(&shared, &rays()));

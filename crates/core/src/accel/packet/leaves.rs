@@ -65,8 +65,13 @@ impl<Q: Query, P: Arithmetic> TileBatch<'_, Q, P> {
             let mut best = tile.best(i);
             let hits =
                 leaf::test::<S, P>(simd, arena, (&ray, &space), place, best.high, self.tests);
-            if hits.certain | hits.open == 0 {
+            let met = hits.certain | hits.open;
+            if met == 0 {
                 continue;
+            }
+            if Q::ANY && self.passed.is_asked {
+                let passed = self.searched.transparent(place, met) != 0;
+                tile.passing |= u64::from(passed) << i;
             }
             let found = (place, hits);
             if leaf::take::<S, Q, P>(simd, self.searched, &ray, found, &mut best, self.tests) {
@@ -103,8 +108,10 @@ impl<Q: Query, P: Arithmetic> TileBatch<'_, Q, P> {
         };
         self.tests.count_triangles(count, quads, rays.count_ones());
         let mut used = leaf::first_lanes(count);
+        let kept = if Q::ANY { self.searched.without_passed(place, used) } else { used };
         if Q::ANY {
-            used = self.searched.without_passed(place, used);
+            let passed = if self.passed.is_asked { used & !kept } else { 0 };
+            used = kept | self.searched.transparent(place, passed);
         }
         tile.frame(simd);
         let prepared = tile.frame.prepare::<S, P>(simd, arena, place, used);
@@ -126,6 +133,11 @@ impl<Q: Query, P: Arithmetic> TileBatch<'_, Q, P> {
                 let Some(met) = tile.frame.meet::<S, P>(simd, &prepared, triangle, group) else {
                     continue;
                 };
+                if Q::ANY && kept >> triangle & 1 == 0 {
+                    let met = (met.inside | met.open) & !tile.beyond(simd, g, &met);
+                    tile.passing |= u64::from(met & active) << (g * WIDTH);
+                    continue;
+                }
                 let at = (g, (place, triangle));
                 let left = tile.take::<S, Q, P>(simd, self.searched, at, &met, self.tests);
                 is_closer |= left.is_closer;
@@ -177,23 +189,29 @@ impl<Q: Query, P: Arithmetic> TileBatch<'_, Q, P> {
     /// Tests the primitives of a list with the rays.
     #[inline(always)]
     fn visit_list<S: Lanes>(&mut self, simd: S, tile: &mut RayTile, place: Ref, rays: u64) {
-        let Self { searched, tests, .. } = self;
+        let Self { searched, tests, passed, .. } = self;
         outlined(
             simd,
             #[inline(always)]
             || {
                 let Searched { tree, geometry, .. } = *searched;
                 for (entry, &number) in tree.arena.view().list(place).iter().enumerate() {
-                    if Q::ANY && geometry.is_passed(number) {
+                    let is_passed = Q::ANY && geometry.is_passed(number);
+                    if is_passed && !(passed.is_asked && geometry.is_transparent(number)) {
                         continue;
                     }
                     let at = (place, entry);
+                    let before = tile.done;
                     match geometry.primitive(number) {
                         Primitive::Quadric(i) => {
                             let quadric = &geometry.quadrics[i];
                             tile.meet_quadric::<S, Q, P>(simd, *searched, quadric, at, rays, tests);
                         }
                         _ => ask_each::<Q, P>(*searched, tile, number, at, rays, tests),
+                    }
+                    if is_passed {
+                        tile.passing |= tile.done & !before;
+                        tile.done = before;
                     }
                 }
             },
@@ -216,22 +234,23 @@ impl RayTile {
         simd: S,
         searched: Searched<'_>,
         (g, at): (usize, (Ref, usize)),
-        GroupTest { t: [low, high], inside, open }: &GroupTest<S>,
+        met: &GroupTest<S>,
         tests: &mut TestCounts,
     ) -> Left {
+        let GroupTest { t: [low, high], inside, open } = met;
         let (t_min, t_max) = (load(simd, &self.t_min, g), load(simd, &self.t_max, g));
         let within = (low.simd_gt(t_min) & high.simd_lt(t_max)).bits();
-        // A NaN is neither certain nor beyond, nor is a t that overflows.
-        let size = SimdBase::max(SimdBase::abs(*low), SimdBase::abs(*high));
-        let finite = size.simd_le(f32::MAX).bits();
         if Q::ANY {
-            let beyond = (high.simd_le(t_min) | low.simd_ge(t_max)).bits() & finite;
+            let beyond = self.beyond(simd, g, met);
             let certain = inside & within;
             let open = if P::IS_FAST { 0 } else { (inside | open) & !(certain | beyond) };
             let certain = self.without_holes::<S, P>(searched, (g, at), certain, *low, tests);
             self.done |= u64::from(certain) << (g * WIDTH);
             return Left { is_closer: certain != 0, open };
         }
+        // A NaN is neither certain nor beyond, nor is a t that overflows.
+        let size = SimdBase::max(SimdBase::abs(*low), SimdBase::abs(*high));
+        let finite = size.simd_le(f32::MAX).bits();
         let best = [load(simd, &self.low, g), load(simd, &self.high, g)];
         let beyond = (high.simd_le(t_min) | low.simd_gt(best[1])).bits() & finite;
         let closer = inside & within & high.simd_lt(best[0]).bits();
@@ -241,6 +260,21 @@ impl RayTile {
             self.set_group(simd, g, closer, at, [*low, *high]);
         }
         Left { is_closer: closer != 0, open }
+    }
+
+    /// The rays of the `g`th group whose range of t a triangle is certainly outside of.
+    #[inline(always)]
+    fn beyond<S: Lanes>(
+        &self,
+        simd: S,
+        g: usize,
+        GroupTest { t: [low, high], .. }: &GroupTest<S>,
+    ) -> u32 {
+        let (t_min, t_max) = (load(simd, &self.t_min, g), load(simd, &self.t_max, g));
+        // A NaN is not beyond, nor is a t that overflows.
+        let size = SimdBase::max(SimdBase::abs(*low), SimdBase::abs(*high));
+        let beyond = high.simd_le(t_min) | low.simd_ge(t_max);
+        (beyond & size.simd_le(f32::MAX)).bits()
     }
 
     /// Those of `hits`, a bit for each ray of the `g`th group, that are not in holes.

@@ -50,6 +50,8 @@ pub(super) struct RayTile {
     pub(super) rays: u64,
     /// Rays that are done.
     pub(super) done: u64,
+    /// Rays that pass a primitive of this leaf, if that is asked for.
+    pub(super) passing: u64,
     /// Whether rays continue elsewhere, which takes their t.
     pub(super) is_left: bool,
     /// Places still to visit, the next one last, and their number.
@@ -99,6 +101,7 @@ impl Default for RayTile {
             block: 0,
             rays: 0,
             done: 0,
+            passing: 0,
             is_left: false,
             visits: Vec::new(),
             height: 0,

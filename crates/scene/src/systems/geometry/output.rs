@@ -94,24 +94,20 @@ impl Output {
         }
     }
 
-    /// Lets shadow rays pass these shapes, and those of lights. Returns the primitives of the former, by
-    /// number.
-    pub(in crate::systems) fn pass(&mut self, transparent: &[bool]) -> Vec<Range<u32>> {
-        let (mut passed, mut found) = (Vec::new(), Vec::<Range<u32>>::new());
+    /// Lets shadow rays pass these shapes, and those of lights.
+    pub(in crate::systems) fn pass(&mut self, transparent: &[bool]) {
+        let (mut passed, mut through) = (Vec::new(), Vec::new());
         for (ShapeOutput { shape, .. }, is_transparent) in self.shapes.iter().zip(transparent) {
             let primitives = shape.primitives.clone();
             if primitives.is_empty() || !is_transparent && shape.light.is_none() {
                 continue;
             }
-            passed.push(primitives.clone());
-            match found.last_mut() {
-                _ if !is_transparent => {}
-                Some(last) if last.end == primitives.start => last.end = primitives.end,
-                _ => found.push(primitives),
+            if shape.light.is_none() {
+                through.push(primitives.clone());
             }
+            passed.push(primitives);
         }
-        self.geometry.passed = passed;
-        found
+        (self.geometry.passed, self.geometry.transparent) = (passed, through);
     }
 
     /// Drops data that no pass of the schedule reads: normals and colours of meshes that are not in
