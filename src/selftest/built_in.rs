@@ -26,7 +26,7 @@ const SCENES: &[(&str, &[u8])] = files! { "scenes/"
     "hard/normal-maps.json" "hard/occluded-light.json" "hard/pole-texture.json" "hard/shared-centroid.json"
     "hard/slivers.json" "hard/smooth-terminator.json" "hard/thin-image.json" "hard/tiny-scene.json"
     "hard/under-a-ceiling.json" "hard/up-parallel.json" "hard/vertex-colors.json" "hard/vertex-fan.json"
-    "hard/wide-fov.json" "DoF-sobol.json" "glass.json" "hemisphere.json" "instances.json" "materialmaps.json"
+    "hard/wide-fov.json" "DoF-sobol.json" "drink.json" "glass.json" "hemisphere.json" "instances.json" "materialmaps.json"
     "occlusion.json" "testareajitter.json" "texturefilter.json"
 };
 

@@ -189,4 +189,22 @@ pub(crate) const FAULTS: &[Fault] = faults! {
     "all pixels have the same random numbers", 54, "crates/core/src/math/random.rs":
         "[self.pixel, self.sample, self.bounce, dimension]"
             => "[0, self.sample, self.bounce, dimension]";
+
+    "what tiles of rays pass is not noted", 57, "crates/core/src/accel/packet.rs":
+        "Q::ANY && tile.passing != 0" => "Q::ANY && tile.passing > 1";
+    "what a ray passes in lists is noted for the next one", 57, "crates/core/src/accel/leaf.rs":
+        "passed.note_list(searched, number, place)"
+            => "passed.note_list(searched, number + 1, place)";
+    "solids are entered where they are left", 57, "crates/core/src/prepared/media.rs":
+        "!leaves" => "leaves";
+    "the medium is the solid that was entered first", 57, "crates/core/src/prepared/media.rs":
+        "solid < *place" => "*place == NONE";
+    "surfaces at one place are crossed one by one", 57, "crates/core/src/prepared/interface.rs":
+        "(last.point - found.point).dot(last.normal)" => "f32::INFINITY";
+    "inner surfaces of a solid are seen", 57, "crates/core/src/prepared/interface.rs":
+        "shape.solid.is_none() || self.differ(&sides)" => "true || self.differ(&sides)";
+    "shadow rays enter what they leave", 57, "crates/core/src/prepared/passing.rs":
+        "scene.sides(media, own, first.inside)" => "scene.sides(media, own, !first.inside)";
+    "light is absorbed up to the next surface alone", 57, "crates/core/src/prepared/passing.rs":
+        "first.distance - from" => "first.distance";
 };

@@ -241,6 +241,33 @@ fn ways(geometry: &Geometry, part: usize) -> impl Iterator<Item = Accel> {
 const PARTS: usize = 5;
 
 proptest! {
+    #![proptest_config(crate::config())]
+
+    /// Whatever kernel is asked, the answers are those of the reference kernel without a tree.
+    #[test]
+    fn surfaces_that_nearly_coincide_are_met_as_the_reference_meets_them(
+        place in place(), walls in walls(), distance in magnitude(0, 20), from in unit(),
+        targets in prop::collection::vec((-1.0_f32..1.0, -1.0_f32..1.0), 1..32), part in 0..PARTS,
+    ) {
+        let geometry = place.geometry(&walls);
+        let rays = place.rays(distance.abs(), from, &targets);
+        let ask = |accel: &Accel| {
+            let (mut traversal, mut hits) = (accel.traversal(), vec![Hit::MISS; rays.len()]);
+            let mut occluded = vec![false; rays.len()];
+            accel.closest_of(&rays[..], &mut hits, &mut traversal);
+            accel.occluded_of(&rays[..], &mut occluded, &mut traversal);
+            (hits, occluded)
+        };
+        let mut reference = Accel::new(geometry.clone(), Preset::Brute);
+        reference.kernel = KernelChoice::Reference;
+        let expected = ask(&reference);
+        for accel in ways(&geometry, part) {
+            prop_assert_eq!(&ask(&accel), &expected, "{:?} {:?}", accel.kernel, accel.level);
+        }
+    }
+}
+
+proptest! {
     #![proptest_config(proptest::test_runner::Config {
         cases: crate::config().cases.div_ceil(300),
         ..crate::config()

@@ -173,7 +173,7 @@ pub const CASES: &[Case] = &[
     Case::images(52, "trilinear footprints at grazing angles", &["texturefilter"]),
     Case::images(53, "texels that are NaN or infinite", &["hard/no-numbers"]),
     Case::images(54, "rays of a lens, and points of lights", &["DoF-sobol", "testareajitter", "hemisphere"]),
-    Case::images(57, "transparent balls and panes", &["glass"]),
+    Case::images(57, "transparent balls and panes, and solids that touch and overlap", &["glass", "drink"]),
     Case::images(61, "ambient light that things around take away", &["occlusion"]),
 ];
 
