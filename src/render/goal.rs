@@ -1,5 +1,5 @@
-//! Renders for a target error or a time budget: a pilot chooses the samples and predicts the error,
-//! which is then measured. A render that turns out too slow for its budget begins again with fewer.
+//! Renders for a target error, for which a pilot chooses the samples, or within a time budget. The
+//! error is measured.
 
 use std::time::Instant;
 
@@ -13,9 +13,10 @@ use wavecrest_base::error::Result;
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::prepared::PreparedScene;
 use wavecrest_core::render::{Rendered, Watch};
-use wavecrest_report::accuracy::pilot::budget::{Budget, Overhead, Pace, in_time};
+use wavecrest_report::accuracy::pilot::budget::{Budget, Overhead, in_time};
 use wavecrest_report::accuracy::pilot::target::{Reached, reach};
-use wavecrest_report::accuracy::pilot::{Chosen, MeasuredError, Pilot, measured, measured_share};
+use wavecrest_report::accuracy::pilot::{Chosen, MeasuredError, measured, measuring_share};
+use wavecrest_report::accuracy::setting::{Axis, Facts};
 use wavecrest_report::plot::number::figure;
 
 /// A render with its preset and its choice of samples.
@@ -27,12 +28,18 @@ pub(super) struct Traced {
     pub(super) resumed: f64,
 }
 
-/// Ends a pilot, or a measurement, on a signal.
-struct UntilSignal;
+/// Ends a pilot, or a measurement, on a signal, or at the end of a budget.
+struct UntilSignal<'a>(Option<&'a Budget<'a>>);
 
-impl Watch for UntilSignal {
+impl UntilSignal<'_> {
+    fn is_over(&self) -> bool {
+        self.0.is_some_and(|budget| budget.left() <= 0.0)
+    }
+}
+
+impl Watch for UntilSignal<'_> {
     fn cancelled(&self) -> bool {
-        interrupt::signal().is_some()
+        interrupt::signal().is_some() || self.is_over()
     }
 }
 
@@ -49,7 +56,8 @@ pub(super) fn trace(
         (Some(error), _) => for_error(rendering, scene, tree, error)?,
         (None, Some(seconds)) => {
             let clock = || start.elapsed().as_secs_f64();
-            within(rendering, scene, tree, &Budget::new(&clock, seconds), seconds)?
+            let pixels = scene.camera.size().map(f64::from).iter().product();
+            Some(within(rendering, scene, &Budget::new(&clock, seconds, pixels), seconds)?)
         }
         (None, None) => None,
     };
@@ -75,9 +83,10 @@ fn for_error(
     target: f64,
 ) -> Result<Option<AimedRender>> {
     let args = rendering.args;
-    let reached = reach(scene, tree, (target, args.seed), &UntilSignal, |scene, choice| {
-        let rendered = trace_chosen(rendering, scene, choice, None)?;
-        let found = measure(rendering, scene, &rendered)?;
+    let reached = reach(scene, tree, (target, args.seed), &UntilSignal(None), |scene, choice| {
+        say(rendering, &format!("chosen: {choice}"));
+        let (rendered, _) = trace_once(rendering, scene, None)?;
+        let found = measure(rendering, scene, &rendered, &UntilSignal(None))?;
         Ok((rendered, found))
     })?;
     let Some(reached) = reached else { return Ok(None) };
@@ -88,66 +97,57 @@ fn for_error(
     Ok(Some((rendered, goal)))
 }
 
-/// Renders within `budget`, of so many seconds. The tree with the preset `tree` may be replaced.
-/// `None` without a choice.
+/// Renders within `budget`, of so many seconds.
 fn within(
     rendering: &Rendering<'_>,
     scene: &mut PreparedScene,
-    tree: Option<&mut Preset>,
     budget: &Budget<'_>,
     seconds: f64,
-) -> Result<Option<AimedRender>> {
+) -> Result<AimedRender> {
     let args = rendering.args;
-    let original = scene.original();
-    let pilot = Pilot::run(scene, &original, args.seed, &budget.for_pilot(), &UntilSignal)?;
-    if let Some(choice) = pilot.for_time(budget.left()) {
-        choice.apply(scene, &original, tree);
+    let has_time = budget.left() > 0.0;
+    if !has_time {
+        say(rendering, "the time is over before the first ray: one point follows");
     }
+    let original = scene.original();
     let [width, height] = scene.camera.size().map(f64::from);
     let in_flight = args.batch as usize * rayon::current_num_threads();
     let overhead = Overhead {
-        measuring: measured_share(scene.camera.size()),
+        measuring: measuring_share(scene.camera.size()),
         in_flight: in_flight as f64 / (width * height),
     };
-    let mut renders = 0;
-    let last = in_time(&pilot, budget, overhead, |choice, pace| {
+    let axis = Axis::of(&Facts::of(scene));
+    let (choice, rendered, renders) = in_time(axis, budget, overhead, |choice, pace| {
         scene.resample(&original, &choice.samples());
-        let rendered = trace_chosen(rendering, scene, choice, Some(pace))?;
-        renders += 1;
-        let is_ended = rendered.finished || interrupt::signal().is_some();
-        if let Some(expected) = pace.expected().filter(|_| !is_ended) {
-            let planned = choice.seconds;
-            let words =
-                format!("too slow: about {expected:.1} s of tracing instead of {planned:.1} s");
-            say(rendering, &(words + "; starting again with fewer points"));
-        }
-        Ok((rendered, is_ended))
+        let (rendered, _) = trace_once(rendering, scene, Some(pace))?;
+        let is_finished = rendered.finished;
+        Ok((rendered, is_finished))
     })?;
-    let Some((choice, rendered)) = last else { return Ok(None) };
-    let found = measure(rendering, scene, &rendered)?;
+    scene.resample(&original, &choice.samples());
+    if rendered.finished {
+        say(rendering, &format!("chosen: {choice}"));
+        if has_time && renders == 1 && budget.left() <= 0.0 {
+            say(rendering, "one point takes as long as the time that was left: it is over");
+        }
+    }
+    let found = measure(rendering, scene, &rendered, &UntilSignal(Some(budget)))?;
     let goal = goal(format!("{seconds} s"), &choice, found, renders);
     let goal = rendered.finished.then_some(goal);
-    Ok(Some((rendered, goal)))
+    Ok((rendered, goal))
 }
 
-fn trace_chosen(
-    rendering: &Rendering<'_>,
-    scene: &PreparedScene,
-    choice: &Chosen,
-    pace: Option<&Pace<'_>>,
-) -> Result<Rendered> {
-    say(rendering, &format!("chosen: {choice}"));
-    trace_once(rendering, scene, pace).map(|(rendered, _)| rendered)
-}
-
-/// The measured error of a finished render, if there is one and no signal ends the measurement.
+/// The measured error of a finished render, if there is one and `until` does not end the measurement.
 fn measure(
     rendering: &Rendering<'_>,
     scene: &PreparedScene,
     rendered: &Rendered,
+    until: &UntilSignal<'_>,
 ) -> Result<Option<MeasuredError>> {
-    let found = measured(scene, rendered, rendering.args.seed, &UntilSignal)?;
-    if interrupt::signal().is_some() {
+    let found = measured(scene, rendered, rendering.args.seed, until)?;
+    if until.cancelled() {
+        if rendered.finished && until.is_over() {
+            say(rendering, "error not measured: the time is over");
+        }
         return Ok(None);
     }
     if rendered.finished {

@@ -210,7 +210,7 @@ fn errors_are_reached(asked: f64, seeds: u64) {
     let (mut runs, mut missed) = (0, Vec::new());
     for (name, mut scene) in scenes {
         let original = scene.original();
-        let pilot = Pilot::run(&mut scene, &original, 99, &|_| true, &()).expect("a pilot");
+        let pilot = Pilot::run(&mut scene, &original, 99, &()).expect("a pilot");
         let reference = pilot.for_error(asked / 12.0).expect("samples");
         scene.resample(&original, &reference.samples());
         let reference = render_on(2, &scene, &RenderOptions { seed: 99, ..options() }).film;

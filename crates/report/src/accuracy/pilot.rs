@@ -1,10 +1,9 @@
-//! Chooses samples for an error or a time, from a short pilot.
+//! Chooses samples for an error, from a short pilot, or for a [time](budget).
 //!
 //! No reference is needed: every sampler here is unbiased, so the variance of independent renders
 //! is the mean squared error of one. The pilot measures it in windows all over the image, for a few
 //! numbers of points, and extrapolates linearly in logarithms. The time of a render is a constant
-//! plus a time for each point; both are measured on the whole image with few points. A pilot with
-//! little time measures fewer samplers and fewer numbers of points.
+//! plus a time for each point; both are measured on the whole image with few points.
 //!
 //! One ray through the centre of each pixel is no sample of its area: renders agree in what they
 //! miss, so they do not show it. Where rays in a pixel are varied, a choice for an error therefore
@@ -17,7 +16,6 @@ pub mod measured;
 pub mod target;
 
 use std::fmt;
-use std::time::Instant;
 
 use super::setting::{Axis, Facts};
 use crate::plot::number::figure;
@@ -27,8 +25,8 @@ use wavecrest_core::math::sampling::{Points, Sampling};
 use wavecrest_core::prepared::{Original, PreparedScene, Samples};
 use wavecrest_core::render::{RenderOptions, Watch, render};
 
-pub use measured::{MeasuredError, error, measured, measured_share};
-use measured::{OTHERS, pilot_seed};
+use measured::pilot_seed;
+pub use measured::{MeasuredError, error, measured, measuring_share};
 
 /// Sides of the sample grids that the pilot tries.
 const SIDES: [u32; 3] = [2, 4, 8];
@@ -116,9 +114,9 @@ impl fmt::Display for Chosen {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { points, axis, error, seconds } = self;
         let points = axis.counted(*points);
-        match error.is_finite() {
-            true => write!(f, "{points}: expected error {}, ", figure(*error))?,
-            false => write!(f, "{points}: unknown error, ")?,
+        write!(f, "{points}: ")?;
+        if error.is_finite() {
+            write!(f, "expected error {}, ", figure(*error))?;
         }
         write!(f, "{seconds:.2} s of tracing")
     }
@@ -152,19 +150,12 @@ impl Curve {
         let choices = (self.axis.least_side()..=MOST_SIDE).map(|side| self.choice(side));
         choices.into_iter().find(|c| c.error * MARGIN <= error).unwrap_or(self.choice(MOST_SIDE))
     }
-
-    /// The most points for `seconds`; one if there is no time for more.
-    pub fn for_time(&self, seconds: f64) -> Chosen {
-        let choices = (1..=MOST_SIDE).rev().map(|side| self.choice(side));
-        choices.into_iter().find(|c| c.seconds <= seconds).unwrap_or(self.choice(1))
-    }
 }
 
 impl Pilot {
-    /// Tests samplers on `scene`, whose file had `original`, and restores the scene: all of them as
-    /// far as `fits` allows work of some seconds, and at least the time of one point with the best. The
-    /// random numbers follow from `seed`, and differ from those of a render with that seed. If
-    /// `watch` ends the pilot, it has no curve.
+    /// Tests samplers on `scene`, whose file had `original`, and restores the scene. The random numbers
+    /// follow from `seed`, and differ from those of a render with that seed. If `watch` ends the pilot, it
+    /// has no curve.
     ///
     /// # Errors
     /// If there is no memory for an image.
@@ -172,28 +163,18 @@ impl Pilot {
         scene: &mut PreparedScene,
         original: &Original,
         seed: u64,
-        fits: &dyn Fn(f64) -> bool,
         watch: &dyn Watch,
     ) -> Result<Self> {
-        let fits: &dyn Fn(f64) -> bool = &|seconds| !watch.cancelled() && fits(seconds);
         // No timed render should wait for an image.
         scene.appearance.decode()?;
         let axis = Axis::of(&Facts::of(scene));
         let mut curves: Vec<Curve> = Vec::new();
-        let mut seconds = 0.0;
-        // The best first.
-        for sampling in Sampling::ALL.into_iter().rev() {
-            if !curves.is_empty() && !fits(seconds) {
-                break;
-            }
-            let start = Instant::now();
-            curves.push(curve(scene, original, (sampling, axis), seed, fits, watch)?);
-            seconds = f64::max(seconds, start.elapsed().as_secs_f64());
+        for sampling in Sampling::ALL {
+            curves.push(curve(scene, original, (sampling, axis), seed, watch)?);
         }
         if watch.cancelled() {
             curves.clear();
         }
-        curves.reverse();
         scene.resample(original, &Samples::default());
         Ok(Self { curves })
     }
@@ -205,12 +186,6 @@ impl Pilot {
         let fastest = reaching.min_by(|a, b| a.seconds.total_cmp(&b.seconds));
         fastest.or_else(|| choices().min_by(|a, b| a.error.total_cmp(&b.error)))
     }
-
-    /// The choice with the least error in `seconds`.
-    pub fn for_time(&self, seconds: f64) -> Option<Chosen> {
-        let choices = self.curves.iter().map(|curve| curve.for_time(seconds));
-        choices.min_by(|a, b| a.error.total_cmp(&b.error))
-    }
 }
 
 fn curve(
@@ -218,7 +193,6 @@ fn curve(
     original: &Original,
     (sampling, axis): (Sampling, Axis),
     seed: u64,
-    fits: &dyn Fn(f64) -> bool,
     watch: &dyn Watch,
 ) -> Result<Curve> {
     let resample = |scene: &mut PreparedScene, side| {
@@ -226,7 +200,7 @@ fn curve(
         scene.resample(original, &axis.samples(points));
         f64::from(points.count())
     };
-    let seconds = cost(fits, |side| {
+    let seconds = cost(|side| {
         resample(scene, side);
         let options = RenderOptions { seed: pilot_seed(seed, 0), ..RenderOptions::default() };
         render(scene, &options, watch).map(|rendered| rendered.seconds)
@@ -234,10 +208,6 @@ fn curve(
     let mut errors = Vec::new();
     for side in SIDES {
         let count = resample(scene, side);
-        let share = measured_share(scene.camera.size());
-        if !fits(OTHERS as f64 * share * (seconds[0] + seconds[1] * count)) {
-            break;
-        }
         errors.push((count, error(scene, None, seed, watch)?.error));
     }
     Ok(Curve { sampling, axis, errors, seconds })
@@ -245,19 +215,14 @@ fn curve(
 
 /// Seconds of a whole render independent of the points, and for each point, where `trace` returns
 /// those of a render with a grid of this side.
-fn cost(fits: &dyn Fn(f64) -> bool, mut trace: impl FnMut(u32) -> Result<f64>) -> Result<[f64; 2]> {
+fn cost(mut trace: impl FnMut(u32) -> Result<f64>) -> Result<[f64; 2]> {
     let [few, more] = TIMED.map(|side| f64::from(side * side));
-    let first = trace(TIMED[0])?;
-    // Without time for more points, the whole render counts as the cost of its points.
-    if !fits(first * more / few) {
-        return Ok([0.0, first / few]);
-    }
     // The least of several alternating runs if they are short: other programs can only add to a
     // time.
-    let mut times = [first, trace(TIMED[1])?];
+    let mut times = [trace(TIMED[0])?, trace(TIMED[1])?];
     let mut spent: f64 = times.iter().sum();
     for _ in 1..REPEATS {
-        if spent > SHORT || !fits(times.iter().sum()) {
+        if spent > SHORT {
             break;
         }
         for (side, least) in TIMED.into_iter().zip(&mut times) {

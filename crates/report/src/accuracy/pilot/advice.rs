@@ -31,7 +31,7 @@ pub fn advise(
     error: f64,
     seed: u64,
 ) -> Result<Vec<Advice>> {
-    let pilot = Pilot::run(scene, original, seed, &|_| true, &())?;
+    let pilot = Pilot::run(scene, original, seed, &())?;
     let mut advice = Vec::new();
     for curve in &pilot.curves {
         let choice = curve.for_error(error);

@@ -1,33 +1,44 @@
 //! Renders within a time.
 //!
-//! A pilot predicts how many points a render has time for. On a busy machine the render can turn out
-//! much slower, so its pace is watched: once it is certain to take too long, it ends, and begins
-//! again with as many points as the remaining time allows at that pace.
+//! Nothing has to be known before: the first render has one point, and each other one as many as the pace
+//! of those before leaves time for, a few times more at first. One that turns out too slow ends, and another
+//! one has fewer. At the end of the time the last finished render counts: an image is there in time if
+//! there is time for one point.
 
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use super::{Chosen, Pilot};
+use super::{Chosen, LEAST_SHARE, MOST_SIDE};
+use crate::accuracy::setting::Axis;
 use wavecrest_base::error::Result;
+use wavecrest_core::math::sampling::{Points, Sampling};
 
 /// Seconds since the start of the work.
 pub type Clock<'a> = &'a (dyn Fn() -> f64 + Sync);
 
-/// The share of the remaining time that a pilot may take.
-const PILOT_SHARE: f64 = 0.25;
-
-/// The share of the remaining time to plan for: the rest is for writing and for the error of the
-/// pilot.
+/// The share of the remaining time to plan for: the rest is for a machine that becomes slower.
 const PLANNED_SHARE: f64 = 0.9;
+
+/// The time to write an image and to end, as a share of the budget, and seconds for each pixel: of
+/// PNG, the slowest format.
+const ENDING_SHARE: f64 = 0.02;
+const WRITING: f64 = 1e-7;
 
 /// The share of its time after which the pace of a render is judged. Before that, few tiles are
 /// finished.
 const JUDGED_SHARE: f64 = 0.125;
 
-/// A render is too slow if it would exceed its time by more than this share of it, and still has so
-/// much before it. Parts of an image may differ as much in their cost, and beginning again is a loss
-/// too.
-const EXCESS: f64 = 0.5;
+/// A render ends if it would take more than this share of its time beyond it: parts of an image
+/// differ in their cost.
+const EXCESS: f64 = 0.1;
+
+/// The share of the time of a render with one point that another one is expected to take.
+const FIRST_SHARE: f64 = 0.25;
+
+/// The largest factor between the points of two renders, so that a wrong first time costs little, and the
+/// smallest one that is worth another render.
+const MOST_GROWTH: f64 = 64.0;
+const LEAST_GROWTH: f64 = 1.25;
 
 /// A time to finish within.
 #[derive(Clone, Copy)]
@@ -37,20 +48,14 @@ pub struct Budget<'a> {
 }
 
 impl<'a> Budget<'a> {
-    /// `seconds` from the start of the clock.
-    pub fn new(clock: Clock<'a>, seconds: f64) -> Self {
-        Self { clock, end: seconds }
+    /// `seconds` from the start of the clock, for an image of so many pixels.
+    pub fn new(clock: Clock<'a>, seconds: f64, pixels: f64) -> Self {
+        Self { clock, end: seconds * (1.0 - ENDING_SHARE) - WRITING * pixels }
     }
 
-    /// Seconds left.
+    /// Seconds left until the image should be written.
     pub fn left(&self) -> f64 {
         (self.end - (self.clock)()).max(0.0)
-    }
-
-    /// Whether a pilot that starts now may still begin work of some seconds.
-    pub fn for_pilot(&self) -> impl Fn(f64) -> bool + use<'a> {
-        let (clock, end) = (self.clock, (self.clock)() + PILOT_SHARE * self.left());
-        move |seconds| clock() + seconds <= end
     }
 }
 
@@ -67,7 +72,7 @@ pub struct Overhead {
 pub struct Pace<'a> {
     clock: Clock<'a>,
     start: f64,
-    /// Its seconds; `None` for a render that cannot have fewer points.
+    /// Its seconds; `None` for the first render.
     seconds: Option<f64>,
     in_flight: f64,
     /// The finished share, as bits of a double.
@@ -77,12 +82,11 @@ pub struct Pace<'a> {
 }
 
 impl<'a> Pace<'a> {
-    fn new(budget: &Budget<'a>, choice: &Chosen, overhead: Overhead) -> Self {
-        let seconds = budget.left() / (1.0 + overhead.measuring);
+    fn new(budget: &Budget<'a>, is_first: bool, overhead: Overhead) -> Self {
         Self {
             clock: budget.clock,
             start: (budget.clock)(),
-            seconds: (choice.points.side > 1).then_some(seconds),
+            seconds: (!is_first).then(|| budget.left()),
             in_flight: overhead.in_flight,
             done: AtomicU64::new(0.0_f64.to_bits()),
             expected: OnceLock::new(),
@@ -94,61 +98,85 @@ impl<'a> Pace<'a> {
         self.done.store((done as f64 / all as f64).to_bits(), Ordering::Relaxed);
     }
 
-    /// The seconds that the render was expected to take in all when it became too slow.
-    pub fn expected(&self) -> Option<f64> {
-        self.expected.get().copied()
-    }
-
     /// Whether the render must end.
     pub fn is_late(&self) -> bool {
         let Some(seconds) = self.seconds else { return false };
-        if self.expected().is_some() {
+        if self.expected.get().is_some() {
             return true;
         }
-        let spent = (self.clock)() - self.start;
+        let spent = self.spent();
         if spent < JUDGED_SHARE * seconds {
             return false;
         }
         let done = f64::from_bits(self.done.load(Ordering::Relaxed));
         let all = |in_flight: f64| spent / (done + in_flight).min(1.0);
         // As if everything in flight were finished: the least that the render will take.
-        let least = all(self.in_flight);
-        if least - seconds.max(spent) <= EXCESS * seconds {
+        if spent < seconds && all(self.in_flight) <= (1.0 + EXCESS) * seconds {
             return false;
         }
         self.expected.get_or_init(|| all(self.in_flight / 2.0));
         true
     }
+
+    fn spent(&self) -> f64 {
+        (self.clock)() - self.start
+    }
 }
 
-/// Renders with the choice of `pilot` that has the least error within `budget`, and with fewer
-/// points while a render is too slow. `render` returns whether it finished; it must end when the
-/// pace is late. The result is that of the last render, with its choice; `None` if the pilot has no
-/// choice.
+/// The last of some renders within `budget`, with its choice of points along `axis`, and their number.
+/// `render` returns whether it finished; it must end when the pace is late, and may end otherwise, after
+/// which no other follows.
 ///
 /// # Errors
 /// As `render`.
 pub fn in_time<T>(
-    pilot: &Pilot,
+    axis: Axis,
     budget: &Budget<'_>,
     overhead: Overhead,
     mut render: impl FnMut(&Chosen, &Pace<'_>) -> Result<(T, bool)>,
-) -> Result<Option<(Chosen, T)>> {
-    let (mut slower, mut most) = (1.0, f64::INFINITY);
+) -> Result<(Chosen, T, u32)> {
+    let choice = |side, seconds| {
+        let points = Points { sampling: Sampling::Sobol, side };
+        Chosen { points, axis, error: f64::INFINITY, seconds }
+    };
+    let mut renders = 1;
+    let pace = Pace::new(budget, true, overhead);
+    let (mut image, is_finished) = render(&choice(1, 0.0), &pace)?;
+    let mut last = choice(1, pace.spent());
+    if !is_finished {
+        return Ok((last, image, renders));
+    }
+    // Seconds for each more point, and the most of them: fewer after each render that is too slow. Part of the
+    // first time does not depend on the points, and to try too many costs little.
+    let (mut each, mut most) = (FIRST_SHARE * last.seconds, f64::INFINITY);
     loop {
+        let count = f64::from(last.points.count());
         let seconds = budget.left() * PLANNED_SHARE / (1.0 + overhead.measuring);
-        let Some(choice) = pilot.for_time(f64::min(seconds / slower, most)) else {
-            return Ok(None);
+        let affordable = count + (seconds - last.seconds) / each;
+        let wanted = affordable.min(most).min(MOST_GROWTH * count);
+        let next = choice((wanted.max(0.0).sqrt() as u32).min(MOST_SIDE), 0.0);
+        let more = f64::from(next.points.count());
+        if more < LEAST_GROWTH * count {
+            return Ok((last, image, renders));
+        }
+        renders += 1;
+        let pace = Pace::new(budget, false, overhead);
+        let (found, is_finished) = render(&next, &pace)?;
+        let spent = pace.spent();
+        let of = |seconds: f64| {
+            ((seconds - last.seconds) / (more - count)).max(LEAST_SHARE * seconds / more)
         };
-        let pace = Pace::new(budget, &choice, overhead);
-        let (result, is_finished) = render(&choice, &pace)?;
-        match pace.expected() {
-            Some(expected) if !is_finished => {
-                slower = expected / choice.seconds;
-                // A slower machine may look faster for a moment: the points become fewer each time.
-                most = choice.seconds / 2.0;
+        match pace.expected.get() {
+            _ if is_finished => {
+                each = of(spent);
+                (last, image) = (Chosen { seconds: spent, ..next }, found);
             }
-            _ => return Ok(Some((choice, result))),
+            Some(&expected) => {
+                each = of(expected);
+                // A slower machine may look faster for a moment.
+                most = more / 2.0;
+            }
+            None => return Ok((next, found, renders)),
         }
     }
 }
@@ -157,7 +185,6 @@ pub fn in_time<T>(
 mod tests {
     use std::sync::Mutex;
 
-    use super::super::{Axis, Curve, Sampling};
     use super::*;
 
     /// Tiles of a render.
@@ -165,80 +192,73 @@ mod tests {
 
     const OVERHEAD: Overhead = Overhead { measuring: 0.1, in_flight: 0.02 };
 
-    /// A pilot that found a second and 0.01 s for each point.
-    fn pilot() -> Pilot {
-        let errors = vec![(4.0, 0.1), (16.0, 0.05)];
-        let (sampling, axis, seconds) = (Sampling::Sobol, Axis::Lights, [1.0, 0.01]);
-        Pilot { curves: vec![Curve { sampling, axis, errors, seconds }] }
-    }
-
-    /// Renders within some seconds on a machine that is as many times slower than the pilot found in
-    /// each half of an image: the points of each render, and the seconds of all.
-    fn rendered(seconds: f64, slowness: [f64; 2]) -> (Vec<u32>, f64) {
+    /// Renders within some seconds, a pixel, which take `first` seconds, 0.01 s for each point, and a factor more
+    /// for each half of an image from so many points on: the points of each render, those of the image, and the
+    /// seconds of all.
+    fn rendered(
+        seconds: f64,
+        first: f64,
+        (from, slowness): (u32, [f64; 2]),
+    ) -> (Vec<u32>, u32, f64) {
         let now = Mutex::new(0.0);
         let clock = || *now.lock().expect("one thread");
         let mut points = Vec::new();
-        let done = in_time(&pilot(), &Budget::new(&clock, seconds), OVERHEAD, |choice, pace| {
-            points.push(choice.points.count());
+        let budget = Budget::new(&clock, seconds, 1.0);
+        let done = in_time(Axis::Lights, &budget, OVERHEAD, |choice, pace| {
+            let count = choice.points.count();
+            points.push(count);
             for tile in 0..TILES {
                 if pace.is_late() {
-                    return Ok(((), false));
+                    return Ok((0, false));
                 }
                 let slower = slowness[usize::from(tile >= TILES / 2)];
-                *now.lock().expect("one thread") += choice.seconds * slower / f64::from(TILES);
+                let slower = if count >= from { slower } else { 1.0 };
+                let all = (first + 0.01 * f64::from(count)) * slower;
+                *now.lock().expect("one thread") += all / f64::from(TILES);
                 pace.progress(u64::from(tile) + 1, u64::from(TILES));
             }
-            Ok(((), true))
+            Ok((count, true))
         });
-        let (choice, ()) = done.expect("nothing fails").expect("the pilot has a choice");
-        assert_eq!(points.last(), Some(&choice.points.count()));
-        (points, clock())
+        let (choice, image, renders) = done.expect("nothing fails");
+        assert_eq!((choice.points.count(), renders as usize), (image, points.len()));
+        (points, image, clock())
     }
 
     #[test]
-    fn a_render_that_keeps_its_pace_is_not_disturbed() {
-        let (points, seconds) = rendered(10.0, [1.0; 2]);
-        assert_eq!(points, [26 * 26], "27 * 27 would take more than 9 s with their measurement");
-        assert!((seconds - 7.76).abs() < 1e-9, "{seconds}");
-    }
-
-    /// Without a look at the clock they would take up to 47 s.
-    #[test]
-    fn a_slow_render_begins_again_and_ends_in_time() {
-        for slowness in [2.0, 3.0, 6.0] {
-            let (points, seconds) = rendered(10.0, [slowness; 2]);
-            assert!(points.len() == 2 && points[1] < points[0], "{slowness}: {points:?}");
-            assert!(seconds < 10.5, "{slowness}: {seconds} s");
+    fn most_of_the_time_is_used_and_none_beyond_it() {
+        for first in [0.0, 0.1, 1.0] {
+            let (points, image, seconds) = rendered(10.0, first, (0, [1.0; 2]));
+            assert_eq!(points.last(), Some(&image));
+            assert!(seconds > 7.0 && seconds < 9.8, "{points:?}: {seconds}");
+            assert!(image > 200, "{points:?}");
         }
-        let (points, seconds) = rendered(10.0, [50.0; 2]);
-        assert!(points.last() == Some(&1) && seconds < 75.0, "{points:?}: {seconds} s");
+    }
+
+    #[test]
+    fn a_slow_render_ends_and_another_has_fewer_points() {
+        for slowness in [2.0, 6.0, 50.0] {
+            let (points, image, seconds) = rendered(10.0, 0.01, (300, [slowness; 2]));
+            assert!(points.iter().max() > Some(&image), "{points:?}");
+            assert!(seconds < 10.0 && image >= 16, "{slowness}: {points:?}: {seconds}");
+        }
+    }
+
+    /// The image before stays.
+    #[test]
+    fn a_render_that_is_not_finished_in_time_does_not_count() {
+        let (points, image, seconds) = rendered(10.0, 0.01, (100, [1.0, 20.0]));
+        assert!(image < 100 && points.last() >= Some(&image), "{points:?}");
+        assert!(seconds < 10.0, "{seconds}");
     }
 
     #[test]
     fn costly_tiles_at_the_start_do_not_end_a_render() {
-        assert_eq!(rendered(10.0, [1.4, 0.6]).0.len(), 1);
-    }
-
-    /// With most of the image finished, a start with a few points would waste it.
-    #[test]
-    fn a_render_near_its_end_goes_on() {
-        let (points, seconds) = rendered(10.0, [1.0, 4.0]);
-        assert!(points.len() == 1 && (19.0..20.0).contains(&seconds), "{points:?}: {seconds} s");
-        let (points, seconds) = rendered(10.0, [1.8, 20.0]);
-        assert!(points == [26 * 26, 1] && seconds < 20.0, "{points:?}: {seconds} s");
+        let (points, image, _) = rendered(10.0, 0.01, (300, [1.05, 0.95]));
+        assert_eq!(points.iter().max(), Some(&image), "{points:?}");
     }
 
     #[test]
     fn one_point_is_rendered_to_the_end() {
-        assert_eq!(rendered(0.0, [5.0; 2]).0, [1]);
-    }
-
-    #[test]
-    fn a_pilot_has_a_part_of_the_time_left() {
-        let clock = || 2.0;
-        let fits = Budget::new(&clock, 10.0).for_pilot();
-        assert!(fits(2.0) && !fits(2.1));
-        let late = Budget::new(&clock, 1.0).for_pilot();
-        assert!(!late(0.1));
+        assert_eq!(rendered(0.0, 1.0, (0, [5.0; 2])).0, [1]);
     }
 }

@@ -25,10 +25,10 @@ pub(super) fn pilot_seed(seed: u64, number: u64) -> u64 {
     seed ^ (0x5EED << 40) ^ (number << 32)
 }
 
-/// The share of an image of this size that is in windows.
-pub fn measured_share(size: [u32; 2]) -> f64 {
+/// The work to measure the error of an image of this size, as a share of that of rendering it.
+pub fn measuring_share(size: [u32; 2]) -> f64 {
     let pixels: usize = windows(size, 0).iter().map(Tile::len).sum();
-    pixels as f64 / size.map(f64::from).iter().product::<f64>()
+    OTHERS as f64 * pixels as f64 / size.map(f64::from).iter().product::<f64>()
 }
 
 /// An error measured in windows: root mean squared error of linear values.
@@ -45,7 +45,7 @@ pub struct MeasuredError {
 const CONFIDENCE: f64 = 1.96;
 
 /// Renders of each window beside the image that is measured.
-pub(super) const OTHERS: u64 = 2;
+const OTHERS: u64 = 2;
 
 /// The error of an image of `scene` with its current samples. `None` if it is not finished, or if
 /// renders do not show their error: with one ray through the centre of each pixel and nothing else

@@ -56,7 +56,7 @@ pub fn reach(
     mut render: impl FnMut(&PreparedScene, &Chosen) -> Result<(Rendered, Option<MeasuredError>)>,
 ) -> Result<Option<Reached>> {
     let original = scene.original();
-    let pilot = Pilot::run(scene, &original, seed, &|_| true, watch)?;
+    let pilot = Pilot::run(scene, &original, seed, watch)?;
     let Some(mut choice) = pilot.for_error(target) else { return Ok(None) };
     let mut renders = 0;
     loop {
