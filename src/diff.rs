@@ -298,6 +298,8 @@ impl Limits {
             (None, None) if has_others => None,
             _ => Some(self.tolerance()),
         };
+        // Of a pixel that is not finite FLIP sees a difference in colour alone.
+        let flip = if found.rmse.is_finite() { flip } else { f64::INFINITY };
         let limits = [
             ("largest difference", found.largest, largest),
             ("RMSE", found.rmse, self.max_rmse),

@@ -241,7 +241,10 @@ fn ways(geometry: &Geometry, part: usize) -> impl Iterator<Item = Accel> {
 const PARTS: usize = 5;
 
 proptest! {
-    #![proptest_config(crate::config())]
+    #![proptest_config(proptest::test_runner::Config {
+        cases: crate::config().cases.div_ceil(10),
+        ..crate::config()
+    })]
 
     /// Whatever kernel is asked, the answers are those of the reference kernel without a tree.
     #[test]

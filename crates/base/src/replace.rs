@@ -98,6 +98,7 @@ pub fn write_error(path: &Path, error: std::io::Error) -> Error {
     let remedy = match error.kind() {
         IoKind::StorageFull | IoKind::QuotaExceeded => "free some space or write to another disk",
         IoKind::PermissionDenied | IoKind::ReadOnlyFilesystem => "use a folder that you can write",
+        IoKind::InvalidFilename => "use a shorter name",
         _ => "try another folder",
     };
     Error::io("cannot write the file", path, error).remedy(remedy)
@@ -151,7 +152,12 @@ impl<'a> OutputFile<'a> {
     fn new(given: &'a Path) -> Result<Self> {
         let path = followed(given)?;
         let folder = folder_of(&path);
-        let existing = path.metadata().ok();
+        let existing = match path.metadata() {
+            Err(error) if error.kind() == IoKind::InvalidFilename => {
+                return Err(write_error(given, error));
+            }
+            found => found.ok(),
+        };
         check_kind(given, existing.as_ref())?;
         check_folder(given, &folder)?;
         Ok(Self { given, path, folder, existing })

@@ -4,7 +4,9 @@
 use std::time::Instant;
 
 use rayon::prelude::*;
-use serde::Serialize;
+use serde::ser::Error as _;
+use serde::{Serialize, Serializer};
+use serde_json::Value;
 
 use crate::statistics::{Rays, Samples};
 use wavecrest_base::error::Result;
@@ -16,13 +18,29 @@ use wavecrest_core::render::{RenderOptions, batch_size, camera_rays, work};
 use wavecrest_core::tile::{Tile, TraceSettings, Unit};
 
 /// Upper bounds on the counts of a render; they are 0 only for work that cannot occur. Where surfaces
-/// let light through there is no bound on the rays that go on from them, and [`u64::MAX`] stands for it.
+/// let light through there is no bound on the rays that go on from them: [`u64::MAX`] stands for it, and `null` in JSON.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct Estimated {
     /// Rays by kind.
+    #[serde(serialize_with = "bounds")]
     pub rays: Rays,
     /// Samples by kind.
+    #[serde(serialize_with = "bounds")]
     pub samples: Samples,
+}
+
+/// Writes counts, and `null` where there is no bound.
+fn bounds<T: Serialize, S: Serializer>(
+    counts: &T,
+    serializer: S,
+) -> std::result::Result<S::Ok, S::Error> {
+    let mut counts = serde_json::to_value(counts).map_err(S::Error::custom)?;
+    for count in counts.as_object_mut().into_iter().flat_map(|counts| counts.values_mut()) {
+        if *count == u64::MAX {
+            *count = Value::Null;
+        }
+    }
+    counts.serialize(serializer)
 }
 
 impl Estimated {

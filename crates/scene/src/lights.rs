@@ -68,7 +68,8 @@ type System = fn(&World, &Surroundings<'_>) -> Result<Vec<Found>>;
 
 /// Warns of a light without any but its ambient part.
 fn warn_of_power(object: &Object<'_>) {
-    let message = "is 0, so the light has no effect";
+    let message =
+        "is 0, so of the light only its ambient part, and its shape if it has one, are left";
     if let Some(cursor) =
         object.get("intensity").filter(|cursor| cursor.value().as_f64() == Some(0.0))
     {

@@ -16,6 +16,7 @@ use crate::lights::{LIGHTS, SKY, Sky};
 use crate::options::LoadOptions;
 use crate::query;
 use crate::shapes::{self, Hidden, INSTANCE, InstanceOf, Name, Names, SHAPES};
+use crate::surface::{Maps, Material, Transparency};
 use wavecrest_base::error::Result;
 
 /// Largest number of bounces. After 10 000 mirrors no light is left.
@@ -186,11 +187,18 @@ fn ambient(scene: &Object<'_>, world: &mut World) -> Result<f64> {
     Ok(0.0)
 }
 
-/// Warns of shapes without any light.
+/// Warns of shapes without any light, if none shines, mirrors or shows what is behind.
 fn warn_of_darkness(scene: &Object<'_>, world: &World) {
     let has_sky = world.query::<&Sky>().iter().next().is_some();
     let is_lit = has_sky || !query::lights(world).is_empty();
-    if !is_lit && !query::shapes(world).is_empty() {
+    let shows = |shape: &EntityRef<'_>| {
+        let shines = |m: &Material| m.unlit || m.kr > 0.0 || m.emission != DVec3::ZERO;
+        shape.get::<&Material>().is_some_and(|material| shines(&material))
+            || shape.get::<&Transparency>().is_some_and(|through| through.has_effect())
+            || shape.get::<&Maps>().is_some_and(|maps| maps.opacity.is_some())
+    };
+    let shapes = query::shapes(world);
+    if !is_lit && !shapes.is_empty() && !shapes.iter().any(shows) {
         let notes = scene.cursor().notes();
         let message = "there is no light, so every shape is black";
         notes.note("scene.lightsources", message, "add a light");

@@ -43,7 +43,7 @@ fn check(spot: &mut Spot, object: &Object<'_>) -> Result<()> {
         return Err(error.remedy("use an \"inner\" angle below \"outer\""));
     }
     if outer == 0.0 {
-        let message = "is 0, so the light has no effect";
+        let message = "is 0, so of the light only its ambient part is left";
         object.need("outer", "a number")?.warn(message, "use an angle above 0, up to 90");
     }
     Ok(())
