@@ -91,8 +91,9 @@ fn for_error(
     })?;
     let Some(reached) = reached else { return Ok(None) };
     warn(reached.unreached(target, &args.scene).as_slice());
-    let Reached { choice, rendered, found, renders } = reached;
-    let goal = goal(format!("error {target}"), &choice, found, renders);
+    let Reached { choice, rendered, found, renders, pilot } = reached;
+    let goal = goal(format!("error {target}"), &choice, found, (renders, pilot));
+    say(rendering, &format!("pilot: {pilot:.2} s"));
     let goal = rendered.finished.then_some(goal);
     Ok(Some((rendered, goal)))
 }
@@ -131,7 +132,7 @@ fn within(
         }
     }
     let found = measure(rendering, scene, &rendered, &UntilSignal(Some(budget)))?;
-    let goal = goal(format!("{seconds} s"), &choice, found, renders);
+    let goal = goal(format!("{seconds} s"), &choice, found, (renders, 0.0));
     let goal = rendered.finished.then_some(goal);
     Ok((rendered, goal))
 }
@@ -175,8 +176,13 @@ fn told(error: Option<MeasuredError>, without_aliasing: bool) -> String {
     }
 }
 
-/// The goal and its outcome, for the statistics.
-fn goal(requested: String, choice: &Chosen, found: Option<MeasuredError>, renders: u32) -> Value {
+/// The goal and its outcome, for the statistics, with the number of renders and the seconds of the pilot.
+fn goal(
+    requested: String,
+    choice: &Chosen,
+    found: Option<MeasuredError>,
+    (renders, pilot): (u32, f64),
+) -> Value {
     json!({
         "asked": requested,
         "samples": choice.to_string(),
@@ -184,5 +190,6 @@ fn goal(requested: String, choice: &Chosen, found: Option<MeasuredError>, render
         "expected_seconds": choice.seconds,
         "found_error": found.map(|found| found.error),
         "renders": renders,
+        "pilot_seconds": pilot,
     })
 }

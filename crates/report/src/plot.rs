@@ -124,7 +124,9 @@ impl Chart {
         for (row, (_, stages)) in bars.iter().enumerate() {
             let mut end = 0.0;
             for (stage, seconds) in stages {
-                let (start, share) = (end, (1000.0 * seconds / sum(stages)).round() / 10.0);
+                // A bar of no length has no parts.
+                let all = sum(stages).max(f64::MIN_POSITIVE);
+                let (start, share) = (end, (1000.0 * seconds / all).round() / 10.0);
                 end += scale * seconds;
                 let label = format!("{}% of the bar", figure(share));
                 let point = Point::new(row as f64, scale * seconds).within(start, end);

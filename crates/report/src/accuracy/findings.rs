@@ -256,7 +256,7 @@ impl Answer {
         let rival = match at.times_as_fast {
             _ if sampler == Sampling::Random.name() => "no other sampler is faster".to_owned(),
             Some(ratio) if at.at_least => {
-                format!("random ones do not reach it in {:.1} times as long", ratio.value)
+                format!("random ones do not reach it even in {:.1} times the time", ratio.value)
             }
             Some(ratio) => format!("random ones take {:.1} times as long", ratio.value),
             None => "random ones were not measured".to_owned(),

@@ -42,6 +42,9 @@ const SHORT: f64 = 0.1;
 /// grids.
 const LEAST_SHARE: f64 = 0.25;
 
+/// The share by which measured times differ without a cause.
+const NOISE: f64 = 0.1;
+
 /// The largest side of a chosen grid.
 pub const MOST_SIDE: u32 = 1024;
 
@@ -179,12 +182,15 @@ impl Pilot {
         Ok(Self { curves })
     }
 
-    /// The choice that reaches `error` in the least time.
+    /// The choice that reaches `error` in the least time; of those that do so in nearly this time, the one with
+    /// the least error.
     pub fn for_error(&self, error: f64) -> Option<Chosen> {
         let choices = || self.curves.iter().map(|curve| curve.for_error(error));
-        let reaching = choices().filter(|choice| choice.error <= error);
-        let fastest = reaching.min_by(|a, b| a.seconds.total_cmp(&b.seconds));
-        fastest.or_else(|| choices().min_by(|a, b| a.error.total_cmp(&b.error)))
+        let reaching = || choices().filter(|choice| choice.error <= error);
+        let least = reaching().map(|choice| choice.seconds).fold(f64::INFINITY, f64::min);
+        let fast = reaching().filter(|choice| choice.seconds <= least * (1.0 + NOISE));
+        let best = fast.min_by(|a, b| a.error.total_cmp(&b.error));
+        best.or_else(|| choices().min_by(|a, b| a.error.total_cmp(&b.error)))
     }
 }
 

@@ -2,6 +2,7 @@
 //! image may have is above the target.
 
 use std::path::Path;
+use std::time::Instant;
 
 use super::{Chosen, MOST_SIDE, MeasuredError, Pilot};
 use wavecrest_base::error::{Error, ErrorKind, Result, Warning};
@@ -24,6 +25,8 @@ pub struct Reached {
     pub found: Option<MeasuredError>,
     /// The number of renders.
     pub renders: u32,
+    /// Seconds of the pilot.
+    pub pilot: f64,
 }
 
 impl Reached {
@@ -56,7 +59,9 @@ pub fn reach(
     mut render: impl FnMut(&PreparedScene, &Chosen) -> Result<(Rendered, Option<MeasuredError>)>,
 ) -> Result<Option<Reached>> {
     let original = scene.original();
+    let start = Instant::now();
     let pilot = Pilot::run(scene, &original, seed, watch)?;
+    let spent = start.elapsed().as_secs_f64();
     let Some(mut choice) = pilot.for_error(target) else { return Ok(None) };
     let mut renders = 0;
     loop {
@@ -66,7 +71,7 @@ pub fn reach(
         let missed = found.filter(|found| found.at_most > target && renders < MOST_RENDERS);
         match missed.and_then(|found| finer(&choice, found.at_most / target)) {
             Some(next) => choice = next,
-            None => return Ok(Some(Reached { choice, rendered, found, renders })),
+            None => return Ok(Some(Reached { choice, rendered, found, renders, pilot: spent })),
         }
     }
 }
