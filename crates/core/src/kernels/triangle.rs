@@ -2,7 +2,7 @@
 //!
 //! A hit is defined in exact arithmetic ([`exact`]): the ray and the corners are taken as the
 //! numbers of single precision that they are, the triangle is closed, and t is rounded once when it
-//! is told. Two triangles that share an edge leave no gap, whatever the ray, and coplanar triangles
+//! is returned. Two triangles that share an edge leave no gap, whatever the ray, and coplanar triangles
 //! are met at the same t.
 //!
 //! - [`filter`] tests one ray against the eight triangles of a leaf, in single precision and with
