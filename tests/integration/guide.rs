@@ -120,3 +120,29 @@ fn commands_that_are_not_tried_have_no_unknown_option() {
         }
     }
 }
+
+/// The counts of the README are those of the commands that it names.
+#[test]
+fn the_readme_counts_what_the_self_test_counts() {
+    let readme = std::fs::read_to_string(repository("README.md")).expect("the README");
+    let scene = ["selftest", "scenes/TriMesh.json", "--case", "35", "--json"];
+    let found = crate::support::run(&repository(""), &scene).stdout;
+    let found: serde_json::Value = serde_json::from_slice(&found).expect("JSON");
+    let trials = found["scene"]["trials"].as_array().expect("one for each precision");
+    let leaks = |precision: &str| {
+        let trial = trials.iter().find(|trial| trial["precision"] == precision).expect("a trial");
+        ["tried", "failed"].map(|count| trial["leaks"][count].as_u64().expect("a count"))
+    };
+    // Thousands are set apart.
+    let grouped = |n: u64| format!("{} {:03}", n / 1000, n % 1000);
+    let ([tried, lost], [also_tried, none]) = (leaks("fast"), leaks("exact"));
+    assert_eq!((tried, none), (also_tried, 0));
+    let words = format!(
+        "Of {} rays aimed at triangle edges in `TriMesh.json`, `fast` precision loses {}",
+        grouped(tried),
+        grouped(lost)
+    );
+    assert!(readme.contains(&words), "{words}");
+    let cases = format!("{} hard cases", wavecrest_report::selftest::CASES.len());
+    assert!(readme.contains(&cases), "{cases}");
+}

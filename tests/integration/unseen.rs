@@ -49,6 +49,8 @@ fn files() -> tempfile::TempDir {
     }
     let texel = |x, y| Rgba([50 * x as u8, 50 * y as u8, 99, 255]);
     RgbaImage::from_fn(4, 4, texel).save(folder.path().join("opaque.png")).expect("an image");
+    let white = RgbaImage::from_pixel(4, 4, Rgba([255; 4]));
+    white.save(folder.path().join("white.png")).expect("an image");
     folder
 }
 
@@ -87,7 +89,11 @@ fn written_out(text: &str) -> String {
         "uvs": [[0, 0], [0, 1], [1, 1], [1, 0]], "texture": "broken.png",
         "normals": [[0, 0, -1], [0, 0, -1], [0, 0, -1], [0, 0.1, -1]],
         "material": with(matte(0.8, [0.5; 3]), "kr", 0.5)});
+    let panel = json!({
+        "type": "trimesh", "indices": [[0, 1, 2], [0, 2, 3]], "material": matte(0.8, [0.5; 3]),
+        "points": [[-2, 0, -2], [-2, 2, -2], [2, 2, -2], [2, 0, -2]]});
     text.replace("$mesh", &mesh.to_string())
+        .replace("$panel", &panel.to_string())
         .replace("$matte", &matte(0.8, [0.5; 3]).to_string())
         .replace("$shiny", &with(matte(0.8, [0.5; 3]), "kr", 0.5).to_string())
 }
@@ -143,6 +149,27 @@ fn what_nobody_sees_costs_nothing() {
         }
         answer
     });
+}
+
+/// A sun and a lens that are too small to change half of one of 255 levels are a point and a pinhole; larger ones are not.
+#[test]
+fn what_is_too_small_to_be_seen_costs_nothing() {
+    let sun = |angle: f64| {
+        let light = json!({"type": "directionallight", "intensity": 1, "color": [1, 1, 1],
+                           "direction": [1, -2, -1], "angle": angle, "samples": 9});
+        scene(2, &camera(), &[light], &[floor(), sphere([0.0; 3], 0.8, matte(0.8, [0.5; 3]))])
+    };
+    let lens = |aperture: f64| {
+        let camera = thin_lens(camera(), aperture, 5.0, [3, 3]);
+        scene(2, &camera, &[lamp(3.0)], &[floor(), sphere([0.0; 3], 0.8, matte(0.8, [0.5; 3]))])
+    };
+    for (sized, small, large) in [(&sun as &dyn Fn(f64) -> Value, 1e-6, 0.5), (&lens, 1e-5, 0.1)] {
+        let [none, small, large] = [0.0, small, large].map(sized);
+        let [none, small, large] =
+            [none, small, large].map(|json| prepare_in(Path::new(""), &json, Options::default()));
+        assert_eq!(differences(&small, &none), [""; 0]);
+        assert!(!differences(&large, &none).is_empty());
+    }
 }
 
 /// What a scene of `pixels` pixels costs: counts of each by the pixel, kinds of shapes that rays were tested with, columns

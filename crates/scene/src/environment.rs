@@ -105,6 +105,16 @@ pub(crate) fn is_bright(world: &World) -> bool {
     world.query::<&Environment>().iter().any(Environment::is_bright)
 }
 
+/// The colour of the environment of a world, if it is bright and a gradient of one colour, as that of a
+/// background is.
+pub(crate) fn only_color(world: &World) -> Option<DVec3> {
+    let mut query = world.query::<&Environment>();
+    let Environment { around, image } = query.iter().find(|found| found.is_bright())?;
+    let Surroundings { zenith, horizon, nadir, intensity, .. } = around;
+    let is_even = image.is_none() && zenith == horizon && horizon == nadir;
+    is_even.then_some(zenith * intensity)
+}
+
 /// The ambient light of an environment.
 ///
 /// # Errors

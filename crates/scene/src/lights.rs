@@ -55,8 +55,12 @@ pub(crate) struct Surroundings<'a> {
     pub(crate) settings: &'a Settings,
     /// Its shapes, with those of lights.
     pub(crate) extracted: &'a Output,
+    /// Shapes of lights that no ray can meet.
+    pub(crate) unseen: &'a Output,
     /// Everything is moved by `-origin`.
     pub(crate) origin: DVec3,
+    /// See [`resolution`](crate::systems::camera::resolution).
+    pub(crate) resolution: &'a dyn Fn() -> (f64, f64),
 }
 
 /// The systems that find the lights of each kind.

@@ -3,6 +3,7 @@
 //! | system | reads | output |
 //! |---|---|---|
 //! | `frame` | the view | the offset of the scene's origin |
+//! | `met` | boxes of shapes, cameras, lights | what no ray can meet, of which nothing is stored |
 //! | `geometry` | shapes, transforms | positions, triangles, quads, spheres, mesh attributes |
 //! | `materials` | materials | one row of numbers for each shape |
 //! | `lights` | lights and their shapes | emitters with sampling data |
@@ -30,6 +31,7 @@ pub(crate) mod geometry;
 pub(crate) mod lights;
 pub mod looks;
 pub(crate) mod materials;
+mod met;
 pub mod overrides;
 pub(crate) mod reach;
 mod solids;
@@ -45,8 +47,8 @@ use crate::components::{Sky, SurfaceComponents};
 use crate::environment;
 use crate::lights::Surroundings;
 use crate::query;
-use crate::surface::Columns;
-use geometry::ShapeOutput;
+use crate::surface::{Columns, OCCLUSION_MAP};
+use geometry::{Occurrence, ShapeOutput};
 use reach::Faces;
 use textures::Images;
 use wavecrest_base::error::{Error, ErrorKind, Result, Warning, Warnings};
@@ -98,24 +100,41 @@ pub fn extract(world: World, options: Options<'_>) -> Result<Extracted> {
     let settings = query::settings(world)?;
     let file = settings.file.clone();
     let origin = frame::run(world, precision)?;
-    let mut extracted = geometry::run(world, origin, flat).map_err(|e| e.in_file(&file))?;
+    let mut images = Images::default();
+    let skips = passes.iter().any(|pass| pass.step == Step::Shadow && !pass.needs.is_empty());
+    // Fast precision has no error bounds, so nothing is certain.
+    let is_certain = skips && precision != Precision::Fast;
+    let cameras = if is_certain { camera::places(world, origin)? } else { Vec::new() };
+    let around = met::Scene { world, settings: &settings, origin, cameras: &cameras };
+    let meet = |all: &mut [Occurrence<'_>]| met::run(&around, all, &mut images);
+    let [mut extracted, mut unseen] =
+        geometry::run(world, origin, flat, meet).map_err(|e| e.in_file(&file))?;
     extracted.geometry.set_precision(precision);
+    unseen.geometry.set_precision(precision);
     let mut columns = world.query::<Columns<'_>>();
     let columns = columns.view();
     let surface = |shape: &ShapeOutput| SurfaceComponents::of(&columns, shape.entity);
     let surfaces: Vec<SurfaceComponents<'_>> = extracted.shapes.iter().map(surface).collect();
     let materials = materials::run(&surfaces, &extracted.shapes);
-    let around = Surroundings { settings: &settings, extracted: &extracted, origin };
+    let resolution = || camera::resolution(&cameras, &extracted.geometry);
+    let around = Surroundings {
+        settings: &settings,
+        extracted: &extracted,
+        unseen: &unseen,
+        origin,
+        resolution: &resolution,
+    };
     let lights = lights::run(world, &around)?;
     let ambient = settings.ambient as f32 * lights.len() as f32;
     let sky = world.query::<&Sky>().iter().next().copied();
-    let hemisphere = sky.map(|sky| sky.hemisphere(world));
+    let only_color = environment::only_color(world);
+    let hemisphere = sky.map(|sky| sky.hemisphere(world, only_color));
     let possible = materials::possible(&surfaces, &materials);
-    let transparent: Vec<bool> = surfaces.iter().map(classes::is_transparent).collect();
     let shows_others = |shape: usize, faces: Faces| {
-        transparent[shape] || faces.any() && settings.bounces > 0 && possible[shape].kr > 0.0
+        extracted.shapes[shape].is_transparent
+            || faces.any() && settings.bounces > 0 && possible[shape].kr > 0.0
     };
-    let in_view = view::run(&camera::places(world, origin)?, &extracted, shows_others);
+    let in_view = view::run(&cameras, &extracted, shows_others);
     let census = census::Census {
         world,
         surfaces: &surfaces,
@@ -124,26 +143,30 @@ pub fn extract(world: World, options: Options<'_>) -> Result<Extracted> {
         materials: &possible,
         lights: &lights,
         has_ambient: ambient > 0.0,
+        is_even: only_color.is_some(),
+        resolution: &resolution,
         hemisphere: hemisphere.as_ref(),
-        transparent: &transparent,
         in_view: &in_view,
     };
     let mut masks = cutouts::Masks::of_scene(&file);
-    let found =
-        census::run(census, |asked| cutouts::look(&surfaces, asked, &extracted, &mut masks))?;
+    let has_holes = |asked: &[bool]| cutouts::look(&surfaces, asked, &extracted, &mut masks);
+    let occludes = |shape: usize| {
+        let SurfaceComponents { maps, place, .. } = &surfaces[shape];
+        let texture = maps.occlusion.as_ref().and_then(|map| map.texture.as_ref());
+        let place = (&*file, *place, OCCLUSION_MAP);
+        texture.map_or(Ok(true), |texture| Ok(!images.is_one(texture, None, place)?))
+    };
+    let found = census::run(census, has_holes, occludes)?;
     let plan = Plan::of(found.decisions.clone(), passes);
     let schedule = plan.schedule();
     let lights = lights::keep(world, &settings, schedule, lights, &found)?;
-    if !schedule.is_unconditional(Step::Shadow) {
-        extracted.drop_unmet(&found.met);
-    }
-    let mut images = Images::default();
     let shapes = &mut extracted.shapes;
     let classes = classes::run(&surfaces, &materials, schedule, &found, &mut images, shapes);
     let solids = solids::run(&surfaces, &classes, &extracted.geometry, &mut extracted.shapes);
     extracted.pass(&found.transparent);
-    let environment =
-        if plan.has(Effect::Environment) { environment::system(world, &mut images) } else { None };
+    let has_environment = plan.has(Effect::Environment);
+    let environment = if has_environment { environment::system(world, &mut images) } else { None };
+    let background = only_color.filter(|_| !has_environment).unwrap_or(settings.background);
     let images = images.prepare(&file)?;
     let mut hemisphere = hemisphere.filter(|_| plan.has(Effect::HemisphereLight));
     if let (Some(light), Some(environment)) = (&mut hemisphere, &environment)
@@ -172,7 +195,7 @@ pub fn extract(world: World, options: Options<'_>) -> Result<Extracted> {
         accel: Accel::unbuilt(geometry),
         appearance,
         lights,
-        background: settings.background.as_vec3(),
+        background: background.as_vec3(),
         ambient,
         hemisphere,
         environment,

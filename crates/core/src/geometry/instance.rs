@@ -61,11 +61,6 @@ impl Instance {
         Self { prototype, first, to_world, to_prototype, error: DVec3::from_array(error).as_vec3() }
     }
 
-    /// The instance with other numbers, from `first` on.
-    pub fn numbered_from(&self, first: u32) -> Self {
-        Self { first, ..self.clone() }
-    }
-
     /// The prototype's index.
     #[inline]
     pub fn prototype(&self) -> usize {

@@ -101,13 +101,15 @@ fn read_shape(object: &Object<'_>, entity: &mut EntityBuilder) -> Result<()> {
 /// The area lights.
 pub(super) fn emitters(world: &World, scene: &Surroundings<'_>) -> Result<Vec<Found>> {
     let mut found = Vec::new();
-    let Surroundings { settings, extracted, .. } = scene;
-    let shapes: HashMap<Entity, &Shape> =
-        extracted.shapes.iter().map(|output| (output.entity, &output.shape)).collect();
+    let Surroundings { settings, extracted, unseen, .. } = scene;
+    let shapes = [extracted, unseen].into_iter().flat_map(|output| {
+        output.shapes.iter().map(|shape| (shape.entity, (&output.geometry, &shape.shape)))
+    });
+    let shapes: HashMap<Entity, (&Geometry, &Shape)> = shapes.collect();
     for (entity, &order, light) in world.query::<(Entity, &Order, &AreaLight)>().iter() {
         let shape = shapes.get(&entity);
         let emitter = shape
-            .and_then(|shape| emitter(&extracted.geometry, shape))
+            .and_then(|(geometry, shape)| emitter(geometry, shape))
             .ok_or_else(|| no_area(world, entity, settings))?;
         let &AreaLight { intensity, color, falloff, sampling, samples } = light;
         let power = power(intensity, color);

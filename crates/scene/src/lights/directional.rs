@@ -6,10 +6,11 @@ use hecs::{Entity, World};
 use super::{
     Found, MOST_SAMPLES, Surroundings, check_samples, diameter, power, unit, warn_of_strength,
 };
-use crate::components::{Falloff, Order, Sampling};
+use crate::components::{Falloff, Material, Order, Sampling};
 use crate::format::{Declaration, Kind, Range, component, declared};
 use wavecrest_base::error::Result;
 use wavecrest_core::kernels::light::{Distant, Emitter};
+use wavecrest_core::kernels::shade::LEAST_WEIGHT;
 
 pub(super) const KIND: Kind = Kind::entity(
     "directionallight",
@@ -44,6 +45,18 @@ declared!(DirectionalLight, |light: &mut Self, object| {
     check_samples(object, light.sampling, light.samples)
 });
 
+/// Whether the size of the light changes less than half of one of 255 levels, expected over places of a
+/// shadow's edge in a pixel: in penumbrae, which are at most as wide as the light is seen from the farthest
+/// thing in their way, and on surfaces, by whose highlight it changes most.
+fn is_parallel(light: &DirectionalLight, diameter: f64, scene: &Surroundings<'_>) -> bool {
+    let strength = (light.intensity * light.color.max_element()).max(1.0);
+    let changes = 2.0 * libm::sin((light.angle_degrees / 2.0).to_radians()) * strength;
+    let least = f64::from(LEAST_WEIGHT);
+    // The slope of a highlight cos^e is at most sqrt(e).
+    let is_small = changes * Material::SHARPEST.sqrt() < least;
+    is_small && changes * diameter < least * (scene.resolution)().0
+}
+
 /// The directional lights.
 pub(super) fn emitters(world: &World, scene: &Surroundings<'_>) -> Result<Vec<Found>> {
     let mut found = Vec::new();
@@ -51,7 +64,8 @@ pub(super) fn emitters(world: &World, scene: &Surroundings<'_>) -> Result<Vec<Fo
     for (entity, &order, light) in world.query::<(Entity, &Order, &DirectionalLight)>().iter() {
         // A pass over every position, only if there is such a light.
         let size = *size.get_or_insert_with(|| diameter(&scene.extracted.geometry));
-        let distant = Distant::new(-unit(light.direction), light.angle_degrees, size);
+        let angle = if is_parallel(light, size, scene) { 0.0 } else { light.angle_degrees };
+        let distant = Distant::new(-unit(light.direction), angle, size);
         // Parallel rays need only one sample.
         let samples = if distant.is_parallel() { 1 } else { light.samples };
         let power = power(light.intensity, light.color);

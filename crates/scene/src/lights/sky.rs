@@ -43,11 +43,11 @@ component! {
 declared!(Sky, |sky: &mut Self, object| check_samples(object, sky.sampling, sky.samples));
 
 impl Sky {
-    /// The light on a surface by its normal. That of the environment is found later; until then it
-    /// is white, if there is any.
-    pub(crate) fn hemisphere(&self, world: &World) -> Hemisphere {
-        let around = || if environment::is_bright(world) { DVec3::ONE } else { DVec3::ZERO };
-        let sky = self.sky.unwrap_or_else(around);
+    /// The light on a surface by its normal. That of an environment without one `color` is found later;
+    /// until then it is white, if there is any.
+    pub(crate) fn hemisphere(&self, world: &World, color: Option<DVec3>) -> Hemisphere {
+        let white = || if environment::is_bright(world) { DVec3::ONE } else { DVec3::ZERO };
+        let sky = self.sky.or(color).unwrap_or_else(white);
         let (ground, traced) = (self.ground.unwrap_or(sky), self.samples > 0);
         Hemisphere::new(sky, ground, unit(self.up), traced)
     }
@@ -60,7 +60,7 @@ pub(super) fn emitters(world: &World, scene: &Surroundings<'_>) -> Result<Vec<Fo
         let all = || Distant::reach(diameter(&scene.extracted.geometry));
         let reach = sky.distance.unwrap_or_else(all) as f32;
         let emitter = Emitter::Around(reach.max(f32::MIN_POSITIVE));
-        let power = sky.hemisphere(world).channels();
+        let power = sky.hemisphere(world, None).channels();
         let points = (sky.sampling, sky.samples);
         let light = super::light(emitter, power, Falloff::None, points);
         // After the lights of the file, whose random numbers it leaves as they are.

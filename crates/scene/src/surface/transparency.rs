@@ -1,6 +1,6 @@
 //! Transparent materials.
 
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 
 use super::Material;
 use crate::format::{Declared, Key, Object, Range, Writer, component};
@@ -80,6 +80,13 @@ impl Transparency {
     pub(crate) fn has_effect(&self) -> bool {
         let transmission::Transparency { opacity, kt, .. } = self.in_single_precision();
         opacity < 1.0 || kt > 0.0 || self.vertex_alpha
+    }
+
+    /// Whether all light passes it as if it were not there.
+    pub(crate) fn is_clear(&self) -> bool {
+        let transmission::Transparency { opacity, kt, absorption, .. } = self.in_single_precision();
+        // Else it may enclose a medium.
+        opacity == 0.0 && (self.thin || kt == 0.0) && absorption == Vec3::ZERO
     }
 
     /// As tracers read it.

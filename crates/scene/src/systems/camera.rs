@@ -2,10 +2,12 @@
 
 use glam::DVec3;
 use hecs::World;
+use rayon::prelude::*;
 
 use crate::components::{CameraKey, CameraPath, ThinLens, View};
 use crate::query::missing;
 use wavecrest_base::error::Result;
+use wavecrest_core::geometry::Geometry;
 use wavecrest_core::kernels::camera::path::{Keyframe, Path};
 use wavecrest_core::kernels::camera::{Camera, Lens, Placement};
 use wavecrest_core::math::sampling::Sampling;
@@ -71,6 +73,31 @@ fn of_world(
         Path::new(keys, *interpolation, (antialias, view.sampling), lens)
     });
     Ok((Camera::new(&still, antialias, view.sampling, lens), path))
+}
+
+/// The least distance of anything from the middle of a pupil; 0 with instances, and in doubt.
+fn nearest(cameras: &[Camera], geometry: &Geometry) -> f64 {
+    if !geometry.instances.is_empty() {
+        return 0.0;
+    }
+    let distance = |number: u32| {
+        let bounds = geometry.bounds(number);
+        let (low, high) = (bounds.low.as_dvec3(), bounds.high.as_dvec3());
+        let pupils = cameras.iter().map(|camera| camera.pupil().0);
+        let away = pupils.map(|pupil| (low - pupil).max(pupil - high).max(DVec3::ZERO).length());
+        away.fold(f64::INFINITY, f64::min)
+    };
+    let all = (0..geometry.own() as u32).into_par_iter();
+    all.map(distance).reduce(|| f64::INFINITY, f64::min)
+}
+
+/// The least side of a pixel around what is seen, and the widest blur by a lens in pixels, in all frames;
+/// in doubt 0 and infinite.
+pub(crate) fn resolution(cameras: &[Camera], geometry: &Geometry) -> (f64, f64) {
+    let nearest = nearest(cameras, geometry);
+    let of = |camera: &Camera| camera.resolution(nearest);
+    let least = |(a, b): (f64, f64), (c, d): (f64, f64)| (a.min(c), b.max(d));
+    cameras.iter().map(of).reduce(least).filter(|_| nearest > 0.0).unwrap_or((0.0, f64::INFINITY))
 }
 
 /// The radius of a lens in single precision, as for rays.

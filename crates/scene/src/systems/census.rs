@@ -43,12 +43,14 @@ pub(crate) struct Census<'a> {
     pub materials: &'a [Material],
     /// All lights.
     pub lights: &'a [Found],
+    /// Whether the environment has only one colour.
+    pub is_even: bool,
+    /// See [`super::camera::resolution`].
+    pub resolution: &'a dyn Fn() -> (f64, f64),
     /// Whether lights have an ambient part.
     pub has_ambient: bool,
     /// The hemispheric light.
     pub hemisphere: Option<&'a Hemisphere>,
-    /// For each shape, whether its material lets light through.
-    pub transparent: &'a [bool],
     /// For each shape in view, its visible sides that lights can reach.
     pub in_view: &'a [Option<Faces>],
 }
@@ -66,29 +68,31 @@ pub(crate) struct Findings {
     pub shows: Vec<Shows>,
     /// For each shape, whether light goes through it where rays may meet it.
     pub transparent: Vec<bool>,
-    /// For each shape, whether rays may meet it: camera rays, or those to lights.
-    pub met: Vec<bool>,
     /// For each shape, whether it has holes that rays may meet.
     pub holes: Vec<bool>,
 }
 
 /// Decides every effect. `has_holes` tells of the shapes that it is asked for whether their cut-outs
-/// remove anything.
+/// remove anything, `occludes` of one whether its map keeps any ambient light away.
 ///
 /// # Errors
 /// If an image cannot be decoded.
 pub(crate) fn run(
     census: Census<'_>,
     has_holes: impl FnOnce(&[bool]) -> Result<Vec<bool>>,
+    mut occludes: impl FnMut(usize) -> Result<bool>,
 ) -> Result<Findings> {
     let mut facts = Facts::new(census);
-    let cut =
-        |i: usize| facts.solid[i] && facts.found.met[i] && census.surfaces[i].cut_out.is_some();
+    for i in (0..facts.solid.len()).filter(|&i| facts.visible[i]) {
+        let shown = &mut facts.found.shows[i].occlusion;
+        *shown = *shown && occludes(i)?;
+    }
+    let cut = |i: usize| facts.is_met(i) && census.surfaces[i].cut_out.is_some();
     let asked: Vec<bool> = (0..facts.solid.len()).map(cut).collect();
     facts.found.holes = if asked.contains(&true) { has_holes(&asked)? } else { asked };
     let decisions = Effect::ALL.into_iter().map(|effect| facts.decide(effect)).collect();
     let transparent =
-        (0..facts.solid.len()).map(|i| facts.is_transparent(i) && facts.found.met[i]).collect();
+        (0..facts.solid.len()).map(|i| facts.is_transparent(i) && facts.is_met(i)).collect();
     let seen = |(seen, shows): (&bool, &Shows)| if *seen { *shows } else { Shows::default() };
     let shows = facts.visible.iter().zip(&facts.found.shows).map(seen).collect();
     Ok(Findings { decisions, shows, transparent, ..facts.found })
@@ -160,7 +164,6 @@ impl<'a> Facts<'a> {
             false => Shows::default(),
         };
         let shows: Vec<Shows> = (0..shapes.len()).map(shows_of).collect();
-        let met = census.in_view.iter().map(|seen| is_lit || seen.is_some()).collect();
         let is_black = |surface: &reach::Surface<'_>| {
             let Material { color, ambient, .. } = surface.material;
             *ambient == 0.0 || !surface.textured && *color == Vec3::ZERO
@@ -171,7 +174,7 @@ impl<'a> Facts<'a> {
         let has_sky = census.hemisphere.is_some_and(|sky| !sky.is_black())
             || environment::is_bright(census.world);
         let shines = is_lit || glows || shapes.iter().any(is_bright) || shows_ambient || has_sky;
-        let found = Findings { shown, reached, shows, met, ..Findings::default() };
+        let found = Findings { shown, reached, shows, ..Findings::default() };
         Self { census, solid, visible, found, shines, has_ambient, shows_ambient }
     }
 
@@ -182,13 +185,13 @@ impl<'a> Facts<'a> {
         let (present, reason) = match effect {
             Effect::Triangles => self.triangles(),
             Effect::Quads => {
-                self.kind(|one| matches!(one, Primitive::Quad(_)), "quad", "no shape is a plane")
+                self.kind(|one| matches!(one, Primitive::Quad(_)), "quad", "rays meet no plane")
             }
             Effect::Spheres => {
-                self.quadrics(|one| one.sphere().is_some(), "sphere", "no shape is a sphere")
+                self.quadrics(|one| one.sphere().is_some(), "sphere", "rays meet no sphere")
             }
             Effect::Disks => {
-                self.quadrics(|one| one.sphere().is_none(), "disk", "no shape is a disk")
+                self.quadrics(|one| one.sphere().is_none(), "disk", "rays meet no disk")
             }
             Effect::SmoothShading => self.smooth_shading(),
             Effect::VertexColors => self.vertex_colors(),
@@ -247,6 +250,11 @@ impl<'a> Facts<'a> {
         }
     }
 
+    /// Whether rays may meet a surface of the shape.
+    fn is_met(&self, i: usize) -> bool {
+        self.solid[i] && self.census.extracted.shapes[i].is_met
+    }
+
     fn is_lit(&self) -> bool {
         self.found.shown.contains(&true)
     }
@@ -277,7 +285,7 @@ impl<'a> Facts<'a> {
     fn tints(&self, is: impl Fn(usize) -> bool) -> bool {
         let through = |i: usize| self.census.surfaces[i].transparency;
         let tints = |i: usize| {
-            self.is_transparent(i) && self.found.met[i] && through(i).is_some_and(|t| t.tinted)
+            self.is_transparent(i) && self.is_met(i) && through(i).is_some_and(|t| t.tinted)
         };
         (0..self.solid.len()).any(|i| is(i) && tints(i))
     }
@@ -295,12 +303,11 @@ impl<'a> Facts<'a> {
 
     fn cut_outs(&self) -> (bool, String) {
         let is = |i: usize| self.census.surfaces[i].cut_out.is_some();
-        let is_cut = |i: usize| is(i) && (self.found.holes[i] || !self.found.met[i]);
-        let none =
-            match (0..self.found.met.len()).any(|i| self.found.met[i] && self.solid[i] && is(i)) {
-                true => "no image of a cut-out has a transparent texel",
-                false => "no shape has cut-outs",
-            };
+        let is_cut = |i: usize| is(i) && (self.found.holes[i] || !self.is_met(i));
+        let none = match (0..self.solid.len()).any(|i| self.is_met(i) && is(i)) {
+            true => "no image of a cut-out has a transparent texel",
+            false => "no shape has cut-outs",
+        };
         let found = self.surfaces(is_cut, "shape with cut-outs", none);
         or_in_the_way(found, self.found.holes.contains(&true))
     }
@@ -331,12 +338,12 @@ impl<'a> Facts<'a> {
 }
 
 /// Whether rays can meet a surface of the shape: not of a light's, and not without area.
-fn is_solid(ShapeOutput { shape, .. }: &ShapeOutput, census: Census<'_>) -> bool {
+fn is_solid(ShapeOutput { shape, is_met, .. }: &ShapeOutput, census: Census<'_>) -> bool {
     let geometry = &census.extracted.geometry;
     // Fast precision cannot tell for certain what has no area.
     let may_be_hit =
         |number| geometry.precision == Precision::Fast || !geometry.is_degenerate(number);
-    shape.light.is_none() && shape.primitives.clone().any(may_be_hit)
+    shape.light.is_none() && (!is_met || shape.primitives.clone().any(may_be_hit))
 }
 
 /// What is `found` in view, or else is met by shadow rays.

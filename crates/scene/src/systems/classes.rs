@@ -4,8 +4,8 @@ use std::collections::HashMap;
 
 use super::census::{Findings, Shows};
 use super::geometry::ShapeOutput;
-use super::textures::{Images, has_alpha};
-use crate::components::{self, Channels, SurfaceComponents, TextureRef, Transparency};
+use super::textures::Images;
+use crate::components::{SurfaceComponents, TextureRef, Transparency};
 use crate::surface::{EMISSION_MAP, METAL_MAP, OCCLUSION_MAP, OPACITY_MAP};
 use wavecrest_core::kernels::blinn_phong::Material;
 use wavecrest_core::plan::schedule::{Schedule, Step};
@@ -54,18 +54,6 @@ fn key(Class { material, transparency, maps, .. }: &Class) -> Key {
     // As text, numbers are as good as their bits.
     let rest = if is_plain { String::new() } else { format!("{transparency:?}{maps:?}") };
     (constants.map(f32::to_bits), rest)
-}
-
-/// Whether light may go through a surface, as far as the headers of images tell.
-pub(crate) fn is_transparent(surface: &SurfaceComponents<'_>) -> bool {
-    let may_vary = |map: &components::Map| {
-        let may_vary = |texture: &TextureRef| {
-            texture.channels == Channels::Color || has_alpha(&texture.look_up.source)
-        };
-        map.texture.as_ref().is_some_and(may_vary)
-    };
-    surface.transparency.is_some_and(Transparency::has_effect)
-        || surface.maps.opacity.as_ref().is_some_and(may_vary)
 }
 
 /// The class of a surface, as far as it is visible.

@@ -10,7 +10,7 @@ use glam::{DVec3, Vec2};
 use rayon::prelude::*;
 
 use super::geometry::{Output, ShapeOutput};
-use super::textures::{Head, lazy, placing};
+use super::textures::{Head, lazy, placing, range};
 use crate::components::{
     Channels, CutOut, Encoding, LookUp, SurfaceComponents, TextureRef, TextureSource,
 };
@@ -18,7 +18,7 @@ use crate::mesh::MeshData;
 use wavecrest_base::error::Result;
 use wavecrest_core::geometry::cutouts::{Cutout, Cutouts, MeshUvs};
 use wavecrest_core::geometry::{Geometry, Primitive};
-use wavecrest_core::kernels::texture::{Filter, Image, LazyImage, Texels, Wrap};
+use wavecrest_core::kernels::texture::{Filter, LazyImage, Wrap};
 use wavecrest_core::math::float::UNIT_ROUNDOFF;
 use wavecrest_core::prepared::{CornerValues, MeshAttributes};
 
@@ -189,7 +189,7 @@ impl<'a> Masks<'a> {
             let (encoding, channels) = (Encoding::Linear, Channels::Alpha);
             let texture = TextureRef { look_up, encoding, tint: DVec3::ONE, channels };
             let place = (self.file.to_owned(), place.to_owned());
-            let image = lazy(texture, found.is_mask, head, place);
+            let image = lazy(texture, found.is_mask, (head, None), place);
             AlphaImage { image: Arc::new(image), range: [0.0; 2] }
         });
         self.known.push((key, mask));
@@ -226,13 +226,4 @@ impl<'a> Masks<'a> {
         let rounding = if lowest == highest { 0.0 } else { 12.0 * UNIT_ROUNDOFF };
         lowest - rounding < found.threshold as f32
     }
-}
-
-/// The lowest and the highest value in an image of bytes, from 0 to 1.
-fn range(image: &Image) -> [f32; 2] {
-    let Texels::Bytes(texels) = &image.texels else { return [0.0, 1.0] };
-    let values = texels.iter().map(|texel| texel[0]);
-    let (lowest, highest) = (values.clone().min().unwrap_or(0), values.max().unwrap_or(u8::MAX));
-    // As in look-ups.
-    [lowest, highest].map(|value| f32::from(value) / 255.0)
 }

@@ -18,20 +18,39 @@ use hecs::World;
 
 use crate::components::{Quad, Triangle};
 use builder::GeometryBuilder;
+pub(crate) use builder::is_varied;
 use meshes::ArrayLengths;
-use occurrence::Form;
 use occurrences::{Geometries, Occurrences, Shown};
 use wavecrest_base::error::Result;
+use wavecrest_core::prepared::UvMap;
 
-pub(crate) use occurrence::{Occurrence, Round};
+pub(crate) use occurrence::{Form, Occurrence, Round};
 pub(crate) use output::{Output, ShapeOutput};
 
-/// Converts every shape to primitives, and moves all by `-origin`. A mesh with several instances is
-/// stored once, unless `flat`.
-pub(crate) fn run(world: &World, origin: DVec3, flat: bool) -> Result<Output> {
+/// Converts every shape to primitives, and moves all by `-origin`; the second output has the shapes of
+/// lights that no ray can meet. A mesh with several instances is stored once, unless `flat`. `meet` finds
+/// out what no ray can meet, of which the first output has no primitives.
+pub(crate) fn run(
+    world: &World,
+    origin: DVec3,
+    flat: bool,
+    meet: impl FnOnce(&mut [Occurrence<'_>]) -> Result<()>,
+) -> Result<[Output; 2]> {
     let (mut shown, mut geometries) = (world.query::<Shown<'_>>(), world.query::<Geometries<'_>>());
     let geometries = geometries.view();
-    let mut occurrences = Occurrences::of(shown.iter(), &geometries, origin, flat);
+    let mut all = occurrences::of(shown.iter(), &geometries, origin);
+    meet(&mut all)?;
+    let (met, unmet): (Vec<_>, Vec<_>) = all.into_iter().partition(|one| one.is_met);
+    let (lights, unmet): (Vec<_>, Vec<_>) = unmet.into_iter().partition(|one| one.light.is_some());
+    let mut output = build(world, met, flat)?;
+    let absent = unmet.iter().map(|one| one.output(one.shape(0..0, false), UvMap::Mesh));
+    output.shapes.splice(0..0, absent);
+    Ok([output, build(world, lights, true)?])
+}
+
+/// Converts shapes, given in the order of the file, to primitives.
+fn build(world: &World, all: Vec<Occurrence<'_>>, flat: bool) -> Result<Output> {
+    let mut occurrences = Occurrences::new(all, flat);
     let room = ArrayLengths::of(world, &occurrences);
     let mut builder = GeometryBuilder { room, ..GeometryBuilder::default() };
     // Numbers of primitives follow their kinds: triangles, quads, quadrics.

@@ -3,9 +3,10 @@
 use glam::Vec3;
 
 use super::geometry::ShapeOutput;
-use crate::components::SurfaceComponents;
+use crate::components::{self, SurfaceComponents};
 use wavecrest_core::kernels::blinn_phong::Material;
 use wavecrest_core::kernels::metal;
+use wavecrest_core::kernels::shade::LEAST_WEIGHT;
 
 /// The material of each surface. Shapes of lights get an unused one. Metal maps whose texels do not
 /// count give their material here, and so do unlit surfaces whose base colour is the same everywhere.
@@ -17,7 +18,7 @@ pub(crate) fn run(surfaces: &[SurfaceComponents<'_>], shapes: &[ShapeOutput]) ->
             kd: m.kd as f32,
             exponent: m.specular_exponent as f32,
             color: m.diffuse_color.as_vec3(),
-            kr: m.kr as f32,
+            kr: mirrored(m),
             tint: m.specular_color.as_vec3(),
             emission: m.emission.as_vec3(),
             ambient: m.ambient as f32,
@@ -38,6 +39,12 @@ pub(crate) fn run(surfaces: &[SurfaceComponents<'_>], shapes: &[ShapeOutput]) ->
         material
     };
     surfaces.iter().zip(shapes).map(of).collect()
+}
+
+/// The weight of the mirror ray; 0 if less than half of one of 255 levels is left of any light, as of metals.
+pub(super) fn mirrored(material: &components::Material) -> f32 {
+    let kr = material.kr as f32;
+    if kr * material.specular_color.as_vec3().max_element() < LEAST_WEIGHT { 0.0 } else { kr }
 }
 
 /// The material with the weights of a base colour, metalness and roughness.

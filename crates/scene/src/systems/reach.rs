@@ -24,7 +24,7 @@ use wavecrest_core::prepared::Shape;
 /// A hit and a point of a light are off by less than 4 roundings of the largest coordinate in each
 /// direction (`math::float::rounding_error`); the normal, the direction to the light and their
 /// product add fewer than 8 roundings of the distance. This is sixteen times their sum.
-const BEHIND: f64 = 256.0 * UNIT_ROUNDOFF as f64;
+pub(super) const BEHIND: f64 = 256.0 * UNIT_ROUNDOFF as f64;
 
 /// Largest number of primitives tested for all lights together, and of pairs of a light and a
 /// surface. Beyond them, lights count as reaching: nearly all do, and show it at one of the first.

@@ -32,8 +32,17 @@ const MAX_METADATA: u64 = 8 << 20;
 pub(crate) struct Images {
     /// Each with the place in the scene file that names it first.
     all: Vec<(TextureRef, String)>,
-    /// Their numbers, by what they are made of; the tint in bits.
-    numbers: HashMap<(TextureSource, Encoding, [u64; 3], Channels), u32>,
+    /// Their numbers.
+    numbers: HashMap<MadeOf, u32>,
+    /// Those that are decoded already; `None` where the first channel is 1 in every texel.
+    decoded: HashMap<MadeOf, Option<Image>>,
+}
+
+/// What the texels of an image are made of; the tint in bits.
+type MadeOf = (TextureSource, Encoding, [u64; 3], Channels);
+
+fn made_of(TextureRef { look_up, encoding, tint, channels }: &TextureRef) -> MadeOf {
+    (look_up.source.clone(), *encoding, tint.to_array().map(f64::to_bits), *channels)
 }
 
 impl Images {
@@ -45,10 +54,8 @@ impl Images {
         (place, key): (&str, &str),
         map: UvMap,
     ) -> Texture {
-        let LookUp { source, filter, wrap, placing: placed } = &reference.look_up;
-        let tint = reference.tint.to_array().map(f64::to_bits);
-        let made_of = (source.clone(), reference.encoding, tint, reference.channels);
-        let number = *self.numbers.entry(made_of).or_insert_with(|| {
+        let LookUp { filter, wrap, placing: placed, .. } = &reference.look_up;
+        let number = *self.numbers.entry(made_of(reference)).or_insert_with(|| {
             self.all.push((reference.clone(), format!("{place}.{key}")));
             self.all.len() as u32 - 1
         });
@@ -59,14 +66,41 @@ impl Images {
         Texture { image: number, filter, wrap, coordinates: Coordinates { map, placing } }
     }
 
+    /// Whether the texture's first channel is 1 in every texel. It is decoded for that, and kept unless so;
+    /// if `color` is of the same file, both are decoded at once. It is under a `key` of the object at
+    /// `place` of a `file`.
+    pub(super) fn is_one(
+        &mut self,
+        texture: &TextureRef,
+        color: Option<&TextureRef>,
+        (file, place, key): (&Path, &str, &str),
+    ) -> Result<bool> {
+        if let Some(known) = self.decoded.get(&made_of(texture)) {
+            return Ok(known.is_none());
+        }
+        let source = &texture.look_up.source;
+        let decoded = Head::of(source).and_then(|_| decoded(source));
+        let decoded = decoded.map_err(|e| e.in_file(file).at(format!("{place}.{key}")))?;
+        if let Some(color) = color.filter(|color| color.look_up.source == *source) {
+            let image = of_texture(decoded.clone(), color, false);
+            self.decoded.insert(made_of(color), Some(image));
+        }
+        let image = of_texture(decoded, texture, false);
+        let is_one = range(&image) == [1.0; 2];
+        self.decoded.insert(made_of(texture), (!is_one).then_some(image));
+        Ok(is_one)
+    }
+
     /// Reads the headers of all images: each is decoded at its first look-up, with a pyramid if any
     /// shape uses it with the trilinear filter. `file` is the scene's, for messages.
     pub(super) fn prepare(self, file: &Path) -> Result<Vec<LazyImage>> {
+        let Self { all, mut decoded, .. } = self;
         let image = |(texture, place): (TextureRef, String)| {
             let head = Head::of(&texture.look_up.source).map_err(|e| e.in_file(file).at(&place))?;
-            Ok(lazy(texture, false, head, (file.to_owned(), place)))
+            let known = decoded.remove(&made_of(&texture)).flatten();
+            Ok(lazy(texture, false, (head, known), (file.to_owned(), place)))
         };
-        self.all.into_iter().map(image).collect()
+        all.into_iter().map(image).collect()
     }
 }
 
@@ -76,11 +110,11 @@ pub(super) fn placing(components::Placing([u, v]): components::Placing) -> Placi
     Placing { turned: [vec2(u[0], u[1]), vec2(v[0], v[1])], moved: vec2(u[2], v[2]) }
 }
 
-/// The image of a texture whose file has this `head`; in a mask, brightness replaces missing alpha.
+/// The image of a texture whose file has this `head`, unless it is `decoded` already; in a mask, brightness replaces missing alpha.
 pub(super) fn lazy(
     texture: TextureRef,
     is_mask: bool,
-    head: Head,
+    (head, decoded): (Head, Option<Image>),
     (file, place): (PathBuf, String),
 ) -> LazyImage {
     let TextureRef { look_up: LookUp { source, filter, .. }, encoding, tint, channels } =
@@ -92,7 +126,12 @@ pub(super) fn lazy(
     let name = source.name();
     let made_of = move || [content(&source), read.into()].concat();
     let decode = move || {
-        let mut image = decode(&texture, is_mask).map_err(|e| e.in_file(file).at(place))?;
+        let source = &texture.look_up.source;
+        let read = || self::decoded(source).map(|read| of_texture(read, &texture, is_mask));
+        let mut image = match decoded {
+            Some(image) => image,
+            None => read().map_err(|e| e.in_file(file).at(place))?,
+        };
         if filter == Filter::Trilinear {
             image.build_pyramid();
         }
@@ -215,12 +254,14 @@ fn pyramid_bytes((width, height): (u32, u32)) -> u64 {
     levels.sum::<u64>() * size_of::<[f32; 3]>() as u64
 }
 
-/// Decodes the image of a texture, in any format of the `image` crate.
-fn decode(texture: &TextureRef, is_mask: bool) -> Result<Image> {
-    let source = &texture.look_up.source;
-    let decoded = decoding(source, |decoder| DynamicImage::from_decoder(decoder))?;
+/// Decodes an image, in any format of the `image` crate.
+fn decoded(source: &TextureSource) -> Result<DynamicImage> {
+    decoding(source, |decoder| DynamicImage::from_decoder(decoder))
+}
+
+/// The channels of a decoded image that a texture looks up.
+fn of_texture(decoded: DynamicImage, texture: &TextureRef, is_mask: bool) -> Image {
     let (width, height) = (decoded.width(), decoded.height());
-    check_size(source, (width, height))?;
     let texels = match texture.channels {
         Channels::Color => texels(decoded, texture.encoding, texture.tint),
         Channels::Alpha if is_mask && !decoded.color().has_alpha() => {
@@ -230,7 +271,24 @@ fn decode(texture: &TextureRef, is_mask: bool) -> Result<Image> {
             Texels::Bytes(decoded.into_rgba8().pixels().map(|pixel| [pixel.0[3]; 4]).collect())
         }
     };
-    Ok(Image::new(width, height, texels))
+    Image::new(width, height, texels)
+}
+
+/// The lowest and the highest value in the first channel of an image, as in look-ups.
+pub(super) fn range(image: &Image) -> [f32; 2] {
+    let levels = |texels: &[[u8; 4]]| {
+        let levels = texels.iter().map(|texel| texel[0]);
+        [levels.clone().min(), levels.max()].map(|level| level.unwrap_or(u8::MAX))
+    };
+    match &image.texels {
+        Texels::Bytes(texels) => levels(texels).map(|level| f32::from(level) / 255.0),
+        // Decoding keeps the order.
+        Texels::Levels(texels, values) => levels(texels).map(|level| values[usize::from(level)].x),
+        Texels::Floats(texels) => {
+            let values = || texels.iter().map(|texel| texel[0]);
+            [values().fold(f32::INFINITY, f32::min), values().fold(f32::NEG_INFINITY, f32::max)]
+        }
+    }
 }
 
 fn check_size(source: &TextureSource, (width, height): (u32, u32)) -> Result<()> {

@@ -22,6 +22,19 @@ impl Camera {
         (self.origin.as_dvec3(), self.lens.map_or(0.0, |lens| f64::from(lens.radius)))
     }
 
+    /// The least side of a pixel, in scene units, around what is seen at least this far away; and the
+    /// largest diameter, in pixels, of the disk that the lens makes of a point there.
+    pub fn resolution(&self, distance: f64) -> (f64, f64) {
+        let [width, height] = self.size().map(f64::from);
+        let [across, up] = self.half.map(|half| half.as_dvec3().length());
+        let side = (2.0 * across / width).min(2.0 * up / height);
+        // At depth z a pixel is z times as large, and the disk is |1 - z / focal| times as large as the lens.
+        let depth = distance / (1.0 + across * across + up * up).sqrt();
+        let sharp = self.lens.map_or(f64::INFINITY, |lens| lens.focal.into());
+        let most = (1.0 / sharp).max((1.0 / depth - 1.0 / sharp).abs());
+        (depth * side, 2.0 * self.pupil().1 * most / side)
+    }
+
     /// Whether any ray of the image may meet the content of the box; false only if none can. Rays
     /// may be off by `widening` times the error at a primitive's box
     /// ([`Instance::widening`](crate::geometry::instance::Instance::widening)).

@@ -7,45 +7,32 @@ use wavecrest_core::geometry::{Primitive, Quadric};
 use wavecrest_core::prepared::Shape;
 
 impl Facts<'_> {
-    /// The shapes of a kind that rays may meet, or may not.
-    fn of_kind(
-        &self,
-        is: impl Fn(Primitive) -> bool + Copy,
-        met: bool,
-    ) -> impl Iterator<Item = &Shape> {
+    /// The shapes of a kind that rays may meet.
+    fn of_kind(&self, is: impl Fn(Primitive) -> bool) -> impl Iterator<Item = &Shape> {
         let geometry = &self.census.extracted.geometry;
         let is_one = move |shape: &&Shape| {
             shape.primitives.clone().next().is_some_and(|first| is(geometry.primitive(first)))
         };
-        let shapes = self.census.extracted.shapes.iter().zip(&self.found.met);
-        let those = shapes.filter(move |(_, is_met)| **is_met == met);
-        those.map(|(output, _)| &output.shape).filter(is_one)
+        self.census.extracted.shapes.iter().map(|output| &output.shape).filter(is_one)
     }
 
     /// The number of primitives of a kind that rays may meet, or the reason for none.
     pub(super) fn kind(
         &self,
-        is: impl Fn(Primitive) -> bool + Copy,
+        is: impl Fn(Primitive) -> bool,
         thing: &str,
         none: &str,
     ) -> (bool, String) {
-        let number = |met| self.of_kind(is, met).map(|shape| shape.primitives.len()).sum::<usize>();
-        match (number(true), number(false)) {
-            (0, 0) => (false, none.to_owned()),
-            (0, unmet) => (false, format!("{}, not in view", count(unmet, thing, none).1)),
-            (met, _) => count(met, thing, none),
-        }
+        count(self.of_kind(is).map(|shape| shape.primitives.len()).sum(), thing, none)
     }
 
     pub(super) fn triangles(&self) -> (bool, String) {
         let is_own = |primitive| matches!(primitive, Primitive::Triangle(_));
         let is_shown = |primitive| matches!(primitive, Primitive::Instanced(_));
-        let own = self.kind(is_own, "triangle", "no shape is a triangle or a mesh");
         let geometry = &self.census.extracted.geometry;
-        let instances: Vec<&Shape> = self.of_kind(is_shown, true).collect();
+        let instances: Vec<&Shape> = self.of_kind(is_shown).collect();
         if instances.is_empty() {
-            let unseen = self.kind(is_shown, "triangle", "");
-            return if own.0 || unseen.1.is_empty() { own } else { unseen };
+            return self.kind(is_own, "triangle", "rays meet no triangle and no mesh");
         }
         let prototype = |shape: &&Shape| match geometry.primitive(shape.primitives.start) {
             Primitive::Instanced(instanced) => Some(geometry.instance(instanced).0.prototype()),
@@ -58,7 +45,7 @@ impl Facts<'_> {
         let (_, meshes) = count(prototypes.len(), "mesh", "");
         let (_, instances) = count(instances.len(), "instance", "");
         let number = |shape: &Shape| shape.primitives.len();
-        let own = match self.of_kind(is_own, true).map(number).sum::<usize>() {
+        let own = match self.of_kind(is_own).map(number).sum::<usize>() {
             0 => String::new(),
             own => format!("{own}, and "),
         };

@@ -4,13 +4,13 @@ use super::{Faces, Facts, or_in_the_way};
 
 impl Facts<'_> {
     pub(super) fn is_transparent(&self, i: usize) -> bool {
-        self.solid[i] && self.census.transparent[i]
+        self.solid[i] && self.census.extracted.shapes[i].is_transparent
     }
 
     pub(super) fn transparency(&self) -> (bool, String) {
         let none = "no material lets light through";
         let found = self.surfaces(|i| self.is_transparent(i), "transparent shape", none);
-        let is_met = (0..self.found.met.len()).any(|i| self.is_transparent(i) && self.found.met[i]);
+        let is_met = (0..self.solid.len()).any(|i| self.is_transparent(i) && self.is_met(i));
         or_in_the_way(found, is_met)
     }
 

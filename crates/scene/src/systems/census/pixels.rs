@@ -3,6 +3,7 @@
 use super::Facts;
 use crate::components::{ThinLens, View};
 use crate::systems::camera;
+use wavecrest_core::kernels::shade::LEAST_WEIGHT;
 
 /// The reason for a lens and antialiasing to be left out: every ray sees the background.
 const NOTHING: &str = "no shape is in view";
@@ -18,6 +19,9 @@ impl Facts<'_> {
             Some(_) if !self.sees_any() => (false, NOTHING.to_owned()),
             None => (false, "the camera is a pinhole".to_owned()),
             Some(lens) if camera::radius(lens) == 0.0 => (false, "the aperture is 0".to_owned()),
+            Some(_) if (self.census.resolution)().1 < LEAST_WEIGHT.into() => {
+                (false, "it blurs nothing by a 510th of a pixel".to_owned())
+            }
             Some(lens) => (
                 true,
                 format!(

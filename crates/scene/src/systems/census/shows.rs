@@ -69,7 +69,7 @@ impl Shows {
                 && is_colored,
             tint: is_tinted && (is_lit && may.ks > 0.0 || mirrors),
             normal: normal.as_ref().is_some_and(Map::has_effect)
-                && (is_lit || mirrors || by_normal || census.transparent[i]),
+                && (is_lit || mirrors || by_normal || census.extracted.shapes[i].is_transparent),
         }
     }
 
@@ -94,7 +94,7 @@ impl Shows {
             EMISSION_MAP => self.emission,
             METAL_MAP => self.metal,
             OCCLUSION_MAP => self.occlusion,
-            OPACITY_MAP => census.transparent[i],
+            OPACITY_MAP => census.extracted.shapes[i].is_transparent,
             _ => self.normal,
         };
         self.texture && texture.is_some_and(is_trilinear)

@@ -32,6 +32,10 @@ impl Facts<'_> {
         match found.iter().next() {
             None => (false, "the scene has no environment".to_owned()),
             Some(around) if !around.is_bright() => (false, "the environment is black".to_owned()),
+            // Mirrors do not show the background.
+            Some(_) if self.census.is_even && !self.mirrors().0 && !self.transparency().0 => {
+                (false, "the environment is of one colour, as a background is".to_owned())
+            }
             Some(around) if around.image.is_some() => (true, "an image all around".to_owned()),
             Some(_) => (true, "a gradient all around".to_owned()),
         }

@@ -2,7 +2,8 @@
 
 use std::sync::Arc;
 
-use glam::DVec3;
+use glam::{DVec3, Vec3};
+use rayon::prelude::*;
 
 use super::meshes::{ArrayLengths, append, transform_mesh};
 use super::occurrence::Occurrence;
@@ -35,12 +36,9 @@ impl GeometryBuilder {
         let [p0, p1, p2] = self.geometry.positions[first as usize..] else { return Ok(()) };
         self.geometry.triangles.push([first, first + 1, first + 2]);
         let flipped = occurrence.flipped(corners::triangle_normal(points));
-        self.shapes.push(ShapeOutput {
-            entity: occurrence.entity,
-            shape: occurrence.shape(start..start + 1, flipped),
-            uv_map: UvMap::Planar(PlanarMap::new(p0, p2 - p0, p1 - p0)),
-            positions: first..first + 3,
-        });
+        let shape = occurrence.shape(start..start + 1, flipped);
+        let uv_map = UvMap::Planar(PlanarMap::new(p0, p2 - p0, p1 - p0));
+        self.shapes.push(occurrence.output(shape, uv_map));
         Ok(())
     }
 
@@ -49,7 +47,10 @@ impl GeometryBuilder {
         // Drop unused attributes before allocating more.
         mesh.normals = mesh.normals.filter(|_| occurrence.smooth);
         mesh.uvs = mesh.uvs.filter(|_| occurrence.textured);
-        mesh.colors = mesh.colors.filter(|_| occurrence.light.is_none());
+        mesh.colors = mesh
+            .colors
+            .filter(|colors| occurrence.light.is_none() && is_varied(colors, &Vec3::ONE));
+        mesh.alphas = mesh.alphas.filter(|alphas| is_varied(alphas, &1.0));
         let mut tangents = occurrence.normal_mapped.then(|| tangents(&mesh)).flatten();
         transform_mesh(&mut mesh, points, tangents.as_mut(), occurrence)?;
         let geometry = &mut self.geometry;
@@ -79,13 +80,7 @@ impl GeometryBuilder {
                 tangents,
             });
         }
-        let positions = before..self.geometry.positions.len() as u32;
-        self.shapes.push(ShapeOutput {
-            entity: occurrence.entity,
-            shape,
-            uv_map: UvMap::Mesh,
-            positions,
-        });
+        self.shapes.push(occurrence.output(shape, UvMap::Mesh));
         Ok(())
     }
 
@@ -100,12 +95,9 @@ impl GeometryBuilder {
         let turn = first_of_diagonal(points);
         self.geometry.quads.push([0, 1, 2, 3].map(|k| first + (k + turn) % 4));
         let flipped = occurrence.flipped(corners::quad_normal(points));
-        self.shapes.push(ShapeOutput {
-            entity: occurrence.entity,
-            shape: occurrence.shape(number..number + 1, flipped),
-            uv_map: UvMap::Planar(PlanarMap::new(p0, p3 - p0, p1 - p0)),
-            positions: first..first + 4,
-        });
+        let shape = occurrence.shape(number..number + 1, flipped);
+        let uv_map = UvMap::Planar(PlanarMap::new(p0, p3 - p0, p1 - p0));
+        self.shapes.push(occurrence.output(shape, uv_map));
         Ok(())
     }
 
@@ -116,12 +108,8 @@ impl GeometryBuilder {
     ) {
         let number = self.geometry.own() as u32;
         self.geometry.quadrics.push(quadric);
-        self.shapes.push(ShapeOutput {
-            entity: occurrence.entity,
-            shape: occurrence.shape(number..number + 1, false),
-            uv_map,
-            positions: 0..0,
-        });
+        let shape = occurrence.shape(number..number + 1, false);
+        self.shapes.push(occurrence.output(shape, uv_map));
     }
 
     /// Appends the points in world space; returns the number of the first.
@@ -149,6 +137,11 @@ fn first_of_diagonal(&[a, b, c, d]: &[DVec3; 4]) -> u32 {
     let normal = (c - a).cross(d - b);
     let within = |p: DVec3, q: DVec3, r: DVec3| (q - p).cross(r - p).dot(normal) > 0.0;
     u32::from(!(within(a, b, c) && within(a, c, d)))
+}
+
+/// Whether any of the factors is not `one`.
+pub(crate) fn is_varied<T: PartialEq + Sync>(factors: &[T], one: &T) -> bool {
+    factors.par_iter().any(|factor| factor != one)
 }
 
 /// Values indexed like positions.

@@ -7,10 +7,9 @@ use glam::{DAffine3, DVec3, Vec3, Vec4};
 use hecs::{Entity, World};
 use rayon::prelude::*;
 
-use super::builder::{GeometryBuilder, by_position, corner_values};
+use super::builder::{GeometryBuilder, by_position, corner_values, is_varied};
 use super::occurrence::Occurrence;
 use super::occurrences::Occurrences;
-use super::output::ShapeOutput;
 use super::tangents::tangents;
 use crate::components::Mesh;
 use crate::mesh::MeshData;
@@ -80,6 +79,8 @@ impl GeometryBuilder {
                 None => positions.for_each(|p| *p = (p.as_dvec3() - origin).as_vec3()),
             }
         }
+        mesh.colors = mesh.colors.filter(|colors| is_varied(colors, &Vec3::ONE));
+        mesh.alphas = mesh.alphas.filter(|alphas| is_varied(alphas, &1.0));
         let colors = mesh.colors.is_some() || mesh.alphas.is_some();
         let attributes = mesh.normals.is_some() || mesh.uvs.is_some() || colors;
         let prototype = Prototype {
@@ -138,8 +139,7 @@ impl GeometryBuilder {
             to_world,
             &prototype.bounds,
         ));
-        let (uv_map, positions) = (UvMap::Mesh, 0..0);
-        self.shapes.push(ShapeOutput { entity: occurrence.entity, shape, uv_map, positions });
+        self.shapes.push(occurrence.output(shape, UvMap::Mesh));
         Ok(())
     }
 }

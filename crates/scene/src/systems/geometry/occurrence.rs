@@ -6,15 +6,16 @@ use std::ops::Range;
 use glam::{DAffine3, DMat3, DVec3, Vec3};
 use hecs::Entity;
 
+use super::output::ShapeOutput;
 use crate::components::{Disk, Facing, Quad, Sides, Sphere, Triangle};
 use crate::mesh::MAX_COUNT;
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_core::math::float::MAX_COORDINATE;
-use wavecrest_core::prepared::Shape;
+use wavecrest_core::prepared::{Shape, UvMap};
 
 /// The geometry of a shape in its own space.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Form<'w> {
+pub(crate) enum Form<'w> {
     Sphere(&'w Sphere),
     Disk(&'w Disk),
     Quad(&'w Quad),
@@ -27,22 +28,26 @@ pub(super) enum Form<'w> {
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Occurrence<'w> {
     /// The shape, or the instance.
-    pub(super) entity: Entity,
+    pub(crate) entity: Entity,
     /// The entity with the prototype: the same except for instances.
-    pub(super) prototype: Entity,
-    pub(super) form: Form<'w>,
+    pub(crate) prototype: Entity,
+    pub(crate) form: Form<'w>,
     /// The colour of the light whose shape it is.
-    pub(super) light: Option<Vec3>,
-    /// Whether shadow rays pass it, as a shape of a light or with less light.
-    pub(super) is_passed: bool,
-    pub(super) transform: DAffine3,
+    pub(crate) light: Option<Vec3>,
+    /// Whether its material lets light through.
+    pub(crate) is_transparent: bool,
+    /// Whether camera rays may meet it.
+    pub(crate) is_seen: bool,
+    /// Whether any rays may meet it.
+    pub(crate) is_met: bool,
+    pub(crate) transform: DAffine3,
     pub(super) facing: Option<Facing>,
     pub(super) sides: Sides,
     pub(super) smooth: bool,
     pub(super) textured: bool,
     /// Whether it has a normal map.
     pub(super) normal_mapped: bool,
-    pub(super) place: &'w str,
+    pub(crate) place: &'w str,
 }
 
 /// A sphere or a disk in world space, but for its normal.
@@ -56,6 +61,11 @@ pub(crate) struct Round {
 impl Occurrence<'_> {
     pub(super) fn is_mesh(&self) -> bool {
         matches!(self.form, Form::Mesh)
+    }
+
+    /// Whether shadow rays pass it, as a shape of a light or with less light.
+    pub(super) fn is_passed(&self) -> bool {
+        self.is_transparent || self.light.is_some()
     }
 
     /// Whether the front of a flat shape is where its corners run clockwise in world space, given
@@ -72,6 +82,12 @@ impl Occurrence<'_> {
     /// Whether the transform reverses the winding.
     pub(super) fn mirrors(&self) -> bool {
         self.transform.matrix3.determinant() < 0.0
+    }
+
+    /// Its shape, and with it what later systems ask of it.
+    pub(super) fn output(&self, shape: Shape, uv_map: UvMap) -> ShapeOutput {
+        let &Self { entity, is_transparent, is_seen, is_met, .. } = self;
+        ShapeOutput { entity, shape, uv_map, is_transparent, is_seen, is_met }
     }
 
     pub(super) fn shape(&self, primitives: Range<u32>, flipped: bool) -> Shape {

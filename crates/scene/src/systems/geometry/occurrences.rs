@@ -12,9 +12,10 @@ use hecs::{Entity, Query, Satisfies, View, World};
 
 use super::occurrence::{Form, Occurrence};
 use crate::components::{
-    AreaLight, CutOut, Disk, Facing, Hidden, InstanceOf, JsonPath, Map, Maps, Mesh, Order, Quad,
-    Shading, Sides, Sphere, TextureRef, Transform, Transparency, Triangle,
+    AreaLight, Channels, CutOut, Disk, Facing, Hidden, InstanceOf, JsonPath, Map, Maps, Mesh,
+    Order, Quad, Shading, Sides, Sphere, TextureRef, Transform, Transparency, Triangle,
 };
+use crate::systems::textures::has_alpha;
 
 /// What a shape or an instance has of its own.
 pub(super) type Shown<'w> = (
@@ -64,62 +65,65 @@ pub(super) struct MeshUses {
     pub(super) normal_mapped: bool,
 }
 
+/// The occurrences of what is `shown`, in the order of the file, shapes before lights, moved by `-origin`.
+/// Instances name their prototypes, which are looked up. Of what has no opacity nothing is shown.
+pub(super) fn of<'w>(
+    shown: impl Iterator<Item = <Shown<'w> as Query>::Item<'w>>,
+    geometries: &'w View<'_, Geometries<'_>>,
+    origin: DVec3,
+) -> Vec<Occurrence<'w>> {
+    let mut all: Vec<(Order, Occurrence<'_>)> = shown
+        .filter_map(
+            |(entity, order, place, instance, is_hidden, light, own, sides, shading, worn)| {
+                let prototype = instance.map_or(entity, |InstanceOf(prototype)| *prototype);
+                let (has_texture, is_cut_out, maps, transparency) = worn;
+                let is_clear = transparency.is_some_and(Transparency::is_clear);
+                if is_clear || is_hidden && instance.is_none() {
+                    return None;
+                }
+                let (sphere, disk, quad, triangle, is_mesh, of_prototype, facing) =
+                    geometries.get(prototype)?;
+                let form = (sphere.map(Form::Sphere))
+                    .or(disk.map(Form::Disk))
+                    .or(quad.map(Form::Quad))
+                    .or(triangle.map(Form::Triangle))
+                    .or(is_mesh.then_some(Form::Mesh))?;
+                let matrix =
+                    |transform: Option<&Transform>| transform.map_or(DAffine3::IDENTITY, |t| t.0);
+                let mut transform = matrix(own);
+                if instance.is_some() {
+                    transform *= matrix(of_prototype);
+                }
+                transform.translation -= origin;
+                let is_surface = light.is_none();
+                let normal = maps.and_then(|maps| maps.normal.as_ref());
+                let occurrence = Occurrence {
+                    entity,
+                    prototype,
+                    form,
+                    light: light.map(|light| light.color.as_vec3()),
+                    is_transparent: is_surface && is_transparent(transparency, maps),
+                    is_seen: true,
+                    is_met: true,
+                    transform,
+                    facing: facing.copied(),
+                    sides: sides.copied().unwrap_or(Sides::Both),
+                    smooth: is_surface && shading == Some(&Shading::Smooth),
+                    textured: is_surface && (has_texture || is_cut_out || maps.is_some()),
+                    normal_mapped: is_surface && normal.is_some_and(Map::has_effect),
+                    place: place.map_or("", |path| &path.0),
+                };
+                Some((order.copied().unwrap_or(Order(u32::MAX)), occurrence))
+            },
+        )
+        .collect();
+    all.sort_by_key(|(order, occurrence)| (occurrence.light.is_some(), *order));
+    all.into_iter().map(|(_, occurrence)| occurrence).collect()
+}
+
 impl<'w> Occurrences<'w> {
-    /// The occurrences of what is `shown`, moved by `-origin`; `flatten` turns instances into
-    /// primitives of the scene's own. Instances name their prototypes, which are looked up.
-    pub(super) fn of(
-        shown: impl Iterator<Item = <Shown<'w> as Query>::Item<'w>>,
-        geometries: &'w View<'_, Geometries<'_>>,
-        origin: DVec3,
-        flatten: bool,
-    ) -> Self {
-        let mut all: Vec<(Order, Occurrence<'_>)> = shown
-            .filter_map(
-                |(entity, order, place, instance, is_hidden, light, own, sides, shading, worn)| {
-                    let prototype = instance.map_or(entity, |InstanceOf(prototype)| *prototype);
-                    if is_hidden && instance.is_none() {
-                        return None;
-                    }
-                    let (sphere, disk, quad, triangle, is_mesh, of_prototype, facing) =
-                        geometries.get(prototype)?;
-                    let form = (sphere.map(Form::Sphere))
-                        .or(disk.map(Form::Disk))
-                        .or(quad.map(Form::Quad))
-                        .or(triangle.map(Form::Triangle))
-                        .or(is_mesh.then_some(Form::Mesh))?;
-                    let matrix = |transform: Option<&Transform>| {
-                        transform.map_or(DAffine3::IDENTITY, |t| t.0)
-                    };
-                    let mut transform = matrix(own);
-                    if instance.is_some() {
-                        transform *= matrix(of_prototype);
-                    }
-                    transform.translation -= origin;
-                    let is_surface = light.is_none();
-                    let (has_texture, is_cut_out, maps, transparency) = worn;
-                    let normal = maps.and_then(|maps| maps.normal.as_ref());
-                    let occurrence = Occurrence {
-                        entity,
-                        prototype,
-                        form,
-                        light: light.map(|light| light.color.as_vec3()),
-                        is_passed: light.is_some()
-                            || transparency.is_some_and(Transparency::has_effect)
-                            || maps.is_some_and(|maps| maps.opacity.is_some()),
-                        transform,
-                        facing: facing.copied(),
-                        sides: sides.copied().unwrap_or(Sides::Both),
-                        smooth: is_surface && shading == Some(&Shading::Smooth),
-                        textured: is_surface && (has_texture || is_cut_out || maps.is_some()),
-                        normal_mapped: is_surface && normal.is_some_and(Map::has_effect),
-                        place: place.map_or("", |path| &path.0),
-                    };
-                    Some((order.copied().unwrap_or(Order(u32::MAX)), occurrence))
-                },
-            )
-            .collect();
-        all.sort_by_key(|(order, occurrence)| (occurrence.light.is_some(), *order));
-        let all: Vec<Occurrence<'_>> = all.into_iter().map(|(_, occurrence)| occurrence).collect();
+    /// Counts the uses of meshes; `flatten` turns instances into primitives of the scene's own.
+    pub(super) fn new(all: Vec<Occurrence<'w>>, flatten: bool) -> Self {
         let mut uses: HashMap<Entity, MeshUses> = HashMap::new();
         let mut shared = Vec::new();
         for occurrence in all.iter().filter(|occurrence| occurrence.is_mesh()) {
@@ -127,8 +131,8 @@ impl<'w> Occurrences<'w> {
             of.smooth |= occurrence.smooth;
             of.textured |= occurrence.textured;
             of.normal_mapped |= occurrence.normal_mapped;
-            of.instances += usize::from(!occurrence.is_passed);
-            if of.instances < 2 || occurrence.is_passed || flatten {
+            of.instances += usize::from(!occurrence.is_passed());
+            if of.instances < 2 || occurrence.is_passed() || flatten {
                 of.left += 1;
             } else if !of.is_shared {
                 of.is_shared = true;
@@ -140,7 +144,8 @@ impl<'w> Occurrences<'w> {
 
     /// Whether the occurrence is an instance of a mesh that is stored once.
     pub(super) fn is_instance(&self, occurrence: &Occurrence<'_>) -> bool {
-        !occurrence.is_passed && self.uses.get(&occurrence.prototype).is_some_and(|of| of.is_shared)
+        !occurrence.is_passed()
+            && self.uses.get(&occurrence.prototype).is_some_and(|of| of.is_shared)
     }
 
     /// The mesh of `prototype` and its uses: moved out at its last use, copied before.
@@ -151,4 +156,13 @@ impl<'w> Occurrences<'w> {
         let mesh = if of.left > 0 { Mesh::clone(&mesh) } else { std::mem::take(&mut *mesh) };
         (mesh, of)
     }
+}
+
+/// Whether light may go through a surface, as far as the headers of images tell.
+fn is_transparent(transparency: Option<&Transparency>, maps: Option<&Maps>) -> bool {
+    let may_vary = |texture: &TextureRef| {
+        texture.channels == Channels::Color || has_alpha(&texture.look_up.source)
+    };
+    let opacity = maps.and_then(|maps| maps.opacity.as_ref()?.texture.as_ref());
+    transparency.is_some_and(Transparency::has_effect) || opacity.is_some_and(may_vary)
 }

@@ -1,11 +1,8 @@
 //! The output of the geometry system.
 
-use std::ops::Range;
-
 use hecs::Entity;
-use rayon::prelude::*;
 
-use wavecrest_core::geometry::{Geometry, Primitive};
+use wavecrest_core::geometry::Geometry;
 use wavecrest_core::plan::schedule::{Schedule, Step};
 use wavecrest_core::prepared::{Class, MeshAttributes, Property, Shape, UvMap};
 
@@ -20,8 +17,11 @@ pub(crate) struct ShapeOutput {
     pub shape: Shape,
     /// The map from its points to texture coordinates.
     pub uv_map: UvMap,
-    /// Its own positions, in the order of shapes.
-    pub positions: Range<u32>,
+    /// Whether its material lets light through.
+    pub is_transparent: bool,
+    /// Whether camera rays may meet it, or any rays; otherwise it has no primitives.
+    pub is_seen: bool,
+    pub is_met: bool,
 }
 
 /// The output of this system.
@@ -36,64 +36,6 @@ pub(crate) struct Output {
 }
 
 impl Output {
-    /// Drops the primitives of shapes that no ray can meet. Their shapes stay, without any, so that
-    /// the others keep their numbers.
-    pub(in crate::systems) fn drop_unmet(&mut self, met: &[bool]) {
-        if !met.contains(&false) {
-            return;
-        }
-        let Self { geometry, shapes, meshes } = self;
-        let mut kept = Geometry::default();
-        let (mut positions, mut triangles, mut next) = (0, 0, 0);
-        for (ShapeOutput { shape, positions: own, .. }, met) in shapes.iter_mut().zip(met) {
-            let range = shape.primitives.clone();
-            let Some(first) = range.clone().next().filter(|_| *met) else {
-                (shape.primitives, shape.mesh, *own) = (next..next, None, 0..0);
-                continue;
-            };
-            let count = range.len();
-            // Quadrics and instances have no positions.
-            let before = positions;
-            let by = own.start.saturating_sub(before);
-            geometry.positions.copy_within(own.start as usize..own.end as usize, before as usize);
-            positions += own.len() as u32;
-            *own = before..positions;
-            match geometry.primitive(first) {
-                // In place: they may be many.
-                Primitive::Triangle(i) => {
-                    geometry.triangles.copy_within(i..i + count, triangles);
-                    let moved = geometry.triangles[triangles..][..count].par_iter_mut();
-                    moved.for_each(|corners| *corners = corners.map(|vertex| vertex - by));
-                    if let Some(mesh) = shape.mesh.and_then(|i| meshes.get_mut(i as usize)) {
-                        (mesh.first_triangle, mesh.first_position) = (next, before);
-                    }
-                    triangles += count;
-                }
-                Primitive::Quad(i) => {
-                    kept.quads.push(geometry.quads[i].map(|vertex| vertex - by));
-                }
-                Primitive::Quadric(i) => kept.quadrics.push(geometry.quadrics[i]),
-                Primitive::Instanced(instanced) => {
-                    kept.instances.push(geometry.instance(instanced).0.numbered_from(next));
-                }
-            }
-            shape.primitives = next..next + count as u32;
-            next = shape.primitives.end;
-        }
-        geometry.positions.truncate(positions as usize);
-        geometry.triangles.truncate(triangles);
-        geometry.positions.shrink_to_fit();
-        geometry.triangles.shrink_to_fit();
-        (geometry.quads, geometry.quadrics) = (kept.quads, kept.quadrics);
-        geometry.instances = kept.instances;
-        let is_shown = |number| geometry.instances.iter().any(|of| of.prototype() == number);
-        let unused = (0..geometry.prototypes.len()).filter(|&number| !is_shown(number));
-        for number in unused.collect::<Vec<_>>() {
-            let precision = geometry.precision;
-            geometry.prototypes[number] = Geometry { precision, ..Geometry::default() };
-        }
-    }
-
     /// Lets shadow rays pass these shapes, and those of lights.
     pub(in crate::systems) fn pass(&mut self, transparent: &[bool]) {
         let (mut passed, mut through) = (Vec::new(), Vec::new());

@@ -21,7 +21,8 @@ fn spawn(world: &mut World, order: u32, data: MeshData) -> hecs::Entity {
 }
 
 fn made(world: &mut World) -> Output {
-    run(world, DVec3::ZERO, false).unwrap()
+    let [output, _] = run(world, DVec3::ZERO, false, |_| Ok(())).unwrap();
+    output
 }
 
 #[test]
@@ -83,7 +84,7 @@ fn the_first_position_moved_too_far_is_reported() {
     data.positions[50_000].x = MAX_COORDINATE;
     let entity = spawn(&mut world, 0, data);
     world.insert_one(entity, Transform(DAffine3::from_scale(DVec3::splat(4.0)))).unwrap();
-    let error = run(&world, DVec3::ZERO, false).unwrap_err().to_string();
+    let error = run(&world, DVec3::ZERO, false, |_| Ok(())).unwrap_err().to_string();
     let value = format!("found a coordinate of {:e}", f64::from(MAX_COORDINATE) * 2.0);
     assert!(error.starts_with("scene.shapes[0].transform: ") && error.contains(&value), "{error}");
 }
