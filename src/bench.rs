@@ -14,7 +14,7 @@ use wavecrest_core::accel::build::Preset;
 use wavecrest_core::prepared::PreparedScene;
 use wavecrest_core::render::{RenderOptions, TracerKind, render};
 use wavecrest_core::wavefront::DEFAULT_BATCH;
-use wavecrest_report::bench::page::{machine, overview, page, scene, write_figures};
+use wavecrest_report::bench::page::{STEPS, machine, overview, page, scene, write_figures};
 use wavecrest_report::bench::variant::{BATCHES, Varied};
 use wavecrest_report::bench::{BenchPlan, BenchReport, BenchSetting, Preparation, SceneBench};
 use wavecrest_report::effects::scenes::{SceneVariant, variants};
@@ -150,7 +150,8 @@ fn run_here(args: &BenchArgs) -> Result<bool> {
     let command = std::env::args_os().skip(1).map(|a| a.to_string_lossy().into_owned());
     let mut report = BenchReport::new(command.collect());
     if !args.json {
-        print(&text(&[Block::Facts(machine(&report.machine))]))?;
+        let steps = Block::Paragraph(STEPS.to_owned());
+        print(&text(&[Block::Facts(machine(&report.machine)), steps]))?;
     }
     let outcome = args.scenes.iter().try_for_each(|path| {
         let scene = bench(args, path)?;

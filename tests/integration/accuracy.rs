@@ -17,6 +17,7 @@ use wavecrest_report::accuracy::setting::{Family, Series, Setting};
 use wavecrest_report::accuracy::store::{FILE, Record, Store, SweepHeader};
 use wavecrest_report::accuracy::sweep::run;
 use wavecrest_report::accuracy::{Findings, page};
+use wavecrest_report::text::text;
 
 use crate::support::{
     extract_small, folder, image_of, matte, options, pinhole, point_light, prepare, render_on,
@@ -77,6 +78,28 @@ fn answers_are_the_fastest_settings(found: &Findings) {
         let (_, own) = measured().find(is_own).expect("a measured setting");
         assert_eq!(Some(own.seconds.median), at.tracing, "{at:?}");
     }
+}
+
+/// With a fixed number of rays in a pixel, more points on lights do not help any more: that is no convergence.
+/// A sky's points are no points on lights.
+#[test]
+fn an_error_that_stays_has_no_slope() {
+    let folder = folder();
+    let file = folder.path().join("sky.json");
+    let mut camera = pinhole([24, 18], 45.0, 6.0);
+    (camera["antialias"], camera["sampling"]) = (2.into(), "random".into());
+    let mut scene = shown(&camera, &[]);
+    scene["scene"]["ambient"] =
+        json!({"sky": [0.9, 0.9, 1.0], "samples": 2, "sampling": "jittered"});
+    std::fs::write(&file, scene.to_string()).expect("a file");
+    let found = findings(&header(24, 64, 1024), 3, &file, &folder.path().join("out"));
+    let slopes = |name| family(&found, name).series.iter().map(|series| series.slope);
+    assert!(slopes("lights").all(|slope| slope.is_none()));
+    assert!(slopes("pixel").all(|slope| slope.is_some()));
+    let said = text(&page::summary(&found));
+    assert_eq!(said.matches("no longer falls above the noise").count(), 3, "{said}");
+    assert!(said.contains("number of points of the sky"), "{said}");
+    assert!(said.contains("each with one point of the sky"), "{said}");
 }
 
 #[test]

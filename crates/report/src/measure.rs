@@ -57,6 +57,15 @@ pub struct Rounds {
     pub busy: usize,
 }
 
+/// That the machine was busy, in how many of all rounds; `None` if in none.
+pub(crate) fn busy(all: impl IntoIterator<Item = Rounds>) -> Option<String> {
+    let add = |[a, b, c]: [usize; 3], one: Rounds| [a + one.rounds, b + one.left_out, c + one.busy];
+    let [rounds, out, busy] = all.into_iter().fold([0; 3], add);
+    let (used, all) = (out + busy, rounds + out);
+    (used > 0)
+        .then(|| format!("The machine was busy in {used} of {all} rounds, {out} of them left out: close other programs"))
+}
+
 /// A round that got less than this share of the processor time of the best round, for each second,
 /// is busy: on an idle machine, rounds differ by 1 to 2 per cent.
 const LEAST_SHARE: f64 = 0.95;

@@ -3,8 +3,7 @@
 //! | key of a scene | unit | meaning |
 //! |---|---|---|
 //! | `scene`, `file`, `fingerprint`, `size`, `primitives` | | the scene and the size of its images in pixels |
-//! | `rounds`, `busy` | | rounds of all settings, one for each seed, and how many were busy: the program got clearly less of the processors than in the best one |
-//! | `left_out` | | whether times leave out the busy rounds: enough others remain |
+//! | `rounds`, `left_out`, `busy` | | rounds of all settings, one for each seed, as in [`crate::bench`]: busy ones are left out of times if enough others remain |
 //! | `answer` | | the sampler and the number of points that reach an error in the least time, in seconds from the command to the image: |
 //! | `.family`, `.counted` | | what is varied for a smaller error, as by `--advise` and `--target-error` |
 //! | `.errors[].error` | | root mean squared error |
@@ -14,7 +13,7 @@
 //! | `..at_least` | | whether random points did not reach the error: the speedup is then relative to their longest render, and a lower bound |
 //! | `references` | | the references of errors: samples of each kind in a pixel, renders, standard error (root mean square), seconds |
 //! | `families` | | the variations: `name`, `title`, what is `counted`, the `target`, and `series`: |
-//! | `.slope` | | exponent of the mean squared error as a function of the count, from [`SLOPE_FROM`] on, with its interval; `null` if too few points are above the noise of the reference |
+//! | `.slope` | | exponent of the mean squared error as a function of the count, from [`SLOPE_FROM`] on, with its interval; `null` if too few points are above the noise of the reference, or the error does not fall any more at the last of them |
 //! | `.points[].x`, `.label`, `.key` | | the count, and the setting |
 //! | `.points[].seconds` | seconds | from the first ray to the last: median with its interval |
 //! | `.points[].rmse` | | root of the mean squared error over all seeds, with its interval |
@@ -38,6 +37,7 @@ use super::store::{
     all, busy_rounds,
 };
 use super::subject::Subject;
+use crate::measure::Rounds;
 use crate::plot::number::{figure, seconds};
 use crate::summary::{ENOUGH, MedianInterval, median};
 use wavecrest_core::math::sampling::Sampling;
@@ -51,9 +51,8 @@ pub const SLOPE_FROM: f64 = 4.0;
 pub struct SceneFindings {
     #[serde(flatten)]
     pub scene: SceneRecord,
-    pub rounds: usize,
-    pub busy: usize,
-    pub left_out: bool,
+    #[serde(flatten)]
+    pub rounds: Rounds,
     pub answer: Answer,
     pub references: Vec<ReferenceRecord>,
     pub families: Vec<Family<Point>>,
@@ -87,20 +86,6 @@ pub struct Point {
 }
 
 impl SceneFindings {
-    /// Busy rounds in a sentence; empty without any.
-    pub fn busy(&self) -> String {
-        let &Self { rounds, busy, left_out, .. } = self;
-        match left_out {
-            _ if busy == 0 => String::new(),
-            true => format!(
-                "Times leave out {busy} of {rounds} rounds, in which other programs took the processors."
-            ),
-            false => format!(
-                "In {busy} of {rounds} rounds other programs took the processors: times are not to be relied on."
-            ),
-        }
-    }
-
     /// Summarises the `records` of a scene.
     pub fn of(
         subject: &Subject,
@@ -109,12 +94,12 @@ impl SceneFindings {
         errors: &[f64],
     ) -> Self {
         let name = &*subject.record.scene;
-        let (rounds, busy) = busy_rounds(name, records);
-        let left_out = rounds - busy.len() >= ENOUGH.min(rounds);
+        let (all_rounds, busy) = busy_rounds(name, records);
+        let is_enough = all_rounds - busy.len() >= ENOUGH.min(all_rounds);
+        let left = if is_enough { busy.clone() } else { BTreeSet::new() };
+        let (rounds, left_out) = (all_rounds - left.len(), left.len());
         let mut found = Self {
-            rounds,
-            busy: busy.len(),
-            left_out,
+            rounds: Rounds { rounds, left_out, busy: busy.len() - left_out },
             scene: subject.record.clone(),
             answer: Answer::default(),
             references: all(records)
@@ -125,9 +110,9 @@ impl SceneFindings {
             trials: all(records).filter(|t: &&TrialRecord| t.scene == name).cloned().collect(),
             steps: all(records).find(|s: &&StepsRecord| s.scene == name).cloned(),
         };
-        let left = if left_out { busy } else { BTreeSet::new() };
         found.families = families.iter().map(|f| found.summary(f, records, &left)).collect();
-        let varied = found.family(Axis::of(&subject.facts).name());
+        let counted = Axis::of(&subject.facts).things(2);
+        let varied = found.families.iter().find(|family| family.counted == counted);
         let prepared = all(records).filter(|p: &&PreparedRecord| p.scene == name);
         let before: Vec<f64> = prepared.map(|p| p.time.load + p.time.build).collect();
         let answer = varied.map(|f| Answer::of(f, median(&before), errors));
@@ -152,7 +137,7 @@ impl SceneFindings {
         records: &[Record],
         busy: &BTreeSet<u64>,
     ) -> Family<Point> {
-        let &Family { name, title, counted, target, .. } = family;
+        let &Family { name, title, ref counted, target, .. } = family;
         let floor = self.floor(target);
         let line = |line: &Series<setting::CountedSetting>| {
             let point = |point: &setting::CountedSetting| {
@@ -165,10 +150,11 @@ impl SceneFindings {
             let points: Vec<Point> = line.points.iter().filter_map(point).collect();
             let counts = |p: &&Point| p.above_noise && p.x >= SLOPE_FROM && converges(&p.key);
             let falling: Vec<_> = points.iter().filter(counts).map(|p| (p.x, &*p.each)).collect();
-            Series { name: line.name.clone(), slope: fit::slope(&falling), points }
+            let slope = fit::slope(&falling).filter(|_| !fit::stays(&falling));
+            Series { name: line.name.clone(), slope, points }
         };
         let series = family.series.iter().map(line).collect();
-        Family { name, title, counted, target, series }
+        Family { name, title, counted: counted.clone(), target, series }
     }
 }
 
@@ -214,7 +200,7 @@ pub const ERRORS: [f64; 3] = [0.02, 0.01, 0.005];
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct Answer {
     pub family: &'static str,
-    pub counted: &'static str,
+    pub counted: String,
     pub errors: Vec<AtError>,
 }
 
@@ -234,7 +220,7 @@ impl Answer {
     /// The answer of a `family` of settings, with the seconds `before` tracing.
     pub fn of(family: &Family<Point>, before: f64, errors: &[f64]) -> Self {
         let errors = errors.iter().map(|error| at_error(family, *error, before)).collect();
-        Self { family: family.name, counted: family.counted, errors }
+        Self { family: family.name, counted: family.counted.clone(), errors }
     }
 
     /// The cost of the error in the middle of those that were asked for, or of the smallest that was
@@ -246,18 +232,22 @@ impl Answer {
         let Some((at, sampler)) = at.and_then(|at| Some((at, at.sampler.as_ref()?))) else {
             return "No measured setting reaches any of the errors.".to_owned();
         };
-        let effect = match self.family {
-            "lights" => "Soft shadows",
-            "lens" => "Depth of field",
-            _ => "Antialiasing",
-        };
+        let effect =
+            match (self.family, self.counted.contains("light"), self.counted.contains("sky")) {
+                ("lights", true, true) => "Soft shadows and light from the sky",
+                ("lights", _, true) => "Light from the sky (ambient occlusion)",
+                ("lights", ..) => "Soft shadows",
+                ("lens", ..) => "Depth of field",
+                _ => "Antialiasing",
+            };
         let (error, points) = (figure(at.error * 100.0), figure(at.points.unwrap_or(0) as f64));
         let time = seconds(at.tracing.unwrap_or(0.0));
         let rival = match at.times_as_fast {
             _ if sampler == Sampling::Random.name() => "no other sampler is faster".to_owned(),
-            Some(ratio) if at.at_least => {
+            Some(ratio) if at.at_least && ratio.value >= 1.0 => {
                 format!("random ones do not reach it even in {:.1} times the time", ratio.value)
             }
+            Some(_) if at.at_least => "random ones do not reach it".to_owned(),
             Some(ratio) => format!("random ones take {:.1} times as long", ratio.value),
             None => "random ones were not measured".to_owned(),
         };

@@ -109,6 +109,17 @@ pub fn slope<V: AsRef<[f64]>>(points: &[(f64, V)]) -> Option<Uncertain> {
     })
 }
 
+/// Number of last points that show whether an error falls, and the least steep slope at which it does: at half
+/// of that of random points, what the points have no part in makes up half of the squared error.
+const LAST: usize = 3;
+const LEAST_SLOPE: f64 = -0.5;
+
+/// Whether the error of `points`, in the order of their counts, does not fall any more at the last ones.
+pub fn stays<V: AsRef<[f64]>>(points: &[(f64, V)]) -> bool {
+    let last = slope(&points[points.len().saturating_sub(LAST)..]);
+    last.is_some_and(|slope| slope.value > LEAST_SLOPE)
+}
+
 #[cfg(test)]
 mod tests {
     use rand::seq::SliceRandom;
@@ -138,6 +149,20 @@ mod tests {
         }
         assert_eq!(slope(&falling(-1.0, 0.0)[..2]), None);
         assert_eq!(slope(&[(1.0, vec![0.0]), (2.0, vec![1.0]), (3.0, vec![1.0])]), None);
+    }
+
+    #[test]
+    fn an_error_that_something_else_limits_does_not_fall_any_more() {
+        let above = |floor: f64| {
+            let points = falling(-1.0, 0.1).into_iter();
+            points.map(move |(x, each)| {
+                (x, each.into_iter().map(|mse| mse + floor).collect::<Vec<_>>())
+            })
+        };
+        // The last errors are near 1/16, 1/64 and 1/256.
+        for (floor, expected) in [(0.0, false), (1e-3, false), (0.1, true), (1e3, true)] {
+            assert_eq!(stays(&above(floor).collect::<Vec<_>>()), expected, "{floor}");
+        }
     }
 
     /// Of many experiments with a known mean, the share whose interval holds it is near the confidence.

@@ -12,6 +12,7 @@ use super::fit::Uncertain;
 use super::store::Circumstances;
 use super::sweep::Swept;
 use crate::bench::page::{command, recorded};
+use crate::measure::busy;
 use crate::page::{Block, Cell, Page, Section, Table};
 use crate::plot::number::{figure, seconds};
 use wavecrest_base::error::Result;
@@ -21,7 +22,9 @@ use wavecrest_base::error::Result;
 /// # Errors
 /// If a file cannot be written, or a scene can no longer be rendered for its crops.
 pub fn write(findings: &Findings, swept: &mut [Swept], results: &Path) -> Result<()> {
-    let mut first = answers(findings);
+    let busy = busy(findings.scenes.iter().map(|scene| scene.rounds));
+    let mut first = Vec::from_iter(busy.map(Block::Warning));
+    first.extend(answers(findings));
     let mut sections = Vec::new();
     for (scene, swept) in findings.scenes.iter().zip(swept) {
         first.extend(bought(scene, swept)?);
@@ -39,7 +42,6 @@ pub fn summary(findings: &Findings) -> Vec<Block> {
         blocks.push(Block::Heading(scene.scene.scene.clone()));
         blocks.extend(scene.families.iter().filter_map(tables::slopes).map(Block::Table));
         blocks.extend(tables::steps(scene));
-        blocks.extend(Some(scene.busy()).filter(|words| !words.is_empty()).map(Block::Paragraph));
     }
     blocks
 }
@@ -78,10 +80,9 @@ fn about(findings: &Findings) -> Section {
 fn section(scene: &SceneFindings, folder: &Path) -> Result<Section> {
     let [width, height] = scene.scene.size;
     let mut blocks = vec![Block::Paragraph(format!(
-        "{width} x {height} pixels, {} primitives. {} {}",
+        "{width} x {height} pixels, {} primitives. {}",
         scene.scene.primitives,
-        tables::references(scene),
-        scene.busy()
+        tables::references(scene)
     ))];
     let answered = format!("{}-time", scene.answer.family);
     for family in scene.families.iter().filter(|family| family.name != "precision") {
@@ -115,7 +116,9 @@ fn lead(findings: &Findings) -> String {
 fn answers(findings: &Findings) -> Vec<Block> {
     let all = || findings.scenes.iter().map(|scene| (scene, &scene.answer));
     let sentence = |(scene, answer): (&SceneFindings, &Answer)| {
-        Block::Paragraph(format!("`{}`: {}", scene.scene.scene, answer.sentence()))
+        let busy = busy([scene.rounds]).map_or_else(String::new, |words| format!(" {words}."));
+        let name = &scene.scene.scene;
+        Block::Paragraph(format!("`{name}`: {}{busy}", answer.sentence()))
     };
     let rows = all().flat_map(|(scene, a)| a.errors.iter().map(move |e| row(scene, a, e)));
     let caption = "The fastest measured setting that reaches each error (RMSE of linear values, 1 is white): its time of \

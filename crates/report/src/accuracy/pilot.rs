@@ -116,8 +116,7 @@ impl Chosen {
 impl fmt::Display for Chosen {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { points, axis, error, seconds } = self;
-        let points = axis.counted(*points);
-        write!(f, "{points}: ")?;
+        write!(f, "{}: ", axis.counted(*points))?;
         if error.is_finite() {
             write!(f, "expected error {}, ", figure(*error))?;
         }

@@ -111,7 +111,7 @@ fn setting(facts: &Facts, target: Target, least: u32) -> (Setting, u32) {
     }
     let side = (1..).find(|side| side * side >= least).unwrap_or(1);
     let points = Points { sampling: Sampling::Sobol, side };
-    let axis = if target == Target::Pixel { Axis::Pixel } else { Axis::of(facts) };
+    let axis = if target == Target::Pixel { Axis::Pixel(facts.lights) } else { Axis::of(facts) };
     (Setting { samples: axis.samples(points), ..Setting::default() }, points.count())
 }
 

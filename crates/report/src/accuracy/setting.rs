@@ -3,6 +3,7 @@
 use serde::Serialize;
 
 use super::fit::Uncertain;
+use wavecrest_core::kernels::light::{Emitter, Light};
 use wavecrest_core::kernels::precision::Precision;
 use wavecrest_core::math::sampling::{Points, Sampling};
 use wavecrest_core::prepared::{PreparedScene, Samples};
@@ -80,7 +81,7 @@ pub struct Family<P> {
     /// The property, as a heading.
     pub title: &'static str,
     /// The label of the count.
-    pub counted: &'static str,
+    pub counted: String,
     /// The target of the settings.
     pub target: Target,
     /// The settings by their other differences.
@@ -117,52 +118,56 @@ pub struct Facts {
     pub has_lens: bool,
     /// Whether a pixel has several rays.
     pub is_antialiased: bool,
-    /// Whether points on any light are sampled.
-    pub has_area_lights: bool,
+    /// Where random points of lights are; empty without any.
+    pub lights: &'static str,
     /// Largest number of bounces in use.
     pub bounces: u32,
 }
 
+/// Where points of lights are: with those of the sky, and with those of others.
+const PLACES: [[&str; 2]; 2] =
+    [["", "on each light"], ["of the sky", "on each light and of the sky"]];
+
 impl Facts {
     /// The facts of a scene.
     pub fn of(scene: &PreparedScene) -> Self {
+        // Of the sky of ambient light that is traced, or of others.
+        let is_sky = |light: &Light| matches!(light.emitter, Emitter::Around(_));
+        let has = |sky| scene.lights.iter().any(|light| light.is_sampled() && is_sky(light) == sky);
         Self {
             has_textures: !scene.appearance.images.is_empty(),
             has_lens: scene.camera.has_lens(),
             is_antialiased: scene.camera.antialias() > 1,
-            has_area_lights: scene.lights.iter().any(|light| light.is_sampled()),
+            lights: PLACES[usize::from(has(true))][usize::from(has(false))],
             bounces: scene.bounces,
         }
     }
 
     /// Whether `target` has any random samples.
     pub fn is_sampled(&self, target: Target) -> bool {
-        self.has_area_lights || self.has_lens || self.is_antialiased || target == Target::Pixel
+        *self.lights != *"" || self.has_lens || self.is_antialiased || target == Target::Pixel
     }
 }
 
-wavecrest_base::choices! {
-    /// The kind of samples to vary for a smaller error. Names are those of the families of settings
-    /// in which a sweep varies them.
-    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-    pub enum Axis {
-        /// Points on lights, for one ray a pixel.
-        Lights = "lights",
-        /// Rays through the lens.
-        Lens = "lens",
-        /// Rays through the pixel.
-        Pixel = "pixel",
-    }
+/// The kind of samples to vary for a smaller error, with the place of points of lights: see [`Facts::lights`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Axis {
+    /// Points on lights, for one ray a pixel.
+    Lights(&'static str),
+    /// Rays through the lens.
+    Lens(&'static str),
+    /// Rays through the pixel.
+    Pixel(&'static str),
 }
 
 impl Axis {
     /// The axis of a scene. Without other random samples it is the pixel, as edges alias.
     pub fn of(facts: &Facts) -> Self {
         match facts {
-            Facts { is_antialiased: true, .. } => Self::Pixel,
-            Facts { has_lens: true, .. } => Self::Lens,
-            Facts { has_area_lights: true, .. } => Self::Lights,
-            _ => Self::Pixel,
+            Facts { is_antialiased: true, lights, .. } => Self::Pixel(lights),
+            Facts { has_lens: true, lights, .. } => Self::Lens(lights),
+            Facts { lights: "", .. } => Self::Pixel(""),
+            Facts { lights, .. } => Self::Lights(lights),
         }
     }
 
@@ -172,27 +177,37 @@ impl Axis {
         let one = Some(Points { side: 1, ..points });
         let points = Some(points);
         match self {
-            Self::Lights => Samples { lights: points, lens: None, pixel: None },
-            Self::Lens => Samples { lights: one, lens: points, pixel: None },
-            Self::Pixel => Samples { lights: one, lens: one, pixel: points },
+            Self::Lights(_) => Samples { lights: points, lens: None, pixel: None },
+            Self::Lens(_) => Samples { lights: one, lens: points, pixel: None },
+            Self::Pixel(_) => Samples { lights: one, lens: one, pixel: points },
         }
     }
 
     /// The smallest grid whose error renders show.
     pub(super) fn least_side(self) -> u32 {
-        if self == Self::Pixel { 2 } else { 1 }
+        if matches!(self, Self::Pixel(_)) { 2 } else { 1 }
+    }
+
+    /// What so many of its points are.
+    pub(super) fn things(self, count: u32) -> String {
+        let s = if count == 1 { "" } else { "s" };
+        match self {
+            Self::Lights(place) => format!("point{s} {place}"),
+            Self::Lens(place) => format!("point{s} on the lens{}", each("one point", place)),
+            Self::Pixel(place) => format!("ray{s} per pixel{}", each("one point", place)),
+        }
     }
 
     /// A number of its points.
     pub(super) fn counted(self, points: Points) -> String {
-        let (thing, place) = match self {
-            Self::Lights => ("point", "on each light"),
-            Self::Lens => ("point", "on the lens"),
-            Self::Pixel => ("ray", "per pixel"),
-        };
-        let plural = if points.count() == 1 { "" } else { "s" };
-        format!("{} {} {thing}{plural} {place}", points.count(), points.sampling.name())
+        let count = points.count();
+        format!("{count} {} {}", points.sampling.name(), self.things(count))
     }
+}
+
+/// That each ray takes `points` of lights at a `place`; empty without any.
+fn each(points: &str, place: &str) -> String {
+    if place.is_empty() { String::new() } else { format!(", each with {points} {place}") }
 }
 
 /// Sides of square grids, in roughly equal ratios of their number of points.
@@ -201,14 +216,14 @@ const SIDES: [u32; 12] = [1, 2, 3, 4, 5, 6, 8, 11, 16, 23, 32, 45];
 /// Sides of grids of rays in a pixel when textures are compared.
 const FILTER_SIDES: [u32; 3] = [1, 2, 4];
 
-/// The families: name, title, what is counted, and the target.
-const FAMILIES: [(&str, &str, &str, Target); 6] = [
-    ("lights", "Points on lights", "points on each light", Target::Scene),
-    ("lens", "Points on the lens", "points on the lens", Target::Scene),
-    ("pixel", "Rays in a pixel", "rays a pixel", Target::Pixel),
-    ("bounces", "Bounces", "bounces", Target::Scene),
-    ("precision", "Precision", "precision", Target::Scene),
-    ("filter", "Texture filters", "rays a pixel", Target::Pixel),
+/// The families: name, title and target.
+const FAMILIES: [(&str, &str, Target); 6] = [
+    ("lights", "Points on lights", Target::Scene),
+    ("lens", "Points on the lens", Target::Scene),
+    ("pixel", "Rays in a pixel", Target::Pixel),
+    ("bounces", "Bounces", Target::Scene),
+    ("precision", "Precision", Target::Scene),
+    ("filter", "Texture filters", Target::Pixel),
 ];
 
 /// Largest number of different numbers of bounces.
@@ -216,29 +231,32 @@ const MOST_BOUNCES: u32 = 16;
 
 /// The families of a scene with these `facts`, with up to `most` points of a kind.
 pub fn families(facts: &Facts, most: u32) -> Vec<Family<CountedSetting>> {
-    let lights = |points| Samples { lights: Some(points), ..Samples::default() };
-    let lens = |points| Samples { lens: Some(points), ..Samples::default() };
+    let lights = facts.lights;
+    let along = |axis: Axis| (axis.things(2), sampled(most, axis));
+    let of_file = || format!("rays per pixel{}", each("the file's points", lights));
     let all = [
-        facts.has_area_lights.then(|| sampled(most, lights)),
-        facts.has_lens.then(|| sampled(most, lens)),
-        Some(sampled(most, |points| Axis::Pixel.samples(points))),
-        (facts.bounces > 0).then(|| bounces(facts.bounces)),
-        Some(precisions()),
-        facts.has_textures.then(filters),
+        (!lights.is_empty()).then(|| along(Axis::Lights(lights))),
+        facts.has_lens.then(|| along(Axis::Lens(lights))),
+        Some(along(Axis::Pixel(lights))),
+        (facts.bounces > 0).then(|| ("bounces".to_owned(), bounces(facts.bounces))),
+        Some(("precision".to_owned(), precisions())),
+        facts.has_textures.then(|| (of_file(), filters())),
     ];
-    let family = |((name, title, counted, target), series): (_, Option<_>)| {
-        Some(Family { name, title, counted, target, series: series? })
+    let family = |((name, title, target), found): (_, Option<(_, _)>)| {
+        let (counted, series) = found?;
+        let title = if counted == "points of the sky" { "Points of the sky" } else { title };
+        Some(Family { name, title, counted, target, series })
     };
     FAMILIES.into_iter().zip(all).filter_map(family).collect()
 }
 
-/// A series for each sampler, with up to `most` of the points from which `samples` are made.
-fn sampled(most: u32, samples: fn(Points) -> Samples) -> Vec<Series<CountedSetting>> {
+/// A series for each sampler, with up to `most` points along an axis.
+fn sampled(most: u32, axis: Axis) -> Vec<Series<CountedSetting>> {
     let line = |sampling: Sampling| {
         let sides = SIDES.into_iter().filter(|side| side * side <= most);
         let point = |side| {
             let points = Points { sampling, side };
-            counted(points, Setting { samples: samples(points), ..Setting::default() })
+            counted(points, Setting { samples: axis.samples(points), ..Setting::default() })
         };
         series(sampling.name(), sides.map(point))
     };
@@ -283,4 +301,40 @@ fn counted(points: Points, setting: Setting) -> CountedSetting {
 
 fn series(name: &str, points: impl IntoIterator<Item = CountedSetting>) -> Series<CountedSetting> {
     Series { name: name.to_owned(), slope: None, points: points.into_iter().collect() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn points_are_named_by_what_they_are_on_and_rays_by_their_points() {
+        let facts = |lights, has_lens, is_antialiased| {
+            let (has_textures, bounces) = (false, 0);
+            Facts { has_textures, has_lens, is_antialiased, lights, bounces }
+        };
+        let [[none, lights], [sky, both]] = PLACES;
+        for (facts, words) in [
+            (facts(none, false, false), "4 sobol rays per pixel"),
+            (facts(lights, false, false), "4 sobol points on each light"),
+            (facts(sky, false, false), "4 sobol points of the sky"),
+            (facts(both, false, false), "4 sobol points on each light and of the sky"),
+            (facts(none, true, false), "4 sobol points on the lens"),
+            (
+                facts(lights, true, false),
+                "4 sobol points on the lens, each with one point on each light",
+            ),
+            (facts(sky, true, true), "4 sobol rays per pixel, each with one point of the sky"),
+        ] {
+            let points = Points { sampling: Sampling::Sobol, side: 2 };
+            let axis = Axis::of(&facts);
+            assert_eq!(axis.counted(points), words);
+            // The family that a sweep answers for.
+            let found = families(&facts, 4).into_iter().find(|f| f.counted == axis.things(2));
+            assert_eq!(
+                found.map(|found| found.target == Target::Pixel),
+                Some(words.contains("rays"))
+            );
+        }
+    }
 }

@@ -4,7 +4,7 @@
 //! first run, outliers. Each names the observation and the option that helps.
 
 use super::compare::{BenchComparison, VariantBench};
-use crate::measure::Rounds;
+use crate::measure::busy;
 use crate::plot::number::plural;
 use crate::summary::{CONFIDENCE, ENOUGH};
 
@@ -54,7 +54,7 @@ pub fn warnings(found: &BenchComparison) -> Vec<String> {
             format!("times ({label}) vary: half of them are within {spread:.0} % of the median");
         warn(v.seconds.spread() > WIDE, format!("{text}: {what}"));
     }
-    let Rounds { rounds, busy, .. } = found.rounds;
+    let rounds = found.rounds.rounds;
     let percent = 100.0 * CONFIDENCE;
     warn(
         (1..ENOUGH).contains(&rounds),
@@ -63,19 +63,19 @@ pub fn warnings(found: &BenchComparison) -> Vec<String> {
             plural(rounds, "round")
         ),
     );
-    warn(
-        busy > 0,
-        format!("other programs used the processors in {busy} of {rounds} rounds: close them"),
-    );
-    let share = |v: &VariantBench| Some(v.processors? / v.variant.threads as f64);
-    if let Some(best) = found.variants.iter().filter_map(share).reduce(f64::max) {
-        let percent = 100.0 * best;
-        warn(
-            best < LEAST_SHARE,
-            format!(
-                "the threads got {percent:.0} % of the processors: close other programs, or render a larger image"
-            ),
-        );
-    }
+    let used = busy([found.rounds]).filter(|_| found.rounds.busy > 0).map(|w| w.to_lowercase());
+    warnings.extend(used.into_iter().chain(waiting(found)));
     warnings
+}
+
+/// That threads waited for processors, or for work.
+pub(super) fn waiting(found: &BenchComparison) -> Option<String> {
+    let share = |v: &VariantBench| Some(v.processors? / v.variant.threads as f64);
+    let best = found.variants.iter().filter_map(share).reduce(f64::max)?;
+    let percent = 100.0 * best;
+    (best < LEAST_SHARE).then(|| {
+        format!(
+            "the threads got {percent:.0} % of the processors: close other programs, or render a larger image"
+        )
+    })
 }

@@ -8,9 +8,11 @@ use std::path::Path;
 use serde::Serialize;
 use serde_json::Value;
 
-use super::compare::{Ratio, VariantBench, sum};
-use super::machine::Machine;
+use super::advice::waiting;
+use super::compare::{VariantBench, sum};
+use super::machine::{Cache, Machine};
 use super::report::{BenchReport, SceneBench};
+use crate::measure;
 use crate::page::{Block, Cell, Fact, Page, Section, Table, file_name};
 use crate::plot::number::{figure, plural};
 use crate::plot::{Axis, Scale, Series};
@@ -25,15 +27,36 @@ pub fn page(report: &BenchReport) -> Page {
         sections.push(Section::new("Speed", overview(&report.scenes)));
     }
     for scene in &report.scenes {
-        let title = format!("`{}`", scene.setting.scene);
+        let title = format!("`{}`", name(scene, &report.scenes));
         sections.push(Section::new(title, self::scene(scene, &report.machine)));
     }
     let facts = recorded(&report.machine, report.version, report.commit.as_deref());
     let command = Block::Code(command(&report.command));
     sections.push(Section::new("How it was measured", vec![Block::Facts(facts), command]));
     let title = "Wavefront against recursive".to_owned();
-    Page { title, lead: lead(&report.scenes), sections, ..Page::default() }
+    let mut first = Vec::from_iter(busy(&report.scenes).map(Block::Warning));
+    first.push(Block::Paragraph(STEPS.to_owned()));
+    Page { title, lead: lead(&report.scenes), first, sections }
 }
+
+/// The name of a scene's file; its path if `all` have another file of this name.
+fn name<'a>(scene: &'a SceneBench, all: &'a [SceneBench]) -> &'a str {
+    let file = |path: &'a str| path.rsplit(std::path::is_separator).next().unwrap_or(path);
+    let (path, name) = (&scene.setting.scene, file(&scene.setting.scene));
+    let same = all.iter().filter(|other| file(&other.setting.scene) == name);
+    if same.count() == 1 { name } else { path }
+}
+
+/// What other programs did to the measurement, in all scenes together.
+fn busy(scenes: &[SceneBench]) -> Option<String> {
+    let lists = || scenes.iter().flat_map(|scene| &scene.comparisons);
+    measure::busy(lists().map(|found| found.rounds)).or_else(|| lists().find_map(waiting))
+}
+
+/// What the steps from the recursive tracer to the wavefront are.
+pub const STEPS: &str = "The steps to the wavefront: order, many paths go through each pass together instead of one to \
+                         its end; flight, 64 rays are in the tree at once, so that none waits for memory alone; \
+                         packets, rays of neighbouring pixels go through the tree as one.";
 
 /// Writes every chart of the `page` to `folder`, which is made. Names begin with that of the scene.
 ///
@@ -56,7 +79,8 @@ pub fn write_figures(page: &Page, folder: &Path) -> Result<()> {
 
 /// The results in a few sentences.
 fn lead(scenes: &[SceneBench]) -> String {
-    let ratios: Vec<f64> = scenes.iter().filter_map(speed).map(|r| r.interval.median).collect();
+    let tracers = scenes.iter().filter_map(SceneBench::tracers);
+    let ratios: Vec<f64> = tracers.map(|[_, v]| v.ratio.interval.median).collect();
     let mut sentences: Vec<String> = match (&ratios[..], scenes) {
         ([], []) => vec!["Nothing was measured.".to_owned()],
         ([], _) => Vec::new(),
@@ -70,6 +94,7 @@ fn lead(scenes: &[SceneBench]) -> String {
             )]
         }
     };
+    sentences.extend(busy(scenes).map(|_| "The machine was busy.".to_owned()));
     let different = scenes.iter().filter(|scene| !scene.equal).count();
     match different {
         0 if scenes.is_empty() => {}
@@ -77,11 +102,6 @@ fn lead(scenes: &[SceneBench]) -> String {
         _ => sentences.push(format!("Images differ in {}.", plural(different, "scene"))),
     }
     sentences.join(" ")
-}
-
-/// The speed of the wavefront over that of the recursive tracer.
-fn speed(scene: &SceneBench) -> Option<&Ratio> {
-    scene.tracers().map(|[_, wavefront]| &wavefront.ratio)
 }
 
 /// The speed of the wavefront, the gain of each step to it, and what takes most of its time, in a sentence.
@@ -131,10 +151,10 @@ pub fn overview(scenes: &[SceneBench]) -> Vec<Block> {
     let measured = || scenes.iter().filter_map(|scene| Some((scene, scene.tracers()?)));
     let points =
         measured().enumerate().map(|(row, (_, [_, wavefront]))| point(row as f64, wavefront));
-    let names = measured().map(|(scene, _)| scene.setting.scene.clone()).collect();
+    let names = measured().map(|(scene, _)| name(scene, scenes).to_owned()).collect();
     let row = |(scene, [recursive, wavefront]): (&SceneBench, [&VariantBench; 2])| {
         vec![
-            Cell::text(format!("`{}`", scene.setting.scene)),
+            Cell::text(format!("`{}`", name(scene, scenes))),
             Cell::figure(scene.triangles as f64),
             Cell::figure(scene.rays.all() as f64),
             Cell::decimals(wavefront.mrays_s, 3),
@@ -173,7 +193,8 @@ fn facts(scene: &SceneBench, machine: &Machine) -> Vec<Fact> {
     let (image, rays, setting) = (&scene.image, &scene.rays, &scene.setting);
     let [primary, secondary, shadow] =
         [rays.primary, rays.secondary, rays.shadow].map(|count| figure(count as f64));
-    let samples = plural(image.samples_per_pixel as usize, "camera ray");
+    let samples =
+        plural(image.samples_per_pixel as usize, "camera ray") + " each but for background";
     let kinds = [
         (scene.triangles, "triangle"),
         (scene.quads, "quad"),
@@ -183,22 +204,18 @@ fn facts(scene: &SceneBench, machine: &Machine) -> Vec<Fact> {
     ];
     let kinds = kinds.iter().filter(|(count, _)| *count > 0).map(|(n, name)| plural(*n, name));
     let (load, build, preset) = (setting.time.load, setting.time.build, setting.preset.name());
-    let [path, batch] = [scene.bytes_per_path, setting.batch].map(|count| count as u64);
-    let caches = machine.caches.iter().map(|c| format!("L{} {}", c.level, size(c.bytes)));
-    let caches = caches.collect::<Vec<_>>().join(", ");
-    let caches = if caches.is_empty() { caches } else { format!("; caches: {caches}") };
+    let (path, batch) = (scene.bytes_per_path, setting.batch);
+    let cache = |c: &Cache| format!(", L{} of {}", c.level, size(c.bytes));
+    let caches: String = machine.caches.iter().map(cache).collect();
     let kernel = format!("kernel {}, {}", setting.kernel.name(), setting.simd.name());
     let peak =
         scene.memory.peak.map(|peak| format!("{:.1} MB, whole process so far", peak as f64 / 1e6));
     let facts = [
-        ("image", format!("{} × {} pixels, {samples} each", image.width, image.height)),
+        ("image", format!("{} × {} pixels, {samples}", image.width, image.height)),
         ("scene", kinds.collect::<Vec<_>>().join(", ")),
         ("rays a run", format!("{primary} primary, {secondary} secondary, {shadow} shadow")),
         ("prepared", format!("loaded in {load:.3} s, BVH ({preset}) built in {build:.3} s")),
-        (
-            "ray state",
-            format!("{path} bytes a path, {} a batch of {}{caches}", size(path * batch), batch),
-        ),
+        ("ray state, caches", format!("{path} bytes a path, {batch} paths in a batch{caches}")),
         (
             "settings",
             format!("{kernel}, {} precision, seed {}", setting.precision.name(), setting.seed),

@@ -11,10 +11,10 @@ use serde_json::{Value, json};
 use super::compare::{BenchComparison, compare};
 use super::equal::RunDifference;
 use super::machine::{caches, processor};
-use super::page::{gains, overview, page, scene, write_figures};
+use super::page::{self, gains, overview, page, scene, write_figures};
 use super::variant::{BATCHES, ListedVariant, Variant, Varied};
 use super::*;
-use crate::measure::{RoundLimits, Timing};
+use crate::measure::{RoundLimits, Rounds, Timing};
 use crate::page::{Block, Page, Section};
 use crate::plot::Chart;
 use crate::text::text;
@@ -244,7 +244,7 @@ fn the_text_has_the_answer_first_and_work_beside_time() {
     assert!(shown.starts_with(&start), "{shown}");
     assert!(shown.contains("order 1.25") && gains(&ladder.variants).starts_with("order 1.25"));
     for part in [
-        "24 × 16 pixels, 1 camera ray each\n",
+        "24 × 16 pixels, 1 camera ray each but for background\n",
         "1 sphere, 1 light\n",
         "loaded in 0.500 s, BVH (fast) built in 0.250 s",
         "6 rounds, all images",
@@ -369,6 +369,27 @@ fn the_page_has_the_figures_of_the_report() {
     ] {
         assert!(folder.path().join(name).is_file(), "{name}");
     }
+}
+
+#[test]
+fn a_busy_machine_is_told_first_and_scenes_have_the_names_of_their_files() {
+    let quiet = page(&report_of(vec![steady()]));
+    assert!(quiet.first.len() == 1 && !quiet.lead.contains("busy"), "{}", quiet.lead);
+    assert_eq!(quiet.html().matches(page::STEPS).count(), 1);
+    let of = |name: &str, left_out, busy| {
+        let mut found = steady();
+        found.setting.scene = name.to_owned();
+        found.comparisons[0].rounds = Rounds { rounds: 6, left_out, busy };
+        found
+    };
+    let found = page(&report_of(vec![of("a/s.json", 2, 1), of("b/t.json", 1, 0)]));
+    let [Block::Warning(words), _] = &found.first[..] else { panic!("{:?}", found.first) };
+    assert!(words.contains("in 4 of 15 rounds, 3 of them left out"), "{words}");
+    assert!(found.lead.contains("The machine was busy."), "{}", found.lead);
+    let titles = |page: &Page| page.sections.iter().map(|s| s.title.clone()).collect::<Vec<_>>();
+    assert_eq!(titles(&found)[1..3], ["`s.json`", "`t.json`"]);
+    let alike = page(&report_of(vec![of("a/s.json", 0, 0), of("b/s.json", 0, 0)]));
+    assert_eq!(titles(&alike)[1..3], ["`a/s.json`", "`b/s.json`"]);
 }
 
 #[test]

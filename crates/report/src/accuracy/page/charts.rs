@@ -45,13 +45,13 @@ fn against_samples(family: &Family<Point>, scene: &SceneFindings) -> Chart {
     if floor > 0.0 {
         guides.push(Guide::at("noise", floor));
     }
-    let odd = if family.name == "lights" { ODD } else { "" };
+    let odd = if family.title == "Points on lights" { ODD } else { "" };
     let theory = if family.series.iter().any(|line| line.slope.is_some()) { SLOPES } else { "" };
     let title = format!("{}: error against {}", scene.scene.scene, family.counted);
     let caption = format!(
         "{theory}{odd}Below the line `noise`, an error is not distinguishable from that of the reference."
     );
-    Chart { guides, ..chart(title, family, log(family.counted, ""), |p| p.x, caption) }
+    Chart { guides, ..chart(title, family, log(&family.counted, ""), |p| p.x, caption) }
 }
 
 /// The error against time.
@@ -66,7 +66,7 @@ fn bounces(family: &Family<Point>) -> Chart {
     let title = "Error against the number of bounces".to_owned();
     let caption = "With the scene's own samples. The last point has all bounces: only sampling contributes to its \
                    error.";
-    let axis = Axis::new(family.counted, "", Scale::Linear);
+    let axis = Axis::new(&family.counted, "", Scale::Linear);
     chart(title, family, axis, |p| p.x, caption.to_owned())
 }
 

@@ -1,7 +1,7 @@
 //! Findings as tables.
 
-use crate::accuracy::findings::{Point, SceneFindings};
-use crate::accuracy::setting::{Family, Series, Target};
+use crate::accuracy::findings::{Point, SLOPE_FROM, SceneFindings};
+use crate::accuracy::setting::{Family, Series, Target, converges};
 use crate::accuracy::store::{ReferenceRecord, StepRecord};
 use crate::page::{Block, Cell, Section, Table};
 use crate::plot::number::figure;
@@ -41,7 +41,12 @@ pub(super) fn of(family: &Family<Point>) -> Vec<Block> {
 
 pub(super) fn slopes(family: &Family<Point>) -> Option<Table> {
     let row = |series: &Series<Point>| {
-        let slope = series.slope?;
+        let counts = |p: &&Point| p.x >= SLOPE_FROM && converges(&p.key);
+        let Some(slope) = series.slope else {
+            let row = [&*series.name, "no longer falls above the noise", "", "", ""];
+            let is_long = series.points.iter().filter(counts).count() > 2;
+            return is_long.then(|| row.map(Cell::text).to_vec());
+        };
         let interval = |low: f64, high: f64| Cell::text(format!("{low:.3} to {high:.3}"));
         Some(vec![
             Cell::text(series.name.clone()),

@@ -204,7 +204,7 @@ mod tests {
         let clock = || *now.lock().expect("one thread");
         let mut points = Vec::new();
         let budget = Budget::new(&clock, seconds, 1.0);
-        let done = in_time(Axis::Lights, &budget, OVERHEAD, |choice, pace| {
+        let done = in_time(Axis::Pixel(""), &budget, OVERHEAD, |choice, pace| {
             let count = choice.points.count();
             points.push(count);
             for tile in 0..TILES {

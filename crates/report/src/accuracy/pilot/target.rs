@@ -97,8 +97,8 @@ mod tests {
     #[test]
     fn a_target_out_of_reach_ends_at_the_most_points() {
         let points = |side| Points { sampling: Sampling::Sobol, side };
-        let choice =
-            |side| Chosen { axis: Axis::Pixel, points: points(side), error: 0.5, seconds: 2.0 };
+        let axis = Axis::Pixel("");
+        let choice = |side| Chosen { axis, points: points(side), error: 0.5, seconds: 2.0 };
         let next = finer(&choice(4), 1.5).unwrap();
         assert_eq!((next.points.side, next.seconds), (6, 4.5));
         assert_eq!(finer(&choice(4), 1.0001).unwrap().points.side, 5);

@@ -4,6 +4,7 @@ use super::size;
 use crate::bench::compare::{BenchComparison, VariantBench};
 use crate::bench::machine::Machine;
 use crate::bench::variant::Varied;
+use crate::measure::busy;
 use crate::page::{Block, Cell, Table};
 use crate::plot::number::{plural, time_unit};
 use crate::plot::{Axis, Chart, Draw, Guide, Point, Scale, Series};
@@ -33,14 +34,8 @@ pub(super) fn comparison(found: &BenchComparison, rays: &Rays, machine: &Machine
         blocks.push(Block::Warning(different.words()));
         return blocks;
     }
-    let note = format!(
-        "{}{}, all images bit-identical.",
-        plural(found.rounds.rounds, "round"),
-        match found.rounds.left_out {
-            0 => String::new(),
-            n => format!(", and {n} left out because other programs used the processors"),
-        }
-    );
+    let busy = busy([found.rounds]).map_or_else(String::new, |words| format!(" {words}."));
+    let note = format!("{}, all images bit-identical.{busy}", plural(found.rounds.rounds, "round"));
     let caption = format!("Speed over that of {over}. {note}");
     let (axis, points) = speeds_of(found);
     let chart = speeds(title, &caption, axis, points);
@@ -178,7 +173,7 @@ fn work(found: &BenchComparison, rays: &Rays, machine: &Machine) -> Table {
     let caption = match found.of {
         Varied::Ladder => {
             "Nodes visited and primitives tested for a ray; closest-hit rays that are traced together, of a packet at a \
-             node and in flight; and the ray state of a batch, with the nearest cache that holds it for all threads."
+             node and in flight; and the ray state of a batch, with a few paths to spare, and the nearest cache that holds it for all threads."
         }
         _ => "Work and ray state, as above.",
     };
