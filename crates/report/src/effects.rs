@@ -23,6 +23,7 @@
 //! | `.seconds` | seconds | of a run, as in [`super::bench`] |
 //! | `.seconds_per_mray` | seconds | the median for 10^6 rays of any kind |
 //! | `.price` | | seconds over those of the scene that it was added to: median and interval, as in [`super::bench`]; `null` for the first scenes |
+//! | `.nanoseconds_a_hit` | ns | of a map: the processor time that it adds for each hit on a surface; `null` for other effects, and if the system does not tell it |
 
 mod list;
 pub mod scenes;
@@ -31,14 +32,15 @@ use crate::bench::equal::RunDifference;
 use crate::bench::{Machine, Ratio};
 use crate::measure::{RoundLimits, Rounds, Timing};
 use crate::statistics::Rays;
-use crate::summary::Summary;
+use crate::summary::{Summary, median};
 use scenes::SceneVariant;
 use wavecrest_base::error::Result;
+use wavecrest_core::plan::Effect;
 use wavecrest_core::prepared::PreparedScene;
 use wavecrest_core::render::{Rendered, TracerKind};
 use wavecrest_core::wavefront::batch::Batch;
 
-pub use list::{Cost, EffectSetting, Price, PriceList, blocks, text};
+pub use list::{Cost, EffectSetting, Price, PriceList, text};
 
 /// A prepared scene of the list.
 #[derive(Debug)]
@@ -92,31 +94,40 @@ pub fn measure(
     let measured = crate::measure::measure(TRACERS.len() * entries.len(), schedule, run, progress)?;
     let Some(measured) = measured else { return Ok(list) };
     list.rounds = measured.rounds;
-    let each = |runs: &Vec<(Timing, ())>| runs.iter().map(|(timing, ())| timing.seconds).collect();
-    let seconds: Vec<Vec<f64>> = measured.variants.iter().map(each).collect();
+    let all = |of: fn(&Timing) -> f64| -> Vec<Vec<f64>> {
+        let each = |runs: &Vec<(Timing, ())>| runs.iter().map(|(timing, ())| of(timing)).collect();
+        measured.variants.iter().map(each).collect()
+    };
+    let (seconds, processor) = (all(|t| t.seconds), all(|t| t.processor.unwrap_or(f64::NAN)));
     list.effects = firsts
         .iter()
         .enumerate()
-        .filter_map(|(index, first)| price(entries, &seconds, index, first))
+        .filter_map(|(index, first)| price(entries, [&seconds, &processor], index, first))
         .collect();
     Ok(list)
 }
 
 fn price(
     entries: &[EffectScene],
-    seconds: &[Vec<f64>],
+    [seconds, processor]: [&[Vec<f64>]; 2],
     index: usize,
     first: &Rendered,
 ) -> Option<Price> {
     let EffectScene { variant, scene } = &entries[index];
     let rays = Rays::from(&first.counters);
+    let hits = (first.counters.look_ups.plain + first.counters.look_ups.mapped) as f64;
+    let has_images = !scene.appearance.images.is_empty() || scene.plan.has(Effect::CutOuts);
+    let map_of = variant.added_to.filter(|_| variant.reached && has_images);
     let cost = |tracer: usize| {
         let place = |entry: usize| entry * TRACERS.len() + tracer;
         let ratio = |base| Ratio::of(seconds, place(index), place(base));
         let summary = Summary::of(&seconds[place(index)])?;
+        let time = |entry: usize| median(&processor[place(entry)]);
+        let a_hit = |base| 1e9 * (time(index) - time(base)) / hits;
         Some(Cost {
             seconds_per_mray: summary.median / rays.all().max(1) as f64 * 1e6,
             price: variant.added_to.and_then(ratio),
+            nanoseconds_a_hit: map_of.map(a_hit),
             seconds: summary,
         })
     };

@@ -7,7 +7,7 @@ use serde::Serialize;
 use crate::bench::equal::RunDifference;
 use crate::bench::page::machine;
 use crate::bench::{Machine, Ratio};
-use crate::measure::Rounds;
+use crate::measure::{Rounds, busy};
 use crate::page::{Block, Cell, Table};
 use crate::statistics::{ImageSize, Rays, Samples};
 use crate::summary::Summary;
@@ -58,6 +58,7 @@ pub struct Cost {
     pub seconds: Summary,
     pub seconds_per_mray: f64,
     pub price: Option<Ratio>,
+    pub nanoseconds_a_hit: Option<f64>,
 }
 
 /// The list for a terminal, with the machine.
@@ -65,30 +66,26 @@ pub fn text(list: &PriceList) -> String {
     let mut blocks = vec![Block::Facts(machine(&list.machine))];
     match &list.difference {
         None => blocks.extend(self::blocks(list)),
-        Some(differs) => {
-            blocks.push(Block::Warning(differs.words()));
-        }
+        Some(differs) => blocks.push(Block::Warning(differs.words())),
     }
     crate::text::text(&blocks)
 }
 
 /// The cost of each effect with both tracers.
-pub fn blocks(list: &PriceList) -> Vec<Block> {
+fn blocks(list: &PriceList) -> Vec<Block> {
     let table = |caption: &str, reached: bool| {
-        let header = "effect|added to|>wavefront|>ns a ray|>recursive|>ns a ray|>bytes a path";
+        let header = "effect|added to|>wavefront|>ns a ray|>map, ns a hit|>recursive|>ns a ray|>map, ns a hit|>bytes a path";
         let rows = list.effects.iter().filter(|p| p.reached == reached).map(row).collect();
         Block::Table(Table::new(caption, header, rows))
     };
     let [width, height] = list.image.map_or([0; 2], |image| [image.width, image.height]);
-    let left_out = match list.rounds.left_out {
-        0 => String::new(),
-        n => format!(", without {n} in which other programs used the processors"),
-    };
+    let busy = busy([list.rounds]).map_or_else(String::new, |words| format!(" {words}."));
     let lead = format!(
-        "Each effect is added on its own to a small scene of {} x {} pixels. The ratio is the time with the effect \
-         over the time without it, round by round, in {} rounds{left_out}. Bytes are those of the columns of the \
-         wavefront tracer.",
-        width, height, list.rounds.rounds
+        "Each effect is added on its own to a small scene of {width} x {height} pixels. The ratio is the time with the effect \
+         over the time without it, round by round, in {} rounds.{busy} For maps there are also the \
+         nanoseconds of a processor that they add for each hit on a surface. Bytes are those of the columns of the wavefront \
+         tracer.",
+        list.rounds.rounds
     );
     vec![
         Block::Paragraph(lead),
@@ -103,8 +100,10 @@ fn row(p: &Price) -> Vec<Cell> {
     [names, costs, vec![Cell::figure(p.bytes_per_path as f64)]].concat()
 }
 
-/// The ratio, and the time of a ray.
+/// The ratio, the time of a ray, and what a map adds for each hit.
 fn cells(cost: &Cost) -> Vec<Cell> {
     let ratio = cost.price.as_ref().map_or_else(|| Cell::text("1"), Ratio::cell);
-    vec![ratio, Cell::decimals(cost.seconds_per_mray * 1e3, 1)]
+    let a_hit = cost.nanoseconds_a_hit.filter(|ns| ns.is_finite());
+    let a_hit = a_hit.map_or_else(Cell::default, |ns| Cell::decimals(ns, 1));
+    vec![ratio, Cell::decimals(cost.seconds_per_mray * 1e3, 1), a_hit]
 }

@@ -61,6 +61,18 @@ fn a_visible_effect_that_should_be_hidden_ends_the_measurement() {
     assert!(found.effects.is_empty() && text(&found).contains("THE WORK DIFFERS"));
 }
 
+/// The kinds of maps, cut-outs among them.
+#[test]
+fn maps_in_view_are_priced_by_the_hit() {
+    let found = measure(&entries(), setting(), &schedule(), trace, &mut |_, _| {}).expect("a list");
+    let is_map = |name: &str| ["a texture,", "map", "cut-outs"].iter().any(|w| name.contains(w));
+    for price in &found.effects {
+        let costs = [&price.wavefront, &price.recursive];
+        let is_priced = costs.map(|cost| cost.nanoseconds_a_hit.is_some());
+        assert_eq!(is_priced, [price.reached && is_map(&price.effect); 2], "{}", price.effect);
+    }
+}
+
 #[test]
 fn tracers_that_disagree_end_it_too() {
     let entries = entries();
