@@ -12,7 +12,7 @@ use super::input::{Made, SceneOptions};
 use wavecrest_base::error::Result;
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::kernels::precision::Precision;
-use wavecrest_core::plan::schedule::{ColumnGroup, PASSES, Pass};
+use wavecrest_core::plan::schedule::{ColumnGroup, PASSES, Pass, Step};
 use wavecrest_core::prepared::PreparedScene;
 use wavecrest_core::render::{RenderOptions, Rendered, render};
 use wavecrest_core::wavefront::DEFAULT_BATCH;
@@ -229,7 +229,11 @@ fn text(e: &Explanation<'_>) -> String {
     for pass in &PASSES {
         let name =
             format!("{}{}", if pass.part_of.is_some() { "  " } else { "" }, pass.step.name());
-        text += &marked(plan.schedule().runs(pass.step), &name, &plan.reason(pass));
+        let (mut reason, share) = (plan.reason(pass), 100.0 * e.expected.maps);
+        if pass.step == Step::Shade && share > 0.0 {
+            reason += &format!("; for maps and light that passes: about {share:.0} % of tracing");
+        }
+        text += &marked(plan.schedule().runs(pass.step), &name, &reason);
     }
     text += "effects (+ simulated, - skipped)\n";
     for decision in plan.decisions() {

@@ -15,7 +15,7 @@ use wavecrest_core::kernels::texture::Filter;
 use wavecrest_core::prepared::{Class, PreparedScene};
 use wavecrest_core::render::units::Blocks;
 use wavecrest_core::render::{RenderOptions, batch_size, camera_rays, work};
-use wavecrest_core::tile::{Tile, TraceSettings, Unit};
+use wavecrest_core::tile::{Tile, Timed, TraceSettings, Unit};
 
 /// Upper bounds on the counts of a render; they are 0 only for work that cannot occur. Where surfaces
 /// let light through there is no bound on the rays that go on from them: [`u64::MAX`] stands for it, and `null` in JSON.
@@ -108,6 +108,8 @@ pub struct Expected {
     pub samples: Samples,
     /// Seconds of tracing, on the threads of the current pool.
     pub seconds: f64,
+    /// The share of these in which hits on surfaces with maps, or that let light through, are shaded.
+    pub maps: f64,
     /// Seconds in which rays build chunks of trees, on the same threads.
     pub building: f64,
 }
@@ -128,11 +130,11 @@ impl Expected {
         let rows = (0..height).step_by(ROWS_APART).map(|y| Tile { x: 0, y, width, height: 1 });
         let rows: Vec<_> = rows.filter(|_| scene.accel.chunks().is_some()).collect();
         scene.appearance.decode()?;
-        let (of_rows, first) = trace(scene, options, &rows, 1);
+        let (of_rows, [first, _]) = trace(scene, options, &rows, 1);
         // Another run warms the caches.
         trace(scene, options, &tiles, samples);
         scene.appearance.check()?;
-        let (counters, seconds) = trace(scene, options, &tiles, samples);
+        let (counters, [seconds, maps]) = trace(scene, options, &tiles, samples);
         let paths = u64::from(width) * u64::from(height) * u64::from(scene.camera.rays_per_pixel());
         let scale = paths as f64 / counters.primary_rays as f64;
         let threads = rayon::current_num_threads() as f64;
@@ -151,6 +153,7 @@ impl Expected {
                 footprints: all(found.footprints),
             },
             seconds: seconds * scale / threads,
+            maps: maps / seconds,
             building: (first - usual).max(0.0) / threads,
         })
     }
@@ -182,13 +185,13 @@ pub(crate) fn tiles(
 }
 
 /// Renders `samples` samples of each pixel of the tiles. Returns counts, and seconds summed over
-/// threads.
+/// threads: all, and those in which hits on surfaces with maps are shaded.
 fn trace(
     scene: &PreparedScene,
     options: &RenderOptions,
     tiles: &[Tile],
     samples: u32,
-) -> (Counters, f64) {
+) -> (Counters, [f64; 2]) {
     let batch = batch_size(scene, options.batch);
     let settings = TraceSettings { seed: options.seed, batch, time_passes: false };
     let one = |tile: &Tile| {
@@ -196,11 +199,13 @@ fn trace(
         let start = Instant::now();
         let mut sums = vec![[0.0; 3]; tile.len()];
         tracer.render(scene, &Unit { tile: *tile, samples: 0..samples }, &mut sums, &|| false);
-        (tracer.counters(), start.elapsed().as_secs_f64())
+        let seconds = start.elapsed().as_secs_f64();
+        let maps = tracer.pass_seconds().get(Timed::Maps as usize).map_or(0.0, |(_, maps)| *maps);
+        (tracer.counters(), [seconds, maps])
     };
-    let add = |(mut counters, seconds): (Counters, f64), (more, longer)| {
+    let add = |(mut counters, [a, b]): (Counters, [f64; 2]), (more, [c, d]): (_, [f64; 2])| {
         counters += more;
-        (counters, seconds + longer)
+        (counters, [a + c, b + d])
     };
-    tiles.par_iter().map(one).reduce(|| (Counters::default(), 0.0), add)
+    tiles.par_iter().map(one).reduce(|| (Counters::default(), [0.0; 2]), add)
 }
