@@ -26,7 +26,8 @@ use wavecrest_scene::mesh;
 /// Trace a file of rays against a mesh, and print the speed.
 ///
 /// Hits strictly between each ray's t_min and t_max count. Rays of an any-hit file are traced as any-hit queries.
-/// The results are compared with those in the file.
+/// The results are compared with those in the file. A ray is invalid, and counts as a miss, if it is
+/// not finite, has no direction, or has a coordinate of its origin beyond 2^127.
 #[derive(Clone, Debug, clap::Args)]
 pub(crate) struct TraceArgs {
     /// Mesh (.ply, .obj, .stl)
@@ -78,6 +79,8 @@ pub(crate) fn run(args: &TraceArgs) -> Result<()> {
 
 fn run_here(args: &TraceArgs) -> Result<()> {
     let start = Instant::now();
+    // Either file may be large.
+    mesh::survey(&args.mesh)?;
     let mut file = RayFile::read(&args.rays)?;
     let mesh = mesh::load(&args.mesh)?.mesh;
     let (rays, triangles) = (file.rays.len(), mesh.triangles.len());
@@ -99,6 +102,7 @@ fn run_here(args: &TraceArgs) -> Result<()> {
         rays,
         any_hit: file.any_hit,
         hits: answers.hits(file.any_hit),
+        invalid: file.rays.iter().filter(|ray| !ray.is_valid()).count(),
         mrays_s: rays as f64 / answers.seconds / 1e6,
         seconds: answers.seconds,
         repeats: args.repeats,
@@ -233,6 +237,8 @@ struct TraceReport {
     rays: usize,
     any_hit: bool,
     hits: usize,
+    /// Rays that cannot be traced and count as misses.
+    invalid: usize,
     mrays_s: f64,
     seconds: f64,
     repeats: u32,
@@ -323,7 +329,7 @@ impl TraceReport {
     /// In words.
     fn text(&self) -> String {
         let kind = if self.any_hit { "any hit" } else { "closest hit" };
-        let Self { mrays_s, rays, hits, seconds, repeats, threads, triangles, .. } = self;
+        let Self { mrays_s, rays, hits, invalid, seconds, repeats, threads, triangles, .. } = self;
         let Self { load_seconds, build_seconds, nodes_per_ray, leaves_per_ray, .. } = self;
         let Self { triangles_per_ray, settled_per_ray, exact_per_ray, compared, .. } = self;
         let (preset, precision, simd) =
@@ -333,7 +339,7 @@ impl TraceReport {
         let average = |value: Option<f64>| value.map_or("-".to_owned(), |v| format!("{v:.1}"));
         let [a_node, a_round] = [self.kernels.rays_a_node, self.kernels.rays_a_round].map(average);
         format!(
-            "{mrays_s:.2} Mrays/s: {rays} rays ({kind}), {hits} hits, {seconds:.4} s, \
+            "{mrays_s:.2} Mrays/s: {rays} rays ({kind}), {hits} hits, {invalid} invalid, {seconds:.4} s, \
              median of {repeats} on {threads} threads\n\
              mesh: {triangles} triangles, loaded in {load_seconds:.3} s; \
              BVH {preset}, built in {build_seconds:.3} s, \

@@ -105,7 +105,7 @@ pub(crate) struct RenderArgs {
     /// Write statistics as JSON
     #[arg(long, help_heading = FILES, value_name = "FILE")]
     pub(crate) stats: Option<PathBuf>,
-    /// Stop with an error if a sample is not finite; by default it counts as black
+    /// Stop with an error if a sample or a texel is not finite; by default it counts as black
     #[arg(long, help_heading = FILES)]
     pub(crate) trap_invalid: bool,
     /// Tracer; does not change the image

@@ -149,7 +149,7 @@ pub(super) fn warn(error: &Error) {
     tell(&format!("warning: {error}"));
 }
 
-/// The first sample that was not finite.
+/// The first sample that was not finite; warns of an image with such texels, once.
 ///
 /// # Errors
 /// If there is one, and `--trap-invalid` is given.
@@ -158,6 +158,16 @@ pub(super) fn find_invalid(
     scene: &PreparedScene,
     counters: &Counters,
 ) -> Result<Option<Invalid>> {
+    static WARNED: std::sync::Once = std::sync::Once::new();
+    let mut images = scene.appearance.all_images();
+    if let Some(image) = images.find(|image| image.held().is_some_and(|held| held.invalid > 0)) {
+        let message = format!("texels of {} are not finite and count as 0", image.name());
+        let error = Error::new(ErrorKind::Texture, message).in_file(&args.scene);
+        if args.trap_invalid {
+            return Err(error);
+        }
+        WARNED.call_once(|| warn(&error));
+    }
     let first = counters.first_invalid;
     let first = first.map(|sample| probe::name_invalid(scene, sample, args.seed));
     let Some(invalid) = first.as_ref().filter(|_| args.trap_invalid) else { return Ok(first) };
@@ -175,7 +185,7 @@ pub(super) fn report_invalid(counters: &Counters, first: Option<&Invalid>) {
     if counters.cut_short > 0 {
         tell(&format!(
             "warning: paths ended at {MOST_RAYS} rays, in number {}: transparent surfaces send on more light than \
-             they receive, or hardly less; use a smaller kr, kt or nbounces",
+             they receive, or hardly less; use a smaller kr, kt or nbounces (in glTF, transmissionFactor)",
             counters.cut_short
         ));
     }

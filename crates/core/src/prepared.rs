@@ -192,7 +192,7 @@ impl Appearance {
     }
 
     /// The images of textures and of cut-outs.
-    fn all_images(&self) -> impl Iterator<Item = &LazyImage> {
+    pub fn all_images(&self) -> impl Iterator<Item = &LazyImage> {
         self.images.iter().chain(self.cutouts.iter().map(Arc::as_ref))
     }
 

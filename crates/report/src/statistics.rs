@@ -9,7 +9,7 @@
 //! | `samples.lens`, `.light`, `.texels` | | points sampled on the lens and on area lights; texels read |
 //! | `samples.colors` | | hits whose colour was interpolated between vertices |
 //! | `samples.footprints` | | footprints of rays on surfaces, for trilinear textures and for rays from surfaces that may show them |
-//! | `textures.images`, `.decoded`, `.bytes` | | images that may be visible, those decoded for a look-up, and their bytes |
+//! | `textures.images`, `.decoded`, `.bytes`, `.invalid` | | images that may be visible, those decoded for a look-up, their bytes, and how many of their numbers are not finite and count as 0 |
 //! | `estimated.rays`, `.samples` | | upper bounds on these before the first ray, 2^64 - 1 for none: see [`Estimated`](crate::expected::Estimated) |
 //! | `tests.nodes` | nodes | inner nodes visited, by one ray or several together, each testing eight boxes |
 //! | `tests.instances` | visits | of an instance by a ray that meets its box |
@@ -99,6 +99,7 @@ counts! {
         images: usize = a.images.len(),
         decoded: usize = a.images.iter().filter(|image| image.decoded().is_some()).count(),
         bytes: u64 = a.images.iter().map(LazyImage::bytes).sum(),
+        invalid: u64 = a.images.iter().filter_map(LazyImage::held).map(|image| image.invalid).sum(),
     }
 
     /// Tests by kind.

@@ -196,6 +196,17 @@ fn trace_tells_answers_of_the_file_that_are_not_ours() {
 }
 
 #[test]
+fn trace_tells_rays_that_cannot_be_traced() {
+    let folder = folder();
+    write_rays(folder.path(), false, &[RAYS[0], (1.8e38, 0.5, Hit::MISS)]);
+    let found = trace(folder.path(), &[]);
+    assert_eq!([&found["invalid"], &found["hits"]], [1, 1]);
+    let output = run(folder.path(), &["trace", "--mesh", "m.obj", "--rays", "r.rays"]);
+    let told = text(&output.stdout);
+    assert!(told.contains(": 2 rays (closest hit), 1 hits, 1 invalid, "), "{told}");
+}
+
+#[test]
 fn trace_refuses_rays_of_another_mesh() {
     let folder = folder();
     write_rays(folder.path(), false, &RAYS);

@@ -7,7 +7,8 @@ use wavecrest_core::math::simd::Level;
 
 use super::{run_silently, with_ball};
 use crate::support::{
-    bytes, folder, json_in, matte, pinhole, point_light, put, run, scene, text, wavecrest, with,
+    bytes, folder, json_in, matte, pinhole, point_light, put, repository, run, run_well, scene,
+    text, wavecrest, with,
 };
 
 /// A knot of which the image shows a part, so that rays build a part of its tree.
@@ -74,6 +75,20 @@ fn no_choice_of_how_to_render_changes_a_byte() {
             );
         }
     }
+}
+
+#[test]
+fn texels_that_are_not_finite_are_told_and_trapped() {
+    let folder = folder();
+    let scene = repository("scenes/hard/no-numbers.json");
+    let scene = scene.to_str().expect("a path");
+    let told = run_well(folder.path(), &[scene, "o.png", "--width", "32", "-q", "--stats", "s"]);
+    let is_told = told.contains("no-numbers.exr are not finite and count as 0\n");
+    assert!(is_told && told.starts_with("warning: "), "{told}");
+    assert!(json_in(folder.path(), "s")["textures"]["invalid"].as_u64() > Some(0));
+    let output = run(folder.path(), &[scene, "t.png", "--width", "32", "--trap-invalid"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(text(&output.stderr).contains("not finite") && !folder.path().join("t.png").exists());
 }
 
 #[test]

@@ -53,6 +53,8 @@ pub struct Image {
     pub height: u32,
     /// `width` times `height` texels.
     pub texels: Texels,
+    /// How many numbers of the file are not finite, alpha included; they are 0 in `texels`.
+    pub invalid: u64,
     /// The levels of the pyramid above the texels, down to one texel; empty if it is not built.
     levels: Vec<MipLevel>,
 }
@@ -61,7 +63,7 @@ impl Image {
     /// An image without a pyramid. `width` and `height` are at least 1, and there are `width` times
     /// `height` `texels`.
     pub fn new(width: u32, height: u32, texels: Texels) -> Self {
-        Self { width, height, texels, levels: Vec::new() }
+        Self { width, height, texels, invalid: 0, levels: Vec::new() }
     }
 
     /// Builds the pyramid, unless it exists: see [`pyramid`].

@@ -262,6 +262,8 @@ fn decoded(source: &TextureSource) -> Result<DynamicImage> {
 /// The channels of a decoded image that a texture looks up.
 fn of_texture(decoded: DynamicImage, texture: &TextureRef, is_mask: bool) -> Image {
     let (width, height) = (decoded.width(), decoded.height());
+    let values = decoded.as_flat_samples_f32().map_or(&[][..], |all| all.samples);
+    let invalid = values.iter().filter(|value| !value.is_finite()).count() as u64;
     let texels = match texture.channels {
         Channels::Color => texels(decoded, texture.encoding, texture.tint),
         Channels::Alpha if is_mask && !decoded.color().has_alpha() => {
@@ -271,7 +273,7 @@ fn of_texture(decoded: DynamicImage, texture: &TextureRef, is_mask: bool) -> Ima
             Texels::Bytes(decoded.into_rgba8().pixels().map(|pixel| [pixel.0[3]; 4]).collect())
         }
     };
-    Image::new(width, height, texels)
+    Image { invalid, ..Image::new(width, height, texels) }
 }
 
 /// The lowest and the highest value in the first channel of an image, as in look-ups.

@@ -99,8 +99,12 @@ impl LazyImage {
 
     /// Bytes held.
     pub fn bytes(&self) -> u64 {
-        let image = self.decoded().and_then(|image| image.as_ref().ok());
-        image.map_or(0, |image| image.bytes() as u64)
+        self.held().map_or(0, |image| image.bytes() as u64)
+    }
+
+    /// The image, if it has been decoded.
+    pub fn held(&self) -> Option<&Image> {
+        self.decoded()?.as_ref().ok()
     }
 
     /// Bytes held once it is decoded, from the header of its file.
