@@ -110,8 +110,9 @@ fn run_sweep(args: &AccuracyArgs, folder: &Path) -> Result<()> {
     let mut store = Store::open(folder, &header)?;
     store.add(Record::Circumstances(Circumstances::here()))?;
     let bar = progress_bar(args.quiet, PROGRESS);
+    bar.enable_steady_tick(std::time::Duration::from_millis(100));
     let mut swept = sweep::run(&args.scenes, seeds, &mut store, &|progress| match progress {
-        SweepProgress::Start(work) => bar.set_length(work),
+        SweepProgress::More(work) => bar.inc_length(work),
         SweepProgress::Stage(name) => bar.set_message(name.to_owned()),
         SweepProgress::Step(work) => bar.inc(work),
     })?;

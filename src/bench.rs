@@ -171,14 +171,14 @@ fn run_here(args: &BenchArgs) -> Result<bool> {
 /// Prepares a scene once, and measures it.
 fn bench(args: &BenchArgs, path: &Path) -> Result<SceneBench> {
     let (mut scene, setting) = prepare(args, path)?;
-    // The bar moves only between rounds: nothing else runs while they are timed.
-    with_bar(args.scene_options.quiet, ROUNDS, |progress| {
+    // The bar moves only between runs: nothing else runs while they are timed.
+    with_bar(args.scene_options.quiet, RUNS, |progress| {
         SceneBench::measure(&mut scene, setting, &args.plan(), progress)
     })
 }
 
-/// The bar of rounds.
-const ROUNDS: &str = "{wide_bar} {pos} of {len} rounds, {eta} left";
+/// The bar of runs.
+const RUNS: &str = "{wide_bar} {pos} of {len} runs, {eta} left";
 
 fn prepare(args: &BenchArgs, path: &Path) -> Result<(PreparedScene, BenchSetting)> {
     let start = Instant::now();
@@ -245,7 +245,7 @@ fn price_effects(args: &BenchArgs) -> Result<bool> {
     let precision = args.scene_options.precision;
     let setting = effects::EffectSetting { simd, kernel, precision, batch: args.batch as usize };
     let trace = |scene: &_, tracer| render(scene, &args.options(tracer), &());
-    let list = with_bar(args.scene_options.quiet, ROUNDS, |progress| {
+    let list = with_bar(args.scene_options.quiet, RUNS, |progress| {
         effects::measure(&entries, setting, &args.schedule(), trace, progress)
     })?;
     if let Some(differs) = &list.difference {

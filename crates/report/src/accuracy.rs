@@ -31,13 +31,16 @@ use wavecrest_base::error::Result;
 /// The progress of a sweep. Work is counted in points of pixels: a rough measure, by which the time to go is estimated.
 #[derive(Clone, Copy, Debug)]
 pub enum SweepProgress<'a> {
-    /// The sweep starts, with this much work.
-    Start(u64),
+    /// There is this much more work.
+    More(u64),
     /// The next stage starts.
     Stage(&'a str),
     /// Some of the work is done.
     Step(u64),
 }
+
+/// Receives the progress of a sweep, from any thread.
+pub type Told<'a> = dyn Fn(SweepProgress<'_>) + Sync + 'a;
 
 /// All findings: `accuracy.json`.
 #[derive(Clone, Debug, Serialize)]

@@ -53,8 +53,8 @@ pub struct EffectScene {
 
 const TRACERS: [TracerKind; 2] = [TracerKind::Wavefront, TracerKind::Recursive];
 
-/// Runs `trace` on all `entries` with both tracers as in `schedule`. `progress` receives the rounds
-/// timed and the expected total.
+/// Runs `trace` on all `entries` with both tracers as in `schedule`. `progress` receives the runs
+/// done and the expected total.
 ///
 /// # Errors
 /// Those of `trace`.

@@ -81,7 +81,8 @@ const TRIES: usize = 2;
 
 /// Runs all of `variants` in turn as in `schedule`. `run` receives the number of a variant and
 /// returns the duration of its run, with whatever else is to be kept of it, or `None` to end the
-/// measurement without a result. `progress` receives the rounds timed and the expected total.
+/// measurement without a result. Before each run, `progress` receives the runs that are done, without those of busy rounds,
+/// and the expected total.
 ///
 /// # Errors
 /// Those of `run`.
@@ -93,24 +94,27 @@ pub fn measure<T>(
 ) -> Result<Option<Measured<T>>> {
     let mut rounds: Vec<Vec<(Timing, T)>> = Vec::new();
     let mut round = 0_usize;
+    let warmup = schedule.warmup.max(1);
+    let (mut done, mut planned) = (0, schedule.planned(0, 0.0));
     loop {
         let mut runs: Vec<Option<(Timing, T)>> = (0..variants).map(|_| None).collect();
         for turn in 0..variants {
             let step = if round.is_multiple_of(2) { turn } else { variants - turn };
             let variant = (round + step) % variants;
+            let before = (round.min(warmup) + done) * variants + turn;
+            progress(before as u64, ((warmup + planned) * variants) as u64);
             let found = run(variant)?;
             if found.is_none() {
                 return Ok(None);
             }
             runs[variant] = found;
         }
-        if round >= schedule.warmup.max(1) {
+        if round >= warmup {
             rounds.push(runs.into_iter().flatten().collect());
         }
         let is_quiet = quiet(&rounds.iter().map(|runs| whole(runs)).collect::<Vec<_>>());
-        let done = is_quiet.iter().filter(|quiet| **quiet).count();
-        let planned = schedule.planned(done, shortest(variants, &rounds, &is_quiet));
-        progress(done as u64, planned as u64);
+        done = is_quiet.iter().filter(|quiet| **quiet).count();
+        planned = schedule.planned(done, shortest(variants, &rounds, &is_quiet));
         if done >= planned || rounds.len() >= TRIES * planned || variants == 0 {
             return Ok(Some(Measured::of(variants, rounds, &is_quiet, planned)));
         }

@@ -6,14 +6,18 @@
 //! standard errors is noise of the reference; renders are added until the reference is accurate
 //! enough for the comparisons, or until there are [`MOST_REPLICATES`].
 
+use std::sync::atomic::{AtomicU64, Ordering};
+
 use super::pilot::measured::variance;
 use super::setting::{Axis, CountedSetting, Facts, Family, Setting, Target, converges};
 use super::store::{Record, ReferenceRecord, Store, all};
 use super::subject::Subject;
+use super::{SweepProgress, Told};
 use wavecrest_base::error::Result;
 use wavecrest_core::accel::KernelChoice;
 use wavecrest_core::film::Film;
 use wavecrest_core::math::sampling::{Points, Sampling};
+use wavecrest_core::render::Progress;
 use wavecrest_image::compare::compare;
 use wavecrest_image::read::read;
 use wavecrest_image::write::{Transfer, write};
@@ -41,10 +45,14 @@ pub fn reference(
     target: Target,
     least: u32,
     store: &mut Store,
+    progress: &Told<'_>,
 ) -> Result<Film> {
     let scene = subject.record.scene.clone();
     let is_it = |known: &&ReferenceRecord| known.scene == scene && known.target == target;
+    let work = REFERENCE_COST * u64::from(least);
+    let of_one = subject.pixels() * work;
     if let Some(known) = all(&store.records).find(is_it) {
+        progress(SweepProgress::Step(LEAST_REPLICATES as u64 * of_one));
         return read(&store.folder.join(&known.file));
     }
     let approached = families.iter().filter(|family| family.target == target);
@@ -57,10 +65,17 @@ pub fn reference(
     let mut seconds = 0.0;
     let (film, standard_error) = loop {
         let seed = FIRST_SEED + films.len() as u64;
-        let rendered = subject.render_with(KernelChoice::Reference, &setting, seed)?;
+        progress(SweepProgress::More(u64::from(films.len() >= LEAST_REPLICATES) * of_one));
+        let told = AtomicU64::new(0);
+        let watch = Progress(|done: u64, _| {
+            let before = told.fetch_max(done, Ordering::Relaxed);
+            progress(SweepProgress::Step(done.saturating_sub(before) * work));
+        });
+        let rendered = subject.render_with(KernelChoice::Reference, &setting, seed, &watch)?;
         seconds += rendered.seconds;
         films.push(rendered.film);
         if !is_sampled {
+            progress(SweepProgress::Step((LEAST_REPLICATES as u64 - 1) * of_one));
             break (mean(&films)?, 0.0);
         }
         if films.len() < LEAST_REPLICATES {

@@ -6,10 +6,10 @@
 use std::hint::black_box;
 use std::time::Instant;
 
-use super::SweepProgress;
 use super::setting::{Setting, Structure};
 use super::store::{Record, StepRecord, StepsRecord, Store, all};
 use super::subject::Subject;
+use super::{SweepProgress, Told};
 use crate::measure::rounds;
 use crate::selftest::agreement::leaving;
 use crate::statistics::Rays;
@@ -31,11 +31,7 @@ const SHORT: f64 = 0.5;
 ///
 /// # Errors
 /// If the scene can no longer be rendered, or the record cannot be written.
-pub fn run(
-    subject: &mut Subject,
-    store: &mut Store,
-    progress: &dyn Fn(SweepProgress<'_>),
-) -> Result<()> {
+pub fn run(subject: &mut Subject, store: &mut Store, progress: &Told<'_>) -> Result<()> {
     let scene = subject.record.scene.clone();
     if all(&store.records).any(|s: &StepsRecord| s.scene == scene) {
         return Ok(());

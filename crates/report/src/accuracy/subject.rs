@@ -13,7 +13,7 @@ use wavecrest_base::error::Result;
 use wavecrest_core::accel::KernelChoice;
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::prepared::{Original, PreparedScene};
-use wavecrest_core::render::{RenderOptions, Rendered, render};
+use wavecrest_core::render::{RenderOptions, Rendered, Watch, render};
 use wavecrest_scene::load::{LoadOptions, load};
 use wavecrest_scene::systems::{Options, extract, overrides};
 
@@ -110,10 +110,10 @@ impl Subject {
     /// # Errors
     /// If it can no longer be prepared, or there is no memory for the image.
     pub fn render(&mut self, setting: &Setting, seed: u64) -> Result<Rendered> {
-        self.render_with(KernelChoice::default(), setting, seed)
+        self.render_with(KernelChoice::default(), setting, seed, &())
     }
 
-    /// As [`Self::render`], with this kernel.
+    /// As [`Self::render`], with this kernel, watched.
     ///
     /// # Errors
     /// As for [`Self::render`].
@@ -122,12 +122,13 @@ impl Subject {
         kernel: KernelChoice,
         setting: &Setting,
         seed: u64,
+        watch: &dyn Watch,
     ) -> Result<Rendered> {
         let PreparedSubject { scene, original, .. } = self.prepare(&setting.structure)?;
         scene.resample(original, &setting.samples);
         let usual = std::mem::replace(&mut scene.accel.kernel, kernel);
         let options = RenderOptions { seed, ..RenderOptions::default() };
-        let rendered = render(scene, &options, &());
+        let rendered = render(scene, &options, watch);
         scene.accel.kernel = usual;
         rendered
     }

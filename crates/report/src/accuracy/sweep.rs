@@ -14,7 +14,7 @@ use super::store::{
     Errors, PointRecord, PreparedRecord, Record, Store, SweepHeader, TrialRecord, all, busy_rounds,
 };
 use super::subject::Subject;
-use super::{SweepProgress, reference, steps};
+use super::{SweepProgress, Told, reference, steps};
 use crate::measure::rounds;
 use crate::selftest::examine::trial;
 use crate::selftest::{Count, Effort};
@@ -40,12 +40,12 @@ pub struct Swept {
 /// seed; results in `store` are not repeated.
 ///
 /// # Errors
-/// If a scene cannot be rendered, or a record or a reference cannot be written.
+/// If a scene cannot be rendered, two have one name, or a record or a reference cannot be written.
 pub fn run(
     files: &[PathBuf],
     seeds: u32,
     store: &mut Store,
-    progress: &dyn Fn(SweepProgress<'_>),
+    progress: &Told<'_>,
 ) -> Result<Vec<Swept>> {
     let SweepHeader { longest, most, least, .. } = store.header;
     let open = |file: &PathBuf| {
@@ -60,16 +60,15 @@ pub fn run(
         let references = Target::ALL.len() as u64 * of_reference;
         swept.subject.pixels() * (references + u64::from(seeds) * points)
     };
-    progress(SweepProgress::Start(all.iter().map(work).sum()));
+    all.iter().try_for_each(|swept| store.admit(swept.subject.record.clone()))?;
+    progress(SweepProgress::More(all.iter().map(work).sum()));
     for swept in &mut all {
-        store.admit(swept.subject.record.clone())?;
         for target in Target::ALL {
             let Swept { subject, families, references } = &mut *swept;
             let stage = format!("{}: reference ({target})", subject.record.scene);
             progress(SweepProgress::Stage(&stage));
-            let film = reference::reference(subject, families, target, least, store)?;
+            let film = reference::reference(subject, families, target, least, store, progress)?;
             references.insert(target, film);
-            progress(SweepProgress::Step(subject.pixels() * of_reference));
         }
         points(swept, seeds as usize, store, progress)?;
         trials(&mut swept.subject, store, progress)?;
@@ -92,7 +91,7 @@ fn points(
     Swept { subject, families, references }: &mut Swept,
     seeds: usize,
     store: &mut Store,
-    progress: &dyn Fn(SweepProgress<'_>),
+    progress: &Told<'_>,
 ) -> Result<()> {
     let scene = subject.record.scene.clone();
     let mut all = settings(families);
@@ -157,11 +156,7 @@ pub fn errors(film: &Film, reference: &Film) -> Result<Errors> {
 }
 
 /// Tests every precision at the edges and on the faces of the scene's triangles.
-fn trials(
-    subject: &mut Subject,
-    store: &mut Store,
-    progress: &dyn Fn(SweepProgress<'_>),
-) -> Result<()> {
+fn trials(subject: &mut Subject, store: &mut Store, progress: &Told<'_>) -> Result<()> {
     let scene = subject.record.scene.clone();
     let done = all(&store.records).filter(|t: &&TrialRecord| t.scene == scene).count();
     progress(SweepProgress::Stage(&format!("{scene}: leaks and self-hits")));

@@ -102,7 +102,7 @@ impl BenchReport {
 }
 
 impl SceneBench {
-    /// Measures a `scene` on the threads of the current pool. `progress` receives the rounds timed
+    /// Measures a `scene` on the threads of the current pool. `progress` receives the runs done
     /// and their expected total, list by list. A different image ends it.
     ///
     /// # Errors
