@@ -27,7 +27,7 @@ pub(super) fn place(scene: &mut PreparedScene, frame: u32, file: &Path) -> Resul
     let at = |message: &str| Error::new(ErrorKind::Scene, message).in_file(file).at("camera.path");
     let Some(path) = &scene.path else {
         return Err(at("the camera does not move")
-            .remedy("add a path: \"path\": {\"keys\": [{\"frame\": 1, \"location\": ...}, ...]}"));
+            .remedy("add a path: \"path\": {\"keys\": [{\"frame\": 1, \"location\": ...}, ...]}; a mesh or a glTF file has --turntable"));
     };
     scene.camera = path.at(frame).ok_or_else(|| {
         at("the camera would be at the point it looks at")

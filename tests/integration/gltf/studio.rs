@@ -90,6 +90,10 @@ fn an_empty_image_is_told_with_the_reason() {
         warnings.iter().chain(&found).map(|w| format!("{w}\n")).collect::<String>()
     };
     assert_eq!(told(&square()), "");
+    let mut turned = square();
+    turned.json["nodes"][0]["rotation"] = json!([0, 1, 0, 0]);
+    let found = told(&turned);
+    assert!(found.contains("set \"doubleSided\" of its material to true, or flip"), "{found}");
     let mut away = square();
     away.json["nodes"][1]["rotation"] = json!([0, 1, 0, 0]);
     let found = told(&away);

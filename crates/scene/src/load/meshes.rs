@@ -146,11 +146,10 @@ fn check_attributes(world: &mut World, part: Entity, notes: &Notes<'_>) -> Resul
         (&'w Mesh, &'w mut Shading, Option<&'w TextureRef>, Option<&'w Maps>, Option<&'w CutOut>);
     let place = json_path(world, part);
     let found = world.query_one_mut::<Attributes<'_>>(part);
-    let Ok((Mesh { data: MeshData { uvs, normals, .. }, .. }, shading, texture, maps, cutout)) =
-        found
-    else {
+    let Ok((mesh, shading, texture, maps, cutout)) = found else {
         return Ok(());
     };
+    let Mesh { data: MeshData { uvs, normals, .. }, file, .. } = mesh;
     let maps = maps.into_iter().flat_map(Maps::all);
     let maps = maps.filter(|(_, map)| map.texture.is_some()).map(|(key, _)| key);
     let mut keys = texture.map(|_| "texture").into_iter().chain(maps);
@@ -160,7 +159,8 @@ fn check_attributes(world: &mut World, part: Entity, notes: &Notes<'_>) -> Resul
     {
         let message = "the mesh has no texture coordinates".to_owned();
         let error = notes.error(ErrorKind::Scene, &format!("{place}.{key}"), message);
-        return Err(error.remedy("add \"uvs\", or remove the texture"));
+        let add = file.as_ref().map_or("add \"uvs\"", |_| "export its file with them");
+        return Err(error.remedy(format!("{add}, or remove the texture")));
     }
     if *shading == Shading::Smooth && normals.is_none() {
         let message = "the mesh has no normals for smooth shading";

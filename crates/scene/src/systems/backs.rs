@@ -23,8 +23,13 @@ pub(super) fn warning(scene: &PreparedScene) -> Option<Error> {
         n => format!(" and those of {n} other shapes"),
     };
     let message = format!("the camera sees only {back}{others}, which no light reaches");
-    let remedy = "set \"sides\" to \"both\", or turn a plane or a triangle with \"normal\": -1";
-    Some(Error::new(ErrorKind::Scene, message).at(&appearance.places[first]).remedy(remedy))
+    let place = &appearance.places[first];
+    // Otherwise it is one of a glTF file's nodes: both sides of a mesh by itself are lit.
+    let remedy = match place.starts_with("scene.") {
+        true => "set \"sides\" to \"both\", or turn a plane or a triangle with \"normal\": -1",
+        false => "set \"doubleSided\" of its material to true, or flip its faces",
+    };
+    Some(Error::new(ErrorKind::Scene, message).at(place).remedy(remedy))
 }
 
 /// For each shape, whether the cameras that see it are behind all of it in every frame, and whether
