@@ -9,7 +9,7 @@ use wavecrest_report::accuracy::pilot;
 use wavecrest_report::accuracy::store::{Circumstances, Record, Store, SweepHeader};
 use wavecrest_report::accuracy::{Findings, SweepProgress, page, sweep};
 use wavecrest_report::text::text;
-use wavecrest_scene::load::{LoadOptions, load};
+use wavecrest_scene::load::{LoadOptions, load, survey};
 use wavecrest_scene::systems::extract;
 
 /// The template of the progress bar.
@@ -68,6 +68,8 @@ pub(crate) struct AccuracyArgs {
 /// If a scene cannot be rendered, the folder has the results of another sweep, or results cannot be
 /// read or written.
 pub(crate) fn run(args: &AccuracyArgs) -> Result<()> {
+    let options = LoadOptions::default();
+    args.scenes.iter().try_for_each(|scene| survey(scene, &options, false).map(drop))?;
     args.threads.run(|| match (&args.output, args.target_error) {
         (Some(folder), _) => run_sweep(args, folder),
         (None, error) => advise(args, error.unwrap_or_default()),

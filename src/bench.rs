@@ -9,7 +9,7 @@ use super::common::{
 };
 use super::input::{Made, SceneOptions};
 use wavecrest_base::error::{Error, Result};
-use wavecrest_base::replace::{check_differs, check_replaceable};
+use wavecrest_base::replace::{check_differs, check_replaceable, make_folder};
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::prepared::PreparedScene;
 use wavecrest_core::render::{RenderOptions, TracerKind, render};
@@ -125,6 +125,7 @@ pub(crate) fn run(args: &BenchArgs) -> Result<bool> {
         check_differs(page, output, "the JSON")?;
     }
     check_scenes(args)?;
+    args.charts.iter().try_for_each(|folder| make_folder(folder))?;
     args.scene_options.threads.run(
         || {
             if args.effects { price_effects(args) } else { run_here(args) }
@@ -132,12 +133,14 @@ pub(crate) fn run(args: &BenchArgs) -> Result<bool> {
     )
 }
 
-/// Refuses to write over a file of a scene. The results of the first scene are written before the second is read, so
-/// all are read here if a file is there to be replaced.
+/// Refuses a scene whose headers cannot be read, and to write over a file of a scene. The results of the first scene are
+/// written before the second is read, so all are read here if a file is there to be replaced.
 fn check_scenes(args: &BenchArgs) -> Result<()> {
     let old: Vec<&Path> = args.outputs().filter(|file| file.exists()).collect();
     if old.is_empty() {
-        return Ok(());
+        // The first is read anyway before anything is timed.
+        let (mut others, extent) = (args.scenes.iter().skip(1), &Made::whole(args.batch));
+        return others.try_for_each(|scene| args.scene_options.estimate(scene, extent).map(drop));
     }
     args.scenes.iter().try_for_each(|scene| {
         old.iter().try_for_each(|file| check_differs(file, scene, "the scene"))?;

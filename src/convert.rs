@@ -7,7 +7,7 @@ use super::input::InputOptions;
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_base::replace::check_differs;
 use wavecrest_scene::load::load;
-use wavecrest_scene::write::write;
+use wavecrest_scene::write::{check_free, write};
 
 /// Convert a glTF file, a mesh or a scene to a scene in JSON, with meshes and images beside it.
 ///
@@ -38,6 +38,7 @@ pub(crate) struct ConvertArgs {
 pub(crate) fn run(args: &ConvertArgs) -> Result<()> {
     check_name(&args.output)?;
     check_differs(&args.output, &args.input, "the input")?;
+    check_free(&args.output, args.force)?;
     args.input_options.check(&args.input)?;
     let scene = load(&args.input, &args.input_options.load_options())?;
     tell_all(&scene, args.quiet);

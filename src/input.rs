@@ -249,6 +249,7 @@ impl SceneOptions {
 
     /// Estimates the memory of a render of this `extent` before anything large is read.
     pub(crate) fn estimate(&self, scene: &Path, extent: &Made<'_>) -> Result<Estimate> {
+        self.input.check(scene)?;
         let survey = survey(scene, &self.load_options(), self.flatten)?;
         let (images, preset) = ((extent.images)(survey.size), self.bvh.unwrap_or(Preset::Fast));
         Ok(memory::estimate(&survey, images, preset, extent.batch))

@@ -46,6 +46,16 @@ pub fn check_replaceable(path: &Path) -> Result<()> {
     OutputFile::new(path)?.temporary().map(drop)
 }
 
+/// Makes a folder, if it is missing, in which files can be written.
+///
+/// # Errors
+/// If it cannot be made, or they cannot be written.
+pub fn make_folder(folder: &Path) -> Result<()> {
+    let failed = |e| Error::io("cannot create the folder", folder, e).remedy("name another folder");
+    std::fs::create_dir_all(folder).map_err(failed)?;
+    check_replaceable(&folder.join("file"))
+}
+
 /// Refuses to write `file` over `other`; `what` describes the other file.
 ///
 /// # Errors

@@ -55,7 +55,11 @@ pub fn write(scene: &LoadedScene, path: &Path, replaces: bool) -> Result<Vec<Pat
     Ok(all)
 }
 
-fn check_free(file: &Path, replaces: bool) -> Result<()> {
+/// Checks whether the file could currently be written, and exists only if it `replaces` another.
+///
+/// # Errors
+/// If it cannot.
+pub fn check_free(file: &Path, replaces: bool) -> Result<()> {
     if !replaces && file.symlink_metadata().is_ok() {
         let error = Error::new(ErrorKind::Usage, "the file exists already").in_file(file);
         return Err(error.remedy("choose another name, or use --force to replace it"));

@@ -13,6 +13,7 @@ use std::path::{Path, PathBuf};
 use super::setting::Target;
 use crate::measure::{Timing, quiet};
 use wavecrest_base::error::{Error, ErrorKind, Result};
+use wavecrest_base::replace::make_folder;
 
 pub use records::*;
 
@@ -68,8 +69,7 @@ impl Store {
     /// # Errors
     /// If the folder has the records of a sweep with another `header`, or cannot be written.
     pub fn open(folder: &Path, header: &SweepHeader) -> Result<Self> {
-        std::fs::create_dir_all(folder)
-            .map_err(|e| Error::io("cannot create the folder", folder, e))?;
+        make_folder(folder)?;
         let path = folder.join(FILE);
         let failed = |e| Error::io("cannot open the records", path.as_path(), e);
         let mut options = OpenOptions::new();

@@ -18,7 +18,8 @@ use crate::plot::number::{figure, plural};
 use crate::plot::{Axis, Scale, Series};
 use crate::summary::CONFIDENCE;
 use comparison::{comparison, point, speeds};
-use wavecrest_base::error::{Error, Result};
+use wavecrest_base::error::Result;
+use wavecrest_base::replace::make_folder;
 
 /// The page of a report.
 pub fn page(report: &BenchReport) -> Page {
@@ -63,8 +64,7 @@ pub const STEPS: &str = "The steps to the wavefront: order, many paths go throug
 /// # Errors
 /// If a file cannot be written.
 pub fn write_figures(page: &Page, folder: &Path) -> Result<()> {
-    std::fs::create_dir_all(folder)
-        .map_err(|e| Error::io("cannot create the folder", folder, e))?;
+    make_folder(folder)?;
     for section in &page.sections {
         let scene = Path::new(section.title.trim_matches('`')).file_stem().unwrap_or_default();
         for block in &section.blocks {
