@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use super::common::{
-    SearchOptions, choice, not_negative, print, tell, to_json, warn, whole, with_bar, write_text,
+    SearchOptions, choice, not_negative, print, tell, tell_prepared, to_json, whole, with_bar,
+    write_text,
 };
 use super::input::{Made, SceneOptions};
 use wavecrest_base::error::{Error, Result};
@@ -24,7 +25,6 @@ use wavecrest_report::page::Block;
 use wavecrest_report::text::text;
 use wavecrest_scene::load::{LoadOptions, load, load_str};
 use wavecrest_scene::memory;
-use wavecrest_scene::systems;
 
 /// Time both tracers and the steps between them on each scene, after checking that all images are identical.
 ///
@@ -197,7 +197,7 @@ fn prepare(args: &BenchArgs, path: &Path) -> Result<(PreparedScene, BenchSetting
     let start = Instant::now();
     let mut scene = args.scene_options.build(extracted, preset)?;
     let time = Preparation { load, build: start.elapsed().as_secs_f64() };
-    warn(&systems::warnings(&scene, path));
+    tell_prepared(&scene, path, args.scene_options.quiet);
     args.search.apply(&mut scene.accel);
     let name = path.display().to_string();
     let SearchOptions { simd, kernel } = args.search;

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use glam::{DVec3, Vec3};
 
-use super::common::{print, rounded, size, warn};
+use super::common::{print, rounded, size, tell_prepared};
 use super::input::{Made, SceneOptions};
 use wavecrest_base::error::Result;
 use wavecrest_core::accel::build::Preset;
@@ -45,7 +45,7 @@ pub(crate) fn run(args: &CheckArgs) -> Result<()> {
         extracted.scene().appearance.decode()?;
         // For the few test rays of warnings.
         let scene = args.scene_options.build(extracted, Preset::OnDemand)?;
-        warn(&systems::warnings(&scene, &args.scene));
+        tell_prepared(&scene, &args.scene, args.scene_options.quiet);
         let mut lines = summary(&scene);
         let files = std::iter::once(&args.scene).chain(&loaded.files);
         lines.extend(files.map(|file| ("file", format!("{}{}", file.display(), bytes_of(file)))));

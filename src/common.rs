@@ -18,8 +18,9 @@ use wavecrest_base::error::{Error, ErrorKind, Result, Warning};
 use wavecrest_core::accel::{Accel, KernelChoice};
 use wavecrest_core::kernels::precision::Precision;
 use wavecrest_core::math::simd::Level;
+use wavecrest_core::prepared::PreparedScene;
 pub(crate) use wavecrest_report::files::{to_json, write_text};
-use wavecrest_scene::load::LoadedScene;
+use wavecrest_scene::systems;
 
 /// Sections of the help, in the order of their first options.
 pub(crate) const IMAGE: &str = "Image";
@@ -123,12 +124,15 @@ pub(crate) fn tell_around(bar: Option<ProgressBar>) {
 
 static SHOWN: Mutex<Option<ProgressBar>> = Mutex::new(None);
 
-/// Prints the warnings of a scene, and its notes unless `quiet`.
-pub(crate) fn tell_all(loaded: &LoadedScene, quiet: bool) {
-    warn(&loaded.warnings);
-    if !quiet {
-        loaded.notes.iter().for_each(|note| tell_of("note", note));
-    }
+/// Prints warnings, and notes unless `quiet`.
+pub(crate) fn tell_all(warnings: &[Warning], notes: &[Warning], quiet: bool) {
+    warn(warnings);
+    notes.iter().filter(|_| !quiet).for_each(|note| tell_of("note", note));
+}
+
+/// Prints the warnings of the prepared scene of `file`, and its notes unless `quiet`.
+pub(crate) fn tell_prepared(scene: &PreparedScene, file: &Path, quiet: bool) {
+    tell_all(&systems::warnings(scene, file), systems::note(scene, file).as_slice(), quiet);
 }
 
 /// Prints warnings.

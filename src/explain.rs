@@ -7,7 +7,7 @@ use glam::DVec3;
 use serde::Serialize;
 use serde_json::{Value, json};
 
-use super::common::{grouped, known, print, rounded, size, to_json, warn, whole};
+use super::common::{grouped, known, print, rounded, size, tell_prepared, to_json, whole};
 use super::input::{Made, SceneOptions};
 use wavecrest_base::error::Result;
 use wavecrest_core::accel::build::Preset;
@@ -20,7 +20,7 @@ use wavecrest_core::wavefront::batch::Batch;
 use wavecrest_report::expected::{Estimated, Expected};
 use wavecrest_report::statistics::{Rays, Samples};
 use wavecrest_scene::memory::{self, Estimate};
-use wavecrest_scene::systems::{self, Extracted};
+use wavecrest_scene::systems::Extracted;
 
 /// Explain which passes a render runs and why, and estimate its rays, memory and time.
 ///
@@ -112,7 +112,7 @@ fn explain(
     let start = Instant::now();
     let scene = &args.scene_options.build(extracted, bvh.preset)?;
     let build = start.elapsed().as_secs_f64();
-    warn(&systems::warnings(scene, &args.scene));
+    tell_prepared(scene, &args.scene, args.scene_options.quiet);
     let options = RenderOptions { batch, ..RenderOptions::default() };
     let expected = Expected::of(scene, &options)?;
     let chunks = scene.accel.chunks();

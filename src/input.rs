@@ -243,7 +243,7 @@ impl SceneOptions {
         let loaded = load(scene, &options)?;
         outputs.iter().try_for_each(|output| loaded.check_apart(output))?;
         self.check_taken(scene)?;
-        tell_all(&loaded, self.quiet);
+        tell_all(&loaded.warnings, &loaded.notes, self.quiet);
         Ok(loaded)
     }
 

@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use super::args::RenderArgs;
 use super::look;
-use crate::common::warn;
+use crate::common::tell_prepared;
 use crate::progress::{Display, Stage};
 use wavecrest_base::error::Result;
 use wavecrest_core::accel::build::Preset;
@@ -13,7 +13,6 @@ use wavecrest_core::prepared::PreparedScene;
 use wavecrest_report::statistics::Time;
 use wavecrest_scene::components::Encoding;
 use wavecrest_scene::memory::Estimate;
-use wavecrest_scene::systems;
 
 /// A scene ready to be rendered.
 pub(super) struct Ready {
@@ -55,7 +54,7 @@ impl Ready {
         time.load = start.elapsed().as_secs_f64();
         progress.stage(Stage::Build);
         let mut scene = timed(&mut time.build, || options.build(extracted, preset))?;
-        warn(&systems::warnings(&scene, &args.scene));
+        tell_prepared(&scene, &args.scene, options.quiet);
         args.search.apply(&mut scene.accel);
         Ok(Self { scene, preset, encoding, time, estimated, predicted })
     }

@@ -25,14 +25,16 @@ fn with_shape(shape: Value) -> Value {
     scene(0, &pinhole([24, 18], 50.0, 5.0), &[light], &[shape])
 }
 
-/// The image, the number of triangles left out, and the warnings of a scene in `folder`.
+/// The image, the number of triangles left out, and the warnings of a scene in `folder`, with the note of what is dropped.
 fn render(scene: &Value, folder: &Path) -> Result<(Film, u64, Vec<String>)> {
     let file = folder.join("s.json");
     let mut loaded = load_str(&scene.to_string(), &file, &LoadOptions::default())?;
     let warnings = std::mem::take(&mut loaded.warnings);
     let prepared = try_ready(Ok(loaded))?;
     let seen = systems::warnings(&prepared, &file);
+    let note = systems::note(&prepared, &file).map(|note| within(folder, &format!("note: {note}")));
     let texts = warnings.iter().chain(&seen).map(|warning| within(folder, &warning.to_string()));
+    let texts = texts.chain(note);
     let texts = texts.filter(|text| !text.contains("the image looks empty")).collect();
     Ok((image_of(&prepared, 0), prepared.dropped.degenerate, texts))
 }
@@ -148,7 +150,7 @@ fn hc18_triangles_without_area_are_counted_and_leave_no_trace_in_the_image() {
     // The last two corners alike, all three alike, the first and the last alike.
     let (mixed, dropped, warnings) = of(&grid(&["1 2 2", "5 5 5", "40 12 40"]));
     assert_eq!(dropped, 3 * 64);
-    assert_eq!(warnings, ["s.json: 192 triangles have no area and are left out"]);
+    assert_eq!(warnings, ["note: s.json: 192 triangles have no area and are left out"]);
     assert!(mixed.same_bits(&clean));
     let covered = clean.pixels().iter().filter(|p| p.map(f64::from) != BACKGROUND).count();
     assert!(covered > 50, "the mesh is to be seen: {covered}");

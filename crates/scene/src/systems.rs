@@ -51,7 +51,7 @@ use crate::surface::{Columns, OCCLUSION_MAP};
 use geometry::{Occurrence, ShapeOutput};
 use reach::Faces;
 use textures::Images;
-use wavecrest_base::error::{Error, ErrorKind, Result, Warning, Warnings};
+use wavecrest_base::error::{Error, ErrorKind, Result, Warning};
 use wavecrest_base::memory::Stage;
 use wavecrest_core::accel::Accel;
 use wavecrest_core::accel::build::Preset;
@@ -251,17 +251,18 @@ impl Extracted {
     }
 }
 
-/// Warnings about the scene of `file`: dropped parts, shapes that the camera sees from behind only,
-/// and a camera that sees nothing.
+/// Warnings about the scene of `file`: shapes that the camera sees from behind only, and a camera that sees nothing.
 pub fn warnings(scene: &PreparedScene, file: &Path) -> Vec<Warning> {
+    let all = backs::warning(scene).into_iter().chain(unseen::warning(scene));
+    all.map(|error| Warning::from_error(&error.in_file(file))).collect()
+}
+
+/// The note that parts of the scene of `file`, which nothing could show, are dropped.
+pub fn note(scene: &PreparedScene, file: &Path) -> Option<Warning> {
     let message = match scene.dropped.degenerate {
-        0 => None,
-        1 => Some("1 triangle has no area and is left out".to_owned()),
-        n => Some(format!("{n} triangles have no area and are left out")),
+        0 => return None,
+        1 => "1 triangle has no area and is left out".to_owned(),
+        n => format!("{n} triangles have no area and are left out"),
     };
-    let dropped = message.map(|message| Error::new(ErrorKind::Mesh, message));
-    let mut warnings = Warnings::default();
-    let all = dropped.into_iter().chain(backs::warning(scene)).chain(unseen::warning(scene));
-    all.for_each(|error| warnings.add_error(&error.in_file(file)));
-    warnings.into_vec()
+    Some(Warning::from_error(&Error::new(ErrorKind::Mesh, message).in_file(file)))
 }
