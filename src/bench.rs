@@ -10,7 +10,7 @@ use super::common::{
 };
 use super::input::{Made, SceneOptions};
 use wavecrest_base::error::{Error, Result};
-use wavecrest_base::replace::{check_differs, check_replaceable, make_folder};
+use wavecrest_base::replace::{Listed, check_differs, check_replaceable, make_folder};
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::prepared::PreparedScene;
 use wavecrest_core::render::{RenderOptions, TracerKind, render};
@@ -240,6 +240,7 @@ fn price_effects(args: &BenchArgs) -> Result<bool> {
     let folder = tempfile::tempdir().map_err(|e| {
         Error::io("cannot create a folder for the texture", std::env::temp_dir(), e)
     })?;
+    let _listed = Listed::new(folder.path());
     let variants = variants(folder.path())?.into_iter();
     let entries: Vec<EffectScene> = variants
         .map(|variant| prepare_effect(args, variant, folder.path()))

@@ -6,11 +6,11 @@ use std::io::{ErrorKind as IoKind, IsTerminal, Write};
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
-use std::sync::{Mutex, PoisonError};
+use std::sync::{LazyLock, Mutex, PoisonError};
 
 use bytesize::ByteSize;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
-use indicatif::{ProgressBar, ProgressStyle};
+use indicatif::{MultiProgress, ProgressBar, ProgressStyle};
 use serde_json::Value;
 
 use wavecrest_base::choice::Choice;
@@ -91,6 +91,10 @@ impl Threads {
     /// Runs `work` on the requested threads.
     pub(crate) fn run<R: Send>(&self, work: impl FnOnce() -> Result<R> + Send) -> Result<R> {
         let threads = self.threads.map_or(0, usize::from);
+        let processors = std::thread::available_parallelism().map_or(threads, usize::from);
+        if threads > processors {
+            tell(&format!("warning: more threads than processors; use --threads {processors}"));
+        }
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().map_err(|e| {
             Error::new(ErrorKind::Usage, format!("cannot start threads: {e}"))
                 .remedy("use fewer --threads, or raise the limits of the process (ulimit -u, -v)")
@@ -110,19 +114,19 @@ pub(crate) fn print(text: &str) -> Result<()> {
     }
 }
 
-/// Writes a line to standard error, above the bar of [`tell_around`]. If that is closed, the line is lost.
+/// Writes a line to standard error, above the bars. If that is closed, the line is lost.
 pub(crate) fn tell(line: &str) {
-    let bar = SHOWN.lock().unwrap_or_else(PoisonError::into_inner).clone();
-    let write = || drop(writeln!(std::io::stderr(), "{line}"));
-    bar.map_or_else(write, |bar| bar.suspend(write));
+    BARS.suspend(|| drop(writeln!(std::io::stderr(), "{line}")));
 }
 
-/// The bar that stands below further lines, if any.
-pub(crate) fn tell_around(bar: Option<ProgressBar>) {
-    *SHOWN.lock().unwrap_or_else(PoisonError::into_inner) = bar;
+/// As [`tell`], as the last line: in place of the bars.
+pub(crate) fn tell_last(line: &str) {
+    let _ = BARS.clear();
+    let _ = writeln!(std::io::stderr(), "{line}");
 }
 
-static SHOWN: Mutex<Option<ProgressBar>> = Mutex::new(None);
+/// The bars, one below the other.
+static BARS: LazyLock<MultiProgress> = LazyLock::new(MultiProgress::new);
 
 /// Prints warnings, and notes unless `quiet`.
 pub(crate) fn tell_all(warnings: &[Warning], notes: &[Warning], quiet: bool) {
@@ -153,14 +157,14 @@ fn tell_of(kind: &str, warning: &Warning) {
     }
 }
 
-/// A progress bar on a terminal, otherwise hidden.
+/// A progress bar on a terminal, otherwise hidden, below the lines of [`tell`].
 pub(crate) fn progress_bar(quiet: bool, template: &str) -> ProgressBar {
     if quiet || !std::io::stderr().is_terminal() {
         return ProgressBar::hidden();
     }
     let style =
         ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar());
-    ProgressBar::new(0).with_style(style)
+    BARS.add(ProgressBar::new(0).with_style(style))
 }
 
 /// Runs `work`, which reports its progress, with a bar of [`progress_bar`].

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use super::common::{tell, tell_all};
 use super::input::InputOptions;
+use super::progress::{Display, Style};
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_base::replace::check_differs;
 use wavecrest_scene::load::load;
@@ -40,6 +41,7 @@ pub(crate) fn run(args: &ConvertArgs) -> Result<()> {
     check_differs(&args.output, &args.input, "the input")?;
     check_free(&args.output, args.force)?;
     args.input_options.check(&args.input)?;
+    let _reading = Display::new(Style::Auto, args.quiet);
     let scene = load(&args.input, &args.input_options.load_options())?;
     tell_all(&scene.warnings, &scene.notes, args.quiet);
     let written = write(&scene, &args.output, args.force).map_err(|e| e.in_file(&args.input))?;

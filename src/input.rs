@@ -11,6 +11,7 @@ use crate::common::{
     FILES, FRAMES, IMAGE, SPEED, Threads, VIEW, choice, number, tell_all, whole, with_names,
 };
 use crate::limit;
+use crate::progress::{Display, Style};
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::kernels::precision::Precision;
@@ -240,6 +241,8 @@ impl SceneOptions {
         if let Some(limit) = self.memory_limit {
             limit::check(scene, &self.estimate(scene, extent)?, limit)?;
         }
+        // A render, which has outputs, shows all its progress.
+        let _reading = outputs.is_empty().then(|| Display::new(Style::Auto, self.quiet));
         let loaded = load(scene, &options)?;
         outputs.iter().try_for_each(|output| loaded.check_apart(output))?;
         self.check_taken(scene)?;

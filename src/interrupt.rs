@@ -1,7 +1,7 @@
 //! Signals that end a command early: SIGINT, which Ctrl-C sends, and SIGTERM, which schedulers send.
 //!
 //! A render records the first signal and ends by itself; the second ends the process at once, as the first does to other
-//! commands. Temporary files are removed before.
+//! commands. Temporary files are removed before, and what is left is told.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU8, Ordering};
@@ -12,7 +12,7 @@ use signal_hook::iterator::Signals;
 use signal_hook::{flag, low_level};
 
 use wavecrest_base::error::{Error, ErrorKind};
-use wavecrest_base::replace::remove_temporary_files;
+use wavecrest_base::replace::{remove_temporary_files, written};
 
 /// The signals, with their names.
 const SIGNALS: [(i32, &str); 2] = [(SIGINT, "SIGINT"), (SIGTERM, "SIGTERM")];
@@ -42,6 +42,7 @@ pub(super) fn clean_up() {
                 continue;
             }
             remove_temporary_files();
+            crate::common::tell_last(&format!("stopped by {}; {}", name(number), left()));
             if !is_recorded {
                 // The parent sees what ended the process.
                 let _ = low_level::emulate_default_handler(number);
@@ -69,10 +70,25 @@ pub(super) fn signal() -> Option<u8> {
 /// The error that the recorded signal ended the work, of which `share` (0 to 1) was finished.
 pub(super) fn error(share: f64) -> Error {
     let signal = signal().unwrap_or_default();
-    let named = SIGNALS.iter().find(|(number, _)| *number == i32::from(signal));
-    let name = named.map_or("a signal", |(_, name)| name);
+    let name = name(signal.into());
     // Rounded down: unfinished work is never 100 %.
     let percent = (share * 1000.0).floor() / 10.0;
     let message = format!("stopped by {name} at {percent} %");
     Error::new(ErrorKind::Interrupted(signal), message)
+}
+
+/// The name of a signal.
+fn name(signal: i32) -> &'static str {
+    let named = SIGNALS.into_iter().find(|(number, _)| *number == signal);
+    named.map_or("a signal", |(_, name)| name)
+}
+
+/// The files that the process leaves behind, in words.
+fn left() -> String {
+    let files = written();
+    let left = files.iter().filter(|file| file.exists());
+    match &left.map(|file| file.display().to_string()).collect::<Vec<_>>()[..] {
+        [] => "no file is written".to_owned(),
+        files => format!("written: {}", files.join(", ")),
+    }
 }

@@ -17,7 +17,7 @@ use std::time::{Duration, Instant};
 use indicatif::{HumanDuration, ProgressBar};
 use serde_json::json;
 
-use super::common::{progress_bar, tell, tell_around};
+use super::common::{progress_bar, size, tell};
 use wavecrest_base::{memory, progress};
 
 /// The template of the bar.
@@ -64,12 +64,12 @@ pub(crate) struct Display {
 }
 
 impl Display {
-    /// In a `style`; without a bar if `quiet`.
+    /// In a `style`; without a bar if `quiet`. The first stage is [`Stage::Load`].
     pub(crate) fn new(style: Style, quiet: bool) -> Self {
+        progress::begin();
         let has_bar = style == Style::Bar || (style == Style::Auto && !quiet);
         let bar = progress_bar(!has_bar, BAR);
         let is_shown = style == Style::Json || !bar.is_hidden();
-        tell_around(Some(bar.clone()));
         let (start, stage) = (Instant::now(), Stage::Load);
         let state = Mutex::new(State { stage, frame: None, began: start, pace: None });
         let traced = [AtomicU64::new(0), AtomicU64::new(0)];
@@ -119,7 +119,6 @@ impl Drop for Display {
             let _ = thread.join();
         }
         self.shown.bar.finish_and_clear();
-        tell_around(None);
     }
 }
 
@@ -216,7 +215,10 @@ impl Shown {
         let numbers = match left.filter(|_| done < all) {
             Some(left) => {
                 let left = HumanDuration(Duration::try_from_secs_f64(left).unwrap_or_default());
-                format!("{} %, {left:#} left", 100 * done / all)
+                match state.stage {
+                    Stage::Load => format!("{} of {}, {left:#} left", size(done), size(all)),
+                    _ => format!("{} %, {left:#} left", 100 * done / all),
+                }
             }
             None => format!("{:#}", HumanDuration(now.duration_since(state.began))),
         };

@@ -13,6 +13,7 @@ use serde_json::json;
 use self::examine::Examined;
 use super::common::{Threads, choice, known, print, progress_bar, rounded, to_json, whole};
 use wavecrest_base::error::{Error, ErrorKind, Result};
+use wavecrest_base::replace::Listed;
 use wavecrest_core::kernels::precision::Precision;
 use wavecrest_core::math::simd::Level;
 use wavecrest_report::selftest::{CASES, Case, Count, Effort, Losses, Part, SEED, case};
@@ -89,6 +90,7 @@ pub(crate) fn run(args: &SelftestArgs) -> Result<bool> {
     let effort = |&precision: &Precision| Effort { precision, seed: args.seed, count };
     let efforts: Vec<Effort> = precisions.iter().map(effort).collect();
     let folder = built_in::unpacked()?;
+    let _listed = Listed::new(folder.path());
     let (rows, scene) = args.threads.run(|| {
         let rows = cases.iter().map(|case| {
             bar.set_message(case.name);

@@ -3,6 +3,7 @@
 //! The bytes go to a temporary file in the same folder and are flushed to the disk; only then is
 //! that file renamed over the target. A reader sees the old file or the new one, never a part.
 
+use std::collections::BTreeSet;
 use std::fs::{File, Metadata};
 use std::io::{BufWriter, ErrorKind as IoKind, Write};
 use std::path::{Path, PathBuf};
@@ -114,23 +115,31 @@ pub fn write_error(path: &Path, error: std::io::Error) -> Error {
     Error::io("cannot write the file", path, error).remedy(remedy)
 }
 
+/// The files that the process has written.
+pub fn written() -> MutexGuard<'static, BTreeSet<PathBuf>> {
+    static WRITTEN: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
+    WRITTEN.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
 /// The existing temporary files.
 static TEMPORARY: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
 
-/// Removes the temporary files of unfinished files, before the process ends.
+/// Removes temporary files and folders, before the process ends.
 pub fn remove_temporary_files() {
     // The caller may hold the lock.
     let Ok(paths) = TEMPORARY.try_lock() else { return };
     for path in &*paths {
-        let _ = std::fs::remove_file(path);
+        let _ = std::fs::remove_file(path).or_else(|_| std::fs::remove_dir_all(path));
     }
 }
 
-/// Keeps a temporary file in the list until it is dropped.
-struct Listed(PathBuf);
+/// Keeps a temporary file or folder among those that [`remove_temporary_files`] removes, until it is dropped.
+#[derive(Debug)]
+pub struct Listed(PathBuf);
 
 impl Listed {
-    fn new(path: &Path) -> Self {
+    /// Adds this one.
+    pub fn new(path: &Path) -> Self {
         temporary().push(path.to_owned());
         Self(path.to_owned())
     }
@@ -193,6 +202,7 @@ impl<'a> OutputFile<'a> {
             let _ = temporary.as_file().set_permissions(existing.permissions());
         }
         temporary.persist(&self.path).map_err(|error| write_error(self.given, error.error))?;
+        written().insert(self.given.to_owned());
         // Flushes the new name to the disk, on systems that can flush a folder.
         let _ = File::open(&self.folder).and_then(|folder| folder.sync_all());
         Ok(())

@@ -13,7 +13,7 @@ use std::path::{Path, PathBuf};
 use super::setting::Target;
 use crate::measure::{Timing, quiet};
 use wavecrest_base::error::{Error, ErrorKind, Result};
-use wavecrest_base::replace::make_folder;
+use wavecrest_base::replace::{make_folder, written};
 
 pub use records::*;
 
@@ -78,6 +78,7 @@ impl Store {
         file.read_to_string(&mut text).map_err(failed)?;
         let (records, whole) = records(&text, &path)?;
         file.set_len(whole as u64).map_err(failed)?;
+        written().insert(path.clone());
         let mut store = Self { folder: folder.to_owned(), header: header.clone(), records, file };
         match store.records.first() {
             None => store.add(Record::Header(header.clone()))?,

@@ -273,7 +273,9 @@ fn of_texture(decoded: DynamicImage, texture: &TextureRef, is_mask: bool) -> Ima
             Texels::Bytes(decoded.into_rgba8().pixels().map(|pixel| [pixel.0[3]; 4]).collect())
         }
     };
-    Image { invalid, ..Image::new(width, height, texels) }
+    let mut image = Image::new(width, height, texels);
+    image.invalid = invalid;
+    image
 }
 
 /// The lowest and the highest value in the first channel of an image, as in look-ups.

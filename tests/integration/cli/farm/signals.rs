@@ -297,9 +297,24 @@ fn a_signal_ends_other_commands_within_a_pixel() {
         std::thread::sleep(Duration::from_millis(500));
         running.signal("TERM");
         let start = Instant::now();
-        assert_eq!(running.finish().status.code(), None, "a signal ended it");
+        let output = running.finish();
+        assert_eq!(output.status.code(), None, "a signal ended it");
+        let told = text(&output.stderr);
+        assert!(told.ends_with("stopped by SIGTERM; no file is written\n"), "{told}");
         assert!(start.elapsed() < Duration::from_secs(20), "{:?}", start.elapsed());
     }
+}
+
+#[test]
+fn what_a_sweep_leaves_behind_is_told() {
+    let folder = with_scene(&endless());
+    let mut running = Running::start(folder.path(), &["accuracy", "ball.json", "-o", "out"]);
+    running.wait_for(&folder.path().join("out/results.jsonl"));
+    std::thread::sleep(Duration::from_millis(500));
+    running.signal("INT");
+    let output = running.finish();
+    assert_eq!(output.status.code(), None, "a signal ended it");
+    assert_eq!(text(&output.stderr), "stopped by SIGINT; written: out/results.jsonl\n");
 }
 
 /// Both wait until the process goes on, and come in this order.
@@ -326,7 +341,10 @@ fn a_signal_leaves_no_temporary_file() {
         // It is in the list a moment after it is there.
         std::thread::sleep(Duration::from_millis(50));
         running.signal(signal);
-        assert_eq!(running.finish().status.code(), None, "a signal ended it");
+        let output = running.finish();
+        assert_eq!(output.status.code(), None, "a signal ended it");
+        let told = format!("stopped by SIG{signal}; no file is written\n");
+        assert_eq!(text(&output.stderr), told);
         assert!(!is_begun(), "{:?}", files(folder.path()));
     }
 }
