@@ -210,6 +210,17 @@ pub(crate) fn grouped(n: u64) -> String {
     text
 }
 
+/// Seconds to two digits or to the second, whichever says more.
+pub(crate) fn seconds(seconds: f64) -> String {
+    let digits = match seconds {
+        s if s < 0.1 => 3,
+        s if s < 10.0 => 2,
+        s if s < 100.0 => 1,
+        _ => 0,
+    };
+    format!("{seconds:.digits$}")
+}
+
 /// A number of bytes, in units of 1000.
 pub(crate) fn size(bytes: u64) -> String {
     ByteSize::b(bytes).display().si().to_string()

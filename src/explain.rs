@@ -7,7 +7,7 @@ use glam::DVec3;
 use serde::Serialize;
 use serde_json::{Value, json};
 
-use super::common::{grouped, known, print, rounded, size, tell_prepared, to_json, whole};
+use super::common::{grouped, known, print, rounded, seconds, size, tell_prepared, to_json, whole};
 use super::input::{Made, SceneOptions};
 use wavecrest_base::error::Result;
 use wavecrest_core::accel::build::Preset;
@@ -24,12 +24,12 @@ use wavecrest_scene::systems::Extracted;
 
 /// Explain which passes a render runs and why, and estimate its rays, memory and time.
 ///
-/// With `--render`, render the scene and print the counts beside the estimates.
+/// With `--render`, render the scene and print the counts and the time beside the estimates.
 #[derive(Clone, Debug, clap::Args)]
 pub(crate) struct ExplainArgs {
     /// Scene (.json), glTF file (.gltf, .glb) or mesh (.ply, .obj, .stl)
     pub(crate) scene: PathBuf,
-    /// Render the scene without writing an image, and print the counts beside the estimates
+    /// Render the scene without writing an image, and print the counts and the time beside the estimates
     #[arg(long)]
     pub(crate) render: bool,
     /// Print JSON
@@ -51,7 +51,7 @@ struct Explanation<'a> {
     bvh: BvhChoice,
     /// The numbers of chunks of the tree that rays of the pilot built, and of all.
     chunks: Option<[usize; 2]>,
-    /// The estimates before a mesh or a texture is read, and after.
+    /// The estimates before a mesh or a texture is read, and after the pilot.
     memory: [Estimate; 2],
     /// Upper bounds on the work of the render.
     estimated: Estimated,
@@ -116,7 +116,8 @@ fn explain(
     let options = RenderOptions { batch, ..RenderOptions::default() };
     let expected = Expected::of(scene, &options)?;
     let chunks = scene.accel.chunks();
-    let memory = chunks.map_or(memory, |_| memory.with_tree(scene.accel.tree_bytes()));
+    let measured = |process| memory.measured(scene, expected.columns, process);
+    let memory = memory::process().map_or(memory, measured);
     let explanation = Explanation {
         scene,
         precision: args.scene_options.precision,
@@ -143,13 +144,14 @@ impl Explanation<'_> {
                 "reason": scene.plan.reason(pass),
             }))
         };
-        let counted = |Rendered { counters, columns, .. }: &Rendered| {
+        let counted = |Rendered { counters, columns, seconds, .. }: &Rendered| {
             json!({
                 "rays": Rays::from(counters),
                 "samples": Samples::from(counters),
                 "tree": scene.accel.tree_bytes(),
                 "batches": columns,
                 "peak": memory::peak(),
+                "seconds": seconds,
             })
         };
         let [before, after] = &self.memory;
@@ -274,11 +276,10 @@ fn marked(present: bool, name: &str, text: &str) -> String {
 
 /// The expected time, rays and memory.
 fn verdict(e: &Explanation<'_>) -> String {
-    let seconds = |seconds: f64| format!("{} s", rounded((seconds * 1e3).round() / 1e3, 2));
     let (build, trace) = (e.build + e.expected.building, e.expected.seconds);
     let time = seconds(e.load + build + trace);
     let parts = [("read", e.load), ("build", build), ("trace", trace)];
-    let parts = parts.map(|(what, of_it)| format!("{} to {what}", seconds(of_it))).join(", ");
+    let parts = parts.map(|(what, of_it)| format!("{} s to {what}", seconds(of_it))).join(", ");
     let threads = match rayon::current_num_threads() {
         1 => "1 thread".to_owned(),
         n => format!("{n} threads"),
@@ -291,7 +292,7 @@ fn verdict(e: &Explanation<'_>) -> String {
     let (all, kinds) = (about(e.expected.rays.all()), kinds.join(", "));
     let memory = size(e.memory[1].total());
     format!(
-        "about {time} on {threads}: {parts}\nabout {all} rays: {kinds}\nabout {memory} of memory\n"
+        "about {time} s on {threads}: {parts}\nabout {all} rays: {kinds}\nabout {memory} of memory\n"
     )
 }
 
@@ -329,6 +330,8 @@ fn work(e: &Explanation<'_>) -> String {
         let counted = rendered.as_ref().map(|counted| counted[i].as_str());
         text += &row(name, [&most[i], &expected[i]], counted);
     }
+    let traced = e.rendered.as_ref().map(|rendered| seconds(rendered.seconds));
+    text += &row("    seconds to trace", ["", &seconds(e.expected.seconds)], traced.as_deref());
     text + &named("", &format!("estimated from {} pixels", grouped(e.expected.pixels)))
 }
 
@@ -347,7 +350,7 @@ fn memory_text(e: &Explanation<'_>) -> String {
         ("    reading files", f.loading, m.loading, None),
         ("    peak", f.total(), m.total(), found.and_then(|_| memory::peak())),
     ];
-    let estimates = ["before reading", "after reading"];
+    let estimates = ["before reading", "after building"];
     let mut text = row("memory, estimated", estimates, found.map(|_| "measured"));
     for (name, before, after, measured) in uses {
         text += &row(name, [&size(before), &size(after)], measured.map(size).as_deref());

@@ -11,6 +11,7 @@ use crate::common::{tell, warn};
 use crate::interrupt;
 use wavecrest_base::error::Result;
 use wavecrest_core::accel::build::Preset;
+use wavecrest_core::plan::Effect;
 use wavecrest_core::prepared::PreparedScene;
 use wavecrest_core::render::{Rendered, Watch};
 use wavecrest_report::accuracy::pilot::budget::{Budget, Overhead, in_time};
@@ -152,7 +153,7 @@ fn measure(
         return Ok(None);
     }
     if rendered.finished {
-        say(rendering, &told(found, scene.camera.antialias() == 1));
+        say(rendering, &told(found, scene));
     }
     Ok(found)
 }
@@ -164,16 +165,19 @@ fn say(rendering: &Rendering<'_>, words: &str) {
     }
 }
 
-/// The measured error in words, and whether it leaves out what one ray a pixel misses at edges.
-fn told(error: Option<MeasuredError>, without_aliasing: bool) -> String {
-    const CENTRE: &str = "one ray through the centre of each pixel";
-    match error.map(|found| figure(found.error)) {
-        Some(error) if without_aliasing => {
-            format!("measured error: {error}, without the aliasing of {CENTRE}")
+/// The measured error in words, and what it leaves out: what renders with equally many points have in common.
+fn told(error: Option<MeasuredError>, scene: &PreparedScene) -> String {
+    let Some(error) = error.map(|found| figure(found.error)) else {
+        return "error not measured: one ray through the centre of each pixel, without random samples".to_owned();
+    };
+    let without = match scene.camera.antialias() {
+        1 => ", without the aliasing of one ray through the centre of each pixel",
+        _ if scene.plan.has(Effect::RayDifferentials) => {
+            ", without what trilinear textures blur between the rays of a pixel"
         }
-        Some(error) => format!("measured error: {error}"),
-        None => format!("error not measured: {CENTRE}, without random samples"),
-    }
+        _ => "",
+    };
+    format!("measured error: {error}{without}")
 }
 
 /// The goal and its outcome, for the statistics, with the number of renders and the seconds of the pilot.

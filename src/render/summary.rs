@@ -8,7 +8,7 @@ use serde_json::json;
 use super::args::RenderArgs;
 use super::goal::Traced;
 use super::ready::Ready;
-use crate::common::{grouped, tell, to_json, write_text};
+use crate::common::{grouped, seconds, tell, to_json, write_text};
 use crate::progress::Style;
 use wavecrest_base::error::Result;
 use wavecrest_core::counters::Counters;
@@ -54,17 +54,6 @@ impl Totals {
         let (rays, memory) = (rays.unwrap_or_default(), memory.unwrap_or_default());
         format!("{name}  {what}{rays}  {traced} s traced, {all} s in all{memory}")
     }
-}
-
-/// Seconds to two digits or to the second, whichever says more.
-fn seconds(seconds: f64) -> String {
-    let digits = match seconds {
-        s if s < 0.1 => 3,
-        s if s < 10.0 => 2,
-        s if s < 100.0 => 1,
-        _ => 0,
-    };
-    format!("{seconds:.digits$}")
 }
 
 /// Writes the statistics to `file`.

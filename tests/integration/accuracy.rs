@@ -12,7 +12,7 @@ use wavecrest_core::render::{RenderOptions, Watch};
 use wavecrest_image::compare::compare;
 use wavecrest_report::accuracy::findings::{ERRORS, Point};
 use wavecrest_report::accuracy::pilot::target::reach;
-use wavecrest_report::accuracy::pilot::{Pilot, measured};
+use wavecrest_report::accuracy::pilot::{choices, measured};
 use wavecrest_report::accuracy::setting::{Family, Series, Setting};
 use wavecrest_report::accuracy::store::{FILE, Record, Store, SweepHeader};
 use wavecrest_report::accuracy::sweep::run;
@@ -233,8 +233,9 @@ fn errors_are_reached(asked: f64, seeds: u64) {
     let (mut runs, mut missed) = (0, Vec::new());
     for (name, mut scene) in scenes {
         let original = scene.original();
-        let pilot = Pilot::run(&mut scene, &original, 99, &()).expect("a pilot");
-        let reference = pilot.for_error(asked / 12.0).expect("samples");
+        let aim = (asked / 12.0, 99);
+        let reference = choices(&mut scene, &original, &[Sampling::Sobol], aim, &());
+        let reference = reference.expect("a pilot")[0];
         scene.resample(&original, &reference.samples());
         let reference = render_on(2, &scene, &RenderOptions { seed: 99, ..options() }).film;
         for seed in 0..seeds {

@@ -3,18 +3,22 @@
 
 use std::time::Instant;
 
+use rand::RngExt;
 use rayon::prelude::*;
 use serde::ser::Error as _;
 use serde::{Serialize, Serializer};
 use serde_json::Value;
 
+use crate::accuracy::fit::generator;
 use crate::statistics::{Rays, Samples};
 use wavecrest_base::error::Result;
 use wavecrest_core::counters::Counters;
 use wavecrest_core::kernels::texture::Filter;
 use wavecrest_core::prepared::{Class, PreparedScene};
-use wavecrest_core::render::units::Blocks;
-use wavecrest_core::render::{RenderOptions, batch_size, camera_rays, work};
+use wavecrest_core::render::units::Order;
+use wavecrest_core::render::{
+    RenderOptions, Rendered, TracerKind, Watch, camera_rays, render_in_order, work,
+};
 use wavecrest_core::tile::{Tile, Timed, TraceSettings, Unit};
 
 /// Upper bounds on the counts of a render; they are 0 only for work that cannot occur. Where surfaces
@@ -87,15 +91,17 @@ impl Estimated {
     }
 }
 
-/// The pilot's tiles: their number in each row and column, and their largest side in pixels.
-const TILES: u32 = 8;
-const EDGE: u32 = 8;
+/// The sides of a grid of pixels that tells how many rays a path has, and, at least and at most, of the pilot's own, which
+/// has about so many rays.
+const FEW: u32 = 12;
+const SIDES: [u32; 2] = [20, 128];
+const RAYS: f64 = (1 << 17) as f64;
 
-/// Largest number of paths of the pilot, if a pixel has more than one.
-const MOST_PATHS: u64 = 1 << 15;
+/// The seconds after which the render that is timed ends.
+const TIMED: f64 = 0.05;
 
-/// Every so many rows of pixels show which chunks of a tree rays build.
-const ROWS_APART: usize = 8;
+/// Rays of smaller batches are slower.
+const LEAST_BATCH: usize = 64;
 
 /// The expectation for a render.
 #[derive(Clone, Copy, Debug, Serialize)]
@@ -110,70 +116,126 @@ pub struct Expected {
     pub seconds: f64,
     /// The share of these in which hits on surfaces with maps, or that let light through, are shaded.
     pub maps: f64,
-    /// Seconds in which rays build chunks of trees, on the same threads.
+    /// Seconds in which rays build chunks of trees and decode images, on the same threads.
     pub building: f64,
+    /// Bytes of the columns of all threads' batches.
+    pub columns: u64,
 }
 
 impl Expected {
-    /// The expectation for a render of all of `scene`: tiles in an even grid are rendered, and
-    /// their counts extrapolated. Their pixels are those of the whole image, so the estimate is the
-    /// same in every run except for the seconds.
+    /// The expectation for a render of all of `scene`. One path is followed to its end from a pixel in each part of the
+    /// image, and the counts are extrapolated: they are the same in every run. Then the render itself runs for a
+    /// moment, in tiles all over the image; the time of its rays is that of all.
     ///
     /// # Errors
     /// If an image cannot be decoded.
     pub fn of(scene: &PreparedScene, options: &RenderOptions) -> Result<Self> {
-        let [width, height] = scene.camera.size();
-        let tiles = tiles([width, height], TILES, EDGE, |room| room / 2);
-        let pixels: u64 = tiles.iter().map(|tile| tile.len() as u64).sum();
-        let samples = Blocks::new(scene.camera.rays_per_pixel()).longest();
-        let samples = samples.min((MOST_PATHS / pixels).max(1) as u32);
-        let rows = (0..height).step_by(ROWS_APART).map(|y| Tile { x: 0, y, width, height: 1 });
-        let rows: Vec<_> = rows.filter(|_| scene.accel.chunks().is_some()).collect();
-        scene.appearance.decode()?;
-        let (of_rows, [first, _]) = trace(scene, options, &rows, 1);
-        // Another run warms the caches.
-        trace(scene, options, &tiles, samples);
+        let rays = |counters: &Counters| Rays::from(counters).all() as f64;
+        let (few, first) = count(scene, options, FEW);
+        let side = f64::from(FEW) * (RAYS / rays(&few)).sqrt();
+        let side = (side as u32).clamp(SIDES[0], SIDES[1]);
+        let (counters, more) = count(scene, options, side);
         scene.appearance.check()?;
-        let (counters, [seconds, maps]) = trace(scene, options, &tiles, samples);
-        let paths = u64::from(width) * u64::from(height) * u64::from(scene.camera.rays_per_pixel());
+        let mut building = 0.0;
+        if scene.accel.chunks().is_some() || !scene.appearance.images.is_empty() {
+            // The same once more builds nothing.
+            let again = count(scene, options, side).1;
+            building = (first + more - again * (1.0 + rays(&few) / rays(&counters))).max(0.0);
+        }
+        let size = scene.camera.size().map(u64::from);
+        let paths = size[0] * size[1] * u64::from(scene.camera.rays_per_pixel());
         let scale = paths as f64 / counters.primary_rays as f64;
-        let threads = rayon::current_num_threads() as f64;
-        let usual = seconds * of_rows.primary_rays as f64 / counters.primary_rays as f64;
-        let primary = camera_rays(scene, options)?;
         let all = |count: u64| (count as f64 * scale).round() as u64;
-        let (rays, found) = (Rays::from(&counters), Samples::from(&counters));
+        let primary = camera_rays(scene, options)?;
+        let (found, samples) = (Rays::from(&counters), Samples::from(&counters));
+        let rays = Rays { primary, secondary: all(found.secondary), shadow: all(found.shadow) };
+        // Few tiles with many rays each would not be all over the image.
+        let most = (RAYS / 2.0 * paths as f64 / rays.all() as f64) as usize;
+        let batch = most.max(LEAST_BATCH).min(options.batch);
+        let larger = (options.batch / batch) as u64;
+        let options = RenderOptions { batch, ..*options };
+        let share = |done: &Counters| (1 + Rays::from(done).all()) as f64 / (1 + rays.all()) as f64;
+        let (seconds, moment) = timed(scene, &options, TIMED, share)?;
+        let of_passes: f64 = moment.pass_seconds.iter().map(|(_, seconds)| seconds).sum();
+        let maps = moment.pass_seconds.get(Timed::Maps as usize).map_or(0.0, |(_, maps)| *maps);
         Ok(Self {
-            pixels,
-            rays: Rays { primary, secondary: all(rays.secondary), shadow: all(rays.shadow) },
+            pixels: counters.primary_rays,
+            rays,
             samples: Samples {
                 lens: if scene.camera.has_lens() { primary } else { 0 },
-                light: all(found.light),
-                colors: all(found.colors),
-                texels: all(found.texels),
-                footprints: all(found.footprints),
+                light: all(samples.light),
+                colors: all(samples.colors),
+                texels: all(samples.texels),
+                footprints: all(samples.footprints),
             },
-            seconds: seconds * scale / threads,
-            maps: maps / seconds,
-            building: (first - usual).max(0.0) / threads,
+            seconds,
+            maps: if of_passes > 0.0 { maps / of_passes } else { 0.0 },
+            building,
+            columns: moment.columns * larger,
         })
     }
 }
 
+/// The seconds of a render, from its first moment, which is the second, of so many `seconds`: `share` is the part
+/// of the work that is done then.
+pub(crate) fn timed(
+    scene: &PreparedScene,
+    options: &RenderOptions,
+    seconds: f64,
+    share: impl Fn(&Counters) -> f64,
+) -> Result<(f64, Rendered)> {
+    let moment = render_in_order(scene, options, &Until(Instant::now(), seconds), Order::Spread)?;
+    let share = if moment.finished { 1.0 } else { share(&moment.counters) };
+    Ok((moment.seconds / share, moment))
+}
+
+/// Ends a render so many seconds after a start.
+struct Until(Instant, f64);
+
+impl Watch for Until {
+    fn cancelled(&self) -> bool {
+        self.0.elapsed().as_secs_f64() > self.1
+    }
+}
+
+/// The work of one path from a pixel in each part of the image, of which a row or a column has up to `side`, and its
+/// seconds.
+fn count(scene: &PreparedScene, options: &RenderOptions, side: u32) -> (Counters, f64) {
+    let start = Instant::now();
+    let samples = u64::from(scene.camera.rays_per_pixel());
+    let step = u64::from(Order::Spread.step(scene.camera.rays_per_pixel()));
+    let path = |(number, tile)| {
+        let sample = (number * step % samples) as u32;
+        Unit { tile, samples: sample..sample + 1 }
+    };
+    let pixels = tiles(scene.camera.size(), side, 1, options.seed);
+    let paths: Vec<Unit> = (0..).zip(pixels).map(path).collect();
+    let settings = TraceSettings { seed: options.seed, batch: 1, time_passes: false };
+    let follow = |paths: &[Unit]| {
+        // Single paths are what this tracer is for; it counts the same.
+        let mut tracer = work::tracer(scene, TracerKind::Recursive, &settings);
+        for path in paths {
+            tracer.render(scene, path, &mut [[0.0; 3]], &|| false);
+        }
+        tracer.counters()
+    };
+    let mut counters = Counters::default();
+    let each: Vec<_> = paths.par_chunks(side as usize).map(follow).collect();
+    each.into_iter().for_each(|more| counters += more);
+    (counters, start.elapsed().as_secs_f64())
+}
+
 /// A tile in each part of an image, with up to `most` parts along a side and `edge` pixels along
-/// that of a tile; `place` says how many of the pixels that a tile leaves come before it.
-pub(crate) fn tiles(
-    [width, height]: [u32; 2],
-    most: u32,
-    edge: u32,
-    mut place: impl FnMut(u32) -> u32,
-) -> Vec<Tile> {
+/// that of a tile, at a random place that follows from `seed`.
+pub(crate) fn tiles([width, height]: [u32; 2], most: u32, edge: u32, seed: u64) -> Vec<Tile> {
+    let mut random = generator(seed);
     let parts = |side: u32| side.div_ceil(edge).clamp(1, most);
     let (columns, rows) = (parts(width), parts(height));
     let mut within = |side: u32, part: u32, parts: u32| {
         let bound = |part: u32| (u64::from(side) * u64::from(part) / u64::from(parts)) as u32;
         let (start, end) = (bound(part), bound(part + 1));
         let length = edge.min(end - start);
-        (start + place(end - start - length), length)
+        (start + random.random_range(0..=(end - start - length) as usize) as u32, length)
     };
     let cells = (0..rows).flat_map(|row| (0..columns).map(move |column| (column, row)));
     let tile = |(column, row)| {
@@ -182,30 +244,4 @@ pub(crate) fn tiles(
         Tile { x, y, width, height }
     };
     cells.map(tile).collect()
-}
-
-/// Renders `samples` samples of each pixel of the tiles. Returns counts, and seconds summed over
-/// threads: all, and those in which hits on surfaces with maps are shaded.
-fn trace(
-    scene: &PreparedScene,
-    options: &RenderOptions,
-    tiles: &[Tile],
-    samples: u32,
-) -> (Counters, [f64; 2]) {
-    let batch = batch_size(scene, options.batch);
-    let settings = TraceSettings { seed: options.seed, batch, time_passes: false };
-    let one = |tile: &Tile| {
-        let mut tracer = work::tracer(scene, options.tracer, &settings);
-        let start = Instant::now();
-        let mut sums = vec![[0.0; 3]; tile.len()];
-        tracer.render(scene, &Unit { tile: *tile, samples: 0..samples }, &mut sums, &|| false);
-        let seconds = start.elapsed().as_secs_f64();
-        let maps = tracer.pass_seconds().get(Timed::Maps as usize).map_or(0.0, |(_, maps)| *maps);
-        (tracer.counters(), [seconds, maps])
-    };
-    let add = |(mut counters, [a, b]): (Counters, [f64; 2]), (more, [c, d]): (_, [f64; 2])| {
-        counters += more;
-        (counters, [a + c, b + d])
-    };
-    tiles.par_iter().map(one).reduce(|| (Counters::default(), [0.0; 2]), add)
 }

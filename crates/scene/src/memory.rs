@@ -4,7 +4,7 @@ use crate::survey::Survey;
 use crate::systems::Extracted;
 use wavecrest_base::error::Result;
 use wavecrest_core::accel::build::{CHUNK, Preset};
-use wavecrest_core::prepared::largest;
+use wavecrest_core::prepared::{PreparedScene, largest};
 use wavecrest_core::render::batch_size;
 use wavecrest_core::wavefront::batch::Batch;
 
@@ -70,10 +70,13 @@ impl Estimate {
         (lasting + self.build.max(tracing)).max(self.loading)
     }
 
-    /// The same if rays build these bytes of the trees.
+    /// The same for a render of `scene`, after a pilot has done what most of its rays do, which left `now` bytes to this
+    /// process, and had taken `peak`; the batches' columns hold `batches`.
     #[must_use]
-    pub fn with_tree(self, bytes: u64) -> Self {
-        Self { tree: bytes, build: self.build.saturating_sub(self.tree) + bytes, ..self }
+    pub fn measured(self, scene: &PreparedScene, batches: u64, [now, peak]: [u64; 2]) -> Self {
+        let (appearance, tree) = (scene.appearance.bytes(), scene.accel.tree_bytes());
+        let program = now.saturating_sub(self.geometry + appearance + tree);
+        Self { appearance, tree, build: tree, batches, decoding: 0, program, loading: peak, ..self }
     }
 }
 
@@ -133,8 +136,15 @@ pub fn estimate_extracted(extracted: &Extracted, preset: Preset, batch: usize) -
 
 /// The peak memory of this process so far in bytes, if the system reports it.
 pub fn peak() -> Option<u64> {
+    process().map(|[_, peak]| peak)
+}
+
+/// The memory of this process in bytes, now and at its peak, if the system reports it.
+pub fn process() -> Option<[u64; 2]> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
-    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
-    let kib: u64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
-    Some(kib * 1024)
+    let reported = |key| {
+        let line = status.lines().find_map(|line| line.strip_prefix(key))?;
+        Some(line.trim().strip_suffix("kB")?.trim().parse::<u64>().ok()? * 1024)
+    };
+    Some([reported("VmRSS:")?, reported("VmHWM:")?])
 }

@@ -268,7 +268,7 @@ fn ratio(one: &Point, other: &Point) -> Option<Uncertain> {
 impl Series<Point> {
     /// The fastest of the measured settings whose error is at most `error`.
     pub fn reach(&self, error: f64) -> Option<&Point> {
-        let reaching = self.points.iter().filter(|point| point.rmse.value <= error);
+        let reaching = self.points.iter().filter(|point| point.rmse.high <= error);
         reaching.min_by(|a, b| a.seconds.median.total_cmp(&b.seconds.median))
     }
 

@@ -2,8 +2,14 @@
 //!
 //! No reference is needed: every sampler here is unbiased, so the variance of independent renders
 //! is the mean squared error of one. The pilot measures it in windows all over the image, for a few
-//! numbers of points, and extrapolates linearly in logarithms. The time of a render is a constant
-//! plus a time for each point; both are measured on the whole image with few points.
+//! numbers of points, and extrapolates linearly in logarithms. It is [short]: of the windows, it takes as many as there is
+//! time for. More points are compared with fewer in the same windows. Each choice is then rendered for a moment, which
+//! tells its time.
+//!
+//! Trilinear textures are blurred by the distance between the rays of a pixel. What they lose with few rays is no
+//! variance, and the measured error does not include it.
+//!
+//! [short]: SHORT
 //!
 //! One ray through the centre of each pixel is no sample of its area: renders agree in what they
 //! miss, so they do not show it. Where rays in a pixel are varied, a choice for an error therefore
@@ -16,34 +22,37 @@ pub mod measured;
 pub mod target;
 
 use std::fmt;
+use std::time::Instant;
 
 use super::setting::{Axis, Facts};
+use crate::expected::timed;
 use crate::plot::number::figure;
+use crate::summary::mean_and_error;
 use wavecrest_base::error::Result;
 use wavecrest_core::accel::build::Preset;
+use wavecrest_core::counters::Counters;
 use wavecrest_core::math::sampling::{Points, Sampling};
 use wavecrest_core::prepared::{Original, PreparedScene, Samples};
-use wavecrest_core::render::{RenderOptions, Watch, render};
+use wavecrest_core::render::{RenderOptions, Watch, camera_rays};
 
-use measured::pilot_seed;
-pub use measured::{MeasuredError, error, measured, measuring_share};
+pub use measured::{MeasuredError, measured, measuring_share};
+use measured::{pilot_seed, variances};
 
-/// Sides of the sample grids that the pilot tries.
-const SIDES: [u32; 3] = [2, 4, 8];
+/// Sides of the sample grids that the pilot tries, the first one again once it has told how long the choice may take.
+const SIDES: [u32; 4] = [2, 2, 4, 8];
 
-/// Sides of the sample grids that it times.
-const TIMED: [u32; 2] = [1, 2];
+/// The seconds of a pilot, or this share of those of its choice if that is more.
+const SHORT: f64 = 0.2;
+const SHARE: f64 = 0.25;
 
-/// Largest number of timings, and the seconds after which no further one starts.
-const REPEATS: u32 = 5;
-const SHORT: f64 = 0.1;
+/// The fewest windows that show how the error depends on the number of points.
+const LEAST_WINDOWS: usize = 4;
 
-/// Lower bound on the cost of a point, relative to the mean time of a point of the finer of these
-/// grids.
-const LEAST_SHARE: f64 = 0.25;
+/// The samplers of a render for an error: random points cost as much, and reach it with more of them.
+pub(crate) const SAMPLERS: &[Sampling] = &[Sampling::Jittered, Sampling::Sobol];
 
-/// The share by which measured times differ without a cause.
-const NOISE: f64 = 0.1;
+/// The share by which times of a moment differ without a cause.
+const NOISE: f64 = 0.2;
 
 /// The largest side of a chosen grid.
 pub const MOST_SIDE: u32 = 1024;
@@ -56,18 +65,6 @@ const MARGIN: f64 = 1.1;
 /// -3/2 of their number.
 const SLOPES: [f64; 2] = [-1.5, -0.5];
 
-/// A sampler with its error and time.
-#[derive(Clone, Debug)]
-pub struct Curve {
-    /// Distribution of the points.
-    pub sampling: Sampling,
-    axis: Axis,
-    /// Numbers of points with the measured root mean squared errors.
-    errors: Vec<(f64, f64)>,
-    /// Seconds of a whole render independent of the points, and for each point.
-    seconds: [f64; 2],
-}
-
 /// A choice of samples.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Chosen {
@@ -79,13 +76,6 @@ pub struct Chosen {
     pub error: f64,
     /// Its estimated seconds of tracing.
     pub seconds: f64,
-}
-
-/// The results of a pilot.
-#[derive(Clone, Debug)]
-pub struct Pilot {
-    /// A curve for each sampler.
-    pub curves: Vec<Curve>,
 }
 
 impl Chosen {
@@ -124,120 +114,117 @@ impl fmt::Display for Chosen {
     }
 }
 
-impl Curve {
-    /// The error with `count` points, extrapolated in logarithms from the last two measurements;
-    /// infinite if there is none.
-    fn error(&self, count: f64) -> f64 {
-        let Some((m, last)) = self.errors.last() else { return f64::INFINITY };
-        if *last <= 0.0 {
-            return 0.0;
-        }
-        let slope = match self.errors.as_slice() {
-            [.., (n, first), _] => libm::log(last / first) / libm::log(m / n),
-            _ => SLOPES[1],
-        };
-        let slope = if slope.is_finite() { slope.clamp(SLOPES[0], SLOPES[1]) } else { SLOPES[1] };
-        last * libm::pow(count / m, slope)
+/// The error with `count` points, extrapolated in logarithms from the last two of the measured ones.
+fn extrapolated(errors: &[(f64, f64)], count: f64) -> f64 {
+    let Some((m, last)) = errors.last() else { return f64::INFINITY };
+    if *last <= 0.0 {
+        return 0.0;
     }
-
-    fn choice(&self, side: u32) -> Chosen {
-        let points = Points { sampling: self.sampling, side };
-        let count = f64::from(points.count());
-        let seconds = self.seconds[0] + self.seconds[1] * count;
-        Chosen { points, axis: self.axis, error: self.error(count), seconds }
-    }
-
-    /// The fewest points for `error`; the largest number if none suffices.
-    pub fn for_error(&self, error: f64) -> Chosen {
-        let choices = (self.axis.least_side()..=MOST_SIDE).map(|side| self.choice(side));
-        choices.into_iter().find(|c| c.error * MARGIN <= error).unwrap_or(self.choice(MOST_SIDE))
-    }
+    let slope = match errors {
+        [.., (n, first), _] => libm::log(last / first) / libm::log(m / n),
+        _ => SLOPES[1],
+    };
+    let slope = if slope.is_finite() { slope.clamp(SLOPES[0], SLOPES[1]) } else { SLOPES[1] };
+    last * libm::pow(count / m, slope)
 }
 
-impl Pilot {
-    /// Tests samplers on `scene`, whose file had `original`, and restores the scene. The random numbers
-    /// follow from `seed`, and differ from those of a render with that seed. If `watch` ends the pilot, it
-    /// has no curve.
-    ///
-    /// # Errors
-    /// If there is no memory for an image.
-    pub fn run(
-        scene: &mut PreparedScene,
-        original: &Original,
-        seed: u64,
-        watch: &dyn Watch,
-    ) -> Result<Self> {
-        // No timed render should wait for an image.
-        scene.appearance.decode()?;
-        let axis = Axis::of(&Facts::of(scene));
-        let mut curves: Vec<Curve> = Vec::new();
-        for sampling in Sampling::ALL {
-            curves.push(curve(scene, original, (sampling, axis), seed, watch)?);
-        }
-        if watch.cancelled() {
-            curves.clear();
-        }
-        scene.resample(original, &Samples::default());
-        Ok(Self { curves })
-    }
-
-    /// The choice that reaches `error` in the least time; of those that do so in nearly this time, the one with
-    /// the least error.
-    pub fn for_error(&self, error: f64) -> Option<Chosen> {
-        let choices = || self.curves.iter().map(|curve| curve.for_error(error));
-        let reaching = || choices().filter(|choice| choice.error <= error);
-        let least = reaching().map(|choice| choice.seconds).fold(f64::INFINITY, f64::min);
-        let fast = reaching().filter(|choice| choice.seconds <= least * (1.0 + NOISE));
-        let best = fast.min_by(|a, b| a.error.total_cmp(&b.error));
-        best.or_else(|| choices().min_by(|a, b| a.error.total_cmp(&b.error)))
-    }
-}
-
-fn curve(
+/// The choice of each of these `samplers` for `error`, from a pilot of `scene`, whose file had `original`, which is
+/// restored. The random numbers follow from `seed`, and differ from those of a render with that seed. None if `watch`
+/// ends the pilot.
+///
+/// # Errors
+/// If there is no memory for an image.
+pub fn choices(
     scene: &mut PreparedScene,
     original: &Original,
-    (sampling, axis): (Sampling, Axis),
-    seed: u64,
+    samplers: &[Sampling],
+    (error, seed): (f64, u64),
     watch: &dyn Watch,
-) -> Result<Curve> {
-    let resample = |scene: &mut PreparedScene, side| {
-        let points = Points { sampling, side };
-        scene.resample(original, &axis.samples(points));
-        f64::from(points.count())
-    };
-    let seconds = cost(|side| {
-        resample(scene, side);
+) -> Result<Vec<Chosen>> {
+    // No timed render should wait for an image.
+    scene.appearance.decode()?;
+    let share = 1.0 / samplers.len() as f64;
+    let mut choices = Vec::new();
+    for &sampling in samplers {
+        let chosen = choose(scene, original, sampling, (error, seed, share), watch)?;
+        scene.resample(original, &chosen.samples());
         let options = RenderOptions { seed: pilot_seed(seed, 0), ..RenderOptions::default() };
-        render(scene, &options, watch).map(|rendered| rendered.seconds)
-    })?;
-    let mut errors = Vec::new();
-    for side in SIDES {
-        let count = resample(scene, side);
-        errors.push((count, error(scene, None, seed, watch)?.error));
+        let all = camera_rays(scene, &options)?;
+        let done = |done: &Counters| (1 + done.primary_rays) as f64 / (1 + all) as f64;
+        let moment = SHORT * share / PARTS;
+        choices.push(Chosen { seconds: timed(scene, &options, moment, done)?.0, ..chosen });
     }
-    Ok(Curve { sampling, axis, errors, seconds })
+    if watch.cancelled() {
+        choices.clear();
+    }
+    scene.resample(original, &Samples::default());
+    Ok(choices)
 }
 
-/// Seconds of a whole render independent of the points, and for each point, where `trace` returns
-/// those of a render with a grid of this side.
-fn cost(mut trace: impl FnMut(u32) -> Result<f64>) -> Result<[f64; 2]> {
-    let [few, more] = TIMED.map(|side| f64::from(side * side));
-    // The least of several alternating runs if they are short: other programs can only add to a
-    // time.
-    let mut times = [trace(TIMED[0])?, trace(TIMED[1])?];
-    let mut spent: f64 = times.iter().sum();
-    for _ in 1..REPEATS {
-        if spent > SHORT {
-            break;
+/// The choice that reaches `error` in the least time; of those that do so in nearly this time, the one with
+/// the least error.
+pub fn best(choices: &[Chosen], error: f64) -> Option<Chosen> {
+    let all = || choices.iter().copied();
+    let by_error = |a: &Chosen, b: &Chosen| a.error.total_cmp(&b.error);
+    let reaching = all().filter(|choice| choice.error <= error).min_by(|a, b| {
+        let is_noise = (a.seconds - b.seconds).abs() < NOISE * a.seconds.max(b.seconds);
+        if is_noise { by_error(a, b) } else { a.seconds.total_cmp(&b.seconds) }
+    });
+    reaching.or_else(|| all().min_by(by_error))
+}
+
+/// The parts of the time for a sampler: each number of points, a moment of its choice, and what is begun in time and
+/// finished later.
+const PARTS: f64 = SIDES.len() as f64 + 2.0;
+
+/// The choice of a sampler for `error`, found in this `share` of the time of a pilot.
+fn choose(
+    scene: &mut PreparedScene,
+    original: &Original,
+    sampling: Sampling,
+    (error, seed, share): (f64, u64, f64),
+    watch: &dyn Watch,
+) -> Result<Chosen> {
+    let axis = Axis::of(&Facts::of(scene));
+    let (mut allowed, mut last, mut errors) = (SHORT, Vec::new(), Vec::new());
+    // The fewest points; the largest number if none suffices. Their time is not known yet.
+    let fewest = |errors: &[(f64, f64)]| {
+        let choice = |side| {
+            let points = Points { sampling, side };
+            let error = extrapolated(errors, f64::from(points.count()));
+            Chosen { points, axis, error, seconds: 0.0 }
+        };
+        let mut choices = (axis.least_side()..=MOST_SIDE).map(choice);
+        choices.find(|c| c.error * MARGIN <= error).unwrap_or(choice(MOST_SIDE))
+    };
+    for side in SIDES {
+        let points = Points { sampling, side };
+        let count = f64::from(points.count());
+        scene.resample(original, &axis.samples(points));
+        let start = Instant::now();
+        let found = variances(scene, None, seed, allowed * share / PARTS, watch)?;
+        let spent = start.elapsed().as_secs_f64();
+        let finished: Vec<f64> = found.iter().copied().flatten().collect();
+        match errors.last() {
+            Some(&(fewer, before)) if fewer < count => {
+                let Some(ratio) = ratio(&last, &found) else { break };
+                errors.push((count, before * ratio));
+            }
+            _ => errors = vec![(count, mean_and_error(&finished).0.sqrt())],
         }
-        for (side, least) in TIMED.into_iter().zip(&mut times) {
-            let seconds = trace(side)?;
-            *least = least.min(seconds);
-            spent += seconds;
-        }
+        let measured = measuring_share(scene.camera.size()) * finished.len() as f64;
+        let each = spent * found.len() as f64 / (measured * count);
+        let wanted = f64::from(fewest(&errors).points.count());
+        allowed = SHORT.max(SHARE * each * wanted);
+        last = found;
     }
-    // A point costs at least a part of the mean. If a busy machine slowed the first render, a point
-    // would otherwise seem free, and any number affordable.
-    let each = ((times[1] - times[0]) / (more - few)).max(LEAST_SHARE * times[1] / more);
-    Ok([(times[0] - each * few).max(0.0), each])
+    Ok(fewest(&errors))
+}
+
+/// The ratio of the other error to the one, from the windows that both were measured in, if there are enough.
+fn ratio(one: &[Option<f64>], other: &[Option<f64>]) -> Option<f64> {
+    let both = one.iter().zip(other).filter_map(|(a, b)| Some(((*a)?, (*b)?)));
+    let (a, b): (Vec<f64>, Vec<f64>) = both.unzip();
+    let ratio = (b.iter().sum::<f64>() / a.iter().sum::<f64>()).sqrt();
+    (ratio.is_finite() && a.len() >= LEAST_WINDOWS.min(one.len())).then_some(ratio)
 }

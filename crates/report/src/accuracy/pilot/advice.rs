@@ -2,9 +2,10 @@
 
 use std::fmt;
 
-use super::{Chosen, MeasuredError, Pilot, error};
+use super::{Chosen, MeasuredError, choices, measured};
 use crate::plot::number::figure;
 use wavecrest_base::error::Result;
+use wavecrest_core::math::sampling::Sampling;
 use wavecrest_core::prepared::{Original, PreparedScene, Samples};
 use wavecrest_core::render::{RenderOptions, render};
 
@@ -24,25 +25,23 @@ const TRIED: f64 = 5.0;
 /// is restored.
 ///
 /// # Errors
-/// As [`Pilot::run`].
+/// As [`choices`].
 pub fn advise(
     scene: &mut PreparedScene,
     original: &Original,
     error: f64,
     seed: u64,
 ) -> Result<Vec<Advice>> {
-    let pilot = Pilot::run(scene, original, seed, &())?;
     let mut advice = Vec::new();
-    for curve in &pilot.curves {
-        let choice = curve.for_error(error);
+    for choice in choices(scene, original, &Sampling::ALL, (error, seed), &())? {
         let mut measured = None;
         if choice.seconds <= TRIED {
             scene.resample(original, &choice.samples());
             let options = RenderOptions { seed, ..RenderOptions::default() };
             let rendered = render(scene, &options, &())?;
             let again = render(scene, &options, &())?.seconds;
-            let error = self::error(scene, Some(&rendered.film), seed, &())?;
-            measured = Some((rendered.seconds.min(again), error));
+            let error = self::measured(scene, &rendered, seed, &())?;
+            measured = error.map(|error| (rendered.seconds.min(again), error));
         }
         advice.push(Advice { choice, measured });
     }

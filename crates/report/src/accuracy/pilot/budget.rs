@@ -8,7 +8,7 @@
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use super::{Chosen, LEAST_SHARE, MOST_SIDE};
+use super::{Chosen, MOST_SIDE};
 use crate::accuracy::setting::Axis;
 use wavecrest_base::error::Result;
 use wavecrest_core::math::sampling::{Points, Sampling};
@@ -34,6 +34,9 @@ const EXCESS: f64 = 0.1;
 
 /// The share of the time of a render with one point that another one is expected to take.
 const FIRST_SHARE: f64 = 0.25;
+
+/// Lower bound on the cost of a point, relative to the mean time of a point of a render.
+const LEAST_SHARE: f64 = 0.25;
 
 /// The largest factor between the points of two renders, so that a wrong first time costs little, and the
 /// smallest one that is worth another render.

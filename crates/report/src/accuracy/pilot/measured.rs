@@ -1,16 +1,17 @@
 //! The error of an image, measured without a reference: in windows all over it, from the variance of
 //! independent renders.
 
-use rand::RngExt;
+use std::time::Instant;
+
 use rayon::prelude::*;
 
-use crate::accuracy::fit::generator;
 use crate::accuracy::setting::{Facts, Target};
 use crate::expected::tiles;
 use crate::summary::mean_and_error;
 use wavecrest_base::error::Result;
 use wavecrest_core::film::Film;
 use wavecrest_core::prepared::PreparedScene;
+use wavecrest_core::render::units::Order;
 use wavecrest_core::render::{RenderOptions, Rendered, Watch, render};
 use wavecrest_core::tile::Tile;
 
@@ -47,36 +48,46 @@ const CONFIDENCE: f64 = 1.96;
 /// Renders of each window beside the image that is measured.
 const OTHERS: u64 = 2;
 
-/// The error of an image of `scene` with its current samples. `None` if it is not finished, or if
-/// renders do not show their error: with one ray through the centre of each pixel and nothing else
-/// left to chance, they are all equal.
+/// The error of an image of `scene` with its current samples, in windows; without a meaning if `watch` ends it. `None` if
+/// the image is not finished, or if renders do not show their error: with one ray through the centre of each pixel and
+/// nothing else left to chance, they are all equal.
 ///
 /// # Errors
-/// As [`error`].
+/// If there is no memory for a window.
 pub fn measured(
     scene: &PreparedScene,
     rendered: &Rendered,
     seed: u64,
     watch: &dyn Watch,
 ) -> Result<Option<MeasuredError>> {
-    let is_shown = rendered.finished && Facts::of(scene).is_sampled(Target::Scene);
-    is_shown.then(|| error(scene, Some(&rendered.film), seed, watch)).transpose()
+    if !rendered.finished || !Facts::of(scene).is_sampled(Target::Scene) {
+        return Ok(None);
+    }
+    let found = variances(scene, Some(&rendered.film), seed, f64::INFINITY, watch)?;
+    let (mean, deviation) = mean_and_error(&found.into_iter().flatten().collect::<Vec<_>>());
+    let at_most = (mean + CONFIDENCE * deviation).sqrt();
+    Ok(Some(MeasuredError { error: mean.sqrt(), at_most }))
 }
 
-/// The error of `scene` with its current samples, in windows, from the variance of some renders and
-/// of `film`, the whole image, if there is one; without a meaning if `watch` ends it.
+/// The variance of some renders of `scene` and of `film`, the whole image, if there is one, in each window that was begun
+/// in the first `seconds`: the first ones are all over the image.
 ///
 /// # Errors
 /// If there is no memory for a window.
-pub fn error(
+pub(super) fn variances(
     scene: &PreparedScene,
     film: Option<&Film>,
     seed: u64,
+    seconds: f64,
     watch: &dyn Watch,
-) -> Result<MeasuredError> {
+) -> Result<Vec<Option<f64>>> {
+    let start = Instant::now();
     // A window is one tile: all threads have work only if there are several windows at once.
     let tiles = windows(scene.camera.size(), pilot_seed(seed, u64::from(film.is_some())));
     let found = tiles.into_par_iter().map(|tile| {
+        if start.elapsed().as_secs_f64() > seconds {
+            return Ok(None);
+        }
         let window = [tile.x, tile.y, tile.width, tile.height];
         let mut films: Vec<Film> =
             film.map(|film| film.part(window)).into_iter().collect::<Result<_>>()?;
@@ -85,11 +96,9 @@ pub fn error(
             let options = RenderOptions { seed, crop: Some(tile), ..RenderOptions::default() };
             films.push(render(scene, &options, watch)?.film);
         }
-        Ok(variance(&films))
+        Ok(Some(variance(&films)))
     });
-    let found: Vec<f64> = found.collect::<Result<_>>()?;
-    let (mean, deviation) = mean_and_error(&found);
-    Ok(MeasuredError { error: mean.sqrt(), at_most: (mean + CONFIDENCE * deviation).sqrt() })
+    found.collect()
 }
 
 /// The variance of a value between images of one size: the mean over all their values.
@@ -104,8 +113,9 @@ pub(in crate::accuracy) fn variance(films: &[Film]) -> f64 {
     (0..values).map(of).sum::<f64>() / values.max(1) as f64
 }
 
-/// A window in each part of the image, at a random place.
+/// A window in each part of the image, at a random place, in an order that is all over the image.
 fn windows(size: [u32; 2], seed: u64) -> Vec<Tile> {
-    let mut random = generator(seed);
-    tiles(size, WINDOWS, WINDOW, |room| random.random_range(0..=room as usize) as u32)
+    let tiles = tiles(size, WINDOWS, WINDOW, seed);
+    let step = Order::Spread.step(tiles.len() as u32) as usize;
+    (0..tiles.len()).map(|number| tiles[number * step % tiles.len()]).collect()
 }

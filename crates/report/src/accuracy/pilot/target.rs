@@ -4,7 +4,8 @@
 use std::path::Path;
 use std::time::Instant;
 
-use super::{Chosen, MOST_SIDE, MeasuredError, Pilot};
+use super::{Chosen, MOST_SIDE, MeasuredError, SAMPLERS, best, choices};
+use crate::plot::number::figure;
 use wavecrest_base::error::{Error, ErrorKind, Result, Warning};
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::math::sampling::Points;
@@ -30,16 +31,17 @@ pub struct Reached {
 }
 
 impl Reached {
-    /// The warning that the error is still above `target`, if so.
+    /// The warning that the error may still be above `target`, if so.
     pub fn unreached(&self, target: f64, file: &Path) -> Option<Warning> {
-        self.found.filter(|found| found.error > target)?;
+        let found = self.found.filter(|found| found.at_most > target)?;
         let remedy = match self.choice.points.side {
             MOST_SIDE => "the image has as many points as possible; choose a larger error",
             _ => {
                 "the image is the last and best; choose a larger error, or more points in the scene"
             }
         };
-        let message = format!("the target error {target} was not reached");
+        let most = figure(found.at_most);
+        let message = format!("the target error {target} was not reached: it may be {most}");
         let error = Error::new(ErrorKind::Usage, message).remedy(remedy).in_file(file);
         Some(Warning::from_error(&error))
     }
@@ -50,7 +52,7 @@ impl Reached {
 /// image with its error; without one, no other render follows. `None` if `watch` ends the pilot.
 ///
 /// # Errors
-/// As [`Pilot::run`] and `render`.
+/// As [`choices`] and `render`.
 pub fn reach(
     scene: &mut PreparedScene,
     mut preset: Option<&mut Preset>,
@@ -60,9 +62,9 @@ pub fn reach(
 ) -> Result<Option<Reached>> {
     let original = scene.original();
     let start = Instant::now();
-    let pilot = Pilot::run(scene, &original, seed, watch)?;
+    let choices = choices(scene, &original, SAMPLERS, (target, seed), watch)?;
     let spent = start.elapsed().as_secs_f64();
-    let Some(mut choice) = pilot.for_error(target) else { return Ok(None) };
+    let Some(mut choice) = best(&choices, target) else { return Ok(None) };
     let mut renders = 0;
     loop {
         renders += 1;
