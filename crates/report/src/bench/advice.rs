@@ -63,8 +63,8 @@ pub fn warnings(found: &BenchComparison) -> Vec<String> {
             plural(rounds, "round")
         ),
     );
-    let used = busy([found.rounds]).filter(|_| found.rounds.busy > 0).map(|w| w.to_lowercase());
-    warnings.extend(used.into_iter().chain(waiting(found)));
+    let used = busy([found.rounds]).filter(|_| found.rounds.busy > 0);
+    warnings.extend(used.into_iter().chain(waiting(found)).map(|words| words.to_lowercase()));
     warnings
 }
 
@@ -75,7 +75,7 @@ pub(super) fn waiting(found: &BenchComparison) -> Option<String> {
     let percent = 100.0 * best;
     (best < LEAST_SHARE).then(|| {
         format!(
-            "the threads got {percent:.0} % of the processors: close other programs, or render a larger image"
+            "The threads got {percent:.0} % of the processors: close other programs, or render a larger image"
         )
     })
 }

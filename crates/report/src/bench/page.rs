@@ -94,7 +94,8 @@ fn lead(scenes: &[SceneBench]) -> String {
             )]
         }
     };
-    sentences.extend(busy(scenes).map(|_| "The machine was busy.".to_owned()));
+    sentences
+        .extend(busy(scenes).and_then(|words| Some(format!("{}.", words.split_once(": ")?.0))));
     let different = scenes.iter().filter(|scene| !scene.equal).count();
     match different {
         0 if scenes.is_empty() => {}
