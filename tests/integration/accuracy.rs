@@ -69,7 +69,7 @@ fn answers_are_the_fastest_settings(found: &Findings) {
     let measured =
         || family(found, "lights").series.iter().flat_map(|s| s.points.iter().map(move |p| (s, p)));
     for at in &found.scenes[0].answer.errors {
-        let reached = measured().filter(|(_, p)| p.rmse.value <= at.error);
+        let reached = measured().filter(|(_, p)| p.rmse.high <= at.error);
         let fastest = reached.map(|(_, p)| p.seconds.median).min_by(f64::total_cmp);
         assert!(fastest.is_some() && at.tracing == fastest, "{at:?}");
         let is_own = |(series, p): &(&Series<Point>, &Point)| {

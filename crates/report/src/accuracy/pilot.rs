@@ -2,14 +2,12 @@
 //!
 //! No reference is needed: every sampler here is unbiased, so the variance of independent renders
 //! is the mean squared error of one. The pilot measures it in windows all over the image, for a few
-//! numbers of points, and extrapolates linearly in logarithms. It is [short]: of the windows, it takes as many as there is
+//! numbers of points, and extrapolates linearly in logarithms. It is short: of the windows, it takes as many as there is
 //! time for. More points are compared with fewer in the same windows. Each choice is then rendered for a moment, which
 //! tells its time.
 //!
 //! Trilinear textures are blurred by the distance between the rays of a pixel. What they lose with few rays is no
 //! variance, and the measured error does not include it.
-//!
-//! [short]: SHORT
 //!
 //! One ray through the centre of each pixel is no sample of its area: renders agree in what they
 //! miss, so they do not show it. Where rays in a pixel are varied, a choice for an error therefore
@@ -41,9 +39,9 @@ use measured::{pilot_seed, variances};
 /// Sides of the sample grids that the pilot tries, the first one again once it has told how long the choice may take.
 const SIDES: [u32; 4] = [2, 2, 4, 8];
 
-/// The seconds of a pilot, or this share of those of its choice if that is more.
+/// The seconds of a pilot, or this share of those of its choice if that is more, which it may exceed by a little.
 const SHORT: f64 = 0.2;
-const SHARE: f64 = 0.25;
+const SHARE: f64 = 0.2;
 
 /// The fewest windows that show how the error depends on the number of points.
 const LEAST_WINDOWS: usize = 4;
