@@ -266,7 +266,7 @@ fn ratio(one: &Point, other: &Point) -> Option<Uncertain> {
 }
 
 impl Series<Point> {
-    /// The fastest of the measured settings whose error is at most `error`.
+    /// The fastest of the measured settings whose error, up to the end of its interval, is at most `error`.
     pub fn reach(&self, error: f64) -> Option<&Point> {
         let reaching = self.points.iter().filter(|point| point.rmse.high <= error);
         reaching.min_by(|a, b| a.seconds.median.total_cmp(&b.seconds.median))
@@ -280,7 +280,7 @@ impl Series<Point> {
 }
 
 impl Family<Point> {
-    /// The fastest of all measured settings whose error is at most `error`.
+    /// The fastest of all measured settings whose error, up to the end of its interval, is at most `error`.
     pub fn fastest(&self, error: f64) -> Option<(&Series<Point>, &Point)> {
         let reached = self.series.iter().filter_map(|s| Some((s, s.reach(error)?)));
         reached.min_by(|a, b| a.1.seconds.median.total_cmp(&b.1.seconds.median))
