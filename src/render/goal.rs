@@ -107,8 +107,7 @@ fn within(
     seconds: f64,
 ) -> Result<AimedRender> {
     let args = rendering.args;
-    let has_time = budget.left() > 0.0;
-    if !has_time {
+    if budget.left() <= 0.0 {
         say(rendering, "the time is over before the first ray: one point follows");
     }
     let original = scene.original();
@@ -128,9 +127,6 @@ fn within(
     scene.resample(&original, &choice.samples());
     if rendered.finished {
         say(rendering, &format!("chosen: {choice}"));
-        if has_time && renders == 1 && budget.left() <= 0.0 {
-            say(rendering, "one point takes as long as the time that was left: it is over");
-        }
     }
     let found = measure(rendering, scene, &rendered, &UntilSignal(Some(budget)))?;
     let goal = goal(format!("{seconds} s"), &choice, found, (renders, 0.0));
@@ -159,7 +155,7 @@ fn measure(
 }
 
 /// Prints a note.
-fn say(rendering: &Rendering<'_>, words: &str) {
+pub(super) fn say(rendering: &Rendering<'_>, words: &str) {
     if !rendering.args.scene_options.quiet {
         tell(words);
     }

@@ -5,12 +5,14 @@
 mod live;
 
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Mutex, Once, PoisonError};
 use std::time::{Duration, Instant};
 
 use super::args::RenderArgs;
+use super::goal::say;
 use super::outputs::Outputs;
 use super::parts::warn;
+use crate::common::seconds;
 use crate::interrupt;
 use crate::progress::{Display, Stage};
 use live::Live;
@@ -36,6 +38,8 @@ pub(super) struct Show<'a> {
     live: Option<Live>,
     saver: Option<ImageSaver<'a>>,
     pace: Option<&'a Pace<'a>>,
+    /// That the time is too short.
+    told: Once,
 }
 
 impl<'a> Show<'a> {
@@ -56,7 +60,7 @@ impl<'a> Show<'a> {
         let saver = args
             .save_every
             .and_then(|seconds| or_warn(ImageSaver::new(outputs, scene, window, seconds)));
-        Self { rendering, live, saver, pace }
+        Self { rendering, live, saver, pace, told: Once::new() }
     }
 }
 
@@ -70,6 +74,10 @@ impl Watch for Show<'_> {
         self.rendering.progress.traced(done, all);
         if let Some(pace) = self.pace {
             pace.progress(done, all);
+            if let Some(all) = pace.overrun() {
+                let words = format!("one point takes about {} s, more than is left", seconds(all));
+                self.told.call_once(|| say(self.rendering, &words));
+            }
         }
     }
 

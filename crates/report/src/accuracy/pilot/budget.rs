@@ -71,12 +71,13 @@ pub struct Overhead {
     pub in_flight: f64,
 }
 
-/// The pace of a render, which ends it once it is certain to take too long.
+/// The pace of a render, which ends it once it is certain to take too long, unless it is the first.
 pub struct Pace<'a> {
     clock: Clock<'a>,
     start: f64,
-    /// Its seconds; `None` for the first render.
-    seconds: Option<f64>,
+    is_first: bool,
+    /// Its seconds.
+    seconds: f64,
     in_flight: f64,
     /// The finished share, as bits of a double.
     done: AtomicU64,
@@ -89,7 +90,8 @@ impl<'a> Pace<'a> {
         Self {
             clock: budget.clock,
             start: (budget.clock)(),
-            seconds: (!is_first).then(|| budget.left()),
+            is_first,
+            seconds: budget.left(),
             in_flight: overhead.in_flight,
             done: AtomicU64::new(0.0_f64.to_bits()),
             expected: OnceLock::new(),
@@ -103,22 +105,29 @@ impl<'a> Pace<'a> {
 
     /// Whether the render must end.
     pub fn is_late(&self) -> bool {
-        let Some(seconds) = self.seconds else { return false };
-        if self.expected.get().is_some() {
-            return true;
+        self.excess().is_some() && !self.is_first
+    }
+
+    /// The seconds that the first render will take, once they are certain to be more than there were.
+    pub fn overrun(&self) -> Option<f64> {
+        self.excess().filter(|_| self.is_first && self.seconds > 0.0)
+    }
+
+    fn excess(&self) -> Option<f64> {
+        if let Some(&expected) = self.expected.get() {
+            return Some(expected);
         }
-        let spent = self.spent();
+        let (seconds, spent) = (self.seconds, self.spent());
         if spent < JUDGED_SHARE * seconds {
-            return false;
+            return None;
         }
         let done = f64::from_bits(self.done.load(Ordering::Relaxed));
         let all = |in_flight: f64| spent / (done + in_flight).min(1.0);
         // As if everything in flight were finished: the least that the render will take.
         if spent < seconds && all(self.in_flight) <= (1.0 + EXCESS) * seconds {
-            return false;
+            return None;
         }
-        self.expected.get_or_init(|| all(self.in_flight / 2.0));
-        true
+        Some(*self.expected.get_or_init(|| all(self.in_flight / 2.0)))
     }
 
     fn spent(&self) -> f64 {
