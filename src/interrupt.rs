@@ -1,7 +1,7 @@
 //! Signals that end a command early: SIGINT, which Ctrl-C sends, and SIGTERM, which schedulers send.
 //!
 //! A render records the first signal and ends by itself; the second ends the process at once, as the first does to other
-//! commands. Temporary files are removed before, and what is left is told.
+//! commands. Temporary files are removed before, and the message lists the files that remain.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU8, Ordering};

@@ -110,7 +110,8 @@ pub(super) fn placing(components::Placing([u, v]): components::Placing) -> Placi
     Placing { turned: [vec2(u[0], u[1]), vec2(v[0], v[1])], moved: vec2(u[2], v[2]) }
 }
 
-/// The image of a texture whose file has this `head`, unless it is `decoded` already; in a mask, brightness replaces missing alpha.
+/// The image of a texture whose file has this `head`, unless it is `decoded` already; in a mask, brightness
+/// replaces missing alpha.
 pub(super) fn lazy(
     texture: TextureRef,
     is_mask: bool,
