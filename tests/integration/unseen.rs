@@ -49,6 +49,8 @@ fn files() -> tempfile::TempDir {
     }
     let texel = |x, y| Rgba([50 * x as u8, 50 * y as u8, 99, 255]);
     RgbaImage::from_fn(4, 4, texel).save(folder.path().join("opaque.png")).expect("an image");
+    let holes = |x, y| Rgba([9, 9, 9, if (x + y) % 2 == 0 { 255 } else { 0 }]);
+    RgbaImage::from_fn(4, 4, holes).save(folder.path().join("holes.png")).expect("an image");
     let white = RgbaImage::from_pixel(4, 4, Rgba([255; 4]));
     white.save(folder.path().join("white.png")).expect("an image");
     folder
@@ -151,7 +153,8 @@ fn what_nobody_sees_costs_nothing() {
     });
 }
 
-/// A sun and a lens that are too small to change half of one of 255 levels are a point and a pinhole; larger ones are not.
+/// A sun and a lens that are too small to change half of one of 255 levels are a point and a pinhole, and ambient light
+/// that looks no further than the next shape is in nobody's way; larger ones are not.
 #[test]
 fn what_is_too_small_to_be_seen_costs_nothing() {
     let sun = |angle: f64| {
@@ -163,7 +166,18 @@ fn what_is_too_small_to_be_seen_costs_nothing() {
         let camera = thin_lens(camera(), aperture, 5.0, [3, 3]);
         scene(2, &camera, &[lamp(3.0)], &[floor(), sphere([0.0; 3], 0.8, matte(0.8, [0.5; 3]))])
     };
-    for (sized, small, large) in [(&sun as &dyn Fn(f64) -> Value, 1e-6, 0.5), (&lens, 1e-5, 0.1)] {
+    let sky = |distance: f64| {
+        let samples = if distance == 0.0 { 0 } else { 4 };
+        let sky =
+            json!({"sky": [0.5, 0.5, 0.5], "samples": samples, "distance": distance.max(0.1)});
+        let ball = sphere([0.0, 1.0, 0.0], 0.8, matte(0.8, [0.5; 3]));
+        let mut json = scene(2, &camera(), &[lamp(3.0)], &[floor(), ball]);
+        json["scene"]["ambient"] = sky;
+        json
+    };
+    let all: [(&dyn Fn(f64) -> Value, _, _); 3] =
+        [(&sun, 1e-6, 0.5), (&lens, 1e-5, 0.1), (&sky, 1.1, 1.3)];
+    for (sized, small, large) in all {
         let [none, small, large] = [0.0, small, large].map(sized);
         let [none, small, large] =
             [none, small, large].map(|json| prepare_in(Path::new(""), &json, Options::default()));

@@ -1,5 +1,7 @@
 //! The environment: what rays see that hit nothing.
 
+use std::path::Path;
+
 use glam::{DMat3, DVec3};
 use hecs::World;
 
@@ -105,14 +107,21 @@ pub(crate) fn is_bright(world: &World) -> bool {
     world.query::<&Environment>().iter().any(Environment::is_bright)
 }
 
-/// The colour of the environment of a world, if it is bright and a gradient of one colour, as that of a
+/// The colour of the environment of a world in a `file`, if it is bright and of one colour, as that of a
 /// background is.
-pub(crate) fn only_color(world: &World) -> Option<DVec3> {
+///
+/// # Errors
+/// If its image cannot be decoded.
+pub(crate) fn only_color(world: &World, images: &mut Images, file: &Path) -> Result<Option<DVec3>> {
     let mut query = world.query::<&Environment>();
-    let Environment { around, image } = query.iter().find(|found| found.is_bright())?;
+    let Some(Environment { around, image }) = query.iter().find(|found| found.is_bright()) else {
+        return Ok(None);
+    };
     let Surroundings { zenith, horizon, nadir, intensity, .. } = around;
-    let is_even = image.is_none() && zenith == horizon && horizon == nadir;
-    is_even.then_some(zenith * intensity)
+    match image {
+        Some(image) => images.only_color(image, (file, "scene.environment", "file")),
+        None => Ok((zenith == horizon && horizon == nadir).then_some(zenith * intensity)),
+    }
 }
 
 /// The ambient light of an environment.

@@ -201,7 +201,7 @@ impl<'a> Masks<'a> {
         let masks: Vec<&mut AlphaImage> =
             self.known.iter_mut().filter_map(|(_, m)| m.as_mut()).collect();
         let ranges = masks.into_par_iter().map(|mask| {
-            mask.range = range(mask.image.get()?);
+            mask.range = range(mask.image.get()?, 0);
             Ok(())
         });
         // The first error in the order of the file.

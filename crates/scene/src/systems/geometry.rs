@@ -49,7 +49,7 @@ pub(crate) fn run(
 }
 
 /// Converts shapes, given in the order of the file, to primitives.
-fn build(world: &World, all: Vec<Occurrence<'_>>, flat: bool) -> Result<Output> {
+pub(super) fn build(world: &World, all: Vec<Occurrence<'_>>, flat: bool) -> Result<Output> {
     let mut occurrences = Occurrences::new(all, flat);
     let room = ArrayLengths::of(world, &occurrences);
     let mut builder = GeometryBuilder { room, ..GeometryBuilder::default() };

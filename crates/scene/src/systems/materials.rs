@@ -18,7 +18,7 @@ pub(crate) fn run(surfaces: &[SurfaceComponents<'_>], shapes: &[ShapeOutput]) ->
             kd: m.kd as f32,
             exponent: m.specular_exponent as f32,
             color: m.diffuse_color.as_vec3(),
-            kr: mirrored(m),
+            kr: if output.is_mirror { mirrored(m) } else { 0.0 },
             tint: m.specular_color.as_vec3(),
             emission: m.emission.as_vec3(),
             ambient: m.ambient as f32,

@@ -1,10 +1,12 @@
 //! What rays may meet, by boxes alone, before anything of it is stored.
 //!
-//! Camera rays stay within the frustum of a frame, and on their side of a sphere. Unless something in view mirrors the scene or lets
-//! light through, the others run from surfaces in view to lights, and so within the convex hull of both:
+//! Camera rays stay within the frustum of a frame, and on their side of a sphere. Unless something in view mirrors the scene
+//! ([`sight`]) or lets light through, the others run from surfaces in view to lights, and so within the convex hull of both:
 //! no ray meets a shape that a plane separates from it. The planes of 26-DOPs are tried: Klosowski et al.,
 //! *Efficient Collision Detection Using Bounding Volume Hierarchies of k-DOPs* (1998). In doubt a shape is
 //! met.
+
+mod sight;
 
 use std::collections::HashMap;
 
@@ -13,12 +15,11 @@ use hecs::{Entity, World};
 
 use super::bounds::around;
 use super::geometry::{Form, Occurrence, is_varied};
-use super::materials::mirrored;
 use super::reach::{BEHIND, Extent};
 use super::textures::Images;
 use crate::components::{
-    DirectionalLight, Disk, Maps, Material, Mesh, PointLight, Quad, Settings, Sky, Sphere,
-    TextureRef, Transparency, Triangle,
+    DirectionalLight, Disk, Maps, Mesh, PointLight, Quad, Settings, Sky, Sphere, TextureRef,
+    Transparency, Triangle,
 };
 use crate::lights::unit;
 use crate::surface::OPACITY_MAP;
@@ -68,7 +69,7 @@ pub(crate) fn run(
         })
     };
     look(all, true)?;
-    let shows_others = all.iter().any(|one| one.is_seen && scene.shows_others(one));
+    let shows_others = boxes.is_empty() || sight::run(scene, all, &boxes)?;
     if !shows_others && all.iter().any(|one| !one.is_seen) {
         let hull = scene.hull(all.iter().zip(&boxes).map(|(one, (bounds, _))| (one, bounds)));
         for (one, (bounds, _)) in all.iter_mut().zip(&boxes) {
@@ -135,20 +136,6 @@ impl Scene<'_> {
         let color = self.world.get::<&TextureRef>(of.entity).ok();
         let place = (self.settings.file.as_path(), of.place, OPACITY_MAP);
         Ok(!images.is_one(opacity, color.as_deref(), place)?)
-    }
-
-    /// Whether rays go on from the shape.
-    fn shows_others(&self, occurrence: &Occurrence<'_>) -> bool {
-        let is_mirror = |entity: Entity| {
-            let material = self.world.get::<&Material>(entity);
-            let maps = self.world.get::<&Maps>(entity);
-            material.is_ok_and(|material| mirrored(&material) > 0.0)
-                || maps.is_ok_and(|maps| maps.metal.is_some())
-        };
-        let is_surface = occurrence.light.is_none();
-        is_surface
-            && (occurrence.is_transparent
-                || self.settings.bounces > 0 && is_mirror(occurrence.entity))
     }
 
     /// The hull of all rays between what is seen of these shapes and boxes, and the lights.
@@ -223,7 +210,7 @@ fn size(bounds: &Aabb) -> f64 {
     f64::from(bounds.low.abs().max(bounds.high.abs()).max_element())
 }
 
-/// Spheres, by centre and radius, that no ray of any camera passes.
+/// Spheres without holes, by centre and radius, that no ray of any camera passes.
 struct Walls {
     /// With all cameras outside.
     outside: Vec<(Vec3, f32)>,
@@ -235,7 +222,9 @@ impl Walls {
     fn of(cameras: &[Camera], shapes: &[Occurrence<'_>]) -> Self {
         let pupils: Vec<Extent> = cameras.iter().map(Extent::of_pupil).collect();
         let sphere = |shape: &Occurrence<'_>| match shape.form {
-            Form::Sphere(sphere) => Some(shape.round("sphere", sphere.center, sphere.radius).ok()?),
+            Form::Sphere(sphere) if !shape.is_cut_out => {
+                Some(shape.round("sphere", sphere.center, sphere.radius).ok()?)
+            }
             _ => None,
         };
         let spheres = || shapes.iter().filter_map(sphere).map(|of| (of.center, of.radius));

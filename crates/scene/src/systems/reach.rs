@@ -134,6 +134,24 @@ pub(super) fn is_faced(
     })
 }
 
+/// Whether no line from a point of these sides of a shape meets the shape again.
+pub(super) fn is_convex(shape: &Shape, faces: Faces, geometry: &Geometry) -> bool {
+    let mut primitives = shape.primitives.clone();
+    let is_bent_to = |height: f64| faces.front && height > 0.0 || faces.back && height < 0.0;
+    let (Some(number), None) = (primitives.next(), primitives.next()) else { return false };
+    match geometry.primitive(number) {
+        Primitive::Triangle(_) => true,
+        Primitive::Quad(i) => {
+            let [[a, b, c], [.., d]] =
+                quad::halves(&geometry.quad(i)).map(|half| half.map(|corner| corner.as_dvec3()));
+            let height = (b - a).cross(c - a).dot(d - a);
+            !is_bent_to(if shape.flipped { -height } else { height })
+        }
+        Primitive::Quadric(i) => geometry.quadrics[i].sphere().is_none() || !faces.back,
+        Primitive::Instanced(_) => false,
+    }
+}
+
 /// Whether any of the light may be on one of these sides of the primitive, unless its cone misses
 /// it.
 fn may_face(shape: &Shape, faces: Faces, light: &Extent, geometry: &Geometry, number: u32) -> bool {

@@ -24,6 +24,11 @@ const SMALL_BYTES: u64 = 64 << 20;
 /// Largest ratio of the decoded size of a larger image to the length of its file. PNG and EXR reach
 /// 1032, JPEG about as much.
 const LARGEST_RATIO: u64 = 4096;
+/// Decoded size in bytes up to which an image is always looked at for whether it has one colour only, and
+/// largest ratio of that to the length of its file for which it certainly has more: PNG, JPEG and EXR pack one
+/// colour by more than a hundred, Radiance by 64.
+const LOOKED_AT: u64 = 1 << 20;
+const MOST_COLORS_RATIO: u64 = 50;
 /// Largest unpacked size of an image's header in bytes: larger colour profiles are ignored.
 const MAX_METADATA: u64 = 8 << 20;
 
@@ -34,8 +39,8 @@ pub(crate) struct Images {
     all: Vec<(TextureRef, String)>,
     /// Their numbers.
     numbers: HashMap<MadeOf, u32>,
-    /// Those that are decoded already; `None` where the first channel is 1 in every texel.
-    decoded: HashMap<MadeOf, Option<Image>>,
+    /// Those that are decoded already, and whether their first channel is 1 in every texel.
+    decoded: HashMap<MadeOf, (Image, bool)>,
 }
 
 /// What the texels of an image are made of; the tint in bits.
@@ -66,29 +71,59 @@ impl Images {
         Texture { image: number, filter, wrap, coordinates: Coordinates { map, placing } }
     }
 
-    /// Whether the texture's first channel is 1 in every texel. It is decoded for that, and kept unless so;
-    /// if `color` is of the same file, both are decoded at once. It is under a `key` of the object at
-    /// `place` of a `file`.
+    /// Whether the texture's first channel is 1 in every texel. It is decoded for that, and kept; if `color` is
+    /// of the same file, both are decoded at once. It is under a `key` of the object at `place` of a `file`.
     pub(super) fn is_one(
         &mut self,
         texture: &TextureRef,
         color: Option<&TextureRef>,
-        (file, place, key): (&Path, &str, &str),
+        place: (&Path, &str, &str),
     ) -> Result<bool> {
-        if let Some(known) = self.decoded.get(&made_of(texture)) {
-            return Ok(known.is_none());
+        Ok(self.decoded(texture, color, place)?.1)
+    }
+
+    /// The colour of a texture, if it is the same in every texel. Images too large to look at, unless they
+    /// are compressed as one colour is, may have others.
+    pub(crate) fn only_color(
+        &mut self,
+        texture: &TextureRef,
+        place: (&Path, &str, &str),
+    ) -> Result<Option<DVec3>> {
+        let may_be = |head: Head| {
+            head.decoded <= LOOKED_AT || head.decoded / head.length.max(1) > MOST_COLORS_RATIO
+        };
+        // What is wrong with its header is told later.
+        if !Head::of(&texture.look_up.source).is_ok_and(may_be) {
+            return Ok(None);
         }
-        let source = &texture.look_up.source;
-        let decoded = Head::of(source).and_then(|_| decoded(source));
-        let decoded = decoded.map_err(|e| e.in_file(file).at(format!("{place}.{key}")))?;
-        if let Some(color) = color.filter(|color| color.look_up.source == *source) {
-            let image = of_texture(decoded.clone(), color, false);
-            self.decoded.insert(made_of(color), Some(image));
+        let (image, _) = self.decoded(texture, None, place)?;
+        let ranges = [0, 1, 2].map(|channel| range(image, channel));
+        let is_even = image.invalid == 0 && ranges.iter().all(|[low, high]| low == high);
+        Ok(is_even.then(|| Vec3::from(ranges.map(|[value, _]| value)).as_dvec3()))
+    }
+
+    /// The decoded image of a texture, and whether its first channel is 1 in every texel.
+    fn decoded(
+        &mut self,
+        texture: &TextureRef,
+        color: Option<&TextureRef>,
+        (file, place, key): (&Path, &str, &str),
+    ) -> Result<&(Image, bool)> {
+        if !self.decoded.contains_key(&made_of(texture)) {
+            let source = &texture.look_up.source;
+            let read = Head::of(source).and_then(|_| decoded(source));
+            let read = read.map_err(|e| e.in_file(file).at(format!("{place}.{key}")))?;
+            let mut keep = |texture: &TextureRef, read: DynamicImage| {
+                let image = of_texture(read, texture, false);
+                let is_one = range(&image, 0) == [1.0; 2];
+                self.decoded.insert(made_of(texture), (image, is_one));
+            };
+            if let Some(color) = color.filter(|color| color.look_up.source == *source) {
+                keep(color, read.clone());
+            }
+            keep(texture, read);
         }
-        let image = of_texture(decoded, texture, false);
-        let is_one = range(&image) == [1.0; 2];
-        self.decoded.insert(made_of(texture), (!is_one).then_some(image));
-        Ok(is_one)
+        Ok(&self.decoded[&made_of(texture)])
     }
 
     /// Reads the headers of all images: each is decoded at its first look-up, with a pyramid if any
@@ -97,7 +132,7 @@ impl Images {
         let Self { all, mut decoded, .. } = self;
         let image = |(texture, place): (TextureRef, String)| {
             let head = Head::of(&texture.look_up.source).map_err(|e| e.in_file(file).at(&place))?;
-            let known = decoded.remove(&made_of(&texture)).flatten();
+            let known = decoded.remove(&made_of(&texture)).map(|(image, _)| image);
             Ok(lazy(texture, false, (head, known), (file.to_owned(), place)))
         };
         all.into_iter().map(image).collect()
@@ -179,7 +214,8 @@ pub(super) struct Head {
     /// Decoded size in bytes, and the additional bytes of the decoder.
     decoded: u64,
     scratch: u64,
-    /// Bytes of its file content in memory.
+    /// Length of its file content in bytes, and how many of them are in memory.
+    length: u64,
     embedded: u64,
 }
 
@@ -201,16 +237,18 @@ impl Head {
                 decoded,
                 // JPEG keeps two bytes for each number if it has several scans, EXR a whole copy.
                 scratch: decoded * if is_bytes { 2 } else { 1 },
+                length,
                 embedded,
             })
         })?;
         check_size(source, head.size)?;
-        head.check_bytes(source, length)?;
+        head.check_bytes(source)?;
         Ok(head)
     }
 
-    /// Refuses an image that is too large, or larger than a file of this `length` can be.
-    fn check_bytes(self, source: &TextureSource, length: u64) -> Result<()> {
+    /// Refuses an image that is too large, or larger than its file can hold.
+    fn check_bytes(self, source: &TextureSource) -> Result<()> {
+        let length = self.length;
         let [held, _] = self.bytes(Filter::Nearest, Channels::Color);
         let (width, height) = self.size;
         let refused = |message: &str, found: String| {
@@ -279,18 +317,20 @@ fn of_texture(decoded: DynamicImage, texture: &TextureRef, is_mask: bool) -> Ima
     image
 }
 
-/// The lowest and the highest value in the first channel of an image, as in look-ups.
-pub(super) fn range(image: &Image) -> [f32; 2] {
+/// The lowest and the highest value in a channel of an image, as in look-ups.
+pub(super) fn range(image: &Image, channel: usize) -> [f32; 2] {
     let levels = |texels: &[[u8; 4]]| {
-        let levels = texels.iter().map(|texel| texel[0]);
+        let levels = texels.iter().map(|texel| texel[channel]);
         [levels.clone().min(), levels.max()].map(|level| level.unwrap_or(u8::MAX))
     };
     match &image.texels {
         Texels::Bytes(texels) => levels(texels).map(|level| f32::from(level) / 255.0),
         // Decoding keeps the order.
-        Texels::Levels(texels, values) => levels(texels).map(|level| values[usize::from(level)].x),
+        Texels::Levels(texels, values) => {
+            levels(texels).map(|level| values[usize::from(level)][channel])
+        }
         Texels::Floats(texels) => {
-            let values = || texels.iter().map(|texel| texel[0]);
+            let values = || texels.iter().map(|texel| texel[channel]);
             [values().fold(f32::INFINITY, f32::min), values().fold(f32::NEG_INFINITY, f32::max)]
         }
     }

@@ -37,7 +37,12 @@ pub(crate) fn run(
 }
 
 /// The sides of the shape that lights can reach and that face a pupil.
-fn visible_faces(shape: &Shape, pupils: &[Extent], geometry: &Geometry, tests: &mut u64) -> Faces {
+pub(super) fn visible_faces(
+    shape: &Shape,
+    pupils: &[Extent],
+    geometry: &Geometry,
+    tests: &mut u64,
+) -> Faces {
     let lit = Faces::lit(shape);
     if shape.two_sided && shape.primitives.len() > FEW {
         return lit;

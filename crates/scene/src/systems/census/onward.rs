@@ -16,9 +16,13 @@ impl Facts<'_> {
 
     pub(super) fn mirrors(&self) -> (bool, String) {
         let reflects = |i: usize| self.census.materials[i].kr > 0.0;
-        let none = match (0..self.solid.len()).any(|i| self.solid[i] && reflects(i)) {
+        let solid = || (0..self.solid.len()).filter(|&i| self.solid[i]);
+        let none = match solid().any(reflects) {
             true => "mirrors are seen from behind only",
-            false => "no material has kr above 0",
+            false if solid().all(|i| self.census.extracted.shapes[i].is_mirror) => {
+                "no material has kr above 0"
+            }
+            false => "mirrors show nothing but a background",
         };
         let is_mirror = |i: usize| reflects(i) && self.census.in_view[i].is_none_or(Faces::any);
         let (found, reason) = self.surfaces(is_mirror, "mirror", none);

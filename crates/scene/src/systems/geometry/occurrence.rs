@@ -36,6 +36,10 @@ pub(crate) struct Occurrence<'w> {
     pub(crate) light: Option<Vec3>,
     /// Whether its material lets light through.
     pub(crate) is_transparent: bool,
+    /// Whether it may have holes.
+    pub(crate) is_cut_out: bool,
+    /// Whether it may mirror anything.
+    pub(crate) is_mirror: bool,
     /// Whether camera rays may meet it.
     pub(crate) is_seen: bool,
     /// Whether any rays may meet it.
@@ -46,7 +50,7 @@ pub(crate) struct Occurrence<'w> {
     pub(super) smooth: bool,
     pub(super) textured: bool,
     /// Whether it has a normal map.
-    pub(super) normal_mapped: bool,
+    pub(crate) normal_mapped: bool,
     pub(crate) place: &'w str,
 }
 
@@ -86,8 +90,8 @@ impl Occurrence<'_> {
 
     /// Its shape, and with it what later systems ask of it.
     pub(super) fn output(&self, shape: Shape, uv_map: UvMap) -> ShapeOutput {
-        let &Self { entity, is_transparent, is_seen, is_met, .. } = self;
-        ShapeOutput { entity, shape, uv_map, is_transparent, is_seen, is_met }
+        let &Self { entity, is_transparent, is_mirror, is_seen, is_met, .. } = self;
+        ShapeOutput { entity, shape, uv_map, is_transparent, is_mirror, is_seen, is_met }
     }
 
     pub(super) fn shape(&self, primitives: Range<u32>, flipped: bool) -> Shape {

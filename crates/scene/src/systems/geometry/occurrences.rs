@@ -103,6 +103,8 @@ pub(super) fn of<'w>(
                     form,
                     light: light.map(|light| light.color.as_vec3()),
                     is_transparent: is_surface && is_transparent(transparency, maps),
+                    is_cut_out,
+                    is_mirror: true,
                     is_seen: true,
                     is_met: true,
                     transform,

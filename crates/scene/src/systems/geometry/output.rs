@@ -19,6 +19,8 @@ pub(crate) struct ShapeOutput {
     pub uv_map: UvMap,
     /// Whether its material lets light through.
     pub is_transparent: bool,
+    /// Whether its mirror, if it is one, may show anything.
+    pub is_mirror: bool,
     /// Whether camera rays may meet it, or any rays; otherwise it has no primitives.
     pub is_seen: bool,
     pub is_met: bool,
