@@ -64,7 +64,7 @@ pub(crate) struct BenchArgs {
     #[arg(short, long, value_name = "FILE")]
     pub(crate) output: Option<PathBuf>,
     /// Write an HTML page with charts, updated after every scene
-    #[arg(long, value_name = "FILE")]
+    #[arg(long, value_name = "FILE", conflicts_with = "effects")]
     pub(crate) page: Option<PathBuf>,
     /// Write each chart of the page to this folder, as SVG and CSV
     #[arg(long, value_name = "FOLDER", conflicts_with = "effects")]

@@ -66,12 +66,26 @@ pub(crate) fn busy(all: impl IntoIterator<Item = Rounds>) -> Option<String> {
         .then(|| format!("The machine was busy in {used} of {all} rounds, {out} of them left out: close other programs"))
 }
 
+/// Threads that get less than this share of the processors that they could use wait for them, or have too little
+/// work to share. With one other program on two processors it is 0.75, on an idle machine 0.96.
+const LEAST_USED: f64 = 0.85;
+
+/// That threads waited for processors, or for work: even the best of some runs got no larger of these `shares` of
+/// the processors that its threads could use.
+pub(crate) fn waiting(shares: impl Iterator<Item = f64>) -> Option<String> {
+    let best = shares.reduce(f64::max).filter(|best| *best < LEAST_USED)?;
+    Some(format!(
+        "The threads got {:.0} % of the processors: close other programs, or render a larger image",
+        100.0 * best
+    ))
+}
+
 /// A round that got less than this share of the processor time of the best round, for each second,
 /// is busy: on an idle machine, rounds differ by 1 to 2 per cent.
 const LEAST_SHARE: f64 = 0.95;
 
 /// Shorter rounds in seconds are never busy: waking the threads takes a considerable part of them.
-const SHORT: f64 = 0.02;
+pub(crate) const SHORT: f64 = 0.02;
 
 /// The resolution of the clock in seconds.
 const CLOCK_STEP: f64 = 1e-9;

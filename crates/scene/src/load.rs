@@ -43,7 +43,7 @@ pub struct LoadedScene {
     pub world: World,
     /// Warnings about the file, in its order; then about its meshes.
     pub warnings: Vec<Warning>,
-    /// Choices for values that the file lacks: a camera, lights.
+    /// Choices for values that the file lacks (a camera, lights), and what is left out without harm.
     pub notes: Vec<Warning>,
     /// The files read, without the scene file and textures; and those of shapes that are not shown.
     pub files: Vec<PathBuf>,
@@ -174,8 +174,8 @@ fn loaded(
         .map(|text| Warning::from_error(&notes.error(ErrorKind::Scene, "", text)));
     meshes::complete(&mut world, &notes, read_mesh)?;
     let (file, folder) = (notes.file().to_owned(), notes.folder());
-    let (warnings, files) = notes.into_parts();
-    let notes = told.into_iter().collect();
+    let (warnings, harmless, files) = notes.into_parts();
+    let notes = told.into_iter().chain(harmless).collect();
     Ok(LoadedScene { file, world, warnings, notes, files, folder })
 }
 

@@ -4,6 +4,7 @@
 //! |---|---|---|
 //! | `scene`, `file`, `fingerprint`, `size`, `primitives` | | the scene and the size of its images in pixels |
 //! | `rounds`, `left_out`, `busy` | | rounds of all settings, one for each seed, as in [`crate::bench`]: busy ones are left out of times if enough others remain |
+//! | `share` | | the largest share of the processors that the threads got in a round; `null` where the system does not tell |
 //! | `answer` | | the sampler and the number of points that reach an error in the least time, in seconds from the command to the image: |
 //! | `.family`, `.counted` | | what is varied for a smaller error, as by `--advise` and `--target-error` |
 //! | `.errors[].error` | | root mean squared error |
@@ -34,7 +35,7 @@ use super::reference::FLOOR;
 use super::setting::{self, Axis, Family, Series, Setting, Target, converges};
 use super::store::{
     PointRecord, PreparedRecord, Record, ReferenceRecord, SceneRecord, StepsRecord, TrialRecord,
-    all, busy_rounds,
+    all, busy_rounds, largest_share,
 };
 use super::subject::Subject;
 use crate::measure::Rounds;
@@ -53,6 +54,7 @@ pub struct SceneFindings {
     pub scene: SceneRecord,
     #[serde(flatten)]
     pub rounds: Rounds,
+    pub share: Option<f64>,
     pub answer: Answer,
     pub references: Vec<ReferenceRecord>,
     pub families: Vec<Family<Point>>,
@@ -100,6 +102,7 @@ impl SceneFindings {
         let (rounds, left_out) = (all_rounds - left.len(), left.len());
         let mut found = Self {
             rounds: Rounds { rounds, left_out, busy: busy.len() - left_out },
+            share: largest_share(name, records),
             scene: subject.record.clone(),
             answer: Answer::default(),
             references: all(records)

@@ -12,7 +12,7 @@ use super::fit::Uncertain;
 use super::store::Circumstances;
 use super::sweep::Swept;
 use crate::bench::page::{command, recorded};
-use crate::measure::busy;
+use crate::measure::{busy, waiting};
 use crate::page::{Block, Cell, Page, Section, Table};
 use crate::plot::number::{figure, seconds};
 use wavecrest_base::error::Result;
@@ -22,8 +22,7 @@ use wavecrest_base::error::Result;
 /// # Errors
 /// If a file cannot be written, or a scene can no longer be rendered for its crops.
 pub fn write(findings: &Findings, swept: &mut [Swept], results: &Path) -> Result<()> {
-    let busy = busy(findings.scenes.iter().map(|scene| scene.rounds));
-    let mut first = Vec::from_iter(busy.map(Block::Warning));
+    let mut first = Vec::from_iter(disturbed(findings.scenes.iter()).map(Block::Warning));
     first.extend(answers(findings));
     let mut sections = Vec::new();
     for (scene, swept) in findings.scenes.iter().zip(swept) {
@@ -33,6 +32,12 @@ pub fn write(findings: &Findings, swept: &mut [Swept], results: &Path) -> Result
     sections.push(about(findings));
     let (title, lead) = ("What accuracy costs in time".to_owned(), lead(findings));
     Page { title, lead, first, sections }.write(&results.join("report.html"))
+}
+
+/// That the machine was busy, in some rounds or all the time.
+fn disturbed<'a>(scenes: impl Iterator<Item = &'a SceneFindings> + Clone) -> Option<String> {
+    busy(scenes.clone().map(|scene| scene.rounds))
+        .or_else(|| waiting(scenes.filter_map(|scene| scene.share)))
 }
 
 /// The answers, and for each scene the slopes and the price list of exact hits: for a terminal.
@@ -116,7 +121,8 @@ fn lead(findings: &Findings) -> String {
 fn answers(findings: &Findings) -> Vec<Block> {
     let all = || findings.scenes.iter().map(|scene| (scene, &scene.answer));
     let sentence = |(scene, answer): (&SceneFindings, &Answer)| {
-        let busy = busy([scene.rounds]).map_or_else(String::new, |words| format!(" {words}."));
+        let busy = disturbed([scene].into_iter());
+        let busy = busy.map_or_else(String::new, |words| format!(" {words}."));
         let name = &scene.scene.scene;
         Block::Paragraph(format!("`{name}`: {}{busy}", answer.sentence()))
     };

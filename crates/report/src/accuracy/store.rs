@@ -11,7 +11,7 @@ use std::io::{Read as _, Write as _};
 use std::path::{Path, PathBuf};
 
 use super::setting::Target;
-use crate::measure::{Timing, quiet};
+use crate::measure::{SHORT, Timing, quiet};
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_base::replace::{make_folder, written};
 
@@ -24,14 +24,26 @@ pub fn all<T: 'static>(records: &[Record]) -> impl Iterator<Item = &T> {
 
 /// The number of rounds of a scene, and the seeds of those that were busy.
 pub(crate) fn busy_rounds(scene: &str, records: &[Record]) -> (usize, BTreeSet<u64>) {
+    let rounds = sums(scene, records);
+    let quiet = quiet(&rounds.values().copied().collect::<Vec<_>>());
+    let busy = rounds.keys().zip(&quiet).filter(|(_, quiet)| !**quiet).map(|(seed, _)| *seed);
+    (rounds.len(), busy.collect())
+}
+
+/// The largest share of the processors that the threads of this pool got in a round of a scene.
+pub(crate) fn largest_share(scene: &str, records: &[Record]) -> Option<f64> {
+    let shares = sums(scene, records).into_values().filter(|round| round.seconds >= SHORT);
+    let threads = rayon::current_num_threads() as f64;
+    shares.filter_map(|round| Some(round.processors()? / threads)).reduce(f64::max)
+}
+
+/// The duration of all renders of a scene with each seed.
+fn sums(scene: &str, records: &[Record]) -> BTreeMap<u64, Timing> {
     let mut rounds: BTreeMap<u64, Vec<Timing>> = BTreeMap::new();
     for point in all::<PointRecord>(records).filter(|point| point.scene == scene) {
         rounds.entry(point.seed).or_default().push(point.timing);
     }
-    let sums: Vec<Timing> = rounds.values().map(|all| all.iter().copied().sum()).collect();
-    let quiet = quiet(&sums);
-    let busy = rounds.keys().zip(&quiet).filter(|(_, quiet)| !**quiet).map(|(seed, _)| *seed);
-    (rounds.len(), busy.collect())
+    rounds.into_iter().map(|(seed, all)| (seed, all.into_iter().sum())).collect()
 }
 
 /// The records of a sweep, in a folder.

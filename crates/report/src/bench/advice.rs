@@ -4,7 +4,7 @@
 //! first run, outliers. Each names the observation and the option that helps.
 
 use super::compare::{BenchComparison, VariantBench};
-use crate::measure::busy;
+use crate::measure::{self, busy};
 use crate::plot::number::plural;
 use crate::summary::{CONFIDENCE, ENOUGH};
 
@@ -18,10 +18,6 @@ const SLOW_DEVIATIONS: f64 = 14.826;
 /// ... and by more than this share of the median: if all runs are alike, a small difference is not
 /// slow.
 const SLOW_SHARE: f64 = 0.1;
-
-/// Runs that get less than this share of the processors that their threads could use are disturbed,
-/// or have too little work to share.
-const LEAST_SHARE: f64 = 0.75;
 
 /// The warnings about a comparison.
 pub fn warnings(found: &BenchComparison) -> Vec<String> {
@@ -71,11 +67,5 @@ pub fn warnings(found: &BenchComparison) -> Vec<String> {
 /// That threads waited for processors, or for work.
 pub(super) fn waiting(found: &BenchComparison) -> Option<String> {
     let share = |v: &VariantBench| Some(v.processors? / v.variant.threads as f64);
-    let best = found.variants.iter().filter_map(share).reduce(f64::max)?;
-    let percent = 100.0 * best;
-    (best < LEAST_SHARE).then(|| {
-        format!(
-            "The threads got {percent:.0} % of the processors: close other programs, or render a larger image"
-        )
-    })
+    measure::waiting(found.variants.iter().filter_map(share))
 }

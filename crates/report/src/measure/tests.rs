@@ -86,6 +86,14 @@ fn busy_rounds_are_left_out_and_measured_again() {
 }
 
 #[test]
+fn threads_that_never_get_what_they_could_use_are_told() {
+    let told = waiting([0.5, 0.84].into_iter()).expect("a warning");
+    assert!(told.starts_with("The threads got 84 % of the processors: "), "{told}");
+    assert_eq!(waiting([0.9, 0.1].into_iter()), None);
+    assert_eq!(waiting(std::iter::empty()), None);
+}
+
+#[test]
 fn on_a_machine_that_stays_busy_the_best_rounds_are_kept() {
     let got = |round: usize| 1.0 + 0.1 * (round % 10) as f64;
     let (_, measured, _) = run(schedule(1, 6, 0.0), |turn| timing(1.0, got(turn.round)));

@@ -21,6 +21,8 @@ pub(crate) struct Notes<'a> {
     /// The number of all errors.
     faults: Cell<usize>,
     warnings: RefCell<Warnings>,
+    /// What is left out without harm.
+    harmless: RefCell<Warnings>,
     /// Other files read.
     files: RefCell<Vec<PathBuf>>,
     /// Hashes of the texts of all errors.
@@ -30,8 +32,8 @@ pub(crate) struct Notes<'a> {
 impl<'a> Notes<'a> {
     /// Empty notes. If `strict`, unknown keys are errors.
     pub(crate) fn new(file: &'a Path, strict: bool) -> Self {
-        let (errors, faults, warnings, files, given) = Default::default();
-        Self { file, strict, outside: false, errors, faults, warnings, files, given }
+        let (errors, faults, warnings, harmless, files, given) = Default::default();
+        Self { file, strict, outside: false, errors, faults, warnings, harmless, files, given }
     }
 
     /// Allows files outside the folder of the referring file.
@@ -68,6 +70,12 @@ impl<'a> Notes<'a> {
     /// Adds a warning about the value at `place`.
     pub(crate) fn note(&self, place: &str, message: &str, remedy: &str) {
         self.warn(&self.error(ErrorKind::Scene, place, message.to_owned()).remedy(remedy));
+    }
+
+    /// Adds a note about what is left out at `place` without harm.
+    pub(crate) fn leave_out(&self, place: &str, message: &str, remedy: &str) {
+        let error = self.error(ErrorKind::Scene, place, message.to_owned()).remedy(remedy);
+        self.harmless.borrow_mut().add_error(&error);
     }
 
     /// Adds warnings made elsewhere.
@@ -134,8 +142,10 @@ impl<'a> Notes<'a> {
         }
     }
 
-    /// All warnings and files, in the order of their discovery.
-    pub(crate) fn into_parts(self) -> (Vec<Warning>, Vec<PathBuf>) {
-        (self.warnings.into_inner().into_vec(), self.files.into_inner())
+    /// All warnings, what is left out without harm, and files, in the order of their discovery.
+    pub(crate) fn into_parts(self) -> (Vec<Warning>, Vec<Warning>, Vec<PathBuf>) {
+        let Self { warnings, harmless, files, .. } = self;
+        let [warnings, harmless] = [warnings, harmless].map(|all| all.into_inner().into_vec());
+        (warnings, harmless, files.into_inner())
     }
 }

@@ -219,7 +219,7 @@ fn check_unused(
 ) {
     for mesh in (0..known.len()).filter(|&mesh| known[mesh].is_none()) {
         let message = "the mesh is not used";
-        notes.note(&format!("meshes[{mesh}]"), message, "no node of the scene refers to it");
+        notes.leave_out(&format!("meshes[{mesh}]"), message, "no node of the scene refers to it");
         read(document, mesh, reader, notes, &mut Vec::new());
     }
 }
@@ -238,7 +238,11 @@ fn read(
         let (texture, maps, set) = textures(document, surface, notes);
         let Some(threshold) = surface.threshold() else {
             let message = "an invisible surface is left out";
-            notes.note(&primitive.path, message, "its alpha is 0 or below the cutoff everywhere");
+            notes.leave_out(
+                &primitive.path,
+                message,
+                "its alpha is 0 or below the cutoff everywhere",
+            );
             continue;
         };
         let uses_alpha = threshold > 0.0 || surface.blends;

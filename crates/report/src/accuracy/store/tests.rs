@@ -78,4 +78,7 @@ fn a_round_with_less_of_the_processors_is_busy() {
     let records: Vec<Record> = times.into_iter().map(point).collect();
     assert_eq!(busy_rounds("a", &records), (3, BTreeSet::from([2])));
     assert_eq!(busy_rounds("b", &records), (0, BTreeSet::new()));
+    let threads = rayon::current_num_threads() as f64;
+    assert_eq!(largest_share("a", &records), Some((1.0 + 0.9) / threads));
+    assert_eq!(largest_share("b", &records), None);
 }
