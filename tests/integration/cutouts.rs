@@ -139,9 +139,7 @@ fn files_of_other_formats_are_cut_out() {
         assert!(film(&format!("{name}.json")).same_bits(&found), "{name}");
     }
     let gone = load(&at("gone.gltf"), &options).expect("a scene");
-    assert!(
-        gone.warnings.iter().any(|warning| warning.to_string().contains("an invisible surface"))
-    );
+    assert!(gone.notes.iter().any(|note| note.to_string().contains("an invisible surface")));
 }
 
 /// Between texels alpha is weighted, and what is there is what has as much as the threshold.

@@ -180,7 +180,7 @@ pub(crate) const FAULTS: &[Fault] = faults! {
         "across.lt(infinity).bits() & down.lt(infinity).bits()" => "u32::MAX";
     "a sphere shows half of its image", 30, "crates/core/src/kernels/texture/coordinates.rs":
         "0.5 + libm::atan2f(x, z) / TAU" => "0.25 + libm::atan2f(x, z) / (2.0 * TAU)";
-    "texels that are no numbers are kept", 53, "crates/scene/src/systems/textures.rs":
+    "texels that are no numbers are kept", 53, "crates/scene/src/image_file.rs":
         "if x.is_finite() { x } else { 0.0 }" => "x";
     "all rays of a lens start in its middle", 54, "crates/core/src/kernels/camera.rs":
         "origin + offset" => "origin";

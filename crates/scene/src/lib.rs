@@ -18,6 +18,7 @@ mod environment;
 mod folder;
 mod format;
 mod gltf;
+mod image_file;
 mod lights;
 mod options;
 mod query;

@@ -8,12 +8,12 @@ use super::components::{
     AreaLight, Channels, Filter, Hidden, InstanceOf, Mesh, MeshFile, TextureSource, View,
 };
 use super::format::Notes;
+use super::image_file;
 use super::load::error_of;
 use super::mesh;
 use super::options::LoadOptions;
 use super::query::{self, Pictured, textures_of};
 use super::staging;
-use super::systems::textures;
 use wavecrest_base::error::Result;
 
 /// The contents of a scene.
@@ -54,7 +54,7 @@ impl Survey {
     /// Adds images, of which these channels are looked up.
     pub(super) fn add_images(&mut self, images: impl Iterator<Item = Pictures>) {
         self.images
-            .extend(images.map(|(source, filter, of)| textures::survey(&source, filter, of)));
+            .extend(images.map(|(source, filter, of)| image_file::survey(&source, filter, of)));
     }
 }
 

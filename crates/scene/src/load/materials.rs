@@ -12,11 +12,11 @@ use hecs::{EntityBuilder, EntityRef};
 use crate::components::{JsonPath, Maps, Mesh, Name, Order};
 use crate::folder::{Denied, Folder, last_part};
 use crate::format::{Declaration, Notes};
+use crate::image_file;
 use crate::mesh::{MeshData, NamedMaterials};
 use crate::mtl::{Library, Look, Mtl, surface};
 use crate::shapes::PLACED;
 use crate::surface::{MATERIAL, SURFACE};
-use crate::systems::textures;
 use wavecrest_base::error::{Error, ErrorKind};
 
 /// Largest MTL file in bytes, 64 MiB.
@@ -199,7 +199,7 @@ impl Reader<'_> {
         let found = self.find(from, name);
         let found = found.inspect_err(|denied| self.denied(*denied, "image", name, effect));
         let found = found.ok().filter(|path| {
-            let check = textures::check(path);
+            let check = image_file::check(path);
             check.inspect_err(|error| self.warn(&error.to_string(), effect)).is_ok()
         });
         self.images.insert(key, found.clone());

@@ -10,10 +10,11 @@ use glam::{DVec3, Vec2};
 use rayon::prelude::*;
 
 use super::geometry::{Output, ShapeOutput};
-use super::textures::{Head, lazy, placing, range};
+use super::textures::{lazy, placing};
 use crate::components::{
     Channels, CutOut, Encoding, LookUp, SurfaceComponents, TextureRef, TextureSource,
 };
+use crate::image_file::{Head, range};
 use crate::mesh::MeshData;
 use wavecrest_base::error::Result;
 use wavecrest_core::geometry::cutouts::{Cutout, Cutouts, MeshUvs};

@@ -15,7 +15,7 @@ use crate::components::{
     AreaLight, Channels, CutOut, Disk, Facing, Hidden, InstanceOf, JsonPath, Map, Maps, Mesh,
     Order, Quad, Shading, Sides, Sphere, TextureRef, Transform, Transparency, Triangle,
 };
-use crate::systems::textures::has_alpha;
+use crate::image_file::has_alpha;
 
 /// What a shape or an instance has of its own.
 pub(super) type Shown<'w> = (
