@@ -5,7 +5,7 @@ use std::path::Path;
 use glam::{DMat3, DVec3};
 use hecs::World;
 
-use crate::components::{Encoding, TextureRef};
+use crate::components::{Encoding, Sky, TextureRef};
 use crate::format::{
     Cursor, Declaration, Declared, Key, Kind, Object, Range, Writer, component, keys,
 };
@@ -108,19 +108,15 @@ pub(crate) fn is_bright(world: &World) -> bool {
 }
 
 /// The colour of the environment of a world in a `file`, if it is bright and of one colour, as that of a
-/// background is.
-///
-/// # Errors
-/// If its image cannot be decoded.
-pub(crate) fn only_color(world: &World, images: &mut Images, file: &Path) -> Result<Option<DVec3>> {
+/// background is. Images that give ambient light, or are not small, may have others.
+pub(crate) fn only_color(world: &World, images: &mut Images, file: &Path) -> Option<DVec3> {
     let mut query = world.query::<&Environment>();
-    let Some(Environment { around, image }) = query.iter().find(|found| found.is_bright()) else {
-        return Ok(None);
-    };
+    let Environment { around, image } = query.iter().find(|found| found.is_bright())?;
     let Surroundings { zenith, horizon, nadir, intensity, .. } = around;
     match image {
+        Some(_) if world.query::<&Sky>().iter().any(|sky| sky.sky.is_none()) => None,
         Some(image) => images.only_color(image, (file, "scene.environment", "file")),
-        None => Ok((zenith == horizon && horizon == nadir).then_some(zenith * intensity)),
+        None => (zenith == horizon && horizon == nadir).then_some(zenith * intensity),
     }
 }
 

@@ -22,11 +22,8 @@ const SMALL_BYTES: u64 = 64 << 20;
 /// Largest ratio of the decoded size of a larger image to the length of its file. PNG and EXR reach
 /// 1032, JPEG about as much.
 const LARGEST_RATIO: u64 = 4096;
-/// Decoded size in bytes up to which an image is always looked at for whether it has one colour only, and
-/// largest ratio of that to the length of its file for which it certainly has more: PNG, JPEG and EXR pack one
-/// colour by more than a hundred, Radiance by 64.
+/// Decoded size in bytes up to which an image is looked at before rays need it: some milliseconds.
 const LOOKED_AT: u64 = 1 << 20;
-const MOST_COLORS_RATIO: u64 = 50;
 /// Largest unpacked size of an image's header in bytes: larger colour profiles are ignored.
 const MAX_METADATA: u64 = 8 << 20;
 
@@ -68,8 +65,7 @@ pub(crate) struct Head {
     /// Decoded size in bytes, and the additional bytes of the decoder.
     decoded: u64,
     scratch: u64,
-    /// Length of its file content in bytes, and how many of them are in memory.
-    length: u64,
+    /// Bytes of its file content in memory.
     embedded: u64,
 }
 
@@ -91,23 +87,21 @@ impl Head {
                 decoded,
                 // JPEG keeps two bytes for each number if it has several scans, EXR a whole copy.
                 scratch: decoded * if is_bytes { 2 } else { 1 },
-                length,
                 embedded,
             })
         })?;
         check_size(source, head.size)?;
-        head.check_bytes(source)?;
+        head.check_bytes(source, length)?;
         Ok(head)
     }
 
-    /// Whether the image may have one colour only: it is small, or packed as one colour is.
-    pub(crate) fn may_have_one_color(self) -> bool {
-        self.decoded <= LOOKED_AT || self.decoded / self.length.max(1) > MOST_COLORS_RATIO
+    /// Whether decoding it takes next to no time.
+    pub(crate) fn is_small(&self) -> bool {
+        self.decoded <= LOOKED_AT
     }
 
-    /// Refuses an image that is too large, or larger than its file can hold.
-    fn check_bytes(self, source: &TextureSource) -> Result<()> {
-        let length = self.length;
+    /// Refuses an image that is too large, or larger than a file of this `length` can be.
+    fn check_bytes(self, source: &TextureSource, length: u64) -> Result<()> {
         let [held, _] = self.bytes(Filter::Nearest, Channels::Color);
         let (width, height) = self.size;
         let refused = |message: &str, found: String| {

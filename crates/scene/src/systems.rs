@@ -127,7 +127,7 @@ pub fn extract(world: World, options: Options<'_>) -> Result<Extracted> {
     let lights = lights::run(world, &around)?;
     let ambient = settings.ambient as f32 * lights.len() as f32;
     let sky = world.query::<&Sky>().iter().next().copied();
-    let only_color = environment::only_color(world, &mut images, &file)?;
+    let only_color = environment::only_color(world, &mut images, &file);
     let hemisphere = sky.map(|sky| sky.hemisphere(world, only_color));
     let possible = materials::possible(&surfaces, &materials);
     let shows_others = |shape: usize, faces: Faces| {

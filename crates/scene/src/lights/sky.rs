@@ -48,7 +48,9 @@ impl Sky {
     pub(crate) fn hemisphere(&self, world: &World, color: Option<DVec3>) -> Hemisphere {
         let white = || if environment::is_bright(world) { DVec3::ONE } else { DVec3::ZERO };
         let sky = self.sky.or(color).unwrap_or_else(white);
-        let (ground, traced) = (self.ground.unwrap_or(sky), self.samples > 0);
+        // The light of an environment has its own ground.
+        let ground = self.ground.filter(|_| self.sky.is_some()).unwrap_or(sky);
+        let traced = self.samples > 0;
         Hemisphere::new(sky, ground, unit(self.up), traced)
     }
 }

@@ -63,21 +63,18 @@ impl Images {
         Ok(self.decoded(texture, color, place)?.1)
     }
 
-    /// The colour of a texture, if it is the same in every texel. Images too large to look at, unless they
-    /// are compressed as one colour is, may have others.
+    /// The colour of a texture, if it is small and the same in every texel.
     pub(crate) fn only_color(
         &mut self,
         texture: &TextureRef,
         place: (&Path, &str, &str),
-    ) -> Result<Option<DVec3>> {
-        // What is wrong with its header is told later.
-        if !Head::of(&texture.look_up.source).is_ok_and(Head::may_have_one_color) {
-            return Ok(None);
-        }
-        let (image, _) = self.decoded(texture, None, place)?;
+    ) -> Option<DVec3> {
+        // What is wrong with it is told where it is looked up.
+        Head::of(&texture.look_up.source).ok().filter(Head::is_small)?;
+        let (image, _) = self.decoded(texture, None, place).ok()?;
         let ranges = [0, 1, 2].map(|channel| range(image, channel));
         let is_even = image.invalid == 0 && ranges.iter().all(|[low, high]| low == high);
-        Ok(is_even.then(|| Vec3::from(ranges.map(|[value, _]| value)).as_dvec3()))
+        is_even.then(|| Vec3::from(ranges.map(|[value, _]| value)).as_dvec3())
     }
 
     /// The decoded image of a texture, and whether its first channel is 1 in every texel.

@@ -37,7 +37,9 @@ pub(super) fn run(
     }
     for sky in skies().iter().filter(|sky| sky.samples > 0) {
         let Some(distance) = sky.distance else { continue };
-        let mut is_open = true;
+        // Media absorb what crosses them, and rays replace the maps that tell how much light is kept away.
+        let is_plain = |one: &Occurrence<'_>| !one.is_transparent && !scene.is_occluded(one);
+        let mut is_open = all.iter().all(is_plain);
         for i in (0..all.len()).filter(|&i| all[i].light.is_none()) {
             is_open = is_open
                 && (!shows_others && !all[i].is_seen
@@ -51,6 +53,10 @@ pub(super) fn run(
 }
 
 impl Scene<'_> {
+    fn is_occluded(&self, of: &Occurrence<'_>) -> bool {
+        self.world.get::<&Maps>(of.entity).is_ok_and(|maps| maps.occlusion.is_some())
+    }
+
     fn is_mirror(&self, of: &Occurrence<'_>) -> bool {
         let material = self.world.get::<&Material>(of.entity);
         let maps = self.world.get::<&Maps>(of.entity);
