@@ -1,4 +1,4 @@
-//! OBJ files with the materials of their MTL files.
+//! OBJ files with the materials of their MTL files, and PLY files with their pictures.
 
 use std::path::Path;
 
@@ -102,7 +102,7 @@ fn missing_files_are_named_once_and_their_faces_are_plain() {
         (vec![("m.obj", obj("none")), ("a b.mtl", MTL.to_owned())], "not in any MTL file: none;"),
         (
             vec![("m.obj", obj("picture")), ("a b.mtl", MTL.replace("t.png", "u.png"))],
-            "the image \"textures\\\\u.png\" is missing; put it beside the OBJ file",
+            "the image \"textures\\\\u.png\" is missing; put it beside the mesh",
         ),
         (
             vec![("m.obj", obj("picture")), ("a b.mtl", MTL.replace("\\t.png", "/../a b.mtl"))],
@@ -139,8 +139,48 @@ fn nothing_outside_the_folder_is_read_unless_it_is_allowed() {
         };
         let refused = told(false);
         assert_eq!(refused.len(), 1, "{refused:?}");
-        assert!(refused[0].contains("is outside the folder of the OBJ file"), "{refused:?}");
+        assert!(refused[0].contains("is outside the folder of the mesh"), "{refused:?}");
         assert_eq!(told(true), [""; 0], "{name}");
+    }
+}
+
+/// A square with a picture of four colours: the same in each format, and as a scene file.
+#[test]
+fn pictures_are_the_same_in_every_format() {
+    let obj = "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nusemtl a\nf 1/1 2/2 3/3 4/4\n";
+    let ply = |own: &str, corners: [&str; 4], list: &str, face: &str| {
+        let rows = ["0 0 0", "1 0 0", "1 1 0", "0 1 0"].iter().zip(corners);
+        let rows: String = rows.map(|(row, uv)| format!("{row} {uv}\n")).collect();
+        format!(
+            "ply\nformat ascii 1.0\ncomment TextureFile textures/four.png\nelement vertex 4\nproperty float x\n\
+             property float y\nproperty float z\n{own}element face 1\nproperty list uchar int vertex_indices\n{list}\
+             end_header\n{rows}4 0 1 2 3 {face}\n"
+        )
+    };
+    let uvs = ["0 0", "1 0", "1 1", "0 1"];
+    let vertex = ply("property float s\nproperty float t\n", uvs, "", "");
+    let list = "property list uchar float texcoord\n";
+    let corner = ply("", [""; 4], list, &format!("8 {}", uvs.join(" ")));
+    let folder = written(&[("m.obj", obj), ("vertex.ply", &vertex), ("corner.ply", &corner)]);
+    let colors = |x, y| [f32::from(x == 0), f32::from(y == 0), 0.5];
+    put_image(folder.path(), "textures/four.png", [2, 2], colors);
+    let of = |name: &str| {
+        let scene = loaded(&folder.path().join(name));
+        assert_eq!(warnings(&scene), [""; 0], "{name}");
+        film(scene)
+    };
+    let mut films = Vec::new();
+    for options in ["", "-s 3 2 -o 0.25 "] {
+        put(folder.path(), "m.mtl", format!("newmtl a\nmap_Kd {options}textures/four.png\n"));
+        films.push(of("m.obj"));
+        let out = folder.path().join("out.json");
+        wavecrest_scene::write::write(&loaded(&folder.path().join("m.obj")), &out, true)
+            .expect("a scene");
+        assert!(of("out.json").same_bits(films.last().expect("one")), "{options}");
+    }
+    assert!(!films[0].same_bits(&films[1]));
+    for name in ["vertex.ply", "corner.ply"] {
+        assert!(of(name).same_bits(&films[0]), "{name}");
     }
 }
 

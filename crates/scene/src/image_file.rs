@@ -197,10 +197,22 @@ fn check_size(source: &TextureSource, (width, height): (u32, u32)) -> Result<()>
     Err(Error::new(ErrorKind::Texture, message).value(format!("{width} x {height}")))
 }
 
-fn cannot_read(name: &str, error: ImageError) -> Error {
+/// The first bytes of a KTX2 file, which glTF files may have.
+const KTX2: &[u8] = b"\xABKTX 20\xBB";
+
+fn cannot_read(source: &TextureSource, error: ImageError) -> Error {
+    let name = source.name();
+    let is_packed = || {
+        let mut start = [0; KTX2.len()];
+        let read = source.open().and_then(|mut file| file.read_exact(&mut start));
+        read.is_ok() && start == KTX2
+    };
     let remedy = match &error {
         ImageError::Limits(_) => {
             format!("use at most {MAX_SIDE} texels on a side and {MAX_BYTES} bytes")
+        }
+        ImageError::Unsupported(_) if is_packed() => {
+            "unpack it: gltf-transform ktxdecompress IN OUT".to_owned()
         }
         ImageError::Unsupported(_) => "use PNG or JPEG".to_owned(),
         _ => "check that the file is whole and is an image".to_owned(),
@@ -219,7 +231,7 @@ fn decoding<R>(
     // The decoders should not panic, but a damaged file must not end the program.
     catch_unwind(AssertUnwindSafe(|| work(decoder_of(source.open()?, format)?)))
         .unwrap_or_else(|_| Err(ImageError::IoError(std::io::Error::other("the decoder failed"))))
-        .map_err(|e| cannot_read(&source.name(), e))
+        .map_err(|e| cannot_read(source, e))
 }
 
 /// The decoder of the format of the first bytes, or else of `format`.

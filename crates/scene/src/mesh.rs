@@ -115,11 +115,12 @@ fn read(
 ) -> Result<LoadedMesh> {
     let buffer = portion.unwrap_or(BUFFER);
     let (block, piece) = portion.map_or((obj::BLOCK, BUFFER), |size| (size, size.div_ceil(4)));
-    let plain = |read| (read, NamedMaterials::default());
     let loaded = match format {
-        MeshFormat::Ply => ply::read(file, length, buffer).map(plain),
+        MeshFormat::Ply => ply::read(file, length, buffer),
         MeshFormat::Obj => obj::read(file, length, block, piece),
-        MeshFormat::Stl => stl::read(file, length, buffer).map(plain),
+        MeshFormat::Stl => {
+            stl::read(file, length, buffer).map(|read| (read, NamedMaterials::default()))
+        }
     };
     let ((mesh, notes), materials) = loaded.map_err(|error| error.in_file(path))?;
     let warnings = notes.into_iter().map(|n| Warning::from_error(&n.in_file(path))).collect();

@@ -10,8 +10,8 @@ use std::path::PathBuf;
 use glam::DVec3;
 
 use crate::components::{
-    Channels, CutOut, Encoding, Filter, LookUp, Material, TextureRef, TextureSource, Transparency,
-    Wrap,
+    Channels, CutOut, Encoding, Filter, LookUp, Material, Placing, TextureRef, TextureSource,
+    Transparency, Wrap,
 };
 use crate::format::Range;
 use crate::surface::THRESHOLD;
@@ -59,6 +59,14 @@ const NAMED: usize = 3;
 
 /// Statements without effect here: ambient colour, sharpness of maps.
 const NEEDLESS: [&str; 3] = ["ka", "map_ka", "sharpness"];
+
+impl Mtl {
+    /// That of an image alone.
+    pub(crate) fn of_image(name: &str) -> Self {
+        let map = Map { name: name.to_owned(), clamp: false, placing: None };
+        Self { map_kd: Some(map), ..Self::default() }
+    }
+}
 
 impl Library {
     /// Adds the materials in the text of a file called `name`.
@@ -120,6 +128,9 @@ impl Library {
 /// The lighting models with mirrors: with ray tracing, glass, and Fresnel without ray tracing.
 const MIRRORS: [u32; 3] = [3, 5, 8];
 
+/// The diffuse colour of a surface whose image is missing.
+const GREY: f64 = 0.7;
+
 /// The models with refraction.
 const GLASS: [u32; 2] = [6, 7];
 
@@ -150,7 +161,7 @@ pub(crate) fn surface(mtl: &Mtl, mut find: impl FnMut(&str) -> Option<PathBuf>) 
         let map = map.as_ref()?;
         let wrap = if map.clamp { Wrap::Clamp } else { Wrap::Repeat };
         let source = TextureSource::File(find(&map.name)?);
-        Some(LookUp { source, filter, wrap, placing: None })
+        Some(LookUp { source, filter, wrap, placing: map.placing })
     };
     let texture = found(&mtl.map_kd, Filter::Trilinear).map(|look_up| TextureRef {
         look_up,
@@ -159,6 +170,10 @@ pub(crate) fn surface(mtl: &Mtl, mut find: impl FnMut(&str) -> Option<PathBuf>) 
         // Many programs write black if there is an image.
         tint: if kd == DVec3::ZERO { DVec3::ONE } else { kd },
     });
+    // Without its image a surface is grey, unless it has a colour of its own.
+    let is_missing = mtl.map_kd.is_some() && texture.is_none();
+    let is_plain = [DVec3::ZERO, DVec3::ONE].contains(&kd);
+    let color = if is_missing && is_plain { DVec3::splat(GREY) } else { kd };
     // Some programs write 1 for opaque surfaces.
     let tr = mtl.tr.filter(|&tr| tr < 1.0);
     let d = mtl.d.or(tr.map(|tr| 1.0 - tr)).unwrap_or(1.0).min(1.0);
@@ -171,10 +186,12 @@ pub(crate) fn surface(mtl: &Mtl, mut find: impl FnMut(&str) -> Option<PathBuf>) 
     };
     let mask = found(&mtl.map_d, Filter::Bilinear);
     let cutout = mask.map(|own| CutOut {
-        // In a scene file both share the wrap mode.
-        look_up: Some(LookUp {
-            wrap: texture.as_ref().map_or(own.wrap, |t| t.look_up.wrap),
-            ..own
+        // In a scene file both share the wrap mode and the place.
+        look_up: Some(match &texture {
+            Some(TextureRef { look_up: LookUp { wrap, placing, .. }, .. }) => {
+                LookUp { wrap: *wrap, placing: *placing, ..own }
+            }
+            None => own,
         }),
         is_mask: true,
         threshold: THRESHOLD,
@@ -183,7 +200,7 @@ pub(crate) fn surface(mtl: &Mtl, mut find: impl FnMut(&str) -> Option<PathBuf>) 
         ks: if has_highlight { gloss } else { 0.0 },
         kd: (1.0 - kr) * (1.0 - kt),
         specular_exponent: exponent,
-        diffuse_color: kd,
+        diffuse_color: color,
         kr,
         emission: mtl.ke.unwrap_or(DVec3::ZERO),
         ..Material::MATTE
@@ -236,12 +253,14 @@ fn color(text: &str) -> Option<DVec3> {
 }
 
 /// An image that a material names.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 struct Map {
     /// As in the file.
     name: String,
     /// Whether coordinates outside 0 to 1 are clamped to the edge.
     clamp: bool,
+    /// The scale and the offset of texture coordinates, if not 1 and 0.
+    placing: Option<Placing>,
 }
 
 /// The options by the largest number of words after each. Offset, scale and turbulence may have
@@ -262,29 +281,43 @@ impl Map {
     /// to `skipped`.
     fn read(text: &str, skipped: &mut BTreeSet<String>) -> Option<Self> {
         let mut clamp = false;
+        let (mut scale, mut offset) = ([1.0; 2], [0.0; 2]);
         let mut rest = text;
         while let Some((option, most, after)) = option(rest) {
             rest = after;
-            let mut first = None;
+            let mut words = Vec::new();
             for taken in 0..most {
                 let (word, after) = word(rest)?;
                 // The second and third number may be missing.
                 if taken > 0 && most == 3 && word.parse::<f64>().is_err() {
                     break;
                 }
-                first.get_or_insert(word);
+                words.push(word);
                 rest = after;
             }
             match option {
-                "-clamp" => clamp = first.is_some_and(|word| word.eq_ignore_ascii_case("on")),
+                "-clamp" => clamp = words.iter().any(|word| word.eq_ignore_ascii_case("on")),
+                "-s" => set_first(&mut scale, &words)?,
+                "-o" => set_first(&mut offset, &words)?,
                 _ => {
                     skipped.insert(option.to_owned());
                 }
             }
         }
         let name = without_options(rest, skipped);
-        (!name.is_empty()).then(|| Self { name: name.to_owned(), clamp })
+        let ([u, v], [x, y]) = (scale, offset);
+        let placing = (scale != [1.0; 2] || offset != [0.0; 2])
+            .then_some(Placing([[u, 0.0, x], [0.0, v, y]]));
+        (!name.is_empty()).then(|| Self { name: name.to_owned(), clamp, placing })
     }
+}
+
+/// Sets the first of some numbers to those of `words`; `None` if one is none in range.
+fn set_first(numbers: &mut [f64; 2], words: &[&str]) -> Option<()> {
+    numbers.iter_mut().zip(words).try_for_each(|(number, word)| {
+        *number = word.parse().ok().filter(|x| Range::COORDINATE.contains(*x))?;
+        Some(())
+    })
 }
 
 /// The option at the start of a text, the number of words that may follow it, and the text after

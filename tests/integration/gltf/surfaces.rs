@@ -67,6 +67,31 @@ fn a_texture_of_metal_and_roughness_is_as_good_as_factors() {
     assert!(difference(&half, &of(gold(1.0, 0.4), None)) > 0.05);
 }
 
+/// Without metalness, colours of scattered and of mirrored light are a plain surface or a metal; a usual model counts first.
+#[test]
+fn specular_and_gloss_are_a_plain_surface_or_a_metal() {
+    let usual = |color: [f64; 4], metallic: f64, roughness: f64| json!({"pbrMetallicRoughness": {"baseColorFactor": color, "metallicFactor": metallic, "roughnessFactor": roughness}});
+    let gloss =
+        |model: Value| json!({"extensions": {"KHR_materials_pbrSpecularGlossiness": model}});
+    let plastic = json!({"diffuseFactor": [0.8, 0.2, 0.1, 1], "specularFactor": [0.04, 0.04, 0.04], "glossinessFactor": 0.75});
+    let gold = json!({"diffuseFactor": [0, 0, 0, 1], "specularFactor": [0.9, 0.6, 0.3], "glossinessFactor": 0.5});
+    let of = |material: Value| image(&mapped([0, 128, 255], material));
+    let plain = of(usual([0.8, 0.2, 0.1, 1.0], 0.0, 0.25));
+    assert!(of(gloss(plastic.clone())).same_bits(&plain));
+    assert!(of(gloss(gold)).same_bits(&of(usual([0.9, 0.6, 0.3, 1.0], 1.0, 0.5))));
+    let [mut both, alone] = [(); 2].map(|()| usual([0.1, 0.2, 0.9, 1.0], 0.0, 0.5));
+    both["extensions"] = gloss(plastic.clone())["extensions"].clone();
+    assert!(of(both).same_bits(&of(alone)));
+    let textured = |key: &str, model: &str, mut of: Value| {
+        of[key] = json!({"index": 0});
+        json!({"extensions": {model: of}})
+    };
+    let picture = textured("diffuseTexture", "KHR_materials_pbrSpecularGlossiness", plastic);
+    let mut right = usual([0.8, 0.2, 0.1, 1.0], 0.0, 0.25);
+    right["pbrMetallicRoughness"]["baseColorTexture"] = json!({"index": 0});
+    assert!(of(picture).same_bits(&of(right)));
+}
+
 /// Metal tints what it mirrors, here the background's nothing, and its highlight.
 #[test]
 fn a_metal_has_a_highlight_of_its_colour() {

@@ -7,21 +7,24 @@ use super::buffer::Buffer;
 use super::camera::Camera;
 use super::fields::{Fields, LIGHTS};
 use super::light::Light;
-use super::material::Surface;
+use super::material::{GLOSS, Surface};
 use super::node::{self, Node, PlacedNode};
 use super::primitive::MeshParts;
-use super::texture::Textures;
+use super::texture::{BASIS, Textures, WEBP};
 
 /// The supported extensions.
-const EXTENSIONS: [&str; 9] = [
+const EXTENSIONS: [&str; 12] = [
     "EXT_mesh_gpu_instancing",
+    WEBP,
     LIGHTS,
     "KHR_materials_emissive_strength",
     "KHR_materials_ior",
+    GLOSS,
     "KHR_materials_transmission",
     "KHR_materials_unlit",
     "KHR_materials_volume",
     "KHR_mesh_quantization",
+    BASIS,
     "KHR_texture_transform",
 ];
 
@@ -112,11 +115,10 @@ fn check_extensions(top: &Fields<'_>) -> Result<Vec<String>> {
         let error = Error::new(ErrorKind::Scene, message).in_file(top.cursor().notes().file());
         let error = error.at("extensionsRequired").value(missing.join(", "));
         let holds = |word: &str| missing.iter().any(|name| name.contains(word));
-        // Each command of the glTF-Transform project writes what it reads unpacked.
-        return Err(error.remedy(match (holds("basisu"), holds("compression")) {
-            (true, _) => "unpack it: gltf-transform ktxdecompress IN OUT",
-            (_, true) => "unpack it: gltf-transform copy IN OUT",
-            _ => "export it without them",
+        // This command of the glTF-Transform project writes what it reads unpacked.
+        return Err(error.remedy(match holds("compression") {
+            true => "unpack it: gltf-transform copy IN OUT",
+            false => "export it without them",
         }));
     }
     let ignored = unknown(&used);

@@ -46,6 +46,64 @@ pub(super) struct Surface {
     pub(super) emission: DVec3,
 }
 
+/// The parameters of the model of reflection.
+struct Model {
+    base_color: DVec3,
+    alpha: f64,
+    texture: Option<TextureInfo>,
+    metal: Option<TextureInfo>,
+    metallic: f64,
+    roughness: f64,
+}
+
+/// The extension with colours of scattered and of mirrored light in place of metalness.
+pub(super) const GLOSS: &str = "KHR_materials_pbrSpecularGlossiness";
+/// The reflectance of dielectrics.
+const DIELECTRIC: f64 = 0.04;
+
+/// The texture under a key, whose strength is under the key `scale`, if any.
+fn texture(of: &Fields<'_>, key: &str, scale: Option<&str>) -> Result<Option<TextureInfo>> {
+    of.object(key)?.map(|found| TextureInfo::read(&found, scale)).transpose()
+}
+
+impl Model {
+    fn read(model: &Fields<'_>) -> Result<Self> {
+        let [r, g, b, alpha] = model.numbers("baseColorFactor", Range::UNIT)?.unwrap_or([1.0; 4]);
+        Ok(Self {
+            base_color: DVec3::new(r, g, b),
+            alpha,
+            texture: texture(model, "baseColorTexture", None)?,
+            metal: texture(model, "metallicRoughnessTexture", None)?,
+            metallic: model.number_or("metallicFactor", Range::UNIT, 1.0)?,
+            roughness: model.number_or("roughnessFactor", Range::UNIT, 1.0)?,
+        })
+    }
+
+    /// That of the extension [`GLOSS`]: a metal if it mirrors more than it scatters.
+    fn of_gloss(model: &Fields<'_>) -> Result<Self> {
+        let [r, g, b, alpha] = model.numbers("diffuseFactor", Range::UNIT)?.unwrap_or([1.0; 4]);
+        let (diffuse, own) = (DVec3::new(r, g, b), texture(model, "diffuseTexture", None)?);
+        let specular = model.vector_or("specularFactor", Range::UNIT, DVec3::ONE)?;
+        let has_map = model.get("specularGlossinessTexture").is_some();
+        if has_map {
+            model.warn(
+                "the texture of specular and gloss is ignored",
+                "it scatters its diffuse colour",
+            );
+        }
+        let is_metal = !has_map && specular.max_element() > diffuse.max_element().max(DIELECTRIC);
+        let gloss = model.number_or("glossinessFactor", Range::UNIT, 1.0)?;
+        Ok(Self {
+            base_color: if is_metal { specular } else { diffuse },
+            alpha,
+            texture: own.filter(|_| !is_metal),
+            metal: None,
+            metallic: if is_metal { 1.0 } else { 0.0 },
+            roughness: if has_map { 1.0 } else { 1.0 - gloss },
+        })
+    }
+}
+
 impl Surface {
     /// Reads an element of `materials`; of nothing, the format's default material: white, and fully
     /// rough.
@@ -53,28 +111,29 @@ impl Surface {
         let cutoff = fields.number_or("alphaCutoff", Range::NOT_NEGATIVE, THRESHOLD)?;
         let mode = fields.get("alphaMode").and_then(|cursor| cursor.value().as_str());
         let sides = if fields.flag("doubleSided")? { Sides::Both } else { Sides::Front };
-        let scaled = |of: &Fields<'_>, key: &str, scale| {
-            of.object(key)?.map(|found| TextureInfo::read(&found, scale)).transpose()
-        };
-        let texture = |of: &Fields<'_>, key: &str| scaled(of, key, None);
         let transparency = transparency(fields)?;
         let emission = emission(fields)?;
         let is_unlit = fields.extension("KHR_materials_unlit", |_| Ok(()))?.is_some();
-        let glow = texture(fields, "emissiveTexture")?;
-        let occlusion = scaled(fields, "occlusionTexture", Some("strength"))?;
-        let normal = scaled(fields, "normalTexture", Some("scale"))?;
-        let model = fields.object("pbrMetallicRoughness")?.unwrap_or(fields.nothing());
-        let [r, g, b, alpha] = model.numbers("baseColorFactor", Range::UNIT)?.unwrap_or([1.0; 4]);
+        let glow = texture(fields, "emissiveTexture", None)?;
+        let occlusion = texture(fields, "occlusionTexture", Some("strength"))?;
+        let normal = texture(fields, "normalTexture", Some("scale"))?;
+        let usual = fields.object("pbrMetallicRoughness")?;
+        let gloss = fields.extension(GLOSS, Model::of_gloss)?;
+        let model = match gloss.filter(|_| usual.is_none()) {
+            Some(gloss) => gloss,
+            None => Model::read(&usual.unwrap_or(fields.nothing()))?,
+        };
+        let Model { base_color, alpha, texture, metal, metallic, roughness } = model;
         Ok(Self {
-            base_color: DVec3::new(r, g, b),
+            base_color,
             alpha,
             cutoff: if mode == Some("MASK") { cutoff } else { 0.0 },
             blends: mode == Some("BLEND"),
             transparency,
-            texture: texture(&model, "baseColorTexture")?,
-            metal: texture(&model, "metallicRoughnessTexture")?,
-            metallic: model.number_or("metallicFactor", Range::UNIT, 1.0)?,
-            roughness: model.number_or("roughnessFactor", Range::UNIT, 1.0)?,
+            texture,
+            metal,
+            metallic,
+            roughness,
             glow,
             occlusion,
             normal,

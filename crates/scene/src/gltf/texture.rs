@@ -1,12 +1,16 @@
 //! Textures: images, samplers and texture coordinates.
 
+use std::cell::RefCell;
+use std::collections::HashMap;
+
 use glam::{DVec3, Vec2};
 
 use crate::components::{
     Channels, Encoding, Filter, LookUp, Placing, TextureRef, TextureSource, Wrap,
 };
 use crate::format::{Notes, Range};
-use wavecrest_base::error::Result;
+use crate::image_file::Head;
+use wavecrest_base::error::{Error, Result};
 
 use super::accessor::Storage;
 use super::fields::Fields;
@@ -87,13 +91,25 @@ impl TextureElement {
         Ok(Self {
             // Unsupported extensions may have lists of images of their own, to which this number
             // may refer.
-            image: fields.index("source", "images").unwrap_or_else(|error| {
+            image: source(fields).unwrap_or_else(|error| {
                 fields.cursor().notes().warn(&error);
                 None
             }),
             sampler: fields.index("sampler", "samplers")?,
         })
     }
+}
+
+/// The extensions with images of other formats; those of the second are not decoded.
+pub(super) const WEBP: &str = "EXT_texture_webp";
+pub(super) const BASIS: &str = "KHR_texture_basisu";
+
+/// The image of a texture.
+fn source(fields: &Fields<'_>) -> Result<Option<usize>> {
+    let own = |fields: &Fields<'_>| fields.index("source", "images");
+    let others = [WEBP, BASIS].map(|name| Ok(fields.extension(name, own)?.flatten()));
+    let [webp, basis]: [Result<Option<usize>>; 2] = others;
+    Ok(own(fields)?.or(webp?).or(basis?))
 }
 
 /// A material's reference to a texture.
@@ -130,6 +146,8 @@ pub(super) struct Textures {
     images: Vec<ImageElement>,
     samplers: Vec<Sampler>,
     textures: Vec<TextureElement>,
+    /// Whether images can be decoded, as far as that is known.
+    can_decode: RefCell<HashMap<usize, bool>>,
 }
 
 impl Textures {
@@ -139,7 +157,8 @@ impl Textures {
         let images = storage.map_or(Ok(Vec::new()), image);
         let samplers = top.list("samplers", "a sampler", Sampler::read);
         let textures = top.list("textures", "a texture", TextureElement::read)?;
-        Ok(Self { images: images?, samplers: samplers?, textures })
+        let can_decode = RefCell::default();
+        Ok(Self { images: images?, samplers: samplers?, textures, can_decode })
     }
 
     /// The texture of a material, tinted; `None`, with a warning, if its image is missing.
@@ -161,10 +180,23 @@ impl Textures {
             notes.note(&format!("images[{image}]"), &message, left_out);
             return None;
         }
+        if !self.can_decode(image, source, notes) {
+            return None;
+        }
         let Sampler { filter, wrap } = self.sampler(info);
         let (source, placing) = (source.clone(), info.placing);
         let look_up = LookUp { source, filter, wrap, placing };
         Some(TextureRef { look_up, encoding, tint, channels: Channels::Color })
+    }
+
+    /// Whether the image's header can be read; a warning, once, if not.
+    fn can_decode(&self, image: usize, source: &TextureSource, notes: &Notes<'_>) -> bool {
+        *self.can_decode.borrow_mut().entry(image).or_insert_with(|| {
+            let told = |error: Error| {
+                notes.warn(&error.in_file(notes.file()).at(format!("images[{image}]")));
+            };
+            Head::of(source).map_err(told).is_ok()
+        })
     }
 
     /// The image of a material's texture.

@@ -1,4 +1,4 @@
-//! The materials of an OBJ file from its MTL files: a shape for each.
+//! The materials of an OBJ file from its MTL files, or the images of a PLY file: a shape for each.
 //!
 //! A missing material gives a warning, and its faces have the material of the shape.
 
@@ -36,7 +36,7 @@ pub(super) fn split(
 ) -> Vec<EntityBuilder> {
     let folder = Folder::of(file, notes.reads_outside());
     let mut reader = Reader { file, folder, notes, images: HashMap::new() };
-    let library = reader.library(&named.libraries);
+    let library = reader.library(named);
     let (part, names) = numbered(named, mesh.triangles.len(), &library);
     reader.warn_of_unknown(named, &library);
     let mut parts = Vec::new();
@@ -109,7 +109,7 @@ fn numbered<'a>(
     (part, known)
 }
 
-/// Reads the files that an OBJ file names.
+/// Reads the files that a mesh file names.
 struct Reader<'a> {
     file: &'a Path,
     folder: Folder,
@@ -119,11 +119,11 @@ struct Reader<'a> {
 }
 
 impl Reader<'_> {
-    /// All materials of the existing files, by name, each with its file's folder.
-    fn library(&self, statements: &[String]) -> HashMap<String, (Mtl, PathBuf)> {
+    /// All materials of the existing files and images, by name, each with its file's folder.
+    fn library(&mut self, named: &NamedMaterials) -> HashMap<String, (Mtl, PathBuf)> {
         let mut all = HashMap::new();
         let mut told = Library::default();
-        for path in self.libraries(statements) {
+        for path in self.libraries(&named.libraries) {
             let Some(text) = self.text(&path) else { continue };
             self.notes.reads(&path);
             let folder = path.parent().unwrap_or(self.folder.path()).to_owned();
@@ -142,6 +142,12 @@ impl Reader<'_> {
         ] {
             if !words.is_empty() {
                 self.warn(&format!("{what}: {words}"), effect);
+            }
+        }
+        let folder = self.folder.path().to_owned();
+        for name in &named.textures {
+            if self.image(&folder, name).is_some() {
+                all.insert(name.clone(), (Mtl::of_image(name), folder.clone()));
             }
         }
         all
@@ -220,9 +226,9 @@ impl Reader<'_> {
 
     fn denied(&self, denied: Denied, kind: &str, name: &str, effect: &str) {
         let (place, remedy) = match denied {
-            Denied::Missing => ("missing", "put it beside the OBJ file; until then "),
+            Denied::Missing => ("missing", "put it beside the mesh; until then "),
             Denied::Outside => (
-                "outside the folder of the OBJ file",
+                "outside the folder of the mesh",
                 "copy it there, or allow others with --allow-outside; ",
             ),
         };
@@ -246,7 +252,11 @@ impl Reader<'_> {
             return;
         }
         let mut unknown: Vec<&str> = Vec::new();
-        for (_, name) in named.runs.iter().filter(|(_, name)| !library.contains_key(name)) {
+        for (_, name) in named
+            .runs
+            .iter()
+            .filter(|(_, name)| !library.contains_key(name) && !named.textures.contains(name))
+        {
             if unknown.len() <= NAMED && !unknown.contains(&name.as_str()) {
                 unknown.push(name);
             }
@@ -261,7 +271,7 @@ impl Reader<'_> {
         self.warn(&message, "their faces use the default material");
     }
 
-    /// Adds a warning about the OBJ file, once.
+    /// Adds a warning about the mesh file, once.
     fn warn(&self, message: &str, remedy: &str) {
         let error = Error::new(ErrorKind::Scene, message).in_file(self.file).remedy(remedy);
         self.notes.warn(&error);

@@ -70,12 +70,14 @@ pub struct LoadedMesh {
     pub materials: NamedMaterials,
 }
 
-/// Names of materials in an OBJ file, and of the files that define them; nothing has been looked
-/// up.
+/// Names of materials in an OBJ file, and of the files that define them, or of images in a PLY file;
+/// nothing has been looked up.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct NamedMaterials {
     /// The arguments of each `mtllib`, the names of one or several files.
     pub libraries: Vec<String>,
+    /// Images, each of which is a material of its name.
+    pub textures: Vec<String>,
     /// The first triangle with a material, and its name; it applies up to the next entry.
     pub runs: Vec<(u32, String)>,
 }

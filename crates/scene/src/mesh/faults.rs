@@ -13,11 +13,11 @@ pub(super) fn syntax(message: impl Into<String>) -> Error {
     Error::new(ErrorKind::Syntax, message)
 }
 
-/// The error of a face with fewer than three `corners`.
-pub(super) fn too_few_corners(corners: usize) -> Error {
-    Error::new(ErrorKind::Mesh, "a face needs at least 3 vertices")
-        .value(corners)
-        .remedy("remove the face")
+/// The warning that this number of faces have fewer than three corners.
+pub(super) fn too_few_corners(faces: u64) -> Option<Error> {
+    let message = "faces with fewer than 3 corners are left out";
+    let warning = Error::new(ErrorKind::Mesh, message).value(faces);
+    (faces > 0).then(|| warning.remedy("they are points and edges, which cannot be seen"))
 }
 
 /// The error of a well-formed file without triangles.

@@ -18,7 +18,7 @@ use rayon::prelude::*;
 
 use super::BUFFER;
 use super::data::{Attribute, MeshData, NamedMaterials, Read};
-use super::faults::{check_count, no_triangles};
+use super::faults::{check_count, no_triangles, too_few_corners};
 use super::origin::origin;
 use super::place::ReadAt;
 use super::polygon;
@@ -112,6 +112,7 @@ impl UnfinishedMesh {
             all.colors.resize(all.positions.len(), WHITE);
         }
         let attributes = &mut [&mut of_uvs[..], &mut of_normals[..]];
+        notes.extend(too_few_corners(all.too_few_corners));
         notes.extend(polygon::split(&all.polygons, &all.positions, &mut triangles, attributes));
         notes.extend(mend(&mut all.normals, &mut all.uvs, &mut all.colors));
         notes.extend(scale_byte_colors(&mut all.colors));

@@ -118,15 +118,16 @@ impl Read for Section<'_> {
     }
 }
 
-/// Passes the lines of a text to `take`, with their ends; longer ones in parts of `longest` bytes.
+/// Passes the lines of a text to `take`, with their `end`; longer ones in parts of `longest` bytes.
 pub(super) fn each_line(
     text: Section<'_>,
+    end: u8,
     buffer: usize,
     longest: u64,
     mut take: impl FnMut(&[u8]) -> Result<()>,
 ) -> Result<()> {
     let (mut reader, mut line) = (BufReader::with_capacity(buffer, text), Vec::new());
-    while reader.by_ref().take(longest).read_until(b'\n', &mut line).map_err(read_failure)? > 0 {
+    while reader.by_ref().take(longest).read_until(end, &mut line).map_err(read_failure)? > 0 {
         take(&line)?;
         line.clear();
     }

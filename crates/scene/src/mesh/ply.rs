@@ -22,7 +22,7 @@ mod numbers;
 mod vertices;
 
 use super::BUFFER;
-use super::data::Read;
+use super::data::{NamedMaterials, Read};
 use super::place::{ReadAt, Section, each_line};
 use super::survey::{self, Survey};
 use header::{BodyEncoding, Element, Header};
@@ -31,7 +31,11 @@ use numbers::Numbers;
 use wavecrest_base::error::Result;
 
 /// Reads a file of `length` bytes.
-pub(super) fn read(file: &dyn ReadAt, length: u64, buffer: usize) -> Result<Read> {
+pub(super) fn read(
+    file: &dyn ReadAt,
+    length: u64,
+    buffer: usize,
+) -> Result<(Read, NamedMaterials)> {
     let header = header::read(file, length)?;
     body::read(&header, Numbers::new(file, &header, length, buffer))
 }
@@ -103,7 +107,7 @@ fn in_text(header: &Header, body: Section<'_>) -> Result<u64> {
     };
     // A line without words is not a row.
     let (mut words, mut is_within) = (0, false);
-    each_line(body, BUFFER, BUFFER as u64, |line| {
+    each_line(body, b'\n', BUFFER, BUFFER as u64, |line| {
         for byte in line {
             let is_blank = byte.is_ascii_whitespace();
             words += u64::from(!is_blank && !is_within);

@@ -9,7 +9,7 @@
 //!
 //! Text: `facet normal`, `outer loop`, three times `vertex`, `endloop`, `endfacet`, each on its own
 //! line, in upper or lower case, between `solid` and `endsolid`. Several solids in a file form one
-//! mesh.
+//! mesh. Ends may be two words, and lines end in LF, CR LF or CR.
 //!
 //! Both forms may begin with `solid`. A file is binary if its length fits its count of triangles,
 //! or if it has a zero byte where a text has words.
@@ -34,6 +34,9 @@ const VECTOR: usize = 12;
 /// Offset of its last two bytes.
 const ATTRIBUTE: usize = 48;
 
+/// The byte order mark that some programs put before a text.
+const MARK: &[u8] = b"\xEF\xBB\xBF";
+
 /// The mark in the header if Materialise Magics wrote colours.
 const COLOR: &[u8] = b"COLOR=";
 
@@ -50,7 +53,7 @@ type StlTriangles = (Vec<[Vec3; 3]>, Vec<Error>);
 pub(super) fn read(file: &dyn ReadAt, length: u64, buffer: usize) -> Result<Read> {
     let (corners, notes) = match form(file, length)? {
         StlForm::Binary(head) => read_binary(file, &head, length, buffer)?,
-        StlForm::Text => read_text(file, length, buffer)?,
+        StlForm::Text(end) => read_text(file, length, end, buffer)?,
     };
     if corners.is_empty() {
         return Err(no_triangles());
@@ -63,7 +66,7 @@ pub(super) fn read(file: &dyn ReadAt, length: u64, buffer: usize) -> Result<Read
 pub(super) fn survey(file: &dyn ReadAt, length: u64) -> Result<Survey> {
     let triangles = match form(file, length)? {
         StlForm::Binary(head) => count(&head).min(room(length)),
-        StlForm::Text => text_count(file, length)?,
+        StlForm::Text(end) => text_count(file, length, end)?,
     };
     let positions = 3 * triangles;
     // Equal corners are found in a list of their own.
@@ -74,7 +77,8 @@ pub(super) fn survey(file: &dyn ReadAt, length: u64) -> Result<Survey> {
 enum StlForm {
     /// With its header.
     Binary([u8; HEAD]),
-    Text,
+    /// With the byte at the end of its lines.
+    Text(u8),
 }
 
 /// The form of a file of `length` bytes.
@@ -86,10 +90,20 @@ fn form(file: &dyn ReadAt, length: u64) -> Result<StlForm> {
     let there = length.min(HEAD as u64) as usize;
     file.read_exact_at(&mut head[..there], 0).map_err(read_failure)?;
     let is_whole = there == HEAD && count(&head) == room(length);
-    let first = head.trim_ascii_start().get(..5);
+    let text = head.strip_prefix(MARK).unwrap_or(&head);
+    let first = text.trim_ascii_start().get(..5);
     let begins_as_text = first.is_some_and(|word| word.eq_ignore_ascii_case(b"solid"));
     if begins_as_text && !is_whole && !head[..there].contains(&0) {
-        return Ok(StlForm::Text);
+        // The first line is that of the name, or the keyword alone.
+        let mut start = vec![0; length.min(LONGEST_LINE) as usize];
+        file.read_exact_at(&mut start, 0).map_err(read_failure)?;
+        let end = memchr::memchr2(b'\r', b'\n', &start);
+        let is_alone = |end: &usize| start[*end] == b'\r' && start.get(end + 1) != Some(&b'\n');
+        return Ok(StlForm::Text(if end.is_some_and(|end| is_alone(&end)) {
+            b'\r'
+        } else {
+            b'\n'
+        }));
     }
     if there < HEAD {
         let remedy = format!("begin it with \"solid\", or with a binary header of {HEAD} bytes");
@@ -183,9 +197,9 @@ fn vector(row: &[u8], at: usize) -> Vec3 {
 }
 
 /// Reads a text.
-fn read_text(file: &dyn ReadAt, length: u64, buffer: usize) -> Result<StlTriangles> {
+fn read_text(file: &dyn ReadAt, length: u64, end: u8, buffer: usize) -> Result<StlTriangles> {
     let mut text = Text::default();
-    each_line(file, length, buffer, |line| text.line(line))?;
+    each_line(file, (length, end), buffer, |line| text.line(line))?;
     if !text.corners.is_empty() {
         let error = syntax("the last triangle is incomplete").value(text.corners.len());
         return Err(error.remedy("the file may be cut off"));
@@ -195,9 +209,9 @@ fn read_text(file: &dyn ReadAt, length: u64, buffer: usize) -> Result<StlTriangl
 }
 
 /// Upper bound on the number of triangles: each has at least three vertex lines.
-fn text_count(file: &dyn ReadAt, length: u64) -> Result<u64> {
+fn text_count(file: &dyn ReadAt, length: u64, end: u8) -> Result<u64> {
     let mut corners = 0;
-    each_line(file, length, BUFFER, |line| {
+    each_line(file, (length, end), BUFFER, |line| {
         corners += u64::from(words(line).next().is_some_and(|w| w.eq_ignore_ascii_case("vertex")));
         Ok(())
     })?;
@@ -216,7 +230,12 @@ struct Text {
 impl Text {
     fn line(&mut self, line: &str) -> Result<()> {
         let mut words = words(line);
-        let Some(keyword) = words.next().map(str::to_ascii_lowercase) else { return Ok(()) };
+        let Some(mut keyword) = words.next().map(str::to_ascii_lowercase) else { return Ok(()) };
+        // Some programs write ends as two words.
+        if keyword == "end" {
+            let of = words.next().unwrap_or_default().to_ascii_lowercase();
+            keyword += if ["loop", "facet", "solid"].contains(&&*of) { &of } else { "" };
+        }
         match keyword.as_str() {
             "vertex" => self.vertex(words),
             "endloop" => self.end_triangle(),
@@ -263,17 +282,18 @@ fn words(line: &str) -> impl Iterator<Item = &str> {
     line.split_ascii_whitespace()
 }
 
-/// Passes each line to `take`, and adds its number to errors.
+/// Passes each line of a text of some `length` to `take`, and adds its number to errors.
 fn each_line(
     file: &dyn ReadAt,
-    length: u64,
+    (length, end): (u64, u8),
     buffer: usize,
     mut take: impl FnMut(&str) -> Result<()>,
 ) -> Result<()> {
     let mut number = 0_u64;
-    place::each_line(Section::new(file, 0, length), buffer, LONGEST_LINE, |line| {
+    place::each_line(Section::new(file, 0, length), end, buffer, LONGEST_LINE, |line| {
         number += 1;
-        let taken = if line.len() as u64 == LONGEST_LINE && !line.ends_with(b"\n") {
+        let line = line.strip_prefix(MARK).filter(|_| number == 1).unwrap_or(line);
+        let taken = if line.len() as u64 == LONGEST_LINE && !line.ends_with(&[end]) {
             let error = syntax(format!("a line can have at most {LONGEST_LINE} bytes"));
             Err(error.remedy("check that the file is an STL file"))
         } else {

@@ -77,8 +77,8 @@ fn maps_have_options_and_names_with_blanks() {
     let named = |name: &str, clamp| Some((name.to_owned(), clamp));
     assert_eq!(map("a b.png "), (named("a b.png", false), String::new()));
     assert_eq!(map("-clamp on a.png"), (named("a.png", true), String::new()));
-    assert_eq!(map("-clamp off -o 0.1 a.png"), (named("a.png", false), "-o".into()));
-    assert_eq!(map("-s 1 2 3 -mm 0 1 a.png"), (named("a.png", false), "-mm -s".into()));
+    assert_eq!(map("-clamp off -o 0.1 a.png"), (named("a.png", false), String::new()));
+    assert_eq!(map("-s 1 2 3 -mm 0 1 a.png"), (named("a.png", false), "-mm".into()));
     assert_eq!(map("a.png -bm 1.5"), (named("a.png", false), "-bm".into()));
     assert_eq!(map("-BlendU on -type sphere C:\\x\\a.png").0, named("C:\\x\\a.png", false));
     for none in ["", " ", "-bm", "-o 1 2", "-mm 1"] {
@@ -94,6 +94,29 @@ fn a_texture_is_tinted_unless_its_colour_is_black() {
     assert_eq!(made("Kd 0 0 0\nmap_Kd t.png").1.unwrap().tint, DVec3::ONE);
     assert_eq!(made("map_Kd t.png").1.unwrap().tint, DVec3::ONE);
     assert!(made("Kd 1 1 1").1.is_none());
+}
+
+#[test]
+fn maps_are_scaled_and_moved() {
+    let placing = |text: &str| made(text).1.unwrap().look_up.placing.map(|placing| placing.0);
+    assert_eq!(placing("map_Kd a.png"), None);
+    assert_eq!(placing("map_Kd -s 1 1 1 -o 0 a.png"), None);
+    let rows = [[10.0, 0.0, 0.25], [0.0, 1.0, 0.5]];
+    assert_eq!(placing("map_Kd -s 10 -o 0.25 0.5 a.png"), Some(rows));
+    let look = looked("map_d -s 2 2 m.png");
+    assert!(look.cutout.unwrap().look_up.unwrap().placing.is_some());
+}
+
+#[test]
+fn what_lacks_its_image_is_grey_unless_it_has_a_colour() {
+    let color = |text: &str| {
+        let library = read(&format!("newmtl a\n{text}"));
+        surface(&library.materials["a"], |_| None).material.diffuse_color
+    };
+    let grey = DVec3::splat(GREY);
+    assert_eq!(["map_Kd a.png", "Kd 0 0 0\nmap_Kd a.png"].map(color), [grey; 2]);
+    assert_eq!(color("Kd 1 0 0\nmap_Kd a.png"), DVec3::X);
+    assert_eq!(color("Kd 1 1 1"), DVec3::ONE);
 }
 
 #[test]

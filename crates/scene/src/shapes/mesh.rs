@@ -105,8 +105,8 @@ impl Declared for MeshFile {
         "file": Text, Required;
         /// Encoding of the vertex colours; `none` ignores them.
         "vertexcolors": word::<VertexColors>(), Says("srgb");
-        /// Source of the materials of an OBJ file's faces: the shape's, or the MTL files' if there
-        /// are any.
+        /// Source of the materials of faces: the shape's, or the MTL files of an OBJ file and the images
+        /// of a PLY file, if there are any.
         "materials": word::<Materials>(), Says("shape");
     };
 

@@ -1,6 +1,6 @@
 //! Maps: textures of properties other than the diffuse colour.
 
-use super::textures::{Channels, Encoding, IMAGE, LOOK_UP, TextureRef, blends, existing_file};
+use super::textures::{Channels, Encoding, IMAGE, LOOK_UP, TextureRef, blends, existing_image};
 use crate::format::{Declaration, Declared, Key, Kind, Object, Range, Writer, keys};
 use wavecrest_base::error::Result;
 
@@ -101,9 +101,12 @@ impl Map {
         let texture = match map.get("file") {
             None if key == METAL_MAP => None,
             _ => {
-                let file = existing_file(&map.need("file", IMAGE)?, IMAGE)?;
                 let channels = map.read_or("channels", Some(Channels::Color));
-                Some(TextureRef { channels, ..TextureRef::plain(&map, file)? })
+                match existing_image(&map.need("file", IMAGE)?)? {
+                    Some(file) => Some(TextureRef { channels, ..TextureRef::plain(&map, file)? }),
+                    None if key == METAL_MAP => None,
+                    None => return Ok(None),
+                }
             }
         };
         let factor = |key| map.read_or(key, Some(1.0));
@@ -154,7 +157,8 @@ fn alpha_of_texture(object: &Object<'_>) -> Result<Option<Map>> {
         object.warn("alpha", "has no effect without a texture", "add \"texture\", or remove it");
         return Ok(None);
     };
-    let texture = TextureRef::plain(object, existing_file(&cursor, IMAGE)?)?;
+    let Some(image) = existing_image(&cursor)? else { return Ok(None) };
+    let texture = TextureRef::plain(object, image)?;
     let (encoding, channels) = (Encoding::Linear, Channels::Alpha);
     Ok(Some(TextureRef { encoding, channels, ..texture }.into()))
 }

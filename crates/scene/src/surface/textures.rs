@@ -109,7 +109,8 @@ impl Declared for TextureRef {
             warn_without_texture(object);
             return Ok(None);
         };
-        Ok(Some(Self { tint, ..Self::plain(object, existing_file(&cursor, IMAGE)?)? }))
+        let image = existing_image(&cursor)?;
+        image.map(|image| Ok(Self { tint, ..Self::plain(object, image)? })).transpose()
     }
 
     fn write(&self, to: &mut Writer<'_>) {
@@ -186,7 +187,10 @@ impl Declared for CutOut {
             object.warn("alphacutoff", message, "remove one of them");
             return Ok(None);
         }
-        let image = |key| object.get(key).map(|cursor| existing_file(&cursor, IMAGE)).transpose();
+        let image = |key| match object.get(key) {
+            Some(cursor) => existing_image(&cursor),
+            None => Ok(None),
+        };
         let mask = image("alpha")?;
         let is_mask = mask.is_some();
         let path = match mask {
@@ -219,6 +223,21 @@ impl Declared for CutOut {
 /// Whether the alpha of the texture is the shape's opacity.
 pub(super) fn blends(object: &Object<'_>) -> bool {
     object.get("alpha").is_some_and(|alpha| alpha.value().as_str() == Some("blend"))
+}
+
+/// The path of an existing image. One that is missing is left out with a warning, or an error if strict.
+pub(super) fn existing_image(cursor: &Cursor<'_>) -> Result<Option<PathBuf>> {
+    match existing_file(cursor, IMAGE) {
+        Err(error) if error.kind() == ErrorKind::Io => {
+            let remedy = "relative paths start at the scene file's folder";
+            let notes = cursor.notes();
+            let left_out = || format!("it is left out until then; {remedy}");
+            let remedy = if notes.strict() { remedy.to_owned() } else { left_out() };
+            notes.warn_or_fail(error.remedy(remedy));
+            Ok(None)
+        }
+        found => found.map(Some),
+    }
 }
 
 /// The path of an existing file, joined to the scene file's folder; `what` describes it. Instead of

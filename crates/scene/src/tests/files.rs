@@ -100,8 +100,9 @@ fn files_of_another_machine_are_found_beside_the_scene() {
             told("shapes[5].file", "/home/me/none/bunny.ply", "bunny.ply"),
         ]
     );
+    let strict = LoadOptions { strict: true, ..LoadOptions::default() };
     let missing = set(complete(), "scene.shapes[0].texture", json!("C:/Users/me/none.jpg"));
-    let error = load_with(&missing.to_string(), &path, &LoadOptions::default(), one_triangle);
+    let error = load_with(&missing.to_string(), &path, &strict, one_triangle);
     let error = error.err().unwrap().to_string();
     assert!(error.contains("C:/Users/me/none.jpg"), "{error}");
 }

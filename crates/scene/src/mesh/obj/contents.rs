@@ -8,7 +8,7 @@ use super::lines::{
     Keyword, Statement, first_word, is_blank, malformed, name, statements, word_length, words,
 };
 use crate::mesh::data::{MAX_COUNT, NO_VALUE, NamedMaterials};
-use crate::mesh::faults::{check_count, syntax, too_few_corners};
+use crate::mesh::faults::{check_count, syntax};
 use crate::mesh::number::{self, leading_whole};
 use crate::mesh::origin::relative;
 use crate::mesh::polygon::{self, Polygon};
@@ -73,6 +73,8 @@ pub(super) struct Contents {
     pub(super) polygons: Vec<Polygon>,
     /// Counted likewise.
     pub(super) materials: NamedMaterials,
+    /// Number of faces with fewer than three corners.
+    pub(super) too_few_corners: u64,
 }
 
 impl Contents {
@@ -118,6 +120,7 @@ impl Contents {
         for statement in piece.materials.libraries {
             self.materials.add_library(statement);
         }
+        self.too_few_corners += piece.too_few_corners;
         append(&mut self.colors, vertices, WHITE, piece.colors);
         for (to, indices) in self.indices.iter_mut().zip(piece.indices) {
             append(to, triangles, NO_VALUES, indices);
@@ -149,7 +152,10 @@ impl Contents {
                 if let Some(error) = whole.and_then(beyond) {
                     return Err(error);
                 }
-                self.push_face(corners);
+                match corners.0[0].len() {
+                    0..3 => self.too_few_corners += 1,
+                    _ => self.push_face(corners),
+                }
             }
             // A piece is in memory, so its triangles are fewer than 2^32.
             Keyword::Material => self.materials.begin(self.indices[0].len() as u32, name(rest)),
@@ -280,10 +286,7 @@ impl FaceCorners {
             self.0.iter_mut().zip(corner).for_each(|(list, index)| list.push(index));
             rest = &word[length..];
         }
-        match self.0[0].len() {
-            few @ 0..3 => Err(too_few_corners(few)),
-            _ => Ok(()),
-        }
+        Ok(())
     }
 }
 

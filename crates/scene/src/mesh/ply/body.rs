@@ -6,20 +6,25 @@ use super::header::{Element, Header, PropertyType};
 use super::layout::{ListLayout, SLOTS, VertexLayout};
 use super::numbers::{Numbers, malformed};
 use super::vertices::VertexArrays;
-use crate::mesh::data::{Attribute, MeshData, Read};
+use crate::mesh::data::{Attribute, MeshData, NO_VALUE, NamedMaterials, Read};
 use crate::mesh::faults::{check_count, no_triangles, syntax, too_few_corners};
 use crate::mesh::polygon::{self, Polygon};
-use crate::mesh::validate::{bad_index, check_positions, mend};
-use wavecrest_base::error::{Error, Result};
+use crate::mesh::validate::{bad_index, check_positions, mend, scale_byte_colors};
+use glam::Vec2;
+use wavecrest_base::error::{Error, ErrorKind, Result};
 
 /// Reads the whole body into a mesh.
-pub(super) fn read<'a>(header: &'a Header, mut numbers: Numbers<'a>) -> Result<Read> {
+pub(super) fn read<'a>(
+    header: &'a Header,
+    mut numbers: Numbers<'a>,
+) -> Result<(Read, NamedMaterials)> {
     let vertex = header.elements.iter().find(|e| e.name == "vertex").ok_or_else(|| {
         syntax("the header declares no element \"vertex\"")
             .remedy("declare one, with the properties x, y and z")
     })?;
     let notes = super::layout::unread(header, vertex);
     let mut body = Body { vertex_count: vertex.count as usize, notes, ..Body::default() };
+    body.faces.images.textures.clone_from(&header.textures);
     for element in header.elements.iter().filter(|e| !e.properties.is_empty() || e.count > 0) {
         numbers.element = Some(element);
         body.element(element, &mut numbers)?;
@@ -37,6 +42,11 @@ struct Body {
     faces: Faces,
     /// The corners of the current face.
     corners: Vec<u32>,
+    /// Their texture coordinates, and the number of the face's image.
+    corner_uvs: Vec<f32>,
+    image: usize,
+    /// Number of faces with fewer than three corners.
+    too_few_corners: u64,
     notes: Vec<Error>,
 }
 
@@ -124,6 +134,13 @@ impl Body {
                 RowKind::Lists(layout) if layout.property == property => {
                     self.read_corners(*layout, numbers)?;
                 }
+                RowKind::Lists(layout) if layout.uvs == Some(property) => {
+                    self.read_uvs(p.shape, numbers)?;
+                }
+                RowKind::Lists(layout) if layout.texture == Some(property) => {
+                    let PropertyType::One(kind) = p.shape else { continue };
+                    self.image = numbers.value(kind)? as usize;
+                }
                 _ => skip(p.shape, numbers)?,
             }
         }
@@ -137,7 +154,7 @@ impl Body {
                     self.faces.triangles.extend(strip_triangles(strip));
                 }
             }
-            RowKind::Lists(_) => self.push_face()?,
+            RowKind::Lists(layout) => self.push_face(layout.uvs.is_some())?,
             RowKind::Other => {}
         }
         Ok(())
@@ -162,18 +179,47 @@ impl Body {
         Ok(())
     }
 
+    /// Reads the texture coordinates of a face's corners.
+    fn read_uvs(&mut self, shape: PropertyType, numbers: &mut Numbers<'_>) -> Result<()> {
+        let PropertyType::List { count, item } = shape else { return Ok(()) };
+        let length = list_length(numbers.value(count)?)?;
+        let (need, left) = (numbers.least(item, length), numbers.left);
+        if need > left.saturating_add(1) {
+            return Err(too_long(length, need, left));
+        }
+        self.corner_uvs.clear();
+        for _ in 0..length {
+            self.corner_uvs.push(numbers.value(item)? as f32);
+        }
+        Ok(())
+    }
+
     /// Triangulates the face in `self.corners`.
-    fn push_face(&mut self) -> Result<()> {
+    fn push_face(&mut self, has_uvs: bool) -> Result<()> {
         let corners = self.corners.len();
         if corners < 3 {
-            return Err(too_few_corners(corners));
+            self.too_few_corners += 1;
+            return Ok(());
         }
         if corners > 3 {
             check_count("triangles", (self.faces.triangles.len() + corners) as u64)?;
             let (first, corners) = (self.faces.triangles.len() as u32, corners as u32);
             self.faces.polygons.push(Polygon { first, corners });
         }
-        self.faces.triangles.extend(polygon::fan(&self.corners));
+        let Faces { triangles, uvs, of_uvs, images, .. } = &mut self.faces;
+        if let Some(name) = images.textures.get(self.image) {
+            images.begin(triangles.len() as u32, name.clone());
+        }
+        triangles.extend(polygon::fan(&self.corners));
+        if has_uvs {
+            let (first, pairs) = (uvs.len() as u32, self.corner_uvs.chunks_exact(2));
+            check_count("texture coordinates", (uvs.len() + corners) as u64)?;
+            // A face without them has none at any corner.
+            let is_whole = pairs.len() == corners;
+            let own = (first..).take(corners).map(|i| if is_whole { i } else { NO_VALUE });
+            of_uvs.extend(polygon::fan(&own.collect::<Vec<_>>()));
+            uvs.extend(pairs.filter(|_| is_whole).map(|uv| Vec2::new(uv[0], uv[1])));
+        }
         Ok(())
     }
 
@@ -187,26 +233,48 @@ impl Body {
         Ok(())
     }
 
-    fn finish(mut self) -> Result<Read> {
+    fn finish(mut self) -> Result<(Read, NamedMaterials)> {
         check_count("triangles", self.faces.triangles.len() as u64)?;
         if self.faces.triangles.is_empty() {
             return Err(no_triangles());
         }
         let VertexArrays { positions, origin, mut normals, mut uvs, mut colors } = self.vertices;
-        let Faces { mut triangles, polygons } = self.faces;
-        self.notes.extend(polygon::split(&polygons, &positions, &mut triangles, &mut []));
+        let Faces { mut triangles, polygons, uvs: mut of_faces, mut of_uvs, mut images } =
+            self.faces;
+        self.notes.extend(too_few_corners(self.too_few_corners));
+        self.notes.extend(polygon::split(
+            &polygons,
+            &positions,
+            &mut triangles,
+            &mut [&mut of_uvs[..]],
+        ));
         self.notes.extend(mend(&mut normals, &mut uvs, &mut colors));
+        self.notes.extend(scale_byte_colors(&mut colors));
+        self.notes.extend(mend(&mut [], &mut of_faces, &mut []));
         triangles.shrink_to_fit();
+        let uvs = match of_faces.is_empty() {
+            true => attribute(uvs),
+            false => Some(Attribute { values: of_faces, indices: Some(of_uvs) }),
+        };
+        if uvs.is_none() && !images.textures.is_empty() {
+            let message = "the mesh names an image, but has no texture coordinates";
+            let warning = Error::new(ErrorKind::Mesh, message).value(images.textures.join(", "));
+            self.notes.push(warning.remedy("the image is left out"));
+            images = NamedMaterials::default();
+        } else if let (Some(name), true) = (images.textures.first(), images.runs.is_empty()) {
+            // Of faces read together, all have the first.
+            images.runs.push((0, name.clone()));
+        }
         let mesh = MeshData {
             positions,
             origin,
             triangles,
             normals: attribute(normals),
-            uvs: attribute(uvs),
+            uvs,
             colors: (!colors.is_empty()).then_some(colors),
             alphas: None,
         };
-        Ok((mesh, self.notes))
+        Ok(((mesh, self.notes), images))
     }
 }
 

@@ -5,12 +5,13 @@
 //! is known in advance. Whether all have the same number of corners shows only while reading: a row
 //! that has not, or that is not a valid face, ends the fast path.
 
+use glam::Vec2;
 use rayon::prelude::*;
 
 use super::header::{BodyEncoding, Element, Scalar, with_type};
 use super::layout::{ListLayout, stride};
 use super::numbers::Numbers;
-use crate::mesh::data::MAX_COUNT;
+use crate::mesh::data::{MAX_COUNT, NamedMaterials};
 use crate::mesh::place::{ReadAt, part};
 use crate::mesh::polygon::Polygon;
 use wavecrest_base::error::Result;
@@ -24,6 +25,11 @@ pub(super) struct Faces {
     pub(super) triangles: Vec<[u32; 3]>,
     /// The faces with more than three corners.
     pub(super) polygons: Vec<Polygon>,
+    /// Texture coordinates of corners, if faces have them, and their numbers for each triangle.
+    pub(super) uvs: Vec<Vec2>,
+    pub(super) of_uvs: Vec<[u32; 3]>,
+    /// The images of faces.
+    pub(super) images: NamedMaterials,
 }
 
 impl Faces {
@@ -36,7 +42,8 @@ impl Faces {
         vertices: usize,
         from: &mut Numbers<'_>,
     ) -> Result<u64> {
-        if from.block == 0 || !self.triangles.is_empty() {
+        let is_textured = layout.uvs.is_some() || layout.texture.is_some();
+        if from.block == 0 || is_textured || !self.triangles.is_empty() {
             return Ok(0);
         }
         let read = match from.encoding {

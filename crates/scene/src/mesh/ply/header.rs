@@ -105,6 +105,8 @@ pub(super) struct Element {
 pub(super) struct Header {
     pub(super) encoding: BodyEncoding,
     pub(super) elements: Vec<Element>,
+    /// The images that comments name, as MeshLab does.
+    pub(super) textures: Vec<String>,
     /// Its length, the offset of the body.
     pub(super) bytes: u64,
     /// Its number of lines.
@@ -135,7 +137,7 @@ pub(super) fn read(file: &dyn ReadAt, length: u64) -> Result<Header> {
 }
 
 fn read_lines(text: &[u8]) -> Result<Header> {
-    let (mut encoding, mut elements) = (None, Vec::new());
+    let (mut encoding, mut elements, mut textures) = (None, Vec::new(), Vec::new());
     let (mut bytes, mut lines) = (0, 0);
     for line in text.split_inclusive(|byte| *byte == b'\n') {
         bytes += line.len() as u64;
@@ -149,7 +151,10 @@ fn read_lines(text: &[u8]) -> Result<Header> {
                     syntax("the header has no format line")
                         .remedy("add one, such as \"format ascii 1.0\"")
                 })?;
-                return Ok(Header { encoding, elements, bytes, lines });
+                return Ok(Header { encoding, elements, textures, bytes, lines });
+            }
+            ["comment", word, _, ..] if word.eq_ignore_ascii_case("TextureFile") => {
+                textures.push(words[2..].join(" "));
             }
             _ => statement(&words, lines, &mut encoding, &mut elements)
                 .map_err(|error| error.at(place(lines)))?,

@@ -12,8 +12,8 @@ pub(super) const SLOTS: usize = 11;
 pub(super) const NORMAL: usize = 3;
 pub(super) const UV: usize = 6;
 pub(super) const COLOR: usize = 8;
-/// The names in files of what begins at each of these slots.
-const NAMES: [(usize, &[&str]); 8] = [
+/// The names in files of what begins at each of these slots, in any case.
+const NAMES: [(usize, &[&str]); 9] = [
     (0, &["x", "y", "z"]),
     (NORMAL, &["nx", "ny", "nz"]),
     (UV, &["u", "v"]),
@@ -22,6 +22,7 @@ const NAMES: [(usize, &[&str]); 8] = [
     (UV, &["texture_s", "texture_t"]),
     (COLOR, &["red", "green", "blue"]),
     (COLOR, &["diffuse_red", "diffuse_green", "diffuse_blue"]),
+    (COLOR, &["r", "g", "b"]),
 ];
 /// Names of the lists of vertices.
 const LISTS: [&str; 2] = ["vertex_indices", "vertex_index"];
@@ -118,7 +119,8 @@ fn find_all(element: &Element, names: &[&str]) -> Result<Option<Vec<usize>>> {
 
 /// The property with this name, if it exists: a single number, declared once.
 fn find(element: &Element, name: &str) -> Result<Option<usize>> {
-    let mut all = (0..element.properties.len()).filter(|&i| element.properties[i].name == name);
+    let mut all = (0..element.properties.len())
+        .filter(|&i| element.properties[i].name.eq_ignore_ascii_case(name));
     let first = all.next();
     if all.next().is_some() {
         return Err(syntax("a vertex property is declared twice")
@@ -151,7 +153,9 @@ pub(super) fn stride(properties: &[Property]) -> Option<usize> {
 
 /// Warnings of properties of faces that would change how the mesh looks, but are not read.
 pub(super) fn unread(header: &Header, vertex: &Element) -> Vec<Error> {
-    let has = |element: &Element, name: &str| element.properties.iter().any(|p| p.name == name);
+    let has = |element: &Element, name: &str| {
+        element.properties.iter().any(|p| p.name.eq_ignore_ascii_case(name))
+    };
     let faces = || header.elements.iter().filter(|element| element.name == "face");
     let colors = || NAMES.iter().filter(|(first, _)| *first == COLOR);
     let is_colored =
@@ -159,13 +163,7 @@ pub(super) fn unread(header: &Header, vertex: &Element) -> Vec<Error> {
     let warning = |message: &str, remedy: &str| Error::new(ErrorKind::Mesh, message).remedy(remedy);
     let colors = (!is_colored(vertex) && faces().any(is_colored))
         .then(|| warning("the colours of faces are ignored", "export colours of vertices instead"));
-    let uvs = faces().any(|face| has(face, "texcoord")).then(|| {
-        warning(
-            "the texture coordinates of faces are ignored, and the texture with them",
-            "export the mesh as OBJ or glTF",
-        )
-    });
-    colors.into_iter().chain(uvs).collect()
+    colors.into_iter().collect()
 }
 
 /// The rows of an element with lists of vertices: `face` or `tristrips`.
@@ -176,13 +174,21 @@ pub(super) struct ListLayout {
     pub(super) count: Scalar,
     pub(super) item: Scalar,
     pub(super) is_strip: bool,
+    /// The properties with the texture coordinates of the corners, two numbers each, and with the number of the image.
+    pub(super) uvs: Option<usize>,
+    pub(super) texture: Option<usize>,
 }
 
 impl ListLayout {
     pub(super) fn of(element: &Element) -> Result<Self> {
+        let find = |name| element.properties.iter().position(|p| p.name == name);
+        let is_list = |i: &usize| !matches!(element.properties[*i].shape, PropertyType::One(_));
+        let uvs = find("texcoord").filter(is_list);
+        let texture = find("texnumber").filter(|i| !is_list(i));
         let mut lists = (0..).zip(&element.properties).filter_map(|(property, p)| {
             let PropertyType::List { count, item } = p.shape else { return None };
-            let layout = Self { property, count, item, is_strip: element.name == "tristrips" };
+            let is_strip = element.name == "tristrips";
+            let layout = Self { property, count, item, is_strip, uvs, texture };
             LISTS.contains(&p.name.as_str()).then_some(layout)
         });
         match (lists.next(), lists.next()) {

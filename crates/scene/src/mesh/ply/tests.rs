@@ -3,6 +3,7 @@
 use glam::{Vec2, Vec3};
 
 mod colors;
+mod pictures;
 mod short_cuts;
 
 use super::*;
@@ -11,7 +12,7 @@ use crate::mesh::{BUFFER, MeshData};
 
 fn load(bytes: &[u8]) -> Result<Read> {
     // A small buffer, so that rows lie across its ends.
-    alike([29, BUFFER], |buffer| super::read(&bytes, bytes.len() as u64, *buffer))
+    alike([29, BUFFER], |buffer| Ok(super::read(&bytes, bytes.len() as u64, *buffer)?.0))
 }
 
 fn mesh(bytes: &[u8]) -> MeshData {

@@ -58,9 +58,20 @@ fn both_forms_are_one_mesh_with_shared_corners() {
     assert_eq!(read.positions, [0, 2, 1, 3].map(|i| Vec3::from(CORNERS[i])));
     assert_eq!(read.triangles, [[0, 1, 2], [0, 2, 3], [2, 1, 3], [1, 0, 3]]);
     let written = text();
-    let others = [&written, &written.to_uppercase(), &written.replace('\n', "\r\n"), &written];
+    let apart = ["loop", "facet", "solid"].iter().fold(written.clone(), |text, word| {
+        text.replace(&format!("end{word}"), &format!("end {word}"))
+    });
+    let others = [
+        written.to_uppercase(),
+        written.replace('\n', "\r\n"),
+        written.replace('\n', "\r"),
+        format!("\u{feff}{written}"),
+        apart,
+    ];
     for other in others {
         assert_eq!(mesh(other.as_bytes()), read);
+        let survey = survey(&other.as_bytes(), other.len() as u64).unwrap();
+        assert_eq!(survey.triangles, 4);
     }
     assert_eq!(mesh(written.repeat(2).as_bytes()).triangles.len(), 8);
     assert_eq!(mesh(written.repeat(2).as_bytes()).positions.len(), 4);

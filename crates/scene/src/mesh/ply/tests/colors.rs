@@ -2,7 +2,7 @@
 
 use super::*;
 
-/// Whole numbers are parts of their greatest value; floats are as they are.
+/// Whole numbers are parts of their greatest value; floats are as they are, or of 255 if they are larger than 1.
 #[test]
 fn vertices_may_have_colours() {
     let rows = "0 0 0 255 0 51\n1 0 0 0 255 0\n0 1 0 255 255 255\n3 0 1 2\n";
@@ -16,7 +16,12 @@ fn vertices_may_have_colours() {
     let colors = |kind: &str| mesh(&ascii(&header(kind), rows)).colors.unwrap();
     assert_eq!(colors("uchar")[0], Vec3::new(1.0, 0.0, 51.0 * (1.0 / 255.0)));
     assert_eq!(colors("int"), colors("uchar"));
-    assert_eq!(colors("float")[1], Vec3::new(0.0, 255.0, 0.0));
+    let (floats, told) = load(&ascii(&header("float"), rows)).unwrap();
+    assert_eq!(floats.colors.unwrap()[1], Vec3::Y);
+    assert!(told[0].to_string().contains("taken as 0 to 255"), "{told:?}");
+    let other = [("red", "R"), ("green", "g"), ("blue", "B")];
+    let other = other.iter().fold(header("uchar"), |text, (a, b)| text.replace(a, b));
+    assert_eq!(mesh(&ascii(&other, rows)).colors.unwrap(), colors("uchar"));
     assert!((colors("ushort")[2].x - 255.0 / 65535.0).abs() < 1e-9);
     for (big, format) in [(false, "binary_little_endian"), (true, "binary_big_endian")] {
         let mut bytes = Bytes::new(big);

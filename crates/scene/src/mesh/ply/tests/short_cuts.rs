@@ -16,7 +16,7 @@ fn slowly(bytes: &[u8]) -> Result<Read> {
     let header = header::read(&bytes, length)?;
     let mut numbers = Numbers::new(&bytes, &header, length, 64);
     numbers.block = 0;
-    body::read(&header, numbers)
+    Ok(body::read(&header, numbers)?.0)
 }
 
 /// Sizes of the buffer, and the threads, started once.
@@ -32,7 +32,7 @@ fn check(bytes: &[u8], what: &str) -> Option<MeshData> {
     let ways = std::iter::once(None).chain(WAYS.iter().map(Some)).map(|way| (what, way));
     let read = alike(ways, |(_, way)| match way {
         None => slowly(bytes),
-        Some((buffer, pool)) => pool.install(|| read(&bytes, bytes.len() as u64, *buffer)),
+        Some((buffer, pool)) => pool.install(|| Ok(read(&bytes, bytes.len() as u64, *buffer)?.0)),
     });
     read.ok().map(|read| read.0)
 }
