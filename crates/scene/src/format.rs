@@ -18,6 +18,7 @@ mod keys;
 mod notes;
 mod object;
 mod place;
+mod related;
 mod writer;
 
 pub(crate) use beside::Beside;

@@ -179,7 +179,7 @@ fn a_colour_profile_is_not_unpacked() {
 /// Limits in steps of `step`, from what the program itself needs: below, the system's libraries may abort.
 #[cfg(target_os = "linux")]
 fn limits(step: f64) -> Vec<u64> {
-    let first = 33e6;
+    let first = 36e6;
     std::iter::successors(Some(first), |limit| Some(limit * step))
         .take_while(|&limit| limit < 2e9)
         .map(|limit| limit as u64)

@@ -7,6 +7,7 @@ use serde_json::Value;
 
 use super::notes::Notes;
 use super::place::Place;
+use super::related::related;
 use wavecrest_base::error::{Error, ErrorKind, Result, did_you_mean};
 use wavecrest_core::math::float::MAX_COORDINATE;
 
@@ -126,6 +127,9 @@ impl<'a> Cursor<'a> {
         number.ok_or_else(|| {
             let error = self.must_be(&range.words());
             match self.value {
+                Value::Array(_) if matches!(self.place, Place::Key(_, "intensity")) => {
+                    error.remedy("give one number, and the list as \"color\"")
+                }
                 Value::Array(_) => error.remedy("give one number, not a list"),
                 Value::String(text) if text.parse::<f64>().is_ok() => {
                     error.remedy("remove the quotes")
@@ -241,7 +245,9 @@ impl<'a> Cursor<'a> {
             return Ok(*meaning);
         }
         let error = self.must_be(&words_of(options));
-        Err(match did_you_mean(word, options.iter().map(|(name, _)| *name)) {
+        let names = || options.iter().map(|(name, _)| *name);
+        let related = related(word).filter(|own| names().any(|name| name == *own));
+        Err(match related.or_else(|| did_you_mean(word, names())) {
             Some(meant) => error.remedy(format!("did you mean {meant:?}?")),
             None => error,
         })

@@ -8,6 +8,7 @@ use super::cursor::{Cursor, words_of};
 use super::declared::{Declaration, Field};
 use super::keys::{Absent, Key, Kind, TYPE, Variants};
 use super::place::Place;
+use super::related::related;
 use wavecrest_base::error::{Error, ErrorKind, Result, did_you_mean};
 
 /// A JSON object, and the keys that its kind allows.
@@ -108,9 +109,13 @@ impl<'a> Object<'a> {
         let place = Place::Key(self.cursor.place(), key).to_string();
         let error = self.cursor.notes().error(ErrorKind::Scene, &place, "is missing".into());
         let mut names = self.kind.key(key).into_iter().flat_map(|key| key.names());
+        let theirs = || self.unknown_keys().find(|other| related(other) == Some(key));
         match names.find_map(|name| did_you_mean(name, self.unknown_keys())) {
             Some(misspelt) => error.remedy(format!("rename {misspelt:?} to {key:?}")),
-            None => error.remedy(format!("give {what}")),
+            None => error.remedy(match theirs() {
+                Some(theirs) => format!("give {what}, in place of {theirs:?}"),
+                None => format!("give {what}"),
+            }),
         }
     }
 
@@ -148,8 +153,10 @@ impl<'a> Object<'a> {
 
     fn advice(&self, key: &str) -> String {
         let advice = if self.cursor.notes().strict() { "remove it" } else { "it is ignored" };
-        let names = self.kind.all_keys().flat_map(|key| key.names());
-        match did_you_mean(key, names.filter(|name| !self.map.contains_key(*name))) {
+        let names = || self.kind.all_keys().flat_map(|key| key.names());
+        let free = |name: &&str| !self.map.contains_key(*name);
+        let related = related(key).filter(|own| names().any(|name| name == *own)).filter(free);
+        match related.or_else(|| did_you_mean(key, names().filter(free))) {
             Some(meant) => format!("{advice}; did you mean {meant:?}?"),
             None => advice.to_owned(),
         }
