@@ -69,7 +69,7 @@ impl Images {
         texture: &TextureRef,
         place: (&Path, &str, &str),
     ) -> Option<DVec3> {
-        // What is wrong with it is told where it is looked up.
+        // An image that cannot be decoded is an error at its first look-up.
         Head::of(&texture.look_up.source).ok().filter(Head::is_small)?;
         let (image, _) = self.decoded(texture, None, place).ok()?;
         let ranges = [0, 1, 2].map(|channel| range(image, channel));
