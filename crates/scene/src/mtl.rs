@@ -128,8 +128,8 @@ impl Library {
 /// The lighting models with mirrors: with ray tracing, glass, and Fresnel without ray tracing.
 const MIRRORS: [u32; 3] = [3, 5, 8];
 
-/// The diffuse colour of a surface whose image is missing.
-const GREY: f64 = 0.7;
+/// The diffuse colour of a mesh without a material, and of a surface whose image is missing.
+pub(crate) const GREY: f64 = 0.7;
 
 /// The models with refraction.
 const GLASS: [u32; 2] = [6, 7];

@@ -24,7 +24,7 @@ pub struct MetalParameters<D = f64> {
 }
 
 /// Reflectance of smooth nonmetals at normal incidence.
-const DIELECTRIC: f64 = 0.04;
+pub const DIELECTRIC: f64 = 0.04;
 /// The greatest exponent for any roughness. The highlight of a point light is then about a degree
 /// wide.
 const GREATEST_EXPONENT: f64 = 10_000.0;

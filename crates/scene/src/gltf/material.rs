@@ -10,7 +10,7 @@ use crate::components::{Channels, Encoding, Map, Maps, Material, Sides, TextureR
 use crate::format::Range;
 use crate::surface::THRESHOLD;
 use wavecrest_base::error::Result;
-use wavecrest_core::kernels::metal::look;
+use wavecrest_core::kernels::metal::{DIELECTRIC, look};
 
 use super::fields::Fields;
 use super::texture::TextureInfo;
@@ -58,8 +58,6 @@ struct Model {
 
 /// The extension with colours of scattered and of mirrored light in place of metalness.
 pub(super) const GLOSS: &str = "KHR_materials_pbrSpecularGlossiness";
-/// The reflectance of dielectrics.
-const DIELECTRIC: f64 = 0.04;
 
 /// The texture under a key, whose strength is under the key `scale`, if any.
 fn texture(of: &Fields<'_>, key: &str, scale: Option<&str>) -> Result<Option<TextureInfo>> {

@@ -13,6 +13,7 @@ use crate::components::{
 };
 use crate::format::Notes;
 use crate::mesh::{LoadedMesh, crease};
+use crate::mtl::GREY;
 use crate::options::LoadOptions;
 use crate::options::framing::Up;
 use crate::staging::{self, Scenery, Shown, Upward};
@@ -23,7 +24,7 @@ const MATERIAL: Material = Material {
     ks: 0.15,
     kd: 0.85,
     specular_exponent: 40.0,
-    diffuse_color: DVec3::splat(0.7),
+    diffuse_color: DVec3::splat(GREY),
     ..Material::MATTE
 };
 

@@ -207,7 +207,8 @@ impl Body {
             self.faces.polygons.push(Polygon { first, corners });
         }
         let Faces { triangles, uvs, of_uvs, images, .. } = &mut self.faces;
-        if let Some(name) = images.textures.get(self.image) {
+        let is_other = |name: &&String| images.runs.last().is_none_or(|(_, last)| last != *name);
+        if let Some(name) = images.textures.get(self.image).filter(is_other) {
             images.begin(triangles.len() as u32, name.clone());
         }
         triangles.extend(polygon::fan(&self.corners));
