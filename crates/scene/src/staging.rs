@@ -10,6 +10,7 @@ mod grid;
 mod ground;
 mod light;
 mod room;
+mod strays;
 mod upward;
 
 use std::borrow::Cow;
@@ -75,13 +76,18 @@ pub(crate) struct Placed<'a> {
     pub(crate) triangles: &'a [[u32; 3]],
     pub(crate) world: DAffine3,
     /// The visible points, a bit each, unless all are: those that no triangle with an area uses are
-    /// not. Without triangles all count.
+    /// not, nor those of stray parts. Without triangles all count.
     seen: Option<Arc<Vec<AtomicU64>>>,
 }
 
 impl<'a> Placed<'a> {
     pub(crate) fn new(points: &'a [Vec3], triangles: &'a [[u32; 3]], world: DAffine3) -> Self {
-        Self { points, triangles, world, seen: seen(points, triangles) }
+        Self { points, triangles, world, seen: shown(points, triangles, |_| true) }
+    }
+
+    /// The corners of a triangle in the file.
+    fn corners(&self, triangle: [u32; 3]) -> [DVec3; 3] {
+        triangle.map(|i| self.world.transform_point3(self.points[i as usize].as_dvec3()))
     }
 
     /// Reduces the results of `of` for each visible point by `merge`, in any order.
@@ -111,9 +117,13 @@ fn is_set(bits: &[AtomicU64], i: usize) -> bool {
     bits[i / 64].load(Ordering::Relaxed) >> (i % 64) & 1 == 1
 }
 
-/// Which of the `points` are corners of a triangle with an area, a bit each; `None` if all are, or
-/// there are no triangles.
-fn seen(points: &[Vec3], triangles: &[[u32; 3]]) -> Option<Arc<Vec<AtomicU64>>> {
+/// Which of the `points` are corners of a triangle with an area that `is` holds for, a bit each;
+/// `None` if all are, or there are no triangles.
+fn shown(
+    points: &[Vec3],
+    triangles: &[[u32; 3]],
+    is: impl Fn([u32; 3]) -> bool + Sync,
+) -> Option<Arc<Vec<AtomicU64>>> {
     let seen: Vec<AtomicU64> = (0..points.len().div_ceil(64)).map(|_| AtomicU64::new(0)).collect();
     triangles.par_iter().for_each(|triangle| {
         // Reads are cheaper, and most triangles have no corner that is the first at its point.
@@ -122,7 +132,7 @@ fn seen(points: &[Vec3], triangles: &[[u32; 3]]) -> Option<Arc<Vec<AtomicU64>>> 
             return;
         }
         let [a, b, c] = corners.map(|i| points[i].as_dvec3());
-        if (b - a).cross(c - a) != DVec3::ZERO {
+        if (b - a).cross(c - a) != DVec3::ZERO && is(*triangle) {
             for i in corners {
                 seen[i / 64].fetch_or(1 << (i % 64), Ordering::Relaxed);
             }
@@ -150,20 +160,30 @@ pub(crate) struct Scenery<'a> {
     ends: BoxEnds,
     /// The sphere around the centre of that box; without points of radius 1 around the origin.
     pub(crate) sphere: BoundingSphere,
+    /// The number of triangles of stray parts, which are not in the box.
+    strays: usize,
 }
 
 impl<'a> Scenery<'a> {
     pub(crate) fn new(all: Vec<Placed<'a>>) -> Self {
-        let mut contents =
-            Self { all, ends: EMPTY, sphere: BoundingSphere { center: DVec3::ZERO, radius: 1.0 } };
-        let Some((low, high)) = contents.extent(|point| point) else { return contents };
-        let center = (low + high) / 2.0;
-        let radius = contents.reduce(0.0, |point| point.distance(center), f64::max);
-        // A single point has no extent; it is seen from one unit away.
-        contents.sphere =
-            BoundingSphere { center, radius: if radius > 0.0 { radius } else { 1.0 } };
-        contents.ends = (low, high);
+        let sphere = BoundingSphere { center: DVec3::ZERO, radius: 1.0 };
+        let mut contents = Self { all, ends: EMPTY, sphere, strays: 0 };
+        contents.measure();
+        contents.strays = strays::hide(&mut contents);
+        if contents.strays > 0 {
+            contents.measure();
+        }
         contents
+    }
+
+    /// Finds the box and the sphere.
+    fn measure(&mut self) {
+        let Some((low, high)) = self.extent(|point| point) else { return };
+        let center = (low + high) / 2.0;
+        let radius = self.reduce(0.0, |point| point.distance(center), f64::max);
+        // A single point has no extent; it is seen from one unit away.
+        self.sphere = BoundingSphere { center, radius: if radius > 0.0 { radius } else { 1.0 } };
+        self.ends = (low, high);
     }
 
     /// Points all over an image, with normals of any length; none if it takes too long.

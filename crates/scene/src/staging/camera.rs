@@ -120,7 +120,11 @@ pub(crate) fn framed(
     let stage = ToFrame { contents, grid, up, framing };
     let mut views = sides.iter().map(|side| stage.seen_from(*side, blank));
     let (view, room) = views.next().unwrap_or_else(|| stage.seen_from(None, blank));
-    let told = told + room.map_or("", Room::told);
+    let strays = match contents.strays {
+        0 => String::new(),
+        count => format!("{count} triangles far from the rest are left out of the view; "),
+    };
+    let told = told + room.map_or("", Room::told) + &strays;
     let lamp = match room {
         Some(Room::Closed { lamp, .. }) => Some(lamp),
         _ => None,

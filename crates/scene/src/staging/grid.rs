@@ -104,13 +104,11 @@ impl Grid {
         let tests = AtomicU64::new(0);
         let mut grid = Self::empty();
         for placed in &contents.all {
-            let point =
-                |i: u32| placed.world.transform_point3(placed.points[i as usize].as_dvec3());
             let found = placed.triangles.par_chunks(BATCH).map(|triangles| {
                 let mut part = Self::empty();
                 if tests.load(Ordering::Relaxed) <= MOST_TESTS {
                     let add = |triangle: &[u32; 3]| {
-                        let [a, b, c] = triangle.map(point);
+                        let [a, b, c] = placed.corners(*triangle);
                         add(&mut part, [a, b, c], (b - a).cross(c - a))
                     };
                     let count = triangles.iter().map(add).sum();
@@ -159,7 +157,10 @@ impl Grid {
                 if weights.iter().all(|&weight| weight >= 0.0) {
                     let at = (0..3).map(|i| weights[i] * corners[i][axis]).sum();
                     let met = MetTriangle { at, faces_high: area > 0.0, normal: normal.into() };
-                    self.columns[(axis * COLUMNS + row) * COLUMNS + column].meet(met);
+                    // Stray parts are far outside of the box.
+                    if (at - 0.5).abs() < 1.0 {
+                        self.columns[(axis * COLUMNS + row) * COLUMNS + column].meet(met);
+                    }
                 }
             }
         }

@@ -78,9 +78,10 @@ const NEAR: f64 = 0.3;
 /// leaves dark, and so fills it.
 const LEANING: DVec3 = DVec3::new(0.6, 1.0, 0.5);
 /// The same for a room: light reflected by its walls.
-const ROOM: [DVec3; 2] = [DVec3::splat(0.3), DVec3::splat(0.26)];
-/// The light of a room's lamp on a white surface that faces it, at any distance.
-const CEILING: f64 = 0.66;
+const ROOM: [DVec3; 2] = [DVec3::splat(0.24), DVec3::splat(0.21)];
+/// The light of a room's lamp on a white surface that faces it, at any distance: white walls around
+/// stay darker than the lamp.
+const CEILING: f64 = 0.53;
 /// Shadow rays to it for each hit.
 const CEILING_SAMPLES: u32 = 2;
 /// The light of the camera's lamp on a white surface that faces it.

@@ -2,9 +2,10 @@
 //!
 //! A room has walls at the ends of its box. What decides is what is between them: something, and
 //! room to look at it, whichever way the walls face. Where nothing is, a room must show the backs of
-//! its walls outward and be open somewhere: a box is closed, and a solid block shows its fronts. If
-//! one wall is missing, as in a doll's house or in the Cornell box, the room is seen from outside
-//! through the open side.
+//! its walls outward and be open somewhere: a box is closed, and a solid block shows its fronts.
+//! What is in closed solids, such as moulds and rows of blocks, is no room to look from. If one wall
+//! is missing, as in a doll's house or in the Cornell box, the room is seen from outside through the
+//! open side.
 
 use glam::DVec3;
 
@@ -29,6 +30,9 @@ const FREE: f64 = 0.5;
 const FURNITURE_DEPTH: f64 = 0.15;
 /// which must be in at least this share of the columns.
 const FURNITURE: f64 = 0.1;
+/// Largest share of the columns whose way through the centre has a front at one end and a back at the
+/// other, for a file of closed solids alone: theirs have two fronts around a gap, or two backs in one.
+const MIXED: f64 = 0.02;
 /// Height of the eye as a share of the room's: 1.5 of 2.6 metres.
 const EYE: f64 = 0.58;
 /// Length of the lamp as a share of the room's, in both directions.
@@ -131,12 +135,23 @@ fn is_empty(contents: &Scenery<'_>) -> bool {
 /// Whether there is something that is no wall, and room around the centre.
 fn is_furnished(grid: &Grid) -> bool {
     let columns = || (0..3).flat_map(|axis| grid.along(axis));
-    let share = |is: &dyn Fn([f64; 2]) -> bool| {
-        let count = columns().filter(|column| is(free(column))).count();
-        count as f64 / columns().count() as f64
+    let share = |is: &dyn Fn(&ColumnHits) -> bool| {
+        columns().filter(|column| is(column)).count() as f64 / columns().count() as f64
     };
-    let is_met = |[from, to]: [f64; 2]| from.max(1.0 - to) > FURNITURE_DEPTH;
-    share(&is_met) >= FURNITURE && share(&|[from, to]| to - from >= FREE) >= 0.5
+    // Whether the ends of the way through the centre show it their backs.
+    let backs = |column: &ColumnHits| Some([!column.below?.faces_high, column.above?.faces_high]);
+    let is_mixed = |column: &ColumnHits| backs(column).is_some_and(|[a, b]| a != b);
+    let are_solids = share(&is_mixed) <= MIXED;
+    let is_in_solid = |column: &ColumnHits| are_solids && backs(column) == Some([true; 2]);
+    let is_met = |column: &ColumnHits| {
+        let [from, to] = free(column);
+        from.max(1.0 - to) > FURNITURE_DEPTH
+    };
+    let is_free = |column: &ColumnHits| {
+        let [from, to] = free(column);
+        to - from >= FREE && !is_in_solid(column)
+    };
+    share(&is_met) >= FURNITURE && share(&is_free) >= 0.5
 }
 
 /// The view from one end of the longer axis to the other, along the freest line near the middle.
@@ -274,12 +289,25 @@ mod tests {
             assert_eq!(furnished(inward, &[], &[full]), None, "a block in a box");
         }
         assert_eq!(furnished(false, &[4], &[TABLE]), None, "a cupboard");
+        // Walls of two sides are solids, and what is between them is free.
+        let slab = |axis: usize, at: f32| {
+            let (mut low, mut high) = ([0.0; 3], [4.0, 2.0, 6.0]);
+            (low[axis], high[axis]) = (at, at + 0.1);
+            (low, high)
+        };
+        let walls = [0.0, 3.9, 0.0, 1.9, 0.0, 5.9].iter().enumerate();
+        let walls: Vec<Corners> = walls.map(|(i, &at)| slab(i / 2, at)).collect();
+        assert!(found(&boxes(&[&walls, &[TABLE][..]].concat())).is_some(), "thick walls");
     }
 
     #[test]
     fn a_block_is_no_room_and_neither_are_two_walls() {
         for left_out in [&[][..], &[4], &[3]] {
             assert_eq!(walls(false, left_out), None, "{left_out:?}");
+        }
+        for count in [3_u8, 4] {
+            let block = |i| ([f32::from(i) * 1.2, 0.0, 0.0], [f32::from(i) * 1.2 + 1.0, 1.0, 1.0]);
+            assert_eq!(found(&boxes(&(0..count).map(block).collect::<Vec<_>>())), None, "{count}");
         }
         assert_eq!(walls(true, &[2]), None, "no floor");
         assert_eq!(walls(true, &[0, 5]), None, "two walls");

@@ -1,11 +1,11 @@
 //! Guesses the up axis of a mesh, if neither its format nor its user states it.
 //!
-//! Scans, printed parts and models have y or z up. Three features count as evidence against the
+//! Scans, printed parts and models have y or z up. Four features count as evidence against the
 //! usual axis of a format. The mesh would stand along the other axis, and would fall over along the
 //! usual one. Or it is its own mirror image along the usual axis alone, and would fall over along it,
-//! as a fish or an aeroplane, or has a ground along the other, as a courtyard: left and right may be
-//! alike, top and bottom hardly ever are. Or it is a wide, thin surface of one layer that faces along
-//! the other axis, as terrain does. A mesh stands if its centre is above its support polygon, the
+//! as a fish or an aeroplane: left and right may be alike, top and bottom hardly ever are. Or it is a
+//! wide, thin surface of one layer that faces along the other axis, as terrain does; or wide and low
+//! with a ground below it, a sheet that faces up, as a courtyard has. A mesh stands if its centre is above its support polygon, the
 //! convex hull of its lowest points: so a chair stands on its legs.
 
 use glam::{DVec2, DVec3};
@@ -25,6 +25,10 @@ pub(crate) enum Upward {
 
 /// Largest distance of a support from the lowest point, as a share of the height.
 const BASE_DEPTH: f64 = 0.02;
+/// The same for what has legs and is not higher than long: some feet of what steps are in the air.
+const RAISED: f64 = 0.12;
+/// Largest share of a support polygon that is above what supports it, for legs.
+const LEGS: f64 = 0.5;
 /// Smallest share of the bounding rectangle that a support polygon covers: along the usual axis,
 /// where little is enough to leave a mesh as it is,
 const COULD_STAND: f64 = 0.1;
@@ -43,8 +47,12 @@ const ASYMMETRIC: f64 = 0.2;
 const LOWER: f64 = 0.7;
 /// Largest height of what is set up for its two sides, as a share of its shorter side: swords lie.
 const TALLEST: f64 = 5.0;
-/// Smallest share of hits from below on a ground: faces of one half may be turned over.
-const GROUND: f64 = 1.0 / 3.0;
+/// Smallest share of hits from below on a ground: walls, trees and holes are not hit there,
+const GROUND: f64 = 0.5;
+/// largest height of a ground, as a share of that of everything,
+const GROUND_DEPTH: f64 = 0.25;
+/// and largest height of what is on a ground, as a share of its shorter side.
+const WIDE: f64 = 0.5;
 /// Number of directions in which the outermost points make up a support polygon.
 const SIDES: usize = 16;
 /// Largest height of what lies flat, as a share of its shorter side.
@@ -74,15 +82,23 @@ pub(super) fn guess(contents: &Scenery<'_>, grid: &Grid, usual: Up) -> (Up, Opti
     if lies || asymmetry < SYMMETRIC || size[axis] <= 0.0 {
         return (usual, None);
     }
-    let falls = || support(contents, size, own) < COULD_STAND;
-    let stands = || support(contents, size, axis) >= STANDS;
+    let falls = |depth| support(contents, size, own, depth) < COULD_STAND;
+    let stands = |depth| support(contents, size, axis, depth) >= STANDS;
     let is_closed = is_closed(columns);
-    if is_closed && stands() && falls() {
+    let steps = || {
+        let legs = columns.iter().filter(|c| c.ends.is_some_and(|[low, _]| low.at <= RAISED));
+        let legs = legs.count() as f64 / columns.len() as f64;
+        size[axis] <= size[own] && legs <= LEGS * support(contents, size, axis, RAISED)
+    };
+    let is_on_feet = |depth| stands(depth) && falls(depth);
+    if is_closed && (is_on_feet(BASE_DEPTH) || is_on_feet(RAISED) && steps()) {
         return (other, Some("the mesh stands along it, and would fall over along the other"));
     }
     let is_set_up = is_closed && asymmetry >= ASYMMETRIC && size[axis] >= LOWER * size[own];
-    let has_ground = is_flat(axis) && has_ground(columns);
-    if is_symmetric && (is_set_up && falls() || has_ground && stands()) {
+    if height(axis) <= WIDE && has_ground(columns) && stands(RAISED) {
+        return (other, Some("the mesh is wide and low, with a ground below it"));
+    }
+    if is_symmetric && is_set_up && falls(BASE_DEPTH) {
         return (other, Some("the mesh is its own mirror image along the other"));
     }
     (usual, None)
@@ -112,11 +128,12 @@ fn asymmetry(columns: &[ColumnHits]) -> f64 {
 /// Whether the base is a sheet that faces up, as the ground of a courtyard does, and no back of a
 /// cupboard.
 fn has_ground(columns: &[ColumnHits]) -> bool {
-    share(columns, |[low, _]| low.faces_high && low.at <= BASE_DEPTH) >= GROUND
+    share(columns, |[low, _]| low.faces_high && low.at <= GROUND_DEPTH) >= GROUND
 }
 
-/// The share of the bounding rectangle that the support polygon covers; 0 if its centre is outside.
-fn support(contents: &Scenery<'_>, size: DVec3, axis: usize) -> f64 {
+/// The share of the bounding rectangle that the support polygon covers, of what is at most a `depth`
+/// above the lowest point, as a share of the height; 0 if its centre is outside.
+fn support(contents: &Scenery<'_>, size: DVec3, axis: usize, depth: f64) -> f64 {
     let sides = across(axis);
     if sides.iter().any(|&side| size[side] <= 0.0) {
         return 0.0;
@@ -130,7 +147,7 @@ fn support(contents: &Scenery<'_>, size: DVec3, axis: usize) -> f64 {
     let of = |point: DVec3| {
         let from = point - contents.ends.0;
         let at = DVec2::new(from[sides[0]] / size[sides[0]], from[sides[1]] / size[sides[1]]);
-        if from[axis] <= BASE_DEPTH * size[axis] { [Some(at); SIDES] } else { none }
+        if from[axis] <= depth * size[axis] { [Some(at); SIDES] } else { none }
     };
     let merge = |a: [Option<DVec2>; SIDES], b: [Option<DVec2>; SIDES]| {
         if b[0].is_none() {
@@ -192,14 +209,15 @@ mod tests {
         (points.iter().map(|p| Vec3::new(p.x, p.z, -p.y)).collect(), triangles)
     }
 
-    /// A body of 3 by 1 on four legs, with a head at one end; upright along z.
+    /// A body of 3 by 1 on four legs, with a head at one end and a tail at the other; upright along z.
     fn horse() -> Solid {
         let leg = |x: f32, y: f32| ([x, y, 0.0], [x + 0.2, y + 0.2, 1.0]);
         let legs = [leg(0.3, 0.0), leg(2.4, 0.0), leg(0.3, 0.5), leg(2.4, 0.5)];
         // The stirrups keep it from lying on its flank.
         let stirrups = ([1.2, -0.1, 1.0], [1.4, 0.8, 1.2]);
         let body = ([0.0, 0.0, 1.0], [3.0, 0.7, 1.8]);
-        let rest = [body, ([2.8, 0.2, 1.5], [3.6, 0.5, 2.4]), stirrups];
+        let tail = ([-0.5, 0.3, 1.5], [0.0, 0.4, 1.7]);
+        let rest = [body, ([2.8, 0.2, 1.5], [3.6, 0.5, 2.4]), stirrups, tail];
         boxes(&[&legs[..], &rest].concat())
     }
 
@@ -209,6 +227,16 @@ mod tests {
         assert_eq!(guessed(&horse(), Up::Z), (Up::Z, false));
         assert_eq!(guessed(&turned(horse()), Up::Y), (Up::Y, false));
         assert_eq!(guessed(&turned(horse()), Up::Z), (Up::Y, true));
+    }
+
+    #[test]
+    fn a_horse_that_steps_stands_on_its_legs_too() {
+        // Its body along y, a hoof of each pair in the air.
+        let mut mesh = horse();
+        mesh.0.iter_mut().take(16).filter(|p| p.z == 0.0).for_each(|p| p.z = 0.2);
+        mesh.0.iter_mut().for_each(|p| *p = Vec3::new(-p.y, p.x, p.z));
+        assert_eq!(guessed(&mesh, Up::Y), (Up::Z, true));
+        assert_eq!(guessed(&mesh, Up::Z), (Up::Z, false));
     }
 
     /// The ground and the walls of a courtyard of 6 by 10; upright along z.
@@ -230,6 +258,12 @@ mod tests {
         assert_eq!(guessed(&courtyard(), Up::Y), (Up::Z, true));
         assert_eq!(guessed(&courtyard(), Up::Z), (Up::Z, false));
         assert_eq!(guessed(&turned(courtyard()), Up::Y), (Up::Y, false));
+        // Neither its ground nor its walls need be even.
+        let mut scan = courtyard();
+        scan.0.iter_mut().take(2).for_each(|p| p.z = 0.3);
+        scan.0.iter_mut().skip(32).for_each(|p| p.z *= 0.5);
+        assert_eq!(guessed(&scan, Up::Y), (Up::Z, true));
+        assert_eq!(guessed(&turned(scan), Up::Y), (Up::Y, false));
         // A cupboard without doors has the same walls, and a back that is seen from behind.
         let mut cupboard = courtyard();
         cupboard.1.iter_mut().take(2).for_each(|triangle| triangle.swap(1, 2));
