@@ -119,6 +119,11 @@ pub(crate) fn tell(line: &str) {
     BARS.suspend(|| drop(writeln!(std::io::stderr(), "{line}")));
 }
 
+/// Prints an error, one line for each of several.
+pub(crate) fn tell_error(error: &Error) {
+    error.to_string().lines().for_each(|line| tell(&format!("error: {line}")));
+}
+
 /// As [`tell`], as the last line: in place of the bars.
 pub(crate) fn tell_last(line: &str) {
     let _ = BARS.clear();
@@ -227,8 +232,8 @@ pub(crate) fn size(bytes: u64) -> String {
 }
 
 /// Whole numbers between commas, if there are as many as asked for.
-pub(crate) fn numbers<const N: usize>(text: &str) -> Option<[u32; N]> {
-    let all: Option<Vec<u32>> = text.split(',').map(|part| part.trim().parse().ok()).collect();
+pub(crate) fn numbers<T: FromStr, const N: usize>(text: &str) -> Option<[T; N]> {
+    let all: Option<Vec<T>> = text.split(',').map(|part| part.trim().parse().ok()).collect();
     all?.try_into().ok()
 }
 

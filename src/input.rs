@@ -8,13 +8,15 @@ use glam::DVec3;
 use bytesize::ByteSize;
 
 use crate::common::{
-    FILES, FRAMES, IMAGE, SPEED, Threads, VIEW, choice, number, tell_all, whole, with_names,
+    FILES, FRAMES, IMAGE, SPEED, Threads, VIEW, choice, number, numbers, tell_all, whole,
+    with_names,
 };
 use crate::limit;
 use crate::progress::{Display, Style};
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::kernels::precision::Precision;
+use wavecrest_core::math::float::MAX_COORDINATE;
 use wavecrest_core::math::srgb::srgb_decode;
 use wavecrest_core::prepared::PreparedScene;
 use wavecrest_scene::load::framing::{Fit, Fov, Framing, Sheet, Side, Up};
@@ -59,6 +61,14 @@ pub(crate) struct InputOptions {
         conflicts_with = "camera"
     )]
     pub(crate) view: Option<Side>,
+    /// Place of the camera of a mesh or a glTF file, in its coordinates
+    #[arg(long, help_heading = VIEW, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true,
+          conflicts_with_all = ["camera", "view", "fit", "turntable", "sheet"])]
+    pub(crate) from: Option<DVec3>,
+    /// Point that it looks at [default: the middle of everything]
+    #[arg(long, help_heading = VIEW, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true,
+          requires = "from")]
+    pub(crate) at: Option<DVec3>,
     /// Up axis of a mesh or a glTF file [default: y; z for STL, and for PLY that stands only along z]
     #[arg(long, help_heading = VIEW, value_name = "AXIS", value_parser = choice::<Up>(), allow_hyphen_values = true,
           conflicts_with = "camera")]
@@ -102,6 +112,7 @@ impl InputOptions {
         let Self { allow_outside, up, fov, fit, turntable, .. } = *self;
         let [width, height] = self.size.map_or([self.width, self.height], |size| size.map(Some));
         let sheet = self.sheet.clone().unwrap_or_default();
+        let side = self.from.map(|eye| Side::Point { eye, look: self.at }).or(self.view);
         let usual = Lighting::default();
         let lighting = Lighting {
             rig: match self.lights.unwrap_or(usual.rig) {
@@ -119,7 +130,7 @@ impl InputOptions {
             antialias: self.samples.map(antialias),
             camera: self.camera.clone(),
             allow_outside,
-            framing: Framing { side: self.view, up, fov, fit, turntable, sheet },
+            framing: Framing { side, up, fov, fit, turntable, sheet },
             lighting,
         }
     }
@@ -167,6 +178,15 @@ fn size(text: &str) -> std::result::Result<[u32; 2], String> {
         Some([Err(wrong), _] | [_, Err(wrong)]) => Err(wrong),
         None => Err("write width and height in pixels, such as 1280x720".to_owned()),
     }
+}
+
+/// A point whose coordinates scene files can hold.
+fn point(text: &str) -> std::result::Result<DVec3, String> {
+    let greatest = f64::from(MAX_COORDINATE);
+    numbers(text)
+        .map(DVec3::from_array)
+        .filter(|point| point.abs().max_element() <= greatest)
+        .ok_or_else(|| format!("write three numbers, such as 0,1.5,4; at most {greatest:e}"))
 }
 
 /// A side of an image in pixels.

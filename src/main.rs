@@ -31,7 +31,7 @@ use std::process::ExitCode;
 use clap::error::{ContextKind, ContextValue};
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 
-use common::{Threads, tell};
+use common::{Threads, tell, tell_error};
 use wavecrest_base::error::{Error, ErrorKind, Result, did_you_mean};
 
 /// A ray tracer for large triangle meshes.
@@ -94,8 +94,7 @@ fn failed(error: &Error) -> ExitCode {
             ExitCode::from(interrupt::exit_code(signal))
         }
         _ => {
-            // One line for each error.
-            error.to_string().lines().for_each(|line| tell(&format!("error: {line}")));
+            tell_error(error);
             ExitCode::from(exit::ERROR)
         }
     }

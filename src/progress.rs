@@ -204,7 +204,7 @@ impl Shown {
     fn draw(&self, state: State, now: Instant, [done, all]: [u64; 2], left: Option<f64>) {
         let words = match (state.frame, state.stage) {
             (Some([frame, frames]), Stage::Trace | Stage::Write) => {
-                format!("frame {frame} of {frames}")
+                format!("image {frame} of {frames}")
             }
             // What is read is then prepared.
             (_, Stage::Load) => memory::Stage::now().name().to_owned(),

@@ -20,17 +20,41 @@ use ready::{Ready, timed};
 use show::Rendering;
 use summary::Totals;
 
+use super::common::tell_error;
 use super::interrupt;
 use super::progress::{Display, Stage};
-use wavecrest_base::error::Result;
+use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_image::farm::Shard;
 use wavecrest_report::statistics::pass_map;
 
-/// Runs the render. Nothing is overwritten before the new image is complete.
+/// Renders each scene. Nothing is overwritten before the new image is complete.
 ///
 /// # Errors
-/// If the scene cannot be loaded or prepared, or the image cannot be written.
+/// If a scene cannot be loaded or prepared, or an image cannot be written; after the others, unless a signal ended it.
 pub(crate) fn run(args: &RenderArgs) -> Result<()> {
+    let all = args.each()?;
+    let [scenes @ .., last] = &all[..] else { return Ok(()) };
+    let mut failed = 0;
+    for scene in scenes {
+        if let Err(error) = run_one(scene) {
+            if let ErrorKind::Interrupted(_) = error.kind() {
+                return Err(error);
+            }
+            tell_error(&error);
+            failed += 1;
+        }
+    }
+    match (run_one(last), failed) {
+        (Ok(()), 1..) => {
+            let message = format!("{failed} of {} scenes were not rendered", all.len());
+            Err(Error::new(ErrorKind::Scene, message))
+        }
+        (done, _) => done,
+    }
+}
+
+/// Renders one scene.
+fn run_one(args: &RenderArgs) -> Result<()> {
     args.search.check(args.scene_options.precision)?;
     let args = &look::without_ground(args.clone());
     let output = args.output()?;
@@ -50,6 +74,7 @@ pub(crate) fn run(args: &RenderArgs) -> Result<()> {
 /// Runs `work` on the requested threads, with its progress shown.
 fn watched(args: &RenderArgs, work: impl FnOnce(&Display) -> Result<()> + Send) -> Result<()> {
     let progress = Display::new(args.progress, args.scene_options.quiet);
+    args.number.inspect(|&[number, all]| progress.frame(number, all));
     args.scene_options.threads.run(|| work(&progress))
 }
 

@@ -3,7 +3,7 @@
 mod array;
 
 use std::ops::RangeInclusive;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use crate::common::{
@@ -14,7 +14,8 @@ use crate::input::{Made, SceneOptions};
 use crate::progress::Style;
 use array::ShardChoice;
 use wavecrest_base::choice::Choice as _;
-use wavecrest_base::error::{Result, did_you_mean};
+use wavecrest_base::error::{Error, ErrorKind, Result, did_you_mean};
+use wavecrest_base::replace::make_folder;
 use wavecrest_core::render::{RenderOptions, TracerKind};
 use wavecrest_core::tile::Tile;
 use wavecrest_core::wavefront::DEFAULT_BATCH;
@@ -26,16 +27,25 @@ use wavecrest_image::write::Transfer;
 
 /// Render a scene to an image.
 #[derive(Clone, Debug, clap::Args)]
-#[command(override_usage = "wavecrest [render] <SCENE> <OUTPUT> [OPTIONS]")]
+#[command(
+    override_usage = "wavecrest [render] <SCENE> <OUTPUT> [OPTIONS]\n       wavecrest [render] <SCENE>... --output <FOLDER> [OPTIONS]"
+)]
 pub(crate) struct RenderArgs {
     /// Scene (.json), glTF file (.gltf, .glb) or mesh (.ply, .obj, .stl)
     pub(crate) scene: PathBuf,
-    /// Image to write: .png, .ppm, .exr or .pfm; with --turntable also .gif; with --shard a .part file
+    /// Image to write: .png, .ppm, .exr or .pfm; - writes a PNG to standard output; with --turntable also .gif; with
+    /// --shard a .part file
     #[arg(value_name = "OUTPUT", required_unless_present = "output")]
     pub(crate) image: Option<PathBuf>,
-    /// Image to write, as an option
-    #[arg(short, long, value_name = "OUTPUT", conflicts_with = "image")]
+    /// Further scenes, with --output FOLDER
+    #[arg(value_name = "SCENE", hide = true)]
+    pub(crate) more: Vec<PathBuf>,
+    /// Image to write, as an option; or the folder for a .png of each scene
+    #[arg(short, long, value_name = "OUTPUT")]
     pub(crate) output: Option<PathBuf>,
+    /// Which scene this is of how many
+    #[arg(skip)]
+    pub(crate) number: Option<[u64; 2]>,
     /// Transfer function of 8-bit images (.ppm, .png) [default: that of the scene; srgb for glTF files
     /// and meshes]
     #[arg(long, help_heading = IMAGE, value_parser = choice::<Transfer>())]
@@ -121,6 +131,47 @@ pub(crate) struct RenderArgs {
 }
 
 impl RenderArgs {
+    /// The renders of all scenes, one each.
+    ///
+    /// # Errors
+    /// If several have no folder for their images, or the same name, or the folder cannot be made.
+    pub(super) fn each(&self) -> Result<Vec<Self>> {
+        let usage = |message: &str| Error::new(ErrorKind::Usage, message);
+        let scenes: Vec<&PathBuf> =
+            std::iter::once(&self.scene).chain(&self.image).chain(&self.more).collect();
+        let Some(folder) = &self.output else {
+            return match self.more.first() {
+                None => Ok(vec![self.clone()]),
+                Some(file) => Err(usage("several scenes need a folder for their images")
+                    .in_file(file)
+                    .remedy("add --output and the folder")),
+            };
+        };
+        if scenes.len() == 1 && !folder.is_dir() {
+            return Ok(vec![self.clone()]);
+        }
+        let of_one = [
+            ("--also", !self.also.is_empty()),
+            ("--stats", self.stats.is_some()),
+            ("--checkpoint", self.checkpoint.is_some()),
+            ("--shard", self.shard.is_some()),
+        ];
+        refuse("a folder of images", folder, &of_one)?;
+        make_folder(folder)?;
+        let mut all: Vec<Self> = Vec::with_capacity(scenes.len());
+        for (number, &scene) in (1..).zip(&scenes) {
+            let image = folder.join(scene.with_extension("png").file_name().unwrap_or_default());
+            if let Some(other) = all.iter().find(|other| other.image.as_ref() == Some(&image)) {
+                let message = format!("the image of {} has the same name", other.scene.display());
+                return Err(usage(&message).in_file(scene).remedy("render them one by one"));
+            }
+            let number = Some([number, scenes.len() as u64]);
+            let (scene, image, output, more) = (scene.clone(), Some(image), None, Vec::new());
+            all.push(Self { scene, image, more, output, number, ..self.clone() });
+        }
+        Ok(all)
+    }
+
     /// The render options.
     pub(super) fn options(&self) -> RenderOptions {
         let batch = self.batch as usize;
@@ -173,6 +224,16 @@ impl RenderArgs {
             resume: self.resume,
         })
     }
+}
+
+/// An option, and whether it is given.
+pub(super) type Given = (&'static str, bool);
+
+/// Refuses `others` together with an `option`.
+pub(super) fn refuse(option: &str, output: &Path, others: &[Given]) -> Result<()> {
+    let Some((other, _)) = others.iter().find(|(_, is_given)| *is_given) else { return Ok(()) };
+    let message = format!("{option} and {other} cannot be used together");
+    Err(Error::new(ErrorKind::Usage, message).in_file(output).remedy(format!("leave out {other}")))
 }
 
 /// Default number of seconds between checkpoints.

@@ -1,14 +1,12 @@
 //! Several views of a file: a turntable as an animation, or a sheet.
 
-use std::path::Path;
-
-use super::args::RenderArgs;
+use super::args::{Given, RenderArgs, refuse};
 use super::frames::{self, Sequence};
 use super::outputs::{Outputs, animated};
 use super::rows::Rows;
 use super::watched;
 use crate::progress::{Display, Stage};
-use wavecrest_base::error::{Error, ErrorKind, Result};
+use wavecrest_base::error::Result;
 use wavecrest_image::animation::{Animated, Animation};
 use wavecrest_image::farm::Shard;
 use wavecrest_scene::load::framing::Sheet;
@@ -44,9 +42,6 @@ pub(super) fn run(args: &RenderArgs, shard: Option<Shard>) -> Result<bool> {
     Ok(true)
 }
 
-/// An option, and whether it is given.
-type Given = (&'static str, bool);
-
 /// Options that belong to one image, not to frames.
 fn of_frame(args: &RenderArgs) -> Vec<Given> {
     vec![
@@ -65,13 +60,6 @@ fn of_image(args: &RenderArgs, shard: Option<Shard>) -> Vec<Given> {
         ("--also", !args.also.is_empty()),
         ("--aov", args.aov.is_some()),
     ]
-}
-
-/// Refuses `others` together with an `option`.
-fn refuse(option: &str, output: &Path, others: &[Given]) -> Result<()> {
-    let Some((other, _)) = others.iter().find(|(_, is_given)| *is_given) else { return Ok(()) };
-    let message = format!("{option} and {other} cannot be used together");
-    Err(Error::new(ErrorKind::Usage, message).in_file(output).remedy(format!("leave out {other}")))
 }
 
 /// Renders a turntable as one file.

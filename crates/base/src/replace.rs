@@ -5,7 +5,7 @@
 
 use std::collections::BTreeSet;
 use std::fs::{File, Metadata};
-use std::io::{BufWriter, ErrorKind as IoKind, Write};
+use std::io::{BufWriter, ErrorKind as IoKind, IsTerminal, Seek, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
@@ -17,7 +17,11 @@ use crate::memory::Stage;
 /// The writer for a file's content.
 pub type Sink<'a> = BufWriter<&'a File>;
 
+/// The path that stands for standard output.
+pub const STANDARD_OUTPUT: &str = "-";
+
 /// Writes the file at `path` with the content from `fill`, or leaves an existing file unchanged.
+/// [`STANDARD_OUTPUT`] gets it when it is complete.
 ///
 /// A new file gets the usual permissions; one that replaces another keeps its permissions. If the
 /// path is a symbolic link, its target is created or replaced and the link stays.
@@ -27,6 +31,9 @@ pub type Sink<'a> = BufWriter<&'a File>;
 /// folder, a device or read-only. The error names the file.
 pub fn replace_file(path: &Path, fill: impl FnOnce(&mut Sink<'_>) -> Result<()>) -> Result<()> {
     Stage::Write.begin();
+    if path == Path::new(STANDARD_OUTPUT) {
+        return print(fill).map_err(|error| error.in_file(path));
+    }
     let target = OutputFile::new(path)?;
     let temporary = target.temporary()?;
     let _listed = Listed::new(temporary.path());
@@ -38,11 +45,31 @@ pub fn replace_file(path: &Path, fill: impl FnOnce(&mut Sink<'_>) -> Result<()>)
     target.persist(temporary)
 }
 
+/// Writes the content from `fill` to standard output.
+fn print(fill: impl FnOnce(&mut Sink<'_>) -> Result<()>) -> Result<()> {
+    let failed =
+        |error| Error::io("cannot write to standard output", Path::new(STANDARD_OUTPUT), error);
+    let mut file = tempfile::tempfile().map_err(failed)?;
+    let mut sink = BufWriter::new(&file);
+    fill(&mut sink)?;
+    sink.flush().map_err(failed)?;
+    drop(sink);
+    file.rewind().map_err(failed)?;
+    let mut output = std::io::stdout().lock();
+    std::io::copy(&mut file, &mut output).and_then(|_| output.flush()).map_err(failed)
+}
+
 /// Checks whether [`replace_file`] could currently write at `path`; call it before long work.
 ///
 /// # Errors
-/// As [`replace_file`], except for a full disk.
+/// As [`replace_file`], except for a full disk; or if standard output is a terminal.
 pub fn check_replaceable(path: &Path) -> Result<()> {
+    if path == Path::new(STANDARD_OUTPUT) {
+        let message = "a terminal cannot show the file";
+        let error = Error::new(ErrorKind::Usage, message).in_file(path);
+        let is_terminal = std::io::stdout().is_terminal();
+        return if is_terminal { Err(error.remedy("name a file, or add a pipe")) } else { Ok(()) };
+    }
     // Dropping the temporary file removes it.
     OutputFile::new(path)?.temporary().map(drop)
 }

@@ -15,7 +15,9 @@ use super::transfer::{levels, linear_level, row_to_bytes};
 use super::{netpbm, openexr};
 use wavecrest_base::error::{Error, ErrorKind, Result, did_you_mean};
 use wavecrest_base::progress;
-use wavecrest_base::replace::{Sink, check_replaceable, replace_file, write_error};
+use wavecrest_base::replace::{
+    STANDARD_OUTPUT, Sink, check_replaceable, replace_file, write_error,
+};
 use wavecrest_core::film::Film;
 
 pub use super::transfer::{Develop, Tone, Transfer};
@@ -36,16 +38,15 @@ wavecrest_base::choices! {
 }
 
 impl Format {
-    /// The format for the extension of `path`, in upper or lower case.
+    /// The format for the extension of `path`, in upper or lower case; PNG for standard output.
     ///
     /// # Errors
     /// If there is no extension or it is none of the four.
     pub fn from_path(path: &Path) -> Result<Self> {
         const FORMATS: &str = "use .ppm, .png, .exr or .pfm";
         let usage = |message: &str| Error::new(ErrorKind::Usage, message).in_file(path);
-        if path == Path::new("-") {
-            return Err(usage("an image cannot be written to standard output")
-                .remedy("name a file that ends in .ppm, .png, .exr or .pfm"));
+        if path == Path::new(STANDARD_OUTPUT) {
+            return Ok(Self::Png);
         }
         let Some(extension) = path.extension().map(OsStr::to_string_lossy) else {
             return Err(usage("the name of an image must end in its format").remedy(FORMATS));

@@ -42,7 +42,8 @@ pub(super) fn world(
     let has_camera = own.is_some();
     let framed = match own {
         Some(view) => Framed::own(view),
-        None => staging::framed(&contents, Upward::Stated(Up::Y), options)?,
+        None => staging::framed(&contents, Upward::Stated(Up::Y), options)
+            .map_err(|error| error.in_file(notes.file()))?,
     };
     let mut lights = lights(document, notes);
     let glowing = glowing(&primitives);

@@ -66,7 +66,8 @@ pub(super) fn world(
     let shown: Vec<Shown<'_>> = shown.collect();
     let placed = shown.iter().flat_map(|shown| shown.placed(std::iter::once(origin)));
     let contents = Scenery::new(placed.collect());
-    let framed = staging::framed(&contents, usual_up(path), options)?;
+    let framed =
+        staging::framed(&contents, usual_up(path), options).map_err(|error| error.in_file(path))?;
     let (settings, told) = staging::light(&mut world, &contents, &framed, path, &options.lighting);
     // Nothing is seen of the choices without a mesh.
     let told = if shown.is_empty() { String::new() } else { framed.told.clone() + told };

@@ -62,6 +62,13 @@ pub enum Side {
     },
     /// From inside, as a room.
     Inside,
+    /// From this point.
+    Point {
+        /// The place of the camera.
+        eye: DVec3,
+        /// What it looks at; the middle of everything if `None`.
+        look: Option<DVec3>,
+    },
 }
 
 impl Side {

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use glam::{DMat3, DQuat, DVec3};
 use hecs::{EntityBuilder, World};
 
-use wavecrest_base::error::Result;
+use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_core::kernels::camera::half_extent;
 use wavecrest_core::math::float::MAX_COORDINATE;
 use wavecrest_core::math::sampling::Sampling;
@@ -100,7 +100,7 @@ impl Framed {
 /// A view of all `contents`. `usual` is the up axis unless one is requested.
 ///
 /// # Errors
-/// As [`size`].
+/// As [`size`]; and if the camera would be where it looks.
 pub(crate) fn framed(
     contents: &Scenery<'_>,
     usual: Upward,
@@ -112,7 +112,8 @@ pub(crate) fn framed(
     if sides.is_empty() {
         sides.push(framing.side);
     }
-    let from_outside = |side: &Option<Side>| matches!(side, Some(Side::Around { .. }));
+    let from_outside =
+        |side: &Option<Side>| matches!(side, Some(Side::Around { .. } | Side::Point { .. }));
     let needs_grid = !sides.iter().all(from_outside)
         || (framing.up.is_none() && matches!(usual, Upward::Guessed(_)));
     let grid = if needs_grid { Grid::of(contents) } else { None };
@@ -120,6 +121,10 @@ pub(crate) fn framed(
     let stage = ToFrame { contents, grid, up, framing };
     let mut views = sides.iter().map(|side| stage.seen_from(*side, blank));
     let (view, room) = views.next().unwrap_or_else(|| stage.seen_from(None, blank));
+    if view.location == view.look {
+        let error = Error::new(ErrorKind::Usage, "the camera would be at the point it looks at");
+        return Err(error.value(view.location).remedy("use another --from or --at"));
+    }
     let strays = match contents.strays {
         0 => String::new(),
         count => format!("{count} triangles far from the rest are left out of the view; "),
@@ -177,7 +182,7 @@ impl ToFrame<'_> {
     fn seen_from(&self, side: Option<Side>, mut view: View) -> (View, Option<Room>) {
         let (ends, upward) = (&self.contents.ends, self.up.axes().y_axis);
         let room = self.grid.as_ref().and_then(|grid| match side {
-            Some(Side::Around { .. }) => None,
+            Some(Side::Around { .. } | Side::Point { .. }) => None,
             Some(Side::Inside) => Some(room::inside(grid, ends, upward)),
             None => room::find(grid, self.contents, self.up),
         });
@@ -191,6 +196,14 @@ impl ToFrame<'_> {
                 return (view, room);
             }
             (Some(Room::Open(outward)), _) => outward,
+            (_, Some(Side::Point { eye, look })) => {
+                (view.location, view.look) = (eye, look.unwrap_or(self.contents.sphere.center));
+                let back = (eye - view.look).normalize_or_zero();
+                if view.up.cross(back).length() < PARALLEL {
+                    view.up = -self.up.axes().z_axis * back.dot(view.up).signum();
+                }
+                return (view, None);
+            }
             (_, Some(Side::Around { azimuth, elevation })) => {
                 let [back, overhead] = toward(azimuth, elevation).map(|v| self.up.axes() * v);
                 if view.up.cross(back).length() < PARALLEL {
