@@ -10,8 +10,8 @@ use std::path::PathBuf;
 use glam::DVec3;
 
 use crate::components::{
-    Channels, CutOut, Encoding, Filter, LookUp, Material, Placing, TextureRef, TextureSource,
-    Transparency, Wrap,
+    Channels, CutOut, Encoding, Filter, LookUp, Map as MetalMap, Maps, Material, Placing,
+    TextureRef, TextureSource, Transparency, Wrap,
 };
 use crate::format::Range;
 use crate::surface::THRESHOLD;
@@ -39,6 +39,9 @@ pub(crate) struct Mtl {
     /// Index of refraction.
     ni: Option<f64>,
     map_d: Option<Map>,
+    /// Metalness and roughness, from 0 to 1.
+    pm: Option<f64>,
+    pr: Option<f64>,
 }
 
 /// All materials of some files, and the names of skipped statements.
@@ -63,7 +66,7 @@ const NEEDLESS: [&str; 3] = ["ka", "map_ka", "sharpness"];
 impl Mtl {
     /// That of an image alone.
     pub(crate) fn of_image(name: &str) -> Self {
-        let map = Map { name: name.to_owned(), clamp: false, placing: None };
+        let map = Map { name: name.to_owned(), clamp: false, placing: None, gain: 1.0 };
         Self { map_kd: Some(map), ..Self::default() }
     }
 }
@@ -114,6 +117,8 @@ impl Library {
             "tr" => set(&mut mtl.tr, number(rest)),
             "tf" => set(&mut mtl.tf, color(rest)),
             "ni" => set(&mut mtl.ni, number(rest)),
+            "pm" => set(&mut mtl.pm, number(rest).filter(|&pm| pm <= 1.0)),
+            "pr" => set(&mut mtl.pr, number(rest).filter(|&pr| pr <= 1.0)),
             "map_d" => set(&mut mtl.map_d, Map::read(rest, &mut self.options)),
             "map_kd" => set(&mut mtl.map_kd, Map::read(rest, &mut self.options)),
             needless if NEEDLESS.contains(&needless) => true,
@@ -134,6 +139,9 @@ pub(crate) const GREY: f64 = 0.7;
 /// The models with refraction.
 const GLASS: [u32; 2] = [6, 7];
 
+/// The roughness of a metal without one.
+const ROUGHNESS: f64 = 0.5;
+
 /// The models without a highlight.
 const MATT: [u32; 2] = [0, 1];
 
@@ -143,6 +151,7 @@ pub(crate) struct Look {
     pub(crate) material: Material,
     pub(crate) transparency: Transparency,
     pub(crate) texture: Option<TextureRef>,
+    pub(crate) maps: Maps,
     pub(crate) cutout: Option<CutOut>,
     /// Whether any of it is opaque.
     pub(crate) is_there: bool,
@@ -168,7 +177,8 @@ pub(crate) fn surface(mtl: &Mtl, mut find: impl FnMut(&str) -> Option<PathBuf>) 
         encoding: Encoding::Srgb,
         channels: Channels::Color,
         // Many programs write black if there is an image.
-        tint: if kd == DVec3::ZERO { DVec3::ONE } else { kd },
+        tint: if kd == DVec3::ZERO { DVec3::ONE } else { kd }
+            * mtl.map_kd.as_ref().map_or(1.0, |map| map.gain),
     });
     // Without its image a surface is grey, unless it has a colour of its own.
     let is_missing = mtl.map_kd.is_some() && texture.is_none();
@@ -196,7 +206,12 @@ pub(crate) fn surface(mtl: &Mtl, mut find: impl FnMut(&str) -> Option<PathBuf>) 
         is_mask: true,
         threshold: THRESHOLD,
     });
-    let material = Material {
+    let [metallic, roughness] = [mtl.pm.unwrap_or(0.0), mtl.pr.unwrap_or(ROUGHNESS)];
+    let is_metal = mtl.pm.or(mtl.pr).is_some() && !is_glass;
+    // Where an image sets the colour, it sets that of the metal.
+    let by_color = (is_metal && texture.is_some() && metallic > 0.0 && roughness < 1.0)
+        .then_some(MetalMap { texture: None, strength: 1.0, metallic, roughness });
+    let plain = Material {
         ks: if has_highlight { gloss } else { 0.0 },
         kd: (1.0 - kr) * (1.0 - kt),
         specular_exponent: exponent,
@@ -204,6 +219,12 @@ pub(crate) fn surface(mtl: &Mtl, mut find: impl FnMut(&str) -> Option<PathBuf>) 
         kr,
         emission: mtl.ke.unwrap_or(DVec3::ZERO),
         ..Material::MATTE
+    };
+    let material = match is_metal {
+        true => {
+            Material { emission: plain.emission, ..Material::metal(color, metallic, roughness) }
+        }
+        false => plain,
     };
     let ior = mtl.ni.filter(|&ni| Transparency::IOR.contains(ni));
     let transparency = Transparency {
@@ -213,7 +234,8 @@ pub(crate) fn surface(mtl: &Mtl, mut find: impl FnMut(&str) -> Option<PathBuf>) 
         color: mtl.tf.unwrap_or(DVec3::ONE),
         ..Transparency::OPAQUE
     };
-    Look { material, transparency, texture, cutout, is_there: d > 0.0 || is_glass }
+    let maps = Maps { metal: by_color, ..Maps::default() };
+    Look { material, transparency, texture, maps, cutout, is_there: d > 0.0 || is_glass }
 }
 
 /// The materials of a text by name, as if every image existed: for tests.
@@ -261,6 +283,8 @@ struct Map {
     clamp: bool,
     /// The scale and the offset of texture coordinates, if not 1 and 0.
     placing: Option<Placing>,
+    /// Factor on its values.
+    gain: f64,
 }
 
 /// The options by the largest number of words after each. Offset, scale and turbulence may have
@@ -281,7 +305,7 @@ impl Map {
     /// to `skipped`.
     fn read(text: &str, skipped: &mut BTreeSet<String>) -> Option<Self> {
         let mut clamp = false;
-        let (mut scale, mut offset) = ([1.0; 2], [0.0; 2]);
+        let (mut scale, mut offset, mut levels) = ([1.0; 2], [0.0; 2], [0.0, 1.0]);
         let mut rest = text;
         while let Some((option, most, after)) = option(rest) {
             rest = after;
@@ -299,6 +323,7 @@ impl Map {
                 "-clamp" => clamp = words.iter().any(|word| word.eq_ignore_ascii_case("on")),
                 "-s" => set_first(&mut scale, &words)?,
                 "-o" => set_first(&mut offset, &words)?,
+                "-mm" if words.first() == Some(&"0") => set_first(&mut levels, &words)?,
                 _ => {
                     skipped.insert(option.to_owned());
                 }
@@ -308,7 +333,8 @@ impl Map {
         let ([u, v], [x, y]) = (scale, offset);
         let placing = (scale != [1.0; 2] || offset != [0.0; 2])
             .then_some(Placing([[u, 0.0, x], [0.0, v, y]]));
-        (!name.is_empty()).then(|| Self { name: name.to_owned(), clamp, placing })
+        let gain = levels[1].max(0.0);
+        (!name.is_empty()).then(|| Self { name: name.to_owned(), clamp, placing, gain })
     }
 }
 

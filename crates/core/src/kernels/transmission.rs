@@ -72,9 +72,14 @@ impl Transparency {
         ((f64::from(self.kt) * mirrored) as f32, refracted)
     }
 
-    /// The colour of refracted light at a point with this base colour.
+    /// The colour of refracted light at a point with this base colour, which counts once on the way
+    /// into a solid and out of it.
     pub fn tint(&self, base: Vec3) -> Vec3 {
-        if self.tinted { self.color * base } else { self.color }
+        match (self.tinted, self.thin) {
+            (false, _) => self.color,
+            (true, true) => self.color * base,
+            (true, false) => self.color * Vec3::from(base.to_array().map(f32::sqrt)),
+        }
     }
 
     /// The share of light that is mirrored, and the unit direction from which the rest comes.

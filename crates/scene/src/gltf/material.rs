@@ -10,7 +10,7 @@ use crate::components::{Channels, Encoding, Map, Maps, Material, Sides, TextureR
 use crate::format::Range;
 use crate::surface::THRESHOLD;
 use wavecrest_base::error::Result;
-use wavecrest_core::kernels::metal::{DIELECTRIC, look};
+use wavecrest_core::kernels::metal::DIELECTRIC;
 
 use super::fields::Fields;
 use super::texture::TextureInfo;
@@ -147,20 +147,14 @@ impl Surface {
             let diffuse_color = self.base_color;
             return Material { diffuse_color, unlit: true, ..Material::MATTE };
         }
-        let look = look(self.base_color.into(), self.metallic, self.roughness);
         // Such a texture is usually mostly black: without it, even emission would be wrong.
         let is_whole = glow.is_some() == self.glow.is_some();
+        let material = Material::metal(self.base_color, self.metallic, self.roughness);
         Material {
-            ks: look.ks,
             // Light that goes through is not scattered.
-            kd: look.kd * (1.0 - self.transparency(false).kt),
-            specular_exponent: look.exponent,
-            diffuse_color: self.base_color,
-            kr: look.kr,
+            kd: material.kd * (1.0 - self.transparency(false).kt),
             emission: if is_whole { self.emission } else { DVec3::ZERO },
-            specular_color: look.tint.into(),
-            ambient: look.kd,
-            unlit: false,
+            ..material
         }
     }
 
@@ -182,7 +176,12 @@ impl Surface {
                 Some(_) => self.transparency.kt,
                 None => self.transparency.kt * (1.0 - self.metallic),
             },
-            color: if varies { DVec3::ONE } else { self.base_color },
+            color: match (varies, self.transparency.thin) {
+                (true, _) => DVec3::ONE,
+                (false, true) => self.base_color,
+                // Once on the way in and out.
+                (false, false) => self.base_color.powf(0.5),
+            },
             tinted: varies,
             ..self.transparency
         }

@@ -55,7 +55,7 @@ pub(super) fn split(
         };
         own.iter().for_each(|component| (component.copy)(whole, &mut entity));
         if let Some(&(name, (mtl, from))) = known {
-            let Look { material, transparency, texture, cutout, is_there } =
+            let Look { material, transparency, texture, maps, cutout, is_there } =
                 surface(mtl, |image| reader.image(from, image));
             if !is_there {
                 let message = format!("faces with the material {name} are left out");
@@ -67,6 +67,10 @@ pub(super) fn split(
             entity.add(material);
             if transparency.has_effect() {
                 entity.add(transparency);
+            }
+            if let (Some(metal), true) = (maps.metal, has_uvs) {
+                let own = entity.get::<&Maps>().map(|own| Maps::clone(&own)).unwrap_or_default();
+                entity.add(Maps { metal: Some(metal), ..own });
             }
             texture.filter(|_| has_uvs).map(|texture| entity.add(texture));
             cutout.filter(|_| has_uvs).map(|cutout| entity.add(cutout));
@@ -252,11 +256,9 @@ impl Reader<'_> {
             return;
         }
         let mut unknown: Vec<&str> = Vec::new();
-        for (_, name) in named
-            .runs
-            .iter()
-            .filter(|(_, name)| !library.contains_key(name) && !named.textures.contains(name))
-        {
+        let is_known =
+            |name| library.contains_key(name) || named.textures.contains(name) || name.is_empty();
+        for (_, name) in named.runs.iter().filter(|(_, name)| !is_known(name)) {
             if unknown.len() <= NAMED && !unknown.contains(&name.as_str()) {
                 unknown.push(name);
             }

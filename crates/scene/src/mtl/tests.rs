@@ -78,7 +78,8 @@ fn maps_have_options_and_names_with_blanks() {
     assert_eq!(map("a b.png "), (named("a b.png", false), String::new()));
     assert_eq!(map("-clamp on a.png"), (named("a.png", true), String::new()));
     assert_eq!(map("-clamp off -o 0.1 a.png"), (named("a.png", false), String::new()));
-    assert_eq!(map("-s 1 2 3 -mm 0 1 a.png"), (named("a.png", false), "-mm".into()));
+    assert_eq!(map("-s 1 2 3 -mm 0 1 a.png"), (named("a.png", false), String::new()));
+    assert_eq!(map("-mm 0.1 1 a.png"), (named("a.png", false), "-mm".into()), "with an offset");
     assert_eq!(map("a.png -bm 1.5"), (named("a.png", false), "-bm".into()));
     assert_eq!(map("-BlendU on -type sphere C:\\x\\a.png").0, named("C:\\x\\a.png", false));
     for none in ["", " ", "-bm", "-o 1 2", "-mm 1"] {
@@ -144,4 +145,14 @@ fn opacity_and_glass_follow_the_statements() {
     assert_eq!(looked("illum 6\nd 0.25").material.kd, 0.25);
     assert_eq!(of("illum 7\nTf 1 1 1\nNi 1.5").1, 1.0);
     assert_eq!(of("illum 7\nTf 0 0 0").1, 0.0);
+}
+
+#[test]
+fn metals_have_their_colour_and_images_the_range_of_their_values() {
+    let metal = made("Kd 0.9 0.6 0.3\nKs 1 1 1\nNs 10\nPm 1\nPr 0.2").0;
+    assert_eq!(metal, Material::metal(DVec3::new(0.9, 0.6, 0.3), 1.0, 0.2));
+    assert!(metal.kr > 0.5 && metal.specular_color.z < 0.5);
+    let look = looked("Pm 1\nPr 0.2\nmap_Kd -mm 0 0.5 a.png");
+    assert_eq!(look.texture.unwrap().tint, DVec3::splat(0.5));
+    assert_eq!(look.maps.metal.map(|map| [map.metallic, map.roughness]), Some([1.0, 0.2]));
 }

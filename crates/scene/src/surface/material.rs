@@ -3,6 +3,8 @@
 use glam::DVec3;
 
 use super::Transparency;
+use wavecrest_core::kernels::metal::look;
+
 use crate::format::{Declaration, Kind, Object, Range, component, declared, keys};
 
 component! {
@@ -49,6 +51,21 @@ impl Material {
         ambient: 1.0,
         unlit: false,
     };
+
+    /// That of a base colour, metalness and roughness.
+    pub(crate) fn metal(color: DVec3, metallic: f64, roughness: f64) -> Self {
+        let look = look(color.into(), metallic, roughness);
+        Self {
+            ks: look.ks,
+            kd: look.kd,
+            specular_exponent: look.exponent,
+            diffuse_color: color,
+            kr: look.kr,
+            specular_color: look.tint.into(),
+            ambient: look.kd,
+            ..Self::MATTE
+        }
+    }
 
     /// Weights above 1 are allowed but rarely meant. Invalid values are reported when they are read.
     pub(super) fn warn_of_gain(object: &Object<'_>, keys: &[&'static str]) {

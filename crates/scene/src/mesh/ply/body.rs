@@ -139,7 +139,9 @@ impl Body {
                 }
                 RowKind::Lists(layout) if layout.texture == Some(property) => {
                     let PropertyType::One(kind) = p.shape else { continue };
-                    self.image = numbers.value(kind)? as usize;
+                    // -1 is none.
+                    let number = numbers.value(kind)?;
+                    self.image = if number < 0.0 { usize::MAX } else { number as usize };
                 }
                 _ => skip(p.shape, numbers)?,
             }
@@ -207,9 +209,11 @@ impl Body {
             self.faces.polygons.push(Polygon { first, corners });
         }
         let Faces { triangles, uvs, of_uvs, images, .. } = &mut self.faces;
-        let is_other = |name: &&String| images.runs.last().is_none_or(|(_, last)| last != *name);
-        if let Some(name) = images.textures.get(self.image).filter(is_other) {
-            images.begin(triangles.len() as u32, name.clone());
+        // No material has the name of none.
+        let name = images.textures.get(self.image).map_or("", String::as_str);
+        let is_other = images.runs.last().is_none_or(|(_, last)| last != name);
+        if is_other && !images.textures.is_empty() {
+            images.begin(triangles.len() as u32, name.to_owned());
         }
         triangles.extend(polygon::fan(&self.corners));
         if has_uvs {

@@ -41,7 +41,11 @@ fn faces_choose_one_of_several_images() {
     let row = |number: i32| format!("3 0 1 2 6 0 0 1 0 1 1 {number}\n");
     let body = [SQUARE.to_owned(), row(1), row(0), row(9)].concat();
     let (_, images) = read(&ascii(&header, &body));
-    assert_eq!(images.runs, [(0, "b.png".to_owned()), (1, "a.png".to_owned())]);
+    let runs = |names: [&str; 3]| [0, 1, 2].map(|i| (i as u32, names[i].to_owned()));
+    assert_eq!(images.runs, runs(["b.png", "a.png", ""]), "there is no image 9");
+    let body = [SQUARE.to_owned(), row(1), row(-1), row(0)].concat();
+    let (_, images) = read(&ascii(&header, &body));
+    assert_eq!(images.runs, runs(["b.png", "", "a.png"]));
 }
 
 #[test]
