@@ -3,9 +3,8 @@
 use std::path::Path;
 use std::str::FromStr;
 
-use glam::DVec3;
-
 use bytesize::ByteSize;
+use glam::DVec3;
 
 use crate::common::{
     FILES, FRAMES, IMAGE, SPEED, Threads, VIEW, choice, number, numbers, tell_all, whole,
@@ -17,12 +16,11 @@ use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::kernels::precision::Precision;
 use wavecrest_core::math::float::MAX_COORDINATE;
-use wavecrest_core::math::srgb::srgb_decode;
 use wavecrest_core::prepared::PreparedScene;
 use wavecrest_scene::load::framing::{Fit, Fov, Framing, Sheet, Side, Up};
 use wavecrest_scene::load::lighting::{Background, Lighting, Rig};
 use wavecrest_scene::load::{
-    FileFormat, LONGEST_SIDE, LoadOptions, LoadedScene, MOST_ANTIALIAS, load, survey,
+    FileFormat, LONGEST_SIDE, LoadOptions, LoadedScene, MOST_SAMPLES, antialias, load, survey,
 };
 use wavecrest_scene::memory::{self, Estimate, film_bytes};
 use wavecrest_scene::systems::{self, Extracted};
@@ -94,7 +92,7 @@ pub(crate) struct InputOptions {
     pub(crate) without_ground: bool,
     /// Background: a colour in sRGB such as #ffffff, or transparent
     #[arg(long, help_heading = IMAGE, value_name = "COLOR", hide_possible_values = true,
-          value_parser = with_names(&["transparent"], background))]
+          value_parser = with_names(&["transparent"], <Background as FromStr>::from_str))]
     pub(crate) background: Option<Background>,
     /// Smooth the edges of a mesh without normals up to this angle between faces; 0 for flat faces [default: 30]
     #[arg(long, help_heading = VIEW, value_name = "DEGREES", value_parser = degrees)]
@@ -132,6 +130,7 @@ impl InputOptions {
             allow_outside,
             framing: Framing { side, up, fov, fit, turntable, sheet },
             lighting,
+            like_meshes: false,
         }
     }
 
@@ -156,15 +155,6 @@ impl InputOptions {
         let error = Error::new(ErrorKind::Usage, format!("{option} has no effect on this file"));
         Err(error.in_file(file).remedy(remedy))
     }
-}
-
-/// The most rays per pixel, of the largest grid.
-const MOST_SAMPLES: u32 = MOST_ANTIALIAS * MOST_ANTIALIAS;
-
-/// The side of the smallest grid of this number of rays or more.
-fn antialias(samples: u32) -> u32 {
-    let side = samples.isqrt();
-    if side * side < samples { side + 1 } else { side }
 }
 
 /// Named views.
@@ -196,22 +186,6 @@ fn side(text: &str) -> std::result::Result<u32, String> {
     }
     let wrong = format!("use a whole number from 1 to {LONGEST_SIDE}");
     number(text, |side| (1..=LONGEST_SIDE).contains(side), &wrong)
-}
-
-/// A colour such as #ff8000, or none.
-fn background(text: &str) -> std::result::Result<Background, String> {
-    if text == "transparent" {
-        return Ok(Background::Transparent);
-    }
-    let digits = text.strip_prefix('#').filter(|digits| digits.len() == 6 && digits.is_ascii());
-    let level = |i: usize| {
-        let level = u8::from_str_radix(digits?.get(2 * i..2 * i + 2)?, 16).ok()?;
-        Some(f64::from(srgb_decode(f32::from(level) / 255.0)))
-    };
-    match (level(0), level(1), level(2)) {
-        (Some(r), Some(g), Some(b)) => Ok(Background::Color(DVec3::new(r, g, b))),
-        _ => Err("use transparent, or six hexadecimal digits such as #ffffff".to_owned()),
-    }
 }
 
 fn degrees(text: &str) -> std::result::Result<f64, String> {

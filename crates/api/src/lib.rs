@@ -189,7 +189,8 @@ pub use wavecrest_core::prepared::PreparedScene;
 pub use wavecrest_scene::load::framing::{Fit, Fov, Framing, Side, Up};
 pub use wavecrest_scene::load::lighting::{Background, Lighting, Rig};
 pub use wavecrest_scene::load::{
-    LoadOptions, LoadedScene, load, load_mesh, load_str, survey, survey_mesh,
+    LoadOptions, LoadedScene, MOST_SAMPLES, antialias, load, load_gltf, load_mesh, load_str,
+    survey, survey_mesh,
 };
 pub use wavecrest_scene::mesh::{Attribute, MeshData};
 pub use wavecrest_scene::survey::Survey;

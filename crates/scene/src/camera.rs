@@ -31,7 +31,7 @@ const MOST_PIXELS: u64 = 1 << 28;
 /// Largest number of rays through each pixel, 2^24.
 const MOST_RAYS: u64 = 1 << 24;
 /// Largest side of the grid of rays in each pixel.
-pub const MOST_ANTIALIAS: u32 = 64;
+pub(crate) const MOST_ANTIALIAS: u32 = 64;
 /// Largest number of angles or radii of points on the lens.
 const MOST_LENS_SAMPLES: u32 = 4_096;
 /// Default number of points on the lens along each side of the grid.

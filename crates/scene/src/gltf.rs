@@ -77,7 +77,10 @@ pub(super) fn world(
     let binary = binary.map(|range| Buffer::part(bytes.clone(), range));
     let value = json::parse(text(&bytes[json], path)?, path)?;
     let top = Fields::top(&value, notes)?;
-    let document = notes.whole(|| Document::read(&top, binary.as_ref(), true))?;
+    let mut document = notes.whole(|| Document::read(&top, binary.as_ref(), true))?;
+    if options.like_meshes {
+        document.usual = document.usual.of_meshes();
+    }
     document::remark(&top);
     // Data in the text is many times larger there than as bytes.
     drop(value);

@@ -6,7 +6,7 @@
 
 mod materials;
 mod meshes;
-mod standalone;
+pub(crate) mod standalone;
 
 use std::collections::HashMap;
 use std::fs::{self, File};
@@ -19,13 +19,13 @@ use wavecrest_base::error::{Error, ErrorKind, Result, Warning};
 use wavecrest_base::memory::Stage;
 use wavecrest_base::replace::check_differs;
 
-pub use super::camera::{LONGEST_SIDE, MOST_ANTIALIAS};
+pub use super::camera::LONGEST_SIDE;
 use super::components::{Encoding, JsonPath, Name, Settings};
 use super::folder::Folder;
 use super::format::{Cursor, Notes, Place, json};
 use super::gltf;
 use super::mesh::{self, LoadedMesh, MeshData};
-pub use super::options::{LoadOptions, framing, lighting};
+pub use super::options::{LoadOptions, MOST_SAMPLES, antialias, framing, lighting};
 use super::query;
 use super::scene_file;
 use super::survey::{self, Survey};
@@ -73,7 +73,6 @@ pub fn load(path: &Path, options: &LoadOptions) -> Result<LoadedScene> {
 ///
 /// # Errors
 /// As [`load`].
-#[doc(hidden)]
 pub fn load_gltf(bytes: Vec<u8>, path: &Path, options: &LoadOptions) -> Result<LoadedScene> {
     let notes = options.notes(path);
     let (world, told) = gltf::world(bytes, options, &notes)?;

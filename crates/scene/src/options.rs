@@ -29,6 +29,19 @@ pub struct LoadOptions {
     pub framing: Framing,
     /// Lighting of files without lights.
     pub lighting: Lighting,
+    /// Whether a glTF file stands for meshes of another program, which are shown like those of mesh files: the up axis is
+    /// guessed, vertex colours have the sRGB curve, edges are smoothed by their angle, and a surface without a material
+    /// has the usual one of meshes, whose opacity is the alpha of its vertices.
+    pub like_meshes: bool,
+}
+
+/// The most rays per pixel, of the largest grid.
+pub const MOST_SAMPLES: u32 = MOST_ANTIALIAS * MOST_ANTIALIAS;
+
+/// The side of the smallest grid of this number of rays or more, for [`LoadOptions::antialias`].
+pub fn antialias(samples: u32) -> u32 {
+    let side = samples.isqrt();
+    if side * side < samples { side + 1 } else { side }
 }
 
 impl LoadOptions {

@@ -8,6 +8,7 @@ use glam::DVec3;
 
 use crate::components::{Channels, Encoding, Map, Maps, Material, Sides, TextureRef, Transparency};
 use crate::format::Range;
+use crate::load::standalone;
 use crate::surface::THRESHOLD;
 use wavecrest_base::error::Result;
 use wavecrest_core::kernels::metal::DIELECTRIC;
@@ -44,6 +45,8 @@ pub(super) struct Surface {
     pub(super) sides: Sides,
     /// Its emission, black for none.
     pub(super) emission: DVec3,
+    /// The material in place of all that.
+    own: Option<Material>,
 }
 
 /// The parameters of the model of reflection.
@@ -138,11 +141,20 @@ impl Surface {
             is_unlit,
             sides,
             emission,
+            own: None,
         })
+    }
+
+    /// That of meshes from files of meshes, in place of the format's default: alpha is opacity.
+    pub(super) fn of_meshes(self) -> Self {
+        Self { own: Some(standalone::MATERIAL), blends: true, sides: Sides::Both, ..self }
     }
 
     /// The material, with or without an emission texture.
     pub(super) fn material(&self, glow: Option<&Map>) -> Material {
+        if let Some(own) = self.own {
+            return own;
+        }
         if self.is_unlit {
             let diffuse_color = self.base_color;
             return Material { diffuse_color, unlit: true, ..Material::MATTE };

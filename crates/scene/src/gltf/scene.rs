@@ -29,7 +29,12 @@ pub(super) fn world(
     options: &LoadOptions,
     notes: &Notes<'_>,
 ) -> Result<(World, String)> {
-    let primitives = notes.whole(|| Ok(primitives(document, notes)))?;
+    let mut primitives = notes.whole(|| Ok(primitives(document, notes)))?;
+    let up = if options.like_meshes { Upward::Guessed(Up::Y) } else { Upward::Stated(Up::Y) };
+    if options.like_meshes {
+        let degrees = options.lighting.crease_degrees;
+        primitives.iter_mut().for_each(|primitive| primitive.mesh.complete(degrees, true));
+    }
     let mut images = Masks::of_scene(notes.file());
     let shown: Vec<Shown<'_>> = primitives.iter().map(|one| shown(one, &mut images)).collect();
     let uses = primitives.iter().map(|primitive| primitive.uses.iter().map(|one| one.world));
@@ -42,8 +47,9 @@ pub(super) fn world(
     let has_camera = own.is_some();
     let framed = match own {
         Some(view) => Framed::own(view),
-        None => staging::framed(&contents, Upward::Stated(Up::Y), options)
-            .map_err(|error| error.in_file(notes.file()))?,
+        None => {
+            staging::framed(&contents, up, options).map_err(|error| error.in_file(notes.file()))?
+        }
     };
     let mut lights = lights(document, notes);
     let glowing = glowing(&primitives);

@@ -8,11 +8,9 @@ use hecs::World;
 use wavecrest_base::error::{Error, ErrorKind, Result};
 
 use super::materials::split;
-use crate::components::{
-    CutOut, JsonPath, Material, Mesh, Name, Order, Shading, Sides, VertexColors,
-};
+use crate::components::{CutOut, JsonPath, Material, Mesh, Name, Order, Shading, Sides};
 use crate::format::Notes;
-use crate::mesh::{LoadedMesh, crease};
+use crate::mesh::LoadedMesh;
 use crate::mtl::GREY;
 use crate::options::LoadOptions;
 use crate::options::framing::Up;
@@ -20,7 +18,7 @@ use crate::staging::{self, Scenery, Shown, Upward};
 use crate::systems::cutouts::Masks;
 
 /// A light grey with a faint highlight.
-const MATERIAL: Material = Material {
+pub(crate) const MATERIAL: Material = Material {
     ks: 0.15,
     kd: 0.85,
     specular_exponent: 40.0,
@@ -44,12 +42,8 @@ pub(super) fn world(
         return Err(error.in_file(path).value(camera).remedy("leave out --camera"));
     }
     let LoadedMesh { mut mesh, warnings, materials } = read()?;
-    mesh.decode_colors(VertexColors::Srgb);
+    mesh.complete(options.lighting.crease_degrees, false);
     notes.pass_on(warnings);
-    let crease = options.lighting.crease_degrees;
-    if mesh.normals.is_none() && crease > 0.0 {
-        mesh.normals = Some(crease::normals(&mesh.positions, &mesh.triangles, crease));
-    }
     let origin = DAffine3::from_translation(mesh.origin);
     let mut world = World::new();
     let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();

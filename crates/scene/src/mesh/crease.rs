@@ -34,11 +34,18 @@ const BLOCK: usize = 1 << 10;
 /// The largest mean number of ranges that look at a block. Beyond, ranges are larger.
 const MOST_LOOKS: usize = 4;
 
-/// Normals for each corner of `triangles`; edges of `degrees` and more are creases.
+/// Normals for each corner of `triangles`; edges of `degrees` and more are creases. Vertices at the same position count as
+/// one if most are not shared, or if it `joins` them.
 ///
 /// The first normal of a vertex has the vertex's number. Others, at creases, come after.
-pub(crate) fn normals(positions: &[Vec3], triangles: &[[u32; 3]], degrees: f64) -> Attribute<Vec3> {
-    let joined = joined(positions, triangles);
+pub(crate) fn normals(
+    positions: &[Vec3],
+    triangles: &[[u32; 3]],
+    degrees: f64,
+    joins: bool,
+) -> Attribute<Vec3> {
+    let is_shared = positions.len() <= triangles.len() && !joins;
+    let joined = (!is_shared).then(|| joined(positions, triangles));
     let mesh = CreaseMesh {
         positions,
         triangles: joined.as_deref().unwrap_or(triangles),
@@ -78,15 +85,11 @@ pub(crate) fn normals(positions: &[Vec3], triangles: &[[u32; 3]], degrees: f64) 
     Attribute { values, indices }
 }
 
-/// The triangles with vertices at the same position merged; `None` if vertices are shared already:
-/// then there are about half as many as triangles.
-fn joined(positions: &[Vec3], triangles: &[[u32; 3]]) -> Option<Vec<[u32; 3]>> {
-    if positions.len() <= triangles.len() {
-        return None;
-    }
+/// The triangles with vertices at the same position merged.
+fn joined(positions: &[Vec3], triangles: &[[u32; 3]]) -> Vec<[u32; 3]> {
     let numbers = first_of_each(positions);
     let join = |triangle: &[u32; 3]| triangle.map(|i| numbers[i as usize]);
-    Some(triangles.par_iter().map(join).collect())
+    triangles.par_iter().map(join).collect()
 }
 
 /// The number of vertices in a range: [`RANGE`], or more if too many ranges would look at each
@@ -327,7 +330,7 @@ mod tests {
 
     /// The normals at the corners of these triangles.
     fn found(points: &[Vec3], triangles: &[[u32; 3]], degrees: f64) -> Vec<[Vec3; 3]> {
-        let Attribute { values, indices } = normals(points, triangles, degrees);
+        let Attribute { values, indices } = normals(points, triangles, degrees, false);
         let of = |corners: &[u32; 3]| corners.map(|i| values[i as usize]);
         indices.as_deref().unwrap_or(triangles).iter().map(of).collect()
     }
@@ -349,7 +352,7 @@ mod tests {
             let found = found(&points, &triangles, crease);
             assert_eq!(found[1][1] == found[2][1], is_smooth, "{degrees}");
             assert_eq!(found[0][0], Vec3::Y, "at the border");
-            let count = normals(&points, &triangles, crease).values.len();
+            let count = normals(&points, &triangles, crease, false).values.len();
             assert_eq!(count, if is_smooth { 6 } else { 8 });
             let half = (degrees / 2.0).to_radians();
             let expected = if is_smooth { Vec3::new(half.sin(), half.cos(), 0.0) } else { Vec3::Y };
@@ -382,7 +385,8 @@ mod tests {
         for (count, degrees) in [(12, 30.0), (8, 45.0), (6, 60.0), (4, 90.0), (360, 1.0)] {
             for (size, turn) in [(1.0, 0.0), (1e-3, 0.1), (123.4, 0.7), (1e6, 2.0)] {
                 let (points, triangles) = prism(count, size, turn);
-                let normals = |crease| normals(&points, &triangles, crease).values.len() as u32;
+                let normals =
+                    |crease| normals(&points, &triangles, crease, false).values.len() as u32;
                 let found = [degrees, 1.01 * degrees].map(normals);
                 assert_eq!(found, [4 * count, 2 * count], "{count} sides, {size}, {turn}");
             }
@@ -410,10 +414,14 @@ mod tests {
             std::iter::once(Vec3::Y * 0.1).chain((0..count).map(around)).collect();
         let triangles: Vec<[u32; 3]> =
             (0..count).map(|i| [0, 1 + i, 1 + (i + 1) % count]).collect();
-        let on_all = normals(&points, &triangles, 30.0);
+        let on_all = normals(&points, &triangles, 30.0, false);
         assert!(on_all.values[0].distance(Vec3::Y) < 1e-4);
         let alone = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a pool");
-        assert_eq!(alone.install(|| normals(&points, &triangles, 30.0)), on_all, "on one thread");
+        assert_eq!(
+            alone.install(|| normals(&points, &triangles, 30.0, false)),
+            on_all,
+            "on one thread"
+        );
     }
 
     #[test]
@@ -437,7 +445,7 @@ mod tests {
         let scattered = |i: usize| i * 7919 % triangles.len();
         let turned: Vec<_> = (0..triangles.len()).map(|i| triangles[scattered(i)]).collect();
         let other = found(&points, &turned, 30.0);
-        let indices = normals(&points, &triangles, 30.0).indices;
+        let indices = normals(&points, &triangles, 30.0, false).indices;
         assert!(indices.is_none(), "without creases, a normal belongs to a vertex");
         for i in (0..triangles.len()).step_by(97) {
             assert!(other[i][1].distance(in_order[scattered(i)][1]) < 1e-6);

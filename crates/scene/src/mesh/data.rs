@@ -3,6 +3,7 @@
 use glam::{DVec3, Vec2, Vec3};
 use rayon::prelude::*;
 
+use super::crease;
 use crate::components::VertexColors;
 use wavecrest_base::error::{Error, Warning};
 use wavecrest_core::math::srgb::srgb_decode;
@@ -55,6 +56,17 @@ impl MeshData {
             }
             (VertexColors::None, colors) => *colors = None,
             _ => {}
+        }
+    }
+
+    /// Completes a mesh like those of mesh files: its colours have the sRGB curve, and edges of fewer `degrees` are smooth
+    /// if it has no normals; where textures meet too, if `joins_seams`.
+    pub(crate) fn complete(&mut self, degrees: f64, joins_seams: bool) {
+        self.decode_colors(VertexColors::Srgb);
+        if self.normals.is_none() && degrees > 0.0 {
+            let joins = joins_seams && self.uvs.is_some();
+            let (positions, triangles) = (&self.positions, &self.triangles);
+            self.normals = Some(crease::normals(positions, triangles, degrees, joins));
         }
     }
 }

@@ -1,6 +1,10 @@
 //! Lighting options and backgrounds of files without lights.
 
+use std::str::FromStr;
+
 use glam::DVec3;
+
+use wavecrest_core::math::srgb::srgb_decode;
 
 wavecrest_base::choices! {
     /// The lights added to a file without any.
@@ -31,6 +35,26 @@ impl Background {
         match self {
             Self::Color(color) => color,
             Self::Transparent => DVec3::ZERO,
+        }
+    }
+}
+
+impl FromStr for Background {
+    type Err = String;
+
+    /// A colour in sRGB such as `#ff8000`, or `transparent`.
+    fn from_str(text: &str) -> Result<Self, String> {
+        if text == "transparent" {
+            return Ok(Self::Transparent);
+        }
+        let digits = text.strip_prefix('#').filter(|digits| digits.len() == 6 && digits.is_ascii());
+        let level = |i: usize| {
+            let level = u8::from_str_radix(digits?.get(2 * i..2 * i + 2)?, 16).ok()?;
+            Some(f64::from(srgb_decode(f32::from(level) / 255.0)))
+        };
+        match (level(0), level(1), level(2)) {
+            (Some(r), Some(g), Some(b)) => Ok(Self::Color(DVec3::new(r, g, b))),
+            _ => Err("use transparent, or six hexadecimal digits such as #ffffff".to_owned()),
         }
     }
 }
