@@ -16,6 +16,14 @@ class _Mesh(Protocol):
     @property
     def faces(self) -> Any: ...
 
+class _Scene(Protocol):
+    """Such as trimesh.Scene."""
+
+    @property
+    def graph(self) -> Any: ...
+    @property
+    def geometry(self) -> Any: ...
+
 _Bvh = Literal["brute", "on-demand", "fastest", "very-fast", "fast", "medium", "slow", "very-slow"]
 _Layer = Literal["depth", "normal", "albedo", "position", "object", "material", "alpha", "samples", "invalid"]
 
@@ -85,21 +93,24 @@ class RayMeshIntersector:
     # (P,)
     def contains_points(self, points: ArrayLike) -> NDArray[bool_]: ...
 
+# (height, width, 3); (height, width, 4) with a transparent background
 @overload
 def render(
-    scene: str | PathLike[str] | dict[str, Any] | _Mesh | ArrayLike,
+    scene: str | PathLike[str] | dict[str, Any] | _Mesh | _Scene | ArrayLike,
     faces: ArrayLike | None = None,
     *,
     width: int | None = None,
     height: int | None = None,
     camera: str | ArrayLike | None = None,
-    view: str | None = None,
+    view: str | tuple[float, float] | None = None,
     up: str | None = None,
     fov: float | None = None,
+    fit: float | None = None,
     lights: Literal["studio", "headlight", "none"] | None = None,
-    background: tuple[float, float, float] | None = None,
+    background: str | tuple[float, float, float] | None = None,
     crease: float | None = None,
     seed: int | None = None,
+    samples: int | None = None,
     target_error: float | None = None,
     precision: Literal["fast", "exact"] | None = None,
     threads: int | None = None,
@@ -107,22 +118,24 @@ def render(
     colors: ArrayLike | None = None,
     layers: None = None,
 ) -> NDArray[float32]: ...
-# With layers: an image (height, width, 3), and arrays (height, width) or (height, width, 3)
+# With layers: an image as without, and arrays (height, width) or (height, width, 3)
 @overload
 def render(
-    scene: str | PathLike[str] | dict[str, Any] | _Mesh | ArrayLike,
+    scene: str | PathLike[str] | dict[str, Any] | _Mesh | _Scene | ArrayLike,
     faces: ArrayLike | None = None,
     *,
     width: int | None = None,
     height: int | None = None,
     camera: str | ArrayLike | None = None,
-    view: str | None = None,
+    view: str | tuple[float, float] | None = None,
     up: str | None = None,
     fov: float | None = None,
+    fit: float | None = None,
     lights: Literal["studio", "headlight", "none"] | None = None,
-    background: tuple[float, float, float] | None = None,
+    background: str | tuple[float, float, float] | None = None,
     crease: float | None = None,
     seed: int | None = None,
+    samples: int | None = None,
     target_error: float | None = None,
     precision: Literal["fast", "exact"] | None = None,
     threads: int | None = None,

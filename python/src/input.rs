@@ -1,51 +1,16 @@
 //! Converts Python values for the library.
 
 use std::collections::TryReserveError;
-use std::path::PathBuf;
 use std::str::FromStr;
 
-use numpy::{Element, PyReadonlyArrayDyn, PyUntypedArrayMethods};
+use numpy::{Element, IntoPyArray, PyReadonlyArrayDyn, PyUntypedArrayMethods};
 use pyo3::exceptions::{PyMemoryError, PyTypeError};
 use pyo3::prelude::*;
-use pyo3::types::{IntoPyDict, PyDict, PyString};
+use pyo3::types::{IntoPyDict, PyString};
 use wavecrest_api::glam::{DMat4, DVec3, DVec4, Vec3};
 use wavecrest_api::{self as api, Choice};
 
 use super::{Error, exception};
-
-/// The input to render.
-pub(crate) enum Source {
-    /// A scene file, a glTF file or a mesh.
-    File(PathBuf),
-    /// A scene as JSON, with paths relative to the current folder.
-    Json(String),
-    /// A mesh as arrays.
-    Mesh(api::MeshData),
-}
-
-impl Source {
-    /// Of `attributes`, the normals and the colours of vertices.
-    pub(crate) fn new(
-        scene: &Bound<'_, PyAny>,
-        faces: Option<&Bound<'_, PyAny>>,
-        attributes: [Argument<'_, '_>; 2],
-    ) -> PyResult<Self> {
-        if let Some(mesh) = mesh(scene, faces)? {
-            return with_attributes(mesh, attributes).map(Self::Mesh);
-        }
-        if let Some((key, _)) = attributes.iter().find(|(_, value)| value.is_some()) {
-            return Err(Error::new_err(format!("{key}: only for vertices with faces")));
-        }
-        if scene.is_instance_of::<PyDict>() {
-            let json = scene.py().import("json")?.call_method1("dumps", (scene,))?;
-            return Ok(Self::Json(json.extract()?));
-        }
-        needed("scene", "a path, a dict, a mesh, or vertices with faces", scene, |path| {
-            path.extract()
-        })
-        .map(Self::File)
-    }
-}
 
 /// A mesh from arrays of the shapes (N, 3) and (M, 3), or from an object that has them, such as one of
 /// trimesh; `None` for anything else.
@@ -60,48 +25,6 @@ pub(crate) fn mesh(
         }
         None => Ok(None),
     }
-}
-
-/// The mesh with these normals and colours of its vertices.
-fn with_attributes(
-    mut mesh: api::MeshData,
-    [normals, colors]: [Argument<'_, '_>; 2],
-) -> PyResult<api::MeshData> {
-    let count = mesh.positions.len();
-    mesh.normals = by_vertex(normals, count, |normal| normal.is_finite())?
-        .map(|values| api::Attribute { values, indices: None });
-    mesh.colors =
-        by_vertex(colors, count, |color| color.is_finite() && color.min_element() >= 0.0)?;
-    if let (Some(colors), Some(value)) = (&mut mesh.colors, colors.1)
-        && has_type::<u8>(value)?
-    {
-        colors.iter_mut().for_each(|color| *color /= f32::from(u8::MAX));
-    }
-    Ok(mesh)
-}
-
-/// An argument with a row for each of so many vertices.
-fn by_vertex(
-    (key, value): Argument<'_, '_>,
-    count: usize,
-    is_right: impl Fn(Vec3) -> bool,
-) -> PyResult<Option<Vec<Vec3>>> {
-    let Some(value) = value else { return Ok(None) };
-    let points = Points::new(key, value)?;
-    let rows = points.rows()?;
-    if rows.len() != count {
-        let found = rows.len();
-        let message =
-            format!("{key}: must have the shape of vertices, [{count}, 3], found [{found}, 3]");
-        return Err(Error::new_err(message));
-    }
-    let row = |i: usize| match rows.get(i).as_vec3() {
-        row if is_right(row) => Ok(row),
-        row => Err(Error::new_err(format!(
-            "{key}[{i}]: must be finite, and colours at least 0, found {row}"
-        ))),
-    };
-    collected((0..count).map(row)).map(Some)
 }
 
 /// As [`mesh`]. Coordinates in double precision that are far from zero are kept relative to an origin,
@@ -224,29 +147,23 @@ pub(crate) fn collected<T>(values: impl ExactSizeIterator<Item = PyResult<T>>) -
 /// An array of linear colours, or of levels with a transfer curve, as an image.
 pub(crate) fn film(image: &Bound<'_, PyAny>, transfer: api::Transfer) -> PyResult<api::Film> {
     let expected = "(height, width, 3)";
-    if has_type::<u8>(image)? {
-        let levels = array::<u8>("image", image, "uint8", expected)?;
+    let mut image = image.clone();
+    if has_type::<u8>(&image)? {
         let value = |level: u8| match (f32::from(level) / f32::from(u8::MAX), transfer) {
             (value, api::Transfer::Linear) => value,
             (value, api::Transfer::Srgb) => api::srgb_decode(value),
         };
-        let values: Vec<f32> = (0..=u8::MAX).map(value).collect();
-        return film_of(&levels, |row| row.map(|level| values[usize::from(level)]));
+        let values = (0..=u8::MAX).map(value).collect::<Vec<f32>>().into_pyarray(image.py());
+        image = values.call_method1("take", (image,))?;
     }
-    film_of(&array::<f32>("image", image, "float32", expected)?, |row| row)
-}
-
-fn film_of<T: Element + Copy>(
-    array: &PyReadonlyArrayDyn<'_, T>,
-    color: impl Fn([T; 3]) -> [f32; 3],
-) -> PyResult<api::Film> {
+    let array = array::<f32>("image", &image, "float32", expected)?;
     let side = |i: usize| u32::try_from(array.shape()[i]).unwrap_or(u32::MAX);
-    let pixels = collected(rows(array)?.iter().map(|&row| Ok(color(row))))?;
+    let pixels = collected(rows(&array)?.iter().map(|&row| Ok(row)))?;
     api::Film::from_pixels(side(1), side(0), pixels).map_err(|e| exception(&e))
 }
 
 /// Whether it is an array of these elements for NumPy.
-fn has_type<T: Element>(value: &Bound<'_, PyAny>) -> PyResult<bool> {
+pub(crate) fn has_type<T: Element>(value: &Bound<'_, PyAny>) -> PyResult<bool> {
     let array = value.py().import("numpy")?.call_method1("asarray", (value,))?;
     Ok(array.extract::<PyReadonlyArrayDyn<'_, T>>().is_ok())
 }
@@ -326,6 +243,30 @@ pub(crate) fn parsed<T: FromStr<Err = String>>(
     text.parse().map(Some).map_err(wrong)
 }
 
+/// The value of the number, as text has it.
+pub(crate) fn number<T: FromStr<Err = String>>(
+    argument: Argument<'_, '_>,
+    what: &str,
+) -> PyResult<Option<T>> {
+    parsed(argument.0, given(argument, what)?.map(|number: f64| number.to_string()))
+}
+
+/// The side of the grid of so many rays in each pixel.
+pub(crate) fn antialias(samples: Argument<'_, '_>) -> PyResult<Option<u32>> {
+    let what = format!("a whole number from 1 to {}", api::MOST_SAMPLES);
+    let count = fitting(samples, &what, |count| (1..=api::MOST_SAMPLES).contains(count))?;
+    Ok(count.map(api::antialias))
+}
+
+/// The side of a view: its name, or its azimuth and elevation in degrees.
+pub(crate) fn view((key, value): Argument<'_, '_>) -> PyResult<Option<api::Side>> {
+    let text = match value.and_then(|value| value.extract::<[f64; 2]>().ok()) {
+        Some([azimuth, elevation]) => Some(format!("{azimuth},{elevation}")),
+        None => given((key, value), "the name of a side, or two angles in degrees")?,
+    };
+    parsed(key, text)
+}
+
 /// A camera: its name in the file, or the matrix that takes its space, where it looks along -z and y is
 /// up, to that of the scene.
 pub(crate) fn camera(
@@ -359,11 +300,17 @@ pub(crate) fn lighting(
     let is_angle = |degrees: &f64| (0.0..=180.0).contains(degrees);
     let crease = fitting(crease, "a number of degrees from 0 to 180", is_angle)?;
     let is_color = |color: &[f64; 3]| color.iter().all(|value| (0.0..=LARGEST).contains(value));
-    let background = fitting(background, "three numbers from 0 to 2^40", is_color)?;
+    let what = "three numbers from 0 to 2^40, or a text";
+    let background = match background.1 {
+        Some(value) if value.is_instance_of::<PyString>() => {
+            parsed("background", text(background)?)?
+        }
+        _ => fitting(background, what, is_color)?.map(|color| api::Background::Color(color.into())),
+    };
     Ok(api::Lighting {
         replaces: lights.1.is_some(),
         rig: named(lights)?.unwrap_or(usual.rig),
-        background: background.map(|color| api::Background::Color(color.into())),
+        background,
         crease_degrees: crease.unwrap_or(usual.crease_degrees),
     })
 }

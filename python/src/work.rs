@@ -21,7 +21,8 @@ use wavecrest_api::{self as api, Watch};
 use wavecrest_report::accuracy::pilot::measured;
 use wavecrest_report::accuracy::pilot::target::reach;
 
-use super::input::{self, Argument, Source};
+use super::input::{self, Argument};
+use super::source::Source;
 use super::{Error, exception};
 
 /// The interval of checks for interrupts.
@@ -84,6 +85,10 @@ impl Job {
             Source::Json(json) => api::load_str(&json, Path::new("scene"), &self.options),
             Source::Mesh(mesh) => {
                 api::load_mesh(mesh, Path::new("vertices and faces"), &self.options)
+            }
+            Source::Glb(bytes) => {
+                let options = api::LoadOptions { like_meshes: true, ..self.options };
+                api::load_gltf(bytes, Path::new("scene"), &options)
             }
         }?;
         if let Some(pose) = self.pose {

@@ -102,6 +102,31 @@ class Wavecrest(unittest.TestCase):
         image = wavecrest.render(path, width=60, height=40, precision="exact")
         np.testing.assert_array_equal(image, read_pfm(out))
 
+    def test_options_are_those_of_the_command(self):
+        path, out, ours = self.ply(), self.folder / "out.png", self.folder / "ours.png"
+        command = ["wavecrest", "-q", path, out, "--no-metadata", "--size", "60x40"]
+        command += ["--samples", "7", "--fit", "0.5", "--view", "30,20", "--background", "transparent"]
+        subprocess.run(command, check=True)
+        options = {"width": 60, "height": 40, "samples": 7, "fit": 0.5, "background": "transparent"}
+        for view in ((30, 20), [30.0, 20.0], np.array([30, 20]), "30,20"):
+            image = wavecrest.render(path, view=view, **options)
+            wavecrest.save(ours, image)
+            self.assertEqual(ours.read_bytes(), out.read_bytes())
+        image, layers = wavecrest.render(path, layers=["samples"], **options)
+        self.assertEqual((image.shape, image.dtype, set(layers)), ((40, 60, 4), np.float32, {"samples", "alpha"}))
+        np.testing.assert_array_equal(image[..., 3], layers["alpha"])
+        self.assertEqual((image[0, 0].tolist(), layers["samples"][0, 0]), ([0, 0, 0, 0], 9))
+        with self.assertRaisesRegex(wavecrest.Error, "path: an image with alpha needs .png or .exr"):
+            wavecrest.save(ours.with_suffix(".ppm"), image)
+        white = wavecrest.render(path, width=60, height=40, background=(1, 1, 1))
+        np.testing.assert_array_equal(wavecrest.render(path, width=60, height=40, background="#ffffff"), white)
+
+    def test_a_dict_may_hold_values_of_numpy(self):
+        scene = json.loads(json.dumps(SCENE))
+        scene["camera"].update(location=np.array([0, 1, 5.0]), width=np.int64(64), fov=np.float32(40))
+        scene["scene"]["shapes"][0].update(center=np.zeros(3, np.float32), radius=np.float64(1))
+        np.testing.assert_array_equal(wavecrest.render(scene), wavecrest.render(SCENE))
+
     def test_saved_images_are_those_of_the_command(self):
         path, ours, theirs = self.ply(), self.folder / "ours.pfm", self.folder / "theirs.ppm"
         image = wavecrest.render(path, width=60, height=40)
@@ -183,7 +208,7 @@ class Wavecrest(unittest.TestCase):
         self.assertTrue(better < coarse / 2 and better < 0.005, (coarse, better))
 
     def test_an_error_out_of_reach_is_a_warning(self):
-        with self.assertWarnsRegex(UserWarning, "the target error .* was not reached; the image has as many points"):
+        with self.assertWarnsRegex(UserWarning, "the target error .* was not reached: .*; the image has as many points"):
             wavecrest.render(SOFT, width=3, height=2, target_error=1e-7)
 
     def test_rays_in_a_pixel_are_chosen_where_nothing_else_is_random(self):
@@ -218,15 +243,22 @@ class Wavecrest(unittest.TestCase):
             self.assert_refused(f"{key}: must be a whole number", SCENE, **{key: value})
         self.assert_refused("found -1", SCENE, width=-1)
         self.assert_refused('found "sideways"', VERTICES, FACES, view="sideways")
-        self.assert_refused("background: must be three numbers from 0 to 2^40, found (1, 2)", VERTICES, FACES,
+        self.assert_refused("background: must be three numbers from 0 to 2^40, or a text, found (1, 2)", VERTICES, FACES,
                             background=(1, 2))
+        self.assert_refused('background: use transparent, or six hexadecimal digits such as #ffffff, found "red"',
+                            VERTICES, FACES, background="red")
+        self.assert_refused("samples: must be a whole number from 1 to 4096, found 0", SCENE, samples=0)
+        self.assert_refused("samples: leave it out, or target_error", SCENE, samples=4, target_error=0.01)
+        self.assert_refused("fit: write a share of the image", VERTICES, FACES, fit=2)
+        self.assert_refused('found "400,2"', VERTICES, FACES, view=(400, 2))
+        self.assert_refused("scene: as JSON: 'set' object", {"scene": {1, 2}})
         wrong_types = {"width": "wide", "camera": 3, "view": 3, "up": 1, "fov": "wide", "lights": 2,
-                       "background": 7, "crease": "sharp", "seed": 0.5, "target_error": "fine", "precision": 1,
+                       "background": 7, "fit": "all", "samples": 2.5, "crease": "sharp", "seed": 0.5, "target_error": "fine", "precision": 1,
                        "threads": "many"}
         for key, value in wrong_types.items():
             with self.assertRaisesRegex(TypeError, f"{key}: must be .*, found {value!r}"):
                 wavecrest.render(VERTICES, FACES, **{key: value})
-        with self.assertRaisesRegex(TypeError, "scene: must be a path, a dict, a mesh, or vertices with faces, found 7"):
+        with self.assertRaisesRegex(TypeError, "scene: must be a path, a dict, a mesh, a scene of trimesh, or vertices with faces"):
             wavecrest.render(7)
         with self.assertRaisesRegex(TypeError, "path: must be a path, found 7"):
             wavecrest.save(7, np.zeros((1, 1, 3)))
