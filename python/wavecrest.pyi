@@ -1,8 +1,10 @@
+from collections.abc import Iterable
 from os import PathLike
-from typing import Any, Literal, Protocol, overload
+from typing import Any, Literal, Protocol, TypedDict, overload
 
 from numpy import bool_, float32, float64, int64, uint32
 from numpy.typing import ArrayLike, NDArray
+from typing_extensions import NotRequired
 
 __version__: str
 
@@ -28,11 +30,26 @@ _Bvh = Literal["brute", "on-demand", "fastest", "very-fast", "fast", "medium", "
 _Layer = Literal["depth", "normal", "albedo", "position", "object", "material", "alpha", "samples", "invalid"]
 
 class Mesh:
-    # vertices (N, 3), faces (M, 3)
+    # vertices (N, 3), faces (M, 3), normals (N, 3) or (M, 3, 3), uvs (N, 2) or (M, 3, 2)
     @overload
-    def __init__(self, vertices: ArrayLike, faces: ArrayLike, *, bvh: _Bvh | None = None) -> None: ...
+    def __init__(
+        self,
+        vertices: ArrayLike,
+        faces: ArrayLike,
+        *,
+        normals: ArrayLike | None = None,
+        uvs: ArrayLike | None = None,
+        bvh: _Bvh | None = None,
+    ) -> None: ...
     @overload
-    def __init__(self, vertices: str | PathLike[str] | _Mesh, *, bvh: _Bvh | None = None) -> None: ...
+    def __init__(
+        self,
+        vertices: str | PathLike[str] | _Mesh,
+        *,
+        normals: ArrayLike | None = None,
+        uvs: ArrayLike | None = None,
+        bvh: _Bvh | None = None,
+    ) -> None: ...
     @staticmethod
     def load(path: str | PathLike[str], *, bvh: _Bvh | None = None) -> Mesh: ...
     # (N, 3)
@@ -41,23 +58,69 @@ class Mesh:
     # (M, 3)
     @property
     def faces(self) -> NDArray[int64]: ...
+    # (N, 3) or (M, 3, 3)
+    @property
+    def normals(self) -> NDArray[float32] | None: ...
+    # (N, 2) or (M, 3, 2)
+    @property
+    def uvs(self) -> NDArray[float32] | None: ...
     @property
     def ray(self) -> RayMeshIntersector: ...
-    # origins and directions (R, 3): faces (R,), distances (R,)
+    # origins and directions (R, 3), or one of them (3,): faces (R,), distances (R,)
     def closest(
-        self, origins: ArrayLike, directions: ArrayLike, *, t_max: float | None = None
-    ) -> tuple[NDArray[int64], NDArray[float32]]: ...
+        self, origins: ArrayLike, directions: ArrayLike, *, t_min: float | None = None, t_max: float | None = None
+    ) -> tuple[NDArray[int64], NDArray[float32] | NDArray[float64]]: ...
     # (R,)
-    def any(self, origins: ArrayLike, directions: ArrayLike, *, t_max: float | None = None) -> NDArray[bool_]: ...
+    def any(
+        self, origins: ArrayLike, directions: ArrayLike, *, t_min: float | None = None, t_max: float | None = None
+    ) -> NDArray[bool_]: ...
     # rays (H,), faces (H,), distances (H,)
     def all(
-        self, origins: ArrayLike, directions: ArrayLike, *, t_max: float | None = None
-    ) -> tuple[NDArray[int64], NDArray[int64], NDArray[float32]]: ...
+        self, origins: ArrayLike, directions: ArrayLike, *, t_min: float | None = None, t_max: float | None = None
+    ) -> tuple[NDArray[int64], NDArray[int64], NDArray[float32] | NDArray[float64]]: ...
+    def cast(
+        self, origins: ArrayLike, directions: ArrayLike, *, t_min: float | None = None, t_max: float | None = None
+    ) -> _Hits: ...
     # points (P, 3): (P,)
-    def contains(self, points: ArrayLike) -> NDArray[bool_]: ...
+    def contains(
+        self, points: ArrayLike, rule: Literal["parity", "winding"] | None = None
+    ) -> NDArray[bool_]: ...
+    def __copy__(self) -> Mesh: ...
+    def __deepcopy__(self, _memo: Any) -> Mesh: ...
+
+class _Hits(TypedDict):
+    # (R,)
+    faces: NDArray[int64]
+    distances: NDArray[float64]
+    # (R, 3)
+    locations: NDArray[float64]
+    barycentrics: NDArray[float64]
+    normals: NDArray[float64]
+    shading_normals: NDArray[float64]
+    # (R, 2), if there are texture coordinates
+    uvs: NotRequired[NDArray[float64]]
+
+class _SceneHits(_Hits):
+    # (R,)
+    geometries: NDArray[int64]
+    instances: NDArray[int64]
+
+class Scene:
+    # Each transform (4, 4)
+    def __init__(self, instances: Iterable[Mesh | tuple[Mesh, ArrayLike]]) -> None: ...
+    # origins and directions (R, 3), or one of them (3,)
+    def cast(
+        self, origins: ArrayLike, directions: ArrayLike, *, t_min: float | None = None, t_max: float | None = None
+    ) -> _SceneHits: ...
+    # (R,)
+    def any(
+        self, origins: ArrayLike, directions: ArrayLike, *, t_min: float | None = None, t_max: float | None = None
+    ) -> NDArray[bool_]: ...
 
 class RayMeshIntersector:
     def __init__(self, mesh: Mesh | _Mesh | str | PathLike[str]) -> None: ...
+    @property
+    def mesh(self) -> Any: ...
     # index_tri (H,), index_ray (H,), locations (H, 3)
     @overload
     def intersects_id(

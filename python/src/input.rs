@@ -1,148 +1,16 @@
 //! Converts Python values for the library.
 
-use std::collections::TryReserveError;
 use std::str::FromStr;
 
-use numpy::{Element, IntoPyArray, PyReadonlyArrayDyn, PyUntypedArrayMethods};
-use pyo3::exceptions::{PyMemoryError, PyTypeError};
+use numpy::{IntoPyArray, PyUntypedArrayMethods};
+use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
-use pyo3::types::{IntoPyDict, PyString};
-use wavecrest_api::glam::{DMat4, DVec3, DVec4, Vec3};
+use pyo3::types::PyString;
+use wavecrest_api::glam::{DMat4, DVec4};
 use wavecrest_api::{self as api, Choice};
 
+use super::arrays::{array, collected, has_type, rows};
 use super::{Error, exception};
-
-/// A mesh from arrays of the shapes (N, 3) and (M, 3), or from an object that has them, such as one of
-/// trimesh; `None` for anything else.
-pub(crate) fn mesh(
-    vertices: &Bound<'_, PyAny>,
-    faces: Option<&Bound<'_, PyAny>>,
-) -> PyResult<Option<api::MeshData>> {
-    match faces {
-        Some(faces) => from_arrays(vertices, faces).map(Some),
-        None if vertices.hasattr("faces")? => {
-            from_arrays(&vertices.getattr("vertices")?, &vertices.getattr("faces")?).map(Some)
-        }
-        None => Ok(None),
-    }
-}
-
-/// As [`mesh`]. Coordinates in double precision that are far from zero are kept relative to an origin,
-/// as those of files.
-fn from_arrays(vertices: &Bound<'_, PyAny>, faces: &Bound<'_, PyAny>) -> PyResult<api::MeshData> {
-    let vertices = Points::new("vertices", vertices)?;
-    let vertices = vertices.rows()?;
-    let origin = match vertices {
-        Rows::Double([first, ..]) => api::mesh::origin(DVec3::from(*first)),
-        _ => DVec3::ZERO,
-    };
-    let position = |i| Ok(api::mesh::relative(vertices.get(i), origin));
-    let positions = collected((0..vertices.len()).map(position))?;
-    let faces = array::<i64>("faces", faces, "int64", "(M, 3)")?;
-    let count = positions.len();
-    let triangle = |(number, face): (usize, &[i64; 3])| {
-        let index = |i: i64| u32::try_from(i).ok().filter(|&i| (i as usize) < count).ok_or(i);
-        let wrong = |i| {
-            Error::new_err(format!(
-                "faces[{number}]: must be indices from 0 to {}, of the {count} vertices, found {i}",
-                count as i64 - 1
-            ))
-        };
-        let [a, b, c] = face.map(index);
-        Ok([a.map_err(wrong)?, b.map_err(wrong)?, c.map_err(wrong)?])
-    };
-    let triangles = collected(rows(&faces)?.iter().enumerate().map(triangle))?;
-    Ok(api::MeshData { positions, origin, triangles, ..api::MeshData::default() })
-}
-
-/// Points or vectors in an array of the shape (N, 3).
-pub(crate) enum Points<'py> {
-    Single(PyReadonlyArrayDyn<'py, f32>),
-    Double(PyReadonlyArrayDyn<'py, f64>),
-}
-
-impl<'py> Points<'py> {
-    /// Those of anything that NumPy accepts: float32 and float64 as they are, others as float64.
-    pub(crate) fn new(name: &str, value: &Bound<'py, PyAny>) -> PyResult<Self> {
-        Ok(match has_type::<f32>(value)? {
-            true => Self::Single(array(name, value, "float32", "(N, 3)")?),
-            false => Self::Double(array(name, value, "float64", "(N, 3)")?),
-        })
-    }
-
-    pub(crate) fn rows(&self) -> PyResult<Rows<'_>> {
-        Ok(match self {
-            Self::Single(array) => Rows::Single(rows(array)?),
-            Self::Double(array) => Rows::Double(rows(array)?),
-        })
-    }
-}
-
-/// The values of [`Points`].
-#[derive(Clone, Copy)]
-pub(crate) enum Rows<'a> {
-    Single(&'a [[f32; 3]]),
-    Double(&'a [[f64; 3]]),
-}
-
-impl Rows<'_> {
-    pub(crate) fn len(&self) -> usize {
-        match self {
-            Self::Single(rows) => rows.len(),
-            Self::Double(rows) => rows.len(),
-        }
-    }
-
-    #[inline]
-    pub(crate) fn get(&self, i: usize) -> DVec3 {
-        match self {
-            Self::Single(rows) => Vec3::from(rows[i]).as_dvec3(),
-            Self::Double(rows) => DVec3::from(rows[i]),
-        }
-    }
-}
-
-/// An array from anything that NumPy accepts, with elements of the type `kind`, without rounding
-/// floats to integers, and with a shape such as "(N, 3)".
-fn array<'py, T: Element>(
-    name: &str,
-    value: &Bound<'py, PyAny>,
-    kind: &str,
-    expected: &str,
-) -> PyResult<PyReadonlyArrayDyn<'py, T>> {
-    let py = value.py();
-    let rules = [("casting", "same_kind"), ("order", "C")].into_py_dict(py)?;
-    rules.set_item("copy", false)?;
-    let array = py.import("numpy")?.call_method1("asarray", (value,))?;
-    let cast = array.call_method("astype", (kind,), Some(&rules));
-    let wrong = |error: PyErr| match error.is_instance_of::<PyTypeError>(py) {
-        true => PyTypeError::new_err(format!("{name}: {}", error.value(py))),
-        false => error,
-    };
-    let array: PyReadonlyArrayDyn<'py, T> = cast.map_err(wrong)?.extract()?;
-    let shape = array.shape();
-    if shape.len() != expected.split(',').count() || shape.last() != Some(&3) {
-        let message = format!("{name}: must have the shape {expected}, found {shape:?}");
-        return Err(Error::new_err(message));
-    }
-    Ok(array)
-}
-
-/// The rows of an array whose last dimension is 3.
-fn rows<'a, T: Element>(array: &'a PyReadonlyArrayDyn<'_, T>) -> PyResult<&'a [[T; 3]]> {
-    Ok(array.as_slice()?.as_chunks().0)
-}
-
-/// The values as a list, or an exception if the system refuses the memory.
-pub(crate) fn collected<T>(values: impl ExactSizeIterator<Item = PyResult<T>>) -> PyResult<Vec<T>> {
-    let mut list = Vec::new();
-    let refused = |error: TryReserveError| PyMemoryError::new_err(error.to_string());
-    list.try_reserve_exact(values.len()).map_err(refused)?;
-    for value in values {
-        list.push(value?);
-    }
-    Ok(list)
-}
 
 /// An array of linear colours, or of levels with a transfer curve, as an image.
 pub(crate) fn film(image: &Bound<'_, PyAny>, transfer: api::Transfer) -> PyResult<api::Film> {
@@ -160,12 +28,6 @@ pub(crate) fn film(image: &Bound<'_, PyAny>, transfer: api::Transfer) -> PyResul
     let side = |i: usize| u32::try_from(array.shape()[i]).unwrap_or(u32::MAX);
     let pixels = collected(rows(&array)?.iter().map(|&row| Ok(row)))?;
     api::Film::from_pixels(side(1), side(0), pixels).map_err(|e| exception(&e))
-}
-
-/// Whether it is an array of these elements for NumPy.
-pub(crate) fn has_type<T: Element>(value: &Bound<'_, PyAny>) -> PyResult<bool> {
-    let array = value.py().import("numpy")?.call_method1("asarray", (value,))?;
-    Ok(array.extract::<PyReadonlyArrayDyn<'_, T>>().is_ok())
 }
 
 /// An optional argument: its name, and its value.

@@ -3,10 +3,16 @@
 //!
 //! The image is that of the command, bit for bit. `wavecrest.pyi` has the types.
 
+mod arrays;
+mod given;
 mod input;
 mod mesh;
+mod plane;
 mod rays;
+mod scene;
+mod shapes;
 mod source;
+mod surface;
 mod trimesh;
 mod work;
 
@@ -220,7 +226,7 @@ fn save(
 fn with_alpha(image: Bound<'_, PyAny>) -> PyResult<(Bound<'_, PyAny>, Vec<api::Channel>)> {
     let numpy = image.py().import("numpy")?;
     let shape: Vec<usize> = numpy.call_method1("shape", (&image,))?.extract()?;
-    if !matches!(shape[..], [_, _, 4]) || input::has_type::<u8>(&image)? {
+    if !matches!(shape[..], [_, _, 4]) || arrays::has_type::<u8>(&image)? {
         return Ok((image, Vec::new()));
     }
     let [colors, alpha]: [Bound<'_, PyAny>; 2] =
@@ -231,12 +237,13 @@ fn with_alpha(image: Bound<'_, PyAny>) -> PyResult<(Bound<'_, PyAny>, Vec<api::C
     Ok((colors, vec![api::Channel { name, values }]))
 }
 
-/// Renders scenes, mesh files and arrays to NumPy arrays: render and save. Queries of rays: Mesh.
+/// Renders scenes, mesh files and arrays to NumPy arrays: render and save. Queries of rays: Mesh and Scene.
 #[pymodule]
 fn wavecrest(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
     module.add("Error", module.py().get_type::<Error>())?;
     module.add_class::<mesh::Mesh>()?;
+    module.add_class::<scene::Scene>()?;
     module.add_class::<trimesh::RayMeshIntersector>()?;
     module.add_function(wrap_pyfunction!(render, module)?)?;
     module.add_function(wrap_pyfunction!(save, module)?)

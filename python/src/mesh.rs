@@ -1,31 +1,41 @@
 //! The class `Mesh`: queries of many rays at once.
 
-use std::ops::Range;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
-use numpy::{Element, IntoPyArray, PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
+use pyo3::types::{IntoPyDict, PyDict};
 use wavecrest_api::glam::DVec3;
 use wavecrest_api::memory::{build_bytes, check_room};
-use wavecrest_api::{self as api, Accel, Geometry, MeshData, Preset};
+use wavecrest_api::{self as api, Accel, Attribute, Geometry, MeshData, NO_VALUE, Preset};
 
-use super::input::{self, Points};
-use super::rays::{Crossings, Rays};
+use super::arrays::{self, Points};
+use super::given::{Column, Given, NAMES, table};
+use super::input;
+use super::shapes::{Arrays, Shapes};
+use super::surface::number;
 use super::trimesh::RayMeshIntersector;
 use super::{Error, exception, work};
 
 /// A mesh of triangles, for queries of rays and points.
 ///
 /// Mesh(vertices, faces) takes arrays of the shapes (N, 3) and (M, 3), Mesh(mesh) one of trimesh or another object
-/// with vertices and faces, Mesh(path) and Mesh.load(path) a file (PLY, OBJ, STL). bvh is the quality of the search
-/// tree, "fast" by default: "fastest" is built sooner, "on-demand" pays for fewer rays than faces.
+/// with vertices and faces, Mesh(path) and Mesh.load(path) a file (PLY, OBJ, STL). normals and uvs are those of
+/// vertices, (N, 3) and (N, 2), or of the corners of faces, (M, 3, 3) and (M, 3, 2); files have their own, and a mesh
+/// of trimesh its texture coordinates. bvh is the quality of the search tree, "fast" by default: "fastest" is built
+/// sooner, "on-demand" pays for fewer rays than faces.
 ///
-/// Coordinates have single precision, as do rays: float64 is rounded once. If the first vertex, in float64, is more
-/// than 1024 from zero, vertices and origins are moved there first, in double precision.
+/// A mesh is a copy that does not change. It can be pickled.
 ///
-/// Hits are exact for these numbers: no ray slips between two faces. Faces have two sides. Only hits after the origin
-/// and before t_max count. A distance is in lengths of the direction, rounded once to float32. Rays that are not
-/// finite or have no direction hit nothing. Work is done on all cores, without the GIL.
+/// Which face is hit is decided with vertices and rays rounded once to single precision. If the first vertex, in
+/// float64, is more than 1024 from zero, vertices and origins are moved there first, in double precision. For these
+/// numbers hits are exact: no ray slips between two faces. Distances and locations are then those of the ray and the
+/// face as given: within 1e-12 of the size of coordinates, as float64; or if all arrays are float32, the distance
+/// rounded once to float32.
+///
+/// Faces have two sides. Only hits after t_min, by default 0, and before t_max count. A distance is in lengths of the
+/// direction, which may be any finite number above zero. Rays that are not finite or have no direction hit nothing.
+/// One origin or direction, of the shape (3,) or (1, 3), is that of all rays. Work is done on all cores, without the GIL.
 ///
 /// >>> mesh = wavecrest.Mesh([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]])
 /// >>> faces, distances = mesh.closest([[0.2, 0.2, 5]], [[0, 0, -1]])
@@ -33,32 +43,49 @@ use super::{Error, exception, work};
 /// [0] [5.]
 #[pyclass(frozen, module = "wavecrest")]
 pub(crate) struct Mesh {
-    accel: Accel,
-    /// The origin of the vertices.
-    origin: DVec3,
+    pub(crate) shapes: Shapes,
+    pub(crate) preset: Preset,
 }
 
-/// An array of one value for each ray or hit.
-pub(crate) type Column<'py, T> = Bound<'py, PyArray1<T>>;
-
-/// An array of points.
-pub(crate) type Table<'py, T> = Bound<'py, PyArray2<T>>;
+/// Two arrays.
+type Pair<'py> = (Bound<'py, PyAny>, Bound<'py, PyAny>);
 
 #[pymethods]
 impl Mesh {
     #[new]
-    #[pyo3(signature = (vertices, faces=None, *, bvh=None))]
+    #[pyo3(signature = (vertices, faces=None, *, normals=None, uvs=None, bvh=None))]
     pub(crate) fn new(
         py: Python<'_>,
         vertices: &Bound<'_, PyAny>,
         faces: Option<&Bound<'_, PyAny>>,
+        normals: Option<&Bound<'_, PyAny>>,
+        uvs: Option<&Bound<'_, PyAny>>,
         bvh: Option<&Bound<'_, PyAny>>,
     ) -> PyResult<Self> {
-        let Some(mesh) = input::mesh(vertices, faces)? else {
+        let Some([points, faces]) = arrays::arrays(vertices, faces)? else {
+            if normals.is_some() || uvs.is_some() {
+                return Err(Error::new_err("normals, uvs: only for vertices with faces"));
+            }
             return Self::load(py, vertices, bvh);
         };
+        let points = Points::new("vertices", &points)?;
+        let rows = points.rows()?;
+        let mut mesh = arrays::from_arrays(rows, &faces)?;
+        mesh.normals = arrays::attribute(("normals", normals), &mesh)?;
+        mesh.uvs = arrays::attribute(("uvs", uvs), &mesh)?;
+        let own = vertices.getattr("visual").and_then(|visual| visual.getattr("uv"));
+        if let (None, Ok(own)) = (&mesh.uvs, own) {
+            // Those of other things than vertices are left out.
+            mesh.uvs = arrays::attribute(("uvs", Some(&own)), &mesh).unwrap_or(None);
+        }
         api::mesh::validate(&mesh, Path::new("vertices and faces")).map_err(|e| exception(&e))?;
-        Self::build(py, mesh, bvh)
+        let is_rounded =
+            |(i, p): (usize, &api::glam::Vec3)| p.as_dvec3() + mesh.origin != rows.get(i);
+        let given = match mesh.positions.iter().enumerate().any(is_rounded) {
+            true => Some(arrays::collected((0..rows.len()).map(|i| Ok(rows.get(i))))?),
+            false => None,
+        };
+        Self::build(py, mesh, (given, rows.is_single()), bvh)
     }
 
     /// The mesh of a file: PLY, OBJ or STL.
@@ -79,216 +106,213 @@ impl Mesh {
         let pool = work::pool()?;
         let loaded = py.detach(|| pool.install(load)).map_err(|e| exception(&e))?;
         super::warn(py, loaded.warnings)?;
-        Self::build(py, loaded.mesh, bvh)
+        let is_single = loaded.mesh.origin == DVec3::ZERO;
+        Self::build(py, loaded.mesh, (None, is_single), bvh)
     }
 
-    /// The vertices, shape (N, 3).
+    /// The vertices, shape (N, 3), as they were given.
     #[getter]
-    fn vertices<'py>(&self, py: Python<'py>) -> PyResult<Table<'py, f64>> {
-        let positions = self.accel.geometry().positions.iter();
-        let position = |p: &api::glam::Vec3| Ok((p.as_dvec3() + self.origin).to_array());
-        table(py, input::collected(positions.map(position))?)
+    fn vertices<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let (arrays, geometry) = (&self.shapes.meshes[0], self.shapes.accel.geometry());
+        let vertex = |i| arrays.vertex(geometry, i).to_array();
+        table(py, geometry.positions.len(), vertex)
     }
 
     /// The vertex indices of the faces, shape (M, 3).
     #[getter]
-    fn faces<'py>(&self, py: Python<'py>) -> PyResult<Table<'py, i64>> {
-        let triangles = self.accel.geometry().triangles.iter();
-        table(py, input::collected(triangles.map(|face| Ok(face.map(i64::from))))?)
+    fn faces<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyAny>> {
+        let triangles = &self.shapes.accel.geometry().triangles;
+        table(py, triangles.len(), |i| triangles[i].map(i64::from))
+    }
+
+    /// The normals of vertices, (N, 3), or of the corners of faces, (M, 3, 3), or None.
+    #[getter]
+    fn normals<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
+        attribute(py, self.shapes.meshes[0].normals.as_ref())
+    }
+
+    /// The texture coordinates of vertices, (N, 2), or of the corners of faces, (M, 3, 2), or None.
+    #[getter]
+    fn uvs<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyAny>>> {
+        attribute(py, self.shapes.meshes[0].uvs.as_ref())
     }
 
     /// The same queries with the names, arguments and results of trimesh.
     #[getter]
     fn ray(this: Bound<'_, Self>) -> RayMeshIntersector {
-        RayMeshIntersector { mesh: this.unbind() }
+        RayMeshIntersector::of(this)
     }
 
     /// The closest hits of rays: faces and distances. A miss has the face -1 and the distance inf.
     ///
     /// Of faces at the same exact distance, as at an edge, the one with the lowest number is hit.
-    #[pyo3(signature = (origins, directions, *, t_max=None))]
+    #[pyo3(signature = (origins, directions, *, t_min=None, t_max=None))]
     fn closest<'py>(
         &self,
         origins: &Bound<'py, PyAny>,
         directions: &Bound<'py, PyAny>,
+        t_min: Option<&Bound<'py, PyAny>>,
         t_max: Option<&Bound<'py, PyAny>>,
-    ) -> PyResult<(Column<'py, i64>, Column<'py, f32>)> {
-        self.closest_of(&Given::new(NAMES, [origins, directions], t_max)?)
+    ) -> PyResult<(Column<'py, i64>, Bound<'py, PyAny>)> {
+        self.shapes.closest(&Given::new(NAMES, [origins, directions], [t_min, t_max])?)
     }
 
     /// Whether rays hit anything.
-    #[pyo3(signature = (origins, directions, *, t_max=None))]
+    #[pyo3(signature = (origins, directions, *, t_min=None, t_max=None))]
     fn any<'py>(
         &self,
         origins: &Bound<'py, PyAny>,
         directions: &Bound<'py, PyAny>,
+        t_min: Option<&Bound<'py, PyAny>>,
         t_max: Option<&Bound<'py, PyAny>>,
     ) -> PyResult<Column<'py, bool>> {
-        self.any_of(&Given::new(NAMES, [origins, directions], t_max)?)
+        self.shapes.any(&Given::new(NAMES, [origins, directions], [t_min, t_max])?)
     }
 
     /// Every surface on rays, once: for each the number of the ray, the face and the distance, in the order of rays,
-    /// then of exact distances, then of faces.
+    /// then of distances, then of faces.
     ///
     /// A ray that meets an edge or a corner crosses those of the faces around it that it would cross if its origin
     /// were moved by an infinitesimal step, the same for all rays: one where it passes through a surface, none or two
     /// where it only touches one. So a closed mesh is left as often as it is entered. Where closest reports another
     /// face around that edge, the distance is the same. Of dozens of copies of a face, one may count for all.
-    #[pyo3(signature = (origins, directions, *, t_max=None))]
+    #[pyo3(signature = (origins, directions, *, t_min=None, t_max=None))]
     fn all<'py>(
         &self,
         origins: &Bound<'py, PyAny>,
         directions: &Bound<'py, PyAny>,
+        t_min: Option<&Bound<'py, PyAny>>,
         t_max: Option<&Bound<'py, PyAny>>,
-    ) -> PyResult<(Column<'py, i64>, Column<'py, i64>, Column<'py, f32>)> {
+    ) -> PyResult<(Bound<'py, PyAny>, Bound<'py, PyAny>, Bound<'py, PyAny>)> {
         let py = origins.py();
-        let given = Given::new(NAMES, [origins, directions], t_max)?;
-        let (rays, faces, distances) = self.all_of(&given, usize::MAX)?;
-        Ok((rays.into_pyarray(py), faces.into_pyarray(py), distances.into_pyarray(py)))
+        let given = Given::new(NAMES, [origins, directions], [t_min, t_max])?;
+        let (rays, found) = (given.rays(&self.shapes)?, self.shapes.all(&given, usize::MAX)?);
+        let distance = |i: usize| rays.distance(found[i]);
+        let distances = match rays.is_single {
+            true => table(py, found.len(), |i| [distance(i) as f32])?,
+            false => table(py, found.len(), |i| [distance(i)])?,
+        };
+        let numbers = table(py, found.len(), |i| [found[i].ray as i64])?;
+        Ok((numbers, table(py, found.len(), |i| [number(found[i])])?, distances))
     }
 
-    /// Whether points are inside a closed mesh: rays from there cross it an odd number of times, as all counts. Points
-    /// on the surface are inside or outside.
-    pub(crate) fn contains<'py>(&self, points: &Bound<'py, PyAny>) -> PyResult<Column<'py, bool>> {
-        let origins = Points::new("points", points)?;
-        let given = Given { py: points.py(), origins, directions: None, t_max: f32::INFINITY };
-        self.answers(&given, |rays, part, inside| rays.contains(part, inside))
+    /// The closest hits as arrays by name, of which each has a row for each ray:
+    ///
+    /// - faces, -1 for a miss; distances, inf for a miss
+    /// - locations, and barycentrics, the weights of the three corners there
+    /// - normals of faces, of unit length, on the side from which corners run counter-clockwise
+    /// - shading_normals, interpolated between those of the corners, or that of the face where there are none
+    /// - uvs, texture coordinates, if the mesh has them
+    ///
+    /// Numbers are float64; for a miss, nan.
+    #[pyo3(signature = (origins, directions, *, t_min=None, t_max=None))]
+    fn cast<'py>(
+        &self,
+        origins: &Bound<'py, PyAny>,
+        directions: &Bound<'py, PyAny>,
+        t_min: Option<&Bound<'py, PyAny>>,
+        t_max: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        self.shapes.cast(Given::new(NAMES, [origins, directions], [t_min, t_max])?, false)
+    }
+
+    /// Whether points are inside a closed mesh. Rays from there cross it, as all counts, by the rule "parity" an odd
+    /// number of times; by "winding", from inside to outside more or less often than the other way, so that what is in
+    /// several closed parts that overlap is inside too. Points on the surface are inside or outside.
+    #[pyo3(signature = (points, rule=None))]
+    pub(crate) fn contains<'py>(
+        &self,
+        points: &Bound<'py, PyAny>,
+        rule: Option<&Bound<'py, PyAny>>,
+    ) -> PyResult<Column<'py, bool>> {
+        let wound = match input::text(("rule", rule))?.as_deref() {
+            None | Some("parity") => false,
+            Some("winding") => true,
+            Some(found) => {
+                let message = format!("rule: must be one of parity, winding, found {found:?}");
+                return Err(Error::new_err(message));
+            }
+        };
+        let given = Given::points(points)?;
+        self.shapes.answers(&given, |rays, part, inside| rays.contains(part, wound, inside))
+    }
+
+    fn __repr__(&self) -> String {
+        let Geometry { positions, triangles, .. } = self.shapes.accel.geometry();
+        let (vertices, faces, bvh) = (positions.len(), triangles.len(), self.preset.name());
+        format!(
+            "<wavecrest.Mesh(vertices.shape=({vertices}, 3), faces.shape=({faces}, 3), bvh={bvh:?})>"
+        )
+    }
+
+    /// What a mesh does not change, a copy shares.
+    fn __copy__(this: Py<Self>) -> Py<Self> {
+        this
+    }
+
+    fn __deepcopy__(this: Py<Self>, _memo: &Bound<'_, PyAny>) -> Py<Self> {
+        this
+    }
+
+    /// For pickle: the arguments that make the mesh again.
+    fn __getnewargs_ex__<'py>(&self, py: Python<'py>) -> PyResult<(Pair<'py>, Bound<'py, PyDict>)> {
+        let mut vertices = self.vertices(py)?;
+        if self.shapes.meshes[0].is_single {
+            vertices = vertices.call_method1("astype", ("float32",))?;
+        }
+        let named = [("normals", self.normals(py)?), ("uvs", self.uvs(py)?)].into_py_dict(py)?;
+        named.set_item("bvh", self.preset.name())?;
+        Ok(((vertices, self.faces(py)?), named))
     }
 }
 
 impl Mesh {
-    fn build(py: Python<'_>, mesh: MeshData, bvh: Option<&Bound<'_, PyAny>>) -> PyResult<Self> {
+    /// The mesh with its vertices as given, if positions are rounded, and whether they were single.
+    fn build(
+        py: Python<'_>,
+        mesh: MeshData,
+        (vertices, is_single): (Option<Vec<DVec3>>, bool),
+        bvh: Option<&Bound<'_, PyAny>>,
+    ) -> PyResult<Self> {
         let preset = input::named(("bvh", bvh))?.unwrap_or(Preset::Fast);
-        let MeshData { positions, origin, triangles, .. } = mesh;
+        let MeshData { positions, origin, triangles, normals, uvs, .. } = mesh;
+        let arrays = Arrays { origin, vertices, normals, uvs, is_single };
         let count = triangles.len() as u64;
         let geometry = Geometry { positions, triangles, ..Geometry::default() };
-        let build = || {
-            check_room(build_bytes(preset, count), "the search tree")?;
-            Ok(Accel::new(geometry, preset))
-        };
-        let pool = work::pool()?;
-        let accel = py.detach(|| pool.install(build)).map_err(|e| exception(&e))?;
-        Ok(Self { accel, origin })
-    }
-
-    /// The closest hits: faces and distances.
-    pub(crate) fn closest_of<'py>(
-        &self,
-        given: &Given<'py>,
-    ) -> PyResult<(Column<'py, i64>, Column<'py, f32>)> {
-        let rays = given.rays(self)?;
-        let faces = column(given.py, "empty", rays.len())?;
-        let distances = column(given.py, "empty", rays.len())?;
-        let (mut into, mut at) = (faces.readwrite(), distances.readwrite());
-        let (into, at) = (into.as_slice_mut()?, at.as_slice_mut()?);
-        in_stretches(given.py, rays.len(), |part| {
-            rays.closest(part.clone(), &mut into[part.clone()], &mut at[part]);
-            Ok(())
-        })?;
-        Ok((faces, distances))
-    }
-
-    pub(crate) fn any_of<'py>(&self, given: &Given<'py>) -> PyResult<Column<'py, bool>> {
-        self.answers(given, |rays, part, found| rays.any(part, found))
-    }
-
-    /// The answer of a query for each ray.
-    fn answers<'py>(
-        &self,
-        given: &Given<'py>,
-        query: impl Fn(&Rays<'_>, Range<usize>, &mut [bool]) + Sync,
-    ) -> PyResult<Column<'py, bool>> {
-        let rays = given.rays(self)?;
-        // Bytes other than 0 and 1 are no bools, even before they are written.
-        let answers = column(given.py, "zeros", rays.len())?;
-        let mut into = answers.readwrite();
-        let into = into.as_slice_mut()?;
-        in_stretches(given.py, rays.len(), |part| {
-            query(&rays, part.clone(), &mut into[part]);
-            Ok(())
-        })?;
-        Ok(answers)
-    }
-
-    /// Crossings, for each ray at most this many.
-    pub(crate) fn all_of(&self, given: &Given<'_>, most: usize) -> PyResult<Crossings> {
-        let rays = given.rays(self)?;
-        let mut found = Crossings::default();
-        in_stretches(given.py, rays.len(), |part| rays.all(part, most, &mut found))?;
-        Ok(found)
+        let accel = build(py, geometry, preset, count)?;
+        let shapes = Shapes { accel, origin, meshes: vec![Arc::new(arrays)], places: Vec::new() };
+        Ok(Self { shapes, preset })
     }
 }
 
-/// The names of arguments.
-const NAMES: [&str; 2] = ["origins", "directions"];
-
-/// Rays as given, or points.
-pub(crate) struct Given<'py> {
-    py: Python<'py>,
-    pub(crate) origins: Points<'py>,
-    pub(crate) directions: Option<Points<'py>>,
-    t_max: f32,
-}
-
-impl<'py> Given<'py> {
-    /// Rays up to `t_max` from arrays with these names.
-    pub(crate) fn new(
-        [origins, directions]: [&str; 2],
-        [from, along]: [&Bound<'py, PyAny>; 2],
-        t_max: Option<&Bound<'py, PyAny>>,
-    ) -> PyResult<Self> {
-        let py = from.py();
-        let (from, along) = (Points::new(origins, from)?, Points::new(directions, along)?);
-        let counts = [from.rows()?.len(), along.rows()?.len()];
-        if counts[0] != counts[1] {
-            let [expected, found] = counts.map(|count| format!("[{count}, 3]"));
-            let message = format!(
-                "{directions}: must have the shape of {origins}, {expected}, found {found}"
-            );
-            return Err(Error::new_err(message));
-        }
-        let is_far = |t_max: &f64| *t_max >= 0.0;
-        let t_max = input::fitting(("t_max", t_max), "a number of at least 0", is_far)?;
-        let t_max = t_max.map_or(f32::INFINITY, |t_max| t_max as f32);
-        Ok(Self { py, origins: from, directions: Some(along), t_max })
-    }
-
-    fn rays<'a>(&'a self, mesh: &'a Mesh) -> PyResult<Rays<'a>> {
-        let directions = self.directions.as_ref().map(Points::rows).transpose()?;
-        let (origins, t_max) = (self.origins.rows()?, self.t_max);
-        Ok(Rays { accel: &mesh.accel, origins, directions, t_max, from: mesh.origin })
-    }
-}
-
-/// Rays traced between two checks for Ctrl-C: a fraction of a second.
-const STRETCH: usize = 1 << 20;
-
-/// Does `work` for parts of `count` rays or hits, on all threads and without the GIL.
-fn in_stretches(
+/// The search tree over so many triangles.
+pub(crate) fn build(
     py: Python<'_>,
-    count: usize,
-    mut work: impl FnMut(Range<usize>) -> api::Result<()> + Send,
-) -> PyResult<()> {
+    geometry: Geometry,
+    preset: Preset,
+    count: u64,
+) -> PyResult<Accel> {
+    let build = || {
+        check_room(build_bytes(preset, count), "the search tree")?;
+        Ok(Accel::new(geometry, preset))
+    };
     let pool = work::pool()?;
-    for start in (0..count).step_by(STRETCH) {
-        let part = start..count.min(start + STRETCH);
-        py.detach(|| pool.install(|| work(part))).map_err(|e| exception(&e))?;
-        py.check_signals()?;
-    }
-    Ok(())
+    py.detach(|| pool.install(build)).map_err(|e| exception(&e))
 }
 
-/// An array with rows of three.
-pub(crate) fn table<'py, T: Element>(
+/// The values of vertices or of the corners of faces, nan for those without.
+fn attribute<'py, T: Copy + Into<[f32; K]> + Sync, const K: usize>(
     py: Python<'py>,
-    rows: Vec<[T; 3]>,
-) -> PyResult<Table<'py, T>> {
-    let count = rows.len();
-    rows.into_flattened().into_pyarray(py).reshape([count, 3])
-}
-
-/// An array that NumPy makes: "zeros", or "empty", which is left for threads to write first.
-fn column<'py, T: Element>(py: Python<'py>, how: &str, count: usize) -> PyResult<Column<'py, T>> {
-    let array = py.import("numpy")?.call_method1(how, (count, T::get_dtype(py)))?;
-    Ok(array.cast_into()?)
+    attribute: Option<&Attribute<T>>,
+) -> PyResult<Option<Bound<'py, PyAny>>> {
+    let Some(Attribute { values, indices }) = attribute else { return Ok(None) };
+    let Some(indices) = indices else {
+        return table(py, values.len(), |i| values[i].into()).map(Some);
+    };
+    let corner = |i: usize| match indices[i / 3][i % 3] {
+        NO_VALUE => [f32::NAN; K],
+        value => values[value as usize].into(),
+    };
+    let corners = table(py, 3 * indices.len(), corner)?;
+    corners.call_method1("reshape", (indices.len(), 3, K)).map(Some)
 }

@@ -14,7 +14,8 @@ use wavecrest_api as api;
 use wavecrest_api::glam::{DVec3, Vec3};
 
 use super::Error;
-use super::input::{Argument, Points, collected, has_type, mesh, needed};
+use super::arrays::{Points, collected, has_type, mesh};
+use super::input::{Argument, needed};
 
 /// The input to render.
 pub(crate) enum Source {

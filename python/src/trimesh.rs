@@ -1,31 +1,60 @@
 //! The queries of a mesh with the interface of trimesh.
 
-use numpy::{IntoPyArray, PyArrayMethods};
+use std::sync::{Mutex, PoisonError};
+
 use pyo3::prelude::*;
 use pyo3::types::PyTuple;
-use wavecrest_api::glam::DVec3;
 
+use super::given::{Column, Given, table};
 use super::input;
-use super::mesh::{Column, Given, Mesh, Table, table};
+use super::mesh::Mesh;
+use super::surface::number;
 
 /// Ray queries with the names, arguments and results of trimesh.
 ///
-/// mesh is one of trimesh, a wavecrest.Mesh, or whatever wavecrest.Mesh takes. Locations are computed in double
-/// precision from a distance of single precision. Hits are in the order of rays, then of distances.
+/// mesh is one of trimesh, a wavecrest.Mesh, or whatever wavecrest.Mesh takes. The search tree of a mesh of trimesh is
+/// made at the first query, and made anew when the mesh has changed: its hash is compared at every query. Hits are in
+/// the order of rays, then of distances. Those at the origin of a ray do not count.
 ///
 /// >>> mesh.ray = wavecrest.RayMeshIntersector(mesh)  # a mesh of trimesh
 #[pyclass(frozen, module = "wavecrest")]
 pub(crate) struct RayMeshIntersector {
-    pub(crate) mesh: Py<Mesh>,
+    /// What queries are about.
+    #[pyo3(get)]
+    mesh: Py<PyAny>,
+    /// It as it was when it had this hash.
+    known: Mutex<Option<(isize, Py<Mesh>)>>,
 }
 
-/// Faces, rays, and places of hits.
-type Hits<'py> = (Column<'py, i64>, Column<'py, i64>, Option<Table<'py, f64>>);
-
-/// Places, rays, and faces of hits.
-type Located<'py> = (Option<Table<'py, f64>>, Column<'py, i64>, Column<'py, i64>);
+/// Index_tri, index_ray, and locations of hits.
+type Hits<'py> = (Bound<'py, PyAny>, Bound<'py, PyAny>, Option<Bound<'py, PyAny>>);
 
 impl RayMeshIntersector {
+    pub(crate) fn of(mesh: Bound<'_, Mesh>) -> Self {
+        Self { mesh: mesh.into_any().unbind(), known: Mutex::default() }
+    }
+
+    /// The mesh as it is now.
+    fn current(&self, py: Python<'_>) -> PyResult<Py<Mesh>> {
+        let mesh = self.mesh.bind(py);
+        if let Ok(mesh) = mesh.cast::<Mesh>() {
+            return Ok(mesh.clone().unbind());
+        }
+        // What has no hash counts as changed.
+        let hash = mesh.hash().ok();
+        // Held for a moment only: whoever holds it longer may wait for the interpreter.
+        let known = || self.known.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((of, mesh)) = &*known()
+            && Some(*of) == hash
+        {
+            return Ok(mesh.clone_ref(py));
+        }
+        let made = Py::new(py, Mesh::new(py, mesh, None, None, None, None)?)?;
+        let before = hash.and_then(|hash| known().replace((hash, made.clone_ref(py))));
+        drop(before);
+        Ok(made)
+    }
+
     /// The hits of rays: at most this many for each, or the closest alone.
     fn hits<'py>(
         &self,
@@ -33,34 +62,24 @@ impl RayMeshIntersector {
         (multiple, max_hits): (bool, Option<&Bound<'py, PyAny>>),
         with_locations: bool,
     ) -> PyResult<Hits<'py>> {
-        let (py, mesh) = (rays[0].py(), self.mesh.get());
+        let (py, mesh) = (rays[0].py(), self.current(rays[0].py())?);
+        let shapes = &mesh.get().shapes;
         let most = input::given(("max_hits", max_hits), "a whole number")?;
-        let given = Given::new(NAMES, rays, None)?;
-        let (rays, faces, distances) = if multiple {
-            mesh.all_of(&given, most.unwrap_or(usize::MAX))?
+        let given = Given::new(NAMES, rays, [None; 2])?.in_double();
+        let found = if multiple {
+            shapes.all(&given, most.unwrap_or(usize::MAX))?
         } else {
-            let (faces, distances) = mesh.closest_of(&given)?;
-            let (mut faces, mut distances) = (faces.to_vec()?, distances.to_vec()?);
-            let mut rays = input::collected((0..faces.len()).map(|ray| Ok(ray as i64)))?;
-            rays.retain(|&ray| faces[ray as usize] >= 0);
-            faces.retain(|&face| face >= 0);
-            distances.retain(|distance| distance.is_finite());
-            (rays, faces, distances)
+            let mut found = shapes.first(&given)?;
+            found.retain(|found| !found.is_miss());
+            found
         };
-        let directions = given.directions.as_ref().map(|rows| rows.rows()).transpose()?;
-        let locations = match (with_locations, directions) {
-            (true, Some(directions)) => {
-                let origins = given.origins.rows()?;
-                let hits = rays.iter().zip(&distances);
-                let place = |(&ray, &t): (&i64, &f32)| {
-                    let along: DVec3 = directions.get(ray as usize) * f64::from(t);
-                    Ok((origins.get(ray as usize) + along).to_array())
-                };
-                Some(table(py, input::collected(hits.map(place))?)?)
-            }
-            _ => None,
+        let (rays, count) = (given.rays(shapes)?, found.len());
+        let locations = match with_locations {
+            true => Some(table(py, count, |i| rays.place(found[i]).to_array())?),
+            false => None,
         };
-        Ok((faces.into_pyarray(py), rays.into_pyarray(py), locations))
+        let faces = table(py, count, |i| [number(found[i])])?;
+        Ok((faces, table(py, count, |i| [found[i].ray as i64])?, locations))
     }
 }
 
@@ -71,10 +90,13 @@ const NAMES: [&str; 2] = ["ray_origins", "ray_directions"];
 impl RayMeshIntersector {
     #[new]
     fn new(py: Python<'_>, mesh: &Bound<'_, PyAny>) -> PyResult<Self> {
-        if let Ok(mesh) = mesh.cast::<Mesh>() {
-            return Ok(Self { mesh: mesh.clone().unbind() });
-        }
-        Ok(Self { mesh: Py::new(py, Mesh::new(py, mesh, None, None)?)? })
+        // Also before a pickled mesh has its arrays.
+        let has_faces = mesh.get_type().hasattr("faces")? || mesh.hasattr("faces")?;
+        let mesh = match has_faces {
+            true => mesh.clone().unbind(),
+            false => Py::new(py, Mesh::new(py, mesh, None, None, None, None)?)?.into_any(),
+        };
+        Ok(Self { mesh, known: Mutex::default() })
     }
 
     /// The hits of rays: index_tri, index_ray, and with return_locations the locations.
@@ -101,14 +123,15 @@ impl RayMeshIntersector {
     #[pyo3(signature = (ray_origins, ray_directions, multiple_hits=true, max_hits=None))]
     fn intersects_location<'py>(
         &self,
+        py: Python<'py>,
         ray_origins: &Bound<'py, PyAny>,
         ray_directions: &Bound<'py, PyAny>,
         multiple_hits: bool,
         max_hits: Option<&Bound<'py, PyAny>>,
-    ) -> PyResult<Located<'py>> {
+    ) -> PyResult<Bound<'py, PyTuple>> {
         let (rays, most) = ([ray_origins, ray_directions], (multiple_hits, max_hits));
         let (faces, rays, locations) = self.hits(rays, most, true)?;
-        Ok((locations, rays, faces))
+        (locations, rays, faces).into_pyobject(py)
     }
 
     /// The first face that each ray hits, or -1.
@@ -117,8 +140,8 @@ impl RayMeshIntersector {
         ray_origins: &Bound<'py, PyAny>,
         ray_directions: &Bound<'py, PyAny>,
     ) -> PyResult<Column<'py, i64>> {
-        let given = Given::new(NAMES, [ray_origins, ray_directions], None)?;
-        Ok(self.mesh.get().closest_of(&given)?.0)
+        let given = Given::new(NAMES, [ray_origins, ray_directions], [None; 2])?;
+        Ok(self.current(given.py)?.get().shapes.closest(&given)?.0)
     }
 
     /// Whether each ray hits anything.
@@ -127,11 +150,21 @@ impl RayMeshIntersector {
         ray_origins: &Bound<'py, PyAny>,
         ray_directions: &Bound<'py, PyAny>,
     ) -> PyResult<Column<'py, bool>> {
-        self.mesh.get().any_of(&Given::new(NAMES, [ray_origins, ray_directions], None)?)
+        let given = Given::new(NAMES, [ray_origins, ray_directions], [None; 2])?;
+        self.current(given.py)?.get().shapes.any(&given)
     }
 
-    /// Whether each point is inside the mesh.
+    /// Whether each point is inside the mesh, by parity.
     fn contains_points<'py>(&self, points: &Bound<'py, PyAny>) -> PyResult<Column<'py, bool>> {
-        self.mesh.get().contains(points)
+        self.current(points.py())?.get().contains(points, None)
+    }
+
+    fn __repr__(&self, py: Python<'_>) -> PyResult<String> {
+        Ok(format!("<wavecrest.RayMeshIntersector({})>", self.mesh.bind(py).repr()?))
+    }
+
+    /// For pickle and copy: the argument that makes it again.
+    fn __getnewargs__(&self, py: Python<'_>) -> (Py<PyAny>,) {
+        (self.mesh.clone_ref(py),)
     }
 }

@@ -1,6 +1,8 @@
 """Queries of rays, against trimesh and against exact arithmetic: python -m unittest discover python/tests."""
 
+import copy
 import multiprocessing
+import pickle
 import re
 import subprocess
 import sys
@@ -77,6 +79,14 @@ def meets(origin, direction, corners):
     return t if t > 0 else None
 
 
+def at_plane(origin, direction, corners):
+    """The t at which a line meets the plane of a triangle, in exact arithmetic."""
+    o, d, a, b, c = ([Fraction(float(x)) for x in v] for v in (origin, direction, *corners))
+    u, v, away = ([p[k] - q[k] for k in range(3)] for p, q in ((b, a), (c, a), (a, o)))
+    normal = [u[i - 2] * v[i - 1] - u[i - 1] * v[i - 2] for i in range(3)]
+    return sum(map(Fraction.__mul__, normal, away)) / sum(map(Fraction.__mul__, normal, d))
+
+
 class Rays(unittest.TestCase):
     def setUp(self):
         self.rng = np.random.default_rng(7)
@@ -86,7 +96,7 @@ class Rays(unittest.TestCase):
         vertices = rng.integers(0, 5, (40, 3)).astype(np.float32)
         faces = rng.integers(0, 40, (30, 3))
         mesh = wavecrest.Mesh(vertices, faces)
-        origins, targets = rng.integers(-2, 7, (2, 400, 3)).astype(float)
+        origins, targets = rng.integers(-2, 7, (2, 400, 3)).astype(np.float32)
         hit, distance = mesh.closest(origins, targets - origins)
         rays, crossed, distances = mesh.all(origins, targets - origins)
         for i, (origin, target) in enumerate(zip(origins, targets)):
@@ -101,6 +111,140 @@ class Rays(unittest.TestCase):
                 self.assertEqual(met[face], t)
         np.testing.assert_array_equal(mesh.any(origins, targets - origins), hit >= 0)
         self.assertTrue((hit >= 0).sum() > 50 and (distance[hit < 0] == np.inf).all())
+
+    def assert_exact(self, vertices, faces, origins, directions, most=1e-12):
+        """Distances and locations are those of the exact point, in parts of the size of coordinates."""
+        found = wavecrest.Mesh(vertices, faces).cast(origins, directions)
+        hits = np.flatnonzero(found["faces"] >= 0)
+        for i in hits:
+            corners = vertices[faces[found["faces"][i]]]
+            self.assertEqual(found["distances"].dtype, np.float64)
+            t = at_plane(origins[i], directions[i], corners)
+            size = max(np.abs(corners).max(), np.abs(origins[i]).max())
+            length = np.abs(directions[i]).max()
+            self.assertLess(abs(float(Fraction(found["distances"][i]) - t)) * length, most * size)
+            for k, place in enumerate(found["locations"][i]):
+                exact = Fraction(float(origins[i][k])) + t * Fraction(float(directions[i][k]))
+                self.assertLess(abs(float(Fraction(place) - exact)), most * size)
+        return len(hits)
+
+    def soup(self, count, thin=1.0):
+        """Triangles whose third corner is near the middle of the side opposite, if they are thin."""
+        a, b, c = self.rng.uniform(-1, 1, (3, count, 3))
+        corners = np.stack([a, b, (a + b) / 2 + thin * c], axis=1)
+        return corners.reshape(-1, 3), np.arange(3 * count).reshape(-1, 3)
+
+    def test_distances_and_locations_are_exact_in_double_precision(self):
+        origins = 3 * self.rng.normal(size=(150, 3))
+        directions = self.rng.uniform(-1, 1, (150, 3)) - origins
+        for thin, shift, scale, back in [(1, 0, 1, 0), (1, 1e7, 1, 0), (1, 0, 1e6, 0), (1e-3, 0, 1, 0), (1, 0, 1, 1e5)]:
+            with self.subTest(thin=thin, shift=shift, scale=scale, back=back):
+                vertices, faces = self.soup(300 if thin == 1 else 6000, thin)
+                starts = (origins - back * directions) * scale + shift
+                hits = self.assert_exact(vertices * scale + shift, faces, starts, directions * scale)
+                self.assertGreater(hits, 20)
+        vertices, faces = self.soup(300)
+        self.assert_exact(vertices.astype(np.float32), faces, *np.float32([origins, directions]))
+
+    def test_grazing_rays_meet_the_plane_as_given(self):
+        ground = np.array([[-1e3, -1e3, 0.1], [1e3, -1e3, 0.2], [0, 1e3, 0.3]])
+        origins = self.rng.uniform(-500, 500, (600, 3))
+        directions = self.rng.normal(size=(600, 3))
+        for slope in (1e-2, 1e-3):
+            origins[:, 2] = 0.31 + 100 * slope * self.rng.random(600)
+            directions[:, 2] = -slope
+            self.assertGreater(self.assert_exact(ground, np.array([[0, 1, 2]]), origins, directions), 50)
+
+    def test_directions_of_any_length_are_the_same_rays(self):
+        vertices, faces = self.soup(100)
+        mesh = wavecrest.Mesh(vertices, faces)
+        origins = 3 * self.rng.normal(size=(200, 3))
+        directions = self.rng.uniform(-1, 1, (200, 3)) - origins
+        expected, distances = mesh.closest(origins, directions)
+        self.assertGreater((expected >= 0).sum(), 50)
+        for exponent in (-1000, -166, 130, 1000):
+            scaled = np.ldexp(directions, exponent)
+            got, far = mesh.closest(origins, scaled)
+            np.testing.assert_array_equal(got, expected)
+            np.testing.assert_array_equal(far, np.ldexp(distances, -exponent))
+            middle = np.ldexp(np.median(distances[expected >= 0]), -exponent)
+            np.testing.assert_array_equal(mesh.any(origins, scaled, t_max=middle), far < middle)
+        for length in (5e-324, 1.7e308):
+            found = wavecrest.Mesh(CORNERS, CUBE).cast([0.25, 0.5, 3], [0, 0, -length])
+            self.assertEqual(found["locations"].tolist(), [[0.25, 0.5, 1]])
+
+    def test_hits_before_t_min_do_not_count(self):
+        mesh = wavecrest.Mesh(CORNERS, CUBE)
+        ray = [0.25, 0.5, 3], [0, 0, -1]
+        self.assertEqual([mesh.closest(*ray, t_min=t)[1][0] for t in (0, 1.5, 2, 2.5, 3)], [2, 2, 3, 3, np.inf])
+        self.assertEqual(mesh.all(*ray, t_min=2)[2].tolist(), [3])
+        self.assertEqual(mesh.any(*ray, t_min=2, t_max=3).tolist(), [False])
+
+    def test_one_origin_or_direction_is_that_of_all_rays(self):
+        mesh = wavecrest.Mesh(CORNERS, CUBE)
+        many = self.rng.uniform(-1, 2, (50, 3))
+        one = np.array([0.3, 0.4, 5.0])
+        for each in (one, one[None], one.tolist()):
+            for got, expected in zip(mesh.closest(each, many - one), mesh.closest(np.tile(one, (50, 1)), many - one)):
+                np.testing.assert_array_equal(got, expected)
+            np.testing.assert_array_equal(mesh.any(many, each), mesh.any(many, np.tile(one, (50, 1))))
+        self.assertEqual(mesh.any(one, -one).shape, (1,))
+        self.assertEqual(mesh.contains([0.5, 0.5, 0.25]).tolist(), [True])
+        self.assertEqual(mesh.any([], one).shape, (0,))
+
+    def test_what_is_in_two_solids_is_inside_by_winding(self):
+        mesh = wavecrest.Mesh(np.vstack([CORNERS, CORNERS + 0.5]), CUBE + [[i + 8 for i in face] for face in CUBE])
+        points = self.rng.integers(-4, 13, (3000, 3)) / 8 + 0.0625
+        first, second = (((points > low) & (points < low + 1)).all(axis=1) for low in (0, 0.5))
+        np.testing.assert_array_equal(mesh.contains(points), first != second)
+        np.testing.assert_array_equal(mesh.contains(points, rule="winding"), first | second)
+        inverted = wavecrest.Mesh(CORNERS, [face[::-1] for face in CUBE])
+        np.testing.assert_array_equal(inverted.contains(points, rule="winding"), first)
+
+    def test_hits_carry_the_surface(self):
+        corners = np.array([[0, 0, 1.0], [4, 0, 1], [0, 2, 1]])
+        normals = np.array([[0, 0, 2.0], [1, 0, 0], [0, 1, 0]])
+        uvs = np.array([[0, 0], [1, 0], [0, 1.0]])
+        mesh = wavecrest.Mesh(corners, [[0, 1, 2]], normals=normals, uvs=uvs)
+        found = mesh.cast([[1, 0.5, 9], [9, 9, 9]], [0, 0, -2])
+        weights = [0.5, 0.25, 0.25]
+        expected = {"faces": 0, "distances": 4, "locations": [1, 0.5, 1], "barycentrics": weights,
+                    "normals": [0, 0, 1], "shading_normals": np.array([1, 1, 2]) / 6**0.5, "uvs": weights @ uvs}
+        self.assertEqual(list(found), list(expected))
+        for name, value in expected.items():
+            np.testing.assert_allclose(found[name][0], value, rtol=1e-15)
+            self.assertTrue((found[name][1] == {"faces": -1, "distances": np.inf}.get(name)).all()
+                            or np.isnan(found[name][1]).all())
+        # The same values by corner, as files with seams have them, and none.
+        by_corner = wavecrest.Mesh(corners, [[0, 1, 2]], normals=normals[None], uvs=uvs[None])
+        plain = wavecrest.Mesh(corners, [[0, 1, 2]]).cast([1, 0.5, 9], [0, 0, -2])
+        for name, array in by_corner.cast([[1, 0.5, 9], [9, 9, 9]], [0, 0, -2]).items():
+            np.testing.assert_array_equal(array, found[name])
+        self.assertEqual(plain["shading_normals"].tolist(), [[0, 0, 1]])
+        self.assertNotIn("uvs", plain)
+
+    def test_files_bring_normals_and_texture_coordinates(self):
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder, "face.obj")
+            path.write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 1 1\nvt 0.5 0.25\nf 1/1/1 2/1/1 3/1/1\n")
+            mesh = wavecrest.Mesh(path)
+        for mesh in (mesh, pickle.loads(pickle.dumps(mesh))):
+            found = mesh.cast([0.2, 0.2, 1], [0, 0, -1])
+            np.testing.assert_allclose(found["shading_normals"], [[0, 0.5**0.5, 0.5**0.5]], rtol=1e-7)
+            self.assertEqual(found["uvs"].tolist(), [[0.5, 0.25]])
+
+    def test_meshes_are_pickled_and_copied(self):
+        vertices, faces = self.soup(30)
+        for kind in (np.float64, np.float32):
+            mesh = wavecrest.Mesh(vertices.astype(kind), faces, bvh="slow")
+            again = pickle.loads(pickle.dumps(mesh))
+            np.testing.assert_array_equal(again.vertices, vertices.astype(kind))
+            ray = np.zeros((1, 3), kind), np.ones((1, 3), kind)
+            self.assertEqual(again.closest(*ray)[1].dtype, kind)
+            self.assertEqual(repr(again), '<wavecrest.Mesh(vertices.shape=(90, 3), faces.shape=(30, 3), bvh="slow")>')
+            self.assertIs(copy.copy(mesh), mesh)
+            self.assertIs(copy.deepcopy(mesh), mesh)
+            self.assertIn(repr(again), repr(copy.deepcopy(again.ray)))
 
     def test_every_surface_is_reported_once_at_edges_and_corners(self):
         mesh = wavecrest.Mesh(CORNERS, CUBE)
@@ -129,10 +273,12 @@ class Rays(unittest.TestCase):
         mesh = wavecrest.Mesh(CORNERS.tolist(), CUBE)
         origins = np.array([[0.25, 0.5, 4], [9, 9, 9]])
         directions = np.array([[0, 0, -1], [0, 0, 1]])
-        for kind in (np.float32, np.float64, np.int64):
+        single = wavecrest.Mesh(CORNERS.astype(np.float32), CUBE)
+        self.assertEqual(single.closest(*np.float32([origins, directions]))[1].dtype, np.float32)
+        for kind in (np.float16, np.float32, np.float64, np.int64):
             for array in (np.ascontiguousarray, np.asfortranarray):
                 faces, distances = mesh.closest(array(origins), array(directions.astype(kind)))
-                self.assertEqual((faces.dtype, distances.dtype), (np.int64, np.float32))
+                self.assertEqual((faces.dtype, distances.dtype), (np.int64, np.float64))
                 self.assertEqual((faces[1], distances.tolist()), (-1, [3, np.inf]))
         many = np.repeat(origins, 3, axis=0)[::3]
         np.testing.assert_array_equal(mesh.any(many, directions), [True, False])
@@ -163,10 +309,18 @@ class Rays(unittest.TestCase):
 
     def test_errors_name_argument_shape_and_remedy(self):
         mesh = wavecrest.Mesh(CORNERS, CUBE)
-        with self.assertRaisesRegex(wavecrest.Error, r"origins: must have the shape \(N, 3\), found \[3\]"):
-            mesh.closest([0, 0, 1], [[0, 0, 1]])
-        with self.assertRaisesRegex(wavecrest.Error, r"directions: must have the shape of origins, \[1, 3\], found \[2"):
-            mesh.all([[0, 0, 1]], [[0, 0, 1]] * 2)
+        with self.assertRaisesRegex(wavecrest.Error, r"origins: must have the shape \(N, 3\), found \[2\]"):
+            mesh.closest([0, 1], [[0, 0, 1]])
+        with self.assertRaisesRegex(wavecrest.Error, r"directions: .* shape of origins, \[3, 3\], or be one, found \[2"):
+            mesh.all([[0, 0, 1]] * 3, [[0, 0, 1]] * 2)
+        with self.assertRaisesRegex(wavecrest.Error, "rule: must be one of parity, winding, found"):
+            mesh.contains([0, 0, 0], rule="inside")
+        with self.assertRaisesRegex(wavecrest.Error, r"uvs: must have the shape \[8, 2\].* or \[12, 3, 2\].*\[8, 3\]"):
+            wavecrest.Mesh(CORNERS, CUBE, uvs=CORNERS)
+        with self.assertRaisesRegex(wavecrest.Error, r"instances\[1\]: the transform is singular"):
+            wavecrest.Scene([mesh, (mesh, np.diag([1, 1, 0, 1]))])
+        with self.assertRaisesRegex(wavecrest.Error, r"instances\[0\]: must be a wavecrest.Mesh, or .* 0, 0, 0, 1, found"):
+            wavecrest.Scene([(mesh, np.zeros((4, 4)))])
         with self.assertRaisesRegex(wavecrest.Error, r"points: must have the shape \(N, 3\)"):
             mesh.contains(np.zeros((4, 2)))
         with self.assertRaisesRegex(TypeError, "directions: .*complex"):
@@ -183,6 +337,38 @@ class Rays(unittest.TestCase):
             wavecrest.Mesh(7)
         with self.assertRaisesRegex(wavecrest.Error, "max_hits: must be a whole number, found -1"):
             mesh.ray.intersects_id([[0, 0, 1]], [[0, 0, 1]], max_hits=-1)
+
+    def test_scenes_are_their_meshes_in_place(self):
+        rng = self.rng
+        one, other = (wavecrest.Mesh(*self.soup(40)) for _ in range(2))
+        turn = np.linalg.qr(rng.normal(size=(3, 3)))[0]
+        for far in (0, 1e6):
+            places = [np.eye(4) for _ in range(4)]
+            for number, place in enumerate(places):
+                place[:3, :3] = turn * [1, 2, -0.5] if number else np.eye(3)
+                place[:3, 3] = far + rng.normal(size=3)
+            meshes = [one, other, one, other]
+            scene = wavecrest.Scene(list(zip(meshes, places)))
+            # One mesh of all in place, whose faces are numbered instance by instance.
+            vertices = np.vstack([m.vertices @ p[:3, :3].T + p[:3, 3] for m, p in zip(meshes, places)])
+            faces = np.vstack([m.faces + 120 * i for i, m in enumerate(meshes)])
+            origins = 5 * rng.normal(size=(2000, 3)) + far
+            directions = rng.normal(size=(2000, 3)) + far - origins
+            found = scene.cast(origins, directions, t_min=0.25)
+            expected = wavecrest.Mesh(vertices, faces).cast(origins, directions, t_min=0.25)
+            hits = found["faces"] >= 0
+            same = found["faces"] + np.where(hits, 40 * found["instances"], 0) == expected["faces"]
+            self.assertTrue(same.mean() > 0.999 and (hits & same).sum() > 100)
+            np.testing.assert_array_equal(found["geometries"][hits], np.array([0, 1, 0, 1])[found["instances"][hits]])
+            self.assertTrue((found["instances"][~hits] == -1).all() and (found["geometries"][~hits] == -1).all())
+            for name in ("distances", "locations", "barycentrics", "normals", "shading_normals"):
+                np.testing.assert_allclose(found[name][same], expected[name][same], rtol=1e-7, atol=1e-7)
+            np.testing.assert_allclose(found["locations"][same], expected["locations"][same], rtol=1e-12, atol=1e-12)
+            np.testing.assert_array_equal(scene.any(origins, directions, t_min=0.25), hits)
+            again = pickle.loads(pickle.dumps(scene)).cast(origins, directions, t_min=0.25)
+            np.testing.assert_array_equal(again["instances"], found["instances"])
+        self.assertEqual(repr(scene), "<wavecrest.Scene(geometries=2, instances=4)>")
+        self.assertEqual(wavecrest.Scene([]).any([0, 0, 0], [0, 0, 1]).tolist(), [False])
 
     @unittest.skipUnless("fork" in multiprocessing.get_all_start_methods(), "there is no fork")
     def test_a_forked_process_has_threads_of_its_own(self):
@@ -203,7 +389,7 @@ class Readme(unittest.TestCase):
     def test_examples_run_as_they_are(self):
         text = (Path(__file__).parents[1] / "README.md").read_text()
         examples = re.findall("```python\n(.*?)```", text, re.DOTALL)
-        self.assertEqual(len(examples), 3)
+        self.assertEqual(len(examples), 4)
         for example in examples:
             with tempfile.TemporaryDirectory() as folder:
                 subprocess.run([sys.executable, "-W", "error", "-c", example], check=True, cwd=folder)
@@ -256,6 +442,33 @@ class Trimesh(unittest.TestCase):
         mesh = trimesh.creation.icosphere()
         mesh.ray = wavecrest.RayMeshIntersector(mesh)
         self.assertEqual(mesh.contains([[0, 0, 0], [2, 0, 0]]).tolist(), [True, False])
+
+    def test_a_changed_mesh_is_noticed(self):
+        mesh = trimesh.creation.icosphere()
+        mesh.ray = wavecrest.RayMeshIntersector(mesh)
+        ray = [0, 0, 5], [0, 0, -1]
+        for scale in (1, 1 / 64, 3):
+            mesh.apply_scale(scale)
+            top = mesh.ray.intersects_location(*ray, multiple_hits=False)[0]
+            np.testing.assert_allclose(top, [[0, 0, mesh.bounds[1][2]]], rtol=1e-14)
+        mesh.update_faces(mesh.triangles_center[:, 2] < 0)
+        self.assertLess(mesh.ray.intersects_location(*ray)[0][0, 2], 0)
+        mesh.vertices[:, 2] -= 100
+        self.assertLess(mesh.ray.intersects_location(*ray)[0][0, 2], -100)
+
+    def test_a_mesh_with_its_rays_is_pickled_and_copied(self):
+        mesh = trimesh.creation.icosphere()
+        mesh.ray = wavecrest.RayMeshIntersector(mesh)
+        for again in (pickle.loads(pickle.dumps(mesh)), mesh.copy()):
+            self.assertEqual(again.contains([[0, 0, 0], [2, 0, 0]]).tolist(), [True, False])
+        ray = pickle.loads(pickle.dumps(mesh.ray))
+        self.assertEqual(ray.intersects_any([0, 0, 5], [[0, 0, -1], [0, 0, 1]]).tolist(), [True, False])
+        self.assertIn("trimesh.Trimesh(vertices.shape=(642, 3)", repr(ray))
+
+    def test_texture_coordinates_come_along(self):
+        uv = np.random.default_rng(1).random((8, 2)).astype(np.float32)
+        mesh = trimesh.Trimesh(CORNERS, CUBE, visual=trimesh.visual.TextureVisuals(uv=uv), process=False)
+        np.testing.assert_array_equal(wavecrest.Mesh(mesh).uvs, uv)
 
 
 if __name__ == "__main__":

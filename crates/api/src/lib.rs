@@ -192,7 +192,7 @@ pub use wavecrest_scene::load::{
     LoadOptions, LoadedScene, MOST_SAMPLES, antialias, load, load_gltf, load_mesh, load_str,
     survey, survey_mesh,
 };
-pub use wavecrest_scene::mesh::{Attribute, MeshData};
+pub use wavecrest_scene::mesh::{Attribute, MeshData, NO_VALUE};
 pub use wavecrest_scene::survey::Survey;
 pub use wavecrest_scene::systems::{Extracted, Options as ExtractOptions, extract, warnings};
 pub use wavecrest_scene::{components, hecs, memory, mesh};
@@ -224,8 +224,12 @@ pub use wavecrest_core::accel::{
     Accel, Hit, KernelChoice, NO_PRIMITIVE, RayColumns, Rays, Traversal, rays_at_once,
 };
 pub use wavecrest_core::counters::TestCounts;
+pub use wavecrest_core::geometry::instance::Instance;
 pub use wavecrest_core::geometry::{Geometry, Primitive};
 pub use wavecrest_core::kernels::precision::Precision;
+pub use wavecrest_core::kernels::slab::Aabb;
+pub use wavecrest_core::math::exact;
+pub use wavecrest_core::math::float::MAX_COORDINATE;
 pub use wavecrest_core::math::ray::Ray;
 pub use wavecrest_core::math::simd::Level;
 

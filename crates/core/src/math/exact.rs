@@ -150,6 +150,17 @@ pub fn cross(u: &[Expansion; 3], v: &[Expansion; 3]) -> [Expansion; 3] {
     [(1, 2), (2, 0), (0, 1)].map(|(i, j)| &(&u[i] * &v[j]) - &(&u[j] * &v[i]))
 }
 
+/// The exact determinant of three columns.
+pub fn determinant(u: &[Expansion; 3], v: &[Expansion; 3], w: &[Expansion; 3]) -> Expansion {
+    let mut sum = Expansion::default();
+    for (i, w) in w.iter().enumerate() {
+        let (j, k) = ((i + 1) % 3, (i + 2) % 3);
+        sum.add_product(1.0, [&u[j], &v[k], w]);
+        sum.add_product(-1.0, [&u[k], &v[j], w]);
+    }
+    sum
+}
+
 /// The exact quotient of two numbers, the second not zero.
 #[derive(Clone, Debug)]
 pub struct Quotient {

@@ -10,7 +10,7 @@ use std::cmp::Ordering;
 
 use glam::{DVec3, Vec3};
 
-use crate::math::exact::{Comparable, Expansion, Quotient, cross, exact};
+use crate::math::exact::{Comparable, Expansion, Quotient, cross, determinant, exact};
 use crate::math::ray::Ray;
 
 /// Three exact coordinates.
@@ -18,17 +18,6 @@ type Expansion3 = [Expansion; 3];
 
 fn difference(p: Vec3, o: Vec3) -> Expansion3 {
     [0, 1, 2].map(|k| &Expansion::from(p[k]) - &Expansion::from(o[k]))
-}
-
-/// det(u, v, w).
-fn determinant(u: &Expansion3, v: &Expansion3, w: &Expansion3) -> Expansion {
-    let mut sum = Expansion::default();
-    for (i, w) in w.iter().enumerate() {
-        let (j, k) = ((i + 1) % 3, (i + 2) % 3);
-        sum.add_product(1.0, [&u[j], &v[k], w]);
-        sum.add_product(-1.0, [&u[k], &v[j], w]);
-    }
-    sum
 }
 
 /// A ray and a triangle, as seen from the origin of the ray.
