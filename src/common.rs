@@ -125,6 +125,7 @@ pub(crate) fn tell_error(error: &Error) {
 }
 
 /// As [`tell`], as the last line: in place of the bars.
+#[cfg(unix)]
 pub(crate) fn tell_last(line: &str) {
     let _ = BARS.clear();
     let _ = writeln!(std::io::stderr(), "{line}");

@@ -3,16 +3,12 @@
 //! A render records the first signal and ends by itself; the second ends the process at once, as the first does to other
 //! commands. Temporary files are removed before, and the message lists the files that remain.
 
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, AtomicU8, Ordering};
-use std::thread;
 
 use signal_hook::consts::{SIGINT, SIGTERM};
-use signal_hook::iterator::Signals;
-use signal_hook::{flag, low_level};
 
 use wavecrest_base::error::{Error, ErrorKind};
-use wavecrest_base::replace::{remove_temporary_files, written};
+use wavecrest_base::replace::written;
 
 /// The signals, with their names.
 const SIGNALS: [(i32, &str); 2] = [(SIGINT, "SIGINT"), (SIGTERM, "SIGTERM")];
@@ -32,8 +28,20 @@ pub(super) fn exit_code(signal: u8) -> u8 {
 }
 
 /// Removes temporary files before a signal ends the process, from now on. Where the system allows no handler or no thread
-/// for that, signals end the process as usual.
+/// for that, as Windows, signals end the process as usual.
+#[cfg(not(unix))]
+pub(super) fn clean_up() {}
+
+/// As elsewhere.
+#[cfg(unix)]
 pub(super) fn clean_up() {
+    use std::sync::Arc;
+    use std::thread;
+
+    use signal_hook::iterator::Signals;
+    use signal_hook::{flag, low_level};
+    use wavecrest_base::replace::remove_temporary_files;
+
     let Ok(mut signals) = Signals::new(SIGNALS.map(|(number, _)| number)) else { return };
     let wait = move || {
         for number in signals.forever() {
@@ -84,6 +92,7 @@ fn name(signal: i32) -> &'static str {
 }
 
 /// The files that the process leaves behind, in words.
+#[cfg(unix)]
 fn left() -> String {
     let files = written();
     let left = files.iter().filter(|file| file.exists());

@@ -92,10 +92,6 @@ pub(crate) struct RenderArgs {
     /// Write the unfinished image at this interval
     #[arg(long, help_heading = LONG, value_name = "SECONDS", value_parser = above_zero)]
     pub(crate) save_every: Option<f64>,
-    /// Show the image in the viewer tev while rendering
-    #[arg(long, help_heading = LONG, value_name = "HOST:PORT", num_args = 0..=1, require_equals = true,
-          default_missing_value = TEV)]
-    pub(crate) tev: Option<String>,
     /// Save finished work to this file at intervals, and when SIGINT or SIGTERM stops the render
     #[arg(long, help_heading = LONG, value_name = "FILE", conflicts_with_all = ["target_error", "time_budget"])]
     pub(crate) checkpoint: Option<PathBuf>,
@@ -238,9 +234,6 @@ pub(super) fn refuse(option: &str, output: &Path, others: &[Given]) -> Result<()
 
 /// Default number of seconds between checkpoints.
 const USUAL_PAUSE: f64 = 60.0;
-
-/// Where tev listens by default.
-const TEV: &str = "127.0.0.1:14158";
 
 /// `x,y,width,height` in pixels.
 fn crop(text: &str) -> std::result::Result<Tile, String> {

@@ -1,8 +1,6 @@
-//! Viewer and unfinished image of a render, beside its [progress](crate::progress).
+//! The unfinished image of a render, beside its [progress](crate::progress).
 //!
 //! Failures here never end a render: they are warnings at most.
-
-mod live;
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, Once, PoisonError};
@@ -15,7 +13,6 @@ use super::parts::warn;
 use crate::common::seconds;
 use crate::interrupt;
 use crate::progress::{Display, Stage};
-use live::Live;
 use wavecrest_base::error::Result;
 use wavecrest_core::film::Film;
 use wavecrest_core::prepared::PreparedScene;
@@ -31,11 +28,10 @@ pub(super) struct Rendering<'a> {
     pub(super) progress: &'a Display,
 }
 
-/// Shows one render on the requested channels: progress, the viewer and the file. Ends it on a
-/// signal, or if it is too slow.
+/// Shows one render: its progress, and the image so far in the file. Ends it on a signal, or if it is
+/// too slow.
 pub(super) struct Show<'a> {
     rendering: &'a Rendering<'a>,
-    live: Option<Live>,
     saver: Option<ImageSaver<'a>>,
     pace: Option<&'a Pace<'a>>,
     /// That the time is too short.
@@ -53,20 +49,12 @@ impl<'a> Show<'a> {
         progress.stage(Stage::Trace);
         let [width, height] = scene.camera.size();
         let window = args.crop.unwrap_or(Tile { x: 0, y: 0, width, height });
-        let live = args
-            .tev
-            .as_ref()
-            .and_then(|address| or_warn(Live::connect(address, &outputs.name(), window)));
-        let saver = args
-            .save_every
-            .and_then(|seconds| or_warn(ImageSaver::new(outputs, scene, window, seconds)));
-        Self { rendering, live, saver, pace, told: Once::new() }
+        let saver = args.save_every.and_then(|seconds| {
+            let saver = ImageSaver::new(outputs, scene, window, seconds);
+            saver.inspect_err(warn).ok()
+        });
+        Self { rendering, saver, pace, told: Once::new() }
     }
-}
-
-/// The value, or a warning with the reason for none.
-fn or_warn<T>(made: Result<T>) -> Option<T> {
-    made.map_err(|error| warn(&error)).ok()
 }
 
 impl Watch for Show<'_> {
@@ -82,9 +70,6 @@ impl Watch for Show<'_> {
     }
 
     fn tile(&self, tile: &Tile, pixels: &[[f32; 3]]) {
-        if let Some(live) = &self.live {
-            live.send(tile, pixels);
-        }
         if let Some(saver) = &self.saver
             && let Err(error) = saver.keep(tile, pixels)
         {
@@ -100,9 +85,6 @@ impl Watch for Show<'_> {
 impl Drop for Show<'_> {
     fn drop(&mut self) {
         self.rendering.progress.finish();
-        if let Some(error) = self.live.take().and_then(Live::finish) {
-            warn(&error);
-        }
     }
 }
 
