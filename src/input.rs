@@ -17,7 +17,7 @@ use wavecrest_core::accel::build::Preset;
 use wavecrest_core::kernels::precision::Precision;
 use wavecrest_core::math::float::MAX_COORDINATE;
 use wavecrest_core::prepared::PreparedScene;
-use wavecrest_scene::load::framing::{Fit, Fov, Framing, Sheet, Side, Up};
+use wavecrest_scene::load::framing::{Fit, Fov, Framing, Side, Up};
 use wavecrest_scene::load::lighting::{Background, Lighting, Rig};
 use wavecrest_scene::load::{
     FileFormat, LONGEST_SIDE, LoadOptions, LoadedScene, MOST_SAMPLES, antialias, load, survey,
@@ -61,7 +61,7 @@ pub(crate) struct InputOptions {
     pub(crate) view: Option<Side>,
     /// Place of the camera of a mesh or a glTF file, in its coordinates
     #[arg(long, help_heading = VIEW, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true,
-          conflicts_with_all = ["camera", "view", "fit", "turntable", "sheet"])]
+          conflicts_with_all = ["camera", "view", "fit", "turntable"])]
     pub(crate) from: Option<DVec3>,
     /// Point that it looks at [default: the middle of everything]
     #[arg(long, help_heading = VIEW, value_name = "X,Y,Z", value_parser = point, allow_hyphen_values = true,
@@ -80,10 +80,6 @@ pub(crate) struct InputOptions {
     /// Turn once around a mesh or a glTF file in this many frames, numbered from 1
     #[arg(long, help_heading = FRAMES, value_name = "FRAMES", value_parser = whole(2..=3600_u32), conflicts_with = "camera")]
     pub(crate) turntable: Option<u32>,
-    /// Show a mesh or a glTF file from several sides in one image, in rows in this order
-    #[arg(long, help_heading = VIEW, value_name = "SIDE,SIDE,...", allow_hyphen_values = true,
-          conflicts_with_all = ["camera", "view", "turntable"])]
-    pub(crate) sheet: Option<Sheet>,
     /// Lights of a mesh, or of a glTF file in place of its own [default: studio where it has none]
     #[arg(long, help_heading = VIEW, value_name = "RIG", value_parser = choice::<Rig>())]
     pub(crate) lights: Option<Rig>,
@@ -109,7 +105,6 @@ impl InputOptions {
     pub(crate) fn load_options(&self) -> LoadOptions {
         let Self { allow_outside, up, fov, fit, turntable, .. } = *self;
         let [width, height] = self.size.map_or([self.width, self.height], |size| size.map(Some));
-        let sheet = self.sheet.clone().unwrap_or_default();
         let side = self.from.map(|eye| Side::Point { eye, look: self.at }).or(self.view);
         let usual = Lighting::default();
         let lighting = Lighting {
@@ -128,7 +123,7 @@ impl InputOptions {
             antialias: self.samples.map(antialias),
             camera: self.camera.clone(),
             allow_outside,
-            framing: Framing { side, up, fov, fit, turntable, sheet },
+            framing: Framing { side, up, fov, fit, turntable },
             lighting,
             like_meshes: false,
         }

@@ -8,7 +8,6 @@ use std::sync::atomic::{AtomicBool, AtomicU8, Ordering};
 use signal_hook::consts::{SIGINT, SIGTERM};
 
 use wavecrest_base::error::{Error, ErrorKind};
-use wavecrest_base::replace::written;
 
 /// The signals, with their names.
 const SIGNALS: [(i32, &str); 2] = [(SIGINT, "SIGINT"), (SIGTERM, "SIGTERM")];
@@ -94,7 +93,7 @@ fn name(signal: i32) -> &'static str {
 /// The files that the process leaves behind, in words.
 #[cfg(unix)]
 fn left() -> String {
-    let files = written();
+    let files = wavecrest_base::replace::written();
     let left = files.iter().filter(|file| file.exists());
     match &left.map(|file| file.display().to_string()).collect::<Vec<_>>()[..] {
         [] => "no file is written".to_owned(),

@@ -7,7 +7,8 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 use crate::common::{
-    FILES, FRAMES, IMAGE, LONG, SPEED, SearchOptions, above_zero, choice, numbers, output, whole,
+    FILES, FRAMES, IMAGE, LONG, SPEED, SearchOptions, VIEW, above_zero, choice, numbers, output,
+    whole,
 };
 use crate::image_options::{DevelopOptions, MetadataOptions};
 use crate::input::{Made, SceneOptions};
@@ -24,6 +25,7 @@ use wavecrest_image::farm::Shard;
 use wavecrest_image::farm::checkpoint::Checkpoint;
 use wavecrest_image::look::Look;
 use wavecrest_image::write::Transfer;
+use wavecrest_scene::load::framing::Sheet;
 
 /// Render a scene to an image.
 #[derive(Clone, Debug, clap::Args)]
@@ -79,6 +81,10 @@ pub(crate) struct RenderArgs {
     /// Scene
     #[command(flatten)]
     pub(crate) scene_options: SceneOptions,
+    /// Show a mesh or a glTF file from several sides in one image, in rows in this order
+    #[arg(long, help_heading = VIEW, value_name = "SIDE,SIDE,...", allow_hyphen_values = true,
+          conflicts_with_all = ["camera", "view", "from", "turntable", "frame", "frames"])]
+    pub(crate) sheet: Option<Sheet>,
     /// Render this frame of the camera's path
     #[arg(long, help_heading = FRAMES, value_name = "N", value_parser = whole(0..=u32::MAX))]
     pub(crate) frame: Option<u32>,

@@ -66,7 +66,7 @@ pub(super) fn run(args: &RenderArgs, frames: Frames, shard: Option<Shard>) -> Re
             size = [rendered.film.width(), rendered.film.height()];
         }
         progress.stage(Stage::Done);
-        sequence.finish(&args.output()?.display().to_string(), size);
+        sequence.finish(args, &args.output()?.display().to_string(), size);
         Ok(())
     })
 }
@@ -108,6 +108,24 @@ impl<'a> Sequence<'a> {
     /// If the camera has no such frame, or a signal ended the render.
     pub(super) fn frame(&mut self, frame: u32, outputs: &Outputs<'_>) -> Result<Rendered> {
         place(&mut self.ready.scene, frame, &self.args.scene)?;
+        self.trace(outputs)
+    }
+
+    /// What is rendered of the same work, for [`Sequence::go_on`].
+    pub(super) fn so_far(self) -> (Totals, usize) {
+        (self.summary, self.finished)
+    }
+
+    /// Counts what is rendered already.
+    pub(super) fn go_on(&mut self, (summary, finished): (Totals, usize)) {
+        (self.summary, self.finished) = (summary, finished);
+    }
+
+    /// Renders what the camera sees now.
+    ///
+    /// # Errors
+    /// If a signal ended the render.
+    pub(super) fn trace(&mut self, outputs: &Outputs<'_>) -> Result<Rendered> {
         outputs.made_of(self.ready.encoding);
         if interrupt::signal().is_some() {
             return Err(self.interrupted(outputs, 0.0));
@@ -138,9 +156,9 @@ impl<'a> Sequence<'a> {
     }
 
     /// Prints the line after success, with the size of the frames, or of what they are put together to.
-    pub(super) fn finish(&self, name: &str, [width, height]: [u32; 2]) {
+    pub(super) fn finish(&self, args: &RenderArgs, name: &str, [width, height]: [u32; 2]) {
         let frames = self.frames;
-        self.summary.print(self.args, name, &format!("{frames} frames, {width}x{height}"));
+        self.summary.print(args, name, &format!("{frames} frames, {width}x{height}"));
     }
 }
 

@@ -232,7 +232,7 @@ impl RenderArgs {
         let pixels = area(image);
         let film = film_bytes(pixels) + self.beside(pixels, area(size));
         let animated = self.output().ok().and_then(|path| animated(path));
-        match (&input.sheet, input.turntable, animated) {
+        match (&self.sheet, input.turntable, animated) {
             _ if self.frame.is_some() => [film, self.writing(pixels)],
             (Some(Sheet(sides)), ..) => {
                 let sheet = area(Rows::new(sides.len()).size(image));

@@ -7,6 +7,7 @@ use super::rows::Rows;
 use super::watched;
 use crate::progress::{Display, Stage};
 use wavecrest_base::error::Result;
+use wavecrest_core::render::Rendered;
 use wavecrest_image::animation::{Animated, Animation};
 use wavecrest_image::farm::Shard;
 use wavecrest_scene::load::framing::Sheet;
@@ -21,7 +22,7 @@ pub(super) fn run(args: &RenderArgs, shard: Option<Shard>) -> Result<bool> {
     }
     let input = &args.scene_options.input;
     let output = args.output()?;
-    if let Some(sheet) = &input.sheet {
+    if let Some(sheet) = &args.sheet {
         refuse("--sheet", output, &[of_frame(args), of_image(args, shard)].concat())?;
         let outputs = Outputs::check(args, args.paths()?, false)?;
         watched(args, |progress| draw_sheet(args, sheet, &outputs, progress))?;
@@ -87,31 +88,43 @@ fn animate(
     };
     animation.write(&mut film).map_err(|error| failed.unwrap_or(error))?;
     progress.stage(Stage::Done);
-    sequence.finish(&output.display().to_string(), size);
+    sequence.finish(args, &output.display().to_string(), size);
     Ok(())
 }
 
-/// Renders every side, and arranges them.
+/// Renders every side as an image of its own, with lights of its own, and arranges them.
 fn draw_sheet(
     args: &RenderArgs,
     Sheet(sides): &Sheet,
     outputs: &Outputs<'_>,
     progress: &Display,
 ) -> Result<()> {
-    let mut sequence = Sequence::prepare(args, &outputs.all(), sides.len(), progress)?;
     let mut rows = Rows::new(sides.len());
-    let mut last = None;
-    for frame in 1..=sides.len() as u32 {
-        let rendered = sequence.frame(frame, outputs)?;
+    let mut seen = args.clone();
+    let of_side = |side| {
+        seen.scene_options.input.view = Some(side);
+        let one = seen.clone();
+        // What is told of one is true of all.
+        seen.scene_options.quiet = true;
+        one
+    };
+    let all: Vec<RenderArgs> = sides.iter().copied().map(of_side).collect();
+    let mut last: Option<(Sequence<'_>, Rendered)> = None;
+    for one in &all {
+        // Frees the scene before the next is read.
+        let before = last.take().map(|(sequence, _)| sequence.so_far());
+        let mut sequence = Sequence::prepare(one, &outputs.all(), sides.len(), progress)?;
+        before.into_iter().for_each(|before| sequence.go_on(before));
+        let rendered = sequence.trace(outputs)?;
         rows.add(&rendered.film)?;
-        last = Some(rendered);
+        last = Some((sequence, rendered));
     }
-    let (Some(mut rendered), Some(film)) = (last, rows.film) else { return Ok(()) };
+    let (Some((sequence, mut rendered)), Some(film)) = (last, rows.film) else { return Ok(()) };
     rendered.film = film;
     progress.stage(Stage::Write);
     outputs.write(&sequence.ready.scene, &rendered)?;
     progress.stage(Stage::Done);
     let size = [rendered.film.width(), rendered.film.height()];
-    sequence.finish(&outputs.name(), size);
+    sequence.finish(args, &outputs.name(), size);
     Ok(())
 }

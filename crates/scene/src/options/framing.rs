@@ -19,12 +19,10 @@ pub struct Framing {
     pub fit: Option<Fit>,
     /// Number of frames of one turn of the camera, from frame 1 on.
     pub turntable: Option<u32>,
-    /// Sides to show, a frame each, from 1 on; empty for a single view.
-    pub sheet: Sheet,
 }
 
 /// Sides to show in turn.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Sheet(pub Vec<Side>);
 
 impl FromStr for Sheet {

@@ -72,7 +72,7 @@ pub(crate) fn view(options: &LoadOptions, aspect: Option<f64>) -> Result<View> {
 /// The chosen camera, and a description for the user.
 pub(crate) struct Framed {
     pub(crate) view: View,
-    /// Its path, if it turns or shows several sides.
+    /// Its path, if it turns.
     pub(crate) path: Option<CameraPath>,
     /// The up axis, of unit length; not necessarily up in the image.
     pub(crate) up: DVec3,
@@ -108,19 +108,12 @@ pub(crate) fn framed(
 ) -> Result<Framed> {
     let blank = view(options, None)?;
     let framing = &options.framing;
-    let mut sides: Vec<_> = framing.sheet.0.iter().copied().map(Some).collect();
-    if sides.is_empty() {
-        sides.push(framing.side);
-    }
-    let from_outside =
-        |side: &Option<Side>| matches!(side, Some(Side::Around { .. } | Side::Point { .. }));
-    let needs_grid = !sides.iter().all(from_outside)
-        || (framing.up.is_none() && matches!(usual, Upward::Guessed(_)));
+    let from_outside = matches!(framing.side, Some(Side::Around { .. } | Side::Point { .. }));
+    let needs_grid = !from_outside || (framing.up.is_none() && matches!(usual, Upward::Guessed(_)));
     let grid = if needs_grid { Grid::of(contents) } else { None };
     let (up, told) = upward(contents, grid.as_ref(), framing.up.map_or(usual, Upward::Stated));
     let stage = ToFrame { contents, grid, up, framing };
-    let mut views = sides.iter().map(|side| stage.seen_from(*side, blank));
-    let (view, room) = views.next().unwrap_or_else(|| stage.seen_from(None, blank));
+    let (view, room) = stage.seen_from(framing.side, blank);
     if view.location == view.look {
         let error = Error::new(ErrorKind::Usage, "the camera would be at the point it looks at");
         return Err(error.value(view.location).remedy("use another --from or --at"));
@@ -135,13 +128,9 @@ pub(crate) fn framed(
         _ => None,
     };
     let upward = up.axes().y_axis;
-    let views: Vec<View> = match framing.turntable {
-        Some(frames) => stage.turned(&view, frames, lamp.is_some()),
-        None if framing.sheet.0.is_empty() => Vec::new(),
-        None => std::iter::once(view).chain(views.map(|(view, _)| view)).collect(),
-    };
-    let view = views.first().copied().unwrap_or(view);
-    let path = (!views.is_empty()).then(|| path(&views));
+    let turned = framing.turntable.map(|frames| stage.turned(&view, frames, lamp.is_some()));
+    let view = turned.as_ref().and_then(|views| views.first().copied()).unwrap_or(view);
+    let path = turned.map(|views| path(&views));
     Ok(Framed { view, path, up: upward, lamp, told })
 }
 
