@@ -141,17 +141,17 @@ impl RenderArgs {
         let usage = |message: &str| Error::new(ErrorKind::Usage, message);
         let scenes: Vec<&PathBuf> =
             std::iter::once(&self.scene).chain(&self.image).chain(&self.more).collect();
-        let Some(folder) = &self.output else {
-            return match self.more.first() {
-                None => Ok(vec![self.clone()]),
-                Some(file) => Err(usage("several scenes need a folder for their images")
-                    .in_file(file)
-                    .remedy("add --output and the folder")),
-            };
+        let folder =
+            self.output.as_ref().filter(|path| path.is_dir() || path.extension().is_none());
+        let given = if self.output.is_some() { scenes.len() } else { 1 + self.more.len() };
+        let folder = match folder {
+            Some(folder) if given > 1 || folder.is_dir() => folder,
+            _ if given == 1 => return Ok(vec![self.clone()]),
+            _ => {
+                let error = usage("several scenes need a folder for their images");
+                return Err(error.in_file(scenes[1]).remedy("name it with --output"));
+            }
         };
-        if scenes.len() == 1 && !folder.is_dir() {
-            return Ok(vec![self.clone()]);
-        }
         let of_one = [
             ("--also", !self.also.is_empty()),
             ("--stats", self.stats.is_some()),

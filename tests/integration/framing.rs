@@ -2,7 +2,7 @@
 
 use wavecrest_core::film::Film;
 
-use crate::support::{bytes, film, folder, places, put, repository, run_well};
+use crate::support::{bytes, film, folder, json_in, places, put, repository, run_well};
 
 /// A low block that is longer than wide, with a small one on its top, and a point far away that no face has.
 const BLOCK: &str = "\
@@ -131,6 +131,28 @@ fn a_camera_that_is_chosen_is_written_down_and_so_is_a_turn() {
     assert_ne!(read("a-1.pfm"), read("a-2.pfm"));
     run_well(at, &["-q", "s.json", "still.pfm"]);
     assert_eq!(read("still.pfm"), read("a-1.pfm"), "the camera stands where the turn begins");
+}
+
+#[test]
+fn a_camera_is_placed_by_hand_where_another_stands() {
+    let folder = with_block();
+    let at = folder.path();
+    let size = ["--width", "40", "--height", "30", "-q"];
+    for (up, side) in [("y", "70,15"), ("z", "front"), ("z", "top"), ("-x", "bottom")] {
+        let options = [&size[..], &["--up", up]].concat();
+        let view = [&options[..], &["--view", side]].concat();
+        run_well(at, &[&["convert", "--force", "block.obj", "s.json"], &view[..]].concat());
+        run_well(at, &[&["block.obj", "a.pfm"], &view[..]].concat());
+        let camera = &json_in(at, "s.json")["camera"];
+        let point = |key: &str| {
+            let numbers = camera[key].as_array().expect("a point").iter();
+            numbers.map(ToString::to_string).collect::<Vec<_>>().join(",")
+        };
+        let hand = ["--from", &point("location"), "--at", &point("look")].map(str::to_owned);
+        let hand: Vec<&str> = hand.iter().map(String::as_str).collect();
+        run_well(at, &[&["block.obj", "b.pfm"], &options[..], &hand].concat());
+        assert_eq!(bytes(at, "a.pfm"), bytes(at, "b.pfm"), "{up} {side}");
+    }
 }
 
 #[test]

@@ -3,7 +3,7 @@
 use exr::prelude::read_first_flat_layer_from_file;
 
 use super::{run_silently, with_ball};
-use crate::support::{bytes, json_in};
+use crate::support::{bytes, json_in, run, run_well, text};
 
 #[test]
 fn a_part_of_the_image_has_the_layers_that_the_whole_has_there() {
@@ -64,4 +64,29 @@ fn a_merge_of_parts_is_the_file_of_one_process() {
             }
         }
     }
+}
+
+#[test]
+fn the_image_on_standard_output_is_that_of_a_file() {
+    let folder = with_ball();
+    run_silently(folder.path(), &["ball.json", "out.png"]);
+    let output = run(folder.path(), &["ball.json", "-", "--quiet"]);
+    assert_eq!((output.status.code(), text(&output.stderr)), (Some(0), ""));
+    assert_eq!(output.stdout, bytes(folder.path(), "out.png"));
+}
+
+#[test]
+fn each_of_several_scenes_has_its_image_though_one_cannot_be_rendered() {
+    let folder = with_ball();
+    let at = folder.path();
+    std::fs::copy(at.join("ball.json"), at.join("other.json")).expect("a copy");
+    run_silently(at, &["ball.json", "out.png"]);
+    let output = run(at, &["ball.json", "none.json", "other.json", "-o", "images", "--quiet"]);
+    assert_eq!(output.status.code(), Some(2));
+    let told: Vec<&str> = text(&output.stderr).lines().collect();
+    assert!(told.len() == 2 && told[0].contains("none.json") && told[1].contains("1 of 3"));
+    for name in ["images/ball.png", "images/other.png"] {
+        assert_eq!(bytes(at, name), bytes(at, "out.png"), "{name}");
+    }
+    run_well(at, &["other.json", "-o", "images", "--quiet"]);
 }

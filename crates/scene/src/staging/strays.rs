@@ -89,11 +89,11 @@ fn most(contents: &Scenery<'_>) -> Option<BoxEnds> {
         return None;
     }
     let count: usize = contents.all.iter().map(|placed| placed.triangles.len()).sum();
-    let all = contents
-        .all
-        .iter()
-        .flat_map(|placed| placed.triangles.iter().map(|triangle| placed.corners(*triangle)[0]));
-    let points: Vec<DVec3> = all.step_by(count.div_ceil(SAMPLES).max(1)).collect();
+    let step = count.div_ceil(SAMPLES).max(1);
+    let of = |placed: &Placed<'_>| -> Vec<DVec3> {
+        placed.triangles.iter().step_by(step).map(|one| placed.corners(*one)[0]).collect()
+    };
+    let points: Vec<DVec3> = contents.all.iter().flat_map(of).collect();
     let skipped = (points.len() as f64 * OUTERMOST) as usize;
     let mut ends = EMPTY;
     for axis in 0..3 {

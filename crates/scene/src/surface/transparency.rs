@@ -24,7 +24,7 @@ component! {
         /// Colour of refracted light.
         pub color: DVec3 = "transmissioncolor": Color, Are([1.0; 3]) => "kt";
         /// Whether the base colour tints refracted light as well: `diffusecolor`, or the texture, times
-        /// vertex colours.
+        /// vertex colours; of a solid its square root at each surface.
         pub tinted: bool = "tinted": Truth, Off => "kt";
         /// Colour that light has left after the attenuation distance inside.
         pub attenuation_color: DVec3 = "attenuationcolor": Color, Are([1.0; 3])
