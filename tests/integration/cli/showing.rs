@@ -1,16 +1,13 @@
 //! Progress, and the image while it is not finished.
 
-use std::io::{Read, Write as _};
-use std::net::{TcpListener, TcpStream};
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
 use serde_json::{Value, json};
-use wavecrest_core::film::Film;
 
 use super::{ball, run_silently, with_ball, with_scene};
-use crate::support::{bytes, edited, film, folder, image, put, run, text};
+use crate::support::{bytes, edited, film, folder, put, run, text};
 
 /// The ball in so many pixels.
 fn of_size(width: u32, height: u32) -> Value {

@@ -69,7 +69,7 @@ pub(super) fn split(
                 entity.add(transparency);
             }
             if let (Some(metal), true) = (maps.metal, has_uvs) {
-                let own = entity.get::<&Maps>().map(|own| Maps::clone(&own)).unwrap_or_default();
+                let own = entity.get::<&Maps>().cloned().unwrap_or_default();
                 entity.add(Maps { metal: Some(metal), ..own });
             }
             texture.filter(|_| has_uvs).map(|texture| entity.add(texture));
