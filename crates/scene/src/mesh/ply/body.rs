@@ -47,6 +47,8 @@ struct Body {
     image: usize,
     /// Number of faces with fewer than three corners.
     too_few_corners: u64,
+    /// Number of faces whose lines have more values than were declared.
+    longer_faces: u64,
     notes: Vec<Error>,
 }
 
@@ -146,7 +148,9 @@ impl Body {
                 _ => skip(p.shape, numbers)?,
             }
         }
-        numbers.end_row()?;
+        // Some programs write colours of corners at the end of faces, and declare those of faces.
+        let is_longer = numbers.end_row(matches!(rows, RowKind::Lists(_)))?;
+        self.longer_faces += u64::from(is_longer);
         match rows {
             RowKind::VertexArrays(layout) => self.vertices.set(index as usize, layout, values),
             RowKind::Lists(layout) if layout.is_strip => {
@@ -247,6 +251,11 @@ impl Body {
         let Faces { mut triangles, polygons, uvs: mut of_faces, mut of_uvs, mut images } =
             self.faces;
         self.notes.extend(too_few_corners(self.too_few_corners));
+        if self.longer_faces > 0 {
+            let message = "lines of faces have more values than the header declares";
+            let warning = Error::new(ErrorKind::Mesh, message).value(self.longer_faces);
+            self.notes.push(warning.remedy("these are ignored"));
+        }
         self.notes.extend(polygon::split(
             &polygons,
             &positions,

@@ -82,15 +82,20 @@ impl<'a> Numbers<'a> {
         Ok(())
     }
 
-    /// Checks that a row of a text ends here.
-    pub(super) fn end_row(&mut self) -> Result<()> {
+    /// Ends a row: in a text at the end of its line, where nothing may stand before, unless more may
+    /// follow, which is skipped. Returns whether something stands there.
+    pub(super) fn end_row(&mut self, more_may_follow: bool) -> Result<bool> {
         let is_over = self.encoding != BodyEncoding::Ascii
             || self.skip_while(|b| is_blank(b) && b != b'\n')?.is_none_or(|next| next == b'\n');
-        is_over.then_some(()).ok_or_else(|| {
-            syntax("the line has too many values").remedy(
+        if !is_over && !more_may_follow {
+            return Err(syntax("the line has too many values").remedy(
                 "declare every value of a line in the header, and put each element on its own line",
-            )
-        })
+            ));
+        }
+        if !is_over {
+            self.skip_while(|b| b != b'\n')?;
+        }
+        Ok(!is_over)
     }
 
     /// The smallest number of bytes of `count` numbers of the type `kind`: in a text a digit and a

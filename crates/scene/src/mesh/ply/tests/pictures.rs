@@ -55,3 +55,13 @@ fn an_image_without_coordinates_is_named() {
     assert!(notes[0].to_string().contains("found a.png"), "{notes:?}");
     assert_eq!(images, NamedMaterials::default());
 }
+
+#[test]
+fn undeclared_values_after_a_face_are_told_and_ignored() {
+    let rows = "3 0 1 2 9 1 1 1 1 1 1 1 1 1 \n3 0 1 2\n";
+    let ((mesh, notes), _) = read(&ascii(&square_header(2), &format!("{SQUARE}{rows}")));
+    assert_eq!(mesh.triangles, [[0, 1, 2]; 2]);
+    assert!(notes[0].to_string().contains("more values") && notes.len() == 1, "{notes:?}");
+    let one_line = ascii(&square_header(2), &format!("{SQUARE}3 0 1 2 3 0 1 2\n"));
+    assert!(message(&one_line).contains("cut off"), "{}", message(&one_line));
+}
