@@ -173,4 +173,21 @@ mod tests {
         let across = ((1.0 - 2.25) / (1.0 + 2.25_f64)).powi(2);
         assert!((fresnel(brewster, 1.0 / 1.5) - across / 2.0).abs() < 1e-12);
     }
+
+    #[test]
+    fn the_base_colour_counts_once_in_a_sheet_and_on_the_way_through_a_solid() {
+        let mut through = Transparency {
+            opacity: 1.0,
+            kt: 1.0,
+            ior: 1.5,
+            color: Vec3::ONE,
+            tinted: true,
+            absorption: Vec3::ZERO,
+            thin: true,
+        };
+        let base = Vec3::new(0.25, 1.0, 0.0);
+        assert_eq!(through.tint(base), base);
+        through.thin = false;
+        assert_eq!(through.tint(base) * through.tint(base), base);
+    }
 }
