@@ -2,7 +2,7 @@
 
 use std::ffi::OsStr;
 use std::fmt::Display;
-use std::io::{ErrorKind as IoKind, IsTerminal, Write};
+use std::io::{IsTerminal, Write};
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
@@ -103,15 +103,9 @@ impl Threads {
     }
 }
 
-/// Writes to standard output. A reader that closes it early, such as `head`, is not an error.
+/// Writes to standard output.
 pub(crate) fn print(text: &str) -> Result<()> {
-    let mut output = std::io::stdout().lock();
-    match output.write_all(text.as_bytes()).and_then(|()| output.flush()) {
-        Err(error) if error.kind() != IoKind::BrokenPipe => {
-            Err(Error::io("cannot write the result", "standard output", error))
-        }
-        _ => Ok(()),
-    }
+    wavecrest_base::replace::print(text.as_bytes())
 }
 
 /// Writes a line to standard error, above the bars. If that is closed, the line is lost.

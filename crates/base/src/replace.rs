@@ -5,7 +5,7 @@
 
 use std::collections::BTreeSet;
 use std::fs::{File, Metadata};
-use std::io::{BufWriter, ErrorKind as IoKind, IsTerminal, Seek, Write};
+use std::io::{BufWriter, ErrorKind as IoKind, IsTerminal, Read, Seek, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
@@ -32,7 +32,7 @@ pub const STANDARD_OUTPUT: &str = "-";
 pub fn replace_file(path: &Path, fill: impl FnOnce(&mut Sink<'_>) -> Result<()>) -> Result<()> {
     Stage::Write.begin();
     if path == Path::new(STANDARD_OUTPUT) {
-        return print(fill).map_err(|error| error.in_file(path));
+        return print_file(fill);
     }
     let target = OutputFile::new(path)?;
     let temporary = target.temporary()?;
@@ -46,17 +46,29 @@ pub fn replace_file(path: &Path, fill: impl FnOnce(&mut Sink<'_>) -> Result<()>)
 }
 
 /// Writes the content from `fill` to standard output.
-fn print(fill: impl FnOnce(&mut Sink<'_>) -> Result<()>) -> Result<()> {
-    let failed =
-        |error| Error::io("cannot write to standard output", Path::new(STANDARD_OUTPUT), error);
+fn print_file(fill: impl FnOnce(&mut Sink<'_>) -> Result<()>) -> Result<()> {
+    let failed = |error| write_error(&std::env::temp_dir(), error);
     let mut file = tempfile::tempfile().map_err(failed)?;
     let mut sink = BufWriter::new(&file);
     fill(&mut sink)?;
     sink.flush().map_err(failed)?;
     drop(sink);
     file.rewind().map_err(failed)?;
+    print(file)
+}
+
+/// Writes to standard output. A reader that closes it early, such as `head`, is not an error.
+///
+/// # Errors
+/// If it cannot be written to, or `from` cannot be read.
+pub fn print(mut from: impl Read) -> Result<()> {
     let mut output = std::io::stdout().lock();
-    std::io::copy(&mut file, &mut output).and_then(|_| output.flush()).map_err(failed)
+    match std::io::copy(&mut from, &mut output).and_then(|_| output.flush()) {
+        Err(error) if error.kind() != IoKind::BrokenPipe => {
+            Err(Error::io("cannot write the result", "standard output", error))
+        }
+        _ => Ok(()),
+    }
 }
 
 /// Checks whether [`replace_file`] could currently write at `path`; call it before long work.
