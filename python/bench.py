@@ -19,6 +19,9 @@ import time
 from importlib.metadata import version
 from pathlib import Path
 
+# Instead of this folder, where the package has no native part.
+sys.path[0] = str(Path(__file__).with_name("tests"))
+
 import numpy as np
 import trimesh
 import wavecrest
@@ -26,7 +29,6 @@ from embreex.mesh_construction import TriangleMesh
 from embreex.rtcore_scene import EmbreeScene
 from trimesh.ray import ray_pyembree, ray_triangle
 
-sys.path.insert(0, str(Path(__file__).with_name("tests")))
 from test_rays import ten_meshes
 
 # The share of rays for which programs that round may answer otherwise: those that lose a hit at an edge.

@@ -68,11 +68,6 @@ struct Worker {
     hits: Vec<Hit>,
 }
 
-/// The number of rays in a block of a part.
-pub(crate) fn block(part: &Range<usize>) -> usize {
-    api::rays_at_once(part.len())
-}
-
 /// The power of two that scales a vector to a length of about 1; of subnormal ones, to 2^-51 at least.
 #[inline]
 fn scale(direction: DVec3) -> f64 {
@@ -124,15 +119,9 @@ impl Rays<'_> {
     /// The same where the upper bound of t is far from that, but t itself need not be.
     #[cold]
     #[inline(never)]
-    fn met_again(
-        &self,
-        ray: usize,
-        rounded: &Ray,
-        corners: [DVec3; 3],
-        traversal: &mut Traversal,
-    ) -> Found {
-        let found = Found::of(ray, self.shapes.accel.closest(rounded, traversal));
-        self.met(found, corners).unwrap_or(found)
+    fn met_again(&self, ray: usize, rounded: &Ray, face: [DVec3; 3], by: &mut Traversal) -> Found {
+        let found = Found::of(ray, self.shapes.accel.closest(rounded, by));
+        self.met(found, face).unwrap_or(found)
     }
 
     /// The distance in lengths of the direction as given, within the range, that rounding may leave by a
@@ -158,7 +147,7 @@ impl Rays<'_> {
         blocks: impl Iterator<Item = T> + Send,
         work: impl Fn(&mut Worker, Range<usize>, T) + Sync,
     ) {
-        let count = block(&part);
+        let count = api::rays_at_once(part.len());
         let starts = part.clone().step_by(count);
         let traversal = self.shapes.accel.traversal();
         let worker = Worker { traversal, rays: Vec::new(), hits: Vec::new() };
@@ -208,7 +197,7 @@ impl Rays<'_> {
 
     /// Whether the rays of a part hit anything.
     pub(crate) fn any(&self, part: Range<usize>, found: &mut [bool]) {
-        let blocks = found.chunks_mut(block(&part));
+        let blocks = found.chunks_mut(api::rays_at_once(part.len()));
         self.on_threads(part, blocks, |worker, _, found| {
             self.shapes.accel.occluded_of(&worker.rays[..], found, &mut worker.traversal);
         });
@@ -217,7 +206,7 @@ impl Rays<'_> {
     /// Whether the points of a part are inside: rays from there cross the mesh an odd number of times, or if
     /// they are `wound`, leave it more often than they enter it, or less often.
     pub(crate) fn contains(&self, part: Range<usize>, wound: bool, inside: &mut [bool]) {
-        let blocks = inside.chunks_mut(block(&part));
+        let blocks = inside.chunks_mut(api::rays_at_once(part.len()));
         let geometry = self.shapes.accel.geometry();
         let turn = |ray: &Ray, hit: &Hit| {
             let corners = geometry.triangle(hit.primitive as usize).map(|corner| corner.as_dvec3());
@@ -245,7 +234,7 @@ impl Rays<'_> {
         found: &mut Vec<Found>,
     ) -> api::Result<()> {
         let mut blocks: Vec<_> =
-            part.clone().step_by(block(&part)).map(|_| Ok(Vec::new())).collect();
+            part.clone().step_by(api::rays_at_once(part.len())).map(|_| Ok(Vec::new())).collect();
         self.on_threads(part, blocks.iter_mut(), |worker, rays, found| {
             *found = self.crossed(rays, most, worker);
         });

@@ -1,54 +1,43 @@
 //! What rays are traced against: a mesh, or several that are placed in a scene.
 
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use wavecrest_api::glam::{DAffine3, DVec3, Vec2, Vec3};
-use wavecrest_api::{Accel, Attribute, Geometry, NO_VALUE, Primitive};
+use numpy::PyReadonlyArray2;
+use pyo3::prelude::*;
+use wavecrest_api::glam::{DAffine3, DVec3};
+use wavecrest_api::memory::{build_bytes, check_room};
+use wavecrest_api::{self as api, Accel, Attribute, Geometry, NO_VALUE, Preset, Primitive};
+
+use super::arrays::{self, table, vectors};
+use super::{Any, exception, input, work};
 
 /// What a mesh has beside the positions and faces that are traced.
-pub(crate) struct Arrays {
+pub(crate) struct Corners {
     /// The origin of the positions.
-    pub(crate) origin: DVec3,
+    origin: DVec3,
     /// The vertices as given, where positions are rounded.
-    pub(crate) vertices: Option<Vec<DVec3>>,
-    pub(crate) normals: Option<Attribute<Vec3>>,
-    pub(crate) uvs: Option<Attribute<Vec2>>,
-    /// Whether the vertices were given in single precision.
-    pub(crate) is_single: bool,
-}
-
-impl Arrays {
-    /// A vertex of the mesh, whose positions are those of `geometry`.
-    #[inline(always)]
-    pub(crate) fn vertex(&self, geometry: &Geometry, number: usize) -> DVec3 {
-        match &self.vertices {
-            Some(vertices) => vertices[number],
-            None => geometry.positions[number].as_dvec3() + self.origin,
-        }
-    }
+    vertices: Option<Vec<DVec3>>,
 }
 
 /// Meshes with their search trees.
+#[pyclass(frozen)]
 pub(crate) struct Shapes {
     /// With the triangles of one mesh, or with each as a prototype.
     pub(crate) accel: Accel,
     /// The origin of its space.
     pub(crate) origin: DVec3,
-    pub(crate) meshes: Vec<Arc<Arrays>>,
+    pub(crate) meshes: Vec<Arc<Corners>>,
     /// Where instances are; none for one mesh.
     pub(crate) places: Vec<DAffine3>,
 }
 
 /// A face that is hit.
-#[derive(Clone, Copy)]
 pub(crate) struct Face<'a> {
+    /// Its number in its mesh.
     pub(crate) number: usize,
     pub(crate) instance: Option<usize>,
-    /// The number of its mesh.
-    pub(crate) mesh: usize,
-    /// The vertices of its corners.
-    vertices: [u32; 3],
-    arrays: &'a Arrays,
+    mesh: &'a Corners,
     geometry: &'a Geometry,
 }
 
@@ -57,60 +46,102 @@ impl Shapes {
     #[inline(always)]
     pub(crate) fn face(&self, primitive: u32) -> Face<'_> {
         let geometry = self.accel.geometry();
-        let (geometry, number, instance, mesh) = match geometry.primitive(primitive) {
-            Primitive::Instanced(instanced) => {
-                let (instance, prototype) = geometry.instance(instanced);
-                let number = instanced.instance as usize;
-                (prototype, instanced.triangle as usize, Some(number), instance.prototype())
+        match geometry.primitive(primitive) {
+            Primitive::Instanced(of) => {
+                let (instance, geometry) = geometry.instance(of);
+                let mesh = &*self.meshes[instance.prototype()];
+                let (number, instance) = (of.triangle as usize, Some(of.instance as usize));
+                Face { number, instance, mesh, geometry }
             }
-            _ => (geometry, primitive as usize, None, 0),
-        };
-        let (vertices, arrays) = (geometry.triangles[number], &*self.meshes[mesh]);
-        Face { number, instance, mesh, vertices, arrays, geometry }
+            _ => {
+                Face { number: primitive as usize, instance: None, mesh: &self.meshes[0], geometry }
+            }
+        }
     }
 
     /// The corners of a face.
     // Written out: `map` passes them through memory in pieces.
     #[inline(always)]
-    pub(crate) fn corners(&self, face: Face<'_>) -> [DVec3; 3] {
-        let [a, b, c] = face.vertices;
-        let [a, b, c] = [face.vertex(a), face.vertex(b), face.vertex(c)];
-        let Some(instance) = face.instance else { return [a, b, c] };
+    pub(crate) fn corners(
+        &self,
+        Face { number, instance, mesh, geometry }: Face<'_>,
+    ) -> [DVec3; 3] {
+        let vertex = |number: u32| match &mesh.vertices {
+            Some(vertices) => vertices[number as usize],
+            None => geometry.positions[number as usize].as_dvec3() + mesh.origin,
+        };
+        let [a, b, c] = geometry.triangles[number];
+        let [a, b, c] = [vertex(a), vertex(b), vertex(c)];
+        let Some(instance) = instance else { return [a, b, c] };
         let place = &self.places[instance];
         [place.transform_point3(a), place.transform_point3(b), place.transform_point3(c)]
     }
-
-    /// The unit normal at a point of a face with these barycentric coordinates, from those of its
-    /// corners; `None` if they have none.
-    pub(crate) fn normal(&self, face: Face<'_>, weights: [f64; 3]) -> Option<DVec3> {
-        let normals = face.values(face.arrays.normals.as_ref()?)?;
-        let normals = normals.map(|normal| normal.as_dvec3().normalize_or_zero());
-        let normal = normals.into_iter().zip(weights).map(|(normal, weight)| normal * weight);
-        let mut normal = normal.sum::<DVec3>();
-        if let Some(instance) = face.instance {
-            let instance = &self.accel.geometry().instances[instance];
-            normal = instance.shading_normal(normal.as_vec3()).as_dvec3();
-        }
-        normal.try_normalize()
-    }
 }
 
-impl Face<'_> {
-    #[inline(always)]
-    fn vertex(&self, number: u32) -> DVec3 {
-        self.arrays.vertex(self.geometry, number as usize)
-    }
+/// A mesh, with its vertices as given, if positions are rounded.
+#[pyfunction]
+pub(crate) fn mesh(
+    py: Python<'_>,
+    mesh: arrays::Mesh<'_>,
+    vertices: Option<PyReadonlyArray2<'_, f64>>,
+    bvh: Option<Any<'_>>,
+) -> PyResult<Shapes> {
+    let mesh = arrays::mesh(mesh)?;
+    api::mesh::validate(&mesh, Path::new("vertices and faces")).map_err(exception)?;
+    let vertices = vertices.map(|vertices| vectors(&vertices)).transpose()?;
+    let api::MeshData { positions, origin, triangles, .. } = mesh;
+    let geometry = Geometry { positions, triangles, ..Geometry::default() };
+    let accel = build(py, geometry, bvh.as_ref())?;
+    let meshes = vec![Arc::new(Corners { origin, vertices })];
+    Ok(Shapes { accel, origin, meshes, places: Vec::new() })
+}
 
-    /// The texture coordinates at a point with these barycentric coordinates.
-    pub(crate) fn uv(&self, weights: [f64; 3]) -> Option<[f64; 2]> {
-        let uvs = self.values(self.arrays.uvs.as_ref()?)?.into_iter().zip(weights);
-        let uv = uvs.map(|(uv, weight)| uv.as_dvec2() * weight).reduce(|sum, uv| sum + uv)?;
-        Some(uv.into())
-    }
+/// The search tree, of the quality `bvh`.
+pub(crate) fn build(py: Python<'_>, geometry: Geometry, bvh: Option<&Any<'_>>) -> PyResult<Accel> {
+    let preset = bvh.map(|name| input::named("bvh", name)).transpose()?.unwrap_or(Preset::Fast);
+    let build = || {
+        check_room(build_bytes(preset, geometry.held() as u64), "the search tree")?;
+        Ok(Accel::new(geometry, preset))
+    };
+    let pool = work::pool()?;
+    py.detach(|| pool.install(build)).map_err(exception)
+}
 
-    /// The values of its corners, if each has one.
-    fn values<T: Copy>(&self, of: &Attribute<T>) -> Option<[T; 3]> {
-        let corners = of.indices.as_ref().map_or(self.vertices, |indices| indices[self.number]);
-        corners.iter().all(|&i| i != NO_VALUE).then(|| corners.map(|i| of.values[i as usize]))
-    }
+/// Positions, faces, normals and texture coordinates, each an array or `None`.
+type Parts<'py> = [Option<Any<'py>>; 4];
+
+/// The mesh of a file: its parts, the origin of positions, and warnings. Normals and texture coordinates are those of
+/// vertices, or of the corners of faces.
+#[pyfunction]
+pub(crate) fn load(py: Python<'_>, path: PathBuf) -> PyResult<(Parts<'_>, [f64; 3], Vec<String>)> {
+    let load = || {
+        let found = api::mesh::survey(&path)?;
+        check_room(found.geometry() + found.attributes, "the mesh")?;
+        api::mesh::load(&path)
+    };
+    let pool = work::pool()?;
+    let loaded = py.detach(|| pool.install(load)).map_err(exception)?;
+    let warnings = loaded.warnings.iter().map(ToString::to_string).collect();
+    let api::MeshData { positions, origin, triangles, normals, uvs, .. } = loaded.mesh;
+    let positions = table(py, positions.len(), |i| positions[i].to_array())?;
+    let faces = table(py, triangles.len(), |i| triangles[i])?;
+    let parts = [Some(positions), Some(faces), attribute(py, normals)?, attribute(py, uvs)?];
+    Ok((parts, origin.into(), warnings))
+}
+
+/// The values of vertices, (N, K), or of the corners of faces, (M, 3, K), nan for those without.
+fn attribute<T: Copy + Into<[f32; K]> + Sync, const K: usize>(
+    py: Python<'_>,
+    attribute: Option<Attribute<T>>,
+) -> PyResult<Option<Any<'_>>> {
+    let Some(Attribute { values, indices }) = attribute else { return Ok(None) };
+    let Some(indices) = indices else {
+        return table(py, values.len(), |i| values[i].into()).map(Some);
+    };
+    let corner = |i: usize| match indices[i / 3][i % 3] {
+        NO_VALUE => [f32::NAN; K],
+        value => values[value as usize].into(),
+    };
+    let corners = table(py, 3 * indices.len(), corner)?;
+    corners.call_method1("reshape", (indices.len(), 3, K)).map(Some)
 }

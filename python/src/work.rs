@@ -4,13 +4,14 @@
 //! render needs is requested and freed before the input is read and before the tree is built: a
 //! refusal is then an error.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread;
 use std::time::Duration;
 
-use pyo3::exceptions::PyRuntimeError;
+use numpy::PyReadonlyArray2;
+use pyo3::exceptions::{PyKeyError, PyRuntimeError};
 use pyo3::prelude::*;
 use rayon::ThreadPool;
 use wavecrest_api::components::{CameraPath, View};
@@ -21,15 +22,49 @@ use wavecrest_api::{self as api, Watch};
 use wavecrest_report::accuracy::pilot::measured;
 use wavecrest_report::accuracy::pilot::target::reach;
 
-use super::input::{self, Argument};
-use super::source::Source;
-use super::{Error, exception};
+use super::arrays::{self, vectors};
+use super::input::{self, Options};
+use super::{Any, Error, exception};
 
 /// The interval of checks for interrupts.
 const INTERVAL: Duration = Duration::from_millis(50);
 
 /// The largest number of threads, as for the command.
 const MOST_THREADS: u16 = 4096;
+
+/// The input to render.
+pub(crate) enum Source {
+    /// A scene file, a glTF file or a mesh.
+    File(PathBuf),
+    /// A scene as JSON, with paths relative to the current folder.
+    Json(String),
+    /// A mesh as arrays.
+    Mesh(api::MeshData),
+    /// A GLB file with a scene of trimesh, or with a mesh of it that has colours or a material.
+    Glb(Vec<u8>),
+}
+
+impl Source {
+    /// What is `given` of this kind: for a mesh as [`arrays::mesh`] takes it, with the `options` normals and colors.
+    fn new((kind, given): (&str, &Any<'_>), options: &Options<'_>) -> PyResult<Self> {
+        Ok(match kind {
+            "file" => Self::File(given.extract()?),
+            "json" => Self::Json(given.extract()?),
+            "glb" => Self::Glb(given.extract()?),
+            "mesh" => {
+                let mut mesh = arrays::mesh(given.extract()?)?;
+                let read = |_: &str, value: &Any<'_>| {
+                    vectors(&value.extract::<PyReadonlyArray2<'_, f32>>()?)
+                };
+                let normals = options.get("normals", read)?;
+                mesh.normals = normals.map(|values| api::Attribute { values, indices: None });
+                mesh.colors = options.get("colors", read)?;
+                Self::Mesh(mesh)
+            }
+            _ => return Err(PyKeyError::new_err(kind.to_owned())),
+        })
+    }
+}
 
 /// The input and options of a render.
 pub(crate) struct Job {
@@ -44,12 +79,8 @@ pub(crate) struct Job {
     pub(crate) layers: Vec<api::Layer>,
 }
 
-/// An image with its warnings.
-pub(crate) struct Done {
-    pub(crate) film: api::Film,
-    pub(crate) channels: Vec<api::Channel>,
-    pub(crate) warnings: Vec<api::Warning>,
-}
+/// An image, the channels of its layers, and warnings.
+pub(crate) type Done = (api::Film, Vec<api::Channel>, Vec<api::Warning>);
 
 /// Ends a render early.
 #[derive(Default)]
@@ -62,6 +93,25 @@ impl Watch for Cancel {
 }
 
 impl Job {
+    /// The arguments of wavecrest.render.
+    pub(crate) fn new(source: (&str, &Any<'_>), given: &Options<'_>) -> PyResult<Self> {
+        let what = "a whole number from 0 to 2^64 - 1";
+        let seed = given.fitting("seed", what, |_| true)?.unwrap_or_default();
+        let is_error = |error: &f64| error.is_finite() && *error > 0.0;
+        let target_error = given.fitting("target_error", "a finite number above 0", is_error)?;
+        let (options, pose) = given.loading()?;
+        if options.antialias.is_some() && target_error.is_some() {
+            return Err(Error::new_err("samples: leave it out, or target_error"));
+        }
+        let mut layers = given.get("layers", input::all_named)?.unwrap_or_default();
+        if options.lighting.background == Some(api::Background::Transparent) {
+            layers.push(api::Layer::Alpha);
+        }
+        let precision = given.get("precision", input::named)?.unwrap_or_default();
+        let source = Source::new(source, given)?;
+        Ok(Self { source, options, precision, seed, target_error, pose, layers })
+    }
+
     /// What the input contains; `None` for text, and for a file that can be read only once.
     fn survey(&self) -> api::Result<Option<api::Survey>> {
         match &self.source {
@@ -109,7 +159,7 @@ impl Job {
         let (layers, seed, invalid) = (&self.layers[..], self.seed, rendered.counters.invalid);
         let request = api::LayerRequest { layers, crop: None, seed, invalid };
         let channels = api::layers(&scene, &request, cancel)?.channels;
-        Ok(Done { film: rendered.film, channels, warnings: loaded.warnings })
+        Ok((rendered.film, channels, loaded.warnings))
     }
 }
 
@@ -150,12 +200,6 @@ fn place_camera(world: &mut World, pose: DMat4) {
     cameras.into_iter().for_each(|camera| drop(world.remove_one::<CameraPath>(camera)));
 }
 
-/// The number of threads.
-pub(crate) fn threads(argument: Argument<'_, '_>) -> PyResult<Option<u16>> {
-    let what = format!("a whole number from 1 to {MOST_THREADS}");
-    input::fitting(argument, &what, |threads| (1..=MOST_THREADS).contains(threads))
-}
-
 /// The threads of queries of rays, which stay. Those of a parent process do not run in one that was
 /// forked from it, which gets its own.
 static POOL: Mutex<Option<(u32, Arc<ThreadPool>)>> = Mutex::new(None);
@@ -177,16 +221,18 @@ pub(crate) fn pool() -> PyResult<Arc<ThreadPool>> {
 
 /// This number of threads, one for each core if 0.
 fn start(threads: usize) -> PyResult<ThreadPool> {
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build();
-    pool.map_err(|error| cannot_start(&error))
+    rayon::ThreadPoolBuilder::new().num_threads(threads).build().map_err(cannot_start)
 }
 
-fn cannot_start(error: &dyn std::error::Error) -> PyErr {
+fn cannot_start(error: impl std::error::Error) -> PyErr {
     Error::new_err(format!("cannot start the threads: {error}"))
 }
 
-/// Does the job on this number of threads, one for each core if `None`.
-pub(crate) fn run(py: Python<'_>, job: Job, threads: Option<u16>) -> PyResult<Done> {
+/// Does the job on the number of threads that is given, or else one for each core.
+pub(crate) fn run(py: Python<'_>, job: Job, options: &Options<'_>) -> PyResult<Done> {
+    let what = format!("a whole number from 1 to {MOST_THREADS}");
+    let fits = |threads: &u16| (1..=MOST_THREADS).contains(threads);
+    let threads = options.fitting("threads", &what, fits)?;
     let pool = start(threads.map_or(0, usize::from))?;
     let (cancel, waiting, finished) =
         (Cancel::default(), thread::current(), AtomicBool::new(false));
@@ -197,8 +243,7 @@ pub(crate) fn run(py: Python<'_>, job: Job, threads: Option<u16>) -> PyResult<Do
             waiting.unpark();
             done
         };
-        let worker = thread::Builder::new().spawn_scoped(scope, work);
-        let worker = worker.map_err(|error| cannot_start(&error))?;
+        let worker = thread::Builder::new().spawn_scoped(scope, work).map_err(cannot_start)?;
         let mut signal = Ok(());
         // A panic leaves `finished` as it is.
         while !(finished.load(Ordering::Acquire) || worker.is_finished()) {
@@ -207,6 +252,6 @@ pub(crate) fn run(py: Python<'_>, job: Job, threads: Option<u16>) -> PyResult<Do
             cancel.0.store(signal.is_err(), Ordering::Relaxed);
         }
         let done = worker.join().map_err(|_| PyRuntimeError::new_err("the render panicked"))?;
-        signal.and(done.map_err(|error| exception(&error)))
+        signal.and(done.map_err(exception))
     })
 }

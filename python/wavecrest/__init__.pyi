@@ -7,6 +7,7 @@ from numpy.typing import ArrayLike, NDArray
 from typing_extensions import NotRequired
 
 __version__: str
+__all__: list[str]
 
 class Error(ValueError): ...
 
@@ -45,6 +46,7 @@ class Mesh:
     def __init__(
         self,
         vertices: str | PathLike[str] | _Mesh,
+        faces: None = None,
         *,
         normals: ArrayLike | None = None,
         uvs: ArrayLike | None = None,

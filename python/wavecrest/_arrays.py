@@ -1,0 +1,85 @@
+"""Makes contiguous arrays of what is given; errors name the argument, its value and the remedy."""
+
+import os
+
+import numpy as np
+
+from . import _native
+
+# Messages quote no more characters of a value.
+LONGEST_VALUE = 80
+
+
+def wrong(name, what, value):
+    """The message about an argument that is not `what` it must be."""
+    return f"{name}: must be {what}, found {repr(value)[:LONGEST_VALUE]}"
+
+
+def path(name, what, value):
+    """The path, or a TypeError about an argument that must be `what`."""
+    if not isinstance(value, (str, os.PathLike)):
+        raise TypeError(wrong(name, what, value))
+    return value
+
+
+def converted(name, value, kind):
+    """An array of this type of elements, without rounding floats to integers."""
+    try:
+        return np.asarray(value).astype(kind, order="C", casting="same_kind", copy=False)
+    except TypeError as error:
+        raise TypeError(f"{name}: {error}") from None
+
+
+def array(name, value, kind, shape):
+    """An array of a shape such as "(N, 3)", of which the last number counts."""
+    value = converted(name, value, kind)
+    if value.ndim != len(shape.split(",")) or value.shape[-1] != 3:
+        raise _native.Error(f"{name}: must have the shape {shape}, found {list(value.shape)}")
+    return value
+
+
+def rows(name, value):
+    """Points or vectors, (N, 3): float32 and float64 as they are, others as float64. One may have the shape (3,), and an
+    empty list is none."""
+    value = np.asarray(value)
+    if value.shape in [(0,), (3,)]:
+        value = value.reshape(-1, 3)
+    return array(name, value, "float32" if value.dtype == np.float32 else "float64", "(N, 3)")
+
+
+def parts(mesh, faces):
+    """Vertices and faces, also of an object that has them; for anything else, faces are None."""
+    return (mesh.vertices, mesh.faces) if faces is None and hasattr(mesh, "faces") else (mesh, faces)
+
+
+def mesh(vertices, faces):
+    """Vertices, (N, 3), and faces, (M, 3), as uint32, which are indices of vertices."""
+    vertices, faces = rows("vertices", vertices), array("faces", faces, "int64", "(M, 3)")
+    count = len(vertices)
+    is_wrong = (faces < 0) | (faces >= count)
+    if is_wrong.any():
+        number = is_wrong.any(axis=1).argmax()
+        found = faces[number, is_wrong[number].argmax()]
+        what = f"indices from 0 to {count - 1}, of the {count} vertices"
+        raise _native.Error(f"faces[{number}]: must be {what}, found {found}")
+    return vertices, faces.astype("uint32")
+
+
+def relative(vertices):
+    """The positions of vertices, as float32, relative to an origin near the first that is far from zero, and the origin."""
+    if vertices.dtype == np.float32 or len(vertices) == 0:
+        return vertices.astype("float32", copy=False), [0.0, 0.0, 0.0]
+    origin = _native.origin(vertices[0])
+    with np.errstate(over="ignore", invalid="ignore"):
+        return (vertices - origin).astype("float32"), origin
+
+
+def rays(origins, directions, t_min=None, t_max=None, *, is_single=False, names=("origins", "directions")):
+    """Rays for the native part: one origin or direction is that of all. They are single if all arrays are float32."""
+    origins, directions = rows(names[0], origins), rows(names[1], directions)
+    count, found = len(origins), len(directions)
+    if count != found and 1 not in (count, found):
+        what = f"must have the shape of {names[0]}, [{count}, 3], or be one"
+        raise _native.Error(f"{names[1]}: {what}, found [{found}, 3]")
+    is_single = is_single and origins.dtype == directions.dtype == np.float32
+    return origins, directions, (t_min, t_max), is_single

@@ -1,0 +1,198 @@
+"""Images: render and save."""
+
+import json
+import warnings
+from operator import methodcaller
+
+import numpy as np
+
+from . import _arrays, _native
+
+# The images of materials of trimesh.
+IMAGES = "image baseColorTexture metallicRoughnessTexture normalTexture occlusionTexture emissiveTexture".split()
+
+
+def render(
+    scene, faces=None, *, width=None, height=None, camera=None, view=None, up=None, fov=None, fit=None, lights=None,
+    background=None, crease=None, seed=None, samples=None, target_error=None, precision=None, threads=None,
+    normals=None, colors=None, layers=None,
+):
+    """Renders a scene to an array of shape (height, width, 3), top row first.
+
+    scene is the path of a scene file, a glTF file or a mesh (PLY, OBJ, STL); a scene as a dict, with paths relative
+    to the current folder, and values or arrays of NumPy; a mesh or a scene of trimesh, with its colours, textures and
+    materials; or the vertices of a mesh, shape (N, 3), with the vertex indices of its triangles as faces, shape (M, 3), and
+    perhaps the normals and colors of its vertices, of the same shape as these: colours are from 0 to 1, or uint8, with the
+    sRGB curve. With normals or colors, those of a mesh of trimesh are left out.
+
+    A mesh is shown whole under studio lights; view, up, fov, fit, lights and crease change this, like the options of the
+    command. view is the name of a side, such as "iso", or its azimuth and elevation in degrees, such as (30, 20). samples is
+    the number of rays in a pixel, rounded up to a square; precision is "fast" or "exact" (default).
+
+    background is a linear colour, a text such as "#ff8000" in sRGB, or "transparent": then the image has the shape (height,
+    width, 4), with the coverage of the pixel from 0 to 1 as its last channel, by which the colours are multiplied.
+
+    camera is the name of one in a glTF file, or its pose: a matrix of 4 x 4 numbers from the space of the camera, which
+    looks along -z with y up, to that of the scene.
+
+    With layers, such as ["depth", "normal", "object"], returns the image and a dict of arrays: depth along the view,
+    shape (height, width), shading normals, shape (height, width, 3), numbers of shapes from 1, and others as in the
+    guide. Depth and object are 0 where there is nothing. A transparent background adds the layer "alpha".
+
+    target_error chooses sampler and samples, instead of those of the scene, for an image with at most this error (RMSE
+    of linear values). It is measured, without what one ray through the centre of each pixel misses at edges where
+    points on lights or the lens are chosen; a warning says if it cannot be reached.
+
+    Values are linear red, green and blue; 8-bit formats store 0 to 1. The number of threads does not change them.
+
+    Raises wavecrest.Error if the input cannot be rendered, or if the system refuses the memory that the render is
+    estimated to take; issues warnings. Ctrl-C stops the render.
+
+    >>> image = wavecrest.render(mesh.vertices, mesh.faces, view="iso", width=800, height=600)  # a mesh of trimesh
+    >>> wavecrest.save("mesh.png", image)
+    """
+    options = dict(
+        width=width, height=height, camera=camera, view=view, up=up, fov=fov, fit=fit, lights=lights,
+        background=background, crease=crease, seed=seed, samples=samples, target_error=target_error,
+        precision=precision, threads=threads, layers=layers,
+    )
+    kind, source = _source(scene, faces, normals, colors)
+    if kind == "mesh":
+        options["normals"] = _of_vertices("normals", normals, len(source[0]))
+        options["colors"] = _of_vertices("colors", colors, len(source[0]))
+    image, found, told = _native.render(kind, source, options)
+    for text in told:
+        warnings.warn(text, stacklevel=2)
+    arrays = {name: np.stack(parts, -1) if len(parts) > 1 else parts[0] for name, parts in found}
+    if isinstance(background, str) and background == "transparent":
+        image = np.dstack((image, arrays["alpha"]))
+    return image if layers is None else (image, arrays)
+
+
+def save(path, image, *, transfer=None):
+    """Writes an image returned by render to a .png, .ppm, .exr or .pfm file; with alpha to a .png, whose colours are not
+    multiplied by it, or an .exr, whose colours are.
+
+    8-bit formats use the transfer curve "srgb" (default) or "linear"; .exr and .pfm are always linear. An image of
+    uint8 has been through that curve: its values are stored as they are in 8-bit formats.
+
+    Raises wavecrest.Error if the file cannot be written.
+    """
+    _arrays.path("path", "a path", path)
+    image, alpha = np.asarray(image), None
+    if image.dtype == np.uint8:
+        levels = np.arange(256, dtype="float32") / np.float32(255) if transfer == "linear" else _native.srgb_levels()
+        image = np.array(levels, "float32")[image]
+    elif image.ndim == 3 and image.shape[2] == 4:
+        image, alpha = image[..., :3], image[..., 3].astype("float32", order="C")
+    image = _arrays.array("image", image, "float32", "(height, width, 3)")
+    _native.save(path, image, alpha, {"transfer": transfer})
+
+
+def _source(scene, faces, normals, colors):
+    """What to render: its kind, and what the native part takes for it."""
+    is_plain = faces is None and normals is None and colors is None
+    glb = _glb(scene) if is_plain else None
+    if glb is not None:
+        return "glb", glb
+    vertices, faces = _arrays.parts(scene, faces)
+    if faces is not None:
+        vertices, faces = _arrays.mesh(vertices, faces)
+        return "mesh", (*_arrays.relative(vertices), faces)
+    for name, value in (("normals", normals), ("colors", colors)):
+        if value is not None:
+            raise _native.Error(f"{name}: only for vertices with faces")
+    if isinstance(scene, dict):
+        try:
+            return "json", json.dumps(scene, default=methodcaller("tolist"))
+        except Exception as error:
+            raise _native.Error(f"scene: as JSON: {error}") from None
+    what = "a path, a dict, a mesh, a scene of trimesh, or vertices with faces"
+    return "file", _arrays.path("scene", what, scene)
+
+
+def _of_vertices(name, value, count):
+    """Normals or linear colours of so many vertices, (count, 3), as float32."""
+    if value is None:
+        return None
+    rows = _arrays.rows(name, value)
+    if len(rows) != count:
+        raise _native.Error(f"{name}: must have the shape of vertices, [{count}, 3], found [{len(rows)}, 3]")
+    with np.errstate(over="ignore"):
+        rows = rows.astype("float32")
+    is_right = np.isfinite(rows) & ((rows >= 0) | (name == "normals"))
+    if not is_right.all():
+        number = is_right.all(axis=1).argmin()
+        found = rows[number].tolist()
+        raise _native.Error(f"{name}[{number}]: must be finite, and colours at least 0, found {found}")
+    is_levels = name == "colors" and np.asarray(value).dtype == np.uint8
+    return rows / np.float32(255) if is_levels else rows
+
+
+def _glb(scene):
+    """The bytes of a GLB file with a scene of trimesh, or with a mesh of it that has colours or a material; None for
+    anything else.
+
+    trimesh writes it from a copy that is changed before: corners that faces share are divided, so that colours of faces
+    stay crisp; a material without metalness becomes no metal, which its image alone colours; and a mesh that is far from
+    zero is moved there in double precision. Normals are left out, as for any mesh: whether trimesh has computed them must
+    not matter.
+    """
+    is_scene = hasattr(scene, "graph") and hasattr(scene, "geometry")
+    if not is_scene and _kind(scene) is None:
+        return None
+    try:
+        return _exported(scene.copy(), is_scene)
+    except MemoryError:
+        raise
+    except Exception as why:
+        raise _native.Error(f"scene: {why}; correct it, or give vertices and faces") from why
+
+
+def _kind(mesh):
+    """Whether a mesh has colours by "vertex" or "face", or a "texture"."""
+    visual = getattr(mesh, "visual", None) if hasattr(mesh, "faces") else None
+    kind = getattr(visual, "kind", None)
+    return kind if isinstance(kind, str) else None
+
+
+def _exported(scene, is_scene):
+    if not is_scene:
+        origin = np.array(_native.origin(scene.vertices[0]))
+        scene.apply_translation(-origin)
+        scene = scene.scene()
+        scene.apply_translation(origin)
+    # trimesh makes a camera up once it is asked for one.
+    scene._camera = None
+    for part in scene.geometry.values():
+        kind = _kind(part)
+        if kind == "face":
+            _divide(part)
+        elif kind == "texture":
+            _convert(part.visual)
+    if scene.bounds is not None and not np.isfinite(scene.bounds).all():
+        raise _native.Error("vertices and transforms must be finite")
+    return scene.export(None, "glb", include_normals=False)
+
+
+def _divide(mesh):
+    """Gives each face corners of its own, with its colour."""
+    colors = mesh.visual.face_colors.repeat(3, 0)
+    mesh.unmerge_vertices()
+    mesh.visual.vertex_colors = colors
+
+
+def _convert(visual):
+    """Makes a material of diffuse colour and gloss one of metalness and roughness."""
+    material, uvs = visual.material, visual.uv
+    for key in IMAGES:
+        image = getattr(material, key, None)
+        if image is not None and not hasattr(image, "save"):
+            raise _native.Error(f"{key} must be an image of Pillow, found {type(image)}")
+    if not hasattr(material, "image"):
+        return
+    made = material.to_pbr()
+    made.metallicFactor, made.doubleSided = 0.0, True
+    if material.image is not None and uvs is not None:
+        made.baseColorFactor = [255] * 4
+    visual.material = made
