@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use numpy::PyReadonlyArray2;
 use pyo3::exceptions::{PyKeyError, PyRuntimeError};
@@ -19,8 +19,10 @@ use wavecrest_api::glam::DMat4;
 use wavecrest_api::hecs::{Entity, World};
 use wavecrest_api::memory::{Estimate, check_room, estimate, estimate_extracted, film_bytes};
 use wavecrest_api::{self as api, Watch};
+use wavecrest_report::accuracy::pilot::budget::{Budget, Overhead, Pace, in_time};
 use wavecrest_report::accuracy::pilot::measured;
 use wavecrest_report::accuracy::pilot::target::reach;
+use wavecrest_report::accuracy::setting::{Axis, Facts};
 
 use super::arrays::{self, vectors};
 use super::input::{self, Options};
@@ -74,6 +76,8 @@ pub(crate) struct Job {
     pub(crate) seed: u64,
     /// The error for which samples are chosen.
     pub(crate) target_error: Option<f64>,
+    /// The seconds within which to render, and when they begin.
+    pub(crate) time_budget: Option<(f64, Instant)>,
     /// The place and the axes of the camera, instead of its own.
     pub(crate) pose: Option<DMat4>,
     pub(crate) layers: Vec<api::Layer>,
@@ -92,24 +96,45 @@ impl Watch for Cancel {
     }
 }
 
+/// As [`Cancel`], and ends a render that is too slow.
+struct Paced<'a>(&'a Cancel, &'a Pace<'a>);
+
+impl Watch for Paced<'_> {
+    fn progress(&self, done: u64, all: u64) {
+        self.1.progress(done, all);
+    }
+
+    fn cancelled(&self) -> bool {
+        self.0.cancelled() || self.1.is_late()
+    }
+}
+
 impl Job {
     /// The arguments of wavecrest.render.
     pub(crate) fn new(source: (&str, &Any<'_>), given: &Options<'_>) -> PyResult<Self> {
         let what = "a whole number from 0 to 2^64 - 1";
         let seed = given.fitting("seed", what, |_| true)?.unwrap_or_default();
-        let is_error = |error: &f64| error.is_finite() && *error > 0.0;
-        let target_error = given.fitting("target_error", "a finite number above 0", is_error)?;
+        let goal = |key| {
+            let is_positive = |number: &f64| number.is_finite() && *number > 0.0;
+            given.fitting(key, "a finite number above 0", is_positive)
+        };
+        let (target_error, seconds) = (goal("target_error")?, goal("time_budget")?);
+        let time_budget = seconds.map(|seconds| (seconds, Instant::now()));
         let (options, pose) = given.loading()?;
-        if options.antialias.is_some() && target_error.is_some() {
-            return Err(Error::new_err("samples: leave it out, or target_error"));
+        match (target_error, time_budget, options.antialias) {
+            (Some(_), _, Some(_)) => Err("samples: leave it out, or target_error"),
+            (_, Some(_), Some(_)) => Err("samples: leave it out, or time_budget"),
+            (Some(_), Some(_), _) => Err("time_budget: leave it out, or target_error"),
+            _ => Ok(()),
         }
+        .map_err(Error::new_err)?;
         let mut layers = given.get("layers", input::all_named)?.unwrap_or_default();
         if options.lighting.background == Some(api::Background::Transparent) {
             layers.push(api::Layer::Alpha);
         }
         let precision = given.get("precision", input::named)?.unwrap_or_default();
         let source = Source::new(source, given)?;
-        Ok(Self { source, options, precision, seed, target_error, pose, layers })
+        Ok(Self { source, options, precision, seed, target_error, time_budget, pose, layers })
     }
 
     /// What the input contains; `None` for text, and for a file that can be read only once.
@@ -153,8 +178,10 @@ impl Job {
         check_room(more.total(), "the render")?;
         let mut scene = extracted.build(preset);
         loaded.warnings.extend(api::warnings(&scene, &file));
-        let (rendered, warning) =
-            trace(&mut scene, preset, &rendering, self.target_error, &file, cancel)?;
+        let (rendered, warning) = match self.time_budget {
+            Some(budget) => (trace_within(&mut scene, &rendering, budget, cancel)?, None),
+            None => trace(&mut scene, preset, &rendering, self.target_error, &file, cancel)?,
+        };
         loaded.warnings.extend(warning);
         let (layers, seed, invalid) = (&self.layers[..], self.seed, rendered.counters.invalid);
         let request = api::LayerRequest { layers, crop: None, seed, invalid };
@@ -187,6 +214,30 @@ fn trace(
         }
     }
     Ok((render(scene)?, None))
+}
+
+/// Renders `scene` with as many samples as fit into so many seconds from `start` on.
+fn trace_within(
+    scene: &mut api::PreparedScene,
+    rendering: &api::RenderOptions,
+    (seconds, start): (f64, Instant),
+    cancel: &Cancel,
+) -> api::Result<api::Rendered> {
+    let clock = || start.elapsed().as_secs_f64();
+    let pixels: f64 = scene.camera.size().map(f64::from).iter().product();
+    let budget = Budget::new(&clock, seconds, pixels);
+    let in_flight = (rendering.batch * rayon::current_num_threads()) as f64 / pixels;
+    let overhead = Overhead { measuring: 0.0, in_flight };
+    let (original, axis) = (scene.original(), Axis::of(&Facts::of(scene)));
+    let (choice, rendered, _) = in_time(axis, &budget, overhead, |choice, pace| {
+        scene.resample(&original, &choice.samples());
+        let watch = Paced(cancel, pace);
+        let rendered = api::render_in_order(scene, rendering, &watch, api::Order::Spread)?;
+        let is_finished = rendered.finished;
+        Ok((rendered, is_finished))
+    })?;
+    scene.resample(&original, &choice.samples());
+    Ok(rendered)
 }
 
 /// Puts the camera at another place, where it stays.

@@ -5,6 +5,7 @@ import signal
 import subprocess
 import sys
 import tempfile
+import time
 import unittest
 import warnings
 from pathlib import Path
@@ -207,6 +208,17 @@ class Wavecrest(unittest.TestCase):
         coarse, better = (rmse(wavecrest.render(SOFT, target_error=e), reference) for e in (0.05, 0.005))
         self.assertTrue(better < coarse / 2 and better < 0.005, (coarse, better))
 
+    def test_a_time_is_kept(self):
+        fine = json.loads(json.dumps(SOFT))
+        fine["scene"]["lightsources"][0].update(samples=4096, sampling="sobol")
+        reference = wavecrest.render(fine, seed=7)
+        start = time.perf_counter()
+        image = wavecrest.render(SOFT, time_budget=1, threads=1)
+        self.assertLess(time.perf_counter() - start, 2)
+        once = json.loads(json.dumps(SOFT))
+        once["scene"]["lightsources"][0].update(samples=1)
+        self.assertLess(rmse(image, reference), rmse(wavecrest.render(once), reference) / 2)
+
     def test_an_error_out_of_reach_is_a_warning(self):
         with self.assertWarnsRegex(UserWarning, "the target error .* was not reached: .*; the image has as many points"):
             wavecrest.render(SOFT, width=3, height=2, target_error=1e-7)
@@ -249,6 +261,9 @@ class Wavecrest(unittest.TestCase):
                             VERTICES, FACES, background="red")
         self.assert_refused("samples: must be a whole number from 1 to 4096, found 0", SCENE, samples=0)
         self.assert_refused("samples: leave it out, or target_error", SCENE, samples=4, target_error=0.01)
+        self.assert_refused("samples: leave it out, or time_budget", SCENE, samples=4, time_budget=1)
+        self.assert_refused("time_budget: leave it out, or target_error", SCENE, time_budget=1, target_error=0.01)
+        self.assert_refused("time_budget: must be a finite number above 0, found -1", SCENE, time_budget=-1)
         self.assert_refused("fit: write a share of the image", VERTICES, FACES, fit=2)
         self.assert_refused('found "400,2"', VERTICES, FACES, view=(400, 2))
         self.assert_refused("scene: as JSON: 'set' object", {"scene": {1, 2}})

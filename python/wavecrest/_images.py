@@ -14,7 +14,7 @@ IMAGES = "image baseColorTexture metallicRoughnessTexture normalTexture occlusio
 
 def render(
     scene, faces=None, *, width=None, height=None, camera=None, view=None, up=None, fov=None, fit=None, lights=None,
-    background=None, crease=None, seed=None, samples=None, target_error=None, precision=None, threads=None,
+    background=None, crease=None, seed=None, samples=None, target_error=None, time_budget=None, precision=None, threads=None,
     normals=None, colors=None, layers=None,
 ):
     """Renders a scene to an array of shape (height, width, 3), top row first.
@@ -41,7 +41,8 @@ def render(
 
     target_error chooses sampler and samples, instead of those of the scene, for an image with at most this error (RMSE
     of linear values). It is measured, without what one ray through the centre of each pixel misses at edges where
-    points on lights or the lens are chosen; a warning says if it cannot be reached.
+    points on lights or the lens are chosen; a warning says if it cannot be reached. time_budget renders with as many
+    samples as fit into so many seconds, with reading and building, and with one where not even that fits.
 
     Values are linear red, green and blue; 8-bit formats store 0 to 1. The number of threads does not change them.
 
@@ -54,7 +55,7 @@ def render(
     options = dict(
         width=width, height=height, camera=camera, view=view, up=up, fov=fov, fit=fit, lights=lights,
         background=background, crease=crease, seed=seed, samples=samples, target_error=target_error,
-        precision=precision, threads=threads, layers=layers,
+        time_budget=time_budget, precision=precision, threads=threads, layers=layers,
     )
     kind, source = _source(scene, faces, normals, colors)
     if kind == "mesh":

@@ -200,7 +200,10 @@ pub use wavecrest_scene::{components, hecs, memory, mesh};
 // From a prepared scene to pixels.
 pub use wavecrest_core::counters::Counters;
 pub use wavecrest_core::film::Film;
-pub use wavecrest_core::render::{Progress, RenderOptions, Rendered, TracerKind, Watch, render};
+pub use wavecrest_core::render::units::Order;
+pub use wavecrest_core::render::{
+    Progress, RenderOptions, Rendered, TracerKind, Watch, render, render_in_order,
+};
 pub use wavecrest_core::tile::Tile;
 
 // Layers beside the colours.
