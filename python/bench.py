@@ -17,6 +17,9 @@ import time
 from importlib.metadata import version
 from pathlib import Path
 
+# Instead of this folder, where the package has no native part.
+sys.path[0] = str(Path(__file__).with_name("tests"))
+
 import numpy as np
 import open3d
 import trimesh
@@ -24,7 +27,6 @@ import wavecrest
 from embreex.mesh_construction import TriangleMesh
 from embreex.rtcore_scene import EmbreeScene
 
-sys.path.insert(0, str(Path(__file__).with_name("tests")))
 from test_rays import ten_meshes
 
 KINDS = ("camera", "random", "diffuse")
