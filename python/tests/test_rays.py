@@ -443,6 +443,16 @@ class Trimesh(unittest.TestCase):
         mesh.ray = wavecrest.RayMeshIntersector(mesh)
         self.assertEqual(mesh.contains([[0, 0, 0], [2, 0, 0]]).tolist(), [True, False])
 
+    def test_a_primitive_asks_for_it_before_it_has_faces(self):
+        class Unready:
+            faces = property(lambda self: self.made.faces)
+            vertices = property(lambda self: self.made.vertices)
+
+        box = Unready()
+        box.ray = wavecrest.RayMeshIntersector(box)
+        box.made = trimesh.primitives.Box(extents=[2, 2, 2])
+        self.assertEqual(box.ray.contains_points([[0, 0, 0], [3, 0, 0]]).tolist(), [True, False])
+
     def test_a_changed_mesh_is_noticed(self):
         mesh = trimesh.creation.icosphere()
         mesh.ray = wavecrest.RayMeshIntersector(mesh)

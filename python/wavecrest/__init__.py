@@ -223,7 +223,9 @@ class RayMeshIntersector:
     """
 
     def __init__(self, mesh):
-        self.mesh = mesh if hasattr(mesh, "faces") else Mesh(mesh)
+        # Primitives of trimesh have no faces yet when they ask for their intersector.
+        is_mesh = hasattr(type(mesh), "faces") or hasattr(mesh, "faces")
+        self.mesh = mesh if is_mesh else Mesh(mesh)
         self._known = (None, None)
 
     def intersects_id(self, ray_origins, ray_directions, multiple_hits=True, max_hits=None, return_locations=False):
