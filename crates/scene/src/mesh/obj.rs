@@ -113,6 +113,10 @@ impl UnfinishedMesh {
         }
         let attributes = &mut [&mut of_uvs[..], &mut of_normals[..]];
         notes.extend(too_few_corners(all.too_few_corners));
+        if all.has_paint {
+            let note = Error::new(ErrorKind::Mesh, "colours in comments (#MRGB) are ignored");
+            notes.push(note.remedy("export colours after the coordinates of vertices, or as PLY"));
+        }
         notes.extend(polygon::split(&all.polygons, &all.positions, &mut triangles, attributes));
         notes.extend(mend(&mut all.normals, &mut all.uvs, &mut all.colors));
         notes.extend(scale_byte_colors(&mut all.colors));
@@ -181,7 +185,7 @@ fn surveyed(text: &[u8]) -> Survey {
                 let corners = words(statement.rest).take_while(|word| !word.starts_with(b"#"));
                 found.triangles += (corners.count() as u64).saturating_sub(2);
             }
-            Keyword::Library | Keyword::Material | Keyword::Other => {}
+            Keyword::Library | Keyword::Material | Keyword::Paint | Keyword::Other => {}
         }
     }
     found

@@ -75,6 +75,8 @@ pub(super) struct Contents {
     pub(super) materials: NamedMaterials,
     /// Number of faces with fewer than three corners.
     pub(super) too_few_corners: u64,
+    /// Whether there are colours in comments.
+    pub(super) has_paint: bool,
 }
 
 impl Contents {
@@ -121,6 +123,7 @@ impl Contents {
             self.materials.add_library(statement);
         }
         self.too_few_corners += piece.too_few_corners;
+        self.has_paint |= piece.has_paint;
         append(&mut self.colors, vertices, WHITE, piece.colors);
         for (to, indices) in self.indices.iter_mut().zip(piece.indices) {
             append(to, triangles, NO_VALUES, indices);
@@ -160,6 +163,7 @@ impl Contents {
             // A piece is in memory, so its triangles are fewer than 2^32.
             Keyword::Material => self.materials.begin(self.indices[0].len() as u32, name(rest)),
             Keyword::Library => self.materials.add_library(name(rest)),
+            Keyword::Paint => self.has_paint = true,
             Keyword::Other => {}
         }
         Ok(())

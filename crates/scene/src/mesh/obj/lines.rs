@@ -77,8 +77,17 @@ pub(super) enum Keyword {
     Material,
     /// Names files of materials.
     Library,
+    /// Colours of vertices in a comment, as ZBrush writes them.
+    Paint,
     /// Any other, or none.
     Other,
+}
+
+impl Keyword {
+    /// Whether a backslash at the end of the line continues it.
+    fn may_go_on(&self) -> bool {
+        matches!(self, Self::Position | Self::Uv | Self::Normal | Self::Face)
+    }
 }
 
 /// A statement and its first line, counted from 0 at the start of the text.
@@ -117,7 +126,7 @@ impl<'a> Iterator for Statements<'a> {
             let start = end;
             end += line_length(&self.text[start..]);
             self.lines += 1;
-            let goes_on = !matches!(keyword, Keyword::Material | Keyword::Library | Keyword::Other)
+            let goes_on = keyword.may_go_on()
                 && ends_in_backslash(&self.text[..end])
                 && !self.text[start..end].contains(&b'#');
             if !goes_on || end == self.text.len() {
@@ -146,6 +155,7 @@ fn keyword(line: &[u8]) -> (Keyword, usize) {
         b"f" => Keyword::Face,
         b"usemtl" => Keyword::Material,
         b"mtllib" => Keyword::Library,
+        b"#MRGB" => Keyword::Paint,
         _ => Keyword::Other,
     };
     (keyword, end)

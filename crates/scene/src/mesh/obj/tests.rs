@@ -144,3 +144,10 @@ fn a_position_may_have_a_colour() {
     assert_eq!(read.colors.unwrap(), [white, white, Vec3::Z]);
     assert!(notes[0].to_string().contains("white is used"), "{notes:?}");
 }
+
+#[test]
+fn colours_in_comments_are_named() {
+    let text = format!("#MRGB ffff8000ffffffff\n{SQUARE}f 1 2 3 4\n# MRGB\n");
+    let (_, notes) = load(&text).unwrap();
+    assert!(notes.len() == 1 && notes[0].to_string().contains("#MRGB"), "{notes:?}");
+}
