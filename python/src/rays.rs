@@ -124,13 +124,11 @@ impl Rays<'_> {
         self.met(found, face).unwrap_or(found)
     }
 
-    /// The distance in lengths of the direction as given, within the range, that rounding may leave by a
-    /// little; infinite for a miss.
+    /// The distance in lengths of the direction as given; infinite for a miss. Which hits are within the
+    /// range is decided by rounded numbers, so it may be outside by a little.
     #[inline(always)]
     pub(crate) fn distance(&self, found: Found) -> f64 {
-        let [t_min, t_max] = self.range;
-        let t = found.t * self.line(found.ray).2;
-        if found.is_miss() { t } else { t.max(t_min).min(t_max) }
+        found.t * self.line(found.ray).2
     }
 
     /// The place of a hit.
@@ -263,7 +261,9 @@ impl Rays<'_> {
         }
         // Those that rounding leaves no distance between may be the other way round as given.
         for found in found.chunk_by_mut(|one, other| one.ray == other.ray) {
-            found.sort_by(|one, other| one.t.total_cmp(&other.t));
+            found.sort_by(|one, other| {
+                one.t.total_cmp(&other.t).then(one.primitive.cmp(&other.primitive))
+            });
         }
         Ok(found)
     }

@@ -188,7 +188,10 @@ class Scene:
         places = [(number, place) for number, (_, place) in zip(self._geometries, self._instances)]
         bvh = self._meshes[-1]._bvh if self._meshes else None
         self._shapes = _native.scene([mesh._shapes for mesh in self._meshes], places, bvh)
-        self._inverses = np.array([np.linalg.inv(place[:3, :3]) for _, place in self._instances])
+        try:
+            self._inverses = np.array([np.linalg.inv(place[:3, :3]) for _, place in self._instances])
+        except np.linalg.LinAlgError:
+            raise Error("instances: a matrix must have an inverse") from None
 
     def cast(self, origins, directions, *, t_min=None, t_max=None):
         """The closest hits, as Mesh.cast returns them, with the number of the geometry and that of the instance besides,

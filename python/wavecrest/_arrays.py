@@ -25,8 +25,9 @@ def path(name, what, value):
 def converted(name, value, kind):
     """An array of this type of elements, without rounding floats to integers."""
     try:
-        return np.asarray(value).astype(kind, order="C", casting="same_kind", copy=False)
-    except TypeError as error:
+        made = np.asarray(value).astype(kind, order="C", casting="same_kind", copy=False)
+        return np.require(made, requirements="CA")
+    except (TypeError, ValueError) as error:
         raise TypeError(f"{name}: {error}") from None
 
 
@@ -41,7 +42,10 @@ def array(name, value, kind, shape):
 def rows(name, value):
     """Points or vectors, (N, 3): float32 and float64 as they are, others as float64. One may have the shape (3,), and an
     empty list is none."""
-    value = np.asarray(value)
+    try:
+        value = np.asarray(value)
+    except ValueError as error:
+        raise TypeError(f"{name}: {error}") from None
     if value.shape in [(0,), (3,)]:
         value = value.reshape(-1, 3)
     return array(name, value, "float32" if value.dtype == np.float32 else "float64", "(N, 3)")

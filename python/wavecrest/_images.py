@@ -185,7 +185,8 @@ def _divide(mesh):
 
 def _convert(visual):
     """Makes a material of diffuse colour and gloss one of metalness and roughness."""
-    material, uvs = visual.material, visual.uv
+    uvs, several = visual.uv, getattr(visual.material, "materials", None)
+    visual.material = material = several[0] if several else visual.material
     for key in IMAGES:
         image = getattr(material, key, None)
         if image is not None and not hasattr(image, "save"):
