@@ -4,7 +4,7 @@ from typing import Any, Literal, Protocol, TypedDict, overload
 
 from numpy import bool_, float32, float64, int64, uint32
 from numpy.typing import ArrayLike, NDArray
-from typing_extensions import NotRequired
+from typing_extensions import NotRequired, TypeAlias, Unpack
 
 __version__: str
 __all__: list[str]
@@ -158,57 +158,37 @@ class RayMeshIntersector:
     # (P,)
     def contains_points(self, points: ArrayLike) -> NDArray[bool_]: ...
 
+class _Options(TypedDict, total=False):
+    width: int | None
+    height: int | None
+    camera: str | ArrayLike | None
+    view: str | tuple[float, float] | None
+    up: str | None
+    fov: float | None
+    fit: float | None
+    lights: Literal["studio", "headlight", "none"] | None
+    background: str | tuple[float, float, float] | None
+    crease: float | None
+    seed: int | None
+    samples: int | None
+    target_error: float | None
+    time_budget: float | None
+    precision: Literal["fast", "exact"] | None
+    threads: int | None
+    normals: ArrayLike | None
+    colors: ArrayLike | None
+
+_Renderable: TypeAlias = str | PathLike[str] | dict[str, Any] | _Mesh | _Scene | ArrayLike
+
 # (height, width, 3); (height, width, 4) with a transparent background
 @overload
 def render(
-    scene: str | PathLike[str] | dict[str, Any] | _Mesh | _Scene | ArrayLike,
-    faces: ArrayLike | None = None,
-    *,
-    width: int | None = None,
-    height: int | None = None,
-    camera: str | ArrayLike | None = None,
-    view: str | tuple[float, float] | None = None,
-    up: str | None = None,
-    fov: float | None = None,
-    fit: float | None = None,
-    lights: Literal["studio", "headlight", "none"] | None = None,
-    background: str | tuple[float, float, float] | None = None,
-    crease: float | None = None,
-    seed: int | None = None,
-    samples: int | None = None,
-    target_error: float | None = None,
-    time_budget: float | None = None,
-    precision: Literal["fast", "exact"] | None = None,
-    threads: int | None = None,
-    normals: ArrayLike | None = None,
-    colors: ArrayLike | None = None,
-    layers: None = None,
+    scene: _Renderable, faces: ArrayLike | None = None, *, layers: None = None, **options: Unpack[_Options]
 ) -> NDArray[float32]: ...
 # With layers: an image as without, and arrays (height, width) or (height, width, 3)
 @overload
 def render(
-    scene: str | PathLike[str] | dict[str, Any] | _Mesh | _Scene | ArrayLike,
-    faces: ArrayLike | None = None,
-    *,
-    width: int | None = None,
-    height: int | None = None,
-    camera: str | ArrayLike | None = None,
-    view: str | tuple[float, float] | None = None,
-    up: str | None = None,
-    fov: float | None = None,
-    fit: float | None = None,
-    lights: Literal["studio", "headlight", "none"] | None = None,
-    background: str | tuple[float, float, float] | None = None,
-    crease: float | None = None,
-    seed: int | None = None,
-    samples: int | None = None,
-    target_error: float | None = None,
-    time_budget: float | None = None,
-    precision: Literal["fast", "exact"] | None = None,
-    threads: int | None = None,
-    normals: ArrayLike | None = None,
-    colors: ArrayLike | None = None,
-    layers: list[_Layer],
+    scene: _Renderable, faces: ArrayLike | None = None, *, layers: list[_Layer], **options: Unpack[_Options]
 ) -> tuple[NDArray[float32], dict[_Layer, NDArray[float32] | NDArray[uint32]]]: ...
 def save(
     path: str | PathLike[str],

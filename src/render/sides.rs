@@ -104,7 +104,7 @@ fn draw_sheet(
     let of_side = |side| {
         seen.scene_options.input.view = Some(side);
         let one = seen.clone();
-        // What is told of one is true of all.
+        // The notes of every side are the same.
         seen.scene_options.quiet = true;
         one
     };

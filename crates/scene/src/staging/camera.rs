@@ -114,7 +114,7 @@ pub(crate) fn framed(
     let (up, told) = upward(contents, grid.as_ref(), framing.up.map_or(usual, Upward::Stated));
     let stage = ToFrame { contents, grid, up, framing };
     let (view, room) = stage.seen_from(framing.side, blank);
-    if view.location == view.look {
+    if matches!(framing.side, Some(Side::Point { .. })) && view.location == view.look {
         let error = Error::new(ErrorKind::Usage, "the camera would be at the point it looks at");
         return Err(error.value(view.location).remedy("use another --from or --at"));
     }

@@ -5,8 +5,8 @@
 //! usual one. Or it is its own mirror image along the usual axis alone, and would fall over along it,
 //! as a fish or an aeroplane: left and right may be alike, top and bottom hardly ever are. Or it is a
 //! wide, thin surface of one layer that faces along the other axis, as terrain does; or wide and low
-//! with a ground below it, a sheet that faces up, as a courtyard has. A mesh stands if its centre is above its support polygon, the
-//! convex hull of its lowest points: so a chair stands on its legs.
+//! with a ground below it, a sheet that faces up, as a courtyard has. A mesh stands if its centre is
+//! above its support polygon, the convex hull of its lowest points: so a chair stands on its legs.
 
 use glam::{DVec2, DVec3};
 
@@ -86,12 +86,15 @@ pub(super) fn guess(contents: &Scenery<'_>, grid: &Grid, usual: Up) -> (Up, Opti
     let stands = |depth| support(contents, size, axis, depth) >= STANDS;
     let is_closed = is_closed(columns);
     let steps = || {
+        if size[axis] > size[own] {
+            return false;
+        }
         let legs = columns.iter().filter(|c| c.ends.is_some_and(|[low, _]| low.at <= RAISED));
         let legs = legs.count() as f64 / columns.len() as f64;
-        size[axis] <= size[own] && legs <= LEGS * support(contents, size, axis, RAISED)
+        let support = support(contents, size, axis, RAISED);
+        support >= STANDS && legs <= LEGS * support && falls(RAISED)
     };
-    let is_on_feet = |depth| stands(depth) && falls(depth);
-    if is_closed && (is_on_feet(BASE_DEPTH) || is_on_feet(RAISED) && steps()) {
+    if is_closed && (stands(BASE_DEPTH) && falls(BASE_DEPTH) || steps()) {
         return (other, Some("the mesh stands along it, and would fall over along the other"));
     }
     let is_set_up = is_closed && asymmetry >= ASYMMETRIC && size[axis] >= LOWER * size[own];
