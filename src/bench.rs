@@ -8,7 +8,7 @@ use super::common::{
     SearchOptions, choice, not_negative, print, tell, tell_prepared, to_json, whole, with_bar,
     write_text,
 };
-use super::input::{Made, SceneOptions};
+use super::input::{Purpose, SceneOptions};
 use wavecrest_base::error::{Error, Result};
 use wavecrest_base::replace::{Listed, check_differs, check_replaceable, make_folder};
 use wavecrest_core::accel::build::Preset;
@@ -139,12 +139,12 @@ fn check_scenes(args: &BenchArgs) -> Result<()> {
     let old: Vec<&Path> = args.outputs().filter(|file| file.exists()).collect();
     if old.is_empty() {
         // The first is read anyway before anything is timed.
-        let (mut others, extent) = (args.scenes.iter().skip(1), &Made::whole(args.batch));
-        return others.try_for_each(|scene| args.scene_options.estimate(scene, extent).map(drop));
+        let (mut others, purpose) = (args.scenes.iter().skip(1), &Purpose::whole(args.batch));
+        return others.try_for_each(|scene| args.scene_options.estimate(scene, purpose).map(drop));
     }
     args.scenes.iter().try_for_each(|scene| {
         old.iter().try_for_each(|file| check_differs(file, scene, "the scene"))?;
-        let loaded = load(scene, &args.scene_options.load_options())?;
+        let loaded = load(scene, &args.scene_options.load_options(None))?;
         old.iter().try_for_each(|file| loaded.check_apart(file))
     })
 }
@@ -185,9 +185,9 @@ const RUNS: &str = "{wide_bar} {pos} of {len} runs, {eta} left";
 
 fn prepare(args: &BenchArgs, path: &Path) -> Result<(PreparedScene, BenchSetting)> {
     let start = Instant::now();
-    let extent = &Made::whole(args.batch);
-    let loaded = args.scene_options.load(path, extent, &[])?;
-    let extracted = args.scene_options.extract(loaded, extent)?;
+    let purpose = &Purpose::whole(args.batch);
+    let loaded = args.scene_options.load(path, purpose, &[])?;
+    let extracted = args.scene_options.extract(loaded, purpose)?;
     // Neither tracer should wait for an image.
     extracted.scene().appearance.decode()?;
     let load = start.elapsed().as_secs_f64();
@@ -268,7 +268,7 @@ fn prepare_effect(args: &BenchArgs, variant: SceneVariant, folder: &Path) -> Res
     let options = LoadOptions { strict: true, width, height, ..LoadOptions::default() };
     // Warnings would be about built-in scenes.
     let loaded = load_str(&variant.scene.to_string(), &folder.join("effect.json"), &options)?;
-    let extracted = args.scene_options.extract(loaded, &Made::whole(args.batch))?;
+    let extracted = args.scene_options.extract(loaded, &Purpose::whole(args.batch))?;
     extracted.scene().appearance.decode()?;
     // The same for all, so that no effect has a better tree.
     let preset = args.scene_options.bvh.unwrap_or(Preset::Medium);

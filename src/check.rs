@@ -5,15 +5,14 @@ use std::path::{Path, PathBuf};
 use glam::{DVec3, Vec3};
 
 use super::common::{print, rounded, size, tell_prepared};
-use super::input::{Made, SceneOptions};
+use super::input::{Purpose, SceneOptions};
 use wavecrest_base::error::Result;
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::kernels::light::{Emitter, Light};
 use wavecrest_core::kernels::texture::Image;
-use wavecrest_core::plan::schedule::{PASSES, unplanned};
 use wavecrest_core::prepared::PreparedScene;
 use wavecrest_core::wavefront::DEFAULT_BATCH;
-use wavecrest_scene::systems::{self, Options, bounds, looks};
+use wavecrest_scene::systems::{bounds, looks};
 
 /// Check a scene with all its meshes and textures, and list its contents.
 #[derive(Clone, Debug, clap::Args)]
@@ -31,24 +30,22 @@ pub(crate) struct CheckArgs {
 /// If the scene cannot be rendered.
 pub(crate) fn run(args: &CheckArgs) -> Result<()> {
     args.scene_options.threads.run(|| {
-        let extent = &Made::whole(DEFAULT_BATCH as u32);
-        let mut loaded = args.scene_options.load(&args.scene, extent, &[])?;
+        // Every file is read, whether or not the image needs it.
+        let purpose = &Purpose { shows_all: true, ..Purpose::whole(DEFAULT_BATCH as u32) };
+        let mut loaded = args.scene_options.load(&args.scene, purpose, &[])?;
         // The contents are those of the file.
         if let Some(ground) = looks::ground(&loaded.world) {
             let _ = loaded.world.despawn(ground);
         }
-        // Read every file, whether or not the image needs it.
-        let passes = unplanned(&PASSES);
-        let options = Options { passes: &passes, ..Options::default() };
-        let extracted = systems::extract(loaded.world, options)?;
-        let extracted = args.scene_options.checked(extracted, extent)?;
+        let files = [std::slice::from_ref(&args.scene), &loaded.files].concat();
+        let extracted = args.scene_options.extract(loaded, purpose)?;
         extracted.scene().appearance.decode()?;
         // For the few test rays of warnings.
         let scene = args.scene_options.build(extracted, Preset::OnDemand)?;
         tell_prepared(&scene, &args.scene, args.scene_options.quiet);
         let mut lines = summary(&scene);
-        let files = std::iter::once(&args.scene).chain(&loaded.files);
-        lines.extend(files.map(|file| ("file", format!("{}{}", file.display(), bytes_of(file)))));
+        let line = |file: &PathBuf| ("file", format!("{}{}", file.display(), bytes_of(file)));
+        lines.extend(files.iter().map(line));
         for lazy in &scene.appearance.images {
             let (Image { width, height, .. }, name) = (lazy.get()?, lazy.name());
             let bytes = bytes_of(Path::new(name));

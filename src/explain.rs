@@ -8,7 +8,7 @@ use serde::Serialize;
 use serde_json::{Value, json};
 
 use super::common::{grouped, known, print, rounded, seconds, size, tell_prepared, to_json, whole};
-use super::input::{Made, SceneOptions};
+use super::input::{Purpose, SceneOptions};
 use wavecrest_base::error::Result;
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::kernels::precision::Precision;
@@ -90,11 +90,11 @@ struct ColumnMemory {
 /// If the scene cannot be rendered.
 pub(crate) fn run(args: &ExplainArgs) -> Result<()> {
     args.scene_options.threads.run(|| {
-        let extent = &Made::whole(args.batch);
-        let estimated = args.scene_options.estimate(&args.scene, extent)?;
+        let purpose = &Purpose::whole(args.batch);
+        let estimated = args.scene_options.estimate(&args.scene, purpose)?;
         let start = Instant::now();
-        let loaded = args.scene_options.load(&args.scene, extent, &[])?;
-        let extracted = args.scene_options.extract(loaded, extent)?;
+        let loaded = args.scene_options.load(&args.scene, purpose, &[])?;
+        let extracted = args.scene_options.extract(loaded, purpose)?;
         explain(extracted, estimated, start, args)
     })
 }

@@ -16,14 +16,16 @@ use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::kernels::precision::Precision;
 use wavecrest_core::math::float::MAX_COORDINATE;
+use wavecrest_core::plan::schedule::{PASSES, unplanned};
 use wavecrest_core::prepared::PreparedScene;
+use wavecrest_image::look::Look;
 use wavecrest_scene::load::framing::{Fit, Fov, Framing, Side, Up};
 use wavecrest_scene::load::lighting::{Background, Lighting, Rig};
 use wavecrest_scene::load::{
     FileFormat, LONGEST_SIDE, LoadOptions, LoadedScene, MOST_SAMPLES, antialias, load, survey,
 };
 use wavecrest_scene::memory::{self, Estimate, film_bytes};
-use wavecrest_scene::systems::{self, Extracted};
+use wavecrest_scene::systems::{self, Extracted, looks};
 
 /// Options of every command that reads a scene, a glTF file or a mesh.
 #[derive(Clone, Debug, clap::Args)]
@@ -83,9 +85,6 @@ pub(crate) struct InputOptions {
     /// Lights of a mesh, or of a glTF file in place of its own [default: studio where it has none]
     #[arg(long, help_heading = VIEW, value_name = "RIG", value_parser = choice::<Rig>())]
     pub(crate) lights: Option<Rig>,
-    /// Whether the lights put up no ground, which a look would show
-    #[arg(skip)]
-    pub(crate) without_ground: bool,
     /// Background: a colour in sRGB such as #ffffff, or transparent
     #[arg(long, help_heading = IMAGE, value_name = "COLOR", hide_possible_values = true,
           value_parser = with_names(&["transparent"], <Background as FromStr>::from_str))]
@@ -101,15 +100,16 @@ impl InputOptions {
         self.background == Some(Background::Transparent)
     }
 
-    /// The options for the loader.
-    pub(crate) fn load_options(&self) -> LoadOptions {
+    /// The options for the loader; without the ground of the lights, which is not part of the file and has its own
+    /// edges and depth, for looks other than clay.
+    pub(crate) fn load_options(&self, look: Option<Look>) -> LoadOptions {
         let Self { allow_outside, up, fov, fit, turntable, .. } = *self;
         let [width, height] = self.size.map_or([self.width, self.height], |size| size.map(Some));
         let side = self.from.map(|eye| Side::Point { eye, look: self.at }).or(self.view);
         let usual = Lighting::default();
         let lighting = Lighting {
             rig: match self.lights.unwrap_or(usual.rig) {
-                Rig::Studio if self.without_ground => Rig::Headlight,
+                Rig::Studio if !matches!(look, None | Some(Look::Clay)) => Rig::Headlight,
                 rig => rig,
             },
             replaces: self.lights.is_some(),
@@ -217,53 +217,59 @@ pub(crate) struct SceneOptions {
 }
 
 impl SceneOptions {
-    /// Loads `scene`, which none of the `outputs` may be a part of, for a render of this `extent`,
-    /// and prints its warnings.
+    /// Loads `scene`, which none of the `outputs` may be a part of, and prints its warnings.
     pub(crate) fn load(
         &self,
         scene: &Path,
-        extent: &Made<'_>,
+        purpose: &Purpose<'_>,
         outputs: &[&Path],
     ) -> Result<LoadedScene> {
         self.input.check(scene)?;
-        let options = self.load_options();
         if let Some(limit) = self.memory_limit {
-            limit::check(scene, &self.estimate(scene, extent)?, limit)?;
+            limit::check(scene, &self.estimate(scene, purpose)?, limit)?;
         }
         // A render, which has outputs, shows all its progress.
         let _reading = outputs.is_empty().then(|| Display::new(Style::Auto, self.quiet));
-        let loaded = load(scene, &options)?;
+        let loaded = load(scene, &self.load_options(purpose.look))?;
         outputs.iter().try_for_each(|output| loaded.check_apart(output))?;
         self.check_taken(scene)?;
         tell_all(&loaded.warnings, &loaded.notes, self.quiet);
         Ok(loaded)
     }
 
-    /// Estimates the memory of a render of this `extent` before anything large is read.
-    pub(crate) fn estimate(&self, scene: &Path, extent: &Made<'_>) -> Result<Estimate> {
+    /// Estimates the memory of a render before anything large is read.
+    pub(crate) fn estimate(&self, scene: &Path, purpose: &Purpose<'_>) -> Result<Estimate> {
         self.input.check(scene)?;
-        let survey = survey(scene, &self.load_options(), self.flatten)?;
-        let (images, preset) = ((extent.images)(survey.size), self.bvh.unwrap_or(Preset::Fast));
-        Ok(memory::estimate(&survey, images, preset, extent.batch))
+        let survey = survey(scene, &self.load_options(purpose.look), self.flatten)?;
+        let (images, preset) = ((purpose.images)(survey.size), self.bvh.unwrap_or(Preset::Fast));
+        Ok(memory::estimate(&survey, images, preset, purpose.batch))
     }
 
     /// The options for loading a scene.
-    pub(crate) fn load_options(&self) -> LoadOptions {
-        LoadOptions { strict: self.strict, ..self.input.load_options() }
+    pub(crate) fn load_options(&self, look: Option<Look>) -> LoadOptions {
+        LoadOptions { strict: self.strict, ..self.input.load_options(look) }
     }
 
-    /// Runs all systems but the last on `loaded`, for a render of this `extent`.
-    pub(crate) fn extract(&self, loaded: LoadedScene, extent: &Made<'_>) -> Result<Extracted> {
+    /// Runs all systems but the last on `loaded`. A scene that would take more memory than is allowed is refused.
+    pub(crate) fn extract(
+        &self,
+        mut loaded: LoadedScene,
+        purpose: &Purpose<'_>,
+    ) -> Result<Extracted> {
+        match purpose.look {
+            Some(Look::Clay) => looks::clay(&mut loaded.world),
+            Some(Look::Uv) => looks::show_uvs(&mut loaded.world),
+            _ => {}
+        }
+        let shows_all = purpose.shows_all || purpose.look.is_some_and(|look| !look.is_shaded());
+        let passes = if shows_all { &unplanned(&PASSES)[..] } else { &PASSES };
         let (precision, flat) = (self.precision, self.flatten);
-        let options = systems::Options { precision, flat, ..Default::default() };
-        self.checked(systems::extract(loaded.world, options)?, extent)
-    }
-
-    /// Refuses a scene that has no tree yet if a render of this `extent` would take more memory than is allowed.
-    pub(crate) fn checked(&self, extracted: Extracted, extent: &Made<'_>) -> Result<Extracted> {
-        let Some(limit) = self.memory_limit else { return Ok(extracted) };
-        let preset = self.preset(&extracted);
-        limit::check(extracted.file(), &extent.estimate(&extracted, preset), limit)?;
+        let extracted =
+            systems::extract(loaded.world, systems::Options { precision, passes, flat })?;
+        if let Some(limit) = self.memory_limit {
+            let preset = self.preset(&extracted);
+            limit::check(extracted.file(), &purpose.estimate(&extracted, preset), limit)?;
+        }
         Ok(extracted)
     }
 
@@ -286,27 +292,36 @@ impl SceneOptions {
     }
 }
 
-/// What a command makes of a scene, as far as it affects memory.
-pub(crate) struct Made<'a> {
+/// What a command makes of a scene, as far as it matters before the first ray.
+pub(crate) struct Purpose<'a> {
     /// Bytes of the images, and additional ones while they are written, if the whole image has this width and height
     /// in pixels.
     pub(crate) images: Box<dyn Fn([u32; 2]) -> [u64; 2] + 'a>,
     /// Paths in a batch.
     pub(crate) batch: usize,
+    /// What images show instead of light.
+    pub(crate) look: Option<Look>,
+    /// Whether what light would not show is prepared, too.
+    pub(crate) shows_all: bool,
 }
 
-impl Made<'_> {
+impl<'a> Purpose<'a> {
+    /// `images` of light, in batches of this number of paths.
+    pub(crate) fn new(images: impl Fn([u32; 2]) -> [u64; 2] + 'a, batch: usize) -> Self {
+        Self { images: Box::new(images), batch, look: None, shows_all: false }
+    }
+
+    /// The whole image, not written.
+    pub(crate) fn whole(batch: u32) -> Self {
+        let images =
+            |[width, height]: [u32; 2]| [film_bytes(u64::from(width) * u64::from(height)), 0];
+        Self::new(images, batch as usize)
+    }
+
     /// Estimates the memory of a render of an extracted scene.
     pub(crate) fn estimate(&self, extracted: &Extracted, preset: Preset) -> Estimate {
         let [film, writing] = (self.images)(extracted.scene().camera.size());
         let usual = memory::estimate_extracted(extracted, preset, self.batch);
         Estimate { film, writing, ..usual }
-    }
-
-    /// The whole image, not written, in batches of this number of paths.
-    pub(crate) fn whole(batch: u32) -> Self {
-        let images =
-            |[width, height]: [u32; 2]| [film_bytes(u64::from(width) * u64::from(height)), 0];
-        Self { images: Box::new(images), batch: batch as usize }
     }
 }

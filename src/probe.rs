@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use glam::Vec3;
 
 use super::common::{SearchOptions, numbers, print, rounded, to_json, whole};
-use super::input::{Made, SceneOptions};
+use super::input::{Purpose, SceneOptions};
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_core::probe::{
     Bounce, HitRecord, Light, PathRecord, PixelRecord, RayKind, SurfaceRecord, Visibility, pixel,
@@ -54,10 +54,9 @@ pub(crate) fn run(args: &ProbeArgs) -> Result<bool> {
     args.search.check(args.scene_options.precision)?;
     args.scene_options.threads.run(|| {
         // A single pixel, not written.
-        let images = |_| [film_bytes(1), 0];
-        let extent = &Made { images: Box::new(images), batch: DEFAULT_BATCH };
-        let loaded = args.scene_options.load(&args.scene, extent, &[])?;
-        let extracted = args.scene_options.extract(loaded, extent)?;
+        let purpose = &Purpose::new(|_| [film_bytes(1), 0], DEFAULT_BATCH);
+        let loaded = args.scene_options.load(&args.scene, purpose, &[])?;
+        let extracted = args.scene_options.extract(loaded, purpose)?;
         let preset = args.scene_options.preset(&extracted);
         let mut scene = args.scene_options.build(extracted, preset)?;
         args.search.apply(&mut scene.accel);

@@ -59,7 +59,7 @@ pub(crate) enum Style {
 
 /// Shows the progress until it is dropped.
 pub(crate) struct Display {
-    shown: Arc<Shown>,
+    shared: Arc<Shared>,
     ticker: Option<(Sender<()>, JoinHandle<()>)>,
 }
 
@@ -73,9 +73,9 @@ impl Display {
         let (start, stage) = (Instant::now(), Stage::Load);
         let state = Mutex::new(State { stage, frame: None, began: start, pace: None });
         let traced = [AtomicU64::new(0), AtomicU64::new(0)];
-        let shown = Arc::new(Shown { bar, lines: style == Style::Json, start, state, traced });
+        let shared = Arc::new(Shared { bar, lines: style == Style::Json, start, state, traced });
         let (stop, stopped) = mpsc::channel();
-        let looked_at = Arc::clone(&shown);
+        let looked_at = Arc::clone(&shared);
         let look = move || {
             while stopped.recv_timeout(INTERVAL) == Err(RecvTimeoutError::Timeout) {
                 if looked_at.state().stage != Stage::Done {
@@ -85,30 +85,30 @@ impl Display {
         };
         // Without a thread, stages are shown at their starts.
         let ticker = is_shown.then(|| thread::Builder::new().spawn(look).ok()).flatten();
-        Self { shown, ticker: ticker.map(|thread| (stop, thread)) }
+        Self { shared, ticker: ticker.map(|thread| (stop, thread)) }
     }
 
     /// A stage starts.
     pub(crate) fn stage(&self, stage: Stage) {
-        self.shown.begin(stage);
-        self.shown.show();
+        self.shared.begin(stage);
+        self.shared.show();
     }
 
     /// The next is this frame of so many, from 1.
     pub(crate) fn frame(&self, frame: u64, frames: u64) {
-        self.shown.state().frame = Some([frame, frames]);
+        self.shared.state().frame = Some([frame, frames]);
     }
 
     /// The number of pixels finished, and of all. Threads may report out of order.
     pub(crate) fn traced(&self, done: u64, all: u64) {
-        let [of_done, of_all] = &self.shown.traced;
+        let [of_done, of_all] = &self.shared.traced;
         of_all.store(all, Ordering::Relaxed);
         of_done.fetch_max(done, Ordering::Relaxed);
     }
 
     /// Shows the end of a stage.
     pub(crate) fn finish(&self) {
-        self.shown.show();
+        self.shared.show();
     }
 }
 
@@ -118,12 +118,12 @@ impl Drop for Display {
             drop(stop);
             let _ = thread.join();
         }
-        self.shown.bar.finish_and_clear();
+        self.shared.bar.finish_and_clear();
     }
 }
 
-/// What is shown.
-struct Shown {
+/// What the threads share that show it.
+struct Shared {
     bar: ProgressBar,
     lines: bool,
     start: Instant,
@@ -142,7 +142,7 @@ struct State {
     pace: Option<(Instant, u64)>,
 }
 
-impl Shown {
+impl Shared {
     fn state(&self) -> std::sync::MutexGuard<'_, State> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
@@ -272,12 +272,12 @@ mod tests {
         display.stage(Stage::Trace);
         display.traced(50, 100);
         display.finish();
-        let state = *display.shown.state();
+        let state = *display.shared.state();
         assert_eq!(state.pace.map(|(_, done)| done), Some(250));
         display.stage(Stage::Write);
-        assert_eq!(display.shown.state().pace, state.pace);
+        assert_eq!(display.shared.state().pace, state.pace);
         display.frame(4, 4);
         display.stage(Stage::Trace);
-        assert_eq!(display.shown.state().pace, state.pace);
+        assert_eq!(display.shared.state().pace, state.pace);
     }
 }

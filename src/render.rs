@@ -6,26 +6,23 @@ mod goal;
 mod look;
 mod outputs;
 mod parts;
-mod ready;
+mod renderer;
 mod rows;
 mod show;
-mod sides;
-mod summary;
-
-use std::time::Instant;
+mod statistics;
+mod views;
 
 pub(crate) use args::RenderArgs;
-use outputs::Outputs;
-use ready::{Ready, timed};
-use show::Rendering;
-use summary::Totals;
+use args::{Frames, refuse};
+use outputs::{Outputs, animated};
+use renderer::{Renderer, Work, in_pixels};
 
 use super::common::tell_error;
-use super::interrupt;
-use super::progress::{Display, Stage};
+use super::progress::Display;
 use wavecrest_base::error::{Error, ErrorKind, Result};
+use wavecrest_image::animation::Animated;
 use wavecrest_image::farm::Shard;
-use wavecrest_report::statistics::pass_map;
+use wavecrest_scene::load::framing::Sheet;
 
 /// Renders each scene. Nothing is overwritten before the new image is complete.
 ///
@@ -36,7 +33,7 @@ pub(crate) fn run(args: &RenderArgs) -> Result<()> {
     let [scenes @ .., last] = &all[..] else { return Ok(()) };
     let mut failed = 0;
     for scene in scenes {
-        if let Err(error) = run_one(scene) {
+        if let Err(error) = render_scene(scene) {
             if let ErrorKind::Interrupted(_) = error.kind() {
                 return Err(error);
             }
@@ -44,7 +41,7 @@ pub(crate) fn run(args: &RenderArgs) -> Result<()> {
             failed += 1;
         }
     }
-    match (run_one(last), failed) {
+    match (render_scene(last), failed) {
         (Ok(()), 1..) => {
             let message = format!("{failed} of {} scenes were not rendered", all.len());
             Err(Error::new(ErrorKind::Scene, message))
@@ -53,22 +50,82 @@ pub(crate) fn run(args: &RenderArgs) -> Result<()> {
     }
 }
 
-/// Renders one scene.
-fn run_one(args: &RenderArgs) -> Result<()> {
+fn render_scene(args: &RenderArgs) -> Result<()> {
     args.search.check(args.scene_options.precision)?;
-    let args = &look::without_ground(args.clone());
-    let output = args.output()?;
-    let shard = args.shard()?;
-    if let Some(frames) = args.frames.clone() {
-        return frames::run(args, frames, shard);
+    match Job::of(args)? {
+        Job::Image => render_image(args),
+        Job::Shard(shard) => parts::render_shard(args, shard),
+        Job::Frames(frames, shard) => frames::render_frames(args, frames, shard),
+        Job::Animation(frames, format) => views::render_animation(args, frames, format),
+        Job::Sheet(sheet) => views::render_sheet(args, sheet),
     }
-    if sides::run(args, shard)? {
-        return Ok(());
+}
+
+/// What is made of one scene.
+enum Job<'a> {
+    /// One image.
+    Image,
+    /// A share of one image, for `wavecrest merge`.
+    Shard(Shard),
+    /// An image of each of these frames; or of the share of one shard.
+    Frames(Frames, Option<Shard>),
+    /// A turntable of this many frames in one file.
+    Animation(u32, Animated),
+    /// Several sides in one image.
+    Sheet(&'a Sheet),
+}
+
+impl<'a> Job<'a> {
+    /// The job that the arguments describe.
+    ///
+    /// # Errors
+    /// If they name options that cannot be used together.
+    fn of(args: &'a RenderArgs) -> Result<Self> {
+        let (output, shard) = (args.output()?, args.shard()?);
+        if let Some(frames) = args.frames.clone() {
+            return Ok(Self::Frames(frames, shard));
+        }
+        let turntable = args.scene_options.input.turntable;
+        // Options that belong to one image, not to frames; and to image files of one view.
+        let of_image = [
+            ("--checkpoint", args.checkpoint.is_some()),
+            ("--stats", args.stats.is_some()),
+            ("--save-every", args.save_every.is_some()),
+            ("--target-error", args.target_error.is_some()),
+            ("--time-budget", args.time_budget.is_some()),
+        ];
+        let of_view = [
+            ("--shard", shard.is_some()),
+            ("--also", !args.also.is_empty()),
+            ("--aov", args.aov.is_some()),
+        ];
+        match (&args.sheet, turntable) {
+            _ if args.frame.is_some() => {}
+            (Some(sheet), _) => {
+                refuse("--sheet", output, &[&of_image[..], &of_view].concat())?;
+                return Ok(Self::Sheet(sheet));
+            }
+            (None, Some(count)) => {
+                refuse("--turntable", output, &of_image)?;
+                let Some(format) = animated(output) else {
+                    return Ok(Self::Frames(1..=count, shard));
+                };
+                refuse("--turntable", output, &of_view)?;
+                return Ok(Self::Animation(count, format));
+            }
+            (None, None) => {}
+        }
+        match (shard, args.look) {
+            (None, _) => Ok(Self::Image),
+            (Some(shard), None) => Ok(Self::Shard(shard)),
+            (Some(_), Some(look)) => {
+                // A part contains only light.
+                let message = "--as and --shard cannot be used together";
+                let error = Error::new(ErrorKind::Usage, message).value(look.name());
+                Err(error.remedy("leave out one of them, or render whole frames with --frames"))
+            }
+        }
     }
-    parts::check(args, output)?;
-    look::check(args)?;
-    let outputs = Outputs::check(args, args.paths()?, shard.is_some())?;
-    watched(args, |progress| one(args, &outputs, progress, shard))
 }
 
 /// Runs `work` on the requested threads, with its progress shown.
@@ -78,49 +135,17 @@ fn watched(args: &RenderArgs, work: impl FnOnce(&Display) -> Result<()> + Send) 
     args.scene_options.threads.run(|| work(&progress))
 }
 
-/// Renders one image, or a shard of it.
-fn one(
-    args: &RenderArgs,
-    outputs: &Outputs<'_>,
-    progress: &Display,
-    shard: Option<Shard>,
-) -> Result<()> {
-    let start = Instant::now();
-    let mut ready = Ready::prepare(args, &outputs.all(), progress, start)?;
-    outputs.made_of(ready.encoding);
-    if let Some(frame) = args.frame {
-        frames::place(&mut ready.scene, frame, &args.scene)?;
-    }
-    // Until here there was nothing to lose: a signal ended the process.
-    interrupt::record();
-    let rendering = &Rendering { args, outputs, progress };
-    let mut summary = Totals::since(start);
-    if let Some(shard) = shard {
-        let (counters, seconds) = parts::write_shard(rendering, shard, &ready.scene)?;
-        summary.add(&counters, seconds);
-        summary.print(args, &outputs.name(), &format!("shard {shard}"));
-        return Ok(());
-    }
-    let Ready { scene, time, preset, .. } = &mut ready;
-    let traced = timed(&mut time.trace, || goal::trace(rendering, scene, *preset, start))?;
-    let (scene, time, rendered) = (&ready.scene, &mut ready.time, &traced.rendered);
-    let counters = &rendered.counters;
-    if !rendered.finished {
-        return Err(parts::interrupted(rendering, scene, rendered));
-    }
-    args.scene_options.check_taken(&args.scene)?;
-    let invalid = parts::find_invalid(args, scene, counters)?;
-    progress.stage(Stage::Write);
-    timed(&mut time.write, || outputs.write(scene, rendered))?;
-    time.total = start.elapsed().as_secs_f64();
-    time.passes = pass_map(&rendered.pass_seconds);
-    progress.stage(Stage::Done);
-    parts::report_invalid(counters, invalid.as_ref());
-    summary.add(counters, time.trace);
-    let [width, height] = [rendered.film.width(), rendered.film.height()];
-    summary.print(args, &outputs.name(), &format!("{width}x{height}"));
-    match &args.stats {
-        Some(file) => summary::write_statistics(file, args, &ready, &traced, invalid),
-        None => Ok(()),
-    }
+fn render_image(args: &RenderArgs) -> Result<()> {
+    let outputs = Outputs::check(args, args.paths()?, false)?;
+    watched(args, |progress| {
+        let mut work = Work::new(args, progress, None);
+        let mut renderer = Renderer::begin(args, &[&outputs], &mut work)?;
+        if let Some(frame) = args.frame {
+            frames::place(&mut renderer.scene, frame, &args.scene)?;
+        }
+        let traced = renderer.render(&outputs)?;
+        renderer.write(&outputs, &traced.rendered)?;
+        renderer.work.finish(&outputs.name(), &in_pixels(renderer.size()));
+        args.stats.iter().try_for_each(|file| statistics::write(file, &renderer, &traced))
+    })
 }

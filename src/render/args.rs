@@ -11,7 +11,7 @@ use crate::common::{
     whole,
 };
 use crate::image_options::{DevelopOptions, MetadataOptions};
-use crate::input::{Made, SceneOptions};
+use crate::input::{Purpose, SceneOptions};
 use crate::progress::Style;
 use array::ShardChoice;
 use wavecrest_base::choice::Choice as _;
@@ -181,9 +181,10 @@ impl RenderArgs {
         RenderOptions { tracer, crop, seed, batch, ..Default::default() }
     }
 
-    /// The extent of the image to render.
-    pub(super) fn extent(&self) -> Made<'_> {
-        Made { images: Box::new(|size| self.images(size)), batch: self.batch as usize }
+    /// What the scene is read for.
+    pub(super) fn purpose(&self) -> Purpose<'_> {
+        let purpose = Purpose::new(|size| self.images(size), self.batch as usize);
+        Purpose { look: self.look, ..purpose }
     }
 
     /// The file to write.
@@ -228,11 +229,8 @@ impl RenderArgs {
     }
 }
 
-/// An option, and whether it is given.
-pub(super) type Given = (&'static str, bool);
-
-/// Refuses `others` together with an `option`.
-pub(super) fn refuse(option: &str, output: &Path, others: &[Given]) -> Result<()> {
+/// Refuses `others`, each with whether it is given, together with an `option`.
+pub(super) fn refuse(option: &str, output: &Path, others: &[(&str, bool)]) -> Result<()> {
     let Some((other, _)) = others.iter().find(|(_, is_given)| *is_given) else { return Ok(()) };
     let message = format!("{option} and {other} cannot be used together");
     Err(Error::new(ErrorKind::Usage, message).in_file(output).remedy(format!("leave out {other}")))

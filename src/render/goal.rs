@@ -5,7 +5,7 @@ use std::time::Instant;
 
 use serde_json::{Value, json};
 
-use super::parts::trace as trace_once;
+use super::parts::render_once;
 use super::show::Rendering;
 use crate::common::{tell, warn};
 use crate::interrupt;
@@ -13,6 +13,7 @@ use wavecrest_base::error::Result;
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::plan::Effect;
 use wavecrest_core::prepared::PreparedScene;
+use wavecrest_core::probe::Invalid;
 use wavecrest_core::render::{Rendered, Watch};
 use wavecrest_report::accuracy::pilot::budget::{Budget, Overhead, in_time};
 use wavecrest_report::accuracy::pilot::target::{Reached, reach};
@@ -27,6 +28,8 @@ pub(super) struct Traced {
     pub(super) goal: Option<Value>,
     /// The share of it that a checkpoint held, from 0 to 1.
     pub(super) resumed: f64,
+    /// The first sample that is not finite.
+    pub(super) invalid: Option<Invalid>,
 }
 
 /// Ends a pilot, or a measurement, on a signal, or at the end of a budget.
@@ -45,7 +48,7 @@ impl Watch for UntilSignal<'_> {
 }
 
 /// Renders `scene`, whose tree has `preset`, as requested. `start` is the start of the command.
-pub(super) fn trace(
+pub(super) fn render_to_goal(
     rendering: &Rendering<'_>,
     scene: &mut PreparedScene,
     mut preset: Preset,
@@ -62,14 +65,15 @@ pub(super) fn trace(
         }
         (None, None) => None,
     };
-    match goal {
+    let (rendered, goal, resumed) = match goal {
         // Neither has a checkpoint.
-        Some((rendered, goal)) => Ok(Traced { rendered, preset, goal, resumed: 0.0 }),
+        Some((rendered, goal)) => (rendered, goal, 0.0),
         None => {
-            let (rendered, resumed) = trace_once(rendering, scene, None)?;
-            Ok(Traced { rendered, preset, goal: None, resumed })
+            let (rendered, resumed) = render_once(rendering, scene, None)?;
+            (rendered, None, resumed)
         }
-    }
+    };
+    Ok(Traced { rendered, preset, goal, resumed, invalid: None })
 }
 
 /// A render, and its goal if it is finished.
@@ -86,7 +90,7 @@ fn for_error(
     let args = rendering.args;
     let reached = reach(scene, tree, (target, args.seed), &UntilSignal(None), |scene, choice| {
         say(rendering, &format!("chosen: {choice}"));
-        let (rendered, _) = trace_once(rendering, scene, None)?;
+        let (rendered, _) = render_once(rendering, scene, None)?;
         let found = measure(rendering, scene, &rendered, &UntilSignal(None))?;
         Ok((rendered, found))
     })?;
@@ -120,7 +124,7 @@ fn within(
     let axis = Axis::of(&Facts::of(scene));
     let (choice, rendered, renders) = in_time(axis, budget, overhead, |choice, pace| {
         scene.resample(&original, &choice.samples());
-        let (rendered, _) = trace_once(rendering, scene, Some(pace))?;
+        let (rendered, _) = render_once(rendering, scene, Some(pace))?;
         let is_finished = rendered.finished;
         Ok((rendered, is_finished))
     })?;

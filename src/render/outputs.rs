@@ -43,12 +43,15 @@ impl<'a> Outputs<'a> {
                 .iter()
                 .try_for_each(|other| check_differs(path, other, "another output"))?;
         }
-        let reports = [&args.stats, &args.checkpoint];
-        for report in reports.into_iter().flatten() {
-            paths.iter().try_for_each(|path| check_differs(report, path, "the image"))?;
+        for report in args.stats.iter().chain(&args.checkpoint) {
+            check_replaceable(report)?;
+            paths.iter().try_for_each(|path| check_differs(report, path, "the output"))?;
             check_differs(report, &args.scene, "the scene")?;
         }
-        args.stats.iter().try_for_each(|file| check_replaceable(file))?;
+        if let (Some(checkpoint), Some(stats)) = (&args.checkpoint, &args.stats) {
+            check_differs(checkpoint, stats, "the statistics")?;
+        }
+        args.checkpoint().map_or(Ok(()), |checkpoint| checkpoint.check().map(drop))?;
         if args.scene_options.input.is_transparent() {
             paths.iter().try_for_each(|path| check_alpha(path, is_shard))?;
         }
@@ -72,9 +75,9 @@ impl<'a> Outputs<'a> {
     }
 
     /// Every file that is replaced: the images, statistics and checkpoint.
-    pub(super) fn all(&self) -> Vec<&Path> {
+    pub(super) fn files(&self) -> impl Iterator<Item = &Path> {
         let reports = self.args.stats.iter().chain(&self.args.checkpoint);
-        self.paths.iter().chain(reports).map(PathBuf::as_path).collect()
+        self.paths.iter().chain(reports).map(PathBuf::as_path)
     }
 
     /// Records the scene's transfer curve of 8-bit images.

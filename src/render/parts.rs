@@ -1,88 +1,84 @@
 //! Renders that lose no work: with a checkpoint, ended by a signal, or one shard of many.
 
-use std::path::Path;
 use std::time::Instant;
 
 use super::args::RenderArgs;
-use super::look;
+use super::look::render_look;
+use super::outputs::Outputs;
+use super::renderer::{Renderer, Work};
 use super::show::{Rendering, Show};
+use super::{frames, watched};
 use crate::common::tell;
 use crate::interrupt;
-use crate::progress::Stage;
 use wavecrest_base::error::{Error, ErrorKind, Result};
-use wavecrest_base::replace::{check_differs, check_replaceable};
 use wavecrest_core::counters::Counters;
 use wavecrest_core::prepared::{MOST_RAYS, PreparedScene};
 use wavecrest_core::probe::{self, Invalid};
-use wavecrest_core::render::Rendered;
+use wavecrest_core::render::units::Order;
+use wavecrest_core::render::{Rendered, render_in_order};
 use wavecrest_image::farm::{Author, Session, Shard};
 use wavecrest_report::accuracy::pilot::budget::Pace;
 
 /// The extension of a part's name.
 const EXTENSION: &str = "part";
 
-/// Runs the checks that are possible before the scene is read.
-///
-/// # Errors
-/// If a shard would be written as an image, or the checkpoint would overwrite another file.
-pub(super) fn check(args: &RenderArgs, output: &Path) -> Result<()> {
-    if args.shard.is_some() && output.extension().is_none_or(|name| name != EXTENSION) {
-        return Err(Error::new(ErrorKind::Usage, "a shard must be written to a .part file")
-            .in_file(output)
-            .remedy("use a name such as out-1.part, and join all parts with wavecrest merge"));
-    }
-    let Some(file) = &args.checkpoint else { return Ok(()) };
-    check_replaceable(file)?;
-    check_differs(file, output, "the output")?;
-    check_differs(file, &args.scene, "the scene")?;
-    if let Some(stats) = &args.stats {
-        check_differs(file, stats, "the statistics")?;
-    }
-    args.checkpoint().map_or(Ok(()), |checkpoint| checkpoint.check().map(drop))
-}
-
-/// Renders the image as requested, as long as its `pace` is good enough; returns it with the share
-/// that a checkpoint held (0 to 1).
-pub(super) fn trace(
+/// Renders the image once, as long as its `pace` is good enough; returns it with the share that a checkpoint held (0 to 1).
+pub(super) fn render_once(
     rendering: &Rendering<'_>,
     scene: &PreparedScene,
     pace: Option<&Pace<'_>>,
 ) -> Result<(Rendered, f64)> {
-    let show = Show::begin(rendering, scene, pace);
-    if rendering.args.checkpoint.is_none() {
-        return look::trace(rendering.args, scene, &show).map(|rendered| (rendered, 0.0));
+    let (show, args) = (Show::begin(rendering, scene, pace), rendering.args);
+    if args.checkpoint.is_some() {
+        let part = begin(rendering, scene, None)?;
+        return Ok((part.render(&show, &warn)?, part.resumed()));
     }
-    let session = session(rendering, scene, None)?;
-    let rendered = session.render(&show, &warn)?;
-    Ok((rendered, session.resumed()))
+    // The pace of a part is that of the whole only if it is a fair sample.
+    let order = if pace.is_some() { Order::Spread } else { Order::Rows };
+    let rendered = match args.look {
+        Some(look) => render_look(look, args, scene, &show)?,
+        None => render_in_order(scene, &args.options(), &show, order)?,
+    };
+    Ok((rendered, 0.0))
 }
 
-/// Renders a shard and writes its part; returns what was counted, and the seconds of tracing.
-pub(super) fn write_shard(
-    rendering: &Rendering<'_>,
-    shard: Shard,
-    scene: &PreparedScene,
-) -> Result<(Counters, f64)> {
-    let Rendering { args, outputs, progress } = *rendering;
-    let session = session(rendering, scene, Some(shard))?;
-    let show = Show::begin(rendering, scene, None);
-    let start = Instant::now();
-    let done = session.render_units(&show, &warn)?;
-    let seconds = start.elapsed().as_secs_f64();
-    drop(show);
-    if session.share() < 1.0 {
-        let what = outputs.untouched();
-        return Err(interrupt::error(session.share()).remedy(what + &go_on(args)));
+/// Renders a shard and writes its part.
+///
+/// # Errors
+/// If it would be written as an image, or cannot be rendered or written.
+pub(super) fn render_shard(args: &RenderArgs, shard: Shard) -> Result<()> {
+    let output = args.output()?;
+    if output.extension().is_none_or(|name| name != EXTENSION) {
+        return Err(Error::new(ErrorKind::Usage, "a shard must be written to a .part file")
+            .in_file(output)
+            .remedy("use a name such as out-1.part, and join all parts with wavecrest merge"));
     }
-    let first = find_invalid(args, scene, &done.counters)?;
-    report_invalid(&done.counters, first.as_ref());
-    session.write(outputs.first())?;
-    progress.stage(Stage::Done);
-    Ok((done.counters, seconds))
+    let outputs = Outputs::check(args, args.paths()?, true)?;
+    watched(args, |progress| {
+        let mut work = Work::new(args, progress, None);
+        let mut renderer = Renderer::begin(args, &[&outputs], &mut work)?;
+        if let Some(frame) = args.frame {
+            frames::place(&mut renderer.scene, frame, &args.scene)?;
+        }
+        let rendering = &Rendering { args, outputs: &outputs, progress };
+        let part = begin(rendering, &renderer.scene, Some(shard))?;
+        let start = Instant::now();
+        let done = part.render_units(&Show::begin(rendering, &renderer.scene, None), &warn)?;
+        renderer.work.add(&done.counters, start.elapsed().as_secs_f64());
+        if part.share() < 1.0 {
+            let what = outputs.untouched();
+            return Err(interrupt::error(part.share()).remedy(what + &go_on(args)));
+        }
+        let first = find_invalid(args, &renderer.scene, &done.counters)?;
+        report_invalid(&done.counters, first.as_ref());
+        part.write(output)?;
+        renderer.work.finish(&outputs.name(), &format!("shard {shard}"));
+        Ok(())
+    })
 }
 
 /// The work on the image, or on a shard of it; says what a checkpoint held.
-fn session<'a>(
+fn begin<'a>(
     rendering: &Rendering<'_>,
     scene: &'a PreparedScene,
     shard: Option<Shard>,
@@ -91,18 +87,18 @@ fn session<'a>(
     let command = std::env::args_os().map(|word| word.to_string_lossy().into_owned()).collect();
     let (file, transfer) = (args.scene.display().to_string(), outputs.transfer());
     let author = Author { scene: file, command, transfer };
-    let session = Session::begin(scene, args.options(), author, shard, args.checkpoint())?;
+    let part = Session::begin(scene, args.options(), author, shard, args.checkpoint())?;
     if let Some(file) = &args.checkpoint
         && args.resume
         && !args.scene_options.quiet
     {
-        let (file, percent) = (file.display(), (session.resumed() * 1000.0).floor() / 10.0);
-        tell(&match session.has_checkpoint() {
+        let (file, percent) = (file.display(), (part.resumed() * 1000.0).floor() / 10.0);
+        tell(&match part.has_checkpoint() {
             true => format!("resuming from {file}: {percent} % is done"),
             false => format!("no checkpoint {file} yet: starting from the beginning"),
         });
     }
-    Ok(session)
+    Ok(part)
 }
 
 /// Writes the finished part of an image that a signal ended, unless it would replace an older image; returns the error

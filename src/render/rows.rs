@@ -11,8 +11,7 @@ pub(super) struct Rows {
     pictures: u32,
     columns: u32,
     added: u32,
-    /// The whole, once an image is added.
-    pub(super) film: Option<Film>,
+    film: Option<Film>,
 }
 
 impl Rows {
@@ -50,6 +49,11 @@ impl Rows {
         }
         Ok(())
     }
+
+    /// The whole, once every image is added.
+    pub(super) fn whole(&mut self) -> Option<Film> {
+        self.film.take_if(|_| self.added == self.pictures)
+    }
 }
 
 #[cfg(test)]
@@ -62,7 +66,7 @@ mod tests {
         for level in [0.1, 0.2, 0.3] {
             rows.add(&Film::from_pixels(40, 30, vec![[level; 3]; 1200]).unwrap()).unwrap();
         }
-        let film = rows.film.unwrap();
+        let film = rows.whole().unwrap();
         assert_eq!((film.width(), film.height()), (80, 60));
         let level = |x, y| film.pixel(x, y).unwrap()[0];
         assert_eq!([level(0, 0), level(79, 29), level(39, 59)], [0.1, 0.2, 0.3]);

@@ -7,15 +7,14 @@ use std::fs::File;
 use std::io::Read as _;
 use std::path::{Path, PathBuf};
 
-use hecs::{EntityBuilder, EntityRef};
+use hecs::EntityBuilder;
 
-use crate::components::{JsonPath, Maps, Mesh, Name, Order};
+use crate::components::{Maps, Mesh, Name};
 use crate::folder::{Denied, Folder, last_part};
 use crate::format::{Declaration, Notes};
 use crate::image_file;
 use crate::mesh::{MeshData, NamedMaterials};
 use crate::mtl::{Library, Look, Mtl, surface};
-use crate::shapes::PLACED;
 use crate::surface::{MATERIAL, SURFACE};
 use wavecrest_base::error::{Error, ErrorKind};
 
@@ -25,10 +24,10 @@ const LONGEST_FILE: u64 = 1 << 26;
 /// Largest number of MTL files.
 const MOST_FILES: usize = 64;
 
-/// Splits the shape `whole`, whose `mesh` was read from `file`: into a shape for each material of its
-/// faces, and one for the faces without a known material.
+/// Splits a shape, whose `mesh` was read from `file`: into a shape for each material of its faces, and one for the faces
+/// without a known material. `begin` makes one with the whole shape's place, and these components of its surface.
 pub(super) fn split(
-    whole: EntityRef<'_>,
+    begin: impl Fn(&[Declaration]) -> EntityBuilder,
     mesh: MeshData,
     named: &NamedMaterials,
     file: &Path,
@@ -41,19 +40,13 @@ pub(super) fn split(
     reader.warn_of_unknown(named, &library);
     let mut parts = Vec::new();
     for (number, data) in mesh.split(&part, names.len() + 1) {
-        let mut entity = EntityBuilder::new();
         let known = (number as usize).checked_sub(1).map(|i| &names[i]);
-        whole.get::<&Order>().map(|order| entity.add(*order));
-        whole.get::<&JsonPath>().map(|path| entity.add(JsonPath::clone(&path)));
-        PLACED.iter().for_each(|component| (component.copy)(whole, &mut entity));
-        (Declaration::of::<Maps>().copy)(whole, &mut entity);
         // Without coordinates there is no look-up.
-        let own: &[Declaration] = match (known, &data.uvs) {
+        let mut entity = begin(match (known, &data.uvs) {
             (Some(_), _) => &[],
             (None, Some(_)) => &SURFACE,
             (None, None) => &[MATERIAL],
-        };
-        own.iter().for_each(|component| (component.copy)(whole, &mut entity));
+        });
         if let Some(&(name, (mtl, from))) = known {
             let Look { material, transparency, texture, maps, cutout, is_there } =
                 surface(mtl, |image| reader.image(from, image));

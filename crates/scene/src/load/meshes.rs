@@ -14,7 +14,7 @@ use crate::components::{
 use crate::format::{Declaration, Notes};
 use crate::mesh::{LoadedMesh, MeshData, NamedMaterials, announce};
 use crate::query::{Pictured, images_of, json_path, ordered, place_of, shapes};
-use crate::shapes::INSTANCE;
+use crate::shapes::{INSTANCE, PLACED};
 use crate::surface::SURFACE;
 use wavecrest_base::error::{Error, ErrorKind, Result};
 
@@ -112,7 +112,16 @@ fn complete_shape(
         let (mesh, named) = read(&file, &json_path(world, shape), notes, read_mesh)?;
         if file.materials == Materials::File {
             let Ok(whole) = world.entity(shape) else { return Ok(Vec::new()) };
-            let split = split(whole, mesh.data, &named, &file.file, notes);
+            let begin = |surface: &[Declaration]| {
+                let mut part = EntityBuilder::new();
+                whole.get::<&Order>().map(|order| part.add(*order));
+                whole.get::<&JsonPath>().map(|path| part.add(JsonPath::clone(&path)));
+                let maps = Declaration::of::<Maps>();
+                let kept = PLACED.iter().chain([&maps]).chain(surface);
+                kept.for_each(|component| (component.copy)(whole, &mut part));
+                part
+            };
+            let split = split(begin, mesh.data, &named, &file.file, notes);
             parts = split.into_iter().map(|mut part| world.spawn(part.build())).collect();
             let gone = world.despawn(shape);
             debug_assert!(gone.is_ok(), "the shape exists");

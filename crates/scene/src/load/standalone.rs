@@ -3,13 +3,13 @@
 use std::path::Path;
 
 use glam::{DAffine3, DVec3};
-use hecs::World;
+use hecs::{EntityBuilder, World};
 
 use wavecrest_base::error::{Error, ErrorKind, Result};
 
 use super::materials::split;
 use crate::components::{CutOut, JsonPath, Material, Mesh, Name, Order, Shading, Sides};
-use crate::format::Notes;
+use crate::format::{Declaration, Notes};
 use crate::mesh::LoadedMesh;
 use crate::mtl::GREY;
 use crate::options::LoadOptions;
@@ -45,14 +45,18 @@ pub(super) fn world(
     mesh.complete(options.lighting.crease_degrees, false);
     notes.pass_on(warnings);
     let origin = DAffine3::from_translation(mesh.origin);
-    let mut world = World::new();
     let name = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let shading = if mesh.normals.is_some() { Shading::Smooth } else { Shading::Flat };
-    let place = JsonPath("the mesh".into());
-    let whole = world.spawn((Order(0), place, Name(name), MATERIAL, Sides::Both, shading));
-    let parts = world.entity(whole).map(|whole| split(whole, mesh, &materials, path, notes));
-    let mut parts = parts.unwrap_or_default();
-    world.clear();
+    let begin = |surface: &[Declaration]| {
+        let mut part = EntityBuilder::new();
+        let place = JsonPath("the mesh".into());
+        part.add_bundle((Order(0), place, Name(name.clone()), Sides::Both, shading));
+        if !surface.is_empty() {
+            part.add(MATERIAL);
+        }
+        part
+    };
+    let mut parts = split(begin, mesh, &materials, path, notes);
     let mut images = Masks::of_scene(path);
     let shown = parts.iter().filter_map(|part| {
         Some(Shown::new(&part.get::<&Mesh>()?.data, part.get::<&CutOut>(), &mut images))
@@ -62,6 +66,7 @@ pub(super) fn world(
     let contents = Scenery::new(placed.collect());
     let framed =
         staging::framed(&contents, usual_up(path), options).map_err(|error| error.in_file(path))?;
+    let mut world = World::new();
     let (settings, told) = staging::light(&mut world, &contents, &framed, path, &options.lighting);
     // Nothing is seen of the choices without a mesh.
     let told = if shown.is_empty() { String::new() } else { framed.told.clone() + told };

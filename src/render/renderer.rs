@@ -1,0 +1,184 @@
+//! A scene on its way to images: it is read, its tree is built, and then it is traced once for each image.
+
+use std::time::Instant;
+
+use super::args::RenderArgs;
+use super::goal::{Traced, render_to_goal};
+use super::outputs::Outputs;
+use super::parts;
+use super::show::Rendering;
+use crate::common::{grouped, seconds, tell, tell_prepared};
+use crate::interrupt;
+use crate::progress::{Display, Stage, Style};
+use wavecrest_base::error::{Error, Result};
+use wavecrest_core::accel::build::Preset;
+use wavecrest_core::counters::Counters;
+use wavecrest_core::prepared::PreparedScene;
+use wavecrest_core::render::Rendered;
+use wavecrest_report::statistics::{Rays, Time, pass_map};
+use wavecrest_scene::memory::{self, Estimate};
+
+/// The images of one command, and what those that are finished took.
+pub(super) struct Work<'a> {
+    args: &'a RenderArgs,
+    progress: &'a Display,
+    start: Instant,
+    /// The number of frames, unless there is one image.
+    frames: Option<usize>,
+    /// Whether each frame has files of its own.
+    pub(super) numbered: bool,
+    finished: usize,
+    rays: u64,
+    traced_seconds: f64,
+}
+
+impl<'a> Work<'a> {
+    /// One image, or so many frames.
+    pub(super) fn new(args: &'a RenderArgs, progress: &'a Display, frames: Option<usize>) -> Self {
+        let start = Instant::now();
+        let (numbered, finished, rays, traced_seconds) = (false, 0, 0, 0.0);
+        Self { args, progress, start, frames, numbered, finished, rays, traced_seconds }
+    }
+
+    /// Adds a render with its seconds.
+    pub(super) fn add(&mut self, counters: &Counters, seconds: f64) {
+        self.finished += 1;
+        self.rays += Rays::from(counters).all();
+        self.traced_seconds += seconds;
+    }
+
+    /// The error that a signal ended the frames when this `share` of one was finished.
+    fn interrupted(&self, frames: usize, share: f64, outputs: &Outputs<'_>) -> Error {
+        let all = (self.finished as f64 + share) / frames as f64;
+        let before = match self.finished {
+            1 if self.numbered => "; the frame before it is written".to_owned(),
+            2.. if self.numbered => format!("; the {} frames before it are written", self.finished),
+            _ => String::new(),
+        };
+        interrupt::error(all).remedy(outputs.untouched() + &before)
+    }
+
+    /// Shows the end, and prints the line after success, unless notes are silenced or standard error is for programs:
+    /// `name` is the output, `what` its size.
+    pub(super) fn finish(&self, name: &str, what: &str) {
+        self.progress.stage(Stage::Done);
+        if self.args.scene_options.quiet || self.args.progress == Style::Json {
+            return;
+        }
+        let [traced, all] = [self.traced_seconds, self.start.elapsed().as_secs_f64()].map(seconds);
+        let frames = self.frames.map_or_else(String::new, |frames| format!("{frames} frames, "));
+        // The passes of `--as` count no rays.
+        let rays = (self.rays > 0).then(|| format!("  {} rays", grouped(self.rays)));
+        let memory =
+            memory::peak().map(|bytes| format!("  {} MB", grouped(bytes.div_ceil(1_000_000))));
+        let (rays, memory) = (rays.unwrap_or_default(), memory.unwrap_or_default());
+        tell(&format!("{name}  {frames}{what}{rays}  {traced} s traced, {all} s in all{memory}"));
+    }
+}
+
+/// A scene that is ready to be traced.
+pub(super) struct Renderer<'a, 'w> {
+    pub(super) args: &'a RenderArgs,
+    pub(super) work: &'w mut Work<'a>,
+    pub(super) scene: PreparedScene,
+    /// The preset of its tree.
+    preset: Preset,
+    /// The seconds of its stages.
+    pub(super) time: Time,
+    /// The estimated memory before the scene was read, for the statistics.
+    pub(super) estimated: Option<Estimate>,
+    /// The estimated memory after it was read.
+    pub(super) predicted: Estimate,
+}
+
+impl<'a, 'w> Renderer<'a, 'w> {
+    /// Loads the scene, none of whose files may be among the `outputs`, and builds its tree.
+    ///
+    /// # Errors
+    /// If it cannot be loaded or prepared.
+    pub(super) fn begin(
+        args: &'a RenderArgs,
+        outputs: &[&Outputs<'_>],
+        work: &'w mut Work<'a>,
+    ) -> Result<Self> {
+        let (options, purpose, start) = (&args.scene_options, &args.purpose(), Instant::now());
+        let mut time = Time::default();
+        work.progress.stage(Stage::Load);
+        let estimate = || options.estimate(&args.scene, purpose);
+        let estimated = args.stats.is_some().then(estimate).transpose()?;
+        let files: Vec<_> = outputs.iter().flat_map(|outputs| outputs.files()).collect();
+        let loaded = options.load(&args.scene, purpose, &files)?;
+        let encoding = loaded.transfer();
+        let extracted = options.extract(loaded, purpose)?;
+        let preset = options.preset(&extracted);
+        let predicted = purpose.estimate(&extracted, preset);
+        time.load = start.elapsed().as_secs_f64();
+        work.progress.stage(Stage::Build);
+        let mut scene = timed(&mut time.build, || options.build(extracted, preset))?;
+        tell_prepared(&scene, &args.scene, options.quiet);
+        args.search.apply(&mut scene.accel);
+        outputs.iter().for_each(|outputs| outputs.made_of(encoding));
+        // Until here there was nothing to lose: a signal ended the process.
+        interrupt::record();
+        Ok(Self { args, work, scene, preset, time, estimated, predicted })
+    }
+
+    /// Renders what the camera sees now.
+    ///
+    /// # Errors
+    /// If a signal ended the render, or a sample is not finite and that is an error.
+    pub(super) fn render(&mut self, outputs: &Outputs<'_>) -> Result<Traced> {
+        let Self { args, work, scene, time, preset, .. } = self;
+        if let Some(frames) = work.frames {
+            if interrupt::signal().is_some() {
+                return Err(work.interrupted(frames, 0.0, outputs));
+            }
+            work.progress.frame(work.finished as u64 + 1, frames as u64);
+        }
+        let rendering = Rendering { args, outputs, progress: work.progress };
+        let start = work.start;
+        let traced = timed(&mut time.trace, || render_to_goal(&rendering, scene, *preset, start))?;
+        let Rendered { counters, finished, pass_seconds, .. } = &traced.rendered;
+        if !finished {
+            return Err(match work.frames {
+                None => parts::interrupted(&rendering, scene, &traced.rendered),
+                Some(frames) => work.interrupted(frames, parts::share(&traced.rendered), outputs),
+            });
+        }
+        args.scene_options.check_taken(&args.scene)?;
+        let invalid = parts::find_invalid(args, scene, counters)?;
+        parts::report_invalid(counters, invalid.as_ref());
+        work.add(counters, time.trace);
+        time.passes = pass_map(pass_seconds);
+        Ok(Traced { invalid, ..traced })
+    }
+
+    /// The width and height of an image in pixels.
+    pub(super) fn size(&self) -> [u32; 2] {
+        self.args.crop.map_or(self.scene.camera.size(), |crop| [crop.width, crop.height])
+    }
+
+    /// Writes the files of an image.
+    ///
+    /// # Errors
+    /// If a file cannot be written.
+    pub(super) fn write(&mut self, outputs: &Outputs<'_>, rendered: &Rendered) -> Result<()> {
+        self.work.progress.stage(Stage::Write);
+        timed(&mut self.time.write, || outputs.write(&self.scene, rendered))?;
+        self.time.total = self.work.start.elapsed().as_secs_f64();
+        Ok(())
+    }
+}
+
+/// The size of an image in words.
+pub(super) fn in_pixels([width, height]: [u32; 2]) -> String {
+    format!("{width}x{height}")
+}
+
+/// Runs `work` and records its seconds.
+fn timed<R>(seconds: &mut f64, work: impl FnOnce() -> R) -> R {
+    let start = Instant::now();
+    let result = work();
+    *seconds = start.elapsed().as_secs_f64();
+    result
+}

@@ -1,0 +1,67 @@
+//! The statistics of a render as JSON.
+
+use std::path::Path;
+
+use serde_json::json;
+
+use super::goal::Traced;
+use super::renderer::Renderer;
+use crate::common::{to_json, write_text};
+use wavecrest_base::error::Result;
+use wavecrest_core::render::TracerKind;
+use wavecrest_report::expected::Estimated;
+use wavecrest_report::statistics::{Bvh, KernelUse, Memory, Rays, Samples, Tests, Textures};
+use wavecrest_scene::memory;
+
+/// Writes the statistics to `file`.
+///
+/// # Errors
+/// If it cannot be written.
+pub(super) fn write(file: &Path, renderer: &Renderer<'_, '_>, traced: &Traced) -> Result<()> {
+    let Renderer { args, scene, time, estimated, predicted, .. } = renderer;
+    let Traced { rendered, preset, goal, resumed, invalid } = traced;
+    let counters = &rendered.counters;
+    let film = &rendered.film;
+    let has_columns = args.tracer == TracerKind::Wavefront;
+    // [`wavecrest_report::statistics`] says what each key means.
+    let statistics = json!({
+        "version": env!("CARGO_PKG_VERSION"),
+        "scene": args.scene.display().to_string(),
+        "tracer": args.tracer,
+        "threads": rayon::current_num_threads(),
+        "seed": args.seed,
+        "simd": args.search.simd,
+        "kernel": args.search.kernel,
+        "precision": args.scene_options.precision,
+        "image": {
+            "width": film.width(),
+            "height": film.height(),
+            "samples_per_pixel": scene.camera.rays_per_pixel(),
+        },
+        "rays": Rays::from(counters),
+        "samples": Samples::from(counters),
+        "textures": Textures::from(&scene.appearance),
+        "estimated": Estimated::of(scene, film.pixels().len() as u64),
+        "tests": Tests::from(counters),
+        "kernels": KernelUse::from(counters),
+        "dropped": scene.dropped,
+        "invalid": counters.invalid,
+        "first_invalid": invalid,
+        "lights_at_surface": counters.lights_at_surface,
+        "cut_short": counters.cut_short,
+        "time": time,
+        "memory": Memory {
+            predicted: estimated.as_ref().map_or(0, |estimated| estimated.total()),
+            peak: memory::peak(),
+        },
+        "columns": {
+            "estimated": if has_columns { predicted.batches } else { 0 },
+            "held": rendered.columns,
+        },
+        "bvh": Bvh::of(&scene.accel, *preset),
+        "goal": goal,
+        "resumed": resumed,
+        "plan": scene.plan,
+    });
+    write_text(file, &to_json(&statistics)?)
+}
