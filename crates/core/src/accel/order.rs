@@ -77,14 +77,14 @@ impl Geometry {
 struct Tied {
     hit: Hit,
     is_passed: bool,
-    /// The ray in the space of the surface.
+    /// The ray in the space of the shape.
     ray: Ray,
-    surface: Surface,
+    shape: TiedShape,
 }
 
-/// What a ray meets.
+/// The shape of a primitive, as exact arithmetic takes it.
 #[derive(Clone, Copy, PartialEq)]
-enum Surface {
+enum TiedShape {
     Triangle([Vec3; 3]),
     Disk(Disk),
     /// Centre and radius, and whether it was met before at a t that rounds alike.
@@ -96,20 +96,20 @@ impl Tied {
     fn new(geometry: &Geometry, ray: &Ray, hit: Hit, is_second: bool) -> Self {
         let is_passed = geometry.is_passed(hit.primitive);
         let mut carried = *ray;
-        let surface = match geometry.primitive(hit.primitive) {
-            Primitive::Triangle(i) => Surface::Triangle(geometry.triangle(i)),
-            Primitive::Quad(i) => Surface::Triangle(half_met(ray, &geometry.quad(i), hit.t)),
+        let shape = match geometry.primitive(hit.primitive) {
+            Primitive::Triangle(i) => TiedShape::Triangle(geometry.triangle(i)),
+            Primitive::Quad(i) => TiedShape::Triangle(half_met(ray, &geometry.quad(i), hit.t)),
             Primitive::Quadric(i) => match geometry.quadrics[i] {
-                Quadric::Disk(disk) => Surface::Disk(disk),
-                Quadric::Sphere(center, radius) => Surface::Sphere(center, radius, is_second),
+                Quadric::Disk(disk) => TiedShape::Disk(disk),
+                Quadric::Sphere(center, radius) => TiedShape::Sphere(center, radius, is_second),
             },
             Primitive::Instanced(instanced) => {
                 let (instance, prototype) = geometry.instance(instanced);
                 carried = instance.carried(ray);
-                Surface::Triangle(prototype.triangle(instanced.triangle as usize))
+                TiedShape::Triangle(prototype.triangle(instanced.triangle as usize))
             }
         };
-        Self { hit, is_passed, ray: carried, surface }
+        Self { hit, is_passed, ray: carried, shape }
     }
 
     fn order(&self, other: &Self) -> Ordering {
@@ -119,7 +119,7 @@ impl Tied {
 
     /// By exact t.
     fn order_of_t(&self, other: &Self) -> Ordering {
-        if self.ray == other.ray && self.surface.coincides(&other.surface) {
+        if self.ray == other.ray && self.shape.coincides(&other.shape) {
             return Ordering::Equal;
         }
         let ([start, end], [other_start, other_end]) = (self.interval(), other.interval());
@@ -135,10 +135,10 @@ impl Tied {
 
     /// Bounds on t in double precision; comparisons with unknown ones are false.
     fn interval(&self) -> [f64; 2] {
-        match &self.surface {
-            Surface::Triangle(corners) => settle::interval(&self.ray, corners),
-            Surface::Disk(disk) => disk::interval(&self.ray, disk),
-            Surface::Sphere(center, radius, is_second) => {
+        match &self.shape {
+            TiedShape::Triangle(corners) => settle::interval(&self.ray, corners),
+            TiedShape::Disk(disk) => disk::interval(&self.ray, disk),
+            TiedShape::Sphere(center, radius, is_second) => {
                 let [near, far] = sphere::intervals(&self.ray, *center, *radius);
                 // Of which only one rounds to t.
                 match self.hit.t {
@@ -153,14 +153,14 @@ impl Tied {
     /// The exact t, which every hit has.
     fn exact(&self) -> Option<Algebraic> {
         let ray = &self.ray;
-        match &self.surface {
-            Surface::Triangle(corners) => {
+        match &self.shape {
+            TiedShape::Triangle(corners) => {
                 triangle::exact::plane(ray, corners).map(Algebraic::Quotient)
             }
-            Surface::Disk(Disk { center, normal, .. }) => {
+            TiedShape::Disk(Disk { center, normal, .. }) => {
                 Quotient::at_plane(ray, &exact(*normal), *center).map(Algebraic::Quotient)
             }
-            Surface::Sphere(center, radius, is_second) => {
+            TiedShape::Sphere(center, radius, is_second) => {
                 let [near, far] = sphere::roots(ray, *center, *radius)?;
                 let is_near = !is_second
                     && near.is_within([ray.t_min, ray.t_max])
@@ -171,7 +171,7 @@ impl Tied {
     }
 }
 
-impl Surface {
+impl TiedShape {
     /// Whether any ray that meets both does so at one t: they are the same, or lie in one plane.
     fn coincides(&self, other: &Self) -> bool {
         match (self, other) {

@@ -22,7 +22,7 @@
 use glam::{DAffine3, DVec3, Vec3, Vec4};
 
 use crate::kernels::slab::{Aabb, PADDING};
-use crate::kernels::surface::Surface;
+use crate::kernels::surface::SurfacePoint;
 use crate::math::float::{UNIT_ROUNDOFF, max_abs, normalize_f64};
 use crate::math::ray::Ray;
 
@@ -127,7 +127,7 @@ impl Instance {
 
     /// A point of the prototype's surface, in the world, with its error bound.
     #[inline]
-    pub fn surface(&self, surface: &Surface<f32>) -> Surface<f32> {
+    pub fn surface(&self, surface: &SurfacePoint<f32>) -> SurfacePoint<f32> {
         let point = Vec3::from(surface.point).as_dvec3();
         let point = self.to_world.transform_point3(point).as_vec3();
         let error = Vec3::from(surface.error).as_dvec3();
@@ -138,7 +138,7 @@ impl Instance {
         let error = DVec3::from_array(carried).as_vec3() + self.error + rounded;
         let normal = self.normal(surface.normal.into()).into();
         let barycentric = surface.barycentric;
-        Surface { point: point.into(), error: error.into(), normal, barycentric }
+        SurfacePoint { point: point.into(), error: error.into(), normal, barycentric }
     }
 
     /// The padded box around the prototype, which lies in `boxes`, for rays that start at the

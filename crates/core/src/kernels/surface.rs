@@ -24,7 +24,7 @@ pub(crate) const FAST_ERROR: f32 = error_of_offset(FAST_OFFSET);
 
 /// A point of a surface, without its material.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Surface<F> {
+pub struct SurfacePoint<F> {
     /// The point, in world space.
     pub point: Vector<F>,
     /// Bound on the distance of `point` to the exact surface, for each coordinate.
@@ -35,7 +35,7 @@ pub struct Surface<F> {
     pub barycentric: [F; 2],
 }
 
-impl<F: Single> Surface<F> {
+impl<F: Single> SurfacePoint<F> {
     /// The surface in fast arithmetic.
     #[inline(always)]
     fn fast(point: Vector<F>, normal: Vector<F>, barycentric: [F; 2]) -> Self {
@@ -46,8 +46,8 @@ impl<F: Single> Surface<F> {
 
     /// The surface in lane `i`.
     #[inline(always)]
-    pub fn lane(&self, i: usize) -> Surface<f32> {
-        Surface {
+    pub fn lane(&self, i: usize) -> SurfacePoint<f32> {
+        SurfacePoint {
             point: self.point.lane(i).into(),
             error: self.error.lane(i).into(),
             normal: self.normal.lane(i).into(),
@@ -56,7 +56,7 @@ impl<F: Single> Surface<F> {
     }
 }
 
-impl Surface<f32> {
+impl SurfacePoint<f32> {
     /// The point, its error and the normal, as vectors of glam.
     pub fn vectors(&self) -> [Vec3; 3] {
         [self.point, self.error, self.normal].map(Vec3::from)
@@ -69,7 +69,7 @@ pub fn triangle_at<F: Single, P: Arithmetic>(
     line: &Line<F>,
     t: F,
     corners: &[Vector<F>; 3],
-) -> Surface<F> {
+) -> SurfacePoint<F> {
     if !P::IS_FAST {
         return on_triangle(line, corners);
     }
@@ -80,7 +80,7 @@ pub fn triangle_at<F: Single, P: Arithmetic>(
     let part = t.same(1.0) / e1.dot_in_order(p);
     let u = s.dot_in_order(p) * part;
     let v = line.direction.dot_in_order(s.cross(e1)) * part;
-    Surface::fast(line.at(t), e1.cross(e2), [u, v])
+    SurfacePoint::fast(line.at(t), e1.cross(e2), [u, v])
 }
 
 /// The points at which rays meet spheres or disks, one each, at `t`. A quadric is its centre, its
@@ -91,12 +91,12 @@ pub fn quadric_at<F: Single, P: Arithmetic>(
     line: &Line<F>,
     t: F,
     &[center, Vector { x: radius, .. }, front]: &[Vector<F>; 3],
-) -> Surface<F> {
+) -> SurfacePoint<F> {
     let is_disk = front.is_not_zero();
     if P::IS_FAST {
         let point = line.at(t);
         let normal = Vector::select(is_disk, front, point - center);
-        return Surface::fast(point, normal, [t.zero(); 2]);
+        return SurfacePoint::fast(point, normal, [t.zero(); 2]);
     }
     let found = sphere(line, t, center, radius);
     if !is_disk.any() {
@@ -104,7 +104,7 @@ pub fn quadric_at<F: Single, P: Arithmetic>(
     }
     let disk = disk(line, t, [center, front], radius);
     let select = |a, b| Vector::select(is_disk, a, b);
-    Surface {
+    SurfacePoint {
         point: select(disk.point, found.point),
         error: select(disk.error, found.error),
         normal: select(disk.normal, found.normal),
@@ -113,13 +113,13 @@ pub fn quadric_at<F: Single, P: Arithmetic>(
 }
 
 #[inline(always)]
-fn on_triangle<F: Single>(line: &Line<F>, corners: &[Vector<F>; 3]) -> Surface<F> {
+fn on_triangle<F: Single>(line: &Line<F>, corners: &[Vector<F>; 3]) -> SurfacePoint<F> {
     let [a, b, c] = *corners;
     let size = a.max_abs().max(b.max_abs()).max(c.max_abs());
     let [wa, wb, wc] = weights(line, corners, size);
     let (a, b, c) = (a.widen(), b.widen(), c.widen());
     let point = Vector::narrow(a.scale(wa) + b.scale(wb) + c.scale(wc));
-    Surface {
+    SurfacePoint {
         point,
         error: point.rounding_error(size),
         normal: Vector::narrow((b - a).cross(c - a).normalize_wide()),
@@ -215,14 +215,14 @@ fn turn<F: Real>(along_x: F::Mask, along_y: F::Mask, v: Vector<F>) -> Vector<F> 
 }
 
 #[inline(always)]
-fn sphere<F: Single>(line: &Line<F>, t: F, center: Vector<F>, radius: F) -> Surface<F> {
+fn sphere<F: Single>(line: &Line<F>, t: F, center: Vector<F>, radius: F) -> SurfacePoint<F> {
     let zero = radius.zero();
     let t = sphere::near(line, t, center, radius);
     let wide = center.widen();
     let hit = line.origin.widen() + line.direction.widen().scale(t);
     let normal = (hit - wide).normalize_wide();
     let point = Vector::narrow(wide + normal.scale(radius.widen()));
-    Surface {
+    SurfacePoint {
         point,
         error: point.rounding_error(center.max_abs().max(radius)),
         normal: Vector::narrow(normal),
@@ -231,9 +231,14 @@ fn sphere<F: Single>(line: &Line<F>, t: F, center: Vector<F>, radius: F) -> Surf
 }
 
 #[inline(always)]
-fn disk<F: Single>(line: &Line<F>, t: F, [center, front]: [Vector<F>; 2], radius: F) -> Surface<F> {
+fn disk<F: Single>(
+    line: &Line<F>,
+    t: F,
+    [center, front]: [Vector<F>; 2],
+    radius: F,
+) -> SurfacePoint<F> {
     let point = Vector::narrow(center.widen() + disk::offset(line, t, center, front));
-    Surface {
+    SurfacePoint {
         point,
         error: point.rounding_error(center.max_abs().max(radius)),
         normal: Vector::narrow(front.widen().normalize_wide()),

@@ -6,7 +6,7 @@ use super::{Appearance, Class, LookUps, Shape};
 use crate::geometry::{Geometry, Primitive};
 use crate::kernels::blinn_phong::{Material, Reflection};
 use crate::kernels::shade::ShadingPoint;
-use crate::kernels::surface::{self, Surface};
+use crate::kernels::surface::{self, SurfacePoint};
 use crate::math::ray::Ray;
 use crate::math::real::Single;
 use crate::math::simd::LANES;
@@ -299,7 +299,7 @@ impl<F: Single> Group<F> {
 
     /// Normals on the front, interpolated on smooth triangles; not of unit length.
     #[inline(always)]
-    pub(super) fn front_normals(&self, surfaces: &Surface<F>) -> Vector<F> {
+    pub(super) fn front_normals(&self, surfaces: &SurfacePoint<F>) -> Vector<F> {
         let token = surfaces.normal.x.token();
         let flat = surfaces.normal.scale(F::load(token, &self.side));
         let smooth = surface::interpolated(&three(token, &self.normals), surfaces.barycentric);

@@ -12,7 +12,7 @@ use crate::geometry::{Geometry, Primitive, ShadingKind};
 use crate::kernels::differential::Differential;
 use crate::kernels::precision::Arithmetic;
 use crate::kernels::shade::ShadingPoint;
-use crate::kernels::surface::{self, Surface};
+use crate::kernels::surface::{self, SurfacePoint};
 use crate::math::ray::Ray;
 use crate::math::real::Single;
 use crate::math::vector::{Line, Vector};
@@ -37,7 +37,7 @@ impl<F: Single> Group<F> {
         line: &Line<F>,
         t: F,
         geometry: &Geometry,
-    ) -> Surface<F> {
+    ) -> SurfacePoint<F> {
         let token = t.token();
         let mut corners = three(token, &self.corners);
         match kind {
@@ -71,7 +71,7 @@ impl<F: Single> Group<F> {
 
     /// Points of instances, transformed from the prototype's space to the world.
     #[inline(always)]
-    fn in_world(&self, mut found: Surface<F>, geometry: &Geometry) -> Surface<F> {
+    fn in_world(&self, mut found: SurfacePoint<F>, geometry: &Geometry) -> SurfacePoint<F> {
         for lane in 0..F::LANES {
             let primitive = geometry.primitive(self.faces[lane].primitive);
             let Primitive::Instanced(instanced) = primitive else { continue };
@@ -146,7 +146,7 @@ impl<F: Single> Group<F> {
     pub(super) fn sided_normals(
         &self,
         line: &Line<F>,
-        surfaces: &Surface<F>,
+        surfaces: &SurfacePoint<F>,
     ) -> (Vector<F>, F::Mask) {
         let zero = surfaces.normal.x.zero();
         let outward = surfaces.normal.scale(F::load(zero.token(), &self.side));
@@ -156,7 +156,7 @@ impl<F: Single> Group<F> {
 }
 
 /// The point of the surface that `ray` hits, as it is shaded.
-pub fn surface<P: Arithmetic>(geometry: &Geometry, ray: &Ray, hit: &Hit) -> Surface<f32> {
+pub fn surface<P: Arithmetic>(geometry: &Geometry, ray: &Ray, hit: &Hit) -> SurfacePoint<f32> {
     let mut group = Group::default();
     group.faces[0].primitive = hit.primitive;
     group.fetch_corners(0, geometry, || *ray);
@@ -193,7 +193,11 @@ impl PreparedScene {
     }
 
     /// The point at which `ray` meets a surface, and whether it comes from behind.
-    pub(super) fn surface_of<P: Arithmetic>(&self, ray: &Ray, hit: &Hit) -> (Surface<f32>, bool) {
+    pub(super) fn surface_of<P: Arithmetic>(
+        &self,
+        ray: &Ray,
+        hit: &Hit,
+    ) -> (SurfacePoint<f32>, bool) {
         let (geometry, line) = (self.accel.geometry(), Line::from(ray));
         let group = self.group(ray, hit);
         let found = group.surfaces::<P>(geometry.kind(hit.primitive), &line, hit.t, geometry);

@@ -13,7 +13,7 @@ use super::{Media, PreparedScene, Shape};
 use crate::accel::{Hit, Traversal};
 use crate::kernels::precision::Arithmetic;
 use crate::kernels::shade::ShadingPoint;
-use crate::kernels::surface::Surface;
+use crate::kernels::surface::SurfacePoint;
 use crate::kernels::transmission::Transparency;
 use crate::math::float::{max, offset_of_error};
 use crate::math::ray::Ray;
@@ -50,7 +50,7 @@ pub(super) struct Interface {
 #[derive(Clone, Copy)]
 pub(super) struct Last {
     pub(super) hit: Hit,
-    /// See [`Surface`].
+    /// See [`SurfacePoint`].
     pub(super) point: Vector<f32>,
     pub(super) error: Vector<f32>,
     /// The unit normal on the side of the ray's origin.
@@ -160,7 +160,7 @@ impl PreparedScene {
 
     /// The place of a hit that `ray` has behind `before`.
     fn place_of<P: Arithmetic>(&self, ray: &Ray, hit: Hit, before: &Last) -> Last {
-        let (Surface { point, error, normal, .. }, leaves) = self.surface_of::<P>(ray, &hit);
+        let (SurfacePoint { point, error, normal, .. }, leaves) = self.surface_of::<P>(ray, &hit);
         let depth = close_depth(error.element_sum());
         let is_behind = normal.dot(ray.direction.into()) > 0.0;
         let normal = if is_behind { -normal } else { normal };

@@ -12,7 +12,7 @@ use crate::kernels::blinn_phong::Reflection;
 use crate::kernels::differential::{Differential, uv_change};
 use crate::kernels::metal;
 use crate::kernels::shade::ShadingPoint;
-use crate::kernels::surface::{self, Surface};
+use crate::kernels::surface::{self, SurfacePoint};
 use crate::kernels::texture::{Filter, Image, sphere_directions, sphere_uv, sphere_uv_change};
 use crate::math::real::{Real, Single, both};
 use crate::math::vector::{Line, Vector};
@@ -25,7 +25,7 @@ pub(super) struct Place<'a, F: Single> {
     /// The hits.
     pub(super) group: &'a Group<F>,
     /// Their points.
-    pub(super) surfaces: &'a Surface<F>,
+    pub(super) surfaces: &'a SurfacePoint<F>,
     /// Their rays.
     pub(super) line: &'a Line<F>,
     /// Their t.

@@ -4,7 +4,7 @@ use super::prelude::*;
 use wavecrest_core::accel::Traversal;
 use wavecrest_core::geometry::Primitive;
 use wavecrest_core::kernels::slab::Aabb;
-use wavecrest_core::kernels::surface::Surface;
+use wavecrest_core::kernels::surface::SurfacePoint;
 use wavecrest_core::prepared::surface;
 use wavecrest_core::with_precision;
 
@@ -86,7 +86,7 @@ const FLAT: f64 = 1e-4;
 
 /// The surface point of a hit; `None` inside of spheres and on quads that are not flat, which a ray
 /// can leave and meet again.
-pub(super) fn surface_at(geometry: &Geometry, ray: &Ray, hit: Hit) -> Option<Surface<f32>> {
+pub(super) fn surface_at(geometry: &Geometry, ray: &Ray, hit: Hit) -> Option<SurfacePoint<f32>> {
     let is_left_for_good = match geometry.primitive(hit.primitive) {
         Primitive::Quad(i) => {
             let [p, q] = halves(&geometry.quad(i)).map(|half| {

@@ -49,7 +49,13 @@ fn random(index: u32, dimension: u32) -> Vec3 {
 }
 
 /// Whether the shading step asks the light for anything where `ray` arrives.
-fn asks(light: &Light, at: surface::Surface<f32>, flipped: bool, ray: &Ray, index: u32) -> bool {
+fn asks(
+    light: &Light,
+    at: surface::SurfacePoint<f32>,
+    flipped: bool,
+    ray: &Ray,
+    index: u32,
+) -> bool {
     let outward = if flipped { -at.normal } else { at.normal };
     let is_front = dot(outward.into(), ray.direction) < 0.0;
     let normal = if is_front { outward } else { -outward };
