@@ -141,21 +141,21 @@ pub fn dispatch_wide<K: Kernel>(level: fearless_simd::Level, kernel: K) -> K::Ou
 
 /// Work over numbers of any width, compiled for eight lanes at each wide level ([`is_wide`]) and
 /// for single values.
-pub trait Pass {
+pub trait AnyWidth {
     /// The result.
     type Output;
 
-    /// Runs the pass. `#[inline(always)]`, as [`Kernel::run`].
+    /// Runs the work. `#[inline(always)]`, as [`Kernel::run`].
     fn run<F: Single>(self, token: F::Token) -> Self::Output;
 }
 
-/// Runs `pass` with the instructions of `level`: eight numbers at a time on wide levels, one on
+/// Runs `work` with the instructions of `level`: eight numbers at a time on wide levels, one on
 /// others.
 #[inline]
-pub fn dispatch_pass<T: Pass>(level: fearless_simd::Level, pass: T) -> T::Output {
+pub fn dispatch_any_width<T: AnyWidth>(level: fearless_simd::Level, work: T) -> T::Output {
     struct Eight<T>(T);
 
-    impl<T: Pass> Kernel for Eight<T> {
+    impl<T: AnyWidth> Kernel for Eight<T> {
         type Output = T::Output;
 
         #[inline(always)]
@@ -164,7 +164,7 @@ pub fn dispatch_pass<T: Pass>(level: fearless_simd::Level, pass: T) -> T::Output
         }
     }
 
-    if is_wide(level) { dispatch_wide(level, Eight(pass)) } else { pass.run::<f32>(()) }
+    if is_wide(level) { dispatch_wide(level, Eight(work)) } else { work.run::<f32>(()) }
 }
 
 /// Runs `work` in a separate function with the instructions of `simd`, so that code with several

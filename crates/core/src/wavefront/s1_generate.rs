@@ -1,4 +1,4 @@
-//! Pass 1: camera rays.
+//! AnyWidth 1: camera rays.
 
 mod order;
 
@@ -9,7 +9,7 @@ use super::batch::Batch;
 use crate::counters::Counters;
 use crate::math::random::Stream;
 use crate::math::real::Single;
-use crate::math::simd::{LANES, Pass, dispatch_pass};
+use crate::math::simd::{AnyWidth, LANES, dispatch_any_width};
 use crate::prepared::PreparedScene;
 use crate::tile::{Tile, Unit};
 use order::TileWalk;
@@ -33,7 +33,7 @@ pub(super) fn run(
     let count = paths.end - paths.start;
     let next = NextPaths::new(unit, paths.start);
     let tile = &unit.tile;
-    dispatch_pass(
+    dispatch_any_width(
         scene.accel.level,
         Generate { scene, tile, seed, count: count as usize, next, batch },
     );
@@ -96,7 +96,7 @@ struct Generate<'a> {
     batch: &'a mut Batch,
 }
 
-impl Pass for Generate<'_> {
+impl AnyWidth for Generate<'_> {
     type Output = ();
 
     #[inline(always)]

@@ -1,4 +1,4 @@
-//! Pass 3: adds the light of every hit and collects its requests.
+//! AnyWidth 3: adds the light of every hit and collects its requests.
 //!
 //! Misses and lights are handled at once; other hits wait in [`faces`](super::faces) and are shaded together: hits
 //! on plain classes by the kind of primitive, others by class and kind. So nothing branches by hit.
@@ -18,7 +18,7 @@ use crate::kernels::precision::Arithmetic;
 use crate::kernels::shade::{ShadingPoint, mirror_request};
 use crate::kernels::transmission::Transparency;
 use crate::math::real::{Mask, Single};
-use crate::math::simd::{LANES, Pass, dispatch_pass};
+use crate::math::simd::{AnyWidth, LANES, dispatch_any_width};
 use crate::math::vector::{Line, Vector};
 use crate::plan::schedule::Step;
 use crate::prepared::{Branch, Face, Group, LookUps, Media, PreparedScene, Trail, lanes};
@@ -57,7 +57,7 @@ pub(super) fn run<P: Arithmetic>(
         needs_t: scene.needs_t(),
         precision: PhantomData,
     };
-    dispatch_pass(scene.accel.level, shade);
+    dispatch_any_width(scene.accel.level, shade);
 }
 
 struct Shade<'a, P> {
@@ -85,7 +85,7 @@ struct Shade<'a, P> {
     precision: PhantomData<P>,
 }
 
-impl<P: Arithmetic> Pass for Shade<'_, P> {
+impl<P: Arithmetic> AnyWidth for Shade<'_, P> {
     type Output = ();
 
     #[inline(always)]

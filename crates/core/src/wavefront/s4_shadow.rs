@@ -1,4 +1,4 @@
-//! Pass 4: light at the lit points.
+//! AnyWidth 4: light at the lit points.
 //!
 //! For each light, block of points and sample, every point sends a shadow ray into a queue, which is
 //! traced when it is full. A path thus receives its contributions in the order of lights and samples
@@ -18,7 +18,7 @@ use crate::kernels::precision::Arithmetic;
 use crate::kernels::shade::shadow_request;
 use crate::math::random::Stream;
 use crate::math::real::{Mask, Single};
-use crate::math::simd::{Pass, dispatch_pass};
+use crate::math::simd::{AnyWidth, dispatch_any_width};
 use crate::plan::schedule::Step;
 use crate::prepared::{Group, LookUps, Passing, PreparedScene};
 
@@ -45,7 +45,7 @@ pub(super) fn run<P: Arithmetic>(
                 counters: &mut *counters,
                 next,
             };
-            next = dispatch_pass(scene.accel.level, request);
+            next = dispatch_any_width(scene.accel.level, request);
             trace::<P>(scene, batch, traversal, counters);
             if cancelled() {
                 return false;
@@ -87,7 +87,7 @@ struct ShadowRequests<'a> {
     next: NextRequest,
 }
 
-impl Pass for ShadowRequests<'_> {
+impl AnyWidth for ShadowRequests<'_> {
     type Output = NextRequest;
 
     #[inline(always)]
@@ -196,7 +196,7 @@ fn weaken<P: Arithmetic>(
         let precision = PhantomData::<P>;
         let look_ups = &mut counters.look_ups;
         let crossings = EvaluatedCrossings { scene, passing, sorted, look_ups, precision };
-        dispatch_pass(scene.accel.level, crossings);
+        dispatch_any_width(scene.accel.level, crossings);
         passing.passed(scene, |ray, passed| {
             shadows.contribution.set(ray, shadows.contribution.get(ray) * passed);
         });
@@ -212,7 +212,7 @@ struct EvaluatedCrossings<'a, P> {
     precision: PhantomData<P>,
 }
 
-impl<P: Arithmetic> Pass for EvaluatedCrossings<'_, P> {
+impl<P: Arithmetic> AnyWidth for EvaluatedCrossings<'_, P> {
     type Output = ();
 
     #[inline(always)]
