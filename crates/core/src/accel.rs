@@ -66,7 +66,7 @@ pub struct Traversal {
     passed: PassedLeaves,
     /// What a ray crosses near a hit.
     pub(crate) crossed: Vec<Hit>,
-    /// Whether any-hit searches note where rays pass primitives, for [`Search::passed_of`].
+    /// Whether any-hit searches note where rays pass primitives, for [`Search::transparent_crossings`].
     pub(crate) notes_passed: bool,
     /// Whether an upper bound may take the place of the t of closest hits on triangles and quads,
     /// which is computed last, and not needed for shading.

@@ -21,19 +21,19 @@ use crate::math::float::{max, min};
 use crate::math::ray::Ray;
 use crate::math::simd::{Kernel, Lanes, entry};
 
-/// Some rays, in turn.
+/// The rays whose crossings are asked for, and which of these count.
 #[derive(Clone, Copy)]
-pub(super) struct Asked<'a> {
+pub(super) struct CrossingQuery<'a> {
     pub(super) rays: Rays<'a>,
     /// The number of the first.
     pub(super) first: usize,
     /// Which of all rays to leave out.
     pub(super) occluded: &'a [bool],
-    /// Whether only what shadow rays pass is asked for.
-    pub(super) passed: bool,
+    /// Whether only transparent primitives count.
+    pub(super) only_transparent: bool,
 }
 
-impl Asked<'_> {
+impl CrossingQuery<'_> {
     /// Calls `cross` for each ray, which adds what it crosses to `hits`, and `each` with its number and
     /// its hits in order, until that returns false. Returns the number of the next ray.
     #[inline(always)]
@@ -68,7 +68,7 @@ pub(super) type Each<'a> = dyn FnMut(usize, &[Hit]) -> bool + 'a;
 /// Rays and all that each crosses.
 pub(super) struct Crossings<'a, 'b, P> {
     pub(super) searched: Searched<'a>,
-    pub(super) asked: Asked<'a>,
+    pub(super) query: CrossingQuery<'a>,
     pub(super) traversal: &'a mut Traversal,
     pub(super) hits: &'a mut Vec<Hit>,
     pub(super) each: &'a mut Each<'b>,
@@ -80,20 +80,27 @@ impl<P: Arithmetic> Kernel for Crossings<'_, '_, P> {
 
     #[inline(always)]
     fn run<S: Lanes>(self, simd: S) -> usize {
-        let Self { searched, asked, hits, each, .. } = self;
+        let Self { searched, query, hits, each, .. } = self;
         let Traversal { stack, tests, passed, .. } = self.traversal;
-        let Some(root) = searched.tree.root() else { return asked.occluded.len() };
-        let wanted = asked.passed;
-        asked.run(
+        let Some(root) = searched.tree.root() else { return query.occluded.len() };
+        let only_transparent = query.only_transparent;
+        query.run(
             searched.geometry,
             hits,
             #[inline(always)]
             |number, ray, hits| {
                 let mut ray = LazyRay { ray, slab: None, space: None };
-                let noted = passed.of(number).filter(|_| wanted);
+                let noted = passed.of(number).filter(|_| only_transparent);
                 let root = (noted.is_none() && ray.may_meet(&root)).then_some(root.place);
                 for from in noted.into_iter().flatten().chain(root) {
-                    one::<S, P>(simd, searched, (from, wanted), &mut ray, stack, (hits, tests));
+                    one::<S, P>(
+                        simd,
+                        searched,
+                        (from, only_transparent),
+                        &mut ray,
+                        stack,
+                        (hits, tests),
+                    );
                 }
             },
             each,
@@ -129,12 +136,12 @@ impl LazyRay<'_> {
     }
 }
 
-/// Adds what the ray crosses at or below a place, or only what shadow rays pass.
+/// Adds what the ray crosses at or below a place: all, or only transparent primitives.
 #[inline(always)]
 fn one<S: Lanes, P: Arithmetic>(
     simd: S,
     searched: Searched<'_>,
-    (first, passed): (Ref, bool),
+    (first, only_transparent): (Ref, bool),
     ray: &mut LazyRay<'_>,
     stack: &mut [u64],
     (hits, tests): (&mut Vec<Hit>, &mut TestCounts),
@@ -152,12 +159,12 @@ fn one<S: Lanes, P: Arithmetic>(
                 if next.is_none() {
                     tests.leaves += 1;
                     let numbers = arena.list(at).iter().copied();
-                    each::<P>(searched.geometry, (numbers, passed), ray.ray, hits, tests);
+                    each::<P>(searched.geometry, (numbers, only_transparent), ray.ray, hits, tests);
                 }
                 continue;
             }
             if at.kind() != Kind::Node {
-                visit::<S, P>(simd, searched, ray, (at, passed), (hits, tests));
+                visit::<S, P>(simd, searched, ray, (at, only_transparent), (hits, tests));
                 break;
             }
             tests.nodes += 1;
@@ -168,13 +175,13 @@ fn one<S: Lanes, P: Arithmetic>(
     }
 }
 
-/// Adds the triangles of a leaf that the ray crosses, or only what shadow rays pass.
+/// Adds the triangles of a leaf that the ray crosses: all, or only transparent ones.
 #[inline(always)]
 fn visit<S: Lanes, P: Arithmetic>(
     simd: S,
     searched: Searched<'_>,
     ray: &mut LazyRay<'_>,
-    (place, passed): (Ref, bool),
+    (place, only_transparent): (Ref, bool),
     (hits, tests): (&mut Vec<Hit>, &mut TestCounts),
 ) {
     tests.leaves += 1;
@@ -182,7 +189,7 @@ fn visit<S: Lanes, P: Arithmetic>(
     let (ray, space) = (ray.ray, ray.space());
     let found = leaf::test::<S, P>(simd, arena, (ray, space), place, ray.t_max, tests);
     let mut met = found.certain | found.open;
-    if passed {
+    if only_transparent {
         met = searched.transparent(place, met);
     }
     while met != 0 {
@@ -203,17 +210,18 @@ fn visit<S: Lanes, P: Arithmetic>(
     }
 }
 
-/// Adds those of the primitives with these numbers that the ray crosses, testing each, or each that shadow
-/// rays pass.
+/// Adds those of the primitives with these numbers that the ray crosses, testing each, or each transparent
+/// one.
 #[inline(never)]
 pub(super) fn each<P: Arithmetic>(
     geometry: &Geometry,
-    (numbers, passed): (impl Iterator<Item = u32>, bool),
+    (numbers, only_transparent): (impl Iterator<Item = u32>, bool),
     ray: &Ray,
     hits: &mut Vec<Hit>,
     tests: &mut TestCounts,
 ) {
-    for primitive in numbers.filter(|&number| !passed || geometry.is_transparent(number)) {
+    for primitive in numbers.filter(|&number| !only_transparent || geometry.is_transparent(number))
+    {
         let found = match geometry.primitive(primitive) {
             Primitive::Triangle(i) => {
                 tests.triangles += 1;

@@ -2,7 +2,7 @@
 
 use std::marker::PhantomData;
 
-use super::crossings::{Asked, Crossings, Each};
+use super::crossings::{CrossingQuery, Crossings, Each};
 use super::query::{Closest, Occluded, Query};
 use super::rays::Rays;
 use super::tree::{Searched, Tree};
@@ -57,16 +57,16 @@ impl<P: Arithmetic> Search<'_, P> {
     #[inline(never)]
     pub fn crossings(&self, ray: &Ray, traversal: &mut Traversal, hits: &mut Vec<Hit>) {
         let rays = Rays::Rows(std::slice::from_ref(ray));
-        let asked = Asked { rays, first: 0, occluded: &[false], passed: false };
-        self.crossings_of(asked, traversal, hits, &mut |_, _| true);
+        let query = CrossingQuery { rays, first: 0, occluded: &[false], only_transparent: false };
+        self.crossings_of(query, traversal, hits, &mut |_, _| true);
     }
 
-    /// As [`Accel::crossings`], of the primitives that shadow rays pass, for those `rays` from the number
+    /// As [`Accel::crossings`], of transparent primitives, for those `rays` from the number
     /// `first` on that are not `occluded`: after [`Self::occluded_of`] without another search, if
     /// [`Traversal::notes_passed`]. `each` receives the number of each ray, with its hits, and says
     /// whether to go on; `hits` is memory for these. Returns the number of the next ray.
     #[inline(never)]
-    pub fn passed_of(
+    pub fn transparent_crossings(
         &self,
         rays: Rays<'_>,
         (first, occluded): (usize, &[bool]),
@@ -74,13 +74,13 @@ impl<P: Arithmetic> Search<'_, P> {
         hits: &mut Vec<Hit>,
         each: &mut Each<'_>,
     ) -> usize {
-        let asked = Asked { rays, first, occluded, passed: true };
-        self.crossings_of(asked, traversal, hits, each)
+        let query = CrossingQuery { rays, first, occluded, only_transparent: true };
+        self.crossings_of(query, traversal, hits, each)
     }
 
     fn crossings_of(
         &self,
-        asked: Asked<'_>,
+        query: CrossingQuery<'_>,
         traversal: &mut Traversal,
         hits: &mut Vec<Hit>,
         each: &mut Each<'_>,
@@ -89,20 +89,20 @@ impl<P: Arithmetic> Search<'_, P> {
         let Accel { geometry, tree, level, .. } = self.accel;
         if let Some(tree) = tree {
             let (searched, precision) = (self.own(tree, traversal), PhantomData::<P>);
-            let found = Crossings { searched, asked, traversal, hits, each, precision };
+            let found = Crossings { searched, query, traversal, hits, each, precision };
             return dispatch(*level, found);
         }
         let cross = |_, ray: &Ray, hits: &mut Vec<Hit>| {
             let numbers = 0..geometry.own() as u32;
             crossings::each::<P>(
                 geometry,
-                (numbers, asked.passed),
+                (numbers, query.only_transparent),
                 ray,
                 hits,
                 &mut traversal.tests,
             );
         };
-        asked.run(geometry, hits, cross, each)
+        query.run(geometry, hits, cross, each)
     }
 
     /// The closest hit on instances, which are not among [`Self::crossings`].

@@ -114,7 +114,7 @@ impl PreparedScene {
             crossings.len().max(found.len()) < MOST_CROSSINGS
         };
         let search = self.accel.search::<P>();
-        search.passed_of(rays, (first, occluded), traversal, hits, &mut add)
+        search.transparent_crossings(rays, (first, occluded), traversal, hits, &mut add)
     }
 
     /// The share of light that passes all transparent surfaces along a shadow ray that nothing else

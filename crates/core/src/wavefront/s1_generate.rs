@@ -1,4 +1,4 @@
-//! AnyWidth 1: camera rays.
+//! Pass 1: camera rays.
 
 mod order;
 

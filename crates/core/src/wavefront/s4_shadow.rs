@@ -1,4 +1,4 @@
-//! AnyWidth 4: light at the lit points.
+//! Pass 4: light at the lit points.
 //!
 //! For each light, block of points and sample, every point sends a shadow ray into a queue, which is
 //! traced when it is full. A path thus receives its contributions in the order of lights and samples

@@ -222,8 +222,13 @@ fn hc03_what_many_rays_pass_is_what_each_of_them_crosses() {
                     !number.is_multiple_of(100)
                 };
                 let asked = (next, &*occluded);
-                next =
-                    search.passed_of((&*rays).into(), asked, &mut traversal, &mut hits, &mut each);
+                next = search.transparent_crossings(
+                    (&*rays).into(),
+                    asked,
+                    &mut traversal,
+                    &mut hits,
+                    &mut each,
+                );
                 calls += 1;
             }
             assert!(calls > 5);
@@ -235,7 +240,13 @@ fn hc03_what_many_rays_pass_is_what_each_of_them_crosses() {
                     assert_eq!(hits, expected, "{preset:?} {level:?} {kernel:?}");
                     true
                 };
-                search.passed_of(ray.into(), (0, &[false]), &mut traversal, &mut hits, &mut each);
+                search.transparent_crossings(
+                    ray.into(),
+                    (0, &[false]),
+                    &mut traversal,
+                    &mut hits,
+                    &mut each,
+                );
             }
         }
     }
