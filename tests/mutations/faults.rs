@@ -193,8 +193,8 @@ pub(crate) const FAULTS: &[Fault] = faults! {
     "what tiles of rays pass is not noted", 57, "crates/core/src/accel/packet.rs":
         "Q::ANY && tile.passing != 0" => "Q::ANY && tile.passing > 1";
     "what a ray passes in lists is noted for the next one", 57, "crates/core/src/accel/leaf.rs":
-        "passed.note_list(searched, number, place)"
-            => "passed.note_list(searched, number + 1, place)";
+        "noted.note_list(searched, number, place)"
+            => "noted.note_list(searched, number + 1, place)";
     "solids are entered where they are left", 57, "crates/core/src/prepared/media.rs":
         "!leaves" => "leaves";
     "the medium is the solid that was entered first", 57, "crates/core/src/prepared/media.rs":

@@ -20,9 +20,9 @@ mod hit;
 mod instances;
 mod leaf;
 mod node;
+mod noted;
 mod order;
 mod packet;
-mod passed;
 mod query;
 mod rays;
 mod search;
@@ -45,8 +45,8 @@ use crate::math::ray::Ray;
 use crate::with_precision;
 use build::Preset;
 use instances::Walks;
+use noted::NotedLeaves;
 use packet::Packets;
-use passed::PassedLeaves;
 use stream::Flight;
 use tlas::Tlas;
 use tree::Tree;
@@ -63,7 +63,7 @@ pub struct Traversal {
     flight: Flight,
     packets: Packets,
     walks: Walks,
-    passed: PassedLeaves,
+    noted: NotedLeaves,
     /// What a ray crosses near a hit.
     pub(crate) crossed: Vec<Hit>,
     /// Whether any-hit searches note where rays pass primitives, for [`Search::transparent_crossings`].
@@ -81,7 +81,7 @@ pub struct Traversal {
 struct Notes<'a> {
     tests: &'a mut TestCounts,
     kernel: &'a mut KernelCounts,
-    passed: &'a mut PassedLeaves,
+    noted: &'a mut NotedLeaves,
 }
 
 /// The primitives and their search structure.

@@ -59,12 +59,12 @@ impl<Q: Query, P: Arithmetic> Kernel for One<'_, Q, P> {
 
     #[inline(always)]
     fn run<S: Lanes>(self, simd: S) -> Hit {
-        let Traversal { stack, passed, tests, .. } = self.traversal;
+        let Traversal { stack, noted, tests, .. } = self.traversal;
         let ray = &PreparedRay::new(self.ray);
         let height = single::start(self.searched.tree, stack);
         let best = Best::none(ray.ray.t_max);
         let stack = (stack.as_mut_slice(), height);
-        let notes = (&mut *tests, passed);
+        let notes = (&mut *tests, noted);
         let best = single::trace::<S, Q, P>(simd, self.searched, (ray, 0), best, stack, notes);
         best.answer(self.searched, self.ray, tests)
     }
@@ -85,10 +85,10 @@ impl<Q: Query, P: Arithmetic> Kernel for Many<'_, Q, P> {
 
     #[inline(always)]
     fn run<S: Lanes>(self, simd: S) {
-        let Traversal { flight, packets, passed, stack, tests, kernels, .. } = self.traversal;
+        let Traversal { flight, packets, noted, stack, tests, kernels, .. } = self.traversal;
         let Self { searched, rays, answers, choice, .. } = self;
         let memory = TileMemory { packets, flight, stack };
-        let notes = Notes { tests, kernel: Q::counts(kernels), passed };
+        let notes = Notes { tests, kernel: Q::counts(kernels), noted };
         packet::trace::<S, Q, P>(simd, searched, (rays, choice), answers, memory, notes);
     }
 }

@@ -81,7 +81,7 @@ impl<P: Arithmetic> Kernel for Crossings<'_, '_, P> {
     #[inline(always)]
     fn run<S: Lanes>(self, simd: S) -> usize {
         let Self { searched, query, hits, each, .. } = self;
-        let Traversal { stack, tests, passed, .. } = self.traversal;
+        let Traversal { stack, tests, noted, .. } = self.traversal;
         let Some(root) = searched.tree.root() else { return query.occluded.len() };
         let only_transparent = query.only_transparent;
         query.run(
@@ -90,9 +90,9 @@ impl<P: Arithmetic> Kernel for Crossings<'_, '_, P> {
             #[inline(always)]
             |number, ray, hits| {
                 let mut ray = LazyRay { ray, slab: None, space: None };
-                let noted = passed.of(number).filter(|_| only_transparent);
-                let root = (noted.is_none() && ray.may_meet(&root)).then_some(root.place);
-                for from in noted.into_iter().flatten().chain(root) {
+                let leaves = noted.of(number).filter(|_| only_transparent);
+                let root = (leaves.is_none() && ray.may_meet(&root)).then_some(root.place);
+                for from in leaves.into_iter().flatten().chain(root) {
                     one::<S, P>(
                         simd,
                         searched,

@@ -5,7 +5,7 @@ use fearless_simd::prelude::*;
 
 use super::arena::{ArenaView, Kind, Ref};
 use super::best::Best;
-use super::passed::PassedLeaves;
+use super::noted::NotedLeaves;
 use super::query::{ANY_HIT, Query};
 use super::tree::Searched;
 use crate::counters::TestCounts;
@@ -28,11 +28,11 @@ pub(super) fn visit<S: Lanes, Q: Query, P: Arithmetic>(
     (ray, number): (&PreparedRay, usize),
     place: Ref,
     best: &mut Best,
-    (tests, passed): (&mut TestCounts, &mut PassedLeaves),
+    (tests, noted): (&mut TestCounts, &mut NotedLeaves),
 ) -> bool {
     if place.kind() == Kind::List {
         if Q::ANY {
-            passed.note_list(searched, number, place);
+            noted.note_list(searched, number, place);
         }
         return visit_list::<Q, P>(searched, &ray.ray, place, best, tests);
     }
@@ -40,7 +40,7 @@ pub(super) fn visit<S: Lanes, Q: Query, P: Arithmetic>(
     let arena = searched.tree.arena.view();
     let hits = test::<S, P>(simd, arena, (&ray.ray, &ray.space), place, best.high, tests);
     if Q::ANY {
-        passed.note_met(searched, number, (place, hits.certain | hits.open));
+        noted.note_met(searched, number, (place, hits.certain | hits.open));
     }
     take::<S, Q, P>(simd, searched, &ray.ray, (place, hits), best, tests)
 }

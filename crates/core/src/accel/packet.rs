@@ -26,7 +26,7 @@ use std::marker::PhantomData;
 
 use super::arena::{Kind, Ref};
 use super::node::{distance, place};
-use super::passed::PassedLeaves;
+use super::noted::NotedLeaves;
 use super::query::Query;
 use super::rays::Rays;
 use super::stream::{self, Flight, FromRoot};
@@ -125,7 +125,7 @@ pub(super) fn trace<S: Lanes, Q: Query, P: Arithmetic>(
         queue,
         stack,
         tests: notes.tests,
-        passed: notes.passed,
+        noted: notes.noted,
         query: PhantomData,
     };
     batch.trace(simd, tiles, answers);
@@ -195,7 +195,7 @@ struct TileBatch<'a, Q, P> {
     queue: &'a mut Vec<u32>,
     stack: &'a mut [u64],
     tests: &'a mut TestCounts,
-    passed: &'a mut PassedLeaves,
+    noted: &'a mut NotedLeaves,
     query: PhantomData<(Q, P)>,
 }
 
@@ -324,7 +324,7 @@ impl<Q: Query, P: Arithmetic> TileBatch<'_, Q, P> {
                     self.visit_leaf(simd, tile, at, rays);
                     if Q::ANY && tile.passing != 0 {
                         for number in numbers(tile.block, std::mem::take(&mut tile.passing)) {
-                            self.passed.note(number, at);
+                            self.noted.note(number, at);
                         }
                     }
                     if Q::ANY && tile.is_done() {

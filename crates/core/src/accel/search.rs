@@ -143,10 +143,10 @@ impl<P: Arithmetic> Search<'_, P> {
         };
         let searched = self.own(tree, traversal);
         if Q::ANY {
-            traversal.passed.begin(traversal.notes_passed, 1);
+            traversal.noted.begin(traversal.notes_passed, 1);
         }
         let best = self.in_tree::<Q>(searched, ray, traversal);
-        traversal.passed.is_asked = false;
+        traversal.noted.is_noting = false;
         if geometry.instances.is_empty() || Q::ANY && !best.is_miss() {
             return Q::answer(best);
         }
@@ -160,9 +160,9 @@ impl<P: Arithmetic> Search<'_, P> {
             self.each::<Q>(rays, answers, traversal);
             return;
         };
-        traversal.passed.begin(Q::ANY && traversal.notes_passed, rays.count());
+        traversal.noted.begin(Q::ANY && traversal.notes_passed, rays.count());
         self.all_in_tree::<Q>(self.own(tree, traversal), rays, answers, traversal);
-        traversal.passed.is_asked = false;
+        traversal.noted.is_noting = false;
         if !geometry.instances.is_empty() {
             self.all_among_instances::<Q>(rays, answers, traversal);
         }
@@ -185,7 +185,7 @@ impl<P: Arithmetic> Search<'_, P> {
             *answer = self.one::<Q>(ray, traversal);
         }
         // Those of the last ray alone.
-        traversal.passed.begin(false, 0);
+        traversal.noted.begin(false, 0);
     }
 
     /// Whether many rays are searched together. The reference has no use for lanes.

@@ -4,7 +4,7 @@ use super::arena::Kind;
 use super::best::Best;
 use super::leaf;
 use super::node::{self, distance, place};
-use super::passed::PassedLeaves;
+use super::noted::NotedLeaves;
 use super::query::Query;
 use super::tree::{Searched, Tree};
 use crate::counters::TestCounts;
@@ -21,7 +21,7 @@ pub(super) fn trace<S: Lanes, Q: Query, P: Arithmetic>(
     (ray, number): (&PreparedRay, usize),
     mut best: Best,
     (stack, mut height): (&mut [u64], usize),
-    (tests, passed): (&mut TestCounts, &mut PassedLeaves),
+    (tests, noted): (&mut TestCounts, &mut NotedLeaves),
 ) -> Best {
     let arena = searched.tree.arena.view();
     while height > 0 {
@@ -44,7 +44,7 @@ pub(super) fn trace<S: Lanes, Q: Query, P: Arithmetic>(
             next = Some(root);
         }
         let Some(leaf) = next else { continue };
-        let (ray, notes) = ((ray, number), (&mut *tests, &mut *passed));
+        let (ray, notes) = ((ray, number), (&mut *tests, &mut *noted));
         if leaf::visit::<S, Q, P>(simd, searched, ray, leaf, &mut best, notes) && Q::ANY {
             break;
         }

@@ -18,7 +18,7 @@ use glam::Vec3;
 use super::arena::{ArenaView, Kind};
 use super::best::Best;
 use super::node::{self, distance, place};
-use super::passed::PassedLeaves;
+use super::noted::NotedLeaves;
 use super::query::Query;
 use super::rays::Rays;
 use super::tree::{Root, Searched};
@@ -177,7 +177,7 @@ pub(super) fn trace<S: Lanes, Q: Query, P: Arithmetic>(
     flight: &mut Flight,
     notes: Notes<'_>,
 ) {
-    let Notes { tests, kernel, passed } = notes;
+    let Notes { tests, kernel, noted } = notes;
     let Flight { slots, stacks, tops, stride } = flight;
     let mut next = NextSteps::NONE;
     // Only references and no array, so that everything stays in registers.
@@ -191,7 +191,7 @@ pub(super) fn trace<S: Lanes, Q: Query, P: Arithmetic>(
         tops,
         stride: *stride,
         tests,
-        passed,
+        noted,
         next: &mut next,
         precision: PhantomData,
     };
@@ -226,7 +226,7 @@ struct FlightRounds<'a, Q: Query, P, R> {
     tops: &'a mut [usize; FLIGHT],
     stride: usize,
     tests: &'a mut TestCounts,
-    passed: &'a mut PassedLeaves,
+    noted: &'a mut NotedLeaves,
     next: &'a mut NextSteps,
     precision: PhantomData<P>,
 }
@@ -293,7 +293,7 @@ impl<Q: Query, P: Arithmetic, R: RaySource<Q, P>> FlightRounds<'_, Q, P, R> {
             let met = hits.certain | hits.open;
             let is_closer = met != 0 && {
                 if Q::ANY {
-                    self.passed.note_met(self.searched, *number as usize, (step.place(), met));
+                    self.noted.note_met(self.searched, *number as usize, (step.place(), met));
                 }
                 let found = (step.place(), *hits);
                 leaf::take::<S, Q, P>(simd, self.searched, &ray.ray, found, best, self.tests)
@@ -325,7 +325,7 @@ impl<Q: Query, P: Arithmetic, R: RaySource<Q, P>> FlightRounds<'_, Q, P, R> {
                 self.next.push(self.arena, index, root);
                 continue;
             }
-            let (ray, notes) = ((&*ray, *number as usize), (tests, &mut *self.passed));
+            let (ray, notes) = ((&*ray, *number as usize), (tests, &mut *self.noted));
             let is_closer = leaf::visit::<S, Q, P>(simd, searched, ray, at, best, notes);
             self.go_on(index, is_closer);
         }

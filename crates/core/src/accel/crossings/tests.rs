@@ -4,8 +4,8 @@ use glam::Vec3;
 
 use super::*;
 use crate::accel::build::Preset;
+use crate::accel::noted::NotedLeaves;
 use crate::accel::packet;
-use crate::accel::passed::PassedLeaves;
 use crate::accel::tests::{Numbers, add_triangle, bumpy_sphere};
 use crate::accel::{Accel, KernelChoice};
 use crate::geometry::Quadric;
@@ -255,11 +255,11 @@ fn hc03_what_many_rays_pass_is_what_each_of_them_crosses() {
 /// Memory for what rays pass is bounded: they are asked one by one if it does not suffice.
 #[test]
 fn leaves_are_noted_up_to_a_number() {
-    let mut passed = PassedLeaves::default();
-    let count = |passed: &PassedLeaves, ray| passed.of(ray).map(Iterator::count);
-    passed.begin(true, 2);
-    (0..100_000).for_each(|_| passed.note(1, Ref::ROOT));
-    assert_eq!([0, 1].map(|ray| count(&passed, ray)), [Some(0), Some(100_000)]);
-    (0..200_000).for_each(|_| passed.note(1, Ref::ROOT));
-    assert_eq!([0, 1].map(|ray| count(&passed, ray)), [None; 2]);
+    let mut noted = NotedLeaves::default();
+    let count = |noted: &NotedLeaves, ray| noted.of(ray).map(Iterator::count);
+    noted.begin(true, 2);
+    (0..100_000).for_each(|_| noted.note(1, Ref::ROOT));
+    assert_eq!([0, 1].map(|ray| count(&noted, ray)), [Some(0), Some(100_000)]);
+    (0..200_000).for_each(|_| noted.note(1, Ref::ROOT));
+    assert_eq!([0, 1].map(|ray| count(&noted, ray)), [None; 2]);
 }

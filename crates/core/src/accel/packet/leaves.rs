@@ -69,9 +69,9 @@ impl<Q: Query, P: Arithmetic> TileBatch<'_, Q, P> {
             if met == 0 {
                 continue;
             }
-            if Q::ANY && self.passed.is_asked {
-                let passed = self.searched.transparent(place, met) != 0;
-                tile.passing |= u64::from(passed) << i;
+            if Q::ANY && self.noted.is_noting {
+                let is_passed = self.searched.transparent(place, met) != 0;
+                tile.passing |= u64::from(is_passed) << i;
             }
             let found = (place, hits);
             if leaf::take::<S, Q, P>(simd, self.searched, &ray, found, &mut best, self.tests) {
@@ -110,8 +110,8 @@ impl<Q: Query, P: Arithmetic> TileBatch<'_, Q, P> {
         let mut used = leaf::first_lanes(count);
         let kept = if Q::ANY { self.searched.without_passed(place, used) } else { used };
         if Q::ANY {
-            let passed = if self.passed.is_asked { used & !kept } else { 0 };
-            used = kept | self.searched.transparent(place, passed);
+            let beside = if self.noted.is_noting { used & !kept } else { 0 };
+            used = kept | self.searched.transparent(place, beside);
         }
         tile.frame(simd);
         let prepared = tile.frame.prepare::<S, P>(simd, arena, place, used);
@@ -189,7 +189,7 @@ impl<Q: Query, P: Arithmetic> TileBatch<'_, Q, P> {
     /// Tests the primitives of a list with the rays.
     #[inline(always)]
     fn visit_list<S: Lanes>(&mut self, simd: S, tile: &mut RayTile, place: Ref, rays: u64) {
-        let Self { searched, tests, passed, .. } = self;
+        let Self { searched, tests, noted, .. } = self;
         outlined(
             simd,
             #[inline(always)]
@@ -197,7 +197,7 @@ impl<Q: Query, P: Arithmetic> TileBatch<'_, Q, P> {
                 let Searched { tree, geometry, .. } = *searched;
                 for (entry, &number) in tree.arena.view().list(place).iter().enumerate() {
                     let is_passed = Q::ANY && geometry.is_passed(number);
-                    if is_passed && !(passed.is_asked && geometry.is_transparent(number)) {
+                    if is_passed && !(noted.is_noting && geometry.is_transparent(number)) {
                         continue;
                     }
                     let at = (place, entry);

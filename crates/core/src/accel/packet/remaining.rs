@@ -104,7 +104,7 @@ impl<Q: Query, P: Arithmetic> TileBatch<'_, Q, P> {
                 self.stack[0] = place;
                 let (searched, stack) = (self.searched, (&mut *self.stack, 1));
                 let (number, notes) =
-                    (tile.block + number_of(i), (&mut *self.tests, &mut *self.passed));
+                    (tile.block + number_of(i), (&mut *self.tests, &mut *self.noted));
                 let best =
                     single::trace::<S, Q, P>(simd, searched, (&ray, number), before, stack, notes);
                 if best == before {

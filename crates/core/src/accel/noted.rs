@@ -12,22 +12,22 @@ const NONE: u32 = u32::MAX;
 
 /// The leaves with primitives that rays pass.
 #[derive(Clone, Debug, Default)]
-pub(super) struct PassedLeaves {
+pub(super) struct NotedLeaves {
     /// Whether a search is to note them.
-    pub(super) is_asked: bool,
+    pub(super) is_noting: bool,
     /// Each with the place of the one that its ray noted before.
     leaves: Vec<(Ref, u32)>,
     /// The place of each ray's last one. Empty if they are not known.
     last: Vec<u32>,
 }
 
-impl PassedLeaves {
-    /// Forgets all leaves, and if it `is_asked`, starts the lists of this many rays.
-    pub(super) fn begin(&mut self, is_asked: bool, rays: usize) {
+impl NotedLeaves {
+    /// Forgets all leaves, and if it `is_noting`, starts the lists of this many rays.
+    pub(super) fn begin(&mut self, is_noting: bool, rays: usize) {
         self.leaves.clear();
         self.last.clear();
-        self.last.resize(if is_asked { rays } else { 0 }, NONE);
-        self.is_asked = is_asked;
+        self.last.resize(if is_noting { rays } else { 0 }, NONE);
+        self.is_noting = is_noting;
     }
 
     /// Notes a leaf of the ray with that number.
@@ -56,7 +56,7 @@ impl PassedLeaves {
     /// Notes a leaf of triangles if shadow rays pass any of those that the ray may meet, a bit each.
     #[inline(always)]
     pub(super) fn note_met(&mut self, searched: Searched<'_>, ray: usize, (leaf, met): (Ref, u32)) {
-        if self.is_asked && searched.transparent(leaf, met) != 0 {
+        if self.is_noting && searched.transparent(leaf, met) != 0 {
             self.note(ray, leaf);
         }
     }
@@ -70,7 +70,7 @@ impl PassedLeaves {
         list: Ref,
     ) {
         let numbers = tree.arena.view().list(list);
-        if self.is_asked && numbers.iter().any(|&number| geometry.is_transparent(number)) {
+        if self.is_noting && numbers.iter().any(|&number| geometry.is_transparent(number)) {
             self.note(ray, list);
         }
     }
