@@ -232,8 +232,8 @@ fn light(light: &Light) -> String {
         Visibility::Behind => "behind the surface".to_owned(),
         Visibility::NotReflected => "reflects nothing".to_owned(),
         Visibility::Visible => format!("visible, adds {}", three(light.adds)),
-        Visibility::Weakened { passed } => {
-            format!("weakened to {}, adds {}", three(*passed), three(light.adds))
+        Visibility::Weakened { transmittance } => {
+            format!("weakened to {}, adds {}", three(*transmittance), three(light.adds))
         }
         Visibility::Occluded { primitive: Some(primitive), shape, t } => {
             format!("blocked by primitive {primitive} of {shape}, at {} of the way", number(*t))

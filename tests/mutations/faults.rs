@@ -203,8 +203,8 @@ pub(crate) const FAULTS: &[Fault] = faults! {
         "(last.point - found.point).dot(last.normal)" => "f32::INFINITY";
     "inner surfaces of a solid are seen", 57, "crates/core/src/prepared/interface.rs":
         "shape.solid.is_none() || self.differ(&sides)" => "true || self.differ(&sides)";
-    "shadow rays enter what they leave", 57, "crates/core/src/prepared/passing.rs":
+    "shadow rays enter what they leave", 57, "crates/core/src/prepared/shadow_crossings.rs":
         "scene.sides(media, own, first.inside)" => "scene.sides(media, own, !first.inside)";
-    "light is absorbed up to the next surface alone", 57, "crates/core/src/prepared/passing.rs":
+    "light is absorbed up to the next surface alone", 57, "crates/core/src/prepared/shadow_crossings.rs":
         "first.distance - from" => "first.distance";
 };

@@ -9,8 +9,8 @@ mod interaction;
 mod interface;
 mod maps;
 mod media;
-mod passing;
 mod resample;
+mod shadow_crossings;
 mod transmission;
 
 use std::ops::Range;
@@ -23,8 +23,8 @@ pub use fingerprint::Fingerprints;
 pub use group::{Face, Group, lanes};
 pub use interaction::{Interaction, surface};
 pub use media::{Media, Solid};
-pub use passing::{Crossing, Passing};
 pub use resample::{Original, Samples};
+pub use shadow_crossings::{Crossing, ShadowCrossings};
 pub use transmission::{Branch, MOST_RAYS, Trail};
 
 use crate::accel::Accel;

@@ -254,12 +254,14 @@ impl Observer for Recorder<'_> {
         target: &LightPoint<f32>,
         request: Arriving<'_>,
     ) {
-        let arrives = request.map(|(request, passed)| {
+        let arrives = request.map(|(request, transmittance)| {
             let all = Vec3::from(request.contribution);
-            match passed {
+            match transmittance {
                 None => (self.blocked(&request.ray()), Vec3::ZERO),
                 Some(Vec3::ONE) => (Visibility::Visible, all),
-                Some(passed) => (Visibility::Weakened { passed }, all * passed),
+                Some(transmittance) => {
+                    (Visibility::Weakened { transmittance }, all * transmittance)
+                }
             }
         });
         let origin = self.scene.origin;

@@ -21,7 +21,7 @@ use crate::math::ray::Ray;
 use crate::math::vector::Line;
 use crate::plan::schedule::Schedule;
 use crate::prepared::{
-    Branch, Class, Interaction, MOST_RAYS, Media, Passing, PreparedScene, Trail,
+    Branch, Class, Interaction, MOST_RAYS, Media, PreparedScene, ShadowCrossings, Trail,
 };
 use crate::tile::{PassClock, Timed, TraceSettings, Tracer, Unit, add_sample};
 
@@ -38,7 +38,7 @@ pub struct Recursive<P> {
     /// The rays of the path that wait.
     waiting: Vec<Branch>,
     /// Memory for the transparent surfaces on a shadow ray.
-    passing: Passing,
+    crossings: ShadowCrossings,
     counters: Counters,
     /// Rays and points on lights so far.
     steps: u32,
@@ -62,7 +62,7 @@ impl<P: Arithmetic> Tracer for Recursive<P> {
             traversal,
             differentials: scene.carries_differentials(),
             waiting: Vec::new(),
-            passing: Passing::default(),
+            crossings: ShadowCrossings::default(),
             counters: Counters::default(),
             steps: 0,
             ended: false,
@@ -358,18 +358,18 @@ impl<P: Arithmetic> Recursive<P> {
                 self.counters.lights_at_surface += u64::from(request.at_light);
                 let occluded =
                     scene.accel.search::<P>().occluded(&request.ray(), &mut self.traversal);
-                let passed = (!occluded).then(|| match self.schedule.has_transmission() {
+                let transmittance = (!occluded).then(|| match self.schedule.has_transmission() {
                     true => {
-                        let Self { passing, traversal, counters, .. } = &mut *self;
+                        let Self { crossings, traversal, counters, .. } = &mut *self;
                         let look_ups = &mut counters.look_ups;
                         let ray = (&request.ray(), media);
-                        scene.passed::<P>(ray, passing, traversal, look_ups)
+                        scene.transmittance::<P>(ray, crossings, traversal, look_ups)
                     }
                     false => Vec3::ONE,
                 });
-                observer.light(place, &target, Some((&request, passed)));
-                if let Some(passed) = passed {
-                    *radiance += Vec3::from(request.contribution) * passed;
+                observer.light(place, &target, Some((&request, transmittance)));
+                if let Some(transmittance) = transmittance {
+                    *radiance += Vec3::from(request.contribution) * transmittance;
                 }
             }
         }

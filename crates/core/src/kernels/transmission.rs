@@ -110,7 +110,7 @@ impl Transparency {
     /// The share of each channel of light that passes the surface straight, where it has this `opacity`
     /// and this `base` colour, at the `cosine` to its normal, between media of these indices: shadow rays
     /// are not bent. Whatever side it meets, the light is mirrored as it is on the thinner one.
-    pub fn passed(&self, opacity: f32, base: Vec3, cosine: f32, iors: [f32; 2]) -> DVec3 {
+    pub fn transmittance(&self, opacity: f32, base: Vec3, cosine: f32, iors: [f32; 2]) -> DVec3 {
         if self.kt == 0.0 {
             return DVec3::splat(1.0 - f64::from(opacity));
         }

@@ -137,9 +137,9 @@ impl<F: Single> Group<F> {
         }
     }
 
-    /// As [`Self::begin`], for [`super::Passing`]: without what reflects light.
+    /// As [`Self::begin`], for [`super::ShadowCrossings`]: without what reflects light.
     #[inline(always)]
-    pub(super) fn begin_passing(&mut self, faces: &[Face], appearance: &Appearance) {
+    pub(super) fn begin_crossings(&mut self, faces: &[Face], appearance: &Appearance) {
         let last = faces[faces.len() - 1];
         self.used = ((1_u64 << faces.len()) - 1) as u32;
         (self.colored, self.has_uvs, self.quads) = (0, 0, 0);

@@ -118,7 +118,11 @@ impl<'a, F: Single> Place<'a, F> {
 
     /// What of the class changes the light that passes straight: opacities, and base colours.
     #[inline(always)]
-    pub(super) fn passing(&'a self, class: &'a Class, counts: &'a mut LookUps) -> (F, Vector<F>) {
+    pub(super) fn opacity_and_tint(
+        &'a self,
+        class: &'a Class,
+        counts: &'a mut LookUps,
+    ) -> (F, Vector<F>) {
         let (mut look_up, mut opacity) = (LookUp::at(self, counts), self.t.same(class.opacity()));
         for map in &class.maps {
             match map {

@@ -157,7 +157,8 @@ pub enum Visibility {
     /// A part of it arrives through transparent surfaces.
     Weakened {
         /// Its share by channel.
-        passed: Vec3,
+        #[serde(rename = "passed")]
+        transmittance: Vec3,
     },
 }
 

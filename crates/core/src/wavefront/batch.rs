@@ -18,7 +18,7 @@ use crate::math::real::{Mask, Single};
 use crate::math::simd::LANES;
 use crate::math::vector::{Line, Vector};
 use crate::plan::schedule::ColumnGroup;
-use crate::prepared::{Media, Passing, PreparedScene, Trail};
+use crate::prepared::{Media, PreparedScene, ShadowCrossings, Trail};
 use crate::wavefront::faces::SortedHits;
 use columns::Column;
 
@@ -219,7 +219,7 @@ pub struct Batch {
     /// Memory for sorting hits, for shade and shadow.
     pub(super) sorted: SortedHits,
     /// The transparent surfaces on shadow rays. Written and read by shadow.
-    pub passing: Passing,
+    pub crossings: ShadowCrossings,
 }
 
 impl Batch {
@@ -248,7 +248,7 @@ impl Batch {
             waiting: Waiting::with_capacity(room(ColumnGroup::Branches)),
             continued: Vec::new(),
             sorted: SortedHits::new(scene.appearance.classes.len()),
-            passing: Passing::default(),
+            crossings: ShadowCrossings::default(),
         }
     }
 
@@ -366,7 +366,7 @@ impl Batch {
         let lists = differentials * size_of::<Differential>()
             + trails * TRAIL_BYTES
             + self.media.capacity() * size_of::<Media>()
-            + self.passing.bytes();
+            + self.crossings.bytes();
         (groups.iter().sum::<usize>() + next.bytes() + lists + self.waiting.bytes()) as u64
     }
 }

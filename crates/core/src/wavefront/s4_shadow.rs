@@ -20,7 +20,7 @@ use crate::math::random::Stream;
 use crate::math::real::{Mask, Single};
 use crate::math::simd::{AnyWidth, dispatch_any_width};
 use crate::plan::schedule::Step;
-use crate::prepared::{Group, LookUps, Passing, PreparedScene};
+use crate::prepared::{Group, LookUps, PreparedScene, ShadowCrossings};
 
 /// Adds every light's contributions to the paths. Returns whether it added all: it was not `cancelled`.
 pub(super) fn run<P: Arithmetic>(
@@ -186,19 +186,19 @@ fn weaken<P: Arithmetic>(
     traversal: &mut Traversal,
     counters: &mut Counters,
 ) {
-    let Batch { shadows, passing, sorted, media, .. } = batch;
+    let Batch { shadows, crossings, sorted, media, .. } = batch;
     let mut next = 0;
     while next < occluded.len() {
         let rays = Rays::from(&*shadows);
         let path = &shadows.path;
         let inside = |ray: usize| media[path[ray] as usize];
-        next = scene.collect_crossings::<P>(rays, (next, occluded), &inside, passing, traversal);
+        next = scene.collect_crossings::<P>(rays, (next, occluded), &inside, crossings, traversal);
         let precision = PhantomData::<P>;
         let look_ups = &mut counters.look_ups;
-        let crossings = EvaluatedCrossings { scene, passing, sorted, look_ups, precision };
-        dispatch_any_width(scene.accel.level, crossings);
-        passing.passed(scene, |ray, passed| {
-            shadows.contribution.set(ray, shadows.contribution.get(ray) * passed);
+        let evaluated = EvaluatedCrossings { scene, crossings, sorted, look_ups, precision };
+        dispatch_any_width(scene.accel.level, evaluated);
+        crossings.transmittances(scene, |ray, transmittance| {
+            shadows.contribution.set(ray, shadows.contribution.get(ray) * transmittance);
         });
     }
 }
@@ -206,7 +206,7 @@ fn weaken<P: Arithmetic>(
 /// Evaluates crossings, those of one class and kind of primitive together.
 struct EvaluatedCrossings<'a, P> {
     scene: &'a PreparedScene,
-    passing: &'a mut Passing,
+    crossings: &'a mut ShadowCrossings,
     sorted: &'a mut SortedHits,
     look_ups: &'a mut LookUps,
     precision: PhantomData<P>,
@@ -217,15 +217,15 @@ impl<P: Arithmetic> AnyWidth for EvaluatedCrossings<'_, P> {
 
     #[inline(always)]
     fn run<F: Single>(self, token: F::Token) {
-        let Self { scene, passing, sorted, look_ups, .. } = self;
-        for i in 0..passing.len() {
-            let (face, kind) = passing.face(i, scene);
+        let Self { scene, crossings, sorted, look_ups, .. } = self;
+        for i in 0..crossings.len() {
+            let (face, kind) = crossings.face(i, scene);
             sorted.push(face, scene.appearance.shapes[face.shape as usize].class, kind);
         }
         let mut group = Group::<F>::default();
         for (kind, faces) in sorted.sort() {
             for faces in faces.chunks(F::LANES) {
-                passing.evaluate::<F, P>(token, scene, (kind, faces), &mut group, look_ups);
+                crossings.evaluate::<F, P>(token, scene, (kind, faces), &mut group, look_ups);
             }
         }
     }

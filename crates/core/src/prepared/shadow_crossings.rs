@@ -2,8 +2,8 @@
 //!
 //! The crossings of many rays are collected in one list ([`PreparedScene::collect_crossings`]), which
 //! finds the shape of each. Then those of one class and kind of primitive are evaluated together
-//! ([`Passing::evaluate`]), and at last those of each ray are folded in their order
-//! ([`Passing::passed`]). Memory is used again for the next rays.
+//! ([`ShadowCrossings::evaluate`]), and at last those of each ray are folded in their order
+//! ([`ShadowCrossings::transmittances`]). Memory is used again for the next rays.
 
 use glam::{DVec3, Vec3};
 
@@ -25,8 +25,8 @@ const MOST_CROSSINGS: usize = 1024;
 
 /// Shadow rays and the transparent surfaces that they cross.
 #[derive(Clone, Debug, Default)]
-pub struct Passing {
-    rays: Vec<PassingRay>,
+pub struct ShadowCrossings {
+    rays: Vec<CrossingRay>,
     crossings: Vec<Crossing>,
     /// Memory for the hits of a ray.
     hits: Vec<Hit>,
@@ -34,7 +34,7 @@ pub struct Passing {
 
 /// A shadow ray that crosses transparent surfaces, or starts where light is absorbed.
 #[derive(Clone, Copy, Debug)]
-struct PassingRay {
+struct CrossingRay {
     /// Its number among those that were given.
     number: usize,
     /// The end of its crossings in the list, which begin where those of the ray before end.
@@ -72,7 +72,7 @@ pub struct Crossing {
 }
 
 impl PreparedScene {
-    /// Replaces the list of `passing` by what rays from the number `first` on cross, but for those that
+    /// Replaces the list by what rays from the number `first` on cross, but for those that
     /// are `occluded`, until it is long enough; `media` tells what a ray starts inside of. Returns the number
     /// of the next ray.
     pub fn collect_crossings<P: Arithmetic>(
@@ -80,10 +80,10 @@ impl PreparedScene {
         rays: Rays<'_>,
         (first, occluded): (usize, &[bool]),
         media: &dyn Fn(usize) -> Media,
-        passing: &mut Passing,
+        list: &mut ShadowCrossings,
         traversal: &mut Traversal,
     ) -> usize {
-        let Passing { rays: found, crossings, hits, .. } = passing;
+        let ShadowCrossings { rays: found, crossings, hits, .. } = list;
         found.clear();
         crossings.clear();
         let mut shape = 0;
@@ -109,7 +109,7 @@ impl PreparedScene {
                 let direction = (ray.direction.as_dvec3() / length).as_vec3();
                 let distance = f64::from(ray.t_max) * length;
                 let unit = Ray { direction, ..ray };
-                found.push(PassingRay { number, end: crossings.len(), unit, distance, media });
+                found.push(CrossingRay { number, end: crossings.len(), unit, distance, media });
             }
             crossings.len().max(found.len()) < MOST_CROSSINGS
         };
@@ -120,31 +120,31 @@ impl PreparedScene {
     /// The share of light that passes all transparent surfaces along a shadow ray that nothing else
     /// blocks, inside of `media` where it starts.
     #[inline(never)]
-    pub fn passed<P: Arithmetic>(
+    pub fn transmittance<P: Arithmetic>(
         &self,
         (ray, media): (&Ray, Media),
-        passing: &mut Passing,
+        list: &mut ShadowCrossings,
         traversal: &mut Traversal,
         look_ups: &mut LookUps,
     ) -> Vec3 {
         let rays = Rays::Rows(std::slice::from_ref(ray));
-        self.collect_crossings::<P>(rays, (0, &[false]), &|_| media, passing, traversal);
-        if passing.rays.is_empty() {
+        self.collect_crossings::<P>(rays, (0, &[false]), &|_| media, list, traversal);
+        if list.rays.is_empty() {
             return Vec3::ONE;
         }
         let mut group = Group::<f32>::default();
-        for i in 0..passing.len() {
-            let (face, kind) = passing.face(i, self);
-            passing.evaluate::<f32, P>((), self, (kind, &[face]), &mut group, look_ups);
+        for i in 0..list.len() {
+            let (face, kind) = list.face(i, self);
+            list.evaluate::<f32, P>((), self, (kind, &[face]), &mut group, look_ups);
         }
         let mut all = Vec3::ONE;
-        passing.passed(self, |_, passed| all = passed);
+        list.transmittances(self, |_, transmittance| all = transmittance);
         all
     }
 }
 
-impl Passing {
-    /// The number of crossings in the list.
+impl ShadowCrossings {
+    /// The number of crossings.
     pub fn len(&self) -> usize {
         self.crossings.len()
     }
@@ -152,7 +152,7 @@ impl Passing {
     /// Bytes held.
     pub fn bytes(&self) -> usize {
         let Self { rays, crossings, hits } = self;
-        rays.capacity() * size_of::<PassingRay>()
+        rays.capacity() * size_of::<CrossingRay>()
             + crossings.capacity() * size_of::<Crossing>()
             + hits.capacity() * size_of::<Hit>()
     }
@@ -181,7 +181,7 @@ impl Passing {
         look_ups: &mut LookUps,
     ) {
         let (appearance, geometry) = (&scene.appearance, scene.accel.geometry());
-        group.begin_passing(faces, appearance);
+        group.begin_crossings(faces, appearance);
         let class = group.class(appearance);
         let [mut origins, mut directions] = <[[F::Row; 3]; 2]>::default();
         let mut distances = F::Row::default();
@@ -211,7 +211,7 @@ impl Passing {
             F::outlined(
                 token,
                 #[inline(always)]
-                || place.passing(class, look_ups),
+                || place.opacity_and_tint(class, look_ups),
             )
         };
         for (lane, face) in faces.iter().enumerate() {
@@ -225,11 +225,11 @@ impl Passing {
     }
 
     /// Calls `each` with the number of each ray and the share of its light that passes.
-    pub fn passed(&self, scene: &PreparedScene, mut each: impl FnMut(usize, Vec3)) {
+    pub fn transmittances(&self, scene: &PreparedScene, mut each: impl FnMut(usize, Vec3)) {
         let Self { rays, crossings, .. } = self;
         let mut first = 0;
         for ray in rays.iter() {
-            each(ray.number, passed(scene, ray, &crossings[first..ray.end]));
+            each(ray.number, transmittance(scene, ray, &crossings[first..ray.end]));
             first = ray.end;
         }
     }
@@ -239,8 +239,8 @@ impl Passing {
 ///
 /// As for other rays, each is an interface between two media, those at one place are one, and the medium
 /// absorbs.
-fn passed(scene: &PreparedScene, ray: &PassingRay, crossings: &[Crossing]) -> Vec3 {
-    let (mut media, mut from, mut passed) = (ray.media, 0.0, DVec3::ONE);
+fn transmittance(scene: &PreparedScene, ray: &CrossingRay, crossings: &[Crossing]) -> Vec3 {
+    let (mut media, mut from, mut transmittance) = (ray.media, 0.0, DVec3::ONE);
     let shape = |crossing: &Crossing| &scene.appearance.shapes[crossing.shape as usize];
     let through = |shape: &Shape| scene.appearance.class(shape).transparency;
     let mut rest = crossings;
@@ -249,9 +249,9 @@ fn passed(scene: &PreparedScene, ray: &PassingRay, crossings: &[Crossing]) -> Ve
         let own = shape(first);
         let Some(transparency) = through(own) else { continue };
         let mut sides = scene.sides(media, own, first.inside);
-        passed *= scene.absorbed(&media, first.distance - from);
+        transmittance *= scene.absorbed(&media, first.distance - from);
         if sides.before != media {
-            passed *= scene.more_absorbed([&media, &sides.before], first.distance);
+            transmittance *= scene.more_absorbed([&media, &sides.before], first.distance);
         }
         let mut last = *first;
         while let Some((next, behind)) = rest.split_first().filter(|_| transparency.kt > 0.0) {
@@ -263,16 +263,17 @@ fn passed(scene: &PreparedScene, ray: &PassingRay, crossings: &[Crossing]) -> Ve
             };
             let leaves = next.inside || next.primitive == last.primitive;
             sides.beyond = scene.sides(sides.beyond, shape(next), leaves).beyond;
-            passed *= through.color.as_dvec3() * f64::from(through.kt);
+            transmittance *= through.color.as_dvec3() * f64::from(through.kt);
             (last, rest) = (*next, behind);
         }
         if own.solid.is_none() || scene.differ(&sides) {
             let iors = [sides.before, sides.beyond].map(|media| scene.medium(&media).ior);
-            passed *= transparency.passed(first.opacity, first.color, first.cosine, iors);
+            transmittance *=
+                transparency.transmittance(first.opacity, first.color, first.cosine, iors);
         }
         (media, from) = (sides.beyond, last.distance);
     }
-    (passed * scene.absorbed(&media, ray.distance - from)).as_vec3()
+    (transmittance * scene.absorbed(&media, ray.distance - from)).as_vec3()
 }
 
 impl Crossing {
