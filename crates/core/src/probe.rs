@@ -18,7 +18,7 @@ use crate::math::float::{UNIT_ROUNDOFF, normalize};
 use crate::math::random::Stream;
 use crate::math::ray::Ray;
 use crate::prepared::{Branch, Class, PreparedScene};
-use crate::recursive::{Arriving, End, Observer, Recursive};
+use crate::recursive::{End, Observer, Recursive, TracedLight};
 use crate::tile::{Tile, TraceSettings, Tracer, Unit};
 use crate::wavefront::{DEFAULT_BATCH, Wavefront};
 use crate::with_precision;
@@ -252,7 +252,7 @@ impl Observer for Recorder<'_> {
         &mut self,
         [light, index]: [usize; 2],
         target: &LightPoint<f32>,
-        request: Arriving<'_>,
+        request: TracedLight<'_>,
     ) {
         let arrives = request.map(|(request, transmittance)| {
             let all = Vec3::from(request.contribution);

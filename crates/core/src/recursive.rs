@@ -2,7 +2,7 @@
 //! It is the wavefront's competitor and its reference.
 //!
 //! The recursion of Whitted (1980) is a loop over the rays of a path, each with its throughput. At
-//! a transparent surface a path divides, and the other rays wait on a stack. Light is added in the
+//! a transparent surface a path scatters into several rays, and the other rays wait on a stack. Light is added in the
 //! wavefront's order: by ray, light and sample.
 
 use std::marker::PhantomData;
@@ -115,7 +115,7 @@ impl<P: Arithmetic> Tracer for Recursive<P> {
 
 /// The contribution of a light's point, and the share of it that passes along its shadow ray, if there
 /// is one: `None` if that is blocked.
-pub type Arriving<'a> = Option<(&'a ShadowRequest<f32>, Option<Vec3>)>;
+pub type TracedLight<'a> = Option<(&'a ShadowRequest<f32>, Option<Vec3>)>;
 
 /// Receives the steps of a path, for a record or a clock. A usual render has no observer.
 pub trait Observer {
@@ -129,7 +129,7 @@ pub trait Observer {
     fn surface(&mut self, _: &ShadingPoint<f32>, _: &Class, _: Vec3) {}
 
     /// What arrives at the surface from the `index`th point of the `light`th light.
-    fn light(&mut self, _: [usize; 2], _: &LightPoint<f32>, _: Arriving<'_>) {}
+    fn light(&mut self, _: [usize; 2], _: &LightPoint<f32>, _: TracedLight<'_>) {}
 
     /// All is done at the hit: the radiance gathered so far, the rays that go on from here, the next
     /// one last, and why none does if there is none.
@@ -164,7 +164,7 @@ impl Observer for StepClock {
         self.clock.lap(self.shading);
     }
 
-    fn light(&mut self, _: [usize; 2], _: &LightPoint<f32>, _: Arriving<'_>) {
+    fn light(&mut self, _: [usize; 2], _: &LightPoint<f32>, _: TracedLight<'_>) {
         self.clock.lap(Timed::Shadow);
     }
 
@@ -268,11 +268,11 @@ impl<P: Arithmetic> Recursive<P> {
             let end = match &found {
                 Interaction::Surface(point, class) => {
                     let transparency = class.transparency.as_ref().filter(|_| transmits);
-                    let divided = transparency.map(|transparency| {
+                    let scattered = transparency.map(|transparency| {
                         let memory = (&mut self.traversal, &mut self.counters.look_ups);
-                        scene.divide::<P>(&at, &hit, transparency, point, memory)
+                        scene.scatter::<P>(&at, &hit, transparency, point, memory)
                     });
-                    let own = divided.map_or(throughput, |(own, _)| own);
+                    let own = scattered.map_or(throughput, |(own, _)| own);
                     let local = point.local_light(scene.ambient, scene.hemisphere.as_ref());
                     radiance += own * Vec3::from(local);
                     observer.surface(point, class, radiance);
@@ -281,7 +281,7 @@ impl<P: Arithmetic> Recursive<P> {
                         let at = (point, trail.media);
                         self.direct_light(scene, at, &stream, gathered, cancelled, observer);
                     }
-                    if let Some((_, branches)) = divided {
+                    if let Some((_, branches)) = scattered {
                         self.waiting.extend(branches.into_iter().rev().flatten());
                         if trail.bounces >= scene.bounces { End::LastBounce } else { End::NoMirror }
                     } else if trail.bounces >= bounces {
@@ -308,7 +308,7 @@ impl<P: Arithmetic> Recursive<P> {
                     End::Light
                 }
                 Interaction::Nothing => {
-                    if let Some(color) = scene.beyond(ray.direction, trail.mirrored) {
+                    if let Some(color) = scene.escaped(ray.direction, trail.mirrored) {
                         radiance += throughput * color;
                     }
                     End::Nothing

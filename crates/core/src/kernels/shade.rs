@@ -97,12 +97,12 @@ impl<F: Single> ShadingPoint<F> {
         match hemisphere {
             None => even,
             Some(hemisphere) => {
-                let mut arriving = self.arriving(hemisphere);
+                let mut ambient_light = self.scattered_ambient(hemisphere);
                 if hemisphere.traced {
                     let none = Vector::splat(self.kr.token(), Vec3::ZERO);
-                    arriving = Vector::select(self.lit, none, arriving);
+                    ambient_light = Vector::select(self.lit, none, ambient_light);
                 }
-                even + self.color * arriving
+                even + self.color * ambient_light
             }
         }
     }
@@ -110,7 +110,7 @@ impl<F: Single> ShadingPoint<F> {
     /// The hemisphere's light that the surface scatters if nothing is in its way, before the
     /// diffuse colour.
     #[inline(always)]
-    fn arriving(&self, hemisphere: &Hemisphere) -> Vector<F> {
+    fn scattered_ambient(&self, hemisphere: &Hemisphere) -> Vector<F> {
         hemisphere.at(self.shading_normal).scale(self.occlusion)
     }
 }
@@ -162,7 +162,7 @@ pub fn shadow_request<F: Single>(
     ambient: Option<&Hemisphere>,
 ) -> Option<ShadowRequest<F>> {
     if let Emitter::Around(distance) = light.emitter {
-        let ambient = point.arriving(ambient?).over(point.kr.same(light.samples() as f32));
+        let ambient = point.scattered_ambient(ambient?).over(point.kr.same(light.samples() as f32));
         return ambient_request(point, throughput * ambient, distance, target);
     }
     let zero = point.kr.zero();
@@ -209,7 +209,7 @@ pub fn shadow_request<F: Single>(
 #[inline(always)]
 fn ambient_request<F: Single>(
     point: &ShadingPoint<F>,
-    arriving: Vector<F>,
+    ambient: Vector<F>,
     distance: f32,
     target: &LightPoint<F>,
 ) -> Option<ShadowRequest<F>> {
@@ -217,7 +217,7 @@ fn ambient_request<F: Single>(
     let direction = (point.shading_normal + target.position).normalize_in_single();
     let height = direction.dot(point.normal);
     let above = direction - point.normal.scale((height + height).min(zero));
-    let contribution = arriving * point.color;
+    let contribution = ambient * point.color;
     let origin = point.point.offset_origin(point.error, point.normal, above);
     let line = Line { origin, direction: above.scale(zero.same(distance)) };
     let asked = point.lit & contribution.is_not_zero() & line.is_valid();

@@ -83,7 +83,7 @@ impl Class {
     }
 
     /// Whether its hits are shaded together with those of other such classes: all that it has are
-    /// constants, and no path divides.
+    /// constants, and no path scatters there.
     #[inline(always)]
     pub fn is_plain(&self) -> bool {
         self.maps.is_empty() && self.transparency.is_none()

@@ -26,7 +26,7 @@ impl PreparedScene {
 
     /// The differentials of rays, which carry one each or come from the camera.
     #[inline(always)]
-    pub(super) fn arriving<F: Single>(
+    pub(super) fn incoming_differentials<F: Single>(
         &self,
         direction: Vector<F>,
         carried: &dyn Fn(usize) -> Option<Differential>,
@@ -87,7 +87,7 @@ impl<F: Single> Group<F> {
         carried: &dyn Fn(usize) -> Option<Differential>,
         point: &ShadingPoint<F>,
     ) -> Differential<F> {
-        let from = scene.arriving(meeting.1.direction, carried);
+        let from = scene.incoming_differentials(meeting.1.direction, carried);
         let (_, smooth) = shade::mirrored(point.view, point.shading_normal, point.normal);
         self.turned(scene, meeting, &from, (point, smooth), None)
     }

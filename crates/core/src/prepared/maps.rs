@@ -274,8 +274,8 @@ impl<'a, F: Single> LookUp<'a, F> {
         let steps = match self.steps {
             Some(steps) => steps,
             None => {
-                let arriving = scene.arriving(line.direction, carried);
-                arriving.at(line.direction, t, surfaces.normal)
+                let differential = scene.incoming_differentials(line.direction, carried);
+                differential.at(line.direction, t, surfaces.normal)
             }
         };
         self.steps = Some(steps);

@@ -1,4 +1,4 @@
-//! Transparent surfaces: where a path divides.
+//! Transparent surfaces, where a path scatters into several rays.
 //!
 //! A path follows one ray at a time in both tracers. At a transparent surface that is the mirror
 //! ray, then the refracted ray, then the one that goes straight on, each to its end before the
@@ -45,7 +45,7 @@ impl Trail {
     }
 }
 
-/// Most rays of a path: where surfaces send on all that they receive, and mirror it, a path divides again
+/// Most rays of a path: where surfaces send on all that they receive, and mirror it, a path scatters again
 /// and again.
 pub const MOST_RAYS: u32 = 1 << 16;
 
@@ -98,9 +98,9 @@ impl PreparedScene {
             || self.hemisphere.is_some()
     }
 
-    /// The colour along a ray that meets nothing: only what was mirrored does not see the background.
+    /// The light of a ray that escapes, as it meets nothing: only what was mirrored does not see the background.
     #[inline(always)]
-    pub fn beyond(&self, direction: Vec3, mirrored: bool) -> Option<Vec3> {
+    pub fn escaped(&self, direction: Vec3, mirrored: bool) -> Option<Vec3> {
         if let Some(environment) = &self.environment {
             let image = |number: u32| self.appearance.images[number as usize].look_up();
             return Some(environment.at(direction, image));
@@ -118,18 +118,18 @@ impl PreparedScene {
         self.absorbed(media, f64::from(t) - f64::from(ray.t_min)).as_vec3()
     }
 
-    /// The throughput of the light that `point` of a transparent surface sends to the arriving ray
+    /// The throughput of the light that `point` of a transparent surface sends to the incoming ray
     /// itself, and the rays that go on from there, in the order in which they are followed.
     #[inline(never)]
-    pub fn divide<P: Arithmetic>(
+    pub fn scatter<P: Arithmetic>(
         &self,
-        arriving: &Branch,
+        incoming: &Branch,
         hit: &Hit,
         transparency: &Transparency,
         point: &ShadingPoint<f32>,
         (traversal, look_ups): (&mut Traversal, &mut LookUps),
     ) -> (Vec3, [Option<Branch>; 3]) {
-        let Branch { ray, trail, mut throughput, .. } = *arriving;
+        let Branch { ray, trail, mut throughput, .. } = *incoming;
         let meeting = Meeting { ray: &ray, hit, point, media: trail.media };
         let interface = self.interface::<P>(&meeting, transparency, traversal);
         let Interface { sides: Sides { before, beyond }, last, close, .. } = interface;
@@ -142,7 +142,7 @@ impl PreparedScene {
         };
         let from = self
             .carries_differentials()
-            .then(|| self.arriving(ray.direction.into(), &|_| arriving.differential));
+            .then(|| self.incoming_differentials(ray.direction.into(), &|_| incoming.differential));
         // The same ray, behind a hit.
         let straight = |(hit, next): (Hit, Option<Hit>), trail: Trail, throughput: Vec3| {
             let trail = Trail { next: next.unwrap_or(Hit::MISS), ..trail };

@@ -141,7 +141,7 @@ impl<P: Arithmetic> Shade<'_, P> {
     fn miss(&mut self, i: usize) {
         let mirrored = self.trail(i).mirrored;
         let rays = &self.batch.rays;
-        if let Some(color) = self.scene.beyond(rays.direction.get(i), mirrored) {
+        if let Some(color) = self.scene.escaped(rays.direction.get(i), mirrored) {
             let path = rays.path[i] as usize;
             self.batch.paths.radiance.add(path, rays.throughput.get(i) * color);
         }
@@ -259,10 +259,10 @@ impl<P: Arithmetic> Shade<'_, P> {
         let carried = |lane: usize| self.carried_differential(numbers[lane] as usize);
         let scene = self.scene;
         let point = group.shading_points::<P>(kind, (&line, t), scene, &carried, &mut look_ups);
-        let divided = class.transparency.as_ref().filter(|_| self.transmits);
-        let throughput = match divided {
+        let scattering = class.transparency.as_ref().filter(|_| self.transmits);
+        let throughput = match scattering {
             None => throughput,
-            Some(through) => self.divide(group, through, (&point, throughput), &mut look_ups),
+            Some(through) => self.scatter(group, through, (&point, throughput), &mut look_ups),
         };
         count(look_ups, self.counters);
         let local = point.local_light(scene.ambient, scene.hemisphere.as_ref());
@@ -271,7 +271,7 @@ impl<P: Arithmetic> Shade<'_, P> {
             self.collect(&point, throughput, &path);
         }
         if self.mirrors
-            && divided.is_none()
+            && scattering.is_none()
             && let Some(mut next) = mirror_request(&point, throughput, self.scene.least_weight())
         {
             self.batch.next.provide();
@@ -295,10 +295,10 @@ impl<P: Arithmetic> Shade<'_, P> {
         }
     }
 
-    /// Divides the paths at points of transparent surfaces, with these throughputs. Returns those of
+    /// Scatters the paths at points of transparent surfaces, with these throughputs. Returns those of
     /// the light that the surfaces send to the rays themselves.
     #[inline(never)]
-    fn divide<F: Single>(
+    fn scatter<F: Single>(
         &mut self,
         group: &Group<F>,
         transparency: &Transparency,
@@ -310,11 +310,11 @@ impl<P: Arithmetic> Shade<'_, P> {
             let (ray, hit) = (self.batch.ray(i), self.batch.hits.hit[i]);
             let (throughput, trail) = (throughputs.lane(lane), self.trail(i));
             let differential = self.carried_differential(i);
-            let arriving = Branch { ray, throughput, trail, differential };
+            let incoming = Branch { ray, throughput, trail, differential };
             let point = points.lane(lane);
             let memory = (&mut *self.traversal, &mut *look_ups);
             let (own, branches) =
-                self.scene.divide::<P>(&arriving, &hit, transparency, &point, memory);
+                self.scene.scatter::<P>(&incoming, &hit, transparency, &point, memory);
             throughputs.set_lane(lane, own);
             let path = self.batch.rays.path[i];
             let branches = branches.into_iter().rev().flatten();
