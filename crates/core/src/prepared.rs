@@ -22,10 +22,10 @@ pub use class::{Class, Map, Property};
 pub use fingerprint::Fingerprints;
 pub use group::{Face, Group, lanes};
 pub use interaction::{Interaction, surface};
-pub use media::{Media, Solid};
+pub use media::{MediumStack, Solid};
 pub use resample::{Original, Samples};
 pub use shadow_crossings::{Crossing, ShadowCrossings};
-pub use transmission::{Branch, MOST_RAYS, Trail};
+pub use transmission::{Branch, MOST_RAYS, PathState};
 
 use crate::accel::Accel;
 pub use crate::counters::LookUps;

@@ -206,10 +206,10 @@ impl Recorder<'_> {
 
 impl Observer for Recorder<'_> {
     fn ray(&mut self, branch: &Branch, hit: &Hit, tests: TestCounts) {
-        let Branch { ray, throughput, trail, .. } = branch;
+        let Branch { ray, throughput, state, .. } = branch;
         let met = (!hit.is_miss()).then(|| self.met(ray, hit));
         self.steps.push((*ray, *hit, Vec3::ZERO));
-        self.bounces = trail.bounces;
+        self.bounces = state.bounces;
         let (from, kind) = self.waiting.pop().unzip();
         self.path.bounces.push(Bounce {
             kind: kind.unwrap_or(RayKind::Camera),
@@ -217,7 +217,7 @@ impl Observer for Recorder<'_> {
             throughput: *throughput,
             origin: ray.origin.as_dvec3() + self.scene.origin,
             direction: ray.direction,
-            medium: trail.media.medium().map(|solid| self.place_of_solid(solid)),
+            medium: state.media.medium().map(|solid| self.place_of_solid(solid)),
             nodes: tests.nodes,
             leaves: tests.leaves,
             primitives: tests.triangles + tests.quads + tests.spheres + tests.disks,
@@ -283,7 +283,7 @@ impl Observer for Recorder<'_> {
         let from = self.path.bounces.len().saturating_sub(1);
         let normal = self.last_met().map_or(Vec3::ZERO, |met| met.normal);
         let kind = |branch: &Branch| match branch {
-            _ if branch.trail.bounces == self.bounces => RayKind::Straight,
+            _ if branch.state.bounces == self.bounces => RayKind::Straight,
             _ if branch.ray.direction.dot(normal) < 0.0 => RayKind::Refracted,
             _ => RayKind::Mirrored,
         };

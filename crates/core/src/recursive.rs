@@ -21,7 +21,7 @@ use crate::math::ray::Ray;
 use crate::math::vector::Line;
 use crate::plan::schedule::Schedule;
 use crate::prepared::{
-    Branch, Class, Interaction, MOST_RAYS, Media, PreparedScene, ShadowCrossings, Trail,
+    Branch, Class, Interaction, MOST_RAYS, MediumStack, PathState, PreparedScene, ShadowCrossings,
 };
 use crate::tile::{PassClock, Timed, TraceSettings, Tracer, Unit, add_sample};
 
@@ -32,7 +32,7 @@ pub struct Recursive<P> {
     schedule: Schedule,
     traversal: Traversal,
     /// What camera rays are inside of, as at the camera's position.
-    start: Media,
+    start: MediumStack,
     /// Whether rays after the first have differentials.
     differentials: bool,
     /// The rays of the path that wait.
@@ -249,16 +249,16 @@ impl<P: Arithmetic> Recursive<P> {
         let (transmits, least) = (self.schedule.has_transmission(), scene.least_weight());
         let bounces = if self.schedule.has_mirrors() { scene.bounces } else { 0 };
         let mut radiance = Vec3::ZERO;
-        let trail = Trail { media: self.start, ..Trail::default() };
-        let mut at = Branch { ray, throughput: Vec3::ONE, trail, differential: None };
+        let state = PathState { media: self.start, ..PathState::default() };
+        let mut at = Branch { ray, throughput: Vec3::ONE, state, differential: None };
         loop {
-            let Branch { ray, trail, .. } = at;
+            let Branch { ray, state, .. } = at;
             let before = self.traversal.tests;
             let found = scene.accel.search::<P>().closest(&ray, &mut self.traversal);
-            let hit = if trail.next.is_miss() { found } else { trail.next };
+            let hit = if state.next.is_miss() { found } else { state.next };
             observer.ray(&at, &hit, self.traversal.tests - before);
             if transmits {
-                at.throughput *= scene.remaining(&ray, &trail.media, hit.t);
+                at.throughput *= scene.remaining(&ray, &state.media, hit.t);
             }
             let throughput = at.throughput;
             let waiting = self.waiting.len();
@@ -278,13 +278,13 @@ impl<P: Arithmetic> Recursive<P> {
                     observer.surface(point, class, radiance);
                     if shadows && point.lit {
                         let gathered = (own, &mut radiance);
-                        let at = (point, trail.media);
+                        let at = (point, state.media);
                         self.direct_light(scene, at, &stream, gathered, cancelled, observer);
                     }
                     if let Some((_, branches)) = scattered {
                         self.waiting.extend(branches.into_iter().rev().flatten());
-                        if trail.bounces >= scene.bounces { End::LastBounce } else { End::NoMirror }
-                    } else if trail.bounces >= bounces {
+                        if state.bounces >= scene.bounces { End::LastBounce } else { End::NoMirror }
+                    } else if state.bounces >= bounces {
                         End::LastBounce
                     } else {
                         if let Some((next, throughput)) = mirror_ray(point, throughput, least) {
@@ -292,11 +292,11 @@ impl<P: Arithmetic> Recursive<P> {
                                 let found = &mut self.counters.look_ups;
                                 scene.mirrored(at.differential, &ray, &hit, point, found)
                             });
-                            let trail = trail.mirrored();
+                            let state = state.mirrored();
                             self.waiting.push(Branch {
                                 ray: next,
                                 throughput,
-                                trail,
+                                state,
                                 differential,
                             });
                         }
@@ -308,7 +308,7 @@ impl<P: Arithmetic> Recursive<P> {
                     End::Light
                 }
                 Interaction::Nothing => {
-                    if let Some(color) = scene.escaped(ray.direction, trail.mirrored) {
+                    if let Some(color) = scene.escaped(ray.direction, state.mirrored) {
                         radiance += throughput * color;
                     }
                     End::Nothing
@@ -334,7 +334,7 @@ impl<P: Arithmetic> Recursive<P> {
     fn direct_light(
         &mut self,
         scene: &PreparedScene,
-        (point, media): (&ShadingPoint<f32>, Media),
+        (point, media): (&ShadingPoint<f32>, MediumStack),
         stream: &Stream,
         (throughput, radiance): (Vec3, &mut Vec3),
         cancelled: &dyn Fn() -> bool,

@@ -24,7 +24,7 @@ use crate::accel::Traversal;
 use crate::counters::Counters;
 use crate::kernels::precision::Arithmetic;
 use crate::plan::schedule::Schedule;
-use crate::prepared::{LookUps, MOST_RAYS, Media, PreparedScene};
+use crate::prepared::{LookUps, MOST_RAYS, MediumStack, PreparedScene};
 use crate::tile::{PassClock, Timed, TraceSettings, Tracer, Unit};
 use batch::Batch;
 
@@ -37,7 +37,7 @@ pub struct Wavefront<P> {
     seed: u64,
     schedule: Schedule,
     needs_points: bool,
-    start: Media,
+    start: MediumStack,
     batch: Batch,
     traversal: Traversal,
     counters: Counters,

@@ -9,7 +9,7 @@
 use glam::Vec3;
 
 use super::media::Sides;
-use super::{Media, PreparedScene, Shape};
+use super::{MediumStack, PreparedScene, Shape};
 use crate::accel::{Hit, Traversal};
 use crate::kernels::precision::Arithmetic;
 use crate::kernels::shade::ShadingPoint;
@@ -24,7 +24,7 @@ pub(super) struct Meeting<'a> {
     pub(super) ray: &'a Ray,
     pub(super) hit: &'a Hit,
     pub(super) point: &'a ShadingPoint<f32>,
-    pub(super) media: Media,
+    pub(super) media: MediumStack,
 }
 
 /// What lies where a ray meets a transparent surface.
@@ -42,7 +42,7 @@ pub(super) struct Interface {
     /// The next hit of the ray behind the last surface, if it is known.
     pub(super) next: Option<Hit>,
     /// The media behind the first surface, and the hit next to it, if it is known.
-    pub(super) behind: Media,
+    pub(super) behind: MediumStack,
     pub(super) second: Option<Hit>,
 }
 

@@ -33,15 +33,15 @@ const NONE: u32 = u32::MAX;
 /// The solids that a ray is inside of, by their indices in [`PreparedScene::solids`], each as often as
 /// it was entered; the medium first. Of more than eight, those of the lowest priority are forgotten.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Media([u32; 8]);
+pub struct MediumStack([u32; 8]);
 
-impl Default for Media {
+impl Default for MediumStack {
     fn default() -> Self {
         Self([NONE; 8])
     }
 }
 
-impl Media {
+impl MediumStack {
     /// The solid that is the medium; `None` in air.
     pub fn medium(&self) -> Option<u32> {
         Some(self.0[0]).filter(|&solid| solid != NONE)
@@ -73,20 +73,20 @@ impl Media {
 /// The media on both sides of a surface, in the direction of a ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Sides {
-    pub(super) before: Media,
-    pub(super) beyond: Media,
+    pub(super) before: MediumStack,
+    pub(super) beyond: MediumStack,
 }
 
 impl PreparedScene {
     /// The medium of a ray inside of these solids.
-    pub fn medium(&self, media: &Media) -> Solid {
+    pub fn medium(&self, media: &MediumStack) -> Solid {
         media.medium().map_or(Solid::AIR, |solid| self.solids[solid as usize])
     }
 
     /// The media on both sides of a surface of `shape` that a ray inside of `media` meets from behind
     /// if `leaves`. Surfaces that enclose a solid together may belong to shapes that look alike. A solid that
     /// is left without having been entered, as it has no closed surface, was around the ray before.
-    pub(super) fn sides(&self, media: Media, shape: &Shape, leaves: bool) -> Sides {
+    pub(super) fn sides(&self, media: MediumStack, shape: &Shape, leaves: bool) -> Sides {
         let Some(solid) = shape.solid else { return Sides { before: media, beyond: media } };
         if !leaves {
             return Sides { before: media, beyond: media.enter(solid) };
@@ -100,12 +100,12 @@ impl PreparedScene {
     }
 
     /// The share of light that remains after a way inside of `media`, in scene units.
-    pub(super) fn absorbed(&self, media: &Media, way: f64) -> DVec3 {
+    pub(super) fn absorbed(&self, media: &MediumStack, way: f64) -> DVec3 {
         remaining(self.medium(media).absorption, way)
     }
 
     /// What is left if a ray is inside of the second media along this way, instead of the first.
-    pub(super) fn more_absorbed(&self, [known, other]: [&Media; 2], way: f64) -> DVec3 {
+    pub(super) fn more_absorbed(&self, [known, other]: [&MediumStack; 2], way: f64) -> DVec3 {
         let [known, other] = [known, other].map(|media| self.medium(media).absorption);
         remaining((other - known).max(Vec3::ZERO), way)
     }
@@ -119,16 +119,16 @@ impl PreparedScene {
     }
 
     /// What the camera is inside of: see [`Self::media_at`].
-    pub fn media_at_camera<P: Arithmetic>(&self, traversal: &mut Traversal) -> Media {
+    pub fn media_at_camera<P: Arithmetic>(&self, traversal: &mut Traversal) -> MediumStack {
         if self.solids.is_empty() {
-            return Media::default();
+            return MediumStack::default();
         }
         self.media_at::<P>(self.camera.origin(), traversal)
     }
 
     /// The solids whose closed surfaces contain a point: along any line from there they are left once more
     /// than entered. What two opposite lines do not agree on is open.
-    fn media_at<P: Arithmetic>(&self, point: Vec3, traversal: &mut Traversal) -> Media {
+    fn media_at<P: Arithmetic>(&self, point: Vec3, traversal: &mut Traversal) -> MediumStack {
         // No usual axis, so that few lines run in planes or through edges.
         let line = Vec3::new(0.48, 0.64, 0.6);
         let mut hits = Vec::new();
@@ -146,7 +146,7 @@ impl PreparedScene {
             left
         });
         let [along, against] = &mut counts;
-        let mut media = Media::default();
+        let mut media = MediumStack::default();
         for (solid, (a, b)) in (0..).zip(along.iter().zip(against)) {
             (0..*a.min(b)).for_each(|_| media = media.enter(solid));
         }
@@ -160,7 +160,7 @@ mod tests {
 
     #[test]
     fn the_medium_is_the_solid_of_the_highest_priority() {
-        let mut media = Media::default();
+        let mut media = MediumStack::default();
         assert_eq!(media.medium(), None);
         for (solid, medium) in [(5, 5), (7, 5), (2, 2), (5, 2)] {
             media = media.enter(solid);

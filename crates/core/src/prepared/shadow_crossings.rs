@@ -10,7 +10,7 @@ use glam::{DVec3, Vec3};
 use super::group::{Face, Group, set};
 use super::interface::{LEAST_COSINE, close_depth};
 use super::maps::Place;
-use super::{LookUps, Media, PreparedScene, Shape};
+use super::{LookUps, MediumStack, PreparedScene, Shape};
 use crate::accel::{Hit, Rays, Traversal};
 use crate::geometry::ShadingKind;
 use crate::kernels::precision::Arithmetic;
@@ -44,7 +44,7 @@ struct CrossingRay {
     /// The distance at which it ends, in scene units.
     distance: f64,
     /// What it is inside of where it starts.
-    media: Media,
+    media: MediumStack,
 }
 
 /// A point at which a shadow ray crosses a transparent surface.
@@ -79,7 +79,7 @@ impl PreparedScene {
         &self,
         rays: Rays<'_>,
         (first, occluded): (usize, &[bool]),
-        media: &dyn Fn(usize) -> Media,
+        media: &dyn Fn(usize) -> MediumStack,
         list: &mut ShadowCrossings,
         traversal: &mut Traversal,
     ) -> usize {
@@ -122,7 +122,7 @@ impl PreparedScene {
     #[inline(never)]
     pub fn transmittance<P: Arithmetic>(
         &self,
-        (ray, media): (&Ray, Media),
+        (ray, media): (&Ray, MediumStack),
         list: &mut ShadowCrossings,
         traversal: &mut Traversal,
         look_ups: &mut LookUps,

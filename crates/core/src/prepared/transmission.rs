@@ -8,7 +8,7 @@ use glam::Vec3;
 
 use super::interface::{Interface, Last, Meeting};
 use super::media::Sides;
-use super::{LookUps, Media, PreparedScene};
+use super::{LookUps, MediumStack, PreparedScene};
 use crate::accel::{Hit, Traversal};
 use crate::kernels::differential::Differential;
 use crate::kernels::precision::Arithmetic;
@@ -21,25 +21,25 @@ use crate::plan::schedule::Step;
 
 /// What a ray went through on its path.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Trail {
+pub struct PathState {
     /// How often it was mirrored or refracted.
     pub bounces: u32,
     /// Whether it was mirrored: it then sees no background.
     pub mirrored: bool,
     /// What it is inside of.
-    pub media: Media,
+    pub media: MediumStack,
     /// The hit that it has if that is known: what lies where it starts. Else a miss.
     pub next: Hit,
 }
 
-impl Default for Trail {
+impl Default for PathState {
     fn default() -> Self {
-        Self { bounces: 0, mirrored: false, media: Media::default(), next: Hit::MISS }
+        Self { bounces: 0, mirrored: false, media: MediumStack::default(), next: Hit::MISS }
     }
 }
 
-impl Trail {
-    /// The trail of a mirror ray from here.
+impl PathState {
+    /// The state of a mirror ray from here.
     pub fn mirrored(self) -> Self {
         Self { bounces: self.bounces + 1, mirrored: true, next: Hit::MISS, ..self }
     }
@@ -57,7 +57,7 @@ pub struct Branch {
     /// Its throughput.
     pub throughput: Vec3,
     /// What it went through.
-    pub trail: Trail,
+    pub state: PathState,
     /// Its differential; that of a camera ray follows from its direction.
     pub differential: Option<Differential>,
 }
@@ -114,7 +114,7 @@ impl PreparedScene {
 
     /// The share of light that remains of what `ray`, inside of `media`, meets at `t`.
     #[inline]
-    pub fn remaining(&self, ray: &Ray, media: &Media, t: f32) -> Vec3 {
+    pub fn remaining(&self, ray: &Ray, media: &MediumStack, t: f32) -> Vec3 {
         self.absorbed(media, f64::from(t) - f64::from(ray.t_min)).as_vec3()
     }
 
@@ -129,28 +129,28 @@ impl PreparedScene {
         point: &ShadingPoint<f32>,
         (traversal, look_ups): (&mut Traversal, &mut LookUps),
     ) -> (Vec3, [Option<Branch>; 3]) {
-        let Branch { ray, trail, mut throughput, .. } = *incoming;
-        let meeting = Meeting { ray: &ray, hit, point, media: trail.media };
+        let Branch { ray, state, mut throughput, .. } = *incoming;
+        let meeting = Meeting { ray: &ray, hit, point, media: state.media };
         let interface = self.interface::<P>(&meeting, transparency, traversal);
         let Interface { sides: Sides { before, beyond }, last, close, .. } = interface;
-        if before != trail.media {
-            throughput *= self.more_absorbed([&trail.media, &before], hit.t.into()).as_vec3();
+        if before != state.media {
+            throughput *= self.more_absorbed([&state.media, &before], hit.t.into()).as_vec3();
         }
-        let counts = |throughput: Vec3, trail: &Trail| {
+        let counts = |throughput: Vec3, state: &PathState| {
             let counts = throughput.max_element() >= shade::LEAST_WEIGHT;
-            counts && trail.bounces <= self.bounces
+            counts && state.bounces <= self.bounces
         };
         let from = self
             .carries_differentials()
             .then(|| self.incoming_differentials(ray.direction.into(), &|_| incoming.differential));
         // The same ray, behind a hit.
-        let straight = |(hit, next): (Hit, Option<Hit>), trail: Trail, throughput: Vec3| {
-            let trail = Trail { next: next.unwrap_or(Hit::MISS), ..trail };
+        let straight = |(hit, next): (Hit, Option<Hit>), state: PathState, throughput: Vec3| {
+            let state = PathState { next: next.unwrap_or(Hit::MISS), ..state };
             let ray = Ray { t_min: hit.t.next_up(), ..ray };
-            let branch = Branch { ray, throughput, trail, differential: from };
-            counts(throughput, &trail).then_some(branch)
+            let branch = Branch { ray, throughput, state, differential: from };
+            counts(throughput, &state).then_some(branch)
         };
-        let on = Trail { media: beyond, ..trail };
+        let on = PathState { media: beyond, ..state };
         if !interface.is_there {
             return (
                 Vec3::ZERO,
@@ -160,36 +160,37 @@ impl PreparedScene {
         let own = throughput * point.opacity;
         let iors = [before, beyond].map(|media| self.medium(&media).ior);
         let (mirrored, refracted) = transparency.split(point, iors);
-        let turned = |place: [Vector<f32>; 3], trail: Trail, direction: Vec3, throughput: Vec3| {
-            let [point, error, side] = place;
-            let ray = Ray::new(point.offset_origin(error, side, side).into(), direction);
-            let goes_on = counts(throughput, &trail) && ray.is_valid();
-            goes_on.then_some(Branch { ray, throughput, trail, differential: None })
-        };
+        let turned =
+            |place: [Vector<f32>; 3], state: PathState, direction: Vec3, throughput: Vec3| {
+                let [point, error, side] = place;
+                let ray = Ray::new(point.offset_origin(error, side, side).into(), direction);
+                let goes_on = counts(throughput, &state) && ray.is_valid();
+                goes_on.then_some(Branch { ray, throughput, state, differential: None })
+            };
         let kr = if point.lit { point.kr * (1.0 - transparency.kt) } else { 0.0 };
         let mirror = Vec3::from(point.reflection.tint) * kr + Vec3::splat(mirrored);
         let (direction, _) = shade::mirrored(point.view, point.shading_normal, point.normal);
-        let trail = Trail { media: before, ..trail };
+        let state = PathState { media: before, ..state };
         let place = [point.point, point.error, point.normal];
         let mut branches = [
-            turned(place, trail.mirrored(), direction.into(), own * mirror),
+            turned(place, state.mirrored(), direction.into(), own * mirror),
             refracted.and_then(|found| {
-                let trail = Trail { bounces: trail.bounces + 1, ..on };
+                let state = PathState { bounces: state.bounces + 1, ..on };
                 let throughput = own * found.weight * interface.tint;
                 if found.direction == ray.direction {
-                    return straight((last.hit, interface.next), trail, throughput);
+                    return straight((last.hit, interface.next), state, throughput);
                 }
                 let Last { point, error, normal, .. } = last;
                 let side = if close.is_some() { normal } else { -normal };
-                let mut bent = turned([point, error, side], trail, found.direction, throughput);
+                let mut bent = turned([point, error, side], state, found.direction, throughput);
                 if let (Some(bent), Some(close)) = (&mut bent, close) {
-                    bent.trail.next = self.met_at_once::<P>(&bent.ray, close, traversal);
+                    bent.state.next = self.met_at_once::<P>(&bent.ray, close, traversal);
                 }
                 bent
             }),
             straight(
                 (*hit, interface.second),
-                Trail { media: interface.behind, ..trail },
+                PathState { media: interface.behind, ..state },
                 throughput * (1.0 - point.opacity),
             ),
         ];

@@ -18,7 +18,7 @@ use crate::math::real::{Mask, Single};
 use crate::math::simd::LANES;
 use crate::math::vector::{Line, Vector};
 use crate::plan::schedule::ColumnGroup;
-use crate::prepared::{Media, PreparedScene, ShadowCrossings, Trail};
+use crate::prepared::{MediumStack, PathState, PreparedScene, ShadowCrossings};
 use crate::wavefront::faces::SortedHits;
 use columns::Column;
 
@@ -199,11 +199,11 @@ pub struct Batch {
     pub differentials: Vec<Differential>,
     /// The differentials of the next rays.
     pub next_differentials: Vec<Differential>,
-    /// The trails of the rays after the first bounce, if surfaces let light through. Written and read
+    /// The states of the rays after the first bounce, if surfaces let light through. Written and read
     /// by shade.
-    pub trails: Vec<Trail>,
-    /// The trails of the next rays.
-    pub next_trails: Vec<Trail>,
+    pub states: Vec<PathState>,
+    /// The states of the next rays.
+    pub next_states: Vec<PathState>,
     /// The least t of the rays after the first bounce, if surfaces let light through: those that go straight
     /// on begin behind a hit. Written by shade, read by intersect and shade.
     pub starts: Vec<f32>,
@@ -211,7 +211,7 @@ pub struct Batch {
     pub next_starts: Vec<f32>,
     /// For each path what its ray of this bounce is inside of, if surfaces let light through. Written by
     /// shade, read by shadow.
-    pub media: Vec<Media>,
+    pub media: Vec<MediumStack>,
     /// Rays that wait until the rays before them on their path are done.
     pub waiting: Waiting,
     /// Memory for which paths have a next ray.
@@ -240,8 +240,8 @@ impl Batch {
             next: Rays::with_capacity(room(ColumnGroup::NextRays)),
             differentials: Vec::new(),
             next_differentials: Vec::new(),
-            trails: Vec::new(),
-            next_trails: Vec::new(),
+            states: Vec::new(),
+            next_states: Vec::new(),
             starts: Vec::new(),
             next_starts: Vec::new(),
             media: Vec::new(),
@@ -260,14 +260,14 @@ impl Batch {
     /// The `i`th ray of this bounce.
     #[inline(always)]
     pub fn ray(&self, i: usize) -> Ray {
-        let t_min = if self.trails.is_empty() { 0.0 } else { self.starts[i] };
+        let t_min = if self.states.is_empty() { 0.0 } else { self.starts[i] };
         Ray { t_min, ..self.rays.ray(i) }
     }
 
     /// Keeps what the `i`th ray of this bounce is inside of, for shadow rays from its hit.
-    pub fn set_media(&mut self, i: usize, media: Media) {
+    pub fn set_media(&mut self, i: usize, media: MediumStack) {
         if self.media.is_empty() {
-            self.media.resize(self.capacity, Media::default());
+            self.media.resize(self.capacity, MediumStack::default());
         }
         self.media[self.rays.path[i] as usize] = media;
     }
@@ -275,17 +275,17 @@ impl Batch {
     /// The rays of this bounce in the form of kernels.
     pub fn all_rays(&self) -> AllRays<'_> {
         let Rays { rows, origin, direction, .. } = &self.rays;
-        let t_min = Some(self.starts.as_slice()).filter(|_| !self.trails.is_empty());
+        let t_min = Some(self.starts.as_slice()).filter(|_| !self.states.is_empty());
         columns_of(*rows, origin, direction, (t_min, f32::INFINITY))
     }
 
-    /// Appends the trail of a next ray, and its least t.
-    pub fn push_trail(&mut self, trail: Trail, t_min: f32) {
-        append(&mut self.next_trails, self.capacity, trail);
+    /// Appends the state of a next ray, and its least t.
+    pub fn push_state(&mut self, state: PathState, t_min: f32) {
+        append(&mut self.next_states, self.capacity, state);
         if self.next_starts.is_empty() {
             self.next_starts.resize(columns::room(self.capacity), 0.0);
         }
-        self.next_starts[self.next_trails.len() - 1] = t_min;
+        self.next_starts[self.next_states.len() - 1] = t_min;
     }
 
     /// Appends the differential of a next ray.
@@ -307,8 +307,8 @@ impl Batch {
         self.next.clear();
         std::mem::swap(&mut self.differentials, &mut self.next_differentials);
         self.next_differentials.clear();
-        std::mem::swap(&mut self.trails, &mut self.next_trails);
-        self.next_trails.clear();
+        std::mem::swap(&mut self.states, &mut self.next_states);
+        self.next_states.clear();
         std::mem::swap(&mut self.starts, &mut self.next_starts);
         true
     }
@@ -328,7 +328,7 @@ impl Batch {
             {
                 self.next.provide();
                 self.next.push(&branch.ray, branch.throughput, path);
-                self.push_trail(branch.trail, branch.ray.t_min);
+                self.push_state(branch.state, branch.ray.t_min);
                 if let Some(differential) = branch.differential {
                     self.push_differential(differential);
                 }
@@ -362,10 +362,10 @@ impl Batch {
         let lit = lit.bytes() + tints.bytes();
         let groups = [paths.bytes(), rays.bytes(), hits.bytes(), lit, shadows.bytes()];
         let differentials = self.differentials.capacity() + self.next_differentials.capacity();
-        let trails = self.trails.capacity() + self.next_trails.capacity();
+        let states = self.states.capacity() + self.next_states.capacity();
         let lists = differentials * size_of::<Differential>()
-            + trails * TRAIL_BYTES
-            + self.media.capacity() * size_of::<Media>()
+            + states * STATE_BYTES
+            + self.media.capacity() * size_of::<MediumStack>()
             + self.crossings.bytes();
         (groups.iter().sum::<usize>() + next.bytes() + lists + self.waiting.bytes()) as u64
     }
@@ -379,8 +379,8 @@ fn append<T>(rows: &mut Vec<T>, paths: usize, row: T) {
     rows.push(row);
 }
 
-/// Bytes of a trail and a least t.
-const TRAIL_BYTES: usize = size_of::<Trail>() + size_of::<f32>();
+/// Bytes of a state and a least t.
+const STATE_BYTES: usize = size_of::<PathState>() + size_of::<f32>();
 
 /// Bytes of one row of a group of columns, with up to this number of bounces.
 fn row_bytes(group: ColumnGroup, bounces: u32) -> usize {
@@ -393,6 +393,8 @@ fn row_bytes(group: ColumnGroup, bounces: u32) -> usize {
         ColumnGroup::ShadowRays => ShadowRays::ROW_BYTES,
         // For this bounce and the next.
         ColumnGroup::Differentials => 2 * size_of::<Differential>(),
-        ColumnGroup::Branches => 2 * TRAIL_BYTES + size_of::<Media>() + Waiting::row_bytes(bounces),
+        ColumnGroup::Branches => {
+            2 * STATE_BYTES + size_of::<MediumStack>() + Waiting::row_bytes(bounces)
+        }
     }
 }

@@ -29,7 +29,7 @@ pub(super) fn run(
     batch.hits.provide();
     batch.paths.clear();
     batch.rays.clear();
-    batch.trails.clear();
+    batch.states.clear();
     let count = paths.end - paths.start;
     let next = NextPaths::new(unit, paths.start);
     let tile = &unit.tile;

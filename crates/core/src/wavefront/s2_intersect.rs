@@ -14,9 +14,9 @@ pub(super) fn run<P: Arithmetic>(
     let mut hits = std::mem::take(&mut batch.hits.hit);
     let answers = &mut hits[..batch.rays.len()];
     scene.accel.search::<P>().closest_of(batch.all_rays(), answers, traversal);
-    for (answer, trail) in answers.iter_mut().zip(&batch.trails) {
-        if !trail.next.is_miss() {
-            *answer = trail.next;
+    for (answer, state) in answers.iter_mut().zip(&batch.states) {
+        if !state.next.is_miss() {
+            *answer = state.next;
         }
     }
     batch.hits.hit = hits;

@@ -21,14 +21,14 @@ use crate::math::real::{Mask, Single};
 use crate::math::simd::{AnyWidth, LANES, dispatch_any_width};
 use crate::math::vector::{Line, Vector};
 use crate::plan::schedule::Step;
-use crate::prepared::{Branch, Face, Group, LookUps, Media, PreparedScene, Trail, lanes};
+use crate::prepared::{Branch, Face, Group, LookUps, MediumStack, PathState, PreparedScene, lanes};
 use crate::tile::{PassClock, Timed};
 
 /// Adds background, emission and ambient light to the paths; collects lit points and, while bounces
 /// are left, the next rays.
 pub(super) fn run<P: Arithmetic>(
     scene: &PreparedScene,
-    (bounce, needs_points, start): (u32, bool, Media),
+    (bounce, needs_points, start): (u32, bool, MediumStack),
     batch: &mut Batch,
     traversal: &mut Traversal,
     counters: &mut Counters,
@@ -38,7 +38,7 @@ pub(super) fn run<P: Arithmetic>(
     batch.tints.clear();
     batch.next.clear();
     batch.next_differentials.clear();
-    batch.next_trails.clear();
+    batch.next_states.clear();
     let schedule = scene.plan.schedule();
     let shade = Shade::<P> {
         scene,
@@ -64,7 +64,7 @@ struct Shade<'a, P> {
     scene: &'a PreparedScene,
     bounce: u32,
     /// What camera rays are inside of.
-    start: Media,
+    start: MediumStack,
     /// See [`PreparedScene::needs_points`].
     needs_points: bool,
     /// Whether rays from surfaces have differentials.
@@ -139,7 +139,7 @@ impl<P: Arithmetic> AnyWidth for Shade<'_, P> {
 impl<P: Arithmetic> Shade<'_, P> {
     #[inline(always)]
     fn miss(&mut self, i: usize) {
-        let mirrored = self.trail(i).mirrored;
+        let mirrored = self.state(i).mirrored;
         let rays = &self.batch.rays;
         if let Some(color) = self.scene.escaped(rays.direction.get(i), mirrored) {
             let path = rays.path[i] as usize;
@@ -149,10 +149,10 @@ impl<P: Arithmetic> Shade<'_, P> {
 
     /// What the ray with that number went through.
     #[inline(always)]
-    fn trail(&self, i: usize) -> Trail {
+    fn state(&self, i: usize) -> PathState {
         match self.transmits {
-            true if self.bounce > 0 => self.batch.trails[i],
-            _ => Trail {
+            true if self.bounce > 0 => self.batch.states[i],
+            _ => PathState {
                 bounces: self.bounce,
                 mirrored: self.bounce > 0,
                 media: self.start,
@@ -163,7 +163,7 @@ impl<P: Arithmetic> Shade<'_, P> {
 
     /// Takes the light of a hit that is absorbed on the way from there, and keeps what the ray is inside of.
     fn absorb(&mut self, i: usize) {
-        let (ray, media) = (self.batch.ray(i), self.trail(i).media);
+        let (ray, media) = (self.batch.ray(i), self.state(i).media);
         let remaining = self.scene.remaining(&ray, &media, self.batch.hits.hit[i].t);
         let throughput = &mut self.batch.rays.throughput;
         throughput.set(i, throughput.get(i) * remaining);
@@ -277,7 +277,7 @@ impl<P: Arithmetic> Shade<'_, P> {
             self.batch.next.provide();
             if self.transmits {
                 next.asked =
-                    next.asked & F::mask(token, self.mirror_trails(&numbers, next.asked.bits()));
+                    next.asked & F::mask(token, self.mirror_states(&numbers, next.asked.bits()));
             }
             self.batch.next.push_lanes(&next, &path);
             if self.differentials {
@@ -308,9 +308,9 @@ impl<P: Arithmetic> Shade<'_, P> {
         for lane in lanes(group.used) {
             let i = group.faces[lane].ray as usize;
             let (ray, hit) = (self.batch.ray(i), self.batch.hits.hit[i]);
-            let (throughput, trail) = (throughputs.lane(lane), self.trail(i));
+            let (throughput, state) = (throughputs.lane(lane), self.state(i));
             let differential = self.carried_differential(i);
-            let incoming = Branch { ray, throughput, trail, differential };
+            let incoming = Branch { ray, throughput, state, differential };
             let point = points.lane(lane);
             let memory = (&mut *self.traversal, &mut *look_ups);
             let (own, branches) =
@@ -349,15 +349,15 @@ impl<P: Arithmetic> Shade<'_, P> {
         }
     }
 
-    /// Appends the trails of the lanes with a mirror ray that have bounces left. Returns these lanes.
+    /// Appends the states of the lanes with a mirror ray that have bounces left. Returns these lanes.
     #[inline(never)]
-    fn mirror_trails(&mut self, rays: &[u32; LANES], asked: u32) -> u32 {
+    fn mirror_states(&mut self, rays: &[u32; LANES], asked: u32) -> u32 {
         lanes(asked).fold(0, |kept, lane| {
-            let trail = self.trail(rays[lane] as usize);
-            if trail.bounces >= self.scene.bounces {
+            let state = self.state(rays[lane] as usize);
+            if state.bounces >= self.scene.bounces {
                 return kept;
             }
-            self.batch.push_trail(trail.mirrored(), 0.0);
+            self.batch.push_state(state.mirrored(), 0.0);
             kept | 1 << lane
         })
     }

@@ -68,11 +68,12 @@ mod tests {
 
     use super::*;
     use crate::math::ray::Ray;
-    use crate::prepared::Trail;
+    use crate::prepared::PathState;
 
     fn branch(bounces: u32) -> Branch {
-        let (ray, trail) = (Ray::new(Vec3::ZERO, Vec3::Z), Trail { bounces, ..Trail::default() });
-        Branch { ray, throughput: Vec3::ONE, trail, differential: None }
+        let (ray, state) =
+            (Ray::new(Vec3::ZERO, Vec3::Z), PathState { bounces, ..PathState::default() });
+        Branch { ray, throughput: Vec3::ONE, state, differential: None }
     }
 
     #[test]
@@ -86,7 +87,7 @@ mod tests {
                 }
                 for path in 0..PATHS {
                     let left = std::iter::from_fn(|| waiting.pop(path));
-                    let left: Vec<u32> = left.map(|branch| branch.trail.bounces).collect();
+                    let left: Vec<u32> = left.map(|branch| branch.state.bounces).collect();
                     assert_eq!(left, (0..=2 * bounces).rev().collect::<Vec<_>>());
                 }
                 // What was left is used again.
