@@ -8,9 +8,10 @@ use super::common::{SearchOptions, numbers, print, rounded, to_json, whole};
 use super::input::{Purpose, SceneOptions};
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_core::probe::{
-    Bounce, HitRecord, Light, PathRecord, PixelRecord, RayKind, SurfaceRecord, Visibility, pixel,
+    Bounce, HitRecord, LightRecord, PathRecord, PixelRecord, RayKind, SurfaceRecord, Visibility,
+    pixel,
 };
-use wavecrest_core::recursive::End;
+use wavecrest_core::recursive::PathEnd;
 use wavecrest_core::wavefront::DEFAULT_BATCH;
 use wavecrest_scene::memory::film_bytes;
 
@@ -118,9 +119,10 @@ fn text(record: &PixelRecord) -> String {
 type PathOutcome = Vec<(Option<u32>, Vec<(usize, bool)>)>;
 
 fn outline(path: &PathRecord) -> PathOutcome {
-    let arrives =
-        |light: &Light| matches!(light.verdict, Visibility::Visible | Visibility::Weakened { .. });
-    let light = |light: &Light| (light.light, arrives(light));
+    let arrives = |light: &LightRecord| {
+        matches!(light.verdict, Visibility::Visible | Visibility::Weakened { .. })
+    };
+    let light = |light: &LightRecord| (light.light, arrives(light));
     let bounce = |bounce: &Bounce| match &bounce.met {
         Some(met) => (Some(met.primitive), met.lights.iter().map(light).collect()),
         None => (None, Vec::new()),
@@ -155,10 +157,10 @@ fn bounce(number: usize, bounce: &Bounce) -> String {
     let origin = bounce.origin.to_array().map(|x| rounded(x, 7).to_string()).join(" ");
     let hit = bounce.met.as_ref().map_or("    hits nothing\n".to_owned(), met);
     let end = bounce.end.map_or("goes on", |end| match end {
-        End::Nothing => "ends at the background",
-        End::Light => "ends at a light",
-        End::LastBounce => "ends: no bounces left",
-        End::NoMirror => "ends: neither mirrored nor let through",
+        PathEnd::Nothing => "ends at the background",
+        PathEnd::Light => "ends at a light",
+        PathEnd::LastBounce => "ends: no bounces left",
+        PathEnd::NoMirror => "ends: neither mirrored nor let through",
     });
     format!(
         "  {what} from {origin}, direction {direction}{throughput}{medium}\n    visits: nodes {nodes}, leaves {leaves}; \
@@ -227,7 +229,7 @@ fn within(x: f64, error: Option<f32>) -> String {
     rounded(x, digits as usize).to_string()
 }
 
-fn light(light: &Light) -> String {
+fn light(light: &LightRecord) -> String {
     let verdict = match &light.verdict {
         Visibility::Behind => "behind the surface".to_owned(),
         Visibility::NotReflected => "reflects nothing".to_owned(),
@@ -240,7 +242,7 @@ fn light(light: &Light) -> String {
         }
         Visibility::Occluded { primitive: None, .. } => "blocked".to_owned(),
     };
-    let Light { light, ambient, index, distance, .. } = light;
+    let LightRecord { light, ambient, index, distance, .. } = light;
     let name = if *ambient { "ambient light".to_owned() } else { format!("light {light}") };
     let distance = distance.map_or("infinitely far".to_owned(), |d| format!("{} away", number(d)));
     format!("    {name}, point {index}, {distance}: {verdict}\n")

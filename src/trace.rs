@@ -51,7 +51,7 @@ pub(crate) struct TraceArgs {
     /// Traversal
     #[command(flatten)]
     pub(crate) search: SearchOptions,
-    /// Timed passes over the rays; the median is reported
+    /// TimedPass passes over the rays; the median is reported
     #[arg(long, value_name = "N", default_value_t = 5,
           value_parser = whole(1..=10_000_u32))]
     pub(crate) repeats: u32,

@@ -13,7 +13,7 @@ use wavecrest_base::error::Result;
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::plan::Effect;
 use wavecrest_core::prepared::PreparedScene;
-use wavecrest_core::probe::Invalid;
+use wavecrest_core::probe::InvalidSample;
 use wavecrest_core::render::{Rendered, Watch};
 use wavecrest_report::accuracy::pilot::budget::{Budget, Overhead, in_time};
 use wavecrest_report::accuracy::pilot::target::{Reached, reach};
@@ -29,7 +29,7 @@ pub(super) struct Traced {
     /// The share of it that a checkpoint held, from 0 to 1.
     pub(super) resumed: f64,
     /// The first sample that is not finite.
-    pub(super) invalid: Option<Invalid>,
+    pub(super) invalid: Option<InvalidSample>,
 }
 
 /// Ends a pilot, or a measurement, on a signal, or at the end of a budget.

@@ -13,7 +13,7 @@ use crate::interrupt;
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_core::counters::Counters;
 use wavecrest_core::prepared::{MOST_RAYS, PreparedScene};
-use wavecrest_core::probe::{self, Invalid};
+use wavecrest_core::probe::{self, InvalidSample};
 use wavecrest_core::render::units::Order;
 use wavecrest_core::render::{Rendered, render_in_order};
 use wavecrest_image::farm::{Author, Session, Shard};
@@ -153,7 +153,7 @@ pub(super) fn find_invalid(
     args: &RenderArgs,
     scene: &PreparedScene,
     counters: &Counters,
-) -> Result<Option<Invalid>> {
+) -> Result<Option<InvalidSample>> {
     static WARNED: std::sync::Once = std::sync::Once::new();
     let mut images = scene.appearance.all_images();
     if let Some(image) = images.find(|image| image.held().is_some_and(|held| held.invalid > 0)) {
@@ -167,7 +167,7 @@ pub(super) fn find_invalid(
     let first = counters.first_invalid;
     let first = first.map(|sample| probe::name_invalid(scene, sample, args.seed));
     let Some(invalid) = first.as_ref().filter(|_| args.trap_invalid) else { return Ok(first) };
-    let Invalid { x, y, shape, .. } = invalid;
+    let InvalidSample { x, y, shape, .. } = invalid;
     let error = Error::new(ErrorKind::Scene, "a sample is not finite").in_file(&args.scene);
     let scene = args.scene.display();
     Err(error
@@ -177,7 +177,7 @@ pub(super) fn find_invalid(
 }
 
 /// Prints the number of samples that were not finite, and the first, and of those that were cut short.
-pub(super) fn report_invalid(counters: &Counters, first: Option<&Invalid>) {
+pub(super) fn report_invalid(counters: &Counters, first: Option<&InvalidSample>) {
     if counters.cut_short > 0 {
         tell(&format!(
             "warning: paths ended at {MOST_RAYS} rays, in number {}: transparent surfaces send on more light than \

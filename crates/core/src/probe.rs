@@ -18,23 +18,24 @@ use crate::math::float::{UNIT_ROUNDOFF, normalize};
 use crate::math::random::Stream;
 use crate::math::ray::Ray;
 use crate::prepared::{Branch, Class, PreparedScene};
-use crate::recursive::{End, Observer, Recursive, TracedLight};
+use crate::recursive::{Observer, PathEnd, Recursive, TracedLight};
 use crate::tile::{Tile, TraceSettings, Tracer, Unit};
 use crate::wavefront::{DEFAULT_BATCH, Wavefront};
 use crate::with_precision;
 
 pub use record::{
-    Bounce, HitRecord, Invalid, Light, PathRecord, PixelRecord, RayKind, SurfaceRecord, Visibility,
+    Bounce, HitRecord, InvalidSample, LightRecord, PathRecord, PixelRecord, RayKind, SurfaceRecord,
+    Visibility,
 };
 
 /// Finds where a sample becomes not finite, by tracing it once more.
-pub fn name_invalid(scene: &PreparedScene, at: Sample, seed: u64) -> Invalid {
+pub fn name_invalid(scene: &PreparedScene, at: Sample, seed: u64) -> InvalidSample {
     let path = sample(scene, at, seed);
     let bounce = path.bounces.iter().position(|bounce| !bounce.radiance.is_finite());
     let bounce = bounce.unwrap_or(path.bounces.len().saturating_sub(1));
     let met = path.bounces.get(bounce).and_then(|bounce| bounce.met.as_ref());
     let width = scene.camera.size()[0];
-    Invalid {
+    InvalidSample {
         x: at.pixel % width,
         y: at.pixel / width,
         sample: at.sample,
@@ -276,10 +277,10 @@ impl Observer for Recorder<'_> {
         let none = if behind { Visibility::Behind } else { Visibility::NotReflected };
         let (verdict, adds) = arrives.unwrap_or((none, Vec3::ZERO));
         let ambient = around.is_some();
-        met.lights.push(Light { light, ambient, index, distance, verdict, adds });
+        met.lights.push(LightRecord { light, ambient, index, distance, verdict, adds });
     }
 
-    fn done(&mut self, radiance: Vec3, next: &[Branch], end: End) {
+    fn done(&mut self, radiance: Vec3, next: &[Branch], end: PathEnd) {
         let from = self.path.bounces.len().saturating_sub(1);
         let normal = self.last_met().map_or(Vec3::ZERO, |met| met.normal);
         let kind = |branch: &Branch| match branch {

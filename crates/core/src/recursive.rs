@@ -23,7 +23,7 @@ use crate::plan::schedule::Schedule;
 use crate::prepared::{
     Branch, Class, Interaction, MOST_RAYS, MediumStack, PathState, PreparedScene, ShadowCrossings,
 };
-use crate::tile::{PassClock, Timed, TraceSettings, Tracer, Unit, add_sample};
+use crate::tile::{PassClock, TimedPass, TraceSettings, Tracer, Unit, add_sample};
 
 /// The tracer.
 #[derive(Debug)]
@@ -83,13 +83,13 @@ impl<P: Arithmetic> Tracer for Recursive<P> {
         self.traversal.without_t = !scene.needs_t();
         self.ended = false;
         if self.time_passes {
-            let mut steps = StepClock { clock: self.clock, shading: Timed::Shade };
+            let mut steps = StepClock { clock: self.clock, shading: TimedPass::Shade };
             self.paths(scene, unit, sums, cancelled, &mut steps);
             self.clock = steps.clock;
         } else {
             self.paths(scene, unit, sums, cancelled, &mut ());
         }
-        self.clock.lap(Timed::Resolve);
+        self.clock.lap(TimedPass::Resolve);
         !self.ended
     }
 
@@ -106,7 +106,7 @@ impl<P: Arithmetic> Tracer for Recursive<P> {
     fn pass_seconds(&self) -> Vec<(&'static str, f64)> {
         let mut passes = self.clock.by_name();
         if !self.time_passes {
-            passes.drain(..Timed::Resolve as usize);
+            passes.drain(..TimedPass::Resolve as usize);
             passes[0].0 = "recursive";
         }
         passes
@@ -133,7 +133,7 @@ pub trait Observer {
 
     /// All is done at the hit: the radiance gathered so far, the rays that go on from here, the next
     /// one last, and why none does if there is none.
-    fn done(&mut self, _: Vec3, _: &[Branch], _: End) {}
+    fn done(&mut self, _: Vec3, _: &[Branch], _: PathEnd) {}
 
     /// The radiance of the path was added to its pixel's sum.
     fn added(&mut self) {}
@@ -146,41 +146,41 @@ impl Observer for () {}
 struct StepClock {
     clock: PassClock,
     /// The pass that shades the current hit.
-    shading: Timed,
+    shading: TimedPass,
 }
 
 impl Observer for StepClock {
     fn camera(&mut self) {
-        self.clock.lap(Timed::Generate);
+        self.clock.lap(TimedPass::Generate);
     }
 
     fn ray(&mut self, _: &Branch, _: &Hit, _: TestCounts) {
-        self.clock.lap(Timed::Intersect);
-        self.shading = Timed::Shade;
+        self.clock.lap(TimedPass::Intersect);
+        self.shading = TimedPass::Shade;
     }
 
     fn surface(&mut self, _: &ShadingPoint<f32>, class: &Class, _: Vec3) {
-        self.shading = if class.is_plain() { Timed::Shade } else { Timed::Maps };
+        self.shading = if class.is_plain() { TimedPass::Shade } else { TimedPass::Maps };
         self.clock.lap(self.shading);
     }
 
     fn light(&mut self, _: [usize; 2], _: &LightPoint<f32>, _: TracedLight<'_>) {
-        self.clock.lap(Timed::Shadow);
+        self.clock.lap(TimedPass::Shadow);
     }
 
-    fn done(&mut self, _: Vec3, _: &[Branch], _: End) {
+    fn done(&mut self, _: Vec3, _: &[Branch], _: PathEnd) {
         self.clock.lap(self.shading);
     }
 
     fn added(&mut self) {
-        self.clock.lap(Timed::Resolve);
+        self.clock.lap(TimedPass::Resolve);
     }
 }
 
 /// Why no ray goes on from a hit.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum End {
+pub enum PathEnd {
     /// Its ray hits nothing.
     Nothing,
     /// Its ray hits the shape of a light.
@@ -283,9 +283,13 @@ impl<P: Arithmetic> Recursive<P> {
                     }
                     if let Some((_, branches)) = scattered {
                         self.waiting.extend(branches.into_iter().rev().flatten());
-                        if state.bounces >= scene.bounces { End::LastBounce } else { End::NoMirror }
+                        if state.bounces >= scene.bounces {
+                            PathEnd::LastBounce
+                        } else {
+                            PathEnd::NoMirror
+                        }
                     } else if state.bounces >= bounces {
-                        End::LastBounce
+                        PathEnd::LastBounce
                     } else {
                         if let Some((next, throughput)) = mirror_ray(point, throughput, least) {
                             let differential = self.differentials.then(|| {
@@ -300,18 +304,18 @@ impl<P: Arithmetic> Recursive<P> {
                                 differential,
                             });
                         }
-                        End::NoMirror
+                        PathEnd::NoMirror
                     }
                 }
                 Interaction::Light(color) => {
                     radiance += throughput * *color;
-                    End::Light
+                    PathEnd::Light
                 }
                 Interaction::Nothing => {
                     if let Some(color) = scene.escaped(ray.direction, state.mirrored) {
                         radiance += throughput * color;
                     }
-                    End::Nothing
+                    PathEnd::Nothing
                 }
             };
             observer.done(radiance, &self.waiting[waiting..], end);

@@ -17,7 +17,7 @@ use crate::tile::Tile;
 use crate::wavefront::DEFAULT_BATCH;
 use units::{Blocks, Grid, Order};
 use wavecrest_base::error::{Error, ErrorKind, Result};
-use work::{Done, Job, Task};
+use work::{Job, RenderWork, Task};
 
 pub use canvas::{Canvas, Painted};
 pub use watch::{Progress, Watch};
@@ -118,9 +118,9 @@ pub fn render_in_order(
 
 impl Rendered {
     /// The render with this film and this work.
-    pub fn new(painted: Painted, done: Done) -> Self {
+    pub fn new(painted: Painted, work: RenderWork) -> Self {
         let Painted { film, tiles, pixels } = painted;
-        let Done { counters, columns, pass_seconds, seconds, precision } = done;
+        let RenderWork { counters, columns, pass_seconds, seconds, precision } = work;
         let finished = pixels == film.pixels().len() as u64;
         Self { film, finished, tiles, counters, columns, pass_seconds, seconds, precision }
     }

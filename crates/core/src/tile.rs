@@ -10,7 +10,7 @@ use crate::prepared::PreparedScene;
 wavecrest_base::choices! {
     /// The passes that are timed, in order, by their names in statistics.
     #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-    pub enum Timed {
+    pub enum TimedPass {
         /// Making camera rays.
         Generate = "generate",
         /// Finding closest hits.
@@ -31,7 +31,7 @@ wavecrest_base::choices! {
 /// Seconds in each pass.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PassClock {
-    seconds: [f64; Timed::ALL.len()],
+    seconds: [f64; TimedPass::ALL.len()],
     /// When the last pass ended, and the seconds of decoding by then.
     last: Instant,
     decoded: f64,
@@ -50,17 +50,17 @@ impl PassClock {
 
     /// Ends a pass, and starts the next.
     #[inline]
-    pub(crate) fn lap(&mut self, pass: Timed) {
+    pub(crate) fn lap(&mut self, pass: TimedPass) {
         let (now, decoded) = (Instant::now(), decoding());
         let decoding = decoded - self.decoded;
         self.seconds[pass as usize] += (now - self.last).as_secs_f64() - decoding;
-        self.seconds[Timed::Decode as usize] += decoding;
+        self.seconds[TimedPass::Decode as usize] += decoding;
         (self.last, self.decoded) = (now, decoded);
     }
 
     /// Runs `work` as a pass.
     #[inline]
-    pub(crate) fn time<T>(&mut self, pass: Timed, work: impl FnOnce() -> T) -> T {
+    pub(crate) fn time<T>(&mut self, pass: TimedPass, work: impl FnOnce() -> T) -> T {
         self.start();
         let found = work();
         self.lap(pass);
@@ -69,7 +69,7 @@ impl PassClock {
 
     /// The seconds by the names of the passes.
     pub(crate) fn by_name(&self) -> Vec<(&'static str, f64)> {
-        Timed::ALL.map(Timed::name).into_iter().zip(self.seconds).collect()
+        TimedPass::ALL.map(TimedPass::name).into_iter().zip(self.seconds).collect()
     }
 }
 
@@ -162,7 +162,7 @@ pub trait Tracer: Send {
     /// The work done so far.
     fn counters(&self) -> Counters;
 
-    /// Seconds so far in each pass, by the pass's name ([`Timed`]); or in all but decoding, by the
+    /// Seconds so far in each pass, by the pass's name ([`TimedPass`]); or in all but decoding, by the
     /// name of the tracer.
     fn pass_seconds(&self) -> Vec<(&'static str, f64)>;
 }

@@ -25,7 +25,7 @@ use crate::counters::Counters;
 use crate::kernels::precision::Arithmetic;
 use crate::plan::schedule::Schedule;
 use crate::prepared::{LookUps, MOST_RAYS, MediumStack, PreparedScene};
-use crate::tile::{PassClock, Timed, TraceSettings, Tracer, Unit};
+use crate::tile::{PassClock, TimedPass, TraceSettings, Tracer, Unit};
 use batch::Batch;
 
 /// The default number of paths in a batch.
@@ -133,14 +133,15 @@ impl<P: Arithmetic> Wavefront<P> {
     /// Fills the batch with the camera rays of the unit's `paths`, at most its capacity.
     pub fn generate(&mut self, scene: &PreparedScene, unit: &Unit, paths: Range<u64>) {
         let Self { seed, batch, counters, clock, .. } = self;
-        clock
-            .time(Timed::Generate, || s1_generate::run(scene, unit, *seed, paths, batch, counters));
+        clock.time(TimedPass::Generate, || {
+            s1_generate::run(scene, unit, *seed, paths, batch, counters)
+        });
     }
 
     /// Finds the closest hit of every ray.
     pub fn intersect(&mut self, scene: &PreparedScene) {
         let Self { batch, traversal, clock, .. } = self;
-        clock.time(Timed::Intersect, || s2_intersect::run::<P>(scene, batch, traversal));
+        clock.time(TimedPass::Intersect, || s2_intersect::run::<P>(scene, batch, traversal));
     }
 
     /// Adds the light of hits without further rays, and collects lit points and the next rays.
@@ -149,7 +150,7 @@ impl<P: Arithmetic> Wavefront<P> {
         clock.start();
         let given = (bounce, *needs_points, *start);
         s3_shade::run::<P>(scene, given, batch, traversal, counters, clock);
-        clock.lap(Timed::Shade);
+        clock.lap(TimedPass::Shade);
     }
 
     /// Adds the light of unoccluded shadow rays. Returns whether it did so for all: it was not
@@ -162,7 +163,7 @@ impl<P: Arithmetic> Wavefront<P> {
     ) -> bool {
         let Self { seed, batch, traversal, counters, clock, .. } = self;
         let place = (*seed, bounce);
-        clock.time(Timed::Shadow, || {
+        clock.time(TimedPass::Shadow, || {
             s4_shadow::run::<P>(scene, place, batch, traversal, counters, cancelled)
         })
     }
@@ -170,7 +171,7 @@ impl<P: Arithmetic> Wavefront<P> {
     /// Adds the paths to their pixels' `sums`.
     pub fn resolve(&mut self, sums: &mut [[f64; 3]]) {
         let Self { batch, counters, clock, .. } = self;
-        clock.time(Timed::Resolve, || s5_resolve::run(batch, sums, counters));
+        clock.time(TimedPass::Resolve, || s5_resolve::run(batch, sums, counters));
     }
 }
 

@@ -19,7 +19,7 @@ use wavecrest_core::render::units::Order;
 use wavecrest_core::render::{
     RenderOptions, Rendered, TracerKind, Watch, camera_rays, render_in_order, work,
 };
-use wavecrest_core::tile::{Tile, Timed, TraceSettings, Unit};
+use wavecrest_core::tile::{Tile, TimedPass, TraceSettings, Unit};
 
 /// Upper bounds on the counts of a render; they are 0 only for work that cannot occur. Where surfaces
 /// let light through there is no bound on the rays that go on from them: [`u64::MAX`] stands for it, and `null` in JSON.
@@ -157,7 +157,7 @@ impl Expected {
         let share = |done: &Counters| (1 + Rays::from(done).all()) as f64 / (1 + rays.all()) as f64;
         let (seconds, moment) = timed(scene, &options, TIMED, share)?;
         let of_passes: f64 = moment.pass_seconds.iter().map(|(_, seconds)| seconds).sum();
-        let maps = moment.pass_seconds.get(Timed::Maps as usize).map_or(0.0, |(_, maps)| *maps);
+        let maps = moment.pass_seconds.get(TimedPass::Maps as usize).map_or(0.0, |(_, maps)| *maps);
         Ok(Self {
             pixels: counters.primary_rays,
             rays,

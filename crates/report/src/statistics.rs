@@ -25,7 +25,7 @@
 //! | `lights_at_surface` | rays | to lights within the rounding error of the surface |
 //! | `cut_short` | paths | that ended at 65 536 rays: their surfaces send on more light than they receive |
 //! | `time.load`, `.build`, `.trace`, `.write`, `.total` | seconds | wall-clock time by stage |
-//! | `time.passes` | seconds | by pass ([`Timed`](wavecrest_core::tile::Timed)), summed over threads; `maps` is the shading of mapped hits, and `decode` the decoding of images, wherever it is |
+//! | `time.passes` | seconds | by pass ([`TimedPass`](wavecrest_core::tile::TimedPass)), summed over threads; `maps` is the shading of mapped hits, and `decode` the decoding of images, wherever it is |
 //! | `memory.predicted`, `.peak` | bytes | peak of the process: estimated before a mesh or a texture is read, and measured (`null` if unknown) |
 //! | `columns.estimated`, `.held` | bytes | columns of the wavefront's batches on all threads: estimated, and allocated (the recursive tracer has none) |
 //! | `bvh.preset`, `.nodes`, `.depth`, `.bytes` | | the trees as they are at the end: all nodes, the largest depth |

@@ -13,7 +13,7 @@ use crate::lights::unit;
 use crate::surface::{IMAGE, existing_file};
 use crate::systems::textures::Images;
 use wavecrest_base::error::Result;
-use wavecrest_core::kernels::environment::{self, Surrounding};
+use wavecrest_core::kernels::environment::{self, EnvironmentColors};
 use wavecrest_core::kernels::hemisphere::Hemisphere;
 use wavecrest_core::prepared::{LazyImage, UvMap};
 
@@ -88,10 +88,10 @@ pub(crate) fn system(world: &World, images: &mut Images) -> Option<environment::
     let &Surroundings { zenith, horizon, nadir, intensity, up, turn } = around;
     let gradient = [zenith, horizon, nadir].map(|color| (color * intensity).as_vec3());
     let colors = match image {
-        None => Surrounding::Gradient(gradient),
+        None => EnvironmentColors::Gradient(gradient),
         Some(image) => {
             let place = ("scene.environment", "file");
-            Surrounding::Image(images.texture(image, place, UvMap::Mesh).image)
+            EnvironmentColors::Image(images.texture(image, place, UvMap::Mesh).image)
         }
     };
     // A gradient is the same all around, but for roundings.
@@ -130,8 +130,8 @@ pub(crate) fn ambient(
     traced: bool,
 ) -> Result<Hemisphere> {
     let image = match around.colors {
-        Surrounding::Gradient(_) => None,
-        Surrounding::Image(number) => Some(images[number as usize].get()?),
+        EnvironmentColors::Gradient(_) => None,
+        EnvironmentColors::Image(number) => Some(images[number as usize].get()?),
     };
     Ok(around.ambient(image, traced))
 }

@@ -98,7 +98,7 @@ pub struct Arena {
 
 /// What an arena holds.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Held {
+pub struct TreeContents {
     /// Inner nodes.
     pub nodes: u64,
     /// Children of inner nodes.
@@ -122,7 +122,7 @@ impl Arena {
         mut units: Units,
         numbers: Vec<AtomicU32>,
         root: Ref,
-    ) -> Option<(Self, Held)> {
+    ) -> Option<(Self, TreeContents)> {
         if units.len() > MAX_UNITS {
             return None;
         }
@@ -133,7 +133,12 @@ impl Arena {
 
     /// Adds another part of the tree, with its root first, of this `kind`. Returns its place and
     /// contents; `None` if the proof fails, if it is deeper than `most`, or if there is no room.
-    pub(super) fn extend(&self, units: &[Unit], kind: Kind, most: usize) -> Option<(Ref, Held)> {
+    pub(super) fn extend(
+        &self,
+        units: &[Unit],
+        kind: Kind,
+        most: usize,
+    ) -> Option<(Ref, TreeContents)> {
         let proof = proof::Proof { units, numbers: self.numbers.len() };
         let (census, _) = proof.below((root_of(kind), 1))?;
         if census.depth > most {

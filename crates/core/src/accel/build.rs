@@ -137,7 +137,7 @@ impl Preset {
 
 /// Chunk and part sizes of a build.
 #[derive(Clone, Copy, Debug)]
-struct Cut {
+struct ChunkSizes {
     /// Largest number of entries in a chunk.
     chunk: usize,
     /// Largest number of parts that each of several chunks is cut into.
@@ -148,10 +148,10 @@ struct Cut {
 
 /// Builds the tree over every primitive that can be hit: all except triangles without area.
 pub fn build(geometry: &Geometry, preset: Preset) -> Tree {
-    build_cut(geometry, preset, Cut { chunk: CHUNK, parts: PARTS, room: ROOM })
+    build_cut(geometry, preset, ChunkSizes { chunk: CHUNK, parts: PARTS, room: ROOM })
 }
 
-fn build_cut(geometry: &Geometry, preset: Preset, cut: Cut) -> Tree {
+fn build_cut(geometry: &Geometry, preset: Preset, cut: ChunkSizes) -> Tree {
     let extents = order::extents(geometry);
     let plan = BuildPlan::new(geometry, preset, extents);
     let is_later = preset == Preset::OnDemand && geometry.entries() > cut.chunk;
@@ -163,7 +163,7 @@ fn build_cut(geometry: &Geometry, preset: Preset, cut: Cut) -> Tree {
     };
     let tree = is_later.then(|| chunked::on_demand(&plan, chunks(true)?)).flatten();
     let most = Demand::MOST_UNITS * size_of::<Unit>();
-    let whole = |room| chunked::build(&plan, chunks(false)?, Cut { room, ..cut });
+    let whole = |room| chunked::build(&plan, chunks(false)?, ChunkSizes { room, ..cut });
     let tree = tree.or_else(|| [cut.room, most].into_iter().find_map(whole));
     Tree { left_out: left_out as u64, ..tree.unwrap_or_default() }
 }

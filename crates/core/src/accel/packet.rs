@@ -36,7 +36,7 @@ use crate::counters::TestCounts;
 use crate::kernels::precision::Arithmetic;
 use crate::math::simd::{Lanes, entry, outlined};
 use columns::numbers;
-use remaining::{Handed, Remaining};
+use remaining::{HandedPlace, Remaining};
 use tile::RayTile;
 
 /// Tiles traversed in turn, step by step, so that one computes while another waits.
@@ -79,7 +79,7 @@ const FIRST: u32 = u32::MAX;
 #[derive(Clone, Debug, Default)]
 pub(super) struct Packets {
     tiles: Vec<RayTile>,
-    handed: Vec<Handed>,
+    handed: Vec<HandedPlace>,
     /// For each ray of the batch its last place, and the number of places.
     last: Vec<(u32, u32)>,
     /// The rays handed over.
@@ -118,7 +118,7 @@ pub(super) fn trace<S: Lanes, Q: Query, P: Arithmetic>(
         next: 0,
         block: 0,
         left: 0,
-        judged: Judged::default(),
+        coherence: Coherence::default(),
         ending: None,
         handed,
         last,
@@ -129,13 +129,13 @@ pub(super) fn trace<S: Lanes, Q: Query, P: Arithmetic>(
         query: PhantomData,
     };
     batch.trace(simd, tiles, answers);
-    let TileBatch { next, judged, .. } = batch;
+    let TileBatch { next, coherence, .. } = batch;
     let kernel = &mut *notes.kernel;
-    kernel.packet += judged.fit;
-    kernel.handed_over += queue.len() as u64 - judged.unfit;
-    kernel.stream += rays.count() as u64 - judged.fit;
-    kernel.packet_nodes += judged.visits;
-    kernel.packet_rays += judged.rays;
+    kernel.packet += coherence.fit;
+    kernel.handed_over += queue.len() as u64 - coherence.unfit;
+    kernel.stream += rays.count() as u64 - coherence.fit;
+    kernel.packet_nodes += coherence.visits;
+    kernel.packet_rays += coherence.rays;
     if !queue.is_empty() || next < rays.count() {
         let rest = FromRoot { rays, next, root };
         let mut source = Remaining { queue, handed, last, rays, rest };
@@ -159,7 +159,7 @@ impl Packets {
 
 /// The coherence of a batch's tiles so far.
 #[derive(Clone, Copy, Debug, Default)]
-struct Judged {
+struct Coherence {
     tiles: usize,
     visits: u64,
     /// The sum of the rays at each visit.
@@ -169,7 +169,7 @@ struct Judged {
     unfit: u64,
 }
 
-impl Judged {
+impl Coherence {
     #[inline(always)]
     fn is_coherent(&self) -> bool {
         self.tiles < TRIAL || self.rays >= COHERENT * self.visits && self.unfit <= self.fit
@@ -187,10 +187,10 @@ struct TileBatch<'a, Q, P> {
     /// The first ray of this block, and the rays that no tile has taken yet, a bit each.
     block: usize,
     left: u64,
-    judged: Judged,
+    coherence: Coherence,
     /// The leaf that ended the last tile, for any-hit queries.
     ending: Option<Ref>,
-    handed: &'a mut Vec<Handed>,
+    handed: &'a mut Vec<HandedPlace>,
     last: &'a mut [(u32, u32)],
     queue: &'a mut Vec<u32>,
     stack: &'a mut [u64],
@@ -238,13 +238,13 @@ impl<Q: Query, P: Arithmetic> TileBatch<'_, Q, P> {
                 while self.left != 0 || self.next_block() {
                     let (rays, is_fit) = tile.load(simd, &self.rays, self.block, self.left);
                     self.left &= !rays;
-                    self.judged.tiles += 1;
+                    self.coherence.tiles += 1;
                     if !is_fit {
                         self.leave(rays);
                         tile.fill(rays, answers, Q::NONE);
                         continue;
                     }
-                    self.judged.fit += u64::from(rays.count_ones());
+                    self.coherence.fit += u64::from(rays.count_ones());
                     if self.ends_as_before(simd, tile) {
                         tile.fill(rays, answers, Q::ANY_ANSWER);
                     } else if tile.beam.meets(&self.root.bounds) {
@@ -266,7 +266,7 @@ impl<Q: Query, P: Arithmetic> TileBatch<'_, Q, P> {
     #[inline(always)]
     fn next_block(&mut self) -> bool {
         let count = self.rays.count() - self.next;
-        if !self.choice.packs(count, self.judged.is_coherent()) {
+        if !self.choice.packs(count, self.coherence.is_coherent()) {
             return false;
         }
         (self.block, self.left) = (self.next, columns::first(count));
@@ -279,11 +279,11 @@ impl<Q: Query, P: Arithmetic> TileBatch<'_, Q, P> {
     /// Leaves rays of the block that are unfit for packets to the other kernel, from the root.
     #[inline(always)]
     fn leave(&mut self, rays: u64) {
-        self.judged.unfit += u64::from(rays.count_ones());
+        self.coherence.unfit += u64::from(rays.count_ones());
         let root = entry(f32::NEG_INFINITY, self.root.place.bits());
         for number in numbers(self.block, rays) {
             self.last[number] = (self.handed.len() as u32, 1);
-            self.handed.push(Handed { entry: root, before: FIRST });
+            self.handed.push(HandedPlace { entry: root, before: FIRST });
             self.queue.push(number as u32);
         }
     }
@@ -340,8 +340,8 @@ impl<Q: Query, P: Arithmetic> TileBatch<'_, Q, P> {
                 continue;
             }
             self.tests.nodes += 1;
-            self.judged.visits += 1;
-            self.judged.rays += u64::from(rays.count_ones());
+            self.coherence.visits += 1;
+            self.coherence.rays += u64::from(rays.count_ones());
             nodes::visit::<S, Q>(simd, tile, arena, at, rays);
             return true;
         }

@@ -34,7 +34,7 @@ pub(super) struct Tlas {
 
 /// An instance that a ray may meet, or a node above one.
 #[derive(Clone, Copy, Debug, Default)]
-pub(super) struct Waiting {
+pub(super) struct TlasEntry {
     /// The earliest t at which the ray enters its box.
     near: f32,
     node: u32,
@@ -138,7 +138,7 @@ pub(super) struct Walk {
 impl Walk {
     /// The ray before its first instance.
     #[inline]
-    pub(super) fn new(tlas: &Tlas, ray: &Ray, best: Hit, stack: &mut [Waiting]) -> Self {
+    pub(super) fn new(tlas: &Tlas, ray: &Ray, best: Hit, stack: &mut [TlasEntry]) -> Self {
         let slab = SlabRay::widened(ray, tlas.widening);
         let mut walk = Self { ray: *ray, best, slab, height: 0 };
         if !tlas.nodes.is_empty() {
@@ -149,10 +149,10 @@ impl Walk {
 
     /// The next instance that the ray may meet before its closest hit, usually nearer ones first.
     #[inline]
-    pub(super) fn next(&mut self, tlas: &Tlas, stack: &mut [Waiting]) -> Option<u32> {
+    pub(super) fn next(&mut self, tlas: &Tlas, stack: &mut [TlasEntry]) -> Option<u32> {
         while self.height > 0 {
             self.height -= 1;
-            let Waiting { near, node } = stack[self.height as usize];
+            let TlasEntry { near, node } = stack[self.height as usize];
             if near > self.slab.reach(self.reach()) {
                 continue;
             }
@@ -179,11 +179,11 @@ impl Walk {
 
     /// Pushes a node if the ray meets its box.
     #[inline]
-    fn push(&mut self, tlas: &Tlas, node: u32, stack: &mut [Waiting]) {
+    fn push(&mut self, tlas: &Tlas, node: u32, stack: &mut [TlasEntry]) {
         let interval = self.slab.interval(&tlas.nodes[node as usize].bounds);
         let near = max(interval.near, self.ray.t_min);
         if near <= min(interval.far, self.slab.reach(self.reach())) {
-            stack[self.height as usize] = Waiting { near, node };
+            stack[self.height as usize] = TlasEntry { near, node };
             self.height += 1;
         }
     }

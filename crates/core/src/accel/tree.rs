@@ -3,7 +3,7 @@
 use std::ops::Range;
 use std::sync::OnceLock;
 
-use super::arena::{Arena, Held, Kind, Node, Ref, child_of};
+use super::arena::{Arena, Kind, Node, Ref, TreeContents, child_of};
 use crate::geometry::Geometry;
 use crate::kernels::slab::Aabb;
 use crate::math::simd::LANES;
@@ -14,7 +14,7 @@ pub struct Tree {
     pub(super) arena: Arena,
     pub(super) root: Option<Root>,
     /// The contents of the tree, without chunks that rays build.
-    pub(super) census: Held,
+    pub(super) census: TreeContents,
     pub(super) demand: Option<Demand>,
     /// Number of triangles without area, which are not in it.
     pub(super) left_out: u64,
@@ -33,7 +33,7 @@ pub(super) struct Chunk {
     /// Where its entries are among the numbers of the arena.
     pub(super) entries: Range<usize>,
     /// Its root and contents, once it is built.
-    pub(super) built: OnceLock<(Ref, Held)>,
+    pub(super) built: OnceLock<(Ref, TreeContents)>,
 }
 
 /// The geometry and tree of a search.
@@ -60,7 +60,7 @@ impl Demand {
     pub(super) const MOST_DEPTH: usize = 24;
 
     /// The contents of the chunks that are built.
-    fn built(&self) -> impl Iterator<Item = Held> {
+    fn built(&self) -> impl Iterator<Item = TreeContents> {
         self.chunks.iter().filter_map(|chunk| Some(chunk.built.get()?.1))
     }
 }
@@ -72,10 +72,10 @@ impl Tree {
     }
 
     /// What is built so far.
-    pub fn census(&self) -> Held {
+    pub fn census(&self) -> TreeContents {
         let below = self.demand.iter().flat_map(Demand::built);
-        let below = below.fold(Held::default(), std::ops::Add::add);
-        Held { depth: self.census.depth + below.depth, ..self.census + below }
+        let below = below.fold(TreeContents::default(), std::ops::Add::add);
+        TreeContents { depth: self.census.depth + below.depth, ..self.census + below }
     }
 
     /// The numbers of chunks built so far and of all; `None` if the tree was built at once.

@@ -18,12 +18,12 @@ pub struct Environment {
     /// The rotation from world space to a space with +y up.
     pub to_own: Mat3,
     /// The colours.
-    pub colors: Surrounding,
+    pub colors: EnvironmentColors,
 }
 
 /// Colours by direction, linear.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Surrounding {
+pub enum EnvironmentColors {
     /// The colours straight up, at the horizon, and straight down; linear in the height of the
     /// direction between them.
     Gradient([Vec3; 3]),
@@ -49,11 +49,11 @@ impl Environment {
         image: impl FnOnce(u32) -> Option<&'a Image>,
     ) -> Vec3 {
         match self.colors {
-            Surrounding::Gradient([up, level, down]) => {
+            EnvironmentColors::Gradient([up, level, down]) => {
                 let end = if height < 0.0 { down } else { up };
                 level + (end - level) * height.abs().min(1.0)
             }
-            Surrounding::Image(number) => image(number).map_or(Vec3::ZERO, |image| {
+            EnvironmentColors::Image(number) => image(number).map_or(Vec3::ZERO, |image| {
                 let [x, y] = uv();
                 // The upper edge has no neighbour at the lower one.
                 let half = 0.5 / image.height as f32;

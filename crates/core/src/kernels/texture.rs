@@ -199,8 +199,8 @@ impl Image {
     /// As [`Image::look_up_at`], for whole levels.
     #[inline(always)]
     fn look_up_in<F: Single>(&self, level: F, uv: [F; 2], wrap: Wrap) -> Vector<F> {
-        let words = level.words();
-        let levels = words.as_ref();
+        let integers = level.integers();
+        let levels = integers.as_ref();
         let mut size = <[F::Row; 2]>::default();
         let [width, height] = &mut size;
         for (lane, &level) in levels.iter().enumerate() {
@@ -290,7 +290,7 @@ fn bilinear<F: Single>(
 fn texels<F: Single>([x, y]: [F; 2], texel: impl Fn(usize, u32, u32) -> Vec3) -> Vector<F> {
     let mut found = <[F::Row; 3]>::default();
     let [red, green, blue] = &mut found;
-    let (columns, rows) = (x.words(), y.words());
+    let (columns, rows) = (x.integers(), y.integers());
     for (lane, (&column, &row)) in columns.as_ref().iter().zip(rows.as_ref()).enumerate() {
         let Vec3 { x, y, z } = texel(lane, column, row);
         (red.as_mut()[lane], green.as_mut()[lane], blue.as_mut()[lane]) = (x, y, z);

@@ -128,7 +128,7 @@ pub trait Single: Real<Element = f32> {
     type Row: Copy + Debug + Default + AsRef<[f32]> + AsMut<[f32]>;
 
     /// The same number of integers in memory.
-    type Words: Copy + Debug + Default + AsRef<[u32]> + AsMut<[u32]>;
+    type Integers: Copy + Debug + Default + AsRef<[u32]> + AsMut<[u32]>;
 
     /// The proof, from an existing number.
     fn token(self) -> Self::Token;
@@ -150,7 +150,7 @@ pub trait Single: Real<Element = f32> {
     fn pack(self, mask: Self::Mask, values: &mut [f32]);
 
     /// As [`Self::pack`], for integers: the lanes are the first of `words`.
-    fn pack_words(token: Self::Token, words: &[u32], mask: Self::Mask, values: &mut [u32]);
+    fn pack_integers(token: Self::Token, words: &[u32], mask: Self::Mask, values: &mut [u32]);
 
     /// The mask with the set bits of `bits`.
     fn mask(token: Self::Token, bits: u32) -> Self::Mask;
@@ -166,7 +166,7 @@ pub trait Single: Real<Element = f32> {
     fn outlined<R>(token: Self::Token, work: impl FnOnce() -> R) -> R;
 
     /// Whole numbers from 0 to 2^24 as integers.
-    fn words(self) -> Self::Words;
+    fn integers(self) -> Self::Integers;
 
     /// The adjacent float of each number in the direction of the shift's sign, or the number itself
     /// if the shift is zero or the number is infinite.
@@ -268,7 +268,7 @@ impl Single for f32 {
     type Double = f64;
     type Token = ();
     type Row = [Self; 1];
-    type Words = [u32; 1];
+    type Integers = [u32; 1];
 
     #[inline(always)]
     fn token(self) {}
@@ -299,7 +299,7 @@ impl Single for f32 {
     }
 
     #[inline(always)]
-    fn pack_words((): (), words: &[u32], _: bool, values: &mut [u32]) {
+    fn pack_integers((): (), words: &[u32], _: bool, values: &mut [u32]) {
         values[0] = words[0];
     }
 
@@ -324,7 +324,7 @@ impl Single for f32 {
     }
 
     #[inline(always)]
-    fn words(self) -> [u32; 1] {
+    fn integers(self) -> [u32; 1] {
         [self as u32]
     }
 

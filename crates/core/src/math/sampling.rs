@@ -49,7 +49,7 @@ impl Sampling {
         draw: Draw,
         index: impl Fn(u32) -> (u32, u32),
     ) -> [F; 2] {
-        let mut places = <[F::Words; 2]>::default();
+        let mut places = <[F::Integers; 2]>::default();
         places[0].as_mut().copy_from_slice(&pixels[..F::LANES]);
         places[1].as_mut().copy_from_slice(&samples[..F::LANES]);
         let mut square = <[F::Row; 2]>::default();
@@ -89,11 +89,11 @@ impl Sampling {
 #[inline(always)]
 fn words<F: Single>(
     stream: Stream,
-    [pixels, samples]: &[F::Words; 2],
+    [pixels, samples]: &[F::Integers; 2],
     shared: bool,
     dimension: u32,
-) -> [F::Words; 4] {
-    let mut words = <[F::Words; 4]>::default();
+) -> [F::Integers; 4] {
+    let mut words = <[F::Integers; 4]>::default();
     let [a, b, c, d] = &mut words;
     for lane in 0..F::LANES {
         let sample = if shared { stream.sample } else { samples.as_ref()[lane] };

@@ -74,7 +74,7 @@ impl PreparedScene {
 }
 
 /// Where rays of a group meet surfaces of this kind.
-type Meeting<'a, F> = (ShadingKind, &'a Line<F>, F);
+type GroupHits<'a, F> = (ShadingKind, &'a Line<F>, F);
 
 impl<F: Single> Group<F> {
     /// The differentials of the mirror rays at the points, of rays that carry differentials or come from the
@@ -83,13 +83,13 @@ impl<F: Single> Group<F> {
     pub fn mirrored(
         &self,
         scene: &PreparedScene,
-        meeting: Meeting<'_, F>,
+        hits: GroupHits<'_, F>,
         carried: &dyn Fn(usize) -> Option<Differential>,
         point: &ShadingPoint<F>,
     ) -> Differential<F> {
-        let from = scene.incoming_differentials(meeting.1.direction, carried);
+        let from = scene.incoming_differentials(hits.1.direction, carried);
         let (_, smooth) = shade::mirrored(point.view, point.shading_normal, point.normal);
-        self.turned(scene, meeting, &from, (point, smooth), None)
+        self.turned(scene, hits, &from, (point, smooth), None)
     }
 
     /// The differentials of the rays that turn at the points about their interpolated normals if `smooth`,
@@ -98,7 +98,7 @@ impl<F: Single> Group<F> {
     fn turned(
         &self,
         scene: &PreparedScene,
-        (kind, line, t): Meeting<'_, F>,
+        (kind, line, t): GroupHits<'_, F>,
         from: &Differential<F>,
         (point, smooth): (&ShadingPoint<F>, F::Mask),
         refracted: Option<(Vector<F>, F::Double)>,

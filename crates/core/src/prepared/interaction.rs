@@ -5,7 +5,7 @@
 use glam::Vec3;
 
 use super::group::{Face, Group, three};
-use super::maps::Place;
+use super::maps::LookUpPlace;
 use super::{Class, LookUps, PreparedScene};
 use crate::accel::Hit;
 use crate::geometry::{Geometry, Primitive, ShadingKind};
@@ -132,7 +132,7 @@ impl<F: Single> Group<F> {
         // Copies, so that the point stays in registers if there are no maps.
         let (mut mapped, surfaces) = (point, surfaces);
         let carried = Some(carried);
-        let place = Place { group: self, surfaces: &surfaces, line, t, scene, carried };
+        let place = LookUpPlace { group: self, surfaces: &surfaces, line, t, scene, carried };
         F::outlined(
             token,
             #[inline(always)]

@@ -20,7 +20,7 @@ use crate::math::ray::Ray;
 use crate::math::vector::Vector;
 
 /// A ray inside of `media` and its hit on a transparent surface.
-pub(super) struct Meeting<'a> {
+pub(super) struct TransparentHit<'a> {
     pub(super) ray: &'a Ray,
     pub(super) hit: &'a Hit,
     pub(super) point: &'a ShadingPoint<f32>,
@@ -34,7 +34,7 @@ pub(super) struct Interface {
     /// Whether the surface is there: it is none of a solid that is the medium on neither side.
     pub(super) is_there: bool,
     /// Its last surface.
-    pub(super) last: Last,
+    pub(super) last: InterfaceHit,
     /// The weight of refracted light by the surfaces after the first.
     pub(super) tint: Vec3,
     /// What behind the last surface is so close that the origin of a bent ray would be beyond.
@@ -48,7 +48,7 @@ pub(super) struct Interface {
 
 /// A hit and its place.
 #[derive(Clone, Copy)]
-pub(super) struct Last {
+pub(super) struct InterfaceHit {
     pub(super) hit: Hit,
     /// See [`SurfacePoint`].
     pub(super) point: Vector<f32>,
@@ -74,15 +74,21 @@ impl PreparedScene {
     /// What lies where a ray meets a surface with this `transparency`.
     pub(super) fn interface<P: Arithmetic>(
         &self,
-        &Meeting { ray, hit, point, media }: &Meeting<'_>,
+        &TransparentHit { ray, hit, point, media }: &TransparentHit<'_>,
         transparency: &Transparency,
         traversal: &mut Traversal,
     ) -> Interface {
         let shape = self.shape(hit);
         let [error, normal] = [point.error, point.normal];
         let depth = close_depth(error.element_sum());
-        let mut last =
-            Last { hit: *hit, point: point.point, depth, error, normal, leaves: point.inside };
+        let mut last = InterfaceHit {
+            hit: *hit,
+            point: point.point,
+            depth,
+            error,
+            normal,
+            leaves: point.inside,
+        };
         let (crossed, mut next) = self.crossed::<P>(ray, &last, traversal);
         // Along an edge, what it encloses may not be entered.
         let mut sides = Sides { before: media, beyond: media };
@@ -123,10 +129,10 @@ impl PreparedScene {
     fn crossed<P: Arithmetic>(
         &self,
         ray: &Ray,
-        at: &Last,
+        at: &InterfaceHit,
         traversal: &mut Traversal,
     ) -> (Option<Hit>, Option<Hit>) {
-        let Last { hit, depth, .. } = *at;
+        let InterfaceHit { hit, depth, .. } = *at;
         let cosine = Vector::from(ray.direction).dot(at.normal).abs();
         let end = hit.t + depth / max(cosine, LEAST_COSINE);
         let near =
@@ -159,14 +165,14 @@ impl PreparedScene {
     }
 
     /// The place of a hit that `ray` has behind `before`.
-    fn place_of<P: Arithmetic>(&self, ray: &Ray, hit: Hit, before: &Last) -> Last {
+    fn place_of<P: Arithmetic>(&self, ray: &Ray, hit: Hit, before: &InterfaceHit) -> InterfaceHit {
         let (SurfacePoint { point, error, normal, .. }, leaves) = self.surface_of::<P>(ray, &hit);
         let depth = close_depth(error.element_sum());
         let is_behind = normal.dot(ray.direction.into()) > 0.0;
         let normal = if is_behind { -normal } else { normal };
         // The two sides of a ball may have one rounded t.
         let leaves = leaves || hit.primitive == before.hit.primitive;
-        Last { hit, point, depth, error, normal, leaves }
+        InterfaceHit { hit, point, depth, error, normal, leaves }
     }
 
     /// The hit of a ray that starts before a surface, close to it; a miss if it passes beside.

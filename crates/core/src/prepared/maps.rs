@@ -21,7 +21,7 @@ use crate::math::vector::{Line, Vector};
 type Carried<'a> = &'a dyn Fn(usize) -> Option<Differential>;
 
 /// Where a group of hits looks up maps.
-pub(super) struct Place<'a, F: Single> {
+pub(super) struct LookUpPlace<'a, F: Single> {
     /// The hits.
     pub(super) group: &'a Group<F>,
     /// Their points.
@@ -38,7 +38,7 @@ pub(super) struct Place<'a, F: Single> {
 
 /// Look-ups at a place, with what earlier ones found.
 struct LookUp<'a, F: Single> {
-    place: &'a Place<'a, F>,
+    place: &'a LookUpPlace<'a, F>,
     counts: &'a mut LookUps,
     /// The changes of the points from one sample to the next.
     steps: Option<[Vector<F>; 2]>,
@@ -48,7 +48,7 @@ struct LookUp<'a, F: Single> {
     level: Option<([u32; 3], F)>,
 }
 
-impl<'a, F: Single> Place<'a, F> {
+impl<'a, F: Single> LookUpPlace<'a, F> {
     /// Applies the maps of the class, and vertex colours after that of the base colour.
     #[inline(always)]
     pub(super) fn apply(
@@ -210,14 +210,14 @@ impl<'a, F: Single> Place<'a, F> {
 
 impl<'a, F: Single> LookUp<'a, F> {
     #[inline(always)]
-    fn at(place: &'a Place<'a, F>, counts: &'a mut LookUps) -> Self {
+    fn at(place: &'a LookUpPlace<'a, F>, counts: &'a mut LookUps) -> Self {
         Self { place, counts, steps: None, coordinates: None, footprint: None, level: None }
     }
 
     /// The colours of a texture; black if its image cannot be decoded, which ends a render.
     #[inline(always)]
     fn texel(&mut self, texture: &'a Texture) -> Vector<F> {
-        let Place { group, scene, t, .. } = self.place;
+        let LookUpPlace { group, scene, t, .. } = self.place;
         let Texture { image, filter, wrap, coordinates } = texture;
         let uv = self.coordinates(coordinates);
         let Some(image) = scene.appearance.images[*image as usize].look_up() else {
@@ -244,7 +244,7 @@ impl<'a, F: Single> LookUp<'a, F> {
         {
             return uv;
         }
-        let Place { group, surfaces, .. } = self.place;
+        let LookUpPlace { group, surfaces, .. } = self.place;
         let own = match &of.map {
             UvMap::Planar(map) => map.uv(surfaces.point),
             UvMap::Sphere(to_own) => sphere_uv(turned_by(to_own, surfaces.normal).normalize()),
@@ -269,7 +269,7 @@ impl<'a, F: Single> LookUp<'a, F> {
         {
             return footprint;
         }
-        let &Place { group, surfaces, line, t, scene, .. } = self.place;
+        let &LookUpPlace { group, surfaces, line, t, scene, .. } = self.place;
         self.counts.footprints += u64::from(group.used.count_ones());
         let steps = match self.steps {
             Some(steps) => steps,

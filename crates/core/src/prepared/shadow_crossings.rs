@@ -9,7 +9,7 @@ use glam::{DVec3, Vec3};
 
 use super::group::{Face, Group, set};
 use super::interface::{LEAST_COSINE, close_depth};
-use super::maps::Place;
+use super::maps::LookUpPlace;
 use super::{LookUps, MediumStack, PreparedScene, Shape};
 use crate::accel::{Hit, Rays, Traversal};
 use crate::geometry::ShadingKind;
@@ -207,7 +207,7 @@ impl ShadowCrossings {
         let (opacity, color) = if class.passes_evenly {
             constant
         } else {
-            let place = Place { group, surfaces: &surfaces, line, t, scene, carried: None };
+            let place = LookUpPlace { group, surfaces: &surfaces, line, t, scene, carried: None };
             F::outlined(
                 token,
                 #[inline(always)]

@@ -6,7 +6,7 @@
 
 use glam::Vec3;
 
-use super::interface::{Interface, Last, Meeting};
+use super::interface::{Interface, InterfaceHit, TransparentHit};
 use super::media::Sides;
 use super::{LookUps, MediumStack, PreparedScene};
 use crate::accel::{Hit, Traversal};
@@ -130,8 +130,8 @@ impl PreparedScene {
         (traversal, look_ups): (&mut Traversal, &mut LookUps),
     ) -> (Vec3, [Option<Branch>; 3]) {
         let Branch { ray, state, mut throughput, .. } = *incoming;
-        let meeting = Meeting { ray: &ray, hit, point, media: state.media };
-        let interface = self.interface::<P>(&meeting, transparency, traversal);
+        let transparent_hit = TransparentHit { ray: &ray, hit, point, media: state.media };
+        let interface = self.interface::<P>(&transparent_hit, transparency, traversal);
         let Interface { sides: Sides { before, beyond }, last, close, .. } = interface;
         if before != state.media {
             throughput *= self.more_absorbed([&state.media, &before], hit.t.into()).as_vec3();
@@ -180,7 +180,7 @@ impl PreparedScene {
                 if found.direction == ray.direction {
                     return straight((last.hit, interface.next), state, throughput);
                 }
-                let Last { point, error, normal, .. } = last;
+                let InterfaceHit { point, error, normal, .. } = last;
                 let side = if close.is_some() { normal } else { -normal };
                 let mut bent = turned([point, error, side], state, found.direction, throughput);
                 if let (Some(bent), Some(close)) = (&mut bent, close) {

@@ -3,7 +3,7 @@
 use glam::{DVec3, Vec3};
 use serde::Serialize;
 
-use crate::recursive::End;
+use crate::recursive::PathEnd;
 
 /// A recorded path.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
@@ -56,7 +56,7 @@ pub struct Bounce {
     /// The radiance gathered by this ray and those before.
     pub radiance: Vec3,
     /// Why no ray goes on from here; `None` if one does.
-    pub end: Option<End>,
+    pub end: Option<PathEnd>,
 }
 
 /// A hit.
@@ -89,7 +89,7 @@ pub struct HitRecord {
     /// Whether lights reach this side.
     pub lit: bool,
     /// The lights' contributions.
-    pub lights: Vec<Light>,
+    pub lights: Vec<LightRecord>,
 }
 
 /// The material at a hit, with its textures looked up.
@@ -119,7 +119,7 @@ pub struct SurfaceRecord {
 
 /// A sample point of a light, for a hit.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Light {
+pub struct LightRecord {
     /// The index of the light among those that can add more than an ambient part.
     pub light: usize,
     /// Whether it is ambient light, for which rays look.
@@ -164,7 +164,7 @@ pub enum Visibility {
 
 /// The place of a sample that is not finite.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Invalid {
+pub struct InvalidSample {
     /// Column of the pixel.
     pub x: u32,
     /// Row of the pixel.
@@ -179,7 +179,7 @@ pub struct Invalid {
     pub shape: String,
 }
 
-impl std::fmt::Display for Invalid {
+impl std::fmt::Display for InvalidSample {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let Self { x, y, sample, bounce, primitive, shape } = self;
         write!(f, "pixel {x},{y}, sample {sample}, ray {bounce}")?;

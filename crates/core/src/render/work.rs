@@ -59,7 +59,7 @@ pub struct Job<'a> {
 
 /// The work of a render.
 #[derive(Clone, Debug)]
-pub struct Done {
+pub struct RenderWork {
     /// The work, counted.
     pub counters: Counters,
     /// Bytes of the columns of all threads' batches.
@@ -83,7 +83,7 @@ pub fn run(
     job: &Job<'_>,
     watch: &dyn Watch,
     keep: &(dyn Fn(&Summed<'_>) + Sync),
-) -> Result<Done> {
+) -> Result<RenderWork> {
     Stage::Trace.begin();
     let schedule = scene.plan.schedule();
     if let Some(flaw) = schedule.flaw() {
@@ -202,7 +202,7 @@ fn refused(flaw: Flaw) -> Error {
 }
 
 /// Adds up the counts of the tracers.
-fn gather(workers: Vec<Mutex<Worker>>, start: Instant, precision: Precision) -> Done {
+fn gather(workers: Vec<Mutex<Worker>>, start: Instant, precision: Precision) -> RenderWork {
     let mut counters = Counters::default();
     let mut pass_seconds: Vec<(&'static str, f64)> = Vec::new();
     let mut columns = 0;
@@ -218,5 +218,5 @@ fn gather(workers: Vec<Mutex<Worker>>, start: Instant, precision: Precision) -> 
         }
     }
     let seconds = start.elapsed().as_secs_f64();
-    Done { counters, columns, pass_seconds, seconds, precision }
+    RenderWork { counters, columns, pass_seconds, seconds, precision }
 }

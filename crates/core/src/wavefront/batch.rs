@@ -22,7 +22,7 @@ use crate::prepared::{MediumStack, PathState, PreparedScene, ShadowCrossings};
 use crate::wavefront::faces::SortedHits;
 use columns::Column;
 
-pub use branches::Waiting;
+pub use branches::BranchStacks;
 pub use columns::Vectors;
 pub use lit::{LitPoints, Tints};
 
@@ -92,7 +92,7 @@ impl Rays {
         self.origin.pack(i, rays.line.origin, asked);
         self.direction.pack(i, rays.line.direction, asked);
         self.throughput.pack(i, rays.throughput, asked);
-        F::pack_words(rays.throughput.x.token(), path, asked, &mut self.path[i..i + F::LANES]);
+        F::pack_integers(rays.throughput.x.token(), path, asked, &mut self.path[i..i + F::LANES]);
         self.rows += asked.bits().count_ones() as usize;
     }
 }
@@ -136,7 +136,7 @@ impl ShadowRays {
         self.direction.pack(i, requests.line.direction, asked);
         self.contribution.pack(i, requests.contribution, asked);
         let token = requests.contribution.x.token();
-        F::pack_words(token, path, asked, &mut self.path[i..i + F::LANES]);
+        F::pack_integers(token, path, asked, &mut self.path[i..i + F::LANES]);
         let count = asked.bits().count_ones() as usize;
         self.rows += count;
         count
@@ -213,7 +213,7 @@ pub struct Batch {
     /// shade, read by shadow.
     pub media: Vec<MediumStack>,
     /// Rays that wait until the rays before them on their path are done.
-    pub waiting: Waiting,
+    pub waiting: BranchStacks,
     /// Memory for which paths have a next ray.
     continued: Vec<bool>,
     /// Memory for sorting hits, for shade and shadow.
@@ -245,7 +245,7 @@ impl Batch {
             starts: Vec::new(),
             next_starts: Vec::new(),
             media: Vec::new(),
-            waiting: Waiting::with_capacity(room(ColumnGroup::Branches)),
+            waiting: BranchStacks::with_capacity(room(ColumnGroup::Branches)),
             continued: Vec::new(),
             sorted: SortedHits::new(scene.appearance.classes.len()),
             crossings: ShadowCrossings::default(),
@@ -394,7 +394,7 @@ fn row_bytes(group: ColumnGroup, bounces: u32) -> usize {
         // For this bounce and the next.
         ColumnGroup::Differentials => 2 * size_of::<Differential>(),
         ColumnGroup::Branches => {
-            2 * STATE_BYTES + size_of::<MediumStack>() + Waiting::row_bytes(bounces)
+            2 * STATE_BYTES + size_of::<MediumStack>() + BranchStacks::row_bytes(bounces)
         }
     }
 }

@@ -22,7 +22,7 @@ use crate::math::simd::{AnyWidth, LANES, dispatch_any_width};
 use crate::math::vector::{Line, Vector};
 use crate::plan::schedule::Step;
 use crate::prepared::{Branch, Face, Group, LookUps, MediumStack, PathState, PreparedScene, lanes};
-use crate::tile::{PassClock, Timed};
+use crate::tile::{PassClock, TimedPass};
 
 /// Adds background, emission and ambient light to the paths; collects lit points and, while bounces
 /// are left, the next rays.
@@ -202,7 +202,7 @@ impl<P: Arithmetic> Shade<'_, P> {
         if sorted.is_empty() {
             return;
         }
-        self.clock.lap(Timed::Shade);
+        self.clock.lap(TimedPass::Shade);
         let bounce = (self.bounce as usize).min(self.counters.spans.len() - 1);
         for (kind, faces) in sorted.sort() {
             self.counters.spans[bounce].add(faces.len(), F::LANES);
@@ -210,7 +210,7 @@ impl<P: Arithmetic> Shade<'_, P> {
                 self.block(token, groups, faces, kind);
             }
         }
-        self.clock.lap(Timed::Maps);
+        self.clock.lap(TimedPass::Maps);
     }
 
     /// Shades up to a block of hits of one kind.

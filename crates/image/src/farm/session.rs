@@ -12,7 +12,7 @@ use crate::transfer::Transfer;
 use wavecrest_base::error::{Error, Result};
 use wavecrest_core::prepared::PreparedScene;
 use wavecrest_core::render::units::{Blocks, Grid};
-use wavecrest_core::render::work::{Done, Job, Summed, Task, run};
+use wavecrest_core::render::work::{Job, RenderWork, Summed, Task, run};
 use wavecrest_core::render::{Canvas, RenderOptions, Rendered, Watch};
 
 /// The work to render, and its state.
@@ -130,7 +130,11 @@ impl<'a> Session<'a> {
     ///
     /// # Errors
     /// If the plan's table of passes is inconsistent.
-    pub fn render_units(&self, watch: &dyn Watch, warn: &(dyn Fn(&Error) + Sync)) -> Result<Done> {
+    pub fn render_units(
+        &self,
+        watch: &dyn Watch,
+        warn: &(dyn Fn(&Error) + Sync),
+    ) -> Result<RenderWork> {
         let each = u64::from(self.blocks.count());
         self.run(watch, warn, &|_| {
             watch.progress(self.done.load(Ordering::Relaxed) / each, self.all.div_ceil(each));
@@ -150,7 +154,7 @@ impl<'a> Session<'a> {
         watch: &dyn Watch,
         warn: &(dyn Fn(&Error) + Sync),
         finished: &(dyn Fn(&Summed<'_>) + Sync),
-    ) -> Result<Done> {
+    ) -> Result<RenderWork> {
         let saver = self
             .checkpoint
             .as_ref()

@@ -25,7 +25,7 @@ use wavecrest_core::kernels::precision::Precision;
 use wavecrest_core::math::simd::{Level, is_wide};
 use wavecrest_core::prepared::PreparedScene;
 use wavecrest_core::render::{RenderOptions, TracerKind};
-use wavecrest_core::tile::Timed;
+use wavecrest_core::tile::TimedPass;
 use wavecrest_scene::load::load_str;
 use wavecrest_scene::systems;
 
@@ -350,7 +350,7 @@ fn the_page_has_the_figures_of_the_report() {
     assert_eq!(places, [[16.0, 0.5], [64.0, 1.0], [256.0, 2.0], [1024.0, 2.0], [4096.0, 2.0]]);
     let passes = charts(own, true)[0];
     let stages: Vec<_> = passes.series.iter().map(|s| s.name.as_str()).collect();
-    let plain = Timed::ALL.map(Timed::name).into_iter();
+    let plain = TimedPass::ALL.map(TimedPass::name).into_iter();
     let plain = plain.filter(|pass| !["maps", "decode"].contains(pass));
     assert_eq!(stages, plain.collect::<Vec<_>>(), "no stage without time");
     let html = page.html();

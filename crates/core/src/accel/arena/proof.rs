@@ -5,8 +5,8 @@ use std::collections::VecDeque;
 use rayon::prelude::*;
 
 use super::{
-    Held, Kind, NODE_UNITS, Node, PATCH_UNITS, Patch, Ref, SOUP_UNITS, Soup, Unit, absolute,
-    list_units,
+    Kind, NODE_UNITS, Node, PATCH_UNITS, Patch, Ref, SOUP_UNITS, Soup, TreeContents, Unit,
+    absolute, list_units,
 };
 
 /// Number of subtrees that are proved separately, so that all threads have work.
@@ -21,8 +21,8 @@ pub(super) struct Proof<'a> {
 
 impl Proof<'_> {
     /// Visits everything: first the top, then the subtrees below it on all threads.
-    pub(super) fn census(&self, root: Ref) -> Option<Held> {
-        let mut census = Held::default();
+    pub(super) fn census(&self, root: Ref) -> Option<TreeContents> {
+        let mut census = TreeContents::default();
         let mut top = VecDeque::from([(root, 1)]);
         let mut reached = 0;
         while top.len() < PROVED_APART {
@@ -40,8 +40,8 @@ impl Proof<'_> {
     }
 
     /// Visits everything below a place at some depth. Returns how many places were reached.
-    pub(super) fn below(&self, start: (Ref, usize)) -> Option<(Held, usize)> {
-        let (mut census, mut reached) = (Held::default(), 0);
+    pub(super) fn below(&self, start: (Ref, usize)) -> Option<(TreeContents, usize)> {
+        let (mut census, mut reached) = (TreeContents::default(), 0);
         let mut waiting = vec![start];
         while let Some((place, depth)) = waiting.pop() {
             reached += 1;
@@ -57,7 +57,7 @@ impl Proof<'_> {
         &self,
         place: Ref,
         depth: usize,
-        census: &mut Held,
+        census: &mut TreeContents,
         mut hand_on: impl FnMut((Ref, usize)),
     ) -> Option<()> {
         let rest = self.units.get(place.unit()..)?;
@@ -108,7 +108,7 @@ fn children(node: &Node, place: Ref, mut hand_on: impl FnMut(Ref)) -> Option<()>
     unused.iter().all(|&child| child == 0).then_some(())
 }
 
-impl std::ops::Add for Held {
+impl std::ops::Add for TreeContents {
     type Output = Self;
 
     fn add(self, other: Self) -> Self {

@@ -17,7 +17,7 @@ fn list(numbers: &[u32]) -> Unit {
     unit
 }
 
-fn prove(units: &[Unit], numbers: usize) -> Option<Held> {
+fn prove(units: &[Unit], numbers: usize) -> Option<TreeContents> {
     let numbers = (0..numbers).map(|_| AtomicU32::new(0)).collect();
     let mut all = Units::zeroed(units.len(), units.len());
     all.as_mut_slice().copy_from_slice(units);
@@ -29,8 +29,15 @@ fn a_sound_tree_is_proved_and_counted() {
     let patch: Unit = bytemuck::cast(Patch::new([[0.0; 8]; 3], [0; 3], 2, [3, 5, 0]));
     let [a, b] = node(&[relative(0, 2, Kind::List), relative(0, 3, Kind::Patch)]);
     let census = prove(&[a, b, list(&[7, 8]), patch], 5).expect("it is sound");
-    let expected =
-        Held { nodes: 1, children: 2, patches: 1, soups: 0, lists: 1, triangles: 3, depth: 1 };
+    let expected = TreeContents {
+        nodes: 1,
+        children: 2,
+        patches: 1,
+        soups: 0,
+        lists: 1,
+        triangles: 3,
+        depth: 1,
+    };
     assert_eq!(census, expected);
 }
 

@@ -11,7 +11,7 @@ use rayon::prelude::*;
 use super::join::join;
 use super::order::Chunks;
 use super::piece::{BuildPlan, Piece};
-use super::{Cut, ROOM_OF_LISTED};
+use super::{ChunkSizes, ROOM_OF_LISTED};
 use crate::accel::arena::{self, Arena, MAX_UNITS, NODE_UNITS, Unit, Units};
 use crate::accel::tree::{Demand, Root, Tree};
 use crate::accel::wide::Part;
@@ -21,7 +21,7 @@ use wavecrest_base::progress;
 
 /// Builds the tree; there is none over nothing, nor over a scene that needs more room than `cut`
 /// gives.
-pub(super) fn build(plan: &BuildPlan, chunks: Chunks, cut: Cut) -> Option<Tree> {
+pub(super) fn build(plan: &BuildPlan, chunks: Chunks, cut: ChunkSizes) -> Option<Tree> {
     let Chunks { entries, chunks } = chunks;
     let parts = if chunks.len() == 1 { 1 } else { cut.parts };
     // A piece may open its last node for more parts than were asked for.

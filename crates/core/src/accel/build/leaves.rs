@@ -25,7 +25,7 @@ const BITS: u32 = 10;
 
 /// Finds the leaves of a piece, and reuses its memory.
 #[derive(Default)]
-pub(super) struct Finder {
+pub(super) struct LeafFinder {
     /// Positions on the curve, with the index of the primitive in the low bits, and room to sort
     /// them.
     keys: Vec<u64>,
@@ -44,7 +44,7 @@ pub(super) struct FoundLeaf {
     pub(super) count: usize,
 }
 
-impl Finder {
+impl LeafFinder {
     /// Moves `singles` into `leaves`, and replaces their `boxes`, which come first, by those of the leaves. A
     /// triangle may join one of the last `N` leaves, of which there are a power of two.
     pub(super) fn find<const N: usize>(

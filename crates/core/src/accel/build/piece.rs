@@ -9,7 +9,7 @@ use obvhs::ploc::PlocBuilder;
 
 use super::coincident::Heaps;
 use super::entries::Entry;
-use super::leaves::{Finder, FoundLeaf};
+use super::leaves::{FoundLeaf, LeafFinder};
 use super::weld::Welder;
 use super::{Preset, WELD_ABOVE};
 use crate::accel::arena::put;
@@ -44,7 +44,7 @@ pub(super) struct Piece {
     optimizer: ReinsertionOptimizer,
     boxes: Vec<obvhs::aabb::Aabb>,
     members: Members,
-    finder: Finder,
+    finder: LeafFinder,
     welder: Welder,
     converter: Converter,
     pub(super) output: Output,

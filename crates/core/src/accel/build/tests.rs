@@ -1,7 +1,7 @@
 //! The tree against brute force, and the hard cases of building.
 
 use super::*;
-use crate::accel::arena::Held;
+use crate::accel::arena::TreeContents;
 use crate::accel::tests::{brute, check};
 use crate::accel::{Accel, Hit};
 use crate::geometry::{Primitive, Quadric};
@@ -56,18 +56,18 @@ fn rays() -> Vec<Ray> {
     (0..400).map(ray).collect()
 }
 
-const fn cut(chunk: usize, parts: usize, room: usize) -> Cut {
-    Cut { chunk, parts, room }
+const fn cut(chunk: usize, parts: usize, room: usize) -> ChunkSizes {
+    ChunkSizes { chunk, parts, room }
 }
 
 /// Cuts that make many chunks of a small scene: with no room, with some, and with enough.
-const CUTS: [Cut; 3] = [cut(1, 1, 0), cut(37, 4, 40), cut(500, 50, 400)];
+const CUTS: [ChunkSizes; 3] = [cut(1, 1, 0), cut(37, 4, 40), cut(500, 50, 400)];
 
 /// Presets of which each builds in another way.
 const CHUNKED: [Preset; 5] =
     [Preset::OnDemand, Preset::Fastest, Preset::VeryFast, Preset::Fast, Preset::Slow];
 
-fn cut_accel(geometry: &Geometry, preset: Preset, cut: Cut) -> Accel {
+fn cut_accel(geometry: &Geometry, preset: Preset, cut: ChunkSizes) -> Accel {
     let tree = Some(build_cut(geometry, preset, cut));
     Accel { tree, ..Accel::new(geometry.clone(), Preset::Brute) }
 }
@@ -176,7 +176,7 @@ fn hc23_a_chunk_that_is_too_deep_is_a_list() {
     check("spheres", &mut accel, &rays, &brute(&geometry, &rays));
     let tree = accel.tree.as_ref().expect("it has one");
     tree.build_all(&geometry);
-    let Held { nodes, lists, .. } = tree.census();
+    let TreeContents { nodes, lists, .. } = tree.census();
     assert_eq!((nodes, lists), (1, 4), "only lists are below the root");
 }
 

@@ -220,7 +220,7 @@ impl<Q: Query, P: Arithmetic> TileBatch<'_, Q, P> {
 }
 
 /// What [`RayTile::take`] did.
-struct Left {
+struct GroupHits {
     is_closer: bool,
     /// The rays that are not decided, a bit each.
     open: u32,
@@ -236,7 +236,7 @@ impl RayTile {
         (g, at): (usize, (Ref, usize)),
         met: &GroupTest<S>,
         tests: &mut TestCounts,
-    ) -> Left {
+    ) -> GroupHits {
         let GroupTest { t: [low, high], inside, open } = met;
         let (t_min, t_max) = (load(simd, &self.t_min, g), load(simd, &self.t_max, g));
         let within = (low.simd_gt(t_min) & high.simd_lt(t_max)).bits();
@@ -246,7 +246,7 @@ impl RayTile {
             let open = if P::IS_FAST { 0 } else { (inside | open) & !(certain | beyond) };
             let certain = self.without_holes::<S, P>(searched, (g, at), certain, *low, tests);
             self.done |= u64::from(certain) << (g * WIDTH);
-            return Left { is_closer: certain != 0, open };
+            return GroupHits { is_closer: certain != 0, open };
         }
         // A NaN is neither certain nor beyond, nor is a t that overflows.
         let size = SimdBase::max(SimdBase::abs(*low), SimdBase::abs(*high));
@@ -259,7 +259,7 @@ impl RayTile {
         if closer != 0 {
             self.set_group(simd, g, closer, at, [*low, *high]);
         }
-        Left { is_closer: closer != 0, open }
+        GroupHits { is_closer: closer != 0, open }
     }
 
     /// The rays of the `g`th group whose range of t a triangle is certainly outside of.

@@ -14,7 +14,7 @@ use crate::math::simd::{Lanes, outlined};
 
 /// A place handed over with a ray, and the one before.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Handed {
+pub(super) struct HandedPlace {
     pub(super) entry: u64,
     pub(super) before: u32,
 }
@@ -22,7 +22,7 @@ pub(super) struct Handed {
 /// The rays that packets handed over, then those that no packet took.
 pub(super) struct Remaining<'a> {
     pub(super) queue: &'a mut Vec<u32>,
-    pub(super) handed: &'a [Handed],
+    pub(super) handed: &'a [HandedPlace],
     pub(super) last: &'a [(u32, u32)],
     pub(super) rays: Rays<'a>,
     pub(super) rest: FromRoot<'a>,
@@ -88,7 +88,7 @@ impl<Q: Query, P: Arithmetic> TileBatch<'_, Q, P> {
                 self.queue.push(number as u32);
             }
             self.last[number] = (self.handed.len() as u32, count + 1);
-            self.handed.push(Handed { entry: place, before });
+            self.handed.push(HandedPlace { entry: place, before });
         }
     }
 

@@ -112,7 +112,7 @@ enum Mirror {
 }
 
 /// Where a ray meets a mirror: how far along, where, the geometric normal, the one it turns about.
-struct Meeting {
+struct MirrorHit {
     t: f64,
     point: DVec3,
     geometric: DVec3,
@@ -168,7 +168,7 @@ impl Mirror {
     }
 
     /// Where the ray meets it: a sphere at the side that is next to `near`.
-    fn meet(&self, (origin, direction): Ray64, near: Option<f64>) -> Meeting {
+    fn meet(&self, (origin, direction): Ray64, near: Option<f64>) -> MirrorHit {
         let (t, point, geometric, normal) = match self {
             Self::Plane { corners } => {
                 let (t, point, normal) = plane(corners, (origin, direction));
@@ -194,10 +194,10 @@ impl Mirror {
             }
         };
         let towards = |n: DVec3| if n.dot(direction) > 0.0 { -n } else { n };
-        Meeting { t, point, geometric: towards(geometric), normal: towards(normal) }
+        MirrorHit { t, point, geometric: towards(geometric), normal: towards(normal) }
     }
 
-    fn turn(&self, meeting: &Meeting, step: Vec3) -> Vec3 {
+    fn turn(&self, meeting: &MirrorHit, step: Vec3) -> Vec3 {
         match self {
             Self::Plane { .. } => Vec3::ZERO,
             Self::Sphere { center, radius } => {
@@ -215,7 +215,7 @@ impl Mirror {
     }
 }
 
-fn reflected(meeting: &Meeting, direction: DVec3) -> Ray64 {
+fn reflected(meeting: &MirrorHit, direction: DVec3) -> Ray64 {
     (meeting.point, direction - meeting.normal * (2.0 * direction.dot(meeting.normal)))
 }
 

@@ -111,7 +111,7 @@ impl<S: Lanes> Single for f32x8<S> {
     type Double = f64x8<S>;
     type Token = S;
     type Row = [f32; LANES];
-    type Words = [u32; LANES];
+    type Integers = [u32; LANES];
 
     #[inline(always)]
     fn token(self) -> S {
@@ -144,7 +144,7 @@ impl<S: Lanes> Single for f32x8<S> {
     }
 
     #[inline(always)]
-    fn pack_words(simd: S, words: &[u32], mask: mask32x8<S>, values: &mut [u32]) {
+    fn pack_integers(simd: S, words: &[u32], mask: mask32x8<S>, values: &mut [u32]) {
         let words: u32x8<S> = <u32x8<S> as SimdBase<S>>::from_slice(simd, &words[..LANES]);
         words.compress(mask).store_slice(&mut values[..LANES]);
     }
@@ -170,7 +170,7 @@ impl<S: Lanes> Single for f32x8<S> {
     }
 
     #[inline(always)]
-    fn words(self) -> [u32; LANES] {
+    fn integers(self) -> [u32; LANES] {
         SimdFloat::to_int::<u32x8<S>>(self).into()
     }
 

@@ -5,7 +5,7 @@ use crate::prepared::Branch;
 
 /// Rays that wait until the rays before them on their path are done: a stack for each path.
 #[derive(Clone, Debug, Default)]
-pub struct Waiting {
+pub struct BranchStacks {
     stacks: Vec<Vec<Branch>>,
     paths: usize,
 }
@@ -15,7 +15,7 @@ pub struct Waiting {
 /// least weight in one.
 const MOST_RAYS: usize = (3.0 / LEAST_WEIGHT) as usize;
 
-impl Waiting {
+impl BranchStacks {
     /// Bytes that a path with up to this number of bounces takes at most: up to two rays for each wait,
     /// and the one that is next.
     pub fn row_bytes(bounces: u32) -> usize {
@@ -80,7 +80,7 @@ mod tests {
     fn rays_wait_on_a_stack_in_the_memory_that_was_estimated() {
         const PATHS: u32 = 13;
         for bounces in [1, 3, 8] {
-            let mut waiting = Waiting::with_capacity(PATHS as usize);
+            let mut waiting = BranchStacks::with_capacity(PATHS as usize);
             for _ in 0..2 {
                 for number in 0..=2 * bounces {
                     (0..PATHS).for_each(|path| waiting.push(path, branch(number)));
@@ -91,7 +91,7 @@ mod tests {
                     assert_eq!(left, (0..=2 * bounces).rev().collect::<Vec<_>>());
                 }
                 // What was left is used again.
-                assert_eq!(waiting.bytes(), PATHS as usize * Waiting::row_bytes(bounces));
+                assert_eq!(waiting.bytes(), PATHS as usize * BranchStacks::row_bytes(bounces));
             }
         }
     }

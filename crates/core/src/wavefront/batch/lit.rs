@@ -55,7 +55,7 @@ impl LitPoints {
         self.throughput.pack(i, throughput, lit);
         self.reflection.pack(i, Vector::new(ks, kd, exponent), lit);
         p.occlusion.pack(lit, &mut self.occlusion[i..i + F::LANES]);
-        F::pack_words(p.kr.token(), path, lit, &mut self.path[i..i + F::LANES]);
+        F::pack_integers(p.kr.token(), path, lit, &mut self.path[i..i + F::LANES]);
         self.rows += lit.bits().count_ones() as usize;
     }
 

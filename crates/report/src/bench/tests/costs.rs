@@ -56,7 +56,7 @@ fn passes_are_told_by_what_they_handle() {
         assert!(*nanoseconds > 0.0, "{pass}");
     }
     let untimed = &ladder.variants[0];
-    assert!(untimed.costs.is_empty() && timed.passes.len() == Timed::ALL.len());
+    assert!(untimed.costs.is_empty() && timed.passes.len() == TimedPass::ALL.len());
     assert!((sum(&timed.passes) / sum(&untimed.passes) - 1.0).abs() < 1e-9, "{:?}", timed.passes);
 }
 
