@@ -37,7 +37,7 @@ use std::marker::PhantomData;
 
 use rayon::prelude::*;
 
-use crate::counters::{KernelCounts, Kernels, TestCounts};
+use crate::counters::{Kernels, TestCounts};
 use crate::geometry::Geometry;
 use crate::kernels::precision::{Arithmetic, Precision};
 use crate::kernels::slab::Aabb;
@@ -75,13 +75,6 @@ pub struct Traversal {
     pub tests: TestCounts,
     /// Rays so far, by kernel.
     pub kernels: Kernels,
-}
-
-/// What a kernel counts and notes beside its answers.
-struct Notes<'a> {
-    tests: &'a mut TestCounts,
-    kernel: &'a mut KernelCounts,
-    noted: &'a mut NotedLeaves,
 }
 
 /// The primitives and their search structure.

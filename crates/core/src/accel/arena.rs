@@ -49,13 +49,10 @@ pub enum Kind {
 
 /// The place and kind of content in the arena: the number of its first unit, with its [`Kind`] in
 /// the two lowest bits.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Ref(u32);
 
 impl Ref {
-    /// A placeholder for unused entries: the first unit.
-    pub(super) const ROOT: Self = Self(0);
-
     /// The bits, as stored on stacks.
     #[inline(always)]
     pub(super) fn bits(self) -> u32 {

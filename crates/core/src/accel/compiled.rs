@@ -10,11 +10,10 @@ use std::marker::PhantomData;
 use fearless_simd::Level;
 
 use super::best::Best;
-use super::packet::TileMemory;
 use super::query::Query;
 use super::rays::Rays;
 use super::tree::Searched;
-use super::{Hit, KernelChoice, Notes, Traversal, packet, single};
+use super::{Hit, KernelChoice, Traversal, packet, single};
 use crate::geometry::PreparedRay;
 use crate::kernels::precision::Arithmetic;
 use crate::math::ray::Ray;
@@ -85,10 +84,7 @@ impl<Q: Query, P: Arithmetic> Kernel for Many<'_, Q, P> {
 
     #[inline(always)]
     fn run<S: Lanes>(self, simd: S) {
-        let Traversal { flight, packets, noted, stack, tests, kernels, .. } = self.traversal;
-        let Self { searched, rays, answers, choice, .. } = self;
-        let memory = TileMemory { packets, flight, stack };
-        let notes = Notes { tests, kernel: Q::counts(kernels), noted };
-        packet::trace::<S, Q, P>(simd, searched, (rays, choice), answers, memory, notes);
+        let Self { searched, rays, answers, traversal, choice, .. } = self;
+        packet::trace::<S, Q, P>(simd, searched, (rays, choice), answers, traversal);
     }
 }

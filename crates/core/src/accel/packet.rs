@@ -29,9 +29,9 @@ use super::node::{distance, place};
 use super::noted::NotedLeaves;
 use super::query::Query;
 use super::rays::Rays;
-use super::stream::{self, Flight, FromRoot};
+use super::stream::{self, FromRoot};
 use super::tree::{Root, Searched, Tree};
-use super::{KernelChoice, Notes};
+use super::{KernelChoice, Traversal};
 use crate::counters::TestCounts;
 use crate::kernels::precision::Arithmetic;
 use crate::math::simd::{Lanes, entry, outlined};
@@ -61,15 +61,11 @@ const AHEAD: usize = 3;
 const TRIAL: usize = 2;
 
 /// A place that rays of the tile still have to visit.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 struct Visit {
     /// As on the stack of a ray, with the least distance of all rays.
     entry: u64,
     rays: u64,
-}
-
-impl Visit {
-    const NONE: Self = Self { entry: 0, rays: 0 };
 }
 
 /// Marks the first place of a ray.
@@ -86,13 +82,6 @@ pub(super) struct Packets {
     queue: Vec<u32>,
 }
 
-/// A thread's memory for many rays.
-pub(super) struct TileMemory<'a> {
-    pub(super) packets: &'a mut Packets,
-    pub(super) flight: &'a mut Flight,
-    pub(super) stack: &'a mut [u64],
-}
-
 /// Answers all rays: by packets as long as `choice` says so, the others in flight.
 #[inline(always)]
 pub(super) fn trace<S: Lanes, Q: Query, P: Arithmetic>(
@@ -100,12 +89,13 @@ pub(super) fn trace<S: Lanes, Q: Query, P: Arithmetic>(
     searched: Searched<'_>,
     (rays, choice): (Rays<'_>, KernelChoice),
     answers: &mut [Q::Answer],
-    TileMemory { packets, flight, stack }: TileMemory<'_>,
-    notes: Notes<'_>,
+    traversal: &mut Traversal,
 ) {
+    let Traversal { packets, flight, stack, tests, kernels, noted, .. } = traversal;
+    let kernel = Q::counts(kernels);
     let Some(root) = searched.tree.root() else {
         answers.fill(Q::NONE);
-        notes.kernel.stream += rays.count() as u64;
+        kernel.stream += rays.count() as u64;
         return;
     };
     packets.prepare(searched.tree, rays.count());
@@ -124,13 +114,12 @@ pub(super) fn trace<S: Lanes, Q: Query, P: Arithmetic>(
         last,
         queue,
         stack,
-        tests: notes.tests,
-        noted: notes.noted,
+        tests: &mut *tests,
+        noted: &mut *noted,
         query: PhantomData,
     };
     batch.trace(simd, tiles, answers);
     let TileBatch { next, coherence, .. } = batch;
-    let kernel = &mut *notes.kernel;
     kernel.packet += coherence.fit;
     kernel.handed_over += queue.len() as u64 - coherence.unfit;
     kernel.stream += rays.count() as u64 - coherence.fit;
@@ -139,7 +128,14 @@ pub(super) fn trace<S: Lanes, Q: Query, P: Arithmetic>(
     if !queue.is_empty() || next < rays.count() {
         let rest = FromRoot { rays, next, root };
         let mut source = Remaining { queue, handed, last, rays, rest };
-        stream::trace::<S, Q, P>(simd, searched, &mut source, answers, flight, notes);
+        stream::trace::<S, Q, P>(
+            simd,
+            searched,
+            &mut source,
+            answers,
+            flight,
+            (tests, kernel, noted),
+        );
     }
 }
 
@@ -148,7 +144,7 @@ impl Packets {
     fn prepare(&mut self, tree: &Tree, rays: usize) {
         self.tiles.resize_with(TILES_ON_THEIR_WAY, RayTile::default);
         for tile in &mut self.tiles {
-            tile.visits.resize(tree.stack_entries(), Visit::NONE);
+            tile.visits.resize(tree.stack_entries(), Visit::default());
         }
         self.handed.clear();
         self.queue.clear();

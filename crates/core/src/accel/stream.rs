@@ -17,13 +17,13 @@ use glam::Vec3;
 
 use super::arena::{ArenaView, Kind};
 use super::best::Best;
+use super::leaf;
 use super::node::{self, distance, place};
 use super::noted::NotedLeaves;
 use super::query::Query;
 use super::rays::Rays;
 use super::tree::{Root, Searched};
-use super::{Notes, leaf};
-use crate::counters::TestCounts;
+use crate::counters::{KernelCounts, TestCounts};
 use crate::geometry::PreparedRay;
 use crate::kernels::precision::Arithmetic;
 use crate::kernels::triangle::LaneHits;
@@ -175,9 +175,8 @@ pub(super) fn trace<S: Lanes, Q: Query, P: Arithmetic>(
     source: &mut impl RaySource<Q, P>,
     answers: &mut [Q::Answer],
     flight: &mut Flight,
-    notes: Notes<'_>,
+    (tests, kernel, noted): (&mut TestCounts, &mut KernelCounts, &mut NotedLeaves),
 ) {
-    let Notes { tests, kernel, noted } = notes;
     let Flight { slots, stacks, tops, stride } = flight;
     let mut next = NextSteps::NONE;
     // Only references and no array, so that everything stays in registers.

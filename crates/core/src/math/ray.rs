@@ -5,8 +5,6 @@ use std::fmt;
 use bytemuck::{Pod, Zeroable};
 use glam::{Vec3, Vec3A};
 
-use super::vector::Line;
-
 /// The largest magnitude of a coordinate of a ray's origin: 2^127. An origin moved by its rounding
 /// error, and its distance to a plane, are then still finite. This matters for absent boxes, whose
 /// planes are infinite: an infinite origin would give infinity minus infinity, a NaN.
@@ -53,12 +51,5 @@ impl Ray {
         let near = origin.abs().cmple(Vec3A::splat(FARTHEST_ORIGIN));
         let finite = near & direction.is_finite_mask();
         finite.all() & (direction != Vec3A::ZERO) & (self.t_min <= self.t_max)
-    }
-}
-
-impl From<&Ray> for Line<f32> {
-    #[inline(always)]
-    fn from(ray: &Ray) -> Self {
-        Self { origin: ray.origin.into(), direction: ray.direction.into() }
     }
 }

@@ -41,7 +41,7 @@ pub trait Real:
     + Neg<Output = Self>
 {
     /// The value of a lane.
-    type Element: Copy + Debug + PartialEq;
+    type Element: Copy + Debug + Default + PartialEq;
 
     /// The result of a comparison.
     type Mask: Mask;
@@ -113,7 +113,10 @@ pub trait Real:
     }
 
     /// Zeros.
-    fn zero(self) -> Self;
+    #[inline(always)]
+    fn zero(self) -> Self {
+        self.same(Self::Element::default())
+    }
 }
 
 /// Single-precision numbers, which can be loaded and widened to double precision.
@@ -251,11 +254,6 @@ macro_rules! one {
             #[inline(always)]
             fn select(mask: bool, a: Self, b: Self) -> Self {
                 if mask { a } else { b }
-            }
-
-            #[inline(always)]
-            fn zero(self) -> Self {
-                0.0
             }
         }
     };

@@ -289,6 +289,13 @@ impl<F: Single> Line<F> {
     }
 }
 
+impl From<&Ray> for Line<f32> {
+    #[inline(always)]
+    fn from(ray: &Ray) -> Self {
+        Self { origin: ray.origin.into(), direction: ray.direction.into() }
+    }
+}
+
 impl<F: Real> Add for Vector<F> {
     type Output = Self;
 

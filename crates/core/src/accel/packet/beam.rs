@@ -126,13 +126,14 @@ fn by_entry([low, high]: [f32; 2], negative: bool) -> [f32; 2] {
     if negative { [low, high] } else { [high, low] }
 }
 
+/// The larger magnitude of both ends.
 #[inline(always)]
-fn greatest([low, high]: [f32; 2]) -> f32 {
+pub(super) fn greatest([low, high]: [f32; 2]) -> f32 {
     max(low.abs(), high.abs())
 }
 
 /// Bounds on all rays of a tile.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Beam {
     pub(super) negative: [bool; 3],
     /// Whether all rays start at one point: planes are then equally far from each.
@@ -166,17 +167,6 @@ pub(super) struct MetChildren<S: Lanes> {
 }
 
 impl Beam {
-    /// The beam of an empty tile.
-    pub(super) const EMPTY: Self = Self {
-        negative: [false; 3],
-        has_one_origin: false,
-        reciprocal: [[0.0; 2]; 3],
-        origin: [[0.0; 2]; 3],
-        slack: 0.0,
-        t_min: [0.0; 2],
-        reach: [0.0; 2],
-    };
-
     /// The children that it meets.
     #[inline(always)]
     pub(super) fn children<S: Lanes>(&self, simd: S, node: &Node) -> MetChildren<S> {

@@ -37,6 +37,7 @@ mod triangles;
 use fearless_simd::f32x16;
 use fearless_simd::prelude::*;
 
+use super::beam::greatest;
 use super::columns::{GROUPS, TileColumn, WIDTH, load};
 use crate::kernels::triangle::filter::ORDERS;
 use crate::math::float::max;
@@ -48,7 +49,7 @@ const MIDDLE: usize = 39;
 
 /// The frame of a tile, and its rays in it. Axes are permuted so that the longest of the middle ray
 /// comes last.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 #[repr(C, align(64))]
 pub(super) struct Frame {
     direction: [TileColumn; 3],
@@ -77,29 +78,6 @@ struct Sizes {
     ratio: f32,
     /// O.
     origin: f32,
-}
-
-impl Default for Frame {
-    fn default() -> Self {
-        let column = [[0.0; WIDTH]; GROUPS];
-        Self {
-            direction: [column; 3],
-            origin: [column; 3],
-            moment: [column; 3],
-            order: ORDERS[2],
-            middle: [0.0; 3],
-            shear: [0.0; 2],
-            directions: [[0.0; 2]; 3],
-            moments: [[0.0; 2]; 3],
-            sizes: Sizes::default(),
-            has_one_origin: true,
-        }
-    }
-}
-
-#[inline(always)]
-fn greatest([low, high]: [f32; 2]) -> f32 {
-    max(low.abs(), high.abs())
 }
 
 /// The smallest and largest components of vectors so far.

@@ -61,7 +61,7 @@ impl RayTile {
             }
             beam = self.repeat(simd);
         }
-        self.beam = beam.unwrap_or(Beam::EMPTY);
+        self.beam = beam.unwrap_or_default();
         (self.rays, beam.is_some())
     }
 

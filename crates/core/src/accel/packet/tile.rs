@@ -23,7 +23,7 @@ use crate::math::simd::{LANES, Lanes};
 use crate::math::vector::{Line, Vector};
 
 /// A tile's rays, in columns. The order of fields keeps vectors within cache lines.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 #[repr(C, align(64))]
 pub(super) struct RayTile {
     pub(super) origin: [TileColumn; 3],
@@ -40,7 +40,7 @@ pub(super) struct RayTile {
     pub(super) frame: Frame,
     pub(super) has_frame: bool,
     /// For triangles that few rays meet: the space of each ray, once needed, which a bit tells.
-    spaces: [ShearedSpace; TILE],
+    spaces: [[ShearedSpace; WIDTH]; GROUPS],
     pub(super) has_space: u64,
     pub(super) beam: Beam,
     pub(super) open: OpenPairs,
@@ -60,7 +60,7 @@ pub(super) struct RayTile {
 }
 
 /// A ray of the tile and a triangle of a leaf.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(super) struct OpenPair {
     pub(super) ray: usize,
     pub(super) leaf: Ref,
@@ -68,45 +68,10 @@ pub(super) struct OpenPair {
 }
 
 /// Pairs that single precision leaves open: double precision takes eight at a time.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(super) struct OpenPairs {
     pub(super) pairs: [OpenPair; LANES],
     pub(super) count: usize,
-}
-
-impl OpenPairs {
-    const NONE: Self =
-        Self { pairs: [OpenPair { ray: 0, leaf: Ref::ROOT, entry: 0 }; LANES], count: 0 };
-}
-
-impl Default for RayTile {
-    fn default() -> Self {
-        let column = [[0.0; WIDTH]; GROUPS];
-        Self {
-            origin: [column; 3],
-            direction: [column; 3],
-            t_min: column,
-            t_max: column,
-            reciprocal: [column; 3],
-            low: column,
-            high: column,
-            leaf: [[0; WIDTH]; GROUPS],
-            entry: [[0; WIDTH]; GROUPS],
-            frame: Frame::default(),
-            has_frame: false,
-            spaces: [ShearedSpace::new(&Ray::new(Vec3::ZERO, Vec3::X)); TILE],
-            has_space: 0,
-            beam: Beam::EMPTY,
-            open: OpenPairs::NONE,
-            block: 0,
-            rays: 0,
-            done: 0,
-            passing: 0,
-            is_left: false,
-            visits: Vec::new(),
-            height: 0,
-        }
-    }
 }
 
 impl RayTile {
@@ -293,9 +258,9 @@ impl RayTile {
         let i = i % TILE;
         if self.has_space >> i & 1 == 0 {
             self.has_space |= 1 << i;
-            self.spaces[i] = ShearedSpace::new(&self.ray(i));
+            self.spaces.as_flattened_mut()[i] = ShearedSpace::new(&self.ray(i));
         }
-        self.spaces[i]
+        self.spaces.as_flattened()[i]
     }
 
     /// The `i`th ray.

@@ -1,10 +1,10 @@
 //! Ray differentials of camera rays.
 
-use glam::{DVec3, Vec3};
+use glam::Vec3;
 
 use super::Camera;
 use crate::kernels::differential::Differential;
-use crate::math::real::{Real, Single, both};
+use crate::math::real::{Single, both};
 use crate::math::vector::Vector;
 
 impl Camera {
@@ -19,7 +19,7 @@ impl Camera {
     #[inline(always)]
     pub fn differential<F: Single>(&self, direction: Vector<F>) -> Differential<F> {
         let direction = direction.widen();
-        let ahead = direction.dot(in_lanes(direction.x, self.forward.as_dvec3()));
+        let ahead = direction.dot(Vector::alike(direction.x, self.forward.as_dvec3()));
         let [width, height] = self.size.map(f64::from);
         let [right, up] = self.half.map(|half| half.as_dvec3());
         let samples = f64::from(self.antialias);
@@ -27,7 +27,7 @@ impl Camera {
             [right * (2.0 / width / samples), up * (-2.0 / height / samples)],
             #[inline(always)]
             |step| {
-                let step = in_lanes(direction.x, step);
+                let step = Vector::alike(direction.x, step);
                 let across = step - direction.scale(direction.dot(step));
                 Vector::<F>::narrow(across.scale(ahead))
             },
@@ -35,10 +35,4 @@ impl Camera {
         let still = Vector::splat(changes[0].x.token(), Vec3::ZERO);
         Differential { origin: [still; 2], direction: changes }
     }
-}
-
-/// The vector in each lane of a number like this one.
-#[inline(always)]
-fn in_lanes<D: Real<Element = f64>>(like: D, v: DVec3) -> Vector<D> {
-    Vector::new(like.same(v.x), like.same(v.y), like.same(v.z))
 }

@@ -62,7 +62,7 @@ fn longest(direction: Vec3A) -> usize {
 
 /// The space of a ray in which the ray starts at 0 and runs along z. Its z is along the longest
 /// axis of the direction.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct ShearedSpace {
     longest: usize,
     /// Permuted so that the longest axis is last.

@@ -94,11 +94,6 @@ macro_rules! lanes {
             fn select(mask: $mask<S>, a: Self, b: Self) -> Self {
                 mask.select(a, b)
             }
-
-            #[inline(always)]
-            fn zero(self) -> Self {
-                self.same(0.0)
-            }
         }
     };
 }
