@@ -1,84 +1,54 @@
 //! Attributes at the corners of a mesh's triangles.
 
-use glam::{Vec2, Vec3, Vec4};
+use glam::{Vec3, Vec4};
 
-use super::{Appearance, CornerValues, MeshAttributes, Shape};
-use crate::geometry::{Geometry, Primitive};
+use super::{CornerValues, MeshAttributes, PreparedScene, Shape};
+use crate::geometry::Primitive;
+use crate::geometry::instance::Instance;
 
-impl Appearance {
+impl PreparedScene {
     /// The shading normals at the corners of a triangle of a mesh.
     #[inline(always)]
-    pub fn normals(&self, shape: &Shape, geometry: &Geometry, primitive: u32) -> Option<[Vec3; 3]> {
-        let normals = self.corners(shape, geometry, primitive, |mesh| mesh.normals.as_ref())?;
-        Some(match geometry.primitive(primitive) {
-            Primitive::Instanced(instanced) => {
-                let (instance, _) = geometry.instance(instanced);
-                normals.map(|normal| instance.shading_normal(normal))
-            }
-            _ => normals,
-        })
-    }
-
-    /// The colours at the corners of a triangle of a mesh.
-    #[inline(always)]
-    pub(super) fn colors(
-        &self,
-        shape: &Shape,
-        geometry: &Geometry,
-        primitive: u32,
-    ) -> Option<[Vec3; 3]> {
-        self.corners(shape, geometry, primitive, |mesh| mesh.colors.as_ref())
-    }
-
-    /// The alphas at the corners of a triangle of a mesh.
-    #[inline(always)]
-    pub(super) fn alphas(
-        &self,
-        shape: &Shape,
-        geometry: &Geometry,
-        primitive: u32,
-    ) -> Option<[f32; 3]> {
-        self.corners(shape, geometry, primitive, |mesh| mesh.alphas.as_deref())
+    pub(super) fn normals(&self, shape: &Shape, primitive: u32) -> Option<[Vec3; 3]> {
+        let normals = self.corners(shape, primitive, |mesh| mesh.normals.as_ref())?;
+        Some(self.in_world(primitive, normals, Instance::shading_normal))
     }
 
     /// The tangents at the corners of a triangle of a mesh.
-    pub(super) fn corner_tangents(
-        &self,
-        shape: &Shape,
-        geometry: &Geometry,
-        primitive: u32,
-    ) -> Option<[Vec4; 3]> {
-        let tangents = self.corners(shape, geometry, primitive, |mesh| mesh.tangents.as_ref())?;
-        Some(match geometry.primitive(primitive) {
-            Primitive::Instanced(instanced) => {
-                let (instance, _) = geometry.instance(instanced);
-                tangents.map(|tangent| instance.tangent(tangent))
-            }
-            _ => tangents,
-        })
+    pub(super) fn tangents(&self, shape: &Shape, primitive: u32) -> Option<[Vec4; 3]> {
+        let tangents = self.corners(shape, primitive, |mesh| mesh.tangents.as_ref())?;
+        Some(self.in_world(primitive, tangents, Instance::tangent))
     }
 
-    /// The texture coordinates at the corners of a triangle of a mesh.
+    /// Vectors of a mesh in the world: transformed by the instance that shows the primitive, if one
+    /// does.
     #[inline(always)]
-    pub(super) fn uvs(
+    fn in_world<T>(
         &self,
-        shape: &Shape,
-        geometry: &Geometry,
         primitive: u32,
-    ) -> Option<[Vec2; 3]> {
-        self.corners(shape, geometry, primitive, |mesh| mesh.uvs.as_deref())
+        own: [T; 3],
+        transformed: impl Fn(&Instance, T) -> T,
+    ) -> [T; 3] {
+        let geometry = self.accel.geometry();
+        match geometry.primitive(primitive) {
+            Primitive::Instanced(instanced) => {
+                let (instance, _) = geometry.instance(instanced);
+                own.map(|vector| transformed(instance, vector))
+            }
+            _ => own,
+        }
     }
 
     /// The values of an attribute at the corners of a triangle of a mesh.
     #[inline(always)]
-    fn corners<'a, T: Copy + 'a>(
+    pub(super) fn corners<'a, T: Copy + 'a>(
         &'a self,
         shape: &Shape,
-        geometry: &Geometry,
         primitive: u32,
         attribute: impl Fn(&'a MeshAttributes) -> Option<&'a CornerValues<T>>,
     ) -> Option<[T; 3]> {
-        let mesh = &self.meshes[shape.mesh? as usize];
+        let geometry = self.accel.geometry();
+        let mesh = &self.appearance.meshes[shape.mesh? as usize];
         if let Primitive::Instanced(instanced) = geometry.primitive(primitive) {
             let triangle = instanced.triangle as usize;
             let (_, prototype) = geometry.instance(instanced);

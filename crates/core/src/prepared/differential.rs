@@ -4,6 +4,7 @@
 
 use glam::Vec3;
 
+use super::group::three;
 use super::{Group, LookUps, PreparedScene};
 use crate::accel::Hit;
 use crate::geometry::ShadingKind;
@@ -121,7 +122,7 @@ impl<F: Single> Group<F> {
         let token = point.kr.token();
         let still = Vector::splat(token, Vec3::ZERO);
         if kind == ShadingKind::Quadrics {
-            let [center, radius, front] = self.quadrics(token);
+            let [center, radius, front] = three(token, &self.corners);
             let is_behind = (point.point - center).dot(point.normal).lt(point.kr.zero());
             return both(
                 steps,
@@ -133,7 +134,7 @@ impl<F: Single> Group<F> {
                 },
             );
         }
-        let (normals, smooth) = self.smooth_normals(token, smooth);
+        let (normals, smooth) = (three(token, &self.normals), smooth & F::mask(token, self.smooth));
         if !smooth.any() {
             return [still; 2];
         }

@@ -2,9 +2,9 @@
 
 use glam::Vec3;
 
-use super::{Appearance, Class, LookUps, Shape};
+use super::{Appearance, Class, LookUps, PreparedScene};
 use crate::geometry::{Geometry, Primitive};
-use crate::kernels::blinn_phong::{Material, Reflection};
+use crate::kernels::blinn_phong::Material;
 use crate::kernels::shade::ShadingPoint;
 use crate::kernels::surface::{self, SurfacePoint};
 use crate::math::ray::Ray;
@@ -46,8 +46,8 @@ pub struct Group<F: Single> {
     pub(super) has_uvs: u32,
     /// Hits on quads.
     pub(super) quads: u32,
-    /// Corners of the triangles, in the prototype's space for instances; or centres of spheres,
-    /// with their radii in each row of the second.
+    /// Corners of the triangles, in the prototype's space for instances; or centres of spheres and
+    /// disks, their radii along each axis, and their fronts: zero for spheres.
     pub(super) corners: [AxisRows<F>; 3],
     /// The fourth corners of quads; which half was hit is found for all lanes at once.
     pub(super) fourth: AxisRows<F>,
@@ -153,45 +153,37 @@ impl<F: Single> Group<F> {
 
     /// Fetches the corners and corner values of one hit of `ray`.
     #[inline(always)]
-    pub fn fetch(
-        &mut self,
-        lane: usize,
-        geometry: &Geometry,
-        appearance: &Appearance,
-        ray: impl Fn() -> Ray,
-    ) {
+    pub fn fetch(&mut self, lane: usize, scene: &PreparedScene, ray: impl Fn() -> Ray) {
         let Face { primitive, shape, .. } = self.faces[lane];
-        let shape = &appearance.shapes[shape as usize];
-        if shape.smooth {
-            self.fetch_normals(lane, shape, primitive, geometry, appearance);
+        let shape = &scene.appearance.shapes[shape as usize];
+        if shape.smooth
+            && let Some(normals) = scene.normals(shape, primitive)
+        {
+            self.smooth |= 1 << lane;
+            set_three::<F>(&mut self.normals, lane, normals);
         }
-        self.fetch_values(lane, geometry, appearance);
-        self.fetch_corners(lane, geometry, ray);
+        self.fetch_values(lane, scene);
+        self.fetch_corners(lane, scene.accel.geometry(), ray);
     }
 
     /// Fetches colours, opacities and texture coordinates at the corners of one hit.
     #[inline(always)]
-    pub(super) fn fetch_values(
-        &mut self,
-        lane: usize,
-        geometry: &Geometry,
-        appearance: &Appearance,
-    ) {
+    pub(super) fn fetch_values(&mut self, lane: usize, scene: &PreparedScene) {
         let Face { primitive, shape, .. } = self.faces[lane];
-        let shape = &appearance.shapes[shape as usize];
+        let shape = &scene.appearance.shapes[shape as usize];
         if shape.colored
-            && let Some(colors) = appearance.colors(shape, geometry, primitive)
+            && let Some(colors) = scene.corners(shape, primitive, |mesh| mesh.colors.as_ref())
         {
             self.colored |= 1 << lane;
             set_three::<F>(&mut self.tints, lane, colors);
         }
-        let class = appearance.class(shape);
+        let class = scene.appearance.class(shape);
         if class.fades {
-            let alphas = appearance.alphas(shape, geometry, primitive).unwrap_or([1.0; 3]);
-            set::<F>(&mut self.alphas, lane, alphas.into());
+            let alphas = scene.corners(shape, primitive, |mesh| mesh.alphas.as_deref());
+            set::<F>(&mut self.alphas, lane, alphas.unwrap_or([1.0; 3]).into());
         }
         if class.looks_up_uvs {
-            let uvs = appearance.uvs(shape, geometry, primitive);
+            let uvs = scene.corners(shape, primitive, |mesh| mesh.uvs.as_deref());
             self.has_uvs |= u32::from(uvs.is_some()) << lane;
             for ([u, v], at) in self.uvs.iter_mut().zip(uvs.unwrap_or_default()) {
                 (u.as_mut()[lane], v.as_mut()[lane]) = (at.x, at.y);
@@ -233,20 +225,6 @@ impl<F: Single> Group<F> {
         }
     }
 
-    #[inline(always)]
-    fn fetch_normals(
-        &mut self,
-        lane: usize,
-        shape: &Shape,
-        primitive: u32,
-        geometry: &Geometry,
-        appearance: &Appearance,
-    ) {
-        let Some(normals) = appearance.normals(shape, geometry, primitive) else { return };
-        self.smooth |= 1 << lane;
-        set_three::<F>(&mut self.normals, lane, normals);
-    }
-
     /// Counts the hits, of this class if it is not plain.
     #[inline(always)]
     pub fn count(&self, class: &Class, counts: &mut LookUps) {
@@ -266,13 +244,6 @@ impl<F: Single> Group<F> {
     #[inline(always)]
     pub fn class<'a>(&self, appearance: &'a Appearance) -> &'a Class {
         appearance.class(&appearance.shapes[self.faces[0].shape as usize])
-    }
-
-    /// The reflection parameters, with white highlights.
-    #[inline(always)]
-    pub(super) fn reflection(&self, token: F::Token) -> Reflection<F> {
-        let Vector { x: ks, y: kd, z: exponent } = Vector::load(token, &self.reflection);
-        Reflection { ks, kd, exponent, tint: Vector::splat(token, Vec3::ONE) }
     }
 
     /// Adds the constants that only special materials have.
@@ -315,30 +286,6 @@ impl<F: Single> Group<F> {
             [F::load(token, bu), F::load(token, bv)],
             [F::load(token, cu), F::load(token, cv)],
         ]
-    }
-
-    /// Opacities at the corners.
-    #[inline(always)]
-    pub(super) fn alphas(&self, token: F::Token) -> [F; 3] {
-        let [a, b, c] = &self.alphas;
-        [F::load(token, a), F::load(token, b), F::load(token, c)]
-    }
-
-    /// The centres of spheres and disks, their radii along each axis, and their fronts: zero for
-    /// spheres.
-    #[inline(always)]
-    pub(super) fn quadrics(&self, token: F::Token) -> [Vector<F>; 3] {
-        three(token, &self.corners)
-    }
-
-    /// The normals at the corners, and those of the lanes that have any.
-    #[inline(always)]
-    pub(super) fn smooth_normals(
-        &self,
-        token: F::Token,
-        lanes: F::Mask,
-    ) -> ([Vector<F>; 3], F::Mask) {
-        (three(token, &self.normals), lanes & F::mask(token, self.smooth))
     }
 
     /// The corners of triangles in the world.

@@ -9,6 +9,7 @@ use super::maps::LookUpPlace;
 use super::{Class, LookUps, PreparedScene};
 use crate::accel::Hit;
 use crate::geometry::{Geometry, Primitive, ShadingKind};
+use crate::kernels::blinn_phong::Reflection;
 use crate::kernels::differential::Differential;
 use crate::kernels::precision::Arithmetic;
 use crate::kernels::shade::ShadingPoint;
@@ -106,6 +107,7 @@ impl<F: Single> Group<F> {
             shading_normal =
                 surface::interpolated_normal(&corners, surfaces.barycentric, normal, smooth);
         }
+        let Vector { x: ks, y: kd, z: exponent } = Vector::load(token, &self.reflection);
         let mut point = ShadingPoint {
             point: surfaces.point,
             error: surfaces.error,
@@ -115,7 +117,7 @@ impl<F: Single> Group<F> {
             color: self.colors(token),
             occlusion: F::splat(token, 1.0),
             emission: Vector::splat(token, Vec3::ZERO),
-            reflection: self.reflection(token),
+            reflection: Reflection { ks, kd, exponent, tint: Vector::splat(token, Vec3::ONE) },
             kr: F::load(token, &self.kr),
             opacity: F::splat(token, 1.0),
             lit: F::mask(token, self.used) & (F::mask(token, self.two_sided) | !at_back),
@@ -216,7 +218,7 @@ impl PreparedScene {
         let face = Face { ray: 0, primitive: hit.primitive, shape: index as u32 };
         let mut group = Group::default();
         group.begin(&[face], &self.appearance);
-        group.fetch(0, self.accel.geometry(), &self.appearance, || *ray);
+        group.fetch(0, self, || *ray);
         group
     }
 }

@@ -9,7 +9,7 @@
 use glam::Vec3;
 
 use super::media::Sides;
-use super::{MediumStack, PreparedScene, Shape};
+use super::{Branch, MediumStack, PreparedScene, Shape};
 use crate::accel::{Hit, Traversal};
 use crate::kernels::precision::Arithmetic;
 use crate::kernels::shade::ShadingPoint;
@@ -18,14 +18,6 @@ use crate::kernels::transmission::Transparency;
 use crate::math::float::{max, offset_of_error};
 use crate::math::ray::Ray;
 use crate::math::vector::Vector;
-
-/// A ray inside of `media` and its hit on a transparent surface.
-pub(super) struct TransparentHit<'a> {
-    pub(super) ray: &'a Ray,
-    pub(super) hit: &'a Hit,
-    pub(super) point: &'a ShadingPoint<f32>,
-    pub(super) media: MediumStack,
-}
 
 /// What lies where a ray meets a transparent surface.
 pub(super) struct Interface {
@@ -71,13 +63,15 @@ pub(super) fn close_depth(error: f32) -> f32 {
 }
 
 impl PreparedScene {
-    /// What lies where a ray meets a surface with this `transparency`.
+    /// What lies where the ray of `incoming` meets a surface with this `transparency`.
     pub(super) fn interface<P: Arithmetic>(
         &self,
-        &TransparentHit { ray, hit, point, media }: &TransparentHit<'_>,
+        incoming: &Branch,
+        (hit, point): (&Hit, &ShadingPoint<f32>),
         transparency: &Transparency,
         traversal: &mut Traversal,
     ) -> Interface {
+        let (ray, media) = (&incoming.ray, incoming.state.media);
         let shape = self.shape(hit);
         let [error, normal] = [point.error, point.normal];
         let depth = close_depth(error.element_sum());

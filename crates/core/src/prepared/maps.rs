@@ -111,7 +111,7 @@ impl<'a, F: Single> LookUpPlace<'a, F> {
     /// The alphas of vertex colours.
     #[inline(always)]
     fn alpha(&self) -> F {
-        let [a, b, c] = self.group.alphas(self.t.token());
+        let Vector { x: a, y: b, z: c } = Vector::<F>::load(self.t.token(), &self.group.alphas);
         let [y, z] = self.surfaces.barycentric;
         a * (y.same(1.0) - y - z) + b * y + c * z
     }
@@ -186,13 +186,12 @@ impl<'a, F: Single> LookUpPlace<'a, F> {
                 [turned_by(&to_world, u), turned_by(&to_world, v)]
             }
             UvMap::Mesh => {
-                let (appearance, geometry) = (&self.scene.appearance, self.scene.accel.geometry());
                 let (mut rows, mut mirrored) = (<[[F::Row; 3]; 3]>::default(), 0);
                 for lane in 0..F::LANES {
                     let face = self.group.faces[lane];
-                    let shape = &appearance.shapes[face.shape as usize];
-                    let found = appearance.corner_tangents(shape, geometry, face.primitive);
-                    let corners = found.unwrap_or_default();
+                    let shape = &self.scene.appearance.shapes[face.shape as usize];
+                    let tangents = self.scene.tangents(shape, face.primitive);
+                    let corners = tangents.unwrap_or_default();
                     // All corners of a triangle are on the same side, except in inconsistent files.
                     mirrored |= u32::from(corners[0].w < 0.0) << lane;
                     for (row, corner) in rows.iter_mut().zip(corners) {
@@ -284,7 +283,7 @@ impl<'a, F: Single> LookUp<'a, F> {
             UvMap::Planar(map) => [map.change(right), map.change(down)],
             UvMap::Sphere(to_own) => {
                 let normal = turned_by(to_own, surfaces.normal).normalize();
-                let [_, Vector { x: radius, .. }, _] = group.quadrics(t.token());
+                let [_, Vector { x: radius, .. }, _] = three(t.token(), &group.corners);
                 both(
                     steps,
                     #[inline(always)]

@@ -192,7 +192,7 @@ impl ShadowCrossings {
             set::<F>(&mut directions, lane, unit.direction);
             distances.as_mut()[lane] = distance as f32;
             if !class.passes_evenly {
-                group.fetch_values(lane, geometry, appearance);
+                group.fetch_values(lane, scene);
             }
             group.fetch_corners(lane, geometry, || *unit);
         }

@@ -6,7 +6,7 @@
 
 use glam::Vec3;
 
-use super::interface::{Interface, InterfaceHit, TransparentHit};
+use super::interface::{Interface, InterfaceHit};
 use super::media::Sides;
 use super::{LookUps, MediumStack, PreparedScene};
 use crate::accel::{Hit, Traversal};
@@ -130,8 +130,7 @@ impl PreparedScene {
         (traversal, look_ups): (&mut Traversal, &mut LookUps),
     ) -> (Vec3, [Option<Branch>; 3]) {
         let Branch { ray, state, mut throughput, .. } = *incoming;
-        let transparent_hit = TransparentHit { ray: &ray, hit, point, media: state.media };
-        let interface = self.interface::<P>(&transparent_hit, transparency, traversal);
+        let interface = self.interface::<P>(incoming, (hit, point), transparency, traversal);
         let Interface { sides: Sides { before, beyond }, last, close, .. } = interface;
         if before != state.media {
             throughput *= self.more_absorbed([&state.media, &before], hit.t.into()).as_vec3();

@@ -6,11 +6,11 @@
 
 use std::ops::Range;
 
-use crate::geometry::{Geometry, ShadingKind};
+use crate::geometry::ShadingKind;
 use crate::math::ray::Ray;
 use crate::math::real::Single;
 use crate::math::simd::LANES;
-use crate::prepared::{Appearance, Face, Group};
+use crate::prepared::{Face, Group, PreparedScene};
 
 /// Groups of hits that are fetched together.
 const GROUPS: usize = 8;
@@ -35,19 +35,18 @@ impl<F: Single> Groups<F> {
         &mut self,
         faces: &[Face],
         with_corners: bool,
-        geometry: &Geometry,
-        appearance: &Appearance,
+        scene: &PreparedScene,
         ray: impl Fn(usize) -> Ray + Copy,
     ) -> &[Group<F>] {
         let count = faces.len().div_ceil(F::LANES).min(GROUPS);
         for (group, faces) in self.0.iter_mut().zip(faces.chunks(F::LANES)) {
-            group.begin(faces, appearance);
+            group.begin(faces, &scene.appearance);
         }
         let asked = if with_corners { count } else { 0 };
         for group in &mut self.0[..asked] {
             for lane in 0..F::LANES {
                 let number = group.faces[lane].ray as usize;
-                group.fetch(lane, geometry, appearance, || ray(number));
+                group.fetch(lane, scene, || ray(number));
             }
         }
         &self.0[..count]

@@ -229,9 +229,8 @@ impl<P: Arithmetic> Shade<'_, P> {
             #[inline(always)]
             || {
                 let rays = &self.batch.rays;
-                let (geometry, appearance) = (self.scene.accel.geometry(), &self.scene.appearance);
                 let ray = |i| rays.ray(i);
-                for group in groups.fetch(faces, self.needs_points, geometry, appearance, ray) {
+                for group in groups.fetch(faces, self.needs_points, self.scene, ray) {
                     self.group(token, group, kind);
                 }
             },
