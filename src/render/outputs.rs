@@ -255,7 +255,7 @@ impl RenderArgs {
             Some(_) => 2 * film_bytes(pixels) + self.file_bytes(pixels, 0),
             None => 0,
         };
-        let look = self.look.map_or(0, |kind| look::bytes(kind, pixels, whole));
+        let look = self.look.map_or(0, |kind| look::bytes(kind, whole));
         let keeps = self.checkpoint.is_some() || self.shard.is_some();
         let sums = if keeps { pixels * size_of::<[f64; 3]>() as u64 } else { 0 };
         sums + so_far + look

@@ -25,18 +25,13 @@ mod names;
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use glam::Vec3;
 use rayon::prelude::*;
 
-use crate::camera_rays::{CameraRays, Gather};
+use crate::camera_rays::{CameraRays, HitSums};
 use crate::metadata::{ALPHA, Channel, Entry, Values};
 use wavecrest_base::error::Result;
 use wavecrest_base::memory;
-use wavecrest_core::accel::Hit;
-use wavecrest_core::kernels::precision::Arithmetic;
-use wavecrest_core::math::float::dot;
-use wavecrest_core::math::ray::Ray;
-use wavecrest_core::prepared::{Interaction, LookUps, PreparedScene, surface};
+use wavecrest_core::prepared::PreparedScene;
 use wavecrest_core::render::work::tracer;
 use wavecrest_core::render::{self, TracerKind, Watch};
 use wavecrest_core::tile::{Tile, TraceSettings, Unit};
@@ -132,9 +127,9 @@ pub fn layers(scene: &PreparedScene, request: &Request<'_>, watch: &dyn Watch) -
     if layers.iter().any(|layer| !matches!(layer, Layer::Samples | Layer::Invalid)) {
         let samples = scene.camera.rays_per_pixel();
         let rays = CameraRays { scene, window, seed: request.seed, watch };
-        rays.run(&HitSums { scene, names: &names }, &mut |at, sums| {
+        rays.sum(|hit| hit.albedo.to_array(), &mut |at, sums| {
             for (&(layer, axis), channel) in places.iter().zip(&mut channels) {
-                let value = value(layer, axis, sums, samples);
+                let value = value(layer, axis, sums, samples, &names);
                 match channel {
                     Values::Floats(values) => values[at] = value as f32,
                     Values::Integers(values) => values[at] = value as u32,
@@ -188,96 +183,19 @@ fn room(layer: Layer, pixels: usize) -> Result<Values> {
 }
 
 /// The result of a pixel's samples along an axis of a layer.
-fn value(layer: Layer, axis: usize, sums: &Sums, samples: u32) -> f64 {
+fn value(layer: Layer, axis: usize, sums: &HitSums, samples: u32, names: &ShapeNumbers<'_>) -> f64 {
     let mean = |sum: f64| if sums.hits == 0 { 0.0 } else { sum / f64::from(sums.hits) };
     match layer {
         Layer::Alpha => f64::from(sums.hits) / f64::from(samples),
         Layer::Depth => mean(sums.depth),
         Layer::Normal => mean(sums.normal[axis]),
-        Layer::Albedo => mean(sums.albedo[axis]),
+        Layer::Albedo => mean(sums.color[axis]),
         Layer::Position => mean(sums.position[axis]),
-        Layer::Object => sums.object.into(),
-        Layer::Material => sums.material.into(),
+        Layer::Object => sums.shape.into(),
+        Layer::Material => names.material(sums.shape).into(),
         Layer::Samples => samples.into(),
         Layer::Invalid => 0.0,
     }
-}
-
-/// The sums of a pixel's samples.
-#[derive(Clone, Copy, Debug, Default)]
-struct Sums {
-    /// Number of samples that hit something.
-    hits: u32,
-    /// Sums over these.
-    depth: f64,
-    normal: [f64; 3],
-    albedo: [f64; 3],
-    position: [f64; 3],
-    /// Number for the first sample; 0 for nothing.
-    object: u32,
-    material: u32,
-}
-
-/// Sums the hits of camera rays.
-#[derive(Clone, Copy)]
-struct HitSums<'a> {
-    scene: &'a PreparedScene,
-    names: &'a ShapeNumbers<'a>,
-}
-
-impl Gather for HitSums<'_> {
-    type Sums = Sums;
-
-    fn add<P: Arithmetic>(&self, ray: &Ray, hit: &Hit, is_first: bool, sums: &mut Sums) {
-        let scene = self.scene;
-        let Some(VisibleHit { point, normal, albedo }) = VisibleHit::of::<P>(scene, ray, hit)
-        else {
-            return;
-        };
-        let [_, _, forward] = scene.camera.basis();
-        sums.hits += 1;
-        sums.depth += f64::from(hit.t) * f64::from(dot(ray.direction, forward));
-        add_to(&mut sums.normal, normal.to_array().map(f64::from));
-        add_to(&mut sums.albedo, albedo.to_array().map(f64::from));
-        add_to(&mut sums.position, (point.as_dvec3() + scene.origin).to_array());
-        if is_first {
-            let shape = scene.appearance.shape_of(hit.primitive);
-            (sums.object, sums.material) = self.names.numbers(shape);
-        }
-    }
-}
-
-/// The visible properties of a hit on a surface or a light.
-pub(crate) struct VisibleHit {
-    pub(crate) point: Vec3,
-    /// The shading normal, on the side of the ray.
-    pub(crate) normal: Vec3,
-    pub(crate) albedo: Vec3,
-}
-
-impl VisibleHit {
-    /// The properties of this `hit` of `ray`.
-    pub(crate) fn of<P: Arithmetic>(scene: &PreparedScene, ray: &Ray, hit: &Hit) -> Option<Self> {
-        match scene.interaction::<P>(ray, hit, None, &mut LookUps::default()) {
-            Interaction::Nothing => None,
-            Interaction::Surface(at, _) => Some(Self {
-                point: at.point.into(),
-                normal: at.shading_normal.into(),
-                albedo: at.color.into(),
-            }),
-            Interaction::Light(albedo) => {
-                let at = surface::<P>(scene.accel.geometry(), ray, hit);
-                let normal: Vec3 = at.normal.into();
-                let is_behind = dot(ray.direction, normal) > 0.0;
-                let normal = if is_behind { -normal } else { normal };
-                Some(Self { point: at.point.into(), normal, albedo })
-            }
-        }
-    }
-}
-
-fn add_to(sum: &mut [f64; 3], value: [f64; 3]) {
-    sum.iter_mut().zip(value).for_each(|(sum, value)| *sum += value);
 }
 
 /// Sets the `mask` to 1 at the pixels of `window` with samples that were not finite.

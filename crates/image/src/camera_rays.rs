@@ -3,13 +3,15 @@
 //! Bands of rows are processed in turn, each tile by tile on all threads, so that little memory is
 //! needed beyond the result. The samples of a pixel are gathered in order.
 
+use glam::Vec3;
 use rayon::prelude::*;
 
 use wavecrest_core::accel::Hit;
 use wavecrest_core::kernels::precision::Arithmetic;
+use wavecrest_core::math::float::dot;
 use wavecrest_core::math::random::Stream;
 use wavecrest_core::math::ray::Ray;
-use wavecrest_core::prepared::PreparedScene;
+use wavecrest_core::prepared::{Interaction, LookUps, PreparedScene, surface};
 use wavecrest_core::render::Watch;
 use wavecrest_core::render::units::Grid;
 use wavecrest_core::tile::Tile;
@@ -21,13 +23,51 @@ const TILE_EDGE: u32 = 64;
 /// Largest number of rays traced together.
 const BATCH_RAYS: usize = 4096;
 
-/// Gathers the samples of a pixel.
-pub(crate) trait Gather: Sync {
-    /// The state of a pixel.
-    type Sums: Clone + Default + Send;
+/// What the camera rays of a pixel hit, summed over its samples.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct HitSums {
+    /// Number of samples that hit something. The other sums are over these.
+    pub(crate) hits: u32,
+    /// Distances along the view axis.
+    pub(crate) depth: f64,
+    pub(crate) normal: [f64; 3],
+    /// The colours that the caller gives hits.
+    pub(crate) color: [f64; 3],
+    /// Points in the space of the scene.
+    pub(crate) position: [f64; 3],
+    /// The number of the shape that the first sample hits, from 1; 0 for nothing.
+    pub(crate) shape: u32,
+}
 
-    /// Adds the hit of a ray; `is_first` for the pixel's first sample.
-    fn add<P: Arithmetic>(&self, ray: &Ray, hit: &Hit, is_first: bool, sums: &mut Self::Sums);
+/// The visible properties of a hit on a surface or a light.
+pub(crate) struct VisibleHit {
+    pub(crate) primitive: u32,
+    point: Vec3,
+    /// The shading normal, on the side of the ray.
+    pub(crate) normal: Vec3,
+    pub(crate) albedo: Vec3,
+}
+
+impl VisibleHit {
+    fn of<P: Arithmetic>(scene: &PreparedScene, ray: &Ray, hit: &Hit) -> Option<Self> {
+        let primitive = hit.primitive;
+        match scene.interaction::<P>(ray, hit, None, &mut LookUps::default()) {
+            Interaction::Nothing => None,
+            Interaction::Surface(at, _) => Some(Self {
+                primitive,
+                point: at.point.into(),
+                normal: at.shading_normal.into(),
+                albedo: at.color.into(),
+            }),
+            Interaction::Light(albedo) => {
+                let at = surface::<P>(scene.accel.geometry(), ray, hit);
+                let normal: Vec3 = at.normal.into();
+                let is_behind = dot(ray.direction, normal) > 0.0;
+                let normal = if is_behind { -normal } else { normal };
+                Some(Self { primitive, point: at.point.into(), normal, albedo })
+            }
+        }
+    }
 }
 
 /// The camera rays of a window.
@@ -42,18 +82,46 @@ pub(crate) struct CameraRays<'a> {
 }
 
 impl CameraRays<'_> {
-    /// Traces the rays, and calls `put` with the number of each pixel within the window and its
-    /// sums.
-    pub(crate) fn run<G: Gather>(&self, gather: &G, put: &mut dyn FnMut(usize, &G::Sums)) {
+    /// Sums what the rays hit, which have the colours that `color` gives them, and calls `put` as
+    /// [`CameraRays::run`] does.
+    pub(crate) fn sum(
+        &self,
+        color: impl Fn(&VisibleHit) -> [f32; 3] + Sync,
+        put: &mut dyn FnMut(usize, &HitSums),
+    ) {
+        let scene = self.scene;
+        let visible = with_precision!(scene.accel.geometry().precision, P => VisibleHit::of::<P>);
+        let [_, _, forward] = scene.camera.basis();
+        let add = |ray: &Ray, hit: &Hit, is_first: bool, sums: &mut HitSums| {
+            let Some(found) = visible(scene, ray, hit) else { return };
+            sums.hits += 1;
+            sums.depth += f64::from(hit.t) * f64::from(dot(ray.direction, forward));
+            add_to(&mut sums.normal, found.normal.to_array().map(f64::from));
+            add_to(&mut sums.color, color(&found).map(f64::from));
+            add_to(&mut sums.position, (found.point.as_dvec3() + scene.origin).to_array());
+            if is_first {
+                sums.shape = scene.appearance.shape_of(hit.primitive) as u32 + 1;
+            }
+        };
+        self.run(&add, put);
+    }
+
+    /// Traces the rays, and passes each with its hit, whether it is the pixel's first, and the sums
+    /// of its pixel to `add`; then calls `put` with the number of each pixel within the window and
+    /// its sums.
+    pub(crate) fn run<S: Clone + Default + Send>(
+        &self,
+        add: &(impl Fn(&Ray, &Hit, bool, &mut S) + Sync),
+        put: &mut dyn FnMut(usize, &S),
+    ) {
         let window = &self.window;
         let precision = self.scene.accel.geometry().precision;
-        let follow =
-            |tile: &Tile| with_precision!(precision, P => self.follow::<P, G>(tile, gather));
+        let follow = |tile: &Tile| with_precision!(precision, P => self.follow::<P, S>(tile, add));
         for y in (0..window.height).step_by(TILE_EDGE as usize) {
             let height = TILE_EDGE.min(window.height - y);
             let band = Grid::new(Tile { y: window.y + y, height, ..*window }, TILE_EDGE);
             let tiles: Vec<Tile> = (0..band.len()).map(|number| band.tile(number)).collect();
-            let found: Vec<Vec<G::Sums>> = tiles.par_iter().map(follow).collect();
+            let found: Vec<Vec<S>> = tiles.par_iter().map(follow).collect();
             for (tile, pixels) in tiles.iter().zip(&found) {
                 for (index, sums) in pixels.iter().enumerate() {
                     let (x, y) = tile.pixel(index as u32);
@@ -65,8 +133,12 @@ impl CameraRays<'_> {
     }
 
     /// The sums of the tile's pixels.
-    fn follow<P: Arithmetic, G: Gather>(&self, tile: &Tile, gather: &G) -> Vec<G::Sums> {
-        let mut sums = vec![G::Sums::default(); tile.len()];
+    fn follow<P: Arithmetic, S: Clone + Default>(
+        &self,
+        tile: &Tile,
+        add: &impl Fn(&Ray, &Hit, bool, &mut S),
+    ) -> Vec<S> {
+        let mut sums = vec![S::default(); tile.len()];
         let mut traversal = self.scene.accel.traversal();
         let (mut rays, mut hits) = (Vec::new(), Vec::new());
         let samples = u64::from(self.scene.camera.rays_per_pixel());
@@ -83,7 +155,7 @@ impl CameraRays<'_> {
             self.scene.accel.search::<P>().closest_of(&rays[..], &mut hits, &mut traversal);
             for (path, (ray, hit)) in paths.zip(rays.iter().zip(&hits)) {
                 let is_first = path % samples == 0;
-                gather.add::<P>(ray, hit, is_first, &mut sums[(path / samples) as usize]);
+                add(ray, hit, is_first, &mut sums[(path / samples) as usize]);
             }
         }
         sums
@@ -97,4 +169,8 @@ impl CameraRays<'_> {
         let (pixel, sample) = (y * camera.size()[0] + x, (path % samples) as u32);
         camera.ray(x, y, &Stream { seed: self.seed, pixel, sample, bounce: 0 })
     }
+}
+
+fn add_to(sum: &mut [f64; 3], value: [f64; 3]) {
+    sum.iter_mut().zip(value).for_each(|(sum, value)| *sum += value);
 }

@@ -15,15 +15,13 @@
 
 use glam::Vec3;
 
-use crate::aov::VisibleHit;
-use crate::camera_rays::{CameraRays, Gather};
+use crate::camera_rays::{CameraRays, VisibleHit};
 use crate::colormap::{distinct, magma};
 use wavecrest_base::error::Result;
 use wavecrest_core::accel::Hit;
 use wavecrest_core::film::Film;
 use wavecrest_core::geometry::Primitive;
-use wavecrest_core::kernels::precision::Arithmetic;
-use wavecrest_core::math::float::dot;
+use wavecrest_core::kernels::camera::Camera;
 use wavecrest_core::math::ray::Ray;
 use wavecrest_core::prepared::PreparedScene;
 use wavecrest_core::render;
@@ -68,51 +66,69 @@ const LINE: [f32; 3] = [0.004, 0.004, 0.008];
 /// decoded.
 pub fn film(scene: &PreparedScene, look: Look, crop: Option<Tile>, seed: u64) -> Result<Film> {
     let window = render::window(scene, crop)?;
-    // The range is that of the whole image, so that a part has the same colours.
-    let shown = if look == Look::Depth { render::window(scene, None)? } else { window };
-    let mut found = vec![PixelSums::default(); shown.len()];
-    let rays = CameraRays { scene, window: shown, seed, watch: &() };
-    rays.run(&SamplePainter { scene, look }, &mut |at, painted| found[at] = *painted);
-    scene.appearance.check()?;
-    let samples = scene.camera.rays_per_pixel();
-    let range = range(&found);
     let mut film = Film::new(window.width, window.height)?;
-    for (index, pixel) in film.pixels_mut().iter_mut().enumerate() {
-        let (x, y) = window.pixel(index as u32);
-        let at = (y - shown.y) as usize * shown.width as usize + (x - shown.x) as usize;
-        *pixel = color(&found[at], look, range, samples);
+    if look == Look::Depth {
+        draw_depth(&mut film, scene, window, seed)?;
+    } else {
+        let samples = f64::from(scene.camera.rays_per_pixel());
+        let pixels = film.pixels_mut();
+        let color = |hit: &VisibleHit| match look {
+            Look::Normals => hit.normal.to_array().map(|value| 0.5 + 0.5 * value),
+            Look::Ids => distinct(number(scene, hit.primitive)),
+            _ => hit.albedo.to_array(),
+        };
+        CameraRays { scene, window, seed, watch: &() }.sum(color, &mut |at, sums| {
+            let covered = f64::from(sums.hits) / samples;
+            pixels[at] = before_nothing(sums.color.map(|sum| sum / samples), covered);
+        });
     }
+    scene.appearance.check()?;
     Ok(film)
 }
 
-/// Bytes that [`film`] takes beside the film, for an image of `pixels` of the `whole` image's pixels.
-pub fn bytes(look: Look, pixels: u64, whole: u64) -> u64 {
-    let shown = match look {
-        _ if look.is_shaded() => 0,
-        Look::Depth => whole,
-        _ => pixels,
-    };
-    shown.saturating_mul(size_of::<PixelSums>() as u64)
+/// Bytes that [`film`] takes beside the film, for an image of `whole` pixels or a part of it.
+pub fn bytes(look: Look, whole: u64) -> u64 {
+    if look == Look::Depth { whole.saturating_mul(size_of::<[f64; 2]>() as u64) } else { 0 }
 }
 
-/// The smallest and largest mean depth of the pixels.
-fn range(found: &[PixelSums]) -> [f64; 2] {
-    let depths = found.iter().filter_map(PixelSums::mean_depth);
-    depths.fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], depth| [a.min(depth), b.max(depth)])
+/// Draws depths. The range is that of the whole image, so that a part has the same colours.
+fn draw_depth(film: &mut Film, scene: &PreparedScene, window: Tile, seed: u64) -> Result<()> {
+    let whole = render::window(scene, None)?;
+    let samples = f64::from(scene.camera.rays_per_pixel());
+    // The mean over the samples that hit something, and their share.
+    let mut depths = vec![[0.0; 2]; whole.len()];
+    let rays = CameraRays { scene, window: whole, seed, watch: &() };
+    rays.sum(|_| [0.0; 3], &mut |at, sums| {
+        let hits = f64::from(sums.hits);
+        depths[at] = [sums.depth / hits.max(1.0), hits / samples];
+    });
+    let [near, far] = depths
+        .iter()
+        .filter(|[_, covered]| *covered > 0.0)
+        .fold([f64::INFINITY, f64::NEG_INFINITY], |[near, far], [depth, _]| {
+            [near.min(*depth), far.max(*depth)]
+        });
+    for (index, pixel) in film.pixels_mut().iter_mut().enumerate() {
+        let (x, y) = window.pixel(index as u32);
+        let [depth, covered] = depths[y as usize * whole.width as usize + x as usize];
+        let part = if far > near { (far - depth) / (far - near) } else { 1.0 };
+        let color = magma(part as f32).map(|value| f64::from(value) * covered);
+        *pixel = before_nothing(color, covered);
+    }
+    Ok(())
 }
 
-/// The colour of a pixel; samples without a hit show the background.
-fn color(painted: &PixelSums, look: Look, [near, far]: [f64; 2], samples: u32) -> [f32; 3] {
-    let covered = f64::from(painted.hits) / f64::from(samples);
-    let color = match (look, painted.mean_depth()) {
-        (_, None) => [0.0; 3],
-        (Look::Depth, Some(depth)) => {
-            let part = if far > near { (far - depth) / (far - near) } else { 1.0 };
-            magma(part as f32).map(|value| f64::from(value) * covered)
-        }
-        _ => painted.color.map(|sum| sum / f64::from(samples)),
-    };
+/// The colour of a pixel of which this share is `covered`; samples without a hit show the background.
+fn before_nothing(color: [f64; 3], covered: f64) -> [f32; 3] {
     [0, 1, 2].map(|i| (color[i] + f64::from(NOTHING[i]) * (1.0 - covered)) as f32)
+}
+
+/// The number of the object that was hit, or of the triangle if there is only one object.
+fn number(scene: &PreparedScene, primitive: u32) -> u32 {
+    match scene.appearance.shapes.len() {
+        0 | 1 => primitive,
+        _ => scene.appearance.shape_of(primitive) as u32,
+    }
 }
 
 /// Draws the visible edges over the image of `scene`, or over its part `crop`.
@@ -128,66 +144,15 @@ pub fn draw_edges(
     let window = render::window(scene, crop)?;
     let samples = f64::from(scene.camera.rays_per_pixel());
     let pixels = picture.pixels_mut();
-    CameraRays { scene, window, seed, watch: &() }.run(
-        &Wires { scene },
-        &mut |at, covered: &f64| {
-            let part = (covered / samples) as f32;
-            let mixed = |i: usize| pixels[at][i] + (LINE[i] - pixels[at][i]) * part;
-            pixels[at] = [mixed(0), mixed(1), mixed(2)];
-        },
-    );
+    let add = |ray: &Ray, hit: &Hit, _: bool, sum: &mut f64| {
+        *sum += f64::from(covered(scene, ray, hit));
+    };
+    CameraRays { scene, window, seed, watch: &() }.run(&add, &mut |at, covered: &f64| {
+        let part = (covered / samples) as f32;
+        let mixed = |i: usize| pixels[at][i] + (LINE[i] - pixels[at][i]) * part;
+        pixels[at] = [mixed(0), mixed(1), mixed(2)];
+    });
     Ok(())
-}
-
-/// Colours each sample.
-struct SamplePainter<'a> {
-    scene: &'a PreparedScene,
-    look: Look,
-}
-
-/// The sums of a pixel's samples.
-#[derive(Clone, Copy, Debug, Default)]
-struct PixelSums {
-    /// Number of samples that hit something.
-    hits: u32,
-    color: [f64; 3],
-    depth: f64,
-}
-
-impl PixelSums {
-    /// The mean over samples that hit something; `None` if none does.
-    fn mean_depth(&self) -> Option<f64> {
-        (self.hits > 0).then(|| self.depth / f64::from(self.hits))
-    }
-}
-
-impl Gather for SamplePainter<'_> {
-    type Sums = PixelSums;
-
-    fn add<P: Arithmetic>(&self, ray: &Ray, hit: &Hit, _: bool, sums: &mut PixelSums) {
-        let Some(seen) = VisibleHit::of::<P>(self.scene, ray, hit) else { return };
-        let [_, _, forward] = self.scene.camera.basis();
-        sums.hits += 1;
-        sums.depth += f64::from(hit.t) * f64::from(dot(ray.direction, forward));
-        let color = match self.look {
-            Look::Normals => seen.normal.to_array().map(|value| 0.5 + 0.5 * value),
-            Look::Uv => seen.albedo.to_array(),
-            Look::Ids => distinct(self.number(hit)),
-            Look::Clay | Look::Depth | Look::Wireframe => [0.0; 3],
-        };
-        sums.color.iter_mut().zip(color).for_each(|(sum, value)| *sum += f64::from(value));
-    }
-}
-
-impl SamplePainter<'_> {
-    /// The number of the object that was hit, or of the triangle if there is only one object.
-    fn number(&self, hit: &Hit) -> u32 {
-        let appearance = &self.scene.appearance;
-        match appearance.shapes.len() {
-            0 | 1 => hit.primitive,
-            _ => appearance.shape_of(hit.primitive) as u32,
-        }
-    }
 }
 
 /// Half the width of a line in pixels: each side of an edge draws its half.
@@ -197,61 +162,47 @@ const BORDER: f32 = 0.5;
 /// Triangles with a smaller height in pixels have fainter lines, so that fine meshes are not black.
 const FAINT_BELOW: f32 = 6.0;
 
-/// Draws triangle edges as lines of constant width in pixels: sums the coverage of a pixel's samples by lines.
+/// The coverage of the hit by the line along a triangle's edge, from 0 to 1.
+fn covered(scene: &PreparedScene, ray: &Ray, hit: &Hit) -> f32 {
+    if hit.is_miss() {
+        return 0.0;
+    }
+    let geometry = scene.accel.geometry();
+    if let Some(corners) = geometry.mesh_triangle(hit.primitive) {
+        return line(&scene.camera, ray, hit.t, &corners);
+    }
+    match geometry.primitive(hit.primitive) {
+        // A quad has four edges; its diagonal is not one.
+        Primitive::Quad(index) => line(&scene.camera, ray, hit.t, &geometry.quad(index)),
+        _ => 0.0,
+    }
+}
+
+/// The same for the polygon with these corners, whose lines have a constant width in pixels.
 ///
 /// The distance of a point from an edge in pixels follows from its distance in the scene, and from
 /// its change between pixels, the ray's differential. So nothing is projected, and edges behind the
 /// camera need no care.
-struct Wires<'a> {
-    scene: &'a PreparedScene,
-}
-
-impl Gather for Wires<'_> {
-    type Sums = f64;
-
-    fn add<P: Arithmetic>(&self, ray: &Ray, hit: &Hit, _: bool, sums: &mut f64) {
-        if !hit.is_miss() {
-            *sums += f64::from(self.covered(ray, hit));
+fn line(camera: &Camera, ray: &Ray, t: f32, corners: &[Vec3]) -> f32 {
+    let [a, b, c] = [corners[0], corners[1], corners[2]];
+    let Some(normal) = (b - a).cross(c - a).try_normalize() else { return 0.0 };
+    let direction = ray.direction.into();
+    let steps = camera.differential(direction).at(direction, t, normal.into());
+    let steps = steps.map(Vec3::from);
+    let point = ray.origin + ray.direction * t;
+    let ends = |i: usize| (corners[i], corners[(i + 1) % corners.len()]);
+    let (mut nearest, mut lowest) = (f32::INFINITY, f32::INFINITY);
+    for i in 0..corners.len() {
+        let (from, to) = ends(i);
+        let across = (to - from).cross(normal).normalize_or_zero();
+        let step = steps.map(|step| step.dot(across));
+        let a_pixel = step[0].hypot(step[1]);
+        if a_pixel > 0.0 {
+            let (_, beyond) = ends((i + 1) % corners.len());
+            nearest = nearest.min((point - from).dot(across).abs() / a_pixel);
+            lowest = lowest.min((beyond - from).dot(across).abs() / a_pixel);
         }
     }
-}
-
-impl Wires<'_> {
-    /// The coverage of the hit by a line, from 0 to 1.
-    fn covered(&self, ray: &Ray, hit: &Hit) -> f32 {
-        let geometry = self.scene.accel.geometry();
-        if let Some(corners) = geometry.mesh_triangle(hit.primitive) {
-            return self.line(ray, hit.t, &corners);
-        }
-        match geometry.primitive(hit.primitive) {
-            // A quad has four edges; its diagonal is not one.
-            Primitive::Quad(index) => self.line(ray, hit.t, &geometry.quad(index)),
-            _ => 0.0,
-        }
-    }
-
-    /// The same for the polygon with these corners.
-    fn line(&self, ray: &Ray, t: f32, corners: &[Vec3]) -> f32 {
-        let [a, b, c] = [corners[0], corners[1], corners[2]];
-        let Some(normal) = (b - a).cross(c - a).try_normalize() else { return 0.0 };
-        let direction = ray.direction.into();
-        let steps = self.scene.camera.differential(direction).at(direction, t, normal.into());
-        let steps = steps.map(Vec3::from);
-        let point = ray.origin + ray.direction * t;
-        let ends = |i: usize| (corners[i], corners[(i + 1) % corners.len()]);
-        let (mut nearest, mut lowest) = (f32::INFINITY, f32::INFINITY);
-        for i in 0..corners.len() {
-            let (from, to) = ends(i);
-            let across = (to - from).cross(normal).normalize_or_zero();
-            let step = steps.map(|step| step.dot(across));
-            let a_pixel = step[0].hypot(step[1]);
-            if a_pixel > 0.0 {
-                let (_, beyond) = ends((i + 1) % corners.len());
-                nearest = nearest.min((point - from).dot(across).abs() / a_pixel);
-                lowest = lowest.min((beyond - from).dot(across).abs() / a_pixel);
-            }
-        }
-        let covered = (HALF_WIDTH + BORDER - nearest).clamp(0.0, 1.0);
-        covered * (lowest / FAINT_BELOW).min(1.0)
-    }
+    let covered = (HALF_WIDTH + BORDER - nearest).clamp(0.0, 1.0);
+    covered * (lowest / FAINT_BELOW).min(1.0)
 }

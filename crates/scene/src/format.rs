@@ -12,6 +12,7 @@
 mod beside;
 mod cursor;
 mod declared;
+mod field;
 pub(crate) mod json;
 mod json_schema;
 mod keys;
@@ -23,10 +24,10 @@ mod writer;
 
 pub(crate) use beside::Beside;
 pub(crate) use cursor::{Cursor, Range, integer_words};
-pub(crate) use declared::{Declaration, Declared, Field, component, declared, read_word, words};
+pub(crate) use declared::{Declared, component, declared};
+pub(crate) use field::{Field, Word, words};
 pub use json_schema::json_schema;
-pub(crate) use keys::{Absent, Key, Kind, Takes, Variants, keys, word};
+pub(crate) use keys::{Absent, Declaration, Key, Kind, Object, Takes, Variants, keys, word};
 pub(crate) use notes::Notes;
-pub(crate) use object::Object;
 pub(crate) use place::Place;
 pub(crate) use writer::Writer;

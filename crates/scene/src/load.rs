@@ -29,7 +29,6 @@ pub use super::options::{LoadOptions, MOST_SAMPLES, antialias, framing, lighting
 use super::query;
 use super::scene_file;
 use super::survey::{self, Survey};
-pub(crate) use meshes::error_of;
 
 /// Largest length of a scene file in bytes, 256 MiB. While it is read, JSON takes up to 25 times
 /// its length in memory; a larger mesh belongs in a separate file.

@@ -52,6 +52,6 @@ impl LoadOptions {
 
     /// Empty notes on `file`.
     pub(crate) fn notes<'a>(&self, file: &'a Path) -> Notes<'a> {
-        Notes::new(file, self.strict).reading_outside(self.allow_outside)
+        Notes::new(file, self.strict, self.allow_outside)
     }
 }

@@ -9,7 +9,6 @@ use super::components::{
 };
 use super::format::Notes;
 use super::image_file;
-use super::load::error_of;
 use super::mesh;
 use super::options::LoadOptions;
 use super::query::{self, Pictured, textures_of};
@@ -94,7 +93,7 @@ fn holds(shape: EntityRef<'_>, notes: &Notes<'_>) -> Result<mesh::Survey> {
     match (shape.get::<&Mesh>(), shape.get::<&MeshFile>()) {
         (Some(mesh), _) => Ok(mesh::Survey::of(&mesh.data)),
         (None, Some(file)) => mesh::survey(&file.file)
-            .map_err(|cause| error_of(cause, &query::place_of(shape), notes)),
+            .map_err(|cause| notes.mesh_error(cause, &query::place_of(shape))),
         (None, None) => Ok(mesh::Survey { triangles: 1, ..mesh::Survey::default() }),
     }
 }

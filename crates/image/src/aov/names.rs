@@ -48,9 +48,10 @@ impl<'a> ShapeNumbers<'a> {
         names
     }
 
-    /// The numbers of a shape and of its material.
-    pub(super) fn numbers(&self, shape: usize) -> (u32, u32) {
-        (shape as u32 + 1, self.materials.get(shape).copied().unwrap_or_default())
+    /// The number of the material of the shape with this number; 0 for nothing.
+    pub(super) fn material(&self, shape: u32) -> u32 {
+        let shape = (shape as usize).checked_sub(1);
+        shape.and_then(|shape| self.materials.get(shape)).copied().unwrap_or_default()
     }
 
     /// The shapes that occur, as JSON: for each number its name or place in the scene.

@@ -244,8 +244,8 @@ impl<'a> Cursor<'a> {
         if let Some((_, meaning)) = options.iter().find(|(name, _)| *name == word) {
             return Ok(*meaning);
         }
-        let error = self.must_be(&words_of(options));
         let names = || options.iter().map(|(name, _)| *name);
+        let error = self.must_be(&quoted(names()));
         let related = related(word).filter(|own| names().any(|name| name == *own));
         Err(match related.or_else(|| did_you_mean(word, names())) {
             Some(meant) => error.remedy(format!("did you mean {meant:?}?")),
@@ -266,8 +266,8 @@ pub(crate) fn integer_words(low: u32, high: u32) -> String {
 }
 
 /// The words that a choice takes: `"a", "b" or "c"`.
-pub(crate) fn words_of<T>(options: &[(&'static str, T)]) -> String {
-    let quoted: Vec<String> = options.iter().map(|(name, _)| format!("{name:?}")).collect();
+pub(super) fn quoted(words: impl IntoIterator<Item = &'static str>) -> String {
+    let quoted: Vec<String> = words.into_iter().map(|word| format!("{word:?}")).collect();
     match quoted.split_last() {
         Some((last, rest)) if !rest.is_empty() => format!("{} or {last}", rest.join(", ")),
         _ => quoted.concat(),

@@ -3,15 +3,10 @@
 //! From a declaration come the reader of scene files, the writer and the JSON schema. An object of
 //! a scene file is a list of declarations ([`Kind`](super::Kind)), and becomes one entity.
 
-use glam::DVec3;
 use hecs::{Component, EntityBuilder, EntityRef};
-use serde_json::Value;
 
-use super::cursor::{COLOR, Cursor, POINT, Range, integer_words, words_of};
-use super::keys::{Absent, Key, Takes};
-use super::object::Object;
+use super::keys::{Declaration, Key, Object};
 use super::writer::Writer;
-use wavecrest_base::choice::Choice;
 use wavecrest_base::error::Result;
 
 /// A component with keys of its own in a scene file.
@@ -24,20 +19,6 @@ pub(crate) trait Declared: Component + Clone {
 
     /// Writes it to an object with these keys.
     fn write(&self, to: &mut Writer<'_>);
-}
-
-/// A [`Declared`] component as a value.
-#[derive(Clone, Copy)]
-pub(crate) struct Declaration {
-    pub(crate) keys: &'static [Key],
-    /// Adds the component of an object to its entity.
-    pub(crate) read: fn(&Object<'_>, &mut EntityBuilder) -> Result<()>,
-    /// Writes the component of an entity, if it has one.
-    pub(crate) write: fn(EntityRef<'_>, &mut Writer<'_>),
-    /// Adds a copy of the component of an entity, if it has one, to another.
-    pub(crate) copy: fn(EntityRef<'_>, &mut EntityBuilder),
-    /// Whether an entity has the component.
-    pub(crate) is_in: fn(EntityRef<'_>) -> bool,
 }
 
 impl Declaration {
@@ -73,128 +54,6 @@ fn write<C: Declared>(entity: EntityRef<'_>, to: &mut Writer<'_>) {
 fn copy<C: Declared>(from: EntityRef<'_>, to: &mut EntityBuilder) {
     from.get::<&C>().into_iter().for_each(|component| _ = to.add(C::clone(&component)));
 }
-
-/// A value of a key.
-pub(crate) trait Field: Copy {
-    /// The value of a `key`, or `usual`, or the key's own default. An error is recorded, and reading
-    /// continues with some value.
-    fn read(object: &Object<'_>, key: &Key, usual: Option<Self>) -> Self;
-
-    /// The value as it is written; null if it is not.
-    fn to_json(self) -> Value;
-}
-
-impl Field for f64 {
-    fn read(object: &Object<'_>, key: &Key, usual: Option<Self>) -> Self {
-        let range = match key.takes {
-            Takes::Number(range) => range,
-            _ => Range::COORDINATE,
-        };
-        let own = match key.absent {
-            Absent::Is(x) => Some(x),
-            _ => None,
-        };
-        object.value(key, || range.words(), usual.or(own), 1.0, |cursor| cursor.number(range))
-    }
-
-    fn to_json(self) -> Value {
-        self.into()
-    }
-}
-
-impl Field for u32 {
-    fn read(object: &Object<'_>, key: &Key, usual: Option<Self>) -> Self {
-        let (low, high) = match key.takes {
-            Takes::Integer(low, high) => (low, high),
-            _ => (0, u32::MAX),
-        };
-        let own = match key.absent {
-            // Tables contain only integers in range.
-            Absent::Is(x) => Some(x as u32),
-            _ => None,
-        };
-        let what = || integer_words(low, high);
-        object.value(key, what, usual.or(own), low, |cursor| cursor.integer(low, high))
-    }
-
-    fn to_json(self) -> Value {
-        self.into()
-    }
-}
-
-impl Field for bool {
-    fn read(object: &Object<'_>, key: &Key, usual: Option<Self>) -> Self {
-        let what = || "true or false".to_owned();
-        object.value(key, what, usual.or(Some(false)), false, |cursor| cursor.truth())
-    }
-
-    fn to_json(self) -> Value {
-        self.into()
-    }
-}
-
-impl Field for DVec3 {
-    fn read(object: &Object<'_>, key: &Key, usual: Option<Self>) -> Self {
-        let own = match key.absent {
-            Absent::Are(three) => Some(three.into()),
-            _ => None,
-        };
-        let what = if matches!(key.takes, Takes::Color) { COLOR } else { POINT };
-        let read = |cursor: &Cursor<'_>| match key.takes {
-            Takes::Color => cursor.color(),
-            Takes::Direction(such_as) => cursor.direction(such_as),
-            _ => cursor.point(),
-        };
-        object.value(key, || what.to_owned(), usual.or(own), Self::ONE, read)
-    }
-
-    fn to_json(self) -> Value {
-        self.to_array().to_vec().into()
-    }
-}
-
-impl<T: Field> Field for Option<T> {
-    fn read(object: &Object<'_>, key: &Key, usual: Option<Self>) -> Self {
-        let usual = usual.flatten();
-        (usual.is_some() || object.has(key.name)).then(|| T::read(object, key, usual))
-    }
-
-    fn to_json(self) -> Value {
-        self.map_or(Value::Null, T::to_json)
-    }
-}
-
-/// Reads a word of `T`, as [`Field::read`] does.
-pub(crate) fn read_word<T: Choice>(object: &Object<'_>, key: &Key, usual: Option<T>) -> T {
-    let own = match key.absent {
-        Absent::Says(word) => T::VALUES.iter().copied().find(|value| value.name() == word),
-        _ => None,
-    };
-    let options =
-        || -> Vec<(&str, T)> { T::VALUES.iter().map(|value| (value.name(), *value)).collect() };
-    let read = |cursor: &Cursor<'_>| cursor.choice(&options());
-    object.value(key, || words_of(&options()), usual.or(own), T::VALUES[0], read)
-}
-
-/// Makes values of keys of enumerations.
-macro_rules! words {
-    ($($kind:ty),+ $(,)?) => { $(
-        impl $crate::format::Field for $kind {
-            fn read(
-                object: &$crate::format::Object<'_>,
-                key: &$crate::format::Key,
-                usual: Option<Self>,
-            ) -> Self {
-                $crate::format::read_word(object, key, usual)
-            }
-
-            fn to_json(self) -> serde_json::Value {
-                self.name().into()
-            }
-        }
-    )+ };
-}
-pub(crate) use words;
 
 /// Declares a component: above each field its description, then its key, its values, its default,
 /// and the keys that it needs.

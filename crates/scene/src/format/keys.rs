@@ -3,11 +3,13 @@
 //! There is one table for each component and each nested object, shared by the reader, the writer
 //! and the JSON schema.
 
+use hecs::{EntityBuilder, EntityRef};
 use serde_json::{Map, Value};
 
-use super::cursor::Range;
-use super::declared::Declaration;
+use super::cursor::{COLOR, Cursor, POINT, Range, integer_words, quoted};
+use super::writer::Writer;
 use wavecrest_base::choice::Choice;
+use wavecrest_base::error::Result;
 
 /// A table of keys: above each its description, then its name or a constant with it, others for it,
 /// its values, its default, and after an arrow the keys of which it needs one.
@@ -34,6 +36,30 @@ macro_rules! keys {
     (@ $absent:expr) => { $absent };
 }
 pub(crate) use keys;
+
+/// A [`Declared`](super::Declared) component as a value.
+#[derive(Clone, Copy)]
+pub(crate) struct Declaration {
+    pub(crate) keys: &'static [Key],
+    /// Adds the component of an object to its entity.
+    pub(crate) read: fn(&Object<'_>, &mut EntityBuilder) -> Result<()>,
+    /// Writes the component of an entity, if it has one.
+    pub(crate) write: fn(EntityRef<'_>, &mut Writer<'_>),
+    /// Adds a copy of the component of an entity, if it has one, to another.
+    pub(crate) copy: fn(EntityRef<'_>, &mut EntityBuilder),
+    /// Whether an entity has the component.
+    pub(crate) is_in: fn(EntityRef<'_>) -> bool,
+}
+
+/// A JSON object, and the keys that its kind allows.
+///
+/// The keys are declared before any is read, so that a missing key can be matched with a misspelt
+/// one.
+pub(crate) struct Object<'a> {
+    pub(super) cursor: Cursor<'a>,
+    pub(super) map: &'a Map<String, Value>,
+    pub(super) kind: Kind,
+}
 
 /// A kind of object.
 #[derive(Clone, Copy)]
@@ -183,6 +209,21 @@ pub(crate) enum Takes {
     AtLeast(usize, &'static Takes),
     /// A list of exactly this many.
     Exactly(usize, &'static Takes),
+}
+
+impl Takes {
+    /// The values in words.
+    pub(super) fn words(self) -> String {
+        match self {
+            Self::Truth => "true or false".to_owned(),
+            Self::Number(range) => range.words(),
+            Self::Integer(low, high) => integer_words(low, high),
+            Self::Point | Self::Direction(_) => POINT.to_owned(),
+            Self::Color => COLOR.to_owned(),
+            Self::Choice(words) => quoted(words()),
+            _ => "a value".to_owned(),
+        }
+    }
 }
 
 /// The default of a key.

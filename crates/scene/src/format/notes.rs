@@ -30,15 +30,11 @@ pub(crate) struct Notes<'a> {
 }
 
 impl<'a> Notes<'a> {
-    /// Empty notes. If `strict`, unknown keys are errors.
-    pub(crate) fn new(file: &'a Path, strict: bool) -> Self {
+    /// Empty notes. If `strict`, unknown keys are errors; `outside` allows files outside the folder
+    /// of the referring file.
+    pub(crate) fn new(file: &'a Path, strict: bool, outside: bool) -> Self {
         let (errors, faults, warnings, harmless, files, given) = Default::default();
-        Self { file, strict, outside: false, errors, faults, warnings, harmless, files, given }
-    }
-
-    /// Allows files outside the folder of the referring file.
-    pub(crate) fn reading_outside(self, outside: bool) -> Self {
-        Self { outside, ..self }
+        Self { file, strict, outside, errors, faults, warnings, harmless, files, given }
     }
 
     /// Whether files outside the folder of the referring file are read.
@@ -60,6 +56,12 @@ impl<'a> Notes<'a> {
     pub(crate) fn error(&self, kind: ErrorKind, place: &str, message: String) -> Error {
         let error = Error::new(kind, message).in_file(self.file);
         if place.is_empty() { error } else { error.at(place) }
+    }
+
+    /// The error of a mesh reader, prefixed with the place in the scene that names the mesh.
+    pub(crate) fn mesh_error(&self, cause: Error, place: &str) -> Error {
+        let message = format!("cannot read the mesh: {cause}");
+        self.error(cause.kind(), &format!("{place}.file"), message).because(cause)
     }
 
     /// Adds a warning with the text of `error`.

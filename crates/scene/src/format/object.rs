@@ -1,25 +1,16 @@
-//! JSON objects with known keys.
+//! JSON objects with known keys, read and written.
 
 use glam::DVec3;
-use hecs::EntityBuilder;
-use serde_json::{Map, Value};
+use hecs::{EntityBuilder, EntityRef};
+use serde_json::Value;
 
-use super::cursor::{Cursor, words_of};
-use super::declared::{Declaration, Field};
-use super::keys::{Absent, Key, Kind, TYPE, Variants};
+use super::cursor::{Cursor, quoted};
+use super::field::Field;
+use super::keys::{Absent, Declaration, Key, Kind, Object, TYPE, Takes, Variants};
 use super::place::Place;
 use super::related::related;
+use super::writer::Writer;
 use wavecrest_base::error::{Error, ErrorKind, Result, did_you_mean};
-
-/// A JSON object, and the keys that its kind allows.
-///
-/// The keys are declared before any is read, so that a missing key can be matched with a misspelt
-/// one.
-pub(crate) struct Object<'a> {
-    cursor: Cursor<'a>,
-    map: &'a Map<String, Value>,
-    kind: Kind,
-}
 
 impl<'a> Cursor<'a> {
     /// The value as an object with the keys of its `kind`.
@@ -33,7 +24,8 @@ impl<'a> Cursor<'a> {
     pub(crate) fn variant(&self, variants: &Variants) -> Result<Object<'a>> {
         let words = variants.words();
         let object = self.any_object(Kind::new(variants.name, "", TYPE))?;
-        let word = object.need("type", &words_of(&words))?.choice(&words)?;
+        let names = quoted(words.iter().map(|(word, _)| *word));
+        let word = object.need("type", &names)?.choice(&words)?;
         let is_given = |key: &str| key.is_empty() || self.value().get(key).is_some();
         let is_it = |kind: &&Kind| kind.word == word && is_given(kind.discriminator);
         let kind = variants.kinds.iter().find(is_it);
@@ -162,27 +154,6 @@ impl<'a> Object<'a> {
         }
     }
 
-    /// The value of a `key` converted by `read`, or the `default`; `what` describes it. An error, or a
-    /// missing required key, is recorded, and reading continues with the value `any`.
-    pub(super) fn value<T>(
-        &self,
-        key: &Key,
-        what: impl FnOnce() -> String,
-        default: Option<T>,
-        any: T,
-        read: impl FnOnce(&Cursor<'_>) -> Result<T>,
-    ) -> T {
-        let notes = self.cursor.notes();
-        match (self.value_of(key), default) {
-            (Some(cursor), _) => notes.part(|| read(&cursor)).unwrap_or(any),
-            (None, Some(default)) => default,
-            (None, None) => {
-                notes.fail(self.missing(key.name, &what()));
-                any
-            }
-        }
-    }
-
     /// A part with its own reading function; `what` describes it.
     pub(crate) fn part<T>(
         &self,
@@ -201,12 +172,57 @@ impl<'a> Object<'a> {
     /// The value of a key, or `usual`, or its default. An error is recorded. A required key has no
     /// usual value, and a key of other kinds has no other.
     pub(crate) fn read_or<T: Field>(&self, key: &'static str, usual: Option<T>) -> T {
-        match (self.kind.key(key), usual) {
-            (Some(key), usual) => {
-                T::read(self, &key, usual.filter(|_| key.absent != Absent::Required))
+        let Some(key) = self.kind.key(key) else {
+            debug_assert!(usual.is_some(), "{key} is a key of every kind that reads it");
+            return usual.unwrap_or_else(|| T::any(Takes::Anything));
+        };
+        let notes = self.cursor.notes();
+        let usual = usual.filter(|_| key.absent != Absent::Required);
+        let value = match (self.value_of(&key), usual.or(T::own_default(key.absent))) {
+            (Some(cursor), _) => notes.part(|| T::read(&cursor, key.takes)).ok(),
+            (None, Some(usual)) => Some(usual),
+            (None, None) => {
+                notes.fail(self.missing(key.name, &key.takes.words()));
+                None
             }
-            (None, Some(usual)) => usual,
-            (None, None) => unreachable!("{key} is a key of every kind that reads it"),
+        };
+        value.unwrap_or_else(|| T::any(key.takes))
+    }
+}
+
+impl Writer<'_> {
+    /// The object of an `entity` with the components of a `kind`.
+    pub(crate) fn of(mut self, kind: &Kind, entity: EntityRef<'_>) -> Value {
+        self.components(kind, entity);
+        self.end()
+    }
+
+    /// Writes the components of an `entity` of a `kind`, without keys of no effect.
+    pub(crate) fn components(&mut self, kind: &Kind, entity: EntityRef<'_>) {
+        kind.declarations().for_each(|component| (component.write)(entity, self));
+        while let Some(idle) = kind.all_keys().find(|key| key.is_idle(&self.map)) {
+            self.remove(idle.name);
+        }
+    }
+
+    /// The same for the kind that its components tell: of several, the one with the most.
+    pub(crate) fn variant(mut self, variants: &Variants, entity: EntityRef<'_>) -> Value {
+        let is_of = |kind: &&Kind| kind.components.first().is_some_and(|own| (own.is_in)(entity));
+        let kinds = variants.kinds.iter().filter(is_of);
+        match kinds.max_by_key(|kind| kind.components.len()) {
+            Some(kind) => {
+                self.set("type", kind.word);
+                self.of(kind, entity)
+            }
+            None => Value::Null,
+        }
+    }
+
+    /// Writes a field.
+    pub(crate) fn put(&mut self, key: &str, value: impl Field) {
+        let value = value.to_json();
+        if !value.is_null() {
+            self.set(key, value);
         }
     }
 }

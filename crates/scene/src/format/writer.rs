@@ -2,17 +2,15 @@
 
 use std::collections::HashMap;
 
-use hecs::{Entity, EntityRef};
+use hecs::Entity;
 use serde_json::{Map, Value};
 
 use super::beside::Beside;
-use super::declared::Field;
-use super::keys::{Kind, Variants};
 use crate::components::TextureSource;
 
 /// An object that is written.
 pub(crate) struct Writer<'a> {
-    map: Map<String, Value>,
+    pub(super) map: Map<String, Value>,
     /// The entity that becomes the object.
     entity: Entity,
     beside: &'a mut Beside,
@@ -33,41 +31,6 @@ impl<'a> Writer<'a> {
     /// The object.
     pub(crate) fn end(self) -> Value {
         self.map.into()
-    }
-
-    /// The object of an `entity` with the components of a `kind`.
-    pub(crate) fn of(mut self, kind: &Kind, entity: EntityRef<'_>) -> Value {
-        self.components(kind, entity);
-        self.end()
-    }
-
-    /// Writes the components of an `entity` of a `kind`, without keys of no effect.
-    pub(crate) fn components(&mut self, kind: &Kind, entity: EntityRef<'_>) {
-        kind.declarations().for_each(|component| (component.write)(entity, self));
-        while let Some(idle) = kind.all_keys().find(|key| key.is_idle(&self.map)) {
-            self.remove(idle.name);
-        }
-    }
-
-    /// The same for the kind that its components tell: of several, the one with the most.
-    pub(crate) fn variant(mut self, variants: &Variants, entity: EntityRef<'_>) -> Value {
-        let is_of = |kind: &&Kind| kind.components.first().is_some_and(|own| (own.is_in)(entity));
-        let kinds = variants.kinds.iter().filter(is_of);
-        match kinds.max_by_key(|kind| kind.components.len()) {
-            Some(kind) => {
-                self.set("type", kind.word);
-                self.of(kind, entity)
-            }
-            None => Value::Null,
-        }
-    }
-
-    /// Writes a field.
-    pub(crate) fn put(&mut self, key: &str, value: impl Field) {
-        let value = value.to_json();
-        if !value.is_null() {
-            self.set(key, value);
-        }
     }
 
     /// Writes a value.

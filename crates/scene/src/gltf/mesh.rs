@@ -275,7 +275,7 @@ mod tests {
     use super::*;
 
     fn made(mode: Mode, corners: &[u32]) -> Vec<[u32; 3]> {
-        let notes = Notes::new(Path::new("a.gltf"), false);
+        let notes = Notes::new(Path::new("a.gltf"), false, false);
         triangles(mode, corners, &notes, "meshes[0]")
     }
 

@@ -108,7 +108,7 @@ mod tests {
     use crate::format::{Notes, Place};
 
     fn follow(uri: &str) -> std::result::Result<UriTarget, String> {
-        let notes = Notes::new(Path::new("a/b.gltf"), false);
+        let notes = Notes::new(Path::new("a/b.gltf"), false, false);
         let value = serde_json::Value::from(uri);
         target(&Cursor::new(&value, Place::Top, &notes)).map_err(|e| e.to_string())
     }

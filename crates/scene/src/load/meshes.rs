@@ -16,7 +16,7 @@ use crate::mesh::{LoadedMesh, MeshData, NamedMaterials, announce};
 use crate::query::{Pictured, images_of, json_path, ordered, place_of, shapes};
 use crate::shapes::{INSTANCE, PLACED};
 use crate::surface::SURFACE;
-use wavecrest_base::error::{Error, ErrorKind, Result};
+use wavecrest_base::error::{ErrorKind, Result};
 
 /// Completes the `world`, with mesh files read by `read_mesh`.
 pub(super) fn complete(
@@ -141,7 +141,7 @@ fn read(
     read_mesh: impl Fn(&Path) -> Result<LoadedMesh>,
 ) -> Result<(Mesh, NamedMaterials)> {
     notes.reads(file);
-    let mut loaded = read_mesh(file).map_err(|cause| error_of(cause, place, notes))?;
+    let mut loaded = read_mesh(file).map_err(|cause| notes.mesh_error(cause, place))?;
     notes.pass_on(loaded.warnings);
     loaded.mesh.decode_colors(*colors);
     let mesh = Mesh { data: loaded.mesh, file: Some(file.clone()), ..Mesh::default() };
@@ -202,10 +202,4 @@ fn complete_instance(
     }
     let gone = world.despawn(instance);
     debug_assert!(gone.is_ok(), "the instance exists");
-}
-
-/// The error of a mesh reader, prefixed with the place in the scene that names the mesh.
-pub(crate) fn error_of(cause: Error, place: &str, notes: &Notes<'_>) -> Error {
-    let message = format!("cannot read the mesh: {cause}");
-    notes.error(cause.kind(), &format!("{place}.file"), message).because(cause)
 }

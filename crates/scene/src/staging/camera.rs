@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use glam::{DMat3, DQuat, DVec3};
+use glam::{DQuat, DVec3};
 use hecs::{EntityBuilder, World};
 
 use wavecrest_base::error::{Error, ErrorKind, Result};
@@ -220,7 +220,7 @@ impl ToFrame<'_> {
 
     /// Moves the camera in the direction `back` until everything fills its share of the image.
     fn stand_back(&self, view: &mut View, back: DVec3) {
-        let axes = axes(view.up, back);
+        let axes = fit::axes(view.up, back);
         let BoundingSphere { center, radius } = self.contents.sphere;
         let least = radius * NEAREST;
         let place = fit::place(self.contents, &axes, self.tangents(view), least);
@@ -254,12 +254,6 @@ impl ToFrame<'_> {
         let share = self.framing.fit.unwrap_or_default().share();
         half_extent(&view.placement()).map(|tangent| tangent * share)
     }
-}
-
-/// The axes of a view: right, up, and `back` from the object, where `up` is up in the image.
-pub(super) fn axes(up: DVec3, back: DVec3) -> DMat3 {
-    let right = up.cross(back).normalize();
-    DMat3::from_cols(right, back.cross(right), back)
 }
 
 /// The direction of a camera from the object, and up in its image if it looks straight down or up;

@@ -17,6 +17,12 @@ pub(super) const NEAREST: f64 = 0.01;
 /// Sine of the angle between the view and up below which they count as parallel.
 pub(super) const PARALLEL: f64 = 1e-3;
 
+/// The axes of a view: right, up, and `back` from the object, where `up` is up in the image.
+pub(super) fn axes(up: DVec3, back: DVec3) -> DMat3 {
+    let right = up.cross(back).normalize();
+    DMat3::from_cols(right, back.cross(right), back)
+}
+
 /// The position of a camera that sees all points within `tangents` of half its angles of view.
 /// `axes` point right, up and back from the object. `None` without points; `least` is the smallest
 /// distance to one.

@@ -12,8 +12,7 @@ use glam::DVec3;
 use rayon::prelude::*;
 
 use super::Scenery;
-use super::camera::axes;
-use super::fit::NEAREST;
+use super::fit::{NEAREST, axes};
 use crate::components::View;
 use wavecrest_core::kernels::camera::half_extent;
 
