@@ -5,6 +5,7 @@
 
 use serde_json::{Map, Value, json};
 
+use super::keys::plain;
 use super::{Absent, Key, Kind, Range, Takes, Variants};
 use crate::scene_file::FILE;
 
@@ -129,12 +130,8 @@ impl Definitions {
 
     fn property(&mut self, key: &Key) -> Value {
         let mut value = self.takes(key.takes);
-        match key.absent {
-            Absent::Required | Absent::Open => {}
-            Absent::Off => value["default"] = false.into(),
-            Absent::Is(x) => value["default"] = plain(x),
-            Absent::Are(v) => value["default"] = v.map(plain).to_vec().into(),
-            Absent::Says(word) => value["default"] = word.into(),
+        if let Some(default) = key.absent.value() {
+            value["default"] = default;
         }
         about(value, key.about)
     }
@@ -194,12 +191,6 @@ fn number(range: Range) -> Value {
     let (low, high, open) = range.bounds();
     let least = if open { "exclusiveMinimum" } else { "minimum" };
     json!({"type": "number", least: plain(low), "maximum": plain(high)})
-}
-
-/// An integer without a decimal point.
-fn plain(x: f64) -> Value {
-    // No bound of the format is beyond 2^53.
-    if x.fract() == 0.0 { json!(x as i64) } else { json!(x) }
 }
 
 /// An array of exactly `count` of `item`.

@@ -243,6 +243,25 @@ pub(crate) enum Absent {
     Says(&'static str),
 }
 
+impl Absent {
+    /// The default as a value of the key, if it has one.
+    pub(super) fn value(self) -> Option<Value> {
+        match self {
+            Self::Open | Self::Required => None,
+            Self::Off => Some(false.into()),
+            Self::Is(x) => Some(plain(x)),
+            Self::Are(three) => Some(three.map(plain).to_vec().into()),
+            Self::Says(word) => Some(word.into()),
+        }
+    }
+}
+
+/// The number, an integer without a decimal point.
+pub(super) fn plain(x: f64) -> Value {
+    // No number of a table is beyond 2^53.
+    if x.fract() == 0.0 { Value::from(x as i64) } else { x.into() }
+}
+
 /// One of the words of `T`.
 pub(crate) const fn word<T: Choice>() -> Takes {
     Takes::Choice(words::<T>)

@@ -6,7 +6,7 @@ use serde_json::Value;
 
 use super::cursor::{Cursor, quoted};
 use super::field::Field;
-use super::keys::{Absent, Declaration, Key, Kind, Object, TYPE, Takes, Variants};
+use super::keys::{Absent, Declaration, Key, Kind, Object, TYPE, Variants};
 use super::place::Place;
 use super::related::related;
 use super::writer::Writer;
@@ -174,19 +174,19 @@ impl<'a> Object<'a> {
     pub(crate) fn read_or<T: Field>(&self, key: &'static str, usual: Option<T>) -> T {
         let Some(key) = self.kind.key(key) else {
             debug_assert!(usual.is_some(), "{key} is a key of every kind that reads it");
-            return usual.unwrap_or_else(|| T::any(Takes::Anything));
+            return usual.unwrap_or(T::ANY);
         };
         let notes = self.cursor.notes();
-        let usual = usual.filter(|_| key.absent != Absent::Required);
-        let value = match (self.value_of(&key), usual.or(T::own_default(key.absent))) {
-            (Some(cursor), _) => notes.part(|| T::read(&cursor, key.takes)).ok(),
-            (None, Some(usual)) => Some(usual),
-            (None, None) => {
-                notes.fail(self.missing(key.name, &key.takes.words()));
-                None
-            }
-        };
-        value.unwrap_or_else(|| T::any(key.takes))
+        let read = |cursor: &Cursor<'_>| notes.part(|| T::read(cursor, key.takes));
+        if let Some(cursor) = self.value_of(&key) {
+            return read(&cursor).unwrap_or(T::ANY);
+        }
+        let usual = usual.filter(|_| key.absent != Absent::Required).or(T::WITHOUT);
+        let own = || read(&Cursor::new(&key.absent.value()?, Place::Top, notes)).ok();
+        usual.or_else(own).unwrap_or_else(|| {
+            notes.fail(self.missing(key.name, &key.takes.words()));
+            T::ANY
+        })
     }
 }
 
