@@ -10,7 +10,7 @@ use wavecrest_base::error::Result;
 use wavecrest_base::replace::check_differs;
 use wavecrest_core::film::Film;
 use wavecrest_core::math::srgb::srgb_decode;
-use wavecrest_image::compare::{Channel, Comparison, compare, pixels_beyond};
+use wavecrest_image::compare::{ColorChannel, Comparison, compare, pixels_beyond};
 use wavecrest_image::error_map::{MapKind, error_map, flip_map};
 use wavecrest_image::flip::{DEFAULT_PIXELS_PER_DEGREE, Flip, flip};
 use wavecrest_image::read::read;
@@ -188,7 +188,7 @@ impl<'a> DiffReport<'a> {
         let share = |pixels: u64| {
             format!("{pixels} of {all} ({:.3} %)", 100.0 * pixels as f64 / all as f64)
         };
-        let channels = Channel::ALL.into_iter().zip(&found.channel_bias);
+        let channels = ColorChannel::ALL.into_iter().zip(&found.channel_bias);
         let biases: String =
             channels.map(|(of, &bias)| format!(", {} {}", of.name(), number(bias))).collect();
         let place = match (found.largest_at, found.largest_channel) {

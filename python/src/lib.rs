@@ -48,7 +48,7 @@ fn origin(first: [f64; 3]) -> [f64; 3] {
 }
 
 /// A layer: its name, and its channels.
-type Layer<'py> = (&'static str, Vec<Any<'py>>);
+type NamedChannels<'py> = (&'static str, Vec<Any<'py>>);
 
 /// Renders the source, of a kind as in [`work::Source`], with the arguments of wavecrest.render by name. Returns the
 /// image, (height, width, 3), layers, each channel of the shape (height, width), and warnings.
@@ -58,7 +58,7 @@ fn render<'py>(
     kind: &str,
     source: &Any<'py>,
     options: Bound<'py, PyDict>,
-) -> PyResult<(Any<'py>, Vec<Layer<'py>>, Vec<String>)> {
+) -> PyResult<(Any<'py>, Vec<NamedChannels<'py>>, Vec<String>)> {
     let options = Options(options);
     let job = work::Job::new((kind, source), &options)?;
     let layers = job.layers.clone();

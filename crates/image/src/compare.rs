@@ -16,7 +16,7 @@ wavecrest_base::choices! {
     /// A channel of a colour.
     #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
     #[serde(rename_all = "lowercase")]
-    pub enum Channel {
+    pub enum ColorChannel {
         /// The first.
         Red = "red",
         /// The second.
@@ -60,7 +60,7 @@ pub struct Comparison {
     /// images.
     pub largest_at: Option<(u32, u32)>,
     /// Its channel.
-    pub largest_channel: Option<Channel>,
+    pub largest_channel: Option<ColorChannel>,
     /// The number of pixels whose bits are not all the same.
     pub different_pixels: u64,
     /// The number of pixels that are not finite in at least one image.
@@ -181,7 +181,7 @@ struct Tally {
     /// channel.
     sums: [f64; 5],
     largest: f64,
-    place: Option<(u32, u32, Channel)>,
+    place: Option<(u32, u32, ColorChannel)>,
     different: u64,
     nonfinite: u64,
 }
@@ -201,7 +201,7 @@ impl Tally {
         self.nonfinite += u64::from(!a.iter().chain(b).all(|value| value.is_finite()));
         let [all_squares, relative, signed_sums @ ..] = sums;
         let mut squares = 0.0;
-        for (i, channel) in Channel::ALL.into_iter().enumerate() {
+        for (i, channel) in ColorChannel::ALL.into_iter().enumerate() {
             let signed = signed_difference(a[i], b[i]);
             let difference = distance(signed);
             let squared = difference * difference;

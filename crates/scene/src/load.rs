@@ -236,7 +236,7 @@ pub fn survey(path: &Path, options: &LoadOptions, flat: bool) -> Result<Survey> 
 /// # Errors
 /// If the size of the image is not allowed.
 pub fn survey_mesh(mesh: &MeshData, options: &LoadOptions) -> Result<Survey> {
-    survey::standalone(mesh::Survey::of(mesh), options)
+    survey::standalone(mesh::MeshSurvey::of(mesh), options)
 }
 
 fn read_text(path: &Path) -> Result<String> {

@@ -35,7 +35,7 @@ use wavecrest_base::progress;
 pub use data::{Attribute, LoadedMesh, MAX_COUNT, MeshData, NO_VALUE, NamedMaterials};
 pub use join::first_of_each;
 pub use origin::{origin, relative};
-pub use survey::Survey;
+pub use survey::MeshSurvey;
 pub(crate) use survey::{TRIPLE, UV};
 pub use validate::validate;
 pub(crate) use validate::{bad_position, is_good_position};
@@ -91,7 +91,7 @@ pub fn load_bytes(path: &Path, bytes: &[u8], portion: usize) -> Result<LoadedMes
 ///
 /// # Errors
 /// If the system refuses, or a header does not state the contents.
-pub fn survey(path: &Path) -> Result<Survey> {
+pub fn survey(path: &Path) -> Result<MeshSurvey> {
     let format = MeshFormat::of(path)?;
     let (file, length) = open(path)?;
     let found = match format {

@@ -10,8 +10,8 @@ use std::path::PathBuf;
 use glam::DVec3;
 
 use crate::components::{
-    Channels, CutOut, Encoding, Filter, LookUp, Map as MetalMap, Maps, Material, Placing,
-    TextureRef, TextureSource, Transparency, Wrap,
+    Channels, CutOut, Encoding, Filter, LookUp, Map, Maps, Material, Placing, TextureRef,
+    TextureSource, Transparency, Wrap,
 };
 use crate::format::Range;
 use crate::surface::THRESHOLD;
@@ -29,7 +29,7 @@ pub(crate) struct Mtl {
     ns: Option<f64>,
     /// The number of the lighting model.
     illum: Option<u32>,
-    map_kd: Option<Map>,
+    map_kd: Option<MtlMap>,
     /// Opacity, from 0 to 1.
     d: Option<f64>,
     /// What is missing from opacity, from 0 to 1.
@@ -38,7 +38,7 @@ pub(crate) struct Mtl {
     tf: Option<DVec3>,
     /// Index of refraction.
     ni: Option<f64>,
-    map_d: Option<Map>,
+    map_d: Option<MtlMap>,
     /// Metalness and roughness, from 0 to 1.
     pm: Option<f64>,
     pr: Option<f64>,
@@ -66,7 +66,7 @@ const NEEDLESS: [&str; 3] = ["ka", "map_ka", "sharpness"];
 impl Mtl {
     /// That of an image alone.
     pub(crate) fn of_image(name: &str) -> Self {
-        let map = Map { name: name.to_owned(), clamp: false, placing: None, gain: 1.0 };
+        let map = MtlMap { name: name.to_owned(), clamp: false, placing: None, gain: 1.0 };
         Self { map_kd: Some(map), ..Self::default() }
     }
 }
@@ -119,8 +119,8 @@ impl Library {
             "ni" => set(&mut mtl.ni, number(rest)),
             "pm" => set(&mut mtl.pm, number(rest).filter(|&pm| pm <= 1.0)),
             "pr" => set(&mut mtl.pr, number(rest).filter(|&pr| pr <= 1.0)),
-            "map_d" => set(&mut mtl.map_d, Map::read(rest, &mut self.options)),
-            "map_kd" => set(&mut mtl.map_kd, Map::read(rest, &mut self.options)),
+            "map_d" => set(&mut mtl.map_d, MtlMap::read(rest, &mut self.options)),
+            "map_kd" => set(&mut mtl.map_kd, MtlMap::read(rest, &mut self.options)),
             needless if NEEDLESS.contains(&needless) => true,
             other => {
                 self.skipped.insert(other.chars().take(LONGEST_NAME).collect());
@@ -147,7 +147,7 @@ const MATT: [u32; 2] = [0, 1];
 
 /// The appearance of a surface.
 #[derive(Clone, Debug)]
-pub(crate) struct Look {
+pub(crate) struct MtlSurface {
     pub(crate) material: Material,
     pub(crate) transparency: Transparency,
     pub(crate) texture: Option<TextureRef>,
@@ -158,7 +158,7 @@ pub(crate) struct Look {
 }
 
 /// The material, with its images at the paths that `find` returns.
-pub(crate) fn surface(mtl: &Mtl, mut find: impl FnMut(&str) -> Option<PathBuf>) -> Look {
+pub(crate) fn surface(mtl: &Mtl, mut find: impl FnMut(&str) -> Option<PathBuf>) -> MtlSurface {
     let is_model = |models: &[u32]| mtl.illum.is_some_and(|model| models.contains(&model));
     let exponent = mtl.ns.unwrap_or(0.0).min(Material::SHARPEST);
     let gloss = mtl.ks.map_or(0.0, |ks| ks.element_sum() / 3.0).min(1.0);
@@ -166,7 +166,7 @@ pub(crate) fn surface(mtl: &Mtl, mut find: impl FnMut(&str) -> Option<PathBuf>) 
     // An exponent of 0 would be a highlight everywhere.
     let has_highlight = exponent > 0.0 && !is_model(&MATT);
     let kd = mtl.kd.unwrap_or(DVec3::ONE);
-    let mut found = |map: &Option<Map>, filter| {
+    let mut found = |map: &Option<MtlMap>, filter| {
         let map = map.as_ref()?;
         let wrap = if map.clamp { Wrap::Clamp } else { Wrap::Repeat };
         let source = TextureSource::File(find(&map.name)?);
@@ -210,7 +210,7 @@ pub(crate) fn surface(mtl: &Mtl, mut find: impl FnMut(&str) -> Option<PathBuf>) 
     let is_metal = mtl.pm.or(mtl.pr).is_some() && !is_glass;
     // Where an image sets the colour, it sets that of the metal.
     let by_color = (is_metal && texture.is_some() && metallic > 0.0 && roughness < 1.0)
-        .then_some(MetalMap { texture: None, strength: 1.0, metallic, roughness });
+        .then_some(Map { texture: None, strength: 1.0, metallic, roughness });
     let plain = Material {
         ks: if has_highlight { gloss } else { 0.0 },
         kd: (1.0 - kr) * (1.0 - kt),
@@ -235,7 +235,7 @@ pub(crate) fn surface(mtl: &Mtl, mut find: impl FnMut(&str) -> Option<PathBuf>) 
         ..Transparency::OPAQUE
     };
     let maps = Maps { metal: by_color, ..Maps::default() };
-    Look { material, transparency, texture, maps, cutout, is_there: d > 0.0 || is_glass }
+    MtlSurface { material, transparency, texture, maps, cutout, is_there: d > 0.0 || is_glass }
 }
 
 /// The materials of a text by name, as if every image existed: for tests.
@@ -276,7 +276,7 @@ fn color(text: &str) -> Option<DVec3> {
 
 /// An image that a material names.
 #[derive(Clone, Debug, PartialEq)]
-struct Map {
+struct MtlMap {
     /// As in the file.
     name: String,
     /// Whether coordinates outside 0 to 1 are clamped to the edge.
@@ -300,7 +300,7 @@ fn options() -> impl Iterator<Item = (&'static str, usize)> {
     OPTIONS.into_iter().flat_map(|(most, names)| names.split(' ').map(move |name| (name, most)))
 }
 
-impl Map {
+impl MtlMap {
     /// Reads the text after `map_Kd`; `None` if it names no image. Options without effect are added
     /// to `skipped`.
     fn read(text: &str, skipped: &mut BTreeSet<String>) -> Option<Self> {

@@ -39,12 +39,12 @@ pub(crate) struct BoundingSphere {
 }
 
 /// The parts of a mesh that are not cut away.
-pub(crate) struct Shown<'a> {
+pub(crate) struct VisibleMesh<'a> {
     points: Cow<'a, [Vec3]>,
     triangles: Cow<'a, [[u32; 3]]>,
 }
 
-impl<'a> Shown<'a> {
+impl<'a> VisibleMesh<'a> {
     pub(crate) fn new(mesh: &'a MeshData, cutout: Option<&CutOut>, images: &mut Masks<'_>) -> Self {
         let left = cutout.and_then(|cutout| left(mesh, cutout, images));
         let is_gone = left.as_ref().is_some_and(Vec::is_empty);

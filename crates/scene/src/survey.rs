@@ -21,7 +21,7 @@ pub struct Survey {
     /// Bytes in memory while the scene is read, beside its meshes: its files and their values.
     pub reading: u64,
     /// All meshes, as often as they are stored. A sphere or a quad counts as a triangle.
-    pub meshes: mesh::Survey,
+    pub meshes: mesh::MeshSurvey,
     /// Bytes of each image, and the additional bytes while it is decoded.
     pub images: Vec<[u64; 2]>,
     /// The size of the image in pixels.
@@ -46,7 +46,7 @@ impl Survey {
     }
 
     /// Adds a shape of which so many are seen, each copied if the scene will be `flat`.
-    pub(super) fn add(&mut self, holds: mesh::Survey, uses: u64, flat: bool) {
+    pub(super) fn add(&mut self, holds: mesh::MeshSurvey, uses: u64, flat: bool) {
         self.meshes = self.meshes.plus(holds, if flat { uses } else { uses.min(1) });
     }
 
@@ -61,10 +61,10 @@ impl Survey {
 type Pictures = (TextureSource, Filter, Channels);
 
 /// Surveys a standalone mesh, which may get normals.
-pub(super) fn standalone(holds: mesh::Survey, options: &LoadOptions) -> Result<Survey> {
+pub(super) fn standalone(holds: mesh::MeshSurvey, options: &LoadOptions) -> Result<Survey> {
     let mut survey = Survey::new(&staging::view(options, None)?, staging::GLASS_BOUNCES);
     let attributes = holds.attributes + mesh::TRIPLE * holds.positions;
-    survey.add(mesh::Survey { attributes, ..holds }, 1, false);
+    survey.add(mesh::MeshSurvey { attributes, ..holds }, 1, false);
     Ok(survey)
 }
 
@@ -89,12 +89,12 @@ pub(super) fn of(world: &World, text: &str, flat: bool, notes: &Notes<'_>) -> Re
 }
 
 /// The contents of a shape.
-fn holds(shape: EntityRef<'_>, notes: &Notes<'_>) -> Result<mesh::Survey> {
+fn holds(shape: EntityRef<'_>, notes: &Notes<'_>) -> Result<mesh::MeshSurvey> {
     match (shape.get::<&Mesh>(), shape.get::<&MeshFile>()) {
-        (Some(mesh), _) => Ok(mesh::Survey::of(&mesh.data)),
+        (Some(mesh), _) => Ok(mesh::MeshSurvey::of(&mesh.data)),
         (None, Some(file)) => mesh::survey(&file.file)
             .map_err(|cause| notes.mesh_error(cause, &query::place_of(shape))),
-        (None, None) => Ok(mesh::Survey { triangles: 1, ..mesh::Survey::default() }),
+        (None, None) => Ok(mesh::MeshSurvey { triangles: 1, ..mesh::MeshSurvey::default() }),
     }
 }
 

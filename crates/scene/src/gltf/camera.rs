@@ -64,7 +64,7 @@ impl Camera {
 }
 
 /// A camera at a node of the scene.
-pub(super) struct Shot<'d> {
+pub(super) struct PlacedCamera<'d> {
     pub(super) number: usize,
     pub(super) camera: &'d Camera,
     /// The name of the node.
@@ -72,7 +72,7 @@ pub(super) struct Shot<'d> {
     pub(super) world: DAffine3,
 }
 
-impl Shot<'_> {
+impl PlacedCamera<'_> {
     fn view(
         &self,
         bounds: &BoundingSphere,
@@ -121,7 +121,7 @@ impl Shot<'_> {
 /// # Errors
 /// If the requested camera is not in the scene, or cannot be used.
 pub(super) fn chosen(
-    all: &[Shot<'_>],
+    all: &[PlacedCamera<'_>],
     bounds: &BoundingSphere,
     options: &LoadOptions,
     notes: &Notes<'_>,
@@ -129,7 +129,7 @@ pub(super) fn chosen(
     let found = match &options.camera {
         Some(asked) => {
             // By its own name, by that of its node, or by its number.
-            let is_it = |shot: &&Shot<'_>| {
+            let is_it = |shot: &&PlacedCamera<'_>| {
                 [shot.camera.name.as_deref(), shot.node].contains(&Some(asked.as_str()))
                     || asked.parse() == Ok(shot.number)
             };
@@ -137,17 +137,17 @@ pub(super) fn chosen(
         }
         None => {
             let has_perspective =
-                |shot: &&Shot<'_>| matches!(shot.camera.lens, Projection::Perspective(_));
+                |shot: &&PlacedCamera<'_>| matches!(shot.camera.lens, Projection::Perspective(_));
             all.iter().find(has_perspective).or(all.first())
         }
     };
     found.map(|shot| shot.view(bounds, options, notes)).transpose()
 }
 
-fn not_there(asked: &str, all: &[Shot<'_>], notes: &Notes<'_>) -> Error {
+fn not_there(asked: &str, all: &[PlacedCamera<'_>], notes: &Notes<'_>) -> Error {
     /// Largest number of cameras to list.
     const MOST_LISTED: usize = 8;
-    let describe = |shot: &Shot<'_>| match shot.camera.name.as_deref().or(shot.node) {
+    let describe = |shot: &PlacedCamera<'_>| match shot.camera.name.as_deref().or(shot.node) {
         Some(name) => format!("{} ({name})", shot.number),
         None => shot.number.to_string(),
     };

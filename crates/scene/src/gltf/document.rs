@@ -7,7 +7,7 @@ use super::buffer::Buffer;
 use super::camera::Camera;
 use super::fields::{Fields, LIGHTS};
 use super::light::Light;
-use super::material::{GLOSS, Surface};
+use super::material::{GLOSS, MaterialElement};
 use super::node::{self, Node, PlacedNode};
 use super::primitive::MeshParts;
 use super::texture::{BASIS, Textures, WEBP};
@@ -32,9 +32,9 @@ const EXTENSIONS: [&str; 12] = [
 pub(super) struct Document {
     pub(super) storage: Storage,
     pub(super) textures: Textures,
-    pub(super) materials: Vec<Surface>,
+    pub(super) materials: Vec<MaterialElement>,
     /// The material of primitives without one.
-    pub(super) usual: Surface,
+    pub(super) usual: MaterialElement,
     pub(super) meshes: Vec<MeshParts>,
     pub(super) cameras: Vec<Camera>,
     /// `None` for lights of an unknown type.
@@ -56,7 +56,7 @@ impl Document {
         let notes = top.cursor().notes();
         let storage = Storage::read(top, binary, needed);
         let textures = Textures::read(top, storage.as_ref().ok());
-        let materials = top.list("materials", "a material", Surface::read);
+        let materials = top.list("materials", "a material", MaterialElement::read);
         let meshes = top.list("meshes", "a mesh", MeshParts::read);
         let cameras = top.list("cameras", "a camera", Camera::read);
         let lights = notes
@@ -74,7 +74,7 @@ impl Document {
             storage,
             textures: textures?,
             materials: materials?,
-            usual: Surface::read(&top.nothing())?,
+            usual: MaterialElement::read(&top.nothing())?,
             meshes: meshes?,
             cameras: cameras?,
             lights: lights?.unwrap_or_default(),

@@ -135,7 +135,7 @@ fn degrees(radians: f64) -> f64 {
 const LAMP: f64 = 1.1;
 
 /// What a light adds to surfaces, without shadows.
-pub(super) struct Source {
+pub(super) struct LightSource {
     /// The greatest channel of its intensity and colour.
     strength: f64,
     /// `None` for a sun.
@@ -147,7 +147,7 @@ pub(super) struct Source {
     nearest: f64,
 }
 
-impl Source {
+impl LightSource {
     /// A mesh of this emission, area and centre.
     pub(super) fn glowing(emission: DVec3, area: f64, middle: DVec3) -> Self {
         let strength = (emission * area).max_element();
@@ -202,11 +202,11 @@ pub(super) fn expose(light: &mut EntityBuilder, exposure: f64) {
 }
 
 /// The lights of a file.
-pub(super) struct Own {
+pub(super) struct FileLights {
     /// Those that are not meshes,
-    pub(super) lights: Vec<Source>,
+    pub(super) lights: Vec<LightSource>,
     /// and emissive meshes.
-    pub(super) glowing: Vec<Source>,
+    pub(super) glowing: Vec<LightSource>,
 }
 
 /// Smallest radiance from emissive meshes that alone light a file: headlights and diodes give less
@@ -217,7 +217,7 @@ const ENOUGH: f64 = 0.1;
 /// an image that shows these well is dark.
 const NOT_WHITE: f64 = 0.97;
 
-impl Own {
+impl FileLights {
     /// The reason to add lights, in place of those that are not meshes; `None` to add none.
     pub(super) fn why_more(&self, bounds: &BoundingSphere, replaces: bool) -> Option<&'static str> {
         let emitted: f64 = self.glowing.iter().map(|source| source.in_middle(bounds)).sum();

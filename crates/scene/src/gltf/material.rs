@@ -18,7 +18,7 @@ use super::texture::TextureInfo;
 
 /// An element of `materials`, or the default material.
 #[derive(Clone, Debug)]
-pub(super) struct Surface {
+pub(super) struct MaterialElement {
     base_color: DVec3,
     /// The alpha of the base colour, a factor on that of its texture.
     alpha: f64,
@@ -50,7 +50,7 @@ pub(super) struct Surface {
 }
 
 /// The parameters of the model of reflection.
-struct Model {
+struct MetallicRoughness {
     base_color: DVec3,
     alpha: f64,
     texture: Option<TextureInfo>,
@@ -67,7 +67,7 @@ fn texture(of: &Fields<'_>, key: &str, scale: Option<&str>) -> Result<Option<Tex
     of.object(key)?.map(|found| TextureInfo::read(&found, scale)).transpose()
 }
 
-impl Model {
+impl MetallicRoughness {
     fn read(model: &Fields<'_>) -> Result<Self> {
         let [r, g, b, alpha] = model.numbers("baseColorFactor", Range::UNIT)?.unwrap_or([1.0; 4]);
         Ok(Self {
@@ -105,7 +105,7 @@ impl Model {
     }
 }
 
-impl Surface {
+impl MaterialElement {
     /// Reads an element of `materials`; of nothing, the format's default material: white, and fully
     /// rough.
     pub(super) fn read(fields: &Fields<'_>) -> Result<Self> {
@@ -119,12 +119,12 @@ impl Surface {
         let occlusion = texture(fields, "occlusionTexture", Some("strength"))?;
         let normal = texture(fields, "normalTexture", Some("scale"))?;
         let usual = fields.object("pbrMetallicRoughness")?;
-        let gloss = fields.extension(GLOSS, Model::of_gloss)?;
+        let gloss = fields.extension(GLOSS, MetallicRoughness::of_gloss)?;
         let model = match gloss.filter(|_| usual.is_none()) {
             Some(gloss) => gloss,
-            None => Model::read(&usual.unwrap_or(fields.nothing()))?,
+            None => MetallicRoughness::read(&usual.unwrap_or(fields.nothing()))?,
         };
-        let Model { base_color, alpha, texture, metal, metallic, roughness } = model;
+        let MetallicRoughness { base_color, alpha, texture, metal, metallic, roughness } = model;
         Ok(Self {
             base_color,
             alpha,

@@ -10,14 +10,14 @@ use crate::format::Notes;
 use crate::options::LoadOptions;
 use crate::options::framing::{Framing, Up};
 use crate::options::lighting::Rig;
-use crate::staging::{self, Framed, Scenery, Shown, Upward};
+use crate::staging::{self, Framed, Scenery, Upward, VisibleMesh};
 use crate::systems::cutouts::Masks;
 use wavecrest_base::error::{ErrorKind, Result};
 
-use super::camera::{self, Shot};
+use super::camera::{self, PlacedCamera};
 use super::document::Document;
-use super::light::{self, Source};
-use super::material::Surface;
+use super::light::{self, LightSource};
+use super::material::MaterialElement;
 use super::mesh::PrimitiveReader;
 use super::node::PlacedNode;
 use super::spawn::{NodeUse, Spawned, extent};
@@ -36,7 +36,8 @@ pub(super) fn world(
         primitives.iter_mut().for_each(|primitive| primitive.mesh.complete(degrees, true));
     }
     let mut images = Masks::of_scene(notes.file());
-    let shown: Vec<Shown<'_>> = primitives.iter().map(|one| shown(one, &mut images)).collect();
+    let shown: Vec<VisibleMesh<'_>> =
+        primitives.iter().map(|one| shown(one, &mut images)).collect();
     let uses = primitives.iter().map(|primitive| primitive.uses.iter().map(|one| one.world));
     let placed = shown.iter().zip(uses).flat_map(|(shown, uses)| shown.placed(uses));
     let contents = Scenery::new(placed.collect());
@@ -55,7 +56,7 @@ pub(super) fn world(
     let glowing = glowing(&primitives);
     let count = lights.len() + glowing.len();
     check_lights(&primitives, notes)?;
-    let own = light::Own { lights: lights.iter().map(Source::of).collect(), glowing };
+    let own = light::FileLights { lights: lights.iter().map(LightSource::of).collect(), glowing };
     let added = own.why_more(&contents.sphere, options.lighting.replaces);
     let exposure = own.exposure(&contents, &framed.view, added.is_some());
     let mut world = World::new();
@@ -283,7 +284,7 @@ fn read(
 /// The textures of a surface whose images exist, and the one set of coordinates that they use.
 fn textures(
     document: &Document,
-    surface: &Surface,
+    surface: &MaterialElement,
     notes: &Notes<'_>,
 ) -> (Option<TextureRef>, Maps, Option<u32>) {
     let mut set = None;
@@ -305,28 +306,28 @@ const MOST_POINTS: usize = 1 << 24;
 
 /// What is visible of a primitive; of one that is shown so often that checking every point would
 /// take too long, its box.
-fn shown<'a>(primitive: &'a Spawned, images: &mut Masks<'_>) -> Shown<'a> {
+fn shown<'a>(primitive: &'a Spawned, images: &mut Masks<'_>) -> VisibleMesh<'a> {
     let points = 3 * primitive.mesh.triangles.len();
     let uses = primitive.uses.len();
     if points.saturating_mul(uses) > MOST_POINTS && uses > 1 {
-        return Shown::boxed(&primitive.mesh);
+        return VisibleMesh::boxed(&primitive.mesh);
     }
     let fading = primitive.maps.opacity.as_ref().and_then(|map| {
         let look_up = map.texture.as_ref()?.look_up.clone();
         Some(CutOut { look_up: Some(look_up), is_mask: false, threshold: LEAST_ALPHA })
     });
-    Shown::new(&primitive.mesh, primitive.cutout.as_ref().or(fading.as_ref()), images)
+    VisibleMesh::new(&primitive.mesh, primitive.cutout.as_ref().or(fading.as_ref()), images)
 }
 
 /// Half of the lowest alpha above 0, of 255 levels.
 const LEAST_ALPHA: f64 = 0.5 / 255.0;
 
 /// The cameras of the scene's nodes.
-fn shots(document: &Document) -> Vec<Shot<'_>> {
+fn shots(document: &Document) -> Vec<PlacedCamera<'_>> {
     let shot = |&PlacedNode { node, world }: &PlacedNode| {
         let number = document.nodes[node].camera?;
         let (camera, node) = (&document.cameras[number], document.nodes[node].name.as_deref());
-        Some(Shot { number, camera, node, world })
+        Some(PlacedCamera { number, camera, node, world })
     };
     document.placed.iter().filter_map(shot).collect()
 }
@@ -347,11 +348,11 @@ fn lights(document: &Document, notes: &Notes<'_>) -> Vec<EntityBuilder> {
 }
 
 /// The emissive meshes as lights.
-fn glowing(primitives: &[Spawned]) -> Vec<Source> {
+fn glowing(primitives: &[Spawned]) -> Vec<LightSource> {
     let lights = primitives.iter().filter(|primitive| primitive.surface.is_light());
     let source = |primitive: &Spawned, world: &DAffine3| {
         let (area, middle) = extent(&primitive.mesh, world);
-        Source::glowing(primitive.surface.emission, area, middle)
+        LightSource::glowing(primitive.surface.emission, area, middle)
     };
     lights
         .flat_map(|light| light.uses.iter().map(move |found| source(light, &found.world)))

@@ -5,7 +5,7 @@ use std::path::Path;
 use glam::{DAffine3, DVec3};
 use hecs::{EntityBuilder, World};
 
-use super::material::Surface;
+use super::material::MaterialElement;
 use crate::components::{
     AreaLight, CutOut, Falloff, Hidden, InstanceOf, JsonPath, Maps, Mesh, Name, Order, Sampling,
     Shading, TextureRef, Transform,
@@ -20,7 +20,7 @@ pub(super) struct Spawned {
     pub(super) path: String,
     pub(super) name: Option<String>,
     pub(super) mesh: MeshData,
-    pub(super) surface: Surface,
+    pub(super) surface: MaterialElement,
     pub(super) texture: Option<TextureRef>,
     pub(super) cutout: Option<CutOut>,
     pub(super) maps: Maps,

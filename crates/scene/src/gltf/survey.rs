@@ -68,7 +68,7 @@ fn add(Document { meshes, nodes, storage, textures, .. }: &Document, flat: bool,
 }
 
 /// The contents of a primitive, whose triangles may be a strip.
-fn holds(storage: &Storage, primitive: &Primitive) -> mesh::Survey {
+fn holds(storage: &Storage, primitive: &Primitive) -> mesh::MeshSurvey {
     let count = |index: usize| storage.accessors[index].count as u64;
     let attribute = |name: &str| primitive.attributes.get(name).map_or(0, |&index| count(index));
     let [positions, normals, uvs] = ["POSITION", "NORMAL", "TEXCOORD_0"].map(attribute);
@@ -76,5 +76,5 @@ fn holds(storage: &Storage, primitive: &Primitive) -> mesh::Survey {
     let is_list = primitive.mode == Some(Mode::Triangles);
     let triangles = if is_list { corners / 3 } else { corners };
     let attributes = TRIPLE * (normals + attribute(COLORS)) + UV * uvs;
-    mesh::Survey { positions, triangles, attributes }
+    mesh::MeshSurvey { positions, triangles, attributes }
 }

@@ -14,7 +14,7 @@ use crate::folder::{Denied, Folder, last_part};
 use crate::format::{Declaration, Notes};
 use crate::image_file;
 use crate::mesh::{MeshData, NamedMaterials};
-use crate::mtl::{Library, Look, Mtl, surface};
+use crate::mtl::{Library, Mtl, MtlSurface, surface};
 use crate::surface::{MATERIAL, SURFACE};
 use wavecrest_base::error::{Error, ErrorKind};
 
@@ -48,7 +48,7 @@ pub(super) fn split(
             (None, None) => &[MATERIAL],
         });
         if let Some(&(name, (mtl, from))) = known {
-            let Look { material, transparency, texture, maps, cutout, is_there } =
+            let MtlSurface { material, transparency, texture, maps, cutout, is_there } =
                 surface(mtl, |image| reader.image(from, image));
             if !is_there {
                 let message = format!("faces with the material {name} are left out");

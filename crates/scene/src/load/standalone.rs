@@ -14,7 +14,7 @@ use crate::mesh::LoadedMesh;
 use crate::mtl::GREY;
 use crate::options::LoadOptions;
 use crate::options::framing::Up;
-use crate::staging::{self, Scenery, Shown, Upward};
+use crate::staging::{self, Scenery, Upward, VisibleMesh};
 use crate::systems::cutouts::Masks;
 
 /// A light grey with a faint highlight.
@@ -59,9 +59,9 @@ pub(super) fn world(
     let mut parts = split(begin, mesh, &materials, path, notes);
     let mut images = Masks::of_scene(path);
     let shown = parts.iter().filter_map(|part| {
-        Some(Shown::new(&part.get::<&Mesh>()?.data, part.get::<&CutOut>(), &mut images))
+        Some(VisibleMesh::new(&part.get::<&Mesh>()?.data, part.get::<&CutOut>(), &mut images))
     });
-    let shown: Vec<Shown<'_>> = shown.collect();
+    let shown: Vec<VisibleMesh<'_>> = shown.collect();
     let placed = shown.iter().flat_map(|shown| shown.placed(std::iter::once(origin)));
     let contents = Scenery::new(placed.collect());
     let framed =

@@ -22,7 +22,7 @@ use super::faults::{check_count, no_triangles, too_few_corners};
 use super::origin::origin;
 use super::place::ReadAt;
 use super::polygon;
-use super::survey::{Survey, TRIPLE, UV};
+use super::survey::{MeshSurvey, TRIPLE, UV};
 use super::validate::{mend, scale_byte_colors};
 use contents::{Contents, LineCounts, NO_VALUES, WHITE};
 use lines::{Keyword, cut, each_block, statements, words};
@@ -157,20 +157,20 @@ fn attribute<T>(
 const WITH_COLOR: usize = 6;
 
 /// Surveys a file of `length` bytes, in a pass over its text.
-pub(super) fn survey(file: &dyn ReadAt, length: u64) -> Result<Survey> {
-    let mut all = Survey::default();
+pub(super) fn survey(file: &dyn ReadAt, length: u64) -> Result<MeshSurvey> {
+    let mut all = MeshSurvey::default();
     each_block(file, length, BLOCK, |text| {
         let parts = cut(text, BUFFER);
         let found = parts.par_iter().map(|part| surveyed(part));
-        all = all.plus(found.reduce(Survey::default, |one, other| one.plus(other, 1)), 1);
+        all = all.plus(found.reduce(MeshSurvey::default, |one, other| one.plus(other, 1)), 1);
         Ok(())
     })?;
     Ok(all.indexed())
 }
 
 /// The contents of a part.
-fn surveyed(text: &[u8]) -> Survey {
-    let mut found = Survey::default();
+fn surveyed(text: &[u8]) -> MeshSurvey {
+    let mut found = MeshSurvey::default();
     for statement in statements(text) {
         match statement.keyword {
             Keyword::Position => {

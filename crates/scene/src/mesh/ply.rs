@@ -24,7 +24,7 @@ mod vertices;
 use super::BUFFER;
 use super::data::{NamedMaterials, Read};
 use super::place::{ReadAt, Section, each_line};
-use super::survey::{self, Survey};
+use super::survey::{self, MeshSurvey};
 use header::{BodyEncoding, Element, Header};
 use layout::{COLOR, ListLayout, NORMAL, UV, VertexLayout};
 use numbers::Numbers;
@@ -41,10 +41,10 @@ pub(super) fn read(
 }
 
 /// Surveys a file of `length` bytes.
-pub(super) fn survey(file: &dyn ReadAt, length: u64) -> Result<Survey> {
+pub(super) fn survey(file: &dyn ReadAt, length: u64) -> Result<MeshSurvey> {
     let header = header::read(file, length)?;
     let left = length.saturating_sub(header.bytes);
-    let mut found = Survey::default();
+    let mut found = MeshSurvey::default();
     if let Some(vertex) = header.elements.iter().find(|element| element.name == "vertex") {
         let layout = VertexLayout::of(vertex)?;
         // A row has at least one byte for each property.

@@ -20,7 +20,7 @@ use rayon::prelude::*;
 use super::data::{MeshData, Read};
 use super::faults::{self, no_triangles, read_failure, syntax};
 use super::place::{self, ReadAt, Section, part};
-use super::survey::{Survey, TRIPLE};
+use super::survey::{MeshSurvey, TRIPLE};
 use super::validate::{bad_position, is_good_position};
 use super::{BUFFER, join, number};
 use wavecrest_base::error::{Error, ErrorKind, Result};
@@ -63,14 +63,14 @@ pub(super) fn read(file: &dyn ReadAt, length: u64, buffer: usize) -> Result<Read
 }
 
 /// Surveys a file of `length` bytes. The number of shared corners is unknown and taken as 0.
-pub(super) fn survey(file: &dyn ReadAt, length: u64) -> Result<Survey> {
+pub(super) fn survey(file: &dyn ReadAt, length: u64) -> Result<MeshSurvey> {
     let triangles = match form(file, length)? {
         StlForm::Binary(head) => count(&head).min(room(length)),
         StlForm::Text(end) => text_count(file, length, end)?,
     };
     let positions = 3 * triangles;
     // Equal corners are found in a list of their own.
-    Ok(Survey { positions, triangles, attributes: TRIPLE * positions })
+    Ok(MeshSurvey { positions, triangles, attributes: TRIPLE * positions })
 }
 
 /// The form of a file.

@@ -8,7 +8,7 @@ use super::data::MeshData;
 
 /// The contents of a mesh, or as many as there may be.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Survey {
+pub struct MeshSurvey {
     /// Positions.
     pub positions: u64,
     /// Triangles, after triangulation.
@@ -26,7 +26,7 @@ pub(crate) const UV: u64 = size_of::<[f32; 2 + 4]>() as u64;
 /// The most that is counted of anything: a file may claim more than there are numbers for.
 const MOST: u64 = 1 << 44;
 
-impl Survey {
+impl MeshSurvey {
     /// The contents of a mesh in memory.
     pub(crate) fn of(mesh: &MeshData) -> Self {
         let normals = mesh.normals.as_ref().map_or(0, |normals| normals.values.len() as u64);

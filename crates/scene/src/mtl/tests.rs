@@ -13,7 +13,7 @@ fn made(text: &str) -> (Material, Option<TextureRef>) {
     (look.material, look.texture)
 }
 
-fn looked(text: &str) -> Look {
+fn looked(text: &str) -> MtlSurface {
     let library = read(&format!("newmtl a b\n{text}"));
     assert_eq!(library.malformed, [""; 0]);
     surface(&library.materials["a b"], |name| Some(PathBuf::from(name)))
@@ -71,7 +71,7 @@ fn highlights_and_mirrors_follow_the_model() {
 fn maps_have_options_and_names_with_blanks() {
     let map = |text: &str| {
         let mut options = BTreeSet::new();
-        let map = Map::read(text, &mut options).map(|map| (map.name, map.clamp));
+        let map = MtlMap::read(text, &mut options).map(|map| (map.name, map.clamp));
         (map, options.into_iter().collect::<Vec<_>>().join(" "))
     };
     let named = |name: &str, clamp| Some((name.to_owned(), clamp));

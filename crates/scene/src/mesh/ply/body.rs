@@ -1,7 +1,7 @@
 //! The elements of a PLY body, in the order of the header: vertices, faces and triangle strips are
 //! kept, others are skipped.
 
-use super::faces::Faces;
+use super::faces::FaceArrays;
 use super::header::{Element, Header, PropertyType};
 use super::layout::{ListLayout, SLOTS, VertexLayout};
 use super::numbers::{Numbers, malformed};
@@ -39,7 +39,7 @@ struct Body {
     /// Number of vertices declared: faces may come before them.
     vertex_count: usize,
     vertices: VertexArrays,
-    faces: Faces,
+    faces: FaceArrays,
     /// The corners of the current face.
     corners: Vec<u32>,
     /// Their texture coordinates, and the number of the face's image.
@@ -212,7 +212,7 @@ impl Body {
             let (first, corners) = (self.faces.triangles.len() as u32, corners as u32);
             self.faces.polygons.push(Polygon { first, corners });
         }
-        let Faces { triangles, uvs, of_uvs, images, .. } = &mut self.faces;
+        let FaceArrays { triangles, uvs, of_uvs, images, .. } = &mut self.faces;
         // No material has the name of none.
         let name = images.textures.get(self.image).map_or("", String::as_str);
         let is_other = images.runs.last().is_none_or(|(_, last)| last != name);
@@ -248,7 +248,7 @@ impl Body {
             return Err(no_triangles());
         }
         let VertexArrays { positions, origin, mut normals, mut uvs, mut colors } = self.vertices;
-        let Faces { mut triangles, polygons, uvs: mut of_faces, mut of_uvs, mut images } =
+        let FaceArrays { mut triangles, polygons, uvs: mut of_faces, mut of_uvs, mut images } =
             self.faces;
         self.notes.extend(too_few_corners(self.too_few_corners));
         if self.longer_faces > 0 {

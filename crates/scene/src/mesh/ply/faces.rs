@@ -21,7 +21,7 @@ const TRIANGLE: usize = 3;
 
 /// The faces so far.
 #[derive(Debug, Default)]
-pub(super) struct Faces {
+pub(super) struct FaceArrays {
     pub(super) triangles: Vec<[u32; 3]>,
     /// The faces with more than three corners.
     pub(super) polygons: Vec<Polygon>,
@@ -32,7 +32,7 @@ pub(super) struct Faces {
     pub(super) images: NamedMaterials,
 }
 
-impl Faces {
+impl FaceArrays {
     /// Reads the first faces as long as they refer only to the first `vertices` vertices, and
     /// returns their number, possibly 0. An invalid face is left to be read again.
     pub(super) fn read(
@@ -121,7 +121,7 @@ fn read<const BIG: bool>(
     element: &Element,
     layout: ListLayout,
     vertices: usize,
-    into: &mut Faces,
+    into: &mut FaceArrays,
 ) -> Option<(u64, u64)> {
     let row = FaceRow::first::<BIG>(from.file, from.place(), element, layout, vertices)?;
     let triangles = element.count.checked_mul(row.fan() as u64)?;
