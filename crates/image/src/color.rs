@@ -73,28 +73,19 @@ const fn parts([a, b, c]: [f64; 3]) -> [f64; 3] {
     [a / whole, b / whole, c / whole]
 }
 
-/// The inverse of a matrix, from its cofactors.
-const fn inverse(m: [[f64; 3]; 3]) -> [[f64; 3]; 3] {
-    let mut found = [[0.0; 3]; 3];
-    let mut row = 0;
-    while row < 3 {
-        let mut column = 0;
-        while column < 3 {
-            let (r1, r2) = ((column + 1) % 3, (column + 2) % 3);
-            let (c1, c2) = ((row + 1) % 3, (row + 2) % 3);
-            found[row][column] = m[r1][c1] * m[r2][c2] - m[r1][c2] * m[r2][c1];
-            column += 1;
-        }
-        row += 1;
-    }
-    let determinant = m[0][0] * found[0][0] + m[0][1] * found[1][0] + m[0][2] * found[2][0];
-    let mut row = 0;
-    while row < 3 {
-        let [a, b, c] = found[row];
-        found[row] = [a / determinant, b / determinant, c / determinant];
-        row += 1;
-    }
-    found
+/// The inverse of a matrix, from its cofactors: the columns are products of the rows.
+const fn inverse([a, b, c]: [[f64; 3]; 3]) -> [[f64; 3]; 3] {
+    let [x, y, z] = [cross(b, c), cross(c, a), cross(a, b)];
+    let all = a[0] * x[0] + a[1] * x[1] + a[2] * x[2];
+    [
+        [x[0] / all, y[0] / all, z[0] / all],
+        [x[1] / all, y[1] / all, z[1] / all],
+        [x[2] / all, y[2] / all, z[2] / all],
+    ]
+}
+
+const fn cross([a, b, c]: [f64; 3], [d, e, f]: [f64; 3]) -> [f64; 3] {
+    [b * f - c * e, c * d - a * f, a * e - b * d]
 }
 
 #[cfg(test)]

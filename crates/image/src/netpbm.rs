@@ -17,7 +17,7 @@ use std::io::{BufRead, Result as IoResult, Write};
 use super::metadata::{Entry, full_name};
 use super::transfer::{Transfer, row_to_bytes};
 use wavecrest_base::error::{Error, ErrorKind, Result};
-use wavecrest_core::film::{Film, checked_pixel_count, reserve};
+use wavecrest_core::film::{Film, checked_pixel_count};
 
 /// The longest word in a header.
 const LONGEST_WORD: usize = 32;
@@ -74,28 +74,21 @@ pub(super) fn read(source: &mut impl BufRead, length: u64) -> Result<Film> {
             format!("an image of {width} x {height} pixels needs {needed} bytes after its header");
         return Err(syntax(message).value(left).remedy("the file may be cut off"));
     }
-    let mut pixels = reserve(count)?;
+    let mut film = Film::new(width, height)?;
+    let mut rows: Vec<&mut [[f32; 3]]> = film.pixels_mut().chunks_mut(width as usize).collect();
+    if !matches!(sample, NumberFormat::Integer(_)) {
+        rows.reverse();
+    }
     let mut row = vec![0; width as usize * pixel_bytes];
-    for _ in 0..height {
+    for pixels in rows {
         source.read_exact(&mut row).map_err(read_error)?;
-        pixels.extend(row.chunks_exact(pixel_bytes).map(|bytes| {
+        for (pixel, bytes) in pixels.iter_mut().zip(row.chunks_exact(pixel_bytes)) {
             let mut values = bytes.chunks_exact(sample.bytes()).map(|bytes| sample.value(bytes));
             let first = values.next().unwrap_or(0.0);
-            [first, values.next().unwrap_or(first), values.next().unwrap_or(first)]
-        }));
-    }
-    let mut film = Film::from_pixels(width, height, pixels)?;
-    if !matches!(sample, NumberFormat::Integer(_)) {
-        turn_upside_down(&mut film);
+            *pixel = [first, values.next().unwrap_or(first), values.next().unwrap_or(first)];
+        }
     }
     Ok(film)
-}
-
-fn turn_upside_down(film: &mut Film) {
-    let (width, height) = (film.width() as usize, film.height() as usize);
-    let (upper, lower) = film.pixels_mut().split_at_mut(height / 2 * width);
-    let below = lower.chunks_exact_mut(width).rev();
-    upper.chunks_exact_mut(width).zip(below).for_each(|(a, b)| a.swap_with_slice(b));
 }
 
 /// The storage of a number.

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 use super::part::{self, PartHeader, PartReader, UnitSums};
 use wavecrest_base::error::{Error, ErrorKind, Result};
@@ -90,45 +90,6 @@ fn check_same(file: &Path, found: &PartHeader, header: &PartHeader) -> Result<()
             )));
     }
     Ok(())
-}
-
-/// The time between two saves is at least this many times the duration of a save, so that the
-/// render of a huge image does not spend its time on checkpoints.
-const PAUSE_FACTOR: u32 = 10;
-
-/// Saves the checkpoint when it is due.
-pub(super) struct CheckpointSaver<'a> {
-    checkpoint: &'a Checkpoint,
-    header: &'a PartHeader,
-    /// The time of the last save, and how long to wait for the next.
-    last: Mutex<(Instant, Duration)>,
-}
-
-impl<'a> CheckpointSaver<'a> {
-    pub(super) fn new(checkpoint: &'a Checkpoint, header: &'a PartHeader) -> Self {
-        let last = Mutex::new((Instant::now(), checkpoint.every));
-        Self { checkpoint, header, last }
-    }
-
-    /// Saves the current state if it is due. Other threads continue; none of them saves too.
-    pub(super) fn save_if_due(&self, store: &UnitStore) -> Result<()> {
-        let Ok(mut last) = self.last.try_lock() else { return Ok(()) };
-        let (at, pause) = *last;
-        if at.elapsed() < pause {
-            return Ok(());
-        }
-        let start = Instant::now();
-        let saved = store.write(&self.checkpoint.file, self.header);
-        let pause = self.checkpoint.every.max(start.elapsed().saturating_mul(PAUSE_FACTOR));
-        *last = (Instant::now(), pause);
-        saved
-    }
-
-    /// Saves the current state.
-    pub(super) fn save(&self, store: &UnitStore) -> Result<()> {
-        let _last = self.last.lock().unwrap_or_else(PoisonError::into_inner);
-        store.write(&self.checkpoint.file, self.header)
-    }
 }
 
 /// The start of a unit: its tile, and its first block.

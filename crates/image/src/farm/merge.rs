@@ -16,7 +16,7 @@ use crate::transfer::Transfer;
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_core::film::Film;
 use wavecrest_core::render::Canvas;
-use wavecrest_core::render::units::{Blocks, Grid};
+use wavecrest_core::render::units::Grid;
 use wavecrest_core::render::work::{Summed, add};
 use wavecrest_core::tile::Tile;
 
@@ -68,7 +68,7 @@ pub fn merge(paths: &[PathBuf]) -> Result<Merged> {
         canvas: Canvas::new(grid, blocks, &())?,
         paths,
         grid,
-        blocks,
+        blocks: blocks.count(),
         units: BTreeMap::new(),
         waiting: BTreeMap::new(),
         finished: 0,
@@ -140,7 +140,8 @@ struct Mosaic<'a> {
     canvas: Canvas<'static>,
     paths: &'a [PathBuf],
     grid: Grid,
-    blocks: Blocks,
+    /// The number of blocks of a tile.
+    blocks: u32,
     /// The units so far, by tile and first block: the end of their blocks (exclusive), the hash of
     /// their sums, and the number of their part.
     units: BTreeMap<(u32, u32), (u32, u64, usize)>,
@@ -168,7 +169,7 @@ impl Mosaic<'_> {
             return Ok(());
         }
         self.invalid += unit.invalid;
-        if unit.blocks == (0..self.blocks.count()) {
+        if unit.blocks == (0..self.blocks) {
             self.paint(unit.tile, &unit.sums);
             return Ok(());
         }
@@ -176,7 +177,7 @@ impl Mosaic<'_> {
         let waiting = self.waiting.entry(tile).or_default();
         waiting.later.insert(unit.blocks.start, unit);
         waiting.add_up();
-        if waiting.ready == self.blocks.count() {
+        if waiting.ready == self.blocks {
             let sums = std::mem::take(&mut waiting.sums);
             self.waiting.remove(&tile);
             self.paint(tile, &sums);
@@ -185,7 +186,7 @@ impl Mosaic<'_> {
     }
 
     fn paint(&mut self, tile: u32, sums: &[[f64; 3]]) {
-        let blocks = 0..self.blocks.count();
+        let blocks = 0..self.blocks;
         self.canvas.keep(&Summed { tile, blocks, invalid: 0, sums });
         self.finished += 1;
     }

@@ -30,7 +30,6 @@ use crate::read::open;
 use crate::transfer::Transfer;
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_base::replace::{Sink, replace_file, write_error};
-use wavecrest_core::render::units::{Blocks, Grid};
 
 /// The first bytes of a part.
 const MAGIC: &[u8; 8] = b"WAVEPART";
@@ -117,8 +116,6 @@ impl UnitSums {
 pub struct PartReader {
     path: PathBuf,
     header: PartHeader,
-    grid: Grid,
-    blocks: Blocks,
     file: BufReader<File>,
     /// The hash of the header.
     seed: u64,
@@ -142,9 +139,7 @@ impl PartReader {
         let mut file = BufReader::new(file);
         let (header, seed) = header(&mut file, length)?;
         header.identity.check()?;
-        let (grid, blocks) = (header.identity.grid(), header.identity.blocks());
-        let path = path.to_owned();
-        Ok(Self { path, header, grid, blocks, file, seed, read: 0, last: None })
+        Ok(Self { path: path.to_owned(), header, file, seed, read: 0, last: None })
     }
 
     /// The header.
@@ -190,10 +185,11 @@ impl PartReader {
     fn length(&self, tile: u32, blocks: Range<u32>, pixels: u32) -> Result<usize> {
         let follows = self.last.is_none_or(|(last, end)| (last, end) <= (tile, blocks.start));
         let is_one = blocks.start == 0 || blocks.len() == 1;
-        if tile >= self.grid.len() || blocks.is_empty() || blocks.end > self.blocks.count() {
+        let (grid, all) = (self.header.identity.grid(), self.header.identity.blocks().count());
+        if tile >= grid.len() || blocks.is_empty() || blocks.end > all {
             return Err(damaged("there is no such unit in its image"));
         }
-        let length = self.grid.tile(tile).len();
+        let length = grid.tile(tile).len();
         if !follows || !is_one || pixels as usize != length {
             return Err(damaged("a unit is malformed"));
         }

@@ -2,17 +2,19 @@
 //! resume from it.
 
 use std::path::Path;
+use std::sync::Mutex;
 use std::sync::atomic::{AtomicU64, Ordering};
+use std::time::{Duration, Instant};
 
-use super::checkpoint::{Checkpoint, CheckpointSaver, UnitStore};
+use super::checkpoint::{Checkpoint, UnitStore};
 use super::identity::Identity;
 use super::part::{PartHeader, UnitSums};
 use super::shard::Shard;
 use crate::transfer::Transfer;
 use wavecrest_base::error::{Error, Result};
 use wavecrest_core::prepared::PreparedScene;
-use wavecrest_core::render::units::{Blocks, Grid};
-use wavecrest_core::render::work::{Job, RenderWork, Summed, Task, run};
+use wavecrest_core::render::units::Grid;
+use wavecrest_core::render::work::{RenderWork, Job, Summed, Task, run};
 use wavecrest_core::render::{Canvas, RenderOptions, Rendered, Watch};
 
 /// The work to render, and its state.
@@ -22,7 +24,6 @@ pub struct Session<'a> {
     header: PartHeader,
     checkpoint: Option<Checkpoint>,
     grid: Grid,
-    blocks: Blocks,
     store: UnitStore,
     todo: Vec<Task>,
     /// Pixels times blocks: all, and those finished.
@@ -31,7 +32,13 @@ pub struct Session<'a> {
     /// The part of `done` that came from a checkpoint.
     resumed: u64,
     has_checkpoint: bool,
+    /// The time of the last save, and how long to wait for the next.
+    last: Mutex<(Instant, Duration)>,
 }
+
+/// The time between two saves is at least this many times the duration of a save, so that the
+/// render of a huge image does not spend its time on checkpoints.
+const PAUSE_FACTOR: u32 = 10;
 
 /// The origin of a render, recorded in its files.
 #[derive(Clone, Debug, Default)]
@@ -59,12 +66,12 @@ impl<'a> Session<'a> {
     ) -> Result<Self> {
         let Author { scene: file, command, transfer } = author;
         let identity = Identity::of(scene, &options)?;
-        let (grid, blocks) = (identity.grid(), identity.blocks());
+        let grid = identity.grid();
         let header = PartHeader { identity, shard, scene: file, command, transfer, units: 0 };
         let held = checkpoint.as_ref().map_or(Ok(None), |checkpoint| checkpoint.load(&header))?;
         let has_checkpoint = held.is_some();
         let store = held.unwrap_or_default();
-        let tasks = shard.unwrap_or(Shard::WHOLE).tasks(&grid, blocks);
+        let tasks = shard.unwrap_or(Shard::WHOLE).tasks(&grid, header.identity.blocks());
         let size = |tasks: &[Task]| -> u64 {
             let one = |task: &Task| grid.tile(task.tile).len() as u64 * task.blocks.len() as u64;
             tasks.iter().map(one).sum()
@@ -73,19 +80,21 @@ impl<'a> Session<'a> {
         let todo: Vec<Task> = tasks.into_iter().filter_map(|task| store.rest(task)).collect();
         let resumed = all - size(&todo);
         let done = AtomicU64::new(resumed);
+        let every = checkpoint.as_ref().map_or(Duration::MAX, |checkpoint| checkpoint.every);
+        let last = Mutex::new((Instant::now(), every));
         Ok(Self {
             scene,
             options,
             header,
             checkpoint,
             grid,
-            blocks,
             store,
             todo,
             all,
             done,
             resumed,
             has_checkpoint,
+            last,
         })
     }
 
@@ -115,7 +124,7 @@ impl<'a> Session<'a> {
     /// # Errors
     /// If there is no memory for the film, or the plan's table of passes is inconsistent.
     pub fn render(&self, watch: &dyn Watch, warn: &(dyn Fn(&Error) + Sync)) -> Result<Rendered> {
-        let canvas = Canvas::new(self.grid, self.blocks, watch)?;
+        let canvas = Canvas::new(self.grid, self.header.identity.blocks(), watch)?;
         for unit in self.store.all() {
             let UnitSums { tile, blocks, invalid, sums } = &*unit;
             let blocks = blocks.clone();
@@ -130,12 +139,8 @@ impl<'a> Session<'a> {
     ///
     /// # Errors
     /// If the plan's table of passes is inconsistent.
-    pub fn render_units(
-        &self,
-        watch: &dyn Watch,
-        warn: &(dyn Fn(&Error) + Sync),
-    ) -> Result<RenderWork> {
-        let each = u64::from(self.blocks.count());
+    pub fn render_units(&self, watch: &dyn Watch, warn: &(dyn Fn(&Error) + Sync)) -> Result<RenderWork> {
+        let each = u64::from(self.header.identity.blocks().count());
         self.run(watch, warn, &|_| {
             watch.progress(self.done.load(Ordering::Relaxed) / each, self.all.div_ceil(each));
         })
@@ -155,26 +160,37 @@ impl<'a> Session<'a> {
         warn: &(dyn Fn(&Error) + Sync),
         finished: &(dyn Fn(&Summed<'_>) + Sync),
     ) -> Result<RenderWork> {
-        let saver = self
-            .checkpoint
-            .as_ref()
-            .map(|checkpoint| CheckpointSaver::new(checkpoint, &self.header));
         let keep = |summed: &Summed<'_>| {
             self.store.keep(summed);
             let pixels = self.grid.tile(summed.tile).len() as u64;
             self.done.fetch_add(pixels, Ordering::Relaxed);
             finished(summed);
-            let saved = saver.as_ref().map_or(Ok(()), |saver| saver.save_if_due(&self.store));
-            saved.unwrap_or_else(|error| warn(&error));
+            self.save_if_due().unwrap_or_else(|error| warn(&error));
         };
         let task = |number: usize| self.todo[number].clone();
-        let job = Job { grid: self.grid, blocks: self.blocks, count: self.todo.len(), task: &task };
+        let blocks = self.header.identity.blocks();
+        let job = Job { grid: self.grid, blocks, count: self.todo.len(), task: &task };
         let done = run(self.scene, &self.options, &job, watch, &keep)?;
         // A checkpoint that held everything stays unchanged.
         let is_new = !self.todo.is_empty() || !self.has_checkpoint;
-        if let Some(saver) = saver.filter(|_| is_new) {
-            saver.save(&self.store).unwrap_or_else(|error| warn(&error));
+        if let Some(checkpoint) = self.checkpoint.as_ref().filter(|_| is_new) {
+            self.write(&checkpoint.file).unwrap_or_else(|error| warn(&error));
         }
         Ok(done)
+    }
+
+    /// Saves the finished units if it is due. Other threads continue; none of them saves too.
+    fn save_if_due(&self) -> Result<()> {
+        let Some(checkpoint) = &self.checkpoint else { return Ok(()) };
+        let Ok(mut last) = self.last.try_lock() else { return Ok(()) };
+        let (at, pause) = *last;
+        if at.elapsed() < pause {
+            return Ok(());
+        }
+        let start = Instant::now();
+        let saved = self.write(&checkpoint.file);
+        let pause = checkpoint.every.max(start.elapsed().saturating_mul(PAUSE_FACTOR));
+        *last = (Instant::now(), pause);
+        saved
     }
 }
