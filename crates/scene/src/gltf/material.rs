@@ -19,28 +19,20 @@ use super::texture::TextureInfo;
 /// An element of `materials`, or the default material.
 #[derive(Clone, Debug)]
 pub(super) struct MaterialElement {
-    base_color: DVec3,
-    /// The alpha of the base colour, a factor on that of its texture.
-    alpha: f64,
+    model: MetallicRoughness,
     /// The lowest opaque alpha; 0 if alpha is ignored or blends.
     cutoff: f64,
     /// Whether alpha is opacity.
     pub(super) blends: bool,
     /// Light that goes through, but for its opacity and colour.
     transparency: Transparency,
-    /// The texture of the base colour.
-    pub(super) texture: Option<TextureInfo>,
-    metallic: f64,
-    roughness: f64,
-    /// The texture of metalness and roughness.
-    metal: Option<TextureInfo>,
     /// The texture of the emission.
     glow: Option<TextureInfo>,
     /// The textures of ambient light and of normals.
     occlusion: Option<TextureInfo>,
-    pub(super) normal: Option<TextureInfo>,
+    normal: Option<TextureInfo>,
     /// Whether it shows its plain colour under any light.
-    pub(super) is_unlit: bool,
+    is_unlit: bool,
     /// Which sides lights reach.
     pub(super) sides: Sides,
     /// Its emission, black for none.
@@ -50,10 +42,14 @@ pub(super) struct MaterialElement {
 }
 
 /// The parameters of the model of reflection.
+#[derive(Clone, Debug)]
 struct MetallicRoughness {
     base_color: DVec3,
+    /// The alpha of the base colour, a factor on that of its texture.
     alpha: f64,
+    /// The texture of the base colour.
     texture: Option<TextureInfo>,
+    /// The texture of metalness and roughness.
     metal: Option<TextureInfo>,
     metallic: f64,
     roughness: f64,
@@ -68,6 +64,15 @@ fn texture(of: &Fields<'_>, key: &str, scale: Option<&str>) -> Result<Option<Tex
 }
 
 impl MetallicRoughness {
+    /// That of an element of `materials`.
+    fn of(fields: &Fields<'_>) -> Result<Self> {
+        let usual = fields.object("pbrMetallicRoughness")?;
+        match fields.extension(GLOSS, Self::of_gloss)?.filter(|_| usual.is_none()) {
+            Some(gloss) => Ok(gloss),
+            None => Self::read(&usual.unwrap_or(fields.nothing())),
+        }
+    }
+
     fn read(model: &Fields<'_>) -> Result<Self> {
         let [r, g, b, alpha] = model.numbers("baseColorFactor", Range::UNIT)?.unwrap_or([1.0; 4]);
         Ok(Self {
@@ -111,36 +116,17 @@ impl MaterialElement {
     pub(super) fn read(fields: &Fields<'_>) -> Result<Self> {
         let cutoff = fields.number_or("alphaCutoff", Range::NOT_NEGATIVE, THRESHOLD)?;
         let mode = fields.get("alphaMode").and_then(|cursor| cursor.value().as_str());
-        let sides = if fields.flag("doubleSided")? { Sides::Both } else { Sides::Front };
-        let transparency = transparency(fields)?;
-        let emission = emission(fields)?;
-        let is_unlit = fields.extension("KHR_materials_unlit", |_| Ok(()))?.is_some();
-        let glow = texture(fields, "emissiveTexture", None)?;
-        let occlusion = texture(fields, "occlusionTexture", Some("strength"))?;
-        let normal = texture(fields, "normalTexture", Some("scale"))?;
-        let usual = fields.object("pbrMetallicRoughness")?;
-        let gloss = fields.extension(GLOSS, MetallicRoughness::of_gloss)?;
-        let model = match gloss.filter(|_| usual.is_none()) {
-            Some(gloss) => gloss,
-            None => MetallicRoughness::read(&usual.unwrap_or(fields.nothing()))?,
-        };
-        let MetallicRoughness { base_color, alpha, texture, metal, metallic, roughness } = model;
         Ok(Self {
-            base_color,
-            alpha,
             cutoff: if mode == Some("MASK") { cutoff } else { 0.0 },
             blends: mode == Some("BLEND"),
-            transparency,
-            texture,
-            metal,
-            metallic,
-            roughness,
-            glow,
-            occlusion,
-            normal,
-            is_unlit,
-            sides,
-            emission,
+            sides: if fields.flag("doubleSided")? { Sides::Both } else { Sides::Front },
+            transparency: transparency(fields)?,
+            emission: emission(fields)?,
+            is_unlit: fields.extension("KHR_materials_unlit", |_| Ok(()))?.is_some(),
+            glow: texture(fields, "emissiveTexture", None)?,
+            occlusion: texture(fields, "occlusionTexture", Some("strength"))?,
+            normal: texture(fields, "normalTexture", Some("scale"))?,
+            model: MetallicRoughness::of(fields)?,
             own: None,
         })
     }
@@ -156,12 +142,13 @@ impl MaterialElement {
             return own;
         }
         if self.is_unlit {
-            let diffuse_color = self.base_color;
+            let diffuse_color = self.model.base_color;
             return Material { diffuse_color, unlit: true, ..Material::MATTE };
         }
         // Such a texture is usually mostly black: without it, even emission would be wrong.
         let is_whole = glow.is_some() == self.glow.is_some();
-        let material = Material::metal(self.base_color, self.metallic, self.roughness);
+        let material =
+            Material::metal(self.model.base_color, self.model.metallic, self.model.roughness);
         Material {
             // Light that goes through is not scattered.
             kd: material.kd * (1.0 - self.transparency(false).kt),
@@ -173,7 +160,7 @@ impl MaterialElement {
     /// The metal map of a base colour that varies, if it needs one in place of constants: fully rough
     /// metals mirror nothing.
     pub(super) fn metal_by_color(&self) -> Option<Map> {
-        let (metallic, roughness) = (self.metallic, self.roughness);
+        let (metallic, roughness) = (self.model.metallic, self.model.roughness);
         let is_seen = !self.is_unlit && metallic > 0.0 && roughness < 1.0;
         is_seen.then_some(Map { texture: None, strength: 1.0, metallic, roughness })
     }
@@ -181,18 +168,18 @@ impl MaterialElement {
     /// The light that goes through it, tinted by the base colour, which may vary: metals let none through.
     pub(super) fn transparency(&self, varies: bool) -> Transparency {
         Transparency {
-            opacity: if self.blends { self.alpha } else { 1.0 },
-            kt: match &self.metal {
+            opacity: if self.blends { self.model.alpha } else { 1.0 },
+            kt: match &self.model.metal {
                 _ if self.is_unlit => 0.0,
                 // The texture is mostly that of the roughness.
                 Some(_) => self.transparency.kt,
-                None => self.transparency.kt * (1.0 - self.metallic),
+                None => self.transparency.kt * (1.0 - self.model.metallic),
             },
             color: match (varies, self.transparency.thin) {
                 (true, _) => DVec3::ONE,
-                (false, true) => self.base_color,
+                (false, true) => self.model.base_color,
                 // Once on the way in and out.
-                (false, false) => self.base_color.powf(0.5),
+                (false, false) => self.model.base_color.powf(0.5),
             },
             tinted: varies,
             ..self.transparency
@@ -208,10 +195,10 @@ impl MaterialElement {
         let mut of = |info: &Option<TextureInfo>, encoding, tint| {
             info.as_ref().and_then(|info| texture(info, encoding, tint))
         };
-        let alpha = of(&self.texture.filter(|_| self.blends), Encoding::Linear, DVec3::ONE);
+        let alpha = of(&self.model.texture.filter(|_| self.blends), Encoding::Linear, DVec3::ONE);
         let opacity =
             alpha.map(|texture| TextureRef { channels: Channels::Alpha, ..texture }.into());
-        let color = of(&self.texture, Encoding::Srgb, self.base_color);
+        let color = of(&self.model.texture, Encoding::Srgb, self.model.base_color);
         if self.is_unlit {
             return (color, Maps { opacity, ..Maps::default() });
         }
@@ -221,8 +208,8 @@ impl MaterialElement {
             let texture = of(&info, Encoding::Linear, DVec3::ONE)?;
             Some(Map { strength: info?.strength, ..texture.into() })
         };
-        let (metallic, roughness) = (self.metallic, self.roughness);
-        let metal = plain(self.metal).map(|map| Map { metallic, roughness, ..map });
+        let (metallic, roughness) = (self.model.metallic, self.model.roughness);
+        let metal = plain(self.model.metal).map(|map| Map { metallic, roughness, ..map });
         let (occlusion, normal) = (plain(self.occlusion), plain(self.normal));
         let emission = of(&glow, Encoding::Srgb, DVec3::ONE).map(Map::from);
         (color, Maps { emission, metal, occlusion, normal, opacity })
@@ -231,9 +218,9 @@ impl MaterialElement {
     /// The lowest opaque alpha of its texture; 0 if everything is opaque, `None` if nothing is.
     pub(super) fn threshold(&self) -> Option<f64> {
         match self.cutoff {
-            0.0 => (!self.blends || self.alpha > 0.0).then_some(0.0),
+            0.0 => (!self.blends || self.model.alpha > 0.0).then_some(0.0),
             // The alpha of its texture is at most 1.
-            cutoff => (cutoff <= self.alpha).then(|| cutoff / self.alpha),
+            cutoff => (cutoff <= self.model.alpha).then(|| cutoff / self.model.alpha),
         }
     }
 
