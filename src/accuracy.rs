@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use super::common::{Threads, above_zero, print, progress_bar, whole};
 use wavecrest_base::error::Result;
 use wavecrest_report::accuracy::findings::ERRORS;
-use wavecrest_report::accuracy::pilot;
+use wavecrest_report::accuracy::pilot::target;
 use wavecrest_report::accuracy::store::{Circumstances, Record, Store, SweepHeader};
 use wavecrest_report::accuracy::{Findings, SweepProgress, page, sweep};
 use wavecrest_report::text::text;
@@ -83,8 +83,7 @@ fn advise(args: &AccuracyArgs, error: f64) -> Result<()> {
         let extracted = extract(loaded.world, Default::default())?;
         let preset = extracted.preset().at_once();
         let mut scene = extracted.build(preset);
-        let original = scene.original();
-        let advice = pilot::advice::advise(&mut scene, &original, error, 0)?;
+        let advice = target::advise(&mut scene, error, 0)?;
         let best = advice.iter().min_by(|a, b| a.seconds().total_cmp(&b.seconds()));
         let best = best.map(|advice| advice.choice);
         let mut text = format!("{}\n", file.display());

@@ -13,11 +13,11 @@ use wavecrest_base::error::{Error, Result};
 use wavecrest_base::replace::{Listed, check_differs, check_replaceable, make_folder};
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::prepared::PreparedScene;
-use wavecrest_core::render::{RenderOptions, TracerKind, render};
+use wavecrest_core::render::{RenderOptions, TracerKind};
 use wavecrest_core::wavefront::DEFAULT_BATCH;
 use wavecrest_report::bench::page::{STEPS, machine, overview, page, scene, write_figures};
 use wavecrest_report::bench::variant::{BATCHES, Varied};
-use wavecrest_report::bench::{BenchPlan, BenchReport, BenchSetting, Preparation, SceneBench};
+use wavecrest_report::bench::{BenchPlan, BenchReport, BenchSetting, Preparation, Run, SceneBench};
 use wavecrest_report::effects::scenes::{SceneVariant, variants};
 use wavecrest_report::effects::{self, EffectScene};
 use wavecrest_report::measure::RoundLimits;
@@ -248,7 +248,7 @@ fn price_effects(args: &BenchArgs) -> Result<bool> {
     let SearchOptions { simd, kernel } = args.search;
     let precision = args.scene_options.precision;
     let setting = effects::EffectSetting { simd, kernel, precision, batch: args.batch as usize };
-    let trace = |scene: &_, tracer| render(scene, &args.options(tracer), &());
+    let trace = |scene: &_, tracer| Run::of(scene, &args.options(tracer));
     let list = with_bar(args.scene_options.quiet, RUNS, |progress| {
         effects::measure(&entries, setting, &args.schedule(), trace, progress)
     })?;

@@ -141,7 +141,7 @@ pub(super) fn run(file: &Path, efforts: &[Effort]) -> Result<Examined> {
         let trial = trial(&accel, effort);
         let examined = examined.get_or_insert_with(|| Examined {
             file: file.display().to_string(),
-            shape: shape(accel.geometry(), &accel),
+            shape: shape(&accel),
             trials: Vec::new(),
         });
         let agreement = (precision == Precision::Exact).then(|| agreement(accel, effort));

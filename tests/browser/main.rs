@@ -41,7 +41,8 @@ fn picture(name: &str, rgb: [u8; 3]) -> Picture {
 fn page() -> Page {
     let error = |n: i32| {
         let x = 4.0_f64.powi(n);
-        Point::new(x, 0.5 / x.sqrt()).within(0.4 / x.sqrt(), 0.7 / x.sqrt())
+        let [low, y, high] = [0.4, 0.5, 0.7].map(|error| error / x.sqrt());
+        Point { x, y, low, high, label: String::new() }
     };
     let chart = Chart {
         title: "Error against samples".to_owned(),

@@ -281,7 +281,7 @@ fn exactness_has_a_price_list() {
     let mut swept = run(&[file], 2, &mut store, &|_| {}).expect("a sweep");
     let found = Findings::new(2, &store, &swept, &ERRORS);
     let prices = found.scenes[0].steps.as_ref().expect("prices");
-    let rendered = swept[0].subject.render(&Setting::default(), 0);
+    let rendered = swept[0].render(&Setting::default(), 0);
     let counters = rendered.expect("a film").counters;
     assert_eq!(prices.rays, counters.primary_rays + counters.secondary_rays + counters.shadow_rays);
     assert_eq!(prices.steps.len(), HitStep::ALL.len());

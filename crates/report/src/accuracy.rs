@@ -23,6 +23,7 @@ use serde::Serialize;
 
 use findings::SceneFindings;
 use store::{Circumstances, Store, SweepHeader, all};
+use subject::Subject;
 
 use crate::bench::{Machine, commit};
 use crate::files::write_json;
@@ -59,18 +60,15 @@ pub struct Findings {
 impl Circumstances {
     /// The circumstances of this process.
     pub fn here() -> Self {
-        let machine = serde_json::to_value(Machine::this()).unwrap_or_default();
-        Self { command: std::env::args().collect(), commit: commit(), machine }
+        Self { command: std::env::args().collect(), commit: commit(), machine: Machine::this() }
     }
 }
 
 impl Findings {
-    /// Summarises the records of the `swept` scenes in `store`, with the cost of each of the
+    /// Summarises the records of the swept scenes in `store`, with the cost of each of the
     /// `errors`.
-    pub fn new(seeds: u32, store: &Store, swept: &[sweep::Swept], errors: &[f64]) -> Self {
-        let scene = |sweep::Swept { subject, families, .. }: &_| {
-            SceneFindings::of(subject, families, &store.records, errors)
-        };
+    pub fn new(seeds: u32, store: &Store, swept: &[Subject], errors: &[f64]) -> Self {
+        let scene = |subject: &Subject| SceneFindings::of(subject, &store.records, errors);
         Self {
             header: store.header.clone(),
             seeds,

@@ -48,21 +48,17 @@
 //! | `..kernels` | | rays by kernel in one run, as in [`crate::statistics`] |
 //! | `warnings` | | possible problems of the measurement |
 
-pub mod advice;
-pub mod compare;
-mod costs;
-pub mod equal;
+mod advice;
+mod compare;
+pub(crate) mod equal;
 mod machine;
 pub mod page;
 mod report;
-mod run;
 #[cfg(test)]
 mod tests;
 pub mod variant;
 
-pub use compare::Ratio;
-pub use costs::Cost;
+pub use compare::{Cost, Ratio, Run};
 pub(crate) use machine::commit;
 pub use machine::{Cache, Machine};
 pub use report::{BenchPlan, BenchReport, BenchSetting, Preparation, SceneBench};
-pub use run::Run;

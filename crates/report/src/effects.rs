@@ -25,22 +25,28 @@
 //! | `.price` | | seconds over those of the scene that it was added to: median and interval, as in [`super::bench`]; `null` for the first scenes |
 //! | `.nanoseconds_a_hit` | ns | of a map: the processor time that it adds for each hit on a surface; `null` for other effects, and if the system does not tell it |
 
-mod list;
+#![allow(missing_docs, reason = "the table above says it once, for the JSON and for the fields")]
+
 pub mod scenes;
 
+use serde::Serialize;
+
 use crate::bench::equal::RunDifference;
-use crate::bench::{Machine, Ratio};
-use crate::measure::{RoundLimits, Rounds, Timing};
-use crate::statistics::Rays;
+use crate::bench::page::machine;
+use crate::bench::{Machine, Ratio, Run};
+use crate::measure::{RoundLimits, Rounds, Timing, busy};
+use crate::page::{Block, Cell, Table};
+use crate::statistics::{ImageSize, Rays, Samples};
 use crate::summary::{Summary, median};
 use scenes::SceneVariant;
 use wavecrest_base::error::Result;
+use wavecrest_core::accel::KernelChoice;
+use wavecrest_core::kernels::precision::Precision;
+use wavecrest_core::math::simd::Level;
 use wavecrest_core::plan::Effect;
 use wavecrest_core::prepared::PreparedScene;
 use wavecrest_core::render::{Rendered, TracerKind};
 use wavecrest_core::wavefront::batch::Batch;
-
-pub use list::{Cost, EffectSetting, Price, PriceList, text};
 
 /// A prepared scene of the list.
 #[derive(Debug)]
@@ -49,6 +55,52 @@ pub struct EffectScene {
     pub variant: SceneVariant,
     /// The scene.
     pub scene: PreparedScene,
+}
+
+/// The list.
+#[derive(Clone, Debug, Serialize)]
+pub struct PriceList {
+    pub version: &'static str,
+    pub machine: Machine,
+    pub image: Option<ImageSize>,
+    #[serde(flatten)]
+    pub setting: EffectSetting,
+    #[serde(flatten)]
+    pub rounds: Rounds,
+    pub difference: Option<RunDifference>,
+    pub effects: Vec<Price>,
+}
+
+/// The settings of the renders.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct EffectSetting {
+    pub simd: Level,
+    pub kernel: KernelChoice,
+    pub precision: Precision,
+    pub batch: usize,
+}
+
+/// The cost of one effect.
+#[derive(Clone, Debug, Serialize)]
+pub struct Price {
+    pub effect: String,
+    pub added_to: Option<String>,
+    pub reached: bool,
+    pub simulated: Vec<&'static str>,
+    pub rays: Rays,
+    pub samples: Samples,
+    pub bytes_per_path: usize,
+    pub wavefront: Cost,
+    pub recursive: Cost,
+}
+
+/// The cost with one tracer.
+#[derive(Clone, Debug, Serialize)]
+pub struct Cost {
+    pub seconds: Summary,
+    pub seconds_per_mray: f64,
+    pub price: Option<Ratio>,
+    pub nanoseconds_a_hit: Option<f64>,
 }
 
 const TRACERS: [TracerKind; 2] = [TracerKind::Wavefront, TracerKind::Recursive];
@@ -62,7 +114,7 @@ pub fn measure(
     entries: &[EffectScene],
     setting: EffectSetting,
     schedule: &RoundLimits,
-    mut trace: impl FnMut(&PreparedScene, TracerKind) -> Result<Rendered>,
+    mut trace: impl FnMut(&PreparedScene, TracerKind) -> Result<Run>,
     progress: &mut dyn FnMut(u64, u64),
 ) -> Result<PriceList> {
     let mut firsts: Vec<Rendered> = Vec::new();
@@ -78,9 +130,7 @@ pub fn measure(
     let run = |variant: usize| {
         let (index, tracer) = (variant / TRACERS.len(), TRACERS[variant % TRACERS.len()]);
         let EffectScene { variant, scene } = &entries[index];
-        let (rendered, timing) = Timing::of(|| trace(scene, tracer));
-        let rendered = rendered?;
-        let timing = timing.lasting(rendered.seconds);
+        let Run { timing, rendered } = trace(scene, tracer)?;
         // The first round is in the order of the entries, a base before what is added to it.
         if firsts.len() == index {
             firsts.push(rendered.clone());
@@ -143,6 +193,53 @@ fn price(
         wavefront: cost(0)?,
         recursive: cost(1)?,
     })
+}
+
+/// The list for a terminal, with the machine.
+pub fn text(list: &PriceList) -> String {
+    let mut blocks = vec![Block::Facts(machine(&list.machine))];
+    match &list.difference {
+        None => blocks.extend(self::blocks(list)),
+        Some(differs) => blocks.push(Block::Warning(differs.words())),
+    }
+    crate::text::text(&blocks)
+}
+
+/// The cost of each effect with both tracers.
+fn blocks(list: &PriceList) -> Vec<Block> {
+    let table = |caption: &str, reached: bool| {
+        let header = "effect|added to|>wavefront|>ns a ray|>map, ns a hit|>recursive|>ns a ray|>map, ns a hit|>bytes a path";
+        let rows = list.effects.iter().filter(|p| p.reached == reached).map(row).collect();
+        Block::Table(Table::new(caption, header, rows))
+    };
+    let [width, height] = list.image.map_or([0; 2], |image| [image.width, image.height]);
+    let busy = busy([list.rounds]).map_or_else(String::new, |words| format!(" {words}."));
+    let lead = format!(
+        "Each effect is added on its own to a small scene of {width} x {height} pixels. The ratio is the time with the effect \
+         over the time without it, round by round, in {} rounds.{busy} For maps there are also the \
+         nanoseconds of a processor that they add for each hit on a surface. Bytes are those of the columns of the wavefront \
+         tracer.",
+        list.rounds.rounds
+    );
+    vec![
+        Block::Paragraph(lead),
+        table("Effects in view: ratios of times", true),
+        table("Effects that nothing in view shows: same image, same work", false),
+    ]
+}
+
+fn row(p: &Price) -> Vec<Cell> {
+    let costs = [&p.wavefront, &p.recursive].map(cells).concat();
+    let names = vec![Cell::text(&p.effect), Cell::text(p.added_to.as_deref().unwrap_or("nothing"))];
+    [names, costs, vec![Cell::figure(p.bytes_per_path as f64)]].concat()
+}
+
+/// The ratio, the time of a ray, and what a map adds for each hit.
+fn cells(cost: &Cost) -> Vec<Cell> {
+    let ratio = cost.price.as_ref().map_or_else(|| Cell::text("1"), Ratio::cell);
+    let a_hit = cost.nanoseconds_a_hit.filter(|ns| ns.is_finite());
+    let a_hit = a_hit.map_or_else(Cell::default, |ns| Cell::decimals(ns, 1));
+    vec![ratio, Cell::decimals(cost.seconds_per_mray * 1e3, 1), a_hit]
 }
 
 #[cfg(test)]

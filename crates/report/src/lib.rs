@@ -8,7 +8,6 @@ pub mod files;
 mod markup;
 pub mod measure;
 pub mod page;
-mod patch;
 pub mod plot;
 pub mod ray_file;
 pub mod selftest;

@@ -13,7 +13,6 @@ mod field;
 mod font;
 mod marks;
 pub mod number;
-mod paint;
 pub(crate) mod svg;
 #[cfg(test)]
 mod tests;
@@ -85,17 +84,17 @@ pub enum Draw {
     Bars,
 }
 
-/// One measurement.
-#[derive(Clone, Debug, Default, PartialEq)]
+/// One measurement with its interval.
+#[derive(Clone, Debug, PartialEq)]
 pub struct Point {
     /// Its `x`; a value that is not finite is not drawn.
     pub x: f64,
     /// Its `y`.
     pub y: f64,
-    /// The lower end of the interval in `y`, if any.
-    pub low: Option<f64>,
+    /// The lower end of the interval in `y`.
+    pub low: f64,
     /// The upper end.
-    pub high: Option<f64>,
+    pub high: f64,
     /// A description, without the values; may be empty.
     pub label: String,
 }
@@ -126,11 +125,11 @@ impl Chart {
             for (stage, seconds) in stages {
                 // A bar of no length has no parts.
                 let all = sum(stages).max(f64::MIN_POSITIVE);
-                let (start, share) = (end, (1000.0 * seconds / all).round() / 10.0);
+                let (low, share) = (end, (1000.0 * seconds / all).round() / 10.0);
                 end += scale * seconds;
                 let label = format!("{}% of the bar", figure(share));
-                let point = Point::new(row as f64, scale * seconds).within(start, end);
-                let point = Point { label, ..point };
+                let (x, y) = (row as f64, scale * seconds);
+                let point = Point { x, y, low, high: end, label };
                 match series.iter_mut().find(|series| series.name == *stage) {
                     Some(series) => series.points.push(point),
                     None => series.push(Series {
@@ -179,18 +178,5 @@ impl Guide {
     pub fn power(name: &str, slope: f64, [x, y]: [f64; 2], [last, lowest]: [f64; 2]) -> Self {
         let end = last.min(x * libm::pow(lowest / y, 1.0 / slope));
         Self { name: name.to_owned(), ends: [[x, y], [end, y * libm::pow(end / x, slope)]] }
-    }
-}
-
-impl Point {
-    /// A point without interval or label.
-    pub fn new(x: f64, y: f64) -> Self {
-        Self { x, y, ..Self::default() }
-    }
-
-    /// With an interval in `y`.
-    #[must_use]
-    pub fn within(self, low: f64, high: f64) -> Self {
-        Self { low: Some(low), high: Some(high), ..self }
     }
 }

@@ -24,8 +24,6 @@ mod scenes;
 mod shapes;
 mod spheres;
 mod surfaces;
-mod topology;
-mod ways;
 mod world;
 
 use std::path::Path;

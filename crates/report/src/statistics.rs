@@ -50,7 +50,7 @@ macro_rules! counts {
         $($field:ident: $kind:ty = $value:expr,)+
     })+) => {$(
         $(#[doc = $doc])+
-        #[derive(Clone, Copy, Debug, Serialize)]
+        #[derive(Clone, Copy, Debug, Default, Serialize)]
         pub struct $name {
             $(pub $field: $kind,)+
         }

@@ -14,7 +14,7 @@ use crate::transfer::Transfer;
 use wavecrest_base::error::{Error, Result};
 use wavecrest_core::prepared::PreparedScene;
 use wavecrest_core::render::units::Grid;
-use wavecrest_core::render::work::{RenderWork, Job, Summed, Task, run};
+use wavecrest_core::render::work::{Job, RenderWork, Summed, Task, run};
 use wavecrest_core::render::{Canvas, RenderOptions, Rendered, Watch};
 
 /// The work to render, and its state.
@@ -139,7 +139,11 @@ impl<'a> Session<'a> {
     ///
     /// # Errors
     /// If the plan's table of passes is inconsistent.
-    pub fn render_units(&self, watch: &dyn Watch, warn: &(dyn Fn(&Error) + Sync)) -> Result<RenderWork> {
+    pub fn render_units(
+        &self,
+        watch: &dyn Watch,
+        warn: &(dyn Fn(&Error) + Sync),
+    ) -> Result<RenderWork> {
         let each = u64::from(self.header.identity.blocks().count());
         self.run(watch, warn, &|_| {
             watch.progress(self.done.load(Ordering::Relaxed) / each, self.all.div_ceil(each));

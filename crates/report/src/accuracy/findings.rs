@@ -89,12 +89,7 @@ pub struct Point {
 
 impl SceneFindings {
     /// Summarises the `records` of a scene.
-    pub fn of(
-        subject: &Subject,
-        families: &[Family<setting::CountedSetting>],
-        records: &[Record],
-        errors: &[f64],
-    ) -> Self {
+    pub fn of(subject: &Subject, records: &[Record], errors: &[f64]) -> Self {
         let name = &*subject.record.scene;
         let (all_rounds, busy) = busy_rounds(name, records);
         let is_enough = all_rounds - busy.len() >= ENOUGH.min(all_rounds);
@@ -113,7 +108,8 @@ impl SceneFindings {
             trials: all(records).filter(|t: &&TrialRecord| t.scene == name).cloned().collect(),
             steps: all(records).find(|s: &&StepsRecord| s.scene == name).cloned(),
         };
-        found.families = families.iter().map(|f| found.summary(f, records, &left)).collect();
+        found.families =
+            subject.families.iter().map(|f| found.summary(f, records, &left)).collect();
         let counted = Axis::of(&subject.facts).things(2);
         let varied = found.families.iter().find(|family| family.counted == counted);
         let prepared = all(records).filter(|p: &&PreparedRecord| p.scene == name);

@@ -10,7 +10,7 @@ use super::Findings;
 use super::findings::{Answer, AtError, SceneFindings};
 use super::fit::Uncertain;
 use super::store::Circumstances;
-use super::sweep::Swept;
+use super::subject::Subject;
 use crate::bench::page::{command, recorded};
 use crate::measure::{busy, waiting};
 use crate::page::{Block, Cell, Page, Section, Table};
@@ -21,12 +21,12 @@ use wavecrest_base::error::Result;
 ///
 /// # Errors
 /// If a file cannot be written, or a scene can no longer be rendered for its crops.
-pub fn write(findings: &Findings, swept: &mut [Swept], results: &Path) -> Result<()> {
+pub fn write(findings: &Findings, swept: &mut [Subject], results: &Path) -> Result<()> {
     let mut first = Vec::from_iter(disturbed(findings.scenes.iter()).map(Block::Warning));
     first.extend(answers(findings));
     let mut sections = Vec::new();
-    for (scene, swept) in findings.scenes.iter().zip(swept) {
-        first.extend(bought(scene, swept)?);
+    for (scene, subject) in findings.scenes.iter().zip(swept) {
+        first.extend(bought(scene, subject)?);
         sections.push(section(scene, results)?);
     }
     sections.push(about(findings));
@@ -52,13 +52,10 @@ pub fn summary(findings: &Findings) -> Vec<Block> {
 }
 
 /// What each time buys: the chart of the answer's samplers, and crops.
-fn bought(
-    scene: &SceneFindings,
-    Swept { subject, references, .. }: &mut Swept,
-) -> Result<Vec<Block>> {
+fn bought(scene: &SceneFindings, subject: &mut Subject) -> Result<Vec<Block>> {
     let Some(family) = scene.family(scene.answer.family) else { return Ok(Vec::new()) };
     let mut blocks = vec![Block::Chart(charts::against_time(family, scene))];
-    blocks.extend(crops::rows(subject, family, &scene.answer, &references[&family.target])?);
+    blocks.extend(crops::rows(subject, family, &scene.answer)?);
     Ok(blocks)
 }
 

@@ -14,7 +14,6 @@
 //! has at least four; where points on lights or the lens are, the measured error is that of these
 //! points, and does not include what such a ray misses at edges.
 
-pub mod advice;
 pub mod budget;
 pub mod measured;
 pub mod target;

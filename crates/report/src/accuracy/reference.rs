@@ -9,7 +9,7 @@
 use std::sync::atomic::{AtomicU64, Ordering};
 
 use super::pilot::measured::variance;
-use super::setting::{Axis, CountedSetting, Facts, Family, Setting, Target, converges};
+use super::setting::{Axis, Facts, Setting, Target, converges};
 use super::store::{Record, ReferenceRecord, Store, all};
 use super::subject::Subject;
 use super::{SweepProgress, Told};
@@ -39,9 +39,8 @@ const FIRST_SEED: u64 = 1 << 63;
 ///
 /// # Errors
 /// If the scene can no longer be rendered, or the reference can be neither read nor written.
-pub fn reference(
+pub(super) fn reference(
     subject: &mut Subject,
-    families: &[Family<CountedSetting>],
     target: Target,
     least: u32,
     store: &mut Store,
@@ -55,7 +54,7 @@ pub fn reference(
         progress(SweepProgress::Step(LEAST_REPLICATES as u64 * of_one));
         return read(&store.folder.join(&known.file));
     }
-    let approached = families.iter().filter(|family| family.target == target);
+    let approached = subject.families.iter().filter(|family| family.target == target);
     let last = approached.flat_map(|family| &family.series).filter_map(|s| s.points.last());
     let nearest = last.filter(|(.., setting)| converges(&setting.key()));
     let nearest: Vec<Setting> = nearest.map(|(.., setting)| *setting).collect();
@@ -131,7 +130,7 @@ fn setting(facts: &Facts, target: Target, least: u32) -> (Setting, u32) {
 }
 
 /// The least work of a reference for each of its points: see [`Setting::work`].
-pub const LEAST_WORK: u64 = REFERENCE_COST * LEAST_REPLICATES as u64;
+pub(super) const LEAST_WORK: u64 = REFERENCE_COST * LEAST_REPLICATES as u64;
 
 /// How many times as long as the usual kernel the reference kernel takes, roughly.
 const REFERENCE_COST: u64 = 3;

@@ -1,17 +1,18 @@
 //! A scene rendered in many ways: prepared once for each structure, with new samples for each
 //! render.
 
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 use std::path::Path;
 use std::time::Instant;
 
-use super::setting::{Facts, Setting, Structure};
+use super::setting::{CountedSetting, Facts, Family, Setting, Structure, Target, families};
 use super::store::SceneRecord;
 use crate::bench::Preparation;
 use crate::measure::{Timing, rounds};
 use wavecrest_base::error::Result;
 use wavecrest_core::accel::KernelChoice;
 use wavecrest_core::accel::build::Preset;
+use wavecrest_core::film::Film;
 use wavecrest_core::prepared::{Original, PreparedScene};
 use wavecrest_core::render::{RenderOptions, Rendered, Watch, render};
 use wavecrest_scene::load::{LoadOptions, load};
@@ -24,6 +25,10 @@ pub struct Subject {
     pub record: SceneRecord,
     /// The properties that can be varied.
     pub facts: Facts,
+    /// The variations.
+    pub families: Vec<Family<CountedSetting>>,
+    /// The references of errors, once they are rendered.
+    pub references: BTreeMap<Target, Film>,
     prepared: HashMap<Structure, PreparedSubject>,
 }
 
@@ -47,11 +52,12 @@ const REPETITIONS: usize = 10;
 const MOST_BYTES: u64 = 4 << 30;
 
 impl Subject {
-    /// The scene of `file`, with images of at most `longest` pixels on the longer side.
+    /// The scene of `file`, with images of at most `longest` pixels on the longer side, and variations with up to
+    /// `most` points of a kind.
     ///
     /// # Errors
     /// If it cannot be loaded or prepared.
-    pub fn open(file: &Path, longest: u32) -> Result<Self> {
+    pub fn open(file: &Path, longest: u32, most: u32) -> Result<Self> {
         let full = extract(load(file, &LoadOptions::default())?.world, Default::default())?;
         let record = SceneRecord {
             scene: file.file_stem().unwrap_or_default().to_string_lossy().into_owned(),
@@ -60,7 +66,10 @@ impl Subject {
             size: within(full.scene().camera.size(), longest),
             primitives: full.geometry().held() as u64,
         };
-        Ok(Self { record, facts: Facts::of(full.scene()), prepared: HashMap::new() })
+        let facts = Facts::of(full.scene());
+        let families = families(&facts, most);
+        let (references, prepared) = (BTreeMap::new(), HashMap::new());
+        Ok(Self { record, facts, families, references, prepared })
     }
 
     /// The number of pixels of its images.

@@ -9,7 +9,7 @@ use std::path::PathBuf;
 use rand::seq::SliceRandom;
 
 use super::fit::generator;
-use super::setting::{CountedSetting, Family, Setting, Structure, Target, families};
+use super::setting::{CountedSetting, Family, Setting, Structure, Target};
 use super::store::{
     Errors, PointRecord, PreparedRecord, Record, Store, SweepHeader, TrialRecord, all, busy_rounds,
 };
@@ -25,17 +25,6 @@ use wavecrest_core::kernels::precision::Precision;
 use wavecrest_image::compare::{Comparison, compare};
 use wavecrest_image::flip::{DEFAULT_PIXELS_PER_DEGREE, flip};
 
-/// A scene with its references, for the report.
-#[derive(Debug)]
-pub struct Swept {
-    /// The scene.
-    pub subject: Subject,
-    /// The variations.
-    pub families: Vec<Family<CountedSetting>>,
-    /// The references of the errors.
-    pub references: BTreeMap<Target, Film>,
-}
-
 /// Sweeps the scenes of `files` in turn, with this many renders of each setting, each with its own
 /// seed; results in `store` are not repeated.
 ///
@@ -46,35 +35,30 @@ pub fn run(
     seeds: u32,
     store: &mut Store,
     progress: &Told<'_>,
-) -> Result<Vec<Swept>> {
+) -> Result<Vec<Subject>> {
     let SweepHeader { longest, most, least, .. } = store.header;
-    let open = |file: &PathBuf| {
-        let subject = Subject::open(file, longest)?;
-        let families = families(&subject.facts, most);
-        Ok(Swept { subject, families, references: BTreeMap::new() })
+    let open = |file: &PathBuf| Subject::open(file, longest, most);
+    let mut subjects = files.iter().map(open).collect::<Result<Vec<Subject>>>()?;
+    let references = Target::ALL.len() as u64 * reference::LEAST_WORK * u64::from(least);
+    let work = |subject: &Subject| {
+        let settings = settings(&subject.families);
+        let points: u64 = settings.iter().map(|(_, setting)| setting.work()).sum();
+        subject.pixels() * (references + u64::from(seeds) * points)
     };
-    let mut all = files.iter().map(open).collect::<Result<Vec<Swept>>>()?;
-    let of_reference = reference::LEAST_WORK * u64::from(least);
-    let work = |swept: &Swept| {
-        let points: u64 = settings(&swept.families).iter().map(|(_, setting)| setting.work()).sum();
-        let references = Target::ALL.len() as u64 * of_reference;
-        swept.subject.pixels() * (references + u64::from(seeds) * points)
-    };
-    all.iter().try_for_each(|swept| store.admit(swept.subject.record.clone()))?;
-    progress(SweepProgress::More(all.iter().map(work).sum()));
-    for swept in &mut all {
+    subjects.iter().try_for_each(|subject| store.admit(subject.record.clone()))?;
+    progress(SweepProgress::More(subjects.iter().map(work).sum()));
+    for subject in &mut subjects {
         for target in Target::ALL {
-            let Swept { subject, families, references } = &mut *swept;
             let stage = format!("{}: reference ({target})", subject.record.scene);
             progress(SweepProgress::Stage(&stage));
-            let film = reference::reference(subject, families, target, least, store, progress)?;
-            references.insert(target, film);
+            let film = reference::reference(subject, target, least, store, progress)?;
+            subject.references.insert(target, film);
         }
-        points(swept, seeds as usize, store, progress)?;
-        trials(&mut swept.subject, store, progress)?;
-        steps::run(&mut swept.subject, store, progress)?;
+        points(subject, seeds as usize, store, progress)?;
+        trials(subject, store, progress)?;
+        steps::run(subject, store, progress)?;
     }
-    Ok(all)
+    Ok(subjects)
 }
 
 /// Each setting of the families once, with its target and its key.
@@ -88,13 +72,13 @@ const MOST_ROUNDS: usize = 2;
 
 /// Renders every setting with every seed.
 fn points(
-    Swept { subject, families, references }: &mut Swept,
+    subject: &mut Subject,
     seeds: usize,
     store: &mut Store,
     progress: &Told<'_>,
 ) -> Result<()> {
     let scene = subject.record.scene.clone();
-    let mut all = settings(families);
+    let mut all = settings(&subject.families);
     note_preparation(subject, store)?;
     progress(SweepProgress::Stage(&scene));
     for seed in 0.. {
@@ -118,7 +102,7 @@ fn points(
                     seconds: rendered.seconds,
                     timing,
                     rays: Rays::from(&rendered.counters).all(),
-                    error: errors(&rendered.film, &references[target])?,
+                    error: errors(&rendered.film, &subject.references[target])?,
                 }))?;
             }
             progress(SweepProgress::Step(subject.pixels() * setting.work()));
@@ -149,7 +133,7 @@ fn note_preparation(subject: &Subject, store: &mut Store) -> Result<()> {
 ///
 /// # Errors
 /// If their sizes differ.
-pub fn errors(film: &Film, reference: &Film) -> Result<Errors> {
+fn errors(film: &Film, reference: &Film) -> Result<Errors> {
     let Comparison { mse, relative_mse, bias, .. } = compare(film, reference)?;
     let flip = flip(film, reference, DEFAULT_PIXELS_PER_DEGREE)?.mean;
     Ok(Errors { mse, relative_mse, bias, flip })

@@ -20,7 +20,7 @@ const SLOW_DEVIATIONS: f64 = 14.826;
 const SLOW_SHARE: f64 = 0.1;
 
 /// The warnings about a comparison.
-pub fn warnings(found: &BenchComparison) -> Vec<String> {
+pub(super) fn warnings(found: &BenchComparison) -> Vec<String> {
     let mut warnings = Vec::new();
     let mut warn = |is_so: bool, text: String| warnings.extend(is_so.then_some(text));
     warn(cfg!(debug_assertions), "this is a debug build: build with --release".to_owned());

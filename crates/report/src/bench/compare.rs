@@ -5,19 +5,25 @@
 
 #![allow(missing_docs, reason = "the tables of crate::bench say it once")]
 
+use std::collections::BTreeMap;
+use std::collections::btree_map::Entry;
+
+use rayon::{ThreadPool, ThreadPoolBuilder};
 use serde::{Serialize, Serializer};
 
-use super::costs::{Cost, costs};
 use super::equal::RunDifference;
-use super::run::Run;
 use super::variant::{ListedVariant, Variant, Varied};
 use crate::measure::{Measured, RoundLimits, Rounds, Timing, measure};
 use crate::page::Cell;
 use crate::statistics::{KernelUse, Rays, SpanUse, Tests};
 use crate::summary::{MedianInterval, Summary, median};
-use wavecrest_base::error::Result;
+use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_core::counters::{Counters, SpanCounts};
-use wavecrest_core::render::TracerKind;
+use wavecrest_core::plan::Plan;
+use wavecrest_core::plan::schedule::{PASSES, unplanned};
+use wavecrest_core::prepared::PreparedScene;
+use wavecrest_core::render::{RenderOptions, Rendered, TracerKind, render};
+use wavecrest_core::tile::TimedPass;
 
 /// The results of a list.
 #[derive(Clone, Debug, Serialize)]
@@ -113,6 +119,80 @@ pub struct Gain {
     pub ratio: Ratio,
 }
 
+/// The cost of a pass for one of what it handles.
+#[derive(Clone, Debug, Serialize)]
+pub struct Cost {
+    pub pass: &'static str,
+    pub of: &'static str,
+    pub count: u64,
+    pub nanoseconds: f64,
+}
+
+/// One run.
+#[derive(Clone, Debug)]
+pub struct Run {
+    /// Its duration.
+    pub timing: Timing,
+    /// Its image and its work.
+    pub rendered: Rendered,
+}
+
+impl Run {
+    /// Renders `scene` on the threads of the current pool.
+    ///
+    /// # Errors
+    /// Those of [`render`].
+    pub fn of(scene: &PreparedScene, options: &RenderOptions) -> Result<Self> {
+        let (rendered, timing) = Timing::of(|| render(scene, options, &()));
+        let rendered = rendered?;
+        Ok(Self { timing: timing.lasting(rendered.seconds), rendered })
+    }
+}
+
+/// A scene to render in many ways.
+pub(super) struct Runner<'a> {
+    scene: &'a mut PreparedScene,
+    seed: u64,
+    planned: Plan,
+    pools: BTreeMap<usize, ThreadPool>,
+}
+
+impl<'a> Runner<'a> {
+    pub(super) fn new(scene: &'a mut PreparedScene, seed: u64) -> Self {
+        let planned = scene.plan.clone();
+        Self { scene, seed, planned, pools: BTreeMap::new() }
+    }
+
+    /// One run of `variant`.
+    pub(super) fn run(&mut self, variant: &Variant) -> Result<Run> {
+        let &Variant { tracer, time_passes, kernel, simd, batch, threads, planned } = variant;
+        self.scene.accel.kernel = kernel;
+        if let Some(level) = simd.token() {
+            self.scene.accel.level = level;
+        }
+        self.scene.plan = match planned {
+            true => self.planned.clone(),
+            false => Plan::of(self.planned.decisions().to_vec(), &unplanned(&PASSES)),
+        };
+        let options = RenderOptions { tracer, time_passes, batch, seed: self.seed, crop: None };
+        let scene = &*self.scene;
+        if threads == rayon::current_num_threads() {
+            return Run::of(scene, &options);
+        }
+        let pool = match self.pools.entry(threads) {
+            Entry::Occupied(pool) => pool.into_mut(),
+            Entry::Vacant(place) => {
+                let pool = ThreadPoolBuilder::new().num_threads(threads).build();
+                place.insert(pool.map_err(|e| {
+                    Error::new(ErrorKind::Usage, format!("cannot start threads: {e}"))
+                        .remedy("raise the limits of the process (ulimit -u, -v)")
+                })?)
+            }
+        };
+        pool.install(|| Run::of(scene, &options))
+    }
+}
+
 /// What is kept of a run.
 struct KeptRun {
     passes: Vec<(&'static str, f64)>,
@@ -124,7 +204,7 @@ struct KeptRun {
 ///
 /// # Errors
 /// Those of `trace`.
-pub fn compare(
+pub(super) fn compare(
     of: Varied,
     choices: &[ListedVariant],
     schedule: &RoundLimits,
@@ -207,6 +287,25 @@ fn passes(runs: &[(Timing, KeptRun)]) -> Vec<(&'static str, f64)> {
 /// The sum of the seconds of passes.
 pub(super) fn sum(passes: &[(&str, f64)]) -> f64 {
     passes.iter().map(|(_, seconds)| seconds).sum()
+}
+
+/// The costs of those of the `passes` that have work, with their seconds. A tracer without a clock has none.
+fn costs(passes: &[(&'static str, f64)], c: &Counters) -> Vec<Cost> {
+    let handled = [
+        (TimedPass::Generate, "camera ray", c.primary_rays),
+        (TimedPass::Intersect, "ray", c.primary_rays + c.secondary_rays),
+        (TimedPass::Shade, "plain hit", c.look_ups.plain),
+        (TimedPass::Maps, "mapped hit", c.look_ups.mapped),
+        (TimedPass::Maps, "look-up of a map", c.look_ups.maps),
+        (TimedPass::Shadow, "shadow ray", c.shadow_rays),
+        (TimedPass::Resolve, "sample", c.primary_rays),
+    ];
+    let with_work = handled.into_iter().filter(|(.., count)| *count > 0);
+    let cost = |(pass, of, count): (TimedPass, _, _)| {
+        let &(pass, seconds) = passes.iter().find(|(name, _)| *name == pass.name())?;
+        Some(Cost { pass, of, count, nanoseconds: 1e9 * seconds / count as f64 })
+    };
+    with_work.filter_map(cost).collect()
 }
 
 /// Those up to the last bounce with hits.

@@ -5,21 +5,22 @@
 use std::path::Path;
 use std::process::Command;
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// The machine.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Machine {
     pub processor: Option<String>,
     pub cores: usize,
     pub threads: usize,
     pub os: String,
     /// The caches of data, from the nearest to the farthest; none if the system does not tell.
+    #[serde(default)]
     pub caches: Vec<Cache>,
 }
 
 /// A cache of data.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Cache {
     pub level: u32,
     pub bytes: u64,

@@ -5,9 +5,6 @@ mod comparison;
 
 use std::path::Path;
 
-use serde::Serialize;
-use serde_json::Value;
-
 use super::advice::waiting;
 use super::compare::{VariantBench, sum};
 use super::machine::{Cache, Machine};
@@ -236,25 +233,21 @@ fn size(bytes: u64) -> String {
     }
 }
 
-/// The machine, or what JSON says of it.
-pub fn machine(machine: &impl Serialize) -> Vec<Fact> {
-    let machine = serde_json::to_value(machine).unwrap_or_default();
-    let of = |key: &str| match &machine[key] {
-        Value::Null => "unknown".to_owned(),
-        Value::String(text) => text.clone(),
-        other => other.to_string(),
-    };
+/// The machine.
+pub fn machine(machine: &Machine) -> Vec<Fact> {
     vec![
-        Fact::new("processor", of("processor")),
-        Fact::new("cores, threads", format!("{}, {}", of("cores"), of("threads"))),
-        Fact::new("system", of("os")),
+        Fact::new("processor", machine.processor.as_deref().unwrap_or("unknown")),
+        Fact::new("cores, threads", format!("{}, {}", machine.cores, machine.threads)),
+        Fact::new("system", &machine.os),
     ]
 }
 
 /// The machine and the program of a measurement.
-pub(crate) fn recorded(of: &impl Serialize, version: &str, commit: Option<&str>) -> Vec<Fact> {
-    let commit = Fact::new("commit", commit.unwrap_or("unknown"));
-    machine(of).into_iter().chain([Fact::new("wavecrest", version), commit]).collect()
+pub(crate) fn recorded(of: &Machine, version: &str, commit: Option<&str>) -> Vec<Fact> {
+    let mut facts = machine(of);
+    facts.push(Fact::new("wavecrest", version));
+    facts.push(Fact::new("commit", commit.unwrap_or("unknown")));
+    facts
 }
 
 /// A command with these arguments, as typed.

@@ -5,9 +5,8 @@
 use serde::{Deserialize, Serialize};
 
 use super::advice;
-use super::compare::{BenchComparison, VariantBench, compare};
+use super::compare::{BenchComparison, Runner, VariantBench, compare};
 use super::machine::{Machine, commit};
-use super::run::Runner;
 use super::variant::{Variant, Varied};
 use crate::measure::RoundLimits;
 use crate::statistics::{ImageSize, Memory, Rays};
@@ -152,7 +151,7 @@ impl SceneBench {
             memory: Memory { predicted: setting.predicted, peak: None },
             setting,
             equal: true,
-            rays: Rays { primary: 0, secondary: 0, shadow: 0 },
+            rays: Rays::default(),
             invalid: 0,
             comparisons: Vec::new(),
             warnings: Vec::new(),

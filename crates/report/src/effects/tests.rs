@@ -1,10 +1,7 @@
 use super::*;
-use wavecrest_core::accel::KernelChoice;
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::film::Film;
-use wavecrest_core::kernels::precision::Precision;
-use wavecrest_core::math::simd::Level;
-use wavecrest_core::render::{RenderOptions, render};
+use wavecrest_core::render::RenderOptions;
 
 fn schedule() -> RoundLimits {
     RoundLimits { warmup: 1, most: 2, seconds: 0.0 }
@@ -40,8 +37,8 @@ fn entries() -> Vec<EffectScene> {
     variants.into_iter().map(prepare).collect()
 }
 
-fn trace(scene: &PreparedScene, tracer: TracerKind) -> Result<Rendered> {
-    render(scene, &RenderOptions { tracer, ..RenderOptions::default() }, &())
+fn trace(scene: &PreparedScene, tracer: TracerKind) -> Result<Run> {
+    Run::of(scene, &RenderOptions { tracer, ..RenderOptions::default() })
 }
 
 #[test]
@@ -51,7 +48,7 @@ fn a_visible_effect_that_should_be_hidden_ends_the_measurement() {
     let trace = |scene: &PreparedScene, tracer| {
         let mut run = trace(scene, tracer)?;
         if std::ptr::eq(scene, &raw const entries[spoilt].scene) {
-            run.counters.look_ups.texels += 1;
+            run.rendered.counters.look_ups.texels += 1;
         }
         Ok(run)
     };
@@ -79,7 +76,7 @@ fn tracers_that_disagree_end_it_too() {
     let trace = |scene: &PreparedScene, tracer| {
         let mut run = trace(scene, tracer)?;
         if tracer == TracerKind::Recursive {
-            run.film = Film::new(16, 12)?;
+            run.rendered.film = Film::new(16, 12)?;
         }
         Ok(run)
     };

@@ -17,9 +17,8 @@ fn picture(words: &str) -> Picture {
 }
 
 fn chart(words: &str) -> Chart {
-    let points =
-        vec![Point { label: words.to_owned(), ..Point::new(1.0, 2.0) }, Point::new(2.0, 3.0)];
-    let series = Series { name: words.to_owned(), points, ..Series::default() };
+    let point = Point { x: 1.0, y: 2.0, low: 1.5, high: 2.5, label: words.to_owned() };
+    let series = Series { name: words.to_owned(), points: vec![point], ..Series::default() };
     Chart {
         title: words.to_owned(),
         x: Axis::new(words, words, Scale::Linear),

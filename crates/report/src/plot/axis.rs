@@ -73,11 +73,10 @@ impl<'a> Mapping<'a> {
 
     /// The pixel of an end of an interval: the end of the axis if it is infinite or cannot be
     /// shown.
-    pub(super) fn pixel_of_end(&self, value: f64) -> Option<f64> {
+    pub(super) fn pixel_of_end(&self, value: f64) -> f64 {
         match value {
-            _ if value.is_nan() => None,
-            f64::INFINITY => Some(self.pixels[1]),
-            _ => Some(self.pixel(value).unwrap_or(self.pixels[0])),
+            f64::INFINITY => self.pixels[1],
+            _ => self.pixel(value).unwrap_or(self.pixels[0]),
         }
     }
 

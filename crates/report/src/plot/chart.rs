@@ -6,8 +6,7 @@ use super::axis::Mapping;
 use super::field::Field;
 use super::marks::{STROKE, legend, marker};
 use super::number::{exact, figure, quantity};
-use super::paint::Paint;
-use super::svg::{ABOVE, At, BESIDE, Drawing, LABEL, NOTE};
+use super::svg::{ABOVE, At, BESIDE, Drawing, LABEL, NOTE, Paint};
 use super::{Axis, Chart, Draw, Point, Scale, Series, font};
 use crate::files::write_text;
 use wavecrest_base::error::Result;
@@ -34,6 +33,10 @@ const FILE: f64 = 680.0;
 const WIDE: f64 = 720.0;
 const NARROW: f64 = 340.0;
 
+/// The size of the title of a file, and the distance from its top to the content below.
+const TITLE: f64 = 17.0;
+const TITLE_HEIGHT: f64 = TITLE + 14.0;
+
 impl Chart {
     /// For a page: at the width of its text, and for narrow screens.
     pub(crate) fn elements(&self) -> String {
@@ -48,9 +51,12 @@ impl Chart {
     /// A standalone SVG file. It follows the reader's light or dark theme.
     pub fn svg(&self) -> String {
         let mut drawing = Drawing::new(FILE);
-        drawing.title(&self.title);
+        let title = font::shortened(&self.title, TITLE, FILE);
+        drawing.words(&title, TITLE, Paint::INK, TITLE_HEIGHT);
         self.draw(&mut drawing);
-        self.note().iter().for_each(|note| drawing.note(note));
+        if let Some(note) = self.note() {
+            drawing.words(&note, NOTE, Paint::MUTED, 1.5 * NOTE);
+        }
         drawing.file(&self.title, &self.caption)
     }
 
@@ -90,10 +96,8 @@ impl Chart {
             Scale::Names(_) => name_or_value(&self.x, value),
             _ => exact(value),
         };
-        let optional = |value: Option<f64>| value.map(exact).unwrap_or_default();
         let row = |name: &str, p: &Point| {
-            let (low, high) = (optional(p.low), optional(p.high));
-            vec![name.to_owned(), x(p.x), exact(p.y), low, high, p.label.clone()]
+            vec![name.to_owned(), x(p.x), exact(p.y), exact(p.low), exact(p.high), p.label.clone()]
         };
         let rows = self.series.iter().flat_map(|s| s.points.iter().map(|p| row(&s.name, p)));
         std::iter::once(header).chain(rows).collect()
@@ -125,7 +129,7 @@ impl Chart {
     /// The axes, with room for everything visible.
     fn field(&self) -> Field<'_> {
         let points = || self.series.iter().flat_map(|series| &series.points);
-        let ys = points().flat_map(|point| [Some(point.y), point.low, point.high]).flatten();
+        let ys = points().flat_map(|point| [point.y, point.low, point.high]);
         let guides =
             |side: usize| self.guides.iter().flat_map(move |guide| guide.ends.map(|end| end[side]));
         Field {
@@ -147,13 +151,12 @@ impl Chart {
 
     /// Draws the guides, each with its name at its end, without overlaps between names.
     fn draw_guides(&self, drawing: &mut Drawing, field: &Field<'_>) {
-        let place = |[x, y]: [f64; 2]| {
-            Some(field.oriented(field.x.pixel_of_end(x)?, field.y.pixel_of_end(y)?))
-        };
+        let place =
+            |[x, y]: [f64; 2]| field.oriented(field.x.pixel_of_end(x), field.y.pixel_of_end(y));
         let mut names: Vec<(At, &str)> = Vec::new();
         for guide in &self.guides {
-            let [Some(from), Some(to)] = guide.ends.map(place) else { continue };
-            drawing.line(&[from, to], Paint::Guide, GUIDE);
+            let [from, to] = guide.ends.map(place);
+            drawing.line(&[from, to], Paint::GUIDE, GUIDE);
             names.push((to, &guide.name));
         }
         names.sort_by(|(a, _), (b, _)| a[1].total_cmp(&b[1]));
@@ -164,7 +167,7 @@ impl Chart {
                 false => ([x + GAP, y.max(free)], [0.0, BESIDE]),
             };
             free = at[1] + APART;
-            drawing.text(name, at, align, NOTE, Paint::Muted);
+            drawing.text(name, at, align, NOTE, Paint::MUTED);
         }
     }
 
@@ -175,24 +178,20 @@ impl Chart {
             // Points without a position separate lines.
             for run in places.split(Option::is_none).filter(|run| run.len() > 1) {
                 let run: Vec<At> = run.iter().copied().flatten().collect();
-                drawing.line(&run, Paint::Series(index), STROKE);
+                drawing.line(&run, Paint::series(index), STROKE);
             }
         }
         for (point, at) in points.iter().zip(places) {
             let Some(at) = at else { continue };
             let near = Some(at).filter(|_| *draw != Draw::Bars);
             drawing.begin(&self.words(index, point), &figures(point), near);
-            let end = |y: Option<f64>| y.and_then(|y| field.y.pixel_of_end(y));
-            let ends = [point.low, point.high].map(end);
+            let ends = [point.low, point.high].map(|y| field.y.pixel_of_end(y));
             if *draw == Draw::Bars {
-                let ([left, right], y) = (ends.map(|x| x.unwrap_or(at[0])), at[1]);
-                drawing.rectangle([left, right], [y - HALF, y + HALF], index);
-                drawing.line(&[[right, y - HALF], [right, y + HALF]], Paint::Paper, BETWEEN);
+                let ([_, right], y) = (ends, at[1]);
+                drawing.rectangle(ends, [y - HALF, y + HALF], index);
+                drawing.line(&[[right, y - HALF], [right, y + HALF]], Paint::PAPER, BETWEEN);
             } else {
-                if ends.iter().any(Option::is_some) {
-                    let ends = ends.map(|y| y.map_or(at, |y| field.with_y(at, y)));
-                    whisker(drawing, ends, field.turned, index);
-                }
+                whisker(drawing, ends.map(|y| field.with_y(at, y)), field.turned, index);
                 marker(drawing, at, index);
             }
             drawing.end();
@@ -204,11 +203,11 @@ impl Chart {
         let points = || self.series.iter().flat_map(|series| &series.points);
         let rows: std::collections::BTreeSet<usize> = points().map(|p| p.x as usize).collect();
         for row in rows {
-            let ends = points().filter(|p| p.x as usize == row).filter_map(|p| p.high);
+            let ends = points().filter(|p| p.x as usize == row).map(|p| p.high);
             let sum = ends.fold(0.0, f64::max);
             let Some([x, y]) = field.at(row as f64, sum) else { continue };
             let sum = quantity(sum, &self.y.unit);
-            drawing.text(&sum, [x + GAP, y], [0.0, BESIDE], LABEL, Paint::Ink);
+            drawing.text(&sum, [x + GAP, y], [0.0, BESIDE], LABEL, Paint::INK);
         }
     }
 
@@ -219,11 +218,9 @@ impl Chart {
             (Scale::Names(_), _) | (_, "") => name_or_value(&self.x, point.x),
             (_, label) => format!("{label}: {}", name_or_value(&self.x, point.x)),
         };
-        let interval = match (point.low, point.high) {
-            (Some(low), Some(high)) if *draw != Draw::Bars => {
-                format!(" ({} to {})", figure(low), figure(high))
-            }
-            _ => String::new(),
+        let interval = match draw {
+            Draw::Bars => String::new(),
+            _ => format!(" ({} to {})", figure(point.low), figure(point.high)),
         };
         let y = format!("{}: {}{interval}", self.y.label, quantity(point.y, &self.y.unit));
         let lines = [name, &point.label, &x, &y].map(String::as_str);
@@ -232,9 +229,9 @@ impl Chart {
 }
 
 /// The figures of a point, as in CSV.
-fn figures(p: &Point) -> Vec<(&'static str, String)> {
-    let figures = [("x", Some(p.x)), ("y", Some(p.y)), ("low", p.low), ("high", p.high)];
-    figures.into_iter().filter_map(|(name, value)| Some((name, exact(value?)))).collect()
+fn figures(p: &Point) -> [(&'static str, String); 4] {
+    let figures = [("x", p.x), ("y", p.y), ("low", p.low), ("high", p.high)];
+    figures.map(|(name, value)| (name, exact(value)))
 }
 
 /// A line between the ends of an interval, with a cap at each.
@@ -242,7 +239,7 @@ fn whisker(drawing: &mut Drawing, ends: [At; 2], turned: bool, index: usize) {
     let [dx, dy] = if turned { [0.0, CAP] } else { [CAP, 0.0] };
     let cap = |[x, y]: At| [[x - dx, y - dy], [x + dx, y + dy]];
     for line in [ends, cap(ends[0]), cap(ends[1])] {
-        drawing.line(&line, Paint::Series(index), WHISKER);
+        drawing.line(&line, Paint::series(index), WHISKER);
     }
 }
 

@@ -2,8 +2,7 @@
 
 use super::axis::{Mapping, Tick};
 use super::font;
-use super::paint::Paint;
-use super::svg::{At, BELOW, BESIDE, Drawing, LABEL};
+use super::svg::{At, BELOW, BESIDE, Drawing, LABEL, Paint};
 use super::{Axis, Scale};
 
 /// Smallest distance between labels down an axis.
@@ -51,8 +50,7 @@ impl Field<'_> {
         let [along, down] =
             if turned { [&mut self.y, &mut self.x] } else { [&mut self.x, &mut self.y] };
         if let Some(heading) = heading(down.axis) {
-            drawing.words(&heading, LABEL, Paint::Muted);
-            drawing.height += HEADING;
+            drawing.words(&heading, LABEL, Paint::MUTED, HEADING);
         }
         let top = drawing.height + above;
         let bottom = top + height;
@@ -64,7 +62,7 @@ impl Field<'_> {
         drawing.height = bottom + LABEL + 2.0 * GAP;
         if let Some(heading) = heading(along.axis) {
             let end = [width - right, drawing.height];
-            drawing.text(&heading, end, [1.0, BELOW], LABEL, Paint::Muted);
+            drawing.text(&heading, end, [1.0, BELOW], LABEL, Paint::MUTED);
             drawing.height += HEADING;
         }
     }
@@ -119,7 +117,7 @@ fn widest(place: &Mapping<'_>) -> f64 {
 /// no line.
 fn grid(drawing: &mut Drawing, along: &Mapping<'_>, down: &Mapping<'_>, turned: bool) {
     let ([left, right], [bottom, top]) = (along.pixels, down.pixels);
-    for (is_minor, paint) in [(true, Paint::Faint), (false, Paint::Grid)] {
+    for (is_minor, paint) in [(true, Paint::FAINT), (false, Paint::GRID)] {
         let of = |place: &Mapping<'_>| -> Vec<f64> {
             let ticks = place.ticks.iter().filter(|tick| tick.label.is_empty() == is_minor);
             ticks.map(|tick| place.pixel_of(tick.at)).collect()
@@ -128,7 +126,7 @@ fn grid(drawing: &mut Drawing, along: &Mapping<'_>, down: &Mapping<'_>, turned: 
         let rows = if turned { Vec::new() } else { of(down) };
         rows.iter().for_each(|y| drawing.line(&[[left, *y], [right, *y]], paint, GRID));
     }
-    drawing.line(&[[left, top], [left, bottom], [right, bottom]], Paint::Muted, 1.0);
+    drawing.line(&[[left, top], [left, bottom], [right, bottom]], Paint::MUTED, 1.0);
 }
 
 /// Ticks and labels outside the field.
@@ -136,16 +134,16 @@ fn labels(drawing: &mut Drawing, along: &Mapping<'_>, down: &Mapping<'_>, names_
     let (left, bottom) = (along.pixels[0], down.pixels[0]);
     for tick in along.labelled() {
         let x = along.pixel_of(tick.at);
-        drawing.line(&[[x, bottom], [x, bottom + GAP / 2.0]], Paint::Muted, 1.0);
-        drawing.text(&tick.label, [x, bottom + GAP], [0.5, BELOW], LABEL, Paint::Muted);
+        drawing.line(&[[x, bottom], [x, bottom + GAP / 2.0]], Paint::MUTED, 1.0);
+        drawing.text(&tick.label, [x, bottom + GAP], [0.5, BELOW], LABEL, Paint::MUTED);
     }
     for tick in down.labelled() {
         let y = down.pixel_of(tick.at);
-        drawing.line(&[[left - GAP / 2.0, y], [left, y]], Paint::Muted, 1.0);
+        drawing.line(&[[left - GAP / 2.0, y], [left, y]], Paint::MUTED, 1.0);
         let (at, align) = match names_above {
             true => ([left + GAP, y - GAP], [0.0; 2]),
             false => ([left - GAP, y], [1.0, BESIDE]),
         };
-        drawing.text(&tick.label, at, align, LABEL, Paint::Muted);
+        drawing.text(&tick.label, at, align, LABEL, Paint::MUTED);
     }
 }

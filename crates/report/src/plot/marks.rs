@@ -1,8 +1,7 @@
 //! The legend, and the markers of series in it and in the field.
 
 use super::font;
-use super::paint::{COLOURS, Paint};
-use super::svg::{At, BESIDE, Drawing, LABEL};
+use super::svg::{At, BESIDE, COLOURS, Drawing, LABEL, Paint};
 use super::{Draw, Series};
 
 /// The radius of a round marker; others have a similar area.
@@ -42,7 +41,7 @@ const MARKERS: [&[f64]; COLOURS] = [
 
 /// Draws the marker of a series. Its outline separates overlapping markers.
 pub(super) fn marker(drawing: &mut Drawing, center: At, index: usize) {
-    let (rim, inside) = (Paint::Paper, Paint::Series(index));
+    let (rim, inside) = (Paint::PAPER, Paint::series(index));
     // When colours repeat, the markers are shifted by one.
     let corners = MARKERS[(index + index / COLOURS) % COLOURS];
     if corners.is_empty() {
@@ -71,13 +70,13 @@ pub(super) fn legend(drawing: &mut Drawing, series: &[Series]) {
         }
         match draw {
             Draw::Bars => drawing.rectangle([x, x + SAMPLE], [y - HALF, y + HALF], index),
-            Draw::Line => drawing.line(&[[x, y], [x + SAMPLE, y]], Paint::Series(index), STROKE),
+            Draw::Line => drawing.line(&[[x, y], [x + SAMPLE, y]], Paint::series(index), STROKE),
             Draw::Points => {}
         }
         if *draw != Draw::Bars {
             marker(drawing, [x + SAMPLE / 2.0, y], index);
         }
-        drawing.text(&name, [x + SAMPLE + GAP, y], [0.0, BESIDE], LABEL, Paint::Ink);
+        drawing.text(&name, [x + SAMPLE + GAP, y], [0.0, BESIDE], LABEL, Paint::INK);
         x += wide + BETWEEN;
     }
     if x > 0.0 {

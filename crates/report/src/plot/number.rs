@@ -64,19 +64,13 @@ pub fn exact(value: f64) -> String {
     if !value.is_finite() {
         return String::new();
     }
-    let text = format!("{value:?}");
-    text.strip_suffix(".0").map_or(text.clone(), str::to_owned)
+    format!("{value:?}").trim_end_matches(".0").to_owned()
 }
 
 /// Ten to the power of `exponent`: "10⁻³".
 fn power_of_ten(exponent: i32) -> String {
-    let superscript = |c| match c {
-        '-' => '⁻',
-        '1' => '¹',
-        '2' => '²',
-        '3' => '³',
-        digit => char::from_u32('⁰' as u32 + (digit as u32 - '0' as u32)).unwrap_or(digit),
-    };
+    const DIGITS: [char; 10] = ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'];
+    let superscript = |c: char| c.to_digit(10).map_or('⁻', |digit| DIGITS[digit as usize]);
     let digits: String = exponent.to_string().chars().map(superscript).collect();
     format!("10{digits}")
 }

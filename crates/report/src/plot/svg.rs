@@ -2,10 +2,9 @@
 //!
 //! Each shape has its colour on white paper as an attribute, which any reader understands, and a
 //! class, for which a style sheet may set another: the one in `chart.css` follows light and dark
-//! themes.
+//! themes, and has those on a dark background under the same names.
 
 use super::font;
-use super::paint::Paint;
 use crate::markup::escape;
 
 /// A point of a drawing.
@@ -15,10 +14,6 @@ pub(super) type At = [f64; 2];
 pub(super) const LABEL: f64 = 12.5;
 /// The size of notes.
 pub(super) const NOTE: f64 = 11.0;
-/// The size of a title.
-const TITLE: f64 = 17.0;
-/// Distance from the top of a title to the content below.
-const TITLE_HEIGHT: f64 = TITLE + 14.0;
 /// The margin of a standalone drawing.
 const MARGIN: f64 = 20.0;
 
@@ -38,6 +33,45 @@ const NEAR: f64 = 10.0;
 
 /// The style sheet of all drawings.
 pub(crate) const STYLE: &str = include_str!("chart.css");
+
+/// A colour: its name in style sheets, and its value on white paper.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Paint(pub(super) &'static str, pub(super) [u8; 3]);
+
+/// Number of distinct colours of series.
+pub(super) const COLOURS: usize = 7;
+
+/// Okabe and Ito's colours, in the order of their contrast to white. Their yellow has almost none
+/// and is left out.
+const SERIES: [Paint; COLOURS] = [
+    Paint("s0", [0, 114, 178]),
+    Paint("s1", [213, 94, 0]),
+    Paint("s2", [0, 158, 115]),
+    Paint("s3", [204, 121, 167]),
+    Paint("s4", [0, 0, 0]),
+    Paint("s5", [230, 159, 0]),
+    Paint("s6", [86, 180, 233]),
+];
+
+impl Paint {
+    /// Prominent text.
+    pub(super) const INK: Self = Self("ink", [26, 28, 32]);
+    /// Text and marks in the background.
+    pub(super) const MUTED: Self = Self("muted", [92, 97, 105]);
+    /// Guide lines.
+    pub(super) const GUIDE: Self = Self("guide", [120, 125, 133]);
+    /// Grid lines at the labels of an axis.
+    pub(super) const GRID: Self = Self("grid", [215, 218, 223]);
+    /// Grid lines between them.
+    pub(super) const FAINT: Self = Self("faint", [238, 239, 242]);
+    /// The background.
+    pub(super) const PAPER: Self = Self("paper", [255, 255, 255]);
+
+    /// The colour of a series, counted from 0: they begin again after the last.
+    pub(super) fn series(index: usize) -> Self {
+        SERIES[index % COLOURS]
+    }
+}
 
 /// The shapes drawn so far.
 #[derive(Clone, Debug)]
@@ -75,7 +109,7 @@ impl Drawing {
         index: usize,
     ) {
         let corners = [[left, top], [right, top], [right, bottom], [left, bottom]];
-        self.area(&corners, Paint::Series(index));
+        self.area(&corners, Paint::series(index));
     }
 
     /// Adds a disk.
@@ -115,9 +149,10 @@ impl Drawing {
         );
     }
 
-    /// Adds a line of a standalone file at the bottom.
-    pub(super) fn words(&mut self, text: &str, size: f64, paint: Paint) {
+    /// Adds a line of text of this height at the bottom.
+    pub(super) fn words(&mut self, text: &str, size: f64, paint: Paint, height: f64) {
         self.text(text, [0.0, self.height], [0.0, BELOW], size, paint);
+        self.height += height;
     }
 
     /// Starts a mark: its meaning in words, a line each, and its figures, names and values. A
@@ -157,7 +192,7 @@ impl Drawing {
              <title>{title}</title>\n<desc>{caption}</desc>\n\
              <style>\n:root {{ color-scheme: light dark; }}\n{STYLE}</style>\n\
              <rect x=\"{start}\" y=\"{start}\" width=\"{width}\" height=\"{height}\" {}/>",
-            fill(Paint::Paper)
+            fill(Paint::PAPER)
         );
         self.svg(MARGIN, &head)
     }
@@ -168,18 +203,6 @@ impl Drawing {
         let [width, height] = [self.width, self.height].map(|side| number(side + 2.0 * margin));
         let (start, shapes) = (number(-margin), &self.shapes);
         format!("<svg viewBox=\"{start} {start} {width} {height}\" {head}\n{shapes}</svg>\n")
-    }
-
-    /// Adds the title of a standalone file.
-    pub(super) fn title(&mut self, title: &str) {
-        self.words(&font::shortened(title, TITLE, self.width), TITLE, Paint::Ink);
-        self.height += TITLE_HEIGHT;
-    }
-
-    /// Adds a note of a standalone file.
-    pub(super) fn note(&mut self, note: &str) {
-        self.words(note, NOTE, Paint::Muted);
-        self.height += 1.5 * NOTE;
     }
 }
 
@@ -194,7 +217,7 @@ fn fill(paint: Paint) -> String {
 
 /// Colour and class of a fill or a stroke.
 fn colour(paint: Paint, property: &str, class: char) -> String {
-    let (name, [r, g, b]) = paint.entry();
+    let Paint(name, [r, g, b]) = paint;
     format!("{property}=\"#{r:02x}{g:02x}{b:02x}\" class=\"{class}-{name}\"")
 }
 
@@ -204,5 +227,67 @@ fn number(pixels: f64) -> String {
     match text.strip_suffix(".0").unwrap_or(&text) {
         "-0" => "0".to_owned(),
         text => text.to_owned(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_style_sheet_knows_every_paint() {
+        let css = include_str!("chart.css");
+        let others =
+            [Paint::INK, Paint::MUTED, Paint::GUIDE, Paint::GRID, Paint::FAINT, Paint::PAPER];
+        for Paint(name, [r, g, b]) in others.into_iter().chain(SERIES) {
+            let light = format!("--{name}: light-dark(#{r:02x}{g:02x}{b:02x}, #");
+            assert_eq!(css.matches(&light).count(), 1, "{light}");
+            for (class, property) in [("f", "fill"), ("k", "stroke")] {
+                let rule = format!(".{class}-{name} {{ {property}: var(--{name}); }}");
+                assert_eq!(css.matches(&rule).count(), 1, "{rule}");
+            }
+        }
+    }
+
+    /// Web Content Accessibility Guidelines 2.2, "relative luminance" and "contrast ratio".
+    fn contrast(a: [u8; 3], b: [u8; 3]) -> f64 {
+        let luminance = |rgb: [u8; 3]| {
+            let linear = rgb.map(|byte| {
+                let c = f64::from(byte) / 255.0;
+                if c <= 0.04045 { c / 12.92 } else { ((c + 0.055) / 1.055).powf(2.4) }
+            });
+            0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]
+        };
+        let (a, b) = (luminance(a), luminance(b));
+        (a.max(b) + 0.05) / (a.min(b) + 0.05)
+    }
+
+    /// The colour of this name on dark paper.
+    fn dark(name: &str) -> [u8; 3] {
+        let css = include_str!("chart.css");
+        let both = css.split_once(&format!("--{name}: light-dark(")).unwrap().1;
+        let rest = both.split_once(", #").unwrap().1;
+        let byte = |at: usize| u8::from_str_radix(&rest[at..at + 2], 16).unwrap();
+        [byte(0), byte(2), byte(4)]
+    }
+
+    #[test]
+    fn text_and_series_stand_out_from_either_paper() {
+        let papers = [Paint::PAPER.1, dark("paper")];
+        for Paint(name, colour) in [Paint::INK, Paint::MUTED] {
+            for (colour, paper) in [colour, dark(name)].into_iter().zip(papers) {
+                assert!(contrast(colour, paper) >= 4.5, "{name} {}", contrast(colour, paper));
+            }
+        }
+        for Paint(name, _) in SERIES {
+            let found = contrast(dark(name), papers[1]);
+            assert!(found >= 3.0, "{name} {found}");
+        }
+        // Okabe and Ito's colours are unchanged: the last two are for many series, which the
+        // markers distinguish as well.
+        for Paint(name, colour) in [0, 1, 2, 4].map(Paint::series) {
+            let found = contrast(colour, papers[0]);
+            assert!(found >= 3.0, "{name} {found}");
+        }
     }
 }

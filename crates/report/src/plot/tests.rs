@@ -8,7 +8,7 @@ fn chart() -> Chart {
         let point = |k: i32| {
             let x = 2.0_f64.powi(k);
             let y = scale / x.sqrt();
-            Point { label: format!("run <{k}>"), ..Point::new(x, y).within(0.8 * y, 1.3 * y) }
+            Point { x, y, low: 0.8 * y, high: 1.3 * y, label: format!("run <{k}>") }
         };
         (0..6).map(point).collect()
     };
@@ -124,7 +124,8 @@ fn values_outside_an_axis_are_left_out_with_a_note() {
 fn a_whisker_that_reaches_zero_ends_at_the_edge() {
     let mut chart = chart();
     chart.series.truncate(1);
-    chart.series[0].points = vec![Point::new(1.0, 1.0).within(0.0, 2.0)];
+    chart.series[0].points.truncate(1);
+    (chart.series[0].points[0].low, chart.series[0].points[0].high) = (0.0, 2.0);
     let svg = chart.svg();
     assert_eq!((titles(&svg).len(), chart.note()), (1, None));
     assert!(svg.contains("(0 to 2)"));
@@ -133,7 +134,8 @@ fn a_whisker_that_reaches_zero_ends_at_the_edge() {
 /// Charts that ask for trouble.
 fn odd() -> Vec<Chart> {
     let all = |points: &[(f64, f64)], x: Scale, y: Scale| {
-        let points = points.iter().map(|&(x, y)| Point::new(x, y).within(y, y)).collect();
+        let point = |&(x, y): &(f64, f64)| Point { x, y, low: y, high: y, label: String::new() };
+        let points = points.iter().map(point).collect();
         let each = |draw| Series { name: format!("{draw:?}"), draw, points: Vec::clone(&points) };
         Chart {
             title: "odd".to_owned(),

@@ -53,7 +53,7 @@ pub(super) fn faces(numbers: &mut Numbers) -> World {
         add_triangle(&mut geometry, corners);
     }
     geometry.positions.iter_mut().for_each(|p| *p *= scale);
-    World::new(geometry, move |numbers| {
+    World::new(geometry, MIXED, move |numbers| {
         let ray = between_points(numbers);
         Some(Ray::new(ray.origin * scale, ray.direction * scale))
     })
@@ -62,7 +62,7 @@ pub(super) fn faces(numbers: &mut Numbers) -> World {
 /// Case 4. Rays along each axis, in both directions, with zeros of both signs, in the planes of
 /// faces, along edges, and from planes.
 pub(super) fn along_axes(_: &mut Numbers) -> World {
-    World::new(cubes(4, 2.0), |numbers| {
+    World::new(cubes(4, 2.0), ALL_HIT, |numbers| {
         let (k, sign) = (numbers.below(3), numbers.sign() as f32);
         // Across the ray, within the cubes of a row: on a face's plane, on an edge or inside.
         let mut origin = Vec3::ZERO;
@@ -78,12 +78,11 @@ pub(super) fn along_axes(_: &mut Numbers) -> World {
         direction[k] = sign;
         Some(Ray::new(origin, direction))
     })
-    .always_met()
 }
 
 /// Case 5. One or two components are zeros of either sign.
 pub(super) fn signed_zeros(_: &mut Numbers) -> World {
-    World::new(cubes_of_units(), |numbers| {
+    World::new(cubes_of_units(), MIXED, |numbers| {
         let (mut ray, k) = (between_points(numbers), numbers.below(3));
         for k in [k, (k + numbers.below(2)) % 3] {
             ray.direction[k] = numbers.among([0.0, -0.0]);
@@ -97,7 +96,7 @@ pub(super) fn tiny_components(_: &mut Numbers) -> World {
     const SIDE: f32 = 0.01;
     let mut geometry = Geometry::default();
     Vec3::AXES.into_iter().for_each(|axis| add_cube(&mut geometry, axis * 100.0, SIDE));
-    World::new(geometry, |numbers| {
+    World::new(geometry, ALL_HIT, |numbers| {
         let k = numbers.below(3);
         let t = numbers.magnitude(1.0, 1e6);
         let tiny = numbers.magnitude(1e-45, 1e-6);
@@ -113,7 +112,6 @@ pub(super) fn tiny_components(_: &mut Numbers) -> World {
         origin[k] = origin[k].round();
         Some(Ray::new(origin.as_vec3(), direction))
     })
-    .always_met()
 }
 
 /// Case 48.
@@ -130,7 +128,7 @@ pub(super) fn before_the_origin(numbers: &mut Numbers) -> World {
 /// corners, and end or begin exactly at what they meet: between one of these t and another.
 fn between(numbers: &mut Numbers, first: [f32; 3], last: [f32; 3]) -> World {
     let triangles = [(); 24].map(|()| [(); 3].map(|()| whole_point(numbers, 4)));
-    World::new(of_triangles(triangles), move |numbers| {
+    World::new(of_triangles(triangles), MIXED, move |numbers| {
         let (origin, target) = (whole_point(numbers, 4), whole_point(numbers, 4));
         let (t_min, t_max) = (numbers.among(first), numbers.among(last));
         Some(Ray { t_min, t_max, ..Ray::new(origin, target - origin) })
@@ -141,14 +139,13 @@ fn between(numbers: &mut Numbers, first: [f32; 3], last: [f32; 3]) -> World {
 pub(super) fn in_the_plane(numbers: &mut Numbers) -> World {
     let corner = whole_point(numbers, 50);
     let [a, b] = [(); 2].map(|()| whole_point(numbers, 20));
-    World::new(of_triangles([[corner, corner + a, corner + b]]), move |numbers| {
+    World::new(of_triangles([[corner, corner + a, corner + b]]), ALL_MISS, move |numbers| {
         let mut along = || {
             let Vec3 { x, y, .. } = whole_point(numbers, 10);
             a * x + b * y
         };
         Some(Ray::new(corner + along(), along()))
     })
-    .never_met()
 }
 
 /// Case 21: every triangle several times, in any order.
@@ -158,7 +155,7 @@ pub(super) fn duplicates(numbers: &mut Numbers) -> World {
     for i in (1..triangles.len()).rev() {
         triangles.swap(i, numbers.below(i + 1));
     }
-    World::new(Geometry { triangles, ..base }, |numbers| Some(between_points(numbers)))
+    World::new(Geometry { triangles, ..base }, MIXED, |numbers| Some(between_points(numbers)))
 }
 
 /// Number of triangles in case 23, and the ratio of consecutive sizes.
@@ -171,7 +168,7 @@ pub(super) fn nested(_: &mut Numbers) -> World {
         let s = (1e-10 * libm::pow(LARGER, i as f64)) as f32;
         [[-s, -s], [s, -s], [0.0, s]].map(|[y, z]| Vec3::new(s, y, z))
     };
-    World::new(of_triangles((0..NESTED).map(triangle)), |numbers| {
+    World::new(of_triangles((0..NESTED).map(triangle)), MIXED, |numbers| {
         let far = numbers.magnitude(1e-10, 1e11);
         let target = numbers.direction() * numbers.magnitude(1e-10, 1e10);
         let origin = [DVec3::X, numbers.direction()][numbers.below(2)] * far;
@@ -181,7 +178,7 @@ pub(super) fn nested(_: &mut Numbers) -> World {
 
 /// Case 26: rays that are not finite, or have no direction.
 pub(super) fn invalid(_: &mut Numbers) -> World {
-    World::new(cubes(3, 2.0), |numbers| {
+    World::new(cubes(3, 2.0), ALL_MISS, |numbers| {
         let mut ray = Ray::new(Vec3::splat(-1.0), Vec3::ONE);
         let wrong = numbers.among([f32::NAN, f32::INFINITY, f32::NEG_INFINITY]);
         let which = numbers.below(3);
@@ -193,5 +190,4 @@ pub(super) fn invalid(_: &mut Numbers) -> World {
         }
         Some(ray)
     })
-    .never_met()
 }

@@ -44,11 +44,6 @@ impl Effort {
             Count::Full => full,
         }
     }
-
-    /// One of two values, by the number of tests.
-    pub(super) fn either<T>(&self, quick: T, full: T) -> T {
-        if self.count == Count::Full { full } else { quick }
-    }
 }
 
 /// The outcome of a case.

@@ -28,23 +28,21 @@ fn globe(numbers: &mut Numbers) -> Closed {
 /// Case 1.
 pub(super) fn edges(numbers: &mut Numbers) -> World {
     let closed = globe(numbers);
-    World::new(closed.geometry.clone(), move |numbers| {
+    World::new(closed.geometry.clone(), ALL_HIT, move |numbers| {
         let origin = closed.inside(numbers);
         let corners = closed.geometry.triangle(numbers.below(closed.geometry.triangles.len()));
         Some(Ray::new(origin, numbers.on_edge(corners).as_vec3() - origin))
     })
-    .always_met()
 }
 
 /// Case 2.
 pub(super) fn vertices(numbers: &mut Numbers) -> World {
     let closed = globe(numbers);
-    World::new(closed.geometry.clone(), move |numbers| {
+    World::new(closed.geometry.clone(), ALL_HIT, move |numbers| {
         let origin = closed.inside(numbers);
         let positions = &closed.geometry.positions;
         Some(Ray::new(origin, positions[numbers.below(positions.len())] - origin))
     })
-    .always_met()
 }
 
 /// Case 39: globes with one axis up to 1e12 times as long as another.
@@ -52,12 +50,11 @@ pub(super) fn needles(numbers: &mut Numbers) -> World {
     let thin = [1e-4, 1e-6][numbers.index % 2];
     let scale = DVec3::new(thin, 1.0, 1.0 / thin);
     let closed = Closed::new(numbers, [16, 24], 0.0, (scale, Vec3::ZERO));
-    World::new(closed.geometry.clone(), move |numbers| {
+    World::new(closed.geometry.clone(), ALL_HIT, move |numbers| {
         let origin = closed.inside(numbers);
         let target = (numbers.direction() * scale).as_vec3();
         Some(Ray::new(origin, target - origin))
     })
-    .always_met()
 }
 
 /// Points of a scan along each side, and their distance as seen by the scanner, relative to theirs
@@ -84,7 +81,7 @@ pub(super) fn scans(numbers: &mut Numbers) -> World {
         [[a, a + 1, a + POINTS + 1], [a, a + POINTS + 1, a + POINTS]]
     });
     let geometry = Geometry { positions, triangles: cells.collect(), ..Geometry::default() };
-    World::new(geometry.clone(), move |numbers| {
+    World::new(geometry.clone(), ALL_HIT, move |numbers| {
         let inner = |numbers: &mut Numbers| 1 + numbers.below(POINTS as usize - 3) as u32;
         let first = inner(numbers) + inner(numbers) * POINTS;
         let [a, b] = [first, first + numbers.among([1, POINTS, POINTS + 1])]
@@ -92,5 +89,4 @@ pub(super) fn scans(numbers: &mut Numbers) -> World {
         let target = a.lerp(b, [0.0, numbers.one() as f32][numbers.below(2)]);
         Some(Ray::new(scanner, target - scanner))
     })
-    .always_met()
 }

@@ -9,13 +9,14 @@ use serde::Serialize;
 use super::aim::{BoundingBall, at_any, is_outside, rays};
 use super::errors::HitErrors;
 use super::prelude::*;
-use super::topology::Topology;
-use super::ways::{RAYS_OF_A_TASK, blocks, in_order};
 use wavecrest_core::accel::Traversal;
 use wavecrest_core::geometry::Primitive;
+use wavecrest_core::kernels::triangle::is_degenerate;
+use wavecrest_scene::mesh::first_of_each;
 
-/// Rays of each kind, in full.
+/// Rays of each kind, in full, and those of a task.
 const RAYS: usize = 10_000_000;
+const RAYS_OF_A_TASK: usize = 1 << 12;
 
 /// A triangle with at least this ratio of length to height is a sliver.
 const SLIVER: f64 = 1000.0;
@@ -63,7 +64,8 @@ pub struct SceneTrial {
 }
 
 /// Describes a geometry.
-pub fn shape(geometry: &Geometry, accel: &Accel) -> GeometryFacts {
+pub fn shape(accel: &Accel) -> GeometryFacts {
+    let geometry = accel.geometry();
     let Topology { borders, crowded, .. } = Topology::new(geometry);
     let ratios = (0..geometry.triangles.len()).into_par_iter().map(|i| {
         let [a, b, c] = geometry.triangle(i).map(|v| v.as_dvec3());
@@ -179,10 +181,10 @@ impl<'a> MeshEdges<'a> {
             return (is_right && !has_holes(&number))
                 .then(|| (Ray::new(from, target - from), [number; 2]));
         }
-        if topology.len() == 0 {
+        if topology.sides.is_empty() {
             return None;
         }
-        let (ends, faces) = topology.edge(numbers.below(topology.len()))?;
+        let (ends, faces) = topology.edge(numbers.below(topology.sides.len()))?;
         let own = faces.map(|(_, primitive)| primitive);
         let point =
             |vertex: u32| place.transform_point3(mesh.positions[vertex as usize].as_dvec3());
@@ -208,6 +210,57 @@ fn edge_ray(from: Vec3, [a, b]: [DVec3; 2], others: [DVec3; 2], part: f64) -> Op
     let is_wide = |&c: &DVec3| distance(a, c).min(distance(b, c)) > LEAST_DISTANCE * ulp;
     let [one, other] = others.map(|c| (a - o).cross(b - o).dot(c - o));
     (others.iter().all(is_wide) && one * other < 0.0).then(|| Ray::new(from, target - from))
+}
+
+/// A triangle at an edge: the vertex opposite to the edge, and the primitive's number.
+type EdgeFace = (u32, u32);
+
+/// An edge of a face: the numbers of its ends, the lower first.
+type FaceEdge = ([u32; 2], EdgeFace);
+
+/// The edges of a mesh's triangles and of the halves of its quads, without degenerate ones.
+struct Topology {
+    /// Sorted by the numbers of their ends.
+    sides: Vec<FaceEdge>,
+    /// Edges of only one face: the border of the mesh.
+    borders: u64,
+    /// Edges of more than two.
+    crowded: u64,
+}
+
+impl Topology {
+    fn new(geometry: &Geometry) -> Self {
+        let number = first_of_each(&geometry.positions);
+        let triangles = (0..).zip(&geometry.triangles).map(|(i, &corners)| (i, corners));
+        let first = geometry.triangles.len() as u32;
+        let quads = (first..).zip(&geometry.quads);
+        let all = triangles.chain(quads.flat_map(|(i, quad)| halves(quad).map(|half| (i, half))));
+        let all: Vec<(u32, [u32; 3])> = all.collect();
+        let mut sides: Vec<FaceEdge> = all
+            .into_par_iter()
+            .filter(|(_, face)| !is_degenerate(&face.map(|v| geometry.positions[v as usize])))
+            .flat_map_iter(|(primitive, face)| {
+                let [a, b, c] = face.map(|v| number[v as usize]);
+                [[a, b, c], [b, c, a], [c, a, b]]
+                    .map(|[a, b, c]| ([a.min(b), a.max(b)], (c, primitive)))
+            })
+            .collect();
+        sides.par_sort_unstable();
+        let groups = sides.chunk_by(|a, b| a.0 == b.0).map(<[FaceEdge]>::len);
+        let (borders, crowded) = groups.fold((0, 0), |(borders, crowded), faces| {
+            (borders + u64::from(faces == 1), crowded + u64::from(faces > 2))
+        });
+        Self { sides, borders, crowded }
+    }
+
+    /// The ends of the edge at an index of `sides`, as the first vertex at each position, and the faces there;
+    /// `None` if there are not two.
+    fn edge(&self, place: usize) -> Option<([u32; 2], [EdgeFace; 2])> {
+        let (ends, _) = self.sides[place];
+        let first = self.sides.partition_point(|side| side.0 < ends);
+        let count = self.sides[first..].iter().take_while(|side| side.0 == ends).count();
+        (count == 2).then(|| (ends, [self.sides[first].1, self.sides[first + 1].1]))
+    }
 }
 
 /// The cosine of the lowest rays that leave a surface: quads are not quite flat.
@@ -236,19 +289,20 @@ pub(super) fn left(
 }
 
 /// Traces the rays of `make`, each with what `judge` needs, and judges the answers.
-fn ask<T: Copy, R: Send + Sum>(
+fn ask<T, R: Send + Sum>(
     accel: &Accel,
     count: usize,
     make: impl Fn(usize, &mut Traversal) -> Option<(Ray, T)> + Sync,
     judge: impl Fn(Ray, T, Hit) -> R + Sync,
 ) -> R {
-    in_order(blocks(count, 16 * RAYS_OF_A_TASK).map(|block| {
+    let tasks = (0..count).into_par_iter().chunks(RAYS_OF_A_TASK).map(|task| {
         let mut traversal = accel.traversal();
-        let made = block.filter_map(|n| make(n, &mut traversal));
+        let made = task.into_iter().filter_map(|n| make(n, &mut traversal));
         let (rays, about): (Vec<Ray>, Vec<T>) = made.unzip();
         let mut hits = vec![Hit::MISS; rays.len()];
         accel.closest_of(&rays[..], &mut hits, &mut traversal);
         let answers = rays.into_iter().zip(about).zip(hits);
         answers.map(|((ray, about), hit)| judge(ray, about, hit)).sum::<R>()
-    }))
+    });
+    tasks.sum()
 }

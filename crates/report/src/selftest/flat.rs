@@ -12,13 +12,12 @@ pub(super) fn sealed(_: &mut Numbers) -> World {
         let middle = (a + b) * 0.5;
         [[a, middle, c], [middle, b, c], [a, b, middle]]
     });
-    World::new(of_triangles(split), move |numbers| {
+    World::new(of_triangles(split), ALL_HIT, move |numbers| {
         let [a, b, _] = faces.triangle(numbers.below(faces.triangles.len()));
         let origin = Vec3::ONE + numbers.ball(0.9).as_vec3();
         let target = a.as_dvec3().lerp(b.as_dvec3(), numbers.one());
         Some(Ray::new(origin, target.as_vec3() - origin))
     })
-    .always_met()
 }
 
 /// Case 19: triangles about `unit` long and a millionth as wide, far from each other.
@@ -30,7 +29,7 @@ pub(super) fn slivers(numbers: &mut Numbers) -> World {
         let apex = at + (along * numbers.one() + aside) * unit;
         [at, at + along * unit, apex].map(|p| p.as_vec3())
     }));
-    World::new(geometry.clone(), move |numbers| {
+    World::new(geometry.clone(), MIXED, move |numbers| {
         let corners = geometry.triangle(numbers.below(geometry.triangles.len()));
         Some(edge_on(numbers, corners, unit))
     })
@@ -64,7 +63,7 @@ pub(super) fn crooked_quads(numbers: &mut Numbers) -> World {
     });
     let positions = corners.map(|corner| corner.as_vec3()).to_vec();
     let geometry = Geometry { positions, quads: quads.to_vec(), ..Geometry::default() };
-    World::new(geometry, move |numbers| {
+    World::new(geometry, ALL_HIT, move |numbers| {
         let points = numbers.among(quads).map(|corner| corners[corner as usize]);
         let origin = numbers.ball(0.3 * points[0].length()).as_vec3();
         // An edge, or the diagonal from the first corner to the third.
@@ -73,5 +72,4 @@ pub(super) fn crooked_quads(numbers: &mut Numbers) -> World {
         let s = [0.0, numbers.one(), numbers.magnitude(1e-7, 1.0)][numbers.below(3)];
         Some(Ray::new(origin, a.lerp(b, s).as_vec3() - origin))
     })
-    .always_met()
 }

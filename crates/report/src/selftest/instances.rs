@@ -46,14 +46,13 @@ fn closed(numbers: &mut Numbers) -> (Geometry, Closed) {
 /// Rays from inside at points of edges.
 fn never_left(numbers: &mut Numbers) -> World {
     let (geometry, closed) = closed(numbers);
-    World::new(geometry.clone(), move |numbers| {
+    World::new(geometry.clone(), ALL_HIT, move |numbers| {
         let instance = &geometry.instances[numbers.below(geometry.instances.len())];
         let corners = closed.geometry.triangle(numbers.below(closed.geometry.triangles.len()));
         let target = instance.to_world().transform_point3(numbers.on_edge(corners));
         let origin = instance.point(closed.inside(numbers));
         Some(Ray::new(origin, (target - origin.as_dvec3()).as_vec3()))
     })
-    .always_met()
 }
 
 /// Half the length of a plate of [`between_numbers`], and the number of plates.
@@ -86,6 +85,7 @@ fn between_numbers(numbers: &mut Numbers) -> World {
             DAffine3 { matrix3: axes * shear, translation }
         })
         .collect();
-    World::new(instances(plate, places), move |numbers| Some(aimed[numbers.index % aimed.len()]))
-        .always_met()
+    World::new(instances(plate, places), ALL_HIT, move |numbers| {
+        Some(aimed[numbers.index % aimed.len()])
+    })
 }

@@ -90,11 +90,6 @@ impl Numbers {
         self.direction() * (radius * self.one())
     }
 
-    /// Three points within a sphere of this `radius`.
-    pub(super) fn triangle(&mut self, radius: f64) -> [Vec3; 3] {
-        [(); 3].map(|()| self.ball(radius).as_vec3())
-    }
-
     /// A rotation.
     pub(super) fn rotation(&mut self) -> DMat3 {
         let angle = std::f64::consts::TAU * self.one();

@@ -8,7 +8,7 @@ pub(super) use super::case::{Count, Effort, Outcome};
 pub(super) use super::errors::ulp;
 pub(super) use super::numbers::Numbers;
 pub(super) use super::shapes::{add_sheet, add_triangle, corners, of_triangles};
-pub(super) use super::world::World;
+pub(super) use super::world::{ALL_HIT, ALL_MISS, MIXED, World, hash};
 pub(super) use wavecrest_core::accel::build::Preset;
 pub(super) use wavecrest_core::accel::{Accel, Hit};
 pub(super) use wavecrest_core::geometry::Geometry;

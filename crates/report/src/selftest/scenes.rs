@@ -3,7 +3,6 @@
 use std::path::Path;
 
 use super::prelude::*;
-use super::ways::hash;
 use wavecrest_base::error::Result;
 use wavecrest_core::accel::KernelChoice;
 use wavecrest_core::film::Film;

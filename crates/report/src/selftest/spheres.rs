@@ -30,28 +30,27 @@ impl DoubleSphere {
     /// The sphere with rays at it.
     fn world(
         self,
+        is_met: Option<bool>,
         aim: impl Fn(&mut Numbers, Self) -> Option<Ray> + Send + Sync + 'static,
     ) -> World {
         let sphere = Quadric::Sphere(self.center.as_vec3(), self.radius as f32);
         let geometry = Geometry { quadrics: vec![sphere], ..Geometry::default() };
-        World::new(geometry, move |numbers| aim(numbers, self))
+        World::new(geometry, is_met, move |numbers| aim(numbers, self))
     }
 }
 
 /// Case 13.
 pub(super) fn far_away(numbers: &mut Numbers) -> World {
-    DoubleSphere::any(numbers)
-        .world(|numbers, sphere| {
-            let (impact, distance) = (0.98 * numbers.one(), numbers.magnitude(2.0, 1e5));
-            Some(sphere.passed(numbers, impact, distance))
-        })
-        .always_met()
+    DoubleSphere::any(numbers).world(ALL_HIT, |numbers, sphere| {
+        let (impact, distance) = (0.98 * numbers.one(), numbers.magnitude(2.0, 1e5));
+        Some(sphere.passed(numbers, impact, distance))
+    })
 }
 
 /// Case 14. Rounding may put the origin below the surface, where the ray meets the far side.
 pub(super) fn from_just_above(numbers: &mut Numbers) -> World {
     let radius = f64::from(numbers.magnitude(1.0, 1e6) as f32);
-    DoubleSphere { center: DVec3::ZERO, radius }.world(|numbers, sphere| {
+    DoubleSphere { center: DVec3::ZERO, radius }.world(MIXED, |numbers, sphere| {
         let up = numbers.direction();
         let origin = (up * (sphere.radius + numbers.magnitude(1e-6, 1.0))).as_vec3();
         // Downward, with at most the same amount sideways.
@@ -62,7 +61,7 @@ pub(super) fn from_just_above(numbers: &mut Numbers) -> World {
 
 /// Case 15.
 pub(super) fn grazing(numbers: &mut Numbers) -> World {
-    DoubleSphere::any(numbers).world(|numbers, sphere| {
+    DoubleSphere::any(numbers).world(MIXED, |numbers, sphere| {
         let (impact, distance) = (1.0 + numbers.about(1e-6), numbers.magnitude(2.0, 100.0));
         Some(sphere.passed(numbers, impact, distance))
     })
@@ -70,15 +69,13 @@ pub(super) fn grazing(numbers: &mut Numbers) -> World {
 
 /// Case 16.
 pub(super) fn from_inside(numbers: &mut Numbers) -> World {
-    DoubleSphere::any(numbers)
-        .world(|numbers, sphere| {
-            // One in four from the exact centre.
-            let away = if numbers.once_in(4) { 0.0 } else { 0.999 * numbers.one() };
-            let origin = (sphere.center + numbers.direction() * (away * sphere.radius)).as_vec3();
-            let length = numbers.magnitude(1e-3, 1e3);
-            let ray = Ray::new(origin, (numbers.direction() * length).as_vec3());
-            // Rounding can move the origin out of a sphere far smaller than its distance from zero.
-            (origin.as_dvec3().distance(sphere.center) < sphere.radius).then_some(ray)
-        })
-        .always_met()
+    DoubleSphere::any(numbers).world(ALL_HIT, |numbers, sphere| {
+        // One in four from the exact centre.
+        let away = if numbers.once_in(4) { 0.0 } else { 0.999 * numbers.one() };
+        let origin = (sphere.center + numbers.direction() * (away * sphere.radius)).as_vec3();
+        let length = numbers.magnitude(1e-3, 1e3);
+        let ray = Ray::new(origin, (numbers.direction() * length).as_vec3());
+        // Rounding can move the origin out of a sphere far smaller than its distance from zero.
+        (origin.as_dvec3().distance(sphere.center) < sphere.radius).then_some(ray)
+    })
 }

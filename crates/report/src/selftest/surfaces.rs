@@ -28,10 +28,9 @@ pub(super) fn leaving(numbers: &mut Numbers) -> World {
     }
     let extent = BoundingBall::of(&geometry);
     let accel = numbers.effort.accel(geometry.clone(), Preset::VeryFast);
-    World::new(geometry, move |numbers| {
+    World::new(geometry, ALL_MISS, move |numbers| {
         Some(left(&accel, &extent, numbers, &mut accel.traversal(), 1e-4)?.0)
     })
-    .never_met()
 }
 
 /// One of the axes and the two others, and a height along it from 1e-3 to 1e6.
@@ -61,13 +60,13 @@ pub(super) fn contact(numbers: &mut Numbers) -> World {
         let wide = 2.0 * height;
         add_sheet(&mut geometry, corners(axis * (height + gap), u * wide, v * wide));
     }
-    let world = World::new(geometry, move |numbers| {
+    let hits = if is_covered { ALL_HIT } else { ALL_MISS };
+    World::new(geometry, hits, move |numbers| {
         let [point, error, normal] = struck(&lower, numbers)?;
         let light = axis * (11.0 * height) + numbers.direction().as_vec3() * height;
         let origin = offset_origin(point, error, normal, normalize(light - point));
         Some(Ray { t_max: SHADOW_END, ..Ray::new(origin, light - origin) })
-    });
-    if is_covered { world.always_met() } else { world.never_met() }
+    })
 }
 
 /// Case 12: a plate 64 ulp in front of lights, seen from below.
@@ -76,11 +75,10 @@ pub(super) fn just_before_a_light(numbers: &mut Numbers) -> World {
     let (wide, mut geometry) = (4.0 * height, Geometry::default());
     let center = axis * (height - 64.0 * ulp(height.into()) as f32);
     add_sheet(&mut geometry, corners(center, u * wide, v * wide));
-    World::new(geometry, move |numbers| {
+    World::new(geometry, ALL_HIT, move |numbers| {
         let mut about = |size: f32| numbers.about(1.0) as f32 * size;
         let light = axis * height + u * about(height) + v * about(height);
         let from = axis * about(0.5 * height) + u * about(height) + v * about(height);
         Some(Ray { t_max: SHADOW_END, ..Ray::new(from, light - from) })
     })
-    .always_met()
 }

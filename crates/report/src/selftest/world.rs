@@ -2,9 +2,10 @@
 
 use serde::Serialize;
 
+use xxhash_rust::xxh3::Xxh3;
+
 use super::agreement::{by_reference, compare};
 use super::prelude::*;
-use super::ways::hash;
 
 /// A ray; `None` for inputs that are skipped.
 type Aim = Box<dyn Fn(&mut Numbers) -> Option<Ray> + Send + Sync>;
@@ -13,9 +14,14 @@ type Aim = Box<dyn Fn(&mut Numbers) -> Option<Ray> + Send + Sync>;
 pub(super) struct World {
     geometry: Geometry,
     aim: Aim,
-    /// Whether every ray meets something, or none; `None` if that is open.
+    /// Whether every ray meets something, or none: [`ALL_HIT`], [`ALL_MISS`] or [`MIXED`].
     is_met: Option<bool>,
 }
+
+/// What the rays of a world meet: something, nothing, or either.
+pub(super) const ALL_HIT: Option<bool> = Some(true);
+pub(super) const ALL_MISS: Option<bool> = Some(false);
+pub(super) const MIXED: Option<bool> = None;
 
 /// The worlds of a case.
 #[derive(Clone, Copy, Debug)]
@@ -44,19 +50,10 @@ const BEYOND: f32 = 1.0 / 1024.0;
 impl World {
     pub(super) fn new(
         geometry: Geometry,
+        is_met: Option<bool>,
         aim: impl Fn(&mut Numbers) -> Option<Ray> + Send + Sync + 'static,
     ) -> Self {
-        Self { geometry, aim: Box::new(aim), is_met: None }
-    }
-
-    /// Every ray meets something.
-    pub(super) fn always_met(self) -> Self {
-        Self { is_met: Some(true), ..self }
-    }
-
-    /// No ray meets anything.
-    pub(super) fn never_met(self) -> Self {
-        Self { is_met: Some(false), ..self }
+        Self { geometry, aim: Box::new(aim), is_met }
     }
 }
 
@@ -136,6 +133,13 @@ impl Worlds {
             false_hits: all.false_hits + one.false_hits,
         })
     }
+}
+
+/// The hash of these words, in their order.
+pub(super) fn hash(words: impl Iterator<Item = u32>) -> u64 {
+    let mut hash = Xxh3::new();
+    words.for_each(|word| hash.update(&word.to_le_bytes()));
+    hash.digest()
 }
 
 /// Whether `hit` is behind another.

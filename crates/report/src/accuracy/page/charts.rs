@@ -92,5 +92,5 @@ fn mark(p: &Point, x: f64) -> plot::Point {
     let noise = if p.above_noise { "" } else { ", below the noise of the reference" };
     let points = plural(p.x as usize, "point");
     let label = format!("{points}, {:.3} ms{noise}", p.seconds.median * 1e3);
-    plot::Point { x, y: p.rmse.value, low: Some(p.rmse.low), high: Some(p.rmse.high), label }
+    plot::Point { x, y: p.rmse.value, low: p.rmse.low, high: p.rmse.high, label }
 }

@@ -29,7 +29,6 @@ pub(super) fn rows(
     subject: &mut Subject,
     family: &Family<Point>,
     answer: &Answer,
-    reference: &Film,
 ) -> Result<Vec<Block>> {
     let mut answers: Vec<(&Series<Point>, &Point)> = Vec::new();
     for at in &answer.errors {
@@ -51,6 +50,7 @@ pub(super) fn rows(
     let answers = answers.iter().map(&mut whole).collect::<Result<Vec<_>>>()?;
     let random = random.iter().map(&mut whole).collect::<Result<Vec<_>>>()?;
     let Some((_, first)) = random.first().or(answers.first()) else { return Ok(Vec::new()) };
+    let reference = &subject.references[&family.target];
     let window = worst(first, reference)?;
     let picture = |caption: &str, film: &Film| {
         let alt = format!("Rendered image: {caption}");

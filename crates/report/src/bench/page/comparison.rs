@@ -71,7 +71,7 @@ fn speeds_of(found: &BenchComparison) -> (Axis, Series) {
 pub(super) fn point(x: f64, v: &VariantBench) -> Point {
     let i = &v.ratio.interval;
     let label = format!("{:.1} % confidence, {} rounds", 100.0 * i.confidence, v.ratio.pairs);
-    Point { label, ..Point::new(x, i.median).within(i.low, i.high) }
+    Point { x, y: i.median, low: i.low, high: i.high, label }
 }
 
 /// Ratios of speeds, and a line at equal speed.
