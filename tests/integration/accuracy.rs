@@ -234,7 +234,7 @@ fn errors_are_reached(asked: f64, seeds: u64) {
     for (name, mut scene) in scenes {
         let original = scene.original();
         let aim = (asked / 12.0, 99);
-        let reference = choices(&mut scene, &original, &[Sampling::Sobol], aim, &());
+        let reference = choices(&mut scene, &[Sampling::Sobol], aim, &());
         let reference = reference.expect("a pilot")[0];
         scene.resample(&original, &reference.samples());
         let reference = render_on(2, &scene, &RenderOptions { seed: 99, ..options() }).film;

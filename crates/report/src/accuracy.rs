@@ -26,7 +26,7 @@ use store::{Circumstances, Store, SweepHeader, all};
 use subject::Subject;
 
 use crate::bench::{Machine, commit};
-use crate::files::write_json;
+use crate::files::{to_json, write_text};
 use wavecrest_base::error::Result;
 
 /// The progress of a sweep. Work is counted in points of pixels: a rough measure, by which the time to go is estimated.
@@ -82,6 +82,7 @@ impl Findings {
     /// # Errors
     /// If the file cannot be written.
     pub fn write(&self, folder: &Path) -> Result<()> {
-        write_json(&folder.join("accuracy.json"), self)
+        let file = folder.join("accuracy.json");
+        write_text(&file, &to_json(self).map_err(|e| e.in_file(&file))?)
     }
 }

@@ -20,14 +20,6 @@ pub fn to_json(value: &impl Serialize) -> Result<String> {
     Ok(json + "\n")
 }
 
-/// Writes a value to `file` atomically, as indented JSON.
-///
-/// # Errors
-/// Those of [`to_json`] and [`write_text`].
-pub(crate) fn write_json(file: &Path, value: &impl Serialize) -> Result<()> {
-    write_text(file, &to_json(value).map_err(|e| e.in_file(file))?)
-}
-
 /// Writes `text` to `file` atomically.
 ///
 /// # Errors

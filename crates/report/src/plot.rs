@@ -111,11 +111,7 @@ pub struct Guide {
 impl Chart {
     /// Bars of stages, one above the other: the name and the seconds of each stage. A stage has its
     /// colour in every bar.
-    pub fn bars(
-        title: impl Into<String>,
-        caption: impl Into<String>,
-        bars: &[(String, Vec<(String, f64)>)],
-    ) -> Self {
+    pub fn bars(title: &str, caption: &str, bars: &[(String, Vec<(String, f64)>)]) -> Self {
         let sum = |stages: &[(String, f64)]| stages.iter().map(|(_, seconds)| seconds).sum::<f64>();
         let (scale, unit) =
             time_unit(bars.iter().map(|(_, stages)| sum(stages)).fold(0.0, f64::max));
@@ -142,12 +138,12 @@ impl Chart {
         }
         let names = bars.iter().map(|(name, _)| name.clone()).collect();
         Self {
-            title: title.into(),
+            title: title.to_owned(),
             x: Axis::new("bar", "", Scale::Names(names)),
             y: Axis::new("time", unit, Scale::Linear),
             series,
             guides: Vec::new(),
-            caption: caption.into(),
+            caption: caption.to_owned(),
         }
     }
 }

@@ -18,8 +18,8 @@ pub mod errors;
 pub mod examine;
 mod flat;
 mod instances;
-mod numbers;
 mod prelude;
+mod rng;
 mod scenes;
 mod shapes;
 mod spheres;
@@ -88,7 +88,7 @@ impl Case {
     const fn rays(
         number: u32,
         name: &'static str,
-        (worlds, rays, make): (usize, usize, fn(&mut numbers::Numbers) -> World),
+        (worlds, rays, make): (usize, usize, fn(&mut rng::InputRng) -> World),
         scenes: &'static [&'static str],
     ) -> Self {
         Self { number, name, worlds: Some(Worlds { worlds, rays, make }), scenes }

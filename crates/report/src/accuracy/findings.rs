@@ -95,15 +95,15 @@ impl SceneFindings {
         let is_enough = all_rounds - busy.len() >= ENOUGH.min(all_rounds);
         let left = if is_enough { busy.clone() } else { BTreeSet::new() };
         let (rounds, left_out) = (all_rounds - left.len(), left.len());
+        let references = all(records).filter(|r: &&ReferenceRecord| r.scene == name);
+        let prepared = all(records).filter(|p: &&PreparedRecord| p.scene == name);
+        let before: Vec<f64> = prepared.map(|p| p.time.load + p.time.build).collect();
         let mut found = Self {
+            scene: subject.record.clone(),
             rounds: Rounds { rounds, left_out, busy: busy.len() - left_out },
             share: largest_share(name, records),
-            scene: subject.record.clone(),
             answer: Answer::default(),
-            references: all(records)
-                .filter(|r: &&ReferenceRecord| r.scene == name)
-                .cloned()
-                .collect(),
+            references: references.cloned().collect(),
             families: Vec::new(),
             trials: all(records).filter(|t: &&TrialRecord| t.scene == name).cloned().collect(),
             steps: all(records).find(|s: &&StepsRecord| s.scene == name).cloned(),
@@ -111,11 +111,11 @@ impl SceneFindings {
         found.families =
             subject.families.iter().map(|f| found.summary(f, records, &left)).collect();
         let counted = Axis::of(&subject.facts).things(2);
-        let varied = found.families.iter().find(|family| family.counted == counted);
-        let prepared = all(records).filter(|p: &&PreparedRecord| p.scene == name);
-        let before: Vec<f64> = prepared.map(|p| p.time.load + p.time.build).collect();
-        let answer = varied.map(|f| Answer::of(f, median(&before), errors));
-        found.answer = answer.unwrap_or_default();
+        if let Some(varied) = found.families.iter().find(|family| family.counted == counted) {
+            let costs = errors.iter().map(|error| varied.cost(*error, median(&before)));
+            let (family, errors) = (varied.name, costs.collect());
+            found.answer = Answer { family, counted, errors };
+        }
         found
     }
 
@@ -204,7 +204,7 @@ pub struct Answer {
 }
 
 /// The cost of an error.
-#[derive(Clone, Debug, Serialize)]
+#[derive(Clone, Debug, Default, Serialize)]
 pub struct AtError {
     pub error: f64,
     pub sampler: Option<String>,
@@ -216,12 +216,6 @@ pub struct AtError {
 }
 
 impl Answer {
-    /// The answer of a `family` of settings, with the seconds `before` tracing.
-    pub fn of(family: &Family<Point>, before: f64, errors: &[f64]) -> Self {
-        let errors = errors.iter().map(|error| at_error(family, *error, before)).collect();
-        Self { family: family.name, counted: family.counted.clone(), errors }
-    }
-
     /// The cost of the error in the middle of those that were asked for, or of the smallest that was
     /// reached, in a sentence.
     pub fn sentence(&self) -> String {
@@ -289,20 +283,24 @@ impl Family<Point> {
     pub fn random(&self) -> Option<&Series<Point>> {
         self.series.iter().find(|series| series.name == Sampling::Random.name())
     }
-}
 
-fn at_error(family: &Family<Point>, error: f64, before: f64) -> AtError {
-    let best = family.fastest(error);
-    let random = family.random();
-    let rival = random.and_then(|random| random.reach(error).or(random.points.last()));
-    let tracing = best.map(|(_, point)| point.seconds.median);
-    AtError {
-        error,
-        sampler: best.map(|(series, _)| series.name.clone()),
-        points: best.map(|(_, point)| point.x as u64),
-        seconds: tracing.map(|tracing| before + tracing),
-        tracing,
-        times_as_fast: best.zip(rival).and_then(|((_, point), rival)| ratio(rival, point)),
-        at_least: best.is_some() && random.is_some_and(|random| random.reach(error).is_none()),
+    /// The cost of `error` with the fastest of its settings, after so many seconds `before` tracing.
+    fn cost(&self, error: f64, before: f64) -> AtError {
+        let Some((series, point)) = self.fastest(error) else {
+            return AtError { error, ..AtError::default() };
+        };
+        let random = self.random();
+        let reached = random.and_then(|random| random.reach(error));
+        let rival = reached.or(random.and_then(|random| random.points.last()));
+        let tracing = point.seconds.median;
+        AtError {
+            error,
+            sampler: Some(series.name.clone()),
+            points: Some(point.x as u64),
+            seconds: Some(before + tracing),
+            tracing: Some(tracing),
+            times_as_fast: rival.and_then(|rival| ratio(rival, point)),
+            at_least: random.is_some() && reached.is_none(),
+        }
     }
 }

@@ -26,7 +26,6 @@ use crate::expected::timed;
 use crate::plot::number::figure;
 use crate::summary::mean_and_error;
 use wavecrest_base::error::Result;
-use wavecrest_core::accel::build::Preset;
 use wavecrest_core::counters::Counters;
 use wavecrest_core::math::sampling::{Points, Sampling};
 use wavecrest_core::prepared::{Original, PreparedScene, Samples};
@@ -80,24 +79,6 @@ impl Chosen {
     pub fn samples(&self) -> Samples {
         self.axis.samples(self.points)
     }
-
-    /// Gives `scene`, whose file had `original`, these samples, and the tree that the expected rays
-    /// are worth if that with `preset` may be replaced.
-    pub fn apply(
-        &self,
-        scene: &mut PreparedScene,
-        original: &Original,
-        preset: Option<&mut Preset>,
-    ) {
-        scene.resample(original, &self.samples());
-        let Some(preset) = preset else { return };
-        let (held, rays) = (scene.accel.geometry().held(), scene.expected_rays());
-        let best = Preset::choose(held as u64, rays);
-        if best != *preset {
-            scene.accel.rebuild(best);
-            *preset = best;
-        }
-    }
 }
 
 impl fmt::Display for Chosen {
@@ -125,19 +106,18 @@ fn extrapolated(errors: &[(f64, f64)], count: f64) -> f64 {
     last * libm::pow(count / m, slope)
 }
 
-/// The choice of each of these `samplers` for `error`, from a pilot of `scene`, whose file had `original`, which is
-/// restored. The random numbers follow from `seed`, and differ from those of a render with that seed. None if `watch`
+/// The choice of each of these `samplers` for `error`, from a pilot of `scene`, whose samples are restored. The random numbers follow from `seed`, and differ from those of a render with that seed. None if `watch`
 /// ends the pilot.
 ///
 /// # Errors
 /// If there is no memory for an image.
 pub fn choices(
     scene: &mut PreparedScene,
-    original: &Original,
     samplers: &[Sampling],
     (error, seed): (f64, u64),
     watch: &dyn Watch,
 ) -> Result<Vec<Chosen>> {
+    let original = &scene.original();
     // No timed render should wait for an image.
     scene.appearance.decode()?;
     let share = 1.0 / samplers.len() as f64;

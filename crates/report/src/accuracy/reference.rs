@@ -34,7 +34,7 @@ const MOST_REPLICATES: usize = 32;
 /// Their first seed, which no other render uses.
 const FIRST_SEED: u64 = 1 << 63;
 
-/// The reference of `target` in `store`, or a new one, with at least `least` points of each kind:
+/// The reference of `target` in `store`, or a new one, with the least points of each kind there:
 /// rendered until the errors of the settings nearest to it are above its noise.
 ///
 /// # Errors
@@ -42,11 +42,10 @@ const FIRST_SEED: u64 = 1 << 63;
 pub(super) fn reference(
     subject: &mut Subject,
     target: Target,
-    least: u32,
     store: &mut Store,
     progress: &Told<'_>,
 ) -> Result<Film> {
-    let scene = subject.record.scene.clone();
+    let (scene, least) = (subject.record.scene.clone(), store.header.least);
     let is_it = |known: &&ReferenceRecord| known.scene == scene && known.target == target;
     let work = REFERENCE_COST * u64::from(least);
     let of_one = subject.pixels() * work;

@@ -10,20 +10,13 @@ use wavecrest_core::prepared::{PreparedScene, Samples};
 use wavecrest_scene::components::Filter;
 use wavecrest_scene::systems::overrides::Overrides;
 
-/// Choices made before a scene is prepared.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-pub struct Structure {
-    /// The precision of hits.
-    pub precision: Precision,
-    /// Overrides of the scene's file.
-    pub overrides: Overrides,
-}
-
 /// One way to render a scene. `None` keeps the value of the scene's file.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Setting {
-    /// Choices before the scene is prepared.
-    pub structure: Structure,
+    /// The precision of hits, chosen before the scene is prepared.
+    pub precision: Precision,
+    /// Overrides of the scene's file, chosen before it is prepared.
+    pub overrides: Overrides,
     /// Choices for each render.
     pub samples: Samples,
 }
@@ -41,7 +34,7 @@ impl Setting {
     pub fn key(&self) -> String {
         let points = |p: Points| format!("{}:{}", p.sampling.name(), p.side);
         let Samples { lights, lens, pixel } = self.samples;
-        let Overrides { bounces, filter } = self.structure.overrides;
+        let Overrides { bounces, filter } = self.overrides;
         let values = [
             ("lights", lights.map(points)),
             ("lens", lens.map(points)),
@@ -50,7 +43,7 @@ impl Setting {
             ("filter", filter.map(|filter| filter.name().to_owned())),
         ];
         let words = values.into_iter().filter_map(|(name, value)| Some((name, value?)));
-        let key = self.structure.precision.name().to_owned();
+        let key = self.precision.name().to_owned();
         words.fold(key, |key, (name, value)| format!("{key} {name}={value}"))
     }
 }
@@ -267,16 +260,14 @@ fn bounces(all: u32) -> Vec<Series<CountedSetting>> {
     let counts = (0..all).step_by(all.div_ceil(MOST_BOUNCES) as usize).chain([all]);
     let point = |n: u32| {
         let overrides = Overrides { bounces: Some(n), ..Overrides::default() };
-        let structure = Structure { overrides, ..Structure::default() };
-        (f64::from(n), n.to_string(), Setting { structure, ..Setting::default() })
+        (f64::from(n), n.to_string(), Setting { overrides, ..Setting::default() })
     };
     vec![series("bounces", counts.map(point))]
 }
 
 fn precisions() -> Vec<Series<CountedSetting>> {
     let point = |(i, precision): (u32, Precision)| {
-        let structure = Structure { precision, ..Structure::default() };
-        (f64::from(i), precision.name().to_owned(), Setting { structure, ..Setting::default() })
+        (f64::from(i), precision.name().to_owned(), Setting { precision, ..Setting::default() })
     };
     vec![series("precision", (0..).zip(Precision::ALL).map(point))]
 }
@@ -284,11 +275,10 @@ fn precisions() -> Vec<Series<CountedSetting>> {
 fn filters() -> Vec<Series<CountedSetting>> {
     let line = |filter: Filter| {
         let overrides = Overrides { filter: Some(filter), ..Overrides::default() };
-        let structure = Structure { overrides, ..Structure::default() };
         let point = |side| {
             let points = Points { sampling: Sampling::Jittered, side };
             let samples = Samples { pixel: Some(points), ..Samples::default() };
-            counted(points, Setting { structure, samples })
+            counted(points, Setting { overrides, samples, ..Setting::default() })
         };
         series(filter.name(), FILTER_SIDES.map(point))
     };

@@ -6,7 +6,7 @@
 use std::hint::black_box;
 use std::time::Instant;
 
-use super::setting::{Setting, Structure};
+use super::setting::Setting;
 use super::store::{Record, StepRecord, StepsRecord, Store, all};
 use super::subject::Subject;
 use super::{SweepProgress, Told};
@@ -39,7 +39,7 @@ pub fn run(subject: &mut Subject, store: &mut Store, progress: &Told<'_>) -> Res
     progress(SweepProgress::Stage(&format!("{scene}: steps to exact hits")));
     let c = subject.render(&Setting::default(), 0)?.counters;
     let rays = Rays::from(&c).all();
-    let mut prices = prices(&subject.prepare(&Structure::default())?.scene);
+    let mut prices = prices(&subject.prepare(&Setting::default())?.scene);
     let fast_filter = prices.pop().unwrap_or_default();
     let step = |(step, nanoseconds): (HitStep, f64)| StepRecord {
         step: step.name().to_owned(),

@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, HashMap};
 use std::path::Path;
 use std::time::Instant;
 
-use super::setting::{CountedSetting, Facts, Family, Setting, Structure, Target, families};
+use super::setting::{CountedSetting, Facts, Family, Setting, Target, families};
 use super::store::SceneRecord;
 use crate::bench::Preparation;
 use crate::measure::{Timing, rounds};
@@ -13,10 +13,12 @@ use wavecrest_base::error::Result;
 use wavecrest_core::accel::KernelChoice;
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::film::Film;
+use wavecrest_core::kernels::precision::Precision;
 use wavecrest_core::prepared::{Original, PreparedScene};
 use wavecrest_core::render::{RenderOptions, Rendered, Watch, render};
 use wavecrest_scene::load::{LoadOptions, load};
-use wavecrest_scene::systems::{Options, extract, overrides};
+use wavecrest_scene::systems::overrides::{self, Overrides};
+use wavecrest_scene::systems::{Options, extract};
 
 /// A scene, and its prepared structures.
 #[derive(Debug)]
@@ -29,7 +31,7 @@ pub struct Subject {
     pub families: Vec<Family<CountedSetting>>,
     /// The references of errors, once they are rendered.
     pub references: BTreeMap<Target, Film>,
-    prepared: HashMap<Structure, PreparedSubject>,
+    prepared: HashMap<(Precision, Overrides), PreparedSubject>,
 }
 
 /// A scene prepared in one structure.
@@ -77,32 +79,33 @@ impl Subject {
         self.record.size.map(u64::from).iter().product()
     }
 
-    /// The scene in `structure`, prepared if necessary.
+    /// The scene for `setting`, prepared if necessary.
     ///
     /// # Errors
     /// If it can no longer be loaded or prepared.
-    pub fn prepare(&mut self, structure: &Structure) -> Result<&mut PreparedSubject> {
-        let prepared = match self.prepared.remove(structure) {
+    pub fn prepare(&mut self, setting: &Setting) -> Result<&mut PreparedSubject> {
+        let key = (setting.precision, setting.overrides);
+        let prepared = match self.prepared.remove(&key) {
             Some(prepared) => prepared,
             None => {
                 self.make_room();
-                self.build(structure)?
+                self.build(setting)?
             }
         };
-        Ok(self.prepared.entry(*structure).or_insert(prepared))
+        Ok(self.prepared.entry(key).or_insert(prepared))
     }
 
     /// Prepares the scene without keeping it.
     ///
     /// # Errors
     /// If it can no longer be loaded or prepared.
-    pub fn build(&self, structure: &Structure) -> Result<PreparedSubject> {
+    pub fn build(&self, setting: &Setting) -> Result<PreparedSubject> {
         let [width, height] = self.record.size.map(Some);
         let start = Instant::now();
         let mut loaded =
             load(&self.record.file, &LoadOptions { width, height, ..LoadOptions::default() })?;
-        overrides::apply(&mut loaded.world, &structure.overrides);
-        let options = Options { precision: structure.precision, ..Options::default() };
+        overrides::apply(&mut loaded.world, &setting.overrides);
+        let options = Options { precision: setting.precision, ..Options::default() };
         let extracted = extract(loaded.world, options)?;
         // No render should wait for an image.
         extracted.scene().appearance.decode()?;
@@ -133,7 +136,7 @@ impl Subject {
         seed: u64,
         watch: &dyn Watch,
     ) -> Result<Rendered> {
-        let PreparedSubject { scene, original, .. } = self.prepare(&setting.structure)?;
+        let PreparedSubject { scene, original, .. } = self.prepare(setting)?;
         scene.resample(original, &setting.samples);
         let usual = std::mem::replace(&mut scene.accel.kernel, kernel);
         let options = RenderOptions { seed, ..RenderOptions::default() };

@@ -9,7 +9,7 @@ use std::path::PathBuf;
 use rand::seq::SliceRandom;
 
 use super::fit::generator;
-use super::setting::{CountedSetting, Family, Setting, Structure, Target};
+use super::setting::{CountedSetting, Family, Setting, Target};
 use super::store::{
     Errors, PointRecord, PreparedRecord, Record, Store, SweepHeader, TrialRecord, all, busy_rounds,
 };
@@ -51,7 +51,7 @@ pub fn run(
         for target in Target::ALL {
             let stage = format!("{}: reference ({target})", subject.record.scene);
             progress(SweepProgress::Stage(&stage));
-            let film = reference::reference(subject, target, least, store, progress)?;
+            let film = reference::reference(subject, target, store, progress)?;
             subject.references.insert(target, film);
         }
         points(subject, seeds as usize, store, progress)?;
@@ -92,7 +92,7 @@ fn points(
         for ((target, key), setting) in &all {
             if !store.has(&scene, *target, key, seed) {
                 // No timed render should wait for its tree.
-                subject.prepare(&setting.structure)?;
+                subject.prepare(setting)?;
                 let (rendered, timing) = subject.timed(setting, seed)?;
                 store.add(Record::Point(PointRecord {
                     scene: scene.clone(),
@@ -123,7 +123,7 @@ fn note_preparation(subject: &Subject, store: &mut Store) -> Result<()> {
         return Ok(());
     }
     for _ in rounds(PREPARED, SHORT) {
-        let time = subject.build(&Structure::default())?.time;
+        let time = subject.build(&Setting::default())?.time;
         store.add(Record::Prepared(PreparedRecord { scene: scene.clone(), time }))?;
     }
     Ok(())
@@ -145,8 +145,8 @@ fn trials(subject: &mut Subject, store: &mut Store, progress: &Told<'_>) -> Resu
     let done = all(&store.records).filter(|t: &&TrialRecord| t.scene == scene).count();
     progress(SweepProgress::Stage(&format!("{scene}: leaks and self-hits")));
     for precision in Precision::ALL.into_iter().skip(done) {
-        let structure = Structure { precision, ..Structure::default() };
-        let accel = &subject.prepare(&structure)?.scene.accel;
+        let setting = Setting { precision, ..Setting::default() };
+        let accel = &subject.prepare(&setting)?.scene.accel;
         if accel.geometry().triangles.is_empty() {
             return Ok(());
         }

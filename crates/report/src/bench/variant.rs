@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use crate::plot::number::plural;
 use wavecrest_core::accel::KernelChoice;
 use wavecrest_core::math::simd::{Level, is_wide};
 use wavecrest_core::render::TracerKind;
@@ -74,27 +75,28 @@ impl Varied {
     /// The variants that differ from the `usual` one in this property, and those that they are
     /// compared with. `batches` are the batch sizes to compare.
     pub fn choices(self, usual: Variant, batches: &[usize]) -> Vec<ListedVariant> {
-        let mut list = VariantList::default();
+        let mut list = Vec::new();
         match self {
             Self::Ladder => {
-                list.ladder(usual, "");
-                let timed = Variant { time_passes: true, ..recursive(usual) };
-                list.add("recursive, timed".to_owned(), timed, 0, None);
+                ladder(&mut list, usual, "");
+                let (label, variant) = ("recursive, timed".to_owned(), recursive(usual));
+                let variant = Variant { time_passes: true, ..variant };
+                list.push(ListedVariant { label, variant, over: 0, step: None });
             }
             Self::Kernels => {
                 let kernels = KernelChoice::FOR_RENDERS.map(|kernel| Variant { kernel, ..usual });
-                list.against(usual, kernels, |variant| variant.kernel.name().to_owned());
+                list = against(usual, kernels, |variant| variant.kernel.name().to_owned());
             }
             Self::Levels => {
                 for simd in Level::available() {
-                    list.ladder(Variant { simd, ..usual }, &format!("{}, ", simd.name()));
+                    ladder(&mut list, Variant { simd, ..usual }, &format!("{}, ", simd.name()));
                 }
             }
             Self::Batches => {
                 let batches = batches.iter().map(|&batch| Variant { batch, ..usual });
                 let mut sizes: Vec<Variant> = batches.chain([usual]).collect();
                 sizes.sort_by_key(|variant| variant.batch);
-                list.against(recursive(usual), sizes, |variant| match variant.tracer {
+                list = against(recursive(usual), sizes, |variant| match variant.tracer {
                     TracerKind::Recursive => "recursive".to_owned(),
                     TracerKind::Wavefront => variant.batch.to_string(),
                 });
@@ -102,18 +104,17 @@ impl Varied {
             Self::Threads => {
                 let powers = std::iter::successors(Some(1), |threads| Some(threads * 2));
                 let fewer = powers.take_while(|threads| *threads < usual.threads);
-                fewer
-                    .chain([usual.threads])
-                    .for_each(|n| list.both(Variant { threads: n, ..usual }));
+                for threads in fewer.chain([usual.threads]) {
+                    both(&mut list, Variant { threads, ..usual });
+                }
             }
             Self::Plan => {
                 let all = Variant { planned: !usual.planned, ..usual };
-                let name =
-                    |v: &Variant| if v.planned { "planned" } else { "all passes" }.to_owned();
-                list.against(usual, [all], name);
+                let name = |v: &Variant| if v.planned { "planned" } else { "all passes" };
+                list = against(usual, [all], |variant| name(variant).to_owned());
             }
         }
-        list.0
+        list
     }
 }
 
@@ -122,55 +123,41 @@ fn recursive(usual: Variant) -> Variant {
     Variant { tracer: TracerKind::Recursive, ..usual }
 }
 
-#[derive(Default)]
-struct VariantList(Vec<ListedVariant>);
-
-impl VariantList {
-    fn add(
-        &mut self,
-        label: String,
-        variant: Variant,
-        over: usize,
-        step: Option<(usize, &'static str)>,
-    ) {
-        self.0.push(ListedVariant { label, variant, over, step });
+/// Adds the recursive tracer, then the wavefront with one kernel after another, up to the usual one.
+fn ladder(list: &mut Vec<ListedVariant>, usual: Variant, prefix: &str) {
+    let over = list.len();
+    let label = format!("{prefix}recursive");
+    list.push(ListedVariant { label, variant: recursive(usual), over, step: None });
+    for (kernel, name, gain) in steps(usual) {
+        let step = Some((list.len() - 1, gain));
+        let label = format!("{prefix}wavefront, {name}");
+        list.push(ListedVariant { label, variant: Variant { kernel, ..usual }, over, step });
     }
+}
 
-    /// The recursive tracer, then the wavefront with one kernel after another, up to the usual one.
-    fn ladder(&mut self, usual: Variant, prefix: &str) {
-        let over = self.0.len();
-        self.add(format!("{prefix}recursive"), recursive(usual), over, None);
-        for (kernel, name, gain) in steps(usual) {
-            let step = Some((self.0.len() - 1, gain));
-            let label = format!("{prefix}wavefront, {name}");
-            self.add(label, Variant { kernel, ..usual }, over, step);
+/// Adds both tracers under these conditions, with the step from one thread.
+fn both(list: &mut Vec<ListedVariant>, usual: Variant) {
+    let over = list.len();
+    let threads = plural(usual.threads, "thread");
+    for (from, name, variant) in [(0, "recursive", recursive(usual)), (1, "wavefront", usual)] {
+        let step = (over > 0).then_some((from, "threads"));
+        list.push(ListedVariant { label: format!("{name}, {threads}"), variant, over, step });
+    }
+}
+
+/// The variant `first`, and others that are compared with it, each once.
+fn against(
+    first: Variant,
+    others: impl IntoIterator<Item = Variant>,
+    label: impl Fn(&Variant) -> String,
+) -> Vec<ListedVariant> {
+    let mut list: Vec<ListedVariant> = Vec::new();
+    for variant in std::iter::once(first).chain(others) {
+        if list.iter().all(|listed| listed.variant != variant) {
+            list.push(ListedVariant { label: label(&variant), variant, over: 0, step: None });
         }
     }
-
-    /// Both tracers under these conditions, with the step from one thread.
-    fn both(&mut self, usual: Variant) {
-        let over = self.0.len();
-        let threads = if usual.threads == 1 { "thread" } else { "threads" };
-        for (from, name, variant) in [(0, "recursive", recursive(usual)), (1, "wavefront", usual)] {
-            let step = (over > 0).then_some((from, "threads"));
-            self.add(format!("{name}, {} {threads}", usual.threads), variant, over, step);
-        }
-    }
-
-    /// A variant, and others that are compared with it.
-    fn against(
-        &mut self,
-        first: Variant,
-        others: impl IntoIterator<Item = Variant>,
-        label: impl Fn(&Variant) -> String,
-    ) {
-        self.add(label(&first), first, 0, None);
-        for other in others {
-            if self.0.iter().all(|choice| choice.variant != other) {
-                self.add(label(&other), other, 0, None);
-            }
-        }
-    }
+    list
 }
 
 /// The steps of a ladder that ends with the usual kernel. Narrow instruction sets have single rays

@@ -4,10 +4,10 @@
 //! changes widely. `scenes.json` lists them, each as a name, the name of the scene that it is added
 //! to, and a patch of that scene. Long lists of numbers are filled in here.
 
+use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 use std::path::Path;
 
-use serde::Deserialize;
 use serde_json::{Value, json};
 
 use wavecrest_base::error::{Error, ErrorKind, Result};
@@ -27,13 +27,8 @@ pub struct SceneVariant {
     pub scene: Value,
 }
 
-/// The contents of `scenes.json`.
-#[derive(Deserialize)]
-struct SceneList {
-    bases: Vec<(String, String, Value)>,
-    reached: Vec<(String, String, Value)>,
-    unreached: Vec<(String, String, Value)>,
-}
+/// The lists of `scenes.json`: bases, and effects that are reached and that are not.
+type SceneLists = BTreeMap<String, Vec<(String, String, Value)>>;
 
 /// Number of hills along each side of the field, and their height; and the number of mesh vertices
 /// along each side.
@@ -56,16 +51,14 @@ pub fn variants(folder: &Path) -> Result<Vec<SceneVariant>> {
     for (name, numbers) in field() {
         text = text.replace(&format!("\"${name}\""), &numbers.to_string());
     }
-    let SceneList { bases, reached, unreached } = serde_json::from_str(&text)
+    let lists: SceneLists = serde_json::from_str(&text)
         .map_err(|e| Error::new(ErrorKind::Io, format!("the scenes are not JSON: {e}")))?;
     let mut variants: Vec<SceneVariant> = Vec::new();
-    for (rows, is_priced, reached) in
-        [(bases, false, true), (reached, true, true), (unreached, true, false)]
-    {
+    for (list, rows) in lists {
         for (name, base, patch) in rows {
             let base = variants.iter().position(|variant| variant.name == base);
             let scene = with(base.map_or(Value::Null, |base| variants[base].scene.clone()), patch);
-            let added_to = base.filter(|_| is_priced);
+            let (added_to, reached) = (base.filter(|_| list != "bases"), list != "unreached");
             variants.push(SceneVariant { name, added_to, reached, scene });
         }
     }

@@ -41,21 +41,34 @@ fn trace(scene: &PreparedScene, tracer: TracerKind) -> Result<Run> {
     Run::of(scene, &RenderOptions { tracer, ..RenderOptions::default() })
 }
 
+/// What a render that is spoilt gives, and words of it: an effect that should be hidden, and a tracer that disagrees.
 #[test]
-fn a_visible_effect_that_should_be_hidden_ends_the_measurement() {
+fn a_difference_ends_the_measurement() {
     let entries = entries();
-    let spoilt = entries.iter().position(|e| !e.variant.reached).expect("one");
-    let trace = |scene: &PreparedScene, tracer| {
-        let mut run = trace(scene, tracer)?;
-        if std::ptr::eq(scene, &raw const entries[spoilt].scene) {
-            run.rendered.counters.look_ups.texels += 1;
-        }
-        Ok(run)
+    let hidden = entries.iter().position(|e| !e.variant.reached).expect("one");
+    let found = |spoil: &dyn Fn(&PreparedScene, TracerKind, &mut Run)| {
+        let trace = |scene: &PreparedScene, tracer| {
+            let mut run = trace(scene, tracer)?;
+            spoil(scene, tracer, &mut run);
+            Ok(run)
+        };
+        let found =
+            measure(&entries, setting(), &schedule(), trace, &mut |_, _| {}).expect("a list");
+        assert!(found.effects.is_empty());
+        (text(&found), found.difference.expect("a difference").label)
     };
-    let found = measure(&entries, setting(), &schedule(), trace, &mut |_, _| {}).expect("a list");
-    let differs = found.difference.as_ref().expect("a difference");
-    assert!(differs.label.starts_with(&entries[spoilt].variant.name));
-    assert!(found.effects.is_empty() && text(&found).contains("THE WORK DIFFERS"));
+    let (words, label) = found(&|scene, _, run| {
+        let is_hidden = std::ptr::eq(scene, &raw const entries[hidden].scene);
+        run.rendered.counters.look_ups.texels += u64::from(is_hidden);
+    });
+    assert!(label.starts_with(&entries[hidden].variant.name) && words.contains("THE WORK DIFFERS"));
+    let (words, label) = found(&|_, tracer, run| {
+        if tracer == TracerKind::Recursive {
+            run.rendered.film = Film::new(16, 12).expect("a film");
+        }
+    });
+    assert_eq!(label, format!("{} (Recursive)", entries[0].variant.name));
+    assert!(words.contains("THE IMAGES DIFFER"), "{words}");
 }
 
 /// The kinds of maps, cut-outs among them.
@@ -68,19 +81,4 @@ fn maps_in_view_are_priced_by_the_hit() {
         let is_priced = costs.map(|cost| cost.nanoseconds_a_hit.is_some());
         assert_eq!(is_priced, [price.reached && is_map(&price.effect); 2], "{}", price.effect);
     }
-}
-
-#[test]
-fn tracers_that_disagree_end_it_too() {
-    let entries = entries();
-    let trace = |scene: &PreparedScene, tracer| {
-        let mut run = trace(scene, tracer)?;
-        if tracer == TracerKind::Recursive {
-            run.rendered.film = Film::new(16, 12)?;
-        }
-        Ok(run)
-    };
-    let found = measure(&entries, setting(), &schedule(), trace, &mut |_, _| {}).expect("a list");
-    let differs = found.difference.expect("a difference");
-    assert_eq!(differs.label, format!("{} (Recursive)", entries[0].variant.name));
 }

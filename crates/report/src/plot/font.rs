@@ -64,14 +64,6 @@ mod tests {
     }
 
     #[test]
-    fn widths_are_those_of_the_font() {
-        // 1171 of 2048 units for every digit.
-        assert_eq!(width("0123456789", 2048.0), 11710.0);
-        assert_eq!(width("", 10.0), 0.0);
-        assert!(width("W", 10.0) > width("i", 10.0));
-    }
-
-    #[test]
     fn text_is_made_to_fit() {
         assert_eq!(shortened("short", 10.0, 100.0), "short");
         let found = shortened("scenes/large/knot-of-ten-million.json", 10.0, 100.0);

@@ -1,7 +1,7 @@
 //! The legend, and the markers of series in it and in the field.
 
 use super::font;
-use super::svg::{At, BESIDE, COLOURS, Drawing, LABEL, Paint};
+use super::svg::{At, BESIDE, Drawing, LABEL, Paint};
 use super::{Draw, Series};
 
 /// The radius of a round marker; others have a similar area.
@@ -25,32 +25,25 @@ const BETWEEN: f64 = 22.0;
 /// Space below the last row.
 const BELOW: f64 = 6.0;
 
-/// The corners of each marker around its centre, x and y alternating; a disk has none.
-const MARKERS: [&[f64]; COLOURS] = [
+/// The corners of each marker around its centre; a disk has none. More than four series are drawn as bars only.
+const MARKERS: [&[At]; 4] = [
     &[],
-    &[-4.0, -4.0, 4.0, -4.0, 4.0, 4.0, -4.0, 4.0],
-    &[0.0, -5.3, 5.0, 3.5, -5.0, 3.5],
-    &[0.0, -5.6, 5.6, 0.0, 0.0, 5.6, -5.6, 0.0],
-    &[0.0, 5.3, 5.0, -3.5, -5.0, -3.5],
-    &[
-        -1.7, -5.2, 1.7, -5.2, 1.7, -1.7, 5.2, -1.7, 5.2, 1.7, 1.7, 1.7, 1.7, 5.2, -1.7, 5.2, -1.7,
-        1.7, -5.2, 1.7, -5.2, -1.7, -1.7, -1.7,
-    ],
-    &[-4.5, -4.5, 4.5, -4.5, -4.5, 4.5, 4.5, 4.5],
+    &[[-4.0, -4.0], [4.0, -4.0], [4.0, 4.0], [-4.0, 4.0]],
+    &[[0.0, -5.3], [5.0, 3.5], [-5.0, 3.5]],
+    &[[0.0, -5.6], [5.6, 0.0], [0.0, 5.6], [-5.6, 0.0]],
 ];
 
 /// Draws the marker of a series. Its outline separates overlapping markers.
 pub(super) fn marker(drawing: &mut Drawing, center: At, index: usize) {
     let (rim, inside) = (Paint::PAPER, Paint::series(index));
-    // When colours repeat, the markers are shifted by one.
-    let corners = MARKERS[(index + index / COLOURS) % COLOURS];
+    let corners = MARKERS[index % MARKERS.len()];
     if corners.is_empty() {
         drawing.disk(center, RADIUS + RIM / 2.0, rim);
         drawing.disk(center, RADIUS - RIM / 2.0, inside);
         return;
     }
-    let corner = |corner: &[f64]| [center[0] + corner[0], center[1] + corner[1]];
-    let mut points: Vec<At> = corners.chunks(2).map(corner).collect();
+    let corner = |[x, y]: &At| [center[0] + x, center[1] + y];
+    let mut points: Vec<At> = corners.iter().map(corner).collect();
     points.extend(points.first().copied());
     drawing.line(&points, rim, 2.0 * RIM);
     drawing.area(&points, inside);

@@ -39,7 +39,7 @@ pub(crate) const STYLE: &str = include_str!("chart.css");
 pub(super) struct Paint(pub(super) &'static str, pub(super) [u8; 3]);
 
 /// Number of distinct colours of series.
-pub(super) const COLOURS: usize = 7;
+const COLOURS: usize = 7;
 
 /// Okabe and Ito's colours, in the order of their contrast to white. Their yellow has almost none
 /// and is left out.
@@ -74,7 +74,6 @@ impl Paint {
 }
 
 /// The shapes drawn so far.
-#[derive(Clone, Debug)]
 pub(super) struct Drawing {
     /// Its width, without margins.
     pub width: f64,

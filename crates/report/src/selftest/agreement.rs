@@ -25,7 +25,7 @@ const TOGETHER_AIMED: [u32; 2] = [103, 1];
 pub fn agreement(mut accel: Accel, effort: &Effort) -> Outcome {
     let (geometry, extent) = (accel.geometry(), BoundingBall::of(accel.geometry()));
     let count = rays(geometry, effort, RAYS);
-    let aim = |n| aim(geometry, &extent, Numbers::new(effort, AGREEING, n), TOGETHER_AIMED);
+    let aim = |n| aim(geometry, &extent, InputRng::new(effort, AGREEING, n), TOGETHER_AIMED);
     let aimed: Vec<Ray> = (0..count).into_par_iter().map(aim).collect();
     let expected = by_reference(&mut accel, &aimed);
     let mut outcome = compare(&mut accel, &expected);
@@ -49,31 +49,31 @@ pub(super) fn by_reference<'a>(accel: &mut Accel, rays: &'a [Ray]) -> Answered<'
 
 /// Case 49. Slivers, sheets a few ulp apart and wide planes, with rays aimed at their edges and
 /// vertices.
-pub(super) fn aimed(numbers: &mut Numbers) -> World {
+pub(super) fn aimed(rng: &mut InputRng) -> World {
     let mut geometry = Geometry::default();
     for _ in 0..64 {
-        let (a, along) = (numbers.ball(1.0).as_vec3(), numbers.direction());
-        let aside = numbers.direction() * numbers.magnitude(1e-9, 1e-3);
-        let middle = a.as_dvec3() + along * numbers.one() + aside;
+        let (a, along) = (rng.ball(1.0).as_vec3(), rng.direction());
+        let aside = rng.direction() * rng.magnitude(1e-9, 1e-3);
+        let middle = a.as_dvec3() + along * rng.one() + aside;
         add_triangle(&mut geometry, [a, (a.as_dvec3() + along).as_vec3(), middle.as_vec3()]);
     }
     for _ in 0..64 {
-        let corners = [(); 3].map(|()| numbers.ball(1.0).as_vec3());
-        let step = numbers.direction().as_vec3() * (f32::EPSILON * numbers.below(4) as f32);
+        let corners = [(); 3].map(|()| rng.ball(1.0).as_vec3());
+        let step = rng.direction().as_vec3() * (f32::EPSILON * rng.below(4) as f32);
         add_triangle(&mut geometry, corners);
         let [a, b, c] = corners.map(|corner| corner + step);
         add_triangle(&mut geometry, [b, c, a]);
     }
     for _ in 0..8 {
-        let half = numbers.magnitude(1.0, 1e6) as f32;
+        let half = rng.magnitude(1.0, 1e6) as f32;
         let first = geometry.positions.len() as u32;
-        let center = Vec3::Y * numbers.about(1.0) as f32;
+        let center = Vec3::Y * rng.about(1.0) as f32;
         geometry.positions.extend(corners(center, Vec3::X * half, Vec3::Z * half));
         geometry.quads.push([0, 1, 2, 3].map(|corner| first + corner));
     }
-    let (extent, packets) = (BoundingBall::of(&geometry), [49, numbers.bits()]);
-    World::new(geometry.clone(), MIXED, move |numbers| {
-        Some(aim(&geometry, &extent, numbers.clone(), packets))
+    let (extent, packets) = (BoundingBall::of(&geometry), [49, rng.bits()]);
+    World::new(geometry.clone(), MIXED, move |rng| {
+        Some(aim(&geometry, &extent, rng.clone(), packets))
     })
 }
 
@@ -124,9 +124,9 @@ fn compared(accel: &Accel, (rays, expected): &(&[Ray], Vec<RayAnswer>)) -> Outco
 /// A ray of a packet from one point at one primitive: along an edge, around a vertex or inside; or
 /// from there at edges of primitives everywhere. Some end where they are aimed. `packets` is the
 /// stream of random numbers of what they share.
-fn aim(geometry: &Geometry, extent: &BoundingBall, mut numbers: Numbers, packets: [u32; 2]) -> Ray {
-    let place = numbers.index % TOGETHER;
-    let mut shared = Numbers::new(&numbers.effort, packets, numbers.index / TOGETHER);
+fn aim(geometry: &Geometry, extent: &BoundingBall, mut rng: InputRng, packets: [u32; 2]) -> Ray {
+    let place = rng.index % TOGETHER;
+    let mut shared = InputRng::new(&rng.effort, packets, rng.index / TOGETHER);
     let from = if shared.below(3) > 0 {
         extent.around(&mut shared)
     } else {
@@ -142,10 +142,10 @@ fn aim(geometry: &Geometry, extent: &BoundingBall, mut numbers: Numbers, packets
             let (across, along) = (place as i32 % 8 - 4, place as i32 / 8 - 4);
             Vec3::new(moved(a.x, across), moved(a.y, along), a.z)
         }
-        2 => numbers.within([a, b, c]).as_vec3(),
+        2 => rng.within([a, b, c]).as_vec3(),
         _ => {
-            let [a, b, _] = any_corners(geometry, &mut numbers);
-            a.lerp(b, numbers.one() as f32)
+            let [a, b, _] = any_corners(geometry, &mut rng);
+            a.lerp(b, rng.one() as f32)
         }
     };
     Ray { t_max, ..Ray::new(from, target - from) }
@@ -160,9 +160,9 @@ pub(crate) fn leaving(geometry: &Geometry, count: usize) -> impl Iterator<Item =
     let extent = BoundingBall::of(geometry);
     let count = if geometry.is_empty() { 0 } else { count };
     (0..count).map(move |n| {
-        let mut numbers = Numbers::new(&effort, AGREEING, n);
-        let corners = any_corners(geometry, &mut numbers);
-        let from = numbers.within(corners).as_vec3();
-        Ray { t_min: START, ..Ray::new(from, extent.around(&mut numbers) - from) }
+        let mut rng = InputRng::new(&effort, AGREEING, n);
+        let corners = any_corners(geometry, &mut rng);
+        let from = rng.within(corners).as_vec3();
+        Ray { t_min: START, ..Ray::new(from, extent.around(&mut rng) - from) }
     })
 }

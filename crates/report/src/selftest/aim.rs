@@ -41,21 +41,21 @@ impl BoundingBall {
     }
 
     /// A random point around the geometry.
-    pub(super) fn around(&self, numbers: &mut Numbers) -> Vec3 {
-        let direction = numbers.direction();
-        (self.middle + direction * (self.half * (0.1 + 2.0 * numbers.one()))).as_vec3()
+    pub(super) fn around(&self, rng: &mut InputRng) -> Vec3 {
+        let direction = rng.direction();
+        (self.middle + direction * (self.half * (0.1 + 2.0 * rng.one()))).as_vec3()
     }
 }
 
 /// The corners of any primitive. For spheres and disks, points on the surface.
-pub(super) fn any_corners(geometry: &Geometry, numbers: &mut Numbers) -> [Vec3; 3] {
-    let number = numbers.below(geometry.len()) as u32;
+pub(super) fn any_corners(geometry: &Geometry, rng: &mut InputRng) -> [Vec3; 3] {
+    let number = rng.below(geometry.len()) as u32;
     match geometry.primitive(number) {
-        Primitive::Quad(i) => numbers.among(halves(&geometry.quad(i))),
+        Primitive::Quad(i) => rng.among(halves(&geometry.quad(i))),
         Primitive::Quadric(i) => {
             let (center, radius, front) = geometry.quadrics[i].parts();
             [(); 3].map(|()| {
-                let towards = numbers.direction().as_vec3();
+                let towards = rng.direction().as_vec3();
                 center + (towards - front * front.dot(towards)) * radius
             })
         }
@@ -64,9 +64,9 @@ pub(super) fn any_corners(geometry: &Geometry, numbers: &mut Numbers) -> [Vec3; 
 }
 
 /// A ray at a point of a primitive, from a random point around them all.
-pub(super) fn at_any(geometry: &Geometry, extent: &BoundingBall, numbers: &mut Numbers) -> Ray {
-    let corners = any_corners(geometry, numbers);
-    let (target, from) = (numbers.within(corners).as_vec3(), extent.around(numbers));
+pub(super) fn at_any(geometry: &Geometry, extent: &BoundingBall, rng: &mut InputRng) -> Ray {
+    let corners = any_corners(geometry, rng);
+    let (target, from) = (rng.within(corners).as_vec3(), extent.around(rng));
     Ray::new(from, normalize(target - from))
 }
 

@@ -102,14 +102,14 @@ pub fn trial(accel: &Accel, effort: &Effort) -> SceneTrial {
     let leaks = ask(
         accel,
         count,
-        |n, _| meshes.aimed(&extent, &mut Numbers::new(effort, LEAKING, n)),
+        |n, _| meshes.aimed(&extent, &mut InputRng::new(effort, LEAKING, n)),
         |ray, own, hit| {
             // A face seen nearly edge on is hit far behind its edge.
             let passes = !own.contains(&hit.primitive) && (hit.is_miss() || hit.t > BEYOND);
             Outcome::of(!passes, || format!("{ray} passes between or through {own:?}: {hit:?}"))
         },
     );
-    let leaving = |n| Numbers::new(effort, LEAVING, n);
+    let leaving = |n| InputRng::new(effort, LEAVING, n);
     let self_hits = ask(
         accel,
         count,
@@ -121,10 +121,10 @@ pub fn trial(accel: &Accel, effort: &Effort) -> SceneTrial {
     let errors = ask(
         accel,
         rays(geometry, effort, [RAYS / 100, RAYS / 10]),
-        |n, _| Some((at_any(geometry, &extent, &mut Numbers::new(effort, HITTING, n)), ())),
+        |n, _| Some((at_any(geometry, &extent, &mut InputRng::new(effort, HITTING, n)), ())),
         |ray, (), hit| {
             let is_on_triangle = (hit.primitive as usize) < geometry.triangles.len();
-            let errors = || HitErrors::of(geometry, &ray, hit.primitive, Some(hit.t));
+            let errors = || HitErrors::of(geometry, &ray, hit);
             is_on_triangle.then(errors).unwrap_or_default()
         },
     );
@@ -164,16 +164,16 @@ impl<'a> MeshEdges<'a> {
 
     /// A ray from around the geometry at an edge or into a sphere, with the numbers of the
     /// primitives there, which have no holes.
-    fn aimed(&self, extent: &BoundingBall, numbers: &mut Numbers) -> Option<(Ray, [u32; 2])> {
-        let from = extent.around(numbers);
-        let number = numbers.below(self.geometry.len()) as u32;
+    fn aimed(&self, extent: &BoundingBall, rng: &mut InputRng) -> Option<(Ray, [u32; 2])> {
+        let from = extent.around(rng);
+        let number = rng.below(self.geometry.len()) as u32;
         let primitive = self.geometry.primitive(number);
         let (mesh, topology, first, place) = self.at(primitive);
         let has_holes =
             |own: &u32| mesh.cutouts.iter().any(|cutout| cutout.primitives.contains(own));
         if let Primitive::Quadric(i) = primitive {
             let (center, radius) = mesh.quadrics[i].sphere()?;
-            let inside = numbers.direction() * (0.99 * f64::from(radius));
+            let inside = rng.direction() * (0.99 * f64::from(radius));
             let target = (center.as_dvec3() + inside).as_vec3();
             // The ray must come from outside, and the target stay inside if it is rounded.
             let size = center.abs().max(from.abs()).max_element();
@@ -184,12 +184,12 @@ impl<'a> MeshEdges<'a> {
         if topology.sides.is_empty() {
             return None;
         }
-        let (ends, faces) = topology.edge(numbers.below(topology.sides.len()))?;
+        let (ends, faces) = topology.edge(rng.below(topology.sides.len()))?;
         let own = faces.map(|(_, primitive)| primitive);
         let point =
             |vertex: u32| place.transform_point3(mesh.positions[vertex as usize].as_dvec3());
         let opposite = faces.map(|(opposite, _)| point(opposite));
-        let part = 0.1 + 0.8 * numbers.one();
+        let part = 0.1 + 0.8 * rng.one();
         let ray = edge_ray(from, ends.map(point), opposite, part)?;
         (!own.iter().any(has_holes)).then(|| (ray, own.map(|primitive| first + primitive)))
     }
@@ -271,17 +271,17 @@ const LOWEST: f64 = 2e-3;
 pub(super) fn left(
     accel: &Accel,
     extent: &BoundingBall,
-    numbers: &mut Numbers,
+    rng: &mut InputRng,
     traversal: &mut Traversal,
     lowest: f64,
 ) -> Option<(Ray, u32)> {
-    let ray = at_any(accel.geometry(), extent, numbers);
+    let ray = at_any(accel.geometry(), extent, rng);
     let (primitive, [point, error, normal]) = met(accel, &ray, traversal)?;
     let outward = if normal.dot(ray.direction) > 0.0 { -normal } else { normal }.as_dvec3();
-    let any = numbers.direction();
+    let any = rng.direction();
     let along = any - outward * any.dot(outward);
     let direction =
-        if numbers.once_in(2) { any + outward } else { along.normalize() + outward * lowest };
+        if rng.once_in(2) { any + outward } else { along.normalize() + outward * lowest };
     let direction = normalize(direction.as_vec3());
     let ray = Ray::new(offset_origin(point, error, normal, direction), direction);
     let is_outward = direction.as_dvec3().dot(outward) > 0.5 * lowest;

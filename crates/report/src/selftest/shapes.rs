@@ -64,14 +64,14 @@ impl Closed {
     /// A globe of `rings` rings of `segments` vertices each, and two poles, at which `segments`
     /// triangles meet. Radii vary by up to `bumps`; then everything is scaled and moved.
     pub(super) fn new(
-        numbers: &mut Numbers,
+        rng: &mut InputRng,
         [rings, segments]: [u32; 2],
         bumps: f64,
         (scale, offset): (DVec3, Vec3),
     ) -> Self {
         let mut unscaled = Vec::new();
         let mut add = |polar: f64, turn: f64| {
-            let r = 1.0 + bumps * (numbers.one() - 0.5);
+            let r = 1.0 + bumps * (rng.one() - 0.5);
             let ring = r * libm::sin(polar);
             let (sin, cos) = libm::sincos(turn);
             unscaled.push(DVec3::new(ring * cos, ring * sin, r * libm::cos(polar)));
@@ -110,7 +110,7 @@ impl Closed {
     }
 
     /// A point inside, with a margin for rounding.
-    pub(super) fn inside(&self, numbers: &mut Numbers) -> Vec3 {
-        (self.offset.as_dvec3() + numbers.ball(0.5 * self.radius) * self.scale).as_vec3()
+    pub(super) fn inside(&self, rng: &mut InputRng) -> Vec3 {
+        (self.offset.as_dvec3() + rng.ball(0.5 * self.radius) * self.scale).as_vec3()
     }
 }

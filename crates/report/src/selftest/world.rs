@@ -8,7 +8,7 @@ use super::agreement::{by_reference, compare};
 use super::prelude::*;
 
 /// A ray; `None` for inputs that are skipped.
-type Aim = Box<dyn Fn(&mut Numbers) -> Option<Ray> + Send + Sync>;
+type Aim = Box<dyn Fn(&mut InputRng) -> Option<Ray> + Send + Sync>;
 
 /// Primitives, and rays at them.
 pub(super) struct World {
@@ -30,7 +30,7 @@ pub(super) struct Worlds {
     pub(super) worlds: usize,
     /// The number of rays in all of them together, in full.
     pub(super) rays: usize,
-    pub(super) make: fn(&mut Numbers) -> World,
+    pub(super) make: fn(&mut InputRng) -> World,
 }
 
 /// What fast precision loses.
@@ -51,7 +51,7 @@ impl World {
     pub(super) fn new(
         geometry: Geometry,
         is_met: Option<bool>,
-        aim: impl Fn(&mut Numbers) -> Option<Ray> + Send + Sync + 'static,
+        aim: impl Fn(&mut InputRng) -> Option<Ray> + Send + Sync + 'static,
     ) -> Self {
         Self { geometry, aim: Box::new(aim), is_met }
     }
@@ -66,11 +66,11 @@ impl Worlds {
         of: impl Fn(World, Vec<Ray>, Preset) -> T + Sync,
     ) -> Vec<T> {
         let one = |n: usize| {
-            let world = (self.make)(&mut Numbers::new(effort, [case, 0], n));
+            let world = (self.make)(&mut InputRng::new(effort, [case, 0], n));
             let preset = preset_of(n);
             let slower = if preset == Preset::Brute { 10 } else { 1 };
             let rays = (0..effort.of(self.rays) / self.worlds / slower).into_par_iter();
-            let aim = |i| (world.aim)(&mut Numbers::new(effort, [case, 1 + n as u32], i));
+            let aim = |i| (world.aim)(&mut InputRng::new(effort, [case, 1 + n as u32], i));
             let rays = rays.filter_map(aim).collect();
             of(world, rays, preset)
         };

@@ -48,8 +48,8 @@ impl Reached {
     }
 }
 
-/// Renders `scene`, with its tree or the better one, as for [`Chosen::apply`], until the error is at
-/// most `target`, as far as its measurement can tell, or cannot become smaller. `render` returns the
+/// Renders `scene` until the error is at most `target`, as far as its measurement can tell, or cannot become
+/// smaller. A tree with `preset` is replaced by the one that the expected rays are worth. `render` returns the
 /// image with its error; without one, no other render follows. `None` if `watch` ends the pilot.
 ///
 /// # Errors
@@ -63,13 +63,21 @@ pub fn reach(
 ) -> Result<Option<Reached>> {
     let original = scene.original();
     let start = Instant::now();
-    let choices = choices(scene, &original, SAMPLERS, (target, seed), watch)?;
+    let choices = choices(scene, SAMPLERS, (target, seed), watch)?;
     let spent = start.elapsed().as_secs_f64();
     let Some(mut choice) = best(&choices, target) else { return Ok(None) };
     let mut renders = 0;
     loop {
         renders += 1;
-        choice.apply(scene, &original, preset.as_deref_mut());
+        scene.resample(&original, &choice.samples());
+        if let Some(preset) = preset.as_deref_mut() {
+            let (held, rays) = (scene.accel.geometry().held(), scene.expected_rays());
+            let best = Preset::choose(held as u64, rays);
+            if best != *preset {
+                scene.accel.rebuild(best);
+                *preset = best;
+            }
+        }
         let (rendered, found) = render(scene, &choice)?;
         let missed = found.filter(|found| found.at_most > target && renders < MOST_RENDERS);
         match missed.and_then(|found| finer(&choice, found.at_most / target)) {
@@ -111,7 +119,7 @@ const TRIED: f64 = 5.0;
 pub fn advise(scene: &mut PreparedScene, error: f64, seed: u64) -> Result<Vec<Advice>> {
     let original = scene.original();
     let mut advice = Vec::new();
-    for choice in choices(scene, &original, &Sampling::ALL, (error, seed), &())? {
+    for choice in choices(scene, &Sampling::ALL, (error, seed), &())? {
         let mut tried = None;
         if choice.seconds <= TRIED {
             scene.resample(&original, &choice.samples());

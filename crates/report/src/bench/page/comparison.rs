@@ -130,7 +130,7 @@ fn passes(found: &BenchComparison, title: &str) -> Block {
     });
     let caption = format!("Medians of the runs, summed over threads.{}", cost.unwrap_or_default());
     let bars: Vec<_> = found.variants.iter().filter(is_timed).map(bar).collect();
-    Block::Chart(Chart::bars(format!("{title}: time by pass"), caption, &bars))
+    Block::Chart(Chart::bars(&format!("{title}: time by pass"), &caption, &bars))
 }
 
 /// What passes of both tracers cost for each of what they handle.

@@ -9,14 +9,14 @@ use wavecrest_core::math::random::{Generator, Stream};
 /// The random numbers of an input: a function of the seed, the case, the input's place in the case,
 /// and its number.
 #[derive(Clone, Debug)]
-pub(super) struct Numbers {
+pub(super) struct InputRng {
     random: Generator,
     /// The number of the input.
     pub(super) index: usize,
     pub(super) effort: Effort,
 }
 
-impl Numbers {
+impl InputRng {
     pub(super) fn new(effort: &Effort, [case, place]: [u32; 2], index: usize) -> Self {
         let Effort { seed, .. } = *effort;
         let stream = Stream { seed, pixel: index as u32, sample: case, bounce: place };
