@@ -4,10 +4,11 @@ mod args;
 mod frames;
 mod goal;
 mod look;
+mod once;
 mod outputs;
-mod parts;
 mod renderer;
 mod rows;
+mod shard;
 mod show;
 mod statistics;
 mod views;
@@ -18,7 +19,6 @@ use outputs::{Outputs, animated};
 use renderer::{Renderer, Work, in_pixels};
 
 use super::common::tell_error;
-use super::progress::Display;
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_image::animation::Animated;
 use wavecrest_image::farm::Shard;
@@ -54,7 +54,7 @@ fn render_scene(args: &RenderArgs) -> Result<()> {
     args.search.check(args.scene_options.precision)?;
     match Job::of(args)? {
         Job::Image => render_image(args),
-        Job::Shard(shard) => parts::render_shard(args, shard),
+        Job::Shard(shard) => shard::render_shard(args, shard),
         Job::Frames(frames, shard) => frames::render_frames(args, frames, shard),
         Job::Animation(frames, format) => views::render_animation(args, frames, format),
         Job::Sheet(sheet) => views::render_sheet(args, sheet),
@@ -128,21 +128,10 @@ impl<'a> Job<'a> {
     }
 }
 
-/// Runs `work` on the requested threads, with its progress shown.
-fn watched(args: &RenderArgs, work: impl FnOnce(&Display) -> Result<()> + Send) -> Result<()> {
-    let progress = Display::new(args.progress, args.scene_options.quiet);
-    args.number.inspect(|&[number, all]| progress.frame(number, all));
-    args.scene_options.threads.run(|| work(&progress))
-}
-
 fn render_image(args: &RenderArgs) -> Result<()> {
     let outputs = Outputs::check(args, args.paths()?, false)?;
-    watched(args, |progress| {
-        let mut work = Work::new(args, progress, None);
+    Work::run(args, None, |mut work| {
         let mut renderer = Renderer::begin(args, &[&outputs], &mut work)?;
-        if let Some(frame) = args.frame {
-            frames::place(&mut renderer.scene, frame, &args.scene)?;
-        }
         let traced = renderer.render(&outputs)?;
         renderer.write(&outputs, &traced.rendered)?;
         renderer.work.finish(&outputs.name(), &in_pixels(renderer.size()));

@@ -1,35 +1,15 @@
-//! Frames of a moving camera: a single one, or a range with an image each.
+//! Frames of a moving camera, with an image each.
 
 use std::path::{Path, PathBuf};
 
 use super::args::{Frames, RenderArgs};
 use super::outputs::Outputs;
 use super::renderer::{Renderer, Work, in_pixels};
-use super::watched;
-use wavecrest_base::error::{Error, ErrorKind, Result};
-use wavecrest_core::prepared::PreparedScene;
+use wavecrest_base::error::Result;
 use wavecrest_image::farm::Shard;
 
 /// Smallest number of digits of a frame's number in the name of its image, by default.
 const MIN_DIGITS: usize = 4;
-
-/// Moves the camera to `frame`.
-///
-/// # Errors
-/// If it has no path, or its position coincides with its look-at point.
-pub(super) fn place(scene: &mut PreparedScene, frame: u32, file: &Path) -> Result<()> {
-    let at = |message: &str| Error::new(ErrorKind::Scene, message).in_file(file).at("camera.path");
-    let Some(path) = &scene.path else {
-        return Err(at("the camera does not move")
-            .remedy("add a path: \"path\": {\"keys\": [{\"frame\": 1, \"location\": ...}, ...]}; a mesh or a glTF file has --turntable"));
-    };
-    scene.camera = path.at(frame).ok_or_else(|| {
-        at("the camera would be at the point it looks at")
-            .value(format!("frame {frame}"))
-            .remedy("move the keys before or after it")
-    })?;
-    Ok(())
-}
 
 /// The frames of a shard: each of N shards takes every N-th.
 fn share(frames: Frames, shard: Option<Shard>) -> impl Iterator<Item = u32> {
@@ -48,13 +28,12 @@ pub(super) fn render_frames(args: &RenderArgs, frames: Frames, shard: Option<Sha
         Ok((frame, Outputs::check(args, paths, false)?))
     };
     let all: Vec<(u32, Outputs<'_>)> = share(frames, shard).map(of_frame).collect::<Result<_>>()?;
-    watched(args, |progress| {
+    Work::run(args, Some(all.len()), |mut work| {
         let files: Vec<&Outputs<'_>> = all.iter().map(|(_, outputs)| outputs).collect();
-        let mut work = Work::new(args, progress, Some(all.len()));
         work.numbered = true;
         let mut renderer = Renderer::begin(args, &files, &mut work)?;
         for (frame, outputs) in &all {
-            place(&mut renderer.scene, *frame, &args.scene)?;
+            renderer.place(*frame)?;
             let rendered = renderer.render(outputs)?.rendered;
             renderer.write(outputs, &rendered)?;
         }

@@ -5,9 +5,9 @@ use std::time::Instant;
 
 use serde_json::{Value, json};
 
-use super::parts::render_once;
+use super::once::render_once;
 use super::show::Rendering;
-use crate::common::{tell, warn};
+use crate::common::warn;
 use crate::interrupt;
 use wavecrest_base::error::Result;
 use wavecrest_core::accel::build::Preset;
@@ -89,7 +89,7 @@ fn for_error(
 ) -> Result<Option<AimedRender>> {
     let args = rendering.args;
     let reached = reach(scene, tree, (target, args.seed), &UntilSignal(None), |scene, choice| {
-        say(rendering, &format!("chosen: {choice}"));
+        rendering.say(&format!("chosen: {choice}"));
         let (rendered, _) = render_once(rendering, scene, None)?;
         let found = measure(rendering, scene, &rendered, &UntilSignal(None))?;
         Ok((rendered, found))
@@ -98,7 +98,7 @@ fn for_error(
     warn(reached.unreached(target, &args.scene).as_slice());
     let Reached { choice, rendered, found, renders, pilot } = reached;
     let goal = goal(format!("error {target}"), &choice, found, (renders, pilot));
-    say(rendering, &format!("pilot: {pilot:.2} s"));
+    rendering.say(&format!("pilot: {pilot:.2} s"));
     let goal = rendered.finished.then_some(goal);
     Ok(Some((rendered, goal)))
 }
@@ -112,7 +112,7 @@ fn within(
 ) -> Result<AimedRender> {
     let args = rendering.args;
     if budget.left() <= 0.0 {
-        say(rendering, "the time is over before the first ray: one point follows");
+        rendering.say("the time is over before the first ray: one point follows");
     }
     let original = scene.original();
     let [width, height] = scene.camera.size().map(f64::from);
@@ -130,7 +130,7 @@ fn within(
     })?;
     scene.resample(&original, &choice.samples());
     if rendered.finished {
-        say(rendering, &format!("chosen: {choice}"));
+        rendering.say(&format!("chosen: {choice}"));
     }
     let found = measure(rendering, scene, &rendered, &UntilSignal(Some(budget)))?;
     let goal = goal(format!("{seconds} s"), &choice, found, (renders, 0.0));
@@ -148,21 +148,14 @@ fn measure(
     let found = measured(scene, rendered, rendering.args.seed, until)?;
     if until.cancelled() {
         if rendered.finished && until.is_over() {
-            say(rendering, "error not measured: the time is over");
+            rendering.say("error not measured: the time is over");
         }
         return Ok(None);
     }
     if rendered.finished {
-        say(rendering, &told(found, scene));
+        rendering.say(&told(found, scene));
     }
     Ok(found)
-}
-
-/// Prints a note.
-pub(super) fn say(rendering: &Rendering<'_>, words: &str) {
-    if !rendering.args.scene_options.quiet {
-        tell(words);
-    }
 }
 
 /// The measured error in words, and what it leaves out: what renders with equally many points have in common.

@@ -4,13 +4,13 @@ use std::time::Instant;
 
 use super::args::RenderArgs;
 use super::goal::{Traced, render_to_goal};
+use super::once::{find_invalid, interrupted, report_invalid, share};
 use super::outputs::Outputs;
-use super::parts;
 use super::show::Rendering;
 use crate::common::{grouped, seconds, tell, tell_prepared};
 use crate::interrupt;
 use crate::progress::{Display, Stage, Style};
-use wavecrest_base::error::{Error, Result};
+use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::counters::Counters;
 use wavecrest_core::prepared::PreparedScene;
@@ -19,9 +19,10 @@ use wavecrest_report::statistics::{Rays, Time, pass_map};
 use wavecrest_scene::memory::{self, Estimate};
 
 /// The images of one command, and what those that are finished took.
-pub(super) struct Work<'a> {
-    args: &'a RenderArgs,
-    progress: &'a Display,
+pub(super) struct Work {
+    pub(super) progress: Display,
+    /// Whether a line is printed at the end.
+    has_summary: bool,
     start: Instant,
     /// The number of frames, unless there is one image.
     frames: Option<usize>,
@@ -32,12 +33,27 @@ pub(super) struct Work<'a> {
     traced_seconds: f64,
 }
 
-impl<'a> Work<'a> {
-    /// One image, or so many frames.
-    pub(super) fn new(args: &'a RenderArgs, progress: &'a Display, frames: Option<usize>) -> Self {
-        let start = Instant::now();
-        let (numbered, finished, rays, traced_seconds) = (false, 0, 0, 0.0);
-        Self { args, progress, start, frames, numbered, finished, rays, traced_seconds }
+impl Work {
+    /// Does the `job` on the requested threads, with its progress shown: one image, or so many frames.
+    pub(super) fn run(
+        args: &RenderArgs,
+        frames: Option<usize>,
+        job: impl FnOnce(Self) -> Result<()> + Send,
+    ) -> Result<()> {
+        let progress = Display::new(args.progress, args.scene_options.quiet);
+        args.number.inspect(|&[number, all]| progress.frame(number, all));
+        let work = Self {
+            progress,
+            // With lines of JSON standard error is for programs.
+            has_summary: !args.scene_options.quiet && args.progress != Style::Json,
+            start: Instant::now(),
+            frames,
+            numbered: false,
+            finished: 0,
+            rays: 0,
+            traced_seconds: 0.0,
+        };
+        args.scene_options.threads.run(|| job(work))
     }
 
     /// Adds a render with its seconds.
@@ -58,11 +74,10 @@ impl<'a> Work<'a> {
         interrupt::error(all).remedy(outputs.untouched() + &before)
     }
 
-    /// Shows the end, and prints the line after success, unless notes are silenced or standard error is for programs:
-    /// `name` is the output, `what` its size.
+    /// Shows the end, and prints the line after success: `name` is the output, `what` its size.
     pub(super) fn finish(&self, name: &str, what: &str) {
         self.progress.stage(Stage::Done);
-        if self.args.scene_options.quiet || self.args.progress == Style::Json {
+        if !self.has_summary {
             return;
         }
         let [traced, all] = [self.traced_seconds, self.start.elapsed().as_secs_f64()].map(seconds);
@@ -79,7 +94,7 @@ impl<'a> Work<'a> {
 /// A scene that is ready to be traced.
 pub(super) struct Renderer<'a, 'w> {
     pub(super) args: &'a RenderArgs,
-    pub(super) work: &'w mut Work<'a>,
+    pub(super) work: &'w mut Work,
     pub(super) scene: PreparedScene,
     /// The preset of its tree.
     preset: Preset,
@@ -99,7 +114,7 @@ impl<'a, 'w> Renderer<'a, 'w> {
     pub(super) fn begin(
         args: &'a RenderArgs,
         outputs: &[&Outputs<'_>],
-        work: &'w mut Work<'a>,
+        work: &'w mut Work,
     ) -> Result<Self> {
         let (options, purpose, start) = (&args.scene_options, &args.purpose(), Instant::now());
         let mut time = Time::default();
@@ -118,9 +133,36 @@ impl<'a, 'w> Renderer<'a, 'w> {
         tell_prepared(&scene, &args.scene, options.quiet);
         args.search.apply(&mut scene.accel);
         outputs.iter().for_each(|outputs| outputs.made_of(encoding));
+        let mut renderer = Self { args, work, scene, preset, time, estimated, predicted };
+        args.frame.map_or(Ok(()), |frame| renderer.place(frame))?;
         // Until here there was nothing to lose: a signal ended the process.
         interrupt::record();
-        Ok(Self { args, work, scene, preset, time, estimated, predicted })
+        Ok(renderer)
+    }
+
+    /// Moves the camera to `frame`.
+    ///
+    /// # Errors
+    /// If it has no path, or its position coincides with its look-at point.
+    pub(super) fn place(&mut self, frame: u32) -> Result<()> {
+        let file = &self.args.scene;
+        let at =
+            |message: &str| Error::new(ErrorKind::Scene, message).in_file(file).at("camera.path");
+        let Some(path) = &self.scene.path else {
+            return Err(at("the camera does not move")
+                .remedy("add a path: \"path\": {\"keys\": [{\"frame\": 1, \"location\": ...}, ...]}; a mesh or a glTF file has --turntable"));
+        };
+        self.scene.camera = path.at(frame).ok_or_else(|| {
+            at("the camera would be at the point it looks at")
+                .value(format!("frame {frame}"))
+                .remedy("move the keys before or after it")
+        })?;
+        Ok(())
+    }
+
+    /// A render to these `outputs`.
+    pub(super) fn rendering<'r>(&'r self, outputs: &'r Outputs<'r>) -> Rendering<'r> {
+        Rendering { args: self.args, outputs, progress: &self.work.progress }
     }
 
     /// Renders what the camera sees now.
@@ -135,19 +177,19 @@ impl<'a, 'w> Renderer<'a, 'w> {
             }
             work.progress.frame(work.finished as u64 + 1, frames as u64);
         }
-        let rendering = Rendering { args, outputs, progress: work.progress };
+        let rendering = Rendering { args, outputs, progress: &work.progress };
         let start = work.start;
         let traced = timed(&mut time.trace, || render_to_goal(&rendering, scene, *preset, start))?;
         let Rendered { counters, finished, pass_seconds, .. } = &traced.rendered;
         if !finished {
             return Err(match work.frames {
-                None => parts::interrupted(&rendering, scene, &traced.rendered),
-                Some(frames) => work.interrupted(frames, parts::share(&traced.rendered), outputs),
+                None => interrupted(&rendering, scene, &traced.rendered),
+                Some(frames) => work.interrupted(frames, share(&traced.rendered), outputs),
             });
         }
         args.scene_options.check_taken(&args.scene)?;
-        let invalid = parts::find_invalid(args, scene, counters)?;
-        parts::report_invalid(counters, invalid.as_ref());
+        let invalid = find_invalid(args, scene, counters)?;
+        report_invalid(counters, invalid.as_ref());
         work.add(counters, time.trace);
         time.passes = pass_map(pass_seconds);
         Ok(Traced { invalid, ..traced })

@@ -7,13 +7,11 @@ use std::sync::{Mutex, Once, PoisonError};
 use std::time::{Duration, Instant};
 
 use super::args::RenderArgs;
-use super::goal::say;
 use super::outputs::Outputs;
-use super::parts::warn;
-use crate::common::seconds;
+use crate::common::{seconds, tell};
 use crate::interrupt;
 use crate::progress::{Display, Stage};
-use wavecrest_base::error::Result;
+use wavecrest_base::error::{Error, Result};
 use wavecrest_core::film::Film;
 use wavecrest_core::prepared::PreparedScene;
 use wavecrest_core::render::Watch;
@@ -26,6 +24,21 @@ pub(super) struct Rendering<'a> {
     pub(super) args: &'a RenderArgs,
     pub(super) outputs: &'a Outputs<'a>,
     pub(super) progress: &'a Display,
+}
+
+impl Rendering<'_> {
+    /// Prints a note.
+    pub(super) fn say(&self, words: &str) {
+        if !self.args.scene_options.quiet {
+            tell(words);
+        }
+    }
+}
+
+/// A failure that does not end a render, such as of a checkpoint that cannot be written: the warning is printed even with
+/// `--quiet`.
+pub(super) fn warn(error: &Error) {
+    tell(&format!("warning: {error}"));
 }
 
 /// Shows one render: its progress, and the image so far in the file. Ends it on a signal, or if it is
@@ -64,7 +77,7 @@ impl Watch for Show<'_> {
             pace.progress(done, all);
             if let Some(all) = pace.overrun() {
                 let words = format!("one point takes about {} s, more than is left", seconds(all));
-                self.told.call_once(|| say(self.rendering, &words));
+                self.told.call_once(|| self.rendering.say(&words));
             }
         }
     }

@@ -1,11 +1,9 @@
 //! Several views of a file in one: a turntable as an animation, or a sheet of sides.
 
 use super::args::RenderArgs;
-use super::frames;
 use super::outputs::Outputs;
 use super::renderer::{Renderer, Work, in_pixels};
 use super::rows::Rows;
-use super::watched;
 use wavecrest_base::error::Result;
 use wavecrest_image::animation::{Animated, Animation};
 use wavecrest_scene::load::framing::Sheet;
@@ -17,8 +15,7 @@ use wavecrest_scene::load::framing::Sheet;
 pub(super) fn render_animation(args: &RenderArgs, count: u32, format: Animated) -> Result<()> {
     let path = args.output()?;
     let outputs = Outputs::of_one(args, path)?;
-    watched(args, |progress| {
-        let mut work = Work::new(args, progress, Some(count as usize));
+    Work::run(args, Some(count as usize), |mut work| {
         let mut renderer = Renderer::begin(args, &[&outputs], &mut work)?;
         let size = renderer.size();
         let (transfer, entries) = (outputs.transfer(), &outputs.entries(&renderer.scene)?);
@@ -26,7 +23,7 @@ pub(super) fn render_animation(args: &RenderArgs, count: u32, format: Animated) 
         // Errors of a frame are not about the file.
         let mut failed = None;
         let mut film = |frame| {
-            let placed = frames::place(&mut renderer.scene, frame + 1, &args.scene);
+            let placed = renderer.place(frame + 1);
             let traced = placed.and_then(|()| renderer.render(&outputs));
             traced.map(|one| one.rendered.film).inspect_err(|error| failed = Some(error.clone()))
         };
@@ -51,8 +48,7 @@ pub(super) fn render_sheet(args: &RenderArgs, Sheet(sides): &Sheet) -> Result<()
         one
     };
     let all: Vec<RenderArgs> = sides.iter().copied().map(of_side).collect();
-    watched(args, |progress| {
-        let mut work = Work::new(args, progress, Some(sides.len()));
+    Work::run(args, Some(sides.len()), |mut work| {
         let mut rows = Rows::new(sides.len());
         for one in &all {
             let mut renderer = Renderer::begin(one, &[&outputs], &mut work)?;

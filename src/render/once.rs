@@ -1,13 +1,9 @@
-//! Renders that lose no work: with a checkpoint, ended by a signal, or one shard of many.
-
-use std::time::Instant;
+//! One render of an image: as light or as a look, resumed from a checkpoint, or ended by a signal; and its samples that are
+//! not finite.
 
 use super::args::RenderArgs;
 use super::look::render_look;
-use super::outputs::Outputs;
-use super::renderer::{Renderer, Work};
-use super::show::{Rendering, Show};
-use super::{frames, watched};
+use super::show::{Rendering, Show, warn};
 use crate::common::tell;
 use crate::interrupt;
 use wavecrest_base::error::{Error, ErrorKind, Result};
@@ -18,9 +14,6 @@ use wavecrest_core::render::units::Order;
 use wavecrest_core::render::{Rendered, render_in_order};
 use wavecrest_image::farm::{Author, Session, Shard};
 use wavecrest_report::accuracy::pilot::budget::Pace;
-
-/// The extension of a part's name.
-const EXTENSION: &str = "part";
 
 /// Renders the image once, as long as its `pace` is good enough; returns it with the share that a checkpoint held (0 to 1).
 pub(super) fn render_once(
@@ -42,43 +35,8 @@ pub(super) fn render_once(
     Ok((rendered, 0.0))
 }
 
-/// Renders a shard and writes its part.
-///
-/// # Errors
-/// If it would be written as an image, or cannot be rendered or written.
-pub(super) fn render_shard(args: &RenderArgs, shard: Shard) -> Result<()> {
-    let output = args.output()?;
-    if output.extension().is_none_or(|name| name != EXTENSION) {
-        return Err(Error::new(ErrorKind::Usage, "a shard must be written to a .part file")
-            .in_file(output)
-            .remedy("use a name such as out-1.part, and join all parts with wavecrest merge"));
-    }
-    let outputs = Outputs::check(args, args.paths()?, true)?;
-    watched(args, |progress| {
-        let mut work = Work::new(args, progress, None);
-        let mut renderer = Renderer::begin(args, &[&outputs], &mut work)?;
-        if let Some(frame) = args.frame {
-            frames::place(&mut renderer.scene, frame, &args.scene)?;
-        }
-        let rendering = &Rendering { args, outputs: &outputs, progress };
-        let part = begin(rendering, &renderer.scene, Some(shard))?;
-        let start = Instant::now();
-        let done = part.render_units(&Show::begin(rendering, &renderer.scene, None), &warn)?;
-        renderer.work.add(&done.counters, start.elapsed().as_secs_f64());
-        if part.share() < 1.0 {
-            let what = outputs.untouched();
-            return Err(interrupt::error(part.share()).remedy(what + &go_on(args)));
-        }
-        let first = find_invalid(args, &renderer.scene, &done.counters)?;
-        report_invalid(&done.counters, first.as_ref());
-        part.write(output)?;
-        renderer.work.finish(&outputs.name(), &format!("shard {shard}"));
-        Ok(())
-    })
-}
-
 /// The work on the image, or on a shard of it; says what a checkpoint held.
-fn begin<'a>(
+pub(super) fn begin<'a>(
     rendering: &Rendering<'_>,
     scene: &'a PreparedScene,
     shard: Option<Shard>,
@@ -129,7 +87,7 @@ pub(super) fn share(rendered: &Rendered) -> f64 {
 }
 
 /// How to resume, if possible.
-fn go_on(args: &RenderArgs) -> String {
+pub(super) fn go_on(args: &RenderArgs) -> String {
     let RenderArgs { checkpoint, target_error, time_budget, look, .. } = args;
     match checkpoint {
         Some(file) => format!("; resume with --checkpoint {} --resume", file.display()),
@@ -137,12 +95,6 @@ fn go_on(args: &RenderArgs) -> String {
         None if target_error.is_some() || time_budget.is_some() || look.is_some() => String::new(),
         None => "; use --checkpoint FILE to be able to resume".to_owned(),
     }
-}
-
-/// A failure that does not end a render, such as of a checkpoint that cannot be written: the warning is printed even with
-/// `--quiet`.
-pub(super) fn warn(error: &Error) {
-    tell(&format!("warning: {error}"));
 }
 
 /// The first sample that was not finite; warns of an image with such texels, once.

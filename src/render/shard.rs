@@ -1,0 +1,46 @@
+//! A shard of an image: a part for `wavecrest merge`.
+
+use std::time::Instant;
+
+use super::args::RenderArgs;
+use super::once::{begin, find_invalid, go_on, report_invalid};
+use super::outputs::Outputs;
+use super::renderer::{Renderer, Work};
+use super::show::{Show, warn};
+use crate::interrupt;
+use wavecrest_base::error::{Error, ErrorKind, Result};
+use wavecrest_image::farm::Shard;
+
+/// The extension of a part's name.
+const EXTENSION: &str = "part";
+
+/// Renders a shard and writes its part.
+///
+/// # Errors
+/// If it would be written as an image, or cannot be rendered or written.
+pub(super) fn render_shard(args: &RenderArgs, shard: Shard) -> Result<()> {
+    let output = args.output()?;
+    if output.extension().is_none_or(|name| name != EXTENSION) {
+        return Err(Error::new(ErrorKind::Usage, "a shard must be written to a .part file")
+            .in_file(output)
+            .remedy("use a name such as out-1.part, and join all parts with wavecrest merge"));
+    }
+    let outputs = Outputs::check(args, args.paths()?, true)?;
+    Work::run(args, None, |mut work| {
+        let renderer = Renderer::begin(args, &[&outputs], &mut work)?;
+        let rendering = &renderer.rendering(&outputs);
+        let part = begin(rendering, &renderer.scene, Some(shard))?;
+        let start = Instant::now();
+        let done = part.render_units(&Show::begin(rendering, &renderer.scene, None), &warn)?;
+        renderer.work.add(&done.counters, start.elapsed().as_secs_f64());
+        if part.share() < 1.0 {
+            let what = outputs.untouched();
+            return Err(interrupt::error(part.share()).remedy(what + &go_on(args)));
+        }
+        let first = find_invalid(args, &renderer.scene, &done.counters)?;
+        report_invalid(&done.counters, first.as_ref());
+        part.write(output)?;
+        renderer.work.finish(&outputs.name(), &format!("shard {shard}"));
+        Ok(())
+    })
+}
