@@ -58,15 +58,6 @@ impl PassClock {
         (self.last, self.decoded) = (now, decoded);
     }
 
-    /// Runs `work` as a pass.
-    #[inline]
-    pub(crate) fn time<T>(&mut self, pass: TimedPass, work: impl FnOnce() -> T) -> T {
-        self.start();
-        let found = work();
-        self.lap(pass);
-        found
-    }
-
     /// The seconds by the names of the passes.
     pub(crate) fn by_name(&self) -> Vec<(&'static str, f64)> {
         TimedPass::ALL.map(TimedPass::name).into_iter().zip(self.seconds).collect()

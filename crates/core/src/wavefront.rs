@@ -2,8 +2,8 @@
 //! (Laine, Karras and Aila, *Megakernels Considered Harmful*, HPG 2013).
 //!
 //! [`crate::plan::schedule::PASSES`] lists the passes with their needs, reads and writes;
-//! [`s1_generate`], [`s2_intersect`], [`s3_shade`], [`s4_shadow`] and [`s5_resolve`] implement
-//! them. Passes outside the schedule do not run and have no columns: no lit points without lights,
+//! [`s1_generate`], [`s2_intersect`], [`s3_shade`], [`s4_shadow`] and [`s5_resolve`] have a method of
+//! the tracer each. Passes outside the schedule do not run and have no columns: no lit points without lights,
 //! no next rays without mirrors and transparent surfaces.
 //!
 //! A batch has [`DEFAULT_BATCH`] paths by default, so that its columns stay in the second-level
@@ -18,13 +18,12 @@ mod s4_shadow;
 mod s5_resolve;
 
 use std::marker::PhantomData;
-use std::ops::Range;
 
 use crate::accel::Traversal;
 use crate::counters::Counters;
 use crate::kernels::precision::Arithmetic;
 use crate::plan::schedule::Schedule;
-use crate::prepared::{LookUps, MOST_RAYS, MediumStack, PreparedScene};
+use crate::prepared::{MOST_RAYS, MediumStack, PreparedScene};
 use crate::tile::{PassClock, TimedPass, TraceSettings, Tracer, Unit};
 use batch::Batch;
 
@@ -104,11 +103,12 @@ impl<P: Arithmetic> Wavefront<P> {
         let mut start = 0;
         while start < paths {
             let end = paths.min(start + self.batch.capacity() as u64);
-            self.generate(scene, unit, start..end);
+            self.timed(TimedPass::Generate, |own| own.generate(scene, unit, start..end));
             for bounce in 0.. {
-                self.intersect(scene);
-                self.shade(scene, bounce);
-                let is_lit = !self.schedule.has_shadows() || self.shadow(scene, bounce, cancelled);
+                self.timed(TimedPass::Intersect, |own| own.intersect(scene));
+                self.timed(TimedPass::Shade, |own| own.shade(scene, bounce));
+                let is_lit = !self.schedule.has_shadows()
+                    || self.timed(TimedPass::Shadow, |own| own.shadow(scene, bounce, cancelled));
                 watch(bounce, &self.batch);
                 if !is_lit || cancelled() {
                     self.batch.waiting.clear();
@@ -124,58 +124,17 @@ impl<P: Arithmetic> Wavefront<P> {
                 }
                 self.counters.secondary_rays += self.batch.rays.len() as u64;
             }
-            self.resolve(sums);
+            self.timed(TimedPass::Resolve, |own| own.resolve(sums));
             start = end;
         }
         true
     }
 
-    /// Fills the batch with the camera rays of the unit's `paths`, at most its capacity.
-    pub fn generate(&mut self, scene: &PreparedScene, unit: &Unit, paths: Range<u64>) {
-        let Self { seed, batch, counters, clock, .. } = self;
-        clock.time(TimedPass::Generate, || {
-            s1_generate::run(scene, unit, *seed, paths, batch, counters)
-        });
+    /// Does the work of a pass, and adds its time.
+    fn timed<T>(&mut self, pass: TimedPass, work: impl FnOnce(&mut Self) -> T) -> T {
+        self.clock.start();
+        let done = work(self);
+        self.clock.lap(pass);
+        done
     }
-
-    /// Finds the closest hit of every ray.
-    pub fn intersect(&mut self, scene: &PreparedScene) {
-        let Self { batch, traversal, clock, .. } = self;
-        clock.time(TimedPass::Intersect, || s2_intersect::run::<P>(scene, batch, traversal));
-    }
-
-    /// Adds the light of hits without further rays, and collects lit points and the next rays.
-    pub fn shade(&mut self, scene: &PreparedScene, bounce: u32) {
-        let Self { needs_points, start, batch, traversal, counters, clock, .. } = self;
-        clock.start();
-        let given = (bounce, *needs_points, *start);
-        s3_shade::run::<P>(scene, given, batch, traversal, counters, clock);
-        clock.lap(TimedPass::Shade);
-    }
-
-    /// Adds the light of unoccluded shadow rays. Returns whether it did so for all: it was not
-    /// `cancelled`.
-    pub fn shadow(
-        &mut self,
-        scene: &PreparedScene,
-        bounce: u32,
-        cancelled: &dyn Fn() -> bool,
-    ) -> bool {
-        let Self { seed, batch, traversal, counters, clock, .. } = self;
-        let place = (*seed, bounce);
-        clock.time(TimedPass::Shadow, || {
-            s4_shadow::run::<P>(scene, place, batch, traversal, counters, cancelled)
-        })
-    }
-
-    /// Adds the paths to their pixels' `sums`.
-    pub fn resolve(&mut self, sums: &mut [[f64; 3]]) {
-        let Self { batch, counters, clock, .. } = self;
-        clock.time(TimedPass::Resolve, || s5_resolve::run(batch, sums, counters));
-    }
-}
-
-/// Adds look-ups to the counters.
-fn count(look_ups: LookUps, counters: &mut Counters) {
-    counters.look_ups += look_ups;
 }

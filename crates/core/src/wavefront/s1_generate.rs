@@ -5,8 +5,9 @@ mod order;
 use std::array::from_fn;
 use std::ops::Range;
 
+use super::Wavefront;
 use super::batch::Batch;
-use crate::counters::Counters;
+use crate::kernels::precision::Arithmetic;
 use crate::math::random::Stream;
 use crate::math::real::Single;
 use crate::math::simd::{AnyWidth, LANES, dispatch_any_width};
@@ -14,31 +15,24 @@ use crate::prepared::PreparedScene;
 use crate::tile::{Tile, Unit};
 use order::TileWalk;
 
-/// Fills the batch with the camera rays of the unit's `paths`, numbered by pixel in the order of
-/// [`TileWalk`] and by sample within a pixel.
-pub(super) fn run(
-    scene: &PreparedScene,
-    unit: &Unit,
-    seed: u64,
-    paths: Range<u64>,
-    batch: &mut Batch,
-    counters: &mut Counters,
-) {
-    batch.paths.provide();
-    batch.rays.provide();
-    batch.hits.provide();
-    batch.paths.clear();
-    batch.rays.clear();
-    batch.states.clear();
-    let count = paths.end - paths.start;
-    let next = NextPaths::new(unit, paths.start);
-    let tile = &unit.tile;
-    dispatch_any_width(
-        scene.accel.level,
-        Generate { scene, tile, seed, count: count as usize, next, batch },
-    );
-    counters.primary_rays += count;
-    counters.lens_samples += if scene.camera.has_lens() { count } else { 0 };
+impl<P: Arithmetic> Wavefront<P> {
+    /// Fills the batch with the camera rays of the unit's `paths`, at most its capacity, numbered by
+    /// pixel in the order of [`TileWalk`] and by sample within a pixel.
+    pub(super) fn generate(&mut self, scene: &PreparedScene, unit: &Unit, paths: Range<u64>) {
+        let Self { seed, batch, counters, .. } = self;
+        batch.paths.provide();
+        batch.rays.provide();
+        batch.hits.provide();
+        batch.paths.clear();
+        batch.rays.clear();
+        batch.states.clear();
+        let (tile, count) = (&unit.tile, (paths.end - paths.start) as usize);
+        let next = NextPaths::new(unit, paths.start);
+        let generate = Generate { scene, tile, seed: *seed, count, next, batch };
+        dispatch_any_width(scene.accel.level, generate);
+        counters.primary_rays += count as u64;
+        counters.lens_samples += if scene.camera.has_lens() { count as u64 } else { 0 };
+    }
 }
 
 /// The next paths, computed by incrementing: divisions would take longer than the ray.

@@ -7,8 +7,8 @@ use std::marker::PhantomData;
 
 use glam::Vec3;
 
+use super::Wavefront;
 use super::batch::{Batch, Vectors};
-use super::count;
 use super::faces::{Groups, SortedHits, WaitingHits};
 use crate::accel::{Hit, NO_PRIMITIVE, Traversal};
 use crate::counters::Counters;
@@ -24,40 +24,37 @@ use crate::plan::schedule::Step;
 use crate::prepared::{Branch, Face, Group, LookUps, MediumStack, PathState, PreparedScene, lanes};
 use crate::tile::{PassClock, TimedPass};
 
-/// Adds background, emission and ambient light to the paths; collects lit points and, while bounces
-/// are left, the next rays.
-pub(super) fn run<P: Arithmetic>(
-    scene: &PreparedScene,
-    (bounce, needs_points, start): (u32, bool, MediumStack),
-    batch: &mut Batch,
-    traversal: &mut Traversal,
-    counters: &mut Counters,
-    clock: &mut PassClock,
-) {
-    batch.lit.clear();
-    batch.tints.clear();
-    batch.next.clear();
-    batch.next_differentials.clear();
-    batch.next_states.clear();
-    let schedule = scene.plan.schedule();
-    let shade = Shade::<P> {
-        scene,
-        bounce,
-        start,
-        differentials: scene.carries_differentials(),
-        needs_points,
-        batch,
-        traversal,
-        counters,
-        clock,
-        shadows: schedule.has_shadows(),
-        tints: schedule.runs(Step::Tints),
-        mirrors: schedule.has_mirrors() && (bounce < scene.bounces || schedule.has_transmission()),
-        transmits: schedule.has_transmission(),
-        needs_t: scene.needs_t(),
-        precision: PhantomData,
-    };
-    dispatch_any_width(scene.accel.level, shade);
+impl<P: Arithmetic> Wavefront<P> {
+    /// Adds background, emission and ambient light to the paths; collects lit points and, while bounces
+    /// are left, the next rays.
+    pub(super) fn shade(&mut self, scene: &PreparedScene, bounce: u32) {
+        let Self { needs_points, start, batch, traversal, counters, clock, .. } = self;
+        batch.lit.clear();
+        batch.tints.clear();
+        batch.next.clear();
+        batch.next_differentials.clear();
+        batch.next_states.clear();
+        let schedule = scene.plan.schedule();
+        let shade = Shade::<P> {
+            scene,
+            bounce,
+            start: *start,
+            differentials: scene.carries_differentials(),
+            needs_points: *needs_points,
+            batch,
+            traversal,
+            counters,
+            clock,
+            shadows: schedule.has_shadows(),
+            tints: schedule.runs(Step::Tints),
+            mirrors: schedule.has_mirrors()
+                && (bounce < scene.bounces || schedule.has_transmission()),
+            transmits: schedule.has_transmission(),
+            needs_t: scene.needs_t(),
+            precision: PhantomData,
+        };
+        dispatch_any_width(scene.accel.level, shade);
+    }
 }
 
 struct Shade<'a, P> {
@@ -263,7 +260,7 @@ impl<P: Arithmetic> Shade<'_, P> {
             None => throughput,
             Some(through) => self.scatter(group, through, (&point, throughput), &mut look_ups),
         };
-        count(look_ups, self.counters);
+        self.counters.look_ups += look_ups;
         let local = point.local_light(scene.ambient, scene.hemisphere.as_ref());
         self.add(group.used, &path, throughput * local);
         if self.shadows && point.lit.any() {

@@ -8,9 +8,10 @@
 use std::marker::PhantomData;
 use std::ops::Range;
 
-use super::batch::{Batch, ShadowRays};
+use super::Wavefront;
+use super::batch::Batch;
 use super::faces::SortedHits;
-use crate::accel::{Rays, Traversal};
+use crate::accel::Rays;
 use crate::counters::Counters;
 use crate::kernels::hemisphere::Hemisphere;
 use crate::kernels::light::Light;
@@ -22,37 +23,75 @@ use crate::math::simd::{AnyWidth, dispatch_any_width};
 use crate::plan::schedule::Step;
 use crate::prepared::{Group, LookUps, PreparedScene, ShadowCrossings};
 
-/// Adds every light's contributions to the paths. Returns whether it added all: it was not `cancelled`.
-pub(super) fn run<P: Arithmetic>(
-    scene: &PreparedScene,
-    (seed, bounce): (u64, u32),
-    batch: &mut Batch,
-    traversal: &mut Traversal,
-    counters: &mut Counters,
-    cancelled: &dyn Fn() -> bool,
-) -> bool {
-    let tinted = scene.plan.schedule().runs(Step::Tints);
-    for light in &scene.lights {
-        let mut next = NextRequest::default();
-        while next.block < batch.lit.len() {
-            let request = ShadowRequests {
-                light,
-                ambient: scene.hemisphere.as_ref(),
-                seed,
-                bounce,
-                tinted,
-                batch,
-                counters: &mut *counters,
-                next,
-            };
-            next = dispatch_any_width(scene.accel.level, request);
-            trace::<P>(scene, batch, traversal, counters);
-            if cancelled() {
-                return false;
+impl<P: Arithmetic> Wavefront<P> {
+    /// Adds every light's contributions to the paths. Returns whether it added all: it was not `cancelled`.
+    pub(super) fn shadow(
+        &mut self,
+        scene: &PreparedScene,
+        bounce: u32,
+        cancelled: &dyn Fn() -> bool,
+    ) -> bool {
+        let tinted = scene.plan.schedule().runs(Step::Tints);
+        for light in &scene.lights {
+            let mut next = NextRequest::default();
+            while next.block < self.batch.lit.len() {
+                let request = ShadowRequests {
+                    light,
+                    ambient: scene.hemisphere.as_ref(),
+                    seed: self.seed,
+                    bounce,
+                    tinted,
+                    batch: &mut self.batch,
+                    counters: &mut self.counters,
+                    next,
+                };
+                next = dispatch_any_width(scene.accel.level, request);
+                self.trace(scene);
+                if cancelled() {
+                    return false;
+                }
             }
         }
+        true
     }
-    true
+
+    /// Traces the queue and adds the unoccluded contributions.
+    fn trace(&mut self, scene: &PreparedScene) {
+        let mut occluded = std::mem::take(&mut self.batch.shadows.occluded);
+        let answers = &mut occluded[..self.batch.shadows.len()];
+        scene.accel.search::<P>().occluded_of(&self.batch.shadows, answers, &mut self.traversal);
+        if scene.plan.schedule().has_transmission() {
+            self.weaken(scene, answers);
+        }
+        let Batch { shadows, paths, .. } = &mut self.batch;
+        for (i, _) in answers.iter().enumerate().filter(|(_, occluded)| !**occluded) {
+            paths.radiance.add(shadows.path[i] as usize, shadows.contribution.get(i));
+        }
+        shadows.occluded = occluded;
+        shadows.clear();
+    }
+
+    /// Takes the light from unoccluded shadow rays that transparent surfaces keep.
+    #[inline(never)]
+    fn weaken(&mut self, scene: &PreparedScene, occluded: &[bool]) {
+        let Self { batch, traversal, counters, .. } = self;
+        let Batch { shadows, crossings, sorted, media, .. } = batch;
+        let mut next = 0;
+        while next < occluded.len() {
+            let rays = Rays::from(&*shadows);
+            let path = &shadows.path;
+            let inside = |ray: usize| media[path[ray] as usize];
+            next =
+                scene.collect_crossings::<P>(rays, (next, occluded), &inside, crossings, traversal);
+            let precision = PhantomData::<P>;
+            let look_ups = &mut counters.look_ups;
+            let evaluated = EvaluatedCrossings { scene, crossings, sorted, look_ups, precision };
+            dispatch_any_width(scene.accel.level, evaluated);
+            crossings.transmittances(scene, |ray, transmittance| {
+                shadows.contribution.set(ray, shadows.contribution.get(ray) * transmittance);
+            });
+        }
+    }
 }
 
 /// Most pairs of lit points and points of a light until the queue is traced: where light reaches none, it does
@@ -153,53 +192,6 @@ impl ShadowRequests<'_> {
         counters.shadow_rays += shadows.push_lanes(&request, path) as u64;
         let at_light = (request.at_light & request.asked).bits();
         counters.lights_at_surface += u64::from(at_light.count_ones());
-    }
-}
-
-/// Traces the queue and adds the unoccluded contributions.
-fn trace<P: Arithmetic>(
-    scene: &PreparedScene,
-    batch: &mut Batch,
-    traversal: &mut Traversal,
-    counters: &mut Counters,
-) {
-    let mut occluded = std::mem::take(&mut batch.shadows.occluded);
-    let answers = &mut occluded[..batch.shadows.len()];
-    scene.accel.search::<P>().occluded_of(&batch.shadows, answers, traversal);
-    if scene.plan.schedule().has_transmission() {
-        weaken::<P>(scene, batch, answers, traversal, counters);
-    }
-    let shadows: &ShadowRays = &batch.shadows;
-    for (i, _) in answers.iter().enumerate().filter(|(_, occluded)| !**occluded) {
-        batch.paths.radiance.add(shadows.path[i] as usize, shadows.contribution.get(i));
-    }
-    batch.shadows.occluded = occluded;
-    batch.shadows.clear();
-}
-
-/// Takes the light from unoccluded shadow rays that transparent surfaces keep.
-#[inline(never)]
-fn weaken<P: Arithmetic>(
-    scene: &PreparedScene,
-    batch: &mut Batch,
-    occluded: &[bool],
-    traversal: &mut Traversal,
-    counters: &mut Counters,
-) {
-    let Batch { shadows, crossings, sorted, media, .. } = batch;
-    let mut next = 0;
-    while next < occluded.len() {
-        let rays = Rays::from(&*shadows);
-        let path = &shadows.path;
-        let inside = |ray: usize| media[path[ray] as usize];
-        next = scene.collect_crossings::<P>(rays, (next, occluded), &inside, crossings, traversal);
-        let precision = PhantomData::<P>;
-        let look_ups = &mut counters.look_ups;
-        let evaluated = EvaluatedCrossings { scene, crossings, sorted, look_ups, precision };
-        dispatch_any_width(scene.accel.level, evaluated);
-        crossings.transmittances(scene, |ray, transmittance| {
-            shadows.contribution.set(ray, shadows.contribution.get(ray) * transmittance);
-        });
     }
 }
 

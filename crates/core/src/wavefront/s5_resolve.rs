@@ -1,15 +1,20 @@
 //! Pass 5: sums finished paths into pixels.
 
-use super::batch::Batch;
-use crate::counters::{Counters, Sample};
+use super::Wavefront;
+use crate::counters::Sample;
+use crate::kernels::precision::Arithmetic;
 use crate::tile::add_sample;
 
-/// Adds the radiance of every path to its pixel's sum. Paths are in the order of samples.
-pub(super) fn run(batch: &Batch, sums: &mut [[f64; 3]], counters: &mut Counters) {
-    for path in 0..batch.paths.len() {
-        let place = batch.paths.place[path] as usize;
-        let radiance = batch.paths.radiance.get(path).to_array();
-        let sample = Sample { pixel: batch.paths.pixel[path], sample: batch.paths.sample[path] };
-        add_sample(&mut sums[place], radiance, sample, counters);
+impl<P: Arithmetic> Wavefront<P> {
+    /// Adds the radiance of every path to its pixel's sum. Paths are in the order of samples.
+    pub(super) fn resolve(&mut self, sums: &mut [[f64; 3]]) {
+        let Self { batch, counters, .. } = self;
+        for path in 0..batch.paths.len() {
+            let place = batch.paths.place[path] as usize;
+            let radiance = batch.paths.radiance.get(path).to_array();
+            let sample =
+                Sample { pixel: batch.paths.pixel[path], sample: batch.paths.sample[path] };
+            add_sample(&mut sums[place], radiance, sample, counters);
+        }
     }
 }
