@@ -19,7 +19,7 @@ use crate::math::random::Stream;
 use crate::math::ray::Ray;
 use crate::prepared::{Branch, Class, PreparedScene};
 use crate::recursive::{Observer, PathEnd, Recursive, TracedLight};
-use crate::tile::{Tile, TraceSettings, Tracer, Unit};
+use crate::tile::{Tile, Unit};
 use crate::wavefront::{DEFAULT_BATCH, Wavefront};
 use crate::with_precision;
 
@@ -59,20 +59,18 @@ fn sample(scene: &PreparedScene, sample: Sample, seed: u64) -> PathRecord {
     let width = scene.camera.size()[0];
     let pixel = [sample.pixel % width, sample.pixel / width];
     with_precision!(scene.accel.geometry().precision, P => {
-        let settings = TraceSettings { seed, batch: 1, time_passes: false };
-        let mut tracer = Recursive::<P>::new(scene, &settings);
+        let mut tracer = Recursive::<P>::new(scene, seed, false);
         follow(scene, &mut tracer, pixel, sample.sample, seed).0
     })
 }
 
 /// Records every sample of a pixel, in both tracers.
 fn record<P: Arithmetic>(scene: &PreparedScene, pixel: [u32; 2], seed: u64) -> PixelRecord {
-    let settings = TraceSettings { seed, batch: DEFAULT_BATCH, time_passes: false };
-    let mut tracer = Recursive::<P>::new(scene, &settings);
+    let mut tracer = Recursive::<P>::new(scene, seed, false);
     let samples = 0..scene.camera.rays_per_pixel();
     let (paths, steps): (Vec<_>, Vec<_>) =
         samples.map(|sample| follow(scene, &mut tracer, pixel, sample, seed)).unzip();
-    let others = wavefront_steps::<P>(scene, pixel, &settings);
+    let others = wavefront_steps::<P>(scene, pixel, seed);
     PixelRecord { pixel, paths, differs: difference(&steps, &others) }
 }
 
@@ -102,11 +100,11 @@ fn follow<P: Arithmetic>(
 fn wavefront_steps<P: Arithmetic>(
     scene: &PreparedScene,
     [x, y]: [u32; 2],
-    settings: &TraceSettings,
+    seed: u64,
 ) -> Vec<Vec<TracedBounce>> {
     let mut steps = vec![Vec::new(); scene.camera.rays_per_pixel() as usize];
     let pixel = Unit::whole(scene, Tile { x, y, width: 1, height: 1 });
-    let mut tracer = Wavefront::<P>::new(scene, settings);
+    let mut tracer = Wavefront::<P>::new(scene, seed, DEFAULT_BATCH);
     tracer.render_watched(scene, &pixel, &mut [[0.0; 3]], &|| false, |_, batch| {
         for i in 0..batch.rays.len() {
             let path = batch.rays.path[i] as usize;

@@ -23,7 +23,7 @@ use crate::plan::schedule::Schedule;
 use crate::prepared::{
     Branch, Class, Interaction, MOST_RAYS, MediumStack, PathState, PreparedScene, ShadowCrossings,
 };
-use crate::tile::{PassClock, TimedPass, TraceSettings, Tracer, Unit, add_sample};
+use crate::tile::{PassClock, TimedPass, Tracer, Unit, add_sample};
 
 /// The tracer.
 #[derive(Debug)]
@@ -50,13 +50,14 @@ pub struct Recursive<P> {
     precision: PhantomData<P>,
 }
 
-impl<P: Arithmetic> Tracer for Recursive<P> {
-    fn new(scene: &PreparedScene, settings: &TraceSettings) -> Self {
+impl<P: Arithmetic> Recursive<P> {
+    /// The tracer for `scene`, with the seed of random numbers.
+    pub fn new(scene: &PreparedScene, seed: u64, time_passes: bool) -> Self {
         let schedule = scene.plan.schedule();
         let mut traversal = scene.accel.traversal();
         traversal.notes_passed = schedule.has_transmission();
         Self {
-            seed: settings.seed,
+            seed,
             schedule,
             start: scene.media_at_camera::<P>(&mut traversal),
             traversal,
@@ -67,11 +68,13 @@ impl<P: Arithmetic> Tracer for Recursive<P> {
             steps: 0,
             ended: false,
             clock: PassClock::new(),
-            time_passes: settings.time_passes,
+            time_passes,
             precision: PhantomData,
         }
     }
+}
 
+impl<P: Arithmetic> Tracer for Recursive<P> {
     fn render(
         &mut self,
         scene: &PreparedScene,

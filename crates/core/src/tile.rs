@@ -116,24 +116,9 @@ impl Unit {
     }
 }
 
-/// Settings of a tracer, without the scene.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct TraceSettings {
-    /// Seed of the random numbers.
-    pub seed: u64,
-    /// Capacity of a wavefront's batch in paths.
-    pub batch: usize,
-    /// Whether the recursive tracer times its passes.
-    pub time_passes: bool,
-}
-
-/// A schedule of the kernels. Every tracer returns the same sums, bit for bit.
+/// A schedule of the kernels, with all memory for one thread. Every tracer returns the same sums, bit for
+/// bit.
 pub trait Tracer: Send {
-    /// A tracer with all memory for one thread; rendering then allocates nothing.
-    fn new(scene: &PreparedScene, settings: &TraceSettings) -> Self
-    where
-        Self: Sized;
-
     /// Adds the unit's samples of each pixel to `sums`, in the order of the samples: red, green and
     /// blue, in linear radiance. There is one sum for each pixel of its tile, row by row.
     ///

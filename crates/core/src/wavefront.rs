@@ -24,7 +24,7 @@ use crate::counters::Counters;
 use crate::kernels::precision::Arithmetic;
 use crate::plan::schedule::Schedule;
 use crate::prepared::{MOST_RAYS, MediumStack, PreparedScene};
-use crate::tile::{PassClock, TimedPass, TraceSettings, Tracer, Unit};
+use crate::tile::{PassClock, TimedPass, Tracer, Unit};
 use batch::Batch;
 
 /// The default number of paths in a batch.
@@ -44,24 +44,27 @@ pub struct Wavefront<P> {
     precision: PhantomData<P>,
 }
 
-impl<P: Arithmetic> Tracer for Wavefront<P> {
-    fn new(scene: &PreparedScene, settings: &TraceSettings) -> Self {
+impl<P: Arithmetic> Wavefront<P> {
+    /// The tracer for `scene`, with the seed of random numbers and the largest number of paths in a batch.
+    pub fn new(scene: &PreparedScene, seed: u64, batch: usize) -> Self {
         let schedule = scene.plan.schedule();
         let mut traversal = scene.accel.traversal();
         traversal.notes_passed = schedule.has_transmission();
         Self {
-            seed: settings.seed,
+            seed,
             schedule,
             needs_points: scene.needs_points(),
             start: scene.media_at_camera::<P>(&mut traversal),
-            batch: Batch::new(scene, settings.batch),
+            batch: Batch::new(scene, batch),
             traversal,
             counters: Counters::default(),
             clock: PassClock::new(),
             precision: PhantomData,
         }
     }
+}
 
+impl<P: Arithmetic> Tracer for Wavefront<P> {
     fn render(
         &mut self,
         scene: &PreparedScene,

@@ -32,9 +32,8 @@ use crate::metadata::{ALPHA, Channel, Entry, Values};
 use wavecrest_base::error::Result;
 use wavecrest_base::memory;
 use wavecrest_core::prepared::PreparedScene;
-use wavecrest_core::render::work::tracer;
-use wavecrest_core::render::{self, TracerKind, Watch};
-use wavecrest_core::tile::{Tile, TraceSettings, Unit};
+use wavecrest_core::render::{self, RenderOptions, TracerKind, Watch, work};
+use wavecrest_core::tile::{Tile, Unit};
 
 use names::ShapeNumbers;
 
@@ -211,11 +210,11 @@ fn mark_invalid(
     mask: &mut [f32],
 ) {
     let left = AtomicU64::new(request.invalid);
-    // One path at a time: the recursive tracer ignores the batch.
-    let settings = TraceSettings { seed: request.seed, batch: 1, time_passes: false };
+    let (tracer, seed) = (TracerKind::Recursive, request.seed);
+    let options = RenderOptions { tracer, seed, ..RenderOptions::default() };
     let rows = mask.par_chunks_mut(window.width as usize).enumerate();
     rows.for_each(|(row, mask)| {
-        let mut tracer = tracer(scene, TracerKind::Recursive, &settings);
+        let mut tracer = work::tracer(scene, &options);
         for (column, marked) in mask.iter_mut().enumerate() {
             if left.load(Ordering::Relaxed) == 0 {
                 return;

@@ -19,7 +19,7 @@ use wavecrest_core::render::units::Order;
 use wavecrest_core::render::{
     RenderOptions, Rendered, TracerKind, Watch, camera_rays, render_in_order, work,
 };
-use wavecrest_core::tile::{Tile, TimedPass, TraceSettings, Unit};
+use wavecrest_core::tile::{Tile, TimedPass, Unit};
 
 /// Upper bounds on the counts of a render; they are 0 only for work that cannot occur. Where surfaces
 /// let light through there is no bound on the rays that go on from them: [`u64::MAX`] stands for it, and `null` in JSON.
@@ -210,10 +210,10 @@ fn count(scene: &PreparedScene, options: &RenderOptions, side: u32) -> (Counters
     };
     let pixels = tiles(scene.camera.size(), side, 1, options.seed);
     let paths: Vec<Unit> = (0..).zip(pixels).map(path).collect();
-    let settings = TraceSettings { seed: options.seed, batch: 1, time_passes: false };
+    // Single paths are what this tracer is for; it counts the same.
+    let options = RenderOptions { tracer: TracerKind::Recursive, time_passes: false, ..*options };
     let follow = |paths: &[Unit]| {
-        // Single paths are what this tracer is for; it counts the same.
-        let mut tracer = work::tracer(scene, TracerKind::Recursive, &settings);
+        let mut tracer = work::tracer(scene, &options);
         for path in paths {
             tracer.render(scene, path, &mut [[0.0; 3]], &|| false);
         }

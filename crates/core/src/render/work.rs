@@ -14,7 +14,7 @@ use crate::kernels::precision::Precision;
 use crate::plan::schedule::Flaw;
 use crate::prepared::PreparedScene;
 use crate::recursive::Recursive;
-use crate::tile::{TraceSettings, Tracer, Unit};
+use crate::tile::{Tracer, Unit};
 use crate::wavefront::Wavefront;
 use crate::with_precision;
 use wavecrest_base::error::{Error, ErrorKind, Result};
@@ -91,12 +91,10 @@ pub fn run(
     }
     let start = Instant::now();
     let backdrop = Backdrop::of(scene);
-    let RenderOptions { seed, time_passes, .. } = *options;
-    let batch = batch_size(scene, options.batch);
-    let settings = TraceSettings { seed, batch, time_passes };
+    let options = RenderOptions { batch: batch_size(scene, options.batch), ..*options };
     // One worker for each thread, made before the first ray.
     let threads = rayon::current_num_threads();
-    let worker = || Mutex::new(Worker::new(tracer(scene, options.tracer, &settings), job));
+    let worker = || Mutex::new(Worker::new(tracer(scene, &options), job));
     let workers: Vec<_> = (0..threads).map(|_| worker()).collect();
     (0..job.count).into_par_iter().for_each(|number| {
         if watch.cancelled() || scene.appearance.check().is_err() {
@@ -180,15 +178,12 @@ pub fn add(sums: &mut [[f64; 3]], block: &[[f64; 3]]) {
     }
 }
 
-/// A tracer of this kind for the scene, compiled for its precision.
-pub fn tracer(
-    scene: &PreparedScene,
-    kind: TracerKind,
-    settings: &TraceSettings,
-) -> Box<dyn Tracer> {
-    with_precision!(scene.accel.geometry().precision, P => match kind {
-        TracerKind::Wavefront => Box::new(Wavefront::<P>::new(scene, settings)),
-        TracerKind::Recursive => Box::new(Recursive::<P>::new(scene, settings)),
+/// A tracer of the scene, compiled for its precision.
+pub fn tracer(scene: &PreparedScene, options: &RenderOptions) -> Box<dyn Tracer> {
+    let RenderOptions { tracer, seed, batch, time_passes, .. } = *options;
+    with_precision!(scene.accel.geometry().precision, P => match tracer {
+        TracerKind::Wavefront => Box::new(Wavefront::<P>::new(scene, seed, batch)),
+        TracerKind::Recursive => Box::new(Recursive::<P>::new(scene, seed, time_passes)),
     })
 }
 
