@@ -118,7 +118,7 @@ impl Accel {
         self.tree = Some(build::build(geometry, preset));
         let prototypes = geometry.prototypes.par_iter();
         self.blas = prototypes.map(|prototype| build::build(prototype, preset)).collect();
-        self.tlas = Tlas::new(&geometry.instances, |prototype| self.blas[prototype].upper_boxes());
+        self.tlas = Tlas::new(&geometry.instances, |prototype| self.blas[prototype].outline(1));
     }
 
     /// The primitives.
@@ -209,7 +209,7 @@ impl Accel {
     /// errors of rays are larger there than elsewhere; `None` if nothing is certain of them.
     pub fn outline(&self) -> Option<Vec<(Aabb, f32)>> {
         let tree = self.tree.as_ref().filter(|_| self.geometry.precision != Precision::Fast)?;
-        let own = tree.outline().into_iter().map(|bounds| (bounds, 1.0));
+        let own = tree.outline(2).into_iter().map(|bounds| (bounds, 1.0));
         Some(own.chain(self.tlas.outline()).collect())
     }
 

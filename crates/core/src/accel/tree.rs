@@ -88,32 +88,26 @@ impl Tree {
         self.arena.bytes()
     }
 
-    /// The boxes of the root's children, or of a root that is a leaf: together they contain every
-    /// hit, more tightly than the root's own.
-    pub(super) fn upper_boxes(&self) -> Vec<Aabb> {
-        let Some(root) = self.root else { return Vec::new() };
-        if root.place.kind() != Kind::Node {
-            return vec![root.bounds];
+    /// The boxes of this many levels of nodes below the root, or of leaves above: together they contain
+    /// every hit, more tightly than the root's own.
+    pub(super) fn outline(&self, levels: usize) -> Vec<Aabb> {
+        let root = self.root.map(|root| (root.place, root.bounds));
+        let mut boxes: Vec<_> = root.into_iter().collect();
+        for _ in 0..levels {
+            let below = |(place, bounds): (Ref, Aabb)| match place.kind() {
+                Kind::Node => self.children(place).collect(),
+                _ => vec![(place, bounds)],
+            };
+            boxes = boxes.into_iter().flat_map(below).collect();
         }
-        let arena = self.arena.view();
-        let node = arena.node(root.place);
-        (0..node.count as usize).map(|lane| child_box(node, lane)).collect()
+        boxes.into_iter().map(|(_, bounds)| bounds).collect()
     }
 
-    /// The boxes of two levels of nodes below the root: together they contain every hit.
-    pub(super) fn outline(&self) -> Vec<Aabb> {
-        let Some(root) = self.root else { return Vec::new() };
-        let arena = self.arena.view();
-        let children = |(place, bounds): (Ref, Aabb)| -> Vec<(Ref, Aabb)> {
-            if place.kind() != Kind::Node {
-                return vec![(place, bounds)];
-            }
-            let node = arena.node(place);
-            let lanes = 0..node.count as usize;
-            lanes.map(|lane| (child_of(node, place, lane), child_box(node, lane))).collect()
-        };
-        let below = children((root.place, root.bounds)).into_iter().flat_map(children);
-        below.map(|(_, bounds)| bounds).collect()
+    /// The children of a node, with their boxes.
+    fn children(&self, place: Ref) -> impl Iterator<Item = (Ref, Aabb)> {
+        let node = self.arena.view().node(place);
+        let lanes = 0..node.count as usize;
+        lanes.map(move |lane| (child_of(node, place, lane), child_box(node, lane)))
     }
 
     /// The root of the chunk that the list at `place` stands for, if it is built.
@@ -125,7 +119,6 @@ impl Tree {
 
     /// Calls `visit` for each node and leaf with its box, clipped by the boxes of all nodes above.
     fn walk(&self, mut visit: impl FnMut(Ref, &Aabb)) {
-        let arena = self.arena.view();
         let mut waiting: Vec<_> = self.root.iter().map(|root| (root.place, root.bounds)).collect();
         while let Some((place, bounds)) = waiting.pop() {
             let place = self.known(place).unwrap_or(place);
@@ -133,12 +126,9 @@ impl Tree {
             if place.kind() != Kind::Node {
                 continue;
             }
-            let node = arena.node(place);
-            waiting.extend((0..node.count as usize).map(|lane| {
-                let own = child_box(node, lane);
-                let clipped =
-                    Aabb { low: own.low.max(bounds.low), high: own.high.min(bounds.high) };
-                (child_of(node, place, lane), clipped)
+            waiting.extend(self.children(place).map(|(child, own)| {
+                let (low, high) = (own.low.max(bounds.low), own.high.min(bounds.high));
+                (child, Aabb { low, high })
             }));
         }
     }

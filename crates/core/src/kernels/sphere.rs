@@ -245,25 +245,6 @@ const ORIGIN_ERROR: f32 = 2.0 * (1.0 + 1024.0) * 3.0 * gamma(3) * gamma(3);
 /// Squares of directions longer than this, 2^-60, keep their precision.
 const SHORTEST: f32 = 1.0 / (1_u64 << 60) as f32;
 
-/// The smallest t > `t_min` by the textbook quadratic in single precision, as in most renderers:
-/// small and far spheres suffer cancellation.
-#[inline(always)]
-fn distance_fast<F: Single>(
-    line: &Line<F>,
-    center: Vector<F>,
-    radius: F,
-    t_min: F,
-) -> (F, F::Mask) {
-    let (d, f) = (line.direction, line.origin - center);
-    let (a, half_b, c) =
-        (d.dot_in_order(d), f.dot_in_order(d), f.dot_in_order(f) - radius * radius);
-    let discriminant = half_b * half_b - a * c;
-    let root = discriminant.sqrt();
-    let (near, far) = ((-half_b - root) / a, (-half_b + root) / a);
-    let t = F::select(near.gt(t_min), near, far);
-    (t, t.gt(t_min) & discriminant.ge(discriminant.zero()))
-}
-
 /// The smallest t within (`t_min`, `t_max`) at which each ray meets the sphere, and the lanes that
 /// hit.
 #[inline(always)]
@@ -276,7 +257,14 @@ pub fn meet<F: Single, P: Arithmetic>(
     let token = range[0].token();
     let (centers, radii) = (Vector::splat(token, center), F::splat(token, radius));
     if P::IS_FAST {
-        let (t, is_hit) = distance_fast(line, centers, radii, range[0]);
+        // The textbook quadratic, as in most renderers: small and far spheres suffer cancellation.
+        let (d, f) = (line.direction, line.origin - centers);
+        let (a, half_b) = (d.dot_in_order(d), f.dot_in_order(d));
+        let discriminant = half_b * half_b - a * (f.dot_in_order(f) - radii * radii);
+        let root = discriminant.sqrt();
+        let (near, far) = ((-half_b - root) / a, (-half_b + root) / a);
+        let t = F::select(near.gt(range[0]), near, far);
+        let is_hit = t.gt(range[0]) & discriminant.ge(discriminant.zero());
         return (t, is_hit & t.lt(range[1]));
     }
     let passes = passes_by(line, centers, radii);

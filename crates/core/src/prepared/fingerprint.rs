@@ -4,7 +4,7 @@ use std::fmt::{self, Write as _};
 
 use xxhash_rust::xxh3::Xxh3;
 
-use super::PreparedScene;
+use super::{CornerValues, PreparedScene};
 use crate::geometry::cutouts::Cutout;
 
 /// Hashes everything written to it.
@@ -16,16 +16,19 @@ impl Hasher {
         self.0.update(&(values.len() as u64).to_le_bytes());
         self.0.update(bytemuck::cast_slice(values));
     }
-}
 
-impl Hasher {
+    /// Hashes values at corners, and which corners have them.
+    fn corners<T: bytemuck::NoUninit>(&mut self, corners: &CornerValues<T>) {
+        self.list(&corners.values);
+        self.list(corners.indices.as_deref().unwrap_or(&[]));
+    }
+
     /// Hashes a cut-out: its primitives, mapping and image.
     fn cutout(&mut self, cutout: &Cutout) {
         let Cutout { primitives, threshold, filter, wrap, map, placing, mesh, image } = cutout;
         let _ = write!(self, "{primitives:?}{threshold}{filter:?}{wrap:?}{map:?}{placing:?}");
         if let Some(mesh) = mesh {
-            self.list(&mesh.uvs.values);
-            self.list(mesh.uvs.indices.as_deref().unwrap_or(&[]));
+            self.corners(&mesh.uvs);
             self.list(mesh.alphas.as_ref().map_or(&[], |alphas| &alphas.values));
         }
         self.list(&[image.as_ref().map_or(0, |image| image.fingerprint())]);
@@ -83,7 +86,9 @@ impl PreparedScene {
     pub fn fingerprints(&self) -> Fingerprints {
         Fingerprints {
             geometry: self.geometry_fingerprint(),
-            textures: self.textures_fingerprint(),
+            textures: hashed(|hasher| {
+                self.appearance.images.iter().for_each(|image| hasher.list(&[image.fingerprint()]));
+            }),
             camera: hashed(|hasher| {
                 // Numbers as text are the shortest that read back to the same value: as good as
                 // their bits. A hasher never fails.
@@ -118,37 +123,16 @@ impl PreparedScene {
                 let _ = write!(hasher, "{} {:?}", instance.prototype(), instance.to_world());
             }
             for own in geometry.prototypes.iter().chain([geometry]) {
-                for cutout in own.cutouts.iter() {
-                    hasher.cutout(cutout);
-                }
+                own.cutouts.iter().for_each(|cutout| hasher.cutout(cutout));
             }
             for mesh in &self.appearance.meshes {
                 let _ = write!(hasher, "{:?}", [mesh.first_triangle, mesh.first_position]);
-                if let Some(normals) = &mesh.normals {
-                    hasher.list(&normals.values);
-                    hasher.list(normals.indices.as_deref().unwrap_or(&[]));
-                }
-                if let Some(uvs) = &mesh.uvs {
-                    hasher.list(&uvs.values);
-                    hasher.list(uvs.indices.as_deref().unwrap_or(&[]));
-                }
-                if let Some(colors) = &mesh.colors {
-                    hasher.list(&colors.values);
-                }
-                if let Some(alphas) = &mesh.alphas {
-                    hasher.list(&alphas.values);
-                }
-                if let Some(tangents) = &mesh.tangents {
-                    hasher.list(&tangents.values);
-                    hasher.list(tangents.indices.as_deref().unwrap_or(&[]));
-                }
+                mesh.normals.iter().for_each(|normals| hasher.corners(normals));
+                mesh.uvs.iter().for_each(|uvs| hasher.corners(uvs));
+                mesh.colors.iter().for_each(|colors| hasher.list(&colors.values));
+                mesh.alphas.iter().for_each(|alphas| hasher.list(&alphas.values));
+                mesh.tangents.iter().for_each(|tangents| hasher.corners(tangents));
             }
-        })
-    }
-
-    fn textures_fingerprint(&self) -> u128 {
-        hashed(|hasher| {
-            self.appearance.images.iter().for_each(|image| hasher.list(&[image.fingerprint()]));
         })
     }
 
