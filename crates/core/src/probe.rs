@@ -30,14 +30,18 @@ pub use record::{
 
 /// Finds where a sample becomes not finite, by tracing it once more.
 pub fn name_invalid(scene: &PreparedScene, at: Sample, seed: u64) -> InvalidSample {
-    let path = sample(scene, at, seed);
+    let width = scene.camera.size()[0];
+    let pixel = [at.pixel % width, at.pixel / width];
+    let path = with_precision!(scene.accel.geometry().precision, P => {
+        let mut tracer = Recursive::<P>::new(scene, seed, false);
+        follow(scene, &mut tracer, pixel, at.sample, seed).0
+    });
     let bounce = path.bounces.iter().position(|bounce| !bounce.radiance.is_finite());
     let bounce = bounce.unwrap_or(path.bounces.len().saturating_sub(1));
     let met = path.bounces.get(bounce).and_then(|bounce| bounce.met.as_ref());
-    let width = scene.camera.size()[0];
     InvalidSample {
-        x: at.pixel % width,
-        y: at.pixel / width,
+        x: pixel[0],
+        y: pixel[1],
         sample: at.sample,
         bounce,
         primitive: met.map(|met| met.primitive),
@@ -52,16 +56,6 @@ type TracedBounce = (Ray, Hit, Vec3);
 /// Records the rays of a pixel.
 pub fn pixel(scene: &PreparedScene, pixel: [u32; 2], seed: u64) -> PixelRecord {
     with_precision!(scene.accel.geometry().precision, P => record::<P>(scene, pixel, seed))
-}
-
-/// Traces one sample.
-fn sample(scene: &PreparedScene, sample: Sample, seed: u64) -> PathRecord {
-    let width = scene.camera.size()[0];
-    let pixel = [sample.pixel % width, sample.pixel / width];
-    with_precision!(scene.accel.geometry().precision, P => {
-        let mut tracer = Recursive::<P>::new(scene, seed, false);
-        follow(scene, &mut tracer, pixel, sample.sample, seed).0
-    })
 }
 
 /// Records every sample of a pixel, in both tracers.
@@ -179,7 +173,7 @@ impl Recorder<'_> {
             name: self.name_of(hit.primitive),
             surface: None,
             t: hit.t,
-            t_error: t_error(geometry, hit),
+            t_error: (geometry.precision != Precision::Fast).then_some(UNIT_ROUNDOFF * hit.t.abs()),
             uv: found.barycentric,
             point: Vec3::from(found.point).as_dvec3() + self.scene.origin,
             error: found.error.into(),
@@ -317,11 +311,6 @@ fn kind(geometry: &Geometry, primitive: u32) -> &'static str {
             Quadric::Disk(_) => "disk",
         },
     }
-}
-
-/// Bound on the error of a hit's t.
-fn t_error(geometry: &Geometry, hit: &Hit) -> Option<f32> {
-    (geometry.precision != Precision::Fast).then_some(UNIT_ROUNDOFF * hit.t.abs())
 }
 
 #[cfg(test)]

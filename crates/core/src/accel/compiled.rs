@@ -13,7 +13,7 @@ use super::best::Best;
 use super::query::Query;
 use super::rays::Rays;
 use super::tree::Searched;
-use super::{Hit, KernelChoice, Traversal, packet, single};
+use super::{Accel, Hit, KernelChoice, Traversal, packet, single};
 use crate::geometry::PreparedRay;
 use crate::kernels::precision::Arithmetic;
 use crate::math::ray::Ray;
@@ -31,10 +31,10 @@ pub(super) fn one<Q: Query, P: Arithmetic>(
     dispatch(level, One { searched, ray, traversal, query })
 }
 
-/// Searches many rays with the kernel of `choice`. The level must have batch kernels.
+/// Searches many rays at the level and with the kernel of `accel`. The level must have batch kernels.
 #[inline(never)]
 pub(super) fn many<Q: Query, P: Arithmetic>(
-    (level, choice): (Level, KernelChoice),
+    &Accel { level, kernel: choice, .. }: &Accel,
     searched: Searched<'_>,
     rays: Rays<'_>,
     answers: &mut [Q::Answer],

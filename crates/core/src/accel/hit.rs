@@ -14,6 +14,12 @@ pub struct Hit {
     pub primitive: u32,
 }
 
+impl Default for Hit {
+    fn default() -> Self {
+        Self::MISS
+    }
+}
+
 impl Hit {
     /// No hit.
     pub const MISS: Self = Self { t: f32::INFINITY, primitive: NO_PRIMITIVE };

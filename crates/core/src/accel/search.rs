@@ -121,14 +121,10 @@ impl<P: Arithmetic> Search<'_, P> {
     #[inline(always)]
     fn one<Q: Query>(&self, ray: &Ray, traversal: &mut Traversal) -> Q::Answer {
         if self.accel.kernel == KernelChoice::Reference {
-            return self.reference().one_of_precision::<Q>(ray, traversal);
+            let reference = self.accel.search::<P::Reference>();
+            return reference.one_of_precision::<Q>(ray, traversal);
         }
         self.one_of_precision::<Q>(ray, traversal)
-    }
-
-    /// The searches of the reference kernel.
-    fn reference(&self) -> Search<'_, P::Reference> {
-        self.accel.search()
     }
 
     /// As [`Self::one`], whatever the kernel.
@@ -145,7 +141,7 @@ impl<P: Arithmetic> Search<'_, P> {
         if Q::ANY {
             traversal.noted.begin(traversal.notes_passed, 1);
         }
-        let best = self.in_tree::<Q>(searched, ray, traversal);
+        let best = compiled::one::<Q, P>(self.accel.level, searched, ray, traversal);
         traversal.noted.is_noting = false;
         if geometry.instances.is_empty() || Q::ANY && !best.is_miss() {
             return Q::answer(best);
@@ -161,7 +157,7 @@ impl<P: Arithmetic> Search<'_, P> {
             return;
         };
         traversal.noted.begin(Q::ANY && traversal.notes_passed, rays.count());
-        self.all_in_tree::<Q>(self.own(tree, traversal), rays, answers, traversal);
+        compiled::many::<Q, P>(self.accel, self.own(tree, traversal), rays, answers, traversal);
         traversal.noted.is_noting = false;
         if !geometry.instances.is_empty() {
             self.all_among_instances::<Q>(rays, answers, traversal);
@@ -206,7 +202,7 @@ impl<P: Arithmetic> Search<'_, P> {
         if !ray.is_valid() {
             return Hit::MISS;
         }
-        self.in_tree::<Q>(self.prototype(number), ray, traversal)
+        compiled::one::<Q, P>(self.accel.level, self.prototype(number), ray, traversal)
     }
 
     /// As [`Self::in_prototype`], for many rays.
@@ -219,7 +215,8 @@ impl<P: Arithmetic> Search<'_, P> {
     ) {
         // A ray counts once, in the search of the scene.
         let kernels = traversal.kernels;
-        self.all_in_tree::<Q>(self.prototype(number), rays.into(), answers, traversal);
+        let prototype = self.prototype(number);
+        compiled::many::<Q, P>(self.accel, prototype, rays.into(), answers, traversal);
         traversal.kernels = kernels;
     }
 
@@ -235,27 +232,5 @@ impl<P: Arithmetic> Search<'_, P> {
         let geometry = &self.accel.geometry;
         let without_t = traversal.without_t && geometry.instances.is_empty();
         Searched { tree, geometry, without_t }
-    }
-
-    /// The hit in a tree for query `Q`.
-    #[inline(always)]
-    fn in_tree<Q: Query>(
-        &self,
-        searched: Searched<'_>,
-        ray: &Ray,
-        traversal: &mut Traversal,
-    ) -> Hit {
-        compiled::one::<Q, P>(self.accel.level, searched, ray, traversal)
-    }
-
-    fn all_in_tree<Q: Query>(
-        &self,
-        searched: Searched<'_>,
-        rays: Rays<'_>,
-        answers: &mut [Q::Answer],
-        traversal: &mut Traversal,
-    ) {
-        let how = (self.accel.level, self.accel.kernel);
-        compiled::many::<Q, P>(how, searched, rays, answers, traversal);
     }
 }

@@ -44,6 +44,19 @@ impl<F: Single> SurfacePoint<F> {
         Self { point, error, normal: normal.normalize(), barycentric }
     }
 
+    /// The point, computed in double precision from coordinates up to `size`, and rounded.
+    #[inline(always)]
+    fn rounded(
+        point: Vector<F::Double>,
+        size: F,
+        normal: Vector<F::Double>,
+        barycentric: [F; 2],
+    ) -> Self {
+        let point = Vector::<F>::narrow(point);
+        let error = point.rounding_error(size);
+        Self { point, error, normal: Vector::narrow(normal), barycentric }
+    }
+
     /// The surface in lane `i`.
     #[inline(always)]
     pub fn lane(&self, i: usize) -> SurfacePoint<f32> {
@@ -118,13 +131,9 @@ fn on_triangle<F: Single>(line: &Line<F>, corners: &[Vector<F>; 3]) -> SurfacePo
     let size = a.max_abs().max(b.max_abs()).max(c.max_abs());
     let [wa, wb, wc] = weights(line, corners, size);
     let (a, b, c) = (a.widen(), b.widen(), c.widen());
-    let point = Vector::narrow(a.scale(wa) + b.scale(wb) + c.scale(wc));
-    SurfacePoint {
-        point,
-        error: point.rounding_error(size),
-        normal: Vector::narrow((b - a).cross(c - a).normalize_wide()),
-        barycentric: [F::narrow(wb), F::narrow(wc)],
-    }
+    let point = a.scale(wa) + b.scale(wb) + c.scale(wc);
+    let normal = (b - a).cross(c - a).normalize_wide();
+    SurfacePoint::rounded(point, size, normal, [F::narrow(wb), F::narrow(wc)])
 }
 
 /// Barycentric coordinates of the points at which rays meet triangles, none negative, with sum one.
@@ -216,18 +225,12 @@ fn turn<F: Real>(along_x: F::Mask, along_y: F::Mask, v: Vector<F>) -> Vector<F> 
 
 #[inline(always)]
 fn sphere<F: Single>(line: &Line<F>, t: F, center: Vector<F>, radius: F) -> SurfacePoint<F> {
-    let zero = radius.zero();
     let t = sphere::near(line, t, center, radius);
     let wide = center.widen();
     let hit = line.origin.widen() + line.direction.widen().scale(t);
     let normal = (hit - wide).normalize_wide();
-    let point = Vector::narrow(wide + normal.scale(radius.widen()));
-    SurfacePoint {
-        point,
-        error: point.rounding_error(center.max_abs().max(radius)),
-        normal: Vector::narrow(normal),
-        barycentric: [zero; 2],
-    }
+    let point = wide + normal.scale(radius.widen());
+    SurfacePoint::rounded(point, center.max_abs().max(radius), normal, [radius.zero(); 2])
 }
 
 #[inline(always)]
@@ -237,13 +240,9 @@ fn disk<F: Single>(
     [center, front]: [Vector<F>; 2],
     radius: F,
 ) -> SurfacePoint<F> {
-    let point = Vector::narrow(center.widen() + disk::offset(line, t, center, front));
-    SurfacePoint {
-        point,
-        error: point.rounding_error(center.max_abs().max(radius)),
-        normal: Vector::narrow(front.widen().normalize_wide()),
-        barycentric: [radius.zero(); 2],
-    }
+    let point = center.widen() + disk::offset(line, t, center, front);
+    let (size, normal) = (center.max_abs().max(radius), front.widen().normalize_wide());
+    SurfacePoint::rounded(point, size, normal, [radius.zero(); 2])
 }
 
 /// The halves of quads that rays meet first, in the lanes of `asked`; of halves met at the same t, the

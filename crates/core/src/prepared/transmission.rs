@@ -20,7 +20,7 @@ use crate::plan::Effect;
 use crate::plan::schedule::Step;
 
 /// What a ray went through on its path.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PathState {
     /// How often it was mirrored or refracted.
     pub bounces: u32,
@@ -30,12 +30,6 @@ pub struct PathState {
     pub media: MediumStack,
     /// The hit that it has if that is known: what lies where it starts. Else a miss.
     pub next: Hit,
-}
-
-impl Default for PathState {
-    fn default() -> Self {
-        Self { bounces: 0, mirrored: false, media: MediumStack::default(), next: Hit::MISS }
-    }
 }
 
 impl PathState {

@@ -47,20 +47,7 @@ impl Rays {
     pub fn ray(&self, i: usize) -> Ray {
         Ray::new(self.origin.get(i), self.direction.get(i))
     }
-}
 
-/// Rays in the form of kernels.
-fn columns_of<'a>(
-    count: usize,
-    origin: &'a Vectors,
-    direction: &'a Vectors,
-    (t_min, t_max): (Option<&'a [f32]>, f32),
-) -> AllRays<'a> {
-    let (origin, direction) = (origin.columns(), direction.columns());
-    AllRays::Columns(RayColumns { count, origin, direction, t_min, t_max })
-}
-
-impl Rays {
     /// Appends a ray.
     #[inline(always)]
     pub fn push(&mut self, ray: &Ray, throughput: Vec3, path: u32) {
@@ -95,6 +82,17 @@ impl Rays {
         F::pack_integers(rays.throughput.x.token(), path, asked, &mut self.path[i..i + F::LANES]);
         self.rows += asked.bits().count_ones() as usize;
     }
+}
+
+/// Rays in the form of kernels.
+fn columns_of<'a>(
+    count: usize,
+    origin: &'a Vectors,
+    direction: &'a Vectors,
+    (t_min, t_max): (Option<&'a [f32]>, f32),
+) -> AllRays<'a> {
+    let (origin, direction) = (origin.columns(), direction.columns());
+    AllRays::Columns(RayColumns { count, origin, direction, t_min, t_max })
 }
 
 columns! {

@@ -137,10 +137,8 @@ impl<P: Arithmetic> Shade<'_, P> {
     #[inline(always)]
     fn miss(&mut self, i: usize) {
         let mirrored = self.state(i).mirrored;
-        let rays = &self.batch.rays;
-        if let Some(color) = self.scene.escaped(rays.direction.get(i), mirrored) {
-            let path = rays.path[i] as usize;
-            self.batch.paths.radiance.add(path, rays.throughput.get(i) * color);
+        if let Some(color) = self.scene.escaped(self.batch.rays.direction.get(i), mirrored) {
+            self.light(i, color);
         }
     }
 
@@ -165,22 +163,6 @@ impl<P: Arithmetic> Shade<'_, P> {
         let throughput = &mut self.batch.rays.throughput;
         throughput.set(i, throughput.get(i) * remaining);
         self.batch.set_media(i, media);
-    }
-
-    /// Appends the lit points.
-    #[inline(always)]
-    fn collect<F: Single>(
-        &mut self,
-        point: &ShadingPoint<F>,
-        throughput: Vector<F>,
-        path: &[u32; LANES],
-    ) {
-        self.batch.lit.provide();
-        self.batch.lit.push_lanes(point, throughput, path);
-        if self.tints {
-            self.batch.tints.provide();
-            self.batch.tints.push_lanes(point);
-        }
     }
 
     #[inline(always)]
@@ -264,7 +246,12 @@ impl<P: Arithmetic> Shade<'_, P> {
         let local = point.local_light(scene.ambient, scene.hemisphere.as_ref());
         self.add(group.used, &path, throughput * local);
         if self.shadows && point.lit.any() {
-            self.collect(&point, throughput, &path);
+            self.batch.lit.provide();
+            self.batch.lit.push_lanes(&point, throughput, &path);
+            if self.tints {
+                self.batch.tints.provide();
+                self.batch.tints.push_lanes(&point);
+            }
         }
         if self.mirrors
             && scattering.is_none()

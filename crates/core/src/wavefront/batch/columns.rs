@@ -2,7 +2,6 @@
 
 use glam::Vec3;
 
-use crate::accel::Hit;
 use crate::math::real::Single;
 use crate::math::simd::LANES;
 use crate::math::vector::Vector;
@@ -84,11 +83,11 @@ pub(super) trait Column {
     fn rows(&self) -> usize;
 }
 
-impl<T: Copy + Blank> Column for Vec<T> {
+impl<T: Copy + Default> Column for Vec<T> {
     const ITEM_BYTES: usize = size_of::<T>();
 
     fn with_rows(rows: usize) -> Self {
-        vec![T::BLANK; rows]
+        vec![T::default(); rows]
     }
 
     fn rows(&self) -> usize {
@@ -106,27 +105,6 @@ impl Column for Vectors {
     fn rows(&self) -> usize {
         self.x.len()
     }
-}
-
-/// The value of a row that was never written.
-trait Blank {
-    const BLANK: Self;
-}
-
-impl Blank for u32 {
-    const BLANK: Self = 0;
-}
-
-impl Blank for f32 {
-    const BLANK: Self = 0.0;
-}
-
-impl Blank for bool {
-    const BLANK: Self = false;
-}
-
-impl Blank for Hit {
-    const BLANK: Self = Hit::MISS;
 }
 
 /// A column of vectors, stored as a column for each coordinate.
