@@ -59,13 +59,13 @@ proptest! {
         prop_assume!(ray.is_valid());
         let Some((near, far)) = range(&ray, &bounds) else { return Ok(()) };
         let slab = SlabRay::new(&ray);
-        let found = slab.interval(&bounds);
-        let enters = found.near <= slab.reach(rounded(&near) as f32);
-        let leaves = far.as_ref().is_none_or(|far| found.far >= rounded(far) as f32);
+        let [first, last] = slab.interval(&bounds);
+        let enters = first <= slab.reach(rounded(&near) as f32);
+        let leaves = far.as_ref().is_none_or(|far| last >= rounded(far) as f32);
         let told = far.as_ref().map(rounded);
         prop_assert!(
-            found.near <= found.far && enters && leaves,
-            "{:?} and not {} to {:?}", found, rounded(&near), told
+            first <= last && enters && leaves,
+            "{} to {} and not {} to {:?}", first, last, rounded(&near), told
         );
     }
 }

@@ -131,8 +131,8 @@ impl LazyRay<'_> {
     fn may_meet(&mut self, root: &Root) -> bool {
         let &Ray { t_min, t_max, .. } = self.ray;
         let slab = self.slab();
-        let met = slab.interval(&root.bounds);
-        max(met.near, t_min) <= min(met.far, slab.reach(t_max))
+        let [near, far] = slab.interval(&root.bounds);
+        max(near, t_min) <= min(far, slab.reach(t_max))
     }
 }
 

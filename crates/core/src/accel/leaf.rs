@@ -15,7 +15,7 @@ use crate::kernels::triangle::filter::{self, ORDERS, Range};
 use crate::kernels::triangle::settle::Verdict;
 use crate::kernels::triangle::{self, LaneHits, ShearedSpace, exact};
 use crate::math::ray::Ray;
-use crate::math::simd::{Lanes, outlined};
+use crate::math::simd::{Lanes, lanes, outlined};
 use crate::math::vector::Vector;
 
 /// Searches the leaf for the hit of query `Q`: replaces `best` by a hit that comes first, or by
@@ -206,9 +206,7 @@ fn settle_each(
     hits: &mut LaneHits,
     tests: &mut TestCounts,
 ) {
-    while hits.open != 0 {
-        let lane = hits.open.trailing_zeros() as usize % 8;
-        hits.open &= hits.open - 1;
+    for lane in lanes(std::mem::take(&mut hits.open)) {
         let corners = arena.triangle(place, lane);
         let t = match triangle::settled(ray, &corners) {
             Verdict::Open => {

@@ -101,8 +101,8 @@ impl<'a> Steps<'a> {
                 Kind::Node => {
                     let node = arena.node(place);
                     let is_met = |lane: &usize| {
-                        let interval = ray.slab.interval(&child_box(node, *lane));
-                        max(interval.near, ray.ray.t_min) <= min(interval.far, reach)
+                        let [near, far] = ray.slab.interval(&child_box(node, *lane));
+                        max(near, ray.ray.t_min) <= min(far, reach)
                     };
                     let met = (0..node.count as usize).filter(is_met);
                     waiting.extend(met.map(|lane| child_of(node, place, lane)));

@@ -180,9 +180,9 @@ impl Walk {
     /// Pushes a node if the ray meets its box.
     #[inline]
     fn push(&mut self, tlas: &Tlas, node: u32, stack: &mut [TlasEntry]) {
-        let interval = self.slab.interval(&tlas.nodes[node as usize].bounds);
-        let near = max(interval.near, self.ray.t_min);
-        if near <= min(interval.far, self.slab.reach(self.reach())) {
+        let [near, far] = self.slab.interval(&tlas.nodes[node as usize].bounds);
+        let near = max(near, self.ray.t_min);
+        if near <= min(far, self.slab.reach(self.reach())) {
             stack[self.height as usize] = TlasEntry { near, node };
             self.height += 1;
         }

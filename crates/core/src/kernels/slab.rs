@@ -76,15 +76,6 @@ impl Aabb {
     }
 }
 
-/// A range of t, empty if `near` > `far`.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Interval {
-    /// Where the ray enters.
-    pub near: f32,
-    /// Where it leaves.
-    pub far: f32,
-}
-
 /// A ray prepared for slab tests.
 #[derive(Clone, Copy, Debug)]
 pub struct SlabRay {
@@ -149,20 +140,21 @@ impl SlabRay {
         t * WIDENING + self.slack
     }
 
-    /// A range of t that contains all t at which the ray is in `bounds`.
+    /// The ends of a range of t that contains all t at which the ray is in `bounds`: it is empty if the
+    /// first is larger.
     ///
     /// For a zero component, every nonzero difference becomes an infinite t of the right sign. A
     /// zero difference becomes a NaN with unspecified results: the ray then runs just outside the
     /// box.
     #[inline(always)]
-    pub fn interval(&self, bounds: &Aabb) -> Interval {
+    pub fn interval(&self, bounds: &Aabb) -> [f32; 2] {
         let axis = |k: usize| {
             let (low, high) = (bounds.low[k], bounds.high[k]);
             let [first, last] = if self.entry[k] & 1 == 1 { [high, low] } else { [low, high] };
             self.crossings(k, first, last)
         };
         let ([x0, x1], [y0, y1], [z0, z1]) = (axis(0), axis(1), axis(2));
-        Interval { near: max(x0, max(y0, z0)), far: self.reach(min(x1, min(y1, z1))) }
+        [max(x0, max(y0, z0)), self.reach(min(x1, min(y1, z1)))]
     }
 
     /// The t at which the ray crosses its entry and exit planes on axis `k`, of one box or of
@@ -190,8 +182,8 @@ mod tests {
             (Vec3::new(0.5, 0.5, -1.0), Vec3::NEG_Z),
             (Vec3::new(1.0, 0.0, -1.5), Vec3::new(-0.0, 0.0, -1.0)),
         ] {
-            let i = SlabRay::new(&Ray::new(origin, direction)).interval(&unit_box());
-            assert!(i.near > i.far || i.far < 0.0, "{origin} {direction}: {i:?}");
+            let [near, far] = SlabRay::new(&Ray::new(origin, direction)).interval(&unit_box());
+            assert!(near > far || far < 0.0, "{origin} {direction}: {near} {far}");
         }
     }
 }

@@ -21,6 +21,7 @@ use crate::math::exact::{Comparable, Expansion, QuadraticRoot, dot, exact};
 use crate::math::float::gamma;
 use crate::math::ray::Ray;
 use crate::math::real::{Mask, Real, Single};
+use crate::math::simd::lanes;
 use crate::math::vector::{Line, Vector};
 
 /// The smallest t within the ray's range at which the ray meets the sphere, from outside or inside.
@@ -174,10 +175,7 @@ pub(super) fn settled<F: Single>(
     let mut hit = (known & low.gt(start) & high.lt(end)).bits() & is_known.bits();
     let miss = (roots.miss | (known & (high.le(start) | low.ge(end)))).bits();
     let mut t = least;
-    let mut open = !(hit | miss) & (u32::MAX >> (32 - F::LANES));
-    while open != 0 {
-        let lane = open.trailing_zeros() as usize % F::LANES;
-        open &= open - 1;
+    for lane in lanes(!(hit | miss) & (u32::MAX >> (32 - F::LANES))) {
         let ray = Ray {
             origin: line.origin.lane(lane),
             direction: line.direction.lane(lane),

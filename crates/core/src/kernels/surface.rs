@@ -13,6 +13,7 @@ use super::triangle::{self, exact};
 use crate::math::float::{error_of_offset, gamma};
 use crate::math::ray::Ray;
 use crate::math::real::{Mask, Real, Single};
+use crate::math::simd::lanes;
 use crate::math::vector::{Line, Vector};
 
 /// The distance by which fast arithmetic moves origins off surfaces, in scene units: a fixed
@@ -159,10 +160,7 @@ fn weights<F: Single>(line: &Line<F>, corners: &[Vector<F>; 3], size: F) -> [F::
     let sideways = sideways * space.direction.z.abs();
     let (x, y) = (ax * wa + bx * wb + cx * wc, ay * wa + by * wb + cy * wc);
     let beside = x.abs().le(sideways) & y.abs().le(sideways);
-    let mut open = !(inside & beside).bits() & (u32::MAX >> (32 - F::LANES));
-    while open != 0 {
-        let lane = open.trailing_zeros() as usize % F::LANES;
-        open &= open - 1;
+    for lane in lanes(!(inside & beside).bits() & (u32::MAX >> (32 - F::LANES))) {
         let corners = corners.map(|corner| corner.lane(lane));
         let [x, y, z] = weights_of_one(line.origin.lane(lane), line.direction.lane(lane), &corners);
         wa.set_lane(lane, x);
@@ -259,10 +257,7 @@ pub fn quad_halves<F: Single>(
     let (first, second) = (first.bits(), second.bits());
     let is_second = F::mask(a.x.token(), first & !second);
     let (mut next, mut last) = (Vector::select(is_second, c, b), Vector::select(is_second, d, c));
-    let mut open = asked & !(first | second);
-    while open != 0 {
-        let lane = open.trailing_zeros() as usize % F::LANES;
-        open &= open - 1;
+    for lane in lanes(asked & !(first | second)) {
         let corners = [a.lane(lane), b.lane(lane), c.lane(lane), d.lane(lane)];
         let [_, b, c] = nearer_half(&ray(lane), quad::halves(&corners));
         next.set_lane(lane, b);

@@ -185,6 +185,16 @@ fn run<S: Lanes, K: Kernel>(simd: S, kernel: K) -> K::Output {
 /// The number of lanes of a kernel, whatever the width of a register.
 pub const LANES: usize = 8;
 
+/// The lanes whose bits are set, in order.
+#[inline(always)]
+pub fn lanes(mut bits: u32) -> impl Iterator<Item = usize> {
+    std::iter::from_fn(move || {
+        let lane = bits.trailing_zeros() as usize;
+        bits &= bits.wrapping_sub(1);
+        (lane < LANES).then_some(lane)
+    })
+}
+
 /// Operations of a level other than arithmetic.
 pub trait Lanes: Simd {
     /// Lane i of the result is lane `indices[i]` of `values`; indices below 8.

@@ -319,13 +319,3 @@ fn set_three<F: Single>(rows: &mut [AxisRows<F>; 3], lane: usize, [a, b, c]: [Ve
     set::<F>(in_b, lane, b);
     set::<F>(in_c, lane, c);
 }
-
-/// The lanes whose bits are set, in order.
-#[inline(always)]
-pub fn lanes(mut bits: u32) -> impl Iterator<Item = usize> {
-    std::iter::from_fn(move || {
-        let lane = bits.trailing_zeros() as usize;
-        bits &= bits.wrapping_sub(1);
-        (lane < LANES).then_some(lane)
-    })
-}

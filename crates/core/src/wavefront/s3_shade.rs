@@ -18,10 +18,10 @@ use crate::kernels::precision::Arithmetic;
 use crate::kernels::shade::{ShadingPoint, mirror_request};
 use crate::kernels::transmission::Transparency;
 use crate::math::real::{Mask, Single};
-use crate::math::simd::{AnyWidth, LANES, dispatch_any_width};
+use crate::math::simd::{AnyWidth, LANES, dispatch_any_width, lanes};
 use crate::math::vector::{Line, Vector};
 use crate::plan::schedule::Step;
-use crate::prepared::{Branch, Face, Group, LookUps, MediumStack, PathState, PreparedScene, lanes};
+use crate::prepared::{Branch, Face, Group, LookUps, MediumStack, PathState, PreparedScene};
 use crate::tile::{PassClock, TimedPass};
 
 impl<P: Arithmetic> Wavefront<P> {

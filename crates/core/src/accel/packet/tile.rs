@@ -19,7 +19,7 @@ use crate::kernels::precision::Arithmetic;
 use crate::kernels::triangle::{ShearedSpace, settle};
 use crate::math::ray::Ray;
 use crate::math::real::{Mask, Single};
-use crate::math::simd::{LANES, Lanes};
+use crate::math::simd::{LANES, Lanes, lanes};
 use crate::math::vector::{Line, Vector};
 
 /// A tile's rays, in columns. The order of fields keeps vectors within cache lines.
@@ -232,10 +232,7 @@ impl RayTile {
         let line = Line { origin, direction };
         let (found, is_known) = settle::t_of::<f32x8<S>>(&line, &corners);
         let mut t: [f32; LANES] = <f32x8<S> as Single>::mask(simd, open).select(found, t).into();
-        let mut unknown = open & !is_known.bits();
-        while unknown != 0 {
-            let lane = unknown.trailing_zeros() as usize % LANES;
-            unknown &= unknown - 1;
+        for lane in lanes(open & !is_known.bits()) {
             let corners = corners.map(|corner| corner.lane(lane));
             t[lane] = exact_t(&self.ray(first + lane), &corners);
         }

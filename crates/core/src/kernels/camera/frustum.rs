@@ -125,8 +125,8 @@ mod tests {
             let corner = ray.origin + ray.direction * (e * e * 100.0);
             let size = Vec3::new(f - 0.5, g - 0.5, h - 0.5) * (1.0 + far as f32 * 1e-3);
             let bounds = Aabb::around([corner, corner + size]);
-            let interval = SlabRay::new(&ray).interval(&bounds);
-            if interval.near <= interval.far && interval.far >= 0.0 {
+            let [near, far] = SlabRay::new(&ray).interval(&bounds);
+            if near <= far && far >= 0.0 {
                 met += 1;
                 assert!(camera.may_see(&bounds, 1.0), "{n}: {bounds:?} {ray:?}");
                 let pixel = [n % 32, n / 32 % 20].map(|first| first..first + 1);
