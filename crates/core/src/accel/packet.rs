@@ -15,11 +15,11 @@
 mod beam;
 mod columns;
 mod frame;
+mod hand_over;
 mod leaves;
 mod load;
 mod nodes;
 mod quadrics;
-mod remaining;
 mod tile;
 
 use std::marker::PhantomData;
@@ -29,14 +29,13 @@ use super::node::{distance, place};
 use super::noted::NotedLeaves;
 use super::query::Query;
 use super::rays::Rays;
-use super::stream::{self, FromRoot};
+use super::stream::{self, HandedPlace, RaySource};
 use super::tree::{Root, Searched, Tree};
 use super::{KernelChoice, Traversal};
 use crate::counters::TestCounts;
 use crate::kernels::precision::Arithmetic;
 use crate::math::simd::{Lanes, entry, outlined};
 use columns::numbers;
-use remaining::{HandedPlace, Remaining};
 use tile::RayTile;
 
 /// Tiles traversed in turn, step by step, so that one computes while another waits.
@@ -126,8 +125,7 @@ pub(super) fn trace<S: Lanes, Q: Query, P: Arithmetic>(
     kernel.packet_nodes += coherence.visits;
     kernel.packet_rays += coherence.rays;
     if !queue.is_empty() || next < rays.count() {
-        let rest = FromRoot { rays, next, root };
-        let mut source = Remaining { queue, handed, last, rays, rest };
+        let mut source = RaySource { rays, queue, last, handed, next, root };
         stream::trace::<S, Q, P>(
             simd,
             searched,

@@ -9,6 +9,7 @@
 //! that no entry is checked twice.
 
 mod next;
+mod source;
 
 use std::marker::PhantomData;
 
@@ -21,8 +22,7 @@ use super::leaf;
 use super::node::{self, distance, place};
 use super::noted::NotedLeaves;
 use super::query::Query;
-use super::rays::Rays;
-use super::tree::{Root, Searched};
+use super::tree::Searched;
 use crate::counters::{KernelCounts, TestCounts};
 use crate::geometry::PreparedRay;
 use crate::kernels::precision::Arithmetic;
@@ -30,6 +30,7 @@ use crate::kernels::triangle::LaneHits;
 use crate::math::ray::Ray;
 use crate::math::simd::{LANES, Lanes, entry};
 use next::NextSteps;
+pub(super) use source::{HandedPlace, RaySource};
 
 /// The largest number of places handed over with a ray.
 pub(super) const MOST_HANDED: usize = 24;
@@ -123,56 +124,12 @@ impl Default for Flight {
     }
 }
 
-/// A source of rays.
-pub(super) trait RaySource<Q: Query, P: Arithmetic> {
-    /// Fills `slot` with the next ray to trace and `stack` with its first entries, and returns
-    /// their number. Rays that need no tracing are answered on the way.
-    fn next(
-        &mut self,
-        answers: &mut [Q::Answer],
-        stack: &mut [u64],
-        slot: &mut Slot,
-    ) -> Option<usize>;
-}
-
-/// Rays of a batch from `next` on, each from the root.
-pub(super) struct FromRoot<'a> {
-    pub(super) rays: Rays<'a>,
-    pub(super) next: usize,
-    pub(super) root: Root,
-}
-
-impl<Q: Query, P: Arithmetic> RaySource<Q, P> for FromRoot<'_> {
-    #[inline(always)]
-    fn next(
-        &mut self,
-        answers: &mut [Q::Answer],
-        stack: &mut [u64],
-        slot: &mut Slot,
-    ) -> Option<usize> {
-        while self.next < self.rays.count() {
-            let number = self.next;
-            self.next += 1;
-            let ray = self.rays.ray(number);
-            if !ray.is_valid() {
-                answers[number] = Q::NONE;
-                continue;
-            }
-            slot.ray = PreparedRay::new(&ray);
-            stack[0] = entry(f32::NEG_INFINITY, self.root.place.bits());
-            slot.begin(number, Best::none(ray.t_max));
-            return Some(1);
-        }
-        None
-    }
-}
-
 /// Answers all rays of `source`.
 #[inline(always)]
 pub(super) fn trace<S: Lanes, Q: Query, P: Arithmetic>(
     simd: S,
     searched: Searched<'_>,
-    source: &mut impl RaySource<Q, P>,
+    source: &mut RaySource<'_>,
     answers: &mut [Q::Answer],
     flight: &mut Flight,
     (tests, kernel, noted): (&mut TestCounts, &mut KernelCounts, &mut NotedLeaves),
@@ -180,7 +137,7 @@ pub(super) fn trace<S: Lanes, Q: Query, P: Arithmetic>(
     let Flight { slots, stacks, tops, stride } = flight;
     let mut next = NextSteps::NONE;
     // Only references and no array, so that everything stays in registers.
-    let mut rounds = FlightRounds::<Q, P, _> {
+    let mut rounds = FlightRounds::<Q, P> {
         searched,
         arena: searched.tree.arena.view(),
         source,
@@ -214,10 +171,10 @@ pub(super) fn trace<S: Lanes, Q: Query, P: Arithmetic>(
 
 /// Rays in flight, round by round. Lists of steps are read from the front while later steps are
 /// written there.
-struct FlightRounds<'a, Q: Query, P, R> {
+struct FlightRounds<'a, 'b, Q: Query, P> {
     searched: Searched<'a>,
     arena: ArenaView<'a>,
-    source: &'a mut R,
+    source: &'a mut RaySource<'b>,
     answers: &'a mut [Q::Answer],
     slots: &'a mut [Slot; FLIGHT],
     /// The stacks of `stride` entries in sequence, and the end of each.
@@ -230,7 +187,7 @@ struct FlightRounds<'a, Q: Query, P, R> {
     precision: PhantomData<P>,
 }
 
-impl<Q: Query, P: Arithmetic, R: RaySource<Q, P>> FlightRounds<'_, Q, P, R> {
+impl<Q: Query, P: Arithmetic> FlightRounds<'_, '_, Q, P> {
     /// Fills a slot with the next ray of the source, and takes its first step. Returns whether
     /// there is one.
     #[inline(always)]
@@ -238,7 +195,7 @@ impl<Q: Query, P: Arithmetic, R: RaySource<Q, P>> FlightRounds<'_, Q, P, R> {
         let bottom = index * self.stride;
         let stack = &mut self.stacks[bottom..][..self.stride];
         let Some((end, rest)) = stack.split_first_mut() else { return false };
-        let Some(height) = self.source.next(self.answers, rest, &mut self.slots[index]) else {
+        let Some(height) = self.source.next::<Q>(self.answers, rest, &mut self.slots[index]) else {
             return false;
         };
         *end = entry(f32::NEG_INFINITY, BOTTOM);
