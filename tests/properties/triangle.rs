@@ -3,7 +3,7 @@ use glam::Vec3;
 use num_traits::Zero;
 use proptest::prelude::*;
 use wavecrest_core::kernels::precision::Exact as ExactPrecision;
-use wavecrest_core::kernels::triangle::filter::{self, Range};
+use wavecrest_core::kernels::triangle::filter;
 use wavecrest_core::kernels::triangle::{
     self, LaneHits, ShearedSpace, exact as without_rounding, is_degenerate,
 };
@@ -59,7 +59,7 @@ impl Kernel for Filter<'_> {
         let packed =
             ORDERS.map(|order| (0..8).fold(0, |bits, lane| bits | order[lane] << (4 * lane)));
         let extent = (*b - *a).abs().max((*c - *a).abs()).max((*c - *b).abs()).max_element();
-        let range = Range { t_min: ray.t_min, t_max: ray.t_max, reach: ray.t_max };
+        let range = [ray.t_min, ray.t_max, ray.t_max];
         let space = ShearedSpace::new(ray);
         let vertices = (&positions, packed, extent.next_up());
         filter::patch::<S, ExactPrecision>(simd, (&space, range), vertices, 0xFF)

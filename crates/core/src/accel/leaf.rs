@@ -11,7 +11,7 @@ use super::tree::Searched;
 use crate::counters::TestCounts;
 use crate::geometry::PreparedRay;
 use crate::kernels::precision::Arithmetic;
-use crate::kernels::triangle::filter::{self, ORDERS, Range};
+use crate::kernels::triangle::filter::{self, ORDERS};
 use crate::kernels::triangle::settle::Verdict;
 use crate::kernels::triangle::{self, LaneHits, ShearedSpace, exact};
 use crate::math::ray::Ray;
@@ -85,7 +85,7 @@ pub(super) fn test<S: Lanes, P: Arithmetic>(
     reach: f32,
     tests: &mut TestCounts,
 ) -> LaneHits {
-    let range = (space, Range { t_min: ray.t_min, t_max: ray.t_max, reach });
+    let range = (space, [ray.t_min, ray.t_max, reach]);
     if place.kind() == Kind::Soup {
         let leaf = arena.soup(place);
         tests.count_triangles(leaf.count, leaf.quads, 1);

@@ -179,13 +179,13 @@ impl Beam {
 
     #[inline(always)]
     fn children_of<S: Lanes, const ONE: bool>(&self, simd: S, node: &Node) -> MetChildren<S> {
-        let x = self.axis::<S, ONE>(simd, &node.planes[0], 0);
-        let y = self.axis::<S, ONE>(simd, &node.planes[1], 1);
-        let z = self.axis::<S, ONE>(simd, &node.planes[2], 2);
-        let near = x.near[0].max(y.near[0]).max(z.near[0].max(f32x8::splat(simd, self.t_min[0])));
-        let far = x.far[0].min(y.far[0]).min(z.far[0].min(f32x8::splat(simd, self.reach[1])));
-        let last = x.near[1].max(y.near[1]).max(z.near[1].max(f32x8::splat(simd, self.t_min[1])));
-        let first = x.far[1].min(y.far[1]).min(z.far[1].min(f32x8::splat(simd, self.reach[0])));
+        let [x_near, x_far] = self.axis::<S, ONE>(simd, &node.planes[0], 0);
+        let [y_near, y_far] = self.axis::<S, ONE>(simd, &node.planes[1], 1);
+        let [z_near, z_far] = self.axis::<S, ONE>(simd, &node.planes[2], 2);
+        let near = x_near[0].max(y_near[0]).max(z_near[0].max(f32x8::splat(simd, self.t_min[0])));
+        let far = x_far[0].min(y_far[0]).min(z_far[0].min(f32x8::splat(simd, self.reach[1])));
+        let last = x_near[1].max(y_near[1]).max(z_near[1].max(f32x8::splat(simd, self.t_min[1])));
+        let first = x_far[1].min(y_far[1]).min(z_far[1].min(f32x8::splat(simd, self.reach[0])));
         let some = near.simd_le(widened(simd, far, self.slack));
         MetChildren { near, some, all: last.simd_le(first) & some }
     }
@@ -214,14 +214,15 @@ impl Beam {
         self.reach[1] * WIDENING + self.slack
     }
 
-    /// The t of the rays at the children's planes on an axis.
+    /// The least and greatest t of the rays at the children's entry planes on an axis, and the greatest
+    /// and least at their exit planes.
     #[inline(always)]
     fn axis<S: Lanes, const ONE: bool>(
         &self,
         simd: S,
         planes: &[[f32; LANES]; 2],
         k: usize,
-    ) -> Crossing<S> {
+    ) -> [[f32x8<S>; 2]; 2] {
         let first: f32x8<S> = planes[usize::from(self.negative[k])].simd_into(simd);
         let last: f32x8<S> = planes[usize::from(!self.negative[k])].simd_into(simd);
         let [low, high] = self.reciprocal[k];
@@ -230,18 +231,11 @@ impl Beam {
         // Which of the two is earlier depends on the side of the plane on which rays start.
         let (near, far) = (a_low.min(a_high), z_low.max(z_high));
         if ONE {
-            return Crossing { near: [near, a_low.max(a_high)], far: [far, z_low.min(z_high)] };
+            return [[near, a_low.max(a_high)], [far, z_low.min(z_high)]];
         }
         let (b, y) = (first - self.origin[k][1], last - self.origin[k][0]);
-        Crossing { near: [near, (b * low).max(b * high)], far: [far, (y * low).min(y * high)] }
+        [[near, (b * low).max(b * high)], [far, (y * low).min(y * high)]]
     }
-}
-
-/// The least and greatest t of the rays at the children's entry planes on an axis, and the greatest
-/// and least at their exit planes.
-struct Crossing<S: Lanes> {
-    near: [f32x8<S>; 2],
-    far: [f32x8<S>; 2],
 }
 
 /// The smallest and largest, of the `rays` of a tile.

@@ -139,9 +139,9 @@ impl<Q: Query, P: Arithmetic> TileBatch<'_, Q, P> {
                     continue;
                 }
                 let at = (g, (place, triangle));
-                let left = tile.take::<S, Q, P>(simd, self.searched, at, &met, self.tests);
-                is_closer |= left.is_closer;
-                let mut open = left.open;
+                let (has_hits, mut open) =
+                    tile.take::<S, Q, P>(simd, self.searched, at, &met, self.tests);
+                is_closer |= has_hits;
                 while open != 0 {
                     let ray = g * WIDTH + open.trailing_zeros() as usize;
                     open &= open - 1;
@@ -219,15 +219,9 @@ impl<Q: Query, P: Arithmetic> TileBatch<'_, Q, P> {
     }
 }
 
-/// What [`RayTile::take`] did.
-struct GroupHits {
-    is_closer: bool,
-    /// The rays that are not decided, a bit each.
-    open: u32,
-}
-
 impl RayTile {
-    /// Takes the hits of the `g`th group that certainly come first.
+    /// Takes the hits of the `g`th group that certainly come first. Returns whether there are any, and the
+    /// rays that are not decided, a bit each.
     #[inline(always)]
     fn take<S: Lanes, Q: Query, P: Arithmetic>(
         &mut self,
@@ -236,7 +230,7 @@ impl RayTile {
         (g, at): (usize, (Ref, usize)),
         met: &GroupTest<S>,
         tests: &mut TestCounts,
-    ) -> GroupHits {
+    ) -> (bool, u32) {
         let GroupTest { t: [low, high], inside, open } = met;
         let (t_min, t_max) = (load(simd, &self.t_min, g), load(simd, &self.t_max, g));
         let within = (low.simd_gt(t_min) & high.simd_lt(t_max)).bits();
@@ -246,7 +240,7 @@ impl RayTile {
             let open = if P::IS_FAST { 0 } else { (inside | open) & !(certain | beyond) };
             let certain = self.without_holes::<S, P>(searched, (g, at), certain, *low, tests);
             self.done |= u64::from(certain) << (g * WIDTH);
-            return GroupHits { is_closer: certain != 0, open };
+            return (certain != 0, open);
         }
         // A NaN is neither certain nor beyond, nor is a t that overflows.
         let size = SimdBase::max(SimdBase::abs(*low), SimdBase::abs(*high));
@@ -259,7 +253,7 @@ impl RayTile {
         if closer != 0 {
             self.set_group(simd, g, closer, at, [*low, *high]);
         }
-        GroupHits { is_closer: closer != 0, open }
+        (closer != 0, open)
     }
 
     /// The rays of the `g`th group whose range of t a triangle is certainly outside of.

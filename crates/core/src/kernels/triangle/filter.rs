@@ -115,18 +115,8 @@ fn edge_error([x, y, z]: [f32; 3], extent: f32) -> f32 {
     22.0 * U * (aside * (aside + depth)) + UNDERFLOW
 }
 
-/// The ends of a ray's range, and the t beyond which hits do not matter.
-#[derive(Clone, Copy, Debug)]
-pub struct Range {
-    /// Hits at or before this t do not count.
-    pub t_min: f32,
-    /// Hits at or after this t do not count.
-    pub t_max: f32,
-    /// Hits beyond this t do not matter.
-    pub reach: f32,
-}
-
-/// The `used` ones, a bit each, of up to eight triangles over eight vertices. Each row of
+/// The `used` ones, a bit each, of up to eight triangles over eight vertices, for a ray with this
+/// `space` and `range`: its two ends, and the t beyond which hits do not matter. Each row of
 /// `positions` is an axis; each of `corners` packs the vertices of the triangles, four bits each;
 /// all vertices lie within `extent` of the first.
 // Arrays of vectors are written out instead of mapped: `map` is not inlined here, and passes
@@ -134,7 +124,7 @@ pub struct Range {
 #[inline(always)]
 pub fn patch<S: Lanes, P: Arithmetic>(
     simd: S,
-    (space, range): (&ShearedSpace, Range),
+    (space, range): (&ShearedSpace, [f32; 3]),
     (positions, corners, extent): (&[[f32; 8]; 3], [u32; 3], f32),
     used: u32,
 ) -> LaneHits {
@@ -159,7 +149,7 @@ pub fn patch<S: Lanes, P: Arithmetic>(
 #[inline(always)]
 pub fn soup<S: Lanes, P: Arithmetic>(
     simd: S,
-    (space, range): (&ShearedSpace, Range),
+    (space, range): (&ShearedSpace, [f32; 3]),
     (corners, extent): (&[[[f32; 8]; 3]; 3], f32),
     used: u32,
 ) -> LaneHits {
@@ -191,7 +181,7 @@ pub(crate) fn lanes_of<S: Lanes>(simd: S, [a, b, c]: [u32; 3]) -> [u32x8<S>; 3] 
 fn meet<S: Lanes, P: Arithmetic>(
     simd: S,
     space: &ShearedSpace,
-    (Range { t_min, t_max, reach }, error): (Range, f32),
+    ([t_min, t_max, reach], error): ([f32; 3], f32),
     ([ax, bx, cx], [ay, by, cy]): (&[f32x8<S>; 3], &[f32x8<S>; 3]),
     depths: impl FnOnce() -> [f32x8<S>; 3],
     used: u32,
@@ -261,7 +251,7 @@ pub fn fast(ray: &Ray, triangle: &[Vec3; 3]) -> Option<f32> {
         fn run<S: Lanes>(self, simd: S) -> LaneHits {
             let Self(ray, triangle) = self;
             let corners = triangle.map(|corner| corner.to_array().map(|x| [x; 8]));
-            let range = Range { t_min: ray.t_min, t_max: ray.t_max, reach: ray.t_max };
+            let range = [ray.t_min, ray.t_max, ray.t_max];
             soup::<S, precision::Fast>(simd, (&ShearedSpace::new(ray), range), (&corners, 0.0), 1)
         }
     }
