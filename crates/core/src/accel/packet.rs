@@ -99,7 +99,8 @@ pub(super) fn trace<S: Lanes, Q: Query, P: Arithmetic>(
     };
     packets.prepare(searched.tree, rays.count());
     let Packets { tiles, handed, last, queue } = packets;
-    let mut batch = TileBatch::<Q, P> {
+    let mut batch = TileBatch::<S, Q, P> {
+        simd,
         searched,
         rays,
         choice,
@@ -117,7 +118,7 @@ pub(super) fn trace<S: Lanes, Q: Query, P: Arithmetic>(
         noted: &mut *noted,
         query: PhantomData,
     };
-    batch.trace(simd, tiles, answers);
+    batch.trace(tiles, answers);
     let TileBatch { next, coherence, .. } = batch;
     kernel.packet += coherence.fit;
     kernel.handed_over += queue.len() as u64 - coherence.unfit;
@@ -171,7 +172,8 @@ impl Coherence {
 }
 
 /// The tiles of a batch of rays.
-struct TileBatch<'a, Q, P> {
+struct TileBatch<'a, S, Q, P> {
+    simd: S,
     searched: Searched<'a>,
     rays: Rays<'a>,
     choice: KernelChoice,
@@ -193,26 +195,26 @@ struct TileBatch<'a, Q, P> {
     query: PhantomData<(Q, P)>,
 }
 
-impl<Q: Query, P: Arithmetic> TileBatch<'_, Q, P> {
+impl<S: Lanes, Q: Query, P: Arithmetic> TileBatch<'_, S, Q, P> {
     /// Traverses tiles as long as packets are to take them.
     #[inline(always)]
-    fn trace<S: Lanes>(&mut self, simd: S, tiles: &mut [RayTile], answers: &mut [Q::Answer]) {
+    fn trace(&mut self, tiles: &mut [RayTile], answers: &mut [Q::Answer]) {
         self.rays.prefetch(0..(AHEAD * TILE).min(self.rays.count()));
         let mut count = 0;
-        while count < tiles.len() && self.begin(simd, &mut tiles[count], answers) {
+        while count < tiles.len() && self.begin(&mut tiles[count], answers) {
             count += 1;
         }
         while count > 0 {
             let mut k = 0;
             while k < count {
                 let tile = &mut tiles[k];
-                if self.step(simd, tile) {
+                if self.step(tile) {
                     k += 1;
                     continue;
                 }
-                self.settle(simd, tile);
-                tile.answer::<S, Q>(simd, self.searched, answers, self.tests);
-                if self.begin(simd, tile, answers) {
+                self.settle(tile);
+                tile.answer::<S, Q>(self.simd, self.searched, answers, self.tests);
+                if self.begin(tile, answers) {
                     k += 1;
                 } else {
                     count -= 1;
@@ -224,13 +226,13 @@ impl<Q: Query, P: Arithmetic> TileBatch<'_, Q, P> {
 
     /// Starts the next tile that can meet anything. Returns whether there is one.
     #[inline(always)]
-    fn begin<S: Lanes>(&mut self, simd: S, tile: &mut RayTile, answers: &mut [Q::Answer]) -> bool {
+    fn begin(&mut self, tile: &mut RayTile, answers: &mut [Q::Answer]) -> bool {
         outlined(
-            simd,
+            self.simd,
             #[inline(always)]
             || {
                 while self.left != 0 || self.next_block() {
-                    let (rays, is_fit) = tile.load(simd, &self.rays, self.block, self.left);
+                    let (rays, is_fit) = tile.load(self.simd, &self.rays, self.block, self.left);
                     self.left &= !rays;
                     self.coherence.tiles += 1;
                     if !is_fit {
@@ -239,10 +241,10 @@ impl<Q: Query, P: Arithmetic> TileBatch<'_, Q, P> {
                         continue;
                     }
                     self.coherence.fit += u64::from(rays.count_ones());
-                    if self.ends_as_before(simd, tile) {
+                    if self.ends_as_before(tile) {
                         tile.fill(rays, answers, Q::ANY_ANSWER);
                     } else if tile.beam.meets(&self.root.bounds) {
-                        tile.prepare(simd);
+                        tile.prepare(self.simd);
                         tile.clear();
                         let root = entry(f32::NEG_INFINITY, self.root.place.bits());
                         tile.push(true, Visit { entry: root, rays });
@@ -284,11 +286,11 @@ impl<Q: Query, P: Arithmetic> TileBatch<'_, Q, P> {
 
     /// Whether all rays of the tile are done at the leaf that ended the last tile.
     #[inline(always)]
-    fn ends_as_before<S: Lanes>(&mut self, simd: S, tile: &mut RayTile) -> bool {
+    fn ends_as_before(&mut self, tile: &mut RayTile) -> bool {
         let Some(place) = self.ending.filter(|_| Q::ANY) else { return false };
         tile.clear();
-        self.visit_leaf(simd, tile, place, tile.rays);
-        self.settle(simd, tile);
+        self.visit_leaf(tile, place, tile.rays);
+        self.settle(tile);
         // They come there again.
         tile.passing = 0;
         if !tile.is_done() {
@@ -299,7 +301,7 @@ impl<Q: Query, P: Arithmetic> TileBatch<'_, Q, P> {
 
     /// Takes a tile through leaves and one node. Returns whether anything may be left.
     #[inline(always)]
-    fn step<S: Lanes>(&mut self, simd: S, tile: &mut RayTile) -> bool {
+    fn step(&mut self, tile: &mut RayTile) -> bool {
         let arena = self.searched.tree.arena.view();
         while let Some(Visit { entry, rays }) = tile.pop() {
             let rays = rays & !tile.done;
@@ -308,14 +310,15 @@ impl<Q: Query, P: Arithmetic> TileBatch<'_, Q, P> {
             }
             let at = place(entry);
             if at.kind() != Kind::Node {
-                let rays = if Q::ANY { rays } else { rays & tile.reaching(simd, distance(entry)) };
+                let rays =
+                    if Q::ANY { rays } else { rays & tile.reaching(self.simd, distance(entry)) };
                 if rays != 0 {
                     if let Some(root) = self.searched.chunk(at) {
                         let entry = crate::math::simd::entry(distance(entry), root.bits());
                         tile.push(true, Visit { entry, rays });
                         continue;
                     }
-                    self.visit_leaf(simd, tile, at, rays);
+                    self.visit_leaf(tile, at, rays);
                     if Q::ANY && tile.passing != 0 {
                         for number in numbers(tile.block, std::mem::take(&mut tile.passing)) {
                             self.noted.note(number, at);
@@ -330,13 +333,13 @@ impl<Q: Query, P: Arithmetic> TileBatch<'_, Q, P> {
             }
             let few = if Q::ANY { FEW_RAYS_FOR_ANY } else { FEW_RAYS };
             if rays.count_ones() <= few && at != self.root.place {
-                self.hand_over(simd, tile, entry, rays);
+                self.hand_over(tile, entry, rays);
                 continue;
             }
             self.tests.nodes += 1;
             self.coherence.visits += 1;
             self.coherence.rays += u64::from(rays.count_ones());
-            nodes::visit::<S, Q>(simd, tile, arena, at, rays);
+            nodes::visit::<S, Q>(self.simd, tile, arena, at, rays);
             return true;
         }
         false

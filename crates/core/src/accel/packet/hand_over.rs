@@ -10,16 +10,10 @@ use crate::geometry::PreparedRay;
 use crate::kernels::precision::Arithmetic;
 use crate::math::simd::{Lanes, outlined};
 
-impl<Q: Query, P: Arithmetic> TileBatch<'_, Q, P> {
+impl<S: Lanes, Q: Query, P: Arithmetic> TileBatch<'_, S, Q, P> {
     /// Hands `rays` over, to continue from `place`.
     #[inline(always)]
-    pub(super) fn hand_over<S: Lanes>(
-        &mut self,
-        simd: S,
-        tile: &mut RayTile,
-        place: u64,
-        rays: u64,
-    ) {
+    pub(super) fn hand_over(&mut self, tile: &mut RayTile, place: u64, rays: u64) {
         tile.is_left = true;
         let mut rest = rays;
         while rest != 0 {
@@ -29,7 +23,7 @@ impl<Q: Query, P: Arithmetic> TileBatch<'_, Q, P> {
             let (before, count) = self.last[number];
             if count as usize == MOST_HANDED {
                 // Beyond that number the ray continues at once.
-                self.go_on(simd, tile, place, i);
+                self.go_on(tile, place, i);
                 continue;
             }
             if count == 0 {
@@ -42,9 +36,9 @@ impl<Q: Query, P: Arithmetic> TileBatch<'_, Q, P> {
 
     /// Traverses the subtree at `place` with the `i`th ray alone.
     #[inline(always)]
-    fn go_on<S: Lanes>(&mut self, simd: S, tile: &mut RayTile, place: u64, i: usize) {
+    fn go_on(&mut self, tile: &mut RayTile, place: u64, i: usize) {
         outlined(
-            simd,
+            self.simd,
             #[inline(always)]
             || {
                 let ray = PreparedRay::new(&tile.ray(i));
@@ -53,8 +47,14 @@ impl<Q: Query, P: Arithmetic> TileBatch<'_, Q, P> {
                 let (searched, stack) = (self.searched, (&mut *self.stack, 1));
                 let (number, notes) =
                     (tile.block + number_of(i), (&mut *self.tests, &mut *self.noted));
-                let best =
-                    single::trace::<S, Q, P>(simd, searched, (&ray, number), before, stack, notes);
+                let best = single::trace::<S, Q, P>(
+                    self.simd,
+                    searched,
+                    (&ray, number),
+                    before,
+                    stack,
+                    notes,
+                );
                 if best == before {
                     return;
                 }
@@ -62,7 +62,7 @@ impl<Q: Query, P: Arithmetic> TileBatch<'_, Q, P> {
                     tile.done |= 1 << i;
                 } else {
                     tile.set_best(i, best);
-                    tile.tighten(simd);
+                    tile.tighten(self.simd);
                 }
             },
         );

@@ -23,39 +23,27 @@ use crate::math::simd::{LANES, Lanes, outlined};
 /// Up to this many rays are tested one by one, each with eight triangles.
 const ALONE: u32 = 6;
 
-impl<Q: Query, P: Arithmetic> TileBatch<'_, Q, P> {
+impl<S: Lanes, Q: Query, P: Arithmetic> TileBatch<'_, S, Q, P> {
     /// Tests the primitives of the leaf at `place` with `rays` of the tile.
     #[inline(always)]
-    pub(super) fn visit_leaf<S: Lanes>(
-        &mut self,
-        simd: S,
-        tile: &mut RayTile,
-        place: Ref,
-        rays: u64,
-    ) {
+    pub(super) fn visit_leaf(&mut self, tile: &mut RayTile, place: Ref, rays: u64) {
         self.tests.leaves += u64::from(rays.count_ones());
         let is_closer = if place.kind() == Kind::List {
-            self.visit_list(simd, tile, place, rays);
+            self.visit_list(tile, place, rays);
             true
         } else if rays.count_ones() <= ALONE {
-            self.test_alone(simd, tile, place, rays)
+            self.test_alone(tile, place, rays)
         } else {
-            self.test_together(simd, tile, place, rays)
+            self.test_together(tile, place, rays)
         };
         if is_closer && !Q::ANY {
-            tile.tighten(simd);
+            tile.tighten(self.simd);
         }
     }
 
     /// Tests the rays one by one. Returns whether any has a closer hit.
     #[inline(always)]
-    fn test_alone<S: Lanes>(
-        &mut self,
-        simd: S,
-        tile: &mut RayTile,
-        place: Ref,
-        mut rays: u64,
-    ) -> bool {
+    fn test_alone(&mut self, tile: &mut RayTile, place: Ref, mut rays: u64) -> bool {
         let arena = self.searched.tree.arena.view();
         let mut is_closer = false;
         while rays != 0 {
@@ -64,7 +52,7 @@ impl<Q: Query, P: Arithmetic> TileBatch<'_, Q, P> {
             let (ray, space) = (tile.ray(i), tile.space(i));
             let mut best = tile.best(i);
             let hits =
-                leaf::test::<S, P>(simd, arena, (&ray, &space), place, best.high, self.tests);
+                leaf::test::<S, P>(self.simd, arena, (&ray, &space), place, best.high, self.tests);
             let met = hits.certain | hits.open;
             if met == 0 {
                 continue;
@@ -74,7 +62,7 @@ impl<Q: Query, P: Arithmetic> TileBatch<'_, Q, P> {
                 tile.passing |= u64::from(is_passed) << i;
             }
             let found = (place, hits);
-            if leaf::take::<S, Q, P>(simd, self.searched, &ray, found, &mut best, self.tests) {
+            if leaf::take::<S, Q, P>(self.simd, self.searched, &ray, found, &mut best, self.tests) {
                 is_closer = true;
                 if Q::ANY {
                     tile.done |= 1 << i;
@@ -88,13 +76,7 @@ impl<Q: Query, P: Arithmetic> TileBatch<'_, Q, P> {
 
     /// Tests the rays together. Returns whether any has a closer hit.
     #[inline(always)]
-    fn test_together<S: Lanes>(
-        &mut self,
-        simd: S,
-        tile: &mut RayTile,
-        place: Ref,
-        rays: u64,
-    ) -> bool {
+    fn test_together(&mut self, tile: &mut RayTile, place: Ref, rays: u64) -> bool {
         let arena = self.searched.tree.arena.view();
         let (count, quads) = if place.kind() == Kind::Patch {
             let leaf = arena.patch(place);
@@ -113,8 +95,8 @@ impl<Q: Query, P: Arithmetic> TileBatch<'_, Q, P> {
             let beside = if self.noted.is_noting { used & !kept } else { 0 };
             used = kept | self.searched.transparent(place, beside);
         }
-        tile.frame(simd);
-        let prepared = tile.frame.prepare::<S, P>(simd, arena, place, used);
+        tile.frame(self.simd);
+        let prepared = tile.frame.prepare::<S, P>(self.simd, arena, place, used);
         let mut triangles = prepared.some;
         let mut is_closer = false;
         while triangles != 0 {
@@ -130,22 +112,23 @@ impl<Q: Query, P: Arithmetic> TileBatch<'_, Q, P> {
                     continue;
                 }
                 let group = (g, active);
-                let Some(met) = tile.frame.meet::<S, P>(simd, &prepared, triangle, group) else {
+                let Some(met) = tile.frame.meet::<S, P>(self.simd, &prepared, triangle, group)
+                else {
                     continue;
                 };
                 if Q::ANY && kept >> triangle & 1 == 0 {
-                    let met = (met.inside | met.open) & !tile.beyond(simd, g, &met);
+                    let met = (met.inside | met.open) & !tile.beyond(self.simd, g, &met);
                     tile.passing |= u64::from(met & active) << (g * WIDTH);
                     continue;
                 }
                 let at = (g, (place, triangle));
                 let (has_hits, mut open) =
-                    tile.take::<S, Q, P>(simd, self.searched, at, &met, self.tests);
+                    tile.take::<S, Q, P>(self.simd, self.searched, at, &met, self.tests);
                 is_closer |= has_hits;
                 while open != 0 {
                     let ray = g * WIDTH + open.trailing_zeros() as usize;
                     open &= open - 1;
-                    is_closer |= self.leave_open(simd, tile, ray, (place, triangle));
+                    is_closer |= self.leave_open(tile, ray, (place, triangle));
                 }
             }
         }
@@ -155,17 +138,11 @@ impl<Q: Query, P: Arithmetic> TileBatch<'_, Q, P> {
     /// Notes a pair of a ray and a triangle of a leaf that single precision leaves open, and settles
     /// all such pairs once there are enough. Returns whether it did.
     #[inline(always)]
-    fn leave_open<S: Lanes>(
-        &mut self,
-        simd: S,
-        tile: &mut RayTile,
-        ray: usize,
-        (leaf, entry): (Ref, usize),
-    ) -> bool {
+    fn leave_open(&mut self, tile: &mut RayTile, ray: usize, (leaf, entry): (Ref, usize)) -> bool {
         tile.open.pairs[tile.open.count % LANES] = OpenPair { ray, leaf, entry };
         tile.open.count += 1;
         tile.open.count == LANES && {
-            self.settle(simd, tile);
+            self.settle(tile);
             true
         }
     }
@@ -173,25 +150,25 @@ impl<Q: Query, P: Arithmetic> TileBatch<'_, Q, P> {
     /// Decides on the open pairs in double precision, and where that does not suffice in exact
     /// arithmetic.
     #[inline(always)]
-    pub(super) fn settle<S: Lanes>(&mut self, simd: S, tile: &mut RayTile) {
-        let Self { searched, tests, .. } = self;
+    pub(super) fn settle(&mut self, tile: &mut RayTile) {
+        let Self { simd, searched, tests, .. } = self;
         if tile.open.count == 0 {
             return;
         }
         outlined(
-            simd,
+            *simd,
             #[inline(always)]
-            || settle_pairs::<S, Q, P>(simd, *searched, tile, tests),
+            || settle_pairs::<S, Q, P>(*simd, *searched, tile, tests),
         );
         tile.open.count = 0;
     }
 
     /// Tests the primitives of a list with the rays.
     #[inline(always)]
-    fn visit_list<S: Lanes>(&mut self, simd: S, tile: &mut RayTile, place: Ref, rays: u64) {
-        let Self { searched, tests, noted, .. } = self;
+    fn visit_list(&mut self, tile: &mut RayTile, place: Ref, rays: u64) {
+        let Self { simd, searched, tests, noted, .. } = self;
         outlined(
-            simd,
+            *simd,
             #[inline(always)]
             || {
                 let Searched { tree, geometry, .. } = *searched;
@@ -205,7 +182,9 @@ impl<Q: Query, P: Arithmetic> TileBatch<'_, Q, P> {
                     match geometry.primitive(number) {
                         Primitive::Quadric(i) => {
                             let quadric = &geometry.quadrics[i];
-                            tile.meet_quadric::<S, Q, P>(simd, *searched, quadric, at, rays, tests);
+                            tile.meet_quadric::<S, Q, P>(
+                                *simd, *searched, quadric, at, rays, tests,
+                            );
                         }
                         _ => ask_each::<Q, P>(*searched, tile, number, at, rays, tests),
                     }
