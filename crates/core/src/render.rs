@@ -19,6 +19,7 @@ use units::{Blocks, Grid, Order};
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use work::{Job, RenderWork, Task};
 
+pub use backdrop::camera_rays;
 pub use canvas::{Canvas, Painted};
 pub use watch::{Progress, Watch};
 
@@ -145,16 +146,6 @@ pub fn window(scene: &PreparedScene, crop: Option<Tile>) -> Result<Tile> {
     Err(Error::new(ErrorKind::Usage, "the crop must lie within the image")
         .value(format!("{x},{y},{w},{h}"))
         .remedy(format!("the image is {width} x {height}; give x,y,width,height")))
-}
-
-/// Number of camera rays of a render of `scene`: none is traced in tiles that show nothing but the
-/// background.
-///
-/// # Errors
-/// If the crop is not within the image.
-pub fn camera_rays(scene: &PreparedScene, options: &RenderOptions) -> Result<u64> {
-    let grid = Grid::new(window(scene, options.crop)?, tile_edge(scene, options.batch));
-    Ok(backdrop::camera_rays(scene, grid))
 }
 
 /// Range of the side of a tile in pixels.

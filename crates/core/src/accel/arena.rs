@@ -31,7 +31,7 @@ use glam::Vec3;
 use crate::math::simd::LANES;
 pub use layout::{NODE_UNITS, Node, PATCH_UNITS, Patch, SOUP_UNITS, Soup, list_units};
 pub use units::Unit;
-pub(in crate::accel) use units::Units;
+pub(crate) use units::Units;
 
 /// The content that a [`Ref`] points to.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

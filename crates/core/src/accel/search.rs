@@ -34,23 +34,13 @@ impl<P: Arithmetic> Search<'_, P> {
     }
 
     /// See [`Accel::closest_of`].
-    pub fn closest_of<'a>(
-        &self,
-        rays: impl Into<Rays<'a>>,
-        answers: &mut [Hit],
-        traversal: &mut Traversal,
-    ) {
-        self.many::<Closest>(rays.into(), answers, traversal);
+    pub fn closest_of(&self, rays: Rays<'_>, answers: &mut [Hit], traversal: &mut Traversal) {
+        self.many::<Closest>(rays, answers, traversal);
     }
 
     /// See [`Accel::occluded_of`].
-    pub fn occluded_of<'a>(
-        &self,
-        rays: impl Into<Rays<'a>>,
-        answers: &mut [bool],
-        traversal: &mut Traversal,
-    ) {
-        self.many::<Occluded>(rays.into(), answers, traversal);
+    pub fn occluded_of(&self, rays: Rays<'_>, answers: &mut [bool], traversal: &mut Traversal) {
+        self.many::<Occluded>(rays, answers, traversal);
     }
 
     /// See [`Accel::crossings`].

@@ -91,17 +91,14 @@ fn power<F: Single>(base: F, exponent: F) -> F {
     // Materials differ, or the exponent is not whole.
     let mut powers = base;
     for lane in 0..F::LANES {
-        powers.set_lane(lane, power_of_one(base.lane(lane), exponent.lane(lane)));
+        let (base, exponent) = (base.lane(lane), exponent.lane(lane));
+        let power = match is_whole(exponent) {
+            true => whole_power(f64::from(base), exponent as u32) as f32,
+            false => libm::powf(base, exponent),
+        };
+        powers.set_lane(lane, power);
     }
     powers
-}
-
-#[inline]
-fn power_of_one(base: f32, exponent: f32) -> f32 {
-    if is_whole(exponent) {
-        return whole_power(f64::from(base), exponent as u32) as f32;
-    }
-    libm::powf(base, exponent)
 }
 
 #[inline(always)]

@@ -106,20 +106,10 @@ impl Image {
         }
     }
 
-    /// The texel of the level, of which 0 is the image itself.
+    /// The level above the image itself with this number.
     #[inline(always)]
-    fn texel_in(&self, level: usize, x: u32, y: u32) -> Vec3 {
-        match level.checked_sub(1).and_then(|above| self.levels.get(above)) {
-            None => self.texel(x, y),
-            Some(level) => level.texel(x, y),
-        }
-    }
-
-    /// Width and height of the level.
-    #[inline(always)]
-    fn size_of(&self, level: usize) -> [u32; 2] {
-        let above = level.checked_sub(1).and_then(|above| self.levels.get(above));
-        above.map_or([self.width, self.height], |level| level.size)
+    fn mip_level(&self, level: u32) -> Option<&MipLevel> {
+        level.checked_sub(1).and_then(|above| self.levels.get(above as usize))
     }
 
     /// The colours at `uv`: u from left to right, v from bottom to top, both 0 to 1 across the
@@ -204,7 +194,8 @@ impl Image {
         let mut size = <[F::Row; 2]>::default();
         let [width, height] = &mut size;
         for (lane, &level) in levels.iter().enumerate() {
-            let [x, y] = self.size_of(level as usize);
+            let level = self.mip_level(level);
+            let [x, y] = level.map_or([self.width, self.height], |level| level.size);
             (width.as_mut()[lane], height.as_mut()[lane]) = (x as f32, y as f32);
         }
         let token = level.token();
@@ -214,7 +205,10 @@ impl Image {
             uv,
             wrap,
             #[inline(always)]
-            |lane, x, y| self.texel_in(levels[lane] as usize, x, y),
+            |lane, x, y| match self.mip_level(levels[lane]) {
+                None => self.texel(x, y),
+                Some(level) => level.texel(x, y),
+            },
         )
     }
 }

@@ -4,7 +4,7 @@
 
 use glam::Vec3;
 
-use super::group::three;
+use super::group::{GroupHits, three};
 use super::{Group, LookUps, PreparedScene};
 use crate::accel::Hit;
 use crate::geometry::ShadingKind;
@@ -73,9 +73,6 @@ impl PreparedScene {
         self.group(ray, hit).turned(self, place, differential, (point, smooth), refracted)
     }
 }
-
-/// Where rays of a group meet surfaces of this kind.
-type GroupHits<'a, F> = (ShadingKind, &'a Line<F>, F);
 
 impl<F: Single> Group<F> {
     /// The differentials of the mirror rays at the points, of rays that carry differentials or come from the

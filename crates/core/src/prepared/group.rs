@@ -3,14 +3,14 @@
 use glam::Vec3;
 
 use super::{Appearance, Class, LookUps, PreparedScene};
-use crate::geometry::{Geometry, Primitive};
+use crate::geometry::{Geometry, Primitive, ShadingKind};
 use crate::kernels::blinn_phong::Material;
 use crate::kernels::shade::ShadingPoint;
 use crate::kernels::surface::{self, SurfacePoint};
 use crate::math::ray::Ray;
 use crate::math::real::Single;
 use crate::math::simd::LANES;
-use crate::math::vector::Vector;
+use crate::math::vector::{Line, Vector};
 
 /// A hit on a surface.
 #[derive(Clone, Copy, Debug, Default)]
@@ -22,6 +22,9 @@ pub struct Face {
     /// Its shape's index in [`Appearance::shapes`].
     pub shape: u32,
 }
+
+/// Where rays of a group meet surfaces of this kind: at this t.
+pub(super) type GroupHits<'a, F> = (ShadingKind, &'a Line<F>, F);
 
 /// A row for each axis.
 type AxisRows<F> = [<F as Single>::Row; 3];

@@ -4,7 +4,7 @@
 
 use glam::Vec3;
 
-use super::group::{Face, Group, three};
+use super::group::{Face, Group, GroupHits, three};
 use super::maps::LookUpPlace;
 use super::{Class, LookUps, PreparedScene};
 use crate::accel::Hit;
@@ -32,11 +32,9 @@ pub enum Interaction<'a> {
 impl<F: Single> Group<F> {
     /// The points at `t` of `line` on the primitives that were hit.
     #[inline(always)]
-    pub fn surfaces<P: Arithmetic>(
+    pub(super) fn surfaces<P: Arithmetic>(
         &self,
-        kind: ShadingKind,
-        line: &Line<F>,
-        t: F,
+        (kind, line, t): GroupHits<'_, F>,
         geometry: &Geometry,
     ) -> SurfacePoint<F> {
         let token = t.token();
@@ -90,15 +88,14 @@ impl<F: Single> Group<F> {
     #[inline(always)]
     pub fn shading_points<P: Arithmetic>(
         &self,
-        kind: ShadingKind,
-        (line, t): (&Line<F>, F),
+        hits: GroupHits<'_, F>,
         scene: &PreparedScene,
         carried: &dyn Fn(usize) -> Option<Differential>,
         look_ups: &mut LookUps,
     ) -> ShadingPoint<F> {
+        let (_, line, t) = hits;
         let token = t.token();
-        let (appearance, geometry) = (&scene.appearance, scene.accel.geometry());
-        let surfaces = self.surfaces::<P>(kind, line, t, geometry);
+        let surfaces = self.surfaces::<P>(hits, scene.accel.geometry());
         let (normal, at_back) = self.sided_normals(line, &surfaces);
         let mut shading_normal = normal;
         if self.smooth != 0 {
@@ -124,7 +121,7 @@ impl<F: Single> Group<F> {
             inside: at_back,
         };
         self.add_special(&mut point);
-        let class = self.class(appearance);
+        let class = self.class(&scene.appearance);
         if class.is_plain() {
             point.color = self.with_vertex_colors(point.color, surfaces.barycentric);
             return point;
@@ -162,7 +159,7 @@ pub fn surface<P: Arithmetic>(geometry: &Geometry, ray: &Ray, hit: &Hit) -> Surf
     let mut group = Group::default();
     group.faces[0].primitive = hit.primitive;
     group.fetch_corners(0, geometry, || *ray);
-    group.surfaces::<P>(geometry.kind(hit.primitive), &Line::from(ray), hit.t, geometry)
+    group.surfaces::<P>((geometry.kind(hit.primitive), &Line::from(ray), hit.t), geometry)
 }
 
 impl PreparedScene {
@@ -187,8 +184,8 @@ impl PreparedScene {
         }
         let (kind, line) = (self.accel.geometry().kind(hit.primitive), Line::from(ray));
         let group = self.group_on(ray, hit, index);
-        let place = (&line, hit.t);
-        let point = group.shading_points::<P>(kind, place, self, &|_| differential, look_ups);
+        let hits = (kind, &line, hit.t);
+        let point = group.shading_points::<P>(hits, self, &|_| differential, look_ups);
         let class = self.appearance.class(shape);
         group.count(class, look_ups);
         Interaction::Surface(point, class)
@@ -202,7 +199,8 @@ impl PreparedScene {
     ) -> (SurfacePoint<f32>, bool) {
         let (geometry, line) = (self.accel.geometry(), Line::from(ray));
         let group = self.group(ray, hit);
-        let found = group.surfaces::<P>(geometry.kind(hit.primitive), &line, hit.t, geometry);
+        let hits = (geometry.kind(hit.primitive), &line, hit.t);
+        let found = group.surfaces::<P>(hits, geometry);
         let (_, leaves) = group.sided_normals(&line, &found);
         (found, leaves)
     }

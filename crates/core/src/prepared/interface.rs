@@ -169,18 +169,6 @@ impl PreparedScene {
         InterfaceHit { hit, point, depth, error, normal, leaves }
     }
 
-    /// The hit of a ray that starts before a surface, close to it; a miss if it passes beside.
-    pub(super) fn met_at_once<P: Arithmetic>(
-        &self,
-        ray: &Ray,
-        close: Hit,
-        traversal: &mut Traversal,
-    ) -> Hit {
-        let geometry = self.accel.geometry();
-        let t = geometry.meet::<P>(close.primitive, ray, &mut traversal.tests);
-        t.map_or(Hit::MISS, |t| Hit { t, ..close })
-    }
-
     /// The shape of a hit.
     fn shape(&self, hit: &Hit) -> &Shape {
         &self.appearance.shapes[self.appearance.shape_of(hit.primitive)]

@@ -78,7 +78,8 @@ impl<'a, F: Single> LookUpPlace<'a, F> {
                     point.reflection.kd = point.reflection.kd.times(1.0 - class.kt());
                 }
                 // Rays find what is in the way, if they are traced.
-                Property::Occlusion { .. } if self.scene.traces_ambient() => {}
+                Property::Occlusion { .. } if self.scene.hemisphere.is_some_and(|of| of.traced) => {
+                }
                 Property::Occlusion { strength } => {
                     let arrives = one + (texel.x - one).times(strength);
                     point.occlusion = point.occlusion * arrives;

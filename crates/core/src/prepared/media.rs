@@ -118,22 +118,18 @@ impl PreparedScene {
         }
     }
 
-    /// What the camera is inside of: see [`Self::media_at`].
+    /// The solids whose closed surfaces contain the camera: along any line from there they are left once
+    /// more than entered. What two opposite lines do not agree on is open.
     pub fn media_at_camera<P: Arithmetic>(&self, traversal: &mut Traversal) -> MediumStack {
+        let mut media = MediumStack::default();
         if self.solids.is_empty() {
-            return MediumStack::default();
+            return media;
         }
-        self.media_at::<P>(self.camera.origin(), traversal)
-    }
-
-    /// The solids whose closed surfaces contain a point: along any line from there they are left once more
-    /// than entered. What two opposite lines do not agree on is open.
-    fn media_at<P: Arithmetic>(&self, point: Vec3, traversal: &mut Traversal) -> MediumStack {
         // No usual axis, so that few lines run in planes or through edges.
         let line = Vec3::new(0.48, 0.64, 0.6);
         let mut hits = Vec::new();
         let mut counts = [line, -line].map(|direction| {
-            let ray = Ray::new(point, direction);
+            let ray = Ray::new(self.camera.origin(), direction);
             self.accel.search::<P>().crossings(&ray, traversal, &mut hits);
             let mut left = vec![0_i32; self.solids.len()];
             for hit in &hits {
@@ -146,7 +142,6 @@ impl PreparedScene {
             left
         });
         let [along, against] = &mut counts;
-        let mut media = MediumStack::default();
         for (solid, (a, b)) in (0..).zip(along.iter().zip(against)) {
             (0..*a.min(b)).for_each(|_| media = media.enter(solid));
         }

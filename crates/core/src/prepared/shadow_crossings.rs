@@ -199,7 +199,7 @@ impl ShadowCrossings {
         let origin = Vector::load(token, &origins);
         let line = &Line { origin, direction: Vector::load(token, &directions) };
         let t = F::load(token, &distances);
-        let surfaces = group.surfaces::<P>(kind, line, t, geometry);
+        let surfaces = group.surfaces::<P>((kind, line, t), geometry);
         let (normal, inside) = group.sided_normals(line, &surfaces);
         let cosine = (-line.direction).dot_in_order(normal);
         let error = surfaces.error.x + surfaces.error.y + surfaces.error.z;

@@ -57,11 +57,6 @@ pub struct Branch {
 }
 
 impl PreparedScene {
-    /// Whether ambient light arrives along shadow rays.
-    pub(super) fn traces_ambient(&self) -> bool {
-        self.hemisphere.is_some_and(|hemisphere| hemisphere.traced)
-    }
-
     /// Whether the exact t of hits is needed: for footprints, and for light absorbed on the way.
     pub fn needs_t(&self) -> bool {
         self.plan.has(Effect::RayDifferentials) || self.plan.schedule().has_transmission()
@@ -177,7 +172,10 @@ impl PreparedScene {
                 let side = if close.is_some() { normal } else { -normal };
                 let mut bent = turned([point, error, side], state, found.direction, throughput);
                 if let (Some(bent), Some(close)) = (&mut bent, close) {
-                    bent.state.next = self.met_at_once::<P>(&bent.ray, close, traversal);
+                    // It starts before that surface, and may pass beside.
+                    let (geometry, tests) = (self.accel.geometry(), &mut traversal.tests);
+                    let t = geometry.meet::<P>(close.primitive, &bent.ray, tests);
+                    bent.state.next = t.map_or(Hit::MISS, |t| Hit { t, ..close });
                 }
                 bent
             }),

@@ -4,10 +4,12 @@
 use glam::Vec3;
 
 use super::units::Grid;
+use super::{RenderOptions, tile_edge, window};
 use crate::kernels::camera::Camera;
 use crate::kernels::slab::Aabb;
 use crate::prepared::PreparedScene;
 use crate::tile::{Tile, Unit};
+use wavecrest_base::error::Result;
 
 /// Where the background of a scene is seen alone.
 pub(super) struct Backdrop<'a> {
@@ -47,11 +49,16 @@ impl<'a> Backdrop<'a> {
     }
 }
 
-/// Number of camera rays of a render of the scene in the tiles of `grid`.
-pub(super) fn camera_rays(scene: &PreparedScene, grid: Grid) -> u64 {
+/// Number of camera rays of a render of `scene`: none is traced in tiles that show nothing but the
+/// background.
+///
+/// # Errors
+/// If the crop is not within the image.
+pub fn camera_rays(scene: &PreparedScene, options: &RenderOptions) -> Result<u64> {
+    let grid = Grid::new(window(scene, options.crop)?, tile_edge(scene, options.batch));
     let backdrop = Backdrop::of(scene);
     let tiles = (0..grid.len()).map(|number| grid.tile(number));
     let pixels: u64 =
         tiles.filter(|tile| !backdrop.fills(tile)).map(|tile| tile.len() as u64).sum();
-    pixels * u64::from(scene.camera.rays_per_pixel())
+    Ok(pixels * u64::from(scene.camera.rays_per_pixel()))
 }

@@ -49,9 +49,18 @@ impl<'a> Canvas<'a> {
         let means: Vec<[f32; 3]> = summed.sums.iter().map(mean).collect();
         self.watch.tile(&tile, &means);
         let mut painted = self.painted.lock().unwrap_or_else(PoisonError::into_inner);
-        let done = painted.put(self.grid.window(), tile, &means);
+        let window = self.grid.window();
+        let (left, top) = ((tile.x - window.x) as usize, (tile.y - window.y) as usize);
+        let width = tile.width as usize;
+        let rows = painted.film.rows_mut().skip(top);
+        for (row, means) in rows.zip(means.chunks_exact(width)) {
+            row[left..left + width].copy_from_slice(means);
+        }
+        painted.tiles.push(tile);
+        painted.pixels += tile.len() as u64;
+        let done = painted.pixels;
         drop(painted);
-        self.watch.progress(done, self.grid.window().len() as u64);
+        self.watch.progress(done, window.len() as u64);
     }
 
     /// The film so far, with its tiles in the order of the grid.
@@ -59,20 +68,5 @@ impl<'a> Canvas<'a> {
         let mut painted = self.painted.into_inner().unwrap_or_else(PoisonError::into_inner);
         painted.tiles.sort_unstable_by_key(|tile| (tile.y, tile.x));
         painted
-    }
-}
-
-impl Painted {
-    /// Writes a tile to its place; returns the number of pixels finished so far.
-    fn put(&mut self, window: &Tile, tile: Tile, means: &[[f32; 3]]) -> u64 {
-        let (left, top) = ((tile.x - window.x) as usize, (tile.y - window.y) as usize);
-        let width = tile.width as usize;
-        let rows = self.film.rows_mut().skip(top);
-        for (row, means) in rows.zip(means.chunks_exact(width)) {
-            row[left..left + width].copy_from_slice(means);
-        }
-        self.tiles.push(tile);
-        self.pixels += tile.len() as u64;
-        self.pixels
     }
 }

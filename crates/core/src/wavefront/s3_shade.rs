@@ -232,11 +232,11 @@ impl<P: Arithmetic> Shade<'_, P> {
         }
         let origin = fetch(token, &rays.origin, &numbers);
         let line = Line { origin, direction: fetch(token, &rays.direction, &numbers) };
-        let t = self.distances::<F>(token, kind, &numbers);
+        let hits = (kind, &line, self.distances::<F>(token, kind, &numbers));
         let mut look_ups = LookUps::default();
         let carried = |lane: usize| self.carried_differential(numbers[lane] as usize);
         let scene = self.scene;
-        let point = group.shading_points::<P>(kind, (&line, t), scene, &carried, &mut look_ups);
+        let point = group.shading_points::<P>(hits, scene, &carried, &mut look_ups);
         let scattering = class.transparency.as_ref().filter(|_| self.transmits);
         let throughput = match scattering {
             None => throughput,
@@ -264,12 +264,11 @@ impl<P: Arithmetic> Shade<'_, P> {
             }
             self.batch.next.push_lanes(&next, &path);
             if self.differentials {
-                let place = (kind, &line, t);
                 let carried = |lane: usize| self.carried_differential(numbers[lane] as usize);
                 let mirrored = F::outlined(
                     token,
                     #[inline(always)]
-                    || group.mirrored(scene, place, &carried, &point),
+                    || group.mirrored(scene, hits, &carried, &point),
                 );
                 let asked = next.asked.bits();
                 self.counters.look_ups.footprints += u64::from(asked.count_ones());

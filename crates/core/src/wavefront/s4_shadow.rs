@@ -59,7 +59,8 @@ impl<P: Arithmetic> Wavefront<P> {
     fn trace(&mut self, scene: &PreparedScene) {
         let mut occluded = std::mem::take(&mut self.batch.shadows.occluded);
         let answers = &mut occluded[..self.batch.shadows.len()];
-        scene.accel.search::<P>().occluded_of(&self.batch.shadows, answers, &mut self.traversal);
+        let rays = Rays::from(&self.batch.shadows);
+        scene.accel.search::<P>().occluded_of(rays, answers, &mut self.traversal);
         if scene.plan.schedule().has_transmission() {
             self.weaken(scene, answers);
         }

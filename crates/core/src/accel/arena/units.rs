@@ -16,7 +16,7 @@ pub struct Unit(pub [u32; 32]);
 /// KiB the processor would spend its time on page look-ups. Threads append to them while others
 /// read what is there.
 #[derive(Debug, Default)]
-pub(in crate::accel) struct Units {
+pub(crate) struct Units {
     memory: UnitMemory,
     /// The number of all units, and of those in use, which are the first.
     room: usize,
@@ -45,7 +45,7 @@ unsafe impl Sync for SharedUnit {}
 impl Units {
     /// Room for `room` units, of which the first `used` are in use, and zero. `None` if the system
     /// maps no memory: there, unwritten units take none.
-    pub(in crate::accel) fn mapped(room: usize, used: usize) -> Option<Self> {
+    pub(crate) fn mapped(room: usize, used: usize) -> Option<Self> {
         let map = memmap2::MmapOptions::new()
             .len(room.max(1) * size_of::<Unit>())
             .no_reserve_swap()
@@ -58,7 +58,7 @@ impl Units {
     }
 
     /// As [`Self::mapped`], on any system.
-    pub(in crate::accel) fn zeroed(room: usize, used: usize) -> Self {
+    pub(crate) fn zeroed(room: usize, used: usize) -> Self {
         Self::mapped(room, used).unwrap_or_else(|| {
             let units = (0..room).map(|_| SharedUnit(UnsafeCell::new(Unit::zeroed()))).collect();
             Self { memory: UnitMemory::Owned(units), room, used: used.into(), start: 0 }
@@ -66,13 +66,13 @@ impl Units {
     }
 
     /// The number of units in use.
-    pub(in crate::accel) fn len(&self) -> usize {
+    pub(crate) fn len(&self) -> usize {
         self.used.load(Ordering::Relaxed) - self.start
     }
 
     /// The first unit in use. All others are behind it.
     #[inline(always)]
-    pub(in crate::accel) fn as_ptr(&self) -> *const Unit {
+    pub(crate) fn as_ptr(&self) -> *const Unit {
         self.base().wrapping_add(self.start)
     }
 
@@ -86,7 +86,7 @@ impl Units {
     }
 
     /// Copies `units` behind all in use and returns their place; `None` if there is no room.
-    pub(in crate::accel) fn append(&self, units: &[Unit]) -> Option<usize> {
+    pub(crate) fn append(&self, units: &[Unit]) -> Option<usize> {
         let longer = |used: usize| used.checked_add(units.len()).filter(|&end| end <= self.room);
         let used = self.used.fetch_update(Ordering::Relaxed, Ordering::Relaxed, longer).ok()?;
         // SAFETY: the units from `used` on are within the room, and no other call gets them: `used`
@@ -96,7 +96,7 @@ impl Units {
     }
 
     /// Writes `units` to those before `end` and leaves out the units before them.
-    pub(in crate::accel) fn begin_with(&mut self, units: &[Unit], end: usize) -> Option<()> {
+    pub(crate) fn begin_with(&mut self, units: &[Unit], end: usize) -> Option<()> {
         let start = end.checked_sub(units.len()).filter(|_| end <= *self.used.get_mut())?;
         // SAFETY: the units are in use, and `&mut self` is the only reference to them.
         unsafe { self.base().add(start).copy_from_nonoverlapping(units.as_ptr(), units.len()) };
@@ -105,7 +105,7 @@ impl Units {
     }
 
     /// All units in use.
-    pub(in crate::accel) fn as_mut_slice(&mut self) -> &mut [Unit] {
+    pub(crate) fn as_mut_slice(&mut self) -> &mut [Unit] {
         let len = self.len();
         // SAFETY: the units are initialised, within the room, and borrowed through `&mut self`.
         unsafe { std::slice::from_raw_parts_mut(self.as_ptr().cast_mut(), len) }

@@ -89,7 +89,7 @@ impl crate::accel::tree::Tree {
 impl Searched<'_> {
     /// The root of the chunk that `place` stands for; `None` for other places.
     #[inline(always)]
-    pub(in crate::accel) fn chunk(&self, place: Ref) -> Option<Ref> {
+    pub(crate) fn chunk(&self, place: Ref) -> Option<Ref> {
         let demand = self.tree.demand.as_ref().filter(|_| place.kind() == Kind::List)?;
         self.root_of(demand, place)
     }

@@ -214,7 +214,7 @@ fn hc03_what_many_rays_pass_is_what_each_of_them_crosses() {
             let (mut traversal, search) = (accel.traversal(), accel.search::<Exact>());
             traversal.notes_passed = true;
             let mut occluded = vec![false; rays.len()];
-            search.occluded_of(&*rays, &mut occluded, &mut traversal);
+            search.occluded_of((&*rays).into(), &mut occluded, &mut traversal);
             let (mut found, mut next, mut calls) = (Vec::new(), 0, 0);
             while next < rays.len() {
                 let mut each = |number: usize, hits: &[Hit]| {

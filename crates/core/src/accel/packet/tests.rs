@@ -10,7 +10,7 @@ use crate::math::ray::Ray;
 use crate::math::simd::is_wide;
 
 /// A mesh that shares vertices, loose triangles and spheres, and a quad; some of each are lights.
-pub(in crate::accel) fn scene(n: u32) -> Geometry {
+pub(crate) fn scene(n: u32) -> Geometry {
     let mut numbers = Numbers(100_000);
     let mut geometry = cloud(&mut numbers, 1.8);
     let first = geometry.positions.len() as u32;

@@ -11,21 +11,21 @@ use crate::math::simd::entry;
 
 /// A place handed over with a ray, and the one before.
 #[derive(Clone, Copy, Debug)]
-pub(in crate::accel) struct HandedPlace {
-    pub(in crate::accel) entry: u64,
-    pub(in crate::accel) before: u32,
+pub(crate) struct HandedPlace {
+    pub(crate) entry: u64,
+    pub(crate) before: u32,
 }
 
 /// The rays of a batch that are still to be traced.
-pub(in crate::accel) struct RaySource<'a> {
-    pub(in crate::accel) rays: Rays<'a>,
+pub(crate) struct RaySource<'a> {
+    pub(crate) rays: Rays<'a>,
     /// Those handed over, with the last place of each ray of the batch, and all places.
-    pub(in crate::accel) queue: &'a mut Vec<u32>,
-    pub(in crate::accel) last: &'a [(u32, u32)],
-    pub(in crate::accel) handed: &'a [HandedPlace],
+    pub(crate) queue: &'a mut Vec<u32>,
+    pub(crate) last: &'a [(u32, u32)],
+    pub(crate) handed: &'a [HandedPlace],
     /// The first of the others, which start from the root.
-    pub(in crate::accel) next: usize,
-    pub(in crate::accel) root: Root,
+    pub(crate) next: usize,
+    pub(crate) root: Root,
 }
 
 impl RaySource<'_> {

@@ -10,7 +10,7 @@ use crate::math::simd::LANES;
 
 impl Converter {
     /// Appends the evaluated subtree of `root` to `output`, its root first, and returns its part.
-    pub(in crate::accel) fn emit<'a>(
+    pub(crate) fn emit<'a>(
         &self,
         geometry: &Geometry,
         tree: &Bvh2,
@@ -29,7 +29,7 @@ impl Converter {
 
 impl Converter {
     /// The children of the wide node at `place`, the largest last: any-hit queries visit it first.
-    pub(in crate::accel) fn children(&self, tree: &Bvh2, place: u32) -> Children {
+    pub(crate) fn children(&self, tree: &Bvh2, place: u32) -> Children {
         let mut children = Children::default();
         self.share(tree, place, LANES, &mut children);
         // The bits of positive floats have the order of their values.
@@ -83,14 +83,14 @@ struct UnitWriter<'a, F> {
 
 /// The children of a node.
 #[derive(Clone, Copy, Debug, Default)]
-pub(in crate::accel) struct Children {
+pub(crate) struct Children {
     places: [u32; LANES],
     count: usize,
 }
 
 impl Children {
     /// The children's places in the binary hierarchy.
-    pub(in crate::accel) fn places(&self) -> &[u32] {
+    pub(crate) fn places(&self) -> &[u32] {
         &self.places[..self.count]
     }
 }

@@ -6,7 +6,7 @@ use crate::math::simd::LANES;
 
 /// The vertices of up to eight triangles, each once.
 #[derive(Clone, Copy, Debug, Default)]
-pub(in crate::accel) struct SharedVertices {
+pub(crate) struct SharedVertices {
     /// The first `count` are used.
     pub(super) vertices: [u32; LANES],
     /// Number of vertices.
@@ -17,7 +17,7 @@ pub(in crate::accel) struct SharedVertices {
 
 impl SharedVertices {
     /// One triangle.
-    pub(in crate::accel) fn of(triangle: [u32; 3]) -> Self {
+    pub(crate) fn of(triangle: [u32; 3]) -> Self {
         let mut shared = Self::default();
         shared.add(0, triangle);
         shared
@@ -25,7 +25,7 @@ impl SharedVertices {
 
     /// Adds the triangle in `lane`. If its vertices do not fit, the content becomes unspecified.
     #[inline(always)]
-    pub(in crate::accel) fn add(&mut self, lane: usize, triangle: [u32; 3]) -> bool {
+    pub(crate) fn add(&mut self, lane: usize, triangle: [u32; 3]) -> bool {
         let Self { mut vertices, mut count, .. } = *self;
         for (corner, v) in triangle.into_iter().enumerate() {
             // All at once, in registers, and without a branch that depends on the mesh.

@@ -13,7 +13,7 @@ use crate::math::real::Mask;
 use crate::math::simd::{LANES, Lanes};
 
 /// The triangles of a leaf in a frame, an axis a row.
-pub(in crate::accel::packet) struct FramedTriangles {
+pub(crate) struct FramedTriangles {
     /// The normals of the sides opposite to the corners.
     sides: [[[f32; LANES]; 3]; 3],
     /// The edges there, unless all rays have one origin.
@@ -22,19 +22,19 @@ pub(in crate::accel::packet) struct FramedTriangles {
     /// n . a.
     height: [f32; LANES],
     /// The triangles that some ray may meet, and those that all pass through, a bit each.
-    pub(in crate::accel::packet) some: u32,
-    pub(in crate::accel::packet) all: u32,
+    pub(crate) some: u32,
+    pub(crate) all: u32,
     /// Bounds on the errors of sides, and of t times |n . d|.
     errors: [[f32; LANES]; 2],
 }
 
 /// What the rays of a group do at a triangle, a bit each.
-pub(in crate::accel::packet) struct GroupTest<S: Lanes> {
+pub(crate) struct GroupTest<S: Lanes> {
     /// Bounds on t.
-    pub(in crate::accel::packet) t: [f32x16<S>; 2],
+    pub(crate) t: [f32x16<S>; 2],
     /// The rays that certainly pass through, or that may.
-    pub(in crate::accel::packet) inside: u32,
-    pub(in crate::accel::packet) open: u32,
+    pub(crate) inside: u32,
+    pub(crate) open: u32,
 }
 
 impl Frame {
@@ -54,7 +54,7 @@ impl Frame {
 
     /// Prepares the `used` triangles of a leaf, a bit each.
     #[inline(always)]
-    pub(in crate::accel::packet) fn prepare<S: Lanes, P: Arithmetic>(
+    pub(crate) fn prepare<S: Lanes, P: Arithmetic>(
         &self,
         simd: S,
         arena: ArenaView<'_>,
@@ -170,7 +170,7 @@ impl Frame {
 
     /// Tests the rays of group `g`, of which some are `active`, against a triangle.
     #[inline(always)]
-    pub(in crate::accel::packet) fn meet<S: Lanes, P: Arithmetic>(
+    pub(crate) fn meet<S: Lanes, P: Arithmetic>(
         &self,
         simd: S,
         prepared: &FramedTriangles,
