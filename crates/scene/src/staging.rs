@@ -89,27 +89,6 @@ impl<'a> Placed<'a> {
     fn corners(&self, triangle: [u32; 3]) -> [DVec3; 3] {
         triangle.map(|i| self.world.transform_point3(self.points[i as usize].as_dvec3()))
     }
-
-    /// Reduces the results of `of` for each visible point by `merge`, in any order.
-    fn reduce<T: Copy + Send + Sync>(
-        &self,
-        none: T,
-        of: impl Fn(DVec3) -> T + Sync,
-        merge: impl Fn(T, T) -> T + Sync + Send,
-    ) -> T {
-        // Blocks, because a reduction of single points calls its functions for each.
-        const BLOCK: usize = 1 << 12;
-        let point = |p: &Vec3| of(self.world.transform_point3(p.as_dvec3()));
-        let block = |(block, points): (usize, &[Vec3])| {
-            let Some(seen) = &self.seen else {
-                return points.iter().map(point).fold(none, &merge);
-            };
-            let numbered = (block * BLOCK..).zip(points);
-            let shown = numbered.filter(|(i, _)| is_set(seen, *i));
-            shown.map(|(_, p)| point(p)).fold(none, &merge)
-        };
-        self.points.par_chunks(BLOCK).enumerate().map(block).reduce(|| none, &merge)
-    }
 }
 
 /// Whether a bit is set.
@@ -198,7 +177,21 @@ impl<'a> Scenery<'a> {
         of: impl Fn(DVec3) -> T + Sync,
         merge: impl Fn(T, T) -> T + Sync + Send,
     ) -> T {
-        self.all.iter().map(|placed| placed.reduce(none, &of, &merge)).fold(none, &merge)
+        // Blocks, because a reduction of single points calls its functions for each.
+        const BLOCK: usize = 1 << 12;
+        let of_placed = |placed: &Placed<'_>| {
+            let point = |p: &Vec3| of(placed.world.transform_point3(p.as_dvec3()));
+            let block = |(block, points): (usize, &[Vec3])| {
+                let Some(seen) = &placed.seen else {
+                    return points.iter().map(point).fold(none, &merge);
+                };
+                let numbered = (block * BLOCK..).zip(points);
+                let shown = numbered.filter(|(i, _)| is_set(seen, *i));
+                shown.map(|(_, p)| point(p)).fold(none, &merge)
+            };
+            placed.points.par_chunks(BLOCK).enumerate().map(block).reduce(|| none, &merge)
+        };
+        self.all.iter().map(of_placed).fold(none, &merge)
     }
 
     /// The box around what `of` makes of all points; `None` without points.
@@ -210,12 +203,9 @@ impl<'a> Scenery<'a> {
 
 /// The eight corners of the box around some points; empty without points.
 fn corners(points: &[Vec3]) -> Vec<Vec3> {
-    if points.is_empty() {
-        return Vec::new();
-    }
-    let whole = Placed::new(points, &[], DAffine3::IDENTITY);
-    let ends = whole.reduce(EMPTY, |point| (point, point), joined);
-    (0..8).map(|i| corner(&ends, i).as_vec3()).collect()
+    let ends = Scenery::new(vec![Placed::new(points, &[], DAffine3::IDENTITY)]).ends;
+    let count = if points.is_empty() { 0 } else { 8 };
+    (0..count).map(|i| corner(&ends, i).as_vec3()).collect()
 }
 
 /// A corner of a box: at the high end of each axis whose bit is set in `i`, from 0 to 7.

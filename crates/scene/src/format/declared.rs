@@ -3,7 +3,7 @@
 //! From a declaration come the reader of scene files, the writer and the JSON schema. An object of
 //! a scene file is a list of declarations ([`Kind`](super::Kind)), and becomes one entity.
 
-use hecs::{Component, EntityBuilder, EntityRef};
+use hecs::{Component, EntityRef};
 
 use super::keys::{Declaration, Key, Object};
 use super::writer::Writer;
@@ -24,8 +24,20 @@ pub(crate) trait Declared: Component + Clone {
 impl Declaration {
     /// The declaration of `C`.
     pub(crate) const fn of<C: Declared>() -> Self {
-        let (read, write, copy) = (read::<C>, write::<C>, copy::<C>);
-        Self { keys: C::KEYS, read, write, copy, is_in: |entity| entity.has::<C>() }
+        Self {
+            keys: C::KEYS,
+            read: |object, entity| {
+                C::read(object)?.map(|component| entity.add(component));
+                Ok(())
+            },
+            write: |entity, to| {
+                entity.get::<&C>().into_iter().for_each(|component| component.write(to));
+            },
+            copy: |from, to| {
+                from.get::<&C>().into_iter().for_each(|component| _ = to.add(C::clone(&component)));
+            },
+            is_in: |entity| entity.has::<C>(),
+        }
     }
 
     /// Keys that become no component of their own: several read them.
@@ -38,21 +50,6 @@ impl Declaration {
     pub(crate) const fn checked<C: Declared>() -> Self {
         Self { read: |object, _| C::read(object).map(drop), ..Self::of_keys(C::KEYS) }
     }
-}
-
-fn read<C: Declared>(object: &Object<'_>, entity: &mut EntityBuilder) -> Result<()> {
-    if let Some(component) = C::read(object)? {
-        entity.add(component);
-    }
-    Ok(())
-}
-
-fn write<C: Declared>(entity: EntityRef<'_>, to: &mut Writer<'_>) {
-    entity.get::<&C>().into_iter().for_each(|component| component.write(to));
-}
-
-fn copy<C: Declared>(from: EntityRef<'_>, to: &mut EntityBuilder) {
-    from.get::<&C>().into_iter().for_each(|component| _ = to.add(C::clone(&component)));
 }
 
 /// Declares a component: above each field its description, then its key, its values, its default,

@@ -281,13 +281,6 @@ impl Elements<'_> {
         std::array::from_fn(|k| number(k).map_or(0.0, scale))
     }
 
-    /// Element `i` as an integer.
-    pub(super) fn index(&self, i: usize) -> u32 {
-        let bytes = self.bytes_of(i);
-        // Exact: the type is that of indices.
-        bytes.and_then(|bytes| self.accessor.component.number(bytes)).map_or(0, |x| x as u32)
-    }
-
     fn bytes_of(&self, i: usize) -> Option<&[u8]> {
         let (bytes, rows, i) = match &self.accessor.sparse {
             Some(sparse) => match u32::try_from(i).map(|i| sparse.which.binary_search(&i)) {
@@ -313,6 +306,10 @@ impl Elements<'_> {
 
     /// All elements as integers, on all threads.
     pub(super) fn indices(&self) -> Vec<u32> {
-        (0..self.accessor.count).into_par_iter().map(|i| self.index(i)).collect()
+        let component = self.accessor.component;
+        // Exact: the type is that of indices.
+        let index =
+            |i| self.bytes_of(i).and_then(|bytes| component.number(bytes)).unwrap_or(0.0) as u32;
+        (0..self.accessor.count).into_par_iter().map(index).collect()
     }
 }

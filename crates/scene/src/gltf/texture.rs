@@ -170,7 +170,8 @@ impl Textures {
         notes: &Notes<'_>,
     ) -> Option<TextureRef> {
         let left_out = "the texture is left out";
-        let Some(image) = self.image(info) else {
+        let element = self.textures.get(info.texture);
+        let Some(image) = element.and_then(|element| element.image) else {
             notes.note("textures", "the image of a texture cannot be read", left_out);
             return None;
         };
@@ -183,7 +184,8 @@ impl Textures {
         if !self.can_decode(image, source, notes) {
             return None;
         }
-        let Sampler { filter, wrap } = self.sampler(info);
+        let sampler = element.and_then(|element| self.samplers.get(element.sampler?));
+        let Sampler { filter, wrap } = sampler.copied().unwrap_or_default();
         let (source, placing) = (source.clone(), info.placing);
         let look_up = LookUp { source, filter, wrap, placing };
         Some(TextureRef { look_up, encoding, tint, channels: Channels::Color })
@@ -197,17 +199,6 @@ impl Textures {
             };
             Head::of(source).map_err(told).is_ok()
         })
-    }
-
-    /// The image of a material's texture.
-    pub(super) fn image(&self, info: &TextureInfo) -> Option<usize> {
-        self.textures.get(info.texture)?.image
-    }
-
-    /// The sampler of a material's texture.
-    fn sampler(&self, info: &TextureInfo) -> Sampler {
-        let sampler = self.textures.get(info.texture).and_then(|texture| texture.sampler);
-        sampler.and_then(|i| self.samplers.get(i)).copied().unwrap_or_default()
     }
 
     /// The source of an image, read now if it is in an unread buffer.

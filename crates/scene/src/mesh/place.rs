@@ -49,16 +49,6 @@ impl ReadAt for File {
     fn read_at(&self, to: &mut [u8], place: u64) -> io::Result<usize> {
         std::os::windows::fs::FileExt::seek_read(self, to, place).inspect(count)
     }
-
-    /// Elsewhere a file has a single position: threads take turns.
-    #[cfg(not(any(unix, windows)))]
-    fn read_at(&self, to: &mut [u8], place: u64) -> io::Result<usize> {
-        static TURN: std::sync::Mutex<()> = std::sync::Mutex::new(());
-        let _turn = TURN.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
-        let mut file = self;
-        io::Seek::seek(&mut file, io::SeekFrom::Start(place))?;
-        file.read(to).inspect(count)
-    }
 }
 
 /// Counts bytes that are read, for the progress.

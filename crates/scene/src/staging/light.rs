@@ -33,35 +33,32 @@ const DARK: DVec3 = DVec3::splat(0.05);
 /// Background of other files: lighter than any light grey surface, but not white.
 const LIGHT: DVec3 = DVec3::new(0.86, 0.87, 0.88);
 
-/// A lamp of the studio.
-struct Lamp {
-    name: &'static str,
-    /// Its direction, to the right, up, and back from the camera.
-    side: DVec3,
-    /// The light it adds to a white surface that faces it.
-    color: DVec3,
-    /// Its diameter in the sky, in degrees.
-    angle: f64,
-    /// Shadow rays for each hit; a pixel has at least four hits.
-    samples: u32,
-}
-
-/// With the sky, they light a white surface that faces the key just to white.
-const STUDIO: [Lamp; 2] = [
-    Lamp {
-        name: "the key",
-        side: DVec3::new(-0.7, 1.0, 0.6),
-        color: DVec3::new(0.84, 0.82, 0.79),
-        angle: 14.0,
-        samples: 2,
-    },
-    Lamp {
-        name: "the rim",
-        side: DVec3::new(0.35, 0.8, -1.0),
-        color: DVec3::new(0.2, 0.2, 0.2),
-        angle: 10.0,
-        samples: 1,
-    },
+/// The lamps of the studio, with their names and the directions to them, to the right, up, and back
+/// from the camera. With the sky, they light a white surface that faces the key just to white; a
+/// pixel has at least four hits, each of which takes so many shadow rays.
+const STUDIO: [(&str, DirectionalLight); 2] = [
+    (
+        "the key",
+        DirectionalLight {
+            intensity: 1.0,
+            color: DVec3::new(0.84, 0.82, 0.79),
+            direction: DVec3::new(-0.7, 1.0, 0.6),
+            angle_degrees: 14.0,
+            sampling: Sampling::Sobol,
+            samples: 2,
+        },
+    ),
+    (
+        "the rim",
+        DirectionalLight {
+            intensity: 1.0,
+            color: DVec3::new(0.2, 0.2, 0.2),
+            direction: DVec3::new(0.35, 0.8, -1.0),
+            angle_degrees: 10.0,
+            sampling: Sampling::Sobol,
+            samples: 1,
+        },
+    ),
 ];
 
 /// The largest number of lamps that are added.
@@ -116,15 +113,18 @@ pub(crate) fn light(
                 return (settings, "a light under the ceiling is added");
             }
             let axes = axes(framed);
-            let lamps = STUDIO.each_ref().map(|lamp| lamp.light(&axes));
+            let lamps = STUDIO.map(|(_, lamp)| {
+                let direction = -(axes * lamp.direction);
+                DirectionalLight { direction, ..lamp }
+            });
             let leaning = axes * LEANING;
             // On a transparent background there is nothing to darken.
             if lighting.background != Some(Background::Transparent) {
                 let colors = (background, from_sky(SKY, leaning, framed.up));
                 ground::spawn(world, contents, framed, &axes, &lamps, colors);
             }
-            for ((lamp, light), order) in STUDIO.iter().zip(lamps).zip(0..) {
-                world.spawn((Order(order), JsonPath(lamp.name.to_owned()), light));
+            for (((name, _), light), order) in STUDIO.into_iter().zip(lamps).zip(0..) {
+                world.spawn((Order(order), JsonPath(name.to_owned()), light));
             }
             (under(world, SKY, leaning, SKY_SAMPLES), "studio lights and a ground are added")
         }
@@ -181,19 +181,6 @@ fn ceiling(corners: [DVec3; 4]) -> (Order, JsonPath, AreaLight, Mesh) {
     let positions = corners.map(|corner| corner.as_vec3()).to_vec();
     let data = MeshData { positions, triangles: vec![[0, 1, 2], [0, 2, 3]], ..Default::default() };
     (Order(0), JsonPath("the lamp".to_owned()), light, Mesh { data, ..Mesh::default() })
-}
-
-impl Lamp {
-    fn light(&self, axes: &DMat3) -> DirectionalLight {
-        DirectionalLight {
-            intensity: 1.0,
-            color: self.color,
-            direction: -(*axes * self.side),
-            angle_degrees: self.angle,
-            sampling: Sampling::Sobol,
-            samples: self.samples,
-        }
-    }
 }
 
 /// The directions to the right, up and to the camera, for an upright viewer in front of the scene.

@@ -2,7 +2,7 @@
 //! kept, others are skipped.
 
 use super::faces::FaceArrays;
-use super::header::{Element, Header, PropertyType};
+use super::header::{Element, Header, PropertyType, Scalar};
 use super::layout::{ListLayout, SLOTS, VertexLayout};
 use super::numbers::{Numbers, malformed};
 use super::vertices::VertexArrays;
@@ -168,11 +168,7 @@ impl Body {
 
     /// Reads the list of a face or of a strip into `self.corners`.
     fn read_corners(&mut self, layout: ListLayout, numbers: &mut Numbers<'_>) -> Result<()> {
-        let length = list_length(numbers.value(layout.count)?)?;
-        let (need, left) = (numbers.least(layout.item, length), numbers.left);
-        if need > left.saturating_add(1) {
-            return Err(too_long(length, need, left));
-        }
+        let length = list_length(layout.count, layout.item, numbers)?;
         self.corners.clear();
         for _ in 0..length {
             let corner = match numbers.value(layout.item)? {
@@ -188,11 +184,7 @@ impl Body {
     /// Reads the texture coordinates of a face's corners.
     fn read_uvs(&mut self, shape: PropertyType, numbers: &mut Numbers<'_>) -> Result<()> {
         let PropertyType::List { count, item } = shape else { return Ok(()) };
-        let length = list_length(numbers.value(count)?)?;
-        let (need, left) = (numbers.least(item, length), numbers.left);
-        if need > left.saturating_add(1) {
-            return Err(too_long(length, need, left));
-        }
+        let length = list_length(count, item, numbers)?;
         self.corner_uvs.clear();
         for _ in 0..length {
             self.corner_uvs.push(numbers.value(item)? as f32);
@@ -321,7 +313,7 @@ fn skip(shape: PropertyType, numbers: &mut Numbers<'_>) -> Result<()> {
         PropertyType::One(kind) => numbers.skip(kind, 1),
         PropertyType::List { count, item } => {
             let length = numbers.value(count)?;
-            let length = list_length(length).map_err(|_| malformed(length))?;
+            let length = whole_length(length).ok_or_else(|| malformed(length))?;
             numbers.skip(item, length)
         }
     }
@@ -359,20 +351,27 @@ fn likely_triangles(element: &Element, layout: ListLayout, numbers: &Numbers<'_>
 }
 
 /// A list's length, from its number.
-fn list_length(value: f64) -> Result<u64> {
-    if value >= 0.0 && value.fract() == 0.0 && value <= f64::from(u32::MAX) {
-        return Ok(value as u64);
-    }
-    Err(syntax("the length of a list must be a whole number, 0 or more")
-        .value(value)
-        .remedy("check the types in the header"))
+fn whole_length(value: f64) -> Option<u64> {
+    let is_length = value >= 0.0 && value.fract() == 0.0 && value <= f64::from(u32::MAX);
+    is_length.then_some(value as u64)
 }
 
-fn too_long(length: u64, need: u64, left: u64) -> Error {
+/// The length of the next list, for whose items there must be room.
+fn list_length(count: Scalar, item: Scalar, numbers: &mut Numbers<'_>) -> Result<u64> {
+    let value = numbers.value(count)?;
+    let length = whole_length(value).ok_or_else(|| {
+        syntax("the length of a list must be a whole number, 0 or more")
+            .value(value)
+            .remedy("check the types in the header")
+    })?;
+    let (need, left) = (numbers.least(item, length), numbers.left);
+    if need <= left.saturating_add(1) {
+        return Ok(length);
+    }
     let message = format!(
         "the file is cut off: a list of {length} takes at least {need} bytes, and {left} are left"
     );
-    syntax(message).remedy("copy or export it again, or correct the types in its header")
+    Err(syntax(message).remedy("copy or export it again, or correct the types in its header"))
 }
 
 /// A vertex index, from its number.

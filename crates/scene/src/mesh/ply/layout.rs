@@ -56,7 +56,9 @@ impl VertexLayout {
         let columns = vec![None; element.properties.len()];
         let mut layout = Self { columns, stride: stride(&element.properties), is_double: false };
         for (first, names) in NAMES {
-            let found = match find_all(element, names) {
+            let all: Result<Option<Vec<usize>>> =
+                names.iter().map(|name| find(element, name)).collect();
+            let found = match all {
                 // Properties with these names that are not colours are skipped.
                 Err(_) if first == COLOR => None,
                 found => found.map_err(|error| error.at(place(element.line)))?,
@@ -110,11 +112,6 @@ fn scale(slot: usize, kind: Scalar) -> f32 {
         Some(_) if slot >= COLOR => 1.0 / f32::from(u8::MAX),
         _ => 1.0,
     }
-}
-
-/// The properties with these names, if all exist.
-fn find_all(element: &Element, names: &[&str]) -> Result<Option<Vec<usize>>> {
-    names.iter().map(|name| find(element, name)).collect()
 }
 
 /// The property with this name, if it exists: a single number, declared once.
