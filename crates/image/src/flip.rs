@@ -6,7 +6,7 @@
 //!
 //! 1. through the eye's contrast sensitivity for lightness, red against green, and yellow against
 //!    blue at the given number of pixels per degree ([`filter`]), into CIELAB, where their distance
-//!    is the colour difference ([`difference`]);
+//!    is the colour difference ([`tile`]);
 //! 2. and through detectors of edges and points, whose difference amplifies the colour difference.
 //!
 //! Filters are separable and run over tiles of the image ([`tile`]), so that little memory is
@@ -25,7 +25,6 @@
 //! [`Transfer::Srgb`]: super::write::Transfer::Srgb
 //! [`srgb_decode`]: wavecrest_core::math::srgb::srgb_decode
 
-mod difference;
 mod filter;
 mod tile;
 

@@ -65,10 +65,7 @@ impl Folder {
 /// and if it is absolute on any system, its last part alone.
 pub(crate) fn translated(path: &str) -> String {
     let slashed = path.replace('\\', "/");
-    match is_absolute(&slashed) {
-        true => last_part(&slashed).to_owned(),
-        false => slashed,
-    }
+    if is_absolute(&slashed) { last_part(&slashed).to_owned() } else { slashed }
 }
 
 /// The last part of a path with slashes.

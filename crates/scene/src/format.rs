@@ -18,16 +18,14 @@ mod json_schema;
 mod keys;
 mod notes;
 mod object;
-mod place;
 mod related;
 mod writer;
 
 pub(crate) use beside::Beside;
-pub(crate) use cursor::{Cursor, Range, integer_words};
+pub(crate) use cursor::{Cursor, Place, Range, integer_words};
 pub(crate) use declared::{Declared, component, declared};
 pub(crate) use field::{Field, Word, words};
 pub use json_schema::json_schema;
 pub(crate) use keys::{Absent, Declaration, Key, Kind, Object, Takes, Variants, keys, word};
 pub(crate) use notes::Notes;
-pub(crate) use place::Place;
 pub(crate) use writer::Writer;

@@ -1,12 +1,11 @@
 //! A JSON value with its path, and the checks that convert it to numbers, points, words and lists.
 
-use std::io::{self, Write};
+use std::fmt;
 
 use glam::DVec3;
 use serde_json::Value;
 
 use super::notes::Notes;
-use super::place::Place;
 use super::related::related;
 use wavecrest_base::error::{Error, ErrorKind, Result, did_you_mean};
 use wavecrest_core::math::float::MAX_COORDINATE;
@@ -18,10 +17,10 @@ const LARGEST: f64 = MAX_COORDINATE as f64;
 /// The range of a key's numbers.
 #[derive(Clone, Copy, PartialEq)]
 pub(crate) struct Range {
-    low: f64,
-    high: f64,
+    pub(crate) low: f64,
+    pub(crate) high: f64,
     /// Whether `low` itself is excluded.
-    open: bool,
+    pub(crate) open: bool,
 }
 
 impl Range {
@@ -49,11 +48,6 @@ impl Range {
         (if self.open { x > self.low } else { x >= self.low }) && x <= self.high
     }
 
-    /// The bounds, and whether the lower one is excluded.
-    pub(crate) fn bounds(self) -> (f64, f64, bool) {
-        (self.low, self.high, self.open)
-    }
-
     /// The range in words.
     pub(crate) fn words(self) -> String {
         let Self { low, high, open } = self;
@@ -65,6 +59,29 @@ impl Range {
         let from = if open { "above" } else { "from" };
         let to = if open { "and at most" } else { "to" };
         format!("a number {from} {low} {to} {high}")
+    }
+}
+
+/// A JSON path: it reads `scene.shapes[3].radius`, and nothing at the top.
+#[derive(Clone, Copy)]
+pub(crate) enum Place<'a> {
+    /// The whole file.
+    Top,
+    /// Under a key of an object.
+    Key(&'a Place<'a>, &'a str),
+    /// An element of an array.
+    Index(&'a Place<'a>, usize),
+}
+
+impl fmt::Display for Place<'_> {
+    // As deep as the JSON, which serde_json limits to 128.
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Top => Ok(()),
+            Self::Key(Self::Top, key) => f.write_str(key),
+            Self::Key(parent, key) => write!(f, "{parent}.{key}"),
+            Self::Index(parent, index) => write!(f, "{parent}[{index}]"),
+        }
     }
 }
 
@@ -276,25 +293,11 @@ pub(super) fn quoted(words: impl IntoIterator<Item = &'static str>) -> String {
 
 /// The start of a value as JSON. Messages show 80 characters, so writing out a whole mesh would be
 /// a waste.
-pub(super) fn brief(value: &Value) -> String {
-    let mut start = Start(Vec::new());
-    // The writer fails when it has enough; that is not an error.
-    let _ = serde_json::to_writer(&mut start, value);
-    String::from_utf8_lossy(&start.0).into_owned()
-}
-
-/// A writer that keeps the first few hundred bytes, then refuses more.
-struct Start(Vec<u8>);
-
-impl Write for Start {
-    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        const ENOUGH: usize = 400;
-        let room = ENOUGH.saturating_sub(self.0.len()).min(bytes.len());
-        self.0.extend_from_slice(&bytes[..room]);
-        Ok(room)
-    }
-
-    fn flush(&mut self) -> io::Result<()> {
-        Ok(())
-    }
+fn brief(value: &Value) -> String {
+    let mut start = [0; 400];
+    let mut room = &mut start[..];
+    // The writer fails where it is full; that is not an error.
+    let _ = serde_json::to_writer(&mut room, value);
+    let left = room.len();
+    String::from_utf8_lossy(&start[..start.len() - left]).into_owned()
 }

@@ -188,7 +188,7 @@ fn reference(name: &str) -> Value {
 }
 
 fn number(range: Range) -> Value {
-    let (low, high, open) = range.bounds();
+    let Range { low, high, open } = range;
     let least = if open { "exclusiveMinimum" } else { "minimum" };
     json!({"type": "number", least: plain(low), "maximum": plain(high)})
 }

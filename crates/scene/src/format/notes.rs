@@ -13,9 +13,10 @@ const MOST_ERRORS: usize = 10;
 /// The state shared by the cursors of one file: its name, strictness, errors and warnings.
 pub(crate) struct Notes<'a> {
     file: &'a Path,
-    strict: bool,
+    /// Whether unknown keys are errors.
+    pub(crate) strict: bool,
     /// Whether files outside the folder of the referring file are read.
-    outside: bool,
+    pub(crate) outside: bool,
     /// The first errors.
     errors: RefCell<Vec<Error>>,
     /// The number of all errors.
@@ -35,11 +36,6 @@ impl<'a> Notes<'a> {
     pub(crate) fn new(file: &'a Path, strict: bool, outside: bool) -> Self {
         let (errors, faults, warnings, harmless, files, given) = Default::default();
         Self { file, strict, outside, errors, faults, warnings, harmless, files, given }
-    }
-
-    /// Whether files outside the folder of the referring file are read.
-    pub(crate) fn reads_outside(&self) -> bool {
-        self.outside
     }
 
     /// The folder of this file, and the files that it may refer to.
@@ -124,11 +120,6 @@ impl<'a> Notes<'a> {
             }
             None => result,
         }
-    }
-
-    /// Whether unknown keys are errors.
-    pub(crate) fn strict(&self) -> bool {
-        self.strict
     }
 
     /// A path in the scene file, joined to its folder.

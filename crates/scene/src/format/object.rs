@@ -4,10 +4,9 @@ use glam::DVec3;
 use hecs::{EntityBuilder, EntityRef};
 use serde_json::Value;
 
-use super::cursor::{Cursor, quoted};
+use super::cursor::{Cursor, Place, quoted};
 use super::field::Field;
 use super::keys::{Absent, Declaration, Key, Kind, Object, TYPE, Variants};
-use super::place::Place;
 use super::related::related;
 use super::writer::Writer;
 use wavecrest_base::error::{Error, ErrorKind, Result, did_you_mean};
@@ -144,7 +143,7 @@ impl<'a> Object<'a> {
     }
 
     fn advice(&self, key: &str) -> String {
-        let advice = if self.cursor.notes().strict() { "remove it" } else { "it is ignored" };
+        let advice = if self.cursor.notes().strict { "remove it" } else { "it is ignored" };
         let names = || self.kind.all_keys().flat_map(|key| key.names());
         let free = |name: &&str| !self.map.contains_key(*name);
         let related = related(key).filter(|own| names().any(|name| name == *own)).filter(free);

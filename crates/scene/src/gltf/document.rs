@@ -53,7 +53,7 @@ impl Document {
     pub(super) fn read(top: &Fields<'_>, binary: Option<&Buffer>, needed: bool) -> Result<Self> {
         check_asset(top)?;
         let extensions = check_extensions(top)?;
-        let notes = top.cursor().notes();
+        let notes = top.cursor.notes();
         let storage = Storage::read(top, binary, needed);
         let textures = Textures::read(top, storage.as_ref().ok());
         let materials = top.list("materials", "a material", MaterialElement::read);
@@ -112,7 +112,7 @@ fn check_extensions(top: &Fields<'_>) -> Result<Vec<String>> {
     let missing = unknown(&required);
     if !missing.is_empty() {
         let message = "the file requires unsupported extensions";
-        let error = Error::new(ErrorKind::Scene, message).in_file(top.cursor().notes().file());
+        let error = Error::new(ErrorKind::Scene, message).in_file(top.cursor.notes().file());
         let error = error.at("extensionsRequired").value(missing.join(", "));
         let holds = |word: &str| missing.iter().any(|name| name.contains(word));
         // This command of the glTF-Transform project writes what it reads unpacked.
@@ -124,7 +124,7 @@ fn check_extensions(top: &Fields<'_>) -> Result<Vec<String>> {
     let ignored = unknown(&used);
     if !ignored.is_empty() {
         let message = format!("unsupported extensions: {}", ignored.join(", "));
-        top.cursor().notes().note("extensionsUsed", &message, "ignored");
+        top.cursor.notes().note("extensionsUsed", &message, "ignored");
     }
     Ok([used, required].concat())
 }
@@ -133,6 +133,6 @@ fn check_extensions(top: &Fields<'_>) -> Result<Vec<String>> {
 pub(super) fn remark(top: &Fields<'_>) {
     if let Some(key) = ["animations", "skins"].into_iter().find(|key| top.length(key) > 0) {
         let remedy = "export it in the pose that you want";
-        top.cursor().notes().note(key, "animations and skins are ignored", remedy);
+        top.cursor.notes().note(key, "animations and skins are ignored", remedy);
     }
 }

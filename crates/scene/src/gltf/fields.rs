@@ -17,7 +17,7 @@ pub(super) const LIGHTS: &str = "KHR_lights_punctual";
 /// An object of the file.
 #[derive(Clone, Copy)]
 pub(super) struct Fields<'a> {
-    cursor: Cursor<'a>,
+    pub(super) cursor: Cursor<'a>,
     /// The whole file, into whose lists indices point.
     file: &'a Value,
 }
@@ -39,11 +39,6 @@ impl<'a> Fields<'a> {
     pub(super) fn nothing(&self) -> Self {
         let cursor = Cursor::new(&Value::Null, Place::Top, self.cursor.notes());
         Self { cursor, file: self.file }
-    }
-
-    /// The object as a value.
-    pub(super) fn cursor(&self) -> &Cursor<'a> {
-        &self.cursor
     }
 
     /// Its path.

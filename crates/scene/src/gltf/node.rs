@@ -93,7 +93,7 @@ pub(super) struct PlacedNode {
 pub(super) fn placed(top: &Fields<'_>, nodes: &[Node]) -> Result<Vec<PlacedNode>> {
     check_circles(top, nodes)?;
     let note = |node: usize, message, remedy| {
-        top.cursor().notes().note(&format!("nodes[{node}]"), message, remedy);
+        top.cursor.notes().note(&format!("nodes[{node}]"), message, remedy);
     };
     let mut found = Vec::new();
     let mut is_found = vec![false; nodes.len()];
@@ -159,7 +159,7 @@ fn check_circles(top: &Fields<'_>, nodes: &[Node]) -> Result<()> {
 }
 
 fn at(top: &Fields<'_>, place: &str, message: String) -> Error {
-    top.cursor().notes().error(ErrorKind::Scene, place, message)
+    top.cursor.notes().error(ErrorKind::Scene, place, message)
 }
 
 fn check_place(top: &Fields<'_>, node: usize, world: &DAffine3) -> Result<()> {

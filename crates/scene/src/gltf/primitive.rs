@@ -59,7 +59,7 @@ impl Primitive {
             fields.warn("points and lines are left out", "only triangles are read");
         }
         let own = fields.need_object("attributes", "attributes")?;
-        let names = own.cursor().value().as_object().map(|map| map.keys().cloned());
+        let names = own.cursor.value().as_object().map(|map| map.keys().cloned());
         let mut attributes = BTreeMap::new();
         for name in names.into_iter().flatten() {
             let accessor = own.need_index(&name, "accessors")?;

@@ -76,11 +76,10 @@ pub(super) fn world(
     };
     drop(contents);
     drop(shown);
-    let told = match primitives.is_empty() {
-        // Nothing is seen of the choices.
-        true => String::new(),
-        false => told(has_camera, &framed.told, told_light, exposure),
-    };
+    // Nothing is seen of the choices without primitives.
+    let told = (!primitives.is_empty())
+        .then(|| told(has_camera, &framed.told, told_light, exposure))
+        .unwrap_or_default();
     world.spawn((settings,));
     framed.spawn(&mut world);
     // Without lights, a lamp is a surface that shows its emission.
@@ -122,10 +121,7 @@ fn told(has_camera: bool, chosen: &str, light: Option<String>, exposure: f64) ->
         format!("lights scaled by {rounded:?} (exposure)")
     };
     let light = light.unwrap_or_else(scaled);
-    let camera = match has_camera {
-        true => "",
-        false => "no camera: a default camera is added; ",
-    };
+    let camera = if has_camera { "" } else { "no camera: a default camera is added; " };
     format!("{camera}{chosen}{light}")
 }
 

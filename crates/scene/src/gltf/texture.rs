@@ -92,7 +92,7 @@ impl TextureElement {
             // Unsupported extensions may have lists of images of their own, to which this number
             // may refer.
             image: source(fields).unwrap_or_else(|error| {
-                fields.cursor().notes().warn(&error);
+                fields.cursor.notes().warn(&error);
                 None
             }),
             sampler: fields.index("sampler", "samplers")?,

@@ -33,7 +33,7 @@ pub(super) fn split(
     file: &Path,
     notes: &Notes<'_>,
 ) -> Vec<EntityBuilder> {
-    let folder = Folder::of(file, notes.reads_outside());
+    let folder = Folder::of(file, notes.outside);
     let mut reader = Reader { file, folder, notes, images: HashMap::new() };
     let library = reader.library(named);
     let (part, names) = numbered(named, mesh.triangles.len(), &library);

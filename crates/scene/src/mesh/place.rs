@@ -86,16 +86,10 @@ pub(super) fn part<const N: usize, const BIG: bool>(row: &[u8], offset: usize) -
 
 /// A part of a file, read in sequence.
 pub(super) struct Section<'a> {
-    file: &'a dyn ReadAt,
-    place: u64,
-    end: u64,
-}
-
-impl<'a> Section<'a> {
-    /// From `place` to `end`, exclusive.
-    pub(super) fn new(file: &'a dyn ReadAt, place: u64, end: u64) -> Self {
-        Self { file, place, end }
-    }
+    pub(super) file: &'a dyn ReadAt,
+    pub(super) place: u64,
+    /// Exclusive.
+    pub(super) end: u64,
 }
 
 impl Read for Section<'_> {

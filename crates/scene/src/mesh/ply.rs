@@ -55,7 +55,9 @@ pub(super) fn survey(file: &dyn ReadAt, length: u64) -> Result<MeshSurvey> {
         found.attributes = found.positions * there.map(|(_, bytes)| bytes).sum::<u64>();
     }
     let corners = match header.encoding {
-        BodyEncoding::Ascii => in_text(&header, Section::new(file, header.bytes, length))?,
+        BodyEncoding::Ascii => {
+            in_text(&header, Section { file, place: header.bytes, end: length })?
+        }
         _ => header.elements.iter().find(is_list).map_or(0, |element| {
             let others = header.elements.iter().filter(|other| other.name != element.name);
             in_rows(element, left.saturating_sub(others.map(fixed_bytes).sum()))

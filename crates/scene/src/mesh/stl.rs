@@ -290,7 +290,7 @@ fn each_line(
     mut take: impl FnMut(&str) -> Result<()>,
 ) -> Result<()> {
     let mut number = 0_u64;
-    place::each_line(Section::new(file, 0, length), end, buffer, LONGEST_LINE, |line| {
+    place::each_line(Section { file, place: 0, end: length }, end, buffer, LONGEST_LINE, |line| {
         number += 1;
         let line = line.strip_prefix(MARK).filter(|_| number == 1).unwrap_or(line);
         let taken = if line.len() as u64 == LONGEST_LINE && !line.ends_with(&[end]) {

@@ -232,7 +232,7 @@ pub(super) fn existing_image(cursor: &Cursor<'_>) -> Result<Option<PathBuf>> {
             let remedy = "relative paths start at the scene file's folder";
             let notes = cursor.notes();
             let left_out = || format!("it is left out until then; {remedy}");
-            let remedy = if notes.strict() { remedy.to_owned() } else { left_out() };
+            let remedy = if notes.strict { remedy.to_owned() } else { left_out() };
             notes.warn_or_fail(error.remedy(remedy));
             Ok(None)
         }

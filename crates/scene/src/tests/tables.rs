@@ -113,7 +113,7 @@ fn value(takes: &Takes) -> String {
 }
 
 fn number(range: Range) -> String {
-    let (low, high, is_open) = range.bounds();
+    let Range { low, high, open: is_open } = range;
     match range.words().ends_with("2^40") {
         _ if range == Range::COORDINATE => "number".to_owned(),
         true if is_open => format!("above {low}"),

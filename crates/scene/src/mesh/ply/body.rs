@@ -258,10 +258,8 @@ impl Body {
         self.notes.extend(scale_byte_colors(&mut colors));
         self.notes.extend(mend(&mut [], &mut of_faces, &mut []));
         triangles.shrink_to_fit();
-        let uvs = match of_faces.is_empty() {
-            true => attribute(uvs),
-            false => Some(Attribute { values: of_faces, indices: Some(of_uvs) }),
-        };
+        let of_corners = Attribute { values: of_faces, indices: Some(of_uvs) };
+        let uvs = if of_corners.values.is_empty() { attribute(uvs) } else { Some(of_corners) };
         if uvs.is_none() && !images.textures.is_empty() {
             let message = "the mesh names an image, but has no texture coordinates";
             let warning = Error::new(ErrorKind::Mesh, message).value(images.textures.join(", "));

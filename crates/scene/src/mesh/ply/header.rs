@@ -131,7 +131,8 @@ impl Element {
 
 /// Reads up to the line `end_header`.
 pub(super) fn read(file: &dyn ReadAt, length: u64) -> Result<Header> {
-    let (mut start, mut text) = (Section::new(file, 0, length.min(MAX_HEADER)), Vec::new());
+    let mut text = Vec::new();
+    let mut start = Section { file, place: 0, end: length.min(MAX_HEADER) };
     start.read_to_end(&mut text).map_err(read_failure)?;
     read_lines(&text)
 }
