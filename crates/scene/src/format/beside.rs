@@ -1,6 +1,5 @@
 //! The files beside a scene file: meshes and images.
 
-use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
 use hecs::Entity;
@@ -14,8 +13,6 @@ pub(crate) struct Beside {
     /// The entities whose meshes are to be written.
     pub(crate) meshes: Vec<(PathBuf, Entity)>,
     pub(crate) images: Vec<(PathBuf, TextureSource)>,
-    /// The names of images.
-    known: HashMap<TextureSource, String>,
 }
 
 impl Beside {
@@ -40,8 +37,8 @@ impl Beside {
 
     /// Queues an image to be written, once; returns its name.
     pub(super) fn image(&mut self, source: &TextureSource) -> String {
-        if let Some(name) = self.known.get(source) {
-            return name.clone();
+        if let Some((path, _)) = self.images.iter().find(|(_, known)| known == source) {
+            return path.file_name().unwrap_or_default().to_string_lossy().into_owned();
         }
         let extension = match source {
             TextureSource::File(path) => path.extension().unwrap_or_default().to_string_lossy(),
@@ -53,7 +50,6 @@ impl Beside {
         };
         let (name, path) = self.name(&format!("image{}.{extension}", self.images.len()));
         self.images.push((path, source.clone()));
-        self.known.insert(source.clone(), name.clone());
         name
     }
 }

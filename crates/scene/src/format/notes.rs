@@ -1,6 +1,6 @@
 //! Errors, warnings and files recorded while reading a file.
 
-use std::cell::{Cell, RefCell};
+use std::cell::RefCell;
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 
@@ -19,14 +19,12 @@ pub(crate) struct Notes<'a> {
     pub(crate) outside: bool,
     /// The first errors.
     errors: RefCell<Vec<Error>>,
-    /// The number of all errors.
-    faults: Cell<usize>,
     warnings: RefCell<Warnings>,
     /// What is left out without harm.
     harmless: RefCell<Warnings>,
     /// Other files read.
     files: RefCell<Vec<PathBuf>>,
-    /// Hashes of the texts of all errors.
+    /// Hashes of the texts of all errors, each once.
     given: RefCell<HashSet<u64>>,
 }
 
@@ -34,8 +32,8 @@ impl<'a> Notes<'a> {
     /// Empty notes. If `strict`, unknown keys are errors; `outside` allows files outside the folder
     /// of the referring file.
     pub(crate) fn new(file: &'a Path, strict: bool, outside: bool) -> Self {
-        let (errors, faults, warnings, harmless, files, given) = Default::default();
-        Self { file, strict, outside, errors, faults, warnings, harmless, files, given }
+        let (errors, warnings, harmless, files, given) = Default::default();
+        Self { file, strict, outside, errors, warnings, harmless, files, given }
     }
 
     /// The folder of this file, and the files that it may refer to.
@@ -91,7 +89,6 @@ impl<'a> Notes<'a> {
         if !self.given.borrow_mut().insert(hash(&error.to_string())) {
             return;
         }
-        self.faults.set(self.faults.get() + 1);
         let mut errors = self.errors.borrow_mut();
         if errors.len() < MOST_ERRORS {
             errors.push(error);
@@ -101,9 +98,9 @@ impl<'a> Notes<'a> {
     /// Reads a part of the file, and records its error. Further errors of a part are dropped: they
     /// may follow from the first.
     pub(crate) fn part<T>(&self, read: impl FnOnce() -> Result<T>) -> Result<T> {
-        let before = self.faults.get();
+        let before = self.given.borrow().len();
         read().inspect_err(|error| {
-            if self.faults.get() == before {
+            if self.given.borrow().len() == before {
                 self.fail(error.clone());
             }
         })
@@ -115,7 +112,7 @@ impl<'a> Notes<'a> {
         let mut errors = self.errors.take().into_iter();
         match errors.next() {
             Some(first) => {
-                let unlisted = self.faults.get().saturating_sub(MOST_ERRORS);
+                let unlisted = self.given.borrow().len().saturating_sub(MOST_ERRORS);
                 Err(first.followed_by(errors.collect(), unlisted))
             }
             None => result,

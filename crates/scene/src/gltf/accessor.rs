@@ -10,72 +10,28 @@ use wavecrest_base::error::Result;
 
 use super::buffer::{Buffer, BufferView};
 use super::fields::Fields;
+use crate::mesh::Scalar;
 
-/// The type of a number.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Component {
-    I8,
-    U8,
-    I16,
-    U16,
-    U32,
-    F32,
+/// The format's codes of types of numbers.
+const COMPONENTS: [(u64, Scalar); 6] = [
+    (5120, Scalar::I8),
+    (5121, Scalar::U8),
+    (5122, Scalar::I16),
+    (5123, Scalar::U16),
+    (5125, Scalar::U32),
+    (5126, Scalar::F32),
+];
+
+/// The type of the numbers of an accessor or of its sparse part.
+fn component(fields: &Fields<'_>) -> Result<Scalar> {
+    let must_be = "5120 (i8), 5121 (u8), 5122 (i16), 5123 (u16), 5125 (u32) or 5126 (f32)";
+    fields.need("componentType", "5120 to 5123, 5125 or 5126")?;
+    Ok(fields.code("componentType", &COMPONENTS, must_be)?.unwrap_or(Scalar::F32))
 }
 
-impl Component {
-    /// The format's codes of the types.
-    const ALL: [(u64, Self); 6] = [
-        (5120, Self::I8),
-        (5121, Self::U8),
-        (5122, Self::I16),
-        (5123, Self::U16),
-        (5125, Self::U32),
-        (5126, Self::F32),
-    ];
-
-    fn read(fields: &Fields<'_>) -> Result<Self> {
-        let must_be = "5120 (i8), 5121 (u8), 5122 (i16), 5123 (u16), 5125 (u32) or 5126 (f32)";
-        fields.need("componentType", "5120 to 5123, 5125 or 5126")?;
-        Ok(fields.code("componentType", &Self::ALL, must_be)?.unwrap_or(Self::F32))
-    }
-
-    fn bytes(self) -> usize {
-        match self {
-            Self::I8 | Self::U8 => 1,
-            Self::I16 | Self::U16 => 2,
-            Self::U32 | Self::F32 => 4,
-        }
-    }
-
-    /// Whether it is an unsigned integer, as an index is.
-    pub(super) fn is_index(self) -> bool {
-        matches!(self, Self::U8 | Self::U16 | Self::U32)
-    }
-
-    /// The greatest integer of the type: it stands for 1 if normalised, and as an index restarts a
-    /// strip.
-    pub(super) fn greatest(self) -> u32 {
-        match self {
-            Self::I8 => i8::MAX as u32,
-            Self::U8 => u8::MAX.into(),
-            Self::I16 => i16::MAX as u32,
-            Self::U16 => u16::MAX.into(),
-            Self::U32 | Self::F32 => u32::MAX,
-        }
-    }
-
-    /// The number at the start of some bytes, unscaled.
-    fn number(self, bytes: &[u8]) -> Option<f64> {
-        Some(match (self, bytes) {
-            (Self::I8, &[a, ..]) => f64::from(i8::from_le_bytes([a])),
-            (Self::U8, &[a, ..]) => f64::from(a),
-            (Self::I16, &[a, b, ..]) => f64::from(i16::from_le_bytes([a, b])),
-            (Self::U16, &[a, b, ..]) => f64::from(u16::from_le_bytes([a, b])),
-            (Self::U32, &[a, b, c, d, ..]) => f64::from(u32::from_le_bytes([a, b, c, d])),
-            (Self::F32, &[a, b, c, d, ..]) => f64::from(f32::from_le_bytes([a, b, c, d])),
-            _ => return None,
-        })
-    }
+/// Whether an index may have numbers of a type.
+pub(super) fn is_index(component: Scalar) -> bool {
+    matches!(component, Scalar::U8 | Scalar::U16 | Scalar::U32)
 }
 
 /// The number of components of an element, by the name of its type.
@@ -104,7 +60,7 @@ pub(super) struct Accessor {
     rows: Option<Strided>,
     sparse: Option<Sparse>,
     pub(super) count: usize,
-    pub(super) component: Component,
+    pub(super) component: Scalar,
     /// Number of components of an element.
     pub(super) width: usize,
     pub(super) normalized: bool,
@@ -163,11 +119,11 @@ impl Storage {
 impl Accessor {
     /// Reads an element of `accessors`, and checks that its elements exist.
     fn read(fields: &Fields<'_>, storage: &Storage) -> Result<Self> {
-        let component = Component::read(fields)?;
+        let component = component(fields)?;
         let width = fields.need("type", "\"SCALAR\", \"VEC2\", ...")?.choice(&TYPES)?;
         let count = fields.need_count("count")?;
         let view = fields.index("bufferView", "bufferViews")?;
-        let (offset, size) = (fields.offset()?, component.bytes() * width);
+        let (offset, size) = (fields.offset()?, component.size() * width);
         let rows = |view| rows(fields, storage, (view, offset), size, count);
         let rows = view.map(rows).transpose()?;
         let sparse = sparse(fields, storage, size, count)?;
@@ -178,13 +134,13 @@ impl Accessor {
             let error = fields.error_at("count", "the data of this many elements is missing");
             return Err(error.remedy("give the accessor a bufferView"));
         }
-        let normalized = fields.flag("normalized")? && component != Component::F32;
+        let normalized = fields.flag("normalized")? && component != Scalar::F32;
         Ok(Self { rows, sparse, count, component, width, normalized })
     }
 
     /// Bytes needed to read `count` elements.
     pub(super) fn cost(&self, count: usize) -> u64 {
-        (count as u64).saturating_mul((self.component.bytes() * self.width) as u64)
+        (count as u64).saturating_mul((self.component.size() * self.width) as u64)
     }
 }
 
@@ -237,12 +193,12 @@ fn sparse(
         rows(fields, storage, at, size, changed)
     };
     let indices = sparse.need_object("indices", "an object")?;
-    let component = Component::read(&indices)?;
-    if !component.is_index() {
+    let component = component(&indices)?;
+    if !is_index(component) {
         let message = "an index must be of the type 5121, 5123 or 5125";
         return Err(indices.error_at("componentType", message));
     }
-    let at = place(&indices, component.bytes())?;
+    let at = place(&indices, component.size())?;
     let values = place(&sparse.need_object("values", "an object")?, size)?;
     let bytes = storage.bytes(at.view);
     // The range was just checked.
@@ -272,10 +228,10 @@ impl Elements<'_> {
     pub(super) fn get<const N: usize>(&self, i: usize) -> [f64; N] {
         let component = self.accessor.component;
         let bytes = self.bytes_of(i);
-        let number = |k: usize| component.number(bytes?.get(k * component.bytes()..)?);
+        let number = |k: usize| component.number(bytes?.get(k * component.size()..)?);
         let scale = |x: f64| match self.accessor.normalized {
             // The smallest signed integer is slightly below -1, and counts as -1.
-            true => (x / f64::from(component.greatest())).max(-1.0),
+            true => (x / f64::from(component.greatest().unwrap_or(1))).max(-1.0),
             false => x,
         };
         std::array::from_fn(|k| number(k).map_or(0.0, scale))

@@ -3,10 +3,10 @@
 use glam::{DVec3, Vec2, Vec3};
 
 use crate::format::Notes;
-use crate::mesh::{Attribute, MeshData, bad_position, is_good_position};
+use crate::mesh::{Attribute, MeshData, Scalar, bad_position, is_good_position};
 use wavecrest_base::error::{Error, ErrorKind, Result};
 
-use super::accessor::{Accessor, Component};
+use super::accessor::{Accessor, is_index};
 use super::document::Document;
 use super::primitive::{COLORS, Mode, Primitive};
 use super::texture::coordinates;
@@ -35,12 +35,12 @@ struct Vertices<'p> {
 }
 
 /// The types of an attribute's numbers, and whether they are normalised.
-type Types = [(Component, bool)];
+type Types = [(Scalar, bool)];
 
 /// The types of texture coordinates and colours.
-const UNSIGNED: &Types = &[(Component::F32, false), (Component::U8, true), (Component::U16, true)];
+const UNSIGNED: &Types = &[(Scalar::F32, false), (Scalar::U8, true), (Scalar::U16, true)];
 /// The types of normals in quantised meshes; the first one of normals and positions in others.
-const SIGNED: &Types = &[(Component::F32, false), (Component::I8, true), (Component::I16, true)];
+const SIGNED: &Types = &[(Scalar::F32, false), (Scalar::I8, true), (Scalar::I16, true)];
 
 impl<'a> PrimitiveReader<'a> {
     /// Reads primitives of a file.
@@ -106,18 +106,19 @@ impl<'a> PrimitiveReader<'a> {
             return Ok((0..all).collect());
         };
         let accessor = self.accessor(index);
-        if !accessor.component.is_index() || accessor.width != 1 || accessor.normalized {
+        if !is_index(accessor.component) || accessor.width != 1 || accessor.normalized {
             let message = "indices must be SCALAR, of type 5121, 5123 or 5125";
             return Err(self.error(&place(), message).value(format!("accessors[{index}]")));
         }
         self.pay(primitive, accessor, accessor.count)?;
         let corners = self.document.storage.elements(index).indices();
         let restart = accessor.component.greatest();
-        let Some(at) = corners.iter().position(|&i| i as usize >= count || i == restart) else {
+        let Some(at) = corners.iter().position(|&i| i as usize >= count || Some(i) == restart)
+        else {
             return Ok(corners);
         };
         let place = format!("{}[{at}]", place());
-        if corners[at] == restart {
+        if Some(corners[at]) == restart {
             let error = self
                 .error(&place, "the greatest number of a type is reserved for primitive restart");
             return Err(error.value(corners[at]).remedy("split the mesh into several primitives"));
@@ -139,7 +140,7 @@ impl<'a> PrimitiveReader<'a> {
         let accessor = self.accessor(index);
         let place = format!("{}.attributes.{name}", of.path);
         let is_known = types.contains(&(accessor.component, accessor.normalized))
-            || self.document.is_quantized && accessor.component != Component::U32;
+            || self.document.is_quantized && accessor.component != Scalar::U32;
         if accessor.width != width || !is_known {
             let types =
                 if types.len() > 1 { "of floats or of normalized integers" } else { "of floats" };

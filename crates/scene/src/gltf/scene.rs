@@ -206,10 +206,8 @@ fn is_left_out(document: &Document) -> bool {
 fn add_uses(primitives: &mut [Spawned], node: &NodeUse) {
     let is_only = primitives.len() == 1;
     for primitive in primitives {
-        let path = match is_only {
-            true => node.path.clone(),
-            false => format!("{}, {}", node.path, primitive.path),
-        };
+        let NodeUse { path, .. } = node;
+        let path = if is_only { path.clone() } else { format!("{path}, {}", primitive.path) };
         primitive.uses.push(NodeUse { path, ..node.clone() });
     }
 }

@@ -3,10 +3,11 @@
 use glam::{DAffine3, DMat3, DQuat, DVec3, DVec4};
 
 use crate::corners::direction;
+use crate::mesh::Scalar;
 use wavecrest_base::error::Result;
 use wavecrest_core::math::float::MAX_COORDINATE;
 
-use super::accessor::{Accessor, Component, Storage};
+use super::accessor::{Accessor, Storage};
 use super::fields::Fields;
 
 /// The quaternion that turns nothing.
@@ -102,8 +103,8 @@ fn accessor(
 ) -> Result<Option<usize>> {
     let Some(index) = attributes.index(key, "accessors")? else { return Ok(None) };
     let found = &accessors[index];
-    let is_right = found.width == width
-        && (found.component == Component::F32 || found.normalized && width == 4);
+    let is_right =
+        found.width == width && (found.component == Scalar::F32 || found.normalized && width == 4);
     if is_right {
         return Ok(Some(index));
     }

@@ -2,13 +2,14 @@
 //! kept, others are skipped.
 
 use super::faces::FaceArrays;
-use super::header::{Element, Header, PropertyType, Scalar};
+use super::header::{Element, Header, PropertyType};
 use super::layout::{ListLayout, SLOTS, VertexLayout};
 use super::numbers::{Numbers, malformed};
 use super::vertices::VertexArrays;
 use crate::mesh::data::{Attribute, MeshData, NO_VALUE, NamedMaterials, Read};
 use crate::mesh::faults::{check_count, no_triangles, syntax, too_few_corners};
 use crate::mesh::polygon::{self, Polygon};
+use crate::mesh::scalar::Scalar;
 use crate::mesh::validate::{bad_index, check_positions, mend, scale_byte_colors};
 use glam::Vec2;
 use wavecrest_base::error::{Error, ErrorKind, Result};

@@ -8,12 +8,13 @@
 use glam::Vec2;
 use rayon::prelude::*;
 
-use super::header::{BodyEncoding, Element, Scalar, with_type};
+use super::header::{BodyEncoding, Element};
 use super::layout::{ListLayout, stride};
 use super::numbers::Numbers;
 use crate::mesh::data::{MAX_COUNT, NamedMaterials};
 use crate::mesh::place::{ReadAt, part};
 use crate::mesh::polygon::Polygon;
+use crate::mesh::scalar::{Scalar, with_type};
 use wavecrest_base::error::Result;
 
 /// The usual number of corners.

@@ -8,6 +8,7 @@ use std::io::Read as _;
 use crate::mesh::data::MAX_COUNT;
 use crate::mesh::faults::{check_count, read_failure, syntax};
 use crate::mesh::place::{ReadAt, Section};
+use crate::mesh::scalar::Scalar;
 use wavecrest_base::error::{Error, ErrorKind, Result, did_you_mean};
 
 /// Largest length of a header in bytes.
@@ -19,19 +20,6 @@ pub(super) enum BodyEncoding {
     Ascii,
     LittleEndian,
     BigEndian,
-}
-
-/// The type of a number.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Scalar {
-    I8,
-    U8,
-    I16,
-    U16,
-    I32,
-    U32,
-    F32,
-    F64,
 }
 
 /// The names of the types, the older and the newer.
@@ -46,35 +34,7 @@ pub(super) const TYPE_NAMES: [(&str, &str, Scalar); 8] = [
     ("double", "float64", Scalar::F64),
 ];
 
-/// Evaluates `$value` with `$number` as the type of numbers of the kind `$kind`.
-macro_rules! with_type {
-    ($kind:expr, $number:ident => $value:expr) => {
-        with_type!(
-            $kind, $number => $value,
-            I8 i8, U8 u8, I16 i16, U16 u16, I32 i32, U32 u32, F32 f32, F64 f64
-        )
-    };
-    ($kind:expr, $number:ident => $value:expr, $($name:ident $type:ty),+) => {
-        match $kind { $(Scalar::$name => { type $number = $type; $value })+ }
-    };
-}
-pub(super) use with_type;
-
 const KEYWORDS: [&str; 6] = ["format", "comment", "obj_info", "element", "property", "end_header"];
-
-impl Scalar {
-    /// Size of a binary number of this type in bytes.
-    pub(super) fn size(self) -> usize {
-        with_type!(self, N => size_of::<N>())
-    }
-
-    /// The largest integer of this type; `None` for other types.
-    pub(super) fn greatest(self) -> Option<u32> {
-        let is_whole = !matches!(self, Self::F32 | Self::F64);
-        let sign = u32::from(matches!(self, Self::I8 | Self::I16 | Self::I32));
-        is_whole.then(|| u32::MAX >> (u32::BITS - 8 * self.size() as u32 + sign))
-    }
-}
 
 /// The content of a property.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

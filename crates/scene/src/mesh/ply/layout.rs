@@ -2,8 +2,9 @@
 
 use std::ops::Range;
 
-use super::header::{Element, Header, Property, PropertyType, Scalar, place};
+use super::header::{Element, Header, Property, PropertyType, place};
 use crate::mesh::faults::syntax;
+use crate::mesh::scalar::Scalar;
 use wavecrest_base::error::{Error, ErrorKind, Result};
 
 /// The stored numbers of a vertex, in the order of their slots.

@@ -4,10 +4,11 @@
 //! rows: a row that ends inside a line means that the header does not fit the body, and everything
 //! after it would be misread.
 
-use super::header::{BodyEncoding, Element, Header, Scalar, with_type};
+use super::header::{BodyEncoding, Element, Header};
 use crate::mesh::faults::{read_failure, syntax};
 use crate::mesh::number;
 use crate::mesh::place::ReadAt;
+use crate::mesh::scalar::{Scalar, with_type};
 use wavecrest_base::error::{Error, Result};
 
 /// Longest valid number of a text; messages quote no more of longer words.

@@ -7,11 +7,12 @@
 use glam::{DVec3, Vec2, Vec3};
 use rayon::prelude::*;
 
-use super::header::{BodyEncoding, Scalar, with_type};
+use super::header::BodyEncoding;
 use super::layout::{COLOR, NORMAL, NumberSource, SLOTS, UV, VertexLayout};
 use super::numbers::Numbers;
 use crate::mesh::origin::{origin, relative};
 use crate::mesh::place::{ReadAt, part};
+use crate::mesh::scalar::{Scalar, with_type};
 use crate::mesh::validate::is_good_position;
 use wavecrest_base::error::Result;
 

@@ -7,8 +7,9 @@ use std::sync::LazyLock;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 
 use super::super::body;
-use super::super::header::{PropertyType, Scalar, TYPE_NAMES};
+use super::super::header::{PropertyType, TYPE_NAMES};
 use super::*;
+use crate::mesh::scalar::Scalar;
 
 /// As [`read`], number by number.
 fn slowly(bytes: &[u8]) -> Result<Read> {
