@@ -71,7 +71,6 @@ pub fn merge(paths: &[PathBuf]) -> Result<Merged> {
         blocks: blocks.count(),
         units: BTreeMap::new(),
         waiting: BTreeMap::new(),
-        finished: 0,
         invalid: 0,
     };
     for (number, path) in paths.iter().enumerate() {
@@ -147,8 +146,6 @@ struct Mosaic<'a> {
     units: BTreeMap<(u32, u32), (u32, u64, usize)>,
     /// Tiles whose blocks are in several units.
     waiting: BTreeMap<u32, UnfinishedTile>,
-    /// Number of finished tiles.
-    finished: u64,
     invalid: u64,
 }
 
@@ -188,7 +185,6 @@ impl Mosaic<'_> {
     fn paint(&mut self, tile: u32, sums: &[[f64; 3]]) {
         let blocks = 0..self.blocks;
         self.canvas.keep(&Summed { tile, blocks, invalid: 0, sums });
-        self.finished += 1;
     }
 
     /// Whether the same unit was read already, to the last bit; records it if not.
@@ -220,15 +216,14 @@ impl Mosaic<'_> {
 
     /// The image, or the description of a gap.
     fn finish(self) -> std::result::Result<Film, String> {
-        let tiles = u64::from(self.grid.len()) - self.finished;
         let found = self.canvas.finish();
-        if tiles == 0 {
-            return Ok(found.film);
-        }
         let painted: BTreeSet<(u32, u32)> = found.tiles.iter().map(|t| (t.x, t.y)).collect();
         let all = (0..self.grid.len()).map(|number| self.grid.tile(number)).map(|t| (t.x, t.y));
-        let (x, y) = all.into_iter().find(|tile| !painted.contains(tile)).unwrap_or_default();
-        Err(format!("{tiles} tiles missing, the first at {x},{y}"))
+        let missing: Vec<(u32, u32)> = all.filter(|tile| !painted.contains(tile)).collect();
+        match missing.first() {
+            None => Ok(found.film),
+            Some((x, y)) => Err(format!("{} tiles missing, the first at {x},{y}", missing.len())),
+        }
     }
 }
 

@@ -1,7 +1,8 @@
 //! The passes over a tile of the image.
 //!
 //! Each tile reads its pixels and those that filters reach around it, filters the rows once for all
-//! filters, then the columns, and compares. The image's edge pixels are repeated beyond its edge.
+//! filters, then the columns, and compares (sections 4.1.2 to 4.3 of the paper). The image's edge
+//! pixels are repeated beyond its edge.
 
 use std::f64::consts::FRAC_1_SQRT_2;
 
@@ -15,7 +16,7 @@ const MIN_SIDE: usize = 64;
 /// Two images, compared tile by tile.
 pub(super) struct Tiles<'a> {
     filters: Filters,
-    difference: PixelComparer,
+    largest_difference: f64,
     films: [&'a Film; 2],
 }
 
@@ -45,7 +46,7 @@ const ALONG_COLUMNS: [[usize; 2]; 8] =
 
 impl<'a> Tiles<'a> {
     pub(super) fn new(filters: Filters, films: [&'a Film; 2]) -> Self {
-        Self { filters, difference: PixelComparer::new(), films }
+        Self { filters, largest_difference: largest_difference(), films }
     }
 
     /// The side of a tile in pixels: at least the reach of the filters, or most of the work would
@@ -109,9 +110,11 @@ impl<'a> Tiles<'a> {
 
     fn compare(&self, [a, b]: &[PixelRow; 2], out: &mut [f32]) {
         for (x, out) in out.iter_mut().enumerate() {
-            let colors = self.difference.of_colors(color(a, x), color(b, x));
-            let features = self.difference.of_features(features(a, x), features(b, x));
-            *out = self.difference.combined(colors, features) as f32;
+            let colors = color_difference(color(a, x), color(b, x), self.largest_difference);
+            let features = feature_difference(features(a, x), features(b, x));
+            // The feature difference amplifies the colour difference. Equal colours show none,
+            // whatever surrounds them.
+            *out = if colors == 0.0 { 0.0 } else { libm::pow(colors, 1.0 - features) as f32 };
         }
     }
 
@@ -132,15 +135,12 @@ fn color(row: &PixelRow, x: usize) -> [f64; 3] {
     [row[0][x], row[1][x], row[2][x] + row[3][x]]
 }
 
-fn features(row: &PixelRow, x: usize) -> Features {
-    let strength = |along_x: f64, along_y: f64| {
-        // Lightness ranges from -16 to 100; the filters cancel constants.
-        (along_x * along_x + along_y * along_y).sqrt() / 116.0
-    };
-    Features { edge: strength(row[4][x], row[6][x]), point: strength(row[5][x], row[7][x]) }
+/// The strength of a pixel as part of an edge, and as a point.
+fn features(row: &PixelRow, x: usize) -> [f64; 2] {
+    // Lightness ranges from -16 to 100; the filters cancel constants.
+    let strength = |[x, y]: [f64; 2]| (x * x + y * y).sqrt() / 116.0;
+    [[row[4][x], row[6][x]], [row[5][x], row[7][x]]].map(strength)
 }
-
-// The difference of two filtered pixels, from 0 to 1 (sections 4.1.2 to 4.3 of the paper).
 
 /// The exponent of colour distances (q_c), which gives small ones more weight.
 const COLOR_POWER: f64 = 0.7;
@@ -152,54 +152,32 @@ const KNEE_FROM: f64 = 0.4;
 /// eye.
 const KNEE_TO: f64 = 0.95;
 
-/// The strength of a pixel as part of an edge, and as a point.
-#[derive(Clone, Copy)]
-struct Features {
-    edge: f64,
-    point: f64,
+/// The largest colour difference, raised to the exponent: green and blue are farthest apart.
+fn largest_difference() -> f64 {
+    let hunted = |rgb| hunt(xyz_to_lab(rgb_to_xyz(rgb)));
+    libm::pow(hyab(hunted([0.0, 1.0, 0.0]), hunted([0.0, 0.0, 1.0])), COLOR_POWER)
 }
 
-/// Compares two pixels; stores the constants.
-struct PixelComparer {
-    /// The largest colour difference, raised to the exponent.
-    largest: f64,
+/// The difference of two colours in YCxCz, from 0 to 1.
+fn color_difference(a: [f64; 3], b: [f64; 3], largest: f64) -> f64 {
+    let distance = hyab(perceived(a), perceived(b));
+    if distance == 0.0 {
+        return 0.0;
+    }
+    let part = libm::pow(distance, COLOR_POWER) / largest;
+    // Filtered colours are clamped, but rounding may exceed the largest difference.
+    if part < KNEE_FROM {
+        part * (KNEE_TO / KNEE_FROM)
+    } else {
+        (KNEE_TO + (part - KNEE_FROM) / (1.0 - KNEE_FROM) * (1.0 - KNEE_TO)).min(1.0)
+    }
 }
 
-impl PixelComparer {
-    fn new() -> Self {
-        let hunted = |rgb| hunt(xyz_to_lab(rgb_to_xyz(rgb)));
-        // Green and blue are farthest apart.
-        let farthest = hyab(hunted([0.0, 1.0, 0.0]), hunted([0.0, 0.0, 1.0]));
-        Self { largest: libm::pow(farthest, COLOR_POWER) }
-    }
-
-    /// The difference of two colours in YCxCz, from 0 to 1.
-    fn of_colors(&self, a: [f64; 3], b: [f64; 3]) -> f64 {
-        let distance = hyab(perceived(a), perceived(b));
-        if distance == 0.0 {
-            return 0.0;
-        }
-        let part = libm::pow(distance, COLOR_POWER) / self.largest;
-        // Filtered colours are clamped, but rounding may exceed the largest difference.
-        if part < KNEE_FROM {
-            part * (KNEE_TO / KNEE_FROM)
-        } else {
-            (KNEE_TO + (part - KNEE_FROM) / (1.0 - KNEE_FROM) * (1.0 - KNEE_TO)).min(1.0)
-        }
-    }
-
-    /// The difference of two features, from 0 to 1.
-    fn of_features(&self, a: Features, b: Features) -> f64 {
-        let difference = (a.edge - b.edge).abs().max((a.point - b.point).abs());
-        // A feature may have strength 1 along both axes. The exponent q_f is a half.
-        (difference * FRAC_1_SQRT_2).sqrt().min(1.0)
-    }
-
-    /// The total difference: the colour difference, amplified by the feature difference.
-    fn combined(&self, colors: f64, features: f64) -> f64 {
-        // Equal colours show no difference, whatever surrounds them.
-        if colors == 0.0 { 0.0 } else { libm::pow(colors, 1.0 - features) }
-    }
+/// The difference of two pixels' features, from 0 to 1.
+fn feature_difference([edge, point]: [f64; 2], [other_edge, other_point]: [f64; 2]) -> f64 {
+    let difference = (edge - other_edge).abs().max((point - other_point).abs());
+    // A feature may have strength 1 along both axes. The exponent q_f is a half.
+    (difference * FRAC_1_SQRT_2).sqrt().min(1.0)
 }
 
 /// A pixel's linear values as the light of a display, in YCxCz.
