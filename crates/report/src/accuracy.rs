@@ -22,7 +22,7 @@ use std::path::Path;
 use serde::Serialize;
 
 use findings::SceneFindings;
-use store::{Circumstances, Store, SweepHeader, all};
+use store::{Circumstances, Store, SweepHeader, records_of};
 use subject::Subject;
 
 use crate::bench::{Machine, commit};
@@ -72,7 +72,7 @@ impl Findings {
         Self {
             header: store.header.clone(),
             seeds,
-            circumstances: all(&store.records).cloned().collect(),
+            circumstances: records_of(&store.records).cloned().collect(),
             scenes: swept.iter().map(scene).collect(),
         }
     }

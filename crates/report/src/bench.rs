@@ -3,7 +3,7 @@
 //! A comparison is a list of [variants](variant) of a render, timed by [one loop](crate::measure)
 //! in rounds, their images checked: the ladder from the recursive tracer to the wavefront, and on
 //! request kernels, instruction sets, batches, threads or the plan. [`crate::summary`] defines
-//! medians, intervals and spreads; [`advice`] names problems of a measurement and their remedies;
+//! medians, intervals and spreads; [`SceneBench`] names problems of a measurement and their remedies;
 //! [`page`] shows the results, and [`crate::text`] the same on a terminal.
 //!
 //! | key | unit | meaning |
@@ -48,7 +48,6 @@
 //! | `..kernels` | | rays by kernel in one run, as in [`crate::statistics`] |
 //! | `warnings` | | possible problems of the measurement |
 
-mod advice;
 mod compare;
 pub(crate) mod equal;
 mod machine;

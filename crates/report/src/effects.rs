@@ -149,11 +149,8 @@ pub fn measure(
         measured.variants.iter().map(each).collect()
     };
     let (seconds, processor) = (all(|t| t.seconds), all(|t| t.processor.unwrap_or(f64::NAN)));
-    list.effects = firsts
-        .iter()
-        .enumerate()
-        .filter_map(|(index, first)| price(entries, [&seconds, &processor], index, first))
-        .collect();
+    let price = |(index, first)| price(entries, [&seconds, &processor], index, first);
+    list.effects = firsts.iter().enumerate().filter_map(price).collect();
     Ok(list)
 }
 
@@ -195,18 +192,12 @@ fn price(
     })
 }
 
-/// The list for a terminal, with the machine.
+/// The list for a terminal: the machine, and the cost of each effect with both tracers.
 pub fn text(list: &PriceList) -> String {
-    let mut blocks = vec![Block::Facts(machine(&list.machine))];
-    match &list.difference {
-        None => blocks.extend(self::blocks(list)),
-        Some(differs) => blocks.push(Block::Warning(differs.words())),
+    let facts = Block::Facts(machine(&list.machine));
+    if let Some(differs) = &list.difference {
+        return crate::text::text(&[facts, Block::Warning(differs.words())]);
     }
-    crate::text::text(&blocks)
-}
-
-/// The cost of each effect with both tracers.
-fn blocks(list: &PriceList) -> Vec<Block> {
     let table = |caption: &str, reached: bool| {
         let header = "effect|added to|>wavefront|>ns a ray|>map, ns a hit|>recursive|>ns a ray|>map, ns a hit|>bytes a path";
         let rows = list.effects.iter().filter(|p| p.reached == reached).map(row).collect();
@@ -221,11 +212,12 @@ fn blocks(list: &PriceList) -> Vec<Block> {
          tracer.",
         list.rounds.rounds
     );
-    vec![
+    crate::text::text(&[
+        facts,
         Block::Paragraph(lead),
         table("Effects in view: ratios of times", true),
         table("Effects that nothing in view shows: same image, same work", false),
-    ]
+    ])
 }
 
 fn row(p: &Price) -> Vec<Cell> {

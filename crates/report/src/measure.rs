@@ -87,9 +87,6 @@ const LEAST_SHARE: f64 = 0.95;
 /// Shorter rounds in seconds are never busy: waking the threads takes a considerable part of them.
 pub(crate) const SHORT: f64 = 0.02;
 
-/// The resolution of the clock in seconds.
-const CLOCK_STEP: f64 = 1e-9;
-
 /// Largest number of rounds, busy or not, as a multiple of those that are to be kept.
 const TRIES: usize = 2;
 
@@ -185,13 +182,6 @@ impl Timing {
         let seconds = start.elapsed().as_secs_f64();
         let processor = before.zip(processor_seconds()).map(|(before, after)| after - before);
         (result, Self { seconds, processor })
-    }
-
-    /// The same work, whose time was taken more closely: so many seconds, but at least one step of
-    /// the clock, so that ratios of times are finite.
-    #[must_use]
-    pub fn lasting(self, seconds: f64) -> Self {
-        Self { seconds: seconds.max(CLOCK_STEP), ..self }
     }
 
     /// The number of processors that worked for the process on average.

@@ -19,7 +19,6 @@ pub mod examine;
 mod flat;
 mod instances;
 mod prelude;
-mod rng;
 mod scenes;
 mod shapes;
 mod spheres;
@@ -88,7 +87,7 @@ impl Case {
     const fn rays(
         number: u32,
         name: &'static str,
-        (worlds, rays, make): (usize, usize, fn(&mut rng::InputRng) -> World),
+        (worlds, rays, make): (usize, usize, fn(&mut case::InputRng) -> World),
         scenes: &'static [&'static str],
     ) -> Self {
         Self { number, name, worlds: Some(Worlds { worlds, rays, make }), scenes }

@@ -35,7 +35,7 @@ use super::reference::FLOOR;
 use super::setting::{self, Axis, Family, Series, Setting, Target, converges};
 use super::store::{
     PointRecord, PreparedRecord, Record, ReferenceRecord, SceneRecord, StepsRecord, TrialRecord,
-    all, busy_rounds, largest_share,
+    busy_rounds, largest_share, records_of,
 };
 use super::subject::Subject;
 use crate::measure::Rounds;
@@ -95,8 +95,8 @@ impl SceneFindings {
         let is_enough = all_rounds - busy.len() >= ENOUGH.min(all_rounds);
         let left = if is_enough { busy.clone() } else { BTreeSet::new() };
         let (rounds, left_out) = (all_rounds - left.len(), left.len());
-        let references = all(records).filter(|r: &&ReferenceRecord| r.scene == name);
-        let prepared = all(records).filter(|p: &&PreparedRecord| p.scene == name);
+        let references = records_of(records).filter(|r: &&ReferenceRecord| r.scene == name);
+        let prepared = records_of(records).filter(|p: &&PreparedRecord| p.scene == name);
         let before: Vec<f64> = prepared.map(|p| p.time.load + p.time.build).collect();
         let mut found = Self {
             scene: subject.record.clone(),
@@ -105,8 +105,11 @@ impl SceneFindings {
             answer: Answer::default(),
             references: references.cloned().collect(),
             families: Vec::new(),
-            trials: all(records).filter(|t: &&TrialRecord| t.scene == name).cloned().collect(),
-            steps: all(records).find(|s: &&StepsRecord| s.scene == name).cloned(),
+            trials: records_of(records)
+                .filter(|t: &&TrialRecord| t.scene == name)
+                .cloned()
+                .collect(),
+            steps: records_of(records).find(|s: &&StepsRecord| s.scene == name).cloned(),
         };
         found.families =
             subject.families.iter().map(|f| found.summary(f, records, &left)).collect();
@@ -143,7 +146,7 @@ impl SceneFindings {
                 let (scene, key) = (&self.scene.scene, point.2.key());
                 let is_it =
                     |p: &&PointRecord| p.scene == *scene && p.target == target && p.key == key;
-                let renders: Vec<&PointRecord> = all(records).filter(is_it).collect();
+                let renders: Vec<&PointRecord> = records_of(records).filter(is_it).collect();
                 Point::of(point, &renders, floor, busy)
             };
             let points: Vec<Point> = line.points.iter().filter_map(point).collect();

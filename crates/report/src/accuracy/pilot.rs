@@ -15,24 +15,25 @@
 //! points, and does not include what such a ray misses at edges.
 
 pub mod budget;
-pub mod measured;
 pub mod target;
 
 use std::fmt;
 use std::time::Instant;
 
-use super::setting::{Axis, Facts};
-use crate::expected::timed;
+use rayon::prelude::*;
+
+use super::setting::{Axis, Facts, Target};
+use crate::expected::{tiles, timed};
 use crate::plot::number::figure;
 use crate::summary::mean_and_error;
 use wavecrest_base::error::Result;
 use wavecrest_core::counters::Counters;
+use wavecrest_core::film::Film;
 use wavecrest_core::math::sampling::{Points, Sampling};
 use wavecrest_core::prepared::{Original, PreparedScene, Samples};
-use wavecrest_core::render::{RenderOptions, Watch, camera_rays};
-
-pub use measured::{MeasuredError, measured, measuring_share};
-use measured::{pilot_seed, variances};
+use wavecrest_core::render::units::Order;
+use wavecrest_core::render::{RenderOptions, Rendered, Watch, camera_rays, render};
+use wavecrest_core::tile::Tile;
 
 /// Sides of the sample grids that the pilot tries, the first one again once it has told how long the choice may take.
 const SIDES: [u32; 4] = [2, 2, 4, 8];
@@ -204,4 +205,109 @@ fn ratio(one: &[Option<f64>], other: &[Option<f64>]) -> Option<f64> {
     let (a, b): (Vec<f64>, Vec<f64>) = both.unzip();
     let ratio = (b.iter().sum::<f64>() / a.iter().sum::<f64>()).sqrt();
     (ratio.is_finite() && a.len() >= LEAST_WINDOWS.min(one.len())).then_some(ratio)
+}
+
+/// Side of a window, in pixels.
+const WINDOW: u32 = 8;
+
+/// Windows along each side of the image: one at a random place in each cell of a grid.
+const WINDOWS: u32 = 12;
+
+/// Seeds of pilots, apart from those of renders.
+fn pilot_seed(seed: u64, number: u64) -> u64 {
+    seed ^ (0x5EED << 40) ^ (number << 32)
+}
+
+/// The work to measure the error of an image of this size, as a share of that of rendering it.
+pub fn measuring_share(size: [u32; 2]) -> f64 {
+    let pixels: usize = windows(size, 0).iter().map(Tile::len).sum();
+    OTHERS as f64 * pixels as f64 / size.map(f64::from).iter().product::<f64>()
+}
+
+/// An error measured in windows: root mean squared error of linear values.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MeasuredError {
+    /// The estimate.
+    pub error: f64,
+    /// The error that the image has at most, with [`CONFIDENCE`]: from the differences between
+    /// windows.
+    pub at_most: f64,
+}
+
+/// The confidence of [`MeasuredError::at_most`], as standard errors of a normal distribution: 0.975.
+const CONFIDENCE: f64 = 1.96;
+
+/// Renders of each window beside the image that is measured.
+const OTHERS: u64 = 2;
+
+/// The error of an image of `scene` with its current samples, in windows; without a meaning if `watch` ends it. `None` if
+/// the image is not finished, or if renders do not show their error: with one ray through the centre of each pixel and
+/// nothing else left to chance, they are all equal.
+///
+/// # Errors
+/// If there is no memory for a window.
+pub fn measured(
+    scene: &PreparedScene,
+    rendered: &Rendered,
+    seed: u64,
+    watch: &dyn Watch,
+) -> Result<Option<MeasuredError>> {
+    if !rendered.finished || !Facts::of(scene).is_sampled(Target::Scene) {
+        return Ok(None);
+    }
+    let found = variances(scene, Some(&rendered.film), seed, f64::INFINITY, watch)?;
+    let (mean, deviation) = mean_and_error(&found.into_iter().flatten().collect::<Vec<_>>());
+    let at_most = (mean + CONFIDENCE * deviation).sqrt();
+    Ok(Some(MeasuredError { error: mean.sqrt(), at_most }))
+}
+
+/// The variance of some renders of `scene` and of `film`, the whole image, if there is one, in each window that was begun
+/// in the first `seconds`: the first ones are all over the image.
+///
+/// # Errors
+/// If there is no memory for a window.
+fn variances(
+    scene: &PreparedScene,
+    film: Option<&Film>,
+    seed: u64,
+    seconds: f64,
+    watch: &dyn Watch,
+) -> Result<Vec<Option<f64>>> {
+    let start = Instant::now();
+    // A window is one tile: all threads have work only if there are several windows at once.
+    let tiles = windows(scene.camera.size(), pilot_seed(seed, u64::from(film.is_some())));
+    let found = tiles.into_par_iter().map(|tile| {
+        if start.elapsed().as_secs_f64() > seconds {
+            return Ok(None);
+        }
+        let window = [tile.x, tile.y, tile.width, tile.height];
+        let mut films: Vec<Film> =
+            film.map(|film| film.part(window)).into_iter().collect::<Result<_>>()?;
+        for number in 1..=OTHERS {
+            let seed = pilot_seed(seed, number);
+            let options = RenderOptions { seed, crop: Some(tile), ..RenderOptions::default() };
+            films.push(render(scene, &options, watch)?.film);
+        }
+        Ok(Some(variance(&films)))
+    });
+    found.collect()
+}
+
+/// The variance of a value between images of one size: the mean over all their values.
+pub(super) fn variance(films: &[Film]) -> f64 {
+    let n = films.len() as f64;
+    let values = films.first().map_or(0, |film| film.pixels().len() * 3);
+    let of = |index: usize| {
+        let each = || films.iter().map(move |film| f64::from(film.pixels().as_flattened()[index]));
+        let mean = each().sum::<f64>() / n;
+        each().map(|value| (value - mean) * (value - mean)).sum::<f64>() / (n - 1.0)
+    };
+    (0..values).map(of).sum::<f64>() / values.max(1) as f64
+}
+
+/// A window in each part of the image, at a random place, in an order that is all over the image.
+fn windows(size: [u32; 2], seed: u64) -> Vec<Tile> {
+    let tiles = tiles(size, WINDOWS, WINDOW, seed);
+    let step = Order::Spread.step(tiles.len() as u32) as usize;
+    (0..tiles.len()).map(|number| tiles[number * step % tiles.len()]).collect()
 }

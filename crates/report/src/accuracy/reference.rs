@@ -8,9 +8,9 @@
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
-use super::pilot::measured::variance;
+use super::pilot::variance;
 use super::setting::{Axis, Facts, Setting, Target, converges};
-use super::store::{Record, ReferenceRecord, Store, all};
+use super::store::{Record, ReferenceRecord, Store, records_of};
 use super::subject::Subject;
 use super::{SweepProgress, Told};
 use wavecrest_base::error::Result;
@@ -49,7 +49,7 @@ pub(super) fn reference(
     let is_it = |known: &&ReferenceRecord| known.scene == scene && known.target == target;
     let work = REFERENCE_COST * u64::from(least);
     let of_one = subject.pixels() * work;
-    if let Some(known) = all(&store.records).find(is_it) {
+    if let Some(known) = records_of(&store.records).find(is_it) {
         progress(SweepProgress::Step(LEAST_REPLICATES as u64 * of_one));
         return read(&store.folder.join(&known.file));
     }

@@ -7,7 +7,7 @@ use std::hint::black_box;
 use std::time::Instant;
 
 use super::setting::Setting;
-use super::store::{Record, StepRecord, StepsRecord, Store, all};
+use super::store::{Record, StepRecord, StepsRecord, Store, records_of};
 use super::subject::Subject;
 use super::{SweepProgress, Told};
 use crate::measure::rounds;
@@ -33,7 +33,7 @@ const SHORT: f64 = 0.5;
 /// If the scene can no longer be rendered, or the record cannot be written.
 pub fn run(subject: &mut Subject, store: &mut Store, progress: &Told<'_>) -> Result<()> {
     let scene = subject.record.scene.clone();
-    if all(&store.records).any(|s: &StepsRecord| s.scene == scene) {
+    if records_of(&store.records).any(|s: &StepsRecord| s.scene == scene) {
         return Ok(());
     }
     progress(SweepProgress::Stage(&format!("{scene}: steps to exact hits")));

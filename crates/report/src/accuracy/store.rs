@@ -188,7 +188,7 @@ records! {
 }
 
 /// All records of one kind.
-pub fn all<T: 'static>(records: &[Record]) -> impl Iterator<Item = &T> {
+pub fn records_of<T: 'static>(records: &[Record]) -> impl Iterator<Item = &T> {
     records.iter().filter_map(Record::of)
 }
 
@@ -210,7 +210,7 @@ pub(crate) fn largest_share(scene: &str, records: &[Record]) -> Option<f64> {
 /// The duration of all renders of a scene with each seed.
 fn sums(scene: &str, records: &[Record]) -> BTreeMap<u64, Timing> {
     let mut rounds: BTreeMap<u64, Vec<Timing>> = BTreeMap::new();
-    for point in all::<PointRecord>(records).filter(|point| point.scene == scene) {
+    for point in records_of::<PointRecord>(records).filter(|point| point.scene == scene) {
         rounds.entry(point.seed).or_default().push(point.timing);
     }
     rounds.into_iter().map(|(seed, all)| (seed, all.into_iter().sum())).collect()
@@ -287,19 +287,13 @@ impl Store {
         Ok(())
     }
 
-    /// Whether a setting has been rendered with a seed.
-    pub fn has(&self, scene: &str, target: Target, key: &str, seed: u64) -> bool {
-        let asked = (scene, target, key, seed);
-        all(&self.records).any(|p: &PointRecord| (&*p.scene, p.target, &*p.key, p.seed) == asked)
-    }
-
     /// Refuses scenes with a duplicate name or with changes since their records were made.
     ///
     /// # Errors
     /// If `scene` is not the one with that name in the records.
     pub fn admit(&mut self, scene: SceneRecord) -> Result<()> {
         let is_it = |known: &&SceneRecord| known.scene == scene.scene;
-        let known = all(&self.records).find(is_it);
+        let known = records_of(&self.records).find(is_it);
         match known {
             None => self.add(Record::Scene(scene)),
             Some(known) if known.fingerprint == scene.fingerprint => Ok(()),

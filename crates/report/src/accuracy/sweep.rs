@@ -11,7 +11,8 @@ use rand::seq::SliceRandom;
 use super::fit::generator;
 use super::setting::{CountedSetting, Family, Setting, Target};
 use super::store::{
-    Errors, PointRecord, PreparedRecord, Record, Store, SweepHeader, TrialRecord, all, busy_rounds,
+    Errors, PointRecord, PreparedRecord, Record, Store, SweepHeader, TrialRecord, busy_rounds,
+    records_of,
 };
 use super::subject::Subject;
 use super::{SweepProgress, Told, reference, steps};
@@ -90,7 +91,9 @@ fn points(
         }
         all.shuffle(&mut generator(seed));
         for ((target, key), setting) in &all {
-            if !store.has(&scene, *target, key, seed) {
+            let render = (&scene, target, key, seed);
+            let is_it = |p: &PointRecord| (&p.scene, &p.target, &p.key, p.seed) == render;
+            if !records_of(&store.records).any(is_it) {
                 // No timed render should wait for its tree.
                 subject.prepare(setting)?;
                 let (rendered, timing) = subject.timed(setting, seed)?;
@@ -119,7 +122,7 @@ const SHORT: f64 = 4.0;
 /// Records the preparation time of the scene as it is, unless done already.
 fn note_preparation(subject: &Subject, store: &mut Store) -> Result<()> {
     let scene = &subject.record.scene;
-    if all(&store.records).any(|p: &PreparedRecord| p.scene == *scene) {
+    if records_of(&store.records).any(|p: &PreparedRecord| p.scene == *scene) {
         return Ok(());
     }
     for _ in rounds(PREPARED, SHORT) {
@@ -142,7 +145,7 @@ fn errors(film: &Film, reference: &Film) -> Result<Errors> {
 /// Tests every precision at the edges and on the faces of the scene's triangles.
 fn trials(subject: &mut Subject, store: &mut Store, progress: &Told<'_>) -> Result<()> {
     let scene = subject.record.scene.clone();
-    let done = all(&store.records).filter(|t: &&TrialRecord| t.scene == scene).count();
+    let done = records_of(&store.records).filter(|t: &&TrialRecord| t.scene == scene).count();
     progress(SweepProgress::Stage(&format!("{scene}: leaks and self-hits")));
     for precision in Precision::ALL.into_iter().skip(done) {
         let setting = Setting { precision, ..Setting::default() };

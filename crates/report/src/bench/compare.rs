@@ -128,6 +128,9 @@ pub struct Cost {
     pub nanoseconds: f64,
 }
 
+/// The resolution of the clock in seconds: no run is shorter, so that ratios of times are finite.
+const CLOCK_STEP: f64 = 1e-9;
+
 /// One run.
 #[derive(Clone, Debug)]
 pub struct Run {
@@ -143,9 +146,10 @@ impl Run {
     /// # Errors
     /// Those of [`render`].
     pub fn of(scene: &PreparedScene, options: &RenderOptions) -> Result<Self> {
-        let (rendered, timing) = Timing::of(|| render(scene, options, &()));
+        let (rendered, Timing { processor, .. }) = Timing::of(|| render(scene, options, &()));
         let rendered = rendered?;
-        Ok(Self { timing: timing.lasting(rendered.seconds), rendered })
+        let seconds = rendered.seconds.max(CLOCK_STEP);
+        Ok(Self { timing: Timing { seconds, processor }, rendered })
     }
 }
 

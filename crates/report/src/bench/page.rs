@@ -5,10 +5,9 @@ mod comparison;
 
 use std::path::Path;
 
-use super::advice::waiting;
 use super::compare::{VariantBench, sum};
 use super::machine::{Cache, Machine};
-use super::report::{BenchReport, SceneBench};
+use super::report::{BenchReport, SceneBench, waiting};
 use crate::measure;
 use crate::page::{Block, Cell, Fact, Page, Section, Table, file_name};
 use crate::plot::number::{figure, plural};

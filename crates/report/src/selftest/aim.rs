@@ -8,14 +8,9 @@ use wavecrest_core::kernels::surface::SurfacePoint;
 use wavecrest_core::prepared::surface;
 use wavecrest_core::with_precision;
 
-/// The number of rays: one of two values, or a hundredth of the smaller; 0 without primitives.
-pub(super) fn rays(geometry: &Geometry, effort: &Effort, [quick, full]: [usize; 2]) -> usize {
-    match effort.count {
-        _ if geometry.is_empty() => 0,
-        Count::Brief => quick / 100,
-        Count::Quick => quick,
-        Count::Full => full,
-    }
+/// The number of rays: as [`Effort::of`], but 0 without primitives.
+pub(super) fn rays(geometry: &Geometry, effort: &Effort, counts: [usize; 2]) -> usize {
+    if geometry.is_empty() { 0 } else { effort.of(counts) }
 }
 
 /// The centre of a geometry's box, and half of its diagonal.

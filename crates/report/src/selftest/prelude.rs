@@ -4,9 +4,8 @@ pub(super) use glam::{DVec3, Vec3};
 pub(super) use rayon::prelude::*;
 
 pub(super) use super::aim::met;
-pub(super) use super::case::{Count, Effort, Outcome};
+pub(super) use super::case::{Count, Effort, InputRng, Outcome};
 pub(super) use super::errors::ulp;
-pub(super) use super::rng::InputRng;
 pub(super) use super::shapes::{add_sheet, add_triangle, corners, of_triangles};
 pub(super) use super::world::{ALL_HIT, ALL_MISS, MIXED, World, hash};
 pub(super) use wavecrest_core::accel::build::Preset;

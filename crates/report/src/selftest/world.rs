@@ -58,7 +58,8 @@ impl World {
 }
 
 impl Worlds {
-    /// Each world with its rays, and the tree in which they are searched.
+    /// Each world with its rays, and the tree in which they are searched. Brute force, which is slow, gets a tenth of
+    /// the rays.
     fn each<T: Send>(
         self,
         effort: &Effort,
@@ -67,9 +68,11 @@ impl Worlds {
     ) -> Vec<T> {
         let one = |n: usize| {
             let world = (self.make)(&mut InputRng::new(effort, [case, 0], n));
-            let preset = preset_of(n);
+            // Each tree in turn, starting with the next in every round, so that worlds of each kind have all.
+            let preset = Preset::ALL[(n + n / Preset::ALL.len()) % Preset::ALL.len()];
             let slower = if preset == Preset::Brute { 10 } else { 1 };
-            let rays = (0..effort.of(self.rays) / self.worlds / slower).into_par_iter();
+            let count = effort.of([self.rays / 100, self.rays]) / self.worlds / slower;
+            let rays = (0..count).into_par_iter();
             let aim = |i| (world.aim)(&mut InputRng::new(effort, [case, 1 + n as u32], i));
             let rays = rays.filter_map(aim).collect();
             of(world, rays, preset)
@@ -146,10 +149,4 @@ pub(super) fn hash(words: impl Iterator<Item = u32>) -> u64 {
 fn is_beyond(hit: &Hit, other: &Hit) -> bool {
     let is_behind = hit.is_miss() || hit.t - other.t > other.t.abs() * BEYOND;
     !other.is_miss() && is_behind
-}
-
-/// The tree of the `n`th world: each in turn, starting with the next in every round, so that worlds
-/// of each kind have all. Brute force, which is slow, gets a tenth of the rays.
-fn preset_of(n: usize) -> Preset {
-    Preset::ALL[(n + n / Preset::ALL.len()) % Preset::ALL.len()]
 }
