@@ -4,10 +4,10 @@ use std::path::{Path, PathBuf};
 
 use super::common::{Threads, above_zero, print, progress_bar, whole};
 use wavecrest_base::error::Result;
-use wavecrest_report::accuracy::findings::ERRORS;
 use wavecrest_report::accuracy::pilot::target;
+use wavecrest_report::accuracy::report::ERRORS;
 use wavecrest_report::accuracy::store::{Circumstances, Record, Store, SweepHeader};
-use wavecrest_report::accuracy::{Findings, SweepProgress, page, sweep};
+use wavecrest_report::accuracy::{AccuracyReport, SweepProgress, page, sweep};
 use wavecrest_report::text::text;
 use wavecrest_scene::load::{LoadOptions, load, survey};
 use wavecrest_scene::systems::extract;
@@ -118,8 +118,7 @@ fn run_sweep(args: &AccuracyArgs, folder: &Path) -> Result<()> {
         SweepProgress::Step(work) => bar.inc(work),
     })?;
     bar.finish_and_clear();
-    let findings = Findings::new(seeds, &store, &swept, &args.errors);
-    findings.write(folder)?;
+    let findings = AccuracyReport::new(seeds, &store, &swept, &args.errors);
     page::write(&findings, &mut swept, folder)?;
     if !args.quiet {
         print(&text(&page::summary(&findings)))?;

@@ -168,7 +168,7 @@ fn run_here(args: &BenchArgs) -> Result<bool> {
     } else if report.scenes.len() > 1 {
         print(&text(&overview(&report.scenes)))?;
     }
-    outcome.map(|()| report.equal())
+    outcome.map(|()| report.scenes.iter().all(|scene| scene.equal))
 }
 
 /// Prepares a scene once, and measures it.

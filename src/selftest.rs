@@ -16,7 +16,7 @@ use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_base::replace::Listed;
 use wavecrest_core::kernels::precision::Precision;
 use wavecrest_core::math::simd::Level;
-use wavecrest_report::selftest::{CASES, Case, Count, Effort, Losses, Part, SEED, case};
+use wavecrest_report::selftest::{CASES, Case, CasePart, Count, Effort, Losses, SEED, case};
 use wavecrest_scene::load::{LoadOptions, survey};
 
 /// Test that this machine finds the recorded bits in cases that break ray tracers.
@@ -58,7 +58,7 @@ struct CaseRow {
     name: &'static str,
     /// What is the same or differs in exact precision; absent if that is not tested.
     #[serde(skip_serializing_if = "Option::is_none")]
-    exact: Option<Vec<Part>>,
+    exact: Option<Vec<CasePart>>,
     /// What fast precision loses; absent if that is not tested, or the case has no rays.
     #[serde(skip_serializing_if = "Option::is_none")]
     fast: Option<Losses>,
@@ -67,7 +67,7 @@ struct CaseRow {
 
 impl CaseRow {
     /// The parts in exact precision that are not the same.
-    fn failed(&self) -> impl Iterator<Item = &Part> {
+    fn failed(&self) -> impl Iterator<Item = &CasePart> {
         self.exact.iter().flatten().filter(|part| !part.outcome.holds())
     }
 }
@@ -216,7 +216,7 @@ fn failures(rows: &[CaseRow], args: &SelftestArgs) -> String {
     let seed = if args.seed == SEED { String::new() } else { format!(" --seed {}", args.seed) };
     let full = if args.full { " --full" } else { "" };
     for row in rows {
-        for Part { name, outcome, .. } in row.failed() {
+        for CasePart { name, outcome, .. } in row.failed() {
             let first = outcome.first.as_deref().unwrap_or("nothing was tested");
             let _ = writeln!(
                 text,

@@ -19,7 +19,7 @@ use chromium::Browser;
 use serde_json::json;
 use tempfile::TempDir;
 use wavecrest_report::page::{Block, Cell, Fact, Page, Picture, Section, Table};
-use wavecrest_report::plot::{Axis, Chart, Draw, Guide, Point, Scale, Series};
+use wavecrest_report::plot::{Chart, ChartAxis, Draw, Guide, Point, Scale, Series};
 
 /// Where screenshots are left.
 fn pictures() -> PathBuf {
@@ -46,8 +46,8 @@ fn page() -> Page {
     };
     let chart = Chart {
         title: "Error against samples".to_owned(),
-        x: Axis::new("samples", "", Scale::Log),
-        y: Axis::new("error", "", Scale::Log),
+        x: ChartAxis::new("samples", "", Scale::Log),
+        y: ChartAxis::new("error", "", Scale::Log),
         series: vec![Series {
             name: "stratified".to_owned(),
             draw: Draw::Line,

@@ -10,13 +10,13 @@ use wavecrest_core::math::sampling::{Points, Sampling};
 use wavecrest_core::prepared::{PreparedScene, Samples};
 use wavecrest_core::render::{RenderOptions, Watch};
 use wavecrest_image::compare::compare;
-use wavecrest_report::accuracy::findings::{ERRORS, Point};
 use wavecrest_report::accuracy::pilot::target::reach;
 use wavecrest_report::accuracy::pilot::{choices, measured};
-use wavecrest_report::accuracy::setting::{Family, Series, Setting};
+use wavecrest_report::accuracy::report::{ERRORS, MeasuredSetting};
+use wavecrest_report::accuracy::setting::{Family, Setting, SettingSeries};
 use wavecrest_report::accuracy::store::{FILE, Record, Store, SweepHeader};
 use wavecrest_report::accuracy::sweep::run;
-use wavecrest_report::accuracy::{Findings, page};
+use wavecrest_report::accuracy::{AccuracyReport, page};
 use wavecrest_report::text::text;
 
 use crate::support::{
@@ -28,13 +28,13 @@ fn header(longest: u32, most: u32, least: u32) -> SweepHeader {
     SweepHeader { version: "1".to_owned(), longest, most, least }
 }
 
-fn findings(header: &SweepHeader, seeds: u32, file: &Path, folder: &Path) -> Findings {
+fn findings(header: &SweepHeader, seeds: u32, file: &Path, folder: &Path) -> AccuracyReport {
     let mut store = Store::open(folder, header).expect("a folder");
     let swept = run(&[file.to_owned()], seeds, &mut store, &|_| {}).expect("a sweep");
-    Findings::new(seeds, &store, &swept, &ERRORS)
+    AccuracyReport::new(seeds, &store, &swept, &ERRORS)
 }
 
-fn family<'a>(findings: &'a Findings, name: &str) -> &'a Family<Point> {
+fn family<'a>(findings: &'a AccuracyReport, name: &str) -> &'a Family<MeasuredSetting> {
     findings.scenes[0].family(name).expect("a family")
 }
 
@@ -65,14 +65,14 @@ fn errors_fall_as_theory_has_it() {
 }
 
 /// Each row of an answer is a measured setting that reaches its error, and none that does is faster.
-fn answers_are_the_fastest_settings(found: &Findings) {
+fn answers_are_the_fastest_settings(found: &AccuracyReport) {
     let measured =
         || family(found, "lights").series.iter().flat_map(|s| s.points.iter().map(move |p| (s, p)));
     for at in &found.scenes[0].answer.errors {
         let reached = measured().filter(|(_, p)| p.rmse.high <= at.error);
         let fastest = reached.map(|(_, p)| p.seconds.median).min_by(f64::total_cmp);
         assert!(fastest.is_some() && at.tracing == fastest, "{at:?}");
-        let is_own = |(series, p): &(&Series<Point>, &Point)| {
+        let is_own = |(series, p): &(&SettingSeries<MeasuredSetting>, &MeasuredSetting)| {
             at.sampler.as_ref() == Some(&series.name) && at.points == Some(p.x as u64)
         };
         let (_, own) = measured().find(is_own).expect("a measured setting");
@@ -116,7 +116,7 @@ fn a_sweep_resumes_where_it_stopped() {
     let cut = whole.len() * 2 / 3;
     std::fs::write(&path, &whole[..cut]).expect("a file");
     let again = findings(&header, 2, &file, folder.path());
-    let errors = |found: &Findings| -> Vec<(String, f64)> {
+    let errors = |found: &AccuracyReport| -> Vec<(String, f64)> {
         let series = found.scenes[0].families.iter().flat_map(|family| &family.series);
         series.flat_map(|s| &s.points).map(|p| (p.key.clone(), p.mse)).collect()
     };
@@ -279,7 +279,7 @@ fn exactness_has_a_price_list() {
     let header = header(16, 1, 4);
     let mut store = Store::open(folder.path(), &header).expect("a folder");
     let mut swept = run(&[file], 2, &mut store, &|_| {}).expect("a sweep");
-    let found = Findings::new(2, &store, &swept, &ERRORS);
+    let found = AccuracyReport::new(2, &store, &swept, &ERRORS);
     let prices = found.scenes[0].steps.as_ref().expect("prices");
     let rendered = swept[0].render(&Setting::default(), 0);
     let counters = rendered.expect("a film").counters;

@@ -3,31 +3,27 @@
 //!
 //! [`setting`] defines the variations; [`sweep`] renders them, with many seeds in random order, and
 //! writes each record to a [`store`] at once; errors are measured against a
-//! [reference](mod@reference) with a known error of its own. [`findings`] summarises the records
+//! [reference](mod@reference) with a known error of its own. [`report`] summarises the records
 //! with intervals ([`fit`]), and [`page`] shows them.
 
-pub mod findings;
 pub mod fit;
 pub mod page;
 pub mod pilot;
 pub mod reference;
+pub mod report;
 pub mod setting;
 pub mod steps;
 pub mod store;
 pub mod subject;
 pub mod sweep;
 
-use std::path::Path;
-
 use serde::Serialize;
 
-use findings::SceneFindings;
+use report::SceneAccuracy;
 use store::{Circumstances, Store, SweepHeader, records_of};
 use subject::Subject;
 
 use crate::bench::{Machine, commit};
-use crate::files::{to_json, write_text};
-use wavecrest_base::error::Result;
 
 /// The progress of a sweep. Work is counted in points of pixels: a rough measure, by which the time to go is estimated.
 #[derive(Clone, Copy, Debug)]
@@ -41,11 +37,11 @@ pub enum SweepProgress<'a> {
 }
 
 /// Receives the progress of a sweep, from any thread.
-pub type Told<'a> = dyn Fn(SweepProgress<'_>) + Sync + 'a;
+pub type OnProgress<'a> = dyn Fn(SweepProgress<'_>) + Sync + 'a;
 
-/// All findings: `accuracy.json`.
+/// All results: `accuracy.json`.
 #[derive(Clone, Debug, Serialize)]
-pub struct Findings {
+pub struct AccuracyReport {
     /// The sweep.
     #[serde(flatten)]
     pub header: SweepHeader,
@@ -53,8 +49,8 @@ pub struct Findings {
     pub seeds: u32,
     /// Circumstances: an entry for each start or resumption of the sweep.
     pub circumstances: Vec<Circumstances>,
-    /// Each scene: see [`findings`].
-    pub scenes: Vec<SceneFindings>,
+    /// Each scene: see [`report`].
+    pub scenes: Vec<SceneAccuracy>,
 }
 
 impl Circumstances {
@@ -64,25 +60,16 @@ impl Circumstances {
     }
 }
 
-impl Findings {
+impl AccuracyReport {
     /// Summarises the records of the swept scenes in `store`, with the cost of each of the
     /// `errors`.
     pub fn new(seeds: u32, store: &Store, swept: &[Subject], errors: &[f64]) -> Self {
-        let scene = |subject: &Subject| SceneFindings::of(subject, &store.records, errors);
+        let scene = |subject: &Subject| SceneAccuracy::of(subject, &store.records, errors);
         Self {
             header: store.header.clone(),
             seeds,
             circumstances: records_of(&store.records).cloned().collect(),
             scenes: swept.iter().map(scene).collect(),
         }
-    }
-
-    /// Writes them as `accuracy.json` into `folder`.
-    ///
-    /// # Errors
-    /// If the file cannot be written.
-    pub fn write(&self, folder: &Path) -> Result<()> {
-        let file = folder.join("accuracy.json");
-        write_text(&file, &to_json(self).map_err(|e| e.in_file(&file))?)
     }
 }

@@ -57,7 +57,7 @@ mod report;
 mod tests;
 pub mod variant;
 
-pub use compare::{Cost, Ratio, Run};
-pub(crate) use machine::commit;
-pub use machine::{Cache, Machine};
+pub(crate) use compare::Ratio;
+pub use compare::Run;
+pub(crate) use machine::{Machine, commit};
 pub use report::{BenchPlan, BenchReport, BenchSetting, Preparation, SceneBench};

@@ -90,13 +90,13 @@ pub struct Price {
     pub rays: Rays,
     pub samples: Samples,
     pub bytes_per_path: usize,
-    pub wavefront: Cost,
-    pub recursive: Cost,
+    pub wavefront: TracerCost,
+    pub recursive: TracerCost,
 }
 
 /// The cost with one tracer.
 #[derive(Clone, Debug, Serialize)]
-pub struct Cost {
+pub struct TracerCost {
     pub seconds: Summary,
     pub seconds_per_mray: f64,
     pub price: Option<Ratio>,
@@ -171,7 +171,7 @@ fn price(
         let summary = Summary::of(&seconds[place(index)])?;
         let time = |entry: usize| median(&processor[place(entry)]);
         let a_hit = |base| 1e9 * (time(index) - time(base)) / hits;
-        Some(Cost {
+        Some(TracerCost {
             seconds_per_mray: summary.median / rays.all().max(1) as f64 * 1e6,
             price: variant.added_to.and_then(ratio),
             nanoseconds_a_hit: map_of.map(a_hit),
@@ -227,7 +227,7 @@ fn row(p: &Price) -> Vec<Cell> {
 }
 
 /// The ratio, the time of a ray, and what a map adds for each hit.
-fn cells(cost: &Cost) -> Vec<Cell> {
+fn cells(cost: &TracerCost) -> Vec<Cell> {
     let ratio = cost.price.as_ref().map_or_else(|| Cell::text("1"), Ratio::cell);
     let a_hit = cost.nanoseconds_a_hit.filter(|ns| ns.is_finite());
     let a_hit = a_hit.map_or_else(Cell::default, |ns| Cell::decimals(ns, 1));

@@ -39,7 +39,7 @@ pub struct Timing {
 
 /// The timed runs of all variants.
 #[derive(Clone, Debug)]
-pub struct Measured<T> {
+pub struct TimedRounds<T> {
     /// The runs of each variant, round by round.
     pub variants: Vec<Vec<(Timing, T)>>,
     /// The rounds.
@@ -102,7 +102,7 @@ pub fn measure<T>(
     schedule: &RoundLimits,
     mut run: impl FnMut(usize) -> Result<Option<(Timing, T)>>,
     progress: &mut dyn FnMut(u64, u64),
-) -> Result<Option<Measured<T>>> {
+) -> Result<Option<TimedRounds<T>>> {
     let mut rounds: Vec<Vec<(Timing, T)>> = Vec::new();
     let mut round = 0_usize;
     let warmup = schedule.warmup.max(1);
@@ -127,7 +127,7 @@ pub fn measure<T>(
         done = is_quiet.iter().filter(|quiet| **quiet).count();
         planned = schedule.planned(done, shortest(variants, &rounds, &is_quiet));
         if done >= planned || rounds.len() >= TRIES * planned || variants == 0 {
-            return Ok(Some(Measured::of(variants, rounds, &is_quiet, planned)));
+            return Ok(Some(TimedRounds::of(variants, rounds, &is_quiet, planned)));
         }
         round += 1;
     }
@@ -200,7 +200,7 @@ impl std::iter::Sum for Timing {
     }
 }
 
-impl<T> Measured<T> {
+impl<T> TimedRounds<T> {
     /// The quiet rounds, and if they are fewer than `planned`, those of the others that got most
     /// processor time.
     fn of(

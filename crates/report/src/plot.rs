@@ -26,9 +26,9 @@ pub struct Chart {
     pub title: String,
     /// The axis from left to right; an axis of names runs down the left instead, and `y` to the
     /// right.
-    pub x: Axis,
+    pub x: ChartAxis,
     /// The other axis.
-    pub y: Axis,
+    pub y: ChartAxis,
     /// The series, the most important first: it gets the clearest colour.
     pub series: Vec<Series>,
     /// Guide lines.
@@ -39,7 +39,7 @@ pub struct Chart {
 
 /// The meaning of a coordinate.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Axis {
+pub struct ChartAxis {
     /// The quantity, such as "time".
     pub label: String,
     /// The unit, such as "s"; empty for a plain number.
@@ -139,8 +139,8 @@ impl Chart {
         let names = bars.iter().map(|(name, _)| name.clone()).collect();
         Self {
             title: title.to_owned(),
-            x: Axis::new("bar", "", Scale::Names(names)),
-            y: Axis::new("time", unit, Scale::Linear),
+            x: ChartAxis::new("bar", "", Scale::Names(names)),
+            y: ChartAxis::new("time", unit, Scale::Linear),
             series,
             guides: Vec::new(),
             caption: caption.to_owned(),
@@ -148,7 +148,7 @@ impl Chart {
     }
 }
 
-impl Axis {
+impl ChartAxis {
     /// An axis of this scale.
     pub fn new(label: impl Into<String>, unit: impl Into<String>, scale: Scale) -> Self {
         Self { label: label.into(), unit: unit.into(), scale }

@@ -55,7 +55,7 @@ pub struct Case {
 
 /// What was found for the rays of a case, or one of its scenes.
 #[derive(Clone, Debug, Serialize)]
-pub struct Part {
+pub struct CasePart {
     /// `rays` with the number of the case, or the scene.
     pub name: String,
     /// The hash of its bits, in hexadecimal digits.
@@ -65,7 +65,7 @@ pub struct Part {
     pub outcome: Outcome,
 }
 
-impl Part {
+impl CasePart {
     fn new(name: String, effort: &Effort, (mut outcome, bits): (Outcome, u64)) -> Self {
         let bits = format!("{bits:016x}");
         if (effort.seed, effort.count) == (SEED, Count::Quick) {
@@ -99,14 +99,14 @@ impl Case {
 
     /// Asks every kernel at every instruction level in exact precision. Scenes are files in
     /// `folder`, as in the repository's `scenes`.
-    pub fn exact(&self, effort: &Effort, folder: &Path) -> Vec<Part> {
+    pub fn exact(&self, effort: &Effort, folder: &Path) -> Vec<CasePart> {
         let rays = self.worlds.map(|worlds| {
             let name = format!("rays {}", self.number);
-            Part::new(name, effort, worlds.exact(effort, self.number))
+            CasePart::new(name, effort, worlds.exact(effort, self.number))
         });
         let scenes = self.scenes.iter().map(|name| {
             let file = folder.join(name).with_extension("json");
-            Part::new((*name).to_owned(), effort, scenes::exact(effort, &file))
+            CasePart::new((*name).to_owned(), effort, scenes::exact(effort, &file))
         });
         rays.into_iter().chain(scenes).collect()
     }

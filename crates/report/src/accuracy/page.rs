@@ -6,44 +6,47 @@ mod tables;
 
 use std::path::Path;
 
-use super::Findings;
-use super::findings::{Answer, AtError, SceneFindings};
+use super::AccuracyReport;
 use super::fit::Uncertain;
+use super::report::{FastestSetting, FastestSettings, SceneAccuracy};
 use super::store::Circumstances;
 use super::subject::Subject;
 use crate::bench::page::{command, recorded};
+use crate::files::{to_json, write_text};
 use crate::measure::{busy, waiting};
 use crate::page::{Block, Cell, Page, Section, Table};
 use crate::plot::number::{figure, seconds};
 use wavecrest_base::error::Result;
 
-/// Writes `findings` to the folder `results`: `report.html`, and each chart as SVG and CSV.
+/// Writes `report` to the folder `results`: `accuracy.json`, `report.html`, and each chart as SVG and CSV.
 ///
 /// # Errors
 /// If a file cannot be written, or a scene can no longer be rendered for its crops.
-pub fn write(findings: &Findings, swept: &mut [Subject], results: &Path) -> Result<()> {
-    let mut first = Vec::from_iter(disturbed(findings.scenes.iter()).map(Block::Warning));
-    first.extend(answers(findings));
+pub fn write(report: &AccuracyReport, swept: &mut [Subject], results: &Path) -> Result<()> {
+    let file = results.join("accuracy.json");
+    write_text(&file, &to_json(report).map_err(|e| e.in_file(&file))?)?;
+    let mut first = Vec::from_iter(disturbed(report.scenes.iter()).map(Block::Warning));
+    first.extend(answers(report));
     let mut sections = Vec::new();
-    for (scene, subject) in findings.scenes.iter().zip(swept) {
+    for (scene, subject) in report.scenes.iter().zip(swept) {
         first.extend(bought(scene, subject)?);
         sections.push(section(scene, results)?);
     }
-    sections.push(about(findings));
-    let (title, lead) = ("What accuracy costs in time".to_owned(), lead(findings));
+    sections.push(about(report));
+    let (title, lead) = ("What accuracy costs in time".to_owned(), lead(report));
     Page { title, lead, first, sections }.write(&results.join("report.html"))
 }
 
 /// That the machine was busy, in some rounds or all the time.
-fn disturbed<'a>(scenes: impl Iterator<Item = &'a SceneFindings> + Clone) -> Option<String> {
+fn disturbed<'a>(scenes: impl Iterator<Item = &'a SceneAccuracy> + Clone) -> Option<String> {
     busy(scenes.clone().map(|scene| scene.rounds))
         .or_else(|| waiting(scenes.filter_map(|scene| scene.share)))
 }
 
 /// The answers, and for each scene the slopes and the price list of exact hits: for a terminal.
-pub fn summary(findings: &Findings) -> Vec<Block> {
-    let mut blocks = answers(findings);
-    for scene in &findings.scenes {
+pub fn summary(report: &AccuracyReport) -> Vec<Block> {
+    let mut blocks = answers(report);
+    for scene in &report.scenes {
         blocks.push(Block::Heading(scene.scene.scene.clone()));
         blocks.extend(scene.families.iter().filter_map(tables::slopes).map(Block::Table));
         blocks.extend(tables::steps(scene));
@@ -52,7 +55,7 @@ pub fn summary(findings: &Findings) -> Vec<Block> {
 }
 
 /// What each time buys: the chart of the answer's samplers, and crops.
-fn bought(scene: &SceneFindings, subject: &mut Subject) -> Result<Vec<Block>> {
+fn bought(scene: &SceneAccuracy, subject: &mut Subject) -> Result<Vec<Block>> {
     let Some(family) = scene.family(scene.answer.family) else { return Ok(Vec::new()) };
     let mut blocks = vec![Block::Chart(charts::against_time(family, scene))];
     blocks.extend(crops::rows(subject, family, &scene.answer)?);
@@ -60,26 +63,26 @@ fn bought(scene: &SceneFindings, subject: &mut Subject) -> Result<Vec<Block>> {
 }
 
 /// The circumstances of the measurement: machine, program and command.
-fn about(findings: &Findings) -> Section {
+fn about(report: &AccuracyReport) -> Section {
     let mut blocks = vec![Block::Paragraph(format!(
         "Each setting was rendered {} times with different random numbers, all settings of a scene in random order. \
          Errors are against a reference in exact arithmetic; an error below three standard errors of the reference \
          counts as noise. Intervals have 95 per cent confidence.",
-        findings.seeds
+        report.seeds
     ))];
-    let mut distinct = findings.circumstances.clone();
+    let mut distinct = report.circumstances.clone();
     // Entries of a resumed sweep with the same command are shown once.
     distinct.dedup();
     for circumstances in &distinct {
         let Circumstances { machine, commit, command: typed } = circumstances;
-        let facts = recorded(machine, &findings.header.version, commit.as_deref());
+        let facts = recorded(machine, &report.header.version, commit.as_deref());
         blocks.push(Block::Facts(facts));
         blocks.push(Block::Code(command(typed.get(1..).unwrap_or_default())));
     }
     Section::new("How it was measured", blocks)
 }
 
-fn section(scene: &SceneFindings, folder: &Path) -> Result<Section> {
+fn section(scene: &SceneAccuracy, folder: &Path) -> Result<Section> {
     let [width, height] = scene.scene.size;
     let mut blocks = vec![Block::Paragraph(format!(
         "{width} x {height} pixels, {} primitives. {}",
@@ -105,19 +108,19 @@ fn section(scene: &SceneFindings, folder: &Path) -> Result<Section> {
 }
 
 /// The scenes and the sizes of their images.
-fn lead(findings: &Findings) -> String {
-    let name = |scene: &SceneFindings| {
+fn lead(report: &AccuracyReport) -> String {
+    let name = |scene: &SceneAccuracy| {
         let [width, height] = scene.scene.size;
         format!("{} at {width} x {height} pixels", scene.scene.scene)
     };
-    let names: Vec<String> = findings.scenes.iter().map(name).collect();
+    let names: Vec<String> = report.scenes.iter().map(name).collect();
     format!("Error against time for {}.", names.join(", "))
 }
 
 /// The costs of errors in each scene.
-fn answers(findings: &Findings) -> Vec<Block> {
-    let all = || findings.scenes.iter().map(|scene| (scene, &scene.answer));
-    let sentence = |(scene, answer): (&SceneFindings, &Answer)| {
+fn answers(report: &AccuracyReport) -> Vec<Block> {
+    let all = || report.scenes.iter().map(|scene| (scene, &scene.answer));
+    let sentence = |(scene, answer): (&SceneAccuracy, &FastestSettings)| {
         let busy = disturbed([scene].into_iter());
         let busy = busy.map_or_else(String::new, |words| format!(" {words}."));
         let name = &scene.scene.scene;
@@ -131,7 +134,7 @@ fn answers(findings: &Findings) -> Vec<Block> {
     all().map(sentence).chain([Block::Table(table)]).collect()
 }
 
-fn row(scene: &SceneFindings, answer: &Answer, at: &AtError) -> Vec<Cell> {
+fn row(scene: &SceneAccuracy, answer: &FastestSettings, at: &FastestSetting) -> Vec<Cell> {
     let missing = || Cell::text("not reached");
     let time = |time: Option<f64>| time.map_or_else(missing, |s| Cell::number(s, seconds(s)));
     let setting = at.sampler.as_ref().zip(at.points).map(|(sampler, points)| {
@@ -150,7 +153,7 @@ fn row(scene: &SceneFindings, answer: &Answer, at: &AtError) -> Vec<Cell> {
 }
 
 /// The time of random points relative to the answer's, or a lower bound.
-fn times(at: &AtError, ratio: &Uncertain) -> String {
+fn times(at: &FastestSetting, ratio: &Uncertain) -> String {
     let &Uncertain { value, low, high } = ratio;
     match at.at_least {
         true if value >= 1.0 => format!("over {value:.1} times; not reached"),

@@ -172,7 +172,9 @@ fn choose(
             let error = extrapolated(errors, f64::from(points.count()));
             Chosen { points, axis, error, seconds: 0.0 }
         };
-        let mut choices = (axis.least_side()..=MOST_SIDE).map(choice);
+        // The smallest grid whose error renders show.
+        let least = if matches!(axis, Axis::Pixel(_)) { 2 } else { 1 };
+        let mut choices = (least..=MOST_SIDE).map(choice);
         choices.find(|c| c.error * MARGIN <= error).unwrap_or(choice(MOST_SIDE))
     };
     for side in SIDES {

@@ -12,7 +12,7 @@ use super::pilot::variance;
 use super::setting::{Axis, Facts, Setting, Target, converges};
 use super::store::{Record, ReferenceRecord, Store, records_of};
 use super::subject::Subject;
-use super::{SweepProgress, Told};
+use super::{OnProgress, SweepProgress};
 use wavecrest_base::error::Result;
 use wavecrest_core::accel::KernelChoice;
 use wavecrest_core::film::Film;
@@ -43,7 +43,7 @@ pub(super) fn reference(
     subject: &mut Subject,
     target: Target,
     store: &mut Store,
-    progress: &Told<'_>,
+    progress: &OnProgress<'_>,
 ) -> Result<Film> {
     let (scene, least) = (subject.record.scene.clone(), store.header.least);
     let is_it = |known: &&ReferenceRecord| known.scene == scene && known.target == target;

@@ -78,12 +78,12 @@ pub struct Family<P> {
     /// The target of the settings.
     pub target: Target,
     /// The settings by their other differences.
-    pub series: Vec<Series<P>>,
+    pub series: Vec<SettingSeries<P>>,
 }
 
 /// Settings in the order of the count.
 #[derive(Clone, Debug, Serialize)]
-pub struct Series<P> {
+pub struct SettingSeries<P> {
     /// Their common properties.
     pub name: String,
     /// The exponent of the mean squared error as a function of the count, once it is found.
@@ -176,11 +176,6 @@ impl Axis {
         }
     }
 
-    /// The smallest grid whose error renders show.
-    pub(super) fn least_side(self) -> u32 {
-        if matches!(self, Self::Pixel(_)) { 2 } else { 1 }
-    }
-
     /// What so many of its points are.
     pub(super) fn things(self, count: u32) -> String {
         let s = if count == 1 { "" } else { "s" };
@@ -244,7 +239,7 @@ pub fn families(facts: &Facts, most: u32) -> Vec<Family<CountedSetting>> {
 }
 
 /// A series for each sampler, with up to `most` points along an axis.
-fn sampled(most: u32, axis: Axis) -> Vec<Series<CountedSetting>> {
+fn sampled(most: u32, axis: Axis) -> Vec<SettingSeries<CountedSetting>> {
     let line = |sampling: Sampling| {
         let sides = SIDES.into_iter().filter(|side| side * side <= most);
         let point = |side| {
@@ -256,7 +251,7 @@ fn sampled(most: u32, axis: Axis) -> Vec<Series<CountedSetting>> {
     Sampling::ALL.map(line).to_vec()
 }
 
-fn bounces(all: u32) -> Vec<Series<CountedSetting>> {
+fn bounces(all: u32) -> Vec<SettingSeries<CountedSetting>> {
     let counts = (0..all).step_by(all.div_ceil(MOST_BOUNCES) as usize).chain([all]);
     let point = |n: u32| {
         let overrides = Overrides { bounces: Some(n), ..Overrides::default() };
@@ -265,14 +260,14 @@ fn bounces(all: u32) -> Vec<Series<CountedSetting>> {
     vec![series("bounces", counts.map(point))]
 }
 
-fn precisions() -> Vec<Series<CountedSetting>> {
+fn precisions() -> Vec<SettingSeries<CountedSetting>> {
     let point = |(i, precision): (u32, Precision)| {
         (f64::from(i), precision.name().to_owned(), Setting { precision, ..Setting::default() })
     };
     vec![series("precision", (0..).zip(Precision::ALL).map(point))]
 }
 
-fn filters() -> Vec<Series<CountedSetting>> {
+fn filters() -> Vec<SettingSeries<CountedSetting>> {
     let line = |filter: Filter| {
         let overrides = Overrides { filter: Some(filter), ..Overrides::default() };
         let point = |side| {
@@ -289,8 +284,11 @@ fn counted(points: Points, setting: Setting) -> CountedSetting {
     (f64::from(points.count()), points.count().to_string(), setting)
 }
 
-fn series(name: &str, points: impl IntoIterator<Item = CountedSetting>) -> Series<CountedSetting> {
-    Series { name: name.to_owned(), slope: None, points: points.into_iter().collect() }
+fn series(
+    name: &str,
+    points: impl IntoIterator<Item = CountedSetting>,
+) -> SettingSeries<CountedSetting> {
+    SettingSeries { name: name.to_owned(), slope: None, points: points.into_iter().collect() }
 }
 
 #[cfg(test)]

@@ -9,7 +9,7 @@ use std::time::Instant;
 use super::setting::Setting;
 use super::store::{Record, StepRecord, StepsRecord, Store, records_of};
 use super::subject::Subject;
-use super::{SweepProgress, Told};
+use super::{OnProgress, SweepProgress};
 use crate::measure::rounds;
 use crate::selftest::agreement::leaving;
 use crate::statistics::Rays;
@@ -31,7 +31,7 @@ const SHORT: f64 = 0.5;
 ///
 /// # Errors
 /// If the scene can no longer be rendered, or the record cannot be written.
-pub fn run(subject: &mut Subject, store: &mut Store, progress: &Told<'_>) -> Result<()> {
+pub fn run(subject: &mut Subject, store: &mut Store, progress: &OnProgress<'_>) -> Result<()> {
     let scene = subject.record.scene.clone();
     if records_of(&store.records).any(|s: &StepsRecord| s.scene == scene) {
         return Ok(());

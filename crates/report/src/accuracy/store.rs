@@ -99,12 +99,12 @@ pub struct PointRecord {
     pub rays: u64,
     /// Errors against the reference, as in [`wavecrest_image::compare`].
     #[serde(flatten)]
-    pub error: Errors,
+    pub error: ImageErrors,
 }
 
 /// The differences of an image from the reference.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Errors {
+pub struct ImageErrors {
     /// Mean squared error.
     pub mse: f64,
     /// Mean squared error relative to the square of the reference.

@@ -11,11 +11,11 @@ use rand::seq::SliceRandom;
 use super::fit::generator;
 use super::setting::{CountedSetting, Family, Setting, Target};
 use super::store::{
-    Errors, PointRecord, PreparedRecord, Record, Store, SweepHeader, TrialRecord, busy_rounds,
+    ImageErrors, PointRecord, PreparedRecord, Record, Store, SweepHeader, TrialRecord, busy_rounds,
     records_of,
 };
 use super::subject::Subject;
-use super::{SweepProgress, Told, reference, steps};
+use super::{OnProgress, SweepProgress, reference, steps};
 use crate::measure::rounds;
 use crate::selftest::examine::trial;
 use crate::selftest::{Count, Effort};
@@ -35,7 +35,7 @@ pub fn run(
     files: &[PathBuf],
     seeds: u32,
     store: &mut Store,
-    progress: &Told<'_>,
+    progress: &OnProgress<'_>,
 ) -> Result<Vec<Subject>> {
     let SweepHeader { longest, most, least, .. } = store.header;
     let open = |file: &PathBuf| Subject::open(file, longest, most);
@@ -76,7 +76,7 @@ fn points(
     subject: &mut Subject,
     seeds: usize,
     store: &mut Store,
-    progress: &Told<'_>,
+    progress: &OnProgress<'_>,
 ) -> Result<()> {
     let scene = subject.record.scene.clone();
     let mut all = settings(&subject.families);
@@ -136,14 +136,14 @@ fn note_preparation(subject: &Subject, store: &mut Store) -> Result<()> {
 ///
 /// # Errors
 /// If their sizes differ.
-fn errors(film: &Film, reference: &Film) -> Result<Errors> {
+fn errors(film: &Film, reference: &Film) -> Result<ImageErrors> {
     let Comparison { mse, relative_mse, bias, .. } = compare(film, reference)?;
     let flip = flip(film, reference, DEFAULT_PIXELS_PER_DEGREE)?.mean;
-    Ok(Errors { mse, relative_mse, bias, flip })
+    Ok(ImageErrors { mse, relative_mse, bias, flip })
 }
 
 /// Tests every precision at the edges and on the faces of the scene's triangles.
-fn trials(subject: &mut Subject, store: &mut Store, progress: &Told<'_>) -> Result<()> {
+fn trials(subject: &mut Subject, store: &mut Store, progress: &OnProgress<'_>) -> Result<()> {
     let scene = subject.record.scene.clone();
     let done = records_of(&store.records).filter(|t: &&TrialRecord| t.scene == scene).count();
     progress(SweepProgress::Stage(&format!("{scene}: leaks and self-hits")));

@@ -3,8 +3,6 @@
 //! Nothing is timed before the first round has shown that the images are equal, and a different
 //! image ends the comparison: the speed of a wrong image does not matter.
 
-#![allow(missing_docs, reason = "the tables of crate::bench say it once")]
-
 use std::collections::BTreeMap;
 use std::collections::btree_map::Entry;
 
@@ -13,7 +11,7 @@ use serde::{Serialize, Serializer};
 
 use super::equal::RunDifference;
 use super::variant::{ListedVariant, Variant, Varied};
-use crate::measure::{Measured, RoundLimits, Rounds, Timing, measure};
+use crate::measure::{RoundLimits, Rounds, TimedRounds, Timing, measure};
 use crate::page::Cell;
 use crate::statistics::{KernelUse, Rays, SpanUse, Tests};
 use crate::summary::{MedianInterval, Summary, median};
@@ -67,7 +65,7 @@ pub struct VariantBench {
     /// The median time in each, summed over threads, in seconds.
     #[serde(serialize_with = "as_map")]
     pub passes: Vec<(&'static str, f64)>,
-    pub costs: Vec<Cost>,
+    pub costs: Vec<PassCost>,
     pub spans: Vec<SpanUse>,
     pub batch_bytes: u64,
     pub tests: Tests,
@@ -121,7 +119,7 @@ pub struct Gain {
 
 /// The cost of a pass for one of what it handles.
 #[derive(Clone, Debug, Serialize)]
-pub struct Cost {
+pub struct PassCost {
     pub pass: &'static str,
     pub of: &'static str,
     pub count: u64,
@@ -230,7 +228,7 @@ pub(super) fn compare(
         let (passes, columns) = (rendered.pass_seconds, rendered.columns);
         Ok(Some((timing, KeptRun { passes, counters: rendered.counters, columns })))
     };
-    let none = Measured { variants: Vec::new(), rounds: Rounds::default() };
+    let none = TimedRounds { variants: Vec::new(), rounds: Rounds::default() };
     let measured = measure(choices.len(), schedule, run, progress)?.unwrap_or(none);
     Ok(BenchComparison {
         of,
@@ -294,7 +292,7 @@ pub(super) fn sum(passes: &[(&str, f64)]) -> f64 {
 }
 
 /// The costs of those of the `passes` that have work, with their seconds. A tracer without a clock has none.
-fn costs(passes: &[(&'static str, f64)], c: &Counters) -> Vec<Cost> {
+fn costs(passes: &[(&'static str, f64)], c: &Counters) -> Vec<PassCost> {
     let handled = [
         (TimedPass::Generate, "camera ray", c.primary_rays),
         (TimedPass::Intersect, "ray", c.primary_rays + c.secondary_rays),
@@ -307,7 +305,7 @@ fn costs(passes: &[(&'static str, f64)], c: &Counters) -> Vec<Cost> {
     let with_work = handled.into_iter().filter(|(.., count)| *count > 0);
     let cost = |(pass, of, count): (TimedPass, _, _)| {
         let &(pass, seconds) = passes.iter().find(|(name, _)| *name == pass.name())?;
-        Some(Cost { pass, of, count, nanoseconds: 1e9 * seconds / count as f64 })
+        Some(PassCost { pass, of, count, nanoseconds: 1e9 * seconds / count as f64 })
     };
     with_work.filter_map(cost).collect()
 }

@@ -11,7 +11,7 @@ use super::report::{BenchReport, SceneBench, waiting};
 use crate::measure;
 use crate::page::{Block, Cell, Fact, Page, Section, Table, file_name};
 use crate::plot::number::{figure, plural};
-use crate::plot::{Axis, Scale, Series};
+use crate::plot::{ChartAxis, Scale, Series};
 use crate::summary::CONFIDENCE;
 use comparison::{comparison, point, speeds};
 use wavecrest_base::error::Result;
@@ -168,7 +168,7 @@ pub fn overview(scenes: &[SceneBench]) -> Vec<Block> {
         Block::Chart(speeds(
             "Speed of the wavefront over that of the recursive tracer",
             "Medians over rounds of runs, with their confidence intervals. Right of the line the wavefront is faster.",
-            Axis::new("scene", "", Scale::Names(names)),
+            ChartAxis::new("scene", "", Scale::Names(names)),
             Series { points: points.collect(), ..Series::default() },
         )),
         Block::Table(Table::new(caption, header, measured().map(row).collect())),

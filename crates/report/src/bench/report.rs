@@ -97,11 +97,6 @@ impl BenchReport {
         let (machine, commit) = (Machine::this(), commit());
         Self { version: env!("CARGO_PKG_VERSION"), command, commit, machine, scenes: Vec::new() }
     }
-
-    /// Whether all images are equal.
-    pub fn equal(&self) -> bool {
-        self.scenes.iter().all(|scene| scene.equal)
-    }
 }
 
 impl SceneBench {

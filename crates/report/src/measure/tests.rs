@@ -22,7 +22,7 @@ fn timing(seconds: f64, processors: f64) -> Timing {
 fn run(
     schedule: RoundLimits,
     timing: impl Fn(Turn) -> Timing,
-) -> (String, Measured<Turn>, Vec<(u64, u64)>) {
+) -> (String, TimedRounds<Turn>, Vec<(u64, u64)>) {
     let (mut log, mut reported) = (String::new(), Vec::new());
     let one = |variant: usize| {
         let turn = Turn { variant, round: log.len() / 2 };
@@ -34,7 +34,7 @@ fn run(
     (log, measured, reported)
 }
 
-fn rounds_kept(measured: &Measured<Turn>) -> Vec<usize> {
+fn rounds_kept(measured: &TimedRounds<Turn>) -> Vec<usize> {
     measured.variants[0].iter().map(|(_, turn)| turn.round).collect()
 }
 

@@ -1,7 +1,7 @@
 //! What a page holds, with and without JavaScript, and that it asks for nothing from outside.
 
 use super::*;
-use crate::plot::{Axis, Point, Scale, Series};
+use crate::plot::{ChartAxis, Point, Scale, Series};
 
 /// A PNG of two pixels by one.
 fn png() -> Vec<u8> {
@@ -21,8 +21,8 @@ fn chart(words: &str) -> Chart {
     let series = Series { name: words.to_owned(), points: vec![point], ..Series::default() };
     Chart {
         title: words.to_owned(),
-        x: Axis::new(words, words, Scale::Linear),
-        y: Axis::new(words, words, Scale::Linear),
+        x: ChartAxis::new(words, words, Scale::Linear),
+        y: ChartAxis::new(words, words, Scale::Linear),
         series: vec![series],
         caption: words.to_owned(),
         ..Chart::default()

@@ -6,7 +6,7 @@
 //! machine.
 
 use super::number::figure;
-use super::{Axis, Scale};
+use super::{ChartAxis, Scale};
 
 /// Margin beyond the outermost values, as a share of their span.
 const MARGIN: f64 = 0.04;
@@ -35,7 +35,7 @@ pub(super) struct Tick {
 /// Maps values to positions, and positions to pixels. A position is the value, its decimal
 /// logarithm on a logarithmic axis, or the row of its name, counted downward.
 pub(super) struct Mapping<'a> {
-    pub axis: &'a Axis,
+    pub axis: &'a ChartAxis,
     low: f64,
     high: f64,
     pub ticks: Vec<Tick>,
@@ -45,7 +45,7 @@ pub(super) struct Mapping<'a> {
 
 impl<'a> Mapping<'a> {
     /// A range for all of `values` that can be shown.
-    pub(super) fn new(axis: &'a Axis, values: impl Iterator<Item = f64>) -> Self {
+    pub(super) fn new(axis: &'a ChartAxis, values: impl Iterator<Item = f64>) -> Self {
         let scale = &axis.scale;
         let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
         for position in values.filter_map(|value| position(scale, value)) {
@@ -237,20 +237,20 @@ mod tests {
             for &high in &ends[index..] {
                 for scale in [Scale::Linear, Scale::Log] {
                     for most in [1, 2, 3, 5, 9] {
-                        check(&Axis::new("", "", scale.clone()), low, high, most);
+                        check(&ChartAxis::new("", "", scale.clone()), low, high, most);
                     }
                 }
             }
         }
         for close in [1.0 + f64::EPSILON, 1.0001, 1.003, 1.01, 1.02] {
             for size in [1.0, 3.7, 99.9, 1e-5] {
-                check(&Axis::new("", "", Scale::Linear), size, size * close, 12);
+                check(&ChartAxis::new("", "", Scale::Linear), size, size * close, 12);
             }
         }
     }
 
     #[track_caller]
-    fn check(axis: &Axis, low: f64, high: f64, most: usize) {
+    fn check(axis: &ChartAxis, low: f64, high: f64, most: usize) {
         let mut place = Mapping::new(axis, [low, high].into_iter());
         place.mark(most);
         let at: Vec<f64> = place.labelled().map(|tick| tick.at).collect();

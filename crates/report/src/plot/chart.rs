@@ -7,7 +7,7 @@ use super::field::Field;
 use super::marks::{STROKE, legend, marker};
 use super::number::{exact, figure, quantity};
 use super::svg::{ABOVE, At, BESIDE, Drawing, LABEL, NOTE, Paint};
-use super::{Axis, Chart, Draw, Point, Scale, Series, font};
+use super::{Chart, ChartAxis, Draw, Point, Scale, Series, font};
 use crate::files::write_text;
 use wavecrest_base::error::Result;
 
@@ -244,7 +244,7 @@ fn whisker(drawing: &mut Drawing, ends: [At; 2], turned: bool, index: usize) {
 }
 
 /// A value of `x` in words.
-fn name_or_value(axis: &Axis, value: f64) -> String {
+fn name_or_value(axis: &ChartAxis, value: f64) -> String {
     match &axis.scale {
         Scale::Names(names) => names.get(value as usize).cloned().unwrap_or_default(),
         _ => quantity(value, &axis.unit),

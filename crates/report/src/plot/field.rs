@@ -3,7 +3,7 @@
 use super::axis::{Mapping, Tick};
 use super::font;
 use super::svg::{At, BELOW, BESIDE, Drawing, LABEL, Paint};
-use super::{Axis, Scale};
+use super::{ChartAxis, Scale};
 
 /// Smallest distance between labels down an axis.
 const APART_DOWN: f64 = 36.0;
@@ -69,7 +69,7 @@ impl Field<'_> {
 }
 
 /// The heading of an axis. Axes of names need none.
-fn heading(axis: &Axis) -> Option<String> {
+fn heading(axis: &ChartAxis) -> Option<String> {
     let has_names = matches!(axis.scale, Scale::Names(_));
     Some(axis.heading()).filter(|heading| !heading.is_empty() && !has_names)
 }

@@ -16,8 +16,8 @@ fn chart() -> Chart {
         |name: &str, draw, scale| Series { name: name.to_owned(), draw, points: points(scale) };
     Chart {
         title: "Error & time".to_owned(),
-        x: Axis::new("samples", "", Scale::Log),
-        y: Axis::new("error", "%", Scale::Log),
+        x: ChartAxis::new("samples", "", Scale::Log),
+        y: ChartAxis::new("error", "%", Scale::Log),
         series: vec![series("one", Draw::Line, 1.0), series("other", Draw::Line, 2.0)],
         guides: vec![Guide::power("−1/2", -0.5, [1.0, 1.5], [32.0, 0.1])],
         caption: "Less is <better>.".to_owned(),
@@ -139,8 +139,8 @@ fn odd() -> Vec<Chart> {
         let each = |draw| Series { name: format!("{draw:?}"), draw, points: Vec::clone(&points) };
         Chart {
             title: "odd".to_owned(),
-            x: Axis::new("x", "m", x),
-            y: Axis::new("y", "s", y),
+            x: ChartAxis::new("x", "m", x),
+            y: ChartAxis::new("y", "s", y),
             series: [Draw::Points, Draw::Line].map(each).to_vec(),
             guides: vec![
                 Guide::at("y", 1.0),

@@ -1,12 +1,12 @@
-//! Findings as charts.
+//! Results as charts.
 
-use crate::accuracy::findings::{Point, SceneFindings};
+use crate::accuracy::report::{MeasuredSetting, SceneAccuracy};
 use crate::accuracy::setting::Family;
 use crate::plot::number::plural;
-use crate::plot::{self, Axis, Chart, Draw, Guide, Scale, Series};
+use crate::plot::{self, Chart, ChartAxis, Draw, Guide, Scale, Series};
 
 /// The charts of a family, each with its file name.
-pub(super) fn of(family: &Family<Point>, scene: &SceneFindings) -> Vec<(String, Chart)> {
+pub(super) fn of(family: &Family<MeasuredSetting>, scene: &SceneAccuracy) -> Vec<(String, Chart)> {
     let name = family.name;
     match name {
         "bounces" => vec![(name.to_owned(), bounces(family))],
@@ -17,8 +17,8 @@ pub(super) fn of(family: &Family<Point>, scene: &SceneFindings) -> Vec<(String, 
     }
 }
 
-fn log(label: &str, unit: &str) -> Axis {
-    Axis::new(label, unit, Scale::Log)
+fn log(label: &str, unit: &str) -> ChartAxis {
+    ChartAxis::new(label, unit, Scale::Log)
 }
 
 /// What the guides are.
@@ -31,7 +31,7 @@ const ODD: &str = "Grids with an odd number of columns do slightly worse: a quad
                    with half of the columns, and the middle column lies in both. ";
 
 /// The error against the count, with theoretical slopes.
-fn against_samples(family: &Family<Point>, scene: &SceneFindings) -> Chart {
+fn against_samples(family: &Family<MeasuredSetting>, scene: &SceneAccuracy) -> Chart {
     let mut guides = Vec::new();
     let first = family.series.first().and_then(|line| line.points.first());
     if let Some(first) = first.filter(|_| family.series.iter().any(|line| line.slope.is_some())) {
@@ -55,27 +55,27 @@ fn against_samples(family: &Family<Point>, scene: &SceneFindings) -> Chart {
 }
 
 /// The error against time.
-pub(super) fn against_time(family: &Family<Point>, scene: &SceneFindings) -> Chart {
+pub(super) fn against_time(family: &Family<MeasuredSetting>, scene: &SceneAccuracy) -> Chart {
     let property = family.title.to_lowercase();
     let title = format!("{}: error against time, {property}", scene.scene.scene);
     let caption = "Median time of tracing, without loading and building; whiskers are intervals of the error.";
     chart(title, family, log("time", "s"), |p| p.seconds.median, caption.to_owned())
 }
 
-fn bounces(family: &Family<Point>) -> Chart {
+fn bounces(family: &Family<MeasuredSetting>) -> Chart {
     let title = "Error against the number of bounces".to_owned();
     let caption = "With the scene's own samples. The last point has all bounces: only sampling contributes to its \
                    error.";
-    let axis = Axis::new(&family.counted, "", Scale::Linear);
+    let axis = ChartAxis::new(&family.counted, "", Scale::Linear);
     chart(title, family, axis, |p| p.x, caption.to_owned())
 }
 
 /// The error of a family along an axis of a value of each setting.
 fn chart(
     title: String,
-    family: &Family<Point>,
-    axis: Axis,
-    x: fn(&Point) -> f64,
+    family: &Family<MeasuredSetting>,
+    axis: ChartAxis,
+    x: fn(&MeasuredSetting) -> f64,
     caption: String,
 ) -> Chart {
     let series = family.series.iter().map(|line| Series {
@@ -88,7 +88,7 @@ fn chart(
 }
 
 /// A setting with the interval of its error.
-fn mark(p: &Point, x: f64) -> plot::Point {
+fn mark(p: &MeasuredSetting, x: f64) -> plot::Point {
     let noise = if p.above_noise { "" } else { ", below the noise of the reference" };
     let points = plural(p.x as usize, "point");
     let label = format!("{points}, {:.3} ms{noise}", p.seconds.median * 1e3);

@@ -1,7 +1,7 @@
 //! Crops: what each time buys, in the part of the image where it shows most.
 
-use crate::accuracy::findings::{Answer, Point};
-use crate::accuracy::setting::{Family, Series};
+use crate::accuracy::report::{FastestSettings, MeasuredSetting};
+use crate::accuracy::setting::{Family, SettingSeries};
 use crate::accuracy::subject::Subject;
 use crate::page::{Block, Picture};
 use crate::plot::number::{figure, plural, seconds};
@@ -27,10 +27,10 @@ const ABOVE: [&str; 2] = [
 /// If the scene can no longer be rendered.
 pub(super) fn rows(
     subject: &mut Subject,
-    family: &Family<Point>,
-    answer: &Answer,
+    family: &Family<MeasuredSetting>,
+    answer: &FastestSettings,
 ) -> Result<Vec<Block>> {
-    let mut answers: Vec<(&Series<Point>, &Point)> = Vec::new();
+    let mut answers: Vec<(&SettingSeries<MeasuredSetting>, &MeasuredSetting)> = Vec::new();
     for at in &answer.errors {
         let reached = family.fastest(at.error);
         answers.extend(reached.filter(|(_, p)| answers.iter().all(|(_, q)| p.key != q.key)));
@@ -41,7 +41,7 @@ pub(super) fn rows(
         Some((random, random.within(point.seconds.median)?))
     });
     let random: Vec<_> = random.collect();
-    let mut whole = |(series, point): &(&Series<Point>, &Point)| {
+    let mut whole = |(series, point): &(&SettingSeries<MeasuredSetting>, &MeasuredSetting)| {
         let (time, points) = (seconds(point.seconds.median), plural(point.x as usize, "point"));
         let error = figure(point.rmse.value * 100.0);
         let caption = format!("{time}: {}, {points}, error {error} %", series.name);

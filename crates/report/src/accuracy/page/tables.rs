@@ -1,14 +1,14 @@
-//! Findings as tables.
+//! Results as tables.
 
-use crate::accuracy::findings::{Point, SLOPE_FROM, SceneFindings};
-use crate::accuracy::setting::{Family, Series, Target, converges};
+use crate::accuracy::report::{MeasuredSetting, SLOPE_FROM, SceneAccuracy};
+use crate::accuracy::setting::{Family, SettingSeries, Target, converges};
 use crate::accuracy::store::{ReferenceRecord, StepRecord};
 use crate::page::{Block, Cell, Section, Table};
 use crate::plot::number::figure;
 use crate::selftest::errors::{Distribution, HitErrors, ulps};
 
 /// The references of the scene's errors, in sentences.
-pub(super) fn references(scene: &SceneFindings) -> String {
+pub(super) fn references(scene: &SceneAccuracy) -> String {
     let of = |r: &ReferenceRecord| {
         let target = match r.target {
             Target::Scene => "the scene",
@@ -29,7 +29,7 @@ pub(super) fn references(scene: &SceneFindings) -> String {
 }
 
 /// The tables of a family.
-pub(super) fn of(family: &Family<Point>) -> Vec<Block> {
+pub(super) fn of(family: &Family<MeasuredSetting>) -> Vec<Block> {
     let mut blocks: Vec<Block> = slopes(family).map(Block::Table).into_iter().collect();
     let points = Block::Table(points(family));
     blocks.push(match family.series.len() {
@@ -39,9 +39,9 @@ pub(super) fn of(family: &Family<Point>) -> Vec<Block> {
     blocks
 }
 
-pub(super) fn slopes(family: &Family<Point>) -> Option<Table> {
-    let row = |series: &Series<Point>| {
-        let counts = |p: &&Point| p.x >= SLOPE_FROM && converges(&p.key);
+pub(super) fn slopes(family: &Family<MeasuredSetting>) -> Option<Table> {
+    let row = |series: &SettingSeries<MeasuredSetting>| {
+        let counts = |p: &&MeasuredSetting| p.x >= SLOPE_FROM && converges(&p.key);
         let Some(slope) = series.slope else {
             let row = [&*series.name, "no longer falls above the noise", "", "", ""];
             let is_long = series.points.iter().filter(counts).count() > 2;
@@ -65,10 +65,10 @@ pub(super) fn slopes(family: &Family<Point>) -> Option<Table> {
     (!rows.is_empty()).then(|| Table::new(caption, header, rows))
 }
 
-fn points(family: &Family<Point>) -> Table {
+fn points(family: &Family<MeasuredSetting>) -> Table {
     let header =
         "setting|>time, ms|>RMSE|>95% interval|>relative MSE|>PSNR, dB|>FLIP|>bias|above noise";
-    let row = |series: &Series<Point>, p: &Point| {
+    let row = |series: &SettingSeries<MeasuredSetting>, p: &MeasuredSetting| {
         let name = if family.series.len() > 1 {
             format!("{} {}", series.name, p.label)
         } else {
@@ -91,7 +91,7 @@ fn points(family: &Family<Point>) -> Table {
 }
 
 /// Time and error of each precision, with leaks and self-hits.
-pub(super) fn precision(scene: &SceneFindings) -> Vec<Block> {
+pub(super) fn precision(scene: &SceneAccuracy) -> Vec<Block> {
     let family = scene.family("precision");
     let Some(points) = family.and_then(|f| f.series.first()).map(|series| &series.points) else {
         return Vec::new();
@@ -99,7 +99,7 @@ pub(super) fn precision(scene: &SceneFindings) -> Vec<Block> {
     let fast = points.first().map_or(1.0, |p| p.seconds.median);
     let share =
         |[tried, failed]: [u64; 2]| Cell::number(failed as f64, format!("{failed} of {tried}"));
-    let row = |p: &Point| {
+    let row = |p: &MeasuredSetting| {
         let trial = scene.trials.iter().find(|trial| trial.precision == p.label);
         let missing = || Cell::text("no triangles");
         let errors = trial.map(|trial| &*trial.errors);
@@ -125,7 +125,7 @@ pub(super) fn precision(scene: &SceneFindings) -> Vec<Block> {
 }
 
 /// What each step to an exact hit costs, and all of them together.
-pub(super) fn steps(scene: &SceneFindings) -> Vec<Block> {
+pub(super) fn steps(scene: &SceneAccuracy) -> Vec<Block> {
     let Some(found) = &scene.steps else { return Vec::new() };
     if !found.has_any() {
         let words =

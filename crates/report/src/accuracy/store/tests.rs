@@ -11,7 +11,7 @@ fn sample(seed: u64) -> PointRecord {
         seconds: 0.1,
         timing: Timing { seconds: 0.1, processor: Some(0.2) },
         rays: 7,
-        error: Errors { mse: 0.25, relative_mse: 0.5, bias: -0.1, flip: 0.3 },
+        error: ImageErrors { mse: 0.25, relative_mse: 0.5, bias: -0.1, flip: 0.3 },
     }
 }
 

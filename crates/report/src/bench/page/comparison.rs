@@ -7,7 +7,7 @@ use crate::bench::variant::Varied;
 use crate::measure::busy;
 use crate::page::{Block, Cell, Table};
 use crate::plot::number::{plural, time_unit};
-use crate::plot::{Axis, Chart, Draw, Guide, Point, Scale, Series};
+use crate::plot::{Chart, ChartAxis, Draw, Guide, Point, Scale, Series};
 use crate::statistics::{Rays, SpanUse};
 use wavecrest_core::counters::Counters;
 use wavecrest_core::render::TracerKind;
@@ -55,17 +55,17 @@ pub(super) fn comparison(found: &BenchComparison, rays: &Rays, machine: &Machine
 }
 
 /// The speed of each variant but those that others are compared with, and those with a clock.
-fn speeds_of(found: &BenchComparison) -> (Axis, Series) {
+fn speeds_of(found: &BenchComparison) -> (ChartAxis, Series) {
     let shown = found.variants.iter().filter(|v| v.over != v.label && !v.variant.time_passes);
     let shown: Vec<&VariantBench> = shown.collect();
     if found.of == Varied::Batches {
-        let axis = Axis::new("paths in a batch", "", Scale::Log);
+        let axis = ChartAxis::new("paths in a batch", "", Scale::Log);
         let points = shown.iter().map(|v| point(v.variant.batch as f64, v)).collect();
         return (axis, Series { draw: Draw::Line, points, ..Series::default() });
     }
     let names = shown.iter().map(|v| v.label.clone()).collect();
     let points = shown.iter().enumerate().map(|(row, v)| point(row as f64, v)).collect();
-    (Axis::new("", "", Scale::Names(names)), Series { points, ..Series::default() })
+    (ChartAxis::new("", "", Scale::Names(names)), Series { points, ..Series::default() })
 }
 
 pub(super) fn point(x: f64, v: &VariantBench) -> Point {
@@ -75,11 +75,11 @@ pub(super) fn point(x: f64, v: &VariantBench) -> Point {
 }
 
 /// Ratios of speeds, and a line at equal speed.
-pub(super) fn speeds(title: &str, caption: &str, x: Axis, series: Series) -> Chart {
+pub(super) fn speeds(title: &str, caption: &str, x: ChartAxis, series: Series) -> Chart {
     Chart {
         title: title.to_owned(),
         x,
-        y: Axis::new("times as fast", "", Scale::Linear),
+        y: ChartAxis::new("times as fast", "", Scale::Linear),
         series: vec![series],
         guides: vec![Guide::at("equally fast", 1.0)],
         caption: caption.to_owned(),

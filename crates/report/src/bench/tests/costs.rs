@@ -3,7 +3,7 @@
 use wavecrest_core::film::Film;
 use wavecrest_image::write::{Transfer, write};
 
-use super::super::compare::{VariantBench, sum};
+use super::super::compare::{PassCost, VariantBench, sum};
 use super::*;
 
 /// Two mirrors with two maps each, of two classes, that see each other beside the ball.
@@ -50,7 +50,7 @@ fn passes_are_told_by_what_they_handle() {
         ("sample", counts.primary_rays),
     ];
     assert_eq!(of_timed, expected);
-    for Cost { pass, count, nanoseconds, .. } in &wavefront.costs {
+    for PassCost { pass, count, nanoseconds, .. } in &wavefront.costs {
         let (_, seconds) = wavefront.passes.iter().find(|(name, _)| name == pass).unwrap();
         assert!((nanoseconds * *count as f64 / 1e9 / seconds - 1.0).abs() < 1e-9, "{pass}");
         assert!(*nanoseconds > 0.0, "{pass}");

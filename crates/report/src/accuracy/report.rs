@@ -1,4 +1,4 @@
-//! The findings of a sweep: its records summarised, as stored in JSON and shown.
+//! The results of a sweep: its records summarised, as stored in JSON and shown.
 //!
 //! | key of a scene | unit | meaning |
 //! |---|---|---|
@@ -32,7 +32,7 @@ use serde::Serialize;
 
 use super::fit::{self, Uncertain, bootstrap, of};
 use super::reference::FLOOR;
-use super::setting::{self, Axis, Family, Series, Setting, Target, converges};
+use super::setting::{self, Axis, Family, Setting, SettingSeries, Target, converges};
 use super::store::{
     PointRecord, PreparedRecord, Record, ReferenceRecord, SceneRecord, StepsRecord, TrialRecord,
     busy_rounds, largest_share, records_of,
@@ -49,22 +49,22 @@ pub const SLOPE_FROM: f64 = 4.0;
 
 /// See the module documentation.
 #[derive(Clone, Debug, Serialize)]
-pub struct SceneFindings {
+pub struct SceneAccuracy {
     #[serde(flatten)]
     pub scene: SceneRecord,
     #[serde(flatten)]
     pub rounds: Rounds,
     pub share: Option<f64>,
-    pub answer: Answer,
+    pub answer: FastestSettings,
     pub references: Vec<ReferenceRecord>,
-    pub families: Vec<Family<Point>>,
+    pub families: Vec<Family<MeasuredSetting>>,
     pub trials: Vec<TrialRecord>,
     pub steps: Option<StepsRecord>,
 }
 
 /// A setting.
 #[derive(Clone, Debug, Serialize)]
-pub struct Point {
+pub struct MeasuredSetting {
     pub x: f64,
     pub label: String,
     pub key: String,
@@ -87,7 +87,7 @@ pub struct Point {
     pub times: Vec<f64>,
 }
 
-impl SceneFindings {
+impl SceneAccuracy {
     /// Summarises the `records` of a scene.
     pub fn of(subject: &Subject, records: &[Record], errors: &[f64]) -> Self {
         let name = &*subject.record.scene;
@@ -102,7 +102,7 @@ impl SceneFindings {
             scene: subject.record.clone(),
             rounds: Rounds { rounds, left_out, busy: busy.len() - left_out },
             share: largest_share(name, records),
-            answer: Answer::default(),
+            answer: FastestSettings::default(),
             references: references.cloned().collect(),
             families: Vec::new(),
             trials: records_of(records)
@@ -117,7 +117,7 @@ impl SceneFindings {
         if let Some(varied) = found.families.iter().find(|family| family.counted == counted) {
             let costs = errors.iter().map(|error| varied.cost(*error, median(&before)));
             let (family, errors) = (varied.name, costs.collect());
-            found.answer = Answer { family, counted, errors };
+            found.answer = FastestSettings { family, counted, errors };
         }
         found
     }
@@ -129,7 +129,7 @@ impl SceneFindings {
     }
 
     /// The family of this name.
-    pub fn family(&self, name: &str) -> Option<&Family<Point>> {
+    pub fn family(&self, name: &str) -> Option<&Family<MeasuredSetting>> {
         self.families.iter().find(|family| family.name == name)
     }
 
@@ -138,30 +138,31 @@ impl SceneFindings {
         family: &Family<setting::CountedSetting>,
         records: &[Record],
         busy: &BTreeSet<u64>,
-    ) -> Family<Point> {
+    ) -> Family<MeasuredSetting> {
         let &Family { name, title, ref counted, target, .. } = family;
         let floor = self.floor(target);
-        let line = |line: &Series<setting::CountedSetting>| {
+        let line = |line: &SettingSeries<setting::CountedSetting>| {
             let point = |point: &setting::CountedSetting| {
                 let (scene, key) = (&self.scene.scene, point.2.key());
                 let is_it =
                     |p: &&PointRecord| p.scene == *scene && p.target == target && p.key == key;
                 let renders: Vec<&PointRecord> = records_of(records).filter(is_it).collect();
-                Point::of(point, &renders, floor, busy)
+                MeasuredSetting::of(point, &renders, floor, busy)
             };
-            let points: Vec<Point> = line.points.iter().filter_map(point).collect();
-            let counts = |p: &&Point| p.above_noise && p.x >= SLOPE_FROM && converges(&p.key);
+            let points: Vec<MeasuredSetting> = line.points.iter().filter_map(point).collect();
+            let counts =
+                |p: &&MeasuredSetting| p.above_noise && p.x >= SLOPE_FROM && converges(&p.key);
             let falling: Vec<_> = points.iter().filter(counts).map(|p| (p.x, &*p.each)).collect();
             let slope = fit::slope(&falling).filter(|_| !fit::stays(&falling));
-            Series { name: line.name.clone(), slope, points }
+            SettingSeries { name: line.name.clone(), slope, points }
         };
         let series = family.series.iter().map(line).collect();
         Family { name, title, counted: counted.clone(), target, series }
     }
 }
 
-impl Point {
-    /// The findings of a setting; times are those of rounds that were not busy.
+impl MeasuredSetting {
+    /// The results of a setting; times are those of rounds that were not busy.
     fn of(
         (x, label, setting): &setting::CountedSetting,
         renders: &[&PointRecord],
@@ -200,15 +201,15 @@ pub const ERRORS: [f64; 3] = [0.02, 0.01, 0.005];
 
 /// See the module documentation.
 #[derive(Clone, Debug, Default, Serialize)]
-pub struct Answer {
+pub struct FastestSettings {
     pub family: &'static str,
     pub counted: String,
-    pub errors: Vec<AtError>,
+    pub errors: Vec<FastestSetting>,
 }
 
 /// The cost of an error.
 #[derive(Clone, Debug, Default, Serialize)]
-pub struct AtError {
+pub struct FastestSetting {
     pub error: f64,
     pub sampler: Option<String>,
     pub points: Option<u64>,
@@ -218,7 +219,7 @@ pub struct AtError {
     pub at_least: bool,
 }
 
-impl Answer {
+impl FastestSettings {
     /// The cost of the error in the middle of those that were asked for, or of the smallest that was
     /// reached, in a sentence.
     pub fn sentence(&self) -> String {
@@ -255,48 +256,52 @@ impl Answer {
 }
 
 /// The ratio of the times of one setting to those of another.
-fn ratio(one: &Point, other: &Point) -> Option<Uncertain> {
-    let time = |p: &Point, seeds: &[usize]| median(&of(seeds, &p.times).collect::<Vec<_>>());
+fn ratio(one: &MeasuredSetting, other: &MeasuredSetting) -> Option<Uncertain> {
+    let time =
+        |p: &MeasuredSetting, seeds: &[usize]| median(&of(seeds, &p.times).collect::<Vec<_>>());
     let rounds = one.times.len().min(other.times.len());
     bootstrap(rounds, |seeds| Some(time(one, seeds) / time(other, seeds)))
 }
 
-impl Series<Point> {
+impl SettingSeries<MeasuredSetting> {
     /// The fastest of the measured settings whose error, up to the end of its interval, is at most `error`.
-    pub fn reach(&self, error: f64) -> Option<&Point> {
+    pub fn reach(&self, error: f64) -> Option<&MeasuredSetting> {
         let reaching = self.points.iter().filter(|point| point.rmse.high <= error);
         reaching.min_by(|a, b| a.seconds.median.total_cmp(&b.seconds.median))
     }
 
     /// The measured setting with the most points in at most `seconds`, or the one with the fewest.
-    pub fn within(&self, seconds: f64) -> Option<&Point> {
-        let in_time = |point: &&Point| point.seconds.median <= seconds;
+    pub fn within(&self, seconds: f64) -> Option<&MeasuredSetting> {
+        let in_time = |point: &&MeasuredSetting| point.seconds.median <= seconds;
         self.points.iter().rfind(in_time).or(self.points.first())
     }
 }
 
-impl Family<Point> {
+impl Family<MeasuredSetting> {
     /// The fastest of all measured settings whose error, up to the end of its interval, is at most `error`.
-    pub fn fastest(&self, error: f64) -> Option<(&Series<Point>, &Point)> {
+    pub fn fastest(
+        &self,
+        error: f64,
+    ) -> Option<(&SettingSeries<MeasuredSetting>, &MeasuredSetting)> {
         let reached = self.series.iter().filter_map(|s| Some((s, s.reach(error)?)));
         reached.min_by(|a, b| a.1.seconds.median.total_cmp(&b.1.seconds.median))
     }
 
     /// Random points.
-    pub fn random(&self) -> Option<&Series<Point>> {
+    pub fn random(&self) -> Option<&SettingSeries<MeasuredSetting>> {
         self.series.iter().find(|series| series.name == Sampling::Random.name())
     }
 
     /// The cost of `error` with the fastest of its settings, after so many seconds `before` tracing.
-    fn cost(&self, error: f64, before: f64) -> AtError {
+    fn cost(&self, error: f64, before: f64) -> FastestSetting {
         let Some((series, point)) = self.fastest(error) else {
-            return AtError { error, ..AtError::default() };
+            return FastestSetting { error, ..FastestSetting::default() };
         };
         let random = self.random();
         let reached = random.and_then(|random| random.reach(error));
         let rival = reached.or(random.and_then(|random| random.points.last()));
         let tracing = point.seconds.median;
-        AtError {
+        FastestSetting {
             error,
             sampler: Some(series.name.clone()),
             points: Some(point.x as u64),
