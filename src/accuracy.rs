@@ -6,8 +6,9 @@ use super::common::{Threads, above_zero, print, progress_bar, whole};
 use wavecrest_base::error::Result;
 use wavecrest_report::accuracy::pilot::target;
 use wavecrest_report::accuracy::report::ERRORS;
-use wavecrest_report::accuracy::store::{Circumstances, Record, Store, SweepHeader};
+use wavecrest_report::accuracy::store::{Record, Store, SweepHeader};
 use wavecrest_report::accuracy::{AccuracyReport, SweepProgress, page, sweep};
+use wavecrest_report::bench::Circumstances;
 use wavecrest_report::text::text;
 use wavecrest_scene::load::{LoadOptions, load, survey};
 use wavecrest_scene::systems::extract;
@@ -109,7 +110,7 @@ fn run_sweep(args: &AccuracyArgs, folder: &Path) -> Result<()> {
         least: args.reference.unwrap_or(reference),
     };
     let mut store = Store::open(folder, &header)?;
-    store.add(Record::Circumstances(Circumstances::here()))?;
+    store.add(Record::Circumstances(Circumstances::here(std::env::args().collect())))?;
     let bar = progress_bar(args.quiet, PROGRESS);
     bar.enable_steady_tick(std::time::Duration::from_millis(100));
     let mut swept = sweep::run(&args.scenes, seeds, &mut store, &|progress| match progress {

@@ -154,7 +154,7 @@ fn run_here(args: &BenchArgs) -> Result<bool> {
     let mut report = BenchReport::new(command.collect());
     if !args.json {
         let steps = Block::Paragraph(STEPS.to_owned());
-        print(&text(&[Block::Facts(machine(&report.machine)), steps]))?;
+        print(&text(&[Block::Facts(machine(&report.circumstances.machine)), steps]))?;
     }
     let outcome = args.scenes.iter().try_for_each(|path| {
         let scene = bench(args, path)?;
@@ -212,7 +212,7 @@ fn tell_scene(args: &BenchArgs, report: &BenchReport, found: &SceneBench) -> Res
     let name = &found.setting.scene;
     if !args.json {
         // Warnings go to standard error.
-        let mut blocks = scene(found, &report.machine);
+        let mut blocks = scene(found, &report.circumstances.machine);
         blocks.retain(|block| !matches!(block, Block::Warning(_)));
         print(&format!("\n{name}\n{}", text(&blocks)))?;
     }

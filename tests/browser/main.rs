@@ -18,7 +18,7 @@ use std::process::Command;
 use chromium::Browser;
 use serde_json::json;
 use tempfile::TempDir;
-use wavecrest_report::page::{Block, Cell, Fact, Page, Picture, Section, Table};
+use wavecrest_report::page::{Block, Cell, Page, Picture, Section, Table};
 use wavecrest_report::plot::{Chart, ChartAxis, Draw, Guide, Point, Scale, Series};
 
 /// Where screenshots are left.
@@ -85,7 +85,7 @@ fn page() -> Page {
                 vec![
                     Block::Paragraph("Words in a paragraph.".to_owned()),
                     Block::Warning("Words that warn.".to_owned()),
-                    Block::Facts(vec![Fact::new("a name", "Words that are known.")]),
+                    Block::Facts(vec![("a name", "Words that are known.".to_owned())]),
                     Block::Code(format!("wavecrest {}", "bench ".repeat(60))),
                     Block::Details(Section::new(
                         "More",

@@ -2,14 +2,13 @@
 //! that can be published.
 //!
 //! [`setting`] defines the variations; [`sweep`] renders them, with many seeds in random order, and
-//! writes each record to a [`store`] at once; errors are measured against a
-//! [reference](mod@reference) with a known error of its own. [`report`] summarises the records
+//! writes each record to a [`store`] at once; errors are measured against the reference of a
+//! [`subject`], with a known error of its own. [`report`] summarises the records
 //! with intervals ([`fit`]), and [`page`] shows them.
 
 pub mod fit;
 pub mod page;
 pub mod pilot;
-pub mod reference;
 pub mod report;
 pub mod setting;
 pub mod steps;
@@ -20,10 +19,10 @@ pub mod sweep;
 use serde::Serialize;
 
 use report::SceneAccuracy;
-use store::{Circumstances, Store, SweepHeader, records_of};
+use store::{Store, SweepHeader, records_of};
 use subject::Subject;
 
-use crate::bench::{Machine, commit};
+use crate::bench::Circumstances;
 
 /// The progress of a sweep. Work is counted in points of pixels: a rough measure, by which the time to go is estimated.
 #[derive(Clone, Copy, Debug)]
@@ -51,13 +50,6 @@ pub struct AccuracyReport {
     pub circumstances: Vec<Circumstances>,
     /// Each scene: see [`report`].
     pub scenes: Vec<SceneAccuracy>,
-}
-
-impl Circumstances {
-    /// The circumstances of this process.
-    pub fn here() -> Self {
-        Self { command: std::env::args().collect(), commit: commit(), machine: Machine::this() }
-    }
 }
 
 impl AccuracyReport {

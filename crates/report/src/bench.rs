@@ -59,5 +59,6 @@ pub mod variant;
 
 pub(crate) use compare::Ratio;
 pub use compare::Run;
-pub(crate) use machine::{Machine, commit};
+pub use machine::Circumstances;
+pub(crate) use machine::Machine;
 pub use report::{BenchPlan, BenchReport, BenchSetting, Preparation, SceneBench};

@@ -53,10 +53,9 @@ impl Estimated {
     /// on the shape whose textures read the most texels.
     pub fn of(scene: &PreparedScene, pixels: u64) -> Self {
         let primary = pixels * u64::from(scene.camera.rays_per_pixel());
-        let secondary = match scene.plan.schedule().has_transmission() {
-            true => u64::MAX,
-            false => primary.saturating_mul(u64::from(scene.bounces)),
-        };
+        let mirrored = primary.saturating_mul(u64::from(scene.bounces));
+        let is_divided = scene.plan.schedule().has_transmission();
+        let secondary = if is_divided { u64::MAX } else { mirrored };
         let hits = primary.saturating_add(secondary);
         let points = |sampled_alone: bool| -> u64 {
             let lights = scene.lights.iter().filter(|l| !sampled_alone || l.is_sampled());

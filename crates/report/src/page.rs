@@ -68,8 +68,8 @@ pub enum Block {
     Pictures(Vec<Picture>),
     /// Code or a command, unchanged.
     Code(String),
-    /// Named facts: the machine, versions, settings.
-    Facts(Vec<Fact>),
+    /// Facts, each with its name: the machine, versions, settings.
+    Facts(Vec<(&'static str, String)>),
     /// Details, shown on demand.
     Details(Section),
 }
@@ -112,15 +112,6 @@ pub struct Picture {
     pub alt: String,
     /// The caption.
     pub caption: String,
-}
-
-/// A named fact.
-#[derive(Clone, Debug, Default)]
-pub struct Fact {
-    /// Its name.
-    pub name: String,
-    /// Its value.
-    pub value: String,
 }
 
 impl Page {
@@ -220,12 +211,5 @@ impl Cell {
     /// A number with its text.
     pub fn number(value: f64, text: impl Into<String>) -> Self {
         Self { text: text.into(), value: Some(value) }
-    }
-}
-
-impl Fact {
-    /// A named fact.
-    pub fn new(name: impl Into<String>, value: impl Into<String>) -> Self {
-        Self { name: name.into(), value: value.into() }
     }
 }

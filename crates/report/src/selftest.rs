@@ -29,9 +29,6 @@ use std::path::Path;
 
 use serde::Serialize;
 
-use wavecrest_core::accel::Accel;
-use wavecrest_core::math::ray::Ray;
-
 pub use case::{Count, Effort, Outcome};
 pub use world::Losses;
 use world::{World, Worlds};
@@ -100,25 +97,15 @@ impl Case {
     /// Asks every kernel at every instruction level in exact precision. Scenes are files in
     /// `folder`, as in the repository's `scenes`.
     pub fn exact(&self, effort: &Effort, folder: &Path) -> Vec<CasePart> {
-        let rays = self.worlds.map(|worlds| {
+        let rays = self.worlds.map(|_| {
             let name = format!("rays {}", self.number);
-            CasePart::new(name, effort, worlds.exact(effort, self.number))
+            CasePart::new(name, effort, self.exact_hits(effort))
         });
         let scenes = self.scenes.iter().map(|name| {
             let file = folder.join(name).with_extension("json");
             CasePart::new((*name).to_owned(), effort, scenes::exact(effort, &file))
         });
         rays.into_iter().chain(scenes).collect()
-    }
-
-    /// What fast precision loses of its rays, if it has any.
-    pub fn fast(&self, effort: &Effort) -> Option<Losses> {
-        self.worlds.map(|worlds| worlds.fast(effort, self.number))
-    }
-
-    /// The trees and rays, for tests that know what the rays meet.
-    pub fn inputs(&self, effort: &Effort) -> Vec<(Accel, Vec<Ray>)> {
-        self.worlds.map_or_else(Vec::new, |worlds| worlds.inputs(effort, self.number))
     }
 }
 

@@ -135,10 +135,7 @@ mod tests {
         assert_eq!(s.each, [5.0, 1.0, 4.0, 2.0, 3.0], "in the order of the runs");
         let s = Summary::of(&[4.0, 1.0, 2.0, 100.0]).unwrap();
         assert_eq!((s.median, s.mad), (3.0, 1.5), "of 1, 2, 1 and 97");
-    }
-
-    #[test]
-    fn one_measurement_or_none_is_no_trouble() {
+        // One or none.
         let s = Summary::of(&[2.5]).unwrap();
         assert_eq!((s.median, s.mad), (2.5, 0.0));
         let i = MedianInterval::of(&[2.5]).unwrap();

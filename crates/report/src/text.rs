@@ -30,9 +30,9 @@ fn add(text: &mut String, block: &Block) {
         Block::Paragraph(words) => wrapped(text, words),
         Block::Warning(words) => wrapped(text, &format!("warning: {words}")),
         Block::Facts(facts) => {
-            let width = facts.iter().map(|fact| fact.name.chars().count()).max().unwrap_or(0);
-            for fact in facts {
-                let (name, value) = (plain(&fact.name), plain(&fact.value));
+            let width = facts.iter().map(|(name, _)| name.chars().count()).max().unwrap_or(0);
+            for (name, value) in facts {
+                let (name, value) = (plain(name), plain(value));
                 let _ = writeln!(text, "{INDENT}{name:<width$}{BETWEEN}{value}");
             }
         }
@@ -112,7 +112,6 @@ fn table_of(chart: &Chart) -> Table {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::page::Fact;
 
     #[test]
     fn columns_are_aligned_and_lines_are_short() {
@@ -123,7 +122,7 @@ mod tests {
         let words = "word ".repeat(60);
         let blocks = [
             Block::Paragraph(words.trim().to_owned()),
-            Block::Facts(vec![Fact::new("x", "1"), Fact::new("name", "2")]),
+            Block::Facts(vec![("x", "1".to_owned()), ("name", "2".to_owned())]),
             Block::Table(Table::new("", "variant|>ms", rows)),
         ];
         let text = text(&blocks);

@@ -147,20 +147,6 @@ mod tests {
         assert_eq!(slope(&[(1.0, vec![0.0]), (2.0, vec![1.0]), (3.0, vec![1.0])]), None);
     }
 
-    #[test]
-    fn an_error_that_something_else_limits_does_not_fall_any_more() {
-        let above = |floor: f64| {
-            let points = falling(-1.0, 0.1).into_iter();
-            points.map(move |(x, each)| {
-                (x, each.into_iter().map(|mse| mse + floor).collect::<Vec<_>>())
-            })
-        };
-        // The last errors are near 1/16, 1/64 and 1/256.
-        for (floor, expected) in [(0.0, false), (1e-3, false), (0.1, true), (1e3, true)] {
-            assert_eq!(stays(&above(floor).collect::<Vec<_>>()), expected, "{floor}");
-        }
-    }
-
     /// Of many experiments with a known mean, the share whose interval holds it is near the confidence.
     #[test]
     fn intervals_hold_the_truth_as_often_as_they_say() {

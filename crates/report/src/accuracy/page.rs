@@ -9,9 +9,8 @@ use std::path::Path;
 use super::AccuracyReport;
 use super::fit::Uncertain;
 use super::report::{FastestSetting, FastestSettings, SceneAccuracy};
-use super::store::Circumstances;
 use super::subject::Subject;
-use crate::bench::page::{command, recorded};
+use crate::bench::page::recorded;
 use crate::files::{to_json, write_text};
 use crate::measure::{busy, waiting};
 use crate::page::{Block, Cell, Page, Section, Table};
@@ -74,10 +73,8 @@ fn about(report: &AccuracyReport) -> Section {
     // Entries of a resumed sweep with the same command are shown once.
     distinct.dedup();
     for circumstances in &distinct {
-        let Circumstances { machine, commit, command: typed } = circumstances;
-        let facts = recorded(machine, &report.header.version, commit.as_deref());
-        blocks.push(Block::Facts(facts));
-        blocks.push(Block::Code(command(typed.get(1..).unwrap_or_default())));
+        let arguments = circumstances.command.get(1..).unwrap_or_default();
+        blocks.extend(recorded(circumstances, &report.header.version, arguments));
     }
     Section::new("How it was measured", blocks)
 }

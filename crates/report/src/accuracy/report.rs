@@ -31,13 +31,12 @@ use std::collections::BTreeSet;
 use serde::Serialize;
 
 use super::fit::{self, Uncertain, bootstrap, of};
-use super::reference::FLOOR;
 use super::setting::{self, Axis, Family, Setting, SettingSeries, Target, converges};
 use super::store::{
     PointRecord, PreparedRecord, Record, ReferenceRecord, SceneRecord, StepsRecord, TrialRecord,
     busy_rounds, largest_share, records_of,
 };
-use super::subject::Subject;
+use super::subject::{FLOOR, Subject};
 use crate::measure::Rounds;
 use crate::plot::number::{figure, seconds};
 use crate::summary::{ENOUGH, MedianInterval, median};

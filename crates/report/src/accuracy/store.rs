@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 use serde::{Deserialize, Serialize};
 
 use super::setting::Target;
-use crate::bench::{Machine, Preparation};
+use crate::bench::{Circumstances, Preparation};
 use crate::measure::{SHORT, Timing, quiet};
 use crate::selftest::errors::HitErrors;
 use wavecrest_base::error::{Error, ErrorKind, Result};
@@ -29,17 +29,6 @@ pub struct SweepHeader {
     pub most: u32,
     /// Smallest number of points of a render of the reference.
     pub least: u32,
-}
-
-/// The circumstances of the start or resumption of a sweep.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Circumstances {
-    /// The arguments.
-    pub command: Vec<String>,
-    /// The commit of the checkout that contains the program, with a `+` if it was modified.
-    pub commit: Option<String>,
-    /// As in the reports of `bench`.
-    pub machine: Machine,
 }
 
 /// A scene of the sweep.
@@ -69,7 +58,7 @@ pub struct PreparedRecord {
 
 /// A reference, stored in a file beside this one.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[allow(missing_docs, reason = "as in reference::Reference")]
+#[allow(missing_docs, reason = "as in the table of `report`")]
 pub struct ReferenceRecord {
     pub scene: String,
     pub target: Target,

@@ -1,12 +1,21 @@
-//! A scene rendered in many ways: prepared once for each structure, with new samples for each
-//! render.
+//! A scene rendered in many ways: prepared once for each precision and override of its file, with new samples for each
+//! render; and its reference images, with their own standard error.
+//!
+//! A reference is the mean of several renders with the reference kernel and different random numbers.
+//! Each is unbiased, so their spread estimates the distance of the mean from the truth: the
+//! standard error, as a root mean square over all values of the image. An error below [`FLOOR`]
+//! standard errors is noise of the reference; renders are added until the reference is accurate
+//! enough for the comparisons, or until there are [`MOST_REPLICATES`].
 
 use std::collections::{BTreeMap, HashMap};
 use std::path::Path;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Instant;
 
-use super::setting::{CountedSetting, Facts, Family, Setting, Target, families};
-use super::store::SceneRecord;
+use super::pilot::variance;
+use super::setting::{Axis, CountedSetting, Facts, Family, Setting, Target, converges, families};
+use super::store::{Record, ReferenceRecord, SceneRecord, Store, records_of};
+use super::{OnProgress, SweepProgress};
 use crate::bench::Preparation;
 use crate::measure::{Timing, rounds};
 use wavecrest_base::error::Result;
@@ -14,8 +23,12 @@ use wavecrest_core::accel::KernelChoice;
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::film::Film;
 use wavecrest_core::kernels::precision::Precision;
+use wavecrest_core::math::sampling::{Points, Sampling};
 use wavecrest_core::prepared::{Original, PreparedScene};
-use wavecrest_core::render::{RenderOptions, Rendered, Watch, render};
+use wavecrest_core::render::{Progress, RenderOptions, Rendered, Watch, render};
+use wavecrest_image::compare::compare;
+use wavecrest_image::read::read;
+use wavecrest_image::write::{Transfer, write};
 use wavecrest_scene::load::{LoadOptions, load};
 use wavecrest_scene::systems::overrides::{self, Overrides};
 use wavecrest_scene::systems::{Options, extract};
@@ -52,6 +65,18 @@ const REPETITIONS: usize = 10;
 /// Memory limit of prepared scenes: at least one is kept, and more up to this number of bytes, 4
 /// GiB.
 const MOST_BYTES: u64 = 4 << 30;
+
+/// Errors of at least this many standard errors are above the noise of the reference.
+pub const FLOOR: f64 = 3.0;
+
+/// Smallest number of renders of a reference: fewer would not show their spread.
+const LEAST_REPLICATES: usize = 4;
+
+/// Largest number of renders.
+const MOST_REPLICATES: usize = 32;
+
+/// Their first seed, which no other render uses.
+const FIRST_SEED: u64 = 1 << 63;
 
 impl Subject {
     /// The scene of `file`, with images of at most `longest` pixels on the longer side, and variations with up to
@@ -129,7 +154,7 @@ impl Subject {
     ///
     /// # Errors
     /// As for [`Self::render`].
-    pub fn render_with(
+    fn render_with(
         &mut self,
         kernel: KernelChoice,
         setting: &Setting,
@@ -165,6 +190,78 @@ impl Subject {
         Ok((quickest?, timing))
     }
 
+    /// The reference of `target` in `store`, or a new one, with the least points of each kind there:
+    /// rendered until the errors of the settings nearest to it are above its noise.
+    ///
+    /// # Errors
+    /// If the scene can no longer be rendered, or the reference can be neither read nor written.
+    pub(super) fn reference(
+        &mut self,
+        target: Target,
+        store: &mut Store,
+        progress: &OnProgress<'_>,
+    ) -> Result<Film> {
+        let (scene, least) = (self.record.scene.clone(), store.header.least);
+        let is_it = |known: &&ReferenceRecord| known.scene == scene && known.target == target;
+        let work = REFERENCE_COST * u64::from(least);
+        let of_one = self.pixels() * work;
+        if let Some(known) = records_of(&store.records).find(is_it) {
+            progress(SweepProgress::Step(LEAST_REPLICATES as u64 * of_one));
+            return read(&store.folder.join(&known.file));
+        }
+        let approached = self.families.iter().filter(|family| family.target == target);
+        let last = approached.flat_map(|family| &family.series).filter_map(|s| s.points.last());
+        let nearest = last.filter(|(.., setting)| converges(&setting.key()));
+        let nearest: Vec<Setting> = nearest.map(|(.., setting)| *setting).collect();
+        let (setting, count) = setting(&self.facts, target, least);
+        let is_sampled = self.facts.is_sampled(target);
+        let mut films: Vec<Film> = Vec::new();
+        let mut seconds = 0.0;
+        let (film, standard_error) = loop {
+            let seed = FIRST_SEED + films.len() as u64;
+            progress(SweepProgress::More(u64::from(films.len() >= LEAST_REPLICATES) * of_one));
+            let told = AtomicU64::new(0);
+            let watch = Progress(|done: u64, _| {
+                let before = told.fetch_max(done, Ordering::Relaxed);
+                progress(SweepProgress::Step(done.saturating_sub(before) * work));
+            });
+            let rendered = self.render_with(KernelChoice::Reference, &setting, seed, &watch)?;
+            seconds += rendered.seconds;
+            films.push(rendered.film);
+            if !is_sampled {
+                progress(SweepProgress::Step((LEAST_REPLICATES as u64 - 1) * of_one));
+                break (mean(&films)?, 0.0);
+            }
+            if films.len() < LEAST_REPLICATES {
+                continue;
+            }
+            let standard_error = (variance(&films) / films.len() as f64).sqrt();
+            let film = mean(&films)?;
+            let mut smallest = f64::INFINITY;
+            for setting in &nearest {
+                let rendered = self.render(setting, 0)?;
+                smallest = smallest.min(compare(&rendered.film, &film)?.rmse);
+            }
+            if smallest >= FLOOR * standard_error || films.len() >= MOST_REPLICATES {
+                break (film, standard_error);
+            }
+        };
+        let file = format!("{scene}-{}.exr", target.name());
+        write(&film, &store.folder.join(&file), Transfer::Linear)?;
+        let replicates = films.len() as u32;
+        let samples = u64::from(replicates) * u64::from(count);
+        store.add(Record::Reference(ReferenceRecord {
+            scene,
+            target,
+            file,
+            samples,
+            replicates,
+            standard_error,
+            seconds,
+        }))?;
+        Ok(film)
+    }
+
     /// Drops prepared scenes until another one fits.
     fn make_room(&mut self) {
         let bytes = |prepared: &PreparedSubject| prepared.scene.bytes();
@@ -181,3 +278,31 @@ fn within(size: [u32; 2], longest: u32) -> [u32; 2] {
     let side = size.into_iter().fold(longest, u32::max);
     size.map(|n| (u64::from(n) * u64::from(longest) / u64::from(side)).max(1) as u32)
 }
+
+/// The mean of images of one size, at least one.
+fn mean(films: &[Film]) -> Result<Film> {
+    let mut mean = Film::new(films[0].width(), films[0].height())?;
+    for (index, value) in mean.pixels_mut().as_flattened_mut().iter_mut().enumerate() {
+        let each = films.iter().map(|film| f64::from(film.pixels().as_flattened()[index]));
+        *value = (each.sum::<f64>() / films.len() as f64) as f32;
+    }
+    Ok(mean)
+}
+
+/// The setting of the reference of `target`, and the number of points of each kind in the scene: at
+/// least `least` for each sampled kind.
+fn setting(facts: &Facts, target: Target, least: u32) -> (Setting, u32) {
+    if !facts.is_sampled(target) {
+        return (Setting::default(), 1);
+    }
+    let side = (1..).find(|side| side * side >= least).unwrap_or(1);
+    let points = Points { sampling: Sampling::Sobol, side };
+    let axis = if target == Target::Pixel { Axis::Pixel(facts.lights) } else { Axis::of(facts) };
+    (Setting { samples: axis.samples(points), ..Setting::default() }, points.count())
+}
+
+/// The least work of a reference for each of its points: see [`Setting::work`].
+pub(super) const LEAST_WORK: u64 = REFERENCE_COST * LEAST_REPLICATES as u64;
+
+/// How many times as long as the usual kernel the reference kernel takes, roughly.
+const REFERENCE_COST: u64 = 3;

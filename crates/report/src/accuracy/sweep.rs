@@ -14,8 +14,8 @@ use super::store::{
     ImageErrors, PointRecord, PreparedRecord, Record, Store, SweepHeader, TrialRecord, busy_rounds,
     records_of,
 };
-use super::subject::Subject;
-use super::{OnProgress, SweepProgress, reference, steps};
+use super::subject::{LEAST_WORK, Subject};
+use super::{OnProgress, SweepProgress, steps};
 use crate::measure::rounds;
 use crate::selftest::examine::trial;
 use crate::selftest::{Count, Effort};
@@ -40,7 +40,7 @@ pub fn run(
     let SweepHeader { longest, most, least, .. } = store.header;
     let open = |file: &PathBuf| Subject::open(file, longest, most);
     let mut subjects = files.iter().map(open).collect::<Result<Vec<Subject>>>()?;
-    let references = Target::ALL.len() as u64 * reference::LEAST_WORK * u64::from(least);
+    let references = Target::ALL.len() as u64 * LEAST_WORK * u64::from(least);
     let work = |subject: &Subject| {
         let settings = settings(&subject.families);
         let points: u64 = settings.iter().map(|(_, setting)| setting.work()).sum();
@@ -52,7 +52,7 @@ pub fn run(
         for target in Target::ALL {
             let stage = format!("{}: reference ({target})", subject.record.scene);
             progress(SweepProgress::Stage(&stage));
-            let film = reference::reference(subject, target, store, progress)?;
+            let film = subject.reference(target, store, progress)?;
             subject.references.insert(target, film);
         }
         points(subject, seeds as usize, store, progress)?;

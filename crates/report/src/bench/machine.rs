@@ -5,6 +5,24 @@ use std::process::Command;
 
 use serde::{Deserialize, Serialize};
 
+/// The circumstances of a measurement.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Circumstances {
+    /// The arguments.
+    pub command: Vec<String>,
+    /// The commit of the checkout that contains the program, with a `+` if it was modified.
+    pub commit: Option<String>,
+    /// The machine.
+    pub machine: Machine,
+}
+
+impl Circumstances {
+    /// Those of this process, with these arguments.
+    pub fn here(command: Vec<String>) -> Self {
+        Self { command, commit: commit(), machine: Machine::this() }
+    }
+}
+
 /// The machine.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Machine {
@@ -81,7 +99,7 @@ fn processors_in(list: &str) -> Option<usize> {
 
 /// The commit of the checkout that contains this program, with a `+` if its files are modified;
 /// `None` outside a checkout, or without git.
-pub(crate) fn commit() -> Option<String> {
+fn commit() -> Option<String> {
     let program = std::env::current_exe().ok()?;
     let folder = program.parent()?;
     let head = git(folder, &["rev-parse", "HEAD"])?;

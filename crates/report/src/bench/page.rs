@@ -6,10 +6,10 @@ mod comparison;
 use std::path::Path;
 
 use super::compare::{VariantBench, sum};
-use super::machine::{Cache, Machine};
+use super::machine::{Cache, Circumstances, Machine};
 use super::report::{BenchReport, SceneBench, waiting};
 use crate::measure;
-use crate::page::{Block, Cell, Fact, Page, Section, Table, file_name};
+use crate::page::{Block, Cell, Page, Section, Table, file_name};
 use crate::plot::number::{figure, plural};
 use crate::plot::{ChartAxis, Scale, Series};
 use crate::summary::CONFIDENCE;
@@ -25,11 +25,11 @@ pub fn page(report: &BenchReport) -> Page {
     }
     for scene in &report.scenes {
         let title = format!("`{}`", name(scene, &report.scenes));
-        sections.push(Section::new(title, self::scene(scene, &report.machine)));
+        sections.push(Section::new(title, self::scene(scene, &report.circumstances.machine)));
     }
-    let facts = recorded(&report.machine, report.version, report.commit.as_deref());
-    let command = Block::Code(command(&report.command));
-    sections.push(Section::new("How it was measured", vec![Block::Facts(facts), command]));
+    let arguments = &report.circumstances.command;
+    let measured = recorded(&report.circumstances, report.version, arguments);
+    sections.push(Section::new("How it was measured", measured.to_vec()));
     let title = "Wavefront against recursive".to_owned();
     let mut first = Vec::from_iter(busy(&report.scenes).map(Block::Warning));
     first.push(Block::Paragraph(STEPS.to_owned()));
@@ -186,7 +186,7 @@ pub fn scene(scene: &SceneBench, machine: &Machine) -> Vec<Block> {
     blocks
 }
 
-fn facts(scene: &SceneBench, machine: &Machine) -> Vec<Fact> {
+fn facts(scene: &SceneBench, machine: &Machine) -> Vec<(&'static str, String)> {
     let (image, rays, setting) = (&scene.image, &scene.rays, &scene.setting);
     let [primary, secondary, shadow] =
         [rays.primary, rays.secondary, rays.shadow].map(|count| figure(count as f64));
@@ -207,7 +207,7 @@ fn facts(scene: &SceneBench, machine: &Machine) -> Vec<Fact> {
     let kernel = format!("kernel {}, {}", setting.kernel.name(), setting.simd.name());
     let peak =
         scene.memory.peak.map(|peak| format!("{:.1} MB, whole process so far", peak as f64 / 1e6));
-    let facts = [
+    vec![
         ("image", format!("{} × {} pixels, {samples}", image.width, image.height)),
         ("scene", kinds.collect::<Vec<_>>().join(", ")),
         ("rays a run", format!("{primary} primary, {secondary} secondary, {shadow} shadow")),
@@ -217,42 +217,37 @@ fn facts(scene: &SceneBench, machine: &Machine) -> Vec<Fact> {
             "settings",
             format!("{kernel}, {} precision, seed {}", setting.precision.name(), setting.seed),
         ),
-        ("peak memory", peak.unwrap_or_else(|| "unknown".to_owned())),
-    ];
-    facts.map(|(name, value)| Fact::new(name, value)).to_vec()
+        ("peak memory", peak.unwrap_or_else(unknown)),
+    ]
 }
 
 /// A number of bytes in units of 1024.
 fn size(bytes: u64) -> String {
-    let kibibytes = bytes as f64 / 1024.0;
-    let tenths = |value: f64| figure((10.0 * value).round() / 10.0);
-    match kibibytes {
-        ..1024.0 => format!("{} KiB", tenths(kibibytes)),
-        _ => format!("{} MiB", tenths(kibibytes / 1024.0)),
-    }
+    let (kibi, mebi) = (bytes as f64 / 1024.0, bytes as f64 / 1_048_576.0);
+    let (value, unit) = if kibi < 1024.0 { (kibi, "KiB") } else { (mebi, "MiB") };
+    format!("{} {unit}", figure((10.0 * value).round() / 10.0))
 }
 
 /// The machine.
-pub fn machine(machine: &Machine) -> Vec<Fact> {
+pub fn machine(machine: &Machine) -> Vec<(&'static str, String)> {
     vec![
-        Fact::new("processor", machine.processor.as_deref().unwrap_or("unknown")),
-        Fact::new("cores, threads", format!("{}, {}", machine.cores, machine.threads)),
-        Fact::new("system", &machine.os),
+        ("processor", machine.processor.clone().unwrap_or_else(unknown)),
+        ("cores, threads", format!("{}, {}", machine.cores, machine.threads)),
+        ("system", machine.os.clone()),
     ]
 }
 
-/// The machine and the program of a measurement.
-pub(crate) fn recorded(of: &Machine, version: &str, commit: Option<&str>) -> Vec<Fact> {
-    let mut facts = machine(of);
-    facts.push(Fact::new("wavecrest", version));
-    facts.push(Fact::new("commit", commit.unwrap_or("unknown")));
-    facts
+fn unknown() -> String {
+    "unknown".to_owned()
 }
 
-/// A command with these arguments, as typed.
-pub(crate) fn command(arguments: &[String]) -> String {
+/// The machine, the program and its command of a measurement, with the arguments as typed.
+pub(crate) fn recorded(of: &Circumstances, version: &str, arguments: &[String]) -> [Block; 2] {
+    let mut facts = machine(&of.machine);
+    facts.push(("wavecrest", version.to_owned()));
+    facts.push(("commit", of.commit.clone().unwrap_or_else(unknown)));
     let words = arguments.iter().map(|word| format!(" {}", quoted(word)));
-    words.fold("wavecrest".to_owned(), |command, word| command + &word)
+    [Block::Facts(facts), Block::Code(format!("wavecrest{}", words.collect::<String>()))]
 }
 
 /// A word of a command, quoted for a shell if necessary.

@@ -8,7 +8,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::compare::{BenchComparison, Runner, VariantBench, compare};
-use super::machine::{Machine, commit};
+use super::machine::Circumstances;
 use super::variant::{Variant, Varied};
 use crate::measure::{self, RoundLimits, busy};
 use crate::plot::number::plural;
@@ -28,9 +28,8 @@ use wavecrest_scene::memory;
 #[derive(Clone, Debug, Serialize)]
 pub struct BenchReport {
     pub version: &'static str,
-    pub command: Vec<String>,
-    pub commit: Option<String>,
-    pub machine: Machine,
+    #[serde(flatten)]
+    pub circumstances: Circumstances,
     pub scenes: Vec<SceneBench>,
 }
 
@@ -94,8 +93,8 @@ pub struct BenchPlan {
 impl BenchReport {
     /// An empty report by this program on this machine.
     pub fn new(command: Vec<String>) -> Self {
-        let (machine, commit) = (Machine::this(), commit());
-        Self { version: env!("CARGO_PKG_VERSION"), command, commit, machine, scenes: Vec::new() }
+        let circumstances = Circumstances::here(command);
+        Self { version: env!("CARGO_PKG_VERSION"), circumstances, scenes: Vec::new() }
     }
 }
 

@@ -3,19 +3,6 @@ use wavecrest_core::accel::build::Preset;
 use wavecrest_core::film::Film;
 use wavecrest_core::render::RenderOptions;
 
-fn schedule() -> RoundLimits {
-    RoundLimits { warmup: 1, most: 2, seconds: 0.0 }
-}
-
-fn setting() -> EffectSetting {
-    EffectSetting {
-        simd: Level::best(),
-        kernel: KernelChoice::default(),
-        precision: Precision::default(),
-        batch: 64,
-    }
-}
-
 /// The list's scenes, some pixels large.
 fn entries() -> Vec<EffectScene> {
     let folder = tempfile::tempdir().expect("a folder");
@@ -37,44 +24,47 @@ fn entries() -> Vec<EffectScene> {
     variants.into_iter().map(prepare).collect()
 }
 
-fn trace(scene: &PreparedScene, tracer: TracerKind) -> Result<Run> {
-    Run::of(scene, &RenderOptions { tracer, ..RenderOptions::default() })
+/// The list, with runs that `spoil` changes.
+fn measured(
+    entries: &[EffectScene],
+    spoil: impl Fn(&PreparedScene, TracerKind, &mut Run),
+) -> PriceList {
+    let (simd, kernel, precision) = (Level::best(), KernelChoice::default(), Precision::default());
+    let setting = EffectSetting { simd, kernel, precision, batch: 64 };
+    let schedule = RoundLimits { warmup: 1, most: 2, seconds: 0.0 };
+    let trace = |scene: &PreparedScene, tracer| {
+        let mut run = Run::of(scene, &RenderOptions { tracer, ..RenderOptions::default() })?;
+        spoil(scene, tracer, &mut run);
+        Ok(run)
+    };
+    measure(entries, setting, &schedule, trace, &mut |_, _| {}).expect("a list")
 }
 
-/// What a render that is spoilt gives, and words of it: an effect that should be hidden, and a tracer that disagrees.
+/// An effect that should be hidden, and a tracer that disagrees.
 #[test]
 fn a_difference_ends_the_measurement() {
     let entries = entries();
     let hidden = entries.iter().position(|e| !e.variant.reached).expect("one");
-    let found = |spoil: &dyn Fn(&PreparedScene, TracerKind, &mut Run)| {
-        let trace = |scene: &PreparedScene, tracer| {
-            let mut run = trace(scene, tracer)?;
-            spoil(scene, tracer, &mut run);
-            Ok(run)
-        };
-        let found =
-            measure(&entries, setting(), &schedule(), trace, &mut |_, _| {}).expect("a list");
-        assert!(found.effects.is_empty());
-        (text(&found), found.difference.expect("a difference").label)
-    };
-    let (words, label) = found(&|scene, _, run| {
+    let found = measured(&entries, |scene, _, run| {
         let is_hidden = std::ptr::eq(scene, &raw const entries[hidden].scene);
         run.rendered.counters.look_ups.texels += u64::from(is_hidden);
     });
-    assert!(label.starts_with(&entries[hidden].variant.name) && words.contains("THE WORK DIFFERS"));
-    let (words, label) = found(&|_, tracer, run| {
+    let difference = found.difference.as_ref().expect("a difference");
+    assert!(difference.label.starts_with(&entries[hidden].variant.name));
+    assert!(found.effects.is_empty() && text(&found).contains("THE WORK DIFFERS"));
+    let found = measured(&entries, |_, tracer, run| {
         if tracer == TracerKind::Recursive {
             run.rendered.film = Film::new(16, 12).expect("a film");
         }
     });
-    assert_eq!(label, format!("{} (Recursive)", entries[0].variant.name));
-    assert!(words.contains("THE IMAGES DIFFER"), "{words}");
+    let difference = found.difference.expect("a difference");
+    assert_eq!(difference.label, format!("{} (Recursive)", entries[0].variant.name));
 }
 
 /// The kinds of maps, cut-outs among them.
 #[test]
 fn maps_in_view_are_priced_by_the_hit() {
-    let found = measure(&entries(), setting(), &schedule(), trace, &mut |_, _| {}).expect("a list");
+    let found = measured(&entries(), |_, _, _| {});
     let is_map = |name: &str| ["a texture,", "map", "cut-outs"].iter().any(|w| name.contains(w));
     for price in &found.effects {
         let costs = [&price.wavefront, &price.recursive];

@@ -3,7 +3,7 @@
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 
-use super::{Block, Cell, Column, Fact, Picture, Section, Table};
+use super::{Block, Cell, Column, Picture, Section, Table};
 use crate::markup::{element, escape, inline};
 use crate::plot::Chart;
 
@@ -34,7 +34,7 @@ fn one(block: &Block) -> String {
             format!("<pre tabindex=\"0\"><code>{text}</code></pre>\n")
         }
         Block::Facts(facts) => {
-            let fact = |Fact { name, value }: &Fact| {
+            let fact = |(name, value): &(&str, String)| {
                 format!("<div><dt>{}</dt><dd>{}</dd></div>\n", inline(name), inline(value))
             };
             let facts: String = facts.iter().map(fact).collect();

@@ -30,7 +30,7 @@ fn chart(words: &str) -> Chart {
 }
 
 /// A page with every block, all of whose text is `words`.
-fn page(words: &str) -> Page {
+fn page(words: &'static str) -> Page {
     let text = || words.to_owned();
     let bars = [(text(), vec![(text(), 1.0)])];
     let blocks = vec![
@@ -46,7 +46,7 @@ fn page(words: &str) -> Page {
         }),
         Block::Pictures(vec![picture(words), picture(words)]),
         Block::Code(text()),
-        Block::Facts(vec![Fact::new(words, words)]),
+        Block::Facts(vec![(words, text())]),
         Block::Details(Section::new(words, vec![Block::Paragraph(text())])),
     ];
     let sections = vec![Section::new(words, blocks)];

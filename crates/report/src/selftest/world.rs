@@ -4,6 +4,7 @@ use serde::Serialize;
 
 use xxhash_rust::xxh3::Xxh3;
 
+use super::Case;
 use super::agreement::{by_reference, compare};
 use super::prelude::*;
 
@@ -34,7 +35,7 @@ pub(super) struct Worlds {
 }
 
 /// What fast precision loses.
-#[derive(Clone, Copy, Debug, Default, Serialize)]
+#[derive(Clone, Copy, Debug, Serialize)]
 pub struct Losses {
     /// Rays.
     pub tried: u64,
@@ -57,33 +58,33 @@ impl World {
     }
 }
 
-impl Worlds {
+impl Case {
     /// Each world with its rays, and the tree in which they are searched. Brute force, which is slow, gets a tenth of
     /// the rays.
     fn each<T: Send>(
-        self,
+        &self,
         effort: &Effort,
-        case: u32,
         of: impl Fn(World, Vec<Ray>, Preset) -> T + Sync,
     ) -> Vec<T> {
+        let Some(Worlds { worlds, rays, make }) = self.worlds else { return Vec::new() };
         let one = |n: usize| {
-            let world = (self.make)(&mut InputRng::new(effort, [case, 0], n));
+            let world = make(&mut InputRng::new(effort, [self.number, 0], n));
             // Each tree in turn, starting with the next in every round, so that worlds of each kind have all.
             let preset = Preset::ALL[(n + n / Preset::ALL.len()) % Preset::ALL.len()];
             let slower = if preset == Preset::Brute { 10 } else { 1 };
-            let count = effort.of([self.rays / 100, self.rays]) / self.worlds / slower;
+            let count = effort.of([rays / 100, rays]) / worlds / slower;
             let rays = (0..count).into_par_iter();
-            let aim = |i| (world.aim)(&mut InputRng::new(effort, [case, 1 + n as u32], i));
+            let aim = |i| (world.aim)(&mut InputRng::new(effort, [self.number, 1 + n as u32], i));
             let rays = rays.filter_map(aim).collect();
             of(world, rays, preset)
         };
-        (0..self.worlds).into_par_iter().map(one).collect()
+        (0..worlds).into_par_iter().map(one).collect()
     }
 
     /// Every kernel at every level must answer as the reference; returns the hash of its answers, and
     /// of the number of degenerate triangles.
-    pub(super) fn exact(self, effort: &Effort, case: u32) -> (Outcome, u64) {
-        let answers = self.each(effort, case, |world, rays, preset| {
+    pub(super) fn exact_hits(&self, effort: &Effort) -> (Outcome, u64) {
+        let answers = self.each(effort, |world, rays, preset| {
             let mut accel = effort.accel(world.geometry, preset);
             let answered = by_reference(&mut accel, &rays);
             let mut outcome = compare(&mut accel, &answered);
@@ -100,17 +101,17 @@ impl Worlds {
         (answers.into_iter().map(|(outcome, _)| outcome).sum(), bits)
     }
 
-    /// The worlds' trees and rays in exact precision, for tests that know what the rays meet.
-    pub(super) fn inputs(self, effort: &Effort, case: u32) -> Vec<(Accel, Vec<Ray>)> {
-        let accel = |world: World, rays, preset| (effort.accel(world.geometry, preset), rays);
-        self.each(effort, case, accel)
+    /// The trees and rays in exact precision, for tests that know what the rays meet.
+    pub fn inputs(&self, effort: &Effort) -> Vec<(Accel, Vec<Ray>)> {
+        self.each(effort, |world, rays, preset| (effort.accel(world.geometry, preset), rays))
     }
 
-    /// What fast precision loses.
-    pub(super) fn fast(self, effort: &Effort, case: u32) -> Losses {
+    /// What fast precision loses of its rays, if it has any.
+    pub fn fast(&self, effort: &Effort) -> Option<Losses> {
+        self.worlds?;
         let effort = Effort { precision: Precision::Fast, ..*effort };
         let exact = Effort { precision: Precision::Exact, ..effort };
-        let losses = self.each(&effort, case, |world, rays, preset| {
+        let losses = self.each(&effort, |world, rays, preset| {
             let hits = |effort: &Effort| {
                 let accel = effort.accel(world.geometry.clone(), preset);
                 let mut hits = vec![Hit::MISS; rays.len()];
@@ -130,11 +131,9 @@ impl Worlds {
                 false_hits: count(|(exact, fast)| is_beyond(exact, fast), false),
             }
         });
-        losses.into_iter().fold(Losses::default(), |all, one| Losses {
-            tried: all.tried + one.tried,
-            leaks: all.leaks + one.leaks,
-            false_hits: all.false_hits + one.false_hits,
-        })
+        let sum = |of: fn(&Losses) -> u64| losses.iter().map(of).sum();
+        let (tried, leaks) = (sum(|one| one.tried), sum(|one| one.leaks));
+        Some(Losses { tried, leaks, false_hits: sum(|one| one.false_hits) })
     }
 }
 

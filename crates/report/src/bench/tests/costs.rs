@@ -28,7 +28,7 @@ fn with_maps(folder: &Path) -> PreparedScene {
 }
 
 #[test]
-fn passes_are_told_by_what_they_handle() {
+fn passes_are_told_by_what_they_handle_and_spans_by_bounce() {
     let folder = tempfile::tempdir().unwrap();
     let ladder = compared_in(&with_maps(folder.path()), Varied::Ladder, 2, |_, _| 0.1, |_, _| {});
     assert_eq!(ladder.difference, None);
@@ -58,12 +58,10 @@ fn passes_are_told_by_what_they_handle() {
     let untimed = &ladder.variants[0];
     assert!(untimed.costs.is_empty() && timed.passes.len() == TimedPass::ALL.len());
     assert!((sum(&timed.passes) / sum(&untimed.passes) - 1.0).abs() < 1e-9, "{:?}", timed.passes);
+    spans_are_told_by_bounce(ladder);
 }
 
-#[test]
-fn spans_are_told_by_bounce() {
-    let folder = tempfile::tempdir().unwrap();
-    let ladder = compared_in(&with_maps(folder.path()), Varied::Ladder, 2, |_, _| 0.1, |_, _| {});
+fn spans_are_told_by_bounce(ladder: BenchComparison) {
     let spans = &ladder.wavefront().unwrap().spans;
     assert_eq!(spans.len(), 2, "{spans:?}");
     let mapped: u64 = spans.iter().map(|span| span.hits).sum();
