@@ -41,9 +41,6 @@ mod texture;
 // Light at extreme places, and reflection of it.
 mod shading;
 
-// Neither the order of triangles and rays nor the octant decides.
-mod order;
-
 use proptest::test_runner::{Config, RngSeed};
 
 /// Tries the same inputs in every run, unless the environment names others.

@@ -1,8 +1,9 @@
 use std::cmp::Ordering;
 
 use glam::{DAffine3, DQuat, Vec3};
-use num_traits::{Signed, Zero};
+use num_traits::Signed;
 use proptest::prelude::*;
+use proptest::test_runner::Config;
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::accel::{Accel, Hit, KernelChoice};
 use wavecrest_core::geometry::instance::Instance;
@@ -13,9 +14,9 @@ use wavecrest_core::kernels::slab::Aabb;
 use wavecrest_core::math::ray::Ray;
 use wavecrest_core::math::simd::Level;
 
-use crate::disk;
-use crate::exact::{Exact, dot, exact, exact3, is_within, meeting, minus, rounded_once};
+use crate::exact::{Exact, exact, meeting, rounded_once};
 use crate::inputs::{magnitude, unit};
+use crate::{disk, sphere};
 
 /// A place where surfaces nearly coincide: half as wide as a wall, and with the plane's normal.
 #[derive(Clone, Copy, Debug)]
@@ -157,28 +158,6 @@ impl Place {
     }
 }
 
-/// The root of a number, to 2^-500; those of squares exactly.
-fn root(x: &Exact) -> Exact {
-    let scale = num_traits::pow(exact(2.0), 500);
-    let one = x.numer() / x.numer().abs();
-    let wide = (x * &scale * &scale).floor();
-    let exactly = Exact::new(x.numer().sqrt(), x.denom().sqrt());
-    if &exactly * &exactly == *x { exactly } else { Exact::new(wide.numer().sqrt(), one) / scale }
-}
-
-/// The t within its range at which a ray meets a sphere: to 2^-500 of the ray's length.
-fn both(ray: &Ray, center: Vec3, radius: f32) -> Vec<Exact> {
-    let (f, d, r) =
-        (minus(&exact3(ray.origin), &exact3(center)), exact3(ray.direction), exact(radius));
-    let (a, b, c) = (dot(&d, &d), -dot(&f, &d), dot(&f, &f) - &r * &r);
-    let discriminant = &b * &b - &a * &c;
-    if discriminant.is_negative() {
-        return Vec::new();
-    }
-    let root = if discriminant.is_zero() { discriminant } else { root(&discriminant) };
-    [(&b - &root) / &a, (&b + &root) / &a].into_iter().filter(|t| is_within(ray, t)).collect()
-}
-
 /// Every t at which a ray meets a primitive.
 fn met(geometry: &Geometry, ray: &Ray, number: u32) -> Vec<Exact> {
     match geometry.primitive(number) {
@@ -187,7 +166,7 @@ fn met(geometry: &Geometry, ray: &Ray, number: u32) -> Vec<Exact> {
             halves(&geometry.quad(i)).iter().filter_map(|half| meeting(ray, half)).collect()
         }
         Primitive::Quadric(i) => match geometry.quadrics[i] {
-            Quadric::Sphere(center, radius) => both(ray, center, radius),
+            Quadric::Sphere(center, radius) => sphere::meetings(ray, center, radius),
             Quadric::Disk(disk) => disk::meeting(ray, &disk).into_iter().collect(),
         },
         Primitive::Instanced(instanced) => {
@@ -240,20 +219,29 @@ fn ways(geometry: &Geometry, part: usize) -> impl Iterator<Item = Accel> {
 /// See [`ways`]; no divisor of the number of levels, so that each part has all of them.
 const PARTS: usize = 5;
 
+/// Walls as a geometry, rays at their place, and a part of the [`ways`] to ask.
+fn questions() -> impl Strategy<Value = (Geometry, Vec<Ray>, usize)> {
+    let targets = prop::collection::vec((-1.0_f32..1.0, -1.0_f32..1.0), 1..32);
+    (place(), walls(), magnitude(0, 20), unit(), targets, 0..PARTS).prop_map(
+        |(place, walls, distance, from, targets, part)| {
+            (place.geometry(&walls), place.rays(distance.abs(), from, &targets), part)
+        },
+    )
+}
+
+/// One of so many cases: of each, many ways are tried.
+fn config(part: u32) -> Config {
+    Config { cases: crate::config().cases.div_ceil(part), ..crate::config() }
+}
+
 proptest! {
-    #![proptest_config(proptest::test_runner::Config {
-        cases: crate::config().cases.div_ceil(10),
-        ..crate::config()
-    })]
+    #![proptest_config(config(10))]
 
     /// Whatever kernel is asked, the answers are those of the reference kernel without a tree.
     #[test]
     fn surfaces_that_nearly_coincide_are_met_as_the_reference_meets_them(
-        place in place(), walls in walls(), distance in magnitude(0, 20), from in unit(),
-        targets in prop::collection::vec((-1.0_f32..1.0, -1.0_f32..1.0), 1..32), part in 0..PARTS,
+        (geometry, rays, part) in questions(),
     ) {
-        let geometry = place.geometry(&walls);
-        let rays = place.rays(distance.abs(), from, &targets);
         let ask = |accel: &Accel| {
             let (mut traversal, mut hits) = (accel.traversal(), vec![Hit::MISS; rays.len()]);
             let mut occluded = vec![false; rays.len()];
@@ -271,19 +259,13 @@ proptest! {
 }
 
 proptest! {
-    #![proptest_config(proptest::test_runner::Config {
-        cases: crate::config().cases.div_ceil(300),
-        ..crate::config()
-    })]
+    #![proptest_config(config(300))]
 
     /// The closest hit has the least exact t, and all that a ray crosses is in the order of exact t.
     #[test]
     fn surfaces_that_nearly_coincide_are_met_in_the_order_of_exact_t(
-        place in place(), walls in walls(), distance in magnitude(0, 20), from in unit(),
-        targets in prop::collection::vec((-1.0_f32..1.0, -1.0_f32..1.0), 1..32), part in 0..PARTS,
+        (geometry, rays, part) in questions(),
     ) {
-        let geometry = place.geometry(&walls);
-        let rays = place.rays(distance.abs(), from, &targets);
         let all: Vec<_> = rays.iter().map(|ray| ranked(&geometry, ray)).collect();
         let closest: Vec<Hit> =
             all.iter().map(|ranked| ranked.first().map_or(Hit::MISS, hit)).collect();
