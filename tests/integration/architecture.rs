@@ -37,10 +37,7 @@ const UNSAFE: [&str; 3] =
 /// The most lines that a file may have, its tests apart.
 const MOST_LINES: usize = 400;
 
-/// Files that may be longer, each with its reason. There are none.
-const LONGER: &[(&str, &str)] = &[];
-
-/// A source file, without comments and tests.
+/// A source file, without tests.
 struct Source {
     /// Relative to the repository.
     path: PathBuf,
@@ -48,19 +45,22 @@ struct Source {
     module: String,
     /// How many `super::` lead from it to the root of its crate.
     depth: usize,
+    text: String,
+    /// The same without comments.
     code: String,
 }
 
 impl Source {
     fn read(path: &Path) -> Self {
         let text = std::fs::read_to_string(path).expect("a source file");
+        let text = text.split("#[cfg(test)]\nmod tests {").next().unwrap_or_default().to_owned();
         let path = path.strip_prefix(repository("")).expect("it is in the repository").to_owned();
         let within = path.iter().skip_while(|part| *part != "src").skip(1).collect::<PathBuf>();
         let names: Vec<String> =
             within.with_extension("").iter().map(|n| n.to_string_lossy().into_owned()).collect();
-        let code = without_tests(&text).lines().filter(|line| !line.trim_start().starts_with("//"));
+        let code = text.lines().filter(|line| !line.trim_start().starts_with("//"));
         let code = code.collect::<Vec<_>>().join("\n");
-        Self { module: names[0].clone(), depth: names.len(), path, code }
+        Self { module: names[0].clone(), depth: names.len(), path, text, code }
     }
 
     fn is_of_core(&self) -> bool {
@@ -77,11 +77,6 @@ impl Source {
         found.retain(|name| ARROWS.iter().any(|(module, _)| module == name) || name == "{");
         found
     }
-}
-
-/// The text up to its test module.
-fn without_tests(text: &str) -> &str {
-    text.find("#[cfg(test)]\nmod tests {").map_or(text, |at| &text[..at])
 }
 
 /// The identifiers that follow `prefix`, or `{` where a list does.
@@ -212,8 +207,7 @@ fn no_small_constant_is_unexplained() {
     let mut found = 0;
     let is_numeric = |path: &Path| NUMERIC.iter().any(|folder| path.starts_with(folder));
     for source in sources().iter().filter(|source| is_numeric(&source.path)) {
-        let text = std::fs::read_to_string(repository("").join(&source.path)).expect("a file");
-        let lines: Vec<&str> = without_tests(&text).lines().map(str::trim_start).collect();
+        let lines: Vec<&str> = source.text.lines().map(str::trim_start).collect();
         for (number, line) in lines.iter().enumerate() {
             if line.starts_with("//") || !literals(line).iter().any(is_small) {
                 continue;
@@ -229,24 +223,7 @@ fn no_small_constant_is_unexplained() {
 #[test]
 fn no_file_is_longer_than_a_reader_can_bear() {
     for source in sources() {
-        let text = std::fs::read_to_string(repository("").join(&source.path)).expect("a file");
-        let lines = without_tests(&text).lines().count();
-        let named = LONGER.iter().find(|(file, _)| Path::new(file) == source.path);
-        let file = source.path.display();
-        match named {
-            None => assert!(lines <= MOST_LINES, "{file} has {lines} lines: divide it"),
-            Some(_) => assert!(lines > MOST_LINES, "{file} need not be named any more"),
-        }
+        let (file, lines) = (source.path.display(), source.text.lines().count());
+        assert!(lines <= MOST_LINES, "{file} has {lines} lines: divide it");
     }
-}
-
-/// The reader of imports must see what it is there to see.
-#[test]
-fn imports_are_found_in_every_form() {
-    let code = "use crate::math::ray::Ray;\nlet x = crate::error::Error;\nuse super::super::scene;\n\
-                use other_crate::image;";
-    assert_eq!(after(code, "crate::"), BTreeSet::from(["math".to_owned(), "error".to_owned()]));
-    assert_eq!(after(code, "super::super::"), BTreeSet::from(["scene".to_owned()]));
-    assert_eq!(after("use crate::{math, error};", "crate::"), BTreeSet::from(["{".to_owned()]));
-    assert_eq!(without_tests("fn a() {}\n#[cfg(test)]\nmod tests {\n"), "fn a() {}\n");
 }
