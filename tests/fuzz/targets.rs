@@ -43,7 +43,7 @@ fn files() -> PathBuf {
 
 /// A scene in JSON is refused in words, or it can be rendered: to one image, by either tracer, of
 /// which every pixel is a number.
-pub(crate) fn scene(bytes: &[u8]) -> bool {
+pub fn scene(bytes: &[u8]) -> bool {
     alone(|| is_scene(bytes))
 }
 
@@ -54,7 +54,7 @@ fn is_scene(bytes: &[u8]) -> bool {
 }
 
 /// A glTF file, as text or binary, is refused in words, or it can be rendered likewise.
-pub(crate) fn gltf(bytes: &[u8]) -> bool {
+pub fn gltf(bytes: &[u8]) -> bool {
     alone(|| {
         let options = LoadOptions { width: Some(5), height: Some(4), ..LoadOptions::default() };
         let loaded = load_gltf(bytes.to_vec(), &files().join("scene.gltf"), &options);
@@ -84,22 +84,22 @@ fn is_rendered(loaded: LoadedScene) -> bool {
 }
 
 /// A PLY file is refused in words, or it is a sound mesh.
-pub(crate) fn ply(bytes: &[u8]) -> bool {
+pub fn ply(bytes: &[u8]) -> bool {
     alone(|| is_mesh("mesh.ply", bytes))
 }
 
 /// An OBJ file is refused in words, or it is a sound mesh.
-pub(crate) fn obj(bytes: &[u8]) -> bool {
+pub fn obj(bytes: &[u8]) -> bool {
     alone(|| is_mesh("mesh.obj", bytes))
 }
 
 /// An STL file is refused in words, or it is a sound mesh.
-pub(crate) fn stl(bytes: &[u8]) -> bool {
+pub fn stl(bytes: &[u8]) -> bool {
     alone(|| is_mesh("mesh.stl", bytes))
 }
 
 /// Of an MTL file whatever is right is read: every material can be written into a scene file.
-pub(crate) fn mtl(bytes: &[u8]) -> bool {
+pub fn mtl(bytes: &[u8]) -> bool {
     let materials = mtl::materials(bytes);
     for (_, material, texture, cutout) in &materials {
         let Material {
@@ -136,7 +136,7 @@ fn is_mesh(name: &str, bytes: &[u8]) -> bool {
 
 /// A mesh of any bits is refused, or a tree is built in which rays of any bits find what brute force
 /// finds, with every kernel and all instructions.
-pub(crate) fn accel(bytes: &[u8]) -> bool {
+pub fn accel(bytes: &[u8]) -> bool {
     alone(|| is_answered(bytes))
 }
 
