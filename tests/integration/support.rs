@@ -306,6 +306,17 @@ pub(crate) fn edited(mut value: Value, changes: &str) -> Value {
     value
 }
 
+/// `value` edited as the lines say: with those that begin with `+`, and with those that begin with `-` instead.
+pub(crate) fn alternatives(value: &Value, changes: &str) -> [Value; 2] {
+    ["+ ", "- "].map(|mark| {
+        let is_other = |line: &&str| !line.starts_with(['+', '-']);
+        let lines = changes
+            .lines()
+            .filter_map(|line| line.strip_prefix(mark).or_else(|| Some(line).filter(is_other)));
+        edited(value.clone(), &lines.collect::<Vec<_>>().join("\n"))
+    })
+}
+
 /// A folder that is removed when the test ends.
 pub(crate) fn folder() -> TempDir {
     begin();

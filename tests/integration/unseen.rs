@@ -21,9 +21,9 @@ use wavecrest_scene::systems::{Options, extract};
 use crate::parity::work;
 use crate::planning::effect;
 use crate::support::{
-    ODD, TRACERS, both_alone, bytes, edited, folder, json_in, matte, options, pinhole, point_light,
-    prepare_in, put, put_texture, ready, reason, refusal, run, scene, sphere, textured_square,
-    thin_lens, try_prepare, wall, with,
+    ODD, TRACERS, alternatives, both_alone, bytes, edited, folder, json_in, matte, options,
+    pinhole, point_light, prepare_in, put, put_texture, ready, reason, refusal, run, scene, sphere,
+    textured_square, thin_lens, try_prepare, wall, with,
 };
 use crate::transcript;
 
@@ -116,13 +116,7 @@ fn what_nobody_sees_costs_nothing() {
             None => (names, Precision::Exact),
         };
         let changes = written_out(changes);
-        let [with, without] = ["+ ", "- "].map(|mark| {
-            let is_other = |line: &&str| !line.starts_with(['+', '-']);
-            let lines = changes
-                .lines()
-                .filter_map(|line| line.strip_prefix(mark).or_else(|| Some(line).filter(is_other)));
-            edited(usual.clone(), &lines.collect::<Vec<_>>().join("\n"))
-        });
+        let [with, without] = alternatives(&usual, &changes);
         let prepared = |json: &Value, folder: &Path| -> Result<PreparedScene> {
             let file = folder.join("s.json");
             let loaded = load_str(&json.to_string(), &file, &LoadOptions::default())?;
