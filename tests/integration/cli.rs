@@ -3,11 +3,14 @@
 // Arguments, formats, what changes the image and what does not, names of files.
 mod rendering;
 
-// Layers of parts, merged parts, and statistics.
+// Statistics, and images on standard output.
 mod outputs;
 
-// Shards, merge, checkpoints, signals.
-mod farm;
+// What signals leave behind.
+mod signals;
+
+// Disks that are full, and files that are none.
+mod whole_files;
 
 // The commands that measure: bench, trace.
 mod measuring;
@@ -278,6 +281,37 @@ fn commands_answer_alike_everywhere() {
 #[test]
 fn files_without_a_camera_are_framed_as_asked_for_and_told() {
     session("framing");
+}
+
+#[test]
+fn views_turns_and_looks_show_what_they_say() {
+    session("views");
+}
+
+#[test]
+fn each_of_several_images_is_as_if_it_were_alone() {
+    session("several");
+}
+
+#[test]
+fn shares_of_an_image_make_that_of_one_process() {
+    session("shares");
+}
+
+#[test]
+fn what_needs_more_memory_than_is_allowed_is_refused() {
+    session("memory");
+}
+
+#[test]
+fn the_self_test_tells_what_is_the_same_and_what_is_lost() {
+    session("selftest");
+}
+
+#[test]
+#[cfg(target_os = "linux")]
+fn an_unwritable_file_is_an_error_before_the_scene_is_read() {
+    session("unwritable");
 }
 
 /// Each exit code is given where it should be, and told alike in the help, the manual and the guide.

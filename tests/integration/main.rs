@@ -30,10 +30,7 @@ mod parts;
 // Shards and checkpoints: the image of one process, and what does not fit refused by name.
 mod farm;
 
-// Cameras that move: frames are the same alone, in a range and in shares of it.
-mod frames;
-
-// Files without a scene: framed from every side, gone around, looked at closer.
+// Files without a scene: framed from every side, and gone around.
 mod framing;
 
 // Images agree with formulas worked out here in double precision.

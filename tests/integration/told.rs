@@ -102,7 +102,10 @@ fn scenes_that_are_wrong_or_not_meant_so_are_told_with_place_and_remedy() {
                 within = repository("scenes");
                 serde_json::from_str(&stones).expect("JSON")
             }
-            "moving" => crate::frames::moving(),
+            "moving" => edited(
+                with_shape(wall(1.0, 0.0, matte(0.8, [0.5; 3]))),
+                r#"/camera/path {"keys": [{"frame": 1}, {"frame": 3, "location": [2, 1, 5], "fov": 40}]}"#,
+            ),
             "every key" => crate::schema::complete(),
             _ => panic!("{base}"),
         };

@@ -1,31 +1,28 @@
 //! `probe`.
 
-use serde_json::{Value, json};
+use serde_json::Value;
 
-use super::with_ball;
-use crate::support::{self, pinhole, point_light, put, run_json, sphere, with};
+use super::{ball, with_ball};
+use crate::support::{edited, put, run_json};
 
-/// A ball on a mirror, of some size; one light is behind them.
-pub(super) fn scene(size: f64, intensity: f64) -> String {
-    let at = |p: [f64; 3]| p.map(|x| x * size);
-    let light = |position| {
-        let light = point_light(intensity, at(position), [1.0; 3]);
-        with(light, "falloff", "inverse-square")
-    };
-    let material = |color, kr: f64| json!({"ks": 0.2, "kd": 0.8, "specularexponent": 20, "diffusecolor": color, "kr": kr});
-    let floor = [[-4.0, -1.0, 4.0], [-4.0, -1.0, -4.0], [4.0, -1.0, -4.0], [4.0, -1.0, 4.0]];
-    let floor =
-        json!({"type": "plane", "points": floor.map(at), "material": material([1, 1, 1], 0.5)});
-    let camera = with(pinhole([32, 24], 60.0, 5.0), "location", json!(at([0.0, 1.0, 5.0])));
-    let lights = [[2.0, 3.0, 5.0], [6.0, 3.0, 0.0], [-2.0, -4.0, -5.0]].map(light);
-    let shapes = [sphere([0.0; 3], size, material([1, 0, 0], 0.0)), floor];
-    support::scene(3, &with(camera, "antialias", 2), &lights, &shapes).to_string()
-}
+/// A ball on a mirror, under three lights of which one is behind them.
+const MIRROR: &str = r#"/nbounces 3
+/camera/location [0, 1, 5]
+/camera/width 32
+/camera/height 24
+/camera/fov 60
+/camera/antialias 2
+/scene/lightsources/0/position [2, 3, 5]
+/scene/lightsources/- {"type": "pointlight", "intensity": 40, "position": [6, 3, 0], "color": [1, 1, 1]}
+/scene/lightsources/- {"type": "pointlight", "intensity": 40, "position": [-2, -4, -5], "color": [1, 1, 1]}
+/scene/shapes/0/material/kr 0
+/scene/shapes/1/material/kr 0.5
+/scene/shapes/1/points [[-4, -1, 4], [-4, -1, -4], [4, -1, -4], [4, -1, 4]]"#;
 
 #[test]
 fn both_tracers_tell_the_story_of_every_kind_of_pixel() {
     let folder = with_ball();
-    put(folder.path(), "mirror.json", scene(1.0, 100.0));
+    put(folder.path(), "mirror.json", edited(ball(), MIRROR).to_string());
     let (mut ends, mut verdicts) = (Vec::new(), Vec::new());
     for pixel in ["16,11", "16,20", "0,0", "2,20", "10,16", "22,18", "8,15"] {
         for precision in ["fast", "exact"] {

@@ -40,50 +40,6 @@ fn this_machine_finds_the_recorded_bits() {
 }
 
 #[test]
-fn a_table_shows_what_is_the_same_and_what_fast_loses() {
-    let arguments = ["selftest", "--case", "1", "--case", "26", "--case", "24"];
-    let output = run(folder().path(), &arguments);
-    assert_eq!((output.status.code(), text(&output.stderr)), (Some(0), ""));
-    let told = text(&output.stdout);
-    let lines: Vec<&str> = told.lines().collect();
-    let first = "exact finds the recorded bits in all 3 cases, by every kernel and tracer with ";
-    assert!(lines[0].starts_with(first), "{told}");
-    assert_eq!(lines[1], "fast loses rays in 1 of 2 cases, as expected");
-    let cells = |start: &str| {
-        let row = lines.iter().find(|line| line.starts_with(start)).expect("a row");
-        let cells = row.split("  ").map(str::trim).filter(|cell| !cell.is_empty());
-        cells.skip(2).map(str::to_owned).collect::<Vec<_>>()
-    };
-    assert_eq!(cells("case"), ["exact", "leaks", "false hits"]);
-    let of_1 = cells("   1");
-    assert!(of_1[0] == "same" && of_1[1].ends_with(" %") && of_1[2] == "0", "{told}");
-    assert_eq!(
-        (cells("  26"), cells("  24")),
-        (vec!["same".into(), "0".into(), "0".into()], vec!["same".into()])
-    );
-}
-
-/// Nothing is recorded for other seeds: the reference is asked.
-#[test]
-fn other_seeds_are_compared_with_the_reference() {
-    let output = run(folder().path(), &["selftest", "--case", "26", "--seed", "7"]);
-    let told = text(&output.stdout);
-    assert!(
-        told.starts_with("exact finds the bits of the reference kernel in all 1 case,"),
-        "{told}"
-    );
-}
-
-#[test]
-fn a_missing_file_is_reported_before_any_case_runs() {
-    let start = std::time::Instant::now();
-    let output = run(folder().path(), &["selftest", "missing.ply", "-q"]);
-    assert_eq!((output.status.code(), text(&output.stdout)), (Some(2), ""));
-    assert!(text(&output.stderr).contains("missing.ply"), "{}", text(&output.stderr));
-    assert!(start.elapsed().as_secs() < 10, "{:?}", start.elapsed());
-}
-
-#[test]
 fn a_mesh_of_the_users_own_is_tried() {
     let folder = folder();
     let corners = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n";

@@ -2,12 +2,10 @@
 
 use std::path::Path;
 
-use crate::support::{folder, json_in, matte, pinhole, put, run, run_well, scene, text, wall};
+use crate::support::{folder, json_in, matte, pinhole, put, run_well, scene, wall};
 
 /// What an option may take beyond its estimate: pages of the allocator, and the bands of a pass over the camera rays.
 const SLACK: f64 = 8e6;
-
-const TRIANGLE: &str = "v 0 0 0\nv 1 0 0\nv 0 1 1\nf 1 2 3\n";
 
 /// The estimated and the measured peak of a render.
 fn peaks(folder: &Path, options: &[&str]) -> [f64; 2] {
@@ -42,37 +40,4 @@ fn what_is_written_is_in_the_estimate() {
         assert!(is_near, "{options:?}: {more} bytes, {estimated} estimated");
         assert!(estimated > SLACK || options.contains(&"--crop"), "{options:?}: {estimated}");
     }
-}
-
-/// Of an image that is cut, only what is left has memory.
-#[test]
-fn outputs_that_need_more_than_is_allowed_are_refused() {
-    let folder = folder();
-    put(folder.path(), "t.obj", TRIANGLE);
-    let sides = ["front"; 36].join(",");
-    let told = |options: &[&str]| {
-        let limits =
-            ["t.obj", "--lights", "none", "--threads", "1", "-q", "--memory-limit", "60MB"];
-        let found = run(folder.path(), &[&limits[..], options].concat());
-        (found.status.code(), text(&found.stderr).to_owned())
-    };
-    let (small, large) = (["--size", "800x600"], ["--size", "16000x16000"]);
-    assert_eq!(told(&[&small[..], &["plain.ppm"]].concat()), (Some(0), String::new()));
-    let cut = ["cut.ppm", "--crop", "7000,7000,64,64"];
-    assert_eq!(told(&[&large[..], &cut].concat()), (Some(0), String::new()));
-    for (size, options, words) in [
-        (large, &["o.ppm"][..], "the image 2.9 GiB"),
-        (large, &["o.ppm", "--crop", "7000,7000,6000,6000"], "the image 412.0 MiB"),
-        (small, &["o.exr", "--aov", "all"], "writing files "),
-        (small, &["o.ppm", "--also", "o.exr", "--aov", "all"], "writing files "),
-        (small, &["o.png", "--sheet", &sides], "writing files "),
-        (small, &["o#.exr", "--turntable", "2", "--aov", "all"], "writing files "),
-    ] {
-        let (code, text) = told(&[&size[..], options].concat());
-        assert_eq!(code, Some(2), "{options:?}: {text}");
-        assert!(text.contains("the render needs more memory than 57.2 MiB"), "{text}");
-        assert!(text.contains(words), "{text}");
-    }
-    let left = std::fs::read_dir(folder.path()).expect("a folder");
-    assert_eq!(left.count(), 3, "nothing is written");
 }

@@ -4,14 +4,22 @@ use std::path::Path;
 use std::process::{Child, Command, Output, Stdio};
 use std::time::{Duration, Instant};
 
-use serde_json::json;
+use serde_json::{Value, json};
 use tempfile::TempDir;
 
-use super::{bytes, files, folder, long, run_silently, text, with_scene};
-use crate::support::{edited, film, matte, pinhole, point_light, put, scene, wall, with};
+use super::{files, run_silently, with_scene};
+use crate::parts::ball;
+use crate::support::{
+    bytes, edited, film, folder, matte, pinhole, point_light, put, scene, text, wall, with,
+};
 
 /// How long to wait for a file, at most: machines may be slow.
 const PATIENCE: Duration = Duration::from_secs(120);
+
+/// A scene whose render takes some seconds of a processor: 64 x 64 pixels of 576 samples, in two blocks.
+fn long() -> Value {
+    ball([64, 64], 24)
+}
 
 /// A command that is running.
 struct Running(Child);
@@ -244,7 +252,7 @@ fn an_animation_and_a_sheet_that_a_signal_ends_are_not_written() {
 
 /// A scene of one pixel that takes minutes: of its light.
 fn endless() -> String {
-    let mut scene = crate::parts::ball([1, 1], 64);
+    let mut scene = ball([1, 1], 64);
     let corners = [[-1.0, 4.0, -1.0], [-1.0, 4.0, 1.0], [1.0, 4.0, 1.0], [1.0, 4.0, -1.0]];
     scene["scene"]["lightsources"][0] = json!({
         "type": "arealight", "intensity": 40.0, "position": [0.0, 4.0, 0.0], "color": [1.0, 1.0, 1.0],
@@ -380,7 +388,7 @@ fn check_left(folder: &Path, names: &[&str]) {
 #[test]
 fn a_process_that_is_killed_leaves_the_older_image_or_the_new_one() {
     // Quick to render and slow to write: a third of the time goes into the file.
-    let folder = with_scene(&crate::parts::ball([700, 700], 1).to_string());
+    let folder = with_scene(&ball([700, 700], 1).to_string());
     run_silently(folder.path(), &["ball.json", "old.pfm", "--seed", "1", "--crop", "0,0,600,700"]);
     let start = Instant::now();
     run_silently(folder.path(), &["ball.json", "new.pfm"]);

@@ -5,7 +5,9 @@
 use std::path::Path;
 use std::process::{Command, Stdio};
 
-use super::{bytes, files, folder, run, run_silently, text, with_ball, with_scene};
+use super::{files, run_silently, with_scene};
+use crate::parts::ball;
+use crate::support::{bytes, folder, text};
 
 /// Runs `script` where `disk` is a disk of 64 KiB, or says why not.
 #[allow(clippy::print_stdout, reason = "a test that is skipped says so")]
@@ -38,7 +40,7 @@ fn on_small_disk(folder: &Path, script: &str) -> Option<String> {
 
 #[test]
 fn a_full_disk_leaves_the_older_image_and_nothing_else() {
-    let folder = with_scene(&crate::parts::ball([200, 100], 1).to_string());
+    let folder = with_scene(&ball([200, 100], 1).to_string());
     // 240000 bytes do not fit, 64 x 48 pixels do.
     let script = "\
         $WAVECREST ball.json disk/out.pfm --width 64 --height 48\n\
@@ -58,7 +60,7 @@ fn a_full_disk_leaves_the_older_image_and_nothing_else() {
 /// The render goes on without its checkpoint, and says so.
 #[test]
 fn a_checkpoint_on_a_full_disk_does_not_stop_the_render() {
-    let folder = with_scene(&crate::parts::ball([100, 100], 1).to_string());
+    let folder = with_scene(&ball([100, 100], 1).to_string());
     run_silently(folder.path(), &["ball.json", "usual.exr"]);
     let script = "\
         $WAVECREST -q ball.json out.exr --checkpoint disk/kept 2>told\n\
@@ -71,34 +73,6 @@ fn a_checkpoint_on_a_full_disk_does_not_stop_the_render() {
          free some space or write to another disk\n"
     );
     assert!(bytes(folder.path(), "out.exr") == bytes(folder.path(), "usual.exr"));
-}
-
-#[test]
-fn an_unwritable_file_is_an_error_before_the_scene_is_read() {
-    let folder = with_ball();
-    let no_file = "/dev/full: cannot write the file: this is neither a file nor a folder; \
-                   name a regular file\n";
-    for (arguments, place, words) in [
-        (
-            &["no.json", "/proc/out.part", "--shard", "1/2"][..],
-            "/proc/",
-            ": cannot write the file: ",
-        ),
-        (
-            &["no.json", "out.png", "--checkpoint", "/proc/kept"],
-            "/proc/",
-            ": cannot write the file: ",
-        ),
-        (&["merge", "no.part", "-o", "/proc/out.png"], "/proc/", ": cannot write the file: "),
-        (&["ball.json", "out.png", "--checkpoint", "/dev/full"], "/dev/full", no_file),
-    ] {
-        let output = run(folder.path(), arguments);
-        let told = text(&output.stderr);
-        assert_eq!(output.status.code(), Some(2), "{told}");
-        let is_placed = told.starts_with(&format!("error: {place}"));
-        assert!(is_placed && told.contains(words), "{told}");
-    }
-    assert_eq!(files(folder.path()), ["ball.json"]);
 }
 
 /// Opened, a pipe would wait for a writer, and its length is not known.
