@@ -1,4 +1,4 @@
-//! Reading a mesh of a million triangles from the disk, alone and as a scene prepared up to its
+//! Reading a mesh of a million triangles from the disk, as it is and as a scene prepared up to its
 //! tree: time per byte of the file.
 //!
 //! Run with `cargo bench --bench loading`.
@@ -13,9 +13,9 @@ use tempfile::TempDir;
 
 use wavecrest_base::error::{Error, Result};
 use wavecrest_scene::generate::{Model, Recipe, mesh, write_ply};
-use wavecrest_scene::load::{LoadOptions, load_str};
+use wavecrest_scene::load::{LoadOptions, load as load_scene};
 use wavecrest_scene::mesh::{MeshData, load};
-use wavecrest_scene::systems::{Extracted, extract};
+use wavecrest_scene::systems::extract;
 
 const TRIANGLES: u64 = 1_000_000;
 
@@ -79,39 +79,6 @@ fn folder() -> Result<TempDir> {
     tempfile::tempdir().map_err(failed)
 }
 
-/// A scene with the mesh in that file, smooth if the mesh has normals, optionally rotated.
-fn scene(file: &Path, kind: &str) -> String {
-    let shading = if kind.contains("normals") { "smooth" } else { "flat" };
-    let transform =
-        if kind.contains("turned") { r#""transform": { "rotate": [0, 30, 0] },"# } else { "" };
-    format!(
-        r#"{{
-            "nbounces": 0,
-            "camera": {{
-                "type": "pinhole", "width": 64, "height": 48, "fov": 60,
-                "location": [0, 0, 5], "look": [0, 0, 0]
-            }},
-            "scene": {{
-                "backgroundcolor": [0, 0, 0],
-                "lightsources": [],
-                "shapes": [{{
-                    "type": "trimesh", "file": {:?}, "shading": "{shading}", {transform}
-                    "material": {{
-                        "ks": 0, "kd": 1, "specularexponent": 1, "diffusecolor": [1, 1, 1]
-                    }}
-                }}]
-            }}
-        }}"#,
-        file.display().to_string()
-    )
-}
-
-/// Reads the scene and prepares it without the tree.
-fn prepared(json: &str) -> Result<Extracted> {
-    let loaded = load_str(json, Path::new("scene.json"), &LoadOptions::default())?;
-    extract(loaded.world, Default::default())
-}
-
 /// Writes the file of this kind and times `work` on it; `work` returns the number of triangles
 /// read.
 fn time(bencher: Bencher<'_, '_>, kind: &str, work: impl Fn(&Path) -> Result<usize>) -> Result<()> {
@@ -131,10 +98,11 @@ fn read(bencher: Bencher<'_, '_>, kind: &str) {
     assert!(timed.is_ok(), "{kind}: {timed:?}");
 }
 
-#[divan::bench(args = ["ply", "ply, turned", "ply with normals", "ply, text", "obj"],
+#[divan::bench(args = ["ply", "ply with normals", "ply, text", "obj"],
                sample_count = 20, sample_size = 1)]
 fn read_and_prepare(bencher: Bencher<'_, '_>, kind: &str) {
-    let work = |path: &Path| Ok(prepared(&scene(path, kind))?.geometry().triangles.len());
-    let timed = time(bencher, kind, work);
+    let prepared =
+        |path: &Path| extract(load_scene(path, &LoadOptions::default())?.world, Default::default());
+    let timed = time(bencher, kind, |path| Ok(prepared(path)?.geometry().triangles.len()));
     assert!(timed.is_ok(), "{kind}: {timed:?}");
 }
