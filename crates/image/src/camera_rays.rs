@@ -152,7 +152,11 @@ impl CameraRays<'_> {
             rays.extend(paths.clone().map(|path| self.camera_ray(tile, path)));
             hits.clear();
             hits.resize(rays.len(), Hit::MISS);
-            self.scene.accel.search::<P>().closest_of(&rays[..], &mut hits, &mut traversal);
+            self.scene.accel.search::<P>().closest_of(
+                (&rays[..]).into(),
+                &mut hits,
+                &mut traversal,
+            );
             for (path, (ray, hit)) in paths.zip(rays.iter().zip(&hits)) {
                 let is_first = path % samples == 0;
                 add(ray, hit, is_first, &mut sums[(path / samples) as usize]);
