@@ -8,7 +8,7 @@ use super::common::{print, rounded, size, tell_prepared};
 use super::input::{Purpose, SceneOptions};
 use wavecrest_base::error::Result;
 use wavecrest_core::accel::build::Preset;
-use wavecrest_core::kernels::light::{Emitter, Light};
+use wavecrest_core::kernels::light::Light;
 use wavecrest_core::kernels::texture::Image;
 use wavecrest_core::prepared::PreparedScene;
 use wavecrest_core::wavefront::DEFAULT_BATCH;
@@ -70,7 +70,7 @@ fn summary(scene: &PreparedScene) -> Vec<(&'static str, String)> {
     };
     let shapes = scene.appearance.shapes.iter().filter(|shape| shape.light.is_none());
     let lights = scene.lights.iter().filter(|light| light.power != Vec3::ZERO);
-    let is_ambient = |light: &&Light| matches!(light.emitter, Emitter::Around(..));
+    let is_ambient = |light: &&Light| light.emitter.ambient_reach().is_some();
     let (around, lights): (Vec<_>, Vec<_>) = lights.partition(is_ambient);
     let around = if around.is_empty() { "" } else { " and ambient light" };
     let [low, high, size] = extent(scene);

@@ -11,7 +11,7 @@ use crate::accel::{Accel, Hit, Traversal};
 use crate::counters::Sample;
 use crate::counters::TestCounts;
 use crate::geometry::{Geometry, Primitive, Quadric};
-use crate::kernels::light::{Emitter, LightPoint};
+use crate::kernels::light::LightPoint;
 use crate::kernels::precision::{Arithmetic, Precision};
 use crate::kernels::shade::ShadingPoint;
 use crate::math::float::{UNIT_ROUNDOFF, normalize};
@@ -259,7 +259,7 @@ impl Observer for Recorder<'_> {
         });
         let origin = self.scene.origin;
         let emitter = &self.scene.lights[light].emitter;
-        let around = if let Emitter::Around(reach) = *emitter { Some(reach) } else { None };
+        let around = emitter.ambient_reach();
         let is_distant = emitter.is_distant();
         let Some(met) = self.last_met() else { return };
         let from = if is_distant { Vec3::ZERO } else { (met.point - origin).as_vec3() };

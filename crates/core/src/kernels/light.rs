@@ -11,6 +11,7 @@ pub use distant::Distant;
 pub use spot::Cone;
 
 use super::disk::Disk;
+use super::slab::Aabb;
 use super::triangle;
 use crate::math::float::{dot_f64, max, max_abs};
 use crate::math::random::Stream;
@@ -42,6 +43,23 @@ impl Falloff {
             Self::InverseSquare => one / (around * distance * distance),
             Self::None => one,
         }
+    }
+}
+
+wavecrest_base::choices! {
+    /// Kinds of emitters, by the name of such a light.
+    #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+    pub enum EmitterKind {
+        /// Shines from a point in all directions.
+        Point = "point light",
+        /// Shines from a point within a cone.
+        Spot = "spot light",
+        /// Is infinitely far away.
+        Directional = "directional light",
+        /// Has a shape.
+        Area = "area light",
+        /// Is all around.
+        Sky = "sky",
     }
 }
 
@@ -99,11 +117,6 @@ impl Triangles {
         (total > 0.0 && total.is_finite()).then_some(Self { corners, normals, cumulative })
     }
 
-    /// The corners of the triangles.
-    pub fn corners(&self) -> &[[Vec3; 3]] {
-        &self.corners
-    }
-
     /// The points for places on the unit square: x chooses the triangle and, rescaled, a point on it.
     #[inline(always)]
     fn points<F: Single>(&self, [x, y]: [F; 2]) -> LightPoint<F> {
@@ -157,6 +170,55 @@ impl Emitter {
     #[inline(always)]
     pub fn is_distant(&self) -> bool {
         matches!(self, Self::Distant(_))
+    }
+
+    /// Of ambient light, the distance within which something may be in its way.
+    #[inline(always)]
+    pub fn ambient_reach(&self) -> Option<f32> {
+        match self {
+            Self::Around(reach) => Some(*reach),
+            _ => None,
+        }
+    }
+
+    /// The cone outside of which it is dark.
+    #[inline(always)]
+    pub fn cone(&self) -> Option<&Cone> {
+        match self {
+            Self::Spot(_, cone) => Some(cone),
+            _ => None,
+        }
+    }
+
+    /// Its kind.
+    pub fn kind(&self) -> EmitterKind {
+        match self {
+            Self::Point(_) => EmitterKind::Point,
+            Self::Spot(..) => EmitterKind::Spot,
+            Self::Distant(_) => EmitterKind::Directional,
+            Self::Sphere { .. } | Self::Disk(..) | Self::Triangles(_) => EmitterKind::Area,
+            Self::Around(_) => EmitterKind::Sky,
+        }
+    }
+
+    /// The middle of a box, half of its sides, and a distance from it, within which all of the source is.
+    /// Sources without a place are on the unit sphere of directions to them.
+    pub fn extent(&self) -> (DVec3, DVec3, f64) {
+        let round = |center: Vec3, radius: f32| (center.as_dvec3(), DVec3::ZERO, radius.into());
+        match self {
+            Self::Point(position) | Self::Spot(position, _) => round(*position, 0.0),
+            Self::Distant(distant) => (distant.towards(), DVec3::ZERO, distant.spread()),
+            Self::Sphere { center, radius } | Self::Disk(Disk { center, radius, .. }, _) => {
+                round(*center, *radius)
+            }
+            Self::Around(_) => round(Vec3::ZERO, 2.0),
+            Self::Triangles(triangles) => {
+                let corners = triangles.corners.iter().map(|corners| Aabb::around(*corners));
+                let Aabb { low, high } = corners.fold(Aabb::EMPTY, Aabb::union);
+                let (low, high) = (low.as_dvec3(), high.as_dvec3());
+                ((low + high) / 2.0, (high - low) / 2.0, 0.0)
+            }
+        }
     }
 }
 
@@ -221,9 +283,9 @@ impl Light {
     #[inline(always)]
     pub fn part_left<F: Single>(&self, distance: F, towards: Vector<F>) -> F {
         let part = self.falloff.at(distance);
-        match &self.emitter {
-            Emitter::Spot(_, cone) => part * cone.at(towards),
-            _ => part,
+        match self.emitter.cone() {
+            Some(cone) => part * cone.at(towards),
+            None => part,
         }
     }
 

@@ -9,7 +9,7 @@ use glam::Vec3;
 
 use super::blinn_phong::{self, Material, Reflection};
 use super::hemisphere::Hemisphere;
-use super::light::{Emitter, Light, LightPoint};
+use super::light::{Light, LightPoint};
 use crate::math::float::gamma;
 use crate::math::ray::Ray;
 use crate::math::real::{Mask, Single};
@@ -161,7 +161,7 @@ pub fn shadow_request<F: Single>(
     target: &LightPoint<F>,
     ambient: Option<&Hemisphere>,
 ) -> Option<ShadowRequest<F>> {
-    if let Emitter::Around(distance) = light.emitter {
+    if let Some(distance) = light.emitter.ambient_reach() {
         let ambient = point.scattered_ambient(ambient?).over(point.kr.same(light.samples() as f32));
         return ambient_request(point, throughput * ambient, distance, target);
     }

@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::fit::Uncertain;
-use wavecrest_core::kernels::light::{Emitter, Light};
+use wavecrest_core::kernels::light::Light;
 use wavecrest_core::kernels::precision::Precision;
 use wavecrest_core::math::sampling::{Points, Sampling};
 use wavecrest_core::prepared::{PreparedScene, Samples};
@@ -125,7 +125,7 @@ impl Facts {
     /// The facts of a scene.
     pub fn of(scene: &PreparedScene) -> Self {
         // Of the sky of ambient light that is traced, or of others.
-        let is_sky = |light: &Light| matches!(light.emitter, Emitter::Around(_));
+        let is_sky = |light: &Light| light.emitter.ambient_reach().is_some();
         let has = |sky| scene.lights.iter().any(|light| light.is_sampled() && is_sky(light) == sky);
         Self {
             has_textures: !scene.appearance.images.is_empty(),

@@ -88,7 +88,7 @@ pub(crate) fn run(lights: &[&Light], surfaces: &[Surface<'_>], geometry: &Geomet
     let reaching: Vec<bool> = (0..lights.len()).map(&mut of_light).collect();
     // Ambient light shows nothing but diffuse colour.
     let is_useful =
-        |&light: &usize| reaching[light] && !matches!(lights[light].emitter, Emitter::Around(..));
+        |&light: &usize| reaching[light] && lights[light].emitter.ambient_reach().is_none();
     let useful: Vec<usize> = (0..lights.len()).filter(is_useful).collect();
     let of_surface = |surface: &Surface<'_>| {
         useful.iter().any(|&light| {
@@ -104,7 +104,7 @@ pub(crate) fn run(lights: &[&Light], surfaces: &[Surface<'_>], geometry: &Geomet
 fn reflects(surface: &Surface<'_>, light: &Light) -> bool {
     let &Material { ks, kd, color, ambient, .. } = surface.material;
     // Ambient light shows diffuse colour alone, for any kd.
-    let is_ambient = matches!(light.emitter, Emitter::Around(..));
+    let is_ambient = light.emitter.ambient_reach().is_some();
     let (ks, kd) = if is_ambient { (0.0, ambient) } else { (ks, kd) };
     // Infinite power adds something, if only a NaN.
     let shines = light.power.cmpgt(Vec3::ZERO);
@@ -198,23 +198,9 @@ pub(super) struct Extent {
 
 impl Extent {
     fn of(emitter: &Emitter) -> Self {
-        let point = |center: Vec3, radius: f32| Self::around(center.as_dvec3(), radius.into());
-        match emitter {
-            Emitter::Point(position) => point(*position, 0.0),
-            Emitter::Spot(position, cone) => Self { cone: Some(*cone), ..point(*position, 0.0) },
-            Emitter::Distant(distant) => {
-                Self { is_distant: true, ..Self::around(distant.towards(), distant.spread()) }
-            }
-            Emitter::Sphere { center, radius } | Emitter::Disk(Disk { center, radius, .. }, _) => {
-                point(*center, *radius)
-            }
-            // All of it is certainly behind nothing.
-            Emitter::Around(..) => Self { is_distant: true, ..point(Vec3::ZERO, 2.0) },
-            Emitter::Triangles(triangles) => {
-                let corners = triangles.corners().iter().map(|corners| Aabb::around(*corners));
-                Self::of_box(&corners.fold(Aabb::EMPTY, Aabb::union))
-            }
-        }
+        let (center, half, radius) = emitter.extent();
+        let is_distant = emitter.is_distant() || emitter.ambient_reach().is_some();
+        Self { center, half, radius, is_distant, cone: emitter.cone().copied() }
     }
 
     /// The origins of a camera's rays.
