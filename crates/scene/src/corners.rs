@@ -15,6 +15,11 @@ pub(crate) fn direction(v: DVec3) -> Option<DVec3> {
     (scale > 0.0).then(|| (v / scale).normalize())
 }
 
+/// A unit vector; a vector without direction becomes down.
+pub(crate) fn unit(v: DVec3) -> DVec3 {
+    direction(v).unwrap_or(DVec3::NEG_Y)
+}
+
 /// A normal of the front of a triangle; its length is twice the area.
 pub(crate) fn triangle_normal([p0, p1, p2]: &[DVec3; 3]) -> DVec3 {
     (p2 - p0).cross(p1 - p0)

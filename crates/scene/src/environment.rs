@@ -1,20 +1,20 @@
 //! The environment: what rays see that hit nothing.
 
-use std::path::Path;
+use glam::{DMat3, DQuat, DVec3, Vec3};
+use hecs::{Entity, World};
 
-use glam::{DMat3, DVec3};
-use hecs::World;
-
-use crate::components::{Encoding, Sky, TextureRef};
+use crate::components::{Encoding, TextureRef};
+use crate::corners::unit;
 use crate::format::{
     Cursor, Declaration, Declared, Key, Kind, Object, Range, Writer, component, keys,
 };
-use crate::lights::unit;
 use crate::surface::{IMAGE, existing_file};
+use crate::systems::frame::Frame;
 use crate::systems::textures::Images;
 use wavecrest_base::error::Result;
 use wavecrest_core::kernels::environment::{self, EnvironmentColors};
 use wavecrest_core::kernels::hemisphere::Hemisphere;
+use wavecrest_core::plan::{Effect, Plan};
 use wavecrest_core::prepared::{LazyImage, UvMap};
 
 component! {
@@ -81,25 +81,24 @@ impl Declared for Environment {
     }
 }
 
-/// The environment of a world, unless it is black.
-pub(crate) fn system(world: &World, images: &mut Images) -> Option<environment::Environment> {
-    let mut query = world.query::<&Environment>();
-    let Environment { around, image } = query.iter().find(|found| found.is_bright())?;
-    let &Surroundings { zenith, horizon, nadir, intensity, up, turn } = around;
-    let gradient = [zenith, horizon, nadir].map(|color| (color * intensity).as_vec3());
-    let colors = match image {
-        None => EnvironmentColors::Gradient(gradient),
-        Some(image) => {
-            let place = ("scene.environment", "file");
-            EnvironmentColors::Image(images.texture(image, place, UvMap::Mesh).image)
+/// What rays see that hit nothing: the environment, if the plan has it, and the background.
+pub(crate) fn run(
+    world: &World,
+    frame: &Frame,
+    plan: &Plan,
+    images: &mut Images,
+) -> (Option<environment::Environment>, Vec3) {
+    let mut environments = world.query::<(&Environment, Option<&EvenColor>)>();
+    let found = environments.iter().find(|(found, _)| found.is_bright());
+    match found {
+        Some((found, _)) if plan.has(Effect::Environment) => {
+            (Some(found.prepared(images)), frame.settings.background.as_vec3())
         }
-    };
-    // A gradient is the same all around, but for roundings.
-    let turn = if image.is_some() { turn } else { 0.0 };
-    // The shortest rotation from the zenith to +y, after the turn about it.
-    let to_own = glam::DQuat::from_rotation_y(-turn.to_radians())
-        * glam::DQuat::from_rotation_arc(unit(up), DVec3::Y);
-    Some(environment::Environment { to_own: DMat3::from_quat(to_own).as_mat3(), colors })
+        found => {
+            let even = found.and_then(|(_, color)| color.map(|color| color.0));
+            (None, even.unwrap_or(frame.settings.background).as_vec3())
+        }
+    }
 }
 
 /// Whether a world has an environment that adds anything.
@@ -107,17 +106,29 @@ pub(crate) fn is_bright(world: &World) -> bool {
     world.query::<&Environment>().iter().any(Environment::is_bright)
 }
 
-/// The colour of the environment of a world in a `file`, if it is bright and of one colour, as that of a
-/// background is. Images that give ambient light, or are not small, may have others.
-pub(crate) fn only_color(world: &World, images: &mut Images, file: &Path) -> Option<DVec3> {
-    let mut query = world.query::<&Environment>();
-    let Environment { around, image } = query.iter().find(|found| found.is_bright())?;
-    let Surroundings { zenith, horizon, nadir, intensity, .. } = around;
-    match image {
-        Some(_) if world.query::<&Sky>().iter().any(|sky| sky.sky.is_none()) => None,
-        Some(image) => images.only_color(image, (file, "scene.environment", "file")),
+/// The colour of an environment that is bright and of one colour, as that of a background is: a component
+/// beside it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct EvenColor(DVec3);
+
+/// Leaves the colour of an even environment with it, and returns it. Images that give ambient light, or are not
+/// small, may have several.
+pub(crate) fn leave_even_color(
+    world: &mut World,
+    images: &mut Images,
+    gives_light: bool,
+) -> Option<DVec3> {
+    let mut query = world.query::<(Entity, &Environment)>();
+    let (entity, found) = query.iter().find(|(_, found)| found.is_bright())?;
+    let Surroundings { zenith, horizon, nadir, intensity, .. } = found.around;
+    let color = match &found.image {
+        Some(_) if gives_light => None,
+        Some(image) => images.only_color(image, ("scene.environment", "file")),
         None => (zenith == horizon && horizon == nadir).then_some(zenith * intensity),
-    }
+    }?;
+    drop(query);
+    let _ = world.insert_one(entity, EvenColor(color));
+    Some(color)
 }
 
 /// The ambient light of an environment.
@@ -137,6 +148,23 @@ pub(crate) fn ambient(
 }
 
 impl Environment {
+    /// As tracers read it.
+    fn prepared(&self, images: &mut Images) -> environment::Environment {
+        let Surroundings { zenith, horizon, nadir, intensity, up, turn } = self.around;
+        let gradient = [zenith, horizon, nadir].map(|color| (color * intensity).as_vec3());
+        let image = self
+            .image
+            .as_ref()
+            .map(|image| images.texture(image, ("scene.environment", "file"), UvMap::Mesh).image);
+        let colors = image.map_or(EnvironmentColors::Gradient(gradient), EnvironmentColors::Image);
+        // A gradient is the same all around, but for roundings.
+        let turn = if image.is_some() { turn } else { 0.0 };
+        // The shortest rotation from the zenith to +y, after the turn about it.
+        let to_own = DQuat::from_rotation_y(-turn.to_radians())
+            * DQuat::from_rotation_arc(unit(up), DVec3::Y);
+        environment::Environment { to_own: DMat3::from_quat(to_own).as_mat3(), colors }
+    }
+
     /// Whether it adds anything.
     pub(crate) fn is_bright(&self) -> bool {
         let Surroundings { zenith, horizon, nadir, intensity, .. } = self.around;

@@ -5,26 +5,26 @@
 mod area;
 mod directional;
 mod point;
-mod sky;
+pub(crate) mod sky;
 mod spot;
 
 use glam::{DVec3, Vec3};
 use hecs::{Entity, World};
 
-use crate::components::{Falloff, Order, Sampling, Settings};
-use crate::corners::direction;
+use crate::components::{Falloff, Order, Sampling};
 use crate::format::{Object, Variants};
 use crate::systems::bounds;
-use crate::systems::geometry::Output;
+use crate::systems::frame::Frame;
 use wavecrest_base::error::{ErrorKind, Result};
 use wavecrest_core::geometry::Geometry;
 use wavecrest_core::kernels::light::{Emitter, Light};
 
 pub use area::AreaLight;
+pub(crate) use area::ShapeEmitter;
 pub use directional::DirectionalLight;
 pub use point::PointLight;
-pub(crate) use sky::SKY;
 pub use sky::Sky;
+pub(crate) use sky::{SKY, hemisphere};
 pub use spot::Spot;
 
 /// Largest value of `samples`.
@@ -41,7 +41,7 @@ pub(crate) const LIGHTS: Variants = Variants {
 
 /// A light of the world.
 #[derive(Debug)]
-pub(crate) struct Found {
+pub(crate) struct SourceLight {
     /// Its entity.
     pub(crate) entity: Entity,
     /// Its index among the lights of the file.
@@ -50,25 +50,12 @@ pub(crate) struct Found {
     pub light: Light,
 }
 
-/// The scene around a light.
-pub(crate) struct Surroundings<'a> {
-    pub(crate) settings: &'a Settings,
-    /// Its shapes, with those of lights.
-    pub(crate) extracted: &'a Output,
-    /// Shapes of lights that no ray can meet.
-    pub(crate) unseen: &'a Output,
-    /// Everything is moved by `-origin`.
-    pub(crate) origin: DVec3,
-    /// See [`resolution`](crate::systems::camera::resolution).
-    pub(crate) resolution: &'a dyn Fn() -> (f64, f64),
-}
-
 /// The systems that find the lights of each kind.
 pub(crate) const SYSTEMS: [System; 5] =
     [point::emitters, spot::emitters, directional::emitters, area::emitters, sky::emitters];
 
-/// Finds the lights of a kind in the world.
-type System = fn(&World, &Surroundings<'_>) -> Result<Vec<Found>>;
+/// Finds the lights of a kind in the world, around what is to be seen.
+type System = fn(&World, &Frame, &Geometry) -> Result<Vec<SourceLight>>;
 
 /// Warns of a light without any but its ambient part.
 fn warn_of_power(object: &Object<'_>) {
@@ -131,9 +118,4 @@ fn light(
 
 fn power(intensity: f64, color: DVec3) -> Vec3 {
     (color * intensity).as_vec3()
-}
-
-/// A unit vector; a vector without direction becomes down.
-pub(crate) fn unit(v: DVec3) -> DVec3 {
-    direction(v).unwrap_or(DVec3::NEG_Y)
 }

@@ -6,7 +6,7 @@ mod source;
 mod textures;
 mod transparency;
 
-use hecs::{Entity, View};
+use hecs::{Entity, ViewBorrow};
 
 use crate::components::{AreaLight, JsonPath, Name};
 use crate::format::Declaration;
@@ -49,10 +49,10 @@ pub struct SurfaceComponents<'w> {
 }
 
 /// [`SurfaceComponents`] as a query, with those of its material and textures together.
-pub(crate) type Columns<'w> =
-    (Option<&'w AreaLight>, Surface<'w>, Option<&'w JsonPath>, Option<&'w Name>);
+pub(crate) type SurfaceColumns<'w> =
+    (Option<&'w AreaLight>, MaterialColumns<'w>, Option<&'w JsonPath>, Option<&'w Name>);
 
-type Surface<'w> = (
+type MaterialColumns<'w> = (
     Option<&'w Material>,
     Option<&'w Transparency>,
     Option<&'w TextureRef>,
@@ -63,11 +63,16 @@ type Surface<'w> = (
 impl<'w> SurfaceComponents<'w> {
     /// Those of an entity: shapes are looked up in the order of their primitives, which the world
     /// does not keep.
-    pub(crate) fn of(columns: &'w View<'_, Columns<'_>>, entity: Entity) -> Self {
+    pub(crate) fn of(columns: &'w ViewBorrow<'_, SurfaceColumns<'_>>, entity: Entity) -> Self {
         let (light, surface, place, name) = columns.get(entity).unwrap_or_default();
         let surface = if light.is_none() { surface } else { Default::default() };
         let (material, transparency, texture, maps, cut_out) = surface;
         let (maps, place) = (maps.unwrap_or(&Maps::NONE), place.map_or("", |place| &place.0));
         Self { material, transparency, texture, maps, cut_out, place, name }
+    }
+
+    /// Whether it shows its base colour as it is.
+    pub(crate) fn is_unlit(&self) -> bool {
+        self.material.is_some_and(|material| material.unlit)
     }
 }

@@ -1,55 +1,66 @@
 //! From a world of entities to a [`PreparedScene`]: the systems, in the order of execution.
 //!
-//! | system | reads | output |
+//! | system | reads | leaves |
 //! |---|---|---|
-//! | `frame` | the view | the offset of the scene's origin |
-//! | `met` | boxes of shapes, cameras, lights | what no ray can meet, of which nothing is stored |
-//! | `geometry` | shapes, transforms | positions, triangles, quads, spheres, mesh attributes |
-//! | `materials` | materials | one row of numbers for each shape |
-//! | `lights` | lights and their shapes | emitters with sampling data |
-//! | `view` | shapes, the camera in all frames | which shapes are visible, and from which side |
+//! | `frame` | the view, settings | the offset of the scene's origin, the camera in all frames |
+//! | `placement` | shapes, instances, transforms | shapes where they are shown |
+//! | `culling` | boxes of shapes, cameras, lights | what no ray can meet, of which nothing is stored; what mirrors and transparent surfaces show |
+//! | `geometry` | shapes, whose meshes it moves out of the world | positions, triangles, quads, spheres, mesh attributes; an entity for each shape |
+//! | `materials` | materials | one row of numbers for each shape, and bounds on it |
+//! | `lights` | lights and their shapes | an entity for each light, with sampling data |
+//! | `sky` | ambient light, the environment | light by the normal, the colour of an even environment |
+//! | `view` | shapes, the camera in all frames | which shapes are in view, and from which side |
+//! | `reach` | lights, shapes | which lights reach surfaces, and which surfaces they reach |
+//! | `shows` | materials, lights that reach them | which properties of materials are visible |
+//! | `cutouts` | cut-outs that rays meet | which shapes have holes |
 //! | `census` | all of these | the plan: which effects the scene needs |
+//! | `lights` | lights that reach something in view | the lights to simulate |
 //! | `classes` | visible materials and textures | classes, each once; images, each once |
-//! | `solids` | classes, boxes of shapes | what shapes enclose, by priority |
-//! | `cutouts` | cut-outs | primitives with holes, and their images |
+//! | `environment` | the environment | what rays see that hit nothing |
+//! | `passing` | shapes of lights, transparent shapes | what shadow rays pass |
+//! | `cutouts` | shapes with holes | primitives with holes, and their images |
 //! | `camera` | the view, pinhole or thin lens | the ray generator |
+//! | `textures` | headers of images | images, to be decoded at their first look-up |
+//! | `solids` | classes, boxes of shapes | what shapes enclose, by priority |
+//! | `sky` | light by the normal, an environment | light by the normal |
+//! | `appearance` | shapes | the arrays of shapes and of what nothing hides of their meshes |
 //! | [`wavecrest_core::accel`] | the geometry | the tree |
 //!
-//! What the plan skips goes no further than the census: lights that reach nothing in view, textures
-//! and normals that nothing shows, shapes that no ray can meet.
+//! What systems find out about a shape or a light are components of its entity. What the plan skips goes no
+//! further than the census: lights that reach nothing in view, textures and normals that nothing shows, shapes
+//! that no ray can meet.
 //!
 //! Only this module and [`crate`] know the world; later stages never query it.
 
+mod appearance;
 mod backs;
 pub mod bounds;
 pub(crate) mod camera;
-pub(crate) mod census;
-pub(crate) mod classes;
+mod census;
+mod classes;
+mod culling;
 pub(crate) mod cutouts;
 pub(crate) mod frame;
-pub(crate) mod geometry;
-pub(crate) mod lights;
+mod geometry;
+mod lights;
 pub mod looks;
-pub(crate) mod materials;
-mod met;
+mod materials;
 pub mod overrides;
-pub(crate) mod reach;
+mod passing;
+pub(crate) mod placement;
+mod reach;
+mod shows;
 mod solids;
 pub(crate) mod textures;
 mod unseen;
-pub(crate) mod view;
+mod view;
 
 use std::path::{Path, PathBuf};
 
 use hecs::World;
 
-use crate::components::{Sky, SurfaceComponents};
 use crate::environment;
-use crate::lights::Surroundings;
-use crate::query;
-use crate::surface::{Columns, OCCLUSION_MAP};
-use geometry::{Occurrence, ShapeOutput};
-use reach::Faces;
+use crate::lights::sky;
 use textures::Images;
 use wavecrest_base::error::{Error, ErrorKind, Result, Warning};
 use wavecrest_base::memory::Stage;
@@ -57,9 +68,9 @@ use wavecrest_core::accel::Accel;
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::geometry::Geometry;
 use wavecrest_core::kernels::precision::Precision;
-use wavecrest_core::plan::schedule::{PASSES, Pass, Step};
-use wavecrest_core::plan::{Effect, Plan};
-use wavecrest_core::prepared::{Appearance, Dropped, PreparedScene};
+use wavecrest_core::plan::Plan;
+use wavecrest_core::plan::schedule::{PASSES, Pass};
+use wavecrest_core::prepared::{Dropped, PreparedScene};
 
 /// The scene without its tree, sufficient to predict a render.
 #[derive(Debug)]
@@ -93,117 +104,45 @@ impl Default for Options<'_> {
 /// # Errors
 /// If the world lacks a camera or settings, a shape is too far out or too large, or an image cannot
 /// be read.
-pub fn extract(world: World, options: Options<'_>) -> Result<Extracted> {
+pub fn extract(mut world: World, options: Options<'_>) -> Result<Extracted> {
     Stage::Extract.begin();
-    let world = &world;
-    let Options { precision, passes, flat } = options;
-    let settings = query::settings(world)?;
-    let file = settings.file.clone();
-    let origin = frame::run(world, precision)?;
-    let mut images = Images::default();
-    let skips = passes.iter().any(|pass| pass.step == Step::Shadow && !pass.needs.is_empty());
-    // Fast precision has no error bounds, so nothing is certain.
-    let is_certain = skips && precision != Precision::Fast;
-    let cameras = if is_certain { camera::places(world, origin)? } else { Vec::new() };
-    let around = met::Scene { world, settings: &settings, origin, cameras: &cameras };
-    let meet = |all: &mut [Occurrence<'_>]| met::run(&around, all, &mut images);
-    let [mut extracted, mut unseen] =
-        geometry::run(world, origin, flat, meet).map_err(|e| e.in_file(&file))?;
-    extracted.geometry.set_precision(precision);
-    unseen.geometry.set_precision(precision);
-    let mut columns = world.query::<Columns<'_>>();
-    let columns = columns.view();
-    let surface = |shape: &ShapeOutput| SurfaceComponents::of(&columns, shape.entity);
-    let surfaces: Vec<SurfaceComponents<'_>> = extracted.shapes.iter().map(surface).collect();
-    let materials = materials::run(&surfaces, &extracted.shapes);
-    let resolution = || camera::resolution(&cameras, &extracted.geometry);
-    let around = Surroundings {
-        settings: &settings,
-        extracted: &extracted,
-        unseen: &unseen,
-        origin,
-        resolution: &resolution,
-    };
-    let lights = lights::run(world, &around)?;
-    let ambient = settings.ambient as f32 * lights.len() as f32;
-    let sky = world.query::<&Sky>().iter().next().copied();
-    let only_color = environment::only_color(world, &mut images, &file);
-    let hemisphere = sky.map(|sky| sky.hemisphere(world, only_color));
-    let possible = materials::possible(&surfaces, &materials);
-    let shows_others = |shape: usize, faces: Faces| {
-        extracted.shapes[shape].is_transparent
-            || faces.any() && settings.bounces > 0 && possible[shape].kr > 0.0
-    };
-    let in_view = view::run(&cameras, &extracted, shows_others);
-    let census = census::Census {
-        world,
-        surfaces: &surfaces,
-        settings: &settings,
-        extracted: &extracted,
-        materials: &possible,
-        lights: &lights,
-        has_ambient: ambient > 0.0,
-        is_even: only_color.is_some(),
-        resolution: &resolution,
-        hemisphere: hemisphere.as_ref(),
-        in_view: &in_view,
-    };
-    let mut masks = cutouts::Masks::of_scene(&file);
-    let has_holes = |asked: &[bool]| cutouts::look(&surfaces, asked, &extracted, &mut masks);
-    let occludes = |shape: usize| {
-        let SurfaceComponents { maps, place, .. } = &surfaces[shape];
-        let texture = maps.occlusion.as_ref().and_then(|map| map.texture.as_ref());
-        let place = (&*file, *place, OCCLUSION_MAP);
-        texture.map_or(Ok(true), |texture| Ok(!images.is_one(texture, None, place)?))
-    };
-    let found = census::run(census, has_holes, occludes)?;
-    let plan = Plan::of(found.decisions.clone(), passes);
-    let schedule = plan.schedule();
-    let lights = lights::keep(world, &settings, schedule, lights, &found)?;
-    let shapes = &mut extracted.shapes;
-    let classes = classes::run(&surfaces, &materials, schedule, &found, &mut images, shapes);
-    let solids = solids::run(&surfaces, &classes, &extracted.geometry, &mut extracted.shapes);
-    extracted.pass(&found.transparent);
-    let has_environment = plan.has(Effect::Environment);
-    let environment = if has_environment { environment::system(world, &mut images) } else { None };
-    let background = only_color.filter(|_| !has_environment).unwrap_or(settings.background);
-    let images = images.prepare(&file)?;
-    let mut hemisphere = hemisphere.filter(|_| plan.has(Effect::HemisphereLight));
-    if let (Some(light), Some(environment)) = (&mut hemisphere, &environment)
-        && sky.is_some_and(|sky| sky.sky.is_none())
-    {
-        *light = environment::ambient(environment, &images, light.traced)?;
-    }
-    let cutouts = cutouts::run(&surfaces, &found.holes, &masks, &mut extracted);
-    extracted.drop_unused(schedule, &in_view, &classes);
-    let (camera, path) = camera::run(world, origin, schedule)?;
-    let geometry::Output { geometry, shapes, meshes } = extracted;
-    let appearance = Appearance {
-        shapes: shapes.into_iter().map(|output| output.shape).collect(),
-        classes,
-        places: surfaces.iter().map(|surface| surface.place.to_owned()).collect(),
-        names: surfaces.iter().map(|surface| surface.name.map(|name| name.0.clone())).collect(),
-        meshes,
-        images,
-        cutouts,
-    };
+    let frame = frame::run(&world, &options)?;
+    let mut images = Images::of_scene(&frame.settings.file);
+    let mut instances = placement::run(&world, frame.origin);
+    culling::run(&world, &frame, &mut instances, &mut images)?;
+    let mut arrays = geometry::run(&mut world, &frame, instances, options.flat)?;
+    materials::run(&world);
+    lights::run(&mut world, &frame, &arrays.geometry)?;
+    sky::run(&mut world, &mut images);
+    view::run(&world, &frame, &arrays.geometry);
+    reach::run(&world, &arrays.geometry);
+    shows::run(&world, &frame, &mut images)?;
+    let masks = cutouts::find(&world, &frame.settings.file, &arrays.meshes)?;
+    let plan = Plan::of(census::run(&world, &frame, &arrays.geometry), options.passes);
+    let (lights, ambient) = lights::kept(&mut world, &frame, plan.schedule())?;
+    let classes = classes::run(&world, plan.schedule(), &mut images);
+    let (environment, background) = environment::run(&world, &frame, &plan, &mut images);
+    passing::run(&world, &mut arrays.geometry);
+    let cutouts = cutouts::run(&world, &masks, &mut arrays);
+    let (camera, path) = camera::run(&world, frame.origin, plan.schedule())?;
+    let images = images.prepare()?;
     let scene = PreparedScene {
-        plan,
-        origin,
+        origin: frame.origin,
         camera,
         path,
-        accel: Accel::unbuilt(geometry),
-        appearance,
         lights,
-        background: background.as_vec3(),
         ambient,
-        hemisphere,
+        background,
+        bounces: if plan.schedule().goes_on() { frame.settings.bounces } else { 0 },
+        solids: solids::run(&world, &classes, &arrays.geometry),
+        hemisphere: sky::light(&world, &plan, environment.as_ref(), &images)?,
         environment,
-        solids,
-        bounces: if schedule.goes_on() { settings.bounces } else { 0 },
+        appearance: appearance::run(&world, &plan, classes, images, cutouts, arrays.meshes),
+        accel: Accel::unbuilt(arrays.geometry),
+        plan,
         dropped: Dropped::default(),
     };
-    Ok(Extracted { scene, file })
+    Ok(Extracted { scene, file: frame.settings.file })
 }
 
 impl Extracted {

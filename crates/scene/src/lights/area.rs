@@ -1,15 +1,14 @@
 //! Area lights.
 
-use std::collections::HashMap;
-
 use glam::{DVec3, Vec3};
 use hecs::{Entity, EntityBuilder, World};
 
-use super::{Found, MOST_SAMPLES, Surroundings, check_samples, power, warn_of_power};
-use crate::components::{Falloff, Order, Sampling, Settings};
+use super::{MOST_SAMPLES, SourceLight, check_samples, power, warn_of_power};
+use crate::components::{Falloff, Order, Sampling};
 use crate::format::{Declaration, Key, Kind, Object, Range, component, declared, keys};
 use crate::query::json_path;
 use crate::shapes;
+use crate::systems::frame::Frame;
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_core::geometry::{Geometry, Primitive, Quadric};
 use wavecrest_core::kernels::disk::Disk;
@@ -99,37 +98,34 @@ fn read_shape(object: &Object<'_>, entity: &mut EntityBuilder) -> Result<()> {
 }
 
 /// The area lights.
-pub(super) fn emitters(world: &World, scene: &Surroundings<'_>) -> Result<Vec<Found>> {
+pub(super) fn emitters(world: &World, frame: &Frame, _: &Geometry) -> Result<Vec<SourceLight>> {
     let mut found = Vec::new();
-    let Surroundings { settings, extracted, unseen, .. } = scene;
-    let shapes = [extracted, unseen].into_iter().flat_map(|output| {
-        output.shapes.iter().map(|shape| (shape.entity, (&output.geometry, &shape.shape)))
-    });
-    let shapes: HashMap<Entity, (&Geometry, &Shape)> = shapes.collect();
-    for (entity, &order, light) in world.query::<(Entity, &Order, &AreaLight)>().iter() {
-        let shape = shapes.get(&entity);
-        let emitter = shape
-            .and_then(|(geometry, shape)| emitter(geometry, shape))
-            .ok_or_else(|| no_area(world, entity, settings))?;
+    let mut lights = world.query::<(Entity, &Order, &AreaLight, &mut ShapeEmitter)>();
+    for (entity, &order, light, emitter) in lights.iter() {
+        let emitter = emitter.0.take().ok_or_else(|| no_area(world, entity, frame))?;
         let &AreaLight { intensity, color, falloff, sampling, samples } = light;
         let power = power(intensity, color);
         let light = super::light(emitter, power, falloff, (sampling, samples));
-        found.push(Found { entity, order, light });
+        found.push(SourceLight { entity, order, light });
     }
     Ok(found)
 }
 
-/// The shape of a light, as an emitter.
-fn emitter(geometry: &Geometry, shape: &Shape) -> Option<Emitter> {
-    let range = shape.primitives.clone();
-    if let Primitive::Quadric(i) = geometry.primitive(range.start) {
-        return Some(match geometry.quadrics[i] {
+/// What emits the light of a shape, left beside it until its light takes it; `None` without an area.
+pub(crate) struct ShapeEmitter(Option<Emitter>);
+
+impl ShapeEmitter {
+    pub(crate) fn of(geometry: &Geometry, shape: &Shape) -> Self {
+        let range = shape.primitives.clone();
+        let Primitive::Quadric(i) = geometry.primitive(range.start) else {
+            let corners = range.flat_map(|number| triangles(geometry, number)).collect();
+            return Self(Triangles::new(corners).map(Emitter::Triangles));
+        };
+        Self(Some(match geometry.quadrics[i] {
             Quadric::Sphere(center, radius) => Emitter::Sphere { center, radius },
             Quadric::Disk(disk) => Emitter::Disk(disk, Disk::axes(disk.normal.as_dvec3())),
-        });
+        }))
     }
-    let corners = range.flat_map(|number| triangles(geometry, number)).collect();
-    Triangles::new(corners).map(Emitter::Triangles)
 }
 
 fn triangles(geometry: &Geometry, number: u32) -> Vec<[Vec3; 3]> {
@@ -140,9 +136,9 @@ fn triangles(geometry: &Geometry, number: u32) -> Vec<[Vec3; 3]> {
     }
 }
 
-fn no_area(world: &World, entity: Entity, settings: &Settings) -> Error {
+fn no_area(world: &World, entity: Entity, frame: &Frame) -> Error {
     Error::new(ErrorKind::Scene, "the shape of an area light must have an area")
-        .in_file(&settings.file)
+        .in_file(&frame.settings.file)
         .at(format!("{}.shape", json_path(world, entity)))
         .remedy("move the corners apart, or use a point light")
 }

@@ -3,12 +3,15 @@
 use glam::DVec3;
 use hecs::{Entity, World};
 
-use super::{
-    Found, MOST_SAMPLES, Surroundings, check_samples, diameter, power, unit, warn_of_strength,
-};
+use super::{MOST_SAMPLES, SourceLight, check_samples, diameter, power, warn_of_strength};
 use crate::components::{Falloff, Material, Order, Sampling};
+use crate::corners::unit;
 use crate::format::{Declaration, Kind, Range, component, declared};
+use crate::systems::camera::resolution;
+use crate::systems::frame::Frame;
 use wavecrest_base::error::Result;
+use wavecrest_core::geometry::Geometry;
+use wavecrest_core::kernels::camera::Camera;
 use wavecrest_core::kernels::light::{Distant, Emitter};
 use wavecrest_core::kernels::shade::LEAST_WEIGHT;
 
@@ -48,30 +51,40 @@ declared!(DirectionalLight, |light: &mut Self, object| {
 /// Whether the size of the light changes less than half of one of 255 levels, expected over places of a
 /// shadow's edge in a pixel: in penumbrae, which are at most as wide as the light is seen from the farthest
 /// thing in their way, and on surfaces, by whose highlight it changes most.
-fn is_parallel(light: &DirectionalLight, diameter: f64, scene: &Surroundings<'_>) -> bool {
+fn is_parallel(
+    light: &DirectionalLight,
+    diameter: f64,
+    cameras: &[Camera],
+    geometry: &Geometry,
+) -> bool {
     let strength = (light.intensity * light.color.max_element()).max(1.0);
     let changes = 2.0 * libm::sin((light.angle_degrees / 2.0).to_radians()) * strength;
     let least = f64::from(LEAST_WEIGHT);
     // The slope of a highlight cos^e is at most sqrt(e).
     let is_small = changes * Material::SHARPEST.sqrt() < least;
-    is_small && changes * diameter < least * (scene.resolution)().0
+    is_small && changes * diameter < least * resolution(cameras, geometry).0
 }
 
 /// The directional lights.
-pub(super) fn emitters(world: &World, scene: &Surroundings<'_>) -> Result<Vec<Found>> {
+pub(super) fn emitters(
+    world: &World,
+    frame: &Frame,
+    geometry: &Geometry,
+) -> Result<Vec<SourceLight>> {
     let mut found = Vec::new();
     let mut size = None;
     for (entity, &order, light) in world.query::<(Entity, &Order, &DirectionalLight)>().iter() {
         // A pass over every position, only if there is such a light.
-        let size = *size.get_or_insert_with(|| diameter(&scene.extracted.geometry));
-        let angle = if is_parallel(light, size, scene) { 0.0 } else { light.angle_degrees };
+        let size = *size.get_or_insert_with(|| diameter(geometry));
+        let is_parallel = is_parallel(light, size, &frame.cameras, geometry);
+        let angle = if is_parallel { 0.0 } else { light.angle_degrees };
         let distant = Distant::new(-unit(light.direction), angle, size);
         // Parallel rays need only one sample.
         let samples = if distant.is_parallel() { 1 } else { light.samples };
         let power = power(light.intensity, light.color);
         let points = (light.sampling, samples);
         let light = super::light(Emitter::Distant(distant), power, Falloff::None, points);
-        found.push(Found { entity, order, light });
+        found.push(SourceLight { entity, order, light });
     }
     Ok(found)
 }

@@ -3,10 +3,12 @@
 use glam::DVec3;
 use hecs::{Entity, World};
 
-use super::{Found, Spot, Surroundings, power, warn_of_strength};
+use super::{SourceLight, Spot, power, warn_of_strength};
 use crate::components::{Falloff, Order, Sampling};
 use crate::format::{Declaration, Kind, Range, component, declared};
+use crate::systems::frame::Frame;
 use wavecrest_base::error::Result;
+use wavecrest_core::geometry::Geometry;
 use wavecrest_core::kernels::light::{Emitter, Light};
 
 pub(super) const KIND: Kind = Kind::entity(
@@ -37,11 +39,11 @@ declared!(PointLight, |_: &mut Self, object| {
 });
 
 /// The point lights that are no spots.
-pub(super) fn emitters(world: &World, scene: &Surroundings<'_>) -> Result<Vec<Found>> {
+pub(super) fn emitters(world: &World, frame: &Frame, _: &Geometry) -> Result<Vec<SourceLight>> {
     let mut query = world.query::<(Entity, &Order, &PointLight)>().without::<&Spot>();
     let found = query.iter().map(|(entity, &order, light)| {
-        let emitter = Emitter::Point((light.position - scene.origin).as_vec3());
-        Found { entity, order, light: light.with(emitter) }
+        let emitter = Emitter::Point((light.position - frame.origin).as_vec3());
+        SourceLight { entity, order, light: light.with(emitter) }
     });
     Ok(found.collect())
 }

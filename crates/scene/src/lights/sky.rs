@@ -3,13 +3,20 @@
 use glam::DVec3;
 use hecs::{Entity, World};
 
-use super::{Found, MOST_SAMPLES, Surroundings, check_samples, diameter, unit};
+use super::{MOST_SAMPLES, SourceLight, check_samples, diameter};
 use crate::components::{Falloff, Order, Sampling};
+use crate::corners::unit;
 use crate::environment;
 use crate::format::{Declaration, Kind, Range, component, declared};
+use crate::systems::frame::Frame;
+use crate::systems::textures::Images;
 use wavecrest_base::error::Result;
+use wavecrest_core::geometry::Geometry;
+use wavecrest_core::kernels::environment::Environment;
 use wavecrest_core::kernels::hemisphere::Hemisphere;
 use wavecrest_core::kernels::light::{Distant, Emitter};
+use wavecrest_core::plan::{Effect, Plan};
+use wavecrest_core::prepared::LazyImage;
 
 /// The object of ambient light.
 pub(crate) const SKY: Kind = Kind::entity(
@@ -55,18 +62,54 @@ impl Sky {
     }
 }
 
+/// Leaves the light on a surface by its normal beside the sky, and its only colour beside an environment.
+pub(crate) fn run(world: &mut World, images: &mut Images) {
+    let sky = world.query::<(Entity, &Sky)>().iter().next().map(|(entity, sky)| (entity, *sky));
+    let is_lit_by_it = sky.is_some_and(|(_, sky)| sky.sky.is_none());
+    let color = environment::leave_even_color(world, images, is_lit_by_it);
+    if let Some((entity, sky)) = sky {
+        let hemisphere = sky.hemisphere(world, color);
+        let _ = world.insert_one(entity, hemisphere);
+    }
+}
+
+/// The light on a surface by its normal. That of an environment without one colour is white.
+pub(crate) fn hemisphere(world: &World) -> Option<Hemisphere> {
+    world.query::<&Hemisphere>().iter().next().copied()
+}
+
+/// The light on a surface by its normal, if the plan has it.
+///
+/// # Errors
+/// If the image of an environment that gives it cannot be decoded.
+pub(crate) fn light(
+    world: &World,
+    plan: &Plan,
+    environment: Option<&Environment>,
+    images: &[LazyImage],
+) -> Result<Option<Hemisphere>> {
+    let light = hemisphere(world).filter(|_| plan.has(Effect::HemisphereLight));
+    let is_lit_by_it = world.query::<&Sky>().iter().any(|sky| sky.sky.is_none());
+    match (light, environment) {
+        (Some(light), Some(environment)) if is_lit_by_it => {
+            environment::ambient(environment, images, light.traced).map(Some)
+        }
+        (light, _) => Ok(light),
+    }
+}
+
 /// Ambient light that shadow rays look for.
-pub(super) fn emitters(world: &World, scene: &Surroundings<'_>) -> Result<Vec<Found>> {
+pub(super) fn emitters(world: &World, _: &Frame, geometry: &Geometry) -> Result<Vec<SourceLight>> {
     let mut found = Vec::new();
     for (entity, sky) in world.query::<(Entity, &Sky)>().iter().filter(|(_, sky)| sky.samples > 0) {
-        let all = || Distant::reach(diameter(&scene.extracted.geometry));
+        let all = || Distant::reach(diameter(geometry));
         let reach = sky.distance.unwrap_or_else(all) as f32;
         let emitter = Emitter::Around(reach.max(f32::MIN_POSITIVE));
         let power = sky.hemisphere(world, None).channels();
         let points = (sky.sampling, sky.samples);
         let light = super::light(emitter, power, Falloff::None, points);
         // After the lights of the file, whose random numbers it leaves as they are.
-        found.push(Found { entity, order: Order(u32::MAX), light });
+        found.push(SourceLight { entity, order: Order(u32::MAX), light });
     }
     Ok(found)
 }

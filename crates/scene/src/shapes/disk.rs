@@ -4,7 +4,7 @@ use glam::DVec3;
 
 use super::transform::keeps_round;
 use crate::format::{Declaration, Kind, Object, Range, component, declared};
-use crate::systems::geometry::{Occurrence, Round};
+use crate::systems::placement::{Circle, ShapeInstance};
 use wavecrest_base::error::Result;
 use wavecrest_core::geometry::Quadric;
 use wavecrest_core::kernels::disk;
@@ -39,8 +39,8 @@ impl Disk {
     ///
     /// # Errors
     /// If it is too large, too small, or too far away for single precision.
-    pub(crate) fn in_world(&self, occurrence: &Occurrence<'_>) -> Result<(Quadric, UvMap)> {
-        let Round { center, radius, turn } = occurrence.round("disk", self.center, self.radius)?;
+    pub(crate) fn in_world(&self, instance: &ShapeInstance) -> Result<(Quadric, UvMap)> {
+        let Circle { center, radius, turn } = instance.circle("disk", self.center, self.radius)?;
         let normal = (turn * self.normal).normalize();
         let disk = disk::Disk { center, normal: normal.as_vec3(), radius };
         let [u, v] = disk::Disk::axes(self.normal).map(|axis| (turn * axis).as_vec3() * radius);

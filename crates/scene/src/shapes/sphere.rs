@@ -4,7 +4,7 @@ use glam::{DVec3, Mat3};
 
 use super::transform::keeps_round;
 use crate::format::{Declaration, Kind, Object, Range, component, declared};
-use crate::systems::geometry::{Occurrence, Round};
+use crate::systems::placement::{Circle, ShapeInstance};
 use wavecrest_base::error::Result;
 use wavecrest_core::geometry::Quadric;
 use wavecrest_core::prepared::UvMap;
@@ -34,9 +34,9 @@ impl Sphere {
     ///
     /// # Errors
     /// If it is too large, too small, or too far away for single precision.
-    pub(crate) fn in_world(&self, occurrence: &Occurrence<'_>) -> Result<(Quadric, UvMap)> {
-        let Round { center, radius, turn } =
-            occurrence.round("sphere", self.center, self.radius)?;
+    pub(crate) fn in_world(&self, instance: &ShapeInstance) -> Result<(Quadric, UvMap)> {
+        let Circle { center, radius, turn } =
+            instance.circle("sphere", self.center, self.radius)?;
         let to_own = turn.transpose();
         let map = UvMap::Sphere(Mat3::from_cols(
             to_own.x_axis.as_vec3(),

@@ -2,41 +2,48 @@
 
 use std::collections::HashMap;
 
-use super::census::{Findings, Shows};
-use super::geometry::ShapeOutput;
+use hecs::World;
+
+use super::geometry::Source;
+use super::placement::Visibility;
+use super::shows::Shows;
 use super::textures::Images;
-use crate::components::{SurfaceComponents, TextureRef, Transparency};
-use crate::surface::{EMISSION_MAP, METAL_MAP, OCCLUSION_MAP, OPACITY_MAP};
+use super::view::InView;
+use crate::components::{TextureRef, Transparency};
+use crate::surface::{
+    EMISSION_MAP, METAL_MAP, OCCLUSION_MAP, OPACITY_MAP, SurfaceColumns, SurfaceComponents,
+};
 use wavecrest_core::kernels::blinn_phong::Material;
+use wavecrest_core::kernels::transmission;
 use wavecrest_core::plan::schedule::{Schedule, Step};
-use wavecrest_core::prepared::{Class, Map, Property};
+use wavecrest_core::prepared::{Class, Map, Property, Shape, Texture, UvMap};
 
 /// Assigns classes to shapes; shapes with equal ones share a class. Invisible properties are left out,
 /// and their images not opened, unless the schedule requires them.
-pub(crate) fn run(
-    surfaces: &[SurfaceComponents<'_>],
-    materials: &[Material],
-    schedule: Schedule,
-    found: &Findings,
-    images: &mut Images,
-    shapes: &mut [ShapeOutput],
-) -> Vec<Class> {
+pub(crate) fn run(world: &World, schedule: Schedule, images: &mut Images) -> Vec<Class> {
     let mut classes = Vec::new();
     let mut known: HashMap<Key, u32> = HashMap::new();
     let is_needed = |step, is_shown| {
         let is_for_mirrors = step == Step::Tints && schedule.has_mirrors();
         (is_shown || schedule.is_unconditional(step)) && (schedule.runs(step) || is_for_mirrors)
     };
-    let shows = found.shows.iter().zip(&found.transparent);
-    let surfaces = surfaces.iter().zip(materials);
-    for ((output, surface), (shows, transparent)) in shapes.iter_mut().zip(surfaces).zip(shows) {
-        let shows = (shows.map(is_needed), *transparent);
-        let class = class(surface, shows, images, output);
-        let next = || {
-            classes.push(class.clone());
-            classes.len() as u32 - 1
+    let surfaces = world.view::<SurfaceColumns<'_>>();
+    let mut shapes =
+        world.query::<((&Source, &mut Shape, &UvMap, &Material), (&Visibility, &InView, &Shows))>();
+    for ((source, shape, uv_map, material), (visibility, in_view, shows)) in shapes.iter() {
+        let surface = SurfaceComponents::of(&surfaces, source.0);
+        let is_visible = visibility.is_surface && in_view.0.is_some();
+        let shows = if is_visible { *shows } else { Shows::default() }.map(is_needed);
+        let through = visibility.lets_light_through().then(|| transparency(&surface));
+        let look_up = |texture: &TextureRef, key: &str| {
+            images.texture(texture, (surface.place, key), *uv_map)
         };
-        output.shape.class = *known.entry(key(&class)).or_insert_with(next);
+        let maps = maps(&surface, shows, through.as_ref(), shape.colored, look_up);
+        let class = Class::new(visible(*material, shows), through, maps);
+        shape.class = *known.entry(key(&class)).or_insert_with(|| {
+            classes.push(class);
+            classes.len() as u32 - 1
+        });
     }
     classes
 }
@@ -56,35 +63,37 @@ fn key(Class { material, transparency, maps, .. }: &Class) -> Key {
     (constants.map(f32::to_bits), rest)
 }
 
-/// The class of a surface, as far as it is visible.
-fn class(
-    (SurfaceComponents { material, texture, maps, place, transparency, .. }, constants): (
-        &SurfaceComponents<'_>,
-        &Material,
-    ),
-    (shows, is_transparent): (Shows, bool),
-    images: &mut Images,
-    output: &ShapeOutput,
-) -> Class {
+/// The constants that are visible.
+fn visible(constants: Material, shows: Shows) -> Material {
     let Material { tint, emission, .. } = Material::BLACK;
-    let mut constants = *constants;
-    if !shows.tint {
-        constants.tint = tint;
+    Material {
+        tint: if shows.tint { constants.tint } else { tint },
+        emission: if shows.emission { constants.emission } else { emission },
+        ..constants
     }
-    if !shows.emission {
-        constants.emission = emission;
-    }
-    let is_unlit = material.is_some_and(|material| material.unlit);
-    let mut through = transparency.unwrap_or(&Transparency::OPAQUE).in_single_precision();
+}
+
+fn transparency(surface: &SurfaceComponents<'_>) -> transmission::Transparency {
+    let through = surface.transparency.unwrap_or(&Transparency::OPAQUE).in_single_precision();
     // Of an unlit surface the base colour is emitted alone.
-    through.tinted &= !is_unlit;
+    transmission::Transparency { tinted: through.tinted && !surface.is_unlit(), ..through }
+}
+
+/// The visible maps of a surface, in the order in which they are applied; `look_up` takes a texture in that is
+/// under a key.
+fn maps(
+    surface: &SurfaceComponents<'_>,
+    shows: Shows,
+    through: Option<&transmission::Transparency>,
+    is_colored: bool,
+    mut look_up: impl FnMut(&TextureRef, &str) -> Texture,
+) -> Vec<Map> {
+    let SurfaceComponents { material, texture, maps, transparency, .. } = surface;
     let mut found = Vec::new();
     let mut add = |reference: Option<&TextureRef>, key, property| {
-        let texture = reference.map(|found| images.texture(found, (place, key), output.uv_map));
-        found.push(Map { property, texture });
+        found.push(Map { property, texture: reference.map(|texture| look_up(texture, key)) });
     };
-    // In the order in which they are applied.
-    if texture.is_some() && (shows.texture || is_transparent && through.tinted) {
+    if texture.is_some() && (shows.texture || through.is_some_and(|through| through.tinted)) {
         add(*texture, "texture", Property::Color);
     }
     for (key, map) in maps.all().filter(|_| material.is_some()) {
@@ -94,19 +103,18 @@ fn class(
             EMISSION_MAP => (shows.emission, Property::Emission),
             METAL_MAP => (shows.metal, Property::Metal { metallic, roughness }),
             OCCLUSION_MAP => (shows.occlusion, Property::Occlusion { strength }),
-            OPACITY_MAP => (is_transparent, Property::Opacity),
+            OPACITY_MAP => (through.is_some(), Property::Opacity),
             _ => (shows.normal, Property::Normal { strength }),
         };
         if is_shown {
             add(map.texture.as_ref(), key, property);
         }
     }
-    if is_transparent && transparency.is_some_and(|through| through.vertex_alpha) {
+    if through.is_some() && transparency.is_some_and(|through| through.vertex_alpha) {
         add(None, "", Property::Alpha);
     }
-    let varies = texture.is_some() || output.shape.colored;
-    if shows.emission && varies && is_unlit {
+    if shows.emission && surface.is_unlit() && (texture.is_some() || is_colored) {
         add(None, "", Property::Unlit);
     }
-    Class::new(constants, is_transparent.then_some(through), found)
+    found
 }

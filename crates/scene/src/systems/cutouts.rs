@@ -7,65 +7,69 @@ use std::path::Path;
 use std::sync::Arc;
 
 use glam::{DVec3, Vec2};
+use hecs::World;
 use rayon::prelude::*;
 
-use super::geometry::{Output, ShapeOutput};
+use super::geometry::{Arrays, Source};
+use super::placement::Visibility;
 use super::textures::{lazy, placing};
-use crate::components::{
-    Channels, CutOut, Encoding, LookUp, SurfaceComponents, TextureRef, TextureSource,
-};
+use crate::components::{Channels, CutOut, Encoding, LookUp, TextureRef, TextureSource};
 use crate::image_file::{Head, range};
 use crate::mesh::MeshData;
+use crate::surface::{SurfaceColumns, SurfaceComponents};
 use wavecrest_base::error::Result;
 use wavecrest_core::geometry::cutouts::{Cutout, Cutouts, MeshUvs};
 use wavecrest_core::geometry::{Geometry, Primitive};
 use wavecrest_core::kernels::texture::{Filter, LazyImage, Wrap};
 use wavecrest_core::math::float::UNIT_ROUNDOFF;
-use wavecrest_core::prepared::{CornerValues, MeshAttributes};
+use wavecrest_core::prepared::{CornerValues, MeshAttributes, Shape, UvMap};
 
-/// For each of `surfaces` whether it is one of those `asked` and its cut-out removes anything, as alphas
-/// of vertices below 1 may. Their images are added to `images`.
-pub(crate) fn look(
-    surfaces: &[SurfaceComponents<'_>],
-    asked: &[bool],
-    extracted: &Output,
-    images: &mut Masks<'_>,
-) -> Result<Vec<bool>> {
-    let those = || {
-        let those = surfaces.iter().zip(asked);
-        those.map(|(surface, asked)| (surface.cut_out.filter(|_| *asked), surface.place))
-    };
-    for (cut_out, place) in those() {
-        cut_out.map_or(Ok(()), |cut_out| images.add(cut_out, place))?;
+/// Whether rays may meet holes in a shape.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct HasHoles(pub(crate) bool);
+
+/// Finds the shapes that rays may meet and whose cut-out removes anything, as alphas of vertices below 1 may.
+/// Returns their images, of the scene in `file`.
+pub(super) fn find<'a>(
+    world: &World,
+    file: &'a Path,
+    meshes: &[MeshAttributes],
+) -> Result<Masks<'a>> {
+    let mut images = Masks::of_scene(file);
+    let surfaces = world.view::<SurfaceColumns<'_>>();
+    let mut shapes = world.query::<(&Source, &Shape, &Visibility, &mut HasHoles)>();
+    let met = shapes.iter().filter(|(_, _, visible, _)| visible.is_surface && visible.is_met);
+    let mut cut: Vec<(&CutOut, &Shape, &mut HasHoles)> = Vec::new();
+    for (source, shape, _, has_holes) in met {
+        let SurfaceComponents { cut_out, place, .. } = SurfaceComponents::of(&surfaces, source.0);
+        let Some(cut_out) = cut_out else { continue };
+        images.add(cut_out, place)?;
+        cut.push((cut_out, shape, has_holes));
     }
     images.decode()?;
-    let shapes = extracted.shapes.iter().zip(those());
-    let has_holes = shapes.map(|(shape, (found, _))| {
-        found.is_some_and(|found| alphas(shape, extracted).is_some() || images.has_holes(found))
-    });
-    Ok(has_holes.collect())
+    for (cut_out, shape, has_holes) in cut {
+        has_holes.0 = alphas(shape, meshes).is_some() || images.has_holes(cut_out);
+    }
+    Ok(images)
 }
 
-/// Adds the cut-outs of the shapes that have `holes` to the geometry, and returns their images.
-pub(crate) fn run(
-    surfaces: &[SurfaceComponents<'_>],
-    holes: &[bool],
-    images: &Masks<'_>,
-    extracted: &mut Output,
-) -> Vec<Arc<LazyImage>> {
-    let (mut own, mut of_prototypes) =
-        (Vec::new(), vec![None; extracted.geometry.prototypes.len()]);
+/// Adds the cut-outs of the shapes that have holes to the geometry, and returns their images.
+pub(crate) fn run(world: &World, images: &Masks<'_>, arrays: &mut Arrays) -> Vec<Arc<LazyImage>> {
+    let Arrays { geometry, meshes } = arrays;
+    let (mut own, mut of_prototypes) = (Vec::new(), vec![None; geometry.prototypes.len()]);
     let mut used: Vec<Arc<LazyImage>> = Vec::new();
-    for ((shape, surface), holes) in extracted.shapes.iter().zip(surfaces).zip(holes) {
-        let Some(found) = surface.cut_out.filter(|_| *holes) else { continue };
+    let cut_outs = world.view::<&CutOut>();
+    let mut shapes = world.query::<(&Source, &Shape, &UvMap, &HasHoles)>();
+    for (source, shape, uv_map, _) in shapes.iter().filter(|(.., has_holes)| has_holes.0) {
+        let Some(found) = cut_outs.get(source.0) else { continue };
         let image = images.of(found).map(|found| Arc::clone(&found.image));
         if let Some(image) = &image
             && !used.iter().any(|known| Arc::ptr_eq(known, image))
         {
             used.push(Arc::clone(image));
         }
-        let cutout = cutout(shape, found, image, extracted);
-        match prototype(&extracted.geometry, shape) {
+        let cutout = cutout(shape, *uv_map, found, image, meshes);
+        match prototype(geometry, shape) {
             None => own.push(cutout),
             // All instances of a prototype have the same cut-out.
             Some((number, triangles)) => {
@@ -73,31 +77,32 @@ pub(crate) fn run(
             }
         }
     }
-    extracted.geometry.cutouts = Cutouts::new(own);
-    for (prototype, cutout) in extracted.geometry.prototypes.iter_mut().zip(of_prototypes) {
+    geometry.cutouts = Cutouts::new(own);
+    for (prototype, cutout) in geometry.prototypes.iter_mut().zip(of_prototypes) {
         prototype.cutouts = Cutouts::new(cutout.into_iter().collect());
     }
     used
 }
 
 /// The attributes of a shape's mesh.
-fn attributes<'a>(shape: &ShapeOutput, from: &'a Output) -> Option<&'a MeshAttributes> {
-    from.meshes.get(shape.shape.mesh? as usize)
+fn attributes<'a>(shape: &Shape, meshes: &'a [MeshAttributes]) -> Option<&'a MeshAttributes> {
+    meshes.get(shape.mesh? as usize)
 }
 
 /// The alphas of its vertices.
-fn alphas<'a>(shape: &ShapeOutput, from: &'a Output) -> Option<&'a Arc<CornerValues<f32>>> {
-    attributes(shape, from)?.alphas.as_ref()
+fn alphas<'a>(shape: &Shape, meshes: &'a [MeshAttributes]) -> Option<&'a Arc<CornerValues<f32>>> {
+    attributes(shape, meshes)?.alphas.as_ref()
 }
 
 fn cutout(
-    shape: &ShapeOutput,
+    shape: &Shape,
+    map: UvMap,
     found: &CutOut,
     image: Option<Arc<LazyImage>>,
-    from: &Output,
+    meshes: &[MeshAttributes],
 ) -> Cutout {
-    let alphas = alphas(shape, from);
-    let mesh = attributes(shape, from).and_then(|attributes| {
+    let alphas = alphas(shape, meshes);
+    let mesh = attributes(shape, meshes).and_then(|attributes| {
         let none = || alphas.map(|_| Arc::new(CornerValues { values: Vec::new(), indices: None }));
         Some(MeshUvs {
             first_triangle: attributes.first_triangle,
@@ -107,12 +112,12 @@ fn cutout(
         })
     });
     Cutout {
-        primitives: shape.shape.primitives.clone(),
+        primitives: shape.primitives.clone(),
         threshold: found.threshold as f32,
         image,
         filter: found.look_up.as_ref().map_or(Filter::Nearest, |look_up| look_up.filter),
         wrap: found.look_up.as_ref().map_or(Wrap::Repeat, |look_up| look_up.wrap),
-        map: shape.uv_map,
+        map,
         placing: found.look_up.as_ref().and_then(|look_up| look_up.placing).map(placing),
         mesh,
     }
@@ -145,8 +150,8 @@ pub(crate) fn left(mesh: &MeshData, found: &CutOut, images: &mut Masks) -> Optio
 }
 
 /// The prototype of an instance, and its number of triangles.
-fn prototype(geometry: &Geometry, shape: &ShapeOutput) -> Option<(usize, u32)> {
-    let Primitive::Instanced(instanced) = geometry.primitive(shape.shape.primitives.start) else {
+fn prototype(geometry: &Geometry, shape: &Shape) -> Option<(usize, u32)> {
+    let Primitive::Instanced(instanced) = geometry.primitive(shape.primitives.start) else {
         return None;
     };
     let (instance, prototype) = geometry.instance(instanced);

@@ -1,4 +1,4 @@
-//! The frame: the origin of the coordinates of a render.
+//! The frame: the origin of the coordinates of a render, and the places of its camera.
 //!
 //! Single precision has 24 bits for a coordinate. Far from the origin few of them are left for the
 //! visible part, so such scenes are moved to the camera (camera-relative coordinates: Pharr, Jakob
@@ -9,25 +9,46 @@
 use glam::DVec3;
 use hecs::World;
 
-use crate::query::view;
+use super::{Options, camera};
+use crate::components::Settings;
+use crate::query;
 use wavecrest_base::error::Result;
+use wavecrest_core::kernels::camera::Camera;
 use wavecrest_core::kernels::precision::Precision;
+use wavecrest_core::plan::schedule::Step;
 
 /// A camera this many times as far from the origin as from its look-at point has lost ten bits.
 const FAR_CAMERA: f64 = 1024.0;
 
-/// The offset to subtract from all positions, in scene units: zero in most scenes.
-pub(crate) fn run(world: &World, precision: Precision) -> Result<DVec3> {
-    // Fast precision uses coordinates unchanged.
-    if precision == Precision::Fast {
-        return Ok(DVec3::ZERO);
-    }
-    let view = view(world)?;
+/// What holds for the whole scene.
+pub(crate) struct Frame {
+    pub(crate) settings: Settings,
+    pub(crate) precision: Precision,
+    /// Everything is moved by `-origin`, in scene units: zero in most scenes.
+    pub(crate) origin: DVec3,
+    /// A camera for each frame, or none if nothing is certain.
+    pub(crate) cameras: Vec<Camera>,
+}
+
+pub(super) fn run(world: &World, options: &Options<'_>) -> Result<Frame> {
+    let &Options { precision, passes, .. } = options;
+    let skips = passes.iter().any(|pass| pass.step == Step::Shadow && !pass.needs.is_empty());
+    // Fast precision has no error bounds, so nothing is certain, and uses coordinates unchanged.
+    let is_fast = precision == Precision::Fast;
+    let settings = query::settings(world)?;
+    let origin = if is_fast { DVec3::ZERO } else { origin(world)? };
+    let is_certain = skips && !is_fast;
+    let cameras = if is_certain { camera::places(world, origin)? } else { Vec::new() };
+    Ok(Frame { settings, precision, origin, cameras })
+}
+
+/// The offset to subtract from all positions.
+fn origin(world: &World) -> Result<DVec3> {
+    let view = query::view(world)?;
     let distance = (view.look - view.location).abs().max_element();
     let far = view.location.abs().max_element() >= FAR_CAMERA * distance;
     Ok(if far { nearest(view.location, distance) } else { DVec3::ZERO })
 }
-
 /// The multiple of the next greater power of two that is nearest to `place`.
 pub(super) fn nearest(place: DVec3, distance: f64) -> DVec3 {
     let (_, exponent) = libm::frexp(distance);

@@ -2,81 +2,119 @@
 //!
 //! Shapes keep the order of the file within their kind, and shapes of lights come last. Meshes are
 //! moved, not copied: the first one's arrays become the scene's, are extended once, and receive the
-//! others, each of which is dropped before the next. A mesh with several instances stays separate,
-//! as their prototype ([`instances`]).
+//! others, each of which is dropped before the next. A mesh with two places or more is stored once, in its own
+//! space, and becomes a prototype with [`instances`]. Other prototypes are a few numbers, and a mesh with one
+//! place is best stored there: these become primitives of the scene's own. So do shapes of lights, whose
+//! triangles are sampled, and transparent ones, all of which a shadow ray must find.
 
 mod builder;
 mod instances;
 mod meshes;
-mod occurrence;
-mod occurrences;
-mod output;
 mod tangents;
 
-use glam::DVec3;
-use hecs::World;
+use hecs::{Entity, World};
 
-use crate::components::{Quad, Triangle};
+use super::cutouts::HasHoles;
+use super::frame::Frame;
+use super::materials::MaterialBound;
+use super::placement::{ShapeInstance, Visibility};
+use super::reach::Lit;
+use super::shows::Shows;
+use super::view::InView;
+use crate::lights::ShapeEmitter;
 use builder::GeometryBuilder;
 pub(crate) use builder::is_varied;
-use meshes::ArrayLengths;
-use occurrences::{Geometries, Occurrences, Shown};
+pub(super) use meshes::Meshes;
 use wavecrest_base::error::Result;
-use wavecrest_core::prepared::UvMap;
+use wavecrest_core::geometry::Geometry;
+use wavecrest_core::kernels::blinn_phong::Material;
+use wavecrest_core::kernels::precision::Precision;
+use wavecrest_core::prepared::{MeshAttributes, Shape, UvMap};
 
-pub(crate) use occurrence::{Form, Occurrence, Round};
-pub(crate) use output::{Output, ShapeOutput};
+/// The arrays of a scene's geometry.
+#[derive(Debug, Default)]
+pub(crate) struct Arrays {
+    /// The primitives.
+    pub(crate) geometry: Geometry,
+    /// Attributes of meshes.
+    pub(crate) meshes: Vec<MeshAttributes>,
+}
 
-/// Converts every shape to primitives, and moves all by `-origin`; the second output has the shapes of
-/// lights that no ray can meet. A mesh with several instances is stored once, unless `flat`. `meet` finds
-/// out what no ray can meet, of which the first output has no primitives.
+/// The entity that a shape is made of, which has its surface.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Source(pub(crate) Entity);
+
+/// A shape in the arrays: components of its entity.
+pub(super) type BuiltShape = (Source, Visibility, Shape, UvMap);
+
+/// Converts every shape to primitives, and spawns an entity for each in the order of its primitives: with
+/// what is known of it, and components that later systems fill in. No component is added or removed after
+/// that, so that every query visits shapes in this order. What no ray can meet has no primitives, but shapes
+/// of lights leave their [`ShapeEmitter`].
 pub(crate) fn run(
-    world: &World,
-    origin: DVec3,
+    world: &mut World,
+    frame: &Frame,
+    all: Vec<ShapeInstance>,
     flat: bool,
-    meet: impl FnOnce(&mut [Occurrence<'_>]) -> Result<()>,
-) -> Result<[Output; 2]> {
-    let (mut shown, mut geometries) = (world.query::<Shown<'_>>(), world.query::<Geometries<'_>>());
-    let geometries = geometries.view();
-    let mut all = occurrences::of(shown.iter(), &geometries, origin);
-    meet(&mut all)?;
-    let (met, unmet): (Vec<_>, Vec<_>) = all.into_iter().partition(|one| one.is_met);
-    let (lights, unmet): (Vec<_>, Vec<_>) = unmet.into_iter().partition(|one| one.light.is_some());
-    let mut output = build(world, met, flat)?;
-    let absent = unmet.iter().map(|one| one.output(one.shape(0..0, false), UvMap::Mesh));
-    output.shapes.splice(0..0, absent);
-    Ok([output, build(world, lights, true)?])
+) -> Result<Arrays> {
+    let (met, unmet): (Vec<_>, Vec<_>) = all.into_iter().partition(|one| one.visibility.is_met);
+    let (lights, absent): (Vec<_>, Vec<_>) = unmet.into_iter().partition(|one| one.light.is_some());
+    let absent = absent.into_iter().map(|one| built(&one, one.shape(0..0, false), UvMap::Mesh));
+    let in_file = |instances, meshes| {
+        build(instances, meshes).map_err(|error| error.in_file(&frame.settings.file))
+    };
+    let meshes = Meshes::moved_out_of(world, &met, flat);
+    let (mut arrays, shapes) = in_file(met, meshes)?;
+    let meshes = Meshes::moved_out_of(world, &lights, true);
+    let (unmet, unmet_shapes) = in_file(lights, meshes)?;
+    leave_emitters(world, &arrays.geometry, &shapes);
+    leave_emitters(world, &unmet.geometry, &unmet_shapes);
+    arrays.geometry.set_precision(frame.precision);
+    let geometry = &arrays.geometry;
+    let entity = |(source, visibility, shape, uv_map): BuiltShape| {
+        let is_surface = visibility.is_surface && has_area(&shape, visibility, geometry);
+        let visibility = Visibility { is_surface, ..visibility };
+        let (material, bound) = (Material::BLACK, MaterialBound(Material::BLACK));
+        let (in_view, lit, holes) = (InView(None), Lit(false), HasHoles(false));
+        let shows = Shows::default();
+        (source, visibility, shape, uv_map, material, bound, in_view, lit, shows, holes)
+    };
+    world.spawn_batch(absent.chain(shapes).map(entity));
+    Ok(arrays)
 }
 
 /// Converts shapes, given in the order of the file, to primitives.
-pub(super) fn build(world: &World, all: Vec<Occurrence<'_>>, flat: bool) -> Result<Output> {
-    let mut occurrences = Occurrences::new(all, flat);
-    let room = ArrayLengths::of(world, &occurrences);
-    let mut builder = GeometryBuilder { room, ..GeometryBuilder::default() };
-    // Numbers of primitives follow their kinds: triangles, quads, quadrics.
-    for i in 0..occurrences.all.len() {
-        let occurrence = occurrences.all[i];
-        match occurrence.form {
-            Form::Triangle(Triangle { points }) => builder.add_triangle(&occurrence, points)?,
-            Form::Mesh if !occurrences.is_instance(&occurrence) => {
-                let (mesh, _) = occurrences.take(world, occurrence.prototype);
-                builder.add_mesh(&occurrence, mesh)?;
-            }
-            _ => {}
-        }
+pub(super) fn build(
+    all: Vec<ShapeInstance>,
+    mut meshes: Meshes,
+) -> Result<(Arrays, Vec<BuiltShape>)> {
+    let mut builder = GeometryBuilder { room: meshes.room(&all), ..GeometryBuilder::default() };
+    let (instances, mut own): (Vec<_>, Vec<_>) =
+        all.into_iter().partition(|instance| meshes.is_shared(instance));
+    own.sort_by_key(|instance| instance.geometry.kind());
+    for instance in own {
+        builder.add(&instance, &mut meshes)?;
     }
-    for occurrence in &occurrences.all {
-        if let Form::Quad(Quad { points }) = occurrence.form {
-            builder.add_quad(occurrence, points)?;
-        }
+    builder.add_instances(&instances, meshes)?;
+    Ok((builder.arrays, builder.shapes))
+}
+
+fn built(instance: &ShapeInstance, shape: Shape, uv_map: UvMap) -> BuiltShape {
+    (Source(instance.entity), instance.visibility, shape, uv_map)
+}
+
+/// Leaves what emits the light of shapes of lights with these.
+fn leave_emitters(world: &mut World, geometry: &Geometry, shapes: &[BuiltShape]) {
+    for (source, _, shape, _) in shapes.iter().filter(|(.., shape, _)| shape.light.is_some()) {
+        let emitter = ShapeEmitter::of(geometry, shape);
+        let _ = world.insert_one(source.0, emitter);
     }
-    for occurrence in &occurrences.all {
-        match occurrence.form {
-            Form::Sphere(sphere) => builder.add_quadric(occurrence, sphere.in_world(occurrence)?),
-            Form::Disk(disk) => builder.add_quadric(occurrence, disk.in_world(occurrence)?),
-            _ => {}
-        }
-    }
-    builder.add_instances(world, &mut occurrences)?;
-    Ok(builder.finish())
+}
+
+/// Whether rays can meet any of the shape, which may have no primitives because they do not.
+fn has_area(shape: &Shape, visibility: Visibility, geometry: &Geometry) -> bool {
+    // Fast precision cannot tell for certain what has no area.
+    let may_be_hit =
+        |number| geometry.precision == Precision::Fast || !geometry.is_degenerate(number);
+    !visibility.is_met || shape.primitives.clone().any(may_be_hit)
 }

@@ -2,61 +2,78 @@
 
 use hecs::{Entity, World};
 
-use super::census::Findings;
-use crate::components::Settings;
-use crate::lights::{Found, SYSTEMS, Surroundings};
+use super::frame::Frame;
+use super::reach::Illuminates;
+use crate::lights::{SYSTEMS, SourceLight};
 use crate::query::json_path;
 use wavecrest_base::error::{Error, ErrorKind, Result};
+use wavecrest_core::geometry::Geometry;
 use wavecrest_core::kernels::camera;
 use wavecrest_core::kernels::light::Light;
 use wavecrest_core::plan::schedule::{Schedule, Step};
 
-/// The lights of the world in the order of the file, moved like its shapes.
-pub(crate) fn run(world: &World, scene: &Surroundings<'_>) -> Result<Vec<Found>> {
-    let mut found: Vec<Found> = Vec::new();
+/// The entity that a light is made of.
+#[derive(Clone, Copy, Debug)]
+struct LightSource(Entity);
+
+/// Spawns an entity for each light, in the order of the file, moved like its shapes.
+pub(crate) fn run(world: &mut World, frame: &Frame, geometry: &Geometry) -> Result<()> {
+    let mut found: Vec<SourceLight> = Vec::new();
     for system in SYSTEMS {
-        found.extend(system(world, scene)?);
+        found.extend(system(world, frame, geometry)?);
     }
     found.sort_by_key(|found| found.order);
-    Ok(found)
+    let entity = |SourceLight { entity, light, .. }: SourceLight| {
+        (LightSource(entity), light, Illuminates::default())
+    };
+    world.spawn_batch(found.into_iter().map(entity));
+    Ok(())
 }
 
-/// The lights to simulate, each with its own dimensions: those that reach a surface in view
-/// (`shown`), or all if the schedule skips none.
+/// Factor on the diffuse colour for the ambient part of all lights together, including lights without power.
+pub(crate) fn ambient(world: &World, frame: &Frame) -> f32 {
+    frame.settings.ambient as f32 * world.query::<&LightSource>().iter().count() as f32
+}
+
+/// Moves the lights to simulate out of the world, each with its own dimensions: those that reach a surface in
+/// view, or all if the schedule skips none. With them comes the [`ambient`] part of all.
 ///
 /// A light that reaches nothing draws its numbers, if any, after all others, so that its presence
 /// changes none of theirs. Visibility changes no numbers: the noise stays the same when the camera
 /// turns.
-pub(crate) fn keep(
-    world: &World,
-    settings: &Settings,
+pub(crate) fn kept(
+    world: &mut World,
+    frame: &Frame,
     schedule: Schedule,
-    mut found: Vec<Found>,
-    Findings { shown, reached, .. }: &Findings,
-) -> Result<Vec<Light>> {
+) -> Result<(Vec<Light>, f32)> {
+    let ambient = ambient(world, frame);
     if !schedule.has_shadows() {
-        return Ok(Vec::new());
+        return Ok((Vec::new(), ambient));
     }
-    let all = schedule.is_unconditional(Step::Shadow);
     let mut dimension = camera::DIMENSION + 1;
     for turn in [true, false] {
-        let of_turn = found.iter_mut().zip(reached).filter(|(_, reached)| **reached == turn);
-        for (Found { entity, light, .. }, _) in of_turn {
+        let mut lights = world.query::<(&LightSource, &mut Light, &Illuminates)>();
+        for (source, light, _) in lights.iter().filter(|(.., found)| found.anywhere == turn) {
             light.dimension = dimension;
             let drawn = if light.is_sampled() { light.samples() } else { 0 };
             dimension = dimension
                 .checked_add(drawn)
-                .ok_or_else(|| too_many_samples(world, *entity, settings))?;
+                .ok_or_else(|| too_many_samples(world, source.0, frame))?;
         }
     }
-    let kept = found.into_iter().zip(shown).filter(|(_, shown)| **shown || all);
-    Ok(kept.map(|(found, _)| found.light).collect())
+    let all = schedule.is_unconditional(Step::Shadow);
+    let mut lights = world.query::<(Entity, &Light, &Illuminates)>();
+    let kept = lights.iter().filter(|(.., found)| found.in_view || all);
+    let kept: Vec<Entity> = kept.map(|(entity, ..)| entity).collect();
+    drop(lights);
+    let kept = kept.into_iter().filter_map(|entity| world.remove_one::<Light>(entity).ok());
+    Ok((kept.collect(), ambient))
 }
 
 /// The error that samples exceed 32-bit numbers: each has its own random numbers.
-fn too_many_samples(world: &World, entity: Entity, settings: &Settings) -> Error {
+fn too_many_samples(world: &World, entity: Entity, frame: &Frame) -> Error {
     Error::new(ErrorKind::Limit, "the lights have too many samples in all")
-        .in_file(&settings.file)
+        .in_file(&frame.settings.file)
         .at(format!("{}.samples", json_path(world, entity)))
         .remedy(format!("at most {} are allowed", u32::MAX - 1))
 }

@@ -1,44 +1,83 @@
-//! Materials: one row of numbers for each shape.
+//! Materials: one row of numbers for each shape, and bounds on it.
 
 use glam::Vec3;
+use hecs::World;
 
-use super::geometry::ShapeOutput;
-use crate::components::{self, SurfaceComponents};
+use super::geometry::Source;
+use super::placement::Visibility;
+use crate::components;
+use crate::surface::{SurfaceColumns, SurfaceComponents};
 use wavecrest_core::kernels::blinn_phong::Material;
 use wavecrest_core::kernels::metal;
 use wavecrest_core::kernels::shade::LEAST_WEIGHT;
+use wavecrest_core::prepared::Shape;
 
-/// The material of each surface. Shapes of lights get an unused one. Metal maps whose texels do not
-/// count give their material here, and so do unlit surfaces whose base colour is the same everywhere.
-pub(crate) fn run(surfaces: &[SurfaceComponents<'_>], shapes: &[ShapeOutput]) -> Vec<Material> {
-    let of = |(surface, output): (&SurfaceComponents<'_>, &ShapeOutput)| {
-        let Some(m) = surface.material else { return Material::BLACK };
-        let mut material = Material {
-            ks: m.ks as f32,
-            kd: m.kd as f32,
-            exponent: m.specular_exponent as f32,
-            color: m.diffuse_color.as_vec3(),
-            kr: if output.is_mirror { mirrored(m) } else { 0.0 },
-            tint: m.specular_color.as_vec3(),
-            emission: m.emission.as_vec3(),
-            ambient: m.ambient as f32,
-        };
-        if let Some(map) = &surface.maps.metal {
-            material.ambient = 1.0;
-            if map.is_constant() {
-                material = looked(material, material.color, [0.0; 2]);
-            }
+/// The largest weights of a material in any texel.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct MaterialBound(pub(crate) Material);
+
+/// Finds the material of each shape, and its bounds. Shapes of lights keep an unused one.
+pub(crate) fn run(world: &World) {
+    let surfaces = world.view::<SurfaceColumns<'_>>();
+    let mut shapes =
+        world.query::<(&Source, &Shape, &Visibility, &mut Material, &mut MaterialBound)>();
+    for (source, shape, visibility, material, bound) in shapes.iter() {
+        let surface = SurfaceComponents::of(&surfaces, source.0);
+        if let Some(own) = surface.material {
+            let kr = if visibility.is_mirror { mirrored(own) } else { 0.0 };
+            *material = constants(own, kr, &surface, shape.colored);
         }
-        if m.unlit {
-            (material.kd, material.ambient) = (0.0, 0.0);
-            if surface.texture.is_none() && !output.shape.colored {
-                material.emission += material.color;
-                material.color = Vec3::ZERO;
-            }
-        }
-        material
+        bound.0 = largest(*material, &surface);
+    }
+}
+
+/// The constants of a material with this weight of the mirror ray. Metal maps whose texels do not count give
+/// theirs here, and so do unlit surfaces whose base colour is the same everywhere.
+fn constants(
+    m: &components::Material,
+    kr: f32,
+    surface: &SurfaceComponents<'_>,
+    is_colored: bool,
+) -> Material {
+    let mut material = Material {
+        ks: m.ks as f32,
+        kd: m.kd as f32,
+        exponent: m.specular_exponent as f32,
+        color: m.diffuse_color.as_vec3(),
+        kr,
+        tint: m.specular_color.as_vec3(),
+        emission: m.emission.as_vec3(),
+        ambient: m.ambient as f32,
     };
-    surfaces.iter().zip(shapes).map(of).collect()
+    if let Some(map) = &surface.maps.metal {
+        material.ambient = 1.0;
+        if map.is_constant() {
+            material = looked(material, material.color, [0.0; 2]);
+        }
+    }
+    if m.unlit {
+        (material.kd, material.ambient) = (0.0, 0.0);
+        if surface.texture.is_none() && !is_colored {
+            material.emission += material.color;
+            material.color = Vec3::ZERO;
+        }
+    }
+    material
+}
+
+/// The material with each weight as large as a metal map can make it.
+fn largest(material: Material, surface: &SurfaceComponents<'_>) -> Material {
+    match &surface.maps.metal {
+        // The brighter a base colour, the larger are its weights.
+        Some(map) if map.texture.is_none() => {
+            looked(material, Vec3::ONE, [map.metallic, map.roughness])
+        }
+        Some(map) if !map.is_constant() => {
+            let kr = if map.metallic > 0.0 { 1.0 } else { 0.0 };
+            Material { ks: 1.0, kd: 1.0, kr, ..material }
+        }
+        _ => material,
+    }
 }
 
 /// The weight of the mirror ray; 0 if less than half of one of 255 levels is left of any light, as of metals.
@@ -52,23 +91,4 @@ fn looked(material: Material, color: Vec3, [metallic, roughness]: [f64; 2]) -> M
     let look = metal::look(color.as_dvec3().into(), metallic, roughness);
     let (ks, kd, exponent) = (look.ks as f32, look.kd as f32, look.exponent as f32);
     Material { ks, kd, exponent, kr: look.kr as f32, ..material }
-}
-
-/// Bounds on the materials of surfaces in any texel: each weight as large as a metal map can make it.
-pub(crate) fn possible(
-    surfaces: &[SurfaceComponents<'_>],
-    materials: &[Material],
-) -> Vec<Material> {
-    let may = |(surface, material): (&SurfaceComponents<'_>, &Material)| match &surface.maps.metal {
-        // The brighter a base colour, the larger are its weights.
-        Some(map) if map.texture.is_none() => {
-            looked(*material, Vec3::ONE, [map.metallic, map.roughness])
-        }
-        Some(map) if !map.is_constant() => {
-            let kr = if map.metallic > 0.0 { 1.0 } else { 0.0 };
-            Material { ks: 1.0, kd: 1.0, kr, ..*material }
-        }
-        _ => *material,
-    };
-    surfaces.iter().zip(materials).map(may).collect()
 }

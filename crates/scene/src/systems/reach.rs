@@ -6,7 +6,13 @@
 //! rounding errors of the shading step. In doubt a light reaches.
 
 use glam::{DVec3, Vec3};
+use hecs::World;
 
+use super::geometry::Source;
+use super::materials::MaterialBound;
+use super::placement::Visibility;
+use super::view::InView;
+use crate::components::TextureRef;
 use wavecrest_core::geometry::{Geometry, Primitive};
 use wavecrest_core::kernels::blinn_phong::Material;
 use wavecrest_core::kernels::camera::Camera;
@@ -54,55 +60,99 @@ impl Faces {
     }
 }
 
-/// A surface that does not belong to a light.
+/// A surface that may receive light: not of a light's own shape.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Surface<'a> {
-    /// The shape.
-    pub shape: &'a Shape,
-    /// What it is made of.
-    pub material: &'a Material,
+struct Receiver<'a> {
+    shape: &'a Shape,
+    material: &'a Material,
     /// Whether it may have a texture, of any colour.
-    pub textured: bool,
+    textured: bool,
     /// Its visible sides that lights can reach.
-    pub faces: Faces,
+    faces: Faces,
 }
 
-/// What [`run`] finds.
+/// Whether a light adds more than its ambient part to a surface in view, and to any surface.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Illuminates {
+    pub(crate) in_view: bool,
+    pub(crate) anywhere: bool,
+}
+
+/// Whether any light but ambient light reaches what is visible of the shape, or else any of it.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Lit(pub(crate) bool);
+
+/// For each light, whether it reaches any receiver, and for each receiver, whether any light but ambient light
+/// reaches it.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) struct Reached {
-    /// For each light, whether it reaches any surface.
-    pub lights: Vec<bool>,
-    /// For each surface, whether any light but ambient light reaches it.
-    pub surfaces: Vec<bool>,
+struct Reached {
+    lights: Vec<bool>,
+    receivers: Vec<bool>,
 }
 
-/// Which of `lights` reach any of `surfaces`, and which of these they reach.
-pub(crate) fn run(lights: &[&Light], surfaces: &[Surface<'_>], geometry: &Geometry) -> Reached {
+/// Finds out which lights reach surfaces, and which of these they reach.
+pub(crate) fn run(world: &World, geometry: &Geometry) {
+    let textures = world.view::<&TextureRef>();
+    let mut lit = Vec::new();
+    let (mut all, mut in_view) = (Vec::new(), Vec::new());
+    let mut shapes =
+        world.query::<(&Source, &Shape, &Visibility, &MaterialBound, &InView, &mut Lit)>();
+    for (source, shape, visibility, MaterialBound(material), seen, of_shape) in shapes.iter() {
+        if !visibility.is_surface {
+            continue;
+        }
+        let textured = textures.contains(source.0);
+        let receiver = Receiver { shape, material, textured, faces: Faces::lit(shape) };
+        all.push(receiver);
+        in_view.extend(seen.0.map(|faces| Receiver { faces, ..receiver }));
+        lit.push((seen.0.is_some(), &mut of_shape.0));
+    }
+    let mut lights = world.query::<(&Light, &mut Illuminates)>();
+    let (lights, found): (Vec<_>, Vec<_>) = lights.iter().unzip();
+    let seen = reached(&lights, &in_view, geometry);
+    let is_same = |(one, other): (&Receiver<'_>, &Receiver<'_>)| one.faces == other.faces;
+    let anywhere = match all.len() == in_view.len() && all.iter().zip(&in_view).all(is_same) {
+        true => seen.clone(),
+        false => reached(&lights, &all, geometry),
+    };
+    for (found, (in_view, anywhere)) in
+        found.into_iter().zip(seen.lights.into_iter().zip(anywhere.lights))
+    {
+        *found = Illuminates { in_view, anywhere };
+    }
+    let mut seen = seen.receivers.into_iter();
+    for ((is_seen, lit), anywhere) in lit.into_iter().zip(anywhere.receivers) {
+        *lit = if is_seen { seen.next() == Some(true) } else { anywhere };
+    }
+}
+
+/// Which of `lights` reach any of `receivers`, and which of these they reach.
+fn reached(lights: &[&Light], receivers: &[Receiver<'_>], geometry: &Geometry) -> Reached {
     let extents: Vec<Extent> = lights.iter().map(|light| Extent::of(&light.emitter)).collect();
     let (mut tests, mut pairs) = (0, 0);
-    let mut reaches = |light: usize, surface: &Surface<'_>| {
-        reflects(surface, lights[light])
-            && is_faced(surface.shape, surface.faces, &extents[light], geometry, &mut tests)
+    let mut reaches = |light: usize, receiver: &Receiver<'_>| {
+        reflects(receiver, lights[light])
+            && is_faced(receiver.shape, receiver.faces, &extents[light], geometry, &mut tests)
     };
-    let mut of_light = |light: usize| surfaces.iter().any(|surface| reaches(light, surface));
+    let mut of_light = |light: usize| receivers.iter().any(|receiver| reaches(light, receiver));
     let reaching: Vec<bool> = (0..lights.len()).map(&mut of_light).collect();
     // Ambient light shows nothing but diffuse colour.
     let is_useful =
         |&light: &usize| reaching[light] && lights[light].emitter.ambient_reach().is_none();
     let useful: Vec<usize> = (0..lights.len()).filter(is_useful).collect();
-    let of_surface = |surface: &Surface<'_>| {
+    let of_receiver = |receiver: &Receiver<'_>| {
         useful.iter().any(|&light| {
             pairs += 1;
-            pairs > MOST_TESTS || reaches(light, surface)
+            pairs > MOST_TESTS || reaches(light, receiver)
         })
     };
-    Reached { surfaces: surfaces.iter().map(of_surface).collect(), lights: reaching }
+    Reached { receivers: receivers.iter().map(of_receiver).collect(), lights: reaching }
 }
 
 /// Whether any of the light's colour is reflected: as in the shading step, a product of zero adds
 /// nothing.
-fn reflects(surface: &Surface<'_>, light: &Light) -> bool {
-    let &Material { ks, kd, color, ambient, .. } = surface.material;
+fn reflects(receiver: &Receiver<'_>, light: &Light) -> bool {
+    let &Material { ks, kd, color, ambient, .. } = receiver.material;
     // Ambient light shows diffuse colour alone, for any kd.
     let is_ambient = light.emitter.ambient_reach().is_some();
     let (ks, kd) = if is_ambient { (0.0, ambient) } else { (ks, kd) };
@@ -110,7 +160,7 @@ fn reflects(surface: &Surface<'_>, light: &Light) -> bool {
     let shines = light.power.cmpgt(Vec3::ZERO);
     let colored = color.cmpgt(Vec3::ZERO) & shines;
     !light.power.is_finite()
-        || shines.any() && (ks > 0.0 || kd > 0.0 && (surface.textured || colored.any()))
+        || shines.any() && (ks > 0.0 || kd > 0.0 && (receiver.textured || colored.any()))
 }
 
 /// Whether any point of the light may be in front of any point of the shape, on one of these sides.

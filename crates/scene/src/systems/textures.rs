@@ -13,25 +13,32 @@ use wavecrest_base::error::Result;
 use wavecrest_core::kernels::texture::{Filter, Image};
 use wavecrest_core::prepared::{Coordinates, LazyImage, Placing, Texture, UvMap};
 
-/// The images of shapes, each once.
-#[derive(Default)]
+/// The images of a scene, each once.
 pub(crate) struct Images {
+    /// The scene's file, for messages.
+    file: PathBuf,
     /// Each with the place in the scene file that names it first.
     all: Vec<(TextureRef, String)>,
     /// Their numbers.
-    numbers: HashMap<MadeOf, u32>,
+    numbers: HashMap<TexelSource, u32>,
     /// Those that are decoded already, and whether their first channel is 1 in every texel.
-    decoded: HashMap<MadeOf, (Image, bool)>,
+    decoded: HashMap<TexelSource, (Image, bool)>,
 }
 
-/// What the texels of an image are made of; the tint in bits.
-type MadeOf = (TextureSource, Encoding, [u64; 3], Channels);
+/// What decides the texels of an image; the tint in bits.
+type TexelSource = (TextureSource, Encoding, [u64; 3], Channels);
 
-fn made_of(TextureRef { look_up, encoding, tint, channels }: &TextureRef) -> MadeOf {
+fn texel_source(TextureRef { look_up, encoding, tint, channels }: &TextureRef) -> TexelSource {
     (look_up.source.clone(), *encoding, tint.to_array().map(f64::to_bits), *channels)
 }
 
 impl Images {
+    /// No images yet, of the scene in `file`.
+    pub(crate) fn of_scene(file: &Path) -> Self {
+        let (numbers, decoded) = (HashMap::new(), HashMap::new());
+        Self { file: file.to_owned(), all: Vec::new(), numbers, decoded }
+    }
+
     /// The texture of a `reference`, which is under a `key` of the shape at `place`, with texture
     /// coordinates from `map`.
     pub(crate) fn texture(
@@ -41,7 +48,7 @@ impl Images {
         map: UvMap,
     ) -> Texture {
         let LookUp { filter, wrap, placing: placed, .. } = &reference.look_up;
-        let number = *self.numbers.entry(made_of(reference)).or_insert_with(|| {
+        let number = *self.numbers.entry(texel_source(reference)).or_insert_with(|| {
             self.all.push((reference.clone(), format!("{place}.{key}")));
             self.all.len() as u32 - 1
         });
@@ -53,12 +60,12 @@ impl Images {
     }
 
     /// Whether the texture's first channel is 1 in every texel. It is decoded for that, and kept; if `color` is
-    /// of the same file, both are decoded at once. It is under a `key` of the object at `place` of a `file`.
+    /// of the same file, both are decoded at once. It is under a `key` of the object at `place`.
     pub(super) fn is_one(
         &mut self,
         texture: &TextureRef,
         color: Option<&TextureRef>,
-        place: (&Path, &str, &str),
+        place: (&str, &str),
     ) -> Result<bool> {
         Ok(self.decoded(texture, color, place)?.1)
     }
@@ -67,7 +74,7 @@ impl Images {
     pub(crate) fn only_color(
         &mut self,
         texture: &TextureRef,
-        place: (&Path, &str, &str),
+        place: (&str, &str),
     ) -> Option<DVec3> {
         // An image that cannot be decoded is an error at its first look-up.
         Head::of(&texture.look_up.source).ok().filter(Head::is_small)?;
@@ -82,33 +89,35 @@ impl Images {
         &mut self,
         texture: &TextureRef,
         color: Option<&TextureRef>,
-        (file, place, key): (&Path, &str, &str),
+        (place, key): (&str, &str),
     ) -> Result<&(Image, bool)> {
-        if !self.decoded.contains_key(&made_of(texture)) {
+        if !self.decoded.contains_key(&texel_source(texture)) {
             let source = &texture.look_up.source;
             let read = Head::of(source).and_then(|_| decoded(source));
-            let read = read.map_err(|e| e.in_file(file).at(format!("{place}.{key}")))?;
+            let at = format!("{place}.{key}");
+            let read = read.map_err(|error| error.in_file(&self.file).at(at))?;
             let mut keep = |texture: &TextureRef, read: DynamicImage| {
                 let image = of_texture(read, texture, false);
                 let is_one = range(&image, 0) == [1.0; 2];
-                self.decoded.insert(made_of(texture), (image, is_one));
+                self.decoded.insert(texel_source(texture), (image, is_one));
             };
             if let Some(color) = color.filter(|color| color.look_up.source == *source) {
                 keep(color, read.clone());
             }
             keep(texture, read);
         }
-        Ok(&self.decoded[&made_of(texture)])
+        Ok(&self.decoded[&texel_source(texture)])
     }
 
     /// Reads the headers of all images: each is decoded at its first look-up, with a pyramid if any
-    /// shape uses it with the trilinear filter. `file` is the scene's, for messages.
-    pub(super) fn prepare(self, file: &Path) -> Result<Vec<LazyImage>> {
-        let Self { all, mut decoded, .. } = self;
+    /// shape uses it with the trilinear filter.
+    pub(super) fn prepare(self) -> Result<Vec<LazyImage>> {
+        let Self { file, all, mut decoded, .. } = self;
         let image = |(texture, place): (TextureRef, String)| {
-            let head = Head::of(&texture.look_up.source).map_err(|e| e.in_file(file).at(&place))?;
-            let known = decoded.remove(&made_of(&texture)).map(|(image, _)| image);
-            Ok(lazy(texture, false, (head, known), (file.to_owned(), place)))
+            let head =
+                Head::of(&texture.look_up.source).map_err(|e| e.in_file(&file).at(&place))?;
+            let known = decoded.remove(&texel_source(&texture)).map(|(image, _)| image);
+            Ok(lazy(texture, false, (head, known), (file.clone(), place)))
         };
         all.into_iter().map(image).collect()
     }

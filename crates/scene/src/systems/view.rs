@@ -3,37 +3,43 @@
 //! A shape is out of view if no camera ray can meet it ([`super::met`]) and no mirror in view could show
 //! it. In doubt a shape is in view, from both sides.
 
-use super::geometry::{Output, ShapeOutput};
+use hecs::World;
+
+use super::frame::Frame;
+use super::materials::MaterialBound;
+use super::placement::Visibility;
 use super::reach::{Extent, Faces, is_faced};
 use wavecrest_core::geometry::Geometry;
-use wavecrest_core::kernels::camera::Camera;
 use wavecrest_core::prepared::Shape;
 
 /// Number of primitives of small shapes. Large ones that both sides are lit of mostly show both.
 const FEW: usize = 64;
 
-/// For each shape in view of `cameras` its visible sides that lights can reach; `None` for others.
-/// There is a camera for each frame, or none if nothing is certain. A shape `shows_others` if these sides
-/// mirror them, or let them through.
-pub(crate) fn run(
-    cameras: &[Camera],
-    output: &Output,
-    shows_others: impl Fn(usize, Faces) -> bool,
-) -> Vec<Option<Faces>> {
-    let Output { geometry, shapes, .. } = output;
-    let all = || shapes.iter().map(|output| Some(Faces::lit(&output.shape))).collect();
-    if cameras.is_empty() {
-        return all();
-    }
-    let pupils: Vec<Extent> = cameras.iter().map(Extent::of_pupil).collect();
+/// The visible sides of a shape that lights can reach; `None` if it is out of view.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct InView(pub(crate) Option<Faces>);
+
+/// Finds out what cameras see of each shape: all of every shape, if one in view shows others.
+pub(crate) fn run(world: &World, frame: &Frame, geometry: &Geometry) {
+    let mut shapes = world.query::<(&Shape, &Visibility, &MaterialBound, &mut InView)>();
+    let pupils: Vec<Extent> = frame.cameras.iter().map(Extent::of_pupil).collect();
     let mut tests = 0;
-    let mut of = |output: &ShapeOutput| {
-        let is_seen = output.is_seen && !output.shape.primitives.is_empty();
-        is_seen.then(|| visible_faces(&output.shape, &pupils, geometry, &mut tests))
+    let mut shows_others = |(shape, visibility, MaterialBound(bound), in_view): (
+        &Shape,
+        &Visibility,
+        &MaterialBound,
+        &mut InView,
+    )| {
+        let is_seen = visibility.is_seen && !shape.primitives.is_empty();
+        in_view.0 = is_seen.then(|| visible_faces(shape, &pupils, geometry, &mut tests));
+        let mirrors = |faces: Faces| faces.any() && frame.settings.bounces > 0 && bound.kr > 0.0;
+        in_view.0.is_some_and(|faces| visibility.is_transparent || mirrors(faces))
     };
-    let in_view: Vec<Option<Faces>> = shapes.iter().map(&mut of).collect();
-    let shows = |shape: usize| in_view[shape].is_some_and(|faces| shows_others(shape, faces));
-    if (0..shapes.len()).any(shows) { all() } else { in_view }
+    if frame.cameras.is_empty() || shapes.iter().any(&mut shows_others) {
+        for (shape, _, _, in_view) in shapes.iter() {
+            in_view.0 = Some(Faces::lit(shape));
+        }
+    }
 }
 
 /// The sides of the shape that lights can reach and that face a pupil.

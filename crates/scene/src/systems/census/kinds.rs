@@ -2,18 +2,17 @@
 
 use std::collections::BTreeSet;
 
-use super::{Facts, count};
+use super::{Census, count};
 use wavecrest_core::geometry::{Primitive, Quadric};
 use wavecrest_core::prepared::Shape;
 
-impl Facts<'_> {
+impl Census<'_> {
     /// The shapes of a kind that rays may meet.
     fn of_kind(&self, is: impl Fn(Primitive) -> bool) -> impl Iterator<Item = &Shape> {
-        let geometry = &self.census.extracted.geometry;
         let is_one = move |shape: &&Shape| {
-            shape.primitives.clone().next().is_some_and(|first| is(geometry.primitive(first)))
+            shape.primitives.clone().next().is_some_and(|first| is(self.geometry.primitive(first)))
         };
-        self.census.extracted.shapes.iter().map(|output| &output.shape).filter(is_one)
+        self.shapes.iter().map(|facts| facts.shape).filter(is_one)
     }
 
     /// The number of primitives of a kind that rays may meet, or the reason for none.
@@ -29,7 +28,7 @@ impl Facts<'_> {
     pub(super) fn triangles(&self) -> (bool, String) {
         let is_own = |primitive| matches!(primitive, Primitive::Triangle(_));
         let is_shown = |primitive| matches!(primitive, Primitive::Instanced(_));
-        let geometry = &self.census.extracted.geometry;
+        let geometry = self.geometry;
         let instances: Vec<&Shape> = self.of_kind(is_shown).collect();
         if instances.is_empty() {
             return self.kind(is_own, "triangle", "rays meet no triangle and no mesh");
@@ -58,7 +57,7 @@ impl Facts<'_> {
         thing: &str,
         none: &str,
     ) -> (bool, String) {
-        let quadrics = &self.census.extracted.geometry.quadrics;
+        let quadrics = &self.geometry.quadrics;
         self.kind(|one| matches!(one, Primitive::Quadric(i) if is(&quadrics[i])), thing, none)
     }
 }

@@ -1,36 +1,43 @@
 //! Rays that go on from surfaces.
 
-use super::{Faces, Facts, or_in_the_way};
+use glam::Vec3;
 
-impl Facts<'_> {
-    pub(super) fn is_transparent(&self, i: usize) -> bool {
-        self.solid[i] && self.census.extracted.shapes[i].is_transparent
-    }
+use super::{Census, Faces, ShapeFacts, or_in_the_way};
+use crate::environment;
 
+impl Census<'_> {
     pub(super) fn transparency(&self) -> (bool, String) {
         let none = "no material lets light through";
-        let found = self.surfaces(|i| self.is_transparent(i), "transparent shape", none);
-        let is_met = (0..self.solid.len()).any(|i| self.is_transparent(i) && self.is_met(i));
-        or_in_the_way(found, is_met)
+        let found = self.surfaces(|shape| shape.is_transparent(), "transparent shape", none);
+        or_in_the_way(found, self.any(|shape| shape.visibility.lets_light_through()))
     }
 
     pub(super) fn mirrors(&self) -> (bool, String) {
-        let reflects = |i: usize| self.census.materials[i].kr > 0.0;
-        let solid = || (0..self.solid.len()).filter(|&i| self.solid[i]);
-        let none = match solid().any(reflects) {
-            true => "mirrors are seen from behind only",
-            false if solid().all(|i| self.census.extracted.shapes[i].is_mirror) => {
-                "no material has kr above 0"
-            }
-            false => "mirrors show nothing but a background",
+        let reflects = |shape: &ShapeFacts<'_>| shape.bound.kr > 0.0;
+        let none = if self.any(|shape| shape.visibility.is_surface && reflects(shape)) {
+            "mirrors are seen from behind only"
+        } else if self.any(|shape| shape.visibility.is_surface && !shape.visibility.is_mirror) {
+            "mirrors show nothing but a background"
+        } else {
+            "no material has kr above 0"
         };
-        let is_mirror = |i: usize| reflects(i) && self.census.in_view[i].is_none_or(Faces::any);
+        let is_mirror =
+            |shape: &ShapeFacts<'_>| reflects(shape) && shape.in_view.is_none_or(Faces::any);
         let (found, reason) = self.surfaces(is_mirror, "mirror", none);
-        match self.census.settings.bounces {
+        match self.frame.settings.bounces {
             _ if !found => (false, reason),
             0 => (false, "nbounces is 0".to_owned()),
-            _ if !self.shines => (false, "mirrors show nothing but black".to_owned()),
+            _ if !self.shines() => (false, "mirrors show nothing but black".to_owned()),
             bounces => (true, format!("{reason}, nbounces {bounces}")),
         }
+    }
+
+    /// Whether a mirror could show anything but black.
+    fn shines(&self) -> bool {
+        let is_bright = |shape: &ShapeFacts<'_>| {
+            shape.shows.emission || shape.shape.light.is_some_and(|color| color != Vec3::ZERO)
+        };
+        let has_sky = self.has_hemisphere() || environment::is_bright(self.world);
+        self.is_lit() || self.any(is_bright) || self.shows_ambient() || has_sky
     }
 }

@@ -2,133 +2,131 @@
 
 use std::sync::Arc;
 
-use glam::{DVec3, Vec3};
+use glam::{DVec3, Vec3, Vec4};
 use rayon::prelude::*;
 
-use super::meshes::{ArrayLengths, append, transform_mesh};
-use super::occurrence::Occurrence;
-use super::output::{Output, ShapeOutput};
+use super::meshes::{ArrayLengths, Meshes, append, transform_mesh};
 use super::tangents::tangents;
+use super::{Arrays, BuiltShape, built};
 use crate::components::Mesh;
 use crate::corners;
-use crate::mesh::Attribute;
+use crate::mesh::{Attribute, MeshData};
+use crate::systems::placement::{ShapeGeometry, ShapeInstance};
 use wavecrest_base::error::Result;
-use wavecrest_core::geometry::{Geometry, Quadric};
+use wavecrest_core::geometry::Quadric;
 use wavecrest_core::kernels::texture::PlanarMap;
 use wavecrest_core::prepared::{CornerValues, MeshAttributes, Shape, UvMap};
 
 #[derive(Default)]
 pub(super) struct GeometryBuilder {
     pub(super) room: ArrayLengths,
-    pub(super) geometry: Geometry,
-    pub(super) shapes: Vec<ShapeOutput>,
-    pub(super) meshes: Vec<MeshAttributes>,
+    pub(super) arrays: Arrays,
+    pub(super) shapes: Vec<BuiltShape>,
 }
 
 impl GeometryBuilder {
-    pub(super) fn add_triangle(
-        &mut self,
-        occurrence: &Occurrence<'_>,
-        points: &[DVec3; 3],
-    ) -> Result<()> {
-        let start = self.geometry.triangles.len() as u32;
-        let first = self.add_points(occurrence, points)?;
-        let [p0, p1, p2] = self.geometry.positions[first as usize..] else { return Ok(()) };
-        self.geometry.triangles.push([first, first + 1, first + 2]);
-        let flipped = occurrence.flipped(corners::triangle_normal(points));
-        let shape = occurrence.shape(start..start + 1, flipped);
-        let uv_map = UvMap::Planar(PlanarMap::new(p0, p2 - p0, p1 - p0));
-        self.shapes.push(occurrence.output(shape, uv_map));
+    /// Adds a shape to the arrays. Numbers of primitives follow their kinds, and so must the shapes.
+    pub(super) fn add(&mut self, instance: &ShapeInstance, meshes: &mut Meshes) -> Result<()> {
+        let (shape, uv_map) = match &instance.geometry {
+            ShapeGeometry::Triangle(triangle) => self.triangle(instance, &triangle.points)?,
+            ShapeGeometry::Mesh => {
+                let (mesh, _) = meshes.take(instance.prototype);
+                (self.mesh(instance, mesh)?, UvMap::Mesh)
+            }
+            ShapeGeometry::Quad(quad) => self.quad(instance, &quad.points)?,
+            ShapeGeometry::Sphere(sphere) => self.quadric(instance, sphere.in_world(instance)?),
+            ShapeGeometry::Disk(disk) => self.quadric(instance, disk.in_world(instance)?),
+        };
+        self.shapes.push(built(instance, shape, uv_map));
         Ok(())
     }
 
-    pub(super) fn add_mesh(&mut self, occurrence: &Occurrence<'_>, mesh: Mesh) -> Result<()> {
+    fn triangle(
+        &mut self,
+        instance: &ShapeInstance,
+        points: &[DVec3; 3],
+    ) -> Result<(Shape, UvMap)> {
+        let geometry = &mut self.arrays.geometry;
+        let number = geometry.triangles.len() as u32;
+        let (first, [p0, p1, p2]) = add_points(&mut geometry.positions, instance, points)?;
+        geometry.triangles.push([first, first + 1, first + 2]);
+        let flipped = instance.flipped(corners::triangle_normal(points));
+        let map = PlanarMap::new(p0, p2 - p0, p1 - p0);
+        Ok((instance.shape(number..number + 1, flipped), UvMap::Planar(map)))
+    }
+
+    fn quad(&mut self, instance: &ShapeInstance, points: &[DVec3; 4]) -> Result<(Shape, UvMap)> {
+        let geometry = &mut self.arrays.geometry;
+        let number = (geometry.triangles.len() + geometry.quads.len()) as u32;
+        let (first, [p0, p1, _, p3]) = add_points(&mut geometry.positions, instance, points)?;
+        let turn = first_of_diagonal(points);
+        geometry.quads.push([0, 1, 2, 3].map(|k| first + (k + turn) % 4));
+        let flipped = instance.flipped(corners::quad_normal(points));
+        let map = PlanarMap::new(p0, p3 - p0, p1 - p0);
+        Ok((instance.shape(number..number + 1, flipped), UvMap::Planar(map)))
+    }
+
+    fn quadric(
+        &mut self,
+        instance: &ShapeInstance,
+        (quadric, uv_map): (Quadric, UvMap),
+    ) -> (Shape, UvMap) {
+        let geometry = &mut self.arrays.geometry;
+        let number = geometry.own() as u32;
+        geometry.quadrics.push(quadric);
+        (instance.shape(number..number + 1, false), uv_map)
+    }
+
+    fn mesh(&mut self, instance: &ShapeInstance, mesh: Mesh) -> Result<Shape> {
         let Mesh { data: mut mesh, points, .. } = mesh;
         // Drop unused attributes before allocating more.
-        mesh.normals = mesh.normals.filter(|_| occurrence.smooth);
-        mesh.uvs = mesh.uvs.filter(|_| occurrence.textured);
-        mesh.colors = mesh
-            .colors
-            .filter(|colors| occurrence.light.is_none() && is_varied(colors, &Vec3::ONE));
-        mesh.alphas = mesh.alphas.filter(|alphas| is_varied(alphas, &1.0));
-        let mut tangents = occurrence.normal_mapped.then(|| tangents(&mesh)).flatten();
-        transform_mesh(&mut mesh, points, tangents.as_mut(), occurrence)?;
-        let geometry = &mut self.geometry;
+        mesh.colors = mesh.colors.filter(|_| instance.light.is_none());
+        keep_used(&mut mesh, instance.smooth, instance.textured);
+        let mut tangents = instance.normal_mapped.then(|| tangents(&mesh)).flatten();
+        transform_mesh(&mut mesh, points, tangents.as_mut(), instance)?;
+        let geometry = &mut self.arrays.geometry;
         let first_position = geometry.positions.len();
         let first_triangle = geometry.triangles.len();
-        occurrence.check_count(first_position + mesh.positions.len(), "vertices")?;
-        occurrence.check_count(first_triangle + mesh.triangles.len(), "triangles")?;
+        instance.check_count(first_position + mesh.positions.len(), "vertices")?;
+        instance.check_count(first_triangle + mesh.triangles.len(), "triangles")?;
         // All numbers were just checked to fit.
         let before = first_position as u32;
         let ArrayLengths { positions, triangles } = self.room;
-        append(&mut geometry.positions, mesh.positions, positions, before, |p, _| p);
-        append(&mut geometry.triangles, mesh.triangles, triangles, before, |t, before| {
+        let (new_positions, new_triangles) =
+            (std::mem::take(&mut mesh.positions), std::mem::take(&mut mesh.triangles));
+        append(&mut geometry.positions, new_positions, positions, before, |p, _| p);
+        append(&mut geometry.triangles, new_triangles, triangles, before, |t, before| {
             t.map(|v| v + before)
         });
+        let range = first_triangle as u32..geometry.triangles.len() as u32;
         let (smooth, colored) = (mesh.normals.is_some(), mesh.colors.is_some());
-        let range = first_triangle as u32..self.geometry.triangles.len() as u32;
-        let mut shape = Shape { smooth, colored, ..occurrence.shape(range, occurrence.mirrors()) };
-        if smooth || colored || mesh.alphas.is_some() || occurrence.textured {
-            shape.mesh = Some(self.meshes.len() as u32);
-            self.meshes.push(MeshAttributes {
-                first_triangle: first_triangle as u32,
-                first_position: first_position as u32,
-                normals: mesh.normals.map(corner_values),
-                uvs: mesh.uvs.map(corner_values).map(Arc::new),
-                colors: mesh.colors.map(by_position),
-                alphas: mesh.alphas.map(by_position).map(Arc::new),
-                tangents,
-            });
-        }
-        self.shapes.push(occurrence.output(shape, UvMap::Mesh));
-        Ok(())
+        let shape = Shape { smooth, colored, ..instance.shape(range, instance.mirrors()) };
+        let firsts = [first_triangle as u32, first_position as u32];
+        let attributes = attributes(mesh, tangents, firsts);
+        let is_used = has_any(&attributes) || instance.textured;
+        Ok(Shape { mesh: is_used.then(|| self.add_attributes(attributes)), ..shape })
     }
 
-    pub(super) fn add_quad(
-        &mut self,
-        occurrence: &Occurrence<'_>,
-        points: &[DVec3; 4],
-    ) -> Result<()> {
-        let number = (self.geometry.triangles.len() + self.geometry.quads.len()) as u32;
-        let first = self.add_points(occurrence, points)?;
-        let [p0, p1, _, p3] = self.geometry.positions[first as usize..] else { return Ok(()) };
-        let turn = first_of_diagonal(points);
-        self.geometry.quads.push([0, 1, 2, 3].map(|k| first + (k + turn) % 4));
-        let flipped = occurrence.flipped(corners::quad_normal(points));
-        let shape = occurrence.shape(number..number + 1, flipped);
-        let uv_map = UvMap::Planar(PlanarMap::new(p0, p3 - p0, p1 - p0));
-        self.shapes.push(occurrence.output(shape, uv_map));
-        Ok(())
+    /// Adds attributes of a mesh; returns their number.
+    pub(super) fn add_attributes(&mut self, attributes: MeshAttributes) -> u32 {
+        self.arrays.meshes.push(attributes);
+        self.arrays.meshes.len() as u32 - 1
     }
+}
 
-    pub(super) fn add_quadric(
-        &mut self,
-        occurrence: &Occurrence<'_>,
-        (quadric, uv_map): (Quadric, UvMap),
-    ) {
-        let number = self.geometry.own() as u32;
-        self.geometry.quadrics.push(quadric);
-        let shape = occurrence.shape(number..number + 1, false);
-        self.shapes.push(occurrence.output(shape, uv_map));
-    }
-
-    /// Appends the points in world space; returns the number of the first.
-    fn add_points(&mut self, occurrence: &Occurrence<'_>, points: &[DVec3]) -> Result<u32> {
-        let first = self.geometry.positions.len();
-        occurrence.check_count(first + points.len(), "vertices")?;
-        for &point in points {
-            let point = occurrence.transform.transform_point3(point);
-            occurrence.check_point(point)?;
-            self.geometry.positions.push(point.as_vec3());
-        }
-        Ok(first as u32)
-    }
-
-    pub(super) fn finish(mut self) -> Output {
-        self.shapes.sort_by_key(|s| s.shape.primitives.start);
-        let Self { geometry, shapes, meshes, .. } = self;
-        Output { geometry, shapes, meshes }
-    }
+/// Appends points in world space. Returns the number of the first, and all as they are stored.
+fn add_points<const N: usize>(
+    positions: &mut Vec<Vec3>,
+    instance: &ShapeInstance,
+    points: &[DVec3; N],
+) -> Result<(u32, [Vec3; N])> {
+    let first = positions.len();
+    instance.check_count(first + N, "vertices")?;
+    let points = points.map(|point| instance.transform.transform_point3(point));
+    points.iter().try_for_each(|point| instance.check_point(*point))?;
+    let points = points.map(|point| point.as_vec3());
+    positions.extend(points);
+    Ok((first as u32, points))
 }
 
 /// 0 if the diagonal from the first corner to the third lies inside the quad, else 1. They differ
@@ -139,16 +137,47 @@ fn first_of_diagonal(&[a, b, c, d]: &[DVec3; 4]) -> u32 {
     u32::from(!(within(a, b, c) && within(a, c, d)))
 }
 
+/// Drops the attributes of a mesh that nothing reads, and those that change nothing.
+pub(super) fn keep_used(mesh: &mut MeshData, smooth: bool, textured: bool) {
+    mesh.normals = mesh.normals.take().filter(|_| smooth);
+    mesh.uvs = mesh.uvs.take().filter(|_| textured);
+    mesh.colors = mesh.colors.take().filter(|colors| is_varied(colors, &Vec3::ONE));
+    mesh.alphas = mesh.alphas.take().filter(|alphas| is_varied(alphas, &1.0));
+}
+
 /// Whether any of the factors is not `one`.
 pub(crate) fn is_varied<T: PartialEq + Sync>(factors: &[T], one: &T) -> bool {
     factors.par_iter().any(|factor| factor != one)
 }
 
+/// The attributes of a mesh whose first triangle and first position these are.
+pub(super) fn attributes(
+    mesh: MeshData,
+    tangents: Option<CornerValues<Vec4>>,
+    [first_triangle, first_position]: [u32; 2],
+) -> MeshAttributes {
+    MeshAttributes {
+        first_triangle,
+        first_position,
+        normals: mesh.normals.map(corner_values),
+        uvs: mesh.uvs.map(corner_values).map(Arc::new),
+        colors: mesh.colors.map(by_position),
+        alphas: mesh.alphas.map(by_position).map(Arc::new),
+        tangents,
+    }
+}
+
+/// Whether any attribute is left; without texture coordinates, tangents are none.
+pub(super) fn has_any(mesh: &MeshAttributes) -> bool {
+    let by_vertex = mesh.colors.is_some() || mesh.alphas.is_some();
+    mesh.normals.is_some() || mesh.uvs.is_some() || by_vertex
+}
+
 /// Values indexed like positions.
-pub(super) fn by_position<T>(values: Vec<T>) -> CornerValues<T> {
+fn by_position<T>(values: Vec<T>) -> CornerValues<T> {
     CornerValues { values, indices: None }
 }
 
-pub(super) fn corner_values<T>(attribute: Attribute<T>) -> CornerValues<T> {
+fn corner_values<T>(attribute: Attribute<T>) -> CornerValues<T> {
     CornerValues { values: attribute.values, indices: attribute.indices }
 }

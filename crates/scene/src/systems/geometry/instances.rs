@@ -1,24 +1,24 @@
 //! Prototypes and their instances: meshes stored once for several places.
 
 use std::collections::HashMap;
-use std::sync::Arc;
 
-use glam::{DAffine3, DVec3, Vec3, Vec4};
-use hecs::{Entity, World};
+use glam::{DAffine3, DVec3, Vec3};
+use hecs::Entity;
 use rayon::prelude::*;
 
-use super::builder::{GeometryBuilder, by_position, corner_values, is_varied};
-use super::occurrence::Occurrence;
-use super::occurrences::Occurrences;
+use super::builder::{GeometryBuilder, attributes, has_any, keep_used};
+use super::built;
+use super::meshes::Meshes;
 use super::tangents::tangents;
 use crate::components::Mesh;
 use crate::mesh::MeshData;
+use crate::systems::placement::ShapeInstance;
 use crate::systems::{bounds, frame};
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_core::geometry::Geometry;
 use wavecrest_core::geometry::instance::Instance;
 use wavecrest_core::kernels::slab::Aabb;
-use wavecrest_core::prepared::{CornerValues, MeshAttributes, Shape, UvMap};
+use wavecrest_core::prepared::{Shape, UvMap};
 
 /// A prototype whose centre is this many times its size away from its origin has lost two bits: its
 /// origin is moved there, so that transformed rays have small coordinates.
@@ -39,36 +39,28 @@ impl GeometryBuilder {
     /// Adds the meshes with several instances, and these instances.
     pub(super) fn add_instances(
         &mut self,
-        world: &World,
-        occurrences: &mut Occurrences<'_>,
+        instances: &[ShapeInstance],
+        mut meshes: Meshes,
     ) -> Result<()> {
         let mut prototypes: HashMap<Entity, Prototype> = HashMap::new();
-        for prototype in std::mem::take(&mut occurrences.shared) {
-            let (Mesh { data: mut mesh, points, .. }, of) = occurrences.take(world, prototype);
-            mesh.normals = mesh.normals.filter(|_| of.smooth);
-            mesh.uvs = mesh.uvs.filter(|_| of.textured);
-            let tangents = of.normal_mapped.then(|| tangents(&mesh)).flatten();
-            prototypes.insert(prototype, self.add_prototype(mesh, points, tangents));
+        for prototype in std::mem::take(&mut meshes.shared) {
+            prototypes.insert(prototype, self.add_prototype(prototype, &mut meshes));
         }
-        let mut next = self.geometry.own();
-        let instances =
-            occurrences.all.iter().filter(|occurrence| occurrences.is_instance(occurrence));
-        for occurrence in instances {
-            let Some(prototype) = prototypes.get(&occurrence.prototype) else { continue };
+        let mut next = self.arrays.geometry.own();
+        for instance in instances {
+            let Some(prototype) = prototypes.get(&instance.prototype) else { continue };
             let first = next as u32;
             next += prototype.triangles;
-            occurrence.check_count(next, "triangles")?;
-            self.add_instance(occurrence, prototype, first)?;
+            instance.check_count(next, "triangles")?;
+            self.add_instance(instance, prototype, first)?;
         }
         Ok(())
     }
 
-    fn add_prototype(
-        &mut self,
-        mut mesh: MeshData,
-        points: Option<Vec<DVec3>>,
-        tangents: Option<CornerValues<Vec4>>,
-    ) -> Prototype {
+    fn add_prototype(&mut self, prototype: Entity, meshes: &mut Meshes) -> Prototype {
+        let (Mesh { data: mut mesh, points, .. }, uses) = meshes.take(prototype);
+        keep_used(&mut mesh, uses.smooth, uses.textured);
+        let tangents = uses.normal_mapped.then(|| tangents(&mesh)).flatten();
         let origin = origin(&mesh.positions, points.as_deref());
         if origin != DVec3::ZERO {
             let positions = mesh.positions.par_iter_mut();
@@ -79,67 +71,54 @@ impl GeometryBuilder {
                 None => positions.for_each(|p| *p = (p.as_dvec3() - origin).as_vec3()),
             }
         }
-        mesh.colors = mesh.colors.filter(|colors| is_varied(colors, &Vec3::ONE));
-        mesh.alphas = mesh.alphas.filter(|alphas| is_varied(alphas, &1.0));
-        let colors = mesh.colors.is_some() || mesh.alphas.is_some();
-        let attributes = mesh.normals.is_some() || mesh.uvs.is_some() || colors;
-        let prototype = Prototype {
-            number: self.geometry.prototypes.len() as u32,
-            triangles: mesh.triangles.len(),
-            bounds: bounds::around(&mesh.positions),
-            origin: mesh.origin + origin,
-            mesh: attributes.then_some(self.meshes.len() as u32),
+        let MeshData { origin: own_origin, .. } = mesh;
+        let geometry = Geometry {
+            positions: std::mem::take(&mut mesh.positions),
+            triangles: std::mem::take(&mut mesh.triangles),
+            ..Geometry::default()
         };
-        if attributes {
-            self.meshes.push(MeshAttributes {
-                normals: mesh.normals.map(corner_values),
-                uvs: mesh.uvs.map(corner_values).map(Arc::new),
-                colors: mesh.colors.map(by_position),
-                alphas: mesh.alphas.map(by_position).map(Arc::new),
-                tangents,
-                ..MeshAttributes::default()
-            });
-        }
-        let MeshData { positions, triangles, .. } = mesh;
-        self.geometry.prototypes.push(Geometry { positions, triangles, ..Geometry::default() });
+        let attributes = attributes(mesh, tangents, [0, 0]);
+        let prototype = Prototype {
+            number: self.arrays.geometry.prototypes.len() as u32,
+            triangles: geometry.triangles.len(),
+            bounds: bounds::around(&geometry.positions),
+            origin: own_origin + origin,
+            mesh: has_any(&attributes).then(|| self.add_attributes(attributes)),
+        };
+        self.arrays.geometry.prototypes.push(geometry);
         prototype
     }
 
     fn add_instance(
         &mut self,
-        occurrence: &Occurrence<'_>,
+        instance: &ShapeInstance,
         prototype: &Prototype,
         first: u32,
     ) -> Result<()> {
-        let to_world = occurrence.transform * DAffine3::from_translation(prototype.origin);
+        let to_world = instance.transform * DAffine3::from_translation(prototype.origin);
+        let Aabb { low, high } = prototype.bounds;
         for corner in 0..8 {
-            let pick = |k: usize| {
-                if corner >> k & 1 == 0 { prototype.bounds.low } else { prototype.bounds.high }
-            };
-            let corner = DVec3::new(pick(0).x.into(), pick(1).y.into(), pick(2).z.into());
-            occurrence.check_point(to_world.transform_point3(corner))?;
+            let is_high = |axis: u32| corner >> axis & 1 == 1;
+            let corner = Vec3::select([is_high(0), is_high(1), is_high(2)].into(), high, low);
+            instance.check_point(to_world.transform_point3(corner.as_dvec3()))?;
         }
         if !to_world.inverse().is_finite() {
             let message = "the transform is singular";
             return Err(Error::new(ErrorKind::Scene, message)
-                .at(format!("{}.transform", occurrence.place))
+                .at(format!("{}.transform", instance.place))
                 .remedy("use a scale other than 0 on every axis"));
         }
         let range = first..first + prototype.triangles as u32;
-        let attributes = prototype.mesh.and_then(|i| self.meshes.get(i as usize));
+        let attributes = prototype.mesh.and_then(|i| self.arrays.meshes.get(i as usize));
         let shape = Shape {
-            smooth: occurrence.smooth && attributes.is_some_and(|mesh| mesh.normals.is_some()),
+            smooth: instance.smooth && attributes.is_some_and(|mesh| mesh.normals.is_some()),
             colored: attributes.is_some_and(|mesh| mesh.colors.is_some()),
             mesh: prototype.mesh,
-            ..occurrence.shape(range, occurrence.mirrors())
+            ..instance.shape(range, instance.mirrors())
         };
-        self.geometry.instances.push(Instance::new(
-            prototype.number,
-            first,
-            to_world,
-            &prototype.bounds,
-        ));
-        self.shapes.push(occurrence.output(shape, UvMap::Mesh));
+        let instanced = Instance::new(prototype.number, first, to_world, &prototype.bounds);
+        self.arrays.geometry.instances.push(instanced);
+        self.shapes.push(built(instance, shape, UvMap::Mesh));
         Ok(())
     }
 }

@@ -1,39 +1,93 @@
-//! Adds meshes to the scene's arrays: transformed to world space in place, moved if possible, and
-//! otherwise copied on all threads.
+//! Meshes: moved out of the world, and added to the scene's arrays, transformed to world space in place, moved
+//! if possible, and otherwise copied on all threads.
+
+use std::collections::HashMap;
 
 use glam::{DAffine3, DVec3, Vec3, Vec4};
-use hecs::World;
+use hecs::{Entity, World};
 use rayon::prelude::*;
 
-use super::occurrence::{Form, Occurrence, in_range};
-use super::occurrences::Occurrences;
 use crate::components::Mesh;
 use crate::mesh::MeshData;
+use crate::systems::placement::{ShapeGeometry, ShapeInstance, in_range};
 use wavecrest_base::error::Result;
 use wavecrest_core::math::float::normalize_f64;
 use wavecrest_core::prepared::CornerValues;
 
-/// The final length of the arrays.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct ArrayLengths {
-    pub(super) positions: usize,
-    pub(super) triangles: usize,
+/// The meshes of some shapes.
+#[derive(Default)]
+pub(crate) struct Meshes {
+    all: HashMap<Entity, UsedMesh>,
+    /// Meshes with several instances, in the order of each one's second instance.
+    pub(super) shared: Vec<Entity>,
 }
 
-impl ArrayLengths {
-    /// For everything in the world except instances. Meshes are looked up for each occurrence.
-    pub(super) fn of(world: &World, occurrences: &Occurrences<'_>) -> Self {
-        let mut meshes = world.query::<&Mesh>();
-        let meshes = meshes.view();
-        let mut room = Self::default();
-        let own = occurrences.all.iter().filter(|occurrence| !occurrences.is_instance(occurrence));
-        for Occurrence { form, prototype, .. } in own {
-            let [positions, triangles] = match form {
-                Form::Sphere(_) | Form::Disk(_) => [0, 0],
-                Form::Quad(_) => [4, 0],
-                Form::Triangle(_) => [3, 1],
-                Form::Mesh => meshes.get(*prototype).map_or([0, 0], |Mesh { data, .. }| {
-                    [data.positions.len(), data.triangles.len()]
+/// A mesh and its uses.
+#[derive(Default)]
+pub(super) struct UsedMesh {
+    mesh: Mesh,
+    /// How many more times it will be taken.
+    left: usize,
+    /// Number of its instances, without those that shadow rays pass.
+    instances: usize,
+    is_shared: bool,
+    /// Whether any of them asks for normals, for texture coordinates, and has a normal map.
+    pub(super) smooth: bool,
+    pub(super) textured: bool,
+    pub(super) normal_mapped: bool,
+}
+
+impl Meshes {
+    /// Moves the meshes of these shapes out of the world; `flatten` turns instances into primitives of the
+    /// scene's own.
+    pub(super) fn moved_out_of(world: &World, shapes: &[ShapeInstance], flatten: bool) -> Self {
+        let mut meshes = Self::default();
+        for instance in shapes.iter().filter(|instance| instance.is_mesh()) {
+            let moved = || {
+                let mesh = world.get::<&mut Mesh>(instance.prototype);
+                let mesh =
+                    mesh.map_or_else(|_| Mesh::default(), |mut mesh| std::mem::take(&mut *mesh));
+                UsedMesh { mesh, ..UsedMesh::default() }
+            };
+            let of = meshes.all.entry(instance.prototype).or_insert_with(moved);
+            of.smooth |= instance.smooth;
+            of.textured |= instance.textured;
+            of.normal_mapped |= instance.normal_mapped;
+            of.instances += usize::from(!instance.is_passed());
+            if of.instances < 2 || instance.is_passed() || flatten {
+                of.left += 1;
+            } else if !of.is_shared {
+                of.is_shared = true;
+                meshes.shared.push(instance.prototype);
+            }
+        }
+        meshes
+    }
+
+    /// Whether the shape is an instance of a mesh that is stored once.
+    pub(super) fn is_shared(&self, instance: &ShapeInstance) -> bool {
+        let is_shared = || self.all.get(&instance.prototype).is_some_and(|of| of.is_shared);
+        !instance.is_passed() && is_shared()
+    }
+
+    /// The mesh of `prototype` and its uses: moved out at its last use, copied before.
+    pub(super) fn take(&mut self, prototype: Entity) -> (Mesh, &UsedMesh) {
+        let of = self.all.entry(prototype).or_default();
+        of.left = of.left.saturating_sub(1);
+        let mesh = if of.left > 0 { of.mesh.clone() } else { std::mem::take(&mut of.mesh) };
+        (mesh, of)
+    }
+
+    /// The room that all of these shapes but instances take.
+    pub(super) fn room(&self, shapes: &[ShapeInstance]) -> ArrayLengths {
+        let mut room = ArrayLengths::default();
+        for instance in shapes.iter().filter(|instance| !self.is_shared(instance)) {
+            let [positions, triangles] = match instance.geometry {
+                ShapeGeometry::Sphere(_) | ShapeGeometry::Disk(_) => [0, 0],
+                ShapeGeometry::Quad(_) => [4, 0],
+                ShapeGeometry::Triangle(_) => [3, 1],
+                ShapeGeometry::Mesh => self.all.get(&instance.prototype).map_or([0, 0], |of| {
+                    [of.mesh.data.positions.len(), of.mesh.data.triangles.len()]
                 }),
             };
             room.positions += positions;
@@ -41,6 +95,13 @@ impl ArrayLengths {
         }
         room
     }
+}
+
+/// The final length of the arrays.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct ArrayLengths {
+    pub(super) positions: usize,
+    pub(super) triangles: usize,
 }
 
 /// Moves `more` to the end of `all`, which will have `room` items in the end, each `shifted` by the
@@ -68,9 +129,9 @@ pub(super) fn transform_mesh(
     mesh: &mut MeshData,
     points: Option<Vec<DVec3>>,
     tangents: Option<&mut CornerValues<Vec4>>,
-    occurrence: &Occurrence<'_>,
+    instance: &ShapeInstance,
 ) -> Result<()> {
-    let transform = occurrence.transform * DAffine3::from_translation(mesh.origin);
+    let transform = instance.transform * DAffine3::from_translation(mesh.origin);
     if transform == DAffine3::IDENTITY {
         return Ok(());
     }
@@ -89,11 +150,11 @@ pub(super) fn transform_mesh(
         None => positions.map(own).reduce(|| true, |a, b| a & b),
     };
     if !kept && let Some(point) = mesh.positions.iter().find(|p| !in_range(p.as_dvec3())) {
-        occurrence.check_point(point.as_dvec3())?;
+        instance.check_point(point.as_dvec3())?;
     }
     // Normals are transformed by the cofactors: the inverse transpose without its division.
     let m = transform.matrix3;
-    let sign = if occurrence.mirrors() { -1.0 } else { 1.0 };
+    let sign = if instance.mirrors() { -1.0 } else { 1.0 };
     let cofactors = [
         m.y_axis.cross(m.z_axis) * sign,
         m.z_axis.cross(m.x_axis) * sign,

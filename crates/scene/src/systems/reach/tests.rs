@@ -37,9 +37,9 @@ fn of_quadric(quadric: Quadric) -> Geometry {
 }
 
 fn reaches(light: &Light, shape: &Shape, material: &Material, geometry: &Geometry) -> bool {
-    let surface = Surface { shape, material, textured: false, faces: Faces::lit(shape) };
-    let found = run(&[light], &[surface], geometry);
-    assert_eq!(found.lights, found.surfaces);
+    let receiver = Receiver { shape, material, textured: false, faces: Faces::lit(shape) };
+    let found = reached(&[light], &[receiver], geometry);
+    assert_eq!(found.lights, found.receivers);
     found.lights[0]
 }
 
@@ -88,12 +88,12 @@ fn near_plane(index: u32, corners: &[Vec3; 3], size: f32) -> Light {
 
 /// How many lights were left out, and how often others were asked for.
 #[derive(Default)]
-struct Tried {
+struct Trials {
     left_out: u32,
     asked: u32,
 }
 
-impl Tried {
+impl Trials {
     /// Checks that no ray to a shape, given by its end and its start, asks for a light that was left
     /// out.
     fn add(
@@ -154,7 +154,7 @@ fn beside(corners: &[Vec3; 3], index: u32, turn: u32) -> Vec3 {
 
 #[test]
 fn surfaces_for_which_a_light_is_left_out_never_sample_it() {
-    let mut tried = Tried::default();
+    let mut trials = Trials::default();
     for index in 0..20_000 {
         let (size, offset) = somewhere(index);
         let corners = [10, 11, 12].map(|d| offset + random(index, d) * size);
@@ -163,17 +163,17 @@ fn surfaces_for_which_a_light_is_left_out_never_sample_it() {
             continue;
         }
         let light = near_plane(index, &corners, size);
-        tried.add(index, &light, &shape(false, index % 2 == 0), &geometry, |turn| {
+        trials.add(index, &light, &shape(false, index % 2 == 0), &geometry, |turn| {
             let target = beside(&corners, index, turn);
             [target, target + random(index, 40 + turn) * size]
         });
     }
-    tried.are_at_least(4000, 10_000);
+    trials.are_at_least(4000, 10_000);
 }
 
 #[test]
 fn surfaces_for_which_a_cone_is_left_out_are_in_its_dark() {
-    let mut tried = Tried::default();
+    let mut trials = Trials::default();
     for index in 0..20_000 {
         let (size, offset) = somewhere(index);
         let center = offset + random(index, 4) * size;
@@ -200,7 +200,7 @@ fn surfaces_for_which_a_cone_is_left_out_are_in_its_dark() {
         let axis = if index % 2 == 0 { axis + near.as_dvec3() } else { random(index, 9).into() };
         let cone = Cone::new(normalize_f64(axis), outer / 2.0, outer);
         let light = light(Emitter::Spot(place, cone));
-        tried.add(index, &light, &shape(true, false), &geometry, |turn| {
+        trials.add(index, &light, &shape(true, false), &geometry, |turn| {
             let there = normalize(random(index, 50 + turn));
             let target = match quadric.map(|quadric| quadric.parts().2) {
                 Some(front) => center + (there - front * front.dot(there)) * radius,
@@ -209,7 +209,7 @@ fn surfaces_for_which_a_cone_is_left_out_are_in_its_dark() {
             [target, target + (there + random(index, 40 + turn)) * size]
         });
     }
-    tried.are_at_least(2000, 3000);
+    trials.are_at_least(2000, 3000);
 }
 
 /// A triangle in the plane z = 0 whose front, as in mesh files, is on +z.
@@ -229,7 +229,7 @@ fn a_light_is_kept_only_for_what_reflects_its_colour() {
     assert!(!reaches(&black, &shape(true, false), &WHITE, &facing_z()));
     let green = Material { ks: 0.0, color: Vec3::Y, ..WHITE };
     let (shape, faces) = (&shape(false, false), Faces::FRONT);
-    let surface = Surface { shape, material: &green, textured: true, faces };
-    let found = run(&[&red], &[surface], &facing_z()).lights;
+    let receiver = Receiver { shape, material: &green, textured: true, faces };
+    let found = reached(&[&red], &[receiver], &facing_z()).lights;
     assert_eq!(found, [true], "a texture may be of any colour");
 }

@@ -3,8 +3,14 @@ use glam::{DMat3, DVec3};
 use super::*;
 use crate::components::{JsonPath, Order, Transform, Triangle};
 use crate::mesh::Attribute;
-use crate::systems::geometry::{Output, run};
+use crate::options::lighting::Lighting;
+use crate::staging;
+use crate::systems::frame::Frame;
+use crate::systems::geometry::{Arrays, run};
+use crate::systems::placement;
+use wavecrest_core::kernels::precision::Precision;
 use wavecrest_core::math::float::MAX_COORDINATE;
+use wavecrest_core::prepared::Shape;
 
 /// A strip of `count` triangles, whose first corner is `x`.
 fn strip(count: u32, x: f32) -> MeshData {
@@ -20,9 +26,13 @@ fn spawn(world: &mut World, order: u32, data: MeshData) -> hecs::Entity {
     world.spawn((Order(order), path, Mesh { data, ..Mesh::default() }))
 }
 
-fn made(world: &mut World) -> Output {
-    let [output, _] = run(world, DVec3::ZERO, false, |_| Ok(())).unwrap();
-    output
+/// The arrays of a world's shapes.
+fn arrays(world: &mut World) -> Result<Arrays> {
+    let instances = placement::run(world, DVec3::ZERO);
+    let settings = staging::settings("scene.json".as_ref(), 0, &Lighting::USUAL);
+    let precision = Precision::default();
+    let frame = Frame { settings, precision, origin: DVec3::ZERO, cameras: Vec::new() };
+    run(world, &frame, instances, false)
 }
 
 #[test]
@@ -39,7 +49,7 @@ fn several_meshes_stand_one_behind_the_other() {
         for (order, mesh) in [0, 1, 3, 4].into_iter().zip(meshes.clone()) {
             spawn(&mut world, order, mesh);
         }
-        let output = made(&mut world);
+        let output = arrays(&mut world).unwrap();
         let (mut positions, mut triangles) = (Vec::new(), Vec::new());
         let as_mesh = MeshData {
             positions: points.map(|p| p.as_vec3()).to_vec(),
@@ -56,7 +66,7 @@ fn several_meshes_stand_one_behind_the_other() {
         assert_eq!(output.geometry.triangles, triangles);
         assert_eq!(output.geometry.positions.capacity(), positions.len(), "set aside once");
         assert_eq!(output.geometry.triangles.capacity(), triangles.len(), "set aside once");
-        let ends: Vec<u32> = output.shapes.iter().map(|s| s.shape.primitives.end).collect();
+        let ends: Vec<u32> = world.query::<&Shape>().iter().map(|s| s.primitives.end).collect();
         assert_eq!(ends.last(), Some(&(triangles.len() as u32)));
     }
 }
@@ -71,7 +81,7 @@ fn a_transform_carries_every_position_in_place() {
     );
     let entity = spawn(&mut world, 0, data);
     world.insert_one(entity, Transform(transform)).unwrap();
-    let positions = made(&mut world).geometry.positions;
+    let positions = arrays(&mut world).unwrap().geometry.positions;
     assert_eq!(positions.as_ptr(), place);
     let right = |p: &Vec3| transform.transform_point3(p.as_dvec3()).as_vec3();
     assert_eq!(positions, before.iter().map(right).collect::<Vec<_>>());
@@ -84,9 +94,12 @@ fn the_first_position_moved_too_far_is_reported() {
     data.positions[50_000].x = MAX_COORDINATE;
     let entity = spawn(&mut world, 0, data);
     world.insert_one(entity, Transform(DAffine3::from_scale(DVec3::splat(4.0)))).unwrap();
-    let error = run(&world, DVec3::ZERO, false, |_| Ok(())).unwrap_err().to_string();
+    let error = arrays(&mut world).unwrap_err().to_string();
     let value = format!("found a coordinate of {:e}", f64::from(MAX_COORDINATE) * 2.0);
-    assert!(error.starts_with("scene.shapes[0].transform: ") && error.contains(&value), "{error}");
+    assert!(
+        error.starts_with("scene.json: scene.shapes[0].transform: ") && error.contains(&value),
+        "{error}"
+    );
 }
 
 #[test]
@@ -95,6 +108,6 @@ fn attributes_that_nothing_reads_are_dropped() {
     let mut data = strip(10, 0.0);
     data.normals = Some(Attribute { values: vec![Vec3::Z; 12], indices: None });
     spawn(&mut world, 0, data);
-    let output = made(&mut world);
-    assert!(output.meshes.is_empty() && !output.shapes[0].shape.smooth);
+    let output = arrays(&mut world).unwrap();
+    assert!(output.meshes.is_empty() && world.query::<&Shape>().iter().all(|shape| !shape.smooth));
 }

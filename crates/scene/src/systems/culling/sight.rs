@@ -1,11 +1,15 @@
 //! What shapes in view see: mirrors that show nothing are none, and nothing is in the way of ambient light if no
 //! shape is within its distance of another.
 
-use super::{MOST_TESTS, Scene, size};
+use hecs::World;
+
+use super::{MOST_TESTS, size};
 use crate::components::{Maps, Material, Sky};
 use crate::environment;
-use crate::systems::geometry::{Form, Occurrence, build};
+use crate::systems::frame::Frame;
+use crate::systems::geometry::{Meshes, build};
 use crate::systems::materials::mirrored;
+use crate::systems::placement::ShapeInstance;
 use crate::systems::reach::{BEHIND, Extent, Faces, is_convex, is_faced};
 use crate::systems::view::visible_faces;
 use wavecrest_base::error::Result;
@@ -15,34 +19,42 @@ use wavecrest_core::kernels::slab::Aabb;
 /// Finds out which mirrors in view show nothing, and whether rays that go on from others, or through shapes,
 /// may meet something.
 pub(super) fn run(
-    scene: &Scene<'_>,
-    all: &mut [Occurrence<'_>],
+    world: &World,
+    frame: &Frame,
+    all: &mut [ShapeInstance],
     boxes: &[(Aabb, f32)],
 ) -> Result<bool> {
-    let skies = || scene.world.query::<&mut Sky>();
-    let is_enclosed = environment::is_bright(scene.world) || skies().iter().next().is_some();
-    let pupils = scene.cameras.iter().map(Extent::of_pupil).collect();
-    let mut sight = Sight { scene, boxes, pupils, tests: 0 };
+    let skies = || world.query::<&mut Sky>();
+    let is_enclosed = environment::is_bright(world) || skies().iter().next().is_some();
+    let pupils = frame.cameras.iter().map(Extent::of_pupil).collect();
+    let mut sight = Sight { boxes, pupils, tests: 0 };
+    let is_mirror = |one: &ShapeInstance| {
+        one.visibility.is_seen && frame.settings.bounces > 0 && may_mirror(world, one)
+    };
     let mut shows_others = false;
-    for (i, one) in all.iter().enumerate().filter(|(_, one)| one.is_seen && one.light.is_none()) {
-        shows_others = shows_others
-            || one.is_transparent
-            || scene.is_mirror(one)
-                && (is_enclosed || sight.sees(all, i, false, f64::INFINITY)? == Some(true));
+    for (i, one) in all.iter().enumerate() {
+        if one.visibility.is_seen && one.light.is_none() {
+            shows_others = shows_others
+                || one.visibility.is_transparent
+                || is_mirror(one)
+                    && (is_enclosed || sight.sees(all, i, false, f64::INFINITY)? == Some(true));
+        }
     }
     for i in (0..all.len()).filter(|_| !is_enclosed) {
-        if all[i].is_seen && scene.is_mirror(&all[i]) {
-            all[i].is_mirror = sight.sees(all, i, shows_others, f64::INFINITY)? != Some(false);
+        if is_mirror(&all[i]) {
+            all[i].visibility.is_mirror =
+                sight.sees(all, i, shows_others, f64::INFINITY)? != Some(false);
         }
     }
     for sky in skies().iter().filter(|sky| sky.samples > 0) {
         let Some(distance) = sky.distance else { continue };
         // Media absorb what crosses them, and rays replace the maps that tell how much light is kept away.
-        let is_plain = |one: &Occurrence<'_>| !one.is_transparent && !scene.is_occluded(one);
+        let is_plain =
+            |one: &ShapeInstance| !one.visibility.is_transparent && !is_occluded(world, one);
         let mut is_open = all.iter().all(is_plain);
         for i in (0..all.len()).filter(|&i| all[i].light.is_none()) {
             is_open = is_open
-                && (!shows_others && !all[i].is_seen
+                && (!shows_others && !all[i].visibility.is_seen
                     || sight.sees(all, i, shows_others, distance)? != Some(true));
         }
         if is_open {
@@ -52,23 +64,19 @@ pub(super) fn run(
     Ok(shows_others)
 }
 
-impl Scene<'_> {
-    fn is_occluded(&self, of: &Occurrence<'_>) -> bool {
-        self.world.get::<&Maps>(of.entity).is_ok_and(|maps| maps.occlusion.is_some())
-    }
+fn is_occluded(world: &World, of: &ShapeInstance) -> bool {
+    world.get::<&Maps>(of.entity).is_ok_and(|maps| maps.occlusion.is_some())
+}
 
-    fn is_mirror(&self, of: &Occurrence<'_>) -> bool {
-        let material = self.world.get::<&Material>(of.entity);
-        let maps = self.world.get::<&Maps>(of.entity);
-        self.settings.bounces > 0
-            && (material.is_ok_and(|material| mirrored(&material) > 0.0)
-                || maps.is_ok_and(|maps| maps.metal.is_some()))
-    }
+fn may_mirror(world: &World, of: &ShapeInstance) -> bool {
+    let material = world.get::<&Material>(of.entity);
+    let maps = world.get::<&Maps>(of.entity);
+    material.is_ok_and(|material| mirrored(&material) > 0.0)
+        || maps.is_ok_and(|maps| maps.metal.is_some())
 }
 
 /// Which shapes see others.
 struct Sight<'a> {
-    scene: &'a Scene<'a>,
     boxes: &'a [(Aabb, f32)],
     pupils: Vec<Extent>,
     tests: u64,
@@ -79,18 +87,18 @@ impl Sight<'_> {
     /// those that camera rays may meet; `None` if there is no such side.
     fn sees(
         &mut self,
-        all: &[Occurrence<'_>],
+        all: &[ShapeInstance],
         number: usize,
         any_side: bool,
         distance: f64,
     ) -> Result<Option<bool>> {
-        let Self { scene, boxes, pupils, tests } = self;
-        let one = all[number];
-        if matches!(one.form, Form::Mesh) {
+        let Self { boxes, pupils, tests } = self;
+        let one = &all[number];
+        if one.is_mesh() {
             return Ok(Some(true));
         }
-        let output = build(scene.world, vec![one], true)?;
-        let (geometry, shape) = (&output.geometry, &output.shapes[0].shape);
+        let (arrays, shapes) = build(vec![one.clone()], Meshes::default())?;
+        let (geometry, (_, _, shape, _)) = (&arrays.geometry, &shapes[0]);
         let faces = match any_side {
             true => Faces::lit(shape),
             false => {
@@ -106,7 +114,7 @@ impl Sight<'_> {
         if !faces.any() {
             return Ok(None);
         }
-        let is_other = |(i, other): &(usize, &Occurrence<'_>)| {
+        let is_other = |(i, other): &(usize, &ShapeInstance)| {
             // Shadow rays, which look no further than a distance, pass the shapes of lights.
             *i != number && (distance.is_infinite() || other.light.is_none())
         };

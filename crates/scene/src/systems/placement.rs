@@ -1,0 +1,280 @@
+//! Placement: shapes where they are shown, of their own or as instances of another's.
+
+use std::ops::Range;
+
+use glam::{DAffine3, DMat3, DVec3, Vec3};
+use hecs::{Entity, Satisfies, World};
+
+use crate::components::{
+    AreaLight, Channels, CutOut, Disk, Facing, Hidden, InstanceOf, JsonPath, Map, Maps, Mesh,
+    Order, Quad, Shading, Sides, Sphere, TextureRef, Transform, Transparency, Triangle,
+};
+use crate::image_file::has_alpha;
+use crate::mesh::MAX_COUNT;
+use wavecrest_base::error::{Error, ErrorKind, Result};
+use wavecrest_core::math::float::MAX_COORDINATE;
+use wavecrest_core::prepared::Shape;
+
+/// The geometry of a shape in its own space.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum ShapeGeometry {
+    Sphere(Sphere),
+    Disk(Disk),
+    Quad(Quad),
+    Triangle(Triangle),
+    /// The mesh is the prototype's entity's.
+    Mesh,
+}
+
+impl ShapeGeometry {
+    /// The place of its kind among those of primitives: triangles, quads, and those of curves.
+    pub(super) fn kind(&self) -> u8 {
+        match self {
+            Self::Triangle(_) | Self::Mesh => 0,
+            Self::Quad(_) => 1,
+            Self::Sphere(_) | Self::Disk(_) => 2,
+        }
+    }
+}
+
+/// Which rays may meet a shape, and what they may meet there: in doubt they do.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Visibility {
+    /// Whether camera rays may meet it.
+    pub(crate) is_seen: bool,
+    /// Whether any rays may meet it; otherwise it has no primitives.
+    pub(crate) is_met: bool,
+    /// Whether its material lets light through.
+    pub(crate) is_transparent: bool,
+    /// Whether its mirror, if it is one, may show anything.
+    pub(crate) is_mirror: bool,
+    /// Whether rays can meet a surface of the shape: not of a light's, and not without area.
+    pub(crate) is_surface: bool,
+}
+
+impl Visibility {
+    /// Whether rays may meet a surface that lets light through.
+    pub(super) fn lets_light_through(self) -> bool {
+        self.is_surface && self.is_met && self.is_transparent
+    }
+}
+
+/// A shape, possibly of a light, as it is shown.
+#[derive(Clone, Debug)]
+pub(crate) struct ShapeInstance {
+    /// The shape, or the instance.
+    pub(crate) entity: Entity,
+    /// The entity with the geometry: the same except for instances.
+    pub(crate) prototype: Entity,
+    pub(crate) geometry: ShapeGeometry,
+    /// The colour of the light whose shape it is.
+    pub(crate) light: Option<Vec3>,
+    pub(crate) visibility: Visibility,
+    /// Whether it may have holes.
+    pub(crate) is_cut_out: bool,
+    pub(crate) transform: DAffine3,
+    facing: Option<Facing>,
+    sides: Sides,
+    pub(super) smooth: bool,
+    pub(super) textured: bool,
+    /// Whether it has a normal map.
+    pub(crate) normal_mapped: bool,
+    pub(crate) place: String,
+}
+
+/// What a shape or an instance has of its own.
+type InstanceComponents<'w> = (
+    Entity,
+    Option<&'w Order>,
+    Option<&'w JsonPath>,
+    Option<&'w InstanceOf>,
+    Satisfies<&'w Hidden>,
+    Option<&'w AreaLight>,
+    Option<&'w Transform>,
+    Option<&'w Sides>,
+    Option<&'w Shading>,
+    (Satisfies<&'w TextureRef>, Satisfies<&'w CutOut>, Option<&'w Maps>, Option<&'w Transparency>),
+);
+
+/// The geometry of a prototype.
+type PrototypeComponents<'w> = (
+    Option<&'w Sphere>,
+    Option<&'w Disk>,
+    Option<&'w Quad>,
+    Option<&'w Triangle>,
+    Satisfies<&'w Mesh>,
+    Option<&'w Transform>,
+    Option<&'w Facing>,
+);
+
+/// What is shown, in the order of the file, shapes before those of lights, moved by `-origin`. Of what has
+/// no opacity nothing is shown.
+pub(crate) fn run(world: &World, origin: DVec3) -> Vec<ShapeInstance> {
+    let prototypes = world.view::<PrototypeComponents<'_>>();
+    let mut all: Vec<(Order, ShapeInstance)> = Vec::new();
+    for (entity, order, place, of, is_hidden, light, own, sides, shading, surface) in
+        world.query::<InstanceComponents<'_>>().iter()
+    {
+        let (has_texture, is_cut_out, maps, transparency) = surface;
+        let is_clear = transparency.is_some_and(Transparency::is_clear);
+        if is_clear || is_hidden && of.is_none() {
+            continue;
+        }
+        let prototype = of.map_or(entity, |InstanceOf(prototype)| *prototype);
+        let Some((sphere, disk, quad, triangle, is_mesh, of_prototype, facing)) =
+            prototypes.get(prototype)
+        else {
+            continue;
+        };
+        let geometry = (sphere.copied().map(ShapeGeometry::Sphere))
+            .or(disk.copied().map(ShapeGeometry::Disk))
+            .or(quad.copied().map(ShapeGeometry::Quad))
+            .or(triangle.copied().map(ShapeGeometry::Triangle))
+            .or(is_mesh.then_some(ShapeGeometry::Mesh));
+        let Some(geometry) = geometry else { continue };
+        let matrix = |transform: Option<&Transform>| transform.map_or(DAffine3::IDENTITY, |t| t.0);
+        let mut transform = matrix(own);
+        if of.is_some() {
+            transform *= matrix(of_prototype);
+        }
+        transform.translation -= origin;
+        let is_surface = light.is_none();
+        let normal = maps.and_then(|maps| maps.normal.as_ref());
+        let visibility = Visibility {
+            is_seen: true,
+            is_met: true,
+            is_transparent: is_surface && may_be_transparent(transparency, maps),
+            is_mirror: true,
+            is_surface,
+        };
+        let instance = ShapeInstance {
+            entity,
+            prototype,
+            geometry,
+            light: light.map(|light| light.color.as_vec3()),
+            visibility,
+            is_cut_out,
+            transform,
+            facing: facing.copied(),
+            sides: sides.copied().unwrap_or(Sides::Both),
+            smooth: is_surface && shading == Some(&Shading::Smooth),
+            textured: is_surface && (has_texture || is_cut_out || maps.is_some()),
+            normal_mapped: is_surface && normal.is_some_and(Map::has_effect),
+            place: place.map_or_else(String::new, |path| path.0.clone()),
+        };
+        all.push((order.copied().unwrap_or(Order(u32::MAX)), instance));
+    }
+    all.sort_by_key(|(order, instance)| (instance.light.is_some(), *order));
+    all.into_iter().map(|(_, instance)| instance).collect()
+}
+
+/// Whether light may go through a surface, as far as the headers of images tell.
+fn may_be_transparent(transparency: Option<&Transparency>, maps: Option<&Maps>) -> bool {
+    let may_vary = |texture: &TextureRef| {
+        texture.channels == Channels::Color || has_alpha(&texture.look_up.source)
+    };
+    let opacity = maps.and_then(|maps| maps.opacity.as_ref()?.texture.as_ref());
+    transparency.is_some_and(Transparency::has_effect) || opacity.is_some_and(may_vary)
+}
+
+/// The circle around a sphere or a disk, in world space.
+pub(crate) struct Circle {
+    pub(crate) center: Vec3,
+    pub(crate) radius: f32,
+    /// The rotation, possibly with a reflection, from its own space.
+    pub(crate) turn: DMat3,
+}
+
+impl ShapeInstance {
+    pub(super) fn is_mesh(&self) -> bool {
+        matches!(self.geometry, ShapeGeometry::Mesh)
+    }
+
+    /// Whether shadow rays pass it, as a shape of a light or with less light.
+    pub(super) fn is_passed(&self) -> bool {
+        self.visibility.is_transparent || self.light.is_some()
+    }
+
+    /// Whether the front of a flat shape is where its corners run clockwise in world space, given
+    /// the normal on its front in its own space.
+    pub(super) fn flipped(&self, front: DVec3) -> bool {
+        let chosen = match self.facing {
+            None => true,
+            Some(Facing::Flipped) => false,
+            Some(Facing::Toward(side)) => front.dot(side) >= 0.0,
+        };
+        chosen != self.mirrors()
+    }
+
+    /// Whether the transform reverses the winding.
+    pub(super) fn mirrors(&self) -> bool {
+        self.transform.matrix3.determinant() < 0.0
+    }
+
+    pub(super) fn shape(&self, primitives: Range<u32>, flipped: bool) -> Shape {
+        Shape {
+            primitives,
+            light: self.light,
+            flipped,
+            two_sided: self.sides == Sides::Both,
+            smooth: false,
+            colored: false,
+            class: 0,
+            mesh: None,
+            solid: None,
+        }
+    }
+
+    /// A `shape` around `center` in world space.
+    ///
+    /// # Errors
+    /// If it is too far away for single precision, or its radius is too small. Boxes of too large
+    /// ones would have infinite area and make the tree's costs meaningless.
+    pub(crate) fn circle(&self, shape: &str, center: DVec3, radius: f64) -> Result<Circle> {
+        let center = self.transform.transform_point3(center);
+        let turn = self.transform.matrix3;
+        let scale = turn.x_axis.length();
+        let size = radius * scale;
+        self.check_point(center)?;
+        if size > f64::from(MAX_COORDINATE) {
+            let message = format!("the transform makes the {shape} too large");
+            return Err(Error::new(ErrorKind::Scene, message)
+                .at(format!("{}.transform", self.place))
+                .value(format!("a radius of {size:e}"))
+                .remedy(format!("keep it within {MAX_COORDINATE:e}")));
+        }
+        if size as f32 == 0.0 {
+            let message = "the radius is too small for single precision";
+            return Err(Error::new(ErrorKind::Scene, message)
+                .at(format!("{}.radius", self.place))
+                .value(size)
+                .remedy("use a larger unit of length"));
+        }
+        let turn = turn * (1.0 / scale);
+        Ok(Circle { center: center.as_vec3(), radius: size as f32, turn })
+    }
+
+    pub(super) fn check_point(&self, point: DVec3) -> Result<()> {
+        if in_range(point) {
+            return Ok(());
+        }
+        Err(Error::new(ErrorKind::Scene, "the transform moves the shape too far away")
+            .at(format!("{}.transform", self.place))
+            .value(format!("a coordinate of {:e}", point.abs().max_element()))
+            .remedy(format!("keep coordinates within {MAX_COORDINATE:e}")))
+    }
+
+    pub(super) fn check_count(&self, count: usize, what: &str) -> Result<()> {
+        if count as u64 <= MAX_COUNT {
+            return Ok(());
+        }
+        Err(Error::new(ErrorKind::Limit, format!("the scene has too many {what}"))
+            .at(&self.place)
+            .value(count)
+            .remedy(format!("at most {MAX_COUNT} are allowed")))
+    }
+}
+
+pub(super) fn in_range(point: DVec3) -> bool {
+    point.abs().max_element() <= f64::from(MAX_COORDINATE)
+}

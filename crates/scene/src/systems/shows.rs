@@ -1,0 +1,160 @@
+//! Which properties of a shape's material are visible: only they are looked up.
+
+use glam::{DVec3, Vec3};
+use hecs::World;
+
+use super::frame::Frame;
+use super::geometry::Source;
+use super::lights;
+use super::materials::MaterialBound;
+use super::placement::Visibility;
+use super::reach::{Faces, Lit};
+use super::textures::Images;
+use super::view::InView;
+use crate::components::{Filter, Map, Maps, TextureRef};
+use crate::lights::hemisphere;
+use crate::surface::{
+    EMISSION_MAP, METAL_MAP, OCCLUSION_MAP, OPACITY_MAP, SurfaceColumns, SurfaceComponents,
+};
+use wavecrest_base::error::Result;
+use wavecrest_core::kernels::blinn_phong::Material;
+use wavecrest_core::plan::schedule::Step;
+use wavecrest_core::prepared::Shape;
+
+/// The visible properties of a shape's material; of one out of view, those that would be.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Shows {
+    /// Its base colour, where vertex colours or a texture vary it.
+    pub(crate) color: bool,
+    /// The texture of its colour.
+    pub(crate) texture: bool,
+    pub(crate) emission: bool,
+    /// The texture of metalness and roughness.
+    pub(crate) metal: bool,
+    /// The texture of ambient light.
+    pub(crate) occlusion: bool,
+    /// The colour of its highlight, or of mirrored light.
+    pub(crate) tint: bool,
+    /// The texture of its normals.
+    pub(crate) normal: bool,
+}
+
+/// The light on a surface, and what it does there.
+#[derive(Clone, Copy)]
+struct Lighting {
+    has_ambient: bool,
+    /// Whether ambient light depends on the normal.
+    by_normal: bool,
+    /// Whether shadow rays find what is in the way of ambient light.
+    is_traced: bool,
+    /// Whether other light may reach the surface.
+    is_lit: bool,
+    /// Whether it mirrors, if its material does.
+    mirrors: bool,
+    is_transparent: bool,
+}
+
+/// Finds the visible properties of each shape.
+///
+/// # Errors
+/// If the image of an occlusion map cannot be decoded: one that is 1 everywhere does not show.
+pub(crate) fn run(world: &World, frame: &Frame, images: &mut Images) -> Result<()> {
+    let hemisphere = hemisphere(world);
+    let by_normal = hemisphere.is_some_and(|light| !light.is_black());
+    let has_ambient = by_normal || lights::ambient(world, frame) > 0.0;
+    let is_traced = hemisphere.is_some_and(|light| light.traced);
+    let surfaces = world.view::<SurfaceColumns<'_>>();
+    let mut shapes = world
+        .query::<((&Source, &Shape, &Visibility, &InView), (&MaterialBound, &Lit, &mut Shows))>();
+    for ((source, shape, visibility, in_view), (bound, lit, shows)) in shapes.iter() {
+        if !visibility.is_surface {
+            continue;
+        }
+        let surface = SurfaceComponents::of(&surfaces, source.0);
+        let faces = in_view.0.unwrap_or(Faces::lit(shape));
+        let lighting = Lighting {
+            has_ambient,
+            by_normal,
+            is_traced,
+            is_lit: lit.0,
+            mirrors: frame.settings.bounces > 0 && faces.any(),
+            is_transparent: visibility.is_transparent,
+        };
+        *shows = Shows::of(&surface, &bound.0, lighting);
+        let occlusion = surface.maps.occlusion.as_ref().and_then(|map| map.texture.as_ref());
+        if let Some(texture) = occlusion.filter(|_| shows.occlusion && in_view.0.is_some()) {
+            shows.occlusion = !images.is_one(texture, None, (surface.place, OCCLUSION_MAP))?;
+        }
+    }
+    Ok(())
+}
+
+impl Shows {
+    /// The visible properties of a surface, whose weights are at most those of `bound`.
+    fn of(surface: &SurfaceComponents<'_>, bound: &Material, lighting: Lighting) -> Self {
+        let SurfaceComponents { material, transparency, texture, maps, .. } = surface;
+        let Lighting { by_normal, is_traced, is_lit, is_transparent, .. } = lighting;
+        let wears = texture.is_some();
+        let mirrors = lighting.mirrors && bound.kr > 0.0;
+        let Maps { metal, occlusion, normal, .. } = maps;
+        let varied = metal.as_ref().filter(|map| !map.is_constant());
+        let is_colored = wears || bound.color != Vec3::ZERO;
+        let color = material.map_or(DVec3::ONE, |m| m.specular_color);
+        let is_tinted = metal.as_ref().map_or(color != DVec3::ONE, |map| map.metallic > 0.0);
+        let is_unlit = surface.is_unlit();
+        let is_tinted_through = transparency.is_some_and(|found| found.tinted && found.kt > 0.0);
+        let has_ambient = lighting.has_ambient && bound.ambient > 0.0;
+        // Base colour is visible in ambient light, for any kd, and where it reflects light; it also
+        // tints what metals mirror and what is refracted.
+        let color = has_ambient
+            || is_lit && bound.kd > 0.0
+            || mirrors && varied.is_some()
+            || is_unlit
+            || is_tinted_through;
+        Self {
+            color,
+            texture: wears && color,
+            emission: bound.emission != Vec3::ZERO || is_unlit && is_colored,
+            metal: varied.is_some() && (is_lit || mirrors || has_ambient),
+            occlusion: occlusion.as_ref().is_some_and(Map::has_effect)
+                && has_ambient
+                && !is_traced
+                && is_colored,
+            tint: is_tinted && (is_lit && bound.ks > 0.0 || mirrors),
+            normal: normal.as_ref().is_some_and(Map::has_effect)
+                && (is_lit || mirrors || by_normal && is_colored || is_transparent),
+        }
+    }
+
+    /// The properties after a change of each, with the step that looks it up.
+    pub(super) fn map(self, change: impl Fn(Step, bool) -> bool) -> Self {
+        Self {
+            color: change(Step::Colors, self.color),
+            texture: change(Step::Texels, self.texture),
+            emission: change(Step::Emission, self.emission),
+            metal: change(Step::Maps, self.metal),
+            occlusion: change(Step::Maps, self.occlusion),
+            tint: change(Step::Tints, self.tint),
+            normal: change(Step::NormalMaps, self.normal),
+        }
+    }
+
+    /// Whether any visible texture of such a surface is trilinear.
+    pub(super) fn is_trilinear(
+        self,
+        surface: &SurfaceComponents<'_>,
+        is_transparent: bool,
+    ) -> bool {
+        let is_trilinear = |texture: &TextureRef| texture.look_up.filter == Filter::Trilinear;
+        let shows = |key: &str| match key {
+            EMISSION_MAP => self.emission,
+            METAL_MAP => self.metal,
+            OCCLUSION_MAP => self.occlusion,
+            OPACITY_MAP => is_transparent,
+            _ => self.normal,
+        };
+        let mut maps = surface.maps.all().filter(|(key, _)| shows(key));
+        self.texture && surface.texture.is_some_and(is_trilinear)
+            || maps.any(|(_, map)| map.texture.as_ref().is_some_and(is_trilinear))
+    }
+}
