@@ -54,6 +54,7 @@ mod solids;
 pub(crate) mod textures;
 mod unseen;
 mod view;
+mod visibility;
 
 use std::path::{Path, PathBuf};
 

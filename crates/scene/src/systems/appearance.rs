@@ -5,8 +5,7 @@ use std::sync::Arc;
 
 use hecs::World;
 
-use super::geometry::Source;
-use super::view::InView;
+use super::visibility::{Source, Visibility};
 use crate::surface::{SurfaceColumns, SurfaceComponents};
 use wavecrest_core::plan::Plan;
 use wavecrest_core::plan::schedule::{Schedule, Step};
@@ -46,11 +45,12 @@ fn drop_unused(
     let shows =
         |step, in_view: bool| schedule.runs(step) && (in_view || schedule.is_unconditional(step));
     let mut used = vec![[false; 5]; meshes.len()];
-    for (shape, InView(in_view)) in world.query::<(&mut Shape, &InView)>().iter() {
-        shape.smooth &= shows(Step::Normals, in_view.is_some());
+    for (shape, visibility) in world.query::<(&mut Shape, &Visibility)>().iter() {
+        let in_view = visibility.faces.is_some();
+        shape.smooth &= shows(Step::Normals, in_view);
         let Class { maps, transparency, .. } = &classes[shape.class as usize];
         let is_tinted = transparency.is_some_and(|through| through.tinted);
-        shape.colored &= shows(Step::Colors, in_view.is_some() || is_tinted);
+        shape.colored &= shows(Step::Colors, in_view || is_tinted);
         let Some(used) = shape.mesh.and_then(|i| used.get_mut(i as usize)) else { continue };
         let [smooth, textured, colored, turned, fades] = used;
         *smooth |= shape.smooth;

@@ -2,7 +2,8 @@
 //! an error.
 
 use super::camera::frames_of;
-use super::reach::{Extent, Faces, is_faced};
+use super::reach::{Extent, is_faced};
+use super::visibility::Faces;
 use wavecrest_base::error::{Error, ErrorKind};
 use wavecrest_core::math::random::Stream;
 use wavecrest_core::prepared::{Class, PreparedScene};

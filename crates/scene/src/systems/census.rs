@@ -12,14 +12,10 @@ mod pixels;
 use glam::Vec3;
 use hecs::World;
 
-use super::cutouts::HasHoles;
 use super::frame::Frame;
-use super::geometry::Source;
-use super::materials::MaterialBound;
-use super::placement::Visibility;
-use super::reach::{Faces, Illuminates};
+use super::reach::Illuminates;
 use super::shows::Shows;
-use super::view::InView;
+use super::visibility::{MaterialBound, Source, Visibility};
 use crate::components::TextureRef;
 use crate::surface::{SurfaceColumns, SurfaceComponents};
 use wavecrest_core::geometry::{Geometry, Primitive};
@@ -34,22 +30,10 @@ struct ShapeFacts<'a> {
     surface: SurfaceComponents<'a>,
     /// The largest weights of its material.
     bound: &'a Material,
-    visibility: Visibility,
-    in_view: Option<Faces>,
-    shows: Shows,
-    has_holes: bool,
+    visibility: &'a Visibility,
 }
 
 impl ShapeFacts<'_> {
-    fn is_transparent(&self) -> bool {
-        self.visibility.is_surface && self.visibility.is_transparent
-    }
-
-    /// Whether rays may meet a surface of the shape.
-    fn is_met(&self) -> bool {
-        self.visibility.is_surface && self.visibility.is_met
-    }
-
     /// Whether the base colour tints the light that the shape lets through.
     fn tints(&self) -> bool {
         let is_tinted = self.surface.transparency.is_some_and(|through| through.tinted);
@@ -69,21 +53,12 @@ struct Census<'a> {
 /// Decides every effect.
 pub(crate) fn run(world: &World, frame: &Frame, geometry: &Geometry) -> Vec<Decision> {
     let surfaces = world.view::<SurfaceColumns<'_>>();
-    let mut shapes = world
-        .query::<((&Source, &Shape, &Visibility, &InView), (&MaterialBound, &Shows, &HasHoles))>();
-    let shapes = shapes.iter().map(|((source, shape, visibility, in_view), found)| {
-        let (MaterialBound(bound), shows, has_holes) = found;
-        ShapeFacts {
-            shape,
-            surface: SurfaceComponents::of(&surfaces, source.0),
-            bound,
-            visibility: *visibility,
-            in_view: in_view.0,
-            shows: *shows,
-            has_holes: has_holes.0,
-        }
+    let mut shapes = world.query::<(&Source, &Shape, &MaterialBound, &Visibility)>();
+    let facts = shapes.iter().map(|(source, shape, MaterialBound(bound), visibility)| {
+        let surface = SurfaceComponents::of(&surfaces, source.0);
+        ShapeFacts { shape, surface, bound, visibility }
     });
-    let shapes = shapes.collect();
+    let shapes = facts.collect();
     let mut lights = world.query::<(&Light, &Illuminates)>();
     let lights = lights.iter().collect();
     let census = Census { world, frame, geometry, shapes, lights };
@@ -93,7 +68,7 @@ pub(crate) fn run(world: &World, frame: &Frame, geometry: &Geometry) -> Vec<Deci
 impl Census<'_> {
     fn decide(&self, effect: Effect) -> Decision {
         let shows = |is: fn(Shows) -> bool, thing, none| {
-            self.surfaces(|shape| is(shape.shows), thing, none)
+            self.surfaces(|shape| is(shape.visibility.shows), thing, none)
         };
         let (present, reason) = match effect {
             Effect::Triangles => self.triangles(),
@@ -122,8 +97,8 @@ impl Census<'_> {
             Effect::Emission => shows(|s| s.emission, "emissive shape", "no material is emissive"),
             Effect::CutOuts => self.cut_outs(),
             Effect::RayDifferentials => {
-                let is_trilinear = |shape: &ShapeFacts<'_>| {
-                    shape.shows.is_trilinear(&shape.surface, shape.visibility.is_transparent)
+                let is_trilinear = |ShapeFacts { surface, visibility, .. }: &ShapeFacts<'_>| {
+                    visibility.shows.is_trilinear(surface, visibility.is_transparent)
                 };
                 self.surfaces(is_trilinear, "trilinear texture", "no visible texture is trilinear")
             }
@@ -156,7 +131,7 @@ impl Census<'_> {
     ) -> (bool, String) {
         let those = || self.shapes.iter().filter(|shape| shape.visibility.is_surface && is(shape));
         let all = those().count();
-        let seen = those().filter(|shape| shape.in_view.is_some()).count();
+        let seen = those().filter(|shape| shape.visibility.faces.is_some()).count();
         let (found, reason) = count(all, thing, none);
         match (seen, all - seen) {
             (_, 0) => (found, reason),
@@ -186,7 +161,7 @@ impl Census<'_> {
             true => "no light reaches vertex colours",
             false => "no mesh has vertex colours",
         };
-        let shows = |shape: &ShapeFacts<'_>| shape.shape.colored && shape.shows.color;
+        let shows = |shape: &ShapeFacts<'_>| shape.shape.colored && shape.visibility.shows.color;
         let found = self.surfaces(shows, "mesh with vertex colours", none);
         or_in_the_way(found, self.any(|shape| shape.shape.colored && shape.tints()))
     }
@@ -198,19 +173,21 @@ impl Census<'_> {
             (true, false) => "no light reaches a texture",
             (true, true) => "no surface uses the colour of its texture",
         };
-        let found = self.surfaces(|shape| shape.shows.texture, "textured shape", none);
+        let found = self.surfaces(|shape| shape.visibility.shows.texture, "textured shape", none);
         or_in_the_way(found, self.any(|shape| shape.surface.texture.is_some() && shape.tints()))
     }
 
     fn cut_outs(&self) -> (bool, String) {
         let is = |shape: &ShapeFacts<'_>| shape.surface.cut_out.is_some();
-        let none = match self.any(|shape| shape.is_met() && is(shape)) {
+        let none = match self.any(|shape| shape.visibility.is_surface_met() && is(shape)) {
             true => "no image of a cut-out has a transparent texel",
             false => "no shape has cut-outs",
         };
-        let is_cut = |shape: &ShapeFacts<'_>| is(shape) && (shape.has_holes || !shape.is_met());
+        let is_cut = |shape: &ShapeFacts<'_>| {
+            is(shape) && (shape.visibility.has_holes || !shape.visibility.is_surface_met())
+        };
         let found = self.surfaces(is_cut, "shape with cut-outs", none);
-        or_in_the_way(found, self.any(|shape| shape.has_holes))
+        or_in_the_way(found, self.any(|shape| shape.visibility.has_holes))
     }
 
     fn lights(&self, kind: EmitterKind) -> (bool, String) {

@@ -4,11 +4,9 @@ use std::collections::HashMap;
 
 use hecs::World;
 
-use super::geometry::Source;
-use super::placement::Visibility;
 use super::shows::Shows;
 use super::textures::Images;
-use super::view::InView;
+use super::visibility::{Source, Visibility};
 use crate::components::{TextureRef, Transparency};
 use crate::surface::{
     EMISSION_MAP, METAL_MAP, OCCLUSION_MAP, OPACITY_MAP, SurfaceColumns, SurfaceComponents,
@@ -28,12 +26,11 @@ pub(crate) fn run(world: &World, schedule: Schedule, images: &mut Images) -> Vec
         (is_shown || schedule.is_unconditional(step)) && (schedule.runs(step) || is_for_mirrors)
     };
     let surfaces = world.view::<SurfaceColumns<'_>>();
-    let mut shapes =
-        world.query::<((&Source, &mut Shape, &UvMap, &Material), (&Visibility, &InView, &Shows))>();
-    for ((source, shape, uv_map, material), (visibility, in_view, shows)) in shapes.iter() {
+    let mut shapes = world.query::<(&Source, &mut Shape, &UvMap, &Material, &Visibility)>();
+    for (source, shape, uv_map, material, visibility) in shapes.iter() {
         let surface = SurfaceComponents::of(&surfaces, source.0);
-        let is_visible = visibility.is_surface && in_view.0.is_some();
-        let shows = if is_visible { *shows } else { Shows::default() }.map(is_needed);
+        let shows = if visibility.is_in_view() { visibility.shows } else { Shows::default() };
+        let shows = shows.map(is_needed);
         let through = visibility.lets_light_through().then(|| transparency(&surface));
         let look_up = |texture: &TextureRef, key: &str| {
             images.texture(texture, (surface.place, key), *uv_map)

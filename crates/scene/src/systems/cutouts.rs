@@ -10,9 +10,9 @@ use glam::{DVec3, Vec2};
 use hecs::World;
 use rayon::prelude::*;
 
-use super::geometry::{Arrays, Source};
-use super::placement::Visibility;
+use super::geometry::Arrays;
 use super::textures::{lazy, placing};
+use super::visibility::{Source, Visibility};
 use crate::components::{Channels, CutOut, Encoding, LookUp, TextureRef, TextureSource};
 use crate::image_file::{Head, range};
 use crate::mesh::MeshData;
@@ -24,10 +24,6 @@ use wavecrest_core::kernels::texture::{Filter, LazyImage, Wrap};
 use wavecrest_core::math::float::UNIT_ROUNDOFF;
 use wavecrest_core::prepared::{CornerValues, MeshAttributes, Shape, UvMap};
 
-/// Whether rays may meet holes in a shape.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct HasHoles(pub(crate) bool);
-
 /// Finds the shapes that rays may meet and whose cut-out removes anything, as alphas of vertices below 1 may.
 /// Returns their images, of the scene in `file`.
 pub(super) fn find<'a>(
@@ -37,18 +33,18 @@ pub(super) fn find<'a>(
 ) -> Result<Masks<'a>> {
     let mut images = Masks::of_scene(file);
     let surfaces = world.view::<SurfaceColumns<'_>>();
-    let mut shapes = world.query::<(&Source, &Shape, &Visibility, &mut HasHoles)>();
-    let met = shapes.iter().filter(|(_, _, visible, _)| visible.is_surface && visible.is_met);
-    let mut cut: Vec<(&CutOut, &Shape, &mut HasHoles)> = Vec::new();
-    for (source, shape, _, has_holes) in met {
+    let mut shapes = world.query::<(&Source, &Shape, &mut Visibility)>();
+    let met = shapes.iter().filter(|(.., visibility)| visibility.is_surface_met());
+    let mut cut: Vec<(&CutOut, &Shape, &mut Visibility)> = Vec::new();
+    for (source, shape, visibility) in met {
         let SurfaceComponents { cut_out, place, .. } = SurfaceComponents::of(&surfaces, source.0);
         let Some(cut_out) = cut_out else { continue };
         images.add(cut_out, place)?;
-        cut.push((cut_out, shape, has_holes));
+        cut.push((cut_out, shape, visibility));
     }
     images.decode()?;
-    for (cut_out, shape, has_holes) in cut {
-        has_holes.0 = alphas(shape, meshes).is_some() || images.has_holes(cut_out);
+    for (cut_out, shape, visibility) in cut {
+        visibility.has_holes = alphas(shape, meshes).is_some() || images.has_holes(cut_out);
     }
     Ok(images)
 }
@@ -59,8 +55,8 @@ pub(crate) fn run(world: &World, images: &Masks<'_>, arrays: &mut Arrays) -> Vec
     let (mut own, mut of_prototypes) = (Vec::new(), vec![None; geometry.prototypes.len()]);
     let mut used: Vec<Arc<LazyImage>> = Vec::new();
     let cut_outs = world.view::<&CutOut>();
-    let mut shapes = world.query::<(&Source, &Shape, &UvMap, &HasHoles)>();
-    for (source, shape, uv_map, _) in shapes.iter().filter(|(.., has_holes)| has_holes.0) {
+    let mut shapes = world.query::<(&Source, &Shape, &UvMap, &Visibility)>();
+    for (source, shape, uv_map, _) in shapes.iter().filter(|(.., visible)| visible.has_holes) {
         let Some(found) = cut_outs.get(source.0) else { continue };
         let image = images.of(found).map(|found| Arc::clone(&found.image));
         if let Some(image) = &image

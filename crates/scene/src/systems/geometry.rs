@@ -12,15 +12,11 @@ mod instances;
 mod meshes;
 mod tangents;
 
-use hecs::{Entity, World};
+use hecs::World;
 
-use super::cutouts::HasHoles;
 use super::frame::Frame;
-use super::materials::MaterialBound;
-use super::placement::{ShapeInstance, Visibility};
-use super::reach::Lit;
-use super::shows::Shows;
-use super::view::InView;
+use super::placement::ShapeInstance;
+use super::visibility::{MaterialBound, Source, Visibility};
 use crate::lights::ShapeEmitter;
 use builder::GeometryBuilder;
 pub(crate) use builder::is_varied;
@@ -39,10 +35,6 @@ pub(crate) struct Arrays {
     /// Attributes of meshes.
     pub(crate) meshes: Vec<MeshAttributes>,
 }
-
-/// The entity that a shape is made of, which has its surface.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Source(pub(crate) Entity);
 
 /// A shape in the arrays: components of its entity.
 pub(super) type BuiltShape = (Source, Visibility, Shape, UvMap);
@@ -71,13 +63,10 @@ pub(crate) fn run(
     leave_emitters(world, &unmet.geometry, &unmet_shapes);
     arrays.geometry.set_precision(frame.precision);
     let geometry = &arrays.geometry;
-    let entity = |(source, visibility, shape, uv_map): BuiltShape| {
-        let is_surface = visibility.is_surface && has_area(&shape, visibility, geometry);
-        let visibility = Visibility { is_surface, ..visibility };
+    let entity = |(source, mut visibility, shape, uv_map): BuiltShape| {
+        visibility.is_surface &= has_area(&shape, &visibility, geometry);
         let (material, bound) = (Material::BLACK, MaterialBound(Material::BLACK));
-        let (in_view, lit, holes) = (InView(None), Lit(false), HasHoles(false));
-        let shows = Shows::default();
-        (source, visibility, shape, uv_map, material, bound, in_view, lit, shows, holes)
+        (source, visibility, shape, uv_map, material, bound)
     };
     world.spawn_batch(absent.chain(shapes).map(entity));
     Ok(arrays)
@@ -112,7 +101,7 @@ fn leave_emitters(world: &mut World, geometry: &Geometry, shapes: &[BuiltShape])
 }
 
 /// Whether rays can meet any of the shape, which may have no primitives because they do not.
-fn has_area(shape: &Shape, visibility: Visibility, geometry: &Geometry) -> bool {
+fn has_area(shape: &Shape, visibility: &Visibility, geometry: &Geometry) -> bool {
     // Fast precision cannot tell for certain what has no area.
     let may_be_hit =
         |number| geometry.precision == Precision::Fast || !geometry.is_degenerate(number);

@@ -3,18 +3,13 @@
 use glam::Vec3;
 use hecs::World;
 
-use super::geometry::Source;
-use super::placement::Visibility;
+use super::visibility::{MaterialBound, Source, Visibility};
 use crate::components;
 use crate::surface::{SurfaceColumns, SurfaceComponents};
 use wavecrest_core::kernels::blinn_phong::Material;
 use wavecrest_core::kernels::metal;
 use wavecrest_core::kernels::shade::LEAST_WEIGHT;
 use wavecrest_core::prepared::Shape;
-
-/// The largest weights of a material in any texel.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct MaterialBound(pub(crate) Material);
 
 /// Finds the material of each shape, and its bounds. Shapes of lights keep an unused one.
 pub(crate) fn run(world: &World) {

@@ -2,7 +2,7 @@
 
 use hecs::World;
 
-use super::placement::Visibility;
+use super::visibility::Visibility;
 use wavecrest_core::geometry::Geometry;
 use wavecrest_core::prepared::Shape;
 

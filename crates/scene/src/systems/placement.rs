@@ -5,6 +5,8 @@ use std::ops::Range;
 use glam::{DAffine3, DMat3, DVec3, Vec3};
 use hecs::{Entity, Satisfies, World};
 
+use super::shows::Shows;
+use super::visibility::Visibility;
 use crate::components::{
     AreaLight, Channels, CutOut, Disk, Facing, Hidden, InstanceOf, JsonPath, Map, Maps, Mesh,
     Order, Quad, Shading, Sides, Sphere, TextureRef, Transform, Transparency, Triangle,
@@ -34,28 +36,6 @@ impl ShapeGeometry {
             Self::Quad(_) => 1,
             Self::Sphere(_) | Self::Disk(_) => 2,
         }
-    }
-}
-
-/// Which rays may meet a shape, and what they may meet there: in doubt they do.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Visibility {
-    /// Whether camera rays may meet it.
-    pub(crate) is_seen: bool,
-    /// Whether any rays may meet it; otherwise it has no primitives.
-    pub(crate) is_met: bool,
-    /// Whether its material lets light through.
-    pub(crate) is_transparent: bool,
-    /// Whether its mirror, if it is one, may show anything.
-    pub(crate) is_mirror: bool,
-    /// Whether rays can meet a surface of the shape: not of a light's, and not without area.
-    pub(crate) is_surface: bool,
-}
-
-impl Visibility {
-    /// Whether rays may meet a surface that lets light through.
-    pub(super) fn lets_light_through(self) -> bool {
-        self.is_surface && self.is_met && self.is_transparent
     }
 }
 
@@ -146,6 +126,10 @@ pub(crate) fn run(world: &World, origin: DVec3) -> Vec<ShapeInstance> {
             is_transparent: is_surface && may_be_transparent(transparency, maps),
             is_mirror: true,
             is_surface,
+            faces: None,
+            is_lit: false,
+            shows: Shows::default(),
+            has_holes: false,
         };
         let instance = ShapeInstance {
             entity,

@@ -8,10 +8,7 @@
 use glam::{DVec3, Vec3};
 use hecs::World;
 
-use super::geometry::Source;
-use super::materials::MaterialBound;
-use super::placement::Visibility;
-use super::view::InView;
+use super::visibility::{Faces, MaterialBound, Source, Visibility};
 use crate::components::TextureRef;
 use wavecrest_core::geometry::{Geometry, Primitive};
 use wavecrest_core::kernels::blinn_phong::Material;
@@ -36,30 +33,6 @@ pub(super) const BEHIND: f64 = 256.0 * UNIT_ROUNDOFF as f64;
 /// surface. Beyond them, lights count as reaching: nearly all do, and show it at one of the first.
 const MOST_TESTS: u64 = 1 << 22;
 
-/// Sides of a surface.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Faces {
-    /// The front.
-    pub front: bool,
-    /// The back.
-    pub back: bool,
-}
-
-impl Faces {
-    pub(super) const FRONT: Self = Self { front: true, back: false };
-    pub(super) const BACK: Self = Self { front: false, back: true };
-
-    /// The sides of the shape that lights can reach.
-    pub(super) fn lit(shape: &Shape) -> Self {
-        Self { front: true, back: shape.two_sided }
-    }
-
-    /// Whether there is any.
-    pub(crate) fn any(self) -> bool {
-        self.front || self.back
-    }
-}
-
 /// A surface that may receive light: not of a light's own shape.
 #[derive(Clone, Copy, Debug)]
 struct Receiver<'a> {
@@ -78,10 +51,6 @@ pub(crate) struct Illuminates {
     pub(crate) anywhere: bool,
 }
 
-/// Whether any light but ambient light reaches what is visible of the shape, or else any of it.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Lit(pub(crate) bool);
-
 /// For each light, whether it reaches any receiver, and for each receiver, whether any light but ambient light
 /// reaches it.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -95,17 +64,14 @@ pub(crate) fn run(world: &World, geometry: &Geometry) {
     let textures = world.view::<&TextureRef>();
     let mut lit = Vec::new();
     let (mut all, mut in_view) = (Vec::new(), Vec::new());
-    let mut shapes =
-        world.query::<(&Source, &Shape, &Visibility, &MaterialBound, &InView, &mut Lit)>();
-    for (source, shape, visibility, MaterialBound(material), seen, of_shape) in shapes.iter() {
-        if !visibility.is_surface {
-            continue;
-        }
+    let mut shapes = world.query::<(&Source, &Shape, &MaterialBound, &mut Visibility)>();
+    let shapes = shapes.iter().filter(|(.., visibility)| visibility.is_surface);
+    for (source, shape, MaterialBound(material), visibility) in shapes {
         let textured = textures.contains(source.0);
         let receiver = Receiver { shape, material, textured, faces: Faces::lit(shape) };
         all.push(receiver);
-        in_view.extend(seen.0.map(|faces| Receiver { faces, ..receiver }));
-        lit.push((seen.0.is_some(), &mut of_shape.0));
+        in_view.extend(visibility.faces.map(|faces| Receiver { faces, ..receiver }));
+        lit.push(visibility);
     }
     let mut lights = world.query::<(&Light, &mut Illuminates)>();
     let (lights, found): (Vec<_>, Vec<_>) = lights.iter().unzip();
@@ -121,8 +87,9 @@ pub(crate) fn run(world: &World, geometry: &Geometry) {
         *found = Illuminates { in_view, anywhere };
     }
     let mut seen = seen.receivers.into_iter();
-    for ((is_seen, lit), anywhere) in lit.into_iter().zip(anywhere.receivers) {
-        *lit = if is_seen { seen.next() == Some(true) } else { anywhere };
+    for (visibility, anywhere) in lit.into_iter().zip(anywhere.receivers) {
+        let is_seen = visibility.faces.is_some();
+        visibility.is_lit = if is_seen { seen.next() == Some(true) } else { anywhere };
     }
 }
 

@@ -4,13 +4,9 @@ use glam::{DVec3, Vec3};
 use hecs::World;
 
 use super::frame::Frame;
-use super::geometry::Source;
 use super::lights;
-use super::materials::MaterialBound;
-use super::placement::Visibility;
-use super::reach::{Faces, Lit};
 use super::textures::Images;
-use super::view::InView;
+use super::visibility::{Faces, MaterialBound, Source, Visibility};
 use crate::components::{Filter, Map, Maps, TextureRef};
 use crate::lights::hemisphere;
 use crate::surface::{
@@ -64,26 +60,25 @@ pub(crate) fn run(world: &World, frame: &Frame, images: &mut Images) -> Result<(
     let has_ambient = by_normal || lights::ambient(world, frame) > 0.0;
     let is_traced = hemisphere.is_some_and(|light| light.traced);
     let surfaces = world.view::<SurfaceColumns<'_>>();
-    let mut shapes = world
-        .query::<((&Source, &Shape, &Visibility, &InView), (&MaterialBound, &Lit, &mut Shows))>();
-    for ((source, shape, visibility, in_view), (bound, lit, shows)) in shapes.iter() {
-        if !visibility.is_surface {
-            continue;
-        }
+    let mut shapes = world.query::<(&Source, &Shape, &MaterialBound, &mut Visibility)>();
+    let shapes = shapes.iter().filter(|(.., visibility)| visibility.is_surface);
+    for (source, shape, bound, visibility) in shapes {
         let surface = SurfaceComponents::of(&surfaces, source.0);
-        let faces = in_view.0.unwrap_or(Faces::lit(shape));
+        let faces = visibility.faces.unwrap_or(Faces::lit(shape));
         let lighting = Lighting {
             has_ambient,
             by_normal,
             is_traced,
-            is_lit: lit.0,
+            is_lit: visibility.is_lit,
             mirrors: frame.settings.bounces > 0 && faces.any(),
             is_transparent: visibility.is_transparent,
         };
-        *shows = Shows::of(&surface, &bound.0, lighting);
+        visibility.shows = Shows::of(&surface, &bound.0, lighting);
         let occlusion = surface.maps.occlusion.as_ref().and_then(|map| map.texture.as_ref());
-        if let Some(texture) = occlusion.filter(|_| shows.occlusion && in_view.0.is_some()) {
-            shows.occlusion = !images.is_one(texture, None, (surface.place, OCCLUSION_MAP))?;
+        let is_shown = visibility.shows.occlusion && visibility.is_in_view();
+        if let Some(texture) = occlusion.filter(|_| is_shown) {
+            let is_one = images.is_one(texture, None, (surface.place, OCCLUSION_MAP))?;
+            visibility.shows.occlusion = !is_one;
         }
     }
     Ok(())

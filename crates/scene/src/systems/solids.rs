@@ -6,7 +6,7 @@ use glam::Vec3;
 use hecs::World;
 use rayon::prelude::*;
 
-use super::geometry::Source;
+use super::visibility::Source;
 use crate::components::Transparency;
 use wavecrest_core::geometry::Geometry;
 use wavecrest_core::kernels::slab::Aabb;

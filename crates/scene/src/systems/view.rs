@@ -6,38 +6,30 @@
 use hecs::World;
 
 use super::frame::Frame;
-use super::materials::MaterialBound;
-use super::placement::Visibility;
-use super::reach::{Extent, Faces, is_faced};
+use super::reach::{Extent, is_faced};
+use super::visibility::{Faces, MaterialBound, Visibility};
 use wavecrest_core::geometry::Geometry;
 use wavecrest_core::prepared::Shape;
 
 /// Number of primitives of small shapes. Large ones that both sides are lit of mostly show both.
 const FEW: usize = 64;
 
-/// The visible sides of a shape that lights can reach; `None` if it is out of view.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct InView(pub(crate) Option<Faces>);
-
 /// Finds out what cameras see of each shape: all of every shape, if one in view shows others.
 pub(crate) fn run(world: &World, frame: &Frame, geometry: &Geometry) {
-    let mut shapes = world.query::<(&Shape, &Visibility, &MaterialBound, &mut InView)>();
+    let mut shapes = world.query::<(&Shape, &MaterialBound, &mut Visibility)>();
     let pupils: Vec<Extent> = frame.cameras.iter().map(Extent::of_pupil).collect();
     let mut tests = 0;
-    let mut shows_others = |(shape, visibility, MaterialBound(bound), in_view): (
-        &Shape,
-        &Visibility,
-        &MaterialBound,
-        &mut InView,
-    )| {
-        let is_seen = visibility.is_seen && !shape.primitives.is_empty();
-        in_view.0 = is_seen.then(|| visible_faces(shape, &pupils, geometry, &mut tests));
-        let mirrors = |faces: Faces| faces.any() && frame.settings.bounces > 0 && bound.kr > 0.0;
-        in_view.0.is_some_and(|faces| visibility.is_transparent || mirrors(faces))
-    };
+    let mut shows_others =
+        |(shape, bound, visibility): (&Shape, &MaterialBound, &mut Visibility)| {
+            let is_seen = visibility.is_seen && !shape.primitives.is_empty();
+            visibility.faces = is_seen.then(|| visible_faces(shape, &pupils, geometry, &mut tests));
+            let mirrors =
+                |faces: Faces| faces.any() && frame.settings.bounces > 0 && bound.0.kr > 0.0;
+            visibility.faces.is_some_and(|faces| visibility.is_transparent || mirrors(faces))
+        };
     if frame.cameras.is_empty() || shapes.iter().any(&mut shows_others) {
-        for (shape, _, _, in_view) in shapes.iter() {
-            in_view.0 = Some(Faces::lit(shape));
+        for (shape, _, visibility) in shapes.iter() {
+            visibility.faces = Some(Faces::lit(shape));
         }
     }
 }

@@ -25,8 +25,7 @@ impl Census<'_> {
             let Material { color, ambient, .. } = bound;
             *ambient != 0.0 && (surface.texture.is_some() || *color != Vec3::ZERO)
         };
-        let is_seen =
-            |shape: &ShapeFacts<'_>| shape.visibility.is_surface && shape.in_view.is_some();
+        let is_seen = |shape: &ShapeFacts<'_>| shape.visibility.is_in_view();
         self.has_ambient() && self.any(|shape| is_seen(shape) && is_scattered(shape))
     }
 

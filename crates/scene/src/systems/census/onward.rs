@@ -2,13 +2,15 @@
 
 use glam::Vec3;
 
-use super::{Census, Faces, ShapeFacts, or_in_the_way};
+use super::{Census, ShapeFacts, or_in_the_way};
 use crate::environment;
+use crate::systems::visibility::Faces;
 
 impl Census<'_> {
     pub(super) fn transparency(&self) -> (bool, String) {
         let none = "no material lets light through";
-        let found = self.surfaces(|shape| shape.is_transparent(), "transparent shape", none);
+        let found =
+            self.surfaces(|shape| shape.visibility.is_transparent, "transparent shape", none);
         or_in_the_way(found, self.any(|shape| shape.visibility.lets_light_through()))
     }
 
@@ -21,8 +23,9 @@ impl Census<'_> {
         } else {
             "no material has kr above 0"
         };
-        let is_mirror =
-            |shape: &ShapeFacts<'_>| reflects(shape) && shape.in_view.is_none_or(Faces::any);
+        let is_mirror = |shape: &ShapeFacts<'_>| {
+            reflects(shape) && shape.visibility.faces.is_none_or(Faces::any)
+        };
         let (found, reason) = self.surfaces(is_mirror, "mirror", none);
         match self.frame.settings.bounces {
             _ if !found => (false, reason),
@@ -35,7 +38,8 @@ impl Census<'_> {
     /// Whether a mirror could show anything but black.
     fn shines(&self) -> bool {
         let is_bright = |shape: &ShapeFacts<'_>| {
-            shape.shows.emission || shape.shape.light.is_some_and(|color| color != Vec3::ZERO)
+            shape.visibility.shows.emission
+                || shape.shape.light.is_some_and(|color| color != Vec3::ZERO)
         };
         let has_sky = self.has_hemisphere() || environment::is_bright(self.world);
         self.is_lit() || self.any(is_bright) || self.shows_ambient() || has_sky

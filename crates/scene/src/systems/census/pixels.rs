@@ -11,7 +11,7 @@ const NOTHING: &str = "no shape is in view";
 impl Census<'_> {
     /// Whether rays of a pixel may see different things: shapes, also of lights, or an environment.
     fn sees_any(&self) -> bool {
-        self.any(|shape| shape.in_view.is_some()) || self.environment().0
+        self.any(|shape| shape.visibility.faces.is_some()) || self.environment().0
     }
 
     /// The widest blur by a lens, in pixels.
