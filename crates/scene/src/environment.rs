@@ -13,9 +13,8 @@ use crate::systems::frame::Frame;
 use crate::systems::textures::Images;
 use wavecrest_base::error::Result;
 use wavecrest_core::kernels::environment::{self, EnvironmentColors};
-use wavecrest_core::kernels::hemisphere::Hemisphere;
 use wavecrest_core::plan::{Effect, Plan};
-use wavecrest_core::prepared::{LazyImage, UvMap};
+use wavecrest_core::prepared::UvMap;
 
 component! {
     /// A gradient around the scene, and its direction.
@@ -129,22 +128,6 @@ pub(crate) fn leave_even_color(
     drop(query);
     let _ = world.insert_one(entity, EvenColor(color));
     Some(color)
-}
-
-/// The ambient light of an environment.
-///
-/// # Errors
-/// If its image cannot be decoded.
-pub(crate) fn ambient(
-    around: &environment::Environment,
-    images: &[LazyImage],
-    traced: bool,
-) -> Result<Hemisphere> {
-    let image = match around.colors {
-        EnvironmentColors::Gradient(_) => None,
-        EnvironmentColors::Image(number) => Some(images[number as usize].get()?),
-    };
-    Ok(around.ambient(image, traced))
 }
 
 impl Environment {

@@ -11,7 +11,7 @@ mod spot;
 use glam::{DVec3, Vec3};
 use hecs::{Entity, World};
 
-use crate::components::{Falloff, Order, Sampling};
+use crate::components::{Falloff, Sampling};
 use crate::format::{Object, Variants};
 use crate::systems::bounds;
 use crate::systems::frame::Frame;
@@ -39,23 +39,12 @@ pub(crate) const LIGHTS: Variants = Variants {
     kinds: &[point::KIND, spot::KIND, directional::KIND, area::KIND],
 };
 
-/// A light of the world.
-#[derive(Debug)]
-pub(crate) struct SourceLight {
-    /// Its entity.
-    pub(crate) entity: Entity,
-    /// Its index among the lights of the file.
-    pub(crate) order: Order,
-    /// The light, without its dimension yet.
-    pub light: Light,
-}
-
 /// The systems that find the lights of each kind.
-pub(crate) const SYSTEMS: [System; 5] =
-    [point::emitters, spot::emitters, directional::emitters, area::emitters, sky::emitters];
+pub(crate) const SYSTEMS: [System; 4] =
+    [point::lights, directional::lights, area::lights, sky::lights];
 
-/// Finds the lights of a kind in the world, around what is to be seen.
-type System = fn(&World, &Frame, &Geometry) -> Result<Vec<SourceLight>>;
+/// Finds the lights of a kind in the world, with their entities, around what is to be seen.
+type System = fn(&World, &Frame, &Geometry) -> Result<Vec<(Entity, Light)>>;
 
 /// Warns of a light without any but its ambient part.
 fn warn_of_power(object: &Object<'_>) {

@@ -3,8 +3,8 @@
 use glam::{DVec3, Vec3};
 use hecs::{Entity, EntityBuilder, World};
 
-use super::{MOST_SAMPLES, SourceLight, check_samples, power, warn_of_power};
-use crate::components::{Falloff, Order, Sampling};
+use super::{MOST_SAMPLES, check_samples, power, warn_of_power};
+use crate::components::{Falloff, Sampling};
 use crate::format::{Declaration, Key, Kind, Object, Range, component, declared, keys};
 use crate::query::json_path;
 use crate::shapes;
@@ -12,7 +12,7 @@ use crate::systems::frame::Frame;
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_core::geometry::{Geometry, Primitive, Quadric};
 use wavecrest_core::kernels::disk::Disk;
-use wavecrest_core::kernels::light::{Emitter, Triangles};
+use wavecrest_core::kernels::light::{Emitter, Light, Triangles};
 use wavecrest_core::kernels::quad;
 use wavecrest_core::prepared::Shape;
 
@@ -98,15 +98,14 @@ fn read_shape(object: &Object<'_>, entity: &mut EntityBuilder) -> Result<()> {
 }
 
 /// The area lights.
-pub(super) fn emitters(world: &World, frame: &Frame, _: &Geometry) -> Result<Vec<SourceLight>> {
+pub(super) fn lights(world: &World, frame: &Frame, _: &Geometry) -> Result<Vec<(Entity, Light)>> {
     let mut found = Vec::new();
-    let mut lights = world.query::<(Entity, &Order, &AreaLight, &mut ShapeEmitter)>();
-    for (entity, &order, light, emitter) in lights.iter() {
+    let mut lights = world.query::<(Entity, &AreaLight, &mut ShapeEmitter)>();
+    for (entity, light, emitter) in lights.iter() {
         let emitter = emitter.0.take().ok_or_else(|| no_area(world, entity, frame))?;
         let &AreaLight { intensity, color, falloff, sampling, samples } = light;
         let power = power(intensity, color);
-        let light = super::light(emitter, power, falloff, (sampling, samples));
-        found.push(SourceLight { entity, order, light });
+        found.push((entity, super::light(emitter, power, falloff, (sampling, samples))));
     }
     Ok(found)
 }

@@ -1,10 +1,10 @@
 //! Point lights.
 
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 use hecs::{Entity, World};
 
-use super::{SourceLight, Spot, power, warn_of_strength};
-use crate::components::{Falloff, Order, Sampling};
+use super::{Spot, power, warn_of_strength};
+use crate::components::{Falloff, Sampling};
 use crate::format::{Declaration, Kind, Range, component, declared};
 use crate::systems::frame::Frame;
 use wavecrest_base::error::Result;
@@ -38,20 +38,15 @@ declared!(PointLight, |_: &mut Self, object| {
     Ok(())
 });
 
-/// The point lights that are no spots.
-pub(super) fn emitters(world: &World, frame: &Frame, _: &Geometry) -> Result<Vec<SourceLight>> {
-    let mut query = world.query::<(Entity, &Order, &PointLight)>().without::<&Spot>();
-    let found = query.iter().map(|(entity, &order, light)| {
-        let emitter = Emitter::Point((light.position - frame.origin).as_vec3());
-        SourceLight { entity, order, light: light.with(emitter) }
+/// The point lights, of which cones narrow some.
+pub(super) fn lights(world: &World, frame: &Frame, _: &Geometry) -> Result<Vec<(Entity, Light)>> {
+    let mut lights = world.query::<(Entity, &PointLight, Option<&Spot>)>();
+    let lights = lights.iter().map(|(entity, light, spot)| {
+        let position = (light.position - frame.origin).as_vec3();
+        let emitter = spot.map_or(Emitter::Point(position), |spot| spot.emitter(position));
+        let is_dark = spot.is_some_and(|spot| spot.outer_degrees == 0.0);
+        let power = if is_dark { Vec3::ZERO } else { power(light.intensity, light.color) };
+        (entity, super::light(emitter, power, light.falloff, (Sampling::Random, 1)))
     });
-    Ok(found.collect())
-}
-
-impl PointLight {
-    /// The light as this emitter.
-    pub(super) fn with(&self, emitter: Emitter) -> Light {
-        let power = power(self.intensity, self.color);
-        super::light(emitter, power, self.falloff, (Sampling::Random, 1))
-    }
+    Ok(lights.collect())
 }

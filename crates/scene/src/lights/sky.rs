@@ -3,8 +3,8 @@
 use glam::DVec3;
 use hecs::{Entity, World};
 
-use super::{MOST_SAMPLES, SourceLight, check_samples, diameter};
-use crate::components::{Falloff, Order, Sampling};
+use super::{MOST_SAMPLES, check_samples, diameter};
+use crate::components::{Falloff, Sampling};
 use crate::corners::unit;
 use crate::environment;
 use crate::format::{Declaration, Kind, Range, component, declared};
@@ -12,9 +12,9 @@ use crate::systems::frame::Frame;
 use crate::systems::textures::Images;
 use wavecrest_base::error::Result;
 use wavecrest_core::geometry::Geometry;
-use wavecrest_core::kernels::environment::Environment;
+use wavecrest_core::kernels::environment::{Environment, Surrounding};
 use wavecrest_core::kernels::hemisphere::Hemisphere;
-use wavecrest_core::kernels::light::{Distant, Emitter};
+use wavecrest_core::kernels::light::{Distant, Emitter, Light};
 use wavecrest_core::plan::{Effect, Plan};
 use wavecrest_core::prepared::LazyImage;
 
@@ -91,25 +91,30 @@ pub(crate) fn light(
     let light = hemisphere(world).filter(|_| plan.has(Effect::HemisphereLight));
     let is_lit_by_it = world.query::<&Sky>().iter().any(|sky| sky.sky.is_none());
     match (light, environment) {
-        (Some(light), Some(environment)) if is_lit_by_it => {
-            environment::ambient(environment, images, light.traced).map(Some)
+        (Some(light), Some(around)) if is_lit_by_it => {
+            let image = match around.colors {
+                Surrounding::Gradient(_) => None,
+                Surrounding::Image(number) => Some(images[number as usize].get()?),
+            };
+            Ok(Some(around.ambient(image, light.traced)))
         }
         (light, _) => Ok(light),
     }
 }
 
 /// Ambient light that shadow rays look for.
-pub(super) fn emitters(world: &World, _: &Frame, geometry: &Geometry) -> Result<Vec<SourceLight>> {
-    let mut found = Vec::new();
-    for (entity, sky) in world.query::<(Entity, &Sky)>().iter().filter(|(_, sky)| sky.samples > 0) {
+pub(super) fn lights(
+    world: &World,
+    _: &Frame,
+    geometry: &Geometry,
+) -> Result<Vec<(Entity, Light)>> {
+    let mut skies = world.query::<(Entity, &Sky)>();
+    let lights = skies.iter().filter(|(_, sky)| sky.samples > 0).map(|(entity, sky)| {
         let all = || Distant::reach(diameter(geometry));
         let reach = sky.distance.unwrap_or_else(all) as f32;
         let emitter = Emitter::Around(reach.max(f32::MIN_POSITIVE));
         let power = sky.hemisphere(world, None).channels();
-        let points = (sky.sampling, sky.samples);
-        let light = super::light(emitter, power, Falloff::None, points);
-        // After the lights of the file, whose random numbers it leaves as they are.
-        found.push(SourceLight { entity, order: Order(u32::MAX), light });
-    }
-    Ok(found)
+        (entity, super::light(emitter, power, Falloff::None, (sky.sampling, sky.samples)))
+    });
+    Ok(lights.collect())
 }

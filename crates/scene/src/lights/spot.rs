@@ -1,15 +1,11 @@
 //! Spot lights: point lights that a cone narrows.
 
 use glam::{DVec3, Vec3};
-use hecs::{Entity, World};
 
-use super::{PointLight, SourceLight};
-use crate::components::Order;
+use super::PointLight;
 use crate::corners::unit;
 use crate::format::{Declaration, Kind, Object, Range, component, declared};
-use crate::systems::frame::Frame;
 use wavecrest_base::error::Result;
-use wavecrest_core::geometry::Geometry;
 use wavecrest_core::kernels::light::{Cone, Emitter};
 
 /// Angles between the direction of a spot and the edge of a cone, in degrees.
@@ -52,17 +48,10 @@ fn check(spot: &mut Spot, object: &Object<'_>) -> Result<()> {
     Ok(())
 }
 
-/// The spots.
-pub(super) fn emitters(world: &World, frame: &Frame, _: &Geometry) -> Result<Vec<SourceLight>> {
-    let mut query = world.query::<(Entity, &Order, &PointLight, &Spot)>();
-    let found = query.iter().map(|(entity, &order, light, spot)| {
-        let cone = Cone::new(unit(spot.direction), spot.inner_degrees, spot.outer_degrees);
-        let position = (light.position - frame.origin).as_vec3();
-        let mut light = light.with(Emitter::Spot(position, cone));
-        if spot.outer_degrees == 0.0 {
-            light.power = Vec3::ZERO;
-        }
-        SourceLight { entity, order, light }
-    });
-    Ok(found.collect())
+impl Spot {
+    /// Light from a `position` in its cone.
+    pub(super) fn emitter(&self, position: Vec3) -> Emitter {
+        let axis = unit(self.direction);
+        Emitter::Spot(position, Cone::new(axis, self.inner_degrees, self.outer_degrees))
+    }
 }

@@ -4,7 +4,8 @@ use hecs::{Entity, World};
 
 use super::frame::Frame;
 use super::reach::Illuminates;
-use crate::lights::{SYSTEMS, SourceLight};
+use crate::components::Order;
+use crate::lights::SYSTEMS;
 use crate::query::json_path;
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_core::geometry::Geometry;
@@ -18,15 +19,19 @@ struct LightSource(Entity);
 
 /// Spawns an entity for each light, in the order of the file, moved like its shapes.
 pub(crate) fn run(world: &mut World, frame: &Frame, geometry: &Geometry) -> Result<()> {
-    let mut found: Vec<SourceLight> = Vec::new();
+    let mut found: Vec<(Order, Entity, Light)> = Vec::new();
     for system in SYSTEMS {
-        found.extend(system(world, frame, geometry)?);
+        found.extend(system(world, frame, geometry)?.into_iter().map(|(entity, light)| {
+            // Ambient light comes after the lights of the file, whose random numbers it leaves as they are.
+            let order = world.get::<&Order>(entity).map_or(Order(u32::MAX), |order| *order);
+            (order, entity, light)
+        }));
     }
-    found.sort_by_key(|found| found.order);
-    let entity = |SourceLight { entity, light, .. }: SourceLight| {
-        (LightSource(entity), light, Illuminates::default())
-    };
-    world.spawn_batch(found.into_iter().map(entity));
+    found.sort_by_key(|(order, ..)| *order);
+    let lights = found.into_iter();
+    world.spawn_batch(
+        lights.map(|(_, entity, light)| (LightSource(entity), light, Illuminates::default())),
+    );
     Ok(())
 }
 

@@ -8,8 +8,8 @@ use rayon::prelude::*;
 use super::meshes::{ArrayLengths, Meshes, append, transform_mesh};
 use super::tangents::tangents;
 use super::{Arrays, BuiltShape, built};
-use crate::components::Mesh;
-use crate::corners;
+use crate::components::{Mesh, Quad, Triangle};
+use crate::corners::{quad_normal, triangle_normal};
 use crate::mesh::{Attribute, MeshData};
 use crate::systems::placement::{ShapeGeometry, ShapeInstance};
 use wavecrest_base::error::Result;
@@ -28,12 +28,21 @@ impl GeometryBuilder {
     /// Adds a shape to the arrays. Numbers of primitives follow their kinds, and so must the shapes.
     pub(super) fn add(&mut self, instance: &ShapeInstance, meshes: &mut Meshes) -> Result<()> {
         let (shape, uv_map) = match &instance.geometry {
-            ShapeGeometry::Triangle(triangle) => self.triangle(instance, &triangle.points)?,
+            ShapeGeometry::Triangle(Triangle { points }) => {
+                let (first, built) = self.flat(instance, points, triangle_normal(points))?;
+                self.arrays.geometry.triangles.push([first, first + 1, first + 2]);
+                built
+            }
             ShapeGeometry::Mesh => {
                 let (mesh, _) = meshes.take(instance.prototype);
                 (self.mesh(instance, mesh)?, UvMap::Mesh)
             }
-            ShapeGeometry::Quad(quad) => self.quad(instance, &quad.points)?,
+            ShapeGeometry::Quad(Quad { points }) => {
+                let (first, built) = self.flat(instance, points, quad_normal(points))?;
+                let turn = first_of_diagonal(points);
+                self.arrays.geometry.quads.push([0, 1, 2, 3].map(|k| first + (k + turn) % 4));
+                built
+            }
             ShapeGeometry::Sphere(sphere) => self.quadric(instance, sphere.in_world(instance)?),
             ShapeGeometry::Disk(disk) => self.quadric(instance, disk.in_world(instance)?),
         };
@@ -41,29 +50,28 @@ impl GeometryBuilder {
         Ok(())
     }
 
-    fn triangle(
+    /// Adds the corners of a flat shape with a `normal` of its front. Returns the number of the first corner, and
+    /// the shape as the next primitive.
+    fn flat(
         &mut self,
         instance: &ShapeInstance,
-        points: &[DVec3; 3],
-    ) -> Result<(Shape, UvMap)> {
+        corners: &[DVec3],
+        normal: DVec3,
+    ) -> Result<(u32, (Shape, UvMap))> {
         let geometry = &mut self.arrays.geometry;
-        let number = geometry.triangles.len() as u32;
-        let (first, [p0, p1, p2]) = add_points(&mut geometry.positions, instance, points)?;
-        geometry.triangles.push([first, first + 1, first + 2]);
-        let flipped = instance.flipped(corners::triangle_normal(points));
-        let map = PlanarMap::new(p0, p2 - p0, p1 - p0);
-        Ok((instance.shape(number..number + 1, flipped), UvMap::Planar(map)))
-    }
-
-    fn quad(&mut self, instance: &ShapeInstance, points: &[DVec3; 4]) -> Result<(Shape, UvMap)> {
-        let geometry = &mut self.arrays.geometry;
+        let first = geometry.positions.len();
+        instance.check_count(first + corners.len(), "vertices")?;
+        for &corner in corners {
+            let corner = instance.transform.transform_point3(corner);
+            instance.check_point(corner)?;
+            geometry.positions.push(corner.as_vec3());
+        }
         let number = (geometry.triangles.len() + geometry.quads.len()) as u32;
-        let (first, [p0, p1, _, p3]) = add_points(&mut geometry.positions, instance, points)?;
-        let turn = first_of_diagonal(points);
-        geometry.quads.push([0, 1, 2, 3].map(|k| first + (k + turn) % 4));
-        let flipped = instance.flipped(corners::quad_normal(points));
-        let map = PlanarMap::new(p0, p3 - p0, p1 - p0);
-        Ok((instance.shape(number..number + 1, flipped), UvMap::Planar(map)))
+        let shape = instance.shape(number..number + 1, instance.flipped(normal));
+        let [origin, up] = [0, 1].map(|i| geometry.positions[first + i]);
+        let right = geometry.positions[first + corners.len() - 1];
+        let map = PlanarMap::new(origin, right - origin, up - origin);
+        Ok((first as u32, (shape, UvMap::Planar(map))))
     }
 
     fn quadric(
@@ -112,21 +120,6 @@ impl GeometryBuilder {
         self.arrays.meshes.push(attributes);
         self.arrays.meshes.len() as u32 - 1
     }
-}
-
-/// Appends points in world space. Returns the number of the first, and all as they are stored.
-fn add_points<const N: usize>(
-    positions: &mut Vec<Vec3>,
-    instance: &ShapeInstance,
-    points: &[DVec3; N],
-) -> Result<(u32, [Vec3; N])> {
-    let first = positions.len();
-    instance.check_count(first + N, "vertices")?;
-    let points = points.map(|point| instance.transform.transform_point3(point));
-    points.iter().try_for_each(|point| instance.check_point(*point))?;
-    let points = points.map(|point| point.as_vec3());
-    positions.extend(points);
-    Ok((first as u32, points))
 }
 
 /// 0 if the diagonal from the first corner to the third lies inside the quad, else 1. They differ
