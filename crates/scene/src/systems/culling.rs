@@ -60,7 +60,7 @@ pub(crate) fn run(
         for (one, (bounds, _)) in all.iter_mut().zip(&boxes) {
             // Shadow rays pass the shapes of lights.
             one.visibility.is_met =
-                one.visibility.is_seen || one.light.is_none() && hull.may_meet(bounds);
+                one.visibility.is_seen || !one.is_of_light() && hull.may_meet(bounds);
         }
     }
     look_through(world, all, images, false)
@@ -151,7 +151,7 @@ fn hull<'a>(
     for sky in world.query::<&Sky>().iter().filter(|sky| sky.samples > 0) {
         hull.widen(|normal| normal.length() * sky.distance.unwrap_or(f64::INFINITY));
     }
-    all.filter(|(one, _)| one.light.is_some()).for_each(|(_, bounds)| hull.add(bounds));
+    all.filter(|(one, _)| one.is_of_light()).for_each(|(_, bounds)| hull.add(bounds));
     for light in world.query::<&PointLight>().iter() {
         if light.intensity > 0.0 && light.color != DVec3::ZERO {
             let point = (light.position - origin).as_vec3();

@@ -50,8 +50,11 @@ pub(crate) fn run(
     flat: bool,
 ) -> Result<Arrays> {
     let (met, unmet): (Vec<_>, Vec<_>) = all.into_iter().partition(|one| one.visibility.is_met);
-    let (lights, absent): (Vec<_>, Vec<_>) = unmet.into_iter().partition(|one| one.light.is_some());
-    let absent = absent.into_iter().map(|one| built(&one, one.shape(0..0, false), UvMap::Mesh));
+    let (lights, absent): (Vec<_>, Vec<_>) =
+        unmet.into_iter().partition(ShapeInstance::is_of_light);
+    let absent = absent
+        .into_iter()
+        .map(|one| built(&one, Shape { flipped: false, ..one.shape(0..0) }, UvMap::Mesh));
     let in_file = |instances, meshes| {
         build(instances, meshes).map_err(|error| error.in_file(&frame.settings.file))
     };

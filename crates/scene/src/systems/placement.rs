@@ -11,6 +11,7 @@ use crate::components::{
     AreaLight, Channels, CutOut, Disk, Facing, Hidden, InstanceOf, JsonPath, Map, Maps, Mesh,
     Order, Quad, Shading, Sides, Sphere, TextureRef, Transform, Transparency, Triangle,
 };
+use crate::corners::{quad_normal, triangle_normal};
 use crate::image_file::has_alpha;
 use crate::mesh::MAX_COUNT;
 use wavecrest_base::error::{Error, ErrorKind, Result};
@@ -47,14 +48,13 @@ pub(crate) struct ShapeInstance {
     /// The entity with the geometry: the same except for instances.
     pub(crate) prototype: Entity,
     pub(crate) geometry: ShapeGeometry,
-    /// The colour of the light whose shape it is.
-    pub(crate) light: Option<Vec3>,
+    /// The shape in the arrays, without primitives yet.
+    pub(crate) shape: Shape,
     pub(crate) visibility: Visibility,
     /// Whether it may have holes.
     pub(crate) is_cut_out: bool,
     pub(crate) transform: DAffine3,
-    facing: Option<Facing>,
-    sides: Sides,
+    /// Whether it asks for the normals of its mesh, and for texture coordinates.
     pub(super) smooth: bool,
     pub(super) textured: bool,
     /// Whether it has a normal map.
@@ -101,11 +101,8 @@ pub(crate) fn run(world: &World, origin: DVec3) -> Vec<ShapeInstance> {
             continue;
         }
         let prototype = of.map_or(entity, |InstanceOf(prototype)| *prototype);
-        let Some((sphere, disk, quad, triangle, is_mesh, of_prototype, facing)) =
-            prototypes.get(prototype)
-        else {
-            continue;
-        };
+        let (sphere, disk, quad, triangle, is_mesh, of_prototype, facing) =
+            prototypes.get(prototype).unwrap_or_default();
         let geometry = (sphere.copied().map(ShapeGeometry::Sphere))
             .or(disk.copied().map(ShapeGeometry::Disk))
             .or(quad.copied().map(ShapeGeometry::Quad))
@@ -135,12 +132,20 @@ pub(crate) fn run(world: &World, origin: DVec3) -> Vec<ShapeInstance> {
             entity,
             prototype,
             geometry,
-            light: light.map(|light| light.color.as_vec3()),
+            shape: Shape {
+                primitives: 0..0,
+                light: light.map(|light| light.color.as_vec3()),
+                flipped: is_flipped(&geometry, facing, &transform),
+                two_sided: sides.is_none_or(|sides| *sides == Sides::Both),
+                smooth: false,
+                colored: false,
+                class: 0,
+                mesh: None,
+                solid: None,
+            },
             visibility,
             is_cut_out,
             transform,
-            facing: facing.copied(),
-            sides: sides.copied().unwrap_or(Sides::Both),
             smooth: is_surface && shading == Some(&Shading::Smooth),
             textured: is_surface && (has_texture || is_cut_out || maps.is_some()),
             normal_mapped: is_surface && normal.is_some_and(Map::has_effect),
@@ -148,7 +153,7 @@ pub(crate) fn run(world: &World, origin: DVec3) -> Vec<ShapeInstance> {
         };
         all.push((order.copied().unwrap_or(Order(u32::MAX)), instance));
     }
-    all.sort_by_key(|(order, instance)| (instance.light.is_some(), *order));
+    all.sort_by_key(|(order, instance)| (instance.shape.light.is_some(), *order));
     all.into_iter().map(|(_, instance)| instance).collect()
 }
 
@@ -159,6 +164,24 @@ fn may_be_transparent(transparency: Option<&Transparency>, maps: Option<&Maps>) 
     };
     let opacity = maps.and_then(|maps| maps.opacity.as_ref()?.texture.as_ref());
     transparency.is_some_and(Transparency::has_effect) || opacity.is_some_and(may_vary)
+}
+
+/// Whether the front of a flat shape is where its corners run clockwise in world space. Meshes are flipped by
+/// transforms that mirror them.
+fn is_flipped(geometry: &ShapeGeometry, facing: Option<&Facing>, to_world: &DAffine3) -> bool {
+    let mirrors = to_world.matrix3.determinant() < 0.0;
+    let front = match geometry {
+        ShapeGeometry::Sphere(_) | ShapeGeometry::Disk(_) => return false,
+        ShapeGeometry::Mesh => return mirrors,
+        ShapeGeometry::Quad(quad) => quad_normal(&quad.points),
+        ShapeGeometry::Triangle(triangle) => triangle_normal(&triangle.points),
+    };
+    let chosen = match facing {
+        None => true,
+        Some(Facing::Flipped) => false,
+        Some(Facing::Toward(side)) => front.dot(*side) >= 0.0,
+    };
+    chosen != mirrors
 }
 
 /// The circle around a sphere or a disk, in world space.
@@ -174,39 +197,18 @@ impl ShapeInstance {
         matches!(self.geometry, ShapeGeometry::Mesh)
     }
 
+    pub(super) fn is_of_light(&self) -> bool {
+        self.shape.light.is_some()
+    }
+
     /// Whether shadow rays pass it, as a shape of a light or with less light.
     pub(super) fn is_passed(&self) -> bool {
-        self.visibility.is_transparent || self.light.is_some()
+        self.visibility.is_transparent || self.is_of_light()
     }
 
-    /// Whether the front of a flat shape is where its corners run clockwise in world space, given
-    /// the normal on its front in its own space.
-    pub(super) fn flipped(&self, front: DVec3) -> bool {
-        let chosen = match self.facing {
-            None => true,
-            Some(Facing::Flipped) => false,
-            Some(Facing::Toward(side)) => front.dot(side) >= 0.0,
-        };
-        chosen != self.mirrors()
-    }
-
-    /// Whether the transform reverses the winding.
-    pub(super) fn mirrors(&self) -> bool {
-        self.transform.matrix3.determinant() < 0.0
-    }
-
-    pub(super) fn shape(&self, primitives: Range<u32>, flipped: bool) -> Shape {
-        Shape {
-            primitives,
-            light: self.light,
-            flipped,
-            two_sided: self.sides == Sides::Both,
-            smooth: false,
-            colored: false,
-            class: 0,
-            mesh: None,
-            solid: None,
-        }
+    /// Its shape with these primitives.
+    pub(super) fn shape(&self, primitives: Range<u32>) -> Shape {
+        Shape { primitives, ..self.shape.clone() }
     }
 
     /// A `shape` around `center` in world space.

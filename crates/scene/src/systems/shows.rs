@@ -35,19 +35,14 @@ pub(crate) struct Shows {
     pub(crate) normal: bool,
 }
 
-/// The light on a surface, and what it does there.
+/// Ambient light.
 #[derive(Clone, Copy)]
-struct Lighting {
-    has_ambient: bool,
-    /// Whether ambient light depends on the normal.
+struct Ambient {
+    is_any: bool,
+    /// Whether it depends on the normal.
     by_normal: bool,
-    /// Whether shadow rays find what is in the way of ambient light.
+    /// Whether shadow rays find what is in its way.
     is_traced: bool,
-    /// Whether other light may reach the surface.
-    is_lit: bool,
-    /// Whether it mirrors, if its material does.
-    mirrors: bool,
-    is_transparent: bool,
 }
 
 /// Finds the visible properties of each shape.
@@ -57,23 +52,19 @@ struct Lighting {
 pub(crate) fn run(world: &World, frame: &Frame, images: &mut Images) -> Result<()> {
     let hemisphere = hemisphere(world);
     let by_normal = hemisphere.is_some_and(|light| !light.is_black());
-    let has_ambient = by_normal || lights::ambient(world, frame) > 0.0;
-    let is_traced = hemisphere.is_some_and(|light| light.traced);
+    let ambient = Ambient {
+        is_any: by_normal || lights::ambient(world, frame) > 0.0,
+        by_normal,
+        is_traced: hemisphere.is_some_and(|light| light.traced),
+    };
     let surfaces = world.view::<SurfaceColumns<'_>>();
     let mut shapes = world.query::<(&Source, &Shape, &MaterialBound, &mut Visibility)>();
     let shapes = shapes.iter().filter(|(.., visibility)| visibility.is_surface);
     for (source, shape, bound, visibility) in shapes {
         let surface = SurfaceComponents::of(&surfaces, source.0);
         let faces = visibility.faces.unwrap_or(Faces::lit(shape));
-        let lighting = Lighting {
-            has_ambient,
-            by_normal,
-            is_traced,
-            is_lit: visibility.is_lit,
-            mirrors: frame.settings.bounces > 0 && faces.any(),
-            is_transparent: visibility.is_transparent,
-        };
-        visibility.shows = Shows::of(&surface, &bound.0, lighting);
+        let mirrors = bound.0.kr > 0.0 && frame.settings.bounces > 0 && faces.any();
+        visibility.shows = Shows::of(&surface, &bound.0, visibility, mirrors, ambient);
         let occlusion = surface.maps.occlusion.as_ref().and_then(|map| map.texture.as_ref());
         let is_shown = visibility.shows.occlusion && visibility.is_in_view();
         if let Some(texture) = occlusion.filter(|_| is_shown) {
@@ -85,12 +76,16 @@ pub(crate) fn run(world: &World, frame: &Frame, images: &mut Images) -> Result<(
 }
 
 impl Shows {
-    /// The visible properties of a surface, whose weights are at most those of `bound`.
-    fn of(surface: &SurfaceComponents<'_>, bound: &Material, lighting: Lighting) -> Self {
+    /// The visible properties of a surface, whose weights are at most those of `bound`, and that `mirrors` or not.
+    fn of(
+        surface: &SurfaceComponents<'_>,
+        bound: &Material,
+        &Visibility { is_lit, is_transparent, .. }: &Visibility,
+        mirrors: bool,
+        Ambient { is_any, by_normal, is_traced }: Ambient,
+    ) -> Self {
         let SurfaceComponents { material, transparency, texture, maps, .. } = surface;
-        let Lighting { by_normal, is_traced, is_lit, is_transparent, .. } = lighting;
         let wears = texture.is_some();
-        let mirrors = lighting.mirrors && bound.kr > 0.0;
         let Maps { metal, occlusion, normal, .. } = maps;
         let varied = metal.as_ref().filter(|map| !map.is_constant());
         let is_colored = wears || bound.color != Vec3::ZERO;
@@ -98,7 +93,7 @@ impl Shows {
         let is_tinted = metal.as_ref().map_or(color != DVec3::ONE, |map| map.metallic > 0.0);
         let is_unlit = surface.is_unlit();
         let is_tinted_through = transparency.is_some_and(|found| found.tinted && found.kt > 0.0);
-        let has_ambient = lighting.has_ambient && bound.ambient > 0.0;
+        let has_ambient = is_any && bound.ambient > 0.0;
         // Base colour is visible in ambient light, for any kd, and where it reflects light; it also
         // tints what metals mirror and what is refracted.
         let color = has_ambient

@@ -34,7 +34,7 @@ pub(super) fn run(
     };
     let mut shows_others = false;
     for (i, one) in all.iter().enumerate() {
-        if one.visibility.is_seen && one.light.is_none() {
+        if one.visibility.is_seen && !one.is_of_light() {
             shows_others = shows_others
                 || one.visibility.is_transparent
                 || is_mirror(one)
@@ -53,7 +53,7 @@ pub(super) fn run(
         let is_plain =
             |one: &ShapeInstance| !one.visibility.is_transparent && !is_occluded(world, one);
         let mut is_open = all.iter().all(is_plain);
-        for i in (0..all.len()).filter(|&i| all[i].light.is_none()) {
+        for i in (0..all.len()).filter(|&i| !all[i].is_of_light()) {
             is_open = is_open
                 && (!shows_others && !all[i].visibility.is_seen
                     || sight.sees(all, i, shows_others, distance)? != Some(true));
@@ -117,7 +117,7 @@ impl Sight<'_> {
         }
         let is_other = |(i, other): &(usize, &ShapeInstance)| {
             // Shadow rays, which look no further than a distance, pass the shapes of lights.
-            *i != number && (distance.is_infinite() || other.light.is_none())
+            *i != number && (distance.is_infinite() || !other.is_of_light())
         };
         let (own, _) = &boxes[number];
         let mut may_meet = |(i, _)| {

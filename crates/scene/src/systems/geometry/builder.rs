@@ -9,7 +9,6 @@ use super::meshes::{ArrayLengths, Meshes, append, transform_mesh};
 use super::tangents::tangents;
 use super::{Arrays, BuiltShape, built};
 use crate::components::{Mesh, Quad, Triangle};
-use crate::corners::{quad_normal, triangle_normal};
 use crate::mesh::{Attribute, MeshData};
 use crate::systems::placement::{ShapeGeometry, ShapeInstance};
 use wavecrest_base::error::Result;
@@ -29,7 +28,7 @@ impl GeometryBuilder {
     pub(super) fn add(&mut self, instance: &ShapeInstance, meshes: &mut Meshes) -> Result<()> {
         let (shape, uv_map) = match &instance.geometry {
             ShapeGeometry::Triangle(Triangle { points }) => {
-                let (first, built) = self.flat(instance, points, triangle_normal(points))?;
+                let (first, built) = self.flat(instance, points)?;
                 self.arrays.geometry.triangles.push([first, first + 1, first + 2]);
                 built
             }
@@ -38,7 +37,7 @@ impl GeometryBuilder {
                 (self.mesh(instance, mesh)?, UvMap::Mesh)
             }
             ShapeGeometry::Quad(Quad { points }) => {
-                let (first, built) = self.flat(instance, points, quad_normal(points))?;
+                let (first, built) = self.flat(instance, points)?;
                 let turn = first_of_diagonal(points);
                 self.arrays.geometry.quads.push([0, 1, 2, 3].map(|k| first + (k + turn) % 4));
                 built
@@ -50,13 +49,11 @@ impl GeometryBuilder {
         Ok(())
     }
 
-    /// Adds the corners of a flat shape with a `normal` of its front. Returns the number of the first corner, and
-    /// the shape as the next primitive.
+    /// Adds the corners of a flat shape. Returns the number of the first, and the shape as the next primitive.
     fn flat(
         &mut self,
         instance: &ShapeInstance,
         corners: &[DVec3],
-        normal: DVec3,
     ) -> Result<(u32, (Shape, UvMap))> {
         let geometry = &mut self.arrays.geometry;
         let first = geometry.positions.len();
@@ -67,7 +64,7 @@ impl GeometryBuilder {
             geometry.positions.push(corner.as_vec3());
         }
         let number = (geometry.triangles.len() + geometry.quads.len()) as u32;
-        let shape = instance.shape(number..number + 1, instance.flipped(normal));
+        let shape = instance.shape(number..number + 1);
         let [origin, up] = [0, 1].map(|i| geometry.positions[first + i]);
         let right = geometry.positions[first + corners.len() - 1];
         let map = PlanarMap::new(origin, right - origin, up - origin);
@@ -82,13 +79,13 @@ impl GeometryBuilder {
         let geometry = &mut self.arrays.geometry;
         let number = geometry.own() as u32;
         geometry.quadrics.push(quadric);
-        (instance.shape(number..number + 1, false), uv_map)
+        (instance.shape(number..number + 1), uv_map)
     }
 
     fn mesh(&mut self, instance: &ShapeInstance, mesh: Mesh) -> Result<Shape> {
         let Mesh { data: mut mesh, points, .. } = mesh;
         // Drop unused attributes before allocating more.
-        mesh.colors = mesh.colors.filter(|_| instance.light.is_none());
+        mesh.colors = mesh.colors.filter(|_| !instance.is_of_light());
         keep_used(&mut mesh, instance.smooth, instance.textured);
         let mut tangents = instance.normal_mapped.then(|| tangents(&mesh)).flatten();
         transform_mesh(&mut mesh, points, tangents.as_mut(), instance)?;
@@ -108,7 +105,7 @@ impl GeometryBuilder {
         });
         let range = first_triangle as u32..geometry.triangles.len() as u32;
         let (smooth, colored) = (mesh.normals.is_some(), mesh.colors.is_some());
-        let shape = Shape { smooth, colored, ..instance.shape(range, instance.mirrors()) };
+        let shape = Shape { smooth, colored, ..instance.shape(range) };
         let firsts = [first_triangle as u32, first_position as u32];
         let attributes = attributes(mesh, tangents, firsts);
         let is_used = has_any(&attributes) || instance.textured;

@@ -114,7 +114,7 @@ impl GeometryBuilder {
             smooth: instance.smooth && attributes.is_some_and(|mesh| mesh.normals.is_some()),
             colored: attributes.is_some_and(|mesh| mesh.colors.is_some()),
             mesh: prototype.mesh,
-            ..instance.shape(range, instance.mirrors())
+            ..instance.shape(range)
         };
         let instanced = Instance::new(prototype.number, first, to_world, &prototype.bounds);
         self.arrays.geometry.instances.push(instanced);

@@ -154,7 +154,7 @@ pub(super) fn transform_mesh(
     }
     // Normals are transformed by the cofactors: the inverse transpose without its division.
     let m = transform.matrix3;
-    let sign = if instance.mirrors() { -1.0 } else { 1.0 };
+    let sign = if instance.shape.flipped { -1.0 } else { 1.0 };
     let cofactors = [
         m.y_axis.cross(m.z_axis) * sign,
         m.z_axis.cross(m.x_axis) * sign,
