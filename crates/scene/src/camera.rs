@@ -8,8 +8,8 @@ use crate::format::{
     Cursor, Declaration, Declared, Key, Kind, Object, Range, Variants, Writer, component, declared,
     integer_words, keys, words,
 };
-use crate::options::LoadOptions;
 use crate::options::framing::FOV;
+use crate::options::{LoadOptions, MOST_ANTIALIAS};
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_core::kernels::camera::Placement;
 use wavecrest_core::kernels::camera::path::least_aligned_axis;
@@ -30,8 +30,6 @@ pub const LONGEST_SIDE: u32 = 65_536;
 const MOST_PIXELS: u64 = 1 << 28;
 /// Largest number of rays through each pixel, 2^24.
 const MOST_RAYS: u64 = 1 << 24;
-/// Largest side of the grid of rays in each pixel.
-pub(crate) const MOST_ANTIALIAS: u32 = 64;
 /// Largest number of angles or radii of points on the lens.
 const MOST_LENS_SAMPLES: u32 = 4_096;
 /// Default number of points on the lens along each side of the grid.

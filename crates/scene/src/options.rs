@@ -2,13 +2,15 @@
 
 use std::path::Path;
 
-use super::camera::MOST_ANTIALIAS;
 use super::format::Notes;
 use framing::Framing;
 use lighting::Lighting;
 
 pub mod framing;
 pub mod lighting;
+
+/// Largest side of the grid of rays in each pixel.
+pub(crate) const MOST_ANTIALIAS: u32 = 64;
 
 /// Options for loading a scene.
 #[derive(Clone, Debug, Default, PartialEq)]

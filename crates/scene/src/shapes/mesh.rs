@@ -6,7 +6,7 @@
 
 use std::path::{Path, PathBuf};
 
-use glam::{DVec3, Vec2, Vec3};
+use glam::{DVec3, Vec2};
 use serde_json::{Value, json};
 
 use crate::format::{
@@ -194,12 +194,27 @@ impl Declared for Mesh {
             Some(indices) => self::indices(&indices, points.len())?,
             None => strip(object, points.len())?,
         };
-        let uvs = object.get("uvs").map(|c| uvs(&c, points.len())).transpose()?;
-        let normals = object.get("normals").map(|c| normals(&c, points.len())).transpose()?;
-        let colors = object.get("colors").map(|c| colors(&c, points.len())).transpose()?;
-        let alphas = object.get("alphas").map(|c| alphas(&c, points.len())).transpose()?;
-        let (positions, origin) = (points.iter().map(|p| p.as_vec3()).collect(), DVec3::ZERO);
-        let data = MeshData { positions, origin, triangles, normals, uvs, colors, alphas };
+        let count = points.len();
+        let uv = |item: Cursor<'_>| {
+            let [u, v] = item.numbers("two numbers [u, v]", Range::COORDINATE)?;
+            Ok(Vec2::new(u as f32, v as f32))
+        };
+        let vector = |item: Cursor<'_>| Ok(item.point()?.as_vec3());
+        let color = |item: Cursor<'_>| Ok(item.color()?.as_vec3());
+        let alpha = |item: Cursor<'_>| Ok(item.number(Range::UNIT)? as f32);
+        let uvs = by_point(object, "uvs", count, "[u, v]", uv)?;
+        let normals = by_point(object, "normals", count, "[x, y, z]", vector)?;
+        let colors = by_point(object, "colors", count, "[r, g, b]", color)?;
+        let alphas = by_point(object, "alphas", count, "an alpha from 0 to 1", alpha)?;
+        let data = MeshData {
+            positions: points.iter().map(|p| p.as_vec3()).collect(),
+            origin: DVec3::ZERO,
+            triangles,
+            normals: normals.map(|values| Attribute { values, indices: None }),
+            uvs: uvs.map(|values| Attribute { values, indices: None }),
+            colors,
+            alphas,
+        };
         let is_rounded = points.iter().any(|p| p.as_vec3().as_dvec3() != *p);
         Ok(Some(Self { data, points: is_rounded.then_some(points), file: None }))
     }
@@ -215,27 +230,16 @@ impl Declared for Mesh {
             return;
         }
         let MeshData { positions, triangles, normals, uvs, colors, alphas, .. } = &self.data;
-        to.set(
-            "points",
-            match &self.points {
-                Some(points) => json!(points.iter().map(DVec3::to_array).collect::<Vec<_>>()),
-                None => json!(positions.iter().map(Vec3::to_array).collect::<Vec<_>>()),
-            },
-        );
+        to.set("points", self.points.as_ref().map_or_else(|| json!(positions), |all| json!(all)));
         let corners: Vec<_> = triangles.iter().map(|corners| reversed(*corners)).collect();
         to.set("indices", json!(corners));
-        let mut three = |key: &str, values: Option<&Vec<Vec3>>| {
-            if let Some(values) = values {
-                to.set(key, json!(values.iter().map(Vec3::to_array).collect::<Vec<_>>()));
-            }
-        };
-        three("normals", normals.as_ref().map(|normals| &normals.values));
-        three("colors", colors.as_ref());
-        if let Some(uvs) = uvs {
-            to.set("uvs", json!(uvs.values.iter().map(Vec2::to_array).collect::<Vec<_>>()));
-        }
-        if let Some(alphas) = alphas {
-            to.set("alphas", json!(alphas));
+        let normals = normals.as_ref().map(|normals| json!(normals.values));
+        let uvs = uvs.as_ref().map(|uvs| json!(uvs.values));
+        let (colors, alphas) =
+            (colors.as_ref().map(|c| json!(c)), alphas.as_ref().map(|a| json!(a)));
+        let all = [("normals", normals), ("colors", colors), ("uvs", uvs), ("alphas", alphas)];
+        for (key, values) in all {
+            values.into_iter().for_each(|values| to.set(key, values));
         }
     }
 }
@@ -314,38 +318,19 @@ fn reversed([a, b, c]: [u32; 3]) -> [u32; 3] {
     [a, c, b]
 }
 
-fn uvs(cursor: &Cursor<'_>, points: usize) -> Result<Attribute<Vec2>> {
-    let read = |item: Cursor<'_>| {
-        let [u, v] = item.numbers("two numbers [u, v]", Range::COORDINATE)?;
-        Ok(Vec2::new(u as f32, v as f32))
-    };
-    attribute(cursor, "[u, v]", points, read)
-}
-
-fn normals(cursor: &Cursor<'_>, points: usize) -> Result<Attribute<Vec3>> {
-    attribute(cursor, "[x, y, z]", points, |item| Ok(item.point()?.as_vec3()))
-}
-
-fn colors(cursor: &Cursor<'_>, points: usize) -> Result<Vec<Vec3>> {
-    attribute(cursor, "[r, g, b]", points, |item| Ok(item.color()?.as_vec3())).map(|all| all.values)
-}
-
-fn alphas(cursor: &Cursor<'_>, points: usize) -> Result<Vec<f32>> {
-    let read = |item: Cursor<'_>| Ok(item.number(Range::UNIT)? as f32);
-    attribute(cursor, "an alpha from 0 to 1", points, read).map(|all| all.values)
-}
-
-/// A value for each point.
-fn attribute<T>(
-    cursor: &Cursor<'_>,
-    each: &str,
+/// Values under a `key`, if it is given: one for each point, described by `each`.
+fn by_point<T>(
+    object: &Object<'_>,
+    key: &'static str,
     points: usize,
+    each: &str,
     read: impl FnMut(Cursor<'_>) -> Result<T>,
-) -> Result<Attribute<T>> {
+) -> Result<Option<Vec<T>>> {
+    let Some(cursor) = object.get(key) else { return Ok(None) };
     let what = format!("an array of {points} times {each}, one for each point");
     let values = cursor.each(&what, read)?;
     if values.len() != points {
         return Err(cursor.error(format!("must be {what}")));
     }
-    Ok(Attribute { values, indices: None })
+    Ok(Some(values))
 }
