@@ -17,7 +17,7 @@
 //! | `lights` | lights that reach something in view | the lights to simulate |
 //! | `classes` | visible materials and textures | classes, each once; images, each once |
 //! | `environment` | the environment | what rays see that hit nothing |
-//! | `passing` | shapes of lights, transparent shapes | what shadow rays pass |
+//! | `geometry` | shapes of lights, transparent shapes | what shadow rays pass |
 //! | `cutouts` | shapes with holes | primitives with holes, and their images |
 //! | `camera` | the view, pinhole or thin lens | the ray generator |
 //! | `textures` | headers of images | images, to be decoded at their first look-up |
@@ -46,7 +46,6 @@ mod lights;
 pub mod looks;
 mod materials;
 pub mod overrides;
-mod passing;
 pub(crate) mod placement;
 mod reach;
 mod shows;
@@ -123,9 +122,9 @@ pub fn extract(mut world: World, options: Options<'_>) -> Result<Extracted> {
     let (lights, ambient) = lights::kept(&mut world, &frame, plan.schedule())?;
     let classes = classes::run(&world, plan.schedule(), &mut images);
     let (environment, background) = environment::run(&world, &frame, &plan, &mut images);
-    passing::run(&world, &mut arrays.geometry);
+    geometry::pass(&world, &mut arrays.geometry);
     let cutouts = cutouts::run(&world, &masks, &mut arrays);
-    let (camera, path) = camera::run(&world, frame.origin, plan.schedule())?;
+    let (camera, path) = camera::run(&world, frame.origin, Some(plan.schedule()))?;
     let images = images.prepare()?;
     let scene = PreparedScene {
         origin: frame.origin,

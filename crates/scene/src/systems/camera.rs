@@ -19,19 +19,9 @@ const PINHOLE: Lens = Lens { radius: 0.0, focal: 1.0, sampling: Sampling::Random
 /// Largest number of frames that are checked one by one.
 const MOST_FRAMES: u32 = 1 << 12;
 
-/// The camera of the world, moved by `-origin`, and its path if it has one. A lens of aperture 0 is
-/// a pinhole, to the last bit.
-pub(crate) fn run(
-    world: &World,
-    origin: DVec3,
-    schedule: Schedule,
-) -> Result<(Camera, Option<Path>)> {
-    of_world(world, origin, schedule.runs(Step::Lens), schedule.runs(Step::Jitter))
-}
-
 /// The camera of the world in every place that it may render from; empty if there are too many.
 pub(crate) fn places(world: &World, origin: DVec3) -> Result<Vec<Camera>> {
-    let (camera, path) = of_world(world, origin, true, false)?;
+    let (camera, path) = run(world, origin, None)?;
     Ok(frames_of(&camera, path.as_ref()))
 }
 
@@ -45,12 +35,15 @@ pub(super) fn frames_of(camera: &Camera, path: Option<&Path>) -> Vec<Camera> {
     (first..=last).filter_map(|frame| path.at(frame)).chain([*camera]).collect()
 }
 
-fn of_world(
+/// The camera of the world, moved by `-origin`, and its path if it has one; without a schedule with its lens, but
+/// not antialiased. A lens of aperture 0 is a pinhole, to the last bit.
+pub(crate) fn run(
     world: &World,
     origin: DVec3,
-    lens_runs: bool,
-    jitter_runs: bool,
+    schedule: Option<Schedule>,
 ) -> Result<(Camera, Option<Path>)> {
+    let lens_runs = schedule.is_none_or(|schedule| schedule.runs(Step::Lens));
+    let jitter_runs = schedule.is_some_and(|schedule| schedule.runs(Step::Jitter));
     let mut query = world.query::<(&View, Option<&ThinLens>, Option<&CameraPath>)>();
     let (view, lens, path) = query.iter().next().ok_or_else(|| missing("View"))?;
     let lens = lens_runs.then(|| lens.map_or(PINHOLE, of_extent));

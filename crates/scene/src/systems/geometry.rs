@@ -12,6 +12,8 @@ mod instances;
 mod meshes;
 mod tangents;
 
+use std::ops::Range;
+
 use hecs::World;
 
 use super::frame::Frame;
@@ -20,7 +22,7 @@ use super::visibility::{MaterialBound, Source, Visibility};
 use crate::lights::ShapeEmitter;
 use builder::GeometryBuilder;
 pub(crate) use builder::is_varied;
-pub(super) use meshes::Meshes;
+use meshes::Meshes;
 use wavecrest_base::error::Result;
 use wavecrest_core::geometry::Geometry;
 use wavecrest_core::kernels::blinn_phong::Material;
@@ -52,18 +54,13 @@ pub(crate) fn run(
     let (met, unmet): (Vec<_>, Vec<_>) = all.into_iter().partition(|one| one.visibility.is_met);
     let (lights, absent): (Vec<_>, Vec<_>) =
         unmet.into_iter().partition(ShapeInstance::is_of_light);
-    let absent = absent
-        .into_iter()
-        .map(|one| built(&one, Shape { flipped: false, ..one.shape(0..0) }, UvMap::Mesh));
-    let in_file = |instances, meshes| {
-        build(instances, meshes).map_err(|error| error.in_file(&frame.settings.file))
+    let build = |shapes, flat| {
+        build(world, shapes, flat).map_err(|error| error.in_file(&frame.settings.file))
     };
-    let meshes = Meshes::moved_out_of(world, &met, flat);
-    let (mut arrays, shapes) = in_file(met, meshes)?;
-    let meshes = Meshes::moved_out_of(world, &lights, true);
-    let (unmet, unmet_shapes) = in_file(lights, meshes)?;
+    let (mut arrays, shapes) = build(met, flat)?;
+    let (unmet, unmet_lights) = build(lights, true)?;
     leave_emitters(world, &arrays.geometry, &shapes);
-    leave_emitters(world, &unmet.geometry, &unmet_shapes);
+    leave_emitters(world, &unmet.geometry, &unmet_lights);
     arrays.geometry.set_precision(frame.precision);
     let geometry = &arrays.geometry;
     let entity = |(source, mut visibility, shape, uv_map): BuiltShape| {
@@ -71,15 +68,35 @@ pub(crate) fn run(
         let (material, bound) = (Material::BLACK, MaterialBound(Material::BLACK));
         (source, visibility, shape, uv_map, material, bound)
     };
+    let absent = absent.into_iter().map(|mut one| {
+        one.shape.flipped = false;
+        one.built(0..0, UvMap::Mesh)
+    });
     world.spawn_batch(absent.chain(shapes).map(entity));
     Ok(arrays)
 }
 
-/// Converts shapes, given in the order of the file, to primitives.
+/// Lets shadow rays pass shapes of lights, and transparent shapes, which take some of their light.
+pub(super) fn pass(world: &World, geometry: &mut Geometry) {
+    for (shape, visibility) in world.query::<(&Shape, &Visibility)>().iter() {
+        let is_transparent = visibility.lets_light_through();
+        if shape.primitives.is_empty() || !is_transparent && shape.light.is_none() {
+            continue;
+        }
+        if shape.light.is_none() {
+            geometry.transparent.push(shape.primitives.clone());
+        }
+        geometry.passed.push(shape.primitives.clone());
+    }
+}
+
+/// Converts shapes, given in the order of the file, to primitives. Their meshes are moved out of the world here.
 pub(super) fn build(
+    world: &World,
     all: Vec<ShapeInstance>,
-    mut meshes: Meshes,
+    flat: bool,
 ) -> Result<(Arrays, Vec<BuiltShape>)> {
+    let mut meshes = Meshes::moved_out_of(world, &all, flat);
     let mut builder = GeometryBuilder { room: meshes.room(&all), ..GeometryBuilder::default() };
     let (instances, mut own): (Vec<_>, Vec<_>) =
         all.into_iter().partition(|instance| meshes.is_shared(instance));
@@ -91,8 +108,12 @@ pub(super) fn build(
     Ok((builder.arrays, builder.shapes))
 }
 
-fn built(instance: &ShapeInstance, shape: Shape, uv_map: UvMap) -> BuiltShape {
-    (Source(instance.entity), instance.visibility, shape, uv_map)
+impl ShapeInstance {
+    /// The shape with these primitives.
+    fn built(&self, primitives: Range<u32>, uv_map: UvMap) -> BuiltShape {
+        let shape = Shape { primitives, ..self.shape.clone() };
+        (Source(self.entity), self.visibility, shape, uv_map)
+    }
 }
 
 /// Leaves what emits the light of shapes of lights with these.

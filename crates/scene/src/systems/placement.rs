@@ -1,7 +1,5 @@
 //! Placement: shapes where they are shown, of their own or as instances of another's.
 
-use std::ops::Range;
-
 use glam::{DAffine3, DMat3, DVec3, Vec3};
 use hecs::{Entity, Satisfies, World};
 
@@ -204,11 +202,6 @@ impl ShapeInstance {
     /// Whether shadow rays pass it, as a shape of a light or with less light.
     pub(super) fn is_passed(&self) -> bool {
         self.visibility.is_transparent || self.is_of_light()
-    }
-
-    /// Its shape with these primitives.
-    pub(super) fn shape(&self, primitives: Range<u32>) -> Shape {
-        Shape { primitives, ..self.shape.clone() }
     }
 
     /// A `shape` around `center` in world space.

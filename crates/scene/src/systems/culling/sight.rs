@@ -7,7 +7,7 @@ use super::{MOST_TESTS, size};
 use crate::components::{Maps, Material, Sky};
 use crate::environment;
 use crate::systems::frame::Frame;
-use crate::systems::geometry::{Meshes, build};
+use crate::systems::geometry::build;
 use crate::systems::materials::mirrored;
 use crate::systems::placement::ShapeInstance;
 use crate::systems::reach::{BEHIND, Extent, is_convex, is_faced};
@@ -28,7 +28,7 @@ pub(super) fn run(
     let skies = || world.query::<&mut Sky>();
     let is_enclosed = environment::is_bright(world) || skies().iter().next().is_some();
     let pupils = frame.cameras.iter().map(Extent::of_pupil).collect();
-    let mut sight = Sight { boxes, pupils, tests: 0 };
+    let mut sight = Sight { world, boxes, pupils, tests: 0 };
     let is_mirror = |one: &ShapeInstance| {
         one.visibility.is_seen && frame.settings.bounces > 0 && may_mirror(world, one)
     };
@@ -78,6 +78,7 @@ fn may_mirror(world: &World, of: &ShapeInstance) -> bool {
 
 /// Which shapes see others.
 struct Sight<'a> {
+    world: &'a World,
     boxes: &'a [(Aabb, f32)],
     pupils: Vec<Extent>,
     tests: u64,
@@ -93,12 +94,12 @@ impl Sight<'_> {
         any_side: bool,
         distance: f64,
     ) -> Result<Option<bool>> {
-        let Self { boxes, pupils, tests } = self;
+        let Self { world, boxes, pupils, tests } = self;
         let one = &all[number];
         if one.is_mesh() {
             return Ok(Some(true));
         }
-        let (arrays, shapes) = build(vec![one.clone()], Meshes::default())?;
+        let (arrays, shapes) = build(world, vec![one.clone()], true)?;
         let (geometry, (_, _, shape, _)) = (&arrays.geometry, &shapes[0]);
         let faces = match any_side {
             true => Faces::lit(shape),

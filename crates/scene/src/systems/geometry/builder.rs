@@ -7,14 +7,14 @@ use rayon::prelude::*;
 
 use super::meshes::{ArrayLengths, Meshes, append, transform_mesh};
 use super::tangents::tangents;
-use super::{Arrays, BuiltShape, built};
+use super::{Arrays, BuiltShape};
 use crate::components::{Mesh, Quad, Triangle};
 use crate::mesh::{Attribute, MeshData};
 use crate::systems::placement::{ShapeGeometry, ShapeInstance};
 use wavecrest_base::error::Result;
 use wavecrest_core::geometry::Quadric;
 use wavecrest_core::kernels::texture::PlanarMap;
-use wavecrest_core::prepared::{CornerValues, MeshAttributes, Shape, UvMap};
+use wavecrest_core::prepared::{CornerValues, MeshAttributes, UvMap};
 
 #[derive(Default)]
 pub(super) struct GeometryBuilder {
@@ -26,63 +26,52 @@ pub(super) struct GeometryBuilder {
 impl GeometryBuilder {
     /// Adds a shape to the arrays. Numbers of primitives follow their kinds, and so must the shapes.
     pub(super) fn add(&mut self, instance: &ShapeInstance, meshes: &mut Meshes) -> Result<()> {
-        let (shape, uv_map) = match &instance.geometry {
-            ShapeGeometry::Triangle(Triangle { points }) => {
-                let (first, built) = self.flat(instance, points)?;
-                self.arrays.geometry.triangles.push([first, first + 1, first + 2]);
-                built
-            }
+        let number = self.arrays.geometry.own() as u32;
+        let map = match &instance.geometry {
             ShapeGeometry::Mesh => {
                 let (mesh, _) = meshes.take(instance.prototype);
-                (self.mesh(instance, mesh)?, UvMap::Mesh)
+                return self.add_mesh(instance, mesh);
+            }
+            ShapeGeometry::Triangle(Triangle { points }) => {
+                let (first, map) = self.add_corners(instance, points)?;
+                self.arrays.geometry.triangles.push([first, first + 1, first + 2]);
+                map
             }
             ShapeGeometry::Quad(Quad { points }) => {
-                let (first, built) = self.flat(instance, points)?;
+                let (first, map) = self.add_corners(instance, points)?;
                 let turn = first_of_diagonal(points);
                 self.arrays.geometry.quads.push([0, 1, 2, 3].map(|k| first + (k + turn) % 4));
-                built
+                map
             }
-            ShapeGeometry::Sphere(sphere) => self.quadric(instance, sphere.in_world(instance)?),
-            ShapeGeometry::Disk(disk) => self.quadric(instance, disk.in_world(instance)?),
+            ShapeGeometry::Sphere(sphere) => self.add_quadric(sphere.in_world(instance)?),
+            ShapeGeometry::Disk(disk) => self.add_quadric(disk.in_world(instance)?),
         };
-        self.shapes.push(built(instance, shape, uv_map));
+        self.shapes.push(instance.built(number..number + 1, map));
         Ok(())
     }
 
-    /// Adds the corners of a flat shape. Returns the number of the first, and the shape as the next primitive.
-    fn flat(
-        &mut self,
-        instance: &ShapeInstance,
-        corners: &[DVec3],
-    ) -> Result<(u32, (Shape, UvMap))> {
-        let geometry = &mut self.arrays.geometry;
-        let first = geometry.positions.len();
+    fn add_quadric(&mut self, (quadric, map): (Quadric, UvMap)) -> UvMap {
+        self.arrays.geometry.quadrics.push(quadric);
+        map
+    }
+
+    /// Adds the corners of a flat shape. Returns the number of the first, and the map of texture coordinates.
+    fn add_corners(&mut self, instance: &ShapeInstance, corners: &[DVec3]) -> Result<(u32, UvMap)> {
+        let positions = &mut self.arrays.geometry.positions;
+        let first = positions.len();
         instance.check_count(first + corners.len(), "vertices")?;
         for &corner in corners {
             let corner = instance.transform.transform_point3(corner);
             instance.check_point(corner)?;
-            geometry.positions.push(corner.as_vec3());
+            positions.push(corner.as_vec3());
         }
-        let number = (geometry.triangles.len() + geometry.quads.len()) as u32;
-        let shape = instance.shape(number..number + 1);
-        let [origin, up] = [0, 1].map(|i| geometry.positions[first + i]);
-        let right = geometry.positions[first + corners.len() - 1];
+        let [origin, up] = [0, 1].map(|i| positions[first + i]);
+        let right = positions[first + corners.len() - 1];
         let map = PlanarMap::new(origin, right - origin, up - origin);
-        Ok((first as u32, (shape, UvMap::Planar(map))))
+        Ok((first as u32, UvMap::Planar(map)))
     }
 
-    fn quadric(
-        &mut self,
-        instance: &ShapeInstance,
-        (quadric, uv_map): (Quadric, UvMap),
-    ) -> (Shape, UvMap) {
-        let geometry = &mut self.arrays.geometry;
-        let number = geometry.own() as u32;
-        geometry.quadrics.push(quadric);
-        (instance.shape(number..number + 1), uv_map)
-    }
-
-    fn mesh(&mut self, instance: &ShapeInstance, mesh: Mesh) -> Result<Shape> {
+    fn add_mesh(&mut self, instance: &ShapeInstance, mesh: Mesh) -> Result<()> {
         let Mesh { data: mut mesh, points, .. } = mesh;
         // Drop unused attributes before allocating more.
         mesh.colors = mesh.colors.filter(|_| !instance.is_of_light());
@@ -97,19 +86,19 @@ impl GeometryBuilder {
         // All numbers were just checked to fit.
         let before = first_position as u32;
         let ArrayLengths { positions, triangles } = self.room;
-        let (new_positions, new_triangles) =
-            (std::mem::take(&mut mesh.positions), std::mem::take(&mut mesh.triangles));
-        append(&mut geometry.positions, new_positions, positions, before, |p, _| p);
-        append(&mut geometry.triangles, new_triangles, triangles, before, |t, before| {
-            t.map(|v| v + before)
-        });
+        let new = std::mem::take(&mut mesh.positions);
+        append(&mut geometry.positions, new, positions, before, |p, _| p);
+        let new = std::mem::take(&mut mesh.triangles);
+        append(&mut geometry.triangles, new, triangles, before, |t, before| t.map(|v| v + before));
         let range = first_triangle as u32..geometry.triangles.len() as u32;
-        let (smooth, colored) = (mesh.normals.is_some(), mesh.colors.is_some());
-        let shape = Shape { smooth, colored, ..instance.shape(range) };
-        let firsts = [first_triangle as u32, first_position as u32];
-        let attributes = attributes(mesh, tangents, firsts);
-        let is_used = has_any(&attributes) || instance.textured;
-        Ok(Shape { mesh: is_used.then(|| self.add_attributes(attributes)), ..shape })
+        let (source, visibility, mut shape, map) = instance.built(range, UvMap::Mesh);
+        (shape.smooth, shape.colored) = (mesh.normals.is_some(), mesh.colors.is_some());
+        let attributes = attributes(mesh, tangents, [first_triangle as u32, before]);
+        if has_any(&attributes) || instance.textured {
+            shape.mesh = Some(self.add_attributes(attributes));
+        }
+        self.shapes.push((source, visibility, shape, map));
+        Ok(())
     }
 
     /// Adds attributes of a mesh; returns their number.

@@ -7,7 +7,6 @@ use hecs::Entity;
 use rayon::prelude::*;
 
 use super::builder::{GeometryBuilder, attributes, has_any, keep_used};
-use super::built;
 use super::meshes::Meshes;
 use super::tangents::tangents;
 use crate::components::Mesh;
@@ -18,7 +17,7 @@ use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_core::geometry::Geometry;
 use wavecrest_core::geometry::instance::Instance;
 use wavecrest_core::kernels::slab::Aabb;
-use wavecrest_core::prepared::{Shape, UvMap};
+use wavecrest_core::prepared::UvMap;
 
 /// A prototype whose centre is this many times its size away from its origin has lost two bits: its
 /// origin is moved there, so that transformed rays have small coordinates.
@@ -110,15 +109,13 @@ impl GeometryBuilder {
         }
         let range = first..first + prototype.triangles as u32;
         let attributes = prototype.mesh.and_then(|i| self.arrays.meshes.get(i as usize));
-        let shape = Shape {
-            smooth: instance.smooth && attributes.is_some_and(|mesh| mesh.normals.is_some()),
-            colored: attributes.is_some_and(|mesh| mesh.colors.is_some()),
-            mesh: prototype.mesh,
-            ..instance.shape(range)
-        };
+        let (source, visibility, mut shape, map) = instance.built(range, UvMap::Mesh);
+        shape.smooth = instance.smooth && attributes.is_some_and(|mesh| mesh.normals.is_some());
+        shape.colored = attributes.is_some_and(|mesh| mesh.colors.is_some());
+        shape.mesh = prototype.mesh;
+        self.shapes.push((source, visibility, shape, map));
         let instanced = Instance::new(prototype.number, first, to_world, &prototype.bounds);
         self.arrays.geometry.instances.push(instanced);
-        self.shapes.push(built(instance, shape, UvMap::Mesh));
         Ok(())
     }
 }
