@@ -209,7 +209,8 @@ fn choice(extracted: &Extracted, requested: Option<Preset>) -> BvhChoice {
     if let Some(preset) = requested {
         return BvhChoice { preset, reason: "chosen with --bvh".to_owned(), rule: None };
     }
-    let (primitives, rays) = (extracted.geometry().held() as u64, extracted.expected_rays());
+    let (primitives, rays) =
+        (extracted.geometry().held() as u64, extracted.scene().expected_rays());
     let some = match primitives {
         1 => "1 primitive".to_owned(),
         n => format!("{} primitives", grouped(n)),

@@ -67,7 +67,7 @@ fn is_rendered(loaded: LoadedScene) -> bool {
     let Ok(extracted) = systems::extract(loaded.world, Default::default()) else {
         return false;
     };
-    let rays = extracted.expected_rays();
+    let rays = extracted.scene().expected_rays();
     if extracted.geometry().len() > MOST_PRIMITIVES || rays > MOST_RAYS {
         return true;
     }

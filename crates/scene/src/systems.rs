@@ -161,14 +161,9 @@ impl Extracted {
         self.scene.camera.size().map(u64::from).iter().product()
     }
 
-    /// Upper bound on the rays of a render, from which the preset is chosen.
-    pub fn expected_rays(&self) -> u64 {
-        self.scene.expected_rays()
-    }
-
     /// The preset that is likely to finish first.
     pub fn preset(&self) -> Preset {
-        Preset::choose(self.geometry().held() as u64, self.expected_rays())
+        Preset::choose(self.geometry().held() as u64, self.scene.expected_rays())
     }
 
     /// Counts of dropped parts, from a pass over every triangle.

@@ -14,6 +14,7 @@ use crate::surface::{
 };
 use wavecrest_base::error::Result;
 use wavecrest_core::kernels::blinn_phong::Material;
+use wavecrest_core::kernels::hemisphere::Hemisphere;
 use wavecrest_core::plan::schedule::Step;
 use wavecrest_core::prepared::Shape;
 
@@ -35,28 +36,14 @@ pub(crate) struct Shows {
     pub(crate) normal: bool,
 }
 
-/// Ambient light.
-#[derive(Clone, Copy)]
-struct Ambient {
-    is_any: bool,
-    /// Whether it depends on the normal.
-    by_normal: bool,
-    /// Whether shadow rays find what is in its way.
-    is_traced: bool,
-}
-
 /// Finds the visible properties of each shape.
 ///
 /// # Errors
 /// If the image of an occlusion map cannot be decoded: one that is 1 everywhere does not show.
 pub(crate) fn run(world: &World, frame: &Frame, images: &mut Images) -> Result<()> {
     let hemisphere = hemisphere(world);
-    let by_normal = hemisphere.is_some_and(|light| !light.is_black());
-    let ambient = Ambient {
-        is_any: by_normal || lights::ambient(world, frame) > 0.0,
-        by_normal,
-        is_traced: hemisphere.is_some_and(|light| light.traced),
-    };
+    let is_even = hemisphere.is_none_or(|light| light.is_black());
+    let has_ambient = !is_even || lights::ambient(world, frame) > 0.0;
     let surfaces = world.view::<SurfaceColumns<'_>>();
     let mut shapes = world.query::<(&Source, &Shape, &MaterialBound, &mut Visibility)>();
     let shapes = shapes.iter().filter(|(.., visibility)| visibility.is_surface);
@@ -64,7 +51,8 @@ pub(crate) fn run(world: &World, frame: &Frame, images: &mut Images) -> Result<(
         let surface = SurfaceComponents::of(&surfaces, source.0);
         let faces = visibility.faces.unwrap_or(Faces::lit(shape));
         let mirrors = bound.0.kr > 0.0 && frame.settings.bounces > 0 && faces.any();
-        visibility.shows = Shows::of(&surface, &bound.0, visibility, mirrors, ambient);
+        visibility.shows =
+            Shows::of(&surface, &bound.0, visibility, mirrors, (has_ambient, hemisphere));
         let occlusion = surface.maps.occlusion.as_ref().and_then(|map| map.texture.as_ref());
         let is_shown = visibility.shows.occlusion && visibility.is_in_view();
         if let Some(texture) = occlusion.filter(|_| is_shown) {
@@ -82,7 +70,7 @@ impl Shows {
         bound: &Material,
         &Visibility { is_lit, is_transparent, .. }: &Visibility,
         mirrors: bool,
-        Ambient { is_any, by_normal, is_traced }: Ambient,
+        (has_ambient, hemisphere): (bool, Option<Hemisphere>),
     ) -> Self {
         let SurfaceComponents { material, transparency, texture, maps, .. } = surface;
         let wears = texture.is_some();
@@ -93,7 +81,8 @@ impl Shows {
         let is_tinted = metal.as_ref().map_or(color != DVec3::ONE, |map| map.metallic > 0.0);
         let is_unlit = surface.is_unlit();
         let is_tinted_through = transparency.is_some_and(|found| found.tinted && found.kt > 0.0);
-        let has_ambient = is_any && bound.ambient > 0.0;
+        let has_ambient = has_ambient && bound.ambient > 0.0;
+        let by_normal = hemisphere.is_some_and(|light| !light.is_black());
         // Base colour is visible in ambient light, for any kd, and where it reflects light; it also
         // tints what metals mirror and what is refracted.
         let color = has_ambient
@@ -108,7 +97,8 @@ impl Shows {
             metal: varied.is_some() && (is_lit || mirrors || has_ambient),
             occlusion: occlusion.as_ref().is_some_and(Map::has_effect)
                 && has_ambient
-                && !is_traced
+                // Rays find what is in the way.
+                && !hemisphere.is_some_and(|light| light.traced)
                 && is_colored,
             tint: is_tinted && (is_lit && bound.ks > 0.0 || mirrors),
             normal: normal.as_ref().is_some_and(Map::has_effect)
