@@ -95,7 +95,8 @@ pub(crate) fn extract_small_by(
 ) -> Extracted {
     let first = extract_file(path, LoadOptions::default(), Options::default());
     let [width, height] = first.scene().camera.size();
-    let rays_a_pixel = first.expected_rays() as f64 / (f64::from(width) * f64::from(height));
+    let rays_a_pixel =
+        first.scene().expected_rays() as f64 / (f64::from(width) * f64::from(height));
     let longest_affordable = (most_rays as f64 / rays_a_pixel).sqrt();
     let scale = f64::from(longest).min(longest_affordable) / f64::from(width.max(height));
     let side = |length: u32| Some(((f64::from(length) * scale.min(1.0)).round() as u32).max(1));

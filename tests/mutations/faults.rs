@@ -149,7 +149,7 @@ pub(crate) const FAULTS: &[Fault] = faults! {
             => "(view + to_light).scale(zero.same(1.0) / (view + to_light).dot(view + to_light).sqrt())";
     "lights shine through the back of a surface", 32, "crates/core/src/kernels/shade.rs":
         "point.lit & point.normal.dot(to_light).gt(zero)" => "point.lit";
-    "cones of 0 degrees light their axis", 41, "crates/scene/src/lights/spot.rs":
+    "cones of 0 degrees light their axis", 41, "crates/scene/src/lights/point.rs":
         "spot.outer_degrees == 0.0" => "false";
     "far scenes are not moved to the camera", 7, "crates/scene/src/systems/frame.rs":
         "if far { nearest(view.location, distance) } else { DVec3::ZERO }" => "DVec3::ZERO";

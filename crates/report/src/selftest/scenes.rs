@@ -40,7 +40,7 @@ fn prepared(effort: &Effort, file: &Path) -> Result<PreparedScene> {
     };
     let whole = extracted([None; 2])?;
     let size = whole.scene().camera.size().map(f64::from);
-    let rays_a_pixel = whole.expected_rays() as f64 / (size[0] * size[1]);
+    let rays_a_pixel = whole.scene().expected_rays() as f64 / (size[0] * size[1]);
     let longest = LONGEST.min((MOST_RAYS / rays_a_pixel).sqrt());
     let scale = (longest / size[0].max(size[1])).min(1.0);
     let small = extracted(size.map(|side| Some((side * scale).round().max(1.0) as u32)))?;

@@ -12,7 +12,7 @@ use crate::systems::frame::Frame;
 use crate::systems::textures::Images;
 use wavecrest_base::error::Result;
 use wavecrest_core::geometry::Geometry;
-use wavecrest_core::kernels::environment::{Environment, Surrounding};
+use wavecrest_core::kernels::environment::{Environment, EnvironmentColors};
 use wavecrest_core::kernels::hemisphere::Hemisphere;
 use wavecrest_core::kernels::light::{Distant, Emitter, Light};
 use wavecrest_core::plan::{Effect, Plan};
@@ -93,8 +93,8 @@ pub(crate) fn light(
     match (light, environment) {
         (Some(light), Some(around)) if is_lit_by_it => {
             let image = match around.colors {
-                Surrounding::Gradient(_) => None,
-                Surrounding::Image(number) => Some(images[number as usize].get()?),
+                EnvironmentColors::Gradient(_) => None,
+                EnvironmentColors::Image(number) => Some(images[number as usize].get()?),
             };
             Ok(Some(around.ambient(image, light.traced)))
         }
