@@ -19,12 +19,9 @@ use super::geometry::is_varied;
 use super::placement::{ShapeGeometry, ShapeInstance};
 use super::reach::{BEHIND, Extent};
 use super::textures::Images;
-use crate::components::{
-    DirectionalLight, Disk, Maps, Mesh, PointLight, Quad, Sky, Sphere, TextureRef, Transparency,
-    Triangle,
-};
+use crate::components::{DirectionalLight, Disk, Mesh, PointLight, Sky, Sphere, Transparency};
 use crate::corners::unit;
-use crate::surface::OPACITY_MAP;
+use crate::surface::{OPACITY_MAP, SurfaceColumns, SurfaceComponents};
 use wavecrest_base::error::Result;
 use wavecrest_core::geometry::instance::Instance;
 use wavecrest_core::kernels::camera::Camera;
@@ -44,23 +41,22 @@ pub(crate) fn run(
     all: &mut [ShapeInstance],
     images: &mut Images,
 ) -> Result<()> {
-    let boxes = boxes(world, &frame.cameras, all);
-    if !boxes.is_empty() {
+    let is_certain = find_boxes(world, &frame.cameras, all);
+    if is_certain {
         let walls = Walls::of(&frame.cameras, all);
-        for (instance, (bounds, widening)) in all.iter_mut().zip(&boxes) {
-            let sees = |camera: &Camera| camera.may_see(bounds, *widening);
-            instance.visibility.is_seen = frame.cameras.iter().any(sees) && !walls.hide(bounds);
+        for one in all.iter_mut() {
+            let sees = |camera: &Camera| camera.may_see(&one.bounds, one.widening);
+            one.visibility.is_seen = frame.cameras.iter().any(sees) && !walls.hide(&one.bounds);
         }
     }
     look_through(world, all, images, true)?;
-    let shows_others = boxes.is_empty() || sight::run(world, frame, all, &boxes)?;
+    let shows_others = !is_certain || sight::run(world, frame, all)?;
     if !shows_others && all.iter().any(|one| !one.visibility.is_seen) {
-        let hull =
-            hull(world, frame.origin, all.iter().zip(boxes.iter().map(|(bounds, _)| bounds)));
-        for (one, (bounds, _)) in all.iter_mut().zip(&boxes) {
+        let hull = Hull::of(world, frame.origin, all);
+        for one in all.iter_mut() {
             // Shadow rays pass the shapes of lights.
-            one.visibility.is_met =
-                one.visibility.is_seen || !one.is_of_light() && hull.may_meet(bounds);
+            let is_met = || !one.is_of_light() && hull.may_meet(&one.bounds);
+            one.visibility.is_met = one.visibility.is_seen || is_met();
         }
     }
     look_through(world, all, images, false)
@@ -73,100 +69,67 @@ fn look_through(
     images: &mut Images,
     is_seen: bool,
 ) -> Result<()> {
-    let may_be = |one: &&mut ShapeInstance| {
-        let visibility = one.visibility;
-        visibility.is_transparent && visibility.is_met && visibility.is_seen == is_seen
-    };
-    for one in all.iter_mut().filter(may_be) {
-        one.visibility.is_transparent = is_transparent(world, one, images)?;
+    let surfaces = world.view::<SurfaceColumns<'_>>();
+    let met = all.iter_mut().filter(|one| one.visibility.is_transparent && one.visibility.is_met);
+    for one in met.filter(|one| one.visibility.is_seen == is_seen) {
+        let surface = SurfaceComponents::of(&surfaces, one.entity);
+        one.visibility.is_transparent = is_transparent(world, &surface, one.prototype, images)?;
     }
     Ok(())
 }
 
-/// Whether light goes through the shape: not if its opacity is 1 at all vertices and in every texel.
-fn is_transparent(world: &World, of: &ShapeInstance, images: &mut Images) -> Result<bool> {
-    let through = world.get::<&Transparency>(of.entity).ok();
-    let through = through.map_or(Transparency::OPAQUE, |through| *through);
+/// Whether light goes through a surface of a prototype: not if its opacity is 1 at all vertices and in every texel.
+fn is_transparent(
+    world: &World,
+    surface: &SurfaceComponents<'_>,
+    prototype: Entity,
+    images: &mut Images,
+) -> Result<bool> {
+    let through = *surface.transparency.unwrap_or(&Transparency::OPAQUE);
     if (Transparency { vertex_alpha: false, ..through }).has_effect() {
         return Ok(true);
     }
-    let mesh = world.get::<&Mesh>(of.prototype);
+    let mesh = world.get::<&Mesh>(prototype);
     let alphas = mesh.as_ref().ok().and_then(|mesh| mesh.data.alphas.as_deref());
     if through.vertex_alpha && alphas.is_some_and(|alphas| is_varied(alphas, &1.0)) {
         return Ok(true);
     }
-    let maps = world.get::<&Maps>(of.entity).ok();
-    let opacity = maps.as_ref().and_then(|maps| maps.opacity.as_ref()?.texture.as_ref());
+    let opacity = surface.maps.opacity.as_ref().and_then(|map| map.texture.as_ref());
     let Some(opacity) = opacity else { return Ok(false) };
-    let color = world.get::<&TextureRef>(of.entity).ok();
-    Ok(!images.is_one(opacity, color.as_deref(), (&of.place, OPACITY_MAP))?)
+    Ok(!images.is_one(opacity, surface.texture, (surface.place, OPACITY_MAP))?)
 }
 
-/// The box around each shape, with the factor on the error of rays near it; none if nothing is certain.
-fn boxes(world: &World, cameras: &[Camera], all: &[ShapeInstance]) -> Vec<(Aabb, f32)> {
+/// Finds the box around each shape, unless nothing is certain, or would take too long; returns whether it did.
+fn find_boxes(world: &World, cameras: &[Camera], all: &mut [ShapeInstance]) -> bool {
     let is_sphere = |one: &&ShapeInstance| matches!(one.geometry, ShapeGeometry::Sphere(_));
     let planes = cameras.len() + all.iter().filter(is_sphere).count();
     if cameras.is_empty() || all.len().saturating_mul(planes) > MOST_TESTS {
-        return Vec::new();
+        return false;
     }
     let mut of_meshes: HashMap<Entity, (Aabb, DVec3)> = HashMap::new();
-    let round = |center: DVec3, radius: f64| [center - radius, center + radius];
-    let mut own = |instance: &ShapeInstance| {
-        let points: Vec<DVec3> = match &instance.geometry {
-            ShapeGeometry::Sphere(Sphere { center, radius })
-            | ShapeGeometry::Disk(Disk { center, radius, .. }) => round(*center, *radius).to_vec(),
-            ShapeGeometry::Quad(Quad { points }) => points.to_vec(),
-            ShapeGeometry::Triangle(Triangle { points }) => points.to_vec(),
-            ShapeGeometry::Mesh => {
-                let of_mesh = || {
-                    let mesh = world.get::<&Mesh>(instance.prototype);
-                    mesh.map_or((Aabb::EMPTY, DVec3::ZERO), |mesh| {
-                        (around(&mesh.data.positions), mesh.data.origin)
-                    })
-                };
-                return *of_meshes.entry(instance.prototype).or_insert_with(of_mesh);
-            }
+    for one in all {
+        let around_points = |points: &[DVec3]| {
+            let points: Vec<Vec3> = points.iter().map(|point| point.as_vec3()).collect();
+            (around(&points), DVec3::ZERO)
         };
-        let points: Vec<Vec3> = points.into_iter().map(|point| point.as_vec3()).collect();
-        (around(&points), DVec3::ZERO)
-    };
-    let placed = |instance: &ShapeInstance| {
-        let (own, origin) = own(instance);
-        let to_world = instance.transform * DAffine3::from_translation(origin);
+        let (own, origin) = match &one.geometry {
+            ShapeGeometry::Sphere(Sphere { center, radius })
+            | ShapeGeometry::Disk(Disk { center, radius, .. }) => {
+                around_points(&[*center - *radius, *center + *radius])
+            }
+            ShapeGeometry::Quad(quad) => around_points(&quad.points),
+            ShapeGeometry::Triangle(triangle) => around_points(&triangle.points),
+            ShapeGeometry::Mesh => *of_meshes.entry(one.prototype).or_insert_with(|| {
+                let mesh = world.get::<&Mesh>(one.prototype);
+                let none = (Aabb::EMPTY, DVec3::ZERO);
+                mesh.map_or(none, |mesh| (around(&mesh.data.positions), mesh.data.origin))
+            }),
+        };
+        let to_world = one.transform * DAffine3::from_translation(origin);
         let instance = Instance::new(0, 0, to_world, &own);
-        (instance.bounds(&[own]), instance.widening())
-    };
-    all.iter().map(placed).collect()
-}
-
-/// The hull of all rays between what is seen of these shapes and boxes, and the lights.
-fn hull<'a>(
-    world: &World,
-    origin: DVec3,
-    all: impl Iterator<Item = (&'a ShapeInstance, &'a Aabb)> + Clone,
-) -> Hull {
-    let mut hull = Hull::new();
-    let seen = all.clone().filter(|(one, _)| one.visibility.is_seen);
-    seen.for_each(|(_, bounds)| hull.add(bounds));
-    for sky in world.query::<&Sky>().iter().filter(|sky| sky.samples > 0) {
-        hull.widen(|normal| normal.length() * sky.distance.unwrap_or(f64::INFINITY));
+        (one.bounds, one.widening) = (instance.bounds(&[own]), instance.widening());
     }
-    all.filter(|(one, _)| one.is_of_light()).for_each(|(_, bounds)| hull.add(bounds));
-    for light in world.query::<&PointLight>().iter() {
-        if light.intensity > 0.0 && light.color != DVec3::ZERO {
-            let point = (light.position - origin).as_vec3();
-            hull.add(&Aabb { low: point, high: point });
-        }
-    }
-    for light in world.query::<&DirectionalLight>().iter() {
-        if light.intensity > 0.0 && light.color != DVec3::ZERO {
-            let towards = -unit(light.direction);
-            let spread = libm::sin((light.angle_degrees / 2.0).to_radians());
-            let leaves = |normal: DVec3| normal.dot(towards) > -spread * normal.length();
-            hull.widen(|normal| if leaves(normal) { f64::INFINITY } else { 0.0 });
-        }
-    }
-    hull
+    true
 }
 
 /// Half-spaces that contain a convex hull: n . p is at most `top` for normals n, not of unit length.
@@ -177,6 +140,32 @@ struct Hull {
 }
 
 impl Hull {
+    /// The hull of all rays between what is seen of these shapes, and the lights.
+    fn of(world: &World, origin: DVec3, all: &[ShapeInstance]) -> Self {
+        let mut hull = Self::new();
+        let seen = all.iter().filter(|one| one.visibility.is_seen);
+        seen.for_each(|one| hull.add(&one.bounds));
+        for sky in world.query::<&Sky>().iter().filter(|sky| sky.samples > 0) {
+            hull.widen(|normal| normal.length() * sky.distance.unwrap_or(f64::INFINITY));
+        }
+        all.iter().filter(|one| one.is_of_light()).for_each(|one| hull.add(&one.bounds));
+        for light in world.query::<&PointLight>().iter() {
+            if light.intensity > 0.0 && light.color != DVec3::ZERO {
+                let point = (light.position - origin).as_vec3();
+                hull.add(&Aabb { low: point, high: point });
+            }
+        }
+        for light in world.query::<&DirectionalLight>().iter() {
+            if light.intensity > 0.0 && light.color != DVec3::ZERO {
+                let towards = -unit(light.direction);
+                let spread = libm::sin((light.angle_degrees / 2.0).to_radians());
+                let leaves = |normal: DVec3| normal.dot(towards) > -spread * normal.length();
+                hull.widen(|normal| if leaves(normal) { f64::INFINITY } else { 0.0 });
+            }
+        }
+        hull
+    }
+
     /// Nothing, by the normals of 26-DOPs.
     fn new() -> Self {
         let part = |i: u32| f64::from(i % 3) - 1.0;

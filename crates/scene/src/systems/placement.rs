@@ -13,6 +13,7 @@ use crate::corners::{quad_normal, triangle_normal};
 use crate::image_file::has_alpha;
 use crate::mesh::MAX_COUNT;
 use wavecrest_base::error::{Error, ErrorKind, Result};
+use wavecrest_core::kernels::slab::Aabb;
 use wavecrest_core::math::float::MAX_COORDINATE;
 use wavecrest_core::prepared::Shape;
 
@@ -52,6 +53,9 @@ pub(crate) struct ShapeInstance {
     /// Whether it may have holes.
     pub(crate) is_cut_out: bool,
     pub(crate) transform: DAffine3,
+    /// The box around it, with the factor on the error of rays near it, once it is found.
+    pub(crate) bounds: Aabb,
+    pub(crate) widening: f32,
     /// Whether it asks for the normals of its mesh, and for texture coordinates.
     pub(super) smooth: bool,
     pub(super) textured: bool,
@@ -144,6 +148,8 @@ pub(crate) fn run(world: &World, origin: DVec3) -> Vec<ShapeInstance> {
             visibility,
             is_cut_out,
             transform,
+            bounds: Aabb::EMPTY,
+            widening: 1.0,
             smooth: is_surface && shading == Some(&Shading::Smooth),
             textured: is_surface && (has_texture || is_cut_out || maps.is_some()),
             normal_mapped: is_surface && normal.is_some_and(Map::has_effect),

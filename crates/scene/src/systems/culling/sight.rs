@@ -4,8 +4,9 @@
 use hecs::World;
 
 use super::{MOST_TESTS, size};
-use crate::components::{Maps, Material, Sky};
+use crate::components::Sky;
 use crate::environment;
+use crate::surface::{SurfaceColumns, SurfaceComponents};
 use crate::systems::frame::Frame;
 use crate::systems::geometry::build;
 use crate::systems::materials::mirrored;
@@ -19,19 +20,17 @@ use wavecrest_core::kernels::slab::Aabb;
 
 /// Finds out which mirrors in view show nothing, and whether rays that go on from others, or through shapes,
 /// may meet something.
-pub(super) fn run(
-    world: &World,
-    frame: &Frame,
-    all: &mut [ShapeInstance],
-    boxes: &[(Aabb, f32)],
-) -> Result<bool> {
+pub(super) fn run(world: &World, frame: &Frame, all: &mut [ShapeInstance]) -> Result<bool> {
+    let surfaces = world.view::<SurfaceColumns<'_>>();
+    let is_mirror = |one: &ShapeInstance| {
+        let SurfaceComponents { material, maps, .. } = SurfaceComponents::of(&surfaces, one.entity);
+        let mirrors = material.is_some_and(|material| mirrored(material) > 0.0);
+        one.visibility.is_seen && frame.settings.bounces > 0 && (mirrors || maps.metal.is_some())
+    };
     let skies = || world.query::<&mut Sky>();
     let is_enclosed = environment::is_bright(world) || skies().iter().next().is_some();
     let pupils = frame.cameras.iter().map(Extent::of_pupil).collect();
-    let mut sight = Sight { world, boxes, pupils, tests: 0 };
-    let is_mirror = |one: &ShapeInstance| {
-        one.visibility.is_seen && frame.settings.bounces > 0 && may_mirror(world, one)
-    };
+    let mut sight = Sight { world, pupils, tests: 0 };
     let mut shows_others = false;
     for (i, one) in all.iter().enumerate() {
         if one.visibility.is_seen && !one.is_of_light() {
@@ -43,15 +42,17 @@ pub(super) fn run(
     }
     for i in (0..all.len()).filter(|_| !is_enclosed) {
         if is_mirror(&all[i]) {
-            all[i].visibility.is_mirror =
-                sight.sees(all, i, shows_others, f64::INFINITY)? != Some(false);
+            let sees = sight.sees(all, i, shows_others, f64::INFINITY)?;
+            all[i].visibility.is_mirror = sees != Some(false);
         }
     }
     for sky in skies().iter().filter(|sky| sky.samples > 0) {
         let Some(distance) = sky.distance else { continue };
         // Media absorb what crosses them, and rays replace the maps that tell how much light is kept away.
-        let is_plain =
-            |one: &ShapeInstance| !one.visibility.is_transparent && !is_occluded(world, one);
+        let is_plain = |one: &ShapeInstance| {
+            let surface = SurfaceComponents::of(&surfaces, one.entity);
+            !one.visibility.is_transparent && surface.maps.occlusion.is_none()
+        };
         let mut is_open = all.iter().all(is_plain);
         for i in (0..all.len()).filter(|&i| !all[i].is_of_light()) {
             is_open = is_open
@@ -65,21 +66,9 @@ pub(super) fn run(
     Ok(shows_others)
 }
 
-fn is_occluded(world: &World, of: &ShapeInstance) -> bool {
-    world.get::<&Maps>(of.entity).is_ok_and(|maps| maps.occlusion.is_some())
-}
-
-fn may_mirror(world: &World, of: &ShapeInstance) -> bool {
-    let material = world.get::<&Material>(of.entity);
-    let maps = world.get::<&Maps>(of.entity);
-    material.is_ok_and(|material| mirrored(&material) > 0.0)
-        || maps.is_ok_and(|maps| maps.metal.is_some())
-}
-
 /// Which shapes see others.
 struct Sight<'a> {
     world: &'a World,
-    boxes: &'a [(Aabb, f32)],
     pupils: Vec<Extent>,
     tests: u64,
 }
@@ -94,7 +83,7 @@ impl Sight<'_> {
         any_side: bool,
         distance: f64,
     ) -> Result<Option<bool>> {
-        let Self { world, boxes, pupils, tests } = self;
+        let Self { world, pupils, tests } = self;
         let one = &all[number];
         if one.is_mesh() {
             return Ok(Some(true));
@@ -120,13 +109,11 @@ impl Sight<'_> {
             // Shadow rays, which look no further than a distance, pass the shapes of lights.
             *i != number && (distance.is_infinite() || !other.is_of_light())
         };
-        let (own, _) = &boxes[number];
-        let mut may_meet = |(i, _)| {
-            let (bounds, _): &(Aabb, f32) = &boxes[i];
+        let mut may_meet = |(_, other): (usize, &ShapeInstance)| {
             *tests += 1;
             *tests > MOST_TESTS as u64
-                || gap(own, bounds) <= distance
-                    && is_faced(shape, faces, &Extent::of_box(bounds), geometry, tests)
+                || gap(&one.bounds, &other.bounds) <= distance
+                    && is_faced(shape, faces, &Extent::of_box(&other.bounds), geometry, tests)
         };
         let bends = one.normal_mapped || !is_convex(shape, faces, geometry);
         Ok(Some(bends || all.iter().enumerate().filter(is_other).any(&mut may_meet)))
