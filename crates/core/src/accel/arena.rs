@@ -257,14 +257,6 @@ impl<'a> ArenaView<'a> {
         [vertex(*a), vertex(*b), vertex(*c)]
     }
 
-    /// The numbers of a leaf's entries.
-    pub(super) fn numbers_of(self, leaf: Ref) -> Vec<u32> {
-        if leaf.kind() == Kind::List {
-            return self.list(leaf).to_vec();
-        }
-        (0..self.count(leaf)).map(|entry| self.number_of(leaf, entry)).collect()
-    }
-
     /// Prefetches the cache lines at `place`.
     #[inline(always)]
     pub(super) fn prefetch(self, place: Ref) {

@@ -7,17 +7,8 @@ use crate::geometry::Geometry;
 use crate::kernels::precision::Arithmetic;
 use crate::math::ray::Ray;
 
-/// The hit for query `Q`.
+/// The hit for query `Q` on primitives with these numbers.
 pub(super) fn hit<Q: Query, P: Arithmetic>(
-    geometry: &Geometry,
-    ray: &Ray,
-    tests: &mut TestCounts,
-) -> Hit {
-    hit_among::<Q, P>(geometry, 0..geometry.len() as u32, ray, tests)
-}
-
-/// As [`hit`], on primitives with these numbers.
-pub(super) fn hit_among<Q: Query, P: Arithmetic>(
     geometry: &Geometry,
     numbers: std::ops::Range<u32>,
     ray: &Ray,

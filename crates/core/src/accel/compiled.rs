@@ -17,7 +17,7 @@ use super::{Accel, Hit, KernelChoice, Traversal, packet, single};
 use crate::geometry::PreparedRay;
 use crate::kernels::precision::Arithmetic;
 use crate::math::ray::Ray;
-use crate::math::simd::{Kernel, Lanes, dispatch, dispatch_wide};
+use crate::math::simd::{Kernel, Lanes, dispatch, dispatch_wide, entry};
 
 /// The hit on `ray` for query `Q`.
 #[inline(never)]
@@ -60,9 +60,9 @@ impl<Q: Query, P: Arithmetic> Kernel for One<'_, Q, P> {
     fn run<S: Lanes>(self, simd: S) -> Hit {
         let Traversal { stack, noted, tests, .. } = self.traversal;
         let ray = &PreparedRay::new(self.ray);
-        let height = single::start(self.searched.tree, stack);
-        let best = Best::none(ray.ray.t_max);
-        let stack = (stack.as_mut_slice(), height);
+        let Some(root) = self.searched.tree.root() else { return Hit::MISS };
+        stack[0] = entry(f32::NEG_INFINITY, root.place.bits());
+        let (best, stack) = (Best::none(ray.ray.t_max), (stack.as_mut_slice(), 1));
         let notes = (&mut *tests, noted);
         let best = single::trace::<S, Q, P>(simd, self.searched, (ray, 0), best, stack, notes);
         best.answer(self.searched, self.ray, tests)

@@ -159,9 +159,8 @@ fn of_rows<S: Lanes>(simd: S, rays: &[Ray], i: usize, stride: usize) -> RayLanes
     let (g, h) = row(simd, &rays[i + 3 * stride..i + 3 * stride + BLOCK_EDGE]);
     // In a vector, the index bits of the ray are above those of the component. Each round moves
     // the lowest bit to the front; after three rounds the component bits are above.
-    let (a, b, c, d, e, f, g, h) = part(a, b, c, d, e, f, g, h);
-    let (a, b, c, d, e, f, g, h) = part(a, b, c, d, e, f, g, h);
-    let (ox, oy, oz, t_min, dx, dy, dz, t_max) = part(a, b, c, d, e, f, g, h);
+    let parted = part(part(part([a, b, c, d, e, f, g, h])));
+    let [ox, oy, oz, t_min, dx, dy, dz, t_max] = parted;
     RayLanes { origin: [ox, oy, oz], direction: [dx, dy, dz], t_min, t_max }
 }
 
@@ -172,23 +171,11 @@ fn row<S: Lanes>(simd: S, rays: &[Ray]) -> (f32x16<S>, f32x16<S>) {
     (f32x16::from_slice(simd, &numbers[..16]), f32x16::from_slice(simd, &numbers[16..32]))
 }
 
-/// Eight vectors.
-type EightVectors<V> = (V, V, V, V, V, V, V, V);
-
 /// The numbers at even positions of all vectors, then those at odd positions.
 #[inline(always)]
-#[allow(clippy::too_many_arguments, clippy::many_single_char_names, reason = "a vector each")]
-fn part<S: Lanes>(
-    a: f32x16<S>,
-    b: f32x16<S>,
-    c: f32x16<S>,
-    d: f32x16<S>,
-    e: f32x16<S>,
-    f: f32x16<S>,
-    g: f32x16<S>,
-    h: f32x16<S>,
-) -> EightVectors<f32x16<S>> {
-    (
+#[allow(clippy::many_single_char_names, reason = "a vector each")]
+fn part<S: Lanes>([a, b, c, d, e, f, g, h]: [f32x16<S>; 8]) -> [f32x16<S>; 8] {
+    [
         a.unzip_low(b),
         c.unzip_low(d),
         e.unzip_low(f),
@@ -197,5 +184,5 @@ fn part<S: Lanes>(
         c.unzip_high(d),
         e.unzip_high(f),
         g.unzip_high(h),
-    )
+    ]
 }

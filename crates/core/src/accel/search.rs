@@ -105,7 +105,7 @@ impl<P: Arithmetic> Search<'_, P> {
             return self.among_instances::<Closest>(ray, Hit::MISS, traversal);
         }
         let numbers = geometry.own() as u32..geometry.len() as u32;
-        brute::hit_among::<Closest, P>(geometry, numbers, ray, &mut traversal.tests)
+        brute::hit::<Closest, P>(geometry, numbers, ray, &mut traversal.tests)
     }
 
     #[inline(always)]
@@ -125,7 +125,8 @@ impl<P: Arithmetic> Search<'_, P> {
         }
         let Accel { geometry, tree, .. } = self.accel;
         let Some(tree) = tree else {
-            return Q::answer(brute::hit::<Q, P>(geometry, ray, &mut traversal.tests));
+            let numbers = 0..geometry.len() as u32;
+            return Q::answer(brute::hit::<Q, P>(geometry, numbers, ray, &mut traversal.tests));
         };
         let searched = self.own(tree, traversal);
         if Q::ANY {

@@ -6,11 +6,11 @@ use super::leaf;
 use super::node::{self, distance, place};
 use super::noted::NotedLeaves;
 use super::query::Query;
-use super::tree::{Searched, Tree};
+use super::tree::Searched;
 use crate::counters::TestCounts;
 use crate::geometry::PreparedRay;
 use crate::kernels::precision::Arithmetic;
-use crate::math::simd::{Lanes, entry};
+use crate::math::simd::Lanes;
 
 /// The hit for query `Q`, starting with the first `height` entries of `stack`, the nearest last,
 /// and with `best`, the closest hit so far, for the ray with that number.
@@ -50,12 +50,4 @@ pub(super) fn trace<S: Lanes, Q: Query, P: Arithmetic>(
         }
     }
     best
-}
-
-/// Pushes the root on an empty stack. Returns the height.
-#[inline(always)]
-pub(super) fn start(tree: &Tree, stack: &mut [u64]) -> usize {
-    let Some(root) = tree.root() else { return 0 };
-    stack[0] = entry(f32::NEG_INFINITY, root.place.bits());
-    1
 }

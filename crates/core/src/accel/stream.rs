@@ -61,16 +61,6 @@ impl Slot {
         self.best = best;
         self.number = number as u32;
     }
-
-    /// Clears its stack, from `bottom` to `top`, of entries beyond the hit just found, or of all if
-    /// any hit suffices. Returns the new top.
-    #[inline(always)]
-    fn closer<Q: Query>(&self, stacks: &mut [u64], bottom: usize, top: usize) -> usize {
-        if Q::ANY {
-            return bottom + 1;
-        }
-        clear(stacks, bottom, top, self.ray.slab.reach(self.best.high))
-    }
 }
 
 /// Stack entries of the children of a node.
@@ -292,7 +282,13 @@ impl<Q: Query, P: Arithmetic> FlightRounds<'_, '_, Q, P> {
     fn go_on(&mut self, index: usize, is_closer: bool) {
         let mut top = self.tops[index];
         if is_closer {
-            top = self.slots[index].closer::<Q>(self.stacks, index * self.stride, top);
+            let (bottom, Slot { ray, best, .. }) = (index * self.stride, &self.slots[index]);
+            // Its stack is cleared of all, or of what is beyond the hit just found.
+            top = if Q::ANY {
+                bottom + 1
+            } else {
+                clear(self.stacks, bottom, top, ray.slab.reach(best.high))
+            };
         }
         top -= 1;
         self.tops[index] = top;

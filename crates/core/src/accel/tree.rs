@@ -118,7 +118,7 @@ impl Tree {
     }
 
     /// Calls `visit` for each node and leaf with its box, clipped by the boxes of all nodes above.
-    fn walk(&self, mut visit: impl FnMut(Ref, &Aabb)) {
+    pub(super) fn walk(&self, mut visit: impl FnMut(Ref, &Aabb)) {
         let mut waiting: Vec<_> = self.root.iter().map(|root| (root.place, root.bounds)).collect();
         while let Some((place, bounds)) = waiting.pop() {
             let place = self.known(place).unwrap_or(place);
@@ -131,17 +131,6 @@ impl Tree {
                 (child, Aabb { low, high })
             }));
         }
-    }
-
-    /// Calls `visit` for each leaf with its box, clipped by the boxes of all nodes above it, and
-    /// its primitives.
-    pub fn for_each_leaf(&self, mut visit: impl FnMut(&Aabb, &[u32])) {
-        let arena = self.arena.view();
-        self.walk(|place, bounds| {
-            if place.kind() != Kind::Node {
-                visit(bounds, &arena.numbers_of(place));
-            }
-        });
     }
 
     /// The number of nodes and leaves that the surface-area heuristic expects for a ray that

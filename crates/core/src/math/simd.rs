@@ -33,30 +33,12 @@ wavecrest_base::choices! {
 impl Level {
     /// The best level of this processor.
     pub fn best() -> Self {
-        Self::name_of(fearless_simd::Level::new())
+        Self::available().pop().unwrap_or(Self::Other)
     }
 
     /// All levels of this processor, the best last.
     pub fn available() -> Vec<Self> {
-        let all = [Self::Sse2, Self::Sse42, Self::Avx2, Self::Avx512, Self::Neon, Self::Other];
-        all.into_iter().filter(|level| level.token().is_some()).collect()
-    }
-
-    #[allow(unreachable_patterns, reason = "which levels there are depends on the target")]
-    fn name_of(level: fearless_simd::Level) -> Self {
-        match level {
-            #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-            fearless_simd::Level::Sse2(_) => Self::Sse2,
-            #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-            fearless_simd::Level::Sse4_2(_) => Self::Sse42,
-            #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-            fearless_simd::Level::Avx2(_) => Self::Avx2,
-            #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-            fearless_simd::Level::Avx512(_) => Self::Avx512,
-            #[cfg(target_arch = "aarch64")]
-            fearless_simd::Level::Neon(_) => Self::Neon,
-            _ => Self::Other,
-        }
+        Self::ALL.into_iter().filter(|level| level.token().is_some()).collect()
     }
 
     /// The proof that this processor has the level, or `None` if it has not.
@@ -71,7 +53,11 @@ impl Level {
             Self::Avx2 => best.as_avx2().map(fearless_simd::Level::Avx2),
             #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
             Self::Avx512 => best.as_avx512().map(fearless_simd::Level::Avx512),
-            other => (Self::name_of(best) == other).then_some(best),
+            #[cfg(target_arch = "aarch64")]
+            Self::Neon => best.as_neon().map(fearless_simd::Level::Neon),
+            #[cfg(not(any(target_arch = "x86", target_arch = "x86_64", target_arch = "aarch64")))]
+            Self::Other => Some(best),
+            _ => None,
         }
     }
 }

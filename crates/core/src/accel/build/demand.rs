@@ -50,7 +50,7 @@ impl Demand {
     }
 
     /// The root of a chunk, which is built first if need be; `None` if there is no such chunk.
-    fn root(&self, arena: &Arena, geometry: &Geometry, chunk: usize) -> Option<Ref> {
+    pub(super) fn root(&self, arena: &Arena, geometry: &Geometry, chunk: usize) -> Option<Ref> {
         let Chunk { entries, built } = self.chunks.get(chunk)?;
         let build = |piece: &mut Piece| {
             let plan = BuildPlan::new(geometry, Preset::OnDemand, self.extents);
@@ -72,17 +72,6 @@ impl Demand {
             None => unreachable!("a list of all is sound, and there is room for the worst case"),
         };
         Some(built.get_or_init(whole).0)
-    }
-}
-
-#[cfg(test)]
-impl crate::accel::tree::Tree {
-    /// Builds every chunk.
-    pub(super) fn build_all(&self, geometry: &Geometry) {
-        if let Some(demand) = &self.demand {
-            (0..demand.chunks.len())
-                .for_each(|chunk| _ = demand.root(&self.arena, geometry, chunk));
-        }
     }
 }
 

@@ -1,7 +1,7 @@
 //! The tree against brute force, and the hard cases of building.
 
 use super::*;
-use crate::accel::arena::TreeContents;
+use crate::accel::arena::{Kind, TreeContents};
 use crate::accel::tests::{brute, check};
 use crate::accel::{Accel, Hit};
 use crate::geometry::{Primitive, Quadric};
@@ -83,12 +83,32 @@ fn hc03_a_tree_in_chunks_answers_as_brute_force_does() {
     }
 }
 
+/// Builds every chunk, and calls `visit` for each leaf with its box, clipped by the boxes of all nodes
+/// above it, and its primitives.
+fn for_each_leaf(tree: &Tree, geometry: &Geometry, mut visit: impl FnMut(&Aabb, Vec<u32>)) {
+    build_all(tree, geometry);
+    let arena = tree.arena.view();
+    tree.walk(|place, bounds| match place.kind() {
+        Kind::Node => {}
+        Kind::List => visit(bounds, arena.list(place).to_vec()),
+        _ => {
+            let entries = 0..arena.count(place);
+            visit(bounds, entries.map(|entry| arena.number_of(place, entry)).collect());
+        }
+    });
+}
+
+fn build_all(tree: &Tree, geometry: &Geometry) {
+    if let Some(demand) = &tree.demand {
+        (0..demand.chunks.len()).for_each(|chunk| _ = demand.root(&tree.arena, geometry, chunk));
+    }
+}
+
 /// Every primitive is within the boxes of its leaves, and in as many as it has to be: a quad by halves.
 fn check_leaves(tree: &Tree, geometry: &Geometry) {
     let mut leaves = vec![0; geometry.len()];
-    tree.build_all(geometry);
-    tree.for_each_leaf(|bounds, numbers| {
-        for &number in numbers {
+    for_each_leaf(tree, geometry, |bounds, numbers| {
+        for number in numbers {
             leaves[number as usize] += 1;
             let is_within = match geometry.primitive(number) {
                 Primitive::Quad(i) => quad::halves(&geometry.quad(i))
@@ -116,8 +136,7 @@ fn the_tree_is_the_same_on_any_number_of_threads() {
         let cut = cut(100, 8, if threads == 2 { 400 } else { 30 });
         let tree = pool.install(|| build_cut(&geometry, preset, cut));
         let mut leaves = Vec::new();
-        tree.build_all(&geometry);
-        tree.for_each_leaf(|bounds, numbers| leaves.push((*bounds, numbers.to_vec())));
+        for_each_leaf(&tree, &geometry, |bounds, numbers| leaves.push((*bounds, numbers)));
         (leaves, tree.census())
     };
     for preset in CHUNKED {
@@ -145,7 +164,7 @@ fn a_chunk_is_built_once_whoever_comes_first() {
             }
         });
         let before = tree.census();
-        tree.build_all(&geometry);
+        build_all(tree, &geometry);
         let [built, all] = tree.chunks().expect("it is built on demand");
         assert!(built == all && before.nodes <= tree.census().nodes && before.nodes > 8);
     }
@@ -175,7 +194,7 @@ fn hc23_a_chunk_that_is_too_deep_is_a_list() {
     let (rays, mut accel) = (rays(), cut_accel(&geometry, Preset::OnDemand, cut(300, 1, 400)));
     check("spheres", &mut accel, &rays, &brute(&geometry, &rays));
     let tree = accel.tree.as_ref().expect("it has one");
-    tree.build_all(&geometry);
+    build_all(tree, &geometry);
     let TreeContents { nodes, lists, .. } = tree.census();
     assert_eq!((nodes, lists), (1, 4), "only lists are below the root");
 }

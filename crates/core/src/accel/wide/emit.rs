@@ -25,9 +25,7 @@ impl Converter {
         emitter.nodes(root);
         Kind::Node
     }
-}
 
-impl Converter {
     /// The children of the wide node at `place`, the largest last: any-hit queries visit it first.
     pub(crate) fn children(&self, tree: &Bvh2, place: u32) -> Children {
         let mut children = Children::default();

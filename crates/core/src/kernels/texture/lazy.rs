@@ -42,9 +42,9 @@ impl LazyImage {
         [expected, decoding]: [u64; 2],
         decode: impl FnOnce() -> Result<Image> + Send + 'static,
     ) -> Self {
-        let fingerprint: Hash = Box::new(|| 0);
-        let (image, fingerprint) = (LazyLock::new(Box::new(decode) as Decode), fingerprint);
-        Self { image, fingerprint: LazyLock::new(fingerprint), name, expected, decoding }
+        let image = LazyLock::new(Box::new(decode) as Decode);
+        let fingerprint = LazyLock::new(Box::new(|| 0_u128) as Hash);
+        Self { image, fingerprint, name, expected, decoding }
     }
 
     /// The image with a fingerprint: the hash of what `source` returns, the content of its file and
