@@ -1,7 +1,7 @@
-use glam::{Vec2, Vec3};
+use glam::{DVec2, Vec2, Vec3};
 use proptest::prelude::*;
 use wavecrest_core::math::random::{Stream, philox_4x32_10, unit_interval};
-use wavecrest_core::math::sampling::{Draw, Sampling, disk, sphere, triangle};
+use wavecrest_core::math::sampling::{Draw, Sampling, cap, disk, sphere, triangle};
 
 /// A number in \[0, 1), as streams give them; often the first or the last.
 fn fraction() -> impl Strategy<Value = f32> {
@@ -65,12 +65,16 @@ proptest! {
 
     /// The share of the area within is what was asked for.
     #[test]
-    fn maps_keep_area_everywhere(square in square()) {
+    fn maps_keep_area_everywhere(square in square(), height in 0.0_f64..=2.0) {
         let u = f64::from(f32::EPSILON);
         let share = Vec2::from(disk(square)).as_dvec2().length_squared();
         prop_assert!((share - f64::from(square[1])).abs() <= 8.0 * u, "{}", share);
         let share = 0.5 * (f64::from(sphere(square).y) + 1.0);
         prop_assert!((share - f64::from(square[1])).abs() <= 8.0 * u, "{}", share);
+        let (across, below) = cap::<f32>(square, height);
+        prop_assert!((below - f64::from(square[1]) * height).abs() <= 8.0 * u, "{}", below);
+        let on_sphere = DVec2::from(across).length_squared() + (1.0 - below) * (1.0 - below);
+        prop_assert!((on_sphere - 1.0).abs() <= 8.0 * u, "{}", on_sphere);
         let sum = Vec2::from(triangle(square)).as_dvec2().element_sum();
         prop_assert!((sum * sum - f64::from(square[0])).abs() <= 8.0 * u, "{}", sum);
     }

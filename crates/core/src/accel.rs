@@ -226,4 +226,4 @@ impl Accel {
 }
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;

@@ -317,14 +317,7 @@ fn kind(geometry: &Geometry, primitive: u32) -> &'static str {
 mod tests {
     use super::*;
     use crate::accel::build::Preset;
-
-    /// A triangle across the z axis.
-    fn across(geometry: &mut Geometry, z: f32) {
-        let first = geometry.positions.len() as u32;
-        let corners = [[-1.0, -1.0], [1.0, -1.0], [0.0, 1.0]];
-        geometry.positions.extend(corners.map(|[x, y]| Vec3::new(x, y, z)));
-        geometry.triangles.push([first, first + 1, first + 2]);
-    }
+    use crate::accel::tests::add_triangle;
 
     #[test]
     fn hits_whose_t_is_rounded_down_are_passed() {
@@ -332,7 +325,8 @@ mod tests {
         let mut geometry = Geometry::default();
         // 0.7 is above its nearest number, 0.3 below.
         for z in [3.0, 7.0, 7.0, 9.0] {
-            across(&mut geometry, z);
+            let corners = [[-1.0, -1.0], [1.0, -1.0], [0.0, 1.0]];
+            add_triangle(&mut geometry, corners.map(|[x, y]| Vec3::new(x, y, z)));
         }
         for (passed, found) in [(0..3, 3), (0..1, 1), (0..4, u32::MAX)] {
             geometry.passed = vec![passed.clone()];

@@ -298,13 +298,4 @@ mod tests {
         let [[open, hits], [passes, lost]] = counts;
         assert!(lost == 0 && hits > 20_000 && open.min(passes) > 10_000, "{counts:?}");
     }
-
-    #[test]
-    fn a_near_hit_before_t_min_does_not_hide_the_far_one() {
-        let ray = Ray::new(Vec3::new(0.0, 0.0, 5.0), Vec3::NEG_Z);
-        for (t_min, expected) in [(0.0, Some(3.5)), (3.5, Some(6.5)), (5.0, Some(6.5)), (6.5, None)]
-        {
-            assert_eq!(intersect(&Ray { t_min, ..ray }, Vec3::ZERO, 1.5), expected);
-        }
-    }
 }

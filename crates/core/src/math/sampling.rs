@@ -174,22 +174,3 @@ pub fn triangle<F: Single>([x, y]: [F; 2]) -> [F; 2] {
     let root = x.sqrt();
     [root * (x.same(1.0) - y), root * y]
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    /// The other maps: `tests/properties/numbers.rs`. A share of heights is one of area.
-    #[test]
-    fn caps_keep_area_and_lie_on_the_sphere() {
-        for height in [0.5, 2.0] {
-            for step in 0_u8..=100 {
-                let share = f64::from(step) / 100.0;
-                let ([x, y], below) = cap([0.3, share as f32], height);
-                assert!((below - share * height).abs() < 1e-6, "{below}");
-                let radius = x * x + y * y + (1.0 - below) * (1.0 - below);
-                assert!((radius - 1.0).abs() < 1e-6, "{radius}");
-            }
-        }
-    }
-}

@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::accel::arena::{Kind, TreeContents};
-use crate::accel::tests::{brute, check};
+use crate::accel::tests::{add_quad, add_triangle, brute, check};
 use crate::accel::{Accel, Hit};
 use crate::geometry::{Primitive, Quadric};
 use crate::kernels::quad;
@@ -35,9 +35,7 @@ fn mixture(count: u32) -> Geometry {
         geometry.triangles.push([first, first + 1, first + 2]);
         if i % 8 == 0 {
             let [_, side, up] = [0, 1, 2].map(|k| geometry.positions[first as usize + k] - center);
-            let base = geometry.positions.len() as u32;
-            geometry.positions.extend([center, center + up, center + up + side, center + side]);
-            geometry.quads.push([base, base + 1, base + 2, base + 3]);
+            add_quad(&mut geometry, [center, center + up, center + up + side, center + side]);
             geometry.quadrics.push(Quadric::Sphere(center - Vec3::splat(size), 0.2 * size));
         }
     }
@@ -211,9 +209,7 @@ fn triangles_that_repeat_positions_share_leaves() {
         }
     }
     for i in 0..shared.triangles.len() {
-        let first = repeated.positions.len() as u32;
-        repeated.positions.extend(shared.triangle(i));
-        repeated.triangles.push([first, first + 1, first + 2]);
+        add_triangle(&mut repeated, shared.triangle(i));
     }
     for cut in [CUTS[1], CUTS[2], cut(usize::MAX, 1, 0)] {
         let census = |geometry| build_cut(geometry, Preset::Fast, cut).census();

@@ -3,12 +3,11 @@
 use glam::Vec3;
 
 use crate::accel::build::Preset;
-use crate::accel::tests::{answers, bumpy_sphere};
+use crate::accel::tests::{Numbers, answers, bumpy_sphere, through};
 use crate::accel::{Accel, KernelChoice};
 use crate::counters::{KernelCounts, Kernels};
 use crate::geometry::Geometry;
 use crate::kernels::precision::Precision;
-use crate::math::random::Stream;
 use crate::math::ray::Ray;
 use crate::math::simd::{Level, is_wide};
 
@@ -30,15 +29,7 @@ fn coherent() -> Vec<Ray> {
 }
 
 fn random() -> Vec<Ray> {
-    let ray = |pixel| {
-        let stream = Stream { seed: 2, pixel, sample: 0, bounce: 0 };
-        let point = |dimension| {
-            let [x, y, z, _] = stream.uniform(dimension);
-            Vec3::new(x, y, z) * 4.0 - 2.0
-        };
-        Ray::new(point(0), point(1) - point(0))
-    };
-    (0..2000).map(ray).collect()
+    through(&mut Numbers(2), 2000)
 }
 
 /// What was counted with each kernel.

@@ -6,7 +6,7 @@ use super::*;
 use crate::accel::build::Preset;
 use crate::accel::noted::NotedLeaves;
 use crate::accel::packet;
-use crate::accel::tests::{Numbers, add_triangle, bumpy_sphere};
+use crate::accel::tests::{Numbers, add_quad, add_triangle, bumpy_sphere};
 use crate::accel::{Accel, KernelChoice};
 use crate::geometry::Quadric;
 use crate::kernels::disk::{self, Disk};
@@ -49,14 +49,8 @@ fn hc03_crossings_on_a_grid_are_those_of_brute_force_and_are_met() {
     for _ in 0..300 {
         add_triangle(&mut geometry, [point(), point(), point()]);
     }
-    let first = geometry.positions.len() as u32;
-    geometry.positions.extend([
-        Vec3::ZERO,
-        Vec3::X * 6.0,
-        Vec3::ONE * 6.0,
-        Vec3::new(0.0, 6.0, 6.0),
-    ]);
-    geometry.quads.push([first, first + 1, first + 2, first + 3]);
+    let corners = [Vec3::ZERO, Vec3::X, Vec3::ONE, Vec3::new(0.0, 1.0, 1.0)];
+    add_quad(&mut geometry, corners.map(|corner| corner * 6.0));
     let rays: Vec<Ray> = (0..600)
         .map(|i| {
             let (from, to) = (point(), point());

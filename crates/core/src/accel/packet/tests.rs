@@ -3,7 +3,7 @@
 use glam::Vec3;
 
 use crate::accel::build::Preset;
-use crate::accel::tests::{Numbers, bumpy_sphere, cloud};
+use crate::accel::tests::{Numbers, add_quad, bumpy_sphere, cloud};
 use crate::accel::{Accel, Hit};
 use crate::geometry::Geometry;
 use crate::math::ray::Ray;
@@ -17,14 +17,8 @@ pub(crate) fn scene(n: u32) -> Geometry {
     let mesh = bumpy_sphere(n);
     geometry.positions.extend(mesh.positions);
     geometry.triangles.extend(mesh.triangles.into_iter().map(|t| t.map(|v| v + first)));
-    let first = geometry.positions.len() as u32;
-    geometry.positions.extend([
-        Vec3::new(-1.0, -1.0, 0.5),
-        Vec3::new(0.0, -1.0, 0.5),
-        Vec3::new(0.0, 0.0, 0.6),
-        Vec3::new(-1.0, 0.0, 0.5),
-    ]);
-    geometry.quads.push([first, first + 1, first + 2, first + 3]);
+    let corners = [[-1.0, -1.0, 0.5], [0.0, -1.0, 0.5], [0.0, 0.0, 0.6], [-1.0, 0.0, 0.5]];
+    add_quad(&mut geometry, corners.map(Vec3::from));
     let (triangles, all) = (geometry.triangles.len() as u32, geometry.len() as u32);
     geometry.passed = vec![1..triangles / 3, triangles..triangles + 1, all - 1..all];
     geometry

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use glam::{DAffine3, DQuat, DVec3, Vec3};
 
-use super::{Numbers, add_triangle, cloud, compare};
+use super::{Numbers, add_quad, add_triangle, cloud, compare};
 use crate::accel::build::Preset;
 use crate::accel::{Accel, Hit};
 use crate::geometry::Geometry;
@@ -51,9 +51,7 @@ fn half_cut_out(numbers: &mut Numbers) -> Geometry {
     let mut geometry = cloud(numbers, 1.0);
     for _ in 0..40 {
         let (corner, u, v) = (numbers.vector(), numbers.vector() * 0.3, numbers.vector() * 0.3);
-        let first = geometry.positions.len() as u32;
-        geometry.positions.extend([corner, corner + u, corner + u + v, corner + v]);
-        geometry.quads.push([0, 1, 2, 3].map(|k| first + k));
+        add_quad(&mut geometry, [corner, corner + u, corner + u + v, corner + v]);
     }
     let (triangles, quads) = (geometry.triangles.len() as u32, geometry.quads.len() as u32);
     let spheres = triangles + quads;

@@ -3,10 +3,10 @@
 use glam::{DVec2, DVec3, Vec2, Vec3};
 
 use super::*;
+use crate::accel::tests::Numbers;
 use crate::kernels::camera::{Camera, FovAxis, Placement};
 use crate::kernels::texture::{PlanarMap, sphere_uv_change};
 use crate::math::float::normalize_f64;
-use crate::math::random::Stream;
 use crate::math::sampling::Sampling;
 
 /// How far a derivative may be from the difference, in parts of its length, at 60 degrees or less
@@ -17,21 +17,14 @@ const RELATIVE_ERROR: f64 = 2e-5;
 /// Width of the central difference in samples: errors of the second order are below the bound.
 const STEP: f64 = 1e-3;
 
-/// Random numbers, one after the other.
-struct Numbers {
-    stream: Stream,
-    drawn: u32,
-}
-
 impl Numbers {
+    /// Others for each case.
     fn new(index: u32) -> Self {
-        Self { stream: Stream { seed: 41, pixel: index, sample: 0, bounce: 0 }, drawn: 0 }
+        Self(index << 12)
     }
 
     fn between(&mut self, low: f64, high: f64) -> f64 {
-        let number = self.stream.uniform(self.drawn / 4)[self.drawn as usize % 4];
-        self.drawn += 1;
-        low + (high - low) * f64::from(number)
+        low + (high - low) * f64::from(self.one())
     }
 
     fn direction(&mut self) -> DVec3 {
