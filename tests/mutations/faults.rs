@@ -96,7 +96,7 @@ pub(crate) const FAULTS: &[Fault] = faults! {
         "low.simd_gt(best[1])" => "high.simd_gt(best[0])";
     "what ended a tile ends the next", 49, "crates/core/src/accel/packet.rs":
         "self.ends_as_before(tile)" => "Q::ANY && self.ending.is_some()";
-    "triangles without area have one", 18, "crates/core/src/kernels/triangle/area.rs":
+    "triangles without area have one", 18, "crates/core/src/kernels/triangle.rs":
         "collinear(0, 1) && collinear(1, 2) && collinear(2, 0)" => "false";
     "of equal hits the last is the first", 21, "crates/core/src/accel/order.rs":
         "self.hit.primitive.cmp(&other.hit.primitive)"

@@ -2,8 +2,8 @@
 //!
 //! [`Geometry`] holds the primitives and defines a hit; [`build`] converts obvhs's binary
 //! trees to the nodes and leaves of an [`arena`]. [`single`] traverses it for one ray, [`stream`]
-//! for many rays in flight, [`packet`] for tiles of coherent rays. [`brute`] tests every primitive
-//! and is the reference. All of them return the same answers to the last bit, at any instruction
+//! for many rays in flight, [`packet`] for tiles of coherent rays. Without a tree,
+//! [`search`] tests every primitive, which is the reference. All of them return the same answers to the last bit, at any instruction
 //! level: [`crate::kernels::slab`] says why.
 //!
 //! A mesh shown in several places is stored once, as a prototype with its own tree; each copy is an
@@ -11,7 +11,6 @@
 
 pub mod arena;
 mod best;
-mod brute;
 pub mod build;
 mod choice;
 mod compiled;

@@ -2,8 +2,8 @@
 //! reinsertion), which are then converted to our wide nodes.
 //!
 //! Large scenes are cut into chunks ([`order`]). All threads build chunks, each while it is in a
-//! core's cache ([`piece`]), place them in one arena ([`chunked`]) and join them by a small hierarchy
-//! above ([`join`]). The quickest build finds leaves before the hierarchy ([`leaves`]), and chunks may be left to the
+//! core's cache ([`piece`]), place them in one arena and join them by a small hierarchy
+//! above ([`chunked`]). The quickest build finds leaves before the hierarchy ([`leaves`]), and chunks may be left to the
 //! rays that reach them ([`demand`]).
 //!
 //! obvhs sees boxes and decides only the topology; [`Geometry::hit`] decides hits.
@@ -12,7 +12,6 @@ mod chunked;
 mod coincident;
 mod demand;
 mod entries;
-mod join;
 mod leaves;
 mod order;
 mod piece;

@@ -1,12 +1,15 @@
 //! The queries of an [`Accel`]: for one ray or many, for the closest hit or any.
 
 use std::marker::PhantomData;
+use std::ops::Range;
 
 use super::crossings::{CrossingQuery, Crossings, Each};
 use super::query::{Closest, Occluded, Query};
 use super::rays::Rays;
 use super::tree::{Searched, Tree};
-use super::{Accel, Hit, KernelChoice, Traversal, brute, compiled, crossings};
+use super::{Accel, Hit, KernelChoice, Traversal, compiled, crossings};
+use crate::counters::TestCounts;
+use crate::geometry::Geometry;
 use crate::kernels::precision::Arithmetic;
 use crate::math::ray::Ray;
 use crate::math::simd::{dispatch, is_wide};
@@ -105,7 +108,7 @@ impl<P: Arithmetic> Search<'_, P> {
             return self.among_instances::<Closest>(ray, Hit::MISS, traversal);
         }
         let numbers = geometry.own() as u32..geometry.len() as u32;
-        brute::hit::<Closest, P>(geometry, numbers, ray, &mut traversal.tests)
+        brute::<Closest, P>(geometry, numbers, ray, &mut traversal.tests)
     }
 
     #[inline(always)]
@@ -126,7 +129,7 @@ impl<P: Arithmetic> Search<'_, P> {
         let Accel { geometry, tree, .. } = self.accel;
         let Some(tree) = tree else {
             let numbers = 0..geometry.len() as u32;
-            return Q::answer(brute::hit::<Q, P>(geometry, numbers, ray, &mut traversal.tests));
+            return Q::answer(brute::<Q, P>(geometry, numbers, ray, &mut traversal.tests));
         };
         let searched = self.own(tree, traversal);
         if Q::ANY {
@@ -224,4 +227,27 @@ impl<P: Arithmetic> Search<'_, P> {
         let without_t = traversal.without_t && geometry.instances.is_empty();
         Searched { tree, geometry, without_t }
     }
+}
+
+/// The hit for query `Q` by brute force on primitives with these numbers: the reference for the tree.
+fn brute<Q: Query, P: Arithmetic>(
+    geometry: &Geometry,
+    numbers: Range<u32>,
+    ray: &Ray,
+    tests: &mut TestCounts,
+) -> Hit {
+    let mut best = Hit::MISS;
+    for primitive in numbers {
+        if let Some(t) = geometry.hit::<P>(primitive, ray, tests)
+            && let hit = (Hit { t, primitive })
+            && geometry.order(ray, hit, best).is_lt()
+            && !(Q::ANY && geometry.is_passed(primitive))
+        {
+            best = hit;
+            if Q::ANY {
+                break;
+            }
+        }
+    }
+    best
 }

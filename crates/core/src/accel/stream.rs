@@ -80,13 +80,12 @@ struct Met {
 const BOTTOM: u32 = 1 << 2 | Kind::List as u32;
 
 /// The memory of a thread's rays in flight.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Flight {
-    slots: Box<[Slot; FLIGHT]>,
+    /// One for each ray in flight; none without a tree.
+    slots: Vec<Slot>,
     /// The stacks, in sequence.
     stacks: Vec<u64>,
-    /// The end of each stack.
-    tops: [usize; FLIGHT],
     /// Entries of one stack.
     stride: usize,
 }
@@ -95,22 +94,8 @@ impl Flight {
     /// Memory for rays in trees whose stacks take `entries` entries.
     pub(super) fn new(entries: usize) -> Self {
         // The bottom of the stack, and the places a packet hands over.
-        Self::of_stride(entries + 1 + MOST_HANDED)
-    }
-
-    fn of_stride(stride: usize) -> Self {
-        Self {
-            slots: Box::new([Slot::empty(); FLIGHT]),
-            stacks: vec![0; stride * FLIGHT],
-            tops: [0; FLIGHT],
-            stride,
-        }
-    }
-}
-
-impl Default for Flight {
-    fn default() -> Self {
-        Self::of_stride(0)
+        let stride = entries + 1 + MOST_HANDED;
+        Self { slots: vec![Slot::empty(); FLIGHT], stacks: vec![0; stride * FLIGHT], stride }
     }
 }
 
@@ -124,7 +109,8 @@ pub(super) fn trace<S: Lanes, Q: Query, P: Arithmetic>(
     flight: &mut Flight,
     (tests, kernel, noted): (&mut TestCounts, &mut KernelCounts, &mut NotedLeaves),
 ) {
-    let Flight { slots, stacks, tops, stride } = flight;
+    let Flight { slots, stacks, stride } = flight;
+    let Some(slots) = slots.first_chunk_mut() else { return };
     let mut next = NextSteps::NONE;
     // Only references and no array, so that everything stays in registers.
     let mut rounds = FlightRounds::<Q, P> {
@@ -134,7 +120,7 @@ pub(super) fn trace<S: Lanes, Q: Query, P: Arithmetic>(
         answers,
         slots,
         stacks,
-        tops,
+        tops: &mut [0; FLIGHT],
         stride: *stride,
         tests,
         noted,

@@ -145,7 +145,7 @@ impl PreparedScene {
 
 impl ShadowCrossings {
     /// The number of crossings.
-    pub fn len(&self) -> usize {
+    pub(crate) fn len(&self) -> usize {
         self.crossings.len()
     }
 
@@ -155,11 +155,6 @@ impl ShadowCrossings {
         rays.capacity() * size_of::<CrossingRay>()
             + crossings.capacity() * size_of::<Crossing>()
             + hits.capacity() * size_of::<Hit>()
-    }
-
-    /// Whether there are none.
-    pub fn is_empty(&self) -> bool {
-        self.crossings.is_empty()
     }
 
     /// The `i`th crossing, with `i` in place of its ray, and its kind.
