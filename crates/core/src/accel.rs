@@ -40,7 +40,7 @@ use crate::counters::{Kernels, TestCounts};
 use crate::geometry::Geometry;
 use crate::kernels::precision::{Arithmetic, Precision};
 use crate::kernels::slab::Aabb;
-use crate::math::ray::Ray;
+use crate::math::Ray;
 use crate::with_precision;
 use build::Preset;
 use instances::Walks;

@@ -18,8 +18,8 @@ use crate::kernels::precision::{Arithmetic, Precision};
 use crate::kernels::quad;
 use crate::kernels::slab::{Aabb, SlabRay};
 use crate::kernels::triangle::{self, ShearedSpace};
+use crate::math::Ray;
 use crate::math::float::min;
-use crate::math::ray::Ray;
 use cutouts::Cutouts;
 use instance::{Instance, Instanced};
 

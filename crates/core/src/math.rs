@@ -12,3 +12,13 @@ pub mod sobol;
 pub mod srgb;
 pub mod trigonometry;
 pub mod vector;
+
+// The types and kernels that every module uses, by their names alone.
+pub(crate) use random::Stream;
+pub(crate) use ray::Ray;
+pub(crate) use real::{Mask, Real, Single, both};
+pub(crate) use simd::{
+    AnyWidth, Kernel, LANES, Lanes, dispatch, dispatch_any_width, dispatch_wide, is_wide, lanes,
+    outlined,
+};
+pub(crate) use vector::{Line, Vector};

@@ -16,9 +16,7 @@ use crate::kernels::hemisphere::Hemisphere;
 use crate::kernels::light::{Light, LightPoint};
 use crate::kernels::precision::Arithmetic;
 use crate::kernels::shade::{self, ShadingPoint, ShadowRequest};
-use crate::math::random::Stream;
-use crate::math::ray::Ray;
-use crate::math::vector::Line;
+use crate::math::{Line, Ray, Stream};
 use crate::plan::schedule::Schedule;
 use crate::prepared::{
     Branch, Class, Interaction, MOST_RAYS, MediumStack, PathState, PreparedScene, ShadowCrossings,

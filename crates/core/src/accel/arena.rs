@@ -28,7 +28,7 @@ use std::sync::atomic::{AtomicU32, Ordering};
 use bytemuck::Pod;
 use glam::Vec3;
 
-use crate::math::simd::LANES;
+use crate::math::LANES;
 pub use layout::{NODE_UNITS, Node, PATCH_UNITS, Patch, SOUP_UNITS, Soup, list_units};
 pub use units::Unit;
 pub(crate) use units::Units;

@@ -13,10 +13,7 @@ use crate::counters::TestCounts;
 use crate::kernels::precision::Arithmetic;
 use crate::kernels::triangle::{exact, settle};
 use crate::math::exact::Comparable;
-use crate::math::ray::Ray;
-use crate::math::real::Single;
-use crate::math::simd::LANES;
-use crate::math::vector::{Line, Vector};
+use crate::math::{LANES, Line, Ray, Single, Vector};
 
 /// The closest hit of a ray so far, or none.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -16,8 +16,8 @@ use super::tree::Searched;
 use super::{Accel, Hit, KernelChoice, Traversal, packet, single};
 use crate::geometry::PreparedRay;
 use crate::kernels::precision::Arithmetic;
-use crate::math::ray::Ray;
-use crate::math::simd::{Kernel, Lanes, dispatch, dispatch_wide, entry};
+use crate::math::simd::entry;
+use crate::math::{Kernel, Lanes, Ray, dispatch, dispatch_wide};
 
 /// The hit on `ray` for query `Q`.
 #[inline(never)]

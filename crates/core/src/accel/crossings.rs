@@ -18,8 +18,8 @@ use crate::kernels::quad;
 use crate::kernels::slab::SlabRay;
 use crate::kernels::triangle::{self, ShearedSpace};
 use crate::math::float::{max, min};
-use crate::math::ray::Ray;
-use crate::math::simd::{Kernel, Lanes, entry};
+use crate::math::simd::entry;
+use crate::math::{Kernel, Lanes, Ray};
 
 /// The rays whose crossings are asked for, and which of these count.
 #[derive(Clone, Copy)]

@@ -18,8 +18,8 @@ use super::{Hit, Traversal};
 use crate::geometry::Geometry;
 use crate::geometry::instance::Instance;
 use crate::kernels::precision::Arithmetic;
+use crate::math::Ray;
 use crate::math::float::min;
-use crate::math::ray::Ray;
 
 /// Rays that walk together: enough to fill packets, few enough for their stacks to stay in the
 /// second-level cache.

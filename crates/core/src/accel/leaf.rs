@@ -14,9 +14,7 @@ use crate::kernels::precision::Arithmetic;
 use crate::kernels::triangle::filter::{self, ORDERS};
 use crate::kernels::triangle::settle::Verdict;
 use crate::kernels::triangle::{self, LaneHits, ShearedSpace, exact};
-use crate::math::ray::Ray;
-use crate::math::simd::{Lanes, lanes, outlined};
-use crate::math::vector::Vector;
+use crate::math::{Lanes, Ray, Vector, lanes, outlined};
 
 /// Searches the leaf for the hit of query `Q`: replaces `best` by a hit that comes first, or by
 /// any. Returns whether it did. An any-hit query notes the leaf for the ray with that number, if it passes

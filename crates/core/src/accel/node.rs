@@ -6,7 +6,8 @@ use fearless_simd::{f32x8, mask32x8, u32x8};
 use super::arena::{Node, Ref, base, child_of};
 use super::query::Query;
 use crate::kernels::slab::{SlabRay, WIDENING};
-use crate::math::simd::{LANES, Lanes, entry};
+use crate::math::simd::entry;
+use crate::math::{LANES, Lanes};
 
 /// The entry distances of the children's boxes, and the children met between `t_min` and
 /// `t_max`.

@@ -20,8 +20,8 @@ use crate::kernels::disk::{self, Disk};
 use crate::kernels::precision::Precision;
 use crate::kernels::triangle::{self, settle};
 use crate::kernels::{quad, sphere};
+use crate::math::Ray;
 use crate::math::exact::{Algebraic, Comparable, Quotient, exact};
-use crate::math::ray::Ray;
 
 impl Geometry {
     /// Which of two hits of `ray` comes first.

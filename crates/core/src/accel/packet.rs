@@ -34,7 +34,8 @@ use super::tree::{Root, Searched, Tree};
 use super::{KernelChoice, Traversal};
 use crate::counters::TestCounts;
 use crate::kernels::precision::Arithmetic;
-use crate::math::simd::{Lanes, entry, outlined};
+use crate::math::simd::entry;
+use crate::math::{Lanes, outlined};
 use columns::numbers;
 use tile::RayTile;
 

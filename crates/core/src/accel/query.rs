@@ -3,7 +3,7 @@
 use super::Hit;
 use super::best::Best;
 use crate::counters::{KernelCounts, Kernels};
-use crate::math::ray::Ray;
+use crate::math::Ray;
 
 /// A query for a ray.
 pub(super) trait Query {

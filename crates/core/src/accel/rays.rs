@@ -7,8 +7,7 @@ use fearless_simd::{f32x4, f32x16};
 use glam::Vec3;
 
 use super::arena::prefetch;
-use crate::math::ray::Ray;
-use crate::math::simd::Lanes;
+use crate::math::{Lanes, Ray};
 
 /// Rays in rows or columns. Kernels are compiled once for both: a check for every sixteen rays
 /// costs little.

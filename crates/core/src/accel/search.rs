@@ -11,8 +11,7 @@ use super::{Accel, Hit, KernelChoice, Traversal, compiled, crossings};
 use crate::counters::TestCounts;
 use crate::geometry::Geometry;
 use crate::kernels::precision::Arithmetic;
-use crate::math::ray::Ray;
-use crate::math::simd::{dispatch, is_wide};
+use crate::math::{Ray, dispatch, is_wide};
 
 /// The searches of an [`Accel`] whose geometry has precision `P`.
 #[derive(Clone, Copy, Debug)]

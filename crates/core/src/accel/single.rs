@@ -10,7 +10,7 @@ use super::tree::Searched;
 use crate::counters::TestCounts;
 use crate::geometry::PreparedRay;
 use crate::kernels::precision::Arithmetic;
-use crate::math::simd::Lanes;
+use crate::math::Lanes;
 
 /// The hit for query `Q`, starting with the first `height` entries of `stack`, the nearest last,
 /// and with `best`, the closest hit so far, for the ray with that number.

@@ -15,9 +15,7 @@ use crate::geometry::{PreparedRay, Primitive};
 use crate::kernels::precision::{Arithmetic, Precision};
 use crate::kernels::triangle::{self, exact, settle};
 use crate::math::float::{max, min};
-use crate::math::ray::Ray;
-use crate::math::real::Single;
-use crate::math::simd::{Kernel, LANES, Lanes, dispatch};
+use crate::math::{Kernel, LANES, Lanes, Ray, Single, dispatch};
 use crate::with_precision;
 
 wavecrest_base::choices! {

@@ -27,8 +27,8 @@ use crate::counters::{KernelCounts, TestCounts};
 use crate::geometry::PreparedRay;
 use crate::kernels::precision::Arithmetic;
 use crate::kernels::triangle::LaneHits;
-use crate::math::ray::Ray;
-use crate::math::simd::{LANES, Lanes, entry};
+use crate::math::simd::entry;
+use crate::math::{LANES, Lanes, Ray};
 use next::NextSteps;
 pub(super) use source::{HandedPlace, RaySource};
 

@@ -9,7 +9,7 @@ use glam::Vec3;
 use super::*;
 use crate::geometry::Quadric;
 use crate::kernels::disk::Disk;
-use crate::math::random::Stream;
+use crate::math::Stream;
 use crate::math::ray::FARTHEST_ORIGIN;
 use crate::math::simd::Level;
 

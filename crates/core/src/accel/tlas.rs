@@ -7,8 +7,8 @@
 use super::hit::Hit;
 use crate::geometry::instance::Instance;
 use crate::kernels::slab::{Aabb, SlabRay};
+use crate::math::Ray;
 use crate::math::float::{max, min};
-use crate::math::ray::Ray;
 
 /// Below this depth, halves have equally many instances: a stack needs this and 32 entries.
 const DEEPEST: usize = 64;

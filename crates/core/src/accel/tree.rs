@@ -6,7 +6,7 @@ use std::sync::OnceLock;
 use super::arena::{Arena, Kind, Node, Ref, TreeContents, child_of};
 use crate::geometry::Geometry;
 use crate::kernels::slab::Aabb;
-use crate::math::simd::LANES;
+use crate::math::LANES;
 
 /// A bounding volume hierarchy over the primitives of a [`crate::geometry::Geometry`].
 #[derive(Debug, Default)]

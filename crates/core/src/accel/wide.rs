@@ -18,7 +18,7 @@ use obvhs::bvh2::Bvh2;
 
 use super::arena::{Kind, Unit, list_units};
 use crate::kernels::slab::Aabb;
-use crate::math::simd::LANES;
+use crate::math::LANES;
 pub(super) use shared::SharedVertices;
 
 /// Costs of visits, in visits of a node.

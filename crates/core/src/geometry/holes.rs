@@ -7,8 +7,7 @@ use crate::kernels::precision::Arithmetic;
 use crate::kernels::surface;
 use crate::kernels::texture::{self, UvMap};
 use crate::math::float::normalize;
-use crate::math::ray::Ray;
-use crate::math::vector::{Line, Vector};
+use crate::math::{Line, Ray, Vector};
 
 impl Geometry {
     /// Whether the ray, which meets the primitive at t, passes through a hole.

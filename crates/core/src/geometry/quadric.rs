@@ -7,9 +7,7 @@ use crate::kernels::disk::{self, Disk};
 use crate::kernels::precision::Arithmetic;
 use crate::kernels::slab::Aabb;
 use crate::kernels::sphere;
-use crate::math::ray::Ray;
-use crate::math::real::Single;
-use crate::math::vector::Line;
+use crate::math::{Line, Ray, Single};
 
 /// A sphere or a disk.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -3,8 +3,7 @@
 
 use glam::Vec3;
 
-use crate::math::real::{Mask, Real, Single};
-use crate::math::vector::Vector;
+use crate::math::{Mask, Real, Single, Vector};
 
 /// The constants of a material.
 #[derive(Clone, Copy, Debug, PartialEq)]

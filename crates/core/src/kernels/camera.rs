@@ -10,11 +10,8 @@ use glam::{DVec3, Vec3};
 
 use super::differential::Differential;
 use crate::math::float::normalize_f64;
-use crate::math::random::Stream;
-use crate::math::ray::Ray;
-use crate::math::real::{Single, both};
 use crate::math::sampling::{self, Draw, Points, Sampling, divide};
-use crate::math::vector::{Line, Vector};
+use crate::math::{Line, Ray, Single, Stream, Vector, both};
 
 /// The dimension of [`Stream`] whose four numbers a camera ray may use: two for its point in the
 /// pixel, two for its point on the lens.

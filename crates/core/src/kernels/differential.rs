@@ -16,8 +16,7 @@
 //! [`sphere_uv_change`]: super::texture::sphere_uv_change
 //! [`Image::level`]: super::texture::Image::level
 
-use crate::math::real::{Real, Single, both};
-use crate::math::vector::Vector;
+use crate::math::{Real, Single, Vector, both};
 
 /// The derivatives of a ray, or of a ray in each lane, for a step to the right and one down.
 #[derive(Clone, Copy, Debug, PartialEq)]

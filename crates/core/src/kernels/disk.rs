@@ -19,9 +19,7 @@ use super::precision::Arithmetic;
 use super::sphere::{Roots, passes_by, settled};
 use crate::math::exact::{Comparable, Expansion, Quotient, dot, exact};
 use crate::math::float::normalize_f64;
-use crate::math::ray::Ray;
-use crate::math::real::{Mask, Real, Single};
-use crate::math::vector::{Line, Vector};
+use crate::math::{Line, Mask, Ray, Real, Single, Vector};
 
 /// A disk.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -12,8 +12,7 @@ use std::f64::consts::PI;
 
 use glam::{DVec3, Vec3};
 
-use crate::math::real::Single;
-use crate::math::vector::Vector;
+use crate::math::{Single, Vector};
 
 /// Ambient light by the normal.
 #[derive(Clone, Copy, Debug, PartialEq)]

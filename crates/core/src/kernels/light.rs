@@ -14,10 +14,8 @@ use super::disk::Disk;
 use super::slab::Aabb;
 use super::triangle;
 use crate::math::float::{dot_f64, max, max_abs};
-use crate::math::random::Stream;
-use crate::math::real::{Mask, Real, Single};
 use crate::math::sampling::{self, Draw, Sampling};
-use crate::math::vector::Vector;
+use crate::math::{Mask, Real, Single, Stream, Vector};
 
 wavecrest_base::choices! {
     /// How the strength of a light falls with the distance d to it.

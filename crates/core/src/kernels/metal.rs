@@ -4,8 +4,7 @@
 //! The models differ, so the rule is our own; [`look`] states it. Both the readers of files and
 //! texture look-ups use it.
 
-use crate::math::real::Real;
-use crate::math::vector::Vector;
+use crate::math::{Real, Vector};
 
 /// The Blinn-Phong parameters for a base colour, metalness and roughness, or for those in each lane.
 /// The diffuse colour is the base colour.

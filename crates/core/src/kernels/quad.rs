@@ -17,8 +17,7 @@
 //! difference adds 4 u, so that it is off by at most 7 u m . |o - a|: the bound of sides holds.
 
 use super::triangle::settle::Cross;
-use crate::math::real::{Real, Single};
-use crate::math::vector::{Line, Vector};
+use crate::math::{Line, Real, Single, Vector};
 
 /// The two triangles of a quad, on the diagonal from the first corner to the third. Both have the
 /// winding of the quad.

@@ -11,9 +11,7 @@ use super::blinn_phong::{self, Material, Reflection};
 use super::hemisphere::Hemisphere;
 use super::light::{Light, LightPoint};
 use crate::math::float::gamma;
-use crate::math::ray::Ray;
-use crate::math::real::{Mask, Single};
-use crate::math::vector::{Line, Vector};
+use crate::math::{Line, Mask, Ray, Single, Vector};
 
 /// The inputs of shading at a hit.
 #[derive(Clone, Copy, Debug)]

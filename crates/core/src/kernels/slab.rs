@@ -28,8 +28,7 @@
 use glam::{Vec3, Vec3A};
 
 use crate::math::float::{UNIT_ROUNDOFF, max, min};
-use crate::math::ray::Ray;
-use crate::math::real::Real;
+use crate::math::{Ray, Real};
 
 /// The factor by which a far t grows: see the module documentation.
 pub const WIDENING: f32 = 1.0 + 8.0 * UNIT_ROUNDOFF;

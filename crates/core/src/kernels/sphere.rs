@@ -19,10 +19,7 @@ use glam::Vec3;
 use super::precision::Arithmetic;
 use crate::math::exact::{Comparable, Expansion, QuadraticRoot, dot, exact};
 use crate::math::float::gamma;
-use crate::math::ray::Ray;
-use crate::math::real::{Mask, Real, Single};
-use crate::math::simd::lanes;
-use crate::math::vector::{Line, Vector};
+use crate::math::{Line, Mask, Ray, Real, Single, Vector, lanes};
 
 /// The smallest t within the ray's range at which the ray meets the sphere, from outside or inside.
 #[inline]
@@ -275,7 +272,7 @@ pub fn meet<F: Single, P: Arithmetic>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::random::Stream;
+    use crate::math::Stream;
 
     /// For grazing rays, from near and far, of all sizes: [`passes_by`] rejects no hit.
     #[test]

@@ -11,10 +11,7 @@ use super::quad;
 use super::sphere;
 use super::triangle::{self, exact};
 use crate::math::float::{error_of_offset, gamma};
-use crate::math::ray::Ray;
-use crate::math::real::{Mask, Real, Single};
-use crate::math::simd::lanes;
-use crate::math::vector::{Line, Vector};
+use crate::math::{Line, Mask, Ray, Real, Single, Vector, lanes};
 
 /// The distance by which fast arithmetic moves origins off surfaces, in scene units: a fixed
 /// length, as in most renderers. It is too short far from the origin, and too long in small scenes.

@@ -7,8 +7,7 @@ mod wrap;
 
 use glam::Vec3;
 
-use crate::math::real::{Mask, Real, Single, both};
-use crate::math::vector::Vector;
+use crate::math::{Mask, Real, Single, Vector, both};
 use pyramid::MipLevel;
 use wrap::{below, neighbours, position};
 

@@ -11,9 +11,7 @@ use crate::geometry::ShadingKind;
 use crate::kernels::differential::{Differential, turn_between};
 use crate::kernels::shade::{self, ShadingPoint};
 use crate::kernels::transmission::Refracted;
-use crate::math::ray::Ray;
-use crate::math::real::{Mask, Single, both};
-use crate::math::vector::{Line, Vector};
+use crate::math::{Line, Mask, Ray, Single, Vector, both};
 use crate::plan::schedule::Step;
 
 impl PreparedScene {

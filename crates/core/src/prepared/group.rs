@@ -7,10 +7,7 @@ use crate::geometry::{Geometry, Primitive, ShadingKind};
 use crate::kernels::blinn_phong::Material;
 use crate::kernels::shade::ShadingPoint;
 use crate::kernels::surface::{self, SurfacePoint};
-use crate::math::ray::Ray;
-use crate::math::real::Single;
-use crate::math::simd::LANES;
-use crate::math::vector::{Line, Vector};
+use crate::math::{LANES, Line, Ray, Single, Vector};
 
 /// A hit on a surface.
 #[derive(Clone, Copy, Debug, Default)]

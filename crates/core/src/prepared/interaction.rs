@@ -14,9 +14,7 @@ use crate::kernels::differential::Differential;
 use crate::kernels::precision::Arithmetic;
 use crate::kernels::shade::ShadingPoint;
 use crate::kernels::surface::{self, SurfacePoint};
-use crate::math::ray::Ray;
-use crate::math::real::Single;
-use crate::math::vector::{Line, Vector};
+use crate::math::{Line, Ray, Single, Vector};
 
 /// The surface interaction of a traced ray.
 #[derive(Clone, Copy, Debug)]

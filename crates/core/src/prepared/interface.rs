@@ -16,8 +16,7 @@ use crate::kernels::shade::ShadingPoint;
 use crate::kernels::surface::SurfacePoint;
 use crate::kernels::transmission::Transparency;
 use crate::math::float::{max, offset_of_error};
-use crate::math::ray::Ray;
-use crate::math::vector::Vector;
+use crate::math::{Ray, Vector};
 
 /// What lies where a ray meets a transparent surface.
 pub(super) struct Interface {

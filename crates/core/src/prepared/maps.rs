@@ -14,8 +14,7 @@ use crate::kernels::metal;
 use crate::kernels::shade::ShadingPoint;
 use crate::kernels::surface::{self, SurfacePoint};
 use crate::kernels::texture::{Filter, Image, sphere_directions, sphere_uv, sphere_uv_change};
-use crate::math::real::{Real, Single, both};
-use crate::math::vector::{Line, Vector};
+use crate::math::{Line, Real, Single, Vector, both};
 
 /// Returns the differential of the ray in a lane, unless it is a camera ray.
 type Carried<'a> = &'a dyn Fn(usize) -> Option<Differential>;

@@ -11,7 +11,7 @@ use super::{PreparedScene, Shape};
 use crate::accel::Traversal;
 use crate::kernels::precision::Arithmetic;
 use crate::kernels::transmission::remaining;
-use crate::math::ray::Ray;
+use crate::math::Ray;
 
 /// What is inside of a shape.
 #[derive(Clone, Copy, Debug, PartialEq)]

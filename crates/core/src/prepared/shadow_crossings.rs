@@ -15,9 +15,7 @@ use crate::accel::{Hit, Rays, Traversal};
 use crate::geometry::ShadingKind;
 use crate::kernels::precision::Arithmetic;
 use crate::math::float::{dot, max};
-use crate::math::ray::Ray;
-use crate::math::real::{Mask, Single};
-use crate::math::vector::{Line, Vector};
+use crate::math::{Line, Mask, Ray, Single, Vector};
 
 /// Crossings from which no more rays are added to the list: enough for long spans, and so few that
 /// they stay in the second-level cache.

@@ -14,8 +14,7 @@ use crate::kernels::differential::Differential;
 use crate::kernels::precision::Arithmetic;
 use crate::kernels::shade::{self, ShadingPoint};
 use crate::kernels::transmission::Transparency;
-use crate::math::ray::Ray;
-use crate::math::vector::Vector;
+use crate::math::{Ray, Vector};
 use crate::plan::Effect;
 use crate::plan::schedule::Step;
 

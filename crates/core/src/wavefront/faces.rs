@@ -7,9 +7,7 @@
 use std::ops::Range;
 
 use crate::geometry::ShadingKind;
-use crate::math::ray::Ray;
-use crate::math::real::Single;
-use crate::math::simd::LANES;
+use crate::math::{LANES, Ray, Single};
 use crate::prepared::{Face, Group, PreparedScene};
 
 /// Groups of hits that are fetched together.

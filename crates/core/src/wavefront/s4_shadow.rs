@@ -17,9 +17,7 @@ use crate::kernels::hemisphere::Hemisphere;
 use crate::kernels::light::Light;
 use crate::kernels::precision::Arithmetic;
 use crate::kernels::shade::shadow_request;
-use crate::math::random::Stream;
-use crate::math::real::{Mask, Single};
-use crate::math::simd::{AnyWidth, dispatch_any_width};
+use crate::math::{AnyWidth, Mask, Single, Stream, dispatch_any_width};
 use crate::plan::schedule::Step;
 use crate::prepared::{Group, LookUps, PreparedScene, ShadowCrossings};
 

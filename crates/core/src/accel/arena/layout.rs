@@ -3,8 +3,8 @@
 use bytemuck::{Pod, Zeroable};
 
 use super::Unit;
+use crate::math::LANES;
 use crate::math::float::{max, min};
-use crate::math::simd::LANES;
 
 /// An inner node.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]

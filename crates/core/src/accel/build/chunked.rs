@@ -20,7 +20,7 @@ use crate::accel::tree::{Demand, Root, Tree};
 use crate::accel::wide::{Converter, Output, Owner, Part};
 use crate::geometry::Geometry;
 use crate::kernels::slab::Aabb;
-use crate::math::simd::LANES;
+use crate::math::LANES;
 use wavecrest_base::progress;
 
 /// Builds the tree; there is none over nothing, nor over a scene that needs more room than `cut`
@@ -93,11 +93,7 @@ const REINSERTED: f32 = 0.2;
 
 /// The nodes that join the chunks' parts, to be placed up to unit `end`; and the kind of the first
 /// with its box.
-fn join(
-    geometry: &Geometry,
-    parts: &[Part],
-    end: usize,
-) -> Option<(Vec<Unit>, Kind, Aabb)> {
+fn join(geometry: &Geometry, parts: &[Part], end: usize) -> Option<(Vec<Unit>, Kind, Aabb)> {
     let boxes: Vec<_> = parts.iter().map(|part| to_obvhs(part.bounds)).collect();
     let mut bvh = PlocBuilder::new().build(
         PlocSearchDistance::Low,

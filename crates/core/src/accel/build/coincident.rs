@@ -19,7 +19,7 @@ use obvhs::bvh2::node::Bvh2Node;
 
 use super::entries::Entry;
 use crate::geometry::Geometry;
-use crate::math::simd::LANES;
+use crate::math::LANES;
 
 /// A heap has more members than this.
 const LEAST: usize = 64;
@@ -180,7 +180,7 @@ mod tests {
     use super::*;
     use crate::accel::tests::shells;
     use crate::accel::{Accel, Preset};
-    use crate::math::ray::Ray;
+    use crate::math::Ray;
     use glam::Vec3;
 
     fn cube(center: Vec3A, half: f32) -> Aabb {

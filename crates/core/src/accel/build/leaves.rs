@@ -10,7 +10,7 @@ use obvhs::ploc::morton::morton_encode_u32;
 
 use super::entries::Entry;
 use crate::accel::wide::{SharedVertices, as_patch};
-use crate::math::simd::LANES;
+use crate::math::LANES;
 
 /// How much more a joint leaf may cost than two separate ones, as a share of the smaller one's
 /// cost. This makes fewer leaves and nodes: compared with 0, building a scan takes a seventh less

@@ -16,7 +16,7 @@ use crate::accel::arena::put;
 use crate::accel::wide::{Converter, Output, Owner, Part};
 use crate::geometry::Geometry;
 use crate::kernels::slab::Aabb;
-use crate::math::simd::LANES;
+use crate::math::LANES;
 
 /// The scene, and how to build its pieces.
 pub(super) struct BuildPlan<'a> {

@@ -7,8 +7,7 @@ use crate::accel::{Accel, Hit};
 use crate::geometry::{Primitive, Quadric};
 use crate::kernels::quad;
 use crate::kernels::slab::Aabb;
-use crate::math::random::Stream;
-use crate::math::ray::Ray;
+use crate::math::{Ray, Stream};
 use glam::Vec3;
 
 fn random(index: u32, dimension: u32) -> [f32; 4] {

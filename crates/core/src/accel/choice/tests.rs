@@ -8,8 +8,8 @@ use crate::accel::{Accel, KernelChoice};
 use crate::counters::{KernelCounts, Kernels};
 use crate::geometry::Geometry;
 use crate::kernels::precision::Precision;
-use crate::math::ray::Ray;
-use crate::math::simd::{Level, is_wide};
+use crate::math::simd::Level;
+use crate::math::{Ray, is_wide};
 
 fn accel() -> Accel {
     Accel::new(bumpy_sphere(50), Preset::Fast)

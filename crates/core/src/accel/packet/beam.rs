@@ -9,7 +9,7 @@ use crate::accel::node::widened;
 use crate::accel::rays::RayLanes;
 use crate::kernels::slab::{Aabb, WIDENING, slack};
 use crate::math::float::{max, min};
-use crate::math::simd::{LANES, Lanes};
+use crate::math::{LANES, Lanes};
 
 /// Bounds on the rays seen so far.
 pub(super) struct Extents<S: Lanes> {

@@ -4,8 +4,7 @@ use fearless_simd::prelude::*;
 use fearless_simd::{f32x8, f32x16};
 
 use super::TILE;
-use crate::math::real::Single;
-use crate::math::simd::Lanes;
+use crate::math::{Lanes, Single};
 
 /// Rays tested at a time.
 pub(super) const WIDTH: usize = 16;

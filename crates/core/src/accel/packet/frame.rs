@@ -40,8 +40,8 @@ use fearless_simd::prelude::*;
 use super::beam::greatest;
 use super::columns::{GROUPS, TileColumn, WIDTH, load};
 use crate::kernels::triangle::filter::ORDERS;
+use crate::math::Lanes;
 use crate::math::float::max;
-use crate::math::simd::Lanes;
 pub(super) use triangles::GroupTest;
 
 /// The middle of a tile, by index.

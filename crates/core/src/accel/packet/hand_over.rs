@@ -8,7 +8,7 @@ use crate::accel::single;
 use crate::accel::stream::{HandedPlace, MOST_HANDED};
 use crate::geometry::PreparedRay;
 use crate::kernels::precision::Arithmetic;
-use crate::math::simd::{Lanes, outlined};
+use crate::math::{Lanes, outlined};
 
 impl<S: Lanes, Q: Query, P: Arithmetic> TileBatch<'_, S, Q, P> {
     /// Hands `rays` over, to continue from `place`.

@@ -17,8 +17,7 @@ use crate::geometry::Primitive;
 use crate::kernels::precision::Arithmetic;
 use crate::kernels::triangle::exact;
 use crate::kernels::triangle::settle::{self, Settled};
-use crate::math::real::{Mask, Real, Single};
-use crate::math::simd::{LANES, Lanes, outlined};
+use crate::math::{LANES, Lanes, Mask, Real, Single, outlined};
 
 /// Up to this many rays are tested one by one, each with eight triangles.
 const ALONE: u32 = 6;

@@ -8,7 +8,7 @@ use super::beam::{Beam, Extents};
 use super::columns::{GROUPS, TileColumn, WIDTH, first, load, number_of};
 use super::tile::RayTile;
 use crate::accel::rays::{BLOCK_EDGE, RayLanes, Rays};
-use crate::math::simd::Lanes;
+use crate::math::Lanes;
 
 /// A tile has at least this many rays: fewer share too little. With 12, 28 and 36, mirror rays in
 /// rooms took 2 to 14 per cent longer.

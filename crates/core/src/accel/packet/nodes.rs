@@ -10,7 +10,8 @@ use super::tile::RayTile;
 use crate::accel::arena::{ArenaView, Node, Ref, child_of};
 use crate::accel::node::{distance, widened};
 use crate::accel::query::Query;
-use crate::math::simd::{LANES, Lanes, entry};
+use crate::math::simd::entry;
+use crate::math::{LANES, Lanes};
 
 /// Queues the children of the node at `place` that `rays` of the tile meet: the nearest last, or for
 /// any-hit queries the largest.

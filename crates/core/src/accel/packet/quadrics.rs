@@ -12,9 +12,7 @@ use crate::accel::tree::Searched;
 use crate::counters::TestCounts;
 use crate::geometry::Quadric;
 use crate::kernels::precision::Arithmetic;
-use crate::math::real::{Mask, Real, Single};
-use crate::math::simd::{LANES, Lanes};
-use crate::math::vector::{Line, Vector};
+use crate::math::{LANES, Lanes, Line, Mask, Real, Single, Vector};
 
 impl RayTile {
     /// Tests the quadric of an entry in a list against some `rays`, a bit each.

@@ -6,8 +6,7 @@ use crate::accel::build::Preset;
 use crate::accel::tests::{Numbers, add_quad, bumpy_sphere, cloud};
 use crate::accel::{Accel, Hit};
 use crate::geometry::Geometry;
-use crate::math::ray::Ray;
-use crate::math::simd::is_wide;
+use crate::math::{Ray, is_wide};
 
 /// A mesh that shares vertices, loose triangles and spheres, and a quad; some of each are lights.
 pub(crate) fn scene(n: u32) -> Geometry {

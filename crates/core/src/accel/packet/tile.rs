@@ -17,10 +17,7 @@ use crate::accel::{Hit, NO_PRIMITIVE};
 use crate::counters::TestCounts;
 use crate::kernels::precision::Arithmetic;
 use crate::kernels::triangle::{ShearedSpace, settle};
-use crate::math::ray::Ray;
-use crate::math::real::{Mask, Single};
-use crate::math::simd::{LANES, Lanes, lanes};
-use crate::math::vector::{Line, Vector};
+use crate::math::{LANES, Lanes, Line, Mask, Ray, Single, Vector, lanes};
 
 /// A tile's rays, in columns. The order of fields keeps vectors within cache lines.
 #[derive(Clone, Debug, Default)]

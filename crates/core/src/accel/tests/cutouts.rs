@@ -13,7 +13,7 @@ use crate::geometry::cutouts::{Cutout, Cutouts};
 use crate::geometry::instance::Instance;
 use crate::kernels::slab::Aabb;
 use crate::kernels::texture::{Filter, Image, LazyImage, PlanarMap, Texels, UvMap, Wrap};
-use crate::math::ray::Ray;
+use crate::math::Ray;
 
 /// An image of 8 by 8 texels of this alpha.
 fn image(alpha: impl Fn(u32) -> u8) -> Arc<LazyImage> {

@@ -6,7 +6,7 @@ use obvhs::bvh2::Bvh2;
 use super::{Converter, Output, Owner, SLOTS, SharedVertices};
 use crate::accel::arena::{Kind, NODE_UNITS, Node, Patch, Soup, Unit, relative};
 use crate::geometry::Geometry;
-use crate::math::simd::LANES;
+use crate::math::LANES;
 
 impl Converter {
     /// Appends the evaluated subtree of `root` to `output`, its root first, and returns its part.

@@ -2,7 +2,7 @@
 
 use std::array::from_fn;
 
-use crate::math::simd::LANES;
+use crate::math::LANES;
 
 /// The vertices of up to eight triangles, each once.
 #[derive(Clone, Copy, Debug, Default)]

@@ -87,7 +87,7 @@ mod tests {
     use super::*;
     use crate::kernels::camera::{FovAxis, Lens, Placement};
     use crate::kernels::slab::SlabRay;
-    use crate::math::random::Stream;
+    use crate::math::Stream;
     use crate::math::sampling::Sampling;
     use glam::Vec3;
 

@@ -3,9 +3,8 @@
 use glam::{DVec3, Vec3};
 
 use crate::math::float::normalize_f64;
-use crate::math::real::{Real, Single};
 use crate::math::sampling;
-use crate::math::vector::Vector;
+use crate::math::{Real, Single, Vector};
 
 /// The direction and size of a distant light.
 #[derive(Clone, Copy, Debug, PartialEq)]

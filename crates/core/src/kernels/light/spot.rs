@@ -2,8 +2,7 @@
 
 use glam::DVec3;
 
-use crate::math::real::{Real, Single};
-use crate::math::vector::Vector;
+use crate::math::{Real, Single, Vector};
 
 /// A cone of light with its tip at the light: full strength within the inner angle, none beyond the
 /// outer one, and in between the square of a linear ramp of the cosine, as in glTF's

@@ -5,8 +5,7 @@ use std::f32::consts::{PI, TAU};
 use glam::{Mat3, Vec2, Vec3};
 
 use crate::math::float::{dot_f64, normalize};
-use crate::math::real::{Real, Single, both};
-use crate::math::vector::Vector;
+use crate::math::{Real, Single, Vector, both};
 
 /// The coordinates of points on a sphere, from their unit normals: u around +y from behind (-z), v
 /// up.

@@ -81,7 +81,7 @@ fn mean(index: u32, count: u32, half: u32, value: impl Fn(u32) -> DVec3) -> DVec
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::math::random::Stream;
+    use crate::math::Stream;
 
     fn random(x: u32, y: u32) -> Vec3 {
         let [r, g, b, _] = Stream { seed: 3, pixel: x, sample: y, bounce: 0 }.uniform(0);

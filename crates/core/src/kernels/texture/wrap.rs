@@ -2,7 +2,7 @@
 //!
 //! Numbers of texels are whole numbers in single precision, which sides of images never exceed.
 
-use crate::math::real::{Real, Single};
+use crate::math::{Real, Single};
 
 wavecrest_base::choices! {
     /// How a coordinate outside 0 to 1 is taken.

@@ -10,8 +10,8 @@ use std::cmp::Ordering;
 
 use glam::{DVec3, Vec3};
 
+use crate::math::Ray;
 use crate::math::exact::{Comparable, Expansion, Quotient, cross, determinant, exact};
-use crate::math::ray::Ray;
 
 /// Three exact coordinates.
 type Expansion3 = [Expansion; 3];

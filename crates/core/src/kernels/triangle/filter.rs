@@ -30,10 +30,7 @@ use super::UNDERFLOW;
 use super::settle::{self, Settled};
 use crate::kernels::precision::{self, Arithmetic};
 use crate::math::float::{UNIT_ROUNDOFF, max};
-use crate::math::ray::Ray;
-use crate::math::real::{Mask, Real, Single};
-use crate::math::simd::{Kernel, Lanes, dispatch};
-use crate::math::vector::{Line, Vector};
+use crate::math::{Kernel, Lanes, Line, Mask, Ray, Real, Single, Vector, dispatch};
 
 /// The triangles of a leaf that a ray meets, or may meet.
 #[derive(Clone, Copy, Debug, Default)]

@@ -20,9 +20,7 @@
 
 use glam::Vec3;
 
-use crate::math::ray::Ray;
-use crate::math::real::{Mask, Real, Single};
-use crate::math::vector::{Line, Vector};
+use crate::math::{Line, Mask, Ray, Real, Single, Vector};
 
 /// The unit roundoff of double precision.
 const UNIT_ROUNDOFF: f64 = f64::EPSILON / 2.0;

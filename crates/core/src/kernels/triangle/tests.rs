@@ -3,7 +3,7 @@
 use glam::{DVec3, Vec3};
 
 use super::*;
-use crate::math::ray::Ray;
+use crate::math::Ray;
 
 #[test]
 fn barycentric_coordinates_name_the_point() {

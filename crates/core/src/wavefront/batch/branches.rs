@@ -67,7 +67,7 @@ mod tests {
     use glam::Vec3;
 
     use super::*;
-    use crate::math::ray::Ray;
+    use crate::math::Ray;
     use crate::prepared::PathState;
 
     fn branch(bounces: u32) -> Branch {

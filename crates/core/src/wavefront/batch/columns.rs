@@ -2,9 +2,7 @@
 
 use glam::Vec3;
 
-use crate::math::real::Single;
-use crate::math::simd::LANES;
-use crate::math::vector::Vector;
+use crate::math::{LANES, Single, Vector};
 
 /// Declares a structure of arrays: a column for each field, all of the same length.
 macro_rules! columns {

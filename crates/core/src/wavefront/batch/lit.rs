@@ -5,9 +5,7 @@ use glam::Vec3;
 use super::columns::{Column, Vectors};
 use crate::kernels::blinn_phong::Reflection;
 use crate::kernels::shade::ShadingPoint;
-use crate::math::real::{Mask, Single};
-use crate::math::simd::LANES;
-use crate::math::vector::Vector;
+use crate::math::{LANES, Mask, Single, Vector};
 
 columns! {
     /// Points that lights may reach. Written by shade, read by shadow.

@@ -9,8 +9,7 @@ use crate::accel::leaf;
 use crate::accel::packet::columns::GROUPS;
 use crate::kernels::precision::Arithmetic;
 use crate::math::float::UNIT_ROUNDOFF;
-use crate::math::real::Mask;
-use crate::math::simd::{LANES, Lanes};
+use crate::math::{LANES, Lanes, Mask};
 
 /// The triangles of a leaf in a frame, an axis a row.
 pub(crate) struct FramedTriangles {
