@@ -48,7 +48,11 @@ use noted::NotedLeaves;
 use packet::Packets;
 use stream::Flight;
 use tlas::Tlas;
-use tree::Tree;
+// The types that every search uses, by their names alone.
+use arena::{Arena, ArenaView, Kind, Node, Patch, Ref, Soup, TreeContents, Unit, Units};
+use best::{Best, Pairs};
+use query::{Closest, Occluded, Query};
+use tree::{Chunk, Demand, Root, Searched, Tree};
 
 pub use choice::KernelChoice;
 pub use hit::{Hit, NO_PRIMITIVE};

@@ -6,9 +6,7 @@
 
 use glam::Vec3;
 
-use super::arena::{ArenaView, Ref};
-use super::tree::Searched;
-use super::{Hit, NO_PRIMITIVE};
+use super::{ArenaView, Hit, NO_PRIMITIVE, Ref, Searched};
 use crate::counters::TestCounts;
 use crate::kernels::precision::Arithmetic;
 use crate::kernels::triangle::{exact, settle};

@@ -19,8 +19,7 @@ mod weld;
 
 use obvhs::BvhBuildParams;
 
-use super::arena::Unit;
-use super::tree::{Demand, Tree};
+use super::{Demand, Tree, Unit};
 use crate::geometry::Geometry;
 use piece::BuildPlan;
 

@@ -9,11 +9,7 @@ use std::marker::PhantomData;
 
 use fearless_simd::Level;
 
-use super::best::Best;
-use super::query::Query;
-use super::rays::Rays;
-use super::tree::Searched;
-use super::{Accel, Hit, KernelChoice, Traversal, packet, single};
+use super::{Accel, Best, Hit, KernelChoice, Query, Rays, Searched, Traversal, packet, single};
 use crate::geometry::PreparedRay;
 use crate::kernels::precision::Arithmetic;
 use crate::math::simd::entry;

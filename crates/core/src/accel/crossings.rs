@@ -3,14 +3,8 @@
 
 use std::marker::PhantomData;
 
-use super::arena::{Kind, Ref};
-use super::best::Best;
-use super::leaf;
 use super::node::{self, place};
-use super::query::Occluded;
-use super::rays::Rays;
-use super::tree::{Root, Searched};
-use super::{Hit, Traversal};
+use super::{Best, Hit, Kind, Occluded, Rays, Ref, Root, Searched, Traversal, leaf};
 use crate::counters::TestCounts;
 use crate::geometry::{Geometry, Primitive};
 use crate::kernels::precision::Arithmetic;

@@ -10,11 +10,9 @@
 //! replaces that one only if it comes first. Shapes that shadow rays pass are no instances, so that
 //! the order in a prototype is that of the scene.
 
-use super::query::Query;
-use super::rays::Rays;
 use super::search::Search;
 use super::tlas::{TlasEntry, Walk};
-use super::{Hit, Traversal};
+use super::{Hit, Query, Rays, Traversal};
 use crate::geometry::Geometry;
 use crate::geometry::instance::Instance;
 use crate::kernels::precision::Arithmetic;

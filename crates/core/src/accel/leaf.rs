@@ -3,11 +3,8 @@
 use fearless_simd::f32x8;
 use fearless_simd::prelude::*;
 
-use super::arena::{ArenaView, Kind, Ref};
-use super::best::Best;
-use super::noted::NotedLeaves;
-use super::query::{ANY_HIT, Query};
-use super::tree::Searched;
+use super::query::ANY_HIT;
+use super::{ArenaView, Best, Kind, NotedLeaves, Query, Ref, Searched};
 use crate::counters::TestCounts;
 use crate::geometry::PreparedRay;
 use crate::kernels::precision::Arithmetic;

@@ -3,8 +3,8 @@
 use fearless_simd::prelude::*;
 use fearless_simd::{f32x8, mask32x8, u32x8};
 
-use super::arena::{Node, Ref, base, child_of};
-use super::query::Query;
+use super::arena::{base, child_of};
+use super::{Node, Query, Ref};
 use crate::kernels::slab::{SlabRay, WIDENING};
 use crate::math::simd::entry;
 use crate::math::{LANES, Lanes};

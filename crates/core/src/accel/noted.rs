@@ -1,8 +1,7 @@
 //! Where shadow rays pass primitives: any-hit searches note the leaves, a list for each ray,
 //! so that what the rays cross there is found without another search.
 
-use super::arena::Ref;
-use super::tree::Searched;
+use super::{Ref, Searched};
 
 /// Most leaves in all lists, so that memory is bounded: 2 MiB.
 const MOST_LEAVES: usize = 1 << 18;

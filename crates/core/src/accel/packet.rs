@@ -24,14 +24,9 @@ mod tile;
 
 use std::marker::PhantomData;
 
-use super::arena::{Kind, Ref};
 use super::node::{distance, place};
-use super::noted::NotedLeaves;
-use super::query::Query;
-use super::rays::Rays;
 use super::stream::{self, HandedPlace, RaySource};
-use super::tree::{Root, Searched, Tree};
-use super::{KernelChoice, Traversal};
+use super::{KernelChoice, Kind, NotedLeaves, Query, Rays, Ref, Root, Searched, Traversal, Tree};
 use crate::counters::TestCounts;
 use crate::kernels::precision::Arithmetic;
 use crate::math::simd::entry;

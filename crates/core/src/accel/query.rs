@@ -1,7 +1,6 @@
 //! The queries: closest hit and any hit.
 
-use super::Hit;
-use super::best::Best;
+use super::{Best, Hit};
 use crate::counters::{KernelCounts, Kernels};
 use crate::math::Ray;
 

@@ -4,10 +4,10 @@ use std::marker::PhantomData;
 use std::ops::Range;
 
 use super::crossings::{CrossingQuery, Crossings, Each};
-use super::query::{Closest, Occluded, Query};
-use super::rays::Rays;
-use super::tree::{Searched, Tree};
-use super::{Accel, Hit, KernelChoice, Traversal, compiled, crossings};
+use super::{
+    Accel, Closest, Hit, KernelChoice, Occluded, Query, Rays, Searched, Traversal, Tree, compiled,
+    crossings,
+};
 use crate::counters::TestCounts;
 use crate::geometry::Geometry;
 use crate::kernels::precision::Arithmetic;

@@ -1,12 +1,7 @@
 //! Traversal by one ray: for the recursive tracer, and for the rays left by packets.
 
-use super::arena::Kind;
-use super::best::Best;
-use super::leaf;
 use super::node::{self, distance, place};
-use super::noted::NotedLeaves;
-use super::query::Query;
-use super::tree::Searched;
+use super::{Best, Kind, NotedLeaves, Query, Searched, leaf};
 use crate::counters::TestCounts;
 use crate::geometry::PreparedRay;
 use crate::kernels::precision::Arithmetic;

@@ -6,10 +6,9 @@ use std::marker::PhantomData;
 
 use fearless_simd::{Level, f32x8};
 
-use super::arena::{ArenaView, Kind, Ref, child_of};
-use super::best::{Best, Pairs};
-use super::tree::{Tree, child_box};
-use super::{Accel, leaf};
+use super::arena::child_of;
+use super::tree::child_box;
+use super::{Accel, ArenaView, Best, Kind, Pairs, Ref, Tree, leaf};
 use crate::counters::TestCounts;
 use crate::geometry::{PreparedRay, Primitive};
 use crate::kernels::precision::{Arithmetic, Precision};

@@ -16,13 +16,8 @@ use std::marker::PhantomData;
 use fearless_simd::prelude::*;
 use glam::Vec3;
 
-use super::arena::{ArenaView, Kind};
-use super::best::Best;
-use super::leaf;
 use super::node::{self, distance, place};
-use super::noted::NotedLeaves;
-use super::query::Query;
-use super::tree::Searched;
+use super::{ArenaView, Best, Kind, NotedLeaves, Query, Searched, leaf};
 use crate::counters::{KernelCounts, TestCounts};
 use crate::geometry::PreparedRay;
 use crate::kernels::precision::Arithmetic;

@@ -4,7 +4,7 @@
 //! along an axis. There are few instances compared with their triangles, so the tree is simple, and
 //! its depth is bounded for any scene.
 
-use super::hit::Hit;
+use super::Hit;
 use crate::geometry::instance::Instance;
 use crate::kernels::slab::{Aabb, SlabRay};
 use crate::math::Ray;

@@ -3,7 +3,8 @@
 use std::ops::Range;
 use std::sync::OnceLock;
 
-use super::arena::{Arena, Kind, Node, Ref, TreeContents, child_of};
+use super::arena::child_of;
+use super::{Arena, Kind, Node, Ref, TreeContents};
 use crate::geometry::Geometry;
 use crate::kernels::slab::Aabb;
 use crate::math::LANES;

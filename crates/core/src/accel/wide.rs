@@ -16,7 +16,8 @@ mod shared;
 use bytemuck::Zeroable;
 use obvhs::bvh2::Bvh2;
 
-use super::arena::{Kind, Unit, list_units};
+use super::arena::list_units;
+use super::{Kind, Unit};
 use crate::kernels::slab::Aabb;
 use crate::math::LANES;
 pub(super) use shared::SharedVertices;

@@ -14,9 +14,8 @@ use bytemuck::Zeroable;
 
 use super::Preset;
 use super::piece::{BuildPlan, Piece};
-use crate::accel::arena::{Arena, Kind, Ref, Unit};
-use crate::accel::tree::{Chunk, Demand, Searched};
 use crate::accel::wide::Part;
+use crate::accel::{Arena, Chunk, Demand, Kind, Ref, Searched, Unit};
 use crate::geometry::Geometry;
 use crate::kernels::slab::Aabb;
 

@@ -1,9 +1,8 @@
 //! The tree against brute force, and the hard cases of building.
 
 use super::*;
-use crate::accel::arena::{Kind, TreeContents};
 use crate::accel::tests::{add_quad, add_triangle, brute, check};
-use crate::accel::{Accel, Hit};
+use crate::accel::{Accel, Hit, Kind, TreeContents};
 use crate::geometry::{Primitive, Quadric};
 use crate::kernels::quad;
 use crate::kernels::slab::Aabb;

@@ -4,10 +4,8 @@ use glam::Vec3;
 
 use super::*;
 use crate::accel::build::Preset;
-use crate::accel::noted::NotedLeaves;
-use crate::accel::packet;
 use crate::accel::tests::{Numbers, add_quad, add_triangle, bumpy_sphere};
-use crate::accel::{Accel, KernelChoice};
+use crate::accel::{Accel, KernelChoice, NotedLeaves, packet};
 use crate::geometry::Quadric;
 use crate::kernels::disk::{self, Disk};
 use crate::kernels::precision::{Exact, Reference};

@@ -3,9 +3,8 @@
 use super::columns::number_of;
 use super::tile::RayTile;
 use super::{TILE, TileBatch};
-use crate::accel::query::Query;
-use crate::accel::single;
 use crate::accel::stream::{HandedPlace, MOST_HANDED};
+use crate::accel::{Query, single};
 use crate::geometry::PreparedRay;
 use crate::kernels::precision::Arithmetic;
 use crate::math::{Lanes, outlined};

@@ -7,7 +7,8 @@ use super::TILE;
 use super::beam::{Beam, Extents};
 use super::columns::{GROUPS, TileColumn, WIDTH, first, load, number_of};
 use super::tile::RayTile;
-use crate::accel::rays::{BLOCK_EDGE, RayLanes, Rays};
+use crate::accel::Rays;
+use crate::accel::rays::{BLOCK_EDGE, RayLanes};
 use crate::math::Lanes;
 
 /// A tile has at least this many rays: fewer share too little. With 12, 28 and 36, mirror rays in

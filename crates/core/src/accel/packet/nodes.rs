@@ -7,9 +7,9 @@ use super::Visit;
 use super::beam::MetChildren;
 use super::columns::{GROUPS, TileColumn, WIDTH, load};
 use super::tile::RayTile;
-use crate::accel::arena::{ArenaView, Node, Ref, child_of};
+use crate::accel::arena::child_of;
 use crate::accel::node::{distance, widened};
-use crate::accel::query::Query;
+use crate::accel::{ArenaView, Node, Query, Ref};
 use crate::math::simd::entry;
 use crate::math::{LANES, Lanes};
 

@@ -1,7 +1,7 @@
 //! The next steps of rays in flight.
 
 use super::FLIGHT;
-use crate::accel::arena::{ArenaView, Kind, Ref};
+use crate::accel::{ArenaView, Kind, Ref};
 
 /// This many steps to leaves of a kind are worth a loop.
 const ENOUGH_STEPS: usize = 16;

@@ -1,11 +1,8 @@
 //! The rays of a stream: those that packets handed over, then those that no packet took.
 
 use super::Slot;
-use crate::accel::best::Best;
 use crate::accel::node::distance;
-use crate::accel::query::Query;
-use crate::accel::rays::Rays;
-use crate::accel::tree::Root;
+use crate::accel::{Best, Query, Rays, Root};
 use crate::geometry::PreparedRay;
 use crate::math::simd::entry;
 

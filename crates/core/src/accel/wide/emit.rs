@@ -4,7 +4,8 @@ use bytemuck::Zeroable;
 use obvhs::bvh2::Bvh2;
 
 use super::{Converter, Output, Owner, SLOTS, SharedVertices};
-use crate::accel::arena::{Kind, NODE_UNITS, Node, Patch, Soup, Unit, relative};
+use crate::accel::arena::{NODE_UNITS, relative};
+use crate::accel::{Kind, Node, Patch, Soup, Unit};
 use crate::geometry::Geometry;
 use crate::math::LANES;
 

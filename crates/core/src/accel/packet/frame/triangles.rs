@@ -4,9 +4,8 @@ use fearless_simd::prelude::*;
 use fearless_simd::{f32x8, f32x16, mask32x8};
 
 use super::{Frame, Sizes, cross, three};
-use crate::accel::arena::{ArenaView, Ref};
-use crate::accel::leaf;
 use crate::accel::packet::columns::GROUPS;
+use crate::accel::{ArenaView, Ref, leaf};
 use crate::kernels::precision::Arithmetic;
 use crate::math::float::UNIT_ROUNDOFF;
 use crate::math::{LANES, Lanes, Mask};
