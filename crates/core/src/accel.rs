@@ -38,8 +38,7 @@ use rayon::prelude::*;
 
 use crate::counters::{Kernels, TestCounts};
 use crate::geometry::Geometry;
-use crate::kernels::precision::{Arithmetic, Precision};
-use crate::kernels::slab::Aabb;
+use crate::kernels::{Aabb, Arithmetic, Precision};
 use crate::math::Ray;
 use crate::with_precision;
 use build::Preset;

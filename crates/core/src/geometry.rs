@@ -14,10 +14,7 @@ use glam::Vec3;
 use rayon::prelude::*;
 
 use crate::counters::TestCounts;
-use crate::kernels::precision::{Arithmetic, Precision};
-use crate::kernels::quad;
-use crate::kernels::slab::{Aabb, SlabRay};
-use crate::kernels::triangle::{self, ShearedSpace};
+use crate::kernels::{Aabb, Arithmetic, Precision, ShearedSpace, SlabRay, quad, triangle};
 use crate::math::Ray;
 use crate::math::float::min;
 use cutouts::Cutouts;

@@ -21,3 +21,20 @@ pub mod surface;
 pub mod texture;
 pub mod transmission;
 pub mod triangle;
+
+// The types that every module uses, by their names alone.
+pub(crate) use blinn_phong::{Material, Reflection};
+pub(crate) use camera::Camera;
+pub(crate) use corners::CornerValues;
+pub(crate) use differential::Differential;
+pub(crate) use disk::Disk;
+pub(crate) use environment::Environment;
+pub(crate) use hemisphere::Hemisphere;
+pub(crate) use light::{Emitter, Light, LightPoint};
+pub(crate) use precision::{Arithmetic, Precision};
+pub(crate) use shade::{MirrorRequest, ShadingPoint, ShadowRequest};
+pub(crate) use slab::{Aabb, SlabRay};
+pub(crate) use surface::SurfacePoint;
+pub(crate) use texture::{Filter, Image, LazyImage, UvMap, Wrap};
+pub(crate) use transmission::{Refracted, Transparency};
+pub(crate) use triangle::{LaneHits, ShearedSpace};

@@ -18,7 +18,7 @@ pub(crate) use random::Stream;
 pub(crate) use ray::Ray;
 pub(crate) use real::{Mask, Real, Single, both};
 pub(crate) use simd::{
-    AnyWidth, Kernel, LANES, Lanes, dispatch, dispatch_any_width, dispatch_wide, is_wide, lanes,
-    outlined,
+    AnyWidth, Kernel, LANES, Lanes, dispatch, dispatch_any_width, dispatch_wide, entry, is_wide,
+    lanes, outlined,
 };
 pub(crate) use vector::{Line, Vector};

@@ -29,14 +29,10 @@ pub use transmission::{Branch, MOST_RAYS, PathState};
 
 use crate::accel::Accel;
 pub use crate::counters::LookUps;
-use crate::kernels::camera::Camera;
 use crate::kernels::camera::path::Path;
 pub use crate::kernels::corners::{CornerValues, NO_VALUE};
-use crate::kernels::environment::Environment;
-use crate::kernels::hemisphere::Hemisphere;
-use crate::kernels::light::Light;
-use crate::kernels::texture::{Filter, Wrap};
 pub use crate::kernels::texture::{LazyImage, Placing, UvMap};
+use crate::kernels::{Camera, Environment, Filter, Hemisphere, Light, Wrap};
 use crate::plan::Plan;
 use wavecrest_base::error::Result;
 

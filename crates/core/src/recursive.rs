@@ -12,10 +12,9 @@ use glam::Vec3;
 use crate::accel::{Hit, Traversal};
 use crate::counters::TestCounts;
 use crate::counters::{Counters, Sample};
-use crate::kernels::hemisphere::Hemisphere;
-use crate::kernels::light::{Light, LightPoint};
-use crate::kernels::precision::Arithmetic;
-use crate::kernels::shade::{self, ShadingPoint, ShadowRequest};
+use crate::kernels::{
+    Arithmetic, Hemisphere, Light, LightPoint, ShadingPoint, ShadowRequest, shade,
+};
 use crate::math::{Line, Ray, Stream};
 use crate::plan::schedule::Schedule;
 use crate::prepared::{

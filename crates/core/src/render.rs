@@ -11,7 +11,7 @@ pub mod work;
 
 use crate::counters::Counters;
 use crate::film::Film;
-use crate::kernels::precision::Precision;
+use crate::kernels::Precision;
 use crate::prepared::PreparedScene;
 use crate::tile::Tile;
 use crate::wavefront::DEFAULT_BATCH;

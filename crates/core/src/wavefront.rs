@@ -21,7 +21,7 @@ use std::marker::PhantomData;
 
 use crate::accel::Traversal;
 use crate::counters::Counters;
-use crate::kernels::precision::Arithmetic;
+use crate::kernels::Arithmetic;
 use crate::plan::schedule::Schedule;
 use crate::prepared::{MOST_RAYS, MediumStack, PreparedScene};
 use crate::tile::{PassClock, TimedPass, Tracer, Unit};

@@ -8,7 +8,7 @@ use glam::Vec3;
 
 use super::{ArenaView, Hit, NO_PRIMITIVE, Ref, Searched};
 use crate::counters::TestCounts;
-use crate::kernels::precision::Arithmetic;
+use crate::kernels::Arithmetic;
 use crate::kernels::triangle::{exact, settle};
 use crate::math::exact::Comparable;
 use crate::math::{LANES, Line, Ray, Single, Vector};

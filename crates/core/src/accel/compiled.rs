@@ -11,9 +11,8 @@ use fearless_simd::Level;
 
 use super::{Accel, Best, Hit, KernelChoice, Query, Rays, Searched, Traversal, packet, single};
 use crate::geometry::PreparedRay;
-use crate::kernels::precision::Arithmetic;
-use crate::math::simd::entry;
-use crate::math::{Kernel, Lanes, Ray, dispatch, dispatch_wide};
+use crate::kernels::Arithmetic;
+use crate::math::{Kernel, Lanes, Ray, dispatch, dispatch_wide, entry};
 
 /// The hit on `ray` for query `Q`.
 #[inline(never)]

@@ -7,13 +7,9 @@ use super::node::{self, place};
 use super::{Best, Hit, Kind, Occluded, Rays, Ref, Root, Searched, Traversal, leaf};
 use crate::counters::TestCounts;
 use crate::geometry::{Geometry, Primitive};
-use crate::kernels::precision::Arithmetic;
-use crate::kernels::quad;
-use crate::kernels::slab::SlabRay;
-use crate::kernels::triangle::{self, ShearedSpace};
+use crate::kernels::{Arithmetic, ShearedSpace, SlabRay, quad, triangle};
 use crate::math::float::{max, min};
-use crate::math::simd::entry;
-use crate::math::{Kernel, Lanes, Ray};
+use crate::math::{Kernel, Lanes, Ray, entry};
 
 /// The rays whose crossings are asked for, and which of these count.
 #[derive(Clone, Copy)]

@@ -15,7 +15,7 @@ use super::tlas::{TlasEntry, Walk};
 use super::{Hit, Query, Rays, Traversal};
 use crate::geometry::Geometry;
 use crate::geometry::instance::Instance;
-use crate::kernels::precision::Arithmetic;
+use crate::kernels::Arithmetic;
 use crate::math::Ray;
 use crate::math::float::min;
 

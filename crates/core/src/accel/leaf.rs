@@ -7,10 +7,10 @@ use super::query::ANY_HIT;
 use super::{ArenaView, Best, Kind, NotedLeaves, Query, Ref, Searched};
 use crate::counters::TestCounts;
 use crate::geometry::PreparedRay;
-use crate::kernels::precision::Arithmetic;
+use crate::kernels::triangle::exact;
 use crate::kernels::triangle::filter::{self, ORDERS};
 use crate::kernels::triangle::settle::Verdict;
-use crate::kernels::triangle::{self, LaneHits, ShearedSpace, exact};
+use crate::kernels::{Arithmetic, LaneHits, ShearedSpace, triangle};
 use crate::math::{Lanes, Ray, Vector, lanes, outlined};
 
 /// Searches the leaf for the hit of query `Q`: replaces `best` by a hit that comes first, or by

@@ -5,9 +5,9 @@ use fearless_simd::{f32x8, mask32x8, u32x8};
 
 use super::arena::{base, child_of};
 use super::{Node, Query, Ref};
-use crate::kernels::slab::{SlabRay, WIDENING};
-use crate::math::simd::entry;
-use crate::math::{LANES, Lanes};
+use crate::kernels::SlabRay;
+use crate::kernels::slab::WIDENING;
+use crate::math::{LANES, Lanes, entry};
 
 /// The entry distances of the children's boxes, and the children met between `t_min` and
 /// `t_max`.

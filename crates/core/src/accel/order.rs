@@ -16,10 +16,8 @@ use robust::{Coord3D, orient3d};
 
 use super::Hit;
 use crate::geometry::{Geometry, Primitive, Quadric};
-use crate::kernels::disk::{self, Disk};
-use crate::kernels::precision::Precision;
 use crate::kernels::triangle::{self, settle};
-use crate::kernels::{quad, sphere};
+use crate::kernels::{Disk, Precision, disk, quad, sphere};
 use crate::math::Ray;
 use crate::math::exact::{Algebraic, Comparable, Quotient, exact};
 

@@ -28,9 +28,8 @@ use super::node::{distance, place};
 use super::stream::{self, HandedPlace, RaySource};
 use super::{KernelChoice, Kind, NotedLeaves, Query, Rays, Ref, Root, Searched, Traversal, Tree};
 use crate::counters::TestCounts;
-use crate::kernels::precision::Arithmetic;
-use crate::math::simd::entry;
-use crate::math::{Lanes, outlined};
+use crate::kernels::Arithmetic;
+use crate::math::{Lanes, entry, outlined};
 use columns::numbers;
 use tile::RayTile;
 

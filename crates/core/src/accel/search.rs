@@ -10,7 +10,7 @@ use super::{
 };
 use crate::counters::TestCounts;
 use crate::geometry::Geometry;
-use crate::kernels::precision::Arithmetic;
+use crate::kernels::Arithmetic;
 use crate::math::{Ray, dispatch, is_wide};
 
 /// The searches of an [`Accel`] whose geometry has precision `P`.

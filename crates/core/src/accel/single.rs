@@ -4,7 +4,7 @@ use super::node::{self, distance, place};
 use super::{Best, Kind, NotedLeaves, Query, Searched, leaf};
 use crate::counters::TestCounts;
 use crate::geometry::PreparedRay;
-use crate::kernels::precision::Arithmetic;
+use crate::kernels::Arithmetic;
 use crate::math::Lanes;
 
 /// The hit for query `Q`, starting with the first `height` entries of `stack`, the nearest last,

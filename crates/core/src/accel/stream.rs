@@ -20,10 +20,8 @@ use super::node::{self, distance, place};
 use super::{ArenaView, Best, Kind, NotedLeaves, Query, Searched, leaf};
 use crate::counters::{KernelCounts, TestCounts};
 use crate::geometry::PreparedRay;
-use crate::kernels::precision::Arithmetic;
-use crate::kernels::triangle::LaneHits;
-use crate::math::simd::entry;
-use crate::math::{LANES, Lanes, Ray};
+use crate::kernels::{Arithmetic, LaneHits};
+use crate::math::{LANES, Lanes, Ray, entry};
 use next::NextSteps;
 pub(super) use source::{HandedPlace, RaySource};
 

@@ -8,7 +8,7 @@ use glam::Vec3;
 
 use super::*;
 use crate::geometry::Quadric;
-use crate::kernels::disk::Disk;
+use crate::kernels::Disk;
 use crate::math::Stream;
 use crate::math::ray::FARTHEST_ORIGIN;
 use crate::math::simd::Level;

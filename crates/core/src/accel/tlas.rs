@@ -6,7 +6,7 @@
 
 use super::Hit;
 use crate::geometry::instance::Instance;
-use crate::kernels::slab::{Aabb, SlabRay};
+use crate::kernels::{Aabb, SlabRay};
 use crate::math::Ray;
 use crate::math::float::{max, min};
 

@@ -6,7 +6,7 @@ use std::sync::OnceLock;
 use super::arena::child_of;
 use super::{Arena, Kind, Node, Ref, TreeContents};
 use crate::geometry::Geometry;
-use crate::kernels::slab::Aabb;
+use crate::kernels::Aabb;
 use crate::math::LANES;
 
 /// A bounding volume hierarchy over the primitives of a [`crate::geometry::Geometry`].

@@ -18,7 +18,7 @@ use obvhs::bvh2::Bvh2;
 
 use super::arena::list_units;
 use super::{Kind, Unit};
-use crate::kernels::slab::Aabb;
+use crate::kernels::Aabb;
 use crate::math::LANES;
 pub(super) use shared::SharedVertices;
 

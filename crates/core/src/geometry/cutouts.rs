@@ -9,8 +9,8 @@ use std::sync::Arc;
 
 use glam::Vec2;
 
-use crate::kernels::corners::CornerValues;
-use crate::kernels::texture::{Filter, LazyImage, Placing, UvMap, Wrap};
+use crate::kernels::texture::Placing;
+use crate::kernels::{CornerValues, Filter, LazyImage, UvMap, Wrap};
 
 /// The cut-outs of a geometry, in the order of their primitives.
 #[derive(Clone, Debug, Default)]

@@ -3,9 +3,7 @@
 use super::cutouts::Cutout;
 use super::{Geometry, Primitive, Quadric};
 use crate::counters::TestCounts;
-use crate::kernels::precision::Arithmetic;
-use crate::kernels::surface;
-use crate::kernels::texture::{self, UvMap};
+use crate::kernels::{Arithmetic, UvMap, surface, texture};
 use crate::math::float::normalize;
 use crate::math::{Line, Ray, Vector};
 

@@ -21,8 +21,8 @@
 
 use glam::{DAffine3, DVec3, Vec3, Vec4};
 
-use crate::kernels::slab::{Aabb, PADDING};
-use crate::kernels::surface::SurfacePoint;
+use crate::kernels::slab::PADDING;
+use crate::kernels::{Aabb, SurfacePoint};
 use crate::math::Ray;
 use crate::math::float::{UNIT_ROUNDOFF, max_abs, normalize_f64};
 

@@ -3,10 +3,7 @@
 use glam::{DVec3, Vec3};
 
 use crate::counters::TestCounts;
-use crate::kernels::disk::{self, Disk};
-use crate::kernels::precision::Arithmetic;
-use crate::kernels::slab::Aabb;
-use crate::kernels::sphere;
+use crate::kernels::{Aabb, Arithmetic, Disk, disk, sphere};
 use crate::math::{Line, Ray, Single};
 
 /// A sphere or a disk.

@@ -8,7 +8,7 @@ pub mod path;
 
 use glam::{DVec3, Vec3};
 
-use super::differential::Differential;
+use super::Differential;
 use crate::math::float::normalize_f64;
 use crate::math::sampling::{self, Draw, Points, Sampling, divide};
 use crate::math::{Line, Ray, Single, Stream, Vector, both};

@@ -15,7 +15,7 @@ use std::cmp::Ordering;
 
 use glam::{DVec3, Vec3};
 
-use super::precision::Arithmetic;
+use super::Arithmetic;
 use super::sphere::{Roots, passes_by, settled};
 use crate::math::exact::{Comparable, Expansion, Quotient, dot, exact};
 use crate::math::float::normalize_f64;

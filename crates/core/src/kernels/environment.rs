@@ -8,8 +8,8 @@ use std::f64::consts::{PI, TAU};
 use glam::{DVec3, Mat3, Vec3};
 use rayon::prelude::*;
 
-use super::hemisphere::Hemisphere;
-use super::texture::{Filter, Image, Wrap, sphere_uv};
+use super::texture::sphere_uv;
+use super::{Filter, Hemisphere, Image, Wrap};
 use crate::math::float::normalize;
 
 /// The surroundings of a scene.

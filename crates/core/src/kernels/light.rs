@@ -10,9 +10,8 @@ use glam::{DVec3, Vec3};
 pub use distant::Distant;
 pub use spot::Cone;
 
-use super::disk::Disk;
 use super::slab::Aabb;
-use super::triangle;
+use super::{Disk, triangle};
 use crate::math::float::{dot_f64, max, max_abs};
 use crate::math::sampling::{self, Draw, Sampling};
 use crate::math::{Mask, Real, Single, Stream, Vector};

@@ -7,9 +7,7 @@
 
 use glam::Vec3;
 
-use super::blinn_phong::{self, Material, Reflection};
-use super::hemisphere::Hemisphere;
-use super::light::{Light, LightPoint};
+use super::{Hemisphere, Light, LightPoint, Material, Reflection, blinn_phong};
 use crate::math::float::gamma;
 use crate::math::{Line, Mask, Ray, Single, Vector};
 

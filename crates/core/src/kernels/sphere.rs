@@ -16,7 +16,7 @@
 
 use glam::Vec3;
 
-use super::precision::Arithmetic;
+use super::Arithmetic;
 use crate::math::exact::{Comparable, Expansion, QuadraticRoot, dot, exact};
 use crate::math::float::gamma;
 use crate::math::{Line, Mask, Ray, Real, Single, Vector, lanes};

@@ -5,11 +5,8 @@
 
 use glam::{DVec3, Vec3};
 
-use super::disk;
-use super::precision::Arithmetic;
-use super::quad;
-use super::sphere;
 use super::triangle::{self, exact};
+use super::{Arithmetic, disk, quad, sphere};
 use crate::math::float::{error_of_offset, gamma};
 use crate::math::{Line, Mask, Ray, Real, Single, Vector, lanes};
 

@@ -6,7 +6,7 @@
 
 use glam::{DVec3, Vec3};
 
-use super::shade::ShadingPoint;
+use super::ShadingPoint;
 use crate::math::float::{dot_f64, normalize_f64};
 
 /// How a surface lets light through.

@@ -4,8 +4,7 @@
 //! `maps.rs`, and what shading makes of it.
 
 use super::{Texture, UvMap};
-use crate::kernels::blinn_phong::Material;
-use crate::kernels::transmission::Transparency;
+use crate::kernels::{Material, Transparency};
 
 /// What surfaces look like. Shapes that look the same share a class.
 #[derive(Clone, Debug, PartialEq)]

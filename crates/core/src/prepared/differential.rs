@@ -8,9 +8,8 @@ use super::group::{GroupHits, three};
 use super::{Group, LookUps, PreparedScene};
 use crate::accel::Hit;
 use crate::geometry::ShadingKind;
-use crate::kernels::differential::{Differential, turn_between};
-use crate::kernels::shade::{self, ShadingPoint};
-use crate::kernels::transmission::Refracted;
+use crate::kernels::differential::turn_between;
+use crate::kernels::{Differential, Refracted, ShadingPoint, shade};
 use crate::math::{Line, Mask, Ray, Single, Vector, both};
 use crate::plan::schedule::Step;
 

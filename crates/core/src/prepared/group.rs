@@ -4,9 +4,7 @@ use glam::Vec3;
 
 use super::{Appearance, Class, LookUps, PreparedScene};
 use crate::geometry::{Geometry, Primitive, ShadingKind};
-use crate::kernels::blinn_phong::Material;
-use crate::kernels::shade::ShadingPoint;
-use crate::kernels::surface::{self, SurfacePoint};
+use crate::kernels::{Material, ShadingPoint, SurfacePoint, surface};
 use crate::math::{LANES, Line, Ray, Single, Vector};
 
 /// A hit on a surface.

@@ -9,11 +9,7 @@ use super::maps::LookUpPlace;
 use super::{Class, LookUps, PreparedScene};
 use crate::accel::Hit;
 use crate::geometry::{Geometry, Primitive, ShadingKind};
-use crate::kernels::blinn_phong::Reflection;
-use crate::kernels::differential::Differential;
-use crate::kernels::precision::Arithmetic;
-use crate::kernels::shade::ShadingPoint;
-use crate::kernels::surface::{self, SurfacePoint};
+use crate::kernels::{Arithmetic, Differential, Reflection, ShadingPoint, SurfacePoint, surface};
 use crate::math::{Line, Ray, Single, Vector};
 
 /// The surface interaction of a traced ray.

@@ -11,10 +11,7 @@ use glam::Vec3;
 use super::media::Sides;
 use super::{Branch, MediumStack, PreparedScene, Shape};
 use crate::accel::{Hit, Traversal};
-use crate::kernels::precision::Arithmetic;
-use crate::kernels::shade::ShadingPoint;
-use crate::kernels::surface::SurfacePoint;
-use crate::kernels::transmission::Transparency;
+use crate::kernels::{Arithmetic, ShadingPoint, SurfacePoint, Transparency};
 use crate::math::float::{max, offset_of_error};
 use crate::math::{Ray, Vector};
 

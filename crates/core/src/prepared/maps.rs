@@ -8,12 +8,11 @@ use glam::{Mat3, Vec3};
 use super::class::{Map, Property};
 use super::group::{Group, set, three};
 use super::{Class, Coordinates, LookUps, PreparedScene, Texture, UvMap};
-use crate::kernels::blinn_phong::Reflection;
-use crate::kernels::differential::{Differential, uv_change};
-use crate::kernels::metal;
-use crate::kernels::shade::ShadingPoint;
-use crate::kernels::surface::{self, SurfacePoint};
-use crate::kernels::texture::{Filter, Image, sphere_directions, sphere_uv, sphere_uv_change};
+use crate::kernels::differential::uv_change;
+use crate::kernels::texture::{sphere_directions, sphere_uv, sphere_uv_change};
+use crate::kernels::{
+    Differential, Filter, Image, Reflection, ShadingPoint, SurfacePoint, metal, surface,
+};
 use crate::math::{Line, Real, Single, Vector, both};
 
 /// Returns the differential of the ray in a lane, unless it is a camera ray.

@@ -9,7 +9,7 @@ use glam::{DVec3, Vec3};
 
 use super::{PreparedScene, Shape};
 use crate::accel::Traversal;
-use crate::kernels::precision::Arithmetic;
+use crate::kernels::Arithmetic;
 use crate::kernels::transmission::remaining;
 use crate::math::Ray;
 

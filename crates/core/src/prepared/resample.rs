@@ -1,8 +1,8 @@
 //! Other samples of the same scene, for sweeps over samplers and sample counts.
 
 use super::PreparedScene;
-use crate::kernels::camera::{Camera, DIMENSION};
-use crate::kernels::light::Light;
+use crate::kernels::camera::DIMENSION;
+use crate::kernels::{Camera, Light};
 use crate::math::sampling::{Points, Sampling};
 
 /// The sampling of a scene. `None` keeps the scene's own.

@@ -13,7 +13,7 @@ use super::maps::LookUpPlace;
 use super::{LookUps, MediumStack, PreparedScene, Shape};
 use crate::accel::{Hit, Rays, Traversal};
 use crate::geometry::ShadingKind;
-use crate::kernels::precision::Arithmetic;
+use crate::kernels::Arithmetic;
 use crate::math::float::{dot, max};
 use crate::math::{Line, Mask, Ray, Single, Vector};
 

@@ -5,8 +5,7 @@ use glam::Vec3;
 
 use super::units::Grid;
 use super::{RenderOptions, tile_edge, window};
-use crate::kernels::camera::Camera;
-use crate::kernels::slab::Aabb;
+use crate::kernels::{Aabb, Camera};
 use crate::prepared::PreparedScene;
 use crate::tile::{Tile, Unit};
 use wavecrest_base::error::Result;

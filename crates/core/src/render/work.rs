@@ -10,7 +10,7 @@ use super::backdrop::Backdrop;
 use super::units::{Blocks, Grid};
 use super::{RenderOptions, TracerKind, Watch, batch_size};
 use crate::counters::Counters;
-use crate::kernels::precision::Precision;
+use crate::kernels::Precision;
 use crate::plan::schedule::Flaw;
 use crate::prepared::PreparedScene;
 use crate::recursive::Recursive;

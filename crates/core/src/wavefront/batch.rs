@@ -11,8 +11,8 @@ mod lit;
 use glam::Vec3;
 
 use crate::accel::{Hit, RayColumns, Rays as AllRays};
-use crate::kernels::differential::Differential;
-use crate::kernels::shade::{MirrorRequest, SHADOW_END, ShadowRequest};
+use crate::kernels::shade::SHADOW_END;
+use crate::kernels::{Differential, MirrorRequest, ShadowRequest};
 use crate::math::{LANES, Line, Mask, Ray, Single, Vector};
 use crate::plan::schedule::ColumnGroup;
 use crate::prepared::{MediumStack, PathState, PreparedScene, ShadowCrossings};

@@ -7,7 +7,7 @@ use std::ops::Range;
 
 use super::Wavefront;
 use super::batch::Batch;
-use crate::kernels::precision::Arithmetic;
+use crate::kernels::Arithmetic;
 use crate::math::{AnyWidth, LANES, Single, Stream, dispatch_any_width};
 use crate::prepared::PreparedScene;
 use crate::tile::{Tile, Unit};

@@ -1,7 +1,7 @@
 //! Pass 2: the closest hit of every ray.
 
 use super::Wavefront;
-use crate::kernels::precision::Arithmetic;
+use crate::kernels::Arithmetic;
 use crate::prepared::PreparedScene;
 
 impl<P: Arithmetic> Wavefront<P> {

@@ -2,7 +2,7 @@
 
 use super::Wavefront;
 use crate::counters::Sample;
-use crate::kernels::precision::Arithmetic;
+use crate::kernels::Arithmetic;
 use crate::tile::add_sample;
 
 impl<P: Arithmetic> Wavefront<P> {

@@ -19,7 +19,7 @@ use crate::accel::arena::{self, MAX_UNITS, NODE_UNITS};
 use crate::accel::wide::{Converter, Output, Owner, Part};
 use crate::accel::{Arena, Demand, Kind, Root, Tree, Unit, Units};
 use crate::geometry::Geometry;
-use crate::kernels::slab::Aabb;
+use crate::kernels::Aabb;
 use crate::math::LANES;
 use wavecrest_base::progress;
 

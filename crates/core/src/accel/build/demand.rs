@@ -17,7 +17,7 @@ use super::piece::{BuildPlan, Piece};
 use crate::accel::wide::Part;
 use crate::accel::{Arena, Chunk, Demand, Kind, Ref, Searched, Unit};
 use crate::geometry::Geometry;
-use crate::kernels::slab::Aabb;
+use crate::kernels::Aabb;
 
 thread_local! {
     static PIECE: RefCell<Piece> = RefCell::default();

@@ -1,8 +1,7 @@
 //! The entries of leaves: triangles, both halves of each quad, and quadrics, in this order.
 
 use crate::geometry::Geometry;
-use crate::kernels::quad;
-use crate::kernels::slab::Aabb;
+use crate::kernels::{Aabb, quad};
 
 /// A primitive alone, or a half of a quad.
 #[derive(Clone, Copy)]

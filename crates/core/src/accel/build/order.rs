@@ -12,7 +12,7 @@ use obvhs::ploc::morton::morton_encode_u32;
 use rayon::prelude::*;
 
 use crate::geometry::{Geometry, Quadric};
-use crate::kernels::slab::Aabb;
+use crate::kernels::Aabb;
 use crate::kernels::triangle::is_degenerate;
 
 /// Bits of a grid for each axis, at most: counters of its cells then stay in the second-level

@@ -15,7 +15,7 @@ use super::{Preset, WELD_ABOVE};
 use crate::accel::arena::put;
 use crate::accel::wide::{Converter, Output, Owner, Part};
 use crate::geometry::Geometry;
-use crate::kernels::slab::Aabb;
+use crate::kernels::Aabb;
 use crate::math::LANES;
 
 /// The scene, and how to build its pieces.

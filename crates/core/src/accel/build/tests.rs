@@ -4,8 +4,7 @@ use super::*;
 use crate::accel::tests::{add_quad, add_triangle, brute, check};
 use crate::accel::{Accel, Hit, Kind, TreeContents};
 use crate::geometry::{Primitive, Quadric};
-use crate::kernels::quad;
-use crate::kernels::slab::Aabb;
+use crate::kernels::{Aabb, quad};
 use crate::math::{Ray, Stream};
 use glam::Vec3;
 

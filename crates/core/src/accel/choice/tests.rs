@@ -7,7 +7,7 @@ use crate::accel::tests::{Numbers, answers, bumpy_sphere, through};
 use crate::accel::{Accel, KernelChoice};
 use crate::counters::{KernelCounts, Kernels};
 use crate::geometry::Geometry;
-use crate::kernels::precision::Precision;
+use crate::kernels::Precision;
 use crate::math::simd::Level;
 use crate::math::{Ray, is_wide};
 

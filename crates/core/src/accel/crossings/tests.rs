@@ -7,9 +7,8 @@ use crate::accel::build::Preset;
 use crate::accel::tests::{Numbers, add_quad, add_triangle, bumpy_sphere};
 use crate::accel::{Accel, KernelChoice, NotedLeaves, packet};
 use crate::geometry::Quadric;
-use crate::kernels::disk::{self, Disk};
 use crate::kernels::precision::{Exact, Reference};
-use crate::kernels::sphere;
+use crate::kernels::{Disk, disk, sphere};
 use crate::math::simd::Level;
 
 fn crossings(accel: &Accel, ray: &Ray) -> Vec<Hit> {

@@ -7,7 +7,8 @@ use super::columns::{GROUPS, TileColumn, WIDTH, load};
 use crate::accel::Node;
 use crate::accel::node::widened;
 use crate::accel::rays::RayLanes;
-use crate::kernels::slab::{Aabb, WIDENING, slack};
+use crate::kernels::Aabb;
+use crate::kernels::slab::{WIDENING, slack};
 use crate::math::float::{max, min};
 use crate::math::{LANES, Lanes};
 

@@ -6,7 +6,7 @@ use super::{TILE, TileBatch};
 use crate::accel::stream::{HandedPlace, MOST_HANDED};
 use crate::accel::{Query, single};
 use crate::geometry::PreparedRay;
-use crate::kernels::precision::Arithmetic;
+use crate::kernels::Arithmetic;
 use crate::math::{Lanes, outlined};
 
 impl<S: Lanes, Q: Query, P: Arithmetic> TileBatch<'_, S, Q, P> {

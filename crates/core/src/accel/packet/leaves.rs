@@ -10,7 +10,7 @@ use super::{TILE, TileBatch};
 use crate::accel::{Best, Kind, Pairs, Query, Ref, Searched, leaf};
 use crate::counters::TestCounts;
 use crate::geometry::Primitive;
-use crate::kernels::precision::Arithmetic;
+use crate::kernels::Arithmetic;
 use crate::kernels::triangle::exact;
 use crate::kernels::triangle::settle::{self, Settled};
 use crate::math::{LANES, Lanes, Mask, Real, Single, outlined};

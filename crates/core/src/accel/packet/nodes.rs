@@ -10,8 +10,7 @@ use super::tile::RayTile;
 use crate::accel::arena::child_of;
 use crate::accel::node::{distance, widened};
 use crate::accel::{ArenaView, Node, Query, Ref};
-use crate::math::simd::entry;
-use crate::math::{LANES, Lanes};
+use crate::math::{LANES, Lanes, entry};
 
 /// Queues the children of the node at `place` that `rays` of the tile meet: the nearest last, or for
 /// any-hit queries the largest.

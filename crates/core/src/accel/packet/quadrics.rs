@@ -8,7 +8,7 @@ use super::tile::RayTile;
 use crate::accel::{Best, Query, Ref, Searched};
 use crate::counters::TestCounts;
 use crate::geometry::Quadric;
-use crate::kernels::precision::Arithmetic;
+use crate::kernels::Arithmetic;
 use crate::math::{LANES, Lanes, Line, Mask, Real, Single, Vector};
 
 impl RayTile {

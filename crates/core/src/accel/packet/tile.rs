@@ -12,8 +12,8 @@ use crate::accel::best::exact_t;
 use crate::accel::node::widened;
 use crate::accel::{ArenaView, Best, Hit, NO_PRIMITIVE, Query, Ref, Searched};
 use crate::counters::TestCounts;
-use crate::kernels::precision::Arithmetic;
-use crate::kernels::triangle::{ShearedSpace, settle};
+use crate::kernels::triangle::settle;
+use crate::kernels::{Arithmetic, ShearedSpace};
 use crate::math::{LANES, Lanes, Line, Mask, Ray, Single, Vector, lanes};
 
 /// A tile's rays, in columns. The order of fields keeps vectors within cache lines.

@@ -4,7 +4,7 @@ use super::Slot;
 use crate::accel::node::distance;
 use crate::accel::{Best, Query, Rays, Root};
 use crate::geometry::PreparedRay;
-use crate::math::simd::entry;
+use crate::math::entry;
 
 /// A place handed over with a ray, and the one before.
 #[derive(Clone, Copy, Debug)]

@@ -11,8 +11,8 @@ use crate::accel::{Accel, Hit};
 use crate::geometry::Geometry;
 use crate::geometry::cutouts::{Cutout, Cutouts};
 use crate::geometry::instance::Instance;
-use crate::kernels::slab::Aabb;
-use crate::kernels::texture::{Filter, Image, LazyImage, PlanarMap, Texels, UvMap, Wrap};
+use crate::kernels::texture::{PlanarMap, Texels};
+use crate::kernels::{Aabb, Filter, Image, LazyImage, UvMap, Wrap};
 use crate::math::Ray;
 
 /// An image of 8 by 8 texels of this alpha.

@@ -5,7 +5,7 @@ use std::ops::Range;
 use glam::DVec3;
 
 use super::Camera;
-use crate::kernels::slab::Aabb;
+use crate::kernels::Aabb;
 use crate::math::float::UNIT_ROUNDOFF;
 
 /// How far outside a plane of the frustum a box must be so that no ray meets its content, relative

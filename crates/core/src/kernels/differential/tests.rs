@@ -4,7 +4,8 @@ use glam::{DVec2, DVec3, Vec2, Vec3};
 
 use super::*;
 use crate::accel::tests::Numbers;
-use crate::kernels::camera::{Camera, FovAxis, Placement};
+use crate::kernels::Camera;
+use crate::kernels::camera::{FovAxis, Placement};
 use crate::kernels::texture::{PlanarMap, sphere_uv_change};
 use crate::math::float::normalize_f64;
 use crate::math::sampling::Sampling;

@@ -28,7 +28,7 @@ use glam::{BVec3A, Vec3, Vec3A, Vec3Swizzles};
 
 use super::UNDERFLOW;
 use super::settle::{self, Settled};
-use crate::kernels::precision::{self, Arithmetic};
+use crate::kernels::{Arithmetic, precision};
 use crate::math::float::{UNIT_ROUNDOFF, max};
 use crate::math::{Kernel, Lanes, Line, Mask, Ray, Real, Single, Vector, dispatch};
 

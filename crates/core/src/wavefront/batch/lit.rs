@@ -3,8 +3,7 @@
 use glam::Vec3;
 
 use super::columns::{Column, Vectors};
-use crate::kernels::blinn_phong::Reflection;
-use crate::kernels::shade::ShadingPoint;
+use crate::kernels::{Reflection, ShadingPoint};
 use crate::math::{LANES, Mask, Single, Vector};
 
 columns! {

@@ -6,7 +6,7 @@ use fearless_simd::{f32x8, f32x16, mask32x8};
 use super::{Frame, Sizes, cross, three};
 use crate::accel::packet::columns::GROUPS;
 use crate::accel::{ArenaView, Ref, leaf};
-use crate::kernels::precision::Arithmetic;
+use crate::kernels::Arithmetic;
 use crate::math::float::UNIT_ROUNDOFF;
 use crate::math::{LANES, Lanes, Mask};
 
