@@ -34,6 +34,10 @@ pub use crate::kernels::corners::{CornerValues, NO_VALUE};
 pub use crate::kernels::texture::{LazyImage, Placing, UvMap};
 use crate::kernels::{Camera, Environment, Filter, Hemisphere, Light, Wrap};
 use crate::plan::Plan;
+use group::{GroupHits, set, three};
+use interface::{Interface, InterfaceHit};
+use maps::LookUpPlace;
+use media::Sides;
 use wavecrest_base::error::Result;
 
 /// Everything that a render reads; immutable, but for chunks and images that wait for a first ray.

@@ -15,9 +15,10 @@ use crate::kernels::Precision;
 use crate::prepared::PreparedScene;
 use crate::tile::Tile;
 use crate::wavefront::DEFAULT_BATCH;
+use backdrop::Backdrop;
 use units::{Blocks, Grid, Order};
 use wavecrest_base::error::{Error, ErrorKind, Result};
-use work::{Job, RenderWork, Task};
+use work::{Job, RenderWork, Summed, Task};
 
 pub use backdrop::camera_rays;
 pub use canvas::{Canvas, Painted};

@@ -25,7 +25,8 @@ use crate::kernels::Arithmetic;
 use crate::plan::schedule::Schedule;
 use crate::prepared::{MOST_RAYS, MediumStack, PreparedScene};
 use crate::tile::{PassClock, TimedPass, Tracer, Unit};
-use batch::Batch;
+use batch::{Batch, Vectors};
+use faces::{Groups, SortedHits, WaitingHits};
 
 /// The default number of paths in a batch.
 pub const DEFAULT_BATCH: usize = 1024;

@@ -3,8 +3,7 @@
 
 use std::marker::PhantomData;
 
-use super::node::{self, place};
-use super::{Best, Hit, Kind, Occluded, Rays, Ref, Root, Searched, Traversal, leaf};
+use super::{Best, Hit, Kind, Occluded, Rays, Ref, Root, Searched, Traversal, leaf, node, place};
 use crate::counters::TestCounts;
 use crate::geometry::{Geometry, Primitive};
 use crate::kernels::{Arithmetic, ShearedSpace, SlabRay, quad, triangle};

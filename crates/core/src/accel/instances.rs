@@ -10,9 +10,8 @@
 //! replaces that one only if it comes first. Shapes that shadow rays pass are no instances, so that
 //! the order in a prototype is that of the scene.
 
-use super::search::Search;
 use super::tlas::{TlasEntry, Walk};
-use super::{Hit, Query, Rays, Traversal};
+use super::{Hit, Query, Rays, Search, Traversal};
 use crate::geometry::Geometry;
 use crate::geometry::instance::Instance;
 use crate::kernels::Arithmetic;

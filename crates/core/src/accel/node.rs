@@ -3,8 +3,8 @@
 use fearless_simd::prelude::*;
 use fearless_simd::{f32x8, mask32x8, u32x8};
 
-use super::arena::{base, child_of};
-use super::{Node, Query, Ref};
+use super::arena::base;
+use super::{Node, Query, Ref, child_of};
 use crate::kernels::SlabRay;
 use crate::kernels::slab::WIDENING;
 use crate::math::{LANES, Lanes, entry};

@@ -24,13 +24,16 @@ mod tile;
 
 use std::marker::PhantomData;
 
-use super::node::{distance, place};
 use super::stream::{self, HandedPlace, RaySource};
-use super::{KernelChoice, Kind, NotedLeaves, Query, Rays, Ref, Root, Searched, Traversal, Tree};
+use super::{
+    KernelChoice, Kind, NotedLeaves, Query, Rays, Ref, Root, Searched, Traversal, Tree, distance,
+    place,
+};
 use crate::counters::TestCounts;
 use crate::kernels::Arithmetic;
 use crate::math::{Lanes, entry, outlined};
-use columns::numbers;
+use beam::Beam;
+use columns::{GROUPS, TileColumn, WIDTH, load, number_of, numbers};
 use tile::RayTile;
 
 /// Tiles traversed in turn, step by step, so that one computes while another waits.

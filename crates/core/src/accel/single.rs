@@ -1,7 +1,6 @@
 //! Traversal by one ray: for the recursive tracer, and for the rays left by packets.
 
-use super::node::{self, distance, place};
-use super::{Best, Kind, NotedLeaves, Query, Searched, leaf};
+use super::{Best, Kind, NotedLeaves, Query, Searched, distance, leaf, node, place};
 use crate::counters::TestCounts;
 use crate::geometry::PreparedRay;
 use crate::kernels::Arithmetic;

@@ -6,9 +6,8 @@ use std::marker::PhantomData;
 
 use fearless_simd::{Level, f32x8};
 
-use super::arena::child_of;
 use super::tree::child_box;
-use super::{Accel, ArenaView, Best, Kind, Pairs, Ref, Tree, leaf};
+use super::{Accel, ArenaView, Best, Kind, Pairs, Ref, Tree, child_of, leaf};
 use crate::counters::TestCounts;
 use crate::geometry::{PreparedRay, Primitive};
 use crate::kernels::triangle::{self, exact, settle};

@@ -16,8 +16,7 @@ use std::marker::PhantomData;
 use fearless_simd::prelude::*;
 use glam::Vec3;
 
-use super::node::{self, distance, place};
-use super::{ArenaView, Best, Kind, NotedLeaves, Query, Searched, leaf};
+use super::{ArenaView, Best, Kind, NotedLeaves, Query, Searched, distance, leaf, node, place};
 use crate::counters::{KernelCounts, TestCounts};
 use crate::geometry::PreparedRay;
 use crate::kernels::{Arithmetic, LaneHits};

@@ -3,8 +3,7 @@
 use std::ops::Range;
 use std::sync::OnceLock;
 
-use super::arena::child_of;
-use super::{Arena, Kind, Node, Ref, TreeContents};
+use super::{Arena, Kind, Node, Ref, TreeContents, child_of};
 use crate::geometry::Geometry;
 use crate::kernels::Aabb;
 use crate::math::LANES;

@@ -2,8 +2,7 @@
 
 use glam::{DVec3, Vec3};
 
-use super::real::Real;
-use super::vector::Vector;
+use super::{Real, Vector};
 
 pub use super::bounds::{MAX_COORDINATE, UNIT_ROUNDOFF, error_of_offset, gamma, offset_of_error};
 

@@ -3,11 +3,9 @@
 
 use std::f32::consts::TAU;
 
-use super::random::{Stream, unit_interval};
-use super::real::{Real, Single};
-use super::sobol;
+use super::random::unit_interval;
 use super::trigonometry::sin_cos;
-use super::vector::Vector;
+use super::{Real, Single, Stream, Vector, sobol};
 
 wavecrest_base::choices! {
     /// How a set of sample points is spread over the unit square.

@@ -5,8 +5,7 @@ use std::ops::{Add, Mul, Neg, Sub};
 use glam::{DVec3, Vec3};
 
 use super::bounds::{DOUBLE_ROUNDINGS, STEEPEST_CREASE, gamma};
-use super::ray::Ray;
-use super::real::{Mask, Real, Single};
+use super::{Mask, Ray, Real, Single};
 
 /// 2^-100 and 2^100: squared lengths in this range have not overflowed, and their loss to underflow
 /// is far less than half an ulp.

@@ -4,8 +4,7 @@
 
 use glam::Vec3;
 
-use super::group::{GroupHits, three};
-use super::{Group, LookUps, PreparedScene};
+use super::{Group, GroupHits, LookUps, PreparedScene, three};
 use crate::accel::Hit;
 use crate::geometry::ShadingKind;
 use crate::kernels::differential::turn_between;

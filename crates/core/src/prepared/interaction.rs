@@ -4,9 +4,7 @@
 
 use glam::Vec3;
 
-use super::group::{Face, Group, GroupHits, three};
-use super::maps::LookUpPlace;
-use super::{Class, LookUps, PreparedScene};
+use super::{Class, Face, Group, GroupHits, LookUpPlace, LookUps, PreparedScene, three};
 use crate::accel::Hit;
 use crate::geometry::{Geometry, Primitive, ShadingKind};
 use crate::kernels::{Arithmetic, Differential, Reflection, ShadingPoint, SurfacePoint, surface};

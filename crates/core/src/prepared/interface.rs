@@ -8,8 +8,7 @@
 
 use glam::Vec3;
 
-use super::media::Sides;
-use super::{Branch, MediumStack, PreparedScene, Shape};
+use super::{Branch, MediumStack, PreparedScene, Shape, Sides};
 use crate::accel::{Hit, Traversal};
 use crate::kernels::{Arithmetic, ShadingPoint, SurfacePoint, Transparency};
 use crate::math::float::{max, offset_of_error};

@@ -6,8 +6,7 @@
 use glam::{Mat3, Vec3};
 
 use super::class::{Map, Property};
-use super::group::{Group, set, three};
-use super::{Class, Coordinates, LookUps, PreparedScene, Texture, UvMap};
+use super::{Class, Coordinates, Group, LookUps, PreparedScene, Texture, UvMap, set, three};
 use crate::kernels::differential::uv_change;
 use crate::kernels::texture::{sphere_directions, sphere_uv, sphere_uv_change};
 use crate::kernels::{

@@ -7,10 +7,8 @@
 
 use glam::{DVec3, Vec3};
 
-use super::group::{Face, Group, set};
 use super::interface::{LEAST_COSINE, close_depth};
-use super::maps::LookUpPlace;
-use super::{LookUps, MediumStack, PreparedScene, Shape};
+use super::{Face, Group, LookUpPlace, LookUps, MediumStack, PreparedScene, Shape, set};
 use crate::accel::{Hit, Rays, Traversal};
 use crate::geometry::ShadingKind;
 use crate::kernels::Arithmetic;

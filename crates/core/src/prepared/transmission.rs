@@ -6,9 +6,7 @@
 
 use glam::Vec3;
 
-use super::interface::{Interface, InterfaceHit};
-use super::media::Sides;
-use super::{LookUps, MediumStack, PreparedScene};
+use super::{Interface, InterfaceHit, LookUps, MediumStack, PreparedScene, Sides};
 use crate::accel::{Hit, Traversal};
 use crate::kernels::{Arithmetic, Differential, ShadingPoint, Transparency, shade};
 use crate::math::{Ray, Vector};

@@ -3,8 +3,7 @@
 
 use glam::Vec3;
 
-use super::units::Grid;
-use super::{RenderOptions, tile_edge, window};
+use super::{Grid, RenderOptions, tile_edge, window};
 use crate::kernels::{Aabb, Camera};
 use crate::prepared::PreparedScene;
 use crate::tile::{Tile, Unit};

@@ -2,9 +2,7 @@
 
 use std::sync::{Mutex, PoisonError};
 
-use super::Watch;
-use super::units::{Blocks, Grid};
-use super::work::Summed;
+use super::{Blocks, Grid, Summed, Watch};
 use crate::film::Film;
 use crate::tile::Tile;
 use wavecrest_base::error::Result;

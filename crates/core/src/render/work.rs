@@ -6,9 +6,7 @@ use std::time::Instant;
 
 use rayon::prelude::*;
 
-use super::backdrop::Backdrop;
-use super::units::{Blocks, Grid};
-use super::{RenderOptions, TracerKind, Watch, batch_size};
+use super::{Backdrop, Blocks, Grid, RenderOptions, TracerKind, Watch, batch_size};
 use crate::counters::Counters;
 use crate::kernels::Precision;
 use crate::plan::schedule::Flaw;

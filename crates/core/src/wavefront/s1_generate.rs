@@ -5,8 +5,7 @@ mod order;
 use std::array::from_fn;
 use std::ops::Range;
 
-use super::Wavefront;
-use super::batch::Batch;
+use super::{Batch, Wavefront};
 use crate::kernels::Arithmetic;
 use crate::math::{AnyWidth, LANES, Single, Stream, dispatch_any_width};
 use crate::prepared::PreparedScene;

@@ -7,9 +7,7 @@ use std::marker::PhantomData;
 
 use glam::Vec3;
 
-use super::Wavefront;
-use super::batch::{Batch, Vectors};
-use super::faces::{Groups, SortedHits, WaitingHits};
+use super::{Batch, Groups, SortedHits, Vectors, WaitingHits, Wavefront};
 use crate::accel::{Hit, NO_PRIMITIVE, Traversal};
 use crate::counters::Counters;
 use crate::geometry::ShadingKind;

@@ -8,9 +8,7 @@
 use std::marker::PhantomData;
 use std::ops::Range;
 
-use super::Wavefront;
-use super::batch::Batch;
-use super::faces::SortedHits;
+use super::{Batch, SortedHits, Wavefront};
 use crate::accel::Rays;
 use crate::counters::Counters;
 use crate::kernels::shade::shadow_request;

@@ -13,8 +13,8 @@ use obvhs::ploc::{PlocBuilder, PlocSearchDistance};
 use rayon::prelude::*;
 
 use super::order::Chunks;
-use super::piece::{BuildPlan, Piece, from_obvhs, to_obvhs};
-use super::{ChunkSizes, ROOM_OF_LISTED};
+use super::piece::{from_obvhs, to_obvhs};
+use super::{BuildPlan, ChunkSizes, Piece, ROOM_OF_LISTED};
 use crate::accel::arena::{self, MAX_UNITS, NODE_UNITS};
 use crate::accel::wide::{Converter, Output, Owner, Part};
 use crate::accel::{Arena, Demand, Kind, Root, Tree, Unit, Units};

@@ -12,8 +12,7 @@ use std::sync::OnceLock;
 
 use bytemuck::Zeroable;
 
-use super::Preset;
-use super::piece::{BuildPlan, Piece};
+use super::{BuildPlan, Piece, Preset};
 use crate::accel::wide::Part;
 use crate::accel::{Arena, Chunk, Demand, Kind, Ref, Searched, Unit};
 use crate::geometry::Geometry;

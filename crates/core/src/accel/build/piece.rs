@@ -8,10 +8,8 @@ use obvhs::bvh2::reinsertion::ReinsertionOptimizer;
 use obvhs::ploc::PlocBuilder;
 
 use super::coincident::Heaps;
-use super::entries::Entry;
-use super::leaves::{FoundLeaf, LeafFinder};
 use super::weld::Welder;
-use super::{Preset, WELD_ABOVE};
+use super::{Entry, FoundLeaf, LeafFinder, Preset, WELD_ABOVE};
 use crate::accel::arena::put;
 use crate::accel::wide::{Converter, Output, Owner, Part};
 use crate::geometry::Geometry;

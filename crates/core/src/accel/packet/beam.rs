@@ -4,9 +4,8 @@ use fearless_simd::prelude::*;
 use fearless_simd::{f32x8, f32x16, mask32x8, mask32x16};
 
 use super::columns::{GROUPS, TileColumn, WIDTH, load};
-use crate::accel::Node;
-use crate::accel::node::widened;
 use crate::accel::rays::RayLanes;
+use crate::accel::{Node, widened};
 use crate::kernels::Aabb;
 use crate::kernels::slab::{WIDENING, slack};
 use crate::math::float::{max, min};

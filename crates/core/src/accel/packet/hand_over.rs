@@ -1,8 +1,6 @@
 //! Hands rays over to the kernel in flight.
 
-use super::columns::number_of;
-use super::tile::RayTile;
-use super::{TILE, TileBatch};
+use super::{RayTile, TILE, TileBatch, number_of};
 use crate::accel::stream::{HandedPlace, MOST_HANDED};
 use crate::accel::{Query, single};
 use crate::geometry::PreparedRay;

@@ -3,10 +3,9 @@
 use fearless_simd::prelude::*;
 use fearless_simd::{f32x8, f32x16};
 
-use super::columns::{GROUPS, WIDTH, load};
 use super::frame::GroupTest;
-use super::tile::{OpenPair, OpenPairs, RayTile};
-use super::{TILE, TileBatch};
+use super::tile::{OpenPair, OpenPairs};
+use super::{GROUPS, RayTile, TILE, TileBatch, WIDTH, load};
 use crate::accel::{Best, Kind, Pairs, Query, Ref, Searched, leaf};
 use crate::counters::TestCounts;
 use crate::geometry::Primitive;

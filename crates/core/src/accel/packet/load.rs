@@ -3,10 +3,9 @@
 use fearless_simd::prelude::*;
 use fearless_simd::{f32x16, mask32x16};
 
-use super::TILE;
-use super::beam::{Beam, Extents};
-use super::columns::{GROUPS, TileColumn, WIDTH, first, load, number_of};
-use super::tile::RayTile;
+use super::beam::Extents;
+use super::columns::first;
+use super::{Beam, GROUPS, RayTile, TILE, TileColumn, WIDTH, load, number_of};
 use crate::accel::Rays;
 use crate::accel::rays::{BLOCK_EDGE, RayLanes};
 use crate::math::Lanes;

@@ -3,13 +3,9 @@
 use fearless_simd::prelude::*;
 use fearless_simd::{f32x16, u32x8};
 
-use super::Visit;
 use super::beam::MetChildren;
-use super::columns::{GROUPS, TileColumn, WIDTH, load};
-use super::tile::RayTile;
-use crate::accel::arena::child_of;
-use crate::accel::node::{distance, widened};
-use crate::accel::{ArenaView, Node, Query, Ref};
+use super::{GROUPS, RayTile, TileColumn, Visit, WIDTH, load};
+use crate::accel::{ArenaView, Node, Query, Ref, child_of, distance, widened};
 use crate::math::{LANES, Lanes, entry};
 
 /// Queues the children of the node at `place` that `rays` of the tile meet: the nearest last, or for

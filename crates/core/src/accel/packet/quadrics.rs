@@ -2,9 +2,7 @@
 
 use fearless_simd::f32x8;
 
-use super::TILE;
-use super::columns::{GROUPS, TileColumn, WIDTH};
-use super::tile::RayTile;
+use super::{GROUPS, RayTile, TILE, TileColumn, WIDTH};
 use crate::accel::{Best, Query, Ref, Searched};
 use crate::counters::TestCounts;
 use crate::geometry::Quadric;

@@ -4,13 +4,11 @@ use fearless_simd::prelude::*;
 use fearless_simd::{f32x8, f32x16, mask32x16, u32x8, u32x16};
 use glam::Vec3;
 
-use super::beam::Beam;
-use super::columns::{GROUPS, TileColumn, WIDTH, half, load, number_of, numbers};
+use super::columns::{half, numbers};
 use super::frame::Frame;
-use super::{TILE, Visit};
+use super::{Beam, GROUPS, TILE, TileColumn, Visit, WIDTH, load, number_of};
 use crate::accel::best::exact_t;
-use crate::accel::node::widened;
-use crate::accel::{ArenaView, Best, Hit, NO_PRIMITIVE, Query, Ref, Searched};
+use crate::accel::{ArenaView, Best, Hit, NO_PRIMITIVE, Query, Ref, Searched, widened};
 use crate::counters::TestCounts;
 use crate::kernels::triangle::settle;
 use crate::kernels::{Arithmetic, ShearedSpace};

@@ -1,8 +1,7 @@
 //! The rays of a stream: those that packets handed over, then those that no packet took.
 
 use super::Slot;
-use crate::accel::node::distance;
-use crate::accel::{Best, Query, Rays, Root};
+use crate::accel::{Best, Query, Rays, Root, distance};
 use crate::geometry::PreparedRay;
 use crate::math::entry;
 
