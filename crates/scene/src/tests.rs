@@ -18,7 +18,7 @@ use serde_json::Value;
 
 use super::load::{LoadOptions, LoadedScene, load_with};
 use super::mesh::{LoadedMesh, MeshData};
-use wavecrest_base::error::{Error, Result};
+use wavecrest_base::error::Result;
 
 /// A scene that has every key of the format (but those that another one excludes) and no fault.
 /// Its textures and its mesh are files that exist; they are not decoded here.
@@ -31,11 +31,7 @@ fn pointer(path: &str) -> String {
     format!("/{}", path.replace(['.', '['], "/").replace(']', ""))
 }
 
-/// The complete scene with the value at `path` set, which need not be there yet.
-fn with(path: &str, value: Value) -> Value {
-    set(complete(), path, value)
-}
-
+/// The scene with the value at `path` set, which need not be there yet.
 fn set(mut scene: Value, path: &str, value: Value) -> Value {
     let pointer = pointer(path);
     let (parent, key) = pointer.rsplit_once('/').unwrap();
@@ -71,11 +67,6 @@ fn load_options(scene: &Value, options: LoadOptions) -> Result<LoadedScene> {
 
 fn load(scene: &Value) -> Result<LoadedScene> {
     load_options(scene, LoadOptions::default())
-}
-
-/// The error of a scene, which must have one.
-fn error(scene: &Value) -> Error {
-    load(scene).err().expect("an error")
 }
 
 /// The paths of all values in `value`, itself included.
