@@ -32,3 +32,7 @@ mod openexr;
 pub mod read;
 mod transfer;
 pub mod write;
+
+#[cfg(test)]
+#[path = "../../../tests/approved.rs"]
+mod approved;

@@ -3,7 +3,7 @@
 //! They edit one complete scene at a JSON path, so that each case shows what it is about and no more.
 
 #[path = "../../../tests/approved.rs"]
-mod approved;
+pub(crate) mod approved;
 mod changes;
 mod corners;
 mod files;

@@ -1,7 +1,5 @@
-#[path = "../../../../tests/approved.rs"]
-mod approved;
-
 use super::*;
+use crate::approved;
 
 fn film(pixels: &[[f32; 3]]) -> Film {
     Film::from_pixels(2, pixels.len() as u32 / 2, pixels.to_vec()).unwrap()

@@ -1,7 +1,5 @@
-#[path = "../../../../tests/approved.rs"]
-mod approved;
-
 use super::*;
+use crate::tests::approved;
 
 fn read(text: &str) -> Library {
     let mut library = Library::default();
