@@ -36,7 +36,7 @@ pub use recipe::{MOST_TRIANGLES, Model, Recipe};
 pub fn mesh(recipe: &Recipe) -> Result<MeshData> {
     let surface = recipe.surface()?;
     let positions = each(surface.vertices(), |v| rounded(surface.position(v)));
-    let triangles = each(surface.triangles(), |t| surface.triangle(t));
+    let triangles = each(recipe.grid_triangles(), |t| surface.triangle(t));
     let normals = recipe.normals.then(|| Attribute {
         values: each(surface.vertices(), |v| rounded(surface.normal(v))),
         indices: None,

@@ -136,10 +136,4 @@ mod tests {
         let expected: Value = serde_json::from_str(text).unwrap();
         assert_eq!(unique(text).unwrap(), expected);
     }
-
-    #[test]
-    fn a_key_given_twice_is_refused_where_it_stands() {
-        let error = unique("{\"a\": 1,\n \"b\": {\"c\": 1, \"c\": 2}}").unwrap_err();
-        assert!(error.to_string().starts_with("the key \"c\" is given twice at line 2"), "{error}");
-    }
 }

@@ -76,10 +76,6 @@ impl Surface for Knot {
         self.sides * self.rings
     }
 
-    fn triangles(&self) -> u64 {
-        2 * self.vertices()
-    }
-
     fn position(&self, v: u64) -> DVec3 {
         let (i, j) = self.place(v);
         self.point(i, j)

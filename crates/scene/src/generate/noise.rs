@@ -30,22 +30,6 @@ const CREST_SHARPNESS: f64 = 1.6;
 /// How quickly the height of one octave admits the next.
 const RIDGE_FEEDBACK: f64 = 2.0;
 
-/// The centres of a cube's edges: no gradient favours an axis.
-const GRADIENTS: [DVec3; 12] = [
-    DVec3::new(1.0, 1.0, 0.0),
-    DVec3::new(-1.0, 1.0, 0.0),
-    DVec3::new(1.0, -1.0, 0.0),
-    DVec3::new(-1.0, -1.0, 0.0),
-    DVec3::new(1.0, 0.0, 1.0),
-    DVec3::new(-1.0, 0.0, 1.0),
-    DVec3::new(1.0, 0.0, -1.0),
-    DVec3::new(-1.0, 0.0, -1.0),
-    DVec3::new(0.0, 1.0, 1.0),
-    DVec3::new(0.0, -1.0, 1.0),
-    DVec3::new(0.0, 1.0, -1.0),
-    DVec3::new(0.0, -1.0, -1.0),
-];
-
 /// Noise summed over octaves, each finer and weaker than the one before.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Fractal {
@@ -144,7 +128,13 @@ fn lattice_gradient(x: i64, y: i64, z: i64, seed: u64) -> DVec3 {
         ^ (z as u64).wrapping_mul(0xA076_1D64_78BD_642F).rotate_left(42);
     // The high bits are mixed best; a multiplication maps them evenly to the twelve.
     let pick = ((mix(key ^ seed) >> 32) * 12) >> 32;
-    GRADIENTS[pick as usize]
+    // The centres of a cube's edges: no gradient favours an axis.
+    let [a, b] = [pick & 1, pick >> 1 & 1].map(|bit| if bit == 0 { 1.0 } else { -1.0 });
+    match pick / 4 {
+        0 => DVec3::new(a, b, 0.0),
+        1 => DVec3::new(a, 0.0, b),
+        _ => DVec3::new(0.0, a, b),
+    }
 }
 
 /// Spreads every bit of `x` over the whole word: the finaliser of Steele, Lea and Flood's

@@ -12,7 +12,7 @@ use std::path::Path;
 use rayon::prelude::*;
 
 use super::recipe::Recipe;
-use super::surface::{Surface, rounded};
+use super::surface::rounded;
 use crate::write::ply_header;
 use wavecrest_base::error::{Error, Result};
 use wavecrest_base::replace::replace_file;
@@ -48,8 +48,8 @@ pub fn write_ply(
     progress: &mut dyn FnMut(u64, u64),
 ) -> Result<Written> {
     let surface = recipe.surface()?;
-    let (vertices, triangles) = (surface.vertices(), surface.triangles());
-    let header = header(recipe, &*surface);
+    let (vertices, triangles) = (surface.vertices(), recipe.grid_triangles());
+    let header = header(recipe, [vertices, triangles]);
     let numbers = if recipe.normals { 6 } else { 3 };
     let bytes = header.len() as u64
         + vertices * (numbers * NUMBER_BYTES) as u64
@@ -98,7 +98,7 @@ fn size(bytes: u64) -> String {
 }
 
 /// The header, with the recipe in a comment, so that the file can be made again.
-fn header(recipe: &Recipe, surface: &dyn Surface) -> String {
+fn header(recipe: &Recipe, counts: [u64; 2]) -> String {
     let Recipe { model, triangles: asked, seed, displacement, normals } = recipe;
     let flag = if *normals { " --normals" } else { "" };
     let comment = format!(
@@ -106,7 +106,7 @@ fn header(recipe: &Recipe, surface: &dyn Surface) -> String {
          --displacement {displacement}{flag}\n"
     );
     let groups = [normals.then_some("nx ny nz"), None, None];
-    ply_header(&comment, [surface.vertices(), surface.triangles()], "float", groups, "int")
+    ply_header(&comment, counts, "float", groups, "int")
 }
 
 /// Writes `count` records of `record_bytes` each, made by `make` from their number.

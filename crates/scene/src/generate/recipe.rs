@@ -98,8 +98,12 @@ impl Recipe {
     /// # Errors
     /// If the recipe is invalid, as for [`mesh`](super::mesh).
     pub fn counts(&self) -> Result<(u64, u64)> {
-        let surface = self.surface()?;
-        Ok((surface.vertices(), surface.triangles()))
+        Ok((self.surface()?.vertices(), self.grid_triangles()))
+    }
+
+    /// The triangles of the grid, at most [`MOST_TRIANGLES`].
+    pub(super) fn grid_triangles(&self) -> u64 {
+        self.model.grid().0 * self.steps().pow(2)
     }
 
     /// The surface of the recipe, which is checked.

@@ -11,8 +11,6 @@ pub(super) fn rounded(v: DVec3) -> Vec3 {
 pub(super) trait Surface: Sync {
     /// The number of vertices, below 2^31.
     fn vertices(&self) -> u64;
-    /// The number of triangles, at most [`MOST_TRIANGLES`](super::MOST_TRIANGLES).
-    fn triangles(&self) -> u64;
     /// The position of vertex `v`.
     fn position(&self, v: u64) -> DVec3;
     /// The unit normal at vertex `v`, on the front, from central differences over one step of the
