@@ -15,6 +15,7 @@ use wavecrest_core::render::{RenderOptions, TracerKind, render};
 use wavecrest_report::selftest::agreement::agreement;
 use wavecrest_report::selftest::examine::{GeometryFacts, SceneTrial, shape, trial};
 use wavecrest_report::selftest::{Effort, Outcome};
+use wavecrest_report::statistics::ShapeCounts;
 use wavecrest_scene::load::{LoadOptions, load};
 use wavecrest_scene::mesh;
 use wavecrest_scene::systems::{self, Options};
@@ -63,8 +64,9 @@ impl Examined {
 
     /// The shapes in words.
     fn described(&self) -> String {
-        let GeometryFacts { triangles, quads, spheres, disks, instanced, .. } = self.shape;
-        let GeometryFacts { dropped, slivers, longest, borders, crowded, .. } = self.shape;
+        let ShapeCounts { triangles, quads, spheres, disks } = self.shape.shapes;
+        let GeometryFacts { instanced, dropped, slivers, longest, borders, crowded, .. } =
+            self.shape;
         let counts = [
             (triangles, "triangles"),
             (quads, "quads"),

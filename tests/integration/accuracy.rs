@@ -12,7 +12,7 @@ use wavecrest_core::render::{RenderOptions, Watch};
 use wavecrest_image::compare::compare;
 use wavecrest_report::accuracy::pilot::target::reach;
 use wavecrest_report::accuracy::pilot::{choices, measured};
-use wavecrest_report::accuracy::report::{ERRORS, MeasuredSetting};
+use wavecrest_report::accuracy::report::{ERRORS, SettingResult};
 use wavecrest_report::accuracy::setting::{Family, Setting, SettingSeries};
 use wavecrest_report::accuracy::store::{FILE, Record, Store, SweepHeader};
 use wavecrest_report::accuracy::sweep::run;
@@ -34,7 +34,7 @@ fn findings(header: &SweepHeader, seeds: u32, file: &Path, folder: &Path) -> Acc
     AccuracyReport::new(seeds, &store, &swept, &ERRORS)
 }
 
-fn family<'a>(findings: &'a AccuracyReport, name: &str) -> &'a Family<MeasuredSetting> {
+fn family<'a>(findings: &'a AccuracyReport, name: &str) -> &'a Family<SettingResult> {
     findings.scenes[0].family(name).expect("a family")
 }
 
@@ -72,7 +72,7 @@ fn answers_are_the_fastest_settings(found: &AccuracyReport) {
         let reached = measured().filter(|(_, p)| p.rmse.high <= at.error);
         let fastest = reached.map(|(_, p)| p.seconds.median).min_by(f64::total_cmp);
         assert!(fastest.is_some() && at.tracing == fastest, "{at:?}");
-        let is_own = |(series, p): &(&SettingSeries<MeasuredSetting>, &MeasuredSetting)| {
+        let is_own = |(series, p): &(&SettingSeries<SettingResult>, &SettingResult)| {
             at.sampler.as_ref() == Some(&series.name) && at.points == Some(p.x as u64)
         };
         let (_, own) = measured().find(is_own).expect("a measured setting");

@@ -42,6 +42,7 @@ use serde_json::{Map, Value};
 use wavecrest_core::accel::Accel;
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::counters::{Counters, KernelCounts, SpanCounts, TestCounts};
+use wavecrest_core::geometry::Geometry;
 use wavecrest_core::prepared::{Appearance, LazyImage, PreparedScene};
 
 /// Groups of counts, each with what it is taken from.
@@ -69,6 +70,14 @@ counts! {
         width: u32 = s.camera.size()[0],
         height: u32 = s.camera.size()[1],
         samples_per_pixel: u32 = s.camera.rays_per_pixel(),
+    }
+
+    /// Shapes by kind, without those of instances.
+    ShapeCounts(g: Geometry) {
+        triangles: usize = g.triangles.len(),
+        quads: usize = g.quads.len(),
+        spheres: usize = g.spheres_and_disks()[0],
+        disks: usize = g.spheres_and_disks()[1],
     }
 
     /// Rays by kind.

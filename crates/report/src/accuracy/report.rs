@@ -31,7 +31,7 @@ use std::collections::BTreeSet;
 use serde::Serialize;
 
 use super::fit::{self, Uncertain, bootstrap, of};
-use super::setting::{self, Axis, Family, Setting, SettingSeries, Target, converges};
+use super::setting::{Axis, CountedSetting, Family, Setting, SettingSeries, Target, converges};
 use super::store::{
     PointRecord, PreparedRecord, Record, ReferenceRecord, SceneRecord, StepsRecord, TrialRecord,
     busy_rounds, largest_share, records_of,
@@ -56,14 +56,14 @@ pub struct SceneAccuracy {
     pub share: Option<f64>,
     pub answer: FastestSettings,
     pub references: Vec<ReferenceRecord>,
-    pub families: Vec<Family<MeasuredSetting>>,
+    pub families: Vec<Family<SettingResult>>,
     pub trials: Vec<TrialRecord>,
     pub steps: Option<StepsRecord>,
 }
 
 /// A setting.
 #[derive(Clone, Debug, Serialize)]
-pub struct MeasuredSetting {
+pub struct SettingResult {
     pub x: f64,
     pub label: String,
     pub key: String,
@@ -95,6 +95,7 @@ impl SceneAccuracy {
         let left = if is_enough { busy.clone() } else { BTreeSet::new() };
         let (rounds, left_out) = (all_rounds - left.len(), left.len());
         let references = records_of(records).filter(|r: &&ReferenceRecord| r.scene == name);
+        let trials = records_of(records).filter(|t: &&TrialRecord| t.scene == name);
         let prepared = records_of(records).filter(|p: &&PreparedRecord| p.scene == name);
         let before: Vec<f64> = prepared.map(|p| p.time.load + p.time.build).collect();
         let mut found = Self {
@@ -104,10 +105,7 @@ impl SceneAccuracy {
             answer: FastestSettings::default(),
             references: references.cloned().collect(),
             families: Vec::new(),
-            trials: records_of(records)
-                .filter(|t: &&TrialRecord| t.scene == name)
-                .cloned()
-                .collect(),
+            trials: trials.cloned().collect(),
             steps: records_of(records).find(|s: &&StepsRecord| s.scene == name).cloned(),
         };
         found.families =
@@ -128,29 +126,29 @@ impl SceneAccuracy {
     }
 
     /// The family of this name.
-    pub fn family(&self, name: &str) -> Option<&Family<MeasuredSetting>> {
+    pub fn family(&self, name: &str) -> Option<&Family<SettingResult>> {
         self.families.iter().find(|family| family.name == name)
     }
 
     fn summary(
         &self,
-        family: &Family<setting::CountedSetting>,
+        family: &Family<CountedSetting>,
         records: &[Record],
         busy: &BTreeSet<u64>,
-    ) -> Family<MeasuredSetting> {
+    ) -> Family<SettingResult> {
         let &Family { name, title, ref counted, target, .. } = family;
         let floor = self.floor(target);
-        let line = |line: &SettingSeries<setting::CountedSetting>| {
-            let point = |point: &setting::CountedSetting| {
+        let line = |line: &SettingSeries<CountedSetting>| {
+            let point = |point: &CountedSetting| {
                 let (scene, key) = (&self.scene.scene, point.2.key());
                 let is_it =
                     |p: &&PointRecord| p.scene == *scene && p.target == target && p.key == key;
                 let renders: Vec<&PointRecord> = records_of(records).filter(is_it).collect();
-                MeasuredSetting::of(point, &renders, floor, busy)
+                SettingResult::of(point, &renders, floor, busy)
             };
-            let points: Vec<MeasuredSetting> = line.points.iter().filter_map(point).collect();
+            let points: Vec<SettingResult> = line.points.iter().filter_map(point).collect();
             let counts =
-                |p: &&MeasuredSetting| p.above_noise && p.x >= SLOPE_FROM && converges(&p.key);
+                |p: &&SettingResult| p.above_noise && p.x >= SLOPE_FROM && converges(&p.key);
             let falling: Vec<_> = points.iter().filter(counts).map(|p| (p.x, &*p.each)).collect();
             let slope = fit::slope(&falling).filter(|_| !fit::stays(&falling));
             SettingSeries { name: line.name.clone(), slope, points }
@@ -160,10 +158,10 @@ impl SceneAccuracy {
     }
 }
 
-impl MeasuredSetting {
+impl SettingResult {
     /// The results of a setting; times are those of rounds that were not busy.
     fn of(
-        (x, label, setting): &setting::CountedSetting,
+        (x, label, setting): &CountedSetting,
         renders: &[&PointRecord],
         floor: f64,
         busy: &BTreeSet<u64>,
@@ -255,39 +253,36 @@ impl FastestSettings {
 }
 
 /// The ratio of the times of one setting to those of another.
-fn ratio(one: &MeasuredSetting, other: &MeasuredSetting) -> Option<Uncertain> {
+fn ratio(one: &SettingResult, other: &SettingResult) -> Option<Uncertain> {
     let time =
-        |p: &MeasuredSetting, seeds: &[usize]| median(&of(seeds, &p.times).collect::<Vec<_>>());
+        |p: &SettingResult, seeds: &[usize]| median(&of(seeds, &p.times).collect::<Vec<_>>());
     let rounds = one.times.len().min(other.times.len());
     bootstrap(rounds, |seeds| Some(time(one, seeds) / time(other, seeds)))
 }
 
-impl SettingSeries<MeasuredSetting> {
+impl SettingSeries<SettingResult> {
     /// The fastest of the measured settings whose error, up to the end of its interval, is at most `error`.
-    pub fn reach(&self, error: f64) -> Option<&MeasuredSetting> {
+    pub fn reach(&self, error: f64) -> Option<&SettingResult> {
         let reaching = self.points.iter().filter(|point| point.rmse.high <= error);
         reaching.min_by(|a, b| a.seconds.median.total_cmp(&b.seconds.median))
     }
 
     /// The measured setting with the most points in at most `seconds`, or the one with the fewest.
-    pub fn within(&self, seconds: f64) -> Option<&MeasuredSetting> {
-        let in_time = |point: &&MeasuredSetting| point.seconds.median <= seconds;
+    pub fn within(&self, seconds: f64) -> Option<&SettingResult> {
+        let in_time = |point: &&SettingResult| point.seconds.median <= seconds;
         self.points.iter().rfind(in_time).or(self.points.first())
     }
 }
 
-impl Family<MeasuredSetting> {
+impl Family<SettingResult> {
     /// The fastest of all measured settings whose error, up to the end of its interval, is at most `error`.
-    pub fn fastest(
-        &self,
-        error: f64,
-    ) -> Option<(&SettingSeries<MeasuredSetting>, &MeasuredSetting)> {
+    pub fn fastest(&self, error: f64) -> Option<(&SettingSeries<SettingResult>, &SettingResult)> {
         let reached = self.series.iter().filter_map(|s| Some((s, s.reach(error)?)));
         reached.min_by(|a, b| a.1.seconds.median.total_cmp(&b.1.seconds.median))
     }
 
     /// Random points.
-    pub fn random(&self) -> Option<&SettingSeries<MeasuredSetting>> {
+    pub fn random(&self) -> Option<&SettingSeries<SettingResult>> {
         self.series.iter().find(|series| series.name == Sampling::Random.name())
     }
 

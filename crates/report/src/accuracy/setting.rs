@@ -204,16 +204,6 @@ const SIDES: [u32; 12] = [1, 2, 3, 4, 5, 6, 8, 11, 16, 23, 32, 45];
 /// Sides of grids of rays in a pixel when textures are compared.
 const FILTER_SIDES: [u32; 3] = [1, 2, 4];
 
-/// The families: name, title and target.
-const FAMILIES: [(&str, &str, Target); 6] = [
-    ("lights", "Points on lights", Target::Scene),
-    ("lens", "Points on the lens", Target::Scene),
-    ("pixel", "Rays in a pixel", Target::Pixel),
-    ("bounces", "Bounces", Target::Scene),
-    ("precision", "Precision", Target::Scene),
-    ("filter", "Texture filters", Target::Pixel),
-];
-
 /// Largest number of different numbers of bounces.
 const MOST_BOUNCES: u32 = 16;
 
@@ -221,21 +211,25 @@ const MOST_BOUNCES: u32 = 16;
 pub fn families(facts: &Facts, most: u32) -> Vec<Family<CountedSetting>> {
     let lights = facts.lights;
     let along = |axis: Axis| (axis.things(2), sampled(most, axis));
+    let of_lights = (!lights.is_empty()).then(|| along(Axis::Lights(lights)));
+    let of_lens = facts.has_lens.then(|| along(Axis::Lens(lights)));
+    let of_bounces = (facts.bounces > 0).then(|| ("bounces".to_owned(), bounces(facts.bounces)));
     let of_file = || format!("rays per pixel{}", each("the file's points", lights));
+    let of_textures = facts.has_textures.then(|| (of_file(), filters()));
     let all = [
-        (!lights.is_empty()).then(|| along(Axis::Lights(lights))),
-        facts.has_lens.then(|| along(Axis::Lens(lights))),
-        Some(along(Axis::Pixel(lights))),
-        (facts.bounces > 0).then(|| ("bounces".to_owned(), bounces(facts.bounces))),
-        Some(("precision".to_owned(), precisions())),
-        facts.has_textures.then(|| (of_file(), filters())),
+        ("lights", "Points on lights", Target::Scene, of_lights),
+        ("lens", "Points on the lens", Target::Scene, of_lens),
+        ("pixel", "Rays in a pixel", Target::Pixel, Some(along(Axis::Pixel(lights)))),
+        ("bounces", "Bounces", Target::Scene, of_bounces),
+        ("precision", "Precision", Target::Scene, Some(("precision".to_owned(), precisions()))),
+        ("filter", "Texture filters", Target::Pixel, of_textures),
     ];
-    let family = |((name, title, target), found): (_, Option<(_, _)>)| {
-        let (counted, series) = found?;
+    let family = |(name, title, target, varied): (_, _, _, Option<(_, _)>)| {
+        let (counted, series) = varied?;
         let title = if counted == "points of the sky" { "Points of the sky" } else { title };
         Some(Family { name, title, counted, target, series })
     };
-    FAMILIES.into_iter().zip(all).filter_map(family).collect()
+    all.into_iter().filter_map(family).collect()
 }
 
 /// A series for each sampler, with up to `most` points along an axis.

@@ -152,7 +152,7 @@ pub fn overview(scenes: &[SceneBench]) -> Vec<Block> {
     let row = |(scene, [recursive, wavefront]): (&SceneBench, [&VariantBench; 2])| {
         vec![
             Cell::text(format!("`{}`", name(scene, scenes))),
-            Cell::figure(scene.triangles as f64),
+            Cell::figure(scene.shapes.triangles as f64),
             Cell::figure(scene.rays.all() as f64),
             Cell::decimals(wavefront.mrays_s, 3),
             Cell::decimals(recursive.mrays_s, 3),
@@ -193,10 +193,10 @@ fn facts(scene: &SceneBench, machine: &Machine) -> Vec<(&'static str, String)> {
     let samples =
         plural(image.samples_per_pixel as usize, "camera ray") + " each but for background";
     let kinds = [
-        (scene.triangles, "triangle"),
-        (scene.quads, "quad"),
-        (scene.spheres, "sphere"),
-        (scene.disks, "disk"),
+        (scene.shapes.triangles, "triangle"),
+        (scene.shapes.quads, "quad"),
+        (scene.shapes.spheres, "sphere"),
+        (scene.shapes.disks, "disk"),
         (scene.lights, "light"),
     ];
     let kinds = kinds.iter().filter(|(count, _)| *count > 0).map(|(n, name)| plural(*n, name));

@@ -12,7 +12,7 @@ use super::machine::Circumstances;
 use super::variant::{Variant, Varied};
 use crate::measure::{self, RoundLimits, busy};
 use crate::plot::number::plural;
-use crate::statistics::{ImageSize, Memory, Rays};
+use crate::statistics::{ImageSize, Memory, Rays, ShapeCounts};
 use crate::summary::{CONFIDENCE, ENOUGH};
 use wavecrest_base::error::Result;
 use wavecrest_core::accel::KernelChoice;
@@ -39,11 +39,8 @@ pub struct SceneBench {
     #[serde(flatten)]
     pub setting: BenchSetting,
     pub image: ImageSize,
-    pub triangles: usize,
-    pub quads: usize,
-    pub spheres: usize,
-    /// Disks.
-    pub disks: usize,
+    #[serde(flatten)]
+    pub shapes: ShapeCounts,
     pub lights: usize,
     pub bytes_per_path: usize,
     pub memory: Memory,
@@ -136,14 +133,9 @@ impl SceneBench {
 
     /// The report before the first comparison.
     pub(super) fn unmeasured(scene: &PreparedScene, setting: BenchSetting) -> Self {
-        let geometry = scene.accel.geometry();
-        let [spheres, disks] = geometry.spheres_and_disks();
         Self {
             image: scene.into(),
-            triangles: geometry.triangles.len(),
-            quads: geometry.quads.len(),
-            spheres,
-            disks,
+            shapes: scene.accel.geometry().into(),
             lights: scene.lights.len(),
             bytes_per_path: Batch::bytes_per_path(scene).iter().map(|(_, bytes)| bytes).sum(),
             memory: Memory { predicted: setting.predicted, peak: None },

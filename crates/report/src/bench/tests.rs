@@ -187,8 +187,6 @@ fn the_json_has_the_documented_keys() {
         let keys = json.pointer(path).unwrap().as_object().unwrap().keys();
         keys.map(String::as_str).collect::<Vec<_>>().join(" ")
     });
-    let ladder = &json["report"]["scenes"][0]["comparisons"][0];
-    assert_eq!((&ladder["of"], &ladder["difference"]), (&json!("ladder"), &Value::Null));
 }
 
 #[test]
@@ -241,12 +239,9 @@ fn the_text_has_the_answer_first_and_work_beside_time() {
         "1 sphere, 1 light\n",
         "loaded in 0.500 s, BVH (fast) built in 0.250 s",
         "6 rounds, all images",
-        "  recursive  ",
         "125.000",
-        "intersect",
         "order 1.250",
         "1.250 (1.250 to 1.250)",
-        "times as long",
     ] {
         assert!(shown.contains(part), "{part}\n{shown}");
     }

@@ -3,17 +3,8 @@
 use super::*;
 use crate::plot::{ChartAxis, Point, Scale, Series};
 
-/// A PNG of two pixels by one.
-fn png() -> Vec<u8> {
-    let mut bytes = Vec::new();
-    let encoder = image::codecs::png::PngEncoder::new(&mut bytes);
-    let colour = image::ExtendedColorType::Rgb8;
-    image::ImageEncoder::write_image(encoder, &[255, 0, 0, 0, 255, 0], 2, 1, colour).unwrap();
-    bytes
-}
-
 fn picture(words: &str) -> Picture {
-    Picture { png: png(), alt: words.to_owned(), caption: words.to_owned() }
+    Picture { png: vec![1, 2, 3], alt: words.to_owned(), caption: words.to_owned() }
 }
 
 fn chart(words: &str) -> Chart {

@@ -9,6 +9,7 @@ use serde::Serialize;
 use super::aim::{BoundingBall, at_any, is_outside, rays};
 use super::errors::HitErrors;
 use super::prelude::*;
+use crate::statistics::ShapeCounts;
 use wavecrest_core::accel::Traversal;
 use wavecrest_core::geometry::Primitive;
 use wavecrest_core::kernels::triangle::is_degenerate;
@@ -29,14 +30,9 @@ const HITTING: [u32; 2] = [110, 1];
 /// Properties of a geometry, independent of the precision.
 #[derive(Clone, Debug, Serialize)]
 pub struct GeometryFacts {
-    /// Triangles, including degenerate ones.
-    pub triangles: usize,
-    /// Quads.
-    pub quads: usize,
-    /// Spheres.
-    pub spheres: usize,
-    /// Disks.
-    pub disks: usize,
+    /// Shapes, including degenerate triangles.
+    #[serde(flatten)]
+    pub shapes: ShapeCounts,
     /// Triangles of instances, once for each.
     pub instanced: usize,
     /// Degenerate triangles, which are dropped.
@@ -78,12 +74,8 @@ pub fn shape(accel: &Accel) -> GeometryFacts {
     let of = |ratio: f64| (u64::from(ratio >= SLIVER), ratio);
     let (slivers, longest) =
         ratios.map(of).reduce(|| (0, 0.0), |a, b| (a.0 + b.0, f64::max(a.1, b.1)));
-    let [spheres, disks] = geometry.spheres_and_disks();
     GeometryFacts {
-        triangles: geometry.triangles.len(),
-        quads: geometry.quads.len(),
-        spheres,
-        disks,
+        shapes: geometry.into(),
         instanced: geometry.len() - geometry.own(),
         dropped: accel.left_out(),
         slivers,

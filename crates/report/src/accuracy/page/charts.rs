@@ -1,12 +1,12 @@
 //! Results as charts.
 
-use crate::accuracy::report::{MeasuredSetting, SceneAccuracy};
+use crate::accuracy::report::{SceneAccuracy, SettingResult};
 use crate::accuracy::setting::Family;
 use crate::plot::number::plural;
 use crate::plot::{self, Chart, ChartAxis, Draw, Guide, Scale, Series};
 
 /// The charts of a family, each with its file name.
-pub(super) fn of(family: &Family<MeasuredSetting>, scene: &SceneAccuracy) -> Vec<(String, Chart)> {
+pub(super) fn of(family: &Family<SettingResult>, scene: &SceneAccuracy) -> Vec<(String, Chart)> {
     let name = family.name;
     match name {
         "bounces" => vec![(name.to_owned(), bounces(family))],
@@ -31,7 +31,7 @@ const ODD: &str = "Grids with an odd number of columns do slightly worse: a quad
                    with half of the columns, and the middle column lies in both. ";
 
 /// The error against the count, with theoretical slopes.
-fn against_samples(family: &Family<MeasuredSetting>, scene: &SceneAccuracy) -> Chart {
+fn against_samples(family: &Family<SettingResult>, scene: &SceneAccuracy) -> Chart {
     let mut guides = Vec::new();
     let first = family.series.first().and_then(|line| line.points.first());
     if let Some(first) = first.filter(|_| family.series.iter().any(|line| line.slope.is_some())) {
@@ -55,14 +55,14 @@ fn against_samples(family: &Family<MeasuredSetting>, scene: &SceneAccuracy) -> C
 }
 
 /// The error against time.
-pub(super) fn against_time(family: &Family<MeasuredSetting>, scene: &SceneAccuracy) -> Chart {
+pub(super) fn against_time(family: &Family<SettingResult>, scene: &SceneAccuracy) -> Chart {
     let property = family.title.to_lowercase();
     let title = format!("{}: error against time, {property}", scene.scene.scene);
     let caption = "Median time of tracing, without loading and building; whiskers are intervals of the error.";
     chart(title, family, log("time", "s"), |p| p.seconds.median, caption.to_owned())
 }
 
-fn bounces(family: &Family<MeasuredSetting>) -> Chart {
+fn bounces(family: &Family<SettingResult>) -> Chart {
     let title = "Error against the number of bounces".to_owned();
     let caption = "With the scene's own samples. The last point has all bounces: only sampling contributes to its \
                    error.";
@@ -73,9 +73,9 @@ fn bounces(family: &Family<MeasuredSetting>) -> Chart {
 /// The error of a family along an axis of a value of each setting.
 fn chart(
     title: String,
-    family: &Family<MeasuredSetting>,
+    family: &Family<SettingResult>,
     axis: ChartAxis,
-    x: fn(&MeasuredSetting) -> f64,
+    x: fn(&SettingResult) -> f64,
     caption: String,
 ) -> Chart {
     let series = family.series.iter().map(|line| Series {
@@ -88,7 +88,7 @@ fn chart(
 }
 
 /// A setting with the interval of its error.
-fn mark(p: &MeasuredSetting, x: f64) -> plot::Point {
+fn mark(p: &SettingResult, x: f64) -> plot::Point {
     let noise = if p.above_noise { "" } else { ", below the noise of the reference" };
     let points = plural(p.x as usize, "point");
     let label = format!("{points}, {:.3} ms{noise}", p.seconds.median * 1e3);

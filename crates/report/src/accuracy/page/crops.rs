@@ -1,6 +1,6 @@
 //! Crops: what each time buys, in the part of the image where it shows most.
 
-use crate::accuracy::report::{FastestSettings, MeasuredSetting};
+use crate::accuracy::report::{FastestSettings, SettingResult};
 use crate::accuracy::setting::{Family, SettingSeries};
 use crate::accuracy::subject::Subject;
 use crate::page::{Block, Picture};
@@ -27,10 +27,10 @@ const ABOVE: [&str; 2] = [
 /// If the scene can no longer be rendered.
 pub(super) fn rows(
     subject: &mut Subject,
-    family: &Family<MeasuredSetting>,
+    family: &Family<SettingResult>,
     answer: &FastestSettings,
 ) -> Result<Vec<Block>> {
-    let mut answers: Vec<(&SettingSeries<MeasuredSetting>, &MeasuredSetting)> = Vec::new();
+    let mut answers: Vec<(&SettingSeries<SettingResult>, &SettingResult)> = Vec::new();
     for at in &answer.errors {
         let reached = family.fastest(at.error);
         answers.extend(reached.filter(|(_, p)| answers.iter().all(|(_, q)| p.key != q.key)));
@@ -41,7 +41,7 @@ pub(super) fn rows(
         Some((random, random.within(point.seconds.median)?))
     });
     let random: Vec<_> = random.collect();
-    let mut whole = |(series, point): &(&SettingSeries<MeasuredSetting>, &MeasuredSetting)| {
+    let mut whole = |(series, point): &(&SettingSeries<SettingResult>, &SettingResult)| {
         let (time, points) = (seconds(point.seconds.median), plural(point.x as usize, "point"));
         let error = figure(point.rmse.value * 100.0);
         let caption = format!("{time}: {}, {points}, error {error} %", series.name);

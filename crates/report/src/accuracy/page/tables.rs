@@ -1,6 +1,6 @@
 //! Results as tables.
 
-use crate::accuracy::report::{MeasuredSetting, SLOPE_FROM, SceneAccuracy};
+use crate::accuracy::report::{SLOPE_FROM, SceneAccuracy, SettingResult};
 use crate::accuracy::setting::{Family, SettingSeries, Target, converges};
 use crate::accuracy::store::{ReferenceRecord, StepRecord};
 use crate::page::{Block, Cell, Section, Table};
@@ -29,7 +29,7 @@ pub(super) fn references(scene: &SceneAccuracy) -> String {
 }
 
 /// The tables of a family.
-pub(super) fn of(family: &Family<MeasuredSetting>) -> Vec<Block> {
+pub(super) fn of(family: &Family<SettingResult>) -> Vec<Block> {
     let mut blocks: Vec<Block> = slopes(family).map(Block::Table).into_iter().collect();
     let points = Block::Table(points(family));
     blocks.push(match family.series.len() {
@@ -39,9 +39,9 @@ pub(super) fn of(family: &Family<MeasuredSetting>) -> Vec<Block> {
     blocks
 }
 
-pub(super) fn slopes(family: &Family<MeasuredSetting>) -> Option<Table> {
-    let row = |series: &SettingSeries<MeasuredSetting>| {
-        let counts = |p: &&MeasuredSetting| p.x >= SLOPE_FROM && converges(&p.key);
+pub(super) fn slopes(family: &Family<SettingResult>) -> Option<Table> {
+    let row = |series: &SettingSeries<SettingResult>| {
+        let counts = |p: &&SettingResult| p.x >= SLOPE_FROM && converges(&p.key);
         let Some(slope) = series.slope else {
             let row = [&*series.name, "no longer falls above the noise", "", "", ""];
             let is_long = series.points.iter().filter(counts).count() > 2;
@@ -65,10 +65,10 @@ pub(super) fn slopes(family: &Family<MeasuredSetting>) -> Option<Table> {
     (!rows.is_empty()).then(|| Table::new(caption, header, rows))
 }
 
-fn points(family: &Family<MeasuredSetting>) -> Table {
+fn points(family: &Family<SettingResult>) -> Table {
     let header =
         "setting|>time, ms|>RMSE|>95% interval|>relative MSE|>PSNR, dB|>FLIP|>bias|above noise";
-    let row = |series: &SettingSeries<MeasuredSetting>, p: &MeasuredSetting| {
+    let row = |series: &SettingSeries<SettingResult>, p: &SettingResult| {
         let name = if family.series.len() > 1 {
             format!("{} {}", series.name, p.label)
         } else {
@@ -99,7 +99,7 @@ pub(super) fn precision(scene: &SceneAccuracy) -> Vec<Block> {
     let fast = points.first().map_or(1.0, |p| p.seconds.median);
     let share =
         |[tried, failed]: [u64; 2]| Cell::number(failed as f64, format!("{failed} of {tried}"));
-    let row = |p: &MeasuredSetting| {
+    let row = |p: &SettingResult| {
         let trial = scene.trials.iter().find(|trial| trial.precision == p.label);
         let missing = || Cell::text("no triangles");
         let errors = trial.map(|trial| &*trial.errors);
