@@ -4,14 +4,12 @@
 //! [`setting`] defines the variations; [`sweep`] renders them, with many seeds in random order, and
 //! writes each record to a [`store`] at once; errors are measured against the reference of a
 //! [`subject`], with a known error of its own. [`report`] summarises the records
-//! with intervals ([`fit`]), and [`page`] shows them.
+//! with intervals ([`crate::summary`]), and [`page`] shows them.
 
-pub mod fit;
 pub mod page;
 pub mod pilot;
 pub mod report;
 pub mod setting;
-pub mod steps;
 pub mod store;
 pub mod subject;
 pub mod sweep;

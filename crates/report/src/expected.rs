@@ -9,8 +9,8 @@ use serde::ser::Error as _;
 use serde::{Serialize, Serializer};
 use serde_json::Value;
 
-use crate::accuracy::fit::generator;
 use crate::statistics::{Rays, Samples};
+use crate::summary::generator;
 use wavecrest_base::error::Result;
 use wavecrest_core::counters::Counters;
 use wavecrest_core::kernels::texture::Filter;

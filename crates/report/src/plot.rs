@@ -9,7 +9,6 @@
 
 mod axis;
 mod chart;
-mod field;
 mod font;
 mod marks;
 pub mod number;

@@ -1,13 +1,11 @@
 //! The report: an HTML page, and its charts as SVG and CSV.
 
-mod charts;
 mod crops;
-mod tables;
+mod figures;
 
 use std::path::Path;
 
 use super::AccuracyReport;
-use super::fit::Uncertain;
 use super::report::{FastestSetting, FastestSettings, SceneAccuracy};
 use super::subject::Subject;
 use crate::bench::page::recorded;
@@ -15,6 +13,7 @@ use crate::files::{to_json, write_text};
 use crate::measure::{busy, waiting};
 use crate::page::{Block, Cell, Page, Section, Table};
 use crate::plot::number::{figure, seconds};
+use crate::summary::Uncertain;
 use wavecrest_base::error::Result;
 
 /// Writes `report` to the folder `results`: `accuracy.json`, `report.html`, and each chart as SVG and CSV.
@@ -47,8 +46,8 @@ pub fn summary(report: &AccuracyReport) -> Vec<Block> {
     let mut blocks = answers(report);
     for scene in &report.scenes {
         blocks.push(Block::Heading(scene.scene.scene.clone()));
-        blocks.extend(scene.families.iter().filter_map(tables::slopes).map(Block::Table));
-        blocks.extend(tables::steps(scene));
+        blocks.extend(scene.families.iter().filter_map(figures::slopes).map(Block::Table));
+        blocks.extend(figures::steps(scene));
     }
     blocks
 }
@@ -56,7 +55,7 @@ pub fn summary(report: &AccuracyReport) -> Vec<Block> {
 /// What each time buys: the chart of the answer's samplers, and crops.
 fn bought(scene: &SceneAccuracy, subject: &mut Subject) -> Result<Vec<Block>> {
     let Some(family) = scene.family(scene.answer.family) else { return Ok(Vec::new()) };
-    let mut blocks = vec![Block::Chart(charts::against_time(family, scene))];
+    let mut blocks = vec![Block::Chart(figures::against_time(family, scene))];
     blocks.extend(crops::rows(subject, family, &scene.answer)?);
     Ok(blocks)
 }
@@ -84,23 +83,23 @@ fn section(scene: &SceneAccuracy, folder: &Path) -> Result<Section> {
     let mut blocks = vec![Block::Paragraph(format!(
         "{width} x {height} pixels, {} primitives. {}",
         scene.scene.primitives,
-        tables::references(scene)
+        figures::references(scene)
     ))];
     let answered = format!("{}-time", scene.answer.family);
     for family in scene.families.iter().filter(|family| family.name != "precision") {
         blocks.push(Block::Heading(family.title.to_owned()));
-        for (name, chart) in charts::of(family, scene) {
+        for (name, chart) in figures::charts(family, scene) {
             chart.write(folder, &format!("{}-{name}", scene.scene.scene))?;
             // The answer's is on the first screen.
             if name != answered {
                 blocks.push(Block::Chart(chart));
             }
         }
-        blocks.extend(tables::of(family));
+        blocks.extend(figures::tables(family));
     }
     blocks.push(Block::Heading("Cost and accuracy of each precision".to_owned()));
-    blocks.extend(tables::precision(scene));
-    blocks.extend(tables::steps(scene));
+    blocks.extend(figures::precision(scene));
+    blocks.extend(figures::steps(scene));
     Ok(Section::new(scene.scene.scene.clone(), blocks))
 }
 

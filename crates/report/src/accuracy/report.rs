@@ -22,7 +22,7 @@
 //! | `.points[].rays` | rays | of every kind, mean over seeds |
 //! | `.points[].above_noise` | | whether the error is at least three standard errors of the reference |
 //! | `trials` | | for each precision: rays aimed at edges and leaks, rays that leave a surface and self-hits, errors of t, points and normals in ulp ([`HitErrors`](crate::selftest::errors::HitErrors)) |
-//! | `steps` | | what exact hits cost: `rays` of a render, `steps` with their counts there and nanoseconds each, and the nanoseconds of a pair in the filter of `fast`; see [`steps`](super::steps) |
+//! | `steps` | | what exact hits cost: `rays` of a render, `steps` with their counts there and nanoseconds each, and the nanoseconds of a pair in the filter of `fast`; see [`sweep`](super::sweep) |
 
 #![allow(missing_docs, reason = "the table above says it once, for the JSON and for the fields")]
 
@@ -30,7 +30,6 @@ use std::collections::BTreeSet;
 
 use serde::Serialize;
 
-use super::fit::{self, Uncertain, bootstrap, of};
 use super::setting::{Axis, CountedSetting, Family, Setting, SettingSeries, Target, converges};
 use super::store::{
     PointRecord, PreparedRecord, Record, ReferenceRecord, SceneRecord, StepsRecord, TrialRecord,
@@ -39,7 +38,7 @@ use super::store::{
 use super::subject::{FLOOR, Subject};
 use crate::measure::Rounds;
 use crate::plot::number::{figure, seconds};
-use crate::summary::{ENOUGH, MedianInterval, median};
+use crate::summary::{self, ENOUGH, MedianInterval, Uncertain, bootstrap, median, of_seeds};
 use wavecrest_core::math::sampling::Sampling;
 use wavecrest_image::compare::psnr;
 
@@ -150,7 +149,7 @@ impl SceneAccuracy {
             let counts =
                 |p: &&SettingResult| p.above_noise && p.x >= SLOPE_FROM && converges(&p.key);
             let falling: Vec<_> = points.iter().filter(counts).map(|p| (p.x, &*p.each)).collect();
-            let slope = fit::slope(&falling).filter(|_| !fit::stays(&falling));
+            let slope = summary::slope(&falling).filter(|_| !summary::stays(&falling));
             SettingSeries { name: line.name.clone(), slope, points }
         };
         let series = family.series.iter().map(line).collect();
@@ -171,7 +170,7 @@ impl SettingResult {
         let each: Vec<f64> = all(|r| r.error.mse).collect();
         let quiet = renders.iter().filter(|record| !busy.contains(&record.seed));
         let times: Vec<f64> = quiet.map(|record| record.seconds).collect();
-        let rmse = fit::rmse(&each);
+        let rmse = summary::rmse(&each);
         let mse = mean(|r| r.error.mse);
         Some(Self {
             x: *x,
@@ -255,7 +254,7 @@ impl FastestSettings {
 /// The ratio of the times of one setting to those of another.
 fn ratio(one: &SettingResult, other: &SettingResult) -> Option<Uncertain> {
     let time =
-        |p: &SettingResult, seeds: &[usize]| median(&of(seeds, &p.times).collect::<Vec<_>>());
+        |p: &SettingResult, seeds: &[usize]| median(&of_seeds(seeds, &p.times).collect::<Vec<_>>());
     let rounds = one.times.len().min(other.times.len());
     bootstrap(rounds, |seeds| Some(time(one, seeds) / time(other, seeds)))
 }

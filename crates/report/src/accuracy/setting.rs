@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 
-use super::fit::Uncertain;
+use crate::summary::Uncertain;
 use wavecrest_core::kernels::light::Light;
 use wavecrest_core::kernels::precision::Precision;
 use wavecrest_core::math::sampling::{Points, Sampling};

@@ -2,8 +2,7 @@
 
 use std::path::Path;
 
-use super::axis::Mapping;
-use super::field::Field;
+use super::axis::{Field, Mapping};
 use super::marks::{STROKE, legend, marker};
 use super::number::{exact, figure, quantity};
 use super::svg::{ABOVE, At, BESIDE, Drawing, LABEL, NOTE, Paint};
