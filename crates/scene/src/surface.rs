@@ -32,6 +32,8 @@ pub(crate) const SURFACE: [Declaration; 5] = [
 /// The components of a shape's surface, and what messages call it.
 #[derive(Clone, Copy, Debug)]
 pub struct SurfaceComponents<'w> {
+    /// The light whose shape it is.
+    pub light: Option<&'w AreaLight>,
     /// The material; shapes of lights have neither one nor textures.
     pub material: Option<&'w Material>,
     /// The light that goes through it.
@@ -68,7 +70,7 @@ impl<'w> SurfaceComponents<'w> {
         let surface = if light.is_none() { surface } else { Default::default() };
         let (material, transparency, texture, maps, cut_out) = surface;
         let (maps, place) = (maps.unwrap_or(&Maps::NONE), place.map_or("", |place| &place.0));
-        Self { material, transparency, texture, maps, cut_out, place, name }
+        Self { light, material, transparency, texture, maps, cut_out, place, name }
     }
 
     /// Whether it shows its base colour as it is.

@@ -3,7 +3,7 @@
 use glam::DVec3;
 
 use super::transform::keeps_round;
-use crate::format::{Declaration, Kind, Object, Range, component, declared};
+use crate::format::{Declaration, Kind, Range, component, declared};
 use crate::systems::placement::{Circle, ShapeInstance};
 use wavecrest_base::error::Result;
 use wavecrest_core::geometry::Quadric;
@@ -28,11 +28,7 @@ component! {
     }
 }
 
-declared!(Disk, check);
-
-fn check(_: &mut Disk, object: &Object<'_>) -> Result<()> {
-    keeps_round(object, "a disk")
-}
+declared!(Disk, |_: &mut Self, object| keeps_round(object, "a disk"));
 
 impl Disk {
     /// The disk in world space.

@@ -3,7 +3,7 @@
 use glam::{DVec3, Mat3};
 
 use super::transform::keeps_round;
-use crate::format::{Declaration, Kind, Object, Range, component, declared};
+use crate::format::{Declaration, Kind, Range, component, declared};
 use crate::systems::placement::{Circle, ShapeInstance};
 use wavecrest_base::error::Result;
 use wavecrest_core::geometry::Quadric;
@@ -23,11 +23,7 @@ component! {
     }
 }
 
-declared!(Sphere, check);
-
-fn check(_: &mut Sphere, object: &Object<'_>) -> Result<()> {
-    keeps_round(object, "a sphere")
-}
+declared!(Sphere, |_: &mut Self, object| keeps_round(object, "a sphere"));
 
 impl Sphere {
     /// The sphere in world space.

@@ -6,12 +6,13 @@ use hecs::{Entity, Satisfies, World};
 use super::shows::Shows;
 use super::visibility::Visibility;
 use crate::components::{
-    AreaLight, Channels, CutOut, Disk, Facing, Hidden, InstanceOf, JsonPath, Map, Maps, Mesh,
-    Order, Quad, Shading, Sides, Sphere, TextureRef, Transform, Transparency, Triangle,
+    Channels, Disk, Facing, Hidden, InstanceOf, Map, Mesh, Order, Quad, Shading, Sides, Sphere,
+    TextureRef, Transform, Transparency, Triangle,
 };
 use crate::corners::{quad_normal, triangle_normal};
 use crate::image_file::has_alpha;
 use crate::mesh::MAX_COUNT;
+use crate::surface::{SurfaceColumns, SurfaceComponents};
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_core::kernels::slab::Aabb;
 use wavecrest_core::math::float::MAX_COORDINATE;
@@ -64,18 +65,15 @@ pub(crate) struct ShapeInstance {
     pub(crate) place: String,
 }
 
-/// What a shape or an instance has of its own.
+/// What a shape or an instance has of its own, besides its surface.
 type InstanceComponents<'w> = (
     Entity,
     Option<&'w Order>,
-    Option<&'w JsonPath>,
     Option<&'w InstanceOf>,
     Satisfies<&'w Hidden>,
-    Option<&'w AreaLight>,
     Option<&'w Transform>,
     Option<&'w Sides>,
     Option<&'w Shading>,
-    (Satisfies<&'w TextureRef>, Satisfies<&'w CutOut>, Option<&'w Maps>, Option<&'w Transparency>),
 );
 
 /// The geometry of a prototype.
@@ -94,12 +92,13 @@ type PrototypeComponents<'w> = (
 pub(crate) fn run(world: &World, origin: DVec3) -> Vec<ShapeInstance> {
     let prototypes = world.view::<PrototypeComponents<'_>>();
     let mut all: Vec<(Order, ShapeInstance)> = Vec::new();
-    for (entity, order, place, of, is_hidden, light, own, sides, shading, surface) in
+    let surfaces = world.view::<SurfaceColumns<'_>>();
+    for (entity, order, of, is_hidden, own, sides, shading) in
         world.query::<InstanceComponents<'_>>().iter()
     {
-        let (has_texture, is_cut_out, maps, transparency) = surface;
-        let is_clear = transparency.is_some_and(Transparency::is_clear);
-        if is_clear || is_hidden && of.is_none() {
+        let surface = SurfaceComponents::of(&surfaces, entity);
+        let SurfaceComponents { light, transparency, texture, maps, cut_out, place, .. } = surface;
+        if transparency.is_some_and(Transparency::is_clear) || is_hidden && of.is_none() {
             continue;
         }
         let prototype = of.map_or(entity, |InstanceOf(prototype)| *prototype);
@@ -118,11 +117,10 @@ pub(crate) fn run(world: &World, origin: DVec3) -> Vec<ShapeInstance> {
         }
         transform.translation -= origin;
         let is_surface = light.is_none();
-        let normal = maps.and_then(|maps| maps.normal.as_ref());
         let visibility = Visibility {
             is_seen: true,
             is_met: true,
-            is_transparent: is_surface && may_be_transparent(transparency, maps),
+            is_transparent: may_be_transparent(&surface),
             is_mirror: true,
             is_surface,
             faces: None,
@@ -146,14 +144,14 @@ pub(crate) fn run(world: &World, origin: DVec3) -> Vec<ShapeInstance> {
                 solid: None,
             },
             visibility,
-            is_cut_out,
+            is_cut_out: cut_out.is_some(),
             transform,
             bounds: Aabb::EMPTY,
             widening: 1.0,
             smooth: is_surface && shading == Some(&Shading::Smooth),
-            textured: is_surface && (has_texture || is_cut_out || maps.is_some()),
-            normal_mapped: is_surface && normal.is_some_and(Map::has_effect),
-            place: place.map_or_else(String::new, |path| path.0.clone()),
+            textured: texture.is_some() || cut_out.is_some() || maps.all().next().is_some(),
+            normal_mapped: maps.normal.as_ref().is_some_and(Map::has_effect),
+            place: place.to_owned(),
         };
         all.push((order.copied().unwrap_or(Order(u32::MAX)), instance));
     }
@@ -162,12 +160,12 @@ pub(crate) fn run(world: &World, origin: DVec3) -> Vec<ShapeInstance> {
 }
 
 /// Whether light may go through a surface, as far as the headers of images tell.
-fn may_be_transparent(transparency: Option<&Transparency>, maps: Option<&Maps>) -> bool {
+fn may_be_transparent(surface: &SurfaceComponents<'_>) -> bool {
     let may_vary = |texture: &TextureRef| {
         texture.channels == Channels::Color || has_alpha(&texture.look_up.source)
     };
-    let opacity = maps.and_then(|maps| maps.opacity.as_ref()?.texture.as_ref());
-    transparency.is_some_and(Transparency::has_effect) || opacity.is_some_and(may_vary)
+    let opacity = surface.maps.opacity.as_ref().and_then(|map| map.texture.as_ref());
+    surface.transparency.is_some_and(Transparency::has_effect) || opacity.is_some_and(may_vary)
 }
 
 /// Whether the front of a flat shape is where its corners run clockwise in world space. Meshes are flipped by
