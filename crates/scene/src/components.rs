@@ -21,8 +21,8 @@ pub use crate::shapes::{
     Sphere, Transform, Triangle, VertexColors,
 };
 pub use crate::surface::{
-    Channels, CutOut, Encoding, Filter, LookUp, Map, Maps, Material, Placing, SurfaceComponents,
-    TextureRef, TextureSource, Transparency, Wrap,
+    Channels, CutOut, Encoding, Filter, LookUp, Map, Maps, Material, Placing, TextureRef,
+    TextureSource, Transparency, Wrap,
 };
 
 /// The place of the entity in the scene file, such as `scene.shapes[3]`, for messages.

@@ -31,23 +31,23 @@ pub(crate) const SURFACE: [Declaration; 5] = [
 
 /// The components of a shape's surface, and what messages call it.
 #[derive(Clone, Copy, Debug)]
-pub struct SurfaceComponents<'w> {
+pub(crate) struct SurfaceComponents<'w> {
     /// The light whose shape it is.
-    pub light: Option<&'w AreaLight>,
+    pub(crate) light: Option<&'w AreaLight>,
     /// The material; shapes of lights have neither one nor textures.
-    pub material: Option<&'w Material>,
+    pub(crate) material: Option<&'w Material>,
     /// The light that goes through it.
-    pub transparency: Option<&'w Transparency>,
+    pub(crate) transparency: Option<&'w Transparency>,
     /// The texture of its diffuse colour.
-    pub texture: Option<&'w TextureRef>,
+    pub(crate) texture: Option<&'w TextureRef>,
     /// Its other textures.
-    pub maps: &'w Maps,
+    pub(crate) maps: &'w Maps,
     /// Its holes.
-    pub cut_out: Option<&'w CutOut>,
+    pub(crate) cut_out: Option<&'w CutOut>,
     /// Its place in the scene file; empty if unknown.
-    pub place: &'w str,
+    pub(crate) place: &'w str,
     /// Its name in the scene file.
-    pub name: Option<&'w Name>,
+    pub(crate) name: Option<&'w Name>,
 }
 
 /// [`SurfaceComponents`] as a query, with those of its material and textures together.

@@ -166,11 +166,6 @@ impl Extracted {
         Preset::choose(self.geometry().held() as u64, self.scene.expected_rays())
     }
 
-    /// Counts of dropped parts, from a pass over every triangle.
-    pub fn dropped(&self) -> Dropped {
-        Dropped { degenerate: self.scene.accel.left_out() }
-    }
-
     /// The scene's file.
     pub fn file(&self) -> &Path {
         &self.file
@@ -180,7 +175,8 @@ impl Extracted {
     pub fn build(mut self, preset: Preset) -> PreparedScene {
         Stage::Build.begin();
         self.scene.accel.rebuild(preset);
-        self.scene.dropped = self.dropped();
+        // From a pass over every triangle.
+        self.scene.dropped = Dropped { degenerate: self.scene.accel.left_out() };
         self.scene
     }
 }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use glam::{DVec3, Vec3, Vec4};
 use rayon::prelude::*;
 
-use super::meshes::{ArrayLengths, Meshes, append, transform_mesh};
+use super::meshes::{Meshes, append, transform_mesh};
 use super::tangents::tangents;
 use super::{Arrays, BuiltShape};
 use crate::components::{Mesh, Quad, Triangle};
@@ -18,7 +18,8 @@ use wavecrest_core::prepared::{CornerValues, MeshAttributes, UvMap};
 
 #[derive(Default)]
 pub(super) struct GeometryBuilder {
-    pub(super) room: ArrayLengths,
+    /// The final numbers of positions and triangles.
+    pub(super) room: [usize; 2],
     pub(super) arrays: Arrays,
     pub(super) shapes: Vec<BuiltShape>,
 }
@@ -85,7 +86,7 @@ impl GeometryBuilder {
         instance.check_count(first_triangle + mesh.triangles.len(), "triangles")?;
         // All numbers were just checked to fit.
         let before = first_position as u32;
-        let ArrayLengths { positions, triangles } = self.room;
+        let [positions, triangles] = self.room;
         let new = std::mem::take(&mut mesh.positions);
         append(&mut geometry.positions, new, positions, before, |p, _| p);
         let new = std::mem::take(&mut mesh.triangles);

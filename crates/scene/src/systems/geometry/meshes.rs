@@ -78,9 +78,9 @@ impl Meshes {
         (mesh, of)
     }
 
-    /// The room that all of these shapes but instances take.
-    pub(super) fn room(&self, shapes: &[ShapeInstance]) -> ArrayLengths {
-        let mut room = ArrayLengths::default();
+    /// The numbers of positions and of triangles of all these shapes but instances.
+    pub(super) fn room(&self, shapes: &[ShapeInstance]) -> [usize; 2] {
+        let mut room = [0, 0];
         for instance in shapes.iter().filter(|instance| !self.is_shared(instance)) {
             let [positions, triangles] = match instance.geometry {
                 ShapeGeometry::Sphere(_) | ShapeGeometry::Disk(_) => [0, 0],
@@ -90,18 +90,10 @@ impl Meshes {
                     [of.mesh.data.positions.len(), of.mesh.data.triangles.len()]
                 }),
             };
-            room.positions += positions;
-            room.triangles += triangles;
+            room = [room[0] + positions, room[1] + triangles];
         }
         room
     }
-}
-
-/// The final length of the arrays.
-#[derive(Clone, Copy, Debug, Default)]
-pub(super) struct ArrayLengths {
-    pub(super) positions: usize,
-    pub(super) triangles: usize,
 }
 
 /// Moves `more` to the end of `all`, which will have `room` items in the end, each `shifted` by the
