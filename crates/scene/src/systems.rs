@@ -12,13 +12,12 @@
 //! | `view` | shapes, the camera in all frames | which shapes are in view, and from which side |
 //! | `reach` | lights, shapes | which lights reach surfaces, and which surfaces they reach |
 //! | `shows` | materials, lights that reach them | which properties of materials are visible |
-//! | `cutouts` | cut-outs that rays meet | which shapes have holes |
+//! | `cutouts` | cut-outs that rays may meet | primitives with holes, and their images |
 //! | `census` | all of these | the plan: which effects the scene needs |
 //! | `lights` | lights that reach something in view | the lights to simulate |
 //! | `classes` | visible materials and textures | classes, each once; images, each once |
 //! | `environment` | the environment | what rays see that hit nothing |
 //! | `geometry` | shapes of lights, transparent shapes | what shadow rays pass |
-//! | `cutouts` | shapes with holes | primitives with holes, and their images |
 //! | `camera` | the view, pinhole or thin lens | the ray generator |
 //! | `textures` | headers of images | images, to be decoded at their first look-up |
 //! | `solids` | classes, boxes of shapes | what shapes enclose, by priority |
@@ -117,13 +116,12 @@ pub fn extract(mut world: World, options: Options<'_>) -> Result<Extracted> {
     view::run(&world, &frame, &arrays.geometry);
     reach::run(&world, &arrays.geometry);
     shows::run(&world, &frame, &mut images)?;
-    let masks = cutouts::find(&world, &frame.settings.file, &arrays.meshes)?;
+    let cutouts = cutouts::run(&world, &frame.settings.file, &mut arrays)?;
     let plan = Plan::of(census::run(&world, &frame, &arrays.geometry), options.passes);
     let (lights, ambient) = lights::kept(&mut world, &frame, plan.schedule())?;
     let classes = classes::run(&world, plan.schedule(), &mut images);
     let (environment, background) = environment::run(&world, &frame, &plan, &mut images);
     geometry::pass(&world, &mut arrays.geometry);
-    let cutouts = cutouts::run(&world, &masks, &mut arrays);
     let (camera, path) = camera::run(&world, frame.origin, Some(plan.schedule()))?;
     let images = images.prepare()?;
     let scene = PreparedScene {

@@ -24,47 +24,36 @@ use wavecrest_core::kernels::texture::{Filter, LazyImage, Wrap};
 use wavecrest_core::math::float::UNIT_ROUNDOFF;
 use wavecrest_core::prepared::{CornerValues, MeshAttributes, Shape, UvMap};
 
-/// Finds the shapes that rays may meet and whose cut-out removes anything, as alphas of vertices below 1 may.
-/// Returns their images, of the scene in `file`.
-pub(super) fn find<'a>(
+/// Adds the cut-outs that rays may meet and that remove anything, as alphas of vertices below 1 may, to the
+/// geometry, and returns their images, of the scene in `file`.
+pub(super) fn run(
     world: &World,
-    file: &'a Path,
-    meshes: &[MeshAttributes],
-) -> Result<Masks<'a>> {
+    file: &Path,
+    Arrays { geometry, meshes }: &mut Arrays,
+) -> Result<Vec<Arc<LazyImage>>> {
     let mut images = Masks::of_scene(file);
     let surfaces = world.view::<SurfaceColumns<'_>>();
-    let mut shapes = world.query::<(&Source, &Shape, &mut Visibility)>();
+    let mut shapes = world.query::<(&Source, &Shape, &UvMap, &mut Visibility)>();
     let met = shapes.iter().filter(|(.., visibility)| visibility.is_surface_met());
-    let mut cut: Vec<(&CutOut, &Shape, &mut Visibility)> = Vec::new();
-    for (source, shape, visibility) in met {
+    let mut met_cut_outs = Vec::new();
+    for (source, shape, uv_map, visibility) in met {
         let SurfaceComponents { cut_out, place, .. } = SurfaceComponents::of(&surfaces, source.0);
         let Some(cut_out) = cut_out else { continue };
         images.add(cut_out, place)?;
-        cut.push((cut_out, shape, visibility));
+        met_cut_outs.push((cut_out, shape, *uv_map, &mut visibility.has_holes));
     }
     images.decode()?;
-    for (cut_out, shape, visibility) in cut {
-        visibility.has_holes = alphas(shape, meshes).is_some() || images.has_holes(cut_out);
-    }
-    Ok(images)
-}
-
-/// Adds the cut-outs of the shapes that have holes to the geometry, and returns their images.
-pub(crate) fn run(world: &World, images: &Masks<'_>, arrays: &mut Arrays) -> Vec<Arc<LazyImage>> {
-    let Arrays { geometry, meshes } = arrays;
     let (mut own, mut of_prototypes) = (Vec::new(), vec![None; geometry.prototypes.len()]);
     let mut used: Vec<Arc<LazyImage>> = Vec::new();
-    let cut_outs = world.view::<&CutOut>();
-    let mut shapes = world.query::<(&Source, &Shape, &UvMap, &Visibility)>();
-    for (source, shape, uv_map, _) in shapes.iter().filter(|(.., visible)| visible.has_holes) {
-        let Some(found) = cut_outs.get(source.0) else { continue };
-        let image = images.of(found).map(|found| Arc::clone(&found.image));
-        if let Some(image) = &image
-            && !used.iter().any(|known| Arc::ptr_eq(known, image))
-        {
-            used.push(Arc::clone(image));
+    for (cut_out, shape, uv_map, has_holes) in met_cut_outs {
+        *has_holes = alphas(shape, meshes).is_some() || images.has_holes(cut_out);
+        if !*has_holes {
+            continue;
         }
-        let cutout = cutout(shape, *uv_map, found, image, meshes);
+        let image = images.of(cut_out).map(|found| Arc::clone(&found.image));
+        let is_known = |image| used.iter().any(|known| Arc::ptr_eq(known, image));
+        used.extend(image.as_ref().filter(|image| !is_known(image)).map(Arc::clone));
+        let cutout = cutout(shape, uv_map, cut_out, image, meshes);
         match prototype(geometry, shape) {
             None => own.push(cutout),
             // All instances of a prototype have the same cut-out.
@@ -77,7 +66,7 @@ pub(crate) fn run(world: &World, images: &Masks<'_>, arrays: &mut Arrays) -> Vec
     for (prototype, cutout) in geometry.prototypes.iter_mut().zip(of_prototypes) {
         prototype.cutouts = Cutouts::new(cutout.into_iter().collect());
     }
-    used
+    Ok(used)
 }
 
 /// The attributes of a shape's mesh.
