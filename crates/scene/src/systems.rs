@@ -5,7 +5,7 @@
 //! | `frame` | the view, settings | the offset of the scene's origin, the camera in all frames |
 //! | `placement` | shapes, instances, transforms | shapes where they are shown |
 //! | `culling` | boxes of shapes, cameras, lights | what no ray can meet, of which nothing is stored; what mirrors and transparent surfaces show |
-//! | `geometry` | shapes, whose meshes it moves out of the world | positions, triangles, quads, spheres, mesh attributes; an entity for each shape |
+//! | `geometry` | shapes, whose meshes it moves out of the world | positions, triangles, quads, spheres, mesh attributes, what shadow rays pass; an entity for each shape |
 //! | `materials` | materials | one row of numbers for each shape, and bounds on it |
 //! | `lights` | lights and their shapes | an entity for each light, with sampling data |
 //! | `sky` | ambient light, the environment | light by the normal, the colour of an even environment |
@@ -17,7 +17,6 @@
 //! | `lights` | lights that reach something in view | the lights to simulate |
 //! | `classes` | visible materials and textures | classes, each once; images, each once |
 //! | `environment` | the environment | what rays see that hit nothing |
-//! | `geometry` | shapes of lights, transparent shapes | what shadow rays pass |
 //! | `camera` | the view, pinhole or thin lens | the ray generator |
 //! | `textures` | headers of images | images, to be decoded at their first look-up |
 //! | `solids` | classes, boxes of shapes | what shapes enclose, by priority |
@@ -121,7 +120,6 @@ pub fn extract(mut world: World, options: Options<'_>) -> Result<Extracted> {
     let (lights, ambient) = lights::kept(&mut world, &frame, plan.schedule())?;
     let classes = classes::run(&world, plan.schedule(), &mut images);
     let (environment, background) = environment::run(&world, &frame, &plan, &mut images);
-    geometry::pass(&world, &mut arrays.geometry);
     let (camera, path) = camera::run(&world, frame.origin, Some(plan.schedule()))?;
     let images = images.prepare()?;
     let scene = PreparedScene {

@@ -57,37 +57,34 @@ pub(crate) fn run(
     let build = |shapes, flat| {
         build(world, shapes, flat).map_err(|error| error.in_file(&frame.settings.file))
     };
-    let (mut arrays, shapes) = build(met, flat)?;
+    let (mut arrays, mut shapes) = build(met, flat)?;
     let (unmet, unmet_lights) = build(lights, true)?;
     leave_emitters(world, &arrays.geometry, &shapes);
     leave_emitters(world, &unmet.geometry, &unmet_lights);
     arrays.geometry.set_precision(frame.precision);
-    let geometry = &arrays.geometry;
-    let entity = |(source, mut visibility, shape, uv_map): BuiltShape| {
-        visibility.is_surface &= has_area(&shape, &visibility, geometry);
-        let (material, bound) = (Material::BLACK, MaterialBound(Material::BLACK));
-        (source, visibility, shape, uv_map, material, bound)
-    };
+    let geometry = &mut arrays.geometry;
+    for (_, visibility, shape, _) in &mut shapes {
+        visibility.is_surface &= has_area(shape, geometry);
+        let primitives = || shape.primitives.clone();
+        if visibility.lets_light_through() {
+            geometry.transparent.push(primitives());
+        }
+        // Shadow rays pass shapes of lights, and transparent ones, which take some of their light.
+        if visibility.lets_light_through() || shape.light.is_some() && !primitives().is_empty() {
+            geometry.passed.push(primitives());
+        }
+    }
     let absent = absent.into_iter().map(|mut one| {
         one.shape.flipped = false;
         one.built(0..0, UvMap::Mesh)
     });
-    world.spawn_batch(absent.chain(shapes).map(entity));
+    let unknown = (Material::BLACK, MaterialBound(Material::BLACK));
+    let entities = absent.chain(shapes).map(|(source, visibility, shape, uv_map)| {
+        let (material, bound) = unknown;
+        (source, visibility, shape, uv_map, material, bound)
+    });
+    world.spawn_batch(entities);
     Ok(arrays)
-}
-
-/// Lets shadow rays pass shapes of lights, and transparent shapes, which take some of their light.
-pub(super) fn pass(world: &World, geometry: &mut Geometry) {
-    for (shape, visibility) in world.query::<(&Shape, &Visibility)>().iter() {
-        let is_transparent = visibility.lets_light_through();
-        if shape.primitives.is_empty() || !is_transparent && shape.light.is_none() {
-            continue;
-        }
-        if shape.light.is_none() {
-            geometry.transparent.push(shape.primitives.clone());
-        }
-        geometry.passed.push(shape.primitives.clone());
-    }
 }
 
 /// Converts shapes, given in the order of the file, to primitives. Their meshes are moved out of the world here.
@@ -124,10 +121,10 @@ fn leave_emitters(world: &mut World, geometry: &Geometry, shapes: &[BuiltShape])
     }
 }
 
-/// Whether rays can meet any of the shape, which may have no primitives because they do not.
-fn has_area(shape: &Shape, visibility: &Visibility, geometry: &Geometry) -> bool {
+/// Whether rays can meet any of the shape.
+fn has_area(shape: &Shape, geometry: &Geometry) -> bool {
     // Fast precision cannot tell for certain what has no area.
     let may_be_hit =
         |number| geometry.precision == Precision::Fast || !geometry.is_degenerate(number);
-    !visibility.is_met || shape.primitives.clone().any(may_be_hit)
+    shape.primitives.clone().any(may_be_hit)
 }
