@@ -105,7 +105,7 @@ pub struct Appearance {
 }
 
 /// One shape of the scene file, or of a light.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Shape {
     /// Its primitives, by number.
     pub primitives: Range<u32>,

@@ -81,14 +81,6 @@ fn check_samples(object: &Object<'_>, sampling: Sampling, samples: u32) -> Resul
     Err(error.remedy(format!("at most {MOST_POINTS} (2^24) are allowed")))
 }
 
-/// Columns and rows of the points of a light.
-fn grid(sampling: Sampling, samples: u32) -> [u32; 2] {
-    match sampling {
-        Sampling::Random | Sampling::Sobol => [samples, 1],
-        Sampling::Jittered => [samples, samples],
-    }
-}
-
 /// Upper bound on the distance between any two points of the scene.
 fn diameter(geometry: &Geometry) -> f64 {
     bounds::of(geometry).map_or(0.0, |[low, high]| (high - low).length())
@@ -101,7 +93,8 @@ fn light(
     falloff: Falloff,
     (sampling, samples): (Sampling, u32),
 ) -> Light {
-    let grid = grid(sampling, samples);
+    let rows = if sampling == Sampling::Jittered { samples } else { 1 };
+    let grid = [samples, rows];
     Light { emitter, power, falloff, sampling, grid, dimension: 0 }
 }
 

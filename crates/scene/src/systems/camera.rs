@@ -19,12 +19,6 @@ const PINHOLE: Lens = Lens { radius: 0.0, focal: 1.0, sampling: Sampling::Random
 /// Largest number of frames that are checked one by one.
 const MOST_FRAMES: u32 = 1 << 12;
 
-/// The camera of the world in every place that it may render from; empty if there are too many.
-pub(crate) fn places(world: &World, origin: DVec3) -> Result<Vec<Camera>> {
-    let (camera, path) = run(world, origin, None)?;
-    Ok(frames_of(&camera, path.as_ref()))
-}
-
 /// The camera in every frame of its path, and at its own place; empty if there are too many.
 pub(super) fn frames_of(camera: &Camera, path: Option<&Path>) -> Vec<Camera> {
     let Some(path) = path else { return vec![*camera] };

@@ -9,7 +9,8 @@
 use glam::DVec3;
 use hecs::World;
 
-use super::{Options, camera};
+use super::Options;
+use super::camera::{self, frames_of};
 use crate::components::Settings;
 use crate::query;
 use wavecrest_base::error::Result;
@@ -37,8 +38,9 @@ pub(super) fn run(world: &World, options: &Options<'_>) -> Result<Frame> {
     let is_fast = precision == Precision::Fast;
     let settings = query::settings(world)?;
     let origin = if is_fast { DVec3::ZERO } else { origin(world)? };
+    let (camera, path) = camera::run(world, origin, None)?;
     let is_certain = skips && !is_fast;
-    let cameras = if is_certain { camera::places(world, origin)? } else { Vec::new() };
+    let cameras = if is_certain { frames_of(&camera, path.as_ref()) } else { Vec::new() };
     Ok(Frame { settings, precision, origin, cameras })
 }
 

@@ -133,15 +133,10 @@ pub(crate) fn run(world: &World, origin: DVec3) -> Vec<ShapeInstance> {
             prototype,
             geometry,
             shape: Shape {
-                primitives: 0..0,
                 light: light.map(|light| light.color.as_vec3()),
                 flipped: is_flipped(&geometry, facing, &transform),
                 two_sided: sides.is_none_or(|sides| *sides == Sides::Both),
-                smooth: false,
-                colored: false,
-                class: 0,
-                mesh: None,
-                solid: None,
+                ..Shape::default()
             },
             visibility,
             is_cut_out: cut_out.is_some(),

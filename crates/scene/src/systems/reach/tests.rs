@@ -22,10 +22,7 @@ fn light(emitter: Emitter) -> Light {
 }
 
 fn shape(two_sided: bool, flipped: bool) -> Shape {
-    let (smooth, colored) = (false, false);
-    let primitives = 0..1;
-    let (light, class, mesh, solid) = (None, 0, None, None);
-    Shape { primitives, light, flipped, two_sided, smooth, colored, class, mesh, solid }
+    Shape { primitives: 0..1, flipped, two_sided, ..Shape::default() }
 }
 
 fn of_triangle(corners: [Vec3; 3]) -> Geometry {
