@@ -100,9 +100,10 @@ fn read_shape(object: &Object<'_>, entity: &mut EntityBuilder) -> Result<()> {
 /// The area lights.
 pub(super) fn lights(world: &World, frame: &Frame, _: &Geometry) -> Result<Vec<(Entity, Light)>> {
     let mut found = Vec::new();
-    let mut lights = world.query::<(Entity, &AreaLight, &mut ShapeEmitter)>();
+    let mut lights = world.query::<(Entity, &AreaLight, Option<&mut ShapeEmitter>)>();
     for (entity, light, emitter) in lights.iter() {
-        let emitter = emitter.0.take().ok_or_else(|| no_area(world, entity, frame))?;
+        let emitter = emitter.and_then(|emitter| emitter.0.take());
+        let emitter = emitter.ok_or_else(|| no_area(world, entity, frame))?;
         let &AreaLight { intensity, color, falloff, sampling, samples } = light;
         let power = power(intensity, color);
         found.push((entity, super::light(emitter, power, falloff, (sampling, samples))));
