@@ -274,6 +274,11 @@ fn renders_write_what_was_asked_for_and_say_how() {
 }
 
 #[test]
+fn no_choice_of_how_to_render_changes_a_byte() {
+    session("choices");
+}
+
+#[test]
 fn commands_answer_alike_everywhere() {
     session("answers");
 }

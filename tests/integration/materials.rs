@@ -119,31 +119,6 @@ fn missing_files_are_named_once_and_their_faces_are_plain() {
     }
 }
 
-#[test]
-fn nothing_outside_the_folder_is_read_unless_it_is_allowed() {
-    let outside = written(&[]);
-    let picture = outside.path().join("textures/t.png").display().to_string();
-    for name in [picture.clone(), "../t.png".into(), "link.png".into()] {
-        let mtl = format!("newmtl red\nmap_Kd {name}\n");
-        let folder = folder();
-        let own = folder.path().join("own");
-        std::fs::create_dir(&own).expect("a folder");
-        std::fs::copy(&picture, folder.path().join("t.png")).expect("a copy");
-        #[cfg(unix)]
-        std::os::unix::fs::symlink(&picture, own.join("link.png")).expect("a link");
-        put(&own, "m.obj", obj("red"));
-        put(&own, "a b.mtl", mtl);
-        let told = |allow_outside| {
-            let options = LoadOptions { allow_outside, ..LoadOptions::default() };
-            warnings(&load(&own.join("m.obj"), &options).expect("a scene"))
-        };
-        let refused = told(false);
-        assert_eq!(refused.len(), 1, "{refused:?}");
-        assert!(refused[0].contains("is outside the folder of the mesh"), "{refused:?}");
-        assert_eq!(told(true), [""; 0], "{name}");
-    }
-}
-
 /// A square with a picture of four colours: the same in each format, and as a scene file.
 #[test]
 fn pictures_are_the_same_in_every_format() {

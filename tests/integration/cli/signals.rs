@@ -1,7 +1,7 @@
 //! What SIGINT, SIGTERM and SIGKILL leave behind.
 
 use std::path::Path;
-use std::process::{Child, Command, Output, Stdio};
+use std::process::{Command, Output, Stdio};
 use std::time::{Duration, Instant};
 
 use serde_json::{Value, json};
@@ -10,7 +10,8 @@ use tempfile::TempDir;
 use super::{files, run_silently, with_scene};
 use crate::parts::ball;
 use crate::support::{
-    bytes, edited, film, folder, matte, pinhole, point_light, put, scene, text, wall, with,
+    bytes, edited, film, folder, matte, pinhole, point_light, put, scene, text, wall, wavecrest,
+    with,
 };
 
 /// How long to wait for a file, at most: machines may be slow.
@@ -21,35 +22,35 @@ fn long() -> Value {
     ball([64, 64], 24)
 }
 
-/// A command that is running.
-struct Running(Child);
-
-impl Running {
-    fn start(folder: &Path, arguments: &[&str]) -> Self {
-        let mut command = Command::new(env!("CARGO_BIN_EXE_wavecrest"));
-        command.current_dir(folder).args(arguments).stdout(Stdio::piped()).stderr(Stdio::piped());
-        Self(command.spawn().expect("the command runs"))
+/// What becomes of a command that gets these signals so many seconds after there is a file, or one whose name begins so.
+/// It has to end soon after.
+fn interrupted(
+    folder: &Path,
+    arguments: &[&str],
+    (file, wait): (&str, f64),
+    signals: &[&str],
+) -> Output {
+    let mut command = wavecrest(folder);
+    command.args(arguments).stdout(Stdio::piped()).stderr(Stdio::piped());
+    let mut child = command.spawn().expect("the command runs");
+    let begun = Instant::now();
+    let is_there =
+        || folder.join(file).exists() || files(folder).iter().any(|f| f.starts_with(file));
+    while !is_there() {
+        assert!(child.try_wait().expect("a child").is_none(), "it ended too early");
+        assert!(begun.elapsed() < PATIENCE, "there is no {file}");
+        std::thread::sleep(Duration::from_millis(2));
     }
-
-    /// Waits until the file is there.
-    fn wait_for(&mut self, file: &Path) {
-        let start = Instant::now();
-        while !file.exists() {
-            assert!(self.0.try_wait().expect("a child").is_none(), "it ended too early");
-            assert!(start.elapsed() < PATIENCE, "there is no {}", file.display());
-            std::thread::sleep(Duration::from_millis(2));
-        }
-    }
-
-    fn signal(&self, name: &str) {
-        let id = self.0.id().to_string();
-        let sent = Command::new("kill").args(["-s", name, &id]).status().expect("kill runs");
+    std::thread::sleep(Duration::from_secs_f64(wait));
+    let id = child.id().to_string();
+    for signal in signals {
+        let sent = Command::new("kill").args(["-s", signal, &id]).status().expect("kill runs");
         assert!(sent.success());
     }
-
-    fn finish(self) -> Output {
-        self.0.wait_with_output().expect("a child")
-    }
+    let sent = Instant::now();
+    let output = child.wait_with_output().expect("a child");
+    assert!(sent.elapsed() < Duration::from_secs(20), "{arguments:?}: {:?}", sent.elapsed());
+    output
 }
 
 /// A folder with a long scene, and its image as one process makes it.
@@ -70,12 +71,8 @@ fn a_signal_stops_a_render_that_resumes_to_the_same_bytes() {
     let whole = film(folder.path(), "usual.exr");
     for (signal, code) in [("INT", 130), ("TERM", 143)] {
         std::fs::remove_file(at("out.exr")).ok();
-        let mut running = Running::start(folder.path(), &RENDER);
-        running.wait_for(&at("kept"));
         // The first writing of the checkpoint holds little; the next follow each other.
-        std::thread::sleep(Duration::from_millis(50));
-        running.signal(signal);
-        let output = running.finish();
+        let output = interrupted(folder.path(), &RENDER, ("kept", 0.05), &[signal]);
         let told = text(&output.stderr);
         assert_eq!(output.status.code(), Some(code), "{told}");
         let percent = told
@@ -120,10 +117,7 @@ fn a_render_that_ends_while_its_tree_is_built_resumes_to_the_same_bytes() {
     let usual = bytes(folder.path(), "usual.exr");
     let on_demand = [&RENDER[..], &["--bvh", "on-demand"]].concat();
     for (signal, code) in [("INT", Some(130)), ("TERM", Some(143)), ("KILL", None)] {
-        let mut running = Running::start(folder.path(), &on_demand);
-        running.wait_for(&folder.path().join("kept"));
-        running.signal(signal);
-        let output = running.finish();
+        let output = interrupted(folder.path(), &on_demand, ("kept", 0.0), &[signal]);
         assert_eq!(output.status.code(), code, "{}", text(&output.stderr));
         run_silently(folder.path(), &[&on_demand[..], &["--resume", "-q"]].concat());
         assert!(bytes(folder.path(), "out.exr") == usual, "after SIG{signal}");
@@ -157,12 +151,8 @@ fn a_signal_leaves_an_older_image_as_it_is() {
 /// Renders out.exr and new.png, ended by a signal when a part is finished; returns the message.
 fn stopped_after_a_tile(folder: &Path, signal: &str, more: &[&str]) -> String {
     let arguments = [&RENDER[..], &["--also", "new.png"], more].concat();
-    for wait in [50, 100, 200, 400, 800] {
-        let mut running = Running::start(folder, &arguments);
-        running.wait_for(&folder.join("kept"));
-        std::thread::sleep(Duration::from_millis(wait));
-        running.signal(signal);
-        let output = running.finish();
+    for wait in [0.05, 0.1, 0.2, 0.4, 0.8] {
+        let output = interrupted(folder, &arguments, ("kept", wait), &[signal]);
         std::fs::remove_file(folder.join("kept")).expect("it is there");
         let told = text(&output.stderr);
         if !told.contains(" at 0 %") {
@@ -176,20 +166,14 @@ fn stopped_after_a_tile(folder: &Path, signal: &str, more: &[&str]) -> String {
 #[test]
 fn a_shard_that_a_signal_ends_is_kept_and_not_written() {
     let folder = with_scene(&long().to_string());
-    let at = |name: &str| folder.path().join(name);
-    let shard = |number: &'static str, name: &'static str| {
-        let rest = ["--shard", number, "--checkpoint", "kept", "--every", "0.001"];
-        [&["ball.json", name, "--threads", "1"][..], &rest].concat()
-    };
-    let mut running = Running::start(folder.path(), &shard("1/2", "1.part"));
-    running.wait_for(&at("kept"));
-    running.signal("TERM");
-    let output = running.finish();
+    let shard = ["ball.json", "1.part", "--threads", "1", "--shard", "1/2"];
+    let shard = [&shard[..], &["--checkpoint", "kept", "--every", "0.001"]].concat();
+    let output = interrupted(folder.path(), &shard, ("kept", 0.0), &["TERM"]);
     let told = text(&output.stderr);
     assert_eq!(output.status.code(), Some(143), "{told}");
     assert!(told.contains("; 1.part is not written; resume with --checkpoint kept"), "{told}");
     assert_eq!(files(folder.path()), ["ball.json", "kept"]);
-    run_silently(folder.path(), &[&shard("1/2", "1.part")[..], &["--resume", "-q"]].concat());
+    run_silently(folder.path(), &[&shard[..], &["--resume", "-q"]].concat());
     run_silently(folder.path(), &["ball.json", "2.part", "--shard", "2/2"]);
     run_silently(folder.path(), &["merge", "1.part", "2.part", "-o", "out.exr"]);
     run_silently(folder.path(), &["ball.json", "usual.exr"]);
@@ -211,10 +195,7 @@ fn frames_before_a_signal_are_written_and_no_part_of_another() {
     scene["camera"]["path"] = json!({"keys": [{"frame": 1, "location": [0, 0, 5]}]});
     let folder = with_scene(&scene.to_string());
     let frames = ["ball.json", "f#.pfm", "--frames", "1..3", "--threads", "1"];
-    let mut running = Running::start(folder.path(), &frames);
-    running.wait_for(&folder.path().join("f1.pfm"));
-    running.signal("INT");
-    let (percent, rest) = stopped(&running.finish());
+    let (percent, rest) = stopped(&interrupted(folder.path(), &frames, ("f1.pfm", 0.0), &["INT"]));
     assert_eq!(rest, "f2.pfm is not written; the frame before it is written\n");
     assert!((33.3..66.7).contains(&percent), "{percent}");
     assert_eq!(files(folder.path()), ["ball.json", "f1.pfm"]);
@@ -234,11 +215,8 @@ fn an_animation_and_a_sheet_that_a_signal_ends_are_not_written() {
     for (name, options) in cases {
         let size = ["--width", "400", "--height", "300", "--threads", "1"];
         let arguments = [&["t.obj", name][..], options, &size].concat();
-        let some = [100, 200, 400, 800, 1600, 3200].into_iter().find_map(|wait| {
-            let running = Running::start(folder.path(), &arguments);
-            std::thread::sleep(Duration::from_millis(wait));
-            running.signal("INT");
-            let output = running.finish();
+        let some = [0.1, 0.2, 0.4, 0.8, 1.6, 3.2].into_iter().find_map(|wait| {
+            let output = interrupted(folder.path(), &arguments, ("t.obj", wait), &["INT"]);
             // Before the first ray, a signal ends the process.
             output.status.code()?;
             let (percent, rest) = stopped(&output);
@@ -271,15 +249,8 @@ fn doubling() -> String {
 /// The exit code of a command to which signals are sent while it traces rays. Before the first ray, the first signal ends
 /// the process: then it was sent too early.
 fn ended_by(folder: &Path, arguments: &[&str], signals: &[&str]) -> Option<i32> {
-    [0.5, 2.0, 8.0, 30.0].into_iter().find_map(|wait| {
-        let running = Running::start(folder, arguments);
-        std::thread::sleep(Duration::from_secs_f64(wait));
-        signals.iter().for_each(|signal| running.signal(signal));
-        let start = Instant::now();
-        let output = running.finish();
-        assert!(start.elapsed() < Duration::from_secs(20), "{arguments:?}: {:?}", start.elapsed());
-        output.status.code()
-    })
+    let ended = |wait| interrupted(folder, arguments, ("ball.json", wait), signals).status.code();
+    [0.5, 2.0, 8.0, 30.0].into_iter().find_map(ended)
 }
 
 #[test]
@@ -301,26 +272,18 @@ fn a_signal_ends_a_render_within_a_pixel() {
 fn a_signal_ends_other_commands_within_a_pixel() {
     let folder = with_scene(&doubling());
     for arguments in [&["explain", "ball.json"][..], &["probe", "ball.json", "--pixel", "0,0"]] {
-        let running = Running::start(folder.path(), arguments);
-        std::thread::sleep(Duration::from_millis(500));
-        running.signal("TERM");
-        let start = Instant::now();
-        let output = running.finish();
+        let output = interrupted(folder.path(), arguments, ("ball.json", 0.5), &["TERM"]);
         assert_eq!(output.status.code(), None, "a signal ended it");
         let told = text(&output.stderr);
         assert!(told.ends_with("stopped by SIGTERM; no file is written\n"), "{told}");
-        assert!(start.elapsed() < Duration::from_secs(20), "{:?}", start.elapsed());
     }
 }
 
 #[test]
 fn what_a_sweep_leaves_behind_is_told() {
     let folder = with_scene(&endless());
-    let mut running = Running::start(folder.path(), &["accuracy", "ball.json", "-o", "out"]);
-    running.wait_for(&folder.path().join("out/results.jsonl"));
-    std::thread::sleep(Duration::from_millis(500));
-    running.signal("INT");
-    let output = running.finish();
+    let (sweep, begun) = (["accuracy", "ball.json", "-o", "out"], ("out/results.jsonl", 0.5));
+    let output = interrupted(folder.path(), &sweep, begun, &["INT"]);
     assert_eq!(output.status.code(), None, "a signal ended it");
     assert_eq!(text(&output.stderr), "stopped by SIGINT; written: out/results.jsonl\n");
 }
@@ -337,23 +300,14 @@ fn a_second_signal_ends_the_process_at_once() {
 #[test]
 fn a_signal_leaves_no_temporary_file() {
     let folder = folder();
-    let is_begun = || !files(folder.path()).is_empty();
     for signal in ["INT", "TERM"] {
-        let arguments = ["generate", "knot", "k.ply", "--triangles", "200M", "-q"];
-        let running = Running::start(folder.path(), &arguments);
-        let start = Instant::now();
-        while !is_begun() {
-            assert!(start.elapsed() < PATIENCE, "there is no temporary file");
-            std::thread::sleep(Duration::from_millis(5));
-        }
+        let knot = ["generate", "knot", "k.ply", "--triangles", "200M", "-q"];
         // It is in the list a moment after it is there.
-        std::thread::sleep(Duration::from_millis(50));
-        running.signal(signal);
-        let output = running.finish();
+        let output = interrupted(folder.path(), &knot, (".wavecrest-", 0.05), &[signal]);
         assert_eq!(output.status.code(), None, "a signal ended it");
         let told = format!("stopped by SIG{signal}; no file is written\n");
         assert_eq!(text(&output.stderr), told);
-        assert!(!is_begun(), "{:?}", files(folder.path()));
+        assert_eq!(files(folder.path()), [""; 0]);
     }
 }
 
@@ -398,11 +352,8 @@ fn a_process_that_is_killed_leaves_the_older_image_or_the_new_one() {
     let (mut olds, mut news) = (0, 0);
     for _ in 0..kills() {
         std::fs::write(folder.path().join("out.pfm"), &old).expect("a file");
-        let mut running = Running::start(folder.path(), &["ball.json", "out.pfm"]);
         let moment = random() * whole * 1.2;
-        std::thread::sleep(Duration::from_secs_f64(moment));
-        running.0.kill().expect("it is killed");
-        running.finish();
+        interrupted(folder.path(), &["ball.json", "out.pfm"], ("ball.json", moment), &["KILL"]);
         let found = bytes(folder.path(), "out.pfm");
         assert!(found == old || found == new, "neither, after {moment} s");
         if found == old {
@@ -421,10 +372,8 @@ fn a_render_killed_repeatedly_resumes_to_the_same_bytes() {
     let resume = [&RENDER[..], &["--resume", "-q"]].concat();
     let mut random = random();
     for _ in 0..kills() {
-        let mut running = Running::start(folder.path(), &resume);
-        std::thread::sleep(Duration::from_secs_f64(0.05 + random() * 0.3));
-        running.0.kill().expect("it is killed");
-        running.finish();
+        let moment = 0.05 + random() * 0.3;
+        interrupted(folder.path(), &resume, ("ball.json", moment), &["KILL"]);
         check_left(folder.path(), &["ball.json", "usual.exr", "kept", "out.exr"]);
         if folder.path().join("out.exr").exists() {
             assert!(bytes(folder.path(), "out.exr") == usual, "it was finished in between");

@@ -31,21 +31,6 @@ fn covered(film: &Film) -> usize {
 }
 
 #[test]
-fn a_ball_covers_the_area_of_its_projection() {
-    let eye = Eye { size: [300, 260], fov: 40.0, distance: 5.0 };
-    let ball = sphere([0.0; 3], 1.2, matte(1.0, [1.0; 3]));
-    let film = shown(&eye.json(), &[ball]);
-    // The cone that touches the ball has half angle asin(r / d).
-    let radius = (1.2_f64 / 5.0).asin().tan() / (20.0_f64.to_radians()).tan() * 130.0;
-    let area = PI * radius * radius;
-    // Pixel centres within a circle differ from its area by far less than one for each pixel of
-    // the edge; a radius that is off by a tenth of a pixel shows.
-    let bound = 0.1 * 2.0 * PI * radius;
-    let found = covered(&film) as f64;
-    assert!((found - area).abs() < bound, "{found} pixels, not {area} within {bound}");
-}
-
-#[test]
 fn the_edge_of_a_ball_is_where_rays_touch_it() {
     let eye = Eye { size: [160, 120], fov: 60.0, distance: 5.0 };
     let (center, radius) = (DVec3::new(1.1, -0.7, -0.5), 1.3);
@@ -114,18 +99,11 @@ fn the_image_is_upright_and_unmirrored() {
 }
 
 #[test]
-fn up_turns_the_image_and_look_has_its_other_spellings() {
+fn up_turns_the_image() {
     let ball = sphere([0.9, 0.0, 0.0], 0.5, matte(1.0, [1.0, 0.0, 0.0]));
     let eye = Eye { size: [30, 30], fov: 40.0, distance: 5.0 };
-    let up = with(eye.json(), "up", json!([2, 0, 0]));
-    let film = shown(&up, std::slice::from_ref(&ball));
+    let film = shown(&with(eye.json(), "up", json!([2, 0, 0])), &[ball]);
     assert_near(pixel(&film, 15, 7), [1.0, 0.0, 0.0], 1e-6, "+x is up");
-    let usual = shown(&eye.json(), std::slice::from_ref(&ball));
-    for (location, look) in [("position", "lookat"), ("location", "lookAt")] {
-        let camera = json!({"type": "pinhole", "width": 30, "height": 30, "fov": 40.0,
-                            location: [0, 0, 5], look: [0, 0, 0]});
-        assert!(shown(&camera, std::slice::from_ref(&ball)).same_bits(&usual), "{look}");
-    }
 }
 
 /// Angles and radii of points on the lens, where not their number is at stake.

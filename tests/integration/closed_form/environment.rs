@@ -59,16 +59,3 @@ fn an_image_is_upright_and_not_mirrored_around_its_centre() {
     assert_near(seen(&sky(45.0), towards(-0.5, 0.5)), texel(4.0, 1.0), 2e-5, "turned");
     assert_near(seen(&sky(0.0), [0.0, 1.0, 1e-4]), texel(3.5, 0.0), 0.5, "at the pole");
 }
-
-/// White all around, a closed white world: every mirror shows it.
-#[test]
-fn even_surroundings_have_one_colour_everywhere() {
-    let white = json!({"zenith": [0.5, 0.5, 0.5], "horizon": [0.5, 0.5, 0.5],
-                       "nadir": [0.5, 0.5, 0.5]});
-    let folder = folder();
-    let mirror = wall(50.0, 0.0, with(matte(0.0, [0.0; 3]), "kr", 0.5));
-    let mut scene = scene(3, &pinhole([1, 1], 40.0, 5.0), &[], &[mirror]);
-    scene["scene"]["environment"] = white;
-    let film = image_of(&prepare_in(folder.path(), &scene, Options::default()), 0);
-    assert_near(pixel(&film, 0, 0), [0.25; 3], 1e-6, "half of it in the mirror");
-}

@@ -54,14 +54,6 @@ fn every_falloff_follows_its_formula() {
 }
 
 #[test]
-fn the_falloff_is_linear_unless_the_light_says_otherwise() {
-    let light = point_light(LAMP.intensity, LAMP.position.to_array(), LAMP.color);
-    let wall = wall(50.0, 0.0, MATTE.json());
-    let silent = image(&scene(0, &EYE.json(), &[light], std::slice::from_ref(&wall)));
-    assert!(silent.same_bits(&image(&scene(0, &EYE.json(), &[LAMP.json()], &[wall]))));
-}
-
-#[test]
 fn highlights_follow_blinn_and_phong() {
     // The light stands where it is mirrored to the eye within the image.
     let lamp = Lamp { position: DVec3::new(0.5, 0.3, 4.0), ..LAMP };

@@ -8,7 +8,7 @@ use wavecrest_scene::load::{LoadOptions, LoadedScene, load, load_str};
 use wavecrest_scene::write::write;
 
 use super::{small, square};
-use crate::support::{folder, matte, pinhole, scene, wavecrest};
+use crate::support::{folder, matte, pinhole, put, put_image, scene, wavecrest};
 
 /// Names that lead from `own/` to a file in the folder above it.
 fn names(folder: &Path, file: &str) -> Vec<String> {
@@ -60,6 +60,27 @@ fn buffers_and_images_outside_are_refused_unless_they_are_allowed() {
         std::fs::write(&path, file.glb()).expect("a file");
         refused(read(&path, false), "images[0].uri: is outside the folder of the glTF file");
         assert!(read(&path, true).is_ok(), "{name}");
+    }
+}
+
+#[test]
+fn pictures_of_materials_outside_are_refused_unless_they_are_allowed() {
+    let (folder, own) = with_file("t.png", b"");
+    put_image(folder.path(), "t.png", [1, 1], |_, _| [1.0; 3]);
+    put(
+        &own,
+        "m.obj",
+        "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nusemtl a\nf 1/1 2/1 3/1\n",
+    );
+    // Names in MTL files are as they stand there.
+    for name in names(folder.path(), "t.png").iter().filter(|name| !name.contains('%')) {
+        put(&own, "m.mtl", format!("newmtl a\nmap_Kd {name}\n"));
+        let told = |allow_outside| {
+            let scene = read(&own.join("m.obj"), allow_outside).expect("a scene");
+            scene.warnings.iter().map(ToString::to_string).collect::<String>()
+        };
+        assert!(told(false).contains("is outside the folder of the mesh"), "{}", told(false));
+        assert_eq!(told(true), "", "{name}");
     }
 }
 

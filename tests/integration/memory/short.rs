@@ -8,7 +8,9 @@ use image::{ExtendedColorType, ImageEncoder as _};
 use serde_json::{Value, json};
 
 use super::knot_scene;
-use crate::support::{self, folder, matte, pinhole, point_light, put, scene, text, wall, with};
+use crate::support::{
+    self, folder, matte, pinhole, point_light, put, scene, text, textured_square, wall, with,
+};
 
 /// A grey image of one brightness, of so many texels on a side.
 fn grey(side: u32, profile: Vec<u8>) -> Vec<u8> {
@@ -77,38 +79,27 @@ fn textures_of_every_kind_of_file_count_before_they_are_decoded() {
     let folder = folder();
     let png = grey(2048, Vec::new());
     put(folder.path(), "t.png", &png);
-    let encoded = |bytes: &[u8]| base64::engine::general_purpose::STANDARD.encode(bytes);
-    let corners = [-1.0_f32, -1.0, 0.0, 1.0, -1.0, 0.0, 0.0, 1.0, 0.0].map(f32::to_le_bytes);
-    let corners = format!("data:;base64,{}", encoded(corners.as_flattened()));
-    let within = format!("data:image/png;base64,{}", encoded(&png));
-    let gltf = |uri: &str| {
-        let color = json!({"baseColorTexture": {"index": 0}});
-        json!({
-            "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
-            "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "material": 0}]}],
-            "materials": [{"pbrMetallicRoughness": color}],
-            "textures": [{"source": 0}], "images": [{"uri": uri}],
-            "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"}],
-            "bufferViews": [{"buffer": 0, "byteLength": 36}], "buffers": [{"byteLength": 36, "uri": corners}]
-        })
-        .to_string()
-    };
-    let obj = "mtllib m.mtl\nv -1 -1 0\nv 1 -1 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\nusemtl a\nf 1/1 2/2 3/3\n";
+    let mut beside = textured_square(folder.path(), &["t.png"]);
+    put(folder.path(), "m.mtl", "newmtl leaf\nmap_Kd t.png\n");
+    let color = json!({"baseColorTexture": {"index": 0}});
+    beside["materials"] = json!([{"pbrMetallicRoughness": color}]);
+    let data = base64::engine::general_purpose::STANDARD.encode(&png);
+    let mut within = beside.clone();
+    within["images"][0]["uri"] = format!("data:image/png;base64,{data}").into();
     let plain = wall(1.0, 0.0, matte(1.0, [1.0; 3]));
     let wall = with(plain.clone(), "texture", "t.png");
     let mask = with(with(plain, "alpha", "t.png"), "alphacutoff", 0.5);
-    let json = |wall: &Value| {
-        scene(0, &pinhole([16, 16], 40.0, 3.0), &[], std::slice::from_ref(wall)).to_string()
-    };
-    put(folder.path(), "m.mtl", "newmtl a\nmap_Kd t.png\n");
-    for (name, text) in [
-        ("a.json", json(&wall)),
-        ("mask.json", json(&mask)),
-        ("beside.gltf", gltf("t.png")),
-        ("within.gltf", gltf(&within)),
-        ("m.obj", obj.to_owned()),
+    let of = |wall| scene(0, &pinhole([16, 16], 40.0, 3.0), &[], &[wall]);
+    for (name, json) in [
+        ("a.json", of(wall)),
+        ("mask.json", of(mask)),
+        ("beside.gltf", beside),
+        ("within.gltf", within),
+        ("m.obj", Value::Null),
     ] {
-        put(folder.path(), name, text);
+        if !json.is_null() {
+            put(folder.path(), name, json.to_string());
+        }
         let limited = |limit: &str| {
             let size = ["--width", "16", "--height", "16", "-q"];
             run(folder.path(), &[&size[..], &["--memory-limit", limit, name, "o.png"]].concat())
