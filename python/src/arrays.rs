@@ -1,7 +1,5 @@
 //! Arrays of NumPy: contiguous ones as given, and those of answers.
 
-use std::ops::Range;
-
 use numpy::ndarray::Dimension;
 use numpy::{Element, PyArray1, PyArrayMethods, PyReadonlyArray, PyReadonlyArray2};
 use pyo3::prelude::*;
@@ -10,7 +8,7 @@ use wavecrest_api as api;
 use wavecrest_api::glam::{DVec3, Vec3};
 use wavecrest_api::memory::reserve;
 
-use super::{Any, exception, work};
+use super::base::{Any, exception, in_stretches};
 
 /// Points or vectors, shape (N, 3).
 #[derive(FromPyObject)]
@@ -60,12 +58,29 @@ fn rows<'a, T: Element, D: Dimension, const K: usize>(
     Ok(array.as_slice()?.as_chunks().0)
 }
 
-/// A mesh: positions, (N, 3), relative to an origin, and faces, (M, 3), with the vertex indices of triangles.
-pub(crate) type Mesh<'py> = (PyReadonlyArray2<'py, f32>, [f64; 3], PyReadonlyArray2<'py, u32>);
+/// A mesh: positions, (N, 3), relative to an origin, faces, (M, 3), with the vertex indices of triangles, and perhaps
+/// normals and colours of vertices, (N, 3).
+#[derive(FromPyObject)]
+pub(crate) struct Mesh<'py>(
+    PyReadonlyArray2<'py, f32>,
+    [f64; 3],
+    PyReadonlyArray2<'py, u32>,
+    [Option<PyReadonlyArray2<'py, f32>>; 2],
+);
 
-pub(crate) fn mesh((positions, origin, faces): Mesh<'_>) -> PyResult<api::MeshData> {
-    let (positions, triangles) = (vectors(&positions)?, vectors(&faces)?);
-    Ok(api::MeshData { positions, origin: origin.into(), triangles, ..api::MeshData::default() })
+impl Mesh<'_> {
+    pub(crate) fn data(&self) -> PyResult<api::MeshData> {
+        let Self(positions, origin, faces, [normals, colors]) = self;
+        let normals = normals.as_ref().map(vectors).transpose()?;
+        Ok(api::MeshData {
+            positions: vectors(positions)?,
+            origin: (*origin).into(),
+            triangles: vectors(faces)?,
+            normals: normals.map(|values| api::Attribute { values, indices: None }),
+            colors: colors.as_ref().map(vectors).transpose()?,
+            ..api::MeshData::default()
+        })
+    }
 }
 
 /// The rows of an array as a list, or an exception if the system refuses the memory.
@@ -76,24 +91,6 @@ pub(crate) fn vectors<T: From<[E; K]>, E: Element + Copy, D: Dimension, const K:
     let mut list = reserve(rows.len(), "a copy of an array").map_err(exception)?;
     list.extend(rows.iter().map(|&row| T::from(row)));
     Ok(list)
-}
-
-/// Rays traced between two checks for Ctrl-C: a fraction of a second.
-const STRETCH: usize = 1 << 20;
-
-/// Does `work` for parts of `count` rays or hits, on all threads and without the GIL.
-pub(crate) fn in_stretches(
-    py: Python<'_>,
-    count: usize,
-    mut work: impl FnMut(Range<usize>) -> api::Result<()> + Send,
-) -> PyResult<()> {
-    let pool = work::pool()?;
-    for start in (0..count).step_by(STRETCH) {
-        let part = start..count.min(start + STRETCH);
-        py.detach(|| pool.install(|| work(part))).map_err(exception)?;
-        py.check_signals()?;
-    }
-    Ok(())
 }
 
 /// An array of one value for each ray or hit.
@@ -125,7 +122,6 @@ pub(crate) fn table<'py, T: Element + Send, const K: usize>(
     in_stretches(py, count, |part| {
         let rows = rows[part.clone()].par_iter_mut().zip(part).with_min_len(TOGETHER);
         rows.for_each(|(into, number)| *into = row(number));
-        Ok(())
     })?;
     drop(values);
     if K == 1 { Ok(array.into_any()) } else { Ok(array.reshape([count, K])?.into_any()) }

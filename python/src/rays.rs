@@ -4,12 +4,15 @@ use std::cmp::Ordering;
 use std::ops::Range;
 use std::sync::{Mutex, PoisonError};
 
+use numpy::PyArrayMethods;
+use pyo3::prelude::*;
 use rayon::prelude::*;
 use wavecrest_api::glam::DVec3;
 use wavecrest_api::memory::reserve;
 use wavecrest_api::{self as api, Hit, NO_PRIMITIVE, Ray, Traversal};
 
-use super::arrays::Rows;
+use super::arrays::{Column, Rows, column};
+use super::base::{exception, in_stretches};
 use super::plane;
 use super::shapes::Shapes;
 
@@ -38,9 +41,9 @@ pub(crate) struct Rays<'a> {
     pub(crate) is_single: bool,
 }
 
-/// What a ray meets.
+/// The hit or the miss of a ray.
 #[derive(Clone, Copy)]
-pub(crate) struct Found {
+pub(crate) struct RayHit {
     /// The number of the ray.
     pub(crate) ray: usize,
     /// [`NO_PRIMITIVE`] for a miss.
@@ -49,9 +52,9 @@ pub(crate) struct Found {
     t: f64,
 }
 
-impl Found {
-    /// The hit or the miss of a rounded ray.
-    pub(crate) fn of(ray: usize, hit: Hit) -> Self {
+impl RayHit {
+    /// That of a rounded ray.
+    fn of(ray: usize, hit: Hit) -> Self {
         Self { ray, primitive: hit.primitive, t: hit.t.into() }
     }
 
@@ -60,12 +63,12 @@ impl Found {
     }
 }
 
-/// The memory of a thread.
+/// The memory of a thread, with the rays of its block.
 #[derive(Clone)]
-struct Worker {
-    traversal: Traversal,
-    rays: Vec<Ray>,
-    hits: Vec<Hit>,
+pub(crate) struct Worker {
+    pub(crate) traversal: Traversal,
+    pub(crate) rays: Vec<Ray>,
+    pub(crate) hits: Vec<Hit>,
 }
 
 /// The power of two that scales a vector to a length of about 1; of subnormal ones, to 2^-51 at least.
@@ -105,7 +108,7 @@ impl Rays<'_> {
 
     /// Where the ray as given meets the plane of the face that it hits once it is rounded, if that is near.
     #[inline(always)]
-    fn met(&self, rounded: Found, [a, b, c]: [DVec3; 3]) -> Option<Found> {
+    fn met(&self, rounded: RayHit, [a, b, c]: [DVec3; 3]) -> Option<RayHit> {
         if self.is_single || rounded.is_miss() {
             return Some(rounded);
         }
@@ -113,40 +116,40 @@ impl Rays<'_> {
         let t = plane::meeting(origin, direction, [a, b, c]);
         let sizes = (origin - self.shapes.origin).abs() + (a - self.shapes.origin).abs();
         let near = (b - a).abs() + (c - a).abs() + sizes * NEAR;
-        ((t - rounded.t).abs() <= near.element_sum()).then_some(Found { t, ..rounded })
+        ((t - rounded.t).abs() <= near.element_sum()).then_some(RayHit { t, ..rounded })
     }
 
     /// The same where the upper bound of t is far from that, but t itself need not be.
     #[cold]
     #[inline(never)]
-    fn met_again(&self, ray: usize, rounded: &Ray, face: [DVec3; 3], by: &mut Traversal) -> Found {
-        let found = Found::of(ray, self.shapes.accel.closest(rounded, by));
-        self.met(found, face).unwrap_or(found)
+    fn met_again(&self, ray: usize, rounded: &Ray, face: [DVec3; 3], by: &mut Traversal) -> RayHit {
+        let hit = RayHit::of(ray, self.shapes.accel.closest(rounded, by));
+        self.met(hit, face).unwrap_or(hit)
     }
 
     /// The distance in lengths of the direction as given; infinite for a miss. Which hits are within the
     /// range is decided by rounded numbers, so it may be outside by a little.
     #[inline(always)]
-    pub(crate) fn distance(&self, found: Found) -> f64 {
-        found.t * self.line(found.ray).2
+    pub(crate) fn distance(&self, hit: RayHit) -> f64 {
+        hit.t * self.line(hit.ray).2
     }
 
     /// The place of a hit.
     #[inline]
-    pub(crate) fn place(&self, found: Found) -> DVec3 {
-        let (origin, direction, _) = self.line(found.ray);
-        origin + direction * found.t
+    pub(crate) fn place(&self, hit: RayHit) -> DVec3 {
+        let (origin, direction, _) = self.line(hit.ray);
+        origin + direction * hit.t
     }
 
     /// Works on a part of the rays on all threads, block by block, each with one of `blocks`.
-    fn on_threads<T: Send>(
+    fn trace<T: Send>(
         &self,
         part: Range<usize>,
         blocks: impl Iterator<Item = T> + Send,
         work: impl Fn(&mut Worker, Range<usize>, T) + Sync,
     ) {
-        let count = api::rays_at_once(part.len());
-        let starts = part.clone().step_by(count);
+        let size = api::rays_at_once(part.len());
+        let starts = part.clone().step_by(size);
         let traversal = self.shapes.accel.traversal();
         let worker = Worker { traversal, rays: Vec::new(), hits: Vec::new() };
         let mut workers = vec![worker; rayon::current_num_threads().min(starts.len())];
@@ -154,7 +157,7 @@ impl Rays<'_> {
         let next = || blocks.lock().unwrap_or_else(PoisonError::into_inner).next();
         workers.par_iter_mut().with_max_len(1).for_each(|worker| {
             while let Some((start, block)) = next() {
-                let rays = start..part.end.min(start + count);
+                let rays = start..part.end.min(start + size);
                 worker.rays.clear();
                 worker.rays.extend(rays.clone().map(|ray| self.rounded(ray)));
                 work(worker, rays, block);
@@ -167,9 +170,9 @@ impl Rays<'_> {
         &self,
         part: Range<usize>,
         blocks: impl Iterator<Item = B> + Send,
-        store: impl Fn(Found, T) + Sync,
+        store: impl Fn(RayHit, T) + Sync,
     ) {
-        self.on_threads(part, blocks, |Worker { traversal, rays, hits }, numbers, into| {
+        self.trace(part, blocks, |Worker { traversal, rays, hits }, numbers, into| {
             traversal.without_t = !self.is_single;
             hits.resize(rays.len(), Hit::MISS);
             self.shapes.accel.closest_of(&rays[..], hits, traversal);
@@ -183,63 +186,75 @@ impl Rays<'_> {
                 for ((hit, corners), ((ray, into), rounded)) in
                     hits.iter().zip(corners).zip(&mut places)
                 {
-                    let found = match self.met(Found::of(ray, *hit), corners) {
-                        Some(found) => found,
+                    let hit = match self.met(RayHit::of(ray, *hit), corners) {
+                        Some(hit) => hit,
                         None => self.met_again(ray, rounded, corners, traversal),
                     };
-                    store(found, into);
+                    store(hit, into);
                 }
             }
         });
     }
 
-    /// Whether the rays of a part hit anything.
-    pub(crate) fn any(&self, part: Range<usize>, found: &mut [bool]) {
-        let blocks = found.chunks_mut(api::rays_at_once(part.len()));
-        self.on_threads(part, blocks, |worker, _, found| {
-            self.shapes.accel.occluded_of(&worker.rays[..], found, &mut worker.traversal);
-        });
+    /// The closest hit or the miss of each ray.
+    pub(crate) fn first(&self, py: Python<'_>) -> PyResult<Vec<RayHit>> {
+        let mut first = reserve(self.count, "the hits").map_err(exception)?;
+        first.resize(self.count, RayHit::of(0, Hit::MISS));
+        in_stretches(py, self.count, |part| {
+            let blocks = first[part.clone()].chunks_mut(api::rays_at_once(part.len()));
+            self.closest(part, blocks.map(|block| block.iter_mut()), |hit, into| *into = hit);
+        })?;
+        Ok(first)
     }
 
-    /// Whether the points of a part are inside: rays from there cross the mesh an odd number of times, or if
-    /// they are `wound`, leave it more often than they enter it, or less often.
-    pub(crate) fn contains(&self, part: Range<usize>, wound: bool, inside: &mut [bool]) {
-        let blocks = inside.chunks_mut(api::rays_at_once(part.len()));
-        let geometry = self.shapes.accel.geometry();
-        let turn = |ray: &Ray, hit: &Hit| {
-            let corners = geometry.triangle(hit.primitive as usize).map(|corner| corner.as_dvec3());
-            match plane::side(ray.direction.as_dvec3(), corners) {
+    /// What rays cross, at most this many for each.
+    pub(crate) fn all(&self, py: Python<'_>, most: usize) -> PyResult<Vec<RayHit>> {
+        let mut all = Vec::new();
+        in_stretches(py, self.count, |part| {
+            let blocks = part.clone().step_by(api::rays_at_once(part.len()));
+            let mut blocks: Vec<_> = blocks.map(|_| Ok(Vec::new())).collect();
+            self.trace(part, blocks.iter_mut(), |worker, rays, block| {
+                *block = self.crossed(rays, most, worker);
+            });
+            all.append(&mut blocks);
+        })?;
+        let blocks = all.into_iter().collect::<PyResult<Vec<_>>>()?;
+        let mut all = reserve(blocks.iter().map(Vec::len).sum(), "the hits").map_err(exception)?;
+        all.extend(blocks.into_iter().flatten());
+        Ok(all)
+    }
+
+    /// What the traversals of `work` find for each ray.
+    pub(crate) fn answers<'py>(
+        &self,
+        py: Python<'py>,
+        work: impl Fn(&mut Worker, &mut [bool]) + Sync,
+    ) -> PyResult<Column<'py, bool>> {
+        // Bytes other than 0 and 1 are no bools, even before they are written.
+        let answers = column(py, "zeros", self.count)?;
+        let mut into = answers.readwrite();
+        let into = into.as_slice_mut()?;
+        in_stretches(py, self.count, |part| {
+            let blocks = into[part.clone()].chunks_mut(api::rays_at_once(part.len()));
+            self.trace(part, blocks, |worker, _, answers| work(worker, answers));
+        })?;
+        Ok(answers)
+    }
+
+    /// Whether the crossings of a ray are those of one from inside: an odd number, or if they are `wound`, more that leave
+    /// the mesh than that enter it, or less.
+    pub(crate) fn is_inside(&self, ray: &Ray, crossings: &[Hit], wound: bool) -> bool {
+        let turn = |hit: &Hit| {
+            let corners = self.shapes.accel.geometry().triangle(hit.primitive as usize);
+            match plane::side(ray.direction.as_dvec3(), corners.map(|corner| corner.as_dvec3())) {
                 Ordering::Less => -1,
                 _ => 1,
             }
         };
-        self.on_threads(part, blocks, |Worker { traversal, rays, hits }, _, inside| {
-            for (ray, inside) in rays.iter().zip(inside) {
-                self.shapes.accel.crossings(ray, traversal, hits);
-                *inside = match wound {
-                    true => hits.iter().map(|hit| turn(ray, hit)).sum::<i64>() != 0,
-                    false => !hits.len().is_multiple_of(2),
-                };
-            }
-        });
-    }
-
-    /// Adds what rays of a part cross, at most this many for each.
-    pub(crate) fn all(
-        &self,
-        part: Range<usize>,
-        most: usize,
-        found: &mut Vec<Found>,
-    ) -> api::Result<()> {
-        let mut blocks: Vec<_> =
-            part.clone().step_by(api::rays_at_once(part.len())).map(|_| Ok(Vec::new())).collect();
-        self.on_threads(part, blocks.iter_mut(), |worker, rays, found| {
-            *found = self.crossed(rays, most, worker);
-        });
-        let blocks = blocks.into_iter().collect::<api::Result<Vec<_>>>()?;
-        grow(found, blocks.iter().map(Vec::len).sum())?;
-        found.extend(blocks.into_iter().flatten());
-        Ok(())
+        match wound {
+            true => crossings.iter().map(turn).sum::<i64>() != 0,
+            false => !crossings.len().is_multiple_of(2),
+        }
     }
 
     /// What the rays of the worker cross, which have these numbers.
@@ -248,33 +263,28 @@ impl Rays<'_> {
         numbers: Range<usize>,
         most: usize,
         Worker { traversal, rays, hits }: &mut Worker,
-    ) -> api::Result<Vec<Found>> {
-        let mut found = Vec::new();
+    ) -> PyResult<Vec<RayHit>> {
+        let mut crossed: Vec<RayHit> = Vec::new();
         for (number, ray) in numbers.zip(&*rays) {
             self.shapes.accel.crossings(ray, traversal, hits);
             hits.truncate(most);
-            grow(&mut found, hits.len())?;
-            found.extend(hits.iter().map(|&hit| Found::of(number, hit)));
-        }
-        for found in &mut found {
-            *found = self.met(*found, self.corners(found.primitive)).unwrap_or(*found);
+            let needed = crossed.len() + hits.len();
+            if crossed.capacity() < needed {
+                let larger = reserve(needed.max(2 * crossed.len()), "the hits");
+                let mut larger = larger.map_err(exception)?;
+                larger.append(&mut crossed);
+                crossed = larger;
+            }
+            let own = hits.iter().map(|&hit| RayHit::of(number, hit));
+            crossed
+                .extend(own.map(|hit| self.met(hit, self.corners(hit.primitive)).unwrap_or(hit)));
         }
         // Those that rounding leaves no distance between may be the other way round as given.
-        for found in found.chunk_by_mut(|one, other| one.ray == other.ray) {
-            found.sort_by(|one, other| {
+        for hits in crossed.chunk_by_mut(|one, other| one.ray == other.ray) {
+            hits.sort_by(|one, other| {
                 one.t.total_cmp(&other.t).then(one.primitive.cmp(&other.primitive))
             });
         }
-        Ok(found)
+        Ok(crossed)
     }
-}
-
-/// Makes room for as many more values, or is an error if the system refuses the memory.
-fn grow<T>(values: &mut Vec<T>, more: usize) -> api::Result<()> {
-    if values.capacity() - values.len() < more {
-        let mut larger = reserve((values.len() + more).max(2 * values.len()), "the hits")?;
-        larger.append(values);
-        *values = larger;
-    }
-    Ok(())
 }

@@ -7,8 +7,8 @@ use pyo3::prelude::*;
 use wavecrest_api::glam::{DAffine3, DMat4, DVec3, Vec3};
 use wavecrest_api::{self as api, Aabb, Geometry, Instance, MAX_COORDINATE};
 
+use super::base::Error;
 use super::shapes::{Shapes, build};
-use super::{Any, Error};
 
 /// The distinct meshes in the places of instances: for each the number of its mesh, and its transform, of which last
 /// rows are left out.
@@ -17,7 +17,7 @@ pub(crate) fn scene(
     py: Python<'_>,
     meshes: Vec<Py<Shapes>>,
     instances: Vec<(u32, PyReadonlyArray2<'_, f64>)>,
-    bvh: Option<Any<'_>>,
+    bvh: Option<&str>,
 ) -> PyResult<Shapes> {
     let mut scene = Geometry::default();
     for mesh in &meshes {
@@ -51,6 +51,6 @@ pub(crate) fn scene(
         scene.instances.push(instance);
     }
     let corners = meshes.iter().map(|mesh| Arc::clone(&mesh.get().meshes[0])).collect();
-    let accel = build(py, scene, bvh.as_ref())?;
+    let accel = build(py, scene, bvh)?;
     Ok(Shapes { accel, origin, meshes: corners, places })
 }

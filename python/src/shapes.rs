@@ -9,8 +9,9 @@ use wavecrest_api::glam::{DAffine3, DVec3};
 use wavecrest_api::memory::{build_bytes, check_room};
 use wavecrest_api::{self as api, Accel, Attribute, Geometry, NO_VALUE, Preset, Primitive};
 
-use super::arrays::{self, table, vectors};
-use super::{Any, exception, input, work};
+use super::arrays::{Mesh, table, vectors};
+use super::base::{Any, exception, on_threads};
+use super::input;
 
 /// What a mesh has beside the positions and faces that are traced.
 pub(crate) struct Corners {
@@ -33,42 +34,36 @@ pub(crate) struct Shapes {
 }
 
 /// A face that is hit.
-pub(crate) struct Face<'a> {
+pub(crate) struct Face {
+    /// The number of its mesh.
+    mesh: usize,
     /// Its number in its mesh.
     pub(crate) number: usize,
     pub(crate) instance: Option<usize>,
-    mesh: &'a Corners,
-    geometry: &'a Geometry,
 }
 
 impl Shapes {
     /// The face with the number of this primitive.
     #[inline(always)]
-    pub(crate) fn face(&self, primitive: u32) -> Face<'_> {
+    pub(crate) fn face(&self, primitive: u32) -> Face {
         let geometry = self.accel.geometry();
-        match geometry.primitive(primitive) {
-            Primitive::Instanced(of) => {
-                let (instance, geometry) = geometry.instance(of);
-                let mesh = &*self.meshes[instance.prototype()];
-                let (number, instance) = (of.triangle as usize, Some(of.instance as usize));
-                Face { number, instance, mesh, geometry }
-            }
-            _ => {
-                Face { number: primitive as usize, instance: None, mesh: &self.meshes[0], geometry }
-            }
-        }
+        let Primitive::Instanced(of) = geometry.primitive(primitive) else {
+            return Face { mesh: 0, number: primitive as usize, instance: None };
+        };
+        let mesh = geometry.instance(of).0.prototype();
+        Face { mesh, number: of.triangle as usize, instance: Some(of.instance as usize) }
     }
 
     /// The corners of a face.
     // Written out: `map` passes them through memory in pieces.
     #[inline(always)]
-    pub(crate) fn corners(
-        &self,
-        Face { number, instance, mesh, geometry }: Face<'_>,
-    ) -> [DVec3; 3] {
-        let vertex = |number: u32| match &mesh.vertices {
+    pub(crate) fn corners(&self, Face { mesh, number, instance }: Face) -> [DVec3; 3] {
+        let own = self.accel.geometry();
+        let geometry = instance.map_or(own, |_| &own.prototypes[mesh]);
+        let Corners { origin, vertices } = &*self.meshes[mesh];
+        let vertex = |number: u32| match vertices {
             Some(vertices) => vertices[number as usize],
-            None => geometry.positions[number as usize].as_dvec3() + mesh.origin,
+            None => geometry.positions[number as usize].as_dvec3() + *origin,
         };
         let [a, b, c] = geometry.triangles[number];
         let [a, b, c] = [vertex(a), vertex(b), vertex(c)];
@@ -82,29 +77,28 @@ impl Shapes {
 #[pyfunction]
 pub(crate) fn mesh(
     py: Python<'_>,
-    mesh: arrays::Mesh<'_>,
+    mesh: Mesh<'_>,
     vertices: Option<PyReadonlyArray2<'_, f64>>,
-    bvh: Option<Any<'_>>,
+    bvh: Option<&str>,
 ) -> PyResult<Shapes> {
-    let mesh = arrays::mesh(mesh)?;
+    let mesh = mesh.data()?;
     api::mesh::validate(&mesh, Path::new("vertices and faces")).map_err(exception)?;
     let vertices = vertices.map(|vertices| vectors(&vertices)).transpose()?;
     let api::MeshData { positions, origin, triangles, .. } = mesh;
     let geometry = Geometry { positions, triangles, ..Geometry::default() };
-    let accel = build(py, geometry, bvh.as_ref())?;
+    let accel = build(py, geometry, bvh)?;
     let meshes = vec![Arc::new(Corners { origin, vertices })];
     Ok(Shapes { accel, origin, meshes, places: Vec::new() })
 }
 
 /// The search tree, of the quality `bvh`.
-pub(crate) fn build(py: Python<'_>, geometry: Geometry, bvh: Option<&Any<'_>>) -> PyResult<Accel> {
+pub(crate) fn build(py: Python<'_>, geometry: Geometry, bvh: Option<&str>) -> PyResult<Accel> {
     let preset = bvh.map(|name| input::named("bvh", name)).transpose()?.unwrap_or(Preset::Fast);
     let build = || {
         check_room(build_bytes(preset, geometry.held() as u64), "the search tree")?;
         Ok(Accel::new(geometry, preset))
     };
-    let pool = work::pool()?;
-    py.detach(|| pool.install(build)).map_err(exception)
+    on_threads(py, build)?.map_err(exception)
 }
 
 /// Positions, faces, normals and texture coordinates, each an array or `None`.
@@ -119,8 +113,7 @@ pub(crate) fn load(py: Python<'_>, path: PathBuf) -> PyResult<(Parts<'_>, [f64; 
         check_room(found.geometry() + found.attributes, "the mesh")?;
         api::mesh::load(&path)
     };
-    let pool = work::pool()?;
-    let loaded = py.detach(|| pool.install(load)).map_err(exception)?;
+    let loaded = on_threads(py, load)?.map_err(exception)?;
     let warnings = loaded.warnings.iter().map(ToString::to_string).collect();
     let api::MeshData { positions, origin, triangles, normals, uvs, .. } = loaded.mesh;
     let positions = table(py, positions.len(), |i| positions[i].to_array())?;

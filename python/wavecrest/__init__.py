@@ -63,7 +63,9 @@ class Mesh:
                 warnings.warn(text, stacklevel=2)
         positions, origin = _arrays.relative(points)
         is_rounded = points.dtype == np.float64 and (positions + np.array(origin) != points).any()
-        self._shapes = _native.mesh((positions, origin, faces), points if is_rounded else None, bvh)
+        self._shapes = _native.mesh(
+            (positions, origin, faces, (None, None)), points if is_rounded else None, _arrays.text("bvh", bvh)
+        )
         self._vertices, self._faces, self._normals, self._uvs = points, faces, normals, uvs
         self._bvh = bvh or "fast"
 
@@ -142,12 +144,10 @@ class Mesh:
         number of times; by "winding", from inside to outside more or less often than the other way, so that what is in
         several closed parts that overlap is inside too. Points on the surface are inside or outside.
         """
-        if not isinstance(rule, (str, type(None))):
-            raise TypeError(_arrays.wrong("rule", "a text", rule))
-        if rule not in (None, "parity", "winding"):
+        if _arrays.text("rule", rule) not in (None, "parity", "winding"):
             raise Error(_arrays.wrong("rule", "one of parity, winding", rule))
         points = _arrays.rows("points", points)
-        return self._shapes.contains((points, None, (None, None), False), rule == "winding")
+        return self._shapes.contains((points, None, (0.0, np.inf), False), rule == "winding")
 
     def _rays(self, origins, directions, t_min, t_max):
         is_single = self._vertices.dtype == np.float32
@@ -238,7 +238,8 @@ class RayMeshIntersector:
         """
         columns = ["faces", "rays", "locations"] if return_locations else ["faces", "rays"]
         rays = _their_rays(ray_origins, ray_directions)
-        return tuple(self._current()._shapes.hits(rays, multiple_hits, False, max_hits, columns))
+        most = _arrays.whole("max_hits", "a whole number", max_hits)
+        return tuple(self._current()._shapes.hits(rays, multiple_hits, False, most, columns))
 
     def intersects_location(self, ray_origins, ray_directions, multiple_hits=True, max_hits=None):
         """The locations of hits, and for each the index of the ray and of the face."""

@@ -1,6 +1,8 @@
-"""Makes contiguous arrays of what is given; errors name the argument, its value and the remedy."""
+"""Makes contiguous arrays and numbers of what is given; errors name the argument, its value and the remedy."""
 
 import os
+from math import inf
+from operator import index
 
 import numpy as np
 
@@ -20,6 +22,50 @@ def path(name, what, value):
     if not isinstance(value, (str, os.PathLike)):
         raise TypeError(wrong(name, what, value))
     return value
+
+
+def text(name, value, what="a text"):
+    """The text, or a TypeError; None is none."""
+    if not isinstance(value, (str, type(None))):
+        raise TypeError(wrong(name, what, value))
+    return value
+
+
+def number(name, what, value, fits=lambda number: True, kind=float):
+    """The number, a whole one of the kind int; None is none. One that does not fit is an error."""
+    if value is None:
+        return None
+    try:
+        # Texts are no numbers, though float reads them.
+        is_whole = kind is int or isinstance(value, (str, bytes, bytearray))
+        made = index(value) if is_whole else float(value)
+        if fits(made):
+            return made
+    except TypeError:
+        raise TypeError(wrong(name, what, value)) from None
+    except (ValueError, OverflowError):
+        pass
+    raise _native.Error(wrong(name, what, value))
+
+
+def whole(name, what, value, least=0, most=2**64 - 1):
+    """The whole number from least to most; None is none."""
+    return number(name, what, value, lambda number: least <= number <= most, int)
+
+
+def numbers(name, what, value, shape):
+    """The array of float64 of this shape."""
+    try:
+        made = np.asarray(value).astype("float64", casting="same_kind")
+    except TypeError:
+        made = np.zeros(())
+    except ValueError:
+        made = np.zeros(0)
+    if made.ndim == 0:
+        raise TypeError(wrong(name, what, value))
+    if made.shape != shape:
+        raise _native.Error(wrong(name, what, value))
+    return made
 
 
 def converted(name, value, kind):
@@ -86,4 +132,6 @@ def rays(origins, directions, t_min=None, t_max=None, *, is_single=False, names=
         what = f"must have the shape of {names[0]}, [{count}, 3], or be one"
         raise _native.Error(f"{names[1]}: {what}, found [{found}, 3]")
     is_single = is_single and origins.dtype == directions.dtype == np.float32
-    return origins, directions, (t_min, t_max), is_single
+    ends = (("t_min", t_min, 0.0), ("t_max", t_max, inf))
+    ends = [number(key, "a number of at least 0", usual if t is None else t, lambda t: t >= 0) for key, t, usual in ends]
+    return origins, directions, ends, is_single

@@ -2,11 +2,16 @@
 
 import json
 import warnings
+from collections.abc import Sequence
+from math import inf
 from operator import methodcaller
 
 import numpy as np
 
 from . import _arrays, _native
+
+# As for the command.
+MOST_THREADS = 4096
 
 # The images of materials of trimesh.
 IMAGES = "image baseColorTexture metallicRoughnessTexture normalTexture occlusionTexture emissiveTexture".split()
@@ -52,15 +57,31 @@ def render(
     >>> image = wavecrest.render(mesh.vertices, mesh.faces, view="iso", width=800, height=600)  # a mesh of trimesh
     >>> wavecrest.save("mesh.png", image)
     """
-    options = dict(
-        width=width, height=height, camera=camera, view=view, up=up, fov=fov, fit=fit, lights=lights,
-        background=background, crease=crease, seed=seed, samples=samples, target_error=target_error,
-        time_budget=time_budget, precision=precision, threads=threads, layers=layers,
-    )
     kind, source = _source(scene, faces, normals, colors)
-    if kind == "mesh":
-        options["normals"] = _of_vertices("normals", normals, len(source[0]))
-        options["colors"] = _of_vertices("colors", colors, len(source[0]))
+    most, is_positive = _native.MOST_SAMPLES, lambda number: 0 < number < inf
+    name, pose = _camera(camera)
+    words, color = _background(background)
+    options = {
+        "width": _arrays.whole("width", "a whole number of pixels", width, 0, 2**32 - 1),
+        "height": _arrays.whole("height", "a whole number of pixels", height, 0, 2**32 - 1),
+        "camera": name,
+        "pose": pose,
+        "view": _view(view),
+        "up": _arrays.text("up", up),
+        "fov": _written(_arrays.number("fov", "a number of degrees", fov)),
+        "fit": _written(_arrays.number("fit", "a share of the image", fit)),
+        "lights": _arrays.text("lights", lights),
+        "background": words,
+        "color": color,
+        "crease": _arrays.number("crease", "a number of degrees from 0 to 180", crease, lambda angle: 0 <= angle <= 180),
+        "seed": _arrays.whole("seed", "a whole number from 0 to 2^64 - 1", seed),
+        "samples": _arrays.whole("samples", f"a whole number from 1 to {most}", samples, 1, most),
+        "target_error": _arrays.number("target_error", "a finite number above 0", target_error, is_positive),
+        "time_budget": _arrays.number("time_budget", "a finite number above 0", time_budget, is_positive),
+        "precision": _arrays.text("precision", precision),
+        "threads": _arrays.whole("threads", f"a whole number from 1 to {MOST_THREADS}", threads, 1, MOST_THREADS),
+        "layers": _layers(layers),
+    }
     image, found, told = _native.render(kind, source, options)
     for text in told:
         warnings.warn(text, stacklevel=2)
@@ -87,7 +108,7 @@ def save(path, image, *, transfer=None):
     elif image.ndim == 3 and image.shape[2] == 4:
         image, alpha = image[..., :3], image[..., 3].astype("float32", order="C")
     image = _arrays.array("image", image, "float32", "(height, width, 3)")
-    _native.save(path, image, alpha, {"transfer": transfer})
+    _native.save(path, image, alpha, {"transfer": _arrays.text("transfer", transfer)})
 
 
 def _source(scene, faces, normals, colors):
@@ -99,7 +120,9 @@ def _source(scene, faces, normals, colors):
     vertices, faces = _arrays.parts(scene, faces)
     if faces is not None:
         vertices, faces = _arrays.mesh(vertices, faces)
-        return "mesh", (*_arrays.relative(vertices), faces)
+        normals = _of_vertices("normals", normals, len(vertices))
+        colors = _of_vertices("colors", colors, len(vertices))
+        return "mesh", (*_arrays.relative(vertices), faces, (normals, colors))
     for name, value in (("normals", normals), ("colors", colors)):
         if value is not None:
             raise _native.Error(f"{name}: only for vertices with faces")
@@ -110,6 +133,57 @@ def _source(scene, faces, normals, colors):
             raise _native.Error(f"scene: as JSON: {error}") from None
     what = "a path, a dict, a mesh, a scene of trimesh, or vertices with faces"
     return "file", _arrays.path("scene", what, scene)
+
+
+def _camera(value):
+    """A camera: its name in the file, or the matrix that takes its space, where it looks along -z and y is up, to that of
+    the scene."""
+    if isinstance(value, (str, type(None))):
+        return value, None
+    what = "a name, or a 4 x 4 matrix of a right-handed camera, with 0, 0, 0, 1 as its last row"
+    pose = _arrays.numbers("camera", what, value, (4, 4))
+    x, y, z = pose[:3, :3].T
+    if not np.isfinite(pose).all() or pose[3].tolist() != [0, 0, 0, 1] or x @ np.cross(y, z) <= 0:
+        raise _native.Error(_arrays.wrong("camera", what, value))
+    return None, pose.tolist()
+
+
+def _background(value):
+    """A text, or a linear colour."""
+    if isinstance(value, (str, type(None))):
+        return value, None
+    what = "three numbers from 0 to 2^40, or a text"
+    color = _arrays.numbers("background", what, value, (3,))
+    if not ((color >= 0) & (color <= 2**40)).all():
+        raise _native.Error(_arrays.wrong("background", what, value))
+    return None, color.tolist()
+
+
+def _view(value):
+    """The name of a side, or azimuth and elevation in degrees, as text has them."""
+    if isinstance(value, (str, type(None))):
+        return value
+    what = "the name of a side, or two angles in degrees"
+    try:
+        return ",".join(map(_written, _arrays.numbers("view", what, value, (2,)).tolist()))
+    except _native.Error as error:
+        raise TypeError(str(error)) from None
+
+
+def _written(number):
+    """The number as text."""
+    return None if number is None else repr(number).removesuffix(".0")
+
+
+def _layers(names):
+    if names is None:
+        return None
+    if isinstance(names, str) or not isinstance(names, Sequence):
+        raise TypeError(_arrays.wrong("layers", "a list of names", names))
+    for name in names:
+        if not isinstance(name, str):
+            raise TypeError(_arrays.wrong("layers", "a text", name))
+    return list(names)
 
 
 def _of_vertices(name, value, count):

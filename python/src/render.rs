@@ -1,0 +1,283 @@
+//! Renders on a worker thread, while Python's own thread waits and checks for Ctrl-C.
+//!
+//! If a list cannot grow, Rust aborts the process, and with it the interpreter. So the memory that a
+//! render needs is requested and freed before the input is read and before the tree is built: a
+//! refusal is then an error.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{RecvTimeoutError, channel};
+use std::time::{Duration, Instant};
+
+use numpy::{IntoPyArray, PyArrayMethods};
+use pyo3::exceptions::{PyKeyError, PyRuntimeError};
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use wavecrest_api::components::{CameraPath, View};
+use wavecrest_api::glam::DMat4;
+use wavecrest_api::hecs::{Entity, World};
+use wavecrest_api::memory::{Estimate, check_room, estimate, estimate_extracted, film_bytes};
+use wavecrest_api::{self as api, Watch};
+use wavecrest_report::accuracy::pilot::budget::{Budget, Overhead, Pace, in_time};
+use wavecrest_report::accuracy::pilot::measured;
+use wavecrest_report::accuracy::pilot::target::reach;
+use wavecrest_report::accuracy::setting::{Axis, Facts};
+
+use super::arrays::Mesh;
+use super::base::{Any, Error, exception, start};
+use super::input::{self, Options};
+
+/// The interval of checks for interrupts.
+const INTERVAL: Duration = Duration::from_millis(50);
+
+/// The input to render.
+enum Source {
+    /// A scene file, a glTF file or a mesh.
+    File(PathBuf),
+    /// A scene as JSON, with paths relative to the current folder.
+    Json(String),
+    /// A mesh as arrays.
+    Mesh(api::MeshData),
+    /// A GLB file with a scene of trimesh, or with a mesh of it that has colours or a material.
+    Glb(Vec<u8>),
+}
+
+impl Source {
+    fn new(kind: &str, given: &Any<'_>) -> PyResult<Self> {
+        Ok(match kind {
+            "file" => Self::File(given.extract()?),
+            "json" => Self::Json(given.extract()?),
+            "glb" => Self::Glb(given.extract()?),
+            "mesh" => Self::Mesh(given.extract::<Mesh<'_>>()?.data()?),
+            _ => return Err(PyKeyError::new_err(kind.to_owned())),
+        })
+    }
+
+    /// What it contains; `None` for text, and for a file that can be read only once.
+    fn survey(&self, options: &api::LoadOptions) -> api::Result<Option<api::Survey>> {
+        match self {
+            Self::File(path) if path.is_file() => api::survey(path, options, false).map(Some),
+            Self::Mesh(mesh) => api::survey_mesh(mesh, options).map(Some),
+            _ => Ok(None),
+        }
+    }
+
+    fn load(self, options: api::LoadOptions) -> api::Result<api::LoadedScene> {
+        match self {
+            Self::File(path) => api::load(&path, &options),
+            Self::Json(json) => api::load_str(&json, Path::new("scene"), &options),
+            Self::Mesh(mesh) => api::load_mesh(mesh, Path::new("vertices and faces"), &options),
+            Self::Glb(bytes) => {
+                let options = api::LoadOptions { like_meshes: true, ..options };
+                api::load_gltf(bytes, Path::new("scene"), &options)
+            }
+        }
+    }
+}
+
+/// By what the samples of a pixel are chosen.
+enum Goal {
+    /// Those of the scene.
+    Scene,
+    /// At most this error.
+    Error(f64),
+    /// So many seconds from then on.
+    Seconds(f64, Instant),
+}
+
+/// The input and options of a render.
+struct Job {
+    source: Source,
+    options: api::LoadOptions,
+    precision: api::Precision,
+    rendering: api::RenderOptions,
+    goal: Goal,
+    /// The place and the axes of the camera, instead of its own.
+    pose: Option<DMat4>,
+    layers: Vec<api::Layer>,
+}
+
+/// An image, the channels of its layers, and warnings.
+type Image = (api::Film, Vec<api::Channel>, Vec<api::Warning>);
+
+/// Ends a render on an interrupt, or when it is too slow.
+struct Until<'a>(&'a AtomicBool, Option<&'a Pace<'a>>);
+
+impl Watch for Until<'_> {
+    fn progress(&self, done: u64, all: u64) {
+        self.1.iter().for_each(|pace| pace.progress(done, all));
+    }
+
+    fn cancelled(&self) -> bool {
+        self.0.load(Ordering::Relaxed) || self.1.is_some_and(Pace::is_late)
+    }
+}
+
+impl Job {
+    /// The arguments of wavecrest.render.
+    fn new(kind: &str, source: &Any<'_>, given: &Options<'_>) -> PyResult<Self> {
+        let start = Instant::now();
+        let options = given.loading()?;
+        let pose = given.get::<[[f64; 4]; 4]>("pose")?;
+        let pose = pose.map(|rows| DMat4::from_cols_array_2d(&rows).transpose());
+        let goals = (given.get("target_error")?, given.get("time_budget")?, options.antialias);
+        let goal = match goals {
+            (Some(_), _, Some(_)) => Err("samples: leave it out, or target_error"),
+            (_, Some(_), Some(_)) => Err("samples: leave it out, or time_budget"),
+            (Some(_), Some(_), _) => Err("time_budget: leave it out, or target_error"),
+            (Some(error), ..) => Ok(Goal::Error(error)),
+            (_, Some(seconds), _) => Ok(Goal::Seconds(seconds, start)),
+            _ => Ok(Goal::Scene),
+        };
+        let goal = goal.map_err(Error::new_err)?;
+        let layers: Vec<String> = given.get("layers")?.unwrap_or_default();
+        let layers = layers.iter().map(|name| input::named("layers", name));
+        let mut layers = layers.collect::<PyResult<Vec<_>>>()?;
+        if options.lighting.background == Some(api::Background::Transparent) {
+            layers.push(api::Layer::Alpha);
+        }
+        let precision = given.named("precision")?.unwrap_or_default();
+        let source = Source::new(kind, source)?;
+        let seed = given.get("seed")?.unwrap_or_default();
+        let rendering = api::RenderOptions { seed, ..Default::default() };
+        Ok(Self { source, options, precision, rendering, goal, pose, layers })
+    }
+
+    fn run(self, cancel: &AtomicBool) -> api::Result<Image> {
+        let Self { source, options, precision, rendering, goal, pose, layers } = self;
+        if let Some(survey) = source.survey(&options)? {
+            let images = [film_bytes(survey.size.map(u64::from).iter().product()), 0];
+            let estimated = estimate(&survey, images, api::Preset::Fast, rendering.batch);
+            check_room(estimated.total(), "the render")?;
+        }
+        let mut loaded = source.load(options)?;
+        if let Some(pose) = pose {
+            place_camera(&mut loaded.world, pose);
+        }
+        let options = api::ExtractOptions { precision, ..Default::default() };
+        let extracted = api::extract(loaded.world, options)?;
+        let (preset, file) = (extracted.preset(), extracted.file().to_owned());
+        let estimated = estimate_extracted(&extracted, preset, rendering.batch);
+        // These parts are in memory by now.
+        let more = Estimate { geometry: 0, program: 0, loading: 0, ..estimated };
+        check_room(more.total(), "the render")?;
+        let mut scene = extracted.build(preset);
+        loaded.warnings.extend(api::warnings(&scene, &file));
+        let (rendered, warning) = goal.trace(&mut scene, preset, &rendering, &file, cancel)?;
+        loaded.warnings.extend(warning);
+        let (seed, invalid) = (rendering.seed, rendered.counters.invalid);
+        let request = api::LayerRequest { layers: &layers, crop: None, seed, invalid };
+        let channels = api::layers(&scene, &request, &Until(cancel, None))?.channels;
+        Ok((rendered.film, channels, loaded.warnings))
+    }
+}
+
+impl Goal {
+    /// Renders `scene`, whose tree has `preset`; the warning says that an error is not reached.
+    fn trace(
+        self,
+        scene: &mut api::PreparedScene,
+        mut preset: api::Preset,
+        rendering: &api::RenderOptions,
+        file: &Path,
+        cancel: &AtomicBool,
+    ) -> api::Result<(api::Rendered, Option<api::Warning>)> {
+        let until = Until(cancel, None);
+        match self {
+            Self::Scene => {}
+            Self::Error(target) => {
+                let aim = (target, rendering.seed);
+                let reached = reach(scene, Some(&mut preset), aim, &until, |scene, _| {
+                    let rendered = api::render(scene, rendering, &until)?;
+                    let found = measured(scene, &rendered, rendering.seed, &until)?;
+                    Ok((rendered, found))
+                })?;
+                if let Some(reached) = reached {
+                    let warning = reached.unreached(target, file);
+                    return Ok((reached.rendered, warning));
+                }
+            }
+            Self::Seconds(seconds, start) => {
+                let clock = || start.elapsed().as_secs_f64();
+                let pixels: f64 = scene.camera.size().map(f64::from).iter().product();
+                let budget = Budget::new(&clock, seconds, pixels);
+                let in_flight = (rendering.batch * rayon::current_num_threads()) as f64 / pixels;
+                let overhead = Overhead { measuring: 0.0, in_flight };
+                let (original, axis) = (scene.original(), Axis::of(&Facts::of(scene)));
+                let (choice, rendered, _) = in_time(axis, &budget, overhead, |choice, pace| {
+                    scene.resample(&original, &choice.samples());
+                    let (until, order) = (Until(cancel, Some(pace)), api::Order::Spread);
+                    let rendered = api::render_in_order(scene, rendering, &until, order)?;
+                    let is_finished = rendered.finished;
+                    Ok((rendered, is_finished))
+                })?;
+                scene.resample(&original, &choice.samples());
+                return Ok((rendered, None));
+            }
+        }
+        Ok((api::render(scene, rendering, &until)?, None))
+    }
+}
+
+/// Puts the camera at another place, where it stays.
+fn place_camera(world: &mut World, pose: DMat4) {
+    let mut cameras = Vec::new();
+    for (entity, view) in world.query_mut::<(Entity, &mut View)>() {
+        let [y, z, place] = [pose.y_axis, pose.z_axis, pose.w_axis].map(|axis| axis.truncate());
+        (view.location, view.look, view.up) = (place, place - z.normalize_or_zero(), y);
+        cameras.push(entity);
+    }
+    cameras.into_iter().for_each(|camera| drop(world.remove_one::<CameraPath>(camera)));
+}
+
+/// Does the job on the number of threads that is given, or else one for each core.
+fn wait_for(py: Python<'_>, job: Job, options: &Options<'_>) -> PyResult<Image> {
+    let pool = start(options.get("threads")?.unwrap_or(0))?;
+    let cancel = Arc::new(AtomicBool::new(false));
+    let (sender, mut image) = channel();
+    let is_cancelled = Arc::clone(&cancel);
+    pool.spawn(move || drop(sender.send(job.run(&is_cancelled))));
+    let mut signal = Ok(());
+    loop {
+        let waiting = &mut image;
+        match py.detach(move || waiting.recv_timeout(INTERVAL)) {
+            Ok(image) => return signal.and(image.map_err(exception)),
+            Err(RecvTimeoutError::Timeout) => signal = signal.and_then(|()| py.check_signals()),
+            Err(RecvTimeoutError::Disconnected) => {
+                return Err(PyRuntimeError::new_err("the render panicked"));
+            }
+        }
+        cancel.store(signal.is_err(), Ordering::Relaxed);
+    }
+}
+
+/// An image, (height, width, 3), the names of layers, each with its channels, (height, width), and warnings.
+type Arrays<'py> = (Any<'py>, Vec<(&'static str, Vec<Any<'py>>)>, Vec<String>);
+
+/// Renders the source, of a kind as in [`Source`], with the arguments of wavecrest.render by name.
+#[pyfunction]
+pub(crate) fn render<'py>(
+    py: Python<'py>,
+    kind: &str,
+    source: &Any<'py>,
+    options: Bound<'py, PyDict>,
+) -> PyResult<Arrays<'py>> {
+    let options = Options(options);
+    let job = Job::new(kind, source, &options)?;
+    let layers = job.layers.clone();
+    let (film, channels, warnings) = wait_for(py, job, &options)?;
+    let size = [film.height(), film.width()].map(|side| side as usize);
+    let image = film.into_pixels().into_flattened().into_pyarray(py);
+    let image = image.reshape([size[0], size[1], 3])?.into_any();
+    let mut channels = channels.into_iter().map(|channel| match channel.values {
+        api::Values::Floats(all) => Ok(all.into_pyarray(py).reshape(size)?.into_any()),
+        api::Values::Integers(all) => Ok(all.into_pyarray(py).reshape(size)?.into_any()),
+    });
+    let layers = api::Layer::ALL.into_iter().filter(|layer| layers.contains(layer)).map(|layer| {
+        let own: PyResult<_> = channels.by_ref().take(layer.channels().len()).collect();
+        Ok((layer.name(), own?))
+    });
+    let warnings = warnings.iter().map(ToString::to_string).collect();
+    Ok((image, layers.collect::<PyResult<_>>()?, warnings))
+}
