@@ -30,7 +30,7 @@ pub(crate) use differential::Differential;
 pub(crate) use disk::Disk;
 pub(crate) use environment::Environment;
 pub(crate) use hemisphere::Hemisphere;
-pub(crate) use light::{Emitter, Light, LightPoint};
+pub(crate) use light::{Light, LightPoint};
 pub(crate) use precision::{Arithmetic, Precision};
 pub(crate) use shade::{MirrorRequest, ShadingPoint, ShadowRequest};
 pub(crate) use slab::{Aabb, SlabRay};
