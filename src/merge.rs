@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use super::common::{choice, tell};
-use super::image_options::{DevelopOptions, MetadataOptions};
+use super::output_options::{DevelopOptions, MetadataOptions};
 use wavecrest_base::error::Result;
 use wavecrest_base::replace::check_differs;
 use wavecrest_image::farm::merge::{Merged, merge};

@@ -16,7 +16,7 @@ mod views;
 pub(crate) use args::RenderArgs;
 use args::{Frames, refuse};
 use outputs::{Outputs, animated};
-use renderer::{Renderer, Work, in_pixels};
+use renderer::{Renderer, Run, in_pixels};
 
 use super::common::tell_error;
 use wavecrest_base::error::{Error, ErrorKind, Result};
@@ -130,11 +130,11 @@ impl<'a> Job<'a> {
 
 fn render_image(args: &RenderArgs) -> Result<()> {
     let outputs = Outputs::check(args, args.paths()?, false)?;
-    Work::run(args, None, |mut work| {
+    Run::start(args, None, |mut work| {
         let mut renderer = Renderer::begin(args, &[&outputs], &mut work)?;
-        let traced = renderer.render(&outputs)?;
-        renderer.write(&outputs, &traced.rendered)?;
+        let outcome = renderer.render(&outputs)?;
+        renderer.write(&outputs, &outcome.rendered)?;
         renderer.work.finish(&outputs.name(), &in_pixels(renderer.size()));
-        args.stats.iter().try_for_each(|file| statistics::write(file, &renderer, &traced))
+        args.stats.iter().try_for_each(|file| statistics::write(file, &renderer, &outcome))
     })
 }

@@ -10,8 +10,8 @@ use crate::common::{
     FILES, FRAMES, IMAGE, LONG, SPEED, SearchOptions, VIEW, above_zero, choice, numbers, output,
     whole,
 };
-use crate::image_options::{DevelopOptions, MetadataOptions};
 use crate::input::{Purpose, SceneOptions};
+use crate::output_options::{DevelopOptions, MetadataOptions};
 use crate::progress::Style;
 use array::ShardChoice;
 use wavecrest_base::choice::Choice as _;

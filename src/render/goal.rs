@@ -6,7 +6,7 @@ use std::time::Instant;
 use serde_json::{Value, json};
 
 use super::once::render_once;
-use super::show::Rendering;
+use super::show::Target;
 use crate::common::warn;
 use crate::interrupt;
 use wavecrest_base::error::Result;
@@ -22,7 +22,7 @@ use wavecrest_report::accuracy::setting::{Axis, Facts};
 use wavecrest_report::plot::number::figure;
 
 /// A render with its preset and its choice of samples.
-pub(super) struct Traced {
+pub(super) struct Outcome {
     pub(super) rendered: Rendered,
     pub(super) preset: Preset,
     pub(super) goal: Option<Value>,
@@ -49,19 +49,19 @@ impl Watch for UntilSignal<'_> {
 
 /// Renders `scene`, whose tree has `preset`, as requested. `start` is the start of the command.
 pub(super) fn render_to_goal(
-    rendering: &Rendering<'_>,
+    target: &Target<'_>,
     scene: &mut PreparedScene,
     mut preset: Preset,
     start: Instant,
-) -> Result<Traced> {
-    let args = rendering.args;
+) -> Result<Outcome> {
+    let args = target.args;
     let tree = args.scene_options.bvh.is_none().then_some(&mut preset);
     let goal = match (args.target_error, args.time_budget) {
-        (Some(error), _) => for_error(rendering, scene, tree, error)?,
+        (Some(error), _) => for_error(target, scene, tree, error)?,
         (None, Some(seconds)) => {
             let clock = || start.elapsed().as_secs_f64();
             let pixels = scene.camera.size().map(f64::from).iter().product();
-            Some(within(rendering, scene, &Budget::new(&clock, seconds, pixels), seconds)?)
+            Some(within(target, scene, &Budget::new(&clock, seconds, pixels), seconds)?)
         }
         (None, None) => None,
     };
@@ -69,50 +69,50 @@ pub(super) fn render_to_goal(
         // Neither has a checkpoint.
         Some((rendered, goal)) => (rendered, goal, 0.0),
         None => {
-            let (rendered, resumed) = render_once(rendering, scene, None)?;
+            let (rendered, resumed) = render_once(target, scene, None)?;
             (rendered, None, resumed)
         }
     };
-    Ok(Traced { rendered, preset, goal, resumed, invalid: None })
+    Ok(Outcome { rendered, preset, goal, resumed, invalid: None })
 }
 
 /// A render, and its goal if it is finished.
 type AimedRender = (Rendered, Option<Value>);
 
-/// Renders, and repeats with more points while the error is above `target`. The tree with the
+/// Renders, and repeats with more points while the error is above `most`. The tree with the
 /// preset `tree` may be replaced. `None` without a choice.
 fn for_error(
-    rendering: &Rendering<'_>,
+    target: &Target<'_>,
     scene: &mut PreparedScene,
     tree: Option<&mut Preset>,
-    target: f64,
+    most: f64,
 ) -> Result<Option<AimedRender>> {
-    let args = rendering.args;
-    let reached = reach(scene, tree, (target, args.seed), &UntilSignal(None), |scene, choice| {
-        rendering.say(&format!("chosen: {choice}"));
-        let (rendered, _) = render_once(rendering, scene, None)?;
-        let found = measure(rendering, scene, &rendered, &UntilSignal(None))?;
+    let args = target.args;
+    let reached = reach(scene, tree, (most, args.seed), &UntilSignal(None), |scene, choice| {
+        target.say(&format!("chosen: {choice}"));
+        let (rendered, _) = render_once(target, scene, None)?;
+        let found = measure(target, scene, &rendered, &UntilSignal(None))?;
         Ok((rendered, found))
     })?;
     let Some(reached) = reached else { return Ok(None) };
-    warn(reached.unreached(target, &args.scene).as_slice());
+    warn(reached.unreached(most, &args.scene).as_slice());
     let Reached { choice, rendered, found, renders, pilot } = reached;
-    let goal = goal(format!("error {target}"), &choice, found, (renders, pilot));
-    rendering.say(&format!("pilot: {pilot:.2} s"));
+    let goal = goal(format!("error {most}"), &choice, found, (renders, pilot));
+    target.say(&format!("pilot: {pilot:.2} s"));
     let goal = rendered.finished.then_some(goal);
     Ok(Some((rendered, goal)))
 }
 
 /// Renders within `budget`, of so many seconds.
 fn within(
-    rendering: &Rendering<'_>,
+    target: &Target<'_>,
     scene: &mut PreparedScene,
     budget: &Budget<'_>,
     seconds: f64,
 ) -> Result<AimedRender> {
-    let args = rendering.args;
+    let args = target.args;
     if budget.left() <= 0.0 {
-        rendering.say("the time is over before the first ray: one point follows");
+        target.say("the time is over before the first ray: one point follows");
     }
     let original = scene.original();
     let [width, height] = scene.camera.size().map(f64::from);
@@ -124,15 +124,15 @@ fn within(
     let axis = Axis::of(&Facts::of(scene));
     let (choice, rendered, renders) = in_time(axis, budget, overhead, |choice, pace| {
         scene.resample(&original, &choice.samples());
-        let (rendered, _) = render_once(rendering, scene, Some(pace))?;
+        let (rendered, _) = render_once(target, scene, Some(pace))?;
         let is_finished = rendered.finished;
         Ok((rendered, is_finished))
     })?;
     scene.resample(&original, &choice.samples());
     if rendered.finished {
-        rendering.say(&format!("chosen: {choice}"));
+        target.say(&format!("chosen: {choice}"));
     }
-    let found = measure(rendering, scene, &rendered, &UntilSignal(Some(budget)))?;
+    let found = measure(target, scene, &rendered, &UntilSignal(Some(budget)))?;
     let goal = goal(format!("{seconds} s"), &choice, found, (renders, 0.0));
     let goal = rendered.finished.then_some(goal);
     Ok((rendered, goal))
@@ -140,20 +140,20 @@ fn within(
 
 /// The measured error of a finished render, if there is one and `until` does not end the measurement.
 fn measure(
-    rendering: &Rendering<'_>,
+    target: &Target<'_>,
     scene: &PreparedScene,
     rendered: &Rendered,
     until: &UntilSignal<'_>,
 ) -> Result<Option<MeasuredError>> {
-    let found = measured(scene, rendered, rendering.args.seed, until)?;
+    let found = measured(scene, rendered, target.args.seed, until)?;
     if until.cancelled() {
         if rendered.finished && until.is_over() {
-            rendering.say("error not measured: the time is over");
+            target.say("error not measured: the time is over");
         }
         return Ok(None);
     }
     if rendered.finished {
-        rendering.say(&told(found, scene));
+        target.say(&told(found, scene));
     }
     Ok(found)
 }

@@ -3,7 +3,7 @@
 
 use super::args::RenderArgs;
 use super::look::render_look;
-use super::show::{Rendering, Show, warn};
+use super::show::{Show, Target, warn};
 use crate::common::tell;
 use crate::interrupt;
 use wavecrest_base::error::{Error, ErrorKind, Result};
@@ -17,13 +17,13 @@ use wavecrest_report::accuracy::pilot::budget::Pace;
 
 /// Renders the image once, as long as its `pace` is good enough; returns it with the share that a checkpoint held (0 to 1).
 pub(super) fn render_once(
-    rendering: &Rendering<'_>,
+    target: &Target<'_>,
     scene: &PreparedScene,
     pace: Option<&Pace<'_>>,
 ) -> Result<(Rendered, f64)> {
-    let (show, args) = (Show::begin(rendering, scene, pace), rendering.args);
+    let (show, args) = (Show::begin(target, scene, pace), target.args);
     if args.checkpoint.is_some() {
-        let part = begin(rendering, scene, None)?;
+        let part = begin(target, scene, None)?;
         return Ok((part.render(&show, &warn)?, part.resumed()));
     }
     // The pace of a part is that of the whole only if it is a fair sample.
@@ -37,11 +37,11 @@ pub(super) fn render_once(
 
 /// The work on the image, or on a shard of it; says what a checkpoint held.
 pub(super) fn begin<'a>(
-    rendering: &Rendering<'_>,
+    target: &Target<'_>,
     scene: &'a PreparedScene,
     shard: Option<Shard>,
 ) -> Result<Session<'a>> {
-    let Rendering { args, outputs, .. } = *rendering;
+    let Target { args, outputs, .. } = *target;
     let command = std::env::args_os().map(|word| word.to_string_lossy().into_owned()).collect();
     let (file, transfer) = (args.scene.display().to_string(), outputs.transfer());
     let author = Author { scene: file, command, transfer };
@@ -62,11 +62,11 @@ pub(super) fn begin<'a>(
 /// Writes the finished part of an image that a signal ended, unless it would replace an older image; returns the error
 /// with the progress.
 pub(super) fn interrupted(
-    rendering: &Rendering<'_>,
+    target: &Target<'_>,
     scene: &PreparedScene,
     rendered: &Rendered,
 ) -> Error {
-    let (outputs, share) = (rendering.outputs, share(rendered));
+    let (outputs, share) = (target.outputs, share(rendered));
     let error = interrupt::error(share);
     let written = if share == 0.0 {
         Ok(outputs.untouched())
@@ -75,7 +75,7 @@ pub(super) fn interrupted(
         entries.and_then(|entries| outputs.write_unfinished(&rendered.film, &entries, share))
     };
     match written {
-        Ok(words) => error.remedy(words + &go_on(rendering.args)),
+        Ok(words) => error.remedy(words + &go_on(target.args)),
         Err(error) => error,
     }
 }

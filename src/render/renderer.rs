@@ -3,10 +3,10 @@
 use std::time::Instant;
 
 use super::args::RenderArgs;
-use super::goal::{Traced, render_to_goal};
+use super::goal::{Outcome, render_to_goal};
 use super::once::{find_invalid, interrupted, report_invalid, share};
 use super::outputs::Outputs;
-use super::show::Rendering;
+use super::show::Target;
 use crate::common::{grouped, seconds, tell, tell_prepared};
 use crate::interrupt;
 use crate::progress::{Display, Stage, Style};
@@ -19,7 +19,7 @@ use wavecrest_report::statistics::{Rays, Time, pass_map};
 use wavecrest_scene::memory::{self, Estimate};
 
 /// The images of one command, and what those that are finished took.
-pub(super) struct Work {
+pub(super) struct Run {
     pub(super) progress: Display,
     /// Whether a line is printed at the end.
     has_summary: bool,
@@ -33,9 +33,9 @@ pub(super) struct Work {
     traced_seconds: f64,
 }
 
-impl Work {
+impl Run {
     /// Does the `job` on the requested threads, with its progress shown: one image, or so many frames.
-    pub(super) fn run(
+    pub(super) fn start(
         args: &RenderArgs,
         frames: Option<usize>,
         job: impl FnOnce(Self) -> Result<()> + Send,
@@ -94,7 +94,7 @@ impl Work {
 /// A scene that is ready to be traced.
 pub(super) struct Renderer<'a, 'w> {
     pub(super) args: &'a RenderArgs,
-    pub(super) work: &'w mut Work,
+    pub(super) work: &'w mut Run,
     pub(super) scene: PreparedScene,
     /// The preset of its tree.
     preset: Preset,
@@ -114,7 +114,7 @@ impl<'a, 'w> Renderer<'a, 'w> {
     pub(super) fn begin(
         args: &'a RenderArgs,
         outputs: &[&Outputs<'_>],
-        work: &'w mut Work,
+        work: &'w mut Run,
     ) -> Result<Self> {
         let (options, purpose, start) = (&args.scene_options, &args.purpose(), Instant::now());
         let mut time = Time::default();
@@ -161,15 +161,15 @@ impl<'a, 'w> Renderer<'a, 'w> {
     }
 
     /// A render to these `outputs`.
-    pub(super) fn rendering<'r>(&'r self, outputs: &'r Outputs<'r>) -> Rendering<'r> {
-        Rendering { args: self.args, outputs, progress: &self.work.progress }
+    pub(super) fn target<'r>(&'r self, outputs: &'r Outputs<'r>) -> Target<'r> {
+        Target { args: self.args, outputs, progress: &self.work.progress }
     }
 
     /// Renders what the camera sees now.
     ///
     /// # Errors
     /// If a signal ended the render, or a sample is not finite and that is an error.
-    pub(super) fn render(&mut self, outputs: &Outputs<'_>) -> Result<Traced> {
+    pub(super) fn render(&mut self, outputs: &Outputs<'_>) -> Result<Outcome> {
         let Self { args, work, scene, time, preset, .. } = self;
         if let Some(frames) = work.frames {
             if interrupt::signal().is_some() {
@@ -177,14 +177,14 @@ impl<'a, 'w> Renderer<'a, 'w> {
             }
             work.progress.frame(work.finished as u64 + 1, frames as u64);
         }
-        let rendering = Rendering { args, outputs, progress: &work.progress };
+        let target = Target { args, outputs, progress: &work.progress };
         let start = work.start;
-        let traced = timed(&mut time.trace, || render_to_goal(&rendering, scene, *preset, start))?;
-        let Rendered { counters, finished, pass_seconds, .. } = &traced.rendered;
+        let outcome = timed(&mut time.trace, || render_to_goal(&target, scene, *preset, start))?;
+        let Rendered { counters, finished, pass_seconds, .. } = &outcome.rendered;
         if !finished {
             return Err(match work.frames {
-                None => interrupted(&rendering, scene, &traced.rendered),
-                Some(frames) => work.interrupted(frames, share(&traced.rendered), outputs),
+                None => interrupted(&target, scene, &outcome.rendered),
+                Some(frames) => work.interrupted(frames, share(&outcome.rendered), outputs),
             });
         }
         args.scene_options.check_taken(&args.scene)?;
@@ -192,7 +192,7 @@ impl<'a, 'w> Renderer<'a, 'w> {
         report_invalid(counters, invalid.as_ref());
         work.add(counters, time.trace);
         time.passes = pass_map(pass_seconds);
-        Ok(Traced { invalid, ..traced })
+        Ok(Outcome { invalid, ..outcome })
     }
 
     /// The width and height of an image in pixels.

@@ -5,7 +5,7 @@ use std::time::Instant;
 use super::args::RenderArgs;
 use super::once::{begin, find_invalid, go_on, report_invalid};
 use super::outputs::Outputs;
-use super::renderer::{Renderer, Work};
+use super::renderer::{Renderer, Run};
 use super::show::{Show, warn};
 use crate::interrupt;
 use wavecrest_base::error::{Error, ErrorKind, Result};
@@ -26,12 +26,12 @@ pub(super) fn render_shard(args: &RenderArgs, shard: Shard) -> Result<()> {
             .remedy("use a name such as out-1.part, and join all parts with wavecrest merge"));
     }
     let outputs = Outputs::check(args, args.paths()?, true)?;
-    Work::run(args, None, |mut work| {
+    Run::start(args, None, |mut work| {
         let renderer = Renderer::begin(args, &[&outputs], &mut work)?;
-        let rendering = &renderer.rendering(&outputs);
-        let part = begin(rendering, &renderer.scene, Some(shard))?;
+        let target = &renderer.target(&outputs);
+        let part = begin(target, &renderer.scene, Some(shard))?;
         let start = Instant::now();
-        let done = part.render_units(&Show::begin(rendering, &renderer.scene, None), &warn)?;
+        let done = part.render_units(&Show::begin(target, &renderer.scene, None), &warn)?;
         renderer.work.add(&done.counters, start.elapsed().as_secs_f64());
         if part.share() < 1.0 {
             let what = outputs.untouched();

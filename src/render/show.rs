@@ -20,13 +20,13 @@ use wavecrest_image::metadata::Entry;
 use wavecrest_report::accuracy::pilot::budget::Pace;
 
 /// A render: what is requested, its files, and the channels that show it, during and after it.
-pub(super) struct Rendering<'a> {
+pub(super) struct Target<'a> {
     pub(super) args: &'a RenderArgs,
     pub(super) outputs: &'a Outputs<'a>,
     pub(super) progress: &'a Display,
 }
 
-impl Rendering<'_> {
+impl Target<'_> {
     /// Prints a note.
     pub(super) fn say(&self, words: &str) {
         if !self.args.scene_options.quiet {
@@ -44,7 +44,7 @@ pub(super) fn warn(error: &Error) {
 /// Shows one render: its progress, and the image so far in the file. Ends it on a signal, or if it is
 /// too slow.
 pub(super) struct Show<'a> {
-    rendering: &'a Rendering<'a>,
+    target: &'a Target<'a>,
     saver: Option<ImageSaver<'a>>,
     pace: Option<&'a Pace<'a>>,
     /// That the time is too short.
@@ -54,11 +54,11 @@ pub(super) struct Show<'a> {
 impl<'a> Show<'a> {
     /// Begins to show the render of `scene`.
     pub(super) fn begin(
-        rendering: &'a Rendering<'a>,
+        target: &'a Target<'a>,
         scene: &PreparedScene,
         pace: Option<&'a Pace<'a>>,
     ) -> Self {
-        let Rendering { args, outputs, progress } = *rendering;
+        let Target { args, outputs, progress } = *target;
         progress.stage(Stage::Trace);
         let [width, height] = scene.camera.size();
         let window = args.crop.unwrap_or(Tile { x: 0, y: 0, width, height });
@@ -66,18 +66,18 @@ impl<'a> Show<'a> {
             let saver = ImageSaver::new(outputs, scene, window, seconds);
             saver.inspect_err(warn).ok()
         });
-        Self { rendering, saver, pace, told: Once::new() }
+        Self { target, saver, pace, told: Once::new() }
     }
 }
 
 impl Watch for Show<'_> {
     fn progress(&self, done: u64, all: u64) {
-        self.rendering.progress.traced(done, all);
+        self.target.progress.traced(done, all);
         if let Some(pace) = self.pace {
             pace.progress(done, all);
             if let Some(all) = pace.overrun() {
                 let words = format!("one point takes about {} s, more than is left", seconds(all));
-                self.told.call_once(|| self.rendering.say(&words));
+                self.told.call_once(|| self.target.say(&words));
             }
         }
     }
@@ -97,7 +97,7 @@ impl Watch for Show<'_> {
 
 impl Drop for Show<'_> {
     fn drop(&mut self) {
-        self.rendering.progress.finish();
+        self.target.progress.finish();
     }
 }
 

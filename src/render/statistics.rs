@@ -4,7 +4,7 @@ use std::path::Path;
 
 use serde_json::json;
 
-use super::goal::Traced;
+use super::goal::Outcome;
 use super::renderer::Renderer;
 use crate::common::{to_json, write_text};
 use wavecrest_base::error::Result;
@@ -17,9 +17,9 @@ use wavecrest_scene::memory;
 ///
 /// # Errors
 /// If it cannot be written.
-pub(super) fn write(file: &Path, renderer: &Renderer<'_, '_>, traced: &Traced) -> Result<()> {
+pub(super) fn write(file: &Path, renderer: &Renderer<'_, '_>, outcome: &Outcome) -> Result<()> {
     let Renderer { args, scene, time, estimated, predicted, .. } = renderer;
-    let Traced { rendered, preset, goal, resumed, invalid } = traced;
+    let Outcome { rendered, preset, goal, resumed, invalid } = outcome;
     let counters = &rendered.counters;
     let film = &rendered.film;
     let has_columns = args.tracer == TracerKind::Wavefront;

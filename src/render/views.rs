@@ -2,7 +2,7 @@
 
 use super::args::RenderArgs;
 use super::outputs::Outputs;
-use super::renderer::{Renderer, Work, in_pixels};
+use super::renderer::{Renderer, Run, in_pixels};
 use super::rows::Rows;
 use wavecrest_base::error::Result;
 use wavecrest_image::animation::{Animated, Animation};
@@ -15,7 +15,7 @@ use wavecrest_scene::load::framing::Sheet;
 pub(super) fn render_animation(args: &RenderArgs, count: u32, format: Animated) -> Result<()> {
     let path = args.output()?;
     let outputs = Outputs::of_one(args, path)?;
-    Work::run(args, Some(count as usize), |mut work| {
+    Run::start(args, Some(count as usize), |mut work| {
         let mut renderer = Renderer::begin(args, &[&outputs], &mut work)?;
         let size = renderer.size();
         let (transfer, entries) = (outputs.transfer(), &outputs.entries(&renderer.scene)?);
@@ -24,8 +24,8 @@ pub(super) fn render_animation(args: &RenderArgs, count: u32, format: Animated) 
         let mut failed = None;
         let mut film = |frame| {
             let placed = renderer.place(frame + 1);
-            let traced = placed.and_then(|()| renderer.render(&outputs));
-            traced.map(|one| one.rendered.film).inspect_err(|error| failed = Some(error.clone()))
+            let outcome = placed.and_then(|()| renderer.render(&outputs));
+            outcome.map(|one| one.rendered.film).inspect_err(|error| failed = Some(error.clone()))
         };
         animation.write(&mut film).map_err(|error| failed.unwrap_or(error))?;
         work.finish(&outputs.name(), &in_pixels(size));
@@ -48,7 +48,7 @@ pub(super) fn render_sheet(args: &RenderArgs, Sheet(sides): &Sheet) -> Result<()
         one
     };
     let all: Vec<RenderArgs> = sides.iter().copied().map(of_side).collect();
-    Work::run(args, Some(sides.len()), |mut work| {
+    Run::start(args, Some(sides.len()), |mut work| {
         let mut rows = Rows::new(sides.len());
         for one in &all {
             let mut renderer = Renderer::begin(one, &[&outputs], &mut work)?;

@@ -18,7 +18,7 @@ use crate::wavefront::DEFAULT_BATCH;
 use backdrop::Backdrop;
 use units::{Blocks, Grid, Order};
 use wavecrest_base::error::{Error, ErrorKind, Result};
-use work::{Job, RenderWork, Summed, Task};
+use work::{RenderWork, Summed, Task, TaskList};
 
 pub use backdrop::camera_rays;
 pub use canvas::{Canvas, Painted};
@@ -113,8 +113,8 @@ pub fn render_in_order(
     let step = order.step(grid.len());
     let tile = |number| (number as u64 * u64::from(step) % u64::from(grid.len())) as u32;
     let task = |number| Task { tile: tile(number), blocks: 0..blocks.count(), sums: None };
-    let job = Job { grid, blocks, count: grid.len() as usize, task: &task };
-    let done = work::run(scene, options, &job, watch, &|summed| canvas.keep(summed))?;
+    let tasks = TaskList { grid, blocks, count: grid.len() as usize, task: &task };
+    let done = work::run(scene, options, &tasks, watch, &|summed| canvas.keep(summed))?;
     Ok(Rendered::new(canvas.finish(), done))
 }
 

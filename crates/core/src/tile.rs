@@ -116,7 +116,7 @@ impl Unit {
     }
 }
 
-/// A schedule of the kernels, with all memory for one thread. Every tracer returns the same sums, bit for
+/// An order in which the kernels are called, with all memory for one thread. Every tracer returns the same sums, bit for
 /// bit.
 pub trait Tracer: Send {
     /// Adds the unit's samples of each pixel to `sums`, in the order of the samples: red, green and

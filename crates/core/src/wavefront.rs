@@ -7,7 +7,8 @@
 //! no next rays without mirrors and transparent surfaces.
 //!
 //! A batch has [`DEFAULT_BATCH`] paths by default, so that its columns stay in the second-level
-//! cache. All passes but the last process eight rows at a time, as vectors.
+//! cache. All passes but the last process eight rows at a time as vectors where instructions are wide; rays are traced
+//! in packets of their own size.
 
 pub mod batch;
 mod faces;

@@ -29,7 +29,7 @@ pub const LONGEST_SIDE: u32 = 65_536;
 /// Largest number of pixels, 2^28: as floats, three gibibytes.
 const MOST_PIXELS: u64 = 1 << 28;
 /// Largest number of rays through each pixel, 2^24.
-const MOST_RAYS: u64 = 1 << 24;
+const MOST_CAMERA_RAYS: u64 = 1 << 24;
 /// Largest number of angles or radii of points on the lens.
 const MOST_LENS_SAMPLES: u32 = 4_096;
 /// Default number of points on the lens along each side of the grid.
@@ -341,12 +341,12 @@ fn check_rays(view: &View, lens: Option<&ThinLens>) -> Result<()> {
     let n = view.antialias;
     // At most 64 * 64 * 4096 * 4096 = 2^36.
     let rays = view.rays(lens);
-    if rays <= MOST_RAYS {
+    if rays <= MOST_CAMERA_RAYS {
         return Ok(());
     }
     let message = format!(
         "each pixel would have {n} x {n} (antialias) x {x} x {y} (nsamplesx, nsamplesy) = {rays} rays"
     );
     let error = Error::new(ErrorKind::Limit, message);
-    Err(error.remedy(format!("at most {MOST_RAYS} (2^24) are allowed")))
+    Err(error.remedy(format!("at most {MOST_CAMERA_RAYS} (2^24) are allowed")))
 }

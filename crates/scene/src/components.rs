@@ -4,8 +4,9 @@
 //! [`Triangle`] or [`Mesh`], and [`Material`], [`Sides`], [`Shading`]; optionally [`Facing`], [`Transform`],
 //! [`Transparency`], [`TextureRef`], [`Maps`], [`CutOut`], [`Name`]. A point light is an entity with [`PointLight`],
 //! which [`Spot`] narrows to a cone. A distant light has [`DirectionalLight`]. An area light has
-//! [`AreaLight`] and the geometry of its shape. Ambient light by the normal is an entity with [`Sky`]. The camera has [`View`], and [`ThinLens`] unless it is
-//! a pinhole. One entity holds [`Settings`].
+//! [`AreaLight`] and the geometry of its shape. Ambient light by the normal is an entity with [`Sky`], what surrounds the
+//! scene one with [`Environment`]. The camera has [`View`], [`ThinLens`] unless it is a pinhole, and [`CameraPath`] if it
+//! moves. An instance has [`InstanceOf`] in place of a shape's geometry. One entity holds [`Settings`].
 //!
 //! Lengths are in the scene's own unit; colours are linear, 0 to 1. Numbers keep the precision of
 //! the file; the systems round them once, after the transform.

@@ -1,6 +1,7 @@
 //! Lights: the kinds of lights, and what they share.
 //!
-//! Each kind is a file with its component, its keys and its system: [`SYSTEMS`] lists these.
+//! Each kind is a file with its component and its keys, and its system, but that spots are point lights, whose system is
+//! theirs: [`SYSTEMS`] lists them. What a light adds at a point is in [`wavecrest_core::kernels::light`].
 
 mod area;
 mod directional;

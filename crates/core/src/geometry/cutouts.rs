@@ -82,7 +82,7 @@ impl Cutout {
     pub(super) fn is_hole(&self, uv: [f32; 2], alpha: f32) -> bool {
         let Some(image) = &self.image else { return alpha < self.threshold };
         // An image that cannot be decoded ends the render.
-        let Some(image) = image.look_up() else { return false };
+        let Some(image) = image.usable() else { return false };
         let uv = self.placing.map_or(uv, |placing| placing.apply(uv));
         image.look_up(uv, self.filter, self.wrap).x * alpha < self.threshold
     }

@@ -278,7 +278,7 @@ pub struct Light {
 impl Light {
     /// The factor on its light at `distance` > 0, where `towards` points to the light.
     #[inline(always)]
-    pub fn part_left<F: Single>(&self, distance: F, towards: Vector<F>) -> F {
+    pub fn share_at<F: Single>(&self, distance: F, towards: Vector<F>) -> F {
         let part = self.falloff.at(distance);
         match self.emitter.cone() {
             Some(cone) => part * cone.at(towards),

@@ -178,8 +178,7 @@ pub fn shadow_request<F: Single>(
         point.view,
         to_light,
     );
-    let strength =
-        light.part_left(distance.max(least), towards) / zero.same(light.samples() as f32);
+    let strength = light.share_at(distance.max(least), towards) / zero.same(light.samples() as f32);
     let power = Vector::splat(zero.token(), light.power).scale(strength);
     let contribution = throughput * (reflected * power);
     let asked = asked & contribution.is_not_zero();

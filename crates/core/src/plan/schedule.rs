@@ -3,8 +3,8 @@
 //!
 //! [`PASSES`] is the only place that knows which effect needs which work. The census decides the
 //! effects. The [`Schedule`] follows from these and the table: the steps that run and the columns
-//! that have storage. Systems, both tracers, the batch and the memory estimate read only the
-//! schedule.
+//! that have storage. Both tracers, the batch and the memory estimate read the schedule; an effect is asked for by itself
+//! only where it adds light to a step that runs anyway, as an environment does.
 
 use super::{Decision, Effect};
 
@@ -239,7 +239,7 @@ impl Schedule {
         self.unconditional >> step as u16 & 1 == 1
     }
 
-    /// Whether shadow rays are traced.
+    /// Whether shadow rays are traced: some light, by the census, reaches something in view.
     #[inline(always)]
     pub fn has_shadows(self) -> bool {
         self.runs(Step::Collect) && self.runs(Step::Shadow)

@@ -217,7 +217,7 @@ impl<'a, F: Single> LookUp<'a, F> {
         let LookUpPlace { group, scene, t, .. } = self.place;
         let Texture { image, filter, wrap, coordinates } = texture;
         let uv = self.coordinates(coordinates);
-        let Some(image) = scene.appearance.images[*image as usize].look_up() else {
+        let Some(image) = scene.appearance.images[*image as usize].usable() else {
             return Vector::splat(t.token(), Vec3::ZERO);
         };
         let read = |hits: u32| filter.texels() * u64::from((hits & group.used).count_ones());

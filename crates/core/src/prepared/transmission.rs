@@ -85,7 +85,7 @@ impl PreparedScene {
     #[inline(always)]
     pub fn escaped(&self, direction: Vec3, mirrored: bool) -> Option<Vec3> {
         if let Some(environment) = &self.environment {
-            let image = |number: u32| self.appearance.images[number as usize].look_up();
+            let image = |number: u32| self.appearance.images[number as usize].usable();
             return Some(environment.at(direction, image));
         }
         match &self.hemisphere {

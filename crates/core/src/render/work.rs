@@ -44,7 +44,7 @@ pub struct Summed<'a> {
 }
 
 /// The work to render: `count` tasks, by number.
-pub struct Job<'a> {
+pub struct TaskList<'a> {
     /// The tiles.
     pub grid: Grid,
     /// The blocks of each pixel.
@@ -70,7 +70,7 @@ pub struct RenderWork {
     pub precision: Precision,
 }
 
-/// Renders `job` on the threads of the current pool, and passes the state of a tile to `keep` after
+/// Renders `tasks` on the threads of the current pool, and passes the state of a tile to `keep` after
 /// each block. `watch` may end it early.
 ///
 /// # Errors
@@ -78,7 +78,7 @@ pub struct RenderWork {
 pub fn run(
     scene: &PreparedScene,
     options: &RenderOptions,
-    job: &Job<'_>,
+    tasks: &TaskList<'_>,
     watch: &dyn Watch,
     keep: &(dyn Fn(&Summed<'_>) + Sync),
 ) -> Result<RenderWork> {
@@ -92,15 +92,15 @@ pub fn run(
     let options = RenderOptions { batch: batch_size(scene, options.batch), ..*options };
     // One worker for each thread, made before the first ray.
     let threads = rayon::current_num_threads();
-    let worker = || Mutex::new(Worker::new(tracer(scene, &options), job));
+    let worker = || Mutex::new(Worker::new(tracer(scene, &options), tasks));
     let workers: Vec<_> = (0..threads).map(|_| worker()).collect();
-    (0..job.count).into_par_iter().for_each(|number| {
+    (0..tasks.count).into_par_iter().for_each(|number| {
         if watch.cancelled() || scene.appearance.check().is_err() {
             return;
         }
         let index = rayon::current_thread_index().unwrap_or(0) % threads;
         let mut worker = workers[index].lock().unwrap_or_else(PoisonError::into_inner);
-        worker.render((scene, &backdrop), job, &(job.task)(number), watch, keep);
+        worker.render((scene, &backdrop), tasks, &(tasks.task)(number), watch, keep);
     });
     scene.appearance.check()?;
     Ok(gather(workers, start, scene.accel.geometry().precision))
@@ -115,21 +115,21 @@ struct Worker {
 }
 
 impl Worker {
-    fn new(tracer: Box<dyn Tracer>, job: &Job<'_>) -> Self {
-        let pixels = job.grid.edge() as usize * job.grid.edge() as usize;
-        let block = if job.blocks.count() > 1 { pixels } else { 0 };
+    fn new(tracer: Box<dyn Tracer>, tasks: &TaskList<'_>) -> Self {
+        let pixels = tasks.grid.edge() as usize * tasks.grid.edge() as usize;
+        let block = if tasks.blocks.count() > 1 { pixels } else { 0 };
         Self { tracer, sums: vec![[0.0; 3]; pixels], block: vec![[0.0; 3]; block] }
     }
 
     fn render(
         &mut self,
         (scene, backdrop): (&PreparedScene, &Backdrop<'_>),
-        job: &Job<'_>,
+        tasks: &TaskList<'_>,
         task: &Task,
         watch: &dyn Watch,
         keep: &(dyn Fn(&Summed<'_>) + Sync),
     ) {
-        let tile = job.grid.tile(task.tile);
+        let tile = tasks.grid.tile(task.tile);
         let Self { tracer, sums, block } = self;
         let sums = &mut sums[..tile.len()];
         let first = match &task.sums {
@@ -154,7 +154,7 @@ impl Worker {
             if number > task.blocks.start && watch.cancelled() {
                 return;
             }
-            let unit = Unit { tile, samples: job.blocks.range(number) };
+            let unit = Unit { tile, samples: tasks.blocks.range(number) };
             let own = if number == first { &mut *sums } else { &mut block[..tile.len()] };
             own.fill([0.0; 3]);
             if !render(&mut **tracer, &unit, own) {

@@ -1,7 +1,8 @@
 //! The columns of a batch: structures of arrays, each with its unit, writer and readers.
 //!
-//! Passes read and write eight rows at a time. Columns have room for a whole vector after the last
-//! row, with unspecified values.
+//! Positions are in world space, moved by the scene's origin; radiance is linear. Passes read and write eight rows at a
+//! time, or one where instructions are not wide. Columns have room for a whole vector after the last row, with
+//! unspecified values.
 
 #[macro_use]
 mod columns;
@@ -24,12 +25,12 @@ pub use columns::Vectors;
 pub use lit::{LitPoints, Tints};
 
 columns! {
-    /// Rays from the camera or from surfaces, t from 0 to infinity. Written by generate and shade,
-    /// read by intersect and shade.
+    /// Rays from the camera or from surfaces, t from 0, or from the row of [`Batch::starts`], to infinity. Written by
+    /// generate, shade and advance, read by intersect and shade.
     Rays {
-        /// World space.
+        /// Origin.
         origin: Vectors,
-        /// World space, unit length.
+        /// Of unit length.
         direction: Vectors,
         /// Throughput of the path; 1 for camera rays.
         throughput: Vectors,
@@ -95,7 +96,7 @@ fn columns_of<'a>(
 columns! {
     /// A hit for each ray. Written by intersect, read by shade.
     Hits {
-        /// t, infinite for a miss, and the primitive's number.
+        /// t, infinite for a miss, and the primitive's number; where nothing needs it, t may be more than that of the hit.
         hit: Vec<Hit>,
     }
 }
@@ -103,11 +104,11 @@ columns! {
 columns! {
     /// Shadow rays, t from 0 to [`SHADOW_END`]. Written and read by shadow.
     ShadowRays {
-        /// World space.
+        /// Origin.
         origin: Vectors,
         /// To the light; its length is the distance.
         direction: Vectors,
-        /// The light to add to the path if the ray is not occluded.
+        /// The radiance to add to the path if the ray is not occluded.
         contribution: Vectors,
         /// The path, by its number in the batch.
         path: Vec<u32>,
@@ -139,7 +140,7 @@ impl ShadowRays {
 }
 
 columns! {
-    /// The paths of the batch. Written by every pass, read by resolve.
+    /// The paths of the batch. Written by generate, shade and shadow, read by shade, shadow and resolve.
     Paths {
         /// Radiance gathered so far.
         radiance: Vectors,

@@ -107,8 +107,7 @@ struct NextRequest {
     point: usize,
 }
 
-/// Queues shadow rays to a light until the queue is full. Returns the place to continue, which is
-/// past the light's last point once all are queued.
+/// Queues shadow rays to a light.
 struct ShadowRequests<'a> {
     light: &'a Light,
     ambient: Option<&'a Hemisphere>,

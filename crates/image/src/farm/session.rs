@@ -14,7 +14,7 @@ use crate::transfer::Transfer;
 use wavecrest_base::error::{Error, Result};
 use wavecrest_core::prepared::PreparedScene;
 use wavecrest_core::render::units::Grid;
-use wavecrest_core::render::work::{Job, RenderWork, Summed, Task, run};
+use wavecrest_core::render::work::{RenderWork, Summed, Task, TaskList, run};
 use wavecrest_core::render::{Canvas, RenderOptions, Rendered, Watch};
 
 /// The work to render, and its state.
@@ -173,8 +173,8 @@ impl<'a> Session<'a> {
         };
         let task = |number: usize| self.todo[number].clone();
         let blocks = self.header.identity.blocks();
-        let job = Job { grid: self.grid, blocks, count: self.todo.len(), task: &task };
-        let done = run(self.scene, &self.options, &job, watch, &keep)?;
+        let tasks = TaskList { grid: self.grid, blocks, count: self.todo.len(), task: &task };
+        let done = run(self.scene, &self.options, &tasks, watch, &keep)?;
         // A checkpoint that held everything stays unchanged.
         let is_new = !self.todo.is_empty() || !self.has_checkpoint;
         if let Some(checkpoint) = self.checkpoint.as_ref().filter(|_| is_new) {

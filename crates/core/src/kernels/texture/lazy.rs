@@ -69,9 +69,9 @@ impl LazyImage {
         self.image.as_ref().map_err(Clone::clone)
     }
 
-    /// The image for a look-up, or `None` if it cannot be decoded, which ends a render.
+    /// The image, decoded at the first look-up, or `None` if it cannot be decoded, which ends a render.
     #[inline]
-    pub(crate) fn look_up(&self) -> Option<&Image> {
+    pub(crate) fn usable(&self) -> Option<&Image> {
         let decoded = self.decoded().unwrap_or_else(|| self.wait());
         decoded.as_ref().ok()
     }
@@ -139,7 +139,7 @@ mod tests {
         assert!(image.decoded().is_none() && image.bytes() == 0);
         std::thread::scope(|scope| {
             for _ in 0..8 {
-                scope.spawn(|| assert!(image.look_up().is_some()));
+                scope.spawn(|| assert!(image.usable().is_some()));
             }
         });
         assert_eq!((times.load(Ordering::Relaxed), image.bytes()), (1, 4));
@@ -152,12 +152,12 @@ mod tests {
             Ok(Image::new(1, 1, Texels::Bytes(vec![[1, 2, 3, 0]])))
         });
         let before = decoding();
-        assert!(image.look_up().is_some());
+        assert!(image.usable().is_some());
         let after = decoding();
         assert!(after - before >= 0.005, "{before} {after}");
-        assert!(image.look_up().is_some() && decoding() == after);
+        assert!(image.usable().is_some() && decoding() == after);
         std::thread::scope(|scope| {
-            scope.spawn(|| assert!(image.look_up().is_some() && decoding() == 0.0));
+            scope.spawn(|| assert!(image.usable().is_some() && decoding() == 0.0));
         });
     }
 
@@ -170,6 +170,6 @@ mod tests {
             let told = image.get().err().map(|error| error.to_string());
             assert_eq!(told.as_deref(), Some("a.json: no image"));
         }
-        assert!(image.look_up().is_none() && image.decoded().is_some());
+        assert!(image.usable().is_none() && image.decoded().is_some());
     }
 }

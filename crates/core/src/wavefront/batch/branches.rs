@@ -13,13 +13,13 @@ pub struct BranchStacks {
 /// Largest number of rays of a path that wait if no surface sends on more light than it receives:
 /// in each of three channels their throughputs add up to 1 at most, and each ray has at least the
 /// least weight in one.
-const MOST_RAYS: usize = (3.0 / LEAST_WEIGHT) as usize;
+const MOST_WAITING: usize = (3.0 / LEAST_WEIGHT) as usize;
 
 impl BranchStacks {
     /// Bytes that a path with up to this number of bounces takes at most: up to two rays for each wait,
     /// and the one that is next.
     pub fn row_bytes(bounces: u32) -> usize {
-        let rays = MOST_RAYS.min(2 * bounces as usize + 1);
+        let rays = MOST_WAITING.min(2 * bounces as usize + 1);
         size_of::<Vec<Branch>>() + rays * size_of::<Branch>()
     }
 
