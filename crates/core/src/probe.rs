@@ -143,31 +143,14 @@ impl Recorder<'_> {
         appearance.places.get(appearance.shape_of(primitive)).cloned().unwrap_or_default()
     }
 
-    fn name_of(&self, primitive: u32) -> Option<String> {
-        let appearance = &self.scene.appearance;
-        appearance.names.get(appearance.shape_of(primitive)).cloned().flatten()
-    }
-
-    fn place_of_solid(&self, solid: u32) -> String {
-        let appearance = &self.scene.appearance;
-        let shape = appearance.shapes.iter().position(|shape| shape.solid == Some(solid));
-        shape.map_or_else(String::new, |shape| appearance.places[shape].clone())
-    }
-
-    /// The file of the image that gives a primitive's colour.
-    fn texture_of(&self, class: &Class) -> Option<String> {
-        let image = self.scene.appearance.images.get(class.color()?.image as usize)?;
-        Some(image.name().to_owned())
-    }
-
     fn met(&self, ray: &Ray, hit: &Hit) -> HitRecord {
-        let geometry = self.scene.accel.geometry();
+        let (geometry, appearance) = (self.scene.accel.geometry(), &self.scene.appearance);
         let found = with_precision!(geometry.precision, P => crate::prepared::surface::<P>(geometry, ray, hit));
         HitRecord {
             primitive: hit.primitive,
             kind: kind(geometry, hit.primitive),
             shape: self.place_of(hit.primitive),
-            name: self.name_of(hit.primitive),
+            name: appearance.names.get(appearance.shape_of(hit.primitive)).cloned().flatten(),
             surface: None,
             t: hit.t,
             t_error: (geometry.precision != Precision::Fast).then_some(UNIT_ROUNDOFF * hit.t.abs()),
@@ -197,6 +180,11 @@ impl Recorder<'_> {
 impl Observer for Recorder<'_> {
     fn ray(&mut self, branch: &Branch, hit: &Hit, tests: TestCounts) {
         let Branch { ray, throughput, state, .. } = branch;
+        let appearance = &self.scene.appearance;
+        let place_of_solid = |solid| {
+            let shape = appearance.shapes.iter().position(|shape| shape.solid == Some(solid));
+            shape.map_or_else(String::new, |shape| appearance.places[shape].clone())
+        };
         let met = (!hit.is_miss()).then(|| self.met(ray, hit));
         self.steps.push((*ray, *hit, Vec3::ZERO));
         self.bounces = state.bounces;
@@ -207,7 +195,7 @@ impl Observer for Recorder<'_> {
             throughput: *throughput,
             origin: ray.origin.as_dvec3() + self.scene.origin,
             direction: ray.direction,
-            medium: state.media.medium().map(|solid| self.place_of_solid(solid)),
+            medium: state.media.medium().map(place_of_solid),
             nodes: tests.nodes,
             leaves: tests.leaves,
             primitives: tests.triangles + tests.quads + tests.spheres + tests.disks,
@@ -218,7 +206,10 @@ impl Observer for Recorder<'_> {
     }
 
     fn surface(&mut self, point: &ShadingPoint<f32>, class: &Class, _: Vec3) {
-        let texture = self.texture_of(class);
+        // The file of the image that gives the colour.
+        let images = &self.scene.appearance.images;
+        let image = class.color().and_then(|color| images.get(color.image as usize));
+        let texture = image.map(|image| image.name().to_owned());
         let transparency = class.transparency.as_ref();
         let (kt, ior) = transparency.map_or((0.0, 1.0), |of| (of.kt, of.ior));
         let Some(met) = self.last_met() else { return };

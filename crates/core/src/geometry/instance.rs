@@ -147,22 +147,19 @@ impl Instance {
         let mut world = Aabb::EMPTY;
         let mut size = 0.0;
         for bounds in boxes {
-            world = world.union(self.carried_box(bounds));
+            // The smallest box in the world around this box of the prototype.
+            let (low, high) = (bounds.low.as_dvec3(), bounds.high.as_dvec3());
+            let center = self.to_world.transform_point3((low + high) / 2.0);
+            let half = rows(&self.to_world).map(|row| row.dot((high - low) / 2.0));
+            let half = DVec3::from_array(half);
+            let (low, high) = ((center - half).as_vec3(), (center + half).as_vec3());
+            world = world.union(Aabb { low, high });
             size = f64::max(size, f64::from(max_abs(bounds.low).max(max_abs(bounds.high))));
         }
         let far = norm(&self.to_prototype) * self.to_world.translation.abs().max_element();
         let pad = 2.0 * f64::from(PADDING) * norm(&self.to_world) * (size + far);
         let pad = (pad * GENEROUS) as f32 + PADDING * max_abs(world.low).max(max_abs(world.high));
         Aabb { low: world.low - pad, high: world.high + pad }
-    }
-
-    /// The smallest box in the world around a box of the prototype.
-    fn carried_box(&self, bounds: &Aabb) -> Aabb {
-        let (low, high) = (bounds.low.as_dvec3(), bounds.high.as_dvec3());
-        let (center, half) = ((low + high) / 2.0, (high - low) / 2.0);
-        let center = self.to_world.transform_point3(center);
-        let half = DVec3::from_array(rows(&self.to_world).map(|row| row.dot(half)));
-        Aabb { low: (center - half).as_vec3(), high: (center + half).as_vec3() }
     }
 
     /// The factor, relative to other boxes, by which the origin of a ray is moved for the

@@ -295,32 +295,18 @@ impl From<&Ray> for Line<f32> {
     }
 }
 
-impl<F: Real> Add for Vector<F> {
-    type Output = Self;
+macro_rules! by_component {
+    ($($operator:ident: $apply:ident),+) => {$(impl<F: Real> $operator for Vector<F> {
+        type Output = Self;
 
-    #[inline(always)]
-    fn add(self, other: Self) -> Self {
-        Self::new(self.x + other.x, self.y + other.y, self.z + other.z)
-    }
+        #[inline(always)]
+        fn $apply(self, other: Self) -> Self {
+            Self::new(self.x.$apply(other.x), self.y.$apply(other.y), self.z.$apply(other.z))
+        }
+    })+};
 }
 
-impl<F: Real> Sub for Vector<F> {
-    type Output = Self;
-
-    #[inline(always)]
-    fn sub(self, other: Self) -> Self {
-        Self::new(self.x - other.x, self.y - other.y, self.z - other.z)
-    }
-}
-
-impl<F: Real> Mul for Vector<F> {
-    type Output = Self;
-
-    #[inline(always)]
-    fn mul(self, other: Self) -> Self {
-        Self::new(self.x * other.x, self.y * other.y, self.z * other.z)
-    }
-}
+by_component!(Add: add, Sub: sub, Mul: mul);
 
 impl<F: Real> Neg for Vector<F> {
     type Output = Self;
@@ -331,33 +317,25 @@ impl<F: Real> Neg for Vector<F> {
     }
 }
 
-impl From<Vec3> for Vector<f32> {
-    #[inline(always)]
-    fn from(v: Vec3) -> Self {
-        Self { x: v.x, y: v.y, z: v.z }
-    }
+macro_rules! as_glam {
+    ($($number:ty: $vector:ty),+) => {$(
+        impl From<$vector> for Vector<$number> {
+            #[inline(always)]
+            fn from(v: $vector) -> Self {
+                Self { x: v.x, y: v.y, z: v.z }
+            }
+        }
+
+        impl From<Vector<$number>> for $vector {
+            #[inline(always)]
+            fn from(v: Vector<$number>) -> Self {
+                Self::new(v.x, v.y, v.z)
+            }
+        }
+    )+};
 }
 
-impl From<Vector<f32>> for Vec3 {
-    #[inline(always)]
-    fn from(v: Vector<f32>) -> Self {
-        Self::new(v.x, v.y, v.z)
-    }
-}
-
-impl From<DVec3> for Vector<f64> {
-    #[inline(always)]
-    fn from(v: DVec3) -> Self {
-        Self { x: v.x, y: v.y, z: v.z }
-    }
-}
-
-impl From<Vector<f64>> for DVec3 {
-    #[inline(always)]
-    fn from(v: Vector<f64>) -> Self {
-        Self::new(v.x, v.y, v.z)
-    }
-}
+as_glam!(f32: Vec3, f64: DVec3);
 
 #[cfg(test)]
 mod tests;
