@@ -221,7 +221,7 @@ impl Kernels {
 }
 
 /// Joins counts field by field: all of them are `u64`.
-fn each<T: Pod>(mut counts: T, others: T, join: impl Fn(u64, u64) -> u64) -> T {
+pub(crate) fn each<T: Pod>(mut counts: T, others: T, join: impl Fn(u64, u64) -> u64) -> T {
     let fields: &mut [u64] = bytemuck::cast_slice_mut(std::slice::from_mut(&mut counts));
     let others: &[u64] = bytemuck::cast_slice(std::slice::from_ref(&others));
     fields.iter_mut().zip(others).for_each(|(count, &other)| *count = join(*count, other));

@@ -153,7 +153,7 @@ impl CameraRays<'_> {
             hits.clear();
             hits.resize(rays.len(), Hit::MISS);
             self.scene.accel.search::<P>().closest_of(
-                (&rays[..]).into(),
+                rays.as_slice().into(),
                 &mut hits,
                 &mut traversal,
             );

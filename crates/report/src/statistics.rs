@@ -194,7 +194,7 @@ impl Bvh {
         Self {
             preset,
             nodes: census().map(|census| census.nodes as usize).sum(),
-            depth: census().map(|census| census.depth).max().unwrap_or(0),
+            depth: census().map(|census| census.depth as usize).max().unwrap_or(0),
             bytes: accel.tree_bytes(),
             chunks: accel.chunks(),
         }

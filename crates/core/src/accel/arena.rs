@@ -25,7 +25,7 @@ mod units;
 use std::marker::PhantomData;
 use std::sync::atomic::{AtomicU32, Ordering};
 
-use bytemuck::Pod;
+use bytemuck::{Pod, Zeroable};
 use glam::Vec3;
 
 use crate::math::LANES;
@@ -94,7 +94,8 @@ pub struct Arena {
 }
 
 /// What an arena holds.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
+#[repr(C)]
 pub struct TreeContents {
     /// Inner nodes.
     pub nodes: u64,
@@ -109,7 +110,7 @@ pub struct TreeContents {
     /// Triangles in leaves; those in several leaves count several times.
     pub triangles: u64,
     /// The largest number of inner nodes on a path from the root.
-    pub depth: usize,
+    pub depth: u64,
 }
 
 impl Arena {
@@ -134,7 +135,7 @@ impl Arena {
         &self,
         units: &[Unit],
         kind: Kind,
-        most: usize,
+        most: u64,
     ) -> Option<(Ref, TreeContents)> {
         let proof = proof::Proof { units, numbers: self.numbers.len() };
         let (census, _) = proof.below((root_of(kind), 1))?;

@@ -57,7 +57,7 @@ pub struct Root {
 impl Demand {
     /// The largest number of inner nodes on a path in a chunk. Memory for rays is taken before it is
     /// built. Measured: 7 in scans.
-    pub(super) const MOST_DEPTH: usize = 24;
+    pub(super) const MOST_DEPTH: u64 = 24;
 
     /// The contents of the chunks that are built.
     fn built(&self) -> impl Iterator<Item = TreeContents> {
@@ -150,7 +150,7 @@ impl Tree {
     /// except one, the last one leaves all, and whole vectors are written.
     pub(super) fn stack_entries(&self) -> usize {
         let below = if self.demand.is_some() { Demand::MOST_DEPTH } else { 0 };
-        (LANES - 1) * (self.census.depth + below) + 2 * LANES
+        (LANES - 1) * (self.census.depth + below) as usize + 2 * LANES
     }
 }
 

@@ -62,6 +62,16 @@ pub struct Fingerprints {
     pub appearance: u128,
 }
 
+impl Fingerprints {
+    /// One hash of all.
+    pub fn all(&self) -> u128 {
+        let Self { geometry, textures, camera, appearance } = *self;
+        hashed(|hasher| {
+            hasher.0.update(bytemuck::cast_slice(&[geometry, textures, camera, appearance]))
+        })
+    }
+}
+
 impl PreparedScene {
     /// A hash (XXH3) of all inputs of the image: primitives, attributes, textures, materials,
     /// lights, camera. Scenes that differ in any of these have different hashes, except with a
@@ -69,10 +79,7 @@ impl PreparedScene {
     /// protection against deliberate collisions. The files of all images are read for it, and none is
     /// decoded.
     pub fn fingerprint(&self) -> u128 {
-        let Fingerprints { geometry, textures, camera, appearance } = self.fingerprints();
-        hashed(|hasher| {
-            hasher.0.update(bytemuck::cast_slice(&[geometry, textures, camera, appearance]))
-        })
+        self.fingerprints().all()
     }
 
     /// As [`PreparedScene::fingerprint`], with one hash for each kind of input.

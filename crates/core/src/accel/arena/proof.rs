@@ -8,6 +8,7 @@ use super::{
     Kind, NODE_UNITS, Node, PATCH_UNITS, Patch, Ref, SOUP_UNITS, Soup, TreeContents, Unit,
     absolute, list_units,
 };
+use crate::counters::each;
 
 /// Number of subtrees that are proved separately, so that all threads have work.
 const PROVED_APART: usize = 1024;
@@ -40,7 +41,7 @@ impl Proof<'_> {
     }
 
     /// Visits everything below a place at some depth. Returns how many places were reached.
-    pub(super) fn below(&self, start: (Ref, usize)) -> Option<(TreeContents, usize)> {
+    pub(super) fn below(&self, start: (Ref, u64)) -> Option<(TreeContents, usize)> {
         let (mut census, mut reached) = (TreeContents::default(), 0);
         let mut waiting = vec![start];
         while let Some((place, depth)) = waiting.pop() {
@@ -56,9 +57,9 @@ impl Proof<'_> {
     fn visit(
         &self,
         place: Ref,
-        depth: usize,
+        depth: u64,
         census: &mut TreeContents,
-        mut hand_on: impl FnMut((Ref, usize)),
+        mut hand_on: impl FnMut((Ref, u64)),
     ) -> Option<()> {
         let rest = self.units.get(place.unit()..)?;
         let within = |first: u32, count: u32| {
@@ -112,15 +113,8 @@ impl std::ops::Add for TreeContents {
     type Output = Self;
 
     fn add(self, other: Self) -> Self {
-        Self {
-            nodes: self.nodes + other.nodes,
-            children: self.children + other.children,
-            patches: self.patches + other.patches,
-            soups: self.soups + other.soups,
-            lists: self.lists + other.lists,
-            triangles: self.triangles + other.triangles,
-            depth: self.depth.max(other.depth),
-        }
+        let depth = self.depth.max(other.depth);
+        Self { depth, ..each(self, other, |a, b| a + b) }
     }
 }
 
