@@ -81,7 +81,7 @@ impl Image {
             }
             Texels::Floats(texels) => size_of_val(texels.as_slice()),
         };
-        texels + self.levels.iter().map(MipLevel::bytes).sum::<usize>()
+        texels + self.levels.iter().map(|level| size_of_val(level.texels.as_slice())).sum::<usize>()
     }
 
     /// The coarsest level of detail: 0 without a pyramid.

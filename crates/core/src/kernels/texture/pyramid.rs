@@ -19,18 +19,13 @@ pub(super) struct MipLevel {
     /// Width and height in texels, at least 1.
     pub(super) size: [u32; 2],
     /// Row by row, top row first; linear.
-    texels: Vec<[f32; 3]>,
+    pub(super) texels: Vec<[f32; 3]>,
 }
 
 impl MipLevel {
     #[inline]
     pub(super) fn texel(&self, x: u32, y: u32) -> Vec3 {
         Vec3::from(self.texels[y as usize * self.size[0] as usize + x as usize])
-    }
-
-    /// Bytes held.
-    pub(super) fn bytes(&self) -> usize {
-        size_of_val(self.texels.as_slice())
     }
 }
 
