@@ -10,8 +10,7 @@ use std::marker::PhantomData;
 use glam::Vec3;
 
 use crate::accel::{Hit, Traversal};
-use crate::counters::TestCounts;
-use crate::counters::{Counters, Sample};
+use crate::counters::{Counters, Sample, TestCounts};
 use crate::kernels::{
     Arithmetic, Hemisphere, Light, LightPoint, ShadingPoint, ShadowRequest, shade,
 };
