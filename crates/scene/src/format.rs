@@ -9,7 +9,6 @@
 //! Paths are chains of borrowed steps: nothing is allocated until there is an error, which matters
 //! for a mesh of a million points.
 
-mod beside;
 mod cursor;
 mod declared;
 mod field;
@@ -21,11 +20,10 @@ mod object;
 mod related;
 mod writer;
 
-pub(crate) use beside::Beside;
 pub(crate) use cursor::{Cursor, Place, Range, integer_words};
 pub(crate) use declared::{Declared, component, declared};
 pub(crate) use field::{Field, Word, words};
 pub use json_schema::json_schema;
 pub(crate) use keys::{Absent, Declaration, Key, Kind, Object, Takes, Variants, keys, word};
 pub(crate) use notes::Notes;
-pub(crate) use writer::Writer;
+pub(crate) use writer::{Beside, Writer};

@@ -26,7 +26,6 @@ mod scene;
 mod spawn;
 mod survey;
 mod texture;
-mod transform;
 mod uri;
 
 use std::path::Path;

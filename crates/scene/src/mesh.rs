@@ -18,7 +18,6 @@ mod join;
 mod number;
 mod obj;
 mod origin;
-mod parts;
 mod place;
 mod ply;
 mod polygon;

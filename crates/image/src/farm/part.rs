@@ -165,14 +165,13 @@ impl PartReader {
                 Err(error) => Err(read_error(error)),
             };
         }
-        let mut bytes = vec![0; 4 * 4 + 8];
-        fill(&mut self.file, &mut bytes)?;
+        let mut bytes = Vec::new();
+        extend(&mut self.file, &mut bytes, 4 * 4 + 8)?;
         let [tile, first, end, pixels] = [0, 1, 2, 3].map(|n| number(&bytes, n));
         let invalid = long(&bytes, 2);
         let length = self.length(tile, first..end, pixels)?;
         let start = bytes.len();
-        bytes.resize(start + length * size_of::<[f64; 3]>(), 0);
-        fill(&mut self.file, &mut bytes[start..])?;
+        extend(&mut self.file, &mut bytes, length * size_of::<[f64; 3]>())?;
         check_hash(&mut self.file, &bytes, self.seed)?;
         let sum = |bytes: &[u8]| [0, 1, 2].map(|n| f64::from_bits(long(bytes, n)));
         let sums = bytes[start..].chunks_exact(size_of::<[f64; 3]>()).map(sum).collect();
@@ -203,11 +202,11 @@ fn header(file: &mut BufReader<File>, length: u64) -> Result<(PartHeader, u64)> 
         Error::new(ErrorKind::Syntax, "this is not a part of a render")
             .remedy("use a file that wavecrest wrote with --shard or --checkpoint")
     };
-    let mut bytes = vec![0; 16];
-    if length < bytes.len() as u64 {
+    let mut bytes = Vec::new();
+    if length < 16 {
         return Err(foreign());
     }
-    fill(file, &mut bytes)?;
+    extend(file, &mut bytes, 16)?;
     let [version, json] = [2, 3].map(|n| number(&bytes, n));
     if &bytes[..8] != MAGIC {
         return Err(foreign());
@@ -220,8 +219,7 @@ fn header(file: &mut BufReader<File>, length: u64) -> Result<(PartHeader, u64)> 
     if json > MAX_HEADER_BYTES || u64::from(json) + 16 > length {
         return Err(damaged("its header is too long"));
     }
-    bytes.resize(16 + json as usize, 0);
-    fill(file, &mut bytes[16..])?;
+    extend(file, &mut bytes, json as usize)?;
     let hash = check_hash(file, &bytes, 0)?;
     let header: PartHeader = serde_json::from_slice(&bytes[16..]).map_err(|error| {
         Error::new(ErrorKind::Syntax, format!("the header is malformed: {error}"))
@@ -238,7 +236,7 @@ fn header(file: &mut BufReader<File>, length: u64) -> Result<(PartHeader, u64)> 
 /// Reads the hash that follows `bytes` in the file and checks it.
 fn check_hash(file: &mut impl Read, bytes: &[u8], seed: u64) -> Result<u64> {
     let mut found = [0; 8];
-    fill(file, &mut found)?;
+    file.read_exact(&mut found).map_err(read_error)?;
     let hash = xxh3_64_with_seed(bytes, seed);
     if u64::from_le_bytes(found) == hash {
         return Ok(hash);
@@ -246,8 +244,11 @@ fn check_hash(file: &mut impl Read, bytes: &[u8], seed: u64) -> Result<u64> {
     Err(damaged("its checksum is wrong"))
 }
 
-fn fill(file: &mut impl Read, bytes: &mut [u8]) -> Result<()> {
-    file.read_exact(bytes).map_err(read_error)
+/// Appends the next `count` bytes of the file.
+fn extend(file: &mut impl Read, bytes: &mut Vec<u8>, count: usize) -> Result<()> {
+    let start = bytes.len();
+    bytes.resize(start + count, 0);
+    file.read_exact(&mut bytes[start..]).map_err(read_error)
 }
 
 fn read_error(error: std::io::Error) -> Error {

@@ -19,9 +19,8 @@ use super::document::Document;
 use super::light::{self, LightSource};
 use super::material::MaterialElement;
 use super::mesh::PrimitiveReader;
-use super::node::PlacedNode;
+use super::node::{PlacedNode, flattens};
 use super::spawn::{NodeUse, Spawned, extent};
-use super::transform::flattens;
 
 /// Makes a scene from a document, and reports the choices made for the user.
 pub(super) fn world(

@@ -23,7 +23,7 @@ pub(super) fn read<'a>(
         syntax("the header declares no element \"vertex\"")
             .remedy("declare one, with the properties x, y and z")
     })?;
-    let notes = super::layout::unread(header, vertex);
+    let notes = super::layout::unread(header, vertex).into_iter().collect();
     let mut body = Body { vertex_count: vertex.count as usize, notes, ..Body::default() };
     body.faces.images.textures.clone_from(&header.textures);
     for element in header.elements.iter().filter(|e| !e.properties.is_empty() || e.count > 0) {

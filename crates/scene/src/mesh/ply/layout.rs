@@ -149,8 +149,8 @@ pub(super) fn stride(properties: &[Property]) -> Option<usize> {
     properties.iter().map(size).sum()
 }
 
-/// Warnings of properties of faces that would change how the mesh looks, but are not read.
-pub(super) fn unread(header: &Header, vertex: &Element) -> Vec<Error> {
+/// The warning of properties of faces that would change how the mesh looks, but are not read.
+pub(super) fn unread(header: &Header, vertex: &Element) -> Option<Error> {
     let has = |element: &Element, name: &str| {
         element.properties.iter().any(|p| p.name.eq_ignore_ascii_case(name))
     };
@@ -158,10 +158,9 @@ pub(super) fn unread(header: &Header, vertex: &Element) -> Vec<Error> {
     let colors = || NAMES.iter().filter(|(first, _)| *first == COLOR);
     let is_colored =
         |element: &Element| colors().any(|(_, names)| names.iter().all(|n| has(element, n)));
-    let warning = |message: &str, remedy: &str| Error::new(ErrorKind::Mesh, message).remedy(remedy);
-    let colors = (!is_colored(vertex) && faces().any(is_colored))
-        .then(|| warning("the colours of faces are ignored", "export colours of vertices instead"));
-    colors.into_iter().collect()
+    let warning = Error::new(ErrorKind::Mesh, "the colours of faces are ignored");
+    (!is_colored(vertex) && faces().any(is_colored))
+        .then(|| warning.remedy("export colours of vertices instead"))
 }
 
 /// The rows of an element with lists of vertices: `face` or `tristrips`.
