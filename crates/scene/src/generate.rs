@@ -23,7 +23,6 @@ mod tests;
 use rayon::prelude::*;
 
 use crate::mesh::{Attribute, MeshData};
-use surface::rounded;
 use wavecrest_base::error::Result;
 
 pub use ply::{Written, write_ply};
@@ -35,10 +34,10 @@ pub use recipe::{MOST_TRIANGLES, Model, Recipe};
 /// If the requested number of triangles or the displacement is outside the model's range.
 pub fn mesh(recipe: &Recipe) -> Result<MeshData> {
     let surface = recipe.surface()?;
-    let positions = each(surface.vertices(), |v| rounded(surface.position(v)));
+    let positions = each(surface.vertices(), |v| surface.position(v).as_vec3());
     let triangles = each(recipe.grid_triangles(), |t| surface.triangle(t));
     let normals = recipe.normals.then(|| Attribute {
-        values: each(surface.vertices(), |v| rounded(surface.normal(v))),
+        values: each(surface.vertices(), |v| surface.normal(v).as_vec3()),
         indices: None,
     });
     Ok(MeshData { positions, triangles, normals, ..MeshData::default() })

@@ -20,7 +20,7 @@ pub(crate) fn parse(text: &str, file: &Path) -> Result<Value> {
             "write a scene in it, as SCENES.md describes, or render a .gltf, .glb, .ply, .obj or .stl file",
         ));
     }
-    unique(text).map_err(|e| {
+    serde_json::from_str::<Unique>(text).map(|unique| unique.0).map_err(|e| {
         let (why, remedy) = explained(text, &e);
         let place = format!("line {} column {}", e.line(), e.column());
         Error::new(ErrorKind::Syntax, why).in_file(file).at(place).remedy(remedy)
@@ -58,10 +58,6 @@ fn explained(text: &str, error: &serde_json::Error) -> (String, &'static str) {
         _ => return (format!("not valid JSON: {reason}"), "check the text at this place"),
     };
     (known.0.to_owned(), known.1)
-}
-
-fn unique(text: &str) -> serde_json::Result<Value> {
-    serde_json::from_str::<Unique>(text).map(|unique| unique.0)
 }
 
 struct Unique(Value);
@@ -134,6 +130,6 @@ mod tests {
     fn values_are_those_of_serde_json() {
         let text = r#"{"a": [1, -2, 3.5, 1e300, null, true, "x\n"], "b": {"a": {}}}"#;
         let expected: Value = serde_json::from_str(text).unwrap();
-        assert_eq!(unique(text).unwrap(), expected);
+        assert_eq!(parse(text, Path::new("s.json")).unwrap(), expected);
     }
 }

@@ -12,7 +12,6 @@ use std::path::Path;
 use rayon::prelude::*;
 
 use super::recipe::Recipe;
-use super::surface::rounded;
 use crate::write::ply_header;
 use wavecrest_base::error::{Error, Result};
 use wavecrest_base::replace::replace_file;
@@ -55,8 +54,8 @@ pub fn write_ply(
         + vertices * (numbers * NUMBER_BYTES) as u64
         + triangles * FACE_BYTES as u64;
     let vertex = |v: u64, record: &mut [u8]| {
-        let normal = recipe.normals.then(|| rounded(surface.normal(v)).to_array());
-        let vectors = [Some(rounded(surface.position(v)).to_array()), normal];
+        let normal = recipe.normals.then(|| surface.normal(v).as_vec3().to_array());
+        let vectors = [Some(surface.position(v).as_vec3().to_array()), normal];
         let numbers = vectors.into_iter().flatten().flatten();
         for (to, number) in record.as_chunks_mut::<NUMBER_BYTES>().0.iter_mut().zip(numbers) {
             *to = number.to_le_bytes();

@@ -1,11 +1,6 @@
 //! Surfaces: pure functions of the number of a vertex or of a triangle.
 
-use glam::{DVec3, Vec3};
-
-/// Rounds to the nearest 32-bit values: the only place where positions and normals lose precision.
-pub(super) fn rounded(v: DVec3) -> Vec3 {
-    v.as_vec3()
-}
+use glam::DVec3;
 
 /// A mesh as pure functions of the number of a vertex or of a triangle.
 pub(super) trait Surface: Sync {

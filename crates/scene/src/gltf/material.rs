@@ -1,6 +1,6 @@
 //! Materials: from metallic-roughness to Blinn-Phong with a mirror.
 //!
-//! The models differ, so the rule is our own; [`look`] states it. Unsupported properties are
+//! The models differ, so the rule is our own; [`Material::metal`] states it. Unsupported properties are
 //! reported. A surface with weak or textured emission shows it; one with even emission as bright as
 //! white becomes a light.
 

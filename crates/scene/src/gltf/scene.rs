@@ -76,9 +76,8 @@ pub(super) fn world(
     drop(contents);
     drop(shown);
     // Nothing is seen of the choices without primitives.
-    let told = (!primitives.is_empty())
-        .then(|| told(has_camera, &framed.told, told_light, exposure))
-        .unwrap_or_default();
+    let told = told(has_camera, &framed.told, told_light, exposure);
+    let told = if primitives.is_empty() { String::new() } else { told };
     world.spawn((settings,));
     framed.spawn(&mut world);
     // Without lights, a lamp is a surface that shows its emission.

@@ -28,8 +28,10 @@ pub(super) fn target(cursor: &Cursor<'_>) -> Result<UriTarget> {
     if let Some(data) = uri.strip_prefix("data:") {
         return data_uri(cursor, data).map(UriTarget::Bytes);
     }
-    let name = decoded(uri)
-        .ok_or_else(|| cursor.error("is not UTF-8 after decoding").remedy("rename the file"))?;
+    // An invalid % is kept.
+    let name = percent_bytes(uri).map_or_else(|| Ok(uri.to_owned()), String::from_utf8);
+    let name =
+        name.map_err(|_| cursor.error("is not UTF-8 after decoding").remedy("rename the file"))?;
     if scheme(uri) {
         let error = cursor.error("URLs are not read");
         return Err(error.remedy("copy the file beside the glTF file and use its name"));
@@ -75,14 +77,6 @@ fn data_uri(cursor: &Cursor<'_>, data: &str) -> Result<Vec<u8>> {
         let error = cursor.error(format!("the data is not base64: {e}"));
         error.remedy("check that the file is whole, or export it again")
     })
-}
-
-/// The text with its `%20` decoded; an invalid `%` is kept.
-fn decoded(text: &str) -> Option<String> {
-    match percent_bytes(text) {
-        Some(bytes) => String::from_utf8(bytes).ok(),
-        None => Some(text.to_owned()),
-    }
 }
 
 /// The bytes of a text with `%20` in it, if every `%` is valid.

@@ -67,7 +67,13 @@ pub(super) fn split(
     let mut too_large = 0;
     // In batches, so that the replacements are never large compared with the mesh.
     for batch in polygons.chunks(SPLIT_AT_ONCE) {
-        for (polygon, outcome) in repair_all(batch, positions, triangles) {
+        let fans = &*triangles;
+        let outcomes: Vec<(Polygon, FanOutcome)> = batch
+            .par_iter()
+            .map_init(Earcut::new, |earcut, &p| (p, repair(earcut, p, positions, fans)))
+            .filter(|(_, outcome)| !matches!(outcome, FanOutcome::KeepFan))
+            .collect();
+        for (polygon, outcome) in outcomes {
             let FanOutcome::Replace(split) = outcome else {
                 too_large += 1;
                 continue;
@@ -88,19 +94,6 @@ pub(super) fn split(
 
 /// Number of polygons split before triangles are written.
 const SPLIT_AT_ONCE: usize = 1 << 15;
-
-/// The polygons that need more than their fan.
-fn repair_all(
-    polygons: &[Polygon],
-    positions: &[Vec3],
-    fans: &[[u32; 3]],
-) -> Vec<(Polygon, FanOutcome)> {
-    polygons
-        .par_iter()
-        .map_init(Earcut::new, |earcut, &p| (p, repair(earcut, p, positions, fans)))
-        .filter(|(_, outcome)| !matches!(outcome, FanOutcome::KeepFan))
-        .collect()
-}
 
 /// The outcome for the fan of a polygon.
 #[derive(Debug, PartialEq)]

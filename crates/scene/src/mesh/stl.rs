@@ -212,7 +212,8 @@ fn read_text(file: &dyn ReadAt, length: u64, end: u8, buffer: usize) -> Result<S
 fn text_count(file: &dyn ReadAt, length: u64, end: u8) -> Result<u64> {
     let mut corners = 0;
     each_line(file, (length, end), BUFFER, |line| {
-        corners += u64::from(words(line).next().is_some_and(|w| w.eq_ignore_ascii_case("vertex")));
+        let keyword = line.split_ascii_whitespace().next();
+        corners += u64::from(keyword.is_some_and(|word| word.eq_ignore_ascii_case("vertex")));
         Ok(())
     })?;
     Ok(corners / 3)
@@ -229,7 +230,7 @@ struct Text {
 
 impl Text {
     fn line(&mut self, line: &str) -> Result<()> {
-        let mut words = words(line);
+        let mut words = line.split_ascii_whitespace();
         let Some(mut keyword) = words.next().map(str::to_ascii_lowercase) else { return Ok(()) };
         // Some programs write ends as two words.
         if keyword == "end" {
@@ -276,10 +277,6 @@ impl Text {
         self.corners.clear();
         check_count(self.triangles.len() as u64)
     }
-}
-
-fn words(line: &str) -> impl Iterator<Item = &str> {
-    line.split_ascii_whitespace()
 }
 
 /// Passes each line of a text of some `length` to `take`, and adds its number to errors.

@@ -14,7 +14,7 @@ use super::camera::Framed;
 use super::{Scenery, ground};
 use crate::components::{
     AreaLight, DirectionalLight, Encoding, Falloff, JsonPath, Maps, Mesh, Order, PointLight,
-    Sampling, Settings, Sky, Transparency, View,
+    Sampling, Settings, Sky, Transparency,
 };
 use crate::corners::{direction, quad_has_area};
 use crate::mesh::MeshData;
@@ -129,7 +129,9 @@ pub(crate) fn light(
             (under(world, SKY, leaning, SKY_SAMPLES), "studio lights and a ground are added")
         }
         Rig::Headlight => {
-            world.spawn((Order(0), JsonPath("the light".to_owned()), headlight(&framed.view)));
+            let (intensity, position) = (1.0, framed.view.location);
+            let lamp = PointLight { intensity, position, color: HEADLIGHT, falloff: Falloff::None };
+            world.spawn((Order(0), JsonPath("the light".to_owned()), lamp));
             let light = if framed.lamp.is_some() { ROOM } else { SKY };
             (under(world, light, framed.up, 0), "a light at the camera and a sky are added")
         }
@@ -162,11 +164,6 @@ pub(crate) fn allow_for_surfaces(world: &mut World) {
     if world.query_mut::<&Transparency>().into_iter().any(|transparency| transparency.kt > 0.0) {
         change(world, |settings: &mut Settings| settings.bounces = GLASS_BOUNCES);
     }
-}
-
-/// A lamp at the camera.
-fn headlight(view: &View) -> PointLight {
-    PointLight { intensity: 1.0, position: view.location, color: HEADLIGHT, falloff: Falloff::None }
 }
 
 /// A flat lamp with these corners, equally bright at any distance.
