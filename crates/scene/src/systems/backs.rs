@@ -14,7 +14,7 @@ const RAYS: u32 = 64;
 /// The warning about them.
 pub(super) fn warning(scene: &PreparedScene) -> Option<Error> {
     let appearance = &scene.appearance;
-    let found = seen(scene, &from_behind(scene));
+    let found = seen_from_behind(scene);
     let &first = found.first()?;
     let back = appearance.names[first].as_ref();
     let back = back.map_or("its back".to_owned(), |name| format!("the back of {name:?}"));
@@ -33,33 +33,28 @@ pub(super) fn warning(scene: &PreparedScene) -> Option<Error> {
     Some(Error::new(ErrorKind::Scene, message).at(place).remedy(remedy))
 }
 
-/// For each shape, whether the cameras that see it are behind all of it in every frame, and whether
-/// it would look different from the front.
-fn from_behind(scene: &PreparedScene) -> Vec<bool> {
+/// The shapes that some camera rays hit first and that all cameras that see them are behind, in every frame, if
+/// they would look different from the front.
+fn seen_from_behind(scene: &PreparedScene) -> Vec<usize> {
     let cameras = frames_of(&scene.camera, scene.path.as_ref());
     let pupils: Vec<Extent> = cameras.iter().map(Extent::of_pupil).collect();
     let geometry = scene.accel.geometry();
+    let shapes = &scene.appearance.shapes;
     let mut tests = 0;
-    let shapes = scene.appearance.shapes.iter();
-    shapes
-        .map(|shape| {
-            let Class { material, .. } = scene.appearance.class(shape);
-            let shows_light = material.kd > 0.0 || material.ks > 0.0 || material.kr > 0.0;
-            let is_candidate = shape.light.is_none() && shows_light && !pupils.is_empty();
-            let faces = |pupil| is_faced(shape, Faces::lit(shape), pupil, geometry, &mut tests);
-            is_candidate && !pupils.iter().any(faces)
-        })
-        .collect()
-}
-
-/// Those of the shapes that some camera rays hit first.
-fn seen(scene: &PreparedScene, those: &[bool]) -> Vec<usize> {
-    if !those.contains(&true) {
-        return Vec::new();
+    let mut is_candidate = |&shape: &usize| {
+        let shape = &shapes[shape];
+        let Class { material, .. } = scene.appearance.class(shape);
+        let shows_light = material.kd > 0.0 || material.ks > 0.0 || material.kr > 0.0;
+        let faces = |pupil| is_faced(shape, Faces::lit(shape), pupil, geometry, &mut tests);
+        shape.light.is_none() && shows_light && !pupils.is_empty() && !pupils.iter().any(faces)
+    };
+    let candidates: Vec<usize> = (0..shapes.len()).filter(&mut is_candidate).collect();
+    if candidates.is_empty() {
+        return candidates;
     }
-    let mut met = vec![false; those.len()];
+    let mut met = vec![false; shapes.len()];
     test_rays(scene).for_each(|shape| met[shape] = true);
-    (0..those.len()).filter(|&shape| those[shape] && met[shape]).collect()
+    candidates.into_iter().filter(|&shape| met[shape]).collect()
 }
 
 /// The shapes that test rays hit first. The rays start in the middle of the image, where the first

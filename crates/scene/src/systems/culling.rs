@@ -99,11 +99,13 @@ fn is_transparent(
     Ok(!images.is_one(opacity, surface.texture, (surface.place, OPACITY_MAP))?)
 }
 
-/// Finds the box around each shape, unless nothing is certain, or would take too long; returns whether it did.
+/// Finds the box around each shape, unless there is none, nothing is certain, or it takes too long; returns whether
+/// it did.
 fn find_boxes(world: &World, cameras: &[Camera], all: &mut [ShapeInstance]) -> bool {
     let is_sphere = |one: &&ShapeInstance| matches!(one.geometry, ShapeGeometry::Sphere(_));
     let planes = cameras.len() + all.iter().filter(is_sphere).count();
-    if cameras.is_empty() || all.len().saturating_mul(planes) > MOST_TESTS {
+    let tests = all.len().saturating_mul(planes);
+    if all.is_empty() || cameras.is_empty() || tests > MOST_TESTS {
         return false;
     }
     let mut of_meshes: HashMap<Entity, (Aabb, DVec3)> = HashMap::new();

@@ -1,7 +1,5 @@
 //! Kinds of primitives: those that rays may meet count.
 
-use std::collections::BTreeSet;
-
 use super::{Census, count};
 use wavecrest_core::geometry::{Primitive, Quadric};
 use wavecrest_core::prepared::Shape;
@@ -28,22 +26,17 @@ impl Census<'_> {
     pub(super) fn triangles(&self) -> (bool, String) {
         let is_own = |primitive| matches!(primitive, Primitive::Triangle(_));
         let is_shown = |primitive| matches!(primitive, Primitive::Instanced(_));
-        let geometry = self.geometry;
         let instances: Vec<&Shape> = self.of_kind(is_shown).collect();
         if instances.is_empty() {
             return self.kind(is_own, "triangle", "rays meet no triangle and no mesh");
         }
-        let prototype = |shape: &&Shape| match geometry.primitive(shape.primitives.start) {
-            Primitive::Instanced(instanced) => Some(geometry.instance(instanced).0.prototype()),
-            _ => None,
-        };
-        let prototypes: BTreeSet<usize> = instances.iter().filter_map(prototype).collect();
-        let held: usize =
-            prototypes.iter().map(|&number| geometry.prototypes[number].triangles.len()).sum();
-        let instanced: usize = instances.iter().map(|shape| shape.primitives.len()).sum();
-        let (_, meshes) = count(prototypes.len(), "mesh", "");
-        let (_, instances) = count(instances.len(), "instance", "");
+        // Each has instances, and those without triangles are not met.
+        let prototypes = self.geometry.prototypes.iter().map(|one| one.triangles.len());
+        let held: usize = prototypes.clone().sum();
+        let (_, meshes) = count(prototypes.filter(|&triangles| triangles > 0).count(), "mesh", "");
         let number = |shape: &Shape| shape.primitives.len();
+        let instanced: usize = instances.iter().copied().map(number).sum();
+        let (_, instances) = count(instances.len(), "instance", "");
         let own = match self.of_kind(is_own).map(number).sum::<usize>() {
             0 => String::new(),
             own => format!("{own}, and "),
