@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use super::common::{Threads, above_zero, print, progress_bar, whole};
+use super::common::{Threads, above_zero, command_words, print, progress_bar, whole};
 use wavecrest_base::error::Result;
 use wavecrest_report::accuracy::pilot::target;
 use wavecrest_report::accuracy::report::ERRORS;
@@ -110,7 +110,7 @@ fn run_sweep(args: &AccuracyArgs, folder: &Path) -> Result<()> {
         least: args.reference.unwrap_or(reference),
     };
     let mut store = Store::open(folder, &header)?;
-    store.add(Record::Circumstances(Circumstances::here(std::env::args().collect())))?;
+    store.add(Record::Circumstances(Circumstances::here(command_words())))?;
     let bar = progress_bar(args.quiet, PROGRESS);
     bar.enable_steady_tick(std::time::Duration::from_millis(100));
     let mut swept = sweep::run(&args.scenes, seeds, &mut store, &|progress| match progress {

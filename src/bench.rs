@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use super::common::{
-    SearchOptions, choice, not_negative, print, tell, tell_prepared, to_json, whole, with_bar,
-    write_text,
+    SearchOptions, choice, command_words, not_negative, print, tell, tell_prepared, to_json, whole,
+    with_bar, write_text,
 };
 use super::input::{Purpose, SceneOptions};
 use wavecrest_base::error::{Error, Result};
@@ -150,8 +150,7 @@ fn check_scenes(args: &BenchArgs) -> Result<()> {
 }
 
 fn run_here(args: &BenchArgs) -> Result<bool> {
-    let command = std::env::args_os().skip(1).map(|a| a.to_string_lossy().into_owned());
-    let mut report = BenchReport::new(command.collect());
+    let mut report = BenchReport::new(command_words().split_off(1));
     if !args.json {
         let steps = Block::Paragraph(STEPS.to_owned());
         print(&text(&[Block::Facts(machine(&report.circumstances.machine)), steps]))?;

@@ -103,6 +103,11 @@ impl Threads {
     }
 }
 
+/// The words of the command of this process, which need not be Unicode.
+pub(crate) fn command_words() -> Vec<String> {
+    std::env::args_os().map(|word| word.to_string_lossy().into_owned()).collect()
+}
+
 /// Writes to standard output.
 pub(crate) fn print(text: &str) -> Result<()> {
     wavecrest_base::replace::print(text.as_bytes())

@@ -1,11 +1,10 @@
 //! Options of image files: their metadata, and the development of light to levels.
 
-use std::ffi::OsString;
 use std::path::Path;
 
 use clap::ValueEnum;
 
-use super::common::{FILES, IMAGE, choice, number};
+use super::common::{FILES, IMAGE, choice, command_words, number};
 use wavecrest_image::farm::Identity;
 use wavecrest_image::metadata::{Entry, Extras, Provenance};
 use wavecrest_image::write::{Develop, Format, Tone};
@@ -93,14 +92,13 @@ fn stops(text: &str) -> std::result::Result<f32, String> {
 
 /// The command of this process, quoted so that it can be typed again.
 fn command() -> String {
-    let word = |word: OsString| {
-        let word = word.to_string_lossy();
+    let quoted = |word: String| {
         let is_plain = |c: char| c.is_alphanumeric() || "-_./,:=+@%".contains(c);
         if !word.is_empty() && word.chars().all(is_plain) {
-            word.into_owned()
+            word
         } else {
             format!("'{}'", word.replace('\'', r"'\''"))
         }
     };
-    std::env::args_os().map(word).collect::<Vec<_>>().join(" ")
+    command_words().into_iter().map(quoted).collect::<Vec<_>>().join(" ")
 }

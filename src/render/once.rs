@@ -4,7 +4,7 @@
 use super::args::RenderArgs;
 use super::look::render_look;
 use super::show::{Show, Target, warn};
-use crate::common::tell;
+use crate::common::{command_words, tell};
 use crate::interrupt;
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_core::counters::Counters;
@@ -42,9 +42,8 @@ pub(super) fn begin<'a>(
     shard: Option<Shard>,
 ) -> Result<Session<'a>> {
     let Target { args, outputs, .. } = *target;
-    let command = std::env::args_os().map(|word| word.to_string_lossy().into_owned()).collect();
     let (file, transfer) = (args.scene.display().to_string(), outputs.transfer());
-    let author = Author { scene: file, command, transfer };
+    let author = Author { scene: file, command: command_words(), transfer };
     let part = Session::begin(scene, args.options(), author, shard, args.checkpoint())?;
     if let Some(file) = &args.checkpoint
         && args.resume
