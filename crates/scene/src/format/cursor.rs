@@ -294,7 +294,8 @@ pub(super) fn quoted(words: impl IntoIterator<Item = &'static str>) -> String {
 /// The start of a value as JSON. Messages show 80 characters, so writing out a whole mesh would be
 /// a waste.
 fn brief(value: &Value) -> String {
-    let mut start = [0; 400];
+    const ENOUGH: usize = 400;
+    let mut start = [0; ENOUGH];
     let mut room = &mut start[..];
     // The writer fails where it is full; that is not an error.
     let _ = serde_json::to_writer(&mut room, value);
