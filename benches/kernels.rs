@@ -105,7 +105,10 @@ fn quad_halves(bencher: Bencher<'_, '_>) {
 
 #[divan::bench]
 fn sphere_intersect(bencher: Bencher<'_, '_>) {
-    each(bencher, &rays_and_corners(), |(ray, [center])| sphere::intersect(ray, *center, 0.5));
+    each(bencher, &rays_and_corners(), |(ray, [center])| {
+        let range = [ray.t_min, ray.t_max];
+        sphere::meet::<f32, Exact>(&Line::from(ray), *center, 0.5, range)
+    });
 }
 
 #[divan::bench]

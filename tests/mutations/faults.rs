@@ -21,9 +21,9 @@ macro_rules! faults {
 
 /// All faults.
 pub(crate) const FAULTS: &[Fault] = faults! {
-    "rays begin at an epsilon", 10, "crates/core/src/accel/compiled.rs":
-        "PreparedRay::new(self.ray)"
-            => "PreparedRay::new(&Ray { t_min: self.ray.t_min.max(1e-4), ..*self.ray })";
+    "rays begin at an epsilon", 10, "crates/core/src/accel/single.rs":
+        "PreparedRay::new(ray)"
+            => "PreparedRay::new(&Ray { t_min: ray.t_min.max(1e-4), ..*ray })";
 
     "reciprocals are clamped", 1, "crates/core/src/kernels/slab.rs":
         "direction.recip()"

@@ -1,6 +1,7 @@
 use glam::Vec3;
 use proptest::prelude::*;
-use wavecrest_core::math::float::{max_abs, offset_end, offset_origin, rounding_error};
+use wavecrest_core::math::float::max_abs;
+use wavecrest_core::math::vector::Vector;
 
 use crate::inputs::{coordinate, moderate, unit, vector};
 
@@ -24,12 +25,11 @@ proptest! {
         direction in vector(moderate),
         size in 1.0_f32..4.0,
     ) {
-        let error = rounding_error(point, max_abs(point) * size);
-        for moved in [
-            offset_origin(point, error, normal, direction),
-            offset_end(point, error, normal, direction),
-        ] {
-            let room = room(moved, point, error, normal, direction);
+        let [start, n, d] = [point, normal, direction].map(Vector::from);
+        let error = start.rounding_error(max_abs(point) * size);
+        for moved in [start.offset_origin(error, n, d), start.offset_end(error, n, d)] {
+            let moved = Vec3::from(moved);
+            let room = room(moved, point, error.into(), normal, direction);
             let lost = 6.0 * 0.5 * f64::from(f32::from_bits(1));
             prop_assert!(room >= -lost, "{:?} lacks {}", moved, room);
         }
@@ -42,9 +42,10 @@ proptest! {
         normal in unit(),
         direction in vector(moderate),
     ) {
-        let error = rounding_error(point, max_abs(point));
-        let moved = offset_origin(point, error, normal, direction);
-        let bound = 4.001 * error.as_dvec3().element_sum()
+        let [start, n, d] = [point, normal, direction].map(Vector::from);
+        let error = start.rounding_error(max_abs(point));
+        let moved = Vec3::from(start.offset_origin(error, n, d));
+        let bound = 4.001 * Vec3::from(error).as_dvec3().element_sum()
             + 2.0 * f64::from(f32::EPSILON) * f64::from(max_abs(point))
             + f64::from(f32::MIN_POSITIVE);
         let far = (moved.as_dvec3() - point.as_dvec3()).abs().max_element();

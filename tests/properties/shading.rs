@@ -5,7 +5,7 @@ use proptest::prelude::*;
 use wavecrest_core::kernels::blinn_phong::{Material, reflect};
 use wavecrest_core::kernels::light::{Emitter, Falloff, Light, Triangles};
 use wavecrest_core::kernels::shade::{ShadingPoint, ShadowRequest, shadow_request};
-use wavecrest_core::math::float::{max_abs, normalize, rounding_error};
+use wavecrest_core::math::float::{max_abs, normalize};
 use wavecrest_core::math::random::Stream;
 use wavecrest_core::math::sampling::Sampling;
 use wavecrest_core::math::vector::Vector;
@@ -23,12 +23,12 @@ const MATERIAL: Material =
 fn point() -> impl Strategy<Value = ShadingPoint<f32>> {
     (vector(moderate), unit(), unit(), prop::option::of(unit())).prop_map(
         |(point, normal, view, smooth)| {
-            let error = rounding_error(point, max_abs(point).max(f32::MIN_POSITIVE));
+            let error = Vector::from(point).rounding_error(max_abs(point).max(f32::MIN_POSITIVE));
             let view = if view.dot(normal) < 0.0 { -view } else { view };
             let shading_normal = smooth.unwrap_or(normal).into();
             ShadingPoint {
                 shading_normal,
-                ..ShadingPoint::plain([point, error, normal], view, &MATERIAL)
+                ..ShadingPoint::plain([point, error.into(), normal], view, &MATERIAL)
             }
         },
     )

@@ -1,8 +1,10 @@
 use glam::Vec3;
 use num_traits::{Signed, Zero};
 use proptest::prelude::*;
-use wavecrest_core::kernels::sphere::{intersect, intersect_exactly};
+use wavecrest_core::kernels::precision::Exact as ExactPrecision;
+use wavecrest_core::kernels::sphere::{intersect_exactly, meet};
 use wavecrest_core::math::ray::Ray;
+use wavecrest_core::math::vector::Line;
 
 use crate::exact::{Exact, dot, exact, exact3, is_within, minus, rounded_once};
 use crate::inputs::{coordinate, magnitude, moderate, unit, vector};
@@ -27,6 +29,12 @@ pub(crate) fn meetings(ray: &Ray, center: Vec3, radius: f32) -> Vec<Exact> {
     }
     let root = if discriminant.is_zero() { discriminant } else { root(&discriminant) };
     [(&b - &root) / &a, (&b + &root) / &a].into_iter().filter(|t| is_within(ray, t)).collect()
+}
+
+fn intersect(ray: &Ray, center: Vec3, radius: f32) -> Option<f32> {
+    let range = [ray.t_min, ray.t_max];
+    let (t, is_hit) = meet::<f32, ExactPrecision>(&Line::from(ray), center, radius, range);
+    is_hit.then_some(t)
 }
 
 proptest! {

@@ -2,6 +2,7 @@ use fearless_simd::Level;
 use glam::Vec3;
 use num_traits::Zero;
 use proptest::prelude::*;
+use wavecrest_core::at_level;
 use wavecrest_core::kernels::precision::Exact as ExactPrecision;
 use wavecrest_core::kernels::triangle::filter;
 use wavecrest_core::kernels::triangle::{
@@ -9,7 +10,7 @@ use wavecrest_core::kernels::triangle::{
 };
 use wavecrest_core::math::float::max_abs;
 use wavecrest_core::math::ray::Ray;
-use wavecrest_core::math::simd::{Kernel, Lanes, dispatch};
+use wavecrest_core::math::simd::Lanes;
 
 use crate::exact::{cross, exact, exact3, meeting, minus, rounded_once};
 use crate::inputs::{coordinate, vector};
@@ -39,31 +40,20 @@ fn aimed() -> impl Strategy<Value = ([Vec3; 3], Ray)> {
     )
 }
 
-/// The same triangle in each lane of a leaf, in every order of its corners.
-struct Filter<'a> {
-    ray: &'a Ray,
-    corners: &'a [Vec3; 3],
-}
-
 /// The six orders of three corners, and two of them once more, by their indices.
 const ORDERS: [[u32; 8]; 3] =
     [[0, 1, 2, 0, 2, 1, 0, 1], [1, 2, 0, 2, 1, 0, 1, 2], [2, 0, 1, 1, 0, 2, 2, 0]];
 
-impl Kernel for Filter<'_> {
-    type Output = LaneHits;
-
-    #[inline(always)]
-    fn run<S: Lanes>(self, simd: S) -> LaneHits {
-        let Self { ray, corners: [a, b, c] } = self;
-        let positions = [0, 1, 2].map(|k| [a[k], b[k], c[k], a[k], a[k], a[k], a[k], a[k]]);
-        let packed =
-            ORDERS.map(|order| (0..8).fold(0, |bits, lane| bits | order[lane] << (4 * lane)));
-        let extent = (*b - *a).abs().max((*c - *a).abs()).max((*c - *b).abs()).max_element();
-        let range = [ray.t_min, ray.t_max, ray.t_max];
-        let space = ShearedSpace::new(ray);
-        let vertices = (&positions, packed, extent.next_up());
-        filter::patch::<S, ExactPrecision>(simd, (&space, range), vertices, 0xFF)
-    }
+/// The same triangle in each lane of a leaf, in every order of its corners.
+#[inline(always)]
+fn filtered<S: Lanes>(simd: S, ray: &Ray, [a, b, c]: &[Vec3; 3]) -> LaneHits {
+    let positions = [0, 1, 2].map(|k| [a[k], b[k], c[k], a[k], a[k], a[k], a[k], a[k]]);
+    let packed = ORDERS.map(|order| (0..8).fold(0, |bits, lane| bits | order[lane] << (4 * lane)));
+    let extent = (*b - *a).abs().max((*c - *a).abs()).max((*c - *b).abs()).max_element();
+    let range = [ray.t_min, ray.t_max, ray.t_max];
+    let space = ShearedSpace::new(ray);
+    let vertices = (&positions, packed, extent.next_up());
+    filter::patch::<S, ExactPrecision>(simd, (&space, range), vertices, 0xFF)
 }
 
 proptest! {
@@ -113,7 +103,7 @@ proptest! {
     fn the_filter_is_never_wrong((corners, ray) in aimed()) {
         prop_assume!(ray.is_valid());
         let expected = meeting(&ray, &corners);
-        let hits = dispatch(Level::new(), Filter { ray: &ray, corners: &corners });
+        let hits = at_level!(Level::new(), simd => filtered(simd, &ray, &corners));
         for lane in 0..8 {
             let (certain, open) = (hits.certain >> lane & 1 == 1, hits.open >> lane & 1 == 1);
             match &expected {

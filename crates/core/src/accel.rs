@@ -13,7 +13,6 @@ pub mod arena;
 mod best;
 pub mod build;
 mod choice;
-mod compiled;
 mod crossings;
 mod hit;
 mod instances;
@@ -121,7 +120,8 @@ impl Accel {
         self.tree = Some(build::build(geometry, preset));
         let prototypes = geometry.prototypes.par_iter();
         self.blas = prototypes.map(|prototype| build::build(prototype, preset)).collect();
-        self.tlas = Tlas::new(&geometry.instances, |prototype| self.blas[prototype].outline(1));
+        let boxes: Vec<_> = self.blas.iter().map(|tree| tree.outline(1)).collect();
+        self.tlas = Tlas::new(&geometry.instances, &boxes);
     }
 
     /// The primitives.

@@ -18,7 +18,6 @@ pub(crate) use random::Stream;
 pub(crate) use ray::Ray;
 pub(crate) use real::{Mask, Real, Single, both};
 pub(crate) use simd::{
-    AnyWidth, Kernel, LANES, Lanes, dispatch, dispatch_any_width, dispatch_wide, entry, is_wide,
-    lanes, outlined,
+    AnyWidth, LANES, Lanes, dispatch_any_width, entry, is_wide, outlined, set_bits,
 };
 pub(crate) use vector::{Line, Vector};

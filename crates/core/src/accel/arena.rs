@@ -287,11 +287,6 @@ impl<'a> ArenaView<'a> {
     }
 }
 
-/// A child's absolute bits from the relative ones in its parent.
-fn absolute(relative: u32, parent: Ref) -> Option<u32> {
-    relative.checked_add((parent.unit() as u32) << 2)
-}
-
 /// The offset from the bits of the children in the node at `place` to those of a [`Ref`].
 #[inline(always)]
 pub(super) fn base(place: Ref) -> u32 {
@@ -303,19 +298,16 @@ pub(super) fn child_of(node: &Node, place: Ref, lane: usize) -> Ref {
     Ref(node.children[lane] + base(place))
 }
 
-/// Prefetches a cache line.
-#[cfg(all(target_arch = "x86_64", not(miri)))]
-#[inline(always)]
-pub(super) fn prefetch(address: *const i8) {
-    use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
-    // SAFETY: a hint, which reads nothing and faults nowhere.
-    unsafe { _mm_prefetch::<_MM_HINT_T0>(address) };
-}
-
 /// Prefetches a cache line, on targets with such an instruction.
-#[cfg(any(not(target_arch = "x86_64"), miri))]
 #[inline(always)]
-pub(super) fn prefetch(_: *const i8) {}
+#[cfg_attr(any(not(target_arch = "x86_64"), miri), allow(unused_variables))]
+pub(super) fn prefetch(address: *const i8) {
+    #[cfg(all(target_arch = "x86_64", not(miri)))]
+    // SAFETY: a hint, which reads nothing and faults nowhere.
+    unsafe {
+        std::arch::x86_64::_mm_prefetch::<{ std::arch::x86_64::_MM_HINT_T0 }>(address);
+    }
+}
 
 /// A reference to the first unit, of this `kind`.
 pub fn root_of(kind: Kind) -> Ref {

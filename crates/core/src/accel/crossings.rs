@@ -1,14 +1,12 @@
 //! Traversal that ends at no hit: every leaf whose box a ray meets is visited, and every triangle that it
 //! crosses is kept. Rays are traced one by one, but many in a call.
 
-use std::marker::PhantomData;
-
 use super::{Best, Hit, Kind, Occluded, Rays, Ref, Root, Searched, Traversal, leaf, node, place};
 use crate::counters::TestCounts;
 use crate::geometry::{Geometry, Primitive};
 use crate::kernels::{Arithmetic, ShearedSpace, SlabRay, quad, triangle};
 use crate::math::float::{max, min};
-use crate::math::{Kernel, Lanes, Ray, entry};
+use crate::math::{LANES, Lanes, Ray, entry, set_bits};
 
 /// The rays whose crossings are asked for, and which of these count.
 #[derive(Clone, Copy)]
@@ -54,47 +52,34 @@ impl CrossingQuery<'_> {
 /// Receives the number of a ray and its hits, and says whether to go on.
 pub(super) type Each<'a> = dyn FnMut(usize, &[Hit]) -> bool + 'a;
 
-/// Rays and all that each crosses.
-pub(super) struct Crossings<'a, 'b, P> {
-    pub(super) searched: Searched<'a>,
-    pub(super) query: CrossingQuery<'a>,
-    pub(super) traversal: &'a mut Traversal,
-    pub(super) hits: &'a mut Vec<Hit>,
-    pub(super) each: &'a mut Each<'b>,
-    pub(super) precision: PhantomData<P>,
-}
-
-impl<P: Arithmetic> Kernel for Crossings<'_, '_, P> {
-    type Output = usize;
-
-    #[inline(always)]
-    fn run<S: Lanes>(self, simd: S) -> usize {
-        let Self { searched, query, hits, each, .. } = self;
-        let Traversal { stack, tests, noted, .. } = self.traversal;
-        let Some(root) = searched.tree.root() else { return query.occluded.len() };
-        let only_transparent = query.only_transparent;
-        query.run(
-            searched.geometry,
-            hits,
-            #[inline(always)]
-            |number, ray, hits| {
-                let mut ray = LazyRay { ray, slab: None, space: None };
-                let leaves = noted.of(number).filter(|_| only_transparent);
-                let root = (leaves.is_none() && ray.may_meet(&root)).then_some(root.place);
-                for from in leaves.into_iter().flatten().chain(root) {
-                    one::<S, P>(
-                        simd,
-                        searched,
-                        (from, only_transparent),
-                        &mut ray,
-                        stack,
-                        (hits, tests),
-                    );
-                }
-            },
-            each,
-        )
-    }
+/// [`CrossingQuery::run`] in a tree.
+#[inline(always)]
+pub(super) fn in_tree<S: Lanes, P: Arithmetic>(
+    simd: S,
+    searched: Searched<'_>,
+    query: CrossingQuery<'_>,
+    traversal: &mut Traversal,
+    hits: &mut Vec<Hit>,
+    each: &mut Each<'_>,
+) -> usize {
+    let Traversal { stack, tests, noted, .. } = traversal;
+    let Some(root) = searched.tree.root else { return query.occluded.len() };
+    let only_transparent = query.only_transparent;
+    query.run(
+        searched.geometry,
+        hits,
+        #[inline(always)]
+        |number, ray, hits| {
+            let mut ray = LazyRay { ray, slab: None, space: None };
+            let leaves = noted.of(number).filter(|_| only_transparent);
+            let root = (leaves.is_none() && ray.may_meet(&root)).then_some(root.place);
+            for from in leaves.into_iter().flatten().chain(root) {
+                let (from, found) = ((from, only_transparent), (&mut *hits, &mut *tests));
+                one::<S, P>(simd, searched, from, &mut ray, stack, found);
+            }
+        },
+        each,
+    )
 }
 
 /// A ray, and what is derived from it once needed: lists need neither, leaves that were noted no slab.
@@ -181,9 +166,7 @@ fn visit<S: Lanes, P: Arithmetic>(
     if only_transparent {
         met = searched.transparent(place, met);
     }
-    while met != 0 {
-        let lane = met.trailing_zeros() as usize % 8;
-        met &= met - 1;
+    for lane in set_bits::<LANES>(met) {
         let hit = if found.certain >> lane & 1 == 1 {
             // It passes beside every edge.
             Best::in_leaf(place, lane, [found.low[lane], found.high[lane]])

@@ -150,7 +150,7 @@ impl<P: Arithmetic> Search<'_, P> {
                 }
                 continue;
             }
-            answers.resize(carried.len(), Q::NONE);
+            answers.resize(carried.len(), Q::answer(Hit::MISS));
             self.all_in_prototype::<Q>(prototype, carried, answers, traversal);
             for (&(_, place), &answer) in group.iter().zip(answers.iter()) {
                 walks[place as usize].1.offer(geometry, instance, Q::hit(answer));

@@ -11,7 +11,7 @@ use crate::kernels::triangle::exact;
 use crate::kernels::triangle::filter::{self, ORDERS};
 use crate::kernels::triangle::settle::Verdict;
 use crate::kernels::{Arithmetic, LaneHits, ShearedSpace, triangle};
-use crate::math::{Lanes, Ray, Vector, lanes, outlined};
+use crate::math::{LANES, Lanes, Ray, Vector, outlined, set_bits};
 
 /// Searches the leaf for the hit of query `Q`: replaces `best` by a hit that comes first, or by
 /// any. Returns whether it did. An any-hit query notes the leaf for the ray with that number, if it passes
@@ -137,9 +137,7 @@ pub(super) fn take<S: Lanes, Q: Query, P: Arithmetic>(
         return false;
     }
     let mut is_closer = false;
-    while hits.certain != 0 {
-        let lane = hits.certain.trailing_zeros() as usize % 8;
-        hits.certain &= hits.certain - 1;
+    for lane in set_bits::<LANES>(hits.certain) {
         let new = Best::in_leaf(place, lane, [hits.low[lane], hits.high[lane]]);
         is_closer |= best.offer::<P>(searched, ray, new, tests);
     }
@@ -155,10 +153,8 @@ fn take_any<P: Arithmetic>(
     best: &mut Best,
     tests: &mut TestCounts,
 ) -> bool {
-    let mut certain = searched.without_passed(place, std::mem::take(&mut hits.certain));
-    while certain != 0 {
-        let lane = certain.trailing_zeros() as usize % 8;
-        certain &= certain - 1;
+    let certain = searched.without_passed(place, std::mem::take(&mut hits.certain));
+    for lane in set_bits::<LANES>(certain) {
         let hit = Best::in_leaf(place, lane, [hits.low[lane], hits.high[lane]]);
         if !searched.is_hole::<P>(ray, &hit, tests) {
             *best = Best::of(ANY_HIT);
@@ -201,7 +197,7 @@ fn settle_each(
     hits: &mut LaneHits,
     tests: &mut TestCounts,
 ) {
-    for lane in lanes(std::mem::take(&mut hits.open)) {
+    for lane in set_bits::<LANES>(std::mem::take(&mut hits.open)) {
         let corners = arena.triangle(place, lane);
         let t = match triangle::settled(ray, &corners) {
             Verdict::Open => {
@@ -293,11 +289,9 @@ impl Searched<'_> {
     /// The `triangles` of a leaf, a bit each, of whose numbers this holds.
     #[inline(always)]
     fn those(&self, leaf: Ref, triangles: u32, holds: impl Fn(u32) -> bool) -> u32 {
-        let (mut found, mut rest) = (0, triangles);
-        while rest != 0 {
-            let lane = rest.trailing_zeros();
-            rest &= rest - 1;
-            let number = self.tree.arena.view().number_of(leaf, lane as usize);
+        let mut found = 0;
+        for lane in set_bits::<LANES>(triangles) {
+            let number = self.tree.arena.view().number_of(leaf, lane);
             found |= u32::from(holds(number)) << lane;
         }
         found

@@ -19,15 +19,15 @@ mod hand_over;
 mod leaves;
 mod load;
 mod nodes;
-mod quadrics;
 mod tile;
 
 use std::marker::PhantomData;
 
-use super::stream::{self, HandedPlace, RaySource};
+use super::query::ANY_HIT;
+use super::stream::{self, HandedRays, RaySource};
 use super::{
-    KernelChoice, Kind, NotedLeaves, Query, Rays, Ref, Root, Searched, Traversal, Tree, distance,
-    place,
+    Hit, KernelChoice, Kind, NotedLeaves, Query, Rays, Ref, Root, Searched, Traversal, Tree,
+    distance, place,
 };
 use crate::counters::TestCounts;
 use crate::kernels::Arithmetic;
@@ -65,18 +65,11 @@ struct Visit {
     rays: u64,
 }
 
-/// Marks the first place of a ray.
-const FIRST: u32 = u32::MAX;
-
 /// The memory of a thread's packets.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Packets {
     tiles: Vec<RayTile>,
-    handed: Vec<HandedPlace>,
-    /// For each ray of the batch its last place, and the number of places.
-    last: Vec<(u32, u32)>,
-    /// The rays handed over.
-    queue: Vec<u32>,
+    handed: HandedRays,
 }
 
 /// Answers all rays: by packets as long as `choice` says so, the others in flight.
@@ -90,13 +83,13 @@ pub(super) fn trace<S: Lanes, Q: Query, P: Arithmetic>(
 ) {
     let Traversal { packets, flight, stack, tests, kernels, noted, .. } = traversal;
     let kernel = Q::counts(kernels);
-    let Some(root) = searched.tree.root() else {
-        answers.fill(Q::NONE);
+    let Some(root) = searched.tree.root else {
+        answers.fill(Q::answer(Hit::MISS));
         kernel.stream += rays.count() as u64;
         return;
     };
     packets.prepare(searched.tree, rays.count());
-    let Packets { tiles, handed, last, queue } = packets;
+    let Packets { tiles, handed } = packets;
     let mut batch = TileBatch::<S, Q, P> {
         simd,
         searched,
@@ -109,8 +102,6 @@ pub(super) fn trace<S: Lanes, Q: Query, P: Arithmetic>(
         coherence: Coherence::default(),
         ending: None,
         handed,
-        last,
-        queue,
         stack,
         tests: &mut *tests,
         noted: &mut *noted,
@@ -119,20 +110,13 @@ pub(super) fn trace<S: Lanes, Q: Query, P: Arithmetic>(
     batch.trace(tiles, answers);
     let TileBatch { next, coherence, .. } = batch;
     kernel.packet += coherence.fit;
-    kernel.handed_over += queue.len() as u64 - coherence.unfit;
+    kernel.handed_over += handed.queue.len() as u64 - coherence.unfit;
     kernel.stream += rays.count() as u64 - coherence.fit;
     kernel.packet_nodes += coherence.visits;
     kernel.packet_rays += coherence.rays;
-    if !queue.is_empty() || next < rays.count() {
-        let mut source = RaySource { rays, queue, last, handed, next, root };
-        stream::trace::<S, Q, P>(
-            simd,
-            searched,
-            &mut source,
-            answers,
-            flight,
-            (tests, kernel, noted),
-        );
+    if !handed.queue.is_empty() || next < rays.count() {
+        let source = RaySource { rays, handed, next, root };
+        stream::trace::<S, Q, P>(simd, searched, source, answers, flight, (tests, kernel, noted));
     }
 }
 
@@ -143,10 +127,7 @@ impl Packets {
         for tile in &mut self.tiles {
             tile.visits.resize(tree.stack_entries(), Visit::default());
         }
-        self.handed.clear();
-        self.queue.clear();
-        self.last.clear();
-        self.last.resize(rays, (FIRST, 0));
+        self.handed.begin(rays);
     }
 }
 
@@ -184,9 +165,7 @@ struct TileBatch<'a, S, Q, P> {
     coherence: Coherence,
     /// The leaf that ended the last tile, for any-hit queries.
     ending: Option<Ref>,
-    handed: &'a mut Vec<HandedPlace>,
-    last: &'a mut [(u32, u32)],
-    queue: &'a mut Vec<u32>,
+    handed: &'a mut HandedRays,
     stack: &'a mut [u64],
     tests: &'a mut TestCounts,
     noted: &'a mut NotedLeaves,
@@ -235,12 +214,12 @@ impl<S: Lanes, Q: Query, P: Arithmetic> TileBatch<'_, S, Q, P> {
                     self.coherence.tiles += 1;
                     if !is_fit {
                         self.leave(rays);
-                        tile.fill(rays, answers, Q::NONE);
+                        tile.fill(rays, answers, Q::answer(Hit::MISS));
                         continue;
                     }
                     self.coherence.fit += u64::from(rays.count_ones());
                     if self.ends_as_before(tile) {
-                        tile.fill(rays, answers, Q::ANY_ANSWER);
+                        tile.fill(rays, answers, Q::answer(ANY_HIT));
                     } else if tile.beam.meets(&self.root.bounds) {
                         tile.prepare(self.simd);
                         tile.clear();
@@ -248,7 +227,7 @@ impl<S: Lanes, Q: Query, P: Arithmetic> TileBatch<'_, S, Q, P> {
                         tile.push(true, Visit { entry: root, rays });
                         return true;
                     } else {
-                        tile.fill(rays, answers, Q::NONE);
+                        tile.fill(rays, answers, Q::answer(Hit::MISS));
                     }
                 }
                 false
@@ -276,9 +255,7 @@ impl<S: Lanes, Q: Query, P: Arithmetic> TileBatch<'_, S, Q, P> {
         self.coherence.unfit += u64::from(rays.count_ones());
         let root = entry(f32::NEG_INFINITY, self.root.place.bits());
         for number in numbers(self.block, rays) {
-            self.last[number] = (self.handed.len() as u32, 1);
-            self.handed.push(HandedPlace { entry: root, before: FIRST });
-            self.queue.push(number as u32);
+            self.handed.add(number, root);
         }
     }
 

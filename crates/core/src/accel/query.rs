@@ -12,13 +12,7 @@ pub(super) trait Query {
     /// Whether any hit suffices.
     const ANY: bool;
 
-    /// The answer for a ray that cannot be traced.
-    const NONE: Self::Answer;
-
-    /// The answer for a ray for which any hit was enough.
-    const ANY_ANSWER: Self::Answer;
-
-    /// The answer for a finished ray.
+    /// The answer for a finished ray; a ray that cannot be traced has missed.
     fn answer(best: Hit) -> Self::Answer;
 
     /// A hit with this answer.
@@ -47,8 +41,6 @@ pub(super) struct Closest;
 impl Query for Closest {
     type Answer = Hit;
     const ANY: bool = false;
-    const NONE: Hit = Hit::MISS;
-    const ANY_ANSWER: Hit = ANY_HIT;
 
     #[inline(always)]
     fn answer(best: Hit) -> Hit {
@@ -72,8 +64,6 @@ pub(super) struct Occluded;
 impl Query for Occluded {
     type Answer = bool;
     const ANY: bool = true;
-    const NONE: bool = false;
-    const ANY_ANSWER: bool = true;
 
     #[inline(always)]
     fn answer(best: Hit) -> bool {

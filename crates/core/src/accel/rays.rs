@@ -99,18 +99,8 @@ impl Rays<'_> {
 /// Rays in a row of a block.
 pub(super) const BLOCK_EDGE: usize = 4;
 
-/// Sixteen rays, a component each.
-#[derive(Clone, Copy)]
-pub(super) struct RayLanes<S: Lanes> {
-    /// The origins.
-    pub(super) origin: [f32x16<S>; 3],
-    /// The directions.
-    pub(super) direction: [f32x16<S>; 3],
-    /// The ranges of t.
-    pub(super) t_min: f32x16<S>,
-    /// The ranges of t.
-    pub(super) t_max: f32x16<S>,
-}
+/// The components of sixteen rays, in the order of [`Ray`]: origin, `t_min`, direction, `t_max`.
+pub(super) type RayLanes<S> = [f32x16<S>; 8];
 
 #[inline(always)]
 fn of_columns<S: Lanes>(
@@ -119,25 +109,23 @@ fn of_columns<S: Lanes>(
     i: usize,
     stride: usize,
 ) -> RayLanes<S> {
-    let [ox, oy, oz] = origin;
-    let [dx, dy, dz] = direction;
-    RayLanes {
-        origin: [
-            four_rows(simd, ox, i, stride),
-            four_rows(simd, oy, i, stride),
-            four_rows(simd, oz, i, stride),
-        ],
-        direction: [
-            four_rows(simd, dx, i, stride),
-            four_rows(simd, dy, i, stride),
-            four_rows(simd, dz, i, stride),
-        ],
-        t_min: match t_min {
-            Some(t_min) => four_rows(simd, t_min, i, stride),
-            None => f32x16::splat(simd, 0.0),
-        },
-        t_max: f32x16::splat(simd, *t_max),
-    }
+    let [ox, oy, oz] = three_columns(simd, origin, i, stride);
+    let [dx, dy, dz] = three_columns(simd, direction, i, stride);
+    let t_min = match t_min {
+        Some(t_min) => four_rows(simd, t_min, i, stride),
+        None => f32x16::splat(simd, 0.0),
+    };
+    [ox, oy, oz, t_min, dx, dy, dz, f32x16::splat(simd, *t_max)]
+}
+
+#[inline(always)]
+fn three_columns<S: Lanes>(
+    simd: S,
+    [x, y, z]: &[&[f32]; 3],
+    i: usize,
+    stride: usize,
+) -> [f32x16<S>; 3] {
+    [four_rows(simd, x, i, stride), four_rows(simd, y, i, stride), four_rows(simd, z, i, stride)]
 }
 
 /// Four numbers from the `i`th on, and from each of three rows behind.
@@ -158,9 +146,7 @@ fn of_rows<S: Lanes>(simd: S, rays: &[Ray], i: usize, stride: usize) -> RayLanes
     let (g, h) = row(simd, &rays[i + 3 * stride..i + 3 * stride + BLOCK_EDGE]);
     // In a vector, the index bits of the ray are above those of the component. Each round moves
     // the lowest bit to the front; after three rounds the component bits are above.
-    let parted = part(part(part([a, b, c, d, e, f, g, h])));
-    let [ox, oy, oz, t_min, dx, dy, dz, t_max] = parted;
-    RayLanes { origin: [ox, oy, oz], direction: [dx, dy, dz], t_min, t_max }
+    part(part(part([a, b, c, d, e, f, g, h])))
 }
 
 /// Four rays in memory order.

@@ -1,17 +1,23 @@
 //! The queries of an [`Accel`]: for one ray or many, for the closest hit or any.
+//!
+//! Only [`Search::crossings_of`], [`Search::in_tree`] and [`Search::all_in_tree`] are compiled once for
+//! each instruction level, so they are never inlined. A call costs less than a node visit. The single-ray
+//! kernel exists for every level; batch kernels exist for levels with vectors of eight numbers, which
+//! justify the code size. At other levels each ray is searched alone.
 
 use std::marker::PhantomData;
 use std::ops::Range;
 
-use super::crossings::{CrossingQuery, Crossings, Each};
+use super::crossings::{CrossingQuery, Each};
 use super::{
-    Accel, Closest, Hit, KernelChoice, Occluded, Query, Rays, Searched, Traversal, Tree, compiled,
-    crossings,
+    Accel, Closest, Hit, KernelChoice, Occluded, Query, Rays, Searched, Traversal, Tree, crossings,
+    packet, single,
 };
 use crate::counters::TestCounts;
 use crate::geometry::Geometry;
 use crate::kernels::Arithmetic;
-use crate::math::{Ray, dispatch, is_wide};
+use crate::math::{Ray, is_wide};
+use crate::{at_level, at_wide_level};
 
 /// The searches of an [`Accel`] whose geometry has precision `P`.
 #[derive(Clone, Copy, Debug)]
@@ -80,9 +86,9 @@ impl<P: Arithmetic> Search<'_, P> {
         hits.clear();
         let Accel { geometry, tree, level, .. } = self.accel;
         if let Some(tree) = tree {
-            let (searched, precision) = (self.own(tree, traversal), PhantomData::<P>);
-            let found = Crossings { searched, query, traversal, hits, each, precision };
-            return dispatch(*level, found);
+            let searched = self.own(tree, traversal);
+            return at_level!(*level, simd =>
+                crossings::in_tree::<_, P>(simd, searched, query, traversal, hits, each));
         }
         let cross = |_, ray: &Ray, hits: &mut Vec<Hit>| {
             let numbers = 0..geometry.own() as u32;
@@ -123,7 +129,7 @@ impl<P: Arithmetic> Search<'_, P> {
     #[inline(always)]
     fn one_of_precision<Q: Query>(&self, ray: &Ray, traversal: &mut Traversal) -> Q::Answer {
         if !ray.is_valid() {
-            return Q::NONE;
+            return Q::answer(Hit::MISS);
         }
         let Accel { geometry, tree, .. } = self.accel;
         let Some(tree) = tree else {
@@ -134,7 +140,7 @@ impl<P: Arithmetic> Search<'_, P> {
         if Q::ANY {
             traversal.noted.begin(traversal.notes_passed, 1);
         }
-        let best = compiled::one::<Q, P>(self.accel.level, searched, ray, traversal);
+        let best = self.in_tree::<Q>(searched, ray, traversal);
         traversal.noted.is_noting = false;
         if geometry.instances.is_empty() || Q::ANY && !best.is_miss() {
             return Q::answer(best);
@@ -150,7 +156,7 @@ impl<P: Arithmetic> Search<'_, P> {
             return;
         };
         traversal.noted.begin(Q::ANY && traversal.notes_passed, rays.count());
-        compiled::many::<Q, P>(self.accel, self.own(tree, traversal), rays, answers, traversal);
+        self.all_in_tree::<Q>(self.own(tree, traversal), rays, answers, traversal);
         traversal.noted.is_noting = false;
         if !geometry.instances.is_empty() {
             self.all_among_instances::<Q>(rays, answers, traversal);
@@ -195,7 +201,7 @@ impl<P: Arithmetic> Search<'_, P> {
         if !ray.is_valid() {
             return Hit::MISS;
         }
-        compiled::one::<Q, P>(self.accel.level, self.prototype(number), ray, traversal)
+        self.in_tree::<Q>(self.prototype(number), ray, traversal)
     }
 
     /// As [`Self::in_prototype`], for many rays.
@@ -208,8 +214,7 @@ impl<P: Arithmetic> Search<'_, P> {
     ) {
         // A ray counts once, in the search of the scene.
         let kernels = traversal.kernels;
-        let prototype = self.prototype(number);
-        compiled::many::<Q, P>(self.accel, prototype, rays.into(), answers, traversal);
+        self.all_in_tree::<Q>(self.prototype(number), rays.into(), answers, traversal);
         traversal.kernels = kernels;
     }
 
@@ -225,6 +230,31 @@ impl<P: Arithmetic> Search<'_, P> {
         let geometry = &self.accel.geometry;
         let without_t = traversal.without_t && geometry.instances.is_empty();
         Searched { tree, geometry, without_t }
+    }
+
+    /// The hit in a tree for query `Q`.
+    #[inline(never)]
+    fn in_tree<Q: Query>(
+        &self,
+        searched: Searched<'_>,
+        ray: &Ray,
+        traversal: &mut Traversal,
+    ) -> Hit {
+        at_level!(self.accel.level, simd => single::hit::<_, Q, P>(simd, searched, ray, traversal))
+    }
+
+    /// As [`Self::in_tree`], for many rays. The level must have batch kernels.
+    #[inline(never)]
+    fn all_in_tree<Q: Query>(
+        &self,
+        searched: Searched<'_>,
+        rays: Rays<'_>,
+        answers: &mut [Q::Answer],
+        traversal: &mut Traversal,
+    ) {
+        let rays = (rays, self.accel.kernel);
+        at_wide_level!(self.accel.level, simd =>
+            packet::trace::<_, Q, P>(simd, searched, rays, answers, traversal));
     }
 }
 

@@ -1,23 +1,44 @@
 //! Traversal by one ray: for the recursive tracer, and for the rays left by packets.
 
-use super::{Best, Kind, NotedLeaves, Query, Searched, distance, leaf, node, place};
+use super::{
+    Best, Hit, Kind, NotedLeaves, Query, Searched, Traversal, distance, leaf, node, place,
+};
 use crate::counters::TestCounts;
 use crate::geometry::PreparedRay;
 use crate::kernels::Arithmetic;
-use crate::math::Lanes;
+use crate::math::{Lanes, Ray, entry};
 
-/// The hit for query `Q`, starting with the first `height` entries of `stack`, the nearest last,
-/// and with `best`, the closest hit so far, for the ray with that number.
+/// The hit on `ray` for query `Q`.
+#[inline(always)]
+pub(super) fn hit<S: Lanes, Q: Query, P: Arithmetic>(
+    simd: S,
+    searched: Searched<'_>,
+    ray: &Ray,
+    traversal: &mut Traversal,
+) -> Hit {
+    let Traversal { stack, noted, tests, .. } = traversal;
+    let Some(root) = searched.tree.root else { return Hit::MISS };
+    let prepared = &PreparedRay::new(ray);
+    let (best, from) = (Best::none(ray.t_max), entry(f32::NEG_INFINITY, root.place.bits()));
+    let (stack, notes) = (stack.as_mut_slice(), (&mut *tests, noted));
+    let best = trace::<S, Q, P>(simd, searched, (prepared, 0), best, (stack, from), notes);
+    best.answer(searched, ray, tests)
+}
+
+/// The hit for query `Q` at or below the place of the entry `from`, or `best`, the closest hit so far, for
+/// the ray with that number.
 #[inline(always)]
 pub(super) fn trace<S: Lanes, Q: Query, P: Arithmetic>(
     simd: S,
     searched: Searched<'_>,
     (ray, number): (&PreparedRay, usize),
     mut best: Best,
-    (stack, mut height): (&mut [u64], usize),
+    (stack, from): (&mut [u64], u64),
     (tests, noted): (&mut TestCounts, &mut NotedLeaves),
 ) -> Best {
     let arena = searched.tree.arena.view();
+    stack[0] = from;
+    let mut height = 1;
     while height > 0 {
         height -= 1;
         let entry = stack[height];

@@ -2,7 +2,6 @@
 //! traversal, so that its time can be measured.
 
 use std::hint::black_box;
-use std::marker::PhantomData;
 
 use fearless_simd::{Level, f32x8};
 
@@ -13,8 +12,8 @@ use crate::geometry::{PreparedRay, Primitive};
 use crate::kernels::triangle::{self, exact, settle};
 use crate::kernels::{Arithmetic, Precision};
 use crate::math::float::{max, min};
-use crate::math::{Kernel, LANES, Lanes, Ray, Single, dispatch};
-use crate::with_precision;
+use crate::math::{LANES, Lanes, Ray, Single};
+use crate::{at_level, with_precision};
 
 wavecrest_base::choices! {
     /// A step to an exact hit.
@@ -134,23 +133,12 @@ impl<'a> Steps<'a> {
     #[inline(never)]
     pub fn run(&self, step: HitStep, precision: Precision) -> u64 {
         with_precision!(precision, P =>
-            dispatch(self.level, StepRun { steps: self, step, precision: PhantomData::<P> }))
+            at_level!(self.level, simd => self.run_with::<_, P>(simd, step)))
     }
-}
-
-/// See [`Steps::run`].
-struct StepRun<'a, P> {
-    steps: &'a Steps<'a>,
-    step: HitStep,
-    precision: PhantomData<P>,
-}
-
-impl<P: Arithmetic> Kernel for StepRun<'_, P> {
-    type Output = u64;
 
     #[inline(always)]
-    fn run<S: Lanes>(self, simd: S) -> u64 {
-        let Self { steps: Steps { visits, hits, .. }, step, .. } = self;
+    fn run_with<S: Lanes, P: Arithmetic>(&self, simd: S, step: HitStep) -> u64 {
+        let Self { visits, hits, .. } = self;
         let (mut sum, mut tests) = (0, TestCounts::default());
         match step {
             HitStep::Filter => {

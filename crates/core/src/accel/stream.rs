@@ -22,10 +22,8 @@ use crate::geometry::PreparedRay;
 use crate::kernels::{Arithmetic, LaneHits};
 use crate::math::{LANES, Lanes, Ray, entry};
 use next::NextSteps;
-pub(super) use source::{HandedPlace, RaySource};
-
-/// The largest number of places handed over with a ray.
-pub(super) const MOST_HANDED: usize = 24;
+use source::MOST_HANDED;
+pub(super) use source::{HandedRays, RaySource};
 
 /// Streams of rays in flight.
 pub(super) const FLIGHT: usize = 64;
@@ -86,7 +84,7 @@ impl Flight {
     /// Memory for rays in trees whose stacks take `entries` entries.
     pub(super) fn new(entries: usize) -> Self {
         // The bottom of the stack, and the places a packet hands over.
-        let stride = entries + 1 + MOST_HANDED;
+        let stride = entries + 1 + MOST_HANDED as usize;
         Self { slots: vec![Slot::empty(); FLIGHT], stacks: vec![0; stride * FLIGHT], stride }
     }
 }
@@ -96,7 +94,7 @@ impl Flight {
 pub(super) fn trace<S: Lanes, Q: Query, P: Arithmetic>(
     simd: S,
     searched: Searched<'_>,
-    source: &mut RaySource<'_>,
+    mut source: RaySource<'_>,
     answers: &mut [Q::Answer],
     flight: &mut Flight,
     (tests, kernel, noted): (&mut TestCounts, &mut KernelCounts, &mut NotedLeaves),
@@ -108,7 +106,7 @@ pub(super) fn trace<S: Lanes, Q: Query, P: Arithmetic>(
     let mut rounds = FlightRounds::<Q, P> {
         searched,
         arena: searched.tree.arena.view(),
-        source,
+        source: &mut source,
         answers,
         slots,
         stacks,
@@ -163,9 +161,8 @@ impl<Q: Query, P: Arithmetic> FlightRounds<'_, '_, Q, P> {
         let bottom = index * self.stride;
         let stack = &mut self.stacks[bottom..][..self.stride];
         let Some((end, rest)) = stack.split_first_mut() else { return false };
-        let Some(height) = self.source.next::<Q>(self.answers, rest, &mut self.slots[index]) else {
-            return false;
-        };
+        let slot = &mut self.slots[index];
+        let Some(height) = self.source.next::<Q>(self.answers, rest, slot) else { return false };
         *end = entry(f32::NEG_INFINITY, BOTTOM);
         self.tops[index] = bottom + height;
         self.next.push(self.arena, index, place(self.stacks[bottom + height]));
@@ -255,18 +252,16 @@ impl<Q: Query, P: Arithmetic> FlightRounds<'_, '_, Q, P> {
         }
     }
 
-    /// Continues a ray after a leaf, in which it may have found a closer hit.
+    /// Continues a ray after a leaf, in which it may have found a closer hit: its stack is then cleared
+    /// of entries beyond, or of all if any hit suffices.
     #[inline(always)]
     fn go_on(&mut self, index: usize, is_closer: bool) {
         let mut top = self.tops[index];
         if is_closer {
-            let (bottom, Slot { ray, best, .. }) = (index * self.stride, &self.slots[index]);
-            // Its stack is cleared of all, or of what is beyond the hit just found.
-            top = if Q::ANY {
-                bottom + 1
-            } else {
-                clear(self.stacks, bottom, top, ray.slab.reach(best.high))
-            };
+            let bottom = index * self.stride;
+            let Slot { ray, best, .. } = &self.slots[index];
+            let reach = ray.slab.reach(best.high);
+            top = if Q::ANY { bottom + 1 } else { clear(self.stacks, bottom, top, reach) };
         }
         top -= 1;
         self.tops[index] = top;

@@ -22,6 +22,13 @@ struct InstanceNode {
     is_leaf: bool,
 }
 
+impl InstanceNode {
+    /// Twice the centre of its box along `axis`.
+    fn middle(&self, axis: usize) -> f32 {
+        self.bounds.low[axis] + self.bounds.high[axis]
+    }
+}
+
 /// A tree over instances.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Tlas {
@@ -40,38 +47,20 @@ pub(super) struct TlasEntry {
     node: u32,
 }
 
-/// An instance during the build.
-#[derive(Clone, Copy)]
-struct Item {
-    instance: u32,
-    bounds: Aabb,
-}
-
-impl Item {
-    /// Twice the centre of its box along `axis`.
-    fn middle(&self, axis: usize) -> f32 {
-        self.bounds.low[axis] + self.bounds.high[axis]
-    }
-}
-
 impl Tlas {
-    /// The tree over `instances`; `boxes` returns the boxes of each prototype.
-    pub(super) fn new(instances: &[Instance], boxes: impl Fn(usize) -> Vec<Aabb>) -> Self {
-        let mut prototypes: Vec<Option<Vec<Aabb>>> = Vec::new();
-        let mut items: Vec<Item> = Vec::with_capacity(instances.len());
-        for (number, instance) in (0..).zip(instances) {
-            let prototype = instance.prototype();
-            if prototypes.len() <= prototype {
-                prototypes.resize(prototype + 1, None);
-            }
-            let of_prototype = prototypes[prototype].get_or_insert_with(|| boxes(prototype));
+    /// The tree over `instances`; `boxes` are those of each prototype.
+    pub(super) fn new(instances: &[Instance], boxes: &[Vec<Aabb>]) -> Self {
+        let mut leaves: Vec<InstanceNode> = Vec::with_capacity(instances.len());
+        for (index, instance) in (0..).zip(instances) {
+            let of_prototype = &boxes[instance.prototype()];
             if !of_prototype.is_empty() {
-                items.push(Item { instance: number, bounds: instance.bounds(of_prototype) });
+                let bounds = instance.bounds(of_prototype);
+                leaves.push(InstanceNode { bounds, index, is_leaf: true });
             }
         }
         let widening = instances.iter().map(Instance::widening).fold(1.0, f32::max);
-        let mut tlas = Self { nodes: Vec::with_capacity(2 * items.len()), widening, depth: 0 };
-        tlas.build(&mut items);
+        let mut tlas = Self { nodes: Vec::with_capacity(2 * leaves.len()), widening, depth: 0 };
+        tlas.build(&mut leaves);
         tlas
     }
 
@@ -101,21 +90,21 @@ impl Tlas {
         self.depth + 2
     }
 
-    fn build(&mut self, items: &mut [Item]) {
-        if items.is_empty() {
+    fn build(&mut self, leaves: &mut [InstanceNode]) {
+        if leaves.is_empty() {
             return;
         }
         let empty = InstanceNode { bounds: Aabb::EMPTY, index: 0, is_leaf: true };
         self.nodes.push(empty);
-        let mut waiting = vec![(0, 0..items.len(), 0)];
+        let mut waiting = vec![(0, 0..leaves.len(), 0)];
         while let Some((place, range, depth)) = waiting.pop() {
             self.depth = self.depth.max(depth);
-            let here = &mut items[range.clone()];
-            let bounds = here.iter().fold(Aabb::EMPTY, |all, item| all.union(item.bounds));
-            if let [item] = here {
-                self.nodes[place] = InstanceNode { bounds, index: item.instance, is_leaf: true };
+            let here = &mut leaves[range.clone()];
+            if let [leaf] = here {
+                self.nodes[place] = *leaf;
                 continue;
             }
+            let bounds = here.iter().fold(Aabb::EMPTY, |all, leaf| all.union(leaf.bounds));
             let middle = range.start + divide(here, depth);
             let children = self.nodes.len();
             self.nodes[place] = InstanceNode { bounds, index: children as u32, is_leaf: false };
@@ -189,36 +178,34 @@ impl Walk {
     }
 }
 
-/// Sorts the items by their centres along the longest axis and returns the number of the left half,
+/// Sorts the leaves by their centres along the longest axis and returns the number of the left half,
 /// which has the least cost by the surface-area heuristic: neither all nor none.
-fn divide(items: &mut [Item], depth: usize) -> usize {
+fn divide(leaves: &mut [InstanceNode], depth: usize) -> usize {
     let (low, high) =
-        items.iter().fold(([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]), |(low, high), item| {
-            let at = |k: usize| item.middle(k);
+        leaves.iter().fold(([f32::INFINITY; 3], [f32::NEG_INFINITY; 3]), |(low, high), leaf| {
+            let at = |k: usize| leaf.middle(k);
             ([0, 1, 2].map(|k| low[k].min(at(k))), [0, 1, 2].map(|k| high[k].max(at(k))))
         });
     let extent = |k: usize| high[k] - low[k];
     let axis = (1..3).fold(0, |best, k| if extent(k) > extent(best) { k } else { best });
     // Of equal centres, the lower numbers come first.
-    let key = |item: &Item| (item.middle(axis), item.instance);
-    items.sort_unstable_by(|a, b| {
-        let ((a, i), (b, j)) = (key(a), key(b));
-        a.total_cmp(&b).then(i.cmp(&j))
+    leaves.sort_unstable_by(|a, b| {
+        a.middle(axis).total_cmp(&b.middle(axis)).then(a.index.cmp(&b.index))
     });
     if depth >= DEEPEST || extent(axis) <= 0.0 {
-        return items.len() / 2;
+        return leaves.len() / 2;
     }
-    let costs = |items: &mut dyn Iterator<Item = &Item>| -> Vec<f32> {
+    let costs = |leaves: &mut dyn Iterator<Item = &InstanceNode>| -> Vec<f32> {
         let mut bounds = Aabb::EMPTY;
-        let grown = items.zip(1_u32..).map(|(item, count)| {
-            bounds = bounds.union(item.bounds);
+        let grown = leaves.zip(1_u32..).map(|(leaf, count)| {
+            bounds = bounds.union(leaf.bounds);
             half_area(&bounds) * count as f32
         });
         grown.collect()
     };
-    let (left, right) = (costs(&mut items.iter()), costs(&mut items.iter().rev()));
-    let cost = |count: usize| left[count - 1] + right[items.len() - count - 1];
-    (2..items.len()).fold(1, |best, k| if cost(k) < cost(best) { k } else { best })
+    let (left, right) = (costs(&mut leaves.iter()), costs(&mut leaves.iter().rev()));
+    let cost = |count: usize| left[count - 1] + right[leaves.len() - count - 1];
+    (2..leaves.len()).fold(1, |best, k| if cost(k) < cost(best) { k } else { best })
 }
 
 fn half_area(bounds: &Aabb) -> f32 {

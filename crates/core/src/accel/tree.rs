@@ -66,11 +66,6 @@ impl Demand {
 }
 
 impl Tree {
-    /// The root, unless the tree is empty.
-    pub fn root(&self) -> Option<Root> {
-        self.root
-    }
-
     /// What is built so far.
     pub fn census(&self) -> TreeContents {
         let below = self.demand.iter().flat_map(Demand::built);
@@ -91,23 +86,21 @@ impl Tree {
     /// The boxes of this many levels of nodes below the root, or of leaves above: together they contain
     /// every hit, more tightly than the root's own.
     pub(super) fn outline(&self, levels: usize) -> Vec<Aabb> {
-        let root = self.root.map(|root| (root.place, root.bounds));
-        let mut boxes: Vec<_> = root.into_iter().collect();
+        let mut boxes: Vec<_> = self.root.iter().map(|root| (root.place, root.bounds)).collect();
         for _ in 0..levels {
-            let below = |(place, bounds): (Ref, Aabb)| match place.kind() {
-                Kind::Node => self.children(place).collect(),
-                _ => vec![(place, bounds)],
-            };
-            boxes = boxes.into_iter().flat_map(below).collect();
+            boxes = boxes.into_iter().flat_map(|part| self.below(part)).collect();
         }
         boxes.into_iter().map(|(_, bounds)| bounds).collect()
     }
 
-    /// The children of a node, with their boxes.
-    fn children(&self, place: Ref) -> impl Iterator<Item = (Ref, Aabb)> {
+    /// The children of a node with their boxes, or a leaf itself.
+    fn below(&self, (place, bounds): (Ref, Aabb)) -> Vec<(Ref, Aabb)> {
+        if place.kind() != Kind::Node {
+            return vec![(place, bounds)];
+        }
         let node = self.arena.view().node(place);
         let lanes = 0..node.count as usize;
-        lanes.map(move |lane| (child_of(node, place, lane), child_box(node, lane)))
+        lanes.map(|lane| (child_of(node, place, lane), child_box(node, lane))).collect()
     }
 
     /// The root of the chunk that the list at `place` stands for, if it is built.
@@ -123,13 +116,14 @@ impl Tree {
         while let Some((place, bounds)) = waiting.pop() {
             let place = self.known(place).unwrap_or(place);
             visit(place, &bounds);
-            if place.kind() != Kind::Node {
-                continue;
+            if place.kind() == Kind::Node {
+                let clipped = |own: Aabb| Aabb {
+                    low: own.low.max(bounds.low),
+                    high: own.high.min(bounds.high),
+                };
+                let below = self.below((place, bounds)).into_iter();
+                waiting.extend(below.map(|(child, own)| (child, clipped(own))));
             }
-            waiting.extend(self.children(place).map(|(child, own)| {
-                let (low, high) = (own.low.max(bounds.low), own.high.min(bounds.high));
-                (child, Aabb { low, high })
-            }));
         }
     }
 

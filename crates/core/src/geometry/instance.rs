@@ -121,7 +121,7 @@ impl Instance {
 
     /// Whether the transform reverses the winding.
     #[inline]
-    pub fn is_mirrored(&self) -> bool {
+    fn is_mirrored(&self) -> bool {
         self.to_world.matrix3.determinant() < 0.0
     }
 

@@ -19,17 +19,10 @@ use glam::Vec3;
 use super::Arithmetic;
 use crate::math::exact::{Comparable, Expansion, QuadraticRoot, dot, exact};
 use crate::math::float::gamma;
-use crate::math::{Line, Mask, Ray, Real, Single, Vector, lanes};
+use crate::math::{LANES, Line, Mask, Ray, Real, Single, Vector, set_bits};
 
-/// The smallest t within the ray's range at which the ray meets the sphere, from outside or inside.
-#[inline]
-pub fn intersect(ray: &Ray, center: Vec3, radius: f32) -> Option<f32> {
-    let (line, range) = (Line::from(ray), [ray.t_min, ray.t_max]);
-    let (t, is_hit) = meet_closely(&line, center, radius, range);
-    is_hit.then_some(t)
-}
-
-/// As [`intersect`], in exact arithmetic.
+/// The smallest t within the ray's range at which the ray meets the sphere, from outside or inside, in
+/// exact arithmetic.
 #[cold]
 #[inline(never)]
 pub fn intersect_exactly(ray: &Ray, center: Vec3, radius: f32) -> Option<f32> {
@@ -172,7 +165,7 @@ pub(super) fn settled<F: Single>(
     let mut hit = (known & low.gt(start) & high.lt(end)).bits() & is_known.bits();
     let miss = (roots.miss | (known & (high.le(start) | low.ge(end)))).bits();
     let mut t = least;
-    for lane in lanes(!(hit | miss) & (u32::MAX >> (32 - F::LANES))) {
+    for lane in set_bits::<LANES>(!(hit | miss) & (u32::MAX >> (32 - F::LANES))) {
         let ray = Ray {
             origin: line.origin.lane(lane),
             direction: line.direction.lane(lane),
@@ -274,6 +267,10 @@ mod tests {
     use super::*;
     use crate::math::Stream;
 
+    fn is_met(ray: &Ray, center: Vec3, radius: f32) -> bool {
+        meet_closely(&Line::from(ray), center, radius, [ray.t_min, ray.t_max]).1
+    }
+
     /// For grazing rays, from near and far, of all sizes: [`passes_by`] rejects no hit.
     #[test]
     fn what_passes_by_for_certain_is_not_hit() {
@@ -289,8 +286,7 @@ mod tests {
             let origin = center - towards * (radius * size(f * 0.5 + 0.5, 5.0));
             let ray = Ray::new(origin, (center + aside - origin) * size(e, 11.0));
             let passes = passes_by(&Line::from(&ray), center.into(), radius);
-            counts[usize::from(passes)][usize::from(intersect(&ray, center, radius).is_some())] +=
-                1;
+            counts[usize::from(passes)][usize::from(is_met(&ray, center, radius))] += 1;
         }
         let [[open, hits], [passes, lost]] = counts;
         assert!(lost == 0 && hits > 20_000 && open.min(passes) > 10_000, "{counts:?}");

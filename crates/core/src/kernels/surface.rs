@@ -8,7 +8,7 @@ use glam::{DVec3, Vec3};
 use super::triangle::{self, exact};
 use super::{Arithmetic, disk, quad, sphere};
 use crate::math::float::{error_of_offset, gamma};
-use crate::math::{Line, Mask, Ray, Real, Single, Vector, lanes};
+use crate::math::{LANES, Line, Mask, Ray, Real, Single, Vector, set_bits};
 
 /// The distance by which fast arithmetic moves origins off surfaces, in scene units: a fixed
 /// length, as in most renderers. It is too short far from the origin, and too long in small scenes.
@@ -154,7 +154,7 @@ fn weights<F: Single>(line: &Line<F>, corners: &[Vector<F>; 3], size: F) -> [F::
     let sideways = sideways * space.direction.z.abs();
     let (x, y) = (ax * wa + bx * wb + cx * wc, ay * wa + by * wb + cy * wc);
     let beside = x.abs().le(sideways) & y.abs().le(sideways);
-    for lane in lanes(!(inside & beside).bits() & (u32::MAX >> (32 - F::LANES))) {
+    for lane in set_bits::<LANES>(!(inside & beside).bits() & (u32::MAX >> (32 - F::LANES))) {
         let corners = corners.map(|corner| corner.lane(lane));
         let [x, y, z] = weights_of_one(line.origin.lane(lane), line.direction.lane(lane), &corners);
         wa.set_lane(lane, x);
@@ -251,7 +251,7 @@ pub fn quad_halves<F: Single>(
     let (first, second) = (first.bits(), second.bits());
     let is_second = F::mask(a.x.token(), first & !second);
     let (mut next, mut last) = (Vector::select(is_second, c, b), Vector::select(is_second, d, c));
-    for lane in lanes(asked & !(first | second)) {
+    for lane in set_bits::<LANES>(asked & !(first | second)) {
         let corners = [a.lane(lane), b.lane(lane), c.lane(lane), d.lane(lane)];
         let [_, b, c] = nearer_half(&ray(lane), quad::halves(&corners));
         next.set_lane(lane, b);

@@ -24,24 +24,6 @@ pub fn max_abs(v: Vec3) -> f32 {
     Vector::from(v).max_abs()
 }
 
-/// See [`Vector::rounding_error`].
-#[inline]
-pub fn rounding_error(point: Vec3, size: f32) -> Vec3 {
-    Vector::from(point).rounding_error(size).into()
-}
-
-/// Both roots of t^2 - 2 b t + c = 0 in rising order, given b, c and `root` = sqrt(b^2 - c).
-///
-/// Neither root subtracts nearly equal numbers (Press et al., *Numerical Recipes*, section 5.6).
-#[inline(always)]
-pub fn stable_roots<F: Real<Element = f64>>(b: F, c: F, root: F) -> (F, F) {
-    let q = b + root.copysign(b);
-    let is_zero = q.eq(q.zero());
-    let (t0, t1) = (F::select(is_zero, q, c / q), q);
-    let ordered = t0.lt(t1);
-    (F::select(ordered, t0, t1), F::select(ordered, t1, t0))
-}
-
 /// See [`Vector::dot`].
 #[inline(always)]
 pub fn dot(a: Vec3, b: Vec3) -> f32 {
@@ -72,23 +54,9 @@ pub fn offset_origin(point: Vec3, error: Vec3, normal: Vec3, direction: Vec3) ->
     Vector::from(point).offset_origin(error.into(), normal.into(), direction.into()).into()
 }
 
-/// See [`Vector::offset_end`].
-#[inline]
-pub fn offset_end(point: Vec3, error: Vec3, normal: Vec3, direction: Vec3) -> Vec3 {
-    Vector::from(point).offset_end(error.into(), normal.into(), direction.into()).into()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn gamma_bounds_a_sum_of_rounded_terms() {
-        let terms: Vec<f32> = (1..=100).map(|i| 1.0 / i as f32).collect();
-        let single: f32 = terms.iter().sum();
-        let double: f64 = terms.iter().map(|&x| f64::from(x)).sum();
-        assert!((f64::from(single) - double).abs() <= f64::from(gamma(99)) * double);
-    }
 
     #[test]
     fn hc08_sums_of_three_do_not_depend_on_their_order() {
@@ -110,12 +78,6 @@ mod tests {
             let size = a.abs() + b.abs() + c.abs();
             assert!((f64::from(sum([a, b, c])) - exact).abs() <= f64::from(gamma(2) * size));
         }
-    }
-
-    #[test]
-    fn roots_keep_their_digits_when_b_squared_swamps_ac() {
-        let (near, far) = stable_roots(1e8, 1.0, f64::sqrt(1e16 - 1.0));
-        assert!((near - 5e-9).abs() < 1e-24 && (far - 2e8).abs() < 1e-6, "{near} {far}");
     }
 
     #[test]

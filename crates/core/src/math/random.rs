@@ -8,6 +8,7 @@
 use std::convert::Infallible;
 
 use rand::TryRng;
+use rand::rand_core::block::{self, BlockRng};
 
 /// The place of a random number in a render.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -38,43 +39,43 @@ impl Stream {
 
     /// A generator for the `rand` crate: the words from `dimension` on, in order.
     pub fn generator(self, dimension: u32) -> Generator {
-        Generator { stream: self, dimension, words: [0; 4], used: 4 }
+        Generator(BlockRng::new(Blocks { stream: self, dimension }))
+    }
+}
+
+/// The words of a [`Stream`], from a dimension on, in blocks.
+#[derive(Clone, Debug)]
+struct Blocks {
+    stream: Stream,
+    dimension: u32,
+}
+
+impl block::Generator for Blocks {
+    type Output = [u32; 4];
+
+    fn generate(&mut self, words: &mut [u32; 4]) {
+        *words = self.stream.words(self.dimension);
+        self.dimension = self.dimension.wrapping_add(1);
     }
 }
 
 /// The words of a [`Stream`] as a generator of the `rand` crate.
 #[derive(Clone, Debug)]
-pub struct Generator {
-    stream: Stream,
-    dimension: u32,
-    words: [u32; 4],
-    used: usize,
-}
+pub struct Generator(BlockRng<Blocks>);
 
 impl TryRng for Generator {
     type Error = Infallible;
 
     fn try_next_u32(&mut self) -> Result<u32, Infallible> {
-        if self.used == self.words.len() {
-            self.words = self.stream.words(self.dimension);
-            self.dimension = self.dimension.wrapping_add(1);
-            self.used = 0;
-        }
-        let word = self.words[self.used];
-        self.used += 1;
-        Ok(word)
+        Ok(self.0.next_word())
     }
 
     fn try_next_u64(&mut self) -> Result<u64, Infallible> {
-        let low = u64::from(self.try_next_u32()?);
-        Ok(low | u64::from(self.try_next_u32()?) << 32)
+        Ok(self.0.next_u64_from_u32())
     }
 
     fn try_fill_bytes(&mut self, bytes: &mut [u8]) -> Result<(), Infallible> {
-        for chunk in bytes.chunks_mut(4) {
-            let word = self.try_next_u32()?.to_le_bytes();
-            chunk.copy_from_slice(&word[..chunk.len()]);
-        }
+        self.0.fill_bytes(bytes);
         Ok(())
     }
 }

@@ -140,7 +140,10 @@ pub trait Single: Real<Element = f32> {
     fn splat(token: Self::Token, value: f32) -> Self;
 
     /// Loads a row from memory.
-    fn load(token: Self::Token, row: &Self::Row) -> Self;
+    #[inline(always)]
+    fn load(token: Self::Token, row: &Self::Row) -> Self {
+        Self::from_slice(token, row.as_ref())
+    }
 
     /// Loads the first [`Real::LANES`] of `values`.
     fn from_slice(token: Self::Token, values: &[f32]) -> Self;
@@ -274,11 +277,6 @@ impl Single for f32 {
     #[inline(always)]
     fn splat((): (), value: f32) -> Self {
         value
-    }
-
-    #[inline(always)]
-    fn load((): (), [value]: &[f32; 1]) -> Self {
-        *value
     }
 
     #[inline(always)]

@@ -62,35 +62,61 @@ impl Level {
     }
 }
 
-/// Work that is compiled once for each level.
-pub trait Kernel {
-    /// The result.
-    type Output;
-
-    /// Runs the kernel. Mark this and every function on its hot path `#[inline(always)]`: code is
-    /// compiled with the instructions of the function that it is inlined into.
-    fn run<S: Lanes>(self, simd: S) -> Self::Output;
+/// Evaluates an expression with the instructions of a level; in it `$simd` is the proof that the
+/// processor has them. It is compiled once for each level, so it is best a call of one function. Mark
+/// that and every function on its hot path `#[inline(always)]`: code is compiled with the instructions
+/// of the function that it is inlined into.
+#[macro_export]
+macro_rules! at_level {
+    ($level:expr, $simd:ident => $value:expr) => {
+        match $level {
+            #[cfg(all(any(target_arch = "x86", target_arch = "x86_64"), not(fuzzing)))]
+            ::fearless_simd::Level::Sse4_2($simd) => $crate::at_level!(@ $simd, $value),
+            #[cfg(all(any(target_arch = "x86", target_arch = "x86_64"), not(fuzzing)))]
+            ::fearless_simd::Level::Sse2($simd) => $crate::at_level!(@ $simd, $value),
+            #[cfg(not(any(target_arch = "x86", target_arch = "x86_64", target_arch = "aarch64",)))]
+            ::fearless_simd::Level::Fallback($simd) => $crate::at_level!(@ $simd, $value),
+            level => $crate::at_wide_level!(level, $simd => $value),
+        }
+    };
+    (@ $simd:ident, $value:expr) => {
+        ::fearless_simd::Simd::vectorize(
+            $simd,
+            #[inline(always)]
+            move || $value,
+        )
+    };
 }
 
-/// Runs `kernel` with the instructions of `level`.
-#[inline]
-#[allow(unreachable_patterns, reason = "which levels there are depends on the target")]
-pub fn dispatch<K: Kernel>(level: fearless_simd::Level, kernel: K) -> K::Output {
-    if is_wide(level) || cfg!(fuzzing) {
-        return dispatch_wide(level, kernel);
-    }
-    match level {
-        #[cfg(all(any(target_arch = "x86", target_arch = "x86_64"), not(fuzzing)))]
-        fearless_simd::Level::Sse4_2(simd) => run(simd, kernel),
-        #[cfg(all(any(target_arch = "x86", target_arch = "x86_64"), not(fuzzing)))]
-        fearless_simd::Level::Sse2(simd) => run(simd, kernel),
-        #[cfg(not(any(target_arch = "x86", target_arch = "x86_64", target_arch = "aarch64",)))]
-        fearless_simd::Level::Fallback(simd) => run(simd, kernel),
-        _ => unreachable!("the target has no other level"),
-    }
+/// As [`at_level`], compiled only for wide levels ([`is_wide`](math::simd::is_wide)): those with vectors
+/// of eight numbers, and the one level of other targets.
+#[macro_export]
+macro_rules! at_wide_level {
+    ($level:expr, $simd:ident => $value:expr) => {
+        match $crate::math::simd::compiled($level) {
+            #[cfg(all(any(target_arch = "x86", target_arch = "x86_64"), not(fuzzing)))]
+            ::fearless_simd::Level::Avx512($simd) => $crate::at_level!(@ $simd, $value),
+            #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+            ::fearless_simd::Level::Avx2($simd) => $crate::at_level!(@ $simd, $value),
+            #[cfg(target_arch = "aarch64")]
+            ::fearless_simd::Level::Neon($simd) => $crate::at_level!(@ $simd, $value),
+            _ => unreachable!("the kernel is not compiled for this level"),
+        }
+    };
 }
 
-/// Whether [`dispatch_wide`] has code for the level.
+/// The level whose code runs at this one. Fuzzers use one level: with sanitizers, each level takes longer
+/// to compile than all levels without.
+#[inline(always)]
+pub fn compiled(level: fearless_simd::Level) -> fearless_simd::Level {
+    #[cfg(all(fuzzing, target_arch = "x86_64"))]
+    if let Some(avx2) = fearless_simd::Level::new().as_avx2() {
+        return fearless_simd::Level::Avx2(avx2);
+    }
+    level
+}
+
+/// Whether [`at_wide_level`](crate::at_wide_level) has code for the level.
 #[inline]
 #[allow(unreachable_patterns, reason = "which levels there are depends on the target")]
 pub fn is_wide(level: fearless_simd::Level) -> bool {
@@ -103,35 +129,13 @@ pub fn is_wide(level: fearless_simd::Level) -> bool {
     }
 }
 
-/// As [`dispatch`], for kernels compiled only for wide levels ([`is_wide`]): those with vectors of
-/// eight numbers, and the one level of other targets.
-#[inline]
-#[allow(unreachable_patterns, reason = "which levels there are depends on the target")]
-pub fn dispatch_wide<K: Kernel>(level: fearless_simd::Level, kernel: K) -> K::Output {
-    // Fuzzers use one level: with sanitizers, each level takes longer to compile than all levels
-    // without.
-    #[cfg(all(fuzzing, target_arch = "x86_64"))]
-    if let Some(simd) = fearless_simd::Level::new().as_avx2() {
-        return run(simd, kernel);
-    }
-    match level {
-        #[cfg(all(any(target_arch = "x86", target_arch = "x86_64"), not(fuzzing)))]
-        fearless_simd::Level::Avx512(simd) => run(simd, kernel),
-        #[cfg(all(any(target_arch = "x86", target_arch = "x86_64"), not(fuzzing)))]
-        fearless_simd::Level::Avx2(simd) => run(simd, kernel),
-        #[cfg(target_arch = "aarch64")]
-        fearless_simd::Level::Neon(simd) => run(simd, kernel),
-        _ => unreachable!("the kernel is not compiled for this level"),
-    }
-}
-
 /// Work over numbers of any width, compiled for eight lanes at each wide level ([`is_wide`]) and
 /// for single values.
 pub trait AnyWidth {
     /// The result.
     type Output;
 
-    /// Runs the work. `#[inline(always)]`, as [`Kernel::run`].
+    /// Runs the work. `#[inline(always)]`, as for [`at_level`](crate::at_level).
     fn run<F: Single>(self, token: F::Token) -> Self::Output;
 }
 
@@ -139,18 +143,11 @@ pub trait AnyWidth {
 /// others.
 #[inline]
 pub fn dispatch_any_width<T: AnyWidth>(level: fearless_simd::Level, work: T) -> T::Output {
-    struct Eight<T>(T);
-
-    impl<T: AnyWidth> Kernel for Eight<T> {
-        type Output = T::Output;
-
-        #[inline(always)]
-        fn run<S: Lanes>(self, simd: S) -> T::Output {
-            self.0.run::<f32x8<S>>(simd)
-        }
+    if is_wide(level) {
+        at_wide_level!(level, simd => work.run::<f32x8<_>>(simd))
+    } else {
+        work.run::<f32>(())
     }
-
-    if is_wide(level) { dispatch_wide(level, Eight(work)) } else { work.run::<f32>(()) }
 }
 
 /// Runs `work` in a separate function with the instructions of `simd`, so that code with several
@@ -160,26 +157,8 @@ pub fn outlined<S: Lanes, R>(simd: S, work: impl FnOnce() -> R) -> R {
     simd.vectorize(work)
 }
 
-#[inline(always)]
-fn run<S: Lanes, K: Kernel>(simd: S, kernel: K) -> K::Output {
-    simd.vectorize(
-        #[inline(always)]
-        || kernel.run(simd),
-    )
-}
-
 /// The number of lanes of a kernel, whatever the width of a register.
 pub const LANES: usize = 8;
-
-/// The lanes whose bits are set, in order.
-#[inline(always)]
-pub fn lanes(mut bits: u32) -> impl Iterator<Item = usize> {
-    std::iter::from_fn(move || {
-        let lane = bits.trailing_zeros() as usize;
-        bits &= bits.wrapping_sub(1);
-        (lane < LANES).then_some(lane)
-    })
-}
 
 /// Operations of a level other than arithmetic.
 pub trait Lanes: Simd {
@@ -243,6 +222,29 @@ pub trait Lanes: Simd {
             count += 1;
         }
     }
+}
+
+/// The numbers of the bits that are 1, of the first `COUNT`, in rising order.
+#[inline(always)]
+pub fn set_bits<const COUNT: usize>(bits: impl Into<u64>) -> impl Iterator<Item = usize> {
+    struct SetBits<const COUNT: usize>(u64);
+
+    impl<const COUNT: usize> Iterator for SetBits<COUNT> {
+        type Item = usize;
+
+        #[inline(always)]
+        fn next(&mut self) -> Option<usize> {
+            if self.0 == 0 {
+                return None;
+            }
+            // The remainder proves to the compiler that the number is an index.
+            let number = self.0.trailing_zeros() as usize % COUNT;
+            self.0 &= self.0 - 1;
+            Some(number)
+        }
+    }
+
+    SetBits::<COUNT>(bits.into())
 }
 
 /// A stack entry: a child in the low bits and its entry distance in the high bits, so that entries

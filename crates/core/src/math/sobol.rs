@@ -83,28 +83,6 @@ mod tests {
         }
     }
 
-    /// Each bit of the permutation depends on lower bits only, and no two numbers map to the same
-    /// one.
-    #[test]
-    fn the_permutation_is_nested() {
-        for seed in (0..200).flat_map(seeds) {
-            for bit in 0..32 {
-                let (x, flipped) = (seed.rotate_left(7), seed.rotate_left(7) ^ (1 << bit));
-                let changed = permute(x, seed) ^ permute(flipped, seed);
-                assert_eq!(changed.trailing_zeros(), bit);
-            }
-        }
-    }
-
-    /// Without scrambling: the sequence as Sobol published it, in the order of the van der Corput sequence.
-    #[test]
-    fn the_directions_are_sobols() {
-        let first: Vec<f64> = (0..8)
-            .map(|i| f64::from(second_dimension(i).reverse_bits()) / 4_294_967_296.0)
-            .collect();
-        assert_eq!(first, [0.0, 0.5, 0.75, 0.25, 0.625, 0.125, 0.375, 0.875]);
-    }
-
     /// The mean over pixels of one point of the set is that of uniform numbers, and so is the covariance.
     #[test]
     fn every_point_is_uniform() {

@@ -13,7 +13,7 @@ use crate::counters::Counters;
 use crate::geometry::ShadingKind;
 use crate::kernels::shade::mirror_request;
 use crate::kernels::{Arithmetic, Differential, ShadingPoint, Transparency};
-use crate::math::{AnyWidth, LANES, Line, Mask, Single, Vector, dispatch_any_width, lanes};
+use crate::math::{AnyWidth, LANES, Line, Mask, Single, Vector, dispatch_any_width, set_bits};
 use crate::plan::schedule::Step;
 use crate::prepared::{Branch, Face, Group, LookUps, MediumStack, PathState, PreparedScene};
 use crate::tile::{PassClock, TimedPass};
@@ -266,7 +266,8 @@ impl<P: Arithmetic> Shade<'_, P> {
                 );
                 let asked = next.asked.bits();
                 self.counters.look_ups.footprints += u64::from(asked.count_ones());
-                lanes(asked).for_each(|lane| self.batch.push_differential(mirrored.lane(lane)));
+                set_bits::<LANES>(asked)
+                    .for_each(|lane| self.batch.push_differential(mirrored.lane(lane)));
             }
         }
     }
@@ -281,7 +282,7 @@ impl<P: Arithmetic> Shade<'_, P> {
         (points, mut throughputs): (&ShadingPoint<F>, Vector<F>),
         look_ups: &mut LookUps,
     ) -> Vector<F> {
-        for lane in lanes(group.used) {
+        for lane in set_bits::<LANES>(group.used) {
             let i = group.faces[lane].ray as usize;
             let (ray, hit) = (self.batch.ray(i), self.batch.hits.hit[i]);
             let (throughput, state) = (throughputs.lane(lane), self.state(i));
@@ -320,7 +321,7 @@ impl<P: Arithmetic> Shade<'_, P> {
             radiance.store(first, radiance.load(light.x.token(), first) + light);
             return;
         }
-        for lane in lanes(used) {
+        for lane in set_bits::<LANES>(used) {
             radiance.add(path[lane] as usize, light.lane(lane));
         }
     }
@@ -328,7 +329,7 @@ impl<P: Arithmetic> Shade<'_, P> {
     /// Appends the states of the lanes with a mirror ray that have bounces left. Returns these lanes.
     #[inline(never)]
     fn mirror_states(&mut self, rays: &[u32; LANES], asked: u32) -> u32 {
-        lanes(asked).fold(0, |kept, lane| {
+        set_bits::<LANES>(asked).fold(0, |kept, lane| {
             let state = self.state(rays[lane] as usize);
             if state.bounces >= self.scene.bounces {
                 return kept;

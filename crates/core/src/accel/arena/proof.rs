@@ -5,8 +5,8 @@ use std::collections::VecDeque;
 use rayon::prelude::*;
 
 use super::{
-    Kind, NODE_UNITS, Node, PATCH_UNITS, Patch, Ref, SOUP_UNITS, Soup, TreeContents, Unit,
-    absolute, list_units,
+    Kind, NODE_UNITS, Node, PATCH_UNITS, Patch, Ref, SOUP_UNITS, Soup, TreeContents, Unit, base,
+    list_units,
 };
 use crate::counters::each;
 
@@ -103,7 +103,7 @@ fn children(node: &Node, place: Ref, mut hand_on: impl FnMut(Ref)) -> Option<()>
         if (relative >> 2) < NODE_UNITS as u32 {
             return None;
         }
-        hand_on(Ref(absolute(relative, place)?));
+        hand_on(Ref(relative.checked_add(base(place))?));
     }
     // No ray meets the other lanes, but even if one did it would stay within the arena.
     unused.iter().all(|&child| child == 0).then_some(())

@@ -1,8 +1,8 @@
 //! Builds a tree in chunks: each is built, converted and copied to its place while it is in a core's
-//! cache, and one small hierarchy joins them.
+//! cache. One hierarchy above the parts of all joins them, improved by reinsertion, and converted as if
+//! there were no chunks.
 //!
-//! That hierarchy, above the parts of all chunks, is improved by reinsertion and converted as if there
-//! were no chunks. The tree is the same for any number of threads, but for the order of the chunks in memory.
+//! The tree is the same for any number of threads, but for the order of the chunks in memory.
 
 use std::ops::Range;
 use std::sync::atomic::AtomicU32;
@@ -22,6 +22,9 @@ use crate::geometry::Geometry;
 use crate::kernels::Aabb;
 use crate::math::LANES;
 use wavecrest_base::progress;
+
+/// The share of the nodes above the parts that is reinserted at a time: more gained nothing.
+const REINSERTED: f32 = 0.2;
 
 /// Builds the tree; there is none over nothing, nor over a scene that needs more room than `cut`
 /// gives.
@@ -87,9 +90,6 @@ fn joined(
     let (arena, census) = Arena::new(units, numbers, place)?;
     Some(Tree { arena, root: Some(Root { place, bounds }), census, ..Tree::default() })
 }
-
-/// The share of the nodes above the parts that is reinserted at a time: more gained nothing.
-const REINSERTED: f32 = 0.2;
 
 /// The nodes that join the chunks' parts, to be placed up to unit `end`; and the kind of the first
 /// with its box.

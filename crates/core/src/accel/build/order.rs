@@ -39,7 +39,8 @@ pub(super) struct Chunks {
 /// A box around everything that `geometry` holds itself.
 pub(super) fn extents(geometry: &Geometry) -> Aabb {
     let quadrics = geometry.quadrics.par_iter().map(Quadric::bounds);
-    around(geometry.positions.par_iter().copied().map(point)).union(around(quadrics))
+    around(geometry.positions.par_iter().map(|&point| Aabb::around([point])))
+        .union(around(quadrics))
 }
 
 /// Orders the entries that can be hit, all but triangles without area, and cuts them into chunks of
@@ -173,8 +174,9 @@ impl EntryOrder<'_> {
             return vec![(run, bounds)];
         }
         let own = &entries[run.clone()];
-        let center =
-            |entry: &AtomicU32| point(middle(&self.geometry.box_of(entry.load(Ordering::Relaxed))));
+        let center = |entry: &AtomicU32| {
+            Aabb::around([middle(&self.geometry.box_of(entry.load(Ordering::Relaxed)))])
+        };
         let centers = around(own.par_iter().map(center));
         if centers.low == centers.high {
             let ends = run.clone().step_by(self.most);
@@ -208,10 +210,6 @@ fn cut(starts: &[usize], cells: Range<usize>, most: usize, runs: &mut Vec<Range<
 /// A box around all.
 fn around(boxes: impl ParallelIterator<Item = Aabb>) -> Aabb {
     boxes.fold(|| Aabb::EMPTY, Aabb::union).reduce(|| Aabb::EMPTY, Aabb::union)
-}
-
-fn point(low: Vec3) -> Aabb {
-    Aabb { low, high: low }
 }
 
 /// The centre of the box.

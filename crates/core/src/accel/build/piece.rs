@@ -186,7 +186,7 @@ impl Piece {
 fn cut_off(bvh: &Bvh2, converter: &Converter, parts: usize) -> Vec<u32> {
     let area = |place: u32| bvh.nodes[place as usize].aabb().half_area();
     let mut open = vec![(area(0), 0)];
-    let mut cut = Vec::new();
+    let (mut cut, mut children) = (Vec::new(), Vec::new());
     while open.len() + cut.len() < parts && !open.is_empty() {
         // Few enough to find the largest by a linear search.
         let larger = |a: usize, b: usize| if open[b].0 > open[a].0 { b } else { a };
@@ -195,8 +195,8 @@ fn cut_off(bvh: &Bvh2, converter: &Converter, parts: usize) -> Vec<u32> {
         if converter.is_leaf(place) {
             cut.push(place);
         } else {
-            let children = converter.children(bvh, place);
-            open.extend(children.places().iter().map(|&child| (area(child), child)));
+            converter.children(bvh, place, &mut children);
+            open.extend(children.iter().map(|&child| (area(child as u32), child as u32)));
         }
     }
     cut.extend(open.iter().map(|&(_, place)| place));

@@ -105,11 +105,12 @@ fn check_leaves(tree: &Tree, geometry: &Geometry) {
     for_each_leaf(tree, geometry, |bounds, numbers| {
         for number in numbers {
             leaves[number as usize] += 1;
+            let is_around = |own: Aabb| bounds.union(own) == *bounds;
             let is_within = match geometry.primitive(number) {
-                Primitive::Quad(i) => quad::halves(&geometry.quad(i))
-                    .iter()
-                    .any(|&half| bounds.contains(&Aabb::around(half))),
-                _ => bounds.contains(&geometry.bounds(number)),
+                Primitive::Quad(i) => {
+                    quad::halves(&geometry.quad(i)).into_iter().map(Aabb::around).any(is_around)
+                }
+                _ => is_around(geometry.bounds(number)),
             };
             assert!(is_within, "{number}");
         }

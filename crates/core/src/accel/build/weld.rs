@@ -45,16 +45,3 @@ fn hash(bits: [u32; 3]) -> u64 {
         |h: u64, &x: &u32| (h ^ u64::from(x)).wrapping_mul(0x9E37_79B9_7F4A_7C15).rotate_left(29);
     bits.iter().fold(0, mix)
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn equal_positions_become_the_first_vertex_and_no_others_do() {
-        let positions = [Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::X, Vec3::Y, Vec3::Z, -Vec3::ZERO];
-        let mut triangles = [[0, 1, 2], [3, 4, 5], [6, 1, 4]];
-        Welder::default().weld(&positions, triangles.iter_mut(), 3);
-        assert_eq!(triangles, [[0, 1, 2], [1, 2, 5], [6, 1, 2]]);
-    }
-}

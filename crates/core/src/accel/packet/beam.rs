@@ -3,7 +3,7 @@
 use fearless_simd::prelude::*;
 use fearless_simd::{f32x8, f32x16, mask32x8, mask32x16};
 
-use super::columns::{GROUPS, TileColumn, WIDTH, load};
+use super::columns::{GROUPS, Spans, TileColumn, WIDTH, load};
 use crate::accel::rays::RayLanes;
 use crate::accel::{Node, widened};
 use crate::kernels::Aabb;
@@ -13,8 +13,7 @@ use crate::math::{LANES, Lanes};
 
 /// Bounds on the rays seen so far.
 pub(super) struct Extents<S: Lanes> {
-    low: RayLanes<S>,
-    high: RayLanes<S>,
+    components: Spans<S, 8>,
     valid: mask32x16<S>,
 }
 
@@ -22,42 +21,24 @@ impl<S: Lanes> Extents<S> {
     #[inline(always)]
     pub(super) fn new(simd: S) -> Self {
         let all = |v: f32| f32x16::splat(simd, v);
-        let rays = |v: f32| RayLanes {
-            origin: [all(v), all(v), all(v)],
-            direction: [all(v), all(v), all(v)],
-            t_min: all(v),
-            t_max: all(v),
-        };
-        let valid = all(0.0).simd_eq(all(0.0));
-        Self { low: rays(f32::INFINITY), high: rays(f32::NEG_INFINITY), valid }
+        Self { components: Spans::none(simd), valid: all(0.0).simd_eq(all(0.0)) }
     }
 
     #[inline(always)]
     pub(super) fn add(&mut self, rays: &RayLanes<S>) {
-        let [ox, oy, oz] = rays.origin;
-        let [dx, dy, dz] = rays.direction;
-        for k in 0..3 {
-            let (origin, direction) = (rays.origin[k], rays.direction[k]);
-            self.low.origin[k] = self.low.origin[k].min(origin);
-            self.high.origin[k] = self.high.origin[k].max(origin);
-            self.low.direction[k] = self.low.direction[k].min(direction);
-            self.high.direction[k] = self.high.direction[k].max(direction);
-        }
-        self.low.t_min = self.low.t_min.min(rays.t_min);
-        self.high.t_min = self.high.t_min.max(rays.t_min);
-        self.low.t_max = self.low.t_max.min(rays.t_max);
-        self.high.t_max = self.high.t_max.max(rays.t_max);
+        let &[ox, oy, oz, t_min, dx, dy, dz, t_max] = rays;
+        self.components.add(rays);
         // A sum is finite only if all its terms are. Rays for which it overflows count as unfit,
         // which costs only time.
         let sum = ((ox + oy) + (oz + dx)) + (dy + dz);
-        self.valid &= sum.abs().simd_le(f32::MAX) & rays.t_min.simd_le(rays.t_max);
+        self.valid &= sum.abs().simd_le(f32::MAX) & t_min.simd_le(t_max);
     }
 
     /// Bounds on the rays, if they are valid and have one sign along each axis.
     #[inline(always)]
     pub(super) fn beam(&self) -> Option<Beam> {
-        let low = fold::<S, false>(&self.low);
-        let high = fold::<S, true>(&self.high);
+        let low = fold::<S, false>(&self.components.0);
+        let high = fold::<S, true>(&self.components.1);
         let [ox, oy, oz, x, y, z, t_min, t_max] = pairs(low, high);
         if !(self.valid.all_true() && is_one_sign(x) && is_one_sign(y) && is_one_sign(z)) {
             return None;
@@ -103,11 +84,10 @@ fn pairs(low: [f32; 8], high: [f32; 8]) -> [[f32; 2]; 8] {
 /// The smallest or largest of each component of origins, directions and ranges.
 #[inline(always)]
 fn fold<S: Lanes, const GREATEST: bool>(rays: &RayLanes<S>) -> [f32; 8] {
-    let [ox, oy, oz] = rays.origin;
-    let [dx, dy, dz] = rays.direction;
+    let &[ox, oy, oz, t_min, dx, dy, dz, t_max] = rays;
     // Each step merges two into one, interleaved.
-    let (a, b) = (both::<S, GREATEST>(ox, dy), both::<S, GREATEST>(oz, rays.t_min));
-    let (c, d) = (both::<S, GREATEST>(oy, dz), both::<S, GREATEST>(dx, rays.t_max));
+    let (a, b) = (both::<S, GREATEST>(ox, dy), both::<S, GREATEST>(oz, t_min));
+    let (c, d) = (both::<S, GREATEST>(oy, dz), both::<S, GREATEST>(dx, t_max));
     let (even, odd) = (both::<S, GREATEST>(a, b), both::<S, GREATEST>(c, d));
     let (left, right) = both::<S, GREATEST>(even, odd).split();
     if GREATEST { left.max(right).into() } else { left.min(right).into() }

@@ -4,7 +4,7 @@ use fearless_simd::prelude::*;
 use fearless_simd::{f32x8, f32x16};
 
 use super::TILE;
-use crate::math::{Lanes, Single};
+use crate::math::{Lanes, Single, set_bits};
 
 /// Rays tested at a time.
 pub(super) const WIDTH: usize = 16;
@@ -36,12 +36,8 @@ pub(super) fn first(count: usize) -> u64 {
 
 /// The numbers of `rays`, a bit each, of the block that starts at `block`.
 #[inline(always)]
-pub(super) fn numbers(block: usize, mut rays: u64) -> impl Iterator<Item = usize> {
-    std::iter::from_fn(move || {
-        let i = rays.trailing_zeros() as usize;
-        rays &= rays.wrapping_sub(1);
-        (i < TILE).then(|| block + number_of(i))
-    })
+pub(super) fn numbers(block: usize, rays: u64) -> impl Iterator<Item = usize> {
+    set_bits::<TILE>(rays).map(move |i| block + number_of(i))
 }
 
 /// A group's row of a column.
@@ -54,4 +50,26 @@ pub(super) fn load<S: Lanes>(simd: S, column: &TileColumn, g: usize) -> f32x16<S
 #[inline(always)]
 pub(super) fn half<S: Lanes>(simd: S, column: &TileColumn, g: usize, l: usize) -> f32x8<S> {
     <f32x8<S> as Single>::from_slice(simd, &column[g][l..])
+}
+
+/// The smallest and the largest so far of each of some numbers.
+#[derive(Clone, Copy)]
+pub(super) struct Spans<S: Lanes, const N: usize>(
+    pub(super) [f32x16<S>; N],
+    pub(super) [f32x16<S>; N],
+);
+
+impl<S: Lanes, const N: usize> Spans<S, N> {
+    #[inline(always)]
+    pub(super) fn none(simd: S) -> Self {
+        let [high, low] = [f32::INFINITY, f32::NEG_INFINITY];
+        Self([f32x16::splat(simd, high); N], [f32x16::splat(simd, low); N])
+    }
+
+    #[inline(always)]
+    pub(super) fn add(&mut self, numbers: &[f32x16<S>; N]) {
+        for ((low, high), &v) in self.0.iter_mut().zip(&mut self.1).zip(numbers) {
+            (*low, *high) = (low.min(v), high.max(v));
+        }
+    }
 }

@@ -38,7 +38,7 @@ use fearless_simd::f32x16;
 use fearless_simd::prelude::*;
 
 use super::beam::greatest;
-use super::columns::{GROUPS, TileColumn, WIDTH, load};
+use super::columns::{GROUPS, Spans, TileColumn, WIDTH, load};
 use crate::kernels::triangle::filter::ORDERS;
 use crate::math::Lanes;
 use crate::math::float::max;
@@ -80,33 +80,14 @@ struct Sizes {
     origin: f32,
 }
 
-/// The smallest and largest components of vectors so far.
-#[derive(Clone, Copy)]
-struct Spans<S: Lanes>([f32x16<S>; 3], [f32x16<S>; 3]);
-
-impl<S: Lanes> Spans<S> {
-    #[inline(always)]
-    fn none(simd: S) -> Self {
-        let [high, low] = [f32::INFINITY, f32::NEG_INFINITY];
-        Self([f32x16::splat(simd, high); 3], [f32x16::splat(simd, low); 3])
-    }
-
-    #[inline(always)]
-    fn add(&mut self, vectors: &[f32x16<S>; 3]) {
-        for ((low, high), &v) in self.0.iter_mut().zip(&mut self.1).zip(vectors) {
-            (*low, *high) = (low.min(v), high.max(v));
-        }
-    }
-
-    #[inline(always)]
-    fn ends(&self) -> [[f32; 2]; 3] {
-        let Self([x, y, z], [u, v, w]) = self;
-        [
-            [x.reduce_min(), u.reduce_max()],
-            [y.reduce_min(), v.reduce_max()],
-            [z.reduce_min(), w.reduce_max()],
-        ]
-    }
+/// The smallest and largest components.
+#[inline(always)]
+fn ends<S: Lanes>(Spans([x, y, z], [u, v, w]): &Spans<S, 3>) -> [[f32; 2]; 3] {
+    [
+        [x.reduce_min(), u.reduce_max()],
+        [y.reduce_min(), v.reduce_max()],
+        [z.reduce_min(), w.reduce_max()],
+    ]
 }
 
 impl Frame {
@@ -139,7 +120,7 @@ impl Frame {
             }
             directions.add(&d);
         }
-        self.directions = directions.ends();
+        self.directions = ends(&directions);
         let [qx, qy, qz] = self.directions.map(greatest);
         let sideways = max(qx, qy);
         let direction = max(sideways, qz);
@@ -163,9 +144,9 @@ impl Frame {
             origins.add(&o);
             moments.add(&m);
         }
-        let [ox, oy, oz] = origins.ends().map(greatest);
+        let [ox, oy, oz] = ends(&origins).map(greatest);
         self.sizes.origin = max(ox, oy) + oz;
-        self.moments = moments.ends();
+        self.moments = ends(&moments);
     }
 
     /// A group's vectors relative to `from`, in the frame.

@@ -12,7 +12,7 @@ use crate::geometry::Primitive;
 use crate::kernels::Arithmetic;
 use crate::kernels::triangle::exact;
 use crate::kernels::triangle::settle::{self, Settled};
-use crate::math::{LANES, Lanes, Mask, Real, Single, outlined};
+use crate::math::{LANES, Lanes, Mask, Real, Single, outlined, set_bits};
 
 /// Up to this many rays are tested one by one, each with eight triangles.
 const ALONE: u32 = 6;
@@ -37,12 +37,10 @@ impl<S: Lanes, Q: Query, P: Arithmetic> TileBatch<'_, S, Q, P> {
 
     /// Tests the rays one by one. Returns whether any has a closer hit.
     #[inline(always)]
-    fn test_alone(&mut self, tile: &mut RayTile, place: Ref, mut rays: u64) -> bool {
+    fn test_alone(&mut self, tile: &mut RayTile, place: Ref, rays: u64) -> bool {
         let arena = self.searched.tree.arena.view();
         let mut is_closer = false;
-        while rays != 0 {
-            let i = rays.trailing_zeros() as usize % TILE;
-            rays &= rays - 1;
+        for i in set_bits::<TILE>(rays) {
             let (ray, space) = (tile.ray(i), tile.space(i));
             let mut best = tile.best(i);
             let hits =
@@ -91,11 +89,8 @@ impl<S: Lanes, Q: Query, P: Arithmetic> TileBatch<'_, S, Q, P> {
         }
         tile.frame(self.simd);
         let prepared = tile.frame.prepare::<S, P>(self.simd, arena, place, used);
-        let mut triangles = prepared.some;
         let mut is_closer = false;
-        while triangles != 0 {
-            let triangle = triangles.trailing_zeros() as usize % LANES;
-            triangles &= triangles - 1;
+        for triangle in set_bits::<LANES>(prepared.some) {
             for g in 0..GROUPS {
                 let mut active = rays;
                 if Q::ANY {
@@ -116,12 +111,11 @@ impl<S: Lanes, Q: Query, P: Arithmetic> TileBatch<'_, S, Q, P> {
                     continue;
                 }
                 let at = (g, (place, triangle));
-                let (has_hits, mut open) =
+                let (has_hits, open) =
                     tile.take::<S, Q, P>(self.simd, self.searched, at, &met, self.tests);
                 is_closer |= has_hits;
-                while open != 0 {
-                    let ray = g * WIDTH + open.trailing_zeros() as usize;
-                    open &= open - 1;
+                for lane in set_bits::<WIDTH>(open) {
+                    let ray = g * WIDTH + lane;
                     is_closer |= self.leave_open(tile, ray, (place, triangle));
                 }
             }
@@ -267,16 +261,14 @@ impl RayTile {
         &self,
         searched: Searched<'_>,
         (g, (leaf, entry)): (usize, (Ref, usize)),
-        mut hits: u32,
+        hits: u32,
         low: [f32; WIDTH],
         tests: &mut TestCounts,
     ) -> u32 {
         let number = searched.tree.arena.view().number_of(leaf, entry);
         let Some(cutout) = searched.geometry.cutouts.of(number) else { return hits };
         let mut opaque = 0;
-        while hits != 0 {
-            let lane = hits.trailing_zeros() as usize % WIDTH;
-            hits &= hits - 1;
+        for lane in set_bits::<WIDTH>(hits) {
             let (ray, t) = (self.ray(g * WIDTH + lane), low[lane]);
             let is_hole = searched.geometry.is_hole_of::<P>(cutout, number, &ray, t, tests);
             opaque |= u32::from(!is_hole) << lane;
@@ -336,12 +328,10 @@ fn ask_each<Q: Query, P: Arithmetic>(
     tile: &mut RayTile,
     number: u32,
     (place, entry): (Ref, usize),
-    mut rays: u64,
+    rays: u64,
     tests: &mut TestCounts,
 ) {
-    while rays != 0 {
-        let i = rays.trailing_zeros() as usize % TILE;
-        rays &= rays - 1;
+    for i in set_bits::<TILE>(rays) {
         if let Some(t) = searched.geometry.meet::<P>(number, &tile.ray(i), tests) {
             tile.offer::<Q, P>(searched, i, Best::in_leaf(place, entry, [t, t]), tests);
         }

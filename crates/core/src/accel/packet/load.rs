@@ -67,12 +67,14 @@ impl RayTile {
 
     #[inline(always)]
     fn set<S: Lanes>(&mut self, g: usize, lanes: &RayLanes<S>) {
+        let &[ox, oy, oz, t_min, dx, dy, dz, t_max] = lanes;
+        let (origin, direction) = ([ox, oy, oz], [dx, dy, dz]);
         for k in 0..3 {
-            self.origin[k][g] = lanes.origin[k].into();
-            self.direction[k][g] = lanes.direction[k].into();
+            self.origin[k][g] = origin[k].into();
+            self.direction[k][g] = direction[k].into();
         }
-        self.t_min[g] = lanes.t_min.into();
-        self.t_max[g] = lanes.t_max.into();
+        self.t_min[g] = t_min.into();
+        self.t_max[g] = t_max.into();
     }
 
     /// Those of `rays` whose directions have the signs of the first one's.
@@ -103,12 +105,10 @@ impl RayTile {
             };
             let ([ox, oy, oz], [dx, dy, dz]) = (&self.origin, &self.direction);
             let (o, d) = (ray.origin, ray.direction);
-            let lanes = RayLanes {
-                origin: [pick(ox, o.x), pick(oy, o.y), pick(oz, o.z)],
-                direction: [pick(dx, d.x), pick(dy, d.y), pick(dz, d.z)],
-                t_min: pick(&self.t_min, ray.t_min),
-                t_max: pick(&self.t_max, ray.t_max),
-            };
+            let (t_min, t_max) = (pick(&self.t_min, ray.t_min), pick(&self.t_max, ray.t_max));
+            let [ox, oy, oz] = [pick(ox, o.x), pick(oy, o.y), pick(oz, o.z)];
+            let [dx, dy, dz] = [pick(dx, d.x), pick(dy, d.y), pick(dz, d.z)];
+            let lanes = [ox, oy, oz, t_min, dx, dy, dz, t_max];
             self.set(g, &lanes);
             extents.add(&lanes);
         }

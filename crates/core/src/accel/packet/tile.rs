@@ -8,11 +8,13 @@ use super::columns::{half, numbers};
 use super::frame::Frame;
 use super::{Beam, GROUPS, TILE, TileColumn, Visit, WIDTH, load, number_of};
 use crate::accel::best::exact_t;
+use crate::accel::query::ANY_HIT;
 use crate::accel::{ArenaView, Best, Hit, NO_PRIMITIVE, Query, Ref, Searched, widened};
 use crate::counters::TestCounts;
+use crate::geometry::Quadric;
 use crate::kernels::triangle::settle;
 use crate::kernels::{Arithmetic, ShearedSpace};
-use crate::math::{LANES, Lanes, Line, Mask, Ray, Single, Vector, lanes};
+use crate::math::{LANES, Lanes, Line, Mask, Ray, Real, Single, Vector, set_bits};
 
 /// A tile's rays, in columns. The order of fields keeps vectors within cache lines.
 #[derive(Clone, Debug, Default)]
@@ -143,6 +145,54 @@ impl RayTile {
         }
     }
 
+    /// Tests the quadric of an entry in a list against some `rays`, a bit each, eight at a time.
+    #[inline(always)]
+    pub(super) fn meet_quadric<S: Lanes, Q: Query, P: Arithmetic>(
+        &mut self,
+        simd: S,
+        searched: Searched<'_>,
+        quadric: &Quadric,
+        (place, entry): (Ref, usize),
+        rays: u64,
+        tests: &mut TestCounts,
+    ) {
+        quadric.count(tests, rays.count_ones());
+        let certain = Q::ANY && searched.geometry.cutouts.is_empty();
+        for first in (0..TILE).step_by(LANES) {
+            let used = (rays >> first) as u32 & 0xFF;
+            if used == 0 {
+                continue;
+            }
+            let (g, l) = (first / WIDTH % GROUPS, first % WIDTH);
+            let range = [half(simd, &self.t_min, g, l), half(simd, &self.t_max, g, l)];
+            let (t, is_hit) = quadric.meet::<_, P>(&self.line(simd, g, l), range);
+            let mut hits = is_hit.bits() & used;
+            if certain {
+                self.done |= u64::from(hits) << first;
+                continue;
+            }
+            hits &= Real::le(t, half(simd, &self.high, g, l)).bits();
+            for lane in set_bits::<LANES>(hits) {
+                let hit = Best::in_leaf(place, entry, [t.lane(lane); 2]);
+                self.offer::<Q, P>(searched, first + lane, hit, tests);
+            }
+        }
+    }
+
+    /// Half a group's rays, from `l` on.
+    #[inline(always)]
+    fn line<S: Lanes>(&self, simd: S, g: usize, l: usize) -> Line<f32x8<S>> {
+        let ([ox, oy, oz], [dx, dy, dz]) = (&self.origin, &self.direction);
+        Line {
+            origin: Vector::new(half(simd, ox, g, l), half(simd, oy, g, l), half(simd, oz, g, l)),
+            direction: Vector::new(
+                half(simd, dx, g, l),
+                half(simd, dy, g, l),
+                half(simd, dz, g, l),
+            ),
+        }
+    }
+
     /// Writes one answer for `rays` of its block, a bit each.
     #[inline(always)]
     pub(super) fn fill<A: Copy>(&self, rays: u64, answers: &mut [A], answer: A) {
@@ -164,8 +214,8 @@ impl RayTile {
     ) {
         let arena = tree.arena.view();
         if Q::ANY {
-            self.fill(self.rays & self.done, answers, Q::ANY_ANSWER);
-            self.fill(self.rays & !self.done, answers, Q::NONE);
+            self.fill(self.rays & self.done, answers, Q::answer(ANY_HIT));
+            self.fill(self.rays & !self.done, answers, Q::answer(Hit::MISS));
             return;
         }
         for first in (0..TILE).step_by(LANES) {
@@ -217,14 +267,9 @@ impl RayTile {
                 Vector::select(shared, Vector::splat(simd, c), corners[2]),
             ];
         }
-        let ([ox, oy, oz], [dx, dy, dz]) = (&self.origin, &self.direction);
-        let origin = Vector::new(half(simd, ox, g, l), half(simd, oy, g, l), half(simd, oz, g, l));
-        let direction =
-            Vector::new(half(simd, dx, g, l), half(simd, dy, g, l), half(simd, dz, g, l));
-        let line = Line { origin, direction };
-        let (found, is_known) = settle::t_of::<f32x8<S>>(&line, &corners);
+        let (found, is_known) = settle::t_of::<f32x8<S>>(&self.line(simd, g, l), &corners);
         let mut t: [f32; LANES] = <f32x8<S> as Single>::mask(simd, open).select(found, t).into();
-        for lane in lanes(open & !is_known.bits()) {
+        for lane in set_bits::<LANES>(open & !is_known.bits()) {
             let corners = corners.map(|corner| corner.lane(lane));
             t[lane] = exact_t(&self.ray(first + lane), &corners);
         }

@@ -1,25 +1,56 @@
-//! The rays of a stream: those that packets handed over, then those that no packet took.
+//! The rays that packets leave to the kernel in flight.
 
 use super::Slot;
-use crate::accel::{Best, Query, Rays, Root, distance};
+use crate::accel::{Best, Hit, Query, Rays, Root, distance};
 use crate::geometry::PreparedRay;
-use crate::math::entry;
+use crate::math::{Ray, entry};
 
-/// A place handed over with a ray, and the one before.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct HandedPlace {
-    pub(crate) entry: u64,
-    pub(crate) before: u32,
+/// The largest number of places handed over with a ray.
+pub(super) const MOST_HANDED: u32 = 24;
+
+/// In place of the place before a ray's first.
+const NO_PLACE: u32 = u32::MAX;
+
+/// Rays of a batch that packets hand over, with the places at which they continue.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct HandedRays {
+    pub(crate) queue: Vec<u32>,
+    /// For each ray of the batch its last place, and the number of places.
+    last: Vec<(u32, u32)>,
+    /// Each as on the stack of a ray, with the number of the ray's place before.
+    places: Vec<(u64, u32)>,
 }
 
-/// The rays of a batch that are still to be traced.
+impl HandedRays {
+    /// Forgets all rays, and makes room for those of a batch.
+    pub(crate) fn begin(&mut self, rays: usize) {
+        self.queue.clear();
+        self.places.clear();
+        self.last.clear();
+        self.last.resize(rays, (NO_PLACE, 0));
+    }
+
+    /// Adds a place to those of a ray. Returns whether there was room.
+    #[inline(always)]
+    pub(crate) fn add(&mut self, ray: usize, entry: u64) -> bool {
+        let (before, count) = self.last[ray];
+        if count == MOST_HANDED {
+            return false;
+        }
+        if count == 0 {
+            self.queue.push(ray as u32);
+        }
+        self.last[ray] = (self.places.len() as u32, count + 1);
+        self.places.push((entry, before));
+        true
+    }
+}
+
+/// The rays that packets handed over, then those that no packet took.
 pub(crate) struct RaySource<'a> {
     pub(crate) rays: Rays<'a>,
-    /// Those handed over, with the last place of each ray of the batch, and all places.
-    pub(crate) queue: &'a mut Vec<u32>,
-    pub(crate) last: &'a [(u32, u32)],
-    pub(crate) handed: &'a [HandedPlace],
-    /// The first of the others, which start from the root.
+    pub(crate) handed: &'a mut HandedRays,
+    /// The first of the rays that no packet took. They start at the root.
     pub(crate) next: usize,
     pub(crate) root: Root,
 }
@@ -34,22 +65,17 @@ impl RaySource<'_> {
         stack: &mut [u64],
         slot: &mut Slot,
     ) -> Option<usize> {
-        while let Some(number) = self.queue.pop() {
+        while let Some(number) = self.handed.queue.pop() {
             let number = number as usize;
-            let ray = self.rays.ray(number);
-            if !ray.is_valid() {
-                answers[number] = Q::NONE;
-                continue;
-            }
-            slot.ray = PreparedRay::new(&ray);
+            let Some(ray) = self.prepare::<Q>(number, answers, slot) else { continue };
             let Some(best) = Q::resume(answers[number], &ray) else { continue };
             let (mut entries, reach) = (0, slot.ray.slab.reach(best.high));
-            let mut place = self.last[number].0;
+            let mut place = self.handed.last[number].0;
             // From the farthest to the nearest, which comes last.
-            while let Some(handed) = self.handed.get(place as usize) {
-                stack[entries] = handed.entry;
-                entries += usize::from(distance(handed.entry) <= reach);
-                place = handed.before;
+            while let Some(&(entry, before)) = self.handed.places.get(place as usize) {
+                stack[entries] = entry;
+                entries += usize::from(distance(entry) <= reach);
+                place = before;
             }
             if entries > 0 {
                 slot.begin(number, best);
@@ -59,16 +85,28 @@ impl RaySource<'_> {
         while self.next < self.rays.count() {
             let number = self.next;
             self.next += 1;
-            let ray = self.rays.ray(number);
-            if !ray.is_valid() {
-                answers[number] = Q::NONE;
-                continue;
-            }
-            slot.ray = PreparedRay::new(&ray);
+            let Some(ray) = self.prepare::<Q>(number, answers, slot) else { continue };
             stack[0] = entry(f32::NEG_INFINITY, self.root.place.bits());
             slot.begin(number, Best::none(ray.t_max));
             return Some(1);
         }
         None
+    }
+
+    /// Prepares the ray with that number, or answers it, if it cannot be traced.
+    #[inline(always)]
+    fn prepare<Q: Query>(
+        &self,
+        number: usize,
+        answers: &mut [Q::Answer],
+        slot: &mut Slot,
+    ) -> Option<Ray> {
+        let ray = self.rays.ray(number);
+        if !ray.is_valid() {
+            answers[number] = Q::answer(Hit::MISS);
+            return None;
+        }
+        slot.ray = PreparedRay::new(&ray);
+        Some(ray)
     }
 }

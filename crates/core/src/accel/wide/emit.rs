@@ -27,24 +27,17 @@ impl Converter {
         Kind::Node
     }
 
-    /// The children of the wide node at `place`, the largest last: any-hit queries visit it first.
-    pub(crate) fn children(&self, tree: &Bvh2, place: u32) -> Children {
-        let mut children = Children::default();
-        self.share(tree, place, LANES, &mut children);
-        // The bits of positive floats have the order of their values.
-        let key = |place: u32| {
-            let area = tree.nodes[place as usize].aabb().half_area();
-            u64::from(area.to_bits()) << 32 | u64::from(place)
-        };
-        let mut keys = children.places.map(key);
-        keys[..children.count].sort_unstable();
-        children.places = keys.map(|key| key as u32);
-        children
+    /// Lists the children of the wide node at `place`, the largest last: any-hit queries visit it first.
+    /// Each is the place of a binary node, with its area above.
+    pub(crate) fn children(&self, tree: &Bvh2, place: u32, children: &mut Vec<u64>) {
+        children.clear();
+        self.share(tree, place, LANES, children);
+        children.sort_unstable();
     }
 
     /// Divides `slots` between both sides of a binary node in the cheapest way, and appends the
     /// resulting children.
-    fn share(&self, tree: &Bvh2, place: u32, slots: usize, children: &mut Children) {
+    fn share(&self, tree: &Bvh2, place: u32, slots: usize, children: &mut Vec<u64>) {
         let left = tree.nodes[place as usize].first_index;
         let (l, r) = (&self.best[left as usize].cost, &self.best[left as usize + 1].cost);
         let cost = |k: usize| l[k - 1] + r[slots - k - 1];
@@ -56,15 +49,16 @@ impl Converter {
     }
 
     /// Appends the children that the subtree at `place` becomes in `slots`.
-    fn gather(&self, tree: &Bvh2, place: u32, slots: usize, children: &mut Children) {
+    fn gather(&self, tree: &Bvh2, place: u32, slots: usize, children: &mut Vec<u64>) {
         let cost = &self.best[place as usize].cost;
         let mut slots = slots;
         while slots > 1 && cost[slots - 1] >= cost[slots - 2] {
             slots -= 1;
         }
         if slots == 1 {
-            children.places[children.count] = place;
-            children.count += 1;
+            // The bits of positive floats have the order of their values.
+            let area = tree.nodes[place as usize].aabb().half_area();
+            children.push(u64::from(area.to_bits()) << 32 | u64::from(place));
         } else {
             self.share(tree, place, slots, children);
         }
@@ -80,31 +74,10 @@ struct UnitWriter<'a, F> {
     output: &'a mut Output,
 }
 
-/// The children of a node.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Children {
-    places: [u32; LANES],
-    count: usize,
-}
-
-impl Children {
-    /// The children's places in the binary hierarchy.
-    pub(crate) fn places(&self) -> &[u32] {
-        &self.places[..self.count]
-    }
-}
-
-/// The triangles of a leaf.
-#[derive(Default)]
-struct LeafTriangles {
-    numbers: [u32; LANES],
-    corners: [[u32; 3]; LANES],
-    count: usize,
-}
-
 impl<'b, F: Fn(u32) -> Owner<'b>> UnitWriter<'_, F> {
     /// Writes an inner node and everything below.
     fn nodes(&mut self, root: u32) {
+        let mut children = Vec::with_capacity(LANES);
         // Waiting inner nodes, and the place of their parent's entry.
         let mut waiting = vec![(root, None::<(usize, usize)>)];
         while let Some((place, parent)) = waiting.pop() {
@@ -113,8 +86,8 @@ impl<'b, F: Fn(u32) -> Owner<'b>> UnitWriter<'_, F> {
             if let Some((parent, lane)) = parent {
                 self.node_mut(parent).children[lane] = relative(parent, unit, Kind::Node);
             }
-            let children = self.converter.children(self.tree, place);
-            self.node(unit, children.places(), &mut waiting);
+            self.converter.children(self.tree, place, &mut children);
+            self.node(unit, &children, &mut waiting);
         }
     }
 
@@ -122,11 +95,11 @@ impl<'b, F: Fn(u32) -> Owner<'b>> UnitWriter<'_, F> {
     fn node(
         &mut self,
         unit: usize,
-        children: &[u32],
+        children: &[u64],
         waiting: &mut Vec<(u32, Option<(usize, usize)>)>,
     ) {
         let mut node = Node { count: children.len() as u32, ..Node::EMPTY };
-        for (lane, &child) in children.iter().enumerate() {
+        for (lane, child) in children.iter().map(|&child| child as u32).enumerate() {
             let bounds = &self.tree.nodes[child as usize];
             for axis in 0..3 {
                 node.planes[axis][0][lane] = bounds.min[axis];
@@ -150,8 +123,9 @@ impl<'b, F: Fn(u32) -> Owner<'b>> UnitWriter<'_, F> {
     /// Writes the leaf that the subtree at `place` becomes, and returns its place and kind.
     fn leaf(&mut self, place: u32) -> (usize, Kind) {
         let start = self.output.units.len();
-        let mut triangles = LeafTriangles::default();
-        let (mut others, mut other_count) = ([0; LANES], 0);
+        // Triangles, or else primitives of other kinds.
+        let (mut numbers, mut corners) = ([0; LANES], [[0; 3]; LANES]);
+        let (mut count, mut is_list) = (0, false);
         // At most eight leaves are below, or this one alone.
         let mut waiting = [place; LANES + 1];
         let mut height = 1;
@@ -165,39 +139,39 @@ impl<'b, F: Fn(u32) -> Owner<'b>> UnitWriter<'_, F> {
                 continue;
             }
             match (self.owner)(self.tree.primitive_indices[node.first_index as usize]) {
-                Owner::Triangle(number, corners) => {
-                    triangles.numbers[triangles.count] = number;
-                    triangles.corners[triangles.count] = corners;
-                    triangles.count += 1;
+                Owner::Triangle(number, own) => {
+                    (numbers[count], corners[count]) = (number, own);
+                    count += 1;
                 }
                 Owner::Patch(shared, numbers) => {
                     self.patch(shared, numbers);
                     return (start, Kind::Patch);
                 }
                 Owner::Other(number) => {
-                    others[other_count] = number;
-                    other_count += 1;
+                    (numbers[count], is_list) = (number, true);
+                    count += 1;
                 }
                 Owner::Part(part) => return (part.unit, part.kind),
             }
         }
-        if other_count == 0 {
-            return (start, self.triangles(&triangles));
+        let numbers = &numbers[..count];
+        if !is_list {
+            return (start, self.triangles(numbers, &corners[..count]));
         }
-        self.output.list(&others[..other_count]);
+        self.output.list(numbers);
         (start, Kind::List)
     }
 
     /// A patch if the triangles have few vertices, else a soup.
-    fn triangles(&mut self, triangles: &LeafTriangles) -> Kind {
+    fn triangles(&mut self, numbers: &[u32], triangles: &[[u32; 3]]) -> Kind {
         let mut shared = SharedVertices::default();
-        for (lane, &corners) in triangles.corners[..triangles.count].iter().enumerate() {
+        for (lane, &corners) in triangles.iter().enumerate() {
             if !shared.add(lane, corners) {
-                self.soup(triangles);
+                self.soup(numbers, triangles);
                 return Kind::Soup;
             }
         }
-        self.patch(&shared, &triangles.numbers[..triangles.count]);
+        self.patch(&shared, numbers);
         Kind::Patch
     }
 
@@ -221,9 +195,9 @@ impl<'b, F: Fn(u32) -> Owner<'b>> UnitWriter<'_, F> {
         numbers.iter().map(|&number| u32::from(number >= first)).sum()
     }
 
-    fn soup(&mut self, triangles: &LeafTriangles) {
+    fn soup(&mut self, numbers: &[u32], triangles: &[[u32; 3]]) {
         let mut corners = [[[0.0; LANES]; 3]; 3];
-        for (lane, triangle) in triangles.corners[..triangles.count].iter().enumerate() {
+        for (lane, triangle) in triangles.iter().enumerate() {
             for (corner, &v) in triangle.iter().enumerate() {
                 let v = self.geometry.positions[v as usize];
                 for axis in 0..3 {
@@ -231,7 +205,6 @@ impl<'b, F: Fn(u32) -> Owner<'b>> UnitWriter<'_, F> {
                 }
             }
         }
-        let numbers = &triangles.numbers[..triangles.count];
         let first = self.append(numbers);
         let leaf = Soup::new(corners, first, [numbers.len() as u32, self.quads(numbers)]);
         self.output.units.extend(bytemuck::cast::<_, [Unit; 3]>(leaf));

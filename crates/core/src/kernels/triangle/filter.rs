@@ -28,9 +28,9 @@ use glam::{BVec3A, Vec3, Vec3A, Vec3Swizzles};
 
 use super::UNDERFLOW;
 use super::settle::{self, Settled};
-use crate::kernels::{Arithmetic, precision};
+use crate::kernels::Arithmetic;
 use crate::math::float::{UNIT_ROUNDOFF, max};
-use crate::math::{Kernel, Lanes, Line, Mask, Ray, Real, Single, Vector, dispatch};
+use crate::math::{Lanes, Line, Mask, Ray, Real, Single, Vector};
 
 /// The triangles of a leaf that a ray meets, or may meet.
 #[derive(Clone, Copy, Debug, Default)]
@@ -236,24 +236,6 @@ fn most_of<F: Real>(a: F, b: F, c: F) -> F {
 #[inline(always)]
 fn size_of<F: Real>(a: F, b: F, c: F) -> F {
     most_of(a.abs(), b.abs(), c.abs())
-}
-
-/// What the filter alone says of a ray and a triangle: the t at which they meet, if at all.
-pub fn fast(ray: &Ray, triangle: &[Vec3; 3]) -> Option<f32> {
-    struct Fast<'a>(&'a Ray, &'a [Vec3; 3]);
-    impl Kernel for Fast<'_> {
-        type Output = LaneHits;
-
-        #[inline(always)]
-        fn run<S: Lanes>(self, simd: S) -> LaneHits {
-            let Self(ray, triangle) = self;
-            let corners = triangle.map(|corner| corner.to_array().map(|x| [x; 8]));
-            let range = [ray.t_min, ray.t_max, ray.t_max];
-            soup::<S, precision::Fast>(simd, (&ShearedSpace::new(ray), range), (&corners, 0.0), 1)
-        }
-    }
-    let hits = dispatch(fearless_simd::Level::new(), Fast(ray, triangle));
-    (hits.certain != 0).then_some(hits.low[0])
 }
 
 impl LaneHits {

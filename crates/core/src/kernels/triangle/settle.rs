@@ -45,12 +45,6 @@ pub(crate) struct Settled<F: Single> {
     pub(crate) miss: u32,
 }
 
-/// t at the planes of triangles: an interval, for lanes where it is known.
-struct PlaneT<D> {
-    low: D,
-    high: D,
-}
-
 /// A cross product, with the magnitudes of the terms of each component.
 #[derive(Clone, Copy)]
 pub(in crate::kernels) struct Cross<D> {
@@ -107,9 +101,9 @@ impl<D: Real<Element = f64>> Seen<D> {
         ((p & q & r) | (n & m & l), (p | q | r) & (n | m | l))
     }
 
-    /// The interval of t; in lanes where it is unknown, comparisons with it are false.
+    /// The interval of t at the planes; in lanes where it is unknown, comparisons with it are false.
     #[inline(always)]
-    fn t(&self) -> PlaneT<D> {
+    fn t(&self) -> [D; 2] {
         let normal = Cross::of(self.edges[0], self.edges[1]);
         let (height, height_size) = normal.dot(self.corners[0]);
         let (slope, slope_size) = normal.dot(self.direction);
@@ -118,20 +112,18 @@ impl<D: Real<Element = f64>> Seen<D> {
         let error = (height_size + t.abs() * slope_size).times(T_ERROR) * part.abs();
         let is_known = slope.abs().gt(slope_size.times(KNOWN));
         let error = D::select(is_known, error, error.same(f64::NAN));
-        PlaneT { low: t - error, high: t + error }
+        [t - error, t + error]
     }
 }
 
-impl<D: Real<Element = f64>> PlaneT<D> {
-    /// The exact t, rounded, and the lanes in which it is known.
-    #[inline(always)]
-    fn rounded<F: Single<Double = D>>(&self) -> (F, F::Mask) {
-        let (low, high) = (F::narrow(self.low), F::narrow(self.high));
-        // Not for magnitudes that single precision does not hold.
-        // Without a negative zero.
-        let low = low + low.zero();
-        (low, low.eq(high) & low.abs().lt(low.same(f32::MAX)))
-    }
+/// The exact t in an interval, rounded, and the lanes in which it is known.
+#[inline(always)]
+fn rounded<F: Single>([low, high]: [F::Double; 2]) -> (F, F::Mask) {
+    let (low, high) = (F::narrow(low), F::narrow(high));
+    // Not for magnitudes that single precision does not hold.
+    // Without a negative zero.
+    let low = low + low.zero();
+    (low, low.eq(high) & low.abs().lt(low.same(f32::MAX)))
 }
 
 /// Decides where rays with ranges from `t_min` to `t_max` meet their triangles.
@@ -143,11 +135,11 @@ pub(crate) fn settle<F: Single>(
 ) -> Settled<F> {
     let seen = Seen::new(line, corners);
     let (inside, outside) = seen.sides();
-    let interval = seen.t();
-    let (t, is_known) = interval.rounded::<F>();
+    let [low, high] = seen.t();
+    let (t, is_known) = rounded::<F>([low, high]);
     let (t_min, t_max) = (t_min.widen(), t_max.widen());
-    let within = interval.low.gt(t_min) & interval.high.lt(t_max);
-    let beyond = interval.high.le(t_min) | interval.low.ge(t_max);
+    let within = low.gt(t_min) & high.lt(t_max);
+    let beyond = high.le(t_min) | low.ge(t_max);
     Settled {
         t,
         hit: inside.bits() & within.bits() & is_known.bits(),
@@ -159,14 +151,13 @@ pub(crate) fn settle<F: Single>(
 /// it is known.
 #[inline(always)]
 pub(crate) fn t_of<F: Single>(line: &Line<F>, corners: &[Vector<F>; 3]) -> (F, F::Mask) {
-    Seen::new(line, corners).t().rounded()
+    rounded(Seen::new(line, corners).t())
 }
 
 /// Bounds on the t at which a ray meets the plane of a triangle; comparisons with unknown ones are
 /// false.
 pub(crate) fn interval(ray: &Ray, triangle: &[Vec3; 3]) -> [f64; 2] {
-    let PlaneT { low, high } = Seen::new(&Line::from(ray), &triangle.map(Vector::from)).t();
-    [low, high]
+    Seen::new(&Line::from(ray), &triangle.map(Vector::from)).t()
 }
 
 /// What double precision says of a ray and a triangle.
@@ -187,13 +178,13 @@ pub(crate) fn settled(ray: &Ray, triangle: &[Vec3; 3]) -> Verdict {
     if outside {
         return Verdict::Miss;
     }
-    let interval = seen.t();
+    let [low, high] = seen.t();
     let [t_min, t_max] = [ray.t_min, ray.t_max].map(f64::from);
-    if interval.high <= t_min || interval.low >= t_max {
+    if high <= t_min || low >= t_max {
         return Verdict::Miss;
     }
-    let (t, is_known) = interval.rounded::<f32>();
-    if inside && is_known && interval.low > t_min && interval.high < t_max {
+    let (t, is_known) = rounded::<f32>([low, high]);
+    if inside && is_known && low > t_min && high < t_max {
         return Verdict::Hit(t);
     }
     Verdict::Open

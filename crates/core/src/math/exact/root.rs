@@ -3,7 +3,6 @@
 use std::cmp::Ordering;
 
 use super::{Comparable, Expansion, Quotient};
-use crate::math::float::stable_roots;
 
 /// A root of a t^2 - 2 b t + c with real roots, and positive a.
 #[derive(Clone, Debug)]
@@ -106,8 +105,10 @@ impl Comparable for QuadraticRoot {
 
     fn approximate(&self) -> f64 {
         let (a, b, c) = (self.a.value(), self.b.value(), self.c.value());
-        let discriminant = self.discriminant().value();
-        let (near, far) = stable_roots(b / a, c / a, discriminant.sqrt() / a);
-        if self.is_far { far } else { near }
+        let (b, c, root) = (b / a, c / a, self.discriminant().value().sqrt() / a);
+        // Neither root subtracts nearly equal numbers (Press et al., *Numerical Recipes*, section 5.6).
+        let one = b + root.copysign(b);
+        let other = if one == 0.0 { one } else { c / one };
+        if self.is_far == (other < one) { one } else { other }
     }
 }

@@ -119,11 +119,6 @@ impl<S: Lanes> Single for f32x8<S> {
     }
 
     #[inline(always)]
-    fn load(simd: S, row: &[f32; LANES]) -> Self {
-        (*row).simd_into(simd)
-    }
-
-    #[inline(always)]
     fn from_slice(simd: S, values: &[f32]) -> Self {
         <Self as SimdBase<S>>::from_slice(simd, &values[..LANES])
     }

@@ -1,25 +1,20 @@
 use super::*;
 
-struct All {
+fn all<S: Lanes>(
+    simd: S,
     near: [f32; 8],
     mask: u8,
     indices: [u32; 8],
-}
-
-impl Kernel for All {
-    type Output = (Vec<u64>, Vec<u64>, [f32; 8]);
-
-    fn run<S: Lanes>(self, simd: S) -> Self::Output {
-        let children = [10, 11, 12, 13, 14, 15, 16, 17].simd_into(simd);
-        let (mut sorted, mut compressed) = ([0; LANES], [0; LANES]);
-        let entries = simd.entries(self.near.simd_into(simd), children);
-        simd.far_to_near(&entries, self.mask, &mut sorted);
-        simd.compress(&entries, self.mask, &mut compressed);
-        let count = self.mask.count_ones() as usize;
-        let values: [f32; 8] = [0.5, 1.5, 2.5, 3.5, 4.5, 5.5, 6.5, 7.5];
-        let permuted = simd.permute(values.simd_into(simd), self.indices.simd_into(simd));
-        (sorted[..count].to_vec(), compressed[..count].to_vec(), permuted.into())
-    }
+) -> (Vec<u64>, Vec<u64>, [f32; 8]) {
+    let children = [10, 11, 12, 13, 14, 15, 16, 17].simd_into(simd);
+    let (mut sorted, mut compressed) = ([0; LANES], [0; LANES]);
+    let entries = simd.entries(near.simd_into(simd), children);
+    simd.far_to_near(&entries, mask, &mut sorted);
+    simd.compress(&entries, mask, &mut compressed);
+    let count = mask.count_ones() as usize;
+    let values: [f32; 8] = [0.5, 1.5, 2.5, 3.5, 4.5, 5.5, 6.5, 7.5];
+    let permuted = simd.permute(values.simd_into(simd), indices.simd_into(simd));
+    (sorted[..count].to_vec(), compressed[..count].to_vec(), permuted.into())
 }
 
 #[test]
@@ -35,7 +30,8 @@ fn every_level_sorts_compresses_and_permutes() {
                 .filter(|i| mask >> i & 1 == 1)
                 .map(|i| entry(near[i], 10 + i as u32))
                 .collect();
-            let (sorted, compressed, permuted) = dispatch(token, All { near, mask, indices });
+            let (sorted, compressed, permuted) =
+                at_level!(token, simd => all(simd, near, mask, indices));
             assert_eq!(compressed, expected, "{level:?}");
             expected.sort_unstable_by(|a, b| b.cmp(a));
             assert_eq!(sorted, expected, "{level:?}");

@@ -1,7 +1,7 @@
 use super::*;
-use crate::math::float::{self, normalize, offset_end, offset_origin};
+use crate::at_level;
 use crate::math::random::Stream;
-use crate::math::simd::{Kernel, LANES, Lanes, Level, dispatch};
+use crate::math::simd::{LANES, Lanes, Level};
 use fearless_simd::f32x8;
 
 /// Numbers of every size, and zeros of both signs.
@@ -24,35 +24,31 @@ fn rows(vectors: [Vec3; LANES]) -> [[f32; LANES]; 3] {
     [vectors.map(|v| v.x), vectors.map(|v| v.y), vectors.map(|v| v.z)]
 }
 
-struct All([[Vec3; LANES]; 4]);
-
-impl Kernel for All {
-    type Output = [[Vec3; LANES]; 5];
-
-    fn run<S: Lanes>(self, simd: S) -> Self::Output {
-        let load = |v: [Vec3; LANES]| Vector::<f32x8<S>>::load(simd, &rows(v));
-        let [point, error, normal, direction] = self.0.map(load);
-        let error = error.abs();
-        let results = [
-            point.normalize(),
-            Vector::narrow(point.widen().normalize_wide()),
-            point.offset_origin(error, normal, direction),
-            point.offset_end(error, normal, direction),
-            point.rounding_error(error.max_abs()),
-        ];
-        results.map(|v| std::array::from_fn(|lane| v.lane(lane)))
-    }
+fn found<S: Lanes>(simd: S, inputs: [[Vec3; LANES]; 4]) -> [[Vec3; LANES]; 5] {
+    let load = |v: [Vec3; LANES]| Vector::<f32x8<S>>::load(simd, &rows(v));
+    let [point, error, normal, direction] = inputs.map(load);
+    let error = error.abs();
+    let results = [
+        point.normalize(),
+        Vector::narrow(point.widen().normalize_wide()),
+        point.offset_origin(error, normal, direction),
+        point.offset_end(error, normal, direction),
+        point.rounding_error(error.max_abs()),
+    ];
+    results.map(|v| std::array::from_fn(|lane| v.lane(lane)))
 }
 
-fn expected([p, e, n, d]: [Vec3; 4]) -> [Vec3; 5] {
+fn expected(inputs: [Vec3; 4]) -> [Vec3; 5] {
+    let [p, e, n, d] = inputs.map(Vector::from);
     let e = e.abs();
     [
-        normalize(p),
-        float::normalize_f64(p.as_dvec3()).as_vec3(),
-        offset_origin(p, e, n, d),
-        offset_end(p, e, n, d),
-        float::rounding_error(p, float::max_abs(e)),
+        p.normalize(),
+        Vector::narrow(p.widen().normalize_wide()),
+        p.offset_origin(e, n, d),
+        p.offset_end(e, n, d),
+        p.rounding_error(e.max_abs()),
     ]
+    .map(Vec3::from)
 }
 
 #[test]
@@ -61,7 +57,7 @@ fn lanes_have_the_bits_of_single_vectors() {
         let token = level.token().expect("it is available");
         for group in 0..500 {
             let inputs = [0, 1, 2, 3].map(|dimension| eight(group, dimension));
-            let found = dispatch(token, All(inputs));
+            let found = at_level!(token, simd => found(simd, inputs));
             for lane in 0..LANES {
                 let input = inputs.map(|vectors| vectors[lane]);
                 let found = found.map(|vectors| vectors[lane].to_array().map(f32::to_bits));

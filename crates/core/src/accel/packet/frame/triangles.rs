@@ -59,17 +59,7 @@ impl Frame {
         place: Ref,
         used: u32,
     ) -> FramedTriangles {
-        let corners = leaf::corners(simd, arena, place, self.order);
-        self.prepare_corners::<S, P>(simd, &corners, used)
-    }
-
-    #[inline(always)]
-    fn prepare_corners<S: Lanes, P: Arithmetic>(
-        &self,
-        simd: S,
-        [a, b, c]: &[[f32x8<S>; 3]; 3],
-        used: u32,
-    ) -> FramedTriangles {
+        let [a, b, c] = &leaf::corners(simd, arena, place, self.order);
         // Differences before they are sheared, which keeps those of near corners accurate.
         let edges = [
             self.shear(simd, minus(c, b)),
