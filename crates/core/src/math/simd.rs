@@ -76,6 +76,7 @@ macro_rules! at_level {
             ::fearless_simd::Level::Sse2($simd) => $crate::at_level!(@ $simd, $value),
             #[cfg(not(any(target_arch = "x86", target_arch = "x86_64", target_arch = "aarch64",)))]
             ::fearless_simd::Level::Fallback($simd) => $crate::at_level!(@ $simd, $value),
+            #[allow(unreachable_patterns, reason = "which levels there are depends on the target")]
             level => $crate::at_wide_level!(level, $simd => $value),
         }
     };
@@ -88,7 +89,7 @@ macro_rules! at_level {
     };
 }
 
-/// As [`at_level`], compiled only for wide levels ([`is_wide`](math::simd::is_wide)): those with vectors
+/// As [`at_level`](crate::at_level), only for wide levels ([`is_wide`](crate::math::simd::is_wide)): those with vectors
 /// of eight numbers, and the one level of other targets.
 #[macro_export]
 macro_rules! at_wide_level {
@@ -100,6 +101,7 @@ macro_rules! at_wide_level {
             ::fearless_simd::Level::Avx2($simd) => $crate::at_level!(@ $simd, $value),
             #[cfg(target_arch = "aarch64")]
             ::fearless_simd::Level::Neon($simd) => $crate::at_level!(@ $simd, $value),
+            #[allow(unreachable_patterns, reason = "which levels there are depends on the target")]
             _ => unreachable!("the kernel is not compiled for this level"),
         }
     };
@@ -227,24 +229,15 @@ pub trait Lanes: Simd {
 /// The numbers of the bits that are 1, of the first `COUNT`, in rising order.
 #[inline(always)]
 pub fn set_bits<const COUNT: usize>(bits: impl Into<u64>) -> impl Iterator<Item = usize> {
-    struct SetBits<const COUNT: usize>(u64);
-
-    impl<const COUNT: usize> Iterator for SetBits<COUNT> {
-        type Item = usize;
-
+    let mut bits = bits.into();
+    std::iter::from_fn(
         #[inline(always)]
-        fn next(&mut self) -> Option<usize> {
-            if self.0 == 0 {
-                return None;
-            }
-            // The remainder proves to the compiler that the number is an index.
-            let number = self.0.trailing_zeros() as usize % COUNT;
-            self.0 &= self.0 - 1;
-            Some(number)
-        }
-    }
-
-    SetBits::<COUNT>(bits.into())
+        move || {
+            let number = bits.trailing_zeros() as usize;
+            bits &= bits.wrapping_sub(1);
+            (number < COUNT).then_some(number)
+        },
+    )
 }
 
 /// A stack entry: a child in the low bits and its entry distance in the high bits, so that entries

@@ -12,6 +12,7 @@ impl<S: Lanes, Q: Query, P: Arithmetic> TileBatch<'_, S, Q, P> {
     pub(super) fn hand_over(&mut self, tile: &mut RayTile, place: u64, rays: u64) {
         tile.is_left = true;
         for i in set_bits::<TILE>(rays) {
+            // Beyond a number of places the ray continues at once.
             if !self.handed.add(tile.block + number_of(i), place) {
                 self.go_on(tile, place, i);
             }

@@ -14,6 +14,7 @@ const NO_PLACE: u32 = u32::MAX;
 /// Rays of a batch that packets hand over, with the places at which they continue.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct HandedRays {
+    /// The numbers of the rays.
     pub(crate) queue: Vec<u32>,
     /// For each ray of the batch its last place, and the number of places.
     last: Vec<(u32, u32)>,
