@@ -22,7 +22,7 @@ use obvhs::BvhBuildParams;
 use super::{Demand, Tree, Unit};
 use crate::geometry::Geometry;
 use entries::Entry;
-use leaves::{FoundLeaf, LeafFinder};
+use leaves::{CurveLeaf, LeafFinder};
 use piece::{BuildPlan, Piece};
 
 /// Largest number of triangles in a chunk; halves of quads count as such. Measured: with 32 Ki and 64 Ki a build took a sixth

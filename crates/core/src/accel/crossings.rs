@@ -29,7 +29,7 @@ impl CrossingQuery<'_> {
         geometry: &Geometry,
         hits: &mut Vec<Hit>,
         mut cross: impl FnMut(usize, &Ray, &mut Vec<Hit>),
-        each: &mut Each<'_>,
+        each: &mut HitsReceiver<'_>,
     ) -> usize {
         let Self { rays, first, occluded, .. } = self;
         for (number, _) in occluded.iter().enumerate().skip(first).filter(|(_, is)| !**is) {
@@ -50,7 +50,7 @@ impl CrossingQuery<'_> {
 }
 
 /// Receives the number of a ray and its hits, and says whether to go on.
-pub(super) type Each<'a> = dyn FnMut(usize, &[Hit]) -> bool + 'a;
+pub(super) type HitsReceiver<'a> = dyn FnMut(usize, &[Hit]) -> bool + 'a;
 
 /// [`CrossingQuery::run`] in a tree.
 #[inline(always)]
@@ -60,7 +60,7 @@ pub(super) fn in_tree<S: Lanes, P: Arithmetic>(
     query: CrossingQuery<'_>,
     traversal: &mut Traversal,
     hits: &mut Vec<Hit>,
-    each: &mut Each<'_>,
+    each: &mut HitsReceiver<'_>,
 ) -> usize {
     let Traversal { stack, tests, noted, .. } = traversal;
     let Some(root) = searched.tree.root else { return query.occluded.len() };
@@ -75,7 +75,7 @@ pub(super) fn in_tree<S: Lanes, P: Arithmetic>(
             let root = (leaves.is_none() && ray.may_meet(&root)).then_some(root.place);
             for from in leaves.into_iter().flatten().chain(root) {
                 let (from, found) = ((from, only_transparent), (&mut *hits, &mut *tests));
-                one::<S, P>(simd, searched, from, &mut ray, stack, found);
+                cross_below::<S, P>(simd, searched, from, &mut ray, stack, found);
             }
         },
         each,
@@ -112,7 +112,7 @@ impl LazyRay<'_> {
 
 /// Adds what the ray crosses at or below a place: all, or only transparent primitives.
 #[inline(always)]
-fn one<S: Lanes, P: Arithmetic>(
+fn cross_below<S: Lanes, P: Arithmetic>(
     simd: S,
     searched: Searched<'_>,
     (first, only_transparent): (Ref, bool),
@@ -132,13 +132,13 @@ fn one<S: Lanes, P: Arithmetic>(
                 next = searched.chunk(at);
                 if next.is_none() {
                     tests.leaves += 1;
-                    let numbers = arena.list(at).iter().copied();
-                    each::<P>(searched.geometry, (numbers, only_transparent), ray.ray, hits, tests);
+                    let numbers = (arena.list(at).iter().copied(), only_transparent);
+                    cross_each::<P>(searched.geometry, numbers, ray.ray, hits, tests);
                 }
                 continue;
             }
             if at.kind() != Kind::Node {
-                visit::<S, P>(simd, searched, ray, (at, only_transparent), (hits, tests));
+                cross_leaf::<S, P>(simd, searched, ray, (at, only_transparent), (hits, tests));
                 break;
             }
             tests.nodes += 1;
@@ -151,7 +151,7 @@ fn one<S: Lanes, P: Arithmetic>(
 
 /// Adds the triangles of a leaf that the ray crosses: all, or only transparent ones.
 #[inline(always)]
-fn visit<S: Lanes, P: Arithmetic>(
+fn cross_leaf<S: Lanes, P: Arithmetic>(
     simd: S,
     searched: Searched<'_>,
     ray: &mut LazyRay<'_>,
@@ -185,7 +185,7 @@ fn visit<S: Lanes, P: Arithmetic>(
 /// Adds those of the primitives with these numbers that the ray crosses, testing each, or each transparent
 /// one.
 #[inline(never)]
-pub(super) fn each<P: Arithmetic>(
+pub(super) fn cross_each<P: Arithmetic>(
     geometry: &Geometry,
     (numbers, only_transparent): (impl Iterator<Item = u32>, bool),
     ray: &Ray,

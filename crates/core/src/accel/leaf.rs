@@ -277,18 +277,18 @@ impl Searched<'_> {
         if self.geometry.passed.is_empty() {
             return triangles;
         }
-        triangles & !self.those(leaf, triangles, |number| self.geometry.is_passed(number))
+        triangles & !self.lanes_where(leaf, triangles, |number| self.geometry.is_passed(number))
     }
 
     /// The `triangles` of a leaf, a bit each, that are transparent.
     #[inline(always)]
     pub(super) fn transparent(&self, leaf: Ref, triangles: u32) -> u32 {
-        self.those(leaf, triangles, |number| self.geometry.is_transparent(number))
+        self.lanes_where(leaf, triangles, |number| self.geometry.is_transparent(number))
     }
 
     /// The `triangles` of a leaf, a bit each, of whose numbers this holds.
     #[inline(always)]
-    fn those(&self, leaf: Ref, triangles: u32, holds: impl Fn(u32) -> bool) -> u32 {
+    fn lanes_where(&self, leaf: Ref, triangles: u32, holds: impl Fn(u32) -> bool) -> u32 {
         let mut found = 0;
         for lane in set_bits::<LANES>(triangles) {
             let number = self.tree.arena.view().number_of(leaf, lane);

@@ -8,7 +8,7 @@
 use std::marker::PhantomData;
 use std::ops::Range;
 
-use super::crossings::{CrossingQuery, Each};
+use super::crossings::{CrossingQuery, HitsReceiver};
 use super::{
     Accel, Closest, Hit, KernelChoice, Occluded, Query, Rays, Searched, Traversal, Tree, crossings,
     packet, single,
@@ -70,7 +70,7 @@ impl<P: Arithmetic> Search<'_, P> {
         (first, occluded): (usize, &[bool]),
         traversal: &mut Traversal,
         hits: &mut Vec<Hit>,
-        each: &mut Each<'_>,
+        each: &mut HitsReceiver<'_>,
     ) -> usize {
         let query = CrossingQuery { rays, first, occluded, only_transparent: true };
         self.crossings_of(query, traversal, hits, each)
@@ -81,7 +81,7 @@ impl<P: Arithmetic> Search<'_, P> {
         query: CrossingQuery<'_>,
         traversal: &mut Traversal,
         hits: &mut Vec<Hit>,
-        each: &mut Each<'_>,
+        each: &mut HitsReceiver<'_>,
     ) -> usize {
         hits.clear();
         let Accel { geometry, tree, level, .. } = self.accel;
@@ -92,7 +92,7 @@ impl<P: Arithmetic> Search<'_, P> {
         }
         let cross = |_, ray: &Ray, hits: &mut Vec<Hit>| {
             let numbers = 0..geometry.own() as u32;
-            crossings::each::<P>(
+            crossings::cross_each::<P>(
                 geometry,
                 (numbers, query.only_transparent),
                 ray,

@@ -60,7 +60,7 @@ struct ChildEntries([u64; LANES]);
 
 /// The children of the nodes of a round, and a bit for each that is met.
 #[derive(Clone, Copy, Debug)]
-struct Met {
+struct NodeRound {
     children: [ChildEntries; FLIGHT],
     masks: [u8; FLIGHT],
 }
@@ -117,7 +117,7 @@ pub(super) fn trace<S: Lanes, Q: Query, P: Arithmetic>(
         next: &mut next,
         precision: PhantomData,
     };
-    let mut met = Met { children: [ChildEntries::default(); FLIGHT], masks: [0; FLIGHT] };
+    let mut met = NodeRound { children: [ChildEntries::default(); FLIGHT], masks: [0; FLIGHT] };
     let mut found = [LaneHits::default(); FLIGHT];
     for slot in 0..FLIGHT {
         if !rounds.begin(slot) {
@@ -171,7 +171,7 @@ impl<Q: Query, P: Arithmetic> FlightRounds<'_, '_, Q, P> {
 
     /// Takes all steps to nodes: first finds the met children, then the next step.
     #[inline(always)]
-    fn visit_nodes<S: Lanes>(&mut self, simd: S, Met { children, masks }: &mut Met) {
+    fn visit_nodes<S: Lanes>(&mut self, simd: S, NodeRound { children, masks }: &mut NodeRound) {
         let nodes = self.next.take(Kind::Node);
         self.tests.nodes += nodes as u64;
         for (i, (children, met)) in

@@ -34,9 +34,9 @@ pub(super) struct LeafFinder {
     leaves: Vec<Aabb>,
 }
 
-/// A leaf.
+/// A leaf of triangles that follow each other on the curve, or of another primitive.
 #[derive(Clone, Copy)]
-pub(super) struct FoundLeaf {
+pub(super) struct CurveLeaf {
     /// The vertices of triangles; other primitives are alone.
     pub(super) shared: Option<SharedVertices>,
     /// The numbers of its primitives; the first `count` are used.
@@ -50,7 +50,7 @@ impl LeafFinder {
     pub(super) fn find<const N: usize>(
         &mut self,
         singles: &mut Vec<Entry>,
-        leaves: &mut Vec<FoundLeaf>,
+        leaves: &mut Vec<CurveLeaf>,
         boxes: &mut Vec<Aabb>,
     ) {
         let (own, heaps) = boxes.split_at(singles.len());
@@ -85,7 +85,7 @@ impl LeafFinder {
                 open.leaves[lane] = leaves.len();
                 open.put(lane, &bounds, if corners.is_some() { 1 } else { LANES });
                 let shared = corners.map(SharedVertices::of);
-                leaves.push(FoundLeaf { shared, numbers: [number; LANES], count: 1 });
+                leaves.push(CurveLeaf { shared, numbers: [number; LANES], count: 1 });
                 self.leaves.push(bounds);
             }
         }

@@ -9,7 +9,7 @@ use obvhs::ploc::PlocBuilder;
 
 use super::coincident::Heaps;
 use super::weld::Welder;
-use super::{Entry, FoundLeaf, LeafFinder, Preset, WELD_ABOVE};
+use super::{CurveLeaf, Entry, LeafFinder, Preset, WELD_ABOVE};
 use crate::accel::arena::put;
 use crate::accel::wide::{Converter, Output, Owner, Part};
 use crate::geometry::Geometry;
@@ -54,7 +54,7 @@ pub(super) struct Piece {
 struct Members {
     singles: Vec<Entry>,
     heaps: Heaps,
-    leaves: Vec<FoundLeaf>,
+    leaves: Vec<CurveLeaf>,
 }
 
 impl Members {

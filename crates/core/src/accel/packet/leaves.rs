@@ -174,7 +174,7 @@ impl<S: Lanes, Q: Query, P: Arithmetic> TileBatch<'_, S, Q, P> {
                                 *simd, *searched, quadric, at, rays, tests,
                             );
                         }
-                        _ => ask_each::<Q, P>(*searched, tile, number, at, rays, tests),
+                        _ => meet_each::<Q, P>(*searched, tile, number, at, rays, tests),
                     }
                     if is_passed {
                         tile.passing |= tile.done & !before;
@@ -323,7 +323,7 @@ fn settle_pairs<S: Lanes, Q: Query, P: Arithmetic>(
 /// Tests a primitive of a list with the rays, one by one.
 #[cold]
 #[inline(never)]
-fn ask_each<Q: Query, P: Arithmetic>(
+fn meet_each<Q: Query, P: Arithmetic>(
     searched: Searched<'_>,
     tile: &mut RayTile,
     number: u32,

@@ -75,15 +75,15 @@ impl<D: Real<Element = f64>> Cross<D> {
     }
 }
 
-/// The corners as seen from the origins, and the directions.
-struct Seen<D> {
+/// A ray and a triangle: the corners as seen from the origins, and the directions.
+struct ShiftedPair<D> {
     corners: [Vector<D>; 3],
     /// The edges from the first corner.
     edges: [Vector<D>; 2],
     direction: Vector<D>,
 }
 
-impl<D: Real<Element = f64>> Seen<D> {
+impl<D: Real<Element = f64>> ShiftedPair<D> {
     #[inline(always)]
     fn new<F: Single<Double = D>>(line: &Line<F>, [a, b, c]: &[Vector<F>; 3]) -> Self {
         let (a, b, c) = (a.widen(), b.widen(), c.widen());
@@ -133,9 +133,9 @@ pub(crate) fn settle<F: Single>(
     corners: &[Vector<F>; 3],
     [t_min, t_max]: [F; 2],
 ) -> Settled<F> {
-    let seen = Seen::new(line, corners);
-    let (inside, outside) = seen.sides();
-    let [low, high] = seen.t();
+    let pair = ShiftedPair::new(line, corners);
+    let (inside, outside) = pair.sides();
+    let [low, high] = pair.t();
     let (t, is_known) = rounded::<F>([low, high]);
     let (t_min, t_max) = (t_min.widen(), t_max.widen());
     let within = low.gt(t_min) & high.lt(t_max);
@@ -151,13 +151,13 @@ pub(crate) fn settle<F: Single>(
 /// it is known.
 #[inline(always)]
 pub(crate) fn t_of<F: Single>(line: &Line<F>, corners: &[Vector<F>; 3]) -> (F, F::Mask) {
-    rounded(Seen::new(line, corners).t())
+    rounded(ShiftedPair::new(line, corners).t())
 }
 
 /// Bounds on the t at which a ray meets the plane of a triangle; comparisons with unknown ones are
 /// false.
 pub(crate) fn interval(ray: &Ray, triangle: &[Vec3; 3]) -> [f64; 2] {
-    Seen::new(&Line::from(ray), &triangle.map(Vector::from)).t()
+    ShiftedPair::new(&Line::from(ray), &triangle.map(Vector::from)).t()
 }
 
 /// What double precision says of a ray and a triangle.
@@ -173,12 +173,12 @@ pub(crate) enum Verdict {
 /// As [`settle`], for one pair: most of those that miss need no t.
 #[inline]
 pub(crate) fn settled(ray: &Ray, triangle: &[Vec3; 3]) -> Verdict {
-    let seen = Seen::new(&Line::from(ray), &triangle.map(Vector::from));
-    let (inside, outside) = seen.sides();
+    let pair = ShiftedPair::new(&Line::from(ray), &triangle.map(Vector::from));
+    let (inside, outside) = pair.sides();
     if outside {
         return Verdict::Miss;
     }
-    let [low, high] = seen.t();
+    let [low, high] = pair.t();
     let [t_min, t_max] = [ray.t_min, ray.t_max].map(f64::from);
     if high <= t_min || low >= t_max {
         return Verdict::Miss;
