@@ -38,8 +38,10 @@ pub(crate) fn scene(
         let to_scene = DAffine3::from_translation(-origin) * to_scene;
         let bounds = positions.iter().map(|&p| Aabb::around([p])).fold(Aabb::EMPTY, Aabb::union);
         let instance = Instance::new(*mesh, first, to_scene, &bounds);
-        let limits = Aabb { low: Vec3::splat(-MAX_COORDINATE), high: Vec3::splat(MAX_COORDINATE) };
-        let fits = positions.is_empty() || limits.contains(&instance.bounds(&[bounds]));
+        let limit = Vec3::splat(MAX_COORDINATE);
+        let within = |corner: Vec3| corner.abs().cmple(limit).all();
+        let Aabb { low, high } = instance.bounds(&[bounds]);
+        let fits = positions.is_empty() || within(low) && within(high);
         if !(fits && to_scene.inverse().is_finite()) {
             return wrong("the transform is singular, or moves the mesh beyond 2^40");
         }
