@@ -7,14 +7,15 @@ use wavecrest_core::accel::build::Preset;
 use wavecrest_core::accel::{Accel, KernelChoice};
 use wavecrest_core::geometry::Geometry;
 use wavecrest_core::geometry::instance::Instance;
-use wavecrest_core::kernels::precision::Precision;
+use wavecrest_core::kernels::precision::Exact;
 use wavecrest_core::kernels::slab::Aabb;
+use wavecrest_core::kernels::surface::triangle_at;
+use wavecrest_core::math::float::offset_origin;
 use wavecrest_core::math::random::Stream;
+use wavecrest_core::math::ray::Ray;
+use wavecrest_core::math::vector::{Line, Vector};
 use wavecrest_core::render::RenderOptions;
-use wavecrest_report::selftest::examine::{SceneTrial, trial};
-use wavecrest_report::selftest::{Count, Effort};
 use wavecrest_scene::generate::{self, Model, Recipe};
-use wavecrest_scene::mesh::MeshData;
 use wavecrest_scene::systems::Options;
 
 use crate::support::{
@@ -73,25 +74,72 @@ fn transform(index: u32) -> DAffine3 {
     DAffine3 { matrix3: turn * shear * DMat3::from_diagonal(scale * mirror), translation: place }
 }
 
-/// A ray that leaves an instance meets its own triangle never again.
+fn bounds(prototype: &Geometry) -> Aabb {
+    prototype.positions.iter().fold(Aabb::EMPTY, |all, &p| all.union(Aabb { low: p, high: p }))
+}
+
+fn shown(prototype: &Geometry, to_world: DAffine3) -> Accel {
+    let instances = vec![Instance::new(0, 0, to_world, &bounds(prototype))];
+    let geometry =
+        Geometry { prototypes: vec![prototype.clone()], instances, ..Geometry::default() };
+    Accel::new(geometry, Preset::Fast)
+}
+
+/// A ray that leaves a convex instance outward meets nothing more.
 #[test]
 fn no_ray_meets_the_surface_that_it_leaves() {
-    let recipe = Recipe { displacement: 0.0, ..Recipe::new(Model::Sphere, 2000) };
-    let MeshData { positions, triangles, .. } = generate::mesh(&recipe).expect("a mesh");
-    let prototype = Geometry { positions, triangles, ..Geometry::default() };
-    let bounds =
-        prototype.positions.iter().map(|&p| Aabb::around([p])).fold(Aabb::EMPTY, Aabb::union);
-    let effort = Effort { precision: Precision::Exact, seed: 3, count: Count::Brief };
+    let mut recipe = Recipe::new(Model::Sphere, 2000);
+    recipe.displacement = 0.0;
+    let mesh = generate::mesh(&recipe).expect("a mesh");
+    let prototype =
+        Geometry { positions: mesh.positions, triangles: mesh.triangles, ..Geometry::default() };
+    let mut left = 0_u64;
     for index in 100..160 {
-        let instance = Instance::new(0, 0, transform(index), &bounds);
-        let geometry = Geometry {
-            prototypes: vec![prototype.clone()],
-            instances: vec![instance],
-            ..Geometry::default()
-        };
-        let SceneTrial { self_hits, .. } = trial(&Accel::new(geometry, Preset::Fast), &effort);
-        assert!(self_hits.tried > 3000 && self_hits.failed == 0, "{index}: {self_hits:?}");
+        let to_world = transform(index);
+        let accel = shown(&prototype, to_world);
+        let mut traversal = accel.traversal();
+        for k in 0..2000 {
+            let [a, b, c, d] = numbers(1000 * index + k, 7);
+            let [e, f, ..] = numbers(1000 * index + k, 8);
+            let direction = DVec3::new(a - 0.5, b - 0.5, c - 0.5).normalize();
+            let outside = to_world.transform_point3(direction * (2.0 + 100.0 * d)).as_vec3();
+            let inside = to_world.transform_point3(DVec3::new(e, f, a) * 0.5).as_vec3();
+            let ray = Ray::new(outside, inside - outside);
+            let hit = accel.closest(&ray, &mut traversal);
+            assert!(!hit.is_miss(), "transform {index}, ray {k}");
+            let (instance, of_prototype) = match accel.geometry().primitive(hit.primitive) {
+                wavecrest_core::geometry::Primitive::Instanced(shown) => {
+                    let corners = prototype.triangle(shown.triangle as usize);
+                    (&accel.geometry().instances[0], corners)
+                }
+                other => panic!("{other:?}"),
+            };
+            let carried = instance.carried(&ray);
+            let line = Line::from(&carried);
+            let corners = of_prototype.map(Vector::from);
+            let surface = instance.surface(&triangle_at::<f32, Exact>(&line, 0.0, &corners));
+            let [point, error, normal] = surface.vectors();
+            let outward = if normal.dot(ray.direction) > 0.0 { -normal } else { normal };
+            for sample in 0..8 {
+                let [x, y, z, graze] = numbers(1000 * index + k, 20 + sample);
+                let random = Vec3::new(x as f32 - 0.5, y as f32 - 0.5, z as f32 - 0.5).normalize();
+                let along = random - outward * random.dot(outward);
+                let up = random.dot(outward).abs() * if graze < 0.5 { 1e-3 } else { 1.0 };
+                let direction = (along + outward * up).normalize();
+                let origin = offset_origin(point, error, outward, direction);
+                let next = Ray::new(
+                    origin,
+                    direction * instance.to_world().matrix3.x_axis.length() as f32,
+                );
+                // Neighbours of the triangle lie behind its plane: the prototype is convex.
+                let again = accel.closest(&next, &mut traversal);
+                let own = again.primitive == hit.primitive;
+                assert!(!own, "transform {index}, ray {k}: meets its own triangle at {}", again.t);
+                left += 1;
+            }
+        }
     }
+    assert!(left > 900_000, "{left}");
 }
 
 /// A scene of one triangle that is shown twice at one place: neither is before the other.
