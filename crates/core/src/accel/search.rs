@@ -13,11 +13,12 @@ use super::{
     Accel, Closest, Hit, KernelChoice, Occluded, Query, Rays, Searched, Traversal, Tree, crossings,
     packet, single,
 };
+use crate::at_level;
+use crate::at_wide_level;
 use crate::counters::TestCounts;
 use crate::geometry::Geometry;
 use crate::kernels::Arithmetic;
 use crate::math::{Ray, is_wide};
-use crate::{at_level, at_wide_level};
 
 /// The searches of an [`Accel`] whose geometry has precision `P`.
 #[derive(Clone, Copy, Debug)]

@@ -7,13 +7,14 @@ use fearless_simd::{Level, f32x8};
 
 use super::tree::child_box;
 use super::{Accel, ArenaView, Best, Kind, Pairs, Ref, Tree, child_of, leaf};
+use crate::at_level;
 use crate::counters::TestCounts;
 use crate::geometry::{PreparedRay, Primitive};
 use crate::kernels::triangle::{self, exact, settle};
 use crate::kernels::{Arithmetic, Precision};
 use crate::math::float::{max, min};
 use crate::math::{LANES, Lanes, Ray, Single};
-use crate::{at_level, with_precision};
+use crate::with_precision;
 
 wavecrest_base::choices! {
     /// A step to an exact hit.
