@@ -25,7 +25,7 @@ use wavecrest_core::prepared::Shape;
 /// and the largest coordinate.
 ///
 /// A hit and a point of a light are off by less than 4 roundings of the largest coordinate in each
-/// direction (`math::float::rounding_error`); the normal, the direction to the light and their
+/// direction (`math::vector::Vector::rounding_error`); the normal, the direction to the light and their
 /// product add fewer than 8 roundings of the distance. This is sixteen times their sum.
 pub(super) const BEHIND: f64 = 256.0 * UNIT_ROUNDOFF as f64;
 
