@@ -233,7 +233,7 @@ impl RenderArgs {
         let input = &self.scene_options.input;
         let image = self.crop.map_or(size, |crop| [crop.width, crop.height]);
         let pixels = area(image);
-        let film = film_bytes(pixels) + self.beside(pixels, area(size));
+        let film = film_bytes(pixels) + self.beside(pixels, size);
         let animated = self.output().ok().and_then(|path| animated(path));
         match (&self.sheet, input.turntable, animated) {
             _ if self.frame.is_some() => [film, self.writing(pixels)],
@@ -249,13 +249,13 @@ impl RenderArgs {
     }
 
     /// What tracing keeps beside the image: sums for a checkpoint or a shard, the image so far, the pixels of a look.
-    fn beside(&self, pixels: u64, whole: u64) -> u64 {
+    fn beside(&self, pixels: u64, size: [u32; 2]) -> u64 {
         let so_far = match self.save_every {
             // Tiles are added to one while another is written.
             Some(_) => 2 * film_bytes(pixels) + self.file_bytes(pixels, 0),
             None => 0,
         };
-        let look = self.look.map_or(0, |kind| look::bytes(kind, whole));
+        let look = self.look.map_or(0, |kind| look::bytes(kind, size));
         let keeps = self.checkpoint.is_some() || self.shard.is_some();
         let sums = if keeps { pixels * size_of::<[f64; 3]>() as u64 } else { 0 };
         sums + so_far + look

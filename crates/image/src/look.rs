@@ -15,7 +15,7 @@
 
 use glam::Vec3;
 
-use crate::camera_rays::{CameraRays, VisibleHit};
+use crate::camera_rays::{CameraRays, VisibleHit, band_bytes};
 use crate::colormap::{distinct, magma};
 use wavecrest_base::error::Result;
 use wavecrest_core::accel::Hit;
@@ -86,9 +86,13 @@ pub fn film(scene: &PreparedScene, look: Look, crop: Option<Tile>, seed: u64) ->
     Ok(film)
 }
 
-/// Bytes that [`film`] takes beside the film, for an image of `whole` pixels or a part of it.
-pub fn bytes(look: Look, whole: u64) -> u64 {
-    if look == Look::Depth { whole.saturating_mul(size_of::<[f64; 2]>() as u64) } else { 0 }
+/// Bytes that [`film`] takes beside the film, for an image of this width and height in pixels or a part of it.
+pub fn bytes(look: Look, [width, height]: [u32; 2]) -> u64 {
+    if look.is_shaded() {
+        return 0;
+    }
+    let of_depth = if look == Look::Depth { size_of::<[f64; 2]>() as u64 } else { 0 };
+    u64::from(width) * u64::from(height) * of_depth + band_bytes(width)
 }
 
 /// Draws depths. The range is that of the whole image, so that a part has the same colours.
