@@ -73,7 +73,13 @@ macro_rules! at_level {
             #[cfg(all(any(target_arch = "x86", target_arch = "x86_64"), not(fuzzing)))]
             ::fearless_simd::Level::Sse4_2($simd) => $crate::at_level!(@ $simd, $value),
             #[cfg(all(any(target_arch = "x86", target_arch = "x86_64"), not(fuzzing)))]
-            ::fearless_simd::Level::Sse2($simd) => $crate::at_level!(@ $simd, $value),
+            // In a function of its own: without other instructions than the caller's it would be inlined there, and its
+            // many registers be saved for every level.
+            ::fearless_simd::Level::Sse2($simd) => $crate::math::simd::outlined(
+                $simd,
+                #[inline(always)]
+                || $value,
+            ),
             #[cfg(not(any(target_arch = "x86", target_arch = "x86_64", target_arch = "aarch64",)))]
             ::fearless_simd::Level::Fallback($simd) => $crate::at_level!(@ $simd, $value),
             #[allow(unreachable_patterns, reason = "which levels there are depends on the target")]
@@ -84,7 +90,7 @@ macro_rules! at_level {
         ::fearless_simd::Simd::vectorize(
             $simd,
             #[inline(always)]
-            move || $value,
+            || $value,
         )
     };
 }
@@ -226,16 +232,19 @@ pub trait Lanes: Simd {
     }
 }
 
-/// The numbers of the bits that are 1, of the first `COUNT`, in rising order.
+/// The numbers of the bits that are 1, all among the first `COUNT`, a power of two, in rising order.
 #[inline(always)]
 pub fn set_bits<const COUNT: usize>(bits: impl Into<u64>) -> impl Iterator<Item = usize> {
     let mut bits = bits.into();
     std::iter::from_fn(
         #[inline(always)]
         move || {
-            let number = bits.trailing_zeros() as usize;
-            bits &= bits.wrapping_sub(1);
-            (number < COUNT).then_some(number)
+            if bits == 0 {
+                return None;
+            }
+            let number = bits.trailing_zeros() as usize % COUNT;
+            bits &= bits - 1;
+            Some(number)
         },
     )
 }
