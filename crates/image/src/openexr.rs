@@ -54,7 +54,6 @@ fn failed(cause: impl Into<Box<dyn std::error::Error + Send + Sync>>) -> ImageEr
     ImageError::Encoding(EncodingError::new(ImageFormatHint::Exact(ImageFormat::OpenExr), cause))
 }
 
-/// The values of a channel.
 #[derive(Clone, Copy)]
 enum ChannelValues<'a> {
     /// One of the three colours of each pixel.

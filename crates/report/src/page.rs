@@ -163,7 +163,6 @@ impl Page {
     }
 }
 
-/// A section with its number.
 fn section((number, section): (usize, &Section)) -> String {
     let (title, blocks) = (inline(&section.title), blocks::all(&section.blocks));
     let (name, label) = (format!("section-{number}"), format!("section-{number}-title"));

@@ -18,7 +18,6 @@ pub(crate) fn ordered<Q: hecs::Query>(world: &World) -> Vec<EntityRef<'_>> {
     those
 }
 
-/// Any light.
 type AnyLight<'w> = Or<Or<&'w PointLight, &'w DirectionalLight>, &'w AreaLight>;
 
 /// Any geometry of a shape.

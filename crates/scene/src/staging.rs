@@ -30,7 +30,6 @@ pub(crate) use ground::GROUND;
 pub(crate) use light::{GLASS_BOUNCES, MOST_LAMPS, allow_for_surfaces, light, settings};
 pub(crate) use upward::Upward;
 
-/// A bounding sphere.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct BoundingSphere {
     pub(crate) center: DVec3,
@@ -121,7 +120,6 @@ fn shown(
     (!triangles.is_empty() && (count as usize) < points.len()).then(|| Arc::new(seen))
 }
 
-/// The ends of a box.
 type BoxEnds = (DVec3, DVec3);
 
 /// The empty box.

@@ -223,7 +223,6 @@ impl<'a> ArenaView<'a> {
         self.numbers[first as usize + lane].load(Ordering::Relaxed)
     }
 
-    /// The number of a leaf's entry.
     #[inline(always)]
     pub(super) fn number_of(self, leaf: Ref, entry: usize) -> u32 {
         match leaf.kind() {

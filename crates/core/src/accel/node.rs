@@ -115,7 +115,6 @@ pub(super) fn distance(entry: u64) -> f32 {
     f32::from_bits((entry >> 32) as u32)
 }
 
-/// The place of the entry.
 #[inline(always)]
 pub(super) fn place(entry: u64) -> Ref {
     Ref::from_bits(entry as u32)

@@ -6,7 +6,6 @@ use crate::math::Ray;
 
 /// A query for a ray.
 pub(super) trait Query {
-    /// The answer.
     type Answer: Copy;
 
     /// Whether any hit suffices.

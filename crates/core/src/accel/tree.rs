@@ -163,7 +163,6 @@ fn half_area(bounds: &Aabb) -> f64 {
     d.x * d.y + d.y * d.z + d.z * d.x
 }
 
-/// The box of a node's child.
 pub(super) fn child_box(node: &Node, lane: usize) -> Aabb {
     let plane = |side: usize| [0, 1, 2].map(|axis: usize| node.planes[axis][side][lane]);
     Aabb { low: plane(0).into(), high: plane(1).into() }

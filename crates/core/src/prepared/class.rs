@@ -103,7 +103,6 @@ impl Class {
         (1.0 - self.kt()).max(0.0)
     }
 
-    /// Its opacity.
     pub(super) fn opacity(&self) -> f32 {
         self.transparency.map_or(1.0, |transparency| transparency.opacity)
     }

@@ -197,7 +197,6 @@ impl PreparedScene {
         (found, leaves)
     }
 
-    /// The group of one hit.
     pub(super) fn group(&self, ray: &Ray, hit: &Hit) -> Group<f32> {
         self.group_on(ray, hit, self.appearance.shape_of(hit.primitive))
     }

@@ -164,7 +164,6 @@ impl PreparedScene {
         InterfaceHit { hit, point, depth, error, normal, leaves }
     }
 
-    /// The shape of a hit.
     fn shape(&self, hit: &Hit) -> &Shape {
         &self.appearance.shapes[self.appearance.shape_of(hit.primitive)]
     }

@@ -27,7 +27,6 @@ pub(super) struct LookUpPlace<'a, F: Single> {
     pub(super) line: &'a Line<F>,
     /// Their t.
     pub(super) t: F,
-    /// The scene.
     pub(super) scene: &'a PreparedScene,
     /// Their differentials; `None` for rays without width, which see the finest level of every image.
     pub(super) carried: Option<Carried<'a>>,

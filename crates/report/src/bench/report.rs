@@ -148,7 +148,6 @@ impl SceneBench {
         }
     }
 
-    /// Adds a comparison.
     pub(super) fn add(&mut self, found: BenchComparison) {
         if self.comparisons.is_empty() {
             (self.rays, self.invalid) = ((&found.counters).into(), found.counters.invalid);

@@ -27,7 +27,6 @@ const NARROWEST_DECADES: f64 = 0.02;
 /// Smallest number of labels: an axis with one number has no scale.
 const FEWEST_LABELS: usize = 2;
 
-/// A tick.
 pub(super) struct Tick {
     /// Its position: a value, or its decimal logarithm on a logarithmic axis.
     pub at: f64,
@@ -81,7 +80,6 @@ impl<'a> Mapping<'a> {
         }
     }
 
-    /// The pixel of a position.
     pub(super) fn pixel_of(&self, position: f64) -> f64 {
         // Halved, as the span of the largest numbers would overflow.
         let share = (position / 2.0 - self.low / 2.0) / (self.high / 2.0 - self.low / 2.0);

@@ -210,7 +210,6 @@ impl Chart {
         }
     }
 
-    /// A point in words.
     fn words(&self, index: usize, point: &Point) -> String {
         let Series { name, draw, .. } = &self.series[index];
         let x = match (&self.x.scale, &*self.x.label) {

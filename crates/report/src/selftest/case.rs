@@ -134,7 +134,6 @@ impl InputRng {
         self.direction() * (radius * self.one())
     }
 
-    /// A rotation.
     pub(super) fn rotation(&mut self) -> DMat3 {
         let angle = std::f64::consts::TAU * self.one();
         DMat3::from_quat(DQuat::from_axis_angle(self.direction(), angle))

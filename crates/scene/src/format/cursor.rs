@@ -168,7 +168,6 @@ impl<'a> Cursor<'a> {
         Err(self.error_of(kind, format!("must be {}", integer_words(low, high))))
     }
 
-    /// A boolean.
     pub(crate) fn truth(&self) -> Result<bool> {
         self.value.as_bool().ok_or_else(|| self.must_be("true or false"))
     }

@@ -11,7 +11,6 @@ use wavecrest_base::error::Result;
 
 /// A component with keys of its own in a scene file.
 pub(crate) trait Declared: Component + Clone {
-    /// Its keys.
     const KEYS: &'static [Key];
 
     /// Reads it from an object with these keys; `None` if the object does without.
@@ -86,7 +85,6 @@ macro_rules! component {
                 }
             }
 
-            /// Writes the fields.
             pub(crate) fn write_fields(&self, to: &mut $crate::format::Writer<'_>) {
                 $( to.put($key, self.$field); )+
             }

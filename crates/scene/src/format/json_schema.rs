@@ -90,7 +90,6 @@ impl Definitions {
         })
     }
 
-    /// An object of a kind.
     fn object(&mut self, kind: &Kind) -> Value {
         let (mut properties, mut conditions) = (Map::new(), Vec::new());
         for key in kind.all_keys() {

@@ -72,7 +72,6 @@ pub(crate) struct Kind {
     pub(crate) word: &'static str,
     /// The key whose presence tells it from later kinds with the same word; empty if none does.
     pub(crate) discriminator: &'static str,
-    /// Its own keys.
     pub(crate) keys: &'static [Key],
     /// The name of a key that objects of this kind do without; empty if there is none.
     pub(crate) without: &'static str,
@@ -112,7 +111,6 @@ impl Kind {
         self.all_keys().find(|key| key.name == name || key.synonyms.contains(&name))
     }
 
-    /// All keys.
     pub(crate) fn all_keys(&self) -> impl Iterator<Item = Key> + use<> {
         let typed: &[Key] = if self.word.is_empty() { &[] } else { TYPE };
         let keys = typed.iter().chain(self.keys);
@@ -149,7 +147,6 @@ impl Variants {
     }
 }
 
-/// A key.
 #[derive(Clone, Copy)]
 pub(crate) struct Key {
     pub(crate) name: &'static str,

@@ -99,7 +99,6 @@ impl<'a> Writer<'a> {
         self.set(key, value);
     }
 
-    /// Removes a key.
     pub(crate) fn remove(&mut self, key: &str) {
         self.map.remove(key);
     }

@@ -93,7 +93,6 @@ impl Storage {
         self.buffers.iter().map(Buffer::len).sum()
     }
 
-    /// A view with its buffer.
     pub(super) fn view(&self, number: usize) -> (&BufferView, &Buffer) {
         let view = &self.views[number];
         (view, &self.buffers[view.buffer])

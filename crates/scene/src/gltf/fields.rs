@@ -41,7 +41,6 @@ impl<'a> Fields<'a> {
         Self { cursor, file: self.file }
     }
 
-    /// Its path.
     pub(super) fn path(&self) -> String {
         self.cursor.path()
     }

@@ -36,7 +36,6 @@ const USUAL: f64 = PI / 4.0;
 /// Larger angles are not accepted for cones.
 const LARGEST_ANGLE: f64 = 2.0 * PI;
 
-/// The kind of a light.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum LightKind {
     Point,
@@ -201,7 +200,6 @@ pub(super) fn expose(light: &mut EntityBuilder, exposure: f64) {
     sun.into_iter().for_each(|light| light.intensity *= exposure);
 }
 
-/// The lights of a file.
 pub(super) struct FileLights {
     /// Those that are not meshes,
     pub(super) lights: Vec<LightSource>,

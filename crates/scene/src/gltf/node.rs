@@ -15,7 +15,6 @@ use wavecrest_core::math::float::MAX_COORDINATE;
 use super::accessor::{Accessor, Storage};
 use super::fields::{Fields, LIGHTS};
 
-/// A node.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Node {
     pub(super) name: Option<String>,

@@ -13,7 +13,6 @@ use crate::folder::{Denied, translated};
 use crate::format::Cursor;
 use wavecrest_base::error::Result;
 
-/// The target of a URI.
 #[derive(Debug, PartialEq, Eq)]
 pub(super) enum UriTarget {
     /// A file.

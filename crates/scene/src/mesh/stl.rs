@@ -196,7 +196,6 @@ fn vector(row: &[u8], at: usize) -> Vec3 {
     Vec3::new(number(0), number(1), number(2))
 }
 
-/// Reads a text.
 fn read_text(file: &dyn ReadAt, length: u64, end: u8, buffer: usize) -> Result<StlTriangles> {
     let mut text = Text::default();
     each_line(file, (length, end), buffer, |line| text.line(line))?;

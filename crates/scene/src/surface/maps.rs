@@ -151,7 +151,6 @@ fn kind(key: &str) -> &'static Kind {
     }
 }
 
-/// The alpha of the object's texture.
 fn alpha_of_texture(object: &Object<'_>) -> Result<Option<Map>> {
     let Some(cursor) = object.get("texture") else {
         object.warn("alpha", "has no effect without a texture", "add \"texture\", or remove it");

@@ -69,7 +69,6 @@ pub(super) fn run(
     Ok(used)
 }
 
-/// The attributes of a shape's mesh.
 fn attributes<'a>(shape: &Shape, meshes: &'a [MeshAttributes]) -> Option<&'a MeshAttributes> {
     meshes.get(shape.mesh? as usize)
 }
@@ -154,7 +153,6 @@ pub(crate) struct Masks<'a> {
     known: Vec<(ImageKey, Option<AlphaImage>)>,
 }
 
-/// An image with alpha.
 struct AlphaImage {
     image: Arc<LazyImage>,
     /// The lowest and the highest alpha of its texels, from 0 to 1, once it is decoded.

@@ -34,7 +34,6 @@ use wavecrest_core::prepared::{MeshAttributes, Shape, UvMap};
 pub(crate) struct Arrays {
     /// The primitives.
     pub(crate) geometry: Geometry,
-    /// Attributes of meshes.
     pub(crate) meshes: Vec<MeshAttributes>,
 }
 

@@ -230,7 +230,6 @@ impl Extent {
         Self { center, half: DVec3::ZERO, radius, is_distant: false, cone: None }
     }
 
-    /// A box.
     pub(super) fn of_box(bounds: &Aabb) -> Self {
         let (low, high) = (bounds.low.as_dvec3(), bounds.high.as_dvec3());
         let (center, half) = ((low + high) / 2.0, (high - low) / 2.0);

@@ -16,7 +16,6 @@ pub(crate) struct SharedVertices {
 }
 
 impl SharedVertices {
-    /// One triangle.
     pub(crate) fn of(triangle: [u32; 3]) -> Self {
         let mut shared = Self::default();
         shared.add(0, triangle);

@@ -122,7 +122,6 @@ pub(super) fn references(scene: &SceneAccuracy) -> String {
     scene.references.iter().map(of).collect::<Vec<_>>().join(" ")
 }
 
-/// The tables of a family.
 pub(super) fn tables(family: &Family<SettingResult>) -> Vec<Block> {
     let mut blocks: Vec<Block> = slopes(family).map(Block::Table).into_iter().collect();
     let points = Block::Table(points(family));

@@ -76,7 +76,6 @@ pub struct Pace<'a> {
     clock: Clock<'a>,
     start: f64,
     is_first: bool,
-    /// Its seconds.
     seconds: f64,
     in_flight: f64,
     /// The finished share, as bits of a double.

@@ -306,7 +306,6 @@ fn attribute<T>(values: Vec<T>) -> Option<Attribute<T>> {
     (!values.is_empty()).then_some(Attribute { values, indices: None })
 }
 
-/// Skips a property.
 fn skip(shape: PropertyType, numbers: &mut Numbers<'_>) -> Result<()> {
     match shape {
         PropertyType::One(kind) => numbers.skip(kind, 1),

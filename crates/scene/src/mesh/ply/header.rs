@@ -14,7 +14,6 @@ use wavecrest_base::error::{Error, ErrorKind, Result, did_you_mean};
 /// Largest length of a header in bytes.
 const MAX_HEADER: u64 = 1 << 20;
 
-/// The encoding of the body.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum BodyEncoding {
     Ascii,
