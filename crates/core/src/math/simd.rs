@@ -124,7 +124,7 @@ pub fn compiled(level: fearless_simd::Level) -> fearless_simd::Level {
     level
 }
 
-/// Whether [`at_wide_level`](crate::at_wide_level) has code for the level.
+/// Whether [`at_wide_level`] has code for the level.
 #[inline]
 #[allow(unreachable_patterns, reason = "which levels there are depends on the target")]
 pub fn is_wide(level: fearless_simd::Level) -> bool {
@@ -143,7 +143,7 @@ pub trait AnyWidth {
     /// The result.
     type Output;
 
-    /// Runs the work. `#[inline(always)]`, as for [`at_level`](crate::at_level).
+    /// Runs the work. `#[inline(always)]`, as for [`at_level`].
     fn run<F: Single>(self, token: F::Token) -> Self::Output;
 }
 

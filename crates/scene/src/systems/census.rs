@@ -14,8 +14,7 @@ use hecs::World;
 
 use super::frame::Frame;
 use super::reach::Illuminates;
-use super::shows::Shows;
-use super::visibility::{MaterialBound, Source, Visibility};
+use super::visibility::{MaterialBound, Shows, Source, Visibility};
 use crate::components::TextureRef;
 use crate::surface::{SurfaceColumns, SurfaceComponents};
 use wavecrest_core::geometry::{Geometry, Primitive};

@@ -4,9 +4,8 @@ use std::collections::HashMap;
 
 use hecs::World;
 
-use super::shows::Shows;
 use super::textures::Images;
-use super::visibility::{Source, Visibility};
+use super::visibility::{Shows, Source, Visibility};
 use crate::components::{TextureRef, Transparency};
 use crate::surface::{
     EMISSION_MAP, METAL_MAP, OCCLUSION_MAP, OPACITY_MAP, SurfaceColumns, SurfaceComponents,

@@ -3,8 +3,7 @@
 use glam::{DAffine3, DMat3, DVec3, Vec3};
 use hecs::{Entity, Satisfies, World};
 
-use super::shows::Shows;
-use super::visibility::Visibility;
+use super::visibility::{Shows, Visibility};
 use crate::components::{
     Channels, Disk, Facing, Hidden, InstanceOf, Map, Mesh, Order, Quad, Shading, Sides, Sphere,
     TextureRef, Transform, Transparency, Triangle,

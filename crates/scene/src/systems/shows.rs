@@ -6,7 +6,7 @@ use hecs::World;
 use super::frame::Frame;
 use super::lights;
 use super::textures::Images;
-use super::visibility::{Faces, MaterialBound, Source, Visibility};
+use super::visibility::{Faces, MaterialBound, Shows, Source, Visibility};
 use crate::components::{Filter, Map, Maps, TextureRef};
 use crate::lights::hemisphere;
 use crate::surface::{
@@ -17,24 +17,6 @@ use wavecrest_core::kernels::blinn_phong::Material;
 use wavecrest_core::kernels::hemisphere::Hemisphere;
 use wavecrest_core::plan::schedule::Step;
 use wavecrest_core::prepared::Shape;
-
-/// The visible properties of a shape's material; of one out of view, those that would be.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(crate) struct Shows {
-    /// Its base colour, where vertex colours or a texture vary it.
-    pub(crate) color: bool,
-    /// The texture of its colour.
-    pub(crate) texture: bool,
-    pub(crate) emission: bool,
-    /// The texture of metalness and roughness.
-    pub(crate) metal: bool,
-    /// The texture of ambient light.
-    pub(crate) occlusion: bool,
-    /// The colour of its highlight, or of mirrored light.
-    pub(crate) tint: bool,
-    /// The texture of its normals.
-    pub(crate) normal: bool,
-}
 
 /// Finds the visible properties of each shape.
 ///

@@ -2,7 +2,6 @@
 
 use hecs::Entity;
 
-use super::shows::Shows;
 use wavecrest_core::kernels::blinn_phong::Material;
 use wavecrest_core::prepared::Shape;
 
@@ -52,6 +51,24 @@ impl Visibility {
     pub(crate) fn lets_light_through(&self) -> bool {
         self.is_surface_met() && self.is_transparent
     }
+}
+
+/// The visible properties of a shape's material; of one out of view, those that would be.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Shows {
+    /// Its base colour, where vertex colours or a texture vary it.
+    pub(crate) color: bool,
+    /// The texture of its colour.
+    pub(crate) texture: bool,
+    pub(crate) emission: bool,
+    /// The texture of metalness and roughness.
+    pub(crate) metal: bool,
+    /// The texture of ambient light.
+    pub(crate) occlusion: bool,
+    /// The colour of its highlight, or of mirrored light.
+    pub(crate) tint: bool,
+    /// The texture of its normals.
+    pub(crate) normal: bool,
 }
 
 /// Sides of a surface.
