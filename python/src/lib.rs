@@ -48,8 +48,7 @@ fn save(
     let transfer = Options(options).named("transfer")?.unwrap_or(api::Transfer::Srgb);
     let side = |i: usize| u32::try_from(image.shape()[i]).unwrap_or(u32::MAX);
     let film = api::Film::from_pixels(side(1), side(0), vectors(&image)?).map_err(exception)?;
-    let has_alpha =
-        matches!(api::Format::from_path(&path), Ok(api::Format::Png | api::Format::Exr));
+    let has_alpha = api::Format::from_path(&path).is_ok_and(api::Format::has_alpha);
     if alpha.is_some() && !has_alpha {
         return Err(Error::new_err("path: an image with alpha needs .png or .exr"));
     }

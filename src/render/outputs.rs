@@ -213,7 +213,7 @@ fn unchanged(path: &Path) -> String {
 
 /// Refuses a format without alpha.
 fn check_alpha(path: &Path, is_shard: bool) -> Result<()> {
-    let has_alpha = !is_shard && matches!(Format::from_path(path)?, Format::Png | Format::Exr);
+    let has_alpha = !is_shard && Format::from_path(path)?.has_alpha();
     if has_alpha {
         return Ok(());
     }

@@ -66,6 +66,11 @@ impl Format {
         matches!(self, Self::Exr | Self::Pfm)
     }
 
+    /// Whether it stores alpha; these formats store metadata, too.
+    pub fn has_alpha(self) -> bool {
+        matches!(self, Self::Png | Self::Exr)
+    }
+
     /// Whether an image of this format is developed before it is written.
     pub fn is_developed(self, develop: Develop) -> bool {
         !self.is_float() && develop != Develop::default()
