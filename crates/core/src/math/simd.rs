@@ -232,19 +232,16 @@ pub trait Lanes: Simd {
     }
 }
 
-/// The numbers of the bits that are 1, all among the first `COUNT`, a power of two, in rising order.
+/// The numbers of the bits that are 1, of the first `COUNT`, in rising order.
 #[inline(always)]
 pub fn set_bits<const COUNT: usize>(bits: impl Into<u64>) -> impl Iterator<Item = usize> {
     let mut bits = bits.into();
     std::iter::from_fn(
         #[inline(always)]
         move || {
-            if bits == 0 {
-                return None;
-            }
-            let number = bits.trailing_zeros() as usize % COUNT;
-            bits &= bits - 1;
-            Some(number)
+            let number = bits.trailing_zeros() as usize;
+            bits &= bits.wrapping_sub(1);
+            (number < COUNT).then_some(number)
         },
     )
 }
