@@ -23,6 +23,8 @@ mod progress;
 mod render;
 mod selftest;
 mod trace;
+#[cfg(feature = "view")]
+mod view;
 
 use std::ffi::OsString;
 use std::path::Path;
@@ -54,6 +56,8 @@ enum Command {
     Convert(convert::ConvertArgs),
     Explain(explain::ExplainArgs),
     Probe(probe::ProbeArgs),
+    #[cfg(feature = "view")]
+    View(Box<view::ViewArgs>),
     Generate(generate::GenerateArgs),
     Trace(trace::TraceArgs),
     Diff(diff::DiffArgs),
@@ -177,6 +181,8 @@ fn dispatch(command: &Command) -> Result<bool> {
         Command::Convert(args) => pooled(|| convert::run(args)).map(|()| true),
         Command::Explain(args) => explain::run(args).map(|()| true),
         Command::Probe(args) => probe::run(args),
+        #[cfg(feature = "view")]
+        Command::View(args) => view::run(args).map(|()| true),
         Command::Generate(args) => pooled(|| generate::run(args)).map(|()| true),
         Command::Trace(args) => trace::run(args).map(|()| true),
         Command::Diff(args) => pooled(|| diff::run(args)),

@@ -3,7 +3,7 @@
 mod args;
 mod frames;
 mod goal;
-mod look;
+pub(crate) mod look;
 mod once;
 mod outputs;
 mod renderer;

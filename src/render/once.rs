@@ -29,7 +29,7 @@ pub(super) fn render_once(
     // The pace of a part is that of the whole only if it is a fair sample.
     let order = if pace.is_some() { Order::Spread } else { Order::Rows };
     let rendered = match args.look {
-        Some(look) => render_look(look, args, scene, &show)?,
+        Some(look) => render_look(look, &args.options(), scene, &show)?,
         None => render_in_order(scene, &args.options(), &show, order)?,
     };
     Ok((rendered, 0.0))

@@ -130,6 +130,11 @@ impl Accel {
         &self.geometry
     }
 
+    /// Searches in another precision from now on, in the same structure.
+    pub fn set_precision(&mut self, precision: Precision) {
+        self.geometry.set_precision(precision);
+    }
+
     /// The tree over the scene's own primitives, or `None` for the brute-force reference.
     pub fn tree(&self) -> Option<&Tree> {
         self.tree.as_ref()

@@ -24,7 +24,7 @@ use wavecrest_core::geometry::Primitive;
 use wavecrest_core::kernels::camera::Camera;
 use wavecrest_core::math::ray::Ray;
 use wavecrest_core::prepared::PreparedScene;
-use wavecrest_core::render;
+use wavecrest_core::render::{self, Watch};
 use wavecrest_core::tile::Tile;
 
 wavecrest_base::choices! {
@@ -59,16 +59,22 @@ const NOTHING: [f32; 3] = [0.13; 3];
 /// The colour of lines, linear: nearly black.
 const LINE: [f32; 3] = [0.004, 0.004, 0.008];
 
-/// The image of an unshaded look, or its part `crop`.
+/// The image of an unshaded look, or its part `crop`; a part of it if `watch` cancels it.
 ///
 /// # Errors
 /// If the crop is not within the image, there is no memory for the film, or an image cannot be
 /// decoded.
-pub fn film(scene: &PreparedScene, look: Look, crop: Option<Tile>, seed: u64) -> Result<Film> {
+pub fn film(
+    scene: &PreparedScene,
+    look: Look,
+    (crop, seed): (Option<Tile>, u64),
+    watch: &dyn Watch,
+) -> Result<Film> {
     let window = render::window(scene, crop)?;
     let mut film = Film::new(window.width, window.height)?;
     if look == Look::Depth {
-        draw_depth(&mut film, scene, window, seed)?;
+        let rays = CameraRays { scene, window: render::window(scene, None)?, seed, watch };
+        draw_depth(&mut film, &rays, window);
     } else {
         let samples = f64::from(scene.camera.rays_per_pixel());
         let pixels = film.pixels_mut();
@@ -77,7 +83,7 @@ pub fn film(scene: &PreparedScene, look: Look, crop: Option<Tile>, seed: u64) ->
             Look::Ids => distinct(number(scene, hit.primitive)),
             _ => hit.albedo.to_array(),
         };
-        CameraRays { scene, window, seed, watch: &() }.sum(color, &mut |at, sums| {
+        CameraRays { scene, window, seed, watch }.sum(color, &mut |at, sums| {
             let covered = f64::from(sums.hits) / samples;
             pixels[at] = before_nothing(sums.color.map(|sum| sum / samples), covered);
         });
@@ -96,12 +102,11 @@ pub fn bytes(look: Look, [width, height]: [u32; 2]) -> u64 {
 }
 
 /// Draws depths. The range is that of the whole image, so that a part has the same colours.
-fn draw_depth(film: &mut Film, scene: &PreparedScene, window: Tile, seed: u64) -> Result<()> {
-    let whole = render::window(scene, None)?;
-    let samples = f64::from(scene.camera.rays_per_pixel());
+fn draw_depth(film: &mut Film, rays: &CameraRays<'_>, window: Tile) {
+    let whole = rays.window;
+    let samples = f64::from(rays.scene.camera.rays_per_pixel());
     // The mean over the samples that hit something, and their share.
     let mut depths = vec![[0.0; 2]; whole.len()];
-    let rays = CameraRays { scene, window: whole, seed, watch: &() };
     rays.sum(|_| [0.0; 3], &mut |at, sums| {
         let hits = f64::from(sums.hits);
         depths[at] = [sums.depth / hits.max(1.0), hits / samples];
@@ -119,7 +124,6 @@ fn draw_depth(film: &mut Film, scene: &PreparedScene, window: Tile, seed: u64) -
         let color = magma(part as f32).map(|value| f64::from(value) * covered);
         *pixel = before_nothing(color, covered);
     }
-    Ok(())
 }
 
 /// The colour of a pixel of which this share is `covered`; samples without a hit show the background.

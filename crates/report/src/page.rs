@@ -16,8 +16,8 @@ pub(crate) use blocks::file_name;
 use crate::files::write_text;
 use crate::markup::{element, escape, inline};
 use crate::plot::Chart;
+use crate::plot::STYLE as CHART_STYLE;
 use crate::plot::number::figure;
-use crate::plot::svg::STYLE as CHART_STYLE;
 use wavecrest_base::error::Result;
 
 /// The style sheet of a page, without that of its charts.

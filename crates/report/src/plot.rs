@@ -17,6 +17,7 @@ pub(crate) mod svg;
 mod tests;
 
 use number::{figure, time_unit};
+pub use svg::STYLE;
 
 /// Series of points over two axes.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -114,7 +114,7 @@ impl View {
     }
 
     /// Where it is, for its angles.
-    pub(crate) fn placement(&self) -> Placement {
+    pub fn placement(&self) -> Placement {
         Placement {
             location: self.location,
             look: self.look,
@@ -158,6 +158,10 @@ impl Declared for View {
         of_lens.into_iter().for_each(|sampling| to.set("sampling", sampling));
     }
 }
+
+/// That the camera goes where its user wants, later: a component of its entity. Nothing is left out for what it sees now.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct FreeCamera;
 
 /// The path of a camera, a component of its entity.
 #[derive(Clone, Debug, PartialEq)]

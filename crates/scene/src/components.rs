@@ -12,7 +12,7 @@
 //! the file; the systems round them once, after the transform.
 
 pub use crate::camera::{
-    CameraKey, CameraPath, Falloff, FovAxis, Interpolation, Sampling, ThinLens, View,
+    CameraKey, CameraPath, Falloff, FovAxis, FreeCamera, Interpolation, Sampling, ThinLens, View,
 };
 pub use crate::environment::{Environment, Surroundings};
 pub use crate::lights::{AreaLight, DirectionalLight, PointLight, Sky, Spot};

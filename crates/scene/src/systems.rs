@@ -38,7 +38,7 @@ mod census;
 mod classes;
 mod culling;
 pub(crate) mod cutouts;
-pub(crate) mod frame;
+pub mod frame;
 mod geometry;
 mod lights;
 pub mod looks;
@@ -55,10 +55,12 @@ mod visibility;
 
 use std::path::{Path, PathBuf};
 
-use hecs::World;
+use hecs::{Entity, World};
 
+use crate::components::{FreeCamera, View};
 use crate::environment;
 use crate::lights::sky;
+use crate::query::missing;
 use textures::Images;
 use wavecrest_base::error::{Error, ErrorKind, Result, Warning};
 use wavecrest_base::memory::Stage;
@@ -95,6 +97,20 @@ impl Default for Options<'_> {
     fn default() -> Self {
         Self { precision: Precision::default(), passes: &PASSES, flat: false }
     }
+}
+
+/// Lets the camera of `world` go anywhere once the scene is prepared. Returns its view at the start: its own, or `view`.
+///
+/// # Errors
+/// If the world lacks a camera.
+pub fn free_camera(world: &mut World, view: Option<View>) -> Result<View> {
+    let cameras = world.query_mut::<(Entity, &View)>().into_iter();
+    let camera = cameras.map(|(entity, own)| (entity, *own)).next();
+    let (entity, own) = camera.ok_or_else(|| missing("View"))?;
+    let view = view.unwrap_or(own);
+    // It exists.
+    let _ = world.insert(entity, (view, FreeCamera));
+    Ok(view)
 }
 
 /// Runs every system but the last. It takes the `world`, whose meshes are moved.

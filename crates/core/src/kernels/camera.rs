@@ -111,6 +111,11 @@ impl Camera {
         }
     }
 
+    /// The camera at another placement, with the same lens and the same points in the pixel and on the lens.
+    pub fn placed(&self, placement: &Placement) -> Self {
+        Self::new(placement, self.antialias, self.sampling, self.lens)
+    }
+
     /// Width and height of the image in pixels.
     pub fn size(&self) -> [u32; 2] {
         self.size

@@ -187,7 +187,7 @@ impl Axis {
     }
 
     /// A number of its points.
-    pub(super) fn counted(self, points: Points) -> String {
+    pub fn counted(self, points: Points) -> String {
         let count = points.count();
         format!("{count} {} {}", points.sampling.name(), self.things(count))
     }

@@ -59,7 +59,7 @@ fn picture(Picture { png, alt, caption }: &Picture) -> String {
 /// A chart with its caption, its note, and its values as a table and as a download.
 fn chart(chart: &Chart) -> String {
     let (title, caption) = (inline(&chart.title), inline(&chart.caption));
-    let (drawings, values) = (chart.elements(), table(&values(chart)));
+    let (drawings, values) = (chart.elements().concat(), table(&values(chart)));
     let note = chart.note().map(|note| element("p class=\"note\"", &note)).unwrap_or_default();
     let (name, csv) = (escape(&file_name(&chart.title)), STANDARD.encode(chart.csv()));
     format!(

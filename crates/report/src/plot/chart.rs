@@ -37,14 +37,14 @@ const TITLE: f64 = 17.0;
 const TITLE_HEIGHT: f64 = TITLE + 14.0;
 
 impl Chart {
-    /// For a page: at the width of its text, and for narrow screens.
-    pub(crate) fn elements(&self) -> String {
+    /// Two SVG elements for a page: at the width of its text, and for narrow screens.
+    pub fn elements(&self) -> [String; 2] {
         let element = |width, class| {
             let mut drawing = Drawing::new(width);
             self.draw(&mut drawing);
             drawing.element(&self.title, class)
         };
-        element(WIDE, "wide") + &element(NARROW, "narrow")
+        [element(WIDE, "wide"), element(NARROW, "narrow")]
     }
 
     /// A standalone SVG file. It follows the reader's light or dark theme.

@@ -107,6 +107,28 @@ impl FromStr for Side {
     }
 }
 
+/// The direction of a camera from the object, and up in its image if it looks straight down or up;
+/// with y up and z to the front. Angles are in degrees: [`Side::Around`] has their meaning.
+pub fn toward(azimuth: f64, elevation: f64) -> [DVec3; 2] {
+    let (sine, cosine) = sin_cos(elevation);
+    let (right, front) = sin_cos(azimuth);
+    let overhead = DVec3::new(right, 0.0, front) * -sine.signum();
+    [DVec3::new(right * cosine, sine, front * cosine), overhead]
+}
+
+/// Sine and cosine of an angle in degrees; exact for right angles, so that views along an axis are
+/// exact.
+fn sin_cos(degrees: f64) -> (f64, f64) {
+    let turn = degrees.rem_euclid(360.0);
+    match turn {
+        0.0 => (0.0, 1.0),
+        90.0 => (1.0, 0.0),
+        180.0 => (0.0, -1.0),
+        270.0 => (-1.0, 0.0),
+        _ => (libm::sin(turn.to_radians()), libm::cos(turn.to_radians())),
+    }
+}
+
 wavecrest_base::choices! {
     /// The axis of a file that points upward.
     #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -129,7 +151,7 @@ wavecrest_base::choices! {
 impl Up {
     /// Unit vectors to the right, up, and to the front, out of the image: right-handed. With +y up,
     /// as in glTF, the front is +z; other up axes are rotated to +y the shortest way.
-    pub(crate) fn axes(self) -> DMat3 {
+    pub fn axes(self) -> DMat3 {
         let (x, y, z) = (DVec3::X, DVec3::Y, DVec3::Z);
         match self {
             Self::X => DMat3::from_cols(-y, x, z),

@@ -18,7 +18,7 @@ use super::{BoundingSphere, Scenery};
 use crate::camera;
 use crate::components::{CameraKey, CameraPath, FovAxis, Interpolation, View};
 use crate::options::LoadOptions;
-use crate::options::framing::{Fov, Framing, Side, Up};
+use crate::options::framing::{Fov, Framing, Side, Up, toward};
 
 /// Default width of the image in pixels; the height for upright images.
 const LONGER_SIDE: u32 = 1024;
@@ -253,28 +253,6 @@ impl ToFrame<'_> {
     fn tangents(&self, view: &View) -> [f64; 2] {
         let share = self.framing.fit.unwrap_or_default().share();
         half_extent(&view.placement()).map(|tangent| tangent * share)
-    }
-}
-
-/// The direction of a camera from the object, and up in its image if it looks straight down or up;
-/// with y up and z to the front.
-fn toward(azimuth: f64, elevation: f64) -> [DVec3; 2] {
-    let (sine, cosine) = sin_cos(elevation);
-    let (right, front) = sin_cos(azimuth);
-    let overhead = DVec3::new(right, 0.0, front) * -sine.signum();
-    [DVec3::new(right * cosine, sine, front * cosine), overhead]
-}
-
-/// Sine and cosine of an angle in degrees; exact for right angles, so that views along an axis are
-/// exact.
-fn sin_cos(degrees: f64) -> (f64, f64) {
-    let turn = degrees.rem_euclid(360.0);
-    match turn {
-        0.0 => (0.0, 1.0),
-        90.0 => (1.0, 0.0),
-        180.0 => (0.0, -1.0),
-        270.0 => (-1.0, 0.0),
-        _ => (libm::sin(turn.to_radians()), libm::cos(turn.to_radians())),
     }
 }
 

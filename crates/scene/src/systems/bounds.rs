@@ -5,6 +5,9 @@ use rayon::prelude::*;
 
 use wavecrest_core::geometry::Geometry;
 use wavecrest_core::kernels::slab::Aabb;
+use wavecrest_core::prepared::PreparedScene;
+
+use crate::staging::GROUND;
 
 /// The smallest box around points; [`Aabb::EMPTY`] without points.
 pub(super) fn around(points: &[Vec3]) -> Aabb {
@@ -15,8 +18,27 @@ pub(super) fn around(points: &[Vec3]) -> Aabb {
 /// The lowest and the highest coordinates of all primitives, in their space; for an instance, those
 /// of the box around it. `None` without primitives.
 pub fn of(geometry: &Geometry) -> Option<[DVec3; 2]> {
-    let wide = |bounds: Aabb| [bounds.low.as_dvec3(), bounds.high.as_dvec3()];
     let own = (!geometry.positions.is_empty()).then(|| wide(around(&geometry.positions)));
+    with_others(geometry, own)
+}
+
+/// As [`of`], of what a file has: without the ground that is added to files without lights.
+pub fn of_file(scene: &PreparedScene) -> Option<[DVec3; 2]> {
+    let (geometry, appearance) = (scene.accel.geometry(), &scene.appearance);
+    let mut shapes = appearance.shapes.iter().zip(&appearance.places);
+    let Some((ground, _)) = shapes.find(|(_, place)| *place == GROUND) else { return of(geometry) };
+    let meshes = (0..(geometry.own() - geometry.quadrics.len()) as u32).into_par_iter();
+    let own = meshes.filter(|number| !ground.primitives.contains(number));
+    let own = own.map(|number| geometry.bounds(number)).reduce(|| Aabb::EMPTY, Aabb::union);
+    with_others(geometry, (own.low.x <= own.high.x).then(|| wide(own)))
+}
+
+fn wide(bounds: Aabb) -> [DVec3; 2] {
+    [bounds.low.as_dvec3(), bounds.high.as_dvec3()]
+}
+
+/// The box of its own triangles and quads, with its spheres and disks, and its instances.
+fn with_others(geometry: &Geometry, own: Option<[DVec3; 2]>) -> Option<[DVec3; 2]> {
     let quadrics = geometry.quadrics.iter().map(|quadric| {
         let (center, half) = quadric.extent();
         [center - half, center + half]

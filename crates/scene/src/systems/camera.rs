@@ -55,11 +55,11 @@ pub(crate) fn run(
         },
         focal: key.focal as f32,
     };
+    let camera = Camera::new(&still, antialias, view.sampling, lens);
     let path = path.map(|CameraPath { keys, interpolation }| {
-        let keys = keys.iter().map(key).collect();
-        Path::new(keys, *interpolation, (antialias, view.sampling), lens)
+        Path::new(keys.iter().map(key).collect(), *interpolation, camera)
     });
-    Ok((Camera::new(&still, antialias, view.sampling, lens), path))
+    Ok((camera, path))
 }
 
 /// The least distance of anything from the middle of a pupil; 0 with instances, and in doubt.

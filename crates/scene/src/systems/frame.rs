@@ -11,7 +11,7 @@ use hecs::World;
 
 use super::Options;
 use super::camera::{self, frames_of};
-use crate::components::Settings;
+use crate::components::{FreeCamera, Settings, View};
 use crate::query;
 use wavecrest_base::error::Result;
 use wavecrest_core::kernels::camera::Camera;
@@ -37,20 +37,21 @@ pub(super) fn run(world: &World, options: &Options<'_>) -> Result<Frame> {
     // Fast precision has no error bounds, so nothing is certain, and uses coordinates unchanged.
     let is_fast = precision == Precision::Fast;
     let settings = query::settings(world)?;
-    let origin = if is_fast { DVec3::ZERO } else { origin(world)? };
+    let origin = if is_fast { DVec3::ZERO } else { origin(&query::view(world)?) };
     let (camera, path) = camera::run(world, origin, None)?;
-    let is_certain = skips && !is_fast;
+    let is_free = world.query::<&FreeCamera>().iter().next().is_some();
+    let is_certain = skips && !is_fast && !is_free;
     let cameras = if is_certain { frames_of(&camera, path.as_ref()) } else { Vec::new() };
     Ok(Frame { settings, precision, origin, cameras })
 }
 
-/// The offset to subtract from all positions.
-fn origin(world: &World) -> Result<DVec3> {
-    let view = query::view(world)?;
+/// The offset to subtract from all positions, for this view.
+pub fn origin(view: &View) -> DVec3 {
     let distance = (view.look - view.location).abs().max_element();
     let far = view.location.abs().max_element() >= FAR_CAMERA * distance;
-    Ok(if far { nearest(view.location, distance) } else { DVec3::ZERO })
+    if far { nearest(view.location, distance) } else { DVec3::ZERO }
 }
+
 /// The multiple of the next greater power of two that is nearest to `place`.
 pub(super) fn nearest(place: DVec3, distance: f64) -> DVec3 {
     let (_, exponent) = libm::frexp(distance);

@@ -4,8 +4,7 @@ use std::ops::RangeInclusive;
 
 use glam::DVec3;
 
-use super::{Camera, Lens, Placement};
-use crate::math::sampling::Sampling;
+use super::{Camera, Placement};
 
 /// Sine of the angle between the view and `up` below which they count as parallel. The right vector is their cross
 /// product: at this angle, rounding in double precision turns it by less than 1e-9 radians.
@@ -40,21 +39,13 @@ pub struct Keyframe {
 pub struct Path {
     keys: Vec<Keyframe>,
     interpolation: Interpolation,
-    antialias: u32,
-    sampling: Sampling,
-    lens: Option<Lens>,
+    camera: Camera,
 }
 
 impl Path {
-    /// The path through `keys`, at least one, in the order of their frames, of a camera with the
-    /// other properties of [`Camera::new`].
-    pub fn new(
-        keys: Vec<Keyframe>,
-        interpolation: Interpolation,
-        (antialias, sampling): (u32, Sampling),
-        lens: Option<Lens>,
-    ) -> Self {
-        Self { keys, interpolation, antialias, sampling, lens }
+    /// The path of a `camera` through `keys`, at least one, in the order of their frames.
+    pub fn new(keys: Vec<Keyframe>, interpolation: Interpolation, camera: Camera) -> Self {
+        Self { keys, interpolation, camera }
     }
 
     /// The frames from the first key to the last. Before and after, the camera stands still.
@@ -88,8 +79,9 @@ impl Path {
             ..first.placement
         };
         let focal = between(first.focal.into(), second.focal.into()) as f32;
-        let lens = self.lens.map(|lens| Lens { focal, ..lens });
-        Some(Camera::new(&placement, self.antialias, self.sampling, lens))
+        let mut camera = self.camera.placed(&placement);
+        camera.lens.iter_mut().for_each(|lens| lens.focal = focal);
+        Some(camera)
     }
 
     fn line(&self, a: usize, b: usize, part: f64, of: &dyn Fn(&Keyframe) -> DVec3) -> DVec3 {
@@ -151,6 +143,7 @@ pub fn least_aligned_axis(v: DVec3) -> DVec3 {
 mod tests {
     use super::*;
     use crate::kernels::camera::FovAxis;
+    use crate::math::sampling::Sampling;
 
     fn path(points: &[(u32, [f64; 3])], interpolation: Interpolation) -> Path {
         let key = |&(frame, at): &(u32, [f64; 3])| Keyframe {
@@ -165,8 +158,9 @@ mod tests {
             },
             focal: 1.0,
         };
-        let keys = points.iter().map(key).collect();
-        Path::new(keys, interpolation, (1, Sampling::Jittered), None)
+        let keys: Vec<Keyframe> = points.iter().map(key).collect();
+        let camera = Camera::new(&keys[0].placement, 1, Sampling::Jittered, None);
+        Path::new(keys, interpolation, camera)
     }
 
     #[test]

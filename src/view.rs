@@ -1,0 +1,148 @@
+//! `view`: a page on this machine that shows a scene from anywhere, and what its accuracy costs.
+//!
+//! [`server`] talks to pages, [`painter`] has the scene and renders it; between them is the [`exchange`].
+
+mod exchange;
+mod page;
+mod painter;
+mod refine;
+mod request;
+mod server;
+mod showing;
+mod steering;
+mod take_away;
+
+use std::io::{self, Write};
+use std::net::{IpAddr, Ipv4Addr, SocketAddr, TcpListener};
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::thread;
+use std::time::Duration;
+
+use serde_json::json;
+
+use super::common::{SPEED, SearchOptions, choice, command_words, print, tell, whole};
+use super::input::SceneOptions;
+use exchange::{Exchange, Kind};
+use server::{Site, is_local, serve};
+use take_away::TakeAway;
+use wavecrest_base::error::{Error, ErrorKind, Result};
+use wavecrest_core::render::TracerKind;
+use wavecrest_core::wavefront::DEFAULT_BATCH;
+use wavecrest_image::look::Look;
+
+/// The section of the help for the page.
+const PAGE: &str = "Page";
+
+/// How long pages have to show why the command ends.
+const FAREWELL: Duration = Duration::from_millis(200);
+
+/// Look at a scene, a glTF file or a mesh in a browser: find the camera, and see what accuracy costs.
+///
+/// The page shows the file from anywhere, with the time, the error and the effects of its image. It gives the scene file
+/// and the command for what it shows. Ctrl-C ends it.
+#[derive(Clone, Debug, clap::Args)]
+pub(crate) struct ViewArgs {
+    /// Scene (.json), glTF file (.gltf, .glb) or mesh (.ply, .obj, .stl)
+    pub(crate) scene: PathBuf,
+    /// Print the address only; open no browser
+    #[arg(long, help_heading = PAGE)]
+    pub(crate) no_open: bool,
+    /// Port of the page [default: any that is free]
+    #[arg(long, help_heading = PAGE, value_name = "PORT", default_value_t = 0, hide_default_value = true)]
+    pub(crate) port: u16,
+    /// Address to listen at, for other machines: whoever knows the page's address sees the scene
+    #[arg(long, help_heading = PAGE, value_name = "ADDRESS", default_value_t = Ipv4Addr::LOCALHOST.into())]
+    pub(crate) listen: IpAddr,
+    /// Show geometry or materials instead of lighting
+    #[arg(long = "as", value_name = "LOOK", value_parser = choice::<Look>())]
+    pub(crate) look: Option<Look>,
+    /// Seed of the random numbers
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = whole(0..=u64::MAX))]
+    pub(crate) seed: u64,
+    /// Tracer; does not change the image
+    #[arg(long, help_heading = SPEED, value_parser = choice::<TracerKind>(), default_value_t)]
+    pub(crate) tracer: TracerKind,
+    /// Paths in a batch of the wavefront tracer; does not change the image
+    #[arg(long, help_heading = SPEED, value_name = "PATHS", default_value_t = DEFAULT_BATCH as u32,
+          value_parser = whole(1..=1_u32 << 20))]
+    pub(crate) batch: u32,
+    /// Traversal
+    #[command(flatten)]
+    pub(crate) search: SearchOptions,
+    /// Scene
+    #[command(flatten)]
+    pub(crate) scene_options: SceneOptions,
+}
+
+/// Serves the page of a scene until a signal ends the process.
+///
+/// # Errors
+/// If the port cannot be used, or the scene cannot be loaded or prepared.
+pub(crate) fn run(args: &ViewArgs) -> Result<()> {
+    args.search.check(args.scene_options.precision)?;
+    args.scene_options.input.check(&args.scene)?;
+    let address = SocketAddr::new(args.listen, args.port);
+    let cannot = |e: io::Error| {
+        let message = format!("cannot serve the page at {address}: {e}");
+        Error::new(ErrorKind::Io, message).remedy("use another --port or --listen").because(e)
+    };
+    let listener = TcpListener::bind(address).map_err(cannot)?;
+    let words = &command_words();
+    let site = Arc::new(Site {
+        exchange: Arc::new(Exchange::new()),
+        take_away: TakeAway::new(&args.scene, given(words, &OF_MESHES), given(words, &OF_IMAGE)),
+        token: token()?,
+        address: listener.local_addr().map_err(cannot)?,
+    });
+    if !args.listen.is_loopback() {
+        tell(
+            "warning: other machines can reach the page; leave out --listen to keep it to this one",
+        );
+    }
+    print(&format!("{}\n", site.url()))?;
+    let _ = io::stdout().flush();
+    let served = Arc::clone(&site);
+    let serving = thread::Builder::new().spawn(move || serve(listener, &served));
+    serving.map_err(cannot)?;
+    if !args.no_open && is_local(site.address.ip()) && open::that_detached(site.url()).is_err() {
+        tell("note: no browser could be opened; open the address in one");
+    }
+    let painted =
+        args.scene_options.threads.run(|| painter::paint(args, &site.exchange, &site.take_away));
+    if let Err(error) = &painted {
+        let told = json!({"kind": "error", "message": error.to_string()});
+        site.exchange.tell(Kind::Error, showing::text(&told));
+        thread::sleep(FAREWELL);
+    }
+    painted
+}
+
+/// Options that change the meshes of a file, and that change the image of a scene file, with whether each has a value.
+const OF_MESHES: [(&str, bool); 3] =
+    [("--camera", true), ("--crease", true), ("--allow-outside", false)];
+const OF_IMAGE: [(&str, bool); 1] = [("--background", true)];
+
+/// Those of the `options` that the words of a command give, as they give them.
+fn given(words: &[String], options: &[(&str, bool)]) -> Vec<String> {
+    let mut found = Vec::new();
+    for (index, word) in words.iter().enumerate() {
+        let (name, value) =
+            word.split_once('=').map_or((&**word, None), |(name, v)| (name, Some(v)));
+        let Some((_, takes_value)) = options.iter().find(|(option, _)| *option == name) else {
+            continue;
+        };
+        let next = words.get(index + 1).filter(|_| *takes_value && value.is_none());
+        found.extend([word].into_iter().chain(next).cloned());
+    }
+    found
+}
+
+/// The secret part of the address: 128 random bits, in hexadecimal digits.
+fn token() -> Result<String> {
+    let mut bytes = [0; 16];
+    getrandom::fill(&mut bytes).map_err(|e| {
+        Error::new(ErrorKind::Io, format!("the system gives no random numbers: {e}")).because(e)
+    })?;
+    Ok(bytes.map(|byte| format!("{byte:02x}")).concat())
+}

@@ -1,0 +1,153 @@
+//! What passes between the painter, which has the scene, and the connections of pages.
+//!
+//! Requests of all pages wait in the [`Inbox`]; what pages show lies on the [`Board`], the last message of each kind.
+//! Neither grows: movements that wait are added up, requests beyond a limit are dropped, and a message replaces the one
+//! before it.
+
+use std::collections::VecDeque;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
+
+use tokio::sync::watch;
+use tokio_tungstenite::tungstenite::Message;
+
+use super::request::Request;
+use wavecrest_core::film::Film;
+use wavecrest_image::write::Transfer;
+use wavecrest_scene::components::View;
+
+/// The most requests that wait.
+const MOST_REQUESTS: usize = 64;
+
+/// Requests that wait for the painter.
+#[derive(Default)]
+pub(super) struct Inbox {
+    waiting: Mutex<VecDeque<Request>>,
+    arrived: Condvar,
+    /// Whether any wait, to be asked without a lock.
+    any: AtomicBool,
+}
+
+impl Inbox {
+    fn waiting(&self) -> MutexGuard<'_, VecDeque<Request>> {
+        self.waiting.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Adds a request.
+    pub(super) fn put(&self, request: Request) {
+        let mut waiting = self.waiting();
+        let is_absorbed = waiting.back_mut().is_some_and(|last| last.absorb(&request));
+        if !is_absorbed && waiting.len() < MOST_REQUESTS {
+            waiting.push_back(request);
+        }
+        self.any.store(true, Ordering::Release);
+        self.arrived.notify_one();
+    }
+
+    /// Whether requests wait.
+    pub(super) fn has_any(&self) -> bool {
+        self.any.load(Ordering::Acquire)
+    }
+
+    /// Takes all requests, once there are any; none if none come in time.
+    pub(super) fn take(&self, patience: Duration) -> Vec<Request> {
+        let waiting = self.waiting();
+        let (mut waiting, _) = self
+            .arrived
+            .wait_timeout_while(waiting, patience, |waiting| waiting.is_empty())
+            .unwrap_or_else(PoisonError::into_inner);
+        self.any.store(false, Ordering::Release);
+        waiting.drain(..).collect()
+    }
+}
+
+/// The kinds of messages to pages.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Kind {
+    Progress,
+    Error,
+    State,
+    Plan,
+    Figures,
+    Chart,
+    Probe,
+    /// The image of one half.
+    Image(usize),
+}
+
+impl Kind {
+    /// The number of kinds.
+    pub(super) const COUNT: usize = 9;
+
+    fn index(self) -> usize {
+        match self {
+            Self::Progress => 0,
+            Self::Error => 1,
+            Self::State => 2,
+            Self::Plan => 3,
+            Self::Figures => 4,
+            Self::Chart => 5,
+            Self::Probe => 6,
+            Self::Image(half) => 7 + half.min(1),
+        }
+    }
+}
+
+/// The last message of each kind, with the number of messages of its kind so far.
+pub(super) type Messages = [(u64, Option<Message>); Kind::COUNT];
+
+/// What pages show, and what they may take away.
+#[derive(Clone, Default)]
+pub(super) struct Board {
+    pub(super) messages: Messages,
+    /// Where the camera is, once there is a scene.
+    pub(super) view: Option<View>,
+    /// The last whole image of the first half.
+    pub(super) image: Option<(Arc<Film>, Transfer)>,
+}
+
+/// Both directions.
+pub(super) struct Exchange {
+    pub(super) inbox: Inbox,
+    pub(super) board: watch::Sender<Board>,
+}
+
+impl Exchange {
+    pub(super) fn new() -> Self {
+        Self { inbox: Inbox::default(), board: watch::Sender::new(Board::default()) }
+    }
+
+    /// Puts a message on the board.
+    pub(super) fn tell(&self, kind: Kind, message: Message) {
+        self.board.send_modify(|board| {
+            let (number, last) = &mut board.messages[kind.index()];
+            (*number, *last) = (*number + 1, Some(message));
+        });
+    }
+
+    /// Takes a message from the board.
+    pub(super) fn withdraw(&self, kind: Kind) {
+        self.board.send_modify(|board| board.messages[kind.index()].1 = None);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_flood_of_requests_is_bounded_and_movements_add_up() {
+        let inbox = Inbox::default();
+        assert!(inbox.take(Duration::ZERO).is_empty() && !inbox.has_any());
+        for _ in 0..100_000 {
+            inbox.put(Request::Walk { by: [1.0, 0.0, 0.0] });
+        }
+        assert!(inbox.has_any());
+        let taken = inbox.take(Duration::ZERO);
+        assert_eq!(taken, [Request::Walk { by: [100_000.0, 0.0, 0.0] }]);
+        (0..100_000).for_each(|_| inbox.put(Request::Probe { at: [0.5, 0.5] }));
+        assert_eq!(inbox.take(Duration::MAX).len(), MOST_REQUESTS);
+        assert!(!inbox.has_any());
+    }
+}

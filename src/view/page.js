@@ -1,0 +1,569 @@
+"use strict";
+(() => {
+  const find = (id) => document.getElementById(id);
+  const make = (tag, properties = {}, ...children) => {
+    const element = Object.assign(document.createElement(tag), properties);
+    element.append(...children);
+    return element;
+  };
+  const write = (id, text) => { if (find(id).textContent !== text) find(id).textContent = text; };
+  const plain = (value) => value === null || typeof value !== "object";
+  const NAMES = ["A", "B"];
+  const image = find("image");
+  const narrow = matchMedia("(max-width: 45rem)");
+  let state = null;
+
+  // Numbers in words.
+  const grouped = (n) => n.toLocaleString("en", { maximumFractionDigits: 9 }).replaceAll(",", "\u202f");
+  const compact = new Intl.NumberFormat("en", { notation: "compact", compactDisplay: "long", maximumSignificantDigits: 3 });
+  function brief(x) {
+    if (Number.isInteger(x)) return grouped(x);
+    if (x >= 1e-3) return grouped(Number(x.toPrecision(3)));
+    const raised = (digit) => "⁰¹²³⁴⁵⁶⁷⁸⁹"[digit];
+    return x.toExponential(2).replace(/e-(\d+)/, (_, power) => ` × 10⁻${[...power].map(raised).join("")}`);
+  }
+  function duration(seconds) {
+    if (seconds < 1) return `${brief(seconds * 1000)} ms`;
+    if (seconds < 120) return `${seconds.toFixed(seconds < 10 ? 2 : 1)} s`;
+    return `${Math.floor(seconds / 60)} min ${Math.round(seconds % 60)} s`;
+  }
+
+  // The connection.
+  let socket = null;
+  const send = (message) => { if (socket.readyState === WebSocket.OPEN) socket.send(JSON.stringify(message)); };
+  function connect() {
+    socket = new WebSocket(new URL("socket", location.href.replace(/^http/, "ws")));
+    socket.binaryType = "arraybuffer";
+    socket.onopen = () => { find("ended").hidden = true; };
+    socket.onmessage = ({ data }) => (typeof data === "string" ? receive(JSON.parse(data)) : receiveFrame(data));
+    socket.onclose = () => {
+      find("ended").hidden = false;
+      find("stage").hidden = true;
+      setTimeout(connect, 1000);
+    };
+  }
+  // What to do with a message of each kind.
+  const show = {};
+  const receive = (message) => show[message.kind]?.(message);
+  show.progress = ({ stage, done, all }) => {
+    find("stage").hidden = false;
+    write("stage-name", stage);
+    const bar = find("stage-done");
+    if (all > 0) Object.assign(bar, { max: all, value: done });
+    else bar.removeAttribute("value");
+  };
+  show.error = ({ message }) => {
+    write("error", message ?? "");
+    find("error").hidden = message === null;
+    if (message !== null) find("stage").hidden = true;
+  };
+  show.state = (message) => {
+    const isNew = (key) => JSON.stringify(message[key]) !== JSON.stringify(state?.[key]);
+    const [isMoved, isResized] = [isNew("camera"), isNew("size")];
+    state = message;
+    if (isMoved) forgetProbe();
+    if (isResized) layOut();
+    find("stage").hidden = true;
+    document.title = `${state.file} – wavecrest view`;
+    write("file", `${state.file}, ${state.size[0]} × ${state.size[1]} pixels`);
+    find("command").replaceChildren(...state.command.split(/(?<= )/).map((text) => make("span", { textContent: text })));
+    write("command-note", state.note);
+    fill(find("look"), [["", "as rendered"], ...state.looks.map((name) => [name, name])], state.look ?? "");
+    showHalves();
+    wake();
+  };
+
+  // The frames of both halves, each in a canvas of its own size, and the difference.
+  const newHalf = () => ({ canvas: make("canvas"), pixels: null, moving: false });
+  const halves = [newHalf(), newHalf()];
+  const difference = newHalf();
+  let untaken = 0;
+  function put(half, pixels) {
+    half.pixels = pixels;
+    Object.assign(half.canvas, { width: pixels.width, height: pixels.height });
+    half.canvas.getContext("2d").putImageData(pixels, 0, 0);
+  }
+  function receiveFrame(buffer) {
+    const head = new DataView(buffer);
+    const [index, width, height, flags] = [0, 4, 8, 12].map((at) => head.getUint32(at, true));
+    const half = halves[index];
+    put(half, new ImageData(new Uint8ClampedArray(buffer, 16), width, height));
+    half.moving = (flags & 1) === 1;
+    untaken += 1;
+    if (isCompared()) subtract();
+    wake();
+  }
+  const isCompared = () => state?.halves.length === 2;
+  const magnification = () => (isCompared() ? Number(find("shown").value) : 0);
+
+  // |A - B|, magnified; there is none while the halves have different sizes.
+  function subtract() {
+    const [a, b] = halves.map((half) => half.pixels);
+    difference.pixels = null;
+    if (!a || !b || a.width !== b.width || a.height !== b.height) return;
+    const by = magnification();
+    const pixels = new ImageData(a.width, a.height);
+    const [from, less, result] = [a.data, b.data, pixels.data];
+    let [different, greatest] = [0, 0];
+    for (let at = 0; at < from.length; at += 4) {
+      let largest = 0;
+      for (let channel = at; channel < at + 3; channel += 1) {
+        const distance = Math.abs(from[channel] - less[channel]);
+        result[channel] = distance * by;
+        if (distance > largest) largest = distance;
+      }
+      result[at + 3] = 255;
+      if (largest > 0) different += 1;
+      if (largest > greatest) greatest = largest;
+    }
+    put(difference, pixels);
+    if (halves.some((half) => half.moving)) return;
+    const all = grouped(a.width * a.height);
+    write("difference", different === 0 ? `A and B agree in all ${all} pixels.`
+      : `Pixels that differ: ${grouped(different)} of ${all}. Greatest difference of a channel: ${greatest} of 255.`);
+  }
+
+  // Where the image lies in the window: in the room beside the panels, or under them in part where it
+  // would have to shrink below its own pixels.
+  let place = { left: 0, top: 0, width: 1, height: 1 };
+  function freeRoom() {
+    const { left, top } = find("panels").getBoundingClientRect();
+    if (narrow.matches) return [innerWidth, top];
+    return [find("sheets").hidden ? innerWidth : left, innerHeight];
+  }
+  function layOut() {
+    const ratio = devicePixelRatio;
+    const room = freeRoom();
+    const all = [innerWidth, innerHeight];
+    const size = state?.size ?? [3, 2];
+    const fit = (into) => Math.min(...into.map((length, axis) => (length * ratio) / size[axis]));
+    let scale = Math.max(fit(room), narrow.matches ? 0 : Math.min(1, fit(all)));
+    // A little smaller than the room, but each pixel as large as the others.
+    if (scale > 1 && scale % 1 < 0.15 * scale) scale = Math.floor(scale);
+    const [width, height] = size.map((length) => Math.round(length * scale) / ratio);
+    const margin = (length, axis) => Math.max(0, Math.round(((room[axis] - length) / 2) * ratio) / ratio);
+    const [left, top] = [width, height].map(margin);
+    place = { left, top, width, height };
+    placeLabels(room);
+    [image.width, image.height] = all.map((length) => Math.round(length * ratio));
+    draw();
+  }
+  // At the lower edge of the image; on narrow windows below it, as far as there is room.
+  function placeLabels(room) {
+    const { style } = find("labels");
+    style.left = `${place.left}px`;
+    style.width = `${Math.min(place.width, room[0] - place.left)}px`;
+    style.bottom = `${innerHeight - Math.min(place.top + place.height + (narrow.matches ? 80 : 0), room[1])}px`;
+  }
+  const divider = () => Number(find("wipe").value) / 100;
+
+  // Drawing, at most once per frame of the browser.
+  function draw() {
+    const context = image.getContext("2d");
+    context.setTransform(devicePixelRatio, 0, 0, devicePixelRatio, 0, 0);
+    context.clearRect(0, 0, innerWidth, innerHeight);
+    if (magnification() > 0) drawPart(context, difference, 0, 1);
+    else if (isCompared()) drawWipe(context);
+    else drawPart(context, halves[0], 0, 1);
+    if (probed) {
+      const [x, y] = [place.left + probed[0] * place.width, place.top + probed[1] * place.height];
+      drawLines(context, new Path2D(`M${x - 9} ${y}h6m6 0h6M${x} ${y - 9}v6m0 6v6`));
+    }
+    drawLoupe();
+  }
+  function drawWipe(context) {
+    drawPart(context, halves[0], 0, divider());
+    drawPart(context, halves[1], divider(), 1);
+    const [x, middle] = [place.left + place.width * divider(), place.top + place.height / 2];
+    drawLines(context, new Path2D(`M${x} ${place.top}v${place.height}M${x - 6} ${middle - 6}l-6 6l6 6m12 -12l6 6l-6 6`));
+  }
+  function drawPart(context, { canvas, pixels, moving }, from, to) {
+    if (!pixels) return;
+    context.save();
+    context.beginPath();
+    context.rect(place.left + from * place.width, place.top, (to - from) * place.width, place.height);
+    context.clip();
+    context.imageSmoothingEnabled = moving || canvas.width > place.width * devicePixelRatio;
+    context.imageSmoothingQuality = "high";
+    context.drawImage(canvas, place.left, place.top, place.width, place.height);
+    context.restore();
+  }
+  // White within black, to be seen on every image.
+  function drawLines(context, path) {
+    for (const [lineWidth, strokeStyle] of [[3.5, "#000"], [1.5, "#fff"]]) {
+      Object.assign(context, { lineWidth, strokeStyle, lineCap: "square" });
+      context.stroke(path);
+    }
+  }
+
+  // The loupe: 11 by 11 pixels around the pointer, 12 times as large, of each half or of the difference.
+  const REACH = 5;
+  const ENLARGED = 12;
+  let pointer = null;
+  function drawLoupe() {
+    const loupe = find("loupe");
+    const isOn = find("magnify").checked || held.has("z");
+    const both = isCompared() ? [["A", halves[0]], ["B", halves[1]]] : [["Colour", halves[0]]];
+    const shown = magnification() > 0 ? [["Difference", difference]] : both;
+    image.classList.toggle("magnified", isOn);
+    loupe.hidden = !isOn || !pointer || !isInside(pointer) || shown.some(([, half]) => !half.pixels);
+    if (loupe.hidden) return;
+    loupe.replaceChildren(...shown.map(([name, half]) => makeEnlarged(name, half, share(pointer))));
+    // Beside the pointer, so that it does not hide what it enlarges.
+    const beside = (at, size, all) => Math.max(0, at + 24 + size < all ? at + 24 : at - 24 - size);
+    loupe.style.left = `${beside(pointer.x, loupe.offsetWidth, innerWidth)}px`;
+    loupe.style.top = `${beside(pointer.y, loupe.offsetHeight, innerHeight)}px`;
+  }
+  function makeEnlarged(name, { canvas: source, pixels }, at) {
+    const size = 2 * REACH + 1;
+    const canvas = make("canvas", { width: ENLARGED * size, height: ENLARGED * size });
+    const context = canvas.getContext("2d");
+    const [x, y] = [Math.floor(at[0] * source.width), Math.floor(at[1] * source.height)];
+    const from = 4 * (y * source.width + x);
+    context.imageSmoothingEnabled = false;
+    context.drawImage(source, x - REACH, y - REACH, size, size, 0, 0, canvas.width, canvas.height);
+    const middle = REACH * ENLARGED;
+    drawLines(context, new Path2D(`M${middle} ${middle}h${ENLARGED}v${ENLARGED}h-${ENLARGED}z`));
+    const colour = pixels.data.slice(from, from + 3).join(" ");
+    return make("figure", {}, canvas, make("figcaption", { textContent: `${name}: ${colour}` }));
+  }
+
+  // Movements wait for the next frame of the browser; those of one kind become one message.
+  const movements = new Map();
+  let isAwake = false;
+  function move(kind, by, at) {
+    const waiting = movements.get(kind);
+    const sum = (a, b) => (Array.isArray(a) ? a.map((x, index) => x + b[index]) : a + b);
+    movements.set(kind, { do: kind, ...(at && { at }), by: waiting ? sum(waiting.by, by) : by });
+    wake();
+  }
+  function sendMovement() {
+    const [kind] = movements.keys();
+    // What a slow connection has not taken yet can still be merged.
+    if (!kind || socket.bufferedAmount > 0) return;
+    send(movements.get(kind));
+    movements.delete(kind);
+  }
+  function wake() {
+    if (!isAwake) requestAnimationFrame(tick);
+    isAwake = true;
+  }
+  function tick(now) {
+    isAwake = false;
+    walk(now);
+    sendMovement();
+    draw();
+    for (; untaken > 0; untaken -= 1) send({ do: "taken" });
+    if (movements.size > 0 || held.size > 0) wake();
+  }
+
+  // Pointers: a drag, a click, the divider, two fingers.
+  const CLICK = 4;
+  const pointers = new Map();
+  let drag = null;
+  const share = ({ x, y }) => [(x - place.left) / place.width, (y - place.top) / place.height];
+  const onImage = (point) => share(point).map((x) => Math.min(Math.max(0, x), 1));
+  const isInside = (point) => share(point).every((x) => x >= 0 && x < 1);
+  const isWiped = () => isCompared() && magnification() === 0;
+  const isOnDivider = ({ x }) => isWiped() && Math.abs(x - place.left - place.width * divider()) < 10;
+  const middleOf = ([a, b]) => ({ x: (a.x + b.x) / 2, y: (a.y + b.y) / 2 });
+  const distanceOf = ([a, b]) => Math.max(1, Math.hypot(a.x - b.x, a.y - b.y));
+  const spot = (event) => ({ x: event.clientX, y: event.clientY });
+  function press(event) {
+    const at = spot(event);
+    image.setPointerCapture(event.pointerId);
+    pointers.set(event.pointerId, at);
+    if (pointers.size === 1) {
+      const isLeft = event.button === 0;
+      drag = { kind: isLeft && !event.shiftKey ? "orbit" : "pan", start: at, isClick: isLeft };
+      if (isOnDivider(at)) drag = { kind: "divide" };
+      else send({ do: "grab", at: onImage(at) });
+    } else if (pointers.size === 2) {
+      drag = { kind: "pinch" };
+      send({ do: "grab", at: onImage(middleOf([...pointers.values()])) });
+    }
+  }
+  function dragTo(event) {
+    pointer = spot(event);
+    image.style.cursor = pointers.size === 0 && isOnDivider(pointer) ? "ew-resize" : "";
+    const before = pointers.get(event.pointerId);
+    wake();
+    if (!before || !drag) return;
+    const both = [...pointers.values()];
+    pointers.set(event.pointerId, pointer);
+    if (drag.kind === "pinch") return pinch(both, [...pointers.values()]);
+    if (drag.isClick && Math.hypot(pointer.x - drag.start.x, pointer.y - drag.start.y) < CLICK) return;
+    // The movement below the limit counts too, once it is no click any more.
+    const from = drag.isClick ? drag.start : before;
+    drag.isClick = false;
+    if (drag.kind === "divide") find("wipe").value = share(pointer)[0] * 100;
+    else move(drag.kind, [(pointer.x - from.x) / place.height, (pointer.y - from.y) / place.height]);
+  }
+  function pinch(before, after) {
+    const [from, to] = [middleOf(before), middleOf(after)];
+    const notches = Math.log(distanceOf(after) / distanceOf(before)) / Math.log(1.2);
+    move("pan", [(to.x - from.x) / place.height, (to.y - from.y) / place.height]);
+    if (notches !== 0) move("zoom", notches, onImage(to));
+  }
+  function release(event) {
+    pointers.delete(event.pointerId);
+    if (event.type === "pointerup" && drag?.isClick && isInside(drag.start)) probeAt(share(drag.start));
+    // A finger that stays after a pinch goes on to do nothing.
+    drag = null;
+  }
+  function turnWheel(event) {
+    event.preventDefault();
+    const pixels = [1, 40, 400][event.deltaMode];
+    // A pinch on a touch pad arrives as small turns of the wheel with Ctrl.
+    move("zoom", (-event.deltaY * pixels) / (event.ctrlKey ? 20 : 100), onImage(spot(event)));
+  }
+  const probeAt = (at) => send({ do: "probe", at });
+
+  // Keys.
+  const WALKS = { a: [-1, 0, 0], d: [1, 0, 0], q: [0, -1, 0], e: [0, 1, 0], s: [0, 0, -1], w: [0, 0, 1] };
+  const SIDES = { 1: "front", 2: "back", 3: "left", 4: "right", 5: "top", 6: "bottom", 7: "iso", f: "all", home: "start" };
+  const ARROWS = { arrowleft: [-0.03, 0], arrowright: [0.03, 0], arrowup: [0, -0.03], arrowdown: [0, 0.03] };
+  const MIDDLE = [0.5, 0.5];
+  const held = new Set();
+  let walkedAt = 0;
+  // About 30 messages a second, each with the time that it stands for.
+  function walk(now) {
+    const keys = [...held].filter((key) => key in WALKS);
+    const passed = (now - walkedAt) / 1000;
+    if (keys.length === 0 || passed < 0.03) return;
+    const by = [0, 1, 2].map((axis) => keys.reduce((sum, key) => sum + WALKS[key][axis] * passed, 0));
+    if (by.some((x) => x !== 0)) move("walk", by);
+    walkedAt = now;
+  }
+  function pressKey(event) {
+    if (event.ctrlKey || event.metaKey || event.altKey || event.target.closest("select, [type=range], dialog")) return;
+    const key = event.key.toLowerCase();
+    if (key in WALKS || key === "z") {
+      if (held.size === 0) walkedAt = performance.now();
+      held.add(key);
+      wake();
+    } else if (key in SIDES) send({ do: "side", side: SIDES[key] });
+    else if (key === "?") find("help").showModal();
+    else if (event.target === image) pressImageKey(key, event);
+  }
+  // What the pointer does, for those who have none: at the middle of the image.
+  function pressImageKey(key, { repeat, shiftKey }) {
+    if (key in ARROWS) {
+      if (!repeat) send({ do: "grab", at: MIDDLE });
+      move(shiftKey ? "pan" : "orbit", ARROWS[key]);
+    } else if (key === "+") move("zoom", 1, MIDDLE);
+    else if (key === "-") move("zoom", -1, MIDDLE);
+    else if (key === "enter") probeAt(MIDDLE);
+  }
+
+  // What accuracy costs: the settings of the halves.
+  const SIDE_CHOICES = [1, 2, 3, 4, 5, 6, 8, 12, 16];
+  function fill(select, choices, chosen) {
+    const wanted = JSON.stringify(choices);
+    if (select.dataset.choices !== wanted) {
+      select.dataset.choices = wanted;
+      select.replaceChildren(...choices.map(([value, text]) => make("option", { value, textContent: text })));
+    }
+    select.value = chosen;
+  }
+  const fieldsets = NAMES.map((_, index) => {
+    const fields = find("half").content.firstElementChild.cloneNode(true);
+    find("halves").append(fields);
+    fields.addEventListener("change", ({ target: { name, value } }) => {
+      const changed = state.halves.map((half) => ({ ...half }));
+      changed[index][name] = name === "side" ? Number(value) : value;
+      send({ do: "set", halves: changed });
+    });
+    return fields;
+  });
+  function showHalves() {
+    const compared = isCompared();
+    fieldsets.forEach((fields, index) => {
+      const half = state.halves[index];
+      fields.hidden = !half;
+      fields.querySelector("legend").textContent = compared ? ["A, to the left", "B, to the right"][index] : "Setting";
+      if (half) showSetting(fields, half);
+    });
+    find("compare").setAttribute("aria-pressed", compared);
+    for (const id of ["compared", "difference", "labels"]) find(id).hidden = !compared;
+  }
+  function showSetting(fields, half) {
+    const { sampler, side, precision, tracer } = fields.elements;
+    const sides = [...new Set([...SIDE_CHOICES, half.side])].sort((a, b) => a - b);
+    fill(sampler, state.samplers.map((name) => [name, name === "file" ? "as in the file" : name]), half.sampler);
+    fill(side, sides.map((n) => [String(n), String(n * n)]), String(half.side));
+    side.disabled = half.sampler === "file";
+    precision.value = half.precision;
+    tracer.value = half.tracer;
+  }
+  // B begins as A in the other arithmetic, so that a leak of it is seen at once.
+  function compare() {
+    const [a] = state.halves;
+    const b = { ...a, precision: a.precision === "exact" ? "fast" : "exact" };
+    find("shown").value = "0";
+    send({ do: "set", halves: isCompared() ? [a] : [a, b] });
+  }
+  // In the panel a narrow chart if there is one; the wide one in a dialog.
+  show.chart = ({ wide, narrow: small = wide }) => {
+    find("chart").innerHTML = small;
+    find("large-chart").innerHTML = wide;
+    find("enlarge").hidden = false;
+  };
+
+  // Figures, a column for each half.
+  function showTable(id, columns, rows) {
+    const cell = (tag, scope) => (textContent) => make(tag, { textContent, ...(scope && { scope }) });
+    const head = columns > 1 ? [make("tr", {}, ...["", ...NAMES].map(cell("th", "col")))] : [];
+    const body = rows.map(([name, values]) => make("tr", {}, cell("th", "row")(name), ...values.map(cell("td"))));
+    find(id).replaceChildren(make("thead", {}, ...head), make("tbody", {}, ...body));
+  }
+  const errorOf = ({ error }) => (error === null ? "not known" : brief(error));
+  const speedOf = (half) => compact.format(half.rays_per_second);
+  show.figures = ({ halves: shown }) => {
+    const names = [...new Set(shown.flatMap((half) => Object.keys(half.counters)))];
+    showTable("figures", shown.length, [
+      ["Samples", shown.map((half) => half.samples)],
+      ["Time", shown.map((half) => duration(half.seconds))],
+      ["Error", shown.map(errorOf)],
+      ["Rays", shown.map((half) => grouped(half.rays))],
+      ["Rays a second", shown.map(speedOf)],
+    ]);
+    const countOf = (name) => shown.map(({ counters }) => brief(counters[name] ?? 0));
+    showTable("counters", shown.length, names.map((name) => [name.replaceAll("_", " "), countOf(name)]));
+    write("figures-note", [...new Set(shown.map((half) => half.note))].filter(Boolean).join("\n"));
+    showStatus(shown);
+    showLabels(shown);
+    showShares(shown);
+  };
+  function doing(half) {
+    if (half.moving) return "moving";
+    if (half.rests) return "at rest: the whole image";
+    return `refining: ${Math.floor(half.done * 100)} % of ${half.samples}`;
+  }
+  function showStatus(shown) {
+    const [a, b = a] = shown.map(doing);
+    const rests = shown.every((half) => half.rests);
+    write("status", a === b ? a : `A: ${a}; B: ${b}`);
+    // Spoken only when it is another word, not with each ray.
+    write("announced", rests ? "The image is done" : shown.some((half) => half.moving) ? "Moving" : "Refining");
+  }
+  function showLabels(shown) {
+    shown.forEach((half, index) => {
+      const lines = [duration(half.seconds), `error ${errorOf(half)}`, `${speedOf(half)} rays a second`];
+      find(`label-${index}`).replaceChildren(make("b", { textContent: NAMES[index] }), lines.join("\n"));
+    });
+  }
+  function showShares(shown) {
+    find("shares").replaceChildren(...shown.flatMap((half, index) => {
+      const heading = shown.length === 2 ? [make("h3", { textContent: NAMES[index] })] : [];
+      return [...heading, ...half.passes.map(makeShare)];
+    }));
+  }
+  function makeShare([name, part], index) {
+    const bar = make("div");
+    bar.style.width = `${part * 100}%`;
+    bar.style.background = `var(--s${index % 7})`;
+    const words = [name, `${(part * 100).toFixed(1)} %`].map((textContent) => make("span", { textContent }));
+    return make("div", { className: "share" }, words[0], make("div", {}, bar), words[1]);
+  }
+
+  // What is simulated.
+  show.plan = ({ effects, passes, bvh }) => {
+    const words = (tag, textContent) => make(tag, { textContent });
+    const item = ({ name, reason, present }) => make("div", { className: present ? "" : "absent" }, words("dt", name), words("dd", reason));
+    const ordered = [...effects].sort((a, b) => b.present - a.present);
+    find("effects").replaceChildren(...ordered.map(item));
+    find("passes").replaceChildren(...passes.filter((pass) => !pass.runs).map(item));
+    write("bvh", `Tree of boxes: ${bvh}`);
+  };
+
+  // A pixel: its record as a tree, filled where it is opened.
+  const FIRST_LEVELS = 5;
+  let probed = null;
+  show.probe = ({ at, record }) => {
+    probed = at;
+    find("record").replaceChildren(...makeTrees(record, 1));
+    write("pixel-note", "The cross marks the pixel in the image.");
+    find("pixel").open = true;
+    find("pixel").scrollIntoView();
+    wake();
+  };
+  function forgetProbe() {
+    if (probed) write("pixel-note", "The camera has moved since: click again.");
+    probed = null;
+  }
+  // Of a list only the first is open.
+  function makeTrees(value, depth) {
+    const isOpen = (index) => depth < FIRST_LEVELS && (index === 0 || !Array.isArray(value));
+    return Object.entries(value).map(([name, inner], index) => makeTree(name, inner, depth, isOpen(index)));
+  }
+  function makeTree(name, value, depth, open) {
+    const isList = Array.isArray(value);
+    if (plain(value) || (isList && value.every(plain))) {
+      const text = isList ? `[${value.join(", ")}]` : JSON.stringify(value);
+      return make("div", { className: "leaf" }, make("span", { textContent: name }), ` ${text}`);
+    }
+    const outline = isList ? `${value.length} of them` : (value.kind ?? value.name ?? "");
+    const branch = make("details", { open }, make("summary", {}, `${name} `, make("span", { textContent: outline })));
+    const grow = () => branch.append(...makeTrees(value, depth + 1));
+    if (open) grow();
+    else branch.addEventListener("toggle", grow, { once: true });
+    return branch;
+  }
+
+  // Take away.
+  async function copyCommand() {
+    await navigator.clipboard.writeText(find("command").textContent);
+    write("copy", "Copied");
+    setTimeout(() => write("copy", "Copy"), 1500);
+  }
+
+  // Light or dark, against what the system prefers; kept where the browser keeps anything.
+  const { dataset } = document.documentElement;
+  const dark = matchMedia("(prefers-color-scheme: dark)");
+  const kept = (use) => { try { return use(localStorage); } catch { return null; } };
+  const isDark = () => (dataset.theme ? dataset.theme === "dark" : dark.matches);
+  const nameTheme = () => write("theme", isDark() ? "Light" : "Dark");
+  function switchTheme() {
+    dataset.theme = isDark() ? "light" : "dark";
+    kept((store) => store.setItem("wavecrest-theme", dataset.theme));
+    nameTheme();
+  }
+  const theme = kept((store) => store.getItem("wavecrest-theme"));
+  if (theme === "light" || theme === "dark") dataset.theme = theme;
+  dark.addEventListener("change", nameTheme);
+  nameTheme();
+
+  function fold() {
+    const isHidden = find("sheets").toggleAttribute("hidden");
+    find("fold").setAttribute("aria-expanded", !isHidden);
+    write("fold", isHidden ? "Show" : "Hide");
+  }
+  const on = (id, type, action) => find(id).addEventListener(type, action);
+  on("image", "pointerdown", press);
+  on("image", "pointermove", dragTo);
+  on("image", "pointerup", release);
+  on("image", "pointercancel", release);
+  on("image", "pointerleave", () => { pointer = null; wake(); });
+  on("image", "contextmenu", (event) => event.preventDefault());
+  image.addEventListener("wheel", turnWheel, { passive: false });
+  addEventListener("keydown", pressKey);
+  addEventListener("keyup", ({ key }) => { held.delete(key.toLowerCase()); wake(); });
+  addEventListener("blur", () => { held.clear(); wake(); });
+  addEventListener("resize", layOut);
+  new ResizeObserver(layOut).observe(find("panels"));
+  on("theme", "click", switchTheme);
+  on("help-button", "click", () => find("help").showModal());
+  on("fold", "click", fold);
+  on("compare", "click", compare);
+  on("enlarge", "click", () => find("large").showModal());
+  on("copy", "click", copyCommand);
+  on("reload", "click", () => location.reload());
+  on("magnify", "change", wake);
+  on("wipe", "input", wake);
+  on("shown", "change", () => { subtract(); wake(); });
+  on("look", "change", ({ target }) => send({ do: "look", look: target.value || null }));
+  for (const dialog of document.querySelectorAll("dialog")) dialog.querySelector("button").addEventListener("click", () => dialog.close());
+  fill(find("shown"), [["0", "A and B"], ...[1, 4, 16, 64, 256].map((by) => [String(by), `Difference × ${by}`])], "0");
+  connect();
+})();

@@ -1,0 +1,16 @@
+//! The page: one HTML file, with its style sheet and its script.
+
+use std::sync::LazyLock;
+
+use wavecrest_report::plot::STYLE as CHART_STYLE;
+
+/// What the page may load: nothing but what this server sends it.
+pub(super) const POLICY: &str = "default-src 'none'; connect-src 'self'; img-src 'self' data: blob:; \
+     style-src 'unsafe-inline'; script-src 'unsafe-inline'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
+
+/// The whole page.
+pub(super) static HTML: LazyLock<String> = LazyLock::new(|| {
+    let style = format!("{CHART_STYLE}{}", include_str!("page.css"));
+    let script = include_str!("page.js");
+    include_str!("page.html").replacen("{{style}}", &style, 1).replacen("{{script}}", script, 1)
+});

@@ -1,0 +1,332 @@
+//! The server of the page: HTTP and WebSocket on one port, for whoever has the address.
+//!
+//! The path of every resource starts with a random token; without it nothing is found. The `Host` of a request must name
+//! this server, so that no name of a stranger can be made to point here, and the `Origin` of a WebSocket must be the page.
+//! Nothing in a request names a file. One thread serves all connections: each that has not asked for anything soon is
+//! closed, as are the oldest when there are too many, and a page gets the next image when it has drawn the last.
+
+use std::collections::VecDeque;
+use std::convert::Infallible;
+use std::net::{IpAddr, Ipv4Addr, SocketAddr};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Duration;
+
+use futures_util::{SinkExt, StreamExt};
+use http_body_util::Full;
+use hyper::body::{Bytes, Incoming};
+use hyper::header::{self, HeaderMap, HeaderValue};
+use hyper::service::service_fn;
+use hyper::{Method, Request, Response, StatusCode};
+use hyper_util::rt::{TokioIo, TokioTimer};
+use tokio::task::AbortHandle;
+use tokio::time::{Instant, interval, timeout};
+use tokio_tungstenite::WebSocketStream;
+use tokio_tungstenite::tungstenite::Message;
+use tokio_tungstenite::tungstenite::handshake::derive_accept_key;
+use tokio_tungstenite::tungstenite::protocol::{Role, WebSocketConfig};
+
+use super::exchange::{Exchange, Kind};
+use super::page;
+use super::request::Request as Asked;
+use super::take_away::TakeAway;
+
+/// The most connections that have not become those of a page, and the most pages.
+const MOST_CONNECTIONS: usize = 128;
+const MOST_PAGES: usize = 16;
+/// How long a connection may take to ask, and to take an answer.
+const ASKING: Duration = Duration::from_secs(3);
+const ANSWERING: Duration = Duration::from_secs(60);
+/// How often a page is asked whether it is there, and after which silence it is not.
+const PULSE: Duration = Duration::from_secs(5);
+const SILENCE: Duration = Duration::from_secs(20);
+/// The longest message of a page in bytes, and the most in a pulse.
+const LONGEST_MESSAGE: usize = 4096;
+const MOST_MESSAGES: u32 = 2000;
+/// The longest head of a request, in bytes.
+const LONGEST_HEAD: usize = 16 << 10;
+
+/// What is served, to whom.
+pub(super) struct Site {
+    pub(super) exchange: Arc<Exchange>,
+    pub(super) take_away: TakeAway,
+    /// The first part of every path.
+    pub(super) token: String,
+    /// Where the server listens.
+    pub(super) address: SocketAddr,
+}
+
+impl Site {
+    /// The address of the page, on this machine.
+    pub(super) fn url(&self) -> String {
+        let mut address = self.address;
+        if address.ip().is_unspecified() {
+            address.set_ip(Ipv4Addr::LOCALHOST.into());
+        }
+        format!("http://{address}/{}/", self.token)
+    }
+
+    /// Whether a `Host` names this server: by its address or `localhost`, or by any address where it listens to all.
+    fn is_host(&self, host: &str) -> bool {
+        let port = format!(":{}", self.address.port());
+        let name = host.strip_suffix(&port).unwrap_or(host);
+        let ip = name.trim_start_matches('[').trim_end_matches(']').parse::<IpAddr>();
+        let has_port = name.len() < host.len() || self.address.port() == 80;
+        let is_here = |ip: IpAddr| ip == self.address.ip() || self.address.ip().is_unspecified();
+        has_port && (ip.is_ok_and(is_here) || (name == "localhost" && is_local(self.address.ip())))
+    }
+
+    /// What is asked for below the token, if the request is from the page or from whoever types its address.
+    fn resource<'r>(&self, request: &'r Request<Incoming>) -> Result<&'r str, StatusCode> {
+        let text = |name: header::HeaderName| one(request.headers(), &name);
+        let host = text(header::HOST).ok_or(StatusCode::BAD_REQUEST)?;
+        let origin = text(header::ORIGIN);
+        let is_own = origin.is_none_or(|origin| origin == format!("http://{host}"));
+        if !self.is_host(host) || !is_own {
+            return Err(StatusCode::FORBIDDEN);
+        }
+        let (token, resource) = request
+            .uri()
+            .path()
+            .strip_prefix('/')
+            .and_then(|path| path.split_once('/'))
+            .ok_or(StatusCode::NOT_FOUND)?;
+        if !is_same(token.as_bytes(), self.token.as_bytes()) {
+            return Err(StatusCode::NOT_FOUND);
+        }
+        if request.method() != Method::GET {
+            return Err(StatusCode::METHOD_NOT_ALLOWED);
+        }
+        // A page of another site could open a WebSocket, but cannot hide where it is from.
+        if resource == SOCKET && origin.is_none() {
+            return Err(StatusCode::FORBIDDEN);
+        }
+        Ok(resource)
+    }
+}
+
+/// The only header of a name, if it is text.
+fn one<'h>(headers: &'h HeaderMap, name: &header::HeaderName) -> Option<&'h str> {
+    let mut all = headers.get_all(name).iter();
+    let first = all.next()?;
+    if all.next().is_some() { None } else { first.to_str().ok() }
+}
+
+/// Whether an address is of this machine alone.
+pub(super) fn is_local(address: IpAddr) -> bool {
+    address.is_loopback() || address.is_unspecified()
+}
+
+/// Compares in a time that does not tell how much is the same.
+fn is_same(one: &[u8], other: &[u8]) -> bool {
+    let differences = one.iter().zip(other).fold(0, |all, (a, b)| all | (a ^ b));
+    one.len() == other.len() && differences == 0
+}
+
+/// The resource that is a WebSocket.
+const SOCKET: &str = "socket";
+
+/// Tasks of which the oldest end when there are too many.
+struct Bounded {
+    tasks: Mutex<VecDeque<AbortHandle>>,
+    most: usize,
+}
+
+impl Bounded {
+    fn new(most: usize) -> Self {
+        Self { tasks: Mutex::default(), most }
+    }
+
+    fn spawn(&self, task: impl Future<Output = ()> + Send + 'static) {
+        let mut tasks = self.tasks.lock().unwrap_or_else(PoisonError::into_inner);
+        tasks.retain(|task| !task.is_finished());
+        tasks.push_back(tokio::spawn(task).abort_handle());
+        while tasks.len() > self.most {
+            tasks.pop_front().inspect(AbortHandle::abort);
+        }
+    }
+}
+
+/// Serves `site` on connections of `listener`, until the process ends.
+///
+/// # Errors
+/// If the system allows no server.
+pub(super) fn serve(listener: std::net::TcpListener, site: &Arc<Site>) -> std::io::Result<()> {
+    let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
+    listener.set_nonblocking(true)?;
+    runtime.block_on(async {
+        let listener = tokio::net::TcpListener::from_std(listener)?;
+        let connections = Bounded::new(MOST_CONNECTIONS);
+        let pages = Arc::new(Bounded::new(MOST_PAGES));
+        loop {
+            match listener.accept().await {
+                Ok((stream, _)) => {
+                    let _ = stream.set_nodelay(true);
+                    connections.spawn(connection(stream, Arc::clone(site), Arc::clone(&pages)));
+                }
+                // Too many files are open, perhaps: those of others will be closed.
+                Err(_) => tokio::time::sleep(Duration::from_millis(50)).await,
+            }
+        }
+    })
+}
+
+/// Answers the one request of a connection.
+async fn connection(stream: tokio::net::TcpStream, site: Arc<Site>, pages: Arc<Bounded>) {
+    let service = service_fn(|request| answer(request, Arc::clone(&site), Arc::clone(&pages)));
+    let mut http = hyper::server::conn::http1::Builder::new();
+    http.timer(TokioTimer::new())
+        .header_read_timeout(ASKING)
+        .keep_alive(false)
+        .max_buf_size(LONGEST_HEAD);
+    let served = http.serve_connection(TokioIo::new(stream), service).with_upgrades();
+    // A client that goes away or hangs is no error of the server's.
+    let _ = timeout(ANSWERING, served).await;
+}
+
+async fn answer(
+    mut request: Request<Incoming>,
+    site: Arc<Site>,
+    pages: Arc<Bounded>,
+) -> Result<Response<Full<Bytes>>, Infallible> {
+    let resource = site.resource(&request).map(str::to_owned);
+    Ok(match resource.as_deref() {
+        Ok("") => content("text/html; charset=utf-8", page::HTML.as_str()),
+        Ok(SOCKET) => match accept_key(request.headers()) {
+            Some(key) => {
+                let upgrade = hyper::upgrade::on(&mut request);
+                pages.spawn(async move {
+                    if let Ok(upgraded) = upgrade.await {
+                        talk(TokioIo::new(upgraded), &site.exchange).await;
+                    }
+                });
+                switched(key)
+            }
+            None => refused(StatusCode::UPGRADE_REQUIRED),
+        },
+        Ok(download) => {
+            let download = download.to_owned();
+            let made =
+                tokio::task::spawn_blocking(move || site.take_away.get(&download, &site.exchange));
+            match made.await.ok().flatten() {
+                Some(file) => saved(file),
+                None => refused(StatusCode::NOT_FOUND),
+            }
+        }
+        Err(status) => refused(*status),
+    })
+}
+
+/// The answer to the key of a handshake, if the request asks for a WebSocket.
+fn accept_key(headers: &HeaderMap) -> Option<String> {
+    let is_asked = one(headers, &header::UPGRADE)?.eq_ignore_ascii_case("websocket")
+        && one(headers, &header::SEC_WEBSOCKET_VERSION)? == "13";
+    let key = one(headers, &header::SEC_WEBSOCKET_KEY)?;
+    is_asked.then(|| derive_accept_key(key.as_bytes()))
+}
+
+/// A resource, with what a browser is to refuse it.
+fn content(kind: &'static str, bytes: impl Into<Bytes>) -> Response<Full<Bytes>> {
+    let mut response = Response::new(Full::new(bytes.into()));
+    let fixed = [
+        (header::CONTENT_TYPE, kind),
+        (header::CONTENT_SECURITY_POLICY, page::POLICY.trim_ascii_end()),
+        (header::CACHE_CONTROL, "no-store"),
+        (header::REFERRER_POLICY, "no-referrer"),
+        (header::X_CONTENT_TYPE_OPTIONS, "nosniff"),
+        (header::X_FRAME_OPTIONS, "DENY"),
+    ];
+    for (name, value) in fixed {
+        response.headers_mut().insert(name, HeaderValue::from_static(value));
+    }
+    response
+}
+
+/// A file to save.
+fn saved((name, kind, bytes): (String, &'static str, Vec<u8>)) -> Response<Full<Bytes>> {
+    let mut response = content(kind, bytes);
+    // Names in other scripts come from the link of the page.
+    let is_plain = |c: char| c.is_ascii_alphanumeric() || "-_. ".contains(c);
+    let name: String = name.chars().map(|c| if is_plain(c) { c } else { '_' }).collect();
+    let value = HeaderValue::from_str(&format!("attachment; filename=\"{name}\""));
+    value.into_iter().for_each(|value| {
+        response.headers_mut().insert(header::CONTENT_DISPOSITION, value);
+    });
+    response
+}
+
+fn switched(key: String) -> Response<Full<Bytes>> {
+    let mut response = refused(StatusCode::SWITCHING_PROTOCOLS);
+    let headers = response.headers_mut();
+    headers.insert(header::CONNECTION, HeaderValue::from_static("Upgrade"));
+    headers.insert(header::UPGRADE, HeaderValue::from_static("websocket"));
+    HeaderValue::from_str(&key).into_iter().for_each(|key| {
+        headers.insert(header::SEC_WEBSOCKET_ACCEPT, key);
+    });
+    response
+}
+
+/// A status alone.
+fn refused(status: StatusCode) -> Response<Full<Bytes>> {
+    let mut response = Response::new(Full::default());
+    *response.status_mut() = status;
+    response
+}
+
+/// Tells a page what changes on the board, and takes its requests, until it is gone, hangs or floods.
+async fn talk<S>(stream: S, exchange: &Exchange)
+where
+    S: tokio::io::AsyncRead + tokio::io::AsyncWrite + Unpin,
+{
+    let config = WebSocketConfig::default()
+        .max_message_size(Some(LONGEST_MESSAGE))
+        .max_frame_size(Some(LONGEST_MESSAGE));
+    let socket = WebSocketStream::from_raw_socket(stream, Role::Server, Some(config)).await;
+    let (mut sink, mut requests) = socket.split();
+    let mut board = exchange.board.subscribe();
+    let mut told = [0; Kind::COUNT];
+    let mut pulse = interval(PULSE);
+    let (mut heard, mut since_pulse, mut has_drawn) = (Instant::now(), 0, true);
+    loop {
+        let messages = board.borrow_and_update().messages.clone();
+        for (told, (number, message)) in told.iter_mut().zip(messages) {
+            let Some(message) = message.filter(|_| *told != number) else { continue };
+            let is_image = message.is_binary();
+            if is_image && !has_drawn {
+                continue;
+            }
+            (*told, has_drawn) = (number, has_drawn && !is_image);
+            if !matches!(timeout(SILENCE, sink.send(message)).await, Ok(Ok(()))) {
+                return;
+            }
+        }
+        tokio::select! {
+            changed = board.changed() => if changed.is_err() { return },
+            _ = pulse.tick() => {
+                since_pulse = 0;
+                let ping = sink.send(Message::Ping(Bytes::new()));
+                if heard.elapsed() > SILENCE || !matches!(timeout(SILENCE, ping).await, Ok(Ok(()))) {
+                    return;
+                }
+            }
+            request = requests.next() => {
+                let Some(Ok(message)) = request else { return };
+                (heard, since_pulse) = (Instant::now(), since_pulse + 1);
+                if since_pulse > MOST_MESSAGES || message.is_close() {
+                    return;
+                }
+                has_drawn |= receive(&message, exchange);
+            }
+        }
+    }
+}
+
+/// Puts a request in the inbox; true if it says that the last image has been drawn. Others are dropped.
+fn receive(message: &Message, exchange: &Exchange) -> bool {
+    let request = message.to_text().ok().and_then(|text| serde_json::from_str(text).ok());
+    match request {
+        Some(Asked::Taken) => return true,
+        Some(request) => exchange.inbox.put(request),
+        None => {}
+    }
+    false
+}
