@@ -12,6 +12,7 @@ use super::input::{Purpose, SceneOptions};
 use wavecrest_base::error::Result;
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::kernels::precision::Precision;
+use wavecrest_core::plan::Plan;
 use wavecrest_core::plan::schedule::{ColumnGroup, PASSES, Pass, Step};
 use wavecrest_core::prepared::PreparedScene;
 use wavecrest_core::render::{RenderOptions, Rendered, render};
@@ -136,14 +137,6 @@ fn explain(
 impl Explanation<'_> {
     fn json(&self) -> Value {
         let Self { scene, bvh, expected, .. } = self;
-        let pass = |pass: &Pass| {
-            known(json!({
-                "name": pass.step.name(),
-                "part_of": pass.part_of.map(|whole| whole.name()),
-                "runs": scene.plan.schedule().runs(pass.step),
-                "reason": scene.plan.reason(pass),
-            }))
-        };
         let counted = |Rendered { counters, columns, seconds, .. }: &Rendered| {
             json!({
                 "rays": Rays::from(counters),
@@ -157,7 +150,7 @@ impl Explanation<'_> {
         let [before, after] = &self.memory;
         let (preset, reason, rule) = (bvh.preset, &bvh.reason, &bvh.rule);
         known(json!({
-            "passes": PASSES.iter().map(pass).collect::<Vec<_>>(),
+            "passes": passes(&scene.plan),
             "plan": scene.plan,
             "precision": self.precision,
             "moved_by": self.moved_by(),
@@ -185,6 +178,19 @@ impl Explanation<'_> {
         let origin = self.scene.origin;
         (origin != DVec3::ZERO).then(|| (-origin).to_array())
     }
+}
+
+/// The passes, with whether and why they run.
+pub(crate) fn passes(plan: &Plan) -> Vec<Value> {
+    let pass = |pass: &Pass| {
+        known(json!({
+            "name": pass.step.name(),
+            "part_of": pass.part_of.map(|whole| whole.name()),
+            "runs": plan.schedule().runs(pass.step),
+            "reason": plan.reason(pass),
+        }))
+    };
+    PASSES.iter().map(pass).collect()
 }
 
 fn buffers(scene: &PreparedScene) -> Vec<ColumnMemory> {

@@ -48,9 +48,6 @@ pub(crate) struct ViewArgs {
     /// Print the address only; open no browser
     #[arg(long, help_heading = PAGE)]
     pub(crate) no_open: bool,
-    /// Port of the page [default: any that is free]
-    #[arg(long, help_heading = PAGE, value_name = "PORT", default_value_t = 0, hide_default_value = true)]
-    pub(crate) port: u16,
     /// Address to listen at, for other machines: whoever knows the page's address sees the scene
     #[arg(long, help_heading = PAGE, value_name = "ADDRESS", default_value_t = Ipv4Addr::LOCALHOST.into())]
     pub(crate) listen: IpAddr,
@@ -82,10 +79,10 @@ pub(crate) struct ViewArgs {
 pub(crate) fn run(args: &ViewArgs) -> Result<()> {
     args.search.check(args.scene_options.precision)?;
     args.scene_options.input.check(&args.scene)?;
-    let address = SocketAddr::new(args.listen, args.port);
+    let address = SocketAddr::new(args.listen, 0);
     let cannot = |e: io::Error| {
         let message = format!("cannot serve the page at {address}: {e}");
-        Error::new(ErrorKind::Io, message).remedy("use another --port or --listen").because(e)
+        Error::new(ErrorKind::Io, message).remedy("use another --listen").because(e)
     };
     let listener = TcpListener::bind(address).map_err(cannot)?;
     let words = &command_words();

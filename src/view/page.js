@@ -68,6 +68,7 @@
     write("file", `${state.file}, ${state.size[0]} × ${state.size[1]} pixels`);
     find("command").replaceChildren(...state.command.split(/(?<= )/).map((text) => make("span", { textContent: text })));
     write("command-note", state.note);
+    [find("scene").download, find("picture").download] = state.names;
     fill(find("look"), [["", "as rendered"], ...state.looks.map((name) => [name, name])], state.look ?? "");
     showHalves();
     wake();
@@ -371,7 +372,7 @@
     find("halves").append(fields);
     fields.addEventListener("change", ({ target: { name, value } }) => {
       const changed = state.halves.map((half) => ({ ...half }));
-      changed[index][name] = name === "side" ? Number(value) : value;
+      changed[index][name] = name === "side" ? Number(value) : value || null;
       send({ do: "set", halves: changed });
     });
     return fields;
@@ -390,9 +391,9 @@
   function showSetting(fields, half) {
     const { sampler, side, precision, tracer } = fields.elements;
     const sides = [...new Set([...SIDE_CHOICES, half.side])].sort((a, b) => a - b);
-    fill(sampler, state.samplers.map((name) => [name, name === "file" ? "as in the file" : name]), half.sampler);
+    fill(sampler, [["", "as in the file"], ...state.samplers.map((name) => [name, name])], half.sampler ?? "");
     fill(side, sides.map((n) => [String(n), String(n * n)]), String(half.side));
-    side.disabled = half.sampler === "file";
+    side.disabled = half.sampler === null;
     precision.value = half.precision;
     tracer.value = half.tracer;
   }
@@ -470,7 +471,8 @@
   // What is simulated.
   show.plan = ({ effects, passes, bvh }) => {
     const words = (tag, textContent) => make(tag, { textContent });
-    const item = ({ name, reason, present }) => make("div", { className: present ? "" : "absent" }, words("dt", name), words("dd", reason));
+    const item = ({ name, effect = name, reason, present }) =>
+      make("div", { className: present ? "" : "absent" }, words("dt", effect.replaceAll("-", " ")), words("dd", reason));
     const ordered = [...effects].sort((a, b) => b.present - a.present);
     find("effects").replaceChildren(...ordered.map(item));
     find("passes").replaceChildren(...passes.filter((pass) => !pass.runs).map(item));

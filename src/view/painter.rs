@@ -12,10 +12,11 @@ use serde_json::{Map, Value, json};
 use super::ViewArgs;
 use super::exchange::{Exchange, Kind};
 use super::refine::{OwnSamples, Stage, Tried, counts, fewest};
-use super::request::{Half, Request, samplers};
+use super::request::{Half, Request};
 use super::showing::{Showing, Shown, Telling, enlarged, image, text};
 use super::steering::Steering;
 use super::take_away::TakeAway;
+use crate::explain;
 use crate::input::Purpose;
 use crate::render::look::render_look;
 use wavecrest_base::error::{Error, ErrorKind, Result};
@@ -25,7 +26,7 @@ use wavecrest_core::geometry::Geometry;
 use wavecrest_core::kernels::camera::{Camera, Placement};
 use wavecrest_core::kernels::precision::Precision;
 use wavecrest_core::math::ray::Ray;
-use wavecrest_core::plan::schedule::PASSES;
+use wavecrest_core::math::sampling::Sampling;
 use wavecrest_core::prepared::{Appearance, Original, PreparedScene, Samples};
 use wavecrest_core::probe;
 use wavecrest_core::render::{RenderOptions, Rendered, Watch, render};
@@ -198,7 +199,7 @@ impl<'a> Painter<'a> {
     fn look_at(&mut self, look: Option<Look>) -> Result<bool> {
         let is_new = look != self.look;
         self.look = look;
-        self.exchange.withdraw(Kind::Image(1));
+        self.exchange.withdraw(Kind::Second);
         // Edges are drawn over what is prepared for light.
         let prepared = |look: Option<Look>| look.filter(|look| *look != Look::Wireframe);
         if prepared(look) != prepared(self.ready.look) {
@@ -221,7 +222,7 @@ impl<'a> Painter<'a> {
         }
         self.figures[1] = Value::Null;
         if halves.len() == 1 {
-            self.exchange.withdraw(Kind::Image(1));
+            self.exchange.withdraw(Kind::Second);
         }
         self.halves = halves;
         self.tell_state();
@@ -303,7 +304,7 @@ impl<'a> Painter<'a> {
         self.place(&half, &fewest(), size);
         let rendered = self.render(&half, &())?;
         self.draft = (size, levels(&rendered.film, self.transfer()));
-        self.exchange.tell(Kind::Image(0), image(0, size, &self.draft.1, true));
+        self.exchange.tell(Kind::First, image(0, size, &self.draft.1, true));
         self.exchange.withdraw(Kind::Progress);
         let mut told = self.told(&half, "1 ray per pixel", &rendered);
         told["moving"] = true.into();
@@ -350,7 +351,7 @@ impl<'a> Painter<'a> {
         }
         self.levels[index] = levels(&rendered.film, transfer);
         let size = [width, height];
-        self.exchange.tell(Kind::Image(index), image(index, size, &self.levels[index], false));
+        self.exchange.tell(Kind::image(index), image(index, size, &self.levels[index], false));
         self.figures[index] = self.told(half, &stage.words, &rendered);
         self.tell_figures();
         if self.look.is_none() {
@@ -462,13 +463,14 @@ impl<'a> Painter<'a> {
             "kind": "state",
             "file": self.args.scene.file_name().unwrap_or_default().to_string_lossy(),
             "size": [width, height],
-            "halves": self.halves.iter().map(Half::json).collect::<Vec<_>>(),
-            "samplers": samplers(),
-            "look": self.look.map(Look::name),
-            "looks": Look::ALL.map(Look::name),
+            "halves": self.halves,
+            "samplers": Sampling::ALL,
+            "look": self.look,
+            "looks": Look::ALL,
             "camera": {"location": location.to_array(), "look": look.to_array(), "up": up.to_array(), "fov": fov_degrees},
             "command": command,
             "note": note,
+            "names": self.take_away.names(),
         });
         self.exchange.board.send_modify(|board| board.view = Some(view));
         self.exchange.tell(Kind::State, text(&state));
@@ -477,19 +479,8 @@ impl<'a> Painter<'a> {
     /// What is simulated, wherever the camera is.
     fn tell_plan(&self) {
         let plan = &self.ready.scene.plan;
-        let effects = plan.decisions().iter().map(|decision| {
-            json!({"name": decision.effect.name(), "present": decision.present, "reason": decision.reason})
-        });
-        let passes = PASSES.iter().map(|pass| {
-            let runs = plan.schedule().runs(pass.step);
-            json!({"name": pass.step.name(), "runs": runs, "reason": plan.reason(pass)})
-        });
-        let told = json!({
-            "kind": "plan",
-            "effects": effects.collect::<Vec<_>>(),
-            "passes": passes.collect::<Vec<_>>(),
-            "bvh": self.ready.preset.name(),
-        });
+        let (passes, bvh) = (explain::passes(plan), self.ready.preset.name());
+        let told = json!({"kind": "plan", "effects": plan, "passes": passes, "bvh": bvh});
         self.exchange.tell(Kind::Plan, text(&told));
     }
 }

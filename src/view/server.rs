@@ -22,7 +22,7 @@ use tokio::task::AbortHandle;
 use tokio::time::{Instant, interval, timeout};
 use tokio_tungstenite::WebSocketStream;
 use tokio_tungstenite::tungstenite::Message;
-use tokio_tungstenite::tungstenite::handshake::derive_accept_key;
+use tokio_tungstenite::tungstenite::handshake::server::create_response;
 use tokio_tungstenite::tungstenite::protocol::{Role, WebSocketConfig};
 
 use super::exchange::{Exchange, Kind};
@@ -191,37 +191,29 @@ async fn answer(
     let resource = site.resource(&request).map(str::to_owned);
     Ok(match resource.as_deref() {
         Ok("") => content("text/html; charset=utf-8", page::HTML.as_str()),
-        Ok(SOCKET) => match accept_key(request.headers()) {
-            Some(key) => {
-                let upgrade = hyper::upgrade::on(&mut request);
-                pages.spawn(async move {
-                    if let Ok(upgraded) = upgrade.await {
-                        talk(TokioIo::new(upgraded), &site.exchange).await;
-                    }
-                });
-                switched(key)
-            }
-            None => refused(StatusCode::UPGRADE_REQUIRED),
-        },
+        Ok(SOCKET) => {
+            let upgrade = hyper::upgrade::on(&mut request);
+            let Ok(accepted) = create_response(&request.map(drop)) else {
+                return Ok(refused(StatusCode::UPGRADE_REQUIRED));
+            };
+            pages.spawn(async move {
+                if let Ok(upgraded) = upgrade.await {
+                    talk(TokioIo::new(upgraded), &site.exchange).await;
+                }
+            });
+            accepted.map(|()| Full::default())
+        }
         Ok(download) => {
             let download = download.to_owned();
             let made =
                 tokio::task::spawn_blocking(move || site.take_away.get(&download, &site.exchange));
             match made.await.ok().flatten() {
-                Some(file) => saved(file),
+                Some((kind, bytes)) => content(kind, bytes),
                 None => refused(StatusCode::NOT_FOUND),
             }
         }
         Err(status) => refused(*status),
     })
-}
-
-/// The answer to the key of a handshake, if the request asks for a WebSocket.
-fn accept_key(headers: &HeaderMap) -> Option<String> {
-    let is_asked = one(headers, &header::UPGRADE)?.eq_ignore_ascii_case("websocket")
-        && one(headers, &header::SEC_WEBSOCKET_VERSION)? == "13";
-    let key = one(headers, &header::SEC_WEBSOCKET_KEY)?;
-    is_asked.then(|| derive_accept_key(key.as_bytes()))
 }
 
 /// A resource, with what a browser is to refuse it.
@@ -238,30 +230,6 @@ fn content(kind: &'static str, bytes: impl Into<Bytes>) -> Response<Full<Bytes>>
     for (name, value) in fixed {
         response.headers_mut().insert(name, HeaderValue::from_static(value));
     }
-    response
-}
-
-/// A file to save.
-fn saved((name, kind, bytes): (String, &'static str, Vec<u8>)) -> Response<Full<Bytes>> {
-    let mut response = content(kind, bytes);
-    // Names in other scripts come from the link of the page.
-    let is_plain = |c: char| c.is_ascii_alphanumeric() || "-_. ".contains(c);
-    let name: String = name.chars().map(|c| if is_plain(c) { c } else { '_' }).collect();
-    let value = HeaderValue::from_str(&format!("attachment; filename=\"{name}\""));
-    value.into_iter().for_each(|value| {
-        response.headers_mut().insert(header::CONTENT_DISPOSITION, value);
-    });
-    response
-}
-
-fn switched(key: String) -> Response<Full<Bytes>> {
-    let mut response = refused(StatusCode::SWITCHING_PROTOCOLS);
-    let headers = response.headers_mut();
-    headers.insert(header::CONNECTION, HeaderValue::from_static("Upgrade"));
-    headers.insert(header::UPGRADE, HeaderValue::from_static("websocket"));
-    HeaderValue::from_str(&key).into_iter().for_each(|key| {
-        headers.insert(header::SEC_WEBSOCKET_ACCEPT, key);
-    });
     response
 }
 

@@ -120,7 +120,7 @@ impl Watch for Showing<'_> {
                 half["done"] = share.into();
             }
             self.exchange.tell(Kind::Figures, text(figures));
-            self.exchange.tell(Kind::Image(self.half), image(self.half, self.size, levels, false));
+            self.exchange.tell(Kind::image(self.half), image(self.half, self.size, levels, false));
         }
     }
 

@@ -22,8 +22,8 @@ use wavecrest_scene::write::contents;
 /// The longest scene file whose camera is changed, in bytes: as values it takes many times its length.
 const LONGEST: u64 = 1 << 22;
 
-/// A file to save: its name, its media type, and its bytes.
-pub(super) type Saved = (String, &'static str, Vec<u8>);
+/// A file to save: its media type, and its bytes.
+pub(super) type Saved = (&'static str, Vec<u8>);
 
 /// The file that is shown, and what becomes of it.
 pub(super) struct TakeAway {
@@ -57,23 +57,27 @@ impl TakeAway {
         PathBuf::from(self.file.file_name().unwrap_or_default()).with_extension(extension)
     }
 
+    /// The names of what is saved: the scene and the image.
+    pub(super) fn names(&self) -> [PathBuf; 2] {
+        ["view.json", "png"].map(|extension| self.named(extension))
+    }
+
     /// The file with this name among those that can be saved, once there is a scene.
     pub(super) fn get(&self, name: &str, exchange: &Exchange) -> Option<Saved> {
         let (view, image) = {
             let board = exchange.board.borrow();
             (board.view?, board.image.clone())
         };
-        let name_of = |extension| self.named(extension).to_string_lossy().into_owned();
         match name {
             "scene.json" => {
                 let mut scene = self.converted.get().cloned().or_else(|| read(&self.file))?;
                 place(&mut scene, &view)?;
                 let text = serde_json::to_string_pretty(&scene).ok()? + "\n";
-                Some((name_of("view.json"), "application/json", text.into_bytes()))
+                Some(("application/json", text.into_bytes()))
             }
             "image.png" => {
                 let (film, transfer) = image?;
-                Some((name_of("png"), "image/png", png(&film, transfer).ok()?))
+                Some(("image/png", png(&film, transfer).ok()?))
             }
             _ => None,
         }

@@ -26,7 +26,7 @@ pub use watch::{Progress, Watch};
 
 wavecrest_base::choices! {
     /// The tracers.
-    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, serde::Serialize)]
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
     #[serde(rename_all = "kebab-case")]
     pub enum TracerKind {
         /// Batches of rays, pass by pass.

@@ -29,7 +29,8 @@ use wavecrest_core::tile::Tile;
 
 wavecrest_base::choices! {
     /// A kind of image for inspection.
-    #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
+    #[serde(rename_all = "kebab-case")]
     pub enum Look {
         /// The scene in matte grey, with its own lights.
         Clay = "clay",

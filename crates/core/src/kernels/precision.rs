@@ -13,7 +13,7 @@
 
 wavecrest_base::choices! {
     /// The choice at run time.
-    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, serde::Serialize)]
+    #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
     #[serde(rename_all = "kebab-case")]
     pub enum Precision {
         /// The filters of exact taken as they are: single precision without error bounds.

@@ -9,7 +9,8 @@ use super::{Real, Single, Stream, Vector, sobol};
 
 wavecrest_base::choices! {
     /// How a set of sample points is spread over the unit square.
-    #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+    #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
+    #[serde(rename_all = "kebab-case")]
     pub enum Sampling {
         /// Each point anywhere, independent of the others.
         Random = "random",
