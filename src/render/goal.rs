@@ -21,10 +21,9 @@ use wavecrest_report::accuracy::pilot::{Chosen, MeasuredError, measured, measuri
 use wavecrest_report::accuracy::setting::{Axis, Facts};
 use wavecrest_report::plot::number::figure;
 
-/// A render with its preset and its choice of samples.
+/// A render with its choice of samples.
 pub(super) struct Outcome {
     pub(super) rendered: Rendered,
-    pub(super) preset: Preset,
     pub(super) goal: Option<Value>,
     /// The share of it that a checkpoint held, from 0 to 1.
     pub(super) resumed: f64,
@@ -47,33 +46,26 @@ impl Watch for UntilSignal<'_> {
     }
 }
 
-/// Renders `scene`, whose tree has `preset`, as requested. `start` is the start of the command.
+/// Renders `scene`, whose tree with its `preset` may be replaced, as requested. `start` is the start of the command.
 pub(super) fn render_to_goal(
     target: &Target<'_>,
     scene: &mut PreparedScene,
-    mut preset: Preset,
+    preset: &mut Preset,
     start: Instant,
 ) -> Result<Outcome> {
     let args = target.args;
-    let tree = args.scene_options.bvh.is_none().then_some(&mut preset);
-    let goal = match (args.target_error, args.time_budget) {
+    let tree = args.scene_options.bvh.is_none().then_some(preset);
+    let aimed = match (args.target_error, args.time_budget) {
         (Some(error), _) => for_error(target, scene, tree, error)?,
-        (None, Some(seconds)) => {
-            let clock = || start.elapsed().as_secs_f64();
-            let pixels = scene.camera.size().map(f64::from).iter().product();
-            Some(within(target, scene, &Budget::new(&clock, seconds, pixels), seconds)?)
-        }
+        (None, Some(seconds)) => Some(within(target, scene, start, seconds)?),
         (None, None) => None,
     };
-    let (rendered, goal, resumed) = match goal {
+    let ((rendered, resumed), goal) = match aimed {
         // Neither has a checkpoint.
-        Some((rendered, goal)) => (rendered, goal, 0.0),
-        None => {
-            let (rendered, resumed) = render_once(target, scene, None)?;
-            (rendered, None, resumed)
-        }
+        Some((rendered, goal)) => ((rendered, 0.0), goal),
+        None => (render_once(target, scene, None)?, None),
     };
-    Ok(Outcome { rendered, preset, goal, resumed, invalid: None })
+    Ok(Outcome { rendered, goal, resumed, invalid: None })
 }
 
 /// A render, and its goal if it is finished.
@@ -97,29 +89,28 @@ fn for_error(
     let Some(reached) = reached else { return Ok(None) };
     warn(reached.unreached(most, &args.scene).as_slice());
     let Reached { choice, rendered, found, renders, pilot } = reached;
-    let goal = goal(format!("error {most}"), &choice, found, (renders, pilot));
     target.say(&format!("pilot: {pilot:.2} s"));
-    let goal = rendered.finished.then_some(goal);
-    Ok(Some((rendered, goal)))
+    Ok(Some(aimed(rendered, format!("error {most}"), &choice, found, (renders, pilot))))
 }
 
-/// Renders within `budget`, of so many seconds.
+/// Renders within so many seconds from `start` on.
 fn within(
     target: &Target<'_>,
     scene: &mut PreparedScene,
-    budget: &Budget<'_>,
+    start: Instant,
     seconds: f64,
 ) -> Result<AimedRender> {
-    let args = target.args;
+    let clock = || start.elapsed().as_secs_f64();
+    let pixels = scene.camera.size().map(f64::from).iter().product();
+    let budget = &Budget::new(&clock, seconds, pixels);
     if budget.left() <= 0.0 {
         target.say("the time is over before the first ray: one point follows");
     }
     let original = scene.original();
-    let [width, height] = scene.camera.size().map(f64::from);
-    let in_flight = args.batch as usize * rayon::current_num_threads();
+    let in_flight = target.args.batch as usize * rayon::current_num_threads();
     let overhead = Overhead {
         measuring: measuring_share(scene.camera.size()),
-        in_flight: in_flight as f64 / (width * height),
+        in_flight: in_flight as f64 / pixels,
     };
     let axis = Axis::of(&Facts::of(scene));
     let (choice, rendered, renders) = in_time(axis, budget, overhead, |choice, pace| {
@@ -133,9 +124,7 @@ fn within(
         target.say(&format!("chosen: {choice}"));
     }
     let found = measure(target, scene, &rendered, &UntilSignal(Some(budget)))?;
-    let goal = goal(format!("{seconds} s"), &choice, found, (renders, 0.0));
-    let goal = rendered.finished.then_some(goal);
-    Ok((rendered, goal))
+    Ok(aimed(rendered, format!("{seconds} s"), &choice, found, (renders, 0.0)))
 }
 
 /// The measured error of a finished render, if there is one and `until` does not end the measurement.
@@ -173,14 +162,15 @@ fn told(error: Option<MeasuredError>, scene: &PreparedScene) -> String {
     format!("measured error: {error}{without}")
 }
 
-/// The goal and its outcome, for the statistics, with the number of renders and the seconds of the pilot.
-fn goal(
+/// A render with its goal and the outcome, for the statistics, with the number of renders and the seconds of the pilot.
+fn aimed(
+    rendered: Rendered,
     requested: String,
     choice: &Chosen,
     found: Option<MeasuredError>,
     (renders, pilot): (u32, f64),
-) -> Value {
-    json!({
+) -> AimedRender {
+    let goal = json!({
         "asked": requested,
         "samples": choice.to_string(),
         "expected_error": choice.error,
@@ -188,5 +178,7 @@ fn goal(
         "found_error": found.map(|found| found.error),
         "renders": renders,
         "pilot_seconds": pilot,
-    })
+    });
+    let goal = rendered.finished.then_some(goal);
+    (rendered, goal)
 }

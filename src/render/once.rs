@@ -96,10 +96,10 @@ pub(super) fn go_on(args: &RenderArgs) -> String {
     }
 }
 
-/// The first sample that was not finite; warns of an image with such texels, once.
+/// The first sample that was not finite; warns of it, of paths that were cut short, and once of an image with such texels.
 ///
 /// # Errors
-/// If there is one, and `--trap-invalid` is given.
+/// If there is such a sample or texel, and `--trap-invalid` is given.
 pub(super) fn find_invalid(
     args: &RenderArgs,
     scene: &PreparedScene,
@@ -117,18 +117,13 @@ pub(super) fn find_invalid(
     }
     let first = counters.first_invalid;
     let first = first.map(|sample| probe::name_invalid(scene, sample, args.seed));
-    let Some(invalid) = first.as_ref().filter(|_| args.trap_invalid) else { return Ok(first) };
-    let InvalidSample { x, y, shape, .. } = invalid;
-    let error = Error::new(ErrorKind::Scene, "a sample is not finite").in_file(&args.scene);
-    let scene = args.scene.display();
-    Err(error
-        .at(shape)
-        .value(invalid)
-        .remedy(format!("see it with: wavecrest probe {scene} --pixel {x},{y}")))
-}
-
-/// Prints the number of samples that were not finite, and the first, and of those that were cut short.
-pub(super) fn report_invalid(counters: &Counters, first: Option<&InvalidSample>) {
+    if let Some(invalid) = first.as_ref().filter(|_| args.trap_invalid) {
+        let InvalidSample { x, y, shape, .. } = invalid;
+        let error = Error::new(ErrorKind::Scene, "a sample is not finite").in_file(&args.scene);
+        let scene = args.scene.display();
+        let remedy = format!("see it with: wavecrest probe {scene} --pixel {x},{y}");
+        return Err(error.at(shape).value(invalid).remedy(remedy));
+    }
     if counters.cut_short > 0 {
         tell(&format!(
             "warning: paths ended at {MOST_RAYS} rays, in number {}: transparent surfaces send on more light than \
@@ -136,10 +131,11 @@ pub(super) fn report_invalid(counters: &Counters, first: Option<&InvalidSample>)
             counters.cut_short
         ));
     }
-    if let Some(first) = first {
+    if let Some(first) = &first {
         let count = counters.invalid;
         tell(&format!(
             "warning: {count} samples were not finite and count as black; the first is {first}"
         ));
     }
+    Ok(first)
 }

@@ -56,7 +56,7 @@ impl<'a> Outputs<'a> {
             paths.iter().try_for_each(|path| check_alpha(path, is_shard))?;
         }
         let outputs = Self { args, paths, encoding: OnceLock::new() };
-        if args.aov.is_some() && !outputs.has_exr() {
+        if args.aov.is_some() && !outputs.paths.iter().any(|path| is_exr(path)) {
             return Err(Error::new(ErrorKind::Usage, "only .exr images have layers")
                 .in_file(outputs.first())
                 .remedy("add --also and a name that ends in .exr"));
@@ -169,10 +169,6 @@ impl<'a> Outputs<'a> {
 
     fn extras<'e>(&self, entries: &'e [Entry]) -> Extras<'e> {
         Extras { entries, develop: self.args.develop.into(), ..self.args.metadata.extras() }
-    }
-
-    fn has_exr(&self) -> bool {
-        self.paths.iter().any(|path| is_exr(path))
     }
 
     fn layers(&self, scene: &PreparedScene, rendered: &Rendered) -> Result<aov::Layers> {

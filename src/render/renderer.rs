@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use super::args::RenderArgs;
 use super::goal::{Outcome, render_to_goal};
-use super::once::{find_invalid, interrupted, report_invalid, share};
+use super::once::{find_invalid, interrupted, share};
 use super::outputs::Outputs;
 use super::show::Target;
 use crate::common::{grouped, seconds, tell, tell_prepared};
@@ -97,7 +97,7 @@ pub(super) struct Renderer<'a, 'w> {
     pub(super) work: &'w mut Run,
     pub(super) scene: PreparedScene,
     /// The preset of its tree.
-    preset: Preset,
+    pub(super) preset: Preset,
     /// The seconds of its stages.
     pub(super) time: Time,
     /// The estimated memory before the scene was read, for the statistics.
@@ -160,11 +160,6 @@ impl<'a, 'w> Renderer<'a, 'w> {
         Ok(())
     }
 
-    /// A render to these `outputs`.
-    pub(super) fn target<'r>(&'r self, outputs: &'r Outputs<'r>) -> Target<'r> {
-        Target { args: self.args, outputs, progress: &self.work.progress }
-    }
-
     /// Renders what the camera sees now.
     ///
     /// # Errors
@@ -179,7 +174,7 @@ impl<'a, 'w> Renderer<'a, 'w> {
         }
         let target = Target { args, outputs, progress: &work.progress };
         let start = work.start;
-        let outcome = timed(&mut time.trace, || render_to_goal(&target, scene, *preset, start))?;
+        let outcome = timed(&mut time.trace, || render_to_goal(&target, scene, preset, start))?;
         let Rendered { counters, finished, pass_seconds, .. } = &outcome.rendered;
         if !finished {
             return Err(match work.frames {
@@ -189,7 +184,6 @@ impl<'a, 'w> Renderer<'a, 'w> {
         }
         args.scene_options.check_taken(&args.scene)?;
         let invalid = find_invalid(args, scene, counters)?;
-        report_invalid(counters, invalid.as_ref());
         work.add(counters, time.trace);
         time.passes = pass_map(pass_seconds);
         Ok(Outcome { invalid, ..outcome })

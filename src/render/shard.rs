@@ -3,10 +3,10 @@
 use std::time::Instant;
 
 use super::args::RenderArgs;
-use super::once::{begin, find_invalid, go_on, report_invalid};
+use super::once::{begin, find_invalid, go_on};
 use super::outputs::Outputs;
 use super::renderer::{Renderer, Run};
-use super::show::{Show, warn};
+use super::show::{Show, Target, warn};
 use crate::interrupt;
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_image::farm::Shard;
@@ -28,7 +28,7 @@ pub(super) fn render_shard(args: &RenderArgs, shard: Shard) -> Result<()> {
     let outputs = Outputs::check(args, args.paths()?, true)?;
     Run::start(args, None, |mut work| {
         let renderer = Renderer::begin(args, &[&outputs], &mut work)?;
-        let target = &renderer.target(&outputs);
+        let target = &Target { args, outputs: &outputs, progress: &renderer.work.progress };
         let part = begin(target, &renderer.scene, Some(shard))?;
         let start = Instant::now();
         let done = part.render_units(&Show::begin(target, &renderer.scene, None), &warn)?;
@@ -37,8 +37,7 @@ pub(super) fn render_shard(args: &RenderArgs, shard: Shard) -> Result<()> {
             let what = outputs.untouched();
             return Err(interrupt::error(part.share()).remedy(what + &go_on(args)));
         }
-        let first = find_invalid(args, &renderer.scene, &done.counters)?;
-        report_invalid(&done.counters, first.as_ref());
+        find_invalid(args, &renderer.scene, &done.counters)?;
         part.write(output)?;
         renderer.work.finish(&outputs.name(), &format!("shard {shard}"));
         Ok(())

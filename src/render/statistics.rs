@@ -18,8 +18,8 @@ use wavecrest_scene::memory;
 /// # Errors
 /// If it cannot be written.
 pub(super) fn write(file: &Path, renderer: &Renderer<'_, '_>, outcome: &Outcome) -> Result<()> {
-    let Renderer { args, scene, time, estimated, predicted, .. } = renderer;
-    let Outcome { rendered, preset, goal, resumed, invalid } = outcome;
+    let Renderer { args, scene, preset, time, estimated, predicted, .. } = renderer;
+    let Outcome { rendered, goal, resumed, invalid } = outcome;
     let counters = &rendered.counters;
     let film = &rendered.film;
     let has_columns = args.tracer == TracerKind::Wavefront;
