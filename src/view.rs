@@ -15,6 +15,7 @@ mod take_away;
 use std::io::{self, Write};
 use std::net::{IpAddr, Ipv4Addr, SocketAddr, TcpListener};
 use std::path::PathBuf;
+use std::process::{Command, Stdio};
 use std::sync::Arc;
 use std::thread;
 use std::time::Duration;
@@ -24,7 +25,7 @@ use serde_json::json;
 use super::common::{SPEED, SearchOptions, choice, command_words, print, tell, whole};
 use super::input::SceneOptions;
 use exchange::{Exchange, Kind};
-use server::{Site, is_local, serve};
+use server::{Site, serve};
 use take_away::TakeAway;
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_core::render::TracerKind;
@@ -102,7 +103,7 @@ pub(crate) fn run(args: &ViewArgs) -> Result<()> {
     let served = Arc::clone(&site);
     let serving = thread::Builder::new().spawn(move || serve(listener, &served));
     serving.map_err(cannot)?;
-    if !args.no_open && is_local(site.address.ip()) && open::that_detached(site.url()).is_err() {
+    if !args.no_open && open(&site.url()).is_err() {
         tell("note: no browser could be opened; open the address in one");
     }
     let painted =
@@ -113,6 +114,18 @@ pub(crate) fn run(args: &ViewArgs) -> Result<()> {
         thread::sleep(FAREWELL);
     }
     painted
+}
+
+/// Opens an address in the browser of the system's choice.
+fn open(url: &str) -> io::Result<()> {
+    let (program, first) = if cfg!(windows) {
+        ("rundll32", Some("url.dll,FileProtocolHandler"))
+    } else {
+        (if cfg!(target_os = "macos") { "open" } else { "xdg-open" }, None)
+    };
+    let mut command = Command::new(program);
+    command.args(first).arg(url).stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
+    command.spawn().map(drop)
 }
 
 /// Options that change the meshes of a file, and that change the image of a scene file, with whether each has a value.

@@ -61,9 +61,11 @@
     const isNew = (key) => JSON.stringify(message[key]) !== JSON.stringify(state?.[key]);
     const [isMoved, isResized] = [isNew("camera"), isNew("size")];
     state = message;
-    if (isMoved) forgetProbe();
+    if (isMoved) {
+      forgetProbe();
+      halves[1].pixels = null;
+    }
     if (isResized) layOut();
-    find("stage").hidden = true;
     document.title = `${state.file} – wavecrest view`;
     write("file", `${state.file}, ${state.size[0]} × ${state.size[1]} pixels`);
     find("command").replaceChildren(...state.command.split(/(?<= )/).map((text) => make("span", { textContent: text })));
@@ -88,11 +90,22 @@
     const head = new DataView(buffer);
     const [index, width, height, flags] = [0, 4, 8, 12].map((at) => head.getUint32(at, true));
     const half = halves[index];
-    put(half, new ImageData(new Uint8ClampedArray(buffer, 16), width, height));
+    const frame = new ImageData(new Uint8ClampedArray(buffer, 16), width, height);
+    put(half, (flags & 2) !== 0 ? frame : laidOver(half.canvas, frame));
     half.moving = (flags & 1) === 1;
+    find("stage").hidden = true;
     untaken += 1;
     if (isCompared()) subtract();
     wake();
+  }
+  // What is not finished in a frame shows the image before.
+  function laidOver(before, frame) {
+    const { width, height } = frame;
+    const [canvas, top] = [0, 1].map(() => make("canvas", { width, height }));
+    top.getContext("2d").putImageData(frame, 0, 0);
+    const context = canvas.getContext("2d");
+    for (const layer of [before, top]) context.drawImage(layer, 0, 0, width, height);
+    return context.getImageData(0, 0, width, height);
   }
   const isCompared = () => state?.halves.length === 2;
   const magnification = () => (isCompared() ? Number(find("shown").value) : 0);
@@ -174,7 +187,8 @@
   }
   function drawWipe(context) {
     drawPart(context, halves[0], 0, divider());
-    drawPart(context, halves[1], divider(), 1);
+    // Until B is rendered, A is all there is.
+    drawPart(context, halves[halves[1].pixels ? 1 : 0], divider(), 1);
     const [x, middle] = [place.left + place.width * divider(), place.top + place.height / 2];
     drawLines(context, new Path2D(`M${x} ${place.top}v${place.height}M${x - 6} ${middle - 6}l-6 6l6 6m12 -12l6 6l-6 6`));
   }

@@ -3,19 +3,21 @@
 //! One thread, with the pool that traces, has the scene. It takes requests between renders, and each that arrives ends the
 //! render in progress. An image at rest has the bits of `wavecrest render` for its camera and settings.
 
-use std::sync::{Arc, Mutex};
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use glam::DVec3;
 use serde_json::{Map, Value, json};
+use tokio_tungstenite::tungstenite::Message;
 
 use super::ViewArgs;
 use super::exchange::{Exchange, Kind};
 use super::refine::{OwnSamples, Stage, Tried, counts, fewest};
 use super::request::{Half, Request};
-use super::showing::{Showing, Shown, Telling, enlarged, image, text};
+use super::showing::{Showing, Telling, text};
 use super::steering::Steering;
 use super::take_away::TakeAway;
+use crate::common::to_json;
 use crate::explain;
 use crate::input::Purpose;
 use crate::render::look::render_look;
@@ -31,7 +33,7 @@ use wavecrest_core::prepared::{Appearance, Original, PreparedScene, Samples};
 use wavecrest_core::probe;
 use wavecrest_core::render::{RenderOptions, Rendered, Watch, render};
 use wavecrest_image::look::Look;
-use wavecrest_image::write::{Transfer, levels};
+use wavecrest_image::write::Transfer;
 use wavecrest_report::accuracy::pilot::measured;
 use wavecrest_report::statistics::Rays;
 use wavecrest_scene::components::{Encoding, View};
@@ -43,6 +45,9 @@ const FRAME: f64 = 0.9 / 15.0;
 const FIRST: f64 = 0.125;
 /// How long nothing may be asked for before the image is refined.
 const REST: Duration = Duration::from_millis(120);
+/// The least number of paths in a batch, and how many batches each thread has of a small image.
+const LEAST_BATCH: usize = 256;
+const SHARES: usize = 8;
 /// What a second of walking covers, as a share of the diagonal of the scene.
 const STRIDE: f64 = 0.2;
 /// The most pixels of an image.
@@ -60,7 +65,8 @@ struct Ready {
     camera: Camera,
     original: Original,
     own: OwnSamples,
-    encoding: Encoding,
+    /// The transfer curve of what is shown.
+    transfer: Transfer,
     /// The box around everything.
     ends: [DVec3; 2],
 }
@@ -74,12 +80,9 @@ pub(super) struct Painter<'a> {
     steering: Steering,
     halves: Vec<Half>,
     look: Option<Look>,
-    /// For each half, the renders that are finished for this camera, what pages are told of the last, and its image.
+    /// For each half, the renders that are finished for this camera, and what pages are told of the last.
     finished: [usize; 2],
     figures: [Value; 2],
-    levels: [Vec<u8>; 2],
-    /// The image while something moved, with its size.
-    draft: ([u32; 2], Vec<u8>),
     tried: Tried,
     /// The pixels that were traced in a second while something moved.
     pace: Option<f64>,
@@ -102,12 +105,12 @@ pub(super) fn paint(args: &ViewArgs, exchange: &Arc<Exchange>, take_away: &TakeA
         look: args.look,
         finished: [0; 2],
         figures: Default::default(),
-        levels: Default::default(),
-        draft: Default::default(),
         tried: Tried::default(),
         pace: None,
     };
     painter.tell_plan();
+    let first = json!({"kind": "progress", "stage": "tracing the first rays", "done": 0, "all": 0});
+    exchange.tell(Kind::Progress, text(&first));
     painter.restart();
     painter.run()
 }
@@ -131,7 +134,11 @@ fn prepare(
         let remedy = "use a smaller --size";
         return Err(error.value(format!("{} x {}", view.width, view.height)).remedy(remedy));
     }
-    let encoding = loaded.transfer();
+    let transfer = match loaded.transfer() {
+        // Other looks are encoded already.
+        Encoding::Srgb if look.is_none_or(Look::is_shaded) => Transfer::Srgb,
+        _ => Transfer::Linear,
+    };
     let extracted = options.extract(loaded, purpose)?;
     let preset = options.preset(&extracted);
     let mut scene = options.build(extracted, preset)?;
@@ -140,7 +147,7 @@ fn prepare(
     let own = OwnSamples::of(&scene, view.sampling);
     let ends = bounds::of_file(&scene).unwrap_or([DVec3::NEG_ONE, DVec3::ONE]);
     let ends = ends.map(|end| end + scene.origin);
-    Ok((Ready { scene, preset, look, camera, original, own, encoding, ends }, view))
+    Ok((Ready { scene, preset, look, camera, original, own, transfer, ends }, view))
 }
 
 impl<'a> Painter<'a> {
@@ -199,7 +206,6 @@ impl<'a> Painter<'a> {
     fn look_at(&mut self, look: Option<Look>) -> Result<bool> {
         let is_new = look != self.look;
         self.look = look;
-        self.exchange.withdraw(Kind::Second);
         // Edges are drawn over what is prepared for light.
         let prepared = |look: Option<Look>| look.filter(|look| *look != Look::Wireframe);
         if prepared(look) != prepared(self.ready.look) {
@@ -218,7 +224,6 @@ impl<'a> Painter<'a> {
         }
         for index in [0, 1].into_iter().filter(|&index| !same[index]) {
             self.finished[index] = 0;
-            self.levels[index].clear();
         }
         self.figures[1] = Value::Null;
         if halves.len() == 1 {
@@ -243,7 +248,7 @@ impl<'a> Painter<'a> {
     /// Forgets what was rendered for another camera.
     fn restart(&mut self) {
         self.finished = [0; 2];
-        self.levels = Default::default();
+        self.exchange.withdraw(Kind::Second);
         self.tell_state();
     }
 
@@ -259,8 +264,18 @@ impl<'a> Painter<'a> {
 
     /// The render options of a half.
     fn options(&self, half: &Half) -> RenderOptions {
-        let (tracer, seed, batch) = (half.tracer, self.args.seed, self.args.batch as usize);
-        RenderOptions { tracer, seed, batch, ..RenderOptions::default() }
+        let pixels =
+            self.ready.scene.camera.size().map(|side| side as usize).iter().product::<usize>();
+        // A small image is cut into tiles for all threads, too.
+        let paths = pixels * self.ready.scene.camera.rays_per_pixel() as usize;
+        let share = paths / (SHARES * rayon::current_num_threads());
+        let batch = share.clamp(LEAST_BATCH, self.args.batch.max(LEAST_BATCH as u32) as usize);
+        RenderOptions {
+            tracer: half.tracer,
+            seed: self.args.seed,
+            batch,
+            ..RenderOptions::default()
+        }
     }
 
     /// Makes the scene ready for a render of a half, with these samples and this many pixels.
@@ -284,15 +299,6 @@ impl<'a> Painter<'a> {
         }
     }
 
-    /// The transfer curve of what is shown.
-    fn transfer(&self) -> Transfer {
-        match (self.look, self.ready.encoding) {
-            (Some(look), _) if !look.is_shaded() => Transfer::Linear,
-            (_, Encoding::Srgb) => Transfer::Srgb,
-            (_, Encoding::Linear) => Transfer::Linear,
-        }
-    }
-
     /// Shows a small image at once, of a size for many in a second.
     fn draft(&mut self) -> Result<()> {
         let View { width, height, .. } = self.steering.view;
@@ -302,9 +308,9 @@ impl<'a> Painter<'a> {
         let half = self.halves[0];
         let start = Instant::now();
         self.place(&half, &fewest(), size);
-        let rendered = self.render(&half, &())?;
-        self.draft = (size, levels(&rendered.film, self.transfer()));
-        self.exchange.tell(Kind::First, image(0, size, &self.draft.1, true));
+        let showing = self.showing(0, size, "1 ray per pixel", true);
+        let rendered = self.render(&half, &showing)?;
+        showing.finish(&rendered.film);
         self.exchange.withdraw(Kind::Progress);
         let mut told = self.told(&half, "1 ray per pixel", &rendered);
         told["moving"] = true.into();
@@ -342,16 +348,17 @@ impl<'a> Painter<'a> {
     /// Renders one stage of a half; false if a request ended it.
     fn advance(&mut self, index: usize, half: &Half, stage: &Stage, is_last: bool) -> Result<bool> {
         let View { width, height, .. } = self.steering.view;
-        self.place(half, &stage.samples, [width, height]);
-        let transfer = self.transfer();
-        let showing = self.showing(index, stage, transfer);
+        let size = [width, height];
+        self.place(half, &stage.samples, size);
+        let showing = self.showing(index, size, &stage.words, false);
         let rendered = self.render(half, &showing)?;
         if !rendered.finished {
             return Ok(false);
         }
-        self.levels[index] = levels(&rendered.film, transfer);
-        let size = [width, height];
-        self.exchange.tell(Kind::image(index), image(index, size, &self.levels[index], false));
+        showing.finish(&rendered.film);
+        if rendered.counters.primary_rays <= u64::from(width) * u64::from(height) {
+            self.pace = Some(f64::from(width) * f64::from(height) / rendered.seconds);
+        }
         self.figures[index] = self.told(half, &stage.words, &rendered);
         self.tell_figures();
         if self.look.is_none() {
@@ -372,7 +379,7 @@ impl<'a> Painter<'a> {
             }
         }
         if is_last && index == 0 {
-            let image = Some((Arc::new(rendered.film), transfer));
+            let image = Some((Arc::new(rendered.film), self.ready.transfer));
             self.exchange.board.send_modify(|board| board.image = image);
         }
         self.figures[index]["rests"] = is_last.into();
@@ -380,22 +387,17 @@ impl<'a> Painter<'a> {
         Ok(true)
     }
 
-    /// Shows a stage while it is rendered, over the image before it.
-    fn showing(&mut self, index: usize, stage: &Stage, transfer: Transfer) -> Showing<'a> {
-        let View { width, height, .. } = self.steering.view;
-        let (size, before) = ([width, height], std::mem::take(&mut self.levels[index]));
-        let levels =
-            if before.is_empty() { enlarged(&self.draft.1, self.draft.0, size) } else { before };
+    /// Begins to show a render of a half, with these samples.
+    fn showing(&self, index: usize, size: [u32; 2], words: &str, moves: bool) -> Showing<'a> {
         let mut figures = self.all_figures();
-        for (key, value) in
-            [("samples", json!(stage.words)), ("done", json!(0.0)), ("rests", json!(false))]
-        {
-            if let Some(half) = figures["halves"].get_mut(index) {
+        if let Some(half) = figures["halves"].get_mut(index) {
+            for (key, value) in
+                [("samples", json!(words)), ("done", json!(0.0)), ("rests", json!(false))]
+            {
                 half[key] = value;
             }
         }
-        let state = Mutex::new(Shown { levels, figures, done: 0, last: Instant::now() });
-        Showing { exchange: self.exchange, half: index, size, transfer, state }
+        Showing::new(self.exchange, index, size, (self.ready.transfer, moves), figures)
     }
 
     /// The hits of the rays of a pixel, with the samples of the first half.
@@ -409,8 +411,10 @@ impl<'a> Painter<'a> {
         let mut record = probe::pixel(&self.ready.scene, pixel, self.args.seed);
         self.ready.scene.appearance.check()?;
         record.paths.truncate(MOST_PATHS);
-        let told = json!({"kind": "probe", "at": at, "record": record});
-        self.exchange.tell(Kind::Probe, text(&told));
+        // As text, in which numbers of single precision are short.
+        let (at, record) = (json!(at), to_json(&record)?);
+        let told = format!(r#"{{"kind": "probe", "at": {at}, "record": {record}}}"#);
+        self.exchange.tell(Kind::Probe, Message::text(told));
         Ok(())
     }
 

@@ -11,18 +11,20 @@ use std::net::{IpAddr, Ipv4Addr, SocketAddr};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
+use base64::Engine as _;
+use base64::engine::general_purpose::STANDARD;
 use futures_util::{SinkExt, StreamExt};
 use http_body_util::Full;
 use hyper::body::{Bytes, Incoming};
-use hyper::header::{self, HeaderMap, HeaderValue};
+use hyper::header::{self, HeaderMap};
 use hyper::service::service_fn;
 use hyper::{Method, Request, Response, StatusCode};
 use hyper_util::rt::{TokioIo, TokioTimer};
+use sha1_smol::Sha1;
 use tokio::task::AbortHandle;
 use tokio::time::{Instant, interval, timeout};
 use tokio_tungstenite::WebSocketStream;
 use tokio_tungstenite::tungstenite::Message;
-use tokio_tungstenite::tungstenite::handshake::server::create_response;
 use tokio_tungstenite::tungstenite::protocol::{Role, WebSocketConfig};
 
 use super::exchange::{Exchange, Kind};
@@ -90,7 +92,7 @@ impl Site {
             .strip_prefix('/')
             .and_then(|path| path.split_once('/'))
             .ok_or(StatusCode::NOT_FOUND)?;
-        if !is_same(token.as_bytes(), self.token.as_bytes()) {
+        if token != self.token {
             return Err(StatusCode::NOT_FOUND);
         }
         if request.method() != Method::GET {
@@ -112,14 +114,8 @@ fn one<'h>(headers: &'h HeaderMap, name: &header::HeaderName) -> Option<&'h str>
 }
 
 /// Whether an address is of this machine alone.
-pub(super) fn is_local(address: IpAddr) -> bool {
+fn is_local(address: IpAddr) -> bool {
     address.is_loopback() || address.is_unspecified()
-}
-
-/// Compares in a time that does not tell how much is the same.
-fn is_same(one: &[u8], other: &[u8]) -> bool {
-    let differences = one.iter().zip(other).fold(0, |all, (a, b)| all | (a ^ b));
-    one.len() == other.len() && differences == 0
 }
 
 /// The resource that is a WebSocket.
@@ -192,16 +188,16 @@ async fn answer(
     Ok(match resource.as_deref() {
         Ok("") => content("text/html; charset=utf-8", page::HTML.as_str()),
         Ok(SOCKET) => {
-            let upgrade = hyper::upgrade::on(&mut request);
-            let Ok(accepted) = create_response(&request.map(drop)) else {
+            let Some(accepted) = accepted(request.headers()) else {
                 return Ok(refused(StatusCode::UPGRADE_REQUIRED));
             };
+            let upgrade = hyper::upgrade::on(&mut request);
             pages.spawn(async move {
                 if let Ok(upgraded) = upgrade.await {
                     talk(TokioIo::new(upgraded), &site.exchange).await;
                 }
             });
-            accepted.map(|()| Full::default())
+            accepted
         }
         Ok(download) => {
             let download = download.to_owned();
@@ -216,21 +212,30 @@ async fn answer(
     })
 }
 
+/// The answer to the handshake of a WebSocket (RFC 6455, section 4.2), if it is one.
+fn accepted(headers: &HeaderMap) -> Option<Response<Full<Bytes>>> {
+    const GUID: &str = "258EAFA5-E914-47DA-95CA-C5AB0DC85B11";
+    let is_asked = one(headers, &header::UPGRADE)?.eq_ignore_ascii_case("websocket")
+        && one(headers, &header::SEC_WEBSOCKET_VERSION)? == "13";
+    let key = Sha1::from(format!("{}{GUID}", one(headers, &header::SEC_WEBSOCKET_KEY)?)).digest();
+    let response = Response::builder()
+        .status(StatusCode::SWITCHING_PROTOCOLS)
+        .header(header::CONNECTION, "Upgrade")
+        .header(header::UPGRADE, "websocket")
+        .header(header::SEC_WEBSOCKET_ACCEPT, STANDARD.encode(key.bytes()));
+    response.body(Full::default()).ok().filter(|_| is_asked)
+}
+
 /// A resource, with what a browser is to refuse it.
 fn content(kind: &'static str, bytes: impl Into<Bytes>) -> Response<Full<Bytes>> {
-    let mut response = Response::new(Full::new(bytes.into()));
-    let fixed = [
-        (header::CONTENT_TYPE, kind),
-        (header::CONTENT_SECURITY_POLICY, page::POLICY.trim_ascii_end()),
-        (header::CACHE_CONTROL, "no-store"),
-        (header::REFERRER_POLICY, "no-referrer"),
-        (header::X_CONTENT_TYPE_OPTIONS, "nosniff"),
-        (header::X_FRAME_OPTIONS, "DENY"),
-    ];
-    for (name, value) in fixed {
-        response.headers_mut().insert(name, HeaderValue::from_static(value));
-    }
-    response
+    let response = Response::builder()
+        .header(header::CONTENT_TYPE, kind)
+        .header(header::CONTENT_SECURITY_POLICY, page::POLICY)
+        .header(header::CACHE_CONTROL, "no-store")
+        .header(header::REFERRER_POLICY, "no-referrer")
+        .header(header::X_CONTENT_TYPE_OPTIONS, "nosniff")
+        .header(header::X_FRAME_OPTIONS, "DENY");
+    response.body(Full::new(bytes.into())).unwrap_or_else(|_| refused(StatusCode::NOT_FOUND))
 }
 
 /// A status alone.

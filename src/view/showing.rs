@@ -17,22 +17,21 @@ use wavecrest_image::write::{Transfer, levels};
 
 /// How often pages are shown what is new.
 const SHOWING: Duration = Duration::from_millis(100);
-/// Bytes of the head of an image: its half, its width and height, and flags, each as 32 bits.
-const HEAD: usize = 16;
 
 /// A message of values.
 pub(super) fn text(value: &Value) -> Message {
     Message::text(value.to_string())
 }
 
-/// The message of an image: red, green, blue and opacity of each pixel, the top row first. `levels` lacks the opacity.
-pub(super) fn image(half: usize, [width, height]: [u32; 2], levels: &[u8], moves: bool) -> Message {
-    let mut bytes = Vec::with_capacity(HEAD + levels.len() / 3 * 4);
-    bytes.extend(
-        [half as u32, width, height, u32::from(moves)].map(u32::to_le_bytes).as_flattened(),
-    );
-    bytes.extend(levels.chunks_exact(3).flat_map(|rgb| [rgb[0], rgb[1], rgb[2], u8::MAX]));
-    Message::binary(bytes)
+/// Flags of an image: something moves, and all of it is finished.
+const MOVES: u32 = 1;
+const WHOLE: u32 = 2;
+
+/// The message of an image: its half, width, height and flags as 32 bits each, then red, green, blue and opacity of each pixel, the top row first. What is not
+/// finished is transparent. The flags are [`MOVES`] and [`WHOLE`].
+fn image(half: usize, [width, height]: [u32; 2], pixels: &[[u8; 4]], flags: u32) -> Message {
+    let head = [half as u32, width, height, flags].map(u32::to_le_bytes);
+    Message::binary([head.as_flattened(), pixels.as_flattened()].concat())
 }
 
 /// Tells pages how far the preparation of a scene is, until it is dropped.
@@ -66,66 +65,89 @@ impl Drop for Telling {
     }
 }
 
-/// Shows a render in progress, if it takes long enough, and ends it when a request arrives.
+/// Shows a render: at the end, and before if it takes long enough. At rest, it ends when a request arrives.
 pub(super) struct Showing<'a> {
-    pub(super) exchange: &'a Exchange,
-    pub(super) half: usize,
-    pub(super) size: [u32; 2],
-    pub(super) transfer: Transfer,
-    pub(super) state: Mutex<Shown>,
+    exchange: &'a Exchange,
+    half: usize,
+    size: [u32; 2],
+    transfer: Transfer,
+    /// Whether something moves: then the render is short, and no request ends it.
+    moves: bool,
+    state: Mutex<Shown>,
 }
 
 /// What is shown of a render.
-pub(super) struct Shown {
-    /// The image so far: red, green and blue of each pixel.
-    pub(super) levels: Vec<u8>,
-    /// What is told beside it.
-    pub(super) figures: Value,
+struct Shown {
+    pixels: Vec<[u8; 4]>,
+    /// What is told beside the image.
+    figures: Value,
     /// The pixels that are finished.
-    pub(super) done: u64,
+    done: u64,
     /// When it was shown last.
-    pub(super) last: Instant,
+    last: Instant,
 }
 
-/// An image of another size, from the nearest pixels.
-pub(super) fn enlarged(levels: &[u8], from: [u32; 2], to: [u32; 2]) -> Vec<u8> {
-    let [[width, height], to] = [from, to].map(|size| size.map(|side| side as usize));
-    let mut all = Vec::with_capacity(3 * to[0] * to[1]);
-    for y in 0..to[1] {
-        let row = &levels[3 * width * (y * height / to[1])..];
-        all.extend((0..to[0]).flat_map(|x| {
-            let at = 3 * (x * width / to[0]);
-            [row[at], row[at + 1], row[at + 2]]
-        }));
+impl<'a> Showing<'a> {
+    /// Begins to show the image of a half, of this size in pixels, with `figures` about all halves.
+    pub(super) fn new(
+        exchange: &'a Exchange,
+        half: usize,
+        size: [u32; 2],
+        (transfer, moves): (Transfer, bool),
+        figures: Value,
+    ) -> Self {
+        let pixels = vec![[0; 4]; size[0] as usize * size[1] as usize];
+        let state = Mutex::new(Shown { pixels, figures, done: 0, last: Instant::now() });
+        Self { exchange, half, size, transfer, moves, state }
     }
-    all
+
+    /// Shows the whole image.
+    pub(super) fn finish(&self, film: &Film) {
+        let whole = Tile { x: 0, y: 0, width: self.size[0], height: self.size[1] };
+        let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
+        self.keep(&mut state.pixels, &whole, film);
+        self.show(&state.pixels, WHOLE);
+    }
+
+    fn show(&self, pixels: &[[u8; 4]], state: u32) {
+        let flags = state | if self.moves { MOVES } else { 0 };
+        let message = image(self.half, self.size, pixels, flags);
+        self.exchange.tell(Kind::image(self.half), message);
+    }
+
+    /// Puts a finished tile into the image.
+    fn keep(&self, pixels: &mut [[u8; 4]], tile: &Tile, film: &Film) {
+        let (levels, [left, width]) =
+            (levels(film, self.transfer), [tile.x, tile.width].map(|x| x as usize));
+        let rows = pixels.chunks_exact_mut(self.size[0] as usize).skip(tile.y as usize);
+        for (row, levels) in rows.zip(levels.chunks_exact(3 * width)) {
+            for (pixel, level) in row[left..].iter_mut().zip(levels.chunks_exact(3)) {
+                *pixel = [level[0], level[1], level[2], u8::MAX];
+            }
+        }
+    }
 }
 
 impl Watch for Showing<'_> {
     fn tile(&self, tile: &Tile, pixels: &[[f32; 3]]) {
         let Ok(film) = Film::from_pixels(tile.width, tile.height, pixels.to_vec()) else { return };
-        let new = levels(&film, self.transfer);
         let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
-        let Shown { levels, figures, done, last } = &mut *state;
-        let [width, row] = [self.size[0], tile.width].map(|pixels| 3 * pixels as usize);
-        let rows = levels.chunks_exact_mut(width).skip(tile.y as usize);
-        for (all, new) in rows.zip(new.chunks_exact(row)) {
-            all[3 * tile.x as usize..][..row].copy_from_slice(new);
-        }
+        let Shown { pixels, figures, done, last } = &mut *state;
+        self.keep(pixels, tile, &film);
         *done += tile.len() as u64;
-        if last.elapsed() >= SHOWING {
-            *last = Instant::now();
-            let share = *done as f64 / self.size.map(f64::from).iter().product::<f64>();
-            if let Some(half) = figures["halves"].get_mut(self.half) {
-                half["done"] = share.into();
-            }
-            self.exchange.tell(Kind::Figures, text(figures));
-            self.exchange.tell(Kind::image(self.half), image(self.half, self.size, levels, false));
+        if last.elapsed() < SHOWING {
+            return;
         }
+        *last = Instant::now();
+        if let Some(half) = figures["halves"].get_mut(self.half) {
+            half["done"] = (*done as f64 / pixels.len() as f64).into();
+        }
+        self.exchange.tell(Kind::Figures, text(figures));
+        self.show(pixels, 0);
     }
 
     fn cancelled(&self) -> bool {
-        self.exchange.inbox.has_any()
+        !self.moves && self.exchange.inbox.has_any()
     }
 }
 
@@ -134,14 +156,16 @@ mod tests {
     use super::*;
 
     #[test]
-    fn images_have_a_head_and_four_bytes_a_pixel_and_grow_by_whole_pixels() {
-        let levels = [10, 20, 30, 40, 50, 60];
-        let Message::Binary(bytes) = image(1, [2, 1], &levels, true) else { panic!("not binary") };
-        let head = [1_u32, 2, 1, 1].map(u32::to_le_bytes);
-        assert_eq!(bytes[..HEAD], *head.as_flattened());
-        assert_eq!(bytes[HEAD..], [10, 20, 30, 255, 40, 50, 60, 255]);
-        let large = enlarged(&levels, [2, 1], [4, 2]);
-        let row = [10, 20, 30, 10, 20, 30, 40, 50, 60, 40, 50, 60];
-        assert_eq!(large, [row, row].concat());
+    fn images_have_a_head_and_what_is_not_finished_is_transparent() {
+        let exchange = Exchange::new();
+        let showing = Showing::new(&exchange, 1, [2, 2], (Transfer::Linear, true), Value::Null);
+        let right = Tile { x: 1, y: 1, width: 1, height: 1 };
+        let film = Film::from_pixels(1, 1, vec![[1.0, 0.0, 0.2]]).unwrap();
+        let pixels = &mut vec![[0; 4]; 4];
+        showing.keep(pixels, &right, &film);
+        assert_eq!(pixels[..], [[0; 4], [0; 4], [0; 4], [255, 0, 51, 255]]);
+        let Message::Binary(bytes) = image(1, [2, 2], pixels, MOVES) else { panic!("not binary") };
+        assert_eq!(bytes[..16], *[1_u32, 2, 2, 1].map(u32::to_le_bytes).as_flattened());
+        assert_eq!(bytes[16..], *pixels.as_flattened());
     }
 }
