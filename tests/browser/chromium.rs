@@ -30,6 +30,8 @@ pub(crate) struct Browser {
     count: u64,
     /// Whether the button of the mouse is pressed.
     held: bool,
+    /// The address of the page, below which it may ask for more.
+    address: String,
     /// What the page complained of, and what it asked of any network.
     pub(crate) complaints: Vec<String>,
     _profile: TempDir,
@@ -88,6 +90,7 @@ impl Browser {
             session: String::new(),
             count: 0,
             held: false,
+            address: "about:".to_owned(),
             complaints: Vec::new(),
             _profile: profile,
         };
@@ -144,9 +147,10 @@ impl Browser {
             Some("Runtime.consoleAPICalled") => Some(parameters["args"].to_string()),
             Some("Log.entryAdded") => Some(parameters["entry"].to_string()),
             Some("Network.requestWillBeSent") => {
-                let url = parameters["request"]["url"].as_str().unwrap_or_default();
-                let is_inside = url.starts_with("data:") || url.starts_with("file:");
-                (!is_inside).then(|| format!("a request for {url}"))
+                self.foreign(parameters["request"]["url"].as_str().unwrap_or_default())
+            }
+            Some("Network.webSocketCreated") => {
+                self.foreign(&parameters["url"].as_str().unwrap_or_default().replace("ws", "http"))
             }
             _ => None,
         };
@@ -154,11 +158,23 @@ impl Browser {
         message
     }
 
+    /// The complaint of a request, unless it is for a part of the page.
+    fn foreign(&self, url: &str) -> Option<String> {
+        let inside = ["data:", "file:", &self.address];
+        let is_inside = inside.iter().any(|start| url.starts_with(start));
+        (!is_inside).then(|| format!("a request for {url}"))
+    }
+
     /// Opens a file, and waits until all of it is there.
     pub(crate) fn open(&mut self, file: &Path) {
+        self.visit(&format!("file://{}", file.display()));
+    }
+
+    /// Opens the page at an address, which may ask for what lies below it.
+    pub(crate) fn visit(&mut self, address: &str) {
         self.complaints.clear();
-        let url = format!("file://{}", file.display());
-        let navigated = self.call("Page.navigate", json!({"url": url}));
+        address.clone_into(&mut self.address);
+        let navigated = self.call("Page.navigate", json!({"url": address}));
         assert!(navigated["errorText"].is_null(), "{navigated}");
         while self.evaluate("document.readyState") != "complete" {
             std::thread::yield_now();
@@ -171,6 +187,19 @@ impl Browser {
         let result = self.call("Runtime.evaluate", parameters);
         assert!(result["exceptionDetails"].is_null(), "{expression}: {result}");
         result["result"]["value"].clone()
+    }
+
+    /// Waits until an expression in the page is true.
+    pub(crate) fn wait_for(&mut self, expression: &str) {
+        let script = format!(
+            "new Promise((done) => {{ const end = performance.now() + {}; \
+             const look = () => {{ const is = Boolean({expression}); \
+             is || performance.now() > end ? done(is) : requestAnimationFrame(look); }}; look(); }})",
+            PATIENCE.as_millis() / 4
+        );
+        let parameters = json!({"expression": script, "returnByValue": true, "awaitPromise": true});
+        let result = self.call("Runtime.evaluate", parameters);
+        assert_eq!(result["result"]["value"], true, "{expression}: {result} {:?}", self.complaints);
     }
 
     /// Sets the window's size in pixels.
@@ -213,7 +242,7 @@ impl Browser {
     }
 
     /// Waits until the page has been drawn as it is now, whether it may run a script or not.
-    fn settle(&mut self) {
+    pub(crate) fn settle(&mut self) {
         self.call("Page.captureScreenshot", json!({"format": "jpeg", "quality": 1}));
     }
 

@@ -11,6 +11,7 @@
 )]
 
 mod chromium;
+mod view;
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
