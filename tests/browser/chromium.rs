@@ -269,6 +269,24 @@ impl Browser {
         kept(&taken, file)
     }
 
+    /// What a canvas shows.
+    pub(crate) fn canvas(&mut self, selector: &str) -> image::RgbaImage {
+        let url = self.evaluate(&format!("document.querySelector({selector:?}).toDataURL()"));
+        let png = url.as_str().and_then(|url| url.split_once(',')).expect("a URL of data").1;
+        let png = STANDARD.decode(png).expect("base 64");
+        image::load_from_memory(&png).expect("a PNG").to_rgba8()
+    }
+
+    /// Chooses a value of a field, which learns of it as from a user.
+    pub(crate) fn choose(&mut self, selector: &str, value: &str) {
+        self.evaluate(&format!(
+            "(field => {{ field.value = {value:?}; for (const kind of ['input', 'change']) \
+             field.dispatchEvent(new Event(kind, {{bubbles: true}})); }})\
+             (document.querySelector({selector:?}))"
+        ));
+        self.settle();
+    }
+
     /// The page on paper, as PDF.
     pub(crate) fn print(&mut self) -> Vec<u8> {
         decoded(&self.call("Page.printToPDF", json!({})))

@@ -12,6 +12,7 @@
 
 mod chromium;
 mod view;
+mod viewer;
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
