@@ -14,7 +14,7 @@ use super::ViewArgs;
 use super::exchange::{Exchange, Kind};
 use super::refine::{OwnSamples, Stage, Tried, counts, fewest};
 use super::request::{Half, Request};
-use super::showing::{Showing, Telling, text};
+use super::showing::{Showing, Telling, UntilAsked, text};
 use super::steering::Steering;
 use super::take_away::TakeAway;
 use crate::common::to_json;
@@ -290,32 +290,45 @@ impl<'a> Painter<'a> {
         scene.resample(&placed, samples);
     }
 
-    /// Renders light, or what is looked at instead.
-    fn render(&self, half: &Half, watch: &dyn Watch) -> Result<Rendered> {
-        let (scene, options) = (&self.ready.scene, &self.options(half));
-        match self.look {
-            None => render(scene, options, watch),
-            Some(look) => render_look(look, options, scene, watch),
+    /// Renders a half and shows it: while something moves, or at rest, when a request ends it. Returns what is finished.
+    fn shoot(
+        &mut self,
+        index: usize,
+        Stage { samples, words }: &Stage,
+        size: [u32; 2],
+        moves: bool,
+    ) -> Result<Option<Rendered>> {
+        let half = self.halves[index];
+        self.place(&half, samples, size);
+        let mut figures = self.all_figures();
+        if let Some(half) = figures["halves"].get_mut(index) {
+            (half["samples"], half["rests"]) = (json!(words), json!(false));
         }
+        let showing =
+            Showing::new(self.exchange, index, size, (self.ready.transfer, moves), figures);
+        let (scene, options) = (&self.ready.scene, &self.options(&half));
+        let rendered = match self.look {
+            None => render(scene, options, &showing)?,
+            Some(look) => render_look(look, options, scene, &showing)?,
+        };
+        if !rendered.finished {
+            return Ok(None);
+        }
+        showing.finish(&rendered.film);
+        self.exchange.withdraw(Kind::Progress);
+        self.figures[index] = told(words, &rendered, moves);
+        self.tell_figures();
+        Ok(Some(rendered))
     }
 
     /// Shows a small image at once, of a size for many in a second.
     fn draft(&mut self) -> Result<()> {
-        let View { width, height, .. } = self.steering.view;
-        let all = f64::from(width) * f64::from(height);
-        let scale = self.pace.map_or(FIRST, |pace| (pace * FRAME / all).sqrt().min(1.0));
-        let size = [width, height].map(|side| ((f64::from(side) * scale) as u32).max(1));
-        let half = self.halves[0];
+        let whole = self.steering.view.placement().size.map(f64::from);
+        let scale =
+            self.pace.map_or(FIRST, |pace| (pace * FRAME / whole[0] / whole[1]).sqrt().min(1.0));
+        let size = whole.map(|side| ((side * scale) as u32).max(1));
         let start = Instant::now();
-        self.place(&half, &fewest(), size);
-        let showing = self.showing(0, size, "1 ray per pixel", true);
-        let rendered = self.render(&half, &showing)?;
-        showing.finish(&rendered.film);
-        self.exchange.withdraw(Kind::Progress);
-        let mut told = self.told(&half, "1 ray per pixel", &rendered);
-        told["moving"] = true.into();
-        self.figures[0] = told;
-        self.tell_figures();
+        self.shoot(0, &fewest(), size, true)?;
         let pace = f64::from(size[0]) * f64::from(size[1]) / start.elapsed().as_secs_f64();
         self.pace = Some(self.pace.map_or(pace, |before| before.midpoint(pace)));
         Ok(())
@@ -328,15 +341,13 @@ impl<'a> Painter<'a> {
         if !is_fast && frame::origin(&self.steering.view) != self.ready.scene.origin {
             self.prepare_again()?;
         }
-        let halves =
-            if self.look.is_some() { self.halves[..1].to_vec() } else { self.halves.clone() };
-        for (index, half) in halves.iter().enumerate() {
-            let stages = self.ready.own.stages(half);
+        let halves = if self.look.is_some() { 1 } else { self.halves.len() };
+        for index in 0..halves {
+            let stages = self.ready.own.stages(&self.halves[index]);
             // Looks show no noise that samples could take away step by step.
             let first = if self.look.is_some() { stages.len() - 1 } else { 0 };
             for number in first.max(self.finished[index])..stages.len() {
-                let is_last = number + 1 == stages.len();
-                if !self.advance(index, half, &stages[number], is_last)? {
+                if !self.advance(index, &stages[number], number + 1 == stages.len())? {
                     return Ok(false);
                 }
                 self.finished[index] = number + 1;
@@ -345,36 +356,29 @@ impl<'a> Painter<'a> {
         Ok(true)
     }
 
-    /// Renders one stage of a half; false if a request ended it.
-    fn advance(&mut self, index: usize, half: &Half, stage: &Stage, is_last: bool) -> Result<bool> {
-        let View { width, height, .. } = self.steering.view;
-        let size = [width, height];
-        self.place(half, &stage.samples, size);
-        let showing = self.showing(index, size, &stage.words, false);
-        let rendered = self.render(half, &showing)?;
-        if !rendered.finished {
-            return Ok(false);
+    /// Renders one stage of a half, and measures its error; false if a request ended it.
+    fn advance(&mut self, index: usize, stage: &Stage, is_last: bool) -> Result<bool> {
+        let size = self.steering.view.placement().size;
+        let Some(rendered) = self.shoot(index, stage, size, false)? else { return Ok(false) };
+        let pixels = rendered.film.pixels().len();
+        if rendered.counters.primary_rays <= pixels as u64 {
+            self.pace = Some(pixels as f64 / rendered.seconds);
         }
-        showing.finish(&rendered.film);
-        if rendered.counters.primary_rays <= u64::from(width) * u64::from(height) {
-            self.pace = Some(f64::from(width) * f64::from(height) / rendered.seconds);
-        }
-        self.figures[index] = self.told(half, &stage.words, &rendered);
-        self.tell_figures();
         if self.look.is_none() {
-            let error = measured(&self.ready.scene, &rendered, self.args.seed, &showing)?;
-            if showing.cancelled() {
+            let until = UntilAsked(self.exchange);
+            let error = measured(&self.ready.scene, &rendered, self.args.seed, &until)?;
+            if until.cancelled() {
                 return Ok(false);
             }
             match error {
                 Some(error) => {
                     self.figures[index]["error"] = error.error.into();
-                    self.tried.add(half, &stage.words, rendered.seconds, error);
+                    self.tried.add(&self.halves[index], &stage.words, rendered.seconds, error);
                     self.tell_chart();
                 }
                 None => {
-                    self.figures[index]["note"] =
-                        "one ray through the centre of each pixel: no random samples".into()
+                    let note = "one ray through the centre of each pixel: no random samples";
+                    self.figures[index]["note"] = note.into();
                 }
             }
         }
@@ -385,19 +389,6 @@ impl<'a> Painter<'a> {
         self.figures[index]["rests"] = is_last.into();
         self.tell_figures();
         Ok(true)
-    }
-
-    /// Begins to show a render of a half, with these samples.
-    fn showing(&self, index: usize, size: [u32; 2], words: &str, moves: bool) -> Showing<'a> {
-        let mut figures = self.all_figures();
-        if let Some(half) = figures["halves"].get_mut(index) {
-            for (key, value) in
-                [("samples", json!(words)), ("done", json!(0.0)), ("rests", json!(false))]
-            {
-                half[key] = value;
-            }
-        }
-        Showing::new(self.exchange, index, size, (self.ready.transfer, moves), figures)
     }
 
     /// The hits of the rays of a pixel, with the samples of the first half.
@@ -416,30 +407,6 @@ impl<'a> Painter<'a> {
         let told = format!(r#"{{"kind": "probe", "at": {at}, "record": {record}}}"#);
         self.exchange.tell(Kind::Probe, Message::text(told));
         Ok(())
-    }
-
-    /// What a render took, for the page.
-    fn told(&self, half: &Half, words: &str, rendered: &Rendered) -> Value {
-        let Rendered { counters, seconds, pass_seconds, .. } = rendered;
-        let (rays, all) =
-            (Rays::from(counters).all(), pass_seconds.iter().map(|(_, s)| s).sum::<f64>());
-        let shares =
-            pass_seconds.iter().map(|(name, s)| (name, s / all)).filter(|(_, share)| *share > 0.0);
-        let counts = counts(counters).into_iter().filter(|(_, count)| *count > 0);
-        json!({
-            "name": half.name(),
-            "samples": words,
-            "seconds": seconds,
-            "error": null,
-            "note": "",
-            "rays": rays,
-            "rays_per_second": rays as f64 / seconds,
-            "passes": shares.collect::<Vec<_>>(),
-            "counters": counts.map(|(name, count)| (name.to_owned(), count.into())).collect::<Map<_, _>>(),
-            "done": 1.0,
-            "rests": false,
-            "moving": false,
-        })
     }
 
     /// The figures of the halves that have an image.
@@ -487,4 +454,27 @@ impl<'a> Painter<'a> {
         let told = json!({"kind": "plan", "effects": plan, "passes": passes, "bvh": bvh});
         self.exchange.tell(Kind::Plan, text(&told));
     }
+}
+
+/// What a render took, for the page.
+fn told(words: &str, rendered: &Rendered, moves: bool) -> Value {
+    let Rendered { counters, seconds, pass_seconds, .. } = rendered;
+    let (rays, all) =
+        (Rays::from(counters).all(), pass_seconds.iter().map(|(_, s)| s).sum::<f64>());
+    let shares =
+        pass_seconds.iter().map(|(name, s)| (name, s / all)).filter(|(_, share)| *share > 0.0);
+    let counts = counts(counters).into_iter().filter(|(_, count)| *count > 0);
+    json!({
+            "samples": words,
+        "seconds": seconds,
+        "error": null,
+        "note": "",
+        "rays": rays,
+        "rays_per_second": rays as f64 / seconds,
+        "passes": shares.collect::<Vec<_>>(),
+        "counters": counts.map(|(name, count)| (name.to_owned(), count.into())).collect::<Map<_, _>>(),
+        "done": 1.0,
+        "rests": false,
+        "moving": moves,
+    })
 }

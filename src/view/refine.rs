@@ -65,9 +65,10 @@ impl OwnSamples {
 }
 
 /// One ray through the centre of each pixel, and one point on whatever else has several.
-pub(super) fn fewest() -> Samples {
+pub(super) fn fewest() -> Stage {
     let one = Some(Points { sampling: Sampling::Jittered, side: 1 });
-    Samples { lights: one, lens: one, pixel: one }
+    let samples = Samples { lights: one, lens: one, pixel: one };
+    Stage { samples, words: "1 ray per pixel".to_owned() }
 }
 
 /// The errors and times of the settings that were tried with one camera.

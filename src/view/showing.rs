@@ -147,7 +147,16 @@ impl Watch for Showing<'_> {
     }
 
     fn cancelled(&self) -> bool {
-        !self.moves && self.exchange.inbox.has_any()
+        !self.moves && UntilAsked(self.exchange).cancelled()
+    }
+}
+
+/// Ends work when a request arrives.
+pub(super) struct UntilAsked<'a>(pub(super) &'a Exchange);
+
+impl Watch for UntilAsked<'_> {
+    fn cancelled(&self) -> bool {
+        self.0.inbox.has_any()
     }
 }
 
