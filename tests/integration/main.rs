@@ -85,3 +85,7 @@ mod schema;
 
 // What is said of scenes and meshes that are wrong, or probably not meant so, word for word.
 mod told;
+
+// The server of the page: what it refuses, what it bounds, and what does not end it.
+#[cfg(feature = "view")]
+mod page_server;

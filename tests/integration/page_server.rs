@@ -1,0 +1,182 @@
+//! The server of the page that `view` shows: what it refuses, what it bounds, and what does not end it.
+
+mod client;
+
+use std::io::{Read, Write};
+use std::net::{Ipv4Addr, TcpListener, TcpStream};
+use std::time::{Duration, Instant};
+
+use serde_json::json;
+
+use crate::support::*;
+use client::{PING, Shown, TEXT, UPGRADE, frame};
+
+/// Statuses, with the requests that get them: method, path and headers.
+const REFUSED: &str = "\
+404 GET / Host:HOST
+404 GET /00000000000000000000000000000000/ Host:HOST
+404 GET /TOKEN Host:HOST
+404 GET /TOKEN0/ Host:HOST
+404 GET //TOKEN/ Host:HOST
+404 GET /TOKEN/../ Host:HOST
+404 GET /TOKEN/..%2f..%2fetc/passwd Host:HOST
+404 GET /TOKEN/tiny-scene.json Host:HOST
+405 POST /TOKEN/ Host:HOST
+405 HEAD /TOKEN/ Host:HOST
+404 POST / Host:HOST
+400 GET /TOKEN/
+400 GET /TOKEN/ Host:HOST Host:HOST
+403 GET /TOKEN/ Host:127.0.0.1
+403 GET /TOKEN/ Host:elsewhere.example:PORT
+403 GET /TOKEN/ Host:HOST.elsewhere.example
+403 GET /TOKEN/ Host:192.168.0.1:PORT
+403 GET /TOKEN/ Host:HOST Origin:null
+403 GET /TOKEN/ Host:HOST Origin:http://elsewhere.example
+403 GET /TOKEN/socket Host:HOST
+426 GET /TOKEN/socket Host:HOST Origin:http://HOST";
+
+#[test]
+fn only_requests_that_know_the_page_are_answered() {
+    let shown = Shown::begin();
+    let page = shown.page();
+    assert!(page.starts_with("HTTP/1.1 200 OK\r\n") && page.contains("<!doctype html>"), "{page}");
+    let policy = "content-security-policy: default-src 'none'; connect-src 'self'; ";
+    for line in [policy, "frame-ancestors 'none'\r\n", "no-store\r\n", "nosniff\r\n"] {
+        assert!(page.contains(line), "{line}");
+    }
+    shown.socket().next("state");
+    let scene = shown.ask("GET /TOKEN/scene.json HTTP/1.1\r\nHost: localhost:PORT\r\n\r\n");
+    assert!(scene.starts_with("HTTP/1.1 200 ") && scene.contains("attachment; filename="));
+    for refused in REFUSED.lines() {
+        let mut words = refused.split(' ');
+        let [status, method, path] = [(); 3].map(|()| words.next().expect("a word"));
+        let headers: String = words.map(|w| w.replacen(':', ": ", 1) + "\r\n").collect();
+        let answer = shown.ask(&format!("{method} {path} HTTP/1.1\r\n{headers}\r\n"));
+        assert!(answer.starts_with(&format!("HTTP/1.1 {status} ")), "{refused}: {answer}");
+        assert!(!answer.contains("<!doctype"), "{refused}: {answer}");
+    }
+    let long = format!("GET /TOKEN/ HTTP/1.1\r\nHost: HOST\r\nA: {}\r\n\r\n", "b".repeat(1 << 16));
+    assert!(shown.ask(&long).starts_with("HTTP/1.1 431 "));
+    for origin in ["", "Origin: null\r\n", "Origin: http://elsewhere.example\r\n"] {
+        let answer = shown.ask(&format!("GET /TOKEN/{UPGRADE}{origin}\r\n"));
+        assert!(answer.starts_with("HTTP/1.1 403 "), "{origin}: {answer}");
+    }
+}
+
+#[test]
+fn silent_and_endless_connections_keep_nobody_waiting() {
+    let shown = Shown::begin();
+    let mut socket = shown.socket();
+    socket.next("state");
+    let silent: Vec<TcpStream> = (0..300).map(|_| shown.connect()).collect();
+    let begun = Instant::now();
+    assert!(shown.page().starts_with("HTTP/1.1 200 "));
+    assert!(begun.elapsed() < Duration::from_secs(2), "{:?}", begun.elapsed());
+    assert!(socket.probe([0.5, 0.5]).is_object());
+    drop(silent);
+
+    let mut endless = shown.connect();
+    let head = "POST /TOKEN/ HTTP/1.1\r\nHost: HOST\r\nContent-Length: 1000000000\r\n\r\n";
+    endless.write_all(shown.filled(head).as_bytes()).expect("a connection");
+    let mut status = [0; 13];
+    endless.read_exact(&mut status).expect("an answer");
+    assert_eq!(text(&status), "HTTP/1.1 405 ");
+    let part = [b'a'; 1 << 16];
+    let sent = (0..1000).take_while(|_| endless.write_all(&part).is_ok()).count();
+    assert!(sent < 500, "{sent} parts of the body were taken");
+
+    let begun = Instant::now();
+    assert_eq!(shown.ask("GET /TOKEN/ HTTP/1.1\r\nHo"), "");
+    let waited = begun.elapsed().as_secs_f64();
+    assert!((1.0..10.0).contains(&waited), "half a request is closed after {waited} s");
+    assert!(socket.probe([0.25, 0.5]).is_object());
+}
+
+#[test]
+fn a_page_that_floods_or_sends_what_is_none_is_closed_and_others_go_on() {
+    let shown = Shown::begin();
+    let mut socket = shown.socket();
+    socket.next("state");
+    for (kind, content) in [(TEXT, r#"{"do":"taken"}"#), (TEXT, "{}"), (PING, "")] {
+        let sent = shown.socket().flood(&frame(kind, content.as_bytes()), 1 << 20);
+        assert!(sent < 1 << 20, "{content}");
+        assert!(socket.probe([0.5, f64::from(kind)]).is_object(), "{content}");
+    }
+    let unmasked = [0x80 | TEXT, 2, b'{', b'}'];
+    for wrong in [&*frame(TEXT, &[b' '; 4097]), &frame(TEXT, b"\xff"), &frame(3, b""), &unmasked] {
+        shown.socket().flood(wrong, 1);
+    }
+    // The longest that is taken, and what is no text.
+    let longest = format!("{:4096}", r#"{"do":"taken"}"#);
+    socket.send(&longest);
+    socket.0.write_all(&frame(2, &[0; 9])).expect("a connection");
+    assert!(socket.probe([0.25, 0.5]).is_object());
+    assert!(shown.page().starts_with("HTTP/1.1 200 "));
+}
+
+/// Requests that change nothing.
+const ODD: &str = r#"{"do":"orbit","by":[NaN,0]}
+{"do":"orbit","by":[1e999,0]}
+{"do":"orbit","by":[]}
+{"do":"walk","by":[1e30,1e308,-1e308]}
+{"do":"pan","by":[1e308,1e308]}
+{"do":"zoom","at":[1e308,-1e308],"by":1}
+{"do":"grab","at":[1e308,1e308]}
+{"do":"probe","at":[-1e308,1e308]}
+{"do":"set","halves":[]}
+{"do":"set","halves":[{}]}
+{"do":"look","look":"nothing"}"#;
+
+#[test]
+fn odd_numbers_change_nothing_and_end_nothing() {
+    let shown = Shown::begin();
+    let mut socket = shown.socket();
+    let first = socket.next("state");
+    ODD.lines().for_each(|odd| socket.send(odd));
+    socket.send(&"[".repeat(4000));
+    socket.send(r#"{"do":"probe","at":[0.5,0.5]}"#);
+    loop {
+        let told = socket.receive();
+        match told["kind"].as_str() {
+            Some("state") => assert_eq!(told, first),
+            Some("probe") if told["at"] == json!([0.5, 0.5]) => break,
+            _ => {}
+        }
+    }
+    // As far as there is anywhere, and nearer than anything is near, in fewer requests than may wait.
+    for by in [-1e308, 1e308] {
+        for _ in 0..25 {
+            socket.send(&json!({"do": "zoom", "at": [0.5, 0.5], "by": by}).to_string());
+            socket.send(r#"{"do":"orbit","by":[0,1e308]}"#);
+        }
+        assert!(socket.probe([0.5, by]).is_object());
+    }
+    socket.send(r#"{"do":"side","side":"start"}"#);
+    while socket.next("state")["camera"] != first["camera"] {}
+}
+
+#[test]
+fn what_cannot_be_shown_is_named() {
+    let folder = folder();
+    let taken = TcpListener::bind((Ipv4Addr::LOCALHOST, 0)).expect("a port");
+    let port = taken.local_addr().expect("an address").port().to_string();
+    put(folder.path(), "half.json", r#"{"camera":"#);
+    put(folder.path(), "t.png", b"\x89PNG\r\n\x1a\n");
+    let textured = with(sphere([0.0; 3], 1.0, matte(1.0, [1.0; 3])), "texture", "t.png");
+    let broken = plain(0, &pinhole([8, 8], 40.0, 5.0), &[textured]);
+    put(folder.path(), "broken.json", broken.to_string());
+    put(folder.path(), "whole.ply", "ply\n");
+    for (arguments, named) in [
+        (["none.json"].as_slice(), "none.json: "),
+        (&["."], ".: "),
+        (&["half.json"], "half.json: "),
+        (&["broken.json"], "t.png"),
+        (&["whole.ply"], "whole.ply: "),
+        (&["half.json", "--port", &port], &port),
+    ] {
+        let output = run(folder.path(), &[&["view", "--no-open"], arguments].concat());
+        let told = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}: {told}");
+        assert!(told.contains("error: ") && told.contains(named), "{arguments:?}: {told}");
+    }
+}
