@@ -5,6 +5,7 @@
 mod exchange;
 mod page;
 mod painter;
+mod ready;
 mod refine;
 mod request;
 mod server;
@@ -12,6 +13,7 @@ mod showing;
 mod steering;
 mod take_away;
 
+use std::fs;
 use std::io::{self, Write};
 use std::net::{IpAddr, Ipv4Addr, SocketAddr, TcpListener};
 use std::path::PathBuf;
@@ -80,6 +82,7 @@ pub(crate) struct ViewArgs {
 pub(crate) fn run(args: &ViewArgs) -> Result<()> {
     args.search.check(args.scene_options.precision)?;
     args.scene_options.input.check(&args.scene)?;
+    fs::metadata(&args.scene).map_err(|e| Error::io("cannot read the scene", &args.scene, e))?;
     let address = SocketAddr::new(args.listen, 0);
     let cannot = |e: io::Error| {
         let message = format!("cannot serve the page at {address}: {e}");
@@ -90,6 +93,7 @@ pub(crate) fn run(args: &ViewArgs) -> Result<()> {
     let site = Arc::new(Site {
         exchange: Arc::new(Exchange::new()),
         take_away: TakeAway::new(&args.scene, given(words, &OF_MESHES), given(words, &OF_IMAGE)),
+        turn: Arc::default(),
         token: token()?,
         address: listener.local_addr().map_err(cannot)?,
     });

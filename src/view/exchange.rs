@@ -1,7 +1,7 @@
 //! What passes between the painter, which has the scene, and the connections of pages.
 //!
 //! Requests of all pages wait in the [`Inbox`]; what pages show lies on the [`Board`], the last message of each kind.
-//! Neither grows: requests beyond a limit are dropped, and a message replaces the one before it.
+//! Neither grows: beyond a limit the oldest request is dropped, and a message replaces the one before it.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
@@ -23,7 +23,7 @@ const MOST_REQUESTS: usize = 64;
 pub(super) struct Inbox {
     waiting: Mutex<Vec<Request>>,
     arrived: Condvar,
-    /// Whether any wait, to be asked without a lock.
+    /// Whether any wait for which a render ends, to be asked without a lock.
     any: AtomicBool,
 }
 
@@ -35,14 +35,16 @@ impl Inbox {
     /// Adds a request.
     pub(super) fn put(&self, request: Request) {
         let mut waiting = self.waiting();
-        if waiting.len() < MOST_REQUESTS {
-            waiting.push(request);
+        if waiting.len() == MOST_REQUESTS {
+            waiting.remove(0);
         }
-        self.any.store(true, Ordering::Release);
+        // To take hold of something changes nothing yet.
+        self.any.fetch_or(!matches!(request, Request::Grab { .. }), Ordering::Release);
+        waiting.push(request);
         self.arrived.notify_one();
     }
 
-    /// Whether requests wait.
+    /// Whether requests wait for which a render ends.
     pub(super) fn has_any(&self) -> bool {
         self.any.load(Ordering::Acquire)
     }

@@ -6,38 +6,31 @@
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use glam::DVec3;
 use serde_json::{Map, Value, json};
 use tokio_tungstenite::tungstenite::Message;
 
 use super::ViewArgs;
 use super::exchange::{Exchange, Kind};
-use super::refine::{OwnSamples, Stage, Tried, counts, fewest};
+use super::ready::{Ready, prepare};
+use super::refine::{Stage, Tried, counts, fewest};
 use super::request::{Half, Request};
-use super::showing::{Showing, Telling, UntilAsked, text};
+use super::showing::{Showing, UntilAsked, text};
 use super::steering::Steering;
 use super::take_away::TakeAway;
 use crate::common::to_json;
 use crate::explain;
-use crate::input::Purpose;
 use crate::render::look::render_look;
-use wavecrest_base::error::{Error, ErrorKind, Result};
-use wavecrest_core::accel::Accel;
-use wavecrest_core::accel::build::Preset;
-use wavecrest_core::geometry::Geometry;
-use wavecrest_core::kernels::camera::{Camera, Placement};
+use wavecrest_base::error::Result;
+use wavecrest_core::kernels::camera::Placement;
 use wavecrest_core::kernels::precision::Precision;
-use wavecrest_core::math::ray::Ray;
 use wavecrest_core::math::sampling::Sampling;
-use wavecrest_core::prepared::{Appearance, Original, PreparedScene, Samples};
 use wavecrest_core::probe;
-use wavecrest_core::render::{RenderOptions, Rendered, Watch, render};
+use wavecrest_core::render::{Rendered, Watch, render};
 use wavecrest_image::look::Look;
-use wavecrest_image::write::Transfer;
 use wavecrest_report::accuracy::pilot::measured;
 use wavecrest_report::statistics::Rays;
-use wavecrest_scene::components::{Encoding, View};
-use wavecrest_scene::systems::{bounds, frame, free_camera};
+use wavecrest_scene::components::View;
+use wavecrest_scene::systems::frame;
 
 /// Seconds of a frame while something moves, with some left for what moves it.
 const FRAME: f64 = 0.9 / 15.0;
@@ -45,31 +38,10 @@ const FRAME: f64 = 0.9 / 15.0;
 const FIRST: f64 = 0.125;
 /// How long nothing may be asked for before the image is refined.
 const REST: Duration = Duration::from_millis(120);
-/// The least number of paths in a batch, and how many batches each thread has of a small image.
-const LEAST_BATCH: usize = 256;
-const SHARES: usize = 8;
 /// What a second of walking covers, as a share of the diagonal of the scene.
 const STRIDE: f64 = 0.2;
-/// The most pixels of an image.
-const MOST_PIXELS: u64 = 1 << 24;
 /// The most paths of a pixel that are told.
 const MOST_PATHS: usize = 16;
-
-/// A scene that is ready to be traced, from anywhere.
-struct Ready {
-    scene: PreparedScene,
-    preset: Preset,
-    /// What it was prepared to show.
-    look: Option<Look>,
-    /// The camera and the lights of the file.
-    camera: Camera,
-    original: Original,
-    own: OwnSamples,
-    /// The transfer curve of what is shown.
-    transfer: Transfer,
-    /// The box around everything.
-    ends: [DVec3; 2],
-}
 
 /// The painter.
 pub(super) struct Painter<'a> {
@@ -115,41 +87,6 @@ pub(super) fn paint(args: &ViewArgs, exchange: &Arc<Exchange>, take_away: &TakeA
     painter.run()
 }
 
-/// Reads and prepares the scene, for a camera that goes anywhere, which pages are shown.
-fn prepare(
-    args: &ViewArgs,
-    exchange: &Arc<Exchange>,
-    take_away: &TakeAway,
-    look: Option<Look>,
-    view: Option<View>,
-) -> Result<(Ready, View)> {
-    let _telling = Telling::begin(Arc::clone(exchange));
-    let (options, purpose) = (&args.scene_options, &Purpose { look, ..Purpose::whole(args.batch) });
-    let mut loaded = options.load(&args.scene, purpose, &[])?;
-    take_away.keep(&loaded)?;
-    let view = free_camera(&mut loaded.world, view)?;
-    if u64::from(view.width) * u64::from(view.height) > MOST_PIXELS {
-        let message = format!("a page shows at most {MOST_PIXELS} pixels");
-        let error = Error::new(ErrorKind::Limit, message).in_file(&args.scene);
-        let remedy = "use a smaller --size";
-        return Err(error.value(format!("{} x {}", view.width, view.height)).remedy(remedy));
-    }
-    let transfer = match loaded.transfer() {
-        // Other looks are encoded already.
-        Encoding::Srgb if look.is_none_or(Look::is_shaded) => Transfer::Srgb,
-        _ => Transfer::Linear,
-    };
-    let extracted = options.extract(loaded, purpose)?;
-    let preset = options.preset(&extracted);
-    let mut scene = options.build(extracted, preset)?;
-    args.search.apply(&mut scene.accel);
-    let (camera, original) = (scene.camera, scene.original());
-    let own = OwnSamples::of(&scene, view.sampling);
-    let ends = bounds::of_file(&scene).unwrap_or([DVec3::NEG_ONE, DVec3::ONE]);
-    let ends = ends.map(|end| end + scene.origin);
-    Ok((Ready { scene, preset, look, camera, original, own, transfer, ends }, view))
-}
-
 impl<'a> Painter<'a> {
     /// Renders and takes requests in turn.
     fn run(&mut self) -> Result<()> {
@@ -166,9 +103,15 @@ impl<'a> Painter<'a> {
             };
             let requests = self.exchange.inbox.take(patience);
             moves = false;
+            let mut probed = None;
             for request in requests {
-                moves |= self.obey(request)?;
+                match request {
+                    // Of several only the last is of interest.
+                    Request::Probe { at } => probed = Some(at),
+                    request => moves |= self.obey(request)?,
+                }
             }
+            probed.map_or(Ok(()), |at| self.probe(at))?;
         }
     }
 
@@ -176,11 +119,11 @@ impl<'a> Painter<'a> {
     fn obey(&mut self, request: Request) -> Result<bool> {
         let before = self.steering.view;
         match request {
-            Request::Grab { at } => self.steering.pivot = self.point(at),
+            Request::Grab { at } => self.steering.pivot = self.ready.point(&self.steering, at),
             Request::Orbit { by } => self.steering.orbit(by),
             Request::Pan { by } => self.steering.pan(by),
             Request::Zoom { at, by } => {
-                let point = self.point(at);
+                let point = self.ready.point(&self.steering, at);
                 self.steering.zoom(point, by);
             }
             Request::Walk { by } => {
@@ -188,10 +131,9 @@ impl<'a> Painter<'a> {
                 self.steering.walk(by, STRIDE * low.distance(high));
             }
             Request::Side { side } => self.steering.show(&side, self.ready.ends),
-            Request::Probe { at } => self.probe(at)?,
             Request::Set { halves } => return Ok(self.set(halves)),
             Request::Look { look } => return self.look_at(look),
-            Request::Taken => {}
+            Request::Probe { .. } | Request::Taken => {}
         }
         if self.steering.view == before {
             return Ok(false);
@@ -236,9 +178,7 @@ impl<'a> Painter<'a> {
 
     /// Prepares the scene once more: for another look, or because it is too far from where it was prepared for.
     fn prepare_again(&mut self) -> Result<()> {
-        // Two scenes would take twice the memory.
-        self.ready.scene.accel = Accel::unbuilt(Geometry::default());
-        self.ready.scene.appearance = Appearance::default();
+        self.ready.free();
         let view = Some(self.steering.view);
         (self.ready, _) = prepare(self.args, self.exchange, self.take_away, self.look, view)?;
         self.tell_plan();
@@ -252,44 +192,6 @@ impl<'a> Painter<'a> {
         self.tell_state();
     }
 
-    /// What a ray through a place of the image meets first; a point before it if nothing.
-    fn point(&self, at: [f64; 2]) -> DVec3 {
-        let scene = &self.ready.scene;
-        let (from, far) = (self.steering.view.location, self.steering.point(at));
-        let direction = (far - from).normalize();
-        let ray = Ray::new((from - scene.origin).as_vec3(), direction.as_vec3());
-        let hit = scene.accel.closest(&ray, &mut scene.accel.traversal());
-        if hit.is_miss() { far } else { from + direction * f64::from(hit.t) }
-    }
-
-    /// The render options of a half.
-    fn options(&self, half: &Half) -> RenderOptions {
-        let pixels =
-            self.ready.scene.camera.size().map(|side| side as usize).iter().product::<usize>();
-        // A small image is cut into tiles for all threads, too.
-        let paths = pixels * self.ready.scene.camera.rays_per_pixel() as usize;
-        let share = paths / (SHARES * rayon::current_num_threads());
-        let batch = share.clamp(LEAST_BATCH, self.args.batch.max(LEAST_BATCH as u32) as usize);
-        RenderOptions {
-            tracer: half.tracer,
-            seed: self.args.seed,
-            batch,
-            ..RenderOptions::default()
-        }
-    }
-
-    /// Makes the scene ready for a render of a half, with these samples and this many pixels.
-    fn place(&mut self, half: &Half, samples: &Samples, size: [u32; 2]) {
-        let Ready { scene, camera, original, .. } = &mut self.ready;
-        scene.accel.set_precision(half.precision);
-        scene.resample(original, &Samples::default());
-        let placement = self.steering.view.placement();
-        let (location, look) = (placement.location - scene.origin, placement.look - scene.origin);
-        scene.camera = camera.placed(&Placement { location, look, size, ..placement });
-        let placed = scene.original();
-        scene.resample(&placed, samples);
-    }
-
     /// Renders a half and shows it: while something moves, or at rest, when a request ends it. Returns what is finished.
     fn shoot(
         &mut self,
@@ -299,14 +201,15 @@ impl<'a> Painter<'a> {
         moves: bool,
     ) -> Result<Option<Rendered>> {
         let half = self.halves[index];
-        self.place(&half, samples, size);
+        let placement = Placement { size, ..self.steering.view.placement() };
+        self.ready.place(placement, half.precision, samples);
         let mut figures = self.all_figures();
         if let Some(half) = figures["halves"].get_mut(index) {
             (half["samples"], half["rests"]) = (json!(words), json!(false));
         }
         let showing =
             Showing::new(self.exchange, index, size, (self.ready.transfer, moves), figures);
-        let (scene, options) = (&self.ready.scene, &self.options(&half));
+        let (scene, options) = (&self.ready.scene, &self.ready.options(self.args, half.tracer));
         let rendered = match self.look {
             None => render(scene, options, &showing)?,
             Some(look) => render_look(look, options, scene, &showing)?,
@@ -396,7 +299,7 @@ impl<'a> Painter<'a> {
         let View { width, height, .. } = self.steering.view;
         let half = self.halves[0];
         let Some(last) = self.ready.own.stages(&half).pop() else { return Ok(()) };
-        self.place(&half, &last.samples, [width, height]);
+        self.ready.place(self.steering.view.placement(), half.precision, &last.samples);
         let pixel = |share: f64, side: u32| ((share * f64::from(side)) as u32).min(side - 1);
         let pixel = [pixel(at[0], width), pixel(at[1], height)];
         let mut record = probe::pixel(&self.ready.scene, pixel, self.args.seed);

@@ -25,6 +25,8 @@ use tokio::task::AbortHandle;
 use tokio::time::{Instant, interval, timeout};
 use tokio_tungstenite::WebSocketStream;
 use tokio_tungstenite::tungstenite::Message;
+use tokio_tungstenite::tungstenite::protocol::frame::Frame;
+use tokio_tungstenite::tungstenite::protocol::frame::coding::{Data, OpCode};
 use tokio_tungstenite::tungstenite::protocol::{Role, WebSocketConfig};
 
 use super::exchange::{Exchange, Kind};
@@ -44,6 +46,8 @@ const SILENCE: Duration = Duration::from_secs(20);
 /// The longest message of a page in bytes, and the most in a pulse.
 const LONGEST_MESSAGE: usize = 4096;
 const MOST_MESSAGES: u32 = 2000;
+/// The longest frame of an image, in bytes.
+const LONGEST_FRAME: usize = 64 << 10;
 /// The longest head of a request, in bytes.
 const LONGEST_HEAD: usize = 16 << 10;
 
@@ -51,6 +55,8 @@ const LONGEST_HEAD: usize = 16 << 10;
 pub(super) struct Site {
     pub(super) exchange: Arc<Exchange>,
     pub(super) take_away: TakeAway,
+    /// Whose turn it is to make a file to save.
+    pub(super) turn: Arc<tokio::sync::Mutex<()>>,
     /// The first part of every path.
     pub(super) token: String,
     /// Where the server listens.
@@ -136,9 +142,13 @@ impl Bounded {
         let mut tasks = self.tasks.lock().unwrap_or_else(PoisonError::into_inner);
         tasks.retain(|task| !task.is_finished());
         tasks.push_back(tokio::spawn(task).abort_handle());
-        while tasks.len() > self.most {
-            tasks.pop_front().inspect(AbortHandle::abort);
-        }
+        let surplus = tasks.len().saturating_sub(self.most);
+        tasks.drain(..surplus).for_each(|task| task.abort());
+    }
+
+    fn end_oldest(&self) {
+        let mut tasks = self.tasks.lock().unwrap_or_else(PoisonError::into_inner);
+        tasks.pop_front().inspect(AbortHandle::abort);
     }
 }
 
@@ -147,7 +157,10 @@ impl Bounded {
 /// # Errors
 /// If the system allows no server.
 pub(super) fn serve(listener: std::net::TcpListener, site: &Arc<Site>) -> std::io::Result<()> {
-    let runtime = tokio::runtime::Builder::new_current_thread().enable_all().build()?;
+    let runtime = tokio::runtime::Builder::new_current_thread()
+        .enable_all()
+        .max_blocking_threads(2)
+        .build()?;
     listener.set_nonblocking(true)?;
     runtime.block_on(async {
         let listener = tokio::net::TcpListener::from_std(listener)?;
@@ -159,8 +172,11 @@ pub(super) fn serve(listener: std::net::TcpListener, site: &Arc<Site>) -> std::i
                     let _ = stream.set_nodelay(true);
                     connections.spawn(connection(stream, Arc::clone(site), Arc::clone(&pages)));
                 }
-                // Too many files are open, perhaps: those of others will be closed.
-                Err(_) => tokio::time::sleep(Duration::from_millis(50)).await,
+                // Too many files are open, perhaps.
+                Err(_) => {
+                    connections.end_oldest();
+                    tokio::time::sleep(Duration::from_millis(20)).await;
+                }
             }
         }
     })
@@ -201,8 +217,12 @@ async fn answer(
         }
         Ok(download) => {
             let download = download.to_owned();
-            let made =
-                tokio::task::spawn_blocking(move || site.take_away.get(&download, &site.exchange));
+            // One at a time: who does not wait for it any more costs nothing.
+            let turn = Arc::clone(&site.turn).lock_owned().await;
+            let made = tokio::task::spawn_blocking(move || {
+                let _turn = turn;
+                site.take_away.get(&download, &site.exchange)
+            });
             match made.await.ok().flatten() {
                 Some((kind, bytes)) => content(kind, bytes),
                 None => refused(StatusCode::NOT_FOUND),
@@ -251,6 +271,8 @@ where
     S: tokio::io::AsyncRead + tokio::io::AsyncWrite + Unpin,
 {
     let config = WebSocketConfig::default()
+        // Little at a time, so that a flood of empty frames leaves time for other pages.
+        .read_buffer_size(LONGEST_MESSAGE)
         .max_message_size(Some(LONGEST_MESSAGE))
         .max_frame_size(Some(LONGEST_MESSAGE));
     let socket = WebSocketStream::from_raw_socket(stream, Role::Server, Some(config)).await;
@@ -268,8 +290,10 @@ where
                 continue;
             }
             (*told, has_drawn) = (number, has_drawn && !is_image);
-            if !matches!(timeout(SILENCE, sink.send(message)).await, Ok(Ok(()))) {
-                return;
+            for part in parts(message) {
+                if !matches!(timeout(SILENCE, sink.send(part)).await, Ok(Ok(()))) {
+                    return;
+                }
             }
         }
         tokio::select! {
@@ -291,6 +315,17 @@ where
             }
         }
     }
+}
+
+/// A message, or an image in frames of a length of which a page that does not read holds few: they share its bytes.
+fn parts(message: Message) -> Vec<Message> {
+    let Message::Binary(bytes) = message else { return vec![message] };
+    let part = |from: usize| {
+        let to = bytes.len().min(from + LONGEST_FRAME);
+        let code = OpCode::Data(if from == 0 { Data::Binary } else { Data::Continue });
+        Message::Frame(Frame::message(bytes.slice(from..to), code, to == bytes.len()))
+    };
+    (0..bytes.len()).step_by(LONGEST_FRAME).map(part).collect()
 }
 
 /// Puts a request in the inbox; true if it says that the last image has been drawn. Others are dropped.

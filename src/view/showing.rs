@@ -18,6 +18,9 @@ use wavecrest_image::write::{Transfer, levels};
 /// How often pages are shown what is new.
 const SHOWING: Duration = Duration::from_millis(100);
 
+/// How long at least an image is not shown again, as a multiple of what it took.
+const RARELY: u32 = 10;
+
 /// A message of values.
 pub(super) fn text(value: &Value) -> Message {
     Message::text(value.to_string())
@@ -83,8 +86,8 @@ struct Shown {
     figures: Value,
     /// The pixels that are finished.
     done: u64,
-    /// When it was shown last.
-    last: Instant,
+    /// When it is shown next.
+    next: Instant,
 }
 
 impl<'a> Showing<'a> {
@@ -97,7 +100,7 @@ impl<'a> Showing<'a> {
         figures: Value,
     ) -> Self {
         let pixels = vec![[0; 4]; size[0] as usize * size[1] as usize];
-        let state = Mutex::new(Shown { pixels, figures, done: 0, last: Instant::now() });
+        let state = Mutex::new(Shown { pixels, figures, done: 0, next: Instant::now() + SHOWING });
         Self { exchange, half, size, transfer, moves, state }
     }
 
@@ -130,20 +133,23 @@ impl<'a> Showing<'a> {
 
 impl Watch for Showing<'_> {
     fn tile(&self, tile: &Tile, pixels: &[[f32; 3]]) {
-        let Ok(film) = Film::from_pixels(tile.width, tile.height, pixels.to_vec()) else { return };
+        let film = Film::from_pixels(tile.width, tile.height, pixels.to_vec());
+        let Some(film) = film.ok().filter(|_| !self.cancelled()) else { return };
         let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
-        let Shown { pixels, figures, done, last } = &mut *state;
+        let Shown { pixels, figures, done, next } = &mut *state;
         self.keep(pixels, tile, &film);
         *done += tile.len() as u64;
-        if last.elapsed() < SHOWING {
+        let start = Instant::now();
+        if start < *next {
             return;
         }
-        *last = Instant::now();
         if let Some(half) = figures["halves"].get_mut(self.half) {
             half["done"] = (*done as f64 / pixels.len() as f64).into();
         }
         self.exchange.tell(Kind::Figures, text(figures));
         self.show(pixels, 0);
+        // A large image takes long to show, which is to take a small share of the time.
+        *next = Instant::now() + SHOWING.max(start.elapsed() * RARELY);
     }
 
     fn cancelled(&self) -> bool {

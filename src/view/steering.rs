@@ -114,7 +114,8 @@ impl Steering {
             (_, Some(&(_, azimuth, elevation))) => {
                 toward(azimuth, elevation).map(|direction| self.axes * direction)
             }
-            _ => [-ahead, up],
+            ("all", None) => [-ahead, up],
+            _ => return,
         };
         let up =
             if back.cross(self.axes.y_axis).length() < PARALLEL { up } else { self.axes.y_axis };

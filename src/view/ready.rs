@@ -1,0 +1,128 @@
+//! The scene of pages: prepared once for a camera that goes anywhere, and placed for each render.
+
+use std::sync::Arc;
+
+use glam::DVec3;
+
+use super::ViewArgs;
+use super::exchange::Exchange;
+use super::refine::OwnSamples;
+use super::showing::Telling;
+use super::steering::Steering;
+use super::take_away::TakeAway;
+use crate::input::{Purpose, SceneOptions};
+use wavecrest_base::error::{Error, ErrorKind, Result};
+use wavecrest_core::accel::Accel;
+use wavecrest_core::accel::build::Preset;
+use wavecrest_core::geometry::Geometry;
+use wavecrest_core::kernels::camera::{Camera, Placement};
+use wavecrest_core::kernels::precision::Precision;
+use wavecrest_core::math::ray::Ray;
+use wavecrest_core::prepared::{Appearance, Original, PreparedScene, Samples};
+use wavecrest_core::render::{RenderOptions, TracerKind};
+use wavecrest_image::look::Look;
+use wavecrest_image::write::Transfer;
+use wavecrest_scene::components::{Encoding, View};
+use wavecrest_scene::systems::{bounds, free_camera};
+
+/// The most pixels of an image.
+const MOST_PIXELS: u64 = 1 << 24;
+/// The least number of paths in a batch, and how many batches each thread has of a small image.
+const LEAST_BATCH: usize = 256;
+const SHARES: usize = 8;
+
+/// A scene that is ready to be traced, from anywhere.
+pub(super) struct Ready {
+    pub(super) scene: PreparedScene,
+    pub(super) preset: Preset,
+    /// What it was prepared to show.
+    pub(super) look: Option<Look>,
+    /// The camera and the lights of the file.
+    camera: Camera,
+    original: Original,
+    pub(super) own: OwnSamples,
+    /// The transfer curve of what is shown.
+    pub(super) transfer: Transfer,
+    /// The box around everything.
+    pub(super) ends: [DVec3; 2],
+}
+
+/// Reads and prepares the scene, as pages are shown; once more if there is a `view` already.
+///
+/// # Errors
+/// If it cannot be loaded or prepared, or is too large to be shown.
+pub(super) fn prepare(
+    args: &ViewArgs,
+    exchange: &Arc<Exchange>,
+    take_away: &TakeAway,
+    look: Option<Look>,
+    view: Option<View>,
+) -> Result<(Ready, View)> {
+    let _telling = Telling::begin(Arc::clone(exchange));
+    let purpose = &Purpose { look, ..Purpose::whole(args.batch) };
+    // Notes are told once.
+    let quiet = args.scene_options.quiet || view.is_some();
+    let options = &SceneOptions { quiet, ..args.scene_options.clone() };
+    let mut loaded = options.load(&args.scene, purpose, &[])?;
+    take_away.keep(&loaded)?;
+    let view = free_camera(&mut loaded.world, view)?;
+    if u64::from(view.width) * u64::from(view.height) > MOST_PIXELS {
+        let message = format!("a page shows at most {MOST_PIXELS} pixels");
+        let error = Error::new(ErrorKind::Limit, message).in_file(&args.scene);
+        let remedy = "use a smaller --size";
+        return Err(error.value(format!("{} x {}", view.width, view.height)).remedy(remedy));
+    }
+    let transfer = match loaded.transfer() {
+        // Other looks are encoded already.
+        Encoding::Srgb if look.is_none_or(Look::is_shaded) => Transfer::Srgb,
+        _ => Transfer::Linear,
+    };
+    let extracted = options.extract(loaded, purpose)?;
+    let preset = options.preset(&extracted);
+    let mut scene = options.build(extracted, preset)?;
+    args.search.apply(&mut scene.accel);
+    let (camera, original) = (scene.camera, scene.original());
+    let own = OwnSamples::of(&scene, view.sampling);
+    let ends = bounds::of_file(&scene).unwrap_or([DVec3::NEG_ONE, DVec3::ONE]);
+    let ends = ends.map(|end| end + scene.origin);
+    Ok((Ready { scene, preset, look, camera, original, own, transfer, ends }, view))
+}
+
+impl Ready {
+    /// Frees what is large: two scenes would take twice the memory.
+    pub(super) fn free(&mut self) {
+        self.scene.accel = Accel::unbuilt(Geometry::default());
+        self.scene.appearance = Appearance::default();
+    }
+
+    /// What a ray through a place of the image meets first; a point before it if nothing.
+    pub(super) fn point(&self, steering: &Steering, at: [f64; 2]) -> DVec3 {
+        let scene = &self.scene;
+        let (from, far) = (steering.view.location, steering.point(at));
+        let direction = (far - from).normalize();
+        let ray = Ray::new((from - scene.origin).as_vec3(), direction.as_vec3());
+        let hit = scene.accel.closest(&ray, &mut scene.accel.traversal());
+        if hit.is_miss() { far } else { from + direction * f64::from(hit.t) }
+    }
+
+    /// The options of a render from where it is placed.
+    pub(super) fn options(&self, args: &ViewArgs, tracer: TracerKind) -> RenderOptions {
+        let pixels = self.scene.camera.size().map(|side| side as usize).iter().product::<usize>();
+        // A small image is cut into tiles for all threads, too.
+        let paths = pixels * self.scene.camera.rays_per_pixel() as usize;
+        let share = paths / (SHARES * rayon::current_num_threads());
+        let batch = share.clamp(LEAST_BATCH, args.batch.max(LEAST_BATCH as u32) as usize);
+        RenderOptions { tracer, seed: args.seed, batch, ..RenderOptions::default() }
+    }
+
+    /// Makes the scene ready for a render from a placement, with these samples.
+    pub(super) fn place(&mut self, placement: Placement, precision: Precision, samples: &Samples) {
+        let Self { scene, camera, original, .. } = self;
+        scene.accel.set_precision(precision);
+        scene.resample(original, &Samples::default());
+        let (location, look) = (placement.location - scene.origin, placement.look - scene.origin);
+        scene.camera = camera.placed(&Placement { location, look, ..placement });
+        let placed = scene.original();
+        scene.resample(&placed, samples);
+    }
+}
