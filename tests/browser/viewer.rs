@@ -66,34 +66,32 @@ impl Server {
         Self { child, address: address.trim_end().to_owned(), folder: folder.to_owned() }
     }
 
-    /// What is served below the address: the name to save it by, and its bytes.
-    pub(crate) fn get(&self, resource: &str) -> (String, Vec<u8>) {
-        let (host, path) = self
-            .address
-            .strip_prefix("http://")
-            .and_then(|rest| rest.split_once('/'))
-            .expect("a URL");
+    /// What is served below the address.
+    fn get(&self, resource: &str) -> Vec<u8> {
+        let rest = self.address.strip_prefix("http://");
+        let (host, path) = rest.and_then(|rest| rest.split_once('/')).expect("a URL");
         let mut stream = TcpStream::connect(host).expect("the server listens");
         write!(stream, "GET /{path}{resource} HTTP/1.1\r\nHost: {host}\r\n\r\n").expect("it reads");
         let mut answer = Vec::new();
         stream.read_to_end(&mut answer).expect("an answer");
         let end = answer.windows(4).position(|bytes| bytes == b"\r\n\r\n").expect("a head");
-        let head = String::from_utf8_lossy(&answer[..end]);
-        assert!(head.starts_with("HTTP/1.1 200 "), "{head}");
-        let name = head.split('"').nth(1).expect("a name").to_owned();
-        (name, answer[end + 4..].to_vec())
+        assert!(
+            answer.starts_with(b"HTTP/1.1 200 "),
+            "{}",
+            String::from_utf8_lossy(&answer[..end])
+        );
+        answer.split_off(end + 4)
     }
 
     /// The image as the server gives it away.
     pub(crate) fn image(&self) -> RgbImage {
-        decoded(&self.get("image.png").1)
+        decoded(&self.get("image.png"))
     }
 
-    /// Saves the scene by its name beside the original, runs the command of the page there, and gives
-    /// the image that it writes.
-    pub(crate) fn rendered(&self, command: &str) -> RgbImage {
-        let (name, scene) = self.get("scene.json");
-        std::fs::write(self.folder.join(name), scene).expect("a file");
+    /// Saves the scene beside the original, runs the command of the page there, and gives the image
+    /// that it writes; by the names that the page gives both files.
+    pub(crate) fn rendered(&self, [scene, image]: [&str; 2], command: &str) -> RgbImage {
+        std::fs::write(self.folder.join(scene), self.get("scene.json")).expect("a file");
         let ran = Command::new("sh")
             .current_dir(&self.folder)
             .env("WAVECREST", WAVECREST)
@@ -101,8 +99,7 @@ impl Server {
             .output()
             .expect("a shell");
         assert!(ran.status.success(), "{command}: {}", String::from_utf8_lossy(&ran.stderr));
-        let (name, _) = self.get("image.png");
-        decoded(&std::fs::read(self.folder.join(name)).expect("an image"))
+        decoded(&std::fs::read(self.folder.join(image)).expect("an image"))
     }
 
     /// Ends the command.
