@@ -262,7 +262,7 @@ fn view_in_light_dark_and_narrow_windows() {
 }
 
 #[test]
-#[ignore = "the second half keeps image and figures of the camera before, and its column after it"]
+#[ignore = "the second half keeps the figures of the camera before, and its column after it"]
 fn both_halves_of_view_follow_the_camera() {
     let Some(mut browser) = started("both halves of view") else { return };
     let folder = laid_out();
