@@ -68,7 +68,8 @@
     if (isResized) layOut();
     document.title = `${state.file} – wavecrest view`;
     write("file", `${state.file}, ${state.size[0]} × ${state.size[1]} pixels`);
-    find("command").replaceChildren(...state.command.split(/(?<= )/).map((text) => make("span", { textContent: text })));
+    const word = (text) => (text === "\n" ? text : make("span", { textContent: text }));
+    find("command").replaceChildren(...state.command.split(/(?<= )|(?=\n)|(?<=\n)/).map(word));
     write("command-note", state.note);
     [find("scene").download, find("picture").download] = state.names;
     fill(find("look"), [["", "as rendered"], ...state.looks.map((name) => [name, name])], state.look ?? "");
@@ -400,13 +401,14 @@
       if (half) showSetting(fields, half);
     });
     find("compare").setAttribute("aria-pressed", compared);
+    find("compare").disabled = state.look !== null;
     for (const id of ["compared", "difference", "labels"]) find(id).hidden = !compared;
   }
   function showSetting(fields, half) {
     const { sampler, side, precision, tracer } = fields.elements;
     const sides = [...new Set([...SIDE_CHOICES, half.side])].sort((a, b) => a - b);
     fill(sampler, [["", "as in the file"], ...state.samplers.map((name) => [name, name])], half.sampler ?? "");
-    fill(side, sides.map((n) => [String(n), String(n * n)]), String(half.side));
+    fill(side, sides.map((n) => [String(n), String(n * n)]), half.sampler ? String(half.side) : "");
     side.disabled = half.sampler === null;
     precision.value = half.precision;
     tracer.value = half.tracer;
@@ -456,8 +458,8 @@
     return `refining: ${Math.floor(half.done * 100)} % of ${half.samples}`;
   }
   function showStatus(shown) {
-    const [a, b = a] = shown.map(doing);
-    const rests = shown.every((half) => half.rests);
+    const [a, b = isCompared() ? "to come" : a] = shown.map(doing);
+    const rests = shown.length === state?.halves.length && shown.every((half) => half.rests);
     write("status", a === b ? a : `A: ${a}; B: ${b}`);
     // Spoken only when it is another word, not with each ray.
     write("announced", rests ? "The image is done" : shown.some((half) => half.moving) ? "Moving" : "Refining");

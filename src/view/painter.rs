@@ -40,6 +40,9 @@ const FIRST: f64 = 0.125;
 const REST: Duration = Duration::from_millis(120);
 /// What a second of walking covers, as a share of the diagonal of the scene.
 const STRIDE: f64 = 0.2;
+/// Why there is no error.
+const NO_ERROR: &str =
+    "No error: nothing is left to chance in one ray through the centre of each pixel.";
 /// The most paths of a pixel that are told.
 const MOST_PATHS: usize = 16;
 
@@ -148,6 +151,7 @@ impl<'a> Painter<'a> {
     fn look_at(&mut self, look: Option<Look>) -> Result<bool> {
         let is_new = look != self.look;
         self.look = look;
+        self.halves.truncate(1);
         // Edges are drawn over what is prepared for light.
         let prepared = |look: Option<Look>| look.filter(|look| *look != Look::Wireframe);
         if prepared(look) != prepared(self.ready.look) {
@@ -158,21 +162,24 @@ impl<'a> Painter<'a> {
     }
 
     /// Renders these halves from now on. What is finished of one that stays is kept.
-    fn set(&mut self, halves: Vec<Half>) -> bool {
+    fn set(&mut self, mut halves: Vec<Half>) -> bool {
+        // Looks have nothing to compare.
+        halves.truncate(if self.look.is_some() { 1 } else { 2 });
         let is_known = |index: usize| self.halves.get(index) == halves.get(index);
         let same = [is_known(0), is_known(1)];
-        if !(1..=2).contains(&halves.len()) || same == [true; 2] {
+        if halves.is_empty() || same == [true; 2] {
             return false;
         }
         for index in [0, 1].into_iter().filter(|&index| !same[index]) {
             self.finished[index] = 0;
         }
-        self.figures[1] = Value::Null;
-        if halves.len() == 1 {
+        if !same[1] {
+            self.figures[1] = Value::Null;
             self.exchange.withdraw(Kind::Second);
         }
         self.halves = halves;
         self.tell_state();
+        self.tell_figures();
         false
     }
 
@@ -188,6 +195,7 @@ impl<'a> Painter<'a> {
     /// Forgets what was rendered for another camera.
     fn restart(&mut self) {
         self.finished = [0; 2];
+        self.figures[1] = Value::Null;
         self.exchange.withdraw(Kind::Second);
         self.tell_state();
     }
@@ -196,7 +204,7 @@ impl<'a> Painter<'a> {
     fn shoot(
         &mut self,
         index: usize,
-        Stage { samples, words }: &Stage,
+        Stage { samples, words, .. }: &Stage,
         size: [u32; 2],
         moves: bool,
     ) -> Result<Option<Rendered>> {
@@ -244,8 +252,7 @@ impl<'a> Painter<'a> {
         if !is_fast && frame::origin(&self.steering.view) != self.ready.scene.origin {
             self.prepare_again()?;
         }
-        let halves = if self.look.is_some() { 1 } else { self.halves.len() };
-        for index in 0..halves {
+        for index in 0..self.halves.len() {
             let stages = self.ready.own.stages(&self.halves[index]);
             // Looks show no noise that samples could take away step by step.
             let first = if self.look.is_some() { stages.len() - 1 } else { 0 };
@@ -267,7 +274,7 @@ impl<'a> Painter<'a> {
         if rendered.counters.primary_rays <= pixels as u64 {
             self.pace = Some(pixels as f64 / rendered.seconds);
         }
-        if self.look.is_none() {
+        if stage.is_measured && self.look.is_none() {
             let until = UntilAsked(self.exchange);
             let error = measured(&self.ready.scene, &rendered, self.args.seed, &until)?;
             if until.cancelled() {
@@ -279,10 +286,7 @@ impl<'a> Painter<'a> {
                     self.tried.add(&self.halves[index], &stage.words, rendered.seconds, error);
                     self.tell_chart();
                 }
-                None => {
-                    let note = "one ray through the centre of each pixel: no random samples";
-                    self.figures[index]["note"] = note.into();
-                }
+                None => self.figures[index]["note"] = NO_ERROR.into(),
             }
         }
         if is_last && index == 0 {
@@ -332,7 +336,7 @@ impl<'a> Painter<'a> {
     fn tell_state(&self) {
         let view = self.steering.view;
         let View { location, look, up, fov_degrees, width, height, .. } = view;
-        let (command, note) = self.take_away.command(&self.halves[0]);
+        let (command, note) = self.take_away.command(&self.halves[0], self.look);
         let state = json!({
             "kind": "state",
             "file": self.args.scene.file_name().unwrap_or_default().to_string_lossy(),

@@ -16,6 +16,8 @@ pub(super) struct Stage {
     pub(super) samples: Samples,
     /// The samples in words.
     pub(super) words: String,
+    /// Whether renders show its error: those with one ray through the centre of each pixel agree in what they miss.
+    pub(super) is_measured: bool,
 }
 
 /// The samples of a scene's file, from which the renders before the last follow.
@@ -50,13 +52,18 @@ impl OwnSamples {
         let along = |points: Points| Stage {
             samples: self.axis.samples(points),
             words: self.axis.counted(points),
+            is_measured: points.side > 1 || !matches!(self.axis, Axis::Pixel(_)),
         };
         let (sampling, count, last) = match half.points() {
             Some(points) => (points.sampling, points.count(), along(points)),
             None => {
                 let rays = if self.rays == 1 { "ray" } else { "rays" };
                 let words = format!("the file's {} {rays} per pixel", self.rays);
-                (self.sampling, self.count, Stage { samples: Samples::default(), words })
+                (
+                    self.sampling,
+                    self.count,
+                    Stage { samples: Samples::default(), words, is_measured: true },
+                )
             }
         };
         let sides = (0..).map(|power| 1_u32 << power).take_while(|side| side * side < count);
@@ -68,7 +75,7 @@ impl OwnSamples {
 pub(super) fn fewest() -> Stage {
     let one = Some(Points { sampling: Sampling::Jittered, side: 1 });
     let samples = Samples { lights: one, lens: one, pixel: one };
-    Stage { samples, words: "1 ray per pixel".to_owned() }
+    Stage { samples, words: "1 ray per pixel".to_owned(), is_measured: false }
 }
 
 /// The errors and times of the settings that were tried with one camera.

@@ -14,6 +14,7 @@ use super::request::Half;
 use wavecrest_base::error::Result;
 use wavecrest_core::kernels::precision::Precision;
 use wavecrest_core::render::TracerKind;
+use wavecrest_image::look::Look;
 use wavecrest_image::write::png;
 use wavecrest_scene::components::View;
 use wavecrest_scene::load::{FileFormat, LoadedScene};
@@ -84,7 +85,7 @@ impl TakeAway {
     }
 
     /// What makes the image of `half` from the saved scene, and what to do before.
-    pub(super) fn command(&self, half: &Half) -> (String, String) {
+    pub(super) fn command(&self, half: &Half, look: Option<Look>) -> (String, String) {
         let quoted = |path: &Path| quote(&path.to_string_lossy());
         let [of_meshes, of_image] = &self.options;
         let mut words = vec![
@@ -99,9 +100,18 @@ impl TakeAway {
         if half.tracer != TracerKind::default() {
             words.extend(["--tracer".to_owned(), half.tracer.name().to_owned()]);
         }
+        look.into_iter().for_each(|look| words.extend(["--as".to_owned(), look.name().to_owned()]));
+        let samples =
+            if half.points().is_some() { " (the image with the samples of the file)" } else { "" };
         let command = words.join(" ");
         if self.converted.get().is_none() {
-            return (command, format!("Save the scene beside {}, then:", self.file.display()));
+            return (
+                command,
+                format!(
+                    "Save the scene beside {}, and run this in its folder{samples}:",
+                    self.file.display()
+                ),
+            );
         }
         let options: String = of_meshes.iter().map(|word| format!(" {}", quote(word))).collect();
         let convert = format!(
@@ -110,8 +120,8 @@ impl TakeAway {
             quoted(&self.named("json"))
         );
         let note =
-            "Save the scene in the folder where you run this; the first command writes its meshes:";
-        (format!("{convert}\n{command}"), note.to_owned())
+            "Save the scene in the folder where you run this; the first command writes its meshes";
+        (format!("{convert}\n{command}"), format!("{note}{samples}:"))
     }
 }
 
