@@ -19,6 +19,7 @@ use std::net::{IpAddr, Ipv4Addr, SocketAddr, TcpListener};
 use std::path::PathBuf;
 use std::process::{Command, Stdio};
 use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 use std::thread;
 use std::time::Duration;
 
@@ -82,7 +83,15 @@ pub(crate) struct ViewArgs {
 pub(crate) fn run(args: &ViewArgs) -> Result<()> {
     args.search.check(args.scene_options.precision)?;
     args.scene_options.input.check(&args.scene)?;
-    fs::metadata(&args.scene).map_err(|e| Error::io("cannot read the scene", &args.scene, e))?;
+    let file = fs::metadata(&args.scene);
+    if !file.map_err(|e| Error::io("cannot read the scene", &args.scene, e))?.is_file() {
+        let error = Error::new(ErrorKind::Usage, "the scene is read more than once");
+        return Err(error.in_file(&args.scene).remedy("save it as a file"));
+    }
+    if args.scene_options.input.is_transparent() {
+        let error = Error::new(ErrorKind::Usage, "a page shows no transparent background");
+        return Err(error.remedy("leave out --background, or use a colour"));
+    }
     let address = SocketAddr::new(args.listen, 0);
     let cannot = |e: io::Error| {
         let message = format!("cannot serve the page at {address}: {e}");
@@ -95,6 +104,8 @@ pub(crate) fn run(args: &ViewArgs) -> Result<()> {
         take_away: TakeAway::new(&args.scene, given(words, &OF_MESHES), given(words, &OF_IMAGE)),
         turn: Arc::default(),
         token: token()?,
+        once: token()?,
+        opened: AtomicBool::new(false),
         address: listener.local_addr().map_err(cannot)?,
     });
     if !args.listen.is_loopback() {
@@ -102,12 +113,16 @@ pub(crate) fn run(args: &ViewArgs) -> Result<()> {
             "warning: other machines can reach the page; leave out --listen to keep it to this one",
         );
     }
-    print(&format!("{}\n", site.url()))?;
+    print(&format!("{}\n", site.url(&site.token)))?;
     let _ = io::stdout().flush();
     let served = Arc::clone(&site);
-    let serving = thread::Builder::new().spawn(move || serve(listener, &served));
+    let serving = thread::Builder::new().spawn(move || {
+        if let Err(error) = serve(listener, &served) {
+            tell(&format!("error: cannot serve the page: {error}"));
+        }
+    });
     serving.map_err(cannot)?;
-    if !args.no_open && open(&site.url()).is_err() {
+    if !args.no_open && open(&site.url(&site.once)).is_err() {
         tell("note: no browser could be opened; open the address in one");
     }
     let painted =

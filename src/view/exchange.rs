@@ -7,11 +7,14 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::Duration;
 
+use serde_json::json;
 use tokio::sync::watch;
 use tokio_tungstenite::tungstenite::Message;
 
 use super::request::Request;
+use wavecrest_base::{memory, progress};
 use wavecrest_core::film::Film;
+use wavecrest_core::render::Watch;
 use wavecrest_image::write::Transfer;
 use wavecrest_scene::components::View;
 
@@ -44,11 +47,6 @@ impl Inbox {
         self.arrived.notify_one();
     }
 
-    /// Whether requests wait for which a render ends.
-    pub(super) fn has_any(&self) -> bool {
-        self.any.load(Ordering::Acquire)
-    }
-
     /// Takes all requests, once there are any; none if none come in time.
     pub(super) fn take(&self, patience: Duration) -> Vec<Request> {
         let waiting = self.waiting();
@@ -58,6 +56,13 @@ impl Inbox {
             .unwrap_or_else(PoisonError::into_inner);
         self.any.store(false, Ordering::Release);
         std::mem::take(&mut waiting)
+    }
+}
+
+/// Ends a render when a request arrives.
+impl Watch for Inbox {
+    fn cancelled(&self) -> bool {
+        self.any.load(Ordering::Acquire)
     }
 }
 
@@ -103,11 +108,26 @@ pub(super) struct Board {
 pub(super) struct Exchange {
     pub(super) inbox: Inbox,
     pub(super) board: watch::Sender<Board>,
+    /// Whether a scene is being prepared.
+    pub(super) prepares: AtomicBool,
 }
 
 impl Exchange {
     pub(super) fn new() -> Self {
-        Self { inbox: Inbox::default(), board: watch::Sender::new(Board::default()) }
+        Self {
+            inbox: Inbox::default(),
+            board: watch::Sender::new(Board::default()),
+            prepares: AtomicBool::new(true),
+        }
+    }
+
+    /// Tells how far the preparation of a scene is, if one is being prepared.
+    pub(super) fn tell_progress(&self) {
+        if self.prepares.load(Ordering::Relaxed) {
+            let ([done, all], stage) = (progress::now(), memory::Stage::now().name());
+            let told = json!({"kind": "progress", "stage": stage, "done": done, "all": all});
+            self.tell(Kind::Progress, Message::text(told.to_string()));
+        }
     }
 
     /// Puts a message on the board.
@@ -131,10 +151,10 @@ mod tests {
     #[test]
     fn a_flood_of_requests_is_bounded() {
         let inbox = Inbox::default();
-        assert!(inbox.take(Duration::ZERO).is_empty() && !inbox.has_any());
+        assert!(inbox.take(Duration::ZERO).is_empty() && !inbox.cancelled());
         (0..100_000).for_each(|_| inbox.put(Request::Probe { at: [0.5, 0.5] }));
-        assert!(inbox.has_any());
+        assert!(inbox.cancelled());
         assert_eq!(inbox.take(Duration::MAX).len(), MOST_REQUESTS);
-        assert!(inbox.take(Duration::ZERO).is_empty() && !inbox.has_any());
+        assert!(inbox.take(Duration::ZERO).is_empty() && !inbox.cancelled());
     }
 }

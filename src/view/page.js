@@ -53,9 +53,9 @@
     else bar.removeAttribute("value");
   };
   show.error = ({ message }) => {
-    write("error", message ?? "");
-    find("error").hidden = message === null;
-    if (message !== null) find("stage").hidden = true;
+    write("error", message);
+    find("error").hidden = false;
+    find("stage").hidden = true;
   };
   show.state = (message) => {
     const isNew = (key) => JSON.stringify(message[key]) !== JSON.stringify(state?.[key]);
@@ -63,7 +63,8 @@
     state = message;
     if (isMoved) {
       forgetProbe();
-      halves[1].pixels = null;
+      halves[1] = newHalf();
+      for (const id of ["chart", "large-chart"]) find(id).replaceChildren();
     }
     if (isResized) layOut();
     document.title = `${state.file} – wavecrest view`;
@@ -115,6 +116,7 @@
   function subtract() {
     const [a, b] = halves.map((half) => half.pixels);
     difference.pixels = null;
+    write("difference", "");
     if (!a || !b || a.width !== b.width || a.height !== b.height) return;
     const by = magnification();
     const pixels = new ImageData(a.width, a.height);
@@ -345,7 +347,7 @@
   // About 30 messages a second, each with the time that it stands for.
   function walk(now) {
     const keys = [...held].filter((key) => key in WALKS);
-    const passed = (now - walkedAt) / 1000;
+    const passed = Math.min((now - walkedAt) / 1000, 0.1);
     if (keys.length === 0 || passed < 0.03) return;
     const by = [0, 1, 2].map((axis) => keys.reduce((sum, key) => sum + WALKS[key][axis] * passed, 0));
     if (by.some((x) => x !== 0)) move("walk", by);
@@ -421,7 +423,7 @@
     send({ do: "set", halves: isCompared() ? [a] : [a, b] });
   }
   // In the panel a narrow chart if there is one; the wide one in a dialog.
-  show.chart = ({ wide, narrow: small = wide }) => {
+  show.chart = ({ wide, narrow: small }) => {
     find("chart").innerHTML = small;
     find("large-chart").innerHTML = wide;
     find("enlarge").hidden = false;
@@ -434,10 +436,14 @@
     const body = rows.map(([name, values]) => make("tr", {}, cell("th", "row")(name), ...values.map(cell("td"))));
     find(id).replaceChildren(make("thead", {}, ...head), make("tbody", {}, ...body));
   }
+  // What was counted at all, with the names of its groups before its own.
+  const counted = (groups, before = "") => Object.assign({}, ...Object.entries(groups).map(([name, value]) =>
+    (plain(value) ? (value > 0 ? { [`${before}${name}`]: value } : {}) : counted(value, `${before}${name}: `))));
   const errorOf = ({ error }) => (error === null ? "not known" : brief(error));
   const speedOf = (half) => compact.format(half.rays_per_second);
   show.figures = ({ halves: shown }) => {
-    const names = [...new Set(shown.flatMap((half) => Object.keys(half.counters)))];
+    const counts = shown.map((half) => counted(half.counters));
+    const names = [...new Set(counts.flatMap(Object.keys))];
     showTable("figures", shown.length, [
       ["Samples", shown.map((half) => half.samples)],
       ["Time", shown.map((half) => duration(half.seconds))],
@@ -445,8 +451,7 @@
       ["Rays", shown.map((half) => grouped(half.rays))],
       ["Rays a second", shown.map(speedOf)],
     ]);
-    const countOf = (name) => shown.map(({ counters }) => brief(counters[name] ?? 0));
-    showTable("counters", shown.length, names.map((name) => [name.replaceAll("_", " "), countOf(name)]));
+    showTable("counters", shown.length, names.map((name) => [name, counts.map((count) => brief(count[name] ?? 0))]));
     write("figures-note", [...new Set(shown.map((half) => half.note))].filter(Boolean).join("\n"));
     showStatus(shown);
     showLabels(shown);
@@ -455,7 +460,7 @@
   function doing(half) {
     if (half.moving) return "moving";
     if (half.rests) return "at rest: the whole image";
-    return `refining: ${Math.floor(half.done * 100)} % of ${half.samples}`;
+    return `refining: ${Math.floor(half.done * 100)} % of ${half.next}`;
   }
   function showStatus(shown) {
     const [a, b = isCompared() ? "to come" : a] = shown.map(doing);

@@ -5,7 +5,7 @@ use std::sync::LazyLock;
 use wavecrest_report::plot::STYLE as CHART_STYLE;
 
 /// What the page may load: nothing but what this server sends it.
-pub(super) const POLICY: &str = "default-src 'none'; connect-src 'self'; img-src 'self' data: blob:; \
+pub(super) const POLICY: &str = "default-src 'none'; connect-src 'self'; img-src 'self' data:; \
      style-src 'unsafe-inline'; script-src 'unsafe-inline'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
 
 /// The whole page.

@@ -6,15 +6,15 @@
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use serde_json::{Map, Value, json};
+use serde_json::{Value, json};
 use tokio_tungstenite::tungstenite::Message;
 
 use super::ViewArgs;
 use super::exchange::{Exchange, Kind};
 use super::ready::{Ready, prepare};
-use super::refine::{Stage, Tried, counts, fewest};
+use super::refine::{Stage, Tried, fewest};
 use super::request::{Half, Request};
-use super::showing::{Showing, UntilAsked, text};
+use super::showing::{Showing, text};
 use super::steering::Steering;
 use super::take_away::TakeAway;
 use crate::common::to_json;
@@ -28,7 +28,7 @@ use wavecrest_core::probe;
 use wavecrest_core::render::{Rendered, Watch, render};
 use wavecrest_image::look::Look;
 use wavecrest_report::accuracy::pilot::measured;
-use wavecrest_report::statistics::Rays;
+use wavecrest_report::statistics::{Rays, Samples, Tests};
 use wavecrest_scene::components::View;
 use wavecrest_scene::systems::frame;
 
@@ -49,7 +49,7 @@ const MOST_PATHS: usize = 16;
 /// The painter.
 pub(super) struct Painter<'a> {
     args: &'a ViewArgs,
-    exchange: &'a Arc<Exchange>,
+    exchange: &'a Exchange,
     take_away: &'a TakeAway,
     ready: Ready,
     steering: Steering,
@@ -67,7 +67,7 @@ pub(super) struct Painter<'a> {
 ///
 /// # Errors
 /// If it cannot be loaded or prepared, or an image can no longer be decoded.
-pub(super) fn paint(args: &ViewArgs, exchange: &Arc<Exchange>, take_away: &TakeAway) -> Result<()> {
+pub(super) fn paint(args: &ViewArgs, exchange: &Exchange, take_away: &TakeAway) -> Result<()> {
     let (ready, view) = prepare(args, exchange, take_away, args.look, None)?;
     let half = Half::of_file(args.scene_options.precision, args.tracer);
     let mut painter = Painter {
@@ -143,22 +143,21 @@ impl<'a> Painter<'a> {
         }
         self.tried = Tried::default();
         self.exchange.withdraw(Kind::Probe);
+        self.exchange.withdraw(Kind::Chart);
         self.restart();
         Ok(true)
     }
 
     /// Shows another look from now on, or light.
     fn look_at(&mut self, look: Option<Look>) -> Result<bool> {
-        let is_new = look != self.look;
+        if look == self.look {
+            return Ok(false);
+        }
         self.look = look;
         self.halves.truncate(1);
-        // Edges are drawn over what is prepared for light.
-        let prepared = |look: Option<Look>| look.filter(|look| *look != Look::Wireframe);
-        if prepared(look) != prepared(self.ready.look) {
-            self.prepare_again()?;
-        }
+        self.prepare_again()?;
         self.restart();
-        Ok(is_new)
+        Ok(true)
     }
 
     /// Renders these halves from now on. What is finished of one that stays is kept.
@@ -172,6 +171,9 @@ impl<'a> Painter<'a> {
         }
         for index in [0, 1].into_iter().filter(|&index| !same[index]) {
             self.finished[index] = 0;
+            if let Some(figures) = self.figures[index].as_object_mut() {
+                figures.insert("rests".to_owned(), false.into());
+            }
         }
         if !same[1] {
             self.figures[1] = Value::Null;
@@ -197,6 +199,7 @@ impl<'a> Painter<'a> {
         self.finished = [0; 2];
         self.figures[1] = Value::Null;
         self.exchange.withdraw(Kind::Second);
+        self.exchange.board.send_modify(|board| board.image = None);
         self.tell_state();
     }
 
@@ -213,7 +216,7 @@ impl<'a> Painter<'a> {
         self.ready.place(placement, half.precision, samples);
         let mut figures = self.all_figures();
         if let Some(half) = figures["halves"].get_mut(index) {
-            (half["samples"], half["rests"]) = (json!(words), json!(false));
+            (half["next"], half["rests"]) = (json!(words), json!(false));
         }
         let showing =
             Showing::new(self.exchange, index, size, (self.ready.transfer, moves), figures);
@@ -225,6 +228,7 @@ impl<'a> Painter<'a> {
         if !rendered.finished {
             return Ok(None);
         }
+        self.args.scene_options.check_taken(&self.args.scene)?;
         showing.finish(&rendered.film);
         self.exchange.withdraw(Kind::Progress);
         self.figures[index] = told(words, &rendered, moves);
@@ -275,9 +279,9 @@ impl<'a> Painter<'a> {
             self.pace = Some(pixels as f64 / rendered.seconds);
         }
         if stage.is_measured && self.look.is_none() {
-            let until = UntilAsked(self.exchange);
-            let error = measured(&self.ready.scene, &rendered, self.args.seed, &until)?;
-            if until.cancelled() {
+            let inbox = &self.exchange.inbox;
+            let error = measured(&self.ready.scene, &rendered, self.args.seed, inbox)?;
+            if inbox.cancelled() {
                 return Ok(false);
             }
             match error {
@@ -366,20 +370,18 @@ impl<'a> Painter<'a> {
 /// What a render took, for the page.
 fn told(words: &str, rendered: &Rendered, moves: bool) -> Value {
     let Rendered { counters, seconds, pass_seconds, .. } = rendered;
-    let (rays, all) =
-        (Rays::from(counters).all(), pass_seconds.iter().map(|(_, s)| s).sum::<f64>());
-    let shares =
-        pass_seconds.iter().map(|(name, s)| (name, s / all)).filter(|(_, share)| *share > 0.0);
-    let counts = counts(counters).into_iter().filter(|(_, count)| *count > 0);
+    let (rays, all) = (Rays::from(counters), pass_seconds.iter().map(|(_, s)| s).sum::<f64>());
+    let shares = pass_seconds.iter().map(|(name, s)| (name, s / all));
     json!({
-            "samples": words,
+        "samples": words,
+        "next": words,
         "seconds": seconds,
         "error": null,
         "note": "",
-        "rays": rays,
-        "rays_per_second": rays as f64 / seconds,
-        "passes": shares.collect::<Vec<_>>(),
-        "counters": counts.map(|(name, count)| (name.to_owned(), count.into())).collect::<Map<_, _>>(),
+        "rays": rays.all(),
+        "rays_per_second": rays.all() as f64 / seconds,
+        "passes": shares.filter(|(_, share)| *share > 0.0).collect::<Vec<_>>(),
+        "counters": {"rays": rays, "samples": Samples::from(counters), "tests": Tests::from(counters)},
         "done": 1.0,
         "rests": false,
         "moving": moves,

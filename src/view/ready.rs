@@ -1,17 +1,17 @@
 //! The scene of pages: prepared once for a camera that goes anywhere, and placed for each render.
 
-use std::sync::Arc;
+use std::sync::atomic::Ordering;
 
 use glam::DVec3;
 
 use super::ViewArgs;
 use super::exchange::Exchange;
 use super::refine::OwnSamples;
-use super::showing::Telling;
 use super::steering::Steering;
 use super::take_away::TakeAway;
 use crate::input::{Purpose, SceneOptions};
 use wavecrest_base::error::{Error, ErrorKind, Result};
+use wavecrest_base::progress;
 use wavecrest_core::accel::Accel;
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::geometry::Geometry;
@@ -35,8 +35,6 @@ const SHARES: usize = 8;
 pub(super) struct Ready {
     pub(super) scene: PreparedScene,
     pub(super) preset: Preset,
-    /// What it was prepared to show.
-    pub(super) look: Option<Look>,
     /// The camera and the lights of the file.
     camera: Camera,
     original: Original,
@@ -53,12 +51,13 @@ pub(super) struct Ready {
 /// If it cannot be loaded or prepared, or is too large to be shown.
 pub(super) fn prepare(
     args: &ViewArgs,
-    exchange: &Arc<Exchange>,
+    exchange: &Exchange,
     take_away: &TakeAway,
     look: Option<Look>,
     view: Option<View>,
 ) -> Result<(Ready, View)> {
-    let _telling = Telling::begin(Arc::clone(exchange));
+    progress::begin();
+    exchange.prepares.store(true, Ordering::Relaxed);
     let purpose = &Purpose { look, ..Purpose::whole(args.batch) };
     // Notes are told once.
     let quiet = args.scene_options.quiet || view.is_some();
@@ -85,7 +84,8 @@ pub(super) fn prepare(
     let own = OwnSamples::of(&scene, view.sampling);
     let ends = bounds::of_file(&scene).unwrap_or([DVec3::NEG_ONE, DVec3::ONE]);
     let ends = ends.map(|end| end + scene.origin);
-    Ok((Ready { scene, preset, look, camera, original, own, transfer, ends }, view))
+    exchange.prepares.store(false, Ordering::Relaxed);
+    Ok((Ready { scene, preset, camera, original, own, transfer, ends }, view))
 }
 
 impl Ready {

@@ -1,12 +1,10 @@
 //! The renders that an image at rest goes through, each with more samples than the one before, and what they cost.
 
-use wavecrest_core::counters::Counters;
 use wavecrest_core::math::sampling::{Points, Sampling};
 use wavecrest_core::prepared::{PreparedScene, Samples};
 use wavecrest_report::accuracy::pilot::MeasuredError;
 use wavecrest_report::accuracy::setting::{Axis, Facts};
 use wavecrest_report::plot::{Chart, ChartAxis, Draw, Point, Scale, Series};
-use wavecrest_report::statistics;
 
 use super::request::Half;
 
@@ -93,7 +91,6 @@ impl Tried {
             Some(Series { points, .. }) => {
                 points.retain(|other| other.label != point.label);
                 points.push(point);
-                points.sort_by(|a, b| a.x.total_cmp(&b.x));
             }
             None => self.0.push(Series { name, draw: Draw::Line, points: vec![point] }),
         }
@@ -111,23 +108,4 @@ impl Tried {
         };
         (!self.0.is_empty()).then(|| chart.elements())
     }
-}
-
-/// The counts that the page lists.
-pub(super) fn counts(counters: &Counters) -> [(&'static str, u64); 10] {
-    let (rays, samples) = (statistics::Rays::from(counters), statistics::Samples::from(counters));
-    let tests = &counters.tests;
-    let primitives = statistics::PrimitiveTests::from(tests);
-    [
-        ("camera rays", rays.primary),
-        ("secondary rays", rays.secondary),
-        ("shadow rays", rays.shadow),
-        ("points on lights", samples.light),
-        ("points on the lens", samples.lens),
-        ("texels read", samples.texels),
-        ("nodes visited", tests.nodes),
-        ("triangles tested", primitives.triangles),
-        ("other primitives tested", primitives.quads + primitives.spheres + primitives.disks),
-        ("samples not finite", counters.invalid),
-    ]
 }

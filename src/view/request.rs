@@ -59,14 +59,20 @@ impl Half {
         self.sampler.map(|sampling| Points { sampling, side })
     }
 
+    /// The options in which it differs from a render without any, with their values.
+    pub(super) fn differs(&self) -> impl Iterator<Item = [&'static str; 2]> {
+        let (precision, tracer) = (self.precision, self.tracer);
+        let differs = [
+            (precision != Precision::default()).then(|| ["--precision", precision.name()]),
+            (tracer != TracerKind::default()).then(|| ["--tracer", tracer.name()]),
+        ];
+        differs.into_iter().flatten()
+    }
+
     /// The words of its line in the chart.
     pub(super) fn name(&self) -> String {
-        let sampler = self.sampler.map_or("of the file", Sampling::name);
-        let differs = [
-            (self.precision != Precision::default()).then(|| self.precision.name()),
-            (self.tracer != TracerKind::default()).then(|| self.tracer.name()),
-        ];
-        differs.into_iter().flatten().fold(sampler.to_owned(), |name, word| name + ", " + word)
+        let sampler = self.sampler.map_or("of the file", Sampling::name).to_owned();
+        self.differs().fold(sampler, |name, [_, value]| name + ", " + value)
     }
 }
 

@@ -7,7 +7,8 @@
 
 use std::collections::VecDeque;
 use std::convert::Infallible;
-use std::net::{IpAddr, Ipv4Addr, SocketAddr};
+use std::net::{IpAddr, Ipv4Addr, Ipv6Addr, SocketAddr};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Duration;
 
@@ -43,6 +44,8 @@ const ANSWERING: Duration = Duration::from_secs(60);
 /// How often a page is asked whether it is there, and after which silence it is not.
 const PULSE: Duration = Duration::from_secs(5);
 const SILENCE: Duration = Duration::from_secs(20);
+/// How often pages are told how far the preparation of a scene is.
+const SHOWING: Duration = Duration::from_millis(100);
 /// The longest message of a page in bytes, and the most in a pulse.
 const LONGEST_MESSAGE: usize = 4096;
 const MOST_MESSAGES: u32 = 2000;
@@ -59,28 +62,35 @@ pub(super) struct Site {
     pub(super) turn: Arc<tokio::sync::Mutex<()>>,
     /// The first part of every path.
     pub(super) token: String,
+    /// That of an address which leads to the page once: others see it among the arguments of the browser.
+    pub(super) once: String,
+    pub(super) opened: AtomicBool,
     /// Where the server listens.
     pub(super) address: SocketAddr,
 }
 
 impl Site {
-    /// The address of the page, on this machine.
-    pub(super) fn url(&self) -> String {
+    /// The address of the page on this machine, with this token.
+    pub(super) fn url(&self, token: &str) -> String {
         let mut address = self.address;
         if address.ip().is_unspecified() {
-            address.set_ip(Ipv4Addr::LOCALHOST.into());
+            address.set_ip(match address {
+                SocketAddr::V4(_) => Ipv4Addr::LOCALHOST.into(),
+                SocketAddr::V6(_) => Ipv6Addr::LOCALHOST.into(),
+            });
         }
-        format!("http://{address}/{}/", self.token)
+        format!("http://{address}/{token}/")
     }
 
     /// Whether a `Host` names this server: by its address or `localhost`, or by any address where it listens to all.
     fn is_host(&self, host: &str) -> bool {
         let port = format!(":{}", self.address.port());
-        let name = host.strip_suffix(&port).unwrap_or(host);
+        let Some(name) = host.strip_suffix(&port) else { return false };
         let ip = name.trim_start_matches('[').trim_end_matches(']').parse::<IpAddr>();
-        let has_port = name.len() < host.len() || self.address.port() == 80;
-        let is_here = |ip: IpAddr| ip == self.address.ip() || self.address.ip().is_unspecified();
-        has_port && (ip.is_ok_and(is_here) || (name == "localhost" && is_local(self.address.ip())))
+        let own = self.address.ip();
+        let is_local = own.is_loopback() || own.is_unspecified();
+        let is_here = |ip: IpAddr| ip == own || own.is_unspecified();
+        ip.is_ok_and(is_here) || (name == "localhost" && is_local)
     }
 
     /// What is asked for below the token, if the request is from the page or from whoever types its address.
@@ -98,6 +108,9 @@ impl Site {
             .strip_prefix('/')
             .and_then(|path| path.split_once('/'))
             .ok_or(StatusCode::NOT_FOUND)?;
+        if token == self.once && resource.is_empty() && !self.opened.swap(true, Ordering::Relaxed) {
+            return Ok(ONCE);
+        }
         if token != self.token {
             return Err(StatusCode::NOT_FOUND);
         }
@@ -119,13 +132,9 @@ fn one<'h>(headers: &'h HeaderMap, name: &header::HeaderName) -> Option<&'h str>
     if all.next().is_some() { None } else { first.to_str().ok() }
 }
 
-/// Whether an address is of this machine alone.
-fn is_local(address: IpAddr) -> bool {
-    address.is_loopback() || address.is_unspecified()
-}
-
-/// The resource that is a WebSocket.
+/// The resource that is a WebSocket, and what stands for the address that leads to the page once.
 const SOCKET: &str = "socket";
+const ONCE: &str = "once";
 
 /// Tasks of which the oldest end when there are too many.
 struct Bounded {
@@ -166,6 +175,14 @@ pub(super) fn serve(listener: std::net::TcpListener, site: &Arc<Site>) -> std::i
         let listener = tokio::net::TcpListener::from_std(listener)?;
         let connections = Bounded::new(MOST_CONNECTIONS);
         let pages = Arc::new(Bounded::new(MOST_PAGES));
+        let told = Arc::clone(&site.exchange);
+        tokio::spawn(async move {
+            let mut next = interval(SHOWING);
+            loop {
+                next.tick().await;
+                told.tell_progress();
+            }
+        });
         loop {
             match listener.accept().await {
                 Ok((stream, _)) => {
@@ -203,6 +220,12 @@ async fn answer(
     let resource = site.resource(&request).map(str::to_owned);
     Ok(match resource.as_deref() {
         Ok("") => content("text/html; charset=utf-8", page::HTML.as_str()),
+        Ok(ONCE) => {
+            let page = format!("/{}/", site.token);
+            let moved =
+                Response::builder().status(StatusCode::SEE_OTHER).header(header::LOCATION, page);
+            moved.body(Full::default()).unwrap_or_else(|_| refused(StatusCode::NOT_FOUND))
+        }
         Ok(SOCKET) => {
             let Some(accepted) = accepted(request.headers()) else {
                 return Ok(refused(StatusCode::UPGRADE_REQUIRED));

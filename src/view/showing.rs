@@ -1,19 +1,16 @@
-//! Shows work in progress: the stages of preparing a scene, and an image that is being rendered.
+//! Shows an image while it is rendered.
 
-use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
-use std::sync::{Arc, Mutex, PoisonError};
-use std::thread::{self, JoinHandle};
+use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-use serde_json::{Value, json};
+use serde_json::Value;
 use tokio_tungstenite::tungstenite::Message;
 
 use super::exchange::{Exchange, Kind};
-use wavecrest_base::{memory, progress};
 use wavecrest_core::film::Film;
 use wavecrest_core::render::Watch;
 use wavecrest_core::tile::Tile;
-use wavecrest_image::write::{Transfer, levels};
+use wavecrest_image::write::{Transfer, row_to_bytes};
 
 /// How often pages are shown what is new.
 const SHOWING: Duration = Duration::from_millis(100);
@@ -35,37 +32,6 @@ const WHOLE: u32 = 2;
 fn image(half: usize, [width, height]: [u32; 2], pixels: &[[u8; 4]], flags: u32) -> Message {
     let head = [half as u32, width, height, flags].map(u32::to_le_bytes);
     Message::binary([head.as_flattened(), pixels.as_flattened()].concat())
-}
-
-/// Tells pages how far the preparation of a scene is, until it is dropped.
-pub(super) struct Telling(Option<(Sender<()>, JoinHandle<()>)>);
-
-impl Telling {
-    pub(super) fn begin(exchange: Arc<Exchange>) -> Self {
-        progress::begin();
-        let (stop, stopped) = channel();
-        let tell = move || {
-            loop {
-                let ([done, all], stage) = (progress::now(), memory::Stage::now().name());
-                let told = json!({"kind": "progress", "stage": stage, "done": done, "all": all});
-                exchange.tell(Kind::Progress, text(&told));
-                if stopped.recv_timeout(SHOWING) != Err(RecvTimeoutError::Timeout) {
-                    break;
-                }
-            }
-        };
-        // Without a thread nothing is told.
-        Self(thread::Builder::new().spawn(tell).ok().map(|thread| (stop, thread)))
-    }
-}
-
-impl Drop for Telling {
-    fn drop(&mut self) {
-        if let Some((stop, thread)) = self.0.take() {
-            drop(stop);
-            let _ = thread.join();
-        }
-    }
 }
 
 /// Shows a render: at the end, and before if it takes long enough. At rest, it ends when a request arrives.
@@ -108,7 +74,7 @@ impl<'a> Showing<'a> {
     pub(super) fn finish(&self, film: &Film) {
         let whole = Tile { x: 0, y: 0, width: self.size[0], height: self.size[1] };
         let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
-        self.keep(&mut state.pixels, &whole, film);
+        self.keep(&mut state.pixels, &whole, film.pixels());
         self.show(&state.pixels, WHOLE);
     }
 
@@ -118,12 +84,12 @@ impl<'a> Showing<'a> {
         self.exchange.tell(Kind::image(self.half), message);
     }
 
-    /// Puts a finished tile into the image.
-    fn keep(&self, pixels: &mut [[u8; 4]], tile: &Tile, film: &Film) {
-        let (levels, [left, width]) =
-            (levels(film, self.transfer), [tile.x, tile.width].map(|x| x as usize));
+    /// Puts a finished tile into the image. On this thread alone: it may be in the middle of the work of its pool.
+    fn keep(&self, pixels: &mut [[u8; 4]], tile: &Tile, means: &[[f32; 3]]) {
+        let [left, width] = [tile.x, tile.width].map(|x| x as usize);
         let rows = pixels.chunks_exact_mut(self.size[0] as usize).skip(tile.y as usize);
-        for (row, levels) in rows.zip(levels.chunks_exact(3 * width)) {
+        for (row, means) in rows.zip(means.chunks_exact(width)) {
+            let levels = row_to_bytes(means, self.transfer);
             for (pixel, level) in row[left..].iter_mut().zip(levels.chunks_exact(3)) {
                 *pixel = [level[0], level[1], level[2], u8::MAX];
             }
@@ -132,12 +98,13 @@ impl<'a> Showing<'a> {
 }
 
 impl Watch for Showing<'_> {
-    fn tile(&self, tile: &Tile, pixels: &[[f32; 3]]) {
-        let film = Film::from_pixels(tile.width, tile.height, pixels.to_vec());
-        let Some(film) = film.ok().filter(|_| !self.cancelled()) else { return };
+    fn tile(&self, tile: &Tile, means: &[[f32; 3]]) {
+        if self.cancelled() {
+            return;
+        }
         let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
         let Shown { pixels, figures, done, next } = &mut *state;
-        self.keep(pixels, tile, &film);
+        self.keep(pixels, tile, means);
         *done += tile.len() as u64;
         let start = Instant::now();
         if start < *next {
@@ -153,16 +120,7 @@ impl Watch for Showing<'_> {
     }
 
     fn cancelled(&self) -> bool {
-        !self.moves && UntilAsked(self.exchange).cancelled()
-    }
-}
-
-/// Ends work when a request arrives.
-pub(super) struct UntilAsked<'a>(pub(super) &'a Exchange);
-
-impl Watch for UntilAsked<'_> {
-    fn cancelled(&self) -> bool {
-        self.0.inbox.has_any()
+        !self.moves && self.exchange.inbox.cancelled()
     }
 }
 
@@ -175,9 +133,8 @@ mod tests {
         let exchange = Exchange::new();
         let showing = Showing::new(&exchange, 1, [2, 2], (Transfer::Linear, true), Value::Null);
         let right = Tile { x: 1, y: 1, width: 1, height: 1 };
-        let film = Film::from_pixels(1, 1, vec![[1.0, 0.0, 0.2]]).unwrap();
         let pixels = &mut vec![[0; 4]; 4];
-        showing.keep(pixels, &right, &film);
+        showing.keep(pixels, &right, &[[1.0, 0.0, 0.2]]);
         assert_eq!(pixels[..], [[0; 4], [0; 4], [0; 4], [255, 0, 51, 255]]);
         let Message::Binary(bytes) = image(1, [2, 2], pixels, MOVES) else { panic!("not binary") };
         assert_eq!(bytes[..16], *[1_u32, 2, 2, 1].map(u32::to_le_bytes).as_flattened());

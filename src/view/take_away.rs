@@ -5,17 +5,16 @@
 
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::sync::OnceLock;
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use serde_json::{Value, json};
 
 use super::exchange::Exchange;
 use super::request::Half;
 use wavecrest_base::error::Result;
-use wavecrest_core::kernels::precision::Precision;
-use wavecrest_core::render::TracerKind;
 use wavecrest_image::look::Look;
 use wavecrest_image::write::png;
+use wavecrest_report::bench::page::quoted;
 use wavecrest_scene::components::View;
 use wavecrest_scene::load::{FileFormat, LoadedScene};
 use wavecrest_scene::write::contents;
@@ -32,23 +31,27 @@ pub(super) struct TakeAway {
     /// Options that change the file's meshes or its background, as words of a command.
     options: [Vec<String>; 2],
     /// The scene file of another kind of file, once that is read.
-    converted: OnceLock<Value>,
+    converted: Mutex<Option<Value>>,
 }
 
 impl TakeAway {
     /// `of_meshes` are the options of the command that `convert` needs too, `of_image` those of a scene file.
     pub(super) fn new(file: &Path, of_meshes: Vec<String>, of_image: Vec<String>) -> Self {
         let options = [of_meshes, of_image];
-        Self { file: file.to_owned(), options, converted: OnceLock::new() }
+        Self { file: file.to_owned(), options, converted: Mutex::default() }
     }
 
-    /// Keeps what `scene` is as a scene file, unless it is one.
+    fn converted(&self) -> MutexGuard<'_, Option<Value>> {
+        self.converted.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Keeps what `scene` is as a scene file, unless it is one: with the lights for what it is to show.
     ///
     /// # Errors
     /// If it cannot be one.
     pub(super) fn keep(&self, scene: &LoadedScene) -> Result<()> {
-        if FileFormat::of(&self.file)? != FileFormat::Scene && self.converted.get().is_none() {
-            let _ = self.converted.set(contents(scene, &self.named("json"))?);
+        if FileFormat::of(&self.file)? != FileFormat::Scene {
+            *self.converted() = Some(contents(scene, &self.named("json"))?);
         }
         Ok(())
     }
@@ -59,8 +62,8 @@ impl TakeAway {
     }
 
     /// The names of what is saved: the scene and the image.
-    pub(super) fn names(&self) -> [PathBuf; 2] {
-        ["view.json", "png"].map(|extension| self.named(extension))
+    pub(super) fn names(&self) -> [String; 2] {
+        ["view.json", "png"].map(|extension| self.named(extension).to_string_lossy().into_owned())
     }
 
     /// The file with this name among those that can be saved, once there is a scene.
@@ -71,7 +74,7 @@ impl TakeAway {
         };
         match name {
             "scene.json" => {
-                let mut scene = self.converted.get().cloned().or_else(|| read(&self.file))?;
+                let mut scene = self.converted().clone().or_else(|| read(&self.file))?;
                 place(&mut scene, &view)?;
                 let text = serde_json::to_string_pretty(&scene).ok()? + "\n";
                 Some(("application/json", text.into_bytes()))
@@ -86,52 +89,34 @@ impl TakeAway {
 
     /// What makes the image of `half` from the saved scene, and what to do before.
     pub(super) fn command(&self, half: &Half, look: Option<Look>) -> (String, String) {
-        let quoted = |path: &Path| quote(&path.to_string_lossy());
-        let [of_meshes, of_image] = &self.options;
-        let mut words = vec![
-            "wavecrest".to_owned(),
-            quoted(&self.named("view.json")),
-            quoted(&self.named("png")),
-        ];
-        words.extend(of_image.iter().map(|word| quote(word)));
-        if half.precision != Precision::default() {
-            words.extend(["--precision".to_owned(), half.precision.name().to_owned()]);
-        }
-        if half.tracer != TracerKind::default() {
-            words.extend(["--tracer".to_owned(), half.tracer.name().to_owned()]);
-        }
-        look.into_iter().for_each(|look| words.extend(["--as".to_owned(), look.name().to_owned()]));
-        let samples =
-            if half.points().is_some() { " (the image with the samples of the file)" } else { "" };
-        let command = words.join(" ");
-        if self.converted.get().is_none() {
+        let quoted_path = |path: &Path| quoted(&path.to_string_lossy());
+        let [of_meshes, of_image] =
+            self.options.each_ref().map(|words| words.iter().map(|word| quoted(word)));
+        let look = look.map(|look| ["--as", look.name()]);
+        let differs = half.differs().chain(look).flatten().map(str::to_owned);
+        let command =
+            ["wavecrest".to_owned()].into_iter().chain(self.names().map(|name| quoted(&name)));
+        let command: Vec<String> = command.chain(of_image).chain(differs).collect();
+        let command = command.join(" ");
+        let samples = if half.points().is_some() { " (with the samples of the file)" } else { "" };
+        if self.converted().is_none() {
+            let beside = self.file.display();
             return (
                 command,
-                format!(
-                    "Save the scene beside {}, and run this in its folder{samples}:",
-                    self.file.display()
-                ),
+                format!("Save the scene beside {beside}, and run this in its folder{samples}:"),
             );
         }
-        let options: String = of_meshes.iter().map(|word| format!(" {}", quote(word))).collect();
-        let convert = format!(
-            "wavecrest convert {} {}{options}",
-            quoted(&self.file),
-            quoted(&self.named("json"))
-        );
+        let words = [
+            "wavecrest".to_owned(),
+            "convert".to_owned(),
+            quoted_path(&self.file),
+            quoted_path(&self.named("json")),
+        ];
+        let convert: Vec<String> = words.into_iter().chain(of_meshes).collect();
         let note =
             "Save the scene in the folder where you run this; the first command writes its meshes";
-        (format!("{convert}\n{command}"), format!("{note}{samples}:"))
+        (format!("{}\n{command}", convert.join(" ")), format!("{note}{samples}:"))
     }
-}
-
-/// A word as a shell takes it.
-fn quote(word: &str) -> String {
-    let is_plain = |c: char| c.is_ascii_alphanumeric() || "-_./,:+=@%".contains(c);
-    if !word.is_empty() && word.chars().all(is_plain) {
-        return word.to_owned();
-    }
-    format!("'{}'", word.replace('\'', r"'\''"))
 }
 
 /// A scene file as values, unless it is too long.
@@ -159,15 +144,4 @@ fn place(scene: &mut Value, view: &View) -> Option<()> {
     ];
     camera.extend(keys.map(|(key, value)| (key.to_owned(), value)));
     Some(())
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn words_are_quoted_where_a_shell_would_change_them() {
-        let words = ["a.json", "", "two words", "it's", "$HOME", "#fff"].map(quote);
-        assert_eq!(words, ["a.json", "''", "'two words'", r"'it'\''s'", "'$HOME'", "'#fff'"]);
-    }
 }

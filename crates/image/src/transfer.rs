@@ -80,8 +80,8 @@ impl Tone {
 /// Light above this is treated as infinite: its square is still finite.
 const BRIGHTEST: f32 = 1e18;
 
-/// The 8-bit red, green and blue of each pixel, the top row first, found on all threads.
-pub fn levels(film: &Film, transfer: Transfer) -> Vec<u8> {
+/// A film as 8-bit values, found on all threads.
+pub(super) fn levels(film: &Film, transfer: Transfer) -> Vec<u8> {
     let width = film.width() as usize;
     let mut levels = vec![0; size_of::<[u8; 3]>() * film.pixels().len()];
     let rows = levels.par_chunks_exact_mut(size_of::<[u8; 3]>() * width);
@@ -90,8 +90,8 @@ pub fn levels(film: &Film, transfer: Transfer) -> Vec<u8> {
     levels
 }
 
-/// A row of pixels as 8-bit values.
-pub(super) fn row_to_bytes(row: &[[f32; 3]], transfer: Transfer) -> Vec<u8> {
+/// The 8-bit red, green and blue of each pixel of a row.
+pub fn row_to_bytes(row: &[[f32; 3]], transfer: Transfer) -> Vec<u8> {
     progress::add(row.len() as u64);
     let values = row.as_flattened().iter();
     match transfer {

@@ -251,7 +251,7 @@ pub(crate) fn recorded(of: &Circumstances, version: &str, arguments: &[String]) 
 }
 
 /// A word of a command, quoted for a shell if necessary.
-fn quoted(word: &str) -> String {
+pub fn quoted(word: &str) -> String {
     let is_plain = |c: char| c.is_ascii_alphanumeric() || "-_./,=:+%@".contains(c);
     if !word.is_empty() && word.chars().all(is_plain) {
         return word.to_owned();
