@@ -140,8 +140,7 @@
       : `Pixels that differ: ${grouped(different)} of ${all}. Greatest difference of a channel: ${greatest} of 255.`);
   }
 
-  // Where the image lies in the window: in the room beside the panels, or under them in part where it
-  // would have to shrink below its own pixels.
+  // Where the image lies in the window: in the room beside the panels.
   let place = { left: 0, top: 0, width: 1, height: 1 };
   function freeRoom() {
     const { left, top } = find("panels").getBoundingClientRect();
@@ -151,10 +150,8 @@
   function layOut() {
     const ratio = devicePixelRatio;
     const room = freeRoom();
-    const all = [innerWidth, innerHeight];
     const size = state?.size ?? [3, 2];
-    const fit = (into) => Math.min(...into.map((length, axis) => (length * ratio) / size[axis]));
-    let scale = Math.max(fit(room), narrow.matches ? 0 : Math.min(1, fit(all)));
+    let scale = Math.min(...room.map((length, axis) => (length * ratio) / size[axis]));
     // A little smaller than the room, but each pixel as large as the others.
     if (scale > 1 && scale % 1 < 0.15 * scale) scale = Math.floor(scale);
     const [width, height] = size.map((length) => Math.round(length * scale) / ratio);
@@ -162,7 +159,7 @@
     const [left, top] = [width, height].map(margin);
     place = { left, top, width, height };
     placeLabels(room);
-    [image.width, image.height] = all.map((length) => Math.round(length * ratio));
+    [image.width, image.height] = [innerWidth, innerHeight].map((length) => Math.round(length * ratio));
     draw();
   }
   // At the lower edge of the image; on narrow windows below it, as far as there is room.
@@ -293,7 +290,8 @@
     pointers.set(event.pointerId, at);
     if (pointers.size === 1) {
       const isLeft = event.button === 0;
-      drag = { kind: isLeft && !event.shiftKey ? "orbit" : "pan", start: at, isClick: isLeft };
+      const turns = event.ctrlKey || [...held].some((key) => key in WALKS) ? "turn" : "orbit";
+      drag = { kind: isLeft && !event.shiftKey ? turns : "pan", start: at, isClick: isLeft };
       if (isOnDivider(at)) drag = { kind: "divide" };
       else send({ do: "grab", at: onImage(at) });
     } else if (pointers.size === 2) {
@@ -578,6 +576,8 @@
   on("theme", "click", switchTheme);
   on("help-button", "click", () => find("help").showModal());
   on("fold", "click", fold);
+  on("first", "click", () => send({ do: "side", side: "start" }));
+  on("all", "click", () => send({ do: "side", side: "all" }));
   on("compare", "click", compare);
   on("enlarge", "click", () => find("large").showModal());
   on("copy", "click", copyCommand);

@@ -124,6 +124,7 @@ impl<'a> Painter<'a> {
         match request {
             Request::Grab { at } => self.steering.pivot = self.ready.point(&self.steering, at),
             Request::Orbit { by } => self.steering.orbit(by),
+            Request::Turn { by } => self.steering.turn(by),
             Request::Pan { by } => self.steering.pan(by),
             Request::Zoom { at, by } => {
                 let point = self.ready.point(&self.steering, at);

@@ -18,6 +18,8 @@ pub(super) enum Request {
     Grab { at: [f64; 2] },
     /// A turn around it.
     Orbit { by: [f64; 2] },
+    /// A turn of the camera in its place.
+    Turn { by: [f64; 2] },
     /// A movement across the image.
     Pan { by: [f64; 2] },
     /// A movement towards what is at a place, in notches of a wheel.

@@ -133,7 +133,7 @@ mod tests {
         let exchange = Exchange::new();
         let showing = Showing::new(&exchange, 1, [2, 2], (Transfer::Linear, true), Value::Null);
         let right = Tile { x: 1, y: 1, width: 1, height: 1 };
-        let pixels = &mut vec![[0; 4]; 4];
+        let pixels = &mut [[0; 4]; 4];
         showing.keep(pixels, &right, &[[1.0, 0.0, 0.2]]);
         assert_eq!(pixels[..], [[0; 4], [0; 4], [0; 4], [255, 0, 51, 255]]);
         let Message::Binary(bytes) = image(1, [2, 2], pixels, MOVES) else { panic!("not binary") };

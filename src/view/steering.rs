@@ -75,6 +75,14 @@ impl Steering {
         self.go(turned(self.view.location), turned(self.view.look), turn * up);
     }
 
+    /// Turns in its place, as a head: what is seen follows the cursor.
+    pub(super) fn turn(&mut self, [right, down]: [f64; 2]) {
+        let pivot = std::mem::replace(&mut self.pivot, self.view.location);
+        let angle = 2.0 * half_extent(&self.view.placement())[1].atan() / PI;
+        self.orbit([-right * angle, -down * angle]);
+        self.pivot = pivot;
+    }
+
     /// Moves across the image, so that the pivot follows the cursor.
     pub(super) fn pan(&mut self, [right, down]: [f64; 2]) {
         let [side, up, ahead] = self.basis();
@@ -175,6 +183,16 @@ mod tests {
             assert!((0..2).all(|i| (after[i] - before[i]).abs() < 1e-9), "{after:?} {before:?}");
             assert_eq!(steering.view.up, DVec3::Y);
         }
+    }
+
+    #[test]
+    fn a_turn_in_place_keeps_the_place_and_lets_the_scene_follow() {
+        let mut steering = steering();
+        let (place, look) = (steering.view.location, steering.view.look);
+        steering.turn([0.1, 0.1]);
+        let [x, y] = seen(&steering, look);
+        assert!(steering.view.location.distance(place) < 1e-12);
+        assert!((x - 0.15).abs() < 0.01 && (y + 0.2).abs() < 0.01, "{x} {y}");
     }
 
     #[test]

@@ -22,6 +22,9 @@ use wavecrest_scene::write::contents;
 /// The longest scene file whose camera is changed, in bytes: as values it takes many times its length.
 const LONGEST: u64 = 1 << 22;
 
+/// The extension of the scene file that `convert` writes, after which its meshes are named.
+const PARTS: &str = "parts.json";
+
 /// A file to save: its media type, and its bytes.
 pub(super) type Saved = (&'static str, Vec<u8>);
 
@@ -51,7 +54,7 @@ impl TakeAway {
     /// If it cannot be one.
     pub(super) fn keep(&self, scene: &LoadedScene) -> Result<()> {
         if FileFormat::of(&self.file)? != FileFormat::Scene {
-            *self.converted() = Some(contents(scene, &self.named("json"))?);
+            *self.converted() = Some(contents(scene, &self.named(PARTS))?);
         }
         Ok(())
     }
@@ -63,7 +66,8 @@ impl TakeAway {
 
     /// The names of what is saved: the scene and the image.
     pub(super) fn names(&self) -> [String; 2] {
-        ["view.json", "png"].map(|extension| self.named(extension).to_string_lossy().into_owned())
+        ["view.json", "view.png"]
+            .map(|extension| self.named(extension).to_string_lossy().into_owned())
     }
 
     /// The file with this name among those that can be saved, once there is a scene.
@@ -89,34 +93,39 @@ impl TakeAway {
 
     /// What makes the image of `half` from the saved scene, and what to do before.
     pub(super) fn command(&self, half: &Half, look: Option<Look>) -> (String, String) {
-        let quoted_path = |path: &Path| quoted(&path.to_string_lossy());
-        let [of_meshes, of_image] =
-            self.options.each_ref().map(|words| words.iter().map(|word| quoted(word)));
+        let [of_meshes, of_image] = &self.options;
         let look = look.map(|look| ["--as", look.name()]);
         let differs = half.differs().chain(look).flatten().map(str::to_owned);
-        let command =
-            ["wavecrest".to_owned()].into_iter().chain(self.names().map(|name| quoted(&name)));
-        let command: Vec<String> = command.chain(of_image).chain(differs).collect();
-        let command = command.join(" ");
+        let names = self.names().into_iter();
+        let render = line(
+            ["wavecrest".to_owned()]
+                .into_iter()
+                .chain(names)
+                .chain(of_image.clone())
+                .chain(differs),
+        );
         let samples = if half.points().is_some() { " (with the samples of the file)" } else { "" };
         if self.converted().is_none() {
             let beside = self.file.display();
             return (
-                command,
+                render,
                 format!("Save the scene beside {beside}, and run this in its folder{samples}:"),
             );
         }
-        let words = [
-            "wavecrest".to_owned(),
-            "convert".to_owned(),
-            quoted_path(&self.file),
-            quoted_path(&self.named("json")),
-        ];
-        let convert: Vec<String> = words.into_iter().chain(of_meshes).collect();
+        let file = std::path::absolute(&self.file).unwrap_or_else(|_| self.file.clone());
+        let paths = [file, self.named(PARTS)].map(|path| path.to_string_lossy().into_owned());
+        // Only an earlier run has left a file of this name.
+        let words = ["wavecrest", "convert", "--force"].map(str::to_owned).into_iter();
+        let convert = line(words.chain(paths).chain(of_meshes.clone()));
         let note =
             "Save the scene in the folder where you run this; the first command writes its meshes";
-        (format!("{}\n{command}", convert.join(" ")), format!("{note}{samples}:"))
+        (format!("{convert}\n{render}"), format!("{note}{samples}:"))
     }
+}
+
+/// Words as a line of a shell.
+fn line(words: impl Iterator<Item = String>) -> String {
+    words.map(|word| quoted(&word)).collect::<Vec<_>>().join(" ")
 }
 
 /// A scene file as values, unless it is too long.

@@ -21,7 +21,7 @@ use crate::load::LoadedScene;
 use crate::mesh::{Attribute, MeshData, NO_VALUE};
 use crate::{query, scene_file};
 
-/// The contents of the scene file `path` for `scene`: [`write`] writes it, and the meshes and images that it names.
+/// The contents of the scene file `path` for `scene`: [`write()`] writes it, and the meshes and images that it names.
 ///
 /// # Errors
 /// If the scene lacks a part that every scene file has.
