@@ -56,12 +56,16 @@ impl Steering {
         let greatest = f64::from(MAX_COORDINATE);
         let is_within = |point: DVec3| point.abs().max_element() <= greatest;
         let ahead = (look - location).normalize_or_zero();
-        let upright = self.axes.y_axis;
-        let up = if ahead.cross(upright).length() < PARALLEL { up } else { upright };
         // Also false for numbers that are none.
         if is_within(location) && is_within(look) && ahead.cross(up).length() >= PARALLEL {
             self.view = View { location, look, up, ..self.view };
         }
+    }
+
+    /// Up in an upright image, unless the view is along it.
+    fn upright(&self, ahead: DVec3) -> Option<DVec3> {
+        let up = self.axes.y_axis;
+        (ahead.cross(up).length() >= PARALLEL).then_some(up)
     }
 
     /// Turns around the pivot: half a turn for the whole height.
@@ -72,7 +76,8 @@ impl Steering {
         let turn = DQuat::from_axis_angle(upright, -PI * right)
             * DQuat::from_axis_angle(side, angle - wanted);
         let turned = |point: DVec3| self.pivot + turn * (point - self.pivot);
-        self.go(turned(self.view.location), turned(self.view.look), turn * up);
+        let up = self.upright(turn * ahead).unwrap_or(turn * up);
+        self.go(turned(self.view.location), turned(self.view.look), up);
     }
 
     /// Turns in its place, as a head: what is seen follows the cursor.
@@ -125,8 +130,7 @@ impl Steering {
             ("all", None) => [-ahead, up],
             _ => return,
         };
-        let up =
-            if back.cross(self.axes.y_axis).length() < PARALLEL { up } else { self.axes.y_axis };
+        let up = self.upright(back).unwrap_or(up);
         let right = up.cross(back).normalize();
         let tangents = half_extent(&self.view.placement()).map(|t| t * Fit::default().share());
         let (center, half) = ((low + high) / 2.0, (high - low) / 2.0);
@@ -188,6 +192,7 @@ mod tests {
     #[test]
     fn a_turn_in_place_keeps_the_place_and_lets_the_scene_follow() {
         let mut steering = steering();
+        steering.orbit([0.0, 0.0]);
         let (place, look) = (steering.view.location, steering.view.look);
         steering.turn([0.1, 0.1]);
         let [x, y] = seen(&steering, look);
