@@ -32,11 +32,13 @@ use server::{Site, serve};
 use take_away::TakeAway;
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_core::render::TracerKind;
-use wavecrest_core::wavefront::DEFAULT_BATCH;
 use wavecrest_image::look::Look;
 
 /// The section of the help for the page.
 const PAGE: &str = "Page";
+
+/// Paths in a batch: fewer than for `render`, as a render that is no longer wanted ends between two.
+const BATCH: u32 = 1 << 14;
 
 /// How long pages have to show why the command ends.
 const FAREWELL: Duration = Duration::from_millis(200);
@@ -65,7 +67,7 @@ pub(crate) struct ViewArgs {
     #[arg(long, help_heading = SPEED, value_parser = choice::<TracerKind>(), default_value_t)]
     pub(crate) tracer: TracerKind,
     /// Paths in a batch of the wavefront tracer; does not change the image
-    #[arg(long, help_heading = SPEED, value_name = "PATHS", default_value_t = DEFAULT_BATCH as u32,
+    #[arg(long, help_heading = SPEED, value_name = "PATHS", default_value_t = BATCH,
           value_parser = whole(1..=1_u32 << 20))]
     pub(crate) batch: u32,
     /// Traversal

@@ -10,7 +10,7 @@ use super::exchange::{Exchange, Kind};
 use wavecrest_core::film::Film;
 use wavecrest_core::render::Watch;
 use wavecrest_core::tile::Tile;
-use wavecrest_image::write::{Transfer, row_to_bytes};
+use wavecrest_image::write::{Transfer, levels, row_to_bytes};
 
 /// How often pages are shown what is new.
 const SHOWING: Duration = Duration::from_millis(100);
@@ -74,7 +74,7 @@ impl<'a> Showing<'a> {
     pub(super) fn finish(&self, film: &Film) {
         let whole = Tile { x: 0, y: 0, width: self.size[0], height: self.size[1] };
         let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
-        self.keep(&mut state.pixels, &whole, film.pixels());
+        self.keep(&mut state.pixels, &whole, &levels(film, self.transfer));
         self.show(&state.pixels, WHOLE);
     }
 
@@ -84,12 +84,11 @@ impl<'a> Showing<'a> {
         self.exchange.tell(Kind::image(self.half), message);
     }
 
-    /// Puts a finished tile into the image. On this thread alone: it may be in the middle of the work of its pool.
-    fn keep(&self, pixels: &mut [[u8; 4]], tile: &Tile, means: &[[f32; 3]]) {
+    /// Puts the levels of a tile into the image.
+    fn keep(&self, pixels: &mut [[u8; 4]], tile: &Tile, levels: &[u8]) {
         let [left, width] = [tile.x, tile.width].map(|x| x as usize);
         let rows = pixels.chunks_exact_mut(self.size[0] as usize).skip(tile.y as usize);
-        for (row, means) in rows.zip(means.chunks_exact(width)) {
-            let levels = row_to_bytes(means, self.transfer);
+        for (row, levels) in rows.zip(levels.chunks_exact(3 * width)) {
             for (pixel, level) in row[left..].iter_mut().zip(levels.chunks_exact(3)) {
                 *pixel = [level[0], level[1], level[2], u8::MAX];
             }
@@ -102,9 +101,11 @@ impl Watch for Showing<'_> {
         if self.cancelled() {
             return;
         }
+        // By this thread alone, which is in the middle of the work of its pool.
+        let levels = row_to_bytes(means, self.transfer);
         let mut state = self.state.lock().unwrap_or_else(PoisonError::into_inner);
         let Shown { pixels, figures, done, next } = &mut *state;
-        self.keep(pixels, tile, means);
+        self.keep(pixels, tile, &levels);
         *done += tile.len() as u64;
         let start = Instant::now();
         if start < *next {
@@ -134,7 +135,7 @@ mod tests {
         let showing = Showing::new(&exchange, 1, [2, 2], (Transfer::Linear, true), Value::Null);
         let right = Tile { x: 1, y: 1, width: 1, height: 1 };
         let pixels = &mut [[0; 4]; 4];
-        showing.keep(pixels, &right, &[[1.0, 0.0, 0.2]]);
+        showing.keep(pixels, &right, &[255, 0, 51]);
         assert_eq!(pixels[..], [[0; 4], [0; 4], [0; 4], [255, 0, 51, 255]]);
         let Message::Binary(bytes) = image(1, [2, 2], pixels, MOVES) else { panic!("not binary") };
         assert_eq!(bytes[..16], *[1_u32, 2, 2, 1].map(u32::to_le_bytes).as_flattened());

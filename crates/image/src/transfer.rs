@@ -80,8 +80,8 @@ impl Tone {
 /// Light above this is treated as infinite: its square is still finite.
 const BRIGHTEST: f32 = 1e18;
 
-/// A film as 8-bit values, found on all threads.
-pub(super) fn levels(film: &Film, transfer: Transfer) -> Vec<u8> {
+/// The 8-bit red, green and blue of each pixel of a film, the top row first, found on all threads.
+pub fn levels(film: &Film, transfer: Transfer) -> Vec<u8> {
     let width = film.width() as usize;
     let mut levels = vec![0; size_of::<[u8; 3]>() * film.pixels().len()];
     let rows = levels.par_chunks_exact_mut(size_of::<[u8; 3]>() * width);

@@ -11,7 +11,7 @@ use std::path::Path;
 use image::ImageError;
 
 use super::metadata::{ALPHA, Entry, Extras, Values, full_name};
-use super::transfer::{levels, linear_level};
+use super::transfer::linear_level;
 use super::{netpbm, openexr};
 use wavecrest_base::error::{Error, ErrorKind, Result, did_you_mean};
 use wavecrest_base::progress;
@@ -20,7 +20,7 @@ use wavecrest_base::replace::{
 };
 use wavecrest_core::film::Film;
 
-pub use super::transfer::{Develop, Tone, Transfer, row_to_bytes};
+pub use super::transfer::{Develop, Tone, Transfer, levels, row_to_bytes};
 
 wavecrest_base::choices! {
     /// The formats that can be written, by file extension in lower case.
