@@ -2,7 +2,7 @@
 
 use std::sync::LazyLock;
 
-use wavecrest_report::plot::STYLE as CHART_STYLE;
+use wavecrest_report::page::THEME;
 
 /// What the page may load: nothing but what this server sends it.
 pub(super) const POLICY: &str = "default-src 'none'; connect-src 'self'; img-src 'self' data:; \
@@ -10,7 +10,7 @@ pub(super) const POLICY: &str = "default-src 'none'; connect-src 'self'; img-src
 
 /// The whole page.
 pub(super) static HTML: LazyLock<String> = LazyLock::new(|| {
-    let style = format!("{CHART_STYLE}{}", include_str!("page.css"));
+    let style = format!("{THEME}{}", include_str!("page.css"));
     let script = include_str!("page.js");
     include_str!("page.html").replacen("{{style}}", &style, 1).replacen("{{script}}", script, 1)
 });

@@ -156,6 +156,35 @@ fn odd_numbers_change_nothing_and_end_nothing() {
 }
 
 #[test]
+#[cfg(unix)]
+fn the_address_among_the_arguments_of_the_browser_leads_to_the_page_once() {
+    use std::os::unix::fs::PermissionsExt as _;
+    let programs = folder();
+    let opener = if cfg!(target_os = "macos") { "open" } else { "xdg-open" };
+    let script = "#!/bin/sh\necho \"$1\" > \"$0.part\" && mv \"$0.part\" \"$0.given\"\n";
+    put(programs.path(), opener, script);
+    let program = programs.path().join(opener);
+    std::fs::set_permissions(&program, std::fs::Permissions::from_mode(0o755)).expect("a program");
+    let usual = std::env::var("PATH").expect("folders");
+    let shown = Shown::begin_with(|command| {
+        command.env("PATH", format!("{}:{usual}", programs.path().display()))
+    });
+    let given = programs.path().join(format!("{opener}.given"));
+    let start = Instant::now();
+    while !given.exists() && start.elapsed() < Duration::from_secs(10) {
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    let address = std::fs::read_to_string(&given).expect("the browser is opened");
+    let once = address.trim_end().trim_end_matches('/').rsplit('/').next().expect("a part");
+    assert!(once.len() == shown.token.len() && once != shown.token, "{address}");
+    let ask = || shown.ask(&format!("GET /{once}/ HTTP/1.1\r\nHost: HOST\r\n\r\n"));
+    let first = ask();
+    let page = format!("location: /{}/\r\n", shown.token);
+    assert!(first.starts_with("HTTP/1.1 303 ") && first.contains(&page), "{first}");
+    assert!(ask().starts_with("HTTP/1.1 404 "));
+}
+
+#[test]
 fn what_cannot_be_shown_is_named() {
     let folder = folder();
     put(folder.path(), "half.json", r#"{"camera":"#);

@@ -16,11 +16,13 @@ pub(crate) use blocks::file_name;
 use crate::files::write_text;
 use crate::markup::{element, escape, inline};
 use crate::plot::Chart;
-use crate::plot::STYLE as CHART_STYLE;
 use crate::plot::number::figure;
 use wavecrest_base::error::Result;
 
-/// The style sheet of a page, without that of its charts.
+/// The style sheet of what pages share: the colours and fonts, light and dark, and those of charts.
+pub const THEME: &str = concat!(include_str!("plot/chart.css"), include_str!("page/theme.css"));
+
+/// The rest of the style sheet of a page.
 const STYLE: &str = include_str!("page/style.css");
 
 /// The page's JavaScript.
@@ -144,7 +146,7 @@ impl Page {
              <meta name=\"color-scheme\" content=\"light dark\">\n\
              <meta name=\"generator\" content=\"wavecrest {version}\">\n\
              <link rel=\"icon\" href=\"data:,\">\n<title>{title}</title>\n\
-             <style>\n{CHART_STYLE}{STYLE}</style>\n</head>\n<body>\n\
+             <style>\n{THEME}{STYLE}</style>\n</head>\n<body>\n\
              <a class=\"skip\" href=\"#content\">Skip to the report</a>\n\
              <header>\n{heading}{lead}</header>\n"
         )

@@ -17,7 +17,6 @@ pub(crate) mod svg;
 mod tests;
 
 use number::{figure, time_unit};
-pub use svg::STYLE;
 
 /// Series of points over two axes.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -2,7 +2,7 @@
 
 use std::io::{BufRead, BufReader, ErrorKind, Read, Write};
 use std::net::{Ipv4Addr, TcpStream};
-use std::process::{Child, Stdio};
+use std::process::{Child, Command, Stdio};
 use std::time::Duration;
 
 use serde_json::{Value, json};
@@ -18,7 +18,7 @@ pub(super) const TEXT: u8 = 1;
 pub(super) struct Shown {
     process: Child,
     port: u16,
-    token: String,
+    pub(super) token: String,
 }
 
 impl Drop for Shown {
@@ -29,12 +29,18 @@ impl Drop for Shown {
 }
 
 impl Shown {
-    /// Shows a small scene.
+    /// Shows a small scene, without a browser.
     pub(super) fn begin() -> Self {
+        Self::begin_with(|command| command.arg("--no-open"))
+    }
+
+    /// Shows it by a command that is changed.
+    pub(super) fn begin_with(change: impl FnOnce(&mut Command) -> &mut Command) -> Self {
         let file = repository("scenes/hard/tiny-scene.json");
         let mut command = wavecrest(&repository(""));
-        command.args(["view", "--no-open", "--size", "12x8", "-q"]).arg(file);
-        let mut process = command.stdout(Stdio::piped()).spawn().expect("the command runs");
+        command.args(["view", "--size", "12x8", "-q"]).arg(file);
+        let mut process =
+            change(&mut command).stdout(Stdio::piped()).spawn().expect("the command runs");
         let mut line = String::new();
         BufReader::new(process.stdout.take().expect("a pipe")).read_line(&mut line).expect("text");
         let address = line.strip_prefix("http://127.0.0.1:").expect("an address of this machine");

@@ -32,7 +32,7 @@ const LONG: f64 = 60.0;
 const NEAR: f64 = 10.0;
 
 /// The style sheet of all drawings.
-pub const STYLE: &str = include_str!("chart.css");
+const STYLE: &str = include_str!("chart.css");
 
 /// A colour: its name in style sheets, and its value on white paper.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
