@@ -1,7 +1,8 @@
 //! Renders what pages show: small images while the camera moves, then with more and more samples.
 //!
 //! One thread, with the pool that traces, has the scene. It takes requests between renders, and each that arrives ends the
-//! render in progress. An image at rest has the bits of `wavecrest render` for its camera and settings.
+//! render in progress. An image at rest has the bits of `wavecrest render` for its camera and settings; but a half in another
+//! precision than the command's searches the scene that was prepared for that.
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -46,7 +47,7 @@ const NO_ERROR: &str =
 /// The most paths of a pixel that are told.
 const MOST_PATHS: usize = 16;
 
-/// The painter.
+/// The scene, where it is seen from, and what is shown of it.
 pub(super) struct Painter<'a> {
     args: &'a ViewArgs,
     exchange: &'a Exchange,

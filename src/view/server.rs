@@ -64,6 +64,7 @@ pub(super) struct Site {
     pub(super) token: String,
     /// That of an address which leads to the page once: others see it among the arguments of the browser.
     pub(super) once: String,
+    /// Whether it has led there.
     pub(super) opened: AtomicBool,
     /// Where the server listens.
     pub(super) address: SocketAddr,
