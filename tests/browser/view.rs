@@ -137,6 +137,17 @@ fn compare(browser: &mut Browser) {
     choose(browser, "sampler", "random");
 }
 
+/// A page of a mesh that compares, with its server and the folder of the mesh.
+fn compared(test: &str) -> Option<(Browser, Server, TempDir)> {
+    let mut browser = started(test)?;
+    let folder = laid_out();
+    let server = Server::start(folder.path(), "one mesh.obj", &[]);
+    browser.visit(&server.address);
+    browser.wait_for("told.state");
+    compare(&mut browser);
+    Some((browser, server, folder))
+}
+
 /// Chooses a value of the second half, and waits for its image.
 fn choose(browser: &mut Browser, field: &str, value: &str) {
     browser.choose(&format!("fieldset + fieldset [name={field}]"), value);
@@ -182,12 +193,7 @@ fn divided(browser: &mut Browser, at: f64) -> Result<(), String> {
 
 #[test]
 fn halves_of_view_are_compared_and_a_pixel_is_followed() {
-    let Some(mut browser) = started("halves of view") else { return };
-    let folder = laid_out();
-    let server = Server::start(folder.path(), "one mesh.obj", &[]);
-    browser.visit(&server.address);
-    browser.wait_for("told.state");
-    compare(&mut browser);
+    let Some((mut browser, _server, _folder)) = compared("halves of view") else { return };
     let place = place(&browser.canvas("#image"));
 
     // The divider follows its range, and the pointer, which leaves the camera alone.
@@ -263,12 +269,7 @@ fn view_in_light_dark_and_narrow_windows() {
 
 #[test]
 fn both_halves_of_view_follow_the_camera() {
-    let Some(mut browser) = started("both halves of view") else { return };
-    let folder = laid_out();
-    let server = Server::start(folder.path(), "one mesh.obj", &[]);
-    browser.visit(&server.address);
-    browser.wait_for("told.state");
-    compare(&mut browser);
+    let Some((mut browser, _server, _folder)) = compared("both halves of view") else { return };
     let point = middle(place(&browser.canvas("#image")), [40, 60]);
     drag(&mut browser, point, [point[0] + 90.0, point[1]]);
     browser.wait_for("told.figures?.halves[0].moving");

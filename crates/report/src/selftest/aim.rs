@@ -76,7 +76,8 @@ pub(super) fn is_outside(point: Vec3, (center, radius): (Vec3, f32)) -> bool {
     point.as_dvec3().distance(center.as_dvec3()) > f64::from(radius)
 }
 
-/// The greatest angle between the halves of a quad that counts as flat.
+/// The greatest angle between the halves of a quad that counts as flat, in radians: more than the roundings of its corners to
+/// single precision, of 2^-24, bend one that is 1000 times as long as wide.
 const FLAT: f64 = 1e-4;
 
 /// The surface point of a hit; `None` inside of spheres and on quads that are not flat, which a ray
