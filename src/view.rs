@@ -130,8 +130,8 @@ pub(crate) fn run(args: &ViewArgs) -> Result<()> {
     let painted =
         args.scene_options.threads.run(|| painter::paint(args, &site.exchange, &site.take_away));
     if let Err(error) = &painted {
-        let told = json!({"kind": "error", "message": error.to_string()});
-        site.exchange.tell(Kind::Error, showing::text(&told));
+        let message = json!({"kind": "error", "message": error.to_string()});
+        site.exchange.send(Kind::Error, showing::text(&message));
         thread::sleep(FAREWELL);
     }
     painted

@@ -122,16 +122,16 @@ impl Exchange {
     }
 
     /// Tells how far the preparation of a scene is, if one is being prepared.
-    pub(super) fn tell_progress(&self) {
+    pub(super) fn send_progress(&self) {
         if self.prepares.load(Ordering::Relaxed) {
             let ([done, all], stage) = (progress::now(), memory::Stage::now().name());
-            let told = json!({"kind": "progress", "stage": stage, "done": done, "all": all});
-            self.tell(Kind::Progress, Message::text(told.to_string()));
+            let message = json!({"kind": "progress", "stage": stage, "done": done, "all": all});
+            self.send(Kind::Progress, Message::text(message.to_string()));
         }
     }
 
     /// Puts a message on the board.
-    pub(super) fn tell(&self, kind: Kind, message: Message) {
+    pub(super) fn send(&self, kind: Kind, message: Message) {
         self.board.send_modify(|board| {
             let (number, last) = &mut board.messages[kind as usize];
             (*number, *last) = (*number + 1, Some(message));

@@ -44,7 +44,7 @@ const STRIDE: f64 = 0.2;
 /// Why there is no error.
 const NO_ERROR: &str =
     "No error: nothing is left to chance in one ray through the centre of each pixel.";
-/// The most paths of a pixel that are told.
+/// The most paths of a pixel in its record.
 const MOST_PATHS: usize = 16;
 
 /// The scene, where it is seen from, and what is shown of it.
@@ -56,7 +56,7 @@ pub(super) struct Painter<'a> {
     steering: Steering,
     halves: Vec<Half>,
     look: Option<Look>,
-    /// For each half, the renders that are finished for this camera, and what pages are told of the last.
+    /// For each half, the renders that are finished for this camera, and the figures of the last.
     finished: [usize; 2],
     figures: [Value; 2],
     tried: Tried,
@@ -84,9 +84,9 @@ pub(super) fn paint(args: &ViewArgs, exchange: &Exchange, take_away: &TakeAway) 
         tried: Tried::default(),
         pace: None,
     };
-    painter.tell_plan();
+    painter.send_plan();
     let first = json!({"kind": "progress", "stage": "tracing the first rays", "done": 0, "all": 0});
-    exchange.tell(Kind::Progress, text(&first));
+    exchange.send(Kind::Progress, text(&first));
     painter.restart();
     painter.run()
 }
@@ -136,7 +136,7 @@ impl<'a> Painter<'a> {
                 self.steering.walk(by, STRIDE * low.distance(high));
             }
             Request::Side { side } => self.steering.show(&side, self.ready.ends),
-            Request::Set { halves } => return Ok(self.set(halves)),
+            Request::Set { halves } => self.set(halves),
             Request::Look { look } => return self.look_at(look),
             Request::Probe { .. } | Request::Taken => {}
         }
@@ -163,13 +163,13 @@ impl<'a> Painter<'a> {
     }
 
     /// Renders these halves from now on. What is finished of one that stays is kept.
-    fn set(&mut self, mut halves: Vec<Half>) -> bool {
+    fn set(&mut self, mut halves: Vec<Half>) {
         // Looks have nothing to compare.
         halves.truncate(if self.look.is_some() { 1 } else { 2 });
         let is_known = |index: usize| self.halves.get(index) == halves.get(index);
         let same = [is_known(0), is_known(1)];
         if halves.is_empty() || same == [true; 2] {
-            return false;
+            return;
         }
         for index in [0, 1].into_iter().filter(|&index| !same[index]) {
             self.finished[index] = 0;
@@ -182,9 +182,8 @@ impl<'a> Painter<'a> {
             self.exchange.withdraw(Kind::Second);
         }
         self.halves = halves;
-        self.tell_state();
-        self.tell_figures();
-        false
+        self.send_state();
+        self.send_figures();
     }
 
     /// Prepares the scene once more: for another look, or because it is too far from where it was prepared for.
@@ -192,7 +191,7 @@ impl<'a> Painter<'a> {
         self.ready.free();
         let view = Some(self.steering.view);
         (self.ready, _) = prepare(self.args, self.exchange, self.take_away, self.look, view)?;
-        self.tell_plan();
+        self.send_plan();
         Ok(())
     }
 
@@ -202,7 +201,7 @@ impl<'a> Painter<'a> {
         self.figures[1] = Value::Null;
         self.exchange.withdraw(Kind::Second);
         self.exchange.board.send_modify(|board| board.image = None);
-        self.tell_state();
+        self.send_state();
     }
 
     /// Renders a half and shows it: while something moves, or at rest, when a request ends it. Returns what is finished.
@@ -233,8 +232,8 @@ impl<'a> Painter<'a> {
         self.args.scene_options.check_taken(&self.args.scene)?;
         showing.finish(&rendered.film);
         self.exchange.withdraw(Kind::Progress);
-        self.figures[index] = told(words, &rendered, moves);
-        self.tell_figures();
+        self.figures[index] = figures_of(words, &rendered, moves);
+        self.send_figures();
         Ok(Some(rendered))
     }
 
@@ -290,7 +289,7 @@ impl<'a> Painter<'a> {
                 Some(error) => {
                     self.figures[index]["error"] = error.error.into();
                     self.tried.add(&self.halves[index], &stage.words, rendered.seconds, error);
-                    self.tell_chart();
+                    self.send_chart();
                 }
                 None => self.figures[index]["note"] = NO_ERROR.into(),
             }
@@ -300,7 +299,7 @@ impl<'a> Painter<'a> {
             self.exchange.board.send_modify(|board| board.image = image);
         }
         self.figures[index]["rests"] = is_last.into();
-        self.tell_figures();
+        self.send_figures();
         Ok(true)
     }
 
@@ -317,8 +316,8 @@ impl<'a> Painter<'a> {
         record.paths.truncate(MOST_PATHS);
         // As text, in which numbers of single precision are short.
         let (at, record) = (json!(at), to_json(&record)?);
-        let told = format!(r#"{{"kind": "probe", "at": {at}, "record": {record}}}"#);
-        self.exchange.tell(Kind::Probe, Message::text(told));
+        let message = format!(r#"{{"kind": "probe", "at": {at}, "record": {record}}}"#);
+        self.exchange.send(Kind::Probe, Message::text(message));
         Ok(())
     }
 
@@ -329,17 +328,17 @@ impl<'a> Painter<'a> {
         json!({"kind": "figures", "halves": known})
     }
 
-    fn tell_figures(&self) {
-        self.exchange.tell(Kind::Figures, text(&self.all_figures()));
+    fn send_figures(&self) {
+        self.exchange.send(Kind::Figures, text(&self.all_figures()));
     }
 
-    fn tell_chart(&self) {
+    fn send_chart(&self) {
         let Some([wide, narrow]) = self.tried.chart() else { return };
-        let told = json!({"kind": "chart", "wide": wide, "narrow": narrow});
-        self.exchange.tell(Kind::Chart, text(&told));
+        let message = json!({"kind": "chart", "wide": wide, "narrow": narrow});
+        self.exchange.send(Kind::Chart, text(&message));
     }
 
-    fn tell_state(&self) {
+    fn send_state(&self) {
         let view = self.steering.view;
         let View { location, look, up, fov_degrees, width, height, .. } = view;
         let (command, note) = self.take_away.command(&self.halves[0], self.look);
@@ -357,20 +356,20 @@ impl<'a> Painter<'a> {
             "names": self.take_away.names(),
         });
         self.exchange.board.send_modify(|board| board.view = Some(view));
-        self.exchange.tell(Kind::State, text(&state));
+        self.exchange.send(Kind::State, text(&state));
     }
 
     /// What is simulated, wherever the camera is.
-    fn tell_plan(&self) {
+    fn send_plan(&self) {
         let plan = &self.ready.scene.plan;
         let (passes, bvh) = (explain::passes(plan), self.ready.preset.name());
-        let told = json!({"kind": "plan", "effects": plan, "passes": passes, "bvh": bvh});
-        self.exchange.tell(Kind::Plan, text(&told));
+        let message = json!({"kind": "plan", "effects": plan, "passes": passes, "bvh": bvh});
+        self.exchange.send(Kind::Plan, text(&message));
     }
 }
 
 /// What a render took, for the page.
-fn told(words: &str, rendered: &Rendered, moves: bool) -> Value {
+fn figures_of(words: &str, rendered: &Rendered, moves: bool) -> Value {
     let Rendered { counters, seconds, pass_seconds, .. } = rendered;
     let (rays, all) = (Rays::from(counters), pass_seconds.iter().map(|(_, s)| s).sum::<f64>());
     let shares = pass_seconds.iter().map(|(name, s)| (name, s / all));

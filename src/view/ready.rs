@@ -59,7 +59,7 @@ pub(super) fn prepare(
     progress::begin();
     exchange.prepares.store(true, Ordering::Relaxed);
     let purpose = &Purpose { look, ..Purpose::whole(args.batch) };
-    // Notes are told once.
+    // Notes are printed once.
     let quiet = args.scene_options.quiet || view.is_some();
     let options = &SceneOptions { quiet, ..args.scene_options.clone() };
     let mut loaded = options.load(&args.scene, purpose, &[])?;

@@ -44,7 +44,7 @@ const ANSWERING: Duration = Duration::from_secs(60);
 /// How often a page is asked whether it is there, and after which silence it is not.
 const PULSE: Duration = Duration::from_secs(5);
 const SILENCE: Duration = Duration::from_secs(20);
-/// How often pages are told how far the preparation of a scene is.
+/// How often the progress of a scene's preparation is sent.
 const SHOWING: Duration = Duration::from_millis(100);
 /// The longest message of a page in bytes, and the most in a pulse.
 const LONGEST_MESSAGE: usize = 4096;
@@ -176,12 +176,12 @@ pub(super) fn serve(listener: std::net::TcpListener, site: &Arc<Site>) -> std::i
         let listener = tokio::net::TcpListener::from_std(listener)?;
         let connections = Bounded::new(MOST_CONNECTIONS);
         let pages = Arc::new(Bounded::new(MOST_PAGES));
-        let told = Arc::clone(&site.exchange);
+        let exchange = Arc::clone(&site.exchange);
         tokio::spawn(async move {
             let mut next = interval(SHOWING);
             loop {
                 next.tick().await;
-                told.tell_progress();
+                exchange.send_progress();
             }
         });
         loop {
@@ -302,18 +302,18 @@ where
     let socket = WebSocketStream::from_raw_socket(stream, Role::Server, Some(config)).await;
     let (mut sink, mut requests) = socket.split();
     let mut board = exchange.board.subscribe();
-    let mut told = [0; Kind::COUNT];
+    let mut sent = [0; Kind::COUNT];
     let mut pulse = interval(PULSE);
     let (mut heard, mut since_pulse, mut has_drawn) = (Instant::now(), 0, true);
     loop {
         let messages = board.borrow_and_update().messages.clone();
-        for (told, (number, message)) in told.iter_mut().zip(messages) {
-            let Some(message) = message.filter(|_| *told != number) else { continue };
+        for (sent, (number, message)) in sent.iter_mut().zip(messages) {
+            let Some(message) = message.filter(|_| *sent != number) else { continue };
             let is_image = message.is_binary();
             if is_image && !has_drawn {
                 continue;
             }
-            (*told, has_drawn) = (number, has_drawn && !is_image);
+            (*sent, has_drawn) = (number, has_drawn && !is_image);
             for part in parts(message) {
                 if !matches!(timeout(SILENCE, sink.send(part)).await, Ok(Ok(()))) {
                     return;

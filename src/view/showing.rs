@@ -48,7 +48,7 @@ pub(super) struct Showing<'a> {
 /// What is shown of a render.
 struct Shown {
     pixels: Vec<[u8; 4]>,
-    /// What is told beside the image.
+    /// The figures that are sent with the image.
     figures: Value,
     /// The pixels that are finished.
     done: u64,
@@ -81,7 +81,7 @@ impl<'a> Showing<'a> {
     fn show(&self, pixels: &[[u8; 4]], state: u32) {
         let flags = state | if self.moves { MOVES } else { 0 };
         let message = image(self.half, self.size, pixels, flags);
-        self.exchange.tell(Kind::image(self.half), message);
+        self.exchange.send(Kind::image(self.half), message);
     }
 
     /// Puts the levels of a tile into the image.
@@ -114,7 +114,7 @@ impl Watch for Showing<'_> {
         if let Some(half) = figures["halves"].get_mut(self.half) {
             half["done"] = (*done as f64 / pixels.len() as f64).into();
         }
-        self.exchange.tell(Kind::Figures, text(figures));
+        self.exchange.send(Kind::Figures, text(figures));
         self.show(pixels, 0);
         // A large image takes long to show, which is to take a small share of the time.
         *next = Instant::now() + SHOWING.max(start.elapsed() * RARELY);
