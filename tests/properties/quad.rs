@@ -9,10 +9,10 @@ use wavecrest_core::math::vector::{Line, Vector};
 use crate::exact::{meeting, rounded_once};
 use crate::inputs::{coordinate, vector};
 
-/// The half that the ray meets first.
-fn quad_half(ray: &Ray, corners: &[Vec3; 4]) -> [Vec3; 3] {
+/// The half that the ray meets at t.
+fn quad_half(ray: &Ray, t: f32, corners: &[Vec3; 4]) -> [Vec3; 3] {
     let corners = corners.map(Vector::from);
-    surface::quad_halves(&Line::from(ray), &corners, 1, |_| *ray).map(Vec3::from)
+    surface::quad_halves(&Line::from(ray), t, &corners, 1).map(Vec3::from)
 }
 
 /// Any corners, and such as lie in a plane or nearly so; or folded flat, with both halves on one side of
@@ -43,13 +43,19 @@ fn aimed() -> impl Strategy<Value = ([Vec3; 4], Ray)> {
     )
 }
 
-/// The half that the ray meets first by the definition, if it hits the quad.
-fn first_met(ray: &Ray, corners: &[Vec3; 4]) -> Option<[Vec3; 3]> {
-    let [first, second] = halves(corners);
-    let t = |half| meeting(ray, half).map(|t| rounded_once(&t));
-    match (t(&first), t(&second)) {
-        (Some(s), Some(t)) => Some(if t < s { second } else { first }),
-        (s, t) => s.and(Some(first)).or(t.and(Some(second))),
+/// The half that the ray meets first by the definition, and where, if it hits the quad.
+fn first_met(ray: &Ray, corners: &[Vec3; 4]) -> Option<([Vec3; 3], f32)> {
+    let met = |half| meeting(ray, &half).map(|t| (half, rounded_once(&t)));
+    let [first, second] = halves(corners).map(met);
+    match (first, second) {
+        (Some((_, s)), Some((_, t))) => {
+            if t < s {
+                second
+            } else {
+                first
+            }
+        }
+        (first, second) => first.or(second),
     }
 }
 
@@ -60,8 +66,8 @@ proptest! {
     #[test]
     fn the_half_is_that_of_rational_arithmetic((corners, ray) in aimed()) {
         prop_assume!(ray.is_valid());
-        if let Some(half) = first_met(&ray, &corners) {
-            prop_assert_eq!(quad_half(&ray, &corners), half);
+        if let Some((half, t)) = first_met(&ray, &corners) {
+            prop_assert_eq!(quad_half(&ray, t, &corners), half);
         }
     }
 
@@ -79,8 +85,8 @@ proptest! {
         let (p, q) = (half[corner], half[(corner + 1) % 3]);
         let ray = Ray::new(origin, p + (q - p) * (f32::from(part) / 4.0) - origin);
         prop_assume!(ray.is_valid());
-        if let Some(half) = first_met(&ray, &corners) {
-            prop_assert_eq!(quad_half(&ray, &corners), half);
+        if let Some((half, t)) = first_met(&ray, &corners) {
+            prop_assert_eq!(quad_half(&ray, t, &corners), half);
         }
     }
 }

@@ -39,6 +39,7 @@ use crate::counters::{Kernels, TestCounts};
 use crate::geometry::Geometry;
 use crate::kernels::{Aabb, Arithmetic, Precision};
 use crate::math::Ray;
+use crate::math::multisets::Multisets;
 use crate::with_precision;
 use build::Preset;
 use instances::Walks;
@@ -68,6 +69,8 @@ pub struct Traversal {
     noted: NotedLeaves,
     /// What a ray crosses near a hit.
     pub(crate) crossed: Vec<Hit>,
+    /// What rays were inside of.
+    pub(crate) media: Multisets,
     /// Whether any-hit searches note where rays pass primitives, for [`Search::transparent_crossings`].
     pub(crate) notes_passed: bool,
     /// Whether an upper bound may take the place of the t of closest hits on triangles and quads,
@@ -177,7 +180,7 @@ impl Accel {
     /// instances, in the order of their exact t, of equal t first those that shadow rays pass, then by
     /// number, in place of what `hits` held. Of the triangles around an
     /// edge or a corner, [`crossing`](crate::kernels::triangle::crossing) says which; a sphere may be
-    /// crossed twice. Of a pile of dozens of triangles with the same corners the first counts.
+    /// crossed twice. Of dozens of opaque triangles with the same corners the first counts.
     pub fn crossings(&self, ray: &Ray, traversal: &mut Traversal, hits: &mut Vec<Hit>) {
         with_precision!(self.geometry.precision, P => {
             self.search::<P>().crossings(ray, traversal, hits);

@@ -257,8 +257,8 @@ impl Geometry {
         is_among(&self.transparent, number)
     }
 
-    /// The t at which the ray hits the primitive: the least within its range, rounded once. None in a
-    /// hole.
+    /// The t at which the ray hits the primitive: the least within its range that is not in a hole,
+    /// rounded once.
     #[inline(always)]
     pub(crate) fn hit<P: Arithmetic>(
         &self,
@@ -267,7 +267,7 @@ impl Geometry {
         tests: &mut TestCounts,
     ) -> Option<f32> {
         let t = self.meet::<P>(number, ray, tests)?;
-        (!self.is_hole::<P>(number, ray, t, tests)).then_some(t)
+        self.behind_holes::<P>(number, ray, t, tests)
     }
 
     /// As [`Self::hit`], without regard to holes of the scene's own primitives.

@@ -3,6 +3,7 @@
 pub mod bounds;
 pub mod exact;
 pub mod float;
+pub mod multisets;
 pub mod random;
 pub mod ray;
 pub mod real;

@@ -31,6 +31,7 @@ use crate::accel::Accel;
 pub use crate::counters::LookUps;
 use crate::kernels::camera::path::Path;
 pub use crate::kernels::corners::{CornerValues, NO_VALUE};
+pub use crate::kernels::shade::Visible;
 pub use crate::kernels::texture::{LazyImage, Placing, UvMap};
 use crate::kernels::{Camera, Environment, Filter, Hemisphere, Light, Wrap};
 use crate::plan::Plan;
@@ -72,6 +73,8 @@ pub struct PreparedScene {
     pub environment: Option<Environment>,
     /// What is inside of shapes, in the order of priority where they overlap.
     pub solids: Vec<Solid>,
+    /// Which rays and which light count.
+    pub visible: Visible,
     /// How often a ray may be mirrored or refracted; 0 if the plan has neither.
     pub bounces: u32,
     /// Counts of dropped parts of the file.

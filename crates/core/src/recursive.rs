@@ -18,6 +18,7 @@ use crate::math::{Line, Ray, Stream};
 use crate::plan::schedule::Schedule;
 use crate::prepared::{
     Branch, Class, Interaction, MOST_RAYS, MediumStack, PathState, PreparedScene, ShadowCrossings,
+    Visible,
 };
 use crate::tile::{PassClock, TimedPass, Tracer, Unit, add_sample};
 
@@ -245,7 +246,7 @@ impl<P: Arithmetic> Recursive<P> {
         self.counters.lens_samples += u64::from(scene.camera.has_lens());
         observer.camera();
         let shadows = self.schedule.has_shadows();
-        let (transmits, least) = (self.schedule.has_transmission(), scene.least_weight());
+        let transmits = self.schedule.has_transmission();
         let bounces = if self.schedule.has_mirrors() { scene.bounces } else { 0 };
         let mut radiance = Vec3::ZERO;
         let state = PathState { media: self.start, ..PathState::default() };
@@ -272,6 +273,8 @@ impl<P: Arithmetic> Recursive<P> {
                         scene.scatter::<P>(&at, &hit, transparency, point, memory)
                     });
                     let own = scattered.map_or(throughput, |(own, _)| own);
+                    let counts = scene.visible.counts(own.into(), point.emission);
+                    let own = if counts { own } else { Vec3::ZERO };
                     let local = point.local_light(scene.ambient, scene.hemisphere.as_ref());
                     radiance += own * Vec3::from(local);
                     observer.surface(point, class, radiance);
@@ -290,7 +293,9 @@ impl<P: Arithmetic> Recursive<P> {
                     } else if state.bounces >= bounces {
                         PathEnd::LastBounce
                     } else {
-                        if let Some((next, throughput)) = mirror_ray(point, throughput, least) {
+                        if let Some((next, throughput)) =
+                            mirror_ray(point, throughput, scene.visible)
+                        {
                             let differential = self.differentials.then(|| {
                                 let found = &mut self.counters.look_ups;
                                 scene.mirrored(at.differential, &ray, &hit, point, found)
@@ -307,12 +312,12 @@ impl<P: Arithmetic> Recursive<P> {
                     }
                 }
                 Interaction::Light(color) => {
-                    radiance += throughput * *color;
+                    radiance += scene.visible.light(throughput, *color);
                     PathEnd::Light
                 }
                 Interaction::Nothing => {
                     if let Some(color) = scene.escaped(ray.direction, state.mirrored) {
-                        radiance += throughput * color;
+                        radiance += scene.visible.light(throughput, color);
                     }
                     PathEnd::Nothing
                 }
@@ -393,8 +398,12 @@ fn shadow_request(
 
 /// The mirror ray of a point and its throughput, if there is one.
 #[inline(never)]
-fn mirror_ray(point: &ShadingPoint<f32>, throughput: Vec3, least: f32) -> Option<(Ray, Vec3)> {
-    let request = shade::mirror_request(point, throughput.into(), least)?;
+fn mirror_ray(
+    point: &ShadingPoint<f32>,
+    throughput: Vec3,
+    visible: Visible,
+) -> Option<(Ray, Vec3)> {
+    let request = shade::mirror_request(point, throughput.into(), visible)?;
     let Line { origin, direction } = request.line;
     Some((Ray::new(origin.into(), direction.into()), request.throughput.into()))
 }

@@ -60,7 +60,7 @@ pub(crate) fn check(path: &Path) -> Result<()> {
 pub(crate) struct Head {
     size: (u32, u32),
     /// Whether its values are bytes.
-    is_bytes: bool,
+    pub(crate) is_bytes: bool,
     pub(crate) has_alpha: bool,
     /// Decoded size in bytes, and the additional bytes of the decoder.
     decoded: u64,

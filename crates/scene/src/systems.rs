@@ -2,7 +2,7 @@
 //!
 //! | system | reads | leaves |
 //! |---|---|---|
-//! | `frame` | the view, settings | the offset of the scene's origin, the camera in all frames |
+//! | `frame` | the view, settings, all that shines | the offset of the scene's origin, the camera in all frames, which rays can show anything |
 //! | `placement` | shapes, instances, transforms | shapes where they are shown |
 //! | `culling` | boxes of shapes, cameras, lights | what no ray can meet, of which nothing is stored; what mirrors and transparent surfaces show |
 //! | `geometry` | shapes, whose meshes it moves out of the world | positions, triangles, quads, spheres, mesh attributes, what shadow rays pass; an entity for each shape |
@@ -33,6 +33,7 @@
 mod appearance;
 mod backs;
 pub mod bounds;
+mod brightness;
 pub(crate) mod camera;
 mod census;
 mod classes;
@@ -60,7 +61,7 @@ use hecs::{Entity, World};
 use crate::components::{FreeCamera, View};
 use crate::environment;
 use crate::lights::sky;
-use crate::query::missing;
+use crate::query::{self, missing};
 use textures::Images;
 use wavecrest_base::error::{Error, ErrorKind, Result, Warning};
 use wavecrest_base::memory::Stage;
@@ -120,12 +121,12 @@ pub fn free_camera(world: &mut World, view: Option<View>) -> Result<View> {
 /// be read.
 pub fn extract(mut world: World, options: Options<'_>) -> Result<Extracted> {
     Stage::Extract.begin();
-    let frame = frame::run(&world, &options)?;
-    let mut images = Images::of_scene(&frame.settings.file);
+    let mut images = Images::of_scene(&query::settings(&world)?.file);
+    let frame = frame::run(&world, &options, &mut images)?;
     let mut instances = placement::run(&world, frame.origin);
     culling::run(&world, &frame, &mut instances, &mut images)?;
     let mut arrays = geometry::run(&mut world, &frame, instances, options.flat)?;
-    materials::run(&world);
+    materials::run(&world, &frame);
     lights::run(&mut world, &frame, &arrays.geometry)?;
     sky::run(&mut world, &mut images);
     view::run(&world, &frame, &arrays.geometry);
@@ -145,6 +146,7 @@ pub fn extract(mut world: World, options: Options<'_>) -> Result<Extracted> {
         lights,
         ambient,
         background,
+        visible: frame.visible,
         bounces: if plan.schedule().goes_on() { frame.settings.bounces } else { 0 },
         solids: solids::run(&world, &classes, &arrays.geometry),
         hemisphere: sky::light(&world, &plan, environment.as_ref(), &images)?,

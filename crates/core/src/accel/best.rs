@@ -61,8 +61,8 @@ impl Best {
         self.low == self.high
     }
 
-    /// Replaces the hit by `new`, of the same ray, if that comes first and is not in a hole. Returns
-    /// whether this one changes.
+    /// Replaces the hit by `new`, of the same ray, or what is behind the hole in which it is, if that
+    /// comes first. Returns whether this one changes.
     #[inline(always)]
     pub(super) fn offer<P: Arithmetic>(
         &mut self,
@@ -71,14 +71,15 @@ impl Best {
         new: Self,
         tests: &mut TestCounts,
     ) -> bool {
-        if new.low > self.high || searched.is_hole::<P>(ray, &new, tests) {
+        if new.low > self.high {
             return false;
         }
+        let Some(new) = searched.behind_holes::<P>(ray, new, tests) else { return false };
         if new.high < self.low {
             *self = new;
             return true;
         }
-        self.contest(searched, ray, new)
+        new.low <= self.high && self.contest(searched, ray, new)
     }
 
     /// As [`Self::offer`], for hits whose intervals overlap.

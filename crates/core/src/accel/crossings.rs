@@ -176,9 +176,9 @@ fn cross_leaf<S: Lanes, P: Arithmetic>(
             let Some(t) = t else { continue };
             Best::in_leaf(place, lane, [t, t])
         };
-        if !searched.is_hole::<P>(ray, &hit, tests) {
-            hits.push(hit.finished(arena, ray));
-        }
+        hits.extend(
+            searched.behind_holes::<P>(ray, hit, tests).map(|hit| hit.finished(arena, ray)),
+        );
     }
 }
 

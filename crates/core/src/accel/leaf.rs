@@ -59,7 +59,7 @@ fn visit_list<Q: Query, P: Arithmetic>(
         let Some(t) = searched.geometry.meet::<P>(number, ray, tests) else { continue };
         let new = Best::in_leaf(place, entry, [t, t]);
         if Q::ANY {
-            if !searched.is_hole::<P>(ray, &new, tests) {
+            if searched.behind_holes::<P>(ray, new, tests).is_some() {
                 *best = Best::of(ANY_HIT);
                 return true;
             }
@@ -156,7 +156,7 @@ fn take_any<P: Arithmetic>(
     let certain = searched.without_passed(place, std::mem::take(&mut hits.certain));
     for lane in set_bits::<LANES>(certain) {
         let hit = Best::in_leaf(place, lane, [hits.low[lane], hits.high[lane]]);
-        if !searched.is_hole::<P>(ray, &hit, tests) {
+        if searched.behind_holes::<P>(ray, hit, tests).is_some() {
             *best = Best::of(ANY_HIT);
             return true;
         }
@@ -258,17 +258,25 @@ pub(super) fn corners<S: Lanes>(
 }
 
 impl Searched<'_> {
-    /// Whether the hit of `ray` is in a hole of a cut-out.
+    /// The `hit` of `ray`, or if that is in a hole of a cut-out, the next one on the same primitive.
     #[inline(always)]
-    pub(super) fn is_hole<P: Arithmetic>(
+    pub(super) fn behind_holes<P: Arithmetic>(
         &self,
         ray: &Ray,
-        hit: &Best,
+        hit: Best,
         tests: &mut TestCounts,
-    ) -> bool {
-        let Self { tree, geometry, .. } = self;
-        !geometry.cutouts.is_empty()
-            && geometry.is_hole::<P>(hit.number(tree.arena.view()), ray, hit.low, tests)
+    ) -> Option<Best> {
+        if self.geometry.cutouts.is_empty() {
+            return Some(hit);
+        }
+        let number = hit.number(self.tree.arena.view());
+        // Halves of quads in other leaves are tested each by itself.
+        if Ref::from_bits(hit.leaf).kind() != Kind::List {
+            let is_hole = self.geometry.is_hole::<P>(number, ray, hit.low, tests);
+            return (!is_hole).then_some(hit);
+        }
+        let t = self.geometry.behind_holes::<P>(number, ray, hit.low, tests)?;
+        Some(Best { low: t, high: t, ..hit })
     }
 
     /// The `triangles` of a leaf, a bit each, that shadow rays do not pass.

@@ -3,11 +3,36 @@
 use super::cutouts::Cutout;
 use super::{Geometry, Primitive, Quadric};
 use crate::counters::TestCounts;
-use crate::kernels::{Arithmetic, UvMap, surface, texture};
+use crate::kernels::{Arithmetic, UvMap, quad, surface, texture, triangle};
 use crate::math::float::normalize;
 use crate::math::{Line, Ray, Vector};
 
 impl Geometry {
+    /// The t at which the ray, which meets the primitive at `t`, hits it: that, unless it is in a hole, or
+    /// the next one.
+    #[inline(always)]
+    pub(crate) fn behind_holes<P: Arithmetic>(
+        &self,
+        number: u32,
+        ray: &Ray,
+        t: f32,
+        tests: &mut TestCounts,
+    ) -> Option<f32> {
+        let is_hole = |t: f32, tests: &mut _| self.is_hole::<P>(number, ray, t, tests);
+        if !is_hole(t, tests) {
+            return Some(t);
+        }
+        let next = match self.primitive(number) {
+            Primitive::Quadric(i) => self.quadrics[i].crossings::<P>(ray)[1],
+            Primitive::Quad(i) => {
+                let halves = quad::halves(&self.quad(i)).map(|half| triangle::meet(ray, &half));
+                halves.into_iter().flatten().find(|next| *next > t)
+            }
+            Primitive::Triangle(_) | Primitive::Instanced(_) => None,
+        };
+        next.filter(|&next| next > t && !is_hole(next, tests))
+    }
+
     /// Whether the ray, which meets the primitive at t, passes through a hole.
     #[inline(always)]
     pub(crate) fn is_hole<P: Arithmetic>(
@@ -51,7 +76,7 @@ impl Geometry {
             Primitive::Triangle(i) => self.triangle(i).map(Vector::from),
             Primitive::Quad(i) => {
                 let corners = self.quad(i).map(Vector::from);
-                surface::quad_halves(&Line::from(ray), &corners, 1, |_| *ray)
+                surface::quad_halves(&Line::from(ray), t, &corners, 1)
             }
             Primitive::Quadric(i) => {
                 return Some((quadric_uv::<P>(&self.quadrics[i], &cutout.map, ray, t)?, 1.0));

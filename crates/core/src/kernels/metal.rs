@@ -27,15 +27,12 @@ pub const DIELECTRIC: f64 = 0.04;
 /// The greatest exponent for any roughness. The highlight of a point light is then about a degree
 /// wide.
 const GREATEST_EXPONENT: f64 = 10_000.0;
-/// Half of one of 255 levels: weaker mirrors are dropped.
-const LEAST_MIRROR: f64 = 0.5 / 255.0;
 
 /// The parameters for a base colour C, metalness m and roughness r, all from 0 to 1. With the
 /// reflectance at normal incidence F = 0.04 (1 - m) + m C, and f its largest channel:
 ///
 /// - the highlight and the mirror have the colour F / f, so metals tint them,
-/// - kr = m f (1 - r)^2, or 0 if that is less than half of one of 255 levels: smooth metals are
-///   mirrors,
+/// - kr = m f (1 - r)^2: smooth metals are mirrors,
 /// - kd = 1 - m (1 - r)^2, with the diffuse colour C: light that is not mirrored is scattered,
 /// - exponent n = 2 / r^4 - 2, rounded, at most 10 000: the width of the highlight of physically based models
 ///   (Karis, *Specular BRDF Reference*, 2013),
@@ -63,7 +60,7 @@ pub fn look<D: Real<Element = f64>>(
         ks: (one - roughness) * height,
         kd: one - mirrored,
         exponent,
-        kr: D::select(kr.lt(one.same(LEAST_MIRROR)), zero, kr),
+        kr,
         tint: Vector::select(is_tinted, straight.over(greatest), Vector::new(one, one, one)),
     }
 }
@@ -88,7 +85,6 @@ mod tests {
         let plastic = white(0.0, 0.5);
         assert_eq!((plastic.kd, plastic.kr, plastic.exponent), (1.0, 0.0, 30.0));
         assert!((plastic.ks - 0.08).abs() < 1e-12);
-        assert_eq!(white(1.0, 0.99).kr, 0.0, "too weak to be seen");
     }
 
     #[test]

@@ -220,9 +220,46 @@ fn ambient_request<F: Single>(
     asked.any().then_some(ShadowRequest { line, contribution, at_light, asked })
 }
 
-/// Where light goes through solids, rays from surfaces with less weight in every channel than this half of
-/// one of 255 levels end.
-pub const LEAST_WEIGHT: f32 = 0.5 / 255.0;
+/// Half of one of 255 linear levels: less light than this does not show.
+pub const HALF_LEVEL: f32 = 0.5 / 255.0;
+
+/// Which rays and which light count: those that can show in an image of 255 levels.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Visible {
+    /// The light of a ray with less weight than this, in every channel, counts only if it is brighter than white by
+    /// as much. What surfaces reflect counts as white.
+    pub of_white: f32,
+    /// Rays with no more weight than this end: nothing in the scene is bright enough to count.
+    pub of_brightest: f32,
+}
+
+impl Visible {
+    /// Of a scene in which nothing is brighter than this.
+    pub fn new(brightest: f32) -> Self {
+        // Less by some roundings, so that no light is lost that counts.
+        let of_brightest = HALF_LEVEL * (1.0 - gamma(8)) / brightest.max(1.0);
+        Self { of_white: HALF_LEVEL, of_brightest }
+    }
+
+    /// The lanes in which light counts that has this weight: what surfaces reflect, and what has this brightness.
+    #[inline(always)]
+    pub fn counts<F: Single>(&self, weight: Vector<F>, brightness: Vector<F>) -> F::Mask {
+        let least = weight.x.same(self.of_white);
+        let brightest = brightness.max_abs().max(least.same(1.0));
+        (weight.max_abs() * brightest).ge(least)
+    }
+
+    /// The light of this color that arrives with this weight.
+    pub fn light(&self, weight: Vec3, color: Vec3) -> Vec3 {
+        if self.counts::<f32>(weight.into(), color.into()) { weight * color } else { Vec3::ZERO }
+    }
+
+    /// The lanes in which rays of this weight go on.
+    #[inline(always)]
+    pub fn goes_on<F: Single>(&self, weight: Vector<F>) -> F::Mask {
+        weight.max_abs().gt(weight.x.same(self.of_brightest))
+    }
+}
 
 /// A mirror ray and its throughput.
 #[derive(Clone, Copy, Debug)]
@@ -236,12 +273,12 @@ pub struct MirrorRequest<F: Single> {
 }
 
 /// The mirror ray of a point with weight `throughput`, if this side of the surface is a mirror and
-/// the reflected light can still contribute: it has at least the weight `least` in a channel.
+/// the reflected light can still contribute.
 #[inline(always)]
 pub fn mirror_request<F: Single>(
     point: &ShadingPoint<F>,
     throughput: Vector<F>,
-    least: f32,
+    visible: Visible,
 ) -> Option<MirrorRequest<F>> {
     let asked = point.lit & point.kr.gt(point.kr.zero());
     if !asked.any() {
@@ -251,8 +288,7 @@ pub fn mirror_request<F: Single>(
     let throughput = throughput * point.reflection.tint.scale(point.kr);
     let origin = point.point.offset_origin(point.error, point.normal, direction);
     let line = Line { origin, direction };
-    let counts = throughput.is_not_zero() & !throughput.max_abs().lt(point.kr.same(least));
-    let asked = asked & counts & line.is_valid();
+    let asked = asked & visible.goes_on(throughput) & line.is_valid();
     asked.any().then_some(MirrorRequest { line, throughput, asked })
 }
 

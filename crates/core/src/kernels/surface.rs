@@ -237,14 +237,14 @@ fn disk<F: Single>(
     SurfacePoint::rounded(point, size, normal, [radius.zero(); 2])
 }
 
-/// The halves of quads that rays meet first, in the lanes of `asked`; of halves met at the same t, the
-/// first. These rays must hit their quads; `ray` returns that of a lane, with its range.
+/// The halves of quads that lines meet at the values of t, in the lanes of `asked`, or at the next ones; of
+/// halves met at the same t, the first. These lines must hit their quads.
 #[inline(always)]
 pub fn quad_halves<F: Single>(
     line: &Line<F>,
+    t: F,
     corners: &[Vector<F>; 4],
     asked: u32,
-    ray: impl Fn(usize) -> Ray,
 ) -> [Vector<F>; 3] {
     let [a, b, c, d] = *corners;
     let [first, second] = quad::missed_halves(line, corners);
@@ -253,7 +253,7 @@ pub fn quad_halves<F: Single>(
     let (mut next, mut last) = (Vector::select(is_second, c, b), Vector::select(is_second, d, c));
     for lane in set_bits::<LANES>(asked & !(first | second)) {
         let corners = [a.lane(lane), b.lane(lane), c.lane(lane), d.lane(lane)];
-        let [_, b, c] = nearer_half(&ray(lane), quad::halves(&corners));
+        let [_, b, c] = nearer_half(&line.ray(lane), t.lane(lane), quad::halves(&corners));
         next.set_lane(lane, b);
         last.set_lane(lane, c);
     }
@@ -263,9 +263,9 @@ pub fn quad_halves<F: Single>(
 /// As [`quad_halves`], of one quad.
 #[cold]
 #[inline(never)]
-fn nearer_half(ray: &Ray, [first, second]: [[Vec3; 3]; 2]) -> [Vec3; 3] {
+fn nearer_half(ray: &Ray, t: f32, [first, second]: [[Vec3; 3]; 2]) -> [Vec3; 3] {
     match (triangle::meet(ray, &first), triangle::meet(ray, &second)) {
-        (Some(s), Some(t)) if t < s => second,
+        (Some(a), Some(b)) if (b - t).abs() < (a - t).abs() => second,
         (None, Some(_)) => second,
         _ => first,
     }

@@ -126,7 +126,8 @@ impl Transparency {
 /// What remains of light along a way of this length with this absorption (Beer's law); all after an
 /// infinite one.
 pub fn remaining(absorption: Vec3, length: f64) -> DVec3 {
-    if absorption == Vec3::ZERO || !length.is_finite() {
+    // Surfaces at one place may be met in an order that rounding makes a way back.
+    if absorption == Vec3::ZERO || !length.is_finite() || length <= 0.0 {
         return DVec3::ONE;
     }
     let exponent = absorption.as_dvec3() * -length;

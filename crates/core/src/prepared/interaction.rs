@@ -36,8 +36,7 @@ impl<F: Single> Group<F> {
                 if self.quads != 0 {
                     let [a, b, c] = corners;
                     let all = [a, b, c, Vector::load(token, &self.fourth)];
-                    let [_, next, last] =
-                        surface::quad_halves(line, &all, self.quads, |lane| line.ray(lane));
+                    let [_, next, last] = surface::quad_halves(line, t, &all, self.quads);
                     let quads = F::mask(token, self.quads);
                     corners = [a, Vector::select(quads, next, b), Vector::select(quads, last, c)];
                 }

@@ -84,7 +84,7 @@ impl PreparedScene {
         if let Some(crossed) = crossed {
             let leaves =
                 if crossed == *hit { point.inside } else { self.surface_of::<P>(ray, &crossed).1 };
-            sides = self.sides(media, shape, leaves);
+            sides = self.sides(media, shape, leaves, &mut traversal.media);
         }
         let (behind, second) = (sides.beyond, next);
         let (mut tint, mut close) = (Vec3::ONE, None);
@@ -104,8 +104,11 @@ impl PreparedScene {
                 close = Some(other);
                 break;
             }
-            sides.beyond = self.sides(sides.beyond, shape, found.leaves).beyond;
-            tint *= through.color * through.kt;
+            let own = self.sides(sides.beyond, shape, found.leaves, &mut traversal.media);
+            if self.differ(&own) {
+                tint *= through.color * through.kt;
+            }
+            sides.beyond = own.beyond;
             last = found;
             next = self.crossed::<P>(ray, &last, traversal).1;
         }

@@ -12,6 +12,7 @@ use crate::accel::Traversal;
 use crate::kernels::Arithmetic;
 use crate::kernels::transmission::remaining;
 use crate::math::Ray;
+use crate::math::multisets::{EMPTY, Multisets};
 
 /// What is inside of a shape.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -31,42 +32,37 @@ impl Solid {
 const NONE: u32 = u32::MAX;
 
 /// The solids that a ray is inside of, by their indices in [`PreparedScene::solids`], each as often as
-/// it was entered; the medium first. Of more than eight, those of the lowest priority are forgotten.
+/// it was entered: a multiset of [`Traversal::media`], the first of which is the medium.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct MediumStack([u32; 8]);
+pub struct MediumStack {
+    medium: u32,
+    solids: u32,
+}
 
 impl Default for MediumStack {
     fn default() -> Self {
-        Self([NONE; 8])
+        Self { medium: NONE, solids: EMPTY }
     }
 }
 
 impl MediumStack {
     /// The solid that is the medium; `None` in air.
     pub fn medium(&self) -> Option<u32> {
-        Some(self.0[0]).filter(|&solid| solid != NONE)
+        Some(self.medium).filter(|&solid| solid != NONE)
     }
 
-    /// The solids, the medium first.
-    pub fn solids(&self) -> impl Iterator<Item = u32> {
-        self.0.into_iter().take_while(|&solid| solid != NONE)
+    fn of(solids: u32, all: &Multisets) -> Self {
+        Self { medium: all.numbers(solids).next().unwrap_or(NONE), solids }
     }
 
     /// Inside of `solid` too.
-    fn enter(mut self, mut solid: u32) -> Self {
-        for place in &mut self.0 {
-            if solid < *place {
-                std::mem::swap(place, &mut solid);
-            }
-        }
-        self
+    fn enter(self, solid: u32, all: &mut Multisets) -> Self {
+        Self::of(all.with(self.solids, solid), all)
     }
 
-    /// Without the solid at this place.
-    fn without(mut self, place: usize) -> Self {
-        self.0.copy_within(place + 1.., place);
-        self.0[self.0.len() - 1] = NONE;
-        self
+    /// Inside of `solid` once less.
+    fn leave(self, solid: u32, all: &mut Multisets) -> Self {
+        Self::of(all.without(self.solids, solid), all)
     }
 }
 
@@ -86,16 +82,22 @@ impl PreparedScene {
     /// The media on both sides of a surface of `shape` that a ray inside of `media` meets from behind
     /// if `leaves`. Surfaces that enclose a solid together may belong to shapes that look alike. A solid that
     /// is left without having been entered, as it has no closed surface, was around the ray before.
-    pub(super) fn sides(&self, media: MediumStack, shape: &Shape, leaves: bool) -> Sides {
+    pub(super) fn sides(
+        &self,
+        media: MediumStack,
+        shape: &Shape,
+        leaves: bool,
+        all: &mut Multisets,
+    ) -> Sides {
         let Some(solid) = shape.solid else { return Sides { before: media, beyond: media } };
         if !leaves {
-            return Sides { before: media, beyond: media.enter(solid) };
+            return Sides { before: media, beyond: media.enter(solid, all) };
         }
-        let alike = |other: u32| self.solids[other as usize] == self.solids[solid as usize];
-        let place = media.solids().position(|other| other == solid);
-        match place.or_else(|| media.solids().position(alike)) {
-            Some(place) => Sides { before: media, beyond: media.without(place) },
-            None => Sides { before: media.enter(solid), beyond: media },
+        let alike = |&other: &u32| self.solids[other as usize] == self.solids[solid as usize];
+        let own = all.numbers(media.solids).find(|&other| other == solid);
+        match own.or_else(|| all.numbers(media.solids).find(alike)) {
+            Some(left) => Sides { before: media, beyond: media.leave(left, all) },
+            None => Sides { before: media.enter(solid, all), beyond: media },
         }
     }
 
@@ -143,27 +145,8 @@ impl PreparedScene {
         });
         let [along, against] = &mut counts;
         for (solid, (a, b)) in (0..).zip(along.iter().zip(against)) {
-            (0..*a.min(b)).for_each(|_| media = media.enter(solid));
+            (0..*a.min(b)).for_each(|_| media = media.enter(solid, &mut traversal.media));
         }
         media
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_medium_is_the_solid_of_the_highest_priority() {
-        let mut media = MediumStack::default();
-        assert_eq!(media.medium(), None);
-        for (solid, medium) in [(5, 5), (7, 5), (2, 2), (5, 2)] {
-            media = media.enter(solid);
-            assert_eq!(media.medium(), Some(medium));
-        }
-        assert_eq!(media.solids().collect::<Vec<_>>(), [2, 5, 5, 7]);
-        assert_eq!(media.without(0).without(1).solids().collect::<Vec<_>>(), [5, 7]);
-        (0..9).for_each(|_| media = media.enter(1));
-        assert_eq!(media.solids().collect::<Vec<_>>(), [1; 8]);
     }
 }

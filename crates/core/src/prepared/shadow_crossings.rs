@@ -13,6 +13,7 @@ use crate::accel::{Hit, Rays, Traversal};
 use crate::geometry::ShadingKind;
 use crate::kernels::Arithmetic;
 use crate::math::float::{dot, max};
+use crate::math::multisets::Multisets;
 use crate::math::{Line, Mask, Ray, Single, Vector};
 
 /// Crossings from which no more rays are added to the list: enough for long spans, and so few that
@@ -134,7 +135,7 @@ impl PreparedScene {
             list.evaluate::<f32, P>((), self, (kind, &[face]), &mut group, look_ups);
         }
         let mut all = Vec3::ONE;
-        list.transmittances(self, |_, transmittance| all = transmittance);
+        list.transmittances(self, traversal, |_, transmittance| all = transmittance);
         all
     }
 }
@@ -216,11 +217,17 @@ impl ShadowCrossings {
     }
 
     /// Calls `each` with the number of each ray and the share of its light that passes.
-    pub fn transmittances(&self, scene: &PreparedScene, mut each: impl FnMut(usize, Vec3)) {
+    pub fn transmittances(
+        &self,
+        scene: &PreparedScene,
+        traversal: &mut Traversal,
+        mut each: impl FnMut(usize, Vec3),
+    ) {
         let Self { rays, crossings, .. } = self;
         let mut first = 0;
         for ray in rays.iter() {
-            each(ray.number, transmittance(scene, ray, &crossings[first..ray.end]));
+            let own = &crossings[first..ray.end];
+            each(ray.number, transmittance(scene, ray, own, &mut traversal.media));
             first = ray.end;
         }
     }
@@ -230,7 +237,12 @@ impl ShadowCrossings {
 ///
 /// As for other rays, each is an interface between two media, those at one place are one, and the medium
 /// absorbs.
-fn transmittance(scene: &PreparedScene, ray: &CrossingRay, crossings: &[Crossing]) -> Vec3 {
+fn transmittance(
+    scene: &PreparedScene,
+    ray: &CrossingRay,
+    crossings: &[Crossing],
+    all: &mut Multisets,
+) -> Vec3 {
     let (mut media, mut from, mut transmittance) = (ray.media, 0.0, DVec3::ONE);
     let shape = |crossing: &Crossing| &scene.appearance.shapes[crossing.shape as usize];
     let through = |shape: &Shape| scene.appearance.class(shape).transparency;
@@ -239,7 +251,7 @@ fn transmittance(scene: &PreparedScene, ray: &CrossingRay, crossings: &[Crossing
         rest = behind;
         let own = shape(first);
         let Some(transparency) = through(own) else { continue };
-        let mut sides = scene.sides(media, own, first.inside);
+        let mut sides = scene.sides(media, own, first.inside, all);
         transmittance *= scene.absorbed(&media, first.distance - from);
         if sides.before != media {
             transmittance *= scene.more_absorbed([&media, &sides.before], first.distance);
@@ -253,8 +265,11 @@ fn transmittance(scene: &PreparedScene, ray: &CrossingRay, crossings: &[Crossing
                 break;
             };
             let leaves = next.inside || next.primitive == last.primitive;
-            sides.beyond = scene.sides(sides.beyond, shape(next), leaves).beyond;
-            transmittance *= through.color.as_dvec3() * f64::from(through.kt);
+            let next_sides = scene.sides(sides.beyond, shape(next), leaves, all);
+            if scene.differ(&next_sides) {
+                transmittance *= through.color.as_dvec3() * f64::from(through.kt);
+            }
+            sides.beyond = next_sides.beyond;
             (last, rest) = (*next, behind);
         }
         if own.solid.is_none() || scene.differ(&sides) {

@@ -8,6 +8,7 @@ use glam::Vec3;
 
 use super::{Interface, InterfaceHit, LookUps, MediumStack, PreparedScene, Sides};
 use crate::accel::{Hit, Traversal};
+use crate::geometry::Geometry;
 use crate::kernels::{Arithmetic, Differential, ShadingPoint, Transparency, shade};
 use crate::math::{Ray, Vector};
 use crate::plan::Effect;
@@ -51,15 +52,13 @@ pub struct Branch {
 }
 
 impl PreparedScene {
-    /// Whether the exact t of hits is needed: for footprints, and for light absorbed on the way.
+    /// Whether the exact t of hits is needed: for footprints, for light absorbed on the way, and for bent
+    /// quads with holes, which tell by it which of their halves was hit.
     pub fn needs_t(&self) -> bool {
-        self.plan.has(Effect::RayDifferentials) || self.plan.schedule().has_transmission()
-    }
-
-    /// The least weight of mirror rays from opaque surfaces: where solids are, that of all others.
-    #[inline(always)]
-    pub fn least_weight(&self) -> f32 {
-        if self.solids.is_empty() { 0.0 } else { shade::LEAST_WEIGHT }
+        let Geometry { cutouts, quads, .. } = self.accel.geometry();
+        self.plan.has(Effect::RayDifferentials)
+            || self.plan.schedule().has_transmission()
+            || !cutouts.is_empty() && !quads.is_empty()
     }
 
     /// Whether hits need shading points: for rays, appearance, or ambient light that is not the same
@@ -119,8 +118,7 @@ impl PreparedScene {
             throughput *= self.more_absorbed([&state.media, &before], hit.t.into()).as_vec3();
         }
         let counts = |throughput: Vec3, state: &PathState| {
-            let counts = throughput.max_element() >= shade::LEAST_WEIGHT;
-            counts && state.bounces <= self.bounces
+            self.visible.goes_on::<f32>(throughput.into()) && state.bounces <= self.bounces
         };
         let from = self
             .carries_differentials()
@@ -168,7 +166,7 @@ impl PreparedScene {
                 if let (Some(bent), Some(close)) = (&mut bent, close) {
                     // It starts before that surface, and may pass beside.
                     let (geometry, tests) = (self.accel.geometry(), &mut traversal.tests);
-                    let t = geometry.meet::<P>(close.primitive, &bent.ray, tests);
+                    let t = geometry.hit::<P>(close.primitive, &bent.ray, tests);
                     bent.state.next = t.map_or(Hit::MISS, |t| Hit { t, ..close });
                 }
                 bent

@@ -162,7 +162,8 @@ impl<P: Arithmetic> Shade<'_, P> {
     #[inline(always)]
     fn light(&mut self, i: usize, color: Vec3) {
         let path = self.batch.rays.path[i] as usize;
-        self.batch.paths.radiance.add(path, self.batch.rays.throughput.get(i) * color);
+        let light = self.scene.visible.light(self.batch.rays.throughput.get(i), color);
+        self.batch.paths.radiance.add(path, light);
     }
 
     /// Shades hits, those of each class together: a pass of its own for the clock.
@@ -237,11 +238,13 @@ impl<P: Arithmetic> Shade<'_, P> {
             Some(through) => self.scatter(group, through, (&point, throughput), &mut look_ups),
         };
         self.counters.look_ups += look_ups;
+        let counts = scene.visible.counts(throughput, point.emission);
+        let own = Vector::select(counts, throughput, Vector::splat(token, Vec3::ZERO));
         let local = point.local_light(scene.ambient, scene.hemisphere.as_ref());
-        self.add(group.used, &path, throughput * local);
+        self.add(group.used, &path, own * local);
         if self.shadows && point.lit.any() {
             self.batch.lit.provide();
-            self.batch.lit.push_lanes(&point, throughput, &path);
+            self.batch.lit.push_lanes(&point, own, &path);
             if self.tints {
                 self.batch.tints.provide();
                 self.batch.tints.push_lanes(&point);
@@ -249,7 +252,7 @@ impl<P: Arithmetic> Shade<'_, P> {
         }
         if self.mirrors
             && scattering.is_none()
-            && let Some(mut next) = mirror_request(&point, throughput, self.scene.least_weight())
+            && let Some(mut next) = mirror_request(&point, throughput, scene.visible)
         {
             self.batch.next.provide();
             if self.transmits {

@@ -82,7 +82,7 @@ impl<P: Arithmetic> Wavefront<P> {
             let look_ups = &mut counters.look_ups;
             let evaluated = EvaluatedCrossings { scene, crossings, sorted, look_ups, precision };
             dispatch_any_width(scene.accel.level, evaluated);
-            crossings.transmittances(scene, |ray, transmittance| {
+            crossings.transmittances(scene, traversal, |ray, transmittance| {
                 shadows.contribution.set(ray, shadows.contribution.get(ray) * transmittance);
             });
         }

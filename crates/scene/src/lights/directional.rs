@@ -12,7 +12,7 @@ use crate::systems::frame::Frame;
 use wavecrest_base::error::Result;
 use wavecrest_core::geometry::Geometry;
 use wavecrest_core::kernels::light::{Distant, Emitter, Light};
-use wavecrest_core::kernels::shade::LEAST_WEIGHT;
+use wavecrest_core::kernels::shade::HALF_LEVEL;
 
 pub(super) const KIND: Kind = Kind::entity(
     "directionallight",
@@ -57,7 +57,7 @@ fn is_parallel(
 ) -> bool {
     let strength = (light.intensity * light.color.max_element()).max(1.0);
     let changes = 2.0 * libm::sin((light.angle_degrees / 2.0).to_radians()) * strength;
-    let least = f64::from(LEAST_WEIGHT);
+    let least = f64::from(HALF_LEVEL);
     // The slope of a highlight cos^e is at most sqrt(e).
     let is_small = changes * Material::SHARPEST.sqrt() < least;
     is_small && changes * diameter < least * resolution().0

@@ -76,10 +76,15 @@ impl Transparency {
         priority: 0.0,
     };
 
-    /// Whether anything goes through.
+    /// Whether anything goes through, or is absorbed inside.
     pub(crate) fn has_effect(&self) -> bool {
         let transmission::Transparency { opacity, kt, .. } = self.in_single_precision();
-        opacity < 1.0 || kt > 0.0 || self.vertex_alpha
+        opacity < 1.0 || kt > 0.0 || self.vertex_alpha || self.absorbs()
+    }
+
+    /// Whether light is absorbed inside.
+    pub(crate) fn absorbs(&self) -> bool {
+        self.absorption() != DVec3::ZERO
     }
 
     /// Whether all light passes it as if it were not there.

@@ -49,7 +49,7 @@ pub(crate) fn run(
             one.visibility.is_seen = frame.cameras.iter().any(sees) && !walls.hide(&one.bounds);
         }
     }
-    look_through(world, all, images, true)?;
+    look_through(world, frame, all, images, true)?;
     let shows_others = !is_certain || sight::run(world, frame, all)?;
     if !shows_others && all.iter().any(|one| !one.visibility.is_seen) {
         let hull = Hull::of(world, frame.origin, all);
@@ -59,12 +59,13 @@ pub(crate) fn run(
             one.visibility.is_met = one.visibility.is_seen || is_met();
         }
     }
-    look_through(world, all, images, false)
+    look_through(world, frame, all, images, false)
 }
 
 /// Looks at the opacity of those that may be transparent and are met, of what is seen or of the rest.
 fn look_through(
     world: &World,
+    frame: &Frame,
     all: &mut [ShapeInstance],
     images: &mut Images,
     is_seen: bool,
@@ -73,9 +74,21 @@ fn look_through(
     let met = all.iter_mut().filter(|one| one.visibility.is_transparent && one.visibility.is_met);
     for one in met.filter(|one| one.visibility.is_seen == is_seen) {
         let surface = SurfaceComponents::of(&surfaces, one.entity);
-        one.visibility.is_transparent = is_transparent(world, &surface, one.prototype, images)?;
+        let is_around = |camera: &Camera| is_around(camera, &one.bounds);
+        let is_medium = surface.transparency.is_some_and(Transparency::absorbs)
+            && (one.is_cut_out || frame.cameras.is_empty() || frame.cameras.iter().any(is_around));
+        one.visibility.is_transparent =
+            is_medium || is_transparent(world, &surface, one.prototype, images)?;
     }
     Ok(())
+}
+
+/// Whether rays of a camera may start inside of what has this box.
+fn is_around(camera: &Camera, bounds: &Aabb) -> bool {
+    let (center, radius) = camera.pupil();
+    let (low, high) = (bounds.low.as_dvec3() - radius, bounds.high.as_dvec3() + radius);
+    // In doubt it has none.
+    *bounds == Aabb::EMPTY || center.cmpge(low).all() && center.cmple(high).all()
 }
 
 /// Whether light goes through a surface of a prototype: not if its opacity is 1 at all vertices and in every texel.
@@ -86,7 +99,7 @@ fn is_transparent(
     images: &mut Images,
 ) -> Result<bool> {
     let through = *surface.transparency.unwrap_or(&Transparency::OPAQUE);
-    if (Transparency { vertex_alpha: false, ..through }).has_effect() {
+    if through.opacity < 1.0 || through.kt > 0.0 {
         return Ok(true);
     }
     let mesh = world.get::<&Mesh>(prototype);

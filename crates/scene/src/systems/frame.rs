@@ -9,13 +9,15 @@
 use glam::DVec3;
 use hecs::World;
 
-use super::Options;
 use super::camera::{self, frames_of};
+use super::textures::Images;
+use super::{Options, brightness};
 use crate::components::{FreeCamera, Settings, View};
 use crate::query;
 use wavecrest_base::error::Result;
 use wavecrest_core::kernels::camera::Camera;
 use wavecrest_core::kernels::precision::Precision;
+use wavecrest_core::kernels::shade::Visible;
 use wavecrest_core::plan::schedule::Step;
 
 /// A camera this many times as far from the origin as from its look-at point has lost ten bits.
@@ -29,9 +31,11 @@ pub(crate) struct Frame {
     pub(crate) origin: DVec3,
     /// A camera for each frame, or none if nothing is certain.
     pub(crate) cameras: Vec<Camera>,
+    /// Which rays can show anything.
+    pub(crate) visible: Visible,
 }
 
-pub(super) fn run(world: &World, options: &Options<'_>) -> Result<Frame> {
+pub(super) fn run(world: &World, options: &Options<'_>, images: &mut Images) -> Result<Frame> {
     let &Options { precision, passes, .. } = options;
     let skips = passes.iter().any(|pass| pass.step == Step::Shadow && !pass.needs.is_empty());
     // Fast precision has no error bounds, so nothing is certain, and uses coordinates unchanged.
@@ -42,7 +46,8 @@ pub(super) fn run(world: &World, options: &Options<'_>) -> Result<Frame> {
     let is_free = world.query::<&FreeCamera>().iter().next().is_some();
     let is_certain = skips && !is_fast && !is_free;
     let cameras = if is_certain { frames_of(&camera, path.as_ref()) } else { Vec::new() };
-    Ok(Frame { settings, precision, origin, cameras })
+    let visible = brightness::run(world, settings.background, images)?;
+    Ok(Frame { settings, precision, origin, cameras, visible })
 }
 
 /// The offset to subtract from all positions, for this view.

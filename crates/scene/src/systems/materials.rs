@@ -3,23 +3,23 @@
 use glam::Vec3;
 use hecs::World;
 
+use super::frame::Frame;
 use super::visibility::{MaterialBound, Source, Visibility};
 use crate::components;
 use crate::surface::{SurfaceColumns, SurfaceComponents};
 use wavecrest_core::kernels::blinn_phong::Material;
 use wavecrest_core::kernels::metal;
-use wavecrest_core::kernels::shade::LEAST_WEIGHT;
 use wavecrest_core::prepared::Shape;
 
 /// Finds the material of each shape, and its bounds. Shapes of lights keep an unused one.
-pub(crate) fn run(world: &World) {
+pub(crate) fn run(world: &World, frame: &Frame) {
     let surfaces = world.view::<SurfaceColumns<'_>>();
     let mut shapes =
         world.query::<(&Source, &Shape, &Visibility, &mut Material, &mut MaterialBound)>();
     for (source, shape, visibility, material, bound) in shapes.iter() {
         let surface = SurfaceComponents::of(&surfaces, source.0);
         if let Some(own) = surface.material {
-            let kr = if visibility.is_mirror { mirrored(own) } else { 0.0 };
+            let kr = if visibility.is_mirror { mirrored(own, frame) } else { 0.0 };
             *material = constants(own, kr, &surface, shape.colored);
         }
         bound.0 = largest(*material, &surface);
@@ -75,10 +75,11 @@ fn largest(material: Material, surface: &SurfaceComponents<'_>) -> Material {
     }
 }
 
-/// The weight of the mirror ray; 0 if less than half of one of 255 levels is left of any light, as of metals.
-pub(super) fn mirrored(material: &components::Material) -> f32 {
+/// The weight of the mirror ray; 0 if that could show nothing.
+pub(super) fn mirrored(material: &components::Material, frame: &Frame) -> f32 {
     let kr = material.kr as f32;
-    if kr * material.specular_color.as_vec3().max_element() < LEAST_WEIGHT { 0.0 } else { kr }
+    let weight = material.specular_color.as_vec3() * kr;
+    if frame.visible.goes_on::<f32>(weight.into()) { kr } else { 0.0 }
 }
 
 /// The material with the weights of a base colour, metalness and roughness.

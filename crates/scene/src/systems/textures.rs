@@ -84,6 +84,21 @@ impl Images {
         is_even.then(|| Vec3::from(ranges.map(|[value, _]| value)).as_dvec3())
     }
 
+    /// A bound on the colours of a texture: of values that are no bytes, infinity, or if it is under a key of the
+    /// object at a place, their largest.
+    pub(super) fn brightest(
+        &mut self,
+        texture: &TextureRef,
+        place: Option<(&str, &str)>,
+    ) -> Result<DVec3> {
+        if Head::of(&texture.look_up.source).is_ok_and(|head| head.is_bytes) {
+            return Ok(texture.tint);
+        }
+        let Some(place) = place else { return Ok(DVec3::INFINITY) };
+        let (image, _) = self.decoded(texture, None, place)?;
+        Ok(Vec3::from([0, 1, 2].map(|channel| range(image, channel)[1])).as_dvec3())
+    }
+
     /// The decoded image of a texture, and whether its first channel is 1 in every texel.
     fn decoded(
         &mut self,

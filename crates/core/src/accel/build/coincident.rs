@@ -6,8 +6,8 @@
 //! becomes a balanced tree ([`Heaps::open`]): its leaves are full, so that triangles are tested eight
 //! at a time.
 //!
-//! Of triangles with the same corners only the first enters the tree, and the first that shadow rays
-//! pass. A ray meets all of them at the same t, where the lowest number wins.
+//! Of opaque triangles with the same corners only the first enters the tree, and of the shapes of lights: a ray
+//! meets all of them at the same t, where the lowest number wins. What is transparent or cut out shows the others.
 
 use std::collections::{HashMap, HashSet};
 use std::ops::Range;
@@ -117,13 +117,18 @@ impl Heaps {
     }
 }
 
-/// The members of a heap by size, without copies. Around one another, the outer ones hide the
-/// inner.
+/// The members of a heap by size, without copies that others hide. Around one another, the outer ones hide
+/// the inner.
 fn ordered(geometry: &Geometry, mut members: Vec<(Entry, Aabb)>) -> Vec<(Entry, Aabb)> {
     members.sort_unstable_by_key(|(single, _)| single.number);
     let mut known = HashSet::new();
     members.retain(|(single, _)| {
         let Some(corners) = single.corners else { return true };
+        let has_holes =
+            !geometry.cutouts.is_empty() && geometry.cutouts.of(single.number).is_some();
+        if has_holes || geometry.is_transparent(single.number) {
+            return true;
+        }
         // Zeros of both signs are one place.
         let bits = |v: u32| (geometry.positions[v as usize] + 0.0).to_array().map(f32::to_bits);
         let mut corners = corners.map(bits);

@@ -171,7 +171,7 @@ impl<S: Lanes, Q: Query, P: Arithmetic> TileBatch<'_, S, Q, P> {
                         Primitive::Quadric(i) => {
                             let quadric = &geometry.quadrics[i];
                             tile.meet_quadric::<S, Q, P>(
-                                *simd, *searched, quadric, at, rays, tests,
+                                *simd, *searched, quadric, at, rays, is_passed, tests,
                             );
                         }
                         _ => meet_each::<Q, P>(*searched, tile, number, at, rays, tests),

@@ -136,7 +136,7 @@ impl RayTile {
     ) {
         let ray = self.ray(i);
         if Q::ANY {
-            self.done |= u64::from(!searched.is_hole::<P>(&ray, &hit, tests)) << i;
+            self.done |= u64::from(searched.behind_holes::<P>(&ray, hit, tests).is_some()) << i;
             return;
         }
         let mut best = self.best(i);
@@ -145,7 +145,8 @@ impl RayTile {
         }
     }
 
-    /// Tests the quadric of an entry in a list against some `rays`, a bit each, eight at a time.
+    /// Tests the quadric of an entry in a list against some `rays`, a bit each, eight at a time. One that shadow
+    /// rays pass is met whether or not it has holes where they do.
     #[inline(always)]
     pub(super) fn meet_quadric<S: Lanes, Q: Query, P: Arithmetic>(
         &mut self,
@@ -154,10 +155,11 @@ impl RayTile {
         quadric: &Quadric,
         (place, entry): (Ref, usize),
         rays: u64,
+        is_passed: bool,
         tests: &mut TestCounts,
     ) {
         quadric.count(tests, rays.count_ones());
-        let certain = Q::ANY && searched.geometry.cutouts.is_empty();
+        let certain = is_passed || Q::ANY && searched.geometry.cutouts.is_empty();
         for first in (0..TILE).step_by(LANES) {
             let used = (rays >> first) as u32 & 0xFF;
             if used == 0 {

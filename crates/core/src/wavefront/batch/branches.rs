@@ -1,6 +1,6 @@
 //! Rays that wait, if surfaces let light through.
 
-use crate::kernels::shade::LEAST_WEIGHT;
+use crate::kernels::shade::HALF_LEVEL;
 use crate::prepared::Branch;
 
 /// Rays that wait until the rays before them on their path are done: a stack for each path.
@@ -13,7 +13,7 @@ pub struct BranchStacks {
 /// Largest number of rays of a path that wait if no surface sends on more light than it receives:
 /// in each of three channels their throughputs add up to 1 at most, and each ray has at least the
 /// least weight in one.
-const MOST_WAITING: usize = (3.0 / LEAST_WEIGHT) as usize;
+const MOST_WAITING: usize = (3.0 / HALF_LEVEL) as usize;
 
 impl BranchStacks {
     /// Bytes that a path with up to this number of bounces takes at most: up to two rays for each wait,

@@ -3,7 +3,7 @@
 use super::Census;
 use crate::components::{ThinLens, View};
 use crate::systems::camera;
-use wavecrest_core::kernels::shade::LEAST_WEIGHT;
+use wavecrest_core::kernels::shade::HALF_LEVEL;
 
 /// The reason for a lens and antialiasing to be left out: every ray sees the background.
 const NOTHING: &str = "no shape is in view";
@@ -24,7 +24,7 @@ impl Census<'_> {
             Some(_) if !self.sees_any() => (false, NOTHING.to_owned()),
             None => (false, "the camera is a pinhole".to_owned()),
             Some(lens) if camera::radius(lens) == 0.0 => (false, "the aperture is 0".to_owned()),
-            Some(_) if self.blur() < LEAST_WEIGHT.into() => {
+            Some(_) if self.blur() < HALF_LEVEL.into() => {
                 (false, "it blurs nothing by a 510th of a pixel".to_owned())
             }
             Some(lens) => (

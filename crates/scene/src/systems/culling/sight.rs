@@ -24,7 +24,7 @@ pub(super) fn run(world: &World, frame: &Frame, all: &mut [ShapeInstance]) -> Re
     let surfaces = world.view::<SurfaceColumns<'_>>();
     let is_mirror = |one: &ShapeInstance| {
         let SurfaceComponents { material, maps, .. } = SurfaceComponents::of(&surfaces, one.entity);
-        let mirrors = material.is_some_and(|material| mirrored(material) > 0.0);
+        let mirrors = material.is_some_and(|material| mirrored(material, frame) > 0.0);
         one.visibility.is_seen && frame.settings.bounces > 0 && (mirrors || maps.metal.is_some())
     };
     let skies = || world.query::<&mut Sky>();

@@ -9,6 +9,7 @@ use crate::systems::frame::Frame;
 use crate::systems::geometry::{Arrays, run};
 use crate::systems::placement;
 use wavecrest_core::kernels::precision::Precision;
+use wavecrest_core::kernels::shade::Visible;
 use wavecrest_core::math::float::MAX_COORDINATE;
 use wavecrest_core::prepared::Shape;
 
@@ -31,7 +32,8 @@ fn arrays(world: &mut World) -> Result<Arrays> {
     let instances = placement::run(world, DVec3::ZERO);
     let settings = staging::settings("scene.json".as_ref(), 0, &Lighting::USUAL);
     let precision = Precision::default();
-    let frame = Frame { settings, precision, origin: DVec3::ZERO, cameras: Vec::new() };
+    let (origin, cameras, visible) = (DVec3::ZERO, Vec::new(), Visible::new(1.0));
+    let frame = Frame { settings, precision, origin, cameras, visible };
     run(world, &frame, instances, false)
 }
 
