@@ -14,8 +14,8 @@ use wavecrest_scene::systems::Options;
 use wavecrest_scene::write::write;
 
 use crate::support::{
-    assert_near, folder, image_of, matte, options, pinhole, pixel, point_light, ready, ready_by,
-    render_on, scene, sphere, textured_square, wall, with,
+    assert_near, both, folder, image_of, matte, options, pinhole, pixel, point_light, ready,
+    ready_by, render_on, scene, sphere, textured_square, wall, with,
 };
 
 /// A folder with an image whose left half is there, green, and whose right half is not.
@@ -100,6 +100,37 @@ fn a_sphere_is_cut_out_by_a_mask() {
     // u runs around +y from behind: to the left half of the image the left half of the ball belongs, and on the
     // right its inside is seen.
     assert!(pixel(&film, 5, 8)[1] > pixel(&film, 10, 8)[1]);
+}
+
+/// Through the hole of a shell its inside is met, by rays of any kind: opaque, it shades as much as a whole ball;
+/// half transparent, light passes once where it passes a whole one twice.
+#[test]
+fn behind_a_hole_is_the_far_side() {
+    let folder = with_image();
+    // The hole faces the lamp.
+    let ball = |opacity: f64, is_cut: bool| {
+        let ball = sphere([0.0; 3], 1.0, with(matte(1.0, [1.0; 3]), "opacity", opacity));
+        let ball = with(ball, "transform", json!({"rotate": [0, -90, 0]}));
+        if is_cut { cut_out(ball) } else { ball }
+    };
+    let lamp = with(point_light(1.0, [0.0, 0.0, 6.0], [1.0; 3]), "falloff", "none");
+    let camera = with(pinhole([64, 64], 60.0, 3.0), "location", json!([0, 0, -4]));
+    let camera = with(camera, "look", json!([0, 0, -5]));
+    let shadow = |ball: Option<Value>| {
+        let floor = wall(9.0, -6.0, matte(1.0, [1.0; 3]));
+        let shapes: Vec<Value> = [floor].into_iter().chain(ball).collect();
+        let mut json = scene(0, &camera, std::slice::from_ref(&lamp), &shapes);
+        json["scene"]["ambient"] = 0.into();
+        let [wavefront, recursive] = both(&prepared(&json, folder.path()));
+        assert!(wavefront.film.same_bits(&recursive.film));
+        wavefront.film
+    };
+    assert!(shadow(Some(ball(1.0, true))).same_bits(&shadow(Some(ball(1.0, false)))));
+    let [open, whole, shell] =
+        [None, Some(ball(0.5, false)), Some(ball(0.5, true))].map(|ball| shadow(ball));
+    for (film, share) in [(whole, 0.25), (shell, 0.5)] {
+        assert_eq!(pixel(&film, 32, 32)[0], pixel(&open, 32, 32)[0] * share);
+    }
 }
 
 /// Of glTF files, by their mode; of MTL files, by `map_d`. A converted file has the same image.

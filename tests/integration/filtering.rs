@@ -207,7 +207,7 @@ fn mirrored(scene: &PreparedScene, [x, y]: [u32; 2], mirrors: usize) -> (Ray, Di
         let mut look_ups = LookUps::default();
         let met = scene.interaction::<Exact>(&ray, &hit, differential, &mut look_ups);
         let Interaction::Surface(point, _) = met else { panic!("({x}, {y}) meets no surface") };
-        let request = shade::mirror_request(&point, Vec3::ONE.into(), 0.0).expect("a mirror ray");
+        let request = shade::mirror_request(&point, Vec3::ONE.into()).expect("a mirror ray");
         differential = Some(scene.mirrored(differential, &ray, &hit, &point, &mut look_ups));
         let Line { origin, direction } = request.line;
         ray = Ray::new(origin.into(), direction.into());

@@ -18,7 +18,6 @@ use crate::math::{Line, Ray, Stream};
 use crate::plan::schedule::Schedule;
 use crate::prepared::{
     Branch, Class, Interaction, MOST_RAYS, MediumStack, PathState, PreparedScene, ShadowCrossings,
-    Visible,
 };
 use crate::tile::{PassClock, TimedPass, Tracer, Unit, add_sample};
 
@@ -273,8 +272,7 @@ impl<P: Arithmetic> Recursive<P> {
                         scene.scatter::<P>(&at, &hit, transparency, point, memory)
                     });
                     let own = scattered.map_or(throughput, |(own, _)| own);
-                    let counts = scene.visible.counts(own.into(), point.emission);
-                    let own = if counts { own } else { Vec3::ZERO };
+                    let own = state.shown(own, point.emission.into());
                     let local = point.local_light(scene.ambient, scene.hemisphere.as_ref());
                     radiance += own * Vec3::from(local);
                     observer.surface(point, class, radiance);
@@ -293,9 +291,7 @@ impl<P: Arithmetic> Recursive<P> {
                     } else if state.bounces >= bounces {
                         PathEnd::LastBounce
                     } else {
-                        if let Some((next, throughput)) =
-                            mirror_ray(point, throughput, scene.visible)
-                        {
+                        if let Some((next, throughput)) = mirror_ray(point, throughput) {
                             let differential = self.differentials.then(|| {
                                 let found = &mut self.counters.look_ups;
                                 scene.mirrored(at.differential, &ray, &hit, point, found)
@@ -312,12 +308,12 @@ impl<P: Arithmetic> Recursive<P> {
                     }
                 }
                 Interaction::Light(color) => {
-                    radiance += scene.visible.light(throughput, *color);
+                    radiance += state.shown(throughput, *color) * *color;
                     PathEnd::Light
                 }
                 Interaction::Nothing => {
                     if let Some(color) = scene.escaped(ray.direction, state.mirrored) {
-                        radiance += scene.visible.light(throughput, color);
+                        radiance += state.shown(throughput, color) * color;
                     }
                     PathEnd::Nothing
                 }
@@ -398,12 +394,8 @@ fn shadow_request(
 
 /// The mirror ray of a point and its throughput, if there is one.
 #[inline(never)]
-fn mirror_ray(
-    point: &ShadingPoint<f32>,
-    throughput: Vec3,
-    visible: Visible,
-) -> Option<(Ray, Vec3)> {
-    let request = shade::mirror_request(point, throughput.into(), visible)?;
+fn mirror_ray(point: &ShadingPoint<f32>, throughput: Vec3) -> Option<(Ray, Vec3)> {
+    let request = shade::mirror_request(point, throughput.into())?;
     let Line { origin, direction } = request.line;
     Some((Ray::new(origin.into(), direction.into()), request.throughput.into()))
 }

@@ -2,6 +2,7 @@
 //! and neither the order of shapes in the file nor the instruction level counts.
 
 use serde_json::{Value, json};
+use wavecrest_core::accel::build::Preset;
 use wavecrest_core::math::simd::Level;
 use wavecrest_core::probe::{self, PathRecord};
 
@@ -240,7 +241,8 @@ fn a_thin_ball_is_entered_and_left() {
 fn paths_know_what_they_start_inside_of() {
     let inside = json!({"type": "pinhole", "width": 1, "height": 1, "fov": 1e-3,
                         "location": [0, 0.01, 0], "look": [0, 0.01, -1]});
-    for more in [json!({"opacity": 0}), json!({"kt": 1, "ior": 1.33})] {
+    // Whatever it lets through.
+    for more in [json!({"opacity": 0}), json!({"kt": 1, "ior": 1.33}), json!({})] {
         let ball = sphere([0.0; 3], 5.0, jelly(&more));
         let found = path(1, &inside, &[ball, shining(-2.0)]);
         for (k, left) in LEFT.iter().enumerate() {
@@ -275,4 +277,108 @@ fn rays_that_double_are_counted_and_end() {
     let prepared = prepare(&scene(64, &pinhole([1, 1], 1e-3, 9.0), &[], &shapes));
     let path = &probe::pixel(&prepared, [0, 0], 0).paths[0];
     assert_eq!(path.bounces.len(), wavecrest_core::prepared::MOST_RAYS as usize);
+}
+
+/// The share of light that balls around one another leave of each shell of this width, the innermost first.
+fn left_by(ball: usize) -> f64 {
+    0.96 + 0.001 * (ball * 37 % 40) as f64
+}
+
+/// Balls around the origin, the innermost first, each a shell wide.
+fn nested(count: usize, more: &Value) -> Vec<Value> {
+    let ball = |i: usize| {
+        let of = with(
+            clear(more),
+            "attenuationcolor",
+            json!([1.0; 3].map(|white: f64| white * left_by(i))),
+        );
+        sphere([0.0, 0.01, 0.0], (i + 1) as f64 / 16.0, with(of, "attenuationdistance", 0.0625))
+    };
+    (0..count).map(ball).collect()
+}
+
+/// From outside, from inside, and for light that shines through all of them.
+#[test]
+fn any_number_of_solids_nest() {
+    const BALLS: usize = 64;
+    let way: f64 = (0..BALLS).map(left_by).product();
+    let inside = with(at_angle(0.0), "location", json!([0, 0.01, 0]));
+    let inside = with(inside, "look", json!([0, 0.01, -1]));
+    for more in [json!({"kt": 1, "ior": 1}), json!({"opacity": 0})] {
+        let mut shapes = nested(BALLS, &more);
+        shapes.push(shining(-5.0));
+        for (camera, expected) in [(at_angle(0.0), way * way), (inside.clone(), way)] {
+            for _ in 0..2 {
+                shapes.reverse();
+                let path = probe::pixel(&prepare(&scene(200, &camera, &[], &shapes)), [0, 0], 0);
+                assert_eq!(path.differs, None);
+                let found = f64::from(path.paths[0].radiance.x) / expected;
+                assert!((found - 1.0).abs() < 1e-4, "nested balls: {found}");
+            }
+        }
+        // Of a lamp on the other side, to a wall seen from this one.
+        let lamp = with(point_light(1.0, [0.0, 0.01, 6.0], [1.0; 3]), "falloff", "none");
+        let camera = with(pinhole([1, 1], 1e-3, 0.5), "location", json!([0, 0.01, -4.5]));
+        let camera = with(camera, "look", json!([0, 0.01, -5]));
+        let lit = |shapes: &[Value]| {
+            let mut json = scene(2, &camera, std::slice::from_ref(&lamp), shapes);
+            json["scene"]["ambient"] = json!(0);
+            pixel(&image_of(&prepare(&json), 0), 0, 0)[0]
+        };
+        shapes[BALLS] = wall(9.0, -5.0, matte(1.0, [1.0; 3]));
+        let found = lit(&shapes) / lit(&shapes[BALLS..]) / (way * way);
+        assert!((found - 1.0).abs() < 1e-4, "light through nested balls: {found}");
+    }
+    // Of one index and without attenuation they are one body.
+    let equal = (1..10).map(|i| sphere([0.0, 0.01, 0.0], f64::from(i), glass(1.5)));
+    let shapes: Vec<Value> = equal.chain([shining(-20.0)]).collect();
+    let camera = with(at_angle(0.0), "location", json!([0, 0.01, 15]));
+    close(path(30, &camera, &shapes).radiance.x, through(&[1.0, 1.5, 1.0]), "one body");
+}
+
+/// All count, whatever their number and whatever they look like, in any tree; of solids the first.
+#[test]
+fn copies_in_one_place_count() {
+    for [count, classes] in [[2, 1], [40, 1], [80, 3]] {
+        let pane = |i: u32| {
+            let of = clear(&json!({"opacity": 0.02, "specularexponent": 1 + i % classes}));
+            wall(9.0, 0.0, of)
+        };
+        let mut shapes: Vec<Value> = (0..count).map(pane).collect();
+        shapes.push(shining(-1.0));
+        let mut prepared = prepare(&scene(0, &at_angle(0.3), &[], &shapes));
+        for preset in [Preset::VeryFast, Preset::Brute, Preset::Fastest] {
+            prepared.accel.rebuild(preset);
+            let found = probe::pixel(&prepared, [0, 0], 0);
+            assert_eq!(found.differs, None);
+            close(found.paths[0].radiance.x, 0.98_f64.powi(count as i32), "copies");
+        }
+    }
+    let tinted = clear(&json!({"kt": 1, "transmissioncolor": [0.5, 1, 1]}));
+    let mut shapes = vec![sphere([0.0, 0.01, 0.0], 1.0, tinted); 3];
+    shapes.push(shining(-3.0));
+    let once = through(&[1.0, 1.5, 1.0]);
+    let found = straight(4, &shapes).radiance;
+    close(found.x, once * 0.25, "copies of a body, tinted where it is entered and left");
+    close(found.y, once, "their other channels");
+}
+
+/// A faint mirror of what is bright, also after others, and whatever else is in the file.
+#[test]
+fn rays_end_by_what_they_could_show() {
+    let bright = wall(60.0, 20.0, clear(&json!({"emission": [1000, 1000, 1000]})));
+    let mirror = |kr: f64| wall(9.0, 0.0, clear(&json!({"kr": kr})));
+    let unseen = |material: Value| sphere([500.0, 0.0, 0.0], 1.0, clear(&material));
+    for (kr, expected) in [(0.0019, 1.9), (1e-5, 0.01), (1e-6, 0.0)] {
+        for more in [json!({}), json!({"kt": 1}), json!({"emission": [1e9, 0, 0]})] {
+            let shapes = [mirror(kr), bright.clone(), unseen(more)];
+            close(path(3, &at_angle(0.2), &shapes).radiance.x, expected, "a faint mirror");
+        }
+    }
+    // What surfaces reflect counts as white, and white after this mirror is less than half a level.
+    let white = wall(60.0, 20.0, clear(&json!({"emission": [1, 1, 1]})));
+    for more in [json!({"kr": 0.5}), json!({"kt": 1}), json!({"emission": [1e9, 0, 0]})] {
+        let found = path(3, &at_angle(0.2), &[mirror(0.0019), white.clone(), unseen(more)]);
+        assert_eq!(found.radiance.x, 0.0, "less than half a level");
+    }
 }

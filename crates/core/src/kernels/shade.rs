@@ -223,41 +223,47 @@ fn ambient_request<F: Single>(
 /// Half of one of 255 linear levels: less light than this does not show.
 pub const HALF_LEVEL: f32 = 0.5 / 255.0;
 
-/// Which rays and which light count: those that can show in an image of 255 levels.
+/// Which rays end where a path is split, as they could show nothing.
+///
+/// A ray is faint if what surfaces reflect, which counts as white, is less than [`HALF_LEVEL`] after its weight. Of
+/// what faint rays meet only light counts that is brighter by as much, so that it does not matter to a pixel what
+/// else there is; and they end if nothing in the scene is so bright.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Visible {
-    /// The light of a ray with less weight than this, in every channel, counts only if it is brighter than white by
-    /// as much. What surfaces reflect counts as white.
-    pub of_white: f32,
-    /// Rays with no more weight than this end: nothing in the scene is bright enough to count.
-    pub of_brightest: f32,
+    /// Rays of less weight than this end.
+    least: f32,
 }
 
 impl Visible {
     /// Of a scene in which nothing is brighter than this.
     pub fn new(brightest: f32) -> Self {
         // Less by some roundings, so that no light is lost that counts.
-        let of_brightest = HALF_LEVEL * (1.0 - gamma(8)) / brightest.max(1.0);
-        Self { of_white: HALF_LEVEL, of_brightest }
+        let margin = if brightest > 1.0 { 1.0 - gamma(8) } else { 1.0 };
+        Self { least: HALF_LEVEL * margin / brightest.max(1.0) }
     }
 
-    /// The lanes in which light counts that has this weight: what surfaces reflect, and what has this brightness.
+    /// Whether faint rays go on.
     #[inline(always)]
-    pub fn counts<F: Single>(&self, weight: Vector<F>, brightness: Vector<F>) -> F::Mask {
-        let least = weight.x.same(self.of_white);
-        let brightest = brightness.max_abs().max(least.same(1.0));
-        (weight.max_abs() * brightest).ge(least)
+    pub fn has_faint(&self) -> bool {
+        self.least < HALF_LEVEL
     }
 
-    /// The light of this color that arrives with this weight.
-    pub fn light(&self, weight: Vec3, color: Vec3) -> Vec3 {
-        if self.counts::<f32>(weight.into(), color.into()) { weight * color } else { Vec3::ZERO }
-    }
-
-    /// The lanes in which rays of this weight go on.
+    /// Whether a ray of this weight goes on.
     #[inline(always)]
-    pub fn goes_on<F: Single>(&self, weight: Vector<F>) -> F::Mask {
-        weight.max_abs().gt(weight.x.same(self.of_brightest))
+    pub fn goes_on(&self, weight: Vec3) -> bool {
+        weight.max_element() > 0.0 && weight.max_element() >= self.least
+    }
+
+    /// Whether a ray of this weight is faint.
+    #[inline(always)]
+    pub fn is_faint(weight: Vec3) -> bool {
+        weight.max_element() < HALF_LEVEL
+    }
+
+    /// Whether light of a faint ray of this weight counts: that of something of this brightness.
+    #[inline(always)]
+    pub fn counts(weight: Vec3, brightness: Vec3) -> bool {
+        weight.max_element() * brightness.max_element().max(1.0) >= HALF_LEVEL
     }
 }
 
@@ -278,7 +284,6 @@ pub struct MirrorRequest<F: Single> {
 pub fn mirror_request<F: Single>(
     point: &ShadingPoint<F>,
     throughput: Vector<F>,
-    visible: Visible,
 ) -> Option<MirrorRequest<F>> {
     let asked = point.lit & point.kr.gt(point.kr.zero());
     if !asked.any() {
@@ -288,7 +293,7 @@ pub fn mirror_request<F: Single>(
     let throughput = throughput * point.reflection.tint.scale(point.kr);
     let origin = point.point.offset_origin(point.error, point.normal, direction);
     let line = Line { origin, direction };
-    let asked = asked & visible.goes_on(throughput) & line.is_valid();
+    let asked = asked & throughput.is_not_zero() & line.is_valid();
     asked.any().then_some(MirrorRequest { line, throughput, asked })
 }
 

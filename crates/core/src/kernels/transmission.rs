@@ -176,6 +176,15 @@ mod tests {
     }
 
     #[test]
+    fn a_way_that_rounding_turns_back_keeps_all_light() {
+        let strong = Vec3::new(f32::MAX, 1.0, 0.0);
+        for length in [0.0, -1e-7, f64::INFINITY] {
+            assert_eq!(remaining(strong, length), DVec3::ONE);
+        }
+        assert_eq!(remaining(strong, 1e-30).x, 0.0);
+    }
+
+    #[test]
     fn the_base_colour_counts_once_in_a_sheet_and_on_the_way_through_a_solid() {
         let mut through = Transparency {
             opacity: 1.0,

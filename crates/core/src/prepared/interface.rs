@@ -88,6 +88,8 @@ impl PreparedScene {
         }
         let (behind, second) = (sides.beyond, next);
         let (mut tint, mut close) = (Vec3::ONE, None);
+        // Of equal solids in one place one surface is there, for which the first one stands.
+        let mut has_own = self.differ(&sides);
         let bends = transparency.kt > 0.0 && shape.solid.is_some() && crossed.is_some();
         while let Some(other) = next.filter(|_| bends) {
             let found = self.place_of::<P>(ray, other, &last);
@@ -106,7 +108,8 @@ impl PreparedScene {
             }
             let own = self.sides(sides.beyond, shape, found.leaves, &mut traversal.media);
             if self.differ(&own) {
-                tint *= through.color * through.kt;
+                tint *= if has_own { through.color * through.kt } else { Vec3::ONE };
+                has_own = true;
             }
             sides.beyond = own.beyond;
             last = found;

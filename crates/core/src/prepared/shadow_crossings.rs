@@ -257,6 +257,8 @@ fn transmittance(
             transmittance *= scene.more_absorbed([&media, &sides.before], first.distance);
         }
         let mut last = *first;
+        // As at an interface.
+        let mut has_own = scene.differ(&sides);
         while let Some((next, behind)) = rest.split_first().filter(|_| transparency.kt > 0.0) {
             let through =
                 through(shape(next)).filter(|of| of.kt > 0.0 && shape(next).solid.is_some());
@@ -267,7 +269,9 @@ fn transmittance(
             let leaves = next.inside || next.primitive == last.primitive;
             let next_sides = scene.sides(sides.beyond, shape(next), leaves, all);
             if scene.differ(&next_sides) {
-                transmittance *= through.color.as_dvec3() * f64::from(through.kt);
+                let tint = if has_own { through.color * through.kt } else { Vec3::ONE };
+                transmittance *= tint.as_dvec3();
+                has_own = true;
             }
             sides.beyond = next_sides.beyond;
             (last, rest) = (*next, behind);

@@ -6,7 +6,7 @@
 
 use glam::Vec3;
 
-use super::{Interface, InterfaceHit, LookUps, MediumStack, PreparedScene, Sides};
+use super::{Interface, InterfaceHit, LookUps, MediumStack, PreparedScene, Sides, Visible};
 use crate::accel::{Hit, Traversal};
 use crate::geometry::Geometry;
 use crate::kernels::{Arithmetic, Differential, ShadingPoint, Transparency, shade};
@@ -21,6 +21,8 @@ pub struct PathState {
     pub bounces: u32,
     /// Whether it was mirrored: it then sees no background.
     pub mirrored: bool,
+    /// Whether only what is brighter than white counts: see [`Visible`].
+    pub faint: bool,
     /// What it is inside of.
     pub media: MediumStack,
     /// The hit that it has if that is known: what lies where it starts. Else a miss.
@@ -28,6 +30,13 @@ pub struct PathState {
 }
 
 impl PathState {
+    /// The share of a `weight` that counts for light of this brightness.
+    #[inline(always)]
+    pub fn shown(&self, weight: Vec3, brightness: Vec3) -> Vec3 {
+        let is_lost = self.faint && !Visible::counts(weight, brightness);
+        if is_lost { Vec3::ZERO } else { weight }
+    }
+
     /// The state of a mirror ray from here.
     pub fn mirrored(self) -> Self {
         Self { bounces: self.bounces + 1, mirrored: true, next: Hit::MISS, ..self }
@@ -118,14 +127,19 @@ impl PreparedScene {
             throughput *= self.more_absorbed([&state.media, &before], hit.t.into()).as_vec3();
         }
         let counts = |throughput: Vec3, state: &PathState| {
-            self.visible.goes_on::<f32>(throughput.into()) && state.bounces <= self.bounces
+            self.visible.goes_on(throughput) && state.bounces <= self.bounces
+        };
+        // As one of the rays into which the path is split.
+        let split = |throughput: Vec3, state: PathState| PathState {
+            faint: state.faint || Visible::is_faint(throughput),
+            ..state
         };
         let from = self
             .carries_differentials()
             .then(|| self.incoming_differentials(ray.direction.into(), &|_| incoming.differential));
         // The same ray, behind a hit.
         let straight = |(hit, next): (Hit, Option<Hit>), state: PathState, throughput: Vec3| {
-            let state = PathState { next: next.unwrap_or(Hit::MISS), ..state };
+            let state = PathState { next: next.unwrap_or(Hit::MISS), ..split(throughput, state) };
             let ray = Ray { t_min: hit.t.next_up(), ..ray };
             let branch = Branch { ray, throughput, state, differential: from };
             counts(throughput, &state).then_some(branch)
@@ -145,6 +159,7 @@ impl PreparedScene {
                 let [point, error, side] = place;
                 let ray = Ray::new(point.offset_origin(error, side, side).into(), direction);
                 let goes_on = counts(throughput, &state) && ray.is_valid();
+                let state = split(throughput, state);
                 goes_on.then_some(Branch { ray, throughput, state, differential: None })
             };
         let kr = if point.lit { point.kr * (1.0 - transparency.kt) } else { 0.0 };

@@ -145,6 +145,7 @@ impl<P: Arithmetic> Shade<'_, P> {
                 bounces: self.bounce,
                 mirrored: self.bounce > 0,
                 media: self.start,
+                faint: false,
                 next: Hit::MISS,
             },
         }
@@ -162,8 +163,8 @@ impl<P: Arithmetic> Shade<'_, P> {
     #[inline(always)]
     fn light(&mut self, i: usize, color: Vec3) {
         let path = self.batch.rays.path[i] as usize;
-        let light = self.scene.visible.light(self.batch.rays.throughput.get(i), color);
-        self.batch.paths.radiance.add(path, light);
+        let weight = self.state(i).shown(self.batch.rays.throughput.get(i), color);
+        self.batch.paths.radiance.add(path, weight * color);
     }
 
     /// Shades hits, those of each class together: a pass of its own for the clock.
@@ -238,8 +239,13 @@ impl<P: Arithmetic> Shade<'_, P> {
             Some(through) => self.scatter(group, through, (&point, throughput), &mut look_ups),
         };
         self.counters.look_ups += look_ups;
-        let counts = scene.visible.counts(throughput, point.emission);
-        let own = Vector::select(counts, throughput, Vector::splat(token, Vec3::ZERO));
+        let mut own = throughput;
+        if self.transmits && scene.visible.has_faint() {
+            for lane in set_bits::<LANES>(group.used) {
+                let state = self.state(numbers[lane] as usize);
+                own.set_lane(lane, state.shown(own.lane(lane), point.emission.lane(lane)));
+            }
+        }
         let local = point.local_light(scene.ambient, scene.hemisphere.as_ref());
         self.add(group.used, &path, own * local);
         if self.shadows && point.lit.any() {
@@ -252,7 +258,7 @@ impl<P: Arithmetic> Shade<'_, P> {
         }
         if self.mirrors
             && scattering.is_none()
-            && let Some(mut next) = mirror_request(&point, throughput, scene.visible)
+            && let Some(mut next) = mirror_request(&point, throughput)
         {
             self.batch.next.provide();
             if self.transmits {

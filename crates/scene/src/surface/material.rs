@@ -1,9 +1,10 @@
 //! Materials.
 
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 
 use super::Transparency;
 use wavecrest_core::kernels::metal::look;
+use wavecrest_core::kernels::shade::Visible;
 
 use crate::format::{Declaration, Kind, Object, Range, component, declared, keys};
 
@@ -51,6 +52,16 @@ impl Material {
         ambient: 1.0,
         unlit: false,
     };
+
+    /// The weight of what it mirrors.
+    pub(crate) fn mirrors(&self) -> Vec3 {
+        self.specular_color.as_vec3() * self.kr as f32
+    }
+
+    /// Whether only what is brighter than white shows in it.
+    pub(crate) fn is_faint_mirror(&self) -> bool {
+        self.mirrors() != Vec3::ZERO && Visible::is_faint(self.mirrors())
+    }
 
     /// That of a base colour, metalness and roughness.
     pub(crate) fn metal(color: DVec3, metallic: f64, roughness: f64) -> Self {

@@ -16,6 +16,7 @@ use hecs::{Entity, World};
 use super::bounds::around;
 use super::frame::Frame;
 use super::geometry::is_varied;
+use super::materials::mirrored;
 use super::placement::{ShapeGeometry, ShapeInstance};
 use super::reach::{BEHIND, Extent};
 use super::textures::Images;
@@ -77,8 +78,11 @@ fn look_through(
         let is_around = |camera: &Camera| is_around(camera, &one.bounds);
         let is_medium = surface.transparency.is_some_and(Transparency::absorbs)
             && (one.is_cut_out || frame.cameras.is_empty() || frame.cameras.iter().any(is_around));
+        // Paths are split there, so that only what is bright enough counts.
+        let is_faint_mirror = frame.settings.bounces > 0
+            && surface.material.is_some_and(|m| m.is_faint_mirror() && mirrored(m, frame) > 0.0);
         one.visibility.is_transparent =
-            is_medium || is_transparent(world, &surface, one.prototype, images)?;
+            is_medium || is_faint_mirror || is_transparent(world, &surface, one.prototype, images)?;
     }
     Ok(())
 }

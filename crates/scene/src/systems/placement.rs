@@ -5,8 +5,8 @@ use hecs::{Entity, Satisfies, World};
 
 use super::visibility::{Shows, Visibility};
 use crate::components::{
-    Channels, Disk, Facing, Hidden, InstanceOf, Map, Mesh, Order, Quad, Shading, Sides, Sphere,
-    TextureRef, Transform, Transparency, Triangle,
+    Channels, Disk, Facing, Hidden, InstanceOf, Map, Material, Mesh, Order, Quad, Shading, Sides,
+    Sphere, TextureRef, Transform, Transparency, Triangle,
 };
 use crate::corners::{quad_normal, triangle_normal};
 use crate::image_file::has_alpha;
@@ -153,13 +153,16 @@ pub(crate) fn run(world: &World, origin: DVec3) -> Vec<ShapeInstance> {
     all.into_iter().map(|(_, instance)| instance).collect()
 }
 
-/// Whether light may go through a surface, as far as the headers of images tell.
+/// Whether light may go through a surface, as far as the headers of images tell, or paths are split there all the
+/// same: at a faint mirror.
 fn may_be_transparent(surface: &SurfaceComponents<'_>) -> bool {
     let may_vary = |texture: &TextureRef| {
         texture.channels == Channels::Color || has_alpha(&texture.look_up.source)
     };
     let opacity = surface.maps.opacity.as_ref().and_then(|map| map.texture.as_ref());
-    surface.transparency.is_some_and(Transparency::has_effect) || opacity.is_some_and(may_vary)
+    surface.transparency.is_some_and(Transparency::has_effect)
+        || surface.material.is_some_and(Material::is_faint_mirror)
+        || opacity.is_some_and(may_vary)
 }
 
 /// Whether the front of a flat shape is where its corners run clockwise in world space. Meshes are flipped by
