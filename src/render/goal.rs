@@ -11,7 +11,6 @@ use crate::common::warn;
 use crate::interrupt;
 use wavecrest_base::error::Result;
 use wavecrest_core::accel::build::Preset;
-use wavecrest_core::plan::Effect;
 use wavecrest_core::prepared::PreparedScene;
 use wavecrest_core::probe::InvalidSample;
 use wavecrest_core::render::{Rendered, Watch};
@@ -152,13 +151,8 @@ fn told(error: Option<MeasuredError>, scene: &PreparedScene) -> String {
     let Some(error) = error.map(|found| figure(found.error)) else {
         return "error not measured: one ray through the centre of each pixel, without random samples".to_owned();
     };
-    let without = match scene.camera.antialias() {
-        1 => ", without the aliasing of one ray through the centre of each pixel",
-        _ if scene.plan.has(Effect::RayDifferentials) => {
-            ", without what trilinear textures blur between the rays of a pixel"
-        }
-        _ => "",
-    };
+    let without = ", without the aliasing of one ray through the centre of each pixel";
+    let without = if scene.camera.antialias() == 1 { without } else { "" };
     format!("measured error: {error}{without}")
 }
 

@@ -196,7 +196,8 @@ fn line(camera: &Camera, ray: &Ray, t: f32, corners: &[Vec3]) -> f32 {
     let [a, b, c] = [corners[0], corners[1], corners[2]];
     let Some(normal) = (b - a).cross(c - a).try_normalize() else { return 0.0 };
     let direction = ray.direction.into();
-    let steps = camera.differential(direction).at(direction, t, normal.into());
+    let share = 1.0 / f64::from(camera.antialias());
+    let steps = camera.differential(direction, share).at(direction, t, normal.into());
     let steps = steps.map(Vec3::from);
     let point = ray.origin + ray.direction * t;
     let ends = |i: usize| (corners[i], corners[(i + 1) % corners.len()]);

@@ -218,8 +218,17 @@ impl Camera {
         (forward + right + up).normalize()
     }
 
-    /// The differentials of the camera rays in these directions, for a step to the right and one down
-    /// to the next sample. With an antialias of n, a step is an n-th of a pixel.
+    /// The side of the area that stands for a camera ray, as a share of a pixel: one over the number of rays that
+    /// are spread over the pixel, of all if they are.
+    ///
+    /// Their distance, one over the root of it, would blur what they tell apart: with more rays that error would fall no
+    /// faster than the noise, and hide below it in no measurement.
+    pub fn footprint(&self) -> f64 {
+        if self.antialias == 1 { 1.0 } else { 1.0 / f64::from(self.rays_per_pixel()) }
+    }
+
+    /// The differentials of the camera rays in these directions, for a step of this share of a pixel to the right and
+    /// one down.
     ///
     /// The differential of a lens ray is taken at a fixed point of the lens. The ray's direction is
     /// w / |w|, where w goes from that point to the focus at depth f along the view. A step moves
@@ -227,14 +236,13 @@ impl Camera {
     /// direction. So f cancels: the derivative is that of a pinhole's ray in the same direction,
     /// and the origin does not change.
     #[inline(always)]
-    pub fn differential<F: Single>(&self, direction: Vector<F>) -> Differential<F> {
+    pub fn differential<F: Single>(&self, direction: Vector<F>, share: f64) -> Differential<F> {
         let direction = direction.widen();
         let ahead = direction.dot(Vector::alike(direction.x, self.forward.as_dvec3()));
         let [width, height] = self.size.map(f64::from);
         let [right, up] = self.half.map(|half| half.as_dvec3());
-        let samples = f64::from(self.antialias);
         let changes = both(
-            [right * (2.0 / width / samples), up * (-2.0 / height / samples)],
+            [right * (2.0 / width * share), up * (-2.0 / height * share)],
             #[inline(always)]
             |step| {
                 let step = Vector::alike(direction.x, step);

@@ -28,7 +28,7 @@ impl PreparedScene {
         direction: Vector<F>,
         carried: &dyn Fn(usize) -> Option<Differential>,
     ) -> Differential<F> {
-        let mut found = self.camera.differential(direction);
+        let mut found = self.camera.differential(direction, self.camera.footprint());
         for lane in 0..F::LANES {
             if let Some(carried) = carried(lane) {
                 found.set_lane(lane, &carried);

@@ -6,8 +6,9 @@
 //! time for. More points are compared with fewer in the same windows. Each choice is then rendered for a moment, which
 //! tells its time.
 //!
-//! Trilinear textures are blurred by the distance between the rays of a pixel. What they lose with few rays is no
-//! variance, and the measured error does not include it.
+//! Trilinear textures are blurred over less than the distance between the rays of a pixel
+//! ([`Camera::footprint`](wavecrest_core::kernels::camera::Camera::footprint)): what they lose is no variance, and is small
+//! beside it.
 //!
 //! One ray through the centre of each pixel is no sample of its area: renders agree in what they
 //! miss, so they do not show it. Where rays in a pixel are varied, a choice for an error therefore

@@ -93,7 +93,7 @@ impl View {
 
     fn differential(&self, direction: Vec3) -> Differential {
         Camera::new(&self.placement, self.antialias, Sampling::Jittered, None)
-            .differential(direction.into())
+            .differential(direction.into(), 1.0 / f64::from(self.antialias))
     }
 }
 
