@@ -173,6 +173,7 @@ fn loaded(
     meshes::complete(&mut world, &notes, read_mesh)?;
     let (file, folder) = (notes.file().to_owned(), notes.folder());
     let (warnings, harmless, files) = notes.into_parts();
+    scene_file::warn_of_darkness(&world, &notes);
     let notes = told.into_iter().chain(harmless).collect();
     Ok(LoadedScene { file, world, warnings, notes, files, folder })
 }

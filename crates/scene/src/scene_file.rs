@@ -11,7 +11,7 @@ use serde_json::{Value, json};
 use crate::camera::{self, CAMERAS};
 use crate::components::{Encoding, JsonPath, Order, View};
 use crate::environment::{self, Environment};
-use crate::format::{Beside, Cursor, Declared, Field, Kind, Object, Range, Writer, keys};
+use crate::format::{Beside, Cursor, Declared, Field, Kind, Notes, Object, Range, Writer, keys};
 use crate::lights::{LIGHTS, SKY, Sky};
 use crate::options::LoadOptions;
 use crate::query;
@@ -105,7 +105,6 @@ pub(crate) fn read(top: &Cursor<'_>, options: &LoadOptions) -> Result<World> {
                 around.map(|around| world.spawn((around,)));
             }
             world.spawn((settings?,));
-            warn_of_darkness(scene, &world);
             Ok(())
         })?;
         camera
@@ -187,8 +186,8 @@ fn ambient(scene: &Object<'_>, world: &mut World) -> Result<f64> {
     Ok(0.0)
 }
 
-/// Warns of shapes without any light, if none shines, mirrors or shows what is behind.
-fn warn_of_darkness(scene: &Object<'_>, world: &World) {
+/// Warns of shapes without any light, if none, nor any instance, shines, mirrors or shows what is behind.
+pub(crate) fn warn_of_darkness(world: &World, notes: &Notes<'_>) {
     let has_sky = world.query::<&Sky>().iter().next().is_some();
     let is_lit = has_sky || !query::lights(world).is_empty();
     let shows = |shape: &EntityRef<'_>| {
@@ -197,9 +196,8 @@ fn warn_of_darkness(scene: &Object<'_>, world: &World) {
             || shape.get::<&Transparency>().is_some_and(|through| through.has_effect())
             || shape.get::<&Maps>().is_some_and(|maps| maps.opacity.is_some())
     };
-    let shapes = query::shapes(world);
-    if !is_lit && !shapes.is_empty() && !shapes.iter().any(shows) {
-        let notes = scene.cursor().notes();
+    let surfaces = query::ordered::<&Material>(world);
+    if !is_lit && !surfaces.is_empty() && !surfaces.iter().any(shows) {
         let message = "there is no light, so every shape is black";
         notes.note("scene.lightsources", message, "add a light");
     }
