@@ -5,11 +5,26 @@ use hecs::World;
 
 use super::frame::Frame;
 use super::visibility::{MaterialBound, Source, Visibility};
-use crate::components;
+use crate::components::{self, Maps, Transparency};
 use crate::surface::{SurfaceColumns, SurfaceComponents};
 use wavecrest_core::kernels::blinn_phong::Material;
 use wavecrest_core::kernels::metal;
 use wavecrest_core::prepared::Shape;
+
+/// Leaves nothing of an unlit surface but its base colour and what goes through it, which normals may bend.
+pub(crate) fn strip_unlit(world: &mut World) {
+    type Parts<'w> = (&'w mut components::Material, Option<&'w mut Maps>, Option<&'w Transparency>);
+    let all = world.query_mut::<Parts<'_>>().into_iter();
+    for (material, maps, through) in all.filter(|(material, ..)| material.unlit) {
+        let components::Material { diffuse_color, unlit, .. } = *material;
+        let none = components::Material { kd: 0.0, ambient: 0.0, ..components::Material::MATTE };
+        *material = components::Material { diffuse_color, unlit, ..none };
+        if let Some(maps) = maps {
+            let normal = maps.normal.take().filter(|_| through.is_some());
+            *maps = Maps { normal, opacity: maps.opacity.take(), ..Maps::NONE };
+        }
+    }
+}
 
 /// Finds the material of each shape, and its bounds. Shapes of lights keep an unused one.
 pub(crate) fn run(world: &World, frame: &Frame) {
@@ -50,12 +65,9 @@ fn constants(
             material = looked(material, material.color, [0.0; 2]);
         }
     }
-    if m.unlit {
-        (material.kd, material.ambient) = (0.0, 0.0);
-        if surface.texture.is_none() && !is_colored {
-            material.emission += material.color;
-            material.color = Vec3::ZERO;
-        }
+    if m.unlit && surface.texture.is_none() && !is_colored {
+        material.emission = material.color;
+        material.color = Vec3::ZERO;
     }
     material
 }
