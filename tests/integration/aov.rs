@@ -1,15 +1,17 @@
 //! Layers beside the colours, against what geometry says.
 
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 use serde_json::{Value, json};
 use wavecrest_core::prepared::PreparedScene;
 use wavecrest_core::render::{RenderOptions, TracerKind};
 use wavecrest_core::tile::Tile;
 use wavecrest_image::aov::{Layer, Layers, Request, layers};
 use wavecrest_image::metadata::Values;
+use wavecrest_scene::systems::Options;
 
 use crate::support::{
-    matte, options, pinhole, point_light, prepare, render_on, scene, sphere, thin_lens, wall, with,
+    edited, folder, image_of, matte, options, pinhole, point_light, prepare, prepare_in, put_image,
+    render_on, scene, sphere, thin_lens, wall, with,
 };
 
 fn made(scene: &PreparedScene, threads: usize, request: &Request<'_>) -> Layers {
@@ -124,6 +126,49 @@ fn layers_are_what_the_geometry_says() {
         assert_eq!(floats(&found, "invalid.mask")[i], 0.0);
     }
     assert!(balls > 100 && walls > 100 && nothing > 100, "{balls} {walls} {nothing}");
+}
+
+#[test]
+fn layers_show_the_first_surface_that_sends_light() {
+    let folder = folder();
+    put_image(folder.path(), "t.png", [2, 1], |x, _| [x as f32; 3]);
+    let bare = ball_and_wall(&pinhole(SIZE, 40.0, DISTANCE));
+    let map = json!({"file": "t.png", "filter": "nearest"});
+    let pane = with(wall(9.0, 2.0, matte(0.8, [0.5; 3])), "opacitymap", map);
+    let before = edited(bare.clone(), &format!("/scene/shapes/- {pane}"));
+    let found = [bare, before].map(|s| all(&prepare_in(folder.path(), &s, Options::default())));
+    for (i, x, y) in pixels() {
+        let [bare, depth] = [0, 1].map(|k| floats(&found[k], "depth.Z")[i]);
+        let is_clear = x < SIZE[0] / 2;
+        assert!((depth - if is_clear { bare } else { 4.0 }).abs() < 1e-5, "{x},{y}: {depth}");
+    }
+}
+
+/// Laid over a background as other programs do, colour + (1 - alpha) background, a picture is the render with it.
+#[test]
+fn a_picture_laid_over_a_background_is_the_render_with_it() {
+    let folder = folder();
+    put_image(folder.path(), "t.png", [3, 2], |x, y| [0.3 * x as f32 + 0.2 * y as f32; 3]);
+    let pane = |z, more: &str| edited(wall(1.0, z, matte(0.8, [0.5, 0.75, 0.25])), more);
+    for more in [
+        "/material/opacity 0.6",
+        "/alpha \"t.png\"",
+        "/opacitymap {\"file\": \"t.png\"}",
+        "/material/kt 0.8\n/material/thin true\n/material/opacity 0.75\n/material/kr 0.5",
+    ] {
+        let (faint, other) = (pane(0.0, "/material/opacity 0.3"), pane(0.5, more));
+        let scene = scene(3, &pinhole([24, 18], 40.0, 5.0), &[lamp()], &[faint, other]);
+        let [black, behind] = ["[0, 0, 0]", "[0.25, 0.5, 1]"].map(|color| {
+            let scene = edited(scene.clone(), &format!("/scene/backgroundcolor {color}"));
+            prepare_in(folder.path(), &scene, Options::default())
+        });
+        let (found, laid, whole) = (all(&black), image_of(&black, 0), image_of(&behind, 0));
+        for (i, alpha) in floats(&found, "A").iter().enumerate() {
+            let [laid, whole] = [&laid, &whole].map(|film| Vec3::from(film.pixels()[i]));
+            let over = laid + (1.0 - alpha) * Vec3::new(0.25, 0.5, 1.0);
+            assert!(over.distance(whole) < 1e-6, "{scene}: {laid} {alpha}, {whole}");
+        }
+    }
 }
 
 #[test]

@@ -12,10 +12,12 @@ use wavecrest_core::prepared::PreparedScene;
 use wavecrest_image::aov::{Layer, Request, layers};
 use wavecrest_image::metadata::Values;
 use wavecrest_scene::load::lighting::{Background, Lighting, Rig};
-use wavecrest_scene::load::{LoadOptions, load};
+use wavecrest_scene::load::{LoadOptions, load, load_str};
 use wavecrest_scene::systems;
 
-use crate::support::{folder, image_of, put, ready, run_well};
+use crate::support::{
+    edited, folder, image_of, matte, pinhole, put, ready, run_well, scene, sphere, with,
+};
 
 /// A ball of so many faces along its equator, without normals.
 fn ball(path: &Path, faces: u32) {
@@ -162,6 +164,23 @@ fn what_no_ray_hits_is_transparent() {
         (f32::from(found[1]) - straight).abs() <= 1.0 && found[3] == 128,
         "{found:?}, {straight}"
     );
+}
+
+/// They do in what mirrors or bends.
+#[test]
+fn surroundings_do_not_show_straight_before_a_transparent_background() {
+    let lighting = Lighting { background: Some(Background::Transparent), ..Lighting::USUAL };
+    let options = LoadOptions { lighting, ..LoadOptions::default() };
+    let even = r#"{"zenith": [1, 1, 1], "horizon": [1, 1, 1], "nadir": [1, 1, 1]}"#;
+    for (around, more) in ["{}", even].into_iter().flat_map(|a| ["kr", "kt", "kd"].map(|m| (a, m)))
+    {
+        let ball = sphere([0.0; 3], 0.7, with(matte(0.0, [0.0; 3]), more, 1));
+        let scene = scene(3, &pinhole([24, 18], 40.0, 5.0), &[], &[ball]);
+        let scene = edited(scene, &format!("/scene/environment {around}"));
+        let film = image_of(&ready(load_str(&scene.to_string(), Path::new("s.json"), &options)), 0);
+        let [nothing, ball] = [0, 12].map(|x| film.pixel(x, 9).expect("a pixel"));
+        assert!(nothing == [0.0; 3] && (ball[0] > 0.1) == (more != "kd"), "{around}, {more}");
+    }
 }
 
 #[test]

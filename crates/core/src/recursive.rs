@@ -312,7 +312,7 @@ impl<P: Arithmetic> Recursive<P> {
                     PathEnd::Light
                 }
                 Interaction::Nothing => {
-                    if let Some(color) = scene.escaped(ray.direction, state.mirrored) {
+                    if let Some(color) = scene.escaped(ray.direction, &state) {
                         radiance += state.shown(throughput, color) * color;
                     }
                     PathEnd::Nothing

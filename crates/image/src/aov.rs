@@ -10,15 +10,16 @@
 //! | normal | `N.X`, `N.Y`, `N.Z` | the shading normal on the viewer's side: the mean, not normalised again |
 //! | albedo | `albedo.R`, `.G`, `.B` | the diffuse colour or the texture's; for a light its visible colour: the mean |
 //! | position | `P.X`, `P.Y`, `P.Z` | the point in the space of the scene: the mean |
-//! | object | `object.id` | number of the shape that the first sample hits, from 1; 0 for nothing |
+//! | object | `object.id` | number of the shape that the first sample shows, from 1; 0 for nothing |
 //! | material | `material.id` | number of its material, from 1; equal materials have one number; 0 for nothing and lights |
-//! | alpha | `A` | the share of the samples that hit something; colours count as multiplied by it |
+//! | alpha | `A` | one minus the share of the background that comes straight through; colours count as multiplied by it |
 //! | samples | `samples.count` | samples of the pixel |
 //! | invalid | `invalid.mask` | 1 if a sample was not finite and counts as black, else 0 |
 //!
 //! Layers lack what the plan skips, such as a texture that no light shows.
 //!
-//! Means are over the samples that hit something. The entries `objects` and `materials` list as
+//! A sample shows the first surface that sends it any light of its own: not what is cut out, or where opacity is 0. Means are
+//! over the samples that show something. The entries `objects` and `materials` list as
 //! JSON the shapes and materials of the numbers that occur.
 
 use std::collections::{BTreeSet, HashMap};
@@ -51,7 +52,7 @@ wavecrest_base::choices! {
         Object = "object",
         /// The number of the material.
         Material = "material",
-        /// The share of the samples that hit something: what is behind the image shows through the rest.
+        /// One minus the share of the background that comes straight through. What is bent or mirrored is covered.
         Alpha = "alpha",
         /// The number of samples.
         Samples = "samples",
@@ -183,7 +184,7 @@ fn room(layer: Layer, pixels: usize) -> Result<Values> {
 fn value(layer: Layer, axis: usize, sums: &HitSums, samples: u32, names: &ShapeNumbers<'_>) -> f64 {
     let mean = |sum: f64| if sums.hits == 0 { 0.0 } else { sum / f64::from(sums.hits) };
     match layer {
-        Layer::Alpha => f64::from(sums.hits) / f64::from(samples),
+        Layer::Alpha => (f64::from(samples) - sums.passed) / f64::from(samples),
         Layer::Depth => mean(sums.depth),
         Layer::Normal => mean(sums.normal[axis]),
         Layer::Albedo => mean(sums.color[axis]),

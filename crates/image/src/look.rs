@@ -18,7 +18,7 @@ use glam::Vec3;
 use crate::camera_rays::{CameraRays, VisibleHit, band_bytes};
 use crate::colormap::{distinct, magma};
 use wavecrest_base::error::Result;
-use wavecrest_core::accel::Hit;
+use wavecrest_core::accel::{Hit, Traversal};
 use wavecrest_core::film::Film;
 use wavecrest_core::geometry::Primitive;
 use wavecrest_core::kernels::camera::Camera;
@@ -81,7 +81,7 @@ pub fn film(
         let pixels = film.pixels_mut();
         let color = |hit: &VisibleHit| match look {
             Look::Normals => hit.normal.to_array().map(|value| 0.5 + 0.5 * value),
-            Look::Ids => distinct(number(scene, hit.primitive)),
+            Look::Ids => distinct(number(scene, hit.hit.primitive)),
             _ => hit.albedo.to_array(),
         };
         CameraRays { scene, window, seed, watch }.sum(color, &mut |at, sums| {
@@ -153,7 +153,7 @@ pub fn draw_edges(
     let window = render::window(scene, crop)?;
     let samples = f64::from(scene.camera.rays_per_pixel());
     let pixels = picture.pixels_mut();
-    let add = |ray: &Ray, hit: &Hit, _: bool, sum: &mut f64| {
+    let add = |ray: &Ray, hit: &Hit, _: bool, (sum, _): (&mut f64, &mut Traversal)| {
         *sum += f64::from(covered(scene, ray, hit));
     };
     CameraRays { scene, window, seed, watch: &() }.run(&add, &mut |at, covered: &f64| {

@@ -42,6 +42,8 @@ pub struct Environment {
     pub around: Surroundings,
     /// The image in place of the gradient.
     pub image: Option<TextureRef>,
+    /// Whether it is seen only where it is mirrored or bent, in front of a transparent background.
+    pub hidden: bool,
 }
 
 /// The object of an environment.
@@ -68,7 +70,7 @@ impl Declared for Environment {
             Ok(TextureRef { encoding, tint: DVec3::splat(around.intensity), ..texture })
         };
         let image = object.get("file").map(image).transpose()?;
-        Ok(Some(Self { around, image }))
+        Ok(Some(Self { around, image, hidden: false }))
     }
 
     fn write(&self, to: &mut Writer<'_>) {
@@ -94,6 +96,7 @@ pub(crate) fn run(
             (Some(found.prepared(images)), frame.settings.background.as_vec3())
         }
         found => {
+            let found = found.filter(|(around, _)| !around.hidden);
             let even = found.and_then(|(_, color)| color.map(|color| color.0));
             (None, even.unwrap_or(frame.settings.background).as_vec3())
         }
@@ -145,7 +148,8 @@ impl Environment {
         // The shortest rotation from the zenith to +y, after the turn about it.
         let to_own = DQuat::from_rotation_y(-turn.to_radians())
             * DQuat::from_rotation_arc(unit(up), DVec3::Y);
-        environment::Environment { to_own: DMat3::from_quat(to_own).as_mat3(), colors }
+        let to_own = DMat3::from_quat(to_own).as_mat3();
+        environment::Environment { to_own, colors, hidden: self.hidden }
     }
 
     /// Whether it adds anything.

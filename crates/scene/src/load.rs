@@ -20,7 +20,7 @@ use wavecrest_base::memory::Stage;
 use wavecrest_base::replace::check_differs;
 
 pub use super::camera::LONGEST_SIDE;
-use super::components::{Encoding, JsonPath, Name, Settings};
+use super::components::{Encoding, Environment, JsonPath, Name, Settings};
 use super::folder::Folder;
 use super::format::{Cursor, Notes, Place, json};
 use super::gltf;
@@ -153,6 +153,8 @@ pub(super) fn load_with(
     if let Some(background) = options.lighting.background {
         let color = background.color();
         query::change(&mut world, |settings: &mut Settings| settings.background = color);
+        let hidden = background == lighting::Background::Transparent;
+        query::change(&mut world, |around: &mut Environment| around.hidden = hidden);
     }
     // A mesh written out in JSON is many times larger there than as arrays.
     drop(value);
@@ -171,9 +173,9 @@ fn loaded(
         .filter(|text| !text.is_empty())
         .map(|text| Warning::from_error(&notes.error(ErrorKind::Scene, "", text)));
     meshes::complete(&mut world, &notes, read_mesh)?;
+    scene_file::warn_of_darkness(&world, &notes);
     let (file, folder) = (notes.file().to_owned(), notes.folder());
     let (warnings, harmless, files) = notes.into_parts();
-    scene_file::warn_of_darkness(&world, &notes);
     let notes = told.into_iter().chain(harmless).collect();
     Ok(LoadedScene { file, world, warnings, notes, files, folder })
 }

@@ -19,6 +19,8 @@ pub struct Environment {
     pub to_own: Mat3,
     /// The colours.
     pub colors: EnvironmentColors,
+    /// Whether rays that go straight on from the camera do not see it.
+    pub hidden: bool,
 }
 
 /// Colours by direction, linear.

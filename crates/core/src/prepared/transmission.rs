@@ -23,6 +23,8 @@ pub struct PathState {
     pub mirrored: bool,
     /// Whether only what is brighter than white counts: see [`Visible`].
     pub faint: bool,
+    /// Whether it was mirrored or bent: until then, the ray goes straight on from the camera.
+    pub turned: bool,
     /// What it is inside of.
     pub media: MediumStack,
     /// The hit that it has if that is known: what lies where it starts. Else a miss.
@@ -39,7 +41,8 @@ impl PathState {
 
     /// The state of a mirror ray from here.
     pub fn mirrored(self) -> Self {
-        Self { bounces: self.bounces + 1, mirrored: true, next: Hit::MISS, ..self }
+        let bounces = self.bounces + 1;
+        Self { bounces, mirrored: true, turned: true, next: Hit::MISS, ..self }
     }
 }
 
@@ -91,13 +94,16 @@ impl PreparedScene {
 
     /// The light of a ray that escapes, as it meets nothing: only what was mirrored does not see the background.
     #[inline(always)]
-    pub fn escaped(&self, direction: Vec3, mirrored: bool) -> Option<Vec3> {
+    pub fn escaped(&self, direction: Vec3, state: &PathState) -> Option<Vec3> {
         if let Some(environment) = &self.environment {
+            if environment.hidden && !state.turned {
+                return None;
+            }
             let image = |number: u32| self.appearance.images[number as usize].usable();
             return Some(environment.at(direction, image));
         }
         match &self.hemisphere {
-            _ if !mirrored => Some(self.background),
+            _ if !state.mirrored => Some(self.background),
             Some(hemisphere) => Some(hemisphere.at::<f32>(direction.into()).into()),
             None => None,
         }
@@ -175,6 +181,7 @@ impl PreparedScene {
                 if found.direction == ray.direction {
                     return straight((last.hit, interface.next), state, throughput);
                 }
+                let state = PathState { turned: true, ..state };
                 let InterfaceHit { point, error, normal, .. } = last;
                 let side = if close.is_some() { normal } else { -normal };
                 let mut bent = turned([point, error, side], state, found.direction, throughput);

@@ -130,8 +130,8 @@ impl<P: Arithmetic> AnyWidth for Shade<'_, P> {
 impl<P: Arithmetic> Shade<'_, P> {
     #[inline(always)]
     fn miss(&mut self, i: usize) {
-        let mirrored = self.state(i).mirrored;
-        if let Some(color) = self.scene.escaped(self.batch.rays.direction.get(i), mirrored) {
+        let state = self.state(i);
+        if let Some(color) = self.scene.escaped(self.batch.rays.direction.get(i), &state) {
             self.light(i, color);
         }
     }
@@ -144,6 +144,7 @@ impl<P: Arithmetic> Shade<'_, P> {
             _ => PathState {
                 bounces: self.bounce,
                 mirrored: self.bounce > 0,
+                turned: self.bounce > 0,
                 media: self.start,
                 faint: false,
                 next: Hit::MISS,
