@@ -25,7 +25,7 @@ pub(crate) struct ProbeArgs {
     /// Pixel, counted from 0,0 at the top left
     #[arg(long, value_name = "X,Y", value_parser = place, allow_hyphen_values = true)]
     pub(crate) pixel: [u32; 2],
-    /// Report only this sample of the pixel
+    /// Follow only this sample of the pixel [default: the first 16]
     #[arg(long, value_name = "N", value_parser = whole(0..=u32::MAX))]
     pub(crate) sample: Option<u32>,
     /// Seed of the render
@@ -63,12 +63,12 @@ pub(crate) fn run(args: &ProbeArgs) -> Result<bool> {
         args.search.apply(&mut scene.accel);
         let (size, samples) = (scene.camera.size(), scene.camera.rays_per_pixel());
         check(args, size, samples)?;
-        let mut record = pixel(&scene, args.pixel, args.seed);
+        let is_over = |_| args.scene_options.check_taken(&args.scene).is_err();
+        let record = pixel(&scene, args.pixel, args.sample, args.seed, &is_over);
         scene.appearance.check()?;
-        if let Some(sample) = args.sample {
-            record.paths.retain(|path| path.sample == sample);
-        }
-        print(&if args.json { to_json(&record)? } else { text(&record) })?;
+        let text = if args.json { to_json(&record)? } else { text(&record) };
+        args.scene_options.check_taken(&args.scene)?;
+        print(&text)?;
         Ok(record.differs.is_none())
     })
 }
@@ -92,14 +92,16 @@ fn check(args: &ProbeArgs, [width, height]: [u32; 2], samples: u32) -> Result<()
 
 fn text(record: &PixelRecord) -> String {
     let mut text = String::new();
-    let [x, y] = record.pixel;
+    let (samples, [x, y]) = (record.samples, record.pixel);
     let mut rest: Vec<&PathRecord> = record.paths.iter().collect();
     // Samples with the same hits are printed once.
     while let Some(&first) = rest.first() {
+        let own = outline(first);
         let (same, others): (Vec<&PathRecord>, Vec<&PathRecord>) =
-            rest.iter().partition(|path| outline(path) == outline(first));
+            rest.iter().partition(|path| outline(path) == own);
         let radiance = three(first.radiance);
-        text += &format!("pixel {x},{y}, sample {}: radiance {radiance}\n", first.sample);
+        text +=
+            &format!("pixel {x},{y}, sample {} of {samples}: radiance {radiance}\n", first.sample);
         first.bounces.iter().enumerate().for_each(|(number, one)| text += &bounce(number, one));
         for path in &same[1..] {
             let radiance = three(path.radiance);
@@ -107,9 +109,10 @@ fn text(record: &PixelRecord) -> String {
         }
         rest = others;
     }
-    text + &match record.differs {
-        None => "Both tracers agree to the last bit.\n".to_owned(),
-        Some([sample, bounce]) => {
+    text + &match (record.cut_after, record.differs) {
+        (Some(count), _) => format!("Cut after {count} rays and points on lights: not compared.\n"),
+        (None, None) => "Both tracers agree to the last bit.\n".to_owned(),
+        (None, Some([sample, bounce])) => {
             format!("THE TRACERS DIFFER from sample {sample}, ray {bounce} on.\n")
         }
     }

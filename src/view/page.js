@@ -504,7 +504,8 @@
   show.probe = ({ at, record }) => {
     probed = at;
     find("record").replaceChildren(...makeTrees(record, 1));
-    write("pixel-note", "The cross marks the pixel in the image.");
+    const end = record.cut_after === null ? "" : ` The record ends after ${record.cut_after} rays and points on lights.`;
+    write("pixel-note", `The cross marks the pixel in the image.${end}`);
     find("pixel").open = true;
     find("pixel").scrollIntoView();
     wake();

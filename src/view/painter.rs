@@ -44,8 +44,9 @@ const STRIDE: f64 = 0.2;
 /// Why there is no error.
 const NO_ERROR: &str =
     "No error: nothing is left to chance in one ray through the centre of each pixel.";
-/// The most paths of a pixel in its record.
-const MOST_PATHS: usize = 16;
+/// How long the rays of a pixel are followed, and how many with points on lights, so that an answer takes twice as long.
+const PROBE: Duration = Duration::from_millis(100);
+const PROBED: u32 = 4096;
 
 /// The scene, where it is seen from, and what is shown of it.
 pub(super) struct Painter<'a> {
@@ -311,9 +312,10 @@ impl<'a> Painter<'a> {
         self.ready.place(self.steering.view.placement(), half.precision, &last.samples);
         let pixel = |share: f64, side: u32| ((share * f64::from(side)) as u32).min(side - 1);
         let pixel = [pixel(at[0], width), pixel(at[1], height)];
-        let mut record = probe::pixel(&self.ready.scene, pixel, self.args.seed);
+        let (start, inbox) = (Instant::now(), &self.exchange.inbox);
+        let is_over = |count| count >= PROBED || inbox.cancelled() || start.elapsed() > PROBE;
+        let record = probe::pixel(&self.ready.scene, pixel, None, self.args.seed, &is_over);
         self.ready.scene.appearance.check()?;
-        record.paths.truncate(MOST_PATHS);
         // As text, in which numbers of single precision are short.
         let (at, record) = (json!(at), to_json(&record)?);
         let message = format!(r#"{{"kind": "probe", "at": {at}, "record": {record}}}"#);

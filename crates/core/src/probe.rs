@@ -1,9 +1,11 @@
 //! Probing a pixel: the hit of each of its rays, and the contribution of every light there.
 //!
 //! Both tracers render the pixel while they are recorded. They must trace the same rays to the same
-//! hits and gather the same light, to the last bit.
+//! hits and gather the same light, to the last bit. Nothing is traced but what is recorded.
 
 mod record;
+
+use std::cell::Cell;
 
 use glam::Vec3;
 
@@ -17,6 +19,7 @@ use crate::math::{Ray, Stream};
 use crate::prepared::{Branch, Class, PreparedScene};
 use crate::recursive::{Observer, PathEnd, Recursive, TracedLight};
 use crate::tile::{Tile, Unit};
+use crate::wavefront::batch::Batch;
 use crate::wavefront::{DEFAULT_BATCH, Wavefront};
 use crate::with_precision;
 
@@ -29,10 +32,8 @@ pub use record::{
 pub fn name_invalid(scene: &PreparedScene, at: Sample, seed: u64) -> InvalidSample {
     let width = scene.camera.size()[0];
     let pixel = [at.pixel % width, at.pixel / width];
-    let path = with_precision!(scene.accel.geometry().precision, P => {
-        let mut tracer = Recursive::<P>::new(scene, seed, false);
-        follow(scene, &mut tracer, pixel, at.sample, seed).0
-    });
+    let record = self::pixel(scene, pixel, Some(at.sample), seed, &|_| false);
+    let path = &record.paths[0];
     let bounce = path.bounces.iter().position(|bounce| !bounce.radiance.is_finite());
     let bounce = bounce.unwrap_or(path.bounces.len().saturating_sub(1));
     let met = path.bounces.get(bounce).and_then(|bounce| bounce.met.as_ref());
@@ -50,60 +51,81 @@ pub fn name_invalid(scene: &PreparedScene, at: Sample, seed: u64) -> InvalidSamp
 /// gathered up to there.
 type TracedBounce = (Ray, Hit, Vec3);
 
-/// Records the rays of a pixel.
-pub fn pixel(scene: &PreparedScene, pixel: [u32; 2], seed: u64) -> PixelRecord {
-    with_precision!(scene.accel.geometry().precision, P => record::<P>(scene, pixel, seed))
-}
+/// The most paths of a record, unless one is asked for.
+const MOST_PATHS: u32 = 16;
 
-/// Records every sample of a pixel, in both tracers.
-fn record<P: Arithmetic>(scene: &PreparedScene, pixel: [u32; 2], seed: u64) -> PixelRecord {
-    let mut tracer = Recursive::<P>::new(scene, seed, false);
-    let samples = 0..scene.camera.rays_per_pixel();
-    let (paths, steps): (Vec<_>, Vec<_>) =
-        samples.map(|sample| follow(scene, &mut tracer, pixel, sample, seed)).unzip();
-    let others = wavefront_steps::<P>(scene, pixel, seed);
-    PixelRecord { pixel, paths, differs: difference(&steps, &others) }
-}
+/// The number of rays and points on lights after which a record ends, soon: some hundred bytes of text each.
+const MOST_RECORDS: u32 = 1 << 16;
 
-/// Traces a path with the recursive tracer.
-fn follow<P: Arithmetic>(
+/// Records the rays of a pixel: of a `sample`, or of the first ones. It ends early when it is long, or when `ends` says so
+/// of the number of rays and points on lights so far.
+pub fn pixel(
     scene: &PreparedScene,
-    tracer: &mut Recursive<P>,
     pixel: [u32; 2],
-    sample: u32,
+    sample: Option<u32>,
     seed: u64,
-) -> (PathRecord, Vec<TracedBounce>) {
-    let number = pixel[1] * scene.camera.size()[0] + pixel[0];
-    let stream = Stream { seed, pixel: number, sample, bounce: 0 };
-    let mut recorder = Recorder {
-        scene,
-        traversal: scene.accel.traversal(),
-        path: PathRecord { sample, ..PathRecord::default() },
-        steps: Vec::new(),
-        waiting: Vec::new(),
-        bounces: 0,
-    };
-    recorder.path.radiance = tracer.path(scene, pixel, stream, &|| false, &mut recorder);
-    (recorder.path, recorder.steps)
+    ends: &dyn Fn(u32) -> bool,
+) -> PixelRecord {
+    with_precision!(scene.accel.geometry().precision, P => record::<P>(scene, pixel, sample, seed, ends))
 }
 
-/// The wavefront's steps, for each sample.
-fn wavefront_steps<P: Arithmetic>(
+/// Records samples of a pixel, in both tracers.
+fn record<P: Arithmetic>(
     scene: &PreparedScene,
     [x, y]: [u32; 2],
+    sample: Option<u32>,
     seed: u64,
-) -> Vec<Vec<TracedBounce>> {
-    let mut steps = vec![Vec::new(); scene.camera.rays_per_pixel() as usize];
-    let pixel = Unit::whole(scene, Tile { x, y, width: 1, height: 1 });
+    ends: &dyn Fn(u32) -> bool,
+) -> PixelRecord {
+    let samples = scene.camera.rays_per_pixel();
+    let range = sample.map_or(0..samples.min(MOST_PATHS), |sample| sample..sample + 1);
+    let mut tracer = Recursive::<P>::new(scene, seed, false);
+    let (count, is_cut) = (Cell::new(0), Cell::new(false));
+    let is_over = || {
+        is_cut.set(count.get() >= MOST_RECORDS || ends(count.get()));
+        is_cut.get()
+    };
+    let follow = |sample| {
+        let stream = Stream { seed, pixel: y * scene.camera.size()[0] + x, sample, bounce: 0 };
+        let mut recorder = Recorder {
+            scene,
+            traversal: scene.accel.traversal(),
+            count: &count,
+            path: PathRecord { sample, ..PathRecord::default() },
+            steps: Vec::new(),
+            waiting: Vec::new(),
+            bounces: 0,
+        };
+        recorder.path.radiance = tracer.path(scene, [x, y], stream, &is_over, &mut recorder);
+        (recorder.path, recorder.steps)
+    };
+    let begun = range.clone().take_while(|_| !is_cut.get());
+    let (paths, steps): (Vec<_>, Vec<_>) = begun.map(follow).unzip();
+    let unit = Unit { tile: Tile { x, y, width: 1, height: 1 }, samples: range };
+    let others = wavefront_steps::<P>(scene, &unit, seed, &|| is_cut.get() || ends(count.get()));
+    let found = others.as_ref().and_then(|others| difference(&steps, others));
+    let differs = found.map(|[path, bounce]| [unit.samples.start + path, bounce]);
+    let cut_after = others.is_none().then(|| count.get());
+    PixelRecord { pixel: [x, y], samples, paths, differs, cut_after }
+}
+
+/// The wavefront's steps, for each sample of a pixel; `None` if it is `cancelled`.
+fn wavefront_steps<P: Arithmetic>(
+    scene: &PreparedScene,
+    unit: &Unit,
+    seed: u64,
+    cancelled: &dyn Fn() -> bool,
+) -> Option<Vec<Vec<TracedBounce>>> {
+    let mut steps = vec![Vec::new(); unit.samples.len()];
     let mut tracer = Wavefront::<P>::new(scene, seed, DEFAULT_BATCH);
-    tracer.render_watched(scene, &pixel, &mut [[0.0; 3]], &|| false, |_, batch| {
+    let watch = |_, batch: &Batch| {
         for i in 0..batch.rays.len() {
             let path = batch.rays.path[i] as usize;
             let step = (batch.ray(i), batch.hits.hit[i], batch.paths.radiance.get(path));
-            steps[batch.paths.sample[path] as usize].push(step);
+            steps[(batch.paths.sample[path] - unit.samples.start) as usize].push(step);
         }
-    });
-    steps
+    };
+    tracer.render_watched(scene, unit, &mut [[0.0; 3]], cancelled, watch).then_some(steps)
 }
 
 /// The first sample, and the first of its rays, at which the tracers differ.
@@ -129,6 +151,8 @@ struct Recorder<'a> {
     scene: &'a PreparedScene,
     /// For the recorder's own rays, which are not counted.
     traversal: Traversal,
+    /// The rays and points on lights that are recorded.
+    count: &'a Cell<u32>,
     path: PathRecord,
     steps: Vec<TracedBounce>,
     /// Where the waiting rays of the tracer come from, and their kinds.
@@ -187,6 +211,7 @@ impl Observer for Recorder<'_> {
         };
         let met = (!hit.is_miss()).then(|| self.met(ray, hit));
         self.steps.push((*ray, *hit, Vec3::ZERO));
+        self.count.set(self.count.get() + 1);
         self.bounces = state.bounces;
         let (from, kind) = self.waiting.pop().unzip();
         self.path.bounces.push(Bounce {
@@ -235,6 +260,7 @@ impl Observer for Recorder<'_> {
         target: &LightPoint<f32>,
         request: TracedLight<'_>,
     ) {
+        self.count.set(self.count.get() + 1);
         let arrives = request.map(|(request, transmittance)| {
             let all = Vec3::from(request.contribution);
             match transmittance {

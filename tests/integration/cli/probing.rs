@@ -2,8 +2,11 @@
 
 use serde_json::Value;
 
-use super::{ball, with_ball};
-use crate::support::{edited, put, run_json};
+use wavecrest_core::probe;
+
+use super::signals::endless;
+use super::{ball, with_ball, with_scene};
+use crate::support::{edited, prepare, put, run_json};
 
 /// A ball on a mirror, under three lights of which one is behind them.
 const MIRROR: &str = r#"/nbounces 3
@@ -46,4 +49,24 @@ fn both_tracers_tell_the_story_of_every_kind_of_pixel() {
     for verdict in ["\"visible\"", "\"behind\"", "occluded"] {
         assert!(verdicts.iter().any(|found| found.contains(verdict)), "{verdict}");
     }
+}
+
+/// Of a pixel of 4096 samples, each with 20 000 points on a light.
+#[test]
+fn what_is_traced_is_what_is_shown_and_no_more_than_can_be_read() {
+    let folder = with_scene(&endless().to_string());
+    let of = |more: &[&str]| {
+        let arguments = ["probe", "ball.json", "--pixel", "0,0", "--json"];
+        let record = run_json(folder.path(), &[&arguments, more].concat());
+        assert_eq!((&record["samples"], &record["differs"]), (&4096.into(), &Value::Null));
+        let paths = record["paths"].as_array().expect("paths").iter();
+        (paths.map(|path| path["sample"].clone()).collect(), record["cut_after"].as_u64())
+    };
+    let (samples, cut_after): (Vec<Value>, _) = of(&[]);
+    assert_eq!(samples, [0, 1, 2, 3]);
+    assert!(cut_after.is_some_and(|count| (65_536..67_000).contains(&count)), "{cut_after:?}");
+    assert_eq!(of(&["--sample", "4000"]), (vec![4000.into()], None));
+    let record = probe::pixel(&prepare(&endless()), [0, 0], None, 0, &|_| true);
+    let lights = record.paths[0].bounces[0].met.as_ref().map(|met| met.lights.len());
+    assert!(record.paths.len() == 1 && record.cut_after < Some(2048) && lights < Some(2048));
 }

@@ -85,7 +85,7 @@ fn path(bounces: u32, camera: &Value, shapes: &[Value]) -> PathRecord {
         let mut prepared = prepare(&scene(bounces, camera, &[], &shapes));
         for level in Level::available() {
             prepared.accel.level = level.token().expect("it is available");
-            let mut record = probe::pixel(&prepared, [0, 0], 0);
+            let mut record = probe::pixel(&prepared, [0, 0], None, 0, &|_| false);
             assert_eq!(record.differs, None, "both tracers agree");
             let path = record.paths.remove(0);
             let known = found.get_or_insert_with(|| path.clone());
@@ -275,7 +275,7 @@ fn rays_that_double_are_counted_and_end() {
     let mut shapes: Vec<Value> = (0..4).map(pane).collect();
     shapes.push(shining(-9.0));
     let prepared = prepare(&scene(64, &pinhole([1, 1], 1e-3, 9.0), &[], &shapes));
-    let path = &probe::pixel(&prepared, [0, 0], 0).paths[0];
+    let path = &probe::pixel(&prepared, [0, 0], None, 0, &|_| false).paths[0];
     assert_eq!(path.bounces.len(), wavecrest_core::prepared::MOST_RAYS as usize);
 }
 

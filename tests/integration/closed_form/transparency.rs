@@ -41,7 +41,7 @@ fn slab(half: f64, angle: f64, material: &Value) -> [Value; 2] {
 /// The only pixel's path, along the z axis from z = 9.
 fn path(bounces: u32, shapes: &[Value]) -> PathRecord {
     let prepared = seen(bounces, &[], shapes);
-    let record = probe::pixel(&prepared, [0, 0], 0);
+    let record = probe::pixel(&prepared, [0, 0], None, 0, &|_| false);
     assert_eq!(record.differs, None, "both tracers agree");
     record.paths.into_iter().next().expect("a path")
 }

@@ -195,9 +195,14 @@ impl std::fmt::Display for InvalidSample {
 pub struct PixelRecord {
     /// Column and row.
     pub pixel: [u32; 2],
-    /// Its paths, sample by sample.
+    /// The number of its samples.
+    pub samples: u32,
+    /// The recorded paths, sample by sample.
     pub paths: Vec<PathRecord>,
     /// The first sample, and the number of its ray, at which the wavefront differs; `None` if both
     /// agree.
     pub differs: Option<[u32; 2]>,
+    /// The number of rays and points on lights with which the record ends before the last path does: then the tracers are
+    /// not compared.
+    pub cut_after: Option<u32>,
 }
