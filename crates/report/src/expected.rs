@@ -1,6 +1,8 @@
 //! The work of a render before its first ray: bounds on it; and the work and time to expect, from a pilot of some of its
 //! pixels.
 
+use std::collections::BTreeMap;
+use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
 use rand::RngExt;
@@ -9,6 +11,7 @@ use serde::ser::Error as _;
 use serde::{Serialize, Serializer};
 use serde_json::Value;
 
+use crate::measure::processor_seconds;
 use crate::statistics::{Rays, Samples};
 use crate::summary::generator;
 use wavecrest_base::error::Result;
@@ -96,7 +99,7 @@ const FEW: u32 = 12;
 const SIDES: [u32; 2] = [20, 128];
 const RAYS: f64 = (1 << 17) as f64;
 
-/// The seconds after which the render that is timed ends.
+/// The seconds of work of each thread after which the render that is timed ends.
 const TIMED: f64 = 0.05;
 
 /// Rays of smaller batches are slower.
@@ -175,25 +178,30 @@ impl Expected {
     }
 }
 
-/// The seconds of a render, from its first moment, which is the second, of so many `seconds`: `share` is the part
-/// of the work that is done then.
+/// The seconds of a render, from its first moment, which is the second, in which threads work for so many `seconds`:
+/// `share` is the part of the work that is done then. Other programs that use the processors are expected to go on.
 pub(crate) fn timed(
     scene: &PreparedScene,
     options: &RenderOptions,
     seconds: f64,
     share: impl Fn(&Counters) -> f64,
 ) -> Result<(f64, Rendered)> {
-    let moment = render_in_order(scene, options, &Until(Instant::now(), seconds), Order::Spread)?;
+    let until = Until(seconds, Instant::now(), Mutex::default());
+    let moment = render_in_order(scene, options, &until, Order::Spread)?;
     let share = if moment.finished { 1.0 } else { share(&moment.counters) };
     Ok((moment.seconds / share, moment))
 }
 
-/// Ends a render so many seconds after a start.
-struct Until(Instant, f64);
+/// Ends a render on each thread when that has worked for so many seconds since it began, by its own clock: while other
+/// programs use the processors, it stands still. Where the system has none, it is the one from the start.
+struct Until(f64, Instant, Mutex<BTreeMap<Option<usize>, f64>>);
 
 impl Watch for Until {
     fn cancelled(&self) -> bool {
-        self.0.elapsed().as_secs_f64() > self.1
+        let Self(seconds, start, begun) = self;
+        let now = processor_seconds(true).unwrap_or_else(|| start.elapsed().as_secs_f64());
+        let mut begun = begun.lock().unwrap_or_else(PoisonError::into_inner);
+        now - *begun.entry(rayon::current_thread_index()).or_insert(now) > *seconds
     }
 }
 
@@ -243,4 +251,19 @@ pub(crate) fn tiles([width, height]: [u32; 2], most: u32, edge: u32, seed: u64) 
         Tile { x, y, width, height }
     };
     cells.map(tile).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    #[cfg(unix)]
+    fn only_the_work_of_a_thread_ends_a_moment() {
+        let until = Until(0.02, Instant::now(), Mutex::default());
+        assert!(!until.cancelled());
+        std::thread::sleep(std::time::Duration::from_millis(50));
+        assert!(!until.cancelled());
+        while !until.cancelled() {}
+    }
 }

@@ -177,10 +177,10 @@ impl RoundLimits {
 impl Timing {
     /// Does `work`, and measures it.
     pub fn of<R>(work: impl FnOnce() -> R) -> (R, Self) {
-        let (start, before) = (Instant::now(), processor_seconds());
+        let (start, before) = (Instant::now(), processor_seconds(false));
         let result = work();
         let seconds = start.elapsed().as_secs_f64();
-        let processor = before.zip(processor_seconds()).map(|(before, after)| after - before);
+        let processor = before.zip(processor_seconds(false)).map(|(before, after)| after - before);
         (result, Self { seconds, processor })
     }
 
@@ -226,16 +226,17 @@ impl<T> TimedRounds<T> {
     }
 }
 
-/// Processor time of all threads of this process so far.
+/// Processor time so far: of this thread, or of all threads of this process.
 #[cfg(unix)]
-fn processor_seconds() -> Option<f64> {
+pub(crate) fn processor_seconds(of_thread: bool) -> Option<f64> {
     use rustix::time::{ClockId, clock_gettime};
-    let time = clock_gettime(ClockId::ProcessCPUTime);
+    let clock = if of_thread { ClockId::ThreadCPUTime } else { ClockId::ProcessCPUTime };
+    let time = clock_gettime(clock);
     Some(time.tv_sec as f64 + time.tv_nsec as f64 * 1e-9)
 }
 
 #[cfg(not(unix))]
-fn processor_seconds() -> Option<f64> {
+pub(crate) fn processor_seconds(_: bool) -> Option<f64> {
     None
 }
 
