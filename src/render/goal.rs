@@ -16,7 +16,9 @@ use wavecrest_core::probe::InvalidSample;
 use wavecrest_core::render::{Rendered, Watch};
 use wavecrest_report::accuracy::pilot::budget::{Budget, Overhead, in_time};
 use wavecrest_report::accuracy::pilot::target::{Reached, reach};
-use wavecrest_report::accuracy::pilot::{Chosen, MeasuredError, measured, measuring_share};
+use wavecrest_report::accuracy::pilot::{
+    Chosen, MeasuredError, NO_ERROR, measured, measuring_share,
+};
 use wavecrest_report::accuracy::setting::{Axis, Facts};
 use wavecrest_report::plot::number::figure;
 
@@ -87,9 +89,9 @@ fn for_error(
     })?;
     let Some(reached) = reached else { return Ok(None) };
     warn(reached.unreached(most, &args.scene).as_slice());
-    let Reached { choice, rendered, found, renders, pilot } = reached;
+    let Reached { choice, rendered, found, renders, pilot, .. } = reached;
     target.say(&format!("pilot: {pilot:.2} s"));
-    Ok(Some(aimed(rendered, format!("error {most}"), &choice, found, (renders, pilot))))
+    Ok(Some(aimed(scene, rendered, format!("error {most}"), &choice, found, (renders, pilot))))
 }
 
 /// Renders within so many seconds from `start` on.
@@ -123,7 +125,7 @@ fn within(
         target.say(&format!("chosen: {choice}"));
     }
     let found = measure(target, scene, &rendered, &UntilSignal(Some(budget)))?;
-    Ok(aimed(rendered, format!("{seconds} s"), &choice, found, (renders, 0.0)))
+    Ok(aimed(scene, rendered, format!("{seconds} s"), &choice, found, (renders, 0.0)))
 }
 
 /// The measured error of a finished render, if there is one and `until` does not end the measurement.
@@ -146,18 +148,25 @@ fn measure(
     Ok(found)
 }
 
-/// The measured error in words, and what it leaves out: what renders with equally many points have in common.
+/// The measured error in words, and what it leaves out.
 fn told(error: Option<MeasuredError>, scene: &PreparedScene) -> String {
-    let Some(error) = error.map(|found| figure(found.error)) else {
-        return "error not measured: one ray through the centre of each pixel, without random samples".to_owned();
-    };
-    let without = ", without the aliasing of one ray through the centre of each pixel";
-    let without = if scene.camera.antialias() == 1 { without } else { "" };
-    format!("measured error: {error}{without}")
+    let Some(found) = error else { return format!("error not measured: {NO_ERROR}") };
+    let without = left_out(&found, scene).into_iter().map(|of| format!(", without {of}"));
+    format!("measured error: {}{}", figure(found.error), without.collect::<String>())
+}
+
+/// What an error leaves out: pixels that it does not look at, and what renders with equally many points have in common.
+fn left_out(found: &MeasuredError, scene: &PreparedScene) -> Vec<String> {
+    let others = 100.0 * (1.0 - found.share);
+    let pixels = format!("what only the other {others:.0} % of the pixels show");
+    let common = "the aliasing of one ray through the centre of each pixel".to_owned();
+    let pixels = (others > 0.0).then_some(pixels);
+    pixels.into_iter().chain((scene.camera.antialias() == 1).then_some(common)).collect()
 }
 
 /// A render with its goal and the outcome, for the statistics, with the number of renders and the seconds of the pilot.
 fn aimed(
+    scene: &PreparedScene,
     rendered: Rendered,
     requested: String,
     choice: &Chosen,
@@ -167,9 +176,10 @@ fn aimed(
     let goal = json!({
         "asked": requested,
         "samples": choice.to_string(),
-        "expected_error": choice.error,
+        "expected_error": Some(choice.error).filter(|error| *error > 0.0),
         "expected_seconds": choice.seconds,
         "found_error": found.map(|found| found.error),
+        "left_out": found.map(|found| left_out(&found, scene)),
         "renders": renders,
         "pilot_seconds": pilot,
     });

@@ -28,7 +28,7 @@ use wavecrest_core::math::sampling::Sampling;
 use wavecrest_core::probe;
 use wavecrest_core::render::{Rendered, Watch, render};
 use wavecrest_image::look::Look;
-use wavecrest_report::accuracy::pilot::measured;
+use wavecrest_report::accuracy::pilot::{NO_ERROR, measured};
 use wavecrest_report::statistics::{Rays, Samples, Tests};
 use wavecrest_scene::components::View;
 use wavecrest_scene::systems::frame;
@@ -41,9 +41,6 @@ const FIRST: f64 = 0.125;
 const REST: Duration = Duration::from_millis(120);
 /// What a second of walking covers, as a share of the diagonal of the scene.
 const STRIDE: f64 = 0.2;
-/// Why there is no error.
-const NO_ERROR: &str =
-    "No error: nothing is left to chance in one ray through the centre of each pixel.";
 /// How long the rays of a pixel are followed, and how many with points on lights, so that an answer takes twice as long.
 const PROBE: Duration = Duration::from_millis(100);
 const PROBED: u32 = 4096;
@@ -292,7 +289,7 @@ impl<'a> Painter<'a> {
                     self.tried.add(&self.halves[index], &stage.words, rendered.seconds, error);
                     self.send_chart();
                 }
-                None => self.figures[index]["note"] = NO_ERROR.into(),
+                None => self.figures[index]["note"] = format!("No error: {NO_ERROR}.").into(),
             }
         }
         if is_last && index == 0 {

@@ -83,7 +83,7 @@ pub(super) struct Tried(Vec<Series>);
 impl Tried {
     /// Adds a render of a half; the same again takes the place of the one before.
     pub(super) fn add(&mut self, half: &Half, words: &str, seconds: f64, error: MeasuredError) {
-        let (name, MeasuredError { error, at_most }) = (half.name(), error);
+        let (name, MeasuredError { error, at_most, .. }) = (half.name(), error);
         let label = words.to_owned();
         let point = Point { x: seconds, y: error, low: error, high: at_most, label };
         let known = self.0.iter_mut().find(|series| series.name == name);

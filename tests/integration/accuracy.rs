@@ -259,6 +259,39 @@ fn errors_are_reached(asked: f64, seeds: u64) {
     assert!(missed.len() * 20 <= runs, "more than one of twenty: {missed:#?}");
 }
 
+/// Light as strong as one likes, near a lamp: its error is that of the rarest points.
+#[test]
+fn an_error_that_does_not_fall_ends_the_renders_and_is_told() {
+    let ceiling = json!([[-3, 4.001, 3], [-3, 4.001, -3], [3, 4.001, -3], [3, 4.001, 3]]);
+    let ceiling = json!({"type": "plane", "points": ceiling, "normal": [0, -1, 0],
+                         "material": matte(0.8, [1.0; 3])});
+    let light = with(square_light("sobol", 4), "falloff", "inverse-square");
+    let camera = with(pinhole([64, 48], 90.0, 6.0), "antialias", 2);
+    let mut scene = prepare(&scene(0, &camera, &[light], &[ceiling]));
+    let mut sides = vec![32];
+    let reached = reach(&mut scene, None, (0.001, 0), &(), |scene, choice| {
+        sides.push(choice.points.side);
+        let rendered = render_on(2, scene, &options());
+        let found = measured(scene, &rendered, 0, &())?;
+        Ok((rendered, found))
+    });
+    let reached = reached.expect("renders").expect("samples");
+    let is_bounded = sides.windows(2).all(|two| two[1] <= 2 * two[0]) && sides.len() <= 5;
+    assert!(is_bounded, "{sides:?}");
+    let told = reached.unreached(0.001, Path::new("s.json")).expect("a warning").to_string();
+    assert!(told.contains("the target error 0.001 was not reached: it may be "), "{told}");
+}
+
+/// A lamp that is a thousandth of a pixel, which no ray meets.
+#[test]
+fn no_error_is_told_of_what_no_ray_met() {
+    let lamp = with(matte(0.0, [1.0; 3]), "emission", json!([1000, 1000, 1000]));
+    let camera = with(pinhole([64, 48], 45.0, 6.0), "antialias", 2);
+    let scene = prepare(&scene(0, &camera, &[], &[sphere([0.03, 0.03, 0.0], 1e-3, lamp)]));
+    let found = measured(&scene, &render_on(2, &scene, &options()), 0, &());
+    assert_eq!(found.expect("renders"), None);
+}
+
 #[test]
 fn a_pilot_that_is_ended_has_no_choice() {
     struct Ended;

@@ -67,6 +67,8 @@ fn a_render_for_an_error_prints_its_choice_and_the_measured_error() {
     let goal = json_in(folder.path(), "s.json")["goal"].take();
     let found = goal["found_error"].as_f64().expect("a number");
     assert!(found <= 0.01, "{goal}");
+    let left_out = "the aliasing of one ray through the centre of each pixel";
+    assert_eq!(goal["left_out"], json!([left_out]));
     assert_eq!(
         run_well(folder.path(), &["ball.json", "out.exr", "--time-budget", "0.5", "-q"]),
         ""

@@ -52,8 +52,11 @@ pub(crate) const SAMPLERS: &[Sampling] = &[Sampling::Jittered, Sampling::Sobol];
 /// The share by which times of a moment differ without a cause.
 const NOISE: f64 = 0.2;
 
-/// The largest side of a chosen grid.
+/// The largest side of a grid that is chosen for a time.
 pub const MOST_SIDE: u32 = 1024;
+
+/// The largest side of a grid that a pilot chooses: eight times that of the largest whose error it measures.
+const FARTHEST_SIDE: u32 = 64;
 
 /// Factor by which the error may be underestimated: choices reach a requested error with this
 /// margin.
@@ -87,7 +90,8 @@ impl fmt::Display for Chosen {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { points, axis, error, seconds } = self;
         write!(f, "{}: ", axis.counted(*points))?;
-        if error.is_finite() {
+        // Nothing is known of what no ray of the pilot met.
+        if error.is_finite() && *error > 0.0 {
             write!(f, "expected error {}, ", figure(*error))?;
         }
         write!(f, "{seconds:.2} s of tracing")
@@ -166,7 +170,7 @@ fn choose(
 ) -> Result<Chosen> {
     let axis = Axis::of(&Facts::of(scene));
     let (mut allowed, mut last, mut errors) = (SHORT, Vec::new(), Vec::new());
-    // The fewest points; the largest number if none suffices. Their time is not known yet.
+    // The fewest points; the most if none suffices. Their time is not known yet.
     let fewest = |errors: &[(f64, f64)]| {
         let choice = |side| {
             let points = Points { sampling, side };
@@ -175,8 +179,8 @@ fn choose(
         };
         // The smallest grid whose error renders show.
         let least = if matches!(axis, Axis::Pixel(_)) { 2 } else { 1 };
-        let mut choices = (least..=MOST_SIDE).map(choice);
-        choices.find(|c| c.error * MARGIN <= error).unwrap_or(choice(MOST_SIDE))
+        let mut choices = (least..=FARTHEST_SIDE).map(choice);
+        choices.find(|c| c.error * MARGIN <= error).unwrap_or(choice(FARTHEST_SIDE))
     };
     for side in SIDES {
         let points = Points { sampling, side };
@@ -235,7 +239,13 @@ pub struct MeasuredError {
     /// The error that the image has at most, with [`CONFIDENCE`]: from the differences between
     /// windows.
     pub at_most: f64,
+    /// The share of the pixels that are in windows.
+    pub share: f64,
 }
+
+/// Why there may be no error.
+pub const NO_ERROR: &str =
+    "renders with other random numbers are equal wherever they were compared";
 
 /// The confidence of [`MeasuredError::at_most`], as standard errors of a normal distribution: 0.975.
 const CONFIDENCE: f64 = 1.96;
@@ -245,7 +255,7 @@ const OTHERS: u64 = 2;
 
 /// The error of an image of `scene` with its current samples, in windows; without a meaning if `watch` ends it. `None` if
 /// the image is not finished, or if renders do not show their error: with one ray through the centre of each pixel and
-/// nothing else left to chance, they are all equal.
+/// nothing else left to chance they are all equal, and so they are where no ray meets what is rare.
 ///
 /// # Errors
 /// If there is no memory for a window.
@@ -261,7 +271,9 @@ pub fn measured(
     let found = variances(scene, Some(&rendered.film), seed, f64::INFINITY, watch)?;
     let (mean, deviation) = mean_and_error(&found.into_iter().flatten().collect::<Vec<_>>());
     let at_most = (mean + CONFIDENCE * deviation).sqrt();
-    Ok(Some(MeasuredError { error: mean.sqrt(), at_most }))
+    let share = measuring_share(scene.camera.size()) / OTHERS as f64;
+    let error = MeasuredError { error: mean.sqrt(), at_most, share };
+    Ok(Some(error).filter(|found| found.error > 0.0))
 }
 
 /// The variance of some renders of `scene` and of `film`, the whole image, if there is one, in each window that was begun

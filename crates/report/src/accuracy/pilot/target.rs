@@ -25,6 +25,8 @@ pub struct Reached {
     pub rendered: Rendered,
     /// Its error, if it is finished.
     pub found: Option<MeasuredError>,
+    /// Whether it is below that of the render before.
+    pub falls: bool,
     /// The number of renders.
     pub renders: u32,
     /// Seconds of the pilot.
@@ -35,20 +37,16 @@ impl Reached {
     /// The warning that the error may still be above `target`, if so.
     pub fn unreached(&self, target: f64, file: &Path) -> Option<Warning> {
         let found = self.found.filter(|found| found.at_most > target)?;
-        let remedy = match self.choice.points.side {
-            MOST_SIDE => "the image has as many points as possible; choose a larger error",
-            _ => {
-                "the image is the last and best; choose a larger error, or more points in the scene"
-            }
-        };
         let most = figure(found.at_most);
-        let message = format!("the target error {target} was not reached: it may be {most}");
+        let falls = if self.falls { "" } else { ", and does not fall with more samples" };
+        let message = format!("the target error {target} was not reached: it may be {most}{falls}");
+        let remedy = "choose a larger error";
         let error = Error::new(ErrorKind::Usage, message).remedy(remedy).in_file(file);
         Some(Warning::from_error(&error))
     }
 }
 
-/// Renders `scene` until the error is at most `target`, as far as its measurement can tell, or cannot become
+/// Renders `scene` until the error is at most `target`, as far as its measurement can tell, or does not become
 /// smaller. A tree with `preset` is replaced by the one that the expected rays are worth. `render` returns the
 /// image with its error; without one, no other render follows. `None` if `watch` ends the pilot.
 ///
@@ -64,9 +62,9 @@ pub fn reach(
     let original = scene.original();
     let start = Instant::now();
     let choices = choices(scene, SAMPLERS, (target, seed), watch)?;
-    let spent = start.elapsed().as_secs_f64();
+    let pilot = start.elapsed().as_secs_f64();
     let Some(mut choice) = best(&choices, target) else { return Ok(None) };
-    let mut renders = 0;
+    let (mut renders, mut before) = (0, f64::INFINITY);
     loop {
         renders += 1;
         scene.resample(&original, &choice.samples());
@@ -79,24 +77,29 @@ pub fn reach(
             }
         }
         let (rendered, found) = render(scene, &choice)?;
-        let missed = found.filter(|found| found.at_most > target && renders < MOST_RENDERS);
-        match missed.and_then(|found| finer(&choice, found.at_most / target)) {
+        let falls = found.is_none_or(|found| found.error < before);
+        let missed =
+            found.filter(|found| found.at_most > target && falls && renders < MOST_RENDERS);
+        before = found.map_or(before, |found| found.error);
+        match missed.and_then(|missed| finer(&choice, missed, target)) {
             Some(next) => choice = next,
-            None => return Ok(Some(Reached { choice, rendered, found, renders, pilot: spent })),
+            None => return Ok(Some(Reached { choice, rendered, found, falls, renders, pilot })),
         }
     }
 }
 
-/// More points after an error `excess` times the target, as for independent points: this suffices
-/// for any sampler. `None` if there are as many as possible.
-fn finer(choice: &Chosen, excess: f64) -> Option<Chosen> {
+/// More points after an error that may be above `target`, as for independent points: this suffices
+/// for any sampler. At most twice the side: the next error tells whether more are of use. `None` if as many as possible do
+/// not suffice.
+fn finer(choice: &Chosen, missed: MeasuredError, target: f64) -> Option<Chosen> {
     let now = choice.points.side;
-    let side = ((f64::from(now) * excess).ceil() as u32).clamp(now, MOST_SIDE);
-    let points = Points { side: side.max(MOST_SIDE.min(now + 1)), ..choice.points };
+    let wanted = f64::from(now) * missed.at_most / target;
+    let side = (wanted.ceil() as u32).clamp(now + 1, 2 * now);
+    let points = Points { side, ..choice.points };
     let more = f64::from(points.count()) / f64::from(choice.points.count());
-    let error = choice.error / more.sqrt();
+    let error = missed.error / more.sqrt();
     let seconds = choice.seconds * more;
-    (points.side > now).then_some(Chosen { points, error, seconds, ..*choice })
+    (wanted <= f64::from(MOST_SIDE)).then_some(Chosen { points, error, seconds, ..*choice })
 }
 
 /// The cost of an error with one sampler.
@@ -104,7 +107,7 @@ fn finer(choice: &Chosen, excess: f64) -> Option<Chosen> {
 pub struct Advice {
     /// The choice, as the pilot expects it.
     pub choice: Chosen,
-    /// Seconds of tracing the image, and its error; `None` if the choice takes too long to try.
+    /// Seconds of tracing the image, and its error; `None` if the choice takes too long to try, or renders do not show it.
     pub tried: Option<(f64, MeasuredError)>,
 }
 
@@ -145,7 +148,7 @@ impl Advice {
 impl fmt::Display for Advice {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Some((seconds, found)) = self.tried else {
-            return write!(f, "{} (not tried)", self.choice);
+            return write!(f, "{} (not measured)", self.choice);
         };
         let points = self.choice.axis.counted(self.choice.points);
         write!(f, "{points}: error {}, {seconds:.3} s of tracing", figure(found.error))
@@ -158,14 +161,17 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_target_out_of_reach_ends_at_the_most_points() {
+    fn a_target_out_of_reach_ends_and_no_step_is_long() {
         let points = |side| Points { sampling: Sampling::Sobol, side };
         let axis = Axis::Pixel("");
         let choice = |side| Chosen { axis, points: points(side), error: 0.5, seconds: 2.0 };
-        let next = finer(&choice(4), 1.5).unwrap();
-        assert_eq!((next.points.side, next.seconds), (6, 4.5));
-        assert_eq!(finer(&choice(4), 1.0001).unwrap().points.side, 5);
-        assert_eq!(finer(&choice(4), 1e30).unwrap().points.side, MOST_SIDE);
-        assert!(finer(&choice(MOST_SIDE), 1e30).is_none());
+        let finer = |side, excess| {
+            finer(&choice(side), MeasuredError { error: 3.0, at_most: excess, share: 1.0 }, 1.0)
+        };
+        let next = finer(4, 1.5).unwrap();
+        assert_eq!((next.points.side, next.error, next.seconds), (6, 2.0, 4.5));
+        assert_eq!(finer(4, 1.0001).unwrap().points.side, 5);
+        assert_eq!(finer(4, 200.0).unwrap().points.side, 8);
+        assert!(finer(4, 300.0).is_none() && finer(MOST_SIDE, 1.0001).is_none());
     }
 }
