@@ -12,11 +12,12 @@ use wavecrest_core::render::{RenderOptions, Watch};
 use wavecrest_image::compare::compare;
 use wavecrest_report::accuracy::pilot::target::reach;
 use wavecrest_report::accuracy::pilot::{choices, measured};
-use wavecrest_report::accuracy::report::{ERRORS, SettingResult};
+use wavecrest_report::accuracy::report::{ERRORS, FastestSetting, FastestSettings, SettingResult};
 use wavecrest_report::accuracy::setting::{Family, Setting, SettingSeries};
 use wavecrest_report::accuracy::store::{FILE, Record, Store, SweepHeader};
 use wavecrest_report::accuracy::sweep::run;
 use wavecrest_report::accuracy::{AccuracyReport, page};
+use wavecrest_report::summary::Uncertain;
 use wavecrest_report::text::text;
 
 use crate::support::{
@@ -290,6 +291,19 @@ fn no_error_is_told_of_what_no_ray_met() {
     let scene = prepare(&scene(0, &camera, &[], &[sphere([0.03, 0.03, 0.0], 1e-3, lamp)]));
     let found = measured(&scene, &render_on(2, &scene, &options()), 0, &());
     assert_eq!(found.expect("renders"), None);
+}
+
+#[test]
+fn an_answer_has_its_interval_and_the_lack_of_one_its_reason() {
+    let mut at = FastestSetting { sampler: Some("sobol".to_owned()), ..Default::default() };
+    at.times_as_fast = Some(Uncertain { value: 1.1, low: 1.0, high: 67.4 });
+    let mut answer = FastestSettings { least: Some(0.35), ..FastestSettings::default() };
+    answer.errors.push(at);
+    let told = answer.sentence();
+    assert!(told.ends_with("random ones take 1.1 times (1.0 to 67.4) as long."), "{told}");
+    answer.errors.clear();
+    let told = answer.sentence();
+    assert!(told.contains("the least is 35 %. White is 100 %, and a lamp in view"), "{told}");
 }
 
 #[test]

@@ -146,6 +146,15 @@ pub struct Uncertain {
     pub high: f64,
 }
 
+impl Uncertain {
+    /// As a factor, such as "1.1 times (1.0 to 67.4)".
+    pub(crate) fn times(&self) -> String {
+        let Self { value, low, high } = self;
+        let interval = if low < high { format!(" ({low:.1} to {high:.1})") } else { String::new() };
+        format!("{value:.1} times{interval}")
+    }
+}
+
 /// The random numbers of a seed.
 pub(crate) fn generator(seed: u64) -> Generator {
     Stream { seed, pixel: 0, sample: 0, bounce: 0 }.generator(0)

@@ -150,11 +150,9 @@ fn row(scene: &SceneAccuracy, answer: &FastestSettings, at: &FastestSetting) -> 
 
 /// The time of random points relative to the answer's, or a lower bound.
 fn times(at: &FastestSetting, ratio: &Uncertain) -> String {
-    let &Uncertain { value, low, high } = ratio;
     match at.at_least {
-        true if value >= 1.0 => format!("over {value:.1} times; not reached"),
+        true if ratio.value >= 1.0 => format!("over {}; not reached", ratio.times()),
         true => "not reached".to_owned(),
-        false if low == high => format!("{value:.1} times"),
-        false => format!("{value:.1} times ({low:.1} to {high:.1})"),
+        false => ratio.times(),
     }
 }

@@ -6,6 +6,7 @@
 //! | `rounds`, `left_out`, `busy` | | rounds of all settings, one for each seed, as in [`crate::bench`]: busy ones are left out of times if enough others remain |
 //! | `share` | | the largest share of the processors that the threads got in a round; `null` where the system does not tell |
 //! | `answer` | | the sampler and the number of points that reach an error in the least time, in seconds from the command to the image: |
+//! | `.least` | | the least error of all measured settings, up to the end of its interval |
 //! | `.family`, `.counted` | | what is varied for a smaller error, as by `--advise` and `--target-error` |
 //! | `.errors[].error` | | root mean squared error |
 //! | `..sampler`, `.points` | | the fastest of all measured settings whose error is at most this one: its sampler and its number of points; `null` if none is |
@@ -113,7 +114,8 @@ impl SceneAccuracy {
         if let Some(varied) = found.families.iter().find(|family| family.counted == counted) {
             let costs = errors.iter().map(|error| varied.cost(*error, median(&before)));
             let (family, errors) = (varied.name, costs.collect());
-            found.answer = FastestSettings { family, counted, errors };
+            let least = varied.points().map(|point| point.rmse.high).reduce(f64::min);
+            found.answer = FastestSettings { family, counted, least, errors };
         }
         found
     }
@@ -200,6 +202,7 @@ pub const ERRORS: [f64; 3] = [0.02, 0.01, 0.005];
 pub struct FastestSettings {
     pub family: &'static str,
     pub counted: String,
+    pub least: Option<f64>,
     pub errors: Vec<FastestSetting>,
 }
 
@@ -223,7 +226,11 @@ impl FastestSettings {
         let reached = || self.errors.iter().filter(|at| at.sampler.is_some());
         let at = middle.or_else(|| reached().min_by(|a, b| a.error.total_cmp(&b.error)));
         let Some((at, sampler)) = at.and_then(|at| Some((at, at.sampler.as_ref()?))) else {
-            return "No measured setting reaches any of the errors.".to_owned();
+            let least = figure(100.0 * self.least.unwrap_or(f64::INFINITY));
+            return format!(
+                "No measured setting reaches any of the errors: the least is {least} %. White is 100 %, and a lamp in \
+                 view counts with all its light."
+            );
         };
         let effect =
             match (self.family, self.counted.contains("light"), self.counted.contains("sky")) {
@@ -238,10 +245,10 @@ impl FastestSettings {
         let rival = match at.times_as_fast {
             _ if sampler == Sampling::Random.name() => "no other sampler is faster".to_owned(),
             Some(ratio) if at.at_least && ratio.value >= 1.0 => {
-                format!("random ones do not reach it even in {:.1} times the time", ratio.value)
+                format!("random ones do not reach it even in {} the time", ratio.times())
             }
             Some(_) if at.at_least => "random ones do not reach it".to_owned(),
-            Some(ratio) => format!("random ones take {:.1} times as long", ratio.value),
+            Some(ratio) => format!("random ones take {} as long", ratio.times()),
             None => "random ones were not measured".to_owned(),
         };
         format!(

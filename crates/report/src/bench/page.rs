@@ -12,7 +12,7 @@ use crate::measure;
 use crate::page::{Block, Cell, Page, Section, Table, file_name};
 use crate::plot::number::{figure, plural};
 use crate::plot::{ChartAxis, Scale, Series};
-use crate::summary::CONFIDENCE;
+use crate::summary::{CONFIDENCE, MedianInterval};
 use comparison::{comparison, point, speeds};
 use wavecrest_base::error::Result;
 use wavecrest_base::replace::make_folder;
@@ -76,16 +76,17 @@ pub fn write_figures(page: &Page, folder: &Path) -> Result<()> {
 /// The results in a few sentences.
 fn lead(scenes: &[SceneBench]) -> String {
     let tracers = scenes.iter().filter_map(SceneBench::tracers);
-    let ratios: Vec<f64> = tracers.map(|[_, v]| v.ratio.interval.median).collect();
+    let ratios: Vec<&MedianInterval> = tracers.map(|[_, v]| &v.ratio.interval).collect();
     let mut sentences: Vec<String> = match (&ratios[..], scenes) {
         ([], []) => vec!["Nothing was measured.".to_owned()],
         ([], _) => Vec::new(),
         ([_], [scene]) => answer(scene).into_iter().collect(),
         _ => {
-            let least = ratios.iter().copied().fold(f64::INFINITY, f64::min);
-            let most = ratios.iter().copied().fold(0.0, f64::max);
+            let least = ratios.iter().map(|ratio| ratio.low).fold(f64::INFINITY, f64::min);
+            let most = ratios.iter().map(|ratio| ratio.high).fold(0.0, f64::max);
             vec![format!(
-                "In {} scenes, the wavefront is {least:.3} to {most:.3} times as fast as the recursive tracer.",
+                "In {} scenes, the wavefront is {least:.3} to {most:.3} times as fast as the recursive tracer, by the ends \
+                 of all intervals.",
                 ratios.len()
             )]
         }
