@@ -14,11 +14,11 @@ use wavecrest_image::compare::{ColorChannel, Comparison, compare, pixels_beyond}
 use wavecrest_image::error_map::{MapKind, error_map, flip_map};
 use wavecrest_image::flip::{DEFAULT_PIXELS_PER_DEGREE, Flip, flip};
 use wavecrest_image::read::read;
-use wavecrest_image::write::{Transfer, check_writable, write};
+use wavecrest_image::write::{Format, Transfer, check_writable, write};
 
 /// Compare an image with a reference.
 ///
-/// Reads PPM, PNG, EXR, PFM and most other formats; integers are scaled to 0 to 1, without a transfer
+/// Reads the colour of PPM, PNG, EXR, PFM and most other formats; integers are scaled to 0 to 1, without a transfer
 /// function. For the image A and the reference B, MSE is the mean of (A - B)^2, relative MSE the mean of
 /// (A - B)^2 / (B^2 + 0.01), and bias the mean of A - B, positive if A is brighter. FLIP is the mean perceived
 /// difference, from 0 to 1, when a viewer alternates between the two.
@@ -95,6 +95,9 @@ impl FromStr for Pixels {
         pixels.ok_or_else(|| "write a whole number of pixels, or a share such as 0.1%".to_owned())
     }
 }
+
+/// What is compared, of a format that may hold more.
+const OF_COLOR: &str = " of colour; alpha and other layers are not compared";
 
 /// What a number of 0 or more may be.
 const EXAMPLE: &str = "0 or more, such as 0.001";
@@ -216,7 +219,10 @@ impl<'a> DiffReport<'a> {
 
     fn verdict(&self) -> String {
         if self.comparison.equal {
-            return "equal in every bit".into();
+            // Other formats may hold more.
+            let is_all = |path| Format::from_path(path).is_ok_and(|format| !format.has_alpha());
+            let of = if is_all(self.a) && is_all(self.b) { "" } else { OF_COLOR };
+            return format!("equal in every bit{of}");
         }
         let within = self.is_within_limits();
         let decisive = self.limits.iter().filter(|verdict| verdict.within == within);
