@@ -16,15 +16,17 @@
 
 mod mutate;
 mod rays;
+#[path = "../seeds.rs"]
+mod seeds;
 mod targets;
 
-use std::ops::Range;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::Duration;
 
 use mutate::Numbers;
+use seeds::asked_for;
 
 /// A function of `targets.rs`.
 type Target = fn(&[u8]) -> bool;
@@ -59,20 +61,10 @@ fn holds(name: &str, target: Target, bytes: &[u8]) -> Result<bool, PathBuf> {
     })
 }
 
-/// The seeds to try: `usual` many, unless `WAVECREST_FUZZ` names others.
-fn asked_for(usual: u64) -> Range<u64> {
-    let Ok(asked) = std::env::var("WAVECREST_FUZZ") else { return 0..usual };
-    let number = |text: &str| text.parse::<u64>().expect("WAVECREST_FUZZ is a number or a range");
-    match asked.split_once("..") {
-        Some((start, end)) => number(start)..number(end),
-        None => number(&asked)..number(&asked) + 1,
-    }
-}
-
 /// Tries `target` with what `input` makes of each seed. Of the usual inputs some are accepted and
 /// some are not, or they would say little.
 fn try_seeds(name: &str, target: Target, usual: u64, input: impl Fn(&mut Numbers) -> Vec<u8>) {
-    let seeds = asked_for(usual);
+    let seeds = asked_for(0..usual);
     let (current, alone) = (AtomicU64::new(seeds.start), std::env::var("WAVECREST_FUZZ").is_ok());
     let again = |seed: u64| format!("WAVECREST_FUZZ={seed} cargo test --test fuzz {name}");
     let mut accepted = 0;

@@ -9,7 +9,9 @@
     reason = "helpers of tests fail as tests do; clippy knows only the test functions themselves"
 )]
 
-// Loading, rendering and running the command, and transcripts, for all the modules below; no tests.
+// Loading, rendering and running the command, and transcripts, and seeds, for all the modules below; no tests.
+#[path = "../seeds.rs"]
+mod seeds;
 mod support;
 mod transcript;
 
@@ -18,6 +20,9 @@ mod golden;
 
 // Tracer, threads, batches, instructions, kernels, trees, plans and crops do not change a bit of an image.
 mod parity;
+
+// Random scenes of solids, holes, panes and mirrors at once: one image of each, in any order, with what nothing meets.
+mod random_scenes;
 
 // Meshes that are held once and shown often: the answers of copies, whatever searches them, without leaks.
 mod instances;

@@ -13,15 +13,15 @@ use crate::support::{
 };
 
 /// Numbers from 0 to 1 that follow from a seed.
-struct Numbers(Stream, u32);
+pub(crate) struct Numbers(pub(crate) Stream, pub(crate) u32);
 
 impl Numbers {
-    fn next(&mut self) -> f64 {
+    pub(crate) fn next(&mut self) -> f64 {
         self.1 += 1;
         f64::from(self.0.uniform(self.1)[0])
     }
 
-    fn below(&mut self, n: u32) -> u32 {
+    pub(crate) fn below(&mut self, n: u32) -> u32 {
         (self.next() * f64::from(n)) as u32
     }
 
