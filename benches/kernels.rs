@@ -99,7 +99,7 @@ fn triangle_is_degenerate_on_a_line(bencher: Bencher<'_, '_>) {
 #[divan::bench]
 fn quad_halves(bencher: Bencher<'_, '_>) {
     each(bencher, &rays_and_quads(), |(ray, corners)| {
-        surface::quad_halves(&Line::from(ray), &corners.map(Vector::from), 1, |_| *ray)
+        surface::quad_halves(&Line::from(ray), 0.0, &corners.map(Vector::from), 1)
     });
 }
 

@@ -244,8 +244,7 @@ impl<P: Arithmetic> Recursive<P> {
         self.counters.primary_rays += 1;
         self.counters.lens_samples += u64::from(scene.camera.has_lens());
         observer.camera();
-        let shadows = self.schedule.has_shadows();
-        let transmits = self.schedule.has_transmission();
+        let (shadows, transmits) = (self.schedule.has_shadows(), self.schedule.has_transmission());
         let bounces = if self.schedule.has_mirrors() { scene.bounces } else { 0 };
         let mut radiance = Vec3::ZERO;
         let state = PathState { media: self.start, ..PathState::default() };

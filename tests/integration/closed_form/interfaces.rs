@@ -310,7 +310,8 @@ fn any_number_of_solids_nest() {
         for (camera, expected) in [(at_angle(0.0), way * way), (inside.clone(), way)] {
             for _ in 0..2 {
                 shapes.reverse();
-                let path = probe::pixel(&prepare(&scene(200, &camera, &[], &shapes)), [0, 0], 0);
+                let prepared = prepare(&scene(200, &camera, &[], &shapes));
+                let path = probe::pixel(&prepared, [0, 0], None, 0, &|_| false);
                 assert_eq!(path.differs, None);
                 let found = f64::from(path.paths[0].radiance.x) / expected;
                 assert!((found - 1.0).abs() < 1e-4, "nested balls: {found}");
@@ -349,7 +350,7 @@ fn copies_in_one_place_count() {
         let mut prepared = prepare(&scene(0, &at_angle(0.3), &[], &shapes));
         for preset in [Preset::VeryFast, Preset::Brute, Preset::Fastest] {
             prepared.accel.rebuild(preset);
-            let found = probe::pixel(&prepared, [0, 0], 0);
+            let found = probe::pixel(&prepared, [0, 0], None, 0, &|_| false);
             assert_eq!(found.differs, None);
             close(found.paths[0].radiance.x, 0.98_f64.powi(count as i32), "copies");
         }

@@ -269,7 +269,12 @@ pub(super) fn left(
 ) -> Option<(Ray, u32)> {
     let ray = at_any(accel.geometry(), extent, rng);
     let (primitive, [point, error, normal]) = met(accel, &ray, traversal)?;
-    let outward = if normal.dot(ray.direction) > 0.0 { -normal } else { normal }.as_dvec3();
+    let is_inside = normal.dot(ray.direction) > 0.0;
+    // The inside of a ball, seen through a hole, faces itself.
+    if is_inside && matches!(accel.geometry().primitive(primitive), Primitive::Quadric(_)) {
+        return None;
+    }
+    let outward = if is_inside { -normal } else { normal }.as_dvec3();
     let any = rng.direction();
     let along = any - outward * any.dot(outward);
     let direction =

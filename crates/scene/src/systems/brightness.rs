@@ -32,7 +32,7 @@ pub(crate) fn run(world: &World, background: DVec3, images: &mut Images) -> Resu
     for sky in world.query::<&Sky>().iter() {
         sky.sky.into_iter().chain(sky.ground).for_each(&mut add);
     }
-    for Environment { around, image } in world.query::<&Environment>().iter() {
+    for Environment { around, image, .. } in world.query::<&Environment>().iter() {
         let colors = [around.zenith, around.horizon, around.nadir];
         colors.into_iter().for_each(|color| add(color * around.intensity));
         let place = ("scene.environment", "file");

@@ -169,9 +169,9 @@ impl<S: Lanes, Q: Query, P: Arithmetic> TileBatch<'_, S, Q, P> {
                     let before = tile.done;
                     match geometry.primitive(number) {
                         Primitive::Quadric(i) => {
-                            let quadric = &geometry.quadrics[i];
+                            let quadric = (&geometry.quadrics[i], is_passed);
                             tile.meet_quadric::<S, Q, P>(
-                                *simd, *searched, quadric, at, rays, is_passed, tests,
+                                *simd, *searched, quadric, at, rays, tests,
                             );
                         }
                         _ => meet_each::<Q, P>(*searched, tile, number, at, rays, tests),

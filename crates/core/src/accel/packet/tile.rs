@@ -152,10 +152,9 @@ impl RayTile {
         &mut self,
         simd: S,
         searched: Searched<'_>,
-        quadric: &Quadric,
+        (quadric, is_passed): (&Quadric, bool),
         (place, entry): (Ref, usize),
         rays: u64,
-        is_passed: bool,
         tests: &mut TestCounts,
     ) {
         quadric.count(tests, rays.count_ones());
