@@ -126,8 +126,7 @@ fn behind_a_hole_is_the_far_side() {
         wavefront.film
     };
     assert!(shadow(Some(ball(1.0, true))).same_bits(&shadow(Some(ball(1.0, false)))));
-    let [open, whole, shell] =
-        [None, Some(ball(0.5, false)), Some(ball(0.5, true))].map(|ball| shadow(ball));
+    let [open, whole, shell] = [None, Some(ball(0.5, false)), Some(ball(0.5, true))].map(shadow);
     for (film, share) in [(whole, 0.25), (shell, 0.5)] {
         assert_eq!(pixel(&film, 32, 32)[0], pixel(&open, 32, 32)[0] * share);
     }

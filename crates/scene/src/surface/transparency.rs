@@ -78,13 +78,8 @@ impl Transparency {
 
     /// Whether anything goes through, or is absorbed inside.
     pub(crate) fn has_effect(&self) -> bool {
-        let transmission::Transparency { opacity, kt, .. } = self.in_single_precision();
-        opacity < 1.0 || kt > 0.0 || self.vertex_alpha || self.absorbs()
-    }
-
-    /// Whether light is absorbed inside.
-    pub(crate) fn absorbs(&self) -> bool {
-        self.absorption() != DVec3::ZERO
+        let transmission::Transparency { opacity, kt, absorption, .. } = self.in_single_precision();
+        opacity < 1.0 || kt > 0.0 || self.vertex_alpha || absorption != Vec3::ZERO
     }
 
     /// Whether all light passes it as if it were not there.

@@ -75,27 +75,17 @@ fn look_through(
     let met = all.iter_mut().filter(|one| one.visibility.is_transparent && one.visibility.is_met);
     for one in met.filter(|one| one.visibility.is_seen == is_seen) {
         let surface = SurfaceComponents::of(&surfaces, one.entity);
-        let is_around = |camera: &Camera| is_around(camera, &one.bounds);
-        let is_medium = surface.transparency.is_some_and(Transparency::absorbs)
-            && (one.is_cut_out || frame.cameras.is_empty() || frame.cameras.iter().any(is_around));
         // Paths are split there, so that only what is bright enough counts.
         let is_faint_mirror = frame.settings.bounces > 0
             && surface.material.is_some_and(|m| m.is_faint_mirror() && mirrored(m, frame) > 0.0);
         one.visibility.is_transparent =
-            is_medium || is_faint_mirror || is_transparent(world, &surface, one.prototype, images)?;
+            is_faint_mirror || is_transparent(world, &surface, one.prototype, images)?;
     }
     Ok(())
 }
 
-/// Whether rays of a camera may start inside of what has this box.
-fn is_around(camera: &Camera, bounds: &Aabb) -> bool {
-    let (center, radius) = camera.pupil();
-    let (low, high) = (bounds.low.as_dvec3() - radius, bounds.high.as_dvec3() + radius);
-    // In doubt it has none.
-    *bounds == Aabb::EMPTY || center.cmpge(low).all() && center.cmple(high).all()
-}
-
-/// Whether light goes through a surface of a prototype: not if its opacity is 1 at all vertices and in every texel.
+/// Whether light goes through a surface of a prototype or is absorbed behind it: not if its opacity is 1 at all vertices
+/// and in every texel.
 fn is_transparent(
     world: &World,
     surface: &SurfaceComponents<'_>,
@@ -103,7 +93,7 @@ fn is_transparent(
     images: &mut Images,
 ) -> Result<bool> {
     let through = *surface.transparency.unwrap_or(&Transparency::OPAQUE);
-    if through.opacity < 1.0 || through.kt > 0.0 {
+    if (Transparency { vertex_alpha: false, ..through }).has_effect() {
         return Ok(true);
     }
     let mesh = world.get::<&Mesh>(prototype);
