@@ -60,7 +60,8 @@ fn knot_scene(folder: &Path, triangles: u64) {
         .expect("it can be written");
     let knot = json!({"type": "trimesh", "file": "knot.ply", "material": matte(1.0, [0.5; 3])});
     let light = point_light(50.0, [3.0, 3.0, 5.0], [1.0; 3]);
-    let scene = scene(0, &pinhole([64, 48], 50.0, 6.0), &[light], &[knot]);
+    // Where nothing is transparent no ray waits, however many bounces there may be.
+    let scene = scene(10_000, &pinhole([64, 48], 50.0, 6.0), &[light], &[knot]);
     put(folder, "knot.json", scene.to_string());
 }
 

@@ -6,6 +6,7 @@ mod source;
 mod textures;
 mod transparency;
 
+use glam::DVec3;
 use hecs::{Entity, ViewBorrow};
 
 use crate::components::{AreaLight, JsonPath, Name};
@@ -71,6 +72,14 @@ impl<'w> SurfaceComponents<'w> {
         let (material, transparency, texture, maps, cut_out) = surface;
         let (maps, place) = (maps.unwrap_or(&Maps::NONE), place.map_or("", |place| &place.0));
         Self { light, material, transparency, texture, maps, cut_out, place, name }
+    }
+
+    /// Whether no light comes from it but what it mirrors or lets through.
+    pub(crate) fn is_black(&self) -> bool {
+        let is_black = |material: &Material| {
+            [material.ks, material.kd] == [0.0; 2] && material.emission == DVec3::ZERO
+        };
+        self.material.is_some_and(is_black) && !self.is_unlit() && self.maps.metal.is_none()
     }
 
     /// Whether it shows its base colour as it is.

@@ -5,7 +5,7 @@ use std::collections::{HashMap, HashSet};
 use hecs::{Entity, EntityRef, World};
 
 use super::components::{
-    AreaLight, Channels, Filter, Hidden, InstanceOf, Mesh, MeshFile, TextureSource, View,
+    AreaLight, Channels, Filter, Hidden, InstanceOf, Materials, Mesh, MeshFile, TextureSource, View,
 };
 use super::format::Notes;
 use super::image_file;
@@ -13,6 +13,8 @@ use super::mesh;
 use super::options::LoadOptions;
 use super::query::{self, Pictured, textures_of};
 use super::staging;
+use super::surface::{SurfaceColumns, SurfaceComponents};
+use super::systems::placement;
 use wavecrest_base::error::Result;
 
 /// The contents of a scene.
@@ -26,7 +28,7 @@ pub struct Survey {
     pub images: Vec<[u64; 2]>,
     /// The size of the image in pixels.
     pub size: [u32; 2],
-    /// Largest number of bounces after the camera ray.
+    /// Largest number of bounces after the camera ray, from which rays wait; 0 if none do.
     pub bounces: u32,
 }
 
@@ -70,7 +72,16 @@ pub(super) fn standalone(holds: mesh::MeshSurvey, options: &LoadOptions) -> Resu
 
 /// Surveys a world whose mesh files are not read yet, with the text of its scene file.
 pub(super) fn of(world: &World, text: &str, flat: bool, notes: &Notes<'_>) -> Result<Survey> {
-    let mut survey = Survey::new(&query::view(world)?, query::settings(world)?.bounces);
+    let surfaces = world.view::<SurfaceColumns<'_>>();
+    let may_be_transparent = |entity: EntityRef<'_>| {
+        let brings = |file: &MeshFile| file.materials == Materials::File;
+        entity.get::<&MeshFile>().is_some_and(|file| brings(&file))
+            || placement::may_be_transparent(&SurfaceComponents::of(&surfaces, entity.entity()))
+    };
+    // Rays wait at transparent surfaces alone.
+    let is_transparent = world.iter().any(may_be_transparent);
+    let bounces = if is_transparent { query::settings(world)?.bounces } else { 0 };
+    let mut survey = Survey::new(&query::view(world)?, bounces);
     survey.add_json(text.as_bytes());
     let mut instances: HashMap<Entity, u64> = HashMap::new();
     world.query::<&InstanceOf>().iter().for_each(|of| *instances.entry(of.0).or_default() += 1);

@@ -82,11 +82,19 @@ impl Transparency {
         opacity < 1.0 || kt > 0.0 || self.vertex_alpha || absorption != Vec3::ZERO
     }
 
-    /// Whether all light passes it as if it were not there.
-    pub(crate) fn is_clear(&self) -> bool {
-        let transmission::Transparency { opacity, kt, absorption, .. } = self.in_single_precision();
-        // Else it may enclose a medium.
-        opacity == 0.0 && (self.thin || kt == 0.0) && absorption == Vec3::ZERO
+    /// Whether it encloses what bends or absorbs light.
+    pub(crate) fn is_medium(&self) -> bool {
+        let transmission::Transparency { kt, ior, .. } = self.in_single_precision();
+        self.absorbs() || !self.thin && kt > 0.0 && ior != 1.0
+    }
+
+    /// Whether all light passes it as if it were not there, if it adds none: in a medium, an empty solid is a bubble.
+    pub(crate) fn is_clear(&self, is_black: bool, has_media: bool) -> bool {
+        let transmission::Transparency { opacity, kt, ior, color, tinted, .. } =
+            self.in_single_precision();
+        let passes = kt == 1.0 && ior == 1.0 && color == Vec3::ONE && !tinted && is_black;
+        let is_sheet = self.thin || kt == 0.0;
+        (opacity == 0.0 || passes) && !self.is_medium() && (is_sheet || !has_media)
     }
 
     /// As tracers read it.

@@ -96,9 +96,7 @@ impl Census<'_> {
             Effect::Emission => shows(|s| s.emission, "emissive shape", "no material is emissive"),
             Effect::CutOuts => self.cut_outs(),
             Effect::RayDifferentials => {
-                let is_trilinear = |ShapeFacts { surface, visibility, .. }: &ShapeFacts<'_>| {
-                    visibility.shows.is_trilinear(surface, visibility.is_transparent)
-                };
+                let is_trilinear = |shape: &ShapeFacts<'_>| shape.visibility.is_trilinear;
                 self.surfaces(is_trilinear, "trilinear texture", "no visible texture is trilinear")
             }
             Effect::HemisphereLight => self.hemisphere(),

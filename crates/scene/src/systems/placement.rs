@@ -86,18 +86,20 @@ type PrototypeComponents<'w> = (
     Option<&'w Facing>,
 );
 
-/// What is shown, in the order of the file, shapes before those of lights, moved by `-origin`. Of what has
-/// no opacity nothing is shown.
+/// What is shown, in the order of the file, shapes before those of lights, moved by `-origin`. Of what
+/// all light passes nothing is shown.
 pub(crate) fn run(world: &World, origin: DVec3) -> Vec<ShapeInstance> {
     let prototypes = world.view::<PrototypeComponents<'_>>();
     let mut all: Vec<(Order, ShapeInstance)> = Vec::new();
     let surfaces = world.view::<SurfaceColumns<'_>>();
+    let has_media = world.query::<&Transparency>().iter().any(Transparency::is_medium);
     for (entity, order, of, is_hidden, own, sides, shading) in
         world.query::<InstanceComponents<'_>>().iter()
     {
         let surface = SurfaceComponents::of(&surfaces, entity);
         let SurfaceComponents { light, transparency, texture, maps, cut_out, place, .. } = surface;
-        if transparency.is_some_and(Transparency::is_clear) || is_hidden && of.is_none() {
+        let is_clear = |through: &Transparency| through.is_clear(surface.is_black(), has_media);
+        if transparency.is_some_and(is_clear) || is_hidden && of.is_none() {
             continue;
         }
         let prototype = of.map_or(entity, |InstanceOf(prototype)| *prototype);
@@ -125,6 +127,7 @@ pub(crate) fn run(world: &World, origin: DVec3) -> Vec<ShapeInstance> {
             faces: None,
             is_lit: false,
             shows: Shows::default(),
+            is_trilinear: false,
             has_holes: false,
         };
         let instance = ShapeInstance {
@@ -155,7 +158,7 @@ pub(crate) fn run(world: &World, origin: DVec3) -> Vec<ShapeInstance> {
 
 /// Whether light may go through a surface, as far as the headers of images tell, or paths are split there all the
 /// same: at a faint mirror.
-fn may_be_transparent(surface: &SurfaceComponents<'_>) -> bool {
+pub(crate) fn may_be_transparent(surface: &SurfaceComponents<'_>) -> bool {
     let may_vary = |texture: &TextureRef| {
         texture.channels == Channels::Color || has_alpha(&texture.look_up.source)
     };

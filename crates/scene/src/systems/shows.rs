@@ -41,6 +41,13 @@ pub(crate) fn run(world: &World, frame: &Frame, images: &mut Images) -> Result<(
             let is_one = images.is_one(texture, None, (surface.place, OCCLUSION_MAP))?;
             visibility.shows.occlusion = !is_one;
         }
+        let is_seen = visibility.is_in_view();
+        visibility.is_trilinear =
+            visibility.shows.is_trilinear(&surface, visibility.is_transparent, |texture| {
+                let own = texture.look_up.filter;
+                let filter = if is_seen { images.filter(texture) } else { own };
+                filter == Filter::Trilinear
+            });
     }
     Ok(())
 }
@@ -101,13 +108,13 @@ impl Shows {
         }
     }
 
-    /// Whether any visible texture of such a surface is trilinear.
-    pub(super) fn is_trilinear(
+    /// Whether any visible texture of such a surface `is_trilinear`.
+    fn is_trilinear(
         self,
         surface: &SurfaceComponents<'_>,
         is_transparent: bool,
+        mut is_trilinear: impl FnMut(&TextureRef) -> bool,
     ) -> bool {
-        let is_trilinear = |texture: &TextureRef| texture.look_up.filter == Filter::Trilinear;
         let shows = |key: &str| match key {
             EMISSION_MAP => self.emission,
             METAL_MAP => self.metal,
@@ -116,7 +123,7 @@ impl Shows {
             _ => self.normal,
         };
         let mut maps = surface.maps.all().filter(|(key, _)| shows(key));
-        self.texture && surface.texture.is_some_and(is_trilinear)
-            || maps.any(|(_, map)| map.texture.as_ref().is_some_and(is_trilinear))
+        self.texture && surface.texture.is_some_and(&mut is_trilinear)
+            || maps.any(|(_, map)| map.texture.as_ref().is_some_and(&mut is_trilinear))
     }
 }

@@ -47,16 +47,25 @@ impl Images {
         (place, key): (&str, &str),
         map: UvMap,
     ) -> Texture {
-        let LookUp { filter, wrap, placing: placed, .. } = &reference.look_up;
+        let LookUp { wrap, placing: placed, .. } = &reference.look_up;
+        let filter = self.filter(reference);
         let number = *self.numbers.entry(texel_source(reference)).or_insert_with(|| {
             self.all.push((reference.clone(), format!("{place}.{key}")));
             self.all.len() as u32 - 1
         });
-        if *filter == Filter::Trilinear {
-            self.all[number as usize].0.look_up.filter = *filter;
+        if filter == Filter::Trilinear {
+            self.all[number as usize].0.look_up.filter = filter;
         }
-        let (filter, wrap, placing) = (*filter, *wrap, placed.map(placing));
+        let (wrap, placing) = (*wrap, placed.map(placing));
         Texture { image: number, filter, wrap, coordinates: Coordinates { map, placing } }
+    }
+
+    /// The filter of a texture; the simplest where it is known to have one colour.
+    pub(super) fn filter(&mut self, texture: &TextureRef) -> Filter {
+        match texture.look_up.filter {
+            Filter::Trilinear if self.only_color(texture, ("", "")).is_some() => Filter::Nearest,
+            filter => filter,
+        }
     }
 
     /// Whether the texture's first channel is 1 in every texel. It is decoded for that, and kept; if `color` is

@@ -32,6 +32,8 @@ pub(crate) struct Visibility {
     pub(crate) is_lit: bool,
     /// The visible properties of its material; if it is out of view, those that would be.
     pub(crate) shows: Shows,
+    /// Whether any texture that shows is trilinear.
+    pub(crate) is_trilinear: bool,
     /// Whether it has holes that rays may meet.
     pub(crate) has_holes: bool,
 }
