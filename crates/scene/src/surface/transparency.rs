@@ -84,8 +84,8 @@ impl Transparency {
 
     /// Whether it encloses what bends or absorbs light.
     pub(crate) fn is_medium(&self) -> bool {
-        let transmission::Transparency { kt, ior, .. } = self.in_single_precision();
-        self.absorbs() || !self.thin && kt > 0.0 && ior != 1.0
+        let transmission::Transparency { kt, ior, absorption, .. } = self.in_single_precision();
+        absorption != Vec3::ZERO || !self.thin && kt > 0.0 && ior != 1.0
     }
 
     /// Whether all light passes it as if it were not there, if it adds none: in a medium, an empty solid is a bubble.
