@@ -263,9 +263,9 @@ impl SceneOptions {
         }
         let shows_all = purpose.shows_all || purpose.look.is_some_and(|look| !look.is_shaded());
         let passes = if shows_all { &unplanned(&PASSES)[..] } else { &PASSES };
-        let (precision, flat) = (self.precision, self.flatten);
-        let extracted =
-            systems::extract(loaded.world, systems::Options { precision, passes, flat })?;
+        let (precision, flat, exposure) = (self.precision, self.flatten, purpose.exposure);
+        let options = systems::Options { precision, passes, flat, exposure };
+        let extracted = systems::extract(loaded.world, options)?;
         if let Some(limit) = self.memory_limit {
             let preset = self.preset(&extracted);
             limit::check(extracted.file(), &purpose.estimate(&extracted, preset), limit)?;
@@ -303,12 +303,14 @@ pub(crate) struct Purpose<'a> {
     pub(crate) look: Option<Look>,
     /// Whether what light would not show is prepared, too.
     pub(crate) shows_all: bool,
+    /// See [`systems::Options`].
+    pub(crate) exposure: f32,
 }
 
 impl<'a> Purpose<'a> {
     /// `images` of light, in batches of this number of paths.
     pub(crate) fn new(images: impl Fn([u32; 2]) -> [u64; 2] + 'a, batch: usize) -> Self {
-        Self { images: Box::new(images), batch, look: None, shows_all: false }
+        Self { images: Box::new(images), batch, look: None, shows_all: false, exposure: 1.0 }
     }
 
     /// The whole image, not written.

@@ -24,7 +24,7 @@ use wavecrest_image::aov::Layer;
 use wavecrest_image::farm::Shard;
 use wavecrest_image::farm::checkpoint::Checkpoint;
 use wavecrest_image::look::Look;
-use wavecrest_image::write::Transfer;
+use wavecrest_image::write::{Develop, Transfer};
 use wavecrest_scene::load::framing::Sheet;
 
 /// Render a scene to an image.
@@ -184,7 +184,8 @@ impl RenderArgs {
     /// What the scene is read for.
     pub(super) fn purpose(&self) -> Purpose<'_> {
         let purpose = Purpose::new(|size| self.images(size), self.batch as usize);
-        Purpose { look: self.look, ..purpose }
+        let exposure = Develop::from(self.develop).factor();
+        Purpose { look: self.look, exposure, ..purpose }
     }
 
     /// The file to write.

@@ -100,7 +100,11 @@ fn what_is_out_of_view_changes_no_bit_of_any_scene() {
             let json = around_the_eye(seed);
             let precision = Precision::ALL[seed as usize % Precision::ALL.len()];
             let [mut planned, mut all] = [&PASSES[..], &everything].map(|passes| {
-                prepare_in(folder.path(), &json, Options { passes, precision, flat: false })
+                prepare_in(
+                    folder.path(),
+                    &json,
+                    Options { passes, precision, ..Options::default() },
+                )
             });
             let frames = planned.path.as_ref().map_or(0..=0, |path| path.frames());
             for frame in frames {

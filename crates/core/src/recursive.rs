@@ -271,7 +271,7 @@ impl<P: Arithmetic> Recursive<P> {
                         scene.scatter::<P>(&at, &hit, transparency, point, memory)
                     });
                     let own = scattered.map_or(throughput, |(own, _)| own);
-                    let own = state.shown(own, point.emission.into());
+                    let own = scene.shown(&state, own, point.emission.into());
                     let local = point.local_light(scene.ambient, scene.hemisphere.as_ref());
                     radiance += own * Vec3::from(local);
                     observer.surface(point, class, radiance);
@@ -307,12 +307,12 @@ impl<P: Arithmetic> Recursive<P> {
                     }
                 }
                 Interaction::Light(color) => {
-                    radiance += state.shown(throughput, *color) * *color;
+                    radiance += scene.shown(&state, throughput, *color) * *color;
                     PathEnd::Light
                 }
                 Interaction::Nothing => {
                     if let Some(color) = scene.escaped(ray.direction, &state) {
-                        radiance += state.shown(throughput, color) * color;
+                        radiance += scene.shown(&state, throughput, color) * color;
                     }
                     PathEnd::Nothing
                 }

@@ -41,10 +41,15 @@ pub struct Develop {
 }
 
 impl Develop {
+    /// The factor on all light.
+    pub fn factor(&self) -> f32 {
+        libm::exp2f(self.exposure)
+    }
+
     /// The developed film. `alpha` is the coverage of each pixel, if any is partial: colours are
     /// premultiplied by it before and after.
     pub(super) fn film(&self, film: &Film, alpha: Option<&[f32]>) -> Film {
-        let factor = libm::exp2f(self.exposure);
+        let factor = self.factor();
         let mut developed = film.clone();
         for (i, pixel) in developed.pixels_mut().iter_mut().enumerate() {
             let share = alpha.and_then(|alpha| alpha.get(i)).map_or(1.0, |&share| share);

@@ -93,11 +93,13 @@ pub struct Options<'a> {
     pub passes: &'a [Pass],
     /// Whether a mesh with several instances is copied for each instead of stored once.
     pub flat: bool,
+    /// The factor by which images are brighter than the light.
+    pub exposure: f32,
 }
 
 impl Default for Options<'_> {
     fn default() -> Self {
-        Self { precision: Precision::default(), passes: &PASSES, flat: false }
+        Self { precision: Precision::default(), passes: &PASSES, flat: false, exposure: 1.0 }
     }
 }
 

@@ -5,10 +5,11 @@ use serde_json::{Value, json};
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::math::simd::Level;
 use wavecrest_core::probe::{self, PathRecord};
+use wavecrest_scene::systems::Options;
 
 use super::transparency::{clear, close, fresnel};
 use crate::support::{
-    image_of, matte, pinhole, pixel, point_light, prepare, scene, sphere, wall, with,
+    image_of, matte, pinhole, pixel, point_light, prepare, prepare_in, scene, sphere, wall, with,
 };
 
 fn glass(ior: f64) -> Value {
@@ -382,4 +383,8 @@ fn rays_end_by_what_they_could_show() {
         let found = path(3, &at_angle(0.2), &[mirror(0.0019), white.clone(), unseen(more)]);
         assert_eq!(found.radiance.x, 0.0, "less than half a level");
     }
+    // An image that is exposed longer shows it.
+    let json = scene(3, &at_angle(0.2), &[], &[mirror(0.0019), white]);
+    let exposed = prepare_in("".as_ref(), &json, Options { exposure: 8.0, ..Options::default() });
+    close(pixel(&image_of(&exposed, 0), 0, 0)[0], 0.0019, "exposed");
 }

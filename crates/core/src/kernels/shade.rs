@@ -225,27 +225,31 @@ pub const HALF_LEVEL: f32 = 0.5 / 255.0;
 
 /// Which rays end where a path is split, as they could show nothing.
 ///
-/// A ray is faint if what surfaces reflect, which counts as white, is less than [`HALF_LEVEL`] after its weight. Of
-/// what faint rays meet only light counts that is brighter by as much, so that it does not matter to a pixel what
-/// else there is; and they end if nothing in the scene is so bright.
+/// A ray is faint if what surfaces reflect, which counts as white, is less than half a level after its weight. Of what
+/// faint rays meet only light counts that is brighter by as much, so that it does not matter to a pixel what else there
+/// is; and they end if nothing in the scene is so bright.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Visible {
+    /// Half of one of 255 levels, as the image is exposed.
+    half_level: f32,
     /// Rays of less weight than this end.
     least: f32,
 }
 
 impl Visible {
-    /// Of a scene in which nothing is brighter than this.
-    pub fn new(brightest: f32) -> Self {
+    /// Of a scene in which nothing is brighter than `brightest`, in an image that multiplies light by `exposure`; as it
+    /// is if that is less.
+    pub fn new(brightest: f32, exposure: f32) -> Self {
+        let half_level = HALF_LEVEL / exposure.max(1.0);
         // Less by some roundings, so that no light is lost that counts.
         let margin = if brightest > 1.0 { 1.0 - gamma(8) } else { 1.0 };
-        Self { least: HALF_LEVEL * margin / brightest.max(1.0) }
+        Self { half_level, least: half_level * margin / brightest.max(1.0) }
     }
 
     /// Whether faint rays go on.
     #[inline(always)]
     pub fn has_faint(&self) -> bool {
-        self.least < HALF_LEVEL
+        self.least < self.half_level
     }
 
     /// Whether a ray of this weight goes on.
@@ -256,14 +260,14 @@ impl Visible {
 
     /// Whether a ray of this weight is faint.
     #[inline(always)]
-    pub fn is_faint(weight: Vec3) -> bool {
-        weight.max_element() < HALF_LEVEL
+    pub fn is_faint(&self, weight: Vec3) -> bool {
+        weight.max_element() < self.half_level
     }
 
     /// Whether light of a faint ray of this weight counts: that of something of this brightness.
     #[inline(always)]
-    pub fn counts(weight: Vec3, brightness: Vec3) -> bool {
-        weight.max_element() * brightness.max_element().max(1.0) >= HALF_LEVEL
+    pub fn counts(&self, weight: Vec3, brightness: Vec3) -> bool {
+        weight.max_element() * brightness.max_element().max(1.0) >= self.half_level
     }
 }
 

@@ -7,6 +7,8 @@ use std::collections::BTreeMap;
 pub struct Multisets {
     lists: Vec<[u32; 2]>,
     known: BTreeMap<[u32; 2], u32>,
+    /// Memory for the numbers below one.
+    below: Vec<u32>,
 }
 
 /// The multiset without numbers.
@@ -42,13 +44,17 @@ impl Multisets {
         number: u32,
         change: impl FnOnce(&mut Self, u32) -> u32,
     ) -> u32 {
-        let mut below = Vec::new();
+        let mut below = std::mem::take(&mut self.below);
         while let Some([first, rest]) = self.split(list).filter(|[first, _]| *first < number) {
             below.push(first);
             list = rest;
         }
-        let changed = change(self, list);
-        below.into_iter().rev().fold(changed, |list, first| self.joined([first, list]))
+        let mut changed = change(self, list);
+        while let Some(first) = below.pop() {
+            changed = self.joined([first, changed]);
+        }
+        self.below = below;
+        changed
     }
 
     fn split(&self, list: u32) -> Option<[u32; 2]> {
@@ -56,7 +62,7 @@ impl Multisets {
     }
 
     fn joined(&mut self, list: [u32; 2]) -> u32 {
-        let Self { lists, known } = self;
+        let Self { lists, known, .. } = self;
         *known.entry(list).or_insert_with(|| {
             lists.push(list);
             lists.len() as u32

@@ -98,6 +98,9 @@ impl PreparedScene {
                 let _ = write!(hasher, "{:?}{:?}", self.appearance.shapes, self.appearance.classes);
                 let _ = write!(hasher, "{:?}{:?}", self.lights, self.background);
                 let _ = write!(hasher, "{:?} {:?}", self.ambient, self.bounces);
+                if self.plan.schedule().has_transmission() {
+                    let _ = write!(hasher, "{:?}", self.visible);
+                }
                 if let Some(hemisphere) = &self.hemisphere {
                     let _ = write!(hasher, "{hemisphere:?}");
                 }

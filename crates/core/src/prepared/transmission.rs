@@ -6,7 +6,7 @@
 
 use glam::Vec3;
 
-use super::{Interface, InterfaceHit, LookUps, MediumStack, PreparedScene, Sides, Visible};
+use super::{Interface, InterfaceHit, LookUps, MediumStack, PreparedScene, Sides};
 use crate::accel::{Hit, Traversal};
 use crate::geometry::Geometry;
 use crate::kernels::{Arithmetic, Differential, ShadingPoint, Transparency, shade};
@@ -21,7 +21,7 @@ pub struct PathState {
     pub bounces: u32,
     /// Whether it was mirrored: it then sees no background.
     pub mirrored: bool,
-    /// Whether only what is brighter than white counts: see [`Visible`].
+    /// Whether only what is brighter than white counts: see [`Visible`](super::Visible).
     pub faint: bool,
     /// Whether it was mirrored or bent: until then, the ray goes straight on from the camera.
     pub turned: bool,
@@ -32,13 +32,6 @@ pub struct PathState {
 }
 
 impl PathState {
-    /// The share of a `weight` that counts for light of this brightness.
-    #[inline(always)]
-    pub fn shown(&self, weight: Vec3, brightness: Vec3) -> Vec3 {
-        let is_lost = self.faint && !Visible::counts(weight, brightness);
-        if is_lost { Vec3::ZERO } else { weight }
-    }
-
     /// The state of a mirror ray from here.
     pub fn mirrored(self) -> Self {
         let bounces = self.bounces + 1;
@@ -64,6 +57,13 @@ pub struct Branch {
 }
 
 impl PreparedScene {
+    /// The share of a `weight` that counts for light of this brightness, at the end of a ray in this state.
+    #[inline(always)]
+    pub fn shown(&self, state: &PathState, weight: Vec3, brightness: Vec3) -> Vec3 {
+        let is_lost = state.faint && !self.visible.counts(weight, brightness);
+        if is_lost { Vec3::ZERO } else { weight }
+    }
+
     /// Whether the exact t of hits is needed: for footprints, for light absorbed on the way, and for bent
     /// quads with holes, which tell by it which of their halves was hit.
     pub fn needs_t(&self) -> bool {
@@ -137,7 +137,7 @@ impl PreparedScene {
         };
         // As one of the rays into which the path is split.
         let split = |throughput: Vec3, state: PathState| PathState {
-            faint: state.faint || Visible::is_faint(throughput),
+            faint: state.faint || self.visible.is_faint(throughput),
             ..state
         };
         let from = self

@@ -164,7 +164,7 @@ impl<P: Arithmetic> Shade<'_, P> {
     #[inline(always)]
     fn light(&mut self, i: usize, color: Vec3) {
         let path = self.batch.rays.path[i] as usize;
-        let weight = self.state(i).shown(self.batch.rays.throughput.get(i), color);
+        let weight = self.scene.shown(&self.state(i), self.batch.rays.throughput.get(i), color);
         self.batch.paths.radiance.add(path, weight * color);
     }
 
@@ -244,7 +244,8 @@ impl<P: Arithmetic> Shade<'_, P> {
         if self.transmits && scene.visible.has_faint() {
             for lane in set_bits::<LANES>(group.used) {
                 let state = self.state(numbers[lane] as usize);
-                own.set_lane(lane, state.shown(own.lane(lane), point.emission.lane(lane)));
+                let brightness = point.emission.lane(lane);
+                own.set_lane(lane, scene.shown(&state, own.lane(lane), brightness));
             }
         }
         let local = point.local_light(scene.ambient, scene.hemisphere.as_ref());

@@ -4,7 +4,7 @@ use glam::{DVec3, Vec3};
 
 use super::Transparency;
 use wavecrest_core::kernels::metal::look;
-use wavecrest_core::kernels::shade::Visible;
+use wavecrest_core::kernels::shade::HALF_LEVEL;
 
 use crate::format::{Declaration, Kind, Object, Range, component, declared, keys};
 
@@ -60,7 +60,7 @@ impl Material {
 
     /// Whether only what is brighter than white shows in it.
     pub(crate) fn is_faint_mirror(&self) -> bool {
-        self.mirrors() != Vec3::ZERO && Visible::is_faint(self.mirrors())
+        self.mirrors() != Vec3::ZERO && self.mirrors().max_element() < HALF_LEVEL
     }
 
     /// That of a base colour, metalness and roughness.

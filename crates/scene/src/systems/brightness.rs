@@ -12,11 +12,16 @@ use crate::components::{
 use wavecrest_base::error::Result;
 use wavecrest_core::kernels::shade::Visible;
 
-/// Finds which rays can show anything before this background.
+/// Finds which rays can show anything before this background, if an image is exposed so.
 ///
 /// # Errors
 /// If the image of an environment that may be brighter than white cannot be decoded.
-pub(crate) fn run(world: &World, background: DVec3, images: &mut Images) -> Result<Visible> {
+pub(crate) fn run(
+    world: &World,
+    background: DVec3,
+    exposure: f32,
+    images: &mut Images,
+) -> Result<Visible> {
     type Columns<'a> =
         (&'a Material, Option<&'a Transparency>, Option<&'a TextureRef>, Option<&'a Maps>);
     let mut surfaces = world.query::<Columns<'_>>();
@@ -26,7 +31,7 @@ pub(crate) fn run(world: &World, background: DVec3, images: &mut Images) -> Resu
     let mut brightest = background.max_element();
     let mut add = |light: DVec3| brightest = brightest.max(light.max_element());
     if !surfaces.iter().any(goes_on) {
-        return Ok(Visible::new(1.0));
+        return Ok(Visible::new(1.0, exposure));
     }
     world.query::<&AreaLight>().iter().for_each(|light| add(light.color));
     for sky in world.query::<&Sky>().iter() {
@@ -62,5 +67,5 @@ pub(crate) fn run(world: &World, background: DVec3, images: &mut Images) -> Resu
             add(DVec3::INFINITY);
         }
     }
-    Ok(Visible::new(brightest as f32))
+    Ok(Visible::new(brightest as f32, exposure))
 }

@@ -36,7 +36,7 @@ pub(crate) struct Frame {
 }
 
 pub(super) fn run(world: &World, options: &Options<'_>, images: &mut Images) -> Result<Frame> {
-    let &Options { precision, passes, .. } = options;
+    let &Options { precision, passes, exposure, .. } = options;
     let skips = passes.iter().any(|pass| pass.step == Step::Shadow && !pass.needs.is_empty());
     // Fast precision has no error bounds, so nothing is certain, and uses coordinates unchanged.
     let is_fast = precision == Precision::Fast;
@@ -46,7 +46,7 @@ pub(super) fn run(world: &World, options: &Options<'_>, images: &mut Images) -> 
     let is_free = world.query::<&FreeCamera>().iter().next().is_some();
     let is_certain = skips && !is_fast && !is_free;
     let cameras = if is_certain { frames_of(&camera, path.as_ref()) } else { Vec::new() };
-    let visible = brightness::run(world, settings.background, images)?;
+    let visible = brightness::run(world, settings.background, exposure, images)?;
     Ok(Frame { settings, precision, origin, cameras, visible })
 }
 

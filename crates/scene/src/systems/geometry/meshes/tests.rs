@@ -32,7 +32,7 @@ fn arrays(world: &mut World) -> Result<Arrays> {
     let instances = placement::run(world, DVec3::ZERO);
     let settings = staging::settings("scene.json".as_ref(), 0, &Lighting::USUAL);
     let precision = Precision::default();
-    let (origin, cameras, visible) = (DVec3::ZERO, Vec::new(), Visible::new(1.0));
+    let (origin, cameras, visible) = (DVec3::ZERO, Vec::new(), Visible::new(1.0, 1.0));
     let frame = Frame { settings, precision, origin, cameras, visible };
     run(world, &frame, instances, false)
 }
