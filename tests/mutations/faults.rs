@@ -197,14 +197,14 @@ pub(crate) const FAULTS: &[Fault] = faults! {
             => "noted.note_list(searched, number + 1, place)";
     "solids are entered where they are left", 57, "crates/core/src/prepared/media.rs":
         "!leaves" => "leaves";
-    "the medium is the solid that was entered first", 57, "crates/core/src/prepared/media.rs":
-        "solid < *place" => "*place == NONE";
+    "the medium is the solid that was entered first", 57, "crates/core/src/math/multisets.rs":
+        "*first < number" => "*first < u32::MAX";
     "surfaces at one place are crossed one by one", 57, "crates/core/src/prepared/interface.rs":
         "(last.point - found.point).dot(last.normal)" => "f32::INFINITY";
     "inner surfaces of a solid are seen", 57, "crates/core/src/prepared/interface.rs":
         "shape.solid.is_none() || self.differ(&sides)" => "true || self.differ(&sides)";
     "shadow rays enter what they leave", 57, "crates/core/src/prepared/shadow_crossings.rs":
-        "scene.sides(media, own, first.inside)" => "scene.sides(media, own, !first.inside)";
+        "scene.sides(media, own, first.inside, all)" => "scene.sides(media, own, !first.inside, all)";
     "light is absorbed up to the next surface alone", 57, "crates/core/src/prepared/shadow_crossings.rs":
         "first.distance - from" => "first.distance";
 };
