@@ -169,7 +169,7 @@ impl<S: Lanes, Q: Query, P: Arithmetic> TileBatch<'_, S, Q, P> {
                     let before = tile.done;
                     match geometry.primitive(number) {
                         Primitive::Quadric(i) => {
-                            let quadric = (&geometry.quadrics[i], is_passed);
+                            let quadric = &geometry.quadrics[i];
                             tile.meet_quadric::<S, Q, P>(
                                 *simd, *searched, quadric, at, rays, tests,
                             );

@@ -145,20 +145,19 @@ impl RayTile {
         }
     }
 
-    /// Tests the quadric of an entry in a list against some `rays`, a bit each, eight at a time. One that shadow
-    /// rays pass is met whether or not it has holes where they do.
+    /// Tests the quadric of an entry in a list against some `rays`, a bit each, eight at a time.
     #[inline(always)]
     pub(super) fn meet_quadric<S: Lanes, Q: Query, P: Arithmetic>(
         &mut self,
         simd: S,
         searched: Searched<'_>,
-        (quadric, is_passed): (&Quadric, bool),
+        quadric: &Quadric,
         (place, entry): (Ref, usize),
         rays: u64,
         tests: &mut TestCounts,
     ) {
         quadric.count(tests, rays.count_ones());
-        let certain = is_passed || Q::ANY && searched.geometry.cutouts.is_empty();
+        let certain = Q::ANY && searched.geometry.cutouts.is_empty();
         for first in (0..TILE).step_by(LANES) {
             let used = (rays >> first) as u32 & 0xFF;
             if used == 0 {
