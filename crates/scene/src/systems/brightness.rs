@@ -1,6 +1,6 @@
 //! The brightest light that any ray may meet: rays end when even that would not show.
 //!
-//! A bound for the whole file, seen or not: pixels do not depend on it, only how soon rays end.
+//! A bound for the whole file, seen or not: it decides how soon rays end, not what counts of what they meet.
 
 use glam::DVec3;
 use hecs::World;
