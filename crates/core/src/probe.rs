@@ -294,7 +294,11 @@ impl Observer for Recorder<'_> {
             _ if branch.ray.direction.dot(normal) < 0.0 => RayKind::Refracted,
             _ => RayKind::Mirrored,
         };
-        self.waiting.extend(next.iter().map(|branch| (from, kind(branch))));
+        for branch in next {
+            // As the tracer's own, of which faint ones wait below all others.
+            let place = if branch.state.faint { 0 } else { self.waiting.len() };
+            self.waiting.insert(place, (from, kind(branch)));
+        }
         if let (Some(bounce), Some(step)) = (self.path.bounces.last_mut(), self.steps.last_mut()) {
             (bounce.radiance, bounce.end) = (radiance, next.is_empty().then_some(end));
             step.2 = radiance;

@@ -1,9 +1,8 @@
 //! The recursive tracer: one path at a time, depth first, over the same kernels as the wavefront.
 //! It is the wavefront's competitor and its reference.
 //!
-//! The recursion of Whitted (1980) is a loop over the rays of a path, each with its throughput. At
-//! a transparent surface a path scatters into several rays, and the other rays wait on a stack. Light is added in the
-//! wavefront's order: by ray, light and sample.
+//! The recursion of Whitted (1980) is a loop over the rays of a path, each with its throughput: those into which a path
+//! scatters at a transparent surface wait on a stack. Light is added in the wavefront's order: by ray, light and sample.
 
 use std::marker::PhantomData;
 
@@ -276,7 +275,7 @@ impl<P: Arithmetic> Recursive<P> {
                     radiance += own * Vec3::from(local);
                     observer.surface(point, class, radiance);
                     if shadows && point.lit {
-                        let gathered = (own, &mut radiance);
+                        let gathered = (if state.faint { Vec3::ZERO } else { own }, &mut radiance);
                         let at = (point, state.media);
                         self.direct_light(scene, at, &stream, gathered, cancelled, observer);
                     }
@@ -318,6 +317,7 @@ impl<P: Arithmetic> Recursive<P> {
                 }
             };
             observer.done(radiance, &self.waiting[waiting..], end);
+            Branch::sink(&mut self.waiting, waiting);
             if stream.bounce + 1 == MOST_RAYS && !self.waiting.is_empty() {
                 self.counters.cut_short += 1;
                 self.waiting.clear();

@@ -56,6 +56,19 @@ pub struct Branch {
     pub differential: Option<Differential>,
 }
 
+impl Branch {
+    /// Moves the faint ones of the rays from the `first` on below all others, which follow one another as if there were
+    /// none: random numbers go by the number of a ray.
+    pub fn sink(waiting: &mut Vec<Self>, first: usize) {
+        for i in first..waiting.len() {
+            if waiting[i].state.faint {
+                let faint = waiting.remove(i);
+                waiting.insert(0, faint);
+            }
+        }
+    }
+}
+
 impl PreparedScene {
     /// The share of a `weight` that counts for light of this brightness, at the end of a ray in this state.
     #[inline(always)]

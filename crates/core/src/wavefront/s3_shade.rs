@@ -240,19 +240,22 @@ impl<P: Arithmetic> Shade<'_, P> {
             Some(through) => self.scatter(group, through, (&point, throughput), &mut look_ups),
         };
         self.counters.look_ups += look_ups;
-        let mut own = throughput;
+        let [mut own, mut direct] = [throughput; 2];
         if self.transmits && scene.visible.has_faint() {
             for lane in set_bits::<LANES>(group.used) {
                 let state = self.state(numbers[lane] as usize);
                 let brightness = point.emission.lane(lane);
                 own.set_lane(lane, scene.shown(&state, own.lane(lane), brightness));
+                if state.faint {
+                    direct.set_lane(lane, Vec3::ZERO);
+                }
             }
         }
         let local = point.local_light(scene.ambient, scene.hemisphere.as_ref());
         self.add(group.used, &path, own * local);
         if self.shadows && point.lit.any() {
             self.batch.lit.provide();
-            self.batch.lit.push_lanes(&point, own, &path);
+            self.batch.lit.push_lanes(&point, direct, &path);
             if self.tints {
                 self.batch.tints.provide();
                 self.batch.tints.push_lanes(&point);

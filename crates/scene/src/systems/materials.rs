@@ -34,7 +34,9 @@ pub(crate) fn run(world: &World, frame: &Frame) {
     for (source, shape, visibility, material, bound) in shapes.iter() {
         let surface = SurfaceComponents::of(&surfaces, source.0);
         if let Some(own) = surface.material {
-            let kr = if visibility.is_mirror { mirrored(own, frame) } else { 0.0 };
+            // Beside what else a transparent surface mirrors, no weight is too small.
+            let kr = if visibility.is_transparent { own.kr as f32 } else { mirrored(own, frame) };
+            let kr = if visibility.is_mirror { kr } else { 0.0 };
             *material = constants(own, kr, &surface, shape.colored);
         }
         bound.0 = largest(*material, &surface);

@@ -42,6 +42,7 @@ impl BranchStacks {
         // No more than the path needs; later paths in its place take the same memory.
         stack.reserve_exact(1);
         stack.push(branch);
+        Branch::sink(stack, stack.len() - 1);
     }
 
     /// Removes the last ray of the path.
