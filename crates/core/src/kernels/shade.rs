@@ -227,7 +227,7 @@ pub const HALF_LEVEL: f32 = 0.5 / 255.0;
 ///
 /// A ray is faint if what surfaces reflect, which counts as white, is less than half a level after its weight. Of what
 /// faint rays meet only light counts that is brighter by as much, so that it does not matter to a pixel what else there
-/// is, but for the random numbers of later rays; and they end if nothing in the scene is so bright.
+/// is; and they end if nothing in the scene is so bright.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Visible {
     /// Half of one of 255 levels, as the image is exposed.
