@@ -69,7 +69,7 @@ impl Set {
     }
 
     /// A scene of these effects, as far as they can be seen, by the lines of `effects.txt`: effects that it needs, and an
-    /// edit of the scene or of each shape in it. What mirrors show is behind the eye. Its texture is in `folder`.
+    /// edit of the scene or of each shape in it. What mirrors and rays of ambient light meet is behind the eye. Its texture is in `folder`.
     fn scene(self, folder: &Path) -> Value {
         // By a light without power surfaces show their colours even where no other light is.
         let dark = point_light(0.0, [0.0, 9.0, 9.0], [1.0; 3]);

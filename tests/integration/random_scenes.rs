@@ -30,8 +30,8 @@ use crate::view::Numbers;
 /// The seeds of the usual run.
 const USUAL: Range<u64> = 0..60;
 
-/// Those of them whose scenes have several images.
-const FAULTY: &[u64] = &[];
+/// More, whose scenes had several images.
+const ONCE_WRONG: [u64; 1] = [2333];
 
 /// The ball in which one more shape is hidden, and how small it is there.
 const DEN: ([f64; 3], f64) = ([11.0, -9.0, 7.0], 0.1);
@@ -227,9 +227,12 @@ fn random_scenes_have_one_image() {
     };
     save("holes.png", |x, y| [200, 90, 255, if (x + y) % 2 == 0 { 255 } else { 0 }]);
     save("ramp.png", |x, y| [80 * x as u8, 60 * y as u8, 99, 15 * (x + 4 * y) as u8]);
-    let seeds = asked_for(USUAL);
-    let asked = seeds.end - seeds.start;
-    let found = seeds.into_par_iter().filter(|seed| !FAULTY.contains(seed)).filter_map(|seed| {
+    let mut seeds: Vec<u64> = asked_for(USUAL).collect();
+    if seeds.len() > 1 {
+        seeds.extend(ONCE_WRONG);
+    }
+    let asked = seeds.len();
+    let found = seeds.into_par_iter().filter_map(|seed| {
         let trial = Trial::of(seed);
         let faults = trial.tried(&folder)?;
         let Some(fault) = faults.first() else { return Some(None) };
@@ -240,7 +243,7 @@ fn random_scenes_have_one_image() {
         Some(Some(format!("{seed}: {faults:?}; {preset:?}, {kernel:?}, {level:?}, {by:?}")))
     });
     let found: Vec<Option<String>> = found.collect();
-    assert!(found.len() as u64 * 10 > asked * 8, "only {} of {asked} are tried", found.len());
+    assert!(found.len() * 10 > asked * 8, "only {} of {asked} are tried", found.len());
     let faults: Vec<&str> = found.iter().flatten().map(String::as_str).collect();
     assert!(faults.is_empty(), "in {}:\n{}", folder.display(), faults.join("\n"));
 }

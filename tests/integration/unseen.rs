@@ -148,7 +148,7 @@ fn what_nobody_sees_costs_nothing() {
 }
 
 /// A sun and a lens that are too small to change half of one of 255 levels are a point and a pinhole, and ambient light
-/// that looks no further than the next shape is in nobody's way; larger ones are not.
+/// that looks no further than the next shape is in nobody's way, as is all that reaches a lone ball; larger ones are not.
 #[test]
 fn what_is_too_small_to_be_seen_costs_nothing() {
     let sun = |angle: f64| {
@@ -169,8 +169,16 @@ fn what_is_too_small_to_be_seen_costs_nothing() {
         json["scene"]["ambient"] = sky;
         json
     };
-    let all: [(&dyn Fn(f64) -> Value, _, _); 3] =
-        [(&sun, 1e-6, 0.5), (&lens, 1e-5, 0.1), (&sky, 1.1, 1.3)];
+    let lone = |depth: f64| {
+        let ball = sphere([0.0, 1.0, 0.0], 0.8, matte(0.8, [0.5; 3]));
+        let other = sphere([0.0, depth - 4.0, 0.0], 0.1, matte(0.8, [0.5; 3]));
+        let shapes = if depth > 1.0 { vec![ball, other] } else { vec![ball] };
+        let mut json = scene(2, &camera(), &[lamp(3.0)], &shapes);
+        json["scene"]["ambient"] = json!({"sky": [0.5, 0.5, 0.5], "samples": 64.0 * depth});
+        json
+    };
+    let all: [(&dyn Fn(f64) -> Value, _, _); 4] =
+        [(&sun, 1e-6, 0.5), (&lens, 1e-5, 0.1), (&sky, 1.1, 1.3), (&lone, 1.0, 2.0)];
     for (sized, small, large) in all {
         let [none, small, large] = [0.0, small, large].map(sized);
         let [none, small, large] =

@@ -2,7 +2,7 @@
 //!
 //! | system | reads | leaves |
 //! |---|---|---|
-//! | `strip_unlit` | unlit materials | of their surfaces what counts |
+//! | `strip` | unlit materials, metal maps | of their surfaces what counts |
 //! | `frame` | the view, settings, all that shines | the offset of the scene's origin, the camera in all frames, which rays can show anything |
 //! | `placement` | shapes, instances, transforms | shapes where they are shown |
 //! | `culling` | boxes of shapes, cameras, lights | what no ray can meet, of which nothing is stored; what mirrors and transparent surfaces show |
@@ -124,7 +124,7 @@ pub fn free_camera(world: &mut World, view: Option<View>) -> Result<View> {
 /// be read.
 pub fn extract(mut world: World, options: Options<'_>) -> Result<Extracted> {
     Stage::Extract.begin();
-    materials::strip_unlit(&mut world);
+    materials::strip(&mut world);
     let mut images = Images::of_scene(&query::settings(&world)?.file);
     let frame = frame::run(&world, &options, &mut images)?;
     let mut instances = placement::run(&world, frame.origin);

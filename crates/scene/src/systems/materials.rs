@@ -11,11 +11,17 @@ use wavecrest_core::kernels::blinn_phong::Material;
 use wavecrest_core::kernels::metal;
 use wavecrest_core::prepared::Shape;
 
-/// Leaves nothing of an unlit surface but its base colour and what goes through it, which normals may bend.
-pub(crate) fn strip_unlit(world: &mut World) {
+/// Leaves out what other parts of a surface replace: nothing is left of an unlit one but its base colour and what goes
+/// through it, which normals may bend, and metal maps give all that is mirrored.
+pub(crate) fn strip(world: &mut World) {
     type Parts<'w> = (&'w mut components::Material, Option<&'w mut Maps>, Option<&'w Transparency>);
-    let all = world.query_mut::<Parts<'_>>().into_iter();
-    for (material, maps, through) in all.filter(|(material, ..)| material.unlit) {
+    for (material, maps, through) in world.query_mut::<Parts<'_>>() {
+        if maps.as_ref().is_some_and(|maps| maps.metal.is_some()) {
+            material.kr = 0.0;
+        }
+        if !material.unlit {
+            continue;
+        }
         let components::Material { diffuse_color, unlit, .. } = *material;
         let none = components::Material { kd: 0.0, ambient: 0.0, ..components::Material::MATTE };
         *material = components::Material { diffuse_color, unlit, ..none };
