@@ -15,10 +15,8 @@ mod seeds;
 mod support;
 mod transcript;
 
-// The float image of every file in scenes/ and scenes/hard/ is the one in tests/golden/.
-mod golden;
-
-// Tracer, threads, batches, instructions, kernels, trees, plans and crops do not change a bit of an image.
+// Every scene has the image of its hash in tests/golden.txt. Tracer, threads, batches, instructions, kernels, trees, plans,
+// crops and writing it do not change a bit.
 mod parity;
 
 // Random scenes of solids, holes, panes and mirrors at once: one image of each, in any order, with what nothing meets.

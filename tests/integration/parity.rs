@@ -1,6 +1,12 @@
-//! Parity: one image whatever the tracer, the number of threads, the size of the batches, the instructions, the kernel,
-//! the tree, the plan and the part that is rendered.
+//! Every scene, read once: one image, whose hash `tests/golden.txt` has, whatever the tracer, the number of threads, the
+//! size of the batches, the instructions, the kernel, the tree, the plan and the part that is rendered, and once the scene
+//! has been written and read again.
+//!
+//! `WAVECREST_BLESS=1 cargo test --test integration parity` writes the hashes again. An image with another hash is left in
+//! `target/tmp/golden/`. All arithmetic of the renderer is IEEE 754 without functions of the machine's own, so that every
+//! machine gives the same bits.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use rayon::prelude::*;
@@ -13,15 +19,23 @@ use wavecrest_core::math::simd::Level;
 use wavecrest_core::plan::Effect;
 use wavecrest_core::plan::schedule::{PASSES, unplanned};
 use wavecrest_core::prepared::PreparedScene;
-use wavecrest_core::render::{RenderOptions, TracerKind};
+use wavecrest_core::render::{RenderOptions, Rendered, TracerKind};
 use wavecrest_core::tile::Tile;
+use wavecrest_image::write::Transfer;
+use wavecrest_scene::load::{LoadOptions, LoadedScene, load};
 use wavecrest_scene::systems::Options;
+use wavecrest_scene::write::write;
+use xxhash_rust::xxh3::xxh3_64;
 
 use crate::planning::check_work;
 use crate::support::{
-    TRACERS, both, extract_small, extract_small_by, image, matte, options, pinhole, point_light,
-    prepare, render_on, scene, scene_files, sphere, thin_lens, wall, with,
+    TRACERS, blessing, both, files_in, folder, image, load_small, matte, options, pinhole,
+    point_light, prepare, ready, ready_by, render_on, repository, scene, scene_files, sphere, stem,
+    thin_lens, wall, with,
 };
+
+/// Where the hashes of images are recorded, a name and its hash a line.
+const GOLDEN: &str = "tests/golden.txt";
 
 /// The longest side of the images, in pixels: several tiles, and no multiple of one.
 const LONGEST: u32 = 45;
@@ -43,8 +57,11 @@ struct Setting {
 /// Sizes of batches about those of vectors, tiles and the usual batch.
 const BATCHES: [usize; 10] = [1, 3, 7, 8, 9, 64, 65, 1001, 1024, 5000];
 
-/// One thing after the other; every size of batch with every level where `all` are asked for. The recursive tracer has no
-/// batches.
+/// Those of most scenes.
+const SOME_BATCHES: [usize; 3] = [1, 13, 5000];
+
+/// One thing after the other; every size of batch, each with every level, where `all` are asked for. The recursive tracer
+/// has no batches.
 fn settings(all: bool) -> Vec<Setting> {
     let (batch, level) = (options().batch, Level::best());
     let usual = Setting {
@@ -56,7 +73,9 @@ fn settings(all: bool) -> Vec<Setting> {
     };
     let recursive = Setting { tracer: TracerKind::Recursive, ..usual };
     let some = if all { &BATCHES[..] } else { &[13, 1024] };
-    let mut settings: Vec<Setting> = BATCHES.map(|batch| Setting { batch, ..usual }).into();
+    let batches = if all { &BATCHES[..] } else { &SOME_BATCHES };
+    let mut settings: Vec<Setting> =
+        batches.iter().map(|&batch| Setting { batch, ..usual }).collect();
     settings.extend([usual, recursive].map(|usual| Setting { threads: 3, ..usual }));
     for level in Level::available() {
         settings.push(Setting { level, ..recursive });
@@ -80,16 +99,20 @@ fn same(expected: &Film, found: &Film, what: impl std::fmt::Debug) -> Result<(),
     Err(format!("{what:?}: {differing} pixels differ"))
 }
 
-/// All that is counted but how hits are searched for and sorted, which is each tracer's own affair.
+/// All that is counted but how hits are searched for, which is each tracer's own affair.
 pub(crate) fn work(counters: &Counters) -> Counters {
-    let Counters { tests, kernels, spans, .. } = Counters::default();
-    Counters { tests, kernels, spans, ..*counters }
+    let Counters { tests, kernels, .. } = Counters::default();
+    Counters { tests, kernels, ..*counters }
 }
 
 /// Renders with every setting: one image, and the same work.
-fn check_settings(name: &str, scene: &mut PreparedScene, all: bool) -> Result<(), String> {
-    let usual = render_on(1, scene, &options());
-    check_work(name, scene, &usual, &options());
+fn check_settings(
+    name: &str,
+    scene: &mut PreparedScene,
+    usual: &Rendered,
+    all: bool,
+) -> Result<(), String> {
+    check_work(name, scene, usual, &options());
     for setting in settings(all) {
         let Setting { tracer, threads, batch, level, kernel } = setting;
         scene.accel.level = level.token().expect("it is available");
@@ -152,37 +175,92 @@ fn check_seeds(scene: &PreparedScene) -> Result<(), String> {
     }
 }
 
-/// Any tree, and any plan, gives the image of testing and running everything.
-fn check_trees_and_plans(path: &Path) -> Result<(), String> {
-    // Without a tree every ray tests every primitive, so that fewer rays must do.
-    let mut scene = extract_small(path, LONGEST, MOST_RAYS / 4).build(Preset::Brute);
-    let brute = film(&scene, options());
-    for preset in Preset::ALL.into_iter().filter(|&preset| preset != Preset::Brute) {
+/// Any tree gives the image of testing everything, in a part: without a tree every ray tests every primitive.
+fn check_trees(scene: &mut PreparedScene, whole: &Film) -> Result<(), String> {
+    let (width, height) = (whole.width().div_ceil(4), whole.height().div_ceil(4));
+    let (x, y) = ((whole.width() - width) / 2, (whole.height() - height) / 2);
+    let crop = Tile { x, y, width, height };
+    let part = whole.part([x, y, width, height]).expect("it lies within the image");
+    Preset::ALL.into_iter().try_for_each(|preset| {
         scene.accel.rebuild(preset);
-        for tracer in TRACERS {
-            same(&brute, &film(&scene, RenderOptions { tracer, ..options() }), (preset, tracer))?;
+        TRACERS.into_iter().try_for_each(|tracer| {
+            let found = film(scene, RenderOptions { tracer, crop: Some(crop), ..options() });
+            same(&part, &found, (preset, tracer))
+        })
+    })
+}
+
+/// Running everything, planned or not, gives the same image.
+fn check_plan(path: &Path, whole: &Film) -> Result<(), String> {
+    let everything = Options { passes: &unplanned(&PASSES), ..Options::default() };
+    let everything = ready_by(Ok(load_small(path, LONGEST, MOST_RAYS)), everything);
+    both(&everything).iter().try_for_each(|found| same(whole, &found.film, "unplanned"))
+}
+
+/// The image of the scene once it has been written and read again, which is then written the same.
+fn written(scene: &LoadedScene) -> Result<Film, String> {
+    let text = |error: wavecrest_base::error::Error| error.to_string();
+    let folders = [folder(), folder()];
+    let [once, twice] = folders.each_ref().map(|folder| folder.path().join("out.json"));
+    write(scene, &once, false).map_err(text)?;
+    let strict = LoadOptions { strict: true, ..LoadOptions::default() };
+    let again = load(&once, &strict).map_err(text)?;
+    for file in write(&again, &twice, false).map_err(text)? {
+        let first = once.with_file_name(file.file_name().expect("a name"));
+        if std::fs::read(first).ok() != std::fs::read(&file).ok() {
+            return Err(format!("{} is written otherwise", file.display()));
         }
     }
-    let passes = &unplanned(&PASSES)[..];
-    let everything = Options { passes, ..Options::default() };
-    let everything = extract_small_by(path, LONGEST, MOST_RAYS / 4, everything);
-    for rendered in both(&everything.build(Preset::Fast)) {
-        same(&brute, &rendered.film, "unplanned")?;
+    Ok(film(&ready(Ok(again)), options()))
+}
+
+/// Compares the hash of an image with the recorded one; otherwise the image is left to be seen.
+fn check_hash(name: &str, film: &Film, hash: &str, golden: Option<&str>) -> Result<(), String> {
+    if blessing() || golden == Some(hash) {
+        return Ok(());
     }
-    Ok(())
+    let seen = Path::new(env!("CARGO_TARGET_TMPDIR")).join("golden").join(format!("{name}.exr"));
+    std::fs::create_dir_all(seen.parent().expect("a folder")).expect("a folder");
+    wavecrest_image::write::write(film, &seen, Transfer::Linear).expect("an image");
+    let again = "WAVECREST_BLESS=1 cargo test --test integration parity";
+    let golden = golden.unwrap_or("none");
+    Err(format!("hash {hash}, not {golden}: see {}; if it is right: {again}", seen.display()))
+}
+
+fn hash(film: &Film) -> String {
+    let bits = film.pixels().as_flattened().iter().flat_map(|value| value.to_bits().to_le_bytes());
+    format!("{:016x}", xxh3_64(&bits.collect::<Vec<u8>>()))
 }
 
 #[test]
 fn every_scene_has_one_image_however_it_is_rendered() {
+    let golden = std::fs::read_to_string(repository(GOLDEN)).expect("a file");
+    let golden: BTreeMap<&str, &str> =
+        golden.lines().map(|line| line.split_once(": ").expect("a name and a hash")).collect();
     let check = |(name, path): &(String, PathBuf)| {
-        let mut scene = extract_small(path, LONGEST, MOST_RAYS).build(Preset::Fast);
-        let checked = check_settings(name, &mut scene, false)
+        let loaded = load_small(path, LONGEST, MOST_RAYS);
+        let again = written(&loaded);
+        let mut scene = ready(Ok(loaded));
+        let usual = render_on(1, &scene, &options());
+        let hash = hash(&usual.film);
+        let checked = check_hash(name, &usual.film, &hash, golden.get(&**name).copied())
+            .and_then(|()| check_settings(name, &mut scene, &usual, false))
             .and_then(|()| check_seeds(&scene))
-            .and_then(|()| check_trees_and_plans(path));
-        checked.err().map(|why| format!("{name}: {why}"))
+            .and_then(|()| check_trees(&mut scene, &usual.film))
+            .and_then(|()| check_plan(path, &usual.film))
+            .and_then(|()| same(&usual.film, &again?, "written"));
+        (format!("{name}: {hash}\n"), checked.err().map(|why| format!("{name}: {why}")))
     };
-    let failures: Vec<String> = scene_files().par_iter().filter_map(check).collect();
+    let models = files_in("scenes/gltf", "gltf").into_iter();
+    let models = models.map(|path| (format!("gltf-{}", stem(&path)), path));
+    let scenes: Vec<_> = scene_files().into_iter().chain(models).collect();
+    let (lines, failures): (Vec<String>, Vec<_>) = scenes.par_iter().map(check).unzip();
+    let failures: Vec<String> = failures.into_iter().flatten().collect();
     assert!(failures.is_empty(), "{}", failures.join("\n"));
+    if blessing() {
+        std::fs::write(repository(GOLDEN), lines.concat()).expect("a file");
+    }
+    assert!(blessing() || lines.len() == golden.len(), "a hash belongs to no scene");
 }
 
 /// Trilinear textures on every kind of shape, in mirrors of every kind, through a lens, with several
@@ -219,7 +297,9 @@ fn filtered() -> Value {
 fn scenes_of_all_differentials_and_of_blocks_of_samples_have_one_image_too() {
     let blocks = crate::parts::ball([11, 9], 29);
     for (name, json) in [("trilinear", filtered()), ("three blocks of samples", blocks)] {
-        let found = check_settings(name, &mut prepare(&json), true);
+        let mut scene = prepare(&json);
+        let usual = render_on(1, &scene, &options());
+        let found = check_settings(name, &mut scene, &usual, true);
         assert_eq!(found, Ok(()), "{name}");
     }
     let scene = prepare(&filtered());

@@ -79,21 +79,13 @@ pub(crate) fn stem(path: &Path) -> String {
     path.file_stem().expect("a file name").to_string_lossy().into_owned()
 }
 
-/// A scene file, made ready at a size that a test can afford: its own shape, its longest side at
-/// most `longest` pixels, and no more than `most_rays` rays, which scenes with thousands of samples
-/// reach in a few pixels.
-pub(crate) fn extract_small(path: &Path, longest: u32, most_rays: u64) -> Extracted {
-    extract_small_by(path, longest, most_rays, Options::default())
-}
-
-/// The same with these options.
-pub(crate) fn extract_small_by(
-    path: &Path,
-    longest: u32,
-    most_rays: u64,
-    options: Options<'_>,
-) -> Extracted {
-    let first = extract_file(path, LoadOptions::default(), Options::default());
+/// A scene file at a size that a test can afford: its own shape, its longest side at most `longest` pixels, and no more
+/// than `most_rays` rays, which scenes with thousands of samples reach in a few pixels.
+pub(crate) fn load_small(path: &Path, longest: u32, most_rays: u64) -> LoadedScene {
+    let read =
+        |options: LoadOptions| load(path, &options).unwrap_or_else(|error| panic!("{error}"));
+    let first = extract(Ok(read(LoadOptions::default())), Options::default());
+    let first = first.unwrap_or_else(|error| panic!("{error}"));
     let [width, height] = first.scene().camera.size();
     let rays_a_pixel =
         first.scene().expected_rays() as f64 / (f64::from(width) * f64::from(height));
@@ -101,15 +93,14 @@ pub(crate) fn extract_small_by(
     let scale = f64::from(longest).min(longest_affordable) / f64::from(width.max(height));
     let side = |length: u32| Some(((f64::from(length) * scale.min(1.0)).round() as u32).max(1));
     let (width, height) = (side(width), side(height));
-    extract_file(
-        path,
-        LoadOptions { width, height, strict: true, ..LoadOptions::default() },
-        options,
-    )
+    let allow_outside = true;
+    read(LoadOptions { width, height, allow_outside, strict: true, ..LoadOptions::default() })
 }
 
-fn extract_file(path: &Path, options: LoadOptions, by: Options<'_>) -> Extracted {
-    extract(load(path, &options), by).unwrap_or_else(|error| panic!("{error}"))
+/// The same made ready, but for its tree.
+pub(crate) fn extract_small(path: &Path, longest: u32, most_rays: u64) -> Extracted {
+    let extracted = extract(Ok(load_small(path, longest, most_rays)), Options::default());
+    extracted.unwrap_or_else(|error| panic!("{error}"))
 }
 
 fn extract(loaded: Result<LoadedScene>, options: Options<'_>) -> Result<Extracted> {

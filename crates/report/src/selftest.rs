@@ -5,7 +5,6 @@
 //! `selftest/recorded.txt`. Every kernel at every instruction level of the processor must find the
 //! same bits. That they are right is for the project's tests to show, which compute them by other
 //! means: `tests/stability` in rational numbers, `tests/integration/closed_form` from formulas.
-//! Faults planted in the sources prove that cases can fail (`tests/mutations`).
 //!
 //! Fast precision has no bits to keep. Of it, the rays that it loses are counted.
 

@@ -9,9 +9,7 @@ use wavecrest_scene::write::write;
 
 use super::images::textured;
 use super::{loaded, rendered, small, square};
-use crate::support::{
-    edited, files_in, folder, matte, pinhole, repository, scene, scene_files, wall,
-};
+use crate::support::{edited, folder, matte, pinhole, repository, scene, wall};
 
 /// What a file is rendered to, once it has been converted in a folder of its own.
 pub(super) fn converted(file: &Path) -> (Film, Value) {
@@ -23,30 +21,6 @@ pub(super) fn converted(file: &Path) -> (Film, Value) {
     let again = load(&out, &LoadOptions { strict: true, ..LoadOptions::default() });
     assert!(again.as_ref().is_ok_and(|scene| scene.warnings.is_empty()));
     (rendered(again), json)
-}
-
-/// A scene that is written and read again is the same: it is written the same, and has the same
-/// image.
-#[test]
-fn every_scene_survives_being_written() {
-    let (width, height) = (Some(12), Some(9));
-    let options = LoadOptions { width, height, allow_outside: true, ..LoadOptions::default() };
-    let scenes = scene_files().into_iter().map(|(_, file)| file);
-    for file in scenes.chain(files_in("scenes/gltf", "gltf")) {
-        let scene = load(&file, &options).unwrap_or_else(|error| panic!("{error}"));
-        let (once, twice) = (folder(), folder());
-        let paths = [&once, &twice].map(|folder| folder.path().join("out.json"));
-        write(&scene, &paths[0], false).unwrap_or_else(|error| panic!("{error}"));
-        let again = load(&paths[0], &LoadOptions { strict: true, ..LoadOptions::default() });
-        let again = again.unwrap_or_else(|error| panic!("{error}"));
-        let files = write(&again, &paths[1], false).unwrap_or_else(|error| panic!("{error}"));
-        for written in files {
-            let first = once.path().join(written.file_name().expect("a name"));
-            let same = std::fs::read(&first).ok() == std::fs::read(&written).ok();
-            assert!(same, "{}: {}", file.display(), written.display());
-        }
-        assert!(rendered(Ok(scene)).same_bits(&rendered(Ok(again))), "{}", file.display());
-    }
 }
 
 /// What has no effect is told once, and not written.
