@@ -33,9 +33,9 @@ pub(crate) const SPEED: &str = "Speed and memory";
 /// Options on how the tree is searched, which change no answer.
 #[derive(Clone, Copy, Debug, clap::Args)]
 pub(crate) struct SearchOptions {
-    /// Instruction set: auto (the best available), sse2, sse42, avx2, avx512 or neon; does not change the image
+    /// Instruction set: auto (the best available), sse2, avx2, avx512 or neon; does not change the image
     #[arg(long, help_heading = SPEED, value_name = "LEVEL", default_value = "auto", hide_possible_values = true,
-          value_parser = with_names(&["auto", "sse2", "sse42", "avx2", "avx512", "neon"], simd))]
+          value_parser = with_names(&["auto", "sse2", "avx2", "avx512", "neon"], simd))]
     pub(crate) simd: Level,
     /// Traversal kernel; does not change the image
     #[arg(long, help_heading = SPEED, value_name = "KERNEL", value_parser = choice::<KernelChoice>(), default_value_t)]

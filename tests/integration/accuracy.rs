@@ -5,7 +5,6 @@ use std::path::Path;
 
 use serde_json::{Value, json};
 use wavecrest_core::accel::build::Preset;
-use wavecrest_core::accel::steps::HitStep;
 use wavecrest_core::math::sampling::{Points, Sampling};
 use wavecrest_core::prepared::{PreparedScene, Samples};
 use wavecrest_core::render::{RenderOptions, Watch};
@@ -13,7 +12,7 @@ use wavecrest_image::compare::compare;
 use wavecrest_report::accuracy::pilot::target::reach;
 use wavecrest_report::accuracy::pilot::{choices, measured};
 use wavecrest_report::accuracy::report::{ERRORS, FastestSetting, FastestSettings, SettingResult};
-use wavecrest_report::accuracy::setting::{Family, Setting, SettingSeries};
+use wavecrest_report::accuracy::setting::{Family, SettingSeries};
 use wavecrest_report::accuracy::store::{FILE, Record, Store, SweepHeader};
 use wavecrest_report::accuracy::sweep::run;
 use wavecrest_report::accuracy::{AccuracyReport, page};
@@ -317,47 +316,4 @@ fn a_pilot_that_is_ended_has_no_choice() {
     let mut scene = extract_small(&repository("scenes/DoF.json"), 64, u64::MAX).build(Preset::Fast);
     let reached = reach(&mut scene, None, (0.01, 0), &Ended, |_, _| panic!("nothing to render"));
     assert!(reached.expect("no error").is_none());
-}
-
-/// The price list has the counts of a render, and the page shows it.
-#[test]
-fn exactness_has_a_price_list() {
-    let (folder, file) = (folder(), repository("scenes/TriMesh.json"));
-    let header = header(16, 1, 4);
-    let mut store = Store::open(folder.path(), &header).expect("a folder");
-    let mut swept = run(&[file], 2, &mut store, &|_| {}).expect("a sweep");
-    let found = AccuracyReport::new(2, &store, &swept, &ERRORS);
-    let prices = found.scenes[0].steps.as_ref().expect("prices");
-    let rendered = swept[0].render(&Setting::default(), 0);
-    let counters = rendered.expect("a film").counters;
-    assert_eq!(prices.rays, counters.primary_rays + counters.secondary_rays + counters.shadow_rays);
-    assert_eq!(prices.steps.len(), HitStep::ALL.len());
-    for (price, step) in prices.steps.iter().zip(HitStep::ALL) {
-        let expected = (step.name(), step.count(&counters.tests));
-        assert_eq!((&*price.step, price.count), expected);
-        assert!(price.nanoseconds > 0.0, "{price:?}");
-    }
-    // Points come from planes alone where no texture asks for differentials of rays.
-    assert!(prices.steps[0].count > 0 && prices.steps[3].count == 0, "{prices:?}");
-    // Exact arithmetic is the dearest by far, and the filter without bounds is the cheapest.
-    let [filter, settle, exact, t] = [0, 1, 2, 3].map(|i| prices.steps[i].nanoseconds);
-    assert!(exact > 2.0 * settle && exact > 2.0 * t && exact > 2.0 * filter, "{prices:?}");
-    assert!(prices.fast_filter > 0.0, "{prices:?}");
-    page::write(&found, &mut swept, folder.path()).expect("a page");
-    let html = std::fs::read_to_string(folder.path().join("report.html")).expect("a page");
-    for step in &prices.steps {
-        let each = format!("{:.1}", step.nanoseconds);
-        assert!(html.contains(&step.step) && html.contains(&each), "{step:?}");
-    }
-    let words = prices.sentence();
-    assert!(html.contains(words.split('`').next().expect("a part")), "{words}");
-    // Where there are spheres alone, none is taken.
-    let folder = self::folder();
-    let file = folder.path().join("ball.json");
-    let ball = sphere([0.0; 3], 1.0, matte(0.8, [0.9, 0.4, 0.2]));
-    let light = point_light(20.0, [3.0, 2.0, 4.0], [1.0; 3]);
-    let ball = scene(0, &pinhole([16, 12], 45.0, 6.0), &[light], &[ball]);
-    std::fs::write(&file, ball.to_string()).expect("a file");
-    let found = findings(&header, 2, &file, folder.path());
-    assert!(!found.scenes[0].steps.as_ref().expect("prices").has_any());
 }

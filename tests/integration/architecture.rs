@@ -23,7 +23,7 @@ const ARROWS: [(&str, &str); 13] = [
     ("wavefront", "accel counters geometry kernels math plan prepared tile"),
     ("recursive", "accel counters kernels math plan prepared tile"),
     ("probe", "accel counters geometry kernels math prepared recursive tile wavefront"),
-    ("render", "counters film kernels plan prepared recursive tile wavefront"),
+    ("render", "counters film kernels prepared recursive tile wavefront"),
 ];
 
 /// The sources of the tracing core.

@@ -5,21 +5,20 @@ use std::path::Path;
 
 use rayon::prelude::*;
 use serde_json::{Value, json};
-use wavecrest_base::error::Result;
 use wavecrest_core::counters::Counters;
 use wavecrest_core::film::Film;
 use wavecrest_core::plan::schedule::{Needs, PASSES, Pass, unplanned};
 use wavecrest_core::plan::{Effect, Plan};
 use wavecrest_core::prepared::{LookUps, PreparedScene};
-use wavecrest_core::render::{RenderOptions, Rendered, TracerKind, camera_rays, render};
+use wavecrest_core::render::{RenderOptions, Rendered, camera_rays};
 use wavecrest_report::effects::scenes::{SceneVariant, variants};
 use wavecrest_report::expected::Estimated;
 use wavecrest_scene::systems::Options;
 
 use crate::parity::work;
 use crate::support::{
-    ODD, TRACERS, both, both_alone, edited, folder, options, pinhole, point_light, prepare_in,
-    put_texture, scene,
+    ODD, both, both_alone, edited, folder, options, pinhole, point_light, prepare_in, put_texture,
+    scene,
 };
 use crate::unseen::differences;
 
@@ -136,10 +135,6 @@ impl Set {
 /// A scene made ready by a table.
 fn prepare_by(passes: &[Pass], scene: &Value) -> PreparedScene {
     prepare_in(Path::new(""), scene, Options { passes, ..Options::default() })
-}
-
-fn try_render(scene: &PreparedScene, tracer: TracerKind) -> Result<Rendered> {
-    render(scene, &RenderOptions { tracer, batch: ODD, ..options() }, &())
 }
 
 /// Effects that look texels up, if they have an image.
@@ -285,12 +280,9 @@ fn scene_of(effect: Effect, needs: Needs, folder: &Path) -> Value {
     Set::of(&effects).scene(folder)
 }
 
-/// What a table makes of a scene: `None` where it is refused.
-fn films(passes: &[Pass], scene: &Value) -> Option<[Film; 2]> {
-    let scene = prepare_by(passes, scene);
-    let [wavefront, recursive] = TRACERS.map(|tracer| try_render(&scene, tracer).ok());
-    assert_eq!(wavefront.is_none(), recursive.is_none(), "both tracers follow the table");
-    Some([wavefront?.film, recursive?.film])
+/// What a table makes of a scene.
+fn films(passes: &[Pass], scene: &Value) -> [Film; 2] {
+    both(&prepare_by(passes, scene)).map(|rendered| rendered.film)
 }
 
 #[test]
@@ -301,18 +293,15 @@ fn a_need_taken_out_of_the_table_is_missed() {
     for pass in PASSES {
         for effect in pass.effects() {
             let json = scene_of(effect, pass.needs, folder.path());
-            let [right, _] = films(&PASSES, &json).expect("the table is right");
-            let differs = |passes: &[Pass]| {
-                let films = films(passes, &json);
-                let same = |films: [Film; 2]| films.iter().any(|film| film.same_bits(&right));
-                (films.is_some(), !films.is_some_and(same))
-            };
-            // In this row alone; then in all, so that no queue is left without a reader.
-            let one = table(|other| other.step == pass.step, |needs| without(needs, effect));
+            let [right, _] = films(&PASSES, &json);
             let what = format!("{}: {}", pass.step.name(), effect.name());
-            assert!(differs(&one).1, "{what} is not missed");
-            let all = table(|_| true, |needs| without(needs, effect));
-            assert_eq!(differs(&all), (true, true), "{what} is not missed in any row");
+            // In this row alone; then in all.
+            for is_alone in [true, false] {
+                let is_changed = |other: &Pass| !is_alone || other.step == pass.step;
+                let found = films(&table(is_changed, |needs| without(needs, effect)), &json);
+                let is_missed = found.iter().all(|film| !film.same_bits(&right));
+                assert!(is_missed, "{what} is not missed, alone: {is_alone}");
+            }
             needs += 1;
         }
     }
@@ -338,7 +327,7 @@ fn a_row_that_runs_without_need_costs_something_and_shows_nothing() {
     };
     let planned: Vec<_> = list.iter().map(|variant| rendered_by(&PASSES, &variant.scene)).collect();
     for pass in PASSES.into_iter().filter(|pass| !pass.needs.is_empty()) {
-        // With those that serve one of its effects, so that no queue is left without a reader.
+        // With those that serve one of its effects.
         let serves = |effect| pass.effects().any(|own| own == effect);
         let passes = table(|other| other.effects().any(serves), |_| &[]);
         let mut dearer = 0;
@@ -355,19 +344,5 @@ fn a_row_that_runs_without_need_costs_something_and_shows_nothing() {
         // light has no other row.
         let is_free = ["jitter", "emission"].contains(&pass.step.name());
         assert_eq!(dearer == 0, is_free, "{}", pass.step.name());
-    }
-}
-
-#[test]
-fn a_queue_without_a_reader_is_refused() {
-    let folder = folder();
-    let scene = Set::of(&[Effect::Spheres, Effect::Mirrors]).scene(folder.path());
-    for name in ["mirror", "advance"] {
-        let passes = table(|pass| pass.step.name() == name, |_| &[&[]]);
-        let scene = prepare_by(&passes, &scene);
-        for tracer in TRACERS {
-            let error = try_render(&scene, tracer).expect_err("a queue is left over").to_string();
-            assert!(error.contains("leaves next rays without a writer or a reader"), "{error}");
-        }
     }
 }

@@ -1,7 +1,6 @@
 use std::cmp::Ordering;
 
 use glam::{DAffine3, DQuat, Vec3};
-use num_traits::Signed;
 use proptest::prelude::*;
 use proptest::test_runner::Config;
 use wavecrest_core::accel::build::Preset;
@@ -14,7 +13,7 @@ use wavecrest_core::kernels::slab::Aabb;
 use wavecrest_core::math::ray::Ray;
 use wavecrest_core::math::simd::Level;
 
-use crate::exact::{Exact, exact, meeting, rounded_once};
+use crate::exact::{Exact, meeting, rounded_once};
 use crate::inputs::{magnitude, unit};
 use crate::{disk, sphere};
 
@@ -176,36 +175,41 @@ fn met(geometry: &Geometry, ray: &Ray, number: u32) -> Vec<Exact> {
     }
 }
 
-/// A surface at t, and how the order ranks it among those of equal t.
-type Ranked = (Exact, bool, u32);
+/// A surface at t, whether it is flat, and how the order ranks it among those of equal t.
+type Ranked = (Exact, bool, (bool, u32));
 
-/// Roots are known to 2^-500: different ones of numbers of single precision differ by more than 2^-450.
+/// By exact t, but for spheres whose t round alike.
 fn order(one: &Ranked, other: &Ranked) -> Ordering {
-    let apart = &one.0 - &other.0;
-    let is_equal = apart.abs() * num_traits::pow(exact(2.0), 450) < exact(1.0);
-    let by_t = if is_equal { Ordering::Equal } else { one.0.cmp(&other.0) };
-    by_t.then((one.1, one.2).cmp(&(other.1, other.2)))
+    let are_tied = rounded_once(&one.0) == rounded_once(&other.0);
+    let by_t = match (one.1, other.1) {
+        (true, true) => one.0.cmp(&other.0),
+        (one, other) if are_tied => one.cmp(&other),
+        _ => one.0.cmp(&other.0),
+    };
+    by_t.then(one.2.cmp(&other.2))
 }
 
 /// All that a ray meets, in order.
 fn ranked(geometry: &Geometry, ray: &Ray) -> Vec<Ranked> {
     let of = |number| {
-        met(geometry, ray, number)
-            .into_iter()
-            .map(move |t| (t, !geometry.is_passed(number), number))
+        let sphere = |i: usize| geometry.quadrics[i].sphere();
+        let primitive = geometry.primitive(number);
+        let is_flat = !matches!(primitive, Primitive::Quadric(i) if sphere(i).is_some());
+        let rank = (!geometry.is_passed(number), number);
+        met(geometry, ray, number).into_iter().map(move |t| (t, is_flat, rank))
     };
     let mut all: Vec<Ranked> = (0..geometry.len() as u32).flat_map(of).collect();
     all.sort_by(order);
     all
 }
 
-fn hit((t, _, primitive): &Ranked) -> Hit {
+fn hit((t, _, (_, primitive)): &Ranked) -> Hit {
     Hit { t: rounded_once(t), primitive: *primitive }
 }
 
 /// Combinations of tree, kernel and level: a fifth of them, but in five parts all.
 fn ways(geometry: &Geometry, part: usize) -> impl Iterator<Item = Accel> {
-    let presets = [Preset::Brute, Preset::OnDemand, Preset::Fastest, Preset::Slow];
+    let presets = [Preset::Brute, Preset::OnDemand, Preset::Fastest, Preset::Medium];
     let kernels =
         presets.into_iter().flat_map(|preset| KernelChoice::ALL.map(|kernel| (preset, kernel)));
     let all = kernels.flat_map(|way| Level::available().into_iter().map(move |level| (way, level)));
@@ -261,9 +265,9 @@ proptest! {
 proptest! {
     #![proptest_config(config(300))]
 
-    /// The closest hit has the least exact t, and all that a ray crosses is in the order of exact t.
+    /// The closest hit comes first of all, and what a ray crosses is in order.
     #[test]
-    fn surfaces_that_nearly_coincide_are_met_in_the_order_of_exact_t(
+    fn surfaces_that_nearly_coincide_are_met_in_order(
         (geometry, rays, part) in questions(),
     ) {
         let all: Vec<_> = rays.iter().map(|ray| ranked(&geometry, ray)).collect();

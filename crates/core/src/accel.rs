@@ -25,7 +25,6 @@ mod query;
 mod rays;
 mod search;
 mod single;
-pub mod steps;
 mod stream;
 mod tlas;
 pub mod tree;
@@ -40,6 +39,7 @@ use crate::geometry::Geometry;
 use crate::kernels::{Aabb, Arithmetic, Precision};
 use crate::math::Ray;
 use crate::math::multisets::Multisets;
+use crate::math::simd::Level;
 use crate::with_precision;
 use build::Preset;
 use instances::Walks;
@@ -109,7 +109,9 @@ impl Accel {
 
     /// The primitives without a structure; not for searches yet.
     pub fn unbuilt(geometry: Geometry) -> Self {
-        let (level, kernel) = (fearless_simd::Level::new(), KernelChoice::default());
+        // Not that of all instructions there are: some levels have no code of their own.
+        let level = Level::best().token().unwrap_or_else(fearless_simd::Level::new);
+        let kernel = KernelChoice::default();
         Self { geometry, tree: None, blas: Vec::new(), tlas: Tlas::default(), level, kernel }
     }
 

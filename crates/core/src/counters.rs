@@ -23,8 +23,6 @@ pub struct Counters {
     pub tests: TestCounts,
     /// Rays by the kernel that traced them.
     pub kernels: Kernels,
-    /// How the wavefront shades mapped hits, by bounce: the last has the rest.
-    pub spans: [SpanCounts; 9],
     /// Samples that were not finite; they count as black.
     pub invalid: u64,
     /// The first of these in the order of pixels.
@@ -63,7 +61,6 @@ impl AddAssign for Counters {
         self.look_ups += other.look_ups;
         self.tests += other.tests;
         self.kernels += other.kernels;
-        self.spans = each(self.spans, other.spans, |a, b| a + b);
         self.add_invalid(other.invalid, other.first_invalid);
         self.lights_at_surface += other.lights_at_surface;
         self.cut_short += other.cut_short;
@@ -87,37 +84,6 @@ pub struct LookUps {
     /// Footprints of rays: at each hit one for the coordinates of its trilinear textures, and one for
     /// each ray that goes on from a surface if there are such textures.
     pub footprints: u64,
-}
-
-/// Exact counts of mapped hits, shaded together where they are of one class and kind of primitive.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Pod, Zeroable)]
-#[repr(C)]
-pub struct SpanCounts {
-    /// The hits.
-    pub hits: u64,
-    /// Lanes of the vectors that hold them, in use or not.
-    pub lanes: u64,
-    /// Spans: hits of one class and kind, one after another.
-    pub spans: u64,
-}
-
-impl SpanCounts {
-    /// Counts a span of `hits`, in vectors of so many `lanes`.
-    pub(crate) fn add(&mut self, hits: usize, lanes: usize) {
-        self.hits += hits as u64;
-        self.lanes += hits.next_multiple_of(lanes) as u64;
-        self.spans += 1;
-    }
-
-    /// Share of lanes in use, 0 to 1; `None` without hits.
-    pub fn in_use(&self) -> Option<f64> {
-        average(self.hits, self.lanes)
-    }
-
-    /// Average number of hits of a span; `None` without any.
-    pub fn hits_a_span(&self) -> Option<f64> {
-        average(self.hits, self.spans)
-    }
 }
 
 /// Exact counts of the work while tracing.

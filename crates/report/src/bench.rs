@@ -42,7 +42,6 @@
 //! | `..mrays_s` | 10^6 rays / s | rays of every kind, by the median of the seconds |
 //! | `..passes.NAME` | seconds | median time in the pass, summed over threads; of a recursive tracer with a clock as a share of the time without one |
 //! | `..costs[].pass`, `.of`, `.count`, `.nanoseconds` | | what a pass handles, how many in one run, and its time for each: plain hits are on opaque surfaces without maps, mapped hits on all others |
-//! | `..spans[].hits`, `.lanes_in_use`, `.hits_a_span` | | mapped hits of the wavefront by bounce, up to the last that has any, the ninth with all that follow; the share of lanes in use (0 to 1), and how many hits of one class and kind are shaded together on average (`null` without hits) |
 //! | `..batch_bytes` | bytes | held for one batch |
 //! | `..tests.nodes`, `.primitives` | tests | in one run, as in [`crate::statistics`] |
 //! | `..kernels` | | rays by kernel in one run, as in [`crate::statistics`] |

@@ -41,7 +41,7 @@ use serde_json::{Map, Value};
 
 use wavecrest_core::accel::Accel;
 use wavecrest_core::accel::build::Preset;
-use wavecrest_core::counters::{Counters, KernelCounts, SpanCounts, TestCounts};
+use wavecrest_core::counters::{Counters, KernelCounts, TestCounts};
 use wavecrest_core::geometry::Geometry;
 use wavecrest_core::prepared::{Appearance, LazyImage, PreparedScene};
 
@@ -94,13 +94,6 @@ counts! {
         colors: u64 = c.look_ups.colors,
         texels: u64 = c.look_ups.texels,
         footprints: u64 = c.look_ups.footprints,
-    }
-
-    /// Mapped hits at one bounce.
-    SpanUse(c: SpanCounts) {
-        hits: u64 = c.hits,
-        lanes_in_use: Option<f64> = c.in_use(),
-        hits_a_span: Option<f64> = c.hits_a_span(),
     }
 
     /// Images of textures.

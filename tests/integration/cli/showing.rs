@@ -98,7 +98,7 @@ fn a_terminal_shows_each_stage_and_frame_from_the_start() {
     // Each stage takes longer than a bar takes to be drawn again.
     run_silently(folder.path(), &["generate", "knot", "mesh.ply", "-n", "1M", "-q"]);
     for (arguments, expected) in [
-        ("mesh.ply a.png --size 8x6 --bvh very-slow", &["reading", "building the BVH"][..]),
+        ("mesh.ply a.png --size 8x6 --bvh medium", &["reading", "building the BVH"][..]),
         ("mesh.ply a.gif --size 300x200 --turntable 2", &["image 1 of 2", "image 2 of 2"]),
         ("ball.json a.png -q", &[]),
     ] {

@@ -233,7 +233,7 @@ impl<'a> ArenaView<'a> {
     }
 
     /// The number of triangles of a patch or a soup.
-    #[inline]
+    #[cfg(test)]
     pub(super) fn count(self, leaf: Ref) -> usize {
         (if leaf.kind() == Kind::Soup { self.soup(leaf).count } else { self.patch(leaf).count })
             as usize

@@ -73,10 +73,6 @@ wavecrest_base::choices! {
         Fast = "fast",
         /// More of both; rays are rarely faster.
         Medium = "medium",
-        /// More again.
-        Slow = "slow",
-        /// Reinserts every node.
-        VerySlow = "very-slow",
     }
 }
 
@@ -129,8 +125,6 @@ impl Preset {
             }
             Self::Fast => BvhBuildParams::fast_build(),
             Self::Medium => BvhBuildParams::medium_build(),
-            Self::Slow => BvhBuildParams::slow_build(),
-            Self::VerySlow => BvhBuildParams::very_slow_build(),
         }
     }
 }

@@ -3,7 +3,8 @@
 //! which of them the scene file names first.
 //!
 //! The rounded t of hits tell nearly all apart. Where they are equal, bounds in double precision do,
-//! and at last exact arithmetic. Fast precision knows no exact t: there, numbers decide.
+//! and at last exact arithmetic. Spheres have no exact t: where theirs round to that of other hits, they come before
+//! flat shapes, and among themselves as those of equal t. Nor has fast precision: there, numbers decide.
 //!
 //! Nothing else needs to know the exact t. Rounding keeps order: of two hits, one with the greater
 //! rounded t has the greater exact t, and so has one with a bound of single precision above the rounded t
@@ -17,9 +18,9 @@ use robust::{Coord3D, orient3d};
 use super::Hit;
 use crate::geometry::{Geometry, Primitive, Quadric};
 use crate::kernels::triangle::{self, settle};
-use crate::kernels::{Disk, Precision, disk, quad, sphere};
+use crate::kernels::{Disk, Precision, disk, quad};
 use crate::math::Ray;
-use crate::math::exact::{Algebraic, Comparable, Quotient, exact};
+use crate::math::exact::{Quotient, exact};
 
 impl Geometry {
     /// Which of two hits of `ray` comes first.
@@ -36,7 +37,7 @@ impl Geometry {
         if self.precision == Precision::Fast || one.primitive == other.primitive {
             return one.primitive.cmp(&other.primitive);
         }
-        let [one, other] = [one, other].map(|hit| Tied::new(self, ray, hit, false));
+        let [one, other] = [one, other].map(|hit| Tied::new(self, ray, hit));
         one.order(&other)
     }
 
@@ -58,8 +59,8 @@ impl Geometry {
     #[inline(never)]
     fn sort_tied(&self, ray: &Ray, hits: &mut [Hit]) {
         let mut sorted: Vec<Tied> = Vec::with_capacity(hits.len());
-        for (i, &hit) in hits.iter().enumerate() {
-            let next = Tied::new(self, ray, hit, i > 0 && hits[i - 1] == hit);
+        for &hit in hits.iter() {
+            let next = Tied::new(self, ray, hit);
             let is_before = |other: &Tied| other.order(&next).is_le();
             let place = match sorted.last() {
                 Some(last) if !is_before(last) => sorted.partition_point(is_before),
@@ -77,34 +78,33 @@ struct Tied {
     is_passed: bool,
     /// The ray in the space of the shape.
     ray: Ray,
-    shape: TiedShape,
+    /// None of spheres.
+    shape: Option<Flat>,
 }
 
-/// The shape of a primitive, as exact arithmetic takes it.
+/// The flat shape of a primitive, as exact arithmetic takes it.
 #[derive(Clone, Copy, PartialEq)]
-enum TiedShape {
+enum Flat {
     Triangle([Vec3; 3]),
     Disk(Disk),
-    /// Centre and radius, and whether it was met before at a t that rounds alike.
-    Sphere(Vec3, f32, bool),
 }
 
 impl Tied {
-    /// A `hit` of `ray`; of a sphere the first one with this t, or the second.
-    fn new(geometry: &Geometry, ray: &Ray, hit: Hit, is_second: bool) -> Self {
+    /// A `hit` of `ray`.
+    fn new(geometry: &Geometry, ray: &Ray, hit: Hit) -> Self {
         let is_passed = geometry.is_passed(hit.primitive);
         let mut carried = *ray;
         let shape = match geometry.primitive(hit.primitive) {
-            Primitive::Triangle(i) => TiedShape::Triangle(geometry.triangle(i)),
-            Primitive::Quad(i) => TiedShape::Triangle(half_met(ray, &geometry.quad(i), hit.t)),
+            Primitive::Triangle(i) => Some(Flat::Triangle(geometry.triangle(i))),
+            Primitive::Quad(i) => Some(Flat::Triangle(half_met(ray, &geometry.quad(i), hit.t))),
             Primitive::Quadric(i) => match geometry.quadrics[i] {
-                Quadric::Disk(disk) => TiedShape::Disk(disk),
-                Quadric::Sphere(center, radius) => TiedShape::Sphere(center, radius, is_second),
+                Quadric::Disk(disk) => Some(Flat::Disk(disk)),
+                Quadric::Sphere(..) => None,
             },
             Primitive::Instanced(instanced) => {
                 let (instance, prototype) = geometry.instance(instanced);
                 carried = instance.carried(ray);
-                TiedShape::Triangle(prototype.triangle(instanced.triangle as usize))
+                Some(Flat::Triangle(prototype.triangle(instanced.triangle as usize)))
             }
         };
         Self { hit, is_passed, ray: carried, shape }
@@ -117,59 +117,44 @@ impl Tied {
 
     /// By exact t.
     fn order_of_t(&self, other: &Self) -> Ordering {
-        if self.ray == other.ray && self.shape.coincides(&other.shape) {
+        let (Some(one), Some(another)) = (self.shape, other.shape) else {
+            return self.shape.is_some().cmp(&other.shape.is_some());
+        };
+        if self.ray == other.ray && one.coincides(&another) {
             return Ordering::Equal;
         }
-        let ([start, end], [other_start, other_end]) = (self.interval(), other.interval());
+        let [start, end] = one.interval(&self.ray);
+        let [other_start, other_end] = another.interval(&other.ray);
         if end < other_start {
             return Ordering::Less;
         }
         if other_end < start {
             return Ordering::Greater;
         }
-        let both = self.exact().zip(other.exact());
+        let both = one.exact(&self.ray).zip(another.exact(&other.ray));
         both.map_or(Ordering::Equal, |(one, other)| one.order(&other))
     }
+}
 
+impl Flat {
     /// Bounds on t in double precision; comparisons with unknown ones are false.
-    fn interval(&self) -> [f64; 2] {
-        match &self.shape {
-            TiedShape::Triangle(corners) => settle::interval(&self.ray, corners),
-            TiedShape::Disk(disk) => disk::interval(&self.ray, disk),
-            TiedShape::Sphere(center, radius, is_second) => {
-                let [near, far] = sphere::intervals(&self.ray, *center, *radius);
-                // Of which only one rounds to t.
-                match self.hit.t {
-                    t if t > near[1] as f32 => far,
-                    t if !is_second && t < far[0] as f32 => near,
-                    _ => [f64::NAN; 2],
-                }
-            }
+    fn interval(&self, ray: &Ray) -> [f64; 2] {
+        match self {
+            Self::Triangle(corners) => settle::interval(ray, corners),
+            Self::Disk(disk) => disk::interval(ray, disk),
         }
     }
 
     /// The exact t, which every hit has.
-    fn exact(&self) -> Option<Algebraic> {
-        let ray = &self.ray;
-        match &self.shape {
-            TiedShape::Triangle(corners) => {
-                triangle::exact::plane(ray, corners).map(Algebraic::Quotient)
-            }
-            TiedShape::Disk(Disk { center, normal, .. }) => {
-                Quotient::at_plane(ray, &exact(*normal), *center).map(Algebraic::Quotient)
-            }
-            TiedShape::Sphere(center, radius, is_second) => {
-                let [near, far] = sphere::roots(ray, *center, *radius)?;
-                let is_near = !is_second
-                    && near.is_within([ray.t_min, ray.t_max])
-                    && near.rounded() == self.hit.t;
-                Some(Algebraic::Root(if is_near { near } else { far }))
+    fn exact(&self, ray: &Ray) -> Option<Quotient> {
+        match self {
+            Self::Triangle(corners) => triangle::exact::plane(ray, corners),
+            Self::Disk(Disk { center, normal, .. }) => {
+                Quotient::at_plane(ray, &exact(*normal), *center)
             }
         }
     }
-}
 
-impl TiedShape {
     /// Whether any ray that meets both does so at one t: they are the same, or lie in one plane.
     fn coincides(&self, other: &Self) -> bool {
         match (self, other) {

@@ -135,7 +135,7 @@ pub(super) fn check(name: &str, accel: &mut Accel, rays: &[Ray], (hits, occluded
 /// [`check`]s two trees against brute force; says how many hits there were.
 pub(super) fn compare(name: &str, geometry: &Geometry, rays: &[Ray]) -> usize {
     let expected = brute(geometry, rays);
-    for preset in [Preset::VeryFast, Preset::Slow] {
+    for preset in [Preset::VeryFast, Preset::Medium] {
         let mut accel = Accel::new(geometry.clone(), preset);
         check(&format!("{name} {preset:?}"), &mut accel, rays, &expected);
     }
@@ -223,4 +223,31 @@ fn hc26_rays_from_the_farthest_places_there_are_come_to_an_end() {
     assert_eq!(compare("too far", &geometry, &from(f32::MAX)), 0);
     // From here single precision places vertices anywhere: any hit is right that all agree on.
     compare("farthest", &geometry, &from(FARTHEST_ORIGIN));
+}
+
+#[test]
+fn every_kernel_counts_hits_whose_t_it_finds() {
+    for precision in Precision::ALL {
+        let mut numbers = Numbers(0);
+        let mut geometry = cloud(&mut numbers, 1.0);
+        geometry.quadrics.clear();
+        geometry.set_precision(precision);
+        let rays = through(&mut numbers, 500);
+        let mut accel = Accel::new(geometry, Preset::Fast);
+        for kernel in KernelChoice::FOR_RENDERS {
+            accel.kernel = kernel;
+            let (mut traversal, mut hits) = (accel.traversal(), vec![Hit::MISS; rays.len()]);
+            accel.closest_of(&rays[..], &mut hits, &mut traversal);
+            hits.retain(|hit| !hit.is_miss());
+            assert!(hits.len() > 100, "{}", hits.len());
+            let TestCounts { finished, settled, .. } = traversal.tests;
+            // The t of open pairs is known once they are settled.
+            let least = hits.len() as u64 - settled.min(hits.len() as u64);
+            let expected = match precision {
+                Precision::Fast => 0..=0,
+                Precision::Exact => least..=hits.len() as u64,
+            };
+            assert!(expected.contains(&finished), "{kernel:?}: {finished} of {expected:?}");
+        }
+    }
 }

@@ -113,8 +113,7 @@ impl<D: Real<Element = f64>> Plane<D> {
 /// Bounds on the t at which a ray meets a disk; comparisons with unknown ones are false.
 pub(crate) fn interval(ray: &Ray, disk: &Disk) -> [f64; 2] {
     let plane = Plane::new(&Line::<f32>::from(ray), disk.center.into(), disk.normal.into());
-    let [interval, _] = plane.roots(f64::from(disk.radius)).intervals();
-    interval
+    plane.roots(f64::from(disk.radius)).interval()
 }
 
 /// The offsets from the centre at which lines meet disks: at `t`, where double precision does not

@@ -68,9 +68,8 @@ fn crossed(ray: &Ray, root: f64, error: f64) -> Option<Option<f32>> {
     is_known.then_some(Some(t))
 }
 
-/// The t of both meetings of the line of a ray with a sphere, if it meets it. Those of one ray have
-/// the same a.
-pub fn roots(ray: &Ray, center: Vec3, radius: f32) -> Option<[QuadraticRoot; 2]> {
+/// The t of both meetings of the line of a ray with a sphere, if it meets it.
+fn roots(ray: &Ray, center: Vec3, radius: f32) -> Option<[QuadraticRoot; 2]> {
     let (d, o, center) = (exact(ray.direction), exact(ray.origin), exact(center));
     let f = [0, 1, 2].map(|k| &o[k] - &center[k]);
     let radius = Expansion::from(radius);
@@ -129,18 +128,11 @@ impl<D: Real<Element = f64>> Roots<D> {
 }
 
 impl Roots<f64> {
-    /// Bounds on the t of both meetings; comparisons with unknown ones are false.
-    pub(super) fn intervals(&self) -> [[f64; 2]; 2] {
-        let around = |t: f64, error: f64| {
-            if self.known { [t - error, t + error] } else { [f64::NAN; 2] }
-        };
-        [around(self.near, self.near_error), around(self.far, self.far_error)]
+    /// Bounds on the t of the nearer meeting; comparisons with unknown ones are false.
+    pub(super) fn interval(&self) -> [f64; 2] {
+        let Self { near, near_error, known, .. } = *self;
+        if known { [near - near_error, near + near_error] } else { [f64::NAN; 2] }
     }
-}
-
-/// Bounds on the t of both meetings of a ray and a sphere; comparisons with unknown ones are false.
-pub(crate) fn intervals(ray: &Ray, center: Vec3, radius: f32) -> [[f64; 2]; 2] {
-    Roots::of(&Line::from(ray), center.into(), radius).intervals()
 }
 
 /// The smallest of the `roots` within the range, and the lanes that have one. What double precision

@@ -18,7 +18,7 @@ use std::ops::{Add, Mul, Neg, Sub};
 
 use glam::Vec3;
 
-pub use root::{Algebraic, QuadraticRoot};
+pub use root::QuadraticRoot;
 
 use super::ray::Ray;
 

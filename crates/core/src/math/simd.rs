@@ -15,10 +15,8 @@ wavecrest_base::choices! {
     #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
     #[serde(rename_all = "kebab-case")]
     pub enum Level {
-        /// What every x86-64 processor has.
+        /// What every x86-64 processor has, for those without AVX2.
         Sse2 = "sse2",
-        /// x86-64-v2.
-        Sse42 = "sse42",
         /// x86-64-v3.
         Avx2 = "avx2",
         /// AVX-512 as of Ice Lake and Zen 4.
@@ -48,8 +46,6 @@ impl Level {
             #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
             Self::Sse2 => best.as_sse2().map(fearless_simd::Level::Sse2),
             #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-            Self::Sse42 => best.as_sse4_2().map(fearless_simd::Level::Sse4_2),
-            #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
             Self::Avx2 => best.as_avx2().map(fearless_simd::Level::Avx2),
             #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
             Self::Avx512 => best.as_avx512().map(fearless_simd::Level::Avx512),
@@ -70,8 +66,6 @@ impl Level {
 macro_rules! at_level {
     ($level:expr, $simd:ident => $value:expr) => {
         match $level {
-            #[cfg(all(any(target_arch = "x86", target_arch = "x86_64"), not(fuzzing)))]
-            ::fearless_simd::Level::Sse4_2($simd) => $crate::at_level!(@ $simd, $value),
             #[cfg(all(any(target_arch = "x86", target_arch = "x86_64"), not(fuzzing)))]
             // In a function of its own: without other instructions than the caller's it would be inlined there, and its
             // many registers be saved for every level.

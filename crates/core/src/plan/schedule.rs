@@ -200,17 +200,6 @@ pub struct Schedule {
     unconditional: u32,
     /// A bit for each [`ColumnGroup`].
     columns: u16,
-    /// An error of the table for these effects.
-    flaw: Option<Flaw>,
-}
-
-/// An error of the table: a column read without being written, or written without being read.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Flaw {
-    /// The step with the error.
-    pub step: Step,
-    /// Its column.
-    pub column: ColumnGroup,
 }
 
 impl Schedule {
@@ -224,7 +213,6 @@ impl Schedule {
             running: steps(running.iter().copied()),
             unconditional: steps(running.iter().filter(is_unconditional).copied()),
             columns: running.iter().flat_map(|p| p.writes).fold(0, |all, &c| all | 1 << c as u16),
-            flaw: flaw(&running),
         }
     }
 
@@ -272,27 +260,10 @@ impl Schedule {
     pub fn columns(self) -> impl Iterator<Item = ColumnGroup> {
         ColumnGroup::ALL.into_iter().filter(move |&column| self.has(column))
     }
-
-    /// An error of the table for these effects, which would make the image wrong.
-    pub fn flaw(self) -> Option<Flaw> {
-        self.flaw
-    }
 }
 
 fn steps<'a>(passes: impl Iterator<Item = &'a Pass>) -> u32 {
     passes.fold(0, |all, pass| all | 1 << pass.step as u16)
-}
-
-fn flaw(running: &[&Pass]) -> Option<Flaw> {
-    let any = |columns: fn(&Pass) -> &'static [ColumnGroup], column| {
-        running.iter().any(|pass| columns(pass).contains(column))
-    };
-    running.iter().find_map(|pass| {
-        let unwritten = pass.reads.iter().find(|column| !any(|pass| pass.writes, column));
-        let unread = pass.writes.iter().find(|column| !any(|pass| pass.reads, column));
-        let column = *unwritten.or(unread)?;
-        Some(Flaw { step: pass.step, column })
-    })
 }
 
 #[cfg(test)]

@@ -9,13 +9,12 @@ use rayon::prelude::*;
 use super::{Backdrop, Blocks, Grid, RenderOptions, TracerKind, Watch, batch_size};
 use crate::counters::Counters;
 use crate::kernels::Precision;
-use crate::plan::schedule::Flaw;
 use crate::prepared::PreparedScene;
 use crate::recursive::Recursive;
 use crate::tile::{Tracer, Unit};
 use crate::wavefront::Wavefront;
 use crate::with_precision;
-use wavecrest_base::error::{Error, ErrorKind, Result};
+use wavecrest_base::error::Result;
 use wavecrest_base::memory::Stage;
 
 /// Blocks of samples to render for the pixels of a tile.
@@ -74,7 +73,7 @@ pub struct RenderWork {
 /// each block. `watch` may end it early.
 ///
 /// # Errors
-/// If the plan's table of passes is inconsistent, or an image cannot be decoded.
+/// If an image cannot be decoded.
 pub fn run(
     scene: &PreparedScene,
     options: &RenderOptions,
@@ -83,10 +82,6 @@ pub fn run(
     keep: &(dyn Fn(&Summed<'_>) + Sync),
 ) -> Result<RenderWork> {
     Stage::Trace.begin();
-    let schedule = scene.plan.schedule();
-    if let Some(flaw) = schedule.flaw() {
-        return Err(refused(flaw));
-    }
     let start = Instant::now();
     let backdrop = Backdrop::of(scene);
     let options = RenderOptions { batch: batch_size(scene, options.batch), ..*options };
@@ -183,15 +178,6 @@ pub fn tracer(scene: &PreparedScene, options: &RenderOptions) -> Box<dyn Tracer>
         TracerKind::Wavefront => Box::new(Wavefront::<P>::new(scene, seed, batch)),
         TracerKind::Recursive => Box::new(Recursive::<P>::new(scene, seed, time_passes)),
     })
-}
-
-/// An inconsistent table of passes would give a wrong image.
-fn refused(flaw: Flaw) -> Error {
-    let Flaw { step, column } = flaw;
-    let message = format!("the plan leaves {} without a writer or a reader", column.name());
-    Error::new(ErrorKind::Usage, message)
-        .at(format!("{step:?}"))
-        .remedy("mend the table of passes, or use plan::schedule::PASSES")
 }
 
 /// Adds up the counts of the tracers.

@@ -179,9 +179,7 @@ impl<P: Arithmetic> Shade<'_, P> {
             return;
         }
         self.clock.lap(TimedPass::Shade);
-        let bounce = (self.bounce as usize).min(self.counters.spans.len() - 1);
         for (kind, faces) in sorted.sort() {
-            self.counters.spans[bounce].add(faces.len(), F::LANES);
             for faces in faces.chunks(Groups::<F>::BLOCK) {
                 self.block(token, groups, faces, kind);
             }

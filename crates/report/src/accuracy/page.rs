@@ -41,13 +41,12 @@ fn disturbed<'a>(scenes: impl Iterator<Item = &'a SceneAccuracy> + Clone) -> Opt
         .or_else(|| waiting(scenes.filter_map(|scene| scene.share)))
 }
 
-/// The answers, and for each scene the slopes and the price list of exact hits: for a terminal.
+/// The answers, and for each scene the slopes: for a terminal.
 pub fn summary(report: &AccuracyReport) -> Vec<Block> {
     let mut blocks = answers(report);
     for scene in &report.scenes {
         blocks.push(Block::Heading(scene.scene.scene.clone()));
         blocks.extend(scene.families.iter().filter_map(figures::slopes).map(Block::Table));
-        blocks.extend(figures::steps(scene));
     }
     blocks
 }
@@ -99,7 +98,6 @@ fn section(scene: &SceneAccuracy, folder: &Path) -> Result<Section> {
     }
     blocks.push(Block::Heading("Cost and accuracy of each precision".to_owned()));
     blocks.extend(figures::precision(scene));
-    blocks.extend(figures::steps(scene));
     Ok(Section::new(scene.scene.scene.clone(), blocks))
 }
 

@@ -23,7 +23,6 @@
 //! | `.points[].rays` | rays | of every kind, mean over seeds |
 //! | `.points[].above_noise` | | whether the error is at least three standard errors of the reference |
 //! | `trials` | | for each precision: rays aimed at edges and leaks, rays that leave a surface and self-hits, errors of t, points and normals in ulp ([`HitErrors`](crate::selftest::errors::HitErrors)) |
-//! | `steps` | | what exact hits cost: `rays` of a render, `steps` with their counts there and nanoseconds each, and the nanoseconds of a pair in the filter of `fast`; see [`sweep`](super::sweep) |
 
 #![allow(missing_docs, reason = "the table above says it once, for the JSON and for the fields")]
 
@@ -33,8 +32,8 @@ use serde::Serialize;
 
 use super::setting::{Axis, CountedSetting, Family, Setting, SettingSeries, Target, converges};
 use super::store::{
-    PointRecord, PreparedRecord, Record, ReferenceRecord, SceneRecord, StepsRecord, TrialRecord,
-    busy_rounds, largest_share, records_of,
+    PointRecord, PreparedRecord, Record, ReferenceRecord, SceneRecord, TrialRecord, busy_rounds,
+    largest_share, records_of,
 };
 use super::subject::{FLOOR, Subject};
 use crate::measure::Rounds;
@@ -58,7 +57,6 @@ pub struct SceneAccuracy {
     pub references: Vec<ReferenceRecord>,
     pub families: Vec<Family<SettingResult>>,
     pub trials: Vec<TrialRecord>,
-    pub steps: Option<StepsRecord>,
 }
 
 /// A setting.
@@ -106,7 +104,6 @@ impl SceneAccuracy {
             references: references.cloned().collect(),
             families: Vec::new(),
             trials: trials.cloned().collect(),
-            steps: records_of(records).find(|s: &&StepsRecord| s.scene == name).cloned(),
         };
         found.families =
             subject.families.iter().map(|f| found.summary(f, records, &left)).collect();

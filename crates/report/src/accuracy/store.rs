@@ -119,56 +119,6 @@ pub struct TrialRecord {
     pub errors: Box<HitErrors>,
 }
 
-/// The steps to the exact hits of a scene: see [`sweep`](crate::accuracy::sweep).
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct StepsRecord {
-    /// The scene's name.
-    pub scene: String,
-    /// Rays of every kind in a render.
-    pub rays: u64,
-    /// The steps in their order.
-    pub steps: Vec<StepRecord>,
-    /// Nanoseconds of the filter of `fast`, which has no bounds, for a pair.
-    pub fast_filter: f64,
-}
-
-impl StepsRecord {
-    /// How often a ray takes the step, on average.
-    pub fn times(&self, step: &StepRecord) -> f64 {
-        step.count as f64 / self.rays.max(1) as f64
-    }
-
-    /// Nanoseconds that a ray spends in the step, on average.
-    pub fn nanoseconds(&self, step: &StepRecord) -> f64 {
-        self.times(step) * step.nanoseconds
-    }
-
-    /// Whether a ray takes any step: none does without triangles and quads.
-    pub fn has_any(&self) -> bool {
-        self.steps.iter().any(|step| step.count > 0)
-    }
-
-    /// All steps together, in words.
-    pub fn sentence(&self) -> String {
-        format!(
-            "These steps take {:.1} ns a ray; the filter of `fast` takes {:.1} ns a pair.",
-            self.steps.iter().map(|step| self.nanoseconds(step)).sum::<f64>(),
-            self.fast_filter
-        )
-    }
-}
-
-/// A step to an exact hit.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct StepRecord {
-    /// Its name.
-    pub step: String,
-    /// How often the rays of the render took it.
-    pub count: u64,
-    /// Nanoseconds each time.
-    pub nanoseconds: f64,
-}
-
 /// The kinds of records: a line of the file is one of them.
 macro_rules! records {
     ($($name:ident($kind:ty)),+ $(,)?) => {
@@ -199,7 +149,6 @@ records! {
     Reference(ReferenceRecord),
     Point(PointRecord),
     Trial(TrialRecord),
-    Steps(StepsRecord),
 }
 
 /// All records of one kind.

@@ -2,38 +2,27 @@
 //!
 //! For each seed, all settings of a scene are rendered in a random order, so that neither a slow
 //! minute of the machine nor an earlier render favours one of them.
-//!
-//! What exactness costs in time is how often each step to an exact hit is taken, and its price. Counts are those of a
-//! render. Prices are measured one step at a time, in one thread, for rays of the camera and others that leave
-//! primitives, at the leaves that these visit.
 
 use std::collections::BTreeMap;
-use std::hint::black_box;
 use std::path::PathBuf;
-use std::time::Instant;
 
 use rand::seq::SliceRandom;
 
 use super::setting::{CountedSetting, Family, Setting, Target};
 use super::store::{
-    ImageErrors, PointRecord, PreparedRecord, Record, StepRecord, StepsRecord, Store, SweepHeader,
-    TrialRecord, busy_rounds, records_of,
+    ImageErrors, PointRecord, PreparedRecord, Record, Store, SweepHeader, TrialRecord, busy_rounds,
+    records_of,
 };
 use super::subject::{LEAST_WORK, Subject};
 use super::{OnProgress, SweepProgress};
 use crate::measure::rounds;
-use crate::selftest::agreement::leaving;
 use crate::selftest::examine::trial;
 use crate::selftest::{Count, Effort};
 use crate::statistics::Rays;
 use crate::summary::generator;
 use wavecrest_base::error::Result;
-use wavecrest_core::accel::steps::{HitStep, Steps};
 use wavecrest_core::film::Film;
 use wavecrest_core::kernels::precision::Precision;
-use wavecrest_core::math::random::Stream;
-use wavecrest_core::math::ray::Ray;
-use wavecrest_core::prepared::PreparedScene;
 use wavecrest_image::compare::{Comparison, compare};
 use wavecrest_image::flip::{DEFAULT_PIXELS_PER_DEGREE, flip};
 
@@ -68,7 +57,6 @@ pub fn run(
         }
         points(subject, seeds as usize, store, progress)?;
         trials(subject, store, progress)?;
-        steps(subject, store, progress)?;
     }
     Ok(subjects)
 }
@@ -174,68 +162,4 @@ fn trials(subject: &mut Subject, store: &mut Store, progress: &OnProgress<'_>) -
         }))?;
     }
     Ok(())
-}
-
-/// Rays of the camera, and as many that leave primitives.
-const RAYS: u32 = 1 << 11;
-
-/// Largest number of rounds, and the seconds after which no further round starts.
-const PRICED: usize = 32;
-const PRICING: f64 = 0.5;
-
-/// Counts and prices the steps of the scene, unless done already.
-fn steps(subject: &mut Subject, store: &mut Store, progress: &OnProgress<'_>) -> Result<()> {
-    let scene = subject.record.scene.clone();
-    if records_of(&store.records).any(|s: &StepsRecord| s.scene == scene) {
-        return Ok(());
-    }
-    progress(SweepProgress::Stage(&format!("{scene}: steps to exact hits")));
-    let c = subject.render(&Setting::default(), 0)?.counters;
-    let rays = Rays::from(&c).all();
-    let mut prices = prices(&subject.prepare(&Setting::default())?.scene);
-    let fast_filter = prices.pop().unwrap_or_default();
-    let step = |(step, nanoseconds): (HitStep, f64)| StepRecord {
-        step: step.name().to_owned(),
-        count: step.count(&c.tests),
-        nanoseconds,
-    };
-    let steps = HitStep::ALL.into_iter().zip(prices).map(step).collect();
-    store.add(Record::Steps(StepsRecord { scene, rays, steps, fast_filter }))?;
-    Ok(())
-}
-
-/// The least nanoseconds of each step, then of the filter in fast precision; 0 for steps that no ray
-/// takes. Other programs can only add to a time.
-fn prices(scene: &PreparedScene) -> Vec<f64> {
-    let rays: Vec<Ray> = rays(scene).collect();
-    let steps = Steps::new(&scene.accel, &rays);
-    let exact = HitStep::ALL.map(|step| (step, Precision::Exact));
-    let all = exact.into_iter().chain([(HitStep::Filter, Precision::Fast)]);
-    let mut least: Vec<_> = all.map(|taken| (taken, f64::INFINITY)).collect();
-    for _ in rounds(PRICED, PRICING) {
-        for ((step, precision), least) in &mut least {
-            *least = least.min(each(steps.count(*step), || steps.run(*step, *precision)));
-        }
-    }
-    least.into_iter().map(|(_, least)| least).collect()
-}
-
-/// Nanoseconds for each of the `count` times that `run` takes a step.
-fn each(count: u64, run: impl Fn() -> u64) -> f64 {
-    let start = Instant::now();
-    black_box(run());
-    let seconds = start.elapsed().as_secs_f64();
-    if count > 0 { seconds * 1e9 / count as f64 } else { 0.0 }
-}
-
-/// Rays through pixels all over the image, and rays that leave primitives.
-fn rays(scene: &PreparedScene) -> impl Iterator<Item = Ray> {
-    let [width, height] = scene.camera.size();
-    let pixels = u64::from(width) * u64::from(height);
-    let of_camera = move |i: u32| {
-        let pixel = (u64::from(i) * pixels / u64::from(RAYS)) as u32;
-        let stream = Stream { seed: 0, pixel, sample: 0, bounce: 0 };
-        scene.camera.ray(pixel % width, pixel / width, &stream)
-    };
-    (0..RAYS).map(of_camera).chain(leaving(scene.accel.geometry(), RAYS as usize))
 }

@@ -13,10 +13,10 @@ use super::equal::RunDifference;
 use super::variant::{ListedVariant, Variant, Varied};
 use crate::measure::{RoundLimits, Rounds, TimedRounds, Timing, measure};
 use crate::page::Cell;
-use crate::statistics::{KernelUse, Rays, SpanUse, Tests};
+use crate::statistics::{KernelUse, Rays, Tests};
 use crate::summary::{MedianInterval, Summary, median};
 use wavecrest_base::error::{Error, ErrorKind, Result};
-use wavecrest_core::counters::{Counters, SpanCounts};
+use wavecrest_core::counters::Counters;
 use wavecrest_core::plan::Plan;
 use wavecrest_core::plan::schedule::{PASSES, unplanned};
 use wavecrest_core::prepared::PreparedScene;
@@ -66,7 +66,6 @@ pub struct VariantBench {
     #[serde(serialize_with = "as_map")]
     pub passes: Vec<(&'static str, f64)>,
     pub costs: Vec<PassCost>,
-    pub spans: Vec<SpanUse>,
     pub batch_bytes: u64,
     pub tests: Tests,
     pub kernels: KernelUse,
@@ -269,7 +268,6 @@ fn variants(choices: &[ListedVariant], measured: &[Vec<(Timing, KeptRun)>]) -> V
             mrays_s: Rays::from(&last.counters).all() as f64 / summary.median / 1e6,
             costs: costs(&passes, &last.counters),
             passes,
-            spans: spans(&last.counters.spans),
             batch_bytes: last.columns / variant.threads.max(1) as u64,
             tests: (&last.counters).into(),
             kernels: (&last.counters).into(),
@@ -308,12 +306,6 @@ fn costs(passes: &[(&'static str, f64)], c: &Counters) -> Vec<PassCost> {
         Some(PassCost { pass, of, count, nanoseconds: 1e9 * seconds / count as f64 })
     };
     with_work.filter_map(cost).collect()
-}
-
-/// Those up to the last bounce with hits.
-fn spans(all: &[SpanCounts]) -> Vec<SpanUse> {
-    let bounces = all.iter().rposition(|span| span.hits > 0).map_or(0, |last| last + 1);
-    all[..bounces].iter().map(SpanUse::from).collect()
 }
 
 fn as_map<S: Serializer>(passes: &[(&str, f64)], sink: S) -> std::result::Result<S::Ok, S::Error> {

@@ -30,7 +30,7 @@ pub fn agreement(mut accel: Accel, effort: &Effort) -> Outcome {
     let expected = by_reference(&mut accel, &aimed);
     let mut outcome = compare(&mut accel, &expected);
     if effort.count == Count::Full {
-        for preset in [Preset::OnDemand, Preset::Slow] {
+        for preset in [Preset::OnDemand, Preset::Medium] {
             accel.rebuild(preset);
             outcome.add(compare(&mut accel, &expected).with_context(|| preset.name().to_owned()));
         }
@@ -149,20 +149,4 @@ fn aim(geometry: &Geometry, extent: &BoundingBall, mut rng: InputRng, packets: [
         }
     };
     Ray { t_max, ..Ray::new(from, target - from) }
-}
-
-/// The part of a ray that leaves a primitive before it can meet anything.
-const START: f32 = 1.0 / 1024.0;
-
-/// Rays from points of primitives to points around them all.
-pub(crate) fn leaving(geometry: &Geometry, count: usize) -> impl Iterator<Item = Ray> {
-    let effort = Effort { precision: Precision::Exact, seed: 1, count: Count::Quick };
-    let extent = BoundingBall::of(geometry);
-    let count = if geometry.is_empty() { 0 } else { count };
-    (0..count).map(move |n| {
-        let mut rng = InputRng::new(&effort, AGREEING, n);
-        let corners = any_corners(geometry, &mut rng);
-        let from = rng.within(corners).as_vec3();
-        Ray { t_min: START, ..Ray::new(from, extent.around(&mut rng) - from) }
-    })
 }

@@ -60,7 +60,7 @@ const CUTS: [ChunkSizes; 3] = [cut(1, 1, 0), cut(37, 4, 40), cut(500, 50, 400)];
 
 /// Presets of which each builds in another way.
 const CHUNKED: [Preset; 5] =
-    [Preset::OnDemand, Preset::Fastest, Preset::VeryFast, Preset::Fast, Preset::Slow];
+    [Preset::OnDemand, Preset::Fastest, Preset::VeryFast, Preset::Fast, Preset::Medium];
 
 fn cut_accel(geometry: &Geometry, preset: Preset, cut: ChunkSizes) -> Accel {
     let tree = Some(build_cut(geometry, preset, cut));

@@ -2,15 +2,13 @@
 
 use super::{LANES, Lanes};
 use fearless_simd::prelude::*;
-use fearless_simd::{Avx2, Avx512, Sse2, Sse4_2, f32x8, f64x8, u32x8, u64x4, u64x8};
+use fearless_simd::{Avx2, Avx512, Sse2, f32x8, f64x8, u32x8, u64x4, u64x8};
 #[cfg(target_arch = "x86")]
 use std::arch::x86::*;
 #[cfg(target_arch = "x86_64")]
 use std::arch::x86_64::*;
 
 impl Lanes for Sse2 {}
-
-impl Lanes for Sse4_2 {}
 
 fearless_simd::kernel!(
     #[inline(always)]

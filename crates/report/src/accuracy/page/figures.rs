@@ -2,7 +2,7 @@
 
 use crate::accuracy::report::{SLOPE_FROM, SceneAccuracy, SettingResult};
 use crate::accuracy::setting::{Family, SettingSeries, Target, converges};
-use crate::accuracy::store::{ReferenceRecord, StepRecord};
+use crate::accuracy::store::ReferenceRecord;
 use crate::page::{Block, Cell, Section, Table};
 use crate::plot::number::{figure, plural};
 use crate::plot::{self, Chart, ChartAxis, Draw, Guide, Scale, Series};
@@ -215,28 +215,4 @@ pub(super) fn precision(scene: &SceneAccuracy) -> Vec<Block> {
                    triangle and hit it again (acne). Then the largest errors of hits";
     let header = "precision|>time / fast|>RMSE|>leaks|>self-hits|>t|>point|>normal";
     vec![Block::Table(Table::new(caption, header, points.iter().map(row).collect()))]
-}
-
-/// What each step to an exact hit costs, and all of them together.
-pub(super) fn steps(scene: &SceneAccuracy) -> Vec<Block> {
-    let Some(found) = &scene.steps else { return Vec::new() };
-    if !found.has_any() {
-        let words =
-            "The scene has no triangles and no quads: exact hits take none of the steps of theirs.";
-        return vec![Block::Paragraph(words.to_owned())];
-    }
-    let row = |step: &StepRecord| {
-        vec![
-            Cell::text(step.step.clone()),
-            Cell::figure(found.times(step)),
-            Cell::decimals(step.nanoseconds, 1),
-            Cell::decimals(found.nanoseconds(step), 2),
-        ]
-    };
-    let caption = "What exact hits on triangles cost: how often each step is taken for a ray of the scene, and its \
-                   time in one thread. Pairs of a ray and a triangle are filtered eight at a time, one ray at a leaf; \
-                   packets share more";
-    let header = "step|>times a ray|>ns each|>ns a ray";
-    let table = Table::new(caption, header, found.steps.iter().map(row).collect());
-    vec![Block::Table(table), Block::Paragraph(found.sentence())]
 }

@@ -8,8 +8,7 @@ use crate::measure::busy;
 use crate::page::{Block, Cell, Table};
 use crate::plot::number::{plural, time_unit};
 use crate::plot::{Chart, ChartAxis, Draw, Guide, Point, Scale, Series};
-use crate::statistics::{Rays, SpanUse};
-use wavecrest_core::counters::Counters;
+use crate::statistics::Rays;
 use wavecrest_core::render::TracerKind;
 
 /// A comparison: heading, and what its speeds are relative to.
@@ -45,10 +44,7 @@ pub(super) fn comparison(found: &BenchComparison, rays: &Rays, machine: &Machine
         passes(found, title),
     ]);
     if let (Some(wavefront), Some(recursive)) = (found.wavefront(), found.timed()) {
-        let spans = Some(spans(&wavefront.spans)).filter(|_| !wavefront.spans.is_empty());
-        blocks.extend(
-            [Some(costs(wavefront, recursive)), spans].into_iter().flatten().map(Block::Table),
-        );
+        blocks.push(Block::Table(costs(wavefront, recursive)));
     }
     blocks.push(Block::Table(work(found, rays, machine)));
     blocks
@@ -148,24 +144,6 @@ fn costs(wavefront: &VariantBench, recursive: &VariantBench) -> Table {
         ]
     });
     Table::new(caption, "pass|of|>number|>wavefront, ns|>recursive, ns", rows.collect())
-}
-
-/// How the wavefront shades mapped hits, by bounce.
-fn spans(spans: &[SpanUse]) -> Table {
-    let caption = "Mapped hits of the wavefront by bounce, the share of lanes in use, and the length of spans: hits on \
-                   surfaces that look the same, shaded one after another.";
-    let rest = Counters::default().spans.len() - 1;
-    let row = |(bounce, span): (usize, &SpanUse)| {
-        let percent = span.lanes_in_use.map(|share| 100.0 * share);
-        vec![
-            Cell::text(if bounce == rest { format!("{rest} and on") } else { bounce.to_string() }),
-            Cell::figure(span.hits as f64),
-            optional(percent, 1),
-            optional(span.hits_a_span, 1),
-        ]
-    };
-    let rows = spans.iter().enumerate().map(row).collect();
-    Table::new(caption, "bounce|>mapped hits|>lanes in use, %|>hits a span", rows)
 }
 
 /// Tests, rays that are traced together, and the memory of a batch.

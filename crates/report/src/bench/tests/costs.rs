@@ -1,4 +1,4 @@
-//! Time by pass: what passes handle, how long spans are, and which pass takes most.
+//! Time by pass: what passes handle, and which pass takes most.
 
 use wavecrest_core::film::Film;
 use wavecrest_image::write::{Transfer, write};
@@ -28,7 +28,7 @@ fn with_maps(folder: &Path) -> PreparedScene {
 }
 
 #[test]
-fn passes_are_told_by_what_they_handle_and_spans_by_bounce() {
+fn passes_are_told_by_what_they_handle() {
     let folder = tempfile::tempdir().unwrap();
     let ladder = compared_in(&with_maps(folder.path()), Varied::Ladder, 2, |_, _| 0.1, |_, _| {});
     assert_eq!(ladder.difference, None);
@@ -58,28 +58,11 @@ fn passes_are_told_by_what_they_handle_and_spans_by_bounce() {
     let untimed = &ladder.variants[0];
     assert!(untimed.costs.is_empty() && timed.passes.len() == TimedPass::ALL.len());
     assert!((sum(&timed.passes) / sum(&untimed.passes) - 1.0).abs() < 1e-9, "{:?}", timed.passes);
-    spans_are_told_by_bounce(ladder);
-}
-
-fn spans_are_told_by_bounce(ladder: BenchComparison) {
-    let spans = &ladder.wavefront().unwrap().spans;
-    assert_eq!(spans.len(), 2, "{spans:?}");
-    let mapped: u64 = spans.iter().map(|span| span.hits).sum();
-    assert_eq!(mapped, ladder.counters.look_ups.mapped);
-    for span in spans {
-        let (share, length) = (span.lanes_in_use.unwrap(), span.hits_a_span.unwrap());
-        assert!(share > 0.0 && share <= 1.0 && length >= 1.0 && span.hits > 0, "{span:?}");
-        // A span fills at least one vector, but for its last.
-        assert!(share >= length / (length + 8.0), "{span:?}");
-    }
-    assert!(ladder.timed().unwrap().spans.is_empty());
     let found = report("maps.json", ladder);
     let shown = text(&scene(&found, &Machine::this()));
     let words = shown.split_whitespace().collect::<Vec<_>>().join(" ");
     assert!(words.contains("drawn at the length of runs without"), "{words}");
-    for part in ["maps       look-up of a map", "lanes in use, %", "hits a span"] {
-        assert!(shown.contains(part), "{part}\n{shown}");
-    }
+    assert!(shown.contains("maps       look-up of a map"), "{shown}");
     assert!(shown.lines().all(|line| line.chars().count() <= 100), "{shown}");
 }
 
