@@ -3,13 +3,13 @@
 //!
 //! Any header is supported: properties in any order and of any type, elements of any name. Unused
 //! ones are skipped. [`header`] reads the declarations and [`layout`] finds the properties of a
-//! mesh; [`Numbers`] yields the numbers of the body, from text or binary; [`body`] reads the
-//! elements.
+//! mesh; [`Numbers`] yields the rows of the body, from text or binary; [`vertices`] and [`faces`]
+//! store them in the arrays of the mesh, and [`body`] leads through the elements.
 //!
-//! Binary rows have fast paths that read many rows at once on all threads: [`vertices`] for rows of
-//! constant length, [`faces`] if all faces have the same number of corners. A fast path stops at
-//! the first invalid row; [`body`] reads that row again, number by number, and reports the error.
-//! So errors have a single source, and the first one is reported whatever the threads did.
+//! Binary rows of constant length are read in blocks on all threads: vertices, and faces as long as
+//! they are triangles. Blocks stop at the first invalid row; that row is read again, number by
+//! number, which reports the error. So errors have a single source, and the first one is reported
+//! whatever the threads did.
 //!
 //! No crate is used: the existing ones return every property of every row, where the common form is
 //! better read as a block, and their errors do not name the element and its number.

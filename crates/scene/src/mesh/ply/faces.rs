@@ -1,24 +1,20 @@
-//! The faces of a PLY file, and binary ones with the same number of corners as the first read on
-//! all threads.
+//! The faces and strips of a PLY file.
 //!
-//! If other properties have constant length too, such rows have one length, and the offset of each
-//! is known in advance. Whether all have the same number of corners shows only while reading: a row
-//! that has not, or that is not a valid face, ends the fast path.
+//! Nearly every large file has triangles, as four-byte indices after a count in one byte: these rows
+//! are read in blocks. A row that is another face, or an invalid one, ends that.
 
 use glam::Vec2;
 use rayon::prelude::*;
 
 use super::header::{BodyEncoding, Element};
 use super::layout::{ListLayout, stride};
-use super::numbers::Numbers;
-use crate::mesh::data::{MAX_COUNT, NamedMaterials};
-use crate::mesh::place::{ReadAt, part};
-use crate::mesh::polygon::Polygon;
-use crate::mesh::scalar::{Scalar, with_type};
+use super::numbers::{Numbers, Row};
+use crate::mesh::data::{NO_VALUE, NamedMaterials};
+use crate::mesh::faults::check_count;
+use crate::mesh::place::part;
+use crate::mesh::polygon::{self, Polygon};
+use crate::mesh::validate::bad_index;
 use wavecrest_base::error::Result;
-
-/// The usual number of corners.
-const TRIANGLE: usize = 3;
 
 /// The faces so far.
 #[derive(Debug, Default)]
@@ -31,11 +27,69 @@ pub(super) struct FaceArrays {
     pub(super) of_uvs: Vec<[u32; 3]>,
     /// The images of faces.
     pub(super) images: NamedMaterials,
+    /// Number of faces with fewer than three corners.
+    pub(super) too_few_corners: u64,
+    /// The corners of the current face.
+    corners: Vec<u32>,
 }
 
 impl FaceArrays {
-    /// Reads the first faces as long as they refer only to the first `vertices` vertices, and
-    /// returns their number, possibly 0. An invalid face is left to be read again.
+    /// Adds the face or the strip of a row, which refers to the first `vertices` vertices.
+    pub(super) fn push(&mut self, row: &Row, layout: ListLayout, vertices: usize) -> Result<()> {
+        self.corners.clear();
+        for &number in row.of(layout.property) {
+            self.corners.push(corner(number, layout.is_strip, vertices)?);
+        }
+        if layout.is_strip {
+            let strips = self.corners.split(|&i| i == STRIP_END);
+            self.triangles.extend(strips.flat_map(strip_triangles));
+            return Ok(());
+        }
+        let corners = self.corners.len();
+        if corners < 3 {
+            self.too_few_corners += 1;
+            return Ok(());
+        }
+        let first = self.triangles.len() as u32;
+        if corners > 3 {
+            check_count("triangles", (self.triangles.len() + corners) as u64)?;
+            self.polygons.push(Polygon { first, corners: corners as u32 });
+        }
+        self.begin_image(first, layout.texture.map_or(&[], |property| row.of(property)));
+        self.triangles.extend(polygon::fan(&self.corners));
+        layout.uvs.map_or(Ok(()), |property| self.push_uvs(row.of(property)))
+    }
+
+    /// Gives the faces from triangle `first` on the image with this number. A negative number is
+    /// none; faces without one have the first image.
+    fn begin_image(&mut self, first: u32, number: &[f64]) {
+        let number = number.first().copied().unwrap_or_default();
+        let image = if number < 0.0 { usize::MAX } else { number as usize };
+        // No material has the name of none.
+        let name = self.images.textures.get(image).map_or("", String::as_str);
+        let is_other = self.images.runs.last().is_none_or(|(_, last)| last != name);
+        if is_other && !self.images.textures.is_empty() {
+            let name = name.to_owned();
+            self.images.begin(first, name);
+        }
+    }
+
+    /// Adds the texture coordinates of the current face's corners.
+    fn push_uvs(&mut self, numbers: &[f64]) -> Result<()> {
+        let (corners, pairs) = (self.corners.len(), numbers.as_chunks::<2>().0);
+        check_count("texture coordinates", (self.uvs.len() + corners) as u64)?;
+        // A face without them has none at any corner.
+        let is_whole = pairs.len() == corners;
+        let own = (self.uvs.len() as u32..).take(corners);
+        let own: Vec<u32> = own.map(|i| if is_whole { i } else { NO_VALUE }).collect();
+        self.of_uvs.extend(polygon::fan(&own));
+        let uvs = pairs.iter().filter(|_| is_whole);
+        self.uvs.extend(uvs.map(|uv| Vec2::from(uv.map(|number| number as f32))));
+        Ok(())
+    }
+
+    /// Reads the first faces as long as they are triangles that refer only to the first `vertices`
+    /// vertices, and returns their number, possibly 0. An invalid face is left to be read again.
     pub(super) fn read(
         &mut self,
         element: &Element,
@@ -43,170 +97,95 @@ impl FaceArrays {
         vertices: usize,
         from: &mut Numbers<'_>,
     ) -> Result<u64> {
-        let is_textured = layout.uvs.is_some() || layout.texture.is_some();
-        if from.block == 0 || is_textured || !self.triangles.is_empty() {
-            return Ok(0);
-        }
-        let read = match from.encoding {
-            BodyEncoding::BigEndian => read::<true>(from, element, layout, vertices, self),
-            _ => read::<false>(from, element, layout, vertices, self),
+        let row = TriangleRow::of(element, layout, vertices).filter(|_| self.triangles.is_empty());
+        let Some(row) = row else { return Ok(0) };
+        let Some(at_once) = from.rows_at_once(row.stride, element.count) else { return Ok(0) };
+        let decode = match from.encoding {
+            BodyEncoding::BigEndian => decode::<true>,
+            _ => decode::<false>,
         };
-        let (faces, bytes) = read.unwrap_or_default();
-        from.advance(bytes)?;
-        Ok(faces)
+        self.triangles = vec![[0; 3]; element.count as usize];
+        let blocks = self.triangles.par_chunks_mut(at_once);
+        let read =
+            from.blocks(row.stride, element.count, blocks, |rows, to| decode(rows, row, to))?;
+        self.triangles.truncate(read as usize);
+        Ok(read)
     }
 }
 
-/// The layout of a row.
+/// In a strip's list: the end of the strip.
+const STRIP_END: u32 = u32::MAX;
+
+/// The corner of a face or of a strip, from its number.
+fn corner(number: f64, is_strip: bool, vertices: usize) -> Result<u32> {
+    match number {
+        // -1, also if it was written as an unsigned number.
+        -1.0 | 4_294_967_295.0 if is_strip => Ok(STRIP_END),
+        _ if number >= 0.0 && number < vertices as f64 && number.fract() == 0.0 => {
+            Ok(number as u32)
+        }
+        _ => Err(bad_index("vertex", number, vertices)),
+    }
+}
+
+/// The triangles of a strip. Every second one is reversed, so that all face the same way; those
+/// with a repeated corner only join parts of the strip.
+fn strip_triangles(strip: &[u32]) -> impl Iterator<Item = [u32; 3]> {
+    let turn = |(i, w): (usize, &[u32])| {
+        if i % 2 == 0 { [w[0], w[1], w[2]] } else { [w[1], w[0], w[2]] }
+    };
+    let plain = |t: &[u32; 3]| t[0] != t[1] && t[1] != t[2] && t[2] != t[0];
+    strip.windows(3).enumerate().map(turn).filter(plain)
+}
+
+/// The binary row of a triangle.
 #[derive(Clone, Copy, Debug)]
-struct FaceRow {
+struct TriangleRow {
     stride: usize,
     /// The offset of the list.
     list: usize,
-    corners: usize,
-    /// The limit of indices, exclusive.
+    /// The exclusive limit of an index, read as unsigned: a negative number is then too large.
     limit: u32,
 }
 
-impl FaceRow {
-    /// The layout of the first face, at `place`. `None` if rows vary in length even for equal lists
-    /// of corners, if counts and indices are not integers, or if it is not a valid face.
-    fn first<const BIG: bool>(
-        file: &dyn ReadAt,
-        place: u64,
-        element: &Element,
-        layout: ListLayout,
-        vertices: usize,
-    ) -> Option<Self> {
+/// The size of a list of three corners, with its count.
+const LIST: usize = 1 + 3 * size_of::<u32>();
+
+impl TriangleRow {
+    /// The row of triangles without images. `None` if it varies in length, or has other types.
+    fn of(element: &Element, layout: ListLayout, vertices: usize) -> Option<Self> {
+        let is_plain = !layout.is_strip && layout.uvs.is_none() && layout.texture.is_none();
+        let is_usual = (layout.count.size(), layout.item.size()) == (1, size_of::<u32>());
+        let greatest = layout.item.greatest().filter(|_| is_plain && is_usual)?;
         let (before, rest) = element.properties.split_at_checked(layout.property)?;
         let list = stride(before)?;
-        let after = stride(rest.get(1..)?)?;
-        let size = layout.count.size();
-        let mut count = [0; 4];
-        file.read_exact_at(count.get_mut(..size)?, place + list as u64).ok()?;
-        let corners = with_type!(layout.count, C => number::<{ size_of::<C>() }, BIG>(&count, 0));
-        let is_face = corners >= TRIANGLE as u32 && corners <= layout.count.greatest()?;
-        let corners = usize::try_from(corners).ok().filter(|_| is_face)?;
-        let length = size.checked_add(corners.checked_mul(layout.item.size())?)?;
-        let stride = length.checked_add(list + after)?;
-        Some(Self { stride, list, corners, limit: limit(layout.item, vertices)? })
-    }
-
-    /// Number of triangles of a face.
-    fn fan(self) -> usize {
-        self.corners - 2
+        // There are fewer vertices than `u32::MAX`.
+        let limit = (vertices as u32).min(greatest.saturating_add(1));
+        Some(Self { stride: list + LIST + stride(rest.get(1..)?)?, list, limit })
     }
 }
 
-/// The exclusive limit of an index of this type, read as unsigned: a negative number is then too
-/// large.
-fn limit(kind: Scalar, vertices: usize) -> Option<u32> {
-    let beyond = u64::from(kind.greatest()?) + 1;
-    // Both fit: there are fewer vertices than `u32::MAX`.
-    Some(beyond.min(vertices as u64) as u32)
-}
-
-/// The number of `N` bytes at `offset`, read as unsigned.
-#[inline(always)]
-fn number<const N: usize, const BIG: bool>(row: &[u8], offset: usize) -> u32 {
-    let mut bytes = [0; 4];
-    bytes[..N].copy_from_slice(&part::<N, BIG>(row, offset));
-    u32::from_le_bytes(bytes)
-}
-
-/// Reads all faces with as many corners as the first, up to the first other one. Returns the number
-/// of faces and of bytes. `None` without a fast path: if rows have other types, or the file cannot
-/// hold that many.
-fn read<const BIG: bool>(
-    from: &Numbers<'_>,
-    element: &Element,
-    layout: ListLayout,
-    vertices: usize,
-    into: &mut FaceArrays,
-) -> Option<(u64, u64)> {
-    let row = FaceRow::first::<BIG>(from.file, from.place(), element, layout, vertices)?;
-    let triangles = element.count.checked_mul(row.fan() as u64)?;
-    if (row.stride as u64).checked_mul(element.count)? > from.left || triangles > MAX_COUNT {
-        return None;
-    }
-    // Sizes alone matter: there is one function for each pair of them.
-    let decode: ReadRows = with_type!(layout.count, C => with_type!(layout.item, I => {
-        decode::<{ size_of::<C>() }, { size_of::<I>() }, BIG>
-    }));
-    let (file, start) = (from.file, from.place());
-    let count = usize::try_from(element.count).ok()?;
-    into.triangles = vec![[0; 3]; triangles as usize];
-    let per_task = (from.block / row.stride).max(1);
-    let stops = into.triangles.par_chunks_mut(per_task * row.fan()).enumerate().map_init(
-        Vec::new,
-        |buffer: &mut Vec<u8>, (number, triangles)| {
-            let (first, faces) = (number * per_task, triangles.len() / row.fan());
-            buffer.resize(faces * row.stride, 0);
-            let place = start + (first * row.stride) as u64;
-            // Rows that cannot be read are read again number by number, which reports the error.
-            let read = file.read_exact_at(buffer, place).is_ok();
-            let good = if read { decode(buffer, row, triangles) } else { 0 };
-            (good < faces).then_some(first + good)
-        },
-    );
-    let good = stops.find_first(Option::is_some).flatten().unwrap_or(count);
-    into.triangles.truncate(good * row.fan());
-    if row.corners > TRIANGLE {
-        // Triangles, and so the corners of a face, are fewer than 2^32.
-        let polygon = |first| Polygon { first: first as u32, corners: row.corners as u32 };
-        into.polygons = (0..into.triangles.len()).step_by(row.fan()).map(polygon).collect();
-    }
-    Some((good as u64, (good * row.stride) as u64))
-}
-
-/// Reads rows; returns the number of rows before the first that is not a valid face of this many
-/// corners.
-type ReadRows = fn(&[u8], FaceRow, &mut [[u32; 3]]) -> usize;
-
-fn decode<const C: usize, const I: usize, const BIG: bool>(
-    rows: &[u8],
-    row: FaceRow,
-    to: &mut [[u32; 3]],
-) -> usize {
-    // If a row is only a triangle's list, the compiler knows every offset.
-    let packed = FaceRow { stride: C + TRIANGLE * I, list: 0, corners: TRIANGLE, ..row };
-    if (row.stride, row.corners) == (packed.stride, packed.corners) {
-        decode_rows::<C, I, BIG>(rows, packed, to)
+/// Stores rows; returns the number of rows before the first that is not a valid triangle.
+fn decode<const BIG: bool>(rows: &[u8], row: TriangleRow, to: &mut [[u32; 3]]) -> usize {
+    // If a row is only the list, the compiler knows every offset.
+    if row.stride == LIST {
+        decode_rows::<BIG>(rows, TriangleRow { stride: LIST, list: 0, ..row }, to)
     } else {
-        decode_rows::<C, I, BIG>(rows, row, to)
+        decode_rows::<BIG>(rows, row, to)
     }
 }
 
 #[inline(always)]
-fn decode_rows<const C: usize, const I: usize, const BIG: bool>(
-    rows: &[u8],
-    row: FaceRow,
-    to: &mut [[u32; 3]],
-) -> usize {
-    let is_good = |(to, bytes): (&mut [[u32; 3]], &[u8])| {
-        let greatest = fan::<I, BIG>(&bytes[row.list + C..], to);
-        (number::<C, BIG>(bytes, row.list) == row.corners as u32) & (greatest < row.limit)
+fn decode_rows<const BIG: bool>(rows: &[u8], row: TriangleRow, to: &mut [[u32; 3]]) -> usize {
+    let is_good = |(to, bytes): (&mut [u32; 3], &[u8])| {
+        let list = &bytes[row.list..row.list + LIST];
+        *to = [1, 5, 9].map(|at| u32::from_le_bytes(part::<4, BIG>(list, at)));
+        (list[0] == 3) & (to[0].max(to[1]).max(to[2]) < row.limit)
     };
-    let faces = to.len() / row.fan();
-    let both = to.chunks_exact_mut(row.fan()).zip(rows.chunks_exact(row.stride));
+    let both = to.iter_mut().zip(rows.chunks_exact(row.stride));
     if both.map(is_good).fold(true, |all, good| all & good) {
-        return faces;
+        return to.len();
     }
-    let mut both = to.chunks_exact_mut(row.fan()).zip(rows.chunks_exact(row.stride));
-    both.position(|face| !is_good(face)).unwrap_or(faces)
-}
-
-/// Writes the triangles of a face; returns the largest index.
-#[inline(always)]
-fn fan<const N: usize, const BIG: bool>(items: &[u8], to: &mut [[u32; 3]]) -> u32 {
-    let index = |i: usize| number::<N, BIG>(items, i * N);
-    let (first, mut before) = (index(0), index(1));
-    let mut greatest = first.max(before);
-    for (i, to) in (2..).zip(to) {
-        let next = index(i);
-        *to = [first, before, next];
-        greatest = greatest.max(next);
-        before = next;
-    }
-    greatest
+    let mut both = to.iter_mut().zip(rows.chunks_exact(row.stride));
+    both.position(|face| !is_good(face)).unwrap_or(to.len())
 }

@@ -1,15 +1,12 @@
 //! Finds the properties of a mesh in the declared elements, and their place in a row.
 
-use std::ops::Range;
-
 use super::header::{Element, Header, Property, PropertyType, place};
 use crate::mesh::faults::syntax;
 use crate::mesh::scalar::Scalar;
 use wavecrest_base::error::{Error, ErrorKind, Result};
 
-/// The stored numbers of a vertex, in the order of their slots.
-pub(super) const SLOTS: usize = 11;
-/// The first slot of normals, texture coordinates and colours, after that of the position, 0.
+/// The numbers of a vertex have slots: those of its position from 0 on, and of its normal, texture
+/// coordinates and colour from these on.
 pub(super) const NORMAL: usize = 3;
 pub(super) const UV: usize = 6;
 pub(super) const COLOR: usize = 8;
@@ -70,7 +67,9 @@ impl VertexLayout {
                 _ => {}
             }
         }
-        layout.is_double = layout.slots(0..3).iter().all(|column| column.kind == Scalar::F64);
+        layout.is_double = layout
+            .sources::<3>(0)
+            .is_some_and(|position| position.iter().all(|source| source.kind == Scalar::F64));
         Ok(layout)
     }
 
@@ -89,18 +88,28 @@ impl VertexLayout {
         self.columns.iter().flatten().any(|column| column.slot == slot)
     }
 
-    /// The columns of some slots, in order: none if the file lacks them.
-    pub(super) fn slots(&self, slots: Range<usize>) -> Vec<NumberSource> {
-        let column = |slot| self.columns.iter().flatten().find(|c| c.slot == slot).copied();
-        slots.filter_map(column).collect()
+    /// The sources of `N` slots from `first` on, if the file has them.
+    pub(super) fn sources<const N: usize>(&self, first: usize) -> Option<[NumberSource; N]> {
+        let source = |slot| self.columns.iter().flatten().find(|c| c.slot == slot).copied();
+        let mut found = [source(first)?; N];
+        for (slot, found) in (first..).zip(&mut found) {
+            *found = source(slot)?;
+        }
+        Some(found)
     }
 
-    /// Whether a binary row is exactly three floats, x, y, z.
-    pub(super) fn is_packed(&self) -> bool {
-        let place = |(slot, column): (usize, &Option<NumberSource>)| {
-            column.is_some_and(|column| (column.slot, column.kind) == (slot, Scalar::F32))
-        };
-        self.columns.len() == 3 && self.columns.iter().enumerate().all(place)
+    /// The sources of the position, if it is in double precision.
+    pub(super) fn double(&self) -> Option<[NumberSource; 3]> {
+        if self.is_double { self.sources(0) } else { None }
+    }
+
+    /// The layout of a row of only the used numbers, each as a double.
+    pub(super) fn in_doubles(&self) -> Self {
+        let (kind, size) = (Scalar::F64, size_of::<f64>());
+        let used = self.columns.iter().flatten().enumerate();
+        let columns: Vec<_> =
+            used.map(|(i, &c)| Some(NumberSource { kind, offset: i * size, ..c })).collect();
+        Self { stride: Some(columns.len() * size), columns, is_double: self.is_double }
     }
 }
 

@@ -1,10 +1,13 @@
-//! The numbers of a PLY body in sequence, as text or in binary of either byte order.
+//! The rows of a PLY body: many binary ones of constant length as blocks of bytes, any others number
+//! by number, from text or from binary of either byte order.
 //!
 //! In a text a row may span several lines, as long lists do, but a line may not contain several
 //! rows: a row that ends inside a line means that the header does not fit the body, and everything
 //! after it would be misread.
 
-use super::header::{BodyEncoding, Element, Header};
+use rayon::prelude::*;
+
+use super::header::{BodyEncoding, Element, Header, PropertyType};
 use crate::mesh::faults::{read_failure, syntax};
 use crate::mesh::number;
 use crate::mesh::place::ReadAt;
@@ -14,9 +17,26 @@ use wavecrest_base::error::{Error, Result};
 /// Longest valid number of a text; messages quote no more of longer words.
 const LONGEST: usize = 256;
 
+/// The used numbers of a row.
+#[derive(Debug, Default)]
+pub(super) struct Row {
+    /// Those of lists without their count.
+    pub(super) numbers: Vec<f64>,
+    /// For each property, the end of its numbers.
+    ends: Vec<usize>,
+}
+
+impl Row {
+    /// The numbers of a property.
+    pub(super) fn of(&self, property: usize) -> &[f64] {
+        let start = property.checked_sub(1).map_or(0, |before| self.ends[before]);
+        &self.numbers[start..self.ends[property]]
+    }
+}
+
 /// A body that is being read.
 pub(super) struct Numbers<'a> {
-    pub(super) file: &'a dyn ReadAt,
+    file: &'a dyn ReadAt,
     /// Whose rows are read, for messages.
     pub(super) element: Option<&'a Element>,
     pub(super) encoding: BodyEncoding,
@@ -53,9 +73,69 @@ impl<'a> Numbers<'a> {
         }
     }
 
+    /// Reads a row, of which the properties that are `used` are kept.
+    pub(super) fn row(
+        &mut self,
+        element: &Element,
+        used: impl Fn(usize) -> bool,
+        into: &mut Row,
+    ) -> Result<()> {
+        into.numbers.clear();
+        into.ends.clear();
+        for (number, property) in element.properties.iter().enumerate() {
+            let (kind, count) = match property.shape {
+                PropertyType::One(kind) => (kind, 1),
+                PropertyType::List { count, item } => (item, self.list_length(count, item)?),
+            };
+            if used(number) {
+                for _ in 0..count {
+                    into.numbers.push(self.value(kind)?);
+                }
+            } else if self.encoding == BodyEncoding::Ascii {
+                (0..count).try_for_each(|_| self.word().map(drop))?;
+            } else {
+                self.advance(self.least(kind, count))?;
+            }
+            into.ends.push(into.numbers.len());
+        }
+        Ok(())
+    }
+
+    /// The number of rows of a block, if `count` rows of `stride` bytes can be read in blocks.
+    pub(super) fn rows_at_once(&self, stride: usize, count: u64) -> Option<usize> {
+        let is_there = (stride as u64).checked_mul(count).is_some_and(|bytes| bytes <= self.left);
+        (self.block > 0 && is_there).then(|| (self.block / stride).max(1))
+    }
+
+    /// Reads `count` rows of `stride` bytes in blocks, on all threads, each into memory that stays
+    /// in the cache of its thread. `decode` takes a block and its destination, and returns the number
+    /// of rows before the first that is not good; the whole stops there, and returns the number.
+    pub(super) fn blocks<T: Send>(
+        &mut self,
+        stride: usize,
+        count: u64,
+        to: impl IndexedParallelIterator<Item = T>,
+        decode: impl Fn(&[u8], T) -> usize + Sync,
+    ) -> Result<u64> {
+        let (file, start) = (self.file, self.place());
+        let at_once = (self.block / stride).max(1) as u64;
+        let stops = to.enumerate().map_init(Vec::new, |buffer: &mut Vec<u8>, (block, to)| {
+            let first = block as u64 * at_once;
+            let rows = at_once.min(count - first);
+            buffer.resize(rows as usize * stride, 0);
+            // Rows that cannot be read are read again number by number, which reports the error.
+            let is_read = file.read_exact_at(buffer, start + first * stride as u64).is_ok();
+            let good = if is_read { decode(buffer, to) as u64 } else { 0 };
+            (good < rows).then_some(first + good)
+        });
+        let good = stops.find_first(Option::is_some).flatten().unwrap_or(count);
+        self.advance(good * stride as u64)?;
+        Ok(good)
+    }
+
     /// The next number, of the type `kind`. `f64` represents every value of every type.
     #[allow(clippy::useless_conversion, reason = "one of the types is f64")]
-    pub(super) fn value(&mut self, kind: Scalar) -> Result<f64> {
+    fn value(&mut self, kind: Scalar) -> Result<f64> {
         if self.encoding != BodyEncoding::Ascii {
             return Ok(with_type!(kind, N => f64::from(N::from_le_bytes(self.bytes()?))));
         }
@@ -63,19 +143,29 @@ impl<'a> Numbers<'a> {
             return Ok(value);
         }
         let word = self.word()?;
-        parse(word, kind).ok_or_else(|| malformed(String::from_utf8_lossy(word)))
+        parse(word, kind).ok_or_else(|| malformed(word))
     }
 
-    /// Skips `count` numbers of the type `kind`.
-    pub(super) fn skip(&mut self, kind: Scalar, count: u64) -> Result<()> {
-        match self.encoding {
-            BodyEncoding::Ascii => (0..count).try_for_each(|_| self.word().map(drop)),
-            _ => self.advance(self.least(kind, count)),
+    /// The length of the next list, for whose items there must be room.
+    fn list_length(&mut self, count: Scalar, item: Scalar) -> Result<u64> {
+        let value = self.value(count)?;
+        if value < 0.0 || value.fract() != 0.0 || value > f64::from(u32::MAX) {
+            let error = syntax("the length of a list must be a whole number, 0 or more");
+            return Err(error.value(value).remedy("check the types in the header"));
         }
+        let length = value as u64;
+        let (need, left) = (self.least(item, length), self.left);
+        if need <= left.saturating_add(1) {
+            return Ok(length);
+        }
+        let message = format!(
+            "the file is cut off: a list of {length} takes at least {need} bytes, and {left} are left"
+        );
+        Err(syntax(message).remedy("copy or export it again, or correct the types in its header"))
     }
 
     /// Skips bytes of a binary body.
-    pub(super) fn advance(&mut self, bytes: u64) -> Result<()> {
+    fn advance(&mut self, bytes: u64) -> Result<()> {
         if bytes > self.left {
             return Err(self.cut_off());
         }
@@ -118,7 +208,7 @@ impl<'a> Numbers<'a> {
     }
 
     /// The offset of the next number in the file.
-    pub(super) fn place(&self) -> u64 {
+    fn place(&self) -> u64 {
         self.end - self.left
     }
 
@@ -183,7 +273,7 @@ impl<'a> Numbers<'a> {
         let text = &text[..text.len().min(LONGEST + 1)];
         let length = text.iter().position(|b| is_blank(*b)).unwrap_or(text.len());
         if length > LONGEST {
-            return Err(malformed(String::from_utf8_lossy(&text[..LONGEST])));
+            return Err(malformed(&text[..LONGEST]));
         }
         self.consume(length as u64);
         Ok(&self.buffer[self.at - length..self.at])
@@ -209,8 +299,9 @@ impl<'a> Numbers<'a> {
 }
 
 /// The error of a malformed number.
-pub(super) fn malformed(word: impl std::fmt::Display) -> Error {
-    syntax("a number is malformed").value(word).remedy("write it as 12 or -0.5e3")
+fn malformed(word: &[u8]) -> Error {
+    let error = syntax("a number is malformed").value(String::from_utf8_lossy(word));
+    error.remedy("write it as 12 or -0.5e3")
 }
 
 fn is_blank(byte: u8) -> bool {

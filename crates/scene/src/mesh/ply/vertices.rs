@@ -1,19 +1,19 @@
-//! The vertices of a PLY file, and binary rows of constant length read on all threads.
+//! The vertices of a PLY file.
 //!
-//! Each thread reads the next block of rows into memory that stays in its cache, distributes it to
-//! the arrays and checks the positions there. Rows of exactly three floats are read directly into
-//! place.
+//! A block of rows is distributed to the arrays and its positions are checked while both are in
+//! the cache of a thread. A row that was read number by number is a block of one row, of doubles.
 
+use bytemuck::cast_slice_mut;
 use glam::{DVec3, Vec2, Vec3};
 use rayon::prelude::*;
 
 use super::header::BodyEncoding;
-use super::layout::{COLOR, NORMAL, NumberSource, SLOTS, UV, VertexLayout};
+use super::layout::{COLOR, NORMAL, NumberSource, UV, VertexLayout};
 use super::numbers::Numbers;
 use crate::mesh::origin::{origin, relative};
-use crate::mesh::place::{ReadAt, part};
+use crate::mesh::place::part;
 use crate::mesh::scalar::{Scalar, with_type};
-use crate::mesh::validate::is_good_position;
+use crate::mesh::validate::{bad_position, is_good_position};
 use wavecrest_base::error::Result;
 
 /// The vertices while they are read. All rows exist from the start, as zeros.
@@ -27,6 +27,9 @@ pub(super) struct VertexArrays {
     pub(super) uvs: Vec<Vec2>,
     pub(super) colors: Vec<Vec3>,
 }
+
+/// The numbers of some vertices in the four arrays.
+type Destination<'a> = [&'a mut [f32]; 4];
 
 impl VertexArrays {
     /// Room for `count` vertices. The caller has checked the count against the size of the file.
@@ -43,162 +46,121 @@ impl VertexArrays {
         }
     }
 
-    /// Stores the `values` of vertex `row`, by slots.
-    pub(super) fn set(&mut self, row: usize, layout: &VertexLayout, mut values: [f64; SLOTS]) {
-        if layout.is_double {
-            let point = DVec3::new(values[0], values[1], values[2]);
-            if row == 0 {
-                self.origin = origin(point);
-            }
-            values[..3].copy_from_slice(&(point - self.origin).to_array());
+    /// Stores vertex `index`, from the numbers of its row. The first one gives the origin.
+    pub(super) fn set(
+        &mut self,
+        index: usize,
+        layout: &VertexLayout,
+        numbers: &[f64],
+    ) -> Result<()> {
+        // Numbers in memory have the byte order of the machine.
+        const BIG: bool = cfg!(target_endian = "big");
+        let row = bytemuck::cast_slice(numbers);
+        if let (0, Some(point)) = (index, layout.double()) {
+            self.origin = origin(self::point::<BIG>(row, point));
         }
-        for &NumberSource { slot, scale, .. } in layout.columns.iter().flatten() {
-            let value = values[slot] as f32 * scale;
-            match slot {
-                ..NORMAL => self.positions[row][slot] = value,
-                NORMAL..UV => self.normals[row][slot - NORMAL] = value,
-                UV..COLOR => self.uvs[row][slot - UV] = value,
-                _ => self.colors[row][slot - COLOR] = value,
-            }
-        }
+        let origin = self.origin;
+        let good = self.blocks(index, 1).map(|to| decode::<BIG>(layout, origin, row, to)).next();
+        if good == Some(1) { Ok(()) } else { Err(bad_position(self.positions[index])) }
     }
 
-    /// Reads the first rows, up to the first block with an invalid position, and returns their
-    /// number, possibly 0. An invalid vertex is left to be read again.
+    /// Reads the vertices after the first, up to the first block with an invalid position, and
+    /// returns their number, possibly 0. An invalid vertex is left to be read again.
     pub(super) fn read(&mut self, layout: &VertexLayout, from: &mut Numbers<'_>) -> Result<u64> {
-        let Some(stride) = layout.stride.filter(|_| from.block > 0) else { return Ok(0) };
-        let columns =
-            [0..NORMAL, NORMAL..UV, UV..COLOR, COLOR..SLOTS].map(|slots| layout.slots(slots));
-        let is_packed = layout.is_packed();
-        let rows = VertexRows { stride, is_packed, is_double: layout.is_double, columns };
-        let count = match from.encoding {
-            BodyEncoding::BigEndian => rows.read_all::<true>(from, self),
-            _ => rows.read_all::<false>(from, self),
+        let (count, origin) = (self.positions.len() as u64 - 1, self.origin);
+        let Some(stride) = layout.stride else { return Ok(0) };
+        let Some(at_once) = from.rows_at_once(stride, count) else { return Ok(0) };
+        let decode = match from.encoding {
+            BodyEncoding::BigEndian => decode::<true>,
+            _ => decode::<false>,
         };
-        from.advance((stride * count) as u64)?;
-        Ok(count as u64)
+        let blocks: Vec<Destination<'_>> = self.blocks(1, at_once).collect();
+        from.blocks(stride, count, blocks.into_par_iter(), |rows, to| {
+            decode(layout, origin, rows, to)
+        })
     }
-}
 
-/// The layout of a row.
-struct VertexRows {
-    stride: usize,
-    is_packed: bool,
-    /// Whether positions are in double precision.
-    is_double: bool,
-    /// The columns of positions, normals, texture coordinates and colours: none if there are none.
-    columns: [Vec<NumberSource>; 4],
-}
-
-/// A block of rows and its destination: the numbers of the four arrays.
-struct RowBlock<'a> {
-    first: usize,
-    place: u64,
-    arrays: [&'a mut [f32]; 4],
-}
-
-impl VertexRows {
-    /// Reads blocks; returns the number of rows before the first block with an error, or of all.
-    fn read_all<const BIG: bool>(&self, from: &Numbers<'_>, to: &mut VertexArrays) -> usize {
-        let (count, place) = (to.positions.len(), from.place());
-        if self.is_double && count > 0 {
-            let mut first = vec![0; self.stride];
-            if from.file.read_exact_at(&mut first, place).is_err() {
-                return 0;
-            }
-            to.origin = origin(self.point::<BIG>(&first));
-        }
-        let (per_task, origin) = ((from.block / self.stride).max(1), to.origin);
-        let mut chunks = [
-            bytemuck::cast_slice_mut(&mut to.positions).chunks_mut(per_task * 3),
-            bytemuck::cast_slice_mut(&mut to.normals).chunks_mut(per_task * 3),
-            bytemuck::cast_slice_mut(&mut to.uvs).chunks_mut(per_task * 2),
-            bytemuck::cast_slice_mut(&mut to.colors).chunks_mut(per_task * 3),
+    /// The vertices from number `first` on, in blocks.
+    fn blocks(&mut self, first: usize, rows: usize) -> impl Iterator<Item = Destination<'_>> {
+        let mut blocks = [
+            cast_slice_mut(&mut self.positions[first..]).chunks_mut(3 * rows),
+            cast_slice_mut(self.normals.get_mut(first..).unwrap_or_default()).chunks_mut(3 * rows),
+            cast_slice_mut(self.uvs.get_mut(first..).unwrap_or_default()).chunks_mut(2 * rows),
+            cast_slice_mut(self.colors.get_mut(first..).unwrap_or_default()).chunks_mut(3 * rows),
         ];
-        let mut tasks: Vec<RowBlock> = (0..count)
-            .step_by(per_task)
-            .map(|first| RowBlock {
-                first,
-                place: place + (first * self.stride) as u64,
-                arrays: chunks.each_mut().map(|chunks| chunks.next().unwrap_or_default()),
-            })
-            .collect();
-        let stops = tasks.par_iter_mut().map_init(Vec::new, |buffer, task| {
-            // Rows that cannot be read are read again number by number, which reports the error.
-            let is_good = self.read::<BIG>(from.file, task, origin, buffer).is_ok()
-                && bytemuck::cast_slice(task.arrays[0]).iter().all(|p| is_good_position(*p));
-            (!is_good).then_some(task.first)
-        });
-        stops.find_first(Option::is_some).flatten().unwrap_or(count)
-    }
-
-    fn read<const BIG: bool>(
-        &self,
-        file: &dyn ReadAt,
-        task: &mut RowBlock<'_>,
-        origin: DVec3,
-        buffer: &mut Vec<u8>,
-    ) -> std::io::Result<()> {
-        let [positions, ..] = &mut task.arrays;
-        if self.is_packed {
-            file.read_exact_at(bytemuck::cast_slice_mut(positions), task.place)?;
-            if BIG != cfg!(target_endian = "big") {
-                let numbers: &mut [u32] = bytemuck::cast_slice_mut(positions);
-                numbers.iter_mut().for_each(|n| *n = n.swap_bytes());
-            }
-            return Ok(());
-        }
-        buffer.resize(positions.len() / 3 * self.stride, 0);
-        file.read_exact_at(buffer, task.place)?;
-        let mut from = 0;
-        if self.is_double {
-            let positions: &mut [Vec3] = bytemuck::cast_slice_mut(positions);
-            for (to, row) in positions.iter_mut().zip(buffer.chunks_exact(self.stride)) {
-                *to = relative(self.point::<BIG>(row), origin);
-            }
-            from = 1;
-        }
-        for (columns, to) in self.columns.iter().zip(&mut task.arrays).skip(from) {
-            match columns[..] {
-                [a, b, c] => take_columns::<3, BIG>(buffer, self.stride, [a, b, c], to),
-                [a, b] => take_columns::<2, BIG>(buffer, self.stride, [a, b], to),
-                _ => {}
-            }
-        }
-        Ok(())
-    }
-
-    /// The position in a row, in double precision.
-    #[inline(always)]
-    fn point<const BIG: bool>(&self, row: &[u8]) -> DVec3 {
-        let at =
-            |axis: usize| f64::from_le_bytes(part::<8, BIG>(row, self.columns[0][axis].offset));
-        DVec3::new(at(0), at(1), at(2))
+        std::iter::from_fn(move || {
+            let block = blocks.each_mut().map(|array| array.next().unwrap_or_default());
+            (!block[0].is_empty()).then_some(block)
+        })
     }
 }
 
-/// Copies `columns` of `rows` to vectors.
+/// Stores a block of rows; returns their number, or 0 if a position is invalid.
+fn decode<const BIG: bool>(
+    layout: &VertexLayout,
+    origin: DVec3,
+    rows: &[u8],
+    [positions, normals, uvs, colors]: Destination<'_>,
+) -> usize {
+    let stride = layout.stride.unwrap_or(rows.len());
+    take::<3, BIG>(rows, stride, layout.sources(NORMAL), normals);
+    take::<2, BIG>(rows, stride, layout.sources(UV), uvs);
+    take::<3, BIG>(rows, stride, layout.sources(COLOR), colors);
+    if let Some(columns) = layout.double() {
+        let positions: &mut [Vec3] = cast_slice_mut(positions);
+        for (to, row) in positions.iter_mut().zip(rows.chunks_exact(stride)) {
+            *to = relative(point::<BIG>(row, columns), origin);
+        }
+    } else {
+        take::<3, BIG>(rows, stride, layout.sources(0), positions);
+    }
+    let positions: &[Vec3] = bytemuck::cast_slice(positions);
+    if positions.iter().all(|p| is_good_position(*p)) { positions.len() } else { 0 }
+}
+
+/// The position in a row, in double precision.
+#[inline(always)]
+fn point<const BIG: bool>(row: &[u8], columns: [NumberSource; 3]) -> DVec3 {
+    DVec3::from(columns.map(|c| f64::from_le_bytes(part::<8, BIG>(row, c.offset))))
+}
+
+/// Copies `columns` of `rows` to vectors, if there are any.
 #[allow(clippy::unnecessary_cast, reason = "one of the types is f32")]
-fn take_columns<const N: usize, const BIG: bool>(
+fn take<const N: usize, const BIG: bool>(
     rows: &[u8],
     stride: usize,
-    columns: [NumberSource; N],
+    columns: Option<[NumberSource; N]>,
     to: &mut [f32],
 ) {
-    let rows = || rows.chunks_exact(stride);
+    let Some(columns) = columns else { return };
     let to = to.as_chunks_mut::<N>().0;
     // Nearly every file has floats, which are copied row by row.
     if columns.iter().all(|c| c.kind == Scalar::F32) {
         let offsets = columns.map(|c| c.offset);
-        for (to, row) in to.iter_mut().zip(rows()) {
-            *to = offsets.map(|at| f32::from_le_bytes(part::<4, BIG>(row, at)));
-        }
-        return;
+        // If a row is only these, the compiler knows every offset.
+        let (size, packed) = (size_of::<[f32; N]>(), std::array::from_fn(|i| i * size_of::<f32>()));
+        return if (stride, offsets) == (size, packed) {
+            take_floats::<N, BIG>(rows, size, packed, to)
+        } else {
+            take_floats::<N, BIG>(rows, stride, offsets, to)
+        };
     }
     for (number, NumberSource { kind, offset, scale, .. }) in columns.into_iter().enumerate() {
         // The type is matched once, not for every row.
-        with_type!(kind, T => for (to, row) in to.iter_mut().zip(rows()) {
+        with_type!(kind, T => for (to, row) in to.iter_mut().zip(rows.chunks_exact(stride)) {
             to[number] = T::from_le_bytes(part::<_, BIG>(row, offset)) as f32 * scale;
         });
+    }
+}
+
+#[inline(always)]
+fn take_floats<const N: usize, const BIG: bool>(
+    rows: &[u8],
+    stride: usize,
+    offsets: [usize; N],
+    to: &mut [[f32; N]],
+) {
+    for (to, row) in to.iter_mut().zip(rows.chunks_exact(stride)) {
+        *to = offsets.map(|at| f32::from_le_bytes(part::<4, BIG>(row, at)));
     }
 }
