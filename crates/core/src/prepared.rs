@@ -19,7 +19,6 @@ use std::sync::Arc;
 use glam::{DVec3, Vec2, Vec3, Vec4};
 
 pub use class::{Class, Map, Property};
-pub use fingerprint::Fingerprints;
 pub use group::{Face, Group};
 pub use interaction::{Interaction, surface};
 pub use media::{MediumStack, Solid};

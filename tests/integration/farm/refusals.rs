@@ -100,7 +100,7 @@ fn what_is_no_part_or_claims_too_much_is_refused_and_sets_no_memory_aside() {
             }
             [kind] => {
                 let json = edited(edited(header.clone(), "/units 0"), more).to_string();
-                let mut part = start(1, json.len() as u32);
+                let mut part = start(2, json.len() as u32);
                 part.extend(json.as_bytes());
                 let hash = xxhash_rust::xxh3::xxh3_64_with_seed(&part, 0);
                 part.extend(hash.to_le_bytes());

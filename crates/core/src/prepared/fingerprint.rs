@@ -1,4 +1,4 @@
-//! Hashes that distinguish scenes.
+//! A hash that distinguishes scenes.
 
 use std::fmt::{self, Write as _};
 
@@ -35,40 +35,10 @@ impl Hasher {
     }
 }
 
-/// The hash of everything that `fill` writes.
-fn hashed(fill: impl FnOnce(&mut Hasher)) -> u128 {
-    let mut hasher = Hasher(Xxh3::new());
-    fill(&mut hasher);
-    hasher.0.digest128()
-}
-
 impl fmt::Write for Hasher {
     fn write_str(&mut self, text: &str) -> fmt::Result {
         self.0.update(text.as_bytes());
         Ok(())
-    }
-}
-
-/// Hashes that distinguish scenes, one for each kind of input of an image.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Fingerprints {
-    /// Primitives of all kinds, and the attributes of meshes.
-    pub geometry: u128,
-    /// The files of the images.
-    pub textures: u128,
-    /// The camera, and the position of the origin.
-    pub camera: u128,
-    /// Materials and their assignment to shapes, lights, background, ambient part, bounces.
-    pub appearance: u128,
-}
-
-impl Fingerprints {
-    /// One hash of all.
-    pub fn all(&self) -> u128 {
-        let Self { geometry, textures, camera, appearance } = *self;
-        hashed(|hasher| {
-            hasher.0.update(bytemuck::cast_slice(&[geometry, textures, camera, appearance]))
-        })
     }
 }
 
@@ -79,64 +49,46 @@ impl PreparedScene {
     /// protection against deliberate collisions. The files of all images are read for it, and none is
     /// decoded.
     pub fn fingerprint(&self) -> u128 {
-        self.fingerprints().all()
-    }
-
-    /// As [`PreparedScene::fingerprint`], with one hash for each kind of input.
-    pub fn fingerprints(&self) -> Fingerprints {
-        Fingerprints {
-            geometry: self.geometry_fingerprint(),
-            textures: hashed(|hasher| {
-                self.appearance.images.iter().for_each(|image| hasher.list(&[image.fingerprint()]));
-            }),
-            camera: hashed(|hasher| {
-                // Numbers as text are the shortest that read back to the same value: as good as
-                // their bits. A hasher never fails.
-                let _ = write!(hasher, "{:?}{:?}", self.camera, self.origin);
-            }),
-            appearance: hashed(|hasher| {
-                let _ = write!(hasher, "{:?}{:?}", self.appearance.shapes, self.appearance.classes);
-                let _ = write!(hasher, "{:?}{:?}", self.lights, self.background);
-                let _ = write!(hasher, "{:?} {:?}", self.ambient, self.bounces);
-                if self.plan.schedule().has_transmission() {
-                    let _ = write!(hasher, "{:?}", self.visible);
-                }
-                if let Some(hemisphere) = &self.hemisphere {
-                    let _ = write!(hasher, "{hemisphere:?}");
-                }
-                if let Some(environment) = &self.environment {
-                    let _ = write!(hasher, "{environment:?}");
-                }
-            }),
+        let mut hasher = Hasher(Xxh3::new());
+        self.hash_geometry(&mut hasher);
+        self.appearance.images.iter().for_each(|image| hasher.list(&[image.fingerprint()]));
+        // Numbers as text are the shortest that read back to the same value: as good as their bits.
+        // A hasher never fails.
+        let _ = write!(hasher, "{:?}{:?}", self.camera, self.origin);
+        let _ = write!(hasher, "{:?}{:?}", self.appearance.shapes, self.appearance.classes);
+        let _ = write!(hasher, "{:?}{:?}", self.lights, self.background);
+        let _ = write!(hasher, "{:?} {:?}", self.ambient, self.bounces);
+        let _ = write!(hasher, "{:?}{:?}", self.hemisphere, self.environment);
+        if self.plan.schedule().has_transmission() {
+            let _ = write!(hasher, "{:?}", self.visible);
         }
+        hasher.0.digest128()
     }
 
-    fn geometry_fingerprint(&self) -> u128 {
+    fn hash_geometry(&self, hasher: &mut Hasher) {
         let geometry = self.accel.geometry();
-        hashed(|hasher| {
-            hasher.list(&geometry.positions);
-            hasher.list(&geometry.triangles);
-            hasher.list(&geometry.quads);
-            let _ = write!(hasher, "{:?}{:?}", geometry.quadrics, geometry.passed);
-            for prototype in &geometry.prototypes {
-                hasher.list(&prototype.positions);
-                hasher.list(&prototype.triangles);
-            }
-            for instance in &geometry.instances {
-                let _ = write!(hasher, "{} {:?}", instance.prototype(), instance.to_world());
-            }
-            for own in geometry.prototypes.iter().chain([geometry]) {
-                own.cutouts.iter().for_each(|cutout| hasher.cutout(cutout));
-            }
-            for mesh in &self.appearance.meshes {
-                let _ = write!(hasher, "{:?}", [mesh.first_triangle, mesh.first_position]);
-                mesh.normals.iter().for_each(|normals| hasher.corners(normals));
-                mesh.uvs.iter().for_each(|uvs| hasher.corners(uvs));
-                mesh.colors.iter().for_each(|colors| hasher.list(&colors.values));
-                mesh.alphas.iter().for_each(|alphas| hasher.list(&alphas.values));
-                mesh.tangents.iter().for_each(|tangents| hasher.corners(tangents));
-            }
-        })
+        hasher.list(&geometry.positions);
+        hasher.list(&geometry.triangles);
+        hasher.list(&geometry.quads);
+        let _ = write!(hasher, "{:?}{:?}", geometry.quadrics, geometry.passed);
+        for prototype in &geometry.prototypes {
+            hasher.list(&prototype.positions);
+            hasher.list(&prototype.triangles);
+        }
+        for instance in &geometry.instances {
+            let _ = write!(hasher, "{} {:?}", instance.prototype(), instance.to_world());
+        }
+        for own in geometry.prototypes.iter().chain([geometry]) {
+            own.cutouts.iter().for_each(|cutout| hasher.cutout(cutout));
+        }
+        for mesh in &self.appearance.meshes {
+            let _ = write!(hasher, "{:?}", [mesh.first_triangle, mesh.first_position]);
+            mesh.normals.iter().for_each(|normals| hasher.corners(normals));
+            mesh.uvs.iter().for_each(|uvs| hasher.corners(uvs));
+            mesh.colors.iter().for_each(|colors| hasher.list(&colors.values));
+            mesh.alphas.iter().for_each(|alphas| hasher.list(&alphas.values));
+            mesh.tangents.iter().for_each(|tangents| hasher.corners(tangents));
+        }
     }
 
     /// Bytes held by geometry, tree, attributes and images.

@@ -64,18 +64,12 @@ impl Checkpoint {
 fn check_same(file: &Path, found: &PartHeader, header: &PartHeader) -> Result<()> {
     let refuse = |message: String| Error::new(ErrorKind::Usage, message).in_file(file);
     if let Some((what, values)) = found.identity.difference(&header.identity) {
+        let differs = refuse(format!("the {what} differs from that of the checkpoint"));
         return Err(match values {
-            Some([found, asked]) => {
-                refuse(format!("the {what} differs from that of the checkpoint"))
-                    .value(found)
-                    .remedy(format!(
-                        "this render has {asked}; use the same options, or another checkpoint file"
-                    ))
-            }
-            None => refuse(format!(
-                "the scene has changed: the {what} differs from that of the checkpoint"
-            ))
-            .remedy("restore the scene, or use another checkpoint file"),
+            Some([found, asked]) => differs.value(found).remedy(format!(
+                "this render has {asked}; use the same options, or another checkpoint file"
+            )),
+            None => differs.remedy("restore the scene, or use another checkpoint file"),
         });
     }
     if found.shard != header.shard {

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use crate::metadata::Provenance;
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_core::film::checked_pixel_count;
-use wavecrest_core::prepared::{Fingerprints, PreparedScene};
+use wavecrest_core::prepared::PreparedScene;
 use wavecrest_core::render::units::{Blocks, Grid};
 use wavecrest_core::render::{RenderOptions, tile_edge, window};
 use wavecrest_core::tile::Tile;
@@ -20,6 +20,9 @@ const EDGES: [u32; 4] = [8, 16, 32, 64];
 
 /// Largest number of samples of a pixel in a scene.
 const MAX_SAMPLES: u32 = 1 << 24;
+
+/// The name of the last difference that is looked for.
+const SCENE: &str = "scene";
 
 /// The inputs of an image.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -38,14 +41,8 @@ pub struct Identity {
     pub seed: u64,
     /// The side of a tile, in pixels.
     pub edge: u32,
-    /// Hashes of the scene, in hexadecimal: see [`wavecrest_core::prepared::Fingerprints`].
-    pub camera: String,
-    #[allow(missing_docs, reason = "as camera")]
-    pub geometry: String,
-    #[allow(missing_docs, reason = "as camera")]
-    pub textures: String,
-    #[allow(missing_docs, reason = "as camera")]
-    pub appearance: String,
+    /// The hash of the scene, in hexadecimal: see [`PreparedScene::fingerprint`].
+    pub scene: String,
 }
 
 impl Identity {
@@ -55,8 +52,6 @@ impl Identity {
     /// If the crop has no pixels or is not within the image.
     pub fn of(scene: &PreparedScene, options: &RenderOptions) -> Result<Self> {
         let Tile { x, y, width, height } = window(scene, options.crop)?;
-        let hashes = scene.fingerprints();
-        let hex = |hash: u128| format!("{hash:032x}");
         Ok(Self {
             program: env!("CARGO_PKG_VERSION").to_owned(),
             precision: scene.accel.geometry().precision.name().to_owned(),
@@ -65,27 +60,17 @@ impl Identity {
             samples: scene.camera.rays_per_pixel(),
             seed: options.seed,
             edge: edge(scene, [width, height]),
-            camera: hex(hashes.camera),
-            geometry: hex(hashes.geometry),
-            textures: hex(hashes.textures),
-            appearance: hex(hashes.appearance),
+            scene: format!("{:032x}", scene.fingerprint()),
         })
     }
 
     /// The metadata of the image.
     pub fn provenance(&self) -> Provenance {
         let [width, height] = self.image;
-        // A text that is no number was not written by this program, and means nothing.
-        let number = |hash: &str| u128::from_str_radix(hash, 16).unwrap_or_default();
-        let hashes = Fingerprints {
-            geometry: number(&self.geometry),
-            textures: number(&self.textures),
-            camera: number(&self.camera),
-            appearance: number(&self.appearance),
-        };
         Provenance {
             version: self.program.clone(),
-            scene: hashes.all(),
+            // A text that is no number was not written by this program, and means nothing.
+            scene: u128::from_str_radix(&self.scene, 16).unwrap_or_default(),
             seed: self.seed,
             samples: self.samples,
             precision: self.precision.clone(),
@@ -108,30 +93,25 @@ impl Identity {
     /// The first difference from `other`, as the end of "it has another ...", with the two values if
     /// they help a reader. The user's choices come before properties of files.
     pub fn difference(&self, other: &Self) -> Option<(&'static str, Option<[String; 2]>)> {
-        // The text of a hash does not help.
-        let hash = |text: &str| (text.to_owned(), false);
-        let shown = |text: String| (text, true);
         let all = |identity: &Self| {
             let Self { program, precision, image, window, samples, seed, .. } = identity;
             let [width, height] = image;
             let [x, y, w, h] = window;
             [
-                ("version of the program", shown(program.clone())),
-                ("precision", shown(precision.clone())),
-                ("image size", shown(format!("{width} x {height}"))),
-                ("part of the image", shown(format!("{x},{y},{w},{h}"))),
-                ("number of samples per pixel", shown(samples.to_string())),
-                ("seed", shown(seed.to_string())),
-                ("size of tiles", shown(identity.edge.to_string())),
-                ("camera", hash(&identity.camera)),
-                ("geometry (shapes or meshes)", hash(&identity.geometry)),
-                ("texture", hash(&identity.textures)),
-                ("look (materials, lights, background or bounces)", hash(&identity.appearance)),
+                ("version of the program", program.clone()),
+                ("precision", precision.clone()),
+                ("image size", format!("{width} x {height}")),
+                ("part of the image", format!("{x},{y},{w},{h}")),
+                ("number of samples per pixel", samples.to_string()),
+                ("seed", seed.to_string()),
+                ("size of tiles", identity.edge.to_string()),
+                (SCENE, identity.scene.clone()),
             ]
         };
         let mut pairs = all(self).into_iter().zip(all(other));
-        let ((what, (one, is_shown)), (_, (other, _))) = pairs.find(|(one, other)| one != other)?;
-        Some((what, is_shown.then_some([one, other])))
+        let ((what, one), (_, other)) = pairs.find(|(one, other)| one != other)?;
+        // The text of a hash does not help.
+        Some((what, (what != SCENE).then_some([one, other])))
     }
 
     /// Checks that a render can have these numbers: they may come from a damaged file.

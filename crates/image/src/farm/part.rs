@@ -3,7 +3,7 @@
 //! | bytes | content |
 //! |---|---|
 //! | 8 | `WAVEPART` |
-//! | 4 | the format's version, 1 |
+//! | 4 | the format's version, 2 |
 //! | 4 | the length of the header |
 //! | ... | the [`PartHeader`], in JSON |
 //! | 8 | the hash of everything above |
@@ -35,7 +35,7 @@ use wavecrest_base::replace::{Sink, replace_file, write_error};
 const MAGIC: &[u8; 8] = b"WAVEPART";
 
 /// The format's version.
-const VERSION: u32 = 1;
+const VERSION: u32 = 2;
 
 /// Largest header in bytes: the system limits a command line to 2 MiB.
 const MAX_HEADER_BYTES: u32 = 4 << 20;
