@@ -10,8 +10,9 @@ use std::alloc::{GlobalAlloc, Layout, System};
 use std::io::{Cursor, Write as _};
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use wavecrest_base::memory::{self, Size, Stage};
+use wavecrest_base::memory::{self, Stage};
 use wavecrest_base::replace::remove_temporary_files;
+use wavecrest_base::words::Size;
 
 use crate::exit::ERROR;
 
@@ -71,7 +72,7 @@ fn report(size: usize) -> ! {
         text,
         "error: the system refused {} of memory while {}; free some, raise the limit of the process (ulimit -v), or \
          make the scene or the image smaller",
-        Size(size),
+        Size(size as u64),
         Stage::now().name()
     );
     let length = (text.position() as usize).min(LONGEST_MESSAGE);

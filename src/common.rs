@@ -8,13 +8,13 @@ use std::path::{Path, PathBuf};
 use std::str::FromStr;
 use std::sync::{LazyLock, Mutex, PoisonError};
 
-use bytesize::ByteSize;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use indicatif::{MultiProgress, ProgressBar, ProgressStyle};
 use serde_json::Value;
 
 use wavecrest_base::choice::Choice;
 use wavecrest_base::error::{Error, ErrorKind, Result, Warning};
+use wavecrest_base::words;
 use wavecrest_core::accel::{Accel, KernelChoice};
 use wavecrest_core::kernels::precision::Precision;
 use wavecrest_core::math::simd::Level;
@@ -204,15 +204,7 @@ pub(crate) fn rounded(x: f64, digits: usize) -> f64 {
 
 /// `n` with spaces between thousands.
 pub(crate) fn grouped(n: u64) -> String {
-    let digits = n.to_string();
-    let mut text = String::new();
-    for (index, digit) in digits.chars().enumerate() {
-        if index > 0 && (digits.len() - index).is_multiple_of(3) {
-            text.push(' ');
-        }
-        text.push(digit);
-    }
-    text
+    words::grouped(&n.to_string(), ' ')
 }
 
 /// Seconds to two digits or to the second, whichever says more.
@@ -228,7 +220,7 @@ pub(crate) fn seconds(seconds: f64) -> String {
 
 /// A number of bytes, in units of 1000.
 pub(crate) fn size(bytes: u64) -> String {
-    ByteSize::b(bytes).display().si().to_string()
+    words::Size(bytes).to_string()
 }
 
 /// Whole numbers between commas, if there are as many as asked for.

@@ -3,10 +3,9 @@
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use indicatif::HumanBytes;
-
 use super::common::{choice, output, tell, whole, with_bar};
 use wavecrest_base::error::{Error, ErrorKind, Result};
+use wavecrest_base::words::Size;
 use wavecrest_scene::generate::{Model, Recipe, Written, write_ply};
 
 /// Generate a large mesh as binary PLY, with the same bytes on every machine.
@@ -89,7 +88,7 @@ fn summary(path: &Path, written: &Written, seconds: f64) -> String {
     format!(
         "{}: {vertices} vertices, {triangles} triangles, {bytes} bytes ({}), {seconds:.2} s",
         path.display(),
-        HumanBytes(*bytes)
+        Size(*bytes)
     )
 }
 

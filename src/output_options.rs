@@ -5,6 +5,7 @@ use std::path::Path;
 use clap::ValueEnum;
 
 use super::common::{FILES, IMAGE, choice, command_words, number};
+use wavecrest_base::words;
 use wavecrest_image::farm::Identity;
 use wavecrest_image::metadata::{Entry, Extras, Provenance};
 use wavecrest_image::write::{Develop, Format, Tone};
@@ -51,7 +52,8 @@ impl MetadataOptions {
 
     /// The metadata of an image with this identity, as far as requested.
     pub(super) fn entries(&self, identity: &Identity) -> Vec<Entry> {
-        let command = || (self.kind() == MetadataKind::Full).then(command);
+        let command =
+            || (self.kind() == MetadataKind::Full).then(|| words::command(command_words()));
         match self.kind() {
             MetadataKind::None => Vec::new(),
             _ => Provenance { command: command(), ..identity.provenance() }.entries(),
@@ -88,17 +90,4 @@ impl From<DevelopOptions> for Develop {
 fn stops(text: &str) -> std::result::Result<f32, String> {
     let wrong = format!("use a number from -{STOPS} to {STOPS}");
     number(text, |stops: &f32| stops.abs() <= STOPS, &wrong)
-}
-
-/// The command of this process, quoted so that it can be typed again.
-fn command() -> String {
-    let quoted = |word: String| {
-        let is_plain = |c: char| c.is_alphanumeric() || "-_./,:=+@%".contains(c);
-        if !word.is_empty() && word.chars().all(is_plain) {
-            word
-        } else {
-            format!("'{}'", word.replace('\'', r"'\''"))
-        }
-    };
-    command_words().into_iter().map(quoted).collect::<Vec<_>>().join(" ")
 }

@@ -12,9 +12,9 @@ use serde_json::{Value, json};
 use super::exchange::Exchange;
 use super::request::Half;
 use wavecrest_base::error::Result;
+use wavecrest_base::words;
 use wavecrest_image::look::Look;
 use wavecrest_image::write::png;
-use wavecrest_report::bench::page::quoted;
 use wavecrest_scene::components::View;
 use wavecrest_scene::load::{FileFormat, LoadedScene};
 use wavecrest_scene::write::contents;
@@ -97,7 +97,7 @@ impl TakeAway {
         let look = look.map(|look| ["--as", look.name()]);
         let differs = half.differs().chain(look).flatten().map(str::to_owned);
         let names = self.names().into_iter();
-        let render = line(
+        let render = words::command(
             ["wavecrest".to_owned()]
                 .into_iter()
                 .chain(names)
@@ -116,16 +116,11 @@ impl TakeAway {
         let paths = [file, self.named(PARTS)].map(|path| path.to_string_lossy().into_owned());
         // Only an earlier run has left a file of this name.
         let words = ["wavecrest", "convert", "--force"].map(str::to_owned).into_iter();
-        let convert = line(words.chain(paths).chain(of_meshes.clone()));
+        let convert = words::command(words.chain(paths).chain(of_meshes.clone()));
         let note =
             "Save the scene in the folder where you run this; the first command writes its meshes";
         (format!("{convert}\n{render}"), format!("{note}{samples}:"))
     }
-}
-
-/// Words as a line of a shell.
-fn line(words: impl Iterator<Item = String>) -> String {
-    words.map(|word| quoted(&word)).collect::<Vec<_>>().join(" ")
 }
 
 /// A scene file as values, unless it is too long.

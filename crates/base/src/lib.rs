@@ -1,8 +1,10 @@
 //! The foundation of all crates of wavecrest: errors that name file, place, value and remedy;
-//! atomic replacement of files; options with named values; memory and its purpose; progress.
+//! atomic replacement of files; options with named values; memory and its purpose; progress;
+//! numbers and commands as words.
 
 pub mod choice;
 pub mod error;
 pub mod memory;
 pub mod progress;
 pub mod replace;
+pub mod words;

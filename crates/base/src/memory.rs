@@ -4,6 +4,7 @@ use std::cell::Cell;
 use std::sync::atomic::{AtomicU8, Ordering};
 
 use crate::error::{Error, ErrorKind, Result};
+use crate::words::Size;
 
 crate::choices! {
     /// The current activity of the process, by the end of a message: "while it was ...".
@@ -58,25 +59,11 @@ pub fn reserve<T>(count: usize, what: &str) -> Result<Vec<T>> {
     let reserved = values.try_reserve_exact(count);
     IS_TRYING.set(false);
     reserved.map_err(|cause| {
-        let size = Size(count.saturating_mul(size_of::<T>()));
+        let size = Size(count.saturating_mul(size_of::<T>()) as u64);
         Error::new(ErrorKind::Limit, format!("the system refused {size} of memory for {what}"))
             .because(cause)
     })?;
     Ok(values)
-}
-
-/// A number of bytes, in words.
-#[derive(Clone, Copy, Debug)]
-pub struct Size(pub usize);
-
-impl std::fmt::Display for Size {
-    fn fmt(&self, to: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let Self(bytes) = *self;
-        match bytes {
-            0..1_000_000 => write!(to, "{bytes} bytes"),
-            _ => write!(to, "{:.1} MB", bytes as f64 / 1e6),
-        }
-    }
 }
 
 #[cfg(test)]
@@ -86,10 +73,9 @@ mod tests {
     #[test]
     fn refused_memory_is_an_error_with_its_size() {
         let error = reserve::<[u8; 16]>(1 << 58, "the image").unwrap_err().to_string();
-        assert!(error.starts_with("the system refused 4611686018427.4 MB of memory for the image"));
+        assert!(error.starts_with("the system refused 4.6 EB of memory for the image"));
         assert!(reserve::<u8>(10, "the image").unwrap().capacity() >= 10);
         assert!(!is_trying());
-        assert_eq!(Size(999_999).to_string(), "999999 bytes");
     }
 
     #[test]

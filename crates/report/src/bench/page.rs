@@ -16,6 +16,7 @@ use crate::summary::{CONFIDENCE, MedianInterval};
 use comparison::{comparison, point, speeds};
 use wavecrest_base::error::Result;
 use wavecrest_base::replace::make_folder;
+use wavecrest_base::words::{self, Size};
 
 /// The page of a report.
 pub fn page(report: &BenchReport) -> Page {
@@ -203,11 +204,10 @@ fn facts(scene: &SceneBench, machine: &Machine) -> Vec<(&'static str, String)> {
     let kinds = kinds.iter().filter(|(count, _)| *count > 0).map(|(n, name)| plural(*n, name));
     let (load, build, preset) = (setting.time.load, setting.time.build, setting.preset.name());
     let (path, batch) = (scene.bytes_per_path, setting.batch);
-    let cache = |c: &Cache| format!(", L{} of {}", c.level, size(c.bytes));
+    let cache = |c: &Cache| format!(", L{} of {}", c.level, kibibytes(c.bytes));
     let caches: String = machine.caches.iter().map(cache).collect();
     let kernel = format!("kernel {}, {}", setting.kernel.name(), setting.simd.name());
-    let peak =
-        scene.memory.peak.map(|peak| format!("{:.1} MB, whole process so far", peak as f64 / 1e6));
+    let peak = scene.memory.peak.map(|peak| format!("{}, whole process so far", Size(peak)));
     vec![
         ("image", format!("{} × {} pixels, {samples}", image.width, image.height)),
         ("scene", kinds.collect::<Vec<_>>().join(", ")),
@@ -222,11 +222,9 @@ fn facts(scene: &SceneBench, machine: &Machine) -> Vec<(&'static str, String)> {
     ]
 }
 
-/// A number of bytes in units of 1024.
-fn size(bytes: u64) -> String {
-    let (kibi, mebi) = (bytes as f64 / 1024.0, bytes as f64 / 1_048_576.0);
-    let (value, unit) = if kibi < 1024.0 { (kibi, "KiB") } else { (mebi, "MiB") };
-    format!("{} {unit}", figure((10.0 * value).round() / 10.0))
+/// A number of bytes in the unit of caches.
+fn kibibytes(bytes: u64) -> String {
+    format!("{} KiB", figure(bytes as f64 / 1024.0))
 }
 
 /// The machine.
@@ -247,26 +245,6 @@ pub(crate) fn recorded(of: &Circumstances, version: &str, arguments: &[String]) 
     let mut facts = machine(&of.machine);
     facts.push(("wavecrest", version.to_owned()));
     facts.push(("commit", of.commit.clone().unwrap_or_else(unknown)));
-    let words = arguments.iter().map(|word| format!(" {}", quoted(word)));
-    [Block::Facts(facts), Block::Code(format!("wavecrest{}", words.collect::<String>()))]
-}
-
-/// A word of a command, quoted for a shell if necessary.
-pub fn quoted(word: &str) -> String {
-    let is_plain = |c: char| c.is_ascii_alphanumeric() || "-_./,=:+%@".contains(c);
-    if !word.is_empty() && word.chars().all(is_plain) {
-        return word.to_owned();
-    }
-    format!("'{}'", word.replace('\'', "'\\''"))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_shell_takes_each_word_for_one() {
-        let words = ["a/b.json", "two words", "it's", "", "$x"].map(quoted);
-        assert_eq!(words, ["a/b.json", "'two words'", "'it'\\''s'", "''", "'$x'"]);
-    }
+    let command = ["wavecrest"].into_iter().chain(arguments.iter().map(String::as_str));
+    [Block::Facts(facts), Block::Code(words::command(command))]
 }

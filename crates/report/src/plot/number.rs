@@ -1,5 +1,7 @@
 //! Numbers for readers: a few digits, powers of ten in superscript; and exact numbers for CSV.
 
+use wavecrest_base::words;
+
 /// The digits of a number.
 const DIGITS: usize = 4;
 
@@ -94,14 +96,7 @@ fn grouped(text: &str) -> String {
     if digits.len() < 5 {
         return text.to_owned();
     }
-    let mut out = sign.to_owned();
-    for (index, digit) in digits.chars().enumerate() {
-        if index > 0 && (digits.len() - index).is_multiple_of(3) {
-            out.push('\u{202f}');
-        }
-        out.push(digit);
-    }
-    out + fraction
+    format!("{sign}{}{fraction}", words::grouped(digits, '\u{202f}'))
 }
 
 /// With a minus sign instead of each hyphen.

@@ -15,6 +15,7 @@ use super::recipe::Recipe;
 use crate::write::ply_header;
 use wavecrest_base::error::{Error, Result};
 use wavecrest_base::replace::replace_file;
+use wavecrest_base::words::Size;
 
 /// The size of each of the two buffers.
 const BUFFER_BYTES: usize = 8 << 20;
@@ -80,20 +81,11 @@ pub fn write_ply(
         write().map_err(|e| {
             Error::io("cannot write the mesh", path, e).remedy(format!(
                 "the file needs {} free in its folder; make room, or ask for fewer triangles",
-                size(bytes)
+                Size(bytes)
             ))
         })
     })?;
     Ok(Written { vertices, triangles, bytes })
-}
-
-/// A number of bytes with a unit.
-fn size(bytes: u64) -> String {
-    const UNITS: [&str; 7] = ["B", "KiB", "MiB", "GiB", "TiB", "PiB", "EiB"];
-    let power = bytes.max(1).ilog2() / 10;
-    let (value, decimals) =
-        (bytes as f64 / f64::from(power * 10).exp2(), 2 * power.min(1) as usize);
-    format!("{bytes} bytes ({value:.decimals$} {})", UNITS[power as usize])
 }
 
 /// The header, with the recipe in a comment, so that the file can be made again.
