@@ -2,6 +2,7 @@
 //!
 //! * [`metadata`]: how an image was made, and further channels of a file.
 //! * [`mod@write`]: writes a film as a PPM, PNG, EXR or PFM file, atomically.
+//! * [`decoder`]: decoders of image files, whose headers are not trusted.
 //! * [`mod@read`]: reads an image as a film.
 //! * [`mod@compare`]: differences between two films, as numbers.
 //! * [`mod@flip`]: the perceived difference between two films.
@@ -22,6 +23,7 @@ mod camera_rays;
 mod color;
 pub mod colormap;
 pub mod compare;
+pub mod decoder;
 pub mod error_map;
 pub mod farm;
 pub mod flip;

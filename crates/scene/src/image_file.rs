@@ -1,32 +1,20 @@
 //! Image files: what their headers tell, within limits, and their texels. No image is decoded before its header is
 //! checked.
 
-use std::io::{BufRead, Read as _, Seek};
-use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::io::Read as _;
 use std::path::Path;
 
 use glam::{DVec3, Vec3};
-use image::{DynamicImage, ImageDecoder, ImageError, ImageFormat, ImageReader, ImageResult};
+use image::{DynamicImage, ImageDecoder, ImageError};
 
 use crate::components::{Channels, Encoding, TextureRef, TextureSource};
-use wavecrest_base::error::{Error, ErrorKind, Result};
+use wavecrest_base::error::{Error, Result};
 use wavecrest_core::kernels::texture::{Filter, Image, Texels};
 use wavecrest_core::math::srgb::srgb_decode;
+use wavecrest_image::decoder;
 
-/// Largest decoded image, in texels on a side.
-const MAX_SIDE: u32 = 1 << 16;
-/// Largest image in bytes, as decoded and as stored.
-const MAX_BYTES: u64 = 4 << 30;
-/// Decoded size in bytes up to which the length of an image's file does not matter.
-const SMALL_BYTES: u64 = 64 << 20;
-/// Largest ratio of the decoded size of a larger image to the length of its file. PNG and EXR reach
-/// 1032, JPEG about as much.
-const LARGEST_RATIO: u64 = 4096;
 /// Decoded size in bytes up to which an image is looked at before rays need it: some milliseconds.
 const LOOKED_AT: u64 = 1 << 20;
-/// Largest unpacked size of an image's header in bytes: larger colour profiles are ignored.
-const MAX_METADATA: u64 = 8 << 20;
-
 /// The file content of an image, for fingerprints: nothing if it cannot be read.
 pub(crate) fn content(source: &TextureSource) -> Vec<u8> {
     let mut bytes = Vec::new();
@@ -51,8 +39,7 @@ pub(crate) fn has_alpha(source: &TextureSource) -> bool {
 /// # Errors
 /// If it cannot be read, or has no known format.
 pub(crate) fn check(path: &Path) -> Result<()> {
-    let source = TextureSource::File(path.to_owned());
-    decoding(&source, |decoder| Ok(decoder.dimensions())).and_then(|size| check_size(&source, size))
+    decoding(&TextureSource::File(path.to_owned()), |_, _| Ok(()))
 }
 
 /// Properties of an image from its header.
@@ -72,11 +59,11 @@ pub(crate) struct Head {
 impl Head {
     /// The header of an image, if the image can be decoded as far as its header tells and is not too large.
     pub(crate) fn of(source: &TextureSource) -> Result<Self> {
-        let (length, embedded) = match source {
-            TextureSource::File(path) => (path.metadata().map_or(0, |file| file.len()), 0),
-            TextureSource::Embedded { bytes, .. } => (bytes.len() as u64, bytes.len() as u64),
+        let embedded = match source {
+            TextureSource::File(_) => 0,
+            TextureSource::Embedded { bytes, .. } => bytes.len() as u64,
         };
-        let head = decoding(source, |decoder| {
+        decoding(source, |decoder, _| {
             let color = decoder.color_type();
             let is_bytes = color.bytes_per_pixel() == color.channel_count();
             let decoded = decoder.total_bytes();
@@ -89,37 +76,12 @@ impl Head {
                 scratch: decoded * if is_bytes { 2 } else { 1 },
                 embedded,
             })
-        })?;
-        check_size(source, head.size)?;
-        head.check_bytes(source, length)?;
-        Ok(head)
+        })
     }
 
     /// Whether decoding it takes next to no time.
     pub(crate) fn is_small(&self) -> bool {
         self.decoded <= LOOKED_AT
-    }
-
-    /// Refuses an image that is too large, or larger than a file of this `length` can be.
-    fn check_bytes(self, source: &TextureSource, length: u64) -> Result<()> {
-        let [held, _] = self.bytes(Filter::Nearest, Channels::Color);
-        let (width, height) = self.size;
-        let refused = |message: &str, found: String| {
-            let message = format!("the texture {} {message}", source.name());
-            Error::new(ErrorKind::Limit, message).value(found)
-        };
-        if held > MAX_BYTES {
-            let found = format!("{width} x {height} texels, {:.1} GB", held as f64 / 1e9);
-            let allowed = format!("at most {:.1} GB are allowed", MAX_BYTES as f64 / 1e9);
-            return Err(refused("takes too much memory once decoded", found)
-                .remedy(format!("use a smaller image: {allowed}")));
-        }
-        if self.decoded > SMALL_BYTES.max(length.saturating_mul(LARGEST_RATIO)) {
-            let found = format!("{width} x {height} texels in {length} bytes");
-            return Err(refused("has more texels than its file can hold", found)
-                .remedy("check that the file is whole"));
-        }
-        Ok(())
     }
 
     /// Bytes of these channels, with a pyramid if the filter needs one; and the additional bytes while
@@ -148,7 +110,7 @@ fn pyramid_bytes((width, height): (u32, u32)) -> u64 {
 
 /// Decodes an image, in any format of the `image` crate.
 pub(crate) fn decoded(source: &TextureSource) -> Result<DynamicImage> {
-    decoding(source, |decoder| DynamicImage::from_decoder(decoder))
+    decoding(source, |decoder, fail| DynamicImage::from_decoder(decoder).map_err(fail))
 }
 
 /// The channels of a decoded image that a texture looks up.
@@ -189,72 +151,13 @@ pub(crate) fn range(image: &Image, channel: usize) -> [f32; 2] {
     }
 }
 
-fn check_size(source: &TextureSource, (width, height): (u32, u32)) -> Result<()> {
-    if width > 0 && height > 0 {
-        return Ok(());
-    }
-    let message = format!("the texture {} has no texels", source.name());
-    Err(Error::new(ErrorKind::Texture, message).value(format!("{width} x {height}")))
-}
-
-/// The first bytes of a KTX2 file, which glTF files may have.
-const KTX2: &[u8] = b"\xABKTX 20\xBB";
-
-fn cannot_read(source: &TextureSource, error: ImageError) -> Error {
-    let name = source.name();
-    let is_packed = || {
-        let mut start = [0; KTX2.len()];
-        let read = source.open().and_then(|mut file| file.read_exact(&mut start));
-        read.is_ok() && start == KTX2
-    };
-    let remedy = match &error {
-        ImageError::Limits(_) => {
-            format!("use at most {MAX_SIDE} texels on a side and {MAX_BYTES} bytes")
-        }
-        ImageError::Unsupported(_) if is_packed() => {
-            "unpack it: gltf-transform ktxdecompress IN OUT".to_owned()
-        }
-        ImageError::Unsupported(_) => "use PNG or JPEG".to_owned(),
-        _ => "check that the file is whole and is an image".to_owned(),
-    };
-    Error::new(ErrorKind::Texture, format!("cannot read the texture {name}: {error}"))
-        .remedy(remedy)
-        .because(error)
-}
-
-/// Runs `work` with the decoder of an image, which has read only its header.
+/// Runs `work` with the decoder of an image: see [`decoder::decode`].
 fn decoding<R>(
     source: &TextureSource,
-    work: impl FnOnce(Box<dyn ImageDecoder + '_>) -> ImageResult<R>,
+    work: impl FnOnce(Box<dyn ImageDecoder + '_>, &dyn Fn(ImageError) -> Error) -> Result<R>,
 ) -> Result<R> {
-    let format = source.file().and_then(|path| ImageFormat::from_path(path).ok());
-    // The decoders should not panic, but a damaged file must not end the program.
-    catch_unwind(AssertUnwindSafe(|| work(decoder_of(source.open()?, format)?)))
-        .unwrap_or_else(|_| Err(ImageError::IoError(std::io::Error::other("the decoder failed"))))
-        .map_err(|e| cannot_read(source, e))
-}
-
-/// The decoder of the format of the first bytes, or else of `format`.
-fn decoder_of<'a>(
-    bytes: impl BufRead + Seek + 'a,
-    format: Option<ImageFormat>,
-) -> ImageResult<Box<dyn ImageDecoder + 'a>> {
-    let mut reader = ImageReader::new(bytes);
-    if let Some(format) = format {
-        reader.set_format(format);
-    }
-    let mut reader = reader.with_guessed_format()?;
-    let mut limits = image::Limits::default();
-    limits.max_image_width = Some(MAX_SIDE);
-    limits.max_image_height = Some(MAX_SIDE);
-    // These limits apply only to the headers of PNG files; decoding uses those below.
-    limits.max_alloc = Some(MAX_METADATA);
-    reader.limits(limits.clone());
-    let mut decoder = reader.into_decoder()?;
-    limits.max_alloc = Some(MAX_BYTES);
-    limits.reserve(decoder.total_bytes())?;
-    decoder.set_limits(limits)?;
-    Ok(Box::new(decoder))
+    let what = format!("the texture {}", source.name());
+    decoder::decode(&what, source.file(), || Ok((source.open()?, source.length())), work)
 }
 
 fn texels(decoded: DynamicImage, encoding: Encoding, tint: DVec3) -> Texels {

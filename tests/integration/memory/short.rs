@@ -58,7 +58,7 @@ fn an_image_is_refused_by_the_size_in_its_head() {
     let folder = folder();
     textured_wall(folder.path(), &claiming(grey(8, Vec::new()), 60_000));
     let large = ["s.json: scene.shapes[0].texture: ", "t.png", "60000 x 60000", "14.4 GB"];
-    let empty = "has more texels than its file can hold, found 20000 x 20000";
+    let empty = "has more pixels than its file can hold, found 20000 x 20000";
     let limited = ["--memory-limit", "200MB", "s.json", "o.png"];
     for (side, command, told) in [
         (60_000, &["check", "s.json"][..], &large[..]),

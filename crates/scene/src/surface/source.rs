@@ -37,6 +37,14 @@ impl TextureSource {
         }
     }
 
+    /// The number of bytes of the image file; 0 if the file cannot be found.
+    pub(crate) fn length(&self) -> u64 {
+        match self {
+            Self::File(path) => path.metadata().map_or(0, |file| file.len()),
+            Self::Embedded { bytes, .. } => bytes.len() as u64,
+        }
+    }
+
     /// Opens the image file.
     pub(crate) fn open(&self) -> io::Result<Box<dyn Content + '_>> {
         Ok(match self {
