@@ -10,7 +10,7 @@ use wavecrest_report::accuracy::store::{Record, Store, SweepHeader};
 use wavecrest_report::accuracy::{AccuracyReport, SweepProgress, page, sweep};
 use wavecrest_report::bench::Circumstances;
 use wavecrest_report::text::text;
-use wavecrest_scene::load::{LoadOptions, load, survey};
+use wavecrest_scene::load::{LoadOptions, load};
 use wavecrest_scene::systems::extract;
 
 /// The template of the progress bar.
@@ -69,11 +69,14 @@ pub(crate) struct AccuracyArgs {
 /// If a scene cannot be rendered, the folder has the results of another sweep, or results cannot be
 /// read or written.
 pub(crate) fn run(args: &AccuracyArgs) -> Result<()> {
-    let options = LoadOptions::default();
-    args.scenes.iter().try_for_each(|scene| survey(scene, &options, false).map(drop))?;
-    args.threads.run(|| match (&args.output, args.target_error) {
-        (Some(folder), _) => run_sweep(args, folder),
-        (None, error) => advise(args, error.unwrap_or_default()),
+    args.threads.run(|| {
+        // A scene that cannot be read is an error now, not after those before it.
+        let options = LoadOptions::default();
+        args.scenes.iter().try_for_each(|scene| load(scene, &options).map(drop))?;
+        match (&args.output, args.target_error) {
+            (Some(folder), _) => run_sweep(args, folder),
+            (None, error) => advise(args, error.unwrap_or_default()),
+        }
     })
 }
 

@@ -8,7 +8,7 @@ use super::common::{
     SearchOptions, choice, command_words, not_negative, print, tell, tell_prepared, to_json, whole,
     with_bar, write_text,
 };
-use super::input::{Purpose, SceneOptions};
+use super::input::{SceneOptions, Shown};
 use wavecrest_base::error::{Error, Result};
 use wavecrest_base::replace::{Listed, check_differs, check_replaceable, make_folder};
 use wavecrest_core::accel::build::Preset;
@@ -23,8 +23,7 @@ use wavecrest_report::effects::{self, EffectScene};
 use wavecrest_report::measure::RoundLimits;
 use wavecrest_report::page::Block;
 use wavecrest_report::text::text;
-use wavecrest_scene::load::{LoadOptions, load, load_str};
-use wavecrest_scene::memory;
+use wavecrest_scene::load::{LoadOptions, load_str};
 
 /// Time both tracers and the steps between them on each scene, after checking that all images are identical.
 ///
@@ -124,27 +123,21 @@ pub(crate) fn run(args: &BenchArgs) -> Result<bool> {
     if let (Some(output), Some(page)) = (&args.output, &args.page) {
         check_differs(page, output, "the JSON")?;
     }
-    check_scenes(args)?;
-    args.charts.iter().try_for_each(|folder| make_folder(folder))?;
-    args.scene_options.threads.run(
-        || {
-            if args.effects { price_effects(args) } else { run_here(args) }
-        },
-    )
+    args.scene_options.threads.run(|| {
+        check_scenes(args)?;
+        args.charts.iter().try_for_each(|folder| make_folder(folder))?;
+        if args.effects { price_effects(args) } else { run_here(args) }
+    })
 }
 
-/// Refuses a scene whose headers cannot be read, and to write over a file of a scene. The results of the first scene are
+/// Refuses a scene that cannot be read, and to write over a file of a scene. The results of the first scene are
 /// written before the second is read, so all are read here if a file is there to be replaced.
 fn check_scenes(args: &BenchArgs) -> Result<()> {
     let old: Vec<&Path> = args.outputs().filter(|file| file.exists()).collect();
-    if old.is_empty() {
-        // The first is read anyway before anything is timed.
-        let (mut others, purpose) = (args.scenes.iter().skip(1), &Purpose::whole(args.batch));
-        return others.try_for_each(|scene| args.scene_options.estimate(scene, purpose).map(drop));
-    }
-    args.scenes.iter().try_for_each(|scene| {
+    // The first is read anyway before anything is timed or written.
+    args.scenes.iter().skip(usize::from(old.is_empty())).try_for_each(|scene| {
         old.iter().try_for_each(|file| check_differs(file, scene, "the scene"))?;
-        let loaded = load(scene, &args.scene_options.load_options(None))?;
+        let loaded = args.scene_options.read(scene, None)?;
         old.iter().try_for_each(|file| loaded.check_apart(file))
     })
 }
@@ -184,17 +177,15 @@ const RUNS: &str = "{wide_bar} {pos} of {len} runs, {eta} left";
 
 fn prepare(args: &BenchArgs, path: &Path) -> Result<(PreparedScene, BenchSetting)> {
     let start = Instant::now();
-    let purpose = &Purpose::whole(args.batch);
-    let loaded = args.scene_options.load(path, purpose, &[])?;
-    let extracted = args.scene_options.extract(loaded, purpose)?;
+    let loaded = args.scene_options.load(path, None, &[])?;
+    let extracted = args.scene_options.extract(loaded, Shown::default())?;
     // Neither tracer should wait for an image.
     extracted.scene().appearance.decode()?;
     let load = start.elapsed().as_secs_f64();
     let preset = args.scene_options.bvh.unwrap_or_else(|| extracted.preset().at_once());
     let batch = args.batch as usize;
-    let predicted = memory::estimate_extracted(&extracted, preset, batch).total();
     let start = Instant::now();
-    let mut scene = args.scene_options.build(extracted, preset)?;
+    let mut scene = extracted.build(preset);
     let time = Preparation { load, build: start.elapsed().as_secs_f64() };
     tell_prepared(&scene, path, args.scene_options.quiet);
     args.search.apply(&mut scene.accel);
@@ -202,8 +193,7 @@ fn prepare(args: &BenchArgs, path: &Path) -> Result<(PreparedScene, BenchSetting
     let SearchOptions { simd, kernel } = args.search;
     let seed = args.seed;
     let precision = args.scene_options.precision;
-    let setting =
-        BenchSetting { scene: name, seed, batch, simd, kernel, precision, preset, time, predicted };
+    let setting = BenchSetting { scene: name, seed, batch, simd, kernel, precision, preset, time };
     Ok((scene, setting))
 }
 
@@ -267,11 +257,11 @@ fn prepare_effect(args: &BenchArgs, variant: SceneVariant, folder: &Path) -> Res
     let options = LoadOptions { strict: true, width, height, ..LoadOptions::default() };
     // Warnings would be about built-in scenes.
     let loaded = load_str(&variant.scene.to_string(), &folder.join("effect.json"), &options)?;
-    let extracted = args.scene_options.extract(loaded, &Purpose::whole(args.batch))?;
+    let extracted = args.scene_options.extract(loaded, Shown::default())?;
     extracted.scene().appearance.decode()?;
     // The same for all, so that no effect has a better tree.
     let preset = args.scene_options.bvh.unwrap_or(Preset::Medium);
-    let mut scene = args.scene_options.build(extracted, preset)?;
+    let mut scene = extracted.build(preset);
     args.search.apply(&mut scene.accel);
     Ok(EffectScene { variant, scene })
 }

@@ -5,13 +5,12 @@ use std::path::{Path, PathBuf};
 use glam::{DVec3, Vec3};
 
 use super::common::{print, rounded, size, tell_prepared};
-use super::input::{Purpose, SceneOptions};
+use super::input::{SceneOptions, Shown};
 use wavecrest_base::error::Result;
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::kernels::light::Light;
 use wavecrest_core::kernels::texture::Image;
 use wavecrest_core::prepared::PreparedScene;
-use wavecrest_core::wavefront::DEFAULT_BATCH;
 use wavecrest_scene::systems::{bounds, looks};
 
 /// Check a scene with all its meshes and textures, and list its contents.
@@ -30,18 +29,18 @@ pub(crate) struct CheckArgs {
 /// If the scene cannot be rendered.
 pub(crate) fn run(args: &CheckArgs) -> Result<()> {
     args.scene_options.threads.run(|| {
-        // Every file is read, whether or not the image needs it.
-        let purpose = &Purpose { shows_all: true, ..Purpose::whole(DEFAULT_BATCH as u32) };
-        let mut loaded = args.scene_options.load(&args.scene, purpose, &[])?;
+        let mut loaded = args.scene_options.load(&args.scene, None, &[])?;
         // The contents are those of the file.
         if let Some(ground) = looks::ground(&loaded.world) {
             let _ = loaded.world.despawn(ground);
         }
         let files = [std::slice::from_ref(&args.scene), &loaded.files].concat();
-        let extracted = args.scene_options.extract(loaded, purpose)?;
+        // Every file is read, whether or not the image needs it.
+        let shown = Shown { all: true, ..Shown::default() };
+        let extracted = args.scene_options.extract(loaded, shown)?;
         extracted.scene().appearance.decode()?;
         // For the few test rays of warnings.
-        let scene = args.scene_options.build(extracted, Preset::OnDemand)?;
+        let scene = extracted.build(Preset::OnDemand);
         tell_prepared(&scene, &args.scene, args.scene_options.quiet);
         let mut lines = summary(&scene);
         let line = |file: &PathBuf| ("file", format!("{}{}", file.display(), bytes_of(file)));

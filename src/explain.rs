@@ -8,8 +8,9 @@ use serde::Serialize;
 use serde_json::{Value, json};
 
 use super::common::{grouped, known, print, rounded, seconds, size, tell_prepared, to_json, whole};
-use super::input::{Purpose, SceneOptions};
+use super::input::{SceneOptions, Shown};
 use wavecrest_base::error::Result;
+use wavecrest_base::memory;
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::kernels::precision::Precision;
 use wavecrest_core::plan::Plan;
@@ -20,10 +21,9 @@ use wavecrest_core::wavefront::DEFAULT_BATCH;
 use wavecrest_core::wavefront::batch::Batch;
 use wavecrest_report::expected::{Estimated, Expected};
 use wavecrest_report::statistics::{Rays, Samples};
-use wavecrest_scene::memory::{self, Estimate};
 use wavecrest_scene::systems::Extracted;
 
-/// Explain which passes a render runs and why, and estimate its rays, memory and time.
+/// Explain which passes a render runs and why, measure its memory once prepared, and estimate its rays and time.
 ///
 /// With `--render`, render the scene and print the counts and the time beside the estimates.
 #[derive(Clone, Debug, clap::Args)]
@@ -52,8 +52,8 @@ struct Explanation<'a> {
     bvh: BvhChoice,
     /// The numbers of chunks of the tree that rays of the pilot built, and of all.
     chunks: Option<[usize; 2]>,
-    /// The estimates before a mesh or a texture is read, and after the pilot.
-    memory: [Estimate; 2],
+    /// What is measured after the pilot.
+    memory: PreparedMemory,
     /// Upper bounds on the work of the render.
     estimated: Estimated,
     /// The expectation from a pilot.
@@ -71,6 +71,35 @@ struct BvhChoice {
     reason: String,
     /// The rule by rays per primitive; `None` for a requested preset.
     rule: Option<String>,
+}
+
+/// Bytes of a scene after a pilot has done what most of its rays do.
+#[derive(Serialize)]
+struct PreparedMemory {
+    /// Positions, indices, spheres.
+    geometry: u64,
+    /// Mesh attributes and decoded textures.
+    appearance: u64,
+    tree: u64,
+    /// The columns of the pilot's batches.
+    batches: u64,
+    /// Of the whole process, at that time and before, if the system reports it.
+    held: Option<u64>,
+    peak: Option<u64>,
+}
+
+impl PreparedMemory {
+    fn of(scene: &PreparedScene, batches: u64) -> Self {
+        let process = memory::process();
+        Self {
+            geometry: scene.accel.geometry().bytes(),
+            appearance: scene.appearance.bytes(),
+            tree: scene.accel.tree_bytes(),
+            batches,
+            held: process.map(|[held, _]| held),
+            peak: process.map(|[_, peak]| peak),
+        }
+    }
 }
 
 /// A group of columns of the wavefront's batch.
@@ -91,40 +120,30 @@ struct ColumnMemory {
 /// If the scene cannot be rendered.
 pub(crate) fn run(args: &ExplainArgs) -> Result<()> {
     args.scene_options.threads.run(|| {
-        let purpose = &Purpose::whole(args.batch);
-        let estimated = args.scene_options.estimate(&args.scene, purpose)?;
         let start = Instant::now();
-        let loaded = args.scene_options.load(&args.scene, purpose, &[])?;
-        let extracted = args.scene_options.extract(loaded, purpose)?;
-        explain(extracted, estimated, start, args)
+        let loaded = args.scene_options.load(&args.scene, None, &[])?;
+        let extracted = args.scene_options.extract(loaded, Shown::default())?;
+        explain(extracted, start, args)
     })
 }
 
-fn explain(
-    extracted: Extracted,
-    estimated: Estimate,
-    start: Instant,
-    args: &ExplainArgs,
-) -> Result<()> {
+fn explain(extracted: Extracted, start: Instant, args: &ExplainArgs) -> Result<()> {
     let load = start.elapsed().as_secs_f64();
     let bvh = choice(&extracted, args.scene_options.bvh);
     let (pixels, batch) = (extracted.pixels(), args.batch as usize);
-    let memory = memory::estimate_extracted(&extracted, bvh.preset, batch);
     let start = Instant::now();
-    let scene = &args.scene_options.build(extracted, bvh.preset)?;
+    let scene = &extracted.build(bvh.preset);
     let build = start.elapsed().as_secs_f64();
     tell_prepared(scene, &args.scene, args.scene_options.quiet);
     let options = RenderOptions { batch, ..RenderOptions::default() };
     let expected = Expected::of(scene, &options)?;
     let chunks = scene.accel.chunks();
-    let measured = |process| memory.measured(scene, expected.columns, process);
-    let memory = memory::process().map_or(memory, measured);
     let explanation = Explanation {
         scene,
         precision: args.scene_options.precision,
         bvh,
         chunks,
-        memory: [estimated, memory],
+        memory: PreparedMemory::of(scene, expected.columns),
         estimated: Estimated::of(scene, pixels),
         expected,
         load,
@@ -147,7 +166,6 @@ impl Explanation<'_> {
                 "seconds": seconds,
             })
         };
-        let [before, after] = &self.memory;
         let (preset, reason, rule) = (bvh.preset, &bvh.reason, &bvh.rule);
         known(json!({
             "passes": passes(&scene.plan),
@@ -157,10 +175,7 @@ impl Explanation<'_> {
             "bvh": known(json!({ "preset": preset, "reason": reason, "rule": rule })),
             "chunks": self.chunks,
             "bytes_per_path": buffers(scene),
-            "estimated_memory": before,
-            "estimated_total": before.total(),
-            "memory": after,
-            "memory_total": after.total(),
+            "memory": self.memory,
             "estimated": self.estimated,
             "expected": expected,
             "time": {
@@ -281,7 +296,7 @@ fn marked(present: bool, name: &str, text: &str) -> String {
     format!("  {} {name:<NAMES$}{text}\n", if present { '+' } else { '-' })
 }
 
-/// The expected time, rays and memory.
+/// The expected time and rays, and the memory.
 fn verdict(e: &Explanation<'_>) -> String {
     let (build, trace) = (e.build + e.expected.building, e.expected.seconds);
     let time = seconds(e.load + build + trace);
@@ -297,10 +312,13 @@ fn verdict(e: &Explanation<'_>) -> String {
     let kinds = kinds.into_iter().filter(|(n, _)| *n > 0);
     let kinds: Vec<_> = kinds.map(|(n, kind)| format!("{} {kind}", about(n))).collect();
     let (all, kinds) = (about(e.expected.rays.all()), kinds.join(", "));
-    let memory = size(e.memory[1].total());
-    format!(
-        "about {time} s on {threads}: {parts}\nabout {all} rays: {kinds}\nabout {memory} of memory\n"
-    )
+    let memory = match (e.memory.held, e.memory.peak) {
+        (Some(held), Some(peak)) => {
+            format!("about {} of memory once prepared, {} at the peak\n", size(held), size(peak))
+        }
+        _ => String::new(),
+    };
+    format!("about {time} s on {threads}: {parts}\nabout {all} rays: {kinds}\n{memory}")
 }
 
 /// A row of a table: two estimates, and what was found of a render.
@@ -343,24 +361,19 @@ fn work(e: &Explanation<'_>) -> String {
 }
 
 fn memory_text(e: &Explanation<'_>) -> String {
-    let [f, m] = &e.memory;
-    let found = e.rendered.as_ref();
+    let (m, found) = (&e.memory, e.rendered.as_ref());
     let uses = [
-        ("    geometry", f.geometry, m.geometry, None),
-        ("    materials, textures", f.appearance, m.appearance, None),
-        ("    BVH", f.tree, m.tree, found.map(|_| e.scene.accel.tree_bytes())),
-        ("    building the BVH", f.build, m.build, None),
-        ("    image", f.film, m.film, None),
-        ("    wavefront buffers", f.batches, m.batches, found.map(|found| found.columns)),
-        ("    decoding images", f.decoding, m.decoding, None),
-        ("    program", f.program, m.program, None),
-        ("    reading files", f.loading, m.loading, None),
-        ("    peak", f.total(), m.total(), found.and_then(|_| memory::peak())),
+        ("    geometry", Some(m.geometry), None),
+        ("    materials, textures", Some(m.appearance), None),
+        ("    BVH", Some(m.tree), found.map(|_| e.scene.accel.tree_bytes())),
+        ("    wavefront buffers", Some(m.batches), found.map(|found| found.columns)),
+        ("    the process", m.held, None),
+        ("    its peak", m.peak, found.and_then(|_| memory::peak())),
     ];
-    let estimates = ["before reading", "after building"];
-    let mut text = row("memory, estimated", estimates, found.map(|_| "measured"));
-    for (name, before, after, measured) in uses {
-        text += &row(name, [&size(before), &size(after)], measured.map(size).as_deref());
+    let mut text = row("memory", ["", "prepared"], found.map(|_| "rendered"));
+    for (name, prepared, rendered) in uses {
+        let prepared = prepared.map(size).unwrap_or_default();
+        text += &row(name, ["", &prepared], rendered.map(size).as_deref());
     }
     text
 }

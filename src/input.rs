@@ -6,25 +6,23 @@ use std::str::FromStr;
 use bytesize::ByteSize;
 use glam::DVec3;
 
+use crate::allocator;
 use crate::common::{
     FILES, FRAMES, IMAGE, SPEED, Threads, VIEW, choice, number, numbers, tell_all, whole,
     with_names,
 };
-use crate::limit;
 use crate::progress::{Display, Style};
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::kernels::precision::Precision;
 use wavecrest_core::math::float::MAX_COORDINATE;
 use wavecrest_core::plan::schedule::{PASSES, unplanned};
-use wavecrest_core::prepared::PreparedScene;
 use wavecrest_image::look::Look;
 use wavecrest_scene::load::framing::{Fit, Fov, Framing, Side, Up};
 use wavecrest_scene::load::lighting::{Background, Lighting, Rig};
 use wavecrest_scene::load::{
-    FileFormat, LONGEST_SIDE, LoadOptions, LoadedScene, MOST_SAMPLES, antialias, load, survey,
+    FileFormat, LONGEST_SIDE, LoadOptions, LoadedScene, MOST_SAMPLES, antialias, load,
 };
-use wavecrest_scene::memory::{self, Estimate, film_bytes};
 use wavecrest_scene::systems::{self, Extracted, looks};
 
 /// Options of every command that reads a scene, a glTF file or a mesh.
@@ -205,8 +203,8 @@ pub(crate) struct SceneOptions {
     /// Copy instanced meshes into world space instead of keeping them once
     #[arg(long, help_heading = SPEED)]
     pub(crate) flatten: bool,
-    /// Refuse a scene that needs more memory than this, such as 8GiB; checked before reading and after each stage
-    #[arg(long, help_heading = SPEED, value_name = "SIZE", value_parser = limit::bytes)]
+    /// Take at most this much memory, such as 8GiB: what needs more ends with an error
+    #[arg(long, help_heading = SPEED, value_name = "SIZE", value_parser = bytes)]
     pub(crate) memory_limit: Option<ByteSize>,
     /// Threads
     #[command(flatten)]
@@ -221,109 +219,64 @@ impl SceneOptions {
     pub(crate) fn load(
         &self,
         scene: &Path,
-        purpose: &Purpose<'_>,
+        look: Option<Look>,
         outputs: &[&Path],
     ) -> Result<LoadedScene> {
-        self.input.check(scene)?;
-        if let Some(limit) = self.memory_limit {
-            limit::check(scene, &self.estimate(scene, purpose)?, limit)?;
-        }
         // A render, which has outputs, shows all its progress.
         let _reading = outputs.is_empty().then(|| Display::new(Style::Auto, self.quiet));
-        let loaded = load(scene, &self.load_options(purpose.look))?;
+        let loaded = self.read(scene, look)?;
         outputs.iter().try_for_each(|output| loaded.check_apart(output))?;
-        self.check_taken(scene)?;
         tell_all(&loaded.warnings, &loaded.notes, self.quiet);
         Ok(loaded)
     }
 
-    /// Estimates the memory of a render before anything large is read.
-    pub(crate) fn estimate(&self, scene: &Path, purpose: &Purpose<'_>) -> Result<Estimate> {
+    /// Reads `scene`, within the limit of memory.
+    pub(crate) fn read(&self, scene: &Path, look: Option<Look>) -> Result<LoadedScene> {
         self.input.check(scene)?;
-        let survey = survey(scene, &self.load_options(purpose.look), self.flatten)?;
-        let (images, preset) = ((purpose.images)(survey.size), self.bvh.unwrap_or(Preset::Fast));
-        Ok(memory::estimate(&survey, images, preset, purpose.batch))
+        allocator::begin(scene, self.memory_limit);
+        load(scene, &LoadOptions { strict: self.strict, ..self.input.load_options(look) })
     }
 
-    /// The options for loading a scene.
-    pub(crate) fn load_options(&self, look: Option<Look>) -> LoadOptions {
-        LoadOptions { strict: self.strict, ..self.input.load_options(look) }
-    }
-
-    /// Runs all systems but the last on `loaded`. A scene that would take more memory than is allowed is refused.
-    pub(crate) fn extract(
-        &self,
-        mut loaded: LoadedScene,
-        purpose: &Purpose<'_>,
-    ) -> Result<Extracted> {
-        match purpose.look {
+    /// Runs all systems but the last on `loaded`.
+    pub(crate) fn extract(&self, mut loaded: LoadedScene, shown: Shown) -> Result<Extracted> {
+        match shown.look {
             Some(Look::Clay) => looks::clay(&mut loaded.world),
             Some(Look::Uv) => looks::show_uvs(&mut loaded.world),
             _ => {}
         }
-        let shows_all = purpose.shows_all || purpose.look.is_some_and(|look| !look.is_shaded());
-        let passes = if shows_all { &unplanned(&PASSES)[..] } else { &PASSES };
-        let (precision, flat, exposure) = (self.precision, self.flatten, purpose.exposure);
-        let options = systems::Options { precision, passes, flat, exposure };
-        let extracted = systems::extract(loaded.world, options)?;
-        if let Some(limit) = self.memory_limit {
-            let preset = self.preset(&extracted);
-            limit::check(extracted.file(), &purpose.estimate(&extracted, preset), limit)?;
-        }
-        Ok(extracted)
+        let all = shown.all || shown.look.is_some_and(|look| !look.is_shaded());
+        let passes = if all { &unplanned(&PASSES)[..] } else { &PASSES };
+        let (precision, flat, exposure) = (self.precision, self.flatten, shown.exposure);
+        systems::extract(loaded.world, systems::Options { precision, passes, flat, exposure })
     }
 
     /// The preset of the tree: the requested one, or that for the scene.
     pub(crate) fn preset(&self, extracted: &Extracted) -> Preset {
         self.bvh.unwrap_or_else(|| extracted.preset())
     }
-
-    /// Builds the tree.
-    pub(crate) fn build(&self, extracted: Extracted, preset: Preset) -> Result<PreparedScene> {
-        let file = extracted.file().to_owned();
-        let scene = extracted.build(preset);
-        self.check_taken(&file)?;
-        Ok(scene)
-    }
-
-    /// Refuses a scene that has taken more memory by now than is allowed.
-    pub(crate) fn check_taken(&self, scene: &Path) -> Result<()> {
-        self.memory_limit.map_or(Ok(()), |limit| limit::check_taken(scene, limit))
-    }
 }
 
-/// What a command makes of a scene, as far as it matters before the first ray.
-pub(crate) struct Purpose<'a> {
-    /// Bytes of the images, and additional ones while they are written, if the whole image has this width and height
-    /// in pixels.
-    pub(crate) images: Box<dyn Fn([u32; 2]) -> [u64; 2] + 'a>,
-    /// Paths in a batch.
-    pub(crate) batch: usize,
-    /// What images show instead of light.
+/// What images show of a scene.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Shown {
+    /// Instead of light.
     pub(crate) look: Option<Look>,
     /// Whether what light would not show is prepared, too.
-    pub(crate) shows_all: bool,
+    pub(crate) all: bool,
     /// See [`systems::Options`].
     pub(crate) exposure: f32,
 }
 
-impl<'a> Purpose<'a> {
-    /// `images` of light, in batches of this number of paths.
-    pub(crate) fn new(images: impl Fn([u32; 2]) -> [u64; 2] + 'a, batch: usize) -> Self {
-        Self { images: Box::new(images), batch, look: None, shows_all: false, exposure: 1.0 }
+impl Default for Shown {
+    fn default() -> Self {
+        Self { look: None, all: false, exposure: 1.0 }
     }
+}
 
-    /// The whole image, not written.
-    pub(crate) fn whole(batch: u32) -> Self {
-        let images =
-            |[width, height]: [u32; 2]| [film_bytes(u64::from(width) * u64::from(height)), 0];
-        Self::new(images, batch as usize)
-    }
-
-    /// Estimates the memory of a render of an extracted scene.
-    pub(crate) fn estimate(&self, extracted: &Extracted, preset: Preset) -> Estimate {
-        let [film, writing] = (self.images)(extracted.scene().camera.size());
-        let usual = memory::estimate_extracted(extracted, preset, self.batch);
-        Estimate { film, writing, ..usual }
-    }
+/// A number of bytes, with or without a unit.
+fn bytes(text: &str) -> std::result::Result<ByteSize, String> {
+    let size: std::result::Result<ByteSize, _> = text.parse();
+    size.ok().filter(|size| size.as_u64() > 0).ok_or_else(|| {
+        "write a number of bytes above 0, such as 8GiB, 500MB or 1000000000".to_owned()
+    })
 }

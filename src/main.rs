@@ -15,7 +15,6 @@ mod explain;
 mod generate;
 mod input;
 mod interrupt;
-mod limit;
 mod merge;
 mod output_options;
 mod probe;

@@ -5,15 +5,13 @@ use std::path::PathBuf;
 use glam::Vec3;
 
 use super::common::{SearchOptions, numbers, print, rounded, to_json, whole};
-use super::input::{Purpose, SceneOptions};
+use super::input::{SceneOptions, Shown};
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_core::probe::{
     Bounce, HitRecord, LightRecord, PathRecord, PixelRecord, RayKind, SurfaceRecord, Visibility,
     pixel,
 };
 use wavecrest_core::recursive::PathEnd;
-use wavecrest_core::wavefront::DEFAULT_BATCH;
-use wavecrest_scene::memory::film_bytes;
 
 /// Follow the rays of a pixel: what they hit, its material, and what each light adds.
 ///
@@ -54,20 +52,16 @@ fn place(text: &str) -> std::result::Result<[u32; 2], String> {
 pub(crate) fn run(args: &ProbeArgs) -> Result<bool> {
     args.search.check(args.scene_options.precision)?;
     args.scene_options.threads.run(|| {
-        // A single pixel, not written.
-        let purpose = &Purpose::new(|_| [film_bytes(1), 0], DEFAULT_BATCH);
-        let loaded = args.scene_options.load(&args.scene, purpose, &[])?;
-        let extracted = args.scene_options.extract(loaded, purpose)?;
+        let loaded = args.scene_options.load(&args.scene, None, &[])?;
+        let extracted = args.scene_options.extract(loaded, Shown::default())?;
         let preset = args.scene_options.preset(&extracted);
-        let mut scene = args.scene_options.build(extracted, preset)?;
+        let mut scene = extracted.build(preset);
         args.search.apply(&mut scene.accel);
         let (size, samples) = (scene.camera.size(), scene.camera.rays_per_pixel());
         check(args, size, samples)?;
-        let is_over = |_| args.scene_options.check_taken(&args.scene).is_err();
-        let record = pixel(&scene, args.pixel, args.sample, args.seed, &is_over);
+        let record = pixel(&scene, args.pixel, args.sample, args.seed, &|_| false);
         scene.appearance.check()?;
         let text = if args.json { to_json(&record)? } else { text(&record) };
-        args.scene_options.check_taken(&args.scene)?;
         print(&text)?;
         Ok(record.differs.is_none())
     })

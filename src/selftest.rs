@@ -17,7 +17,7 @@ use wavecrest_base::replace::Listed;
 use wavecrest_core::kernels::precision::Precision;
 use wavecrest_core::math::simd::Level;
 use wavecrest_report::selftest::{CASES, Case, CasePart, Count, Effort, Losses, SEED, case};
-use wavecrest_scene::load::{LoadOptions, survey};
+use wavecrest_scene::load::{LoadOptions, load};
 
 /// Test that this machine finds the recorded bits in cases that break ray tracers.
 ///
@@ -78,8 +78,6 @@ impl CaseRow {
 /// If there is no such case, a file cannot be read, or standard output cannot be written.
 pub(crate) fn run(args: &SelftestArgs) -> Result<bool> {
     let cases = named(&args.cases)?;
-    // A file that cannot be read is an error now, not after the cases.
-    args.scene.as_deref().map(|file| survey(file, &LoadOptions::default(), false)).transpose()?;
     let count = if args.full { Count::Full } else { Count::Quick };
     let mut precisions = args.precision.clone();
     if precisions.is_empty() {
@@ -92,6 +90,8 @@ pub(crate) fn run(args: &SelftestArgs) -> Result<bool> {
     let folder = built_in::unpacked()?;
     let _listed = Listed::new(folder.path());
     let (rows, scene) = args.threads.run(|| {
+        // A file that cannot be read is an error now, not after the cases.
+        args.scene.as_deref().map(|file| load(file, &LoadOptions::default())).transpose()?;
         let rows = cases.iter().map(|case| {
             bar.set_message(case.name);
             let row = row(case, &efforts, &folder.path().join("scenes"));

@@ -79,8 +79,6 @@ pub(crate) fn run(args: &TraceArgs) -> Result<()> {
 
 fn run_here(args: &TraceArgs) -> Result<()> {
     let start = Instant::now();
-    // Either file may be large.
-    mesh::survey(&args.mesh)?;
     let mut file = RayFile::read(&args.rays)?;
     let mesh = mesh::load(&args.mesh)?.mesh;
     let (rays, triangles) = (file.rays.len(), mesh.triangles.len());

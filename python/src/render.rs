@@ -1,8 +1,8 @@
 //! Renders on a worker thread, while Python's own thread waits and checks for Ctrl-C.
 //!
 //! If a list cannot grow, Rust aborts the process, and with it the interpreter. So the memory that a
-//! render needs is requested and freed before the input is read and before the tree is built: a
-//! refusal is then an error.
+//! render needs is requested and freed once the input is read, before the tree is built: a refusal is
+//! then an error.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -17,7 +17,7 @@ use pyo3::types::PyDict;
 use wavecrest_api::components::{CameraPath, View};
 use wavecrest_api::glam::DMat4;
 use wavecrest_api::hecs::{Entity, World};
-use wavecrest_api::memory::{Estimate, check_room, estimate, estimate_extracted, film_bytes};
+use wavecrest_api::memory::check_room;
 use wavecrest_api::{self as api, Watch};
 use wavecrest_report::accuracy::pilot::budget::{Budget, Overhead, Pace, in_time};
 use wavecrest_report::accuracy::pilot::measured;
@@ -27,6 +27,7 @@ use wavecrest_report::accuracy::setting::{Axis, Facts};
 use super::arrays::Mesh;
 use super::base::{Any, Error, exception, start};
 use super::input::{self, Options};
+use super::shapes::tree_bytes;
 
 /// The interval of checks for interrupts.
 const INTERVAL: Duration = Duration::from_millis(50);
@@ -52,15 +53,6 @@ impl Source {
             "mesh" => Self::Mesh(given.extract::<Mesh<'_>>()?.data()?),
             _ => return Err(PyKeyError::new_err(kind.to_owned())),
         })
-    }
-
-    /// What it contains; `None` for text, and for a file that can be read only once.
-    fn survey(&self, options: &api::LoadOptions) -> api::Result<Option<api::Survey>> {
-        match self {
-            Self::File(path) if path.is_file() => api::survey(path, options, false).map(Some),
-            Self::Mesh(mesh) => api::survey_mesh(mesh, options).map(Some),
-            _ => Ok(None),
-        }
     }
 
     fn load(self, options: api::LoadOptions) -> api::Result<api::LoadedScene> {
@@ -146,11 +138,6 @@ impl Job {
 
     fn run(self, cancel: &AtomicBool) -> api::Result<Image> {
         let Self { source, options, precision, rendering, goal, pose, layers } = self;
-        if let Some(survey) = source.survey(&options)? {
-            let images = [film_bytes(survey.size.map(u64::from).iter().product()), 0];
-            let estimated = estimate(&survey, images, api::Preset::Fast, rendering.batch);
-            check_room(estimated.total(), "the render")?;
-        }
         let mut loaded = source.load(options)?;
         if let Some(pose) = pose {
             place_camera(&mut loaded.world, pose);
@@ -158,10 +145,8 @@ impl Job {
         let options = api::ExtractOptions { precision, ..Default::default() };
         let extracted = api::extract(loaded.world, options)?;
         let (preset, file) = (extracted.preset(), extracted.file().to_owned());
-        let estimated = estimate_extracted(&extracted, preset, rendering.batch);
-        // These parts are in memory by now.
-        let more = Estimate { geometry: 0, program: 0, loading: 0, ..estimated };
-        check_room(more.total(), "the render")?;
+        let film = extracted.pixels() * size_of::<[f32; 3]>() as u64;
+        check_room(tree_bytes(extracted.geometry().held()) + film, "the render")?;
         let mut scene = extracted.build(preset);
         loaded.warnings.extend(api::warnings(&scene, &file));
         let (rendered, warning) = goal.trace(&mut scene, preset, &rendering, &file, cancel)?;

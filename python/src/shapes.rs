@@ -6,7 +6,7 @@ use std::sync::Arc;
 use numpy::PyReadonlyArray2;
 use pyo3::prelude::*;
 use wavecrest_api::glam::{DAffine3, DVec3};
-use wavecrest_api::memory::{build_bytes, check_room};
+use wavecrest_api::memory::check_room;
 use wavecrest_api::{self as api, Accel, Attribute, Geometry, NO_VALUE, Preset, Primitive};
 
 use super::arrays::{Mesh, table, vectors};
@@ -95,10 +95,15 @@ pub(crate) fn mesh(
 pub(crate) fn build(py: Python<'_>, geometry: Geometry, bvh: Option<&str>) -> PyResult<Accel> {
     let preset = bvh.map(|name| input::named("bvh", name)).transpose()?.unwrap_or(Preset::Fast);
     let build = || {
-        check_room(build_bytes(preset, geometry.held() as u64), "the search tree")?;
+        check_room(tree_bytes(geometry.held()), "the search tree")?;
         Ok(Accel::new(geometry, preset))
     };
     on_threads(py, build)?.map_err(exception)
+}
+
+/// Bytes that a tree over so many primitives takes: measured up to 80 each for grids.
+pub(crate) fn tree_bytes(primitives: usize) -> u64 {
+    80 * primitives as u64
 }
 
 /// Positions, faces, normals and texture coordinates, each an array or `None`.
@@ -108,12 +113,7 @@ type Parts<'py> = [Option<Any<'py>>; 4];
 /// vertices, or of the corners of faces.
 #[pyfunction]
 pub(crate) fn load(py: Python<'_>, path: PathBuf) -> PyResult<(Parts<'_>, [f64; 3], Vec<String>)> {
-    let load = || {
-        let found = api::mesh::survey(&path)?;
-        check_room(found.geometry() + found.attributes, "the mesh")?;
-        api::mesh::load(&path)
-    };
-    let loaded = on_threads(py, load)?.map_err(exception)?;
+    let loaded = on_threads(py, || api::mesh::load(&path))?.map_err(exception)?;
     let warnings = loaded.warnings.iter().map(ToString::to_string).collect();
     let api::MeshData { positions, origin, triangles, normals, uvs, .. } = loaded.mesh;
     let positions = table(py, positions.len(), |i| positions[i].to_array())?;

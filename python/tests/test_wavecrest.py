@@ -1,6 +1,7 @@
 """What the module promises: python -m unittest discover python/tests, where it and the command are installed."""
 
 import json
+import os
 import signal
 import subprocess
 import sys
@@ -285,9 +286,11 @@ class Wavecrest(unittest.TestCase):
         code = """
 import resource, sys, wavecrest
 taken = int(open("/proc/self/statm").read().split()[0]) * resource.getpagesize()
-resource.setrlimit(resource.RLIMIT_AS, (taken + 2**25, resource.RLIM_INFINITY))
+resource.setrlimit(resource.RLIMIT_AS, (taken + 80 * 2**20, resource.RLIM_INFINITY))
 wavecrest.render(sys.argv[1], threads=1)"""
-        ended = subprocess.run([sys.executable, "-c", code, path], capture_output=True, text=True)
+        # Threads would reserve addresses for memory of their own.
+        few = {**os.environ, "MALLOC_ARENA_MAX": "1"}
+        ended = subprocess.run([sys.executable, "-c", code, path], capture_output=True, text=True, env=few)
         self.assertEqual(ended.returncode, 1, ended.stderr)
         self.assertIn("wavecrest.Error: the system refused", ended.stderr)
 

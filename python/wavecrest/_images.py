@@ -51,8 +51,8 @@ def render(
 
     Values are linear red, green and blue; 8-bit formats store 0 to 1. The number of threads does not change them.
 
-    Raises wavecrest.Error if the input cannot be rendered, or if the system refuses the memory that the render is
-    estimated to take; issues warnings. Ctrl-C stops the render.
+    Raises wavecrest.Error if the input cannot be rendered, or if the system refuses the memory for its tree and image;
+    issues warnings. Ctrl-C stops the render.
 
     >>> image = wavecrest.render(mesh.vertices, mesh.faces, view="iso", width=800, height=600)  # a mesh of trimesh
     >>> wavecrest.save("mesh.png", image)

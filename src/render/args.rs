@@ -10,7 +10,7 @@ use crate::common::{
     FILES, FRAMES, IMAGE, LONG, SPEED, SearchOptions, VIEW, above_zero, choice, numbers, output,
     whole,
 };
-use crate::input::{Purpose, SceneOptions};
+use crate::input::{SceneOptions, Shown};
 use crate::output_options::{DevelopOptions, MetadataOptions};
 use crate::progress::Style;
 use array::ShardChoice;
@@ -181,11 +181,10 @@ impl RenderArgs {
         RenderOptions { tracer, crop, seed, batch, ..Default::default() }
     }
 
-    /// What the scene is read for.
-    pub(super) fn purpose(&self) -> Purpose<'_> {
-        let purpose = Purpose::new(|size| self.images(size), self.batch as usize);
+    /// What the images show.
+    pub(super) fn shown(&self) -> Shown {
         let exposure = Develop::from(self.develop).factor();
-        Purpose { look: self.look, exposure, ..purpose }
+        Shown { look: self.look, exposure, ..Shown::default() }
     }
 
     /// The file to write.

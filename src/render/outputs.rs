@@ -1,24 +1,20 @@
-//! The output files of a render: one or several, with layers and metadata; and the memory of its images, while it is
-//! traced and while its files are written.
+//! The output files of a render: one or several, with layers and metadata.
 
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
 use super::args::RenderArgs;
-use super::rows::Rows;
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_base::replace::{check_differs, check_replaceable};
 use wavecrest_core::film::Film;
 use wavecrest_core::prepared::PreparedScene;
 use wavecrest_core::render::Rendered;
-use wavecrest_image::animation::{self, Animated};
+use wavecrest_image::animation::Animated;
+use wavecrest_image::aov;
 use wavecrest_image::farm::Identity;
 use wavecrest_image::metadata::{Entry, Extras};
-use wavecrest_image::write::{Format, Transfer, bytes_to_write, check_writable, write_with};
-use wavecrest_image::{aov, look};
+use wavecrest_image::write::{Format, Transfer, check_writable, write_with};
 use wavecrest_scene::components::Encoding;
-use wavecrest_scene::load::framing::Sheet;
-use wavecrest_scene::memory::film_bytes;
 
 /// The outputs of a render, checked to be writable.
 pub(super) struct Outputs<'a> {
@@ -220,63 +216,4 @@ fn check_alpha(path: &Path, is_shard: bool) -> Result<()> {
 
 fn is_exr(path: &Path) -> bool {
     Format::from_path(path).is_ok_and(|format| format == Format::Exr)
-}
-
-impl RenderArgs {
-    /// Upper bounds on the bytes of the images, and on additional ones while they are written, if the whole image has
-    /// this width and height in pixels.
-    pub(super) fn images(&self, size: [u32; 2]) -> [u64; 2] {
-        let input = &self.scene_options.input;
-        let image = self.crop.map_or(size, |crop| [crop.width, crop.height]);
-        let pixels = area(image);
-        let film = film_bytes(pixels) + self.beside(pixels, size);
-        let animated = self.output().ok().and_then(|path| animated(path));
-        match (&self.sheet, input.turntable, animated) {
-            _ if self.frame.is_some() => [film, self.writing(pixels)],
-            (Some(Sheet(sides)), ..) => {
-                let sheet = area(Rows::new(sides.len()).size(image));
-                // The last image is kept while the next is traced.
-                let film = film + film_bytes(pixels) + film_bytes(sheet);
-                [film, self.writing(sheet)]
-            }
-            (None, Some(_), Some(format)) => [film, animation::bytes_to_write(format, pixels)],
-            _ => [film, self.writing(pixels)],
-        }
-    }
-
-    /// What tracing keeps beside the image: sums for a checkpoint or a shard, the image so far, the pixels of a look.
-    fn beside(&self, pixels: u64, size: [u32; 2]) -> u64 {
-        let so_far = match self.save_every {
-            // Tiles are added to one while another is written.
-            Some(_) => 2 * film_bytes(pixels) + self.file_bytes(pixels, 0),
-            None => 0,
-        };
-        let look = self.look.map_or(0, |kind| look::bytes(kind, size));
-        let keeps = self.checkpoint.is_some() || self.shard.is_some();
-        let sums = if keeps { pixels * size_of::<[f64; 3]>() as u64 } else { 0 };
-        sums + so_far + look
-    }
-
-    /// What writing the files takes, beside an image of this number of pixels.
-    fn writing(&self, pixels: u64) -> u64 {
-        let values = aov::values_per_pixel(&self.layers());
-        pixels * values * size_of::<f32>() as u64 + self.file_bytes(pixels, values)
-    }
-
-    /// What the largest file takes while it is written, with this number of further values in each pixel.
-    fn file_bytes(&self, pixels: u64, values: u64) -> u64 {
-        let paths = self.output().into_iter().chain(&self.also);
-        let formats = paths.filter_map(|path| Format::from_path(path).ok());
-        let bytes = |format: Format| {
-            let developed =
-                if format.is_developed(self.develop.into()) { film_bytes(pixels) } else { 0 };
-            developed + bytes_to_write(format, pixels, values)
-        };
-        formats.map(bytes).max().unwrap_or(0)
-    }
-}
-
-/// The number of pixels of this width and height.
-fn area([width, height]: [u32; 2]) -> u64 {
-    u64::from(width) * u64::from(height)
 }

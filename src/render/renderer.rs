@@ -11,12 +11,12 @@ use crate::common::{grouped, seconds, tell, tell_prepared};
 use crate::interrupt;
 use crate::progress::{Display, Stage, Style};
 use wavecrest_base::error::{Error, ErrorKind, Result};
+use wavecrest_base::memory;
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::counters::Counters;
 use wavecrest_core::prepared::PreparedScene;
 use wavecrest_core::render::Rendered;
 use wavecrest_report::statistics::{Rays, Time, pass_map};
-use wavecrest_scene::memory::{self, Estimate};
 
 /// The images of one command, and what those that are finished took.
 pub(super) struct Run {
@@ -100,10 +100,6 @@ pub(super) struct Renderer<'a, 'w> {
     pub(super) preset: Preset,
     /// The seconds of its stages.
     pub(super) time: Time,
-    /// The estimated memory before the scene was read, for the statistics.
-    pub(super) estimated: Option<Estimate>,
-    /// The estimated memory after it was read.
-    pub(super) predicted: Estimate,
 }
 
 impl<'a, 'w> Renderer<'a, 'w> {
@@ -116,24 +112,21 @@ impl<'a, 'w> Renderer<'a, 'w> {
         outputs: &[&Outputs<'_>],
         work: &'w mut Run,
     ) -> Result<Self> {
-        let (options, purpose, start) = (&args.scene_options, &args.purpose(), Instant::now());
+        let (options, start) = (&args.scene_options, Instant::now());
         let mut time = Time::default();
         work.progress.stage(Stage::Load);
-        let estimate = || options.estimate(&args.scene, purpose);
-        let estimated = args.stats.is_some().then(estimate).transpose()?;
         let files: Vec<_> = outputs.iter().flat_map(|outputs| outputs.files()).collect();
-        let loaded = options.load(&args.scene, purpose, &files)?;
+        let loaded = options.load(&args.scene, args.look, &files)?;
         let encoding = loaded.transfer();
-        let extracted = options.extract(loaded, purpose)?;
+        let extracted = options.extract(loaded, args.shown())?;
         let preset = options.preset(&extracted);
-        let predicted = purpose.estimate(&extracted, preset);
         time.load = start.elapsed().as_secs_f64();
         work.progress.stage(Stage::Build);
-        let mut scene = timed(&mut time.build, || options.build(extracted, preset))?;
+        let mut scene = timed(&mut time.build, || extracted.build(preset));
         tell_prepared(&scene, &args.scene, options.quiet);
         args.search.apply(&mut scene.accel);
         outputs.iter().for_each(|outputs| outputs.made_of(encoding));
-        let mut renderer = Self { args, work, scene, preset, time, estimated, predicted };
+        let mut renderer = Self { args, work, scene, preset, time };
         args.frame.map_or(Ok(()), |frame| renderer.place(frame))?;
         // Until here there was nothing to lose: a signal ended the process.
         interrupt::record();
@@ -182,7 +175,6 @@ impl<'a, 'w> Renderer<'a, 'w> {
                 Some(frames) => work.interrupted(frames, share(&outcome.rendered), outputs),
             });
         }
-        args.scene_options.check_taken(&args.scene)?;
         let invalid = find_invalid(args, scene, counters)?;
         work.add(counters, time.trace);
         time.passes = pass_map(pass_seconds);

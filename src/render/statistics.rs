@@ -8,21 +8,19 @@ use super::goal::Outcome;
 use super::renderer::Renderer;
 use crate::common::{to_json, write_text};
 use wavecrest_base::error::Result;
-use wavecrest_core::render::TracerKind;
+use wavecrest_base::memory;
 use wavecrest_report::expected::Estimated;
 use wavecrest_report::statistics::{Bvh, KernelUse, Memory, Rays, Samples, Tests, Textures};
-use wavecrest_scene::memory;
 
 /// Writes the statistics to `file`.
 ///
 /// # Errors
 /// If it cannot be written.
 pub(super) fn write(file: &Path, renderer: &Renderer<'_, '_>, outcome: &Outcome) -> Result<()> {
-    let Renderer { args, scene, preset, time, estimated, predicted, .. } = renderer;
+    let Renderer { args, scene, preset, time, .. } = renderer;
     let Outcome { rendered, goal, resumed, invalid } = outcome;
     let counters = &rendered.counters;
     let film = &rendered.film;
-    let has_columns = args.tracer == TracerKind::Wavefront;
     // [`wavecrest_report::statistics`] says what each key means.
     let statistics = json!({
         "version": env!("CARGO_PKG_VERSION"),
@@ -50,14 +48,8 @@ pub(super) fn write(file: &Path, renderer: &Renderer<'_, '_>, outcome: &Outcome)
         "lights_at_surface": counters.lights_at_surface,
         "cut_short": counters.cut_short,
         "time": time,
-        "memory": Memory {
-            predicted: estimated.as_ref().map_or(0, |estimated| estimated.total()),
-            peak: memory::peak(),
-        },
-        "columns": {
-            "estimated": if has_columns { predicted.batches } else { 0 },
-            "held": rendered.columns,
-        },
+        "memory": Memory { peak: memory::peak() },
+        "columns": { "held": rendered.columns },
         "bvh": Bvh::of(&scene.accel, *preset),
         "goal": goal,
         "resumed": resumed,

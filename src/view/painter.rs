@@ -227,7 +227,6 @@ impl<'a> Painter<'a> {
         if !rendered.finished {
             return Ok(None);
         }
-        self.args.scene_options.check_taken(&self.args.scene)?;
         showing.finish(&rendered.film);
         self.exchange.withdraw(Kind::Progress);
         self.figures[index] = figures_of(words, &rendered, moves);

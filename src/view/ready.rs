@@ -9,7 +9,7 @@ use super::exchange::Exchange;
 use super::refine::OwnSamples;
 use super::steering::Steering;
 use super::take_away::TakeAway;
-use crate::input::{Purpose, SceneOptions};
+use crate::input::{SceneOptions, Shown};
 use wavecrest_base::error::{Error, ErrorKind, Result};
 use wavecrest_base::progress;
 use wavecrest_core::accel::Accel;
@@ -58,11 +58,10 @@ pub(super) fn prepare(
 ) -> Result<(Ready, View)> {
     progress::begin();
     exchange.prepares.store(true, Ordering::Relaxed);
-    let purpose = &Purpose { look, ..Purpose::whole(args.batch) };
     // Notes are printed once.
     let quiet = args.scene_options.quiet || view.is_some();
     let options = &SceneOptions { quiet, ..args.scene_options.clone() };
-    let mut loaded = options.load(&args.scene, purpose, &[])?;
+    let mut loaded = options.load(&args.scene, look, &[])?;
     take_away.keep(&loaded)?;
     let view = free_camera(&mut loaded.world, view)?;
     if u64::from(view.width) * u64::from(view.height) > MOST_PIXELS {
@@ -76,9 +75,9 @@ pub(super) fn prepare(
         Encoding::Srgb if look.is_none_or(Look::is_shaded) => Transfer::Srgb,
         _ => Transfer::Linear,
     };
-    let extracted = options.extract(loaded, purpose)?;
+    let extracted = options.extract(loaded, Shown { look, ..Shown::default() })?;
     let preset = options.preset(&extracted);
-    let mut scene = options.build(extracted, preset)?;
+    let mut scene = extracted.build(preset);
     args.search.apply(&mut scene.accel);
     let (camera, original) = (scene.camera, scene.original());
     let own = OwnSamples::of(&scene, view.sampling);

@@ -25,7 +25,7 @@ mod random_scenes;
 // Meshes that are held once and shown often: the answers of copies, whatever searches them, without leaks.
 mod instances;
 
-// Memory is estimated before anything large is read, and refused where it is too much.
+// What needs more memory than is allowed ends with an error, and leaves files as they were.
 mod memory;
 // Renders in parts: who looks on, who ends them early, and samples in blocks.
 mod parts;

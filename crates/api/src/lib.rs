@@ -180,9 +180,10 @@
 //! Functions that can fail return an [`Error`], which names the file, the place in it, the value
 //! found and a remedy; no input makes the library panic.
 
-// Errors, warnings, and options that have names.
+// Errors, warnings, options that have names, and memory.
 pub use wavecrest_base::choice::Choice;
 pub use wavecrest_base::error::{Error, ErrorKind, Result, Warning};
+pub use wavecrest_base::memory;
 
 // From a scene file to a prepared scene.
 pub use wavecrest_core::prepared::PreparedScene;
@@ -190,12 +191,10 @@ pub use wavecrest_scene::load::framing::{Fit, Fov, Framing, Side, Up};
 pub use wavecrest_scene::load::lighting::{Background, Lighting, Rig};
 pub use wavecrest_scene::load::{
     LoadOptions, LoadedScene, MOST_SAMPLES, antialias, load, load_gltf, load_mesh, load_str,
-    survey, survey_mesh,
 };
 pub use wavecrest_scene::mesh::{Attribute, MeshData, NO_VALUE};
-pub use wavecrest_scene::survey::Survey;
 pub use wavecrest_scene::systems::{Extracted, Options as ExtractOptions, extract, warnings};
-pub use wavecrest_scene::{components, hecs, memory, mesh};
+pub use wavecrest_scene::{components, hecs, mesh};
 
 // From a prepared scene to pixels.
 pub use wavecrest_core::counters::Counters;

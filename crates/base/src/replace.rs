@@ -12,7 +12,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use tempfile::NamedTempFile;
 
 use crate::error::{Error, ErrorKind, Result};
-use crate::memory::Stage;
+use crate::memory::{Activity, Stage};
 
 /// The writer for a file's content.
 pub type Sink<'a> = BufWriter<&'a File>;
@@ -34,6 +34,7 @@ pub fn replace_file(path: &Path, fill: impl FnOnce(&mut Sink<'_>) -> Result<()>)
     if path == Path::new(STANDARD_OUTPUT) {
         return print_file(fill);
     }
+    let _writing = Activity::new(format!("writing {}", path.display()));
     let target = OutputFile::new(path)?;
     let temporary = target.temporary()?;
     let _listed = Listed::new(temporary.path());

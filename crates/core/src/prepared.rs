@@ -217,20 +217,6 @@ impl Appearance {
 
     /// Bytes held by attributes and images.
     pub fn bytes(&self) -> u64 {
-        self.attribute_bytes() + self.all_images().map(LazyImage::bytes).sum::<u64>()
-    }
-
-    /// Bytes held by attributes, and by all images once they are decoded.
-    pub fn expected_bytes(&self) -> u64 {
-        self.attribute_bytes() + self.all_images().map(LazyImage::expected_bytes).sum::<u64>()
-    }
-
-    /// Additional bytes held by `threads` threads while they decode images.
-    pub fn decoding_bytes(&self, threads: usize) -> u64 {
-        largest(self.all_images().map(LazyImage::decoding_bytes), threads)
-    }
-
-    fn attribute_bytes(&self) -> u64 {
         let meshes: usize = self
             .meshes
             .iter()
@@ -242,13 +228,6 @@ impl Appearance {
                     + mesh.tangents.as_ref().map_or(0, CornerValues::bytes)
             })
             .sum();
-        meshes as u64
+        meshes as u64 + self.all_images().map(LazyImage::bytes).sum::<u64>()
     }
-}
-
-/// The sum of the `count` largest numbers.
-pub fn largest(numbers: impl Iterator<Item = u64>, count: usize) -> u64 {
-    let mut all: Vec<u64> = numbers.collect();
-    all.sort_unstable();
-    all.iter().rev().take(count).fold(0, |sum, &number| sum.saturating_add(number))
 }

@@ -165,7 +165,7 @@ pub fn tile_edge(scene: &PreparedScene, batch: usize) -> u32 {
 
 /// The capacity of a batch for which up to `batch` paths are requested: at most the samples of a
 /// tile's block.
-pub fn batch_size(scene: &PreparedScene, batch: usize) -> usize {
+fn batch_size(scene: &PreparedScene, batch: usize) -> usize {
     let edge = u64::from(tile_edge(scene, batch));
     let samples = Blocks::new(scene.camera.rays_per_pixel()).longest();
     let paths = edge * edge * u64::from(samples);

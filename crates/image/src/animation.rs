@@ -42,19 +42,6 @@ impl Animated {
     }
 }
 
-/// Upper bound on the bytes that [`Animation::write`] takes beside the film of one frame.
-pub fn bytes_to_write(format: Animated, pixels: u64) -> u64 {
-    let [rgb, rgba, color, code] =
-        [size_of::<[u8; 3]>(), size_of::<[u8; 4]>(), size_of::<u8>(), size_of::<u16>()];
-    let each = match format {
-        // The levels and their stream.
-        Animated::Png => 2 * rgb,
-        // Levels without and with alpha, the numbers of colours, and their stream of codes, at most 12 bits each.
-        Animated::Gif => rgb + rgba + color + code,
-    };
-    pixels.saturating_mul(each as u64)
-}
-
 /// The description of an animation to write.
 #[derive(Clone, Copy, Debug)]
 pub struct Animation<'a> {

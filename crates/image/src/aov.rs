@@ -159,12 +159,6 @@ pub fn layers(scene: &PreparedScene, request: &Request<'_>, watch: &dyn Watch) -
     Ok(Layers { channels: places.into_iter().zip(channels).map(named).collect(), entries })
 }
 
-/// The number of values in each pixel of the layers; repeated ones count once.
-pub fn values_per_pixel(layers: &[Layer]) -> u64 {
-    let all = Layer::ALL.into_iter().filter(|layer| layers.contains(layer));
-    all.map(|layer| layer.channels().len() as u64).sum()
-}
-
 /// A channel of zeros.
 fn room(layer: Layer, pixels: usize) -> Result<Values> {
     fn zeros<T: Copy + Default>(count: usize) -> Result<Vec<T>> {

@@ -46,11 +46,6 @@ pub(crate) struct HitSums {
     pub(crate) shape: u32,
 }
 
-/// Bytes of the sums of a band of an image of this width in pixels.
-pub(crate) fn band_bytes(width: u32) -> u64 {
-    u64::from(TILE_EDGE) * u64::from(width) * size_of::<HitSums>() as u64
-}
-
 /// The visible properties of a hit on a surface or a light.
 pub(crate) struct VisibleHit {
     pub(crate) hit: Hit,

@@ -15,7 +15,7 @@
 
 use glam::Vec3;
 
-use crate::camera_rays::{CameraRays, VisibleHit, band_bytes};
+use crate::camera_rays::{CameraRays, VisibleHit};
 use crate::colormap::{distinct, magma};
 use wavecrest_base::error::Result;
 use wavecrest_core::accel::{Hit, Traversal};
@@ -91,15 +91,6 @@ pub fn film(
     }
     scene.appearance.check()?;
     Ok(film)
-}
-
-/// Bytes that [`film`] takes beside the film, for an image of this width and height in pixels or a part of it.
-pub fn bytes(look: Look, [width, height]: [u32; 2]) -> u64 {
-    if look.is_shaded() {
-        return 0;
-    }
-    let of_depth = if look == Look::Depth { size_of::<[f64; 2]>() as u64 } else { 0 };
-    u64::from(width) * u64::from(height) * of_depth + band_bytes(width)
 }
 
 /// Draws depths. The range is that of the whole image, so that a part has the same colours.

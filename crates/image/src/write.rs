@@ -99,21 +99,6 @@ pub fn write_with(film: &Film, path: &Path, transfer: Transfer, extras: &Extras<
     })
 }
 
-/// Upper bound on the bytes that [`write_with`] takes beside the film and its channels, which have `values` values in each
-/// pixel.
-pub fn bytes_to_write(format: Format, pixels: u64, values: u64) -> u64 {
-    let [rgb, rgba] = [size_of::<[u8; 3]>(), size_of::<[u8; 4]>()].map(|bytes| bytes as u64);
-    let each = match format {
-        // Row by row.
-        Format::Ppm | Format::Pfm => 0,
-        // The levels, with alpha if it is among the channels, and their stream.
-        Format::Png => 2 * if values == 0 { rgb } else { rgba },
-        // The file.
-        Format::Exr => size_of::<[f32; 3]>() as u64 + values * size_of::<f32>() as u64,
-    };
-    pixels.saturating_mul(each)
-}
-
 /// `film` as the bytes of a PNG.
 ///
 /// # Errors

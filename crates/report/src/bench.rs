@@ -22,7 +22,7 @@
 //! | `image.width`, `.height`, `.samples_per_pixel` | pixels, rays | the image |
 //! | `triangles`, `quads`, `spheres`, `lights` | | the contents of the scene |
 //! | `bytes_per_path` | bytes | in the columns of the wavefront |
-//! | `memory.predicted`, `.peak` | bytes | estimate for a render; peak of the process so far, including earlier scenes (`null` if unknown) |
+//! | `memory.peak` | bytes | peak of the process so far, including earlier scenes (`null` if unknown) |
 //! | `equal` | | whether every image was the same to the last bit, and all work except tests |
 //! | `rays.primary`, `.secondary`, `.shadow` | rays | in one run, of either tracer |
 //! | `invalid` | samples | not finite; they count as black |

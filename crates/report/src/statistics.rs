@@ -26,8 +26,8 @@
 //! | `cut_short` | paths | that ended at 65 536 rays: their surfaces send on more light than they receive |
 //! | `time.load`, `.build`, `.trace`, `.write`, `.total` | seconds | wall-clock time by stage |
 //! | `time.passes` | seconds | by pass ([`TimedPass`](wavecrest_core::tile::TimedPass)), summed over threads; `maps` is the shading of mapped hits, and `decode` the decoding of images, wherever it is |
-//! | `memory.predicted`, `.peak` | bytes | peak of the process: estimated before a mesh or a texture is read, and measured (`null` if unknown) |
-//! | `columns.estimated`, `.held` | bytes | columns of the wavefront's batches on all threads: estimated, and allocated (the recursive tracer has none) |
+//! | `memory.peak` | bytes | peak of the process (`null` if unknown) |
+//! | `columns.held` | bytes | columns of the wavefront's batches on all threads (the recursive tracer has none) |
 //! | `bvh.preset`, `.nodes`, `.depth`, `.bytes` | | the trees as they are at the end: all nodes, the largest depth |
 //! | `bvh.chunks` | | the numbers of chunks that rays built, and of all; `null` if trees were built at once |
 //! | `resumed` | | the share of the image that a checkpoint held (0 to 1): rays and other counts are those of this run only |
@@ -165,7 +165,6 @@ pub struct Time {
 /// Peak bytes.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct Memory {
-    pub predicted: u64,
     pub peak: Option<u64>,
 }
 

@@ -24,7 +24,6 @@ mod node;
 mod primitive;
 mod scene;
 mod spawn;
-mod survey;
 mod texture;
 mod uri;
 
@@ -39,8 +38,6 @@ use super::options::LoadOptions;
 use buffer::Buffer;
 use document::Document;
 use fields::Fields;
-
-pub(super) use survey::survey;
 
 /// Whether these first bytes of a file are those of a GLB file.
 pub(super) fn is_binary(bytes: &[u8]) -> bool {
@@ -76,7 +73,7 @@ pub(super) fn world(
     let binary = binary.map(|range| Buffer::part(bytes.clone(), range));
     let value = json::parse(text(&bytes[json], path)?, path)?;
     let top = Fields::top(&value, notes)?;
-    let mut document = notes.whole(|| Document::read(&top, binary.as_ref(), true))?;
+    let mut document = notes.whole(|| Document::read(&top, binary.as_ref()))?;
     if options.like_meshes {
         document.usual = document.usual.of_meshes();
     }

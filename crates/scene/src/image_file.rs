@@ -9,23 +9,19 @@ use image::{DynamicImage, ImageDecoder, ImageError};
 
 use crate::components::{Channels, Encoding, TextureRef, TextureSource};
 use wavecrest_base::error::{Error, Result};
-use wavecrest_core::kernels::texture::{Filter, Image, Texels};
+use wavecrest_base::memory::Activity;
+use wavecrest_core::kernels::texture::{Image, Texels};
 use wavecrest_core::math::srgb::srgb_decode;
 use wavecrest_image::decoder;
 
 /// Decoded size in bytes up to which an image is looked at before rays need it: some milliseconds.
 const LOOKED_AT: u64 = 1 << 20;
+
 /// The file content of an image, for fingerprints: nothing if it cannot be read.
 pub(crate) fn content(source: &TextureSource) -> Vec<u8> {
     let mut bytes = Vec::new();
     let read = source.open().and_then(|mut content| content.read_to_end(&mut bytes));
     read.map_or(Vec::new(), |_| bytes)
-}
-
-/// Bytes of these channels of an image, and additional bytes while it is decoded, from the header of
-/// its file; 0 if that cannot be read, which is reported when the scene is prepared.
-pub(crate) fn survey(source: &TextureSource, filter: Filter, channels: Channels) -> [u64; 2] {
-    Head::of(source).map_or([0; 2], |head| head.bytes(filter, channels))
 }
 
 /// Whether the image has an alpha channel; if its header cannot be read, which is reported when the
@@ -45,36 +41,22 @@ pub(crate) fn check(path: &Path) -> Result<()> {
 /// Properties of an image from its header.
 #[derive(Clone, Copy)]
 pub(crate) struct Head {
-    size: (u32, u32),
     /// Whether its values are bytes.
     pub(crate) is_bytes: bool,
     pub(crate) has_alpha: bool,
-    /// Decoded size in bytes, and the additional bytes of the decoder.
+    /// Decoded size in bytes.
     decoded: u64,
-    scratch: u64,
-    /// Bytes of its file content in memory.
-    embedded: u64,
 }
 
 impl Head {
     /// The header of an image, if the image can be decoded as far as its header tells and is not too large.
     pub(crate) fn of(source: &TextureSource) -> Result<Self> {
-        let embedded = match source {
-            TextureSource::File(_) => 0,
-            TextureSource::Embedded { bytes, .. } => bytes.len() as u64,
-        };
         decoding(source, |decoder, _| {
             let color = decoder.color_type();
-            let is_bytes = color.bytes_per_pixel() == color.channel_count();
-            let decoded = decoder.total_bytes();
             Ok(Self {
-                size: decoder.dimensions(),
-                is_bytes,
+                is_bytes: color.bytes_per_pixel() == color.channel_count(),
                 has_alpha: color.has_alpha(),
-                decoded,
-                // JPEG keeps two bytes for each number if it has several scans, EXR a whole copy.
-                scratch: decoded * if is_bytes { 2 } else { 1 },
-                embedded,
+                decoded: decoder.total_bytes(),
             })
         })
     }
@@ -83,29 +65,11 @@ impl Head {
     pub(crate) fn is_small(&self) -> bool {
         self.decoded <= LOOKED_AT
     }
-
-    /// Bytes of these channels, with a pyramid if the filter needs one; and the additional bytes while
-    /// they are made: by the decoder before they are there, as decoded, or as one more copy.
-    pub(crate) fn bytes(self, filter: Filter, channels: Channels) -> [u64; 2] {
-        let Self { size: (width, height), decoded, scratch, embedded, .. } = self;
-        let is_bytes = self.is_bytes || channels == Channels::Alpha;
-        let texel = if is_bytes { size_of::<[u8; 4]>() } else { size_of::<[f32; 3]>() };
-        let coarser = if filter == Filter::Trilinear { pyramid_bytes((width, height)) } else { 0 };
-        let texels = u64::from(width).saturating_mul(u64::from(height));
-        let finest = texels.saturating_mul(texel as u64);
-        let all = [finest, coarser, embedded].into_iter().fold(0, u64::saturating_add);
-        let before = decoded.saturating_add(scratch).saturating_sub(finest);
-        [all, before.max(decoded).max(finest)]
-    }
 }
 
-/// Bytes of the levels above an image of this size, each half as wide and high as the one below.
-fn pyramid_bytes((width, height): (u32, u32)) -> u64 {
-    let levels = (1..=width.max(height).max(1).ilog2()).map(|level| {
-        let side = |length: u32| u64::from((length >> level).max(1));
-        side(width) * side(height)
-    });
-    levels.sum::<u64>() * size_of::<[f32; 3]>() as u64
+/// Says that an image is read, while it is decoded and what is looked up is made of it.
+pub(crate) fn reading(source: &TextureSource) -> Activity {
+    Activity::new(format!("reading {}", source.name()))
 }
 
 /// Decodes an image, in any format of the `image` crate.

@@ -7,10 +7,8 @@
 pub mod components;
 pub mod generate;
 pub mod load;
-pub mod memory;
 pub mod mesh;
 pub mod mtl;
-pub mod survey;
 
 mod camera;
 mod corners;

@@ -28,7 +28,6 @@ use super::mesh::{self, LoadedMesh, MeshData};
 pub use super::options::{LoadOptions, MOST_SAMPLES, antialias, framing, lighting};
 use super::query;
 use super::scene_file;
-use super::survey::{self, Survey};
 
 /// Largest length of a scene file in bytes, 256 MiB. While it is read, JSON takes up to 25 times
 /// its length in memory; a larger mesh belongs in a separate file.
@@ -212,34 +211,6 @@ fn refuse_camera(file: &Path, options: &LoadOptions) -> Result<()> {
     let Some(camera) = &options.camera else { return Ok(()) };
     let error = Error::new(ErrorKind::Usage, "a scene file has only one camera");
     Err(error.in_file(file).value(camera).remedy("leave out --camera"))
-}
-
-/// Surveys the scene at `path` without reading a mesh or a texture into memory; meshes count once for each of their
-/// instances if it will be `flat`.
-///
-/// # Errors
-/// As [`load`], as far as the scene file itself and the headers of meshes go.
-pub fn survey(path: &Path, options: &LoadOptions, flat: bool) -> Result<Survey> {
-    Stage::Read.begin();
-    match FileFormat::of(path)? {
-        FileFormat::Scene => {}
-        FileFormat::Gltf => return gltf::survey(path, options, flat),
-        FileFormat::Mesh => return survey::standalone(mesh::survey(path)?, options),
-    }
-    let notes = options.notes(path);
-    let text = read_text(path)?;
-    let value = json::parse(&text, path)?;
-    let world = scene_file::read(&Cursor::new(&value, Place::Top, &notes), options)?;
-    drop(value);
-    survey::of(&world, &text, flat, &notes)
-}
-
-/// Surveys a mesh in memory, which [`load_mesh`] would take.
-///
-/// # Errors
-/// If the size of the image is not allowed.
-pub fn survey_mesh(mesh: &MeshData, options: &LoadOptions) -> Result<Survey> {
-    survey::standalone(mesh::MeshSurvey::of(mesh), options)
 }
 
 fn read_text(path: &Path) -> Result<String> {

@@ -23,21 +23,19 @@ mod ply;
 mod polygon;
 mod scalar;
 mod stl;
-mod survey;
 mod validate;
 
 use std::fs::File;
 use std::path::Path;
 
 use wavecrest_base::error::{Error, ErrorKind, Result, Warning};
+use wavecrest_base::memory::Activity;
 use wavecrest_base::progress;
 
 pub use data::{Attribute, LoadedMesh, MAX_COUNT, MeshData, NO_VALUE, NamedMaterials};
 pub use join::first_of_each;
 pub use origin::{origin, relative};
 pub(crate) use scalar::Scalar;
-pub use survey::MeshSurvey;
-pub(crate) use survey::{TRIPLE, UV};
 pub use validate::validate;
 pub(crate) use validate::{bad_position, is_good_position};
 
@@ -55,6 +53,7 @@ use place::ReadAt;
 pub fn load(path: &Path) -> Result<LoadedMesh> {
     let format = MeshFormat::of(path)?;
     let (file, length) = open(path)?;
+    let _reading = Activity::new(format!("reading {}", path.display()));
     read(format, &file, length, None, path)
 }
 
@@ -86,21 +85,6 @@ pub fn is_mesh_name(path: &Path) -> bool {
 #[doc(hidden)]
 pub fn load_bytes(path: &Path, bytes: &[u8], portion: usize) -> Result<LoadedMesh> {
     read(MeshFormat::of(path)?, &bytes, bytes.len() as u64, Some(portion.max(1)), path)
-}
-
-/// Surveys the contents of the mesh file at `path`.
-///
-/// # Errors
-/// If the system refuses, or a header does not state the contents.
-pub fn survey(path: &Path) -> Result<MeshSurvey> {
-    let format = MeshFormat::of(path)?;
-    let (file, length) = open(path)?;
-    let found = match format {
-        MeshFormat::Ply => ply::survey(&file, length),
-        MeshFormat::Obj => obj::survey(&file, length),
-        MeshFormat::Stl => stl::survey(&file, length),
-    };
-    found.map_err(|error| error.in_file(path))
 }
 
 /// Size of the buffer of each thread, and of its pieces of a text.

@@ -27,7 +27,7 @@ use crate::systems::cutouts::{Masks, left};
 pub(crate) use camera::{Framed, framed, view};
 use grid::Grid;
 pub(crate) use ground::GROUND;
-pub(crate) use light::{GLASS_BOUNCES, MOST_LAMPS, allow_for_surfaces, light, settings};
+pub(crate) use light::{MOST_LAMPS, allow_for_surfaces, light, settings};
 pub(crate) use upward::Upward;
 
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -332,24 +332,10 @@ impl Batch {
         }
     }
 
-    /// Bytes for each path of the columns with storage in `scene`, by the name of the group.
+    /// Bytes for each path of the columns with storage in `scene`, by the name of the group; without rays that wait.
     pub fn bytes_per_path(scene: &PreparedScene) -> Vec<(&'static str, usize)> {
         let groups = scene.plan.schedule().columns();
-        groups.map(|group| (group.name(), row_bytes(group, scene.bounces))).collect()
-    }
-
-    /// Estimated bytes of the columns of a batch of up to `capacity` paths.
-    pub fn estimated_bytes(scene: &PreparedScene, capacity: usize) -> u64 {
-        let groups = scene.plan.schedule().columns();
-        let row: usize = groups.map(|group| row_bytes(group, scene.bounces)).sum();
-        (row * columns::room(capacity.max(1))) as u64
-    }
-
-    /// Upper bound on the bytes of the columns of a batch of up to `capacity` paths, in any scene
-    /// with up to this number of `bounces`.
-    pub fn bytes_at_most(capacity: usize, bounces: u32) -> u64 {
-        let row: usize = ColumnGroup::ALL.into_iter().map(|group| row_bytes(group, bounces)).sum();
-        (row * columns::room(capacity.max(1))) as u64
+        groups.map(|group| (group.name(), row_bytes(group))).collect()
     }
 
     /// Measured bytes of its columns.
@@ -378,8 +364,8 @@ fn append<T>(rows: &mut Vec<T>, paths: usize, row: T) {
 /// Bytes of a state and a least t.
 const STATE_BYTES: usize = size_of::<PathState>() + size_of::<f32>();
 
-/// Bytes of one row of a group of columns, with up to this number of bounces.
-fn row_bytes(group: ColumnGroup, bounces: u32) -> usize {
+/// Bytes of one row of a group of columns.
+fn row_bytes(group: ColumnGroup) -> usize {
     match group {
         ColumnGroup::Paths => Paths::ROW_BYTES,
         ColumnGroup::Rays | ColumnGroup::NextRays => Rays::ROW_BYTES,
@@ -390,7 +376,7 @@ fn row_bytes(group: ColumnGroup, bounces: u32) -> usize {
         // For this bounce and the next.
         ColumnGroup::Differentials => 2 * size_of::<Differential>(),
         ColumnGroup::Branches => {
-            2 * STATE_BYTES + size_of::<MediumStack>() + BranchStacks::row_bytes(bounces)
+            2 * STATE_BYTES + size_of::<MediumStack>() + BranchStacks::ROW_BYTES
         }
     }
 }

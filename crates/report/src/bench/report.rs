@@ -15,6 +15,7 @@ use crate::plot::number::plural;
 use crate::statistics::{ImageSize, Memory, Rays, ShapeCounts};
 use crate::summary::{CONFIDENCE, ENOUGH};
 use wavecrest_base::error::Result;
+use wavecrest_base::memory;
 use wavecrest_core::accel::KernelChoice;
 use wavecrest_core::accel::build::Preset;
 use wavecrest_core::kernels::precision::Precision;
@@ -22,7 +23,6 @@ use wavecrest_core::math::simd::Level;
 use wavecrest_core::prepared::PreparedScene;
 use wavecrest_core::render::TracerKind;
 use wavecrest_core::wavefront::batch::Batch;
-use wavecrest_scene::memory;
 
 /// See [`crate::bench`]: fields have the names of the JSON.
 #[derive(Clone, Debug, Serialize)]
@@ -71,9 +71,6 @@ pub struct BenchSetting {
     pub precision: Precision,
     pub preset: Preset,
     pub time: Preparation,
-    /// Estimated memory in bytes.
-    #[serde(skip)]
-    pub predicted: u64,
 }
 
 /// What to compare, and how often.
@@ -138,7 +135,7 @@ impl SceneBench {
             shapes: scene.accel.geometry().into(),
             lights: scene.lights.len(),
             bytes_per_path: Batch::bytes_per_path(scene).iter().map(|(_, bytes)| bytes).sum(),
-            memory: Memory { predicted: setting.predicted, peak: None },
+            memory: Memory { peak: None },
             setting,
             equal: true,
             rays: Rays::default(),

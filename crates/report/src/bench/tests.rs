@@ -47,7 +47,6 @@ fn setting(name: &str) -> BenchSetting {
         precision: Precision::Exact,
         preset: Preset::Fast,
         time: Preparation { load: 0.5, build: 0.25 },
-        predicted: 1000,
     }
 }
 

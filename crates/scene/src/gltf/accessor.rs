@@ -75,12 +75,12 @@ pub(super) struct Storage {
 
 impl Storage {
     /// Reads the lists of a file, each only if the one before it is right; `binary` is the buffer
-    /// without a URI. The files of others are read only if they are `needed`.
-    pub(super) fn read(top: &Fields<'_>, binary: Option<&Buffer>, needed: bool) -> Result<Self> {
+    /// without a URI.
+    pub(super) fn read(top: &Fields<'_>, binary: Option<&Buffer>) -> Result<Self> {
         let mut number = 0;
         let buffers = top.list("buffers", "a buffer", |fields| {
             number += 1;
-            Buffer::read(fields, binary.filter(|_| number == 1), needed)
+            Buffer::read(fields, binary.filter(|_| number == 1))
         })?;
         let views = top.list("bufferViews", "a buffer view", |f| BufferView::read(f, &buffers))?;
         let mut own = Self { buffers, views, accessors: Vec::new() };
@@ -93,15 +93,10 @@ impl Storage {
         self.buffers.iter().map(Buffer::len).sum()
     }
 
-    pub(super) fn view(&self, number: usize) -> (&BufferView, &Buffer) {
-        let view = &self.views[number];
-        (view, &self.buffers[view.buffer])
-    }
-
-    /// The bytes of a view; none of an unread buffer.
-    fn bytes(&self, view: usize) -> &[u8] {
-        let (view, buffer) = self.view(view);
-        view.bytes(buffer)
+    /// The bytes of a view.
+    pub(super) fn bytes(&self, view: usize) -> &[u8] {
+        let view = &self.views[view];
+        view.bytes(&self.buffers[view.buffer])
     }
 
     /// The elements of an accessor.

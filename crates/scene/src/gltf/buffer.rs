@@ -1,13 +1,14 @@
 //! Buffers, and the views into them that accessors and images use.
 
 use std::fs::File;
-use std::io::{self, Read as _, Seek as _, SeekFrom};
+use std::io::{self, Read as _};
 use std::ops::Range;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::Arc;
 
 use crate::format::Cursor;
 use wavecrest_base::error::{ErrorKind, Result};
+use wavecrest_base::memory::Activity;
 
 use super::fields::Fields;
 use super::uri::{self, UriTarget};
@@ -15,21 +16,14 @@ use super::uri::{self, UriTarget};
 /// A buffer: a range of bytes, which may be shared with the file itself.
 #[derive(Clone, Debug)]
 pub(super) struct Buffer {
-    source: BufferSource,
+    bytes: Arc<Vec<u8>>,
     range: Range<usize>,
-}
-
-#[derive(Clone, Debug)]
-enum BufferSource {
-    Bytes(Arc<Vec<u8>>),
-    /// A file that a survey does not read.
-    Unread(PathBuf),
 }
 
 impl Buffer {
     /// The bytes of `range` of a file.
     pub(super) fn part(bytes: Arc<Vec<u8>>, range: Range<usize>) -> Self {
-        Self { source: BufferSource::Bytes(bytes), range }
+        Self { bytes, range }
     }
 
     fn whole(bytes: Vec<u8>) -> Self {
@@ -37,42 +31,19 @@ impl Buffer {
         Self::part(Arc::new(bytes), range)
     }
 
-    /// The bytes from `start` on of the file at `path`, which is not read.
-    pub(super) fn unread(path: PathBuf, start: usize) -> Self {
-        let regular = path.metadata().ok().filter(|metadata| metadata.is_file());
-        let end =
-            regular.map_or(0, |metadata| usize::try_from(metadata.len()).unwrap_or(usize::MAX));
-        Self { source: BufferSource::Unread(path), range: start.min(end)..end }
-    }
-
     /// How many bytes it has.
     pub(super) fn len(&self) -> usize {
         self.range.len()
     }
 
-    /// Whether its bytes are read.
-    pub(super) fn is_read(&self) -> bool {
-        matches!(self.source, BufferSource::Bytes(_))
-    }
-
-    /// Its bytes; none if they are not read.
-    fn bytes(&self) -> &[u8] {
-        match &self.source {
-            BufferSource::Bytes(bytes) => &bytes[self.range.clone()],
-            BufferSource::Unread(_) => &[],
-        }
-    }
-
-    /// Reads an element of `buffers`; its file only if it is `needed`. The first one without a URI
-    /// is the `binary` chunk of a GLB file.
-    pub(super) fn read(fields: &Fields<'_>, binary: Option<&Self>, needed: bool) -> Result<Self> {
+    /// Reads an element of `buffers`. The first one without a URI is the `binary` chunk of a GLB file.
+    pub(super) fn read(fields: &Fields<'_>, binary: Option<&Self>) -> Result<Self> {
         let length = fields.need_count("byteLength")?;
         let mut found = match (fields.get("uri"), binary) {
-            (Some(uri), _) => match uri::target(&uri)? {
-                UriTarget::Bytes(bytes) => Self::whole(bytes),
-                UriTarget::File(path) if needed => Self::whole(beginning(&uri, &path, length)?),
-                UriTarget::File(path) => Self::unread(path, 0),
-            },
+            (Some(uri), _) => Self::whole(match uri::target(&uri)? {
+                UriTarget::Bytes(bytes) => bytes,
+                UriTarget::File(path) => beginning(&uri, &path, length)?,
+            }),
             (None, Some(binary)) => binary.clone(),
             (None, None) => {
                 let error = fields.error("has no uri, and the file has no binary chunk");
@@ -105,15 +76,10 @@ fn beginning(uri: &Cursor<'_>, path: &Path, length: u64) -> Result<Vec<u8>> {
         return Err(uri.error_of(ErrorKind::Io, message).remedy("name a file"));
     }
     uri.notes().reads(path);
-    part(path, 0, length).map_err(refused)
-}
-
-/// `length` bytes of a file from `start` on, or fewer at its end.
-fn part(path: &Path, start: u64, length: u64) -> io::Result<Vec<u8>> {
-    let mut file = File::open(path)?;
-    file.seek(SeekFrom::Start(start))?;
+    let _reading = Activity::new(format!("reading {}", path.display()));
     let mut bytes = Vec::new();
-    file.take(length).read_to_end(&mut bytes)?;
+    let file = File::open(path).map_err(refused)?;
+    file.take(length).read_to_end(&mut bytes).map_err(refused)?;
     Ok(bytes)
 }
 
@@ -148,20 +114,10 @@ impl BufferView {
         Ok(Self { buffer, range, stride: stride.map(|stride| stride as usize) })
     }
 
-    /// Its bytes in its `buffer`; none if that is not read.
+    /// Its bytes in its `buffer`.
     pub(super) fn bytes<'b>(&self, buffer: &'b Buffer) -> &'b [u8] {
-        buffer.bytes().get(self.range.clone()).unwrap_or(&[])
-    }
-
-    /// A copy of its bytes in its `buffer`, read now if that is not read and if they can be.
-    pub(super) fn copied(&self, buffer: &Buffer) -> Arc<[u8]> {
-        match &buffer.source {
-            BufferSource::Unread(path) if !self.range.is_empty() => {
-                let start = (buffer.range.start + self.range.start) as u64;
-                part(path, start, self.range.len() as u64).unwrap_or_default().into()
-            }
-            _ => self.bytes(buffer).into(),
-        }
+        let bytes = &buffer.bytes[buffer.range.clone()];
+        bytes.get(self.range.clone()).unwrap_or(&[])
     }
 }
 

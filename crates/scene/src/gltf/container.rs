@@ -19,17 +19,6 @@ const HEADER_BYTES: usize = 12;
 /// The header of a chunk: its length and its type.
 const CHUNK_HEADER_BYTES: usize = 8;
 
-/// Length of a GLB file before its JSON.
-pub(super) const GLB_START: usize = HEADER_BYTES + CHUNK_HEADER_BYTES;
-
-/// Length of a GLB file before its binary chunk's data, in the usual layout, without the JSON.
-pub(super) const BINARY_START: usize = GLB_START + CHUNK_HEADER_BYTES;
-
-/// The length of the JSON of a GLB file that begins with `start`; `None` for other files.
-pub(super) fn json_length(start: &[u8]) -> Option<u32> {
-    start.starts_with(&MAGIC).then(|| word(start, HEADER_BYTES)).flatten()
-}
-
 /// The ranges of the JSON and of the binary chunk of a GLB file, if it has one.
 pub(super) type GlbParts = (Range<usize>, Option<Range<usize>>);
 

@@ -47,14 +47,13 @@ pub(super) struct Document {
 }
 
 impl Document {
-    /// Reads a file from its top; `binary` is its buffer without a URI. The files of its other
-    /// buffers are read only if they are `needed`. Lists refer to each other by index, so each is
-    /// read even if another has errors, which are all recorded.
-    pub(super) fn read(top: &Fields<'_>, binary: Option<&Buffer>, needed: bool) -> Result<Self> {
+    /// Reads a file from its top; `binary` is its buffer without a URI. Lists refer to each other by
+    /// index, so each is read even if another has errors, which are all recorded.
+    pub(super) fn read(top: &Fields<'_>, binary: Option<&Buffer>) -> Result<Self> {
         check_asset(top)?;
         let extensions = check_extensions(top)?;
         let notes = top.cursor.notes();
-        let storage = Storage::read(top, binary, needed);
+        let storage = Storage::read(top, binary);
         let textures = Textures::read(top, storage.as_ref().ok());
         let materials = top.list("materials", "a material", MaterialElement::read);
         let meshes = top.list("meshes", "a mesh", MeshParts::read);

@@ -16,31 +16,17 @@ use super::accessor::Storage;
 use super::fields::Fields;
 use super::uri::{self, UriTarget};
 
-/// An element of `images`.
-#[derive(Clone, Debug)]
-enum ImageElement {
-    Known(TextureSource),
-    /// In a view of a buffer that a survey does not read, at this place of the file.
-    Unread(usize, String),
-}
-
-impl ImageElement {
-    /// Reads an element of `images`; no image is decoded here.
-    fn read(fields: &Fields<'_>, storage: &Storage) -> Result<Self> {
-        let place = fields.path();
-        if let Some(number) = fields.index("bufferView", "bufferViews")? {
-            let (view, buffer) = storage.view(number);
-            return Ok(match buffer.is_read() {
-                true => Self::Known(TextureSource::Embedded { place, bytes: view.copied(buffer) }),
-                false => Self::Unread(number, place),
-            });
-        }
-        let uri = fields.need("uri", "the name of an image, or give a bufferView")?;
-        Ok(Self::Known(match uri::target(&uri)? {
-            UriTarget::Bytes(bytes) => TextureSource::Embedded { place, bytes: bytes.into() },
-            UriTarget::File(path) => TextureSource::File(path),
-        }))
+/// Reads an element of `images`; no image is decoded here.
+fn image(fields: &Fields<'_>, storage: &Storage) -> Result<TextureSource> {
+    let place = fields.path();
+    if let Some(view) = fields.index("bufferView", "bufferViews")? {
+        return Ok(TextureSource::Embedded { place, bytes: storage.bytes(view).into() });
     }
+    let uri = fields.need("uri", "the name of an image, or give a bufferView")?;
+    Ok(match uri::target(&uri)? {
+        UriTarget::Bytes(bytes) => TextureSource::Embedded { place, bytes: bytes.into() },
+        UriTarget::File(path) => TextureSource::File(path),
+    })
 }
 
 /// An element of `samplers`.
@@ -143,7 +129,7 @@ impl TextureInfo {
 
 /// The textures of a file, with their images and samplers.
 pub(super) struct Textures {
-    images: Vec<ImageElement>,
+    images: Vec<TextureSource>,
     samplers: Vec<Sampler>,
     textures: Vec<TextureElement>,
     /// Whether images can be decoded, as far as that is known.
@@ -153,8 +139,8 @@ pub(super) struct Textures {
 impl Textures {
     /// Reads the lists of a file. Without `storage`, images are left out.
     pub(super) fn read(top: &Fields<'_>, storage: Option<&Storage>) -> Result<Self> {
-        let image = |storage| top.list("images", "an image", |f| ImageElement::read(f, storage));
-        let images = storage.map_or(Ok(Vec::new()), image);
+        let all = |storage| top.list("images", "an image", |f| image(f, storage));
+        let images = storage.map_or(Ok(Vec::new()), all);
         let samplers = top.list("samplers", "a sampler", Sampler::read);
         let textures = top.list("textures", "a texture", TextureElement::read)?;
         let can_decode = RefCell::default();
@@ -175,7 +161,7 @@ impl Textures {
             notes.note("textures", "the image of a texture cannot be read", left_out);
             return None;
         };
-        let Some(ImageElement::Known(source)) = self.images.get(image) else { return None };
+        let source = self.images.get(image)?;
         if let Some(path) = source.file().filter(|path| !path.is_file()) {
             let message = format!("the image {} is missing", path.display());
             notes.note(&format!("images[{image}]"), &message, left_out);
@@ -198,17 +184,6 @@ impl Textures {
                 notes.warn(&error.in_file(notes.file()).at(format!("images[{image}]")));
             };
             Head::of(source).map_err(told).is_ok()
-        })
-    }
-
-    /// The source of an image, read now if it is in an unread buffer.
-    pub(super) fn source(&self, image: usize, storage: &Storage) -> Option<TextureSource> {
-        Some(match self.images.get(image)? {
-            ImageElement::Known(source) => source.clone(),
-            ImageElement::Unread(view, place) => {
-                let (view, buffer) = storage.view(*view);
-                TextureSource::Embedded { place: place.clone(), bytes: view.copied(buffer) }
-            }
         })
     }
 }

@@ -16,16 +16,14 @@ mod lines;
 use glam::DVec3;
 use rayon::prelude::*;
 
-use super::BUFFER;
 use super::data::{Attribute, MeshData, NamedMaterials, Read};
 use super::faults::{check_count, no_triangles, too_few_corners};
 use super::origin::origin;
 use super::place::ReadAt;
 use super::polygon;
-use super::survey::{MeshSurvey, TRIPLE, UV};
 use super::validate::{mend, scale_byte_colors};
 use contents::{Contents, LineCounts, NO_VALUES, WHITE};
-use lines::{Keyword, cut, each_block, statements, words};
+use lines::{cut, each_block};
 use wavecrest_base::error::{Error, ErrorKind, Result};
 
 pub(super) use lines::BLOCK;
@@ -151,44 +149,6 @@ fn attribute<T>(
     indices.shrink_to_fit();
     let same = values.len() == positions && indices == triangles;
     Some(Attribute { values, indices: (!same).then_some(indices) })
-}
-
-/// Number of words of a position with a colour.
-const WITH_COLOR: usize = 6;
-
-/// Surveys a file of `length` bytes, in a pass over its text.
-pub(super) fn survey(file: &dyn ReadAt, length: u64) -> Result<MeshSurvey> {
-    let mut all = MeshSurvey::default();
-    each_block(file, length, BLOCK, |text| {
-        let parts = cut(text, BUFFER);
-        let found = parts.par_iter().map(|part| surveyed(part));
-        all = all.plus(found.reduce(MeshSurvey::default, |one, other| one.plus(other, 1)), 1);
-        Ok(())
-    })?;
-    Ok(all.indexed())
-}
-
-/// The contents of a part.
-fn surveyed(text: &[u8]) -> MeshSurvey {
-    let mut found = MeshSurvey::default();
-    for statement in statements(text) {
-        match statement.keyword {
-            Keyword::Position => {
-                found.positions += 1;
-                let has_color = words(statement.rest).count() >= WITH_COLOR;
-                found.attributes += if has_color { TRIPLE } else { 0 };
-            }
-            Keyword::Uv => found.attributes += UV,
-            Keyword::Normal => found.attributes += TRIPLE,
-            // A face has two corners more than triangles.
-            Keyword::Face => {
-                let corners = words(statement.rest).take_while(|word| !word.starts_with(b"#"));
-                found.triangles += (corners.count() as u64).saturating_sub(2);
-            }
-            Keyword::Library | Keyword::Material | Keyword::Paint | Keyword::Other => {}
-        }
-    }
-    found
 }
 
 #[cfg(test)]

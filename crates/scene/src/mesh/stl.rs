@@ -20,9 +20,8 @@ use rayon::prelude::*;
 use super::data::{MeshData, Read};
 use super::faults::{self, no_triangles, read_failure, syntax};
 use super::place::{self, ReadAt, Section, part};
-use super::survey::{MeshSurvey, TRIPLE};
 use super::validate::{bad_position, is_good_position};
-use super::{BUFFER, join, number};
+use super::{join, number};
 use wavecrest_base::error::{Error, ErrorKind, Result};
 
 /// Length of a binary file's header: a text, and the count of triangles.
@@ -60,17 +59,6 @@ pub(super) fn read(file: &dyn ReadAt, length: u64, buffer: usize) -> Result<Read
     }
     let (positions, triangles) = join::join(corners);
     Ok((MeshData { positions, triangles, ..MeshData::default() }, notes))
-}
-
-/// Surveys a file of `length` bytes. The number of shared corners is unknown and taken as 0.
-pub(super) fn survey(file: &dyn ReadAt, length: u64) -> Result<MeshSurvey> {
-    let triangles = match form(file, length)? {
-        StlForm::Binary(head) => count(&head).min(room(length)),
-        StlForm::Text(end) => text_count(file, length, end)?,
-    };
-    let positions = 3 * triangles;
-    // Equal corners are found in a list of their own.
-    Ok(MeshSurvey { positions, triangles, attributes: TRIPLE * positions })
 }
 
 /// The form of a file.
@@ -205,17 +193,6 @@ fn read_text(file: &dyn ReadAt, length: u64, end: u8, buffer: usize) -> Result<S
     }
     let notes = text.has_colours.then(|| ignored_colours("colours of triangles"));
     Ok((text.triangles, notes.into_iter().collect()))
-}
-
-/// Upper bound on the number of triangles: each has at least three vertex lines.
-fn text_count(file: &dyn ReadAt, length: u64, end: u8) -> Result<u64> {
-    let mut corners = 0;
-    each_line(file, (length, end), BUFFER, |line| {
-        let keyword = line.split_ascii_whitespace().next();
-        corners += u64::from(keyword.is_some_and(|word| word.eq_ignore_ascii_case("vertex")));
-        Ok(())
-    })?;
-    Ok(corners / 3)
 }
 
 /// What has been read.

@@ -26,7 +26,7 @@ use crate::scene_file::AMBIENT;
 const BOUNCES: u32 = 4;
 /// Bounces in files with glass: a ray through a vessel goes through four surfaces, and on through
 /// another.
-pub(crate) const GLASS_BOUNCES: u32 = 8;
+const GLASS_BOUNCES: u32 = 8;
 /// Background of files with lights: a dark grey, before which black and white surfaces are both
 /// visible.
 const DARK: DVec3 = DVec3::splat(0.05);

@@ -178,7 +178,7 @@ impl<'a> Masks<'a> {
             let (encoding, channels) = (Encoding::Linear, Channels::Alpha);
             let texture = TextureRef { look_up, encoding, tint: DVec3::ONE, channels };
             let place = (self.file.to_owned(), place.to_owned());
-            let image = lazy(texture, found.is_mask, (head, None), place);
+            let image = lazy(texture, found.is_mask, None, place);
             AlphaImage { image: Arc::new(image), range: [0.0; 2] }
         });
         self.known.push((key, mask));

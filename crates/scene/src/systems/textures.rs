@@ -8,7 +8,7 @@ use glam::{DVec3, Vec2, Vec3};
 use image::DynamicImage;
 
 use crate::components::{self, Channels, Encoding, LookUp, TextureRef, TextureSource};
-use crate::image_file::{self, Head, content, decoded, of_texture, range};
+use crate::image_file::{self, Head, content, decoded, of_texture, range, reading};
 use wavecrest_base::error::Result;
 use wavecrest_core::kernels::texture::{Filter, Image};
 use wavecrest_core::prepared::{Coordinates, LazyImage, Placing, Texture, UvMap};
@@ -117,6 +117,7 @@ impl Images {
     ) -> Result<&(Image, bool)> {
         if !self.decoded.contains_key(&texel_source(texture)) {
             let source = &texture.look_up.source;
+            let _reading = reading(source);
             let read = Head::of(source).and_then(|_| decoded(source));
             let at = format!("{place}.{key}");
             let read = read.map_err(|error| error.in_file(&self.file).at(at))?;
@@ -138,10 +139,9 @@ impl Images {
     pub(super) fn prepare(self) -> Result<Vec<LazyImage>> {
         let Self { file, all, mut decoded, .. } = self;
         let image = |(texture, place): (TextureRef, String)| {
-            let head =
-                Head::of(&texture.look_up.source).map_err(|e| e.in_file(&file).at(&place))?;
+            Head::of(&texture.look_up.source).map_err(|e| e.in_file(&file).at(&place))?;
             let known = decoded.remove(&texel_source(&texture)).map(|(image, _)| image);
-            Ok(lazy(texture, false, (head, known), (file.clone(), place)))
+            Ok(lazy(texture, false, known, (file.clone(), place)))
         };
         all.into_iter().map(image).collect()
     }
@@ -153,12 +153,12 @@ pub(super) fn placing(components::Placing([u, v]): components::Placing) -> Placi
     Placing { turned: [vec2(u[0], u[1]), vec2(v[0], v[1])], moved: vec2(u[2], v[2]) }
 }
 
-/// The image of a texture whose file has this `head`, unless it is `decoded` already; in a mask, brightness
+/// The image of a texture whose header has been checked, unless it is `decoded` already; in a mask, brightness
 /// replaces missing alpha.
 pub(super) fn lazy(
     texture: TextureRef,
     is_mask: bool,
-    (head, decoded): (Head, Option<Image>),
+    decoded: Option<Image>,
     (file, place): (PathBuf, String),
 ) -> LazyImage {
     let TextureRef { look_up: LookUp { source, filter, .. }, encoding, tint, channels } =
@@ -171,6 +171,7 @@ pub(super) fn lazy(
     let made_of = move || [content(&source), read.into()].concat();
     let decode = move || {
         let source = &texture.look_up.source;
+        let _reading = reading(source);
         let read = || image_file::decoded(source).map(|read| of_texture(read, &texture, is_mask));
         let mut image = match decoded {
             Some(image) => image,
@@ -181,5 +182,5 @@ pub(super) fn lazy(
         }
         Ok(image)
     };
-    LazyImage::new(name, head.bytes(filter, channels), decode).made_of(made_of)
+    LazyImage::new(name, decode).made_of(made_of)
 }

@@ -7,6 +7,8 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use bytemuck::{Pod, Zeroable};
 
+use wavecrest_base::memory::Mapped;
+
 /// Bytes are laid out in units of two cache lines.
 #[derive(Clone, Copy, Debug, Pod, Zeroable)]
 #[repr(C, align(128))]
@@ -29,7 +31,7 @@ pub(crate) struct Units {
 enum UnitMemory {
     #[default]
     None,
-    Mapped(memmap2::MmapRaw),
+    Mapped(memmap2::MmapRaw, Mapped),
     /// For systems that map no memory.
     Owned(Box<[SharedUnit]>),
 }
@@ -54,7 +56,10 @@ impl Units {
         // A hint: if it is refused, pages are small.
         #[cfg(target_os = "linux")]
         let _ = map.advise(memmap2::Advice::HugePage);
-        Some(Self { memory: UnitMemory::Mapped(map.into()), room, used: used.into(), start: 0 })
+        let counted = Mapped::default();
+        counted.add(used * size_of::<Unit>());
+        let memory = UnitMemory::Mapped(map.into(), counted);
+        Some(Self { memory, room, used: used.into(), start: 0 })
     }
 
     /// As [`Self::mapped`], on any system.
@@ -80,7 +85,7 @@ impl Units {
     fn base(&self) -> *mut Unit {
         match &self.memory {
             UnitMemory::None => std::ptr::dangling_mut(),
-            UnitMemory::Mapped(map) => map.as_mut_ptr().cast(),
+            UnitMemory::Mapped(map, _) => map.as_mut_ptr().cast(),
             UnitMemory::Owned(units) => units.as_ptr().cast::<Unit>().cast_mut(),
         }
     }
@@ -89,6 +94,9 @@ impl Units {
     pub(crate) fn append(&self, units: &[Unit]) -> Option<usize> {
         let longer = |used: usize| used.checked_add(units.len()).filter(|&end| end <= self.room);
         let used = self.used.fetch_update(Ordering::Relaxed, Ordering::Relaxed, longer).ok()?;
+        if let UnitMemory::Mapped(_, counted) = &self.memory {
+            counted.add(size_of_val(units));
+        }
         // SAFETY: the units from `used` on are within the room, and no other call gets them: `used`
         // only grows. They are read only after the caller has published their place.
         unsafe { self.base().add(used).copy_from_nonoverlapping(units.as_ptr(), units.len()) };

@@ -21,8 +21,6 @@ pub struct LazyImage {
     image: LazyLock<Result<Image>, Decode>,
     fingerprint: LazyLock<u128, Hash>,
     name: String,
-    expected: u64,
-    decoding: u64,
 }
 
 thread_local! {
@@ -35,16 +33,12 @@ pub(crate) fn decoding() -> f64 {
 }
 
 impl LazyImage {
-    /// The image that `decode` makes of the source with this `name`: `expected` is its size in bytes, and the additional
-    /// bytes held while it is decoded. `decode` must not wait for threads that look up images.
-    pub fn new(
-        name: String,
-        [expected, decoding]: [u64; 2],
-        decode: impl FnOnce() -> Result<Image> + Send + 'static,
-    ) -> Self {
+    /// The image that `decode` makes of the source with this `name`. `decode` must not wait for threads that look up
+    /// images.
+    pub fn new(name: String, decode: impl FnOnce() -> Result<Image> + Send + 'static) -> Self {
         let image = LazyLock::new(Box::new(decode) as Decode);
         let fingerprint = LazyLock::new(Box::new(|| 0_u128) as Hash);
-        Self { image, fingerprint, name, expected, decoding }
+        Self { image, fingerprint, name }
     }
 
     /// The image with a fingerprint: the hash of what `source` returns, the content of its file and
@@ -106,16 +100,6 @@ impl LazyImage {
     pub fn held(&self) -> Option<&Image> {
         self.decoded()?.as_ref().ok()
     }
-
-    /// Bytes held once it is decoded, from the header of its file.
-    pub fn expected_bytes(&self) -> u64 {
-        self.expected
-    }
-
-    /// Additional bytes held while it is decoded, from the header of its file.
-    pub fn decoding_bytes(&self) -> u64 {
-        self.decoding
-    }
 }
 
 #[cfg(test)]
@@ -132,7 +116,7 @@ mod tests {
     fn an_image_is_decoded_once_by_whichever_thread_is_first() {
         let times = Arc::new(AtomicU32::new(0));
         let counter = Arc::clone(&times);
-        let image = LazyImage::new("a.png".into(), [4, 8], move || {
+        let image = LazyImage::new("a.png".into(), move || {
             counter.fetch_add(1, Ordering::Relaxed);
             Ok(Image::new(1, 1, Texels::Bytes(vec![[1, 2, 3, 0]])))
         });
@@ -147,7 +131,7 @@ mod tests {
 
     #[test]
     fn the_first_look_up_counts_as_decoding() {
-        let image = LazyImage::new("a.png".into(), [4, 8], || {
+        let image = LazyImage::new("a.png".into(), || {
             std::thread::sleep(Duration::from_millis(5));
             Ok(Image::new(1, 1, Texels::Bytes(vec![[1, 2, 3, 0]])))
         });
@@ -163,7 +147,7 @@ mod tests {
 
     #[test]
     fn a_failure_is_reported_at_every_call() {
-        let image = LazyImage::new("a.png".into(), [4, 8], || {
+        let image = LazyImage::new("a.png".into(), || {
             Err(Error::new(ErrorKind::Texture, "no image").in_file("a.json"))
         });
         for _ in 0..2 {

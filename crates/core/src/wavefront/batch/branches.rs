@@ -1,6 +1,5 @@
 //! Rays that wait, if surfaces let light through.
 
-use crate::kernels::shade::HALF_LEVEL;
 use crate::prepared::Branch;
 
 /// Rays that wait until the rays before them on their path are done: a stack for each path.
@@ -10,18 +9,9 @@ pub struct BranchStacks {
     paths: usize,
 }
 
-/// Largest number of rays of a path that wait if no surface sends on more light than it receives:
-/// in each of three channels their throughputs add up to 1 at most, and each ray has at least the
-/// least weight in one.
-const MOST_WAITING: usize = (3.0 / HALF_LEVEL) as usize;
-
 impl BranchStacks {
-    /// Bytes that a path with up to this number of bounces takes at most: up to two rays for each wait,
-    /// and the one that is next.
-    pub fn row_bytes(bounces: u32) -> usize {
-        let rays = MOST_WAITING.min(2 * bounces as usize + 1);
-        size_of::<Vec<Branch>>() + rays * size_of::<Branch>()
-    }
+    /// Bytes of a path for which no ray waits.
+    pub const ROW_BYTES: usize = size_of::<Vec<Branch>>();
 
     /// None yet, of up to `paths` paths.
     pub fn with_capacity(paths: usize) -> Self {
@@ -78,7 +68,7 @@ mod tests {
     }
 
     #[test]
-    fn rays_wait_on_a_stack_in_the_memory_that_was_estimated() {
+    fn rays_wait_on_a_stack_whose_memory_is_used_again() {
         const PATHS: u32 = 13;
         for bounces in [1, 3, 8] {
             let mut waiting = BranchStacks::with_capacity(PATHS as usize);
@@ -91,8 +81,8 @@ mod tests {
                     let left: Vec<u32> = left.map(|branch| branch.state.bounces).collect();
                     assert_eq!(left, (0..=2 * bounces).rev().collect::<Vec<_>>());
                 }
-                // What was left is used again.
-                assert_eq!(waiting.bytes(), PATHS as usize * BranchStacks::row_bytes(bounces));
+                let rays = (2 * bounces as usize + 1) * size_of::<Branch>();
+                assert_eq!(waiting.bytes(), PATHS as usize * (BranchStacks::ROW_BYTES + rays));
             }
         }
     }
