@@ -86,8 +86,8 @@ fn decoding_a_texture_of_any_kind_of_file_ends_at_the_limit() {
     let plain = wall(1.0, 0.0, matte(1.0, [1.0; 3]));
     let wall = with(plain.clone(), "texture", "t.png");
     let mask = with(with(plain, "alpha", "t.png"), "alphacutoff", 0.5);
-    let light = point_light(50.0, [0.0, 0.0, 3.0], [1.0; 3]);
-    let of = |wall| scene(0, &pinhole([16, 16], 40.0, 3.0), &[light.clone()], &[wall]);
+    let light = [point_light(50.0, [0.0, 0.0, 3.0], [1.0; 3])];
+    let of = |wall| scene(0, &pinhole([16, 16], 40.0, 3.0), &light, &[wall]);
     for (name, json, image) in [
         ("a.json", of(wall), "t.png"),
         ("mask.json", of(mask), "t.png"),
