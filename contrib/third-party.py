@@ -30,13 +30,13 @@ def linked(found, crate):
 
 
 def texts(package):
-    """The texts of its licence: that of MIT where there is a choice, else all; and those of fonts in it."""
+    """The texts of its licence: that of MIT where there is a choice, else all."""
     folder = Path(package["manifest_path"]).parent
     names = ("LICEN", "COPYING", "NOTICE", "UNLICENSE")
     files = sorted(path for path in folder.iterdir() if path.is_file() and path.name.upper().startswith(names))
     mit = [path for path in files if "MIT" in path.name.upper()]
     is_choice = " OR " in package["license"] or "/" in package["license"]
-    kept = (mit if mit and is_choice else files) + sorted(folder.glob("*/*OFL*"))
+    kept = mit if mit and is_choice else files
     return [path.read_text(errors="replace").strip() for path in kept]
 
 
